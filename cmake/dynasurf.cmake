@@ -1,0 +1,45 @@
+# Warnings, sanitizers and floating point rules shared by every target, and one function per kind of target.
+
+add_library(dynasurf_flags INTERFACE)
+target_compile_options(dynasurf_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual)
+# Contraction to fused multiply-add would make results depend on the machine; the same bytes everywhere come first.
+target_compile_options(dynasurf_flags INTERFACE -ffp-contract=off)
+if(DYNASURF_WERROR)
+  target_compile_options(dynasurf_flags INTERFACE -Werror)
+endif()
+if(DYNASURF_SANITIZE)
+  target_compile_options(dynasurf_flags INTERFACE -fsanitize=${DYNASURF_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(dynasurf_flags INTERFACE -fsanitize=${DYNASURF_SANITIZE})
+endif()
+
+# dynasurf_module(name USES PUBLIC ... PRIVATE ...): a static library from src/dynasurf/<name>.
+function(dynasurf_module name)
+  cmake_parse_arguments(ARG "" "" "USES" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/dynasurf/${name}/*.cpp)
+  set(target dynasurf_${name})
+  if(sources)
+    add_library(${target} STATIC ${sources})
+    target_include_directories(${target} PUBLIC ${CMAKE_SOURCE_DIR}/src)
+    target_link_libraries(${target} ${ARG_USES} PRIVATE dynasurf_flags)
+  else()
+    # A module of headers alone passes everything on to its users.
+    add_library(${target} INTERFACE)
+    target_include_directories(${target} INTERFACE ${CMAKE_SOURCE_DIR}/src)
+    list(TRANSFORM ARG_USES REPLACE "^(PUBLIC|PRIVATE)$" "INTERFACE")
+    target_link_libraries(${target} ${ARG_USES})
+  endif()
+  add_library(dynasurf::${name} ALIAS ${target})
+endfunction()
+
+# dynasurf_test(name LIBRARIES ...): a GoogleTest program from tests/<name>/*.cpp; every case is one ctest test.
+function(dynasurf_test name)
+  cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/${name}/*.cpp)
+  if(NOT sources)
+    return()
+  endif()
+  add_executable(test_${name} ${sources})
+  target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
+  target_link_libraries(test_${name} PRIVATE ${ARG_LIBRARIES} dynasurf_flags GTest::gmock GTest::gtest_main)
+  gtest_discover_tests(test_${name} TEST_PREFIX "${name}/" PROPERTIES TIMEOUT 300 DISCOVERY_TIMEOUT 60)
+endfunction()

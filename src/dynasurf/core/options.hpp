@@ -1,0 +1,70 @@
+#pragma once
+#include <concepts>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <variant>
+
+namespace dynasurf {
+
+/// What a person needs to know of one option. The default is the member's initialiser.
+struct Field {
+  std::string_view doc;        // one line: what it does, what its ends mean, thesis reference where there is one
+  std::string_view unit = "";  // "mm", "px", "ms"; empty for a pure number
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+};
+
+// An options struct O has public members with defaults, and beside it
+//
+//     void describe(auto& visit, O& o) { visit("mu", o.mu, Field{"balance of smoothing and data", "", 0}); ... }
+//
+// Members may be double, int, bool, std::string, an enum with `std::span<const std::string_view> names_of(E)`,
+// another described struct, std::optional<double|int>, or a std::variant of described structs. Each alternative of a
+// variant has a `static constexpr std::string_view name`; in JSON it is an object with "method": name.
+// JSON, --set, the manual's tables, the report and the law tests all read this one description.
+
+namespace detail {
+struct AnyVisitor {
+  template <class T>
+  void operator()(std::string_view, T&, const Field&) {}
+};
+}  // namespace detail
+
+template <class O>
+concept Described = requires(detail::AnyVisitor& v, O& o) {
+  describe(v, o);
+};
+
+template <class E>
+concept NamedEnum = std::is_enum_v<E> && requires(E e) {
+  { names_of(e) } -> std::convertible_to<std::span<const std::string_view>>;
+};
+
+/// The word of an enumerator, as it stands in JSON.
+template <NamedEnum E>
+std::string_view word_of(E e) {
+  return names_of(e)[static_cast<std::size_t>(e)];
+}
+
+template <class T>
+struct IsVariant : std::false_type {};
+template <class... A>
+struct IsVariant<std::variant<A...>> : std::true_type {};
+
+template <class T>
+struct IsOptional : std::false_type {};
+template <class T>
+struct IsOptional<std::optional<T>> : std::true_type {};
+
+/// Throws OptionError unless every number of `options` (and of what it holds) lies in its range and is finite.
+/// Call it at the public door of a stage: `check_options(options, "gvf")`.
+template <Described O>
+void check_options(O& options, const std::string& path);
+
+}  // namespace dynasurf
+
+#include "dynasurf/core/options_check.hpp"

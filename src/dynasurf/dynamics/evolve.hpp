@@ -1,0 +1,123 @@
+#pragma once
+#include <span>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "dynasurf/core/note.hpp"
+#include "dynasurf/core/options.hpp"
+#include "dynasurf/core/progress.hpp"
+#include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/field/vector_field.hpp"
+#include "dynasurf/mesh/smooth.hpp"
+
+namespace dynasurf {
+
+// Solvers (thesis chapter 4). Each advances y' = f(y) by one step.
+struct Euler {
+  static constexpr std::string_view name = "euler";
+};
+struct Midpoint {
+  static constexpr std::string_view name = "midpoint";
+};
+struct Rk4 {
+  static constexpr std::string_view name = "rk4";
+};
+void describe(auto&, Euler&) {}
+void describe(auto&, Midpoint&) {}
+void describe(auto&, Rk4&) {}
+using SolverOptions = std::variant<Euler, Midpoint, Rk4>;
+
+/// The field's pull and the drag on each particle: F = strength * V(x) - drag * v (thesis 3.4).
+struct FieldForce {
+  double strength = 10;
+  double drag = 0.1;
+  Sampling sampling = Sampling::nearest;
+};
+void describe(auto& visit, FieldForce& o) {
+  visit("strength", o.strength, Field{"K_GVF: pull of the field", "N mm", 0, 1e9});
+  visit("drag", o.drag, Field{"k_d: force against the velocity", "kg/s", 0, 1e9});
+  visit("sampling", o.sampling, Field{"how the field is read between voxel centres"});
+}
+
+/// Where on its path a particle stops when it meets a border voxel (STOP-VOXEL, thesis 6.1.2.3).
+enum class StopPoint { entry, centre, backtrack };
+std::span<const std::string_view> names_of(StopPoint);
+
+struct StopVoxel {
+  bool enabled = true;
+  StopPoint point = StopPoint::entry;
+};
+void describe(auto& visit, StopVoxel& o) {
+  visit("enabled", o.enabled, Field{"particles stop for good in voxels of their border"});
+  visit("point", o.point,
+        Field{"entry: where the path meets the voxel (thesis); centre: the voxel's centre; backtrack: last point "
+              "before it"});
+}
+
+/// When the whole run ends (STOP-CONV, O16).
+struct StopConv {
+  double still_share = 0.99;
+  double still_move = 1e-3;
+  int still_steps = 10;
+  int max_steps = 5000;
+};
+void describe(auto& visit, StopConv& o) {
+  visit("still_share", o.still_share, Field{"share of particles that must be at rest", "", 0, 1});
+  visit("still_move", o.still_move,
+        Field{"a particle that moves less per step rests", "of the smallest voxel side", 0, 1});
+  visit("still_steps", o.still_steps, Field{"steps in a row", "", 1, 100000});
+  visit("max_steps", o.max_steps, Field{"the run ends here in any case", "", 1, 100000000});
+}
+
+/// The free model (MOD-FREE, thesis 3.4.5): no internal forces, a field, a stop, and smoothing.
+struct Evolution {
+  SolverOptions solver = Rk4{};
+  double step_s = 0;
+  double mass_kg = 1;
+  FieldForce force;
+  StopVoxel stop;
+  StopConv end;
+  int smooth_every = 1;
+  Smoothing smooth_during;
+  Smoothing smooth_after;
+  bool histories = false;
+};
+void describe(auto& visit, Evolution& o) {
+  visit("solver", o.solver, Field{"how the motion is integrated"});
+  visit("step_s", o.step_s, Field{"time step; 0: 0.8 of the largest stable one", "s", 0, 1e3});
+  visit("mass_kg", o.mass_kg, Field{"mass of the whole mesh, shared equally", "kg", 1e-9, 1e9});
+  visit("force", o.force, Field{"force on each particle"});
+  visit("stop", o.stop, Field{"stop in border voxels"});
+  visit("end", o.end, Field{"end of the run"});
+  visit("smooth_every", o.smooth_every,
+        Field{"smooth moving particles every so many steps; 0 never", "steps", 0, 1000000});
+  visit("smooth_during", o.smooth_during, Field{"smoothing while moving"});
+  visit("smooth_after", o.smooth_after, Field{"smoothing of the final mesh; stopped particles move too"});
+  visit("histories", o.histories, Field{"keep how many particles are within 1, 2, 3 voxels of the border, per step"});
+}
+
+enum class StopReason { all_stopped, at_rest, max_steps, diverged };
+std::string_view name_of(StopReason);
+
+struct EvolutionResult {
+  TriMesh mesh;  // grid frame
+  StopReason reason = StopReason::max_steps;
+  int steps = 0;
+  double step_s = 0;                  // time step used
+  std::vector<std::uint8_t> stopped;  // per vertex: reached a border voxel
+  double stopped_fraction = 0;
+  std::vector<std::array<int, 4>> histories;  // per step: particles < 1, < 2, < 3, >= 3 voxels from the border
+  Notes notes;                                // "evolve.step_above_limit", "evolve.fast_particle", "evolve.diverged"
+};
+
+/// Moves the vertices of `start` (grid frame) under `field` until they rest on the non-zero voxels of `border`.
+/// Deterministic for any thread count. On divergence the last good mesh is returned, with the reason.
+EvolutionResult evolve(const TriMesh& start, const VectorField& field, const Image& border, const Evolution& options,
+                       const Progress& progress = {});
+
+/// The largest stable step of a solver for the drag alone: 2 m/k_d for Euler and midpoint, 2.785 m/k_d for RK4, with
+/// m = mass / n (ODE-LIMIT, thesis table 4.2). Infinity without drag.
+double step_limit_s(const SolverOptions& solver, double mass_kg, std::size_t particles, double drag);
+
+}  // namespace dynasurf

@@ -1,0 +1,55 @@
+#pragma once
+#include <variant>
+
+#include "dynasurf/core/note.hpp"
+#include "dynasurf/core/options.hpp"
+#include "dynasurf/core/progress.hpp"
+#include "dynasurf/field/vector_field.hpp"
+
+namespace dynasurf {
+
+/// `thesis` divides the diffusion by the voxel's volume whatever the axis (eq. 4.50); `metric` by the squared spacing
+/// of each axis, so that the field spreads equally in mm (E59).
+enum class GvfScheme { thesis, metric };
+std::span<const std::string_view> names_of(GvfScheme);
+
+/// Explicit gradient vector flow (FLD-GVF, thesis 3.3.4 and 4.5).
+struct Gvf {
+  static constexpr std::string_view name = "gvf";
+  double mu = 2;
+  int iterations = 150;
+  double residual = 0;
+  double step_divisor = 16;
+  GvfScheme scheme = GvfScheme::thesis;
+  bool safe_step = true;
+};
+void describe(auto& visit, Gvf& o) {
+  visit("mu", o.mu, Field{"balance: 0 keeps the gradient, large spreads it (thesis 3.36)", "", 1e-6, 1e4});
+  visit("iterations", o.iterations, Field{"most steps", "", 1, 10000000});
+  visit("residual", o.residual,
+        Field{"stop when no component changes faster than this; 0 runs all iterations", "1/mm per unit of time", 0});
+  visit("step_divisor", o.step_divisor, Field{"the step is dx dy dz / (divisor * mu) (thesis 4.51)", "", 0.1, 1e6});
+  visit("scheme", o.scheme, Field{"thesis: as printed; metric: equal spread in mm"});
+  visit("safe_step", o.safe_step, Field{"shorten a step that the stability bound forbids, with a note"});
+}
+
+using FieldOptions = std::variant<Gvf>;
+
+struct FlowResult {
+  VectorField field;
+  int iterations = 0;
+  double step = 0;        // time step used
+  double residual = 0;    // largest change of a component per unit of time in the last step
+  bool diverged = false;  // the run ended because the field blew up; `field` is the last finite one
+  Notes notes;            // "gvf.step_limited", "gvf.diverged"
+};
+
+/// Gradient vector flow of an edge map that is high on borders: vectors point towards borders from both sides.
+/// A constant map gives a zero field. Any size from 1x1x1.
+FlowResult flow_field(const Image& edge_map, const Gvf& options, const Progress& progress = {});
+FlowResult flow_field(const Image& edge_map, const FieldOptions& options, const Progress& progress = {});
+
+/// The largest stable time step of the explicit scheme: the data term and the diffusion of all three axes (A.1).
+double stable_step(const Image& edge_map, const Gvf& options);
+
+}  // namespace dynasurf

@@ -1,0 +1,31 @@
+#pragma once
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+namespace dynasurf {
+
+/// Writes a file whole or not at all: beside its place, fsync, rename. Throws IoError (disk full, not writable) and
+/// leaves an older file of that name as it was.
+void write_file(const std::filesystem::path& path, std::string_view content);
+
+/// A folder that appears whole or not at all. Fill `path()`; `publish()` syncs everything and renames it to the place
+/// asked for; without `publish()` the destructor removes what was written.
+/// An existing folder at that place is replaced in the same way, and only if it holds a former result (a
+/// results.json), is empty, or `overwrite_any` is set; else the constructor throws IoError.
+class OutputFolder {
+ public:
+  explicit OutputFolder(std::filesystem::path destination, bool overwrite_any = false);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  const std::filesystem::path& path() const { return staging_; }
+  void publish();
+
+ private:
+  std::filesystem::path destination_, staging_;
+  bool published_ = false;
+};
+
+}  // namespace dynasurf

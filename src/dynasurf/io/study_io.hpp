@@ -1,0 +1,49 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "dynasurf/core/study.hpp"
+
+namespace dynasurf {
+
+/// Largest volume of data a study may declare, bytes of float values over all gates.
+inline constexpr std::size_t max_study_bytes = std::size_t{2} << 30;
+
+/// Reads a gated or ungated heart study: a DICOM file, a folder of DICOM files, a NIfTI (.nii, .nii.gz) or NRRD
+/// (.nrrd, .nhdr, .nrrd gzip) file. The format is told from the content, not from the name.
+/// Throws InputError (one line: file, place, what was expected) for anything truncated, inconsistent, projected, not
+/// supported, or above `max_study_bytes`, before memory is taken for it; IoError when the file cannot be read.
+Study read_study(const std::filesystem::path& path);
+
+/// The files `read_study` would read, in a stable order: for provenance.
+std::vector<std::filesystem::path> files_of_study(const std::filesystem::path& path);
+
+/// Lower-case hexadecimal SHA-256 of a file. Throws IoError.
+std::string sha256_of_file(const std::filesystem::path& path);
+
+/// What `dynasurf info` tells beside the study itself. Never a name, a birth date or an id.
+struct StudyFacts {
+  std::vector<std::pair<std::string, std::string>> rows;  // "modality" -> "NM", in print order
+};
+StudyFacts facts_of(const std::filesystem::path& path, const Study& study);
+
+// Writers. Each file appears whole or not at all.
+
+/// 4-D NIfTI-1 (float32, sform and qform, RAS; pixdim[4] from the gate times in ms); gzip when the name ends in .gz.
+void write_nifti(const Study& study, const std::filesystem::path& path);
+/// NRRD with LPS space; 4-D studies as Slicer sequences (.seq.nrrd: fourth axis of kind list). gzip encoding.
+void write_nrrd(const Study& study, const std::filesystem::path& path);
+
+struct DicomWriteOptions {
+  std::string series_description = "Dynasurf";
+  std::string patient_name = "PHANTOM^DYNASURF";
+  std::string patient_id = "PHANTOM";
+  double counts_scale = 1;     // stored value = value * counts_scale, rounded; must fit 16 unsigned bits
+  std::uint64_t uid_seed = 0;  // UIDs are derived from it and from the content: the same study gives the same bytes
+};
+/// NM image, RECON GATED TOMO (several gates) or RECON TOMO (one), explicit VR little endian, clean in dciodvfy.
+void write_dicom(const Study& study, const std::filesystem::path& path, const DicomWriteOptions& options = {});
+
+}  // namespace dynasurf

@@ -1,0 +1,118 @@
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "dynasurf/core/note.hpp"
+#include "dynasurf/core/options.hpp"
+#include "dynasurf/core/volume.hpp"
+#include "dynasurf/image/edges.hpp"
+
+namespace dynasurf {
+
+/// The two borders of the wall: the inner (endocardial) and the outer (epicardial) one.
+enum class Wall { endo, epi };
+inline std::string_view name_of(Wall w) { return w == Wall::endo ? "endo" : "epi"; }
+
+struct Circle {
+  double x_px = 0, y_px = 0, radius_px = 0;
+};
+
+/// CIRC-COARSE (thesis 2.4): the circle outside which nothing is looked at. Unset: image centre, 0.35 of the shorter
+/// side.
+struct CoarseCircle {
+  std::optional<double> x_px, y_px, radius_px;
+};
+void describe(auto& visit, CoarseCircle& o) {
+  visit("x_px", o.x_px, Field{"centre, column; unset: middle of the image", "px"});
+  visit("y_px", o.y_px, Field{"centre, row; unset: middle of the image", "px"});
+  visit("radius_px", o.radius_px, Field{"radius; unset: 0.35 of the shorter image side", "px", 1});
+}
+
+/// LAB-COMP, CIRC-CENTROID, CIRC-RADIUS (thesis 2.3.6, 2.4.1, 2.4.2).
+struct AutoCircle {
+  int min_component_px = 8;
+  double centroid_tolerance_px = 1;
+  double centroid_share = 0.6;
+  double radius_tolerance_px = 1.5;
+  double radius_share = 0.5;
+  double centre_width = 0.15;
+  double offset_px = 2;
+  bool robust_fit = true;
+};
+void describe(auto& visit, AutoCircle& o) {
+  visit("min_component_px", o.min_component_px, Field{"edges with fewer pixels are noise (n_min)", "px", 1, 10000});
+  visit("centroid_tolerance_px", o.centroid_tolerance_px, Field{"tau of CIRC-CENTROID", "px", 0.1, 20});
+  visit("centroid_share", o.centroid_share,
+        Field{"share of a border at one distance for it to be a circle (T_circ)", "", 0, 1});
+  visit("radius_tolerance_px", o.radius_tolerance_px, Field{"tau of CIRC-RADIUS", "px", 0.1, 20});
+  visit("radius_share", o.radius_share, Field{"T_r of CIRC-RADIUS", "", 0, 1});
+  visit("centre_width", o.centre_width,
+        Field{"s_c: width of the preference for the image centre, share of the image width", "", 0.01, 10});
+  visit("offset_px", o.offset_px, Field{"added to the radius that was found", "px", 0, 50});
+  visit("robust_fit", o.robust_fit, Field{"fit circles algebraically instead of by centroid (arcs stay unbiased)"});
+}
+
+/// SLICE-FIND and SLICE-REFINE (thesis 2.5).
+struct DivisionSlice {
+  double jump = 0.15;
+  double floor = 0.4;
+};
+void describe(auto& visit, DivisionSlice& o) {
+  visit("jump", o.jump,
+        Field{"rise of the centre from one slice to the next that marks the apex wall", "of the maximum", 0, 1});
+  visit("floor", o.floor, Field{"least value of the centre in the apex wall", "of the maximum", 0, 1});
+}
+
+/// LAB-MLC (thesis 2.3.6) and BBOX-FILTER (thesis 2.6).
+struct Mlc {
+  static constexpr std::string_view name = "mlc";
+  bool strict_thesis = false;
+  double min_gap_px = 2;
+  double box_margin_px = 1;
+};
+void describe(auto& visit, Mlc& o) {
+  visit("strict_thesis", o.strict_thesis, Field{"exactly the published rule: the largest gap decides, always"});
+  visit("min_gap_px", o.min_gap_px,
+        Field{"smaller gaps are fragments of one border; neighbours decide then", "px", 0, 50});
+  visit("box_margin_px", o.box_margin_px, Field{"slack of the bounding boxes (thesis: 0)", "px", 0, 50});
+}
+
+using LabelOptions = std::variant<Mlc>;
+
+/// All of the labelling stage.
+struct Labelling {
+  CoarseCircle coarse;
+  AutoCircle circle;
+  DivisionSlice division;
+  LabelOptions method = Mlc{};
+};
+void describe(auto& visit, Labelling& o) {
+  visit("coarse", o.coarse, Field{"coarse circle"});
+  visit("circle", o.circle, Field{"automatic circle"});
+  visit("division", o.division, Field{"division slice"});
+  visit("method", o.method, Field{"how borders are told apart"});
+}
+
+/// Where the two borders lie in one gate, slices apex first. A voxel may carry both bits.
+struct Labels {
+  static constexpr std::uint8_t endo_bit = 1, epi_bit = 2;
+  Mask borders;                              // bits, per voxel
+  Circle circle;                             // automatic circle: common to all slices
+  int big_slice = -1;                        // slice of the widest circular border, -1: none found
+  int division_slice = -1;                   // highest slice with one border only; -1: none found
+  std::vector<std::optional<Circle>> local;  // the best circular edge of every slice, for drawing
+  Notes notes;
+
+  bool has(Wall w) const;  // any voxel of that border
+};
+
+/// Tells endocardial from epicardial edges. `image` is normalised, its slices run from apex to base, and
+/// `edges.edges` lies on the same grid. Never throws for hard data: what could not be found is absent, with notes.
+/// Throws OptionError for parameters out of range.
+Labels label_borders(const Image& image, const EdgeMap& edges, const Labelling& options);
+
+/// The voxels of one border as a binary volume: the edge map of its field and the stop mask of its surface
+/// (VOL-BORDERS, thesis 3.3.4).
+Image border_volume(const Labels& labels, Wall wall);
+
+}  // namespace dynasurf
