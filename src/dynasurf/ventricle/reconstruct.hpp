@@ -12,7 +12,11 @@
 #include "dynasurf/mesh/keyframes.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
+#include "dynasurf/ventricle/closure.hpp"
+#include "dynasurf/ventricle/function.hpp"
 #include "dynasurf/ventricle/labels.hpp"
+#include "dynasurf/ventricle/quality.hpp"
+#include "dynasurf/ventricle/surface.hpp"
 
 namespace dynasurf {
 
@@ -21,7 +25,7 @@ struct VentricleOptions {
   double noise_fraction = 0;
   EdgeOptions edges = Canny{};
   Labelling labels;
-  bool cover = true;
+  Closure closure;
   FieldOptions field = Gvf{};
   int mesh_level = 3;
   Placement placement;
@@ -35,8 +39,7 @@ void describe(auto& visit, VentricleOptions& o) {
               "of the maximum", 0, 1});
   visit("edges", o.edges, Field{"edge detector"});
   visit("labels", o.labels, Field{"finding the two borders among the edges"});
-  visit("cover", o.cover,
-        Field{"close the open base of each border with a disc, so that surfaces stop there (thesis 6.1.2.1)"});
+  visit("closure", o.closure, Field{"closing the ends of the borders"});
   visit("field", o.field, Field{"vector field of each border"});
   visit("mesh_level", o.mesh_level, Field{"2, 3, 4: 162, 642, 2562 vertices per surface (thesis table 5.2)", "", 0, 6});
   visit("placement", o.placement, Field{"the ellipsoid that the surfaces start from"});
@@ -45,35 +48,13 @@ void describe(auto& visit, VentricleOptions& o) {
   visit("keyframes", o.keyframes, Field{"surfaces between the gates"});
 }
 
-/// One surface of one gate. `mesh` is in the world frame.
-struct Surface {
-  TriMesh mesh;
-  double volume_ml = 0;
-  StopReason stop_reason = StopReason::max_steps;
-  int steps = 0;
-  double stopped_fraction = 0;  // particles that reached their border
-  double within_one_voxel = 0;  // share of particles closer than one voxel to it
-  double mean_distance_mm = 0;  // to the nearest centre of a border voxel
-  TriangleQuality quality;
-};
-
 struct Gate {
   int gate = 0;  // 0-based
   std::optional<double> time_ms;
   Labels labels;                     // on the canonical grid, apex first
   std::optional<Surface> endo, epi;  // absent where the border was not found
+  int base_slice = -1;               // highest slice of the ventricle, -1: unknown
   std::optional<double> wall_ml;     // epi - endo
-};
-
-enum class Verdict { ok, check, fail };
-std::span<const std::string_view> names_of(Verdict);
-
-/// One reason to distrust a result, with its number (CARD-SANITY and others).
-struct Flag {
-  std::string code;  // "wall_volume_varies", "surface_missing", ...
-  Severity severity = Severity::warning;
-  std::string message;
-  double value = 0;
 };
 
 struct VentricleResult {
@@ -81,6 +62,7 @@ struct VentricleResult {
   std::vector<Gate> gates;
   std::optional<double> edv_ml, esv_ml, sv_ml, ef_percent;  // absent for ungated or failed studies
   std::optional<int> ed_gate, es_gate;                      // 0-based
+  std::optional<CurvePhases> phases;                        // of the cavity's volume curve
   std::optional<double> wall_variation;                     // coefficient of variation of wall_ml over the cycle
   Verdict verdict = Verdict::fail;
   std::vector<Flag> flags;
@@ -94,7 +76,9 @@ struct Stages {
   const Image* image = nullptr;  // canonical, normalised
   const EdgeMap* edges = nullptr;
   const Labels* labels = nullptr;
-  const VectorField* field_endo = nullptr;  // null where there is no border
+  const Image* border_endo = nullptr;  // closed border volumes; null where there is no border
+  const Image* border_epi = nullptr;
+  const VectorField* field_endo = nullptr;
   const VectorField* field_epi = nullptr;
 };
 using StageSink = std::function<void(const Stages&)>;

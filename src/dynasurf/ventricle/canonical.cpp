@@ -1,0 +1,139 @@
+#include "dynasurf/ventricle/canonical.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <vector>
+
+#include "dynasurf/core/error.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr int least_slices = 3;
+constexpr int least_pixels = 8;
+
+void require_workable(const Study& study) {
+  if (study.gates.empty()) throw InputError("the study holds no volume; expected at least one gate");
+  if (study.view != View::short_axis && study.view != View::unknown)
+    throw InputError("the slices are " + std::string(name_of(study.view)) +
+                     " ones; expected a short-axis stack: reorient the study to short axis first");
+  const Grid& grid = study.grid();
+  if (grid.dims[2] < least_slices || grid.dims[0] < least_pixels || grid.dims[1] < least_pixels) {
+    std::ostringstream text;
+    text << "the volume has " << grid.dims[0] << " x " << grid.dims[1] << " pixels in " << grid.dims[2]
+         << " slices; expected at least " << least_pixels << " x " << least_pixels << " in " << least_slices;
+    throw InputError(text.str());
+  }
+  for (std::size_t g = 0; g < study.gates.size(); ++g) {
+    const Image& image = study.gates[g];
+    if (!(image.grid == grid)) throw InputError("gate " + std::to_string(g + 1) + " lies on another grid than gate 1");
+    const auto bad = std::find_if(image.values.begin(), image.values.end(), [](float v) { return !std::isfinite(v); });
+    if (bad != image.values.end())
+      throw InputError("gate " + std::to_string(g + 1) + " holds a value that is not finite at voxel " +
+                       std::to_string(bad - image.values.begin()) + "; expected numbers only");
+  }
+}
+
+/// The bright voxels of one slice summed over the gates: how much there is, and how dark their middle is.
+struct SliceLook {
+  double mass = 0;
+  double hollow = 0;  // 0: the middle is as bright as the brightest, 1: dark
+};
+
+SliceLook look_at_slice(const Image& mean, int k, double peak) {
+  const Grid& g = mean.grid;
+  double mass = 0, x = 0, y = 0, brightest = 0;
+  for (int j = 0; j < g.dims[1]; ++j)
+    for (int i = 0; i < g.dims[0]; ++i) {
+      const double v = mean(i, j, k);
+      if (v < 0.4 * peak) continue;
+      mass += v, x += v * i, y += v * j;
+      brightest = std::max(brightest, v);
+    }
+  if (mass == 0) return {};
+  const int ci = static_cast<int>(std::lround(x / mass)), cj = static_cast<int>(std::lround(y / mass));
+  double middle = 0;
+  for (int dj = -1; dj <= 1; ++dj)
+    for (int di = -1; di <= 1; ++di) middle += mean.clamped(ci + di, cj + dj, k) / 9.0;
+  return {mass, std::clamp(1 - middle / brightest, 0.0, 1.0)};
+}
+
+}  // namespace
+
+SliceOrder guess_slice_order(std::span<const Image> gates) {
+  Image mean(gates.front().grid);
+  for (const Image& gate : gates)
+    for (std::size_t v = 0; v < mean.values.size(); ++v) mean.values[v] += gate.values[v];
+  const double peak = *std::max_element(mean.values.begin(), mean.values.end());
+  if (peak <= 0) return SliceOrder::unknown;
+
+  // The ends of the heart along the stack, and how hollow each half of it is.
+  std::vector<SliceLook> looks;
+  for (int k = 0; k < mean.grid.dims[2]; ++k) {
+    const SliceLook look = look_at_slice(mean, k, peak);
+    if (look.mass > 0) looks.push_back(look);
+  }
+  if (looks.size() < 4) return SliceOrder::unknown;
+  const std::size_t third = std::max<std::size_t>(1, looks.size() / 3);
+  double low = 0, high = 0;
+  for (std::size_t s = 0; s < third; ++s) {
+    low += looks[s].hollow / static_cast<double>(third);
+    high += looks[looks.size() - 1 - s].hollow / static_cast<double>(third);
+  }
+  constexpr double least_difference = 0.1;
+  if (std::abs(high - low) < least_difference) return SliceOrder::unknown;
+  return high > low ? SliceOrder::apex_to_base : SliceOrder::base_to_apex;
+}
+
+Study reverse_slices(Study study) {
+  for (Image& image : study.gates) {
+    Grid& g = image.grid;
+    const auto slice = static_cast<std::ptrdiff_t>(g.dims[0]) * g.dims[1];
+    for (int low = 0, high = g.dims[2] - 1; low < high; ++low, --high)
+      std::swap_ranges(image.values.begin() + low * slice, image.values.begin() + (low + 1) * slice,
+                       image.values.begin() + high * slice);
+    g.origin += g.direction.col(2) * (g.spacing[2] * (g.dims[2] - 1));
+    g.direction.col(2) *= -1;
+  }
+  if (study.slice_order == SliceOrder::apex_to_base)
+    study.slice_order = SliceOrder::base_to_apex;
+  else if (study.slice_order == SliceOrder::base_to_apex)
+    study.slice_order = SliceOrder::apex_to_base;
+  return study;
+}
+
+Study canonical_study(const Study& original) {
+  require_workable(original);
+  Study study = original;
+  if (study.view == View::unknown) {
+    study.view = View::short_axis;
+    study.notes.push_back(
+        {Severity::info, "study.view_assumed", "the file does not name its view; taken as a short-axis stack"});
+  }
+  if (study.slice_order == SliceOrder::unknown) {
+    const SliceOrder guess = guess_slice_order(study.gates);
+    study.slice_order = guess == SliceOrder::unknown ? SliceOrder::apex_to_base : guess;
+    if (guess == SliceOrder::unknown)
+      study.notes.push_back({Severity::warning, "study.slice_order_unclear",
+                             "neither the file nor the data tell apex from base; taken as apex first"});
+    else
+      study.notes.push_back(
+          {Severity::info, "study.slice_order_guessed",
+           std::string("the file does not tell apex from base; the data say ") + std::string(name_of(guess))});
+  }
+  if (study.slice_order == SliceOrder::base_to_apex) study = reverse_slices(std::move(study));
+
+  float peak = 0;
+  for (const Image& image : study.gates)
+    peak = std::max(peak, *std::max_element(image.values.begin(), image.values.end()));
+  if (peak <= 0) {
+    study.notes.push_back({Severity::failure, "study.empty", "the study holds no positive value"});
+    return study;
+  }
+  for (Image& image : study.gates)
+    for (float& v : image.values) v /= peak;
+  return study;
+}
+
+}  // namespace dynasurf

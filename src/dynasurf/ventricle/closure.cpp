@@ -1,0 +1,136 @@
+#include "dynasurf/ventricle/closure.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+namespace dynasurf {
+namespace {
+
+constexpr int directions = 64;
+constexpr double turn = 2 * std::numbers::pi;
+
+double wall_brightness(const Image& image, const Circle& circle, int k) {
+  double sum = 0;
+  for (int d = 0; d < directions; ++d) {
+    const double angle = turn * d / directions;
+    float brightest = 0;
+    for (double r = 0; r <= circle.radius_px; r += 0.5)
+      brightest =
+          std::max(brightest, image.clamped(static_cast<int>(std::lround(circle.x_px + r * std::cos(angle))),
+                                            static_cast<int>(std::lround(circle.y_px + r * std::sin(angle))), k));
+    sum += brightest;
+  }
+  return sum / directions;
+}
+
+struct Pixel {
+  int i, j;
+};
+
+std::vector<Pixel> border_pixels(const Image& border, int k) {
+  std::vector<Pixel> pixels;
+  for (int j = 0; j < border.grid.dims[1]; ++j)
+    for (int i = 0; i < border.grid.dims[0]; ++i)
+      if (border(i, j, k) > 0) pixels.push_back({i, j});
+  return pixels;
+}
+
+using RadiusOf = std::array<std::optional<double>, directions>;
+
+/// Fills directions without a radius from the two nearest ones that have one, around the circle.
+void bridge_gaps(RadiusOf& radius) {
+  std::vector<int> known;
+  for (int d = 0; d < directions; ++d)
+    if (radius[static_cast<std::size_t>(d)]) known.push_back(d);
+  if (known.empty()) return;
+  for (std::size_t n = 0; n < known.size(); ++n) {
+    const int from = known[n], to = n + 1 < known.size() ? known[n + 1] : known[0] + directions;
+    const double a = *radius[static_cast<std::size_t>(from)], b = *radius[static_cast<std::size_t>(to % directions)];
+    for (int d = from + 1; d < to; ++d)
+      radius[static_cast<std::size_t>(d % directions)] = a + (b - a) * (d - from) / (to - from);
+  }
+}
+
+/// Fills the inside of the ring in slice `k`, drawn from that slice and, where it has gaps, from `others` in order.
+void fill_disc(Image& border, int k, const std::vector<int>& others) {
+  std::vector<std::vector<Pixel>> rings{border_pixels(border, k)};
+  for (int other : others) rings.push_back(border_pixels(border, other));
+  const auto first = std::find_if(rings.begin(), rings.end(), [](const auto& ring) { return !ring.empty(); });
+  if (first == rings.end()) return;
+  double x = 0, y = 0;
+  for (const Pixel& p : *first) x += p.i, y += p.j;
+  x /= static_cast<double>(first->size()), y /= static_cast<double>(first->size());
+
+  RadiusOf radius;
+  for (const auto& ring : rings) {
+    RadiusOf here;
+    for (const Pixel& p : ring) {
+      const double angle = std::atan2(p.j - y, p.i - x);
+      auto& r =
+          here[static_cast<std::size_t>(static_cast<int>(std::lround((angle / turn + 1) * directions)) % directions)];
+      r = std::max(r.value_or(0), std::hypot(p.i - x, p.j - y));
+    }
+    for (std::size_t d = 0; d < directions; ++d)
+      if (!radius[d]) radius[d] = here[d];
+  }
+  bridge_gaps(radius);
+  for (int j = 0; j < border.grid.dims[1]; ++j)
+    for (int i = 0; i < border.grid.dims[0]; ++i) {
+      const double angle = std::atan2(j - y, i - x);
+      const auto d =
+          static_cast<std::size_t>(static_cast<int>(std::lround((angle / turn + 1) * directions)) % directions);
+      if (std::hypot(i - x, j - y) <= *radius[d] + 1e-9) border(i, j, k) = 1;
+    }
+}
+
+}  // namespace
+
+int find_base_slice(const Image& image, const Labels& labels, double base_level, Notes& notes) {
+  const int slices = image.grid.dims[2];
+  int lowest = slices, highest = -1;
+  for (int k = 0; k < slices; ++k)
+    for (std::size_t v = 0; v < image.grid.index(0, 0, 1); ++v)
+      if (labels.borders.values[image.grid.index(0, 0, k) + v] != 0) {
+        lowest = std::min(lowest, k), highest = std::max(highest, k);
+        break;
+      }
+  if (highest < 0) return -1;
+
+  std::vector<double> brightness(static_cast<std::size_t>(slices));
+  for (int k = 0; k < slices; ++k) brightness[static_cast<std::size_t>(k)] = wall_brightness(image, labels.circle, k);
+  std::vector<double> labelled(brightness.begin() + lowest, brightness.begin() + highest + 1);
+  std::nth_element(labelled.begin(), labelled.begin() + static_cast<std::ptrdiff_t>(labelled.size() / 2),
+                   labelled.end());
+  const double needed = base_level * labelled[labelled.size() / 2];
+
+  int k = (lowest + highest) / 2;
+  while (k + 1 < slices && brightness[static_cast<std::size_t>(k + 1)] >= needed) ++k;
+  if (k == slices - 1)
+    notes.push_back({Severity::warning, "base.cut_off",
+                     "the wall is still bright in the last slice; the base may lie outside the volume"});
+  return k;
+}
+
+Image close_border(const Image& border, int base_slice) {
+  Image closed = border;
+  const int slices = border.grid.dims[2];
+  for (std::size_t v = border.grid.index(0, 0, 1) * static_cast<std::size_t>(std::clamp(base_slice + 1, 0, slices));
+       v < closed.values.size(); ++v)
+    closed.values[v] = 0;
+  int lowest = -1;
+  for (int k = 0; k < slices && lowest < 0; ++k)
+    if (!border_pixels(closed, k).empty()) lowest = k;
+  if (lowest < 0) return closed;
+
+  std::vector<int> below;  // the ring may be torn or lost at the base: what lies nearest below completes it
+  for (int k = base_slice - 1; k >= lowest; --k) below.push_back(k);
+  fill_disc(closed, base_slice, below);
+  fill_disc(closed, lowest, {});
+  return closed;
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,33 @@
+#pragma once
+#include "dynasurf/core/note.hpp"
+#include "dynasurf/core/options.hpp"
+#include "dynasurf/core/volume.hpp"
+#include "dynasurf/ventricle/labels.hpp"
+
+namespace dynasurf {
+
+/// How the open ends of the two borders are closed (VOL-COVER, thesis 6.1.2.1).
+struct Closure {
+  bool cover = true;
+  double base_level = 0.5;
+};
+void describe(auto& visit, Closure& o) {
+  visit("cover", o.cover,
+        Field{"close both ends of each border with a disc of border voxels, so that surfaces stop there"});
+  visit("base_level", o.base_level,
+        Field{"the heart ends in the highest slice whose wall is still this bright", "of the wall in the middle", 0.05,
+              1});
+}
+
+/// The highest slice that still belongs to the ventricle: going up from the middle of the labelled slices, the last
+/// one whose wall (mean over directions of the brightest value on a ray inside the circle) reaches `base_level` of
+/// the wall in the middle. Blur halves the brightness exactly at the end of the muscle, so the upper face of this
+/// slice is the base plane, without bias, to half a slice. -1 when nothing is labelled.
+int find_base_slice(const Image& image, const Labels& labels, double base_level, Notes& notes);
+
+/// The border without what lies above `base_slice`, its upper end closed in that slice and its lower end in the
+/// lowest slice that has border voxels, each by the disc inside the ring (of the nearest slices where the ring itself
+/// has gaps). An empty border stays empty.
+Image close_border(const Image& border, int base_slice);
+
+}  // namespace dynasurf

@@ -1,0 +1,214 @@
+#include "dynasurf/ventricle/reconstruct.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <mutex>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/image/intensity.hpp"
+#include "dynasurf/ventricle/canonical.hpp"
+
+namespace dynasurf {
+namespace {
+
+/// Seconds per stage, added up from several threads, in the order in which stages first appear.
+class StageClock {
+ public:
+  explicit StageClock(std::vector<std::pair<std::string, double>>& seconds) : seconds_(seconds) {}
+
+  template <class F>
+  auto operator()(std::string_view stage, F&& work) {
+    const auto start = std::chrono::steady_clock::now();
+    auto result = work();
+    const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const std::lock_guard lock(mutex_);
+    const auto entry = std::find_if(seconds_.begin(), seconds_.end(), [&](const auto& s) { return s.first == stage; });
+    if (entry == seconds_.end())
+      seconds_.emplace_back(stage, elapsed);
+    else
+      entry->second += elapsed;
+    return result;
+  }
+
+ private:
+  std::vector<std::pair<std::string, double>>& seconds_;
+  std::mutex mutex_;
+};
+
+/// Counts finished pieces of work from several threads and tells the user, one call at a time.
+class StageCounter {
+ public:
+  StageCounter(const Progress& progress, std::string_view stage, int total)
+      : progress_(progress), stage_(stage), total_(total) {}
+  void advance() {
+    const std::lock_guard lock(mutex_);
+    progress_(stage_, ++done_, total_);
+  }
+
+ private:
+  const Progress& progress_;
+  std::string_view stage_;
+  int total_, done_ = 0;
+  std::mutex mutex_;
+};
+
+/// What one wall of one gate passes through on its way from a border to a surface.
+struct WallRun {
+  Image border;
+  FlowResult flow;
+  EvolutionResult evolved;
+  bool exists() const { return !border.values.empty(); }
+};
+
+/// What one gate passes through.
+struct GateRun {
+  EdgeMap edges;
+  Labels labels;
+  int base_slice = -1;
+  WallRun endo, epi;
+  Notes notes;
+  WallRun& wall(Wall w) { return w == Wall::endo ? endo : epi; }
+};
+
+constexpr Wall walls[] = {Wall::endo, Wall::epi};
+
+void find_borders(GateRun& run, const Image& image, const VentricleOptions& options, StageClock& clock) {
+  run.edges = clock("edges", [&] { return detect_edges(image, options.edges); });
+  run.labels = clock("labels", [&] { return label_borders(image, run.edges, options.labels); });
+  run.base_slice = find_base_slice(image, run.labels, options.closure.base_level, run.notes);
+  for (const Wall wall : walls) {
+    if (!run.labels.has(wall)) continue;
+    Image border = border_volume(run.labels, wall);
+    run.wall(wall).border = options.closure.cover ? close_border(border, run.base_slice) : std::move(border);
+  }
+}
+
+void find_surface(WallRun& run, const TriMesh& start, const VentricleOptions& options, const Progress& quiet,
+                  StageClock& clock) {
+  run.flow = clock("field", [&] { return flow_field(run.border, options.field, quiet); });
+  run.evolved = clock("surfaces", [&] { return evolve(start, run.flow.field, run.border, options.evolution, quiet); });
+}
+
+/// The former surface, a little enlarged about its centre, so that the next one is reached from outside
+/// (FUT-WARMSTART).
+TriMesh enlarged(TriMesh mesh) {
+  constexpr double growth = 1.15;
+  Vec3 centre = Vec3::Zero();
+  for (const Vec3& p : mesh.vertices) centre += p / static_cast<double>(mesh.vertices.size());
+  for (Vec3& p : mesh.vertices) p = centre + growth * (p - centre);
+  return mesh;
+}
+
+void add_notes(Notes& all, const Notes& some, int gate) {
+  for (Note note : some) {
+    if (gate >= 0) note.gate = gate;
+    all.push_back(std::move(note));
+  }
+}
+
+Gate finish_gate(GateRun& run, int g, const VentricleResult& result) {
+  Gate gate;
+  gate.gate = g;
+  if (!result.study.time_ms.empty()) gate.time_ms = result.study.time_ms[static_cast<std::size_t>(g)];
+  if (run.endo.exists()) gate.endo = measure_surface(run.endo.evolved, run.endo.border);
+  if (run.epi.exists()) gate.epi = measure_surface(run.epi.evolved, run.epi.border);
+  if (gate.endo && gate.epi) gate.wall_ml = gate.epi->volume_ml - gate.endo->volume_ml;
+  gate.base_slice = run.base_slice;
+  gate.labels = std::move(run.labels);
+  return gate;
+}
+
+void measure_cycle(VentricleResult& result) {
+  std::vector<double> cavity, wall;
+  for (const Gate& gate : result.gates) {
+    if (gate.endo) cavity.push_back(gate.endo->volume_ml);
+    if (gate.wall_ml) wall.push_back(*gate.wall_ml);
+  }
+  if (cavity.size() == result.gates.size()) {
+    if (const std::optional<Function> f = left_ventricular_function(cavity)) {
+      result.edv_ml = f->edv_ml, result.esv_ml = f->esv_ml, result.sv_ml = f->sv_ml;
+      result.ef_percent = f->ef_percent;
+      result.ed_gate = f->ed_gate, result.es_gate = f->es_gate;
+    }
+    result.phases = phases_of_curve(cavity);
+  }
+  if (wall.size() == result.gates.size() && wall.size() > 1) result.wall_variation = coefficient_of_variation(wall);
+}
+
+void hand_over_stages(const StageSink& keep, std::vector<GateRun>& runs, const Study& study) {
+  for (std::size_t g = 0; g < runs.size(); ++g) {
+    GateRun& run = runs[g];
+    Stages stages{static_cast<int>(g), &study.gates[g], &run.edges, &run.labels};
+    if (run.endo.exists()) stages.border_endo = &run.endo.border, stages.field_endo = &run.endo.flow.field;
+    if (run.epi.exists()) stages.border_epi = &run.epi.border, stages.field_epi = &run.epi.flow.field;
+    keep(stages);
+  }
+}
+
+}  // namespace
+
+VentricleResult reconstruct(const Study& original, const VentricleOptions& requested, const Progress& progress,
+                            const StageSink& keep) {
+  VentricleOptions options = requested;
+  check_options(options, "");
+  VentricleResult result;
+  result.study = canonical_study(original);
+  if (options.noise_fraction > 0)
+    for (Image& image : result.study.gates) image = suppress_noise(std::move(image), options.noise_fraction);
+
+  const int gates = static_cast<int>(result.study.gates.size());
+  std::vector<GateRun> runs(static_cast<std::size_t>(gates));
+  StageClock clock(result.seconds);
+
+  StageCounter borders_found(progress, "borders", gates);
+  parallel_for(runs.size(), 1, [&](std::size_t g, std::size_t) {
+    progress.check();
+    find_borders(runs[g], result.study.gates[g], options, clock);
+    borders_found.advance();
+  });
+
+  const TriMesh sphere = icosphere(options.mesh_level);
+  const Progress quiet{{}, progress.stop};
+  StageCounter surfaces_found(progress, "surfaces", 2 * gates);
+  const auto surface_from_ellipsoid = [&](WallRun& run) {
+    progress.check();
+    if (run.exists()) find_surface(run, place(sphere, run.border, options.placement), options, quiet, clock);
+    surfaces_found.advance();
+  };
+  if (options.warm_start) {
+    parallel_for(2, 1, [&](std::size_t w, std::size_t) {
+      const WallRun* former = nullptr;
+      for (GateRun& gate : runs) {
+        WallRun& run = gate.wall(walls[w]);
+        if (former == nullptr || !run.exists()) {
+          surface_from_ellipsoid(run);
+        } else {
+          progress.check();
+          find_surface(run, enlarged(former->evolved.mesh), options, quiet, clock);
+          surfaces_found.advance();
+        }
+        if (run.exists()) former = &run;
+      }
+    });
+  } else {
+    parallel_for(2 * runs.size(), 1,
+                 [&](std::size_t task, std::size_t) { surface_from_ellipsoid(runs[task / 2].wall(walls[task % 2])); });
+  }
+
+  if (keep) hand_over_stages(keep, runs, result.study);
+  result.notes = result.study.notes;
+  for (int g = 0; g < gates; ++g) {
+    GateRun& run = runs[static_cast<std::size_t>(g)];
+    for (const Notes* notes : {&run.edges.notes, &run.labels.notes, &run.notes, &run.endo.flow.notes,
+                               &run.endo.evolved.notes, &run.epi.flow.notes, &run.epi.evolved.notes})
+      add_notes(result.notes, *notes, g);
+    result.gates.push_back(finish_gate(run, g, result));
+  }
+  measure_cycle(result);
+  result.flags = judge(result);
+  result.verdict = verdict_of(result.flags);
+  return result;
+}
+
+}  // namespace dynasurf

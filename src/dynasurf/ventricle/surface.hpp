@@ -1,0 +1,25 @@
+#pragma once
+#include "dynasurf/core/progress.hpp"
+#include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/dynamics/evolve.hpp"
+#include "dynasurf/field/gvf.hpp"
+#include "dynasurf/mesh/measures.hpp"
+
+namespace dynasurf {
+
+/// One surface of one gate. `mesh` is in the world frame.
+struct Surface {
+  TriMesh mesh;
+  double volume_ml = 0;
+  StopReason stop_reason = StopReason::max_steps;
+  int steps = 0;
+  double stopped_fraction = 0;  // particles that reached their border
+  double within_one_voxel = 0;  // share of particles closer than one voxel to a border voxel's centre (MEAS-DIST)
+  double mean_distance_mm = 0;  // to the nearest centre of a border voxel
+  TriangleQuality quality;
+};
+
+/// The measures of an evolved mesh against the border it was made for.
+Surface measure_surface(const EvolutionResult& evolved, const Image& border);
+
+}  // namespace dynasurf

@@ -1,0 +1,82 @@
+#include "dynasurf/ventricle/quality.hpp"
+
+#include <gtest/gtest.h>
+
+#include "dynasurf/ventricle/reconstruct.hpp"
+
+namespace dynasurf {
+namespace {
+
+VentricleResult good_result() {
+  VentricleResult result;
+  for (int g = 0; g < 8; ++g) {
+    Gate gate;
+    gate.gate = g;
+    gate.endo.emplace();
+    gate.epi.emplace();
+    gate.endo->stopped_fraction = gate.epi->stopped_fraction = 1;
+    gate.endo->stop_reason = gate.epi->stop_reason = StopReason::all_stopped;
+    gate.wall_ml = 120;
+    result.gates.push_back(gate);
+  }
+  result.edv_ml = 110, result.esv_ml = 44, result.ef_percent = 60, result.wall_variation = 0.08;
+  return result;
+}
+
+std::vector<std::string> codes_of(const VentricleResult& result) {
+  std::vector<std::string> codes;
+  for (const Flag& flag : judge(result)) codes.push_back(flag.code);
+  return codes;
+}
+using Codes = std::vector<std::string>;
+
+TEST(Judge, FindsNothingInAGoodResult) {
+  EXPECT_EQ(codes_of(good_result()), Codes{});
+  EXPECT_EQ(verdict_of({}), Verdict::ok);
+}
+
+TEST(Judge, FailsWhenASurfaceIsMissingAndNamesTheGates) {
+  VentricleResult result = good_result();
+  result.gates[2].endo.reset();
+  result.gates[5].endo.reset();
+  const std::vector<Flag> flags = judge(result);
+  ASSERT_EQ(flags.size(), 1U);
+  EXPECT_EQ(flags[0].code, "surface_missing");
+  EXPECT_EQ(flags[0].message, "no endocardial border was found in gates 3, 6");
+  EXPECT_EQ(flags[0].value, 2);
+  EXPECT_EQ(verdict_of(flags), Verdict::fail);
+}
+
+TEST(Judge, AsksToCheckWhatAHeartDoesNotDo) {
+  VentricleResult result = good_result();
+  result.wall_variation = 0.3;
+  result.ef_percent = 96;
+  result.edv_ml = 900;
+  result.gates[0].epi->stopped_fraction = 0.5;
+  EXPECT_EQ(codes_of(result),
+            (Codes{"surface_incomplete", "wall_volume_varies", "ejection_fraction_implausible", "volume_implausible"}));
+  EXPECT_EQ(verdict_of(judge(result)), Verdict::check);
+}
+
+TEST(Judge, FailsWhenTheWallsCrossOrASurfaceDiverged) {
+  VentricleResult result = good_result();
+  result.gates[3].wall_ml = -2;
+  result.gates[4].epi->stop_reason = StopReason::diverged;
+  EXPECT_EQ(codes_of(result), (Codes{"surface_diverged", "walls_cross"}));
+  EXPECT_EQ(verdict_of(judge(result)), Verdict::fail);
+}
+
+TEST(Judge, TurnsWarningsOfTheStagesIntoOneFlagPerCode) {
+  VentricleResult result = good_result();
+  result.notes.push_back({Severity::info, "gvf.step_limited", "the step was shortened", 0});
+  result.notes.push_back({Severity::warning, "slice_refine.case_4", "the slices disagree", 1});
+  result.notes.push_back({Severity::warning, "slice_refine.case_4", "the slices disagree", 3});
+  const std::vector<Flag> flags = judge(result);
+  ASSERT_EQ(flags.size(), 1U);
+  EXPECT_EQ(flags[0].code, "slice_refine.case_4");
+  EXPECT_EQ(flags[0].message, "the slices disagree (gates 2, 4)");
+  EXPECT_EQ(flags[0].value, 2);
+}
+
+}  // namespace
+}  // namespace dynasurf
