@@ -116,6 +116,7 @@ Gate finish_gate(GateRun& run, int g, const VentricleResult& result) {
   if (gate.endo && gate.epi) gate.wall_ml = gate.epi->volume_ml - gate.endo->volume_ml;
   gate.base_slice = run.base_slice;
   gate.labels = std::move(run.labels);
+  gate.edges = std::move(run.edges.edges);
   return gate;
 }
 

@@ -55,6 +55,7 @@ struct Gate {
   std::optional<Surface> endo, epi;  // absent where the border was not found
   int base_slice = -1;               // highest slice of the ventricle, -1: unknown
   std::optional<double> wall_ml;     // epi - endo
+  Mask edges;                        // all edges as in EdgeMap, for drawing: they show why a border was not found
 };
 
 struct VentricleResult {
