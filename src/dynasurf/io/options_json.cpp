@@ -1,0 +1,156 @@
+#include "dynasurf/io/options_json.hpp"
+
+#include <set>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/core/error.hpp"
+
+namespace dynasurf {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class... F>
+struct Overload : F... {
+  using F::operator()...;
+};
+
+std::string short_text(const Json& json) {
+  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (text.size() > 40) text = text.substr(0, 37) + "...";
+  return text;
+}
+
+Json value_of(const OptionNode& node) {
+  return std::visit(Overload{[](const auto* value) { return Json(*value); },
+                             [](const std::optional<double>* v) { return *v ? Json(**v) : Json(); },
+                             [](const std::optional<int>* v) { return *v ? Json(**v) : Json(); },
+                             [](const WordRef& word) { return Json(word.words[word.get()]); },
+                             [](const ChoiceRef& choice) {
+                               const std::size_t current = choice.current();
+                               Json object = {{"method", choice.methods[current]}};
+                               object.update(options_to_json(choice.choose(current)));
+                               return object;
+                             },
+                             [](const GroupRef& group) { return options_to_json(group.members); }},
+                    node.ref);
+}
+
+void require_object(const Json& json, const std::string& path) {
+  if (json.is_object()) return;
+  throw OptionError((path.empty() ? "the options are " : "option " + path + " is ") + short_text(json) +
+                    "; expected an object {...}");
+}
+
+void assign_members(const Json& json, const OptionNodes& nodes, const std::string& path, bool in_family);
+
+void assign_method(const Json& json, const ChoiceRef& choice, const OptionNode& node, const std::string& path) {
+  if (json.is_string()) {
+    choice.choose(position_of(choice.methods, json.get_ref<const std::string&>(), path));
+    return;
+  }
+  require_object(json, path);
+  std::size_t wanted = choice.current();
+  if (const auto method = json.find("method"); method != json.end()) {
+    if (!method->is_string()) throw_wrong_value(node, path + ".method", short_text(*method));
+    wanted = position_of(choice.methods, method->get_ref<const std::string&>(), path + ".method");
+  }
+  assign_members(json, choice.choose(wanted), path, true);
+}
+
+void assign(const Json& json, const OptionNode& node, const std::string& path) {
+  const auto wrong = [&] { throw_wrong_value(node, path, short_text(json)); };
+  const auto number = [&]<class Number>(Number& target) {
+    // Whole numbers must be written as such: 2.0 for a count is more often a slip than meant.
+    const bool right_type = std::is_floating_point_v<Number> ? json.is_number() : json.is_number_integer();
+    if (!right_type || !in_range(node.field, json.get<double>())) wrong();
+    if constexpr (std::is_integral_v<Number>) {
+      const bool fits = json.is_number_unsigned() ? std::in_range<Number>(json.get<std::uint64_t>())
+                                                  : std::in_range<Number>(json.get<std::int64_t>());
+      if (!fits) wrong();
+    }
+    target = json.get<Number>();
+  };
+  const auto optional = [&]<class Number>(std::optional<Number>& target) {
+    if (json.is_null()) {
+      target.reset();
+      return;
+    }
+    Number value{};
+    number(value);
+    target = value;
+  };
+  std::visit(
+      Overload{[&](bool* v) {
+                 if (!json.is_boolean()) wrong();
+                 *v = json.get<bool>();
+               },
+               [&](std::string* v) {
+                 if (!json.is_string()) wrong();
+                 *v = json.get<std::string>();
+               },
+               [&](double* v) { number(*v); }, [&](int* v) { number(*v); }, [&](std::uint64_t* v) { number(*v); },
+               [&](std::optional<double>* v) { optional(*v); }, [&](std::optional<int>* v) { optional(*v); },
+               [&](const WordRef& word) {
+                 if (!json.is_string()) wrong();
+                 word.set(position_of(word.words, json.get_ref<const std::string&>(), path));
+               },
+               [&](const ChoiceRef& choice) { assign_method(json, choice, node, path); },
+               [&](const GroupRef& group) { assign_members(json, group.members, path, false); }},
+      node.ref);
+}
+
+void assign_members(const Json& json, const OptionNodes& nodes, const std::string& path, bool in_family) {
+  require_object(json, path);
+  for (const auto& [key, value] : json.items()) {
+    if (in_family && key == "method") continue;
+    const OptionNode* found = nullptr;
+    for (const OptionNode& node : nodes)
+      if (node.name == key) found = &node;
+    if (found == nullptr) throw_unknown_option(nodes, path, key, in_family);
+    assign(value, *found, join_path(path, key));
+  }
+}
+
+/// JSON lets a key stand twice, and most readers silently keep one of the two.
+Json parse_strictly(std::string_view text, const std::string& path) {
+  std::vector<std::set<std::string>> keys;
+  const auto refuse_doubles = [&](int depth, Json::parse_event_t event, Json& parsed) {
+    if (depth > 32) throw OptionError("the options are nested deeper than any option");
+    if (event == Json::parse_event_t::object_start) keys.emplace_back();
+    if (event == Json::parse_event_t::object_end) keys.pop_back();
+    if (event == Json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
+      throw OptionError("option " + join_path(path, parsed.get<std::string>()) + " stands twice in the same object");
+    return true;
+  };
+  try {
+    return Json::parse(text, refuse_doubles);
+  } catch (const Json::exception& error) {
+    // "[json.exception.parse_error.101] parse error at line 3, column 1: ..."
+    const std::string what = error.what();
+    const std::size_t place = what.find("] ");
+    throw OptionError("the options are no JSON: " + (place == std::string::npos ? what : what.substr(place + 2)));
+  }
+}
+
+}  // namespace
+
+Json options_to_json(const OptionNodes& nodes) {
+  Json object = Json::object();
+  for (const OptionNode& node : nodes) object[std::string(node.name)] = value_of(node);
+  return object;
+}
+
+std::string options_to_text(const OptionNodes& nodes) { return options_to_json(nodes).dump(2) + "\n"; }
+
+void options_from_json(const Json& json, const OptionNodes& nodes, const std::string& path) {
+  assign_members(json, nodes, path, false);
+}
+
+void options_from_text(std::string_view text, const OptionNodes& nodes, const std::string& path) {
+  options_from_json(parse_strictly(text, path), nodes, path);
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,62 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "dynasurf/core/options.hpp"
+
+namespace dynasurf::test {
+
+// An options struct with a member of every kind.
+
+enum class Colour { red, green, blue };
+inline std::span<const std::string_view> names_of(Colour) {
+  static constexpr std::array<std::string_view, 3> names{"red", "green", "blue"};
+  return names;
+}
+
+struct ToyBlur {
+  static constexpr std::string_view name = "blur";
+  double sigma = 1;
+};
+void describe(auto& visit, ToyBlur& o) { visit("sigma", o.sigma, Field{"width", "px", 0, 10}); }
+
+struct ToyEdge {
+  static constexpr std::string_view name = "edge";
+  int gain = 3;
+};
+void describe(auto& visit, ToyEdge& o) { visit("gain", o.gain, Field{"factor"}); }
+
+struct ToyInner {
+  int depth = 2;
+};
+void describe(auto& visit, ToyInner& o) { visit("depth", o.depth, Field{"how deep", "", -5, 5}); }
+
+struct Toy {
+  double width_mm = 1.25;
+  int rounds = 10;
+  std::uint64_t seed = 1;
+  std::string title = "toy";
+  bool strict = false;
+  Colour colour = Colour::green;
+  std::optional<int> limit;
+  ToyInner inner;
+  std::variant<ToyBlur, ToyEdge> step;
+};
+void describe(auto& visit, Toy& o) {
+  visit("width_mm", o.width_mm, Field{"how wide", "mm", 0, 20});
+  visit("rounds", o.rounds, Field{"how often", "", 1});
+  visit("seed", o.seed, Field{"of the random numbers"});
+  visit("title", o.title, Field{"a text"});
+  visit("strict", o.strict, Field{"no mercy"});
+  visit("colour", o.colour, Field{"a word"});
+  visit("limit", o.limit, Field{"may be unset", "", 0, 100});
+  visit("inner", o.inner, Field{"a group"});
+  visit("step", o.step, Field{"a family"});
+}
+
+}  // namespace dynasurf::test
