@@ -40,16 +40,21 @@ struct FlowResult {
   int iterations = 0;
   double step = 0;        // time step used
   double residual = 0;    // largest change of a component per unit of time in the last step
-  bool diverged = false;  // the run ended because the field blew up; `field` is the last finite one
+  bool diverged = false;  // a component passed 10 times the largest gradient; `field` is the one before that
   Notes notes;            // "gvf.step_limited", "gvf.diverged"
 };
 
 /// Gradient vector flow of an edge map that is high on borders: vectors point towards borders from both sides.
-/// A constant map gives a zero field. Any size from 1x1x1.
+/// Starts from the gradient of the map (central differences in mm, one-sided on the grid's faces); neighbours beyond
+/// the grid repeat its border. A linear map stays at its gradient; a constant map gives a zero field after 0
+/// iterations. Any size from 1x1x1: an axis of one voxel plays no part, so a single slice is the two-dimensional case
+/// with the step dx dy / (divisor * mu). The same bytes for any number of threads. Throws OptionError for an option out
+/// of range, InputError for a map that is empty or not finite.
 FlowResult flow_field(const Image& edge_map, const Gvf& options, const Progress& progress = {});
 FlowResult flow_field(const Image& edge_map, const FieldOptions& options, const Progress& progress = {});
 
-/// The largest stable time step of the explicit scheme: the data term and the diffusion of all three axes (A.1).
+/// The largest stable time step of the explicit scheme, 2 / (max |grad f|^2 + 4 x the sum of the diffusion rates): the
+/// data term and all three axes count (A.1, E15). `safe_step` stays 5 % below it.
 double stable_step(const Image& edge_map, const Gvf& options);
 
 }  // namespace dynasurf

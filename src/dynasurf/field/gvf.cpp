@@ -1,0 +1,256 @@
+#include "dynasurf/field/gvf.hpp"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <sstream>
+
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/field/gradient.hpp"
+#include "dynasurf/field/simd.hpp"
+
+namespace dynasurf {
+
+namespace {
+
+constexpr std::array<std::string_view, 2> scheme_names{"thesis", "metric"};
+
+/// Diffusion per unit of time towards the neighbours along each axis, and the cell that the printed step divides.
+/// An axis of one voxel has no neighbours: a single slice is the two-dimensional case.
+struct Diffusion {
+  Vec3 rate = Vec3::Zero();
+  double cell = 1;
+};
+
+Diffusion diffusion_of(const Grid& grid, const Gvf& o) {
+  Diffusion d;
+  for (int a = 0; a < 3; ++a)
+    if (grid.dims[a] > 1) d.cell *= grid.spacing[a];
+  for (int a = 0; a < 3; ++a)
+    if (grid.dims[a] > 1)
+      d.rate[a] = o.mu / (o.scheme == GvfScheme::thesis ? d.cell : grid.spacing[a] * grid.spacing[a]);
+  return d;
+}
+
+/// The linear bound: a step times this number must stay below 2, and below 1 for a field that never swings.
+double stiffness(double largest_b, const Diffusion& d) { return largest_b + 4 * d.rate.sum(); }
+
+/// Rows with one spare voxel on either side, which repeats the border, so that a row is one loop without exceptions.
+/// The stride is a whole number of vectors.
+struct Layout {
+  int nx, ny, nz;
+  std::size_t stride, size;
+
+  explicit Layout(const Index3& n)
+      : nx(n[0]),
+        ny(n[1]),
+        nz(n[2]),
+        stride((static_cast<std::size_t>(n[0]) + 2 + 15) / 16 * 16),
+        size(stride * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]) + 32) {}
+  std::size_t row(int j, int k) const {
+    return 16 + stride * (static_cast<std::size_t>(j) + static_cast<std::size_t>(ny) * static_cast<std::size_t>(k));
+  }
+};
+
+/// What an iteration reads and writes.
+struct Sweep {
+  Layout layout;
+  std::array<detail::FloatBuffer, 3> from, to, gradient;
+  detail::FloatBuffer pull;            // b dt: how strongly a voxel is drawn back to the gradient
+  std::vector<std::uint8_t> has_pull;  // one per row; most rows of a border map have none
+  float rx = 0, ry = 0, rz = 0;        // diffusion per step
+  bool measure_change = false;
+
+  explicit Sweep(const Index3& dims) : layout(dims), pull(layout.size) {
+    for (auto* group : {&from, &to, &gradient})
+      for (auto& component : *group) component = detail::FloatBuffer(layout.size);
+    has_pull.resize(static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]));
+  }
+};
+
+/// Largest magnitudes as bit patterns: without the sign they order like the numbers, and a NaN is above all of them.
+/// Whole numbers have a maximum that the compiler can vectorise without changing any result.
+struct Extremes {
+  int value = 0, change = 0;
+};
+
+DYNASURF_INLINE int magnitude_bits(float v) { return std::bit_cast<int>(v) & 0x7fffffff; }
+
+struct Neighbours {
+  const float *own, *ym, *yp, *zm, *zp;
+};
+
+/// One row of one component. In differences, so that a field at rest stays at rest to the last bit.
+template <bool pulled, bool measured>
+DYNASURF_INLINE void step_row(const Sweep& s, const Neighbours& p, const float* __restrict pull,
+                              const float* __restrict gradient, float* __restrict out, Extremes& e) {
+  const int n = s.layout.nx;
+  const float rx = s.rx, ry = s.ry, rz = s.rz;
+  int value = e.value, change = e.change;
+  for (int i = 0; i < n; ++i) {
+    const float u = p.own[i];
+    float du = rx * ((p.own[i - 1] - u) + (p.own[i + 1] - u)) + ry * ((p.ym[i] - u) + (p.yp[i] - u)) +
+               rz * ((p.zm[i] - u) + (p.zp[i] - u));
+    if constexpr (pulled) du += pull[i] * (gradient[i] - u);
+    const float next = u + du;
+    out[i] = next;
+    value = std::max(value, magnitude_bits(next));
+    if constexpr (measured) change = std::max(change, magnitude_bits(du));
+  }
+  e.value = value;
+  e.change = change;
+  out[-1] = out[0];
+  out[n] = out[n - 1];
+}
+
+DYNASURF_CLONES Extremes step_slices(const Sweep& s, int begin, int end) {
+  const Layout& l = s.layout;
+  Extremes e;
+  for (int k = begin; k < end; ++k)
+    for (int j = 0; j < l.ny; ++j) {
+      const std::size_t row = l.row(j, k);
+      const std::size_t ym = l.row(std::max(j - 1, 0), k), yp = l.row(std::min(j + 1, l.ny - 1), k);
+      const std::size_t zm = l.row(j, std::max(k - 1, 0)), zp = l.row(j, std::min(k + 1, l.nz - 1));
+      const bool pulled = s.has_pull[static_cast<std::size_t>(j + l.ny * k)] != 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float* u = s.from[c].data();
+        const Neighbours p{u + row, u + ym, u + yp, u + zm, u + zp};
+        const float* pull = s.pull.data() + row;
+        const float* g = s.gradient[c].data() + row;
+        float* out = s.to[c].data() + row;
+        if (s.measure_change)
+          pulled ? step_row<true, true>(s, p, pull, g, out, e) : step_row<false, true>(s, p, pull, g, out, e);
+        else
+          pulled ? step_row<true, false>(s, p, pull, g, out, e) : step_row<false, false>(s, p, pull, g, out, e);
+      }
+    }
+  return e;
+}
+
+/// Slices per piece of work: large enough to pay for handing it to a thread.
+std::size_t grain_of(const Layout& l) {
+  const std::size_t slice = l.stride * static_cast<std::size_t>(l.ny);
+  return std::max<std::size_t>(1, (std::size_t{1} << 14) / slice);
+}
+
+/// One iteration of all three components; the largest value and the largest change.
+std::pair<double, double> step(const Sweep& s, std::vector<Extremes>& pieces) {
+  const std::size_t grain = grain_of(s.layout), slices = static_cast<std::size_t>(s.layout.nz);
+  pieces.assign((slices + grain - 1) / grain, {});
+  parallel_for(slices, grain, [&](std::size_t begin, std::size_t end) {
+    const detail::FlushDenormals flush;
+    pieces[begin / grain] = step_slices(s, static_cast<int>(begin), static_cast<int>(end));
+  });
+  Extremes all;
+  for (const Extremes& e : pieces) all = {std::max(all.value, e.value), std::max(all.change, e.change)};
+  return {std::bit_cast<float>(all.value), std::bit_cast<float>(all.change)};
+}
+
+/// V0 = grad f (Xu and Prince), and the pull b dt.
+void start(Sweep& s, const Image& f, double dt) {
+  const Layout& l = s.layout;
+  parallel_for(static_cast<std::size_t>(l.nz), 4, [&](std::size_t begin, std::size_t end) {
+    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
+      for (int j = 0; j < l.ny; ++j) {
+        const std::size_t row = l.row(j, k);
+        bool pulled = false;
+        for (int i = 0; i < l.nx; ++i) {
+          const Vec3 g = detail::gradient_at(f, i, j, k);
+          const auto pull = static_cast<float>(g.squaredNorm() * dt);
+          s.pull.data()[row + static_cast<std::size_t>(i)] = pull;
+          pulled = pulled || pull != 0;
+          for (std::size_t c = 0; c < 3; ++c) {
+            const auto value = static_cast<float>(g[static_cast<int>(c)]);
+            s.gradient[c].data()[row + static_cast<std::size_t>(i)] = value;
+            s.from[c].data()[row + static_cast<std::size_t>(i)] = value;
+          }
+        }
+        for (auto& u : s.from) {
+          u.data()[row - 1] = u.data()[row];
+          u.data()[row + static_cast<std::size_t>(l.nx)] = u.data()[row + static_cast<std::size_t>(l.nx) - 1];
+        }
+        s.has_pull[static_cast<std::size_t>(j + l.ny * k)] = pulled;
+      }
+  });
+}
+
+void copy_out(const Sweep& s, VectorField& field) {
+  const Layout& l = s.layout;
+  std::array<float*, 3> out{field.x.data(), field.y.data(), field.z.data()};
+  for (std::size_t c = 0; c < 3; ++c)
+    for (int k = 0; k < l.nz; ++k)
+      for (int j = 0; j < l.ny; ++j)
+        std::copy_n(s.from[c].data() + l.row(j, k), l.nx, out[c] + field.grid.index(0, j, k));
+}
+
+/// The printed step, shortened where it would make the field blow up.
+double choose_step(const Diffusion& d, double largest_b, const Gvf& o, Notes& notes) {
+  const double printed = d.cell / (o.step_divisor * o.mu);
+  const double safe = 1.9 / stiffness(largest_b, d);  // 5 % below the bound of 2
+  if (!o.safe_step || printed <= safe) return printed;
+  std::ostringstream text;
+  text << "the time step " << printed << " of divisor " << o.step_divisor << " is above the stability bound; " << safe
+       << " was used";
+  notes.push_back({Severity::info, "gvf.step_limited", text.str()});
+  return safe;
+}
+
+void iterate(Sweep& s, const Gvf& o, double limit, FlowResult& r, const Progress& progress) {
+  std::vector<Extremes> pieces;
+  while (r.iterations < o.iterations) {
+    progress.check();
+    s.measure_change = o.residual > 0 || r.iterations + 1 == o.iterations;
+    const auto [value, change] = step(s, pieces);
+    if (!(value <= limit)) {
+      r.diverged = true;
+      std::ostringstream text;
+      text << "the field blew up in iteration " << r.iterations + 1 << " with a time step of " << r.step
+           << "; a larger step divisor or mu, or safe_step, is needed";
+      r.notes.push_back({Severity::failure, "gvf.diverged", text.str()});
+      return;
+    }
+    std::swap(s.from, s.to);
+    ++r.iterations;
+    if (s.measure_change) r.residual = change / r.step;
+    if (r.iterations % 16 == 0 || r.iterations == o.iterations) progress("field", r.iterations, o.iterations);
+    if (o.residual > 0 && r.residual < o.residual) return;
+  }
+}
+
+}  // namespace
+
+std::span<const std::string_view> names_of(GvfScheme) { return scheme_names; }
+
+double stable_step(const Image& edge_map, const Gvf& options) {
+  Gvf o = options;
+  check_options(o, "gvf");
+  detail::check_edge_map(edge_map);
+  return 2 / stiffness(detail::largest_gradient_squared(edge_map), diffusion_of(edge_map.grid, o));
+}
+
+FlowResult flow_field(const Image& edge_map, const Gvf& options, const Progress& progress) {
+  Gvf o = options;
+  check_options(o, "gvf");
+  detail::check_edge_map(edge_map);
+  FlowResult r;
+  r.field = VectorField(edge_map.grid);
+  const double largest_b = detail::largest_gradient_squared(edge_map);
+  const Diffusion d = diffusion_of(edge_map.grid, o);
+  r.step = choose_step(d, largest_b, o, r.notes);
+  if (largest_b == 0) return r;
+
+  Sweep s(edge_map.grid.dims);
+  s.rx = static_cast<float>(d.rate[0] * r.step);
+  s.ry = static_cast<float>(d.rate[1] * r.step);
+  s.rz = static_cast<float>(d.rate[2] * r.step);
+  start(s, edge_map, r.step);
+  iterate(s, o, 10 * std::sqrt(largest_b), r, progress);
+  copy_out(s, r.field);
+  return r;
+}
+
+FlowResult flow_field(const Image& edge_map, const FieldOptions& options, const Progress& progress) {
+  return std::visit([&](const auto& method) { return flow_field(edge_map, method, progress); }, options);
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,62 @@
+#pragma once
+#include <cstddef>
+#include <cstdlib>
+#include <memory>
+#include <new>
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+namespace dynasurf::detail {
+
+// A function marked so is compiled for several instruction sets and the best one is chosen when the program starts.
+// Contraction is off and no loop reorders a sum, so every copy returns the same bytes. Sanitizers cannot run the
+// chooser (it is called before they are ready), so they get the plain copy.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define DYNASURF_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define DYNASURF_CLONES
+#endif
+#define DYNASURF_INLINE inline __attribute__((always_inline))
+
+/// Floats that start on a cache line. Fresh memory is not cleared.
+class FloatBuffer {
+ public:
+  FloatBuffer() = default;
+  explicit FloatBuffer(std::size_t count) : size_(count) {
+    const std::size_t bytes = (count * sizeof(float) + 63) / 64 * 64;
+    data_.reset(static_cast<float*>(std::aligned_alloc(64, bytes > 0 ? bytes : 64)));
+    if (!data_) throw std::bad_alloc();
+  }
+  float* data() const { return data_.get(); }
+  std::size_t size() const { return size_; }
+
+ private:
+  struct Free {
+    void operator()(float* p) const { std::free(p); }
+  };
+  std::unique_ptr<float[], Free> data_;
+  std::size_t size_ = 0;
+};
+
+/// While it lives, this thread treats numbers below the normal range as zero. The rim of a spreading field is full of
+/// them, and the processor is many times slower on each.
+class FlushDenormals {
+ public:
+#if defined(__SSE2__)
+  FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | 0x8040u); }
+  ~FlushDenormals() { _mm_setcsr(saved_); }
+
+ private:
+  unsigned saved_;
+#else
+  FlushDenormals() {}
+#endif
+ public:
+  FlushDenormals(const FlushDenormals&) = delete;
+  FlushDenormals& operator=(const FlushDenormals&) = delete;
+};
+
+}  // namespace dynasurf::detail
