@@ -23,7 +23,7 @@ struct TriangleQuality {
 };
 TriangleQuality triangle_quality(const TriMesh& mesh);
 
-/// What a mesh is as a surface.
+/// What a mesh is as a surface. A vertex of no triangle is a component of its own.
 struct Topology {
   std::size_t vertices = 0, edges = 0, triangles = 0;
   std::size_t boundary_edges = 0, non_manifold_edges = 0, misoriented_edges = 0;
@@ -40,7 +40,9 @@ std::vector<double> distances_to_border_voxels(const TriMesh& mesh, const Image&
 /// The same in mm.
 std::vector<double> distances_to_border_mm(const TriMesh& mesh, const Image& border);
 
-/// The polygons in which a plane (point, unit normal) cuts the mesh; each polygon is closed when the mesh is.
+/// The polygons in which a plane (point, normal of any length but 0) cuts the mesh. A closed polygon repeats its first
+/// point at its end; all are closed when the mesh is closed and oriented. Outer surfaces give polygons that run
+/// counter-clockwise seen from the tip of the normal. A vertex on the plane counts as above it.
 std::vector<std::vector<Vec3>> cross_section(const TriMesh& mesh, const Vec3& point, const Vec3& normal);
 
 }  // namespace dynasurf

@@ -6,7 +6,8 @@
 namespace dynasurf {
 
 /// Unit icosphere: 10*4^level+2 vertices, 20*4^level triangles; level 2, 3, 4 are the thesis's 162, 642, 2562
-/// (GEO-SPHERE, thesis 5.2). The vertices of level n are the first ones of level n+1.
+/// (GEO-SPHERE, thesis 5.2). The vertices of level n are the first ones of level n+1. Throws OptionError unless the
+/// level is 0 to 9.
 TriMesh icosphere(int level);
 
 /// GEO-PLACE (thesis 5.2).
@@ -21,7 +22,8 @@ void describe(auto& visit, Placement& o) {
   visit("centre_of_mass", o.centre_of_mass, Field{"centre on the data's centre of mass instead of the box"});
 }
 
-/// `unit` stretched to an ellipsoid around the non-zero voxels of `data`, in the grid frame.
+/// `unit` stretched to an ellipsoid around the non-zero voxels of `data`, in the grid frame. The box holds whole
+/// voxels, not only their centres; the centre of mass counts every non-zero voxel once.
 /// Precondition: `data` has a non-zero voxel; throws InputError otherwise.
 TriMesh place(const TriMesh& unit, const Image& data, const Placement& options);
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "dynasurf/core/options.hpp"
@@ -34,5 +35,25 @@ struct SmoothReport {
 /// when `step_mm` is 0.
 SmoothReport smooth(TriMesh& mesh, const Smoothing& options, double smallest_spacing_mm,
                     const std::vector<std::uint8_t>& pinned = {});
+
+/// Neighbours of each vertex in the order of its fan; none for vertices of the boundary, of no triangle, or where
+/// several fans meet. They depend on the triangles alone: find them once, smooth many times.
+struct VertexRings {
+  std::vector<std::uint32_t> first;       // vertices + 1 offsets into `neighbours`
+  std::vector<std::uint32_t> neighbours;  // ring after ring
+  std::span<const std::uint32_t> of(std::uint32_t vertex) const {
+    return std::span(neighbours).subspan(first[vertex], first[vertex + 1] - first[vertex]);
+  }
+};
+VertexRings vertex_rings(const TriMesh& mesh);
+
+/// The same smoothing with rings found before; visits only `movable`, in its order. Allocates nothing. The options
+/// must have been checked.
+SmoothReport smooth(std::span<Vec3> vertices, const VertexRings& rings, std::span<const std::uint32_t> movable,
+                    const Smoothing& options, double smallest_spacing_mm);
+
+/// 2 pi minus the sum of the angles at each vertex (thesis 5.2, 5.3): positive on a peak or a pit, negative on a
+/// saddle, 0 for vertices without a ring.
+std::vector<double> angle_deficits(const TriMesh& mesh);
 
 }  // namespace dynasurf

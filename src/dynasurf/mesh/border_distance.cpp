@@ -1,0 +1,87 @@
+#include "dynasurf/mesh/border_distance.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/measures.hpp"
+
+namespace dynasurf {
+namespace {
+
+/// Voxel nearest to a coordinate given in voxels, inside the grid.
+int nearest_index(double x, int count) { return static_cast<int>(std::clamp(std::floor(x + 0.5), 0.0, count - 1.0)); }
+
+double square(double x) { return x * x; }
+
+template <class Distance>
+std::vector<double> for_all_vertices(const TriMesh& mesh, Distance&& distance) {
+  std::vector<double> result(mesh.vertices.size());
+  parallel_for(result.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) result[v] = distance(mesh.vertices[v]);
+  });
+  return result;
+}
+
+}  // namespace
+
+BorderDistance::BorderDistance(const Image& border)
+    : grid_(border.grid), before_(border.values.size(), -1), after_(border.values.size(), -1) {
+  const auto width = static_cast<std::size_t>(grid_.dims[0]);
+  for (std::size_t row = 0; row < border.values.size(); row += width) {
+    std::int32_t last = -1;
+    for (std::size_t i = 0; i < width; ++i) {
+      if (border.values[row + i] != 0) last = static_cast<std::int32_t>(i), empty_ = false;
+      before_[row + i] = last;
+    }
+    last = -1;
+    for (std::size_t i = width; i-- > 0;) {
+      if (border.values[row + i] != 0) last = static_cast<std::int32_t>(i);
+      after_[row + i] = last;
+    }
+  }
+}
+
+// Rows of voxels are visited in square rings around the row of the point. A row in ring r is at least r - 1/2 voxels
+// away, so the search ends once that is farther than the best voxel found.
+double BorderDistance::distance(const Vec3& p, const Vec3& scale, double limit) const {
+  if (empty_ || !p.allFinite()) return std::numeric_limits<double>::infinity();
+  const int ci = nearest_index(p[0], grid_.dims[0]), cj = nearest_index(p[1], grid_.dims[1]),
+            ck = nearest_index(p[2], grid_.dims[2]);
+  double best = std::isinf(limit) ? limit : square(limit);
+  bool found = false;
+  const auto try_row = [&](int j, int k) {
+    if (j < 0 || k < 0 || j >= grid_.dims[1] || k >= grid_.dims[2]) return;
+    const double across = square(scale[1] * (p[1] - j)) + square(scale[2] * (p[2] - k));
+    if (across > best) return;
+    const std::size_t here = grid_.index(ci, j, k);
+    for (const std::int32_t i : {before_[here], after_[here]}) {
+      if (i < 0) continue;
+      const double d = across + square(scale[0] * (p[0] - i));
+      if (d > best) continue;
+      best = d;
+      found = true;
+    }
+  };
+
+  try_row(cj, ck);
+  const double ring_width = std::min(scale[1], scale[2]);
+  const int last_ring = std::max(std::max(cj, grid_.dims[1] - 1 - cj), std::max(ck, grid_.dims[2] - 1 - ck));
+  for (int r = 1; r <= last_ring && square((r - 0.5) * ring_width) <= best; ++r) {
+    for (int j = cj - r; j <= cj + r; ++j) try_row(j, ck - r), try_row(j, ck + r);
+    for (int k = ck - r + 1; k < ck + r; ++k) try_row(cj - r, k), try_row(cj + r, k);
+  }
+  return found ? std::sqrt(best) : std::numeric_limits<double>::infinity();
+}
+
+std::vector<double> distances_to_border_voxels(const TriMesh& mesh, const Image& border) {
+  const BorderDistance to_border(border);
+  return for_all_vertices(mesh, [&](const Vec3& p) { return to_border.voxels(p); });
+}
+
+std::vector<double> distances_to_border_mm(const TriMesh& mesh, const Image& border) {
+  const BorderDistance to_border(border);
+  return for_all_vertices(mesh, [&](const Vec3& p) { return to_border.mm(p); });
+}
+
+}  // namespace dynasurf
