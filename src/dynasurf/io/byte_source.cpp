@@ -1,0 +1,197 @@
+#include "dynasurf/io/byte_source.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "dynasurf/core/error.hpp"
+
+namespace dynasurf {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Deflate cannot pack better than this: 258 bytes in two bits.
+constexpr std::uint64_t largest_gzip_ratio = 1032;
+
+[[noreturn]] void fail_io(const fs::path& path, const char* doing) {
+  throw IoError(path.string() + ": cannot " + doing + ": " + std::strerror(errno));
+}
+
+int open_regular(const fs::path& path, std::uint64_t& size) {
+  // O_NONBLOCK: a named pipe must be refused, not waited for.
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (fd < 0) fail_io(path, "open");
+  struct stat facts {};
+  const bool known = ::fstat(fd, &facts) == 0;
+  if (!known || !S_ISREG(facts.st_mode)) {
+    ::close(fd);
+    throw IoError(path.string() + ": is not a regular file");
+  }
+  size = static_cast<std::uint64_t>(facts.st_size);
+  return fd;
+}
+
+}  // namespace
+
+struct ByteSource::State {
+  fs::path path;
+  Packing packing;
+  int fd = -1;
+  std::uint64_t bytes_left_in_file = 0;
+  std::uint64_t delivered = 0;
+  std::array<unsigned char, 1 << 16> buffer{};
+  std::size_t buffered_from = 0, buffered_to = 0;
+  z_stream unpacker{};
+  bool unpacker_ready = false;
+  bool member_done = true;
+
+  State(const fs::path& file, Packing how, std::uint64_t offset) : path(file), packing(how) {
+    std::uint64_t size = 0;
+    fd = open_regular(path, size);
+    if (offset > size || ::lseek(fd, static_cast<off_t>(offset), SEEK_SET) < 0) {
+      ::close(fd);
+      throw InputError(path.string() + ": ends after " + std::to_string(size) + " bytes; its data should start at " +
+                       std::to_string(offset));
+    }
+    bytes_left_in_file = size - offset;
+    // 16: a gzip header is expected and its checksum and length are verified.
+    if (packing == Packing::gzip) unpacker_ready = inflateInit2(&unpacker, 15 + 16) == Z_OK;
+  }
+  ~State() {
+    if (unpacker_ready) inflateEnd(&unpacker);
+    ::close(fd);
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  bool refill() {
+    if (buffered_from < buffered_to) return true;
+    ssize_t count = 0;
+    do count = ::read(fd, buffer.data(), buffer.size());
+    while (count < 0 && errno == EINTR);
+    if (count < 0) fail_io(path, "read");
+    buffered_from = 0;
+    buffered_to = static_cast<std::size_t>(count);
+    bytes_left_in_file -= std::min<std::uint64_t>(bytes_left_in_file, buffered_to);
+    return count > 0;
+  }
+
+  std::size_t take_plain(std::byte* out, std::size_t count) {
+    if (!refill()) return 0;
+    const std::size_t n = std::min(count, buffered_to - buffered_from);
+    std::memcpy(out, buffer.data() + buffered_from, n);
+    buffered_from += n;
+    return n;
+  }
+
+  std::size_t take_unpacked(std::byte* out, std::size_t count) {
+    if (!unpacker_ready) throw IoError(path.string() + ": zlib has no memory to unpack it");
+    while (true) {
+      const bool more = refill();
+      if (member_done) {
+        if (!more) return 0;
+        // A gzip file may be several members, one after the other.
+        inflateReset(&unpacker);
+        member_done = false;
+      } else if (!more) {
+        throw InputError(path.string() + ": the gzip stream is cut off; expected its end and checksum");
+      }
+      unpacker.next_in = buffer.data() + buffered_from;
+      unpacker.avail_in = static_cast<uInt>(buffered_to - buffered_from);
+      unpacker.next_out = reinterpret_cast<Bytef*>(out);
+      unpacker.avail_out = static_cast<uInt>(std::min<std::size_t>(count, 1u << 30));
+      const uInt room = unpacker.avail_out;
+      const int status = inflate(&unpacker, Z_NO_FLUSH);
+      buffered_from = buffered_to - unpacker.avail_in;
+      if (status == Z_STREAM_END)
+        member_done = true;
+      else if (status != Z_OK && status != Z_BUF_ERROR)
+        throw InputError(path.string() + ": the gzip stream is damaged (" +
+                         (unpacker.msg ? unpacker.msg : "unknown reason") + ")");
+      if (const std::size_t n = room - unpacker.avail_out; n > 0) return n;
+    }
+  }
+
+  std::size_t take(std::byte* out, std::size_t count) {
+    const std::size_t n = packing == Packing::gzip ? take_unpacked(out, count) : take_plain(out, count);
+    delivered += n;
+    return n;
+  }
+};
+
+ByteSource::ByteSource(const std::filesystem::path& path, Packing packing, std::uint64_t offset)
+    : state_(std::make_unique<State>(path, packing, offset)) {}
+ByteSource::~ByteSource() = default;
+ByteSource::ByteSource(ByteSource&&) noexcept = default;
+
+void ByteSource::read(std::span<std::byte> out, const char* what) {
+  std::size_t done = 0;
+  while (done < out.size()) {
+    const std::size_t n = state_->take(out.data() + done, out.size() - done);
+    if (n == 0)
+      throw InputError(state_->path.string() + ": ends within its " + what + ": " + std::to_string(out.size() - done) +
+                       " more bytes were expected here");
+    done += n;
+  }
+}
+
+void ByteSource::skip(std::uint64_t bytes, const char* what) {
+  std::array<std::byte, 4096> waste{};
+  while (bytes > 0) {
+    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(bytes, waste.size()));
+    read(std::span(waste).first(n), what);
+    bytes -= n;
+  }
+}
+
+void ByteSource::expect_end() {
+  std::byte extra{};
+  if (state_->take(&extra, 1) != 0)
+    throw InputError(state_->path.string() + ": holds more data than its header declares (" +
+                     std::to_string(state_->delivered - 1) + " bytes)");
+}
+
+std::uint64_t ByteSource::most_bytes_left() const {
+  const std::uint64_t packed = state_->bytes_left_in_file + (state_->buffered_to - state_->buffered_from);
+  // The unpacker may hold up to one window that it has not delivered yet.
+  return state_->packing == Packing::gzip ? packed * largest_gzip_ratio + (1u << 16) : packed;
+}
+
+bool is_gzip_file(const std::filesystem::path& path) {
+  std::uint64_t size = 0;
+  const int fd = open_regular(path, size);
+  unsigned char magic[2] = {0, 0};
+  const ssize_t count = ::read(fd, magic, 2);
+  ::close(fd);
+  return count == 2 && magic[0] == 0x1f && magic[1] == 0x8b;
+}
+
+std::uint64_t size_of_file(const std::filesystem::path& path) {
+  std::uint64_t size = 0;
+  ::close(open_regular(path, size));
+  return size;
+}
+
+std::string first_bytes(const std::filesystem::path& path, std::size_t count) {
+  ByteSource source(path, is_gzip_file(path) ? ByteSource::Packing::gzip : ByteSource::Packing::plain);
+  std::string bytes;
+  std::byte byte{};
+  try {
+    while (bytes.size() < count) {
+      source.read(std::span(&byte, 1), "first bytes");
+      bytes += static_cast<char>(byte);
+    }
+  } catch (const InputError&) {
+    // Too short or damaged: the caller decides by what there is.
+  }
+  return bytes;
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,57 @@
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include <openssl/evp.h>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/io/digest.hpp"
+#include "dynasurf/io/study_io.hpp"
+
+namespace dynasurf {
+namespace {
+
+std::string hexadecimal(const Sha256& digest) {
+  constexpr char digits[] = "0123456789abcdef";
+  std::string text;
+  for (const unsigned char byte : digest) {
+    text += digits[byte >> 4];
+    text += digits[byte & 15];
+  }
+  return text;
+}
+
+}  // namespace
+
+struct Hasher::State {
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context{EVP_MD_CTX_new(), EVP_MD_CTX_free};
+};
+
+Hasher::Hasher() : state_(std::make_unique<State>()) {
+  if (!state_->context || EVP_DigestInit_ex(state_->context.get(), EVP_sha256(), nullptr) != 1)
+    throw IoError("SHA-256 is not available in this OpenSSL");
+}
+Hasher::~Hasher() = default;
+
+void Hasher::add(const void* data, std::size_t bytes) { EVP_DigestUpdate(state_->context.get(), data, bytes); }
+
+Sha256 Hasher::finish() {
+  Sha256 digest{};
+  EVP_DigestFinal_ex(state_->context.get(), digest.data(), nullptr);
+  return digest;
+}
+
+std::string sha256_of_file(const std::filesystem::path& path) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+  if (!file) throw IoError(path.string() + ": cannot open: " + std::strerror(errno));
+  Hasher hasher;
+  std::vector<unsigned char> block(1 << 16);
+  while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get()))
+    hasher.add(block.data(), count);
+  if (std::ferror(file.get())) throw IoError(path.string() + ": cannot read: " + std::strerror(errno));
+  return hexadecimal(hasher.finish());
+}
+
+}  // namespace dynasurf

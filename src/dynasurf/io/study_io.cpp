@@ -1,0 +1,72 @@
+#include "dynasurf/io/study_io.hpp"
+
+#include <cstring>
+#include <string>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/io/formats.hpp"
+#include "dynasurf/io/nifti_format.hpp"
+
+namespace dynasurf {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Format { dicom, nifti, nrrd };
+
+bool looks_like_nifti(const std::string& head) {
+  constexpr const char little[] = "\x5c\x01\0\0", big[] = "\0\0\x01\x5c";
+  return head.size() >= 4 && (std::memcmp(head.data(), little, 4) == 0 || std::memcmp(head.data(), big, 4) == 0);
+}
+
+/// DICOM without its preamble starts with an element of group 0002 or 0008, in either byte order.
+bool looks_like_bare_dicom(const std::string& head) {
+  const auto at = [&](std::size_t n) { return static_cast<unsigned char>(head[n]); };
+  return head.size() >= 8 && ((at(1) == 0 && (at(0) == 2 || at(0) == 8)) || (at(0) == 0 && (at(1) == 2 || at(1) == 8)));
+}
+
+Format format_of(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) return Format::dicom;
+  const std::string head = first_bytes(path, 132);
+  if (head.size() == 132 && head.compare(128, 4, "DICM") == 0) return Format::dicom;
+  if (head.compare(0, 4, "NRRD") == 0) {
+    if (is_gzip_file(path))
+      throw InputError(path.string() + ": is a NRRD file packed as a whole; unpack it with gunzip first");
+    return Format::nrrd;
+  }
+  if (looks_like_nifti(head)) return Format::nifti;
+  if (head.compare(0, 4, std::string("\x1c\x02\0\0", 4)) == 0 ||
+      head.compare(0, 4, std::string("\0\0\x02\x1c", 4)) == 0)
+    throw InputError(path.string() + ": is NIfTI-2; expected NIfTI-1, DICOM or NRRD");
+  if (looks_like_bare_dicom(head)) return Format::dicom;
+  throw InputError(path.string() +
+                   (size_of_file(path) == 0 ? ": is empty" : ": is not a heart study that can be read") +
+                   "; expected DICOM, NIfTI or NRRD");
+}
+
+}  // namespace
+
+Study read_study(const std::filesystem::path& path) {
+  switch (format_of(path)) {
+    case Format::nifti:
+      return read_nifti(path);
+    case Format::nrrd:
+      return read_nrrd(path);
+    case Format::dicom:
+      break;
+  }
+  return read_dicom(path);
+}
+
+std::vector<std::filesystem::path> files_of_study(const std::filesystem::path& path) {
+  std::vector<fs::path> files{path};
+  const Format format = format_of(path);
+  if (format == Format::dicom) return files_of_dicom(path);
+  for (const fs::path& data : format == Format::nifti ? data_files_of_nifti(path) : data_files_of_nrrd(path))
+    files.push_back(data);
+  return files;
+}
+
+}  // namespace dynasurf
