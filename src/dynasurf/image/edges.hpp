@@ -37,13 +37,14 @@ using EdgeOptions = std::variant<Canny>;
 
 /// Edges of every slice. `gradient` holds the magnitude the thresholds were applied to.
 struct EdgeMap {
-  Mask edges;      // 0 none, 1 minor, 2 major
+  Mask edges;      // 0 none, 1 minor, 2 major; Canny's are all major. Every non-zero pixel is an edge.
   Image gradient;  // per px
   Notes notes;
 };
 
 /// Edges of a normalised volume, slice by slice. Borders are replicated. A constant volume gives none.
-/// Throws OptionError when high < low or a parameter is out of range.
+/// Of a step between two pixels the brighter one is marked. A constant volume gets the note "edges.flat".
+/// Throws OptionError when high < low or a parameter is out of range, InputError for values that are not finite.
 EdgeMap detect_edges(const Image& image, const Canny& options);
 EdgeMap detect_edges(const Image& image, const EdgeOptions& options);
 
