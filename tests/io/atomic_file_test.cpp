@@ -113,19 +113,30 @@ TEST(WriteFile, LeavesTheOldFileAtTheLimitOfFileSize) {
   EXPECT_EQ(names_in(scratch.path()), (std::set<std::string>{"a.txt"}));
 }
 
-/// Runs `work` in a child process over and over until it is killed after `microseconds`.
-void kill_in_the_middle_of(const std::function<void()>& work, unsigned microseconds) {
+/// Runs `work` in a child process over and over. Kills it `microseconds` after it has finished `rounds` of them: on a
+/// busy machine time alone would kill it before it has done anything.
+void kill_in_the_middle_of(const std::function<void()>& work, std::uint64_t rounds, std::uint64_t microseconds) {
+  int pipe_ends[2];
+  ASSERT_EQ(::pipe(pipe_ends), 0);
   const pid_t child = ::fork();
   if (child == 0) {
     try {
-      while (true) work();
+      while (true) {
+        work();
+        if (::write(pipe_ends[1], "x", 1) != 1) ::_exit(8);
+      }
     } catch (...) {
       ::_exit(7);
     }
   }
   ASSERT_GT(child, 0);
-  ::usleep(microseconds);
+  ::close(pipe_ends[1]);
+  char finished = 0;
+  for (; rounds > 0; --rounds)
+    if (::read(pipe_ends[0], &finished, 1) != 1) break;
+  ::usleep(static_cast<useconds_t>(microseconds));
   ::kill(child, SIGKILL);
+  ::close(pipe_ends[0]);
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFSIGNALED(status)) << "the child ended by itself: a write failed";
@@ -139,8 +150,8 @@ TEST(WriteFile, IsOldOrNewButNeverTornWhenKilled) {
   std::set<char> seen;
   for (int round = 0; round < 200; ++round) {
     char letter = 'a';
-    kill_in_the_middle_of([&] { write_file(path, std::string(300000, letter = letter == 'a' ? 'b' : 'a')); },
-                          static_cast<unsigned>(200 + dice(6000)));
+    kill_in_the_middle_of([&] { write_file(path, std::string(300000, letter = letter == 'a' ? 'b' : 'a')); }, dice(3),
+                          dice(2000));
     const std::string bytes = read_bytes(path);
     ASSERT_EQ(bytes.size(), 300000u);
     ASSERT_EQ(bytes, std::string(300000, bytes[0]));
@@ -216,7 +227,7 @@ TEST(OutputFolder, IsOldOrNewButNeverTornOrMissingWhenKilled) {
           fill(folder.path(), letter = letter == 'a' ? 'b' : 'a');
           folder.publish();
         },
-        static_cast<unsigned>(200 + dice(6000)));
+        dice(3), dice(2000));
     const char found = letter_of(scratch / "result");
     ASSERT_TRUE(found == 'a' || found == 'b') << found;
     seen.insert(found);
