@@ -53,6 +53,10 @@ struct OptionNode {
 template <Described O>
 OptionNodes nodes_of(O& options);
 
+/// A family by itself: `choice_of(phantom).choose(2)` makes the third method current and gives its members.
+template <class... A>
+ChoiceRef choice_of(std::variant<A...>& family);
+
 /// Sets one option from text: "edges.sigma_px=1.8", "field=gvf" or "field.method=gvf" (a method that is current already
 /// keeps its options), "labels.coarse.x_px=unset" (an optional number). Throws OptionError, in one line with the full
 /// path and the choices, for an unknown path, a wrong type, an unknown word, or a value out of range; the options
@@ -100,14 +104,6 @@ std::string join_path(const std::string& path, std::string_view name);
 
 // ---------------------------------------------------------------------------------------------------------------------
 
-namespace detail {
-
-template <class T>
-inline constexpr bool is_plain_option =
-    std::is_same_v<T, double> || std::is_same_v<T, int> || std::is_same_v<T, std::uint64_t> ||
-    std::is_same_v<T, bool> || std::is_same_v<T, std::string> || std::is_same_v<T, std::optional<double>> ||
-    std::is_same_v<T, std::optional<int>>;
-
 template <class... A>
 ChoiceRef choice_of(std::variant<A...>& family) {
   ChoiceRef choice;
@@ -123,6 +119,14 @@ ChoiceRef choice_of(std::variant<A...>& family) {
   };
   return choice;
 }
+
+namespace detail {
+
+template <class T>
+inline constexpr bool is_plain_option =
+    std::is_same_v<T, double> || std::is_same_v<T, int> || std::is_same_v<T, std::uint64_t> ||
+    std::is_same_v<T, bool> || std::is_same_v<T, std::string> || std::is_same_v<T, std::optional<double>> ||
+    std::is_same_v<T, std::optional<int>>;
 
 struct NodeCollector {
   OptionNodes nodes;

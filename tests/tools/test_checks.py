@@ -1,0 +1,126 @@
+"""The checks of tools/ find what they are there to find."""
+
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+ARCHITECTURE = """
+| floor | module | holds | may include | third party |
+|---|---|---|---|---|
+| 1 | core | values | - | Eigen, oneTBB (one source) |
+| 2 | mesh | shapes | core | - |
+| 5 | io | files | core, mesh | zlib |
+| 6 | app | programs | all | CLI11 |
+"""
+
+
+class Project(unittest.TestCase):
+    """A small project in a folder of its own."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+        self.write("docs/architecture.md", ARCHITECTURE)
+
+    def write(self, path, text):
+        file = self.root / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+
+    def run_tool(self, tool, *arguments):
+        run = subprocess.run([sys.executable, ROOT / "tools" / tool, *map(str, arguments)], capture_output=True, text=True)
+        return run.returncode, run.stdout + run.stderr
+
+
+class CheckIncludes(Project):
+    def check(self, path, include):
+        self.write(path, f"#include {include}\n")
+        return self.run_tool("check_includes.py", self.root)
+
+    def test_accepts_what_stands_on_the_line_of_a_module(self):
+        for include in ('"dynasurf/core/grid.hpp"', '"dynasurf/mesh/shapes.hpp"', "<vector>", "<Eigen/LU>"):
+            code, text = self.check("src/dynasurf/mesh/a.cpp", include)
+            self.assertEqual(code, 0, text)
+
+    def test_refuses_a_module_that_stands_above(self):
+        code, text = self.check("src/dynasurf/core/a.hpp", '"dynasurf/mesh/shapes.hpp"')
+        self.assertEqual(code, 1)
+        self.assertIn("src/dynasurf/core/a.hpp:1: core may not include mesh", text)
+
+    def test_refuses_a_library_of_another_module(self):
+        for include in ("<zlib.h>", "<CLI/CLI.hpp>", "<tbb/parallel_for.h>"):
+            self.assertEqual(self.check("src/dynasurf/mesh/a.cpp", include)[0], 1, include)
+
+    def test_refuses_a_library_that_nobody_listed(self):
+        self.assertIn("belongs to no library", self.check("src/dynasurf/io/a.cpp", "<boost/any.hpp>")[1])
+
+    def test_refuses_system_headers_in_the_lower_floors(self):
+        self.assertEqual(self.check("src/dynasurf/mesh/a.cpp", "<unistd.h>")[0], 1)
+        self.write("src/dynasurf/mesh/a.cpp", "")
+        self.assertEqual(self.check("src/dynasurf/io/a.cpp", "<unistd.h>")[0], 0)
+
+    def test_refuses_own_headers_without_their_path(self):
+        self.assertIn("full path", self.check("src/dynasurf/mesh/a.cpp", '"shapes.hpp"')[1])
+
+    def test_refuses_a_second_source_of_a_library_meant_for_one(self):
+        self.assertEqual(self.check("src/dynasurf/core/a.cpp", "<tbb/tbb.h>")[0], 0)
+        code, text = self.check("src/dynasurf/core/b.cpp", "<tbb/tbb.h>")
+        self.assertEqual(code, 1)
+        self.assertIn("oneTBB is meant for one source of core", text)
+
+    def test_refuses_a_table_that_leads_upwards(self):
+        self.write("docs/architecture.md", ARCHITECTURE.replace("| values | - |", "| values | mesh |"))
+        self.assertIn("stands above it", self.check("src/dynasurf/core/a.cpp", "<vector>")[1])
+
+
+class CheckThesisMap(Project):
+    def check(self, row):
+        self.write("src/a.cpp", "")
+        self.write("tests/core/a_test.cpp", "TEST(Sum, AddsTwoNumbers) {}\n")
+        self.write("docs/thesis-map.md", f"| item | thesis | file | test |\n|---|---|---|---|\n{row}\n")
+        return self.run_tool("check_thesis_map.py", self.root)
+
+    def test_accepts_files_and_tests_that_exist(self):
+        for test in ("`Sum`", "`Sum.AddsTwoNumbers`", "`tests/core/a_test.cpp`"):
+            code, text = self.check(f"| SUM | 1.2 | `src/a.cpp` | {test} |")
+            self.assertEqual(code, 0, text)
+
+    def test_refuses_what_does_not_exist(self):
+        self.assertIn("file 'src/b.cpp'", self.check("| SUM | 1.2 | `src/b.cpp` | `Sum` |")[1])
+        self.assertIn("test 'Sum.Other'", self.check("| SUM | 1.2 | `src/a.cpp` | `Sum.Other` |")[1])
+        self.assertIn("no test for SUM", self.check("| SUM | 1.2 | `src/a.cpp` | |")[1])
+
+    def test_refuses_an_empty_map(self):
+        self.assertEqual(self.check("")[0], 1)
+
+
+class CheckDocs(Project):
+    def check(self, text, *arguments):
+        self.write("docs/page.md", text)
+        self.write("program", '#!/bin/sh\necho "| $2 |"\n')
+        (self.root / "program").chmod(0o755)
+        return self.run_tool("check_docs.py", "--root", self.root, "--program", self.root / "program", *arguments)
+
+    def test_follows_links_to_files_and_headings(self):
+        good = "# One thing, `two`\n[a](architecture.md) [b](#one-thing-two) [c](https://example.org)\n"
+        self.assertEqual(self.check(good)[0], 0)
+        self.assertIn("leads nowhere", self.check("[a](missing.md)\n")[1])
+        self.assertIn("no heading #three", self.check(good + "[d](#three)\n")[1])
+
+    def test_compares_tables_of_options_with_the_program(self):
+        stale = "<!-- dynasurf options ventricle -->\n| old |\n<!-- end -->\n"
+        self.assertIn("out of date", self.check(stale)[1])
+        self.assertEqual(self.check(stale, "--update")[0], 0)
+        self.assertIn("| ventricle |", (self.root / "docs/page.md").read_text())
+
+    def test_finds_unfinished_places(self):
+        self.assertIn("unfinished", self.check("TO" + "DO: write this\n")[1])
+
+
+if __name__ == "__main__":
+    unittest.main()
