@@ -1,28 +1,52 @@
 #pragma once
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "dynasurf/core/options.hpp"
 #include "dynasurf/core/study.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/synthetic/options.hpp"
 
 namespace dynasurf {
 
-/// What is known of a synthetic gate: the surfaces that were filled, closed at the base, in the world frame.
+/// What is known of a synthetic gate: the surfaces that were filled, closed at the base, in the world frame. All
+/// gates of a phantom have the same triangles.
 struct TrueGate {
   TriMesh endo, epi;               // fine closed meshes; may be empty where a phantom has none
   double endo_ml = 0, epi_ml = 0;  // analytic volumes where there is a formula, else of the meshes
+  double phase = 0;                // part of the beat after the R wave at which the gate was taken, its middle
+  double wall_ml() const { return epi_ml - endo_ml; }
 };
 
 /// A study together with its truth.
 struct Phantom {
   Study study;
   std::string kind;
-  std::vector<TrueGate> truth;  // one per gate
-  std::optional<double> edv_ml, esv_ml, ef_percent;
+  std::vector<TrueGate> truth;                       // one per gate
+  std::optional<double> edv_ml, esv_ml, ef_percent;  // largest and smallest true endo_ml of the gates; gated ones only
+  /// The same of the beat between the gates, as asked for; absent where only instants are defined.
+  std::optional<double> beat_edv_ml, beat_esv_ml, beat_ef_percent;
+  double fwhm_mm = 0;           // of the point spread in the finished image, any filter included
+  double missing_fraction = 0;  // part of the wall's volume left empty
+  PhantomOptions options;       // what it was made from, resolved
   Notes notes;
 };
+
+/// Makes the phantom that `options` describe. The study has format "synthetic", modality NM, short-axis slices with
+/// the apex first, the axes of the world (LPS) and the middle of the grid at the world's origin; virtual patients are
+/// oblique, as in a real scan. The same options give the same bytes for any number of threads.
+/// Throws OptionError when an option is out of range or the options contradict each other.
+Phantom make_phantom(const PhantomOptions& options);
+
+/// The single phantoms; `make_phantom` calls them.
+Phantom make_phantom(const Hebron& options);
+Phantom make_phantom(const Mayo& options);
+Phantom make_phantom(const Partial& options);
+Phantom make_phantom(const TwoSpheres& options);
+Phantom make_phantom(const VoxelSphere& options);
+Phantom make_phantom(const Gap& options);
+Phantom make_phantom(const CardiacCycle& options);
+Phantom make_phantom(const Pathology& options);
+Phantom make_phantom(const VirtualPatient& options);
 
 }  // namespace dynasurf

@@ -1,0 +1,302 @@
+#pragma once
+#include <array>
+#include <span>
+#include <string_view>
+#include <variant>
+
+#include "dynasurf/core/options.hpp"
+
+namespace dynasurf {
+
+/// The voxels a phantom is imaged with; the default is the thesis's acquisition.
+struct Lattice {
+  int nx = 64, ny = 64, nz = 23;
+  double dx_mm = 2.87, dy_mm = 2.87, dz_mm = 5.74;
+};
+void describe(auto& visit, Lattice& o) {
+  visit("nx", o.nx, Field{"voxels along i (columns)", "", 1, 1024});
+  visit("ny", o.ny, Field{"voxels along j (rows)", "", 1, 1024});
+  visit("nz", o.nz, Field{"slices", "", 1, 1024});
+  visit("dx_mm", o.dx_mm, Field{"distance of columns", "mm", 0.05, 100});
+  visit("dy_mm", o.dy_mm, Field{"distance of rows", "mm", 0.05, 100});
+  visit("dz_mm", o.dz_mm, Field{"distance of slices", "mm", 0.05, 100});
+}
+
+/// Counts and noise. Without counts the largest value of a grey study is 1000.
+struct Noise {
+  double peak_counts = 0;
+  double filter_fwhm_mm = 0;
+  double gaussian_percent = 0;
+  int seed = 1;
+};
+void describe(auto& visit, Noise& o) {
+  visit("peak_counts", o.peak_counts,
+        Field{"expected counts of the hottest voxel of the study before the filter; 0: no Poisson noise", "", 0, 1e7});
+  visit("filter_fwhm_mm", o.filter_fwhm_mm,
+        Field{"Gaussian filter after the counts were drawn, which makes the noise of neighbours alike; it is part of "
+              "the point spread asked for, not added to it",
+              "mm", 0, 100});
+  visit("gaussian_percent", o.gaussian_percent,
+        Field{"standard deviation of added Gaussian noise, in percent of the largest value", "%", 0, 100});
+  visit("seed", o.seed, Field{"the same seed gives the same bytes", "", 0, 2147483647});
+}
+
+/// Where an object lies in the grid: its middle against the middle of the grid, its axis against the slices' normal.
+struct Pose {
+  double offset_x_mm = 0, offset_y_mm = 0, offset_z_mm = 0;
+  double tilt_deg = 0, tilt_towards_deg = 0;
+};
+void describe(auto& visit, Pose& o) {
+  visit("offset_x_mm", o.offset_x_mm, Field{"middle of the object beside the middle of the grid, along i", "mm"});
+  visit("offset_y_mm", o.offset_y_mm, Field{"the same along j", "mm"});
+  visit("offset_z_mm", o.offset_z_mm, Field{"the same along k", "mm"});
+  visit("tilt_deg", o.tilt_deg, Field{"angle between the object's axis and k", "deg", 0, 180});
+  visit("tilt_towards_deg", o.tilt_towards_deg,
+        Field{"direction into which the base leans: 0 is +i, 90 is +j", "deg", -360, 360});
+}
+
+/// Two coaxial "cylinder on half sphere" walls, half sphere (apex) at low k, open at the top (thesis app. D).
+struct CupShape {
+  double inner_radius_mm = 20, outer_radius_mm = 35, height_mm = 55;
+};
+void describe(auto& visit, CupShape& o) {
+  visit("inner_radius_mm", o.inner_radius_mm, Field{"R1 of thesis app. D", "mm", 0.1, 1000});
+  visit("outer_radius_mm", o.outer_radius_mm, Field{"R2 of thesis app. D", "mm", 0.1, 1000});
+  visit("height_mm", o.height_mm, Field{"H of thesis app. D, length of the cylinder", "mm", 0, 1000});
+}
+
+enum class Values { grey, binary };
+inline std::span<const std::string_view> names_of(Values) {
+  static constexpr std::array<std::string_view, 2> names{"grey", "binary"};
+  return names;
+}
+
+/// PH-HEBRON: the thesis's cardiac phantom (app. D). Analytic volumes 301461.995 mm3 (epi) and 85870.199 mm3 (endo);
+/// the figures printed in the thesis (305301.4, 89794.5) do not follow from its radii. Its third radius, 45 mm, is
+/// that of the lid and enters no volume.
+struct Hebron {
+  static constexpr std::string_view name = "hebron";
+  CupShape shape;
+  double sigma_mm = 4;
+  Values values = Values::grey;
+  double binary_level = 0.2;
+  bool cover = false;
+  double cover_radius_mm = 35;
+  bool doubled = false;
+  Pose pose;
+  Lattice lattice;
+  Noise noise;
+};
+void describe(auto& visit, Hebron& o) {
+  visit("shape", o.shape, Field{"radii and height"});
+  visit("sigma_mm", o.sigma_mm, Field{"standard deviation of the point spread (FWHM / 2.355); 0: none", "mm", 0, 50});
+  visit("values", o.values, Field{"grey: counts; binary: 1 where the value reaches binary_level, else 0"});
+  visit("binary_level", o.binary_level, Field{"part of the largest value where binary data begin", "", 0, 1});
+  visit("cover", o.cover, Field{"close the open top by a disc one slice thick (VOL-COVER)"});
+  visit("cover_radius_mm", o.cover_radius_mm, Field{"radius of that disc", "mm", 0, 1000});
+  visit("doubled", o.doubled, Field{"double the resolution by the thesis's masks (VOL-DOUBLE)"});
+  visit("pose", o.pose, Field{"offset and tilt"});
+  visit("lattice", o.lattice, Field{"voxels"});
+  visit("noise", o.noise, Field{"counts and noise"});
+}
+
+/// PH-MAYO: a Hebron scaled to the published overall volume, on coarse cubic voxels.
+struct Mayo {
+  static constexpr std::string_view name = "mayo";
+  double volume_mm3 = 265501;
+  double sigma_mm = 4;
+  Pose pose;
+  Lattice lattice{64, 64, 23, 5.388, 5.388, 5.388};
+  Noise noise;
+};
+void describe(auto& visit, Mayo& o) {
+  visit("volume_mm3", o.volume_mm3, Field{"volume of the outer solid (thesis 6.1.3)", "mm3", 1, 1e8});
+  visit("sigma_mm", o.sigma_mm, Field{"standard deviation of the point spread", "mm", 0, 50});
+  visit("pose", o.pose, Field{"offset and tilt"});
+  visit("lattice", o.lattice, Field{"voxels"});
+  visit("noise", o.noise, Field{"counts and noise"});
+}
+
+enum class Missing { sector, patch, apex };
+inline std::span<const std::string_view> names_of(Missing) {
+  static constexpr std::array<std::string_view, 3> names{"sector", "patch", "apex"};
+  return names;
+}
+
+/// PH-PARTIAL: a Mayo phantom part of whose wall is empty (thesis 6.1.3, table 6.14: 0.10, 0.32, 0.53).
+struct Partial {
+  static constexpr std::string_view name = "partial";
+  double fraction = 0.32;
+  Missing missing = Missing::sector;
+  int pieces = 1;
+  double towards_deg = 90;
+  Mayo base;
+};
+void describe(auto& visit, Partial& o) {
+  visit("fraction", o.fraction, Field{"part of the wall's volume that is empty", "", 0, 0.95});
+  visit("missing", o.missing,
+        Field{"sector: over the full height; patch: over the middle half of the cylinder; apex: from below"});
+  visit("pieces", o.pieces, Field{"equal sectors or patches that share the fraction", "", 1, 12});
+  visit("towards_deg", o.towards_deg, Field{"direction of the middle of the first piece: 0 is +i, 90 is +j", "deg"});
+  visit("base", o.base, Field{"the phantom that is partly filled"});
+}
+
+/// PH-SPHERES: a binary shell between two concentric spheres; the central line reads 10 high voxels twice.
+struct TwoSpheres {
+  static constexpr std::string_view name = "spheres";
+  int size = 50;
+  double inner_radius_voxels = 8, outer_radius_voxels = 18;
+  double spacing_mm = 1;
+};
+void describe(auto& visit, TwoSpheres& o) {
+  visit("size", o.size, Field{"voxels along each side", "", 3, 512});
+  visit("inner_radius_voxels", o.inner_radius_voxels, Field{"inner radius of the shell", "px", 0, 256});
+  visit("outer_radius_voxels", o.outer_radius_voxels, Field{"outer radius of the shell", "px", 0.5, 256});
+  visit("spacing_mm", o.spacing_mm, Field{"size of the voxels", "mm", 0.01, 100});
+}
+
+/// PH-SPHERE: one filled sphere of voxels, binary (thesis fig. 4.14).
+struct VoxelSphere {
+  static constexpr std::string_view name = "sphere";
+  int size = 32;
+  double radius_voxels = 10;
+  double spacing_mm = 1;
+};
+void describe(auto& visit, VoxelSphere& o) {
+  visit("size", o.size, Field{"voxels along each side", "", 3, 512});
+  visit("radius_voxels", o.radius_voxels, Field{"radius", "px", 0.5, 256});
+  visit("spacing_mm", o.spacing_mm, Field{"size of the voxels", "mm", 0.01, 100});
+}
+
+/// PH-GAP: a Hebron whose wall lacks a band around its middle (thesis fig. 5.8).
+struct Gap {
+  static constexpr std::string_view name = "gap";
+  double part = 1.0 / 3.0;
+  Hebron base;
+};
+void describe(auto& visit, Gap& o) {
+  visit("part", o.part, Field{"part of the whole height that is empty, around the middle", "", 0, 0.9});
+  visit("base", o.base, Field{"the phantom that loses the band"});
+}
+
+enum class WallVolume { constant, published };
+inline std::span<const std::string_view> names_of(WallVolume) {
+  static constexpr std::array<std::string_view, 2> names{"constant", "published"};
+  return names;
+}
+
+/// PH-CYCLE: eight instants whose cavities have the volumes of thesis table 6.16 (EF 58.6 %).
+struct CardiacCycle {
+  static constexpr std::string_view name = "cycle";
+  WallVolume wall = WallVolume::constant;
+  double wall_ml = 215.591796;
+  double sigma_mm = 4;
+  double heart_rate_bpm = 70;
+  Pose pose;
+  Lattice lattice{64, 64, 24, 2.87, 2.87, 5.74};
+  Noise noise;
+};
+void describe(auto& visit, CardiacCycle& o) {
+  visit(
+      "wall", o.wall,
+      Field{"constant: muscle keeps wall_ml, as it must; published: the wall volumes of table 6.16, which vary 1.8x"});
+  visit("wall_ml", o.wall_ml, Field{"muscle volume of the constant wall", "ml", 1, 2000});
+  visit("sigma_mm", o.sigma_mm, Field{"standard deviation of the point spread", "mm", 0, 50});
+  visit("heart_rate_bpm", o.heart_rate_bpm, Field{"heart rate", "1/min", 20, 300});
+  visit("pose", o.pose, Field{"offset and tilt"});
+  visit("lattice", o.lattice, Field{"voxels"});
+  visit("noise", o.noise, Field{"counts and noise"});
+}
+
+enum class Disease { inferior, apical, lateral, anteroapical, digestive, right_ventricle, muga };
+inline std::span<const std::string_view> names_of(Disease) {
+  static constexpr std::array<std::string_view, 7> names{"inferior",  "apical",          "lateral", "anteroapical",
+                                                         "digestive", "right_ventricle", "muga"};
+  return names;
+}
+
+/// PH-PATHO: a Hebron with an occlusion, digestive uptake, a right ventricle, or seen by its blood pool (thesis 6.1.5).
+struct Pathology {
+  static constexpr std::string_view name = "pathology";
+  Disease disease = Disease::inferior;
+  double extent_deg = 75;
+  double uptake = 0.1;
+  double amplitude = 0.8;
+  Hebron base;
+};
+void describe(auto& visit, Pathology& o) {
+  visit("disease", o.disease, Field{"what is wrong; muga: bright blood pool, dark wall"});
+  visit("extent_deg", o.extent_deg, Field{"width of the sick sector (60-90 in PH-PATHO)", "deg", 0, 360});
+  visit("uptake", o.uptake, Field{"what is left in the sick wall, 1 is healthy", "", 0, 1});
+  visit("amplitude", o.amplitude,
+        Field{"activity of the digestive blob (0.5-1) or of the right ventricle's wall (0.3-0.5)", "", 0, 10});
+  visit("base", o.base, Field{"the phantom that falls ill"});
+}
+
+enum class Defect { none, inferior, lateral, apical, anteroapical, septal };
+inline std::span<const std::string_view> names_of(Defect) {
+  static constexpr std::array<std::string_view, 6> names{"none",   "inferior",     "lateral",
+                                                         "apical", "anteroapical", "septal"};
+  return names;
+}
+
+/// A virtual patient: a ventricle that beats with known volumes, seen by a gamma camera (see ventricle_shape.hpp and
+/// the page docs/stages/phantoms.md for its geometry). Rows run from anterior to inferior, columns from septum to
+/// lateral wall, slices from apex to base.
+struct VirtualPatient {
+  static constexpr std::string_view name = "patient";
+  double edv_ml = 110, ef_percent = 60, wall_ml = 120;
+  double length_to_width = 1.65;
+  double base_excursion_mm = 12;
+  int gates = 8;
+  double heart_rate_bpm = 70;
+  double fwhm_mm = 12;
+  double cavity = 0.08, background = 0.06;
+  Defect defect = Defect::none;
+  double defect_extent_deg = 80, defect_severity = 0.9;
+  double gut_amplitude = 0, gut_gap_mm = 6, gut_radius_mm = 14, gut_position = 0.3;
+  double right_ventricle = 0;
+  double azimuth_deg = 45, elevation_deg = 30;
+  bool base_first = false;
+  Pose pose;
+  Lattice lattice;
+  Noise noise{120, 8, 0, 1};
+};
+void describe(auto& visit, VirtualPatient& o) {
+  visit("edv_ml", o.edv_ml, Field{"volume of the cavity at end-diastole", "ml", 5, 1000});
+  visit("ef_percent", o.ef_percent, Field{"ejection fraction", "%", 0, 95});
+  visit("wall_ml", o.wall_ml, Field{"volume of the muscle, the same in every gate", "ml", 5, 1000});
+  visit("length_to_width", o.length_to_width, Field{"cavity's length over its width at end-diastole", "", 0.8, 4});
+  visit("base_excursion_mm", o.base_excursion_mm,
+        Field{"way of the base plane towards the apex in systole", "mm", 0, 40});
+  visit("gates", o.gates, Field{"gates per beat; 1: an ungated heart at rest in end-diastole", "", 1, 64});
+  visit("heart_rate_bpm", o.heart_rate_bpm, Field{"heart rate", "1/min", 20, 300});
+  visit("fwhm_mm", o.fwhm_mm,
+        Field{"full width at half maximum of the point spread in the finished image; 0: none", "mm", 0, 100});
+  visit("cavity", o.cavity, Field{"activity of the blood, healthy muscle is 1", "", 0, 10});
+  visit("background", o.background, Field{"activity around the heart", "", 0, 10});
+  visit("defect", o.defect, Field{"place of a perfusion defect"});
+  visit(
+      "defect_extent_deg", o.defect_extent_deg,
+      Field{"width of the defect around the axis; of an apical one, its opening seen from the middle", "deg", 0, 360});
+  visit("defect_severity", o.defect_severity, Field{"part of the uptake that is lost there", "", 0, 1});
+  visit("gut_amplitude", o.gut_amplitude,
+        Field{"activity of a loop of gut below the inferior wall; 0: none", "", 0, 10});
+  visit("gut_gap_mm", o.gut_gap_mm, Field{"gap between gut and heart at end-diastole", "mm", -20, 100});
+  visit("gut_radius_mm", o.gut_radius_mm,
+        Field{"half thickness of the gut; its half length is twice that", "mm", 1, 60});
+  visit("gut_position", o.gut_position, Field{"height of the gut along the heart: 0 apex, 1 base", "", -0.5, 1});
+  visit("right_ventricle", o.right_ventricle,
+        Field{"activity of the right ventricle's wall (0.3-0.5 is usual); 0: none", "", 0, 10});
+  visit("azimuth_deg", o.azimuth_deg, Field{"long axis from the patient's front towards his left", "deg", -180, 180});
+  visit("elevation_deg", o.elevation_deg, Field{"long axis downwards from the horizontal plane", "deg", -80, 80});
+  visit("base_first", o.base_first, Field{"store the slices from base to apex"});
+  visit("pose", o.pose, Field{"offset and tilt of the heart in the stack"});
+  visit("lattice", o.lattice, Field{"voxels"});
+  visit("noise", o.noise, Field{"counts and noise"});
+}
+
+using PhantomOptions =
+    std::variant<Hebron, Mayo, Partial, TwoSpheres, VoxelSphere, Gap, CardiacCycle, Pathology, VirtualPatient>;
+
+}  // namespace dynasurf

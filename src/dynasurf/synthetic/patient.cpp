@@ -1,0 +1,155 @@
+#include <cmath>
+
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/synthetic/assembly.hpp"
+#include "dynasurf/synthetic/ventricle_shape.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr double degrees = M_PI / 180;
+
+/// Directions of columns, rows and slices of a short-axis stack: i towards the lateral wall, j towards the inferior
+/// wall, k from apex to base. With i horizontal the anterior wall is up and the septum left, as such stacks are shown.
+Mat3 short_axis_directions(double azimuth_deg, double elevation_deg) {
+  const double a = azimuth_deg * degrees, e = elevation_deg * degrees;
+  Mat3 direction;
+  direction.col(0) = Vec3(std::cos(a), std::sin(a), 0);
+  direction.col(2) = Vec3(-std::sin(a) * std::cos(e), std::cos(a) * std::cos(e), std::sin(e));
+  direction.col(1) = direction.col(2).cross(direction.col(0));
+  return direction;
+}
+
+VentricleMotion motion_of(const VirtualPatient& o) {
+  return {o.edv_ml, o.edv_ml * (1 - o.ef_percent / 100), o.wall_ml, o.length_to_width, o.base_excursion_mm};
+}
+
+/// An opening of `width_deg` around the axis downwards, seen from the middle of the heart.
+bool near_apex(const Vec3& p, double middle_z, double width_deg) {
+  return std::atan2(std::hypot(p[0], p[1]), middle_z - p[2]) <= width_deg / 2 * degrees;
+}
+
+bool in_defect(const VirtualPatient& o, const VentricleShape& shape, const Vec3& p) {
+  // Territories of the coronary arteries do not reach the outermost apex, except the anterior one.
+  const double width = o.defect_extent_deg;
+  const bool above_apex = p[2] >= 0.2 * shape.base_z;
+  switch (o.defect) {
+    case Defect::none:
+      return false;
+    case Defect::lateral:
+      return above_apex && in_sector(p, 0, width);
+    case Defect::inferior:
+      return above_apex && in_sector(p, 90, width);
+    case Defect::septal:
+      return above_apex && in_sector(p, 180, width);
+    case Defect::apical:
+      return near_apex(p, shape.centre_z, width);
+    case Defect::anteroapical:
+      return near_apex(p, shape.centre_z, width) || in_sector(p, 270, width);
+  }
+  return false;
+}
+
+struct Gut {
+  Vec3 centre{0, 0, 0}, half{1, 1, 1};
+  bool contains(const Vec3& p) const { return (p - centre).cwiseQuotient(half).squaredNorm() <= 1; }
+};
+
+Gut gut_below(const VirtualPatient& o, const VentricleShape& relaxed) {
+  const double height = o.gut_position * relaxed.base_z;
+  const double u = (height - relaxed.centre_z) / relaxed.epi_half_length;
+  const double heart = relaxed.epi_radius * std::sqrt(std::max(0.0, 1 - u * u));
+  Gut gut;
+  gut.half = {2 * o.gut_radius_mm, o.gut_radius_mm, o.gut_radius_mm};
+  gut.centre = {0, heart + o.gut_gap_mm + o.gut_radius_mm, height};
+  return gut;
+}
+
+/// Activity above the background at one instant, in the frame of the heart.
+Scene scene_of(const VirtualPatient& o, const VentricleShape& shape, const VentricleShape& relaxed) {
+  const Gut gut = gut_below(o, relaxed);
+  const RightVentricle right = right_ventricle_beside(shape.epi_radius, 0.1 * shape.base_z, shape.base_z);
+  Scene scene;
+  scene.support = {{-shape.epi_radius, -shape.epi_radius, 0}, {shape.epi_radius, shape.epi_radius, shape.base_z}};
+  if (o.gut_amplitude > 0) scene.support = hull(scene.support, {gut.centre - gut.half, gut.centre + gut.half});
+  if (o.right_ventricle > 0) scene.support = hull(scene.support, box_of(right));
+  scene.activity = [o, shape, gut, right](const Vec3& p) {
+    if (shape.in_epi(p)) {
+      if (shape.in_endo(p)) return o.cavity - o.background;
+      return (in_defect(o, shape, p) ? 1 - o.defect_severity : 1.0) - o.background;
+    }
+    if (o.right_ventricle > 0 && right.in_wall(p)) return o.right_ventricle - o.background;
+    if (o.right_ventricle > 0 && right.in_cavity(p)) return o.cavity - o.background;
+    if (o.gut_amplitude > 0 && gut.contains(p)) return o.gut_amplitude - o.background;
+    return 0.0;
+  };
+  return scene;
+}
+
+/// The same voxels counted from the other end of the stack.
+Image with_base_first(const Image& image) {
+  const Grid& from = image.grid;
+  Grid grid = from;
+  grid.direction.col(2) *= -1;
+  grid.origin = to_world(from, centre_of(from, {0, 0, from.dims[2] - 1}));
+  Image result(grid);
+  const std::size_t slice = static_cast<std::size_t>(from.dims[0]) * from.dims[1];
+  for (int k = 0; k < from.dims[2]; ++k)
+    std::copy_n(image.values.begin() + static_cast<std::ptrdiff_t>(slice * (from.dims[2] - 1 - k)), slice,
+                result.values.begin() + static_cast<std::ptrdiff_t>(slice * k));
+  return result;
+}
+
+}  // namespace
+
+Phantom make_phantom(const VirtualPatient& options) {
+  VirtualPatient o = options;
+  check_options(o, std::string(VirtualPatient::name));
+  constexpr double sub_step_mm = 1.2;
+  // Where a heart lies against the middle of a scanner's field, roughly: to the left and in front.
+  const Vec3 heart_world{45, -35, 10};
+
+  Phantom phantom;
+  phantom.kind = VirtualPatient::name;
+  o.noise = limit_filter(o.noise, o.fwhm_mm, phantom.notes);
+  const VentricleMotion motion = motion_of(o);
+  const VentricleShape relaxed = shape_at(motion, motion.edv_ml);
+  const Grid grid = make_grid(o.lattice, short_axis_directions(o.azimuth_deg, o.elevation_deg), heart_world);
+  const Frame frame = make_frame(grid, o.pose, {0, 0, relaxed.base_z / 2});
+  const Index3 sub_samples = sub_samples_for(grid, sub_step_mm);
+  const double fwhm = fwhm_before_filter(o.fwhm_mm, o.noise);
+
+  std::vector<Image> images(static_cast<std::size_t>(o.gates));
+  phantom.truth.resize(images.size());
+  parallel_for(images.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t g = begin; g < end; ++g) {
+      TrueGate& truth = phantom.truth[g];
+      truth.phase = o.gates > 1 ? (static_cast<double>(g) + 0.5) / o.gates : 0;
+      const VentricleShape shape =
+          shape_at(motion, motion.esv_ml + (motion.edv_ml - motion.esv_ml) * filling_at(truth.phase));
+      truth.endo_ml = endo_ml(shape);
+      truth.epi_ml = epi_ml(shape);
+      truth.endo = place_in_world(grid, frame, endo_surface(shape));
+      truth.epi = place_in_world(grid, frame, epi_surface(shape));
+      images[g] = render_scene(grid, frame, scene_of(o, shape, relaxed), fwhm, sub_samples);
+      for (float& value : images[g].values) value = static_cast<float>(static_cast<double>(value) + o.background);
+    }
+  });
+
+  images = expose(std::move(images), o.noise);
+  if (o.base_first)
+    for (Image& image : images) image = with_base_first(image);
+  phantom.study = make_study(std::move(images), 60000 / o.heart_rate_bpm);
+  if (o.base_first) phantom.study.slice_order = SliceOrder::base_to_apex;
+  phantom.fwhm_mm = o.fwhm_mm;
+  phantom.options = o;
+  summarise(phantom);
+  if (o.gates > 1) {
+    phantom.beat_edv_ml = motion.edv_ml;
+    phantom.beat_esv_ml = motion.esv_ml;
+    phantom.beat_ef_percent = o.ef_percent;
+  }
+  return phantom;
+}
+
+}  // namespace dynasurf
