@@ -24,7 +24,7 @@ struct HeartShape {
   double fwhm_mm = 12, noise = 0, background = 0.07;  // noise: standard deviation, of the maximum
   unsigned seed = 1;
   double defect_deg = 0, defect_from_slice = 0, defect_to_slice = 100;  // sector around +x without activity
-  std::vector<Blob> blobs;
+  std::vector<Blob> blobs{};
 };
 
 /// Radius of the outer (or inner) border in slice k before blurring; 0 where there is none.

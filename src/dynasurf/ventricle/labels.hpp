@@ -17,15 +17,24 @@ struct Circle {
   double x_px = 0, y_px = 0, radius_px = 0;
 };
 
-/// CIRC-COARSE (thesis 2.4): the circle outside which nothing is looked at. Unset: image centre, 0.35 of the shorter
-/// side.
+/// The long axis of the ventricle: where its centre lies in every slice, columns and rows.
+struct Axis {
+  double x_px = 0, y_px = 0;    // at slice 0
+  double dx_px = 0, dy_px = 0;  // per slice; 0 for a stack cut square to the axis
+  double x_at(int k) const { return x_px + k * dx_px; }
+  double y_at(int k) const { return y_px + k * dy_px; }
+};
+
+/// CIRC-COARSE (thesis 2.4): the circle outside which nothing is looked at. The thesis has it drawn by hand. Unset it
+/// is the largest circle inside the image: a smaller one (0.35 of the side) cuts a ventricle that lies 15 mm off centre
+/// or fills a narrow field of view, and the automatic circle does not need it.
 struct CoarseCircle {
   std::optional<double> x_px, y_px, radius_px;
 };
 void describe(auto& visit, CoarseCircle& o) {
   visit("x_px", o.x_px, Field{"centre, column; unset: middle of the image", "px"});
   visit("y_px", o.y_px, Field{"centre, row; unset: middle of the image", "px"});
-  visit("radius_px", o.radius_px, Field{"radius; unset: 0.35 of the shorter image side", "px", 1});
+  visit("radius_px", o.radius_px, Field{"radius; unset: half the shorter image side", "px", 1});
 }
 
 /// LAB-COMP, CIRC-CENTROID, CIRC-RADIUS (thesis 2.3.6, 2.4.1, 2.4.2).
@@ -67,14 +76,18 @@ void describe(auto& visit, DivisionSlice& o) {
 struct Mlc {
   static constexpr std::string_view name = "mlc";
   bool strict_thesis = false;
+  bool use_gradient = true;
   double min_gap_px = 2;
-  double box_margin_px = 1;
+  double box_margin_px = 2;
 };
 void describe(auto& visit, Mlc& o) {
   visit("strict_thesis", o.strict_thesis, Field{"exactly the published rule: the largest gap decides, always"});
+  visit("use_gradient", o.use_gradient,
+        Field{"tell the borders by the side on which the wall is brighter; false for images of the blood pool, and "
+              "without effect in strict_thesis"});
   visit("min_gap_px", o.min_gap_px,
         Field{"smaller gaps are fragments of one border; neighbours decide then", "px", 0, 50});
-  visit("box_margin_px", o.box_margin_px, Field{"slack of the bounding boxes (thesis: 0)", "px", 0, 50});
+  visit("box_margin_px", o.box_margin_px, Field{"slack of the bounding boxes: a wall bulges (thesis: 0)", "px", 0, 50});
 }
 
 using LabelOptions = std::variant<Mlc>;
@@ -98,6 +111,7 @@ struct Labels {
   static constexpr std::uint8_t endo_bit = 1, epi_bit = 2;
   Mask borders;                              // bits, per voxel
   Circle circle;                             // automatic circle: common to all slices
+  Axis axis;                                 // centre of the ventricle in every slice
   int big_slice = -1;                        // slice of the widest circular border, -1: none found
   int division_slice = -1;                   // highest slice with one border only; -1: none found
   std::vector<std::optional<Circle>> local;  // the best circular edge of every slice, for drawing

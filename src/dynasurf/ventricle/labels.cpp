@@ -1,0 +1,174 @@
+#include "dynasurf/ventricle/labels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "dynasurf/ventricle/labels/bounding_boxes.hpp"
+#include "dynasurf/ventricle/labels/circle.hpp"
+#include "dynasurf/ventricle/labels/division_slice.hpp"
+#include "dynasurf/ventricle/labels/mlc.hpp"
+
+namespace dynasurf {
+namespace {
+
+/// A border in half of the directions is evidence of a ring, in three quarters of them it can bound its neighbours.
+constexpr double ring_deg = 180, box_deg = 270;
+
+/// Whether the robust readings of the method apply.
+bool by_gradient(const Mlc& o) { return o.use_gradient && !o.strict_thesis; }
+
+/// Where the ventricle lies: everything of thesis 2.4.
+struct Place {
+  Axis axis;
+  Circle circle;
+  int big_slice = -1;
+  std::vector<std::optional<Circle>> local;
+};
+
+Place find_place(const Image& image, const Mask& edges, const Labelling& o, Notes& notes) {
+  const int min_px = o.circle.min_component_px;
+  const Circle coarse = coarse_circle(image.grid, o.coarse);
+  SliceEdges found = find_components(clip(edges, {coarse.x_px, coarse.y_px, 0, 0}, coarse.radius_px), min_px);
+  if (by_gradient(std::get<Mlc>(o.method))) {
+    // Where the wall is open both its borders are one edge, which is no circle. Cut at a first guess of the axis it is.
+    Notes first_guess;
+    const Axis guess = find_axis(find_centre(found, image, o.circle, first_guess), o.circle);
+    found = join(split_by_gradient(found, image, guess, min_px));
+  }
+  Place place;
+  const Centre centre = find_centre(found, image, o.circle, notes);
+  place.axis = find_axis(centre, o.circle);
+  place.local = centre.local;
+  const WidestEdge widest = find_widest_edge(found, image.grid, place.axis, o.circle, notes);
+  place.big_slice = widest.slice;
+  place.circle = {centre.x_px, centre.y_px,
+                  widest.slice < 0 ? coarse.radius_px : widest.radius_px + o.circle.offset_px};
+  return place;
+}
+
+std::vector<bool> slices_with(const SliceEdges& edges) {
+  std::vector<bool> has;
+  for (const auto& slice : edges) has.push_back(!slice.empty());
+  return has;
+}
+
+/// Takes the inner border out of the division slice and everything below it.
+void remove_endo_up_to(Mask& borders, int slice) {
+  for (int k = 0; k <= slice; ++k)
+    for (int j = 0; j < borders.grid.dims[1]; ++j)
+      for (int i = 0; i < borders.grid.dims[0]; ++i)
+        borders(i, j, k) = static_cast<std::uint8_t>(borders(i, j, k) & ~Labels::endo_bit);
+}
+
+/// Blur brightens the tip of the cavity, so the centre profile ends it too early. The inner border is the better
+/// witness: where it reaches down without a break, the division slice follows it.
+int follow_cavity_down(int division, const Mask& borders, const Axis& axis, Notes& notes) {
+  int slice = division;
+  const auto both = [&](int k) { return count_borders(borders, k, axis, ring_deg) == 2; };
+  if (slice + 1 < borders.grid.dims[2] && both(slice + 1))
+    while (slice >= 0 && both(slice)) --slice;
+  if (slice != division)
+    notes.push_back({Severity::info, "slice_refine.lowered",
+                     "The inner border reaches below slice " + std::to_string(division + 1) +
+                         ", where the cavity seemed to end; the division slice is now " + std::to_string(slice + 1) +
+                         ".",
+                     -1, slice});
+  return slice;
+}
+
+Mask classify(const Image& image, const SliceEdges& edges, const Place& place, const Labelling& o, Labels& labels) {
+  const Mlc& method = std::get<Mlc>(o.method);
+  const Grid& grid = image.grid;
+  const int min_px = std::max(1, o.circle.min_component_px / 2);
+  const auto refine = [&](int slice, const Mask& borders, double least_coverage_deg) {
+    const auto count = [&](int k) { return count_borders(borders, k, place.axis, least_coverage_deg); };
+    return refine_division_slice(slice, grid.dims[2], count, labels.notes).slice;
+  };
+  labels.division_slice =
+      find_division_slice(centre_profile(image, place.axis), slices_with(edges), o.division, labels.notes);
+
+  if (!by_gradient(method)) {
+    const Mask first = classify_by_gap(edges, grid, place.axis, labels.division_slice, method);
+    labels.division_slice = refine(labels.division_slice, first, 0);
+    return classify_by_gap(edges, grid, place.axis, labels.division_slice, method);
+  }
+  const SidedEdges sided = split_by_gradient(edges, image, place.axis, min_px);
+  Mask borders = classify_by_gradient(sided, grid, place.axis, min_px, labels.notes);
+  labels.division_slice = refine(labels.division_slice, borders, ring_deg);
+  labels.division_slice = follow_cavity_down(labels.division_slice, borders, place.axis, labels.notes);
+  remove_endo_up_to(borders, labels.division_slice);
+  return borders;
+}
+
+/// One note per slice that lacks a border though the slices below and above have it, and one per border found nowhere.
+void note_missing(Labels& labels) {
+  const int depth = labels.borders.grid.dims[2];
+  for (const Wall wall : {Wall::endo, Wall::epi}) {
+    const std::uint8_t bit = wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit;
+    std::vector<int> with;
+    for (int k = 0; k < depth; ++k)
+      if (!pixels_of(labels.borders, k, bit).empty()) with.push_back(k);
+    const std::string name(name_of(wall));
+    if (with.empty())
+      labels.notes.push_back(
+          {Severity::failure, "labels.no_" + name, "The " + name + " border was found in no slice."});
+    for (std::size_t n = 1; n < with.size(); ++n)
+      for (int k = with[n - 1] + 1; k < with[n]; ++k)
+        labels.notes.push_back({Severity::warning, "labels." + name + "_missing",
+                                "The " + name + " border is absent in slice " + std::to_string(k + 1) +
+                                    ", though slices above and below have it.",
+                                -1, k});
+  }
+}
+
+void require_same_grid(const Image& image, const EdgeMap& edges) {
+  if (edges.edges.grid.dims != image.grid.dims)
+    throw InputError("edge map and image have different sizes; expected the edges of this image");
+}
+
+}  // namespace
+
+bool Labels::has(Wall w) const {
+  const std::uint8_t bit = w == Wall::endo ? endo_bit : epi_bit;
+  return std::any_of(borders.values.begin(), borders.values.end(), [&](std::uint8_t v) { return v & bit; });
+}
+
+Labels label_borders(const Image& image, const EdgeMap& edges, const Labelling& options) {
+  Labelling o = options;
+  check_options(o, "labels");
+  require_same_grid(image, edges);
+  const Mlc& method = std::get<Mlc>(o.method);
+
+  Labels labels;
+  const Place place = find_place(image, edges.edges, o, labels.notes);
+  labels.axis = place.axis;
+  labels.circle = place.circle;
+  labels.big_slice = place.big_slice;
+  labels.local = place.local;
+
+  const SliceEdges inside =
+      find_components(clip(edges.edges, place.axis, place.circle.radius_px), o.circle.min_component_px);
+  const auto has = slices_with(inside);
+  if (std::none_of(has.begin(), has.end(), [](bool h) { return h; }))
+    labels.notes.push_back({Severity::failure, "components.empty",
+                            "No edge of at least " + std::to_string(o.circle.min_component_px) +
+                                " pixels lies inside the circle of " + std::to_string(place.circle.radius_px) +
+                                " pixels around the ventricle."});
+
+  labels.borders = classify(image, inside, place, o, labels);
+  labels.borders = filter_by_boxes(std::move(labels.borders), labels.big_slice, labels.division_slice, labels.axis,
+                                   method.box_margin_px, method.strict_thesis ? 0 : box_deg, labels.notes);
+  note_missing(labels);
+  return labels;
+}
+
+Image border_volume(const Labels& labels, Wall wall) {
+  const std::uint8_t bit = wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit;
+  Image border(labels.borders.grid);
+  for (std::size_t n = 0; n < border.values.size(); ++n)
+    border.values[n] = labels.borders.values[n] & bit ? 1.0F : 0.0F;
+  return border;
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,35 @@
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "dynasurf/ventricle/labels.hpp"
+
+namespace dynasurf {
+
+/// Mean of the 3x3 pixels around the axis in every slice (thesis 2.5). `image` is normalised; near its sides fewer
+/// pixels are averaged, and outside it the value is 0.
+std::vector<double> centre_profile(const Image& image, const Axis& axis);
+
+/// SLICE-FIND (thesis 2.5): the first slice, coming from the base, whose centre is brighter than that of the slice
+/// above by more than `jump` and is itself brighter than `floor`: there the cavity has ended. `has_edges[k]` tells
+/// whether slice k has any edge. Without such a slice the one with the largest rise that ends above `floor` is taken
+/// ("slice_find.fallback"); without any, the lowest slice with edges ("slice_find.no_rise"); without edges -1
+/// ("slice_find.none").
+int find_division_slice(const std::vector<double>& profile, const std::vector<bool>& has_edges,
+                        const DivisionSlice& options, Notes& notes);
+
+/// What table 2.1 of the thesis makes of a division slice.
+struct RefinedDivision {
+  int slice = -1;
+  int table_case = 0;    // 1 to 8; 0: not in the table
+  bool verified = true;  // false: the table calls the pattern unlikely or impossible
+};
+
+/// SLICE-REFINE (thesis 2.5, table 2.1): looks at C, the division slice, at B and A above it, and for case 3 at the
+/// slice above A. `borders(k)` is the number of borders seen in slice k of `slices`: 0, 1 or 2.
+/// Only case 5 moves the division slice (to B). Every case but 7 gives the note "slice_refine.case_<n>"; a slice
+/// without borders or outside the stack gives "slice_refine.not_in_table".
+RefinedDivision refine_division_slice(int division_slice, int slices, const std::function<int(int)>& borders,
+                                      Notes& notes);
+
+}  // namespace dynasurf

@@ -1,0 +1,261 @@
+#include "dynasurf/ventricle/labels.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
+
+#include "support/blurred_heart.hpp"
+
+namespace dynasurf {
+namespace {
+
+using test::HeartShape;
+
+// Thresholds that find the weak borders of a blurred heart; see the recommended ones in docs/stages/edges.md.
+const Canny sensitive{.sigma_px = 1.2, .low = 0.1, .high = 0.3};
+
+Labels labels_of(const Image& image, const Labelling& options = {}, const Canny& edges = sensitive) {
+  return label_borders(image, detect_edges(image, edges), options);
+}
+
+bool has_code(const Notes& notes, const std::string& code) {
+  return std::any_of(notes.begin(), notes.end(), [&](const Note& n) { return n.code == code; });
+}
+
+/// How the labelled voxels of one border agree with the truth.
+struct Score {
+  int voxels = 0, wrong = 0;  // wrong: nearer to the other border
+  double error_px = 0;        // mean distance from the true border
+  int slices_missing = 0;     // of those where the border exists by more than a slice and is 3 px wide or more
+};
+
+Score score(const Labels& labels, const HeartShape& h, Wall wall) {
+  Score s;
+  const std::uint8_t bit = wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit;
+  for (int k = 0; k < h.dims[2]; ++k) {
+    int here = 0;
+    const double own = test::true_radius_px(h, k, wall == Wall::epi),
+                 other = test::true_radius_px(h, k, wall != Wall::epi);
+    for (int j = 0; j < h.dims[1]; ++j)
+      for (int i = 0; i < h.dims[0]; ++i) {
+        if (!(labels.borders(i, j, k) & bit)) continue;
+        ++here;
+        const double d = std::hypot(i - test::centre_x(h, k), j - test::centre_y(h, k));
+        s.wrong += own > 0 && other > 0 && std::abs(d - other) < std::abs(d - own);
+        s.error_px += own > 0 ? std::abs(d - own) : 0;
+      }
+    s.voxels += here;
+    const bool expected = own > 3 && k < h.base_slice - 1 && test::true_radius_px(h, k - 1, wall == Wall::epi) > 0;
+    s.slices_missing += expected && here == 0;
+  }
+  s.error_px /= std::max(1, s.voxels);
+  return s;
+}
+
+/// The true division slice: the highest that the cavity does not reach.
+int true_division(const HeartShape& h) {
+  int k = 0;
+  while (k + 1 < h.dims[2] && test::true_radius_px(h, k + 1, false) == 0) ++k;
+  return k;
+}
+
+TEST(Labels, OfASharpHeartAreAllRight) {
+  HeartShape h;
+  h.fwhm_mm = 3;
+  for (const bool gradient : {true, false}) {
+    Labelling o;
+    std::get<Mlc>(o.method).use_gradient = gradient;
+    const Labels labels = labels_of(test::blurred_heart(h), o);
+    for (const Wall wall : {Wall::endo, Wall::epi}) {
+      const Score s = score(labels, h, wall);
+      EXPECT_GT(s.voxels, 300);
+      EXPECT_EQ(s.wrong, 0) << name_of(wall);
+      EXPECT_EQ(s.slices_missing, 0) << name_of(wall);
+      EXPECT_LT(s.error_px, 0.6) << name_of(wall);  // half a pixel of rounding, and the plateau rule
+    }
+    EXPECT_NEAR(labels.circle.x_px, 31.5, 0.2);
+    // The base is the widest slice; blur at the open end may make the one below it look wider.
+    EXPECT_NEAR(labels.big_slice, h.base_slice - 1, 1.01);
+    EXPECT_NEAR(labels.circle.radius_px - 2, test::true_radius_px(h, labels.big_slice, true), 1);
+    EXPECT_NEAR(labels.division_slice, true_division(h), 1);
+    EXPECT_FALSE(has_code(labels.notes, "labels.endo_missing"));
+  }
+}
+
+struct Hard {
+  const char* name;
+  HeartShape shape;
+};
+void PrintTo(const Hard& h, std::ostream* out) { *out << h.name; }
+
+class HardHeart : public testing::TestWithParam<Hard> {};
+
+TEST_P(HardHeart, GivesNoFragmentToTheWrongWall) {
+  const HeartShape& h = GetParam().shape;
+  const Labels labels = labels_of(test::blurred_heart(h));
+  for (const Wall wall : {Wall::endo, Wall::epi}) {
+    const Score s = score(labels, h, wall);
+    EXPECT_GT(s.voxels, wall == Wall::endo ? 80 : 250) << name_of(wall);
+    EXPECT_LE(s.wrong, 0.02 * s.voxels) << name_of(wall);
+    EXPECT_EQ(s.slices_missing, 0) << name_of(wall);
+    // The steepest slope of a blurred wall lies off its border by a share of the blur that grows with curvature and
+    // thinness; a third of the FWHM holds for all of these walls, half a pixel is the rounding.
+    EXPECT_LT(s.error_px, h.fwhm_mm / h.spacing[0] / 3 + 0.5) << name_of(wall);
+  }
+  EXPECT_NEAR(labels.division_slice, true_division(h), 2);
+}
+
+const std::vector<Hard> hard_hearts{
+    {"blurred", {}},
+    {"noisy", {.noise = 0.06}},
+    {"very_blurred", {.fwhm_mm = 16, .noise = 0.03}},
+    {"small_cavity", {.epi_radius_mm = 30, .wall_mm = 14, .apex_wall_mm = 14, .noise = 0.03}},
+    {"wide", {.x_px = 30, .y_px = 33, .epi_radius_mm = 48, .noise = 0.04}},
+    {"off_centre", {.x_px = 25, .y_px = 38, .noise = 0.03}},
+    {"tilted", {.tilt_x_px = 0.5, .tilt_y_px = -0.3, .noise = 0.03}},
+    {"open_wall", {.noise = 0.03, .defect_deg = 80}},
+    {"defect_of_the_apex", {.noise = 0.03, .defect_deg = 120, .defect_to_slice = 9}},
+    {"gut", {.noise = 0.03, .blobs = {{31, 54, 10, 16, 1.2}}}},
+    {"gut_at_the_wall", {.noise = 0.03, .blobs = {{32, 49.5, 9, 12, 0.9}}}},
+    {"large_voxels",
+     {.dims = {32, 32, 14},
+      .spacing = {5.4, 5.4, 5.4},
+      .x_px = 15.5,
+      .y_px = 15.5,
+      .apex_slice = 2,
+      .base_slice = 11,
+      .noise = 0.03}},
+    {"small_voxels",
+     {.dims = {128, 128, 30},
+      .spacing = {1.6, 1.6, 4},
+      .x_px = 63,
+      .y_px = 64,
+      .apex_slice = 4,
+      .base_slice = 24,
+      .noise = 0.03}},
+};
+INSTANTIATE_TEST_SUITE_P(All, HardHeart, testing::ValuesIn(hard_hearts), [](const auto& p) { return p.param.name; });
+
+TEST(Labels, MoveWithTheImage) {
+  HeartShape h;
+  h.noise = 0.03;
+  const Image image = test::blurred_heart(h);
+  Labelling o, moved;
+  o.coarse = {.x_px = 31.5, .y_px = 31.5, .radius_px = 22};
+  moved.coarse = {.x_px = 34.5, .y_px = 29.5, .radius_px = 22};
+  const Labels at = labels_of(image, o), there = labels_of(test::shifted(image, 3, -2), moved);
+  EXPECT_EQ(there.borders.values, test::shifted(at.borders, 3, -2).values);
+  EXPECT_EQ(there.division_slice, at.division_slice);
+}
+
+TEST(Labels, TurnWithTheImage) {
+  HeartShape h;
+  h.noise = 0.03, h.defect_deg = 70;
+  const Image image = test::blurred_heart(h);
+  EXPECT_EQ(labels_of(test::quarter_turn(image)).borders.values, test::quarter_turn(labels_of(image).borders).values);
+}
+
+TEST(Labels, AreTheSameForAnyNumberOfThreads) {
+  HeartShape h;
+  h.noise = 0.05;
+  const Image image = test::blurred_heart(h);
+  std::vector<std::uint8_t> reference;
+  for (const int threads : {1, 2, 4}) {
+    const ThreadLimit limit(threads);
+    const Labels labels = labels_of(image);
+    if (threads == 1) reference = labels.borders.values;
+    EXPECT_EQ(labels.borders.values, reference) << threads;
+  }
+}
+
+TEST(Labels, FollowThePublishedRuleWhenAsked) {
+  HeartShape h;
+  h.fwhm_mm = 3;
+  Labelling o;
+  o.circle.robust_fit = false;
+  o.method = Mlc{.strict_thesis = true, .box_margin_px = 0};
+  const Labels labels = labels_of(test::blurred_heart(h), o);
+  for (const Wall wall : {Wall::endo, Wall::epi}) EXPECT_EQ(score(labels, h, wall).wrong, 0) << name_of(wall);
+  EXPECT_EQ(labels.axis.dx_px, 0);
+}
+
+TEST(Labels, NeverInventAMissingBorder) {
+  HeartShape h;
+  const Image image = test::blurred_heart(h);
+  EdgeMap edges = detect_edges(image, sensitive);
+  const int hole = 13;
+  for (int j = 0; j < 64; ++j)
+    for (int i = 0; i < 64; ++i)
+      if (std::hypot(i - 31.5, j - 31.5) < 9.5) edges.edges(i, j, hole) = 0;
+  const Labels labels = label_borders(image, edges, {});
+  bool any = false;
+  for (int j = 0; j < 64; ++j)
+    for (int i = 0; i < 64; ++i) any |= (labels.borders(i, j, hole) & Labels::endo_bit) != 0;
+  EXPECT_FALSE(any);
+  const auto note = std::find_if(labels.notes.begin(), labels.notes.end(),
+                                 [](const Note& n) { return n.code == "labels.endo_missing"; });
+  ASSERT_NE(note, labels.notes.end());
+  EXPECT_EQ(note->slice, hole);
+}
+
+TEST(Labels, FindTheBorderOfABloodPoolWithoutTheGradient) {
+  // A bright cavity has one border, and it darkens outwards.
+  HeartShape h;
+  h.wall_mm = 36, h.apex_wall_mm = 200;  // all wall: a solid body
+  Labelling o;
+  std::get<Mlc>(o.method).use_gradient = false;
+  const Labels labels = labels_of(test::blurred_heart(h), o);
+  EXPECT_TRUE(labels.has(Wall::epi));
+  EXPECT_FALSE(labels.has(Wall::endo));
+  EXPECT_TRUE(has_code(labels.notes, "labels.no_endo"));
+}
+
+TEST(Labels, SayThatNothingWasFound) {
+  for (const float value : {0.0F, 1.0F})
+    for (const Index3& d : {Index3{64, 64, 23}, Index3{64, 64, 1}, Index3{1, 1, 1}, Index3{3, 2, 4}}) {
+      Grid g;
+      g.dims = d;
+      const Labels labels = labels_of(Image(g, value));
+      EXPECT_FALSE(labels.has(Wall::endo) || labels.has(Wall::epi));
+      for (const char* code : {"components.empty", "circle.no_circular_edge", "circle.no_wide_edge",
+                               "slice_refine.not_in_table", "boxes.no_big_slice", "labels.no_endo", "labels.no_epi"})
+        EXPECT_TRUE(has_code(labels.notes, code)) << code;
+    }
+}
+
+TEST(Labels, TakeOneSliceOfAHeart) {
+  HeartShape h;
+  const Image all = test::blurred_heart(h);
+  Grid g = all.grid;
+  g.dims[2] = 1;
+  Image one(g);
+  std::copy_n(all.values.begin() + static_cast<std::ptrdiff_t>(all.grid.index(0, 0, 13)), g.size(), one.values.begin());
+  const Labels labels = labels_of(one);
+  EXPECT_TRUE(labels.has(Wall::epi));
+}
+
+TEST(Labels, RefuseOptionsAndEdgesThatDoNotFit) {
+  Grid g;
+  g.dims = {8, 8, 2};
+  const Image image(g);
+  const EdgeMap edges = detect_edges(image, Canny{});
+  Labelling o;
+  o.division.jump = 2;
+  EXPECT_THROW(label_borders(image, edges, o), OptionError);
+  g.dims = {8, 9, 2};
+  EXPECT_THROW(label_borders(Image(g), edges, {}), InputError);
+}
+
+TEST(BorderVolume, HoldsTheVoxelsOfOneBorder) {
+  Labels labels;
+  labels.borders.grid.dims = {4, 1, 1};
+  labels.borders.values = {0, 1, 2, 3};
+  EXPECT_EQ(border_volume(labels, Wall::endo).values, (std::vector<float>{0, 1, 0, 1}));
+  EXPECT_EQ(border_volume(labels, Wall::epi).values, (std::vector<float>{0, 0, 1, 1}));
+}
+
+}  // namespace
+}  // namespace dynasurf
