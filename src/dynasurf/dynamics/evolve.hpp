@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <cstdint>
 #include <span>
 #include <string_view>
 #include <variant>
@@ -55,10 +57,12 @@ void describe(auto& visit, StopVoxel& o) {
               "before it"});
 }
 
-/// When the whole run ends (STOP-CONV, O16).
+/// When the whole run ends (STOP-CONV, O16). In steps shorter than the automatic one, a particle must be slower in
+/// proportion to be at rest. `still_radius` is ours: field and smoothing may pull a particle to and fro for ever.
 struct StopConv {
   double still_share = 0.99;
   double still_move = 1e-3;
+  double still_radius = 0.1;
   int still_steps = 10;
   int max_steps = 5000;
 };
@@ -66,6 +70,9 @@ void describe(auto& visit, StopConv& o) {
   visit("still_share", o.still_share, Field{"share of particles that must be at rest", "", 0, 1});
   visit("still_move", o.still_move,
         Field{"a particle that moves less per step rests", "of the smallest voxel side", 0, 1});
+  visit("still_radius", o.still_radius,
+        Field{"one that strays no farther in as many steps as it takes at still_move rests, too; 0: it does not",
+              "of the smallest voxel side", 0, 1000});
   visit("still_steps", o.still_steps, Field{"steps in a row", "", 1, 100000});
   visit("max_steps", o.max_steps, Field{"the run ends here in any case", "", 1, 100000000});
 }
@@ -85,7 +92,9 @@ struct Evolution {
 };
 void describe(auto& visit, Evolution& o) {
   visit("solver", o.solver, Field{"how the motion is integrated"});
-  visit("step_s", o.step_s, Field{"time step; 0: 0.8 of the largest stable one", "s", 0, 1e3});
+  visit("step_s", o.step_s,
+        Field{"time step; 0: 0.8 of the largest stable one, less where particles could move 0.3 voxels in it", "s", 0,
+              1e3});
   visit("mass_kg", o.mass_kg, Field{"mass of the whole mesh, shared equally", "kg", 1e-9, 1e9});
   visit("force", o.force, Field{"force on each particle"});
   visit("stop", o.stop, Field{"stop in border voxels"});
@@ -107,12 +116,15 @@ struct EvolutionResult {
   double step_s = 0;                  // time step used
   std::vector<std::uint8_t> stopped;  // per vertex: reached a border voxel
   double stopped_fraction = 0;
-  std::vector<std::array<int, 4>> histories;  // per step: particles < 1, < 2, < 3, >= 3 voxels from the border
+  std::vector<std::array<int, 4>> histories;  // per step: particles < 1, < 2, < 3 (each with the former), >= 3 voxels
   Notes notes;                                // "evolve.step_above_limit", "evolve.fast_particle", "evolve.diverged"
 };
 
 /// Moves the vertices of `start` (grid frame) under `field` until they rest on the non-zero voxels of `border`.
-/// Deterministic for any thread count. On divergence the last good mesh is returned, with the reason.
+/// Particles start at rest. They cannot leave the box that holds the grid's cells and the start. With `stop` on,
+/// neither the field nor the smoothing takes a particle through a border voxel, however long the step. Deterministic
+/// for any thread count. On divergence the mesh before the bad step is returned, with the reason. Throws InputError for
+/// an empty or far start, a field that is not finite, or a border on another grid.
 EvolutionResult evolve(const TriMesh& start, const VectorField& field, const Image& border, const Evolution& options,
                        const Progress& progress = {});
 

@@ -1,0 +1,374 @@
+#include "dynasurf/dynamics/evolve.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/dynamics/border_path.hpp"
+#include "dynasurf/dynamics/field_force.hpp"
+#include "dynasurf/dynamics/solvers/solver.hpp"
+#include "dynasurf/mesh/border_distance.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr std::array<std::string_view, 3> kStopPoints{"entry", "centre", "backtrack"};
+constexpr std::array<std::string_view, 4> kStopReasons{"all_stopped", "at_rest", "max_steps", "diverged"};
+
+constexpr std::size_t kGrain = 1024;     // particles of one parallel piece
+constexpr std::size_t kBatch = 64;       // particles advanced together: their state and scratch stay in the cache
+constexpr double kShareOfLimit = 0.8;    // of the largest stable step
+constexpr double kVoxelsPerStep = 0.3;   // the automatic step keeps the steady speed below this
+constexpr double kFastParticle = 0.5;    // voxels per step worth a note (A.4)
+constexpr double kRunaway = 100;         // times the fastest speed the field can give
+constexpr double kFarthestVoxel = 1e6;   // where a start may lie
+constexpr int kStepsBetweenChecks = 64;  // for a request to stop
+
+/// The room of the particles: the cells of the grid and the box of the start. Who starts outside the grid may come in
+/// from there, but nobody can leave.
+struct Room {
+  Vec3 low, high;
+  double diagonal_mm() const { return (high - low).norm(); }
+};
+
+Room room_of(const Grid& grid, const TriMesh& start) {
+  Room room{-grid.spacing / 2, Vec3(grid.dims[0] - 0.5, grid.dims[1] - 0.5, grid.dims[2] - 0.5)};
+  room.high = room.high.cwiseProduct(grid.spacing);
+  for (const Vec3& p : start.vertices) {
+    room.low = room.low.cwiseMin(p);
+    room.high = room.high.cwiseMax(p);
+  }
+  return room;
+}
+
+/// What follows from the options before the first step.
+struct Plan {
+  double mass_kg = 0;  // of one particle
+  double fastest = 0;  // bound of the speed that the field can give, mm/s
+  double limit_s = 0, automatic_s = 0, step_s = 0;
+  double rest_mm = 0;   // who moves less in a step is at rest
+  double stray_mm = 0;  // and who strays no farther in so many steps
+  int stray_steps = 0;
+};
+
+Plan make_plan(const Evolution& o, std::size_t particles, double pull, const Room& room, double smallest_spacing_mm) {
+  Plan plan;
+  plan.mass_kg = o.mass_kg / static_cast<double>(particles);
+  // Falling all through the room, or the steady speed at which the drag balances the field.
+  plan.fastest = std::sqrt(2 * o.force.strength * pull / plan.mass_kg * room.diagonal_mm());
+  if (o.force.drag > 0) plan.fastest = std::min(plan.fastest, o.force.strength * pull / o.force.drag);
+  plan.limit_s = step_limit_s(o.solver, o.mass_kg, particles, o.force.drag);
+  const double by_speed =
+      plan.fastest > 0 ? kVoxelsPerStep * smallest_spacing_mm / plan.fastest : std::numeric_limits<double>::infinity();
+  plan.automatic_s = std::min(kShareOfLimit * plan.limit_s, by_speed);
+  if (!std::isfinite(plan.automatic_s)) plan.automatic_s = 1;  // no field, no drag: nothing moves
+  plan.step_s = o.step_s > 0 ? o.step_s : plan.automatic_s;
+  // In a shorter step a particle covers less ground without being nearer to rest.
+  plan.rest_mm = o.end.still_move * smallest_spacing_mm * std::min(1.0, plan.step_s / plan.automatic_s);
+  plan.stray_mm = o.end.still_radius * smallest_spacing_mm;
+  plan.stray_steps = static_cast<int>(std::min(plan.stray_mm / plan.rest_mm, 1e9));
+  return plan;
+}
+
+void check_inputs(const TriMesh& start, const VectorField& field, const Image& border) {
+  if (start.vertices.empty()) throw InputError("evolve: the start mesh has no vertices; expected at least one");
+  if (field.grid.size() == 0) throw InputError("evolve: the field has no voxels; expected a field to move in");
+  if (field.grid.dims != border.grid.dims || field.grid.spacing != border.grid.spacing)
+    throw InputError("evolve: field and border lie on different grids; expected the same size and spacing");
+  for (const Vec3& p : start.vertices)
+    if (!p.allFinite() || p.cwiseQuotient(field.grid.spacing).cwiseAbs().maxCoeff() > kFarthestVoxel)
+      throw InputError("evolve: a start vertex is not finite or farther than a million voxels from the grid");
+}
+
+/// Where a particle was when it last left the neighbourhood of such a place.
+struct Anchor {
+  Vec3 place;
+  int step = 0;
+};
+
+/// What one piece of the particles reports of a step.
+struct StepReport {
+  double speed = 0;           // largest, mm/s
+  double voxels_squared = 0;  // largest displacement by the field
+  bool finite = true;
+};
+
+/// The free model (MOD-FREE). Particles that still move are kept packed: a stopped particle costs nothing.
+class Run {
+ public:
+  Run(const TriMesh& start, const VectorField& field, const Image& border, const Evolution& options)
+      : options_(options),
+        grid_(field.grid),
+        smallest_spacing_(field.grid.spacing.minCoeff()),
+        room_(room_of(field.grid, start)),
+        plan_(make_plan(options, start.vertices.size(), checked_pull(field), room_, smallest_spacing_)),
+        motion_(free_motion(field, options.force, plan_.mass_kg)),
+        path_(border),
+        rings_(vertex_rings(start)) {
+    const std::size_t n = start.vertices.size();
+    result_.mesh = start;
+    result_.step_s = plan_.step_s;
+    result_.stopped.assign(n, 0);
+    state_.assign(6 * n, 0.0);
+    before_.resize(n);
+    hit_.resize(n);
+    for (const Vec3& p : start.vertices) anchor_.push_back({p, 0});
+    moving_.resize(n);
+    for (std::uint32_t v = 0; v < n; ++v) {
+      moving_[v] = v;
+      for (std::size_t a = 0; a < 3; ++a) state_[6 * v + a] = start.vertices[v][static_cast<Eigen::Index>(a)];
+    }
+    if (options.histories) {
+      to_border_.emplace(border);
+      bucket_.assign(n, 3);
+    }
+  }
+
+  EvolutionResult operator()(const Progress& progress) {
+    note_step();
+    result_.reason = StopReason::max_steps;
+    int rested_steps = 0;
+    while (result_.steps < options_.end.max_steps) {
+      if (result_.steps % kStepsBetweenChecks == 0) progress.check();
+      if (!move()) {
+        result_.reason = StopReason::diverged;
+        break;
+      }
+      ++result_.steps;
+      retire_stopped();
+      if (options_.smooth_every > 0 && result_.steps % options_.smooth_every == 0) {
+        smooth(result_.mesh.vertices, rings_, moving_, options_.smooth_during, smallest_spacing_);
+        follow_smoothing();
+        retire_stopped();
+      }
+      if (options_.histories) record_distances();
+      if (moving_.empty()) {
+        result_.reason = StopReason::all_stopped;
+        break;
+      }
+      const auto all = static_cast<double>(result_.stopped.size());
+      rested_steps = static_cast<double>(count_at_rest()) >= options_.end.still_share * all ? rested_steps + 1 : 0;
+      if (rested_steps >= options_.end.still_steps) {
+        result_.reason = StopReason::at_rest;
+        break;
+      }
+    }
+    return finish();
+  }
+
+ private:
+  static double checked_pull(const VectorField& field) {
+    const double pull = largest_pull(field);
+    if (!std::isfinite(pull)) throw InputError("evolve: the field has a vector that is not finite");
+    return pull;
+  }
+
+  /// One step of the solver for all moving particles, and STOP-VOXEL on their paths. False, with the mesh as it was
+  /// before, when the motion blew up.
+  bool move() {
+    reports_.assign((moving_.size() + kGrain - 1) / kGrain, {});
+    parallel_for(moving_.size(), kGrain, [this](std::size_t begin, std::size_t end) {
+      StepReport& report = reports_[begin / kGrain];
+      for (std::size_t b = begin; b < end; b += kBatch) move_batch(b, std::min(end, b + kBatch), report);
+    });
+    StepReport all;
+    for (const StepReport& r : reports_) {
+      all.speed = std::max(all.speed, r.speed);
+      all.voxels_squared = std::max(all.voxels_squared, r.voxels_squared);
+      all.finite = all.finite && r.finite;
+    }
+    if (!all.finite || all.speed > kRunaway * plan_.fastest) {
+      for (std::size_t s = 0; s < moving_.size(); ++s) result_.mesh.vertices[moving_[s]] = before_[s];
+      return false;
+    }
+    if (all.voxels_squared > fastest_step_squared_) {
+      fastest_step_squared_ = all.voxels_squared;
+      fastest_step_ = result_.steps + 1;
+    }
+    return true;
+  }
+
+  void move_batch(std::size_t begin, std::size_t end, StepReport& report) {
+    std::array<double, 6 * kBatch * kSolverScratch> scratch;
+    const std::span<double> state = std::span(state_).subspan(6 * begin, 6 * (end - begin));
+    for (std::size_t s = begin; s < end; ++s) before_[s] = result_.mesh.vertices[moving_[s]];
+    advance(options_.solver, state, plan_.step_s, motion_, scratch);
+    for (std::size_t s = begin; s < end; ++s) {
+      Eigen::Map<Vec3> position(&state_[6 * s]), velocity(&state_[6 * s + 3]);
+      if (!position.allFinite() || !velocity.allFinite()) {
+        report.finite = false;
+        return;
+      }
+      keep_in_room(position, velocity);
+      report.speed = std::max(report.speed, velocity.norm());
+      report.voxels_squared =
+          std::max(report.voxels_squared, (position - before_[s]).cwiseQuotient(grid_.spacing).squaredNorm());
+      hit_[s] = options_.stop.enabled ? stop_on_path(before_[s], before_[s], position) : 0;
+      result_.mesh.vertices[moving_[s]] = position;
+    }
+  }
+
+  void keep_in_room(Eigen::Map<Vec3>& position, Eigen::Map<Vec3>& velocity) const {
+    for (int a = 0; a < 3; ++a) {
+      if (position[a] >= room_.low[a] && position[a] <= room_.high[a]) continue;
+      position[a] = std::clamp(position[a], room_.low[a], room_.high[a]);
+      velocity[a] = 0;
+    }
+  }
+
+  /// Moves `to` where STOP-VOXEL holds a particle on its way from `from`; 1 when it does, else 0.
+  template <class Point>
+  std::uint8_t stop_on_path(const Vec3& step_begin, const Vec3& from, Point& to) const {
+    const std::optional<BorderHit> hit = path_.first_hit(from, to);
+    if (!hit) return 0;
+    switch (options_.stop.point) {
+      case StopPoint::entry:
+        to = hit->entry;
+        break;
+      case StopPoint::centre:
+        to = centre_of(grid_, hit->voxel);
+        break;
+      case StopPoint::backtrack:
+        to = step_begin;
+        break;
+    }
+    return 1;
+  }
+
+  /// Smoothing is a part of the motion: a particle that it would push through the border stops there as well.
+  void follow_smoothing() {
+    for (std::size_t s = 0; s < moving_.size(); ++s) {
+      Eigen::Map<Vec3> position(&state_[6 * s]);
+      Vec3& smoothed = result_.mesh.vertices[moving_[s]];
+      hit_[s] = 0;
+      if (smoothed == position) continue;
+      if (options_.stop.enabled) hit_[s] = stop_on_path(before_[s], position, smoothed);
+      position = smoothed;
+    }
+  }
+
+  /// Keeps the moving particles packed, in ascending order.
+  void retire_stopped() {
+    std::size_t kept = 0;
+    for (std::size_t s = 0; s < moving_.size(); ++s) {
+      const std::uint32_t v = moving_[s];
+      if (hit_[s] != 0) {
+        result_.stopped[v] = 1;
+        if (options_.histories) newly_stopped_.push_back(v);
+        continue;
+      }
+      if (kept != s) {
+        moving_[kept] = v;
+        before_[kept] = before_[s];
+        anchor_[kept] = anchor_[s];
+        std::copy_n(&state_[6 * s], 6, &state_[6 * kept]);
+      }
+      ++kept;
+    }
+    moving_.resize(kept);
+  }
+
+  /// Stopped particles are at rest, too.
+  std::size_t count_at_rest() {
+    std::size_t count = result_.stopped.size() - moving_.size();
+    for (std::size_t s = 0; s < moving_.size(); ++s) {
+      const Vec3& position = result_.mesh.vertices[moving_[s]];
+      if ((position - anchor_[s].place).squaredNorm() > plan_.stray_mm * plan_.stray_mm)
+        anchor_[s] = {position, result_.steps};
+      const bool is_slow = (position - before_[s]).squaredNorm() < plan_.rest_mm * plan_.rest_mm;
+      if (is_slow || (plan_.stray_steps > 0 && result_.steps - anchor_[s].step >= plan_.stray_steps)) ++count;
+    }
+    return count;
+  }
+
+  void record_distances() {
+    const auto bucket_of = [&](std::uint32_t v) {
+      const double d = to_border_->voxels(result_.mesh.vertices[v], 3);
+      return static_cast<std::uint8_t>(d < 3 ? static_cast<int>(d) : 3);
+    };
+    for (const std::uint32_t v : newly_stopped_) bucket_[v] = bucket_of(v);
+    newly_stopped_.clear();
+    for (const std::uint32_t v : moving_) bucket_[v] = bucket_of(v);
+    std::array<int, 4> count{};
+    for (const std::uint8_t b : bucket_) ++count[b];
+    // "Nearer than 2" includes those nearer than 1.
+    result_.histories.push_back({count[0], count[0] + count[1], count[0] + count[1] + count[2], count[3]});
+  }
+
+  EvolutionResult finish() {
+    const auto stopped = std::count(result_.stopped.begin(), result_.stopped.end(), std::uint8_t{1});
+    result_.stopped_fraction = static_cast<double>(stopped) / static_cast<double>(result_.stopped.size());
+    note_fast_particle();
+    if (result_.reason == StopReason::diverged) {
+      note(Severity::failure, "evolve.diverged", [&](auto& text) {
+        text << "the motion blew up after " << result_.steps << " steps; a shorter step is needed";
+      });
+    } else {
+      smooth(result_.mesh, options_.smooth_after, smallest_spacing_);
+    }
+    return std::move(result_);
+  }
+
+  void note_step() {
+    if (plan_.step_s > plan_.limit_s)
+      note(Severity::warning, "evolve.step_above_limit", [&](auto& text) {
+        text << "the time step " << plan_.step_s << " s is above the stable limit " << plan_.limit_s << " s";
+      });
+  }
+
+  void note_fast_particle() {
+    if (fastest_step_squared_ > kFastParticle * kFastParticle)
+      note(Severity::warning, "evolve.fast_particle", [&](auto& text) {
+        text << "a particle moved " << std::sqrt(fastest_step_squared_) << " voxels in step " << fastest_step_
+             << "; above " << kFastParticle << " its path is coarse, a shorter step follows the field better";
+      });
+  }
+
+  template <class Write>
+  void note(Severity severity, const char* code, Write write) {
+    std::ostringstream text;
+    write(text);
+    result_.notes.push_back({severity, code, text.str()});
+  }
+
+  const Evolution& options_;
+  const Grid grid_;
+  const double smallest_spacing_;
+  const Room room_;
+  const Plan plan_;
+  const Derivative motion_;
+  const BorderPath path_;
+  const VertexRings rings_;
+  std::optional<BorderDistance> to_border_;
+  EvolutionResult result_;
+
+  std::vector<std::uint32_t> moving_;  // vertices that move, ascending; the arrays below are parallel to it
+  std::vector<double> state_;          // x, y, z, vx, vy, vz
+  std::vector<Vec3> before_;           // positions before the step
+  std::vector<Anchor> anchor_;
+  std::vector<std::uint8_t> hit_;  // met the border in this step
+  std::vector<StepReport> reports_;
+  std::vector<std::uint32_t> newly_stopped_;
+  std::vector<std::uint8_t> bucket_;  // whole voxels from the border, at most 3; per vertex
+  double fastest_step_squared_ = 0;
+  int fastest_step_ = 0;
+};
+
+}  // namespace
+
+std::span<const std::string_view> names_of(StopPoint) { return kStopPoints; }
+std::string_view name_of(StopReason reason) { return kStopReasons[static_cast<std::size_t>(reason)]; }
+
+EvolutionResult evolve(const TriMesh& start, const VectorField& field, const Image& border, const Evolution& options,
+                       const Progress& progress) {
+  Evolution checked = options;
+  check_options(checked, "evolve");
+  check_inputs(start, field, border);
+  return Run(start, field, border, checked)(progress);
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,78 @@
+#include "dynasurf/dynamics/field_force.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace dynasurf {
+namespace {
+
+/// The hot loop of every run: four of these per step and particle with RK4.
+class NearestMotion {
+ public:
+  NearestMotion(const VectorField& field, double pull_per_mass, double drag_per_mass)
+      : x_(field.x.data()),
+        y_(field.y.data()),
+        z_(field.z.data()),
+        per_mm_(field.grid.spacing.cwiseInverse()),
+        dims_(field.grid.dims),
+        pull_(pull_per_mass),
+        drag_(drag_per_mass) {}
+
+  void operator()(std::span<const double> y, std::span<double> dydt) const {
+    for (std::size_t p = 0; p < y.size(); p += 6) {
+      const std::size_t v = voxel(y[p], 0) + width() * (voxel(y[p + 1], 1) + height() * voxel(y[p + 2], 2));
+      dydt[p] = y[p + 3];
+      dydt[p + 1] = y[p + 4];
+      dydt[p + 2] = y[p + 5];
+      dydt[p + 3] = pull_ * x_[v] - drag_ * y[p + 3];
+      dydt[p + 4] = pull_ * y_[v] - drag_ * y[p + 4];
+      dydt[p + 5] = pull_ * z_[v] - drag_ * y[p + 5];
+    }
+  }
+
+ private:
+  std::size_t width() const { return static_cast<std::size_t>(dims_[0]); }
+  std::size_t height() const { return static_cast<std::size_t>(dims_[1]); }
+  /// Nearest voxel inside the grid; comparisons before the conversion keep far and broken positions harmless.
+  std::size_t voxel(double mm, std::size_t axis) const {
+    const double t = mm * per_mm_[static_cast<Eigen::Index>(axis)] + 0.5;
+    if (!(t > 0)) return 0;
+    return t < dims_[axis] ? static_cast<std::size_t>(static_cast<int>(t)) : static_cast<std::size_t>(dims_[axis] - 1);
+  }
+
+  const float *x_, *y_, *z_;
+  Vec3 per_mm_;
+  Index3 dims_;
+  double pull_, drag_;
+};
+
+}  // namespace
+
+Derivative free_motion(const VectorField& field, const FieldForce& force, double particle_mass_kg) {
+  const double pull = force.strength / particle_mass_kg, drag = force.drag / particle_mass_kg;
+  if (force.sampling == Sampling::nearest) return NearestMotion(field, pull, drag);
+  return [&field, how = force.sampling, pull, drag](std::span<const double> y, std::span<double> dydt) {
+    for (std::size_t p = 0; p < y.size(); p += 6) {
+      const Vec3 position(y[p], y[p + 1], y[p + 2]), velocity(y[p + 3], y[p + 4], y[p + 5]);
+      const Vec3 acceleration = pull * sample(field, position, how, velocity) - drag * velocity;
+      for (std::size_t a = 0; a < 3; ++a) {
+        dydt[p + a] = y[p + 3 + a];
+        dydt[p + 3 + a] = acceleration[static_cast<Eigen::Index>(a)];
+      }
+    }
+  };
+}
+
+double largest_pull(const VectorField& field) {
+  double largest = 0;
+  for (std::size_t v = 0; v < field.x.size(); ++v) {
+    const double x = field.x[v], y = field.y[v], z = field.z[v];
+    const double squared = x * x + y * y + z * z;
+    if (!(squared <= largest)) largest = squared;  // lets NaN through, and keeps it
+    if (std::isnan(largest)) break;
+  }
+  return std::sqrt(largest);
+}
+
+}  // namespace dynasurf
