@@ -27,34 +27,51 @@ struct Turn {
     const double r = re * c - im * s;
     im = re * s + im * c;
     re = r;
-    if (is_upper() != upper) ++half_turns;
+    half_turns += is_upper() != upper ? 1 : 0;
+  }
+  /// Keeps products of many factors from overflow.
+  void rescale() {
     const double size = std::abs(re) + std::abs(im);
-    if (size > 1e60 || size < 1e-60) re /= size, im /= size;
+    if (size > 1e60 || (size < 1e-60 && size > 0)) re /= size, im /= size;
   }
   double angle() const {
     // Direction above the real axis: the sum is in an even half turn, below: in an odd one.
     const double within = std::atan2(is_upper() ? im : -im, is_upper() ? re : -re);
     return half_turns * std::numbers::pi + within;
   }
-
- private:
-  bool is_upper() const { return im > 0 || (im == 0 && re > 0); }
+  bool is_upper() const { return (im > 0) | ((im == 0) & (re > 0)); }
 };
 
-double angle_around(const Vec3& centre, std::span<const Vec3> p, Ring ring) {
+Turn turn_around(const Vec3& centre, std::span<const Vec3> p, Ring ring) {
   Turn turn;
+  int added = 0;
   Vec3 previous = p[ring.back()] - centre;
   for (const std::uint32_t n : ring) {
     const Vec3 next = p[n] - centre;
     turn.add(previous.dot(next), previous.cross(next).norm());
+    if (++added % 8 == 0) turn.rescale();
     previous = next;
   }
-  return turn.angle();
+  return turn;
 }
 
-double peak(const Vec3& centre, std::span<const Vec3> p, Ring ring) {
-  return std::abs(angle_around(centre, p, ring) - kFullTurn);
-}
+/// Tells peaks from flat places. Nearly all vertices are flat: their turn ends close to the positive real axis, just
+/// before or after one full turn, which a product shows; only the others need the angle itself.
+class PeakTest {
+ public:
+  explicit PeakTest(double tolerance_rad)
+      : tolerance_(tolerance_rad), slope_(tolerance_rad < std::numbers::pi / 2 ? std::tan(tolerance_rad) : -1) {}
+
+  bool operator()(const Vec3& centre, std::span<const Vec3> p, Ring ring) const {
+    const Turn turn = turn_around(centre, p, ring);
+    const bool near_full_turn = turn.is_upper() ? turn.half_turns == 2 : turn.half_turns == 1;
+    if (near_full_turn && turn.re > 0 && std::abs(turn.im) <= slope_ * turn.re) return false;
+    return std::abs(turn.angle() - kFullTurn) > tolerance_;
+  }
+
+ private:
+  double tolerance_, slope_;
+};
 
 /// The triangles around each vertex, as the side opposite to it.
 struct OppositeSides {
@@ -92,8 +109,9 @@ void append_ring(std::span<const std::array<std::uint32_t, 2>> sides, std::vecto
 
 enum class Outcome { untouched, moved, at_centroid };
 
-Outcome smooth_vertex(Vec3& position, std::span<const Vec3> p, Ring ring, const Smoothing& options, double step_mm) {
-  if (!(peak(position, p, ring) > options.tolerance_rad)) return Outcome::untouched;
+Outcome smooth_vertex(Vec3& position, std::span<const Vec3> p, Ring ring, const PeakTest& is_peak,
+                      const Smoothing& options, double step_mm) {
+  if (!is_peak(position, p, ring)) return Outcome::untouched;
   Vec3 centroid = Vec3::Zero();
   for (const std::uint32_t n : ring) centroid += p[n];
   centroid /= static_cast<double>(ring.size());
@@ -105,7 +123,7 @@ Outcome smooth_vertex(Vec3& position, std::span<const Vec3> p, Ring ring, const 
   for (int s = 1;; ++s) {
     const double share = std::min(s * share_step, 1.0);
     position = start + share * way;
-    if (peak(position, p, ring) <= options.tolerance_rad) return Outcome::moved;
+    if (!is_peak(position, p, ring)) return Outcome::moved;
     if (share >= 1) return Outcome::at_centroid;
   }
 }
@@ -131,20 +149,21 @@ std::vector<double> angle_deficits(const TriMesh& mesh) {
   std::vector<double> deficit(mesh.vertices.size(), 0.0);
   for (std::uint32_t v = 0; v < deficit.size(); ++v)
     if (const Ring ring = rings.of(v); !ring.empty())
-      deficit[v] = kFullTurn - angle_around(mesh.vertices[v], mesh.vertices, ring);
+      deficit[v] = kFullTurn - turn_around(mesh.vertices[v], mesh.vertices, ring).angle();
   return deficit;
 }
 
 SmoothReport smooth(std::span<Vec3> vertices, const VertexRings& rings, std::span<const std::uint32_t> movable,
                     const Smoothing& options, double smallest_spacing_mm) {
   const double step_mm = options.step_mm > 0 ? options.step_mm : smallest_spacing_mm / 20;
+  const PeakTest is_peak(options.tolerance_rad);
   SmoothReport report;
   for (int sweep = 0; sweep < options.sweeps; ++sweep) {
     report = {};
     for (const std::uint32_t v : movable) {
       const Ring ring = rings.of(v);
       if (ring.empty()) continue;
-      const Outcome outcome = smooth_vertex(vertices[v], vertices, ring, options, step_mm);
+      const Outcome outcome = smooth_vertex(vertices[v], vertices, ring, is_peak, options, step_mm);
       report.moved += outcome != Outcome::untouched ? 1 : 0;
       report.at_centroid += outcome == Outcome::at_centroid ? 1 : 0;
     }
