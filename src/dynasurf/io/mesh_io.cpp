@@ -1,0 +1,141 @@
+#include "dynasurf/io/mesh_io.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <set>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/mesh_formats.hpp"
+
+namespace dynasurf {
+namespace {
+
+using namespace io_detail;
+
+/// Larger files are refused before memory is taken for them: 40 million triangles fit.
+constexpr std::uintmax_t max_mesh_bytes = std::uintmax_t{2} << 30;
+
+constexpr std::string_view mesh_format_names[] = {"ply", "stl", "obj", "off", "vtp"};
+
+std::string read_whole(const std::filesystem::path& path) {
+  std::error_code failed;
+  const auto status = std::filesystem::status(path, failed);
+  if (!std::filesystem::exists(status)) throw IoError(path.string() + ": no such file; expected a mesh");
+  if (!std::filesystem::is_regular_file(status))
+    throw InputError(path.string() + ": not a regular file; expected a mesh");
+  const auto size = std::filesystem::file_size(path, failed);
+  if (failed) throw IoError(path.string() + ": cannot be read: " + failed.message());
+  if (size > max_mesh_bytes)
+    throw InputError(path.string() + ": " + std::to_string(size) + " bytes; expected a mesh of at most 2 GiB");
+  std::string content(size, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream || !stream.read(content.data(), static_cast<std::streamsize>(size)))
+    throw IoError(path.string() + ": cannot be read");
+  return content;
+}
+
+bool is_plain_word(const std::string& name) {
+  return !name.empty() &&
+         std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
+}
+
+}  // namespace
+
+std::span<const std::string_view> names_of(MeshFormat) { return mesh_format_names; }
+
+void write_mesh(const TriMesh& mesh, const std::filesystem::path& path, MeshFormat format,
+                std::span<const VertexScalar> scalars) {
+  check_writable(mesh, scalars, path.string());
+  switch (format) {
+    case MeshFormat::ply:
+      return write_file(path, encode_ply(mesh, scalars));
+    case MeshFormat::stl:
+      return write_file(path, encode_stl(mesh));
+    case MeshFormat::obj:
+      return write_file(path, encode_obj(mesh));
+    case MeshFormat::off:
+      return write_file(path, encode_off(mesh));
+    case MeshFormat::vtp:
+      return write_file(path, encode_vtp(mesh, scalars));
+  }
+}
+
+TriMesh read_mesh(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  const auto decode = ending == ".ply"   ? decode_ply
+                      : ending == ".stl" ? decode_stl
+                      : ending == ".obj" ? decode_obj
+                      : ending == ".off" ? decode_off
+                                         : nullptr;
+  if (decode == nullptr)
+    throw InputError(path.string() + ": unknown kind of mesh; expected a name that ends in .ply, .stl, .obj or .off");
+  const std::string content = read_whole(path);
+  const MeshFile file{path.string(), content};
+  TriMesh mesh = decode(file);
+  if (mesh.triangles.empty()) refuse(file, "", 0, "holds no triangle; expected a surface");
+  return mesh;
+}
+
+namespace io_detail {
+
+void refuse(const MeshFile& file, std::string_view unit, std::size_t place, const std::string& reason) {
+  std::string text = file.name + ": ";
+  if (!unit.empty()) text += std::string(unit) + " " + std::to_string(place) + ": ";
+  throw InputError(text + reason);
+}
+
+std::string quoted(std::string_view word) {
+  std::string out = "'";
+  for (const unsigned char c : word.substr(0, 40)) out += std::isprint(c) != 0 ? static_cast<char>(c) : '?';
+  return out += '\'';
+}
+
+void check_writable(const TriMesh& mesh, std::span<const VertexScalar> scalars, const std::string& what) {
+  const auto refuse_mesh = [&](const std::string& reason) { throw InputError("cannot write " + what + ": " + reason); };
+  if (mesh.triangles.empty()) refuse_mesh("the mesh has no triangle");
+  if (mesh.vertices.size() > 0x7fffffff || mesh.triangles.size() > 0x7fffffff)
+    refuse_mesh("more than 2147483647 vertices or triangles");
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    if (!mesh.vertices[v].allFinite()) refuse_mesh("vertex " + std::to_string(v) + " is not finite");
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const auto v : mesh.triangles[t])
+      if (v >= mesh.vertices.size())
+        refuse_mesh("triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) + " of " +
+                    std::to_string(mesh.vertices.size()));
+
+  std::set<std::string> taken{"x", "y", "z", "nx", "ny", "nz", "Normals", "Points"};
+  for (const VertexScalar& s : scalars) {
+    if (!is_plain_word(s.name) || !taken.insert(s.name).second)
+      throw OptionError("cannot write " + what + ": scalar name '" + s.name +
+                        "'; expected a new word of letters, digits and _");
+    if (s.values.size() != mesh.vertices.size())
+      throw OptionError("cannot write " + what + ": scalar " + s.name + " has " + std::to_string(s.values.size()) +
+                        " values; expected one for each of " + std::to_string(mesh.vertices.size()) + " vertices");
+  }
+}
+
+std::vector<Eigen::Vector3f> vertex_normals(const TriMesh& mesh) {
+  std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3 area = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
+    for (const auto v : {a, b, c}) sums[v] += area;
+  }
+  std::vector<Eigen::Vector3f> normals;
+  normals.reserve(sums.size());
+  for (const Vec3& sum : sums) {
+    // stableNormalized keeps tiny meshes from underflowing to no direction at all.
+    const Vec3 unit = sum.stableNormalized();
+    normals.push_back((unit.norm() > 0.5 ? unit : Vec3(0, 0, 1)).cast<float>());
+  }
+  return normals;
+}
+
+void add_fan(TriMesh& mesh, std::span<const std::uint32_t> corners) {
+  for (std::size_t i = 2; i < corners.size(); ++i) mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+}
+
+}  // namespace io_detail
+}  // namespace dynasurf

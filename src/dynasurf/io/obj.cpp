@@ -1,0 +1,139 @@
+#include <algorithm>
+#include <array>
+
+#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/text_reader.hpp"
+
+namespace dynasurf::io_detail {
+
+std::string encode_obj(const TriMesh& mesh) {
+  std::string out = "# dynasurf, world coordinates, LPS, mm\n";
+  const auto add_row = [&](const char* keyword, const auto& row) {
+    out += keyword;
+    for (const auto c : row) {
+      out += ' ';
+      append_text(out, c);
+    }
+    out += '\n';
+  };
+  for (const Vec3& p : mesh.vertices) add_row("v", p);
+  for (const auto& n : vertex_normals(mesh)) add_row("vn", n);
+  for (const auto& t : mesh.triangles) {
+    out += 'f';
+    for (const auto v : t) {
+      out += ' ';
+      append_text(out, v + 1);
+      out += "//";
+      append_text(out, v + 1);
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+namespace {
+
+/// Keywords that describe no surface of polygons, only its looks and names, or points and lines.
+constexpr std::string_view skipped[] = {"o",      "g",          "s", "mg", "mtllib", "usemtl",   "maplib",
+                                        "usemap", "vp",         "l", "p",  "lod",    "c_interp", "d_interp",
+                                        "bevel",  "shadow_obj", "#", "",   "mtl",    "call",     "trace_obj"};
+
+/// How many v, vt, vn rows there are, and the largest index a face asks for. Faces may stand before their vertices, so
+/// only the end of the file shows whether an index is too large.
+struct Rows {
+  std::size_t count = 0, largest = 0, line_of_largest = 0;
+};
+struct Tables {
+  std::array<Rows, 3> rows;  // v, vt, vn
+};
+
+/// 0-based index for an index of the file: 1 is the first row, -1 the latest.
+std::size_t resolve(const TextReader& text, Rows& rows, std::string_view word) {
+  const auto index = text.number_of<std::int64_t>(word, "an index");
+  if (index == 0) text.fail("index 0; expected 1 for the first, or -1 for the latest");
+  if (index < 0) {
+    // 0 - (index + 1) cannot overflow, -index could.
+    const auto back = static_cast<std::uint64_t>(-(index + 1));
+    if (back >= rows.count)
+      text.fail("index " + std::string(word) + " is out of range; expected -1 to -" + std::to_string(rows.count));
+    return rows.count - 1 - back;
+  }
+  if (static_cast<std::size_t>(index) > rows.largest) {
+    rows.largest = static_cast<std::size_t>(index);
+    rows.line_of_largest = text.line_number();
+  }
+  return static_cast<std::size_t>(index) - 1;
+}
+
+/// One corner: v, v/vt, v//vn or v/vt/vn. Gives the vertex; the others are only checked.
+std::uint32_t read_corner(const TextReader& text, Tables& tables, std::string_view corner) {
+  const std::string_view whole = corner;
+  std::size_t vertex = 0;
+  for (std::size_t part = 0;; ++part) {
+    const std::size_t slash = corner.find('/');
+    const std::string_view word = corner.substr(0, slash);
+    if (part > 2) text.fail(quoted(whole) + " is no corner; expected v, v/vt, v//vn or v/vt/vn");
+    if (!(part == 1 && word.empty() && slash != std::string_view::npos)) {
+      const std::size_t index = resolve(text, tables.rows[part], word);
+      if (part == 0) vertex = index;
+    }
+    if (slash == std::string_view::npos) break;
+    corner.remove_prefix(slash + 1);
+  }
+  if (vertex > 0xffffffffu) text.fail("index " + quoted(whole) + " is out of range");
+  return static_cast<std::uint32_t>(vertex);
+}
+
+void read_vertex(TextReader& text, TriMesh& mesh) {
+  Vec3 p;
+  for (double& c : p) c = text.coordinate();
+  // A weight, or a colour as some scanners write it: numbers, not used.
+  int extra = 0;
+  while (!text.line_is_done() && extra < 5) {
+    text.number<double>("a weight or colour");
+    ++extra;
+  }
+  if (extra == 2 || extra > 4) text.fail("expected 3 coordinates, and at most a weight or a colour");
+  mesh.vertices.push_back(p);
+}
+
+void read_face(TextReader& text, Tables& tables, std::vector<std::uint32_t>& corners, TriMesh& mesh) {
+  corners.clear();
+  for (auto word = text.word(); !word.empty(); word = text.word()) corners.push_back(read_corner(text, tables, word));
+  if (corners.size() < 3) text.fail("a face of " + std::to_string(corners.size()) + " corners; expected 3 or more");
+  add_fan(mesh, corners);
+}
+
+}  // namespace
+
+TriMesh decode_obj(const MeshFile& file) {
+  TriMesh mesh;
+  Tables tables;
+  std::vector<std::uint32_t> corners;
+  TextReader text(file);
+  while (text.next_line_with_words('#')) {
+    const auto keyword = text.word();
+    if (keyword == "v") {
+      read_vertex(text, mesh);
+      tables.rows[0].count = mesh.vertices.size();
+    } else if (keyword == "vt" || keyword == "vn") {
+      ++tables.rows[keyword == "vt" ? 1 : 2].count;
+      text.number<double>("a value");
+      while (!text.line_is_done()) text.number<double>("a value");
+    } else if (keyword == "f") {
+      read_face(text, tables, corners, mesh);
+    } else if (std::find(std::begin(skipped), std::end(skipped), keyword) == std::end(skipped)) {
+      text.fail(quoted(keyword) + " is not supported; expected a Wavefront OBJ of polygons");
+    }
+  }
+  constexpr const char* names[] = {"vertices", "texture coordinates", "normals"};
+  for (std::size_t i = 0; i < 3; ++i)
+    if (const Rows& rows = tables.rows[i]; rows.largest > rows.count)
+      refuse(file, "line", rows.line_of_largest,
+             "index " + std::to_string(rows.largest) + " is out of range; the file has " + std::to_string(rows.count) +
+                 " " + names[i]);
+  return mesh;
+}
+
+}  // namespace dynasurf::io_detail

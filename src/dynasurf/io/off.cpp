@@ -1,0 +1,91 @@
+#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/text_reader.hpp"
+
+namespace dynasurf::io_detail {
+
+std::string encode_off(const TriMesh& mesh) {
+  std::string out = "OFF\n# dynasurf, world coordinates, LPS, mm\n";
+  out += std::to_string(mesh.vertices.size()) + " " + std::to_string(mesh.triangles.size()) + " 0\n";
+  for (const Vec3& p : mesh.vertices)
+    for (int axis = 0; axis < 3; ++axis) {
+      append_text(out, p[axis]);
+      out += axis < 2 ? ' ' : '\n';
+    }
+  for (const auto& t : mesh.triangles)
+    out += "3 " + std::to_string(t[0]) + " " + std::to_string(t[1]) + " " + std::to_string(t[2]) + "\n";
+  return out;
+}
+
+namespace {
+
+void next_row(TextReader& text, const char* what) {
+  if (!text.next_line_with_words('#')) text.fail(std::string("the file ends before its last ") + what);
+}
+
+/// Normals, texture coordinates and colours behind a vertex or a face: numbers, not used.
+void skip_numbers(TextReader& text) {
+  while (!text.line_is_done()) text.number<double>("a colour or normal");
+}
+
+struct Counts {
+  std::size_t vertices, faces;
+};
+
+Counts read_counts(TextReader& text) {
+  if (!text.next_line_with_words('#')) text.fail("expected an OFF file, which begins with a line 'OFF'");
+  const auto word = text.word();
+  if (word != "OFF" && word != "COFF" && word != "NOFF" && word != "CNOFF" && word != "STOFF")
+    text.fail("expected an ascii OFF file of three dimensions, which begins with OFF, COFF, NOFF, CNOFF or STOFF");
+  if (text.line_is_done()) next_row(text, "vertex");
+  Counts counts{};
+  counts.vertices = text.number<std::uint32_t>("the number of vertices");
+  counts.faces = text.number<std::uint32_t>("the number of faces");
+  if (!text.line_is_done()) text.number<std::uint32_t>("the number of edges");
+  if (!text.line_is_done()) text.fail("expected the numbers of vertices, faces and edges, and no more");
+  // "0 0 0\n" and "3 0 0 0\n" are the shortest rows.
+  if (6 * counts.vertices + 8 * counts.faces > text.bytes_left())
+    text.fail(std::to_string(counts.vertices) + " vertices and " + std::to_string(counts.faces) +
+              " faces; the file has only " + std::to_string(text.bytes_left()) + " bytes for them");
+  return counts;
+}
+
+void read_face(TextReader& text, std::vector<std::uint32_t>& corners, TriMesh& mesh) {
+  const std::size_t count = text.number<std::uint32_t>("the number of corners");
+  if (count < 3) text.fail("a face of " + std::to_string(count) + " corners; expected 3 or more");
+  corners.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    corners.push_back(text.number<std::uint32_t>("a vertex index"));
+    if (corners.back() >= mesh.vertices.size())
+      text.fail("vertex index " + std::to_string(corners.back()) + " is out of range; the file has " +
+                std::to_string(mesh.vertices.size()) + " vertices");
+  }
+  skip_numbers(text);
+  add_fan(mesh, corners);
+}
+
+}  // namespace
+
+TriMesh decode_off(const MeshFile& file) {
+  TextReader text(file);
+  const Counts counts = read_counts(text);
+  TriMesh mesh;
+  mesh.vertices.reserve(counts.vertices);
+  mesh.triangles.reserve(counts.faces);
+  for (std::size_t i = 0; i < counts.vertices; ++i) {
+    next_row(text, "vertex");
+    Vec3 p;
+    for (double& c : p) c = text.coordinate();
+    skip_numbers(text);
+    mesh.vertices.push_back(p);
+  }
+  std::vector<std::uint32_t> corners;
+  for (std::size_t i = 0; i < counts.faces; ++i) {
+    next_row(text, "face");
+    read_face(text, corners, mesh);
+  }
+  if (text.next_line_with_words('#')) text.fail("expected nothing after the last face");
+  return mesh;
+}
+
+}  // namespace dynasurf::io_detail

@@ -1,0 +1,47 @@
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/vtk_xml.hpp"
+
+namespace dynasurf {
+namespace io_detail {
+
+std::string encode_vtp(const TriMesh& mesh, std::span<const VertexScalar> scalars) {
+  std::vector<double> points;
+  for (const Vec3& p : mesh.vertices) points.insert(points.end(), p.begin(), p.end());
+  std::vector<float> normals;
+  for (const auto& n : vertex_normals(mesh)) normals.insert(normals.end(), n.begin(), n.end());
+  std::vector<std::int64_t> corners, ends;
+  for (const auto& t : mesh.triangles) {
+    corners.insert(corners.end(), t.begin(), t.end());
+    ends.push_back(static_cast<std::int64_t>(corners.size()));
+  }
+
+  VtkXml xml;
+  std::string body = "<!-- dynasurf, world coordinates, LPS, mm -->\n<PolyData>\n<Piece NumberOfPoints=\"" +
+                     std::to_string(mesh.vertices.size()) + "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" " +
+                     "NumberOfStrips=\"0\" NumberOfPolys=\"" + std::to_string(mesh.triangles.size()) + "\">\n";
+  body += "<PointData Normals=\"Normals\">\n" + xml.array<float>("Normals", 3, normals);
+  for (const VertexScalar& s : scalars) body += xml.array<float>(s.name, 1, s.values);
+  body += "</PointData>\n<Points>\n" + xml.array<double>("Points", 3, points) + "</Points>\n";
+  body += "<Polys>\n" + xml.array<std::int64_t>("connectivity", 1, corners) +
+          xml.array<std::int64_t>("offsets", 1, ends) + "</Polys>\n";
+  body += "</Piece>\n</PolyData>\n";
+  return xml.file("PolyData", body);
+}
+
+}  // namespace io_detail
+
+void write_pvd(std::span<const PvdEntry> entries, const std::filesystem::path& path) {
+  std::string out =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+      "<Collection>\n";
+  for (const PvdEntry& e : entries) {
+    out += "<DataSet timestep=\"";
+    io_detail::append_text(out, e.time);
+    out += "\" part=\"" + std::to_string(e.part) + "\" file=\"" + io_detail::xml_text(e.file) + "\"/>\n";
+  }
+  write_file(path, out + "</Collection>\n</VTKFile>\n");
+}
+
+}  // namespace dynasurf
