@@ -16,8 +16,8 @@ namespace {
 using io_detail::load;
 using nlohmann::json;
 using test::beating_ball;
-using test::read_bytes;
 using test::lopsided_ball;
+using test::read_bytes;
 using test::ScratchFolder;
 
 constexpr std::array<float, 4> red{0.8f, 0.2f, 0.2f, 1}, glass{0.5f, 0.5f, 0.8f, 0.3f};

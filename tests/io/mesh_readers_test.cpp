@@ -17,9 +17,9 @@ namespace {
 
 using io_detail::append;
 using io_detail::MeshFile;
-using ::testing::HasSubstr;
-using test::write_bytes;
 using test::ScratchFolder;
+using test::write_bytes;
+using ::testing::HasSubstr;
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
 using Decoder = TriMesh (*)(const MeshFile&);
@@ -330,7 +330,7 @@ TEST(ReadMesh, NamesTheFileThatCannotBeRead) {
   EXPECT_THAT(reason("empty.obj"), HasSubstr("empty.obj: holds no triangle"));
   EXPECT_THAT(reason("points.obj"), HasSubstr("holds no triangle"));
   EXPECT_THAT(reason("folder.ply"), HasSubstr("not a regular file"));
-  EXPECT_THAT(reason("absent.ply"), HasSubstr("absent.ply: no such file"));
+  EXPECT_THAT(reason("absent.ply"), HasSubstr("absent.ply: cannot open: No such file"));
   EXPECT_THROW(read_mesh(folder / "absent.ply"), IoError);
   EXPECT_EQ(reason("UPPER.OBJ"), "");
 }

@@ -14,8 +14,8 @@
 namespace dynasurf {
 namespace {
 
-using test::read_bytes;
 using test::lopsided_ball;
+using test::read_bytes;
 using test::ScratchFolder;
 
 const TriMesh one_triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};

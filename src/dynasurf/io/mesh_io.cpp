@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <set>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/byte_source.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
 namespace dynasurf {
@@ -15,24 +15,17 @@ namespace {
 using namespace io_detail;
 
 /// Larger files are refused before memory is taken for them: 40 million triangles fit.
-constexpr std::uintmax_t max_mesh_bytes = std::uintmax_t{2} << 30;
+constexpr std::uint64_t max_mesh_bytes = std::uint64_t{2} << 30;
 
 constexpr std::string_view mesh_format_names[] = {"ply", "stl", "obj", "off", "vtp"};
 
 std::string read_whole(const std::filesystem::path& path) {
-  std::error_code failed;
-  const auto status = std::filesystem::status(path, failed);
-  if (!std::filesystem::exists(status)) throw IoError(path.string() + ": no such file; expected a mesh");
-  if (!std::filesystem::is_regular_file(status))
-    throw InputError(path.string() + ": not a regular file; expected a mesh");
-  const auto size = std::filesystem::file_size(path, failed);
-  if (failed) throw IoError(path.string() + ": cannot be read: " + failed.message());
+  const std::uint64_t size = size_of_file(path);
   if (size > max_mesh_bytes)
     throw InputError(path.string() + ": " + std::to_string(size) + " bytes; expected a mesh of at most 2 GiB");
   std::string content(size, '\0');
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream || !stream.read(content.data(), static_cast<std::streamsize>(size)))
-    throw IoError(path.string() + ": cannot be read");
+  ByteSource source(path, ByteSource::Packing::plain);
+  source.read(std::as_writable_bytes(std::span(content)), "mesh");
   return content;
 }
 
