@@ -18,13 +18,17 @@ struct Ring {
 };
 
 Ring ring_around(const std::vector<Pixel>& pixels, double x, double y, double tolerance) {
+  std::vector<double> distances;
   double sum = 0;
-  for (const Pixel& p : pixels) sum += std::hypot(p.i - x, p.j - y);
-  const double radius = sum / static_cast<double>(pixels.size());
-  const auto on_ring = std::count_if(pixels.begin(), pixels.end(), [&](const Pixel& p) {
-    return std::abs(std::hypot(p.i - x, p.j - y) - radius) <= tolerance;
-  });
-  return {radius, static_cast<double>(on_ring) / static_cast<double>(pixels.size())};
+  for (const Pixel& p : pixels) {
+    distances.push_back(std::sqrt((p.i - x) * (p.i - x) + (p.j - y) * (p.j - y)));
+    sum += distances.back();
+  }
+  const auto count = static_cast<double>(pixels.size());
+  const double radius = sum / count;
+  const auto on_ring =
+      std::count_if(distances.begin(), distances.end(), [&](double d) { return std::abs(d - radius) <= tolerance; });
+  return {radius, static_cast<double>(on_ring) / count};
 }
 
 PixelMean middle_of(const Grid& grid) { return {(grid.dims[0] - 1) / 2.0, (grid.dims[1] - 1) / 2.0}; }
@@ -123,8 +127,10 @@ Circle coarse_circle(const Grid& grid, const CoarseCircle& o) {
 Mask clip(Mask edges, const Axis& axis, double radius_px) {
   for (int k = 0; k < edges.grid.dims[2]; ++k)
     for (int j = 0; j < edges.grid.dims[1]; ++j)
-      for (int i = 0; i < edges.grid.dims[0]; ++i)
-        if (std::hypot(i - axis.x_at(k), j - axis.y_at(k)) > radius_px) edges(i, j, k) = 0;
+      for (int i = 0; i < edges.grid.dims[0]; ++i) {
+        const double dx = i - axis.x_at(k), dy = j - axis.y_at(k);
+        if (dx * dx + dy * dy > radius_px * radius_px) edges(i, j, k) = 0;
+      }
   return edges;
 }
 

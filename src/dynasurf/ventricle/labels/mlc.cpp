@@ -6,6 +6,8 @@
 #include <numeric>
 #include <optional>
 
+#include "dynasurf/core/parallel.hpp"
+
 namespace dynasurf {
 namespace {
 
@@ -112,9 +114,9 @@ std::vector<int> sides_of(const Component& edge, const Image& image, const Axis&
   std::vector<double> outwards, strength;
   for (const Pixel& p : edge.pixels) {
     const Gradient g = sobel(image, p.i, p.j, edge.slice);
-    const double dx = p.i - x, dy = p.j - y, d = std::hypot(dx, dy);
+    const double dx = p.i - x, dy = p.j - y, d = std::sqrt(dx * dx + dy * dy);
     outwards.push_back(d > 0 ? (g.x * dx + g.y * dy) / d : 0);
-    strength.push_back(std::hypot(g.x, g.y));
+    strength.push_back(std::sqrt(g.x * g.x + g.y * g.y));
   }
   std::vector<int> sides;
   for (const Pixel& p : edge.pixels) {
@@ -161,7 +163,8 @@ Rays rays_of(const SliceEdges& edges, const Axis& axis) {
   for (const auto& slice : edges)
     for (const Component& edge : slice)
       for (const Pixel& p : edge.pixels) {
-        const double dx = p.i - axis.x_at(edge.slice), dy = p.j - axis.y_at(edge.slice), d = std::hypot(dx, dy);
+        const double dx = p.i - axis.x_at(edge.slice), dy = p.j - axis.y_at(edge.slice),
+                     d = std::sqrt(dx * dx + dy * dy);
         rays[static_cast<std::size_t>(edge.slice)].push_back({p, d > 0 ? dx / d : 1, d > 0 ? dy / d : 0, d});
       }
   return rays;
@@ -171,16 +174,18 @@ constexpr std::size_t window_slices = 2;
 constexpr double window_cosine = 0.866;  // 30 degrees to either side
 constexpr std::size_t least_rays = 5;
 
-/// Distances of a border within two slices of k in about the direction of `ray`, sorted. Empty when too few are near.
-std::vector<double> distances_near(const Rays& border, std::size_t k, const Ray& ray) {
+/// The distance below which a share `q` of a border lies, within two slices of k and in about the direction of `ray`.
+/// Empty when too few pixels are near.
+std::optional<double> quantile_near(const Rays& border, std::size_t k, const Ray& ray, double q) {
   std::vector<double> near;
   const std::size_t first = k > window_slices ? k - window_slices : 0;
   for (std::size_t n = first; n <= std::min(border.size() - 1, k + window_slices); ++n)
     for (const Ray& r : border[n])
       if (r.cosine * ray.cosine + r.sine * ray.sine > window_cosine) near.push_back(r.distance);
-  if (near.size() < least_rays) return {};
-  std::sort(near.begin(), near.end());
-  return near;
+  if (near.size() < least_rays) return std::nullopt;
+  const auto rank = near.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(near.size()));
+  std::nth_element(near.begin(), rank, near.end());
+  return *rank;
 }
 
 /// Typical distance of the outer border in all directions; a blob in one direction does not move it.
@@ -208,27 +213,29 @@ Mask classify_by_gradient(const SidedEdges& edges, const Grid& grid, const Axis&
   const auto typical = typical_distances(epi);
   const Rays all_epi = epi;
   const auto outer_distance = [&](std::size_t k, const Ray& r) -> std::optional<double> {
-    const auto near = distances_near(all_epi, k, r);
-    if (near.empty() || !typical[k]) return typical[k];
-    const double here = near[static_cast<std::size_t>(outer_quantile * static_cast<double>(near.size()))];
-    return std::min(here, most_oval * *typical[k]);
+    const auto here = quantile_near(all_epi, k, r, outer_quantile);
+    return here && typical[k] ? std::min(*here, most_oval * *typical[k]) : typical[k];
   };
 
-  std::size_t dropped = 0;
-  for (std::size_t k = 0; k < endo.size(); ++k)
-    dropped += std::erase_if(endo[k], [&](const Ray& r) {
-      const auto outside = outer_distance(k, r);
-      return outside && r.distance >= *outside;
+  std::vector<std::size_t> dropped_in(epi.size(), 0);
+  const auto filter = [&](Rays& rays, const auto& contradicts) {
+    parallel_for(rays.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k)
+        dropped_in[k] += std::erase_if(rays[k], [&](const Ray& r) { return contradicts(k, r); });
     });
-  for (std::size_t k = 0; k < epi.size(); ++k)
-    dropped += std::erase_if(epi[k], [&](const Ray& r) {
-      const auto outside = outer_distance(k, r);
-      if (!outside) return false;
-      const auto cavity = distances_near(endo, k, r);
-      const double inside = cavity.empty() ? 0 : cavity[cavity.size() / 2];
-      const bool in_cavity = inside < *outside && r.distance <= inside;
-      return in_cavity || r.distance > *outside + std::max(bulge_px, bulge_share * *outside);
-    });
+  };
+  filter(endo, [&](std::size_t k, const Ray& r) {
+    const auto outside = outer_distance(k, r);
+    return outside && r.distance >= *outside;
+  });
+  filter(epi, [&](std::size_t k, const Ray& r) {
+    const auto outside = outer_distance(k, r);
+    if (!outside) return false;
+    const double inside = quantile_near(endo, k, r, 0.5).value_or(0);
+    const bool in_cavity = inside < *outside && r.distance <= inside;
+    return in_cavity || r.distance > *outside + std::max(bulge_px, bulge_share * *outside);
+  });
+  const std::size_t dropped = std::accumulate(dropped_in.begin(), dropped_in.end(), std::size_t{0});
   Mask inner(grid), outer(grid);
   for (std::size_t k = 0; k < endo.size(); ++k) {
     for (const Ray& r : endo[k]) inner(r.pixel.i, r.pixel.j, static_cast<int>(k)) = 1;
