@@ -1,0 +1,201 @@
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/report/report.hpp"
+
+namespace dynasurf {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
+
+/// Files count gates and slices from 1; -1 inside means none.
+Json one_based(int index) { return index >= 0 ? Json(index + 1) : Json(nullptr); }
+Json one_based(const std::optional<int>& index) { return index ? one_based(*index) : Json(nullptr); }
+
+Json vector_json(const Vec3& v) { return {number(v[0]), number(v[1]), number(v[2])}; }
+
+Json study_json(const Study& study) {
+  Json json;
+  json["format"] = study.format;
+  json["modality"] = study.modality;
+  json["image_type"] = study.image_type;
+  json["view"] = name_of(study.view);
+  json["gates"] = study.gates.size();
+  json["cycle_ms"] = study.cycle_ms > 0 ? number(study.cycle_ms) : Json(nullptr);
+  if (study.gates.empty()) {
+    json["dims"] = json["spacing_mm"] = nullptr;
+  } else {
+    json["dims"] = study.grid().dims;
+    json["spacing_mm"] = vector_json(study.grid().spacing);
+  }
+  return json;
+}
+
+Json triangles_json(const TriMesh& mesh, const TriangleQuality& q) {
+  Json json;
+  json["count"] = mesh.triangles.size();
+  json["area_mean_mm2"] = number(q.area_mean);
+  json["area_min_mm2"] = number(q.area_min);
+  json["area_max_mm2"] = number(q.area_max);
+  json["d_mean_mm"] = number(q.d_mean);
+  json["d_min_mm"] = number(q.d_min);
+  json["d_max_mm"] = number(q.d_max);
+  json["shape_mean"] = number(q.shape_mean);
+  json["shape_min"] = number(q.shape_min);
+  json["smallest_angle_deg"] = number(q.smallest_angle_deg);
+  return json;
+}
+
+Json surface_json(const std::optional<Surface>& surface) {
+  if (!surface) return nullptr;
+  Json json;
+  json["volume_ml"] = number(surface->volume_ml);
+  json["vertices"] = surface->mesh.vertices.size();
+  json["stop_reason"] = name_of(surface->stop_reason);
+  json["steps"] = surface->steps;
+  json["stopped_fraction"] = number(surface->stopped_fraction);
+  json["within_one_voxel"] = number(surface->within_one_voxel);
+  json["mean_distance_mm"] = number(surface->mean_distance_mm);
+  json["triangles"] = triangles_json(surface->mesh, surface->quality);
+  return json;
+}
+
+/// The worse of the two surfaces, so that one number per gate cannot hide a bad one.
+template <class Member, class Worse>
+Json worst(const Gate& gate, Member member, Worse worse) {
+  std::optional<double> value;
+  for (const auto* surface : {&gate.endo, &gate.epi})
+    if (*surface) value = value ? worse(*value, member(**surface)) : member(**surface);
+  return number(value);
+}
+
+Json gate_json(const Gate& gate) {
+  const auto least = [](double a, double b) { return std::min(a, b); };
+  const auto most = [](double a, double b) { return std::max(a, b); };
+  Json json;
+  json["gate"] = one_based(gate.gate);
+  json["time_ms"] = number(gate.time_ms);
+  json["endo_ml"] = gate.endo ? number(gate.endo->volume_ml) : Json(nullptr);
+  json["epi_ml"] = gate.epi ? number(gate.epi->volume_ml) : Json(nullptr);
+  json["wall_ml"] = number(gate.wall_ml);
+  json["stopped_fraction"] = worst(
+      gate, [](const Surface& s) { return s.stopped_fraction; }, least);
+  json["mean_distance_mm"] = worst(
+      gate, [](const Surface& s) { return s.mean_distance_mm; }, most);
+  json["triangle_shape_min"] = worst(
+      gate, [](const Surface& s) { return s.quality.shape_min; }, least);
+  json["division_slice"] = one_based(gate.labels.division_slice);
+  json["base_slice"] = one_based(gate.base_slice);
+  json["endo"] = surface_json(gate.endo);
+  json["epi"] = surface_json(gate.epi);
+  return json;
+}
+
+Notes all_notes(const VentricleResult& result) {
+  Notes notes = result.notes;
+  const auto add = [&notes](Note note, int gate) {
+    if (note.gate < 0) note.gate = gate;
+    const auto key = [](const Note& n) { return std::tie(n.severity, n.code, n.message, n.slice); };
+    // A note that stands there without its gate is the same note.
+    const bool known = std::any_of(notes.begin(), notes.end(), [&](const Note& n) {
+      return key(n) == key(note) && (n.gate == note.gate || n.gate < 0);
+    });
+    if (!known) notes.push_back(std::move(note));
+  };
+  for (const Note& note : result.study.notes) add(note, -1);
+  for (const Gate& gate : result.gates)
+    for (const Note& note : gate.labels.notes) add(note, gate.gate);
+  return notes;
+}
+
+Json notes_json(const Notes& notes) {
+  Json json = Json::array();
+  for (const Note& note : notes)
+    json.push_back({{"severity", name_of(note.severity)},
+                    {"code", note.code},
+                    {"message", note.message},
+                    {"gate", one_based(note.gate)},
+                    {"slice", one_based(note.slice)}});
+  return json;
+}
+
+Json quality_json(const VentricleResult& result) {
+  Json flags = Json::array();
+  for (const Flag& flag : result.flags)
+    flags.push_back({{"severity", name_of(flag.severity)},
+                     {"code", flag.code},
+                     {"message", flag.message},
+                     {"value", number(flag.value)}});
+  return {{"verdict", word_of(result.verdict)},
+          {"wall_variation", number(result.wall_variation)},
+          {"flags", std::move(flags)}};
+}
+
+Json phases_json(const std::optional<CurvePhases>& phases) {
+  if (!phases) return nullptr;
+  return {{"end_diastole", one_based(phases->end_diastole)},
+          {"end_systole", one_based(phases->end_systole)},
+          {"end_rapid_filling", one_based(phases->end_rapid_filling)}};
+}
+
+Json options_json(const std::string& text) {
+  if (text.empty()) return nullptr;
+  Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded()) throw OptionError("the resolved options are not JSON: " + text.substr(0, 60));
+  return json;
+}
+
+Json provenance_json(const Provenance& provenance) {
+  Json inputs = Json::array();
+  for (const auto& [file, sha256] : provenance.inputs) inputs.push_back({{"file", file}, {"sha256", sha256}});
+  Json json;
+  json["program"] = "dynasurf";
+  json["version"] = provenance.program_version;
+  json["commit"] = provenance.commit;
+  json["command"] = provenance.command;
+  json["inputs"] = std::move(inputs);
+  json["seed"] = provenance.seed ? Json(*provenance.seed) : Json(nullptr);
+  json["options"] = options_json(provenance.options_json);
+  return json;
+}
+
+Json timings_json(const VentricleResult& result, Timings timings) {
+  if (timings == Timings::omit) return nullptr;
+  Json json = Json::object();
+  for (const auto& [stage, seconds] : result.seconds) json[stage] = number(seconds);
+  return json;
+}
+
+}  // namespace
+
+Json results_json(const VentricleResult& result, const Provenance& provenance, Timings timings) {
+  Json gates = Json::array();
+  for (const Gate& gate : result.gates) gates.push_back(gate_json(gate));
+
+  Json json;
+  json["schema"] = "dynasurf.ventricle/1";
+  json["use"] = "Research use only. Not for diagnosis.";
+  json["edv_ml"] = number(result.edv_ml);
+  json["esv_ml"] = number(result.esv_ml);
+  json["sv_ml"] = number(result.sv_ml);
+  json["ef_percent"] = number(result.ef_percent);
+  json["ed_gate"] = one_based(result.ed_gate);
+  json["es_gate"] = one_based(result.es_gate);
+  json["phases"] = phases_json(result.phases);
+  json["quality"] = quality_json(result);
+  json["notes"] = notes_json(all_notes(result));
+  json["gates"] = std::move(gates);
+  json["study"] = study_json(result.study);
+  json["provenance"] = provenance_json(provenance);
+  json["timings_s"] = timings_json(result, timings);
+  return json;
+}
+
+}  // namespace dynasurf
