@@ -1,0 +1,57 @@
+# Bundles web/ into one HTML file that the report library carries, and names the tests of the page.
+
+find_program(DYNASURF_NODE NAMES node nodejs DOC "Node.js, at least 18: bundles the page of the report")
+find_program(DYNASURF_NPM npm DOC "npm: fetches what the page of the report is made of")
+if(NOT DYNASURF_NODE OR NOT DYNASURF_NPM)
+  message(FATAL_ERROR "Node.js and npm bundle the page of the report and were not found. "
+                      "On Debian: apt-get install --no-install-recommends nodejs npm")
+endif()
+
+set(web ${CMAKE_SOURCE_DIR}/web)
+set(DYNASURF_PAGE_TEMPLATE ${CMAKE_BINARY_DIR}/web/report_template.html)
+
+# npm writes its hidden lock file last, so the file stands for the whole folder. Scripts of packages never run.
+set(web_modules ${web}/node_modules/.package-lock.json)
+add_custom_command(
+  OUTPUT ${web_modules}
+  COMMAND ${DYNASURF_NPM} ci --ignore-scripts --no-audit --no-fund --loglevel=error
+  COMMAND ${CMAKE_COMMAND} -E touch ${web_modules}
+  DEPENDS ${web}/package.json ${web}/package-lock.json
+  WORKING_DIRECTORY ${web}
+  COMMENT "Fetching the packages of web/"
+  VERBATIM)
+
+file(GLOB web_sources CONFIGURE_DEPENDS ${web}/src/*)
+add_custom_command(
+  OUTPUT ${DYNASURF_PAGE_TEMPLATE}
+  COMMAND ${DYNASURF_NODE} ${web}/build.mjs ${DYNASURF_PAGE_TEMPLATE}
+  DEPENDS ${web_sources} ${web}/build.mjs ${web_modules}
+  COMMENT "Bundling the page of the report"
+  VERBATIM)
+add_custom_target(web DEPENDS ${DYNASURF_PAGE_TEMPLATE})
+
+# dynasurf_embed_page(target): the page as bytes inside a library.
+function(dynasurf_embed_page target)
+  set(source ${CMAKE_SOURCE_DIR}/src/dynasurf/report/page_template.cpp)
+  set_source_files_properties(${source} PROPERTIES
+    COMPILE_DEFINITIONS "DYNASURF_PAGE_TEMPLATE=\"${DYNASURF_PAGE_TEMPLATE}\""
+    OBJECT_DEPENDS ${DYNASURF_PAGE_TEMPLATE})
+  add_dependencies(${target} web)
+endfunction()
+
+# dynasurf_page_tests(): the types of the page, the published schema against real output, the page in Chromium.
+function(dynasurf_page_tests)
+  add_executable(make_sample_report ${CMAKE_SOURCE_DIR}/tests/web/make_sample_report.cpp)
+  target_include_directories(make_sample_report PRIVATE ${CMAKE_SOURCE_DIR}/tests)
+  target_link_libraries(make_sample_report PRIVATE dynasurf::report dynasurf::mesh dynasurf_flags)
+
+  set(samples ${CMAKE_BINARY_DIR}/web/samples)
+  add_test(NAME web/samples COMMAND make_sample_report ${samples})
+  add_test(NAME web/types COMMAND ${DYNASURF_NODE} ${web}/node_modules/typescript/bin/tsc --noEmit -p ${web})
+  add_test(NAME web/schema COMMAND ${DYNASURF_NODE} ${web}/test/schema.test.mjs
+           ${CMAKE_SOURCE_DIR}/docs/results.schema.json ${samples})
+  add_test(NAME web/report COMMAND ${DYNASURF_NODE} ${web}/test/report.test.mjs ${samples})
+  set_tests_properties(web/samples PROPERTIES FIXTURES_SETUP sample_reports)
+  set_tests_properties(web/schema web/report PROPERTIES FIXTURES_REQUIRED sample_reports)
+  set_tests_properties(web/report PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300)
+endfunction()

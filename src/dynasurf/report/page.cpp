@@ -1,0 +1,271 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <nlohmann/json.hpp>
+#include <zlib.h>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/report/page_template.hpp"
+#include "dynasurf/report/report.hpp"
+
+namespace dynasurf {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr std::size_t max_page_voxels = 48'000'000;
+
+std::string base64(const Bytes& bytes) {
+  constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t word = 0;
+    for (std::size_t b = 0; b < 3; ++b) word = word << 8 | (b < left ? bytes[i + b] : 0u);
+    for (std::size_t d = 0; d < 4; ++d) text += d <= left ? digits[word >> (18 - 6 * d) & 63u] : '=';
+  }
+  return text;
+}
+
+/// zlib's format, which browsers call "deflate".
+std::string packed(const Bytes& bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  Bytes out(size);
+  if (compress2(out.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), 6) != Z_OK)
+    throw IoError("report: not enough memory to pack " + std::to_string(bytes.size()) + " bytes");
+  out.resize(size);
+  return base64(out);
+}
+
+/// Little-endian bytes of whole numbers.
+template <class T>
+void append(Bytes& bytes, T value) {
+  for (std::size_t b = 0; b < sizeof(T); ++b) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * b) & 0xff));
+}
+
+/// In-plane binning that keeps the page within its bound: 1 for every usual study.
+int bin_of(const Study& study) {
+  const auto& dims = study.grid().dims;
+  int bin = 1;
+  const auto voxels = [&] {
+    const auto columns = static_cast<std::size_t>((dims[0] + bin - 1) / bin);
+    const auto rows = static_cast<std::size_t>((dims[1] + bin - 1) / bin);
+    return columns * rows * static_cast<std::size_t>(dims[2]) * study.gates.size();
+  };
+  while (voxels() > max_page_voxels && bin < std::max(dims[0], dims[1])) ++bin;
+  return bin;
+}
+
+/// Calls visit(i0, i1, j0, j1, k) for every bin, in the order of voxels.
+template <class Visit>
+void for_each_bin(const Index3& dims, int bin, const Visit& visit) {
+  for (int k = 0; k < dims[2]; ++k)
+    for (int j = 0; j < dims[1]; j += bin)
+      for (int i = 0; i < dims[0]; i += bin) visit(i, std::min(i + bin, dims[0]), j, std::min(j + bin, dims[1]), k);
+}
+
+float largest_value(const Study& study) {
+  float largest = 0;
+  for (const Image& gate : study.gates)
+    for (const float value : gate.values)
+      if (std::isfinite(value)) largest = std::max(largest, value);
+  return largest;
+}
+
+/// All gates as bytes, 255 the largest value of the study; negative values are black.
+Bytes image_bytes(const Study& study, int bin) {
+  const float largest = largest_value(study);
+  const double scale = largest > 0 ? 255.0 / static_cast<double>(largest) : 0;
+  Bytes bytes;
+  for (const Image& gate : study.gates)
+    for_each_bin(gate.grid.dims, bin, [&](int i0, int i1, int j0, int j1, int k) {
+      double sum = 0;
+      for (int j = j0; j < j1; ++j)
+        for (int i = i0; i < i1; ++i) {
+          const float value = gate(i, j, k);
+          sum += std::isfinite(value) ? static_cast<double>(value) : 0;
+        }
+      const double mean = sum / ((i1 - i0) * (j1 - j0)) * scale;
+      bytes.push_back(static_cast<std::uint8_t>(std::clamp(std::round(mean), 0.0, 255.0)));
+    });
+  return bytes;
+}
+
+/// Borders and edges of all gates, a byte per voxel: 1 endo, 2 epi, 4 minor edge, 8 major edge.
+Bytes mark_bytes(const VentricleResult& result, int bin) {
+  const Index3 dims = result.study.grid().dims;
+  const std::size_t voxels = result.study.grid().size();
+  Bytes bytes;
+  for (const Gate& gate : result.gates) {
+    const auto& borders = gate.labels.borders.values;
+    const auto& edges = gate.edges.values;
+    const auto marks_at = [&](std::size_t v) -> unsigned {
+      const unsigned border = borders.size() == voxels ? borders[v] & 3u : 0u;
+      const unsigned edge = edges.size() == voxels ? edges[v] : 0u;
+      return border | (edge == 1 ? 4u : edge == 2 ? 8u : 0u);
+    };
+    for_each_bin(dims, bin, [&](int i0, int i1, int j0, int j1, int k) {
+      unsigned marks = 0;
+      for (int j = j0; j < j1; ++j)
+        for (int i = i0; i < i1; ++i) marks |= marks_at(result.study.grid().index(i, j, k));
+      bytes.push_back(static_cast<std::uint8_t>(marks));
+    });
+  }
+  return bytes;
+}
+
+Json grid_json(const Grid& grid) {
+  Json direction = Json::array();
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) direction.push_back(grid.direction(row, column));
+  return {{"dims", grid.dims},
+          {"spacing_mm", {grid.spacing[0], grid.spacing[1], grid.spacing[2]}},
+          {"origin_mm", {grid.origin[0], grid.origin[1], grid.origin[2]}},
+          {"direction", std::move(direction)}};
+}
+
+Json circle_json(const Circle& circle) {
+  if (!(circle.radius_px > 0)) return nullptr;
+  return {circle.x_px, circle.y_px, circle.radius_px};
+}
+
+/// What the slices show beside the pixels: circles in voxels, slices counted from 0.
+Json marks_json(const Gate& gate) {
+  Json local = Json::array();
+  for (const auto& circle : gate.labels.local) local.push_back(circle ? circle_json(*circle) : Json(nullptr));
+  return {{"circle", circle_json(gate.labels.circle)},
+          {"big_slice", gate.labels.big_slice},
+          {"division_slice", gate.labels.division_slice},
+          {"base_slice", gate.base_slice},
+          {"local", std::move(local)}};
+}
+
+Json pictures_json(const VentricleResult& result) {
+  const Study& study = result.study;
+  if (study.gates.empty()) return nullptr;
+  const int bin = bin_of(study);
+  const Index3 dims = study.grid().dims;
+  Json marks = Json::array();
+  for (const Gate& gate : result.gates) marks.push_back(marks_json(gate));
+  Json json;
+  json["grid"] = grid_json(study.grid());
+  json["bin"] = bin;
+  json["columns"] = (dims[0] + bin - 1) / bin;
+  json["rows"] = (dims[1] + bin - 1) / bin;
+  json["gates"] = study.gates.size();
+  json["pixels"] = packed(image_bytes(study, bin));
+  json["marked_gates"] = result.gates.size();
+  json["marks"] = packed(mark_bytes(result, bin));
+  json["labels"] = std::move(marks);
+  return json;
+}
+
+/// Box around every surface, so that all meshes share one scale.
+struct Box {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = -low;
+};
+
+Box box_of(const VentricleResult& result) {
+  Box box;
+  for (const Gate& gate : result.gates)
+    for (const auto* surface : {&gate.endo, &gate.epi})
+      if (*surface)
+        for (const Vec3& p : (*surface)->mesh.vertices) {
+          box.low = box.low.cwiseMin(p);
+          box.high = box.high.cwiseMax(p);
+        }
+  return box;
+}
+
+constexpr double position_steps = 65535;
+
+/// World positions as 16-bit steps of the box: finer than 5 micrometres in a box of 30 cm.
+std::string positions_of(const TriMesh& mesh, const Box& box) {
+  Bytes bytes;
+  bytes.reserve(mesh.vertices.size() * 6);
+  for (const Vec3& p : mesh.vertices)
+    for (int axis = 0; axis < 3; ++axis) {
+      const double side = box.high[axis] - box.low[axis];
+      const double share = side > 0 ? (p[axis] - box.low[axis]) / side : 0;
+      append(bytes, static_cast<std::uint16_t>(std::clamp(std::round(share * position_steps), 0.0, position_steps)));
+    }
+  return base64(bytes);
+}
+
+std::string triangles_of(const TriMesh& mesh) {
+  Bytes bytes;
+  bytes.reserve(mesh.triangles.size() * 12);
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t vertex : triangle) append(bytes, vertex);
+  return packed(bytes);
+}
+
+/// One entry per gate: its vertices, and the number of its triangles in the list that all surfaces share.
+Json surfaces_json(const VentricleResult& result) {
+  const Box box = box_of(result);
+  std::vector<const TriMesh*> topologies;
+  const auto topology_of = [&](const TriMesh& mesh) {
+    const auto at = std::find_if(topologies.begin(), topologies.end(),
+                                 [&](const TriMesh* known) { return known->triangles == mesh.triangles; });
+    const auto number = at - topologies.begin();
+    if (at == topologies.end()) topologies.push_back(&mesh);
+    return number;
+  };
+  const auto surface_json = [&](const std::optional<Surface>& surface) -> Json {
+    if (!surface || surface->mesh.vertices.empty()) return nullptr;
+    return {{"triangles", topology_of(surface->mesh)}, {"positions", positions_of(surface->mesh, box)}};
+  };
+  Json json;
+  json["endo"] = json["epi"] = Json::array();
+  for (const Gate& gate : result.gates) {
+    json["endo"].push_back(surface_json(gate.endo));
+    json["epi"].push_back(surface_json(gate.epi));
+  }
+  if (topologies.empty()) return nullptr;
+  json["low_mm"] = {box.low[0], box.low[1], box.low[2]};
+  json["high_mm"] = {box.high[0], box.high[1], box.high[2]};
+  json["triangles"] = Json::array();
+  for (const TriMesh* mesh : topologies) json["triangles"].push_back(triangles_of(*mesh));
+  return json;
+}
+
+/// JSON that may stand inside an HTML script element: no text in it can end the element or open a comment.
+std::string text_for_html(const Json& json) {
+  std::string text;
+  for (const char c : json.dump(-1, ' ', true, Json::error_handler_t::replace))
+    if (c == '<')
+      text += "\\u003c";
+    else
+      text += c;
+  return text;
+}
+
+}  // namespace
+
+std::string report_html(const VentricleResult& result, const Provenance& provenance, Timings timings) {
+  Json data;
+  data["results"] = results_json(result, provenance, timings);
+  data["pictures"] = pictures_json(result);
+  data["surfaces"] = surfaces_json(result);
+
+  constexpr std::string_view place = "{{DATA}}";
+  const std::string_view page = page_template();
+  const std::size_t at = page.find(place);
+  DYNASURF_ASSERT(at != std::string_view::npos);
+  std::string html(page.substr(0, at));
+  html += text_for_html(data);
+  html += page.substr(at + place.size());
+  return html;
+}
+
+void write_report(const VentricleResult& result, const Provenance& provenance, const std::filesystem::path& path,
+                  Timings timings) {
+  write_file(path, report_html(result, provenance, timings));
+}
+
+}  // namespace dynasurf

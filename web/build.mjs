@@ -1,0 +1,50 @@
+// Bundles the page into one HTML file: node build.mjs OUTPUT
+//
+// The page may load nothing and run nothing but what is written into it here: its Content-Security-Policy names the
+// hashes of the one script and the one style sheet. {{DATA}} is where the program puts a result.
+import { build } from "esbuild";
+import { createHash } from "node:crypto";
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const output = process.argv[2];
+if (!output) {
+  console.error("usage: node build.mjs OUTPUT");
+  process.exit(1);
+}
+
+const bundle = async (entry) => {
+  const result = await build({
+    entryPoints: [join(here, "src", entry)],
+    bundle: true,
+    minify: true,
+    write: false,
+    charset: "utf8",
+    format: "iife",
+    target: "es2022",
+    legalComments: "inline",
+  });
+  // An HTML parser ends the element at this text wherever it stands.
+  return result.outputFiles[0].text.trim().replaceAll("</script", "<\\/script");
+};
+const source = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
+
+const script = await bundle("main.ts");
+const style = await bundle("style.css");
+const policy = [
+  "default-src 'none'",
+  `script-src ${source(script)}`,
+  `style-src ${source(style)}`,
+  "base-uri 'none'",
+  "form-action 'none'",
+].join("; ");
+
+// Functions as replacements: a string would give its dollar signs a meaning.
+const page = readFileSync(join(here, "src/index.html"), "utf8")
+  .replace("{{POLICY}}", () => policy)
+  .replace("{{STYLE}}", () => style)
+  .replace("{{SCRIPT}}", () => script);
+mkdirSync(dirname(output), { recursive: true });
+writeFileSync(output, page);

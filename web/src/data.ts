@@ -1,0 +1,188 @@
+// What the program wrote into the page, and how it becomes arrays.
+
+export type WallName = "endo" | "epi";
+export const walls: readonly WallName[] = ["endo", "epi"];
+
+export interface Triangles {
+  count: number;
+  shape_mean: number | null;
+  shape_min: number | null;
+  smallest_angle_deg: number | null;
+}
+export interface SurfaceNumbers {
+  volume_ml: number | null;
+  vertices: number;
+  stop_reason: string;
+  steps: number;
+  stopped_fraction: number | null;
+  within_one_voxel: number | null;
+  mean_distance_mm: number | null;
+  triangles: Triangles;
+}
+export interface GateNumbers {
+  gate: number;
+  time_ms: number | null;
+  endo_ml: number | null;
+  epi_ml: number | null;
+  wall_ml: number | null;
+  endo: SurfaceNumbers | null;
+  epi: SurfaceNumbers | null;
+}
+export interface NoteText {
+  severity: "info" | "warning" | "failure";
+  code: string;
+  message: string;
+  gate?: number | null;
+  slice?: number | null;
+}
+export interface Results {
+  schema: string;
+  edv_ml: number | null;
+  esv_ml: number | null;
+  sv_ml: number | null;
+  ef_percent: number | null;
+  ed_gate: number | null;
+  es_gate: number | null;
+  phases: { end_diastole: number; end_systole: number; end_rapid_filling: number } | null;
+  quality: { verdict: "ok" | "check" | "fail"; wall_variation: number | null; flags: NoteText[] };
+  notes: NoteText[];
+  gates: GateNumbers[];
+  study: {
+    format: string;
+    modality: string;
+    image_type: string;
+    view: string;
+    gates: number;
+    cycle_ms: number | null;
+    dims: number[] | null;
+    spacing_mm: number[] | null;
+  };
+  provenance: {
+    program: string;
+    version: string;
+    commit: string;
+    command: string;
+    inputs: { file: string; sha256: string }[];
+    seed: number | null;
+    options: unknown;
+  };
+  timings_s: Record<string, number> | null;
+}
+
+type Circle = [number, number, number];
+/** Marks of one gate; slices count from 0, -1 is none. */
+export interface GateMarks {
+  circle: Circle | null;
+  big_slice: number;
+  division_slice: number;
+  base_slice: number;
+  local: (Circle | null)[];
+}
+export interface Grid {
+  dims: [number, number, number];
+  spacing_mm: [number, number, number];
+  origin_mm: [number, number, number];
+  direction: number[]; // row by row; columns are the world directions (LPS) of i, j, k
+}
+interface PackedPictures {
+  grid: Grid;
+  bin: number;
+  columns: number;
+  rows: number;
+  gates: number;
+  pixels: string;
+  marked_gates: number;
+  marks: string;
+  labels: GateMarks[];
+}
+type PackedSurface = { triangles: number; positions: string } | null;
+interface PackedSurfaces {
+  endo: PackedSurface[];
+  epi: PackedSurface[];
+  low_mm: number[];
+  high_mm: number[];
+  triangles: string[];
+}
+
+export const mark = { endo: 1, epi: 2, minor_edge: 4, major_edge: 8 } as const;
+
+/** All images and marks: a byte per voxel, gate after gate, i fastest. */
+export interface Pictures extends Omit<PackedPictures, "pixels" | "marks"> {
+  pixels: Uint8Array;
+  marks: Uint8Array;
+}
+/** A surface of one gate: vertices in the world (LPS, mm) and in voxels, three numbers each. */
+export interface Mesh {
+  world: Float32Array;
+  voxel: Float32Array;
+  topology: number;
+}
+export interface Surfaces {
+  triangles: Uint32Array[];
+  endo: (Mesh | null)[];
+  epi: (Mesh | null)[];
+}
+export interface Report {
+  results: Results;
+  pictures: Pictures | null;
+  surfaces: Surfaces | null;
+}
+
+function bytesOf(text: string): Uint8Array<ArrayBuffer> {
+  const binary = atob(text);
+  const bytes = new Uint8Array(binary.length);
+  for (let n = 0; n < binary.length; ++n) bytes[n] = binary.charCodeAt(n);
+  return bytes;
+}
+
+async function unpack(text: string): Promise<Uint8Array<ArrayBuffer>> {
+  const stream = new Blob([bytesOf(text)]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+/** World to voxels: the inverse of origin + direction * (spacing * voxel). */
+export function toVoxels(grid: Grid, world: Float32Array): Float32Array {
+  const voxel = new Float32Array(world.length);
+  for (let n = 0; n < world.length; n += 3)
+    for (let axis = 0; axis < 3; ++axis) {
+      let along = 0;
+      for (let row = 0; row < 3; ++row)
+        along += grid.direction[3 * row + axis]! * (world[n + row]! - grid.origin_mm[row]!);
+      voxel[n + axis] = along / grid.spacing_mm[axis]!;
+    }
+  return voxel;
+}
+
+function meshOf(packed: PackedSurface, surfaces: PackedSurfaces, grid: Grid | undefined): Mesh | null {
+  if (!packed) return null;
+  const steps = new Uint16Array(bytesOf(packed.positions).buffer);
+  const world = new Float32Array(steps.length);
+  for (let n = 0; n < steps.length; ++n) {
+    const low = surfaces.low_mm[n % 3]!;
+    world[n] = low + ((surfaces.high_mm[n % 3]! - low) * steps[n]!) / 65535;
+  }
+  return { world, voxel: grid ? toVoxels(grid, world) : world, topology: packed.triangles };
+}
+
+export async function readReport(text: string): Promise<Report> {
+  const data = JSON.parse(text) as {
+    results: Results;
+    pictures: PackedPictures | null;
+    surfaces: PackedSurfaces | null;
+  };
+  const packed = data.surfaces;
+  const grid = data.pictures?.grid;
+  return {
+    results: data.results,
+    pictures: data.pictures && {
+      ...data.pictures,
+      pixels: await unpack(data.pictures.pixels),
+      marks: await unpack(data.pictures.marks),
+    },
+    surfaces: packed && {
+      triangles: await Promise.all(packed.triangles.map(async (t) => new Uint32Array((await unpack(t)).buffer))),
+      endo: packed.endo.map((surface) => meshOf(surface, packed, grid)),
+      epi: packed.epi.map((surface) => meshOf(surface, packed, grid)),
+    },
+  };
+}

@@ -1,0 +1,258 @@
+// The page of a result: reads the data written into it, builds the parts, and moves them with one clock.
+import { Wall } from "./cycle";
+import { Curve } from "./curve";
+import { readReport, walls as wall_names, type Report, type Results } from "./data";
+import { byId, colour, figure, html, svg } from "./dom";
+import { Player } from "./player";
+import { SurfaceScene, type ViewName } from "./scene";
+import { Slices, type Overlay } from "./slices";
+import { showCards, showGates, showNotes, showOptions, showProvenance, showVerdict, subjectOf } from "./tables";
+
+const default_cycle_ms = 1000;
+
+function legendItem(name: string, fill: string, shape: "dot" | "line" | "square" = "dot"): HTMLElement {
+  const mark = svg("svg", { viewBox: "0 0 16 10", class: "swatch", "aria-hidden": "true" });
+  mark.append(
+    shape === "line"
+      ? svg("path", { d: "M0 5h16", stroke: fill, "stroke-width": 2.5 })
+      : shape === "square"
+        ? svg("rect", { x: 4, y: 1, width: 8, height: 8, fill })
+        : svg("circle", { cx: 8, cy: 5, r: 4.5, fill }),
+  );
+  return html("span", {}, mark, name);
+}
+
+function message(place: HTMLElement, title: string, text: string): void {
+  place.append(html("div", { class: "message" }, html("strong", {}, title), html("p", {}, text)));
+}
+
+function buildScene(report: Report, walls: Wall[], player: Player): SurfaceScene | null {
+  const place = byId("scene");
+  const legend = byId("scene-legend");
+  const missing = wall_names.filter((name) => !walls.some((wall) => wall.name === name));
+  if (walls.length === 0 || !report.pictures) {
+    byId("compass").remove();
+    byId("views").remove();
+    message(place, "No surface was found", "The slices below show the edges the program had to work with.");
+    return null;
+  }
+  let scene: SurfaceScene;
+  try {
+    scene = new SurfaceScene(place, byId<SVGSVGElement>("compass"), walls, report.pictures.grid);
+  } catch {
+    byId("compass").remove();
+    byId("views").remove();
+    message(place, "3D needs WebGL", "This browser offers none. Slices, curve and numbers are complete without it.");
+    return null;
+  }
+  const names = { endo: "Endocardium", epi: "Epicardium" };
+  const items = walls.map((wall) => ({ wall, text: html("b", {}) }));
+  legend.replaceChildren(
+    ...items.map(({ wall, text }) => {
+      const item = legendItem(names[wall.name], colour[wall.name], wall.name === "endo" ? "dot" : "square");
+      item.append(" ", text);
+      return item;
+    }),
+    ...missing.map((name) => html("span", { class: "missing" }, `${names[name]} was not found`)),
+  );
+  player.listen((phase) => {
+    scene.show(phase);
+    const gate = report.results.gates[player.gate]!;
+    for (const { wall, text } of items) text.textContent = `${figure(gate[`${wall.name}_ml`])} mL`;
+  });
+  for (const button of byId("views").querySelectorAll<HTMLButtonElement>("[data-view]"))
+    button.addEventListener("click", () => scene.look(button.dataset.view as ViewName));
+  return scene;
+}
+
+function buildCurve(results: Results, walls: Wall[], player: Player): void {
+  const place = byId("curve");
+  if (results.study.gates < 2) {
+    message(place, "No volume curve", "This study is not gated: it shows one moment, without a beat and without an ejection fraction.");
+    return;
+  }
+  if (walls.length === 0) {
+    message(place, "No volume curve", "There is no surface to measure.");
+    return;
+  }
+  const legend = [
+    legendItem("Cavity", colour.endo),
+    legendItem("Outer", colour.epi, "square"),
+    legendItem("Wall", colour.wall, "line"),
+    html("span", { class: "faint" }, "dots measured, line between the gates interpolated"),
+  ];
+  byId("curve-legend").replaceChildren(...legend);
+  new Curve(place, results, walls, player);
+}
+
+function buildSlices(report: Report, walls: Wall[], player: Player): Slices | null {
+  const place = byId("slices");
+  if (!report.pictures) {
+    message(place, "No images", "The result holds no image data.");
+    return null;
+  }
+  const slices = new Slices(place, report.pictures, walls);
+  const bin = report.pictures.bin;
+  byId("slice-legend").replaceChildren(
+    legendItem("endo border", colour.endo, "square"),
+    legendItem("epi border", colour.epi, "square"),
+    legendItem("endo surface", colour.endo, "line"),
+    legendItem("epi surface", colour.epi, "line"),
+    legendItem("other edges", colour.edge, "square"),
+    ...(bin > 1 ? [html("span", { class: "missing" }, `large study: pixels shown are means of ${bin} × ${bin}`)] : []),
+  );
+  byId<HTMLInputElement>("brightness").addEventListener("input", (event) => {
+    slices.overlay.brightness = (event.target as HTMLInputElement).valueAsNumber / 100;
+    slices.draw();
+  });
+  let drawn = -1;
+  player.listen(() => {
+    if (player.gate === drawn) return;
+    drawn = slices.gate = player.gate;
+    slices.draw();
+  });
+  return slices;
+}
+
+function press(id: string, on: boolean): void {
+  byId(id).setAttribute("aria-pressed", String(on));
+}
+
+function buildToggles(slices: Slices | null, scene: SurfaceScene | null): Record<string, () => void> {
+  const keys: Record<string, () => void> = {};
+  const overlays = [
+    ["c", "contours"],
+    ["m", "sections"],
+    ["e", "edges"],
+    ["f", "whole"],
+  ] as const satisfies readonly (readonly [string, keyof Overlay])[];
+  for (const [key, name] of overlays) {
+    const button = byId<HTMLButtonElement>(`toggle-${name}`);
+    button.disabled = slices === null;
+    if (!slices) continue;
+    keys[key] = () => {
+      slices.overlay[name] = !slices.overlay[name];
+      press(button.id, slices.overlay[name]);
+      slices.draw();
+    };
+    button.addEventListener("click", keys[key]);
+  }
+  if (scene) {
+    let wires = false;
+    keys.w = () => {
+      wires = !wires;
+      scene.wires = wires;
+      press("toggle-wire", wires);
+    };
+    byId("toggle-wire").addEventListener("click", keys.w);
+  }
+  return keys;
+}
+
+function buildHelp(): () => void {
+  const dialog = byId<HTMLDialogElement>("keys");
+  const rows: [string, string][] = [
+    ["Space", "play or pause the beat"],
+    ["← →", "gate before, next gate"],
+    ["↑ ↓", "slice towards the base, towards the apex"],
+    ["C", "labelled border voxels on the slices"],
+    ["M", "cuts through the surfaces on the slices"],
+    ["E", "all edges the detector found"],
+    ["F", "whole field of view or the heart"],
+    ["W", "triangles of the surfaces"],
+    ["Shift + arrows", "turn the surfaces"],
+    ["?", "this list"],
+  ];
+  const close = html("button", { class: "primary", type: "button" }, "Close");
+  close.addEventListener("click", () => dialog.close());
+  dialog.replaceChildren(
+    html("h2", { id: "keys-title" }, "Keys"),
+    html("dl", {}, ...rows.flatMap(([key, what]) => [html("dt", {}, html("kbd", {}, key)), html("dd", {}, what)])),
+    html("p", {}, "Drag the surfaces to turn them, click in a slice to move the cuts along the heart, drag the cursor of the curve to a moment of the beat. Slice 1 is the apex. Letters on the slices are directions of the patient: left, right, anterior, posterior, superior, inferior."),
+    close,
+  );
+  const toggle = () => (dialog.open ? dialog.close() : dialog.showModal());
+  byId("help").addEventListener("click", toggle);
+  return toggle;
+}
+
+function buildKeys(player: Player, slices: Slices | null, scene: SurfaceScene | null, toggles: Record<string, () => void>, help: () => void): void {
+  const turns: Record<string, [number, number]> = { ArrowLeft: [-0.12, 0], ArrowRight: [0.12, 0], ArrowUp: [0, -0.12], ArrowDown: [0, 0.12] };
+  const plain: Record<string, () => void> = {
+    ArrowLeft: () => player.step(-1),
+    ArrowRight: () => player.step(1),
+    ArrowUp: () => slices?.choose(slices.slice + 1),
+    ArrowDown: () => slices?.choose(slices.slice - 1),
+    " ": () => player.toggle(),
+    "?": help,
+    ...toggles,
+  };
+  document.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const target = event.target as HTMLElement;
+    // Controls keep the keys that are theirs.
+    if (target.closest("select, input, dialog") && event.key !== "?") return;
+    if (event.key === " " && target.closest("button, summary, a")) return;
+    const turn = event.shiftKey ? turns[event.key] : undefined;
+    const action = turn ? () => scene?.turn(...turn) : plain[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  });
+}
+
+function buildTransport(results: Results): Player {
+  const gates = Math.max(results.gates.length, 1);
+  const player = new Player(gates, results.study.cycle_ms ?? default_cycle_ms, () => {
+    press("play", player.playing);
+    byId("play").setAttribute("aria-label", player.playing ? "Pause" : "Play");
+    document.documentElement.dataset.playing = String(player.playing);
+  });
+  byId("play").addEventListener("click", () => player.toggle());
+  byId("back").addEventListener("click", () => player.step(-1));
+  byId("forward").addEventListener("click", () => player.step(1));
+  byId<HTMLSelectElement>("speed").addEventListener("change", (event) => {
+    player.speed = Number((event.target as HTMLSelectElement).value);
+  });
+  for (const id of ["play", "back", "forward", "speed"]) byId<HTMLButtonElement>(id).disabled = gates < 2;
+  player.listen(() => {
+    const time = results.gates[player.gate]?.time_ms ?? null;
+    byId("gate").textContent =
+      gates < 2 ? "not gated" : `Gate ${player.gate + 1} of ${gates}${time === null ? "" : ` · ${figure(time, 0)} ms`}`;
+    document.documentElement.dataset.gate = String(player.gate + 1);
+  });
+  return player;
+}
+
+async function start(): Promise<void> {
+  const report = await readReport(byId("data").textContent ?? "");
+  const { results, surfaces } = report;
+  byId("subject").textContent = subjectOf(results);
+  showVerdict(byId("verdict"), results);
+  showCards(byId("numbers"), results);
+  showNotes(byId("notes"), results.notes);
+  showProvenance(byId("provenance"), results);
+  showOptions(byId("options"), results);
+  const markGate = showGates(byId("gates"), results);
+
+  const walls = surfaces ? wall_names.map((name) => new Wall(name, surfaces)).filter((wall) => wall.present) : [];
+  const player = buildTransport(results);
+  player.listen(() => markGate(player.gate));
+  const scene = buildScene(report, walls, player);
+  buildCurve(results, walls, player);
+  const slices = buildSlices(report, walls, player);
+  const toggles = buildToggles(slices, scene);
+  buildKeys(player, slices, scene, toggles, buildHelp());
+  // Without borders the edges are what explains the failure.
+  if (walls.length === 0) toggles.e?.();
+  if (walls.length > 0 && !matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
+  document.documentElement.dataset.ready = "true";
+}
+
+start().catch((error: unknown) => {
+  const place = byId("verdict");
+  place.classList.add("fail");
+  place.replaceChildren(
+    html("div", {}, html("h1", {}, "This report cannot be shown"), html("p", {}, `${String(error)}. The numbers are in results.json and results.csv beside it.`)),
+  );
+});

@@ -1,0 +1,230 @@
+// Both surfaces in three dimensions: endocardium solid, epicardium translucent around it.
+import {
+  AmbientLight,
+  BackSide,
+  BufferAttribute,
+  BufferGeometry,
+  DirectionalLight,
+  DoubleSide,
+  FrontSide,
+  Group,
+  Mesh,
+  MeshBasicMaterial,
+  MeshPhongMaterial,
+  PerspectiveCamera,
+  Scene,
+  Sphere,
+  Spherical,
+  Vector3,
+  WebGLRenderer,
+  type Material,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+
+import type { Wall } from "./cycle";
+import { colour, svg } from "./dom";
+import type { Grid } from "./data";
+
+interface Shown {
+  wall: Wall;
+  geometry: BufferGeometry;
+  group: Group;
+  wire: Mesh;
+}
+
+/** Directions from which one looks at the heart, in the world (LPS); base and apex along its own axis. */
+export type ViewName = "anterior" | "left" | "inferior" | "base" | "apex";
+
+const up = new Vector3(0, 1, 0);
+
+export class SurfaceScene {
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera(30, 1, 1, 4000);
+  private readonly controls: OrbitControls;
+  private readonly shown: Shown[];
+  private readonly bounds: Sphere;
+  /** Turned so that its long axis points upwards in the scene. */
+  private readonly heart = new Group();
+  private waiting = false;
+
+  /** Throws when the browser has no WebGL. */
+  constructor(
+    private readonly place: HTMLElement,
+    private readonly compass: SVGSVGElement,
+    walls: Wall[],
+    grid: Grid,
+  ) {
+    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "low-power" });
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    const canvas = this.renderer.domElement;
+    canvas.tabIndex = 0;
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", "Surfaces of the ventricle. Drag, or hold Shift and press the arrow keys, to turn.");
+    place.prepend(canvas);
+
+    const axis = new Vector3(grid.direction[2], grid.direction[5], grid.direction[8]).normalize();
+    this.heart.quaternion.setFromUnitVectors(axis, up);
+    this.scene.add(this.heart);
+    this.shown = walls.map((wall) => this.addWall(wall));
+    this.bounds = boundsOf(walls);
+    this.bounds.center.applyQuaternion(this.heart.quaternion);
+    this.addLights();
+
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enablePan = false;
+    this.controls.minDistance = this.bounds.radius * 1.2;
+    this.controls.maxDistance = this.bounds.radius * 12;
+    this.controls.addEventListener("change", () => this.render());
+    this.look("anterior");
+    new ResizeObserver(() => this.resize()).observe(place);
+    addEventListener("beforeprint", () => this.draw());
+  }
+
+  private addWall(wall: Wall): Shown {
+    const geometry = new BufferGeometry();
+    const solid = wall.name === "endo";
+    const look = { color: colour[wall.name], shininess: 28, specular: 0x333a44 };
+    const materials: Material[] = solid
+      ? [new MeshPhongMaterial({ ...look, side: DoubleSide })]
+      : [BackSide, FrontSide].map(
+          (side) => new MeshPhongMaterial({ ...look, side, transparent: true, opacity: 0.2, depthWrite: false }),
+        );
+    const group = new Group();
+    materials.forEach((material, order) => {
+      const mesh = new Mesh(geometry, material);
+      mesh.renderOrder = solid ? 0 : 1 + order;
+      mesh.frustumCulled = false;
+      group.add(mesh);
+    });
+    const wire = new Mesh(
+      geometry,
+      new MeshBasicMaterial({ color: solid ? 0xd8ecff : 0xffc9b3, wireframe: true, transparent: true, opacity: solid ? 0.4 : 0.25, depthWrite: false }),
+    );
+    wire.visible = false;
+    wire.frustumCulled = false;
+    wire.renderOrder = 3;
+    group.add(wire);
+    this.heart.add(group);
+    return { wall, geometry, group, wire };
+  }
+
+  /** Lights travel with the eye, so that no view is dark. */
+  private addLights(): void {
+    this.scene.add(new AmbientLight(0xffffff, 0.75), this.camera);
+    for (const [x, y, z, strength] of [[-1, 1.4, 1.2, 2.1], [1.6, -0.4, 0.6, 0.6]] as const) {
+      const light = new DirectionalLight(0xffffff, strength);
+      light.position.set(x, y, z);
+      this.camera.add(light, light.target);
+    }
+  }
+
+  /** Looks at the heart from a side of the patient, its base upwards, or along its axis with anterior on top. */
+  look(view: ViewName): void {
+    const inScene = (x: number, y: number, z: number) => new Vector3(x, y, z).applyQuaternion(this.heart.quaternion);
+    const anterior = inScene(0, -1, 0).setY(0).normalize();
+    const from = {
+      anterior: inScene(0, -1, 0),
+      left: inScene(1, 0, 0),
+      inferior: inScene(0, 0, -1),
+      base: up.clone().addScaledVector(anterior, -0.001),
+      apex: up.clone().negate().addScaledVector(anterior, 0.001),
+    }[view];
+    // Square to the long axis and a little from above.
+    if (view !== "base" && view !== "apex") from.setY(0).normalize().setY(0.28);
+    const distance = (this.bounds.radius / Math.sin((this.camera.fov * Math.PI) / 360)) * 1.02;
+    this.camera.position.copy(this.bounds.center).addScaledVector(from.normalize(), distance);
+    this.controls.target.copy(this.bounds.center);
+    this.controls.update();
+    this.render();
+  }
+
+  turn(sideways: number, upwards: number): void {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const around = new Spherical().setFromVector3(offset);
+    around.theta += sideways;
+    around.phi = Math.min(Math.max(around.phi + upwards, 0.05), Math.PI - 0.05);
+    this.camera.position.copy(this.controls.target).add(offset.setFromSpherical(around));
+    this.controls.update();
+    this.render();
+  }
+
+  set wires(on: boolean) {
+    for (const { wire } of this.shown) wire.visible = on;
+    this.render();
+  }
+
+  show(phase: number): void {
+    for (const { wall, geometry, group } of this.shown) {
+      const now = wall.at(phase);
+      group.visible = now !== null;
+      if (!now) continue;
+      const position = geometry.getAttribute("position") as BufferAttribute | undefined;
+      if (position?.array.length === now.points.length) {
+        (position.array as Float32Array).set(now.points);
+        position.needsUpdate = true;
+      } else {
+        geometry.setAttribute("position", new BufferAttribute(now.points.slice(), 3));
+      }
+      if (geometry.index?.array !== now.triangles) geometry.setIndex(new BufferAttribute(now.triangles, 1));
+      geometry.computeVertexNormals();
+    }
+    this.render();
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.place;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    this.renderer.setSize(clientWidth, clientHeight);
+    this.camera.aspect = clientWidth / clientHeight;
+    // A narrow panel must hold the heart too.
+    this.camera.zoom = Math.min(1, this.camera.aspect);
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  private render(): void {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      this.draw();
+    });
+  }
+
+  private draw(): void {
+    this.renderer.render(this.scene, this.camera);
+    this.drawCompass();
+  }
+
+  private drawCompass(): void {
+    const toEye = this.camera.matrixWorldInverse;
+    const turn = this.heart.quaternion;
+    const arms = [
+      { letter: "L", direction: new Vector3(1, 0, 0).applyQuaternion(turn) },
+      { letter: "P", direction: new Vector3(0, 1, 0).applyQuaternion(turn) },
+      { letter: "S", direction: new Vector3(0, 0, 1).applyQuaternion(turn) },
+      { letter: "Base", direction: up.clone() },
+    ].map(({ letter, direction }) => ({ letter, at: direction.transformDirection(toEye) }));
+    arms.sort((a, b) => a.at.z - b.at.z);
+    this.compass.replaceChildren(
+      ...arms.flatMap(({ letter, at }) => {
+        const heart = letter === "Base";
+        const [x, y] = [at.x * 30, -at.y * 30];
+        return [
+          svg("line", { x1: 0, y1: 0, x2: x, y2: y, class: heart ? "arm heart" : "arm" }),
+          svg("text", { x: x * 1.32, y: y * 1.32, class: heart ? "heart" : "" }, letter),
+        ];
+      }),
+    );
+  }
+}
+
+function boundsOf(walls: Wall[]): Sphere {
+  const points: Vector3[] = [];
+  for (const wall of walls)
+    for (const mesh of wall.meshes)
+      for (let n = 0; mesh && n < mesh.world.length; n += 3)
+        points.push(new Vector3(mesh.world[n], mesh.world[n + 1], mesh.world[n + 2]));
+  return new Sphere().setFromPoints(points);
+}

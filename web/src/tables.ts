@@ -1,0 +1,254 @@
+// Everything that is text and numbers: verdict, cards, tables, provenance.
+import { walls, type GateNumbers, type NoteText, type Results, type WallName } from "./data";
+import { figure, html } from "./dom";
+
+const verdicts = {
+  ok: { title: "Checks passed", text: "No quality flag was raised. Still compare the contours with the images before you use a number." },
+  check: { title: "Check this result", text: "Look at what is flagged here before you use a number." },
+  fail: { title: "Failed: do not use these numbers", text: "The study could not be reconstructed in a way that can be trusted. Why:" },
+} as const;
+
+const wall_names: Record<WallName, string> = { endo: "Endo", epi: "Epi" };
+
+function icon(name: "ok" | "check" | "fail" | "info"): HTMLElement {
+  const sign = { ok: "✓", check: "!", fail: "✕", info: "i" }[name];
+  return html("span", { class: `icon ${name}`, "aria-hidden": "true" }, sign);
+}
+
+const icon_of = { info: "info", warning: "check", failure: "fail" } as const;
+const word_of = { info: "Info", warning: "Warning", failure: "Failure" } as const;
+
+export function showVerdict(place: HTMLElement, results: Results): void {
+  const { verdict, flags } = results.quality;
+  const { title, text } = verdicts[verdict];
+  place.classList.add(verdict);
+  const list = flags.map((flag) =>
+    html("li", { class: flag.severity }, html("b", {}, word_of[flag.severity]), " ", flag.message, html("code", {}, flag.code)),
+  );
+  const serious = results.notes.filter((note) => note.severity !== "info").length;
+  const rest = results.notes.length - serious;
+  const parts = [
+    serious > 0 ? `${serious} ${serious === 1 ? "warning" : "warnings"}` : "",
+    rest > 0 ? `${rest} ${rest === 1 ? "remark" : "remarks"}` : "",
+  ].filter(Boolean);
+  place.replaceChildren(
+    icon(verdict),
+    html("div", {}, html("h1", {}, title), html("p", {}, text), ...(list.length ? [html("ul", {}, ...list)] : [])),
+    ...(parts.length ? [html("a", { href: "#notes-title", class: "to-notes" }, `Notes: ${parts.join(", ")}`)] : []),
+  );
+}
+
+interface Card {
+  name: string;
+  value: string;
+  unit: string;
+  detail: string;
+  strong?: boolean;
+}
+
+function cardsOf(results: Results): Card[] {
+  const gate = (number: number | null) => (number === null ? "" : `gate ${number}`);
+  const gates = results.gates;
+  if (results.study.gates === 1) {
+    const only = gates[0];
+    return [
+      { name: "Ejection fraction", value: "–", unit: "", detail: "not gated: one image has no beat", strong: true },
+      { name: "Cavity", value: figure(only?.endo_ml), unit: "mL", detail: "endocardial surface" },
+      { name: "Outer volume", value: figure(only?.epi_ml), unit: "mL", detail: "epicardial surface" },
+      { name: "Wall", value: figure(only?.wall_ml), unit: "mL", detail: "between the surfaces" },
+    ];
+  }
+  const wall = gates.map((g) => g.wall_ml).filter((v) => v !== null);
+  const mean = wall.length === gates.length && wall.length > 0 ? wall.reduce((a, b) => a + b) / wall.length : null;
+  const variation = results.quality.wall_variation;
+  return [
+    { name: "Ejection fraction", value: figure(results.ef_percent), unit: "%", detail: "stroke volume of the end-diastolic volume", strong: true },
+    { name: "End-diastolic volume", value: figure(results.edv_ml), unit: "mL", detail: gate(results.ed_gate) },
+    { name: "End-systolic volume", value: figure(results.esv_ml), unit: "mL", detail: gate(results.es_gate) },
+    { name: "Stroke volume", value: figure(results.sv_ml), unit: "mL", detail: "" },
+    { name: "Wall, mean", value: figure(mean), unit: "mL", detail: variation === null ? "" : `varies by ${figure(100 * variation, 0)} %` },
+  ];
+}
+
+export function showCards(place: HTMLElement, results: Results): void {
+  const failed = results.quality.verdict === "fail";
+  place.classList.toggle("untrusted", failed);
+  place.replaceChildren(
+    ...cardsOf(results).map((card) =>
+      html(
+        "div",
+        { class: card.strong ? "card strong" : "card" },
+        html("h2", {}, card.name),
+        html("p", { class: "value" }, card.value, card.value === "–" ? "" : html("small", {}, card.unit)),
+        html("p", { class: "detail" }, failed && card.value !== "–" ? "not to be trusted" : card.detail),
+      ),
+    ),
+  );
+}
+
+export function subjectOf(results: Results): string {
+  const { study } = results;
+  const kind = [study.format, study.modality, study.image_type].filter(Boolean).join(" ");
+  const gates = study.gates > 1 ? `${study.gates} gates` : "not gated";
+  const size = study.dims ? study.dims.join(" × ") : "";
+  const spacing = study.spacing_mm ? `${study.spacing_mm.map((s) => s.toFixed(1)).join(" × ")} mm` : "";
+  return [kind, gates, size, spacing].filter(Boolean).join(" · ");
+}
+
+const percent = (value: number | null | undefined) => (value === null || value === undefined ? "–" : figure(100 * value));
+
+function gateRow(gate: GateNumbers, results: Results): HTMLTableRowElement {
+  const both = (cell: (wall: WallName) => string) => walls.map((wall) => html("td", {}, cell(wall)));
+  const marks = [gate.gate === results.ed_gate ? "ED" : "", gate.gate === results.es_gate ? "ES" : ""].filter(Boolean);
+  return html(
+    "tr",
+    { "data-gate": gate.gate },
+    html("th", { scope: "row" }, String(gate.gate), ...marks.map((m) => html("span", { class: "tag" }, m))),
+    html("td", {}, figure(gate.time_ms, 0)),
+    html("td", { class: "endo" }, figure(gate.endo_ml)),
+    html("td", { class: "epi" }, figure(gate.epi_ml)),
+    html("td", {}, figure(gate.wall_ml)),
+    ...both((wall) => percent(gate[wall]?.stopped_fraction)),
+    ...both((wall) => percent(gate[wall]?.within_one_voxel)),
+    ...both((wall) => figure(gate[wall]?.mean_distance_mm, 2)),
+    ...both((wall) => figure(gate[wall]?.triangles.shape_min, 2)),
+    ...both((wall) => (gate[wall]?.stop_reason ?? "–").replaceAll("_", " ")),
+  );
+}
+
+/** Returns a function that marks the gate shown. */
+export function showGates(place: HTMLElement, results: Results): (gate: number) => void {
+  const group = (name: string, title: string) => html("th", { colspan: 2, scope: "colgroup", title }, name);
+  const names = Array.from({ length: 5 }, () => walls.map((wall) => html("th", { scope: "col", class: wall }, wall_names[wall]))).flat();
+  const rows = results.gates.map((gate) => gateRow(gate, results));
+  place.replaceChildren(
+    html(
+      "table",
+      { class: "numbers" },
+      html(
+        "thead",
+        {},
+        html(
+          "tr",
+          {},
+          html("th", { rowspan: 2, scope: "col" }, "Gate"),
+          html("th", { rowspan: 2, scope: "col" }, "Time", html("small", {}, "ms")),
+          html("th", { rowspan: 2, scope: "col", class: "endo" }, "Cavity", html("small", {}, "mL")),
+          html("th", { rowspan: 2, scope: "col", class: "epi" }, "Outer", html("small", {}, "mL")),
+          html("th", { rowspan: 2, scope: "col" }, "Wall", html("small", {}, "mL")),
+          group("On the border, %", "Particles of the surface that reached their border"),
+          group("Within a voxel, %", "Particles closer than one voxel to a border voxel"),
+          group("Distance, mm", "Mean distance of the particles to the nearest border voxel"),
+          group("Worst triangle", "Shape of the worst triangle: 1 equilateral, 0 degenerate"),
+          group("Ended because", "Why the motion of the surface ended"),
+        ),
+        html("tr", {}, ...names),
+      ),
+      html("tbody", {}, ...rows),
+    ),
+  );
+  return (gate) => rows.forEach((row, g) => row.toggleAttribute("aria-current", g === gate));
+}
+
+const order = { failure: 0, warning: 1, info: 2 } as const;
+
+/** Notes that differ only in gate and slice become one line. */
+export function showNotes(place: HTMLElement, notes: NoteText[]): void {
+  if (notes.length === 0) {
+    place.replaceChildren(html("p", { class: "empty" }, "The program had nothing to remark."));
+    return;
+  }
+  const lines = new Map<string, { note: NoteText; where: string[] }>();
+  for (const note of notes) {
+    const key = `${note.severity} ${note.code} ${note.message}`;
+    const line = lines.get(key) ?? { note, where: [] };
+    const where = [note.gate ? `gate ${note.gate}` : "", note.slice ? `slice ${note.slice}` : ""].filter(Boolean).join(", ");
+    if (where) line.where.push(where);
+    lines.set(key, line);
+  }
+  const sorted = [...lines.values()].sort((a, b) => order[a.note.severity] - order[b.note.severity]);
+  place.replaceChildren(
+    html(
+      "ul",
+      { class: "notes" },
+      ...sorted.map(({ note, where }) =>
+        html(
+          "li",
+          { class: note.severity },
+          icon(icon_of[note.severity]),
+          html(
+            "div",
+            {},
+            html("span", { class: "visually-hidden" }, `${word_of[note.severity]}: `),
+            note.message,
+            html("small", {}, [note.code, ...where].join(" · ")),
+          ),
+        ),
+      ),
+    ),
+  );
+}
+
+function pairs(rows: [string, string | Node][]): HTMLElement {
+  return html("dl", {}, ...rows.flatMap(([name, value]) => [html("dt", {}, name), html("dd", {}, value)]));
+}
+
+export function showProvenance(place: HTMLElement, results: Results): void {
+  const { provenance, timings_s } = results;
+  const rows: [string, string | Node][] = [
+    ["Program", `${provenance.program} ${provenance.version}`],
+    ["Commit", html("code", {}, provenance.commit || "–")],
+    ["Command", html("code", {}, provenance.command || "–")],
+  ];
+  if (provenance.seed !== null) rows.push(["Seed", String(provenance.seed)]);
+  rows.push(["Schema", results.schema]);
+  const inputs = provenance.inputs.map(({ file, sha256 }) =>
+    html("li", {}, file, html("code", { title: "SHA-256" }, sha256)),
+  );
+  const files = html(
+    "details",
+    { open: inputs.length <= 4 },
+    html("summary", {}, `Input: ${inputs.length} ${inputs.length === 1 ? "file" : "files"} with SHA-256`),
+    html("ul", { class: "files" }, ...inputs),
+  );
+  const timings = Object.entries(timings_s ?? {});
+  const total = timings.reduce((sum, [, seconds]) => sum + seconds, 0);
+  const times = timings.length
+    ? html(
+        "table",
+        { class: "timings" },
+        html("caption", {}, "Time per stage, summed over gates"),
+        ...timings.map(([stage, seconds]) =>
+          html(
+            "tr",
+            {},
+            html("th", { scope: "row" }, stage),
+            html("td", {}, `${seconds.toFixed(3)} s`),
+            html("td", { class: "bar" }, html("meter", { min: 0, max: total || 1, value: seconds, "aria-hidden": "true" })),
+          ),
+        ),
+      )
+    : html("p", { class: "empty" }, "Times per stage were not recorded, so that a repeated run gives the same file.");
+  place.replaceChildren(pairs(rows), files, times);
+}
+
+function leaves(value: unknown, path: string): [string, string][] {
+  if (value !== null && typeof value === "object" && !Array.isArray(value))
+    return Object.entries(value).flatMap(([name, part]) => leaves(part, path ? `${path}.${name}` : name));
+  return [[path, value === null ? "automatic" : Array.isArray(value) ? JSON.stringify(value) : String(value)]];
+}
+
+export function showOptions(place: HTMLElement, results: Results): void {
+  const rows = results.provenance.options === null ? [] : leaves(results.provenance.options, "");
+  if (rows.length === 0) {
+    place.replaceChildren(html("p", { class: "empty" }, "Parameters were not recorded."));
+    return;
+  }
+  place.replaceChildren(
+    html(
+      "table",
+      { class: "options" },
+      html("tbody", {}, ...rows.map(([path, value]) => html("tr", {}, html("th", { scope: "row" }, path), html("td", {}, value)))),
+    ),
+  );
+}

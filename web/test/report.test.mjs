@@ -1,0 +1,236 @@
+// node report.test.mjs FOLDER [SCREENSHOTS]: opens the sample reports from disk in Chromium and uses them.
+import assert from "node:assert/strict";
+import { mkdirSync, statSync } from "node:fs";
+import { join, resolve } from "node:path";
+import { openReport, program, skipped, withBrowser } from "./browser.mjs";
+
+const folder = resolve(process.argv[2]);
+const screenshots = process.argv[3];
+if (!program) {
+  console.log("SKIPPED: no Chromium found (apt-get install chromium, or name one in the variable CHROMIUM)");
+  process.exit(skipped);
+}
+
+const path_of = (name) => join(folder, name, "report.html");
+const gate = (page) => page.evaluate(() => Number(document.documentElement.dataset.gate));
+const cursor = (page) => page.evaluate(() => Number(document.querySelector(".cursor").dataset.x));
+const text = (page, selector) => page.locator(selector).innerText();
+const pause = async (page) => {
+  if ((await page.getAttribute("#play", "aria-pressed")) === "true") await page.keyboard.press("Space");
+};
+/** All pixels of a canvas as one number that changes with the picture. */
+const picture = (page, selector) =>
+  page.evaluate((of) => {
+    const canvas = document.querySelector(of);
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let hash = 0;
+    for (const value of data) hash = (hash * 31 + value) | 0;
+    return hash;
+  }, selector);
+/** Pixels of a picture in which blue or red is far from grey. */
+const coloured = (page, selector) =>
+  page.evaluate((of) => {
+    const canvas = document.querySelector(of);
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let n = 0; n < data.length; n += 4) if (Math.abs(data[n] - data[n + 2]) > 60) ++count;
+    return count;
+  }, selector);
+
+const tests = {
+  async "is at most 5 MB"() {
+    const { size } = statSync(path_of("ok"));
+    assert.ok(size <= 5e6, `${size} bytes`);
+  },
+
+  async "plays, and pauses with the space bar"(open) {
+    const page = await open("ok");
+    assert.equal(await page.getAttribute("#play", "aria-pressed"), "true", "it starts by itself");
+    const seen = new Set();
+    for (let n = 0; n < 12; ++n) {
+      seen.add(await cursor(page));
+      await page.waitForTimeout(60);
+    }
+    assert.ok(seen.size > 3, `the cursor stood at ${[...seen]}`);
+    await page.keyboard.press("Space");
+    const still = await cursor(page);
+    await page.waitForTimeout(200);
+    assert.equal(await cursor(page), still);
+  },
+
+  async "steps through the gates with the arrow keys, and around the beat"(open) {
+    const page = await open("ok");
+    await pause(page);
+    await page.keyboard.press("ArrowRight");
+    const start = await gate(page);
+    for (let n = 1; n <= 8; ++n) {
+      await page.keyboard.press("ArrowRight");
+      assert.equal(await gate(page), ((start - 1 + n) % 8) + 1);
+    }
+    await page.keyboard.press("ArrowLeft");
+    assert.equal(await gate(page), ((start + 6) % 8) + 1);
+    assert.match(await text(page, "#gate"), /^Gate \d of 8 · \d+ ms$/);
+    assert.equal(await page.locator("tr[aria-current]").getAttribute("data-gate"), String(await gate(page)));
+  },
+
+  async "goes through the slices with the arrow keys"(open) {
+    const page = await open("ok");
+    await pause(page);
+    assert.match(await text(page, ".caption"), /^Slice 14 of 23/);
+    const before = await picture(page, ".large");
+    await page.keyboard.press("ArrowUp");
+    assert.match(await text(page, ".caption"), /^Slice 15 of 23/);
+    assert.notEqual(await picture(page, ".large"), before);
+    for (let n = 0; n < 30; ++n) await page.keyboard.press("ArrowDown");
+    assert.match(await text(page, ".caption"), /^Slice 1 of 23/);
+    assert.equal(await page.locator(".tile").count(), 23);
+  },
+
+  async "shows and hides borders and mesh sections"(open) {
+    const page = await open("ok");
+    await pause(page);
+    const both = await coloured(page, ".large");
+    await page.keyboard.press("c");
+    assert.equal(await page.getAttribute("#toggle-contours", "aria-pressed"), "false");
+    const sections = await coloured(page, ".large");
+    await page.keyboard.press("m");
+    const none = await coloured(page, ".large");
+    await page.click("#toggle-contours");
+    const borders = await coloured(page, ".large");
+    assert.ok(both > sections && sections > none, `${both} > ${sections} > ${none}`);
+    assert.ok(borders > none, `${borders} > ${none}`);
+    assert.equal(none, 0, "a bare image is grey");
+  },
+
+  async "draws surfaces that move with the beat"(open) {
+    const page = await open("ok");
+    await pause(page);
+    const shot = () => page.locator("#scene canvas").screenshot();
+    await page.locator('#curve [role="slider"]').click({ position: { x: 55, y: 150 } });
+    const relaxed = await shot();
+    for (let n = 0; n < 3; ++n) await page.keyboard.press("ArrowRight");
+    await page.waitForTimeout(150);
+    assert.ok(!relaxed.equals(await shot()), "end diastole and end systole look alike");
+  },
+
+  async "lists its keys"(open) {
+    const page = await open("ok");
+    await page.keyboard.press("?");
+    assert.ok(await page.locator("#keys").isVisible());
+    await page.keyboard.press("Escape");
+    assert.ok(!(await page.locator("#keys").isVisible()));
+  },
+
+  async "shows the numbers of results.json"(open) {
+    const page = await open("ok");
+    const results = await page.evaluate(() => JSON.parse(document.getElementById("data").textContent).results);
+    const cards = await text(page, "#numbers");
+    for (const key of ["ef_percent", "edv_ml", "esv_ml", "sv_ml"]) assert.ok(cards.includes(results[key].toFixed(1)), key);
+    assert.equal(await page.locator("#gates tbody tr").count(), 8);
+    assert.match(await text(page, "#options"), /edges\.sigma_px\s+1\.8/);
+    assert.match(await text(page, "#provenance"), /9f86d081884c7d65/);
+    assert.match(await text(page, ".research"), /Research use only/);
+  },
+
+  async "puts what is doubtful first"(open) {
+    const page = await open("check");
+    assert.match(await text(page, "#verdict"), /Check this result/);
+    assert.match(await text(page, "#verdict"), /varies by 24 %/);
+    const box = await page.locator("#verdict").boundingBox();
+    assert.ok(box.y + box.height < 400, "the banner is on the first screen");
+  },
+
+  async "shows slices, edges and the reason of a failed study"(open) {
+    const page = await open("fail");
+    assert.match(await text(page, "#verdict"), /do not use these numbers[\s\S]*no endocardial border was found/);
+    assert.match(await text(page, "#scene"), /No surface was found/);
+    assert.match(await text(page, "#notes"), /no edge of any slice/);
+    assert.equal(await page.getAttribute("#toggle-edges", "aria-pressed"), "true");
+    assert.ok((await coloured(page, ".large")) > 0, "the edges are drawn");
+  },
+
+  async "says that an ungated study has no ejection fraction"(open) {
+    const page = await open("ungated");
+    assert.match(await text(page, "#numbers"), /not gated/);
+    assert.match(await text(page, "#curve"), /No volume curve/);
+    assert.ok(await page.locator("#play").isDisabled());
+    assert.ok(await page.locator("#scene canvas").isVisible());
+  },
+
+  async "shows one wall when the other is missing"(open) {
+    const page = await open("no_endo");
+    assert.match(await text(page, "#scene-legend"), /Endocardium was not found/);
+    assert.ok((await coloured(page, ".large")) > 0);
+  },
+
+  async "plays sixteen gates"(open) {
+    const page = await open("gates16");
+    await pause(page);
+    await page.keyboard.press("ArrowLeft");
+    assert.match(await text(page, "#gate"), /of 16/);
+  },
+};
+
+let failures = 0;
+const check = async (name, work) => {
+  try {
+    await work();
+    console.log(`ok   ${name}`);
+  } catch (error) {
+    ++failures;
+    console.log(`FAIL ${name}\n     ${error.message.replaceAll("\n", "\n     ")}`);
+  }
+};
+
+await withBrowser(async (context) => {
+  for (const [name, test] of Object.entries(tests))
+    await check(name, async () => {
+      const opened = [];
+      await test(async (sample) => {
+        opened.push(await openReport(context, path_of(sample)));
+        return opened.at(-1).page;
+      });
+      for (const { page, requests, complaints } of opened) {
+        await page.close();
+        assert.deepEqual(requests, [], "the page asked for something");
+        assert.deepEqual(complaints, [], "the page complained");
+      }
+    });
+  if (screenshots) {
+    mkdirSync(screenshots, { recursive: true });
+    for (const sample of ["ok", "check", "fail", "ungated", "no_endo", "gates16"])
+      for (const [width, height] of [[1400, 1000], [1000, 800]]) {
+        const { page } = await openReport(context, path_of(sample));
+        await page.setViewportSize({ width, height });
+        await pause(page);
+        await page.waitForTimeout(400);
+        await page.screenshot({ path: join(screenshots, `${sample}_${width}.png`) });
+        await page.screenshot({ path: join(screenshots, `${sample}_${width}_full.png`), fullPage: true });
+        await page.close();
+      }
+  }
+});
+
+await withBrowser(
+  (context) =>
+    check("works without WebGL and says so", async () => {
+      const { page, requests } = await openReport(context, path_of("ok"));
+      assert.match(await text(page, "#scene"), /3D needs WebGL/);
+      await page.keyboard.press("ArrowRight");
+      assert.match(await text(page, "#gate"), /^Gate \d of 8/);
+      assert.ok((await coloured(page, ".large")) > 0);
+      assert.deepEqual(requests, []);
+    }),
+  { webgl: false },
+);
+await withBrowser(
+  (context) =>
+    check("rests until asked when motion is unwelcome", async () => {
+      const { page } = await openReport(context, path_of("ok"));
+      assert.equal(await page.getAttribute("#play", "aria-pressed"), "false");
+      await page.keyboard.press("Space");
+      assert.equal(await page.getAttribute("#play", "aria-pressed"), "true");
+    }),
+  { reducedMotion: "reduce" },
+);
+process.exit(failures ? 1 : 0);
