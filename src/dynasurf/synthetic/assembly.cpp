@@ -101,16 +101,15 @@ std::vector<Image> expose(std::vector<Image> activity, const Noise& noise) {
     for (float value : image.values) hottest = std::max(hottest, value);
   const double peak = noise.peak_counts > 0 ? noise.peak_counts : peak_without_counts;
   const double scale = hottest > 0 ? peak / static_cast<double>(hottest) : 1;
-  const auto seed = static_cast<std::uint64_t>(noise.seed);
   for (std::size_t gate = 0; gate < activity.size(); ++gate) {
     Image& image = activity[gate];
     for (float& value : image.values) value = static_cast<float>(static_cast<double>(value) * scale);
     if (noise.peak_counts > 0) {
-      image = draw_counts(image, seed, gate);
+      image = draw_counts(image, noise.seed, gate);
       if (noise.filter_fwhm_mm > 0) image = blur(image, noise.filter_fwhm_mm);
     }
     if (noise.gaussian_percent > 0)
-      image = add_gaussian_noise(std::move(image), peak * noise.gaussian_percent / 100, seed, gate);
+      image = add_gaussian_noise(std::move(image), peak * noise.gaussian_percent / 100, noise.seed, gate);
   }
   return activity;
 }

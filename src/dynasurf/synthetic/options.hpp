@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cstdint>
 #include <span>
 #include <string_view>
 #include <variant>
@@ -27,7 +28,7 @@ struct Noise {
   double peak_counts = 0;
   double filter_fwhm_mm = 0;
   double gaussian_percent = 0;
-  int seed = 1;
+  std::uint64_t seed = 1;
 };
 void describe(auto& visit, Noise& o) {
   visit("peak_counts", o.peak_counts,
@@ -38,7 +39,7 @@ void describe(auto& visit, Noise& o) {
               "mm", 0, 100});
   visit("gaussian_percent", o.gaussian_percent,
         Field{"standard deviation of added Gaussian noise, in percent of the largest value", "%", 0, 100});
-  visit("seed", o.seed, Field{"the same seed gives the same bytes", "", 0, 2147483647});
+  visit("seed", o.seed, Field{"the same seed gives the same bytes"});
 }
 
 /// Where an object lies in the grid: its middle against the middle of the grid, its axis against the slices' normal.
