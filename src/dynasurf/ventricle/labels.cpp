@@ -12,8 +12,9 @@
 namespace dynasurf {
 namespace {
 
-/// A border in half of the directions is evidence of a ring, in three quarters of them it can bound its neighbours.
-constexpr double ring_deg = 180, box_deg = 270;
+/// A border in a third of the directions is evidence of a cavity (a defect may hide the rest); in three quarters of
+/// them it can bound its neighbours.
+constexpr double ring_deg = 120, box_deg = 270;
 
 /// Whether the robust readings of the method apply.
 bool by_gradient(const Mlc& o) { return o.use_gradient && !o.strict_thesis; }
