@@ -53,10 +53,10 @@ TEST(BorderPath, MeetsWhatADenseSamplingOfThePathMeets) {
     const Vec3 b(between(-10, 40), between(-10, 50), between(-15, 65));
     const auto hit = BorderPath(border).first_hit(a, b);
     double sampled = 2;
-    for (int s = 0; s <= 20000 && sampled > 1; ++s) {
-      const Vec3 p = a + s / 20000.0 * (b - a);
+    for (int s = 0; s <= 5000 && sampled > 1; ++s) {
+      const Vec3 p = a + s / 5000.0 * (b - a);
       const Index3 v = voxel_of(g, p);
-      if (g.contains(v[0], v[1], v[2]) && border(v[0], v[1], v[2]) != 0) sampled = s / 20000.0;
+      if (g.contains(v[0], v[1], v[2]) && border(v[0], v[1], v[2]) != 0) sampled = s / 5000.0;
     }
     if (sampled <= 1) {
       ASSERT_TRUE(hit);
@@ -83,7 +83,7 @@ TEST(BorderPath, IsNeverThroughAClosedShellOneVoxelThick) {
   const Image solid = filled(g, [&](const Vec3& p) { return (p - c).norm() < 8.3; });
   const BorderPath path(border_of(solid));
   std::mt19937 random(9);
-  for (int trial = 0; trial < 20000; ++trial) {
+  for (int trial = 0; trial < 4000; ++trial) {
     const auto lattice = [&](int range) { return static_cast<double>(static_cast<int>(random() % range)); };
     const Vec3 inside = c + Vec3(lattice(5) - 2, lattice(5) - 2, lattice(5) - 2);
     const Vec3 direction(lattice(9) - 4, lattice(9) - 4, lattice(9) - 4);

@@ -207,7 +207,7 @@ TEST(Evolve, GivesTheSameBytesForAnyNumberOfThreads) {
   for (const SolverOptions& solver : kSolvers) {
     Evolution o;
     o.solver = solver;
-    o.end.max_steps = 400;
+    o.end.max_steps = 120;
     o.histories = true;
     std::optional<EvolutionResult> first;
     for (const int threads : {1, 2, 4, 8}) {
