@@ -61,6 +61,21 @@ TEST(CloseBorder, LeavesAnEmptyBorderEmpty) {
   EXPECT_EQ(close_border(rings(5, 9), -1).values, empty.values);
 }
 
+TEST(WithRoom, GrowsTheGridOnlyWhereRoomIsMissingAndMovesNothingInTheWorld) {
+  const Image cramped = rings(0, 14);  // 16 slices: none free below, one free above, 8 pixels free at the sides
+  const Image roomy = with_room(cramped, 3);
+  EXPECT_EQ(roomy.grid.dims, (Index3{32, 32, 16 + 3 + 2}));
+  for (int k = 0; k < 16; ++k)
+    for (int j = 0; j < 32; ++j)
+      for (int i = 0; i < 32; ++i) ASSERT_EQ(roomy(i, j, k + 3), cramped(i, j, k));
+  EXPECT_LT((to_world(roomy.grid, centre_of(roomy.grid, {5, 6, 10})) -
+             to_world(cramped.grid, centre_of(cramped.grid, {5, 6, 7})))
+                .norm(),
+            1e-12);
+  EXPECT_EQ(with_room(rings(3, 10), 3).grid, cramped.grid);
+  EXPECT_EQ(with_room(rings(5, 4), 3).grid, cramped.grid) << "an empty border";
+}
+
 TEST(FindBaseSlice, StopsWhereTheWallFallsToHalf) {
   Image image = rings(2, 12);
   for (int j = 0; j < 32; ++j)

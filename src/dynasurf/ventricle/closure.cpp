@@ -133,4 +133,31 @@ Image close_border(const Image& border, int base_slice) {
   return closed;
 }
 
+Image with_room(Image border, int voxels) {
+  const Grid& old = border.grid;
+  Index3 low{old.dims}, high{-1, -1, -1};
+  for (int k = 0; k < old.dims[2]; ++k)
+    for (int j = 0; j < old.dims[1]; ++j)
+      for (int i = 0; i < old.dims[0]; ++i) {
+        if (border(i, j, k) == 0) continue;
+        const Index3 at{i, j, k};
+        for (std::size_t a = 0; a < 3; ++a) low[a] = std::min(low[a], at[a]), high[a] = std::max(high[a], at[a]);
+      }
+  if (high[0] < 0) return border;
+
+  Grid grid = old;
+  Index3 before{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    before[a] = std::max(0, voxels - low[a]);
+    grid.dims[a] += before[a] + std::max(0, voxels - (old.dims[a] - 1 - high[a]));
+  }
+  if (grid.dims == old.dims) return border;
+  grid.origin = to_world(old, -centre_of(old, before));
+  Image roomy(grid);
+  for (int k = 0; k < old.dims[2]; ++k)
+    for (int j = 0; j < old.dims[1]; ++j)
+      std::copy_n(&border(0, j, k), old.dims[0], &roomy(before[0], j + before[1], k + before[2]));
+  return roomy;
+}
+
 }  // namespace dynasurf

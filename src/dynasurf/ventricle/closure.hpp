@@ -30,4 +30,9 @@ int find_base_slice(const Image& image, const Labels& labels, double base_level,
 /// has gaps). An empty border stays empty.
 Image close_border(const Image& border, int base_slice);
 
+/// The border on a grid that leaves at least `voxels` empty voxels around it on every side: a field needs room outside
+/// a border to pull particles in, and a heart may be cut off by the edge of its image. World positions stay; an empty
+/// border, or one that has the room already, is returned as it is.
+Image with_room(Image border, int voxels);
+
 }  // namespace dynasurf

@@ -72,6 +72,7 @@ struct GateRun {
 };
 
 constexpr Wall walls[] = {Wall::endo, Wall::epi};
+constexpr int room_voxels = 3;  // around a border, for its field
 
 void find_borders(GateRun& run, const Image& image, const VentricleOptions& options, StageClock& clock) {
   run.edges = clock("edges", [&] { return detect_edges(image, options.edges); });
@@ -80,7 +81,8 @@ void find_borders(GateRun& run, const Image& image, const VentricleOptions& opti
   for (const Wall wall : walls) {
     if (!run.labels.has(wall)) continue;
     Image border = border_volume(run.labels, wall);
-    run.wall(wall).border = options.closure.cover ? close_border(border, run.base_slice) : std::move(border);
+    if (options.closure.cover) border = close_border(border, run.base_slice);
+    run.wall(wall).border = with_room(std::move(border), room_voxels);
   }
 }
 
