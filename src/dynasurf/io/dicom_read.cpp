@@ -1,6 +1,210 @@
+#include <algorithm>
+#include <array>
+#include <map>
+#include <numeric>
+#include <tuple>
+
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/dicom_file.hpp"
+#include "dynasurf/io/dicom_stack.hpp"
 #include "dynasurf/io/formats.hpp"
+#include "dynasurf/io/samples.hpp"
+
 namespace dynasurf {
-Study read_dicom(const std::filesystem::path& path) { throw InputError(path.string() + ": DICOM is not read yet"); }
-std::vector<std::filesystem::path> files_of_dicom(const std::filesystem::path& path) { return {path}; }
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What will be read: the headers of the files in play and where their frames go.
+struct Plan {
+  std::vector<DicomImage> images;
+  DicomStack stack;
+};
+
+std::vector<fs::path> files_below(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (it.depth() >= 8) it.disable_recursion_pending();
+    if (it->is_regular_file(error)) files.push_back(it->path());
+  }
+  if (error) throw IoError(folder.string() + ": cannot list this folder: " + error.message());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// Files that belong to one stack of single frames.
+using SliceGroup = std::tuple<std::string, int, int, std::array<long, 6>>;
+
+SliceGroup group_of(const DicomImage& image) {
+  std::array<long, 6> direction{};
+  if (image.orientation)
+    for (std::size_t n = 0; n < 3; ++n) {
+      direction[n] = std::lround(1000 * image.orientation->first[static_cast<Eigen::Index>(n)]);
+      direction[n + 3] = std::lround(1000 * image.orientation->second[static_cast<Eigen::Index>(n)]);
+    }
+  return {image.series, image.rows, image.columns, direction};
+}
+
+std::vector<DicomStack> stacks_of(const std::vector<DicomImage>& images) {
+  std::vector<DicomStack> stacks;
+  std::map<SliceGroup, std::vector<std::size_t>> singles;
+  for (std::size_t n = 0; n < images.size(); ++n) {
+    // A file of nuclear medicine is a stack by itself, even of one slice, unless its slices come in files of one.
+    if (images[n].frames > 1)
+      stacks.push_back(stack_of_frames(images[n], n));
+    else
+      singles[group_of(images[n])].push_back(n);
+  }
+  for (const auto& [group, files] : singles) stacks.push_back(stack_of_slices(images, files));
+  return stacks;
+}
+
+/// The one stack that a folder is meant to hold.
+DicomStack chosen_of(const std::vector<DicomImage>& images, std::vector<DicomStack> stacks, const fs::path& folder) {
+  if (stacks.size() == 1) return std::move(stacks.front());
+  if (auto whole = joined_gates(images, stacks)) return std::move(*whole);
+  const auto is_wanted = [&](const DicomStack& s) {
+    const View view = images[s.first_file()].view;
+    return s.gates > 1 && (view == View::short_axis || view == View::unknown);
+  };
+  const auto wanted = std::count_if(stacks.begin(), stacks.end(), is_wanted);
+  if (wanted == 1) {
+    DicomStack stack = *std::find_if(stacks.begin(), stacks.end(), is_wanted);
+    stack.notes.push_back({Severity::warning, "dicom.several_stacks",
+                           "the folder holds " + std::to_string(stacks.size()) +
+                               " image stacks; the only gated one that is not a long axis or transaxial is read"});
+    return stack;
+  }
+  throw InputError(folder.string() + ": holds " + std::to_string(stacks.size()) + " different image stacks (" +
+                   std::to_string(wanted) +
+                   " of them gated and perhaps short-axis); give the file or folder of one study");
+}
+
+Plan plan_of_folder(const fs::path& folder) {
+  Plan plan;
+  std::size_t others = 0, unusable = 0;
+  std::string first_reason;
+  for (const fs::path& file : files_below(folder)) {
+    const DicomLook look = dicom_look_of(file);
+    if (look == DicomLook::none) {
+      ++others;
+      continue;
+    }
+    try {
+      DicomImage image = read_dicom_header(file);
+      std::string reason = reason_to_refuse(image);
+      if (reason.empty()) {
+        plan.images.push_back(std::move(image));
+      } else {
+        ++unusable;
+        if (first_reason.empty()) first_reason = file.string() + ": " + reason;
+      }
+    } catch (const InputError& error) {
+      // Bytes that only happen to look like bare DICOM are no study; but a damaged DICOM file may be a slice of it.
+      const bool no_image = std::string(error.what()).find(": holds no pixel data") != std::string::npos;
+      if (look == DicomLook::preamble && !no_image) throw;
+      ++others;
+    }
+  }
+  if (plan.images.empty() && !first_reason.empty()) throw InputError(first_reason);
+  if (plan.images.empty())
+    throw InputError(folder.string() + ": holds no DICOM image; expected the files of one heart study");
+  plan.stack = chosen_of(plan.images, stacks_of(plan.images), folder);
+  if (others + unusable > 0)
+    plan.stack.notes.push_back({Severity::info, "dicom.skipped_files",
+                                std::to_string(others + unusable) + " files of the folder are not part of the study (" +
+                                    std::to_string(others) + " are not DICOM images, " + std::to_string(unusable) +
+                                    " are images of another kind)"});
+  return plan;
+}
+
+Plan plan_of(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) return plan_of_folder(path);
+  Plan plan;
+  plan.images.push_back(read_dicom_header(path));
+  const DicomImage& image = plan.images.front();
+  if (const std::string reason = reason_to_refuse(image); !reason.empty())
+    throw InputError(path.string() + ": " + reason);
+  const std::size_t only[] = {0};
+  plan.stack = image.modality == "NM" ? stack_of_frames(image, 0) : stack_of_slices(plan.images, only);
+  return plan;
+}
+
+/// A stack that is one gate of several is not a study.
+void check_whole(const Plan& plan) {
+  if (plan.stack.declared_gates <= plan.stack.gates) return;
+  throw InputError(plan.images[plan.stack.first_file()].where() + ": holds gate " +
+                   std::to_string(plan.stack.only_gate.value_or(1)) + " of " +
+                   std::to_string(plan.stack.declared_gates) + " only; give the folder with the files of all gates");
+}
+
+std::vector<Image> read_pixels(const Plan& plan) {
+  const DicomStack& stack = plan.stack;
+  const auto slices = static_cast<std::size_t>(stack.grid.dims[2]);
+  const std::size_t pixels = stack.grid.size() / slices;
+  std::map<std::size_t, std::map<int, std::size_t>> place_of;  // file -> frame -> place in the stack
+  for (std::size_t p = 0; p < stack.frames.size(); ++p) place_of[stack.frames[p].file][stack.frames[p].frame] = p;
+
+  std::vector<Image> gates(static_cast<std::size_t>(stack.gates));
+  for (const auto& [file, frames] : place_of)
+    read_dicom_frames(plan.images[file], [&, &here = frames](int frame, std::span<const float> values) {
+      const auto it = here.find(frame);
+      if (it == here.end()) return;
+      Image& gate = gates[it->second / slices];
+      // Memory is taken as the pixels arrive, not for what the headers promise.
+      if (gate.values.empty()) gate = Image(stack.grid);
+      std::copy(values.begin(), values.end(),
+                gate.values.begin() + static_cast<std::ptrdiff_t>(it->second % slices * pixels));
+    });
+  for (std::size_t g = 0; g < gates.size(); ++g)
+    check_finite(gates[g], static_cast<int>(g), plan.images[stack.first_file()].where());
+  return gates;
+}
+
+/// Words of ImageType and SeriesType that are passed on: defined terms only, never free text.
+std::string image_type_of(const DicomImage& image) {
+  if (image.modality == "NM") return image.kind();
+  for (const char* word : {"GATED", "STATIC", "DYNAMIC", "WHOLE BODY"})
+    if (image.series_type == word) return word;
+  return "";
+}
+
+}  // namespace
+
+Study read_dicom(const std::filesystem::path& path) {
+  Plan plan = plan_of(path);
+  check_whole(plan);
+  const DicomImage& first = plan.images[plan.stack.first_file()];
+  Study study;
+  study.gates = read_pixels(plan);
+  study.format = "DICOM";
+  study.modality = first.modality;
+  study.image_type = image_type_of(first);
+  study.time_ms = plan.stack.time_ms;
+  study.cycle_ms = plan.stack.cycle_ms;
+  study.view = first.view;
+  study.slice_order = first.slice_order;
+  study.notes = plan.stack.notes;
+  if (first.view_from_words)
+    study.notes.push_back({Severity::info, "dicom.view_in_words",
+                           "that the slices are " + std::string(name_of(first.view)) +
+                               " is taken from the description, not from a code"});
+  return study;
+}
+
+std::vector<std::filesystem::path> files_of_dicom(const std::filesystem::path& path) {
+  const Plan plan = plan_of(path);
+  std::vector<fs::path> files;
+  for (const DicomStack::Frame& frame : plan.stack.frames) files.push_back(plan.images[frame.file].path);
+  std::sort(files.begin(), files.end());
+  files.erase(std::unique(files.begin(), files.end()), files.end());
+  return files;
+}
+
+std::vector<std::pair<std::string, std::string>> dicom_facts(const std::filesystem::path& path) {
+  return acquisition_facts_of(files_of_dicom(path).front());
+}
+
 }  // namespace dynasurf

@@ -136,7 +136,7 @@ Grid grid_from_steps(const Index3& dims, const Mat3& steps, const Vec3& origin, 
     throw InputError(where + ": its position or orientation is not a finite number");
   Grid grid;
   grid.dims = dims;
-  grid.origin = origin;
+  grid.origin = origin + Vec3::Zero();  // turns -0 into 0
   Mat3 unit;
   for (int axis = 0; axis < 3; ++axis) {
     grid.spacing[axis] = steps.col(axis).norm();
@@ -155,6 +155,7 @@ Grid grid_from_steps(const Index3& dims, const Mat3& steps, const Vec3& origin, 
   grid.direction.col(1) = (unit.col(1) - unit.col(0) * unit.col(0).dot(unit.col(1))).normalized();
   const Vec3 normal = grid.direction.col(0).cross(grid.direction.col(1));
   grid.direction.col(2) = normal.dot(unit.col(2)) < 0 ? Vec3(-normal) : normal;
+  grid.direction += Mat3::Zero();
   return grid;
 }
 

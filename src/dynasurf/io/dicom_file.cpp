@@ -1,0 +1,460 @@
+#include "dynasurf/io/dicom_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <mutex>
+
+#include <dcmtk/config/osconfig.h>
+// DCMTK asks for its configuration header first.
+#include <dcmtk/dcmdata/dcrledrg.h>
+#include <dcmtk/dcmdata/dctk.h>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/io/dicom_words.hpp"
+#include "dynasurf/io/samples.hpp"
+#include "dynasurf/io/study_io.hpp"
+
+namespace dynasurf {
+namespace {
+
+namespace fs = std::filesystem;
+
+// DCMTK reads nested sequences by recursion. The nesting cannot be deeper than the number of item tags in the file;
+// this many fit its stack many times over, and real files of this kind hold some hundred.
+constexpr std::uint64_t most_items = 4000;
+
+void prepare_dcmtk() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    OFLog::configure(OFLogger::OFF_LOG_LEVEL);  // a library does not print
+    DcmRLEDecoderRegistration::registerCodecs();
+  });
+  if (!dcmDataDict.isDictionaryLoaded())
+    throw IoError("DCMTK's dictionary dicom.dic is not found: install package libdcmtk17 or set DCMDICTPATH");
+}
+
+/// Counts item tags of either byte order in the whole file.
+std::uint64_t count_items(const fs::path& path, std::uint64_t size) {
+  ByteSource source(path, ByteSource::Packing::plain);
+  std::vector<std::byte> block(1 << 16);
+  std::uint32_t last_four = 0;
+  std::uint64_t items = 0;
+  for (std::uint64_t left = size; left > 0;) {
+    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(left, block.size()));
+    source.read(std::span(block).first(n), "content");
+    for (std::size_t b = 0; b < n; ++b) {
+      last_four = (last_four << 8) | std::to_integer<std::uint32_t>(block[b]);
+      items += last_four == 0xfeff00e0u || last_four == 0xfffee000u;
+    }
+    left -= n;
+  }
+  return items;
+}
+
+std::string conversion_hint(E_TransferSyntax syntax) {
+  switch (syntax) {
+    case EXS_DeflatedLittleEndianExplicit:
+      return "convert it with: dcmconv +te IN OUT";
+    case EXS_JPEGLSLossless:
+    case EXS_JPEGLSLossy:
+      return "convert it with: dcmdjpls IN OUT";
+    case EXS_JPEG2000LosslessOnly:
+    case EXS_JPEG2000:
+      return "convert it with: gdcmconv --raw IN OUT";
+    default:
+      return "convert it with: dcmdjpeg IN OUT";
+  }
+}
+
+void check_syntax(E_TransferSyntax syntax, const std::string& where) {
+  for (const E_TransferSyntax good :
+       {EXS_LittleEndianImplicit, EXS_LittleEndianExplicit, EXS_BigEndianExplicit, EXS_RLELossless})
+    if (syntax == good) return;
+  throw InputError(where + ": its pixels are packed as \"" + DcmXfer(syntax).getXferName() + "\", which is not read; " +
+                   conversion_hint(syntax));
+}
+
+std::unique_ptr<DcmFileFormat> load(const fs::path& path) {
+  prepare_dcmtk();
+  const std::string where = path.string();
+  const std::uint64_t size = size_of_file(path);
+  if (size > 2 * std::uint64_t{max_study_bytes})
+    throw InputError(where + ": is larger than any study that is read (" + std::to_string(size) + " bytes)");
+  if (count_items(path, size) > most_items)
+    throw InputError(where + ": holds more than " + std::to_string(most_items) +
+                     " sequence items; this is no heart study that is read");
+  // The syntax is looked at first: a deflated file would be unpacked while it is loaded, whatever its size.
+  DcmFileFormat meta;
+  if (meta.loadFile(path.c_str(), EXS_Unknown, EGL_noChange, DCM_MaxReadLength, ERM_metaOnly).good()) {
+    OFString uid;
+    if (meta.getMetaInfo()->findAndGetOFString(DCM_TransferSyntaxUID, uid).good())
+      check_syntax(DcmXfer(uid.c_str()).getXfer(), where);
+  }
+  auto file = std::make_unique<DcmFileFormat>();
+  const OFCondition status = file->loadFile(path.c_str());
+  if (status.bad())
+    throw InputError(where + ": is damaged or cut off: DICOM reading stops with \"" + status.text() + "\"");
+  check_syntax(file->getDataset()->getOriginalXfer(), where);
+  return file;
+}
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string::npos) return "";
+  return text.substr(first, text.find_last_not_of(std::string(" \t\0", 3)) - first + 1);
+}
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> parts;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find('\\', at), text.size());
+    parts.push_back(trimmed(text.substr(at, end - at)));
+    at = end + 1;
+  }
+  return parts;
+}
+
+/// The attributes of a data set or of an item of a sequence.
+class Attributes {
+ public:
+  Attributes(DcmItem& item, const std::string& where) : item_(&item), where_(where) {}
+
+  /// All values, trimmed; empty when the attribute is absent or has no value.
+  std::vector<std::string> texts(const DcmTagKey& tag) const {
+    DcmElement* element = find(tag);
+    if (!element || element->getLength() == 0) return {};
+    OFString value;
+    if (element->getOFStringArray(value).bad()) return {};
+    return split(std::string(value.c_str(), value.length()));
+  }
+  std::string text(const DcmTagKey& tag) const {
+    const auto all = texts(tag);
+    return all.empty() ? "" : all.front();
+  }
+
+  /// All values as finite numbers; nothing when absent. Throws InputError when something else stands there.
+  std::optional<std::vector<double>> numbers(const DcmTagKey& tag) const {
+    const auto all = texts(tag);
+    if (all.empty()) return std::nullopt;
+    switch (find(tag)->ident()) {
+      case EVR_US:
+      case EVR_SS:
+      case EVR_UL:
+      case EVR_SL:
+      case EVR_IS:
+      case EVR_DS:
+      case EVR_FL:
+      case EVR_FD:
+        break;
+      default:
+        refuse(tag, "is not a number");
+    }
+    std::vector<double> values;
+    for (const std::string& word : all) {
+      std::string_view rest = word;
+      if (!rest.empty() && rest.front() == '+') rest.remove_prefix(1);
+      double value = 0;
+      const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+      if (error != std::errc{} || end != rest.data() + rest.size() || !std::isfinite(value))
+        refuse(tag, "is not a number");
+      values.push_back(value);
+    }
+    return values;
+  }
+  std::optional<double> number(const DcmTagKey& tag) const {
+    const auto all = numbers(tag);
+    return all ? std::optional(all->front()) : std::nullopt;
+  }
+  /// A number that only informs: nothing when it cannot be understood.
+  std::optional<double> soft_number(const DcmTagKey& tag) const {
+    try {
+      return number(tag);
+    } catch (const InputError&) {
+      return std::nullopt;
+    }
+  }
+  std::optional<int> soft_whole(const DcmTagKey& tag) const {
+    const auto value = soft_number(tag);
+    return value && std::abs(*value) < 1e9 ? std::optional(static_cast<int>(*value)) : std::nullopt;
+  }
+  std::optional<std::vector<int>> wholes(const DcmTagKey& tag) const {
+    const auto all = numbers(tag);
+    if (!all) return std::nullopt;
+    std::vector<int> values;
+    for (const double v : *all) {
+      if (v != std::floor(v) || std::abs(v) > 1e9) refuse(tag, "is not a whole number");
+      values.push_back(static_cast<int>(v));
+    }
+    return values;
+  }
+  std::optional<int> whole(const DcmTagKey& tag) const {
+    const auto all = wholes(tag);
+    return all ? std::optional(all->front()) : std::nullopt;
+  }
+  int need_whole(const DcmTagKey& tag, int least, int most) const {
+    const auto value = whole(tag);
+    if (!value) refuse(tag, "is absent");
+    if (*value < least || *value > most)
+      refuse(tag,
+             ("is " + std::to_string(*value) + "; expected " + std::to_string(least) + " to " + std::to_string(most))
+                 .c_str());
+    return *value;
+  }
+  std::optional<Vec3> vector(const DcmTagKey& tag) const {
+    const auto all = numbers(tag);
+    if (!all) return std::nullopt;
+    if (all->size() != 3) refuse(tag, "has not three numbers");
+    return Vec3((*all)[0], (*all)[1], (*all)[2]);
+  }
+
+  std::vector<Attributes> items(const DcmTagKey& tag) const {
+    DcmSequenceOfItems* sequence = nullptr;
+    std::vector<Attributes> found;
+    if (item_->findAndGetSequence(tag, sequence).bad() || !sequence) return found;
+    for (unsigned long n = 0; n < sequence->card(); ++n) found.emplace_back(*sequence->getItem(n), where_);
+    return found;
+  }
+  std::optional<Attributes> first_item(const DcmTagKey& tag) const {
+    const auto all = items(tag);
+    return all.empty() ? std::nullopt : std::optional(all.front());
+  }
+  bool has(const DcmTagKey& tag) const { return find(tag) != nullptr; }
+
+  [[noreturn]] void refuse(const DcmTagKey& tag, const char* what) const {
+    throw InputError(where_ + ": " + DcmTag(tag).getTagName() + " " + tag.toString().c_str() + " " + what);
+  }
+
+ private:
+  DcmElement* find(const DcmTagKey& tag) const {
+    DcmElement* element = nullptr;
+    return item_->findAndGetElement(tag, element).good() ? element : nullptr;
+  }
+
+  DcmItem* item_;
+  std::string where_;
+};
+
+void read_pixel_format(DicomImage& image, const Attributes& root) {
+  if (!root.has(DCM_PixelData))
+    throw InputError(image.where() + ": holds no pixel data" +
+                     (root.has(DCM_FloatPixelData) || root.has(DCM_DoubleFloatPixelData) ? " of 8 or 16 bits" : "") +
+                     "; expected an image");
+  image.rows = root.need_whole(DCM_Rows, 1, 65535);
+  image.columns = root.need_whole(DCM_Columns, 1, 65535);
+  image.frames = root.has(DCM_NumberOfFrames) ? root.need_whole(DCM_NumberOfFrames, 1, 1'000'000) : 1;
+  image.samples = root.need_whole(DCM_SamplesPerPixel, 1, 4);
+  image.bits_allocated = root.need_whole(DCM_BitsAllocated, 1, 64);
+  if (image.bits_allocated != 8 && image.bits_allocated != 16) root.refuse(DCM_BitsAllocated, "is not 8 or 16");
+  image.bits_stored = root.need_whole(DCM_BitsStored, 1, image.bits_allocated);
+  image.high_bit = root.need_whole(DCM_HighBit, image.bits_stored - 1, image.bits_allocated - 1);
+  image.is_signed = root.need_whole(DCM_PixelRepresentation, 0, 1) == 1;
+  if (const auto slope = root.number(DCM_RescaleSlope)) {
+    image.slope = *slope;
+    image.intercept = root.number(DCM_RescaleIntercept).value_or(0);
+  } else if (const auto mapping = root.first_item(DCM_RealWorldValueMappingSequence)) {
+    image.slope = mapping->number(DCM_RealWorldValueSlope).value_or(1);
+    image.intercept = mapping->number(DCM_RealWorldValueIntercept).value_or(0);
+  }
+  if (image.slope == 0) root.refuse(DCM_RescaleSlope, "is 0, which makes every value the same");
+}
+
+void read_geometry(DicomImage& image, const Attributes& root) {
+  if (const auto spacing = root.numbers(DCM_PixelSpacing)) {
+    if (spacing->size() != 2) root.refuse(DCM_PixelSpacing, "has not two numbers");
+    image.pixel_spacing = {(*spacing)[0], (*spacing)[1]};
+  }
+  image.slice_spacing = root.number(DCM_SpacingBetweenSlices);
+  image.slice_thickness = root.number(DCM_SliceThickness);
+  image.slice_location = root.soft_number(DCM_SliceLocation);
+  // In nuclear medicine the position belongs to the detector; some writers leave it at the root.
+  const Attributes detector = root.first_item(DCM_DetectorInformationSequence).value_or(root);
+  image.position = detector.vector(DCM_ImagePositionPatient);
+  if (!image.position) image.position = root.vector(DCM_ImagePositionPatient);
+  auto direction = detector.numbers(DCM_ImageOrientationPatient);
+  if (!direction) direction = root.numbers(DCM_ImageOrientationPatient);
+  if (!direction) return;
+  if (direction->size() != 6) root.refuse(DCM_ImageOrientationPatient, "has not six numbers");
+  const Vec3 along_row((*direction)[0], (*direction)[1], (*direction)[2]);
+  const Vec3 along_column((*direction)[3], (*direction)[4], (*direction)[5]);
+  for (const Vec3& v : {along_row, along_column})
+    if (!(std::abs(v.norm() - 1) < 0.01)) root.refuse(DCM_ImageOrientationPatient, "is not two directions of length 1");
+  image.orientation = {along_row.normalized(), along_column.normalized()};
+}
+
+void read_gating(DicomImage& image, const Attributes& root) {
+  image.rr_of_frame = root.wholes(DCM_RRIntervalVector);
+  image.gate_of_frame = root.wholes(DCM_TimeSlotVector);
+  image.slice_of_frame = root.wholes(DCM_SliceVector);
+  image.rr_count = root.whole(DCM_NumberOfRRIntervals);
+  image.gate_count = root.whole(DCM_NumberOfTimeSlots);
+  image.slice_count = root.whole(DCM_NumberOfSlices);
+  image.trigger_time = root.soft_number(DCM_TriggerTime);
+  image.nominal_interval = root.soft_number(DCM_NominalInterval);
+  image.heart_rate = root.soft_number(DCM_HeartRate);
+  image.temporal_position = root.soft_number(DCM_TemporalPositionIndex);
+  if (!image.temporal_position) image.temporal_position = root.soft_number(DCM_TemporalPositionIdentifier);
+  image.cycle_percentage = root.soft_number(DCM_NominalPercentageOfCardiacPhase);
+  image.instance_number = root.soft_whole(DCM_InstanceNumber);
+  const auto gated = root.first_item(DCM_GatedInformationSequence);
+  if (!gated) return;
+  if (const auto delay = gated->soft_number(DCM_TriggerTime)) image.trigger_time = delay;
+  image.counts_back_from_r = gated->text(DCM_CardiacFramingType) == "BACK";
+  for (const Attributes& rr : gated->items(DCM_DataInformationSequence)) {
+    image.beats_of_rr.push_back(rr.soft_whole(DCM_IntervalsAcquired));
+    image.rejected_beats_of_rr.push_back(rr.soft_whole(DCM_IntervalsRejected));
+    image.frame_time_of_rr.push_back(rr.soft_number(DCM_FrameTime));
+    image.nominal_interval_of_rr.push_back(rr.soft_number(DCM_NominalInterval));
+    std::vector<double> slots;
+    for (const Attributes& slot : rr.items(DCM_TimeSlotInformationSequence))
+      slots.push_back(slot.soft_number(DCM_TimeSlotTime).value_or(0));
+    image.slot_times_of_rr.push_back(slots);
+  }
+}
+
+void read_view(DicomImage& image, const Attributes& root) {
+  const Attributes detector = root.first_item(DCM_DetectorInformationSequence).value_or(root);
+  for (const Attributes& holder : {detector, root})
+    if (const auto code = holder.first_item(DCM_ViewCodeSequence); code && image.view == View::unknown)
+      image.view = view_of_code(code->text(DCM_CodeValue), code->text(DCM_CodingSchemeDesignator));
+  const std::string words = root.text(DCM_SeriesDescription) + " / " + root.text(DCM_ImageID);
+  if (image.view == View::unknown) {
+    image.view = view_in_words(words);
+    image.view_from_words = image.view != View::unknown;
+  }
+  image.gate_in_words = gate_in_words(words);
+  const std::string order = root.text(DCM_SliceProgressionDirection);
+  if (order == "APEX_TO_BASE") image.slice_order = SliceOrder::apex_to_base;
+  if (order == "BASE_TO_APEX") image.slice_order = SliceOrder::base_to_apex;
+}
+
+/// The pixels as raw bytes in the order of this machine.
+std::span<const std::uint8_t> raw_pixels(DcmDataset& dataset, const DicomImage& image) {
+  DcmElement* element = nullptr;
+  if (dataset.findAndGetElement(DCM_PixelData, element).bad() || !element)
+    throw InputError(image.where() + ": holds no pixel data");
+  const std::uint64_t sample = static_cast<std::uint64_t>(image.bits_allocated) / 8;
+  const std::uint64_t expected = sample * static_cast<std::uint64_t>(image.rows) *
+                                 static_cast<std::uint64_t>(image.columns) * static_cast<std::uint64_t>(image.frames);
+  const std::uint64_t stored = element->getLength();
+  if (stored != expected && stored != expected + expected % 2)
+    throw InputError(image.where() + ": its pixel data are " + std::to_string(stored) + " bytes; " +
+                     std::to_string(image.frames) + " frames of " + std::to_string(image.columns) + " x " +
+                     std::to_string(image.rows) + " pixels need " + std::to_string(expected));
+  Uint8* bytes = nullptr;
+  Uint16* words = nullptr;
+  if (sample == 1 && element->getUint8Array(bytes).good() && bytes) return {bytes, expected};
+  if (sample == 2 && element->getUint16Array(words).good() && words)
+    return {reinterpret_cast<const std::uint8_t*>(words), expected};
+  throw InputError(image.where() + ": its pixel data cannot be read");
+}
+
+float value_of(const std::uint8_t* at, const DicomImage& image) {
+  std::uint32_t raw = at[0];
+  if (image.bits_allocated == 16) raw |= static_cast<std::uint32_t>(at[1]) << 8;
+  // Old files keep overlays in the bits that the value does not use.
+  raw = (raw >> (image.high_bit + 1 - image.bits_stored)) & ((1u << image.bits_stored) - 1);
+  auto value = static_cast<std::int32_t>(raw);
+  if (image.is_signed && (raw >> (image.bits_stored - 1)) != 0) value -= 1 << image.bits_stored;
+  return static_cast<float>(image.slope * value + image.intercept);
+}
+
+}  // namespace
+
+const std::string& DicomImage::kind() const {
+  static const std::string none;
+  return image_type.size() > 2 ? image_type[2] : none;
+}
+
+DicomLook dicom_look_of(const std::filesystem::path& path) {
+  const std::string head = first_bytes(path, 132);
+  if (head.size() == 132 && head.compare(128, 4, "DICM") == 0) return DicomLook::preamble;
+  if (head.size() < 8) return DicomLook::none;
+  const auto at = [&](std::size_t n) { return static_cast<unsigned char>(head[n]); };
+  const bool little = at(1) == 0 && (at(0) == 2 || at(0) == 8), big = at(0) == 0 && (at(1) == 2 || at(1) == 8);
+  return little || big ? DicomLook::bare : DicomLook::none;
+}
+
+DicomImage read_dicom_header(const std::filesystem::path& path) {
+  const auto file = load(path);
+  const Attributes root(*file->getDataset(), path.string());
+  DicomImage image;
+  image.path = path;
+  image.modality = root.text(DCM_Modality);
+  image.image_type = root.texts(DCM_ImageType);
+  image.sop_class = root.text(DCM_SOPClassUID);
+  image.sop_instance = root.text(DCM_SOPInstanceUID);
+  image.study = root.text(DCM_StudyInstanceUID);
+  image.series = root.text(DCM_SeriesInstanceUID);
+  const auto series_type = root.texts(DCM_SeriesType);
+  if (!series_type.empty()) image.series_type = series_type.front();
+  image.is_reprojection = series_type.size() > 1 && series_type[1] == "REPROJECTION";
+  read_pixel_format(image, root);
+  read_geometry(image, root);
+  read_gating(image, root);
+  read_view(image, root);
+  return image;
+}
+
+void read_dicom_frames(const DicomImage& image, const std::function<void(int, std::span<const float>)>& use) {
+  const auto file = load(image.path);
+  DcmDataset& dataset = *file->getDataset();
+  if (dataset.getOriginalXfer() == EXS_RLELossless) {
+    // Run lengths pack 128 bytes into 2 at best: more is a lie, found before memory is taken.
+    const std::uint64_t expected = static_cast<std::uint64_t>(image.bits_allocated) / 8 *
+                                   static_cast<std::uint64_t>(image.rows) * static_cast<std::uint64_t>(image.columns) *
+                                   static_cast<std::uint64_t>(image.frames);
+    if (expected > 64 * size_of_file(image.path))
+      throw InputError(image.where() + ": declares more pixels than its run-length data can hold");
+    const OFCondition status = dataset.chooseRepresentation(EXS_LittleEndianExplicit, nullptr);
+    if (status.bad()) throw InputError(image.where() + ": its run-length pixel data are damaged: " + status.text());
+  }
+  const auto bytes = raw_pixels(dataset, image);
+  const std::size_t pixels = static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(image.columns);
+  const std::size_t sample = static_cast<std::size_t>(image.bits_allocated) / 8;
+  std::vector<float> values(pixels);
+  for (int f = 0; f < image.frames; ++f) {
+    const std::uint8_t* at = bytes.data() + static_cast<std::size_t>(f) * pixels * sample;
+    for (std::size_t p = 0; p < pixels; ++p) values[p] = value_of(at + p * sample, image);
+    use(f, values);
+  }
+}
+
+std::vector<std::pair<std::string, std::string>> acquisition_facts_of(const std::filesystem::path& path) {
+  const auto file = load(path);
+  const Attributes root(*file->getDataset(), path.string());
+  std::vector<std::pair<std::string, std::string>> rows;
+  if (const auto tracer = root.first_item(DCM_RadiopharmaceuticalInformationSequence)) {
+    std::string isotope, code;
+    if (const auto nuclide = tracer->first_item(DCM_RadionuclideCodeSequence)) {
+      isotope = nuclide->text(DCM_CodeMeaning);
+      code = nuclide->text(DCM_CodeValue);
+    }
+    if (const std::string word = isotope_of(code, isotope); !word.empty()) rows.emplace_back("isotope", word);
+    if (const std::string word = tracer_of(tracer->text(DCM_Radiopharmaceutical)); !word.empty())
+      rows.emplace_back("tracer", word);
+  }
+  std::string corrections;
+  for (const std::string& word : root.texts(DCM_CorrectedImage))
+    if (is_correction(word)) corrections += (corrections.empty() ? "" : ", ") + word;
+  if (!corrections.empty()) rows.emplace_back("corrections", corrections);
+  if (const auto rate = root.soft_whole(DCM_HeartRate))
+    rows.emplace_back("heart rate", std::to_string(*rate) + " /min");
+  if (const auto gated = root.first_item(DCM_GatedInformationSequence))
+    if (const auto beats = gated->first_item(DCM_DataInformationSequence)) {
+      if (const auto n = beats->soft_whole(DCM_IntervalsAcquired))
+        rows.emplace_back("beats accepted", std::to_string(*n));
+      if (const auto n = beats->soft_whole(DCM_IntervalsRejected))
+        rows.emplace_back("beats rejected", std::to_string(*n));
+      const auto low = beats->soft_whole(DCM_LowRRValue), high = beats->soft_whole(DCM_HighRRValue);
+      if (low && high)
+        rows.emplace_back("beats accepted from", std::to_string(*low) + " to " + std::to_string(*high) + " ms");
+    }
+  return rows;
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,28 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "dynasurf/core/study.hpp"
+
+namespace dynasurf {
+
+// What the words and codes of a DICOM header mean. Answers come from fixed lists, so that no free text of a file (a
+// name typed into the wrong field) ever reaches an output.
+
+/// View of an entry of ViewCodeSequence (context group 26): SNOMED CT codes, or the older SNOMED RT ones.
+View view_of_code(const std::string& code, const std::string& scheme);
+
+/// View named in a description ("GATED SA", "H Long Ax"); unknown when it names none or more than one.
+View view_in_words(const std::string& description);
+
+/// The number in "gate 3", "bin 3", "phase 3" or "frame 3" of a description.
+std::optional<int> gate_in_words(const std::string& description);
+
+/// "Tc-99m" for the codes and names of the isotopes used on hearts; "" for others.
+std::string isotope_of(const std::string& code, const std::string& meaning);
+/// "sestamibi" and the like; "" for others.
+std::string tracer_of(const std::string& name);
+/// One of the defined terms of CorrectedImage.
+bool is_correction(const std::string& term);
+
+}  // namespace dynasurf

@@ -1,0 +1,293 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <dcmtk/config/osconfig.h>
+// DCMTK asks for its configuration header first.
+#include <dcmtk/dcmdata/dctk.h>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/digest.hpp"
+#include "dynasurf/io/study_io.hpp"
+
+namespace dynasurf {
+namespace {
+
+void must(const OFCondition& status, const std::string& doing) {
+  if (status.bad()) throw IoError("cannot " + doing + ": " + status.text());
+}
+
+/// A sequence item (or the data set) being filled.
+class Item {
+ public:
+  explicit Item(DcmItem& item) : item_(&item) {}
+
+  void text(const DcmTagKey& tag, const std::string& value) {
+    must(item_->putAndInsertString(tag, value.c_str()), name(tag));
+  }
+  void number(const DcmTagKey& tag, int value) {
+    must(item_->putAndInsertUint16(tag, static_cast<Uint16>(value)), name(tag));
+  }
+  void numbers(const DcmTagKey& tag, const std::vector<Uint16>& values) {
+    must(item_->putAndInsertUint16Array(tag, values.data(), values.size()), name(tag));
+  }
+  void tags(const DcmTagKey& tag, const std::vector<DcmTagKey>& values) {
+    std::vector<Uint16> words;
+    for (const DcmTagKey& t : values) {
+      words.push_back(t.getGroup());
+      words.push_back(t.getElement());
+    }
+    auto* element = new DcmAttributeTag(tag);
+    must(element->putUint16Array(words.data(), values.size()), name(tag));
+    must(item_->insert(element, OFTrue), name(tag));
+  }
+  void pixels(const std::vector<Uint16>& values) {
+    must(item_->putAndInsertUint16Array(DCM_PixelData, values.data(), values.size()), "store the pixels");
+  }
+  void empty_sequence(const DcmTagKey& tag) { must(item_->insertEmptyElement(tag), name(tag)); }
+  Item add(const DcmTagKey& tag) {
+    DcmItem* item = nullptr;
+    must(item_->findOrCreateSequenceItem(tag, item, -2), name(tag));
+    return Item(*item);
+  }
+  void code(const DcmTagKey& tag, const std::string& value, const std::string& meaning) {
+    Item item = add(tag);
+    item.text(DCM_CodeValue, value);
+    item.text(DCM_CodingSchemeDesignator, "SCT");
+    item.text(DCM_CodeMeaning, meaning);
+  }
+
+ private:
+  static std::string name(const DcmTagKey& tag) { return std::string("store ") + DcmTag(tag).getTagName(); }
+  DcmItem* item_;
+};
+
+/// A decimal string: at most 16 characters, so the last digits of long numbers are rounded.
+std::string decimal(double value) {
+  if (std::abs(value) < 1e-12) return "0";
+  std::array<char, 40> buffer;
+  for (int digits = 15; digits > 3; --digits) {
+    std::snprintf(buffer.data(), buffer.size(), "%.*g", digits, value);
+    if (std::string(buffer.data()).size() <= 16) break;
+  }
+  return buffer.data();
+}
+
+std::string decimals(std::initializer_list<double> values) {
+  std::string text;
+  for (const double v : values) text += (text.empty() ? "" : "\\") + decimal(v);
+  return text;
+}
+
+/// Decimal digits of a 128-bit number.
+std::string digits_of(std::array<unsigned char, 16> number) {
+  std::string digits;
+  while (std::any_of(number.begin(), number.end(), [](unsigned char b) { return b != 0; })) {
+    unsigned rest = 0;
+    for (unsigned char& byte : number) {
+      rest = rest * 256 + byte;
+      byte = static_cast<unsigned char>(rest / 10);
+      rest %= 10;
+    }
+    digits.insert(digits.begin(), static_cast<char>('0' + rest));
+  }
+  return digits.empty() ? "0" : digits;
+}
+
+/// UIDs under 2.25 hold a UUID; these are hashes of the content in the form of a name-based one.
+class UidMaker {
+ public:
+  UidMaker(const Study& study, const std::vector<Uint16>& pixels, const DicomWriteOptions& options) {
+    Hasher hasher;
+    const auto add = [&](const auto& value) { hasher.add(&value, sizeof value); };
+    add(options.uid_seed);
+    const Grid& g = study.grid();
+    for (const int extent : g.dims) add(extent);
+    hasher.add(g.spacing.data(), 3 * sizeof(double));
+    hasher.add(g.origin.data(), 3 * sizeof(double));
+    hasher.add(g.direction.data(), 9 * sizeof(double));
+    add(study.cycle_ms);
+    hasher.add(options.series_description.data(), options.series_description.size());
+    hasher.add(options.patient_id.data(), options.patient_id.size());
+    hasher.add(pixels.data(), pixels.size() * sizeof(Uint16));
+    content_ = hasher.finish();
+  }
+  std::string operator()(std::string_view role) const {
+    Hasher hasher;
+    hasher.add(content_.data(), content_.size());
+    hasher.add(role.data(), role.size());
+    const Sha256 digest = hasher.finish();
+    std::array<unsigned char, 16> uuid;
+    std::copy_n(digest.begin(), 16, uuid.begin());
+    uuid[6] = static_cast<unsigned char>((uuid[6] & 0x0f) | 0x50);
+    uuid[8] = static_cast<unsigned char>((uuid[8] & 0x3f) | 0x80);
+    return "2.25." + digits_of(uuid);
+  }
+
+ private:
+  Sha256 content_;
+};
+
+std::vector<Uint16> scaled_counts(const Study& study, double scale, const std::string& where) {
+  std::vector<Uint16> counts;
+  counts.reserve(study.gates.size() * study.grid().size());
+  for (const Image& gate : study.gates)
+    for (const float value : gate.values) {
+      const double count = std::floor(value * scale + 0.5);
+      if (!(count >= 0) || count > 65535)
+        throw OptionError(where + ": the value " + std::to_string(value) + " times counts_scale " +
+                          std::to_string(scale) + " does not fit 16 unsigned bits; expected 0 to 65535");
+      counts.push_back(static_cast<Uint16>(count));
+    }
+  return counts;
+}
+
+void put_identity(Item& root, const UidMaker& uid, const DicomWriteOptions& options) {
+  root.text(DCM_SOPClassUID, UID_NuclearMedicineImageStorage);
+  root.text(DCM_SOPInstanceUID, uid("instance"));
+  root.text(DCM_StudyInstanceUID, uid("study"));
+  root.text(DCM_SeriesInstanceUID, uid("series"));
+  root.text(DCM_FrameOfReferenceUID, uid("frame of reference"));
+  // Dates are fixed: a synthetic study was never acquired, and the same study must give the same bytes.
+  for (const DcmTagKey& tag : {DCM_StudyDate, DCM_SeriesDate, DCM_AcquisitionDate, DCM_ContentDate})
+    root.text(tag, "20000101");
+  for (const DcmTagKey& tag : {DCM_StudyTime, DCM_SeriesTime, DCM_AcquisitionTime, DCM_ContentTime})
+    root.text(tag, "000000");
+  root.text(DCM_Modality, "NM");
+  root.text(DCM_Manufacturer, "Dynasurf");
+  root.text(DCM_SeriesDescription, options.series_description);
+  root.text(DCM_PatientName, options.patient_name);
+  root.text(DCM_PatientID, options.patient_id);
+  for (const DcmTagKey& tag : {DCM_AccessionNumber, DCM_ReferringPhysicianName, DCM_PatientBirthDate, DCM_PatientSex,
+                               DCM_PatientOrientation, DCM_PositionReferenceIndicator})
+    root.text(tag, "");
+  root.text(DCM_StudyID, "1");
+  root.text(DCM_SeriesNumber, "1");
+  root.text(DCM_InstanceNumber, "1");
+}
+
+void put_image(Item& root, const Study& study) {
+  const Grid& g = study.grid();
+  const bool gated = study.gates.size() > 1;
+  const auto slices = static_cast<std::size_t>(g.dims[2]), gates = study.gates.size();
+  root.text(DCM_ImageType,
+            gated ? "DERIVED\\PRIMARY\\RECON GATED TOMO\\EMISSION" : "DERIVED\\PRIMARY\\RECON TOMO\\EMISSION");
+  root.text(DCM_BodyPartExamined, "HEART");
+  root.number(DCM_SamplesPerPixel, 1);
+  root.text(DCM_PhotometricInterpretation, "MONOCHROME2");
+  root.text(DCM_NumberOfFrames, std::to_string(gates * slices));
+  root.number(DCM_Rows, g.dims[1]);
+  root.number(DCM_Columns, g.dims[0]);
+  root.text(DCM_PixelSpacing, decimals({g.spacing[1], g.spacing[0]}));
+  root.text(DCM_SliceThickness, decimal(g.spacing[2]));
+  const Vec3 normal = g.direction.col(0).cross(g.direction.col(1));
+  root.text(DCM_SpacingBetweenSlices, decimal(normal.dot(g.direction.col(2)) < 0 ? -g.spacing[2] : g.spacing[2]));
+  root.number(DCM_BitsAllocated, 16);
+  root.number(DCM_BitsStored, 16);
+  root.number(DCM_HighBit, 15);
+  root.number(DCM_PixelRepresentation, 0);
+  std::vector<Uint16> ones(gates * slices, 1), slot, slice;
+  for (std::size_t n = 0; n < gates * slices; ++n) {
+    slot.push_back(static_cast<Uint16>(n / slices + 1));
+    slice.push_back(static_cast<Uint16>(n % slices + 1));
+  }
+  if (gated) {
+    root.tags(DCM_FrameIncrementPointer, {DCM_RRIntervalVector, DCM_TimeSlotVector, DCM_SliceVector});
+    root.numbers(DCM_RRIntervalVector, ones);
+    root.number(DCM_NumberOfRRIntervals, 1);
+    root.numbers(DCM_TimeSlotVector, slot);
+    root.number(DCM_NumberOfTimeSlots, static_cast<int>(gates));
+  } else {
+    root.tags(DCM_FrameIncrementPointer, {DCM_SliceVector});
+  }
+  root.numbers(DCM_SliceVector, slice);
+  root.number(DCM_NumberOfSlices, g.dims[2]);
+  if (study.slice_order != SliceOrder::unknown)
+    root.text(DCM_SliceProgressionDirection,
+              study.slice_order == SliceOrder::apex_to_base ? "APEX_TO_BASE" : "BASE_TO_APEX");
+}
+
+void put_detector(Item& root, const Study& study) {
+  const Grid& g = study.grid();
+  const Vec3 r = g.direction.col(0), c = g.direction.col(1);
+  root.number(DCM_NumberOfDetectors, 1);
+  Item detector = root.add(DCM_DetectorInformationSequence);
+  detector.text(DCM_CollimatorType, "PARA");
+  detector.text(DCM_FocalDistance, "0");
+  detector.text(DCM_ImagePositionPatient, decimals({g.origin[0], g.origin[1], g.origin[2]}));
+  detector.text(DCM_ImageOrientationPatient, decimals({r[0], r[1], r[2], c[0], c[1], c[2]}));
+  switch (study.view) {
+    case View::short_axis:
+      detector.code(DCM_ViewCodeSequence, "103340004", "Short Axis");
+      break;
+    case View::horizontal_long_axis:
+      detector.code(DCM_ViewCodeSequence, "131186000", "Horizontal Long Axis");
+      break;
+    case View::vertical_long_axis:
+      detector.code(DCM_ViewCodeSequence, "131185001", "Vertical Long Axis");
+      break;
+    case View::transaxial:
+      detector.code(DCM_ViewCodeSequence, "62824007", "Transverse");
+      break;
+    case View::unknown:
+      break;
+  }
+}
+
+/// What a camera would have noted; empty where the attribute may be, because nothing was measured.
+void put_acquisition(Item& root, const Study& study) {
+  root.number(DCM_NumberOfEnergyWindows, 1);
+  root.empty_sequence(DCM_EnergyWindowInformationSequence);
+  root.empty_sequence(DCM_RadiopharmaceuticalInformationSequence);
+  root.number(DCM_NumberOfRotations, 1);
+  root.empty_sequence(DCM_RotationInformationSequence);
+  root.text(DCM_CountsAccumulated, "0");
+  root.text(DCM_AcquisitionTerminationCondition, "");
+  root.empty_sequence(DCM_PatientOrientationCodeSequence);
+  root.empty_sequence(DCM_PatientGantryRelationshipCodeSequence);
+  if (study.gates.size() < 2) return;
+  const auto gates = static_cast<double>(study.gates.size());
+  const double step = study.cycle_ms > 0         ? study.cycle_ms / gates
+                      : study.time_ms.size() > 1 ? study.time_ms[1] - study.time_ms[0]
+                                                 : 0;
+  Item gated = root.add(DCM_GatedInformationSequence);
+  gated.text(DCM_TriggerTime, decimal(study.time_ms.empty() ? 0 : study.time_ms.front()));
+  gated.text(DCM_CardiacFramingType, "FORW");
+  Item data = gated.add(DCM_DataInformationSequence);
+  if (study.cycle_ms > 0) data.text(DCM_NominalInterval, std::to_string(std::lround(study.cycle_ms)));
+  data.text(DCM_FrameTime, decimal(step));
+  for (std::size_t g = 0; g < study.gates.size(); ++g)
+    data.add(DCM_TimeSlotInformationSequence).text(DCM_TimeSlotTime, decimal(step));
+}
+
+}  // namespace
+
+void write_dicom(const Study& study, const std::filesystem::path& path, const DicomWriteOptions& options) {
+  const std::string where = path.string();
+  if (study.gates.empty()) throw InputError(where + ": cannot write a study without a volume");
+  for (const int extent : study.grid().dims)
+    if (extent > 65535) throw InputError(where + ": DICOM holds at most 65535 voxels along an axis");
+  if (study.gates.size() * static_cast<std::size_t>(study.grid().dims[2]) > 32767)
+    throw InputError(where + ": has more frames than DICOM's frame vectors hold (32767)");
+  const std::vector<Uint16> pixels = scaled_counts(study, options.counts_scale, where);
+
+  DcmFileFormat file;
+  Item root(*file.getDataset());
+  put_identity(root, UidMaker(study, pixels, options), options);
+  put_image(root, study);
+  put_detector(root, study);
+  put_acquisition(root, study);
+  root.pixels(pixels);
+
+  OutputFile output(path);
+  const OFCondition status =
+      file.saveFile(output.path().c_str(), EXS_LittleEndianExplicit, EET_ExplicitLength, EGL_withoutGL);
+  if (status.bad()) throw IoError(where + ": cannot write: " + status.text());
+  output.publish();
+}
+
+}  // namespace dynasurf

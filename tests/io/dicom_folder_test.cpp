@@ -1,0 +1,208 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/dicom_edit.hpp"
+#include "support/l_shape.hpp"
+#include "support/mutations.hpp"
+
+namespace dynasurf {
+namespace {
+
+namespace fs = std::filesystem;
+using test::put;
+using ::testing::HasSubstr;
+
+constexpr double decimal_tolerance_mm = 1e-6;  // positions are written with eight decimals
+
+class DicomFolder : public ::testing::Test {
+ protected:
+  test::ScratchFolder scratch;
+  const Study truth = test::l_shape_study(test::oblique_grid(), 4);
+  const fs::path folder = scratch / "study";
+
+  void write_pet(const std::function<void(DcmDataset&, int)>& tell_gate) {
+    test::write_single_frames(truth, folder, tell_gate);
+  }
+  static void tell_trigger(DcmDataset& d, int gate) { put(d, DCM_TriggerTime, std::to_string(200 * gate)); }
+
+  /// One file of all slices per gate.
+  void write_gates(const std::function<void(DcmDataset&, int)>& tell_gate) {
+    fs::create_directories(folder);
+    for (int g = 0; g < 4; ++g) {
+      Study one = truth;
+      one.gates = {truth.gates[static_cast<std::size_t>(g)]};
+      one.time_ms.clear();
+      write_dicom(one, scratch / "one.dcm");
+      test::edit_dicom(scratch / "one.dcm",
+                       folder / ("f" + std::to_string((7 - 3 * g) % 5 + 5) + std::to_string(g) + ".dcm"),
+                       [&](DcmDataset& d) {
+                         put(d, DCM_StudyInstanceUID, "2.25.1");
+                         tell_gate(d, g);
+                       });
+    }
+  }
+  fs::path some_file() const { return *fs::directory_iterator(folder); }
+};
+
+TEST_F(DicomFolder, OfOneFilePerSliceAndGateIsSortedByPlaceAndTime) {
+  write_pet(tell_trigger);
+  const Study back = read_study(folder);
+  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  EXPECT_EQ(back.time_ms, truth.time_ms);
+  EXPECT_EQ(back.cycle_ms, 800);
+  EXPECT_EQ(back.modality, "PT");
+  EXPECT_TRUE(back.notes.empty());
+  EXPECT_EQ(files_of_study(folder).size(), 20u);
+  EXPECT_THAT(facts_of(folder, back).rows, testing::Contains(std::pair<std::string, std::string>("gates", "4")));
+}
+
+TEST_F(DicomFolder, FindsGatesByEveryAttributeThatTellsThem) {
+  const std::function<void(DcmDataset&, int)> ways[] = {
+      [](DcmDataset& d, int g) { put(d, DCM_TemporalPositionIdentifier, std::to_string(g + 1)); },
+      [](DcmDataset& d, int g) {
+        test::check(d.putAndInsertUint32(DCM_TemporalPositionIndex, static_cast<Uint32>(g + 1)));
+      },
+      [](DcmDataset& d, int g) {
+        test::check(d.putAndInsertFloat32(DCM_NominalPercentageOfCardiacPhase, 25.0f * static_cast<float>(g)));
+      },
+      [](DcmDataset& d, int g) {  // a series per gate
+        put(d, DCM_SeriesInstanceUID, "2.25." + std::to_string(70 - g));
+        put(d, DCM_TriggerTime, std::to_string(200 * g));
+      },
+      [](DcmDataset& d, int g) {
+        put(d, DCM_SeriesInstanceUID, "2.25." + std::to_string(70 - g));
+        put(d, DCM_SeriesDescription, "AC Gate " + std::to_string(g + 1));
+      }};
+  for (const auto& way : ways) {
+    fs::remove_all(folder);
+    write_pet(way);
+    test::expect_l_shape(read_study(folder), truth, decimal_tolerance_mm);
+  }
+}
+
+TEST_F(DicomFolder, WithOnlyInstanceNumbersIsReadWithAWarning) {
+  write_pet([](DcmDataset&, int) {});
+  const Study back = read_study(folder);
+  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  ASSERT_EQ(back.notes.size(), 1u);
+  EXPECT_EQ(back.notes[0].code, "dicom.gate_order");
+  EXPECT_EQ(back.notes[0].severity, Severity::warning);
+}
+
+TEST_F(DicomFolder, OfOneFilePerGateIsJoined) {
+  const std::function<void(DcmDataset&, int)> ways[] = {
+      [](DcmDataset& d, int g) { put(d, DCM_TriggerTime, std::to_string(200 * g)); },
+      [](DcmDataset& d, int g) { put(d, DCM_SeriesDescription, "SA bin " + std::to_string(g + 1)); },
+      [](DcmDataset& d, int g) {
+        put(d, DCM_ImageType, "DERIVED\\PRIMARY\\RECON GATED TOMO\\EMISSION");
+        put(d, DCM_TimeSlotVector, std::vector<Uint16>(5, static_cast<Uint16>(g + 1)));
+        put(d, DCM_NumberOfTimeSlots, std::vector<Uint16>{4});
+      }};
+  for (const auto& way : ways) {
+    fs::remove_all(folder);
+    write_gates(way);
+    test::expect_l_shape(read_study(folder), truth, decimal_tolerance_mm);
+  }
+  // The last way names its gates, so one of them alone is known to be incomplete, and a lost one is missed.
+  EXPECT_THAT(test::refusal_of(some_file()), HasSubstr("of 4 only"));
+  fs::remove(some_file());
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("a gate is missing"));
+}
+
+TEST_F(DicomFolder, OfEqualStacksThatNothingTellsApartIsRefused) {
+  write_gates([](DcmDataset&, int) {});  // rest, stress, corrected, uncorrected: not a heart beat
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("holds 4 different image stacks"));
+}
+
+TEST_F(DicomFolder, SkipsWhatIsNotDicomAndSaysSo) {
+  write_pet(tell_trigger);
+  test::write_bytes(folder / "README.txt", "hello");
+  test::write_bytes(folder / "empty", "");
+  test::write_bytes(folder / "looks", std::string("\x08\0\0\0nonsense", 12));
+  const Study back = read_study(folder);
+  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  ASSERT_EQ(back.notes.size(), 1u);
+  EXPECT_THAT(back.notes[0].message, HasSubstr("3 files of the folder are not part of the study"));
+}
+
+TEST_F(DicomFolder, OfJunkIsRefused) {
+  fs::create_directories(folder);
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("holds no DICOM image"));
+  test::write_bytes(folder / "README.txt", "hello");
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("holds no DICOM image"));
+}
+
+TEST_F(DicomFolder, WithADamagedSliceIsRefused) {
+  write_pet(tell_trigger);
+  const std::string bytes = test::read_bytes(some_file());
+  test::write_bytes(some_file(), bytes.substr(0, bytes.size() - 10));
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("damaged or cut off"));
+}
+
+TEST_F(DicomFolder, WithMissingOrDoubleFilesIsRefused) {
+  write_pet(tell_trigger);
+  const fs::path file = some_file();
+  const std::string bytes = test::read_bytes(file);
+  fs::remove(file);
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("a file is missing or double"));
+  test::write_bytes(file, bytes);
+  test::write_bytes(folder / "copy", bytes);
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("is there twice"));
+  test::edit_dicom(file, folder / "copy", [](DcmDataset& d) { put(d, DCM_SOPInstanceUID, "2.25.5"); });
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("a file is missing or double"));
+}
+
+TEST_F(DicomFolder, WithAGapBetweenSlicesIsRefused) {
+  Study one = truth;
+  one.gates.resize(1);
+  test::write_single_frames(one, folder, [](DcmDataset&, int) {});
+  test::expect_l_shape(read_study(folder), one, decimal_tolerance_mm);
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().filename().string().ends_with("_2")) fs::remove(entry.path());
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("a slice is missing"));
+}
+
+TEST_F(DicomFolder, TakesTheOnlyGatedShortAxisOfSeveralStacksAndSaysSo) {
+  fs::create_directories(folder / "deeper");
+  write_dicom(truth, folder / "deeper/sa.dcm");
+  Study other = truth;
+  other.view = View::vertical_long_axis;
+  write_dicom(other, folder / "vla.dcm");
+  other.gates.resize(1);
+  other.view = View::short_axis;
+  write_dicom(other, folder / "ungated.dcm");
+  test::edit_dicom(folder / "vla.dcm", folder / "raw.dcm",
+                   [](DcmDataset& d) { put(d, DCM_ImageType, "ORIGINAL\\PRIMARY\\GATED TOMO\\EMISSION"); });
+  const Study back = read_study(folder);
+  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  EXPECT_EQ(back.view, View::short_axis);
+  ASSERT_EQ(back.notes.size(), 2u);
+  EXPECT_THAT(back.notes[0].message, HasSubstr("holds 3 image stacks"));
+  EXPECT_THAT(back.notes[1].message, HasSubstr("1 are images of another kind"));
+  EXPECT_EQ(files_of_study(folder), std::vector{folder / "deeper/sa.dcm"});
+  write_dicom(test::l_shape_study(test::oblique_grid(true), 4), folder / "second.dcm");
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("holds 4 different image stacks (2 of them"));
+}
+
+TEST_F(DicomFolder, OfProjectionsOnlyIsRefusedWithTheirReason) {
+  fs::create_directories(folder);
+  write_dicom(truth, scratch / "a.dcm");
+  test::edit_dicom(scratch / "a.dcm", folder / "raw.dcm",
+                   [](DcmDataset& d) { put(d, DCM_ImageType, "ORIGINAL\\PRIMARY\\TOMO\\EMISSION"); });
+  try {
+    read_study(folder);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("raw.dcm: holds projections (TOMO)"));
+  }
+}
+
+TEST_F(DicomFolder, OneSingleFrameFileAloneIsOneSlice) {
+  write_pet(tell_trigger);
+  const Study back = read_study(some_file());
+  EXPECT_EQ(back.grid().dims, (Index3{7, 6, 1}));
+  EXPECT_EQ(back.notes.at(0).code, "dicom.one_slice");
+}
+
+}  // namespace
+}  // namespace dynasurf
