@@ -1,6 +1,8 @@
 #include "dynasurf/ventricle/labels.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -177,6 +179,39 @@ TEST(Labels, FollowThePublishedRuleWhenAsked) {
   const Labels labels = labels_of(test::blurred_heart(h), o);
   for (const Wall wall : {Wall::endo, Wall::epi}) EXPECT_EQ(score(labels, h, wall).wrong, 0) << name_of(wall);
   EXPECT_EQ(labels.axis.dx_px, 0);
+}
+
+TEST(Labels, FollowTheCavityDownPastABrightTip) {
+  // The centre brightens where the cavity is still seen as a ring: both its borders are kept there.
+  HeartShape h;
+  const Image image = test::blurred_heart(h);
+  const EdgeMap edges = detect_edges(image, Canny{});
+  Labelling late;
+  late.division = {.jump = 0.04, .floor = 0};  // any rise will do: the profile alone ends the cavity early
+  const Labels labels = label_borders(image, edges, late);
+  const auto note = std::find_if(labels.notes.begin(), labels.notes.end(),
+                                 [](const Note& n) { return n.code == "slice_find.lowered"; });
+  ASSERT_NE(note, labels.notes.end());
+  EXPECT_EQ(labels.division_slice, label_borders(image, edges, {}).division_slice);
+  EXPECT_NEAR(labels.division_slice, true_division(h), 2);
+  EXPECT_FALSE(has_code(labels.notes, "slice_refine.case_8"));
+}
+
+TEST(Labels, KeepTheRightVentricleOut) {
+  // A thin crescent on one side; its outer border darkens outwards as the heart's does.
+  HeartShape h;
+  h.noise = 0.02;
+  for (double angle = 100; angle <= 260; angle += 10)
+    for (double k = 7; k < 17; ++k)
+      h.blobs.push_back({31.5 + 19 * std::cos(angle * std::numbers::pi / 180),
+                         31.5 + 19 * std::sin(angle * std::numbers::pi / 180), k, 4, 0.6});
+  const Labels labels = labels_of(test::blurred_heart(h));
+  for (const Wall wall : {Wall::endo, Wall::epi}) {
+    const Score s = score(labels, h, wall);
+    EXPECT_EQ(s.slices_missing, 0) << name_of(wall);
+    EXPECT_LE(s.wrong, 0.02 * s.voxels) << name_of(wall);
+    EXPECT_LT(s.error_px, h.fwhm_mm / h.spacing[0] / 3 + 0.5) << name_of(wall);
+  }
 }
 
 TEST(Labels, NeverInventAMissingBorder) {

@@ -70,7 +70,7 @@ int follow_cavity_down(int division, const Mask& borders, const Axis& axis, Note
   if (slice + 1 < borders.grid.dims[2] && both(slice + 1))
     while (slice >= 0 && both(slice)) --slice;
   if (slice != division)
-    notes.push_back({Severity::info, "slice_refine.lowered",
+    notes.push_back({Severity::info, "slice_find.lowered",
                      "The inner border reaches below slice " + std::to_string(division + 1) +
                          ", where the cavity seemed to end; the division slice is now " + std::to_string(slice + 1) +
                          ".",
@@ -96,8 +96,8 @@ Mask classify(const Image& image, const SliceEdges& edges, const Place& place, c
   }
   const SidedEdges sided = split_by_gradient(edges, image, place.axis, min_px);
   Mask borders = classify_by_gradient(sided, grid, place.axis, min_px, labels.notes);
-  labels.division_slice = refine(labels.division_slice, borders, ring_deg);
   labels.division_slice = follow_cavity_down(labels.division_slice, borders, place.axis, labels.notes);
+  labels.division_slice = refine(labels.division_slice, borders, ring_deg);
   remove_endo_up_to(borders, labels.division_slice);
   return borders;
 }
