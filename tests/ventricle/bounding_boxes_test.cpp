@@ -63,6 +63,19 @@ TEST(Boxes, GiveTheMargin) {
   EXPECT_EQ(filter(m, middle, 1)(17, 31, 4), epi);
 }
 
+TEST(Boxes, StartAnewAtTheDivisionSlice) {
+  // With a margin of 1 the division slice may stand out by one pixel from the slices above, the apex by one more.
+  Mask m = heart();
+  int left = 0;
+  while (!m(left, 31, 3)) ++left;
+  m(left - 1, 31, 2) = m(left - 2, 31, 2) = m(left - 2, 31, 1) = m(left - 3, 31, 1) = epi;
+  const Mask kept = filter(m, middle, 1);
+  EXPECT_EQ(kept(left - 1, 31, 2), epi);
+  EXPECT_EQ(kept(left - 2, 31, 2), 0);
+  EXPECT_EQ(kept(left - 2, 31, 1), epi);
+  EXPECT_EQ(kept(left - 3, 31, 1), 0);
+}
+
 TEST(Boxes, PassOnWhereABorderIsMissing) {
   Mask m = heart();
   for (auto n = m.grid.index(0, 0, 3); n < m.grid.index(0, 0, 4); ++n) m.values[n] = 0;
