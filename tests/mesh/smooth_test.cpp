@@ -135,6 +135,17 @@ TEST(Smooth, RemovesAPlantedSpikeFromASheetAndASphere) {
   }
 }
 
+TEST(Smooth, TakesANeedleForAPeakThoughItsAnglesSumToNearlyNothing) {
+  // A sum near 0 points in the same direction as a full turn.
+  TriMesh m = icosphere(1);
+  m.vertices[5] *= 1000;
+  ASSERT_GT(angle_deficits(m)[5], 6.2);
+  std::vector<std::uint8_t> pinned(m.vertices.size(), 1);
+  pinned[5] = 0;
+  EXPECT_EQ(smooth(m, {}, 20, pinned).moved, 1);
+  EXPECT_LT(m.vertices[5].norm(), 10);
+}
+
 TEST(Smooth, LowersTheNumberOfPeaksAndKeepsVolumeAndTopology) {
   TriMesh m = noisy_sphere(1.2);
   const double volume = volume_mm3(m);
