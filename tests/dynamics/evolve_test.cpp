@@ -258,6 +258,23 @@ TEST(Evolve, TakesNoParticleThroughTheBorderHoweverLongTheStep) {
       }
 }
 
+TEST(Evolve, StopsAParticleThatSmoothingWouldPullThroughTheBorder) {
+  // No field: only the smoothing moves the tip of a spike, down through a layer of border voxels at z = 13 to 15.
+  Grid g;
+  g.dims = {16, 16, 16};
+  g.spacing = {2, 2, 2};
+  Image border(g);
+  for (int j = 0; j < 16; ++j)
+    for (int i = 0; i < 16; ++i) border(i, j, 7) = 1;
+  TriMesh spike = mapped(sheet(8), [](const Vec3& p) { return Vec3(6 + 2 * p[0], 6 + 2 * p[1], 10); });
+  spike.vertices[40][2] = 20;
+  Evolution o;
+  o.smooth_after.sweeps = 0;
+  const EvolutionResult r = evolve(spike, VectorField(g), border, o);
+  EXPECT_EQ(r.stopped[40], 1);
+  EXPECT_NEAR(r.mesh.vertices[40][2], 15, 1e-9);
+}
+
 TEST(Evolve, IsUnorderedWithoutStopAndSmoothing) {
   // Thesis fig. 5.2: particles run on and gather; the triangles degenerate.
   const Scene s = gvf_scene(3, cup(36.5, 56));
