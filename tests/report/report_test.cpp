@@ -66,7 +66,7 @@ TEST(Results, CountGatesAndSlicesFromOne) {
   EXPECT_EQ(json["es_gate"], *ok_result().es_gate + 1);
   EXPECT_EQ(json["gates"][0]["gate"], 1);
   EXPECT_EQ(json["gates"][0]["division_slice"], 5);
-  EXPECT_EQ(json["notes"][0]["gate"], 3);
+  EXPECT_EQ(json["notes"][0]["gate"], 1);
   EXPECT_EQ(json["notes"][0]["slice"], 5);
 }
 

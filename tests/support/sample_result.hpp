@@ -169,7 +169,7 @@ inline VentricleResult sample_result(const SampleStudy& study = {}) {
   measure_sample(result);
   result.wall_variation = 0.06;
   result.verdict = Verdict::ok;
-  result.notes = {{Severity::info, "slice_refine.case_3", "the division slice was moved from 5 to 4", 2, 4}};
+  result.notes = {{Severity::info, "slice_refine.case_3", "the division slice was moved from 5 to 4", 0, 4}};
   result.seconds = {{"edges", 0.052}, {"labels", 0.019}, {"field", 0.611}, {"surfaces", 0.744}, {"measures", 0.031}};
   return result;
 }

@@ -112,7 +112,7 @@ export class Curve {
       shapes.push(svg("line", { class: "grid", x1: margin.left, x2: width - margin.right, y1: this.y(ml), y2: this.y(ml) }));
       shapes.push(svg("text", { class: "tick", x: margin.left - 8, y: this.y(ml) + 4, "text-anchor": "end" }, figure(ml, this.top < 4 ? 1 : 0)));
     }
-    shapes.push(svg("text", { class: "axis", x: margin.left - 8, y: 14, "text-anchor": "end" }, "mL"));
+    shapes.push(svg("text", { class: "axis", x: 2, y: 14 }, "mL"));
     const every = (width - margin.left) / this.gates < 26 ? 2 : 1;
     for (let g = 0; g <= this.gates; g += every) {
       const gate = this.results.gates[g % this.gates]!;
@@ -123,7 +123,7 @@ export class Curve {
       if (time !== null && this.gates <= 8)
         shapes.push(svg("text", { class: "tick faint", x: this.x(g), y: height - margin.bottom + 31, "text-anchor": "middle" }, g === 0 ? "0 ms" : figure(time, 0)));
     }
-    shapes.push(svg("text", { class: "axis", x: margin.left - 8, y: height - margin.bottom + 17, "text-anchor": "end" }, "gate"));
+    shapes.push(svg("text", { class: "axis", x: 2, y: height - margin.bottom + 17 }, "gate"));
     return shapes;
   }
 

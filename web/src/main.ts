@@ -243,6 +243,8 @@ async function start(): Promise<void> {
   const slices = buildSlices(report, walls, player);
   const toggles = buildToggles(slices, scene);
   buildKeys(player, slices, scene, toggles, buildHelp());
+  // Two panels with nothing in them must not push the slices off the screen.
+  document.querySelector("main")!.classList.toggle("bare", walls.length === 0);
   // Without borders the edges are what explains the failure.
   if (walls.length === 0) toggles.e?.();
   if (walls.length > 0 && !matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();

@@ -12,6 +12,7 @@ import {
   MeshBasicMaterial,
   MeshPhongMaterial,
   PerspectiveCamera,
+  Quaternion,
   Scene,
   Sphere,
   Spherical,
@@ -67,8 +68,7 @@ export class SurfaceScene {
     this.heart.quaternion.setFromUnitVectors(axis, up);
     this.scene.add(this.heart);
     this.shown = walls.map((wall) => this.addWall(wall));
-    this.bounds = boundsOf(walls);
-    this.bounds.center.applyQuaternion(this.heart.quaternion);
+    this.bounds = boundsOf(walls, this.heart.quaternion);
     this.addLights();
 
     this.controls = new OrbitControls(this.camera, canvas);
@@ -88,7 +88,7 @@ export class SurfaceScene {
     const materials: Material[] = solid
       ? [new MeshPhongMaterial({ ...look, side: DoubleSide })]
       : [BackSide, FrontSide].map(
-          (side) => new MeshPhongMaterial({ ...look, side, transparent: true, opacity: 0.2, depthWrite: false }),
+          (side) => glass(new MeshPhongMaterial({ ...look, side, transparent: true, depthWrite: false })),
         );
     const group = new Group();
     materials.forEach((material, order) => {
@@ -132,7 +132,7 @@ export class SurfaceScene {
     }[view];
     // Square to the long axis and a little from above.
     if (view !== "base" && view !== "apex") from.setY(0).normalize().setY(0.28);
-    const distance = (this.bounds.radius / Math.sin((this.camera.fov * Math.PI) / 360)) * 1.02;
+    const distance = (this.bounds.radius / Math.sin((this.camera.fov * Math.PI) / 360)) * 0.92;
     this.camera.position.copy(this.bounds.center).addScaledVector(from.normalize(), distance);
     this.controls.target.copy(this.bounds.center);
     this.controls.update();
@@ -213,18 +213,38 @@ export class SurfaceScene {
         const [x, y] = [at.x * 30, -at.y * 30];
         return [
           svg("line", { x1: 0, y1: 0, x2: x, y2: y, class: heart ? "arm heart" : "arm" }),
-          svg("text", { x: x * 1.32, y: y * 1.32, class: heart ? "heart" : "" }, letter),
+          svg("text", { x: x * (heart ? 1.4 : 1.25), y: y * (heart ? 1.4 : 1.25), class: heart ? "heart" : "" }, letter),
         ];
       }),
     );
   }
 }
 
-function boundsOf(walls: Wall[]): Sphere {
+/**
+ * Clear where one looks straight through, dense at its rim, so that the outline stays visible. Drawn a little behind
+ * its place: at the base both surfaces may lie in one plane, and the solid one is to be seen there.
+ */
+function glass(material: MeshPhongMaterial): MeshPhongMaterial {
+  material.polygonOffset = true;
+  material.polygonOffsetFactor = 2;
+  material.polygonOffsetUnits = 4;
+  material.emissive.set(colour.epi).multiplyScalar(0.22);
+  material.onBeforeCompile = (shader) => {
+    shader.fragmentShader = shader.fragmentShader.replace(
+      "#include <opaque_fragment>",
+      `float rim = 1.0 - abs(dot(normal, normalize(vViewPosition)));
+      diffuseColor.a = mix(0.13, 0.6, rim * rim);
+      #include <opaque_fragment>`,
+    );
+  };
+  return material;
+}
+
+function boundsOf(walls: Wall[], turn: Quaternion): Sphere {
   const points: Vector3[] = [];
   for (const wall of walls)
     for (const mesh of wall.meshes)
       for (let n = 0; mesh && n < mesh.world.length; n += 3)
-        points.push(new Vector3(mesh.world[n], mesh.world[n + 1], mesh.world[n + 2]));
+        points.push(new Vector3(mesh.world[n], mesh.world[n + 1], mesh.world[n + 2]).applyQuaternion(turn));
   return new Sphere().setFromPoints(points);
 }

@@ -54,6 +54,7 @@ export class Slices {
   private readonly centre: [number, number];
   private readonly heart: Frame;
   private readonly tiles: { button: HTMLButtonElement; canvas: HTMLCanvasElement }[] = [];
+  private readonly sheet = html("div", { class: "tiles", role: "group", "aria-label": "All slices, apex first" });
   private readonly large = html("canvas", { class: "large", role: "img" });
   private readonly cuts: { plane: Plane; canvas: HTMLCanvasElement }[];
   private readonly caption = html("p", { class: "caption", "aria-live": "polite" });
@@ -80,7 +81,10 @@ export class Slices {
       canvas: html("canvas", { class: "cut", role: "img" }),
     }));
     this.build(place);
-    new ResizeObserver(() => this.draw()).observe(this.large);
+    new ResizeObserver(() => {
+      this.arrange();
+      this.draw();
+    }).observe(this.large);
   }
 
   choose(slice: number): void {
@@ -89,12 +93,11 @@ export class Slices {
   }
 
   private build(place: HTMLElement): void {
-    const tiles = html("div", { class: "tiles", role: "group", "aria-label": "All slices, apex first" });
     for (let k = 0; k < this.pictures.grid.dims[2]; ++k) {
       const canvas = html("canvas", {});
       const button = html("button", { class: "tile", "aria-label": `Slice ${k + 1}` }, canvas, html("span", {}, String(k + 1)));
       button.addEventListener("click", () => this.choose(k));
-      tiles.append(button);
+      this.sheet.append(button);
       this.tiles.push({ button, canvas });
     }
     this.large.addEventListener("pointerdown", (event) => {
@@ -108,8 +111,23 @@ export class Slices {
     place.replaceChildren(
       html("div", { class: "short" }, this.large, html("div", { class: "under" }, this.slider, this.caption)),
       html("div", { class: "long" }, ...this.cuts.map(({ canvas }) => canvas)),
-      tiles,
+      this.sheet,
     );
+  }
+
+  /** As few tiles in a row as fit beside the large slice; a row of usual tiles where they stand below it. */
+  private arrange(): void {
+    const gap = 6;
+    const width = this.sheet.clientWidth;
+    const beside = this.sheet.offsetTop < this.large.offsetTop + this.large.offsetHeight / 2;
+    const height = this.large.clientHeight + 50;
+    const count = this.tiles.length;
+    let columns = Math.max(1, Math.floor(width / 104));
+    if (beside) {
+      const fits = (c: number) => Math.ceil(count / c) * ((width - gap * (c - 1)) / c + gap) <= height;
+      for (columns = 1; columns < count && !fits(columns); ++columns);
+    }
+    this.sheet.style.gridTemplateColumns = `repeat(${columns}, minmax(0, 1fr))`;
   }
 
   private get grid(): Grid {
@@ -200,6 +218,9 @@ export class Slices {
     this.large.setAttribute("aria-label", `Short-axis slice ${this.slice + 1}, gate ${this.gate + 1}`);
     for (const { plane, canvas } of this.cuts) {
       const at = this.centre[plane.axis === 1 ? 1 : 0]!;
+      const frame = this.frameOf(plane);
+      const [dx, dy] = [this.grid.spacing_mm[plane.x]!, this.grid.spacing_mm[plane.y]!];
+      canvas.style.aspectRatio = String(((frame.x1 - frame.x0) * dx) / ((frame.y1 - frame.y0) * dy));
       this.drawPlane(canvas, plane, at, true);
       canvas.setAttribute("aria-label", `Cut along the heart, gate ${this.gate + 1}, slice ${this.slice + 1} marked`);
     }
@@ -294,8 +315,11 @@ export class Slices {
       if (bits === 0) return;
       const border = this.overlay.contours ? bits & (mark.endo | mark.epi) : 0;
       if (this.overlay.edges && border === 0 && bits & (mark.major_edge | mark.minor_edge)) {
-        context.globalAlpha = bits & mark.major_edge ? 0.95 : 0.5;
-        dot(x, y, bits & mark.major_edge ? 0.42 : 0.3, colour.edge);
+        const size = bits & mark.major_edge ? 0.5 : 0.32;
+        context.globalAlpha = 0.8;
+        dot(x, y, size + 0.22, "#000");
+        context.globalAlpha = 1;
+        dot(x, y, size, colour.edge);
       }
       context.globalAlpha = 0.85;
       // A voxel of both borders is half and half.

@@ -25,12 +25,11 @@ export function showVerdict(place: HTMLElement, results: Results): void {
   const list = flags.map((flag) =>
     html("li", { class: flag.severity }, html("b", {}, word_of[flag.severity]), " ", flag.message, html("code", {}, flag.code)),
   );
-  const serious = results.notes.filter((note) => note.severity !== "info").length;
-  const rest = results.notes.length - serious;
-  const parts = [
-    serious > 0 ? `${serious} ${serious === 1 ? "warning" : "warnings"}` : "",
-    rest > 0 ? `${rest} ${rest === 1 ? "remark" : "remarks"}` : "",
-  ].filter(Boolean);
+  const parts = (["failure", "warning", "info"] as const).flatMap((severity) => {
+    const count = results.notes.filter((note) => note.severity === severity).length;
+    const word = { failure: "failure", warning: "warning", info: "remark" }[severity];
+    return count === 0 ? [] : [`${count} ${word}${count === 1 ? "" : "s"}`];
+  });
   place.replaceChildren(
     icon(verdict),
     html("div", {}, html("h1", {}, title), html("p", {}, text), ...(list.length ? [html("ul", {}, ...list)] : [])),
@@ -52,7 +51,7 @@ function cardsOf(results: Results): Card[] {
   if (results.study.gates === 1) {
     const only = gates[0];
     return [
-      { name: "Ejection fraction", value: "–", unit: "", detail: "not gated: one image has no beat", strong: true },
+      { name: "Ejection fraction", value: "–", unit: "", detail: "not gated: no beat to measure", strong: true },
       { name: "Cavity", value: figure(only?.endo_ml), unit: "mL", detail: "endocardial surface" },
       { name: "Outer volume", value: figure(only?.epi_ml), unit: "mL", detail: "epicardial surface" },
       { name: "Wall", value: figure(only?.wall_ml), unit: "mL", detail: "between the surfaces" },
@@ -62,10 +61,10 @@ function cardsOf(results: Results): Card[] {
   const mean = wall.length === gates.length && wall.length > 0 ? wall.reduce((a, b) => a + b) / wall.length : null;
   const variation = results.quality.wall_variation;
   return [
-    { name: "Ejection fraction", value: figure(results.ef_percent), unit: "%", detail: "stroke volume of the end-diastolic volume", strong: true },
+    { name: "Ejection fraction", value: figure(results.ef_percent), unit: "%", detail: "stroke / end-diastolic volume", strong: true },
     { name: "End-diastolic volume", value: figure(results.edv_ml), unit: "mL", detail: gate(results.ed_gate) },
     { name: "End-systolic volume", value: figure(results.esv_ml), unit: "mL", detail: gate(results.es_gate) },
-    { name: "Stroke volume", value: figure(results.sv_ml), unit: "mL", detail: "" },
+    { name: "Stroke volume", value: figure(results.sv_ml), unit: "mL", detail: "end-diastolic − end-systolic" },
     { name: "Wall, mean", value: figure(mean), unit: "mL", detail: variation === null ? "" : `varies by ${figure(100 * variation, 0)} %` },
   ];
 }
@@ -80,7 +79,7 @@ export function showCards(place: HTMLElement, results: Results): void {
         { class: card.strong ? "card strong" : "card" },
         html("h2", {}, card.name),
         html("p", { class: "value" }, card.value, card.value === "–" ? "" : html("small", {}, card.unit)),
-        html("p", { class: "detail" }, failed && card.value !== "–" ? "not to be trusted" : card.detail),
+        html("p", { class: "detail" }, failed ? (card.value === "–" ? "not available" : "not to be trusted") : card.detail),
       ),
     ),
   );
@@ -152,39 +151,58 @@ export function showGates(place: HTMLElement, results: Results): (gate: number) 
 
 const order = { failure: 0, warning: 1, info: 2 } as const;
 
+/** "gates 1–3, 5" */
+function rangesOf(numbers: number[], word: string): string {
+  const sorted = [...new Set(numbers)].sort((a, b) => a - b);
+  const ranges: string[] = [];
+  for (let n = 0; n < sorted.length; ) {
+    let last = n;
+    while (sorted[last + 1] === sorted[last]! + 1) ++last;
+    ranges.push(last > n ? `${sorted[n]}–${sorted[last]}` : String(sorted[n]));
+    n = last + 1;
+  }
+  return ranges.length === 0 ? "" : `${word}${sorted.length > 1 ? "s" : ""} ${ranges.join(", ")}`;
+}
+
+/** Places of a note: gates alone as ranges, else each gate with its slice. */
+function placesOf(notes: NoteText[]): string[] {
+  if (notes.every((note) => !note.slice)) return [rangesOf(notes.flatMap((n) => n.gate ?? []), "gate")].filter(Boolean);
+  const gates = new Map<number, number[]>();
+  for (const { gate, slice } of notes) gates.set(gate ?? 0, [...(gates.get(gate ?? 0) ?? []), ...(slice ? [slice] : [])]);
+  return [...gates].map(([gate, slices]) => [gate ? `gate ${gate}` : "", rangesOf(slices, "slice")].filter(Boolean).join(", "));
+}
+
 /** Notes that differ only in gate and slice become one line. */
 export function showNotes(place: HTMLElement, notes: NoteText[]): void {
   if (notes.length === 0) {
     place.replaceChildren(html("p", { class: "empty" }, "The program had nothing to remark."));
     return;
   }
-  const lines = new Map<string, { note: NoteText; where: string[] }>();
+  const lines = new Map<string, NoteText[]>();
   for (const note of notes) {
     const key = `${note.severity} ${note.code} ${note.message}`;
-    const line = lines.get(key) ?? { note, where: [] };
-    const where = [note.gate ? `gate ${note.gate}` : "", note.slice ? `slice ${note.slice}` : ""].filter(Boolean).join(", ");
-    if (where) line.where.push(where);
-    lines.set(key, line);
+    lines.set(key, [...(lines.get(key) ?? []), note]);
   }
-  const sorted = [...lines.values()].sort((a, b) => order[a.note.severity] - order[b.note.severity]);
+  const sorted = [...lines.values()].sort((a, b) => order[a[0]!.severity] - order[b[0]!.severity]);
   place.replaceChildren(
     html(
       "ul",
       { class: "notes" },
-      ...sorted.map(({ note, where }) =>
-        html(
+      ...sorted.map((same) => {
+        const { severity, code, message } = same[0]!;
+        return html(
           "li",
-          { class: note.severity },
-          icon(icon_of[note.severity]),
+          { class: severity },
+          icon(icon_of[severity]),
           html(
             "div",
             {},
-            html("span", { class: "visually-hidden" }, `${word_of[note.severity]}: `),
-            note.message,
-            html("small", {}, [note.code, ...where].join(" · ")),
+            html("span", { class: "visually-hidden" }, `${word_of[severity]}: `),
+            message,
+            html("small", {}, [code, ...placesOf(same)].join(" · ")),
           ),
-        ),
-      ),
+        );
+      }),
     ),
   );
 }
