@@ -6,6 +6,11 @@ if(NOT DYNASURF_NODE OR NOT DYNASURF_NPM)
   message(FATAL_ERROR "Node.js and npm bundle the page of the report and were not found. "
                       "On Debian: apt-get install --no-install-recommends nodejs npm")
 endif()
+execute_process(COMMAND ${DYNASURF_NODE} --version OUTPUT_VARIABLE node_version OUTPUT_STRIP_TRAILING_WHITESPACE)
+string(REGEX REPLACE "^v" "" node_version "${node_version}")
+if(node_version VERSION_LESS 18)
+  message(FATAL_ERROR "${DYNASURF_NODE} is Node.js '${node_version}'; the page of the report needs at least 18")
+endif()
 
 set(web ${CMAKE_SOURCE_DIR}/web)
 set(DYNASURF_PAGE_TEMPLATE ${CMAKE_BINARY_DIR}/web/report_template.html)

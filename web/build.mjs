@@ -43,6 +43,7 @@ const policy = [
 
 // Functions as replacements: a string would give its dollar signs a meaning.
 const page = readFileSync(join(here, "src/index.html"), "utf8")
+  .replace("{{LICENCE}}", () => readFileSync(join(here, "node_modules/three/LICENSE"), "utf8").trim())
   .replace("{{POLICY}}", () => policy)
   .replace("{{STYLE}}", () => style)
   .replace("{{SCRIPT}}", () => script);

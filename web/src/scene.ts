@@ -206,9 +206,10 @@ export class SurfaceScene {
       { letter: "S", direction: new Vector3(0, 0, 1).applyQuaternion(turn) },
       { letter: "Base", direction: up.clone() },
     ].map(({ letter, direction }) => ({ letter, at: direction.transformDirection(toEye) }));
-    arms.sort((a, b) => a.at.z - b.at.z);
+    // What points at the eye has no length on the screen; its letter would hide the others.
+    const visible = arms.filter(({ at }) => Math.hypot(at.x, at.y) > 0.2).sort((a, b) => a.at.z - b.at.z);
     this.compass.replaceChildren(
-      ...arms.flatMap(({ letter, at }) => {
+      ...visible.flatMap(({ letter, at }) => {
         const heart = letter === "Base";
         const [x, y] = [at.x * 30, -at.y * 30];
         return [
