@@ -1,1 +1,80 @@
-int main() { return 0; }
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "dynasurf/core/error.hpp"
+
+#include "command.hpp"
+#include "console.hpp"
+#include "interrupt.hpp"
+#include "version.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+std::string version_text() {
+  return std::string("dynasurf ") + version() + " (commit " + commit() + ")\nResearch use only. Not for diagnosis.\n";
+}
+
+ExitCode run(int argc, char** argv) {
+  CLI::App program{
+      "Beating surfaces, volumes and ejection fraction of the left ventricle from a gated heart study.\n"
+      "Research use only. Not for diagnosis.",
+      "dynasurf"};
+  program.require_subcommand(1);
+  program.set_version_flag("--version", version_text());
+  program.footer(
+      "dynasurf COMMAND --help tells the arguments of a command.\n"
+      "Exit codes: 0 done, 1 usage or options, 2 input or output, 3 not trustworthy or not finished.");
+  Command chosen;
+  add_ventricle(program, chosen);
+  add_info(program, chosen);
+  add_phantom(program, chosen);
+  add_measure(program, chosen);
+  add_options(program, chosen);
+  add_rerun(program, chosen);
+
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    const auto picked = program.get_subcommands();
+    print(picked.empty() ? program.help() : picked.front()->help());
+    return done;
+  } catch (const CLI::CallForVersion&) {
+    print(version_text());
+    return done;
+  } catch (const CLI::ParseError& error) {
+    throw OptionError(std::string(error.what()) + "; see dynasurf --help");
+  }
+  const Interrupt interrupt;
+  return chosen(interrupt.token());
+}
+
+ExitCode run_and_report(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const OptionError& error) {
+    print_error(error.what());
+    return bad_usage;
+  } catch (const Cancelled&) {
+    print_error("stopped on request; nothing was written");
+    return not_trustworthy;
+  } catch (const std::bad_alloc&) {
+    print_error("out of memory");
+    return bad_input;
+  } catch (const std::exception& error) {  // InputError, IoError, and what the standard library throws
+    print_error(error.what());
+    return bad_input;
+  }
+}
+
+}  // namespace
+}  // namespace dynasurf::app
+
+int main(int argc, char** argv) {
+  dynasurf::app::prepare_process();
+  return dynasurf::app::run_and_report(argc, argv);
+}

@@ -81,6 +81,7 @@ TEST(SetOption, OffersTheChoicesAndTheNearestWord) {
       "unknown option 'width_m'; did you mean 'width_mm'? choices: width_mm, rounds, seed, title, strict, colour, "
       "limit, inner, step");
   EXPECT_EQ(error_of("step.sgima=2"), "unknown option 'step.sgima'; did you mean 'step.sigma'? choices: method, sigma");
+  EXPECT_THAT(error_of("wid=2"), testing::HasSubstr("did you mean 'width_mm'?"));
   EXPECT_EQ(error_of("colour=gren"), "option colour is 'gren'; did you mean 'green'? choices: red, green, blue");
   EXPECT_EQ(error_of("colour=mauve"), "option colour is 'mauve'; choices: red, green, blue");
   EXPECT_EQ(error_of("step=blurr"), "option step is 'blurr'; did you mean 'blur'? choices: blur, edge");

@@ -24,6 +24,12 @@ std::string text_of(Number value) {
   return {buffer.data(), end};
 }
 
+/// Limits are round numbers: 100000 reads better than 1e+05.
+std::string limit_text(double limit) {
+  const bool whole = limit == std::round(limit) && std::abs(limit) < 1e9;
+  return whole ? text_of(static_cast<long long>(limit)) : text_of(limit);
+}
+
 template <class Number>
 std::optional<Number> number_in(std::string_view text) {
   Number value{};
@@ -53,7 +59,8 @@ std::string_view nearest(std::string_view typed, std::span<const std::string_vie
   std::string_view best;
   std::size_t least = std::max<std::size_t>(2, typed.size() / 3) + 1;
   for (const std::string_view word : words) {
-    const std::size_t errors = typing_errors(typed, word);
+    const bool cut_short = typed.size() >= 3 && word.starts_with(typed);
+    const std::size_t errors = cut_short ? 1 : typing_errors(typed, word);
     if (errors < least && errors < word.size()) {
       least = errors;
       best = word;
@@ -74,17 +81,17 @@ void collect_names(const OptionNodes& nodes, const std::string& path, std::vecto
 std::string range_of(const Field& field) {
   const bool low = std::isfinite(field.min);
   const bool high = std::isfinite(field.max);
-  if (low && high) return text_of(field.min) + " to " + text_of(field.max);
-  if (low) return ">= " + text_of(field.min);
-  return high ? "<= " + text_of(field.max) : "";
+  if (low && high) return limit_text(field.min) + " to " + limit_text(field.max);
+  if (low) return ">= " + limit_text(field.min);
+  return high ? "<= " + limit_text(field.max) : "";
 }
 
 std::string number_words(std::string noun, const Field& field) {
   const bool low = std::isfinite(field.min);
   const bool high = std::isfinite(field.max);
-  if (low) noun += " >= " + text_of(field.min);
+  if (low) noun += " >= " + limit_text(field.min);
   if (low && high) noun += " and";
-  if (high) noun += " <= " + text_of(field.max);
+  if (high) noun += " <= " + limit_text(field.max);
   if (!field.unit.empty()) noun += " (" + std::string(field.unit) + ")";
   return noun;
 }

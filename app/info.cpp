@@ -1,0 +1,48 @@
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/io/study_io.hpp"
+
+#include "command.hpp"
+#include "console.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+struct Arguments {
+  std::string study;
+  bool json = false;
+};
+
+ExitCode run(const Arguments& arguments) {
+  const Study study = read_study(arguments.study);
+  const StudyFacts facts = facts_of(arguments.study, study);
+  if (arguments.json) {
+    nlohmann::ordered_json json;
+    for (const auto& [name, value] : facts.rows) json[name] = value;
+    json["notes"] = nlohmann::ordered_json::array();
+    for (const Note& note : study.notes) json["notes"].push_back({{"code", note.code}, {"message", note.message}});
+    print(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    return done;
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [name, value] : facts.rows) rows.push_back({name, value});
+  std::string text = table(rows, {0, 1});
+  for (const Note& note : study.notes) text += line_of(note) + "\n";
+  print(text);
+  return done;
+}
+
+}  // namespace
+
+void add_info(CLI::App& program, Command& chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand("info", "Tell what a study holds, and what would be done with it");
+  command->add_option("STUDY", arguments->study, "DICOM file or folder, NIfTI or NRRD file")->required();
+  command->add_flag("--json", arguments->json, "print JSON");
+  command->callback([arguments, &chosen] { chosen = [arguments](std::stop_token) { return run(*arguments); }; });
+}
+
+}  // namespace dynasurf::app

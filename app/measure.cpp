@@ -1,0 +1,71 @@
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/io/mesh_io.hpp"
+#include "dynasurf/mesh/measures.hpp"
+
+#include "command.hpp"
+#include "console.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Arguments {
+  std::string mesh;
+  bool json = false;
+};
+
+Json measures_of(const TriMesh& mesh) {
+  const Topology surface = topology(mesh);
+  const TriangleQuality quality = triangle_quality(mesh);
+  Json json;
+  json["vertices"] = surface.vertices;
+  json["edges"] = surface.edges;
+  json["triangles"] = surface.triangles;
+  json["components"] = surface.components;
+  json["euler"] = surface.euler;
+  json["boundary_edges"] = surface.boundary_edges;
+  json["non_manifold_edges"] = surface.non_manifold_edges;
+  json["misoriented_edges"] = surface.misoriented_edges;
+  json["closed"] = surface.closed();
+  json["oriented"] = surface.oriented();
+  // Only a closed, oriented surface bounds something.
+  json["volume_ml"] = surface.closed() && surface.oriented() ? Json(volume_mm3(mesh) / 1000) : Json();
+  json["area_mm2"] = area_mm2(mesh);
+  json["triangle_area_min_mm2"] = quality.area_min;
+  json["triangle_area_mean_mm2"] = quality.area_mean;
+  json["triangle_area_max_mm2"] = quality.area_max;
+  json["triangle_shape_min"] = quality.shape_min;
+  json["triangle_shape_mean"] = quality.shape_mean;
+  json["smallest_angle_deg"] = quality.smallest_angle_deg;
+  return json;
+}
+
+ExitCode run(const Arguments& arguments) {
+  const Json json = measures_of(read_mesh(arguments.mesh));
+  if (arguments.json) {
+    print(json.dump(2) + "\n");
+    return done;
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [name, value] : json.items())
+    rows.push_back({name, value.is_null() ? "- (the surface is not closed and oriented)" : value.dump()});
+  print(table(rows, {0, 1}));
+  return done;
+}
+
+}  // namespace
+
+void add_measure(CLI::App& program, Command& chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand("measure", "Measure a triangle mesh: volume, area, topology, triangles");
+  command->add_option("MESH", arguments->mesh, "PLY, STL, OBJ or OFF file, in mm")->required();
+  command->add_flag("--json", arguments->json, "print JSON");
+  command->callback([arguments, &chosen] { chosen = [arguments](std::stop_token) { return run(*arguments); }; });
+}
+
+}  // namespace dynasurf::app

@@ -1,0 +1,93 @@
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/ventricle/presets.hpp"
+
+#include "command.hpp"
+#include "console.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Arguments {
+  std::string subject = "ventricle", kind, preset = "default";
+  bool json = false, markdown = false;
+};
+
+std::vector<OptionRow> rows_of(const Arguments& arguments) {
+  if (arguments.subject == "ventricle") {
+    if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'ventricle'; expected nothing");
+    return option_table(ventricle_preset(arguments.preset));
+  }
+  if (arguments.subject != "phantom")
+    throw OptionError("no options are known of '" + arguments.subject + "'; choices: ventricle, phantom KIND");
+  PhantomOptions phantom;
+  const ChoiceRef kinds = choice_of(phantom);
+  return option_table(kinds.choose(position_of(kinds.methods, arguments.kind, "KIND")));
+}
+
+std::string limits_of(const OptionRow& row) { return row.choices.empty() ? row.range : row.choices; }
+
+/// The path with the method in brackets where the option belongs to one of several.
+std::string path_of(const OptionRow& row) { return row.path + (row.method.empty() ? "" : " (" + row.method + ")"); }
+
+std::string as_text(const std::vector<OptionRow>& rows) {
+  std::vector<std::vector<std::string>> cells{{"option", "default", "unit", "range or choices", "meaning"}};
+  for (const OptionRow& row : rows)
+    cells.push_back({path_of(row), row.default_value, row.unit, limits_of(row), row.doc});
+  return table(cells, {0, 1, 2, 3, 4});
+}
+
+std::string as_markdown(const std::vector<OptionRow>& rows) {
+  const auto cell = [](std::string text) {
+    for (std::size_t bar = text.find('|'); bar != std::string::npos; bar = text.find('|', bar + 2))
+      text.insert(bar, "\\");
+    return " " + text + (text.empty() ? "|" : " |");
+  };
+  std::string text = "| option | default | unit | range or choices | meaning |\n|---|---|---|---|---|\n";
+  for (const OptionRow& row : rows)
+    text += "|" + cell("`" + row.path + "`" + (row.method.empty() ? "" : " (" + row.method + ")")) +
+            cell(row.default_value) + cell(row.unit) + cell(limits_of(row)) + cell(row.doc) + "\n";
+  return text;
+}
+
+std::string as_json(const std::vector<OptionRow>& rows) {
+  Json json = Json::array();
+  for (const OptionRow& row : rows)
+    json.push_back({{"path", row.path},
+                    {"method", row.method.empty() ? Json() : Json(row.method)},
+                    {"default", row.default_value},
+                    {"unit", row.unit},
+                    {"range", row.range},
+                    {"choices", row.choices},
+                    {"meaning", row.doc}});
+  return json.dump(2) + "\n";
+}
+
+ExitCode run(const Arguments& arguments) {
+  const std::vector<OptionRow> rows = rows_of(arguments);
+  print(arguments.json ? as_json(rows) : arguments.markdown ? as_markdown(rows) : as_text(rows));
+  return done;
+}
+
+}  // namespace
+
+void add_options(CLI::App& program, Command& chosen) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand("options", "The manual of all options, for --set and --options");
+  command->add_option("SUBJECT", a->subject, "ventricle (the default) or phantom");
+  command->add_option("KIND", a->kind, "kind of phantom");
+  command->add_option("--preset", a->preset, "show the values of a preset of the ventricle");
+  command->add_flag("--json", a->json, "print JSON");
+  command->add_flag("--markdown", a->markdown, "print a Markdown table")->excludes("--json");
+  command->callback([a, &chosen] { chosen = [a](std::stop_token) { return run(*a); }; });
+}
+
+}  // namespace dynasurf::app

@@ -1,0 +1,168 @@
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/mesh_io.hpp"
+#include "dynasurf/io/options_json.hpp"
+#include "dynasurf/io/study_io.hpp"
+#include "dynasurf/synthetic/phantoms.hpp"
+
+#include "command.hpp"
+#include "console.hpp"
+#include "version.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct Arguments {
+  std::string kind, out;
+  std::vector<std::string> settings;
+  std::optional<int> seed;
+  int threads = 0;
+  bool nrrd = false, quiet = false;
+};
+
+/// `--seed` is short for the one option of the kind that is called noise.seed, wherever it stands.
+std::string path_of_seed(const OptionNodes& nodes, const std::string& kind) {
+  for (const OptionRow& row : option_table(nodes))
+    if (("." + row.path).ends_with(".noise.seed")) return row.path;
+  throw OptionError("--seed: the phantom '" + kind + "' draws no random numbers");
+}
+
+PhantomOptions options_of(const Arguments& arguments) {
+  PhantomOptions phantom;
+  const ChoiceRef kinds = choice_of(phantom);
+  const OptionNodes nodes = kinds.choose(position_of(kinds.methods, arguments.kind, "KIND"));
+  for (const std::string& setting : arguments.settings) set_option(nodes, setting);
+  if (arguments.seed) set_option(nodes, path_of_seed(nodes, arguments.kind) + "=" + std::to_string(*arguments.seed));
+  return phantom;
+}
+
+Json options_of(const Phantom& phantom) {
+  PhantomOptions options = phantom.options;
+  const ChoiceRef kinds = choice_of(options);
+  return options_to_json(kinds.choose(kinds.current()));
+}
+
+Json number(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+Json truth_of(const Phantom& phantom) {
+  Json json;
+  json["schema"] = "dynasurf.phantom/1";
+  json["kind"] = phantom.kind;
+  json["edv_ml"] = number(phantom.edv_ml);
+  json["esv_ml"] = number(phantom.esv_ml);
+  json["ef_percent"] = number(phantom.ef_percent);
+  json["beat_edv_ml"] = number(phantom.beat_edv_ml);
+  json["beat_esv_ml"] = number(phantom.beat_esv_ml);
+  json["beat_ef_percent"] = number(phantom.beat_ef_percent);
+  json["fwhm_mm"] = phantom.fwhm_mm;
+  json["missing_fraction"] = phantom.missing_fraction;
+  json["gates"] = Json::array();
+  for (std::size_t g = 0; g < phantom.truth.size(); ++g) {
+    const TrueGate& gate = phantom.truth[g];
+    json["gates"].push_back({{"gate", g + 1},
+                             {"time_ms", phantom.study.time_ms.empty() ? Json() : Json(phantom.study.time_ms[g])},
+                             {"phase", gate.phase},
+                             {"endo_ml", gate.endo_ml},
+                             {"epi_ml", gate.epi_ml},
+                             {"wall_ml", gate.wall_ml()}});
+  }
+  json["notes"] = Json::array();
+  for (const Note& note : phantom.notes) json["notes"].push_back({{"code", note.code}, {"message", note.message}});
+  json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
+  json["options"] = options_of(phantom);
+  return json;
+}
+
+float largest_value(const Study& study) {
+  float largest = 0;
+  for (const Image& gate : study.gates)
+    for (const float value : gate.values) largest = std::max(largest, value);
+  return largest;
+}
+
+void write_phantom(const Phantom& phantom, const Arguments& arguments, const fs::path& folder) {
+  DicomWriteOptions dicom;
+  // Counts are stored finely enough that rounding adds nothing to their noise.
+  const float largest = largest_value(phantom.study);
+  dicom.counts_scale = largest > 0 ? 30000 / static_cast<double>(largest) : 1;
+  dicom.series_description = "Dynasurf phantom " + phantom.kind;
+  write_dicom(phantom.study, folder / "study.dcm", dicom);
+  write_nifti(phantom.study, folder / "study.nii.gz");
+  if (arguments.nrrd)
+    write_nrrd(phantom.study, folder / (phantom.study.gates.size() > 1 ? "study.seq.nrrd" : "study.nrrd"));
+  write_file(folder / "truth.json", truth_of(phantom).dump(2) + "\n");
+  fs::create_directory(folder / "truth");
+  for (std::size_t g = 0; g < phantom.truth.size(); ++g) {
+    const std::string ending = (g < 9 ? "_g0" : "_g") + std::to_string(g + 1) + ".ply";
+    const TrueGate& gate = phantom.truth[g];
+    if (!gate.endo.triangles.empty()) write_mesh(gate.endo, folder / "truth" / ("endo" + ending), MeshFormat::ply);
+    if (!gate.epi.triangles.empty()) write_mesh(gate.epi, folder / "truth" / ("epi" + ending), MeshFormat::ply);
+  }
+}
+
+std::string summary_of(const Phantom& phantom) {
+  std::vector<std::vector<std::string>> rows{{"gate", "endo_ml", "epi_ml", "wall_ml"}};
+  for (std::size_t g = 0; g < phantom.truth.size(); ++g) {
+    const TrueGate& gate = phantom.truth[g];
+    rows.push_back({std::to_string(g + 1), fixed(gate.endo_ml, 1), fixed(gate.epi_ml, 1), fixed(gate.wall_ml(), 1)});
+  }
+  std::string text = table(rows);
+  if (phantom.ef_percent)
+    text += "true EDV " + fixed(*phantom.edv_ml, 1) + " mL  ESV " + fixed(*phantom.esv_ml, 1) + " mL  EF " +
+            fixed(*phantom.ef_percent, 1) + " %\n";
+  for (const Note& note : phantom.notes) text += line_of(note) + "\n";
+  return text;
+}
+
+ExitCode run(const Arguments& arguments, std::stop_token stop) {
+  const ThreadLimit limit(arguments.threads);
+  const PhantomOptions options = options_of(arguments);
+  OutputFolder folder(arguments.out, fs::exists(fs::path(arguments.out) / "truth.json"));
+  const Phantom phantom = make_phantom(options);
+  write_phantom(phantom, arguments, folder.path());
+  if (stop.stop_requested()) throw Cancelled("stopped on request");
+  folder.publish();
+  if (!arguments.quiet) print(summary_of(phantom) + "phantom: " + arguments.out + "\n");
+  return done;
+}
+
+std::string kinds_text() {
+  PhantomOptions phantom;
+  std::string text;
+  for (const std::string_view kind : choice_of(phantom).methods) text.append(text.empty() ? "" : ", ").append(kind);
+  return text;
+}
+
+}  // namespace
+
+void add_phantom(CLI::App& program, Command& chosen) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand("phantom", "Make a synthetic study with known truth");
+  command->add_option("KIND", a->kind, kinds_text())->required();
+  command->add_option("--out", a->out, "folder for study.dcm, study.nii.gz, truth.json and the true surfaces")
+      ->required();
+  command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options)")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--seed", a->seed, "seed of the noise; the same seed gives the same bytes");
+  command->add_option("--threads", a->threads, "threads at most; the result is the same (0: all)")
+      ->check(CLI::Range(0, 1024));
+  command->add_flag("--nrrd", a->nrrd, "write the study as NRRD too");
+  command->add_flag("--quiet", a->quiet, "print nothing");
+  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+}
+
+}  // namespace dynasurf::app

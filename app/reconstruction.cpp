@@ -1,0 +1,193 @@
+#include "reconstruction.hpp"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/options_json.hpp"
+#include "dynasurf/io/study_io.hpp"
+
+#include "console.hpp"
+#include "stages.hpp"
+#include "version.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// File names often carry a patient's name, so they are replaced by numbers; the hash identifies the file.
+std::string neutral_name(const fs::path& file, std::size_t position) {
+  std::string ending = file.extension().string();
+  if (ending == ".gz") ending = file.stem().extension().string() + ending;
+  const bool known = ending == ".dcm" || ending == ".nii" || ending == ".nii.gz" || ending == ".nrrd" ||
+                     ending == ".nhdr" || ending == ".IMA" || ending == ".ima";
+  return "input-" + std::to_string(position + 1) + (known ? ending : "");
+}
+
+Provenance provenance_of(const Job& job) {
+  Provenance provenance;
+  provenance.program_version = version();
+  provenance.commit = commit();
+  provenance.command = job.command;
+  provenance.options_json = options_to_text(job.options);
+  const std::vector<fs::path> files = files_of_study(job.study);
+  const auto name = [&](std::size_t i) {
+    if (i < job.recorded_names.size()) return job.recorded_names[i];
+    return job.file_names ? files[i].filename().string() : neutral_name(files[i], i);
+  };
+  for (std::size_t i = 0; i < files.size(); ++i) provenance.inputs.emplace_back(name(i), sha256_of_file(files[i]));
+  return provenance;
+}
+
+std::string gate_file(std::string_view wall, std::size_t gate, MeshFormat format) {
+  const std::string number = (gate + 1 < 10 ? "0" : "") + std::to_string(gate + 1);
+  return std::string(wall) + "_g" + number + "." + std::string(word_of(format));
+}
+
+/// Seconds of one beat: as measured, else one second.
+double cycle_s(const Study& study) { return study.cycle_ms > 0 ? study.cycle_ms / 1000 : 1.0; }
+
+void write_surfaces(const VentricleResult& result, const Outputs& outputs, const fs::path& folder) {
+  fs::create_directory(folder / "meshes");
+  std::vector<PvdEntry> series;
+  for (std::size_t g = 0; g < result.gates.size(); ++g) {
+    const Gate& gate = result.gates[g];
+    const double time = gate.time_ms ? *gate.time_ms : static_cast<double>(g);
+    for (const Wall wall : {Wall::endo, Wall::epi}) {
+      const auto& surface = wall == Wall::endo ? gate.endo : gate.epi;
+      if (!surface) continue;
+      for (const MeshFormat format : outputs.mesh_formats) {
+        const std::string file = "meshes/" + gate_file(name_of(wall), g, format);
+        write_mesh(surface->mesh, folder / file, format);
+        if (format == MeshFormat::vtp) series.push_back({time, file, wall == Wall::endo ? 0 : 1});
+      }
+    }
+  }
+  if (!series.empty()) write_pvd(series, folder / "cycle.pvd");
+}
+
+/// Walls that are missing in a gate have no cycle to show.
+void write_cycle(const VentricleResult& result, const fs::path& folder) {
+  std::vector<AnimatedSurface> surfaces;
+  const auto add = [&](Wall wall, std::array<float, 4> colour) {
+    AnimatedSurface surface{std::string(name_of(wall)), colour, {}};
+    for (const Gate& gate : result.gates)
+      if (const auto& s = wall == Wall::endo ? gate.endo : gate.epi) surface.cycle.push_back(s->mesh);
+    if (surface.cycle.size() == result.gates.size()) surfaces.push_back(std::move(surface));
+  };
+  add(Wall::endo, {0.75F, 0.12F, 0.10F, 1.0F});
+  add(Wall::epi, {0.85F, 0.75F, 0.65F, 0.35F});
+  if (!surfaces.empty()) write_glb(surfaces, cycle_s(result.study), folder / "cycle.glb");
+}
+
+/// The meshes between the gates that `keyframes.frames_between` asks for, all walls that are complete.
+void write_keyframes(const VentricleResult& result, const Keyframes& keyframes, const Outputs& outputs,
+                     const fs::path& folder) {
+  if (keyframes.frames_between == 0 || result.gates.size() < 2) return;
+  const std::size_t steps = static_cast<std::size_t>(keyframes.frames_between) + 1;
+  const std::size_t frames = steps * result.gates.size();
+  const auto digits = std::to_string(frames).size();
+  fs::create_directory(folder / "keyframes");
+  for (const Wall wall : {Wall::endo, Wall::epi}) {
+    std::vector<TriMesh> cycle;
+    for (const Gate& gate : result.gates)
+      if (const auto& s = wall == Wall::endo ? gate.endo : gate.epi) cycle.push_back(s->mesh);
+    if (cycle.size() != result.gates.size()) continue;
+    for (std::size_t f = 0; f < frames; ++f) {
+      const TriMesh mesh =
+          at_phase(cycle, static_cast<double>(f) / static_cast<double>(frames), keyframes.interpolation);
+      std::string number = std::to_string(f + 1);
+      number.insert(0, digits - number.size(), '0');
+      for (const MeshFormat format : outputs.mesh_formats)
+        write_mesh(
+            mesh,
+            folder / "keyframes" / (std::string(name_of(wall)) + "_f" + number + "." + std::string(word_of(format))),
+            format);
+    }
+  }
+}
+
+std::string results_text(const VentricleResult& result, const Provenance& provenance, const Outputs& outputs) {
+  Json json = results_json(result, provenance, outputs.timings ? Timings::keep : Timings::omit);
+  Json formats = Json::array();
+  for (const MeshFormat format : outputs.mesh_formats) formats.push_back(word_of(format));
+  json["provenance"]["outputs"] = {{"mesh_formats", formats}, {"keep_stages", outputs.keep_stages}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace
+
+std::vector<std::string> hashes_of_study(const fs::path& study) {
+  std::vector<std::string> hashes;
+  for (const fs::path& file : files_of_study(study)) hashes.push_back(sha256_of_file(file));
+  return hashes;
+}
+
+Outcome reconstruct_to_folder(const Job& job, const Progress& progress) {
+  const ThreadLimit limit(job.threads);
+  OutputFolder folder(job.out);  // first, so that a place that cannot be written to costs no time
+  const Study study = read_study(job.study);
+  const Provenance provenance = provenance_of(job);
+  progress.check();
+
+  const StageWriter stages(folder.path() / "stages");
+  Outcome outcome;
+  outcome.result =
+      reconstruct(study, job.options, progress,
+                  job.outputs.keep_stages ? StageSink([&](const Stages& s) { stages(s, job.options); }) : StageSink());
+  progress.check();
+  outcome.json = results_text(outcome.result, provenance, job.outputs);
+  write_file(folder.path() / "options.json", provenance.options_json);
+  write_file(folder.path() / "results.json", outcome.json);
+  write_file(folder.path() / "results.csv", results_csv(outcome.result));
+  write_surfaces(outcome.result, job.outputs, folder.path());
+  write_keyframes(outcome.result, job.options.keyframes, job.outputs, folder.path());
+  write_cycle(outcome.result, folder.path());
+  // The page tells no times, so that equal runs give equal pages.
+  write_report(outcome.result, provenance, folder.path() / "report.html", Timings::omit);
+  progress.check();
+  folder.publish();
+  return outcome;
+}
+
+std::string summary_of(const VentricleResult& result) {
+  const auto number = [](const auto& value, int decimals) {
+    return value ? fixed(static_cast<double>(*value), decimals) : std::string("-");
+  };
+  std::vector<std::vector<std::string>> rows{{"gate", "time_ms", "endo_ml", "epi_ml", "wall_ml", "on border"}};
+  for (const Gate& gate : result.gates) {
+    const auto volume = [&](const std::optional<Surface>& s) { return s ? fixed(s->volume_ml, 1) : std::string("-"); };
+    double stopped = 1;
+    for (const auto* surface : {&gate.endo, &gate.epi})
+      if (*surface) stopped = std::min(stopped, (*surface)->stopped_fraction);
+    rows.push_back({std::to_string(gate.gate + 1), number(gate.time_ms, 0), volume(gate.endo), volume(gate.epi),
+                    number(gate.wall_ml, 1), gate.endo || gate.epi ? fixed(100 * stopped, 1) + " %" : "-"});
+  }
+  std::string text = table(rows);
+  const auto gate_text = [](const std::optional<int>& gate) {
+    return gate ? " (gate " + std::to_string(*gate + 1) + ")" : std::string();
+  };
+  if (result.ef_percent)
+    text += "EDV " + number(result.edv_ml, 1) + " mL" + gate_text(result.ed_gate) + "  ESV " +
+            number(result.esv_ml, 1) + " mL" + gate_text(result.es_gate) + "  SV " + number(result.sv_ml, 1) +
+            " mL  EF " + number(result.ef_percent, 1) + " %\n";
+  text += "verdict: " + std::string(word_of(result.verdict)) + "\n";
+  for (const Flag& flag : result.flags)
+    text += "  " + std::string(name_of(flag.severity)) + ": " + flag.message + " [" + flag.code + "]\n";
+  std::size_t remarks = 0;
+  for (const Note& note : result.notes) {
+    const bool flagged =
+        std::any_of(result.flags.begin(), result.flags.end(), [&](const Flag& flag) { return flag.code == note.code; });
+    if (note.severity == Severity::info) ++remarks;
+    if (note.severity != Severity::info && !flagged) text += "  " + line_of(note) + "\n";
+  }
+  if (remarks > 0) text += "  " + std::to_string(remarks) + " remarks in results.json and report.html\n";
+  return text + "Research use only. Not for diagnosis.\n";
+}
+
+}  // namespace dynasurf::app

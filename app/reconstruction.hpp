@@ -1,0 +1,44 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "dynasurf/io/mesh_io.hpp"
+#include "dynasurf/report/report.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
+
+namespace dynasurf::app {
+
+/// What is written beside the numbers. Kept in results.json (provenance.outputs), so that a run can be repeated.
+struct Outputs {
+  std::vector<MeshFormat> mesh_formats{MeshFormat::ply, MeshFormat::vtp};
+  bool keep_stages = false;
+  bool timings = true;
+};
+
+/// One run of the ventricle pipeline, from a study on disk to a result folder.
+struct Job {
+  std::filesystem::path study, out;
+  VentricleOptions options;
+  Outputs outputs;
+  std::string command;                      // for the provenance
+  bool file_names = false;                  // record the names of the input files, which may name a person
+  std::vector<std::string> recorded_names;  // of the input files, when an earlier run gave them
+  int threads = 0;                          // 0: as many as the machine has
+};
+
+struct Outcome {
+  VentricleResult result;
+  std::string json;  // results.json
+};
+
+/// Reads, reconstructs, and publishes the folder `job.out`, whole or not at all.
+Outcome reconstruct_to_folder(const Job& job, const Progress& progress);
+
+/// SHA-256 of every file of a study, in the order of `files_of_study`.
+std::vector<std::string> hashes_of_study(const std::filesystem::path& study);
+
+/// The short table on the terminal: a row per gate, the function, the verdict with its reasons.
+std::string summary_of(const VentricleResult& result);
+
+}  // namespace dynasurf::app

@@ -1,0 +1,114 @@
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/io/options_json.hpp"
+#include "dynasurf/ventricle/presets.hpp"
+
+#include "command.hpp"
+#include "console.hpp"
+#include "reconstruction.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+struct Arguments {
+  std::string study, out, preset = "default", options_file;
+  std::vector<std::string> settings, mesh_formats;
+  bool keep_stages = false, quiet = false, json = false, with_phi = false, no_timings = false;
+  int threads = 0;
+};
+
+std::string text_of_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  if (!file.good() && !file.eof()) throw IoError(path + ": cannot be read");
+  if (text.empty()) throw IoError(path + ": expected a JSON file of options, and it is missing or empty");
+  return text;
+}
+
+/// Defaults < preset < file < --set.
+VentricleOptions options_of(const Arguments& arguments) {
+  VentricleOptions options = ventricle_preset(arguments.preset);
+  if (!arguments.options_file.empty()) {
+    const std::string text = text_of_file(arguments.options_file);
+    try {
+      options_from_text(text, options);
+    } catch (const OptionError& error) {
+      throw OptionError(arguments.options_file + ": " + error.what());
+    }
+  }
+  for (const std::string& setting : arguments.settings) set_option(options, setting);
+  return options;
+}
+
+std::vector<MeshFormat> formats_of(const Arguments& arguments) {
+  std::vector<MeshFormat> formats;
+  for (const std::string& word : arguments.mesh_formats) {
+    const auto format = static_cast<MeshFormat>(position_of(names_of(MeshFormat{}), word, "--mesh-format"));
+    if (std::find(formats.begin(), formats.end(), format) == formats.end()) formats.push_back(format);
+  }
+  return formats;
+}
+
+/// The command line without paths, which may name a person, and without what leaves the result as it is.
+std::string recorded_command(const Arguments& arguments) {
+  std::string command = "dynasurf ventricle STUDY --out RESULT --preset " + arguments.preset;
+  if (!arguments.options_file.empty()) command += " --options FILE";
+  for (const std::string& setting : arguments.settings) command += " --set " + setting;
+  return command;
+}
+
+ExitCode run(const Arguments& arguments, std::stop_token stop) {
+  Job job;
+  job.study = arguments.study;
+  job.out = arguments.out;
+  job.options = options_of(arguments);
+  if (!arguments.mesh_formats.empty()) job.outputs.mesh_formats = formats_of(arguments);
+  job.outputs.keep_stages = arguments.keep_stages;
+  job.outputs.timings = !arguments.no_timings;
+  job.command = recorded_command(arguments);
+  job.file_names = arguments.with_phi;
+  job.threads = arguments.threads;
+
+  ProgressLine line(arguments.quiet);
+  const Progress progress{[&](std::string_view stage, int done, int total) { line(stage, done, total); }, stop};
+  const Outcome outcome = reconstruct_to_folder(job, progress);
+  line.finish();
+  if (arguments.json)
+    print(outcome.json);
+  else
+    print(summary_of(outcome.result) + "result: " + arguments.out + "\n");
+  return outcome.result.verdict == Verdict::fail ? not_trustworthy : done;
+}
+
+}  // namespace
+
+void add_ventricle(CLI::App& program, Command& chosen) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand(
+      "ventricle", "Reconstruct both surfaces of the left ventricle in every gate, with volumes and a report");
+  command->add_option("STUDY", a->study, "DICOM file or folder, NIfTI or NRRD file")->required();
+  command->add_option("--out", a->out, "folder of the result; a former result there is replaced")->required();
+  command->add_option("--preset", a->preset, "default, or thesis: as published");
+  command->add_option("--options", a->options_file, "JSON file of options, such as the options.json of a result");
+  command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options)")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--mesh-format", a->mesh_formats, "ply,stl,obj,off,vtp: one or more (ply,vtp)")->delimiter(',');
+  command->add_flag("--keep-stages", a->keep_stages, "write every intermediate step to RESULT/stages");
+  command->add_option("--threads", a->threads, "threads at most; the result is the same (0: all)")
+      ->check(CLI::Range(0, 1024));
+  command->add_flag("--quiet", a->quiet, "no progress on standard error");
+  command->add_flag("--json", a->json, "print results.json instead of the table");
+  command->add_flag("--no-timings", a->no_timings, "leave the times out, so that equal runs give equal bytes");
+  command->add_flag("--with-phi", a->with_phi, "record the names of the input files, which may name a person");
+  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+}
+
+}  // namespace dynasurf::app
