@@ -1,0 +1,161 @@
+"""Studies and meshes: what `info`, `phantom` and `measure` say, and what they refuse."""
+
+import json
+import os
+import unittest
+
+from cli import KINDS, SMALL_PATIENT, CliTest, hashes, run, small_patient
+
+CUBE = """OFF
+8 12 0
+0 0 0
+10 0 0
+10 10 0
+0 10 0
+0 0 10
+10 0 10
+10 10 10
+0 10 10
+3 0 2 1
+3 0 3 2
+3 4 5 6
+3 4 6 7
+3 0 1 5
+3 0 5 4
+3 1 2 6
+3 1 6 5
+3 2 3 7
+3 2 7 6
+3 3 0 4
+3 3 4 7
+"""
+
+
+class Info(CliTest):
+    def test_tells_what_a_study_holds(self):
+        for name in ("study.dcm", "study.nii.gz"):
+            done = run("info", small_patient() / name)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("40", done.stdout)
+            self.assertRegex(done.stdout, r"gates +4")
+
+    def test_prints_json(self):
+        facts = json.loads(run("info", small_patient() / "study.dcm", "--json").stdout)
+        self.assertEqual(facts["modality"], "NM")
+
+    def test_refuses_what_is_no_study(self):
+        self.refuses(2, "info", self.folder / "missing.dcm", says="missing.dcm")
+        (self.folder / "empty.dcm").write_bytes(b"")
+        self.refuses(2, "info", self.folder / "empty.dcm", says="empty.dcm")
+        junk = self.folder / "junk"
+        junk.mkdir()
+        self.refuses(2, "info", junk, says="junk")
+        (junk / "a.txt").write_text("not a heart")
+        (junk / "b.bin").write_bytes(bytes(range(256)) * 20)
+        self.refuses(2, "info", junk, says="junk")
+        self.refuses(2, "info", junk / "b.bin", says="b.bin")
+
+    def test_refuses_a_study_cut_in_the_middle(self):
+        for name in ("study.dcm", "study.nii.gz"):
+            whole = (small_patient() / name).read_bytes()
+            for part in (0.01, 0.3, 0.7, 0.999):
+                cut = self.folder / name
+                cut.write_bytes(whole[:int(len(whole) * part)])
+                self.refuses(2, "info", cut, says=name)
+
+    def test_shows_no_control_characters_of_a_file_name(self):
+        line = self.refuses(2, "info", self.folder / "bad\x1b[31m\nname.dcm")
+        self.assertNotIn("\x1b", line)
+
+
+class Phantom(CliTest):
+    def test_writes_study_truth_and_surfaces(self):
+        files = set(hashes(small_patient()))
+        self.assertLessEqual({"study.dcm", "study.nii.gz", "truth.json", "truth/endo_g01.ply", "truth/epi_g04.ply"}, files)
+        truth = self.read_json(small_patient() / "truth.json")
+        self.assertEqual(len(truth["gates"]), 4)
+        ef = 100 * (truth["edv_ml"] - truth["esv_ml"]) / truth["edv_ml"]
+        self.assertAlmostEqual(truth["ef_percent"], ef, places=6)
+        self.assertEqual(truth["options"]["noise"]["seed"], 7)
+
+    def test_makes_every_kind(self):
+        for kind in KINDS.split(", "):
+            done = run("phantom", kind, "--out", self.folder / kind)
+            self.assertEqual(done.returncode, 0, f"{kind}: {done.stderr}")
+            self.assertTrue((self.folder / kind / "study.dcm").is_file(), kind)
+
+    def test_gives_the_same_bytes_for_the_same_seed_and_any_number_of_threads(self):
+        for threads in (1, 2, 8):
+            run("phantom", "patient", "--seed", 7, "--threads", threads, "--out", self.folder / str(threads), *SMALL_PATIENT)
+            self.assertEqual(hashes(self.folder / str(threads)), hashes(small_patient()))
+        run("phantom", "patient", "--seed", 8, "--out", self.folder / "other", *SMALL_PATIENT)
+        self.assertNotEqual(hashes(self.folder / "other")["study.dcm"], hashes(small_patient())["study.dcm"])
+
+    def test_writes_nrrd_when_asked(self):
+        run("phantom", "hebron", "--nrrd", "--out", self.folder / "h")
+        self.assertEqual(run("info", self.folder / "h" / "study.nrrd").returncode, 0)
+
+    def test_refuses_unknown_kinds_options_and_seeds(self):
+        out = self.folder / "p"
+        self.refuses(1, "phantom", "patiant", "--out", out, says="did you mean 'patient'?")
+        self.refuses(1, "phantom", "patient", "--out", out, "--set", "edv=100", says="did you mean 'edv_ml'?")
+        self.refuses(1, "phantom", "patient", "--out", out, "--set", "edv_ml=-3", says="edv_ml is '-3'; expected a number >= 5")
+        self.refuses(1, "phantom", "sphere", "--out", out, "--seed", 3, says="draws no random numbers")
+        self.assertFalse(out.exists())
+
+    def test_replaces_a_former_phantom_but_no_folder_of_the_user(self):
+        out = self.folder / "p"
+        for _ in range(2):
+            self.assertEqual(run("phantom", "sphere", "--out", out).returncode, 0)
+        mine = self.folder / "mine"
+        mine.mkdir()
+        (mine / "thesis.txt").write_text("years of work")
+        self.refuses(2, "phantom", "sphere", "--out", mine, says="mine")
+        self.assertEqual((mine / "thesis.txt").read_text(), "years of work")
+
+
+class Measure(CliTest):
+    def test_measures_a_cube(self):
+        cube = self.folder / "cube.off"
+        cube.write_text(CUBE)
+        measured = json.loads(run("measure", cube, "--json").stdout)
+        self.assertAlmostEqual(measured["volume_ml"], 1.0, places=12)
+        self.assertAlmostEqual(measured["area_mm2"], 600.0, places=9)
+        self.assertEqual((measured["vertices"], measured["edges"], measured["triangles"], measured["euler"]), (8, 18, 12, 2))
+        self.assertTrue(measured["closed"] and measured["oriented"])
+        self.assertIn("volume_ml", run("measure", cube).stdout)
+
+    def test_gives_no_volume_to_an_open_surface(self):
+        lines = CUBE.splitlines()
+        lines[1] = "8 11 0"
+        opened = self.folder / "open.off"
+        opened.write_text("\n".join(lines[:-1]) + "\n")
+        measured = json.loads(run("measure", opened, "--json").stdout)
+        self.assertIsNone(measured["volume_ml"])
+        self.assertFalse(measured["closed"])
+
+    def test_agrees_with_the_truth_of_a_phantom(self):
+        truth = self.read_json(small_patient() / "truth.json")
+        measured = json.loads(run("measure", small_patient() / "truth" / "endo_g01.ply", "--json").stdout)
+        # The mesh is inscribed into the smooth surface whose volume is told.
+        self.assertAlmostEqual(measured["volume_ml"] / truth["gates"][0]["endo_ml"], 1, delta=0.005)
+
+    def test_refuses_what_is_no_mesh(self):
+        self.refuses(2, "measure", self.folder / "missing.ply", says="missing.ply")
+        for name in ("empty.ply", "empty.stl", "empty.obj", "empty.off"):
+            (self.folder / name).write_bytes(b"")
+            self.refuses(2, "measure", self.folder / name, says=name)
+        (self.folder / "cut.off").write_text(CUBE[:-30])
+        self.refuses(2, "measure", self.folder / "cut.off", says="cut.off")
+        self.refuses(2, "measure", self.folder, says=str(self.folder))
+
+    @unittest.skipIf(os.geteuid() == 0, "root may read everything")
+    def test_refuses_what_it_may_not_read(self):
+        secret = self.folder / "secret.ply"
+        secret.write_text("ply\n")
+        secret.chmod(0)
+        self.refuses(2, "measure", secret, says="secret.ply")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,363 @@
+"""The main job from the command line: what it leaves, that it is the same every time, and its bad days."""
+
+import json
+import os
+import pathlib
+import resource
+import shutil
+import signal
+import struct
+import subprocess
+import time
+import unittest
+
+from cli import PROGRAM, CliTest, hashes, run, small_patient, small_result
+
+# A run that takes long, so that it can be disturbed.
+SLOW = ["--set", "mesh_level=4", "--set", "field.iterations=200000"]
+
+
+def leftovers(folder):
+    return sorted(path.name for path in pathlib.Path(folder).iterdir())
+
+
+def explicit_elements(data):
+    """The elements of an explicit little-endian DICOM file up to the first one of undefined length, and the rest."""
+    elements, position = {}, 132
+    while position < len(data):
+        group, element = struct.unpack_from("<HH", data, position)
+        long = data[position + 4:position + 6] in (b"OB", b"OW", b"OF", b"SQ", b"UT", b"UN", b"UC", b"UR", b"OD", b"OL")
+        length = struct.unpack_from("<I" if long else "<H", data, position + (8 if long else 6))[0]
+        if length == 0xFFFFFFFF:
+            break
+        end = position + (12 if long else 8) + length
+        elements[group, element] = data[position:end]
+        position = end
+    return elements, data[position:]
+
+
+def with_elements(data, changes):
+    """The DICOM file with elements (tag -> (VR, text)) replaced or added."""
+    elements, rest = explicit_elements(data)
+    following = struct.unpack_from("<HH", rest) if rest else (0xFFFF, 0xFFFF)
+    for tag, (vr, text) in changes.items():
+        assert tag < following, tag
+        value = text.encode() + b" " * (len(text) % 2)
+        elements[tag] = struct.pack("<HH2sH", *tag, vr.encode(), len(value)) + value
+    return data[:132] + b"".join(elements[tag] for tag in sorted(elements)) + rest
+
+
+def empty_study(path, shape=(24, 24, 8, 4)):
+    """A NIfTI file of zeros."""
+    header = bytearray(348)
+    struct.pack_into("<i", header, 0, 348)
+    struct.pack_into("<8h", header, 40, 4, *shape, 1, 1, 1)
+    struct.pack_into("<hh", header, 70, 16, 32)
+    struct.pack_into("<8f", header, 76, 1, 3, 3, 6, 50, 1, 1, 1)
+    struct.pack_into("<f", header, 108, 352)
+    header[123] = 2 | 16  # mm, ms
+    header[344:348] = b"n+1\0"
+    path.write_bytes(bytes(header) + bytes(4) + bytes(4 * shape[0] * shape[1] * shape[2] * shape[3]))
+
+
+class Result(CliTest):
+    def test_leaves_everything_it_promises(self):
+        files = set(hashes(small_result()))
+        expected = {"results.json", "results.csv", "options.json", "report.html", "cycle.pvd", "cycle.glb"}
+        expected |= {f"meshes/{wall}_g0{gate}.{ending}" for wall in ("endo", "epi") for gate in (1, 2, 3, 4)
+                     for ending in ("ply", "vtp")}
+        self.assertEqual(files, expected)
+
+    def test_tells_the_same_numbers_everywhere(self):
+        results = self.read_json(small_result() / "results.json")
+        self.assertEqual(results["schema"], "dynasurf.ventricle/1")
+        rows = (small_result() / "results.csv").read_text().splitlines()
+        self.assertEqual(len(rows), 5)
+        for gate, row in zip(results["gates"], rows[1:]):
+            endo = gate["endo_ml"]
+            measured = json.loads(run("measure", small_result() / f"meshes/endo_g0{gate['gate']}.ply", "--json").stdout)
+            self.assertAlmostEqual(measured["volume_ml"], endo, delta=1e-6 * endo)
+            self.assertAlmostEqual(float(row.split(",")[rows[0].split(",").index("endo_ml")]), endo, delta=1e-3)
+            self.assertAlmostEqual(gate["wall_ml"], gate["epi_ml"] - endo, places=9)
+        volumes = [gate["endo_ml"] for gate in results["gates"]]
+        self.assertAlmostEqual(results["ef_percent"], 100 * (max(volumes) - min(volumes)) / max(volumes), places=9)
+
+    def test_prints_a_table_and_progress(self):
+        done = run("ventricle", small_patient() / "study.nii.gz", "--out", self.folder / "r")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for word in ("gate", "endo_ml", "EDV", "EF", "verdict: ", "Research use only"):
+            self.assertIn(word, done.stdout)
+        self.assertIn("surfaces 8/8\n", done.stderr)
+        self.assertNotIn("\x1b", done.stderr)
+
+    def test_quiet_is_quiet_and_json_is_json(self):
+        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--quiet", "--json")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual(json.loads(done.stdout), self.read_json(self.folder / "r" / "results.json"))
+
+    def test_writes_the_mesh_formats_asked_for(self):
+        run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--mesh-format", "stl,obj,off")
+        endings = {path.suffix for path in (self.folder / "r" / "meshes").iterdir()}
+        self.assertEqual(endings, {".stl", ".obj", ".off"})
+        self.assertFalse((self.folder / "r" / "cycle.pvd").exists())
+
+    def test_keeps_the_stages(self):
+        run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--keep-stages")
+        stages = set(leftovers(self.folder / "r" / "stages"))
+        for stage in ("image.nrrd", "edges.nrrd", "labels.nrrd", "border_endo.nrrd", "field_epi.vti", "field_epi.nrrd",
+                      "start_endo.ply"):
+            self.assertLessEqual({f"g0{gate}_{stage}" for gate in (1, 2, 3, 4)}, stages)
+        self.assertEqual(run("info", self.folder / "r" / "stages" / "g01_image.nrrd").returncode, 0)
+
+    def test_writes_keyframes_when_asked(self):
+        run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--mesh-format", "ply", "--set",
+            "keyframes.frames_between=2")
+        names = leftovers(self.folder / "r" / "keyframes")
+        self.assertEqual(len(names), 2 * 4 * 3)
+        # Every third frame is a gate.
+        self.assertEqual((self.folder / "r/keyframes/endo_f04.ply").read_bytes(),
+                         (self.folder / "r/meshes/endo_g02.ply").read_bytes())
+
+    def test_a_study_without_a_heart_ends_with_3_and_a_report(self):
+        empty_study(self.folder / "empty.nii")
+        done = run("ventricle", self.folder / "empty.nii", "--out", self.folder / "r")
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("verdict: fail", done.stdout)
+        results = self.read_json(self.folder / "r" / "results.json")
+        self.assertEqual(results["quality"]["verdict"], "fail")
+        self.assertIsNone(results["ef_percent"])
+        self.assertTrue((self.folder / "r" / "report.html").is_file())
+
+
+class SameBytes(CliTest):
+    def test_for_any_number_of_threads(self):
+        for threads in (1, 2, 4, 8):
+            done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / str(threads), "--threads",
+                       threads, "--no-timings", "--keep-stages")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(hashes(self.folder / str(threads)), hashes(self.folder / "1"), f"{threads} threads")
+
+    def test_only_the_times_differ_between_runs(self):
+        run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r")
+        again, first = hashes(self.folder / "r"), hashes(small_result())
+        self.assertEqual({name for name in first if first[name] != again[name]} - {"results.json"}, set())
+        old, new = (self.read_json(folder / "results.json") for folder in (small_result(), self.folder / "r"))
+        old.pop("timings_s"), new.pop("timings_s")
+        self.assertEqual(old, new)
+
+    def test_a_rerun_finds_the_study_by_its_hash_and_repeats_it(self):
+        shutil.copytree(small_result(), self.folder / "result")
+        shutil.copy(small_patient() / "study.dcm", self.folder / "another name")
+        (self.folder / "junk.txt").write_text("no study")
+        done = run("rerun", self.folder / "result", "--out", self.folder / "again", "--threads", 1)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("same bytes: 22 files", done.stdout)
+        self.assertEqual(hashes(self.folder / "again")["report.html"], hashes(small_result())["report.html"])
+        self.assertEqual(run("rerun", self.folder / "result").returncode, 0)
+        self.assertEqual(leftovers(self.folder), ["again", "another name", "junk.txt", "result"])
+
+    def test_a_rerun_repeats_options_formats_and_stages(self):
+        run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--preset", "thesis", "--set",
+            "edges.high=0.6", "--mesh-format", "off", "--keep-stages", "--no-timings")
+        run("rerun", self.folder / "r", "--study", small_patient() / "study.dcm", "--out", self.folder / "again")
+        self.assertEqual(hashes(self.folder / "again"), hashes(self.folder / "r"))
+
+    def test_a_rerun_tells_what_differs(self):
+        shutil.copytree(small_result(), self.folder / "result")
+        with open(self.folder / "result" / "results.csv", "a", encoding="utf-8") as table:
+            table.write("9,9\n")
+        done = run("rerun", self.folder / "result", "--study", small_patient() / "study.dcm")
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("1 of 22 files differ:\n  results.csv\n", done.stdout)
+
+    def test_a_rerun_refuses_another_study_and_broken_records(self):
+        shutil.copytree(small_result(), self.folder / "result")
+        self.refuses(2, "rerun", self.folder / "result", says="name it with --study", cwd=self.folder)
+        self.refuses(2, "rerun", self.folder / "result", "--study", small_patient() / "study.nii.gz", says="is not the study")
+        self.refuses(1, "rerun", self.folder / "result", "--study", small_patient() / "study.dcm", "--out",
+                     self.folder / "result", says="names the result itself")
+        self.refuses(2, "rerun", self.folder, says="results.json")
+        for text in ("", "{", "[]", '{"schema": "other"}', '{"schema": "dynasurf.ventricle/1"}'):
+            (self.folder / "result" / "results.json").write_text(text)
+            self.refuses(2, "rerun", self.folder / "result", says="results.json")
+
+    def test_options_json_of_a_result_is_an_options_file(self):
+        run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "a", "--set", "edges.sigma_px=2", "--set",
+            "evolution.solver=euler")
+        run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "b", "--options",
+            self.folder / "a" / "options.json")
+        self.assertEqual(hashes(self.folder / "a")["meshes/endo_g01.ply"], hashes(self.folder / "b")["meshes/endo_g01.ply"])
+        self.assertNotEqual(hashes(self.folder / "a")["options.json"], hashes(small_result())["options.json"])
+
+
+class BadDays(CliTest):
+    def start(self, *arguments):
+        """Starts a slow run and waits until it is at work."""
+        process = subprocess.Popen([PROGRAM, "ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", *SLOW,
+                                    *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.stderr.close)
+        self.assertTrue(process.stderr.readline())
+        return process
+
+    def test_wrong_options_end_with_1_and_one_line_before_any_work(self):
+        study, out = small_patient() / "study.dcm", self.folder / "r"
+        cases = [
+            (["--set", "edges.sgima_px=2"], ["did you mean 'edges.sigma_px'?", "choices: method, sigma_px, low"]),
+            (["--set", "edges.sigma_px=21"], ["edges.sigma_px is '21'; expected a number >= 0 and <= 20 (px)"]),
+            (["--set", "edges.sigma_px=wide"], ["expected a number"]),
+            (["--set", "edges=sobell"], ["option edges is 'sobell'; choices: canny"]),
+            (["--set", "evolution.solver=rk5"], ["did you mean 'rk4'?", "euler, midpoint, rk4"]),
+            (["--set", "edges.low"], ["expected path=value"]),
+            (["--preset", "thesys"], ["did you mean 'thesis'?"]),
+            (["--mesh-format", "ply,fbx"], ["choices: ply, stl, obj, off, vtp"]),
+            (["--options", self.folder / "missing.json"], ["missing.json"]),
+        ]
+        for arguments, says in cases:
+            code = 2 if arguments[0] == "--options" else 1
+            self.refuses(code, "ventricle", study, "--out", out, *arguments, says=says)
+        for text, says in (('{"edgez": {}}', "did you mean 'edges'?"), ('{"mesh_level": 2.5}', "a whole number"),
+                           ('{"mesh_level": 3', "no JSON"), ('{"mesh_level": 1, "mesh_level": 2}', "stands twice")):
+            (self.folder / "o.json").write_text(text)
+            self.refuses(1, "ventricle", study, "--out", out, "--options", self.folder / "o.json", says=["o.json: ", says])
+        self.assertFalse(out.exists())
+
+    def test_wrong_input_ends_with_2_and_leaves_nothing(self):
+        (self.folder / "empty").write_bytes(b"")
+        junk = self.folder / "junk"
+        junk.mkdir()
+        (junk / "notes.txt").write_text("not a heart")
+        before = leftovers(self.folder)
+        for study in ("missing", "empty", "junk"):
+            self.refuses(2, "ventricle", self.folder / study, "--out", self.folder / "r", says=study)
+        self.assertEqual(leftovers(self.folder), before)
+
+    def test_a_folder_of_the_user_is_never_replaced(self):
+        mine = self.folder / "mine"
+        mine.mkdir()
+        (mine / "thesis.txt").write_text("years of work")
+        self.refuses(2, "ventricle", small_patient() / "study.dcm", "--out", mine, says="mine")
+        self.refuses(2, "ventricle", small_patient() / "study.dcm", "--out", mine / "thesis.txt", says="thesis.txt")
+        self.refuses(2, "ventricle", small_patient() / "study.dcm", "--out", "/proc/no/such/place", says="/proc")
+        self.assertEqual((mine / "thesis.txt").read_text(), "years of work")
+
+    def test_ctrl_c_stops_soon_with_3_and_leaves_nothing(self):
+        for sent in (signal.SIGINT, signal.SIGTERM):
+            process = self.start()
+            process.send_signal(sent)
+            asked = time.monotonic()
+            _, error = process.communicate(timeout=60)
+            self.assertEqual(process.returncode, 3)
+            self.assertLess(time.monotonic() - asked, 10)  # measured well below 1 s; the machine may be busy
+            self.assertTrue(error.endswith("dynasurf: error: stopped on request; nothing was written\n"), error)
+            self.assertEqual(leftovers(self.folder), [])
+
+    def test_ctrl_c_leaves_the_former_result(self):
+        shutil.copytree(small_result(), self.folder / "r")
+        process = self.start()
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+        self.assertEqual(hashes(self.folder / "r"), hashes(small_result()))
+        self.assertEqual(leftovers(self.folder), ["r"])
+
+    def test_kill_leaves_the_old_result_or_the_new_one(self):
+        study, out = small_patient() / "study.dcm", self.folder / "r"
+        started = time.monotonic()
+        run("ventricle", study, "--out", self.folder / "new", "--no-timings", "--set", "edges.high=0.65")
+        whole = time.monotonic() - started
+        run("ventricle", study, "--out", out, "--no-timings")
+        complete = [hashes(out), hashes(self.folder / "new")]
+        for step in range(12):
+            process = subprocess.Popen([PROGRAM, "ventricle", study, "--out", out, "--no-timings", "--set",
+                                        "edges.high=0.65"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            time.sleep(whole * (step + 1) / 11)
+            process.kill()
+            process.wait()
+            self.assertIn(hashes(out), complete, f"killed after {step + 1}/11 of a run")
+        self.assertEqual(run("ventricle", study, "--out", out, "--no-timings").returncode, 0)
+        self.assertEqual(leftovers(self.folder), ["new", "r"], "what killed runs left is gone")
+
+    def test_a_limit_of_file_size_ends_with_2_and_leaves_the_former_result(self):
+        shutil.copytree(small_result(), self.folder / "r")
+        limit = (20000, 20000)
+        line = self.refuses(2, "ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--quiet",
+                            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limit))
+        self.assertIn("too large", line)
+        self.assertEqual(hashes(self.folder / "r"), hashes(small_result()))
+        self.assertEqual(leftovers(self.folder), ["r"])
+
+    def test_a_full_disk_ends_with_2_and_leaves_nothing(self):
+        script = ('mount -t tmpfs -o size=300k tmpfs "$2" || exit 77; '
+                  '"$0" ventricle "$1" --out "$2/r" --quiet; code=$?; ls -A "$2"; exit $code')
+        done = subprocess.run(["unshare", "-rm", "bash", "-c", script, PROGRAM, small_patient() / "study.dcm", self.folder],
+                              capture_output=True, text=True)
+        if done.returncode == 77 or "unshare" in done.stderr:
+            self.skipTest("a small file system cannot be mounted here")
+        self.assertEqual((done.returncode, done.stdout), (2, ""), done.stderr)
+        self.assertIn("No space left on device", done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1)
+
+    def test_a_closed_standard_output_leaves_a_whole_result(self):
+        done = subprocess.run(["bash", "-c", '"$0" ventricle "$1" --out "$2" --quiet >&-', PROGRAM,
+                               small_patient() / "study.dcm", self.folder / "r"], stderr=subprocess.PIPE, text=True)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("cannot write to standard output", done.stderr)
+        self.assertEqual(set(hashes(self.folder / "r")), set(hashes(small_result())))
+
+
+class Privacy(CliTest):
+    CANARIES = {
+        (0x0008, 0x0020): ("DA", "20090813"), (0x0008, 0x0021): ("DA", "20090813"), (0x0008, 0x0023): ("DA", "20090813"),
+        (0x0008, 0x0050): ("SH", "CANARYACC"), (0x0008, 0x0080): ("LO", "CANARYHOSPITAL"),
+        (0x0008, 0x0090): ("PN", "CANARY^DOCTOR"), (0x0008, 0x1010): ("SH", "CANARYSTATION"),
+        (0x0008, 0x1030): ("LO", "CANARYSTUDY"), (0x0008, 0x103E): ("LO", "CANARYSERIES"),
+        (0x0008, 0x1070): ("PN", "CANARY^OPERATOR"), (0x0010, 0x0010): ("PN", "CANARY^NAME"),
+        (0x0010, 0x0020): ("LO", "CANARYID42"), (0x0010, 0x0030): ("DA", "19420317"),
+        (0x0010, 0x4000): ("LT", "CANARYCOMMENT"),
+    }
+
+    def study(self):
+        folder = self.folder / "CANARYPATH"
+        folder.mkdir()
+        study = folder / "CANARYFILE.dcm"
+        study.write_bytes(with_elements((small_patient() / "study.dcm").read_bytes(), self.CANARIES))
+        return study
+
+    def assert_clean(self, data, where):
+        for canary in (b"canary", b"19420317", b"1942-03-17", b"20090813", b"2009-08-13"):
+            self.assertNotIn(canary, data.lower(), where)
+
+    def test_no_personal_data_reach_any_output(self):
+        study = self.study()
+        done = run("ventricle", study, "--out", self.folder / "r", "--keep-stages")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assert_clean((done.stdout + done.stderr).encode(), "terminal")
+        for path in sorted((self.folder / "r").rglob("*")):
+            self.assert_clean(str(path.relative_to(self.folder)).encode(), path.name)
+            if path.is_file():
+                self.assert_clean(path.read_bytes(), path.name)
+
+    def test_info_shows_no_personal_data(self):
+        study = self.study()
+        for arguments in ([], ["--json"]):
+            done = run("info", study, *arguments)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assert_clean(done.stdout.encode(), "info")
+
+    def test_the_name_of_the_file_is_recorded_only_when_asked(self):
+        run("ventricle", self.study(), "--out", self.folder / "r", "--with-phi")
+        inputs = self.read_json(self.folder / "r" / "results.json")["provenance"]["inputs"]
+        self.assertEqual([entry["file"] for entry in inputs], ["CANARYFILE.dcm"])
+
+    def test_memory_never_reaches_a_core_file(self):
+        process = subprocess.Popen([PROGRAM, "ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", *SLOW],
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        with process:
+            process.stderr.readline()
+            limits = pathlib.Path(f"/proc/{process.pid}/limits").read_text()
+            process.kill()
+        self.assertRegex(limits, r"Max core file size +0 +0")
+
+
+if __name__ == "__main__":
+    unittest.main()
