@@ -14,7 +14,7 @@ VentricleResult good_result() {
     gate.gate = g;
     gate.endo.emplace();
     gate.epi.emplace();
-    gate.endo->stopped_fraction = gate.epi->stopped_fraction = 1;
+    gate.endo->within_one_voxel = gate.epi->within_one_voxel = 1;
     gate.endo->stop_reason = gate.epi->stop_reason = StopReason::all_stopped;
     gate.wall_ml = 120;
     result.gates.push_back(gate);
@@ -52,7 +52,7 @@ TEST(Judge, AsksToCheckWhatAHeartDoesNotDo) {
   result.wall_variation = 0.3;
   result.ef_percent = 96;
   result.edv_ml = 900;
-  result.gates[0].epi->stopped_fraction = 0.5;
+  result.gates[0].epi->within_one_voxel = 0.5;
   EXPECT_EQ(codes_of(result),
             (Codes{"surface_incomplete", "wall_volume_varies", "ejection_fraction_implausible", "volume_implausible"}));
   EXPECT_EQ(verdict_of(judge(result)), Verdict::check);

@@ -13,7 +13,7 @@ namespace {
 
 // Limits of what is believed without a second look. The wall of edge-derived surfaces beats by the blur alone
 // (a coefficient of variation near 0.1 at 13 mm); the other numbers bound what a living heart can have.
-constexpr double least_stopped = 0.90;
+constexpr double least_arrived = 0.95;  // particles within a voxel of their border
 constexpr double most_wall_variation = 0.20;
 constexpr double least_ef = 5, most_ef = 85;
 constexpr double least_edv_ml = 15, most_edv_ml = 600;
@@ -53,9 +53,9 @@ void flag_surfaces(const VentricleResult& result, std::vector<Flag>& flags) {
     flag_gates(result, flags, "surface_diverged", Severity::failure, "the " + name + "cardial surface diverged",
                [&](const Gate& g) { return surface(g) && surface(g)->stop_reason == StopReason::diverged; });
     flag_gates(result, flags, "surface_incomplete", Severity::warning,
-               format("fewer than %.0f %% of the particles of the ", 100 * least_stopped) + name +
-                   "cardial surface reached the border",
-               [&](const Gate& g) { return surface(g) && surface(g)->stopped_fraction < least_stopped; });
+               format("fewer than %.0f %% of the ", 100 * least_arrived) + name +
+                   "cardial surface lie within a voxel of its border",
+               [&](const Gate& g) { return surface(g) && surface(g)->within_one_voxel < least_arrived; });
   }
   flag_gates(result, flags, "walls_cross", Severity::failure,
              "the endocardial volume is not smaller than the epicardial one",
