@@ -1,5 +1,6 @@
 #include "dynasurf/mesh/intersections.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -39,14 +40,24 @@ TEST(Orient3d, IsNegativeOnTheSideThatSeesTheTriangleCounterClockwise) {
 }
 
 TEST(Orient3d, DecidesTheLastBit) {
-  // The plane x = y, and points that leave it by the smallest step a double can make.
-  const Vec3 a(0.1, 0.1, 0.3), b(12.7, 12.7, -5.1), c(3.3, 3.3, 17.9), on(7.7, 7.7, 7.7);
-  EXPECT_EQ(orient3d(a, b, c, on), 0);
-  const Vec3 above(on[0], std::nextafter(on[1], 100), on[2]), below(on[0], std::nextafter(on[1], -100), on[2]);
-  EXPECT_EQ(orient3d(a, b, c, above) * orient3d(a, b, c, below), -1);
-  // The plain formula cannot tell: this is what the exact one is for.
-  const Vec3 far = Vec3::Constant(1e6);
-  EXPECT_EQ(orient3d(a + far, b + far, c + far, on + far), 0);
+  // Points around one in the plane x = y, apart by the smallest step a double can make. The plain formula rounds the
+  // differences to the corners and takes many of them for points of the plane or of its other side.
+  const Vec3 a(12, 12, 0.1), b(24, 24, 0.1), c(24, 24, 7.3);
+  const double step = std::ldexp(1.0, -53);
+  const int below = orient3d(a, b, c, {0, 1, 0.3});
+  for (int i = 0; i < 32; ++i)
+    for (int j = 0; j < 32; ++j) {
+      const Vec3 d(0.5 + i * step, 0.5 + j * step, 0.3);
+      const int side = (d[1] > d[0]) - (d[1] < d[0]);
+      ASSERT_EQ(orient3d(a, b, c, d), side * below) << i << " " << j;
+      for (const int axis : {0, 1, 2}) {
+        const Vec3 u = axis == 0 ? Vec3(0, 12, 12) : axis == 1 ? Vec3(12, 0, 12) : Vec3(12, 12, 0);
+        Vec3 p = Vec3::Zero();
+        p[(axis + 1) % 3] = d[0];
+        p[(axis + 2) % 3] = d[1];
+        ASSERT_EQ(orient2d(u, 2 * u, p, axis), side) << i << " " << j;
+      }
+    }
 }
 
 TEST(Orient3d, ChangesItsSignWithEachExchange) {
@@ -184,6 +195,44 @@ TEST(SelfIntersections, AgreesWithSeparatingDirectionsOnTrianglesThatTouchInEver
     ASSERT_EQ(found.flat.size(), static_cast<std::size_t>(s_flat + t_flat));
     if (s_flat || t_flat) continue;
     ASSERT_EQ(found.pairs.empty(), separated(s, t)) << trial;
+    ++(found.pairs.empty() ? apart : met);
+  }
+  EXPECT_GT(met, 5000);
+  EXPECT_GT(apart, 5000);
+}
+
+bool in_cone(const Int3& x, const Int3& a, const Int3& b, const Int3& normal) {
+  return dot(cross(a, x), normal) >= 0 && dot(cross(x, b), normal) >= 0;
+}
+
+/// Do the sectors of the plane between a0 and a1, and between b0 and b1, share a direction? They do when some
+/// combination s a0 + t a1 = u b0 + v b1 has no negative factor: three equations for four factors, by Cramer's rule.
+bool sectors_meet(const Int3& a0, const Int3& a1, const Int3& b0, const Int3& b1) {
+  const auto det = [](const Int3& p, const Int3& q, const Int3& r) { return dot(cross(p, q), r); };
+  const std::array<int, 4> factors{det(a1, b0, b1), -det(a0, b0, b1), -det(a0, a1, b1), det(a0, a1, b0)};
+  if (factors != std::array<int, 4>{})
+    return std::all_of(factors.begin(), factors.end(), [](int f) { return f >= 0; }) ||
+           std::all_of(factors.begin(), factors.end(), [](int f) { return f <= 0; });
+  const Int3 na = cross(a0, a1), nb = cross(b0, b1);  // all in one plane
+  return in_cone(b0, a0, a1, na) || in_cone(b1, a0, a1, na) || in_cone(a0, b0, b1, nb) || in_cone(a1, b0, b1, nb);
+}
+
+TEST(SelfIntersections, AgreesWithCramersRuleOnTrianglesThatShareAVertex) {
+  std::mt19937 random(13);
+  int met = 0, apart = 0;
+  for (int trial = 0; trial < 60000; ++trial) {
+    const unsigned places = 3 + static_cast<unsigned>(trial) % 3;
+    std::array<Int3, 5> p{};
+    for (Int3& x : p)
+      for (int& c : x) c = static_cast<int>(random() % places);
+    TriMesh mesh;
+    for (const Int3& x : p) mesh.vertices.push_back(Vec3(x[0], x[1], x[2]));
+    mesh.triangles = {{1, 2, 0}, {3, 0, 4}};
+    const auto found = self_intersections(mesh);
+    if (!found.flat.empty()) continue;
+    ASSERT_EQ(!found.pairs.empty(),
+              sectors_meet(minus(p[1], p[0]), minus(p[2], p[0]), minus(p[3], p[0]), minus(p[4], p[0])))
+        << trial;
     ++(found.pairs.empty() ? apart : met);
   }
   EXPECT_GT(met, 5000);
