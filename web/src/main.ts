@@ -133,7 +133,7 @@ function buildToggles(slices: Slices | null, scene: SurfaceScene | null): Record
     keys[key] = () => {
       slices.overlay[name] = !slices.overlay[name];
       press(button.id, slices.overlay[name]);
-      slices.draw();
+      slices.layOut();
     };
     button.addEventListener("click", keys[key]);
   }

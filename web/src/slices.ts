@@ -56,6 +56,7 @@ export class Slices {
   private readonly tiles: { button: HTMLButtonElement; canvas: HTMLCanvasElement }[] = [];
   private readonly sheet = html("div", { class: "tiles", role: "group", "aria-label": "All slices, apex first" });
   private readonly large = html("canvas", { class: "large", role: "img" });
+  private readonly long = html("div", { class: "long" });
   private readonly cuts: { plane: Plane; canvas: HTMLCanvasElement }[];
   private readonly caption = html("p", { class: "caption", "aria-live": "polite" });
   private readonly slider: HTMLInputElement;
@@ -81,10 +82,7 @@ export class Slices {
       canvas: html("canvas", { class: "cut", role: "img" }),
     }));
     this.build(place);
-    new ResizeObserver(() => {
-      this.arrange();
-      this.draw();
-    }).observe(this.large);
+    new ResizeObserver(() => this.layOut()).observe(this.large);
   }
 
   choose(slice: number): void {
@@ -108,19 +106,32 @@ export class Slices {
     });
     for (const { plane, canvas } of this.cuts)
       canvas.addEventListener("pointerdown", (event) => this.choose(this.voxelAt(plane, canvas, event)[1]));
+    this.long.append(...this.cuts.map(({ canvas }) => canvas));
     place.replaceChildren(
       html("div", { class: "short" }, this.large, html("div", { class: "under" }, this.slider, this.caption)),
-      html("div", { class: "long" }, ...this.cuts.map(({ canvas }) => canvas)),
+      this.long,
       this.sheet,
     );
   }
 
-  /** As few tiles in a row as fit beside the large slice; a row of usual tiles where they stand below it. */
-  private arrange(): void {
+  /** Gives all parts their shapes, then draws. */
+  layOut(): void {
+    for (const { plane, canvas } of this.cuts) {
+      const frame = this.frameOf(plane);
+      const [dx, dy] = [this.grid.spacing_mm[plane.x]!, this.grid.spacing_mm[plane.y]!];
+      canvas.style.aspectRatio = String(((frame.x1 - frame.x0) * dx) / ((frame.y1 - frame.y0) * dy));
+    }
+    this.arrangeTiles();
+    this.draw();
+  }
+
+  /** As few tiles in a row as fit beside the large slices; a row of usual tiles where they stand below them. */
+  private arrangeTiles(): void {
     const gap = 6;
     const width = this.sheet.clientWidth;
     const beside = this.sheet.offsetTop < this.large.offsetTop + this.large.offsetHeight / 2;
-    const height = this.large.clientHeight + 50;
+    const long = this.cuts.reduce((sum, { canvas }) => sum + canvas.clientHeight + 2 * gap, 0);
+    const height = Math.max(this.large.clientHeight + 50, long);
     const count = this.tiles.length;
     let columns = Math.max(1, Math.floor(width / 104));
     if (beside) {
@@ -218,9 +229,6 @@ export class Slices {
     this.large.setAttribute("aria-label", `Short-axis slice ${this.slice + 1}, gate ${this.gate + 1}`);
     for (const { plane, canvas } of this.cuts) {
       const at = this.centre[plane.axis === 1 ? 1 : 0]!;
-      const frame = this.frameOf(plane);
-      const [dx, dy] = [this.grid.spacing_mm[plane.x]!, this.grid.spacing_mm[plane.y]!];
-      canvas.style.aspectRatio = String(((frame.x1 - frame.x0) * dx) / ((frame.y1 - frame.y0) * dy));
       this.drawPlane(canvas, plane, at, true);
       canvas.setAttribute("aria-label", `Cut along the heart, gate ${this.gate + 1}, slice ${this.slice + 1} marked`);
     }

@@ -86,6 +86,17 @@ const tests = {
     assert.equal(await page.locator(".tile").count(), 23);
   },
 
+  async "fits all slices on one screen"(open) {
+    const page = await open("ok");
+    for (const [width, height] of [[1920, 1080], [1400, 1000], [1000, 1100]]) {
+      await page.setViewportSize({ width, height });
+      await page.waitForTimeout(200);
+      const box = await page.locator(".slices").boundingBox();
+      assert.ok(box.height < height, `${box.height} px high at ${width} x ${height}`);
+      assert.ok(await page.evaluate(() => document.body.scrollWidth <= innerWidth), `too wide at ${width}`);
+    }
+  },
+
   async "shows and hides borders and mesh sections"(open) {
     const page = await open("ok");
     await pause(page);
