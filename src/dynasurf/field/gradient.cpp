@@ -20,12 +20,16 @@ double largest_gradient_squared(const Image& f) {
   });
 }
 
-void check_edge_map(const Image& f) {
+void check_grid(const Image& f) {
   if (f.grid.size() == 0 || f.values.size() != f.grid.size())
     throw InputError("edge map: the grid has " + std::to_string(f.grid.size()) + " voxels and there are " +
                      std::to_string(f.values.size()) + " values; expected one value for each of at least one voxel");
   if (!(f.grid.spacing.minCoeff() > 0) || !f.grid.spacing.allFinite())
     throw InputError("edge map: the spacing must be positive along every axis");
+}
+
+void check_edge_map(const Image& f) {
+  check_grid(f);
   for (std::size_t v = 0; v < f.values.size(); ++v)
     if (!std::isfinite(f.values[v]))
       throw InputError("edge map: voxel number " + std::to_string(v) + " is not a finite number");

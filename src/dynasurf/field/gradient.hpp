@@ -3,6 +3,9 @@
 
 namespace dynasurf::detail {
 
+/// Throws InputError unless the map has voxels, a value for each, and a spacing.
+void check_grid(const Image& edge_map);
+
 /// Throws InputError unless the map has voxels, all finite, and a gradient whose square fits a float.
 void check_edge_map(const Image& edge_map);
 

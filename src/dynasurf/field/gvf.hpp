@@ -4,14 +4,10 @@
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/progress.hpp"
-#include "dynasurf/field/vector_field.hpp"
+#include "dynasurf/field/flow_result.hpp"
+#include "dynasurf/field/steady.hpp"
 
 namespace dynasurf {
-
-/// `thesis` divides the diffusion by the voxel's volume whatever the axis (eq. 4.50); `metric` by the squared spacing
-/// of each axis, so that the field spreads equally in mm (E59).
-enum class GvfScheme { thesis, metric };
-std::span<const std::string_view> names_of(GvfScheme);
 
 /// Explicit gradient vector flow (FLD-GVF, thesis 3.3.4 and 4.5).
 struct Gvf {
@@ -33,16 +29,7 @@ void describe(auto& visit, Gvf& o) {
   visit("safe_step", o.safe_step, Field{"shorten a step that the stability bound forbids, with a note"});
 }
 
-using FieldOptions = std::variant<Gvf>;
-
-struct FlowResult {
-  VectorField field;
-  int iterations = 0;
-  double step = 0;        // time step used
-  double residual = 0;    // largest change of a component per unit of time in the last step
-  bool diverged = false;  // a component passed 10 times the largest gradient; `field` is the one before that
-  Notes notes;            // "gvf.step_limited", "gvf.diverged"
-};
+using FieldOptions = std::variant<Gvf, SteadyGvf, SteadyGgvf>;
 
 /// Gradient vector flow of an edge map that is high on borders: vectors point towards borders from both sides.
 /// Starts from the gradient of the map (central differences in mm, one-sided on the grid's faces); neighbours beyond

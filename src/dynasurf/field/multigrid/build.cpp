@@ -1,0 +1,287 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/field/gradient.hpp"
+#include "dynasurf/field/multigrid/level.hpp"
+
+namespace dynasurf::multigrid {
+
+namespace {
+
+/// At least `count` floats, all zero when the memory is new or the shape of what it holds has changed.
+void make_room(detail::FloatBuffer& buffer, std::size_t count, bool changed) {
+  const bool grown = buffer.size() < count;
+  if (grown) buffer = detail::FloatBuffer(count);
+  if (!grown && !changed) return;
+  parallel_for(count, std::size_t{1} << 18, [&](std::size_t begin, std::size_t end) {
+    std::fill(buffer.data() + begin, buffer.data() + end, 0.0f);
+  });
+}
+
+Axis axis_of(std::vector<double> width, double nominal) {
+  Axis a;
+  a.count = static_cast<int>(width.size());
+  a.nominal = nominal;
+  a.left.assign(width.size(), 0);
+  a.right.assign(width.size(), 0);
+  a.share.assign(width.size(), 1);
+  for (std::size_t i = 0; i + 1 < width.size(); ++i) {
+    const double apart = (width[i] + width[i + 1]) / 2;
+    a.right[i] = static_cast<float>(1 / (width[i] * apart));
+    a.left[i + 1] = static_cast<float>(1 / (width[i + 1] * apart));
+  }
+  a.width = std::move(width);
+  return a;
+}
+
+/// Joins pairs of cells along the axes that are nearly the finest ones: diffusion couples their cells most, so that
+/// only there the error is smooth after a sweep. Returns the axes of the coarser level; none when all axes are single
+/// cells.
+std::array<Axis, 3> coarsen(std::array<Axis, 3>& fine) {
+  double finest = INFINITY;
+  for (const Axis& a : fine)
+    if (a.count > 1) finest = std::min(finest, a.nominal);
+  std::array<Axis, 3> coarse;
+  for (std::size_t d = 0; d < 3; ++d) {
+    Axis& a = fine[d];
+    a.halved = a.count > 1 && a.nominal <= 1.4143 * finest;
+    if (!a.halved) {
+      coarse[d] = axis_of(a.width, a.nominal);
+      continue;
+    }
+    std::vector<double> width;
+    for (std::size_t i = 0; i < a.width.size(); i += 2)
+      width.push_back(a.width[i] + (i + 1 < a.width.size() ? a.width[i + 1] : 0));
+    for (std::size_t i = 0; i < a.width.size(); ++i) a.share[i] = static_cast<float>(a.width[i] / width[i / 2]);
+    coarse[d] = axis_of(std::move(width), 2 * a.nominal);
+  }
+  return coarse;
+}
+
+/// Sizes and the values along i that all rows share.
+void lay_out(Level& l, std::array<Axis, 3> axis, bool finest) {
+  const bool changed = l.nx() != axis[0].count || l.ny() != axis[1].count || l.nz() != axis[2].count;
+  l.axis = std::move(axis);
+  l.finest = finest;
+  l.slot = ((l.nx() + 1) / 2 + lanes - 1) / lanes * lanes;
+  l.stride = 6 * static_cast<std::size_t>(l.slot) + lanes;
+  const std::size_t rows = static_cast<std::size_t>(l.ny()) * static_cast<std::size_t>(l.nz());
+  const std::size_t vector_size = rows * l.stride + 2 * lanes,
+                    scalar_size = rows * 2 * static_cast<std::size_t>(l.slot);
+  make_room(l.u, vector_size, changed);
+  if (finest) {
+    make_room(l.empty_d, 18 * static_cast<std::size_t>(l.slot), true);
+    if (l.blocks.size() < 5 * scalar_size) l.blocks = detail::FloatBuffer(5 * scalar_size);
+    l.block_of.resize(scalar_size / lanes);
+    l.change.resize(rows);
+    l.size.resize(rows);
+  } else {
+    make_room(l.rhs, vector_size, changed);
+    make_room(l.b, scalar_size, changed);
+    make_room(l.d, scalar_size, changed);
+  }
+}
+
+void fill_lanes(Level& l) {
+  make_room(l.lane_values, 8 * static_cast<std::size_t>(l.slot), true);
+  const Axis& x = l.axis[0];
+  for (int i = 0; i < x.count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    float* v = l.lane_values.data() + (i % 2) * l.slot + i / 2;
+    v[0] = x.left[at];
+    v[2 * l.slot] = x.right[at];
+    v[4 * l.slot] = x.left[at] + x.right[at];
+    v[6 * l.slot] = x.share[at];
+  }
+}
+
+void fill_empty_d(Level& l) {
+  for (int z : {0, 1, 2})
+    for (int y : {0, 1, 2}) {
+      const auto cell = [](int type, int n) { return type == 0 ? 0 : type == 2 ? n - 1 : std::min(1, n - 1); };
+      const float yz = l.yz_diagonal(cell(y, l.ny()), cell(z, l.nz()));
+      for (int i = 0; i < l.nx(); ++i) {
+        const float diagonal = l.lane_diagonal(i % 2)[i / 2] + yz;
+        l.empty_d.data()[((z * 3 + y) * 2 + i % 2) * l.slot + i / 2] = diagonal > 0 ? 1 / diagonal : 0;
+      }
+    }
+}
+
+/// The gradient of one row in natural order, and whether the map is finite there: the largest magnitude as bits.
+DYNASURF_CLONES int row_gradient(const float* f, const float* ym, const float* yp, const float* zm, const float* zp,
+                                 int n, const float* per_mm, float* gx, float* gy, float* gz) {
+  int largest = 0;
+  const float kx = per_mm[0], ky = per_mm[1], kz = per_mm[2];
+  for (int i = 0; i < n; ++i) largest = std::max(largest, std::bit_cast<int>(f[i]) & 0x7fffffff);
+  for (int i = 1; i + 1 < n; ++i) gx[i] = (f[i + 1] - f[i - 1]) * kx;
+  gx[0] = n > 1 ? (f[1] - f[0]) * (2 * kx) : 0;
+  if (n > 1) gx[n - 1] = (f[n - 1] - f[n - 2]) * (2 * kx);
+  for (int i = 0; i < n; ++i) gy[i] = (yp[i] - ym[i]) * ky;
+  for (int i = 0; i < n; ++i) gz[i] = (zp[i] - zm[i]) * kz;
+  return largest;
+}
+
+DYNASURF_INLINE bool any(const float* x, const float* y, const float* z) {
+  int bits = 0;
+  for (int i = 0; i < 2 * lanes; ++i)
+    bits |= (std::bit_cast<int>(x[i]) | std::bit_cast<int>(y[i]) | std::bit_cast<int>(z[i])) & 0x7fffffff;
+  return bits != 0;
+}
+
+struct SliceOutcome {
+  double largest_b = 0;
+  int largest_bits = 0;
+};
+
+/// Data blocks of one slice of the finest level.
+DYNASURF_CLONES SliceOutcome fill_slice(Level& l, const Image& map, int k, DataTerm term) {
+  const int nx = l.nx(), ny = l.ny(), nz = l.nz(), chunks = l.slot / lanes, padded = 2 * l.slot;
+  detail::FloatBuffer room(static_cast<std::size_t>(3 * padded));
+  float *gx = room.data(), *gy = gx + padded, *gz = gy + padded;
+  std::fill_n(gx, 3 * padded, 0.0f);
+  std::int32_t next = static_cast<std::int32_t>(l.row_number(0, k)) * 2 * chunks;
+  SliceOutcome outcome;
+  float largest_b = 0;
+  for (int j = 0; j < ny; ++j) {
+    const auto at = [&](int y, int z) { return map.values.data() + map.grid.index(0, y, z); };
+    const int jm = std::max(j - 1, 0), jp = std::min(j + 1, ny - 1), km = std::max(k - 1, 0),
+              kp = std::min(k + 1, nz - 1);
+    const float per_mm[3] = {static_cast<float>(0.5 / map.grid.spacing[0]),
+                             static_cast<float>(jp > jm ? 1 / ((jp - jm) * map.grid.spacing[1]) : 0),
+                             static_cast<float>(kp > km ? 1 / ((kp - km) * map.grid.spacing[2]) : 0)};
+    outcome.largest_bits = std::max(outcome.largest_bits, row_gradient(at(j, k), at(jm, k), at(jp, k), at(j, km),
+                                                                       at(j, kp), nx, per_mm, gx, gy, gz));
+    std::int32_t* block_of = l.block_of.data() + l.row_number(j, k) * 2 * static_cast<std::size_t>(chunks);
+    const float yz = l.yz_diagonal(j, k);
+    for (int m = 0; m < chunks; ++m) {
+      block_of[m] = block_of[chunks + m] = -1;
+      const int first = 2 * lanes * m;
+      if (!any(gx + first, gy + first, gz + first)) continue;
+      for (int half : {0, 1}) {
+        block_of[half * chunks + m] = next;
+        float* data = l.blocks.data() + 80 * static_cast<std::ptrdiff_t>(next++);
+        const float* diagonal = l.lane_diagonal(half) + lanes * m;
+        const int count = std::min(lanes, (nx + 1 - half) / 2 - lanes * m);  // the others are unused lanes
+        for (int i = 0; i < lanes; ++i) {
+          const int from = first + 2 * i + half;
+          const float x = gx[from], y = gy[from], z = gz[from];
+          float b = x * x + y * y + z * z;
+          if (term.inverse_k > 0)
+            b = static_cast<float>(std::expm1(std::min(16.0, term.inverse_k * std::sqrt(static_cast<double>(b)))));
+          data[i] = i < count ? 1 / (b + (diagonal[i] + yz)) : 0;
+          data[16 + i] = b;
+          data[32 + i] = x;
+          data[48 + i] = y;
+          data[64 + i] = z;
+          largest_b = std::max(largest_b, b);
+        }
+      }
+    }
+  }
+  outcome.largest_b = static_cast<double>(largest_b);
+  return outcome;
+}
+
+/// Adds one row's data to the coarser cells: the data term and right-hand side, each weighed with s = D/(D+b). A thin
+/// strong shell would otherwise hold the whole coarse cell fast.
+DYNASURF_INLINE void add_row_data(const Level& l, int j, int k, int half, float area, float* sum, int step) {
+  const float *diagonal = l.lane_diagonal(half), *share = l.lane_share(half), yz = l.yz_diagonal(j, k);
+  for (int m = 0; m < l.slot; m += lanes) {
+    const std::int32_t number = l.finest ? l.blocks_of(j, k, half)[m / lanes] : 0;
+    if (number < 0) continue;
+    const float* data = l.finest ? l.blocks.data() + 80 * static_cast<std::ptrdiff_t>(number) : nullptr;
+    const std::size_t scalars = l.scalar_row(j, k) + static_cast<std::size_t>(half * l.slot + m);
+    const Vec16 d = l.finest ? load(data) : load(l.d.data() + scalars);
+    const Vec16 b = l.finest ? load(data + 16) : load(l.b.data() + scalars);
+    const Vec16 s = (area * load(share + m)) * ((load(diagonal + m) + yz) * d);
+    store(sum + m, load(sum + m) + s * b);
+    for (int c = 0; c < 3; ++c) {
+      const Vec16 rhs = l.finest ? b * load(data + 32 + 16 * c)
+                                 : load(l.rhs.data() + l.row(j, k) + half * l.slot + 2 * c * l.slot + m);
+      float* to = sum + (c + 1) * step + m;
+      store(to, load(to) + s * rhs);
+    }
+  }
+}
+
+DYNASURF_CLONES void coarsen_slice(const Level& f, Level& g, int k) {
+  const bool halved = f.axis[0].halved;
+  const int step = halved ? std::max(f.slot, 2 * g.slot) : 2 * f.slot;
+  detail::FloatBuffer sums(static_cast<std::size_t>(4 * step));
+  float* sum = sums.data();
+  const auto children = [](const Axis& a, int i) {
+    return a.halved ? std::pair{2 * i, std::min(2 * i + 1, a.count - 1)} : std::pair{i, i};
+  };
+  const auto [z0, z1] = children(f.axis[2], k);
+  for (int j = 0; j < g.ny(); ++j) {
+    std::fill_n(sum, 4 * step, 0.0f);
+    const auto [y0, y1] = children(f.axis[1], j);
+    for (int z = z0; z <= z1; ++z)
+      for (int y = y0; y <= y1; ++y)
+        for (int half : {0, 1}) {
+          const float area =
+              f.axis[1].share[static_cast<std::size_t>(y)] * f.axis[2].share[static_cast<std::size_t>(z)];
+          add_row_data(f, y, z, half, area, halved ? sum : sum + half * f.slot, step);
+        }
+    for (int i = 0; i < g.nx(); ++i) {
+      const int half = i % 2, from = halved ? i : half * f.slot + i / 2;
+      const std::size_t to = g.scalar_row(j, k) + static_cast<std::size_t>(half * g.slot + i / 2);
+      const float b = sum[from];
+      g.b.data()[to] = b;
+      const float diagonal = b + (g.lane_diagonal(half)[i / 2] + g.yz_diagonal(j, k));
+      g.d.data()[to] = diagonal > 0 ? 1 / diagonal : 0;
+      for (int c = 0; c < 3; ++c)
+        g.rhs.data()[g.row(j, k) + static_cast<std::size_t>((2 * c + half) * g.slot + i / 2)] =
+            sum[(c + 1) * step + from];
+    }
+  }
+}
+
+}  // namespace
+
+double build(std::vector<Level>& levels, const Image& map, const Vec3& rates, const DataTerm& term) {
+  if (levels.empty()) levels.emplace_back();
+  std::array<Axis, 3> axis;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const double width = 1 / std::sqrt(rates[static_cast<int>(d)]);
+    axis[d] = axis_of(std::vector<double>(static_cast<std::size_t>(map.grid.dims[static_cast<int>(d)]), width), width);
+  }
+  lay_out(levels[0], axis, true);
+  std::size_t count = 1;
+  for (; levels[count - 1].cells() > 1; ++count) {
+    if (levels.size() == count) levels.emplace_back();
+    std::array<Axis, 3> coarse = coarsen(levels[count - 1].axis);
+    lay_out(levels[count], std::move(coarse), false);
+  }
+  levels.resize(count);
+  for (Level& l : levels) fill_lanes(l);
+  fill_empty_d(levels[0]);
+
+  const auto slices = static_cast<std::size_t>(levels[0].nz());
+  std::vector<SliceOutcome> outcomes(slices);
+  const std::size_t grain = std::max<std::size_t>(1, (std::size_t{1} << 14) * slices / levels[0].cells());
+  parallel_for(slices, grain, [&](std::size_t begin, std::size_t end) {
+    const detail::FlushDenormals flush;
+    for (std::size_t k = begin; k < end; ++k) outcomes[k] = fill_slice(levels[0], map, static_cast<int>(k), term);
+  });
+  SliceOutcome all;
+  for (const SliceOutcome& o : outcomes)
+    all = {std::max(all.largest_b, o.largest_b), std::max(all.largest_bits, o.largest_bits)};
+  if (all.largest_bits >= 0x7f800000 || !std::isfinite(all.largest_b)) detail::check_edge_map(map);  // names the place
+  if (all.largest_b == 0) return 0;
+
+  for (std::size_t l = 1; l < count; ++l) {
+    Level& g = levels[l];
+    const std::size_t coarse_grain =
+        std::max<std::size_t>(1, (std::size_t{1} << 12) * static_cast<std::size_t>(g.nz()) / g.cells());
+    parallel_for(static_cast<std::size_t>(g.nz()), coarse_grain, [&](std::size_t begin, std::size_t end) {
+      const detail::FlushDenormals flush;
+      for (std::size_t k = begin; k < end; ++k) coarsen_slice(levels[l - 1], g, static_cast<int>(k));
+    });
+  }
+  return all.largest_b;
+}
+
+}  // namespace dynasurf::multigrid

@@ -1,0 +1,303 @@
+#include "dynasurf/field/steady.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <sstream>
+
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/field/gradient.hpp"
+#include "dynasurf/field/multigrid/level.hpp"
+
+namespace dynasurf {
+
+using multigrid::Level;
+using multigrid::Start;
+
+struct SteadyWorkspace::Levels {
+  std::vector<Level> levels;
+};
+
+namespace {
+
+/// What can be done to all cells of a level, in the order of need: each reads what the one before wrote up to one slice
+/// further.
+enum class Stage {
+  red_from_rhs,
+  red_cold,
+  black_cold,
+  red,
+  red_measured,
+  black,
+  start_black,
+  correct_black,
+  restrict_residual
+};
+
+/// The solver works on levels [0, count): 0 holds the voxels, the last one a single cell.
+struct Hierarchy {
+  std::vector<Level>& levels;
+
+  void run(std::size_t l, std::span<const Stage> stages);
+  void cycles(std::size_t l, std::size_t top, int count);
+  void correct(std::size_t l, std::size_t top);
+  void solve_coarse();
+  bool twice(std::size_t l, std::size_t top) const;
+
+ private:
+  void apply(std::size_t l, Stage stage, int k0, int k1, int j0, int j1);
+  void run_in_waves(std::size_t l, std::span<const Stage> stages);
+};
+
+/// The stage on the rows [j0, j1) of the slices [k0, k1). Where pairs are joined, the bounds are even or the end.
+void Hierarchy::apply(std::size_t l, Stage stage, int k0, int k1, int j0, int j1) {
+  Level& fine = levels[l];
+  const detail::FlushDenormals flush;
+  if (stage == Stage::restrict_residual) {
+    const auto coarse = [](const multigrid::Axis& a, int i) { return a.halved ? (i + 1) / 2 : i; };
+    for (int k = coarse(fine.axis[2], k0); k < coarse(fine.axis[2], k1); ++k)
+      multigrid::restrict_residual(fine, levels[l + 1], k, coarse(fine.axis[1], j0), coarse(fine.axis[1], j1));
+    return;
+  }
+  for (int k = k0; k < k1; ++k) switch (stage) {
+      case Stage::red_from_rhs:
+        multigrid::sweep(fine, k, j0, j1, 0, Start::from_rhs);
+        break;
+      case Stage::red_cold:
+        multigrid::sweep(fine, k, j0, j1, 0, Start::cold);
+        break;
+      case Stage::black_cold:
+        multigrid::sweep(fine, k, j0, j1, 1, Start::cold);
+        break;
+      case Stage::red:
+        multigrid::sweep(fine, k, j0, j1, 0, Start::warm);
+        break;
+      case Stage::red_measured:
+        multigrid::sweep(fine, k, j0, j1, 0, Start::measured);
+        break;
+      case Stage::black:
+        multigrid::sweep(fine, k, j0, j1, 1, Start::warm);
+        break;
+      case Stage::start_black:
+        multigrid::start_black(fine, levels[l + 1], k, j0, j1);
+        break;
+      case Stage::correct_black:
+        multigrid::correct_black(fine, levels[l + 1], k, j0, j1);
+        break;
+      case Stage::restrict_residual:
+        break;
+    }
+}
+
+int even_ceil(int n) { return n + n % 2; }
+
+/// All stages in one pass over memory: while stage 0 works on block q of slices, stage 1 works on block q-2, and so on.
+/// Everything in one wave is independent of the rest of it, so the waves may run on any number of threads.
+void Hierarchy::run_in_waves(std::size_t l, std::span<const Stage> stages) {
+  const Level& f = levels[l];
+  const int slice = f.nx() * f.ny();
+  const int slices = even_ceil(std::max(1, 8192 / slice));
+  const int rows = even_ceil(std::max(2, 16384 / (f.nx() * slices)));
+  const int blocks = (f.nz() + slices - 1) / slices, parts = (f.ny() + rows - 1) / rows;
+  const int count = static_cast<int>(stages.size());
+  for (int wave = 0; wave < blocks + 2 * (count - 1); ++wave) {
+    const int first = std::max(0, (wave - blocks + 2) / 2), last = std::min(count - 1, wave / 2);
+    if (first > last) continue;
+    parallel_for(static_cast<std::size_t>((last - first + 1) * parts), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t task = begin; task < end; ++task) {
+        const int stage = first + static_cast<int>(task) / parts, part = static_cast<int>(task) % parts;
+        const int block = wave - 2 * stage;
+        apply(l, stages[static_cast<std::size_t>(stage)], block * slices, std::min(f.nz(), (block + 1) * slices),
+              part * rows, std::min(f.ny(), (part + 1) * rows));
+      }
+    });
+  }
+}
+
+void Hierarchy::run(std::size_t l, std::span<const Stage> stages) {
+  constexpr std::size_t worth_threads = 32768;
+  if (levels[l].cells() >= worth_threads) return run_in_waves(l, stages);
+  for (Stage stage : stages) apply(l, stage, 0, levels[l].nz(), 0, levels[l].ny());
+}
+
+/// Two corrections from the next level instead of one (a W-cycle) keep the rate from falling with the number of levels;
+/// below the first two levels and on small grids one is as good and cheaper.
+bool Hierarchy::twice(std::size_t l, std::size_t top) const {
+  return levels[l].cells() > 32768 || (l < top + 2 && (levels[l].cells() > 2048 || top == 0));
+}
+
+/// Solves the residual equation on level l+1 roughly.
+void Hierarchy::correct(std::size_t l, std::size_t top) { cycles(l + 1, top, twice(l, top) ? 2 : 1); }
+
+constexpr Stage into[] = {Stage::red_from_rhs, Stage::black_cold, Stage::restrict_residual};
+constexpr Stage through[] = {Stage::correct_black, Stage::red,   Stage::black,
+                             Stage::red,           Stage::black, Stage::restrict_residual};
+constexpr Stage out_of[] = {Stage::correct_black, Stage::red, Stage::black};
+constexpr Stage begin_full[] = {Stage::start_black, Stage::red_cold, Stage::black, Stage::restrict_residual};
+
+/// `count` cycles on level l from zero.
+void Hierarchy::cycles(std::size_t l, std::size_t top, int count) {
+  if (l + 1 == levels.size()) return run(l, {into, 1});  // a single cell: exact
+  run(l, into);
+  for (int n = 1; n < count; ++n) {
+    correct(l, top);
+    run(l, through);
+  }
+  correct(l, top);
+  run(l, out_of);
+}
+
+/// Full multigrid on all levels but the voxels: each starts from the solution of the next coarser one.
+void Hierarchy::solve_coarse() {
+  for (std::size_t l = levels.size() - 1; l >= 1; --l) {
+    if (l + 1 == levels.size()) {
+      cycles(l, l, 1);
+      continue;
+    }
+    run(l, begin_full);
+    correct(l, l);
+    run(l, out_of);
+  }
+}
+
+constexpr Stage finish[] = {Stage::correct_black, Stage::red_measured, Stage::black};
+constexpr Stage resume[] = {Stage::red, Stage::black, Stage::restrict_residual};
+constexpr Stage finish_and_resume[] = {Stage::correct_black, Stage::red_measured, Stage::black,
+                                       Stage::red,           Stage::black,        Stage::restrict_residual};
+
+/// How much the last cycle changed the field, relative to it. Red cells are not corrected but follow their corrected
+/// neighbours, so the change of the first red sweep is that of the whole cycle.
+double relative_change(const Level& finest) {
+  double change = 0, size = 0;
+  for (double c : finest.change) change += c;
+  for (double s : finest.size) size += s;
+  return size > 0 ? std::sqrt(change / size) : 0;
+}
+
+/// What is left after a cycle that changed the field by `change`, where cycles shrink the error by `rate`: the error
+/// was change / (1 - rate) before. The rate is that of the changes; below 0.2 it is not trusted, since one cycle may do
+/// well by chance, and twice the result is reported, since the last part of the error shrinks more slowly than the
+/// first.
+double estimate_error(double change, double change_before) {
+  if (change_before == 0) return 0.4 * change;  // measured after a first cycle: 0.05 to 0.3
+  const double rate = std::clamp(change / change_before, 0.2, 0.9);
+  return 2.5 * change * rate / (1 - rate);
+}
+
+/// Cycles until the estimated error is below the tolerance or rounding ends the progress (near 1e-6).
+void iterate(Hierarchy& h, double tolerance, int most_cycles, FlowResult& r, const Progress& progress) {
+  h.run(0, begin_full);
+  double error = 1, change = 0;
+  for (int stalled = 0;;) {
+    progress.check();
+    h.correct(0, 0);
+    ++r.iterations;
+    const bool certainly_more = 0.1 * error > tolerance && r.iterations < most_cycles;
+    h.run(0, certainly_more ? std::span<const Stage>(finish_and_resume) : std::span<const Stage>(finish));
+    const double before = change;
+    change = relative_change(h.levels[0]);
+    error = estimate_error(change, before);
+    stalled = r.iterations > 1 && change > 0.7 * before ? stalled + 1 : 0;
+    progress("field", r.iterations, most_cycles);
+    if (error < tolerance || r.iterations == most_cycles || stalled == 3) break;
+    if (!certainly_more) h.run(0, resume);
+  }
+  r.error = error;
+  if (error < tolerance) return;
+  std::ostringstream text;
+  text << "the steady field was left at an estimated relative error of " << error << " after " << r.iterations
+       << " cycles; asked for was " << tolerance;
+  r.notes.push_back({Severity::warning, "steady.tolerance_missed", text.str()});
+}
+
+void prepare(const Image& map, FlowResult& r) {
+  detail::check_grid(map);
+  const bool fits =
+      r.field.x.size() == map.grid.size() && r.field.y.size() == map.grid.size() && r.field.z.size() == map.grid.size();
+  VectorField field = fits ? std::move(r.field) : VectorField(map.grid);
+  field.grid = map.grid;
+  r = FlowResult{};
+  r.field = std::move(field);
+}
+
+void set_zero(VectorField& f) {
+  for (auto* c : {&f.x, &f.y, &f.z}) std::fill(c->begin(), c->end(), 0.0f);
+}
+
+void solve(const Image& map, const Vec3& rates, const multigrid::DataTerm& term, double tolerance, int most_cycles,
+           SteadyWorkspace& w, FlowResult& r, const Progress& progress) {
+  std::vector<Level>& levels = w.levels->levels;
+  if (multigrid::build(levels, map, rates, term) == 0) {
+    set_zero(r.field);
+    r.error = 0;
+    return;
+  }
+  Hierarchy h{levels};
+  h.solve_coarse();
+  iterate(h, tolerance, most_cycles, r, progress);
+  const Level& finest = levels[0];
+  const std::size_t grain =
+      std::max<std::size_t>(1, (std::size_t{1} << 15) / static_cast<std::size_t>(finest.nx() * finest.ny()));
+  parallel_for(static_cast<std::size_t>(finest.nz()), grain, [&](std::size_t begin, std::size_t end) {
+    multigrid::copy_out(finest, static_cast<int>(begin), static_cast<int>(end),
+                        {r.field.x.data(), r.field.y.data(), r.field.z.data()});
+  });
+}
+
+}  // namespace
+
+SteadyWorkspace::SteadyWorkspace() : levels(std::make_unique<Levels>()) {}
+SteadyWorkspace::~SteadyWorkspace() = default;
+SteadyWorkspace::SteadyWorkspace(SteadyWorkspace&&) noexcept = default;
+SteadyWorkspace& SteadyWorkspace::operator=(SteadyWorkspace&&) noexcept = default;
+
+std::size_t SteadyWorkspace::bytes() const {
+  std::size_t floats = 0, others = 0;
+  for (const Level& l : levels->levels) {
+    for (const auto* b : {&l.u, &l.rhs, &l.b, &l.d, &l.lane_values, &l.blocks, &l.empty_d}) floats += b->size();
+    others += l.block_of.size() * sizeof(std::int32_t) + (l.change.size() + l.size.size()) * sizeof(double);
+  }
+  return floats * sizeof(float) + others;
+}
+
+void flow_field(const Image& edge_map, const SteadyGvf& options, SteadyWorkspace& workspace, FlowResult& result,
+                const Progress& progress) {
+  SteadyGvf o = options;
+  check_options(o, "steady");
+  prepare(edge_map, result);
+  const Grid& g = edge_map.grid;
+  double cell = 1;
+  for (int a = 0; a < 3; ++a)
+    if (g.dims[a] > 1) cell *= g.spacing[a];
+  Vec3 rates;
+  for (int a = 0; a < 3; ++a) rates[a] = o.mu / (o.scheme == GvfScheme::thesis ? cell : g.spacing[a] * g.spacing[a]);
+  solve(edge_map, rates, {}, o.tolerance, o.most_cycles, workspace, result, progress);
+}
+
+void flow_field(const Image& edge_map, const SteadyGgvf& options, SteadyWorkspace& workspace, FlowResult& result,
+                const Progress& progress) {
+  SteadyGgvf o = options;
+  check_options(o, "steady_ggvf");
+  detail::check_edge_map(edge_map);
+  prepare(edge_map, result);
+  const double steepest = std::sqrt(detail::largest_gradient_squared(edge_map));
+  const multigrid::DataTerm term{steepest > 0 ? 1 / (o.k * steepest) : 1};
+  solve(edge_map, edge_map.grid.spacing.cwiseAbs2().cwiseInverse(), term, o.tolerance, o.most_cycles, workspace, result,
+        progress);
+}
+
+FlowResult flow_field(const Image& edge_map, const SteadyGvf& options, const Progress& progress) {
+  SteadyWorkspace workspace;
+  FlowResult result;
+  flow_field(edge_map, options, workspace, result, progress);
+  return result;
+}
+
+FlowResult flow_field(const Image& edge_map, const SteadyGgvf& options, const Progress& progress) {
+  SteadyWorkspace workspace;
+  FlowResult result;
+  flow_field(edge_map, options, workspace, result, progress);
+  return result;
+}
+
+}  // namespace dynasurf
