@@ -16,7 +16,7 @@
 namespace dynasurf {
 namespace {
 
-constexpr std::array<std::string_view, 3> kStopPoints{"entry", "centre", "backtrack"};
+constexpr std::array<std::string_view, 4> kStopPoints{"entry", "centre", "backtrack", "subvoxel"};
 constexpr std::array<std::string_view, 4> kStopReasons{"all_stopped", "at_rest", "max_steps", "diverged"};
 
 constexpr std::size_t kGrain = 1024;     // particles of one parallel piece
@@ -100,7 +100,8 @@ struct StepReport {
 /// The free model (MOD-FREE). Particles that still move are kept packed: a stopped particle costs nothing.
 class Run {
  public:
-  Run(const TriMesh& start, const VectorField& field, const Image& border, const Evolution& options)
+  Run(const TriMesh& start, const VectorField& field, const Image& border, const Evolution& options,
+      const BorderPlanes* planes)
       : options_(options),
         grid_(field.grid),
         smallest_spacing_(field.grid.spacing.minCoeff()),
@@ -108,6 +109,7 @@ class Run {
         plan_(make_plan(options, start.vertices.size(), checked_pull(field), room_, smallest_spacing_)),
         motion_(free_motion(field, options.force, plan_.mass_kg)),
         path_(border),
+        planes_(planes),
         rings_(vertex_rings(start)) {
     const std::size_t n = start.vertices.size();
     result_.mesh = start;
@@ -235,6 +237,9 @@ class Run {
       case StopPoint::backtrack:
         to = step_begin;
         break;
+      case StopPoint::subvoxel:
+        to = meeting_point(grid_, planes_, *hit, to - from);
+        break;
     }
     return 1;
   }
@@ -342,6 +347,7 @@ class Run {
   const Plan plan_;
   const Derivative motion_;
   const BorderPath path_;
+  const BorderPlanes* const planes_;
   const VertexRings rings_;
   std::optional<BorderDistance> to_border_;
   EvolutionResult result_;
@@ -364,11 +370,14 @@ std::span<const std::string_view> names_of(StopPoint) { return kStopPoints; }
 std::string_view name_of(StopReason reason) { return kStopReasons[static_cast<std::size_t>(reason)]; }
 
 EvolutionResult evolve(const TriMesh& start, const VectorField& field, const Image& border, const Evolution& options,
-                       const Progress& progress) {
+                       const Progress& progress, const BorderPlanes* planes) {
   Evolution checked = options;
   check_options(checked, "evolve");
   check_inputs(start, field, border);
-  return Run(start, field, border, checked)(progress);
+  if (planes != nullptr &&
+      (planes->offset.grid.dims != border.grid.dims || planes->normal.grid.dims != border.grid.dims))
+    throw InputError("evolve: the border's planes lie on another grid than the border; expected the same size");
+  return Run(start, field, border, checked, planes)(progress);
 }
 
 }  // namespace dynasurf

@@ -10,6 +10,7 @@
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/dynamics/border_planes.hpp"
 #include "dynasurf/field/vector_field.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
@@ -43,7 +44,7 @@ void describe(auto& visit, FieldForce& o) {
 }
 
 /// Where on its path a particle stops when it meets a border voxel (STOP-VOXEL, thesis 6.1.2.3).
-enum class StopPoint { entry, centre, backtrack };
+enum class StopPoint { entry, centre, backtrack, subvoxel };
 std::span<const std::string_view> names_of(StopPoint);
 
 struct StopVoxel {
@@ -54,7 +55,7 @@ void describe(auto& visit, StopVoxel& o) {
   visit("enabled", o.enabled, Field{"particles stop for good in voxels of their border"});
   visit("point", o.point,
         Field{"entry: where the path meets the voxel (thesis); centre: the voxel's centre; backtrack: last point "
-              "before it"});
+              "before it; subvoxel: where the path meets the border inside the voxel"});
 }
 
 /// When the whole run ends (STOP-CONV, O16). In steps shorter than the automatic one, a particle must be slower in
@@ -125,8 +126,10 @@ struct EvolutionResult {
 /// neither the field nor the smoothing takes a particle through a border voxel, however long the step. Deterministic
 /// for any thread count. On divergence the mesh before the bad step is returned, with the reason. Throws InputError for
 /// an empty or far start, a field that is not finite, or a border on another grid.
+/// `planes`, on the grid of `border`, tells StopPoint::subvoxel where in its voxels the border runs; without it the
+/// voxels' centres are taken.
 EvolutionResult evolve(const TriMesh& start, const VectorField& field, const Image& border, const Evolution& options,
-                       const Progress& progress = {});
+                       const Progress& progress = {}, const BorderPlanes* planes = nullptr);
 
 /// The largest stable step of a solver for the drag alone: 2 m/k_d for Euler and midpoint, 2.785 m/k_d for RK4, with
 /// m = mass / n (ODE-LIMIT, thesis table 4.2). Infinity without drag.
