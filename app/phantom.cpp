@@ -28,7 +28,7 @@ using Json = nlohmann::ordered_json;
 struct Arguments {
   std::string kind, out;
   std::vector<std::string> settings;
-  std::optional<int> seed;
+  std::string seed;
   int threads = 0;
   bool nrrd = false, quiet = false;
 };
@@ -45,7 +45,7 @@ PhantomOptions options_of(const Arguments& arguments) {
   const ChoiceRef kinds = choice_of(phantom);
   const OptionNodes nodes = kinds.choose(position_of(kinds.methods, arguments.kind, "KIND"));
   for (const std::string& setting : arguments.settings) set_option(nodes, setting);
-  if (arguments.seed) set_option(nodes, path_of_seed(nodes, arguments.kind) + "=" + std::to_string(*arguments.seed));
+  if (!arguments.seed.empty()) set_option(nodes, path_of_seed(nodes, arguments.kind) + "=" + arguments.seed);
   return phantom;
 }
 

@@ -101,6 +101,7 @@ class Phantom(CliTest):
         self.refuses(1, "phantom", "patient", "--out", out, "--set", "edv=100", says="did you mean 'edv_ml'?")
         self.refuses(1, "phantom", "patient", "--out", out, "--set", "edv_ml=-3", says="edv_ml is '-3'; expected a number >= 5")
         self.refuses(1, "phantom", "sphere", "--out", out, "--seed", 3, says="draws no random numbers")
+        self.refuses(1, "phantom", "patient", "--out", out, "--seed=-1", says="noise.seed is '-1'; expected a whole number >= 0")
         self.assertFalse(out.exists())
 
     def test_replaces_a_former_phantom_but_no_folder_of_the_user(self):
