@@ -10,12 +10,14 @@ namespace {
 constexpr std::array<std::string_view, 2> names{"default", "thesis"};
 
 /// The run over a cardiac cycle of thesis 6.3 (CARD-CYCLE): Canny's parameters of 6.1.4, the labels decided by the
-/// largest gap alone, drag of 1 %, a step of 0.1 s, and straight lines between the gates.
+/// largest gap alone, particles that stop at the faces of border voxels, drag of 1 %, a step of 0.1 s, and straight
+/// lines between the gates.
 VentricleOptions thesis_options() {
   VentricleOptions o;
   o.edges = Canny{.sigma_px = 1.8, .low = 0.3, .high = 0.7};
   o.labels.circle.robust_fit = false;
   o.labels.method = Mlc{.strict_thesis = true, .box_margin_px = 0};
+  o.evolution.stop.point = StopPoint::entry;
   o.evolution.force.drag = 0.01;
   o.evolution.step_s = 0.1;
   o.evolution.end.still_radius = 0;

@@ -7,6 +7,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/intensity.hpp"
+#include "dynasurf/ventricle/border_planes.hpp"
 #include "dynasurf/ventricle/canonical.hpp"
 
 namespace dynasurf {
@@ -56,6 +57,7 @@ class StageCounter {
 /// What one wall of one gate passes through on its way from a border to a surface.
 struct WallRun {
   Image border;
+  BorderPlanes planes;
   FlowResult flow;
   EvolutionResult evolved;
   bool exists() const { return !border.values.empty(); }
@@ -83,13 +85,15 @@ void find_borders(GateRun& run, const Image& image, const VentricleOptions& opti
     Image border = border_volume(run.labels, wall);
     if (options.closure.cover) border = close_border(border, run.base_slice);
     run.wall(wall).border = with_room(std::move(border), room_voxels);
+    run.wall(wall).planes = border_planes(run.wall(wall).border, wall, run.labels, run.edges, run.base_slice);
   }
 }
 
 void find_surface(WallRun& run, const TriMesh& start, const VentricleOptions& options, const Progress& quiet,
                   StageClock& clock) {
   run.flow = clock("field", [&] { return flow_field(run.border, options.field, quiet); });
-  run.evolved = clock("surfaces", [&] { return evolve(start, run.flow.field, run.border, options.evolution, quiet); });
+  run.evolved = clock("surfaces",
+                      [&] { return evolve(start, run.flow.field, run.border, options.evolution, quiet, &run.planes); });
 }
 
 /// The former surface, a little enlarged about its centre, so that the next one is reached from outside

@@ -20,6 +20,14 @@
 
 namespace dynasurf {
 
+/// The free model whose particles stop where the border runs inside its voxels. The thesis stops them at the voxels'
+/// outer faces, half a voxel from the edge, which widens small cavities most and lowers their ejection fraction.
+inline Evolution subvoxel_evolution() {
+  Evolution e;
+  e.stop.point = StopPoint::subvoxel;
+  return e;
+}
+
 /// Everything that steers the ventricle pipeline (PIPE-2, thesis 7.1 and appendix A.8 of the specification).
 struct VentricleOptions {
   double noise_fraction = 0;
@@ -29,7 +37,7 @@ struct VentricleOptions {
   FieldOptions field = Gvf{};
   int mesh_level = 3;
   Placement placement;
-  Evolution evolution;
+  Evolution evolution = subvoxel_evolution();
   bool warm_start = false;
   Keyframes keyframes;
 };

@@ -1,0 +1,69 @@
+#include "dynasurf/ventricle/border_planes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dynasurf {
+namespace {
+
+/// Bilinear value in slice k, replicated outside.
+double value_at(const Image& image, double x, double y, int k) {
+  const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y));
+  const double a = x - i, b = y - j;
+  return (1 - a) * (1 - b) * image.clamped(i, j, k) + a * (1 - b) * image.clamped(i + 1, j, k) +
+         (1 - a) * b * image.clamped(i, j + 1, k) + a * b * image.clamped(i + 1, j + 1, k);
+}
+
+/// Way from the middle sample to the vertex of the parabola through three samples one apart; within half a sample, 0
+/// where there is no maximum.
+double parabola_vertex(double before, double middle, double after) {
+  const double curvature = before - 2 * middle + after;
+  return curvature < 0 ? std::clamp(0.5 * (before - after) / curvature, -0.5, 0.5) : 0;
+}
+
+struct Plane {
+  Vec3 offset_mm{0, 0, 0}, normal{0, 0, 0};
+};
+
+Plane plane_of_edge(const Image& strength, const Axis& axis, const Index3& v) {
+  const int k = v[2];
+  const double x = v[0] - axis.x_at(k), y = v[1] - axis.y_at(k), radius = std::hypot(x, y);
+  if (radius == 0) return {};
+  const double ux = x / radius, uy = y / radius;
+  const double shift_px = parabola_vertex(value_at(strength, v[0] - ux, v[1] - uy, k), strength(v[0], v[1], k),
+                                          value_at(strength, v[0] + ux, v[1] + uy, k));
+  const Vec3& mm = strength.grid.spacing;
+  return {{shift_px * ux * mm[0], shift_px * uy * mm[1], 0}, {ux / mm[0], uy / mm[1], 0}};
+}
+
+void set(VectorField& field, std::size_t voxel, const Vec3& v) {
+  field.x[voxel] = static_cast<float>(v[0]);
+  field.y[voxel] = static_cast<float>(v[1]);
+  field.z[voxel] = static_cast<float>(v[2]);
+}
+
+}  // namespace
+
+BorderPlanes border_planes(const Image& border, Wall wall, const Labels& labels, const EdgeMap& edges, int base_slice) {
+  BorderPlanes planes(border.grid);
+  const Grid& grid = labels.borders.grid;
+  // The border's grid is the labels' grown by whole voxels.
+  const Index3 shift = voxel_of(border.grid, to_grid(border.grid, grid.origin));
+  const std::uint8_t bit = wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit;
+  const double half_slice = grid.spacing[2] / 2;
+  for (int k = 0; k < grid.dims[2]; ++k)
+    for (int j = 0; j < grid.dims[1]; ++j)
+      for (int i = 0; i < grid.dims[0]; ++i) {
+        const std::size_t voxel = border.grid.index(i + shift[0], j + shift[1], k + shift[2]);
+        if (border.values[voxel] == 0) continue;
+        const bool on_edge = (labels.borders(i, j, k) & bit) != 0;
+        const double face = k == base_slice ? half_slice : -half_slice;
+        const Plane plane =
+            on_edge ? plane_of_edge(edges.gradient, labels.axis, {i, j, k}) : Plane{{0, 0, face}, {0, 0, 1}};
+        set(planes.offset, voxel, plane.offset_mm);
+        set(planes.normal, voxel, plane.normal);
+      }
+  return planes;
+}
+
+}  // namespace dynasurf

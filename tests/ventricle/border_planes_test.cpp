@@ -1,0 +1,94 @@
+#include "dynasurf/ventricle/border_planes.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "dynasurf/ventricle/closure.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr double middle = 20.3, radius_px = 9.4;  // nothing lies on a pixel
+
+/// A disc whose edge is blurred: the gradient is largest exactly at `radius_px`.
+Image blurred_disc() {
+  Grid grid;
+  grid.dims = {41, 41, 5};
+  grid.spacing = {2, 2, 4};
+  Image image(grid);
+  for (int k = 0; k < 5; ++k)
+    for (int j = 0; j < 41; ++j)
+      for (int i = 0; i < 41; ++i)
+        image(i, j, k) =
+            static_cast<float>(0.5 * std::erfc(std::hypot(i - middle, j - middle) / 1.5 - radius_px / 1.5));
+  return image;
+}
+
+struct Case {
+  EdgeMap edges;
+  Labels labels;
+  Image border;
+};
+
+Case disc_case() {
+  Case c;
+  c.edges = detect_edges(blurred_disc(), Canny{});
+  c.labels.borders = c.edges.edges;
+  for (auto& v : c.labels.borders.values) v = v != 0 ? Labels::epi_bit : std::uint8_t{0};
+  c.labels.axis = {middle, middle, 0, 0};
+  c.border = close_border(border_volume(c.labels, Wall::epi), 4);
+  return c;
+}
+
+Vec3 vector_at(const VectorField& f, const Index3& v) {
+  const std::size_t n = f.grid.index(v[0], v[1], v[2]);
+  return {f.x[n], f.y[n], f.z[n]};
+}
+
+TEST(BorderPlanes, FindTheEdgeInsideItsPixels) {
+  const Case c = disc_case();
+  const BorderPlanes planes = border_planes(c.border, Wall::epi, c.labels, c.edges, 4);
+  double with = 0, without = 0;
+  int count = 0;
+  for (int j = 0; j < 41; ++j)
+    for (int i = 0; i < 41; ++i) {
+      if (c.labels.borders(i, j, 2) == 0) continue;
+      const Vec3 offset = vector_at(planes.offset, {i, j, 2}) / 2;  // px
+      with += std::abs(std::hypot(i + offset[0] - middle, j + offset[1] - middle) - radius_px);
+      without += std::abs(std::hypot(i - middle, j - middle) - radius_px);
+      ++count;
+    }
+  ASSERT_GT(count, 40);
+  EXPECT_LT(with / count, 0.1);      // what the parabola and the extra blur of the detector leave
+  EXPECT_GT(without / count, 0.15);  // pixel centres
+}
+
+TEST(BorderPlanes, StandSquareToTheRayOnEdgesAndToTheSlicesOnTheClosingDiscs) {
+  const Case c = disc_case();
+  const BorderPlanes planes = border_planes(c.border, Wall::epi, c.labels, c.edges, 4);
+  const Index3 inside{20, 20, 4}, bottom{20, 20, 0};
+  EXPECT_EQ(vector_at(planes.offset, inside), Vec3(0, 0, 2));
+  EXPECT_EQ(vector_at(planes.offset, bottom), Vec3(0, 0, -2));
+  EXPECT_EQ(vector_at(planes.normal, inside), Vec3(0, 0, 1));
+  EXPECT_EQ(vector_at(planes.normal, {20, 20, 2}), Vec3(0, 0, 0)) << "no border voxel";
+  for (int i = 0; i < 41; ++i)
+    if (c.labels.borders(i, 20, 2) != 0) {
+      EXPECT_NEAR(std::abs(vector_at(planes.normal, {i, 20, 2}).normalized()[0]), 1, 0.01);
+    }
+}
+
+TEST(BorderPlanes, FollowTheBorderOntoALargerGrid) {
+  const Case c = disc_case();
+  const Image roomy = with_room(c.border, 3);
+  ASSERT_EQ(roomy.grid.dims[2], 11);
+  const BorderPlanes small = border_planes(c.border, Wall::epi, c.labels, c.edges, 4);
+  const BorderPlanes large = border_planes(roomy, Wall::epi, c.labels, c.edges, 4);
+  for (int k = 0; k < 5; ++k)
+    for (int j = 0; j < 41; ++j)
+      for (int i = 0; i < 41; ++i)
+        ASSERT_EQ(vector_at(large.offset, {i, j, k + 3}), vector_at(small.offset, {i, j, k}));
+}
+
+}  // namespace
+}  // namespace dynasurf
