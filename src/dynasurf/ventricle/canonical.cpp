@@ -13,28 +13,6 @@ namespace {
 constexpr int least_slices = 3;
 constexpr int least_pixels = 8;
 
-void require_workable(const Study& study) {
-  if (study.gates.empty()) throw InputError("the study holds no volume; expected at least one gate");
-  if (study.view != View::short_axis && study.view != View::unknown)
-    throw InputError("the slices are " + std::string(name_of(study.view)) +
-                     " ones; expected a short-axis stack: reorient the study to short axis first");
-  const Grid& grid = study.grid();
-  if (grid.dims[2] < least_slices || grid.dims[0] < least_pixels || grid.dims[1] < least_pixels) {
-    std::ostringstream text;
-    text << "the volume has " << grid.dims[0] << " x " << grid.dims[1] << " pixels in " << grid.dims[2]
-         << " slices; expected at least " << least_pixels << " x " << least_pixels << " in " << least_slices;
-    throw InputError(text.str());
-  }
-  for (std::size_t g = 0; g < study.gates.size(); ++g) {
-    const Image& image = study.gates[g];
-    if (!(image.grid == grid)) throw InputError("gate " + std::to_string(g + 1) + " lies on another grid than gate 1");
-    const auto bad = std::find_if(image.values.begin(), image.values.end(), [](float v) { return !std::isfinite(v); });
-    if (bad != image.values.end())
-      throw InputError("gate " + std::to_string(g + 1) + " holds a value that is not finite at voxel " +
-                       std::to_string(bad - image.values.begin()) + "; expected numbers only");
-  }
-}
-
 /// The bright voxels of one slice summed over the gates: how much there is, and how dark their middle is.
 struct SliceLook {
   double mass = 0;
@@ -60,6 +38,25 @@ SliceLook look_at_slice(const Image& mean, int k, double peak) {
 }
 
 }  // namespace
+
+void require_workable(const Study& study) {
+  if (study.gates.empty()) throw InputError("the study holds no volume; expected at least one gate");
+  const Grid& grid = study.grid();
+  if (grid.dims[2] < least_slices || grid.dims[0] < least_pixels || grid.dims[1] < least_pixels) {
+    std::ostringstream text;
+    text << "the volume has " << grid.dims[0] << " x " << grid.dims[1] << " pixels in " << grid.dims[2]
+         << " slices; expected at least " << least_pixels << " x " << least_pixels << " in " << least_slices;
+    throw InputError(text.str());
+  }
+  for (std::size_t g = 0; g < study.gates.size(); ++g) {
+    const Image& image = study.gates[g];
+    if (!(image.grid == grid)) throw InputError("gate " + std::to_string(g + 1) + " lies on another grid than gate 1");
+    const auto bad = std::find_if(image.values.begin(), image.values.end(), [](float v) { return !std::isfinite(v); });
+    if (bad != image.values.end())
+      throw InputError("gate " + std::to_string(g + 1) + " holds a value that is not finite at voxel " +
+                       std::to_string(bad - image.values.begin()) + "; expected numbers only");
+  }
+}
 
 SliceOrder guess_slice_order(std::span<const Image> gates) {
   Image mean(gates.front().grid);
@@ -105,6 +102,9 @@ Study reverse_slices(Study study) {
 
 Study canonical_study(const Study& original) {
   require_workable(original);
+  if (original.view != View::short_axis && original.view != View::unknown)
+    throw InputError("the slices are " + std::string(name_of(original.view)) +
+                     " ones; expected a short-axis stack: reorient the study to short axis first");
   Study study = original;
   if (study.view == View::unknown) {
     study.view = View::short_axis;

@@ -115,6 +115,15 @@ int find_base_slice(const Image& image, const Labels& labels, double base_level,
   return k;
 }
 
+int slice_above(const Grid& grid, const BasePlane& world_plane, double radius_mm) {
+  const BasePlane plane = to_grid(grid, world_plane);
+  // The plane rises from its point by the tangent of its lean.
+  const double across = std::hypot(plane.normal[0], plane.normal[1]);
+  const double rise = plane.normal[2] > 0 ? radius_mm * across / plane.normal[2] : 0;
+  const Index3 voxel = voxel_of(grid, {0, 0, plane.point[2] + rise});
+  return std::clamp(voxel[2], 0, grid.dims[2] - 1);
+}
+
 Image close_border(const Image& border, int base_slice) {
   Image closed = border;
   const int slices = border.grid.dims[2];

@@ -2,6 +2,7 @@
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/volume.hpp"
+#include "dynasurf/ventricle/base_plane.hpp"
 #include "dynasurf/ventricle/labels.hpp"
 
 namespace dynasurf {
@@ -9,11 +10,15 @@ namespace dynasurf {
 /// How the open ends of the two borders are closed (VOL-COVER, thesis 6.1.2.1).
 struct Closure {
   bool cover = true;
+  bool valve_plane = true;
   double base_level = 0.5;
 };
 void describe(auto& visit, Closure& o) {
   visit("cover", o.cover,
         Field{"close both ends of each border with a disc of border voxels, so that surfaces stop there"});
+  visit("valve_plane", o.valve_plane,
+        Field{"end the surfaces at a plane fitted to the end of the wall, gate by gate; false, and where no plane is "
+              "found: at the upper face of a slice"});
   visit("base_level", o.base_level,
         Field{"the heart ends in the highest slice whose wall is still this bright", "of the wall in the middle", 0.05,
               1});
@@ -24,6 +29,10 @@ void describe(auto& visit, Closure& o) {
 /// the wall in the middle. Blur halves the brightness exactly at the end of the muscle, so the upper face of this
 /// slice is the base plane, without bias, to half a slice. -1 when nothing is labelled.
 int find_base_slice(const Image& image, const Labels& labels, double base_level, Notes& notes);
+
+/// The slice whose cell holds the highest point of a plane (world frame) within `radius_mm` of where the axis meets it,
+/// held inside the stack: a border closed there reaches above the plane everywhere.
+int slice_above(const Grid& grid, const BasePlane& plane, double radius_mm);
 
 /// The border without what lies above `base_slice`, its upper end closed in that slice and its lower end in the
 /// lowest slice that has border voxels, each by the disc inside the ring (of the nearest slices where the ring itself

@@ -10,10 +10,12 @@ namespace {
 constexpr std::array<std::string_view, 2> names{"default", "thesis"};
 
 /// The run over a cardiac cycle of thesis 6.3 (CARD-CYCLE): Canny's parameters of 6.1.4, the labels decided by the
-/// largest gap alone, particles that stop at the faces of border voxels, drag of 1 %, a step of 0.1 s, and straight
-/// lines between the gates.
+/// largest gap alone, particles that stop at the faces of border voxels, drag of 1 %, a step of 0.1 s, straight
+/// lines between the gates, surfaces that end at a slice.
 VentricleOptions thesis_options() {
   VentricleOptions o;
+  o.orientation.method = OrientationMethod::header;
+  o.closure.valve_plane = false;
   o.edges = Canny{.sigma_px = 1.8, .low = 0.3, .high = 0.7};
   o.labels.circle.robust_fit = false;
   o.labels.method = Mlc{.strict_thesis = true, .box_margin_px = 0};

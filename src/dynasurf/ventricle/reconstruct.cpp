@@ -9,6 +9,7 @@
 #include "dynasurf/image/intensity.hpp"
 #include "dynasurf/ventricle/border_planes.hpp"
 #include "dynasurf/ventricle/canonical.hpp"
+#include "dynasurf/ventricle/cycle.hpp"
 
 namespace dynasurf {
 namespace {
@@ -68,6 +69,7 @@ struct GateRun {
   EdgeMap edges;
   Labels labels;
   int base_slice = -1;
+  std::optional<BasePlane> base_plane;
   WallRun endo, epi;
   Notes notes;
   WallRun& wall(Wall w) { return w == Wall::endo ? endo : epi; }
@@ -76,10 +78,13 @@ struct GateRun {
 constexpr Wall walls[] = {Wall::endo, Wall::epi};
 constexpr int room_voxels = 3;  // around a border, for its field
 
-void find_borders(GateRun& run, const Image& image, const VentricleOptions& options, StageClock& clock) {
+void find_borders(GateRun& run, const Image& image, const SliceRange& useful, const VentricleOptions& options,
+                  StageClock& clock) {
   run.edges = clock("edges", [&] { return detect_edges(image, options.edges); });
+  clear_outside(run.edges.edges, useful);
   run.labels = clock("labels", [&] { return label_borders(image, run.edges, options.labels); });
-  run.base_slice = find_base_slice(image, run.labels, options.closure.base_level, run.notes);
+  run.base_slice = run.base_plane ? slice_above(image.grid, *run.base_plane, run.labels.circle.radius_px)
+                                  : find_base_slice(image, run.labels, options.closure.base_level, run.notes);
   for (const Wall wall : walls) {
     if (!run.labels.has(wall)) continue;
     Image border = border_volume(run.labels, wall);
@@ -117,10 +122,11 @@ Gate finish_gate(GateRun& run, int g, const VentricleResult& result) {
   Gate gate;
   gate.gate = g;
   if (!result.study.time_ms.empty()) gate.time_ms = result.study.time_ms[static_cast<std::size_t>(g)];
-  if (run.endo.exists()) gate.endo = measure_surface(run.endo.evolved, run.endo.border);
-  if (run.epi.exists()) gate.epi = measure_surface(run.epi.evolved, run.epi.border);
+  if (run.endo.exists()) gate.endo = measure_surface(run.endo.evolved, run.endo.border, run.base_plane);
+  if (run.epi.exists()) gate.epi = measure_surface(run.epi.evolved, run.epi.border, run.base_plane);
   if (gate.endo && gate.epi) gate.wall_ml = gate.epi->volume_ml - gate.endo->volume_ml;
   gate.base_slice = run.base_slice;
+  gate.base_plane = run.base_plane;
   gate.labels = std::move(run.labels);
   gate.edges = std::move(run.edges.edges);
   return gate;
@@ -160,18 +166,27 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
   VentricleOptions options = requested;
   check_options(options, "");
   VentricleResult result;
-  result.study = canonical_study(original);
+  require_workable(original);
+  StageClock clock(result.seconds);
+  result.heart = clock("locate", [&] { return locate(mean_image(original.gates), hints_of(options.manual)); });
+  result.study = canonical_study(orient(original, result.heart, options.orientation));
   if (options.noise_fraction > 0)
     for (Image& image : result.study.gates) image = suppress_noise(std::move(image), options.noise_fraction);
 
   const int gates = static_cast<int>(result.study.gates.size());
   std::vector<GateRun> runs(static_cast<std::size_t>(gates));
-  StageClock clock(result.seconds);
+  options.labels.coarse = circle_around(result.study, result.heart, options.manual, options.labels.coarse);
+  std::vector<std::optional<BasePlane>> planes(runs.size());
+  if (options.closure.valve_plane)
+    planes = clock("valve plane",
+                   [&] { return valve_planes(result.study, result.heart, options.manual, result.study.notes); });
+  const SliceRange useful = useful_slices(result.study, result.heart, planes, options.manual);
 
   StageCounter borders_found(progress, "borders", gates);
   parallel_for(runs.size(), 1, [&](std::size_t g, std::size_t) {
     progress.check();
-    find_borders(runs[g], result.study.gates[g], options, clock);
+    runs[g].base_plane = planes[g];
+    find_borders(runs[g], result.study.gates[g], useful, options, clock);
     borders_found.advance();
   });
 

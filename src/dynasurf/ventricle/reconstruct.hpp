@@ -12,9 +12,12 @@
 #include "dynasurf/mesh/keyframes.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
+#include "dynasurf/ventricle/base_plane.hpp"
 #include "dynasurf/ventricle/closure.hpp"
 #include "dynasurf/ventricle/function.hpp"
 #include "dynasurf/ventricle/labels.hpp"
+#include "dynasurf/ventricle/locate.hpp"
+#include "dynasurf/ventricle/orientation.hpp"
 #include "dynasurf/ventricle/quality.hpp"
 #include "dynasurf/ventricle/surface.hpp"
 
@@ -30,6 +33,8 @@ inline Evolution subvoxel_evolution() {
 
 /// Everything that steers the ventricle pipeline (PIPE-2, thesis 7.1 and appendix A.8 of the specification).
 struct VentricleOptions {
+  Orientation orientation;
+  Manual manual;
   double noise_fraction = 0;
   EdgeOptions edges = Canny{};
   Labelling labels;
@@ -42,6 +47,8 @@ struct VentricleOptions {
   Keyframes keyframes;
 };
 void describe(auto& visit, VentricleOptions& o) {
+  visit("orientation", o.orientation, Field{"which way the heart lies in the volume"});
+  visit("manual", o.manual, Field{"what a person says in place of what would be found"});
   visit("noise_fraction", o.noise_fraction,
         Field{"values below this share of the maximum are set to 0 first; 0 keeps all (thesis 6.1.2.5)",
               "of the maximum", 0, 1});
@@ -59,15 +66,17 @@ void describe(auto& visit, VentricleOptions& o) {
 struct Gate {
   int gate = 0;  // 0-based
   std::optional<double> time_ms;
-  Labels labels;                     // on the canonical grid, apex first
-  std::optional<Surface> endo, epi;  // absent where the border was not found
-  int base_slice = -1;               // highest slice of the ventricle, -1: unknown
-  std::optional<double> wall_ml;     // epi - endo
-  Mask edges;                        // all edges as in EdgeMap, for drawing: they show why a border was not found
+  Labels labels;                        // on the canonical grid, apex first
+  std::optional<Surface> endo, epi;     // absent where the border was not found
+  int base_slice = -1;                  // highest slice of the ventricle, -1: unknown
+  std::optional<BasePlane> base_plane;  // world frame: the surfaces end there; absent when it was not found
+  std::optional<double> wall_ml;        // epi - endo
+  Mask edges;                           // all edges as in EdgeMap, for drawing: they show why a border was not found
 };
 
 struct VentricleResult {
-  Study study;  // canonical: slices apex first, values normalised
+  Study study;                    // canonical: slices apex first, values normalised
+  std::optional<Location> heart;  // where the ventricle was found in the volume, world frame
   std::vector<Gate> gates;
   std::optional<double> edv_ml, esv_ml, sv_ml, ef_percent;  // absent for ungated or failed studies
   std::optional<int> ed_gate, es_gate;                      // 0-based
@@ -93,8 +102,8 @@ struct Stages {
 using StageSink = std::function<void(const Stages&)>;
 
 /// The whole way from a study to surfaces and numbers. Hard data never throw: the verdict and the notes say it.
-/// Throws InputError for a study it cannot work on (view not short axis, fewer than 3 slices, NaN), OptionError,
-/// Cancelled. The same bytes for any number of threads.
+/// Throws InputError for a study it cannot work on (fewer than 3 slices, NaN, a long-axis or transaxial view in which
+/// no ventricle is found), OptionError, Cancelled. The same bytes for any number of threads.
 VentricleResult reconstruct(const Study& study, const VentricleOptions& options, const Progress& progress = {},
                             const StageSink& keep = {});
 

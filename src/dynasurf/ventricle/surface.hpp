@@ -4,6 +4,7 @@
 #include "dynasurf/dynamics/evolve.hpp"
 #include "dynasurf/field/gvf.hpp"
 #include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/ventricle/base_plane.hpp"
 
 namespace dynasurf {
 
@@ -19,7 +20,10 @@ struct Surface {
   TriangleQuality quality;
 };
 
-/// The measures of an evolved mesh against the border it was made for.
-Surface measure_surface(const EvolutionResult& evolved, const Image& border);
+/// The measures of an evolved mesh against the border it was made for. With a valve plane (world frame) the surface
+/// ends there (`flatten_above`): volume, mesh and triangles are those of the closed part below it, the distances those
+/// of the surface as it came to rest.
+Surface measure_surface(const EvolutionResult& evolved, const Image& border,
+                        const std::optional<BasePlane>& base_plane = std::nullopt);
 
 }  // namespace dynasurf

@@ -1,0 +1,101 @@
+#include "dynasurf/ventricle/cycle.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/image/resample.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr double room_mm = 22;  // from the middle of the wall to the coarse circle: half a thick wall and the blur
+constexpr double outer_apex_mm = 14;  // from the middle of the wall at the apex to where its edge may lie
+constexpr double plane_smoothing_mm = 2.5;
+
+/// A plane square to the stack at a height over the middle of its first slice.
+BasePlane level_plane(const Grid& grid, double height_mm) {
+  const Vec3 middle((grid.dims[0] - 1) * grid.spacing[0] / 2, (grid.dims[1] - 1) * grid.spacing[1] / 2, height_mm);
+  return to_world(grid, BasePlane{middle, Vec3::UnitZ(), 0, 1});
+}
+
+std::string list_of(const std::vector<bool>& marked) {
+  std::string text;
+  for (std::size_t g = 0; g < marked.size(); ++g)
+    if (marked[g]) text += (text.empty() ? "" : ", ") + std::to_string(g + 1);
+  return text;
+}
+
+}  // namespace
+
+CoarseCircle circle_around(const Study& study, const std::optional<Location>& heart, const Manual& manual,
+                           CoarseCircle asked) {
+  const double pixel = study.grid().spacing[0];
+  if (heart) {
+    const Vec3 middle = to_grid(study.grid(), heart->cup).middle();
+    if (!asked.x_px) asked.x_px = middle[0] / pixel;
+    if (!asked.y_px) asked.y_px = middle[1] / study.grid().spacing[1];
+    if (!asked.radius_px) asked.radius_px = (heart->cup.radius_mm + room_mm) / pixel;
+  }
+  if (manual.radius_mm) asked.radius_px = *manual.radius_mm / pixel;
+  return asked;
+}
+
+std::vector<std::optional<BasePlane>> valve_planes(const Study& study, const std::optional<Location>& heart,
+                                                   const Manual& manual, Notes& notes) {
+  std::vector<std::optional<BasePlane>> planes(study.gates.size());
+  if (manual.base_plane_mm) {
+    planes.assign(planes.size(), level_plane(study.grid(), *manual.base_plane_mm));
+    return planes;
+  }
+  if (!heart) return planes;
+  const Cup cup = to_grid(study.grid(), heart->cup);
+  parallel_for(planes.size(), 1, [&](std::size_t g, std::size_t) {
+    planes[g] = find_base_plane(smooth_gaussian(study.gates[g], plane_smoothing_mm), cup);
+  });
+  const std::optional<PlaneCycle> cycle = smooth_over_cycle(planes, cup.axis);
+  if (!cycle) {
+    notes.push_back({Severity::warning, "base.plane_missing",
+                     "the end of the wall was not seen in half of the gates; surfaces end at a slice"});
+    planes.assign(planes.size(), std::nullopt);
+    return planes;
+  }
+  const std::string followers = list_of(cycle->outlier);
+  if (!followers.empty())
+    notes.push_back({Severity::info, "base.gate_follows",
+                     "the valve plane of gates " + followers + " was taken from the other gates"});
+  for (std::size_t g = 0; g < planes.size(); ++g) planes[g] = to_world(study.grid(), cycle->planes[g]);
+  return planes;
+}
+
+SliceRange useful_slices(const Study& study, const std::optional<Location>& heart,
+                         const std::vector<std::optional<BasePlane>>& planes, const Manual& manual) {
+  const Grid& grid = study.grid();
+  const auto slice_at = [&](double z_mm) {
+    return std::clamp(static_cast<int>(std::lround(z_mm / grid.spacing[2])), 0, grid.dims[2] - 1);
+  };
+  SliceRange range{0, grid.dims[2] - 1};
+  if (heart) {
+    const Cup cup = to_grid(grid, heart->cup);
+    const double way = cup.axis[2] > 0 ? 1 : -1;
+    range.first = slice_at(cup.apex()[2] - way * outer_apex_mm);
+    double top = cup.base()[2] + 2 * outer_apex_mm;
+    for (const auto& plane : planes)
+      if (plane) top = std::max(top, to_grid(grid, *plane).point[2] + outer_apex_mm);
+    range.last = slice_at(top);
+  }
+  if (manual.first_slice) range.first = std::min(*manual.first_slice - 1, grid.dims[2] - 1);
+  if (manual.last_slice) range.last = std::min(*manual.last_slice - 1, grid.dims[2] - 1);
+  return range;
+}
+
+void clear_outside(Mask& edges, const SliceRange& range) {
+  for (int k = 0; k < edges.grid.dims[2]; ++k) {
+    if (k >= range.first && k <= range.last) continue;
+    const auto begin = edges.values.begin() + static_cast<std::ptrdiff_t>(edges.grid.index(0, 0, k));
+    std::fill(begin, begin + static_cast<std::ptrdiff_t>(edges.grid.index(0, 0, 1)), std::uint8_t{0});
+  }
+}
+
+}  // namespace dynasurf

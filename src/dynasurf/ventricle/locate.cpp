@@ -1,0 +1,300 @@
+#include "dynasurf/ventricle/locate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/image/resample.hpp"
+#include "dynasurf/ventricle/base_plane.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr double coarse_mm = 7;    // voxels of the search
+constexpr double smooth_mm = 3.5;  // standard deviation of the smoothing before it
+constexpr double apart_mm = 22;    // two places nearer than this are one
+constexpr std::size_t most_places = 10;
+constexpr std::array<double, 5> radii_mm{17, 22, 28, 36, 46};
+
+/// The 26 directions of a cube's corners, edges and faces.
+std::vector<Vec3> cube_directions() {
+  std::vector<Vec3> all;
+  for (int k = -1; k <= 1; ++k)
+    for (int j = -1; j <= 1; ++j)
+      for (int i = -1; i <= 1; ++i)
+        if (i != 0 || j != 0 || k != 0) all.push_back(Vec3(i, j, k).normalized());
+  return all;
+}
+
+/// The image on cubic voxels, in the world's axes of its own grid.
+Image coarsened(const Image& image) {
+  const Grid& from = image.grid;
+  Grid grid = from;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto axis = static_cast<Eigen::Index>(a);
+    const double length = from.spacing[axis] * (from.dims[a] - 1);
+    grid.dims[a] = std::max(2, static_cast<int>(std::ceil(length / coarse_mm)) + 1);
+    grid.spacing[axis] = coarse_mm;
+  }
+  const Image smooth = smooth_gaussian(image, smooth_mm);
+  Image result(grid);
+  parallel_for(static_cast<std::size_t>(grid.dims[2]), 1, [&](std::size_t begin, std::size_t end) {
+    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
+      for (int j = 0; j < grid.dims[1]; ++j)
+        for (int i = 0; i < grid.dims[0]; ++i)
+          result(i, j, k) = static_cast<float>(sample_linear(smooth, centre_of(grid, {i, j, k})));
+  });
+  return result;
+}
+
+/// A place that looks like the middle of a hollow shell.
+struct Place {
+  Vec3 centre{0, 0, 0};
+  double radius_mm = 0, worth = 0;
+};
+
+/// Offsets of the points of a shell and beside it, in voxels of the coarse image.
+struct Shell {
+  double radius_mm;
+  std::array<std::array<Index3, 3>, 26> offsets;  // inside, wall, outside per direction
+};
+
+Shell make_shell(double radius, const std::vector<Vec3>& directions) {
+  Shell shell{radius, {}};
+  const std::array<double, 3> at{std::max(0.0, radius - 14), radius, radius + 14};
+  for (std::size_t d = 0; d < directions.size(); ++d)
+    for (std::size_t s = 0; s < 3; ++s)
+      for (std::size_t a = 0; a < 3; ++a)
+        shell.offsets[d][s][a] =
+            static_cast<int>(std::lround(at[s] * directions[d][static_cast<Eigen::Index>(a)] / coarse_mm));
+  return shell;
+}
+
+/// Contrast of the shell in its middling directions: the best ones may be a hot neighbour, the worst ones are the open
+/// base and defects.
+double worth_of(const Image& image, const Shell& shell, int i, int j, int k) {
+  std::array<double, 26> contrast{};
+  for (std::size_t d = 0; d < contrast.size(); ++d) {
+    std::array<double, 3> v{};
+    for (std::size_t s = 0; s < 3; ++s) {
+      const Index3& o = shell.offsets[d][s];
+      v[s] = image.clamped(i + o[0], j + o[1], k + o[2]);
+    }
+    contrast[d] = v[1] - 0.75 * std::max(v[0], v[2]) - 0.25 * std::min(v[0], v[2]);
+  }
+  std::sort(contrast.begin(), contrast.end());
+  double sum = 0;
+  for (std::size_t d = 9; d < 22; ++d) sum += contrast[d];
+  return sum / 13;
+}
+
+std::vector<Place> find_places(const Image& image, const std::vector<Vec3>& directions) {
+  std::vector<Shell> shells;
+  for (double r : radii_mm) shells.push_back(make_shell(r, directions));
+  const Grid& g = image.grid;
+  std::vector<Place> all(g.size());
+  parallel_for(static_cast<std::size_t>(g.dims[2]), 1, [&](std::size_t begin, std::size_t end) {
+    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
+      for (int j = 0; j < g.dims[1]; ++j)
+        for (int i = 0; i < g.dims[0]; ++i) {
+          Place& best = all[g.index(i, j, k)];
+          best.centre = centre_of(g, {i, j, k});
+          for (const Shell& shell : shells) {
+            const double worth = worth_of(image, shell, i, j, k);
+            if (worth > best.worth) best.worth = worth, best.radius_mm = shell.radius_mm;
+          }
+        }
+  });
+  std::erase_if(all, [](const Place& p) { return p.worth <= 0; });
+  std::stable_sort(all.begin(), all.end(), [](const Place& a, const Place& b) { return a.worth > b.worth; });
+  std::vector<Place> chosen;
+  for (const Place& p : all) {
+    const bool is_new = std::all_of(chosen.begin(), chosen.end(),
+                                    [&](const Place& c) { return (c.centre - p.centre).norm() >= apart_mm; });
+    if (is_new) chosen.push_back(p);
+    if (chosen.size() == most_places) break;
+  }
+  return chosen;
+}
+
+struct Candidate {
+  Cup cup;
+  double worth = 0;
+};
+
+Cup usual_cup(const Vec3& centre, const Vec3& axis, double radius) {
+  return {centre, axis, radius, 1.35 * radius, 0.6 * radius};
+}
+
+/// How much a cup in the image is worth against others: its contrast, and not its brightness alone, since liver and
+/// bladder are often the brightest things around.
+double worth_of(const CupScore& s, double typical) { return s.contrast / (s.brightness + 0.25 * typical); }
+
+Candidate best_cup(const Image& image, const Place& place, const std::vector<Vec3>& directions, double typical) {
+  std::vector<Candidate> tries;
+  for (const Vec3& axis : directions)
+    for (double size : {0.8, 1.0, 1.2})
+      for (double along : {-0.3, 0.0, 0.3}) {
+        const Cup cup = usual_cup(place.centre + along * place.radius_mm * axis, axis, size * place.radius_mm);
+        tries.push_back({cup, score(image, cup).contrast});
+      }
+  std::stable_sort(tries.begin(), tries.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.worth > b.worth; });
+  Candidate best;
+  std::vector<Vec3> climbed;
+  for (const Candidate& t : tries) {
+    if (std::any_of(climbed.begin(), climbed.end(), [&](const Vec3& a) { return a.dot(t.cup.axis) > 0.7; })) continue;
+    climbed.push_back(t.cup.axis);
+    const Cup cup = climb(image, t.cup, 6);
+    const double worth = worth_of(score(image, cup), typical);
+    if (worth > best.worth) best = {cup, worth};
+    if (climbed.size() == 4) break;
+  }
+  return best;
+}
+
+double bright_level(const Image& image) {
+  std::vector<float> values = image.values;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+/// The cup grown about its apex.
+Cup grown(Cup cup, double by) {
+  const Vec3 apex = cup.apex();
+  cup.radius_mm *= by, cup.half_length_mm *= by, cup.base_mm *= by;
+  cup.centre = apex + cup.half_length_mm * cup.axis;
+  return cup;
+}
+
+/// The cup fitted to the ridge of the wall, up to where the wall ends. A wall that goes on where the cup has closed
+/// shows that the cup lies in the apical part of a wider one: with `may_grow` it is made wider then.
+Cup refined(const Image& image, Cup cup, bool may_grow) {
+  constexpr double usual_base = 0.55, highest_base = 0.75, most_growth = 1.3;
+  constexpr std::array<double, 7> reaches_mm{12, 12, 12, 12, 10, 8, 8};
+  for (std::size_t round = 0; round < reaches_mm.size(); ++round) {
+    const std::optional<Cup> fit = fit_cup(find_ridge(image, cup, 7, 16, reaches_mm[round]), cup);
+    if (!fit) break;
+    cup = *fit;
+    const std::optional<BasePlane> base = find_base_plane(image, cup);
+    if (!base) continue;
+    const double height = (base->point - cup.centre).dot(cup.axis);
+    if (may_grow && round < 3 && height > highest_base * cup.half_length_mm)
+      cup = grown(cup, std::min(most_growth, (1 + height / cup.half_length_mm) / (1 + usual_base)));
+    cup.base_mm =
+        std::clamp((base->point - cup.centre).dot(cup.axis), 0.1 * cup.half_length_mm, 0.85 * cup.half_length_mm);
+  }
+  return cup;
+}
+
+/// The cup in the same place with its apex where the base was.
+Cup exchanged(const Cup& cup) {
+  Cup other = cup;
+  other.axis = -cup.axis;
+  other.centre = cup.middle() + (cup.middle() - cup.centre);
+  return other;
+}
+
+double middle_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Share of a dense set of directions in which the wall is a ridge near the cup.
+double share_of_ridge(const Image& image, const Cup& cup, double brightness, std::vector<double>* away = nullptr) {
+  const std::vector<RidgePoint> ridge = find_ridge(image, cup, 6, 16, 10);
+  std::size_t seen = 0;
+  for (const RidgePoint& p : ridge) {
+    if (!(p.prominence > 0.1 * brightness)) continue;
+    ++seen;
+    if (away) away->push_back(std::abs(p.offset_mm));
+  }
+  return static_cast<double>(seen) / static_cast<double>(ridge.size());
+}
+
+/// The best refinement of a cup. The apical half of a wide ventricle is a good cup too, so wider ones are tried: they
+/// see more ridge, nearer to an ellipsoid.
+Candidate best_refinement(const Image& image, const Cup& start) {
+  const Cup climbed = climb(image, start, 3);
+  Candidate best{climbed, 0};
+  for (const double size : {1.0, 1.25, 1.5})
+    for (const bool may_grow : {false, true}) {
+      const Cup cup = refined(image, grown(climbed, size), may_grow);
+      const CupScore s = score(image, cup);
+      std::vector<double> away;
+      const double share = share_of_ridge(image, cup, s.brightness, &away);
+      if (away.empty()) continue;
+      const double spread = middle_of(away) / 5;
+      const double worth = s.contrast * share * std::exp(-spread * spread);
+      if (worth > best.worth) best = {cup, worth};
+    }
+  return best;
+}
+
+void describe_fit(const Image& image, Location& found) {
+  const CupScore s = score(image, found.cup);
+  found.contrast = s.relative();
+  std::vector<double> away;
+  found.ridge_share = share_of_ridge(image, found.cup, s.brightness, &away);
+  if (!away.empty()) found.spread_mm = middle_of(away);
+}
+
+}  // namespace
+
+Image mean_image(std::span<const Image> gates) {
+  Image mean(gates.front().grid);
+  for (const Image& gate : gates)
+    for (std::size_t v = 0; v < mean.values.size(); ++v)
+      mean.values[v] += gate.values[v] / static_cast<float>(gates.size());
+  return mean;
+}
+
+std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
+  const Image coarse = coarsened(mean);
+  const double typical = bright_level(coarse);
+  if (!(typical > 0)) return std::nullopt;
+
+  std::vector<Vec3> directions = cube_directions();
+  std::vector<Place> places = find_places(coarse, directions);
+  if (hints.centre_mm) {
+    const Vec3 centre = to_grid(mean.grid, *hints.centre_mm);
+    places.clear();
+    for (double r : radii_mm) places.push_back({centre, r, 1});
+  }
+  if (hints.radius_mm)
+    for (Place& p : places) p.radius_mm = *hints.radius_mm;
+  if (hints.axis) directions = {(mean.grid.direction.transpose() * *hints.axis).normalized()};
+
+  std::vector<Candidate> found(places.size());
+  parallel_for(places.size(), 1,
+               [&](std::size_t p, std::size_t) { found[p] = best_cup(coarse, places[p], directions, typical); });
+  std::erase_if(found, [](const Candidate& c) { return !(c.worth > 0); });
+  if (found.empty()) return std::nullopt;
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.worth > b.worth; });
+
+  const Image smooth = smooth_gaussian(mean, smooth_mm);
+  Location result;
+  Candidate best = best_refinement(smooth, found.front().cup);
+  if (!(best.worth > 0)) return std::nullopt;
+  if (!hints.axis) {
+    Candidate other = best_refinement(smooth, exchanged(best.cup));
+    if (other.worth > best.worth) std::swap(best, other);
+    result.other_end = other.cup.axis.dot(best.cup.axis) < 0 ? other.worth / best.worth : 0;
+  }
+  result.cup = best.cup;
+  for (const Candidate& c : found)
+    if ((c.cup.middle() - result.cup.middle()).norm() > 2 * apart_mm) {
+      result.runner_up = c.worth / found.front().worth;
+      result.runner_up_mm = to_world(mean.grid, c.cup.middle());
+      break;
+    }
+  describe_fit(smooth, result);
+  result.cup = to_world(mean.grid, result.cup);
+  return result;
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,154 @@
+#include "dynasurf/ventricle/orientation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/image/resample.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr double widest_voxel_mm = 4;
+constexpr double room_across_mm = 38, room_along_mm = 28;  // around the middle of the wall
+
+double degrees_between(const Vec3& a, const Vec3& b) {
+  return std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+template <class... A>
+std::string format(const char* pattern, A... values) {
+  std::array<char, 256> text{};
+  std::snprintf(text.data(), text.size(), pattern, values...);
+  return text.data();
+}
+
+std::optional<Vec3> whole_vector(const std::optional<double>& x, const std::optional<double>& y,
+                                 const std::optional<double>& z, const char* name) {
+  if (!x && !y && !z) return std::nullopt;
+  if (!x || !y || !z) throw OptionError(std::string("option manual.") + name + " is set in part; expected x, y and z");
+  return Vec3(*x, *y, *z);
+}
+
+/// Angle between the stack's normal and the axis, whichever end comes first.
+double tilt_of(const Study& study, const Cup& heart) {
+  const double angle = degrees_between(study.grid().direction.col(2), heart.axis);
+  return std::min(angle, 180 - angle);
+}
+
+SliceOrder order_of(const Study& study, const Cup& heart) {
+  return study.grid().direction.col(2).dot(heart.axis) > 0 ? SliceOrder::apex_to_base : SliceOrder::base_to_apex;
+}
+
+double voxel_of(const Study& study, const Orientation& o) {
+  return o.voxel_mm.value_or(std::min(widest_voxel_mm, study.grid().spacing.minCoeff()));
+}
+
+Study cut_anew(const Study& study, const Location& heart, const Orientation& o, Severity severity,
+               const std::string& why) {
+  Study result = reorient(study, heart.cup, voxel_of(study, o));
+  result.notes.push_back(
+      {severity, "orientation.reoriented",
+       why + format("; cut anew on voxels of %.2f mm square to the long axis (%.3f, %.3f, %.3f)",
+                    result.grid().spacing[0], heart.cup.axis[0], heart.cup.axis[1], heart.cup.axis[2])});
+  return result;
+}
+
+/// A stack of which the file does not say that it is another view.
+Study keep_unless_contradicted(const Study& study, const Location& heart, const Orientation& o) {
+  const bool is_clear = heart.contrast >= o.least_contrast;
+  const double tilt = tilt_of(study, heart.cup);
+  if (tilt > o.most_tilt_deg) {
+    const std::string text = format("the slices lean by %.0f degrees from square to the long axis", tilt);
+    if (is_clear)
+      return cut_anew(study, heart, o, study.view == View::short_axis ? Severity::warning : Severity::info, text);
+    Study kept = study;
+    kept.notes.push_back(
+        {Severity::warning, "orientation.uncertain",
+         text + format(", but the wall is not clear (contrast %.2f); the stack was kept", heart.contrast)});
+    return kept;
+  }
+  Study kept = study;
+  const SliceOrder order = order_of(study, heart.cup);
+  if (kept.slice_order == SliceOrder::unknown && is_clear && heart.other_end < 0.95) {
+    kept.slice_order = order;
+    kept.notes.push_back({Severity::info, "study.slice_order_found",
+                          std::string("the file does not tell apex from base; the shape of the wall says ") +
+                              std::string(name_of(order))});
+  } else if (kept.slice_order != SliceOrder::unknown && kept.slice_order != order && is_clear &&
+             heart.other_end < 0.8) {
+    kept.notes.push_back({Severity::warning, "orientation.ends_disagree",
+                          std::string("the file says ") + std::string(name_of(kept.slice_order)) +
+                              ", the shape of the wall the opposite; the file was followed"});
+  }
+  return kept;
+}
+
+}  // namespace
+
+LocateHints hints_of(const Manual& m) {
+  LocateHints hints;
+  hints.centre_mm = whole_vector(m.center_x_mm, m.center_y_mm, m.center_z_mm, "center");
+  hints.axis = whole_vector(m.axis_x, m.axis_y, m.axis_z, "axis");
+  if (hints.axis && !(hints.axis->norm() > 0))
+    throw OptionError("option manual.axis has no length; expected a direction");
+  return hints;
+}
+
+Grid short_axis_grid(const Cup& heart, double voxel_mm) {
+  Grid grid;
+  const Vec3 k = heart.axis.normalized();
+  // An axis that stands upright has no horizontal direction of its own.
+  const Vec3 level = k.cross(Vec3::UnitZ());
+  const Vec3 i = level.norm() > 1e-3 ? Vec3(level.normalized()) : Vec3(Vec3::UnitX());
+  grid.direction.col(0) = (i - i.dot(k) * k).normalized();
+  grid.direction.col(2) = k;
+  grid.direction.col(1) = k.cross(grid.direction.col(0));
+  grid.spacing.setConstant(voxel_mm);
+  const double across = 2 * (heart.radius_mm + room_across_mm);
+  const double along = heart.half_length_mm + heart.base_mm + 2 * room_along_mm;
+  const int side = static_cast<int>(std::ceil(across / voxel_mm)) + 1;
+  grid.dims = {side, side, static_cast<int>(std::ceil(along / voxel_mm)) + 1};
+  const Vec3 extent = (Vec3(grid.dims[0], grid.dims[1], grid.dims[2]) - Vec3::Ones()) * voxel_mm;
+  grid.origin = heart.middle() - grid.direction * (extent / 2);
+  return grid;
+}
+
+Study reorient(const Study& study, const Cup& heart, double voxel_mm) {
+  Study result = study;
+  const Grid grid = short_axis_grid(heart, voxel_mm);
+  for (Image& image : result.gates) image = resample(image, grid);
+  result.view = View::short_axis;
+  result.slice_order = SliceOrder::apex_to_base;
+  return result;
+}
+
+Study orient(const Study& study, const std::optional<Location>& heart, const Orientation& o) {
+  const bool is_square = study.view == View::short_axis || study.view == View::unknown;
+  if (o.method == OrientationMethod::header) {
+    if (is_square) return study;
+    throw InputError("the slices are " + std::string(name_of(study.view)) +
+                     " ones; expected a short-axis stack, or orientation.method = auto or data");
+  }
+  if (!heart) {
+    if (!is_square)
+      throw InputError("the slices are " + std::string(name_of(study.view)) +
+                       " ones and no ventricle was found in them; expected a short-axis stack, or manual.center and "
+                       "manual.axis");
+    return study;
+  }
+  if (o.method == OrientationMethod::automatic && is_square) return keep_unless_contradicted(study, *heart, o);
+  const bool is_clear = heart->contrast >= o.least_contrast;
+  Study result =
+      cut_anew(study, *heart, o, Severity::info, "the slices are " + std::string(name_of(study.view)) + " ones");
+  if (!is_clear || heart->other_end > 0.95)
+    result.notes.push_back({Severity::warning, "orientation.uncertain",
+                            format("the long axis is uncertain: contrast of the wall %.2f, the opposite direction "
+                                   "explains the image %.2f times as well",
+                                   heart->contrast, heart->other_end)});
+  return result;
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,115 @@
+#include "dynasurf/ventricle/locate.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "dynasurf/synthetic/phantoms.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+/// An ungated heart in a cubic field of view, leaning by `tilt_deg`.
+VirtualPatient tilted_patient(double tilt_deg, double towards_deg = 30) {
+  VirtualPatient p;
+  p.gates = 1;
+  p.lattice = {52, 52, 46, 4.5, 4.5, 4.5};
+  p.pose.tilt_deg = tilt_deg;
+  p.pose.tilt_towards_deg = towards_deg;
+  return p;
+}
+
+Vec3 true_axis(const Phantom& phantom, const Pose& pose) {
+  const double t = pose.tilt_deg * degree, a = pose.tilt_towards_deg * degree;
+  return phantom.study.grid().direction * Vec3(std::sin(t) * std::cos(a), std::sin(t) * std::sin(a), std::cos(t));
+}
+
+/// Mean of the vertices of the inner surface: on the axis, within the heart.
+Vec3 middle_of_cavity(const Phantom& phantom) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& p : phantom.truth.front().endo.vertices)
+    sum += p / static_cast<double>(phantom.truth.front().endo.vertices.size());
+  return sum;
+}
+
+double distance_to_axis(const Vec3& p, const Cup& cup) {
+  const Vec3 d = p - cup.centre;
+  return (d - d.dot(cup.axis) * cup.axis).norm();
+}
+
+double angle_deg(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(a.dot(b), -1.0, 1.0)) / degree; }
+
+class Locate : public testing::TestWithParam<double> {};
+
+TEST_P(Locate, FindsAxisAndPlaceOfAHeartThatLiesAnyWay) {
+  const VirtualPatient patient = tilted_patient(GetParam());
+  const Phantom phantom = make_phantom(patient);
+  const auto found = locate(mean_image(phantom.study.gates));
+  ASSERT_TRUE(found);
+  // Noise and the coarse voxels leave one or two degrees.
+  EXPECT_LT(angle_deg(found->cup.axis, true_axis(phantom, patient.pose)), 4);
+  EXPECT_LT(distance_to_axis(middle_of_cavity(phantom), found->cup), 2);
+  EXPECT_GT(found->contrast, 0.5);
+  EXPECT_LT(found->other_end, 0.95);
+}
+INSTANTIATE_TEST_SUITE_P(Tilts, Locate, testing::Values(0.0, 40.0, 90.0, 135.0, 180.0));
+
+TEST(LocateCup, TurnsWithTheVolume) {
+  const Phantom phantom = make_phantom(tilted_patient(35));
+  const Image image = mean_image(phantom.study.gates);
+  // The same voxels with columns and slices exchanged, each still in its place in the world.
+  Grid grid = image.grid;
+  std::swap(grid.dims[0], grid.dims[2]);
+  std::swap(grid.spacing[0], grid.spacing[2]);
+  grid.direction.col(0).swap(grid.direction.col(2));
+  Image turned(grid);
+  for (int k = 0; k < grid.dims[2]; ++k)
+    for (int j = 0; j < grid.dims[1]; ++j)
+      for (int i = 0; i < grid.dims[0]; ++i) turned(i, j, k) = image(k, j, i);
+  const auto one = locate(image), other = locate(turned);
+  ASSERT_TRUE(one && other);
+  // The search is the same up to the order of its steps; the fit at its end forgets where it came from.
+  EXPECT_LT(angle_deg(one->cup.axis, other->cup.axis), 1.5);
+  EXPECT_LT((one->cup.middle() - other->cup.middle()).norm(), 2);
+}
+
+TEST(LocateCup, IsNotMisledByHotGutOrAScale) {
+  VirtualPatient patient = tilted_patient(60);
+  patient.gut_amplitude = 1.3;
+  patient.right_ventricle = 0.4;
+  const Phantom phantom = make_phantom(patient);
+  Image image = mean_image(phantom.study.gates);
+  const auto found = locate(image);
+  ASSERT_TRUE(found);
+  EXPECT_LT(angle_deg(found->cup.axis, true_axis(phantom, patient.pose)), 6);
+  EXPECT_LT(distance_to_axis(middle_of_cavity(phantom), found->cup), 3);
+  for (float& v : image.values) v *= 64;
+  const auto scaled = locate(image);
+  ASSERT_TRUE(scaled);
+  EXPECT_LT((scaled->cup.middle() - found->cup.middle()).norm(), 1e-3);
+}
+
+TEST(LocateCup, FollowsAHint) {
+  const VirtualPatient patient = tilted_patient(60);
+  const Phantom phantom = make_phantom(patient);
+  LocateHints hints;
+  hints.centre_mm = middle_of_cavity(phantom);
+  hints.axis = -3 * true_axis(phantom, patient.pose);
+  const auto found = locate(mean_image(phantom.study.gates), hints);
+  ASSERT_TRUE(found);
+  EXPECT_LT(angle_deg(found->cup.axis, -true_axis(phantom, patient.pose)), 30) << "a person may also be wrong";
+}
+
+TEST(LocateCup, FindsNothingInAnEmptyVolume) {
+  Grid grid;
+  grid.dims = {20, 20, 20};
+  grid.spacing = {5, 5, 5};
+  EXPECT_FALSE(locate(Image(grid)));
+  EXPECT_FALSE(locate(Image(grid, 1.0F))) << "uniform: nothing is brighter than its surroundings";
+}
+
+}  // namespace
+}  // namespace dynasurf

@@ -1,0 +1,119 @@
+#include "dynasurf/ventricle/orientation.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/image/resample.hpp"
+#include "dynasurf/synthetic/phantoms.hpp"
+
+namespace dynasurf {
+namespace {
+
+Phantom patient_with_tilt(double tilt_deg) {
+  VirtualPatient p;
+  p.gates = 1;
+  p.lattice = {52, 52, 46, 4.5, 4.5, 4.5};
+  p.pose.tilt_deg = tilt_deg;
+  p.pose.tilt_towards_deg = -60;
+  return make_phantom(p);
+}
+
+const Cup cup_at_an_angle{{10, -20, 30}, Vec3(-0.6, 0.64, 0.48), 30, 50, 25};
+
+TEST(ShortAxisGrid, RunsFromApexToBaseAroundTheHeartWithColumnsLevel) {
+  const Grid grid = short_axis_grid(cup_at_an_angle, 3);
+  EXPECT_LT((grid.direction.col(2) - cup_at_an_angle.axis).norm(), 1e-12);
+  EXPECT_NEAR(grid.direction.col(0)[2], 0, 1e-12);
+  EXPECT_NEAR(grid.direction.determinant(), 1, 1e-12);
+  EXPECT_LT((grid.direction.transpose() * grid.direction - Mat3::Identity()).norm(), 1e-12);
+  const Vec3 apex = to_grid(grid, cup_at_an_angle.apex()), base = to_grid(grid, cup_at_an_angle.base());
+  EXPECT_LT(apex[2], base[2]);
+  EXPECT_GT(apex[2], 20);
+  EXPECT_GT((grid.dims[2] - 1) * 3 - base[2], 20);
+  EXPECT_NEAR(apex[0], (grid.dims[0] - 1) * 1.5, 1e-9) << "the axis runs through the middle of the slices";
+}
+
+TEST(Reorient, KeepsEveryPlaceInTheWorld) {
+  // A linear image is exact under cubic interpolation: the new stack must hold the same function of the world.
+  Study study;
+  Grid grid;
+  grid.dims = {60, 60, 60};
+  grid.spacing = {4, 4, 4};
+  grid.origin = {-100, -140, -90};
+  Image image(grid);
+  const auto value = [](const Vec3& w) { return static_cast<float>(1000 + w[0] + 2 * w[1] - 3 * w[2]); };
+  for (int k = 0; k < 60; ++k)
+    for (int j = 0; j < 60; ++j)
+      for (int i = 0; i < 60; ++i) image(i, j, k) = value(to_world(grid, centre_of(grid, {i, j, k})));
+  study.gates = {image};
+  study.view = View::transaxial;
+  const Study result = reorient(study, cup_at_an_angle, 3);
+  EXPECT_EQ(result.view, View::short_axis);
+  EXPECT_EQ(result.slice_order, SliceOrder::apex_to_base);
+  const Grid& to = result.grid();
+  const Index3 centre{to.dims[0] / 2, to.dims[1] / 2, to.dims[2] / 2};
+  for (const Index3& v : {centre, Index3{5, centre[1], centre[2]}, Index3{centre[0], 9, centre[2] + 4}})
+    EXPECT_NEAR(result.gates[0](v[0], v[1], v[2]), value(to_world(to, centre_of(to, v))), 1e-2);
+}
+
+TEST(Orient, KeepsAShortAxisStackAndCutsOthersAnew) {
+  Phantom straight = patient_with_tilt(5);
+  const auto heart = locate(mean_image(straight.study.gates));
+  ASSERT_TRUE(heart);
+  const Study kept = orient(straight.study, heart, {});
+  EXPECT_EQ(kept.grid(), straight.study.grid());
+
+  straight.study.view = View::transaxial;
+  const Study cut = orient(straight.study, heart, {});
+  EXPECT_EQ(cut.view, View::short_axis);
+  ASSERT_FALSE(cut.notes.empty());
+  EXPECT_EQ(cut.notes.back().code, "orientation.reoriented");
+  EXPECT_EQ(cut.notes.back().severity, Severity::info);
+}
+
+TEST(Orient, ContradictsAHeaderOnlyWhenTheWallIsClear) {
+  const Phantom leaning = patient_with_tilt(60);
+  auto heart = locate(mean_image(leaning.study.gates));
+  ASSERT_TRUE(heart);
+  const Study cut = orient(leaning.study, heart, {});
+  EXPECT_FALSE(cut.grid() == leaning.study.grid());
+  EXPECT_EQ(cut.notes.back().severity, Severity::warning) << "the header was wrong, so one must look";
+
+  heart->contrast = 0.1;
+  const Study kept = orient(leaning.study, heart, {});
+  EXPECT_EQ(kept.grid(), leaning.study.grid());
+  EXPECT_EQ(kept.notes.back().code, "orientation.uncertain");
+}
+
+TEST(Orient, TellsApexFromBaseWhereTheFileDoesNot) {
+  Phantom upside_down = patient_with_tilt(180);
+  upside_down.study.slice_order = SliceOrder::unknown;
+  const auto heart = locate(mean_image(upside_down.study.gates));
+  EXPECT_EQ(orient(upside_down.study, heart, {}).slice_order, SliceOrder::base_to_apex);
+}
+
+TEST(Orient, RefusesWhatItMayNotOrCannotCut) {
+  Phantom phantom = patient_with_tilt(0);
+  phantom.study.view = View::vertical_long_axis;
+  EXPECT_THROW(orient(phantom.study, std::nullopt, {}), InputError);
+  EXPECT_THROW(orient(phantom.study, locate(mean_image(phantom.study.gates)),
+                      {.method = OrientationMethod::header, .voxel_mm = {}}),
+               InputError);
+}
+
+TEST(Hints, NeedWholeVectors) {
+  Manual manual;
+  EXPECT_FALSE(hints_of(manual).axis);
+  manual.axis_x = 0;
+  EXPECT_THROW(hints_of(manual), OptionError);
+  manual.axis_y = manual.axis_z = 0;
+  EXPECT_THROW(hints_of(manual), OptionError) << "no length";
+  manual.axis_z = 2;
+  EXPECT_EQ(*hints_of(manual).axis, Vec3(0, 0, 2));
+}
+
+}  // namespace
+}  // namespace dynasurf
