@@ -11,25 +11,11 @@
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/dynamics/border_planes.hpp"
+#include "dynasurf/dynamics/solvers/solver_options.hpp"
 #include "dynasurf/field/vector_field.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
 namespace dynasurf {
-
-// Solvers (thesis chapter 4). Each advances y' = f(y) by one step.
-struct Euler {
-  static constexpr std::string_view name = "euler";
-};
-struct Midpoint {
-  static constexpr std::string_view name = "midpoint";
-};
-struct Rk4 {
-  static constexpr std::string_view name = "rk4";
-};
-void describe(auto&, Euler&) {}
-void describe(auto&, Midpoint&) {}
-void describe(auto&, Rk4&) {}
-using SolverOptions = std::variant<Euler, Midpoint, Rk4>;
 
 /// The field's pull and the drag on each particle: F = strength * V(x) - drag * v (thesis 3.4).
 struct FieldForce {
@@ -130,9 +116,5 @@ struct EvolutionResult {
 /// voxels' centres are taken.
 EvolutionResult evolve(const TriMesh& start, const VectorField& field, const Image& border, const Evolution& options,
                        const Progress& progress = {}, const BorderPlanes* planes = nullptr);
-
-/// The largest stable step of a solver for the drag alone: 2 m/k_d for Euler and midpoint, 2.785 m/k_d for RK4, with
-/// m = mass / n (ODE-LIMIT, thesis table 4.2). Infinity without drag.
-double step_limit_s(const SolverOptions& solver, double mass_kg, std::size_t particles, double drag);
 
 }  // namespace dynasurf

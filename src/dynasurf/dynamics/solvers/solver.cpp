@@ -1,21 +1,81 @@
 #include "dynasurf/dynamics/solvers/solver.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
 #include <limits>
 
+#include "dynasurf/core/error.hpp"
+
 namespace dynasurf {
+namespace {
+
+constexpr std::array<std::string_view, 3> kBaseMethods{"euler", "midpoint", "rk4"};
+constexpr std::array<std::string_view, 2> kStiffenings{"definite", "exact"};
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+bool has_limit(const SolverOptions& solver) {
+  return std::holds_alternative<Euler>(solver) || std::holds_alternative<Midpoint>(solver) ||
+         std::holds_alternative<Rk4>(solver);
+}
+
+/// By which factor one step multiplies a solution exp(z t / h).
+std::complex<double> growth(const SolverOptions& solver, std::complex<double> z) {
+  if (std::holds_alternative<Euler>(solver)) return 1.0 + z;
+  if (std::holds_alternative<Midpoint>(solver)) return 1.0 + z + z * z / 2.0;
+  return 1.0 + z + z * z / 2.0 + z * z * z / 6.0 + z * z * z * z / 24.0;
+}
+
+}  // namespace
+
+std::span<const std::string_view> names_of(BaseMethod) { return kBaseMethods; }
+std::span<const std::string_view> names_of(Stiffening) { return kStiffenings; }
 
 void advance(const SolverOptions& solver, std::span<double> y, double h, const Derivative& f,
              std::span<double> scratch) {
-  std::visit([&](const auto& method) { advance(method, y, h, f, scratch); }, solver);
+  std::visit(
+      [&](const auto& method) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(method)>, BackwardEuler>)
+          throw OptionError("solver backward_euler advances particle systems only; expected one of the others");
+        else
+          advance(method, y, h, f, scratch);
+      },
+      solver);
 }
 
 double stability_interval(const SolverOptions& solver) {
   // RK4: the negative root of 1 + z + z^2/2 + z^3/6 + z^4/24 = 1.
-  return std::holds_alternative<Rk4>(solver) ? 2.785293563405282 : 2.0;
+  return std::holds_alternative<Rk4>(solver) ? 2.785293563405282 : has_limit(solver) ? 2.0 : kInfinity;
+}
+
+double oscillator_limit_s(const SolverOptions& solver, double stiffness, double damping) {
+  if (!has_limit(solver) || (stiffness <= 0 && damping <= 0)) return kInfinity;
+  // Exponents of the two solutions: roots of s^2 + damping s + stiffness.
+  const std::complex<double> root = std::sqrt(std::complex<double>(damping * damping / 4 - stiffness));
+  const std::complex<double> fast = -damping / 2 - root;
+  const auto slow = stiffness > 0 ? stiffness / fast : std::complex<double>(0);
+  const auto holds = [&](double h) {
+    // Rounding must not make an undamped oscillator grow where it keeps its size.
+    const double most = 1 + 1e-12;
+    return std::abs(growth(solver, h * fast)) <= most && std::abs(growth(solver, h * slow)) <= most;
+  };
+  // The stable steps of these methods are one interval from 0 along each ray; find its end from above.
+  const double longest = 3 / std::max(std::abs(fast), std::abs(slow));
+  double good = 0, bad = longest;
+  for (int n = 0; n < 200 && good == 0; ++n, bad *= 0.97)
+    if (holds(bad)) good = bad;
+  if (good == 0) return 0;
+  bad = good / 0.97;
+  for (int n = 0; n < 60; ++n) {
+    const double middle = (good + bad) / 2;
+    (holds(middle) ? good : bad) = middle;
+  }
+  return good;
 }
 
 double step_limit_s(const SolverOptions& solver, double mass_kg, std::size_t particles, double drag) {
-  if (drag <= 0 || particles == 0) return std::numeric_limits<double>::infinity();
+  if (drag <= 0 || particles == 0) return kInfinity;
   return stability_interval(solver) * mass_kg / (static_cast<double>(particles) * drag);
 }
 
