@@ -1,0 +1,37 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/core/volume.hpp"
+
+namespace dynasurf {
+
+/// What lies beyond the grid: nothing, so that every surface is closed half a voxel outside, or the unknown, so that
+/// surfaces end at the outermost voxel centres.
+enum class GridEdge { closed, open };
+
+/// Surface of the voxels at or above `level`, in the grid frame, counter-clockwise seen from below the level (GEO-MC,
+/// thesis 5.4): linear along the lattice's edges, one vertex per edge that it crosses. The saddle of each face decides
+/// whether its two corners above the level are joined (asymptotic decider of Nielson and Hamann), so neighbouring cells
+/// agree. Always oriented and manifold, and with GridEdge::closed also without boundary. Vertices keep a thousandth of
+/// an edge away from voxel centres, so no triangle is flat, also where a value equals the level. Empty when no value
+/// reaches the level. Throws InputError for a level or a value that is not finite.
+TriMesh marching_cubes(const Image& image, double level, GridEdge edge = GridEdge::closed);
+
+/// How a face with two corners above the level on one diagonal and two below on the other is read.
+enum class Saddle { joined, separated, asymptotic };
+std::span<const std::string_view> names_of(Saddle);
+
+/// Line of marching squares: points in mm in the slice's plane. A closed line repeats its first point at its end. What
+/// is above the level lies to its left, with x to the right and y up.
+using IsoLine = std::vector<Eigen::Vector2d>;
+
+/// The level's lines in slice k, each whole (marching squares, thesis fig 5.6). Lines end at the outermost voxel
+/// centres. Vertices as for `marching_cubes`. Throws InputError for a slice out of range, or a level or value that is
+/// not finite.
+std::vector<IsoLine> marching_squares(const Image& image, int k, double level, Saddle saddle = Saddle::asymptotic);
+
+}  // namespace dynasurf

@@ -1,0 +1,189 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/mesh/marching.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr double kOutside = -std::numeric_limits<double>::infinity();  // beyond the grid
+constexpr double kKeepAway = 1e-3;                                     // from voxel centres, share of an edge
+
+// Corner c of a cell lies at ((c & 1), (c >> 1) & 1, (c >> 2) & 1). Edge a*4 + e runs along axis a.
+constexpr int kEdges = 12;
+
+/// The corners of the faces, counter-clockwise seen from outside the cell.
+constexpr std::array<std::array<int, 4>, 6> kFaces{
+    {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+
+/// The edge between two neighbouring corners: along the axis in which they differ, numbered by the other two bits.
+constexpr int edge_between(int a, int b) {
+  const int low = std::min(a, b), axis = (a ^ b) == 1 ? 0 : (a ^ b) == 2 ? 1 : 2;
+  const int u = (low >> ((axis + 1) % 3)) & 1, v = (low >> ((axis + 2) % 3)) & 1;
+  return 4 * axis + u + 2 * v;
+}
+
+constexpr int low_corner_of(int edge) {
+  const int axis = edge / 4;
+  return ((edge & 1) << ((axis + 1) % 3)) | (((edge >> 1) & 1) << ((axis + 2) % 3));
+}
+
+constexpr std::array<unsigned, kEdges> make_faces_of_edge() {
+  std::array<unsigned, kEdges> faces{};
+  for (unsigned f = 0; f < 6; ++f)
+    for (std::size_t c = 0; c < 4; ++c)
+      faces[static_cast<std::size_t>(edge_between(kFaces[f][c], kFaces[f][(c + 1) % 4]))] |= 1u << f;
+  return faces;
+}
+constexpr std::array<unsigned, kEdges> kFacesOfEdge = make_faces_of_edge();
+
+using Cell = std::array<double, 8>;  // values less the level
+
+/// Follows the surface over the faces of a cell: `next[e]` is the edge where the line that comes in at edge e leaves
+/// the face; -1 where the surface does not cross. On each face the line has what is above the level to its right, seen
+/// from outside the cell, so the lines of all faces join to loops that run counter-clockwise seen from below the level.
+std::array<int, kEdges> follow_faces(const Cell& cell) {
+  std::array<int, kEdges> next;
+  next.fill(-1);
+  for (const auto& face : kFaces) {
+    std::array<int, 4> enter{}, leave{};
+    std::size_t count = 0;
+    const auto above = [&](std::size_t c) { return cell[static_cast<std::size_t>(face[c % 4])] >= 0; };
+    for (std::size_t c = 0; c < 4; ++c) {
+      if (above(c) || !above(c + 1)) continue;
+      std::size_t last = c + 1;
+      while (above(last + 1)) ++last;
+      enter[count] = edge_between(face[c], face[(c + 1) % 4]);
+      leave[count++] = edge_between(face[last % 4], face[(last + 1) % 4]);
+    }
+    if (count == 2) {
+      const auto value = [&](std::size_t c) { return cell[static_cast<std::size_t>(face[c])]; };
+      const double even = value(0) * value(2), odd = value(1) * value(3);
+      const bool is_joined = above(0) ? even > odd : odd > even;
+      if (is_joined) std::swap(leave[0], leave[1]);
+    }
+    for (std::size_t s = 0; s < count; ++s) next[static_cast<std::size_t>(enter[s])] = leave[s];
+  }
+  return next;
+}
+
+struct Loop {
+  std::array<int, kEdges> edge;
+  std::size_t size = 0;
+};
+
+/// Can the loop be cut into triangles from corner `from` without a side that runs within a face? Such a side could be
+/// chosen by the neighbouring cell as well, and four triangles would meet in it.
+bool fan_stays_inside(const Loop& loop, std::size_t from) {
+  const auto faces = [&](std::size_t n) { return kFacesOfEdge[static_cast<std::size_t>(loop.edge[n % loop.size])]; };
+  for (std::size_t n = 2; n + 1 < loop.size; ++n)
+    if ((faces(from) & faces(from + n)) != 0) return false;
+  return true;
+}
+
+/// Walks all cells of a grid, layer by layer, and keeps the vertices of two layers at hand.
+class Marching {
+ public:
+  Marching(const Image& image, double level, GridEdge edge)
+      : image_(image), level_(level), low_(edge == GridEdge::closed ? -1 : 0) {
+    for (std::size_t a = 0; a < 3; ++a) high_[a] = image.grid.dims[a] - (edge == GridEdge::closed ? 0 : 1);
+    width_ = static_cast<std::size_t>(image.grid.dims[0] + 2);
+    const std::size_t layer = width_ * static_cast<std::size_t>(image.grid.dims[1] + 2);
+    for (auto& vertices : in_layer_) vertices.assign(2 * layer, kNone);
+    between_.assign(layer, kNone);
+  }
+
+  TriMesh operator()() {
+    for (int k = low_; k < high_[2]; ++k) {
+      for (int j = low_; j < high_[1]; ++j)
+        for (int i = low_; i < high_[0]; ++i) visit({i, j, k});
+      std::swap(in_layer_[0], in_layer_[1]);
+      std::fill(in_layer_[1].begin(), in_layer_[1].end(), kNone);
+      std::fill(between_.begin(), between_.end(), kNone);
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  double above_level(int i, int j, int k) const {
+    return image_.grid.contains(i, j, k) ? static_cast<double>(image_(i, j, k)) - level_ : kOutside;
+  }
+
+  void visit(const Index3& at) {
+    Cell cell;
+    int above = 0;
+    for (int c = 0; c < 8; ++c) {
+      const double value = above_level(at[0] + (c & 1), at[1] + ((c >> 1) & 1), at[2] + ((c >> 2) & 1));
+      cell[static_cast<std::size_t>(c)] = value;
+      above += value >= 0 ? 1 : 0;
+    }
+    if (above == 0 || above == 8) return;
+    std::array<int, kEdges> next = follow_faces(cell);
+    for (int start = 0; start < kEdges; ++start) {
+      Loop loop;
+      for (int e = start; next[static_cast<std::size_t>(e)] >= 0;) {
+        loop.edge[loop.size++] = e;
+        e = std::exchange(next[static_cast<std::size_t>(e)], -1);
+      }
+      if (loop.size > 0) fill(loop, at, cell);
+    }
+  }
+
+  void fill(const Loop& loop, const Index3& at, const Cell& cell) {
+    std::array<std::uint32_t, kEdges> v{};
+    for (std::size_t n = 0; n < loop.size; ++n) v[n] = vertex_on(loop.edge[n], at, cell);
+    for (std::size_t from = 0; from < loop.size; ++from) {
+      if (!fan_stays_inside(loop, from)) continue;
+      for (std::size_t n = 1; n + 1 < loop.size; ++n)
+        mesh_.triangles.push_back({v[from], v[(from + n) % loop.size], v[(from + n + 1) % loop.size]});
+      return;
+    }
+    Vec3 middle = Vec3::Zero();
+    for (std::size_t n = 0; n < loop.size; ++n) middle += mesh_.vertices[v[n]] / static_cast<double>(loop.size);
+    const auto centre = static_cast<std::uint32_t>(mesh_.vertices.size());
+    mesh_.vertices.push_back(middle);
+    for (std::size_t n = 0; n < loop.size; ++n) mesh_.triangles.push_back({centre, v[n], v[(n + 1) % loop.size]});
+  }
+
+  std::uint32_t vertex_on(int edge, const Index3& at, const Cell& cell) {
+    const int axis = edge / 4, low = low_corner_of(edge);
+    const Index3 from{at[0] + (low & 1), at[1] + ((low >> 1) & 1), at[2] + ((low >> 2) & 1)};
+    const std::size_t place = static_cast<std::size_t>(from[0] + 1) + width_ * static_cast<std::size_t>(from[1] + 1);
+    std::uint32_t& vertex =
+        axis == 2 ? between_[place]
+                  : in_layer_[static_cast<std::size_t>(from[2] - at[2])][2 * place + static_cast<std::size_t>(axis)];
+    if (vertex != kNone) return vertex;
+    const double a = cell[static_cast<std::size_t>(low)], b = cell[static_cast<std::size_t>(low | (1 << axis))];
+    const double share = std::isinf(a) || std::isinf(b) ? 0.5 : std::clamp(a / (a - b), kKeepAway, 1 - kKeepAway);
+    Vec3 p(from[0], from[1], from[2]);
+    p[axis] += share;
+    vertex = static_cast<std::uint32_t>(mesh_.vertices.size());
+    mesh_.vertices.push_back(p.cwiseProduct(image_.grid.spacing));
+    return vertex;
+  }
+
+  const Image& image_;
+  const double level_;
+  const int low_;
+  Index3 high_{};
+  std::size_t width_ = 0;
+  std::array<std::vector<std::uint32_t>, 2> in_layer_;  // vertices on edges along x and y of the lower, upper layer
+  std::vector<std::uint32_t> between_;                  // on edges along z
+  TriMesh mesh_;
+};
+
+}  // namespace
+
+TriMesh marching_cubes(const Image& image, double level, GridEdge edge) {
+  if (!std::isfinite(level)) throw InputError("marching cubes: the level is not finite");
+  for (const float v : image.values)
+    if (!std::isfinite(v)) throw InputError("marching cubes: a value of the image is not finite");
+  return Marching(image, level, edge)();
+}
+
+}  // namespace dynasurf
