@@ -137,9 +137,13 @@ Outcome reconstruct_to_folder(const Job& job, const Progress& progress) {
 
   const StageWriter stages(folder.path() / "stages");
   Outcome outcome;
-  outcome.result =
-      reconstruct(study, job.options, progress,
-                  job.outputs.keep_stages ? StageSink([&](const Stages& s) { stages(s, job.options); }) : StageSink());
+  const StageSink keep =
+      job.outputs.keep_stages ? StageSink([&](const Stages& s) { stages(s, job.options); }) : StageSink();
+  try {
+    outcome.result = reconstruct(study, job.options, progress, keep);
+  } catch (const InputError& error) {  // the library knows the study, not the file it came from
+    throw InputError(job.study.string() + ": " + error.what());
+  }
   progress.check();
   outcome.json = results_text(outcome.result, provenance, job.outputs);
   write_file(folder.path() / "options.json", provenance.options_json);

@@ -47,6 +47,13 @@ TEST(Judge, FailsWhenASurfaceIsMissingAndNamesTheGates) {
   EXPECT_EQ(verdict_of(flags), Verdict::fail);
 }
 
+TEST(Judge, TellsAMissingSurfaceOnce) {
+  VentricleResult result = good_result();
+  result.gates[2].endo.reset();
+  result.notes.push_back({Severity::failure, "labels.no_endo", "The endo border was found in no slice.", 2});
+  EXPECT_EQ(codes_of(result), Codes{"surface_missing"});
+}
+
 TEST(Judge, AsksToCheckWhatAHeartDoesNotDo) {
   VentricleResult result = good_result();
   result.wall_variation = 0.3;

@@ -81,12 +81,15 @@ void flag_numbers(const VentricleResult& result, std::vector<Flag>& flags) {
                      *result.edv_ml});
 }
 
+/// "surface_missing" says these already.
+bool is_told_by_a_surface(const Note& note) { return note.code == "labels.no_endo" || note.code == "labels.no_epi"; }
+
 /// One flag per code of the stages' warnings, with how often it came.
 void flag_notes(const VentricleResult& result, std::vector<Flag>& flags) {
   std::vector<std::string> order;
   std::map<std::string, std::vector<const Note*>> by_code;
   for (const Note& note : result.notes)
-    if (note.severity != Severity::info) {
+    if (note.severity != Severity::info && !is_told_by_a_surface(note)) {
       if (by_code[note.code].empty()) order.push_back(note.code);
       by_code[note.code].push_back(&note);
     }
