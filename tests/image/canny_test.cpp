@@ -9,6 +9,7 @@
 #include "dynasurf/image/edges.hpp"
 
 #include "support/blurred_heart.hpp"
+#include "support/edge_images.hpp"
 
 namespace dynasurf {
 namespace {
@@ -16,24 +17,10 @@ namespace {
 using test::quarter_turn;
 using test::shifted;
 
-Image image_of(int width, int height, int depth, const auto& value) {
-  Grid g;
-  g.dims = {width, height, depth};
-  Image m(g);
-  for (int k = 0; k < depth; ++k)
-    for (int j = 0; j < height; ++j)
-      for (int i = 0; i < width; ++i) m(i, j, k) = static_cast<float>(value(i, j, k));
-  return m;
-}
+using test::image_of;
 
-Image noise(int width, int height, int depth) {
-  std::mt19937_64 random(7);
-  return image_of(width, height, depth, [&](int, int, int) { return static_cast<double>(random() % 1000) / 999; });
-}
-
-std::size_t count(const Mask& m) {
-  return static_cast<std::size_t>(std::count_if(m.values.begin(), m.values.end(), [](auto v) { return v != 0; }));
-}
+Image noise(int width, int height, int depth) { return test::noise_image(width, height, depth); }
+std::size_t count(const Mask& m) { return test::count_set(m); }
 
 TEST(Canny, MarksAStepWithALineOfOnePixel) {
   const Image step = image_of(32, 20, 1, [](int i, int, int) { return i < 16 ? 0 : 1; });  // between columns 15 and 16
@@ -130,24 +117,6 @@ TEST(Canny, TurnsWithASymmetricImageFullOfTies) {
   EXPECT_EQ(edges.values, quarter_turn(edges).values);
 }
 
-TEST(Canny, MovesWithTheImage) {
-  test::HeartShape h;
-  h.dims[2] = 12, h.base_slice = 10, h.apex_slice = 2;
-  const Image m = test::blurred_heart(h);
-  // The sides are the background up to rounding; what enters is background too.
-  EXPECT_EQ(detect_edges(shifted(m, 5, -3), Canny{}).edges.values,
-            shifted(detect_edges(m, Canny{}).edges, 5, -3).values);
-}
-
-TEST(Canny, IgnoresContrast) {
-  const Image m = noise(30, 30, 2);
-  for (const float factor : {8.0F, 0.37F, 113.0F}) {
-    Image scaled = m;
-    for (float& v : scaled.values) v *= factor;
-    EXPECT_EQ(detect_edges(scaled, Canny{}).edges.values, detect_edges(m, Canny{}).edges.values) << factor;
-  }
-}
-
 TEST(Canny, NeverGainsPixelsFromAHigherThreshold) {
   const Image m = noise(50, 50, 2);
   for (const auto mode : {CannyThreshold::max_fraction, CannyThreshold::max_fraction_slice}) {
@@ -158,26 +127,6 @@ TEST(Canny, NeverGainsPixelsFromAHigherThreshold) {
       EXPECT_LT(count(now), count(before));
       before = now;
     }
-  }
-}
-
-TEST(Canny, GivesTheSameBytesForAnyNumberOfThreads) {
-  const Image m = noise(64, 64, 23);
-  EdgeMap reference;
-  for (const int threads : {1, 2, 4}) {
-    const ThreadLimit limit(threads);
-    const EdgeMap map = detect_edges(m, Canny{});
-    if (threads == 1) reference = map;
-    EXPECT_EQ(map.edges.values, reference.edges.values) << threads;
-    EXPECT_EQ(map.gradient.values, reference.gradient.values) << threads;
-  }
-}
-
-TEST(Canny, TakesTheSmallestImages) {
-  for (const Index3& d : {Index3{1, 1, 1}, Index3{1, 9, 2}, Index3{9, 1, 2}, Index3{2, 2, 1}, Index3{0, 0, 0}}) {
-    const EdgeMap map =
-        detect_edges(image_of(d[0], d[1], d[2], [](int i, int j, int) { return i + j; }), Canny{.sigma_px = 5});
-    EXPECT_EQ(map.edges.values.size(), map.edges.grid.size());
   }
 }
 

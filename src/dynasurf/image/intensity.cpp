@@ -1,9 +1,12 @@
 #include "dynasurf/image/intensity.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <sstream>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/image/slice.hpp"
 
 namespace dynasurf {
 namespace {
@@ -36,6 +39,61 @@ Image suppress_noise(Image image, double fraction) {
   const double threshold = fraction * largest(image);
   for (float& v : image.values)
     if (v < threshold) v = 0;
+  return image;
+}
+
+std::span<const std::string_view> names_of(DoublingMask) {
+  static constexpr std::array<std::string_view, 2> names{"three", "single"};
+  return names;
+}
+
+Image threshold_at(Image image, double level) {
+  for (float& v : image.values) v = static_cast<double>(v) >= level ? 1.0F : 0.0F;
+  return image;
+}
+
+Image double_resolution(const Image& image, DoublingMask mask) {
+  Grid grid = image.grid;
+  for (int& n : grid.dims) n *= 2;
+  grid.spacing /= 2;
+  grid.origin -= grid.direction * grid.spacing / 2;
+  Image result(grid);
+  const float beside = mask == DoublingMask::three ? 0.5F : 0.0F, diagonal = mask == DoublingMask::three ? 0.5F : 1.5F;
+  for_each_slice(grid, [&](int k) {
+    for (int j = 0; j < grid.dims[1]; ++j)
+      for (int i = 0; i < grid.dims[0]; ++i) {
+        const int a = i % 2 ? 1 : -1, b = j % 2 ? 1 : -1, c = k % 2 ? 1 : -1;
+        const auto plane = [&](int z) {
+          return (2.5F * image.clamped(i / 2, j / 2, z) +
+                  beside * (image.clamped(i / 2 + a, j / 2, z) + image.clamped(i / 2, j / 2 + b, z)) +
+                  diagonal * image.clamped(i / 2 + a, j / 2 + b, z)) /
+                 4;
+        };
+        result(i, j, k) = (3 * plane(k / 2) + plane(k / 2 + c)) / 4;
+      }
+  });
+  return result;
+}
+
+Image cut_property(Image image, const PropertyCut& cut) {
+  if (!(cut.radius_px >= 0 && cut.band_px >= 0 && cut.sigma_px >= 0))
+    throw OptionError("property cut: radius, band and width are expected to be >= 0 px");
+  const auto half = half_gaussian(cut.sigma_px);
+  for_each_slice(image.grid, [&](int k) {
+    Slice slice = slice_of(image, k);
+    const auto beyond = [&](int i, int j) { return std::hypot(i - cut.x_px, j - cut.y_px) - cut.radius_px; };
+    for (int j = 0; j < slice.height; ++j)
+      for (int i = 0; i < slice.width; ++i)
+        if (beyond(i, j) > 0) slice(i, j) = 0;
+    if (cut.soft) {
+      Slice smoothed = slice;
+      smooth(smoothed, half);
+      for (int j = 0; j < slice.height; ++j)
+        for (int i = 0; i < slice.width; ++i)
+          if (std::abs(beyond(i, j)) <= cut.band_px) slice(i, j) = smoothed(i, j);
+    }
+    put_slice(slice, image, k);
+  });
   return image;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/volume.hpp"
@@ -13,5 +15,33 @@ Image normalise(Image image, Notes& notes);
 /// Sets values below `fraction` of the maximum to 0 (VOL-NOISE20, thesis 6.1.2.5); 0 keeps all. Throws OptionError
 /// unless 0 <= fraction <= 1.
 Image suppress_noise(Image image, double fraction);
+
+/// 1 where the value is at least `level`, else 0 (VOL-THRESH, thesis 6.1). The thesis advises against it for
+/// measuring: the right level is another for every patient.
+Image threshold_at(Image image, double level);
+
+/// How the lost figure 2.4 is read: the centre weighs 2.5 and the neighbourhood 1.5 of 4.
+enum class DoublingMask {
+  three,   // 0.5 on each of the three neighbours of the quadrant: ramps stay ramps
+  single,  // 1.5 on the diagonal neighbour
+};
+std::span<const std::string_view> names_of(DoublingMask);
+
+/// Twice the voxels along every axis (VOL-DOUBLE, thesis 2.2.1): the mask within the slices, 3:1 between them. The
+/// sum of the values grows eightfold up to the border. The thesis rejects it: edges weaken, and nothing is gained.
+Image double_resolution(const Image& image, DoublingMask mask = DoublingMask::three);
+
+/// The circle of VOL-PROPCUT.
+struct PropertyCut {
+  double x_px = 0, y_px = 0, radius_px = 1;
+  bool soft = false;
+  double band_px = 2;
+  double sigma_px = 1;
+};
+
+/// Values outside the circle set to 0 in every slice (VOL-PROPCUT, thesis 2.4). With `soft` the pixels within
+/// `band_px` of the circle are then smoothed by a Gaussian. The thesis rejects both: the cut itself becomes an edge.
+/// Throws OptionError for a negative radius, band or width.
+Image cut_property(Image image, const PropertyCut& cut);
 
 }  // namespace dynasurf

@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/image/intensity.hpp"
 #include "dynasurf/synthetic/assembly.hpp"
 #include "dynasurf/synthetic/solids.hpp"
 
@@ -83,34 +85,10 @@ Phantom take(std::string_view kind, const Cups& cups, const Scene& scene, const 
   return phantom;
 }
 
-/// VOL-DOUBLE in the reading that keeps ramps: each voxel yields eight, nearer neighbours weigh in.
-Image double_resolution(const Image& image) {
-  Grid grid = image.grid;
-  for (int& n : grid.dims) n *= 2;
-  grid.spacing /= 2;
-  grid.origin -= grid.direction * grid.spacing / 2;
-  Image result(grid);
-  parallel_for(grid.dims[2], 1, [&](std::size_t begin, std::size_t end) {
-    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
-      for (int j = 0; j < grid.dims[1]; ++j)
-        for (int i = 0; i < grid.dims[0]; ++i) {
-          const int a = i % 2 ? 1 : -1, b = j % 2 ? 1 : -1, c = k % 2 ? 1 : -1;
-          const auto plane = [&](int z) {
-            return (2.5f * image.clamped(i / 2, j / 2, z) + 0.5f * image.clamped(i / 2 + a, j / 2, z) +
-                    0.5f * image.clamped(i / 2, j / 2 + b, z) + 0.5f * image.clamped(i / 2 + a, j / 2 + b, z)) /
-                   4;
-          };
-          result(i, j, k) = (3 * plane(k / 2) + plane(k / 2 + c)) / 4;
-        }
-  });
-  return result;
-}
-
 Image make_binary(Image image, double level) {
-  const float hottest = *std::max_element(image.values.begin(), image.values.end());
-  const double least = level * static_cast<double>(hottest);
-  for (float& v : image.values) v = static_cast<double>(v) >= least && v > 0 ? 1.0f : 0.0f;
-  return image;
+  const double hottest = *std::max_element(image.values.begin(), image.values.end());
+  // Nothing is set in an empty image.
+  return threshold_at(std::move(image), std::max(level * hottest, std::numeric_limits<double>::min()));
 }
 
 /// Doubling and thresholding, as `o` asks for them.

@@ -2,6 +2,7 @@
 #include <cstddef>
 
 #include "dynasurf/core/volume.hpp"
+#include "dynasurf/image/cover.hpp"
 
 namespace dynasurf {
 
@@ -13,13 +14,6 @@ Mask filled_solid(const Image& image, double fraction = 0.2);
 
 /// Voxels below `fraction` of the maximum that the others enclose within their slice: the cavity of the data.
 Mask enclosed_cavity(const Image& image, double fraction = 0.2);
-
-/// VOL-COVER: a disc in the slice above the highest occupied one, around the centroid of that one. Empty when there is
-/// no occupied voxel or no slice above.
-Mask cover_disc(const Mask& solid, double radius_mm);
-
-/// Voxels set in either. Both have the same grid.
-Mask unite(Mask a, const Mask& b);
 
 /// Voxels of a solid that have a face neighbour outside it, as 1 in an image of 0: a border volume (VOL-BORDERS). The
 /// edge of the grid counts as inside.

@@ -1,0 +1,105 @@
+#include "dynasurf/image/ridges.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "dynasurf/core/error.hpp"
+
+namespace dynasurf {
+namespace {
+
+/// Strength one pixel along (x, y), interpolated between the two pixels of the 3x3 ring on either side of it; exactly
+/// theirs where they are equal, so that plateaus stay plateaus.
+float along(const Slice& m, int i, int j, float x, float y) {
+  const float ax = std::abs(x), ay = std::abs(y);
+  const int sx = x < 0 ? -1 : 1, sy = y < 0 ? -1 : 1;
+  const float diagonal = m.clamped(i + sx, j + sy);
+  if (ax >= ay) {
+    const float side = m.clamped(i + sx, j);
+    return side + ay / ax * (diagonal - side);
+  }
+  const float side = m.clamped(i, j + sy);
+  return side + ax / ay * (diagonal - side);
+}
+
+}  // namespace
+
+bool is_ridge(const Slice& m, int i, int j, float x, float y) {
+  if (x == 0 && y == 0) return false;
+  const float here = m(i, j);
+  return here > along(m, i, j, x, y) && here >= along(m, i, j, -x, -y);
+}
+
+RidgeOffset ridge_offset(const Slice& m, int i, int j, float x, float y) {
+  const float step = std::max(std::abs(x), std::abs(y));
+  if (step == 0) return {};
+  const float ahead = along(m, i, j, x, y), behind = along(m, i, j, -x, -y);
+  const float bend = ahead + behind - 2 * m(i, j);
+  if (!(bend < 0)) return {};
+  const float t = std::clamp((behind - ahead) / (2 * bend), -0.5F, 0.5F);
+  return {t * x / step, t * y / step};
+}
+
+Slice thin(const Slice& strength, const SliceVectors& across) {
+  Slice ridges(strength.width, strength.height);
+  for (int j = 0; j < strength.height; ++j)
+    for (int i = 0; i < strength.width; ++i)
+      if (strength(i, j) > 0 && is_ridge(strength, i, j, across.x(i, j), across.y(i, j))) ridges(i, j) = strength(i, j);
+  return ridges;
+}
+
+void trace(const Slice& ridges, float low, float high, Mask& edges, int k) {
+  std::vector<std::pair<int, int>> stack;
+  const auto reaches = [&](int i, int j, float level) { return ridges(i, j) > 0 && ridges(i, j) >= level; };
+  for (int j = 0; j < ridges.height; ++j)
+    for (int i = 0; i < ridges.width; ++i)
+      if (reaches(i, j, high)) edges(i, j, k) = major_edge, stack.emplace_back(i, j);
+  while (!stack.empty()) {
+    const auto [ci, cj] = stack.back();
+    stack.pop_back();
+    for (int j = std::max(0, cj - 1); j <= std::min(ridges.height - 1, cj + 1); ++j)
+      for (int i = std::max(0, ci - 1); i <= std::min(ridges.width - 1, ci + 1); ++i) {
+        if (edges(i, j, k) || !reaches(i, j, low)) continue;
+        edges(i, j, k) = major_edge;
+        stack.emplace_back(i, j);
+      }
+  }
+}
+
+float largest_of(const Image& image) {
+  float max = 0;
+  for (const float v : image.values) max = std::max(max, v);
+  return max;
+}
+
+void require_finite(const Image& image) {
+  for (std::size_t n = 0; n < image.values.size(); ++n)
+    if (!std::isfinite(image.values[n]))
+      throw InputError("image value " + std::to_string(n) + " is not a finite number; expected finite intensities");
+}
+
+void require_order(double low, double high, const char* method) {
+  if (high >= low) return;
+  std::ostringstream text;
+  text << "option " << method << ".high is " << high << "; expected at least " << method << ".low (" << low << ")";
+  throw OptionError(text.str());
+}
+
+void note_flat(EdgeMap& map) {
+  if (largest_of(map.gradient) > 0) return;
+  map.notes.push_back(
+      {Severity::warning, "edges.flat", "The volume has the same value everywhere in each slice, so it has no edges."});
+}
+
+void put_offsets(const Slice& strength, const SliceVectors& across, EdgeMap& map, int k) {
+  for (int j = 0; j < strength.height; ++j)
+    for (int i = 0; i < strength.width; ++i) {
+      if (!map.edges(i, j, k)) continue;
+      const RidgeOffset o = ridge_offset(strength, i, j, across.x(i, j), across.y(i, j));
+      map.offsets->x_px(i, j, k) = o.x;
+      map.offsets->y_px(i, j, k) = o.y;
+    }
+}
+
+}  // namespace dynasurf
