@@ -67,6 +67,7 @@ inline Surface sample_surface(const Grid& grid, const TriMesh& sphere, const Ell
   surface.mesh = to_world(grid, std::move(mesh));
   surface.volume_ml = volume_mm3(surface.mesh) / 1000;
   surface.quality = triangle_quality(surface.mesh);
+  surface.repair.check = {true, true, true, 0, 0};
   surface.stop_reason = StopReason::all_stopped;
   surface.steps = 412;
   surface.stopped_fraction = 0.991;

@@ -16,6 +16,7 @@ VentricleResult good_result() {
     gate.epi.emplace();
     gate.endo->within_one_voxel = gate.epi->within_one_voxel = 1;
     gate.endo->stop_reason = gate.epi->stop_reason = StopReason::all_stopped;
+    gate.endo->repair.check = gate.epi->repair.check = {true, true, true, 0, 0};
     gate.wall_ml = 120;
     result.gates.push_back(gate);
   }
@@ -71,6 +72,17 @@ TEST(Judge, FailsWhenTheWallsCrossOrASurfaceDiverged) {
   result.gates[4].epi->stop_reason = StopReason::diverged;
   EXPECT_EQ(codes_of(result), (Codes{"surface_diverged", "walls_cross"}));
   EXPECT_EQ(verdict_of(judge(result)), Verdict::fail);
+}
+
+TEST(Judge, AsksToCheckASurfaceThatIsNotFitToPublish) {
+  VentricleResult result = good_result();
+  result.gates[1].epi->repair.check.self_intersections = 3;
+  result.gates[6].endo->repair.check.closed = false;
+  const std::vector<Flag> flags = judge(result);
+  ASSERT_EQ(flags.size(), 1U);
+  EXPECT_EQ(flags[0].code, "surface_invalid");
+  EXPECT_EQ(flags[0].value, 2);
+  EXPECT_EQ(verdict_of(flags), Verdict::check);
 }
 
 TEST(Judge, TurnsWarningsOfTheStagesIntoOneFlagPerCode) {

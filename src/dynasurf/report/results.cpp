@@ -53,6 +53,19 @@ Json triangles_json(const TriMesh& mesh, const TriangleQuality& q) {
   return json;
 }
 
+Json validity_json(const Repair& repair) {
+  Json json;
+  json["closed"] = repair.check.closed;
+  json["manifold"] = repair.check.manifold;
+  json["oriented"] = repair.check.oriented;
+  json["self_intersections"] = repair.check.self_intersections;
+  json["flat_triangles"] = repair.check.flat_triangles;
+  json["vertices_tidied"] = repair.tidied.vertices_moved;
+  json["vertices_untangled"] = repair.untangled.vertices_moved;
+  json["largest_move_mm"] = number(std::max(repair.tidied.largest_move_mm, repair.untangled.largest_move_mm));
+  return json;
+}
+
 Json surface_json(const std::optional<Surface>& surface) {
   if (!surface) return nullptr;
   Json json;
@@ -64,6 +77,7 @@ Json surface_json(const std::optional<Surface>& surface) {
   json["within_one_voxel"] = number(surface->within_one_voxel);
   json["mean_distance_mm"] = number(surface->mean_distance_mm);
   json["triangles"] = triangles_json(surface->mesh, surface->quality);
+  json["validity"] = validity_json(surface->repair);
   return json;
 }
 

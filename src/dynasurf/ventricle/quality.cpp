@@ -57,6 +57,10 @@ void flag_surfaces(const VentricleResult& result, std::vector<Flag>& flags) {
                    "cardial surface lie within a voxel of its border",
                [&](const Gate& g) { return surface(g) && surface(g)->within_one_voxel < least_arrived; });
   }
+  flag_gates(result, flags, "surface_invalid", Severity::warning,
+             "a surface is not closed, manifold, oriented and free of self-intersections", [](const Gate& g) {
+               return (g.endo && !g.endo->repair.check.valid()) || (g.epi && !g.epi->repair.check.valid());
+             });
   flag_gates(result, flags, "walls_cross", Severity::failure,
              "the endocardial volume is not smaller than the epicardial one",
              [](const Gate& g) { return g.wall_ml && *g.wall_ml <= 0; });

@@ -61,6 +61,7 @@ struct WallRun {
   BorderPlanes planes;
   FlowResult flow;
   EvolutionResult evolved;
+  std::optional<Surface> surface;
   bool exists() const { return !border.values.empty(); }
 };
 
@@ -122,8 +123,8 @@ Gate finish_gate(GateRun& run, int g, const VentricleResult& result) {
   Gate gate;
   gate.gate = g;
   if (!result.study.time_ms.empty()) gate.time_ms = result.study.time_ms[static_cast<std::size_t>(g)];
-  if (run.endo.exists()) gate.endo = measure_surface(run.endo.evolved, run.endo.border, run.base_plane);
-  if (run.epi.exists()) gate.epi = measure_surface(run.epi.evolved, run.epi.border, run.base_plane);
+  gate.endo = std::move(run.endo.surface);
+  gate.epi = std::move(run.epi.surface);
   if (gate.endo && gate.epi) gate.wall_ml = gate.epi->volume_ml - gate.endo->volume_ml;
   gate.base_slice = run.base_slice;
   gate.base_plane = run.base_plane;
@@ -218,6 +219,13 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
                  [&](std::size_t task, std::size_t) { surface_from_ellipsoid(runs[task / 2].wall(walls[task % 2])); });
   }
 
+  parallel_for(2 * runs.size(), 1, [&](std::size_t task, std::size_t) {
+    WallRun& run = runs[task / 2].wall(walls[task % 2]);
+    if (!run.exists()) return;
+    run.surface = clock(
+        "measures", [&] { return measure_surface(run.evolved, run.border, runs[task / 2].base_plane, options.tidy); });
+  });
+
   if (keep) hand_over_stages(keep, runs, result.study);
   result.notes = result.study.notes;
   for (int g = 0; g < gates; ++g) {
@@ -225,6 +233,8 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
     for (const Notes* notes : {&run.edges.notes, &run.labels.notes, &run.notes, &run.endo.flow.notes,
                                &run.endo.evolved.notes, &run.epi.flow.notes, &run.epi.evolved.notes})
       add_notes(result.notes, *notes, g);
+    for (const Wall wall : walls)
+      if (run.wall(wall).surface) add_notes(result.notes, run.wall(wall).surface->notes, g);
     result.gates.push_back(finish_gate(run, g, result));
   }
   measure_cycle(result);

@@ -43,6 +43,7 @@ struct VentricleOptions {
   int mesh_level = 3;
   Placement placement;
   Evolution evolution = subvoxel_evolution();
+  Tidy tidy;
   bool warm_start = false;
   Keyframes keyframes;
 };
@@ -59,6 +60,7 @@ void describe(auto& visit, VentricleOptions& o) {
   visit("mesh_level", o.mesh_level, Field{"2, 3, 4: 162, 642, 2562 vertices per surface (thesis table 5.2)", "", 0, 6});
   visit("placement", o.placement, Field{"the ellipsoid that the surfaces start from"});
   visit("evolution", o.evolution, Field{"the deformable model"});
+  visit("tidy", o.tidy, Field{"better triangles on the finished surfaces, and none that cut each other"});
   visit("warm_start", o.warm_start, Field{"start each gate from the surface of the gate before, a little enlarged"});
   visit("keyframes", o.keyframes, Field{"surfaces between the gates"});
 }

@@ -1,26 +1,65 @@
 #include "dynasurf/ventricle/surface.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <numeric>
 
 namespace dynasurf {
+namespace {
 
-Surface measure_surface(const EvolutionResult& evolved, const Image& border,
-                        const std::optional<BasePlane>& base_plane) {
+void note_repair(const Repair& repair, Notes& notes) {
+  std::array<char, 200> text{};
+  if (repair.untangled.left > 0) {
+    std::snprintf(text.data(), text.size(), "the surface cuts itself in %zu places that smoothing did not free",
+                  repair.untangled.left);
+    notes.push_back({Severity::warning, "surface.tangled", text.data()});
+  } else if (repair.untangled.found > 0) {
+    std::snprintf(text.data(), text.size(),
+                  "the surface cut itself; %zu vertices were moved by up to %.2f mm, its volume changed by %.2f mL",
+                  repair.untangled.vertices_moved, repair.untangled.largest_move_mm,
+                  repair.untangled.volume_change_mm3 / 1000);
+    notes.push_back({Severity::info, "surface.untangled", text.data()});
+  }
+}
+
+MoveReport sum_of(const MoveReport& a, const MoveReport& b) {
+  return {a.vertices_moved + b.vertices_moved, std::max(a.largest_move_mm, b.largest_move_mm),
+          a.volume_change_mm3 + b.volume_change_mm3};
+}
+
+void measure_distances(const TriMesh& mesh, const Image& border, Surface& s) {
+  const auto count = static_cast<double>(mesh.vertices.size());
+  const std::vector<double> voxels = distances_to_border_voxels(mesh, border);
+  s.within_one_voxel =
+      static_cast<double>(std::count_if(voxels.begin(), voxels.end(), [](double d) { return d < 1; })) / count;
+  const std::vector<double> mm = distances_to_border_mm(mesh, border);
+  s.mean_distance_mm = std::accumulate(mm.begin(), mm.end(), 0.0) / count;
+}
+
+}  // namespace
+
+Surface measure_surface(const EvolutionResult& evolved, const Image& border, const std::optional<BasePlane>& base_plane,
+                        const Tidy& options) {
   Surface s;
   s.stop_reason = evolved.reason;
   s.steps = evolved.steps;
   s.stopped_fraction = evolved.stopped_fraction;
-  const auto count = static_cast<double>(evolved.mesh.vertices.size());
-  const std::vector<double> voxels = distances_to_border_voxels(evolved.mesh, border);
-  s.within_one_voxel =
-      static_cast<double>(std::count_if(voxels.begin(), voxels.end(), [](double d) { return d < 1; })) / count;
-  const std::vector<double> mm = distances_to_border_mm(evolved.mesh, border);
-  s.mean_distance_mm = std::accumulate(mm.begin(), mm.end(), 0.0) / count;
-  const TriMesh whole = base_plane ? flatten_above(evolved.mesh, to_grid(border.grid, *base_plane)) : evolved.mesh;
-  s.volume_ml = volume_mm3(whole) / 1000;
-  s.quality = triangle_quality(whole);
-  s.mesh = to_world(border.grid, whole);
+  TriMesh mesh = evolved.mesh;
+  if (base_plane) {
+    const MoveReport before_cut = tidy(mesh, options);
+    measure_distances(mesh, border, s);
+    mesh = flatten_above(std::move(mesh), to_grid(border.grid, *base_plane));
+    s.repair = repair_surface(mesh, options);
+    s.repair.tidied = sum_of(before_cut, s.repair.tidied);
+  } else {
+    s.repair = repair_surface(mesh, options);
+    measure_distances(mesh, border, s);
+  }
+  note_repair(s.repair, s.notes);
+  s.volume_ml = volume_mm3(mesh) / 1000;
+  s.quality = triangle_quality(mesh);
+  s.mesh = to_world(border.grid, std::move(mesh));
   return s;
 }
 

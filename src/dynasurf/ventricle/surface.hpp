@@ -4,6 +4,7 @@
 #include "dynasurf/dynamics/evolve.hpp"
 #include "dynasurf/field/gvf.hpp"
 #include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/mesh/repair.hpp"
 #include "dynasurf/ventricle/base_plane.hpp"
 
 namespace dynasurf {
@@ -18,12 +19,15 @@ struct Surface {
   double within_one_voxel = 0;  // share of particles closer than one voxel to a border voxel's centre (MEAS-DIST)
   double mean_distance_mm = 0;  // to the nearest centre of a border voxel
   TriangleQuality quality;
+  Repair repair;  // what was done to make it publishable, and what it is: closed, manifold, free of self-intersections
+  Notes notes;    // "surface.untangled", "surface.tangled"
 };
 
-/// The measures of an evolved mesh against the border it was made for. With a valve plane (world frame) the surface
-/// ends there (`flatten_above`): volume, mesh and triangles are those of the closed part below it, the distances those
-/// of the surface as it came to rest.
+/// The measures of an evolved mesh against the border it was made for. Ill-shaped triangles are improved first, and
+/// triangles that cut each other are freed, as `tidy` says (`repair_surface`). With a valve plane (world frame) the
+/// surface ends there (`flatten_above`): volume, mesh and triangles are those of the closed part below it, the
+/// distances those of the surface as it came to rest.
 Surface measure_surface(const EvolutionResult& evolved, const Image& border,
-                        const std::optional<BasePlane>& base_plane = std::nullopt);
+                        const std::optional<BasePlane>& base_plane = std::nullopt, const Tidy& options = {});
 
 }  // namespace dynasurf

@@ -1,0 +1,92 @@
+#include "dynasurf/ventricle/surface.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "dynasurf/mesh/shapes.hpp"
+#include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
+
+namespace dynasurf {
+namespace {
+
+/// A ball of 30 mm as if it had come to rest, and voxels around it.
+EvolutionResult ball_at_rest() {
+  EvolutionResult evolved;
+  evolved.mesh = icosphere(3);
+  for (Vec3& p : evolved.mesh.vertices) p = 30 * p + Vec3(40, 40, 40);
+  evolved.reason = StopReason::all_stopped;
+  evolved.stopped_fraction = 1;
+  return evolved;
+}
+
+Image voxels() {
+  Grid grid;
+  grid.dims = {21, 21, 21};
+  grid.spacing = {4, 4, 4};
+  return Image(grid, 1);
+}
+
+TEST(MeasureSurface, SaysThatAGoodSurfaceIsOne) {
+  const Surface s = measure_surface(ball_at_rest(), voxels());
+  EXPECT_TRUE(s.repair.check.valid());
+  EXPECT_EQ(s.repair.tidied.vertices_moved, 0u);
+  EXPECT_TRUE(s.notes.empty());
+  EXPECT_EQ(s.within_one_voxel, 1);
+}
+
+TEST(MeasureSurface, FreesASurfaceThatCutsItselfAndTells) {
+  EvolutionResult evolved = ball_at_rest();
+  evolved.mesh.vertices[0] -= Vec3(2.4 * (evolved.mesh.vertices[0] - Vec3(40, 40, 40)));
+  const Surface s = measure_surface(evolved, voxels(), std::nullopt, {.shape = 0});
+  EXPECT_TRUE(s.repair.check.valid());
+  ASSERT_EQ(s.notes.size(), 1u);
+  EXPECT_EQ(s.notes[0].code, "surface.untangled");
+  EXPECT_EQ(s.notes[0].severity, Severity::info);
+
+  const Surface tangled = measure_surface(evolved, voxels(), std::nullopt, {.shape = 0, .untangle_rounds = 0});
+  EXPECT_GT(tangled.repair.check.self_intersections, 0u);
+  ASSERT_EQ(tangled.notes.size(), 1u);
+  EXPECT_EQ(tangled.notes[0].code, "surface.tangled");
+  EXPECT_EQ(tangled.notes[0].severity, Severity::warning);
+}
+
+TEST(MeasureSurface, CutAtAPlaneIsStillFitToPublish) {
+  const BasePlane plane{{40, 40, 52}, Vec3(0.1, -0.2, 1).normalized()};
+  const Surface s = measure_surface(ball_at_rest(), voxels(), plane);
+  EXPECT_TRUE(s.repair.check.valid());
+  EXPECT_GT(s.quality.shape_min, 0.1);
+  for (const Vec3& p : s.mesh.vertices) EXPECT_LT(plane.height(p), 1e-9);
+}
+
+class VirtualPatients : public testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(VirtualPatients, HaveValidSurfacesWithSoundTrianglesOfTheSameVolume) {
+  VirtualPatient patient;
+  patient.gates = 3;
+  patient.noise.seed = GetParam();
+  const Study study = make_phantom(patient).study;
+  VentricleOptions raw;
+  raw.tidy = {.shape = 0, .untangle_rounds = 0};
+  const VentricleResult with = reconstruct(study, {}), without = reconstruct(study, raw);
+  double worst_before = 1, worst_after = 1;
+  for (std::size_t g = 0; g < with.gates.size(); ++g)
+    for (const auto wall : {&Gate::endo, &Gate::epi}) {
+      const auto& after = with.gates[g].*wall;
+      const auto& before = without.gates[g].*wall;
+      ASSERT_TRUE(after && before);
+      EXPECT_TRUE(after->repair.check.valid()) << g;
+      EXPECT_NEAR(after->volume_ml, before->volume_ml, 0.002 * before->volume_ml);
+      EXPECT_NEAR(after->mean_distance_mm, before->mean_distance_mm, 0.05);
+      worst_after = std::min(worst_after, after->quality.shape_min);
+      worst_before = std::min(worst_before, before->quality.shape_min);
+    }
+  EXPECT_LT(worst_before, 0.15);
+  EXPECT_GT(worst_after, 0.25);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, VirtualPatients, testing::Values(1, 2));
+
+}  // namespace
+}  // namespace dynasurf
