@@ -9,7 +9,9 @@
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/dynamics/border_path.hpp"
+#include "dynasurf/dynamics/coupled_motion.hpp"
 #include "dynasurf/dynamics/field_force.hpp"
+#include "dynasurf/dynamics/forces/forces.hpp"
 #include "dynasurf/dynamics/solvers/solver.hpp"
 #include "dynasurf/mesh/border_distance.hpp"
 
@@ -27,6 +29,7 @@ constexpr double kFastParticle = 0.5;    // voxels per step worth a note (A.4)
 constexpr double kRunaway = 100;         // times the fastest speed the field can give
 constexpr double kFarthestVoxel = 1e6;   // where a start may lie
 constexpr int kStepsBetweenChecks = 64;  // for a request to stop
+constexpr int kStepsBetweenLimits = 16;  // of a coupled run: its forces stiffen as the mesh shrinks
 
 /// The room of the particles: the cells of the grid and the box of the start. Who starts outside the grid may come in
 /// from there, but nobody can leave.
@@ -50,25 +53,36 @@ struct Plan {
   double mass_kg = 0;  // of one particle
   double fastest = 0;  // bound of the speed that the field can give, mm/s
   double limit_s = 0, automatic_s = 0, step_s = 0;
+  double runaway = 0;   // faster is a blow-up, mm/s
   double rest_mm = 0;   // who moves less in a step is at rest
   double stray_mm = 0;  // and who strays no farther in so many steps
   int stray_steps = 0;
 };
 
-Plan make_plan(const Evolution& o, std::size_t particles, double pull, const Room& room, double smallest_spacing_mm) {
+/// `drag` is the least anywhere, `limit_s` the largest stable step of what moves the particles.
+Plan make_plan(const Evolution& o, std::size_t particles, double pull, double drag, double limit_s, bool is_coupled,
+               const Room& room, double smallest_spacing_mm) {
   Plan plan;
   plan.mass_kg = o.mass_kg / static_cast<double>(particles);
   // Falling all through the room, or the steady speed at which the drag balances the field.
   plan.fastest = std::sqrt(2 * o.force.strength * pull / plan.mass_kg * room.diagonal_mm());
-  if (o.force.drag > 0) plan.fastest = std::min(plan.fastest, o.force.strength * pull / o.force.drag);
-  plan.limit_s = step_limit_s(o.solver, o.mass_kg, particles, o.force.drag);
+  if (drag > 0) plan.fastest = std::min(plan.fastest, o.force.strength * pull / drag);
+  plan.limit_s = limit_s;
   const double by_speed =
       plan.fastest > 0 ? kVoxelsPerStep * smallest_spacing_mm / plan.fastest : std::numeric_limits<double>::infinity();
   plan.automatic_s = std::min(kShareOfLimit * plan.limit_s, by_speed);
   if (!std::isfinite(plan.automatic_s)) plan.automatic_s = 1;  // no field, no drag: nothing moves
+  if (plan.automatic_s <= 0 && o.step_s <= 0)
+    throw OptionError("option evolve.solver is euler; expected another one, or drag: without, every step grows");
   plan.step_s = o.step_s > 0 ? o.step_s : plan.automatic_s;
-  // In a shorter step a particle covers less ground without being nearer to rest.
-  plan.rest_mm = o.end.still_move * smallest_spacing_mm * std::min(1.0, plan.step_s / plan.automatic_s);
+  if (plan.automatic_s <= 0) plan.automatic_s = plan.step_s;
+  plan.runaway = kRunaway * plan.fastest;
+  // Internal forces may be faster than the field; nothing sound crosses the room in a step.
+  if (is_coupled) plan.runaway = std::max(plan.runaway, room.diagonal_mm() / plan.step_s);
+  // In a shorter step a particle covers less ground without being nearer to rest. Internal forces may need a step so
+  // short that it tells nothing of the speed of the field: there, the field's own step is the measure.
+  const double usual_s = is_coupled && std::isfinite(by_speed) ? by_speed : plan.automatic_s;
+  plan.rest_mm = o.end.still_move * smallest_spacing_mm * std::min(1.0, plan.step_s / usual_s);
   plan.stray_mm = o.end.still_radius * smallest_spacing_mm;
   plan.stray_steps = static_cast<int>(std::min(plan.stray_mm / plan.rest_mm, 1e9));
   return plan;
@@ -84,6 +98,47 @@ void check_inputs(const TriMesh& start, const VectorField& field, const Image& b
       throw InputError("evolve: a start vertex is not finite or farther than a million voxels from the grid");
 }
 
+void check_additions(const Additions& own, const VectorField& field) {
+  for (const Force& force : own.forces)
+    if (!force.accumulate) throw InputError("evolve: the force '" + force.name + "' has no function; expected one");
+  if (!own.drag) return;
+  if (own.drag->grid.dims != field.grid.dims)
+    throw InputError("evolve: the drag lies on another grid than the field; expected the same size");
+  for (const float drag : own.drag->values)
+    if (!(drag >= 0) || std::isinf(drag)) throw InputError("evolve: a drag is negative or not finite; expected >= 0");
+}
+
+/// The drag of a run: a number, or a map with its ends.
+struct Drag {
+  std::optional<Image> map;
+  double least = 0, most = 0;
+};
+
+Drag drag_of(const VectorField& field, const Image& border, const Evolution& o, const Additions& own) {
+  Drag drag{own.drag ? own.drag : drag_map(o.damping, field, border, o.force.drag), o.force.drag, o.force.drag};
+  if (drag.map) {
+    const auto [least, most] = std::minmax_element(drag.map->values.begin(), drag.map->values.end());
+    drag.least = *least;
+    drag.most = *most;
+  }
+  return drag;
+}
+
+bool needs_coupling(const Evolution& o, const Additions& own) {
+  return !std::holds_alternative<FreeModel>(o.model) || std::holds_alternative<BackwardEuler>(o.solver) ||
+         !own.forces.empty();
+}
+
+/// All forces on particles that are not advanced one by one. `drag` and `field` must outlive them.
+std::vector<Force> all_forces(const TriMesh& start, const VectorField& field, const Drag& drag, const Evolution& o,
+                              const Additions& own) {
+  std::vector<Force> forces = internal_forces(o.model, start, field, o.force.sampling);
+  forces.push_back(field_pull(field, o.force.strength, o.force.sampling));
+  if (drag.most > 0) forces.push_back(drag.map ? drag_force(*drag.map) : drag_force(drag.most));
+  forces.insert(forces.end(), own.forces.begin(), own.forces.end());
+  return forces;
+}
+
 /// Where a particle was when it last left the neighbourhood of such a place.
 struct Anchor {
   Vec3 place;
@@ -97,17 +152,22 @@ struct StepReport {
   bool finite = true;
 };
 
-/// The free model (MOD-FREE). Particles that still move are kept packed: a stopped particle costs nothing.
+/// A run of any model. Particles that still move are kept packed: with the free model, a stopped one costs nothing.
 class Run {
  public:
   Run(const TriMesh& start, const VectorField& field, const Image& border, const Evolution& options,
-      const BorderPlanes* planes)
+      const BorderPlanes* planes, const Additions& own)
       : options_(options),
+        own_(own),
         grid_(field.grid),
         smallest_spacing_(field.grid.spacing.minCoeff()),
         room_(room_of(field.grid, start)),
-        plan_(make_plan(options, start.vertices.size(), checked_pull(field), room_, smallest_spacing_)),
-        motion_(free_motion(field, options.force, plan_.mass_kg)),
+        pull_(checked_pull(field)),
+        drag_(drag_of(field, border, options, own)),
+        coupled_(couple(start, field)),
+        plan_(make_plan(options, start.vertices.size(), pull_, drag_.least, stable_step_s(start.vertices.size()),
+                        coupled_.has_value(), room_, smallest_spacing_)),
+        motion_(free_motion(field, options.force, plan_.mass_kg, drag_.map ? &*drag_.map : nullptr)),
         path_(border),
         planes_(planes),
         rings_(vertex_rings(start)) {
@@ -136,6 +196,7 @@ class Run {
     int rested_steps = 0;
     while (result_.steps < options_.end.max_steps) {
       if (result_.steps % kStepsBetweenChecks == 0) progress.check();
+      if (result_.steps % kStepsBetweenLimits == 0) keep_step_stable();
       if (!move()) {
         result_.reason = StopReason::diverged;
         break;
@@ -169,9 +230,30 @@ class Run {
     return pull;
   }
 
+  std::optional<CoupledMotion> couple(const TriMesh& start, const VectorField& field) const {
+    if (!needs_coupling(options_, own_)) return std::nullopt;
+    return CoupledMotion(start, options_.mass_kg, all_forces(start, field, drag_, options_, own_), options_.solver);
+  }
+
+  /// Shortens an automatic step that the mesh has outgrown.
+  void keep_step_stable() {
+    if (!coupled_ || options_.step_s > 0 || !std::isfinite(plan_.limit_s)) return;
+    const double longest = kShareOfLimit * coupled_->limit(drag_.least).step_s;
+    if (longest >= plan_.step_s || !(longest > 0)) return;
+    plan_.rest_mm *= longest / plan_.step_s;
+    plan_.stray_steps = static_cast<int>(std::min(plan_.stray_mm / plan_.rest_mm, 1e9));
+    plan_.step_s = result_.step_s = longest;
+  }
+
+  double stable_step_s(std::size_t particles) const {
+    if (coupled_) return coupled_->limit(drag_.least).step_s;
+    return step_limit_s(options_.solver, options_.mass_kg, particles, drag_.most);
+  }
+
   /// One step of the solver for all moving particles, and STOP-VOXEL on their paths. False, with the mesh as it was
   /// before, when the motion blew up.
   bool move() {
+    if (coupled_) coupled_->step(result_.mesh.vertices, moving_, state_, plan_.step_s);
     reports_.assign((moving_.size() + kGrain - 1) / kGrain, {});
     parallel_for(moving_.size(), kGrain, [this](std::size_t begin, std::size_t end) {
       StepReport& report = reports_[begin / kGrain];
@@ -183,7 +265,7 @@ class Run {
       all.voxels_squared = std::max(all.voxels_squared, r.voxels_squared);
       all.finite = all.finite && r.finite;
     }
-    if (!all.finite || all.speed > kRunaway * plan_.fastest) {
+    if (!all.finite || all.speed > plan_.runaway) {
       for (std::size_t s = 0; s < moving_.size(); ++s) result_.mesh.vertices[moving_[s]] = before_[s];
       return false;
     }
@@ -198,7 +280,7 @@ class Run {
     std::array<double, 6 * kBatch * kSolverScratch> scratch;
     const std::span<double> state = std::span(state_).subspan(6 * begin, 6 * (end - begin));
     for (std::size_t s = begin; s < end; ++s) before_[s] = result_.mesh.vertices[moving_[s]];
-    advance(options_.solver, state, plan_.step_s, motion_, scratch);
+    if (!coupled_) advance(options_.solver, state, plan_.step_s, motion_, scratch);
     for (std::size_t s = begin; s < end; ++s) {
       Eigen::Map<Vec3> position(&state_[6 * s]), velocity(&state_[6 * s + 3]);
       if (!position.allFinite() || !velocity.allFinite()) {
@@ -209,7 +291,7 @@ class Run {
       report.speed = std::max(report.speed, velocity.norm());
       report.voxels_squared =
           std::max(report.voxels_squared, (position - before_[s]).cwiseQuotient(grid_.spacing).squaredNorm());
-      hit_[s] = options_.stop.enabled ? stop_on_path(before_[s], before_[s], position) : 0;
+      hit_[s] = stop_on_path(before_[s], before_[s], position);
       result_.mesh.vertices[moving_[s]] = position;
     }
   }
@@ -222,11 +304,20 @@ class Run {
     }
   }
 
-  /// Moves `to` where STOP-VOXEL holds a particle on its way from `from`; 1 when it does, else 0.
+  /// Moves `to` where the caller's stop or STOP-VOXEL, whichever comes first, holds a particle on its way from `from`;
+  /// 1 when one does, else 0.
   template <class Point>
   std::uint8_t stop_on_path(const Vec3& step_begin, const Vec3& from, Point& to) const {
+    std::uint8_t stopped = 0;
+    if (own_.stop) {
+      if (const std::optional<Vec3> point = own_.stop(from, to)) {
+        to = *point;
+        stopped = 1;
+      }
+    }
+    if (!options_.stop.enabled) return stopped;
     const std::optional<BorderHit> hit = path_.first_hit(from, to);
-    if (!hit) return 0;
+    if (!hit) return stopped;
     switch (options_.stop.point) {
       case StopPoint::entry:
         to = hit->entry;
@@ -251,7 +342,7 @@ class Run {
       Vec3& smoothed = result_.mesh.vertices[moving_[s]];
       hit_[s] = 0;
       if (smoothed == position) continue;
-      if (options_.stop.enabled) hit_[s] = stop_on_path(before_[s], position, smoothed);
+      hit_[s] = stop_on_path(before_[s], position, smoothed);
       position = smoothed;
     }
   }
@@ -308,6 +399,11 @@ class Run {
     const auto stopped = std::count(result_.stopped.begin(), result_.stopped.end(), std::uint8_t{1});
     result_.stopped_fraction = static_cast<double>(stopped) / static_cast<double>(result_.stopped.size());
     note_fast_particle();
+    if (coupled_ && coupled_->unsolved_steps() > 0)
+      note(Severity::warning, "evolve.unsolved_steps", [&](auto& text) {
+        text << "the linear system was not solved to the tolerance in " << coupled_->unsolved_steps() << " of "
+             << result_.steps << " steps";
+      });
     if (result_.reason == StopReason::diverged) {
       note(Severity::failure, "evolve.diverged", [&](auto& text) {
         text << "the motion blew up after " << result_.steps << " steps; a shorter step is needed";
@@ -323,6 +419,26 @@ class Run {
       note(Severity::warning, "evolve.step_above_limit", [&](auto& text) {
         text << "the time step " << plan_.step_s << " s is above the stable limit " << plan_.limit_s << " s";
       });
+    if (coupled_ && options_.step_s <= 0) explain_step();
+  }
+
+  /// ODE-LIMIT in words, for steps that follow from more than the drag.
+  void explain_step() {
+    note(Severity::info, "evolve.step_chosen", [&](auto& text) {
+      text << "the time step is " << plan_.step_s << " s: ";
+      if (plan_.step_s < kShareOfLimit * plan_.limit_s) {
+        text << "the field moves no particle more than " << kVoxelsPerStep << " voxels in it";
+        if (std::isfinite(plan_.limit_s))
+          text << "; stable are up to " << plan_.limit_s << " s";
+        else
+          text << "; the solver itself sets no limit";
+        return;
+      }
+      const Fastest modes = coupled_->limit(drag_.least).modes;
+      text << kShareOfLimit << " of the largest stable one, " << plan_.limit_s << " s, set by ";
+      if (modes.stiffness > 0) text << "the stiffest motion (" << std::sqrt(modes.stiffness) << " rad/s) and ";
+      text << "the strongest damping (" << modes.damping << " 1/s)";
+    });
   }
 
   void note_fast_particle() {
@@ -341,10 +457,14 @@ class Run {
   }
 
   const Evolution& options_;
+  const Additions& own_;
   const Grid grid_;
   const double smallest_spacing_;
   const Room room_;
-  const Plan plan_;
+  const double pull_;
+  const Drag drag_;
+  std::optional<CoupledMotion> coupled_;
+  Plan plan_;
   const Derivative motion_;
   const BorderPath path_;
   const BorderPlanes* const planes_;
@@ -370,14 +490,15 @@ std::span<const std::string_view> names_of(StopPoint) { return kStopPoints; }
 std::string_view name_of(StopReason reason) { return kStopReasons[static_cast<std::size_t>(reason)]; }
 
 EvolutionResult evolve(const TriMesh& start, const VectorField& field, const Image& border, const Evolution& options,
-                       const Progress& progress, const BorderPlanes* planes) {
+                       const Progress& progress, const BorderPlanes* planes, const Additions& own) {
   Evolution checked = options;
   check_options(checked, "evolve");
   check_inputs(start, field, border);
   if (planes != nullptr &&
       (planes->offset.grid.dims != border.grid.dims || planes->normal.grid.dims != border.grid.dims))
     throw InputError("evolve: the border's planes lie on another grid than the border; expected the same size");
-  return Run(start, field, border, checked, planes)(progress);
+  check_additions(own, field);
+  return Run(start, field, border, checked, planes, own)(progress);
 }
 
 }  // namespace dynasurf

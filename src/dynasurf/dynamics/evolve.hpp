@@ -1,6 +1,8 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <variant>
@@ -11,6 +13,8 @@
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/dynamics/border_planes.hpp"
+#include "dynasurf/dynamics/damping.hpp"
+#include "dynasurf/dynamics/models.hpp"
 #include "dynasurf/dynamics/solvers/solver_options.hpp"
 #include "dynasurf/field/vector_field.hpp"
 #include "dynasurf/mesh/smooth.hpp"
@@ -64,12 +68,15 @@ void describe(auto& visit, StopConv& o) {
   visit("max_steps", o.max_steps, Field{"the run ends here in any case", "", 1, 100000000});
 }
 
-/// The free model (MOD-FREE, thesis 3.4.5): no internal forces, a field, a stop, and smoothing.
+/// How a mesh is deformed: a model, a field, a stop, and smoothing. The default is the free model (MOD-FREE, thesis
+/// 3.4.5); the others come from the functions at the end.
 struct Evolution {
+  ModelOptions model = FreeModel{};
   SolverOptions solver = Rk4{};
   double step_s = 0;
   double mass_kg = 1;
   FieldForce force;
+  DampingOptions damping = UniformDrag{};
   StopVoxel stop;
   StopConv end;
   int smooth_every = 1;
@@ -78,12 +85,14 @@ struct Evolution {
   bool histories = false;
 };
 void describe(auto& visit, Evolution& o) {
+  visit("model", o.model, Field{"what the particles know of each other"});
   visit("solver", o.solver, Field{"how the motion is integrated"});
   visit("step_s", o.step_s,
         Field{"time step; 0: 0.8 of the largest stable one, less where particles could move 0.3 voxels in it", "s", 0,
               1e3});
   visit("mass_kg", o.mass_kg, Field{"mass of the whole mesh, shared equally", "kg", 1e-9, 1e9});
   visit("force", o.force, Field{"force on each particle"});
+  visit("damping", o.damping, Field{"where the drag is raised"});
   visit("stop", o.stop, Field{"stop in border voxels"});
   visit("end", o.end, Field{"end of the run"});
   visit("smooth_every", o.smooth_every,
@@ -100,11 +109,22 @@ struct EvolutionResult {
   TriMesh mesh;  // grid frame
   StopReason reason = StopReason::max_steps;
   int steps = 0;
-  double step_s = 0;                  // time step used
+  double step_s = 0;                  // time step used; the last and shortest one, where it had to be shortened
   std::vector<std::uint8_t> stopped;  // per vertex: reached a border voxel
   double stopped_fraction = 0;
   std::vector<std::array<int, 4>> histories;  // per step: particles < 1, < 2, < 3 (each with the former), >= 3 voxels
-  Notes notes;                                // "evolve.step_above_limit", "evolve.fast_particle", "evolve.diverged"
+  Notes notes;  // "evolve.step_chosen", ".step_above_limit", ".fast_particle", ".unsolved_steps", ".diverged"
+};
+
+/// What a caller adds to a run of his own.
+struct Additions {
+  /// Act next to those of the model. Without a jacobian, implicit solvers take a force as constant within a step.
+  std::vector<Force> forces = {};
+  /// Where a particle on its way between two points (grid frame) stops for good; nothing: it goes on. Asked before the
+  /// border, from several threads at once.
+  std::function<std::optional<Vec3>(const Vec3& from, const Vec3& to)> stop = {};
+  /// Drag of every voxel in kg/s, on the field's grid, in place of `Evolution::damping` (see drag_by_intensity).
+  std::optional<Image> drag = {};
 };
 
 /// Moves the vertices of `start` (grid frame) under `field` until they rest on the non-zero voxels of `border`.
@@ -115,6 +135,13 @@ struct EvolutionResult {
 /// `planes`, on the grid of `border`, tells StopPoint::subvoxel where in its voxels the border runs; without it the
 /// voxels' centres are taken.
 EvolutionResult evolve(const TriMesh& start, const VectorField& field, const Image& border, const Evolution& options,
-                       const Progress& progress = {}, const BorderPlanes* planes = nullptr);
+                       const Progress& progress = {}, const BorderPlanes* planes = nullptr, const Additions& own = {});
+
+/// The models of the thesis as options. Free: RK4 and smoothing; springs: RK4, no smoothing on the way; plain: backward
+/// Euler, no smoothing on the way (ODE-CHOICE, thesis 4.4).
+Evolution free_model();
+Evolution spring_model();
+Evolution restricted_spring_model();
+Evolution plain_model();
 
 }  // namespace dynasurf

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "dynasurf/dynamics/forces/forces.hpp"
+
 namespace dynasurf {
 namespace {
 
@@ -49,19 +51,26 @@ class NearestMotion {
 
 }  // namespace
 
-Derivative free_motion(const VectorField& field, const FieldForce& force, double particle_mass_kg) {
-  const double pull = force.strength / particle_mass_kg, drag = force.drag / particle_mass_kg;
-  if (force.sampling == Sampling::nearest) return NearestMotion(field, pull, drag);
-  return [&field, how = force.sampling, pull, drag](std::span<const double> y, std::span<double> dydt) {
-    for (std::size_t p = 0; p < y.size(); p += 6) {
-      const Vec3 position(y[p], y[p + 1], y[p + 2]), velocity(y[p + 3], y[p + 4], y[p + 5]);
-      const Vec3 acceleration = pull * sample(field, position, how, velocity) - drag * velocity;
-      for (std::size_t a = 0; a < 3; ++a) {
-        dydt[p + a] = y[p + 3 + a];
-        dydt[p + 3 + a] = acceleration[static_cast<Eigen::Index>(a)];
+Derivative free_motion(const VectorField& field, const FieldForce& force, double particle_mass_kg,
+                       const Image* drag_map) {
+  const double pull = force.strength / particle_mass_kg;
+  const auto general = [&field, how = force.sampling, pull](auto drag_per_mass_at) -> Derivative {
+    return [&field, how, pull, drag_per_mass_at](std::span<const double> y, std::span<double> dydt) {
+      for (std::size_t p = 0; p < y.size(); p += 6) {
+        const Vec3 position(y[p], y[p + 1], y[p + 2]), velocity(y[p + 3], y[p + 4], y[p + 5]);
+        const Vec3 acceleration = pull * sample(field, position, how, velocity) - drag_per_mass_at(position) * velocity;
+        for (std::size_t a = 0; a < 3; ++a) {
+          dydt[p + a] = y[p + 3 + a];
+          dydt[p + 3 + a] = acceleration[static_cast<Eigen::Index>(a)];
+        }
       }
-    }
+    };
   };
+  if (drag_map != nullptr)
+    return general([drag_map, particle_mass_kg](const Vec3& p) { return drag_at(*drag_map, p) / particle_mass_kg; });
+  const double drag = force.drag / particle_mass_kg;
+  if (force.sampling == Sampling::nearest) return NearestMotion(field, pull, drag);
+  return general([drag](const Vec3&) { return drag; });
 }
 
 double largest_pull(const VectorField& field) {

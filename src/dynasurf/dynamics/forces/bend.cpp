@@ -113,12 +113,12 @@ std::vector<Hinge> hinges_of(const TriMesh& rest, const BendForce& o) {
 
 Force bend_force(const TriMesh& rest, const BendForce& o) {
   return make_force("bend", hinges_of(rest, o), {o.stiffness, o.damping},
-                    [](const Hinge& h, const ParticleState& state, bool with_hessian, auto use) {
+                    [](const Hinge& h, const ParticleState& state, Want want, auto use) {
                       const Fold fold(h.particles, state.positions);
                       if (fold.is_degenerate()) return;
                       Condition<4> c{h.particles, excess(fold.angle(), h)};
                       if (c.value == 0 && h.low < h.high) return;  // free inside its zone, undamped, too
-                      differentiate(fold, c, with_hessian);
+                      differentiate(fold, c, want == Want::hessian);
                       use(c);
                     });
 }

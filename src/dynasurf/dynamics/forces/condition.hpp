@@ -13,6 +13,9 @@
 // The sign of the damping is Baraff and Witkin's; the printed one would push.
 namespace dynasurf::conditions {
 
+/// Which derivatives are asked for: second ones are dear, and a definite system can use none but positive ones.
+enum class Want { gradient, positive_hessian, hessian };
+
 /// A condition at one state, of N particles.
 template <std::size_t N>
 struct Condition {
@@ -56,7 +59,7 @@ void add_jacobian(const Condition<N>& c, const Stiffness& s, const ParticleState
     }
 }
 
-/// Puts a force together from a list of elements and `evaluate(element, state, with_hessian, use)`, which calls
+/// Puts a force together from a list of elements and `evaluate(element, state, want, use)`, which calls
 /// `use(condition)` for every condition of the element, and for none where the element is degenerate.
 template <class Element, class Evaluate>
 Force make_force(std::string name, std::vector<Element> elements, Stiffness s, Evaluate evaluate) {
@@ -64,16 +67,17 @@ Force make_force(std::string name, std::vector<Element> elements, Stiffness s, E
   Force force{std::move(name)};
   force.accumulate = [shared, s, evaluate](const ParticleState& state, std::span<Vec3> forces) {
     for (const Element& e : *shared)
-      evaluate(e, state, false, [&](const auto& condition) { add_force(condition, s, state, forces); });
+      evaluate(e, state, Want::gradient, [&](const auto& condition) { add_force(condition, s, state, forces); });
   };
   force.jacobian = [shared, s, evaluate](const ParticleState& state, ForceJacobian& jacobian) {
+    const Want want = jacobian.definite() ? Want::positive_hessian : Want::hessian;
     for (const Element& e : *shared)
-      evaluate(e, state, true, [&](const auto& condition) { add_jacobian(condition, s, state, jacobian); });
+      evaluate(e, state, want, [&](const auto& condition) { add_jacobian(condition, s, state, jacobian); });
   };
   force.energy = [shared, s, evaluate](const ParticleState& state) {
     double sum = 0;
     for (const Element& e : *shared)
-      evaluate(e, state, false,
+      evaluate(e, state, Want::gradient,
                [&](const auto& condition) { sum += s.stiffness / 2 * condition.value * condition.value; });
     return sum;
   };

@@ -9,14 +9,6 @@ std::size_t nearest(double mm, double spacing_mm, int count) {
   return t < count ? static_cast<std::size_t>(t) : static_cast<std::size_t>(count - 1);
 }
 
-double at_nearest_voxel(const Image& volume, const Vec3& p) {
-  const Grid& g = volume.grid;
-  const auto width = static_cast<std::size_t>(g.dims[0]), height = static_cast<std::size_t>(g.dims[1]);
-  return volume
-      .values[nearest(p[0], g.spacing[0], g.dims[0]) +
-              width * (nearest(p[1], g.spacing[1], g.dims[1]) + height * nearest(p[2], g.spacing[2], g.dims[2]))];
-}
-
 /// Drag that `drag_at(position)` gives.
 template <class DragAt>
 Force make_drag(DragAt drag_at) {
@@ -32,12 +24,20 @@ Force make_drag(DragAt drag_at) {
 
 }  // namespace
 
+double drag_at(const Image& volume, const Vec3& p) {
+  const Grid& g = volume.grid;
+  const auto width = static_cast<std::size_t>(g.dims[0]), height = static_cast<std::size_t>(g.dims[1]);
+  return volume
+      .values[nearest(p[0], g.spacing[0], g.dims[0]) +
+              width * (nearest(p[1], g.spacing[1], g.dims[1]) + height * nearest(p[2], g.spacing[2], g.dims[2]))];
+}
+
 Force drag_force(double drag_kg_s) {
   return make_drag([drag_kg_s](const Vec3&) { return drag_kg_s; });
 }
 
 Force drag_force(const Image& drag_kg_s) {
-  return make_drag([&drag_kg_s](const Vec3& p) { return at_nearest_voxel(drag_kg_s, p); });
+  return make_drag([&drag_kg_s](const Vec3& p) { return drag_at(drag_kg_s, p); });
 }
 
 }  // namespace dynasurf

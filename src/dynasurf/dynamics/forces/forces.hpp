@@ -68,6 +68,9 @@ Force field_pull(const VectorField& field, double strength, Sampling sampling = 
 Force drag_force(double drag_kg_s);
 Force drag_force(const Image& drag_kg_s);
 
+/// The value of a map at the nearest voxel; also for points outside the grid, or nowhere.
+double drag_at(const Image& drag_kg_s, const Vec3& grid_mm);
+
 /// F = m g; `masses` as in the system. g in mm/s2, 9810 downwards on earth.
 Force gravity_force(std::vector<double> masses, const Vec3& g_mm_s2 = {0, 0, -9810});
 

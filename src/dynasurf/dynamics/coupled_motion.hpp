@@ -1,0 +1,34 @@
+#pragma once
+#include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/dynamics/solvers/particle_solver.hpp"
+
+namespace dynasurf {
+
+/// The motion of particles that act on each other, or that forces of the caller act on: what `evolve` uses wherever
+/// particles cannot be advanced one by one.
+class CoupledMotion {
+ public:
+  CoupledMotion(const TriMesh& start, double mass_kg, std::vector<Force> forces, const SolverOptions& solver);
+
+  /// One step. `moving` names the particles that move; the others are held where `vertices` has them. `state` holds
+  /// x, y, z, vx, vy, vz of each moving one, and is advanced.
+  void step(std::span<const Vec3> vertices, std::span<const std::uint32_t> moving, std::span<double> state, double h);
+
+  /// The largest step that is stable by what the forces say of their slopes at the start (ODE-LIMIT), and what sets it.
+  struct Limit {
+    double step_s = 0;
+    Fastest modes;  // of the particles as they start
+  };
+  Limit limit(double least_drag) const;
+
+  /// Steps in which the linear system was not solved to the tolerance.
+  int unsolved_steps() const { return unsolved_steps_; }
+
+ private:
+  ParticleSystem system_;
+  SolverOptions options_;
+  ParticleSolver solver_;
+  int unsolved_steps_ = 0;
+};
+
+}  // namespace dynasurf

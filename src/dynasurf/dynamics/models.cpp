@@ -1,0 +1,48 @@
+#include "dynasurf/dynamics/models.hpp"
+
+#include "dynasurf/dynamics/evolve.hpp"
+#include "dynasurf/dynamics/forces/forces.hpp"
+
+namespace dynasurf {
+namespace {
+
+std::vector<Force> forces_of(const FreeModel&, const TriMesh&, const VectorField&, Sampling) { return {}; }
+
+std::vector<Force> forces_of(const SpringModel& o, const TriMesh& start, const VectorField&, Sampling) {
+  return {spring_force(springs_of(start, o.rest_scale), {o.stiffness, o.damping})};
+}
+
+std::vector<Force> forces_of(const RestrictedSpringModel& o, const TriMesh& start, const VectorField& field,
+                             Sampling sampling) {
+  return {
+      restricted_spring_force(springs_of(start, o.rest_scale), field, {o.stiffness, o.damping, o.threshold, sampling})};
+}
+
+std::vector<Force> forces_of(const PlainModel& o, const TriMesh& start, const VectorField&, Sampling) {
+  return {stretch_force(start, {o.stretch, o.stretch_damping, o.rest_scale, o.area_unit_mm2}),
+          shear_force(start, {o.shear, o.shear_damping, o.area_unit_mm2}),
+          bend_force(start, {.stiffness = o.bend, .damping = o.bend_damping})};
+}
+
+/// Internal forces keep the mesh in order while it moves; smoothing would fight them.
+Evolution coupled(ModelOptions model, SolverOptions solver) {
+  Evolution o;
+  o.model = model;
+  o.solver = solver;
+  o.smooth_every = 0;
+  return o;
+}
+
+}  // namespace
+
+std::vector<Force> internal_forces(const ModelOptions& model, const TriMesh& start, const VectorField& field,
+                                   Sampling sampling) {
+  return std::visit([&](const auto& o) { return forces_of(o, start, field, sampling); }, model);
+}
+
+Evolution free_model() { return {}; }
+Evolution spring_model() { return coupled(SpringModel{}, Rk4{}); }
+Evolution restricted_spring_model() { return coupled(RestrictedSpringModel{}, Rk4{}); }
+Evolution plain_model() { return coupled(PlainModel{}, BackwardEuler{}); }
+
+}  // namespace dynasurf

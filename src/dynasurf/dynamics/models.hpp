@@ -1,0 +1,83 @@
+#pragma once
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "dynasurf/core/options.hpp"
+#include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/dynamics/particles.hpp"
+#include "dynasurf/field/vector_field.hpp"
+
+namespace dynasurf {
+
+// Deformable models (thesis 3.4): what the particles of a mesh know of each other. The field, drag, stop and smoothing
+// are common to all.
+
+/// No internal forces (MOD-FREE, thesis 3.4.5).
+struct FreeModel {
+  static constexpr std::string_view name = "free";
+};
+void describe(auto&, FreeModel&) {}
+
+/// Springs along the edges (MOD-SPRING, thesis 3.4.3).
+struct SpringModel {
+  static constexpr std::string_view name = "spring";
+  double stiffness = 10;
+  double damping = 1;
+  double rest_scale = 0.67;
+};
+void describe(auto& visit, SpringModel& o) {
+  visit("stiffness", o.stiffness, Field{"k_s: pull of a spring per mm", "kg/s2", 0, 1e9});
+  visit("damping", o.damping, Field{"k_d: pull of a spring against its change of length", "kg/s", 0, 1e9});
+  visit("rest_scale", o.rest_scale,
+        Field{"length at rest, of that in the start mesh; 0.67 is the size of the data in a start placed at 1.5", "", 0,
+              100});
+}
+
+/// Springs that act across the field only, where there is one (MOD-RSPRING, thesis 3.4.4).
+struct RestrictedSpringModel {
+  static constexpr std::string_view name = "restricted_spring";
+  double stiffness = 10;
+  double damping = 1;
+  double rest_scale = 0.67;
+  double threshold = 1e-3;
+};
+void describe(auto& visit, RestrictedSpringModel& o) {
+  visit("stiffness", o.stiffness, Field{"k_s: pull of a spring per mm", "kg/s2", 0, 1e9});
+  visit("damping", o.damping, Field{"k_d: pull of a spring against its change of length", "kg/s", 0, 1e9});
+  visit("rest_scale", o.rest_scale,
+        Field{"length at rest, of that in the start mesh; 0.67 is the size of the data in a start placed at 1.5", "", 0,
+              100});
+  visit("threshold", o.threshold, Field{"springs are free where the field is weaker", "of its longest vector", 0, 1});
+}
+
+/// Stretch, shear and bend of the triangles (MOD-PLAIN, thesis 3.4.2).
+struct PlainModel {
+  static constexpr std::string_view name = "plain";
+  double stretch = 10, stretch_damping = 1;
+  double shear = 1, shear_damping = 0.1;
+  double bend = 10, bend_damping = 1;
+  double rest_scale = 0.67;
+  double area_unit_mm2 = 0;
+};
+void describe(auto& visit, PlainModel& o) {
+  visit("stretch", o.stretch, Field{"stiffness against stretching", "kg mm2/s2", 0, 1e9});
+  visit("stretch_damping", o.stretch_damping, Field{"damping of stretching", "kg mm2/s", 0, 1e9});
+  visit("shear", o.shear, Field{"stiffness against shearing", "kg mm2/s2", 0, 1e9});
+  visit("shear_damping", o.shear_damping, Field{"damping of shearing", "kg mm2/s", 0, 1e9});
+  visit("bend", o.bend, Field{"stiffness against bending", "kg mm2/s2", 0, 1e9});
+  visit("bend_damping", o.bend_damping, Field{"damping of bending", "kg mm2/s", 0, 1e9});
+  visit("rest_scale", o.rest_scale,
+        Field{"lengths at rest, of those in the start mesh; 0.67 is the size of the data in a start placed at 1.5", "",
+              0, 100});
+  visit("area_unit_mm2", o.area_unit_mm2,
+        Field{"what areas are counted in; 0: the mean triangle of the start mesh", "mm2", 0, 1e9});
+}
+
+using ModelOptions = std::variant<FreeModel, SpringModel, RestrictedSpringModel, PlainModel>;
+
+/// The internal forces of a model at rest in `start`; none for the free one. `field` must outlive them.
+std::vector<Force> internal_forces(const ModelOptions& model, const TriMesh& start, const VectorField& field,
+                                   Sampling sampling = Sampling::nearest);
+
+}  // namespace dynasurf
