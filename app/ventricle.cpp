@@ -1,7 +1,11 @@
 #include <algorithm>
+#include <array>
 #include <fstream>
+#include <iomanip>
 #include <iterator>
 #include <memory>
+#include <optional>
+#include <sstream>
 
 #include <CLI/CLI.hpp>
 
@@ -22,7 +26,29 @@ struct Arguments {
   std::vector<std::string> settings, mesh_formats;
   bool keep_stages = false, quiet = false, json = false, with_phi = false, no_timings = false;
   int threads = 0;
+  // What a person says in place of what would be found.
+  std::vector<double> center, axis;
+  std::optional<double> radius_mm, base_plane_mm;
+  std::optional<int> first_slice, last_slice;
 };
+
+/// The same as settings of `manual`, so that they are checked, recorded and repeated like every other option.
+std::vector<std::string> manual_settings(const Arguments& a) {
+  std::vector<std::string> settings;
+  const auto set = [&](const std::string& name, double value) {
+    std::ostringstream text;
+    text << "manual." << name << '=' << std::setprecision(12) << value;
+    settings.push_back(text.str());
+  };
+  const std::array<std::string, 3> letters{"x", "y", "z"};
+  for (std::size_t n = 0; n < a.center.size(); ++n) set("center_" + letters.at(n) + "_mm", a.center[n]);
+  for (std::size_t n = 0; n < a.axis.size(); ++n) set("axis_" + letters.at(n), a.axis[n]);
+  if (a.radius_mm) set("radius_mm", *a.radius_mm);
+  if (a.first_slice) set("first_slice", *a.first_slice);
+  if (a.last_slice) set("last_slice", *a.last_slice);
+  if (a.base_plane_mm) set("base_plane_mm", *a.base_plane_mm);
+  return settings;
+}
 
 std::string text_of_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -64,7 +90,9 @@ std::string recorded_command(const Arguments& arguments) {
   return command;
 }
 
-ExitCode run(const Arguments& arguments, std::stop_token stop) {
+ExitCode run(Arguments arguments, std::stop_token stop) {
+  const std::vector<std::string> by_hand = manual_settings(arguments);
+  arguments.settings.insert(arguments.settings.end(), by_hand.begin(), by_hand.end());
   Job job;
   job.study = arguments.study;
   job.out = arguments.out;
@@ -100,6 +128,16 @@ void add_ventricle(CLI::App& program, Command& chosen) {
   command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options)")
       ->take_all()
       ->allow_extra_args(false);
+  command->add_option("--center", a->center, "by hand: middle of the heart x,y,z in the world (LPS), mm")
+      ->delimiter(',')
+      ->expected(3);
+  command->add_option("--axis", a->axis, "by hand: long axis x,y,z from apex to base in the world (LPS)")
+      ->delimiter(',')
+      ->expected(3);
+  command->add_option("--radius", a->radius_mm, "by hand: circle around the ventricle, mm");
+  command->add_option("--first-slice", a->first_slice, "by hand: first slice of the ventricle, from 1 at the apex");
+  command->add_option("--last-slice", a->last_slice, "by hand: its last slice");
+  command->add_option("--base-plane", a->base_plane_mm, "by hand: height of the valve plane over slice 1, mm");
   command->add_option("--mesh-format", a->mesh_formats, "ply,stl,obj,off,vtp: one or more (ply,vtp)")->delimiter(',');
   command->add_flag("--keep-stages", a->keep_stages, "write every intermediate step to RESULT/stages");
   command->add_option("--threads", a->threads, "threads at most; the result is the same (0: all)")

@@ -63,5 +63,16 @@ TEST(CoefficientOfVariation, IsStandardDeviationOverMean) {
   EXPECT_EQ(coefficient_of_variation(std::vector<double>{4}), 0);
 }
 
+TEST(CycleRoughness, IsNothingForWavesAndLargeForOneGateThatJumps) {
+  std::vector<double> smooth, jump;
+  for (int g = 0; g < 8; ++g) smooth.push_back(100 + 30 * std::cos(2 * M_PI * g / 8) + 10 * std::sin(4 * M_PI * g / 8));
+  EXPECT_NEAR(cycle_roughness(smooth), 0, 1e-12);
+  jump = smooth;
+  jump[3] += 40;
+  // Of one jump in 8 values, 3 of the 7 free parts are left: 40 sqrt(3/8) over sqrt(3) free ones, over the mean of 105.
+  EXPECT_NEAR(cycle_roughness(jump), 40 / std::sqrt(8.0) / 105, 1e-12);
+  EXPECT_EQ(cycle_roughness(std::vector<double>{1, 9, 1}), 0) << "too few to tell";
+}
+
 }  // namespace
 }  // namespace dynasurf

@@ -95,6 +95,28 @@ TEST(Orient, TellsApexFromBaseWhereTheFileDoesNot) {
   EXPECT_EQ(orient(upside_down.study, heart, {}).slice_order, SliceOrder::base_to_apex);
 }
 
+TEST(FinerPixels, KeepPlacesAndSlicesAndCoverTheHeart) {
+  const Phantom phantom = patient_with_tilt(0);
+  const auto heart = locate(mean_image(phantom.study.gates));
+  ASSERT_TRUE(heart);
+  const Study fine = with_finer_pixels(phantom.study, heart->cup, 3);
+  EXPECT_NEAR(fine.grid().spacing[0], 2.25, 1e-12);
+  EXPECT_EQ(fine.grid().spacing[2], phantom.study.grid().spacing[2]);
+  EXPECT_EQ(fine.grid().dims[2], phantom.study.grid().dims[2]);
+  // The same function of the world, but for what interpolation adds.
+  const Vec3 place = heart->cup.centre + 25 * fine.grid().direction.col(0);
+  EXPECT_NEAR(sample_linear(fine.gates[0], to_grid(fine.grid(), place)),
+              sample_cubic(phantom.study.gates[0], to_grid(phantom.study.grid(), place)), 40);
+  for (const Vec3& p : {heart->cup.apex(), heart->cup.base()}) {
+    const Vec3 at = to_grid(fine.grid(), p);
+    for (int a = 0; a < 2; ++a) {
+      EXPECT_GT(at[a], heart->cup.radius_mm);
+      EXPECT_LT(at[a] + heart->cup.radius_mm, fine.grid().dims[static_cast<std::size_t>(a)] * 2.25);
+    }
+  }
+  EXPECT_EQ(with_finer_pixels(phantom.study, heart->cup, 5).grid(), phantom.study.grid()) << "fine enough";
+}
+
 TEST(Orient, RefusesWhatItMayNotOrCannotCut) {
   Phantom phantom = patient_with_tilt(0);
   phantom.study.view = View::vertical_long_axis;

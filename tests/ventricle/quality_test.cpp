@@ -20,6 +20,9 @@ VentricleResult good_result() {
     gate.wall_ml = 120;
     result.gates.push_back(gate);
   }
+  result.heart.emplace();
+  result.heart->cup = {{0, 0, 0}, {0, 0, 1}, 30, 45, 25};
+  result.heart->contrast = 0.6, result.heart->ridge_share = 0.95, result.heart->other_end = 0.5;
   result.edv_ml = 110, result.esv_ml = 44, result.ef_percent = 60, result.wall_variation = 0.08;
   return result;
 }
@@ -95,6 +98,58 @@ TEST(Judge, TurnsWarningsOfTheStagesIntoOneFlagPerCode) {
   EXPECT_EQ(flags[0].code, "slice_refine.case_4");
   EXPECT_EQ(flags[0].message, "the slices disagree (gates 2, 4)");
   EXPECT_EQ(flags[0].value, 2);
+}
+
+TEST(Judge, AsksToCheckWhereTheHeartWasHardlySeen) {
+  VentricleResult result = good_result();
+  result.heart->contrast = 0.1;
+  result.heart->other_end = 0.99;
+  EXPECT_EQ(codes_of(result), (Codes{"heart_uncertain", "ends_uncertain"}));
+  EXPECT_EQ(judge(result)[0].value, 0.1);
+  result.heart.reset();
+  EXPECT_EQ(codes_of(result), Codes{"heart_not_found"});
+}
+
+TEST(Judge, AsksToCheckASurfaceThatLiesBesideTheHeart) {
+  VentricleResult result = good_result();
+  for (Gate& gate : result.gates) gate.epi->mesh.vertices = {{0, 0, -12}, {2, 0, -8}};
+  EXPECT_EQ(codes_of(result), Codes{}) << "the heart's middle is at (0, 0, -10)";
+  result.gates[6].epi->mesh.vertices = {{30, 0, -10}};
+  EXPECT_EQ(codes_of(result), Codes{"surface_off_heart"});
+}
+
+TEST(Judge, AsksToCheckABaseThatWasHardlySeen) {
+  VentricleResult result = good_result();
+  for (Gate& gate : result.gates) gate.base_plane = BasePlane{{0, 0, 25}, {0, 0, 1}, 1.0, 0.9};
+  EXPECT_EQ(codes_of(result), Codes{});
+  for (Gate& gate : result.gates) gate.base_plane->spread_mm = 9;
+  EXPECT_EQ(codes_of(result), Codes{"base_uncertain"});
+}
+
+TEST(Judge, AsksToCheckGatesThatDoNotFitTogether) {
+  VentricleResult result = good_result();
+  Grid grid;
+  grid.dims = {2, 2, 2};
+  for (std::size_t g = 0; g < result.gates.size(); ++g) {
+    result.gates[g].endo->volume_ml = g == 3 ? 20 : 80;
+    result.study.gates.push_back(Image(grid, g == 7 ? 0.7F : 1.0F));
+  }
+  EXPECT_EQ(codes_of(result), (Codes{"counts_uneven", "curve_rough"}));
+}
+
+TEST(Judge, ListsUncertainDivisionSlicesWithoutDoubtingTheResult) {
+  VentricleResult result = good_result();
+  result.notes.push_back({Severity::warning, "slice_refine.case_2", "unlikely", 0, 3});
+  EXPECT_EQ(codes_of(result), Codes{"slice_refine.case_2"});
+  EXPECT_EQ(verdict_of(judge(result)), Verdict::ok);
+}
+
+TEST(Judge, AsksToCheckABorderThatIsMissingInManySlices) {
+  VentricleResult result = good_result();
+  for (int g = 0; g < 8; ++g)
+    for (int k = 0; k < 3; ++k) result.notes.push_back({Severity::warning, "labels.endo_missing", "absent", g, k});
+  EXPECT_EQ(verdict_of(judge(result)), Verdict::check);
+  EXPECT_EQ(codes_of(result).front(), "border_missing");
 }
 
 }  // namespace

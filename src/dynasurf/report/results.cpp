@@ -81,6 +81,30 @@ Json surface_json(const std::optional<Surface>& surface) {
   return json;
 }
 
+Json heart_json(const std::optional<Location>& heart) {
+  if (!heart) return nullptr;
+  Json json;
+  json["center_mm"] = vector_json(heart->cup.middle());
+  json["axis"] = vector_json(heart->cup.axis);
+  json["apex_mm"] = vector_json(heart->cup.apex());
+  json["radius_mm"] = number(heart->cup.radius_mm);
+  json["contrast"] = number(heart->contrast);
+  json["ridge_share"] = number(heart->ridge_share);
+  json["runner_up"] = number(heart->runner_up);
+  json["other_end"] = number(heart->other_end);
+  return json;
+}
+
+Json plane_json(const std::optional<BasePlane>& plane) {
+  if (!plane) return nullptr;
+  Json json;
+  json["point_mm"] = vector_json(plane->point);
+  json["normal"] = vector_json(plane->normal);
+  json["spread_mm"] = number(plane->spread_mm);
+  json["seen"] = number(plane->seen);
+  return json;
+}
+
 /// The worse of the two surfaces, so that one number per gate cannot hide a bad one.
 template <class Member, class Worse>
 Json worst(const Gate& gate, Member member, Worse worse) {
@@ -107,6 +131,7 @@ Json gate_json(const Gate& gate) {
       gate, [](const Surface& s) { return s.quality.shape_min; }, least);
   json["division_slice"] = one_based(gate.labels.division_slice);
   json["base_slice"] = one_based(gate.base_slice);
+  json["base_plane"] = plane_json(gate.base_plane);
   json["endo"] = surface_json(gate.endo);
   json["epi"] = surface_json(gate.epi);
   return json;
@@ -203,6 +228,7 @@ Json results_json(const VentricleResult& result, const Provenance& provenance, T
   json["ed_gate"] = one_based(result.ed_gate);
   json["es_gate"] = one_based(result.es_gate);
   json["phases"] = phases_json(result.phases);
+  json["heart"] = heart_json(result.heart);
   json["quality"] = quality_json(result);
   json["notes"] = notes_json(all_notes(result));
   json["gates"] = std::move(gates);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 namespace dynasurf {
@@ -38,6 +39,31 @@ std::optional<CurvePhases> phases_of_curve(std::span<const double> cavity_ml) {
     }
   phases.end_rapid_filling = (f->es_gate + last_fast) % n;
   return phases;
+}
+
+double cycle_roughness(std::span<const double> values) {
+  const auto n = static_cast<double>(values.size());
+  if (values.size() < 6) return 0;
+  const int waves = values.size() >= 12 ? 3 : 2;
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+  if (mean == 0) return 0;
+  // Waves sampled evenly over whole cycles are orthogonal, so each is fitted by itself.
+  std::vector<double> rest(values.begin(), values.end());
+  for (double& v : rest) v -= mean;
+  for (int w = 1; w <= waves; ++w) {
+    double c = 0, s = 0;
+    for (std::size_t g = 0; g < rest.size(); ++g) {
+      const double angle = 2 * std::numbers::pi * w * static_cast<double>(g) / n;
+      c += rest[g] * std::cos(angle) * 2 / n, s += rest[g] * std::sin(angle) * 2 / n;
+    }
+    for (std::size_t g = 0; g < rest.size(); ++g) {
+      const double angle = 2 * std::numbers::pi * w * static_cast<double>(g) / n;
+      rest[g] -= c * std::cos(angle) + s * std::sin(angle);
+    }
+  }
+  double squares = 0;
+  for (double v : rest) squares += v * v;
+  return std::sqrt(squares / (n - 1 - 2 * waves)) / std::abs(mean);
 }
 
 double coefficient_of_variation(std::span<const double> values) {

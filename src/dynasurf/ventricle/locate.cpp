@@ -234,6 +234,17 @@ Candidate best_refinement(const Image& image, const Cup& start) {
   return best;
 }
 
+/// Blur draws the ridge of a curved wall inwards, by its variance times the mean curvature: little at the sides, some
+/// millimetres at the apex. Put back for a usual camera and wall.
+Cup without_blur(Cup cup) {
+  constexpr double camera_mm = 12 / 2.3548, wall_mm = 10;
+  constexpr double variance = smooth_mm * smooth_mm + camera_mm * camera_mm + wall_mm * wall_mm / 12;
+  const double r = cup.radius_mm, l = cup.half_length_mm;
+  cup.radius_mm += variance * (1 / r + r / (l * l)) / 2;
+  cup.half_length_mm += variance * l / (r * r);
+  return cup;
+}
+
 void describe_fit(const Image& image, Location& found) {
   const CupScore s = score(image, found.cup);
   found.contrast = s.relative();
@@ -293,7 +304,7 @@ std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
       break;
     }
   describe_fit(smooth, result);
-  result.cup = to_world(mean.grid, result.cup);
+  result.cup = to_world(mean.grid, without_blur(result.cup));
   return result;
 }
 

@@ -70,7 +70,7 @@ Study keep_unless_contradicted(const Study& study, const Location& heart, const 
          text + format(", but the wall is not clear (contrast %.2f); the stack was kept", heart.contrast)});
     return kept;
   }
-  Study kept = study;
+  Study kept = is_clear ? with_finer_pixels(study, heart.cup, o.widest_pixel_mm) : study;
   const SliceOrder order = order_of(study, heart.cup);
   if (kept.slice_order == SliceOrder::unknown && is_clear && heart.other_end < 0.95) {
     kept.slice_order = order;
@@ -122,6 +122,37 @@ Study reorient(const Study& study, const Cup& heart, double voxel_mm) {
   for (Image& image : result.gates) image = resample(image, grid);
   result.view = View::short_axis;
   result.slice_order = SliceOrder::apex_to_base;
+  return result;
+}
+
+Study with_finer_pixels(const Study& study, const Cup& heart, double widest_mm) {
+  const Grid& old = study.grid();
+  const Cup cup = to_grid(old, heart);
+  Grid grid = old;
+  Vec3 corner = Vec3::Zero();  // grid frame of the old stack
+  bool is_finer = false;
+  for (const std::size_t a : {std::size_t{0}, std::size_t{1}}) {
+    const auto axis = static_cast<Eigen::Index>(a);
+    const double wide = old.spacing[axis];
+    const int parts = static_cast<int>(std::ceil(wide / widest_mm));
+    if (parts <= 1) continue;
+    is_finer = true;
+    // Room for the heart wherever its axis runs through the stack.
+    const double reach = heart.radius_mm + room_across_mm + std::abs(cup.axis[axis]) * heart.half_length_mm;
+    const int first = std::clamp(static_cast<int>(std::floor((cup.middle()[axis] - reach) / wide)), 0, old.dims[a] - 1);
+    const int last =
+        std::clamp(static_cast<int>(std::ceil((cup.middle()[axis] + reach) / wide)), first, old.dims[a] - 1);
+    grid.spacing[axis] = wide / parts;
+    grid.dims[a] = parts * (last - first + 1);
+    corner[axis] = first * wide - (wide - grid.spacing[axis]) / 2;
+  }
+  if (!is_finer) return study;
+  grid.origin = to_world(old, corner);
+  Study result = study;
+  for (Image& image : result.gates) image = resample(image, grid);
+  result.notes.push_back({Severity::info, "orientation.refined",
+                          format("pixels of %.2f mm were divided into pixels of %.2f mm around the heart",
+                                 old.spacing[0], grid.spacing[0])});
   return result;
 }
 

@@ -21,6 +21,7 @@ struct Orientation {
   OrientationMethod method = OrientationMethod::automatic;
   double most_tilt_deg = 20;
   double least_contrast = 0.3;
+  double widest_pixel_mm = 4.5;
   std::optional<double> voxel_mm;
 };
 void describe(auto& visit, Orientation& o) {
@@ -31,6 +32,9 @@ void describe(auto& visit, Orientation& o) {
         Field{"a stack whose slices lean by less than this from square to the long axis is kept", "deg", 0, 90});
   visit("least_contrast", o.least_contrast,
         Field{"what was found contradicts a header only when its wall is this clear", "", 0, 1});
+  visit("widest_pixel_mm", o.widest_pixel_mm,
+        Field{"wider pixels of a stack that is kept are divided around the heart: edges of a small ventricle need room",
+              "mm", 0.5, 100});
   visit("voxel_mm", o.voxel_mm,
         Field{"voxels of the new stack; unset: the smallest distance of voxels in the old one, at most 4 mm", "mm", 0.5,
               20});
@@ -69,8 +73,12 @@ Grid short_axis_grid(const Cup& heart, double voxel_mm);
 /// The study cut anew on that grid by one cubic interpolation.
 Study reorient(const Study& study, const Cup& heart, double voxel_mm);
 
+/// The same slices with finer pixels (cubic interpolation), cut to the surroundings of the heart: columns and rows wider
+/// than `widest_mm` are divided by the least whole number that does. World positions stay.
+Study with_finer_pixels(const Study& study, const Cup& heart, double widest_mm);
+
 /// The study as a short-axis stack: as it is or cut anew, with notes that say what was done and why
-/// ("orientation.reoriented", "orientation.kept", "orientation.uncertain"). `heart` is where it was found or absent.
+/// ("orientation.reoriented", "orientation.refined", "orientation.uncertain"). `heart` is where it was found or absent.
 /// Throws InputError when the file says that the stack is no short-axis one, and the method does not allow or the data
 /// do not tell how to cut it.
 Study orient(const Study& study, const std::optional<Location>& heart, const Orientation& options);
