@@ -206,7 +206,7 @@ class BadDays(CliTest):
             (["--set", "edges.sgima_px=2"], ["did you mean 'edges.sigma_px'?", "choices: method, sigma_px, low"]),
             (["--set", "edges.sigma_px=21"], ["edges.sigma_px is '21'; expected a number >= 0 and <= 20 (px)"]),
             (["--set", "edges.sigma_px=wide"], ["expected a number"]),
-            (["--set", "edges=sobell"], ["option edges is 'sobell'; choices: canny"]),
+            (["--set", "edges=sobell"], ["option edges is 'sobell'; did you mean 'sobel'? choices: canny"]),
             (["--set", "evolution.solver=rk5"], ["did you mean 'rk4'?", "euler, midpoint, rk4"]),
             (["--set", "edges.low"], ["expected path=value"]),
             (["--preset", "thesys"], ["did you mean 'thesis'?"]),
