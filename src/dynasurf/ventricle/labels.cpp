@@ -7,6 +7,7 @@
 #include "dynasurf/ventricle/labels/bounding_boxes.hpp"
 #include "dynasurf/ventricle/labels/circle.hpp"
 #include "dynasurf/ventricle/labels/division_slice.hpp"
+#include "dynasurf/ventricle/labels/method.hpp"
 #include "dynasurf/ventricle/labels/mlc.hpp"
 
 namespace dynasurf {
@@ -18,6 +19,12 @@ constexpr double ring_deg = 120, box_deg = 270;
 
 /// Whether the robust readings of the method apply.
 bool by_gradient(const Mlc& o) { return o.use_gradient && !o.strict_thesis; }
+
+/// Whether edges may be cut where the wall changes sides before circles are sought among them.
+bool cuts_by_gradient(const Labelling& o) {
+  const Mlc* mlc = std::get_if<Mlc>(&o.method);
+  return mlc ? by_gradient(*mlc) : o.circle.robust_fit;
+}
 
 /// Where the ventricle lies: everything of thesis 2.4.
 struct Place {
@@ -31,7 +38,7 @@ Place find_place(const Image& image, const Mask& edges, const Labelling& o, Note
   const int min_px = o.circle.min_component_px;
   const Circle coarse = coarse_circle(image.grid, o.coarse);
   SliceEdges found = find_components(clip(edges, {coarse.x_px, coarse.y_px, 0, 0}, coarse.radius_px), min_px);
-  if (by_gradient(std::get<Mlc>(o.method))) {
+  if (cuts_by_gradient(o)) {
     // Where the wall is open both its borders are one edge, which is no circle. Cut at a first guess of the axis it is.
     Notes first_guess;
     const Axis guess = find_axis(find_centre(found, image, o.circle, first_guess), o.circle);
@@ -78,30 +85,6 @@ int follow_cavity_down(int division, const Mask& borders, const Axis& axis, Note
   return slice;
 }
 
-Mask classify(const Image& image, const SliceEdges& edges, const Place& place, const Labelling& o, Labels& labels) {
-  const Mlc& method = std::get<Mlc>(o.method);
-  const Grid& grid = image.grid;
-  const int min_px = std::max(1, o.circle.min_component_px / 2);
-  const auto refine = [&](int slice, const Mask& borders, double least_coverage_deg) {
-    const auto count = [&](int k) { return count_borders(borders, k, place.axis, least_coverage_deg); };
-    return refine_division_slice(slice, grid.dims[2], count, labels.notes).slice;
-  };
-  labels.division_slice =
-      find_division_slice(centre_profile(image, place.axis), slices_with(edges), o.division, labels.notes);
-
-  if (!by_gradient(method)) {
-    const Mask first = classify_by_gap(edges, grid, place.axis, labels.division_slice, method);
-    labels.division_slice = refine(labels.division_slice, first, 0);
-    return classify_by_gap(edges, grid, place.axis, labels.division_slice, method);
-  }
-  const SidedEdges sided = split_by_gradient(edges, image, place.axis, min_px);
-  Mask borders = classify_by_gradient(sided, grid, place.axis, min_px, labels.notes);
-  labels.division_slice = follow_cavity_down(labels.division_slice, borders, place.axis, labels.notes);
-  labels.division_slice = refine(labels.division_slice, borders, ring_deg);
-  remove_endo_up_to(borders, labels.division_slice);
-  return borders;
-}
-
 /// One note per slice that lacks a border though the slices below and above have it, and one per border found nowhere.
 void note_missing(Labels& labels) {
   const int depth = labels.borders.grid.dims[2];
@@ -130,6 +113,37 @@ void require_same_grid(const Image& image, const EdgeMap& edges) {
 
 }  // namespace
 
+Mask label(const LabelScene& scene, const Mlc& method, Labels& labels) {
+  const Grid& grid = scene.image.grid;
+  const int min_px = std::max(1, scene.options.circle.min_component_px / 2);
+  const auto refine = [&](int slice, const Mask& borders, double least_coverage_deg) {
+    const auto count = [&](int k) { return count_borders(borders, k, scene.axis, least_coverage_deg); };
+    return refine_division_slice(slice, grid.dims[2], count, labels.notes).slice;
+  };
+  const auto filter = [&](Mask borders) {
+    return filter_by_boxes(std::move(borders), labels.big_slice, labels.division_slice, scene.axis,
+                           method.box_margin_px, method.strict_thesis ? 0 : box_deg, labels.notes);
+  };
+  labels.division_slice = find_division_slice(centre_profile(scene.image, scene.axis), slices_with(scene.inside),
+                                              scene.options.division, labels.notes);
+  if (!by_gradient(method)) {
+    const Mask first = classify_by_gap(scene.inside, grid, scene.axis, labels.division_slice, method);
+    labels.division_slice = refine(labels.division_slice, first, 0);
+    return filter(classify_by_gap(scene.inside, grid, scene.axis, labels.division_slice, method));
+  }
+  const SidedEdges sided = split_by_gradient(scene.inside, scene.image, scene.axis, min_px);
+  Mask borders = classify_by_gradient(sided, grid, scene.axis, min_px, labels.notes);
+  labels.division_slice = follow_cavity_down(labels.division_slice, borders, scene.axis, labels.notes);
+  labels.division_slice = refine(labels.division_slice, borders, ring_deg);
+  remove_endo_up_to(borders, labels.division_slice);
+  return filter(std::move(borders));
+}
+
+void note_not_told_apart(Notes& notes) {
+  notes.push_back({Severity::warning, "labels.not_told_apart",
+                   "The method finds borders but cannot tell the inner from the outer one; each stands for both."});
+}
+
 bool Labels::has(Wall w) const {
   const std::uint8_t bit = w == Wall::endo ? endo_bit : epi_bit;
   return std::any_of(borders.values.begin(), borders.values.end(), [&](std::uint8_t v) { return v & bit; });
@@ -139,8 +153,6 @@ Labels label_borders(const Image& image, const EdgeMap& edges, const Labelling& 
   Labelling o = options;
   check_options(o, "labels");
   require_same_grid(image, edges);
-  const Mlc& method = std::get<Mlc>(o.method);
-
   Labels labels;
   const Place place = find_place(image, edges.edges, o, labels.notes);
   labels.axis = place.axis;
@@ -148,18 +160,16 @@ Labels label_borders(const Image& image, const EdgeMap& edges, const Labelling& 
   labels.big_slice = place.big_slice;
   labels.local = place.local;
 
-  const SliceEdges inside =
-      find_components(clip(edges.edges, place.axis, place.circle.radius_px), o.circle.min_component_px);
-  const auto has = slices_with(inside);
+  LabelScene scene{image, o, coarse_circle(image.grid, o.coarse), place.axis, place.circle, {}};
+  scene.inside = find_components(clip(edges.edges, place.axis, place.circle.radius_px), o.circle.min_component_px);
+  const auto has = slices_with(scene.inside);
   if (std::none_of(has.begin(), has.end(), [](bool h) { return h; }))
     labels.notes.push_back({Severity::failure, "components.empty",
                             "No edge of at least " + std::to_string(o.circle.min_component_px) +
                                 " pixels lies inside the circle of " + std::to_string(place.circle.radius_px) +
                                 " pixels around the ventricle."});
 
-  labels.borders = classify(image, inside, place, o, labels);
-  labels.borders = filter_by_boxes(std::move(labels.borders), labels.big_slice, labels.division_slice, labels.axis,
-                                   method.box_margin_px, method.strict_thesis ? 0 : box_deg, labels.notes);
+  labels.borders = std::visit([&](const auto& method) { return label(scene, method, labels); }, o.method);
   note_missing(labels);
   return labels;
 }

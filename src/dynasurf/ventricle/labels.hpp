@@ -5,6 +5,7 @@
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/volume.hpp"
+#include "dynasurf/field/gvf.hpp"
 #include "dynasurf/image/edges.hpp"
 
 namespace dynasurf {
@@ -90,7 +91,78 @@ void describe(auto& visit, Mlc& o) {
   visit("box_margin_px", o.box_margin_px, Field{"slack of the bounding boxes: a wall bulges (thesis: 0)", "px", 0, 50});
 }
 
-using LabelOptions = std::variant<Mlc>;
+/// LAB-NONE (thesis 2.3.1): nothing is told apart, every edge inside the automatic circle stays a border of either
+/// wall.
+struct NoLabels {
+  static constexpr std::string_view name = "none";
+};
+void describe(auto&, NoLabels&) {}
+
+/// The field of a slice that the first labellers read: gradient vector flow of |grad I|^2, in two dimensions.
+struct SliceFlow {
+  double mu = 0.05;
+  int iterations = 60;
+};
+void describe(auto& visit, SliceFlow& o) {
+  visit("mu", o.mu, Field{"as in gvf: large spreads the field and blurs what it tells", "", 1e-6, 1e4});
+  visit("iterations", o.iterations, Field{"steps", "", 1, 100000});
+}
+
+/// LAB-SIGN (thesis 2.3.2): borders are where the vectors of a row or column meet. They are not told apart.
+struct SignLabels {
+  static constexpr std::string_view name = "sign";
+  double least_change = 0.05;
+  SliceFlow flow{};
+};
+void describe(auto& visit, SignLabels& o) {
+  visit("least_change", o.least_change,
+        Field{"smaller changes are noise (eps)", "of the slice's longest vector", 0, 1});
+  visit("flow", o.flow, Field{"the field that is read"});
+}
+
+/// How LAB-GRADMAG and LAB-CASE find borders in a row or column of the field. A border seldom lies in the middle of a
+/// pixel, and the field is not quiet half a pixel beside it: with `low` 0.15 half of the lines miss one of four.
+struct QuietPoints {
+  double low = 0.4;
+  double high = 0.4;
+  int width_px = 3;
+  SliceFlow flow{};
+};
+void describe(auto& visit, QuietPoints& o) {
+  visit("low", o.low, Field{"most length of a vector on the border", "of the slice's longest vector", 0, 1});
+  visit("high", o.high, Field{"least length on both sides of it", "of the slice's longest vector", 0, 1});
+  visit("width_px", o.width_px, Field{"how far from it", "px", 1, 50});
+  visit("flow", o.flow, Field{"the field that is read"});
+}
+
+/// LAB-GRADMAG (thesis 2.3.3): borders are where the field is quiet between two strong sides. They are not told apart.
+struct GradMagLabels {
+  static constexpr std::string_view name = "gradmag";
+  QuietPoints quiet{};
+};
+void describe(auto& visit, GradMagLabels& o) { visit("quiet", o.quiet, Field{"what is quiet"}); }
+
+/// LAB-CASE (thesis 2.3.4): quiet points where vectors meet, told apart by their number along a row or column: four
+/// are outer, inner, inner, outer; two are outer; none is nothing; of any other number nothing is said.
+struct CaseLabels {
+  static constexpr std::string_view name = "case";
+  QuietPoints quiet{};
+};
+void describe(auto& visit, CaseLabels& o) { visit("quiet", o.quiet, Field{"what is quiet"}); }
+
+/// LAB-RADIAL (thesis 2.3.5): edges counted in rings around the centre; the peaks are the borders.
+struct RadialLabels {
+  static constexpr std::string_view name = "radial";
+  int ring_px = 1;
+  double least_share = 0.15;
+};
+void describe(auto& visit, RadialLabels& o) {
+  visit("ring_px", o.ring_px, Field{"width of a ring (delta; thesis 1, 2, 3)", "px", 1, 20});
+  visit("least_share", o.least_share,
+        Field{"a border has at least this share of a slice's edge pixels in its ring", "", 0, 1});
+}
+
+using LabelOptions = std::variant<Mlc, NoLabels, SignLabels, GradMagLabels, CaseLabels, RadialLabels>;
 
 /// All of the labelling stage.
 struct Labelling {
@@ -106,7 +178,8 @@ void describe(auto& visit, Labelling& o) {
   visit("method", o.method, Field{"how borders are told apart"});
 }
 
-/// Where the two borders lie in one gate, slices apex first. A voxel may carry both bits.
+/// Where the two borders lie in one gate, slices apex first. A voxel may carry both bits: two borders pass through it,
+/// or the method cannot tell which one it is ("labels.not_told_apart").
 struct Labels {
   static constexpr std::uint8_t endo_bit = 1, epi_bit = 2;
   Mask borders;                              // bits, per voxel

@@ -1,0 +1,19 @@
+#include "dynasurf/ventricle/labels/method.hpp"
+#include "dynasurf/ventricle/labels/slice_flow.hpp"
+
+namespace dynasurf {
+
+Mask label(const LabelScene& scene, const GradMagLabels& method, Labels& labels) {
+  const Image& image = scene.image;
+  const VectorField field = slice_flow(image, method.quiet.flow);
+  Mask borders(image.grid);
+  for (int k = 0; k < image.grid.dims[2]; ++k)
+    for_each_line(image, field, k, [&](const FieldLine& line, double longest) {
+      for (const std::size_t n : quiet_points(line, longest, method.quiet))
+        borders(line.pixels[n].i, line.pixels[n].j, k) = either_wall;
+    });
+  note_not_told_apart(labels.notes);
+  return clip(std::move(borders), {scene.coarse.x_px, scene.coarse.y_px, 0, 0}, scene.coarse.radius_px);
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,12 @@
+#include "dynasurf/ventricle/labels/method.hpp"
+
+namespace dynasurf {
+
+Mask label(const LabelScene& scene, const NoLabels&, Labels& labels) {
+  Mask borders = to_mask(scene.inside, scene.image.grid);
+  for (auto& v : borders.values) v = v ? either_wall : 0;
+  note_not_told_apart(labels.notes);
+  return borders;
+}
+
+}  // namespace dynasurf
