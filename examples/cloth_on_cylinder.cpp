@@ -1,0 +1,73 @@
+// A cloth falls over a cylinder: stretch, shear and bend with backward Euler, and a contact force with its Jacobian.
+// Writes cloth_000.ply ... one every 20 steps.
+#include <cmath>
+#include <cstdio>
+
+#include "dynasurf/dynamics/forces/forces.hpp"
+#include "dynasurf/dynamics/solvers/particle_solver.hpp"
+#include "dynasurf/io/mesh_io.hpp"
+
+using namespace dynasurf;
+
+namespace {
+
+constexpr double kRadius = 20, kHardness = 500, kFriction = 0.002;
+
+TriMesh sheet(std::uint32_t cells, double side_mm) {
+  TriMesh m;
+  for (std::uint32_t j = 0; j <= cells; ++j)
+    for (std::uint32_t i = 0; i <= cells; ++i)
+      m.vertices.emplace_back(side_mm * (i - cells / 2.0), side_mm * (j - cells / 2.0), kRadius + 3);
+  for (std::uint32_t j = 0; j < cells; ++j)
+    for (std::uint32_t i = 0; i < cells; ++i) {
+      const std::uint32_t a = j * (cells + 1) + i, b = a + 1, c = a + cells + 1, d = c + 1;
+      m.triangles.push_back({a, b, d});
+      m.triangles.push_back({a, d, c});
+    }
+  return m;
+}
+
+/// From the axis (y) of the cylinder, in its cross-section.
+Vec3 outwards(const Vec3& p) { return {p[0], 0, p[2]}; }
+
+}  // namespace
+
+int main() {
+  TriMesh cloth = sheet(20, 4);
+  ParticleSystem system = particles_at(cloth.vertices, 0.01);
+  Force contact{"cylinder"};
+  contact.accumulate = [](const ParticleState& s, std::span<Vec3> forces) {
+    for (std::size_t p = 0; p < forces.size(); ++p) {
+      const Vec3 out = outwards(s.positions[p]);
+      const double depth = kRadius - out.norm();
+      if (depth > 0) forces[p] += kHardness * depth * out.normalized() - kFriction * s.velocities[p];
+    }
+  };
+  contact.jacobian = [](const ParticleState& s, ForceJacobian& jacobian) {
+    for (std::uint32_t p = 0; p < s.positions.size(); ++p) {
+      const Vec3 out = outwards(s.positions[p]), normal = out.normalized();
+      if (out.norm() < kRadius)
+        jacobian.add(p, p, -kHardness * normal * normal.transpose(), -kFriction * Mat3::Identity());
+    }
+  };
+  system.forces = {stretch_force(cloth, {.stiffness = 1000, .damping = 5}), shear_force(cloth, {.stiffness = 50}),
+                   bend_force(cloth, {.stiffness = 0.05, .damping = 0.001}), gravity_force(system.masses), contact};
+
+  ParticleSolver solver(BackwardEuler{});
+  for (int step = 0; step < 200; ++step) {
+    solver.step(system, 0.002);
+    if (step % 20 != 0) continue;
+    cloth.vertices = system.positions;
+    char name[32];
+    std::snprintf(name, sizeof name, "cloth_%03d.ply", step);
+    write_mesh(cloth, name, MeshFormat::ply);
+  }
+  double deepest = 0, lowest = 0;
+  for (const Vec3& p : system.positions) {
+    deepest = std::max(deepest, kRadius - outwards(p).norm());
+    lowest = std::min(lowest, p[2]);
+  }
+  std::printf("after 0.4 s: the hem hangs %.1f mm below the axis; at most %.2f mm inside the cylinder\n", -lowest,
+              deepest);
+  return deepest < 1 && lowest < -5 ? 0 : 1;
+}
