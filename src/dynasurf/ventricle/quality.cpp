@@ -18,7 +18,7 @@ constexpr double most_wall_variation = 0.20;
 constexpr double least_ef = 5, most_ef = 85;
 constexpr double least_edv_ml = 15, most_edv_ml = 600;
 
-// Limits of where the heart was found and of the cycle. Set on the choosing half of experiments/borders_200.
+// Limits of where the heart was found and of the cycle. Set by judgement; experiments/borders_200 shows what they do.
 constexpr double least_contrast = 0.22, least_ridge_share = 0.55;
 constexpr double most_other_end = 0.97;
 constexpr double least_base_seen = 0.45, most_base_spread_mm = 4;
