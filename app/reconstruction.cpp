@@ -71,6 +71,13 @@ void write_surfaces(const VentricleResult& result, const Outputs& outputs, const
   if (!series.empty()) write_pvd(series, folder / "cycle.pvd");
 }
 
+/// Surfaces that do not share their triangles, such as those joined from contours, cannot be turned into each other.
+bool share_triangles(const std::vector<TriMesh>& cycle) {
+  return std::all_of(cycle.begin(), cycle.end(), [&](const TriMesh& mesh) {
+    return mesh.vertices.size() == cycle.front().vertices.size() && mesh.triangles == cycle.front().triangles;
+  });
+}
+
 /// Walls that are missing in a gate have no cycle to show.
 void write_cycle(const VentricleResult& result, const fs::path& folder) {
   std::vector<AnimatedSurface> surfaces;
@@ -78,7 +85,8 @@ void write_cycle(const VentricleResult& result, const fs::path& folder) {
     AnimatedSurface surface{std::string(name_of(wall)), colour, {}};
     for (const Gate& gate : result.gates)
       if (const auto& s = wall == Wall::endo ? gate.endo : gate.epi) surface.cycle.push_back(s->mesh);
-    if (surface.cycle.size() == result.gates.size()) surfaces.push_back(std::move(surface));
+    if (surface.cycle.size() == result.gates.size() && share_triangles(surface.cycle))
+      surfaces.push_back(std::move(surface));
   };
   add(Wall::endo, {0.75F, 0.12F, 0.10F, 1.0F});
   add(Wall::epi, {0.85F, 0.75F, 0.65F, 0.35F});
@@ -97,7 +105,7 @@ void write_keyframes(const VentricleResult& result, const Keyframes& keyframes, 
     std::vector<TriMesh> cycle;
     for (const Gate& gate : result.gates)
       if (const auto& s = wall == Wall::endo ? gate.endo : gate.epi) cycle.push_back(s->mesh);
-    if (cycle.size() != result.gates.size()) continue;
+    if (cycle.size() != result.gates.size() || !share_triangles(cycle)) continue;
     for (std::size_t f = 0; f < frames; ++f) {
       const TriMesh mesh =
           at_phase(cycle, static_cast<double>(f) / static_cast<double>(frames), keyframes.interpolation);
