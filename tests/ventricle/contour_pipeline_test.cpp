@@ -67,7 +67,8 @@ TEST(ContourPipeline, FindsBothWallsInEverySliceToHalfAPixel) {
     const auto at = static_cast<std::size_t>(k);
     ASSERT_TRUE(epi.slices[at]);
     EXPECT_LT(mean_error(*epi.slices[at], outer_radius(k)), 0.5) << k;
-    if (k > 2) EXPECT_LT(mean_error(*endo.slices[at], inner_radius(k)), 0.5) << k;
+    if (k == 2) continue;
+    EXPECT_LT(mean_error(*endo.slices[at], inner_radius(k)), 0.5) << k;
   }
 }
 
