@@ -49,6 +49,12 @@ std::string gate_file(std::string_view wall, std::size_t gate, MeshFormat format
   return std::string(wall) + "_g" + number + "." + std::string(word_of(format));
 }
 
+/// Surfaces that can be shown between the gates: one for every gate, with the same triangles.
+bool is_cycle(const std::vector<TriMesh>& meshes, std::size_t gates) {
+  return meshes.size() == gates && std::all_of(meshes.begin(), meshes.end(),
+                                               [&](const TriMesh& m) { return m.triangles == meshes[0].triangles; });
+}
+
 /// Seconds of one beat: as measured, else one second.
 double cycle_s(const Study& study) { return study.cycle_ms > 0 ? study.cycle_ms / 1000 : 1.0; }
 
@@ -71,13 +77,6 @@ void write_surfaces(const VentricleResult& result, const Outputs& outputs, const
   if (!series.empty()) write_pvd(series, folder / "cycle.pvd");
 }
 
-/// Surfaces that do not share their triangles, such as those joined from contours, cannot be turned into each other.
-bool share_triangles(const std::vector<TriMesh>& cycle) {
-  return std::all_of(cycle.begin(), cycle.end(), [&](const TriMesh& mesh) {
-    return mesh.vertices.size() == cycle.front().vertices.size() && mesh.triangles == cycle.front().triangles;
-  });
-}
-
 /// Walls that are missing in a gate have no cycle to show.
 void write_cycle(const VentricleResult& result, const fs::path& folder) {
   std::vector<AnimatedSurface> surfaces;
@@ -85,8 +84,7 @@ void write_cycle(const VentricleResult& result, const fs::path& folder) {
     AnimatedSurface surface{std::string(name_of(wall)), colour, {}};
     for (const Gate& gate : result.gates)
       if (const auto& s = wall == Wall::endo ? gate.endo : gate.epi) surface.cycle.push_back(s->mesh);
-    if (surface.cycle.size() == result.gates.size() && share_triangles(surface.cycle))
-      surfaces.push_back(std::move(surface));
+    if (is_cycle(surface.cycle, result.gates.size())) surfaces.push_back(std::move(surface));
   };
   add(Wall::endo, {0.75F, 0.12F, 0.10F, 1.0F});
   add(Wall::epi, {0.85F, 0.75F, 0.65F, 0.35F});
@@ -105,7 +103,7 @@ void write_keyframes(const VentricleResult& result, const Keyframes& keyframes, 
     std::vector<TriMesh> cycle;
     for (const Gate& gate : result.gates)
       if (const auto& s = wall == Wall::endo ? gate.endo : gate.epi) cycle.push_back(s->mesh);
-    if (cycle.size() != result.gates.size() || !share_triangles(cycle)) continue;
+    if (!is_cycle(cycle, result.gates.size())) continue;
     for (std::size_t f = 0; f < frames; ++f) {
       const TriMesh mesh =
           at_phase(cycle, static_cast<double>(f) / static_cast<double>(frames), keyframes.interpolation);
@@ -142,6 +140,9 @@ Outcome reconstruct_to_folder(const Job& job, const Progress& progress) {
   const Study study = read_study(job.study);
   const Provenance provenance = provenance_of(job);
   progress.check();
+
+  std::optional<TriMesh> start;
+  if (!job.start_mesh.empty()) start = read_mesh(job.start_mesh);
 
   const StageWriter stages(folder.path() / "stages");
   Outcome outcome;

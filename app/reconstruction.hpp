@@ -19,6 +19,7 @@ struct Outputs {
 /// One run of the ventricle pipeline, from a study on disk to a result folder.
 struct Job {
   std::filesystem::path study, out;
+  std::filesystem::path start_mesh;  // for placement.shape file; else empty
   VentricleOptions options;
   Outputs outputs;
   std::string command;                      // for the provenance

@@ -22,7 +22,7 @@ namespace dynasurf::app {
 namespace {
 
 struct Arguments {
-  std::string study, out, preset = "default", options_file, pipeline;
+  std::string study, out, start, pipeline, preset = "default", options_file;
   std::vector<std::string> settings, mesh_formats;
   bool keep_stages = false, quiet = false, json = false, with_phi = false, no_timings = false;
   int threads = 0;
@@ -58,7 +58,7 @@ std::string text_of_file(const std::string& path) {
   return text;
 }
 
-/// Defaults < preset < file < --pipeline < --set.
+/// Defaults < preset < file < --set.
 VentricleOptions options_of(const Arguments& arguments) {
   VentricleOptions options = ventricle_preset(arguments.preset);
   if (!arguments.options_file.empty()) {
@@ -69,7 +69,6 @@ VentricleOptions options_of(const Arguments& arguments) {
       throw OptionError(arguments.options_file + ": " + error.what());
     }
   }
-  if (!arguments.pipeline.empty()) set_option(options, "pipeline=" + arguments.pipeline);
   for (const std::string& setting : arguments.settings) set_option(options, setting);
   return options;
 }
@@ -88,6 +87,7 @@ std::string recorded_command(const Arguments& arguments) {
   std::string command = "dynasurf ventricle STUDY --out RESULT --preset " + arguments.preset;
   if (!arguments.options_file.empty()) command += " --options FILE";
   if (!arguments.pipeline.empty()) command += " --pipeline " + arguments.pipeline;
+  if (!arguments.start.empty()) command += " --start MESH";
   for (const std::string& setting : arguments.settings) command += " --set " + setting;
   return command;
 }
@@ -99,6 +99,11 @@ ExitCode run(Arguments arguments, std::stop_token stop) {
   job.study = arguments.study;
   job.out = arguments.out;
   job.options = options_of(arguments);
+  if (!arguments.start.empty()) {
+    job.start_mesh = arguments.start;
+    job.options.placement.shape = StartShape::file;
+  }
+  if (!arguments.pipeline.empty()) set_option(job.options, "pipeline=" + arguments.pipeline);
   if (!arguments.mesh_formats.empty()) job.outputs.mesh_formats = formats_of(arguments);
   job.outputs.keep_stages = arguments.keep_stages;
   job.outputs.timings = !arguments.no_timings;
@@ -126,8 +131,10 @@ void add_ventricle(CLI::App& program, Command& chosen) {
   command->add_option("STUDY", a->study, "DICOM file or folder, NIfTI or NRRD file")->required();
   command->add_option("--out", a->out, "folder of the result; a former result there is replaced")->required();
   command->add_option("--preset", a->preset, "default, or thesis: as published");
+  command->add_option("--pipeline", a->pipeline,
+                      "surface, or direct: one field straight from the image (option pipeline)");
+  command->add_option("--start", a->start, "mesh file that all surfaces start from, fitted to each border's box");
   command->add_option("--options", a->options_file, "JSON file of options, such as the options.json of a result");
-  command->add_option("--pipeline", a->pipeline, "surface, contour: how surfaces are found (surface)");
   command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options)")
       ->take_all()
       ->allow_extra_args(false);

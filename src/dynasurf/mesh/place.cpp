@@ -41,8 +41,11 @@ TriMesh place(const TriMesh& unit, const Image& data, const Placement& options) 
   const Vec3 half_sides = ((high - low).array() + 1).matrix().cwiseProduct(data.grid.spacing) / 2;
   const Vec3 centre = (options.centre_of_mass ? e.mean : Vec3((low + high) / 2)).cwiseProduct(data.grid.spacing);
 
+  const double scale = options.direction == Direction::in_to_out ? options.inside_scale : options.scale;
+  const Vec3 half_axes =
+      scale * (options.shape == StartShape::sphere ? Vec3(Vec3::Constant(half_sides.maxCoeff())) : half_sides);
   TriMesh mesh = unit;
-  for (Vec3& p : mesh.vertices) p = centre + options.scale * half_sides.cwiseProduct(p);
+  for (Vec3& p : mesh.vertices) p = centre + half_axes.cwiseProduct(p);
   return mesh;
 }
 

@@ -154,7 +154,7 @@ SurfaceCheck check_knowing(const SelfIntersections& meeting, const TriMesh& mesh
 
 /// Smooths around what meets until nothing does; `meeting` always tells how `mesh` is.
 UntangleReport free_of(SelfIntersections& meeting, TriMesh& mesh, int rounds) {
-  constexpr int sweeps = 4, rounds_per_ring = 4;
+  constexpr int sweeps = 4, rounds_per_ring = 4, patience = 8;
   UntangleReport report;
   report.found = report.left = meeting.pairs.size() + meeting.flat.size();
   if (report.found == 0) return report;
@@ -163,7 +163,8 @@ UntangleReport free_of(SelfIntersections& meeting, TriMesh& mesh, int rounds) {
   const SelfIntersections meeting_before = meeting;
   const VertexRings rings = vertex_rings(mesh);
   std::vector<std::uint8_t> active(mesh.vertices.size(), 0);
-  while (!meeting.free() && report.rounds < rounds) {
+  std::size_t fewest = report.found;
+  for (int fruitless = 0; !meeting.free() && report.rounds < rounds && fruitless < patience; ++fruitless) {
     for (const auto& [s, t] : meeting.pairs) mark_corners(mesh, s, active), mark_corners(mesh, t, active);
     for (const std::uint32_t t : meeting.flat) mark_corners(mesh, t, active);
     if (++report.rounds % rounds_per_ring == 0) widen(mesh, active);
@@ -172,6 +173,8 @@ UntangleReport free_of(SelfIntersections& meeting, TriMesh& mesh, int rounds) {
         if (const Ring ring = rings.of(v); active[v] && !ring.empty())
           mesh.vertices[v] = (mesh.vertices[v] + centroid_of(mesh.vertices, ring)) / 2;
     meeting = self_intersections(mesh);
+    const std::size_t left = meeting.pairs.size() + meeting.flat.size();
+    if (left < fewest) fewest = left, fruitless = -1;
   }
   if (meeting.free()) {
     report.left = 0;

@@ -60,7 +60,8 @@ struct UntangleReport : MoveReport {
 
 /// Frees a surface of self-intersections: the neighbourhood of triangles that meet is smoothed towards the mean of its
 /// neighbours, and grows where that is not enough. Triangles keep their corners; what meets nothing stays where it is.
-/// With `rounds` spent the surface is given back as it was, with `left` equal to `found`. Throws like
+/// With `rounds` spent, or eight of them without gain, the surface is given back as it was, with `left` equal to
+/// `found`. Throws like
 /// `self_intersections`.
 UntangleReport untangle(TriMesh& mesh, int rounds);
 

@@ -1,4 +1,7 @@
 #pragma once
+#include <span>
+#include <string_view>
+
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/core/volume.hpp"
@@ -10,21 +13,51 @@ namespace dynasurf {
 /// level is 0 to 9.
 TriMesh icosphere(int level);
 
+/// The surface of the cube [-1, 1]^3 with `cells` x `cells` squares of two triangles on each side: 6 cells^2 + 2
+/// vertices (the thesis's other start, 6.1.1). Throws OptionError unless `cells` is 1 to 1000.
+TriMesh cube_surface(int cells);
+
+/// What surfaces start from.
+enum class StartShape { ellipsoid, sphere, cube, marching_cubes, file };
+std::span<const std::string_view> names_of(StartShape);
+
+/// Which way surfaces evolve (GEO-OUTIN, thesis 5.3).
+enum class Direction { out_to_in, in_to_out };
+std::span<const std::string_view> names_of(Direction);
+
 /// GEO-PLACE (thesis 5.2).
 struct Placement {
+  StartShape shape = StartShape::ellipsoid;
+  Direction direction = Direction::out_to_in;
   double scale = 1.5;
+  double inside_scale = 0.6;
   bool centre_of_mass = false;
 };
 void describe(auto& visit, Placement& o) {
+  visit("shape", o.shape,
+        Field{"ellipsoid or cube fitted to the data's box, sphere around it, the data's own surface by marching cubes, "
+              "or a mesh that is given, fitted to the box"});
+  visit("direction", o.direction, Field{"from outside onto the border (thesis's choice, 5.3), or from inside"});
   visit("scale", o.scale,
-        Field{"half axes of the ellipsoid, in half sides of the data's bounding box; 1.74 holds the whole box", "",
-              0.05, 10});
+        Field{"half axes of the start, in half sides of the data's bounding box; 1.74 holds the whole box", "", 0.05,
+              10});
+  visit("inside_scale", o.inside_scale, Field{"the same for starts that grow from inside", "", 0.01, 1});
   visit("centre_of_mass", o.centre_of_mass, Field{"centre on the data's centre of mass instead of the box"});
 }
 
-/// `unit` stretched to an ellipsoid around the non-zero voxels of `data`, in the grid frame. The box holds whole
-/// voxels, not only their centres; the centre of mass counts every non-zero voxel once.
+/// `unit` stretched around the non-zero voxels of `data`, in the grid frame: per axis, or for a sphere by its largest
+/// half side. The box holds whole voxels, not only their centres; the centre of mass counts every non-zero voxel once.
 /// Precondition: `data` has a non-zero voxel; throws InputError otherwise.
 TriMesh place(const TriMesh& unit, const Image& data, const Placement& options);
+
+/// The start that `options` ask for. Spheres and cubes have about 10 * 4^level vertices. Marching cubes runs around the
+/// solid that the border encloses, so the number of its triangles follows the data, and direction and scales do not
+/// apply. `given` is the mesh of StartShape::file, any size and place: its bounding box is fitted. Throws like `place`,
+/// and OptionError when no mesh was given or it has no extent.
+TriMesh start_mesh(const Image& border, int level, const Placement& options, const TriMesh* given = nullptr);
+
+/// 1 in the non-zero voxels of a border and where they close a ring around a voxel in its slice across any axis, so that
+/// a hole in a wall does not empty the whole; else 0.
+Image enclosed_solid(const Image& border);
 
 }  // namespace dynasurf

@@ -60,10 +60,11 @@ class StageCounter {
 struct WallRun {
   Image border;
   BorderPlanes planes;
+  Image edge_map;  // of pipeline direct
+  Placement placement;
   FlowResult flow;
   EvolutionResult evolved;
   std::optional<Surface> surface;
-  std::optional<StackVolumes> stack;  // of pipeline contour
   bool exists() const { return !border.values.empty(); }
 };
 
@@ -81,6 +82,17 @@ struct GateRun {
 constexpr Wall walls[] = {Wall::endo, Wall::epi};
 constexpr int room_voxels = 3;  // around a border, for its field
 
+/// The image on a larger grid of the same lattice, its outermost voxels repeated.
+Image spread_to(const Image& image, const Grid& grid) {
+  if (image.grid.dims == grid.dims) return image;
+  const Index3 shift = voxel_of(image.grid, to_grid(image.grid, grid.origin));
+  Image spread(grid);
+  for (int k = 0; k < grid.dims[2]; ++k)
+    for (int j = 0; j < grid.dims[1]; ++j)
+      for (int i = 0; i < grid.dims[0]; ++i) spread(i, j, k) = image.clamped(i + shift[0], j + shift[1], k + shift[2]);
+  return spread;
+}
+
 void find_borders(GateRun& run, const Image& image, const SliceRange& useful, const VentricleOptions& options,
                   StageClock& clock) {
   run.edges = clock("edges", [&] { return detect_edges(image, options.edges); });
@@ -94,44 +106,26 @@ void find_borders(GateRun& run, const Image& image, const SliceRange& useful, co
     if (options.closure.cover) border = close_border(border, run.base_slice);
     run.wall(wall).border = with_room(std::move(border), room_voxels);
     run.wall(wall).planes = border_planes(run.wall(wall).border, wall, run.labels, run.edges, run.base_slice);
+    run.wall(wall).placement = options.placement;
+    if (options.pipeline != Pipeline::direct) continue;
+    // One field for both walls: who comes from outside would be held by the outer one.
+    if (wall == Wall::endo) run.wall(wall).placement.direction = Direction::in_to_out;
+    run.wall(wall).edge_map = edge_map_of(spread_to(image, run.wall(wall).border.grid), options.edge_map);
   }
 }
 
 void find_surface(WallRun& run, const TriMesh& start, const VentricleOptions& options, const Progress& quiet,
                   StageClock& clock) {
-  run.flow = clock("field", [&] { return flow_field(run.border, options.field, quiet); });
+  const Image& map = options.pipeline == Pipeline::direct ? run.edge_map : run.border;
+  run.flow = clock("field", [&] { return flow_field(map, options.field, quiet); });
   run.evolved = clock("surfaces",
                       [&] { return evolve(start, run.flow.field, run.border, options.evolution, quiet, &run.planes); });
 }
 
-/// The outer wall first: it bounds the search for the inner one. A wall without contours keeps no border and no mesh.
-void find_contours(GateRun& run, const Image& image, const VentricleOptions& options, StageClock& clock) {
-  WallContours outer;
-  for (const Wall wall : {Wall::epi, Wall::endo}) {
-    if (!run.wall(wall).exists()) continue;
-    WallContours contours = clock("contours", [&] {
-      return propagate_contours(image, run.labels, wall, run.base_slice, options.contour,
-                                outer.found > 0 ? &outer : nullptr);
-    });
-    auto surface = contour_surface(contours, image.grid, options.contour);
-    if (surface) {
-      // The border lies on a grid with room around it.
-      const Vec3 shift = to_grid(run.wall(wall).border.grid, image.grid.origin);
-      for (Vec3& p : surface->evolved.mesh.vertices) p += shift;
-      run.wall(wall).evolved = std::move(surface->evolved);
-      run.wall(wall).stack = surface->volumes;
-    } else {
-      run.wall(wall) = {};
-      run.notes.insert(run.notes.end(), contours.notes.begin(), contours.notes.end());
-    }
-    if (wall == Wall::epi) outer = std::move(contours);
-  }
-}
-
 /// The former surface, a little enlarged about its centre, so that the next one is reached from outside
-/// (FUT-WARMSTART).
-TriMesh enlarged(TriMesh mesh) {
-  constexpr double growth = 1.15;
+/// (FUT-WARMSTART); or shrunk, for surfaces that grow.
+TriMesh resized(TriMesh mesh, Direction direction) {
+  const double growth = direction == Direction::out_to_in ? 1.15 : 1 / 1.15;
   Vec3 centre = Vec3::Zero();
   for (const Vec3& p : mesh.vertices) centre += p / static_cast<double>(mesh.vertices.size());
   for (Vec3& p : mesh.vertices) p = centre + growth * (p - centre);
@@ -149,8 +143,6 @@ Gate finish_gate(GateRun& run, int g, const VentricleResult& result) {
   Gate gate;
   gate.gate = g;
   if (!result.study.time_ms.empty()) gate.time_ms = result.study.time_ms[static_cast<std::size_t>(g)];
-  if (run.endo.surface) run.endo.surface->stack = run.endo.stack;
-  if (run.epi.surface) run.epi.surface->stack = run.epi.stack;
   gate.endo = std::move(run.endo.surface);
   gate.epi = std::move(run.epi.surface);
   if (gate.endo && gate.epi) gate.wall_ml = gate.epi->volume_ml - gate.endo->volume_ml;
@@ -178,28 +170,41 @@ void measure_cycle(VentricleResult& result) {
   if (wall.size() == result.gates.size() && wall.size() > 1) result.wall_variation = coefficient_of_variation(wall);
 }
 
+/// Surfaces that started from the data themselves have triangles of their own in every gate.
+void note_correspondence(VentricleResult& result) {
+  for (const auto wall : {&Gate::endo, &Gate::epi})
+    for (const Gate& gate : result.gates)
+      if (result.gates[0].*wall && gate.*wall &&
+          (gate.*wall)->mesh.triangles != (result.gates[0].*wall)->mesh.triangles) {
+        result.notes.push_back(
+            {Severity::info, "surface.no_correspondence",
+             "the surfaces of the gates have different triangles, so nothing is shown between them"});
+        return;
+      }
+}
+
 void hand_over_stages(const StageSink& keep, std::vector<GateRun>& runs, const Study& study) {
   for (std::size_t g = 0; g < runs.size(); ++g) {
     GateRun& run = runs[g];
     Stages stages{static_cast<int>(g), &study.gates[g], &run.edges, &run.labels};
-    if (run.endo.exists()) stages.border_endo = &run.endo.border;
-    if (run.epi.exists()) stages.border_epi = &run.epi.border;
-    if (!run.endo.flow.field.x.empty()) stages.field_endo = &run.endo.flow.field;
-    if (!run.epi.flow.field.x.empty()) stages.field_epi = &run.epi.flow.field;
+    if (run.endo.exists()) stages.border_endo = &run.endo.border, stages.field_endo = &run.endo.flow.field;
+    if (run.epi.exists()) stages.border_epi = &run.epi.border, stages.field_epi = &run.epi.flow.field;
     keep(stages);
   }
 }
 
-constexpr std::array<std::string_view, 2> pipeline_names{"surface", "contour"};
+constexpr std::array<std::string_view, 2> pipeline_names{"surface", "direct"};
 
 }  // namespace
 
 std::span<const std::string_view> names_of(Pipeline) { return pipeline_names; }
 
 VentricleResult reconstruct(const Study& original, const VentricleOptions& requested, const Progress& progress,
-                            const StageSink& keep) {
+                            const StageSink& keep, const TriMesh* start) {
   VentricleOptions options = requested;
   check_options(options, "");
+  if (options.placement.shape == StartShape::file && start == nullptr)
+    throw OptionError("option placement.shape is file; expected a mesh to start from, none was given");
   VentricleResult result;
   require_workable(original);
   StageClock clock(result.seconds);
@@ -225,31 +230,24 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
     borders_found.advance();
   });
 
-  const TriMesh sphere = icosphere(options.mesh_level);
   const Progress quiet{{}, progress.stop};
   StageCounter surfaces_found(progress, "surfaces", 2 * gates);
-  const auto surface_from_ellipsoid = [&](WallRun& run) {
+  const auto surface_from_start = [&](WallRun& run) {
     progress.check();
-    if (run.exists()) find_surface(run, place(sphere, run.border, options.placement), options, quiet, clock);
+    if (run.exists())
+      find_surface(run, start_mesh(run.border, options.mesh_level, run.placement, start), options, quiet, clock);
     surfaces_found.advance();
   };
-  if (options.pipeline == Pipeline::contour) {
-    parallel_for(runs.size(), 1, [&](std::size_t g, std::size_t) {
-      progress.check();
-      find_contours(runs[g], result.study.gates[g], options, clock);
-      surfaces_found.advance();
-      surfaces_found.advance();
-    });
-  } else if (options.warm_start) {
+  if (options.warm_start) {
     parallel_for(2, 1, [&](std::size_t w, std::size_t) {
       const WallRun* former = nullptr;
       for (GateRun& gate : runs) {
         WallRun& run = gate.wall(walls[w]);
         if (former == nullptr || !run.exists()) {
-          surface_from_ellipsoid(run);
+          surface_from_start(run);
         } else {
           progress.check();
-          find_surface(run, enlarged(former->evolved.mesh), options, quiet, clock);
+          find_surface(run, resized(former->evolved.mesh, run.placement.direction), options, quiet, clock);
           surfaces_found.advance();
         }
         if (run.exists()) former = &run;
@@ -257,7 +255,7 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
     });
   } else {
     parallel_for(2 * runs.size(), 1,
-                 [&](std::size_t task, std::size_t) { surface_from_ellipsoid(runs[task / 2].wall(walls[task % 2])); });
+                 [&](std::size_t task, std::size_t) { surface_from_start(runs[task / 2].wall(walls[task % 2])); });
   }
 
   parallel_for(2 * runs.size(), 1, [&](std::size_t task, std::size_t) {
@@ -278,6 +276,7 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
       if (run.wall(wall).surface) add_notes(result.notes, run.wall(wall).surface->notes, g);
     result.gates.push_back(finish_gate(run, g, result));
   }
+  note_correspondence(result);
   measure_cycle(result);
   result.flags = judge(result);
   result.verdict = verdict_of(result.flags);

@@ -8,13 +8,13 @@
 
 #include "dynasurf/core/study.hpp"
 #include "dynasurf/dynamics/evolve.hpp"
+#include "dynasurf/field/edge_map.hpp"
 #include "dynasurf/field/gvf.hpp"
 #include "dynasurf/mesh/keyframes.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/ventricle/base_plane.hpp"
 #include "dynasurf/ventricle/closure.hpp"
-#include "dynasurf/ventricle/contour_pipeline.hpp"
 #include "dynasurf/ventricle/function.hpp"
 #include "dynasurf/ventricle/labels.hpp"
 #include "dynasurf/ventricle/locate.hpp"
@@ -32,9 +32,10 @@ inline Evolution subvoxel_evolution() {
   return e;
 }
 
-/// How surfaces are found. `surface`: deforming triangle meshes in a field of the whole volume (PIPE-2). `contour`: a
-/// contour in every slice, joined to a surface (PIPE-4, thesis 6.1.6.1).
-enum class Pipeline { surface, contour };
+/// How surfaces are found. `surface`: deforming triangle meshes, each in the field of its own border (PIPE-2).
+/// `direct`: the first version of the system, with one field for both walls made straight from the image, and the inner
+/// surface growing from inside (PIPE-1, thesis 7.1); the labels only say where particles stop.
+enum class Pipeline { surface, direct };
 std::span<const std::string_view> names_of(Pipeline);
 
 /// Everything that steers the ventricle pipeline (PIPE-2, thesis 7.1 and appendix A.8 of the specification).
@@ -46,17 +47,18 @@ struct VentricleOptions {
   EdgeOptions edges = Canny{};
   Labelling labels;
   Closure closure;
+  EdgeMapOptions edge_map;
   FieldOptions field = Gvf{};
   int mesh_level = 3;
   Placement placement;
   Evolution evolution = subvoxel_evolution();
   Tidy tidy;
-  ContourPipeline contour;
   bool warm_start = false;
   Keyframes keyframes;
 };
 void describe(auto& visit, VentricleOptions& o) {
-  visit("pipeline", o.pipeline, Field{"surface: deforming meshes; contour: a contour in every slice (thesis 6.1.6.1)"});
+  visit("pipeline", o.pipeline,
+        Field{"surface: deforming meshes, a field for each wall; direct: one field straight from the image"});
   visit("orientation", o.orientation, Field{"which way the heart lies in the volume"});
   visit("manual", o.manual, Field{"what a person says in place of what would be found"});
   visit("noise_fraction", o.noise_fraction,
@@ -65,12 +67,12 @@ void describe(auto& visit, VentricleOptions& o) {
   visit("edges", o.edges, Field{"edge detector"});
   visit("labels", o.labels, Field{"finding the two borders among the edges"});
   visit("closure", o.closure, Field{"closing the ends of the borders"});
+  visit("edge_map", o.edge_map, Field{"what the field of pipeline direct is made from"});
   visit("field", o.field, Field{"vector field of each border"});
   visit("mesh_level", o.mesh_level, Field{"2, 3, 4: 162, 642, 2562 vertices per surface (thesis table 5.2)", "", 0, 6});
-  visit("placement", o.placement, Field{"the ellipsoid that the surfaces start from"});
+  visit("placement", o.placement, Field{"what the surfaces start from"});
   visit("evolution", o.evolution, Field{"the deformable model"});
   visit("tidy", o.tidy, Field{"better triangles on the finished surfaces, and none that cut each other"});
-  visit("contour", o.contour, Field{"the contours of pipeline contour"});
   visit("warm_start", o.warm_start, Field{"start each gate from the surface of the gate before, a little enlarged"});
   visit("keyframes", o.keyframes, Field{"surfaces between the gates"});
 }
@@ -117,6 +119,6 @@ using StageSink = std::function<void(const Stages&)>;
 /// Throws InputError for a study it cannot work on (fewer than 3 slices, NaN, a long-axis or transaxial view in which
 /// no ventricle is found), OptionError, Cancelled. The same bytes for any number of threads.
 VentricleResult reconstruct(const Study& study, const VentricleOptions& options, const Progress& progress = {},
-                            const StageSink& keep = {});
+                            const StageSink& keep = {}, const TriMesh* start = nullptr);
 
 }  // namespace dynasurf

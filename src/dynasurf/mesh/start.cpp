@@ -1,0 +1,126 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/mesh/marching.hpp"
+#include "dynasurf/mesh/shapes.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr std::array<std::string_view, 5> kShapes{"ellipsoid", "sphere", "cube", "marching_cubes", "file"};
+constexpr std::array<std::string_view, 2> kDirections{"out_to_in", "in_to_out"};
+
+/// The mesh moved and stretched so that its bounding box is [-1, 1]^3.
+TriMesh boxed(TriMesh mesh) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Vec3& p : mesh.vertices) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Vec3 half = (high - low) / 2;
+  if (mesh.triangles.empty() || !half.allFinite() || !(half.minCoeff() > 0))
+    throw OptionError("placement.shape is file, and the given mesh has no extent; expected a surface around a volume");
+  for (Vec3& p : mesh.vertices) p = (p - (low + high) / 2).cwiseQuotient(half);
+  return mesh;
+}
+
+/// Sets the voxels of one slice across an axis that are border, or that no path within the slice leads out of.
+void fill_slice(const Image& border, std::size_t axis, int slice, Image& solid) {
+  const std::size_t a = (axis + 1) % 3, b = (axis + 2) % 3;
+  const int width = border.grid.dims[a], height = border.grid.dims[b];
+  const auto voxel = [&](int u, int v) {
+    Index3 at{};
+    at[axis] = slice, at[a] = u, at[b] = v;
+    return border.grid.index(at[0], at[1], at[2]);
+  };
+  std::vector<std::uint8_t> outside(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
+  std::vector<std::array<int, 2>> open;
+  const auto reach = [&](int u, int v) {
+    if (u < 0 || v < 0 || u >= width || v >= height) return;
+    std::uint8_t& is_outside = outside[static_cast<std::size_t>(u + width * v)];
+    if (is_outside != 0 || border.values[voxel(u, v)] != 0) return;
+    is_outside = 1;
+    open.push_back({u, v});
+  };
+  for (int u = 0; u < width; ++u) reach(u, 0), reach(u, height - 1);
+  for (int v = 0; v < height; ++v) reach(0, v), reach(width - 1, v);
+  while (!open.empty()) {
+    const auto [u, v] = open.back();
+    open.pop_back();
+    reach(u - 1, v), reach(u + 1, v), reach(u, v - 1), reach(u, v + 1);
+  }
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u)
+      if (outside[static_cast<std::size_t>(u + width * v)] == 0) solid.values[voxel(u, v)] = 1;
+}
+
+/// As many squares as give a cube about the vertices of the icosphere.
+int cells_of_level(int level) { return std::max(1, static_cast<int>(std::lround(1.25 * (1 << level)))); }
+
+}  // namespace
+
+std::span<const std::string_view> names_of(StartShape) { return kShapes; }
+std::span<const std::string_view> names_of(Direction) { return kDirections; }
+
+TriMesh cube_surface(int cells) {
+  if (cells < 1 || cells > 1000)
+    throw OptionError("a cube of " + std::to_string(cells) + " cells per side; expected 1 to 1000");
+  TriMesh mesh;
+  std::map<Index3, std::uint32_t> vertex_at;
+  const auto vertex = [&](const Index3& at) {
+    const auto [where, is_new] = vertex_at.try_emplace(at, static_cast<std::uint32_t>(mesh.vertices.size()));
+    if (is_new) mesh.vertices.push_back(Vec3(at[0], at[1], at[2]) * 2 / cells - Vec3::Ones());
+    return where->second;
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const bool upper : {false, true})
+      for (int v = 0; v < cells; ++v)
+        for (int u = 0; u < cells; ++u) {
+          const auto corner = [&](int du, int dv) {
+            Index3 at{};
+            at[axis] = upper ? cells : 0;
+            at[(axis + 1) % 3] = u + du;
+            at[(axis + 2) % 3] = v + dv;
+            return vertex(at);
+          };
+          const std::uint32_t a = corner(0, 0), b = corner(1, 0), c = corner(1, 1), d = corner(0, 1);
+          if (upper) {
+            mesh.triangles.push_back({a, b, c});
+            mesh.triangles.push_back({a, c, d});
+          } else {
+            mesh.triangles.push_back({a, c, b});
+            mesh.triangles.push_back({a, d, c});
+          }
+        }
+  return mesh;
+}
+
+Image enclosed_solid(const Image& border) {
+  Image solid(border.grid);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (int slice = 0; slice < border.grid.dims[axis]; ++slice) fill_slice(border, axis, slice, solid);
+  return solid;
+}
+
+TriMesh start_mesh(const Image& border, int level, const Placement& options, const TriMesh* given) {
+  switch (options.shape) {
+    case StartShape::cube:
+      return place(cube_surface(cells_of_level(level)), border, options);
+    case StartShape::marching_cubes:
+      return marching_cubes(enclosed_solid(border), 0.5);
+    case StartShape::file:
+      if (given == nullptr) throw OptionError("placement.shape is file; expected a mesh to start from, none was given");
+      return place(boxed(*given), border, options);
+    case StartShape::ellipsoid:
+    case StartShape::sphere:
+      break;
+  }
+  return place(icosphere(level), border, options);
+}
+
+}  // namespace dynasurf
