@@ -58,7 +58,7 @@ std::string text_of_file(const std::string& path) {
   return text;
 }
 
-/// Defaults < preset < file < --set.
+/// Defaults < preset < file < --pipeline < --set.
 VentricleOptions options_of(const Arguments& arguments) {
   VentricleOptions options = ventricle_preset(arguments.preset);
   if (!arguments.options_file.empty()) {
@@ -69,6 +69,7 @@ VentricleOptions options_of(const Arguments& arguments) {
       throw OptionError(arguments.options_file + ": " + error.what());
     }
   }
+  if (!arguments.pipeline.empty()) set_option(options, "pipeline=" + arguments.pipeline);
   for (const std::string& setting : arguments.settings) set_option(options, setting);
   return options;
 }
@@ -132,7 +133,7 @@ void add_ventricle(CLI::App& program, Command& chosen) {
   command->add_option("--out", a->out, "folder of the result; a former result there is replaced")->required();
   command->add_option("--preset", a->preset, "default, or thesis: as published");
   command->add_option("--pipeline", a->pipeline,
-                      "surface, or direct: one field straight from the image (option pipeline)");
+                      "surface; contour: a contour in every slice; direct: one field straight from the image");
   command->add_option("--start", a->start, "mesh file that all surfaces start from, fitted to each border's box");
   command->add_option("--options", a->options_file, "JSON file of options, such as the options.json of a result");
   command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options)")

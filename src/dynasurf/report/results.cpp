@@ -66,6 +66,14 @@ Json validity_json(const Repair& repair) {
   return json;
 }
 
+/// The volume of a surface that was joined from contours, in three ways, mL.
+Json stack_json(const std::optional<StackVolumes>& stack) {
+  if (!stack) return nullptr;
+  return {{"trapezoid_ml", number(stack->trapezoid / 1000)},
+          {"gauss_ml", number(stack->gauss / 1000)},
+          {"triangle_exact_ml", number(stack->triangle_exact / 1000)}};
+}
+
 Json surface_json(const std::optional<Surface>& surface) {
   if (!surface) return nullptr;
   Json json;
@@ -76,6 +84,7 @@ Json surface_json(const std::optional<Surface>& surface) {
   json["stopped_fraction"] = number(surface->stopped_fraction);
   json["within_one_voxel"] = number(surface->within_one_voxel);
   json["mean_distance_mm"] = number(surface->mean_distance_mm);
+  json["contour_volumes"] = stack_json(surface->stack);
   json["triangles"] = triangles_json(surface->mesh, surface->quality);
   json["validity"] = validity_json(surface->repair);
   return json;

@@ -65,6 +65,7 @@ struct WallRun {
   FlowResult flow;
   EvolutionResult evolved;
   std::optional<Surface> surface;
+  std::optional<StackVolumes> stack;  // of pipeline contour
   bool exists() const { return !border.values.empty(); }
 };
 
@@ -122,6 +123,30 @@ void find_surface(WallRun& run, const TriMesh& start, const VentricleOptions& op
                       [&] { return evolve(start, run.flow.field, run.border, options.evolution, quiet, &run.planes); });
 }
 
+/// The outer wall first: it bounds the search for the inner one. A wall without contours keeps no border and no mesh.
+void find_contours(GateRun& run, const Image& image, const VentricleOptions& options, StageClock& clock) {
+  WallContours outer;
+  for (const Wall wall : {Wall::epi, Wall::endo}) {
+    if (!run.wall(wall).exists()) continue;
+    WallContours contours = clock("contours", [&] {
+      return propagate_contours(image, run.labels, wall, run.base_slice, options.contour,
+                                outer.found > 0 ? &outer : nullptr);
+    });
+    auto surface = contour_surface(contours, image.grid, options.contour);
+    if (surface) {
+      // The border lies on a grid with room around it.
+      const Vec3 shift = to_grid(run.wall(wall).border.grid, image.grid.origin);
+      for (Vec3& p : surface->evolved.mesh.vertices) p += shift;
+      run.wall(wall).evolved = std::move(surface->evolved);
+      run.wall(wall).stack = surface->volumes;
+    } else {
+      run.wall(wall) = {};
+      run.notes.insert(run.notes.end(), contours.notes.begin(), contours.notes.end());
+    }
+    if (wall == Wall::epi) outer = std::move(contours);
+  }
+}
+
 /// The former surface, a little enlarged about its centre, so that the next one is reached from outside
 /// (FUT-WARMSTART); or shrunk, for surfaces that grow.
 TriMesh resized(TriMesh mesh, Direction direction) {
@@ -143,6 +168,8 @@ Gate finish_gate(GateRun& run, int g, const VentricleResult& result) {
   Gate gate;
   gate.gate = g;
   if (!result.study.time_ms.empty()) gate.time_ms = result.study.time_ms[static_cast<std::size_t>(g)];
+  if (run.endo.surface) run.endo.surface->stack = run.endo.stack;
+  if (run.epi.surface) run.epi.surface->stack = run.epi.stack;
   gate.endo = std::move(run.endo.surface);
   gate.epi = std::move(run.epi.surface);
   if (gate.endo && gate.epi) gate.wall_ml = gate.epi->volume_ml - gate.endo->volume_ml;
@@ -187,13 +214,15 @@ void hand_over_stages(const StageSink& keep, std::vector<GateRun>& runs, const S
   for (std::size_t g = 0; g < runs.size(); ++g) {
     GateRun& run = runs[g];
     Stages stages{static_cast<int>(g), &study.gates[g], &run.edges, &run.labels};
-    if (run.endo.exists()) stages.border_endo = &run.endo.border, stages.field_endo = &run.endo.flow.field;
-    if (run.epi.exists()) stages.border_epi = &run.epi.border, stages.field_epi = &run.epi.flow.field;
+    if (run.endo.exists()) stages.border_endo = &run.endo.border;
+    if (run.epi.exists()) stages.border_epi = &run.epi.border;
+    if (!run.endo.flow.field.x.empty()) stages.field_endo = &run.endo.flow.field;
+    if (!run.epi.flow.field.x.empty()) stages.field_epi = &run.epi.flow.field;
     keep(stages);
   }
 }
 
-constexpr std::array<std::string_view, 2> pipeline_names{"surface", "direct"};
+constexpr std::array<std::string_view, 3> pipeline_names{"surface", "contour", "direct"};
 
 }  // namespace
 
@@ -238,7 +267,14 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
       find_surface(run, start_mesh(run.border, options.mesh_level, run.placement, start), options, quiet, clock);
     surfaces_found.advance();
   };
-  if (options.warm_start) {
+  if (options.pipeline == Pipeline::contour) {
+    parallel_for(runs.size(), 1, [&](std::size_t g, std::size_t) {
+      progress.check();
+      find_contours(runs[g], result.study.gates[g], options, clock);
+      surfaces_found.advance();
+      surfaces_found.advance();
+    });
+  } else if (options.warm_start) {
     parallel_for(2, 1, [&](std::size_t w, std::size_t) {
       const WallRun* former = nullptr;
       for (GateRun& gate : runs) {

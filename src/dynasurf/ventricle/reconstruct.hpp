@@ -15,6 +15,7 @@
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/ventricle/base_plane.hpp"
 #include "dynasurf/ventricle/closure.hpp"
+#include "dynasurf/ventricle/contour_pipeline.hpp"
 #include "dynasurf/ventricle/function.hpp"
 #include "dynasurf/ventricle/labels.hpp"
 #include "dynasurf/ventricle/locate.hpp"
@@ -33,9 +34,10 @@ inline Evolution subvoxel_evolution() {
 }
 
 /// How surfaces are found. `surface`: deforming triangle meshes, each in the field of its own border (PIPE-2).
-/// `direct`: the first version of the system, with one field for both walls made straight from the image, and the inner
-/// surface growing from inside (PIPE-1, thesis 7.1); the labels only say where particles stop.
-enum class Pipeline { surface, direct };
+/// `contour`: a contour in every slice, joined to a surface (PIPE-4, thesis 6.1.6.1). `direct`: the first version of
+/// the system, with one field for both walls made straight from the image, and the inner surface growing from inside
+/// (PIPE-1, thesis 7.1); the labels only say where particles stop.
+enum class Pipeline { surface, contour, direct };
 std::span<const std::string_view> names_of(Pipeline);
 
 /// Everything that steers the ventricle pipeline (PIPE-2, thesis 7.1 and appendix A.8 of the specification).
@@ -53,12 +55,14 @@ struct VentricleOptions {
   Placement placement;
   Evolution evolution = subvoxel_evolution();
   Tidy tidy;
+  ContourPipeline contour;
   bool warm_start = false;
   Keyframes keyframes;
 };
 void describe(auto& visit, VentricleOptions& o) {
   visit("pipeline", o.pipeline,
-        Field{"surface: deforming meshes, a field for each wall; direct: one field straight from the image"});
+        Field{"surface: deforming meshes, a field for each wall; contour: a contour in every slice (thesis 6.1.6.1); "
+              "direct: one field straight from the image"});
   visit("orientation", o.orientation, Field{"which way the heart lies in the volume"});
   visit("manual", o.manual, Field{"what a person says in place of what would be found"});
   visit("noise_fraction", o.noise_fraction,
@@ -73,6 +77,7 @@ void describe(auto& visit, VentricleOptions& o) {
   visit("placement", o.placement, Field{"what the surfaces start from"});
   visit("evolution", o.evolution, Field{"the deformable model"});
   visit("tidy", o.tidy, Field{"better triangles on the finished surfaces, and none that cut each other"});
+  visit("contour", o.contour, Field{"the contours of pipeline contour"});
   visit("warm_start", o.warm_start, Field{"start each gate from the surface of the gate before, a little enlarged"});
   visit("keyframes", o.keyframes, Field{"surfaces between the gates"});
 }

@@ -1,8 +1,11 @@
 #pragma once
+#include <optional>
+
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/dynamics/evolve.hpp"
 #include "dynasurf/field/gvf.hpp"
+#include "dynasurf/mesh/contour_stack.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/repair.hpp"
 #include "dynasurf/ventricle/base_plane.hpp"
@@ -21,6 +24,7 @@ struct Surface {
   TriangleQuality quality;
   Repair repair;  // what was done to make it publishable, and what it is: closed, manifold, free of self-intersections
   Notes notes;    // "surface.untangled", "surface.tangled"
+  std::optional<StackVolumes> stack;  // pipeline contour: the volume in three ways, mm3
 };
 
 /// The measures of an evolved mesh against the border it was made for. Ill-shaped triangles are improved first, and

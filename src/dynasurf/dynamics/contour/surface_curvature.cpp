@@ -1,0 +1,74 @@
+#include "dynasurf/dynamics/contour/surface_curvature.hpp"
+
+#include <cmath>
+
+#include "dynasurf/mesh/smooth.hpp"
+
+namespace dynasurf {
+namespace {
+
+/// Means over triangles weighted by the angle at the vertex: they do not depend on how a flat ring is cut.
+std::vector<Vec3> vertex_normals(const TriMesh& mesh) {
+  std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
+  for (const auto& t : mesh.triangles)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Vec3& at = mesh.vertices[t[c]];
+      const Vec3 a = mesh.vertices[t[(c + 1) % 3]] - at, b = mesh.vertices[t[(c + 2) % 3]] - at;
+      const Vec3 n = a.cross(b);
+      const double length = n.norm();
+      if (length > 0) normals[t[c]] += n / length * std::atan2(length, a.dot(b));
+    }
+  for (Vec3& n : normals)
+    if (n.norm() > 0) n.normalize();
+  return normals;
+}
+
+/// Mean over the ring of a vertex of what a neighbour gives; 0 without a ring.
+template <class F>
+double ring_mean(const VertexRings& rings, std::uint32_t v, F value) {
+  const auto ring = rings.of(v);
+  double sum = 0;
+  for (const std::uint32_t j : ring) sum += value(j);
+  return ring.empty() ? 0 : sum / static_cast<double>(ring.size());
+}
+
+std::vector<double> curvatures(const TriMesh& mesh, const VertexRings& rings, const std::vector<Vec3>& normals) {
+  std::vector<double> k(mesh.vertices.size(), 0.0);
+  for (std::uint32_t v = 0; v < k.size(); ++v)
+    k[v] = ring_mean(rings, v, [&](std::uint32_t j) {
+      const Vec3 d = mesh.vertices[v] - mesh.vertices[j];
+      const double square = d.squaredNorm();
+      return square > 0 ? 2 * normals[v].dot(d) / square : 0.0;
+    });
+  return k;
+}
+
+}  // namespace
+
+std::vector<double> vertex_curvatures(const TriMesh& mesh) {
+  return curvatures(mesh, vertex_rings(mesh), vertex_normals(mesh));
+}
+
+std::vector<Vec3> surface_curvature_force(const TriMesh& mesh) {
+  const VertexRings rings = vertex_rings(mesh);
+  const std::vector<Vec3> normals = vertex_normals(mesh);
+  const std::vector<double> k = curvatures(mesh, rings, normals);
+  std::vector<Vec3> force(mesh.vertices.size(), Vec3::Zero());
+  for (std::uint32_t v = 0; v < k.size(); ++v) {
+    // Neighbours on a boundary have no curvature to compare with.
+    double sum = 0, length = 0;
+    int count = 0;
+    for (const std::uint32_t j : rings.of(v)) {
+      length += (mesh.vertices[v] - mesh.vertices[j]).norm();
+      if (rings.of(j).empty()) continue;
+      sum += k[j];
+      ++count;
+    }
+    if (count == 0) continue;
+    const double edge = length / static_cast<double>(rings.of(v).size());
+    force[v] = -(k[v] - sum / count) * edge * normals[v];
+  }
+  return force;
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,212 @@
+#include "dynasurf/ventricle/contour_pipeline.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "dynasurf/dynamics/contour/potential.hpp"
+#include "dynasurf/field/gvf.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr std::array<std::string_view, 3> force_names{"potential", "flow", "both"};
+constexpr std::array<std::string_view, 2> end_names{"slice_centre", "slice_face"};
+// The automatic circle encloses the outer wall; the cavity is about half as wide.
+constexpr double inner_start = 0.5;
+
+/// What the search in the slices of one wall needs.
+struct Search {
+  const Image& image;
+  const Labels& labels;
+  Wall wall;
+  const ContourPipeline& options;
+  const WallContours* outer;
+
+  Vec2 centre(int k) const { return {labels.axis.x_at(k), labels.axis.y_at(k)}; }
+};
+
+/// Slope of the image along the ray from the axis, of the sign that the wall has, from 0 to 1.
+Image border_strength(const Search& s, int k) {
+  const Image plane = smoothed_plane(plane_of(s.image, k), s.options.sigma_px);
+  const VectorField slope = force_of(plane, s.wall == Wall::epi ? 1 : -1);
+  const Contour* bound = nullptr;
+  if (s.outer && s.outer->slices[static_cast<std::size_t>(k)]) bound = &*s.outer->slices[static_cast<std::size_t>(k)];
+  Image strength(plane.grid);
+  float highest = 0;
+  for (int j = 0; j < plane.grid.dims[1]; ++j)
+    for (int i = 0; i < plane.grid.dims[0]; ++i) {
+      const Vec2 ray = Vec2(i, j) - s.centre(k);
+      const double distance = ray.norm();
+      if (distance == 0 || distance > s.labels.circle.radius_px) continue;
+      if (bound && !encloses(*bound, Vec2(i, j))) continue;
+      const std::size_t at = plane.grid.index(i, j, 0);
+      const Vec2 falling(static_cast<double>(slope.x[at]), static_cast<double>(slope.y[at]));
+      strength.values[at] = static_cast<float>(std::max(0.0, falling.dot(ray) / distance));
+      highest = std::max(highest, strength.values[at]);
+    }
+  if (highest > 0)
+    for (float& v : strength.values) v /= highest;
+  return strength;
+}
+
+ContourResult contour_in_slice(const Search& s, int k, const Contour& start) {
+  const Image strength = border_strength(s, k);
+  ContourResult r{start, StopReason::at_rest, 0};
+  if (s.options.force != ContourForce::potential)
+    r = evolve_contour(start, scaled_to_one(flow_field(strength, SteadyGvf{.mu = s.options.mu}).field),
+                       s.options.model);
+  if (s.options.force == ContourForce::flow || r.reason == StopReason::diverged) return r;
+  const int before = r.steps;
+  r = evolve_contour(r.contour, scaled_to_one(force_of(strength, -1)), s.options.model);
+  r.steps += before;
+  return r;
+}
+
+double area_of(const Contour& c) { return std::abs(signed_area(c)); }
+
+/// Mean slope of the smoothed image along a contour: how clearly the slice shows the wall.
+double clarity(const Search& s, int k, const Contour& c) {
+  const Image plane = smoothed_plane(plane_of(s.image, k), s.options.sigma_px);
+  const VectorField slope = force_of(plane);
+  double sum = 0;
+  for (const Vec2& p : c.points) sum += force_at(slope, p).norm();
+  return sum / static_cast<double>(c.size());
+}
+
+Contour automatic_start(const Search& s, int k) {
+  const double share = s.wall == Wall::epi ? 1 : inner_start;
+  return circle_contour(s.centre(k), share * s.labels.circle.radius_px, s.options.model.edge_px);
+}
+
+bool usable(const ContourResult& r, const ContourPipeline& o) {
+  return r.reason != StopReason::diverged && area_of(r.contour) >= o.least_area_px2;
+}
+
+void keep(WallContours& all, int k, const ContourResult& r) {
+  all.slices[static_cast<std::size_t>(k)] = r.contour;
+  all.steps += r.steps;
+  ++all.found;
+  if (r.reason == StopReason::at_rest) ++all.at_rest;
+}
+
+/// The slice asked for, or the clearest of all slices in the middle half, each with a contour of its own.
+std::optional<ContourResult> begin(const Search& s, int first, int last, WallContours& all) {
+  if (s.options.best_slice) {
+    all.best_slice = std::clamp(*s.options.best_slice - 1, first, last);
+    return contour_in_slice(s, all.best_slice, automatic_start(s, all.best_slice));
+  }
+  const int margin = (last - first) / 4;
+  std::optional<ContourResult> best;
+  double clearest = -1;
+  for (int k = first + margin; k <= last - margin; ++k) {
+    ContourResult r = contour_in_slice(s, k, automatic_start(s, k));
+    if (!usable(r, s.options)) continue;
+    if (const double c = clarity(s, k, r.contour); c > clearest) clearest = c, best = std::move(r), all.best_slice = k;
+  }
+  return best;
+}
+
+/// A ventricle changes its area little from slice to slice, or goes on narrowing as it did.
+bool is_jump(double area, double former, std::optional<double> before_that, double limit) {
+  const double line = before_that ? std::max(0.0, 2 * former - *before_that) : former;
+  const double low = std::min(former, line), high = std::max(former, line);
+  return area < low - limit * former || area > high + limit * former;
+}
+
+void sweep(const Search& s, int to, int direction, WallContours& all) {
+  const auto slice = [&](int k) -> std::optional<Contour>& { return all.slices[static_cast<std::size_t>(k)]; };
+  for (int k = all.best_slice + direction; direction * k <= direction * to; k += direction) {
+    const Contour& former = *slice(k - direction);
+    ContourResult r = contour_in_slice(s, k, former);
+    std::optional<double> before_that;
+    if (k - 2 * direction >= 0 && k - 2 * direction < static_cast<int>(all.slices.size()) && slice(k - 2 * direction))
+      before_that = area_of(*slice(k - 2 * direction));
+    const double area = area_of(r.contour), former_area = area_of(former);
+    if (r.reason == StopReason::diverged || is_jump(area, former_area, before_that, s.options.jump)) {
+      all.notes.push_back({Severity::info, "contour.jump",
+                           "the " + std::string(name_of(s.wall)) + "cardial contour jumped from " +
+                               std::to_string(std::lround(former_area)) + " to " + std::to_string(std::lround(area)) +
+                               " px2; the neighbour's is used",
+                           -1, k});
+      r.contour = former;
+      r.reason = StopReason::max_steps;
+    } else if (area < s.options.least_area_px2) {
+      return;
+    }
+    keep(all, k, r);
+  }
+}
+
+/// Slices in which the wall is looked for; none when first > last.
+std::pair<int, int> range_of(const Labels& labels, Wall wall, int base_slice) {
+  const std::uint8_t bit = wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit;
+  const Grid& g = labels.borders.grid;
+  const std::size_t plane = static_cast<std::size_t>(g.dims[0]) * static_cast<std::size_t>(g.dims[1]);
+  const auto found = std::find_if(labels.borders.values.begin(), labels.borders.values.end(),
+                                  [bit](std::uint8_t v) { return (v & bit) != 0; });
+  int first = static_cast<int>(static_cast<std::size_t>(found - labels.borders.values.begin()) / plane);
+  if (wall == Wall::endo && labels.division_slice >= 0) first = std::max(first, labels.division_slice + 1);
+  return {first, std::min(base_slice, g.dims[2] - 1)};
+}
+
+}  // namespace
+
+std::span<const std::string_view> names_of(ContourForce) { return force_names; }
+std::span<const std::string_view> names_of(StackEnds) { return end_names; }
+
+WallContours propagate_contours(const Image& image, const Labels& labels, Wall wall, int base_slice,
+                                const ContourPipeline& requested, const WallContours* outer) {
+  ContourPipeline options = requested;
+  check_options(options, "contour");
+  WallContours all;
+  all.slices.resize(static_cast<std::size_t>(image.grid.dims[2]));
+  const Search search{image, labels, wall, options, outer};
+  const auto [first, last] = range_of(labels, wall, base_slice);
+  std::optional<ContourResult> start;
+  if (first <= last && labels.circle.radius_px > 0) start = begin(search, first, last, all);
+  if (!start || !usable(*start, options)) {
+    all.notes.push_back({Severity::warning, "contour.none",
+                         "no slice shows a " + std::string(name_of(wall)) + "cardial contour to begin with"});
+    all.best_slice = -1;
+    return all;
+  }
+  keep(all, all.best_slice, *start);
+  sweep(search, last, 1, all);
+  sweep(search, first, -1, all);
+  return all;
+}
+
+std::optional<ContourSurface> contour_surface(const WallContours& contours, const Grid& grid,
+                                              const ContourPipeline& requested) {
+  ContourPipeline options = requested;
+  check_options(options, "contour");
+  const Vec2 pixel(grid.spacing.x(), grid.spacing.y());
+  const double thickness = grid.spacing.z();
+  ContourStack stack;
+  for (std::size_t k = 0; k < contours.slices.size(); ++k) {
+    if (!contours.slices[k]) continue;
+    Contour c = *contours.slices[k];
+    for (Vec2& p : c.points) p = p.cwiseProduct(pixel);
+    stack.contours.push_back(std::move(c));
+    stack.z_mm.push_back(static_cast<double>(k) * thickness);
+  }
+  if (stack.contours.size() < 2) return std::nullopt;
+  CapHeights caps;
+  if (options.ends == StackEnds::slice_face) {
+    caps.below_mm = thickness / 2;
+    stack.contours.push_back(stack.contours.back());
+    stack.z_mm.push_back(stack.z_mm.back() + thickness / 2);
+  }
+  ContourSurface surface;
+  surface.volumes = volumes_of(stack, options.tessellation, caps);
+  surface.evolved.mesh = tessellate(stack, options.tessellation, caps);
+  if (options.smooth.sweeps > 0) smooth(surface.evolved.mesh, options.smooth, grid.spacing.minCoeff());
+  surface.evolved.steps = contours.steps;
+  surface.evolved.stopped_fraction = static_cast<double>(contours.at_rest) / contours.found;
+  surface.evolved.reason = contours.at_rest == contours.found ? StopReason::at_rest : StopReason::max_steps;
+  surface.evolved.notes = contours.notes;
+  return surface;
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,74 @@
+#include "dynasurf/dynamics/contour/surface_curvature.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "dynasurf/mesh/shapes.hpp"
+
+namespace dynasurf {
+namespace {
+
+TriMesh sphere(int level, double radius) {
+  TriMesh mesh = icosphere(level);
+  for (Vec3& p : mesh.vertices) p = radius * p + Vec3(3, -1, 2);
+  return mesh;
+}
+
+double largest(const std::vector<Vec3>& forces) {
+  double most = 0;
+  for (const Vec3& f : forces) most = std::max(most, f.norm());
+  return most;
+}
+
+TEST(SurfaceCurvature, OfASphereIsOneOverItsRadius) {
+  for (const double radius : {0.5, 4.0, 30.0})
+    for (const double k : vertex_curvatures(sphere(3, radius)))
+      EXPECT_NEAR(k * radius, 1, 2e-3);  // normals turn a little
+}
+
+TEST(SurfaceCurvatureForce, VanishesWhereCurvatureIsConstant) {
+  // On a sphere of n vertices one spike of a tenth of an edge gives a force near 0.3; constant curvature gives what the
+  // uneven triangles of the icosphere leave, at most a thousandth of an edge's turn.
+  for (const double radius : {0.5, 4.0, 30.0}) EXPECT_LT(largest(surface_curvature_force(sphere(3, radius))), 2e-4);
+  TriMesh flat;  // 5 x 5 points of a plane
+  for (int j = 0; j < 5; ++j)
+    for (int i = 0; i < 5; ++i) flat.vertices.push_back(Vec3(i, j, 0));
+  for (std::uint32_t j = 0; j < 4; ++j)
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const std::uint32_t a = 5 * j + i;
+      flat.triangles.push_back({a, a + 1, a + 6});
+      flat.triangles.push_back({a, a + 6, a + 5});
+    }
+  EXPECT_LT(largest(surface_curvature_force(flat)), 1e-15);
+}
+
+TEST(SurfaceCurvatureForce, PullsABumpBackAndDecaysIt) {
+  TriMesh mesh = sphere(3, 10);
+  const Vec3 centre(3, -1, 2), outwards = (mesh.vertices[100] - centre).normalized();
+  mesh.vertices[100] += 0.3 * outwards;
+  const auto height = [&] { return (mesh.vertices[100] - centre).norm() - 10; };
+  EXPECT_GT(surface_curvature_force(mesh)[100].dot(-outwards), 0.1);
+  for (int step = 0; step < 100; ++step) {
+    const std::vector<Vec3> f = surface_curvature_force(mesh);
+    for (std::size_t v = 0; v < f.size(); ++v) mesh.vertices[v] += 0.2 * f[v];
+  }
+  EXPECT_LT(std::abs(height()), 0.1);
+  double mean = 0;
+  for (const Vec3& p : mesh.vertices) mean += (p - centre).norm() / static_cast<double>(mesh.vertices.size());
+  EXPECT_NEAR(mean, 10, 0.01);  // the sphere itself does not shrink
+}
+
+TEST(SurfaceCurvatureForce, TurnsWithTheSurface) {
+  TriMesh mesh = sphere(2, 5);
+  for (Vec3& p : mesh.vertices) p.z() *= 1.7;
+  TriMesh turned = mesh;
+  const Mat3 rotation = Eigen::AngleAxisd(0.8, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+  for (Vec3& p : turned.vertices) p = rotation * p;
+  const auto a = surface_curvature_force(mesh), b = surface_curvature_force(turned);
+  EXPECT_GT(largest(a), 0.01);
+  for (std::size_t v = 0; v < a.size(); ++v) EXPECT_LT((rotation * a[v] - b[v]).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace dynasurf

@@ -1,0 +1,145 @@
+#include "dynasurf/ventricle/contour_pipeline.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr double pixel_mm = 3, slice_mm = 6;
+constexpr int side = 48, slices = 12, base = 10;
+const Vec2 middle(23.4, 24.2);
+
+double outer_radius(int k) { return 14 - 0.08 * (k - 7) * (k - 7); }
+double inner_radius(int k) { return outer_radius(k) - 5; }
+
+/// A wall between two radii in every slice up to the base, its profile half a pixel soft.
+Image wall_image() {
+  Grid grid;
+  grid.dims = {side, side, slices};
+  grid.spacing = {pixel_mm, pixel_mm, slice_mm};
+  Image image(grid);
+  for (int k = 2; k <= base; ++k)
+    for (int j = 0; j < side; ++j)
+      for (int i = 0; i < side; ++i) {
+        const double r = (Vec2(i, j) - middle).norm();
+        const auto soft = [](double x) { return 0.5 * std::erfc(x); };
+        image(i, j, k) = static_cast<float>(soft(r - outer_radius(k)) - soft(r - inner_radius(k)));
+      }
+  return image;
+}
+
+Labels labels_of(const Image& image) {
+  Labels labels;
+  labels.borders = Mask(image.grid);
+  for (int k = 2; k <= base; ++k)
+    labels.borders(static_cast<int>(middle.x() + inner_radius(k)), 24,
+                   k) = Labels::endo_bit,
+                   labels.borders(static_cast<int>(middle.x() + outer_radius(k)), 24, k) = Labels::epi_bit;
+  labels.circle = {middle.x(), middle.y(), 17};
+  labels.axis = {middle.x(), middle.y(), 0, 0};
+  labels.division_slice = 2;
+  return labels;
+}
+
+double mean_error(const Contour& c, double radius) {
+  double sum = 0;
+  for (const Vec2& p : c.points) sum += std::abs((p - middle).norm() - radius);
+  return sum / static_cast<double>(c.size());
+}
+
+TEST(ContourPipeline, FindsBothWallsInEverySliceToHalfAPixel) {
+  const Image image = wall_image();
+  const Labels labels = labels_of(image);
+  const WallContours epi = propagate_contours(image, labels, Wall::epi, base, {});
+  const WallContours endo = propagate_contours(image, labels, Wall::endo, base, {}, &epi);
+  EXPECT_EQ(epi.found, 9);
+  EXPECT_EQ(endo.found, 8);  // none in the division slice
+  EXPECT_FALSE(endo.slices[2].has_value());
+  EXPECT_FALSE(epi.slices[11].has_value());
+  for (int k = 2; k <= base; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    ASSERT_TRUE(epi.slices[at]);
+    EXPECT_LT(mean_error(*epi.slices[at], outer_radius(k)), 0.5) << k;
+    if (k == 2) continue;
+    EXPECT_LT(mean_error(*endo.slices[at], inner_radius(k)), 0.5) << k;
+  }
+}
+
+TEST(ContourPipeline, SurvivesASliceThatFails) {
+  Image image = wall_image();
+  const std::size_t plane = side * side;
+  // Slice 5 shows a small bright dot in place of the heart.
+  std::fill_n(image.values.begin() + 5 * plane, plane, 0.0F);
+  for (int j = 23; j <= 25; ++j)
+    for (int i = 22; i <= 24; ++i) image(i, j, 5) = 1;
+  ContourPipeline options;
+  options.best_slice = 8;
+  const WallContours epi = propagate_contours(image, labels_of(image), Wall::epi, base, options);
+  EXPECT_EQ(epi.best_slice, 7);
+  ASSERT_TRUE(epi.slices[5] && epi.slices[4]);
+  EXPECT_EQ(epi.slices[5]->points, epi.slices[6]->points);
+  ASSERT_EQ(epi.notes.size(), 1U);
+  EXPECT_EQ(epi.notes[0].code, "contour.jump");
+  EXPECT_EQ(epi.notes[0].slice, 5);
+  EXPECT_LT(mean_error(*epi.slices[4], outer_radius(4)), 0.5);
+}
+
+TEST(ContourPipeline, TellsWhenThereIsNothingToBeginWith) {
+  Image image = wall_image();
+  std::fill(image.values.begin(), image.values.end(), 0.0F);
+  Labels labels = labels_of(image);
+  labels.circle.radius_px = 0;
+  const WallContours none = propagate_contours(image, labels, Wall::epi, base, {});
+  EXPECT_EQ(none.found, 0);
+  ASSERT_EQ(none.notes.size(), 1U);
+  EXPECT_EQ(none.notes[0].code, "contour.none");
+  EXPECT_FALSE(contour_surface(none, image.grid, {}));
+}
+
+TEST(ContourSurface, IsClosedAndEnclosesItsContours) {
+  const Image image = wall_image();
+  const WallContours epi = propagate_contours(image, labels_of(image), Wall::epi, base, {});
+  for (const StackEnds ends : {StackEnds::slice_centre, StackEnds::slice_face}) {
+    ContourPipeline options;
+    options.ends = ends;
+    const auto surface = contour_surface(epi, image.grid, options);
+    ASSERT_TRUE(surface);
+    const Topology t = topology(surface->evolved.mesh);
+    EXPECT_TRUE(t.closed() && t.oriented());
+    EXPECT_EQ(t.euler, 2);
+    double truth = 0;  // trapezoids of the true areas
+    const auto area = [](int k) { return std::numbers::pi * std::pow(pixel_mm * outer_radius(k), 2); };
+    for (int k = 2; k < base; ++k) truth += slice_mm * (area(k) + area(k + 1)) / 2;
+    if (ends == StackEnds::slice_face) truth += slice_mm / 2 * (area(base) + area(2) / 2);
+    EXPECT_NEAR(surface->volumes.trapezoid, truth, 0.04 * truth);  // a fifth of a pixel in the radius
+    EXPECT_NEAR(surface->volumes.gauss, surface->volumes.triangle_exact, 1e-9 * truth);
+    EXPECT_DOUBLE_EQ(surface->volumes.gauss, volume_mm3(surface->evolved.mesh));
+  }
+}
+
+TEST(ContourPipeline, ReconstructsACycleFromOneOption) {
+  const Phantom phantom = make_phantom(CardiacCycle{});
+  VentricleOptions options;
+  options.pipeline = Pipeline::contour;
+  const VentricleResult result = reconstruct(phantom.study, options);
+  ASSERT_EQ(result.gates.size(), phantom.truth.size());
+  for (const Gate& gate : result.gates) {
+    ASSERT_TRUE(gate.endo && gate.epi);
+    ASSERT_TRUE(gate.endo->stack && gate.epi->stack);
+    EXPECT_LT(gate.endo->volume_ml, gate.epi->volume_ml);
+    EXPECT_NEAR(gate.epi->stack->gauss, gate.epi->stack->triangle_exact, 1);
+    EXPECT_TRUE(topology(gate.endo->mesh).closed());
+  }
+  EXPECT_EQ(result.ed_gate, 7);
+  EXPECT_EQ(result.es_gate, 3);
+}
+
+}  // namespace
+}  // namespace dynasurf
