@@ -77,13 +77,6 @@ void write_surfaces(const VentricleResult& result, const Outputs& outputs, const
   if (!series.empty()) write_pvd(series, folder / "cycle.pvd");
 }
 
-/// Surfaces that do not share their triangles, such as those joined from contours, cannot be turned into each other.
-bool share_triangles(const std::vector<TriMesh>& cycle) {
-  return std::all_of(cycle.begin(), cycle.end(), [&](const TriMesh& mesh) {
-    return mesh.vertices.size() == cycle.front().vertices.size() && mesh.triangles == cycle.front().triangles;
-  });
-}
-
 /// Walls that are missing in a gate have no cycle to show.
 void write_cycle(const VentricleResult& result, const fs::path& folder) {
   std::vector<AnimatedSurface> surfaces;

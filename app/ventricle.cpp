@@ -104,7 +104,6 @@ ExitCode run(Arguments arguments, std::stop_token stop) {
     job.start_mesh = arguments.start;
     job.options.placement.shape = StartShape::file;
   }
-  if (!arguments.pipeline.empty()) set_option(job.options, "pipeline=" + arguments.pipeline);
   if (!arguments.mesh_formats.empty()) job.outputs.mesh_formats = formats_of(arguments);
   job.outputs.keep_stages = arguments.keep_stages;
   job.outputs.timings = !arguments.no_timings;
