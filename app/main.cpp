@@ -31,6 +31,8 @@ ExitCode run(int argc, char** argv) {
       "Exit codes: 0 done, 1 usage or options, 2 input or output, 3 not trustworthy or not finished.");
   Command chosen;
   add_ventricle(program, chosen);
+  add_edges(program, chosen);
+  add_borders(program, chosen);
   add_info(program, chosen);
   add_phantom(program, chosen);
   add_measure(program, chosen);

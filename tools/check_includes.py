@@ -18,6 +18,7 @@ LIBRARIES = {
     "oneTBB": r"(oneapi/)?tbb/",
     "DCMTK": r"dcmtk/",
     "zlib": r"zlib\.h$",
+    "libpng": r"png\.h$",
     "OpenSSL": r"openssl/",
     "nlohmann-json": r"nlohmann/",
     "tinygltf": r"tiny_gltf\.h$",

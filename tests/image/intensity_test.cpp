@@ -142,5 +142,19 @@ TEST(CoverDisc, AddsADiscOnTopOfTheSolid) {
   EXPECT_EQ(test::count_set(unite(solid, disc)), test::count_set(solid) + expected);
 }
 
+TEST(Prepare, DoesNothingUnasked) {
+  const Image m = test::noise_image(12, 10, 2);
+  EXPECT_EQ(prepare(m, {}).values, m.values);
+}
+
+TEST(Prepare, CutsThenDoublesThenThresholds) {
+  Image m = test::image_of(12, 12, 2, [](int i, int, int) { return 2.0 * i; });
+  Preparation o;
+  o.cut_radius_px = 4, o.doubling = Preparation::Doubling::three, o.threshold = 0.5;
+  const Image twice = double_resolution(cut_property(m, {.x_px = 5.5, .y_px = 5.5, .radius_px = 4}));
+  const float most = *std::max_element(twice.values.begin(), twice.values.end());
+  EXPECT_EQ(prepare(m, o).values, threshold_at(twice, 0.5 * most).values);
+}
+
 }  // namespace
 }  // namespace dynasurf

@@ -1,9 +1,11 @@
 #pragma once
+#include <array>
 #include <optional>
 #include <span>
 #include <string_view>
 
 #include "dynasurf/core/note.hpp"
+#include "dynasurf/core/options.hpp"
 #include "dynasurf/core/volume.hpp"
 
 namespace dynasurf {
@@ -43,5 +45,31 @@ struct PropertyCut {
 /// `band_px` of the circle are then smoothed by a Gaussian. The thesis rejects both: the cut itself becomes an edge.
 /// Throws OptionError for a negative radius, band or width.
 Image cut_property(Image image, const PropertyCut& cut);
+
+/// What the thesis tried on the values before it looked for edges, and gave up. Nothing of it is done by default.
+struct Preparation {
+  enum class Doubling { none, three, single };
+  Doubling doubling = Doubling::none;
+  std::optional<double> threshold;
+  std::optional<double> cut_radius_px, cut_x_px, cut_y_px;
+  bool soft_cut = false;
+};
+inline std::span<const std::string_view> names_of(Preparation::Doubling) {
+  static constexpr std::array<std::string_view, 3> names{"none", "three", "single"};
+  return names;
+}
+void describe(auto& visit, Preparation& o) {
+  visit("doubling", o.doubling,
+        Field{"double the resolution (VOL-DOUBLE); three or single: where the mask's weight of 1.5 lies"});
+  visit("threshold", o.threshold,
+        Field{"make the data binary: 1 from this share of the maximum on (VOL-THRESH)", "of the maximum", 0, 1});
+  visit("cut_radius_px", o.cut_radius_px, Field{"set what lies outside a circle to 0 (VOL-PROPCUT)", "px", 1, 10000});
+  visit("cut_x_px", o.cut_x_px, Field{"its centre, column; unset: the middle", "px"});
+  visit("cut_y_px", o.cut_y_px, Field{"its centre, row; unset: the middle", "px"});
+  visit("soft_cut", o.soft_cut, Field{"smooth along the circle"});
+}
+
+/// Cuts, then doubles, then thresholds a normalised volume, as far as asked for. Pixels are those of `image`.
+Image prepare(Image image, const Preparation& options);
 
 }  // namespace dynasurf

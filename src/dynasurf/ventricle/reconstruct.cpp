@@ -11,6 +11,7 @@
 #include "dynasurf/ventricle/border_planes.hpp"
 #include "dynasurf/ventricle/canonical.hpp"
 #include "dynasurf/ventricle/cycle.hpp"
+#include "dynasurf/ventricle/labels/circle.hpp"
 
 namespace dynasurf {
 namespace {
@@ -224,40 +225,77 @@ void hand_over_stages(const StageSink& keep, std::vector<GateRun>& runs, const S
 
 constexpr std::array<std::string_view, 3> pipeline_names{"surface", "contour", "direct"};
 
+/// A study on its way to its surfaces: the gates with their borders.
+struct StudyRun {
+  VentricleOptions options;  // with the coarse circle that was found
+  Study study;
+  std::optional<Location> heart;
+  std::vector<GateRun> gates;
+};
+
+StudyRun run_borders(const Study& original, const VentricleOptions& requested, const Progress& progress,
+                     StageClock& clock) {
+  StudyRun run;
+  VentricleOptions& options = run.options = requested;
+  check_options(options, "");
+  require_workable(original);
+  run.heart = clock("locate", [&] { return locate(mean_image(original.gates), hints_of(options.manual)); });
+  run.study = canonical_study(orient(original, run.heart, options.orientation));
+  for (Image& image : run.study.gates) {
+    if (options.noise_fraction > 0) image = suppress_noise(std::move(image), options.noise_fraction);
+    image = prepare(std::move(image), options.prepare);
+  }
+
+  run.gates.resize(run.study.gates.size());
+  options.labels.coarse = circle_around(run.study, run.heart, options.manual, options.labels.coarse);
+  std::vector<std::optional<BasePlane>> planes(run.gates.size());
+  if (options.closure.valve_plane)
+    planes = clock("valve plane", [&] { return valve_planes(run.study, run.heart, options.manual, run.study.notes); });
+  const SliceRange useful = useful_slices(run.study, run.heart, planes, options.manual);
+
+  StageCounter borders_found(progress, "borders", static_cast<int>(run.gates.size()));
+  parallel_for(run.gates.size(), 1, [&](std::size_t g, std::size_t) {
+    progress.check();
+    run.gates[g].base_plane = planes[g];
+    find_borders(run.gates[g], run.study.gates[g], useful, options, clock);
+    borders_found.advance();
+  });
+  return run;
+}
+
 }  // namespace
 
 std::span<const std::string_view> names_of(Pipeline) { return pipeline_names; }
 
+BorderResult find_borders(const Study& study, const VentricleOptions& options, const Progress& progress) {
+  BorderResult result;
+  StageClock clock(result.seconds);
+  StudyRun run = run_borders(study, options, progress, clock);
+  result.notes = run.study.notes;
+  result.study = std::move(run.study);
+  result.heart = std::move(run.heart);
+  result.coarse = coarse_circle(result.study.grid(), run.options.labels.coarse);
+  for (std::size_t g = 0; g < run.gates.size(); ++g) {
+    GateRun& gate = run.gates[g];
+    for (const Notes* notes : {&gate.edges.notes, &gate.labels.notes, &gate.notes})
+      add_notes(result.notes, *notes, static_cast<int>(g));
+    result.gates.push_back({std::move(gate.edges), std::move(gate.labels), gate.base_slice});
+  }
+  return result;
+}
+
 VentricleResult reconstruct(const Study& original, const VentricleOptions& requested, const Progress& progress,
                             const StageSink& keep, const TriMesh* start) {
-  VentricleOptions options = requested;
-  check_options(options, "");
-  if (options.placement.shape == StartShape::file && start == nullptr)
+  if (requested.placement.shape == StartShape::file && start == nullptr)
     throw OptionError("option placement.shape is file; expected a mesh to start from, none was given");
   VentricleResult result;
-  require_workable(original);
   StageClock clock(result.seconds);
-  result.heart = clock("locate", [&] { return locate(mean_image(original.gates), hints_of(options.manual)); });
-  result.study = canonical_study(orient(original, result.heart, options.orientation));
-  if (options.noise_fraction > 0)
-    for (Image& image : result.study.gates) image = suppress_noise(std::move(image), options.noise_fraction);
-
-  const int gates = static_cast<int>(result.study.gates.size());
-  std::vector<GateRun> runs(static_cast<std::size_t>(gates));
-  options.labels.coarse = circle_around(result.study, result.heart, options.manual, options.labels.coarse);
-  std::vector<std::optional<BasePlane>> planes(runs.size());
-  if (options.closure.valve_plane)
-    planes = clock("valve plane",
-                   [&] { return valve_planes(result.study, result.heart, options.manual, result.study.notes); });
-  const SliceRange useful = useful_slices(result.study, result.heart, planes, options.manual);
-
-  StageCounter borders_found(progress, "borders", gates);
-  parallel_for(runs.size(), 1, [&](std::size_t g, std::size_t) {
-    progress.check();
-    runs[g].base_plane = planes[g];
-    find_borders(runs[g], result.study.gates[g], useful, options, clock);
-    borders_found.advance();
-  });
+  StudyRun borders = run_borders(original, requested, progress, clock);
+  const VentricleOptions& options = borders.options;
+  std::vector<GateRun>& runs = borders.gates;
+  result.study = std::move(borders.study);
+  result.heart = std::move(borders.heart);
+  const int gates = static_cast<int>(runs.size());
 
   const Progress quiet{{}, progress.stop};
   StageCounter surfaces_found(progress, "surfaces", 2 * gates);

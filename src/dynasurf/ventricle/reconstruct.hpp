@@ -10,6 +10,7 @@
 #include "dynasurf/dynamics/evolve.hpp"
 #include "dynasurf/field/edge_map.hpp"
 #include "dynasurf/field/gvf.hpp"
+#include "dynasurf/image/intensity.hpp"
 #include "dynasurf/mesh/keyframes.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
@@ -46,6 +47,7 @@ struct VentricleOptions {
   Orientation orientation;
   Manual manual;
   double noise_fraction = 0;
+  Preparation prepare;
   EdgeOptions edges = Canny{};
   Labelling labels;
   Closure closure;
@@ -68,6 +70,7 @@ void describe(auto& visit, VentricleOptions& o) {
   visit("noise_fraction", o.noise_fraction,
         Field{"values below this share of the maximum are set to 0 first; 0 keeps all (thesis 6.1.2.5)",
               "of the maximum", 0, 1});
+  visit("prepare", o.prepare, Field{"what the thesis tried on the values first, and gave up"});
   visit("edges", o.edges, Field{"edge detector"});
   visit("labels", o.labels, Field{"finding the two borders among the edges"});
   visit("closure", o.closure, Field{"closing the ends of the borders"});
@@ -125,5 +128,24 @@ using StageSink = std::function<void(const Stages&)>;
 /// no ventricle is found), OptionError, Cancelled. The same bytes for any number of threads.
 VentricleResult reconstruct(const Study& study, const VentricleOptions& options, const Progress& progress = {},
                             const StageSink& keep = {}, const TriMesh* start = nullptr);
+
+/// What one gate has before its surfaces.
+struct GateBorders {
+  EdgeMap edges;
+  Labels labels;
+  int base_slice = -1;  // highest slice of the ventricle, -1: unknown
+};
+
+struct BorderResult {
+  Study study;                    // canonical: slices apex first, values normalised and prepared
+  std::optional<Location> heart;  // world frame
+  Circle coarse;                  // that the edges were looked for in
+  std::vector<GateBorders> gates;
+  Notes notes;
+  std::vector<std::pair<std::string, double>> seconds;  // per stage, in order, summed over gates
+};
+
+/// The first half of `reconstruct`: from a study to labelled edges. Throws as it does.
+BorderResult find_borders(const Study& study, const VentricleOptions& options, const Progress& progress = {});
 
 }  // namespace dynasurf

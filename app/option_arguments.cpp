@@ -1,0 +1,82 @@
+#include "option_arguments.hpp"
+
+#include <array>
+#include <fstream>
+#include <iomanip>
+#include <iterator>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/io/options_json.hpp"
+#include "dynasurf/ventricle/presets.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+std::string text_of_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  if (!file.good() && !file.eof()) throw IoError(path + ": cannot be read");
+  if (text.empty()) throw IoError(path + ": expected a JSON file of options, and it is missing or empty");
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> settings_of(const OptionArguments& a) {
+  std::vector<std::string> settings;
+  if (!a.pipeline.empty()) settings.push_back("pipeline=" + a.pipeline);
+  settings.insert(settings.end(), a.settings.begin(), a.settings.end());
+  const auto set = [&](const std::string& name, double value) {
+    std::ostringstream text;
+    text << "manual." << name << '=' << std::setprecision(12) << value;
+    settings.push_back(text.str());
+  };
+  const std::array<std::string, 3> letters{"x", "y", "z"};
+  for (std::size_t n = 0; n < a.center.size(); ++n) set("center_" + letters.at(n) + "_mm", a.center[n]);
+  for (std::size_t n = 0; n < a.axis.size(); ++n) set("axis_" + letters.at(n), a.axis[n]);
+  if (a.radius_mm) set("radius_mm", *a.radius_mm);
+  if (a.first_slice) set("first_slice", *a.first_slice);
+  if (a.last_slice) set("last_slice", *a.last_slice);
+  if (a.base_plane_mm) set("base_plane_mm", *a.base_plane_mm);
+  return settings;
+}
+
+void add_option_arguments(CLI::App& command, OptionArguments& a) {
+  command.add_option("--preset", a.preset, "default, or thesis: as published");
+  command.add_option("--options", a.file, "JSON file of options, such as the options.json of a result");
+  command.add_option("--pipeline", a.pipeline,
+                     "surface; contour: a contour in every slice; direct: one field straight from the image");
+  command.add_option("--set", a.settings, "set one option: path=value; may be repeated (see: dynasurf options)")
+      ->take_all()
+      ->allow_extra_args(false);
+  command.add_option("--center", a.center, "by hand: middle of the heart x,y,z in the world (LPS), mm")
+      ->delimiter(',')
+      ->expected(3);
+  command.add_option("--axis", a.axis, "by hand: long axis x,y,z from apex to base in the world (LPS)")
+      ->delimiter(',')
+      ->expected(3);
+  command.add_option("--radius", a.radius_mm, "by hand: circle around the ventricle, mm");
+  command.add_option("--first-slice", a.first_slice, "by hand: first slice of the ventricle, from 1 at the apex");
+  command.add_option("--last-slice", a.last_slice, "by hand: its last slice");
+  command.add_option("--base-plane", a.base_plane_mm, "by hand: height of the valve plane over slice 1, mm");
+}
+
+VentricleOptions options_of(const OptionArguments& arguments) {
+  VentricleOptions options = ventricle_preset(arguments.preset);
+  if (!arguments.file.empty()) {
+    const std::string text = text_of_file(arguments.file);
+    try {
+      options_from_text(text, options);
+    } catch (const OptionError& error) {
+      throw OptionError(arguments.file + ": " + error.what());
+    }
+  }
+  for (const std::string& setting : settings_of(arguments)) set_option(options, setting);
+  return options;
+}
+
+}  // namespace dynasurf::app

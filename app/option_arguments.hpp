@@ -1,0 +1,33 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dynasurf/ventricle/reconstruct.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace dynasurf::app {
+
+/// The arguments by which the user sets options: defaults < preset < file < --pipeline < --set < by hand.
+struct OptionArguments {
+  std::string preset = "default", file, pipeline;
+  std::vector<std::string> settings;
+  // What a person says in place of what would be found.
+  std::vector<double> center, axis;
+  std::optional<double> radius_mm, base_plane_mm;
+  std::optional<int> first_slice, last_slice;
+};
+
+void add_option_arguments(CLI::App& command, OptionArguments& arguments);
+
+/// All settings in order; the pipeline and what is said by hand stand as settings of options, so that they are checked,
+/// recorded and repeated like every other option.
+std::vector<std::string> settings_of(const OptionArguments& arguments);
+
+/// Throws OptionError, IoError.
+VentricleOptions options_of(const OptionArguments& arguments);
+
+}  // namespace dynasurf::app

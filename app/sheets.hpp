@@ -1,0 +1,21 @@
+#pragma once
+#include "dynasurf/io/png.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
+
+namespace dynasurf::app {
+
+// All slices of one gate on one sheet, from the apex on, row by row, each with its number (from 1).
+
+/// The edges over the slices (VIS-EDGES): major edges yellow, minor ones orange.
+Picture draw_edges(const Image& image, const EdgeMap& edges);
+
+/// What the labelling found (VIS-LABEL): edges left over yellow, outer border red, inner blue, both or not told apart
+/// violet; coarse circle dim yellow, automatic circle white; boxes of the borders in their colours, dim; the centre of
+/// the best circle of a slice green, the axis a red cross. The division slice has a white frame.
+Picture draw_labels(const Image& image, const GateBorders& gate, const Circle& coarse);
+
+/// Edge pixels counted in rings around the axis (VIS-RADIAL): beside each slice with the circles of its peaks, three
+/// graphs for rings of 1, 2 and 3 pixels, their peaks in red.
+Picture draw_rings(const Image& image, const GateBorders& gate, const RadialLabels& options);
+
+}  // namespace dynasurf::app

@@ -1,0 +1,35 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace dynasurf {
+
+/// Red, green, blue.
+using Colour = std::array<std::uint8_t, 3>;
+
+/// A picture of `width` x `height` pixels, row by row from the top.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<Colour> pixels;
+
+  Picture() = default;
+  Picture(int w, int h, Colour background = {0, 0, 0})
+      : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), background) {}
+  Colour& operator()(int x, int y) {
+    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+  }
+  const Colour& operator()(int x, int y) const {
+    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+  }
+};
+
+/// PNG, 8 bits per colour. The same picture gives the same bytes. The file appears whole or not at all.
+/// Throws InputError for a picture without pixels, IoError.
+void write_png(const Picture& picture, const std::filesystem::path& path);
+
+/// Reads what `write_png` wrote, or any PNG as 8-bit colours. Throws InputError, IoError.
+Picture read_png(const std::filesystem::path& path);
+
+}  // namespace dynasurf

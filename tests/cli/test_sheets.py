@@ -1,0 +1,67 @@
+"""`dynasurf edges` and `dynasurf borders`: pictures of all slices of every gate."""
+
+import json
+import struct
+import unittest
+
+from cli import CliTest, hashes, run, shared_folder, small_patient
+
+
+def size_of_png(path):
+    head = path.read_bytes()[:24]
+    assert head[:8] == b"\x89PNG\r\n\x1a\n" and head[12:16] == b"IHDR", path
+    return struct.unpack(">II", head[16:24])
+
+
+class Sheets(CliTest):
+    def sheets(self, command, name, *arguments):
+        folder = shared_folder() / name
+        made = run(command, small_patient() / "study.dcm", "--out", folder, "--quiet", *arguments)
+        self.assertEqual(made.returncode, 0, made.stdout + made.stderr)
+        return folder, made.stdout
+
+    def test_edges_draws_a_sheet_per_gate(self):
+        folder, text = self.sheets("edges", "edges")
+        names = {path.name for path in folder.iterdir()}
+        self.assertEqual(names, {f"g0{g}_edges.png" for g in range(1, 5)} | {"options.json"})
+        width, height = size_of_png(folder / "g01_edges.png")
+        self.assertGreater(width, 500)
+        self.assertGreater(height, 500)
+        self.assertIn("edge pixels", text)
+
+    def test_borders_draws_edges_labels_and_rings(self):
+        folder, text = self.sheets("borders", "borders")
+        for kind in ("edges", "labels", "rings"):
+            size_of_png(folder / f"g04_{kind}.png")
+        self.assertIn("division slice", text)
+
+    def test_every_detector_and_labeller_can_be_chosen(self):
+        sheets = set()
+        for method in ("canny", "canny_revised", "gradient", "sobel", "compass", "acc"):
+            folder, _ = self.sheets("edges", "edges-" + method, "--set", "edges=" + method)
+            self.assertEqual(json.loads((folder / "options.json").read_text())["edges"]["method"], method)
+            sheets.add(hashes(folder)["g01_edges.png"])
+        self.assertEqual(len(sheets), 6)
+        for method in ("none", "sign", "gradmag", "case", "radial"):
+            folder, _ = self.sheets("borders", "borders-" + method, "--set", "labels.method=" + method)
+            labels = json.loads((folder / "options.json").read_text())["labels"]
+            self.assertEqual(labels["method"]["method"], method)
+
+    def test_the_same_bytes_for_any_number_of_threads(self):
+        one, _ = self.sheets("borders", "one", "--threads", "1")
+        three, _ = self.sheets("borders", "three", "--threads", "3")
+        self.assertEqual(hashes(one), hashes(three))
+
+    def test_replaces_its_own_sheets_and_nothing_else(self):
+        self.sheets("edges", "again")
+        self.sheets("edges", "again")
+        other = shared_folder() / "other"
+        other.mkdir()
+        (other / "letter.txt").write_text("keep me")
+        refused = run("edges", small_patient() / "study.dcm", "--out", other)
+        self.assertEqual(refused.returncode, 2)
+        self.assertEqual((other / "letter.txt").read_text(), "keep me")
+
+
+if __name__ == "__main__":
+    unittest.main()
