@@ -1,0 +1,167 @@
+// All labellers on one heart in many states: precision and recall per border, division slice, time.
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <numbers>
+#include <string>
+
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/image/edges.hpp"
+
+#include "../support/border_scores.hpp"
+
+namespace {
+
+using namespace dynasurf;
+using namespace dynasurf::experiments;
+
+constexpr double tolerance_px = 2;  // blur moves edges by one to one and a half
+constexpr int seeds = 3;
+
+VirtualPatient heart(int seed) {
+  VirtualPatient o;
+  o.gates = 1, o.noise.seed = static_cast<std::uint64_t>(seed);
+  return o;
+}
+
+struct Case {
+  std::string name;
+  std::function<PhantomOptions(int seed)> make;
+  std::function<void(Image&)> spoil = [](Image&) {};
+};
+
+Case patient(const std::string& name, const std::function<void(VirtualPatient&)>& change) {
+  return {name, [change](int seed) {
+            VirtualPatient o = heart(seed);
+            change(o);
+            return PhantomOptions{o};
+          }};
+}
+
+/// Noise in the shape of a contour: an arc of 200 degrees, 24 px around the middle, in a third of the slices.
+void add_noise_contour(Image& image) {
+  const Grid& g = image.grid;
+  for (int k = 0; k < g.dims[2]; k += 3)
+    for (int j = 0; j < g.dims[1]; ++j)
+      for (int i = 0; i < g.dims[0]; ++i) {
+        const double x = i - (g.dims[0] - 1) / 2.0, y = j - (g.dims[1] - 1) / 2.0, d = std::hypot(x, y) - 22;
+        if (std::abs(std::atan2(y, x)) < 100 * std::numbers::pi / 180)
+          image(i, j, k) += static_cast<float>(0.6 * std::exp(-d * d / 4));
+      }
+}
+
+std::vector<Case> cases() {
+  const auto defect = [](Defect where, double extent) {
+    return [=](VirtualPatient& o) { o.defect = where, o.defect_extent_deg = extent; };
+  };
+  std::vector<Case> all{
+      patient("full phantom", [](VirtualPatient&) {}),
+      patient("small region",
+              [](VirtualPatient& o) { o.lattice = {32, 32, 24, 6, 6, 5.74}, o.edv_ml = 70, o.wall_ml = 100; }),
+      patient("off centre", [](VirtualPatient& o) { o.pose.offset_x_mm = 20, o.pose.offset_y_mm = -12; }),
+      patient("tilted 15 deg", [](VirtualPatient& o) { o.pose.tilt_deg = 15, o.pose.tilt_towards_deg = 60; }),
+      patient("ischaemic 60", defect(Defect::inferior, 60)),
+      patient("ischaemic 90", defect(Defect::inferior, 90)),
+      patient("ischaemic 120", defect(Defect::inferior, 120)),
+      patient("apical", defect(Defect::apical, 80)),
+      patient("anteroapical", defect(Defect::anteroapical, 80)),
+      patient("noise contour", [](VirtualPatient&) {}),
+      patient("gut", [](VirtualPatient& o) { o.gut_amplitude = 1.1; }),
+      patient("right ventricle", [](VirtualPatient& o) { o.right_ventricle = 0.4; }),
+      patient("low counts", [](VirtualPatient& o) { o.noise.peak_counts = 25; }),
+      {"blood pool",
+       [](int seed) {
+         Pathology o;
+         o.disease = Disease::muga, o.base.sigma_mm = 5;
+         o.base.noise = {120, 8, 0, static_cast<std::uint64_t>(seed)};
+         return PhantomOptions{o};
+       }},
+  };
+  all[9].spoil = add_noise_contour;
+  return all;
+}
+
+struct Method {
+  std::string name;
+  LabelOptions options;
+};
+
+const std::vector<Method> methods{{"none", NoLabels{}},
+                                  {"sign", SignLabels{}},
+                                  {"gradmag", GradMagLabels{}},
+                                  {"case", CaseLabels{}},
+                                  {"radial", RadialLabels{}},
+                                  {"mlc strict", Mlc{.strict_thesis = true, .box_margin_px = 0}},
+                                  {"mlc by gap", Mlc{.use_gradient = false}},
+                                  {"mlc", Mlc{}}};
+
+struct Result {
+  Score endo, epi;
+  double division = 0, milliseconds = 0;
+  double mean_f1() const { return (endo.f1() + epi.f1()) / 2; }
+};
+
+std::vector<Pixel> pixels_with(const Mask& m, int k, std::uint8_t bit) {
+  std::vector<Pixel> pixels;
+  for (int j = 0; j < m.grid.dims[1]; ++j)
+    for (int i = 0; i < m.grid.dims[0]; ++i)
+      if (m(i, j, k) & bit) pixels.push_back({i, j});
+  return pixels;
+}
+
+Result measure(const std::vector<Scene>& scenes, const std::vector<EdgeMap>& edges, const LabelOptions& method) {
+  Result r;
+  Labelling o;
+  o.method = method;
+  for (std::size_t n = 0; n < scenes.size(); ++n) {
+    const Scene& s = scenes[n];
+    const auto start = std::chrono::steady_clock::now();
+    const Labels labels = label_borders(s.image, edges[n], o);
+    r.milliseconds += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    r.division += std::abs(labels.division_slice - s.division_slice);
+    for (int k = 0; k < s.image.grid.dims[2]; ++k) {
+      r.endo += score_slice(pixels_with(labels.borders, k, Labels::endo_bit), s.endo[static_cast<std::size_t>(k)],
+                            tolerance_px);
+      r.epi += score_slice(pixels_with(labels.borders, k, Labels::epi_bit), s.epi[static_cast<std::size_t>(k)],
+                           tolerance_px);
+    }
+  }
+  r.division /= static_cast<double>(scenes.size()), r.milliseconds /= static_cast<double>(scenes.size());
+  return r;
+}
+
+}  // namespace
+
+int main() {
+  const ThreadLimit one(1);
+  std::printf(
+      "%d seeds each; edges by Canny's defaults; hits within %.0f px of the true border; division: mean distance\n"
+      "from the true division slice; ms: one thread.\n",
+      seeds, tolerance_px);
+  std::vector<double> sum(methods.size(), 0), without_pool(methods.size(), 0);
+  const auto all = cases();
+  for (const Case& c : all) {
+    std::vector<Scene> scenes;
+    std::vector<EdgeMap> edges;
+    for (int seed = 1; seed <= seeds; ++seed) {
+      scenes.push_back(scene_of(make_phantom(c.make(seed))));
+      c.spoil(scenes.back().image);
+      Notes notes;
+      scenes.back().image = normalise(std::move(scenes.back().image), notes);
+      edges.push_back(detect_edges(scenes.back().image, Canny{}));
+    }
+    std::printf("\n%-16s | endo prec  rec   F1 | epi prec  rec   F1 | division |  ms\n", c.name.c_str());
+    for (std::size_t m = 0; m < methods.size(); ++m) {
+      const Result r = measure(scenes, edges, methods[m].options);
+      sum[m] += r.mean_f1() / static_cast<double>(all.size());
+      if (c.name != "blood pool") without_pool[m] += r.mean_f1() / static_cast<double>(all.size() - 1);
+      std::printf("%-16s |     %5.2f %4.2f %4.2f |    %5.2f %4.2f %4.2f |   %5.1f  | %4.0f\n", methods[m].name.c_str(),
+                  r.endo.precision(), r.endo.recall(), r.endo.f1(), r.epi.precision(), r.epi.recall(), r.epi.f1(),
+                  r.division, r.milliseconds);
+    }
+    std::fflush(stdout);
+  }
+  std::printf("\nMean F1 of both borders over all cases, and without the blood pool\n");
+  for (std::size_t m = 0; m < methods.size(); ++m)
+    std::printf("%-16s %.3f  %.3f\n", methods[m].name.c_str(), sum[m], without_pool[m]);
+}
