@@ -3,7 +3,7 @@
 
     check_docs.py [--program build/release/bin/dynasurf] [--update]
 
-A table of options stands between <!-- dynasurf options SUBJECT... --> and <!-- end -->; --update writes it anew.
+docs/api.md must be what api_page.py writes. A table of options stands between <!-- dynasurf options SUBJECT... --> and <!-- end -->; --update writes it anew.
 """
 
 import argparse
@@ -12,6 +12,8 @@ import re
 import subprocess
 import sys
 import urllib.parse
+
+import api_page
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SKIP = {"build", "demo", "node_modules", "dist", ".git", ".cache"}
@@ -64,6 +66,18 @@ def option_tables(path, root, program, update):
             yield f"{path.relative_to(root)}: a table of options is out of date; run tools/check_docs.py --update"
 
 
+def api(root, update):
+    path = root / "docs" / "api.md"
+    if not path.exists():
+        return
+    fresh = api_page.page(root)
+    if path.read_text() != fresh:
+        if update:
+            path.write_text(fresh)
+        else:
+            yield "docs/api.md: out of date; run tools/check_docs.py --update"
+
+
 def unfinished(path, root):
     if path.suffix not in TEXTS or path.name == "package-lock.json" or path.name == "LICENSE":
         return
@@ -83,7 +97,7 @@ def main():
     parser.add_argument("--root", type=pathlib.Path, default=ROOT)
     arguments = parser.parse_args()
     root = arguments.root.resolve()
-    failures, documents = [], 0
+    failures, documents = list(api(root, arguments.update)), 0
     for path in files(root):
         failures += unfinished(path, root)
         if path.suffix == ".md":

@@ -118,6 +118,18 @@ class CheckDocs(Project):
         self.assertEqual(self.check(stale, "--update")[0], 0)
         self.assertIn("| ventricle |", (self.root / "docs/page.md").read_text())
 
+    def test_holds_the_api_page_against_the_headers(self):
+        self.write("src/dynasurf/mesh/a.hpp", "/// Area in mm2. Never negative.\ndouble area(\n    const Mesh& mesh);\n")
+        self.write("docs/api.md", "old")
+        self.write("docs/options.md", "# Options\n")
+        code, text = self.run_tool("check_docs.py", "--root", self.root)
+        self.assertEqual(code, 1)
+        self.assertIn("docs/api.md: out of date", text)
+        self.assertEqual(self.run_tool("check_docs.py", "--root", self.root, "--update")[0], 0)
+        self.assertIn("| `area()` | function | Area in mm2. |", (self.root / "docs/api.md").read_text())
+        self.write("src/dynasurf/mesh/a.hpp", "/// Area in cm2.\ndouble area(const Mesh& mesh);\n")
+        self.assertEqual(self.run_tool("check_docs.py", "--root", self.root)[0], 1)
+
     def test_finds_unfinished_places(self):
         self.assertIn("unfinished", self.check("TO" + "DO: write this\n")[1])
 
