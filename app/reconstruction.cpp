@@ -98,12 +98,12 @@ void write_keyframes(const VentricleResult& result, const Keyframes& keyframes, 
   const std::size_t steps = static_cast<std::size_t>(keyframes.frames_between) + 1;
   const std::size_t frames = steps * result.gates.size();
   const auto digits = std::to_string(frames).size();
-  fs::create_directory(folder / "keyframes");
   for (const Wall wall : {Wall::endo, Wall::epi}) {
     std::vector<TriMesh> cycle;
     for (const Gate& gate : result.gates)
       if (const auto& s = wall == Wall::endo ? gate.endo : gate.epi) cycle.push_back(s->mesh);
     if (!is_cycle(cycle, result.gates.size())) continue;
+    fs::create_directories(folder / "keyframes");
     for (std::size_t f = 0; f < frames; ++f) {
       const TriMesh mesh =
           at_phase(cycle, static_cast<double>(f) / static_cast<double>(frames), keyframes.interpolation);

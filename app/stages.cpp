@@ -21,6 +21,7 @@ void write_wall(const std::string& prefix, std::string_view wall, const Image* b
     write_vti(field->grid, std::span(&array, 1), prefix + "field" + ending + ".vti");
     write_nrrd_vectors(field->grid, vectors, prefix + "field" + ending + ".nrrd");
   }
+  if (options.pipeline == Pipeline::contour) return;  // it starts from contours, not from an ellipsoid
   const TriMesh start = place(icosphere(options.mesh_level), *border, options.placement);
   write_mesh(to_world(border->grid, start), prefix + "start" + ending + ".ply", MeshFormat::ply);
 }

@@ -109,6 +109,25 @@ class Result(CliTest):
             self.assertLessEqual({f"g0{gate}_{stage}" for gate in (1, 2, 3, 4)}, stages)
         self.assertEqual(run("info", self.folder / "r" / "stages" / "g01_image.nrrd").returncode, 0)
 
+    def test_joins_contours_when_asked(self):
+        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--pipeline", "contour",
+                   "--keep-stages", "--set", "keyframes.frames_between=2")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        results = self.read_json(self.folder / "r" / "results.json")
+        for gate in results["gates"]:
+            for wall in ("endo", "epi"):
+                volumes = gate[wall]["contour_volumes"]
+                self.assertAlmostEqual(volumes["gauss_ml"], volumes["triangle_exact_ml"], places=6)
+                self.assertAlmostEqual(volumes["trapezoid_ml"], volumes["gauss_ml"], delta=0.05 * volumes["gauss_ml"])
+        self.assertIn("surface.no_correspondence", [note["code"] for note in results["notes"]])
+        self.assertFalse((self.folder / "r" / "keyframes").exists())
+        self.assertFalse((self.folder / "r" / "cycle.glb").exists())
+        again = run("rerun", self.folder / "r", "--study", small_patient() / "study.dcm", "--out", self.folder / "again")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertIsNone(self.read_json(small_result() / "results.json")["gates"][0]["endo"]["contour_volumes"])
+        refused = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "no", "--pipeline", "cube")
+        self.assertEqual(refused.returncode, 1)
+
     def test_writes_keyframes_when_asked(self):
         run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--mesh-format", "ply", "--set",
             "keyframes.frames_between=2")
