@@ -1,0 +1,118 @@
+#include "dynasurf/cloud/certificate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "dynasurf/cloud/neighbours.hpp"
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/closest_point.hpp"
+#include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/mesh/repair.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr std::size_t samples_of_mesh = 50000;
+constexpr std::size_t grain = 2048;
+
+double smallest_angle_deg(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const auto angle = [](const Vec3& u, const Vec3& v) { return std::atan2(u.cross(v).norm(), u.dot(v)); };
+  return std::min({angle(b - a, c - a), angle(c - b, a - b), angle(a - c, b - c)}) * 180 / std::numbers::pi;
+}
+
+void measure_angles(const TriMesh& mesh, Certificate& c) {
+  if (mesh.triangles.empty()) return;
+  std::vector<double> angles;
+  angles.reserve(mesh.triangles.size());
+  for (const auto& t : mesh.triangles)
+    angles.push_back(smallest_angle_deg(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]));
+  std::sort(angles.begin(), angles.end());
+  const auto share = [&](double q) {
+    return angles[static_cast<std::size_t>(q * static_cast<double>(angles.size() - 1))];
+  };
+  c.smallest_angle_deg = angles.front();
+  c.angle_percentile_1_deg = share(0.01);
+  c.angle_percentile_5_deg = share(0.05);
+  for (const double a : angles) c.angle_mean_deg += a / static_cast<double>(angles.size());
+}
+
+/// The vertices, and points that follow the area evenly: triangle after triangle, by the R2 sequence within each.
+std::vector<Vec3> spread_over(const TriMesh& mesh, double area) {
+  std::vector<Vec3> points = mesh.vertices;
+  if (!(area > 0)) return points;
+  const double per_area = static_cast<double>(samples_of_mesh) / area;
+  double owed = 0;
+  std::size_t n = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    for (owed += 0.5 * (b - a).cross(c - a).norm() * per_area; owed >= 1; owed -= 1) {
+      double whole = 0;
+      ++n;
+      double u = std::modf(0.7548776662466927 * static_cast<double>(n), &whole);
+      double v = std::modf(0.5698402909980532 * static_cast<double>(n), &whole);
+      if (u + v > 1) u = 1 - u, v = 1 - v;
+      points.push_back(a + u * (b - a) + v * (c - a));
+    }
+  }
+  return points;
+}
+
+struct Spread {
+  double mean = 0, largest = 0;
+};
+
+template <class Distance>
+Spread spread_of(const std::vector<Vec3>& points, const Distance& distance) {
+  std::vector<double> d(points.size());
+  parallel_for(d.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) d[i] = distance(points[i]);
+  });
+  Spread s;
+  for (const double x : d) {
+    s.mean += x / static_cast<double>(d.size());
+    s.largest = std::max(s.largest, x);
+  }
+  return s;
+}
+
+}  // namespace
+
+Certificate certify(const TriMesh& mesh, const PointCloud& cloud) {
+  for (const Vec3& p : cloud.points)
+    if (!p.allFinite()) throw InputError("certificate: the cloud has a point that is not finite");
+  Certificate c;
+  const SurfaceCheck check = check_surface(mesh);
+  const Topology top = topology(mesh);
+  c.vertices = mesh.vertices.size();
+  c.triangles = mesh.triangles.size();
+  c.closed = check.closed;
+  c.manifold = check.manifold;
+  c.oriented = check.oriented;
+  c.self_intersections = check.self_intersections;
+  c.flat_triangles = check.flat_triangles;
+  c.components = top.components;
+  if (c.closed && c.manifold && c.oriented) c.genus = top.components - static_cast<int>(top.euler / 2);
+  measure_angles(mesh, c);
+  c.volume = volume_mm3(mesh);
+  c.area = area_mm2(mesh);
+  c.outward = c.volume > 0;
+  if (cloud.points.empty() || mesh.triangles.empty()) return c;
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : cloud.points) box.extend(p);
+  c.cloud_diagonal = box.diagonal().norm();
+  const ClosestPoint closest(mesh);
+  const Spread there = spread_of(cloud.points, [&](const Vec3& p) { return std::sqrt(closest(p).distance2); });
+  const Neighbours neighbours(cloud.points);
+  const Spread back =
+      spread_of(spread_over(mesh, c.area), [&](const Vec3& p) { return std::sqrt(neighbours.nearest(p).distance2); });
+  c.cloud_to_mesh_mean = there.mean;
+  c.cloud_to_mesh_largest = there.largest;
+  c.mesh_to_cloud_mean = back.mean;
+  c.mesh_to_cloud_largest = back.largest;
+  return c;
+}
+
+}  // namespace dynasurf

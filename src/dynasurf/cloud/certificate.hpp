@@ -1,0 +1,43 @@
+#pragma once
+#include <cstddef>
+#include <optional>
+
+#include "dynasurf/core/point_cloud.hpp"
+#include "dynasurf/core/tri_mesh.hpp"
+
+namespace dynasurf {
+
+/// What a mesh is, computed from its triangles alone and without tolerances, and how far it lies from a cloud. Lengths
+/// are in the cloud's unit.
+struct Certificate {
+  std::size_t vertices = 0, triangles = 0;
+  bool closed = false;                 // every edge has two triangles or more
+  bool manifold = false;               // no edge has more than two, and the triangles of every vertex form one fan
+  bool oriented = false;               // neighbours run through their edge in opposite directions
+  bool outward = false;                // the signed volume is positive
+  std::size_t self_intersections = 0;  // pairs of triangles that meet, by exact predicates
+  std::size_t flat_triangles = 0;
+  int components = 0;
+  std::optional<int> genus;  // sum over the components; absent unless closed, manifold and oriented
+
+  // Of the smallest angle of each triangle, degrees.
+  double smallest_angle_deg = 0, angle_percentile_1_deg = 0, angle_percentile_5_deg = 0, angle_mean_deg = 0;
+
+  double cloud_diagonal = 0;                                 // of the cloud's bounding box
+  double cloud_to_mesh_mean = 0, cloud_to_mesh_largest = 0;  // every point to the nearest point of the mesh
+  // Points spread evenly over the mesh, and its vertices, to the nearest point of the cloud. Half the spacing of the
+  // cloud is the least it can be; over a hole of the cloud it is large for the best of meshes.
+  double mesh_to_cloud_mean = 0, mesh_to_cloud_largest = 0;
+  double volume = 0, area = 0;
+
+  /// May the mesh be published as watertight?
+  bool watertight() const {
+    return closed && manifold && oriented && outward && self_intersections == 0 && flat_triangles == 0;
+  }
+};
+
+/// Distances are 0 for an empty cloud or mesh. The same for any number of threads. Throws InputError for a vertex or
+/// point that is not finite, or a triangle's corner out of range.
+Certificate certify(const TriMesh& mesh, const PointCloud& cloud);
+
+}  // namespace dynasurf

@@ -1,0 +1,220 @@
+#include "dynasurf/cloud/prepare.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "dynasurf/cloud/neighbours.hpp"
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr std::size_t fewest_points = 10;
+constexpr std::size_t ring = 8;  // neighbours that tell whether a point stands alone
+constexpr std::size_t grain = 1024;
+
+template <class T>
+void keep(std::vector<T>& values, const std::vector<std::uint8_t>& kept) {
+  if (values.empty()) return;
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    if (kept[i]) values[n++] = values[i];
+  values.resize(n);
+}
+
+/// Drops what is not kept, and returns how many that were.
+std::size_t keep(PointCloud& cloud, const std::vector<std::uint8_t>& kept) {
+  const std::size_t before = cloud.points.size();
+  keep(cloud.points, kept);
+  keep(cloud.normals, kept);
+  keep(cloud.colours, kept);
+  keep(cloud.scans, kept);
+  return before - cloud.points.size();
+}
+
+std::uint64_t hash_of(const Vec3& p) {
+  std::uint64_t h = 0;
+  for (int a = 0; a < 3; ++a) {
+    h ^= std::bit_cast<std::uint64_t>(p[a] + 0.0);  // -0 is 0
+    h *= 0x9e3779b97f4a7c15u;
+    h ^= h >> 29;
+  }
+  return h;
+}
+
+/// 1 for the first of all points in one place.
+std::vector<std::uint8_t> firsts(const std::vector<Vec3>& points) {
+  const std::size_t slots = std::bit_ceil(2 * points.size() + 1);
+  constexpr std::uint32_t empty = 0xffffffff;
+  std::vector<std::uint32_t> table(slots, empty);
+  std::vector<std::uint8_t> kept(points.size(), 1);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::size_t at = hash_of(points[i]) & (slots - 1);
+    while (table[at] != empty && points[table[at]] != points[i]) at = (at + 1) & (slots - 1);
+    if (table[at] == empty)
+      table[at] = static_cast<std::uint32_t>(i);
+    else
+      kept[i] = 0;
+  }
+  return kept;
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// 0 for points that lie `factor` times farther from their neighbours than those lie from theirs.
+std::vector<std::uint8_t> in_company(const std::vector<Vec3>& points, const Neighbours& neighbours, double factor) {
+  std::vector<double> distance(points.size());
+  std::vector<std::array<std::uint32_t, ring>> around(points.size());
+  parallel_for(points.size(), grain, [&](std::size_t begin, std::size_t end) {
+    std::array<Neighbours::Found, ring + 1> found;
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t n = neighbours.nearest(points[i], found);
+      for (std::size_t k = 1; k < n; ++k) {
+        distance[i] += std::sqrt(found[k].distance2) / static_cast<double>(n - 1);
+        around[i][k - 1] = found[k].index;
+      }
+    }
+  });
+  std::vector<std::uint8_t> kept(points.size(), 1);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    double usual = 0;
+    for (const std::uint32_t j : around[i]) usual += distance[j] / ring;
+    kept[i] = distance[i] <= factor * usual;
+  }
+  return kept;
+}
+
+/// Root mean square distance of points from the best height function of second degree over their own plane.
+double off_quadric(const std::vector<Vec3>& points, std::span<const Neighbours::Found> found) {
+  const auto n = static_cast<double>(found.size());
+  Vec3 middle = Vec3::Zero();
+  for (const auto& f : found) middle += points[f.index] / n;
+  Mat3 spread = Mat3::Zero();
+  for (const auto& f : found) spread += (points[f.index] - middle) * (points[f.index] - middle).transpose() / n;
+  Eigen::SelfAdjointEigenSolver<Mat3> axes;
+  axes.computeDirect(spread);
+  const double size = std::sqrt(std::max(axes.eigenvalues()[2], 1e-300));
+  using Six = Eigen::Matrix<double, 6, 1>;
+  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Identity() * 1e-12;
+  Six right = Six::Zero();
+  double squares = 0;
+  for (const auto& f : found) {
+    const Vec3 q = axes.eigenvectors().transpose() * (points[f.index] - middle) / size;
+    const Six row{1, q[1], q[2], q[1] * q[1], q[1] * q[2], q[2] * q[2]};
+    normal += row * row.transpose();
+    right += row * q[0];
+    squares += q[0] * q[0];
+  }
+  const double left = squares - right.dot(normal.ldlt().solve(right));
+  return size * std::sqrt(std::max(0.0, left) / (n - 6));
+}
+
+double median_off_quadric(const std::vector<Vec3>& points, const Neighbours& neighbours, std::size_t count) {
+  constexpr std::size_t samples = 1500;
+  const std::size_t step = std::max<std::size_t>(1, points.size() / samples);
+  std::vector<double> off((points.size() + step - 1) / step);
+  parallel_for(off.size(), 64, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbours::Found> found(count);
+    for (std::size_t i = begin; i < end; ++i) {
+      neighbours.nearest(points[i * step], found);
+      off[i] = off_quadric(points, found);
+    }
+  });
+  return median_of(std::move(off));
+}
+
+/// Standard deviation of the points off the surface. A wide neighbourhood holds the noise whole, but on a finely shaped
+/// surface its shape, too; a narrow one that is much quieter tells that it is shape.
+double estimate_noise(const std::vector<Vec3>& points, const Neighbours& neighbours) {
+  constexpr std::size_t narrow = 24, wide = 100;
+  if (points.size() < 2 * narrow) return 0;
+  const double near = median_off_quadric(points, neighbours, narrow);
+  if (points.size() < 2 * wide) return near;
+  const double far = median_off_quadric(points, neighbours, wide);
+  return near < 0.5 * far ? near : far;
+}
+
+double median_spacing(const std::vector<Vec3>& points, const Neighbours& neighbours) {
+  constexpr std::size_t samples = 5000;
+  const std::size_t step = std::max<std::size_t>(1, points.size() / samples);
+  std::vector<double> nearest;
+  for (std::size_t i = 0; i < points.size(); i += step) {
+    std::array<Neighbours::Found, 2> found;
+    neighbours.nearest(points[i], found);
+    nearest.push_back(std::sqrt(found[1].distance2));
+  }
+  return median_of(std::move(nearest));
+}
+
+void check_shape(const PointCloud& cloud) {
+  const std::size_t n = cloud.points.size();
+  for (const std::size_t other : {cloud.normals.size(), cloud.colours.size(), cloud.scans.size()})
+    if (other != 0 && other != n)
+      throw InputError("the cloud has " + std::to_string(n) + " points, but " + std::to_string(other) +
+                       " normals, colours or scan numbers; expected none or as many");
+  if (n >= 0xffffffff) throw InputError("the cloud has " + std::to_string(n) + " points; expected fewer than 2^32 - 1");
+}
+
+void check_extent(const std::vector<Vec3>& points) {
+  if (points.size() < fewest_points)
+    throw InputError("the cloud has " + std::to_string(points.size()) + " usable points; expected " +
+                     std::to_string(fewest_points) + " at least");
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : points) middle += p / static_cast<double>(points.size());
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& p : points) spread += (p - middle) * (p - middle).transpose();
+  const Vec3 axes = Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  if (!(axes[0] > 1e-12 * axes[2])) throw InputError("the points of the cloud all lie in one plane; expected a body");
+}
+
+void note(Notes& notes, std::size_t count, const char* code, const std::string& what) {
+  if (count > 0) notes.push_back({Severity::info, code, std::to_string(count) + " points " + what});
+}
+
+}  // namespace
+
+PreparedCloud prepare(const PointCloud& cloud, const CloudOptions& options, const Progress& progress) {
+  check_shape(cloud);
+  PreparedCloud p{cloud, {}, {}};
+  PointCloud& c = p.cloud;
+  p.facts.points = c.points.size();
+  std::vector<std::uint8_t> kept(c.points.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = c.points[i].allFinite();
+  p.facts.not_finite = keep(c, kept);
+  p.facts.duplicates = keep(c, firsts(c.points));
+  check_extent(c.points);
+  progress.check();
+  Neighbours neighbours(c.points);
+  if (options.outliers > 0 && c.points.size() > 4 * ring) {
+    p.facts.outliers = keep(c, in_company(c.points, neighbours, options.outliers));
+    if (p.facts.outliers > 0) {
+      check_extent(c.points);
+      neighbours = Neighbours(c.points);
+    }
+  }
+  Eigen::AlignedBox3d box;
+  for (const Vec3& q : c.points) box.extend(q);
+  p.facts.points_used = c.points.size();
+  p.facts.diagonal = box.diagonal().norm();
+  p.facts.spacing = median_spacing(c.points, neighbours);
+  p.facts.noise =
+      options.noise_percent ? *options.noise_percent / 100 * p.facts.diagonal : estimate_noise(c.points, neighbours);
+  note(p.notes, p.facts.not_finite, "cloud.not_finite",
+       "have a coordinate that is not a finite number; they were left out");
+  note(p.notes, p.facts.duplicates, "cloud.duplicates", "lie exactly where another one lies; they were left out");
+  note(p.notes, p.facts.outliers, "cloud.outliers", "stand alone, far from all others; they were left out");
+  return p;
+}
+
+}  // namespace dynasurf

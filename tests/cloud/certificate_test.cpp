@@ -1,0 +1,86 @@
+#include "dynasurf/cloud/certificate.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/mesh/shapes.hpp"
+
+#include "support/shapes.hpp"
+
+namespace dynasurf {
+namespace {
+
+using namespace test_shapes;
+
+PointCloud vertices_of(const TriMesh& mesh) { return {mesh.vertices, {}, {}, {}}; }
+
+TEST(Certificate, KnowsASphereThatPassesThroughItsPoints) {
+  const TriMesh ball = icosphere(3);
+  const Certificate c = certify(ball, vertices_of(ball));
+  EXPECT_TRUE(c.watertight());
+  EXPECT_EQ(c.components, 1);
+  EXPECT_EQ(c.genus, 0);
+  EXPECT_EQ(c.triangles, 1280u);
+  EXPECT_LT(c.cloud_to_mesh_largest, 1e-12);
+  EXPECT_GT(c.smallest_angle_deg, 45);
+  EXPECT_LE(c.smallest_angle_deg, c.angle_percentile_1_deg);
+  EXPECT_LE(c.angle_percentile_5_deg, c.angle_mean_deg);
+}
+
+TEST(Certificate, TellsTheDistanceOfConcentricSpheres) {
+  TriMesh outer = icosphere(4);
+  for (Vec3& p : outer.vertices) p *= 1.1;
+  const Certificate c = certify(outer, vertices_of(icosphere(4)));
+  // The faces of a level 4 sphere lie up to 0.0024 inside it.
+  EXPECT_NEAR(c.cloud_to_mesh_mean, 0.1, 0.003);
+  EXPECT_NEAR(c.cloud_to_mesh_largest, 0.1, 0.003);
+  EXPECT_GE(c.mesh_to_cloud_mean, 0.097);
+  // No point of the unit sphere is farther than 0.05 from a vertex, so none of the outer one is than this.
+  EXPECT_LE(c.mesh_to_cloud_largest, std::hypot(0.1, 0.05 * 1.1) + 0.003);
+}
+
+TEST(Certificate, CountsHandlesAndParts) {
+  TriMesh both = torus(10, 3, 20, 10);
+  EXPECT_EQ(certify(both, {}).genus, 1);
+  const auto first = static_cast<std::uint32_t>(both.vertices.size());
+  const TriMesh ball = icosphere(1);
+  for (const Vec3& p : ball.vertices) both.vertices.push_back(Vec3(p + Vec3(50, 0, 0)));
+  for (const auto& t : ball.triangles) both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  const Certificate c = certify(both, {});
+  EXPECT_EQ(c.components, 2);
+  EXPECT_EQ(c.genus, 1);
+}
+
+TEST(Certificate, HasNoGenusForAnOpenSurface) {
+  TriMesh open = icosphere(2);
+  open.triangles.pop_back();
+  const Certificate c = certify(open, {});
+  EXPECT_FALSE(c.closed);
+  EXPECT_FALSE(c.genus);
+  EXPECT_FALSE(c.watertight());
+}
+
+TEST(Certificate, DoesNotPassASurfaceTurnedInsideOut) {
+  TriMesh ball = icosphere(2);
+  for (auto& t : ball.triangles) std::swap(t[1], t[2]);
+  EXPECT_TRUE(certify(ball, {}).oriented);
+  EXPECT_FALSE(certify(ball, {}).watertight());
+}
+
+TEST(Certificate, DoesNotPassASurfaceThatMeetsItself) {
+  TriMesh ball = icosphere(3);
+  ball.vertices[0] *= -1.5;
+  EXPECT_GT(certify(ball, {}).self_intersections, 0u);
+  EXPECT_FALSE(certify(ball, {}).watertight());
+}
+
+TEST(Certificate, RefusesPointsThatAreNotFinite) {
+  const PointCloud cloud{{Vec3(0, 0, std::numeric_limits<double>::quiet_NaN())}, {}, {}, {}};
+  EXPECT_THROW(certify(icosphere(1), cloud), InputError);
+}
+
+}  // namespace
+}  // namespace dynasurf
