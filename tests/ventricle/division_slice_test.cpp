@@ -58,6 +58,31 @@ TEST(FindDivisionSlice, FindsNoneWithoutEdges) {
   }
 }
 
+TEST(FindWallTip, IsTheVertexOfTheBrightestPeakUnderTheCavity) {
+  // A parabola with its vertex at 2.25 and, above it, a dark cavity; farther up the base is bright again.
+  std::vector<double> profile(12, 0.1);
+  for (int k = 1; k <= 4; ++k) profile[static_cast<std::size_t>(k)] = 0.9 - 0.1 * (k - 2.25) * (k - 2.25);
+  profile[10] = 1;
+  const auto tip = find_wall_tip(profile, 5, 5);
+  ASSERT_TRUE(tip);
+  EXPECT_NEAR(tip->slice, 2.25, 1e-12);
+  EXPECT_NEAR(tip->brightness, 0.9 - 0.1 * 0.25 * 0.25, 1e-12);
+}
+
+TEST(FindWallTip, LooksFourCentimetresDown) {
+  std::vector<double> profile(20, 0.1);
+  profile[4] = 0.9;
+  EXPECT_TRUE(find_wall_tip(profile, 12, 5));
+  EXPECT_FALSE(find_wall_tip(profile, 13, 5));
+}
+
+TEST(FindWallTip, SeesNoneInADefectOfTheApex) {
+  EXPECT_FALSE(find_wall_tip({0.1, 0.1, 0.12, 0.1, 0.09, 0.08, 0.1}, 4, 5));
+  EXPECT_FALSE(find_wall_tip({0.5, 0.4, 0.3}, -1, 5));
+  EXPECT_FALSE(find_wall_tip({0.5, 0.4, 0.3}, 3, 5));
+  EXPECT_FALSE(find_wall_tip({}, 0, 5));
+}
+
 struct TableRow {
   int a, b, c;
   int a_plus_1;

@@ -79,8 +79,26 @@ int follow_cavity_down(int division, const Mask& borders, const Axis& axis, Note
   if (slice != division)
     notes.push_back({Severity::info, "slice_find.lowered",
                      "The inner border reaches below slice " + std::to_string(division + 1) +
-                         ", where the cavity seemed to end; the division slice is now " + std::to_string(slice + 1) +
-                         ".",
+                         ", where the cavity seemed to end: down to slice " + std::to_string(slice + 2) + ".",
+                     -1, slice});
+  return slice;
+}
+
+/// The end of the cavity by the wall under it, where that can be seen; else the lowest slice that showed the cavity,
+/// with what the rules of the thesis (`guess`) had to say about it.
+int division_under(int seen, const LabelScene& scene, const std::vector<double>& profile, const Notes& guess,
+                   Notes& notes) {
+  const auto tip = find_wall_tip(profile, seen + 1, scene.image.grid.spacing[2]);
+  if (!tip) {
+    notes.insert(notes.end(), guess.begin(), guess.end());
+    return seen;
+  }
+  const int slice = static_cast<int>(std::floor(tip->slice));
+  const double floor = scene.options.division.floor;
+  if (tip->brightness < floor)
+    notes.push_back({Severity::warning, "slice_find.dim_tip",
+                     "The wall under the cavity, in slice " + std::to_string(slice + 1) +
+                         ", is dim (a defect of the apex looks so): the end of the cavity is uncertain.",
                      -1, slice});
   return slice;
 }
@@ -124,9 +142,11 @@ Mask label(const LabelScene& scene, const Mlc& method, Labels& labels) {
     return filter_by_boxes(std::move(borders), labels.big_slice, labels.division_slice, scene.axis,
                            method.box_margin_px, method.strict_thesis ? 0 : box_deg, labels.notes);
   };
-  labels.division_slice = find_division_slice(centre_profile(scene.image, scene.axis), slices_with(scene.inside),
-                                              scene.options.division, labels.notes);
+  const std::vector<double> profile = centre_profile(scene.image, scene.axis);
+  Notes guess;
+  labels.division_slice = find_division_slice(profile, slices_with(scene.inside), scene.options.division, guess);
   if (!by_gradient(method)) {
+    labels.notes.insert(labels.notes.end(), guess.begin(), guess.end());
     const Mask first = classify_by_gap(scene.inside, grid, scene.axis, labels.division_slice, method);
     labels.division_slice = refine(labels.division_slice, first, 0);
     return filter(classify_by_gap(scene.inside, grid, scene.axis, labels.division_slice, method));
@@ -136,7 +156,9 @@ Mask label(const LabelScene& scene, const Mlc& method, Labels& labels) {
   labels.division_slice = follow_cavity_down(labels.division_slice, borders, scene.axis, labels.notes);
   labels.division_slice = refine(labels.division_slice, borders, ring_deg);
   remove_endo_up_to(borders, labels.division_slice);
-  return filter(std::move(borders));
+  borders = filter(std::move(borders));
+  labels.division_slice = division_under(labels.division_slice, scene, profile, guess, labels.notes);
+  return borders;
 }
 
 void note_not_told_apart(Notes& notes) {

@@ -186,7 +186,7 @@ struct Labels {
   Circle circle;                             // automatic circle: common to all slices
   Axis axis;                                 // centre of the ventricle in every slice
   int big_slice = -1;                        // slice of the widest circular border, -1: none found
-  int division_slice = -1;                   // highest slice with one border only; -1: none found
+  int division_slice = -1;                   // highest slice under the end of the cavity; -1: none found
   std::vector<std::optional<Circle>> local;  // the best circular edge of every slice, for drawing
   Notes notes;
 

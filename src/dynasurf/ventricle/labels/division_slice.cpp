@@ -58,6 +58,29 @@ int find_division_slice(const std::vector<double>& profile, const std::vector<bo
   return best;
 }
 
+std::optional<WallTip> find_wall_tip(const std::vector<double>& profile, int lowest_with_cavity, double slice_mm) {
+  constexpr double reach_mm = 40, cavity_mm = 20, least_prominence = 0.05;
+  const int top = static_cast<int>(profile.size()) - 1;
+  if (lowest_with_cavity < 0 || lowest_with_cavity > top) return std::nullopt;
+  const auto at = [&](int k) { return profile[static_cast<std::size_t>(k)]; };
+  const int first = std::max(0, lowest_with_cavity - static_cast<int>(std::ceil(reach_mm / slice_mm)));
+
+  int tip = -1;
+  for (int k = first; k <= std::min(top, lowest_with_cavity + 1); ++k) {
+    const bool is_peak = (k == 0 || at(k) >= at(k - 1)) && (k == top || at(k) >= at(k + 1));
+    if (is_peak && (tip < 0 || at(k) > at(tip))) tip = k;
+  }
+  if (tip < 0) return std::nullopt;
+  const int above = std::min(top, lowest_with_cavity + static_cast<int>(std::ceil(cavity_mm / slice_mm)));
+  const double cavity = *std::min_element(profile.begin() + tip, profile.begin() + above + 1);
+  if (at(tip) - cavity < least_prominence) return std::nullopt;
+  if (tip == 0 || tip == top) return WallTip{static_cast<double>(tip), at(tip)};
+
+  const double curvature = at(tip - 1) - 2 * at(tip) + at(tip + 1);
+  const double vertex = curvature < 0 ? 0.5 * (at(tip - 1) - at(tip + 1)) / curvature : 0;
+  return WallTip{tip + std::clamp(vertex, -0.5, 0.5), at(tip)};
+}
+
 namespace {
 
 struct Row {
