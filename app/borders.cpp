@@ -82,7 +82,9 @@ ExitCode run(const Arguments& arguments, Drawing what, std::stop_token stop) {
   const ThreadLimit limit(arguments.threads);
   ProgressLine line(arguments.quiet);
   const Progress progress{[&](std::string_view stage, int done, int total) { line(stage, done, total); }, stop};
-  const BorderResult result = find_borders(read_study(arguments.study), options, progress);
+  std::optional<Image> mask;
+  if (!arguments.options.mask.empty()) mask = read_mask(arguments.options.mask);
+  const BorderResult result = find_borders(read_study(arguments.study), options, progress, mask ? &*mask : nullptr);
   line.finish();
   write_sheets(result, what, folder.path(), options);
   write_file(folder.path() / "options.json", options_to_text(options));

@@ -11,6 +11,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/io/options_json.hpp"
+#include "dynasurf/io/study_io.hpp"
 #include "dynasurf/ventricle/presets.hpp"
 
 namespace dynasurf::app {
@@ -25,6 +26,14 @@ std::string text_of_file(const std::string& path) {
 }
 
 }  // namespace
+
+Image read_mask(const std::filesystem::path& file) {
+  Study study = read_study(file);
+  if (study.gates.size() != 1)
+    throw InputError(file.string() + ": holds " + std::to_string(study.gates.size()) +
+                     " volumes; expected a mask of one");
+  return std::move(study.gates.front());
+}
 
 std::vector<std::string> settings_of(const OptionArguments& a) {
   std::vector<std::string> settings;
@@ -63,6 +72,9 @@ void add_option_arguments(CLI::App& command, OptionArguments& a) {
   command.add_option("--first-slice", a.first_slice, "by hand: first slice of the ventricle, from 1 at the apex");
   command.add_option("--last-slice", a.last_slice, "by hand: its last slice");
   command.add_option("--base-plane", a.base_plane_mm, "by hand: height of the valve plane over slice 1, mm");
+  command.add_option("--mask", a.mask,
+                     "by hand: a volume (DICOM, NIfTI, NRRD) in the place of the study; only where it is above 0 the "
+                     "study is looked at");
 }
 
 VentricleOptions options_of(const OptionArguments& arguments) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,13 +14,16 @@ namespace dynasurf::app {
 
 /// The arguments by which the user sets options: defaults < preset < file < --pipeline < --set < by hand.
 struct OptionArguments {
-  std::string preset = "default", file, pipeline;
+  std::string preset = "default", file, pipeline, mask;
   std::vector<std::string> settings;
   // What a person says in place of what would be found.
   std::vector<double> center, axis;
   std::optional<double> radius_mm, base_plane_mm;
   std::optional<int> first_slice, last_slice;
 };
+
+/// The volume of --mask, with which the file is named in messages. Throws InputError, IoError.
+Image read_mask(const std::filesystem::path& file);
 
 void add_option_arguments(CLI::App& command, OptionArguments& arguments);
 

@@ -11,6 +11,7 @@
 #include "dynasurf/io/study_io.hpp"
 
 #include "console.hpp"
+#include "option_arguments.hpp"
 #include "stages.hpp"
 #include "version.hpp"
 
@@ -118,10 +119,15 @@ void write_keyframes(const VentricleResult& result, const Keyframes& keyframes, 
   }
 }
 
-std::string results_text(const VentricleResult& result, const Provenance& provenance, const Outputs& outputs) {
+/// The hash of a file that was given beside the study; null when none was.
+Json hash_of(const fs::path& file) { return file.empty() ? Json(nullptr) : Json(sha256_of_file(file)); }
+
+std::string results_text(const VentricleResult& result, const Provenance& provenance, const Job& job) {
+  const Outputs& outputs = job.outputs;
   Json json = results_json(result, provenance, outputs.timings ? Timings::keep : Timings::omit);
   Json formats = Json::array();
   for (const MeshFormat format : outputs.mesh_formats) formats.push_back(word_of(format));
+  json["provenance"]["given"] = {{"mask_sha256", hash_of(job.mask)}, {"start_mesh_sha256", hash_of(job.start_mesh)}};
   json["provenance"]["outputs"] = {{"mesh_formats", formats}, {"keep_stages", outputs.keep_stages}};
   return json.dump(2) + "\n";
 }
@@ -143,18 +149,21 @@ Outcome reconstruct_to_folder(const Job& job, const Progress& progress) {
 
   std::optional<TriMesh> start;
   if (!job.start_mesh.empty()) start = read_mesh(job.start_mesh);
+  std::optional<Image> mask;
+  if (!job.mask.empty()) mask = read_mask(job.mask);
 
   const StageWriter stages(folder.path() / "stages");
   Outcome outcome;
   const StageSink keep =
       job.outputs.keep_stages ? StageSink([&](const Stages& s) { stages(s, job.options); }) : StageSink();
   try {
-    outcome.result = reconstruct(study, job.options, progress, keep);
+    outcome.result =
+        reconstruct(study, job.options, progress, keep, start ? &*start : nullptr, mask ? &*mask : nullptr);
   } catch (const InputError& error) {  // the library knows the study, not the file it came from
     throw InputError(job.study.string() + ": " + error.what());
   }
   progress.check();
-  outcome.json = results_text(outcome.result, provenance, job.outputs);
+  outcome.json = results_text(outcome.result, provenance, job);
   write_file(folder.path() / "options.json", provenance.options_json);
   write_file(folder.path() / "results.json", outcome.json);
   write_file(folder.path() / "results.csv", results_csv(outcome.result));

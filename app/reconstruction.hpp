@@ -20,6 +20,7 @@ struct Outputs {
 struct Job {
   std::filesystem::path study, out;
   std::filesystem::path start_mesh;  // for placement.shape file; else empty
+  std::filesystem::path mask;        // outside which nothing is looked at; empty: none
   VentricleOptions options;
   Outputs outputs;
   std::string command;                      // for the provenance

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct Arguments {
-  std::string result, study, out;
+  std::string result, study, mask, start, out;
   int threads = 0;
   bool quiet = false;
 };
@@ -40,6 +40,7 @@ std::string bytes_of(const fs::path& path) {
 struct Record {
   Job job;
   std::vector<std::string> hashes;
+  std::string mask_hash, start_hash;  // empty: none was given
   std::string version, commit;
 };
 
@@ -60,6 +61,11 @@ Record record_of(const fs::path& result) {
       record.hashes.push_back(input.at("sha256").get<std::string>());
       record.job.recorded_names.push_back(input.at("file").get<std::string>());
     }
+    const Json given = provenance.value("given", Json::object());
+    const auto hash = [&](const char* key) {
+      return given.contains(key) && given.at(key).is_string() ? given.at(key).get<std::string>() : std::string();
+    };
+    record.mask_hash = hash("mask_sha256"), record.start_hash = hash("start_mesh_sha256");
     const Json& outputs = provenance.at("outputs");
     record.job.outputs.mesh_formats.clear();
     for (const Json& word : outputs.at("mesh_formats"))
@@ -84,7 +90,23 @@ bool is_study(const fs::path& path, const Record& record) {
   }
 }
 
-/// The study is known by its hash, not by its name, and looked for beside the result and in the working folder.
+/// What lies beside the result and in the working folder, where the files of a run are looked for.
+std::vector<fs::path> places_beside(const Arguments& arguments) {
+  const fs::path result = fs::weakly_canonical(arguments.result);
+  std::vector<fs::path> all;
+  for (const fs::path& place : {result.parent_path(), fs::current_path()}) {
+    std::vector<fs::path> candidates;
+    for (const auto& entry : fs::directory_iterator(place, fs::directory_options::skip_permission_denied))
+      if (entry.path() != result && !fs::exists(entry.path() / "results.json") &&
+          (entry.is_regular_file() || entry.is_directory()))
+        candidates.push_back(entry.path());
+    std::sort(candidates.begin(), candidates.end());
+    all.insert(all.end(), candidates.begin(), candidates.end());
+  }
+  return all;
+}
+
+/// The study is known by its hash, not by its name.
 fs::path find_study(const Arguments& arguments, const Record& record) {
   if (!arguments.study.empty()) {
     if (hashes_of_study(arguments.study) != record.hashes)
@@ -92,19 +114,26 @@ fs::path find_study(const Arguments& arguments, const Record& record) {
                        record.hashes.front().substr(0, 12) + "... expected)");
     return arguments.study;
   }
-  const fs::path result = fs::weakly_canonical(arguments.result);
-  for (const fs::path& place : {result.parent_path(), fs::current_path()}) {
-    std::vector<fs::path> candidates;
-    for (const auto& entry : fs::directory_iterator(place, fs::directory_options::skip_permission_denied))
-      if (entry.path() != result && !fs::exists(entry.path() / "results.json") &&
-          (entry.is_regular_file() || (entry.is_directory() && record.hashes.size() > 1)))
-        candidates.push_back(entry.path());
-    std::sort(candidates.begin(), candidates.end());
-    for (const fs::path& candidate : candidates)
-      if (is_study(candidate, record)) return candidate;
-  }
+  for (const fs::path& candidate : places_beside(arguments))
+    if ((record.hashes.size() > 1 || fs::is_regular_file(candidate)) && is_study(candidate, record)) return candidate;
   throw InputError(arguments.result + ": its study (SHA-256 " + record.hashes.front().substr(0, 12) +
                    "...) is neither beside it nor in the working folder; name it with --study");
+}
+
+/// A file that was given beside the study, known by its hash too; empty when none was.
+fs::path find_given(const Arguments& arguments, const std::string& hash, const std::string& named,
+                    const std::string& what) {
+  if (hash.empty()) return {};
+  if (!named.empty()) {
+    if (sha256_of_file(named) != hash)
+      throw InputError(named + ": is not the " + what + " the result was made with (SHA-256 " + hash.substr(0, 12) +
+                       "... expected)");
+    return named;
+  }
+  for (const fs::path& candidate : places_beside(arguments))
+    if (fs::is_regular_file(candidate) && sha256_of_file(candidate) == hash) return candidate;
+  throw InputError(arguments.result + ": its " + what + " (SHA-256 " + hash.substr(0, 12) +
+                   "...) is neither beside it nor in the working folder; name it with --" + what);
 }
 
 std::set<std::string> files_in(const fs::path& folder) {
@@ -158,6 +187,8 @@ class ScratchFolder {
 ExitCode run(const Arguments& arguments, std::stop_token stop) {
   Record record = record_of(arguments.result);
   record.job.study = find_study(arguments, record);
+  record.job.mask = find_given(arguments, record.mask_hash, arguments.mask, "mask");
+  record.job.start_mesh = find_given(arguments, record.start_hash, arguments.start, "start");
   record.job.threads = arguments.threads;
   const ScratchFolder scratch(arguments.result);
   record.job.out = arguments.out.empty() ? scratch.path() : fs::path(arguments.out);
@@ -194,6 +225,8 @@ void add_rerun(CLI::App& program, Command& chosen) {
   CLI::App* command = program.add_subcommand("rerun", "Repeat a run from its result folder and compare all bytes");
   command->add_option("RESULT", a->result, "folder of a former run")->required();
   command->add_option("--study", a->study, "the study, when it is neither beside RESULT nor in the working folder");
+  command->add_option("--mask", a->mask, "the mask of the run, likewise");
+  command->add_option("--start", a->start, "the mesh its surfaces started from, likewise");
   command->add_option("--out", a->out, "keep the new result here; without it nothing is kept");
   command->add_option("--threads", a->threads, "threads at most (0: all)")->check(CLI::Range(0, 1024));
   command->add_flag("--quiet", a->quiet, "no progress on standard error");

@@ -36,6 +36,7 @@ std::string recorded_command(const Arguments& arguments) {
   std::string command = "dynasurf ventricle STUDY --out RESULT --preset " + arguments.options.preset;
   if (!arguments.options.file.empty()) command += " --options FILE";
   if (!arguments.start.empty()) command += " --start MESH";
+  if (!arguments.options.mask.empty()) command += " --mask MASK";
   for (const std::string& setting : settings_of(arguments.options)) command += " --set " + setting;
   return command;
 }
@@ -45,6 +46,7 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   job.study = arguments.study;
   job.out = arguments.out;
   job.options = options_of(arguments.options);
+  job.mask = arguments.options.mask;
   if (!arguments.start.empty()) {
     job.start_mesh = arguments.start;
     job.options.placement.shape = StartShape::file;

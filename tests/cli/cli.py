@@ -2,11 +2,13 @@
 
 import atexit
 import functools
+import gzip
 import hashlib
 import json
 import os
 import pathlib
 import shutil
+import struct
 import subprocess
 import tempfile
 import unittest
@@ -54,6 +56,16 @@ def small_result():
     made = run("ventricle", small_patient() / "study.dcm", "--out", folder)
     assert made.returncode == 0, made.stdout + made.stderr
     return folder
+
+
+def write_mask(study, path, covers):
+    """A NIfTI mask for a NIfTI study: 1 in the columns and rows for which `covers(i, j)` holds, in all slices."""
+    volume = bytearray(gzip.decompress(study.read_bytes()))
+    nx, ny, nz = struct.unpack_from("<3h", volume, 42)
+    struct.pack_into("<2h", volume, 40, 3, nx)
+    struct.pack_into("<h", volume, 48, 1)
+    plane = struct.pack(f"<{nx * ny}f", *(float(covers(i, j)) for j in range(ny) for i in range(nx)))
+    path.write_bytes(bytes(volume[:352]) + plane * nz)
 
 
 class CliTest(unittest.TestCase):

@@ -11,7 +11,7 @@ import subprocess
 import time
 import unittest
 
-from cli import PROGRAM, CliTest, hashes, run, small_patient, small_result
+from cli import PROGRAM, CliTest, hashes, run, small_patient, small_result, write_mask
 
 # A run that takes long, so that it can be disturbed.
 SLOW = ["--set", "mesh_level=4", "--set", "field.iterations=200000"]
@@ -180,6 +180,37 @@ class SameBytes(CliTest):
             "edges.high=0.6", "--mesh-format", "off", "--keep-stages", "--no-timings")
         run("rerun", self.folder / "r", "--study", small_patient() / "study.dcm", "--out", self.folder / "again")
         self.assertEqual(hashes(self.folder / "again"), hashes(self.folder / "r"))
+
+    def test_a_mask_is_applied_recorded_and_repeated(self):
+        write_mask(small_patient() / "study.nii.gz", self.folder / "mask.nii",
+                   lambda i, j: (i - 19.5) ** 2 + (j - 19.5) ** 2 < 13 ** 2)
+        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--mask",
+                   self.folder / "mask.nii")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        results = self.read_json(self.folder / "r" / "results.json")
+        self.assertIn("region.used", [note["code"] for note in results["notes"]])
+        self.assertEqual(results["provenance"]["given"],
+                         {"mask_sha256": hashes(self.folder)["mask.nii"], "start_mesh_sha256": None})
+        self.assertIn("--mask MASK", results["provenance"]["command"])
+        again = run("rerun", self.folder / "r", "--study", small_patient() / "study.dcm")
+        self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
+        (self.folder / "mask.nii").unlink()
+        self.refuses(2, "rerun", self.folder / "r", "--study", small_patient() / "study.dcm", says="--mask",
+                     cwd=self.folder)
+
+    def test_a_mask_must_be_one_volume_over_the_study(self):
+        self.refuses(2, "ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--mask",
+                     small_patient() / "study.dcm", "--quiet", says="expected a mask of one")
+        write_mask(small_patient() / "study.nii.gz", self.folder / "none.nii", lambda i, j: False)
+        self.refuses(2, "borders", small_patient() / "study.dcm", "--out", self.folder / "r", "--mask",
+                     self.folder / "none.nii", "--quiet", says="covers no voxel")
+
+    def test_a_rerun_repeats_the_mesh_that_was_started_from(self):
+        start = small_result() / "meshes" / "epi_g01.ply"
+        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--start", start)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        again = run("rerun", self.folder / "r", "--study", small_patient() / "study.dcm", "--start", start)
+        self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
 
     def test_a_rerun_tells_what_differs(self):
         shutil.copytree(small_result(), self.folder / "result")

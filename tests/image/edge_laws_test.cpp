@@ -31,6 +31,11 @@ class EdgeLaws : public testing::Test {
         all.push_back({.measure = m});
     if constexpr (requires(Options o) { o.thin; })
       for (const Options& o : std::vector<Options>(all)) all.push_back(o), all.back().thin = true;
+    if constexpr (std::is_same_v<Options, Canny>)
+      for (const auto t : {CannyThreshold::max_fraction_slice, CannyThreshold::percentile}) {
+        const bool quantile = t == CannyThreshold::percentile;
+        all.push_back({.sigma_px = 1.8, .low = quantile ? 0.3 : 0.15, .high = quantile ? 0.4 : 0.3, .threshold = t});
+      }
     if constexpr (requires(Options o) { o.complete; }) all.push_back({.complete = true});
     if constexpr (requires(Options o) { o.canny; }) {
       for (Options& o : all) o.canny.subpixel = true;

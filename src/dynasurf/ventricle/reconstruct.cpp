@@ -12,6 +12,7 @@
 #include "dynasurf/ventricle/canonical.hpp"
 #include "dynasurf/ventricle/cycle.hpp"
 #include "dynasurf/ventricle/labels/circle.hpp"
+#include "dynasurf/ventricle/region.hpp"
 
 namespace dynasurf {
 namespace {
@@ -95,10 +96,11 @@ Image spread_to(const Image& image, const Grid& grid) {
   return spread;
 }
 
-void find_borders(GateRun& run, const Image& image, const SliceRange& useful, const VentricleOptions& options,
-                  StageClock& clock) {
+void find_borders(GateRun& run, const Image& image, const SliceRange& useful, const std::optional<Mask>& region,
+                  const VentricleOptions& options, StageClock& clock) {
   run.edges = clock("edges", [&] { return detect_edges(image, options.edges); });
   clear_outside(run.edges.edges, useful);
+  if (region) clear_outside(run.edges.edges, *region);
   run.labels = clock("labels", [&] { return label_borders(image, run.edges, options.labels); });
   run.base_slice = run.base_plane ? slice_above(image.grid, *run.base_plane, run.labels.circle.radius_px)
                                   : find_base_slice(image, run.labels, options.closure.base_level, run.notes);
@@ -233,12 +235,15 @@ struct StudyRun {
   std::vector<GateRun> gates;
 };
 
-StudyRun run_borders(const Study& original, const VentricleOptions& requested, const Progress& progress,
+StudyRun run_borders(const Study& whole, const VentricleOptions& requested, const Progress& progress, const Image* mask,
                      StageClock& clock) {
   StudyRun run;
   VentricleOptions& options = run.options = requested;
   check_options(options, "");
-  require_workable(original);
+  require_workable(whole);
+  std::optional<Study> confined;
+  if (mask != nullptr) confined = confine(whole, region_on(*mask, whole.grid()));
+  const Study& original = confined ? *confined : whole;
   run.heart = clock("locate", [&] { return locate(mean_image(original.gates), hints_of(options.manual)); });
   run.study = canonical_study(orient(original, run.heart, options.orientation));
   for (Image& image : run.study.gates) {
@@ -252,12 +257,14 @@ StudyRun run_borders(const Study& original, const VentricleOptions& requested, c
   if (options.closure.valve_plane)
     planes = clock("valve plane", [&] { return valve_planes(run.study, run.heart, options.manual, run.study.notes); });
   const SliceRange useful = useful_slices(run.study, run.heart, planes, options.manual);
+  std::optional<Mask> region;
+  if (mask != nullptr) region = region_on(*mask, run.study.grid());
 
   StageCounter borders_found(progress, "borders", static_cast<int>(run.gates.size()));
   parallel_for(run.gates.size(), 1, [&](std::size_t g, std::size_t) {
     progress.check();
     run.gates[g].base_plane = planes[g];
-    find_borders(run.gates[g], run.study.gates[g], useful, options, clock);
+    find_borders(run.gates[g], run.study.gates[g], useful, region, options, clock);
     borders_found.advance();
   });
   return run;
@@ -267,10 +274,11 @@ StudyRun run_borders(const Study& original, const VentricleOptions& requested, c
 
 std::span<const std::string_view> names_of(Pipeline) { return pipeline_names; }
 
-BorderResult find_borders(const Study& study, const VentricleOptions& options, const Progress& progress) {
+BorderResult find_borders(const Study& study, const VentricleOptions& options, const Progress& progress,
+                          const Image* mask) {
   BorderResult result;
   StageClock clock(result.seconds);
-  StudyRun run = run_borders(study, options, progress, clock);
+  StudyRun run = run_borders(study, options, progress, mask, clock);
   result.notes = run.study.notes;
   result.study = std::move(run.study);
   result.heart = std::move(run.heart);
@@ -285,12 +293,12 @@ BorderResult find_borders(const Study& study, const VentricleOptions& options, c
 }
 
 VentricleResult reconstruct(const Study& original, const VentricleOptions& requested, const Progress& progress,
-                            const StageSink& keep, const TriMesh* start) {
+                            const StageSink& keep, const TriMesh* start, const Image* mask) {
   if (requested.placement.shape == StartShape::file && start == nullptr)
     throw OptionError("option placement.shape is file; expected a mesh to start from, none was given");
   VentricleResult result;
   StageClock clock(result.seconds);
-  StudyRun borders = run_borders(original, requested, progress, clock);
+  StudyRun borders = run_borders(original, requested, progress, mask, clock);
   const VentricleOptions& options = borders.options;
   std::vector<GateRun>& runs = borders.gates;
   result.study = std::move(borders.study);

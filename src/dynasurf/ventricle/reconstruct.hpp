@@ -126,8 +126,10 @@ using StageSink = std::function<void(const Stages&)>;
 /// The whole way from a study to surfaces and numbers. Hard data never throw: the verdict and the notes say it.
 /// Throws InputError for a study it cannot work on (fewer than 3 slices, NaN, a long-axis or transaxial view in which
 /// no ventricle is found), OptionError, Cancelled. The same bytes for any number of threads.
+/// `start` is the mesh of placement.shape file. With a `mask`, placed in the world like the study, nothing outside its
+/// voxels above 0 is considered (`confine`).
 VentricleResult reconstruct(const Study& study, const VentricleOptions& options, const Progress& progress = {},
-                            const StageSink& keep = {}, const TriMesh* start = nullptr);
+                            const StageSink& keep = {}, const TriMesh* start = nullptr, const Image* mask = nullptr);
 
 /// What one gate has before its surfaces.
 struct GateBorders {
@@ -146,6 +148,7 @@ struct BorderResult {
 };
 
 /// The first half of `reconstruct`: from a study to labelled edges. Throws as it does.
-BorderResult find_borders(const Study& study, const VentricleOptions& options, const Progress& progress = {});
+BorderResult find_borders(const Study& study, const VentricleOptions& options, const Progress& progress = {},
+                          const Image* mask = nullptr);
 
 }  // namespace dynasurf
