@@ -1,9 +1,13 @@
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/shapes.hpp"
+#include "dynasurf/synthetic/cloud_shapes.hpp"
 
 namespace dynasurf {
 namespace {
@@ -44,6 +48,73 @@ TEST(ReconstructCloud, TheThesisRecipeMakesIcospheresOnly) {
   CloudOptions options = cloud_preset("thesis");
   options.triangles = "1000";
   EXPECT_THROW(reconstruct_cloud(ball(), options), OptionError);
+}
+
+/// A torus of radii 0.75 and 0.25, seen by 20,000 points.
+PointCloud ring() { return make_cloud({.shape = CloudShape::torus, .points = 20000}); }
+
+class EveryFittedMethod : public testing::TestWithParam<CloudMethod> {};
+
+TEST_P(EveryFittedMethod, ClosesATorusAtEveryLevel) {
+  CloudOptions options;
+  options.method = GetParam();
+  options.triangles = "2000,500,120";
+  const CloudResult result = reconstruct_cloud(ring(), options);
+  EXPECT_EQ(result.facts.parts, 1);
+  EXPECT_EQ(result.facts.genus, 1);
+  ASSERT_EQ(result.levels.size(), 3u);
+  double before = 0;
+  for (const CloudLevel& level : result.levels) {
+    const Certificate& c = level.certificate;
+    EXPECT_TRUE(c.watertight()) << level.triangles_asked;
+    EXPECT_EQ(c.genus, 1);
+    EXPECT_EQ(c.triangles, static_cast<std::size_t>(level.triangles_asked));
+    EXPECT_GE(c.smallest_angle_deg, GetParam() == CloudMethod::shaped ? 20 : 5);
+    // A surface of n triangles is off by about area times curvature / n: 1 % of the diagonal at 120 triangles.
+    EXPECT_LT(c.cloud_to_mesh_mean, 0.01 * c.cloud_diagonal * 120 / level.triangles_asked);
+    EXPECT_GT(c.cloud_to_mesh_mean, before);
+    before = c.cloud_to_mesh_mean;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, EveryFittedMethod, testing::Values(CloudMethod::shaped, CloudMethod::faithful),
+                         [](const auto& one) { return std::string(word_of(one.param)); });
+
+TEST(ReconstructCloud, GivesTheSameBytesForAnyNumberOfThreads) {
+  CloudOptions options;
+  options.triangles = "500";
+  const auto run = [&](int threads) {
+    const ThreadLimit limit(threads);
+    return reconstruct_cloud(ring(), options).levels.front().mesh;
+  };
+  const TriMesh one = run(1), two = run(2);
+  EXPECT_EQ(one.vertices, two.vertices);
+  EXPECT_EQ(one.triangles, two.triangles);
+}
+
+TEST(ReconstructCloud, DropsWhatIsNoSurfaceAndSaysSo) {
+  PointCloud cloud = ring();
+  cloud.points.push_back(Vec3(0, 0, 3));
+  cloud.points.push_back(cloud.points.front());
+  cloud.points.push_back(Vec3(0, std::numeric_limits<double>::infinity(), 0));
+  CloudOptions options;
+  options.triangles = "500";
+  const CloudResult result = reconstruct_cloud(cloud, options);
+  EXPECT_EQ(result.facts.not_finite, 1u);
+  EXPECT_EQ(result.facts.duplicates, 1u);
+  EXPECT_EQ(result.facts.outliers, 1u);
+  EXPECT_EQ(result.facts.points_used, 20000u);
+  EXPECT_EQ(result.notes.size(), 3u);
+  EXPECT_EQ(result.levels.front().certificate.genus, 1);
+}
+
+TEST(ReconstructCloud, RefusesWhatIsNoBody) {
+  PointCloud few, flat, short_normals = ring();
+  for (int i = 0; i < 9; ++i) few.points.push_back(Vec3(i, i * i, i * i * i));
+  for (int i = 0; i < 100; ++i) flat.points.push_back(Vec3(i % 10, i / 10, 5));
+  short_normals.normals.resize(7, Vec3::UnitX());
+  for (const PointCloud& bad : {PointCloud{}, few, flat, short_normals})
+    EXPECT_THROW(reconstruct_cloud(bad, {}), InputError);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -145,16 +146,19 @@ double estimate_noise(const std::vector<Vec3>& points, const Neighbours& neighbo
   return near < 0.5 * far ? near : far;
 }
 
+/// Side of the square that a point stands for, from the circle that holds its neighbours.
 double median_spacing(const std::vector<Vec3>& points, const Neighbours& neighbours) {
-  constexpr std::size_t samples = 5000;
+  constexpr std::size_t samples = 3000;
   const std::size_t step = std::max<std::size_t>(1, points.size() / samples);
-  std::vector<double> nearest;
-  for (std::size_t i = 0; i < points.size(); i += step) {
-    std::array<Neighbours::Found, 2> found;
-    neighbours.nearest(points[i], found);
-    nearest.push_back(std::sqrt(found[1].distance2));
-  }
-  return median_of(std::move(nearest));
+  std::vector<double> side((points.size() + step - 1) / step);
+  parallel_for(side.size(), 64, [&](std::size_t begin, std::size_t end) {
+    std::array<Neighbours::Found, 13> found;
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t n = neighbours.nearest(points[i * step], found);
+      side[i] = std::sqrt(std::numbers::pi * found[n - 1].distance2 / static_cast<double>(n - 1));
+    }
+  });
+  return median_of(std::move(side));
 }
 
 void check_shape(const PointCloud& cloud) {

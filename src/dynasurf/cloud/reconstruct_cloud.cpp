@@ -1,9 +1,110 @@
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include "dynasurf/cloud/body.hpp"
+#include "dynasurf/cloud/levels.hpp"
 #include "dynasurf/cloud/prepare.hpp"
 #include "dynasurf/cloud/thesis_recipe.hpp"
+#include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf {
+namespace {
+
+/// The frame the levels are made in: the cloud's diagonal is 1, its middle 0.
+struct UnitFrame {
+  Vec3 middle;
+  double diagonal;
+  explicit UnitFrame(const std::vector<Vec3>& points) {
+    Eigen::AlignedBox3d box;
+    for (const Vec3& p : points) box.extend(p);
+    middle = box.center();
+    diagonal = box.diagonal().norm();
+  }
+  Vec3 in(const Vec3& p) const { return (p - middle) / diagonal; }
+  Vec3 out(const Vec3& p) const { return middle + diagonal * p; }
+};
+
+bool is_noisy(const CloudFacts& f) { return f.noise > 0.3 * f.spacing; }
+
+/// As fine as the points allow and the triangles ask for.
+int cells_for(const CloudFacts& facts, const std::vector<Vec3>& points, const CloudOptions& options, int triangles) {
+  if (options.cells) return *options.cells;
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : points) box.extend(p);
+  const double finest = std::max(1.4 * facts.spacing, 2 * facts.noise);
+  const int useful = std::clamp(static_cast<int>(1.4 * std::sqrt(triangles)), 64, 256);
+  return std::clamp(static_cast<int>(box.sizes().maxCoeff() / std::max(finest, 1e-300)), 16, useful);
+}
+
+Body find_body(const PreparedCloud& p, const CloudOptions& options, int triangles, CloudResult& result,
+               const Progress& progress) {
+  const int cells = cells_for(p.facts, p.cloud.points, options, triangles);
+  Eigen::AlignedBox3d box;
+  for (const Vec3& q : p.cloud.points) box.extend(q);
+  const double side = box.sizes().maxCoeff() / cells;
+  const bool noisy = is_noisy(p.facts);
+  const PointCloud thin = thin_out(p.cloud, std::max(0.5 * side, noisy ? 2 * p.facts.noise : 0));
+  const OrientedPoints oriented = orient(thin, options.use_normals, noisy ? 30 : 12);
+  progress.check();
+  std::vector<InsideField> fields = find_inside(oriented, {.cells = cells}, progress);
+  result.facts.cells = cells;
+  return choose_body(std::move(fields), oriented.points, options, result.notes);
+}
+
+LevelPlan plan_of(const CloudOptions& options, const CloudFacts& facts, std::size_t triangles) {
+  LevelPlan plan = options.method == CloudMethod::faithful ? faithful_plan() : shaped_plan();
+  if (is_noisy(facts)) {
+    const double edge = 1.5 / std::sqrt(static_cast<double>(triangles));  // of the diagonal, for common bodies
+    const double ratio = facts.noise / facts.diagonal / edge;
+    plan.smoothness += ratio * ratio;
+  }
+  return plan;
+}
+
+void add_level(CloudResult& result, int asked, TriMesh mesh) {
+  Certificate certificate = certify(mesh, result.used);
+  if (!certificate.watertight())
+    result.notes.push_back({Severity::failure, "cloud.not_watertight",
+                            "the level of " + std::to_string(asked) + " triangles is not watertight"});
+  if (certificate.triangles != static_cast<std::size_t>(asked))
+    result.notes.push_back(
+        {Severity::warning, "cloud.triangles",
+         "the level of " + std::to_string(asked) + " triangles has " + std::to_string(certificate.triangles)});
+  result.levels.push_back({asked, std::move(mesh), certificate});
+}
+
+void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, const std::vector<int>& triangles,
+                        CloudResult& result, const Progress& progress) {
+  const Body body = find_body(p, options, triangles.front(), result, progress);
+  result.facts.parts = body.parts;
+  result.facts.genus = body.genus;
+  const UnitFrame frame(p.cloud.points);
+  std::vector<Vec3> points(p.cloud.points.size()), normals(points.size());
+  parallel_for(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      points[i] = frame.in(p.cloud.points[i]);
+      normals[i] = outwards(body.field, p.cloud.points[i]);
+    }
+  });
+  TriMesh fine = body.mesh;
+  for (Vec3& v : fine.vertices) v = frame.in(v);
+  const ClosestPoint on_fine(fine);
+  SurfaceEditor surface(fine);
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    progress("levels", static_cast<int>(i), static_cast<int>(triangles.size()));
+    progress.check();
+    const auto count = static_cast<std::size_t>(triangles[i]);
+    make_level(surface, count, fine, on_fine, {points, normals}, plan_of(options, p.facts, count));
+    TriMesh mesh = surface.mesh();
+    for (Vec3& v : mesh.vertices) v = frame.out(v);
+    add_level(result, triangles[i], std::move(mesh));
+  }
+  progress("levels", static_cast<int>(triangles.size()), static_cast<int>(triangles.size()));
+}
+
+}  // namespace
 
 CloudResult reconstruct_cloud(const PointCloud& cloud, const CloudOptions& options, const Progress& progress) {
   CloudOptions checked = options;
@@ -12,11 +113,12 @@ CloudResult reconstruct_cloud(const PointCloud& cloud, const CloudOptions& optio
   progress("points", 0, 1);
   PreparedCloud prepared = prepare(cloud, options, progress);
   progress("points", 1, 1);
-  CloudResult result{{}, prepared.facts, std::move(prepared.cloud), std::move(prepared.notes)};
-  std::vector<TriMesh> meshes = thesis_meshes(result.used.points, triangles, result.notes, progress);
-  for (std::size_t i = 0; i < meshes.size(); ++i) {
-    Certificate certificate = certify(meshes[i], result.used);
-    result.levels.push_back({triangles[i], std::move(meshes[i]), certificate});
+  CloudResult result{{}, prepared.facts, prepared.cloud, prepared.notes};
+  if (options.method == CloudMethod::thesis) {
+    std::vector<TriMesh> meshes = thesis_meshes(result.used.points, triangles, result.notes, progress);
+    for (std::size_t i = 0; i < meshes.size(); ++i) add_level(result, triangles[i], std::move(meshes[i]));
+  } else {
+    reconstruct_fitted(prepared, options, triangles, result, progress);
   }
   return result;
 }

@@ -83,7 +83,7 @@ struct CloudFacts {
   std::size_t not_finite = 0, duplicates = 0, outliers = 0;  // dropped
   std::size_t points_used = 0;                               // what is left
   double diagonal = 0;                                       // of the bounding box of what is left
-  double spacing = 0;                                        // median distance to the nearest neighbour
+  double spacing = 0;                                        // median side of the square that a point stands for
   double noise = 0;                                          // standard deviation off the surface
   int cells = 0;                                             // of the grid along its longest side
   int parts = 0;                                             // separate surfaces

@@ -143,12 +143,15 @@ Corners shared_first(const Corners& t, const Corners& other, int& shared) {
   return sorted;
 }
 
-/// Do two triangles, neither of them flat, have a point in common beside what they share?
-bool triangles_meet(const TriMesh& mesh, const Corners& s, const Corners& t) {
+}  // namespace
+
+bool is_flat(const Vec3& a, const Vec3& b, const Vec3& c) { return shadow_axis(a, b, c) < 0; }
+
+bool triangles_meet(std::span<const Vec3> vertices, const Corners& s, const Corners& t) {
   int shared = 0;
   const Corners a = shared_first(s, t, shared), b = shared_first(t, s, shared);
-  const auto p = [&](int i) -> const Vec3& { return mesh.vertices[a[static_cast<std::size_t>(i)]]; };
-  const auto q = [&](int i) -> const Vec3& { return mesh.vertices[b[static_cast<std::size_t>(i)]]; };
+  const auto p = [&](int i) -> const Vec3& { return vertices[a[static_cast<std::size_t>(i)]]; };
+  const auto q = [&](int i) -> const Vec3& { return vertices[b[static_cast<std::size_t>(i)]]; };
   switch (shared) {
     case 0:
       for (int i = 0; i < 3; ++i) {
@@ -170,6 +173,8 @@ bool triangles_meet(const TriMesh& mesh, const Corners& s, const Corners& t) {
   }
 }
 
+namespace {
+
 void check(const TriMesh& mesh) {
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     if (!mesh.vertices[v].allFinite()) throw InputError("vertex " + std::to_string(v) + " is not finite");
@@ -186,12 +191,12 @@ SelfIntersections self_intersections(const TriMesh& mesh) {
   check(mesh);
   SelfIntersections found;
   const std::size_t count = mesh.triangles.size();
-  std::vector<std::uint8_t> is_flat(count);
+  std::vector<std::uint8_t> flat(count);
   std::vector<Box> boxes(count);
   for (std::size_t t = 0; t < count; ++t) {
     const auto& [a, b, c] = mesh.triangles[t];
-    is_flat[t] = shadow_axis(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]) < 0;
-    if (is_flat[t]) found.flat.push_back(static_cast<std::uint32_t>(t));
+    flat[t] = is_flat(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
+    if (flat[t]) found.flat.push_back(static_cast<std::uint32_t>(t));
     for (const auto v : {a, b, c}) boxes[t].hold(mesh.vertices[v]);
   }
 
@@ -201,10 +206,10 @@ SelfIntersections self_intersections(const TriMesh& mesh) {
   parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
     auto& piece = pieces[begin / grain];
     for (std::size_t s = begin; s < end; ++s) {
-      if (is_flat[s]) continue;
+      if (flat[s]) continue;
       const auto first = static_cast<std::uint32_t>(s);
       tree.find(tree.box(first), [&](std::uint32_t t) {
-        if (t > first && !is_flat[t] && triangles_meet(mesh, mesh.triangles[s], mesh.triangles[t]))
+        if (t > first && !flat[t] && triangles_meet(mesh.vertices, mesh.triangles[s], mesh.triangles[t]))
           piece.push_back({first, t});
       });
     }

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "dynasurf/core/tri_mesh.hpp"
@@ -21,5 +22,12 @@ struct SelfIntersections {
 /// pair is the lower one; pairs and flat triangles are sorted. The same for any number of threads.
 /// Throws InputError for a vertex that is not finite or an index out of range.
 SelfIntersections self_intersections(const TriMesh& mesh);
+
+/// Do two triangles, neither of them flat, have a point in common beside the corners that they share by index? Exact.
+bool triangles_meet(std::span<const Vec3> vertices, const std::array<std::uint32_t, 3>& s,
+                    const std::array<std::uint32_t, 3>& t);
+
+/// Do three points lie exactly on one line?
+bool is_flat(const Vec3& a, const Vec3& b, const Vec3& c);
 
 }  // namespace dynasurf

@@ -1,0 +1,129 @@
+#include "dynasurf/cloud/body.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <optional>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/closest_point.hpp"
+#include "dynasurf/mesh/marching.hpp"
+#include "dynasurf/mesh/measures.hpp"
+
+namespace dynasurf {
+namespace {
+
+/// Which part each triangle belongs to; parts are numbered by their first vertex.
+std::vector<std::uint32_t> parts_of(const TriMesh& mesh, std::uint32_t& count) {
+  std::vector<std::uint32_t> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto find = [&](std::uint32_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const auto& t : mesh.triangles)
+    for (const std::uint32_t v : {t[1], t[2]}) {
+      const std::uint32_t a = find(t[0]), b = find(v);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  constexpr std::uint32_t none = 0xffffffff;
+  std::vector<std::uint32_t> number(mesh.vertices.size(), none), part(mesh.triangles.size());
+  count = 0;
+  for (std::size_t t = 0; t < part.size(); ++t) {
+    std::uint32_t& n = number[find(mesh.triangles[t][0])];
+    if (n == none) n = count++;
+    part[t] = n;
+  }
+  return part;
+}
+
+TriMesh only(const TriMesh& mesh, const std::vector<std::uint32_t>& part, const std::vector<std::uint8_t>& kept) {
+  constexpr std::uint32_t none = 0xffffffff;
+  TriMesh m;
+  std::vector<std::uint32_t> id(mesh.vertices.size(), none);
+  for (std::size_t t = 0; t < part.size(); ++t) {
+    if (!kept[part[t]]) continue;
+    auto corners = mesh.triangles[t];
+    for (std::uint32_t& v : corners) {
+      if (id[v] == none) {
+        id[v] = static_cast<std::uint32_t>(m.vertices.size());
+        m.vertices.push_back(mesh.vertices[v]);
+      }
+      v = id[v];
+    }
+    m.triangles.push_back(corners);
+  }
+  return m;
+}
+
+struct Kind {
+  int parts = 0, genus = 0;
+  bool operator==(const Kind&) const = default;
+};
+
+Kind kind_of(const TriMesh& mesh) {
+  const Topology t = topology(mesh);
+  return {t.components, t.components - static_cast<int>(t.euler / 2)};
+}
+
+}  // namespace
+
+TriMesh body_surface(const InsideField& field, double level, std::span<const Vec3> points, double smallest_share) {
+  TriMesh mesh = marching_cubes(field.value, level);
+  for (Vec3& p : mesh.vertices) p = field.origin + field.side * p;
+  std::uint32_t count = 0;
+  const std::vector<std::uint32_t> part = parts_of(mesh, count);
+  if (count <= 1) return mesh;
+  constexpr std::size_t samples = 4000;
+  const std::size_t step = std::max<std::size_t>(1, points.size() / samples);
+  std::vector<std::uint32_t> nearest((points.size() + step - 1) / step);
+  const ClosestPoint closest(mesh);
+  parallel_for(nearest.size(), 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) nearest[i] = part[closest(points[i * step]).triangle];
+  });
+  std::vector<std::size_t> speakers(count, 0);
+  for (const std::uint32_t p : nearest) ++speakers[p];
+  std::vector<std::uint8_t> kept(count, 0);
+  const auto most = std::max_element(speakers.begin(), speakers.end()) - speakers.begin();
+  for (std::size_t p = 0; p < count; ++p)
+    kept[p] =
+        static_cast<double>(speakers[p]) >= smallest_share * static_cast<double>(nearest.size()) && speakers[p] > 0;
+  kept[static_cast<std::size_t>(most)] = 1;
+  return only(mesh, part, kept);
+}
+
+Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, const CloudOptions& options,
+                 Notes& notes) {
+  constexpr double nudge = 0.1;  // the field runs from -0.5 to 0.5
+  const double share = options.smallest_part_percent / 100;
+  const auto surface = [&](const InsideField& f, double level) { return body_surface(f, level, points, share); };
+  std::optional<Body> taken;
+  bool as_asked = false;
+  for (std::size_t i = fields.size(); i-- > 0 && !as_asked;) {
+    TriMesh mesh = surface(fields[i], 0);
+    if (mesh.triangles.empty()) continue;
+    const Kind kind = kind_of(mesh);
+    switch (options.genus) {
+      case GenusRule::keep:
+        as_asked = true;
+        break;
+      case GenusRule::zero:
+        as_asked = kind.genus == 0;
+        break;
+      case GenusRule::automatic:
+        as_asked = kind_of(surface(fields[i], nudge)) == kind && kind_of(surface(fields[i], -nudge)) == kind;
+        break;
+    }
+    // Coarse fields hold fewer handles, true or not: without a better reason the simplest surface is taken.
+    if (as_asked || !taken || kind.genus < taken->genus || (kind.genus == taken->genus && kind.parts < taken->parts))
+      taken = Body{std::move(mesh), kind.parts, kind.genus, 0, fields[i]};
+  }
+  if (!taken) throw InputError("the points of the cloud enclose nothing");
+  if (!as_asked)
+    notes.push_back(
+        {Severity::warning, "cloud.handles",
+         "the points do not tell how many handles the surface has; it was given " + std::to_string(taken->genus)});
+  return std::move(*taken);
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,29 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "dynasurf/cloud/inside.hpp"
+#include "dynasurf/cloud/reconstruct_cloud.hpp"
+
+namespace dynasurf {
+
+/// The surface of a field at `level`, in the cloud's frame, without the parts that the points do not speak for: those
+/// nearest to less than `smallest_share` of the points.
+TriMesh body_surface(const InsideField& field, double level, std::span<const Vec3> points, double smallest_share);
+
+/// The surface to start from, and what it is.
+struct Body {
+  TriMesh mesh;  // closed, manifold, oriented, in the cloud's frame
+  int parts = 0, genus = 0;
+  int dropped_parts = 0;
+  InsideField field;  // that it comes from
+};
+
+/// Chooses among the fields, coarsest first. `automatic`: the finest whose surface keeps its parts and handles when the
+/// level is raised or lowered a little, which accidents of the sampling do not; `zero`: the finest without handles;
+/// `keep`: the finest. Where no field does, "cloud.handles" tells which was taken instead. Throws InputError when there
+/// is no surface at all.
+Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, const CloudOptions& options,
+                 Notes& notes);
+
+}  // namespace dynasurf

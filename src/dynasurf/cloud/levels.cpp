@@ -1,0 +1,82 @@
+#include "dynasurf/cloud/levels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "dynasurf/mesh/intersections.hpp"
+#include "dynasurf/mesh/relax.hpp"
+#include "dynasurf/mesh/simplify.hpp"
+
+namespace dynasurf {
+namespace {
+
+std::vector<Vec3> every(std::span<const Vec3> points, std::size_t step) {
+  std::vector<Vec3> some;
+  for (std::size_t i = 0; i < points.size(); i += step) some.push_back(points[i]);
+  return some;
+}
+
+/// Watching every collapse is slow where there are many, and seldom needed there: a surface that turns out to meet
+/// itself is made again under watch.
+void simplify_safely(SurfaceEditor& surface, const Simplify& options) {
+  constexpr std::size_t many = 12000;
+  if (surface.triangles() <= many) {
+    simplify(surface, options);
+    return;
+  }
+  SurfaceEditor unwatched = surface;
+  Simplify quick = options;
+  quick.exact = false;
+  simplify(unwatched, quick);
+  if (self_intersections(unwatched.mesh()).free())
+    surface = std::move(unwatched);
+  else
+    simplify(surface, options);
+}
+
+}  // namespace
+
+LevelPlan shaped_plan() { return {}; }
+
+LevelPlan faithful_plan() {
+  LevelPlan p;
+  p.evenness = 1e-6;
+  p.collapse_angle_deg = 8;
+  p.largest_bend_deg = 15;
+  p.rounds = 2;
+  p.sweeps = 0;
+  p.raise_deg = 7;
+  p.smallest_angle_deg = 5.5;
+  p.last_fits = 3;
+  return p;
+}
+
+std::size_t make_level(SurfaceEditor& surface, std::size_t triangles, const TriMesh& fine, const ClosestPoint& on_fine,
+                       const FitPoints& points, const LevelPlan& plan) {
+  simplify_safely(surface,
+                  {.triangles = triangles, .evenness = plan.evenness, .smallest_angle_deg = plan.collapse_angle_deg});
+  const auto wanted = static_cast<std::size_t>(plan.points_per_triangle * static_cast<double>(triangles)) + 1;
+  const std::size_t step = std::max<std::size_t>(1, points.points.size() / wanted);
+  const std::vector<Vec3> some = every(points.points, step), normals = every(points.normals, step);
+  FitOptions fitting{
+      .rounds = 1, .hold = plan.hold, .smoothness = plan.smoothness, .smallest_angle_deg = plan.smallest_angle_deg};
+  for (int round = 0; round < plan.rounds; ++round) {
+    const bool is_last = round == plan.rounds - 1;
+    flip_to_larger_angles(surface, plan.largest_bend_deg);
+    if (plan.sweeps > 0) {
+      const std::vector<Vec3> safe(surface.positions().begin(), surface.positions().end());
+      relax(surface, local_sizes(surface, 2), on_fine, fine, plan.sweeps, plan.raise_deg);
+      take_back_crossings(surface, safe);
+    }
+    if (is_last) {
+      raise_smallest_angle(surface, plan.raise_deg, 8);
+      fitting.rounds = plan.last_fits;
+    }
+    fit(surface, {some, normals}, fitting);
+  }
+  raise_smallest_angle(surface, plan.smallest_angle_deg, 10);
+  return surface.triangles();
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,34 @@
+#pragma once
+#include <cstddef>
+
+#include "dynasurf/cloud/fit.hpp"
+#include "dynasurf/mesh/closest_point.hpp"
+#include "dynasurf/mesh/surface_editor.hpp"
+
+namespace dynasurf {
+
+/// How a level of detail is made from a finer surface. Lengths are in units of the cloud's diagonal.
+struct LevelPlan {
+  double evenness = 1e-4;            // of the triangles, see Simplify
+  double collapse_angle_deg = 20;    // see Simplify
+  double largest_bend_deg = 30;      // of flips
+  int rounds = 3;                    // of flips, moves within the surface, and fits
+  int sweeps = 3;                    // of moves within the surface in a round
+  double raise_deg = 26;             // the smallest angle asked for before the last fit
+  double smallest_angle_deg = 20.5;  // and after it
+  int last_fits = 2;
+  double hold = 0.02;
+  double smoothness = 1e-4;
+  double points_per_triangle = 20;  // that the fit uses, at most
+};
+
+LevelPlan shaped_plan();
+LevelPlan faithful_plan();
+
+/// Takes `surface` (free of self-intersections) down to `triangles`, with triangles as the plan asks for, fitted to the
+/// points. `fine` is the surface that vertices slide on. Closed, manifold, of the same genus, and free of
+/// self-intersections at the end. Returns the number of triangles, which is larger than asked for where no edge may go.
+std::size_t make_level(SurfaceEditor& surface, std::size_t triangles, const TriMesh& fine, const ClosestPoint& on_fine,
+                       const FitPoints& points, const LevelPlan& plan);
+
+}  // namespace dynasurf

@@ -1,0 +1,215 @@
+#include "dynasurf/cloud/orient.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include <Eigen/Eigenvalues>
+
+#include "dynasurf/cloud/neighbours.hpp"
+#include "dynasurf/core/parallel.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr std::size_t links = 8;  // neighbours that pass the direction on
+constexpr std::size_t grain = 1024;
+constexpr std::uint32_t none = 0xffffffff;
+
+using Ring = std::array<std::uint32_t, links>;
+
+Vec3 plane_normal(const std::vector<Vec3>& points, std::span<const Neighbours::Found> found) {
+  Vec3 middle = Vec3::Zero();
+  for (const auto& f : found) middle += points[f.index];
+  middle /= static_cast<double>(found.size());
+  Mat3 spread = Mat3::Zero();
+  for (const auto& f : found) spread += (points[f.index] - middle) * (points[f.index] - middle).transpose();
+  const double scale = spread.trace();
+  if (!(scale > 0)) return Vec3::UnitZ();
+  Eigen::SelfAdjointEigenSolver<Mat3> axes;
+  axes.computeDirect(Mat3(spread / scale));
+  const Vec3 n = axes.eigenvectors().col(0);
+  return n.allFinite() && n.squaredNorm() > 0.5 ? n.normalized() : Vec3::UnitZ();
+}
+
+/// Sets that are joined, each member knowing whether it is turned against the first of its set.
+class Turns {
+ public:
+  explicit Turns(std::size_t count) : parent_(count), turned_(count, 0) {
+    std::iota(parent_.begin(), parent_.end(), 0u);
+  }
+  std::uint32_t find(std::uint32_t i, std::uint8_t& turned) {
+    std::uint32_t root = i;
+    turned = 0;
+    for (; parent_[root] != root; root = parent_[root]) turned ^= turned_[root];
+    std::uint8_t rest = turned;
+    for (std::uint32_t next; parent_[i] != root && i != root; i = next) {
+      next = parent_[i];
+      const std::uint8_t own = turned_[i];
+      parent_[i] = root;
+      turned_[i] = rest;
+      rest ^= own;
+    }
+    return root;
+  }
+  void join(std::uint32_t a, std::uint32_t b, bool against) {
+    std::uint8_t of_a = 0, of_b = 0;
+    std::uint32_t root_a = find(a, of_a), root_b = find(b, of_b);
+    if (root_a == root_b) return;
+    if (root_b < root_a) std::swap(root_a, root_b);
+    parent_[root_b] = root_a;
+    turned_[root_b] = static_cast<std::uint8_t>(of_a ^ of_b ^ (against ? 1 : 0));
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+  std::vector<std::uint8_t> turned_;
+};
+
+struct Link {
+  std::uint32_t a, b;
+  bool against;
+};
+
+/// Links of all neighbours in steps of falling agreement.
+std::vector<Link> links_by_agreement(const OrientedPoints& o, const std::vector<Ring>& around) {
+  constexpr std::size_t steps = 1024;
+  const std::size_t n = o.points.size();
+  std::vector<std::uint16_t> step(n * links, steps);
+  std::vector<std::uint8_t> against(n * links, 0);
+  parallel_for(n, grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t k = 0; k < links && around[i][k] != none; ++k) {
+        const std::uint32_t j = around[i][k];
+        const Vec3 d = (o.points[j] - o.points[i]).normalized();
+        const double across_i = o.normals[i].dot(d), across_j = o.normals[j].dot(d);
+        // The normal that j would have were it i's mirror image half way between them: the same on a circle.
+        const double agreement = o.normals[i].dot(o.normals[j]) - 2 * across_i * across_j;
+        const double cost = 1 - std::abs(agreement) + 0.5 * std::abs(across_i * across_j);
+        step[i * links + k] = static_cast<std::uint16_t>(std::clamp(cost, 0.0, 1.0) * (steps - 1));
+        against[i * links + k] = agreement < 0;
+      }
+  });
+  std::vector<std::size_t> first(steps + 2, 0);
+  for (const std::uint16_t s : step) ++first[s + 1u];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<Link> sorted(first[steps]);
+  for (std::size_t e = 0; e < step.size(); ++e)
+    if (step[e] < steps)
+      sorted[first[step[e]]++] = {static_cast<std::uint32_t>(e / links), around[e / links][e % links], against[e] != 0};
+  return sorted;
+}
+
+void turn_together(OrientedPoints& o, const std::vector<Ring>& around, const std::vector<std::uint8_t>& known) {
+  Turns turns(o.points.size());
+  std::uint32_t first_known = none;
+  for (std::uint32_t i = 0; i < known.size(); ++i)
+    if (known[i]) {
+      if (first_known != none) turns.join(first_known, i, false);
+      first_known = std::min(first_known, i);
+    }
+  for (const Link& l : links_by_agreement(o, around)) turns.join(l.a, l.b, l.against);
+  std::vector<std::uint32_t> sheet_of(o.points.size(), none);
+  o.sheet.resize(o.points.size());
+  for (std::uint32_t i = 0; i < o.points.size(); ++i) {
+    std::uint8_t turned = 0;
+    const std::uint32_t root = turns.find(i, turned);
+    if (turned) o.normals[i] = -o.normals[i];
+    if (sheet_of[root] == none) sheet_of[root] = o.sheets++;
+    o.sheet[i] = sheet_of[root];
+  }
+}
+
+/// On each sheet the outermost points in many directions vote.
+void turn_outwards(OrientedPoints& o, const std::vector<std::uint8_t>& known) {
+  constexpr int directions = 26;
+  struct Far {
+    double reach = -std::numeric_limits<double>::infinity();
+    double along = 0;
+  };
+  std::vector<std::array<Far, directions>> far(o.sheets);
+  std::vector<std::uint8_t> fixed(o.sheets, 0);
+  std::array<Vec3, directions> axes;
+  for (int i = 0, n = 0; i < 27; ++i)
+    if (i != 13) axes[static_cast<std::size_t>(n++)] = Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1).normalized();
+  for (std::size_t i = 0; i < o.points.size(); ++i) {
+    fixed[o.sheet[i]] |= known[i];
+    for (std::size_t a = 0; a < directions; ++a) {
+      const double reach = o.points[i].dot(axes[a]);
+      if (reach > far[o.sheet[i]][a].reach) far[o.sheet[i]][a] = {reach, o.normals[i].dot(axes[a])};
+    }
+  }
+  std::vector<std::uint8_t> turn(o.sheets, 0);
+  for (std::size_t s = 0; s < o.sheets; ++s) {
+    double vote = 0;
+    for (const Far& f : far[s]) vote += f.along;
+    turn[s] = !fixed[s] && vote < 0;
+  }
+  for (std::size_t i = 0; i < o.points.size(); ++i)
+    if (turn[o.sheet[i]]) o.normals[i] = -o.normals[i];
+}
+
+}  // namespace
+
+PointCloud thin_out(const PointCloud& cloud, double cell) {
+  if (!(cell > 0)) return {cloud.points, cloud.normals, {}, {}};
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : cloud.points) box.extend(p);
+  struct At {
+    std::uint64_t cell;
+    std::uint32_t index;
+  };
+  std::vector<At> order(cloud.points.size());
+  parallel_for(order.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3 q = (cloud.points[i] - box.min()) / cell;
+      order[i] = {(static_cast<std::uint64_t>(q[2]) << 42) | (static_cast<std::uint64_t>(q[1]) << 21) |
+                      static_cast<std::uint64_t>(q[0]),
+                  static_cast<std::uint32_t>(i)};
+    }
+  });
+  std::sort(order.begin(), order.end(),
+            [](const At& a, const At& b) { return a.cell != b.cell ? a.cell < b.cell : a.index < b.index; });
+  PointCloud thin;
+  for (std::size_t i = 0, last = 0; i < order.size(); i = last) {
+    Vec3 sum = Vec3::Zero(), normal = Vec3::Zero();
+    for (last = i; last < order.size() && order[last].cell == order[i].cell; ++last) {
+      sum += cloud.points[order[last].index];
+      if (!cloud.normals.empty()) normal += cloud.normals[order[last].index];
+    }
+    thin.points.push_back(sum / static_cast<double>(last - i));
+    if (!cloud.normals.empty()) thin.normals.push_back(normal);
+  }
+  return thin;
+}
+
+OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t ring) {
+  OrientedPoints o;
+  o.points = cloud.points;
+  const std::size_t n = o.points.size();
+  o.normals.resize(n);
+  o.areas.resize(n);
+  const bool given = use_normals && !cloud.normals.empty();
+  std::vector<std::uint8_t> known(n, 0);
+  std::vector<Ring> around(n);
+  const Neighbours neighbours(o.points);
+  parallel_for(n, grain, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbours::Found> found(ring + 1);
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t count = neighbours.nearest(o.points[i], found);
+      around[i].fill(none);
+      for (std::size_t k = 1; k < std::min(count, links + 1); ++k) around[i][k - 1] = found[k].index;
+      o.areas[i] = std::numbers::pi * found[count - 1].distance2 / static_cast<double>(count - 1);
+      known[i] = given && cloud.normals[i].allFinite() && cloud.normals[i].norm() > 1e-6;
+      o.normals[i] =
+          known[i] ? Vec3(cloud.normals[i].normalized()) : plane_normal(o.points, std::span(found).first(count));
+    }
+  });
+  turn_together(o, around, known);
+  turn_outwards(o, known);
+  return o;
+}
+
+}  // namespace dynasurf

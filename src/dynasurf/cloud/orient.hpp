@@ -1,0 +1,26 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "dynasurf/core/point_cloud.hpp"
+
+namespace dynasurf {
+
+/// Points with the direction outwards and the area that each one stands for.
+struct OrientedPoints {
+  std::vector<Vec3> points, normals;
+  std::vector<double> areas;
+  std::vector<std::uint32_t> sheet;  // points of one sheet have directions that agree with each other
+  std::uint32_t sheets = 0;
+};
+
+/// Merges the points in each cube of side `cell` to their mean, so that many points cost no more than the surface asks
+/// for. Normals are merged too; a zero normal means that there is none. With `cell` 0 all stay as they are.
+PointCloud thin_out(const PointCloud& cloud, double cell);
+
+/// Estimates the plane at each point from its `ring` nearest neighbours, and turns neighbours the same way, those that
+/// agree best first (after Hoppe et al. 1992, with the rule of König and Gumhold 2009 for the two sides of an edge).
+/// Each sheet is turned outwards by its outermost points. Normals of the cloud that are not zero are taken as they are.
+OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t ring = 12);
+
+}  // namespace dynasurf

@@ -1,0 +1,184 @@
+#include "dynasurf/mesh/simplify.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <queue>
+#include <vector>
+
+#include <Eigen/LU>
+
+namespace dynasurf {
+namespace {
+
+using Corners = SurfaceEditor::Corners;
+
+/// Weighted sum of squared distances to planes: x'Ax - 2 b'x + c.
+struct Quadric {
+  Mat3 a = Mat3::Zero();
+  Vec3 b = Vec3::Zero();
+  double c = 0;
+  double area = 0;
+  void add(const Quadric& q) {
+    a += q.a;
+    b += q.b;
+    c += q.c;
+    area += q.area;
+  }
+  double at(const Vec3& x) const { return std::max(0.0, x.dot(a * x) - 2 * b.dot(x) + c); }
+};
+
+Quadric plane_of(const Vec3& p, const Vec3& q, const Vec3& r) {
+  const Vec3 n = (q - p).cross(r - p);
+  const double area = 0.5 * n.norm();
+  Quadric k;
+  if (!(area > 0)) return k;
+  const Vec3 u = n / (2 * area);
+  const double d = u.dot(p);
+  return {area * u * u.transpose(), area * d * u, area * d * d, area};
+}
+
+struct Candidate {
+  double cost;
+  std::uint32_t half_edge, from_stamp, to_stamp;
+  Vec3 place;
+  bool operator<(const Candidate& o) const {  // the queue gives the largest first
+    return cost != o.cost ? cost > o.cost : half_edge > o.half_edge;
+  }
+};
+
+class Simplifier {
+ public:
+  Simplifier(SurfaceEditor& surface, const Simplify& options)
+      : s_(surface), o_(options), quadrics_(surface.vertex_slots()), stamps_(surface.vertex_slots(), 0) {
+    if (o_.exact) guard_.emplace(surface);
+    for (std::uint32_t t = 0; t < s_.triangle_slots(); ++t) {
+      if (!s_.is_alive(t)) continue;
+      const Corners c = s_.corners(t);
+      const Quadric q = plane_of(s_.position(c[0]), s_.position(c[1]), s_.position(c[2]));
+      for (const std::uint32_t v : c) quadrics_[v].add(q);
+    }
+  }
+
+  std::size_t run() {
+    // Rules that leave nothing to collapse are eased step by step.
+    for (const double ease : {1.0, 0.6, 0.3, 0.05}) {
+      least_sine_ = std::sin(ease * o_.smallest_angle_deg * std::numbers::pi / 180);
+      pass();
+      if (s_.triangles() <= o_.triangles) break;
+    }
+    return s_.triangles();
+  }
+
+ private:
+  void pass() {
+    std::vector<Candidate> all;
+    for (std::uint32_t h = 0; h < 3 * s_.triangle_slots(); ++h)
+      if (s_.is_alive(h / 3) && h < s_.twin(h)) all.push_back(candidate(h));
+    queue_ = std::priority_queue<Candidate>(std::less<Candidate>(), std::move(all));
+    while (s_.triangles() > o_.triangles && !queue_.empty()) {
+      const Candidate c = queue_.top();
+      queue_.pop();
+      const std::uint32_t h = c.half_edge;
+      if (!s_.is_alive(h / 3) || stamps_[s_.from(h)] != c.from_stamp || stamps_[s_.to(h)] != c.to_stamp) continue;
+      if (s_.can_collapse(h) && is_allowed(h, c.place)) collapse(h, c.place);
+    }
+  }
+
+  Candidate candidate(std::uint32_t h) const {
+    const std::uint32_t a = s_.from(h), b = s_.to(h);
+    Quadric q = quadrics_[a];
+    q.add(quadrics_[b]);
+    const Vec3 &pa = s_.position(a), &pb = s_.position(b), middle = 0.5 * (pa + pb);
+    const double length2 = (pb - pa).squaredNorm();
+    // Where the planes leave a direction free, the place is the middle of the edge.
+    const double hold = 1e-3 * q.area;
+    const Vec3 place = (q.a + hold * Mat3::Identity()).ldlt().solve(q.b + hold * middle);
+    const bool is_near = place.allFinite() && (place - middle).squaredNorm() < length2;
+    const Vec3 p = is_near ? place : middle;
+    return {q.at(p) + o_.evenness * q.area * length2, h, stamps_[a], stamps_[b], p};
+  }
+
+  /// The triangles around both ends, and what they would become.
+  void gather(std::uint32_t h, std::vector<std::uint32_t>& old, std::vector<Corners>& fresh) const {
+    const std::uint32_t o = s_.twin(h), a = s_.from(h), b = s_.to(h);
+    old.assign({h / 3, o / 3});
+    fresh.clear();
+    const auto take = [&](std::uint32_t t) {
+      old.push_back(t);
+      Corners c = s_.corners(t);
+      for (std::uint32_t& v : c) v = v == a ? b : v;
+      fresh.push_back(c);
+    };
+    for (std::uint32_t g = s_.turned(h); g != h; g = s_.turned(g))
+      if (g / 3 != o / 3) take(g / 3);
+    for (std::uint32_t g = s_.turned(o); g != o; g = s_.turned(g))
+      if (g / 3 != h / 3) take(g / 3);
+  }
+
+  bool is_allowed(std::uint32_t h, const Vec3& place) {
+    constexpr std::size_t most_neighbours = 11;
+    gather(h, old_, fresh_);
+    if (fresh_.size() > most_neighbours) return false;
+    const std::uint32_t b = s_.to(h);
+    double worst_before = 1, worst_after = 1, least_turn = 1;
+    const double turn_limit = std::cos(o_.largest_turn_deg * std::numbers::pi / 180);
+    const auto at = [&](std::uint32_t v) -> const Vec3& { return v == b ? place : s_.position(v); };
+    for (const std::uint32_t t : old_) {
+      const Corners c = s_.corners(t);
+      worst_before =
+          std::min(worst_before, sine_of_smallest_angle(s_.position(c[0]), s_.position(c[1]), s_.position(c[2])));
+    }
+    for (std::size_t i = 0; i < fresh_.size(); ++i) {
+      const Corners &n = fresh_[i], c = s_.corners(old_[i + 2]);
+      const Vec3 after = (at(n[1]) - at(n[0])).cross(at(n[2]) - at(n[0]));
+      const Vec3 before = (s_.position(c[1]) - s_.position(c[0])).cross(s_.position(c[2]) - s_.position(c[0]));
+      least_turn = std::min(least_turn, after.dot(before) / std::max(after.norm() * before.norm(), 1e-300));
+      worst_after = std::min(worst_after, sine_of_smallest_angle(at(n[0]), at(n[1]), at(n[2])));
+    }
+    if (least_turn < turn_limit || (worst_after < least_sine_ && worst_after < worst_before)) return false;
+    if (!guard_) return true;
+    const Vec3 before = s_.position(b);
+    s_.position(b) = place;
+    const bool crosses = guard_->would_cross(fresh_, old_);
+    s_.position(b) = before;
+    return !crosses;
+  }
+
+  void collapse(std::uint32_t h, const Vec3& place) {
+    const std::uint32_t a = s_.from(h), b = s_.to(h);
+    quadrics_[b].add(quadrics_[a]);
+    s_.collapse(h, place);
+    ++stamps_[b];
+    std::uint32_t g = s_.leaving(b);
+    do {
+      queue_.push(candidate(g < s_.twin(g) ? g : s_.twin(g)));
+      if (guard_) guard_->update(g / 3);
+      g = s_.turned(g);
+    } while (g != s_.leaving(b));
+  }
+
+  SurfaceEditor& s_;
+  const Simplify& o_;
+  std::vector<Quadric> quadrics_;
+  std::vector<std::uint32_t> stamps_;
+  std::optional<CrossingGuard> guard_;
+  std::priority_queue<Candidate> queue_;
+  std::vector<std::uint32_t> old_;
+  std::vector<Corners> fresh_;
+  double least_sine_ = 0;
+};
+
+}  // namespace
+
+double sine_of_smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double ab = (b - a).squaredNorm(), bc = (c - b).squaredNorm(), ca = (a - c).squaredNorm();
+  const double two_longest = ab * bc * ca / std::max(std::min({ab, bc, ca}), 1e-300);
+  return two_longest > 0 ? (b - a).cross(c - a).norm() / std::sqrt(two_longest) : 0;
+}
+
+std::size_t simplify(SurfaceEditor& surface, const Simplify& options) { return Simplifier(surface, options).run(); }
+
+}  // namespace dynasurf
