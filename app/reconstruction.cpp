@@ -9,6 +9,7 @@
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
+#include "dynasurf/report/measures.hpp"
 
 #include "console.hpp"
 #include "option_arguments.hpp"
@@ -59,6 +60,31 @@ bool is_cycle(const std::vector<TriMesh>& meshes, std::size_t gates) {
 /// Seconds of one beat: as measured, else one second.
 double cycle_s(const Study& study) { return study.cycle_ms > 0 ? study.cycle_ms / 1000 : 1.0; }
 
+/// What is known of every vertex of a surface: its thickness and its segment.
+std::vector<VertexScalar> scalars_of(const VentricleResult& result, std::size_t gate, Wall wall) {
+  if (!result.measures || !result.measures->gates[gate].axes) return {};
+  const GateMeasures& measured = result.measures->gates[gate];
+  const TriMesh& mesh = (wall == Wall::endo ? result.gates[gate].endo : result.gates[gate].epi)->mesh;
+  const VertexThickness& thickness = wall == Wall::endo ? measured.thickness.endo : measured.thickness.epi;
+  const std::vector<int> segments = segments_of_vertices(result.measures->model, *measured.axes, mesh.vertices);
+  return {{"thickness_mm", {thickness.mm.begin(), thickness.mm.end()}},
+          {"segment", {segments.begin(), segments.end()}}};
+}
+
+void write_measures(const VentricleResult& result, const fs::path& folder) {
+  if (!result.measures || result.measures->segments.empty()) return;
+  const Measures& m = *result.measures;
+  fs::create_directory(folder / "measures");
+  write_file(folder / "measures" / "segments.csv", segments_csv(m));
+  write_file(folder / "measures" / "polar.csv", polar_csv(m));
+  if (m.function) write_file(folder / "measures" / "curve.csv", curve_csv(*m.function));
+  for (const PolarKind& kind : polar_kinds())
+    if (!(m.maps.*kind.values).empty())
+      write_file(folder / "measures" / ("polar_" + std::string(kind.name) + ".svg"), polar_svg(m, kind));
+  if (const std::string svg = phase_histogram_svg(m); !svg.empty())
+    write_file(folder / "measures" / "phase_histogram.svg", svg);
+}
+
 void write_surfaces(const VentricleResult& result, const Outputs& outputs, const fs::path& folder) {
   fs::create_directory(folder / "meshes");
   std::vector<PvdEntry> series;
@@ -68,9 +94,10 @@ void write_surfaces(const VentricleResult& result, const Outputs& outputs, const
     for (const Wall wall : {Wall::endo, Wall::epi}) {
       const auto& surface = wall == Wall::endo ? gate.endo : gate.epi;
       if (!surface) continue;
+      const std::vector<VertexScalar> scalars = scalars_of(result, g, wall);
       for (const MeshFormat format : outputs.mesh_formats) {
         const std::string file = "meshes/" + gate_file(name_of(wall), g, format);
-        write_mesh(surface->mesh, folder / file, format);
+        write_mesh(surface->mesh, folder / file, format, scalars);
         if (format == MeshFormat::vtp) series.push_back({time, file, wall == Wall::endo ? 0 : 1});
       }
     }
@@ -168,6 +195,7 @@ Outcome reconstruct_to_folder(const Job& job, const Progress& progress) {
   write_file(folder.path() / "results.json", outcome.json);
   write_file(folder.path() / "results.csv", results_csv(outcome.result));
   write_surfaces(outcome.result, job.outputs, folder.path());
+  write_measures(outcome.result, folder.path());
   write_keyframes(outcome.result, job.options.keyframes, job.outputs, folder.path());
   write_cycle(outcome.result, folder.path());
   // The page tells no times, so that equal runs give equal pages.
@@ -198,6 +226,20 @@ std::string summary_of(const VentricleResult& result) {
     text += "EDV " + number(result.edv_ml, 1) + " mL" + gate_text(result.ed_gate) + "  ESV " +
             number(result.esv_ml, 1) + " mL" + gate_text(result.es_gate) + "  SV " + number(result.sv_ml, 1) +
             " mL  EF " + number(result.ef_percent, 1) + " %\n";
+  if (result.measures && result.measures->function) {
+    const CycleFunction& f = *result.measures->function;
+    text += "fit of " + std::to_string(f.waves) + " waves: EDV " + fixed(f.edv_ml, 1) + " mL  ESV " +
+            fixed(f.esv_ml, 1) + " mL  EF " + number(f.ef_percent, 1) + " %";
+    if (const auto rate = per_second(f.peak_filling, result.study.cycle_ms))
+      text += "  PFR " + fixed(*rate, 2) + " EDV/s  TTPF " + fixed(f.time_to_peak_filling * result.study.cycle_ms, 0) +
+              " ms";
+    text += "\n";
+  }
+  if (result.measures && result.measures->phase_counts)
+    text += "muscle " + number(result.measures->muscle_g, 0) + " g" +
+            (result.measures->from_edges ? " between the edges" : "") + "  phase SD " +
+            fixed(result.measures->phase_counts->sd_deg, 1) + " deg  bandwidth " +
+            fixed(result.measures->phase_counts->bandwidth_deg, 0) + " deg\n";
   text += "verdict: " + std::string(word_of(result.verdict)) + "\n";
   for (const Flag& flag : result.flags)
     text += "  " + std::string(name_of(flag.severity)) + ": " + flag.message + " [" + flag.code + "]\n";

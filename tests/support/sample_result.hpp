@@ -120,6 +120,20 @@ inline Labels sample_labels(const Grid& grid, double phase) {
   return labels;
 }
 
+/// What is measured on the surfaces that are there.
+inline std::optional<Measures> measures_of_sample(const VentricleResult& result) {
+  MeasureInput input;
+  input.axis = result.study.grid().direction.col(2);
+  bool is_any = false;
+  for (std::size_t g = 0; g < result.gates.size(); ++g) {
+    const Gate& gate = result.gates[g];
+    is_any = is_any || (gate.endo && gate.epi);
+    input.gates.push_back({gate.endo ? &gate.endo->mesh : nullptr, gate.epi ? &gate.epi->mesh : nullptr,
+                           &result.study.gates[g], std::nullopt});
+  }
+  return is_any ? std::optional(measure_walls(input, {})) : std::nullopt;
+}
+
 /// The numbers over the beat, from the surfaces that are there.
 inline void measure_sample(VentricleResult& result) {
   std::vector<double> cavity;
@@ -130,6 +144,7 @@ inline void measure_sample(VentricleResult& result) {
   result.edv_ml = result.esv_ml = result.sv_ml = result.ef_percent = std::nullopt;
   result.ed_gate = result.es_gate = std::nullopt;
   result.phases = std::nullopt;
+  result.measures = measures_of_sample(result);
   if (cavity.size() != result.gates.size()) return;
   result.phases = phases_of_curve(cavity);
   if (const auto function = left_ventricular_function(cavity)) {

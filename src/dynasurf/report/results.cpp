@@ -5,15 +5,15 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/report/measures.hpp"
+#include "dynasurf/report/numbers.hpp"
 #include "dynasurf/report/report.hpp"
 
 namespace dynasurf {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
+using report_detail::Json;
+using report_detail::number;
 
 /// Files count gates and slices from 1; -1 inside means none.
 Json one_based(int index) { return index >= 0 ? Json(index + 1) : Json(nullptr); }
@@ -241,6 +241,7 @@ Json results_json(const VentricleResult& result, const Provenance& provenance, T
   json["quality"] = quality_json(result);
   json["notes"] = notes_json(all_notes(result));
   json["gates"] = std::move(gates);
+  json["measures"] = measures_json(result.measures, result.study.cycle_ms);
   json["study"] = study_json(result.study);
   json["provenance"] = provenance_json(provenance);
   json["timings_s"] = timings_json(result, timings);

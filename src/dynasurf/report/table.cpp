@@ -1,17 +1,10 @@
-#include <charconv>
-#include <cmath>
-
+#include "dynasurf/report/numbers.hpp"
 #include "dynasurf/report/report.hpp"
 
 namespace dynasurf {
 namespace {
 
-/// Shortest text that reads back as the same number, with a point in every locale; empty when there is none.
-std::string text_of(const std::optional<double>& value) {
-  if (!value || !std::isfinite(*value)) return "";
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, *value).ptr};
-}
+using report_detail::text_of;
 
 struct Column {
   const char* name;

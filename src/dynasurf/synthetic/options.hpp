@@ -255,6 +255,8 @@ struct VirtualPatient {
   double cavity = 0.08, background = 0.06;
   Defect defect = Defect::none;
   double defect_extent_deg = 80, defect_severity = 0.9;
+  Defect late_wall = Defect::none;
+  double late_extent_deg = 90, delay_percent = 15;
   double gut_amplitude = 0, gut_gap_mm = 6, gut_radius_mm = 14, gut_position = 0.3;
   double right_ventricle = 0;
   double azimuth_deg = 45, elevation_deg = 30;
@@ -281,6 +283,10 @@ void describe(auto& visit, VirtualPatient& o) {
       "defect_extent_deg", o.defect_extent_deg,
       Field{"width of the defect around the axis; of an apical one, its opening seen from the middle", "deg", 0, 360});
   visit("defect_severity", o.defect_severity, Field{"part of the uptake that is lost there", "", 0, 1});
+  visit("late_wall", o.late_wall,
+        Field{"a sector that contracts later, as after a block of conduction; whole sectors only, no apical ones"});
+  visit("late_extent_deg", o.late_extent_deg, Field{"its width around the axis", "deg", 0, 360});
+  visit("delay_percent", o.delay_percent, Field{"how much later it contracts", "% of the beat", 0, 50});
   visit("gut_amplitude", o.gut_amplitude,
         Field{"activity of a loop of gut below the inferior wall; 0: none", "", 0, 10});
   visit("gut_gap_mm", o.gut_gap_mm, Field{"gap between gut and heart at end-diastole", "mm", -20, 100});

@@ -1,6 +1,8 @@
 #include <cmath>
 
+#include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/synthetic/assembly.hpp"
 #include "dynasurf/synthetic/ventricle_shape.hpp"
 
@@ -65,18 +67,60 @@ Gut gut_below(const VirtualPatient& o, const VentricleShape& relaxed) {
   return gut;
 }
 
+/// The sector that contracts later than the rest.
+bool is_late(const VirtualPatient& o, const Vec3& p) {
+  switch (o.late_wall) {
+    case Defect::lateral:
+      return in_sector(p, 0, o.late_extent_deg);
+    case Defect::inferior:
+      return in_sector(p, 90, o.late_extent_deg);
+    case Defect::septal:
+      return in_sector(p, 180, o.late_extent_deg);
+    default:
+      return false;
+  }
+}
+
+/// One instant of a ventricle whose walls need not be at the same point of their beat.
+struct Instant {
+  VentricleShape shape, late;
+};
+
+Instant instant_at(const VirtualPatient& o, const VentricleMotion& motion, double phase) {
+  const auto shape = [&](double at) {
+    return shape_at(motion, motion.esv_ml + (motion.edv_ml - motion.esv_ml) * filling_at(at));
+  };
+  Instant now{shape(phase), {}};
+  now.late = now.shape;
+  if (o.late_wall == Defect::none) return now;
+  now.late = shape(phase - o.delay_percent / 100 + 1);
+  now.late.base_z = now.shape.base_z;  // the valve plane moves as one
+  return now;
+}
+
+/// The surface of the shape with the late sector's part from that of the late one; they have the same triangles.
+TriMesh with_late_sector(const VirtualPatient& o, TriMesh mesh, const TriMesh& late) {
+  if (o.late_wall == Defect::none) return mesh;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    if (is_late(o, late.vertices[v])) mesh.vertices[v] = late.vertices[v];
+  return mesh;
+}
+
 /// Activity above the background at one instant, in the frame of the heart.
-Scene scene_of(const VirtualPatient& o, const VentricleShape& shape, const VentricleShape& relaxed) {
+Scene scene_of(const VirtualPatient& o, const Instant& now, const VentricleShape& relaxed) {
+  const VentricleShape& shape = now.shape;
   const Gut gut = gut_below(o, relaxed);
   const RightVentricle right = right_ventricle_beside(shape.epi_radius, 0.1 * shape.base_z, shape.base_z);
   Scene scene;
-  scene.support = {{-shape.epi_radius, -shape.epi_radius, 0}, {shape.epi_radius, shape.epi_radius, shape.base_z}};
+  const double radius = std::max(shape.epi_radius, now.late.epi_radius);
+  scene.support = {{-radius, -radius, 0}, {radius, radius, shape.base_z}};
   if (o.gut_amplitude > 0) scene.support = hull(scene.support, {gut.centre - gut.half, gut.centre + gut.half});
   if (o.right_ventricle > 0) scene.support = hull(scene.support, box_of(right));
-  scene.activity = [o, shape, gut, right](const Vec3& p) {
-    if (shape.in_epi(p)) {
-      if (shape.in_endo(p)) return o.cavity - o.background;
-      return (in_defect(o, shape, p) ? 1 - o.defect_severity : 1.0) - o.background;
+  scene.activity = [o, now, gut, right](const Vec3& p) {
+    const VentricleShape& wall = is_late(o, p) ? now.late : now.shape;
+    if (wall.in_epi(p)) {
+      if (wall.in_endo(p)) return o.cavity - o.background;
+      return (in_defect(o, wall, p) ? 1 - o.defect_severity : 1.0) - o.background;
     }
     if (o.right_ventricle > 0 && right.in_wall(p)) return o.right_ventricle - o.background;
     if (o.right_ventricle > 0 && right.in_cavity(p)) return o.cavity - o.background;
@@ -105,6 +149,9 @@ Image with_base_first(const Image& image) {
 Phantom make_phantom(const VirtualPatient& options) {
   VirtualPatient o = options;
   check_options(o, std::string(VirtualPatient::name));
+  if (o.late_wall == Defect::apical || o.late_wall == Defect::anteroapical)
+    throw OptionError("option patient.late_wall is " + std::string(word_of(o.late_wall)) +
+                      "; expected none, inferior, lateral or septal");
   constexpr double sub_step_mm = 1.2;
   // Where a heart lies against the middle of a scanner's field, roughly: to the left and in front.
   const Vec3 heart_world{45, -35, 10};
@@ -125,13 +172,15 @@ Phantom make_phantom(const VirtualPatient& options) {
     for (std::size_t g = begin; g < end; ++g) {
       TrueGate& truth = phantom.truth[g];
       truth.phase = o.gates > 1 ? (static_cast<double>(g) + 0.5) / o.gates : 0;
-      const VentricleShape shape =
-          shape_at(motion, motion.esv_ml + (motion.edv_ml - motion.esv_ml) * filling_at(truth.phase));
-      truth.endo_ml = endo_ml(shape);
-      truth.epi_ml = epi_ml(shape);
-      truth.endo = place_in_world(grid, frame, endo_surface(shape));
-      truth.epi = place_in_world(grid, frame, epi_surface(shape));
-      images[g] = render_scene(grid, frame, scene_of(o, shape, relaxed), fwhm, sub_samples);
+      const Instant now = instant_at(o, motion, truth.phase);
+      const TriMesh endo = with_late_sector(o, endo_surface(now.shape), endo_surface(now.late));
+      const TriMesh epi = with_late_sector(o, epi_surface(now.shape), epi_surface(now.late));
+      const bool is_one = o.late_wall == Defect::none;
+      truth.endo_ml = is_one ? endo_ml(now.shape) : volume_mm3(endo) / 1000;
+      truth.epi_ml = is_one ? epi_ml(now.shape) : volume_mm3(epi) / 1000;
+      truth.endo = place_in_world(grid, frame, endo);
+      truth.epi = place_in_world(grid, frame, epi);
+      images[g] = render_scene(grid, frame, scene_of(o, now, relaxed), fwhm, sub_samples);
       for (float& value : images[g].values) value = static_cast<float>(static_cast<double>(value) + o.background);
     }
   });

@@ -200,6 +200,23 @@ void measure_cycle(VentricleResult& result) {
   if (wall.size() == result.gates.size() && wall.size() > 1) result.wall_variation = coefficient_of_variation(wall);
 }
 
+/// What is measured on the surfaces, along the heart's axis where it was found, else along the stack.
+std::optional<Measures> measure_study(const VentricleResult& result, const MeasureOptions& options) {
+  MeasureInput input;
+  input.cycle_ms = result.study.cycle_ms;
+  // A heart that was found across the stack was not believed either when the stack was kept.
+  const Vec3 along_stack = result.study.grid().direction.col(2);
+  input.axis = result.heart && result.heart->cup.axis.dot(along_stack) > 0.7 ? result.heart->cup.axis : along_stack;
+  bool is_any = false;
+  for (std::size_t g = 0; g < result.gates.size(); ++g) {
+    const Gate& gate = result.gates[g];
+    is_any = is_any || (gate.endo && gate.epi);
+    input.gates.push_back({gate.endo ? &gate.endo->mesh : nullptr, gate.epi ? &gate.epi->mesh : nullptr,
+                           &result.study.gates[g], gate.base_plane});
+  }
+  return is_any ? std::optional(measure_walls(input, options)) : std::nullopt;
+}
+
 /// Surfaces that started from the data themselves have triangles of their own in every gate.
 void note_correspondence(VentricleResult& result) {
   for (const auto wall : {&Gate::endo, &Gate::epi})
@@ -360,6 +377,7 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
   }
   note_correspondence(result);
   measure_cycle(result);
+  result.measures = clock("measures", [&] { return measure_study(result, options.measures); });
   result.flags = judge(result);
   result.verdict = verdict_of(result.flags);
   return result;

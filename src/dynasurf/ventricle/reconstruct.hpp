@@ -20,6 +20,7 @@
 #include "dynasurf/ventricle/function.hpp"
 #include "dynasurf/ventricle/labels.hpp"
 #include "dynasurf/ventricle/locate.hpp"
+#include "dynasurf/ventricle/measures/measures.hpp"
 #include "dynasurf/ventricle/orientation.hpp"
 #include "dynasurf/ventricle/quality.hpp"
 #include "dynasurf/ventricle/surface.hpp"
@@ -60,6 +61,7 @@ struct VentricleOptions {
   ContourPipeline contour;
   bool warm_start = false;
   Keyframes keyframes;
+  MeasureOptions measures;
 };
 void describe(auto& visit, VentricleOptions& o) {
   visit("pipeline", o.pipeline,
@@ -83,6 +85,7 @@ void describe(auto& visit, VentricleOptions& o) {
   visit("contour", o.contour, Field{"the contours of pipeline contour"});
   visit("warm_start", o.warm_start, Field{"start each gate from the surface of the gate before, a little enlarged"});
   visit("keyframes", o.keyframes, Field{"surfaces between the gates"});
+  visit("measures", o.measures, Field{"what is measured on the surfaces"});
 }
 
 struct Gate {
@@ -104,6 +107,7 @@ struct VentricleResult {
   std::optional<int> ed_gate, es_gate;                      // 0-based
   std::optional<CurvePhases> phases;                        // of the cavity's volume curve
   std::optional<double> wall_variation;                     // coefficient of variation of wall_ml over the cycle
+  std::optional<Measures> measures;                         // absent when no gate has both surfaces
   Verdict verdict = Verdict::fail;
   std::vector<Flag> flags;
   Notes notes;

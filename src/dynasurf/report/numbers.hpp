@@ -1,0 +1,31 @@
+#pragma once
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+// How numbers stand in the files of a result.
+
+namespace dynasurf::report_detail {
+
+using Json = nlohmann::ordered_json;
+
+inline Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+inline Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
+
+/// Shortest text that reads back as the same number, with a point in every locale; empty when there is none.
+inline std::string text_of(const std::optional<double>& value) {
+  if (!value || !std::isfinite(*value)) return "";
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, *value).ptr};
+}
+
+/// The same with a fixed number of decimals.
+inline std::string text_of(double value, int decimals) {
+  char text[64];
+  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr};
+}
+
+}  // namespace dynasurf::report_detail

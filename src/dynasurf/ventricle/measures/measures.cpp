@@ -1,0 +1,236 @@
+#include "dynasurf/ventricle/measures/measures.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/ventricle/function.hpp"
+
+namespace dynasurf {
+namespace {
+
+bool has_walls(const WallGate& gate) { return gate.endo && gate.epi && gate.image; }
+
+/// Centre of the volume inside a closed surface.
+Vec3 centroid(const TriMesh& mesh) {
+  Vec3 sum = Vec3::Zero();
+  double volume = 0;
+  const Vec3 origin = mesh.vertices.front();  // near, so that nothing is lost to cancellation
+  for (const auto& t : mesh.triangles) {
+    const Vec3 a = mesh.vertices[t[0]] - origin, b = mesh.vertices[t[1]] - origin, c = mesh.vertices[t[2]] - origin;
+    const double six = a.dot(b.cross(c));
+    volume += six, sum += six * (a + b + c) / 4;
+  }
+  return volume != 0 ? Vec3(origin + sum / volume) : origin;
+}
+
+/// A point of the long axis in the cavities of all gates.
+Vec3 middle_of(const MeasureInput& input) {
+  Vec3 sum = Vec3::Zero();
+  int count = 0;
+  for (const WallGate& gate : input.gates)
+    if (has_walls(gate)) sum += centroid(*gate.endo), ++count;
+  return sum / count;
+}
+
+/// Applies f(values at sample n...) where all are present.
+template <class F, class... Maps>
+PolarValues combine(const F& f, const PolarValues& first, const Maps&... maps) {
+  PolarValues result(first.size());
+  for (std::size_t n = 0; n < first.size(); ++n)
+    if (first[n] && (maps[n] && ...)) result[n] = f(*first[n], *maps[n]...);
+  return result;
+}
+
+double percent_change(double from, double to) { return 100 * (to - from) / from; }
+
+/// Gates whose wall was mapped, in order.
+std::vector<const GateMeasures*> mapped(const Measures& m) {
+  std::vector<const GateMeasures*> gates;
+  for (const GateMeasures& g : m.gates)
+    if (g.axes) gates.push_back(&g);
+  return gates;
+}
+
+/// One value per sample and gate; a sample that lacks one gate is empty.
+using Curves = std::vector<std::vector<double>>;
+
+template <class ValueAt>
+Curves curves_of(const Measures& m, const ValueAt& value_at) {
+  Curves curves(m.grid.size());
+  const auto gates = mapped(m);
+  for (std::size_t n = 0; n < curves.size(); ++n) {
+    for (const GateMeasures* gate : gates) {
+      const std::optional<double> value = value_at(*gate, n);
+      if (!value) break;
+      curves[n].push_back(*value);
+    }
+    if (curves[n].size() != gates.size()) curves[n].clear();
+  }
+  return curves;
+}
+
+PolarValues means_of(const Curves& curves) {
+  PolarValues means(curves.size());
+  for (std::size_t n = 0; n < curves.size(); ++n) {
+    if (curves[n].empty()) continue;
+    double sum = 0;
+    for (const double v : curves[n]) sum += v;
+    means[n] = sum / static_cast<double>(curves[n].size());
+  }
+  return means;
+}
+
+PolarValues onsets_of(const Curves& curves) {
+  PolarValues onsets(curves.size());
+  for (std::size_t n = 0; n < curves.size(); ++n) onsets[n] = onset_phase_deg(curves[n]);
+  return onsets;
+}
+
+/// Percent of the mean of the brightest twentieth: steadier than a single maximum.
+PolarValues in_percent_of_brightest(const PolarValues& counts) {
+  std::vector<double> sorted;
+  for (const auto& c : counts)
+    if (c) sorted.push_back(*c);
+  if (sorted.empty()) return counts;
+  std::sort(sorted.begin(), sorted.end(), std::greater<>());
+  const std::size_t top = std::max<std::size_t>(1, sorted.size() / 20);
+  double sum = 0;
+  for (std::size_t n = 0; n < top; ++n) sum += sorted[n];
+  const double bright = sum / static_cast<double>(top);
+  return combine([&](double c) { return bright > 0 ? 100 * c / bright : 0.0; }, counts);
+}
+
+/// The mean curve of each segment.
+Curves segment_curves(const Measures& m, const Curves& curves) {
+  Curves sums(segments_of(m.model).size());
+  std::vector<double> weights(sums.size(), 0.0);
+  for (std::size_t n = 0; n < curves.size(); ++n) {
+    const int number = segment_at(m.model, m.grid.point(n));
+    if (curves[n].empty() || number == 0) continue;
+    const auto s = static_cast<std::size_t>(number - 1);
+    sums[s].resize(curves[n].size(), 0.0);
+    for (std::size_t g = 0; g < curves[n].size(); ++g) sums[s][g] += m.area_mm2[n] * curves[n][g];
+    weights[s] += m.area_mm2[n];
+  }
+  for (std::size_t s = 0; s < sums.size(); ++s)
+    for (double& v : sums[s]) v /= weights[s];
+  return sums;
+}
+
+void measure_beat(Measures& m, const std::vector<double>& cavity, int waves) {
+  const std::optional<Function> f = left_ventricular_function(cavity);
+  if (!f) return;
+  m.ed_gate = f->ed_gate, m.es_gate = f->es_gate;
+  m.function = cycle_function(cavity, waves);
+}
+
+void measure_maps(Measures& m) {
+  const GateMeasures& ed = m.gates[static_cast<std::size_t>(m.ed_gate)];
+  m.area_mm2 = ed.map.area_mm2;
+  const Curves counts = curves_of(m, [](const GateMeasures& g, std::size_t n) { return g.map.counts[n]; });
+  m.maps.perfusion_percent = in_percent_of_brightest(means_of(counts));
+  m.maps.thickness_ed_mm = ed.map.thickness_mm;
+  if (m.es_gate < 0) return;
+
+  const GateMeasures& es = m.gates[static_cast<std::size_t>(m.es_gate)];
+  const Curves motion = curves_of(m, [&](const GateMeasures& g, std::size_t n) -> std::optional<double> {
+    if (!g.map.endo[n] || !ed.map.endo[n]) return std::nullopt;
+    return (*ed.map.endo[n] - *g.map.endo[n]).dot(ed.map.outwards[n]);
+  });
+  m.maps.thickness_es_mm = es.map.thickness_mm;
+  m.maps.thickening_percent = combine(percent_change, ed.map.thickness_mm, es.map.thickness_mm);
+  m.maps.count_thickening_percent = combine(percent_change, ed.map.counts, es.map.counts);
+  m.maps.motion_mm.resize(m.grid.size());
+  for (std::size_t n = 0; n < m.grid.size(); ++n)
+    if (ed.map.endo[n] && es.map.endo[n])
+      m.maps.motion_mm[n] = (*ed.map.endo[n] - *es.map.endo[n]).dot(ed.map.outwards[n]);
+  m.maps.phase_counts_deg = onsets_of(counts);
+  m.maps.phase_motion_deg = onsets_of(motion);
+  m.phase_counts = summarise_phases(m.maps.phase_counts_deg, m.area_mm2);
+  m.phase_motion = summarise_phases(m.maps.phase_motion_deg, m.area_mm2);
+  const Curves count_curves = segment_curves(m, counts), motion_curves = segment_curves(m, motion);
+  for (std::size_t s = 0; s < m.segments.size(); ++s) {
+    m.segments[s].phase_counts_deg = onset_phase_deg(count_curves[s]);
+    m.segments[s].phase_motion_deg = onset_phase_deg(motion_curves[s]);
+  }
+}
+
+void measure_segments(Measures& m) {
+  const auto means = [&](const PolarValues& values) { return segment_means(m.model, m.grid, values, m.area_mm2); };
+  const GateMeasures& ed = m.gates[static_cast<std::size_t>(m.ed_gate)];
+  const PolarValues perfusion = means(m.maps.perfusion_percent), thickness = means(m.maps.thickness_ed_mm);
+  const PolarValues counts = means(ed.map.counts);
+  double all = 0;
+  std::vector<double> area(m.segments.size(), 0.0);
+  for (std::size_t n = 0; n < m.grid.size(); ++n)
+    if (const int s = segment_at(m.model, m.grid.point(n)); s > 0)
+      all += m.area_mm2[n], area[static_cast<std::size_t>(s - 1)] += m.area_mm2[n];
+  for (std::size_t s = 0; s < m.segments.size(); ++s) {
+    m.segments[s].wall_share_percent = all > 0 ? 100 * area[s] / all : 0;
+    m.segments[s].perfusion_percent = perfusion[s];
+    m.segments[s].thickness_ed_mm = thickness[s];
+  }
+  if (m.es_gate < 0) return;
+  const GateMeasures& es = m.gates[static_cast<std::size_t>(m.es_gate)];
+  const PolarValues thickness_es = means(m.maps.thickness_es_mm), counts_es = means(es.map.counts);
+  const PolarValues motion = means(m.maps.motion_mm);
+  const PolarValues thickening = combine(percent_change, thickness, thickness_es);
+  const PolarValues count_thickening = combine(percent_change, counts, counts_es);
+  for (std::size_t s = 0; s < m.segments.size(); ++s) {
+    m.segments[s].thickness_es_mm = thickness_es[s];
+    m.segments[s].thickening_percent = thickening[s];
+    m.segments[s].count_thickening_percent = count_thickening[s];
+    m.segments[s].motion_mm = motion[s];
+  }
+}
+
+}  // namespace
+
+Measures measure_walls(const MeasureInput& input, const MeasureOptions& requested) {
+  MeasureOptions options = requested;
+  check_options(options, "measures");
+  Measures m;
+  m.from_edges = input.from_edges;
+  m.model = options.segments;
+  m.gates.resize(input.gates.size());
+  const auto first = std::find_if(input.gates.begin(), input.gates.end(), has_walls);
+  if (first == input.gates.end()) return m;
+
+  m.anterior = find_anterior(input.axis, first->image->grid, options.anterior);
+  const Vec3 middle = middle_of(input);
+  parallel_for(input.gates.size(), 1, [&](std::size_t g, std::size_t) {
+    const WallGate& gate = input.gates[g];
+    if (!has_walls(gate)) return;
+    GateMeasures& measured = m.gates[g];
+    measured.endo_ml = volume_mm3(*gate.endo) / 1000, measured.epi_ml = volume_mm3(*gate.epi) / 1000;
+    measured.axes = axes_of(*gate.endo, *gate.epi, middle, input.axis, m.anterior.direction, gate.base_plane);
+    if (!measured.axes) return;
+    measured.thickness = wall_thickness(*gate.endo, *gate.epi, *measured.axes);
+    measured.map = map_wall(*gate.endo, *gate.epi, measured.thickness, *measured.axes, *gate.image, m.grid);
+  });
+
+  double muscle = 0;
+  int walls = 0;
+  std::vector<double> cavity;
+  for (std::size_t g = 0; g < m.gates.size(); ++g) {
+    if (!has_walls(input.gates[g])) continue;
+    muscle += m.gates[g].epi_ml - m.gates[g].endo_ml, ++walls;
+    cavity.push_back(m.gates[g].endo_ml);
+  }
+  m.muscle_ml = muscle / walls, m.muscle_g = muscle_density * *m.muscle_ml;
+  if (cavity.size() == m.gates.size() && cavity.size() > 1) measure_beat(m, cavity, options.waves);
+  if (m.gates.size() == 1) m.ed_gate = 0;
+
+  // Maps of a beat need its extremes.
+  const auto is_mapped = [&](int gate) { return gate >= 0 && m.gates[static_cast<std::size_t>(gate)].axes; };
+  if (!is_mapped(m.ed_gate) || (m.gates.size() > 1 && !is_mapped(m.es_gate))) return m;
+  for (const Segment& segment : segments_of(m.model)) m.segments.emplace_back().segment = segment;
+  measure_maps(m);
+  measure_segments(m);
+  return m;
+}
+
+}  // namespace dynasurf

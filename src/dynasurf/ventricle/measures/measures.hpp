@@ -1,0 +1,93 @@
+#pragma once
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "dynasurf/core/note.hpp"
+#include "dynasurf/core/options.hpp"
+#include "dynasurf/core/volume.hpp"
+#include "dynasurf/ventricle/measures/phase.hpp"
+#include "dynasurf/ventricle/measures/segments.hpp"
+#include "dynasurf/ventricle/measures/volume_curve.hpp"
+#include "dynasurf/ventricle/measures/wall_map.hpp"
+#include "dynasurf/ventricle/measures/wall_thickness.hpp"
+
+namespace dynasurf {
+
+struct MeasureOptions {
+  SegmentModel segments = SegmentModel::aha17;
+  AnteriorRule anterior = AnteriorRule::automatic;
+  int waves = 3;
+};
+void describe(auto& visit, MeasureOptions& o) {
+  visit("segments", o.segments, Field{"how the wall is divided"});
+  visit("anterior", o.anterior,
+        Field{"where the anterior wall is: patient: towards the head; rows: against the rows of the short-axis stack; "
+              "auto: by the patient where the long axis runs as in a patient"});
+  visit("waves", o.waves, Field{"waves of the volume curve's periodic fit, as far as the gates tell them", "", 1, 8});
+}
+
+/// Density of the myocardium, g/mL.
+inline constexpr double muscle_density = 1.05;
+
+/// What is measured: closed surfaces and the image of each gate, in the world frame, on any pipeline's way.
+struct WallGate {
+  const TriMesh* endo = nullptr;  // null: not found in this gate
+  const TriMesh* epi = nullptr;
+  const Image* image = nullptr;
+  std::optional<BasePlane> base_plane;
+};
+struct MeasureInput {
+  std::vector<WallGate> gates;  // in the order of the beat
+  Vec3 axis{0, 0, 1};           // unit, from apex to base
+  double cycle_ms = 0;          // R-R interval, 0: unknown
+  bool from_edges = true;       // the surfaces are edges of a blurred image: their thickness is apparent
+};
+
+/// One gate in its own frame. Empty where a surface is missing or the frame was not found.
+struct GateMeasures {
+  double endo_ml = 0, epi_ml = 0;
+  std::optional<HeartAxes> axes;
+  WallThickness thickness;
+  WallMap map;
+};
+
+/// The maps of a study; absent samples where any gate that is needed lacks the wall.
+struct PolarMaps {
+  PolarValues perfusion_percent;  // mean over the gates of `counts`; 100: mean of the brightest twentieth
+  PolarValues thickness_ed_mm, thickness_es_mm;
+  PolarValues thickening_percent;        // (es - ed) / ed of the thickness between the surfaces
+  PolarValues count_thickening_percent;  // the same of the counts: what blur leaves of the thickening of thin walls
+  PolarValues motion_mm;                 // of the endocardium from end diastole to end systole, inwards positive
+  PolarValues phase_counts_deg, phase_motion_deg;  // onset of contraction (phase.hpp)
+};
+
+struct SegmentMeasures {
+  Segment segment;
+  double wall_share_percent = 0;  // of the mapped area at end diastole
+  std::optional<double> perfusion_percent, thickness_ed_mm, thickness_es_mm, thickening_percent,
+      count_thickening_percent, motion_mm, phase_counts_deg, phase_motion_deg;
+};
+
+/// Every number a reader expects, from one pair of surfaces per gate (docs/stages/measures.md).
+struct Measures {
+  bool from_edges = true;
+  Anterior anterior;
+  std::vector<GateMeasures> gates;
+  int ed_gate = -1, es_gate = -1;  // 0-based, of the measured volumes; -1: none (es of an ungated study)
+  std::optional<CycleFunction> function;
+  std::optional<double> muscle_ml, muscle_g;  // mean over the gates
+  SegmentModel model = SegmentModel::aha17;
+  PolarGrid grid;
+  PolarMaps maps;
+  std::vector<double> area_mm2;           // of the samples at end diastole
+  std::vector<SegmentMeasures> segments;  // by number; empty without a mapped wall
+  std::optional<PhaseSummary> phase_counts, phase_motion;
+};
+
+/// Gates without both surfaces take no part. An ungated study has perfusion and thickness, no function, motion or
+/// phase. A segment's percentages come from its mean thickness and counts, its phases from its mean curves.
+Measures measure_walls(const MeasureInput& input, const MeasureOptions& options);
+
+}  // namespace dynasurf

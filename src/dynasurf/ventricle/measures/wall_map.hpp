@@ -1,0 +1,53 @@
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "dynasurf/core/volume.hpp"
+#include "dynasurf/ventricle/measures/heart_axes.hpp"
+#include "dynasurf/ventricle/measures/segments.hpp"
+#include "dynasurf/ventricle/measures/wall_thickness.hpp"
+
+namespace dynasurf {
+
+/// Where a polar map is sampled: `rings` from apex to base, `sectors` counter-clockwise from the lateral wall, sample
+/// (ring, sector) in the middle of its cell. Ring and sector borders fall on all borders of segments.
+struct PolarGrid {
+  int rings = 16, sectors = 48;
+  std::size_t size() const { return static_cast<std::size_t>(rings) * static_cast<std::size_t>(sectors); }
+  std::size_t index(int ring, int sector) const {
+    return static_cast<std::size_t>(ring) * static_cast<std::size_t>(sectors) + static_cast<std::size_t>(sector);
+  }
+  PolarPoint point(std::size_t index) const {
+    const auto ring = static_cast<double>(index / static_cast<std::size_t>(sectors));
+    const auto sector = static_cast<double>(index % static_cast<std::size_t>(sectors));
+    return {(ring + 0.5) / rings, (sector + 0.5) * 360 / sectors};
+  }
+};
+
+/// One value per sample, ring by ring from the apex; absent where the wall was not met.
+using PolarValues = std::vector<std::optional<double>>;
+
+/// The wall of one gate seen along the rays of its frame.
+struct WallMap {
+  PolarGrid grid;
+  std::vector<std::optional<Vec3>> endo, epi;  // where the rays meet the surfaces, world
+  std::vector<Vec3> outwards;                  // directions of the rays
+  PolarValues counts;                          // largest value of the image between the surfaces (cubic interpolation)
+  PolarValues thickness_mm;                    // of the nearest vertices of both surfaces, by their rays
+  std::vector<double> area_mm2;                // of the middle of the wall for each sample; 0 where it was not met
+};
+
+/// `image` may be on any grid of the world. Samples whose rays miss a surface, or meet its lid, are absent.
+WallMap map_wall(const TriMesh& endo, const TriMesh& epi, const WallThickness& thickness, const HeartAxes& axes,
+                 const Image& image, const PolarGrid& grid = {});
+
+/// Mean of the values of each segment (entry 0: segment 1), weighted by `weight`; absent where no sample has a value.
+PolarValues segment_means(SegmentModel model, const PolarGrid& grid, const PolarValues& values,
+                          const std::vector<double>& weight);
+
+/// Values of the vertices of one surface from a map, bilinear between samples, for drawing. Vertices of segment 0 (the
+/// lid) and those beside absent samples only are absent.
+PolarValues on_vertices(const PolarGrid& grid, const PolarValues& values, const HeartAxes& axes,
+                        const std::vector<Vec3>& vertices);
+
+}  // namespace dynasurf

@@ -1,0 +1,110 @@
+#include "dynasurf/ventricle/measures/wall_thickness.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/ray_tree.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr std::size_t grain = 128;
+
+/// Triangles that close the surface at the base: all corners on the valve plane.
+std::vector<bool> wall_triangles(const TriMesh& mesh, const HeartAxes& axes) {
+  constexpr double on_plane_mm = 0.05;
+  std::vector<bool> is_wall;
+  is_wall.reserve(mesh.triangles.size());
+  for (const auto& t : mesh.triangles)
+    is_wall.push_back(std::any_of(t.begin(), t.end(),
+                                  [&](std::uint32_t v) { return axes.above_base(mesh.vertices[v]) < -on_plane_mm; }));
+  return is_wall;
+}
+
+/// A third of the area of the wall's triangles around each vertex, mm2.
+std::vector<double> areas_of_vertices(const TriMesh& mesh, const std::vector<bool>& is_wall) {
+  std::vector<double> areas(mesh.vertices.size(), 0.0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!is_wall[t]) continue;
+    const auto& [a, b, c] = mesh.triangles[t];
+    const double area = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]).norm() / 6;
+    for (const auto v : {a, b, c}) areas[v] += area;
+  }
+  return areas;
+}
+
+/// From the vertices of `mesh` to `other`. `outwards`: +1 from endo to epi, -1 from epi to endo.
+VertexThickness thickness_from(const TriMesh& mesh, const std::vector<bool>& is_wall, const RayTree& other,
+                               const std::vector<bool>& other_is_wall, const HeartAxes& axes, double outwards,
+                               double lid_mm, double reach_mm) {
+  const std::vector<Vec3> normals = normals_of_vertices(mesh, is_wall);
+  const std::size_t count = mesh.vertices.size();
+  VertexThickness result{std::vector<double>(count, 0.0), std::vector<ThicknessSource>(count, ThicknessSource::lid)};
+  parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const Vec3& p = mesh.vertices[v];
+      if (axes.above_base(p) > -lid_mm || normals[v].isZero()) continue;
+      const Vec3 direction = outwards * normals[v];
+      const auto hit = other.first_hit(p, direction, 0, reach_mm);
+      // From between the surfaces the epicardium is met from behind and the endocardium from in front.
+      if (hit && other_is_wall[hit->triangle] && hit->from_behind == (outwards > 0)) {
+        result.mm[v] = hit->distance, result.source[v] = ThicknessSource::ray;
+        continue;
+      }
+      const double nearest = other.distance_to(p);
+      const bool is_crossing = hit && hit->from_behind != (outwards > 0);
+      result.mm[v] = is_crossing ? -nearest : nearest;
+      result.source[v] = is_crossing ? ThicknessSource::crossing : ThicknessSource::nearest;
+    }
+  });
+  return result;
+}
+
+struct Sums {
+  double area = 0, first = 0, second = 0;
+  void add(double weight, double value) { area += weight, first += weight * value, second += weight * value * value; }
+  double mean() const { return first / area; }
+};
+
+std::optional<ThicknessSummary> summarise(const WallThickness& wall, const std::vector<double>& endo_areas,
+                                          const std::vector<double>& epi_areas) {
+  ThicknessSummary summary;
+  summary.min_mm = std::numeric_limits<double>::infinity(), summary.max_mm = -summary.min_mm;
+  Sums of[2];
+  const VertexThickness* sides[] = {&wall.endo, &wall.epi};
+  const std::vector<double>* areas[] = {&endo_areas, &epi_areas};
+  for (int side = 0; side < 2; ++side)
+    for (std::size_t v = 0; v < sides[side]->mm.size(); ++v) {
+      const ThicknessSource source = sides[side]->source[v];
+      summary.nearest += source == ThicknessSource::nearest;
+      summary.crossing += source == ThicknessSource::crossing;
+      if (source != ThicknessSource::ray) continue;
+      const double mm = sides[side]->mm[v];
+      of[side].add((*areas[side])[v], mm);
+      summary.min_mm = std::min(summary.min_mm, mm), summary.max_mm = std::max(summary.max_mm, mm);
+    }
+  if (!(of[0].area > 0) || !(of[1].area > 0)) return std::nullopt;
+  summary.from_endo_mm = of[0].mean(), summary.from_epi_mm = of[1].mean();
+  // Both directions count alike, though the outer surface is the larger one.
+  summary.mean_mm = (summary.from_endo_mm + summary.from_epi_mm) / 2;
+  const double square = (of[0].second / of[0].area + of[1].second / of[1].area) / 2;
+  summary.sd_mm = std::sqrt(std::max(0.0, square - summary.mean_mm * summary.mean_mm));
+  return summary;
+}
+
+}  // namespace
+
+WallThickness wall_thickness(const TriMesh& endo, const TriMesh& epi, const HeartAxes& axes, double lid_mm,
+                             double reach_mm) {
+  const RayTree endo_tree(endo), epi_tree(epi);
+  const std::vector<bool> endo_wall = wall_triangles(endo, axes), epi_wall = wall_triangles(epi, axes);
+  WallThickness wall;
+  wall.endo = thickness_from(endo, endo_wall, epi_tree, epi_wall, axes, 1, lid_mm, reach_mm);
+  wall.epi = thickness_from(epi, epi_wall, endo_tree, endo_wall, axes, -1, lid_mm, reach_mm);
+  wall.summary = summarise(wall, areas_of_vertices(endo, endo_wall), areas_of_vertices(epi, epi_wall));
+  return wall;
+}
+
+}  // namespace dynasurf
