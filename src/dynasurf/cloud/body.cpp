@@ -116,7 +116,15 @@ Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, 
     }
     // Coarse fields hold fewer handles, true or not: without a better reason the simplest surface is taken.
     if (as_asked || !taken || kind.genus < taken->genus || (kind.genus == taken->genus && kind.parts < taken->parts))
-      taken = Body{std::move(mesh), kind.parts, kind.genus, 0, fields[i]};
+      taken = Body{std::move(mesh), kind.parts, kind.genus, false, fields[i]};
+  }
+  if (taken && !as_asked && options.genus == GenusRule::zero) {
+    // Cut on a coarser lattice, where the two sides of a cut stand well apart.
+    InsideField cut = without_handles(fields.size() > 1 ? fields[fields.size() - 2] : taken->field);
+    TriMesh mesh = surface(cut, 0);
+    const Kind kind = kind_of(mesh);
+    as_asked = kind.genus == 0;
+    if (as_asked) taken = Body{std::move(mesh), kind.parts, 0, true, std::move(cut)};
   }
   if (!taken) throw InputError("the points of the cloud enclose nothing");
   if (!as_asked)

@@ -11,11 +11,16 @@ namespace dynasurf {
 /// nearest to less than `smallest_share` of the points.
 TriMesh body_surface(const InsideField& field, double level, std::span<const Vec3> points, double smallest_share);
 
+/// The field changed so that the inside is one ball without handles or cavities: it grows from its innermost node, the
+/// most inward node first, and leaves out every node that would close a handle (simple points, Bertrand and Malandain
+/// 1994). Values become 0.3 inside and -0.5 outside.
+InsideField without_handles(const InsideField& field);
+
 /// The surface to start from, and what it is.
 struct Body {
   TriMesh mesh;  // closed, manifold, oriented, in the cloud's frame
   int parts = 0, genus = 0;
-  int dropped_parts = 0;
+  bool handles_cut = false;
   InsideField field;  // that it comes from
 };
 

@@ -37,6 +37,10 @@ void simplify_safely(SurfaceEditor& surface, const Simplify& options) {
 
 }  // namespace
 
+void make_lighter(SurfaceEditor& surface, std::size_t triangles) {
+  simplify_safely(surface, {.triangles = triangles, .evenness = 1e-3});
+}
+
 LevelPlan shaped_plan() { return {}; }
 
 LevelPlan faithful_plan() {
@@ -47,26 +51,28 @@ LevelPlan faithful_plan() {
   p.rounds = 2;
   p.sweeps = 0;
   p.raise_deg = 7;
+  p.hold_angle_deg = 5.5;
   p.smallest_angle_deg = 5.5;
-  p.last_fits = 3;
+  p.last_fits = 5;
   return p;
 }
 
 std::size_t make_level(SurfaceEditor& surface, std::size_t triangles, const TriMesh& fine, const ClosestPoint& on_fine,
                        const FitPoints& points, const LevelPlan& plan) {
+  if (surface.triangles() < triangles) refine(surface, triangles + triangles / 2);
   simplify_safely(surface,
                   {.triangles = triangles, .evenness = plan.evenness, .smallest_angle_deg = plan.collapse_angle_deg});
   const auto wanted = static_cast<std::size_t>(plan.points_per_triangle * static_cast<double>(triangles)) + 1;
   const std::size_t step = std::max<std::size_t>(1, points.points.size() / wanted);
   const std::vector<Vec3> some = every(points.points, step), normals = every(points.normals, step);
   FitOptions fitting{
-      .rounds = 1, .hold = plan.hold, .smoothness = plan.smoothness, .smallest_angle_deg = plan.smallest_angle_deg};
+      .rounds = 1, .hold = plan.hold, .smoothness = plan.smoothness, .smallest_angle_deg = plan.hold_angle_deg};
   for (int round = 0; round < plan.rounds; ++round) {
     const bool is_last = round == plan.rounds - 1;
     flip_to_larger_angles(surface, plan.largest_bend_deg);
     if (plan.sweeps > 0) {
       const std::vector<Vec3> safe(surface.positions().begin(), surface.positions().end());
-      relax(surface, local_sizes(surface, 2), on_fine, fine, plan.sweeps, plan.raise_deg);
+      relax(surface, local_sizes(surface, 2), on_fine, fine, plan.sweeps, plan.raise_deg, plan.sharp_deg);
       take_back_crossings(surface, safe);
     }
     if (is_last) {

@@ -1,7 +1,9 @@
 #pragma once
 #include <cstddef>
+#include <optional>
 
 #include "dynasurf/cloud/fit.hpp"
+#include "dynasurf/cloud/neighbours.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/surface_editor.hpp"
 
@@ -12,18 +14,28 @@ struct LevelPlan {
   double evenness = 1e-4;            // of the triangles, see Simplify
   double collapse_angle_deg = 20;    // see Simplify
   double largest_bend_deg = 30;      // of flips
-  int rounds = 3;                    // of flips, moves within the surface, and fits
-  int sweeps = 3;                    // of moves within the surface in a round
-  double raise_deg = 26;             // the smallest angle asked for before the last fit
-  double smallest_angle_deg = 20.5;  // and after it
-  int last_fits = 2;
-  double hold = 0.02;
+  int rounds = 2;                    // of flips, moves within the surface, and fits
+  int sweeps = 2;                    // of moves within the surface in a round
+  double raise_deg = 30;             // the smallest angle asked for before the last fit
+  double hold_angle_deg = 28.5;      // the fit makes no angle smaller than this
+  double smallest_angle_deg = 20.5;  // asked for in the end
+  int last_fits = 4;
+  double sharp_deg = 180;  // edges this sharp keep their vertices
+  double hold = 0.005;
   double smoothness = 1e-4;
   double points_per_triangle = 20;  // that the fit uses, at most
 };
 
 LevelPlan shaped_plan();
 LevelPlan faithful_plan();
+
+/// Collapses edges to `triangles` with well-shaped ones, never letting the surface meet itself.
+void make_lighter(SurfaceEditor& surface, std::size_t triangles);
+
+/// A light copy of a surface (free of self-intersections) whose parts far from all points, more than `reach`, are bent
+/// anew: as little as can be, and smoothly where they meet what the points hold. Nothing where no part is.
+std::optional<TriMesh> with_smooth_holes(const TriMesh& fine, const Neighbours& points, double reach,
+                                         std::size_t triangles);
 
 /// Takes `surface` (free of self-intersections) down to `triangles`, with triangles as the plan asks for, fitted to the
 /// points. `fine` is the surface that vertices slide on. Closed, manifold, of the same genus, and free of

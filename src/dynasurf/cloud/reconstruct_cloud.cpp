@@ -5,6 +5,7 @@
 
 #include "dynasurf/cloud/body.hpp"
 #include "dynasurf/cloud/levels.hpp"
+#include "dynasurf/cloud/neighbours.hpp"
 #include "dynasurf/cloud/prepare.hpp"
 #include "dynasurf/cloud/thesis_recipe.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -55,10 +56,11 @@ Body find_body(const PreparedCloud& p, const CloudOptions& options, int triangle
 
 LevelPlan plan_of(const CloudOptions& options, const CloudFacts& facts, std::size_t triangles) {
   LevelPlan plan = options.method == CloudMethod::faithful ? faithful_plan() : shaped_plan();
+  plan.sharp_deg = options.keep_sharp ? 40 : 60;
   if (is_noisy(facts)) {
+    // The smaller the triangles against the noise, the more their vertices must share; measured on noisy bodies.
     const double edge = 1.5 / std::sqrt(static_cast<double>(triangles));  // of the diagonal, for common bodies
-    const double ratio = facts.noise / facts.diagonal / edge;
-    plan.smoothness += ratio * ratio;
+    plan.smoothness += 380 * std::pow(facts.noise / facts.diagonal / edge, 4);
   }
   return plan;
 }
@@ -73,6 +75,45 @@ void add_level(CloudResult& result, int asked, TriMesh mesh) {
         {Severity::warning, "cloud.triangles",
          "the level of " + std::to_string(asked) + " triangles has " + std::to_string(certificate.triangles)});
   result.levels.push_back({asked, std::move(mesh), certificate});
+}
+
+/// What every level is made from.
+struct Fitting {
+  const TriMesh& fine;
+  const ClosestPoint& on_fine;
+  FitPoints points;
+  const CloudOptions& options;
+  const CloudFacts& facts;
+
+  void make(SurfaceEditor& surface, int triangles) const {
+    const auto count = static_cast<std::size_t>(triangles);
+    make_level(surface, count, fine, on_fine, points, plan_of(options, facts, count));
+  }
+};
+
+/// Leaves in `surface` the level with the fewest triangles whose points are near enough, and returns their number.
+int fewest_within(SurfaceEditor& surface, const Fitting& fitting, double error, Notes& notes,
+                  const Progress& progress) {
+  constexpr int most = 40960, fewest = 20;
+  const auto is_near = [&](const SurfaceEditor& s) { return mean_distance(s, fitting.points.points) <= error; };
+  int count = most;
+  fitting.make(surface, count);
+  if (!is_near(surface)) {
+    notes.push_back({Severity::warning, "cloud.max_error",
+                     "no level of up to " + std::to_string(most) + " triangles is as near to the points as asked for"});
+    return count;
+  }
+  for (const double step : {0.5, 0.9})
+    for (;;) {
+      progress.check();
+      const int next = static_cast<int>(step * count) / 2 * 2;
+      SurfaceEditor lighter = surface;
+      if (next >= fewest) fitting.make(lighter, next);
+      if (next < fewest || lighter.triangles() != static_cast<std::size_t>(next) || !is_near(lighter)) break;
+      surface = std::move(lighter);
+      count = next;
+    }
+  return count;
 }
 
 void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, const std::vector<int>& triangles,
@@ -90,16 +131,34 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
   });
   TriMesh fine = body.mesh;
   for (Vec3& v : fine.vertices) v = frame.in(v);
+  const double reach = (4 * p.facts.spacing + 3 * p.facts.noise) / p.facts.diagonal;
+  std::optional<TriMesh> closed;
+  if (!body.handles_cut)
+    closed =
+        with_smooth_holes(fine, Neighbours(points), reach, std::clamp<std::size_t>(fine.triangles.size(), 1000, 8000));
+  if (closed) {
+    result.notes.push_back(
+        {Severity::info, "cloud.holes", "parts of the surface lie far from all points; they were closed smoothly"});
+    fine = std::move(*closed);
+  }
   const ClosestPoint on_fine(fine);
+  const Fitting fitting{fine, on_fine, {points, normals}, options, p.facts};
+  const auto publish = [&](const SurfaceEditor& surface, int asked) {
+    TriMesh mesh = surface.mesh();
+    for (Vec3& v : mesh.vertices) v = frame.out(v);
+    add_level(result, asked, std::move(mesh));
+  };
   SurfaceEditor surface(fine);
+  if (options.max_error_percent) {
+    const int fewest = fewest_within(surface, fitting, *options.max_error_percent / 100, result.notes, progress);
+    publish(surface, fewest);
+    return;
+  }
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     progress("levels", static_cast<int>(i), static_cast<int>(triangles.size()));
     progress.check();
-    const auto count = static_cast<std::size_t>(triangles[i]);
-    make_level(surface, count, fine, on_fine, {points, normals}, plan_of(options, p.facts, count));
-    TriMesh mesh = surface.mesh();
-    for (Vec3& v : mesh.vertices) v = frame.out(v);
-    add_level(result, triangles[i], std::move(mesh));
+    fitting.make(surface, triangles[i]);
+    publish(surface, triangles[i]);
   }
   progress("levels", static_cast<int>(triangles.size()), static_cast<int>(triangles.size()));
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <Eigen/Eigenvalues>
+
 #include "dynasurf/mesh/intersections.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
@@ -240,14 +242,17 @@ std::vector<double> local_sizes(const SurfaceEditor& s, int sweeps) {
 }
 
 void relax(SurfaceEditor& s, std::span<const double> sizes, const ClosestPoint& onto, const TriMesh& onto_mesh,
-           int sweeps, double enough_deg) {
+           int sweeps, double enough_deg, double sharp_deg) {
   const double enough = std::sin(radians(enough_deg));
+  // Two halves of a fan at this angle spread their normals by this much of the whole to either side.
+  const double spread = std::pow(std::sin(radians(0.5 * sharp_deg)), 2);
   for (int k = 0; k < sweeps; ++k)
     for (std::uint32_t v = 0; v < s.vertex_slots(); ++v) {
       if (!s.has_vertex(v)) continue;
       const Vec3 p = s.position(v);
       Vec3 sum = Vec3::Zero(), normal = Vec3::Zero();
-      double weights = 0;
+      Mat3 normals = Mat3::Zero();
+      double weights = 0, areas = 0;
       for_ring(s, v, [&](std::uint32_t h) {
         const std::uint32_t ia = s.to(h), ib = s.from(SurfaceEditor::previous(h));
         const Vec3 &a = s.position(ia), &b = s.position(ib), n = (a - p).cross(b - p);
@@ -256,11 +261,19 @@ void relax(SurfaceEditor& s, std::span<const double> sizes, const ClosestPoint& 
         sum += weight / 3 * (p + a + b);
         weights += weight;
         normal += n;
+        areas += n.norm();
+        if (spread < 1) normals += n * n.transpose() / std::max(n.norm(), 1e-300);
       });
       if (!(weights > 0) || !(normal.norm() > 0)) continue;
       normal.normalize();
       Vec3 step = sum / weights - p;
       step -= step.dot(normal) * normal;
+      if (spread < 1) {
+        Eigen::SelfAdjointEigenSolver<Mat3> axes;
+        axes.computeDirect(Mat3(normals / areas));
+        for (int a = 0; a < 3; ++a)
+          if (axes.eigenvalues()[a] > spread) step -= step.dot(axes.eigenvectors().col(a)) * axes.eigenvectors().col(a);
+      }
       const Vec3 free = p + step;
       const SurfacePoint on = onto(free);
       const auto& t = onto_mesh.triangles[on.triangle];

@@ -15,9 +15,10 @@ int flip_to_larger_angles(SurfaceEditor& surface, double largest_bend_deg, int s
 /// Moves vertices within the surface towards the middle of their neighbours, where triangles are weighted by the size
 /// that is asked for around them (`sizes`: the wanted edge length of each vertex slot), and back onto `onto`. No
 /// normal turns by more than 60 degrees in a step, and the smallest angle around a vertex may shrink only while it is
-/// above `enough_deg`.
+/// above `enough_deg`. Where the normals around a vertex differ by more than `sharp_deg`, it moves only along the edge
+/// that they show, and not at all on a corner; 180: everywhere freely.
 void relax(SurfaceEditor& surface, std::span<const double> sizes, const ClosestPoint& onto, const TriMesh& onto_mesh,
-           int sweeps, double enough_deg);
+           int sweeps, double enough_deg, double sharp_deg = 180);
 
 /// Mean edge length at each vertex slot, evened out over `sweeps` rings of neighbours.
 std::vector<double> local_sizes(const SurfaceEditor& surface, int sweeps);

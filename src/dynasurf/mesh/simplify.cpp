@@ -179,6 +179,31 @@ double sine_of_smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
   return two_longest > 0 ? (b - a).cross(c - a).norm() / std::sqrt(two_longest) : 0;
 }
 
+void refine(SurfaceEditor& s, std::size_t triangles) {
+  struct Edge {
+    double length2;
+    std::uint32_t half_edge;
+    bool operator<(const Edge& o) const { return length2 != o.length2 ? length2 < o.length2 : half_edge > o.half_edge; }
+  };
+  const auto length2 = [&](std::uint32_t h) { return (s.position(s.to(h)) - s.position(s.from(h))).squaredNorm(); };
+  std::vector<Edge> all;
+  for (std::uint32_t h = 0; h < 3 * s.triangle_slots(); ++h)
+    if (s.is_alive(h / 3) && h < s.twin(h)) all.push_back({length2(h), h});
+  std::priority_queue<Edge> longest(std::less<Edge>(), std::move(all));
+  while (s.triangles() < triangles && !longest.empty()) {
+    const Edge e = longest.top();
+    longest.pop();
+    if (e.length2 != length2(e.half_edge)) continue;
+    const std::uint32_t v =
+        s.split(e.half_edge, Vec3(0.5 * (s.position(s.from(e.half_edge)) + s.position(s.to(e.half_edge)))));
+    std::uint32_t h = s.leaving(v);
+    do {
+      longest.push({length2(h), h});
+      h = s.turned(h);
+    } while (h != s.leaving(v));
+  }
+}
+
 std::size_t simplify(SurfaceEditor& surface, const Simplify& options) { return Simplifier(surface, options).run(); }
 
 }  // namespace dynasurf

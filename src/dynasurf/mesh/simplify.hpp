@@ -21,4 +21,7 @@ struct Simplify {
 /// the surface as it comes), until `triangles` are left or none can go. Returns how many are left.
 std::size_t simplify(SurfaceEditor& surface, const Simplify& options);
 
+/// Splits edges in their middle, the longest first, until there are `triangles` (or one more, where that is odd).
+void refine(SurfaceEditor& surface, std::size_t triangles);
+
 }  // namespace dynasurf

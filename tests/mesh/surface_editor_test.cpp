@@ -1,0 +1,182 @@
+#include "dynasurf/mesh/surface_editor.hpp"
+
+#include <algorithm>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/mesh/closest_point.hpp"
+#include "dynasurf/mesh/intersections.hpp"
+#include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/mesh/relax.hpp"
+#include "dynasurf/mesh/repair.hpp"
+#include "dynasurf/mesh/simplify.hpp"
+
+#include "support/shapes.hpp"
+
+namespace dynasurf {
+namespace {
+
+using namespace test_shapes;
+
+long euler(const SurfaceEditor& s) { return topology(s.mesh()).euler; }
+
+TEST(SurfaceEditor, GivesBackTheMeshItWasMadeOf) {
+  const TriMesh mesh = torus(10, 3, 20, 10);
+  const TriMesh back = SurfaceEditor(mesh).mesh();
+  EXPECT_EQ(back.vertices, mesh.vertices);
+  EXPECT_EQ(back.triangles, mesh.triangles);
+}
+
+TEST(SurfaceEditor, RefusesOpenTurnedAndPinchedSurfaces) {
+  TriMesh open = icosphere(1), turned = open, stray = open;
+  open.triangles.pop_back();
+  std::swap(turned.triangles[3][0], turned.triangles[3][1]);
+  stray.vertices.push_back(Vec3::Zero());
+  for (const TriMesh& bad : {open, turned, stray}) EXPECT_THROW(SurfaceEditor{bad}, InputError);
+}
+
+TEST(SurfaceEditor, StaysAClosedSurfaceOfItsGenusUnderAnyChanges) {
+  SurfaceEditor s(torus(10, 3, 24, 12));
+  std::mt19937 random(11);
+  int done[3] = {0, 0, 0};
+  for (int n = 0; n < 4000; ++n) {
+    const auto h = static_cast<std::uint32_t>(random() % (3 * s.triangle_slots()));
+    if (!s.is_alive(h / 3)) continue;
+    const std::size_t before = s.triangles();
+    const Vec3 middle = 0.5 * (s.position(s.from(h)) + s.position(s.to(h)));
+    const auto kind = random() % 3;
+    if (kind == 0 && s.can_collapse(h)) {
+      s.collapse(h, middle);
+      EXPECT_EQ(s.triangles(), before - 2);
+    } else if (kind == 1 && s.can_flip(h)) {
+      s.flip(h);
+      EXPECT_EQ(s.triangles(), before);
+    } else if (kind == 2 && before < 700) {
+      s.split(h, middle);
+      EXPECT_EQ(s.triangles(), before + 2);
+    } else {
+      continue;
+    }
+    ++done[kind];
+    if (n % 100 == 0) {
+      const SurfaceCheck check = check_surface(s.mesh());
+      EXPECT_TRUE(check.closed && check.manifold && check.oriented);
+      EXPECT_EQ(euler(s), 0);
+    }
+  }
+  for (const int count : done) EXPECT_GT(count, 200);
+  EXPECT_EQ(s.mesh().triangles.size(), s.triangles());
+}
+
+TEST(SurfaceEditor, DoesNotCollapseATetrahedron) {
+  const SurfaceEditor s(tetrahedron());
+  for (std::uint32_t h = 0; h < 12; ++h) {
+    EXPECT_FALSE(s.can_collapse(h));
+    EXPECT_FALSE(s.can_flip(h));
+  }
+}
+
+TEST(CrossingGuard, SeesWhatTheSearchForIntersectionsSees) {
+  SurfaceEditor s(icosphere(3));
+  CrossingGuard guard(s);
+  std::mt19937 random(5);
+  const auto number = [&] { return random() / 2147483648.0 - 1; };
+  int crossings = 0;
+  for (int n = 0; n < 300; ++n) {
+    const auto v = static_cast<std::uint32_t>(random() % s.vertex_slots());
+    const Vec3 before = s.position(v);
+    s.position(v) += 0.5 * Vec3(number(), number(), number());
+    std::vector<std::uint32_t> old;
+    std::vector<SurfaceEditor::Corners> fresh;
+    std::uint32_t h = s.leaving(v);
+    do {
+      old.push_back(h / 3);
+      fresh.push_back(s.corners(h / 3));
+      h = s.turned(h);
+    } while (h != s.leaving(v));
+    const bool crosses = guard.would_cross(fresh, old);
+    EXPECT_EQ(crosses, !self_intersections(s.mesh()).free());
+    crossings += crosses;
+    s.position(v) = before;
+  }
+  EXPECT_GT(crossings, 30);
+  EXPECT_LT(crossings, 270);
+}
+
+TEST(Simplify, ReachesTheCountAndKeepsASphereValidAndNear) {
+  SurfaceEditor s(icosphere(5));
+  EXPECT_EQ(simplify(s, {.triangles = 400}), 400u);
+  const TriMesh mesh = s.mesh();
+  EXPECT_TRUE(check_surface(mesh).valid());
+  // 400 triangles on the unit sphere have edges of about 0.27, whose middles lie 0.27^2 / 8 below it.
+  for (const Vec3& p : mesh.vertices) EXPECT_NEAR(p.norm(), 1, 0.01);
+  EXPECT_GT(triangle_quality(mesh).smallest_angle_deg, 20);
+}
+
+TEST(Simplify, KeepsTheEdgesOfACube) {
+  SurfaceEditor s(cube_surface(20));
+  simplify(s, {.triangles = 100, .evenness = 1e-6});
+  EXPECT_NEAR(volume_mm3(s.mesh()), 8, 0.01);
+}
+
+TEST(Refine, ReachesTheCountWithoutMovingTheSurface) {
+  SurfaceEditor s(icosphere(1));
+  const double volume = volume_mm3(s.mesh());
+  refine(s, 500);
+  EXPECT_EQ(s.triangles(), 500u);
+  EXPECT_NEAR(volume_mm3(s.mesh()), volume, 1e-12);
+  EXPECT_EQ(euler(s), 2);
+}
+
+TEST(RaiseSmallestAngle, MendsAShuffledBallAndKeepsItsCount) {
+  std::mt19937 random(5);
+  const auto number = [&] { return random() / 2147483648.0 - 1; };
+  SurfaceEditor s(mapped(
+      icosphere(3), [&](const Vec3& p) { return Vec3((p + 0.07 * Vec3(number(), number(), number())).normalized()); }));
+  ASSERT_TRUE(self_intersections(s.mesh()).free());
+  ASSERT_LT(triangle_quality(s.mesh()).smallest_angle_deg, 15);
+  EXPECT_GE(raise_smallest_angle(s, 25, 10), 25);
+  EXPECT_EQ(s.triangles(), 1280u);
+  EXPECT_TRUE(check_surface(s.mesh()).valid());
+}
+
+TEST(Relax, EvensOutABallAndLeavesItRound) {
+  std::mt19937 random(5);
+  const auto number = [&] { return random() / 2147483648.0 - 1; };
+  const TriMesh fine = icosphere(5);
+  SurfaceEditor s(mapped(
+      icosphere(3), [&](const Vec3& p) { return Vec3((p + 0.05 * Vec3(number(), number(), number())).normalized()); }));
+  const double before = triangle_quality(s.mesh()).shape_mean;
+  relax(s, std::vector<double>(s.vertex_slots(), 1.0), ClosestPoint(fine), fine, 5, 25);
+  EXPECT_GT(triangle_quality(s.mesh()).shape_mean, before + 0.05);
+  for (const Vec3& p : s.mesh().vertices) EXPECT_NEAR(p.norm(), 1, 1e-3);
+}
+
+TEST(Relax, LeavesSharpEdgesWhereTheyAre) {
+  const TriMesh cube = cube_surface(6);
+  const ClosestPoint on_cube(cube);
+  const auto relaxed_volume = [&](double sharp_deg) {
+    SurfaceEditor s(cube);
+    simplify(s, {.triangles = 200, .evenness = 1e-3});
+    relax(s, std::vector<double>(s.vertex_slots(), 1.0), on_cube, cube, 5, 5, sharp_deg);
+    return volume_mm3(s.mesh());
+  };
+  EXPECT_NEAR(relaxed_volume(40), 8, 1e-3);
+  EXPECT_LT(relaxed_volume(180), 7.99);
+}
+
+TEST(TakeBackCrossings, UndoesOnlyWhatCrosses) {
+  SurfaceEditor s(icosphere(3));
+  const std::vector<Vec3> safe(s.positions().begin(), s.positions().end());
+  s.position(0) *= -1.5;
+  s.position(100) *= 1.01;
+  EXPECT_GT(take_back_crossings(s, safe), 0u);
+  EXPECT_TRUE(self_intersections(s.mesh()).free());
+  EXPECT_EQ(s.position(0), safe[0]);
+  EXPECT_NE(s.position(100), safe[100]);
+}
+
+}  // namespace
+}  // namespace dynasurf
