@@ -94,7 +94,7 @@ class Simplifier {
     const Vec3 &pa = s_.position(a), &pb = s_.position(b), middle = 0.5 * (pa + pb);
     const double length2 = (pb - pa).squaredNorm();
     // Where the planes leave a direction free, the place is the middle of the edge.
-    const double hold = 1e-3 * q.area;
+    const double hold = 1e-5 * q.area;
     const Vec3 place = (q.a + hold * Mat3::Identity()).ldlt().solve(q.b + hold * middle);
     const bool is_near = place.allFinite() && (place - middle).squaredNorm() < length2;
     const Vec3 p = is_near ? place : middle;
