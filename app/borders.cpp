@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <memory>
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -22,6 +24,8 @@ namespace fs = std::filesystem;
 struct Arguments {
   std::string study, out;
   OptionArguments options;
+  std::vector<std::string> vary;  // path=value,value,...
+  int gate = 1, slice = 0;        // from 1; slice 0: the middle of the heart
   int threads = 0;
   bool quiet = false;
 };
@@ -62,28 +66,128 @@ std::string table_of_borders(const BorderResult& result) {
 
 enum class Drawing { edges, borders };
 
+/// "canny sigma_px 1.0 low 0.15 ..." for the title of a sheet.
+std::string words_of(const nlohmann::ordered_json& options) {
+  std::string text;
+  for (const auto& [key, value] : options.items()) {
+    if (!text.empty()) text += "  ";
+    if (key == "method")
+      text += value.get<std::string>();
+    else
+      text += key + " " +
+              (value.is_object()   ? "(" + words_of(value) + ")"
+               : value.is_string() ? value.get<std::string>()
+                                   : value.dump());
+  }
+  return text;
+}
+
+std::string title_of(const std::string& subject, const VentricleOptions& options, Drawing what) {
+  const auto json = nlohmann::ordered_json::parse(options_to_text(options));
+  return subject + ":  " + words_of(what == Drawing::edges ? json["edges"] : json["labels"]["method"]);
+}
+
 void write_sheets(const BorderResult& result, Drawing what, const fs::path& folder, const VentricleOptions& options) {
   const RadialLabels* asked = std::get_if<RadialLabels>(&options.labels.method);
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
     const GateBorders& gate = result.gates[g];
     const Image& image = result.study.gates[g];
     const std::string prefix = (folder / ((g < 9 ? "g0" : "g") + std::to_string(g + 1))).string();
-    write_png(draw_edges(image, gate.edges), prefix + "_edges.png");
+    const std::string subject = "gate " + std::to_string(g + 1) + " of " + std::to_string(result.gates.size());
+    write_png(draw_edges(image, gate.edges, title_of(subject, options, Drawing::edges)), prefix + "_edges.png");
     if (what == Drawing::edges) continue;
-    write_png(draw_labels(image, gate, result.coarse), prefix + "_labels.png");
-    write_png(draw_rings(image, gate, asked ? *asked : RadialLabels{}), prefix + "_rings.png");
+    write_png(draw_labels(image, gate, result.coarse, title_of(subject, options, Drawing::borders)),
+              prefix + "_labels.png");
+    write_png(draw_rings(image, gate, asked ? *asked : RadialLabels{}, subject + ":  edge pixels by distance"),
+              prefix + "_rings.png");
   }
+}
+
+/// "edges.sigma_px=1,2" as "edges.sigma_px=1" and "edges.sigma_px=2".
+std::vector<std::string> values_of(const std::string& vary) {
+  const auto equal = vary.find('=');
+  if (equal == std::string::npos || equal == 0 || equal + 1 == vary.size())
+    throw OptionError("--vary " + vary + ": expected path=value,value,...");
+  std::vector<std::string> all;
+  for (std::size_t from = equal + 1; from <= vary.size();) {
+    const std::size_t to = std::min(vary.find(',', from), vary.size());
+    if (to == from) throw OptionError("--vary " + vary + ": a value is empty");
+    all.push_back(vary.substr(0, equal + 1) + vary.substr(from, to - from));
+    from = to + 1;
+  }
+  return all;
+}
+
+/// A whole is set before its parts, so that `edges=compass` does not undo `edges.low=0.1`.
+void sort_by_depth(std::vector<std::string>& settings) {
+  const auto depth = [](const std::string& s) { return std::count(s.begin(), s.begin() + s.find('='), '.'); };
+  for (const std::string& s : settings)
+    if (s.find('=') == std::string::npos) throw OptionError("--set " + s + ": expected path=value");
+  std::stable_sort(settings.begin(), settings.end(),
+                   [&](const std::string& a, const std::string& b) { return depth(a) < depth(b); });
+}
+
+/// One gate under every pair of choices: columns by the first --vary, rows by the second.
+void write_matrix(const Arguments& arguments, Drawing what, const Image* mask, const fs::path& folder,
+                  const Progress& progress) {
+  if (arguments.vary.size() > 2) throw OptionError("--vary was given more than twice; expected columns and rows");
+  Study study = read_study(arguments.study);
+  const int gates = static_cast<int>(study.gates.size());
+  if (arguments.gate > gates)
+    throw OptionError("--gate " + std::to_string(arguments.gate) + ": the study has " + std::to_string(gates));
+  study.gates = {std::move(study.gates[static_cast<std::size_t>(arguments.gate - 1)])};
+  study.time_ms.clear();
+
+  const std::vector<std::string> across = values_of(arguments.vary[0]), down = arguments.vary.size() > 1
+                                                                                   ? values_of(arguments.vary[1])
+                                                                                   : std::vector<std::string>{""};
+  std::vector<std::vector<MatrixCell>> rows;
+  int done = 0;
+  for (const std::string& row : down) {
+    rows.emplace_back();
+    for (const std::string& column : across) {
+      OptionArguments with = arguments.options;
+      with.settings.push_back(column);
+      if (!row.empty()) with.settings.push_back(row);
+      sort_by_depth(with.settings);
+      const std::string name =
+          column.substr(column.find('=') + 1) + (row.empty() ? "" : " " + row.substr(row.find('=') + 1));
+      rows.back().push_back({name, find_borders(study, options_of(with), {{}, progress.stop}, mask)});
+      progress("choices", ++done, static_cast<int>(across.size() * down.size()));
+    }
+  }
+  const BorderResult& first = rows[0][0].borders;
+  const int slice = arguments.slice > 0 ? arguments.slice - 1
+                                        : (first.gates[0].labels.division_slice + first.gates[0].base_slice + 1) / 2;
+  if (slice >= first.study.grid().dims[2])
+    throw OptionError("--slice " + std::to_string(slice + 1) + ": the stack has " +
+                      std::to_string(first.study.grid().dims[2]));
+  std::string title = "gate " + std::to_string(arguments.gate) + "  slice " + std::to_string(slice + 1) + ":  " +
+                      arguments.vary[0].substr(0, arguments.vary[0].find('='));
+  if (arguments.vary.size() > 1) title += "  by  " + arguments.vary[1].substr(0, arguments.vary[1].find('='));
+  write_png(draw_matrix(rows, slice, what == Drawing::edges ? MatrixDrawing::edges : MatrixDrawing::labels, title),
+            folder / "matrix.png");
 }
 
 ExitCode run(const Arguments& arguments, Drawing what, std::stop_token stop) {
   // Only what this command wrote before is replaced.
-  OutputFolder folder(arguments.out, fs::exists(fs::path(arguments.out) / "g01_edges.png"));
+  const fs::path out = arguments.out;
+  OutputFolder folder(out, fs::exists(out / "g01_edges.png") || fs::exists(out / "matrix.png"));
   const VentricleOptions options = options_of(arguments.options);
   const ThreadLimit limit(arguments.threads);
   ProgressLine line(arguments.quiet);
   const Progress progress{[&](std::string_view stage, int done, int total) { line(stage, done, total); }, stop};
   std::optional<Image> mask;
   if (!arguments.options.mask.empty()) mask = read_mask(arguments.options.mask);
+  if (!arguments.vary.empty()) {
+    write_matrix(arguments, what, mask ? &*mask : nullptr, folder.path(), progress);
+    line.finish();
+    write_file(folder.path() / "options.json", options_to_text(options));
+    folder.publish();
+    print("matrix: " + (out / "matrix.png").string() + "\n");
+    return done;
+  }
+
   const BorderResult result = find_borders(read_study(arguments.study), options, progress, mask ? &*mask : nullptr);
   line.finish();
   write_sheets(result, what, folder.path(), options);
@@ -106,6 +210,16 @@ void add(CLI::App& program, Command& chosen, Drawing what, const std::string& na
   command->add_option("STUDY", a->study, "DICOM file or folder, NIfTI or NRRD file")->required();
   command->add_option("--out", a->out, "folder for the sheets; former sheets there are replaced")->required();
   add_option_arguments(*command, a->options);
+  command
+      ->add_option("--vary", a->vary,
+                   "path=value,value,...: one slice under all these values in matrix.png instead of the sheets; "
+                   "given twice, columns by the first and rows by the second")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--gate", a->gate, "of --vary: the gate, from 1; it is looked at alone")
+      ->check(CLI::Range(1, 1000));
+  command->add_option("--slice", a->slice, "of --vary: the slice, from 1 at the apex (the middle of the cavity)")
+      ->check(CLI::Range(1, 10000));
   command->add_option("--threads", a->threads, "threads at most; the result is the same (0: all)")
       ->check(CLI::Range(0, 1024));
   command->add_flag("--quiet", a->quiet, "no progress on standard error");

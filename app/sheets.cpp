@@ -9,42 +9,35 @@
 #include "dynasurf/ventricle/labels/mlc.hpp"
 #include "dynasurf/ventricle/labels/radial.hpp"
 
+#include "lettering.hpp"
+
 namespace dynasurf::app {
 namespace {
 
 constexpr Colour white{255, 255, 255}, grey{90, 90, 90}, yellow{255, 220, 0}, orange{255, 130, 0}, red{255, 40, 40},
     blue{60, 110, 255}, violet{220, 60, 220}, green{0, 230, 90}, dim_yellow{120, 110, 30}, dim_red{130, 20, 20},
-    dim_blue{30, 55, 130};
-constexpr int gap = 4, tile_pixels = 192;
+    dim_blue{30, 55, 130}, light_grey{170, 170, 170}, background{30, 30, 30};
+constexpr int gap = 4, tile_pixels = 192, line_height = 16;
 
-/// Digits of 3 x 5 pixels, a row per three bits from the top.
-constexpr std::array<int, 10> digits{075557, 026227, 071747, 071717, 055711, 074717, 074757, 071111, 075757, 075717};
-
-void draw_number(Picture& p, int number, int x, int y, Colour colour) {
-  for (const char c : std::to_string(number)) {
-    const int bits = digits[static_cast<std::size_t>(c - '0')];
-    for (int n = 0; n < 15; ++n)
-      if (bits >> (14 - n) & 1)
-        for (int a = 0; a < 4; ++a) p(x + n % 3 * 2 + a % 2, y + n / 3 * 2 + a / 2) = colour;
-    x += 8;
-  }
-}
+/// The part of a slice that is shown, px.
+struct Window {
+  int i = 0, j = 0, width = 0, height = 0;
+};
 
 /// One slice, magnified, somewhere in a picture. Positions are those of the slice: (0, 0) is the centre of its first
-/// pixel.
+/// pixel. What lies outside the window is not drawn.
 class Tile {
  public:
-  Tile(Picture& picture, int left, int top, int scale, int width, int height)
-      : picture_(picture), left_(left), top_(top), scale_(scale), width_(width), height_(height) {}
+  Tile(Picture& picture, int left, int top, int scale, const Window& window)
+      : picture_(picture), left_(left), top_(top), scale_(scale), window_(window) {}
 
   void paint(int i, int j, Colour colour) {
-    for (int y = 0; y < scale_; ++y)
-      for (int x = 0; x < scale_; ++x) picture_(left_ + i * scale_ + x, top_ + j * scale_ + y) = colour;
+    for (int n = 0; n < scale_ * scale_; ++n)
+      set((i - window_.i) * scale_ + n % scale_, (j - window_.j) * scale_ + n / scale_, colour);
   }
   void dot(double i, double j, Colour colour) {
-    const int x = static_cast<int>(std::floor((i + 0.5) * scale_)),
-              y = static_cast<int>(std::floor((j + 0.5) * scale_));
-    if (x >= 0 && y >= 0 && x < width_ * scale_ && y < height_ * scale_) picture_(left_ + x, top_ + y) = colour;
+    set(static_cast<int>(std::floor((i - window_.i + 0.5) * scale_)),
+        static_cast<int>(std::floor((j - window_.j + 0.5) * scale_)), colour);
   }
   void line(double i0, double j0, double i1, double j1, Colour colour) {
     const int steps = 1 + static_cast<int>(std::hypot(i1 - i0, j1 - j0) * scale_ * 1.5);
@@ -65,15 +58,21 @@ class Tile {
     line(i0, j0, i1, j0, colour), line(i1, j0, i1, j1, colour), line(i1, j1, i0, j1, colour),
         line(i0, j1, i0, j0, colour);
   }
-  void number(int n) { draw_number(picture_, n, left_ + 3, top_ + 3, white); }
+  void text(const std::string& text) { draw_text(picture_, text, left_ + 3, top_ + 3, white); }
   void frame(Colour colour) {
-    const double right = width_ - 1, bottom = height_ - 1;
-    box(-0.45, -0.45, right + 0.45, bottom + 0.45, colour);
+    box(window_.i - 0.45, window_.j - 0.45, window_.i + window_.width - 0.55, window_.j + window_.height - 0.55,
+        colour);
   }
+  const Window& window() const { return window_; }
 
  private:
+  void set(int x, int y, Colour colour) {
+    if (x >= 0 && y >= 0 && x < window_.width * scale_ && y < window_.height * scale_)
+      picture_(left_ + x, top_ + y) = colour;
+  }
   Picture& picture_;
-  int left_, top_, scale_, width_, height_;
+  int left_, top_, scale_;
+  Window window_;
 };
 
 std::uint8_t shade(float value, float max) {
@@ -81,26 +80,79 @@ std::uint8_t shade(float value, float max) {
   return static_cast<std::uint8_t>(max > 0 ? 235 * std::sqrt(std::clamp(value / max, 0.0F, 1.0F)) : 0);
 }
 
+void draw_image(Tile& tile, const Image& image, int k, float max) {
+  const Window& w = tile.window();
+  for (int j = w.j; j < w.j + w.height; ++j)
+    for (int i = w.i; i < w.i + w.width; ++i) {
+      const std::uint8_t v = image.grid.contains(i, j, k) ? shade(image(i, j, k), max) : 0;
+      tile.paint(i, j, {v, v, v});
+    }
+}
+
+float brightest(const Image& image) {
+  return image.values.empty() ? 0 : *std::max_element(image.values.begin(), image.values.end());
+}
+
+/// What a colour means.
+struct Key {
+  Colour colour;
+  std::string meaning;
+};
+using Legend = std::vector<Key>;
+const Legend edge_legend{{yellow, "major edge"}, {orange, "minor edge"}};
+const Legend label_legend{{red, "outer border, its box"},      {blue, "inner border, its box"},
+                          {violet, "both, or not told apart"}, {yellow, "edge left over"},
+                          {dim_yellow, "coarse circle"},       {white, "automatic circle; frame: division slice"},
+                          {green, "centre in the slice"},      {red, "+ axis"}};
+const Legend ring_legend{{yellow, "edge inside the circle"},
+                         {red, "peaks: rings with most edge pixels"},
+                         {white, "automatic circle; bars: edge pixels by distance, rings of 1, 2, 3 px"}};
+
+constexpr int swatch = 10;
+int width_of(const Key& key) { return swatch + 4 + static_cast<int>(key.meaning.size()) * letter_width + 14; }
+
+/// Height of the title and of the legend in lines of `width`.
+int head_height(const Legend& legend, int width) {
+  int lines = 2, x = gap;
+  for (const Key& key : legend) {
+    if (x > gap && x + width_of(key) > width) ++lines, x = gap;
+    x += width_of(key);
+  }
+  return lines * line_height + gap;
+}
+
+void draw_head(Picture& picture, const std::string& title, const Legend& legend) {
+  draw_text(picture, title, gap, gap, white);
+  int x = gap, y = gap + line_height;
+  for (const Key& key : legend) {
+    if (x > gap && x + width_of(key) > picture.width) x = gap, y += line_height;
+    for (int n = 0; n < swatch * swatch; ++n) {
+      const int px = x + n % swatch;
+      if (px < picture.width) picture(px, y + n / swatch) = key.colour;
+    }
+    draw_text(picture, key.meaning, x + swatch + 4, y, light_grey);
+    x += width_of(key);
+  }
+}
+
 /// A sheet with a place for every slice; `extra` pixels are left free to the right of each.
-Picture draw_sheet(const Image& image, int extra,
+Picture draw_sheet(const Image& image, int extra, const std::string& title, const Legend& legend,
                    const std::function<void(Picture&, Tile&, int k, int x, int y)>& draw) {
   const auto [nx, ny, nz] = image.grid.dims;
   const int scale = std::max(1, tile_pixels / std::max(nx, ny));
   const int width = nx * scale + extra + gap, height = ny * scale + gap;
   const int columns = std::max(1, static_cast<int>(std::ceil(std::sqrt(nz * 1.5 * height / width))));
   const int rows = (nz + columns - 1) / columns;
-  Picture picture(columns * width + gap, std::max(1, rows) * height + gap, {30, 30, 30});
-  const float max = image.values.empty() ? 0 : *std::max_element(image.values.begin(), image.values.end());
+  const int head = head_height(legend, columns * width + gap);
+  Picture picture(columns * width + gap, head + std::max(1, rows) * height + gap, background);
+  draw_head(picture, title, legend);
+  const float max = brightest(image);
   for (int k = 0; k < nz; ++k) {
-    const int left = gap + k % columns * width, top = gap + k / columns * height;
-    Tile tile(picture, left, top, scale, nx, ny);
-    for (int j = 0; j < ny; ++j)
-      for (int i = 0; i < nx; ++i) {
-        const std::uint8_t v = shade(image(i, j, k), max);
-        tile.paint(i, j, {v, v, v});
-      }
+    const int left = gap + k % columns * width, top = head + gap + k / columns * height;
+    Tile tile(picture, left, top, scale, {0, 0, nx, ny});
+    draw_image(tile, image, k, max);
     draw(picture, tile, k, left + nx * scale, top);
-    tile.number(k + 1);
+    tile.text(std::to_string(k + 1));
   }
   return picture;
 }
@@ -128,42 +180,45 @@ void draw_bars(Picture& p, const RadialProfile& profile, double ring_px, int x0,
   }
 }
 
+void draw_edge_pixels(Tile& tile, const EdgeMap& edges, int k) {
+  for (int j = 0; j < edges.edges.grid.dims[1]; ++j)
+    for (int i = 0; i < edges.edges.grid.dims[0]; ++i)
+      if (const int edge = edges.edges(i, j, k)) tile.paint(i, j, edge == 1 ? orange : yellow);
+}
+
+void draw_label_marks(Tile& tile, const GateBorders& gate, const Circle& coarse, int k) {
+  const Labels& labels = gate.labels;
+  draw_edge_pixels(tile, gate.edges, k);
+  for (int j = 0; j < labels.borders.grid.dims[1]; ++j)
+    for (int i = 0; i < labels.borders.grid.dims[0]; ++i)
+      if (const int bits = labels.borders(i, j, k))
+        tile.paint(i, j, bits == Labels::endo_bit ? blue : bits == Labels::epi_bit ? red : violet);
+  draw_box(tile, pixels_of(labels.borders, k, Labels::epi_bit), dim_red);
+  draw_box(tile, pixels_of(labels.borders, k, Labels::endo_bit), dim_blue);
+  tile.circle(coarse.x_px, coarse.y_px, coarse.radius_px, dim_yellow);
+  tile.circle(labels.axis.x_at(k), labels.axis.y_at(k), labels.circle.radius_px, white);
+  if (const auto& local = labels.local[static_cast<std::size_t>(k)]) tile.cross(local->x_px, local->y_px, 1, green);
+  tile.cross(labels.axis.x_at(k), labels.axis.y_at(k), 1, red);
+  if (k == labels.division_slice) tile.frame(white);
+}
+
 }  // namespace
 
-Picture draw_edges(const Image& image, const EdgeMap& edges) {
-  return draw_sheet(image, 0, [&](Picture&, Tile& tile, int k, int, int) {
-    for (int j = 0; j < image.grid.dims[1]; ++j)
-      for (int i = 0; i < image.grid.dims[0]; ++i)
-        if (const int edge = edges.edges(i, j, k)) tile.paint(i, j, edge == 1 ? orange : yellow);
-  });
+Picture draw_edges(const Image& image, const EdgeMap& edges, const std::string& title) {
+  return draw_sheet(image, 0, title, edge_legend,
+                    [&](Picture&, Tile& tile, int k, int, int) { draw_edge_pixels(tile, edges, k); });
 }
 
-Picture draw_labels(const Image& image, const GateBorders& gate, const Circle& coarse) {
-  const Labels& labels = gate.labels;
-  return draw_sheet(image, 0, [&](Picture&, Tile& tile, int k, int, int) {
-    for (int j = 0; j < image.grid.dims[1]; ++j)
-      for (int i = 0; i < image.grid.dims[0]; ++i) {
-        const int bits = labels.borders(i, j, k);
-        if (bits)
-          tile.paint(i, j, bits == Labels::endo_bit ? blue : bits == Labels::epi_bit ? red : violet);
-        else if (gate.edges.edges(i, j, k))
-          tile.paint(i, j, yellow);
-      }
-    draw_box(tile, pixels_of(labels.borders, k, Labels::epi_bit), dim_red);
-    draw_box(tile, pixels_of(labels.borders, k, Labels::endo_bit), dim_blue);
-    tile.circle(coarse.x_px, coarse.y_px, coarse.radius_px, dim_yellow);
-    tile.circle(labels.axis.x_at(k), labels.axis.y_at(k), labels.circle.radius_px, white);
-    if (const auto& local = labels.local[static_cast<std::size_t>(k)]) tile.cross(local->x_px, local->y_px, 1, green);
-    tile.cross(labels.axis.x_at(k), labels.axis.y_at(k), 1, red);
-    if (k == labels.division_slice) tile.frame(white);
-  });
+Picture draw_labels(const Image& image, const GateBorders& gate, const Circle& coarse, const std::string& title) {
+  return draw_sheet(image, 0, title, label_legend,
+                    [&](Picture&, Tile& tile, int k, int, int) { draw_label_marks(tile, gate, coarse, k); });
 }
 
-Picture draw_rings(const Image& image, const GateBorders& gate, const RadialLabels& options) {
+Picture draw_rings(const Image& image, const GateBorders& gate, const RadialLabels& options, const std::string& title) {
   constexpr int graph_width = 96;
   const Labels& labels = gate.labels;
   const SliceEdges edges = find_components(clip(gate.edges.edges, labels.axis, labels.circle.radius_px), 1);
-  return draw_sheet(image, graph_width, [&](Picture& picture, Tile& tile, int k, int x, int y) {
+  return draw_sheet(image, graph_width, title, ring_legend, [&](Picture& picture, Tile& tile, int k, int x, int y) {
     const auto& slice = edges[static_cast<std::size_t>(k)];
     for (const Component& edge : slice)
       for (const Pixel& p : edge.pixels) tile.paint(p.i, p.j, yellow);
@@ -179,6 +234,38 @@ Picture draw_rings(const Image& image, const GateBorders& gate, const RadialLabe
                 y + n * height, graph_width - 8, height, labels.circle.radius_px);
     }
   });
+}
+
+Picture draw_matrix(const std::vector<std::vector<MatrixCell>>& rows, int slice, MatrixDrawing what,
+                    const std::string& title) {
+  constexpr int cell_pixels = 180, margin_px = 4, least_picture = 480;
+  const Circle& around = rows.front().front().borders.coarse;
+  const int half = static_cast<int>(std::ceil(around.radius_px)) + margin_px;
+  const Window window{static_cast<int>(std::lround(around.x_px)) - half,
+                      static_cast<int>(std::lround(around.y_px)) - half, 2 * half + 1, 2 * half + 1};
+  const int scale = std::max(1, cell_pixels / window.width);
+  const int width = window.width * scale + gap, height = window.height * scale + line_height + gap;
+  const Legend& legend = what == MatrixDrawing::edges ? edge_legend : label_legend;
+  const int all = std::max(least_picture, static_cast<int>(rows.front().size()) * width + gap);
+  const int head = head_height(legend, all);
+  Picture picture(all, head + static_cast<int>(rows.size()) * height + gap, background);
+  draw_head(picture, title, legend);
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    for (std::size_t c = 0; c < rows[r].size(); ++c) {
+      const MatrixCell& cell = rows[r][c];
+      const int left = gap + static_cast<int>(c) * width, top = head + gap + static_cast<int>(r) * height;
+      draw_text(picture, cell.name.substr(0, static_cast<std::size_t>(std::max(0, width / letter_width))), left,
+                top + 2, white);
+      Tile tile(picture, left, top + line_height, scale, window);
+      const Image& image = cell.borders.study.gates.front();
+      if (slice >= image.grid.dims[2]) continue;
+      draw_image(tile, image, slice, brightest(image));
+      if (what == MatrixDrawing::edges)
+        draw_edge_pixels(tile, cell.borders.gates.front().edges, slice);
+      else
+        draw_label_marks(tile, cell.borders.gates.front(), cell.borders.coarse, slice);
+    }
+  return picture;
 }
 
 }  // namespace dynasurf::app

@@ -1,21 +1,38 @@
 #pragma once
+#include <string>
+#include <vector>
+
 #include "dynasurf/io/png.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf::app {
 
-// All slices of one gate on one sheet, from the apex on, row by row, each with its number (from 1).
+// All slices of one gate on one sheet, from the apex on, row by row, each with its number (from 1), under a title and
+// a legend of the colours.
 
 /// The edges over the slices (VIS-EDGES): major edges yellow, minor ones orange.
-Picture draw_edges(const Image& image, const EdgeMap& edges);
+Picture draw_edges(const Image& image, const EdgeMap& edges, const std::string& title);
 
 /// What the labelling found (VIS-LABEL): edges left over yellow, outer border red, inner blue, both or not told apart
 /// violet; coarse circle dim yellow, automatic circle white; boxes of the borders in their colours, dim; the centre of
 /// the best circle of a slice green, the axis a red cross. The division slice has a white frame.
-Picture draw_labels(const Image& image, const GateBorders& gate, const Circle& coarse);
+Picture draw_labels(const Image& image, const GateBorders& gate, const Circle& coarse, const std::string& title);
 
 /// Edge pixels counted in rings around the axis (VIS-RADIAL): beside each slice with the circles of its peaks, three
 /// graphs for rings of 1, 2 and 3 pixels, their peaks in red.
-Picture draw_rings(const Image& image, const GateBorders& gate, const RadialLabels& options);
+Picture draw_rings(const Image& image, const GateBorders& gate, const RadialLabels& options, const std::string& title);
+
+/// One choice of options and what came of it.
+struct MatrixCell {
+  std::string name;
+  BorderResult borders;  // of one gate
+};
+enum class MatrixDrawing { edges, labels };
+
+/// One slice of the first gate under many choices (VIS-EDGES: the matrices of the thesis), rows as given, cut to the
+/// surroundings of the coarse circle. `slice` counts from 0; a choice whose stack does not reach it stays empty.
+/// `rows` are not empty and equally long.
+Picture draw_matrix(const std::vector<std::vector<MatrixCell>>& rows, int slice, MatrixDrawing what,
+                    const std::string& title);
 
 }  // namespace dynasurf::app

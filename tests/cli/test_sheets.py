@@ -47,6 +47,29 @@ class Sheets(CliTest):
             labels = json.loads((folder / "options.json").read_text())["labels"]
             self.assertEqual(labels["method"]["method"], method)
 
+    def test_a_slice_is_drawn_under_all_choices(self):
+        wide, _ = self.sheets("edges", "wide", "--vary", "edges=canny,compass,sobel")
+        high, _ = self.sheets("edges", "high", "--set", "edges.low=0.05", "--vary", "edges=canny,compass", "--vary",
+                              "edges.sigma_px=0.6,1,1.8,3", "--gate", 2)
+        labels, _ = self.sheets("borders", "choices", "--vary", "labels.method=none,radial,mlc", "--slice", 12)
+        for folder in (wide, high, labels):
+            self.assertEqual({path.name for path in folder.iterdir()}, {"matrix.png", "options.json"})
+        self.assertGreater(size_of_png(wide / "matrix.png")[0], size_of_png(high / "matrix.png")[0])
+        self.assertGreater(size_of_png(high / "matrix.png")[1], 2 * size_of_png(wide / "matrix.png")[1])
+        # The whole is set before its parts: a value set for Compass is not lost when Compass is chosen.
+        late, _ = self.sheets("edges", "late", "--set", "edges.low=0.3", "--vary", "edges=canny,compass", "--vary",
+                               "edges.sigma_px=0.6,1,1.8,3", "--gate", 2)
+        self.assertNotEqual(hashes(high)["matrix.png"], hashes(late)["matrix.png"])
+
+    def test_choices_that_make_no_sense_are_refused(self):
+        study = small_patient() / "study.dcm"
+        for says, arguments in ((["--vary"], ["--vary", "edges"]), (["empty"], ["--vary", "edges=canny,,sobel"]),
+                                (["twice"], ["--vary", "edges=canny"] * 3), (["--gate"], ["--vary", "edges=canny", "--gate", "5"]),
+                                (["--slice"], ["--vary", "edges=canny", "--slice", "99"]),
+                                (["edges.width"], ["--vary", "edges.width=1"])):
+            self.refuses(1, "edges", study, "--out", self.folder / "no", "--quiet", *arguments, says=says)
+            self.assertFalse((self.folder / "no").exists())
+
     def test_the_same_bytes_for_any_number_of_threads(self):
         one, _ = self.sheets("borders", "one", "--threads", "1")
         three, _ = self.sheets("borders", "three", "--threads", "3")
