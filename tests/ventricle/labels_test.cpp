@@ -235,6 +235,28 @@ TEST(Labels, KeepTheRightVentricleOut) {
   }
 }
 
+TEST(Labels, AreNotMisledByContoursOfNoise) {
+  // An arc far out in every third slice, and a bright spot inside the cavity in every fourth.
+  HeartShape h;
+  h.noise = 0.02;
+  Image image = test::blurred_heart(h);
+  for (int k = 0; k < 23; ++k)
+    for (int j = 0; j < 64; ++j)
+      for (int i = 0; i < 64; ++i) {
+        const double x = i - 31.5, y = j - 31.5, d = std::hypot(x, y) - 20;
+        if (k % 3 == 0 && std::abs(std::atan2(y, x)) < 1.7)
+          image(i, j, k) += static_cast<float>(0.6 * std::exp(-d * d / 4));
+        if (k % 4 == 0 && k >= 9) image(i, j, k) += static_cast<float>(0.5 * std::exp(-(x * x + y * y) / 4));
+      }
+  const Labels labels = labels_of(image);
+  for (const Wall wall : {Wall::endo, Wall::epi}) {
+    const Score s = score(labels, h, wall);
+    EXPECT_GT(s.voxels, wall == Wall::endo ? 300 : 600) << name_of(wall);
+    EXPECT_LE(s.wrong, 0.05 * s.voxels) << name_of(wall);  // LAB-MLC's own limit
+    EXPECT_EQ(s.slices_missing, 0) << name_of(wall);
+  }
+}
+
 TEST(Labels, NeverInventAMissingBorder) {
   HeartShape h;
   const Image image = test::blurred_heart(h);

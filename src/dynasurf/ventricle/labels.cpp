@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 
 #include "dynasurf/ventricle/labels/bounding_boxes.hpp"
@@ -69,12 +70,27 @@ void remove_endo_up_to(Mask& borders, int slice) {
         borders(i, j, k) = static_cast<std::uint8_t>(borders(i, j, k) & ~Labels::endo_bit);
 }
 
-/// Blur brightens the tip of the cavity, so the centre profile ends it too early. The inner border is the better
-/// witness: where it reaches down without a break, the division slice follows it.
+/// The longest run of slices for which something holds, as first and one past the last.
+std::pair<int, int> longest_run(int slices, const std::function<bool(int)>& holds) {
+  std::pair<int, int> longest{0, 0};
+  for (int k = 0; k < slices; ++k) {
+    const int first = k;
+    while (k < slices && holds(k)) ++k;
+    if (k - first > longest.second - longest.first) longest = {first, k};
+  }
+  return longest;
+}
+
+/// Blur brightens the tip of the cavity, so the centre profile ends it too early; noise in the cavity may end it
+/// anywhere. The inner border is the better witness: the division slice goes to the lower end of its longest run.
 int follow_cavity_down(int division, const Mask& borders, const Axis& axis, Notes& notes) {
+  constexpr int least_run = 3;
   int slice = division;
   const auto both = [&](int k) { return count_borders(borders, k, axis, ring_deg) == 2; };
-  if (slice + 1 < borders.grid.dims[2] && both(slice + 1))
+  const auto [first, past] = longest_run(borders.grid.dims[2], both);
+  if (past - first >= least_run && first <= division)
+    slice = first - 1;
+  else if (slice + 1 < borders.grid.dims[2] && both(slice + 1))
     while (slice >= 0 && both(slice)) --slice;
   if (slice != division)
     notes.push_back({Severity::info, "slice_find.lowered",

@@ -40,8 +40,8 @@ void describe(auto& visit, CoarseCircle& o) {
 
 /// LAB-COMP, CIRC-CENTROID, CIRC-RADIUS (thesis 2.3.6, 2.4.1, 2.4.2).
 struct AutoCircle {
-  int min_component_px = 8;
-  double centroid_tolerance_px = 1;
+  int min_component_px = 6;
+  double centroid_tolerance_px = 1.5;
   double centroid_share = 0.6;
   double radius_tolerance_px = 1.5;
   double radius_share = 0.5;
