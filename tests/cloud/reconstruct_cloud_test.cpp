@@ -50,15 +50,15 @@ TEST(ReconstructCloud, TheThesisRecipeMakesIcospheresOnly) {
   EXPECT_THROW(reconstruct_cloud(ball(), options), OptionError);
 }
 
-/// A torus of radii 0.75 and 0.25, seen by 20,000 points.
-PointCloud ring() { return make_cloud({.shape = CloudShape::torus, .points = 20000}); }
+/// A torus of radii 0.75 and 0.25, seen by 5,000 points.
+PointCloud ring() { return make_cloud({.shape = CloudShape::torus, .points = 5000}); }
 
 class EveryFittedMethod : public testing::TestWithParam<CloudMethod> {};
 
 TEST_P(EveryFittedMethod, ClosesATorusAtEveryLevel) {
   CloudOptions options;
   options.method = GetParam();
-  options.triangles = "2000,500,120";
+  options.triangles = "1000,400,120";
   const CloudResult result = reconstruct_cloud(ring(), options);
   EXPECT_EQ(result.facts.parts, 1);
   EXPECT_EQ(result.facts.genus, 1);
@@ -103,7 +103,7 @@ TEST(ReconstructCloud, DropsWhatIsNoSurfaceAndSaysSo) {
   EXPECT_EQ(result.facts.not_finite, 1u);
   EXPECT_EQ(result.facts.duplicates, 1u);
   EXPECT_EQ(result.facts.outliers, 1u);
-  EXPECT_EQ(result.facts.points_used, 20000u);
+  EXPECT_EQ(result.facts.points_used, 5000u);
   EXPECT_EQ(result.notes.size(), 3u);
   EXPECT_EQ(result.levels.front().certificate.genus, 1);
 }
@@ -115,6 +115,45 @@ TEST(ReconstructCloud, RefusesWhatIsNoBody) {
   short_normals.normals.resize(7, Vec3::UnitX());
   for (const PointCloud& bad : {PointCloud{}, few, flat, short_normals})
     EXPECT_THROW(reconstruct_cloud(bad, {}), InputError);
+}
+
+TEST(ReconstructCloud, FindsTheFewestTrianglesWithinAnError) {
+  const PointCloud few = make_cloud({.shape = CloudShape::torus, .points = 2000});
+  CloudOptions options;
+  options.max_error_percent = 0.5;
+  const CloudResult result = reconstruct_cloud(few, options);
+  ASSERT_EQ(result.levels.size(), 1u);
+  const Certificate& c = result.levels.front().certificate;
+  EXPECT_LE(c.cloud_to_mesh_mean, 0.005 * c.cloud_diagonal);
+  options.max_error_percent.reset();
+  options.triangles = std::to_string(static_cast<int>(0.7 * static_cast<double>(c.triangles)) / 2 * 2);
+  const Certificate fewer = reconstruct_cloud(few, options).levels.front().certificate;
+  EXPECT_GT(fewer.cloud_to_mesh_mean, 0.005 * fewer.cloud_diagonal);
+}
+
+TEST(ReconstructCloud, KeepsSharpEdgesWhereAsked) {
+  const PointCloud cube = make_cloud({.shape = CloudShape::cube, .points = 8000});
+  CloudOptions options;
+  options.triangles = "320";
+  const double rounded = reconstruct_cloud(cube, options).levels.front().certificate.cloud_to_mesh_mean;
+  options.keep_sharp = true;
+  EXPECT_LT(reconstruct_cloud(cube, options).levels.front().certificate.cloud_to_mesh_mean, 0.9 * rounded);
+}
+
+TEST(ReconstructCloud, MakesATorusASphereWhereAsked) {
+  CloudOptions options;
+  options.triangles = "1000";
+  options.genus = GenusRule::zero;
+  const CloudResult result = reconstruct_cloud(ring(), options);
+  EXPECT_EQ(result.facts.genus, 0);
+  EXPECT_EQ(result.levels.front().certificate.genus, 0);
+  EXPECT_TRUE(result.levels.front().certificate.watertight());
+}
+
+TEST(ReconstructCloud, StopsWhenAsked) {
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_THROW(reconstruct_cloud(ring(), {}, Progress{{}, stop.get_token()}), Cancelled);
 }
 
 }  // namespace

@@ -94,7 +94,9 @@ struct Fitting {
 /// Leaves in `surface` the level with the fewest triangles whose points are near enough, and returns their number.
 int fewest_within(SurfaceEditor& surface, const Fitting& fitting, double error, Notes& notes,
                   const Progress& progress) {
-  constexpr int most = 40960, fewest = 20;
+  constexpr int fewest = 20;
+  // What the lattice could not see, more triangles cannot add.
+  const int most = std::clamp(static_cast<int>(surface.triangles()) / 2 * 2, 1000, 40960);
   const auto is_near = [&](const SurfaceEditor& s) { return mean_distance(s, fitting.points.points) <= error; };
   int count = most;
   fitting.make(surface, count);
@@ -131,7 +133,7 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
   });
   TriMesh fine = body.mesh;
   for (Vec3& v : fine.vertices) v = frame.in(v);
-  const double reach = (4 * p.facts.spacing + 3 * p.facts.noise) / p.facts.diagonal;
+  const double reach = (2.5 * p.facts.spacing + 2 * p.facts.noise) / p.facts.diagonal;
   std::optional<TriMesh> closed;
   if (!body.handles_cut)
     closed =

@@ -1,0 +1,174 @@
+// Prints the tables of README.md: bodies with known surfaces, scanned clean, noisy and torn, and what becomes of them.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dynasurf/cloud/reconstruct_cloud.hpp"
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/io/mesh_io.hpp"
+#include "dynasurf/mesh/closest_point.hpp"
+#include "dynasurf/synthetic/cloud_shapes.hpp"
+
+using namespace dynasurf;
+
+namespace {
+
+struct Subject {
+  std::string name;
+  TriMesh surface;
+  std::optional<int> genus;
+};
+
+struct Condition {
+  std::string name;
+  double noise_percent, missing_percent;
+};
+
+struct Row {
+  bool is_valid = false;
+  double distance = 0, smallest_angle = 0;
+};
+
+struct Arguments {
+  int points = 100000;
+  std::vector<std::string> presets{"shaped", "faithful", "thesis"};
+  std::vector<Condition> conditions{{"clean", 0, 0}, {"noise 0.5 %", 0.5, 0}, {"a fifth missing", 0, 20}};
+  std::vector<std::filesystem::path> meshes;
+  std::filesystem::path judge;
+};
+
+/// Mean distance in % of the diagonal, of points spread over one surface to the other, both ways.
+double two_sided(const TriMesh& mesh, const TriMesh& truth) {
+  const auto one_way = [](const TriMesh& from, const TriMesh& to) {
+    const ClosestPoint closest(to);
+    double sum = 0;
+    const PointCloud spread = scan_surface(from, {.points = 50000});
+    for (const Vec3& p : spread.points) sum += std::sqrt(closest(p).distance2) / 50000;
+    return sum;
+  };
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : truth.vertices) box.extend(p);
+  return 50 * (one_way(mesh, truth) + one_way(truth, mesh)) / box.diagonal().norm();
+}
+
+/// What an independent program says of the mesh, one line of JSON.
+void ask_judge(const Arguments& a, const TriMesh& mesh, const TriMesh& truth) {
+  const auto folder = std::filesystem::temp_directory_path();
+  const auto ours = folder / "cloud_shapes_mesh.off", reference = folder / "cloud_shapes_truth.off";
+  write_mesh(mesh, ours, MeshFormat::off);
+  write_mesh(truth, reference, MeshFormat::off);
+  std::fflush(stdout);
+  const std::string command = a.judge.string() + " " + ours.string() + " --ref " + reference.string();
+  if (std::system(command.c_str()) != 0) std::printf("the judge failed\n");
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+void run(const Arguments& a, const std::vector<Subject>& subjects, const std::string& preset,
+         const Condition& condition) {
+  std::printf(
+      "\n## %s, %s\n\n| body | genus | triangles | valid | distance %% | cloud to mesh %% | largest %% | angle | "
+      "1st percentile | cpu s |\n|---|---|---|---|---|---|---|---|---|---|\n",
+      preset.c_str(), condition.name.c_str());
+  std::map<int, std::vector<Row>, std::greater<>> all;
+  for (const Subject& s : subjects) {
+    const PointCloud cloud = scan_surface(
+        s.surface,
+        {.points = a.points, .noise_percent = condition.noise_percent, .missing_percent = condition.missing_percent});
+    const std::clock_t start = std::clock();
+    const CloudResult result = reconstruct_cloud(cloud, cloud_preset(preset));
+    const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    for (const CloudLevel& level : result.levels) {
+      const Certificate& c = level.certificate;
+      const bool is_valid = c.watertight() && (!s.genus || c.genus == s.genus);
+      const double distance = two_sided(level.mesh, s.surface);
+      all[level.triangles_asked].push_back({is_valid, distance, c.smallest_angle_deg});
+      std::printf("| %s | %s | %zu | %s | %.4f | %.4f | %.3f | %.1f | %.1f | %.2f |\n", s.name.c_str(),
+                  c.genus ? std::to_string(*c.genus).c_str() : "-", c.triangles,
+                  is_valid         ? "yes"
+                  : c.watertight() ? "other genus"
+                                   : "no",
+                  distance, 100 * c.cloud_to_mesh_mean / c.cloud_diagonal,
+                  100 * c.cloud_to_mesh_largest / c.cloud_diagonal, c.smallest_angle_deg, c.angle_percentile_1_deg,
+                  seconds);
+      if (!a.judge.empty()) ask_judge(a, level.mesh, s.surface);
+    }
+    std::fflush(stdout);
+  }
+  for (const auto& [triangles, rows] : all) {
+    std::vector<double> distances, angles;
+    std::size_t valid = 0;
+    for (const Row& r : rows) {
+      distances.push_back(r.distance);
+      angles.push_back(r.smallest_angle);
+      valid += r.is_valid;
+    }
+    std::printf("\n%d triangles: valid %zu of %zu, distance %.4f %% (worst %.4f), smallest angle %.1f (worst %.1f)\n",
+                triangles, valid, rows.size(), median(distances), *std::max_element(distances.begin(), distances.end()),
+                median(angles), *std::min_element(angles.begin(), angles.end()));
+  }
+  std::fflush(stdout);
+}
+
+std::vector<Subject> subjects_of(const Arguments& a) {
+  std::vector<Subject> subjects;
+  for (const auto& path : a.meshes) subjects.push_back({path.stem().string(), read_mesh(path), std::nullopt});
+  if (!subjects.empty()) return subjects;
+  for (std::size_t i = 0; i < names_of(CloudShape{}).size(); ++i) {
+    const auto shape = static_cast<CloudShape>(i);
+    subjects.push_back({std::string(word_of(shape)), cloud_reference(shape), genus_of(shape)});
+  }
+  return subjects;
+}
+
+std::optional<Arguments> read(int argc, char** argv) {
+  Arguments a;
+  for (int i = 1; i < argc; i += 2) {
+    if (i + 1 == argc) return std::nullopt;
+    const std::string name = argv[i], value = argv[i + 1];
+    if (name == "--points")
+      a.points = std::atoi(value.c_str());
+    else if (name == "--preset")
+      a.presets = {value};
+    else if (name == "--mesh")
+      a.meshes.push_back(value);
+    else if (name == "--judge")
+      a.judge = value;
+    else if (name == "--only")
+      std::erase_if(a.conditions, [&](const Condition& c) { return c.name.find(value) == std::string::npos; });
+    else
+      return std::nullopt;
+  }
+  return a;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const std::optional<Arguments> arguments = read(argc, argv);
+  if (!arguments) {
+    std::fprintf(stderr,
+                 "usage: experiment_cloud_shapes [--points N] [--preset shaped|faithful|thesis] [--only clean|noise|"
+                 "missing] [--mesh FILE]... [--judge PROGRAM]\n");
+    return 1;
+  }
+  const std::vector<Subject> subjects = subjects_of(*arguments);
+  for (const std::string& preset : arguments->presets)
+    for (const Condition& condition : arguments->conditions) run(*arguments, subjects, preset, condition);
+  return 0;
+} catch (const std::exception& e) {
+  std::fprintf(stderr, "%s\n", e.what());
+  return 2;
+}
