@@ -75,7 +75,7 @@ void describe(auto& visit, GradientEdges& o) {
   visit("subpixel", o.subpixel, Field{"tell where in its pixel each edge lies"});
 }
 
-/// Sobel's operator (EDGE-SOBEL, thesis 2.2.3, eqs 2.2-2.3).
+/// Sobel's operator (EDGE-SOBEL, thesis 2.2.4, eqs 2.2-2.3).
 struct SobelEdges {
   static constexpr std::string_view name = "sobel";
   double threshold = 0.4;
@@ -89,7 +89,7 @@ void describe(auto& visit, SobelEdges& o) {
 }
 
 /// Ruzon and Tomasi's Compass operator: compares the distributions of the values in two half discs (EDGE-COMPASS,
-/// thesis 2.2.2).
+/// thesis 2.2.3).
 struct Compass {
   static constexpr std::string_view name = "compass";
   double sigma_px = 1.0;
