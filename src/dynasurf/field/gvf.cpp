@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <sstream>
+#include <string>
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/gradient.hpp"
@@ -22,13 +23,36 @@ struct Diffusion {
   double cell = 1;
 };
 
-Diffusion diffusion_of(const Grid& grid, const Gvf& o) {
+/// What both explicit schemes are made of: v_t = mu g lap(v) - b (v - grad f). GVF has g = 1 and b = |grad f|^2, GGVF
+/// mu = 1 and b = 1 - g.
+struct Scheme {
+  double mu = 1;
+  double inverse_k = 0;  // GGVF: of g = exp(-|grad f| / K); GVF: 0
+  int iterations;
+  double residual, step_divisor;
+  GvfScheme kind;
+  bool safe_step;
+
+  double spread(double slope_squared) const {
+    return inverse_k > 0 ? std::exp(-inverse_k * std::sqrt(slope_squared)) : 1;
+  }
+  double pull(double slope_squared) const { return inverse_k > 0 ? 1 - spread(slope_squared) : slope_squared; }
+};
+
+Scheme scheme_of(const Gvf& o, double) {
+  return {o.mu, 0, o.iterations, o.residual, o.step_divisor, o.scheme, o.safe_step};
+}
+Scheme scheme_of(const Ggvf& o, double largest_slope_squared) {
+  const double steepest = std::sqrt(largest_slope_squared);
+  return {1, steepest > 0 ? 1 / (o.k * steepest) : 1, o.iterations, o.residual, o.step_divisor, o.scheme, o.safe_step};
+}
+
+Diffusion diffusion_of(const Grid& grid, const Scheme& o) {
   Diffusion d;
   for (int a = 0; a < 3; ++a)
     if (grid.dims[a] > 1) d.cell *= grid.spacing[a];
   for (int a = 0; a < 3; ++a)
-    if (grid.dims[a] > 1)
-      d.rate[a] = o.mu / (o.scheme == GvfScheme::thesis ? d.cell : grid.spacing[a] * grid.spacing[a]);
+    if (grid.dims[a] > 1) d.rate[a] = o.mu / (o.kind == GvfScheme::thesis ? d.cell : grid.spacing[a] * grid.spacing[a]);
   return d;
 }
 
@@ -57,11 +81,12 @@ struct Sweep {
   Layout layout;
   std::array<detail::FloatBuffer, 3> from, to, gradient;
   detail::FloatBuffer pull;            // b dt: how strongly a voxel is drawn back to the gradient
+  detail::FloatBuffer spread;          // g of GGVF; empty for GVF
   std::vector<std::uint8_t> has_pull;  // one per row; most rows of a border map have none
   float rx = 0, ry = 0, rz = 0;        // diffusion per step
   bool measure_change = false;
 
-  explicit Sweep(const Index3& dims) : layout(dims), pull(layout.size) {
+  Sweep(const Index3& dims, bool generalised) : layout(dims), pull(layout.size), spread(generalised ? layout.size : 0) {
     for (auto* group : {&from, &to, &gradient})
       for (auto& component : *group) component = detail::FloatBuffer(layout.size);
     has_pull.resize(static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]));
@@ -81,9 +106,12 @@ struct Neighbours {
 };
 
 /// One row of one component. In differences, so that a field at rest stays at rest to the last bit.
-template <bool pulled, bool measured>
+enum class Pull { none, gvf, ggvf };
+
+template <Pull how, bool measured>
 DYNASURF_INLINE void step_row(const Sweep& s, const Neighbours& p, const float* __restrict pull,
-                              const float* __restrict gradient, float* __restrict out, Extremes& e) {
+                              const float* __restrict spread, const float* __restrict gradient, float* __restrict out,
+                              Extremes& e) {
   const int n = s.layout.nx;
   const float rx = s.rx, ry = s.ry, rz = s.rz;
   int value = e.value, change = e.change;
@@ -91,7 +119,8 @@ DYNASURF_INLINE void step_row(const Sweep& s, const Neighbours& p, const float* 
     const float u = p.own[i];
     float du = rx * ((p.own[i - 1] - u) + (p.own[i + 1] - u)) + ry * ((p.ym[i] - u) + (p.yp[i] - u)) +
                rz * ((p.zm[i] - u) + (p.zp[i] - u));
-    if constexpr (pulled) du += pull[i] * (gradient[i] - u);
+    if constexpr (how == Pull::ggvf) du *= spread[i];
+    if constexpr (how != Pull::none) du += pull[i] * (gradient[i] - u);
     const float next = u + du;
     out[i] = next;
     value = std::max(value, magnitude_bits(next));
@@ -103,8 +132,20 @@ DYNASURF_INLINE void step_row(const Sweep& s, const Neighbours& p, const float* 
   out[n] = out[n - 1];
 }
 
+template <bool measured>
+DYNASURF_INLINE void step_any_row(const Sweep& s, const Neighbours& p, Pull how, const float* pull, const float* spread,
+                                  const float* gradient, float* out, Extremes& e) {
+  if (how == Pull::none)
+    step_row<Pull::none, measured>(s, p, pull, spread, gradient, out, e);
+  else if (how == Pull::gvf)
+    step_row<Pull::gvf, measured>(s, p, pull, spread, gradient, out, e);
+  else
+    step_row<Pull::ggvf, measured>(s, p, pull, spread, gradient, out, e);
+}
+
 DYNASURF_CLONES Extremes step_slices(const Sweep& s, int begin, int end) {
   const Layout& l = s.layout;
+  const bool generalised = s.spread.size() > 0;
   Extremes e;
   for (int k = begin; k < end; ++k)
     for (int j = 0; j < l.ny; ++j) {
@@ -112,16 +153,16 @@ DYNASURF_CLONES Extremes step_slices(const Sweep& s, int begin, int end) {
       const std::size_t ym = l.row(std::max(j - 1, 0), k), yp = l.row(std::min(j + 1, l.ny - 1), k);
       const std::size_t zm = l.row(j, std::max(k - 1, 0)), zp = l.row(j, std::min(k + 1, l.nz - 1));
       const bool pulled = s.has_pull[static_cast<std::size_t>(j + l.ny * k)] != 0;
+      const Pull how = !pulled ? Pull::none : generalised ? Pull::ggvf : Pull::gvf;
       for (std::size_t c = 0; c < 3; ++c) {
         const float* u = s.from[c].data();
         const Neighbours p{u + row, u + ym, u + yp, u + zm, u + zp};
         const float* pull = s.pull.data() + row;
         const float* g = s.gradient[c].data() + row;
         float* out = s.to[c].data() + row;
-        if (s.measure_change)
-          pulled ? step_row<true, true>(s, p, pull, g, out, e) : step_row<false, true>(s, p, pull, g, out, e);
-        else
-          pulled ? step_row<true, false>(s, p, pull, g, out, e) : step_row<false, false>(s, p, pull, g, out, e);
+        const float* spread = generalised ? s.spread.data() + row : nullptr;
+        s.measure_change ? step_any_row<true>(s, p, how, pull, spread, g, out, e)
+                         : step_any_row<false>(s, p, how, pull, spread, g, out, e);
       }
     }
   return e;
@@ -147,8 +188,9 @@ std::pair<double, double> step(const Sweep& s, std::vector<Extremes>& pieces) {
 }
 
 /// V0 = grad f (Xu and Prince), and the pull b dt.
-void start(Sweep& s, const Image& f, double dt) {
+void start(Sweep& s, const Image& f, const Scheme& o, double dt) {
   const Layout& l = s.layout;
+  const bool generalised = s.spread.size() > 0;
   parallel_for(static_cast<std::size_t>(l.nz), 4, [&](std::size_t begin, std::size_t end) {
     for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
       for (int j = 0; j < l.ny; ++j) {
@@ -156,8 +198,10 @@ void start(Sweep& s, const Image& f, double dt) {
         bool pulled = false;
         for (int i = 0; i < l.nx; ++i) {
           const Vec3 g = detail::gradient_at(f, i, j, k);
-          const auto pull = static_cast<float>(g.squaredNorm() * dt);
+          const auto pull = static_cast<float>(o.pull(g.squaredNorm()) * dt);
           s.pull.data()[row + static_cast<std::size_t>(i)] = pull;
+          if (generalised)
+            s.spread.data()[row + static_cast<std::size_t>(i)] = static_cast<float>(o.spread(g.squaredNorm()));
           pulled = pulled || pull != 0;
           for (std::size_t c = 0; c < 3; ++c) {
             const auto value = static_cast<float>(g[static_cast<int>(c)]);
@@ -184,7 +228,7 @@ void copy_out(const Sweep& s, VectorField& field) {
 }
 
 /// The printed step, shortened where it would make the field blow up.
-double choose_step(const Diffusion& d, double largest_b, const Gvf& o, Notes& notes) {
+double choose_step(const Diffusion& d, double largest_b, const Scheme& o, Notes& notes) {
   const double printed = d.cell / (o.step_divisor * o.mu);
   const double safe = 1.9 / stiffness(largest_b, d);  // 5 % below the bound of 2
   if (!o.safe_step || printed <= safe) return printed;
@@ -195,7 +239,7 @@ double choose_step(const Diffusion& d, double largest_b, const Gvf& o, Notes& no
   return safe;
 }
 
-void iterate(Sweep& s, const Gvf& o, double limit, FlowResult& r, const Progress& progress) {
+void iterate(Sweep& s, const Scheme& o, double limit, FlowResult& r, const Progress& progress) {
   std::vector<Extremes> pieces;
   while (r.iterations < o.iterations) {
     progress.check();
@@ -217,36 +261,50 @@ void iterate(Sweep& s, const Gvf& o, double limit, FlowResult& r, const Progress
   }
 }
 
+template <class Options>
+double stable_step_of(const Image& edge_map, Options o) {
+  check_options(o, std::string(Options::name));
+  detail::check_edge_map(edge_map);
+  const double steepest = detail::largest_gradient_squared(edge_map);
+  const Scheme scheme = scheme_of(o, steepest);
+  return 2 / stiffness(scheme.pull(steepest), diffusion_of(edge_map.grid, scheme));
+}
+
+template <class Options>
+FlowResult run(const Image& edge_map, Options options, const Progress& progress) {
+  check_options(options, std::string(Options::name));
+  detail::check_edge_map(edge_map);
+  FlowResult r;
+  r.field = VectorField(edge_map.grid);
+  const double steepest = detail::largest_gradient_squared(edge_map);
+  const Scheme o = scheme_of(options, steepest);
+  const Diffusion d = diffusion_of(edge_map.grid, o);
+  r.step = choose_step(d, o.pull(steepest), o, r.notes);
+  if (steepest == 0) return r;
+
+  Sweep s(edge_map.grid.dims, o.inverse_k > 0);
+  s.rx = static_cast<float>(d.rate[0] * r.step);
+  s.ry = static_cast<float>(d.rate[1] * r.step);
+  s.rz = static_cast<float>(d.rate[2] * r.step);
+  start(s, edge_map, o, r.step);
+  iterate(s, o, 10 * std::sqrt(steepest), r, progress);
+  copy_out(s, r.field);
+  return r;
+}
+
 }  // namespace
 
 std::span<const std::string_view> names_of(GvfScheme) { return scheme_names; }
 
-double stable_step(const Image& edge_map, const Gvf& options) {
-  Gvf o = options;
-  check_options(o, "gvf");
-  detail::check_edge_map(edge_map);
-  return 2 / stiffness(detail::largest_gradient_squared(edge_map), diffusion_of(edge_map.grid, o));
-}
+double stable_step(const Image& edge_map, const Gvf& options) { return stable_step_of(edge_map, options); }
+double stable_step(const Image& edge_map, const Ggvf& options) { return stable_step_of(edge_map, options); }
 
 FlowResult flow_field(const Image& edge_map, const Gvf& options, const Progress& progress) {
-  Gvf o = options;
-  check_options(o, "gvf");
-  detail::check_edge_map(edge_map);
-  FlowResult r;
-  r.field = VectorField(edge_map.grid);
-  const double largest_b = detail::largest_gradient_squared(edge_map);
-  const Diffusion d = diffusion_of(edge_map.grid, o);
-  r.step = choose_step(d, largest_b, o, r.notes);
-  if (largest_b == 0) return r;
+  return run(edge_map, options, progress);
+}
 
-  Sweep s(edge_map.grid.dims);
-  s.rx = static_cast<float>(d.rate[0] * r.step);
-  s.ry = static_cast<float>(d.rate[1] * r.step);
-  s.rz = static_cast<float>(d.rate[2] * r.step);
-  start(s, edge_map, r.step);
-  iterate(s, o, 10 * std::sqrt(largest_b), r, progress);
-  copy_out(s, r.field);
-  return r;
+FlowResult flow_field(const Image& edge_map, const Ggvf& options, const Progress& progress) {
+  return run(edge_map, options, progress);
 }
 
 FlowResult flow_field(const Image& edge_map, const FieldOptions& options, const Progress& progress) {

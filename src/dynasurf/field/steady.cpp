@@ -175,13 +175,13 @@ double relative_change(const Level& finest) {
 }
 
 /// What is left after a cycle that changed the field by `change`, where cycles shrink the error by `rate`: the error
-/// was change / (1 - rate) before. The rate is that of the changes; below 0.2 it is not trusted, since one cycle may do
-/// well by chance, and twice the result is reported, since the last part of the error shrinks more slowly than the
-/// first.
+/// was change / (1 - rate) before. The rate is that of the changes; below 0.15 it is not trusted, since one cycle may
+/// do well by chance, and more than twice the result is reported, since the last part of the error shrinks more slowly
+/// than the first. Against the true error: 0.45 of the change is reported at least, and 0.07 to 0.37 was left.
 double estimate_error(double change, double change_before) {
   if (change_before == 0) return 0.4 * change;  // measured after a first cycle: 0.05 to 0.3
-  const double rate = std::clamp(change / change_before, 0.2, 0.9);
-  return 2.5 * change * rate / (1 - rate);
+  const double rate = std::clamp(change / change_before, 0.15, 0.9);
+  return 2.55 * change * rate / (1 - rate);
 }
 
 /// Cycles until the estimated error is below the tolerance or rounding ends the progress (near 1e-6).

@@ -135,6 +135,13 @@ DYNASURF_INLINE void join(Vec16 even, Vec16 odd, float* natural) {
         __builtin_shufflevector(even, odd, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31));
 }
 
+/// Memory for a few rows, kept by the thread.
+float* scratch(std::size_t count) {
+  thread_local detail::FloatBuffer buffer;
+  if (buffer.size() < count) buffer = detail::FloatBuffer(count);
+  return buffer.data();
+}
+
 /// Adds to `sum` what the red cells of a row pass to the coarser level: D times the change that their next sweep would
 /// make. With s = D/(D+b), the share of a cell that diffusion rules, this is s times the residual: a cell that the data
 /// hold fast does not speak for its neighbourhood. `area` is the row's share in the coarser cell.
@@ -185,8 +192,7 @@ DYNASURF_INLINE void restrict_rows(const Level& f, Level& g, int k, int j0, int 
   const bool halved = f.axis[0].halved;
   // Sums over pairs along x lie in natural order and are split at the end; without pairs they lie split already.
   const int step = halved ? std::max(f.slot, 2 * g.slot) : 2 * f.slot;
-  detail::FloatBuffer sums(static_cast<std::size_t>(3 * step));
-  float* sum = sums.data();
+  float* sum = scratch(static_cast<std::size_t>(3 * step));
   const Children slices = children_of(f.axis[2], k);
   for (int j = j0; j < j1; ++j) {
     std::fill_n(sum, 3 * step, 0.0f);
@@ -215,8 +221,8 @@ class Interpolated {
       : g_(coarse),
         halved_(fine.axis[0].halved),
         step_(2 * coarse.slot + 2 * lanes),
-        rows_(4 * 3 * static_cast<std::size_t>(step_)) {
-    std::fill_n(rows_.data(), rows_.size(), 0.0f);
+        rows_(scratch(12 * static_cast<std::size_t>(step_))) {
+    std::fill_n(rows_, 12 * step_, 0.0f);
     const Axis& z = fine.axis[2];
     own_ = z.halved ? k / 2 : k;
     next_ = z.halved ? std::clamp(own_ + (k % 2 == 0 ? -1 : 1), 0, g_.nz() - 1) : own_;
@@ -224,7 +230,7 @@ class Interpolated {
 
   /// Component 0; the others follow at `step()`. Lanes -1 and `count` repeat the ends.
   DYNASURF_INLINE const float* row(int j) {
-    float* out = rows_.data() + 3 * static_cast<std::ptrdiff_t>(step_) * (j & 3) + lanes;
+    float* out = rows_ + 3 * static_cast<std::ptrdiff_t>(step_) * (j & 3) + lanes;
     if (held_[static_cast<std::size_t>(j & 3)] == j) return out;
     held_[static_cast<std::size_t>(j & 3)] = j;
     const float *p = g_.u.data() + g_.row(j, own_), *q = g_.u.data() + g_.row(j, next_);
@@ -248,7 +254,7 @@ class Interpolated {
   const Level& g_;
   bool halved_;
   int step_, own_, next_;
-  detail::FloatBuffer rows_;
+  float* rows_;
   std::array<int, 4> held_{-1, -1, -1, -1};
 };
 

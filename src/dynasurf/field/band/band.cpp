@@ -1,0 +1,293 @@
+#include "dynasurf/field/band.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <sstream>
+#include <string>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/field/band/bricks.hpp"
+#include "dynasurf/field/gradient.hpp"
+
+namespace dynasurf {
+
+struct BandField::Levels {
+  Grid grid;
+  std::vector<band::Level> levels;
+};
+
+namespace {
+
+using band::BrickData;
+using band::side;
+
+/// b and b times the gradient of one brick of a map, `value(i, j, k)` anywhere in the grid. False when all are 0.
+template <class F>
+bool fill_data(const Grid& g, const Index3& place, const F& value, BrickData& data) {
+  data.place = place;
+  data.b.fill(0);
+  for (auto& c : data.pull) c.fill(0);
+  bool any = false;
+  for (int k = 0; k < side; ++k)
+    for (int j = 0; j < side; ++j)
+      for (int i = 0; i < side; ++i) {
+        const Index3 v = band::cell_of(place, i, j, k);
+        if (!band::is_inside(v, g.dims)) continue;
+        Vec3 slope;
+        for (std::size_t a = 0; a < 3; ++a) {
+          Index3 before = v, after = v;
+          before[a] = std::max(before[a] - 1, 0);
+          after[a] = std::min(after[a] + 1, g.dims[a] - 1);
+          const int axis = static_cast<int>(a);
+          slope[axis] = detail::slope(static_cast<double>(value(before)), static_cast<double>(value(after)), v[a],
+                                      g.dims[a], g.spacing[axis]);
+        }
+        const double b = slope.squaredNorm();
+        if (b == 0) continue;
+        any = true;
+        const std::size_t at = band::cell_at(i, j, k);
+        data.b[at] = static_cast<float>(b);
+        for (std::size_t c = 0; c < 3; ++c) data.pull[c][at] = static_cast<float>(b * slope[static_cast<int>(c)]);
+      }
+  return any;
+}
+
+Index3 bricks_of(const Grid& g) {
+  return {(g.dims[0] + side - 1) / side, (g.dims[1] + side - 1) / side, (g.dims[2] + side - 1) / side};
+}
+
+bool is_finite(const Image& map) {
+  const std::size_t grain = std::size_t{1} << 18;
+  return parallel_max(map.values.size(), grain, [&](std::size_t begin, std::size_t end) {
+           int largest = 0;
+           for (std::size_t v = begin; v < end; ++v)
+             largest = std::max(largest, std::bit_cast<int>(map.values[v]) & 0x7fffffff);
+           return largest >= 0x7f800000 ? 1.0 : 0.0;
+         }) == 0;
+}
+
+/// Bricks of a dense map where its gradient is not 0.
+std::vector<BrickData> data_of(const Image& map) {
+  const Index3 n = bricks_of(map.grid);
+  std::vector<std::vector<BrickData>> layers(static_cast<std::size_t>(n[2]));
+  const auto value = [&](const Index3& v) { return map(v[0], v[1], v[2]); };
+  // A brick whose values and those around it are all alike has no gradient; most are.
+  const auto is_flat = [&](const Index3& p) {
+    Index3 low, high;
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::max(side * p[a] - 1, 0);
+      high[a] = std::min(side * p[a] + side, map.grid.dims[a] - 1);
+    }
+    const int first = std::bit_cast<int>(value(low));
+    for (int k = low[2]; k <= high[2]; ++k)
+      for (int j = low[1]; j <= high[1]; ++j) {
+        int other = 0;
+        const float* row = map.values.data() + map.grid.index(0, j, k);
+        for (int i = low[0]; i <= high[0]; ++i) other |= std::bit_cast<int>(row[i]) ^ first;
+        if (other != 0) return false;
+      }
+    return true;
+  };
+  parallel_for(layers.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      for (int j = 0; j < n[1]; ++j)
+        for (int i = 0; i < n[0]; ++i) {
+          const Index3 place{i, j, static_cast<int>(k)};
+          BrickData data;
+          if (!is_flat(place) && fill_data(map.grid, place, value, data)) layers[k].push_back(data);
+        }
+  });
+  std::vector<BrickData> all;
+  for (const auto& layer : layers) all.insert(all.end(), layer.begin(), layer.end());
+  return all;
+}
+
+/// Voxels of a border as one bit each, in the bricks that have any.
+struct BorderBits {
+  Index3 bricks;
+  std::vector<std::int32_t> brick_at;
+  std::vector<Index3> place;
+  std::vector<std::array<std::uint64_t, 8>> bits;  // one word per slice of a brick
+
+  std::size_t entry(const Index3& p) const {
+    return static_cast<std::size_t>(p[0]) +
+           static_cast<std::size_t>(bricks[0]) *
+               (static_cast<std::size_t>(p[1]) + static_cast<std::size_t>(bricks[1]) * static_cast<std::size_t>(p[2]));
+  }
+  std::size_t brick(const Index3& p) {
+    std::int32_t& number = brick_at[entry(p)];
+    if (number < 0) {
+      number = static_cast<std::int32_t>(place.size());
+      place.push_back(p);
+      bits.push_back({});
+    }
+    return static_cast<std::size_t>(number);
+  }
+  float operator()(const Index3& v) const {
+    const std::int32_t number = brick_at[entry({v[0] / side, v[1] / side, v[2] / side})];
+    if (number < 0) return 0;
+    const std::uint64_t slice = bits[static_cast<std::size_t>(number)][static_cast<std::size_t>(v[2] % side)];
+    return slice >> (v[0] % side + side * (v[1] % side)) & 1 ? 1.0f : 0.0f;
+  }
+};
+
+std::vector<BrickData> data_of(const Grid& g, std::span<const Index3> border) {
+  BorderBits map;
+  map.bricks = bricks_of(g);
+  map.brick_at.assign(map.entry({map.bricks[0] - 1, map.bricks[1] - 1, map.bricks[2] - 1}) + 1, -1);
+  for (std::size_t n = 0; n < border.size(); ++n) {
+    const Index3& v = border[n];
+    if (v[0] < 0 || v[1] < 0 || v[2] < 0 || !band::is_inside(v, g.dims))
+      throw InputError("border: voxel number " + std::to_string(n) + " lies outside the grid");
+    const std::size_t own = map.brick({v[0] / side, v[1] / side, v[2] / side});
+    map.bits[own][static_cast<std::size_t>(v[2] % side)] |= std::uint64_t{1} << (v[0] % side + side * (v[1] % side));
+    // A voxel on the face of its brick gives the neighbour a gradient.
+    for (std::size_t a = 0; a < 3; ++a)
+      for (int step : {-1, 1}) {
+        Index3 beside = v;
+        beside[a] += step;
+        if (beside[a] >= 0 && beside[a] < g.dims[a]) map.brick({beside[0] / side, beside[1] / side, beside[2] / side});
+      }
+  }
+  std::vector<BrickData> all(map.place.size());
+  std::vector<std::uint8_t> used(all.size());
+  parallel_for(all.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n) used[n] = fill_data(g, map.place[n], map, all[n]);
+  });
+  std::vector<BrickData> kept;
+  for (std::size_t n = 0; n < all.size(); ++n)
+    if (used[n]) kept.push_back(all[n]);
+  return kept;
+}
+
+BandResult solve(const Grid& grid, std::vector<BrickData> data, const BandGvf& o, const Progress& progress) {
+  const auto levels = std::make_shared<BandField::Levels>();
+  levels->grid = grid;
+  BandResult result{BandField(levels), 0, 0, {}};
+  if (data.empty()) return result;
+  std::array<double, 3> rates{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double h = grid.spacing[static_cast<int>(a)];
+    rates[a] = o.mu / (h * h);
+  }
+  levels->levels = band::build(grid, rates, std::move(data), o.reach_voxels);
+  const band::Outcome outcome = band::solve(levels->levels, o.tolerance, o.most_cycles, progress);
+  for (band::Level& l : levels->levels) {  // only the field is asked for from here on
+    l.rhs = l.before = {};
+    l.b = l.d = {};
+    l.ghosts = {};
+  }
+  result.cycles = outcome.cycles;
+  result.error = outcome.error;
+  if (outcome.error >= o.tolerance) {
+    std::ostringstream text;
+    text << "the field of the band was left at an estimated relative error of " << outcome.error << " after "
+         << outcome.cycles << " cycles; asked for was " << o.tolerance;
+    result.notes.push_back({Severity::warning, "band.tolerance_missed", text.str()});
+  }
+  return result;
+}
+
+/// Value at a cell of level `l`; from coarser levels where its brick does not exist.
+Vec3 value_at(const std::vector<band::Level>& levels, std::size_t l, const Index3& cell) {
+  const band::Level& level = levels[l];
+  const int number = level.number({cell[0] / side, cell[1] / side, cell[2] / side});
+  if (number >= 0) {
+    const auto& u = level.u[static_cast<std::size_t>(number)];
+    const std::size_t at = band::cell_at(cell[0] % side, cell[1] % side, cell[2] % side);
+    return {u[0][at], u[1][at], u[2][at]};
+  }
+  const Index3& coarse = levels[l + 1].dims;
+  Index3 own, next;
+  for (std::size_t a = 0; a < 3; ++a) {
+    own[a] = level.axis[a].halved ? cell[a] / 2 : cell[a];
+    next[a] = level.axis[a].halved ? std::clamp(own[a] + (cell[a] % 2 == 0 ? -1 : 1), 0, coarse[a] - 1) : own[a];
+  }
+  Vec3 sum = Vec3::Zero();
+  for (int corner = 0; corner < 8; ++corner) {
+    Index3 at;
+    double weight = 1;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const bool far = corner >> a & 1;
+      at[a] = far ? next[a] : own[a];
+      weight *= far ? 0.25 : 0.75;
+    }
+    sum += weight * value_at(levels, l + 1, at);
+  }
+  return sum;
+}
+
+}  // namespace
+
+BandField::BandField(std::shared_ptr<const Levels> levels) : levels_(std::move(levels)) {}
+
+const Grid& BandField::grid() const { return levels_->grid; }
+
+Vec3 BandField::at(int i, int j, int k) const {
+  return levels_->levels.empty() ? Vec3(Vec3::Zero()) : value_at(levels_->levels, 0, {i, j, k});
+}
+
+bool BandField::is_in_band(int i, int j, int k) const {
+  return !levels_->levels.empty() && levels_->levels[0].number({i / side, j / side, k / side}) >= 0;
+}
+
+std::size_t BandField::voxels_in_band() const {
+  std::size_t count = 0;
+  if (levels_->levels.empty()) return 0;
+  const band::Level& l = levels_->levels[0];
+  for (const Index3& p : l.place) {
+    std::size_t cells = 1;
+    for (std::size_t a = 0; a < 3; ++a) cells *= static_cast<std::size_t>(std::min(side, l.dims[a] - side * p[a]));
+    count += cells;
+  }
+  return count;
+}
+
+std::size_t BandField::bytes() const {
+  std::size_t sum = 0;
+  for (const band::Level& l : levels_->levels)
+    sum += l.brick_at.size() * sizeof(std::int32_t) + l.place.size() * (sizeof(Index3) + sizeof(band::Cells3));
+  return sum;
+}
+
+VectorField dense_field(const BandField& field) {
+  VectorField out(field.grid());
+  const Index3& n = out.grid.dims;
+  parallel_for(static_cast<std::size_t>(n[2]), 1, [&](std::size_t begin, std::size_t end) {
+    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
+      for (int j = 0; j < n[1]; ++j)
+        for (int i = 0; i < n[0]; ++i) {
+          const Vec3 u = field.at(i, j, k);
+          const std::size_t v = out.grid.index(i, j, k);
+          out.x[v] = static_cast<float>(u[0]);
+          out.y[v] = static_cast<float>(u[1]);
+          out.z[v] = static_cast<float>(u[2]);
+        }
+  });
+  return out;
+}
+
+BandResult band_field(const Image& edge_map, const BandGvf& options, const Progress& progress) {
+  BandGvf o = options;
+  check_options(o, "band");
+  detail::check_grid(edge_map);
+  if (!is_finite(edge_map)) detail::check_edge_map(edge_map);  // names the place
+  std::vector<BrickData> data = data_of(edge_map);
+  for (const BrickData& brick : data)
+    if (std::any_of(brick.b.begin(), brick.b.end(), [](float b) { return !std::isfinite(b); }))
+      detail::check_edge_map(edge_map);
+  return solve(edge_map.grid, std::move(data), o, progress);
+}
+
+BandResult band_field(const Grid& grid, std::span<const Index3> border, const BandGvf& options,
+                      const Progress& progress) {
+  BandGvf o = options;
+  check_options(o, "band");
+  if (grid.size() == 0 || !(grid.spacing.minCoeff() > 0) || !grid.spacing.allFinite())
+    throw InputError("border: the grid must have at least one voxel and a positive spacing along every axis");
+  return solve(grid, data_of(grid, border), o, progress);
+}
+
+}  // namespace dynasurf
