@@ -1,28 +1,41 @@
-// Gradient vector flow: the steady solver beside the plain explicit scheme, in one run.
+// Gradient vector flow: the steady solver beside the explicit scheme, the bare memory and, where it is installed, ITK,
+// in one run. docs/performance.md holds what it measured.
 //
 //     build/bench/bin/field_bench --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
 //
-// The counter `error` is the solver's estimate, `cycles` the cycles on the voxels, `bytes_per_voxel` the memory that
-// the workspace has reserved (blocks without data in it are never touched) without map and result.
+// The argument `threads` limits the loops. The column `CPU` is processor time over all threads, which other programs on
+// a busy machine disturb least.
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <benchmark/benchmark.h>
 
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/field/band.hpp"
 #include "dynasurf/field/gvf.hpp"
+
+#if DYNASURF_BENCH_ITK
+#include <itkCovariantVector.h>
+#include <itkGradientVectorFlowImageFilter.h>
+#include <itkImage.h>
+#include <itkMultiThreaderBase.h>
+#endif
 
 namespace dynasurf {
 namespace {
 
 /// A closed bumpy border one voxel thick. `size` 64 is a gated study, 64x64x23 at 2.87 x 2.87 x 5.74 mm; others are
-/// cubes of 1 mm.
+/// cubes of 1 mm. A negative size -n is n x n x n/3 voxels of 1 x 1 x 3 mm.
 Image border_map(int size) {
   Grid g;
-  g.dims = {size, size, size == 64 ? 23 : size};
+  const int n = std::abs(size);
+  g.dims = {n, n, size == 64 ? 23 : size < 0 ? n / 3 : n};
   if (size == 64) g.spacing = {2.87, 2.87, 5.74};
-  const double width = size * g.spacing[0];
+  if (size < 0) g.spacing = {1, 1, 3};
+  const double width = n * g.spacing[0];
+  const Vec3 centre = Vec3(g.dims[0] - 1, g.dims[1] - 1, g.dims[2] - 1).cwiseProduct(g.spacing) / 2;
   const auto inside = [&](int i, int j, int k) {
-    const Vec3 centre = Vec3(g.dims[0] - 1, g.dims[1] - 1, g.dims[2] - 1).cwiseProduct(g.spacing) / 2;
     const Vec3 p = centre_of(g, {i, j, k}) - centre;
     const double r = p.norm(), theta = std::acos(p[2] / (r + 1e-9)), phi = std::atan2(p[1], p[0]);
     return r < 0.25 * width * (1 + 0.22 * std::sin(3 * theta) * std::cos(4 * phi) + 0.08 * std::cos(5 * theta));
@@ -43,6 +56,10 @@ Image border_map(int size) {
 
 double mu_of(int size) { return size == 64 ? 0.15 : size == 62 ? 2 : 0.2; }
 
+double per_voxel(std::size_t bytes, const Grid& g) {
+  return static_cast<double>(bytes) / static_cast<double>(g.size());
+}
+
 /// size, threads, tolerance as a power of ten
 void steady(benchmark::State& state) {
   const int size = static_cast<int>(state.range(0));
@@ -54,29 +71,80 @@ void steady(benchmark::State& state) {
   for (auto _ : state) flow_field(map, options, workspace, result);
   state.counters["cycles"] = result.iterations;
   state.counters["error"] = *result.error;
-  state.counters["bytes_per_voxel"] = static_cast<double>(workspace.bytes()) / static_cast<double>(map.grid.size());
+  state.counters["bytes_per_voxel"] = per_voxel(workspace.bytes(), map.grid) + 16;  // map and result are 16
 }
 BENCHMARK(steady)
     ->ArgsProduct({{64, 62, 128}, {1, 2}, {2, 3, 4}})
-    ->ArgsProduct({{256}, {1, 2}, {3}})
+    ->ArgsProduct({{256}, {1, 2}, {2, 3, 4}})
+    ->ArgsProduct({{32, 96, -48, -96, -192}, {1}, {3}})
     ->ArgNames({"size", "threads", "digits"})
     ->UseRealTime()
+    ->MeasureProcessCPUTime()
     ->Unit(benchmark::kMillisecond);
 
-/// `iterations` steps of the explicit scheme, start and copies included.
-void explicit_scheme(benchmark::State& state) {
-  const int size = static_cast<int>(state.range(0)), iterations = size > 100 ? 10 : 100;
+/// size, threads, reach; from the list of border voxels
+void band(benchmark::State& state) {
+  const int size = static_cast<int>(state.range(0));
+  const Image map = border_map(size);
+  std::vector<Index3> border;
+  for (int k = 0; k < map.grid.dims[2]; ++k)
+    for (int j = 0; j < map.grid.dims[1]; ++j)
+      for (int i = 0; i < map.grid.dims[0]; ++i)
+        if (map(i, j, k) == 1) border.push_back({i, j, k});
+  const ThreadLimit limit(static_cast<int>(state.range(1)));
+  const BandGvf options{.mu = mu_of(size), .reach_voxels = static_cast<int>(state.range(2))};
+  double share = 0, bytes = 0;
+  for (auto _ : state) {
+    const BandResult r = band_field(map.grid, border, options);
+    share = static_cast<double>(r.field.voxels_in_band()) / static_cast<double>(map.grid.size());
+    bytes = per_voxel(r.field.bytes(), map.grid);
+    state.counters["cycles"] = r.cycles;
+  }
+  state.counters["share_of_box"] = share;
+  state.counters["border_voxels"] = static_cast<double>(border.size());
+  state.counters["bytes_per_voxel"] = bytes;
+}
+BENCHMARK(band)
+    ->ArgsProduct({{62, 128, 256}, {1, 2}, {3}})
+    ->ArgNames({"size", "threads", "reach"})
+    ->UseRealTime()
+    ->MeasureProcessCPUTime()
+    ->Unit(benchmark::kMillisecond);
+
+/// Steps of the explicit scheme, start and copies included: divide by the counter `steps`.
+void explicit_steps(benchmark::State& state) {
+  const int size = static_cast<int>(state.range(0)), steps = size > 200 ? 10 : 40;
   const Image map = border_map(size);
   const ThreadLimit limit(static_cast<int>(state.range(1)));
   for (auto _ : state)
-    benchmark::DoNotOptimize(
-        flow_field(map, Gvf{.mu = mu_of(size), .iterations = iterations, .scheme = GvfScheme::metric}));
-  state.counters["iterations"] = iterations;
+    benchmark::DoNotOptimize(flow_field(map, Gvf{.mu = mu_of(size), .iterations = steps, .scheme = GvfScheme::metric}));
+  state.counters["steps"] = steps;
 }
-BENCHMARK(explicit_scheme)
-    ->ArgsProduct({{64, 62, 128}, {1, 2}})
+BENCHMARK(explicit_steps)
+    ->ArgsProduct({{64, 62, 128, 256}, {1, 2}})
     ->ArgNames({"size", "threads"})
     ->UseRealTime()
+    ->MeasureProcessCPUTime()
+    ->Unit(benchmark::kMillisecond);
+
+/// The least that any solver must do: read the map, write three components.
+void stream_once(benchmark::State& state) {
+  const Image map = border_map(static_cast<int>(state.range(0)));
+  const std::size_t n = map.grid.size();
+  VectorField field(map.grid);
+  for (auto _ : state) {
+    for (std::size_t v = 0; v < n; ++v) field.x[v] = field.y[v] = field.z[v] = map.values[v];
+    benchmark::ClobberMemory();
+  }
+}
+BENCHMARK(stream_once)
+    ->Arg(64)
+    ->Arg(62)
+    ->Arg(128)
+    ->Arg(256)
+    ->ArgName("size")
+    ->UseRealTime()
+    ->MeasureProcessCPUTime()
     ->Unit(benchmark::kMillisecond);
 
 /// The sixteen border maps of a heart with eight gates, one field per thread.
@@ -90,7 +158,49 @@ void sixteen_fields(benchmark::State& state) {
       for (std::size_t i = begin; i < end; ++i) flow_field(map, SteadyGvf{.mu = 0.15}, workspaces[i], results[i]);
     });
 }
-BENCHMARK(sixteen_fields)->Arg(1)->Arg(2)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(sixteen_fields)
+    ->Arg(1)
+    ->Arg(2)
+    ->ArgName("threads")
+    ->UseRealTime()
+    ->MeasureProcessCPUTime()
+    ->Unit(benchmark::kMillisecond);
+
+#if DYNASURF_BENCH_ITK
+/// Five iterations of ITK's filter, which is the explicit scheme too.
+void itk_steps(benchmark::State& state) {
+  using Vector = itk::CovariantVector<float, 3>;
+  using Field = itk::Image<Vector, 3>;
+  const int size = static_cast<int>(state.range(0)), threads = static_cast<int>(state.range(1));
+  itk::MultiThreaderBase::SetGlobalDefaultNumberOfThreads(static_cast<itk::ThreadIdType>(threads));
+  itk::MultiThreaderBase::SetGlobalMaximumNumberOfThreads(static_cast<itk::ThreadIdType>(threads));
+  const Image map = border_map(size);
+  const VectorField start = flow_field(map, Gvf{.mu = mu_of(size), .iterations = 1}).field;
+  auto input = Field::New();
+  Field::SizeType extent;
+  for (std::size_t a = 0; a < 3; ++a) extent[a] = static_cast<itk::SizeValueType>(map.grid.dims[a]);
+  input->SetRegions(extent);
+  input->Allocate();
+  for (std::size_t v = 0; v < map.grid.size(); ++v) {
+    Vector& to = input->GetBufferPointer()[v];
+    to[0] = start.x[v], to[1] = start.y[v], to[2] = start.z[v];
+  }
+  for (auto _ : state) {
+    auto filter = itk::GradientVectorFlowImageFilter<Field, Field, float>::New();
+    filter->SetInput(input);
+    filter->SetNoiseLevel(mu_of(size));
+    filter->SetIterationNum(5);
+    filter->Update();
+  }
+  state.counters["steps"] = 5;
+}
+BENCHMARK(itk_steps)
+    ->ArgsProduct({{64, 62, 128}, {1, 2}})
+    ->ArgNames({"size", "threads"})
+    ->UseRealTime()
+    ->MeasureProcessCPUTime()
+    ->Unit(benchmark::kMillisecond);
+#endif
 
 }  // namespace
 }  // namespace dynasurf
