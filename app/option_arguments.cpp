@@ -51,17 +51,24 @@ std::vector<std::string> settings_of(const OptionArguments& a) {
   if (a.first_slice) set("first_slice", *a.first_slice);
   if (a.last_slice) set("last_slice", *a.last_slice);
   if (a.base_plane_mm) set("base_plane_mm", *a.base_plane_mm);
+  if (a.fwhm_mm) {
+    std::ostringstream text;
+    text << "fit.fwhm_mm=" << std::setprecision(12) << *a.fwhm_mm;
+    settings.push_back(text.str());
+  }
   return settings;
 }
 
 void add_option_arguments(CLI::App& command, OptionArguments& a) {
-  command.add_option("--preset", a.preset, "default, or thesis: as published");
+  command.add_option("--preset", a.preset, "default; unbiased: with volumes freed of the blur; thesis: as published");
   command.add_option("--options", a.file, "JSON file of options, such as the options.json of a result");
   command.add_option("--pipeline", a.pipeline,
                      "surface; contour: a contour in every slice; direct: one field straight from the image");
   command.add_option("--set", a.settings, "set one option: path=value; may be repeated (see: dynasurf options)")
       ->take_all()
       ->allow_extra_args(false);
+  command.add_option("--fwhm", a.fwhm_mm,
+                     "width of the camera's point spread in the image, mm; 0: sharp (preset unbiased)");
   command.add_option("--center", a.center, "by hand: middle of the heart x,y,z in the world (LPS), mm")
       ->delimiter(',')
       ->expected(3);

@@ -19,6 +19,7 @@ struct OptionArguments {
   // What a person says in place of what would be found.
   std::vector<double> center, axis;
   std::optional<double> radius_mm, base_plane_mm;
+  std::optional<double> fwhm_mm;  // of the camera
   std::optional<int> first_slice, last_slice;
 };
 

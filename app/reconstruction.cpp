@@ -60,11 +60,10 @@ bool is_cycle(const std::vector<TriMesh>& meshes, std::size_t gates) {
 /// Seconds of one beat: as measured, else one second.
 double cycle_s(const Study& study) { return study.cycle_ms > 0 ? study.cycle_ms / 1000 : 1.0; }
 
-/// What is known of every vertex of a surface: its thickness and its segment.
-std::vector<VertexScalar> scalars_of(const VentricleResult& result, std::size_t gate, Wall wall) {
+/// What is known of every vertex of a measured surface: its thickness and its segment.
+std::vector<VertexScalar> scalars_of(const VentricleResult& result, std::size_t gate, Wall wall, const TriMesh& mesh) {
   if (!result.measures || !result.measures->gates[gate].axes) return {};
   const GateMeasures& measured = result.measures->gates[gate];
-  const TriMesh& mesh = (wall == Wall::endo ? result.gates[gate].endo : result.gates[gate].epi)->mesh;
   const VertexThickness& thickness = wall == Wall::endo ? measured.thickness.endo : measured.thickness.epi;
   const std::vector<int> segments = segments_of_vertices(result.measures->model, *measured.axes, mesh.vertices);
   return {{"thickness_mm", {thickness.mm.begin(), thickness.mm.end()}},
@@ -85,6 +84,17 @@ void write_measures(const VentricleResult& result, const fs::path& folder) {
     write_file(folder / "measures" / "phase_histogram.svg", svg);
 }
 
+/// The fitted wall of one gate, with what was measured on it and the uptake that was fitted.
+void write_fitted(const VentricleResult& result, std::size_t gate, Wall wall, const Outputs& outputs,
+                  const fs::path& folder) {
+  const FittedGate& fitted = result.fit->gates[gate];
+  const TriMesh& mesh = wall == Wall::endo ? fitted.endo : fitted.epi;
+  std::vector<VertexScalar> scalars = scalars_of(result, gate, wall, mesh);
+  scalars.push_back({"uptake", {result.fit->uptake.begin(), result.fit->uptake.end()}});
+  for (const MeshFormat format : outputs.mesh_formats)
+    write_mesh(mesh, folder / "meshes" / ("fit_" + gate_file(name_of(wall), gate, format)), format, scalars);
+}
+
 void write_surfaces(const VentricleResult& result, const Outputs& outputs, const fs::path& folder) {
   fs::create_directory(folder / "meshes");
   std::vector<PvdEntry> series;
@@ -94,7 +104,10 @@ void write_surfaces(const VentricleResult& result, const Outputs& outputs, const
     for (const Wall wall : {Wall::endo, Wall::epi}) {
       const auto& surface = wall == Wall::endo ? gate.endo : gate.epi;
       if (!surface) continue;
-      const std::vector<VertexScalar> scalars = scalars_of(result, g, wall);
+      // What was measured on fitted walls is no scalar of the edges.
+      const std::vector<VertexScalar> scalars =
+          result.fit ? std::vector<VertexScalar>() : scalars_of(result, g, wall, surface->mesh);
+      if (result.fit) write_fitted(result, g, wall, outputs, folder);
       for (const MeshFormat format : outputs.mesh_formats) {
         const std::string file = "meshes/" + gate_file(name_of(wall), g, format);
         write_mesh(surface->mesh, folder / file, format, scalars);
@@ -205,6 +218,38 @@ Outcome reconstruct_to_folder(const Job& job, const Progress& progress) {
   return outcome;
 }
 
+namespace {
+
+/// The same study read in three ways, a line each; what was not read has none.
+std::string readings_of(const VentricleResult& result) {
+  std::vector<std::vector<std::string>> rows{{"reading", "EDV mL", "ESV mL", "SV mL", "EF %", "wall mL"}};
+  if (result.fit && result.fit->ef_percent) {
+    const FittedBeat& fit = *result.fit;
+    const auto cell = [](const Estimate& e) { return fixed(e.value, 1) + " +- " + fixed(e.high() - e.value, 1); };
+    rows.push_back({"unbiased, 90 %", cell(fit.edv_ml), cell(fit.esv_ml), cell(fit.sv_ml), cell(*fit.ef_percent),
+                    cell(fit.wall_ml)});
+  }
+  const auto mean = [](const std::vector<double>& walls) {
+    double sum = 0;
+    for (const double w : walls) sum += w;
+    return walls.empty() ? std::string("-") : fixed(sum / static_cast<double>(walls.size()), 1);
+  };
+  if (result.ef_percent) {
+    std::vector<double> walls;
+    for (const Gate& gate : result.gates)
+      if (gate.wall_ml) walls.push_back(*gate.wall_ml);
+    rows.push_back({"classic edge", fixed(*result.edv_ml, 1), fixed(*result.esv_ml, 1), fixed(*result.sv_ml, 1),
+                    fixed(*result.ef_percent, 1), mean(walls)});
+  }
+  const auto qgs = result.qgs_like ? left_ventricular_function(result.qgs_like->cavity_ml) : std::nullopt;
+  if (qgs && qgs->ef_percent)
+    rows.push_back({"QGS-like", fixed(qgs->edv_ml, 1), fixed(qgs->esv_ml, 1), fixed(qgs->sv_ml, 1),
+                    fixed(*qgs->ef_percent, 1), mean(result.qgs_like->wall_ml)});
+  return rows.size() > 1 ? table(rows, {0}) : std::string();
+}
+
+}  // namespace
+
 std::string summary_of(const VentricleResult& result) {
   const auto number = [](const auto& value, int decimals) {
     return value ? fixed(static_cast<double>(*value), decimals) : std::string("-");
@@ -240,6 +285,7 @@ std::string summary_of(const VentricleResult& result) {
             (result.measures->from_edges ? " between the edges" : "") + "  phase SD " +
             fixed(result.measures->phase_counts->sd_deg, 1) + " deg  bandwidth " +
             fixed(result.measures->phase_counts->bandwidth_deg, 0) + " deg\n";
+  text += readings_of(result);
   text += "verdict: " + std::string(word_of(result.verdict)) + "\n";
   for (const Flag& flag : result.flags)
     text += "  " + std::string(name_of(flag.severity)) + ": " + flag.message + " [" + flag.code + "]\n";

@@ -193,6 +193,85 @@ Json phases_json(const std::optional<CurvePhases>& phases) {
           {"end_rapid_filling", one_based(phases->end_rapid_filling)}};
 }
 
+Json reading_json(const std::optional<double>& edv, const std::optional<double>& esv, const std::optional<double>& ef,
+                  const std::optional<double>& wall) {
+  Json json;
+  json["edv_ml"] = number(edv);
+  json["esv_ml"] = number(esv);
+  json["sv_ml"] = edv && esv ? number(*edv - *esv) : Json(nullptr);
+  json["ef_percent"] = number(ef);
+  json["wall_ml"] = number(wall);
+  return json;
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+Json edge_reading(const VentricleResult& result) {
+  std::vector<double> walls;
+  for (const Gate& gate : result.gates)
+    if (gate.wall_ml) walls.push_back(*gate.wall_ml);
+  const bool complete = !walls.empty() && walls.size() == result.gates.size();
+  return reading_json(result.edv_ml, result.esv_ml, result.ef_percent,
+                      complete ? std::optional(mean(walls)) : std::nullopt);
+}
+
+Json qgs_reading(const std::optional<QgsLike>& reading) {
+  if (!reading) return nullptr;
+  const auto function = left_ventricular_function(reading->cavity_ml);
+  if (!function) return reading_json({}, {}, {}, mean(reading->wall_ml));
+  return reading_json(function->edv_ml, function->esv_ml, function->ef_percent, mean(reading->wall_ml));
+}
+
+Json interval_json(const Estimate& e) { return {number(e.low()), number(e.high())}; }
+
+/// Numbers of one gate or the beat, each with its 90 % interval.
+void put_estimate(Json& json, const std::string& name, const std::optional<Estimate>& e) {
+  json[name] = e ? number(e->value) : Json(nullptr);
+  json[name + "_90"] = e ? interval_json(*e) : Json(nullptr);
+}
+
+Json fit_json(const std::optional<FittedBeat>& fit) {
+  if (!fit) return nullptr;
+  const bool gated = fit->gates.size() > 1;
+  const auto of_beat = [&](const Estimate& e) { return gated ? std::optional(e) : std::nullopt; };
+  Json json;
+  put_estimate(json, "edv_ml", of_beat(fit->edv_ml));
+  put_estimate(json, "esv_ml", of_beat(fit->esv_ml));
+  put_estimate(json, "sv_ml", of_beat(fit->sv_ml));
+  put_estimate(json, "ef_percent", fit->ef_percent);
+  put_estimate(json, "wall_ml", fit->wall_ml);
+  constexpr double g_per_ml = 1.05;
+  put_estimate(json, "wall_g", Estimate{g_per_ml * fit->wall_ml.value, g_per_ml * fit->wall_ml.sd});
+  put_estimate(json, "thickness_mm", fit->thickness_mm);
+  put_estimate(json, "fwhm_mm", fit->fwhm_mm);
+  json["wall_variation"] = number(fit->wall_variation);
+  json["cavity"] = number(fit->cavity);
+  json["background"] = number(fit->background);
+  json["neighbours"] = fit->neighbours;
+  json["steps"] = fit->steps;
+  json["converged"] = fit->converged;
+  json["gates"] = Json::array();
+  for (std::size_t g = 0; g < fit->gates.size(); ++g) {
+    Json gate{{"gate", g + 1}};
+    put_estimate(gate, "endo_ml", fit->gates[g].endo_ml);
+    put_estimate(gate, "epi_ml", fit->gates[g].epi_ml);
+    json["gates"].push_back(std::move(gate));
+  }
+  return json;
+}
+
+Json readings_json(const VentricleResult& result) {
+  Json json;
+  json["unbiased"] = fit_json(result.fit);
+  json["edge"] = edge_reading(result);
+  json["qgs_like"] = qgs_reading(result.qgs_like);
+  return json;
+}
+
 Json options_json(const std::string& text) {
   if (text.empty()) return nullptr;
   Json json = Json::parse(text, nullptr, false);
@@ -237,6 +316,7 @@ Json results_json(const VentricleResult& result, const Provenance& provenance, T
   json["ed_gate"] = one_based(result.ed_gate);
   json["es_gate"] = one_based(result.es_gate);
   json["phases"] = phases_json(result.phases);
+  json["readings"] = readings_json(result);
   json["heart"] = heart_json(result.heart);
   json["quality"] = quality_json(result);
   json["notes"] = notes_json(all_notes(result));

@@ -7,7 +7,7 @@
 namespace dynasurf {
 namespace {
 
-constexpr std::array<std::string_view, 2> names{"default", "thesis"};
+constexpr std::array<std::string_view, 3> names{"default", "thesis", "unbiased"};
 
 /// The run over a cardiac cycle of thesis 6.3 (CARD-CYCLE): Canny's parameters of 6.1.4, the labels decided by the
 /// largest gap alone, particles that stop at the faces of border voxels, drag of 1 %, a step of 0.1 s, straight
@@ -27,12 +27,25 @@ VentricleOptions thesis_options() {
   return o;
 }
 
+VentricleOptions unbiased_options() {
+  VentricleOptions o;
+  o.fit.run = true;
+  return o;
+}
+
 }  // namespace
 
 std::span<const std::string_view> preset_names() { return names; }
 
 VentricleOptions ventricle_preset(std::string_view name) {
-  return position_of(names, name, "preset") == 0 ? VentricleOptions{} : thesis_options();
+  switch (position_of(names, name, "preset")) {
+    case 1:
+      return thesis_options();
+    case 2:
+      return unbiased_options();
+    default:
+      return {};
+  }
 }
 
 }  // namespace dynasurf

@@ -6,7 +6,8 @@
 
 namespace dynasurf {
 
-/// Named sets of options: "default", and "thesis" for the pipeline exactly as it was published, where ours differs.
+/// Named sets of options: "default"; "thesis" for the pipeline exactly as it was published, where ours differs;
+/// "unbiased" for the default followed by the fit through the camera's blur.
 std::span<const std::string_view> preset_names();
 
 /// Throws OptionError with the choices for an unknown name.

@@ -210,6 +210,12 @@ std::optional<Measures> measure_study(const VentricleResult& result, const Measu
   bool is_any = false;
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
     const Gate& gate = result.gates[g];
+    if (result.fit) {
+      const FittedGate& fitted = result.fit->gates[g];
+      input.from_edges = false, is_any = true;
+      input.gates.push_back({&fitted.endo, &fitted.epi, &result.study.gates[g], fitted.base});
+      continue;
+    }
     is_any = is_any || (gate.endo && gate.epi);
     input.gates.push_back({gate.endo ? &gate.endo->mesh : nullptr, gate.epi ? &gate.epi->mesh : nullptr,
                            &result.study.gates[g], gate.base_plane});
@@ -240,6 +246,24 @@ void hand_over_stages(const StageSink& keep, std::vector<GateRun>& runs, const S
     if (!run.epi.flow.field.x.empty()) stages.field_epi = &run.epi.flow.field;
     keep(stages);
   }
+}
+
+/// Readings beside the edges' own: they need both surfaces in all gates.
+void read_otherwise(const Study& original, const BlurFit& options, const Progress& progress, StageClock& clock,
+                    VentricleResult& result) {
+  FitStart start;
+  for (const Gate& gate : result.gates) {
+    if (!gate.endo || !gate.epi || gate.endo->volume_ml <= 0 || gate.wall_ml.value_or(0) <= 0) return;
+    start.endo.push_back(gate.endo->mesh);
+    start.epi.push_back(gate.epi->mesh);
+    start.base.push_back(gate.base_plane);
+  }
+  start.axis = result.study.grid().direction.col(2);
+  start.lateral = result.study.grid().direction.col(0);
+  result.qgs_like = clock("readings", [&] { return read_like_qgs(original, start); });
+  if (!options.run) return;
+  result.fit = clock("fit", [&] { return fit_through_blur(original, start, options, progress); });
+  add_notes(result.notes, result.fit->notes, -1);
 }
 
 constexpr std::array<std::string_view, 3> pipeline_names{"surface", "contour", "direct"};
@@ -377,6 +401,7 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
   }
   note_correspondence(result);
   measure_cycle(result);
+  read_otherwise(original, options.fit, progress, clock, result);
   result.measures = clock("measures", [&] { return measure_study(result, options.measures); });
   result.flags = judge(result);
   result.verdict = verdict_of(result.flags);

@@ -17,6 +17,8 @@
 #include "dynasurf/ventricle/base_plane.hpp"
 #include "dynasurf/ventricle/closure.hpp"
 #include "dynasurf/ventricle/contour_pipeline.hpp"
+#include "dynasurf/ventricle/fit/blur_fit.hpp"
+#include "dynasurf/ventricle/fit/qgs_like.hpp"
 #include "dynasurf/ventricle/function.hpp"
 #include "dynasurf/ventricle/labels.hpp"
 #include "dynasurf/ventricle/locate.hpp"
@@ -62,6 +64,7 @@ struct VentricleOptions {
   bool warm_start = false;
   Keyframes keyframes;
   MeasureOptions measures;
+  BlurFit fit;
 };
 void describe(auto& visit, VentricleOptions& o) {
   visit("pipeline", o.pipeline,
@@ -86,6 +89,7 @@ void describe(auto& visit, VentricleOptions& o) {
   visit("warm_start", o.warm_start, Field{"start each gate from the surface of the gate before, a little enlarged"});
   visit("keyframes", o.keyframes, Field{"surfaces between the gates"});
   visit("measures", o.measures, Field{"what is measured on the surfaces"});
+  visit("fit", o.fit, Field{"surfaces of all gates fitted through the camera's blur: unbiased volumes"});
 }
 
 struct Gate {
@@ -108,6 +112,8 @@ struct VentricleResult {
   std::optional<CurvePhases> phases;                        // of the cavity's volume curve
   std::optional<double> wall_variation;                     // coefficient of variation of wall_ml over the cycle
   std::optional<Measures> measures;                         // absent when no gate has both surfaces
+  std::optional<QgsLike> qgs_like;  // what programs of the QGS family would read; needs both surfaces in all gates
+  std::optional<FittedBeat> fit;    // unbiased volumes with their error bars, when asked for
   Verdict verdict = Verdict::fail;
   std::vector<Flag> flags;
   Notes notes;

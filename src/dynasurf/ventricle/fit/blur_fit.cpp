@@ -1,0 +1,295 @@
+#include "dynasurf/ventricle/fit/blur_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/ventricle/fit/fitted_mesh.hpp"
+#include "dynasurf/ventricle/fit/harmonics.hpp"
+#include "dynasurf/ventricle/fit/neighbours.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr double sigmas_per_fwhm = 2.3548200450309493;
+
+struct Blur {
+  double fwhm_mm = 0, uncertainty = 0;
+  double filtered = 0.5;  // share of its variance that a filter on the voxels makes
+};
+Blur blur_of(const Study& study, const BlurFit& options) {
+  Blur blur{12, 0.2};
+  if (options.fwhm_mm) blur = {*options.fwhm_mm, *options.fwhm_mm > 0 ? options.fwhm_uncertainty : 0};
+  if (!options.fwhm_mm && (study.modality == "MR" || study.modality == "CT")) blur = {0, 0};
+  if (options.filter_fwhm_mm && blur.fwhm_mm > 0)
+    blur.filtered = std::min(0.9, std::pow(*options.filter_fwhm_mm / blur.fwhm_mm, 2));
+  return blur;
+}
+
+struct Box {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = -low;
+};
+
+Box box_of(const std::vector<TriMesh>& meshes) {
+  Box box;
+  for (const TriMesh& mesh : meshes)
+    for (const Vec3& p : mesh.vertices) box.low = box.low.cwiseMin(p), box.high = box.high.cwiseMax(p);
+  return box;
+}
+
+Pixels pixels_around(const Box& box, const Grid& grid, double sigma_mm, double margin_mm) {
+  Pixels pixels;
+  pixels.spacing = grid.spacing;
+  for (int a = 0; a < 3; ++a) {
+    const double wanted = std::max(1.4 * sigma_mm, 2.0);
+    const int joined = std::max(1, static_cast<int>(std::lround(wanted / grid.spacing[a])));
+    const int from = std::max(0, static_cast<int>(std::floor((box.low[a] - margin_mm) / grid.spacing[a])));
+    const int to = std::min(grid.dims[a] - 1, static_cast<int>(std::ceil((box.high[a] + margin_mm) / grid.spacing[a])));
+    pixels.joined[static_cast<std::size_t>(a)] = joined;
+    pixels.first[static_cast<std::size_t>(a)] = from;
+    pixels.count[static_cast<std::size_t>(a)] = std::max(0, (to - from + 1) / joined);
+  }
+  return pixels;
+}
+
+CellLattice lattice_around(const Box& box, const Pixels& pixels, double sigma_mm, double margin_mm) {
+  CellLattice lattice;
+  double pitch[3], finest = 1e9;
+  for (int a = 0; a < 3; ++a) {
+    pitch[a] = pixels.spacing[a] * pixels.joined[static_cast<std::size_t>(a)];
+    finest = std::min(finest, pitch[a]);
+  }
+  const double wanted = std::max(0.7 * sigma_mm, std::min(0.5 * finest, 2.0));
+  for (int a = 0; a < 3; ++a) {
+    const auto axis = static_cast<std::size_t>(a);
+    // Sharp images want whole cells in every voxel.
+    lattice.step[a] =
+        0.7 * sigma_mm > std::min(0.5 * finest, 2.0) ? wanted : pitch[a] / std::ceil(pitch[a] / wanted - 1e-9);
+    const double edge = pixels.centre(a, 0) - pitch[a] / 2;
+    const double from = std::floor((box.low[a] - margin_mm - edge) / lattice.step[a]);
+    const double to = std::ceil((box.high[a] + margin_mm - edge) / lattice.step[a]);
+    lattice.start[a] = edge + (from + 0.5) * lattice.step[a];
+    lattice.count[axis] = std::max(1, static_cast<int>(to - from));
+  }
+  lattice.edge_mm = 0.5 * lattice.step.maxCoeff();
+  if (sigma_mm > 0) lattice.edge_mm = std::min(lattice.edge_mm, 0.5 * sigma_mm);
+  return lattice;
+}
+
+/// The outermost of a wall over the beat, as harmonics of log q.
+Eigen::VectorXd outermost(const PlacedStart& start, int degree) {
+  Eigen::VectorXd most;
+  double volume = 0;
+  for (std::size_t g = 0; g < start.epi.size(); ++g) {
+    const double v = volume_mm3(start.epi[g]);
+    if (most.size() > 0 && v <= volume) continue;
+    most = harmonics_of_surface(start.epi[g], start.frame, start.base[g], degree);
+    volume = v;
+  }
+  return most;
+}
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+/// Where a pixel lies against the wall at the start.
+struct Place {
+  double outside_mm = 0, above_mm = 0, depth = 0;  // depth: q over that of the outer wall
+};
+
+struct Setup {
+  BeatProblem problem;
+  std::vector<Place> place;
+  double unit = 1;  // image value of activity 1
+  double background = 0, cavity = 0;
+  double highest_mm = 0;
+};
+
+Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, const BlurFit& options) {
+  Setup s;
+  BeatProblem& p = s.problem;
+  const Grid& grid = study.grid();
+  p.sigma_mm = blur.fwhm_mm / sigmas_per_fwhm;
+  // Where voxels are finer than the blur, it does not matter whether it came before or after them.
+  p.filtered = grid.spacing.maxCoeff() > 1.2 * p.sigma_mm ? blur.filtered : 0;
+  const double margin = std::max(0.8 * blur.fwhm_mm, 1.5 * grid.spacing.maxCoeff());
+  const Box box = box_of(start.epi);
+  p.pixels = pixels_around(box, grid, p.sigma_mm, margin);
+  const CellLattice lattice = lattice_around(box, p.pixels, p.sigma_mm * std::sqrt(1 - p.filtered), 5);
+  constexpr int outer_degree = 4;
+  const Eigen::VectorXd outer = outermost(start, outer_degree);
+  for (const BasePlane& base : start.base) s.highest_mm = std::max(s.highest_mm, start.frame.to_heart(base.point)[2]);
+  const int degree = std::max({options.shape_degree, options.wall_degree, options.uptake_degree});
+  p.cells = select_cells(lattice, start.frame, degree, s.highest_mm + 10, outer, outer_degree, 5);
+
+  std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(outer_degree)));
+  for (int k = 0; k < p.pixels.count[2]; ++k)
+    for (int j = 0; j < p.pixels.count[1]; ++j)
+      for (int i = 0; i < p.pixels.count[0]; ++i) {
+        const Vec3 heart = start.frame.to_heart({p.pixels.centre(0, i), p.pixels.centre(1, j), p.pixels.centre(2, k)});
+        const Vec3 scaled = heart.cwiseQuotient(start.frame.scale);
+        const double q = std::max(1e-6, scaled.norm());
+        harmonics_at(scaled / q, outer_degree, harmonics);
+        double wall = 0;
+        for (int h = 0; h < harmonics_up_to(outer_degree); ++h)
+          wall += outer[h] * harmonics[static_cast<std::size_t>(h)];
+        Place place;
+        place.outside_mm = (q - std::exp(wall)) / (scaled / q).cwiseQuotient(start.frame.scale).norm();
+        place.above_mm = heart[2] - s.highest_mm;
+        place.depth = q / std::exp(wall);
+        s.place.push_back(place);
+      }
+  std::vector<double> mean(p.pixels.size(), 0.0);
+  for (const Image& gate : study.gates) {
+    p.values.push_back(join(gate, p.pixels));
+    for (std::size_t n = 0; n < mean.size(); ++n)
+      mean[n] += static_cast<double>(p.values.back()[n]) / static_cast<double>(study.gates.size());
+  }
+  std::vector<double> wall, around, inside;
+  for (std::size_t n = 0; n < mean.size(); ++n) {
+    const Place& place = s.place[n];
+    if (place.above_mm < 0 && place.outside_mm < 0 && place.depth > 0.5) wall.push_back(mean[n]);
+    if (place.above_mm < 0 && place.outside_mm > 0.5 * margin && place.outside_mm < margin) around.push_back(mean[n]);
+    if (place.above_mm < -5 && place.depth < 0.3) inside.push_back(mean[n]);
+  }
+  s.unit = std::max(1e-12, 1.1 * quantile(wall, 0.9));
+  s.background = quantile(around, 0.25) / s.unit;
+  s.cavity = quantile(inside, 0.5) / s.unit;
+  for (auto& values : p.values)
+    for (float& v : values) v = static_cast<float>(static_cast<double>(v) / s.unit);
+  p.weight.resize(mean.size());
+  for (std::size_t n = 0; n < mean.size(); ++n) {
+    const Place& place = s.place[n];
+    const bool looked_at = place.outside_mm < margin && place.above_mm < margin;
+    p.weight[n] = looked_at ? static_cast<float>(1 / std::max(mean[n] / s.unit, 0.1)) : 0.0F;
+  }
+  return s;
+}
+
+/// Weights that trust pixels beside the heart less where the time's mean of what is left says that something else is
+/// there.
+void doubt_outliers(BeatProblem& problem, const std::vector<float>& first_weight, const std::vector<Place>& places,
+                    const Misfit& misfit, double usual) {
+  for (std::size_t n = 0; n < problem.weight.size(); ++n) {
+    problem.weight[n] = first_weight[n];
+    if (places[n].outside_mm <= 0) continue;
+    double missing = 0;
+    for (const auto& residual : misfit.residual)
+      missing -= static_cast<double>(residual[n]) / static_cast<double>(misfit.residual.size());
+    if (missing > 0) problem.weight[n] /= static_cast<float>(1 + std::pow(missing / usual, 2));
+  }
+}
+
+/// Variance of a pixel of weight 1 and the number of pixels that share their noise, from what the fit leaves.
+double noise_of(const BeatProblem& problem, const Misfit& misfit) {
+  std::vector<double> squares;
+  Vec3 shared = Vec3::Ones();
+  const Index3 dims = problem.pixels.count;
+  const std::size_t stride[3] = {1, static_cast<std::size_t>(dims[0]),
+                                 static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1])};
+  for (const auto& residual : misfit.residual)
+    for (std::size_t n = 0; n < residual.size(); ++n)
+      if (problem.weight[n] > 0) squares.push_back(static_cast<double>(residual[n] * residual[n] * problem.weight[n]));
+  // By the median, so that a hot neighbour does not pass for noise.
+  const double variance = quantile(squares, 0.5) / (0.6745 * 0.6745);
+  for (int axis = 0; axis < 3; ++axis)
+    for (int lag = 1; lag < 8 && lag < dims[static_cast<std::size_t>(axis)]; ++lag) {
+      double product = 0, pairs = 0;
+      for (const auto& residual : misfit.residual)
+        for (int k = 0; k < dims[2]; ++k)
+          for (int j = 0; j < dims[1]; ++j)
+            for (int i = 0; i < dims[0]; ++i) {
+              const Index3 at{i, j, k};
+              if (at[static_cast<std::size_t>(axis)] + lag >= dims[static_cast<std::size_t>(axis)]) continue;
+              const std::size_t a = static_cast<std::size_t>(i) + stride[1] * static_cast<std::size_t>(j) +
+                                    stride[2] * static_cast<std::size_t>(k);
+              const std::size_t b = a + stride[axis] * static_cast<std::size_t>(lag);
+              if (problem.weight[a] <= 0 || problem.weight[b] <= 0) continue;
+              const double scale = std::sqrt(variance / static_cast<double>(problem.weight[a]));
+              const double other = std::sqrt(variance / static_cast<double>(problem.weight[b]));
+              product += variance * std::clamp(static_cast<double>(residual[a]) / scale, -3.0, 3.0) *
+                         std::clamp(static_cast<double>(residual[b]) / other, -3.0, 3.0);
+              pairs += 1;
+            }
+      const double correlation = pairs > 0 && variance > 0 ? product / pairs / variance : 0;
+      if (correlation < 0.05) break;
+      shared[axis] += 2 * correlation;
+    }
+  constexpr double least = 1e-5;  // of the square of healthy muscle: no model is better than that
+  return std::max(variance * shared.prod(), least);
+}
+
+}  // namespace
+
+FittedBeat fit_through_blur(const Study& study, const FitStart& start, const BlurFit& requested,
+                            const Progress& progress) {
+  BlurFit options = requested;
+  check_options(options, "fit");
+  const PlacedStart placed = place_start(start, study.grid());
+  const Blur blur = blur_of(study, options);
+  // Finer harmonics than the blur lets through would only fit noise.
+  const double size =
+      std::sqrt(placed.frame.scale[0] * placed.frame.scale[2]) / std::max(blur.fwhm_mm / sigmas_per_fwhm, 3.0);
+  options.uptake_degree = std::min(options.uptake_degree, std::max(3, static_cast<int>(std::lround(1.1 * size))));
+  options.shape_degree = std::min(options.shape_degree, std::max(4, static_cast<int>(std::lround(size))));
+  Setup setup = set_up(study, placed, blur, options);
+  BeatProblem& problem = setup.problem;
+  Beliefs beliefs;
+  beliefs.width = blur.uncertainty;
+
+  const GateLayout layout = make_gate_layout(options.shape_degree, options.wall_degree, options.uptake_degree, 0);
+  if (setup.cavity > 0.6) beliefs.cavity_level = setup.cavity, beliefs.cavity = 0.3;
+  Eigen::VectorXd unknowns;
+  const std::vector<Eigen::VectorXd> first = first_numbers(placed, layout, setup.background, beliefs.cavity_level);
+  problem.layout = make_beat_layout(layout, first, beliefs, unknowns);
+  problem.noise = 0.003;
+  FittedBeat beat;
+  const std::vector<float> first_weight = problem.weight;
+  std::vector<bool> beside;
+  for (const Place& place : setup.place) beside.push_back(place.outside_mm > 0 && place.above_mm < blur.fwhm_mm);
+  Solution solution;
+  std::vector<Blob> blobs;
+  solution.unknowns = unknowns;
+  minimise(problem, solution, 5, 1e-2, progress);
+  blobs = find_blobs(problem, solution.misfit, beside, 0.06, 25);
+  if (!blobs.empty()) {
+    for (const Blob& blob : blobs) problem.blobs.push_back(blob_image(problem, blob));
+    const GateLayout wider = make_gate_layout(options.shape_degree, options.wall_degree, options.uptake_degree,
+                                              static_cast<int>(blobs.size()));
+    std::vector<Eigen::VectorXd> wider_first;
+    for (const Eigen::VectorXd& numbers : first) {
+      wider_first.push_back(Eigen::VectorXd::Zero(wider.count()));
+      wider_first.back().head(numbers.size()) = numbers;
+    }
+    Eigen::VectorXd wider_unknowns;
+    problem.layout = make_beat_layout(wider, wider_first, beliefs, wider_unknowns);
+    wider_unknowns.head(solution.unknowns.size()) = solution.unknowns;
+    solution.unknowns = wider_unknowns;
+  }
+  for (int round = 0; round < 2; ++round) {
+    doubt_outliers(problem, first_weight, setup.place, solution.misfit, 0.03);
+    problem.noise = noise_of(problem, solution.misfit);
+    minimise(problem, solution, 5, 1e-2, progress);
+  }
+  doubt_outliers(problem, first_weight, setup.place, solution.misfit, 0.03);
+  problem.noise = noise_of(problem, solution.misfit);
+  solution.misfit = misfit(problem, solution.unknowns);
+  solution.matrix = normal_matrix(problem, solution.unknowns, solution.misfit);
+  minimise(problem, solution, std::max(1, options.most_steps - solution.steps), 1e-3, progress);
+  beat.steps = solution.steps;
+  beat.neighbours = static_cast<int>(blobs.size());
+  beat.converged = solution.converged;
+  describe_beat(problem, solution, study.grid(), beat);
+  beat.fwhm_mm.value = blur.fwhm_mm * std::exp(problem.layout.at_gate(0, solution.unknowns)[layout.width]);
+  return beat;
+}
+
+}  // namespace dynasurf

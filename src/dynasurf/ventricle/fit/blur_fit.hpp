@@ -1,0 +1,79 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "dynasurf/core/options.hpp"
+#include "dynasurf/core/progress.hpp"
+#include "dynasurf/ventricle/fit/start.hpp"
+
+namespace dynasurf {
+
+/// How the surfaces are fitted through the camera's blur.
+struct BlurFit {
+  bool run = false;
+  std::optional<double> fwhm_mm;
+  double fwhm_uncertainty = 0.07;
+  std::optional<double> filter_fwhm_mm;
+  int shape_degree = 6, wall_degree = 4, uptake_degree = 10;
+  int most_steps = 20;
+};
+void describe(auto& visit, BlurFit& o) {
+  visit("run", o.run, Field{"fit both surfaces of all gates together through the camera's blur"});
+  visit("fwhm_mm", o.fwhm_mm,
+        Field{"width of the point spread in the image, where it is known; 0: sharp; unset: 12 mm or so for SPECT and "
+              "sharp for MR and CT, and the data decide",
+              "mm", 0, 60});
+  visit("fwhm_uncertainty", o.fwhm_uncertainty,
+        Field{"how far the given width may be off, as a part of it (one standard deviation); 0: exact", "", 0, 1});
+  visit("filter_fwhm_mm", o.filter_fwhm_mm,
+        Field{"width of the filter that the reconstruction applied to the voxels, a part of fwhm_mm; it matters where "
+              "voxels are coarse; unset: half of the blur",
+              "mm", 0, 60});
+  visit("shape_degree", o.shape_degree, Field{"spherical harmonics of the inner wall's shape", "", 2, 12});
+  visit("wall_degree", o.wall_degree, Field{"of the thickness", "", 1, 12});
+  visit("uptake_degree", o.uptake_degree, Field{"of the activity in the wall", "", 0, 12});
+  visit("most_steps", o.most_steps, Field{"steps of the optimiser at most", "", 1, 1000});
+}
+
+/// A number and how sure it is: one standard deviation.
+struct Estimate {
+  double value = 0, sd = 0;
+  double low() const { return value - 1.645 * sd; }  // of the 90 % interval
+  double high() const { return value + 1.645 * sd; }
+};
+
+/// One gate as fitted. World frame. The triangles are the same for all gates and both walls: `rings` rows of
+/// `segments` vertices from the apex (one vertex) to the rim at the base, then the lid that closes the base.
+struct FittedGate {
+  TriMesh endo, epi;
+  Estimate endo_ml, epi_ml;
+  BasePlane base;
+};
+
+struct FittedBeat {
+  std::vector<FittedGate> gates;
+  int rings = 0, segments = 0;
+  std::vector<double> uptake;  // per vertex of either wall over its median; 0 on the lid
+  Estimate wall_ml;            // muscle, mean of the gates
+  double wall_variation = 0;   // its coefficient of variation over the beat
+  Estimate edv_ml, esv_ml, sv_ml;
+  std::optional<Estimate> ef_percent;
+  Estimate thickness_mm;  // of the wall at end-diastole: its volume over the mean area of its two sides
+  int ed_gate = 0, es_gate = 0;
+  Estimate fwhm_mm;
+  double cavity = 0, background = 0;  // activities, the wall's median is 1
+  int steps = 0;
+  bool converged = false;
+  int neighbours = 0;  // blobs of activity beside the heart
+  Notes notes;
+};
+
+/// Fits the walls of all gates at once: two surfaces of one topology per gate, regional uptake between them, levels of
+/// blood and surroundings and hot neighbours, seen through a Gaussian point spread and compared with the voxels as they
+/// were stored. Shapes and motion are smooth and periodic, the muscle's volume is constant.
+/// `start` needs both surfaces in all gates of `study`. Deterministic for any number of threads.
+FittedBeat fit_through_blur(const Study& study, const FitStart& start, const BlurFit& options,
+                            const Progress& progress = {});
+
+}  // namespace dynasurf

@@ -1,0 +1,204 @@
+#include "dynasurf/ventricle/fit/camera.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dynasurf {
+namespace {
+
+constexpr double reach_sigmas = 3.7;
+
+double gaussian(double x, double variance) {
+  return std::exp(-x * x / (2 * variance)) / std::sqrt(2 * M_PI * variance);
+}
+
+/// Share of a cell that lies in a voxel.
+double overlap(double cell, double step, double voxel, double spacing) {
+  const double low = std::max(cell - step / 2, voxel - spacing / 2),
+               high = std::min(cell + step / 2, voxel + spacing / 2);
+  return std::max(0.0, high - low) / spacing;
+}
+
+/// exp(-t) I_n(t), n = 0, 1, ... up to where it ends: a Gaussian filter of variance t on a lattice.
+std::vector<double> discrete_gaussian(double t) {
+  const int reach = static_cast<int>(std::ceil(4.5 * std::sqrt(t))) + 1;
+  // The integral of exp(t (cos w - 1)) cos(n w) over one period; the trapezoid rule is exact for periodic functions.
+  constexpr int nodes = 64;
+  std::vector<double> half;
+  for (int n = 0; n <= reach; ++n) {
+    double sum = 0;
+    for (int m = 0; m < nodes; ++m) {
+      const double w = 2 * M_PI * m / nodes;
+      sum += std::exp(t * (std::cos(w) - 1)) * std::cos(n * w);
+    }
+    half.push_back(sum / nodes);
+  }
+  return half;
+}
+
+/// What a voxel of the study collects of a cell at a distance, and its derivative by the log of the deviation.
+class VoxelKernel {
+ public:
+  VoxelKernel(const CellLattice& cells, const Pixels& pixels, int axis, double sigma_mm, double filtered)
+      : step_(cells.step[axis]), spacing_(pixels.spacing[axis]) {
+    const double whole = sigma_mm * sigma_mm - cells.edge_mm * cells.edge_mm;
+    double of_filter = filtered * sigma_mm * sigma_mm;
+    // A Gaussian much narrower than a cell cannot be sampled; the voxel itself is the widest part of the blur there.
+    const double least = 0.36 * step_ * step_;
+    is_box_ = whole < least;
+    if (!is_box_) {
+      of_filter = std::min(of_filter, whole - least);
+      variance_ = whole - of_filter;
+      by_log_sigma_ = 2 * sigma_mm * sigma_mm;
+      filter_ = discrete_gaussian(of_filter / (spacing_ * spacing_));
+    }
+  }
+  double reach() const {
+    if (is_box_) return spacing_ / 2 + step_ / 2;
+    return reach_sigmas * std::sqrt(variance_) + spacing_ * static_cast<double>(filter_.size() - 1);
+  }
+  double weight(double distance) const {
+    if (is_box_) return overlap(distance, step_, 0, spacing_);
+    return sum(distance, [&](double x) { return step_ * gaussian(x, variance_); });
+  }
+  /// The filter stays while the camera's blur widens.
+  double by_log_sigma(double distance) const {
+    if (is_box_) return 0;
+    return sum(distance, [&](double x) {
+      return step_ * gaussian(x, variance_) * (x * x / variance_ - 1) / (2 * variance_) * by_log_sigma_;
+    });
+  }
+
+ private:
+  template <class F>
+  double sum(double distance, const F& value) const {
+    double total = filter_[0] * value(distance);
+    for (std::size_t n = 1; n < filter_.size(); ++n) {
+      const double shift = spacing_ * static_cast<double>(n);
+      total += filter_[n] * (value(distance - shift) + value(distance + shift));
+    }
+    return total;
+  }
+  double step_, spacing_, variance_ = 0, by_log_sigma_ = 0;
+  bool is_box_ = false;
+  std::vector<double> filter_;
+};
+
+AxisKernel axis_kernel(const CellLattice& cells, const Pixels& pixels, int axis, double sigma_mm, double filtered) {
+  const double step = cells.step[axis], spacing = pixels.spacing[axis];
+  const VoxelKernel voxel_kernel(cells, pixels, axis, sigma_mm, filtered);
+  const double reach = voxel_kernel.reach() + 0.5 * spacing * (pixels.joined[static_cast<std::size_t>(axis)] - 1);
+  const int cell_count = cells.count[static_cast<std::size_t>(axis)],
+            joined = pixels.joined[static_cast<std::size_t>(axis)];
+  AxisKernel kernel;
+  for (int n = 0; n < pixels.count[static_cast<std::size_t>(axis)]; ++n) {
+    const double centre = pixels.centre(axis, n);
+    const int from =
+        std::clamp(static_cast<int>(std::ceil((centre - reach - cells.start[axis]) / step)), 0, cell_count);
+    const int to =
+        std::clamp(static_cast<int>(std::floor((centre + reach - cells.start[axis]) / step)) + 1, from, cell_count);
+    kernel.from.push_back(from);
+    kernel.to.push_back(to);
+    kernel.at.push_back(static_cast<int>(kernel.weights.size()));
+    for (int c = from; c < to; ++c) {
+      const double cell = cells.start[axis] + c * step;
+      double weight = 0, by_width = 0;
+      for (int v = 0; v < joined; ++v) {
+        const double voxel = spacing * (pixels.first[static_cast<std::size_t>(axis)] + n * joined + v);
+        weight += voxel_kernel.weight(cell - voxel) / joined;
+        by_width += voxel_kernel.by_log_sigma(cell - voxel) / joined;
+      }
+      kernel.weights.push_back(static_cast<float>(weight));
+      kernel.by_width.push_back(static_cast<float>(by_width));
+    }
+  }
+  return kernel;
+}
+
+/// out[n] += sum over the kernel of in[c], for blocks of `stride` values that lie together.
+void gather(const AxisKernel& kernel, const std::vector<float>& weights, int pixels, int cells, std::size_t stride,
+            std::size_t blocks, const float* in, float* out) {
+  for (std::size_t b = 0; b < blocks; ++b)
+    for (int n = 0; n < pixels; ++n) {
+      float* to = out + (b * static_cast<std::size_t>(pixels) + static_cast<std::size_t>(n)) * stride;
+      const float* w = weights.data() + kernel.at[static_cast<std::size_t>(n)];
+      for (int c = kernel.from[static_cast<std::size_t>(n)]; c < kernel.to[static_cast<std::size_t>(n)]; ++c, ++w) {
+        const float* from = in + (b * static_cast<std::size_t>(cells) + static_cast<std::size_t>(c)) * stride;
+        const float factor = *w;
+        for (std::size_t s = 0; s < stride; ++s) to[s] += factor * from[s];
+      }
+    }
+}
+
+void scatter(const AxisKernel& kernel, int pixels, int cells, std::size_t stride, std::size_t blocks, const float* in,
+             float* out) {
+  for (std::size_t b = 0; b < blocks; ++b)
+    for (int n = 0; n < pixels; ++n) {
+      const float* from = in + (b * static_cast<std::size_t>(pixels) + static_cast<std::size_t>(n)) * stride;
+      const float* w = kernel.weights.data() + kernel.at[static_cast<std::size_t>(n)];
+      for (int c = kernel.from[static_cast<std::size_t>(n)]; c < kernel.to[static_cast<std::size_t>(n)]; ++c, ++w) {
+        float* to = out + (b * static_cast<std::size_t>(cells) + static_cast<std::size_t>(c)) * stride;
+        const float factor = *w;
+        for (std::size_t s = 0; s < stride; ++s) to[s] += factor * from[s];
+      }
+    }
+}
+
+std::size_t product(int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); }
+
+}  // namespace
+
+std::vector<float> join(const Image& image, const Pixels& p) {
+  std::vector<float> means(p.size());
+  std::size_t at = 0;
+  for (int k = 0; k < p.count[2]; ++k)
+    for (int j = 0; j < p.count[1]; ++j)
+      for (int i = 0; i < p.count[0]; ++i) {
+        double sum = 0;
+        for (int c = 0; c < p.joined[2]; ++c)
+          for (int b = 0; b < p.joined[1]; ++b)
+            for (int a = 0; a < p.joined[0]; ++a)
+              sum += static_cast<double>(image(p.first[0] + i * p.joined[0] + a, p.first[1] + j * p.joined[1] + b,
+                                               p.first[2] + k * p.joined[2] + c));
+        means[at++] = static_cast<float>(sum / (p.joined[0] * p.joined[1] * p.joined[2]));
+      }
+  return means;
+}
+
+Camera make_camera(const CellLattice& cells, const Pixels& pixels, double sigma_mm, double filtered) {
+  Camera camera{cells, pixels, {}};
+  for (int a = 0; a < 3; ++a)
+    camera.axes[static_cast<std::size_t>(a)] = axis_kernel(cells, pixels, a, sigma_mm, filtered);
+  return camera;
+}
+
+// Along z first, where whole planes lie together, then y, then x.
+std::vector<float> see(const Camera& camera, std::span<const float> cells, int derivative_axis) {
+  const Index3 c = camera.cells.count, p = camera.pixels.count;
+  const auto weights = [&](int axis) -> const std::vector<float>& {
+    const AxisKernel& kernel = camera.axes[static_cast<std::size_t>(axis)];
+    return axis == derivative_axis ? kernel.by_width : kernel.weights;
+  };
+  std::vector<float> z(product(c[0], c[1]) * static_cast<std::size_t>(p[2]), 0.0F);
+  gather(camera.axes[2], weights(2), p[2], c[2], product(c[0], c[1]), 1, cells.data(), z.data());
+  std::vector<float> y(product(c[0], p[1]) * static_cast<std::size_t>(p[2]), 0.0F);
+  gather(camera.axes[1], weights(1), p[1], c[1], static_cast<std::size_t>(c[0]), static_cast<std::size_t>(p[2]),
+         z.data(), y.data());
+  std::vector<float> x(camera.pixels.size(), 0.0F);
+  gather(camera.axes[0], weights(0), p[0], c[0], 1, product(p[1], p[2]), y.data(), x.data());
+  return x;
+}
+
+std::vector<float> see_back(const Camera& camera, std::span<const float> pixels) {
+  const Index3 c = camera.cells.count, p = camera.pixels.count;
+  std::vector<float> y(product(c[0], p[1]) * static_cast<std::size_t>(p[2]), 0.0F);
+  scatter(camera.axes[0], p[0], c[0], 1, product(p[1], p[2]), pixels.data(), y.data());
+  std::vector<float> z(product(c[0], c[1]) * static_cast<std::size_t>(p[2]), 0.0F);
+  scatter(camera.axes[1], p[1], c[1], static_cast<std::size_t>(c[0]), static_cast<std::size_t>(p[2]), y.data(),
+          z.data());
+  std::vector<float> x(camera.cells.size(), 0.0F);
+  scatter(camera.axes[2], p[2], c[2], product(c[0], c[1]), 1, z.data(), x.data());
+  return x;
+}
+
+}  // namespace dynasurf

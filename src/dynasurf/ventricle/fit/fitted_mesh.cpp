@@ -1,0 +1,212 @@
+#include "dynasurf/ventricle/fit/fitted_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/ventricle/fit/harmonics.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr int wall_rings = 24, lid_rings = 6, around = 48;
+
+/// The walls of one gate as functions of the direction.
+class Walls {
+ public:
+  Walls(const BeatProblem& problem, const Eigen::VectorXd& gate)
+      : layout_(problem.layout.gate),
+        frame_(problem.cells.frame),
+        gate_(gate),
+        harmonics_(static_cast<std::size_t>(
+            harmonics_up_to(std::max({layout_.endo_degree, layout_.wall_degree, layout_.uptake_degree})))) {}
+
+  struct Ray {
+    double endo = 0, epi = 0, uptake = 0;
+  };
+  Ray along(const Vec3& direction) {
+    harmonics_at(direction, std::max({layout_.endo_degree, layout_.wall_degree, layout_.uptake_degree}), harmonics_);
+    Ray ray;
+    ray.endo = std::exp(field(layout_.endo, layout_.endo_degree));
+    ray.epi = std::cbrt(ray.endo * ray.endo * ray.endo + std::exp(field(layout_.wall, layout_.wall_degree)));
+    ray.uptake = field(layout_.uptake, layout_.uptake_degree);
+    return ray;
+  }
+  Vec3 point(const Vec3& direction, double q) const { return (q * direction).cwiseProduct(frame_.scale); }
+  double above_base(const Vec3& heart) const {
+    return heart[2] - gate_[layout_.plane] - gate_[layout_.plane + 1] * heart[0] - gate_[layout_.plane + 2] * heart[1];
+  }
+  const HeartFrame& frame() const { return frame_; }
+
+ private:
+  double field(int first, int degree) const {
+    double sum = 0;
+    for (int k = 0; k < harmonics_up_to(degree); ++k) sum += gate_[first + k] * harmonics_[static_cast<std::size_t>(k)];
+    return sum;
+  }
+  const GateLayout& layout_;
+  const HeartFrame& frame_;
+  const Eigen::VectorXd& gate_;
+  std::vector<double> harmonics_;
+};
+
+Vec3 direction_at(double from_apex, double angle) {
+  return {std::sin(from_apex) * std::cos(angle), std::sin(from_apex) * std::sin(angle), -std::cos(from_apex)};
+}
+
+/// Angle from the apex at which a wall meets the base plane, going up along one meridian.
+double rim_angle(Walls& walls, double angle, bool outer) {
+  const auto above = [&](double from_apex) {
+    const Vec3 d = direction_at(from_apex, angle);
+    const Walls::Ray ray = walls.along(d);
+    return walls.above_base(walls.point(d, outer ? ray.epi : ray.endo));
+  };
+  constexpr double step = M_PI / 36;
+  double low = M_PI / 4, high = low;
+  while (high < 0.97 * M_PI && above(high) < 0) low = high, high += step;
+  for (int n = 0; n < 40; ++n) {
+    const double middle = (low + high) / 2;
+    (above(middle) < 0 ? low : high) = middle;
+  }
+  return (low + high) / 2;
+}
+
+std::vector<std::array<std::uint32_t, 3>> triangles() {
+  std::vector<std::array<std::uint32_t, 3>> list;
+  const auto vertex = [](int ring, int segment) -> std::uint32_t {
+    return static_cast<std::uint32_t>(1 + (ring - 1) * around + segment % around);
+  };
+  constexpr int last = wall_rings + lid_rings - 1;
+  const auto top = static_cast<std::uint32_t>(1 + last * around);
+  for (int s = 0; s < around; ++s) {
+    list.push_back({0, vertex(1, s + 1), vertex(1, s)});
+    for (int r = 1; r < last; ++r) {
+      list.push_back({vertex(r, s), vertex(r, s + 1), vertex(r + 1, s)});
+      list.push_back({vertex(r, s + 1), vertex(r + 1, s + 1), vertex(r + 1, s)});
+    }
+    list.push_back({vertex(last, s), vertex(last, s + 1), top});
+  }
+  return list;
+}
+
+/// One wall of one gate, world frame, and the uptake at its vertices.
+TriMesh wall_mesh(Walls& walls, bool outer, const Grid& grid, std::vector<double>* uptake) {
+  TriMesh mesh;
+  const auto add = [&](const Vec3& heart, double activity) {
+    mesh.vertices.push_back(to_world(grid, walls.frame().from_heart(heart)));
+    if (uptake) uptake->push_back(activity);
+  };
+  std::vector<double> rims;
+  for (int s = 0; s < around; ++s) rims.push_back(rim_angle(walls, 2 * M_PI * s / around, outer));
+  const Walls::Ray apex = walls.along({0, 0, -1});
+  add(walls.point({0, 0, -1}, outer ? apex.epi : apex.endo), apex.uptake);
+  std::vector<Vec3> rim_points;
+  for (int r = 1; r <= wall_rings; ++r)
+    for (int s = 0; s < around; ++s) {
+      const Vec3 d = direction_at(rims[static_cast<std::size_t>(s)] * r / wall_rings, 2 * M_PI * s / around);
+      const Walls::Ray ray = walls.along(d);
+      const Vec3 p = walls.point(d, outer ? ray.epi : ray.endo);
+      add(p, ray.uptake);
+      if (r == wall_rings) rim_points.push_back(p);
+    }
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : rim_points) middle += p / around;
+  for (int r = 1; r < lid_rings; ++r)
+    for (int s = 0; s < around; ++s)
+      add(rim_points[static_cast<std::size_t>(s)] + (middle - rim_points[static_cast<std::size_t>(s)]) * r / lid_rings,
+          0);
+  add(middle, 0);
+  mesh.triangles = triangles();
+  if (grid.direction.determinant() * walls.frame().axes.determinant() < 0)
+    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+/// Area of a wall without its lid, mm2.
+double open_area(const TriMesh& mesh) {
+  TriMesh open = mesh;
+  const std::uint32_t rim_end = 1 + wall_rings * around;
+  std::erase_if(open.triangles, [rim_end](const auto& t) { return std::max({t[0], t[1], t[2]}) >= rim_end; });
+  return area_mm2(open);
+}
+
+double spread_of(const Eigen::VectorXd& gradient, const Eigen::LLT<Eigen::MatrixXd>& factor) {
+  const Eigen::VectorXd half = factor.matrixL().solve(gradient);
+  return half.norm();
+}
+
+}  // namespace
+
+void describe_beat(const BeatProblem& problem, const Solution& solution, const Grid& grid, FittedBeat& beat) {
+  const BeatLayout& layout = problem.layout;
+  beat.rings = wall_rings, beat.segments = around;
+  const Eigen::MatrixXd matrix = solution.matrix.whole(problem.noise);
+  const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
+  const auto gates = static_cast<std::size_t>(layout.gates);
+  std::vector<Eigen::VectorXd> by_cavity(gates), by_wall(gates);
+  std::vector<double> wall;
+  for (std::size_t g = 0; g < gates; ++g) {
+    const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), solution.unknowns);
+    Walls walls(problem, numbers);
+    FittedGate gate;
+    gate.endo = wall_mesh(walls, false, grid, g == 0 ? &beat.uptake : nullptr);
+    gate.epi = wall_mesh(walls, true, grid, nullptr);
+    gate.endo_ml.value = volume_mm3(gate.endo) / 1000;
+    gate.epi_ml.value = volume_mm3(gate.epi) / 1000;
+    const HeartFrame& frame = walls.frame();
+    const Vec3 normal = Vec3(-numbers[layout.gate.plane + 1], -numbers[layout.gate.plane + 2], 1).normalized();
+    gate.base.point = to_world(grid, frame.from_heart({0, 0, numbers[layout.gate.plane]}));
+    gate.base.normal = grid.direction * (frame.axes * normal);
+    const Activity& activity = solution.misfit.activity[g];
+    const auto of_beat = [&](double cavity, double muscle) {
+      Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout.unknowns);
+      layout.add_gradient(static_cast<int>(g),
+                          trace_back(problem.cells, layout.gate, numbers, activity, {}, cavity, muscle) / 1000,
+                          gradient);
+      return gradient;
+    };
+    by_cavity[g] = of_beat(1, 0);
+    by_wall[g] = of_beat(0, 1);
+    gate.endo_ml.sd = spread_of(by_cavity[g], factor);
+    gate.epi_ml.sd = spread_of(by_cavity[g] + by_wall[g], factor);
+    wall.push_back(gate.epi_ml.value - gate.endo_ml.value);
+    beat.gates.push_back(std::move(gate));
+  }
+  Eigen::VectorXd mean_wall = Eigen::VectorXd::Zero(layout.unknowns);
+  for (std::size_t g = 0; g < gates; ++g) {
+    beat.wall_ml.value += wall[g] / static_cast<double>(gates);
+    mean_wall += by_wall[g] / static_cast<double>(gates);
+    if (beat.gates[g].endo_ml.value > beat.gates[static_cast<std::size_t>(beat.ed_gate)].endo_ml.value)
+      beat.ed_gate = static_cast<int>(g);
+    if (beat.gates[g].endo_ml.value < beat.gates[static_cast<std::size_t>(beat.es_gate)].endo_ml.value)
+      beat.es_gate = static_cast<int>(g);
+  }
+  beat.wall_ml.sd = spread_of(mean_wall, factor);
+  double variance = 0;
+  for (const double w : wall) variance += std::pow(w - beat.wall_ml.value, 2) / static_cast<double>(gates);
+  beat.wall_variation = std::sqrt(variance) / std::max(1e-9, beat.wall_ml.value);
+  const auto ed = static_cast<std::size_t>(beat.ed_gate), es = static_cast<std::size_t>(beat.es_gate);
+  beat.edv_ml = beat.gates[ed].endo_ml, beat.esv_ml = beat.gates[es].endo_ml;
+  beat.sv_ml = {beat.edv_ml.value - beat.esv_ml.value, spread_of(by_cavity[ed] - by_cavity[es], factor)};
+  if (gates > 1 && beat.edv_ml.value > 0) {
+    const double edv = beat.edv_ml.value, esv = beat.esv_ml.value;
+    const Eigen::VectorXd by_ef = 100 * (esv / (edv * edv) * by_cavity[ed] - by_cavity[es] / edv);
+    beat.ef_percent = Estimate{100 * (edv - esv) / edv, spread_of(by_ef, factor)};
+  }
+  const FittedGate& relaxed = beat.gates[ed];
+  const double area = 0.5 * (open_area(relaxed.endo) + open_area(relaxed.epi));
+  beat.thickness_mm.value = 1000 * (relaxed.epi_ml.value - relaxed.endo_ml.value) / std::max(1.0, area);
+  beat.thickness_mm.sd = beat.thickness_mm.value * beat.wall_ml.sd / std::max(1e-9, beat.wall_ml.value);
+  const Eigen::VectorXd first = layout.at_gate(0, solution.unknowns);
+  // Activities are told in units of the mean of the healthy half of the wall.
+  std::vector<double> activity(beat.uptake.begin(), beat.uptake.begin() + 1 + wall_rings * around);
+  std::nth_element(activity.begin(), activity.begin() + static_cast<std::ptrdiff_t>(activity.size() / 2),
+                   activity.end());
+  const double healthy = std::max(1e-9, activity[activity.size() / 2]);
+  for (double& u : beat.uptake) u /= healthy;
+  beat.cavity = first[layout.gate.cavity] / healthy, beat.background = first[layout.gate.background] / healthy;
+}
+
+}  // namespace dynasurf

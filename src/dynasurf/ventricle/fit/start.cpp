@@ -1,0 +1,150 @@
+#include "dynasurf/ventricle/fit/start.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "dynasurf/ventricle/fit/harmonics.hpp"
+
+namespace dynasurf {
+namespace {
+
+Vec3 middle_of(const TriMesh& mesh) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& p : mesh.vertices) sum += p;
+  return sum / static_cast<double>(std::max<std::size_t>(1, mesh.vertices.size()));
+}
+
+double lowest(const TriMesh& mesh, const Vec3& axis) {
+  double low = std::numeric_limits<double>::infinity();
+  for (const Vec3& p : mesh.vertices) low = std::min(low, p.dot(axis));
+  return low;
+}
+
+double highest(const TriMesh& mesh, const Vec3& axis) { return -lowest(mesh, -axis); }
+
+/// Distance from the axis of the points around a height, in the mean.
+double radius_at(const TriMesh& mesh, const Vec3& axis, const Vec3& centre, double within_mm) {
+  double sum = 0, count = 0;
+  for (const Vec3& p : mesh.vertices) {
+    const Vec3 d = p - centre;
+    const double height = d.dot(axis);
+    if (std::abs(height) > within_mm) continue;
+    sum += (d - height * axis).norm(), count += 1;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+}  // namespace
+
+PlacedStart place_start(const FitStart& start, const Grid& grid) {
+  PlacedStart placed;
+  Vec3 axis = start.axis.normalized();
+  Vec3 normals = Vec3::Zero();
+  for (const auto& base : start.base)
+    if (base) normals += base->normal;
+  if (normals.norm() > 0.5 && normals.normalized().dot(axis) > 0.9) axis = normals.normalized();
+  const Vec3 z = grid.direction.transpose() * axis;
+  Vec3 x = grid.direction.transpose() * start.lateral;
+  x = (x - x.dot(z) * z).normalized();
+  placed.frame.axes.col(0) = x;
+  placed.frame.axes.col(1) = z.cross(x);
+  placed.frame.axes.col(2) = z;
+
+  // The centre lies in the cavity of every gate: halfway between the highest apex and the lowest base.
+  double apex = -std::numeric_limits<double>::infinity(), base = -apex;
+  Vec3 middle = Vec3::Zero();
+  for (std::size_t g = 0; g < start.endo.size(); ++g) {
+    placed.endo.push_back(to_grid(grid, start.endo[g]));
+    placed.epi.push_back(to_grid(grid, start.epi[g]));
+    const TriMesh &endo = placed.endo.back(), &epi = placed.epi.back();
+    middle += middle_of(endo) / static_cast<double>(start.endo.size());
+    const bool has_plane = start.base[g].has_value();
+    BasePlane plane = has_plane ? to_grid(grid, *start.base[g]) : BasePlane{};
+    if (!has_plane) {
+      plane.normal = z;
+      plane.point = middle_of(endo) + (0.5 * (highest(endo, z) + highest(epi, z)) - middle_of(endo).dot(z)) * z;
+    }
+    placed.base.push_back(plane);
+    apex = std::max(apex, lowest(endo, z));
+    base = std::min(base, plane.point.dot(z));
+  }
+  placed.frame.centre = middle + (0.5 * apex + 0.5 * base - middle.dot(z)) * z;
+  double radius = 0, length = 0;
+  for (std::size_t g = 0; g < placed.endo.size(); ++g)
+    for (const TriMesh* mesh : {&placed.endo[g], &placed.epi[g]}) {
+      const double share = 0.5 / static_cast<double>(placed.endo.size());
+      radius += share * radius_at(*mesh, z, placed.frame.centre, 10);
+      length += share * (placed.frame.centre.dot(z) - lowest(*mesh, z));
+    }
+  placed.frame.scale = {std::max(radius, 5.0), std::max(radius, 5.0), std::clamp(length, radius, 2.5 * radius)};
+  return placed;
+}
+
+Eigen::VectorXd smooth_harmonics(const Eigen::MatrixXd& rows, const Eigen::VectorXd& values, int degree) {
+  constexpr double noise = 0.05;
+  Eigen::MatrixXd matrix = rows.transpose() * rows / static_cast<double>(std::max<Eigen::Index>(1, rows.rows())) * 300;
+  for (int k = 0; k < harmonics_up_to(degree); ++k) {
+    const int l = degree_of_harmonic(k);
+    const double sd = l == 0 ? 2.0 : 0.5 * std::pow(l, -2.0);
+    matrix(k, k) += noise * noise / (sd * sd);
+  }
+  const double scale = 300.0 / static_cast<double>(std::max<Eigen::Index>(1, rows.rows()));
+  return matrix.llt().solve(rows.transpose() * values * scale);
+}
+
+Eigen::VectorXd harmonics_of_surface(const TriMesh& surface, const HeartFrame& frame, const BasePlane& base,
+                                     int degree) {
+  constexpr double lid_mm = 2.5;
+  const int count = harmonics_up_to(degree);
+  Eigen::MatrixXd rows(static_cast<Eigen::Index>(surface.vertices.size()), count);
+  Eigen::VectorXd values(rows.rows());
+  Eigen::Index used = 0;
+  std::vector<double> harmonics(static_cast<std::size_t>(count));
+  for (const Vec3& p : surface.vertices) {
+    if (base.height(p) > -lid_mm) continue;
+    const Vec3 scaled = frame.to_heart(p).cwiseQuotient(frame.scale);
+    if (scaled.norm() < 0.02) continue;
+    harmonics_at(scaled.normalized(), degree, harmonics);
+    rows.row(used) = Eigen::Map<Eigen::RowVectorXd>(harmonics.data(), count);
+    values[used++] = std::log(scaled.norm());
+  }
+  return smooth_harmonics(rows.topRows(used), values.head(used), degree);
+}
+
+std::vector<Eigen::VectorXd> first_numbers(const PlacedStart& start, const GateLayout& layout, double background,
+                                           double cavity) {
+  constexpr int directions = 300;
+  std::vector<Eigen::VectorXd> numbers;
+  const int most = std::max(layout.endo_degree, layout.wall_degree);
+  std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(most)));
+  Eigen::MatrixXd rows(directions, harmonics_up_to(most));
+  for (int n = 0; n < directions; ++n) {
+    harmonics_at(even_direction(n, directions), most, harmonics);
+    rows.row(n) = Eigen::Map<Eigen::RowVectorXd>(harmonics.data(), rows.cols());
+  }
+  for (std::size_t g = 0; g < start.endo.size(); ++g) {
+    Eigen::VectorXd gate = Eigen::VectorXd::Zero(layout.count());
+    const Eigen::VectorXd endo = harmonics_of_surface(start.endo[g], start.frame, start.base[g], most);
+    const Eigen::VectorXd epi = harmonics_of_surface(start.epi[g], start.frame, start.base[g], most);
+    const Eigen::ArrayXd inner = (rows * endo).array().exp().cube();
+    const Eigen::ArrayXd outer = (rows * epi).array().exp().cube();
+    const Eigen::VectorXd muscle = (outer - inner).max(0.15 * outer).log().matrix();
+    gate.segment(layout.endo, harmonics_up_to(layout.endo_degree)) = endo.head(harmonics_up_to(layout.endo_degree));
+    gate.segment(layout.wall, harmonics_up_to(layout.wall_degree)) =
+        smooth_harmonics(rows.leftCols(harmonics_up_to(layout.wall_degree)), muscle, layout.wall_degree);
+    gate[layout.uptake] = 1;
+    const HeartFrame& frame = start.frame;
+    const Vec3 normal = frame.axes.transpose() * start.base[g].normal, point = frame.to_heart(start.base[g].point);
+    gate[layout.plane + 1] = -normal[0] / normal[2];
+    gate[layout.plane + 2] = -normal[1] / normal[2];
+    gate[layout.plane] = point[2] - gate[layout.plane + 1] * point[0] - gate[layout.plane + 2] * point[1];
+    gate[layout.cavity] = cavity;
+    gate[layout.background] = background;
+    numbers.push_back(std::move(gate));
+  }
+  return numbers;
+}
+
+}  // namespace dynasurf
