@@ -1,5 +1,6 @@
 #include "dynasurf/io/atomic_file.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <charconv>
@@ -103,6 +104,26 @@ void write_all(int fd, std::string_view content, const fs::path& path) {
   }
 }
 
+/// `if_exists` is O_EXCL or O_TRUNC; `name` is what errors call the file.
+void write_plainly(const fs::path& path, std::string_view content, int if_exists, const fs::path& name) {
+  Descriptor file{::open(path.c_str(), O_WRONLY | O_CREAT | if_exists | O_CLOEXEC, 0666)};
+  if (file.fd < 0) fail(name, "create", errno);
+  write_all(file.fd, content, name);
+  // Quota and network file systems may report a full disk only here.
+  const int status = ::close(file.fd);
+  file.fd = -1;
+  if (status != 0) fail(name, "write", errno);
+}
+
+/// Whether a path leads into an OutputFolder of this process: nobody looks there before it is published.
+bool is_in_unpublished_folder(const fs::path& path) {
+  const std::string mark = ".partial-" + std::to_string(::getpid()) + ".";
+  const fs::path folder = path.parent_path();
+  return std::any_of(folder.begin(), folder.end(), [&](const fs::path& part) {
+    return part.native().starts_with('.') && part.native().find(mark) != std::string::npos;
+  });
+}
+
 fs::path resolved(const fs::path& destination) {
   // A link is followed, so that its target is replaced and not the link; a trailing slash must not hide the name.
   std::error_code error;
@@ -142,16 +163,13 @@ void OutputFile::publish() {
 }
 
 void write_file(const std::filesystem::path& path, std::string_view content) {
-  OutputFile output(path);
-  {
-    Descriptor file{::open(output.path().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)};
-    if (file.fd < 0) fail(path, "create", errno);
-    write_all(file.fd, content, path);
-    // Quota and network file systems may report a full disk only here.
-    const int status = ::close(file.fd);
-    file.fd = -1;
-    if (status != 0) fail(path, "write", errno);
+  if (is_in_unpublished_folder(path)) {  // whose publishing will bring it to disk, whole or not at all
+    create_parent(path);
+    write_plainly(path, content, O_TRUNC, path);
+    return;
   }
+  OutputFile output(path);
+  write_plainly(output.path(), content, O_EXCL, path);
   output.publish();
 }
 

@@ -6,7 +6,8 @@
 namespace dynasurf {
 
 /// Writes a file whole or not at all: beside its place, fsync, rename. Throws IoError (disk full, not writable) and
-/// leaves an older file of that name as it was.
+/// leaves an older file of that name as it was. Inside a folder that an OutputFolder has yet to publish, it writes
+/// plainly: publishing makes all files of the folder appear at once, synced.
 void write_file(const std::filesystem::path& path, std::string_view content);
 
 /// A file that appears whole or not at all, for writers that need a path of their own. Write `path()`; `publish()`

@@ -17,12 +17,14 @@ constexpr double least_radius_mm = 12, most_radius_mm = 60;
 constexpr double least_elongation = 1.0, usual_elongation = 1.6, most_elongation = 2.2;
 constexpr double side_mm = 14;  // beside the wall: beyond its half thickness and the blur
 
-/// A point of the ellipsoid at polar angle `theta` from the apex, and its outward normal.
+/// Unit vector square to the axis at the angle `phi`.
+Vec3 outwards(const Across& a, double phi) { return std::cos(phi) * a.u + std::sin(phi) * a.v; }
+
+/// A point of the ellipsoid at polar angle `theta` from the apex, on the side of `out`, and its outward normal.
 struct OnCup {
   Vec3 position, normal;
 };
-OnCup on_cup(const Cup& cup, const Across& a, double theta, double phi) {
-  const Vec3 out = std::cos(phi) * a.u + std::sin(phi) * a.v;
+OnCup on_cup(const Cup& cup, const Vec3& out, double theta) {
   const double s = std::sin(theta), c = std::cos(theta);
   const Vec3 position = cup.centre + cup.radius_mm * s * out - cup.half_length_mm * c * cup.axis;
   const Vec3 normal = (s / cup.radius_mm * out - c / cup.half_length_mm * cup.axis).normalized();
@@ -95,17 +97,19 @@ CupScore score(const Image& image, const Cup& cup) {
   const double top = base_angle(cup);
   std::array<double, rows * around + 1> wall{}, side{};
   std::size_t n = 0;
-  const auto look = [&](double theta, double phi) {
-    const OnCup at = on_cup(cup, a, theta, phi);
+  std::array<Vec3, around> sides;  // the same for every row: worked out once
+  for (int d = 0; d < around; ++d) sides[static_cast<std::size_t>(d)] = outwards(a, 2 * pi * d / around);
+  const auto look = [&](double theta, const Vec3& out) {
+    const OnCup at = on_cup(cup, out, theta);
     const double inwards = std::min(side_mm, 0.9 * cup.radius_mm);
     const double in = sample_linear(image, at.position - inwards * at.normal);
-    const double out = sample_linear(image, at.position + side_mm * at.normal);
+    const double outside = sample_linear(image, at.position + side_mm * at.normal);
     wall[n] = sample_linear(image, at.position);
-    side[n++] = 0.75 * std::max(in, out) + 0.25 * std::min(in, out);
+    side[n++] = 0.75 * std::max(in, outside) + 0.25 * std::min(in, outside);
   };
-  look(0, 0);
+  look(0, sides[0]);
   for (int r = 1; r <= rows; ++r)
-    for (int d = 0; d < around; ++d) look(top * (r - 0.25) / rows, 2 * pi * d / around);
+    for (const Vec3& out : sides) look(top * (r - 0.25) / rows, out);
 
   CupScore result;
   result.brightness = median({wall.begin(), wall.end()});
@@ -116,10 +120,8 @@ CupScore score(const Image& image, const Cup& cup) {
 
   // Over the base there is no wall: neither where it would go on nor in the middle.
   double over = sample_linear(image, cup.base() + 8 * cup.axis);
-  for (int d = 0; d < around; ++d) {
-    const OnCup at = on_cup(cup, a, std::min(top, 2.6), 2 * pi * d / around);
-    over += sample_linear(image, at.position + 14 * cup.axis);
-  }
+  for (const Vec3& out : sides)
+    over += sample_linear(image, on_cup(cup, out, std::min(top, 2.6)).position + 14 * cup.axis);
   const double open = result.brightness - std::min(over / (around + 1), most);
   result.contrast = 0.75 * result.contrast + 0.25 * open;
   return result;
@@ -165,7 +167,7 @@ std::vector<RidgePoint> find_ridge(const Image& image, const Cup& cup, int rows,
   std::vector<RidgePoint> ridge;
   std::vector<double> profile(static_cast<std::size_t>(2 * steps + 1));
   const auto look = [&](double theta, double phi) {
-    const OnCup at = on_cup(cup, a, theta, phi);
+    const OnCup at = on_cup(cup, outwards(a, phi), theta);
     for (int s = -steps; s <= steps; ++s)
       profile[static_cast<std::size_t>(s + steps)] = sample_linear(image, at.position + s * step_mm * at.normal);
     int best = -1;
@@ -215,17 +217,21 @@ std::optional<Cup> fit_cup(const std::vector<RidgePoint>& ridge, const Cup& star
     Eigen::Matrix<double, 7, 1> right = Eigen::Matrix<double, 7, 1>::Zero();
     // The elongation is held near that of the usual heart: a wide open base alone would not tell.
     const double pull = 0.04 * static_cast<double>(seen.size());
+    const auto small = [](int n) { return n == 3 || n == 4 ? 1e-4 : 1e-3; };
+    std::array<Cup, 7> beside;
+    for (int n = 0; n < 7; ++n) {
+      Eigen::Matrix<double, 7, 1> by = Eigen::Matrix<double, 7, 1>::Zero();
+      by[n] = small(n);
+      beside[static_cast<std::size_t>(n)] = moved(cup, by);
+    }
     for (const RidgePoint* p : seen) {
       const double distance = signed_distance(cup, p->position);
       const double x = distance / cut;
       if (std::abs(x) >= 1) continue;
       const double w = (1 - x * x) * (1 - x * x) * std::min(1.0, p->prominence / (0.4 * brightest));
       Eigen::Matrix<double, 7, 1> slope;
-      for (int n = 0; n < 7; ++n) {
-        Eigen::Matrix<double, 7, 1> by = Eigen::Matrix<double, 7, 1>::Zero();
-        by[n] = n == 3 || n == 4 ? 1e-4 : 1e-3;
-        slope[n] = (signed_distance(moved(cup, by), p->position) - distance) / by[n];
-      }
+      for (int n = 0; n < 7; ++n)
+        slope[n] = (signed_distance(beside[static_cast<std::size_t>(n)], p->position) - distance) / small(n);
       normal += w * slope * slope.transpose();
       right -= w * distance * slope;
     }

@@ -218,19 +218,22 @@ double share_of_ridge(const Image& image, const Cup& cup, double brightness, std
 /// The best refinement of a cup. The apical half of a wide ventricle is a good cup too, so wider ones are tried: they
 /// see more ridge, nearer to an ellipsoid.
 Candidate best_refinement(const Image& image, const Cup& start) {
+  constexpr std::array<double, 3> sizes{1.0, 1.25, 1.5};
   const Cup climbed = climb(image, start, 3);
+  std::array<Candidate, 2 * sizes.size()> tries;
+  parallel_for(tries.size(), 1, [&](std::size_t n, std::size_t) {
+    const bool may_grow = n % 2 != 0;
+    const Cup cup = refined(image, grown(climbed, sizes[n / 2]), may_grow);
+    const CupScore s = score(image, cup);
+    std::vector<double> away;
+    const double share = share_of_ridge(image, cup, s.brightness, &away);
+    if (away.empty()) return;
+    const double spread = middle_of(away) / 5;
+    tries[n] = {cup, s.contrast * share * std::exp(-spread * spread)};
+  });
   Candidate best{climbed, 0};
-  for (const double size : {1.0, 1.25, 1.5})
-    for (const bool may_grow : {false, true}) {
-      const Cup cup = refined(image, grown(climbed, size), may_grow);
-      const CupScore s = score(image, cup);
-      std::vector<double> away;
-      const double share = share_of_ridge(image, cup, s.brightness, &away);
-      if (away.empty()) continue;
-      const double spread = middle_of(away) / 5;
-      const double worth = s.contrast * share * std::exp(-spread * spread);
-      if (worth > best.worth) best = {cup, worth};
-    }
+  for (const Candidate& t : tries)
+    if (t.worth > best.worth) best = t;
   return best;
 }
 
