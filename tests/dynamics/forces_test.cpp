@@ -187,6 +187,30 @@ TEST(InternalForces, HaveSymmetricJacobians) {
   });
 }
 
+TEST(InternalForces, ActOnFreeParticlesTheSameWhetherOthersArePinned) {
+  for_all([](const NamedMesh& m, const InternalForce& f, const State& s, Random& random) {
+    const Force force = f.make(m.mesh, 3, 0.5);
+    std::vector<std::uint8_t> pinned(s.x.size(), 0);
+    for (std::size_t p = 0; p < pinned.size(); ++p) pinned[p] = p % 4 != 0;
+    ParticleState held = s;
+    held.pinned = pinned;
+    // Pinned particles do not move: neither here nor in the direction of the derivative.
+    std::vector<Vec3> way = random_direction(s.x.size(), random);
+    for (std::size_t p = 0; p < pinned.size(); ++p)
+      if (pinned[p] != 0) way[p].setZero();
+    ForceJacobian all(s.x.size(), false), some(s.x.size(), false);
+    force.jacobian(s, all);
+    force.jacobian(held, some);
+    const auto a = force_at(force, s), b = force_at(force, held);
+    const auto ja = product(all, By::place, way), jb = product(some, By::place, way);
+    for (std::size_t p = 0; p < pinned.size(); ++p) {
+      if (pinned[p] != 0) continue;
+      EXPECT_EQ(a[p], b[p]);
+      EXPECT_LT((ja[p] - jb[p]).norm(), 1e-12 * (1 + ja[p].norm()));  // added in another order
+    }
+  });
+}
+
 TEST(InternalForces, AreDefiniteWhenAskedTo) {
   for_all([](const NamedMesh& m, const InternalForce& f, const State& s, Random& random) {
     ForceJacobian j(s.x.size(), true);

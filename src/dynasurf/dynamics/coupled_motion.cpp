@@ -26,8 +26,8 @@ void CoupledMotion::step(std::span<const Vec3> vertices, std::span<const std::ui
   }
 }
 
-CoupledMotion::Limit CoupledMotion::limit(double least_drag) const {
-  const Fastest modes = fastest_modes(system_);
+CoupledMotion::Limit CoupledMotion::limit(double least_drag) {
+  const Fastest modes = fastest_modes(system_, &search_);
   const double drag = least_drag / system_.masses.front();
   // The stiffest motion may be damped by all dampers or by the drag alone, and the most damped one need not be stiff.
   const double step = std::min({oscillator_limit_s(options_, modes.stiffness, modes.damping),

@@ -14,12 +14,12 @@ class CoupledMotion {
   /// x, y, z, vx, vy, vz of each moving one, and is advanced.
   void step(std::span<const Vec3> vertices, std::span<const std::uint32_t> moving, std::span<double> state, double h);
 
-  /// The largest step that is stable by what the forces say of their slopes at the start (ODE-LIMIT), and what sets it.
+  /// The largest step that is stable by what the forces say of their slopes now (ODE-LIMIT), and what sets it.
   struct Limit {
     double step_s = 0;
-    Fastest modes;  // of the particles as they start
+    Fastest modes;
   };
-  Limit limit(double least_drag) const;
+  Limit limit(double least_drag);
 
   /// Steps in which the linear system was not solved to the tolerance.
   int unsolved_steps() const { return unsolved_steps_; }
@@ -28,6 +28,7 @@ class CoupledMotion {
   ParticleSystem system_;
   SolverOptions options_;
   ParticleSolver solver_;
+  ModeSearch search_;
   int unsolved_steps_ = 0;
 };
 

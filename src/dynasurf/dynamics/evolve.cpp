@@ -245,7 +245,7 @@ class Run {
     plan_.step_s = result_.step_s = longest;
   }
 
-  double stable_step_s(std::size_t particles) const {
+  double stable_step_s(std::size_t particles) {
     if (coupled_) return coupled_->limit(drag_.least).step_s;
     return step_limit_s(options_.solver, options_.mass_kg, particles, drag_.most);
   }

@@ -9,9 +9,13 @@
 
 namespace dynasurf {
 
-/// Where particles are and how they move: mm and mm/s, one entry per particle.
+/// Where particles are and how they move: mm and mm/s, one entry per particle. Nobody asks for the force on pinned
+/// ones, so a force may leave it out.
 struct ParticleState {
   std::span<const Vec3> positions, velocities;
+  std::span<const std::uint8_t> pinned = {};  // non-zero: held; may be empty
+
+  bool is_pinned(std::size_t p) const { return !pinned.empty() && pinned[p] != 0; }
 };
 
 /// The derivatives of a force in 3x3 blocks: how the force on particle `row` changes with the place (dfdx) and the
@@ -63,7 +67,7 @@ struct ParticleSystem {
   std::vector<Force> forces;
 
   std::size_t size() const { return positions.size(); }
-  ParticleState state() const { return {positions, velocities}; }
+  ParticleState state() const { return {positions, velocities, pinned}; }
   bool is_pinned(std::size_t p) const { return !pinned.empty() && pinned[p] != 0; }
 };
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <vector>
@@ -50,29 +51,41 @@ template <std::size_t N>
 void add_jacobian(const Condition<N>& c, const Stiffness& s, const ParticleState& state, ForceJacobian& jacobian) {
   const double bend = s.stiffness * c.value + (s.damping > 0 ? s.damping * rate(c, state) : 0);
   const bool keep = !jacobian.definite() || (c.hessian_is_positive && bend > 0);
-  for (std::size_t i = 0; i < N; ++i)
+  for (std::size_t i = 0; i < N; ++i) {
+    if (state.is_pinned(c.particles[i])) continue;
     for (std::size_t j = 0; j < N; ++j) {
+      if (state.is_pinned(c.particles[j])) continue;
       const Mat3 outer = c.gradient[i] * c.gradient[j].transpose();
       Mat3 dfdx = -s.stiffness * outer;
       if (keep) dfdx -= bend * c.hessian[i][j];
       jacobian.add(c.particles[i], c.particles[j], dfdx, -s.damping * outer);
     }
+  }
+}
+
+/// Whether nobody asks for what acts on the particles of an element.
+template <class Element>
+bool is_held(const Element& e, const ParticleState& state) {
+  return std::all_of(e.particles.begin(), e.particles.end(), [&](std::uint32_t p) { return state.is_pinned(p); });
 }
 
 /// Puts a force together from a list of elements and `evaluate(element, state, want, use)`, which calls
-/// `use(condition)` for every condition of the element, and for none where the element is degenerate.
+/// `use(condition)` for every condition of the element, and for none where the element is degenerate. Elements whose
+/// particles are all pinned are passed over: near the end of a run those are most.
 template <class Element, class Evaluate>
 Force make_force(std::string name, std::vector<Element> elements, Stiffness s, Evaluate evaluate) {
   const auto shared = std::make_shared<const std::vector<Element>>(std::move(elements));
   Force force{std::move(name)};
   force.accumulate = [shared, s, evaluate](const ParticleState& state, std::span<Vec3> forces) {
     for (const Element& e : *shared)
-      evaluate(e, state, Want::gradient, [&](const auto& condition) { add_force(condition, s, state, forces); });
+      if (!is_held(e, state))
+        evaluate(e, state, Want::gradient, [&](const auto& condition) { add_force(condition, s, state, forces); });
   };
   force.jacobian = [shared, s, evaluate](const ParticleState& state, ForceJacobian& jacobian) {
     const Want want = jacobian.definite() ? Want::positive_hessian : Want::hessian;
     for (const Element& e : *shared)
-      evaluate(e, state, want, [&](const auto& condition) { add_jacobian(condition, s, state, jacobian); });
+      if (!is_held(e, state))
+        evaluate(e, state, want, [&](const auto& condition) { add_jacobian(condition, s, state, jacobian); });
   };
   force.energy = [shared, s, evaluate](const ParticleState& state) {
     double sum = 0;

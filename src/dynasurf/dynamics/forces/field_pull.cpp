@@ -5,7 +5,7 @@ namespace dynasurf {
 Force field_pull(const VectorField& field, double strength, Sampling sampling) {
   return {"field", [&field, strength, sampling](const ParticleState& s, std::span<Vec3> forces) {
             for (std::size_t p = 0; p < forces.size(); ++p)
-              forces[p] += strength * sample(field, s.positions[p], sampling, s.velocities[p]);
+              if (!s.is_pinned(p)) forces[p] += strength * sample(field, s.positions[p], sampling, s.velocities[p]);
           }};
 }
 

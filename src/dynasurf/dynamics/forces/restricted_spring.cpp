@@ -30,15 +30,18 @@ Force restricted_spring_force(std::vector<Spring> springs, const VectorField& fi
   force.accumulate = [list, restrict, o](const ParticleState& state, std::span<Vec3> forces) {
     std::vector<Vec3> sum(forces.size(), Vec3::Zero());
     for (const Spring& s : *list) {
+      if (springs::is_held(s, state)) continue;
       const Vec3 f = springs::force_on_a(s, o.stiffness, o.damping, state);
       sum[s.a] += f;
       sum[s.b] -= f;
     }
-    for (std::uint32_t p = 0; p < sum.size(); ++p) forces[p] += restrict(state, p) * sum[p];
+    for (std::uint32_t p = 0; p < sum.size(); ++p)
+      if (!state.is_pinned(p)) forces[p] += restrict(state, p) * sum[p];
   };
   // Projected from both sides: symmetric as conjugate gradients want it, at the price of being inexact.
   force.jacobian = [list, restrict, o](const ParticleState& state, ForceJacobian& jacobian) {
     for (const Spring& s : *list) {
+      if (springs::is_held(s, state)) continue;
       const springs::Slopes j = springs::slopes_on_a(s, o.stiffness, o.damping, state, jacobian.definite());
       const Mat3 a = restrict(state, s.a), b = restrict(state, s.b);
       jacobian.add(s.a, s.a, a * j.dfdx * a, a * j.dfdv * a);

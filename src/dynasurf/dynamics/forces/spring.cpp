@@ -25,6 +25,7 @@ Force spring_force(std::vector<Spring> springs, const SpringForce& o) {
   Force force{"spring"};
   force.accumulate = [list, o](const ParticleState& state, std::span<Vec3> forces) {
     for (const Spring& s : *list) {
+      if (springs::is_held(s, state)) continue;
       const Vec3 f = springs::force_on_a(s, o.stiffness, o.damping, state);
       forces[s.a] += f;
       forces[s.b] -= f;
@@ -32,6 +33,7 @@ Force spring_force(std::vector<Spring> springs, const SpringForce& o) {
   };
   force.jacobian = [list, o](const ParticleState& state, ForceJacobian& jacobian) {
     for (const Spring& s : *list) {
+      if (springs::is_held(s, state)) continue;
       const springs::Slopes j = springs::slopes_on_a(s, o.stiffness, o.damping, state, jacobian.definite());
       jacobian.add(s.a, s.a, j.dfdx, j.dfdv);
       jacobian.add(s.b, s.b, j.dfdx, j.dfdv);

@@ -4,6 +4,11 @@
 // What springs and restricted springs share.
 namespace dynasurf::springs {
 
+/// Nobody asks for the force of a spring between two pinned particles.
+inline bool is_held(const Spring& s, const ParticleState& state) {
+  return state.is_pinned(s.a) && state.is_pinned(s.b);
+}
+
 /// f_a = -[ks (|l| - r) + kd (l'.l)/|l|] l/|l| with l = x_a - x_b (thesis 3.56); none for a spring of no length.
 inline Vec3 force_on_a(const Spring& s, double stiffness, double damping, const ParticleState& state) {
   const Vec3 l = state.positions[s.a] - state.positions[s.b];

@@ -13,47 +13,62 @@ namespace {
 
 constexpr std::size_t kGrain = 512;  // rows of one parallel piece
 constexpr int kPowerIterations = 60;
+constexpr int kMoreIterations = 12;  // where a former search ended nearby
+constexpr double kNewShare = 0.2;    // of such a start that is not the former end
 
-/// y = weight * M x - h Kv x - h^2 Kx x, rows and columns of pinned particles left out.
-struct SystemMatrix {
-  const ParticleSystem& system;
-  const ForceJacobian& jacobian;
-  std::vector<std::vector<Mat3>> blocks;  // beside the rows' columns
-
-  SystemMatrix(const ParticleSystem& s, const ForceJacobian& j, double h) : system(s), jacobian(j), blocks(s.size()) {
-    parallel_for(s.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const ForceJacobian::Row& row = j.rows()[i];
-        blocks[i].resize(row.columns.size());
-        for (std::size_t k = 0; k < row.columns.size(); ++k) blocks[i][k] = -h * row.dfdv[k] - h * h * row.dfdx[k];
-      }
-    });
+/// M - h Kv - h^2 Kx without the rows and columns of pinned particles, the blocks of all rows one after another.
+class SystemMatrix {
+ public:
+  SystemMatrix(const ParticleSystem& system, const ForceJacobian& jacobian, double h) : first_(system.size() + 1, 0) {
+    const std::size_t n = system.size();
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < n; ++i) count += jacobian.rows()[i].columns.size() + 1;
+    columns_.reserve(count);
+    blocks_.reserve(count);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!system.is_pinned(i)) append_row(system, jacobian.rows()[i], i, h);
+      first_[i + 1] = blocks_.size();
+    }
   }
 
   void multiply(std::span<const Vec3> x, std::span<Vec3> y) const {
     parallel_for(x.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        y[i].setZero();
-        if (system.is_pinned(i)) continue;
-        y[i] = system.masses[i] * x[i];
-        const auto& columns = jacobian.rows()[i].columns;
-        for (std::size_t k = 0; k < columns.size(); ++k)
-          if (!system.is_pinned(columns[k])) y[i] += blocks[i][k] * x[columns[k]];
+        Vec3 sum = Vec3::Zero();
+        for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) sum += blocks_[k] * x[columns_[k]];
+        y[i] = sum;
       }
     });
   }
 
   std::vector<Mat3> inverse_diagonal() const {
-    std::vector<Mat3> inverse(system.size());
-    for (std::size_t i = 0; i < system.size(); ++i) {
-      Mat3 block = system.masses[i] * Mat3::Identity();
-      const auto& columns = jacobian.rows()[i].columns;
-      for (std::size_t k = 0; k < columns.size(); ++k)
-        if (columns[k] == i) block += blocks[i][k];
-      inverse[i] = block.inverse();
-    }
+    std::vector<Mat3> inverse(first_.size() - 1, Mat3::Identity());
+    for (std::size_t i = 0; i < inverse.size(); ++i)
+      if (first_[i] < first_[i + 1]) inverse[i] = blocks_[first_[i]].inverse();
     return inverse;
   }
+
+ private:
+  /// The diagonal block comes first.
+  void append_row(const ParticleSystem& system, const ForceJacobian::Row& row, std::size_t i, double h) {
+    const std::size_t diagonal = blocks_.size();
+    columns_.push_back(static_cast<std::uint32_t>(i));
+    blocks_.push_back(system.masses[i] * Mat3::Identity());
+    for (std::size_t k = 0; k < row.columns.size(); ++k) {
+      if (system.is_pinned(row.columns[k])) continue;
+      const Mat3 block = -h * row.dfdv[k] - h * h * row.dfdx[k];
+      if (row.columns[k] == i) {
+        blocks_[diagonal] += block;
+        continue;
+      }
+      columns_.push_back(row.columns[k]);
+      blocks_.push_back(block);
+    }
+  }
+
+  std::vector<std::size_t> first_;  // of each row
+  std::vector<std::uint32_t> columns_;
+  std::vector<Mat3> blocks_;
 };
 
 void fill(ForceJacobian& jacobian, const ParticleSystem& system, bool definite) {
@@ -74,7 +89,7 @@ Derivative motion_of(const ParticleSystem& system) {
   return [&system, room, n](std::span<const double> y, std::span<double> dydt) {
     std::copy_n(y.data(), 3 * n, room->positions.data()->data());
     std::copy_n(y.data() + 3 * n, 3 * n, room->velocities.data()->data());
-    total_force(system.forces, {room->positions, room->velocities}, room->forces);
+    total_force(system.forces, {room->positions, room->velocities, system.pinned}, room->forces);
     for (std::size_t p = 0; p < n; ++p)
       for (std::size_t a = 0; a < 3; ++a) {
         const bool pinned = system.is_pinned(p);
@@ -138,16 +153,21 @@ ImplicitStep ParticleSolver::step_implicit(ParticleSystem& system, double h, con
   return {found.iterations, found.residual, found.converged, made_definite};
 }
 
-Fastest fastest_modes(const ParticleSystem& system) {
+Fastest fastest_modes(const ParticleSystem& system, ModeSearch* former) {
   const std::size_t n = system.size();
   ForceJacobian jacobian(n, true);
   fill(jacobian, system, true);
-  const auto largest = [&](auto block_of) {
-    // A start that is nobody's eigenvector: neighbours differ in sign, as in the stiffest modes.
-    std::vector<Vec3> x(n), y(n);
-    for (std::size_t i = 0; i < n; ++i) x[i] = Vec3(i % 2 == 0 ? 1 : -1, i % 3 == 0 ? 1 : -1, i % 5 < 2 ? 1 : -1);
+  const auto largest = [&](std::vector<Vec3>& x, auto block_of) {
+    // A start that is nobody's eigenvector: neighbours differ in sign, as in the stiffest modes. Where a former search
+    // ended is nearer, and the rest of the start finds modes that have become stiffer since.
+    const bool is_new = x.size() != n;
+    const double share = is_new ? 1 : kNewShare / std::sqrt(3.0 * static_cast<double>(n));
+    x.resize(n, Vec3::Zero());
+    for (std::size_t i = 0; i < n; ++i)
+      x[i] += share * Vec3(i % 2 == 0 ? 1 : -1, i % 3 == 0 ? 1 : -1, i % 5 < 2 ? 1 : -1);
+    std::vector<Vec3> y(n);
     double value = 0;
-    for (int k = 0; k < kPowerIterations; ++k) {
+    for (int k = 0; k < (is_new ? kPowerIterations : kMoreIterations); ++k) {
       double squared = 0;
       for (std::size_t i = 0; i < n; ++i) {
         y[i].setZero();
@@ -165,8 +185,11 @@ Fastest fastest_modes(const ParticleSystem& system) {
     }
     return value;
   };
-  return {largest([](const ForceJacobian::Row& r, std::size_t c) -> const Mat3& { return r.dfdx[c]; }),
-          largest([](const ForceJacobian::Row& r, std::size_t c) -> const Mat3& { return r.dfdv[c]; })};
+  ModeSearch own;
+  ModeSearch& search = former != nullptr ? *former : own;
+  return {
+      largest(search.stiffest, [](const ForceJacobian::Row& r, std::size_t c) -> const Mat3& { return r.dfdx[c]; }),
+      largest(search.most_damped, [](const ForceJacobian::Row& r, std::size_t c) -> const Mat3& { return r.dfdv[c]; })};
 }
 
 }  // namespace dynasurf

@@ -43,6 +43,11 @@ Derivative motion_of(const ParticleSystem& system);
 struct Fastest {
   double stiffness = 0, damping = 0;
 };
-Fastest fastest_modes(const ParticleSystem& system);
+/// Where a search for them ended: a good place for the next one to begin while a system moves on.
+struct ModeSearch {
+  std::vector<Vec3> stiffest, most_damped;
+};
+/// With `former`, begins there, needs a fifth of the work, and leaves its own end there.
+Fastest fastest_modes(const ParticleSystem& system, ModeSearch* former = nullptr);
 
 }  // namespace dynasurf
