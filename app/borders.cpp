@@ -200,7 +200,7 @@ ExitCode run(const Arguments& arguments, Drawing what, std::stop_token stop) {
     failed |= note.severity == Severity::failure;
     if (what == Drawing::borders && note.severity != Severity::info) text += line_of(note) + "\n";
   }
-  print(text + "sheets: " + arguments.out + "\n");
+  if (!arguments.quiet) print(text + "sheets: " + arguments.out + "\n");
   return what == Drawing::borders && failed ? not_trustworthy : done;
 }
 
@@ -222,7 +222,7 @@ void add(CLI::App& program, Command& chosen, Drawing what, const std::string& na
       ->check(CLI::Range(1, 10000));
   command->add_option("--threads", a->threads, "threads at most; the result is the same (0: all)")
       ->check(CLI::Range(0, 1024));
-  command->add_flag("--quiet", a->quiet, "no progress on standard error");
+  command->add_flag("--quiet", a->quiet, "print nothing");
   command->callback([a, what, &chosen] { chosen = [a, what](std::stop_token stop) { return run(*a, what, stop); }; });
 }
 

@@ -214,7 +214,7 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
               commit() + ")\n";
   }
   if (!arguments.out.empty()) text += "result: " + arguments.out + "\n";
-  print(text);
+  if (!arguments.quiet || !different.empty()) print(text);
   return different.empty() && outcome.result.verdict != Verdict::fail ? done : not_trustworthy;
 }
 
@@ -229,7 +229,7 @@ void add_rerun(CLI::App& program, Command& chosen) {
   command->add_option("--start", a->start, "the mesh its surfaces started from, likewise");
   command->add_option("--out", a->out, "keep the new result here; without it nothing is kept");
   command->add_option("--threads", a->threads, "threads at most (0: all)")->check(CLI::Range(0, 1024));
-  command->add_flag("--quiet", a->quiet, "no progress on standard error");
+  command->add_flag("--quiet", a->quiet, "print nothing but what differs");
   command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
 }
 

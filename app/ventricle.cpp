@@ -64,7 +64,7 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   line.finish();
   if (arguments.json)
     print(outcome.json);
-  else
+  else if (!arguments.quiet)
     print(summary_of(outcome.result) + "result: " + arguments.out + "\n");
   return outcome.result.verdict == Verdict::fail ? not_trustworthy : done;
 }
@@ -83,7 +83,7 @@ void add_ventricle(CLI::App& program, Command& chosen) {
   command->add_flag("--keep-stages", a->keep_stages, "write every intermediate step to RESULT/stages");
   command->add_option("--threads", a->threads, "threads at most; the result is the same (0: all)")
       ->check(CLI::Range(0, 1024));
-  command->add_flag("--quiet", a->quiet, "no progress on standard error");
+  command->add_flag("--quiet", a->quiet, "print nothing but what --json asks for");
   command->add_flag("--json", a->json, "print results.json instead of the table");
   command->add_flag("--no-timings", a->no_timings, "leave the times out, so that equal runs give equal bytes");
   command->add_flag("--with-phi", a->with_phi, "record the names of the input files, which may name a person");

@@ -13,36 +13,12 @@
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/synthetic/voxel_truth.hpp"
 
+#include "../support/hebron.hpp"
+
 using namespace dynasurf;
+using namespace dynasurf::experiments;
 
 namespace {
-
-constexpr double cover_radius_mm = 35;
-
-const Image& hebron() {
-  static const Image image = make_phantom(Hebron{}).study.gates.front();
-  return image;
-}
-
-const Image& outer_border() {
-  static const Image border = external_border(hebron(), 0.2, cover_radius_mm);
-  return border;
-}
-
-const VectorField& field_of(const Image& border) {
-  static std::vector<std::pair<const Image*, VectorField>> fields;
-  for (const auto& [of, field] : fields)
-    if (of == &border) return field;
-  if (fields.capacity() == 0) fields.reserve(8);
-  fields.emplace_back(&border, flow_field(border, Gvf{}).field);
-  return fields.back().second;
-}
-
-double near_share(const TriMesh& mesh, const Image& border) {
-  const auto d = distances_to_border_voxels(mesh, border);
-  return 100.0 * static_cast<double>(std::count_if(d.begin(), d.end(), [](double x) { return x < 1; })) /
-         static_cast<double>(d.size());
-}
 
 void head(const char* title, const char* first) {
   std::printf(
@@ -56,7 +32,7 @@ void row(const std::string& name, const TriMesh& mesh, const Image& border) {
   const TriangleQuality q = triangle_quality(mesh);
   std::printf("| %s | %zu | %zu | %.2f / %.2f | %.2f / %.2f | %.4f / %.4f | %.3f | %.1f %% | %.1f |\n", name.c_str(),
               mesh.vertices.size(), mesh.triangles.size(), q.area_mean, q.d_mean, q.area_max, q.d_max, q.area_min,
-              q.d_min, q.shape_min, near_share(mesh, border), volume_mm3(mesh) / 1000);
+              q.d_min, q.shape_min, near_percent(mesh, border), volume_mm3(mesh) / 1000);
 }
 
 TriMesh evolved(const TriMesh& start, const Image& border, const Evolution& how) {
@@ -91,7 +67,7 @@ void by_model() {
 }
 
 void by_direction() {
-  static const Image inner = internal_border(hebron());
+  const Image& inner = inner_border();
   head("Table 5.5: outwards and inwards, free model, inner wall", "direction");
   for (const int level : {2, 3})
     for (const auto& [direction, scale] :
@@ -138,7 +114,7 @@ void by_start() {
 
 void across_a_gap() {
   static const Image image = make_phantom(Gap{}).study.gates.front();
-  static const Image border = external_border(image, 0.2, cover_radius_mm);
+  static const Image border = external_border(image, 0.2, 35);
   const float max = *std::max_element(image.values.begin(), image.values.end());
   const Topology cubes = topology(marching_cubes(image, 0.5 * max));
   const TriMesh ours = evolved(place(icosphere(3), border, {}), border, {});

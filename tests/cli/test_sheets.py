@@ -16,7 +16,7 @@ def size_of_png(path):
 class Sheets(CliTest):
     def sheets(self, command, name, *arguments):
         folder = shared_folder() / name
-        made = run(command, small_patient() / "study.dcm", "--out", folder, "--quiet", *arguments)
+        made = run(command, small_patient() / "study.dcm", "--out", folder, *arguments)
         self.assertEqual(made.returncode, 0, made.stdout + made.stderr)
         return folder, made.stdout
 

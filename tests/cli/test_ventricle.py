@@ -90,7 +90,12 @@ class Result(CliTest):
         self.assertIn("surfaces 8/8\n", done.stderr)
         self.assertNotIn("\x1b", done.stderr)
 
-    def test_quiet_is_quiet_and_json_is_json(self):
+    def test_quiet_is_quiet(self):
+        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--quiet")
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+        self.assertTrue((self.folder / "r" / "results.json").exists())
+
+    def test_quiet_leaves_json_its_output(self):
         done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--quiet", "--json")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual(json.loads(done.stdout), self.read_json(self.folder / "r" / "results.json"))
@@ -348,7 +353,7 @@ class BadDays(CliTest):
         self.assertEqual(done.stderr.count("\n"), 1)
 
     def test_a_closed_standard_output_leaves_a_whole_result(self):
-        done = subprocess.run(["bash", "-c", '"$0" ventricle "$1" --out "$2" --quiet >&-', PROGRAM,
+        done = subprocess.run(["bash", "-c", '"$0" ventricle "$1" --out "$2" >&-', PROGRAM,
                                small_patient() / "study.dcm", self.folder / "r"], stderr=subprocess.PIPE, text=True)
         self.assertEqual(done.returncode, 2)
         self.assertIn("cannot write to standard output", done.stderr)

@@ -174,6 +174,23 @@ TEST(AutomaticStep, BlowsUpWhenItIsFarExceededAndKeepsTheLastGoodMesh) {
   for (const Vec3& p : r.mesh.vertices) EXPECT_TRUE(p.allFinite());
 }
 
+TEST(AutomaticStep, IsExplainedForEveryModelAndSolver) {
+  for (Evolution o : all_models())
+    for (const SolverOptions& solver : {SolverOptions(Euler{}), SolverOptions(Rk4{}), SolverOptions(BackwardEuler{})}) {
+      o.solver = solver;
+      o.end.max_steps = 1;
+      const std::string why = run(o).step_explained;
+      EXPECT_TRUE(why.find("largest stable one") != std::string::npos || why.find("the field moves") == 0) << why;
+    }
+  Evolution o;
+  o.end.max_steps = 1;
+  o.force.strength = 1e-3;  // the field is slow: the drag decides
+  EXPECT_NE(run(o).step_explained.find("the drag of 0.1 kg/s on particles of 0.00617"), std::string::npos)
+      << run(o).step_explained;
+  o.step_s = 0.01;
+  EXPECT_EQ(run(o).step_explained.find("given; stable are up to 0.17"), 0U) << run(o).step_explained;
+}
+
 TEST(AutomaticStep, IsRefusedWhereEveryStepGrows) {
   Evolution o = spring_model();
   o.model = SpringModel{.damping = 0};

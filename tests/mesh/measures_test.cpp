@@ -170,6 +170,46 @@ TEST(DistancesToBorder, EqualASearchOfAllVoxelsInsideAndOutsideTheGrid) {
   }
 }
 
+TEST(SignedDistancesToBorder, ArePositiveOutsideWhatTheBorderEncloses) {
+  Grid g;
+  g.dims = {21, 21, 21};
+  g.spacing = {1, 1, 2};
+  Image border(g);  // the surface of a box from voxel 5 to 15
+  for (int k = 5; k <= 15; ++k)
+    for (int j = 5; j <= 15; ++j)
+      for (int i = 5; i <= 15; ++i)
+        border(i, j, k) = i == 5 || i == 15 || j == 5 || j == 15 || k == 5 || k == 15 ? 1.0F : 0.0F;
+  const TriMesh points{{{2, 10, 20}, {8, 10, 20}, {10, 10, 34}, {-50, 10, 20}, {14.9, 10, 20}}, {}};
+  const std::vector<double> d = signed_distances_to_border_voxels(points, border);
+  EXPECT_EQ(d[0], 3);
+  EXPECT_EQ(d[1], -3);
+  EXPECT_EQ(d[2], 2);  // two slices above
+  EXPECT_EQ(d[3], 55);
+  EXPECT_NEAR(d[4], -0.1, 1e-12);  // border voxels belong to the solid
+}
+
+TEST(ShareOfBorderReached, CountsTheBorderThatHasASurfaceNearIt) {
+  // A plane of 20 x 20 voxels of 2 x 2 x 4 mm, and a square of two triangles over a half, a quarter, or none of it.
+  Grid g;
+  g.dims = {20, 20, 5};
+  g.spacing = {2, 2, 4};
+  Image border(g);
+  for (int j = 0; j < 20; ++j)
+    for (int i = 0; i < 20; ++i) border(i, j, 2) = 1;
+  const auto square_over = [](double x_mm, double y_mm, double z_mm) {
+    return TriMesh{{{0, 0, z_mm}, {x_mm, 0, z_mm}, {x_mm, y_mm, z_mm}, {0, y_mm, z_mm}}, {{0, 1, 2}, {0, 2, 3}}};
+  };
+  EXPECT_EQ(share_of_border_reached(square_over(38, 38, 8), border), 1);
+  EXPECT_EQ(share_of_border_reached(square_over(38, 38, 11.6), border), 1);
+  EXPECT_EQ(share_of_border_reached(square_over(38, 38, 12.1), border), 0);
+  EXPECT_EQ(share_of_border_reached(square_over(18, 38, 8), border), 0.5);  // 0.0 to 9.0 voxels: ten of twenty
+  EXPECT_EQ(share_of_border_reached(square_over(18, 18, 8), border), 0.25);
+  EXPECT_EQ(share_of_border_reached(square_over(18, 18, 8), border, 2), 121.0 / 400);
+  EXPECT_EQ(share_of_border_reached({}, border), 0);
+  EXPECT_EQ(share_of_border_reached({}, Image(g)), 1);
+  EXPECT_EQ(share_of_border_reached(square_over(1e6, 1e6, 1e6), border), 0);  // far outside the grid
+}
+
 TEST(DistancesToBorder, AreInfiniteWithoutABorder) {
   const TriMesh m{{{8, 12, 20}}, {}};
   EXPECT_EQ(distances_to_border_voxels(m, Image(uneven_grid()))[0], std::numeric_limits<double>::infinity());

@@ -72,6 +72,7 @@ inline Surface sample_surface(const Grid& grid, const TriMesh& sphere, const Ell
   surface.steps = 412;
   surface.stopped_fraction = 0.991;
   surface.within_one_voxel = 0.984;
+  surface.border_reached = 0.99;
   surface.mean_distance_mm = 1.62;
   return surface;
 }

@@ -36,7 +36,13 @@ TEST(Direct, FindsTheOuterWallAsTheStandardPipelineDoesAndTheInnerOneFromInside)
   EXPECT_NEAR(direct.gates[0].epi->volume_ml, standard.gates[0].epi->volume_ml,
               0.02 * standard.gates[0].epi->volume_ml);
   EXPECT_NE(direct.gates[0].epi->volume_ml, standard.gates[0].epi->volume_ml);
-  // An image has no lid over the base, so nothing pulls a growing surface up there.
+  // An image has no lid over the base, so nothing pulls a growing surface up there: the result says so.
+  const auto is_unreached = [](const Flag& f) { return f.code == "border_unreached"; };
+  EXPECT_LT(direct.gates[0].endo->border_reached, 0.8);
+  EXPECT_GT(direct.gates[0].epi->border_reached, 0.95);
+  EXPECT_EQ(std::count_if(direct.flags.begin(), direct.flags.end(), is_unreached), 1);
+  EXPECT_NE(direct.verdict, Verdict::ok);
+  EXPECT_EQ(std::count_if(standard.flags.begin(), standard.flags.end(), is_unreached), 0);
   EXPECT_LT(direct.gates[0].endo->volume_ml, 0.8 * standard.gates[0].endo->volume_ml);
   EXPECT_GT(direct.gates[0].endo->volume_ml, 0.5 * standard.gates[0].endo->volume_ml);
 
@@ -45,6 +51,7 @@ TEST(Direct, FindsTheOuterWallAsTheStandardPipelineDoesAndTheInnerOneFromInside)
   expect_both_walls(cubes);
   EXPECT_NEAR(cubes.gates[0].endo->volume_ml, standard.gates[0].endo->volume_ml,
               0.05 * standard.gates[0].endo->volume_ml);
+  EXPECT_EQ(std::count_if(cubes.flags.begin(), cubes.flags.end(), is_unreached), 0);
 }
 
 TEST(Starts, OfEveryShapeEndOnTheSameBorders) {

@@ -15,6 +15,7 @@ VentricleResult good_result() {
     gate.endo.emplace();
     gate.epi.emplace();
     gate.endo->within_one_voxel = gate.epi->within_one_voxel = 1;
+    gate.endo->border_reached = gate.epi->border_reached = 1;
     gate.endo->stop_reason = gate.epi->stop_reason = StopReason::all_stopped;
     gate.endo->repair.check = gate.epi->repair.check = {true, true, true, 0, 0};
     gate.wall_ml = 120;
@@ -56,6 +57,14 @@ TEST(Judge, TellsAMissingSurfaceOnce) {
   result.gates[2].endo.reset();
   result.notes.push_back({Severity::failure, "labels.no_endo", "The endo border was found in no slice.", 2});
   EXPECT_EQ(codes_of(result), Codes{"surface_missing"});
+}
+
+TEST(Judge, AsksToCheckASurfaceThatLiesOnAPartOfItsBorderOnly) {
+  // All particles lie on the border, but the open base of a cavity that was grown from inside was never reached.
+  VentricleResult result = good_result();
+  result.gates[3].endo->border_reached = 0.6;
+  EXPECT_EQ(codes_of(result), Codes{"border_unreached"});
+  EXPECT_EQ(verdict_of(judge(result)), Verdict::check);
 }
 
 TEST(Judge, AsksToCheckWhatAHeartDoesNotDo) {

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "dynasurf/mesh/intersections.hpp"
+#include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
@@ -87,6 +89,36 @@ TEST_P(VirtualPatients, HaveValidSurfacesWithSoundTrianglesOfTheSameVolume) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, VirtualPatients, testing::Values(1, 2));
+
+TEST(VirtualPatientsAtRandom, HaveSurfacesThatAreValidOrSaidNotToBe) {
+  // Small and large, with defects, gut and noise. The mesh is looked at again, not only its certificate.
+  int surfaces = 0;
+  for (const std::uint64_t seed : {11, 12, 13, 14, 15, 16}) {
+    VirtualPatient patient;
+    patient.gates = 2;
+    patient.edv_ml = 45 + 35.0 * static_cast<double>(seed - 11);
+    patient.ef_percent = seed % 2 == 0 ? 70 : 35;
+    patient.defect = seed % 3 == 0 ? Defect::apical : seed % 3 == 1 ? Defect::none : Defect::lateral;
+    patient.gut_amplitude = seed % 2 == 0 ? 0.8 : 0;
+    patient.noise = {60, 8, 0, seed};
+    const VentricleResult result = reconstruct(make_phantom(patient).study, {});
+    const bool is_told = std::any_of(result.flags.begin(), result.flags.end(),
+                                     [](const Flag& f) { return f.code == "surface_invalid"; });
+    for (const Gate& gate : result.gates)
+      for (const auto* wall : {&gate.endo, &gate.epi}) {
+        if (!*wall) continue;
+        ++surfaces;
+        const TriMesh& mesh = (*wall)->mesh;
+        const Topology t = topology(mesh);
+        const bool is_valid =
+            t.closed() && t.oriented() && t.components == 1 && t.euler == 2 && self_intersections(mesh).free();
+        EXPECT_EQ(is_valid, (*wall)->repair.check.valid()) << "seed " << seed;
+        EXPECT_TRUE(is_valid || is_told) << "seed " << seed;
+        EXPECT_GT(volume_mm3(mesh), 0);  // right side out
+      }
+  }
+  EXPECT_GE(surfaces, 20);  // of 24
+}
 
 }  // namespace
 }  // namespace dynasurf

@@ -419,26 +419,36 @@ class Run {
       note(Severity::warning, "evolve.step_above_limit", [&](auto& text) {
         text << "the time step " << plan_.step_s << " s is above the stable limit " << plan_.limit_s << " s";
       });
-    if (coupled_ && options_.step_s <= 0) explain_step();
+    result_.step_explained = explained_step();
+    // Where the drag alone bounds the step, it is that of table 4.2; other limits are worth a remark.
+    if (coupled_ && options_.step_s <= 0)
+      note(Severity::info, "evolve.step_chosen",
+           [&](auto& text) { text << "the time step is " << plan_.step_s << " s: " << result_.step_explained; });
   }
 
-  /// ODE-LIMIT in words, for steps that follow from more than the drag.
-  void explain_step() {
-    note(Severity::info, "evolve.step_chosen", [&](auto& text) {
-      text << "the time step is " << plan_.step_s << " s: ";
-      if (plan_.step_s < kShareOfLimit * plan_.limit_s) {
-        text << "the field moves no particle more than " << kVoxelsPerStep << " voxels in it";
-        if (std::isfinite(plan_.limit_s))
-          text << "; stable are up to " << plan_.limit_s << " s";
-        else
-          text << "; the solver itself sets no limit";
-        return;
-      }
-      const Fastest modes = coupled_->limit(drag_.least).modes;
+  /// ODE-LIMIT in words.
+  std::string explained_step() {
+    std::ostringstream text;
+    if (options_.step_s > 0) {
+      text << "given";
+      if (std::isfinite(plan_.limit_s)) text << "; stable are up to " << plan_.limit_s << " s";
+    } else if (plan_.step_s < kShareOfLimit * plan_.limit_s) {
+      text << "the field moves no particle more than " << kVoxelsPerStep << " voxels in it";
+      if (std::isfinite(plan_.limit_s))
+        text << "; stable are up to " << plan_.limit_s << " s";
+      else
+        text << "; the solver itself sets no limit";
+    } else {
       text << kShareOfLimit << " of the largest stable one, " << plan_.limit_s << " s, set by ";
-      if (modes.stiffness > 0) text << "the stiffest motion (" << std::sqrt(modes.stiffness) << " rad/s) and ";
-      text << "the strongest damping (" << modes.damping << " 1/s)";
-    });
+      if (coupled_) {
+        const Fastest modes = coupled_->limit(drag_.least).modes;
+        if (modes.stiffness > 0) text << "the stiffest motion (" << std::sqrt(modes.stiffness) << " rad/s) and ";
+        text << "the strongest damping (" << modes.damping << " 1/s)";
+      } else {
+        text << "the drag of " << drag_.most << " kg/s on particles of " << plan_.mass_kg << " kg";
+      }
+    }
+    return text.str();
   }
 
   void note_fast_particle() {

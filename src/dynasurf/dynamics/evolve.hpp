@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -110,6 +111,7 @@ struct EvolutionResult {
   StopReason reason = StopReason::max_steps;
   int steps = 0;
   double step_s = 0;                  // time step used; the last and shortest one, where it had to be shortened
+  std::string step_explained;         // what set the first one, in words: the user, stability, or the field's speed
   std::vector<std::uint8_t> stopped;  // per vertex: reached a border voxel
   double stopped_fraction = 0;
   std::vector<std::array<int, 4>> histories;  // per step: particles < 1, < 2, < 3 (each with the former), >= 3 voxels

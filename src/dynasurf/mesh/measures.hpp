@@ -40,6 +40,14 @@ std::vector<double> distances_to_border_voxels(const TriMesh& mesh, const Image&
 /// The same in mm.
 std::vector<double> distances_to_border_mm(const TriMesh& mesh, const Image& border);
 
+/// In voxels, positive outside the solid that the border encloses and negative inside it (MEAS-DIST, fig 4.12).
+std::vector<double> signed_distances_to_border_voxels(const TriMesh& mesh, const Image& border);
+
+/// The other way round: the share of the non-zero voxels of `border` whose centre has a point of the surface nearer
+/// than `reach_voxels`. A surface that lies on a part of its border only has all its vertices near it, and a low share.
+/// 1 for an empty border.
+double share_of_border_reached(const TriMesh& mesh, const Image& border, double reach_voxels = 1);
+
 /// The polygons in which a plane (point, normal of any length but 0) cuts the mesh. A closed polygon repeats its first
 /// point at its end; all are closed when the mesh is closed and oriented. Outer surfaces give polygons that run
 /// counter-clockwise seen from the tip of the normal. A vertex on the plane counts as above it.

@@ -81,8 +81,11 @@ Json surface_json(const std::optional<Surface>& surface) {
   json["vertices"] = surface->mesh.vertices.size();
   json["stop_reason"] = name_of(surface->stop_reason);
   json["steps"] = surface->steps;
+  json["step_s"] = number(surface->step_s);
+  json["step_explained"] = surface->step_explained;
   json["stopped_fraction"] = number(surface->stopped_fraction);
   json["within_one_voxel"] = number(surface->within_one_voxel);
+  json["border_reached"] = number(surface->border_reached);
   json["mean_distance_mm"] = number(surface->mean_distance_mm);
   json["contour_volumes"] = stack_json(surface->stack);
   json["triangles"] = triangles_json(surface->mesh, surface->quality);

@@ -16,6 +16,7 @@ constexpr Column surface_columns[] = {
     {"steps", [](const Surface& s) { return std::to_string(s.steps); }},
     {"stopped_fraction", [](const Surface& s) { return text_of(s.stopped_fraction); }},
     {"within_one_voxel", [](const Surface& s) { return text_of(s.within_one_voxel); }},
+    {"border_reached", [](const Surface& s) { return text_of(s.border_reached); }},
     {"mean_distance_mm", [](const Surface& s) { return text_of(s.mean_distance_mm); }},
     {"area_mean_mm2", [](const Surface& s) { return text_of(s.quality.area_mean); }},
     {"area_min_mm2", [](const Surface& s) { return text_of(s.quality.area_min); }},

@@ -14,6 +14,7 @@ namespace {
 // Limits of what is believed without a second look. The wall of edge-derived surfaces beats by the blur alone
 // (a coefficient of variation near 0.1 at 13 mm); the other numbers bound what a living heart can have.
 constexpr double least_arrived = 0.95;  // particles within a voxel of their border
+constexpr double least_reached = 0.95;  // of a border; good surfaces reach 0.985 and more, those grown from inside 0.6
 constexpr double most_wall_variation = 0.20;
 constexpr double least_ef = 5, most_ef = 85;
 constexpr double least_edv_ml = 15, most_edv_ml = 600;
@@ -65,6 +66,10 @@ void flag_surfaces(const VentricleResult& result, std::vector<Flag>& flags) {
                format("fewer than %.0f %% of the ", 100 * least_arrived) + name +
                    "cardial surface lie within a voxel of its border",
                [&](const Gate& g) { return surface(g) && surface(g)->within_one_voxel < least_arrived; });
+    flag_gates(result, flags, "border_unreached", Severity::warning,
+               format("the surface stays away from more than %.0f %% of the ", 100 * (1 - least_reached)) + name +
+                   "cardial border, so its volume is not that of the border",
+               [&](const Gate& g) { return surface(g) && surface(g)->border_reached < least_reached; });
   }
   flag_gates(result, flags, "surface_invalid", Severity::warning,
              "a surface is not closed, manifold, oriented and free of self-intersections", [](const Gate& g) {

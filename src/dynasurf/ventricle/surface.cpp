@@ -33,6 +33,7 @@ void measure_distances(const TriMesh& mesh, const Image& border, Surface& s) {
   const std::vector<double> voxels = distances_to_border_voxels(mesh, border);
   s.within_one_voxel =
       static_cast<double>(std::count_if(voxels.begin(), voxels.end(), [](double d) { return d < 1; })) / count;
+  s.border_reached = share_of_border_reached(mesh, border);
   const std::vector<double> mm = distances_to_border_mm(mesh, border);
   s.mean_distance_mm = std::accumulate(mm.begin(), mm.end(), 0.0) / count;
 }
@@ -44,6 +45,8 @@ Surface measure_surface(const EvolutionResult& evolved, const Image& border, con
   Surface s;
   s.stop_reason = evolved.reason;
   s.steps = evolved.steps;
+  s.step_s = evolved.step_s;
+  s.step_explained = evolved.step_explained;
   s.stopped_fraction = evolved.stopped_fraction;
   TriMesh mesh = evolved.mesh;
   if (base_plane) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <string>
 
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
@@ -18,8 +19,11 @@ struct Surface {
   double volume_ml = 0;
   StopReason stop_reason = StopReason::max_steps;
   int steps = 0;
+  double step_s = 0;            // the time step of its motion
+  std::string step_explained;   // and what set it
   double stopped_fraction = 0;  // particles that reached their border
   double within_one_voxel = 0;  // share of particles closer than one voxel to a border voxel's centre (MEAS-DIST)
+  double border_reached = 0;    // share of its border's voxels closer than one voxel to the surface
   double mean_distance_mm = 0;  // to the nearest centre of a border voxel
   TriangleQuality quality;
   Repair repair;  // what was done to make it publishable, and what it is: closed, manifold, free of self-intersections
