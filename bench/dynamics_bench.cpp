@@ -2,8 +2,8 @@
 //
 //     build/bench/bin/dynamics_bench --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true
 //
-// One thread. The field is there before the clock starts. Counters: `steps` of the run, `within` the share of its
-// particles closer than a voxel to the border, `step_us` the time of a step.
+// One thread. The field, at rest but where a name says `thesis`, is there before the clock starts. Counters: `steps` of
+// the run, `within` the share of its particles closer than a voxel to the border, `step_us` the time of a step.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -23,7 +23,8 @@ namespace {
 
 struct Scene {
   Image border = external_border(make_phantom(Hebron{}).study.gates.front(), 0.2, 35);
-  VectorField field = flow_field(border, Gvf{}).field;
+  VectorField field = flow_field(border, SteadyGvf{}).field;
+  VectorField thesis_field = flow_field(border, Gvf{}).field;
 };
 const Scene& scene() {
   static const Scene s;
@@ -56,11 +57,11 @@ std::array<NamedSolver, 6> solvers() {
 
 int vertices_of(int level) { return static_cast<int>(icosphere(level).vertices.size()); }
 
-void run(benchmark::State& state, const Evolution& how, int level) {
+void run(benchmark::State& state, const VectorField& field, const Evolution& how, int level) {
   const ThreadLimit limit(1);
   const TriMesh start = place(icosphere(level), scene().border, {});
   EvolutionResult r;
-  for (auto _ : state) r = evolve(start, scene().field, scene().border, how);
+  for (auto _ : state) r = evolve(start, field, scene().border, how);
   const std::vector<double> away = distances_to_border_voxels(r.mesh, scene().border);
   const auto near = std::count_if(away.begin(), away.end(), [](double d) { return d < 1; });
   state.counters["steps"] = r.steps;
@@ -85,14 +86,14 @@ void add_steps() {
         how.end.still_move = 0;
         benchmark::RegisterBenchmark(
             (std::string("steps/") + m.name + "/" + s.name + "/" + std::to_string(vertices_of(level))).c_str(),
-            [how, level](benchmark::State& state) { run(state, how, level); })
+            [how, level](benchmark::State& state) { run(state, scene().field, how, level); })
             ->Unit(benchmark::kMillisecond);
       }
 }
 
 void add_run(const std::string& name, const Evolution& how, int level) {
   benchmark::RegisterBenchmark(("to_rest/" + name + "/" + std::to_string(vertices_of(level))).c_str(),
-                               [how, level](benchmark::State& state) { run(state, how, level); })
+                               [how, level](benchmark::State& state) { run(state, scene().field, how, level); })
       ->Unit(benchmark::kMillisecond);
 }
 
@@ -103,6 +104,9 @@ void add_runs() {
       if (level == 5 && std::string(m.name) != "free") continue;  // minutes: their steps shrink with the triangles
       add_run(m.name, m.model, level);
     }
+  benchmark::RegisterBenchmark("to_rest/free_thesis_field/642", [](benchmark::State& state) {
+    run(state, scene().thesis_field, free_model(), 3);
+  })->Unit(benchmark::kMillisecond);
   Evolution plain = plain_model();
   plain.step_s = 0.05;
   add_run("plain_dt_0.05", plain, 3);

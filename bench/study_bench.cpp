@@ -1,0 +1,30 @@
+// A whole study: eight gates of 64x64x23 voxels, both surfaces, from the volumes to the verdict; no files, no report.
+//
+//     build/bench/bin/study_bench --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
+//
+// Counters: seconds that the stages took, summed over the gates. `CPU` counts one thread only.
+#include <benchmark/benchmark.h>
+
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
+
+namespace dynasurf {
+namespace {
+
+void study(benchmark::State& state, const FieldOptions& field) {
+  static const Study cycle = make_phantom(CardiacCycle{}).study;
+  const ThreadLimit limit(static_cast<int>(state.range(0)));
+  VentricleOptions options;
+  options.field = field;
+  VentricleResult result;
+  for (auto _ : state) result = reconstruct(cycle, options);
+  for (const auto& [stage, seconds] : result.seconds) state.counters[stage] = seconds;
+}
+void steady_fields(benchmark::State& state) { study(state, SteadyGvf{}); }
+void thesis_fields(benchmark::State& state) { study(state, Gvf{}); }
+BENCHMARK(steady_fields)->Arg(1)->Arg(2)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(thesis_fields)->Arg(1)->Arg(2)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace dynasurf
