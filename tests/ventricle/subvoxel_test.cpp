@@ -90,20 +90,23 @@ Error error_with(StopPoint point, const Study& study, const Image& fine, const c
   return both;
 }
 
-void expect_subvoxel(const Study& study, const Image& fine, const char* name) {
+void expect_subvoxel(const Study& study, const Image& fine, const char* name, double most_voxels) {
   const Error entry = error_with(StopPoint::entry, study, fine, name);
   const Error subvoxel = error_with(StopPoint::subvoxel, study, fine, name);
   ASSERT_GT(entry.vertices, 500);
   ASSERT_GT(subvoxel.vertices, 500);
-  EXPECT_LT(subvoxel.mean_voxels, 0.25) << name;
+  EXPECT_LT(subvoxel.mean_voxels, most_voxels) << name;
+  EXPECT_LT(subvoxel.mean_voxels, 0.65 * entry.mean_voxels) << name;
   EXPECT_GT(entry.mean_voxels, 0.35) << name;  // about half a voxel: the near face of a voxel round the border
 }
 
 TEST(SubvoxelStop, PutsTheSurfacesOfTheHebronPhantomOnTheSteepestSlope) {
-  expect_subvoxel(make_phantom(Hebron{}).study, fine_image(Hebron{}), "hebron");
+  expect_subvoxel(make_phantom(Hebron{}).study, fine_image(Hebron{}), "hebron", 0.25);
 }
 
-TEST(SubvoxelStop, PutsTheSurfacesOfVirtualPatientsOnTheSteepestSlope) {
+TEST(SubvoxelStop, BringsTheSurfacesOfVirtualPatientsNearerToTheSteepestSlope) {
+  // Not to a quarter of a voxel, also without noise: their walls are curved, and the edge detector's own blur of 1.8
+  // pixels moves edges of curved walls inwards.
   for (const double edv_ml : {110.0, 200.0}) {
     VirtualPatient patient;
     patient.gates = 1;
@@ -112,7 +115,7 @@ TEST(SubvoxelStop, PutsTheSurfacesOfVirtualPatientsOnTheSteepestSlope) {
       patient.noise = noisy ? Noise{120, 8, 0, 3} : Noise{0, 0, 0, 1};
       const std::string name =
           "patient of " + std::to_string(static_cast<int>(edv_ml)) + (noisy ? " mL, noisy" : " mL, without noise");
-      expect_subvoxel(make_phantom(patient).study, fine_image(patient), name.c_str());
+      expect_subvoxel(make_phantom(patient).study, fine_image(patient), name.c_str(), 0.4);
     }
   }
 }
