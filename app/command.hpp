@@ -23,5 +23,9 @@ void add_phantom(CLI::App& program, Command& chosen);
 void add_measure(CLI::App& program, Command& chosen);
 void add_options(CLI::App& program, Command& chosen);
 void add_rerun(CLI::App& program, Command& chosen);
+void add_normals(CLI::App& program, Command& chosen);
+void add_scores(CLI::App& program, Command& chosen);
+void add_solid(CLI::App& program, Command& chosen);
+void add_compare(CLI::App& program, Command& chosen);
 
 }  // namespace dynasurf::app

@@ -38,6 +38,10 @@ ExitCode run(int argc, char** argv) {
   add_measure(program, chosen);
   add_options(program, chosen);
   add_rerun(program, chosen);
+  add_normals(program, chosen);
+  add_scores(program, chosen);
+  add_solid(program, chosen);
+  add_compare(program, chosen);
 
   try {
     program.parse(argc, argv);

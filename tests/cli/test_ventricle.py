@@ -66,6 +66,10 @@ class Result(CliTest):
         expected = {"results.json", "results.csv", "options.json", "report.html", "cycle.pvd", "cycle.glb"}
         expected |= {f"meshes/{wall}_g0{gate}.{ending}" for wall in ("endo", "epi") for gate in (1, 2, 3, 4)
                      for ending in ("ply", "vtp")}
+        expected |= {f"measures/{name}" for name in ("segments.csv", "polar.csv", "phase_histogram.svg")}
+        expected |= {f"measures/polar_{name}.svg" for name in (
+            "perfusion_percent", "thickness_ed_mm", "thickness_es_mm", "thickening_percent", "count_thickening_percent",
+            "motion_mm", "phase_counts_deg", "phase_motion_deg")}
         self.assertEqual(files, expected)
 
     def test_tells_the_same_numbers_everywhere(self):
@@ -134,13 +138,13 @@ class Result(CliTest):
         self.assertEqual(refused.returncode, 1)
 
     def test_writes_keyframes_when_asked(self):
-        run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--mesh-format", "ply", "--set",
+        run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--mesh-format", "obj", "--set",
             "keyframes.frames_between=2")
         names = leftovers(self.folder / "r" / "keyframes")
         self.assertEqual(len(names), 2 * 4 * 3)
-        # Every third frame is a gate.
-        self.assertEqual((self.folder / "r/keyframes/endo_f04.ply").read_bytes(),
-                         (self.folder / "r/meshes/endo_g02.ply").read_bytes())
+        # Every third frame is a gate; OBJ holds no measures of vertices, which only gates have.
+        self.assertEqual((self.folder / "r/keyframes/endo_f04.obj").read_bytes(),
+                         (self.folder / "r/meshes/endo_g02.obj").read_bytes())
 
     def test_a_study_without_a_heart_ends_with_3_and_a_report(self):
         empty_study(self.folder / "empty.nii")

@@ -1,6 +1,6 @@
 // Volumes over the beat. Dots are what was measured; the line between them is the volume of the surfaces shown.
 import { volumeMl, type Wall } from "./cycle";
-import type { Results } from "./data";
+import type { FunctionNumbers, Results } from "./data";
 import { colour, figure, svg } from "./dom";
 import type { Player } from "./player";
 
@@ -31,6 +31,14 @@ function linesOf(results: Results, walls: Wall[]): Line[] {
     { name: "endo", measured: results.gates.map((g) => g.endo_ml), between: endo },
   ];
   return all.filter((line) => line.measured.some((v) => v !== null));
+}
+
+/** Volume of the periodic fit; gate g of n stands for the time (g + 1/2) / n. */
+export function fittedMl(fit: FunctionNumbers, time: number): number {
+  return fit.cosine_ml.reduce((sum, c, k) => {
+    const angle = 2 * Math.PI * (k + 1) * time;
+    return sum + c * Math.cos(angle) + fit.sine_ml[k]! * Math.sin(angle);
+  }, fit.mean_ml);
 }
 
 /** Round steps of an axis from 0 to at least `top`. */
@@ -101,7 +109,7 @@ export class Curve {
     const [width, height] = this.size;
     this.chart.setAttribute("viewBox", `0 0 ${width} ${height}`);
     this.cursor = svg("g", { class: "cursor" });
-    this.chart.replaceChildren(...this.axes(), ...this.phaseGuides(), ...this.lines.flatMap((l) => this.plot(l)), this.cursor);
+    this.chart.replaceChildren(...this.axes(), ...this.phaseGuides(), ...this.fit(), ...this.lines.flatMap((l) => this.plot(l)), this.cursor);
     this.moveCursor(this.player.phase);
   }
 
@@ -142,6 +150,18 @@ export class Curve {
         svg("text", { class: "guide", x, y: margin.top - 10, "text-anchor": "middle" }, name),
       ];
     });
+  }
+
+  private fit(): SVGElement[] {
+    const fit = this.results.measures?.function;
+    if (!fit) return [];
+    const points = Array.from({ length: 16 * this.gates + 1 }, (_, n) => {
+      const phase = n / 16;
+      return `${this.x(phase).toFixed(1)},${this.y(fittedMl(fit, (phase + 0.5) / this.gates)).toFixed(1)}`;
+    });
+    const line = svg("polyline", { class: "line fit", points: points.join(" ") });
+    line.append(svg("title", {}, `periodic fit of ${fit.waves} waves: EF ${figure(fit.ef_percent)} %`));
+    return [line];
   }
 
   private plot(line: Line): SVGElement[] {

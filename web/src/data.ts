@@ -35,6 +35,50 @@ export interface NoteText {
   gate?: number | null;
   slice?: number | null;
 }
+export interface SegmentNumbers {
+  number: number;
+  name: string;
+  territory: string;
+  wall_share_percent: number | null;
+  perfusion_percent: number | null;
+  thickness_ed_mm: number | null;
+  thickness_es_mm: number | null;
+  thickening_percent: number | null;
+  count_thickening_percent: number | null;
+  motion_mm: number | null;
+  phase_counts_deg: number | null;
+  phase_motion_deg: number | null;
+}
+/** A periodic fit of the cavity's volume; times are parts of the beat. */
+export interface FunctionNumbers {
+  waves: number;
+  edv_ml: number | null;
+  esv_ml: number | null;
+  ef_percent: number | null;
+  peak_filling_edv_per_beat: number | null;
+  peak_filling_edv_per_s: number | null;
+  time_to_peak_filling: number | null;
+  time_to_peak_filling_ms: number | null;
+  first_third_filling: number | null;
+  instants: { ef_percent: number | null };
+  mean_ml: number;
+  cosine_ml: number[];
+  sine_ml: number[];
+}
+export interface PhaseNumbers {
+  mean_deg: number;
+  sd_deg: number;
+  bandwidth_deg: number;
+  entropy_percent: number;
+}
+export interface MeasureNumbers {
+  thickness_is: "apparent" | "model";
+  muscle_ml: number | null;
+  muscle_g: number | null;
+  function: FunctionNumbers | null;
+  phase: { counts: PhaseNumbers | null; motion: PhaseNumbers | null };
+  segments: SegmentNumbers[];
+}
 export interface Results {
   schema: string;
   edv_ml: number | null;
@@ -47,6 +91,7 @@ export interface Results {
   quality: { verdict: "ok" | "check" | "fail"; wall_variation: number | null; flags: NoteText[] };
   notes: NoteText[];
   gates: GateNumbers[];
+  measures: MeasureNumbers | null;
   study: {
     format: string;
     modality: string;
@@ -122,8 +167,39 @@ export interface Surfaces {
   endo: (Mesh | null)[];
   epi: (Mesh | null)[];
 }
+/** One polar map: samples ring by ring from the apex, counter-clockwise from the lateral wall. */
+export interface PolarMap {
+  name: string;
+  title: string;
+  unit: string;
+  low: number | null;
+  high: number | null;
+  cyclic: boolean;
+  values: (number | null)[];
+}
+export interface SegmentPlace {
+  rho_low: number;
+  rho_high: number;
+  middle_deg: number;
+  width_deg: number;
+}
+interface PackedPolar {
+  rings: number;
+  sectors: number;
+  maps: PolarMap[];
+  places: SegmentPlace[];
+  endo: (string | null)[];
+  epi: (string | null)[];
+}
+/** The segment of every vertex of a gate, 0: none. */
+type VertexSegments = (Uint8Array | null)[];
+export interface Polar extends Omit<PackedPolar, "endo" | "epi"> {
+  endo: VertexSegments;
+  epi: VertexSegments;
+}
 export interface Report {
   results: Results;
+  polar: Polar | null;
   pictures: Pictures | null;
   surfaces: Surfaces | null;
 }
@@ -169,11 +245,14 @@ export async function readReport(text: string): Promise<Report> {
     results: Results;
     pictures: PackedPictures | null;
     surfaces: PackedSurfaces | null;
+    polar: PackedPolar | null;
   };
+  const segments = (gates: (string | null)[]) => gates.map((text) => (text === null ? null : bytesOf(text)));
   const packed = data.surfaces;
   const grid = data.pictures?.grid;
   return {
     results: data.results,
+    polar: data.polar && { ...data.polar, endo: segments(data.polar.endo), epi: segments(data.polar.epi) },
     pictures: data.pictures && {
       ...data.pictures,
       pixels: await unpack(data.pictures.pixels),

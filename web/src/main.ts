@@ -4,6 +4,7 @@ import { Curve } from "./curve";
 import { readReport, walls as wall_names, type Report, type Results } from "./data";
 import { byId, colour, figure, html, svg } from "./dom";
 import { Player } from "./player";
+import { PolarView } from "./polar";
 import { SurfaceScene, type ViewName } from "./scene";
 import { Slices, type Overlay } from "./slices";
 import { showCards, showGates, showNotes, showOptions, showProvenance, showVerdict, subjectOf } from "./tables";
@@ -224,6 +225,19 @@ function buildTransport(results: Results): Player {
   return player;
 }
 
+function buildPolar(report: Report, scene: SurfaceScene | null): void {
+  const { polar, results } = report;
+  if (!polar || !results.measures) {
+    byId("polar-panel").remove();
+    byId("segments-panel").remove();
+    return;
+  }
+  const view = new PolarView(polar, results.measures, (segment) => scene?.light(segment));
+  scene?.followPointer(polar, (segment) => view.show(segment));
+  byId("segments-remark").textContent =
+    results.measures.thickness_is === "apparent" ? "Thickness between edges of a blurred image is apparent: mostly the camera’s." : "";
+}
+
 async function start(): Promise<void> {
   const report = await readReport(byId("data").textContent ?? "");
   const { results, surfaces } = report;
@@ -239,6 +253,7 @@ async function start(): Promise<void> {
   const player = buildTransport(results);
   player.listen(() => markGate(player.gate));
   const scene = buildScene(report, walls, player);
+  buildPolar(report, scene);
   buildCurve(results, walls, player);
   const slices = buildSlices(report, walls, player);
   const toggles = buildToggles(slices, scene);

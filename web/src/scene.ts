@@ -4,6 +4,7 @@ import {
   BackSide,
   BufferAttribute,
   BufferGeometry,
+  Color,
   DirectionalLight,
   DoubleSide,
   FrontSide,
@@ -13,9 +14,11 @@ import {
   MeshPhongMaterial,
   PerspectiveCamera,
   Quaternion,
+  Raycaster,
   Scene,
   Sphere,
   Spherical,
+  Vector2,
   Vector3,
   WebGLRenderer,
   type Material,
@@ -24,7 +27,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 import type { Wall } from "./cycle";
 import { colour, svg } from "./dom";
-import type { Grid } from "./data";
+import type { Grid, Polar } from "./data";
 
 interface Shown {
   wall: Wall;
@@ -37,6 +40,7 @@ interface Shown {
 export type ViewName = "anterior" | "left" | "inferior" | "base" | "apex";
 
 const up = new Vector3(0, 1, 0);
+const lit_colour = new Color("#ffe14d");
 
 export class SurfaceScene {
   private readonly renderer: WebGLRenderer;
@@ -48,6 +52,9 @@ export class SurfaceScene {
   /** Turned so that its long axis points upwards in the scene. */
   private readonly heart = new Group();
   private waiting = false;
+  private polar: Polar | null = null;
+  private lit = 0;
+  private gate = 0;
 
   /** Throws when the browser has no WebGL. */
   constructor(
@@ -84,7 +91,7 @@ export class SurfaceScene {
   private addWall(wall: Wall): Shown {
     const geometry = new BufferGeometry();
     const solid = wall.name === "endo";
-    const look = { color: colour[wall.name], shininess: 28, specular: 0x333a44 };
+    const look = { color: 0xffffff, vertexColors: true, shininess: 28, specular: 0x333a44 };
     const materials: Material[] = solid
       ? [new MeshPhongMaterial({ ...look, side: DoubleSide })]
       : [BackSide, FrontSide].map(
@@ -154,8 +161,60 @@ export class SurfaceScene {
     this.render();
   }
 
+  /** Lights the vertices of a segment, 0: none. */
+  light(segment: number): void {
+    this.lit = segment;
+    for (const shown of this.shown) this.paint(shown);
+    this.render();
+  }
+
+  /** Tells `point` the segment under the pointer, 0 when it leaves the heart. */
+  followPointer(polar: Polar, point: (segment: number) => void): void {
+    this.polar = polar;
+    const canvas = this.renderer.domElement;
+    const ray = new Raycaster();
+    canvas.addEventListener("pointermove", (event) => {
+      if (event.buttons) return;
+      const box = canvas.getBoundingClientRect();
+      const at = new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
+      ray.setFromCamera(at, this.camera);
+      const targets = this.shown.filter((s) => s.group.visible).map((s) => s.group.children[0]!);
+      const hit = ray.intersectObjects(targets, false)[0];
+      const shown = hit && this.shown.find((s) => s.group.children[0] === hit.object);
+      const segments = shown && this.segmentsOf(shown.wall);
+      point((hit?.face && segments?.[hit.face.a]) || 0);
+    });
+    canvas.addEventListener("pointerleave", () => point(0));
+  }
+
+  private segmentsOf(wall: Wall): Uint8Array | null {
+    return this.polar?.[wall.name][this.gate] ?? null;
+  }
+
+  private paint({ wall, geometry }: Shown): void {
+    const position = geometry.getAttribute("position") as BufferAttribute | undefined;
+    if (!position) return;
+    let painted = geometry.getAttribute("color") as BufferAttribute | undefined;
+    if (painted?.count !== position.count) {
+      painted = new BufferAttribute(new Float32Array(position.count * 3), 3);
+      geometry.setAttribute("color", painted);
+    }
+    const plain = new Color(colour[wall.name]);
+    const segments = this.segmentsOf(wall);
+    for (let v = 0; v < position.count; ++v) {
+      const { r, g, b } = this.lit > 0 && segments?.[v] === this.lit ? lit_colour : plain;
+      painted.setXYZ(v, r, g, b);
+    }
+    painted.needsUpdate = true;
+  }
+
   show(phase: number): void {
-    for (const { wall, geometry, group } of this.shown) {
+    const gates = Math.max(...this.shown.map(({ wall }) => wall.meshes.length), 1);
+    const gate = Math.round(phase) % gates;
+    const turned = gate !== this.gate;
+    this.gate = gate;
+    for (const shown of this.shown) {
+      const { wall, geometry, group } = shown;
       const now = wall.at(phase);
       group.visible = now !== null;
       if (!now) continue;
@@ -166,6 +225,9 @@ export class SurfaceScene {
       } else {
         geometry.setAttribute("position", new BufferAttribute(now.points.slice(), 3));
       }
+      if (turned || geometry.getAttribute("color")?.count !== now.points.length / 3) this.paint(shown);
+      // The ray's first test: a sphere around a moving surface is soon too small.
+      geometry.boundingSphere = null;
       if (geometry.index?.array !== now.triangles) geometry.setIndex(new BufferAttribute(now.triangles, 1));
       geometry.computeVertexNormals();
     }

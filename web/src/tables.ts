@@ -69,11 +69,44 @@ function cardsOf(results: Results): Card[] {
   ];
 }
 
+/** What is measured beyond the volumes of the gates. */
+function measuresOf(results: Results): Card[] {
+  const measures = results.measures;
+  const fit = measures?.function;
+  if (!measures || !fit) return [];
+  const rate = fit.peak_filling_edv_per_s;
+  const phase = measures.phase.counts;
+  const time = fit.time_to_peak_filling_ms;
+  return [
+    {
+      name: "EF of the fit",
+      value: figure(fit.ef_percent),
+      unit: "%",
+      detail: `${figure(fit.edv_ml, 0)} / ${figure(fit.esv_ml, 0)} mL; gates as instants ${figure(fit.instants.ef_percent)} %`,
+    },
+    {
+      name: "Peak filling rate",
+      value: figure(rate ?? fit.peak_filling_edv_per_beat, 2),
+      unit: rate === null ? "EDV/beat" : "EDV/s",
+      detail: `${time === null ? `${figure(fit.time_to_peak_filling, 2)} beat` : `${figure(time, 0)} ms`} after ES; first third ${figure(100 * (fit.first_third_filling ?? 0), 0)} %`,
+    },
+    {
+      name: measures.thickness_is === "apparent" ? "Muscle, apparent" : "Muscle",
+      value: figure(measures.muscle_g, 0),
+      unit: "g",
+      detail: `${figure(measures.muscle_ml, 0)} mL at 1.05 g/mL`,
+    },
+    ...(phase
+      ? [{ name: "Phase SD", value: figure(phase.sd_deg), unit: "°", detail: `bandwidth ${figure(phase.bandwidth_deg, 0)}°, entropy ${figure(phase.entropy_percent, 0)} %` }]
+      : []),
+  ];
+}
+
 export function showCards(place: HTMLElement, results: Results): void {
   const failed = results.quality.verdict === "fail";
   place.classList.toggle("untrusted", failed);
   place.replaceChildren(
-    ...cardsOf(results).map((card) =>
+    ...[...cardsOf(results), ...measuresOf(results)].map((card) =>
       html(
         "div",
         { class: card.strong ? "card strong" : "card" },

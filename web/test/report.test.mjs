@@ -124,6 +124,31 @@ const tests = {
     assert.ok(!relaxed.equals(await shot()), "end diastole and end systole look alike");
   },
 
+  async "lights a segment in the map, the table and on the surfaces"(open) {
+    const page = await open("ok");
+    await pause(page);
+    const shot = () => page.locator("#scene canvas").screenshot();
+    const plain = await shot();
+    await page.locator('.polar [data-segment="7"]').hover();
+    assert.match(await text(page, "#polar .polar-caption"), /^7 mid anterior \(LAD\): \d+\.\d %$/);
+    assert.equal(await page.locator("#segments tr[aria-current]").getAttribute("data-segment"), "7");
+    await page.waitForTimeout(150);
+    assert.ok(!plain.equals(await shot()), "the surfaces show nothing of it");
+    await page.locator('#segments tr[data-segment="17"]').hover();
+    assert.equal(await page.locator(".polar .segment.lit").getAttribute("data-segment"), "17");
+    await page.locator("#scene").hover();
+    await page.waitForTimeout(150);
+    assert.match(await text(page, "#polar .polar-caption"), /^\d+ (basal|mid|apical)/, "the heart does not answer the pointer");
+    await page.selectOption("#polar-map", { label: "Inward motion, mm" });
+    assert.equal(await page.locator("#segments tbody tr").count(), 17);
+  },
+
+  async "draws no polar map without surfaces"(open) {
+    const page = await open("fail");
+    assert.equal(await page.locator("#polar-panel").count(), 0);
+    assert.equal(await page.locator("#segments-panel").count(), 0);
+  },
+
   async "lists its keys"(open) {
     const page = await open("ok");
     await page.keyboard.press("?");

@@ -8,7 +8,7 @@
 namespace dynasurf {
 namespace {
 
-constexpr std::array<std::string_view, 2> kNames{"linear", "periodic_cubic"};
+constexpr std::array<std::string_view, 4> kNames{"linear", "periodic_cubic", "catmull_rom", "b_spline"};
 
 /// Share of each key in the point `a` of the way from key `i` to the next. The shares do not depend on the data, so
 /// one set of them serves all vertices.
@@ -41,6 +41,39 @@ std::vector<double> cubic_shares(std::size_t n, std::size_t i, double a) {
   return share;
 }
 
+/// Four neighbouring keys with the weights of a uniform cubic. Fewer keys than four share places around the cycle.
+std::vector<double> local_shares(std::size_t n, std::size_t i, const std::array<double, 4>& weights) {
+  std::vector<double> share(n, 0.0);
+  for (std::size_t k = 0; k < 4; ++k) share[(i + n * 4 + k - 1) % n] += weights[k];
+  return share;
+}
+
+std::vector<double> catmull_rom_shares(std::size_t n, std::size_t i, double a) {
+  const double b = 1 - a;
+  return local_shares(
+      n, i, {-a * b * b / 2, (2 - 5 * a * a + 3 * a * a * a) / 2, (2 - 5 * b * b + 3 * b * b * b) / 2, -a * a * b / 2});
+}
+
+std::vector<double> b_spline_shares(std::size_t n, std::size_t i, double a) {
+  const double b = 1 - a;
+  return local_shares(
+      n, i, {b * b * b / 6, (4 - 6 * a * a + 3 * a * a * a) / 6, (4 - 6 * b * b + 3 * b * b * b) / 6, a * a * a / 6});
+}
+
+std::vector<double> shares_of(TimeInterpolation how, std::size_t n, std::size_t i, double a) {
+  switch (how) {
+    case TimeInterpolation::linear:
+      return linear_shares(n, i, a);
+    case TimeInterpolation::periodic_cubic:
+      return cubic_shares(n, i, a);
+    case TimeInterpolation::catmull_rom:
+      return catmull_rom_shares(n, i, a);
+    case TimeInterpolation::b_spline:
+      break;
+  }
+  return b_spline_shares(n, i, a);
+}
+
 void check_same_triangles(std::span<const TriMesh> cycle) {
   if (cycle.empty()) throw InputError("at_phase: no meshes; expected at least one");
   for (std::size_t g = 1; g < cycle.size(); ++g)
@@ -64,7 +97,7 @@ TriMesh at_phase(std::span<const TriMesh> cycle, double phase, TimeInterpolation
   const double whole = std::floor(keys_passed);
   const std::size_t i = static_cast<std::size_t>(whole) % n;
   const double a = keys_passed - whole;
-  const std::vector<double> share = how == TimeInterpolation::linear ? linear_shares(n, i, a) : cubic_shares(n, i, a);
+  const std::vector<double> share = shares_of(how, n, i, a);
 
   TriMesh mesh{std::vector<Vec3>(cycle[0].vertices.size(), Vec3::Zero()), cycle[0].triangles};
   for (std::size_t g = 0; g < n; ++g) {

@@ -8,7 +8,9 @@
 
 namespace dynasurf {
 
-enum class TimeInterpolation { linear, periodic_cubic };
+/// linear: C0. catmull_rom: C1, each gate's velocity is that between its neighbours. periodic_cubic: C2 through the
+/// gates. b_spline: C2 and never outside the gates' hull, but smoothed: it passes near the gates, not through them.
+enum class TimeInterpolation { linear, periodic_cubic, catmull_rom, b_spline };
 std::span<const std::string_view> names_of(TimeInterpolation);
 
 /// GEO-KEYFRAME (thesis 5.7) and FUT-SPLINE.
@@ -18,7 +20,8 @@ struct Keyframes {
 };
 void describe(auto& visit, Keyframes& o) {
   visit("interpolation", o.interpolation,
-        Field{"linear (thesis 5.7) or a cubic spline through the gates, smooth also from the last to the first"});
+        Field{"linear (thesis 5.7); periodic_cubic: C2 through the gates; catmull_rom: C1 through the gates; b_spline: "
+              "C2, smoothed; all close from the last gate to the first"});
   visit("frames_between", o.frames_between,
         Field{"meshes written between two gates (thesis: 20-30); 0 writes none", "", 0, 1000});
 }

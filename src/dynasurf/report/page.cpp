@@ -7,6 +7,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/page_template.hpp"
 #include "dynasurf/report/report.hpp"
 
@@ -234,6 +235,45 @@ Json surfaces_json(const VentricleResult& result) {
   return json;
 }
 
+/// The polar maps, and the segment of every vertex as one byte, gate by gate.
+Json polar_json(const VentricleResult& result) {
+  if (!result.measures || result.measures->segments.empty()) return nullptr;
+  const Measures& m = *result.measures;
+  Json json;
+  json["rings"] = m.grid.rings;
+  json["sectors"] = m.grid.sectors;
+  json["maps"] = Json::array();
+  for (const PolarKind& kind : polar_kinds()) {
+    const PolarValues& values = m.maps.*kind.values;
+    if (values.empty()) continue;
+    Json samples = Json::array();
+    for (const auto& v : values) samples.push_back(v ? Json(std::round(*v * 10) / 10) : Json(nullptr));
+    json["maps"].push_back({{"name", kind.name},
+                            {"title", kind.title},
+                            {"unit", kind.unit},
+                            {"low", kind.low ? Json(*kind.low) : Json(nullptr)},
+                            {"high", kind.high ? Json(*kind.high) : Json(nullptr)},
+                            {"cyclic", kind.is_cyclic},
+                            {"values", std::move(samples)}});
+  }
+  json["places"] = Json::array();
+  for (const Segment& s : segments_of(m.model))
+    json["places"].push_back(
+        {{"rho_low", s.rho_low}, {"rho_high", s.rho_high}, {"middle_deg", s.middle_deg}, {"width_deg", s.width_deg}});
+  json["endo"] = json["epi"] = Json::array();
+  for (std::size_t g = 0; g < m.gates.size(); ++g)
+    for (const auto& [name, surface] :
+         {std::pair("endo", &result.gates[g].endo), std::pair("epi", &result.gates[g].epi)}) {
+      if (!m.gates[g].axes || !*surface) {
+        json[name].push_back(nullptr);
+        continue;
+      }
+      const std::vector<int> segments = segments_of_vertices(m.model, *m.gates[g].axes, (*surface)->mesh.vertices);
+      json[name].push_back(base64(Bytes(segments.begin(), segments.end())));
+    }
+  return json;
+}
+
 /// JSON that may stand inside an HTML script element: no text in it can end the element or open a comment.
 std::string text_for_html(const Json& json) {
   std::string text;
@@ -252,6 +292,7 @@ std::string report_html(const VentricleResult& result, const Provenance& provena
   data["results"] = results_json(result, provenance, timings);
   data["pictures"] = pictures_json(result);
   data["surfaces"] = surfaces_json(result);
+  data["polar"] = polar_json(result);
 
   constexpr std::string_view place = "{{DATA}}";
   const std::string_view page = page_template();

@@ -1,0 +1,31 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "dynasurf/core/tri_mesh.hpp"
+
+namespace dynasurf {
+
+/// How a surface differs from itself at rest: per vertex of two meshes with the same triangles.
+struct SurfaceMotion {
+  std::vector<double> displacement_mm;
+  std::vector<double> area_strain_percent;  // of the triangles around the vertex together; 0 where they had no area
+};
+/// Meaningful as far as vertices stay on their material: surfaces that were pulled onto edges slide along themselves.
+/// Throws InputError when the triangles differ.
+SurfaceMotion surface_motion(const TriMesh& rest, const TriMesh& now);
+
+/// A mesh moved along with tracked points (FUT-TAGGED): the displacement is a linear map and radial functions |r| that
+/// take every point from `rest` to `now`, and bend as little as that allows between them (the biharmonic spline in
+/// space, Duchon 1977). This is how twist enters, which no surface shows by itself. `smoothing` in mm^-1 or larger
+/// lets noisy points be missed. Throws InputError for fewer than 4 points, points in one plane, equal points, lists of
+/// different lengths, or numbers that are not finite.
+TriMesh move_with_points(TriMesh mesh, std::span<const Vec3> rest, std::span<const Vec3> now, double smoothing = 0);
+
+/// Rotation (deg) about an axis (unit) through `on_axis` that takes vertices from `rest` to `now` best,
+/// counter-clockwise seen from the axis's tip; over vertices with heights from `low` to `high` along the axis. 0 when
+/// there are none. Twist is the difference between apex and base.
+double rotation_deg(std::span<const Vec3> rest, std::span<const Vec3> now, const Vec3& on_axis, const Vec3& axis,
+                    double low, double high);
+
+}  // namespace dynasurf

@@ -1,0 +1,35 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "dynasurf/core/tri_mesh.hpp"
+
+namespace dynasurf {
+
+/// A solid: vertices (mm) and tetrahedra whose first three corners run counter-clockwise seen from the fourth: the
+/// determinant (b - a, c - a, d - a) is positive (VTK's, gmsh's and Abaqus's order).
+struct TetMesh {
+  std::vector<Vec3> vertices;
+  std::vector<std::array<std::uint32_t, 4>> tetrahedra;
+};
+
+/// The space between two surfaces with the same triangles (FUT-TETRA, thesis 5.2): the prism over each triangle in
+/// `layers` slabs of three tetrahedra. The sides of prisms are cut from their lower-numbered vertex, so neighbours fit
+/// and the volumes of closed surfaces add up to outer less inner exactly. Vertices: those of the inner surface, then
+/// slab by slab outwards. Open surfaces (sheets) give the solid between them. Tetrahedra of surfaces that cross come
+/// out negative: `tet_quality` counts them. Throws InputError when the triangles differ or a layer count below 1.
+TetMesh fill_between(const TriMesh& inner, const TriMesh& outer, int layers = 1);
+
+/// Sum of signed volumes, mm3.
+double volume_mm3(const TetMesh& solid);
+
+struct TetQuality {
+  std::size_t count = 0, not_positive = 0;
+  double volume_min = 0, volume_max = 0, volume_mean = 0;  // mm3
+  double shape_min = 0,
+         shape_mean = 0;  // mean ratio 12 (3 V)^(2/3) / sum of squared edges: 1 regular, 0 flat or inverted
+};
+TetQuality tet_quality(const TetMesh& solid);
+
+}  // namespace dynasurf

@@ -1,0 +1,114 @@
+"""Normal limits, scores and solids made from results."""
+
+import functools
+import json
+import unittest
+
+from cli import CliTest, SMALL_PATIENT, run, shared_folder, small_result
+
+
+@functools.cache
+def result_of(name, *settings):
+    """A reconstructed virtual patient."""
+    study, result = shared_folder() / f"{name}-study", shared_folder() / "normals" / name
+    if name == "sick":
+        result = shared_folder() / "sick"
+    result.parent.mkdir(exist_ok=True)
+    made = run("phantom", "patient", "--out", study, *SMALL_PATIENT, "--set", "noise.peak_counts=400", *settings)
+    assert made.returncode == 0, made.stderr
+    made = run("ventricle", study / "study.dcm", "--out", result)
+    assert made.returncode in (0, 3), made.stderr
+    return result
+
+
+@functools.cache
+def normals():
+    for n, volume in enumerate((95, 110, 125)):
+        result_of(f"normal{n}", "--seed", str(n + 1), "--set", f"edv_ml={volume}")
+    path = shared_folder() / "normals.json"
+    made = run("normals", shared_folder() / "normals", "--out", path)
+    assert made.returncode == 0, made.stderr
+    return path
+
+
+class Normals(CliTest):
+    def test_a_defect_is_found_against_normals(self):
+        self.assertEqual(json.loads(normals().read_text())["studies"], 3)
+        sick = result_of("sick", "--seed", "9", "--set", "defect=inferior", "--set", "defect_extent_deg=70")
+        made = run("scores", sick, "--normals", normals(), "--json")
+        self.assertEqual(made.returncode, 0, made.stderr)
+        scores = json.loads(made.stdout)
+        of = {s["number"]: s["score"] for s in scores["segments"]}
+        self.assertGreaterEqual(of[4] + of[10], 2)
+        self.assertEqual(of[1] + of[7], 0)
+        self.assertGreater(scores["extent_percent"], 4)
+        healthy = json.loads(run("scores", shared_folder() / "normals" / "normal1", "--normals", normals(),
+                                 "--json").stdout)
+        self.assertLess(healthy["extent_percent"], 2)
+        self.assertLess(healthy["summed_score"], scores["summed_score"])
+
+    def test_a_person_may_change_scores(self):
+        edit = shared_folder() / "edit.json"
+        edit.write_text('{"17": 4}')
+        out = shared_folder() / "scores.json"
+        made = run("scores", small_result(), "--edit", edit, "--out", out)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        self.assertIn("4 by hand", made.stdout)
+        self.assertTrue(json.loads(out.read_text())["segments"][16]["by_hand"])
+
+    def test_says_what_is_wrong_in_one_line(self):
+        for text in ("{", "[1]", '{"99": 1}', '{"1": 7}', '{"one": 1}', '{"1": 1.5}'):
+            edit = shared_folder() / "bad.json"
+            edit.write_text(text)
+            made = run("scores", small_result(), "--edit", edit)
+            self.assertEqual(made.returncode, 2, text)
+            self.assertEqual(len(made.stderr.strip().splitlines()), 1, made.stderr)
+        empty = shared_folder() / "empty"
+        empty.mkdir(exist_ok=True)
+        made = run("normals", empty, "--out", shared_folder() / "none.json")
+        self.assertEqual(made.returncode, 2)
+        self.assertIn("at least 3", made.stderr)
+        self.assertEqual(run("scores", small_result(), "--normals", edit).returncode, 2)
+
+
+class Compare(CliTest):
+    def test_a_wider_stress_heart_with_a_defect_shows_in_ratio_and_difference(self):
+        rest = result_of("normal1", "--seed", "2", "--set", "edv_ml=110")
+        stress = result_of("sick", "--seed", "9", "--set", "defect=inferior", "--set", "defect_extent_deg=70")
+        out = self.folder / "both"
+        made = run("compare", rest, stress, "--out", out, "--json")
+        self.assertEqual(made.returncode, 0, made.stderr)
+        both = self.read_json(out / "comparison.json")
+        self.assertEqual(both, json.loads(made.stdout))
+        lost = {s["number"]: s["perfusion_lost_points"] for s in both["segments"]}
+        self.assertGreater(lost[10], 20)
+        self.assertLess(abs(lost[7]), 12)
+        self.assertGreater(both["summed_difference_score"], 0)
+        same = json.loads(run("compare", rest, rest, "--json").stdout)
+        self.assertEqual(same["tid_ratio"], 1)
+        self.assertEqual(same["summed_difference_score"], 0)
+        self.assertIn("<svg", (out / "polar_difference.svg").read_text())
+
+    def test_refuses_what_is_no_result(self):
+        self.refuses(2, "compare", small_result(), self.folder, says="results.json")
+
+
+class Solid(CliTest):
+    def test_fills_the_wall_in_three_formats(self):
+        for ending, begins in (("vtu", b"<?xml"), ("msh", b"$MeshFormat\n2.2 0 8"), ("inp", b"*HEADING")):
+            out = shared_folder() / f"wall.{ending}"
+            made = run("solid", small_result(), "--gate", "1", "--out", out)
+            self.assertEqual(made.returncode, 0, made.stdout + made.stderr)
+            self.assertTrue(out.read_bytes().startswith(begins))
+            self.assertRegex(made.stdout, r"not positive +0\n")
+
+    def test_refuses_what_is_not_there(self):
+        out = shared_folder() / "no.vtu"
+        self.assertEqual(run("solid", small_result(), "--gate", "99", "--out", out).returncode, 1)
+        self.assertEqual(run("solid", shared_folder(), "--out", out).returncode, 2)
+        self.assertEqual(run("solid", small_result(), "--out", shared_folder() / "wall.txt").returncode, 1)
+        self.assertFalse(out.exists())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,171 @@
+// Polar maps of the wall and the table of its segments: what is pointed at in one is lit in all.
+import type { MeasureNumbers, Polar, PolarMap, SegmentNumbers, SegmentPlace } from "./data";
+import { byId, figure, html, svg } from "./dom";
+
+const radius = 100;
+const even = ["#440154", "#48287a", "#3e4a89", "#31688e", "#26828e", "#1f9e89", "#35b779", "#90d743", "#fde725"];
+const circle = ["#74395a", "#9f5634", "#c7964c", "#d6db9f", "#96cdc4", "#5a98c0", "#565e99", "#74395a"];
+
+function channels(hex: string): number[] {
+  return [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
+}
+
+/** A colour at `share` (0 to 1) of a scale. */
+function colourAt(share: number, scale: string[]): string {
+  const place = Math.min(Math.max(share, 0), 1) * (scale.length - 1);
+  const low = Math.min(Math.floor(place), scale.length - 2);
+  const [a, b] = [channels(scale[low]!), channels(scale[low + 1]!)];
+  return `rgb(${a.map((v, n) => Math.round(v + (place - low) * (b[n]! - v))).join(",")})`;
+}
+
+function point(rho: number, deg: number): string {
+  const angle = (deg * Math.PI) / 180;
+  return `${(radius * rho * Math.cos(angle)).toFixed(2)} ${(-radius * rho * Math.sin(angle)).toFixed(2)}`;
+}
+
+/** The outline of a piece of a ring. */
+function piece(low: number, high: number, from: number, width: number): string {
+  const arc = (rho: number, to: number, back: boolean) => `A${radius * rho} ${radius * rho} 0 0 ${back ? 1 : 0} ${point(rho, to)}`;
+  if (width >= 360) return `M${point(high, 0)}${arc(high, 180, false)}${arc(high, 360, false)}Z`;
+  const to = from + width;
+  return `M${point(low, from)}L${point(high, from)}${arc(high, to, false)}L${point(low, to)}${low > 0 ? arc(low, from, true) : ""}Z`;
+}
+
+const outline = (place: SegmentPlace) =>
+  piece(place.rho_low, place.rho_high, place.middle_deg - place.width_deg / 2, place.width_deg);
+
+function rangeOf(map: PolarMap): [number, number] {
+  const values = map.values.filter((v) => v !== null);
+  return [map.low ?? Math.floor(Math.min(...values, 0)), map.high ?? Math.ceil(Math.max(...values, 1))];
+}
+
+/** Keys of a segment's numbers, as the maps are called. */
+type MapName = Exclude<keyof SegmentNumbers, "number" | "name" | "territory" | "wall_share_percent">;
+
+const columns: [MapName, string, string][] = [
+  ["perfusion_percent", "Perfusion", "%"],
+  ["thickness_ed_mm", "Thickness ED", "mm"],
+  ["thickness_es_mm", "ES", "mm"],
+  ["thickening_percent", "Thickening", "%"],
+  ["count_thickening_percent", "by counts", "%"],
+  ["motion_mm", "Motion", "mm"],
+  ["phase_counts_deg", "Onset, counts", "°"],
+  ["phase_motion_deg", "motion", "°"],
+];
+
+export class PolarView {
+  private readonly picture = svg("svg", { viewBox: "-122 -122 276 244", role: "img", class: "polar" });
+  private readonly caption = html("p", { class: "polar-caption", "aria-live": "polite" });
+  private readonly rows: HTMLTableRowElement[];
+  private outlines: SVGElement[] = [];
+  private map: PolarMap;
+  private lit = 0;
+
+  /** `light` is told the number of the segment that is pointed at, 0: none. */
+  constructor(
+    private readonly polar: Polar,
+    private readonly measures: MeasureNumbers,
+    private readonly light: (segment: number) => void,
+  ) {
+    this.map = polar.maps[0]!;
+    const choice = byId<HTMLSelectElement>("polar-map");
+    choice.replaceChildren(...polar.maps.map((map, n) => html("option", { value: n }, this.titleOf(map))));
+    choice.addEventListener("change", () => {
+      this.map = polar.maps[Number(choice.value)]!;
+      this.draw();
+    });
+    byId("polar").replaceChildren(this.picture, this.caption);
+    this.rows = measures.segments.map((segment) => this.row(segment));
+    byId("segments").replaceChildren(this.table());
+    this.draw();
+  }
+
+  private titleOf(map: PolarMap): string {
+    const apparent = this.measures.thickness_is === "apparent" && map.name.startsWith("thick");
+    return `${map.title}${apparent ? " (apparent)" : ""}, ${map.unit}`;
+  }
+
+  show(segment: number): void {
+    if (segment === this.lit) return;
+    this.lit = segment;
+    this.mark();
+    this.light(segment);
+  }
+
+  private mark(): void {
+    this.rows.forEach((row, n) => row.toggleAttribute("aria-current", n + 1 === this.lit));
+    this.outlines.forEach((path, n) => path.classList.toggle("lit", n + 1 === this.lit));
+    // What is lit must not lie under its neighbours' borders.
+    if (this.lit > 0) this.outlines[this.lit - 1]?.parentNode?.append(this.outlines[this.lit - 1]!);
+    const segment = this.measures.segments[this.lit - 1];
+    const value = segment?.[this.map.name as MapName];
+    this.caption.textContent = segment
+      ? `${segment.number} ${segment.name} (${segment.territory}): ${figure(value)} ${this.map.unit}`
+      : "Seen from the apex. Point at a segment.";
+  }
+
+  private draw(): void {
+    const { rings, sectors, places } = this.polar;
+    const [low, high] = rangeOf(this.map);
+    const scale = this.map.cyclic ? circle : even;
+    const colour = (value: number) => colourAt((value - low) / (high - low || 1), scale);
+    const cells = this.map.values.flatMap((value, n) => {
+      if (value === null) return [];
+      const ring = Math.floor(n / sectors);
+      const d = piece(ring / rings, (ring + 1) / rings, ((n % sectors) * 360) / sectors, 360 / sectors + 0.4);
+      return [svg("path", { d, fill: colour(value) })];
+    });
+    this.outlines = places.map((place, n) => {
+      const path = svg("path", { d: outline(place), class: "segment", "data-segment": n + 1 });
+      path.addEventListener("pointerenter", () => this.show(n + 1));
+      return path;
+    });
+    this.picture.onpointerleave = () => this.show(0);
+    const words = ([["anterior", 0, -107], ["inferior", 0, 115]] as const).map(([word, x, y]) => svg("text", { x, y }, word));
+    const turned = ([["septal", -108], ["lateral", 115]] as const).map(([word, x]) =>
+      svg("text", { transform: `translate(${x} 0) rotate(-90)` }, word),
+    );
+    const bar = Array.from({ length: 40 }, (_, n) =>
+      svg("rect", { x: 124, y: 80 - (n + 1) * 4, width: 7, height: 4.2, fill: colourAt((n + 0.5) / 40, scale) }),
+    );
+    const ends = ([[low, 83], [(low + high) / 2, 3], [high, -77]] as const).map(([value, y]) =>
+      svg("text", { x: 134, y, class: "side" }, figure(value, 0)),
+    );
+    this.picture.setAttribute("aria-label", `Polar map: ${this.titleOf(this.map)}`);
+    this.picture.replaceChildren(...cells, svg("g", {}, ...this.outlines), ...words, ...turned, ...bar, ...ends);
+    this.mark();
+  }
+
+  private row(segment: SegmentNumbers): HTMLTableRowElement {
+    const digits = (key: MapName) => (key === "motion_mm" || key.endsWith("_mm") ? 1 : 0);
+    const row = html(
+      "tr",
+      { "data-segment": segment.number },
+      html("th", { scope: "row" }, `${segment.number} ${segment.name}`),
+      html("td", {}, segment.territory),
+      ...columns.map(([key]) => html("td", {}, figure(segment[key], digits(key)))),
+    );
+    row.addEventListener("pointerenter", () => this.show(segment.number));
+    row.addEventListener("pointerleave", () => this.show(0));
+    return row;
+  }
+
+  private table(): HTMLTableElement {
+    return html(
+      "table",
+      { class: "numbers" },
+      html(
+        "thead",
+        {},
+        html(
+          "tr",
+          {},
+          html("th", { scope: "col" }, "Segment"),
+          html("th", { scope: "col" }, "Artery"),
+          ...columns.map(([, name, unit]) => html("th", { scope: "col" }, name, html("small", {}, unit))),
+        ),
+      ),
+      html("tbody", {}, ...this.rows),
+    );
+  }
+}
