@@ -63,7 +63,7 @@ TEST(FindWallTip, IsTheVertexOfTheBrightestPeakUnderTheCavity) {
   std::vector<double> profile(12, 0.1);
   for (int k = 1; k <= 4; ++k) profile[static_cast<std::size_t>(k)] = 0.9 - 0.1 * (k - 2.25) * (k - 2.25);
   profile[10] = 1;
-  const auto tip = find_wall_tip(profile, 5, 5);
+  const auto tip = find_wall_tip(profile, 5, 5, 0.4);
   ASSERT_TRUE(tip);
   EXPECT_NEAR(tip->slice, 2.25, 1e-12);
   EXPECT_NEAR(tip->brightness, 0.9 - 0.1 * 0.25 * 0.25, 1e-12);
@@ -72,15 +72,21 @@ TEST(FindWallTip, IsTheVertexOfTheBrightestPeakUnderTheCavity) {
 TEST(FindWallTip, LooksFourCentimetresDown) {
   std::vector<double> profile(20, 0.1);
   profile[4] = 0.9;
-  EXPECT_TRUE(find_wall_tip(profile, 12, 5));
-  EXPECT_FALSE(find_wall_tip(profile, 13, 5));
+  EXPECT_TRUE(find_wall_tip(profile, 12, 5, 0.4));
+  EXPECT_FALSE(find_wall_tip(profile, 13, 5, 0.4));
+}
+
+TEST(FindWallTip, TakesTheWallAndNotTheGutUnderIt) {
+  const std::vector<double> profile{0.2, 0.6, 1.0, 0.6, 0.3, 0.5, 0.7, 0.4, 0.2, 0.1, 0.1};
+  EXPECT_NEAR(find_wall_tip(profile, 8, 5, 0.4)->slice, 5.9, 1e-9);
+  EXPECT_EQ(find_wall_tip(profile, 8, 5, 0.8)->slice, 2);  // no wall is that bright: the brightest stands
 }
 
 TEST(FindWallTip, SeesNoneInADefectOfTheApex) {
-  EXPECT_FALSE(find_wall_tip({0.1, 0.1, 0.12, 0.1, 0.09, 0.08, 0.1}, 4, 5));
-  EXPECT_FALSE(find_wall_tip({0.5, 0.4, 0.3}, -1, 5));
-  EXPECT_FALSE(find_wall_tip({0.5, 0.4, 0.3}, 3, 5));
-  EXPECT_FALSE(find_wall_tip({}, 0, 5));
+  EXPECT_FALSE(find_wall_tip({0.1, 0.1, 0.12, 0.1, 0.09, 0.08, 0.1}, 4, 5, 0.4));
+  EXPECT_FALSE(find_wall_tip({0.5, 0.4, 0.3}, -1, 5, 0.4));
+  EXPECT_FALSE(find_wall_tip({0.5, 0.4, 0.3}, 3, 5, 0.4));
+  EXPECT_FALSE(find_wall_tip({}, 0, 5, 0.4));
 }
 
 struct TableRow {

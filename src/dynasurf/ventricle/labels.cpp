@@ -104,13 +104,13 @@ int follow_cavity_down(int division, const Mask& borders, const Axis& axis, Note
 /// with what the rules of the thesis (`guess`) had to say about it.
 int division_under(int seen, const LabelScene& scene, const std::vector<double>& profile, const Notes& guess,
                    Notes& notes) {
-  const auto tip = find_wall_tip(profile, seen + 1, scene.image.grid.spacing[2]);
+  const double floor = scene.options.division.floor;
+  const auto tip = find_wall_tip(profile, seen + 1, scene.image.grid.spacing[2], floor);
   if (!tip) {
     notes.insert(notes.end(), guess.begin(), guess.end());
     return seen;
   }
   const int slice = static_cast<int>(std::floor(tip->slice));
-  const double floor = scene.options.division.floor;
   if (tip->brightness < floor)
     notes.push_back({Severity::warning, "slice_find.dim_tip",
                      "The wall under the cavity, in slice " + std::to_string(slice + 1) +

@@ -58,7 +58,8 @@ int find_division_slice(const std::vector<double>& profile, const std::vector<bo
   return best;
 }
 
-std::optional<WallTip> find_wall_tip(const std::vector<double>& profile, int lowest_with_cavity, double slice_mm) {
+std::optional<WallTip> find_wall_tip(const std::vector<double>& profile, int lowest_with_cavity, double slice_mm,
+                                     double bright) {
   constexpr double reach_mm = 40, cavity_mm = 20, least_prominence = 0.05;
   const int top = static_cast<int>(profile.size()) - 1;
   if (lowest_with_cavity < 0 || lowest_with_cavity > top) return std::nullopt;
@@ -66,9 +67,11 @@ std::optional<WallTip> find_wall_tip(const std::vector<double>& profile, int low
   const int first = std::max(0, lowest_with_cavity - static_cast<int>(std::ceil(reach_mm / slice_mm)));
 
   int tip = -1;
-  for (int k = first; k <= std::min(top, lowest_with_cavity + 1); ++k) {
+  for (int k = std::min(top, lowest_with_cavity + 1); k >= first; --k) {
     const bool is_peak = (k == 0 || at(k) >= at(k - 1)) && (k == top || at(k) >= at(k + 1));
-    if (is_peak && (tip < 0 || at(k) > at(tip))) tip = k;
+    const bool is_wall = is_peak && k <= lowest_with_cavity && at(k) >= bright;
+    if (is_wall || (is_peak && (tip < 0 || at(k) > at(tip)))) tip = k;
+    if (is_wall) break;
   }
   if (tip < 0) return std::nullopt;
   const int above = std::min(top, lowest_with_cavity + static_cast<int>(std::ceil(cavity_mm / slice_mm)));
