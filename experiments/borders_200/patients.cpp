@@ -83,9 +83,10 @@ Patient draw_patient(int number) {
 Phantom scan(const Patient& patient) {
   Phantom phantom = make_phantom(patient.options);
   Study& study = phantom.study;
-  study.view = patient.oblique ? View::transaxial : View::short_axis;
+  const bool is_transaxial = patient.oblique || patient.options.cut == Cut::transaxial;
+  study.view = is_transaxial ? View::transaxial : View::short_axis;
   // Half of the headers do not tell apex from base.
-  if (patient.oblique || patient.number % 2) study.slice_order = SliceOrder::unknown;
+  if (is_transaxial || patient.number % 2) study.slice_order = SliceOrder::unknown;
   return phantom;
 }
 

@@ -324,5 +324,42 @@ TEST(VirtualPatient, RefusesNonsense) {
   EXPECT_THROW(make_phantom(o), OptionError);
 }
 
+TEST(VirtualPatient, LiesInTheSamePlaceOfTheWorldHoweverItIsCut) {
+  VirtualPatient o = clean_patient();
+  o.gates = 1;
+  o.lattice = {40, 40, 40, 5, 5, 5};
+  const Phantom square = make_phantom(o);
+  o.cut = Cut::transaxial;
+  const Phantom across = make_phantom(o);
+  EXPECT_EQ(across.study.view, View::transaxial);
+  EXPECT_EQ(across.study.slice_order, SliceOrder::unknown);
+  EXPECT_EQ(across.study.grid().direction, Mat3::Identity());
+  for (std::size_t v = 0; v < square.truth[0].epi.vertices.size(); v += 501)
+    EXPECT_LT((square.truth[0].epi.vertices[v] - across.truth[0].epi.vertices[v]).norm(), 1e-9);
+  // Both see the same counts in the same place; the samples of the two lattices differ by some tenths of a millimetre.
+  EXPECT_LT((centre_of_counts(square.study.gates[0]) - centre_of_counts(across.study.gates[0])).norm(), 0.5);
+}
+
+TEST(VirtualPatient, HasOrgansAroundTheHeartAndNothingOutsideTheSkin) {
+  VirtualPatient o = clean_patient();
+  o.gates = 1;
+  o.background = 0.05;
+  o.fwhm_mm = 8;
+  o.cut = Cut::transaxial;
+  o.torso.present = true;
+  o.torso.liver = 0.7, o.torso.lung = 0.3, o.torso.gallbladder = 2;
+  o.lattice = {60, 50, 60, 7, 7, 7};
+  o.pose.offset_x_mm = 50, o.pose.offset_y_mm = -40, o.pose.offset_z_mm = 50;
+  const Phantom p = make_phantom(o);
+  const Vec3 heart{45, -35, 10};
+  const Image& image = p.study.gates[0];
+  // Places well within an organ, so that blur does not reach them; counts are scaled by their maximum.
+  const double liver = mean_around(image, heart + Vec3(-120, 15, -95), 10);
+  EXPECT_NEAR(mean_around(image, heart + Vec3(-130, 30, 70), 10) / liver, 0.3 / 0.7, 0.01);
+  EXPECT_GT(mean_around(image, heart + Vec3(-70, -55, -115), 6) / liver, 1.5 / 0.7) << "a small gallbladder, blurred";
+  EXPECT_NEAR(mean_around(image, heart + Vec3(-45, -130, 60), 8) / liver, 0, 0.01) << "in front of the chest";
+  EXPECT_NEAR(mean_around(image, heart + Vec3(-45, 130, 20), 8) / liver, 0.05 / 0.7, 0.01) << "the back";
+}
+
 }  // namespace
 }  // namespace dynasurf

@@ -53,6 +53,27 @@ TEST(BasePlane, MayLean) {
 
 TEST(BasePlane, IsAbsentWhereTheWallDoesNotEnd) { EXPECT_FALSE(find_base_plane(Image(walled({}).grid, 1.0F), heart)); }
 
+TEST(BasePlane, IsLaidThroughWhatTheVolumeShowsAndSaysWhatItDoesNot) {
+  const BasePlane truth{heart.centre + 26 * heart.axis, Vec3(0.15, 0, 1).normalized()};
+  const Image whole = walled(truth);
+  Image cut = whole;  // ends at 87 mm, below the higher part of the base
+  cut.grid.dims[2] = 30;
+  cut.values.resize(cut.grid.size());
+  const auto all = find_base_plane(whole, heart), part = find_base_plane(cut, heart);
+  ASSERT_TRUE(all && part);
+  EXPECT_EQ(all->cut, 0);
+  EXPECT_GT(part->cut, 0.2);
+  EXPECT_NEAR(part->point[2], truth.point[2], 2.5) << "a voxel";
+}
+
+TEST(BasePlane, ALowerLevelLiesHigher) {
+  const Image image = walled({heart.centre + 26 * heart.axis, Vec3::UnitZ()});
+  const auto half = find_base_plane(image, heart, 0.5), third = find_base_plane(image, heart, 0.35);
+  ASSERT_TRUE(half && third);
+  // The wall ends like an error function of 5 mm: 0.35 of it is reached 0.385 deviations above the half.
+  EXPECT_NEAR(third->point[2] - half->point[2], 0.385 * 5, 0.5);
+}
+
 TEST(PlaneCycle, FollowsAWaveAndCorrectsTheGateThatDoesNotFitIn) {
   std::vector<std::optional<BasePlane>> planes;
   const auto height = [](int g) { return 5 * std::cos(2 * std::numbers::pi * g / 8); };

@@ -111,5 +111,46 @@ TEST(LocateCup, FindsNothingInAnEmptyVolume) {
   EXPECT_FALSE(locate(Image(grid, 1.0F))) << "uniform: nothing is brighter than its surroundings";
 }
 
+TEST(LocateCup, FindsBothEndsOfALongWideHeart) {
+  VirtualPatient patient = tilted_patient(3);
+  patient.edv_ml = 300, patient.wall_ml = 170, patient.length_to_width = 1.75;
+  const Phantom phantom = make_phantom(patient);
+  const auto found = locate(mean_image(phantom.study.gates));
+  ASSERT_TRUE(found);
+  // True surfaces begin with the apex and end with the middle of the base.
+  const TrueGate& truth = phantom.truth.front();
+  const Vec3 apex = (truth.endo.vertices.front() + truth.epi.vertices.front()) / 2, base = truth.epi.vertices.back();
+  EXPECT_LT((found->cup.middle() - (apex + base) / 2).norm(), 3);
+  EXPECT_LT((found->cup.base() - base).norm(), 5);
+  EXPECT_EQ(found->outside, 0);
+}
+
+TEST(LocateCup, FindsTheHeartAmongTheOrgansOfAChest) {
+  VirtualPatient patient;
+  patient.gates = 1;
+  patient.cut = Cut::transaxial;
+  patient.torso.present = true;
+  patient.torso.liver = 0.9;
+  patient.right_ventricle = 0.4;
+  patient.lattice = {62, 50, 46, 6.5, 6.5, 6.5};
+  patient.pose.offset_x_mm = 40, patient.pose.offset_y_mm = -30, patient.pose.offset_z_mm = 30;
+  const Phantom phantom = make_phantom(patient);
+  const auto found = locate(mean_image(phantom.study.gates));
+  ASSERT_TRUE(found);
+  const TriMesh& epi = phantom.truth.front().epi;
+  EXPECT_LT(angle_deg(found->cup.axis, (epi.vertices.back() - epi.vertices.front()).normalized()), 5);
+  EXPECT_LT(distance_to_axis(middle_of_cavity(phantom), found->cup), 3);
+}
+
+TEST(LocateCup, TellsHowMuchOfTheWallTheVolumeDoesNotHold) {
+  const Cup cup{{50, 50, 50}, {0, 0, 1}, 25, 40, 20};
+  Grid grid;
+  grid.dims = {51, 51, 51};
+  grid.spacing = {2, 2, 2};
+  EXPECT_EQ(share_outside(grid, cup), 0);
+  grid.dims[0] = 26;  // ends at the axis
+  EXPECT_NEAR(share_outside(grid, cup), 0.5, 0.05);
+}
+
 }  // namespace
 }  // namespace dynasurf

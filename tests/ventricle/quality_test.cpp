@@ -124,7 +124,24 @@ TEST(Judge, AsksToCheckASurfaceThatLiesBesideTheHeart) {
   for (Gate& gate : result.gates) gate.epi->mesh.vertices = {{0, 0, -12}, {2, 0, -8}};
   EXPECT_EQ(codes_of(result), Codes{}) << "the heart's middle is at (0, 0, -10)";
   result.gates[6].epi->mesh.vertices = {{30, 0, -10}};
-  EXPECT_EQ(codes_of(result), Codes{"surface_off_heart"});
+  EXPECT_EQ(codes_of(result), (Codes{"surface_off_heart", "heart_moves"}));
+}
+
+TEST(Judge, AsksToCheckAHeartThatIsNotAllInTheVolumeOrTooLong) {
+  VentricleResult result = good_result();
+  result.heart->outside = 0.2;
+  result.heart->cup.half_length_mm = 90;
+  EXPECT_EQ(codes_of(result), (Codes{"heart_cut_off", "shape_implausible"}));
+  EXPECT_EQ(judge(result)[0].value, 0.2);
+  EXPECT_NEAR(judge(result)[1].value, 3, 1e-12);
+}
+
+TEST(Judge, AsksToCheckGatesInTheWrongOrder) {
+  VentricleResult result = good_result();
+  result.ed_gate = 0, result.es_gate = 3;
+  EXPECT_EQ(codes_of(result), Codes{});
+  result.es_gate = 6;
+  EXPECT_EQ(codes_of(result), Codes{"end_systole_implausible"});
 }
 
 TEST(Judge, AsksToCheckABaseThatWasHardlySeen) {
@@ -133,6 +150,8 @@ TEST(Judge, AsksToCheckABaseThatWasHardlySeen) {
   EXPECT_EQ(codes_of(result), Codes{});
   for (Gate& gate : result.gates) gate.base_plane->spread_mm = 9;
   EXPECT_EQ(codes_of(result), Codes{"base_uncertain"});
+  for (Gate& gate : result.gates) gate.base_plane->spread_mm = 1, gate.base_plane->cut = 0.5;
+  EXPECT_EQ(codes_of(result), Codes{"base_cut_off"});
 }
 
 TEST(Judge, AsksToCheckGatesThatDoNotFitTogether) {

@@ -241,6 +241,29 @@ inline std::span<const std::string_view> names_of(Defect) {
   return names;
 }
 
+/// What lies around the heart in a field of view of the chest or the whole body. Activities: healthy muscle is 1.
+struct Torso {
+  bool present = false;
+  double liver = 0.6, gallbladder = 1.5, lung = 0.12, spleen = 0.5, kidneys = 0.6, bowel = 0.4, bladder = 1.5;
+};
+void describe(auto& visit, Torso& o) {
+  visit("present", o.present, Field{"organs and skin around the heart; false: background everywhere"});
+  visit("liver", o.liver, Field{"activity of the liver, whose left lobe lies under the heart", "", 0, 10});
+  visit("gallbladder", o.gallbladder, Field{"activity of the gallbladder", "", 0, 10});
+  visit("lung", o.lung, Field{"activity of both lungs", "", 0, 10});
+  visit("spleen", o.spleen, Field{"activity of the spleen", "", 0, 10});
+  visit("kidneys", o.kidneys, Field{"activity of the kidneys", "", 0, 10});
+  visit("bowel", o.bowel, Field{"activity of the bowel far from the heart", "", 0, 10});
+  visit("bladder", o.bladder, Field{"activity of the urinary bladder", "", 0, 10});
+}
+
+/// How the slices of a virtual patient lie.
+enum class Cut { short_axis, transaxial };
+inline std::span<const std::string_view> names_of(Cut) {
+  static constexpr std::array<std::string_view, 2> names{"short_axis", "transaxial"};
+  return names;
+}
+
 /// A virtual patient: a ventricle that beats with known volumes, seen by a gamma camera (see ventricle_shape.hpp and
 /// the page docs/stages/phantoms.md for its geometry). Rows run from anterior to inferior, columns from septum to
 /// lateral wall, slices from apex to base.
@@ -259,7 +282,9 @@ struct VirtualPatient {
   double late_extent_deg = 90, delay_percent = 15;
   double gut_amplitude = 0, gut_gap_mm = 6, gut_radius_mm = 14, gut_position = 0.3;
   double right_ventricle = 0;
+  Torso torso;
   double azimuth_deg = 45, elevation_deg = 30;
+  Cut cut = Cut::short_axis;
   bool base_first = false;
   Pose pose;
   Lattice lattice;
@@ -295,9 +320,11 @@ void describe(auto& visit, VirtualPatient& o) {
   visit("gut_position", o.gut_position, Field{"height of the gut along the heart: 0 apex, 1 base", "", -0.5, 1});
   visit("right_ventricle", o.right_ventricle,
         Field{"activity of the right ventricle's wall (0.3-0.5 is usual); 0: none", "", 0, 10});
+  visit("torso", o.torso, Field{"what lies around the heart"});
   visit("azimuth_deg", o.azimuth_deg, Field{"long axis from the patient's front towards his left", "deg", -180, 180});
   visit("elevation_deg", o.elevation_deg, Field{"long axis downwards from the horizontal plane", "deg", -80, 80});
-  visit("base_first", o.base_first, Field{"store the slices from base to apex"});
+  visit("cut", o.cut, Field{"how the slices lie: square to the heart's long axis, or to the patient's"});
+  visit("base_first", o.base_first, Field{"store the slices from the other end: from base to apex"});
   visit("pose", o.pose, Field{"offset and tilt of the heart in the stack"});
   visit("lattice", o.lattice, Field{"voxels"});
   visit("noise", o.noise, Field{"counts and noise"});

@@ -4,6 +4,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/synthetic/assembly.hpp"
+#include "dynasurf/synthetic/torso.hpp"
 #include "dynasurf/synthetic/ventricle_shape.hpp"
 
 namespace dynasurf {
@@ -130,6 +131,49 @@ Scene scene_of(const VirtualPatient& o, const Instant& now, const VentricleShape
   return scene;
 }
 
+/// The grid of the stack and where the heart lies in it.
+struct Setting {
+  Grid grid;
+  Frame heart;
+};
+
+Setting setting_of(const VirtualPatient& o, const Vec3& middle) {
+  // Where a heart lies against the middle of a scanner's field, roughly: to the left and in front.
+  const Vec3 heart_world{45, -35, 10};
+  const Mat3 short_axis = short_axis_directions(o.azimuth_deg, o.elevation_deg);
+  Setting s;
+  if (o.cut == Cut::short_axis) {
+    s.grid = make_grid(o.lattice, short_axis, heart_world);
+    s.heart = make_frame(s.grid, o.pose, middle);
+    return s;
+  }
+  const Vec3 offset{o.pose.offset_x_mm, o.pose.offset_y_mm, o.pose.offset_z_mm};
+  s.grid = make_grid(o.lattice, Mat3::Identity(), heart_world - offset);
+  s.heart = make_frame(s.grid, o.pose, middle);
+  const Vec3 at = s.heart.to_grid(middle);
+  s.heart.rotation = short_axis * s.heart.rotation;
+  s.heart.origin = at - s.heart.rotation * middle;
+  return s;
+}
+
+/// What does not beat, less the background: the trunk up to a thin rim around the relaxed heart.
+Image render_torso(const VirtualPatient& o, const Setting& s, const VentricleShape& relaxed, double fwhm) {
+  constexpr double rim_mm = 4, sub_step_mm = 2.5;
+  VentricleShape around = relaxed;
+  around.epi_radius += rim_mm, around.epi_half_length += rim_mm, around.base_z += rim_mm;
+  const Vec3 middle = s.heart.to_grid({0, 0, relaxed.base_z / 2});
+  const Vec3 size(s.grid.dims[0] * s.grid.spacing[0], s.grid.dims[1] * s.grid.spacing[1],
+                  s.grid.dims[2] * s.grid.spacing[2]);
+  const Vec3 beyond = Vec3::Constant(3 * fwhm);
+  return render(
+      s.grid,
+      [&](const Vec3& p) {
+        if (around.in_epi(s.heart.to_object(p))) return 0.0;
+        return torso_activity(o.torso, o.background, s.grid.direction * (p - middle)) - o.background;
+      },
+      {-beyond, size + beyond}, fwhm, sub_samples_for(s.grid, sub_step_mm, 1));
+}
+
 /// The same voxels counted from the other end of the stack.
 Image with_base_first(const Image& image) {
   const Grid& from = image.grid;
@@ -153,18 +197,19 @@ Phantom make_phantom(const VirtualPatient& options) {
     throw OptionError("option patient.late_wall is " + std::string(word_of(o.late_wall)) +
                       "; expected none, inferior, lateral or septal");
   constexpr double sub_step_mm = 1.2;
-  // Where a heart lies against the middle of a scanner's field, roughly: to the left and in front.
-  const Vec3 heart_world{45, -35, 10};
-
   Phantom phantom;
   phantom.kind = VirtualPatient::name;
   o.noise = limit_filter(o.noise, o.fwhm_mm, phantom.notes);
   const VentricleMotion motion = motion_of(o);
   const VentricleShape relaxed = shape_at(motion, motion.edv_ml);
-  const Grid grid = make_grid(o.lattice, short_axis_directions(o.azimuth_deg, o.elevation_deg), heart_world);
-  const Frame frame = make_frame(grid, o.pose, {0, 0, relaxed.base_z / 2});
+  const Setting setting = setting_of(o, {0, 0, relaxed.base_z / 2});
+  const Grid& grid = setting.grid;
+  const Frame& frame = setting.heart;
   const Index3 sub_samples = sub_samples_for(grid, sub_step_mm);
   const double fwhm = fwhm_before_filter(o.fwhm_mm, o.noise);
+
+  Image at_rest(grid);
+  if (o.torso.present) at_rest = render_torso(o, setting, relaxed, fwhm);
 
   std::vector<Image> images(static_cast<std::size_t>(o.gates));
   phantom.truth.resize(images.size());
@@ -181,7 +226,10 @@ Phantom make_phantom(const VirtualPatient& options) {
       truth.endo = place_in_world(grid, frame, endo);
       truth.epi = place_in_world(grid, frame, epi);
       images[g] = render_scene(grid, frame, scene_of(o, now, relaxed), fwhm, sub_samples);
-      for (float& value : images[g].values) value = static_cast<float>(static_cast<double>(value) + o.background);
+      for (std::size_t v = 0; v < at_rest.values.size(); ++v) {
+        const double sum = static_cast<double>(images[g].values[v]) + static_cast<double>(at_rest.values[v]);
+        images[g].values[v] = static_cast<float>(std::max(0.0, sum + o.background));
+      }
     }
   });
 
@@ -190,6 +238,10 @@ Phantom make_phantom(const VirtualPatient& options) {
     for (Image& image : images) image = with_base_first(image);
   phantom.study = make_study(std::move(images), 60000 / o.heart_rate_bpm);
   if (o.base_first) phantom.study.slice_order = SliceOrder::base_to_apex;
+  if (o.cut == Cut::transaxial) {
+    phantom.study.view = View::transaxial;
+    phantom.study.slice_order = SliceOrder::unknown;
+  }
   phantom.fwhm_mm = o.fwhm_mm;
   phantom.options = o;
   summarise(phantom);

@@ -7,13 +7,13 @@
 #include <Eigen/Dense>
 
 #include "dynasurf/image/resample.hpp"
+#include "dynasurf/ventricle/smooth_cycle.hpp"
 
 namespace dynasurf {
 namespace {
 
 constexpr int meridians = 32;
 constexpr double step_mm = 1.5;
-constexpr double level_share = 0.5;  // of the wall over its surroundings, where it ends
 
 double quantile(std::vector<double> v, double share) {
   const auto at = v.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(v.size() - 1));
@@ -28,18 +28,24 @@ double wall_radius(const Cup& cup, double z) {
   return z > 0 ? std::max(r, 0.7 * cup.radius_mm) : r;
 }
 
-/// How bright the wall is along one meridian, from `low` upwards.
+/// How bright the wall is along one meridian, from `low` upwards, as far as the volume goes.
 struct Meridian {
   Vec3 out;
   double low = 0;
   std::vector<double> brightness;
+  bool is_cut = false;  // the volume ends before the way does
 };
 
 Meridian walk(const Image& image, const Cup& cup, const Vec3& out, double low, double high) {
-  Meridian m{out, low, {}};
+  Meridian m{out, low, {}, false};
   constexpr double reach_mm = 7;
   for (double z = low; z <= high; z += step_mm) {
     const double r = wall_radius(cup, z);
+    const Index3 v = voxel_of(image.grid, cup.centre + z * cup.axis + r * out);
+    if (!image.grid.contains(v[0], v[1], v[2]) && z > 0) {
+      m.is_cut = true;
+      break;
+    }
     double brightest = 0;
     for (double s = -reach_mm; s <= reach_mm; s += 1.75)
       brightest = std::max(brightest, sample_linear(image, cup.centre + z * cup.axis + std::max(0.0, r + s) * out));
@@ -62,7 +68,8 @@ double surroundings(const Image& image, const Cup& cup, const Across& a) {
 }
 
 /// Height over the cup's centre at which the wall ends on a meridian.
-std::optional<double> end_of_wall(const Meridian& m, double from, double background, double typical) {
+std::optional<double> end_of_wall(const Meridian& m, double from, double background, double typical,
+                                  double level_share) {
   const auto first = static_cast<std::size_t>(std::max(0.0, (from - m.low) / step_mm));
   if (first + 2 >= m.brightness.size()) return std::nullopt;
   const double plateau =
@@ -106,44 +113,6 @@ Eigen::Vector3d fit_plane(const std::vector<End>& ends) {
   return p;
 }
 
-/// Least squares of a constant and `waves` waves around the cycle, robust; the value of every gate.
-std::vector<double> smooth_periodic(const std::vector<std::optional<double>>& values, int waves,
-                                    std::vector<bool>& outlier) {
-  const auto n = static_cast<Eigen::Index>(values.size());
-  const Eigen::Index terms = 1 + 2 * waves;
-  Eigen::MatrixXd basis(n, terms);
-  for (Eigen::Index g = 0; g < n; ++g) {
-    basis(g, 0) = 1;
-    for (int w = 1; w <= waves; ++w) {
-      const double angle = 2 * std::numbers::pi * w * static_cast<double>(g) / static_cast<double>(n);
-      basis(g, 2 * w - 1) = std::cos(angle), basis(g, 2 * w) = std::sin(angle);
-    }
-  }
-  constexpr double cut_mm = 7;
-  Eigen::VectorXd fit = Eigen::VectorXd::Zero(n);
-  for (int round = 0; round < 8; ++round) {
-    Eigen::MatrixXd normal = 1e-6 * Eigen::MatrixXd::Identity(terms, terms);
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(terms);
-    for (Eigen::Index g = 0; g < n; ++g) {
-      const auto& value = values[static_cast<std::size_t>(g)];
-      if (!value) continue;
-      const double x = round == 0 ? 0 : (*value - fit[g]) / (round < 3 ? 2 * cut_mm : cut_mm);
-      if (std::abs(x) >= 1) continue;
-      const double weight = (1 - x * x) * (1 - x * x);
-      normal += weight * basis.row(g).transpose() * basis.row(g);
-      right += weight * *value * basis.row(g).transpose();
-    }
-    fit = basis * normal.ldlt().solve(right);
-  }
-  std::vector<double> result;
-  for (Eigen::Index g = 0; g < n; ++g) {
-    const auto& value = values[static_cast<std::size_t>(g)];
-    outlier[static_cast<std::size_t>(g)] = !value || std::abs(*value - fit[g]) > cut_mm;
-    result.push_back(fit[g]);
-  }
-  return result;
-}
-
 }  // namespace
 
 BasePlane to_world(const Grid& grid, BasePlane plane) {
@@ -158,26 +127,53 @@ BasePlane to_grid(const Grid& grid, BasePlane plane) {
   return plane;
 }
 
-std::optional<BasePlane> find_base_plane(const Image& image, const Cup& cup) {
-  constexpr double least_seen = 1.0 / 3;
-  const Across a = across(cup.axis);
-  const double low = -0.6 * cup.half_length_mm, high = 1.3 * cup.half_length_mm + 15;
+namespace {
+
+/// The wall along all meridians, and what a usual one and the surroundings are like.
+struct Walls {
+  Across across;
   std::vector<Meridian> all;
+  double typical = 0, background = 0;
+};
+
+Walls walk_all(const Image& image, const Cup& cup) {
+  Walls walls{across(cup.axis), {}};
+  const Across& a = walls.across;
+  const double low = -0.6 * cup.half_length_mm, high = 1.3 * cup.half_length_mm + 15;
   std::vector<double> middle;
   for (int d = 0; d < meridians; ++d) {
     const double angle = 2 * std::numbers::pi * d / meridians;
-    all.push_back(walk(image, cup, std::cos(angle) * a.u + std::sin(angle) * a.v, low, high));
+    walls.all.push_back(walk(image, cup, std::cos(angle) * a.u + std::sin(angle) * a.v, low, high));
+    const auto& brightness = walls.all.back().brightness;
     const auto to = static_cast<std::ptrdiff_t>(-low / step_mm);
-    middle.push_back(quantile({all.back().brightness.begin(), all.back().brightness.begin() + to + 1}, 0.7));
+    middle.push_back(quantile({brightness.begin(), brightness.begin() + to + 1}, 0.7));
   }
-  const double typical = quantile(middle, 0.6), background = std::min(surroundings(image, cup, a), 0.5 * typical);
+  walls.typical = quantile(middle, 0.6);
+  walls.background = std::min(surroundings(image, cup, a), 0.5 * walls.typical);
+  return walls;
+}
 
+}  // namespace
+
+double wall_over_surroundings(const Image& image, const Cup& cup) {
+  const Walls walls = walk_all(image, cup);
+  return walls.typical - walls.background;
+}
+
+std::optional<BasePlane> find_base_plane(const Image& image, const Cup& cup, double level_share) {
+  constexpr double least_seen = 1.0 / 3;
+  const Walls walls = walk_all(image, cup);
+  const Across& a = walls.across;
   std::vector<End> ends;
-  for (const Meridian& m : all)
-    if (const auto z = end_of_wall(m, 0, background, typical)) {
+  int cut = 0;
+  for (const Meridian& m : walls.all) {
+    if (const auto z = end_of_wall(m, 0, walls.background, walls.typical, level_share)) {
       const double r = wall_radius(cup, *z);
       ends.push_back({r * m.out.dot(a.u), r * m.out.dot(a.v), *z});
+    } else {
+      cut += m.is_cut;
     }
+  }
   const double seen = static_cast<double>(ends.size()) / meridians;
   if (seen < least_seen) return std::nullopt;
 
@@ -186,6 +182,7 @@ std::optional<BasePlane> find_base_plane(const Image& image, const Cup& cup) {
   plane.point = cup.centre + p[0] * cup.axis;
   plane.normal = (cup.axis - p[1] * a.u - p[2] * a.v).normalized();
   plane.seen = seen;
+  plane.cut = static_cast<double>(cut) / meridians;
   std::vector<double> away;
   for (const End& e : ends) away.push_back(std::abs(e.z - p[0] - p[1] * e.x - p[2] * e.y));
   plane.spread_mm = quantile(away, 0.5);
@@ -208,14 +205,14 @@ std::optional<PlaneCycle> smooth_over_cycle(std::span<const std::optional<BasePl
     lean_u.push_back(p->normal.dot(a.u) / p->normal.dot(axis));
     lean_v.push_back(p->normal.dot(a.v) / p->normal.dot(axis));
   }
-  const int waves = planes.size() >= 12 ? 3 : planes.size() >= 6 ? 2 : planes.size() >= 4 ? 1 : 0;
+  constexpr double cut_mm = 7;
+  const SmoothCycle smooth = smooth_over_cycle(heights, cut_mm);
   PlaneCycle cycle;
-  cycle.outlier.resize(planes.size());
-  const std::vector<double> smooth = smooth_periodic(heights, waves, cycle.outlier);
+  cycle.outlier = smooth.outlier;
   const Vec3 normal = (axis + quantile(lean_u, 0.5) * a.u + quantile(lean_v, 0.5) * a.v).normalized();
   for (std::size_t g = 0; g < planes.size(); ++g) {
     BasePlane plane = planes[g].value_or(BasePlane{});
-    plane.point = origin + smooth[g] * axis;
+    plane.point = origin + smooth.values[g] * axis;
     plane.normal = normal;
     cycle.planes.push_back(plane);
   }

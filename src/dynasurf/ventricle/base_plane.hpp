@@ -15,6 +15,7 @@ struct BasePlane {
   Vec3 normal{0, 0, 1};  // unit, out of the ventricle
   double spread_mm = 0;  // median distance of the ends of the wall from the plane
   double seen = 0;       // share of the directions around the axis in which the wall's end was seen
+  double cut = 0;        // share of the directions in which the volume ends before the wall
 
   double height(const Vec3& p) const { return (p - point).dot(normal); }
 };
@@ -22,11 +23,14 @@ struct BasePlane {
 BasePlane to_world(const Grid& grid, BasePlane plane);
 BasePlane to_grid(const Grid& grid, BasePlane plane);
 
-/// The valve plane of one image: along every meridian of the cup the wall ends where it has fallen half way from its
-/// brightness to that of the surroundings (blur does not move that point), and a plane is laid through the ends, robust
-/// against hot neighbours and missing walls, its tilt held near square to the axis. Grid frame.
-/// Absent when the end of the wall is seen in less than a third of the directions.
-std::optional<BasePlane> find_base_plane(const Image& image, const Cup& cup);
+/// The valve plane of one image: along every meridian of the cup the wall ends where it has fallen to `level_share` of
+/// its brightness over that of the surroundings (a half: blur does not move the end of a wall of even thickness), and a
+/// plane is laid through the ends, robust against hot neighbours and missing walls, its tilt held near square to the
+/// axis. Grid frame. Absent when the end of the wall is seen in less than a third of the directions.
+std::optional<BasePlane> find_base_plane(const Image& image, const Cup& cup, double level_share = 0.5);
+
+/// How much brighter the middle of the wall is than what surrounds the heart, in units of the image.
+double wall_over_surroundings(const Image& image, const Cup& cup);
 
 /// The planes of a whole cycle: height along the axis as a constant and two waves (three from 12 gates on), the tilt
 /// common to all gates. Gates without a plane, or far from what their neighbours say, follow the others; `outlier`

@@ -14,25 +14,19 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr double least_radius_mm = 12, most_radius_mm = 60;
-constexpr double least_elongation = 1.0, usual_elongation = 1.6, most_elongation = 2.2;
+constexpr double least_elongation = 1.0, usual_elongation = 1.9, most_elongation = 2.8;
 constexpr double side_mm = 14;  // beside the wall: beyond its half thickness and the blur
 
 /// Unit vector square to the axis at the angle `phi`.
 Vec3 outwards(const Across& a, double phi) { return std::cos(phi) * a.u + std::sin(phi) * a.v; }
 
-/// A point of the ellipsoid at polar angle `theta` from the apex, on the side of `out`, and its outward normal.
-struct OnCup {
-  Vec3 position, normal;
-};
+/// The point of the ellipsoid on the side of `out`.
 OnCup on_cup(const Cup& cup, const Vec3& out, double theta) {
   const double s = std::sin(theta), c = std::cos(theta);
   const Vec3 position = cup.centre + cup.radius_mm * s * out - cup.half_length_mm * c * cup.axis;
   const Vec3 normal = (s / cup.radius_mm * out - c / cup.half_length_mm * cup.axis).normalized();
   return {position, normal};
 }
-
-/// Polar angle at which the cup reaches its base plane.
-double base_angle(const Cup& cup) { return std::acos(std::clamp(-cup.base_mm / cup.half_length_mm, -0.98, 0.98)); }
 
 double median(std::vector<double> v) {
   const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
@@ -50,15 +44,9 @@ bool plausible(const Cup& c) {
          elongation <= most_elongation && c.base_mm >= 0.1 * c.half_length_mm && c.base_mm <= 0.9 * c.half_length_mm;
 }
 
-/// Distance of a point from the ellipsoid to first order: positive outside.
-double signed_distance(const Cup& cup, const Vec3& p) {
-  const Vec3 d = p - cup.centre;
-  const double z = d.dot(cup.axis);
-  const double rho2 = std::max(0.0, d.squaredNorm() - z * z);
-  const double r2 = cup.radius_mm * cup.radius_mm, l2 = cup.half_length_mm * cup.half_length_mm;
-  const double level = std::sqrt(rho2 / r2 + z * z / l2);
-  const double gradient = std::sqrt(rho2 / (r2 * r2) + z * z / (l2 * l2)) / std::max(level, 1e-9);
-  return gradient > 0 ? (level - 1) / gradient : -cup.radius_mm;
+bool is_inside(const Grid& grid, const Vec3& p) {
+  const Index3 v = voxel_of(grid, p);
+  return grid.contains(v[0], v[1], v[2]);
 }
 
 /// The cup moved by small amounts: centre (3), tilt of the axis (2), radius, half length.
@@ -77,6 +65,22 @@ Across across(const Vec3& axis) {
   const Vec3 helper = std::abs(axis[0]) < 0.7 ? Vec3::UnitX() : Vec3::UnitY();
   const Vec3 u = (helper - helper.dot(axis) * axis).normalized();
   return {u, axis.cross(u)};
+}
+
+OnCup on_cup(const Cup& cup, const Across& a, double theta, double phi) {
+  return on_cup(cup, outwards(a, phi), theta);
+}
+
+double base_angle(const Cup& cup) { return std::acos(std::clamp(-cup.base_mm / cup.half_length_mm, -0.98, 0.98)); }
+
+double signed_distance(const Cup& cup, const Vec3& p) {
+  const Vec3 d = p - cup.centre;
+  const double z = d.dot(cup.axis);
+  const double rho2 = std::max(0.0, d.squaredNorm() - z * z);
+  const double r2 = cup.radius_mm * cup.radius_mm, l2 = cup.half_length_mm * cup.half_length_mm;
+  const double level = std::sqrt(rho2 / r2 + z * z / l2);
+  const double gradient = std::sqrt(rho2 / (r2 * r2) + z * z / (l2 * l2)) / std::max(level, 1e-9);
+  return gradient > 0 ? (level - 1) / gradient : -cup.radius_mm;
 }
 
 Cup to_world(const Grid& grid, Cup cup) {
@@ -159,6 +163,20 @@ Cup climb(const Image& image, Cup cup, double step_mm) {
   return cup;
 }
 
+double share_outside(const Grid& grid, const Cup& cup) {
+  constexpr int rows = 8, around = 24;
+  constexpr double half_wall_mm = 5;
+  const Across a = across(cup.axis);
+  const double top = base_angle(cup);
+  int outside = 0;
+  for (int r = 0; r < rows; ++r)
+    for (int d = 0; d < around; ++d) {
+      const OnCup at = on_cup(cup, a, top * (r + 0.5) / rows, 2 * pi * d / around);
+      outside += !is_inside(grid, at.position + half_wall_mm * at.normal);
+    }
+  return static_cast<double>(outside) / (rows * around);
+}
+
 std::vector<RidgePoint> find_ridge(const Image& image, const Cup& cup, int rows, int around, double reach_mm) {
   constexpr double step_mm = 1;
   const int steps = static_cast<int>(std::floor(std::min(reach_mm, 0.95 * cup.radius_mm) / step_mm));
@@ -191,7 +209,9 @@ std::vector<RidgePoint> find_ridge(const Image& image, const Cup& cup, int rows,
         return *std::min_element(profile.begin() + static_cast<std::ptrdiff_t>(from),
                                  profile.begin() + static_cast<std::ptrdiff_t>(to) + 1);
       };
-      point.prominence = point.brightness - std::max(low(0, n), low(n, profile.size() - 1));
+      // Beyond its edge a volume repeats its last voxels; what is seen there is no wall.
+      if (is_inside(image.grid, point.position))
+        point.prominence = point.brightness - std::max(low(0, n), low(n, profile.size() - 1));
     }
     ridge.push_back(point);
   };
@@ -216,7 +236,7 @@ std::optional<Cup> fit_cup(const std::vector<RidgePoint>& ridge, const Cup& star
     Eigen::Matrix<double, 7, 7> normal = Eigen::Matrix<double, 7, 7>::Zero();
     Eigen::Matrix<double, 7, 1> right = Eigen::Matrix<double, 7, 1>::Zero();
     // The elongation is held near that of the usual heart: a wide open base alone would not tell.
-    const double pull = 0.04 * static_cast<double>(seen.size());
+    const double pull = 0.01 * static_cast<double>(seen.size());
     const auto small = [](int n) { return n == 3 || n == 4 ? 1e-4 : 1e-3; };
     std::array<Cup, 7> beside;
     for (int n = 0; n < 7; ++n) {

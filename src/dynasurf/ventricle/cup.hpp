@@ -27,6 +27,18 @@ struct Across {
 };
 Across across(const Vec3& axis);
 
+/// A point of the ellipsoid at polar angle `theta` from the apex and `phi` around the axis, and its outward normal.
+struct OnCup {
+  Vec3 position, normal;
+};
+OnCup on_cup(const Cup& cup, const Across& a, double theta, double phi);
+
+/// Polar angle at which the cup reaches its base plane.
+double base_angle(const Cup& cup);
+
+/// Distance of a point from the ellipsoid to first order: positive outside.
+double signed_distance(const Cup& cup, const Vec3& p);
+
 /// The cup in the world's frame, and back.
 Cup to_world(const Grid& grid, Cup cup);
 Cup to_grid(const Grid& grid, Cup cup);
@@ -45,6 +57,9 @@ CupScore score(const Image& image, const Cup& cup);
 /// have: radius 12 to 60 mm, length to radius 1 to 2.2.
 Cup climb(const Image& image, Cup cup, double step_mm);
 
+/// Share of the wall's outer side that lies outside the volume: 0 for a heart that is all in view. Grid frame.
+double share_outside(const Grid& grid, const Cup& cup);
+
 /// A point of the middle of the wall, found as the brightest point along the cup's normal.
 struct RidgePoint {
   Vec3 position{0, 0, 0};
@@ -53,7 +68,7 @@ struct RidgePoint {
   double offset_mm = 0;   // from the cup, outwards positive
 };
 /// `around` points in each of `rows` rows from apex to base. A local maximum near the cup is preferred to a brighter
-/// one farther away.
+/// one farther away. Points outside the volume have no prominence.
 std::vector<RidgePoint> find_ridge(const Image& image, const Cup& cup, int rows, int around, double reach_mm);
 
 /// The cup that lies nearest to the ridge points (robust least squares: Gauss-Newton with Tukey weights). The height of

@@ -13,11 +13,23 @@ namespace {
 constexpr double room_mm = 22;  // from the middle of the wall to the coarse circle: half a thick wall and the blur
 constexpr double outer_apex_mm = 14;  // from the middle of the wall at the apex to where its edge may lie
 constexpr double plane_smoothing_mm = 2.5;
+// The wall thickens in systole and so gets brighter, but thins towards the valve, where it hardly does: half of its own
+// systolic brightness is reached some millimetres before the muscle ends. So its end is looked for against the
+// brightness of the relaxed wall, a little under the half.
+constexpr double end_level = 0.45;
+constexpr double least_rim_share = 0.7;
 
 /// A plane square to the stack at a height over the middle of its first slice.
 BasePlane level_plane(const Grid& grid, double height_mm) {
   const Vec3 middle((grid.dims[0] - 1) * grid.spacing[0] / 2, (grid.dims[1] - 1) * grid.spacing[1] / 2, height_mm);
   return to_world(grid, BasePlane{middle, Vec3::UnitZ(), 0, 1});
+}
+
+/// Brightness of the relaxed wall: that of a dim gate, and not the dimmest, which may lack counts.
+double relaxed_level(std::vector<double> walls) {
+  const auto at = walls.begin() + static_cast<std::ptrdiff_t>(walls.size() / 4);
+  std::nth_element(walls.begin(), at, walls.end());
+  return *at;
 }
 
 std::string list_of(const std::vector<bool>& marked) {
@@ -51,8 +63,16 @@ std::vector<std::optional<BasePlane>> valve_planes(const Study& study, const std
   }
   if (!heart) return planes;
   const Cup cup = to_grid(study.grid(), heart->cup);
+  std::vector<Image> smooth(planes.size());
+  std::vector<double> wall(planes.size());
   parallel_for(planes.size(), 1, [&](std::size_t g, std::size_t) {
-    planes[g] = find_base_plane(smooth_gaussian(study.gates[g], plane_smoothing_mm), cup);
+    smooth[g] = smooth_gaussian(study.gates[g], plane_smoothing_mm);
+    wall[g] = wall_over_surroundings(smooth[g], cup);
+  });
+  const double relaxed = relaxed_level(wall);
+  parallel_for(planes.size(), 1, [&](std::size_t g, std::size_t) {
+    const double share = wall[g] > 0 ? std::clamp(relaxed / wall[g], least_rim_share, 1.0) : 1;
+    planes[g] = find_base_plane(smooth[g], cup, end_level * share);
   });
   const std::optional<PlaneCycle> cycle = smooth_over_cycle(planes, cup.axis);
   if (!cycle) {

@@ -307,7 +307,9 @@ std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
       break;
     }
   describe_fit(smooth, result);
-  result.cup = to_world(mean.grid, without_blur(result.cup));
+  result.cup = without_blur(result.cup);
+  result.outside = share_outside(mean.grid, result.cup);
+  result.cup = to_world(mean.grid, result.cup);
   return result;
 }
 

@@ -23,6 +23,7 @@ struct Location {
   double spread_mm = 0;              // median distance of those points from the cup
   double runner_up = 0;              // score of the next best place relative to this one: near 1 is ambiguous
   std::optional<Vec3> runner_up_mm;  // middle of that place
+  double outside = 0;                // share of the wall that lies outside the volume
   double other_end = 0;              // score with apex and base exchanged, relative to this one
 };
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <map>
 
+#include "dynasurf/ventricle/clues.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf {
@@ -22,11 +23,20 @@ constexpr double least_edv_ml = 15, most_edv_ml = 600;
 // Limits of where the heart was found and of the cycle. Set by judgement; experiments/borders_200 shows what they do.
 constexpr double least_contrast = 0.22, least_ridge_share = 0.55;
 constexpr double most_other_end = 0.97;
-constexpr double least_base_seen = 0.45, most_base_spread_mm = 4;
+constexpr double least_base_seen = 0.45, most_base_spread_mm = 4, most_base_cut = 0.3;
+constexpr double most_outside = 0.05;  // of the wall
+constexpr double least_elongation = 1.15, most_elongation = 2.6;
+constexpr double most_hot_neighbour = 0.25;
+constexpr double least_apex = 0.3;  // of the wall
+constexpr double most_unround = 0.13;
+constexpr double most_noise = 0.2;
+constexpr double most_move_mm = 5;
+constexpr double least_thickness_mm = 9.5, most_thickness_mm = 18.5;
+constexpr double least_end_systole = 0.2, most_end_systole = 0.65;
 constexpr double most_roughness = 0.12;
-constexpr double least_counts = 0.85;        // of the usual gate
-constexpr double most_missing_slices = 2.5;  // per gate
-constexpr double most_off_centre_mm = 15;    // of a surface's middle from the heart's
+constexpr double least_counts = 0.85, most_counts = 1.15;  // of the usual gate
+constexpr double most_missing_slices = 2.5;                // per gate
+constexpr double most_beside_mm = 8, most_along_mm = 20;   // of a surface's middle from the heart's
 
 template <class... A>
 std::string format(const char* pattern, A... values) {
@@ -122,59 +132,77 @@ void flag_place(const VentricleResult& result, std::vector<Flag>& flags) {
                             heart.other_end),
                      heart.other_end});
   flag_gates(result, flags, "surface_off_heart", Severity::warning,
-             format("a surface lies more than %.0f mm from where the heart was found", most_off_centre_mm),
+             format("a surface lies more than %.0f mm beside or %.0f mm along the axis from where the heart was found",
+                    most_beside_mm, most_along_mm),
              [&](const Gate& gate) {
                if (!gate.epi || gate.epi->mesh.vertices.empty()) return false;
                Vec3 middle = Vec3::Zero();
                for (const Vec3& p : gate.epi->mesh.vertices)
                  middle += p / static_cast<double>(gate.epi->mesh.vertices.size());
-               return (middle - heart.cup.middle()).norm() > most_off_centre_mm;
+               const Vec3 off = middle - heart.cup.middle();
+               const double along = off.dot(heart.cup.axis);
+               return std::abs(along) > most_along_mm || (off - along * heart.cup.axis).norm() > most_beside_mm;
              });
 }
 
-void flag_base(const VentricleResult& result, std::vector<Flag>& flags) {
-  double spread = 0, seen = 0;
-  std::size_t planes = 0;
-  for (const Gate& gate : result.gates)
-    if (gate.base_plane) spread += gate.base_plane->spread_mm, seen += gate.base_plane->seen, ++planes;
-  if (planes == 0) return;
-  spread /= static_cast<double>(planes), seen /= static_cast<double>(planes);
-  if (seen < least_base_seen || spread > most_base_spread_mm)
-    flags.push_back(
-        {"base_uncertain", Severity::warning,
-         format("the end of the wall was seen in %.0f %% of the directions, %.1f mm from a plane", 100 * seen, spread),
-         seen});
+/// A number outside what right results have.
+struct Limit {
+  const char* code;
+  double value, least, most;
+  const char* message;  // with the value
+  double factor = 1;    // of the value in the message
+};
+
+void flag_limits(std::span<const Limit> limits, std::vector<Flag>& flags) {
+  for (const Limit& l : limits)
+    if (l.value < l.least || l.value > l.most)
+      flags.push_back({l.code, Severity::warning, format(l.message, l.factor * l.value), l.value});
 }
 
-double median(std::vector<double> v) {
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
+void flag_base(const Clues& c, std::vector<Flag>& flags) {
+  if (c.base_seen < least_base_seen || c.base_spread_mm > most_base_spread_mm)
+    flags.push_back({"base_uncertain", Severity::warning,
+                     format("the end of the wall was seen in %.0f %% of the directions, %.1f mm from a plane",
+                            100 * c.base_seen, c.base_spread_mm),
+                     c.base_seen});
+  const std::array limits{Limit{"base_cut_off", c.base_cut, 0, most_base_cut,
+                                "the volume ends before the wall does in %.0f %% of the directions", 100}};
+  flag_limits(limits, flags);
+}
+
+/// What lies around the heart and what the heart looks like.
+void flag_looks(const VentricleResult& result, const Clues& c, std::vector<Flag>& flags) {
+  if (!result.heart) return;
+  const Cup& cup = result.heart->cup;
+  const std::array limits{
+      Limit{"heart_cut_off", result.heart->outside, 0, most_outside, "%.0f %% of the wall lie outside the volume", 100},
+      Limit{"shape_implausible", cup.half_length_mm / cup.radius_mm, least_elongation, most_elongation,
+            "the heart is %.1f times as long as wide; hearts are not, so the spacing of the slices may be wrong"},
+      Limit{"hot_neighbour", c.hot_neighbour, 0, most_hot_neighbour,
+            "something as hot as the wall touches it in %.0f %% of the directions", 100},
+      Limit{"apex_missing", c.apex, least_apex, 1e9,
+            "the wall around the apex has only %.0f %% of the brightness of the rest", 100},
+      Limit{"noisy", c.noise, 0, most_noise, "noise is %.0f %% of the wall's brightness", 100},
+      Limit{"section_not_round", c.unround, 0, most_unround,
+            "the outer border is not round: its radius varies by %.0f %%", 100},
+      Limit{"thickness_implausible", c.thickness_mm, least_thickness_mm, most_thickness_mm,
+            "the wall seems %.1f mm thick; no camera and heart make it so, the size of the voxels may be wrong"}};
+  flag_limits(limits, flags);
 }
 
 /// Gates against each other.
-void flag_cycle(const VentricleResult& result, std::vector<Flag>& flags) {
-  std::vector<double> counts, cavity;
-  for (const Image& image : result.study.gates) {
-    double sum = 0;
-    for (const float v : image.values) sum += v;
-    counts.push_back(sum);
-  }
-  if (counts.size() > 1) {
-    const double usual = median(counts), least = *std::min_element(counts.begin(), counts.end());
-    if (usual > 0 && least < least_counts * usual)
-      flags.push_back({"counts_uneven", Severity::warning,
-                       format("a gate has only %.0f %% of the counts of the others; its beats may have been cut short",
-                              100 * least / usual),
-                       least / usual});
-  }
-  for (const Gate& gate : result.gates)
-    if (gate.endo) cavity.push_back(gate.endo->volume_ml);
-  const double rough = cavity.size() == result.gates.size() ? cycle_roughness(cavity) : 0;
-  if (rough > most_roughness)
-    flags.push_back({"curve_rough", Severity::warning,
-                     format("the cavity's volume jumps by %.0f %% from its smooth course over the beat", 100 * rough),
-                     rough});
+void flag_cycle(const Clues& c, std::vector<Flag>& flags) {
+  const std::array limits{
+      Limit{"counts_uneven", c.least_counts, least_counts, 1e9,
+            "a gate has only %.0f %% of the counts of the others; its beats may have been cut short", 100},
+      Limit{"counts_uneven", c.most_counts, 0, most_counts, "a gate has %.0f %% of the counts of the others", 100},
+      Limit{"heart_moves", c.moves_mm, 0, most_move_mm,
+            "a gate lies %.1f mm from where the beat would have it; the patient may have moved"},
+      Limit{"end_systole_implausible", c.end_systole, least_end_systole, most_end_systole,
+            "the heart is smallest after %.0f %% of the beat; the gates may be out of order", 100},
+      Limit{"curve_rough", c.endo_roughness, 0, most_roughness,
+            "the cavity's volume jumps by %.0f %% from its smooth course over the beat", 100}};
+  flag_limits(limits, flags);
 }
 
 void flag_missing_slices(const VentricleResult& result, std::vector<Flag>& flags) {
@@ -234,8 +262,10 @@ std::vector<Flag> judge(const VentricleResult& result) {
   std::vector<Flag> flags;
   flag_surfaces(result, flags);
   flag_place(result, flags);
-  flag_base(result, flags);
-  flag_cycle(result, flags);
+  const Clues clues = clues_of(result);
+  flag_looks(result, clues, flags);
+  flag_base(clues, flags);
+  flag_cycle(clues, flags);
   flag_missing_slices(result, flags);
   flag_numbers(result, flags);
   flag_notes(result, flags);

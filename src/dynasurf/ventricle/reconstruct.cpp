@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdio>
 #include <mutex>
 
 #include "dynasurf/core/error.hpp"
@@ -13,6 +14,7 @@
 #include "dynasurf/ventricle/cycle.hpp"
 #include "dynasurf/ventricle/labels/circle.hpp"
 #include "dynasurf/ventricle/region.hpp"
+#include "dynasurf/ventricle/relabel.hpp"
 
 namespace dynasurf {
 namespace {
@@ -82,6 +84,13 @@ struct GateRun {
   WallRun& wall(Wall w) { return w == Wall::endo ? endo : epi; }
 };
 
+template <class... A>
+std::string format(const char* pattern, A... values) {
+  std::array<char, 256> text{};
+  std::snprintf(text.data(), text.size(), pattern, values...);
+  return text.data();
+}
+
 constexpr Wall walls[] = {Wall::endo, Wall::epi};
 constexpr int room_voxels = 3;  // around a border, for its field
 
@@ -96,18 +105,47 @@ Image spread_to(const Image& image, const Grid& grid) {
   return spread;
 }
 
-void find_borders(GateRun& run, const Image& image, const SliceRange& useful, const std::optional<Mask>& region,
-                  const VentricleOptions& options, StageClock& clock) {
+void find_labels(GateRun& run, const Image& image, const SliceRange& useful, const std::optional<Mask>& region,
+                 const VentricleOptions& options, StageClock& clock) {
   run.edges = clock("edges", [&] { return detect_edges(image, options.edges); });
   clear_outside(run.edges.edges, useful);
   if (region) clear_outside(run.edges.edges, *region);
   run.labels = clock("labels", [&] { return label_borders(image, run.edges, options.labels); });
-  run.base_slice = run.base_plane ? slice_above(image.grid, *run.base_plane, run.labels.circle.radius_px)
-                                  : find_base_slice(image, run.labels, options.closure.base_level, run.notes);
+  run.base_slice = run.base_plane
+                       ? slice_above(image.grid, *run.base_plane, run.labels.circle.radius_px * image.grid.spacing[0])
+                       : find_base_slice(image, run.labels, options.closure.base_level, run.notes);
+}
+
+/// Gates whose borders do not fit into the beat are labelled with the help of others, and say so.
+void help_strays(std::vector<GateRun>& gates) {
+  constexpr double reach_mm = 8;
+  std::vector<GateLabels> all;
+  for (const GateRun& gate : gates) all.push_back({&gate.labels, gate.base_slice});
+  for (const Helpers& help : gates_to_help(strays_mm(all))) {
+    GateRun& gate = gates[help.gate];
+    Labels labels = relabel(gate.edges.edges, gates[help.before].labels, gates[help.after].labels, reach_mm);
+    if (!labels.has(Wall::endo) || !labels.has(Wall::epi)) continue;
+    labels.notes = gate.labels.notes;
+    const std::string why = help.stray_mm
+                                ? format("its borders lay %.1f mm from their course over the beat", *help.stray_mm)
+                                : std::string("a border was missing");
+    labels.notes.push_back(
+        {Severity::warning, "labels.gate_follows",
+         why + format("; they were told apart with the help of gates %zu and %zu", help.before + 1, help.after + 1)});
+    gate.labels = std::move(labels);
+  }
+}
+
+bool is_empty(const Image& border) {
+  return std::all_of(border.values.begin(), border.values.end(), [](float v) { return v == 0; });
+}
+
+void make_borders(GateRun& run, const Image& image, const VentricleOptions& options) {
   for (const Wall wall : walls) {
     if (!run.labels.has(wall)) continue;
     Image border = border_volume(run.labels, wall);
     if (options.closure.cover) border = close_border(border, run.base_slice);
+    if (is_empty(border)) continue;  // all of it lay above the base
     run.wall(wall).border = with_room(std::move(border), room_voxels);
     run.wall(wall).planes = border_planes(run.wall(wall).border, wall, run.labels, run.edges, run.base_slice);
     run.wall(wall).placement = options.placement;
@@ -305,9 +343,12 @@ StudyRun run_borders(const Study& whole, const VentricleOptions& requested, cons
   parallel_for(run.gates.size(), 1, [&](std::size_t g, std::size_t) {
     progress.check();
     run.gates[g].base_plane = planes[g];
-    find_borders(run.gates[g], run.study.gates[g], useful, region, options, clock);
+    find_labels(run.gates[g], run.study.gates[g], useful, region, options, clock);
     borders_found.advance();
   });
+  help_strays(run.gates);
+  parallel_for(run.gates.size(), 1,
+               [&](std::size_t g, std::size_t) { make_borders(run.gates[g], run.study.gates[g], options); });
   return run;
 }
 

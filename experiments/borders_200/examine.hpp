@@ -1,0 +1,35 @@
+#pragma once
+#include <cmath>
+#include <string>
+
+#include "dynasurf/ventricle/clues.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
+
+#include "patients.hpp"
+
+namespace dynasurf {
+
+/// How a study came out, against its truth.
+struct Outcome {
+  Patient patient;
+  std::string kind;      // what was planted, empty for the patients of the series
+  bool is_heart = true;  // there is a ventricle to be found
+  bool has_surfaces = false;
+  double ef_error = 99, axis_deg = 180, centre_mm = 999, across_mm = 999, base_mm = 999, division = 99;
+  double border_mm = 999, allowed_mm = 0, edv_ratio = 0;
+  Verdict verdict = Verdict::fail;
+  std::string flags, clues;
+
+  /// A surface is missing, the ejection fraction off by more than 8 points, a border or the volume by more than what
+  /// blur explains, or it is another structure.
+  bool wrong() const {
+    return !is_heart || !has_surfaces || std::abs(ef_error) > 8 || border_mm > allowed_mm || centre_mm > 20 ||
+           edv_ratio > 1.25 || edv_ratio < 0.35;
+  }
+  bool flagged() const { return verdict != Verdict::ok; }
+};
+
+/// Runs the whole pipeline on a study with default options and compares. `phantom.truth` has one entry per gate.
+Outcome examine(const Patient& patient, const Phantom& phantom, bool is_heart = true);
+
+}  // namespace dynasurf

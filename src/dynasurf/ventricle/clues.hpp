@@ -1,0 +1,37 @@
+#pragma once
+#include <span>
+
+#include "dynasurf/core/volume.hpp"
+#include "dynasurf/ventricle/cup.hpp"
+
+namespace dynasurf {
+
+struct VentricleResult;
+
+/// Numbers of a finished study that tell right results from wrong ones; `judge` compares them with limits. A number
+/// whose data are missing has the value of a good result.
+struct Clues {
+  double hot_neighbour = 0;  // share of the directions in which something as hot as the wall touches it
+  double noise = 0;          // of a point of the wall from gate to gate, relative to the wall
+  double apex = 1;           // brightness of the wall around the apex, relative to the whole wall
+  double unround = 0;        // spread of the outer surface's radius around the axis, relative to it; the worst gate
+  double moves_mm = 0;       // how far a gate's outer surface lies from where the smooth beat has it; the worst gate
+  double thickness_mm = 12;  // between the two surfaces, mean of the gates
+  double least_counts = 1;   // of a gate around the heart, relative to the usual gate
+  double most_counts = 1;
+  double endo_roughness = 0;  // of the volume curves, as `cycle_roughness`
+  double epi_roughness = 0;
+  double end_systole = 0.4;  // part of the beat that has passed
+  double base_seen = 1, base_spread_mm = 0, base_cut = 0;
+};
+Clues clues_of(const VentricleResult& result);
+
+/// Share of the directions in which the image, beyond the wall of the cup, gets as bright as the wall without having
+/// fallen much in between. Grid frame.
+double hot_neighbour_share(const Image& image, const Cup& cup);
+
+/// How much a point of the wall differs from its own smooth course over the beat, relative to the wall's brightness.
+/// 0 for fewer than 8 gates.
+double noise_of_wall(std::span<const Image> gates, const Cup& cup);
+
+}  // namespace dynasurf

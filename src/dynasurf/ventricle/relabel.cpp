@@ -1,0 +1,97 @@
+#include "dynasurf/ventricle/relabel.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dynasurf/ventricle/smooth_cycle.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr double most_stray_mm = 4;  // gates that lie farther do not bend the smooth course either
+
+std::uint8_t bit_of(Wall wall) { return wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit; }
+
+std::optional<double> mean_radius_mm(const Labels& labels, Wall wall, int base_slice) {
+  const Grid& grid = labels.borders.grid;
+  double sum = 0;
+  int count = 0;
+  for (int k = 0; k < grid.dims[2] && (base_slice < 0 || k <= base_slice); ++k)
+    for (int j = 0; j < grid.dims[1]; ++j)
+      for (int i = 0; i < grid.dims[0]; ++i)
+        if ((labels.borders(i, j, k) & bit_of(wall)) != 0) {
+          sum += std::hypot((i - labels.axis.x_at(k)) * grid.spacing[0], (j - labels.axis.y_at(k)) * grid.spacing[1]);
+          ++count;
+        }
+  if (count == 0) return std::nullopt;
+  return sum / count;
+}
+
+/// Squared distance in a slice to the nearest voxel with a bit, within a window.
+double nearest(const Mask& borders, std::uint8_t bit, int i, int j, int k, int reach_i, int reach_j) {
+  const Grid& grid = borders.grid;
+  double best = 1e18;
+  for (int b = std::max(0, j - reach_j); b <= std::min(grid.dims[1] - 1, j + reach_j); ++b)
+    for (int a = std::max(0, i - reach_i); a <= std::min(grid.dims[0] - 1, i + reach_i); ++a)
+      if ((borders(a, b, k) & bit) != 0)
+        best = std::min(best, std::pow((a - i) * grid.spacing[0], 2) + std::pow((b - j) * grid.spacing[1], 2));
+  return best;
+}
+
+}  // namespace
+
+std::vector<std::optional<double>> strays_mm(std::span<const GateLabels> gates) {
+  std::vector<std::optional<double>> strays(gates.size(), 0.0);
+  for (const Wall wall : {Wall::endo, Wall::epi}) {
+    // Few waves, so that they do not bend towards a gate that strays.
+    std::vector<std::optional<double>> radii;
+    for (const GateLabels& gate : gates) radii.push_back(mean_radius_mm(*gate.labels, wall, gate.base_slice));
+    const SmoothCycle smooth = smooth_over_cycle(radii, most_stray_mm, gates.size() >= 12 ? 2 : 1);
+    for (std::size_t g = 0; g < gates.size(); ++g) {
+      if (!radii[g]) strays[g] = std::nullopt;
+      if (strays[g]) strays[g] = std::max(*strays[g], std::abs(*radii[g] - smooth.values[g]));
+    }
+  }
+  return strays;
+}
+
+std::vector<Helpers> gates_to_help(std::span<const std::optional<double>> strays) {
+  constexpr std::size_t least_gates = 6;
+  const std::size_t n = strays.size();
+  const auto is_stray = [&](std::size_t g) { return !strays[g] || *strays[g] > most_stray_mm; };
+  std::vector<Helpers> all;
+  for (std::size_t g = 0; g < n; ++g) {
+    if (!is_stray(g)) continue;
+    Helpers help{g, (g + n - 1) % n, (g + 1) % n, strays[g]};
+    for (std::size_t step = 0; step < n && is_stray(help.before); ++step) help.before = (help.before + n - 1) % n;
+    for (std::size_t step = 0; step < n && is_stray(help.after); ++step) help.after = (help.after + 1) % n;
+    all.push_back(help);
+  }
+  if (n < least_gates || 3 * all.size() > n) return {};
+  return all;
+}
+
+Labels relabel(const Mask& edges, const Labels& before, const Labels& after, double reach_mm) {
+  Labels labels = before;
+  labels.notes.clear();
+  labels.local.clear();
+  const Grid& grid = edges.grid;
+  const int reach_i = static_cast<int>(reach_mm / grid.spacing[0]),
+            reach_j = static_cast<int>(reach_mm / grid.spacing[1]);
+  for (int k = 0; k < grid.dims[2]; ++k)
+    for (int j = 0; j < grid.dims[1]; ++j)
+      for (int i = 0; i < grid.dims[0]; ++i) {
+        labels.borders(i, j, k) = 0;
+        if (edges(i, j, k) == 0) continue;
+        const auto distance = [&](std::uint8_t bit) {
+          return std::min(nearest(before.borders, bit, i, j, k, reach_i, reach_j),
+                          nearest(after.borders, bit, i, j, k, reach_i, reach_j));
+        };
+        const double endo = distance(Labels::endo_bit), epi = distance(Labels::epi_bit);
+        if (std::min(endo, epi) <= reach_mm * reach_mm)
+          labels.borders(i, j, k) = endo < epi ? Labels::endo_bit : Labels::epi_bit;
+      }
+  return labels;
+}
+
+}  // namespace dynasurf
