@@ -1,9 +1,12 @@
 #pragma once
+#include <array>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 
 // The doors between mesh_io.cpp and the mesh formats, one source each. A format turns a mesh into bytes and bytes into
@@ -15,6 +18,9 @@ struct MeshFile {
   std::string name;
   std::string_view bytes;
 };
+
+/// All of a file; `what` it is ("a mesh") stands in the refusal of one above 2 GiB. Throws InputError, IoError.
+std::string read_whole(const std::filesystem::path& path, const char* what);
 
 /// Throws InputError "NAME: line 12: REASON", or byte 12, or without a place when `unit` is empty.
 [[noreturn]] void refuse(const MeshFile& file, std::string_view unit, std::size_t place, const std::string& reason);
@@ -34,6 +40,32 @@ TriMesh decode_ply(const MeshFile& file);
 TriMesh decode_stl(const MeshFile& file);
 TriMesh decode_obj(const MeshFile& file);
 TriMesh decode_off(const MeshFile& file);
+
+/// What a file tells of its vertices beside their places. Each list is empty or has one entry per vertex.
+struct VertexData {
+  std::vector<Vec3> normals;  // as in the file, of any length, also not finite
+  std::vector<std::array<std::uint8_t, 3>> colours;
+  std::vector<std::uint32_t> scans;  // the file's own numbers
+  std::string remark;                // what was left out on purpose; empty: nothing
+};
+
+// Decoders of clouds. They may return vertices without triangles and coordinates that are not finite, as scanners write
+// them where they saw nothing; indices are in range. Throw InputError.
+TriMesh decode_ply(const MeshFile& file, VertexData& data);
+TriMesh decode_obj(const MeshFile& file, VertexData& data);
+TriMesh decode_off(const MeshFile& file, VertexData& data);
+TriMesh decode_las(const MeshFile& file, VertexData& data);
+/// Rows of numbers: XYZ, PTS, PWN, CSV. See `read_cloud` for the columns. With `normals_first` the columns after the
+/// coordinates are normals of any length.
+TriMesh decode_rows(const MeshFile& file, VertexData& data, bool normals_first);
+
+/// One file of `read_cloud`, told by the ending of its name. Scans have the file's own numbers.
+PointCloud decode_cloud(const MeshFile& file, CloudSource& source, Notes& notes);
+
+/// A colour of a file, 0 to `full`, as a byte. Precondition: it is in this range.
+inline std::uint8_t colour_byte(double value, double full) {
+  return static_cast<std::uint8_t>(value / full * 255 + 0.5);
+}
 
 /// Throws InputError unless the mesh has triangles, indices in range and finite vertices, or OptionError when a scalar
 /// does not fit the mesh or its name is not a plain word. `what` names the output.

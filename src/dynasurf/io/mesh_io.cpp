@@ -19,16 +19,6 @@ constexpr std::uint64_t max_mesh_bytes = std::uint64_t{2} << 30;
 
 constexpr std::string_view mesh_format_names[] = {"ply", "stl", "obj", "off", "vtp"};
 
-std::string read_whole(const std::filesystem::path& path) {
-  const std::uint64_t size = size_of_file(path);
-  if (size > max_mesh_bytes)
-    throw InputError(path.string() + ": " + std::to_string(size) + " bytes; expected a mesh of at most 2 GiB");
-  std::string content(size, '\0');
-  ByteSource source(path, ByteSource::Packing::plain);
-  source.read(std::as_writable_bytes(std::span(content)), "mesh");
-  return content;
-}
-
 bool is_plain_word(const std::string& name) {
   return !name.empty() &&
          std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
@@ -58,14 +48,14 @@ void write_mesh(const TriMesh& mesh, const std::filesystem::path& path, MeshForm
 TriMesh read_mesh(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  const auto decode = ending == ".ply"   ? decode_ply
-                      : ending == ".stl" ? decode_stl
-                      : ending == ".obj" ? decode_obj
-                      : ending == ".off" ? decode_off
-                                         : nullptr;
+  TriMesh (*decode)(const MeshFile&) = nullptr;
+  if (ending == ".ply") decode = decode_ply;
+  if (ending == ".stl") decode = decode_stl;
+  if (ending == ".obj") decode = decode_obj;
+  if (ending == ".off") decode = decode_off;
   if (decode == nullptr)
     throw InputError(path.string() + ": unknown kind of mesh; expected a name that ends in .ply, .stl, .obj or .off");
-  const std::string content = read_whole(path);
+  const std::string content = read_whole(path, "a mesh");
   const MeshFile file{path.string(), content};
   TriMesh mesh = decode(file);
   if (mesh.triangles.empty()) refuse(file, "", 0, "holds no triangle; expected a surface");
@@ -78,6 +68,16 @@ void refuse(const MeshFile& file, std::string_view unit, std::size_t place, cons
   std::string text = file.name + ": ";
   if (!unit.empty()) text += std::string(unit) + " " + std::to_string(place) + ": ";
   throw InputError(text + reason);
+}
+
+std::string read_whole(const std::filesystem::path& path, const char* what) {
+  const std::uint64_t size = size_of_file(path);
+  if (size > max_mesh_bytes)
+    throw InputError(path.string() + ": " + std::to_string(size) + " bytes; expected " + what + " of at most 2 GiB");
+  std::string content(size, '\0');
+  ByteSource source(path, ByteSource::Packing::plain);
+  source.read(std::as_writable_bytes(std::span(content)), "content");
+  return content;
 }
 
 std::string quoted(std::string_view word) {

@@ -85,17 +85,38 @@ std::uint32_t read_corner(const TextReader& text, Tables& tables, std::string_vi
   return static_cast<std::uint32_t>(vertex);
 }
 
-void read_vertex(TextReader& text, TriMesh& mesh) {
+/// Vertices with a weight, or with a colour as some scanners write it.
+void read_vertex(TextReader& text, TriMesh& mesh, VertexData* data) {
   Vec3 p;
-  for (double& c : p) c = text.coordinate();
-  // A weight, or a colour as some scanners write it: numbers, not used.
-  int extra = 0;
-  while (!text.line_is_done() && extra < 5) {
-    text.number<double>("a weight or colour");
-    ++extra;
+  for (double& c : p) c = data == nullptr ? text.coordinate() : text.number<double>("a coordinate");
+  std::array<double, 4> extra{};
+  std::size_t count = 0;
+  while (!text.line_is_done() && count < 5) {
+    const double value = text.number<double>("a weight or colour");
+    if (count < extra.size()) extra[count] = value;
+    ++count;
   }
-  if (extra == 2 || extra > 4) text.fail("expected 3 coordinates, and at most a weight or a colour");
+  if (count == 2 || count > 4) text.fail("expected 3 coordinates, and at most a weight or a colour");
+  if (data != nullptr && count >= 3) {
+    // A file colours all its vertices or none.
+    if (data->colours.size() != mesh.vertices.size()) text.fail("a coloured vertex after some without colour");
+    auto& colour = data->colours.emplace_back();
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double light = extra[c + count - 3];
+      if (!(light >= 0 && light <= 1)) text.fail("a colour is out of range; expected 0 to 1");
+      colour[c] = colour_byte(light, 1);
+    }
+  } else if (data != nullptr && !data->colours.empty()) {
+    text.fail("a vertex without colour after coloured ones");
+  }
   mesh.vertices.push_back(p);
+}
+
+void read_normal(TextReader& text, VertexData& data) {
+  Vec3 n;
+  for (double& c : n) c = text.number<double>("a normal");
+  if (!text.line_is_done()) text.fail("expected a normal of 3 numbers");
+  data.normals.push_back(n);
 }
 
 void read_face(TextReader& text, Tables& tables, std::vector<std::uint32_t>& corners, TriMesh& mesh) {
@@ -105,9 +126,7 @@ void read_face(TextReader& text, Tables& tables, std::vector<std::uint32_t>& cor
   add_fan(mesh, corners);
 }
 
-}  // namespace
-
-TriMesh decode_obj(const MeshFile& file) {
+TriMesh decode(const MeshFile& file, VertexData* data) {
   TriMesh mesh;
   Tables tables;
   std::vector<std::uint32_t> corners;
@@ -115,10 +134,14 @@ TriMesh decode_obj(const MeshFile& file) {
   while (text.next_line_with_words('#')) {
     const auto keyword = text.word();
     if (keyword == "v") {
-      read_vertex(text, mesh);
+      read_vertex(text, mesh, data);
       tables.rows[0].count = mesh.vertices.size();
     } else if (keyword == "vt" || keyword == "vn") {
       ++tables.rows[keyword == "vt" ? 1 : 2].count;
+      if (data != nullptr && keyword == "vn") {
+        read_normal(text, *data);
+        continue;
+      }
       text.number<double>("a value");
       while (!text.line_is_done()) text.number<double>("a value");
     } else if (keyword == "f") {
@@ -133,7 +156,15 @@ TriMesh decode_obj(const MeshFile& file) {
       refuse(file, "line", rows.line_of_largest,
              "index " + std::to_string(rows.largest) + " is out of range; the file has " + std::to_string(rows.count) +
                  " " + names[i]);
+  // Faces say which normal belongs to which corner; without faces the n-th belongs to the n-th vertex.
+  if (data != nullptr && (!mesh.triangles.empty() || data->normals.size() != mesh.vertices.size()))
+    data->normals.clear();
   return mesh;
 }
+
+}  // namespace
+
+TriMesh decode_obj(const MeshFile& file) { return decode(file, nullptr); }
+TriMesh decode_obj(const MeshFile& file, VertexData& data) { return decode(file, &data); }
 
 }  // namespace dynasurf::io_detail

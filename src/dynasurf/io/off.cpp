@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "dynasurf/io/bytes.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/io/text_reader.hpp"
@@ -30,6 +32,7 @@ void skip_numbers(TextReader& text) {
 
 struct Counts {
   std::size_t vertices, faces;
+  bool normals, colours;  // behind each vertex
 };
 
 Counts read_counts(TextReader& text) {
@@ -37,8 +40,10 @@ Counts read_counts(TextReader& text) {
   const auto word = text.word();
   if (word != "OFF" && word != "COFF" && word != "NOFF" && word != "CNOFF" && word != "STOFF")
     text.fail("expected an ascii OFF file of three dimensions, which begins with OFF, COFF, NOFF, CNOFF or STOFF");
-  if (text.line_is_done()) next_row(text, "vertex");
   Counts counts{};
+  counts.normals = word == "NOFF" || word == "CNOFF";
+  counts.colours = word == "COFF" || word == "CNOFF";
+  if (text.line_is_done()) next_row(text, "vertex");
   counts.vertices = text.number<std::uint32_t>("the number of vertices");
   counts.faces = text.number<std::uint32_t>("the number of faces");
   if (!text.line_is_done()) text.number<std::uint32_t>("the number of edges");
@@ -48,6 +53,27 @@ Counts read_counts(TextReader& text) {
     text.fail(std::to_string(counts.vertices) + " vertices and " + std::to_string(counts.faces) +
               " faces; the file has only " + std::to_string(text.bytes_left()) + " bytes for them");
   return counts;
+}
+
+/// The normal and the colour that the first word of the file promises. Colours are integers to 255 or reals to 1.
+void read_data(TextReader& text, const Counts& counts, VertexData& data) {
+  if (counts.normals) {
+    Vec3 n;
+    for (double& c : n) c = text.number<double>("a normal");
+    data.normals.push_back(n);
+  }
+  if (!counts.colours) return;
+  auto& colour = data.colours.emplace_back();
+  std::array<std::string_view, 3> words;
+  for (auto& word : words) word = text.word();
+  const bool real = std::any_of(words.begin(), words.end(), [](std::string_view word) {
+    return word.find_first_of(".eE") != std::string_view::npos;
+  });
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double light = text.number_of<double>(words[c], "a colour"), full = real ? 1 : 255;
+    if (!(light >= 0 && light <= full)) text.fail("a colour is out of range; expected integers to 255 or reals to 1");
+    colour[c] = colour_byte(light, full);
+  }
 }
 
 void read_face(TextReader& text, std::vector<std::uint32_t>& corners, TriMesh& mesh) {
@@ -64,9 +90,7 @@ void read_face(TextReader& text, std::vector<std::uint32_t>& corners, TriMesh& m
   add_fan(mesh, corners);
 }
 
-}  // namespace
-
-TriMesh decode_off(const MeshFile& file) {
+TriMesh decode(const MeshFile& file, VertexData* data) {
   TextReader text(file);
   const Counts counts = read_counts(text);
   TriMesh mesh;
@@ -75,7 +99,8 @@ TriMesh decode_off(const MeshFile& file) {
   for (std::size_t i = 0; i < counts.vertices; ++i) {
     next_row(text, "vertex");
     Vec3 p;
-    for (double& c : p) c = text.coordinate();
+    for (double& c : p) c = data == nullptr ? text.coordinate() : text.number<double>("a coordinate");
+    if (data != nullptr) read_data(text, counts, *data);
     skip_numbers(text);
     mesh.vertices.push_back(p);
   }
@@ -87,5 +112,10 @@ TriMesh decode_off(const MeshFile& file) {
   if (text.next_line_with_words('#')) text.fail("expected nothing after the last face");
   return mesh;
 }
+
+}  // namespace
+
+TriMesh decode_off(const MeshFile& file) { return decode(file, nullptr); }
+TriMesh decode_off(const MeshFile& file, VertexData& data) { return decode(file, &data); }
 
 }  // namespace dynasurf::io_detail

@@ -222,20 +222,52 @@ void skip(Rows& rows, const Property& property) {
   for (std::size_t i = 0; i < count; ++i) rows.value(property.type);
 }
 
+/// Where the values of a vertex stand among its properties: position, normal, colour, scan. `absent` where not there.
+constexpr std::size_t absent = static_cast<std::size_t>(-1);
+using VertexColumns = std::array<std::size_t, 10>;
+constexpr std::size_t first_normal = 3, first_colour = 6, scan_column = 9;
+
+/// All values of one vertex in the order of `columns`; those that are absent stay as they are.
 template <class Rows>
-void read_vertex(Rows& rows, const Element& element, const std::array<std::size_t, 3>& axes, TriMesh& mesh) {
-  Vec3 p;
+void read_columns(Rows& rows, const Element& element, const VertexColumns& columns, std::array<double, 10>& values) {
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
-    const auto axis = std::find(axes.begin(), axes.end(), i);
-    if (axis == axes.end()) {
+    const auto column = std::find(columns.begin(), columns.end(), i);
+    if (column == columns.end())
       skip(rows, element.properties[i]);
-      continue;
-    }
-    const double value = rows.value(element.properties[i].type);
-    if (!std::isfinite(value)) rows.fail("a coordinate is not a finite number");
-    p[axis - axes.begin()] = value;
+    else
+      values[static_cast<std::size_t>(column - columns.begin())] = rows.value(element.properties[i].type);
   }
+}
+
+/// Integers fill their type, real numbers run from 0 to 1.
+double full_colour(NumberType type) {
+  return type.kind == 'f' ? 1 : type.bytes == 1 ? 255 : type.bytes == 2 ? 65535 : 4294967295.0;
+}
+
+/// The vertex of a mesh (`data` null) or of a cloud.
+template <class Rows>
+void read_vertex(Rows& rows, const Element& element, const VertexColumns& columns, TriMesh& mesh, VertexData* data) {
+  std::array<double, 10> value{};
+  read_columns(rows, element, columns, value);
+  const Vec3 p(value[0], value[1], value[2]);
+  if (data == nullptr && !p.allFinite()) rows.fail("a coordinate is not a finite number");
   mesh.vertices.push_back(p);
+  if (data == nullptr) return;
+  if (columns[first_normal] != absent) data->normals.emplace_back(value[3], value[4], value[5]);
+  if (columns[first_colour] != absent) {
+    auto& colour = data->colours.emplace_back();
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double full = full_colour(element.properties[columns[first_colour + c]].type);
+      const double light = value[first_colour + c];
+      if (!(light >= 0 && light <= full)) rows.fail("a colour is out of range; integers fill their type, reals 0 to 1");
+      colour[c] = colour_byte(light, full);
+    }
+  }
+  if (columns[scan_column] != absent) {
+    if (!(value[scan_column] >= 0 && value[scan_column] <= UINT32_MAX))
+      rows.fail("the number of a scan is out of range; expected 0 or more");
+    data->scans.push_back(static_cast<std::uint32_t>(value[scan_column]));
+  }
 }
 
 template <class Rows>
@@ -260,17 +292,52 @@ void read_face(Rows& rows, const Element& element, std::size_t corner_list, std:
   add_fan(mesh, corners);
 }
 
-const Element& element_named(const MeshFile& file, const Header& header, std::string_view name) {
+const Element* element_named(const Header& header, std::string_view name) {
   for (const Element& e : header.elements)
-    if (e.name == name) return e;
+    if (e.name == name) return &e;
+  return nullptr;
+}
+
+const Element& needed_element(const MeshFile& file, const Header& header, std::string_view name) {
+  if (const Element* e = element_named(header, name)) return *e;
   refuse(file, "", 0, "has no element '" + std::string(name) + "'; expected vertices and faces");
 }
 
-/// Position of the one scalar property of that name among those of the vertex.
+/// Position of the one scalar property of one of these names among those of the vertex.
+std::size_t column_of(const Element& vertex, std::initializer_list<std::string_view> names) {
+  for (const std::string_view name : names)
+    for (std::size_t i = 0; i < vertex.properties.size(); ++i)
+      if (vertex.properties[i].name == name && !vertex.properties[i].count) return i;
+  return absent;
+}
+
 std::size_t axis_of(const MeshFile& file, const Element& vertex, std::string_view name) {
-  for (std::size_t i = 0; i < vertex.properties.size(); ++i)
-    if (vertex.properties[i].name == name && !vertex.properties[i].count) return i;
-  refuse(file, "line", vertex.line, "the vertices have no property " + std::string(name));
+  const std::size_t column = column_of(vertex, {name});
+  if (column == absent) refuse(file, "line", vertex.line, "the vertices have no property " + std::string(name));
+  return column;
+}
+
+/// Groups of three count only when they are whole.
+void add_group(VertexColumns& columns, std::size_t first, std::array<std::size_t, 3> found) {
+  if (std::find(found.begin(), found.end(), absent) == found.end())
+    std::copy(found.begin(), found.end(), columns.begin() + static_cast<std::ptrdiff_t>(first));
+}
+
+VertexColumns columns_of(const MeshFile& file, const Element& vertex, bool with_data) {
+  VertexColumns columns;
+  columns.fill(absent);
+  columns[0] = axis_of(file, vertex, "x");
+  columns[1] = axis_of(file, vertex, "y");
+  columns[2] = axis_of(file, vertex, "z");
+  if (!with_data) return columns;
+  add_group(columns, first_normal,
+            {column_of(vertex, {"nx", "normal_x"}), column_of(vertex, {"ny", "normal_y"}),
+             column_of(vertex, {"nz", "normal_z"})});
+  add_group(columns, first_colour,
+            {column_of(vertex, {"red", "diffuse_red", "r"}), column_of(vertex, {"green", "diffuse_green", "g"}),
+             column_of(vertex, {"blue", "diffuse_blue", "b"})});
+  columns[scan_column] = column_of(vertex, {"scan"});
+  return columns;
 }
 
 std::size_t corners_of(const MeshFile& file, const Element& face) {
@@ -281,22 +348,22 @@ std::size_t corners_of(const MeshFile& file, const Element& face) {
   refuse(file, "line", face.line, "the faces have no list of integers called vertex_indices");
 }
 
+/// A mesh, or with `data` a cloud, which may have no faces.
 template <class Rows>
-TriMesh read_rows(const MeshFile& file, const Header& header, Rows rows) {
-  const Element& vertex = element_named(file, header, "vertex");
-  const Element& face = element_named(file, header, "face");
-  const std::array<std::size_t, 3> axes{axis_of(file, vertex, "x"), axis_of(file, vertex, "y"),
-                                        axis_of(file, vertex, "z")};
-  const std::size_t corner_list = corners_of(file, face);
+TriMesh read_rows(const MeshFile& file, const Header& header, Rows rows, VertexData* data) {
+  const Element& vertex = needed_element(file, header, "vertex");
+  const Element* face = data == nullptr ? &needed_element(file, header, "face") : element_named(header, "face");
+  const VertexColumns columns = columns_of(file, vertex, data != nullptr);
+  const std::size_t corner_list = face != nullptr && (data == nullptr || face->rows > 0) ? corners_of(file, *face) : 0;
   TriMesh mesh;
   mesh.vertices.reserve(vertex.rows);
-  mesh.triangles.reserve(face.rows);
+  if (face != nullptr) mesh.triangles.reserve(face->rows);
   for (const Element& element : header.elements)
     for (std::size_t row = 0; row < element.rows; ++row) {
       rows.begin_row();
       if (&element == &vertex)
-        read_vertex(rows, element, axes, mesh);
-      else if (&element == &face)
+        read_vertex(rows, element, columns, mesh, data);
+      else if (&element == face)
         read_face(rows, element, corner_list, vertex.rows, mesh);
       else
         for (const Property& property : element.properties) skip(rows, property);
@@ -306,14 +373,17 @@ TriMesh read_rows(const MeshFile& file, const Header& header, Rows rows) {
   return mesh;
 }
 
-}  // namespace
-
-TriMesh decode_ply(const MeshFile& file) {
+TriMesh decode(const MeshFile& file, VertexData* data) {
   TextReader text(file);
   const Header header = read_header(text);
   check_rows(file, text, header);
-  if (header.encoding == Encoding::ascii) return read_rows(file, header, AsciiRows(text));
-  return read_rows(file, header, BinaryRows(file, text.position(), header.encoding == Encoding::big));
+  if (header.encoding == Encoding::ascii) return read_rows(file, header, AsciiRows(text), data);
+  return read_rows(file, header, BinaryRows(file, text.position(), header.encoding == Encoding::big), data);
 }
+
+}  // namespace
+
+TriMesh decode_ply(const MeshFile& file) { return decode(file, nullptr); }
+TriMesh decode_ply(const MeshFile& file, VertexData& data) { return decode(file, &data); }
 
 }  // namespace dynasurf::io_detail

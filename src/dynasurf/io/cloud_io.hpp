@@ -1,0 +1,55 @@
+#pragma once
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "dynasurf/core/note.hpp"
+#include "dynasurf/core/point_cloud.hpp"
+
+namespace dynasurf {
+
+/// What a file of a cloud was.
+struct CloudSource {
+  std::string format;         // "PLY", "XYZ", "LAS", ...
+  std::size_t points = 0;     // that it gave
+  std::size_t triangles = 0;  // of the surface that was sampled; 0: it was a cloud
+};
+
+/// One or more files as one cloud.
+struct CloudInput {
+  PointCloud cloud;
+  std::vector<CloudSource> sources;  // one per file
+  Notes notes;  // "read.sampled", "read.normals_dropped", "read.colours_dropped", "read.left_out", "read.scans"
+};
+
+/// Points that a surface given as input is sampled to, its vertices among them; more when it has more vertices.
+constexpr std::size_t points_of_a_surface = 100'000;
+
+/// Reads clouds, told by the name's ending:
+///
+/// * PLY (ascii, binary of both byte orders): `vertex` with x, y, z; nx, ny, nz; red, green, blue; scan;
+/// * XYZ, TXT, ASC, PTS, CSV: rows of numbers between blanks, commas or semicolons. A first line may name the columns
+/// (x
+///   y z nx ny nz red green blue scan; others are skipped). Without names: 3 coordinates; 4: and an intensity; 6: and
+///   a unit normal or a colour of 0 to 255, whichever the first 1000 rows are; 7: intensity and either; 9: both; 10:
+///   intensity and both. A lone number counts the points that follow, and each such block is a scan. PWN: 6 columns,
+///   the last three a normal of any length;
+/// * OBJ, OFF: vertices, with normals and colours where each vertex has them;
+/// * LAS 1.0 to 1.4: points that are not withheld or noise, with colours; a scan per source;
+/// * STL, and PLY, OBJ, OFF with faces: a surface. It is sampled evenly by area to `points_of_a_surface` points, the
+///   vertices of its triangles first, with the normals of its triangles where they are oriented alike.
+///
+/// Coordinates that are not finite are kept: scanners write them where they saw nothing. Normals are kept when every
+/// finite point of every file has one that is finite and not 0, colours when every file has them; else a note tells.
+/// Several files, or several scans in a file, are numbered in `scans`, from 0 in the order of appearance.
+/// Strict: cut short, longer or shorter than declared, a value that is no number: all refused. Rows without a count can
+/// be cut at the end of a row unnoticed, like an OBJ. At most 2 GiB a file and 100 million points.
+/// Throws InputError naming the file and the line or byte, also for a file without points; IoError.
+CloudInput read_cloud(std::span<const std::filesystem::path> files);
+
+/// Writes binary PLY with doubles for the points, floats for normals, bytes for colours, integers for scans, of what
+/// the cloud has. Whole or not at all. Throws InputError for an empty cloud or arrays of different lengths, IoError.
+void write_cloud(const PointCloud& cloud, const std::filesystem::path& path);
+
+}  // namespace dynasurf

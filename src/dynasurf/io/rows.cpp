@@ -1,0 +1,320 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/text_reader.hpp"
+
+// Clouds as rows of numbers: XYZ, PTS, PWN, CSV. Such files name their columns in a first line or not at all.
+
+namespace dynasurf::io_detail {
+namespace {
+
+constexpr std::size_t absent = static_cast<std::size_t>(-1);
+constexpr std::size_t rows_to_look_at = 1000, most_columns = 64;
+
+/// Which column holds what.
+struct Columns {
+  std::size_t count = 0;
+  std::array<std::size_t, 3> position{0, 1, 2};
+  std::array<std::size_t, 3> normal{absent, absent, absent};
+  std::array<std::size_t, 3> colour{absent, absent, absent};
+  std::size_t scan = absent;
+  char separator = ' ';  // ' ': any blanks
+  bool named = false;    // by a first line
+
+  bool has(const std::array<std::size_t, 3>& group) const { return group[0] != absent; }
+};
+
+/// The cells of a line.
+class Cells {
+ public:
+  Cells(std::string_view line, char separator) : rest_(line), separator_(separator) {}
+
+  /// The next cell without the blanks around it; nothing at the end of the line.
+  std::optional<std::string_view> next() {
+    if (done_) return {};
+    if (separator_ == ' ') {
+      trim_front();
+      if (rest_.empty()) return {};
+    }
+    std::size_t end = 0;
+    while (end < rest_.size() && !(separator_ == ' ' ? is_blank(rest_[end]) : rest_[end] == separator_)) ++end;
+    std::string_view cell = rest_.substr(0, end);
+    done_ = end == rest_.size();
+    rest_.remove_prefix(done_ ? end : end + 1);
+    while (!cell.empty() && is_blank(cell.front())) cell.remove_prefix(1);
+    while (!cell.empty() && is_blank(cell.back())) cell.remove_suffix(1);
+    return cell;
+  }
+
+ private:
+  void trim_front() {
+    while (!rest_.empty() && is_blank(rest_.front())) rest_.remove_prefix(1);
+  }
+  std::string_view rest_;
+  char separator_;
+  bool done_ = false;
+};
+
+bool is_number(std::string_view cell) {
+  double value = 0;
+  if (cell.size() > 1 && cell[0] == '+') cell.remove_prefix(1);
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  return error == std::errc{} && end == cell.data() + cell.size();
+}
+
+std::vector<std::string_view> cells_of(std::string_view line, char separator) {
+  std::vector<std::string_view> found;
+  Cells cells(line, separator);
+  while (const auto cell = cells.next()) found.push_back(*cell);
+  return found;
+}
+
+char separator_of(std::string_view line) {
+  for (const char c : {';', ','})
+    if (line.find(c) != std::string_view::npos) return c;
+  return ' ';
+}
+
+/// Next line that is neither empty nor a comment. A line that begins with # or // is one.
+bool next_row(TextReader& text) {
+  while (text.next_line_with_words()) {
+    std::string_view line = text.rest();
+    while (is_blank(line.front())) line.remove_prefix(1);
+    if (line.front() != '#' && !line.starts_with("//")) return true;
+  }
+  return false;
+}
+
+std::string lower_case(std::string_view name) {
+  std::string out;
+  for (const unsigned char c : name)
+    if (c != '"' && c != '\'') out += static_cast<char>(std::tolower(c));
+  return out;
+}
+
+/// The columns that a first line names.
+Columns named_columns(const TextReader& text, char separator) {
+  Columns columns;
+  columns.separator = separator;
+  columns.named = true;
+  columns.position.fill(absent);
+  const auto names = cells_of(text.rest(), separator);
+  columns.count = names.size();
+  const std::array<std::initializer_list<std::string_view>, 10> known{{{"x"},
+                                                                       {"y"},
+                                                                       {"z"},
+                                                                       {"nx", "normal_x"},
+                                                                       {"ny", "normal_y"},
+                                                                       {"nz", "normal_z"},
+                                                                       {"r", "red"},
+                                                                       {"g", "green"},
+                                                                       {"b", "blue"},
+                                                                       {"scan", "scan_id"}}};
+  std::array<std::size_t, 10> found;
+  found.fill(absent);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    for (std::size_t k = 0; k < known.size(); ++k)
+      if (std::find(known[k].begin(), known[k].end(), lower_case(names[i])) != known[k].end()) {
+        if (found[k] != absent) text.fail("column " + quoted(names[i]) + " is there twice");
+        found[k] = i;
+      }
+  const auto take = [&](std::size_t first, std::array<std::size_t, 3>& group) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (found[first + k] == absent) return false;
+    std::copy_n(found.begin() + static_cast<std::ptrdiff_t>(first), 3, group.begin());
+    return true;
+  };
+  if (!take(0, columns.position)) text.fail("the first line names no columns x, y and z");
+  take(3, columns.normal);
+  take(6, columns.colour);
+  columns.scan = found[9];
+  return columns;
+}
+
+/// What three columns hold, judged by the first rows.
+struct Guess {
+  bool unit = true, bytes = true;
+  void see(double a, double b, double c) {
+    const double length = std::sqrt(a * a + b * b + c * c);
+    // Normals with three decimals are off by a thousandth; those that are zero or not finite were not known.
+    if (std::isfinite(length) && length > 0 && std::abs(length - 1) > 0.02) unit = false;
+    for (const double v : {a, b, c})
+      if (!(v >= 0 && v <= 255 && v == std::floor(v))) bytes = false;
+  }
+};
+
+/// The columns of rows without names, from the first rows. Throws when they can mean several things.
+Columns guessed_columns(TextReader text, char separator, bool normals_first) {
+  Columns columns;
+  columns.separator = separator;
+  std::vector<Guess> guesses(most_columns);
+  bool any = false;
+  for (std::size_t row = 0; row < rows_to_look_at && (row == 0 || next_row(text)); ++row) {
+    const auto cells = cells_of(text.rest(), separator);
+    if (cells.size() == 1) continue;  // the number of points that follow
+    if (!any) columns.count = cells.size();
+    any = true;
+    if (cells.size() != columns.count || columns.count > most_columns) break;  // told when the rows are read
+    for (std::size_t c = 3; c + 2 < cells.size(); ++c) {
+      std::array<double, 3> v{};
+      for (std::size_t k = 0; k < 3; ++k)
+        if (is_number(cells[c + k])) v[k] = text.number_of<double>(cells[c + k], "a value");
+      guesses[c].see(v[0], v[1], v[2]);
+    }
+  }
+  const auto group = [](std::size_t first) { return std::array<std::size_t, 3>{first, first + 1, first + 2}; };
+  const auto place = [&](std::size_t first) {
+    if (normals_first && first == 3)
+      columns.normal = group(first);
+    else if (guesses[first].unit && !columns.has(columns.normal))
+      columns.normal = group(first);
+    else if (guesses[first].bytes && !columns.has(columns.colour))
+      columns.colour = group(first);
+    else
+      text.fail("columns " + std::to_string(first + 1) + " to " + std::to_string(first + 3) +
+                " are neither unit normals nor colours of 0 to 255; name the columns in a first line (x y z nx ny nz "
+                "red green blue)");
+  };
+  switch (columns.count) {
+    case 0:
+      columns.count = 3;  // a file of counts alone
+      break;
+    case 3:
+    case 4:  // and an intensity
+      break;
+    case 6:
+      place(3);
+      break;
+    case 7:  // an intensity and a colour
+      place(4);
+      break;
+    case 9:
+      place(3);
+      place(6);
+      break;
+    case 10:  // an intensity between
+      place(4);
+      place(7);
+      break;
+    default:
+      text.fail(std::to_string(columns.count) +
+                " columns without names; expected 3, 4, 6, 7, 9 or 10, or a first line that names them");
+  }
+  return columns;
+}
+
+/// `text` stands at the first row.
+Columns columns_of(const TextReader& text, bool normals_first) {
+  const char separator = separator_of(text.rest());
+  const auto first = cells_of(text.rest(), separator);
+  const bool letters = !first.empty() && !first[0].empty() &&
+                       (std::isalpha(static_cast<unsigned char>(first[0][0])) != 0 || first[0][0] == '"');
+  if (letters && !is_number(first[0])) return named_columns(text, separator);
+  TextReader row = text;
+  if (first.size() == 1 && !next_row(row)) return guessed_columns(text, ' ', normals_first);
+  return guessed_columns(row, separator_of(row.rest()), normals_first);
+}
+
+bool is_one_cell(std::string_view line, char separator) {
+  Cells cells(line, separator);
+  cells.next();
+  return !cells.next();
+}
+
+class RowReader {
+ public:
+  RowReader(const TextReader& text, const Columns& columns, TriMesh& mesh, VertexData& data)
+      : text_(text), columns_(columns), mesh_(mesh), data_(data), values_(columns.count) {}
+
+  void read(std::string_view line) {
+    Cells cells(line, columns_.separator);
+    std::size_t count = 0;
+    while (const auto cell = cells.next()) {
+      // Columns without a meaning here may hold any text.
+      if (count < values_.size()) values_[count] = is_used(count) ? number(*cell) : 0;
+      ++count;
+    }
+    if (count != columns_.count)
+      text_.fail("a row of " + std::to_string(count) + " columns; expected " + std::to_string(columns_.count));
+    mesh_.vertices.push_back(vector(columns_.position));
+    if (columns_.has(columns_.normal)) data_.normals.push_back(vector(columns_.normal));
+    if (columns_.has(columns_.colour)) add_colour();
+    if (columns_.scan != absent) {
+      const double scan = values_[columns_.scan];
+      if (!(scan >= 0 && scan <= 4294967295.0)) text_.fail("the number of a scan is out of range; expected 0 or more");
+      data_.scans.push_back(static_cast<std::uint32_t>(scan));
+    }
+  }
+
+ private:
+  bool is_used(std::size_t column) const {
+    const auto in = [column](const auto& group) {
+      return std::find(group.begin(), group.end(), column) != group.end();
+    };
+    return in(columns_.position) || in(columns_.normal) || in(columns_.colour) || column == columns_.scan;
+  }
+  /// An empty cell is a value that was not measured.
+  double number(std::string_view cell) const {
+    if (cell.empty() && columns_.separator != ' ') return std::numeric_limits<double>::quiet_NaN();
+    return text_.number_of<double>(cell, "a value");
+  }
+  Vec3 vector(const std::array<std::size_t, 3>& group) const {
+    return {values_[group[0]], values_[group[1]], values_[group[2]]};
+  }
+  void add_colour() {
+    auto& colour = data_.colours.emplace_back();
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double light = values_[columns_.colour[c]];
+      if (!(light >= 0 && light <= 255)) text_.fail("a colour is out of range; expected 0 to 255");
+      colour[c] = colour_byte(light, 255);
+    }
+  }
+
+  const TextReader& text_;
+  const Columns& columns_;
+  TriMesh& mesh_;
+  VertexData& data_;
+  std::vector<double> values_;
+};
+
+}  // namespace
+
+TriMesh decode_rows(const MeshFile& file, VertexData& data, bool normals_first) {
+  TextReader text(file);
+  TriMesh mesh;
+  if (!next_row(text)) return mesh;
+  const Columns columns = columns_of(text, normals_first);
+  RowReader rows(text, columns, mesh, data);
+
+  // A lone number is the count of the points that follow; several such blocks are several scans.
+  std::optional<std::size_t> declared;
+  std::size_t block_begin = 0;
+  std::uint32_t blocks = 0;
+  const auto end_block = [&] {
+    const std::size_t found = mesh.vertices.size() - block_begin;
+    if (declared && found != *declared)
+      text.fail(std::to_string(found) + " points in this block; " + std::to_string(*declared) + " were declared");
+    if (columns.scan == absent) data.scans.resize(mesh.vertices.size(), blocks);
+    block_begin = mesh.vertices.size();
+    ++blocks;
+  };
+  for (bool more = !columns.named || next_row(text); more; more = next_row(text)) {
+    const std::string_view line = text.rest();
+    if (is_one_cell(line, columns.separator)) {
+      if (declared || !mesh.vertices.empty()) end_block();
+      declared = text.number<std::uint32_t>("the number of points that follow");
+    } else {
+      rows.read(line);
+    }
+  }
+  end_block();
+  if (columns.scan == absent && blocks == 1) data.scans.clear();
+  return mesh;
+}
+
+}  // namespace dynasurf::io_detail
