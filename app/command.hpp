@@ -16,6 +16,8 @@ using Command = std::function<ExitCode(std::stop_token stop)>;
 
 // One function per subcommand: declares its arguments and sets `chosen` when the user names it.
 void add_ventricle(CLI::App& program, Command& chosen);
+void add_cloud(CLI::App& program, Command& chosen);
+void add_lod(CLI::App& program, Command& chosen);
 void add_edges(CLI::App& program, Command& chosen);
 void add_borders(CLI::App& program, Command& chosen);
 void add_info(CLI::App& program, Command& chosen);

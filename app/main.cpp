@@ -21,7 +21,9 @@ std::string version_text() {
 
 ExitCode run(int argc, char** argv) {
   CLI::App program{
-      "Beating surfaces, volumes and ejection fraction of the left ventricle from a gated heart study.\n"
+      "Beating surfaces, volumes and ejection fraction of the left ventricle from a gated heart study, and light "
+      "closed\n"
+      "meshes from scanned points.\n"
       "Research use only. Not for diagnosis.",
       "dynasurf"};
   program.require_subcommand(1);
@@ -31,6 +33,8 @@ ExitCode run(int argc, char** argv) {
       "Exit codes: 0 done, 1 usage or options, 2 input or output, 3 not trustworthy or not finished.");
   Command chosen;
   add_ventricle(program, chosen);
+  add_cloud(program, chosen);
+  add_lod(program, chosen);
   add_edges(program, chosen);
   add_borders(program, chosen);
   add_info(program, chosen);

@@ -15,17 +15,14 @@
 #include "dynasurf/ventricle/presets.hpp"
 
 namespace dynasurf::app {
-namespace {
 
-std::string text_of_file(const std::string& path) {
+std::string text_of_options_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text((std::istreambuf_iterator<char>(file)), {});
   if (!file.good() && !file.eof()) throw IoError(path + ": cannot be read");
   if (text.empty()) throw IoError(path + ": expected a JSON file of options, and it is missing or empty");
   return text;
 }
-
-}  // namespace
 
 Image read_mask(const std::filesystem::path& file) {
   Study study = read_study(file);
@@ -87,7 +84,7 @@ void add_option_arguments(CLI::App& command, OptionArguments& a) {
 VentricleOptions options_of(const OptionArguments& arguments) {
   VentricleOptions options = ventricle_preset(arguments.preset);
   if (!arguments.file.empty()) {
-    const std::string text = text_of_file(arguments.file);
+    const std::string text = text_of_options_file(arguments.file);
     try {
       options_from_text(text, options);
     } catch (const OptionError& error) {

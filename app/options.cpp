@@ -3,8 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/ventricle/presets.hpp"
 
@@ -26,8 +28,13 @@ std::vector<OptionRow> rows_of(const Arguments& arguments) {
     if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'ventricle'; expected nothing");
     return option_table(ventricle_preset(arguments.preset));
   }
+  if (arguments.subject == "cloud") {
+    if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'cloud'; expected nothing");
+    return option_table(cloud_preset(arguments.preset == "default" ? "shaped" : arguments.preset));
+  }
   if (arguments.subject != "phantom")
-    throw OptionError("no options are known of '" + arguments.subject + "'; choices: ventricle, phantom KIND");
+    throw OptionError("no options are known of '" + arguments.subject + "'; choices: ventricle, cloud, phantom KIND");
+  if (arguments.kind == "cloud") return option_table(CloudPhantom{});
   PhantomOptions phantom;
   const ChoiceRef kinds = choice_of(phantom);
   return option_table(kinds.choose(position_of(kinds.methods, arguments.kind, "KIND")));
@@ -82,9 +89,9 @@ ExitCode run(const Arguments& arguments) {
 void add_options(CLI::App& program, Command& chosen) {
   auto a = std::make_shared<Arguments>();
   CLI::App* command = program.add_subcommand("options", "The manual of all options, for --set and --options");
-  command->add_option("SUBJECT", a->subject, "ventricle (the default) or phantom");
+  command->add_option("SUBJECT", a->subject, "ventricle (the default), cloud or phantom");
   command->add_option("KIND", a->kind, "kind of phantom");
-  command->add_option("--preset", a->preset, "show the values of a preset of the ventricle");
+  command->add_option("--preset", a->preset, "show the values of a preset of the ventricle or the cloud");
   command->add_flag("--json", a->json, "print JSON");
   command->add_flag("--markdown", a->markdown, "print a Markdown table")->excludes("--json");
   command->callback([a, &chosen] { chosen = [a](std::stop_token) { return run(*a); }; });

@@ -10,9 +10,12 @@
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
+#include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 
 #include "command.hpp"
@@ -127,8 +130,45 @@ std::string summary_of(const Phantom& phantom) {
   return text;
 }
 
+CloudPhantom cloud_options_of(const Arguments& arguments) {
+  CloudPhantom options;
+  for (const std::string& setting : arguments.settings) set_option(options, setting);
+  if (!arguments.seed.empty()) set_option(options, "seed=" + arguments.seed);
+  return options;
+}
+
+/// A scan with its truth: the points, and the surface they were taken from.
+ExitCode make_scan(const Arguments& arguments, std::stop_token stop) {
+  if (arguments.nrrd) throw OptionError("--nrrd: the phantom 'cloud' is no volume");
+  const CloudPhantom options = cloud_options_of(arguments);
+  OutputFolder folder(arguments.out, fs::exists(fs::path(arguments.out) / "truth.json"));
+  const TriMesh reference = cloud_reference(options.shape);
+  const PointCloud cloud = make_cloud(options);
+  write_cloud(cloud, folder.path() / "cloud.ply");
+  fs::create_directory(folder.path() / "truth");
+  write_mesh(reference, folder.path() / "truth" / "surface.ply", MeshFormat::ply);
+  Json json;
+  json["schema"] = "dynasurf.phantom/1";
+  json["kind"] = "cloud";
+  json["points"] = cloud.points.size();
+  json["genus"] = genus_of(options.shape);
+  json["volume"] = volume_mm3(reference);
+  json["area"] = area_mm2(reference);
+  json["triangles"] = reference.triangles.size();
+  json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
+  json["options"] = Json::parse(options_to_text(options));
+  write_file(folder.path() / "truth.json", json.dump(2) + "\n");
+  if (stop.stop_requested()) throw Cancelled("stopped on request");
+  folder.publish();
+  if (!arguments.quiet)
+    print(std::string(word_of(options.shape)) + ": " + std::to_string(cloud.points.size()) + " points, genus " +
+          std::to_string(genus_of(options.shape)) + "\nphantom: " + arguments.out + "\n");
+  return done;
+}
+
 ExitCode run(const Arguments& arguments, std::stop_token stop) {
   const ThreadLimit limit(arguments.threads);
+  if (arguments.kind == "cloud") return make_scan(arguments, stop);
   const PhantomOptions options = options_of(arguments);
   OutputFolder folder(arguments.out, fs::exists(fs::path(arguments.out) / "truth.json"));
   const Phantom phantom = make_phantom(options);
@@ -143,16 +183,18 @@ std::string kinds_text() {
   PhantomOptions phantom;
   std::string text;
   for (const std::string_view kind : choice_of(phantom).methods) text.append(text.empty() ? "" : ", ").append(kind);
-  return text;
+  return text + ", or cloud: points of a scanned body";
 }
 
 }  // namespace
 
 void add_phantom(CLI::App& program, Command& chosen) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand("phantom", "Make a synthetic study with known truth");
+  CLI::App* command = program.add_subcommand("phantom", "Make a synthetic study or scan with known truth");
   command->add_option("KIND", a->kind, kinds_text())->required();
-  command->add_option("--out", a->out, "folder for study.dcm, study.nii.gz, truth.json and the true surfaces")
+  command
+      ->add_option("--out", a->out,
+                   "folder for study.dcm, study.nii.gz (cloud: cloud.ply), truth.json and the true surfaces")
       ->required();
   command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options)")
       ->take_all()

@@ -12,6 +12,7 @@
 #include "dynasurf/report/measures.hpp"
 
 #include "console.hpp"
+#include "input_names.hpp"
 #include "option_arguments.hpp"
 #include "stages.hpp"
 #include "version.hpp"
@@ -21,15 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-/// File names often carry a patient's name, so they are replaced by numbers; the hash identifies the file.
-std::string neutral_name(const fs::path& file, std::size_t position) {
-  std::string ending = file.extension().string();
-  if (ending == ".gz") ending = file.stem().extension().string() + ending;
-  const bool known = ending == ".dcm" || ending == ".nii" || ending == ".nii.gz" || ending == ".nrrd" ||
-                     ending == ".nhdr" || ending == ".IMA" || ending == ".ima";
-  return "input-" + std::to_string(position + 1) + (known ? ending : "");
-}
 
 Provenance provenance_of(const Job& job) {
   Provenance provenance;

@@ -13,6 +13,7 @@
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
 
+#include "cloud_run.hpp"
 #include "command.hpp"
 #include "console.hpp"
 #include "reconstruction.hpp"
@@ -25,7 +26,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct Arguments {
-  std::string result, study, mask, start, out;
+  std::string result, mask, start, out;
+  std::vector<std::string> inputs;
   int threads = 0;
   bool quiet = false;
 };
@@ -36,50 +38,68 @@ std::string bytes_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// What a result folder tells of its making.
+/// What a result folder tells of its making, whatever made it.
 struct Record {
-  Job job;
-  std::vector<std::string> hashes;
-  std::string mask_hash, start_hash;  // empty: none was given
-  std::string version, commit;
+  std::string schema, version, commit, command;
+  Json options, outputs;
+  bool timings = true;
+  std::vector<std::string> names, hashes;  // of the inputs
+  std::string mask_hash, start_hash;       // empty: none was given
 };
 
+[[noreturn]] void refuse(const fs::path& result, const std::string& what) {
+  throw InputError((result / "results.json").string() + ": " + what);
+}
+
 Record record_of(const fs::path& result) {
-  const fs::path file = result / "results.json";
-  const Json json = Json::parse(bytes_of(file), nullptr, false);
-  const auto broken = [&](const std::string& what) { throw InputError(file.string() + ": " + what); };
-  if (json.is_discarded()) broken("is no JSON");
+  const Json json = Json::parse(bytes_of(result / "results.json"), nullptr, false);
+  if (json.is_discarded()) refuse(result, "is no JSON");
   Record record;
   try {
-    if (json.at("schema") != "dynasurf.ventricle/1") broken("expected the schema dynasurf.ventricle/1");
+    record.schema = json.at("schema").get<std::string>();
+    if (record.schema != "dynasurf.ventricle/1" && record.schema != "dynasurf.cloud/1")
+      refuse(result, "expected the schema dynasurf.ventricle/1 or dynasurf.cloud/1");
     const Json& provenance = json.at("provenance");
     record.version = provenance.at("version").get<std::string>();
     record.commit = provenance.at("commit").get<std::string>();
-    record.job.command = provenance.at("command").get<std::string>();
-    options_from_json(provenance.at("options"), record.job.options);
+    record.command = provenance.at("command").get<std::string>();
+    record.options = provenance.at("options");
+    record.outputs = provenance.at("outputs");
+    record.timings = !json.at("timings_s").is_null();
     for (const Json& input : provenance.at("inputs")) {
       record.hashes.push_back(input.at("sha256").get<std::string>());
-      record.job.recorded_names.push_back(input.at("file").get<std::string>());
+      record.names.push_back(input.at("file").get<std::string>());
     }
     const Json given = provenance.value("given", Json::object());
     const auto hash = [&](const char* key) {
       return given.contains(key) && given.at(key).is_string() ? given.at(key).get<std::string>() : std::string();
     };
     record.mask_hash = hash("mask_sha256"), record.start_hash = hash("start_mesh_sha256");
-    const Json& outputs = provenance.at("outputs");
-    record.job.outputs.mesh_formats.clear();
-    for (const Json& word : outputs.at("mesh_formats"))
-      record.job.outputs.mesh_formats.push_back(static_cast<MeshFormat>(
-          position_of(names_of(MeshFormat{}), word.get<std::string>(), "outputs.mesh_formats")));
-    record.job.outputs.keep_stages = outputs.at("keep_stages").get<bool>();
-    record.job.outputs.timings = !json.at("timings_s").is_null();
   } catch (const Json::exception& error) {
-    broken(std::string("is not a result of this program: ") + error.what());
-  } catch (const OptionError& error) {
-    broken(error.what());
+    refuse(result, std::string("is not a result of this program: ") + error.what());
   }
-  if (record.hashes.empty()) broken("names no input");
+  if (record.hashes.empty()) refuse(result, "names no input");
   return record;
+}
+
+std::vector<MeshFormat> formats_of(const Record& record) {
+  std::vector<MeshFormat> formats;
+  for (const Json& word : record.outputs.at("mesh_formats"))
+    formats.push_back(
+        static_cast<MeshFormat>(position_of(names_of(MeshFormat{}), word.get<std::string>(), "outputs.mesh_formats")));
+  return formats;
+}
+
+/// Calls `read`, which turns what was recorded into a job, and blames the record for what it does not understand.
+template <class Read>
+auto read_record(const fs::path& result, const Read& read) {
+  try {
+    return read();
+  } catch (const Json::exception& error) {
+    refuse(result, std::string("is not a result of this program: ") + error.what());
+  } catch (const OptionError& error) {
+    refuse(result, error.what());
+  }
 }
 
 bool is_study(const fs::path& path, const Record& record) {
@@ -106,18 +126,45 @@ std::vector<fs::path> places_beside(const Arguments& arguments) {
   return all;
 }
 
-/// The study is known by its hash, not by its name.
+[[noreturn]] void throw_missing(const Arguments& arguments, const std::string& hash, const std::string& name) {
+  throw InputError(arguments.result + ": its input (SHA-256 " + hash.substr(0, 12) +
+                   "...) is neither beside it nor in the working folder; name it with " + name);
+}
+
+/// The study is known by its hash, not by its name, and looked for beside the result and in the working folder.
 fs::path find_study(const Arguments& arguments, const Record& record) {
-  if (!arguments.study.empty()) {
-    if (hashes_of_study(arguments.study) != record.hashes)
-      throw InputError(arguments.study + ": is not the study the result was made from (SHA-256 " +
+  if (arguments.inputs.size() > 1) throw OptionError("--input names more than one study");
+  if (!arguments.inputs.empty()) {
+    const std::string& study = arguments.inputs[0];
+    if (hashes_of_study(study) != record.hashes)
+      throw InputError(study + ": is not the study the result was made from (SHA-256 " +
                        record.hashes.front().substr(0, 12) + "... expected)");
-    return arguments.study;
+    return study;
   }
   for (const fs::path& candidate : places_beside(arguments))
     if ((record.hashes.size() > 1 || fs::is_regular_file(candidate)) && is_study(candidate, record)) return candidate;
-  throw InputError(arguments.result + ": its study (SHA-256 " + record.hashes.front().substr(0, 12) +
-                   "...) is neither beside it nor in the working folder; name it with --study");
+  throw_missing(arguments, record.hashes.front(), "--study");
+}
+
+/// The files of a cloud, each known by its hash.
+std::vector<fs::path> find_clouds(const Arguments& arguments, const Record& record) {
+  std::vector<fs::path> candidates(arguments.inputs.begin(), arguments.inputs.end());
+  if (candidates.empty())
+    for (const fs::path& path : places_beside(arguments))
+      if (fs::is_regular_file(path)) candidates.push_back(path);
+  std::map<std::string, fs::path> by_hash;
+  for (const fs::path& path : candidates) try {
+      by_hash.emplace(sha256_of_file(path), path);
+    } catch (const IoError&) {
+      if (!arguments.inputs.empty()) throw;  // what the user names must be readable
+    }
+  std::vector<fs::path> found;
+  for (const std::string& hash : record.hashes) {
+    const auto at = by_hash.find(hash);
+    if (at == by_hash.end()) throw_missing(arguments, hash, "--input");
+    found.push_back(at->second);
+  }
+  return found;
 }
 
 /// A file that was given beside the study, known by its hash too; empty when none was.
@@ -184,25 +231,58 @@ class ScratchFolder {
   fs::path path_;
 };
 
+/// Repeats the run into `out`; tells whether its result may be trusted.
+bool repeat_ventricle(const Arguments& arguments, const Record& record, const fs::path& out, const Progress& progress) {
+  Job job = read_record(arguments.result, [&] {
+    Job read;
+    options_from_json(record.options, read.options);
+    read.outputs.mesh_formats = formats_of(record);
+    read.outputs.keep_stages = record.outputs.at("keep_stages").get<bool>();
+    return read;
+  });
+  job.study = find_study(arguments, record);
+  job.mask = find_given(arguments, record.mask_hash, arguments.mask, "mask");
+  job.start_mesh = find_given(arguments, record.start_hash, arguments.start, "start");
+  job.out = out;
+  job.outputs.timings = record.timings;
+  job.command = record.command;
+  job.recorded_names = record.names;
+  job.threads = arguments.threads;
+  return reconstruct_to_folder(job, progress).result.verdict != Verdict::fail;
+}
+
+bool repeat_cloud(const Arguments& arguments, const Record& record, const fs::path& out, const Progress& progress) {
+  CloudJob job = read_record(arguments.result, [&] {
+    CloudJob read;
+    options_from_json(record.options, read.options);
+    read.outputs.mesh_formats = formats_of(record);
+    return read;
+  });
+  job.clouds = find_clouds(arguments, record);
+  job.out = out;
+  job.outputs.timings = record.timings;
+  job.command = record.command;
+  job.recorded_names = record.names;
+  job.threads = arguments.threads;
+  return is_watertight(reconstruct_cloud_to_folder(job, progress).run.result);
+}
+
 ExitCode run(const Arguments& arguments, std::stop_token stop) {
-  Record record = record_of(arguments.result);
-  record.job.study = find_study(arguments, record);
-  record.job.mask = find_given(arguments, record.mask_hash, arguments.mask, "mask");
-  record.job.start_mesh = find_given(arguments, record.start_hash, arguments.start, "start");
-  record.job.threads = arguments.threads;
+  const Record record = record_of(arguments.result);
   const ScratchFolder scratch(arguments.result);
-  record.job.out = arguments.out.empty() ? scratch.path() : fs::path(arguments.out);
+  const fs::path out = arguments.out.empty() ? scratch.path() : fs::path(arguments.out);
   // Compared before anything is replaced: --out may name the result itself.
   if (!arguments.out.empty() && fs::exists(arguments.out) && fs::equivalent(arguments.out, arguments.result))
     throw OptionError("--out names the result itself; leave it out to compare without keeping");
 
   ProgressLine line(arguments.quiet);
   const Progress progress{[&](std::string_view stage, int done, int total) { line(stage, done, total); }, stop};
-  const Outcome outcome = reconstruct_to_folder(record.job, progress);
+  const bool trusted = record.schema == "dynasurf.cloud/1" ? repeat_cloud(arguments, record, out, progress)
+                                                           : repeat_ventricle(arguments, record, out, progress);
   line.finish();
 
   std::size_t compared = 0;
-  const std::vector<std::string> different = differences(arguments.result, record.job.out, compared);
+  const std::vector<std::string> different = differences(arguments.result, out, compared);
   std::string text;
   if (different.empty()) {
     text = "same bytes: " + std::to_string(compared) + " files (times apart)\n";
@@ -215,7 +295,7 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   }
   if (!arguments.out.empty()) text += "result: " + arguments.out + "\n";
   if (!arguments.quiet || !different.empty()) print(text);
-  return different.empty() && outcome.result.verdict != Verdict::fail ? done : not_trustworthy;
+  return different.empty() && trusted ? done : not_trustworthy;
 }
 
 }  // namespace
@@ -224,7 +304,9 @@ void add_rerun(CLI::App& program, Command& chosen) {
   auto a = std::make_shared<Arguments>();
   CLI::App* command = program.add_subcommand("rerun", "Repeat a run from its result folder and compare all bytes");
   command->add_option("RESULT", a->result, "folder of a former run")->required();
-  command->add_option("--study", a->study, "the study, when it is neither beside RESULT nor in the working folder");
+  command->add_option(
+      "--input,--study", a->inputs,
+      "the study or the files of the cloud, when they are neither beside RESULT nor in the working folder");
   command->add_option("--mask", a->mask, "the mask of the run, likewise");
   command->add_option("--start", a->start, "the mesh its surfaces started from, likewise");
   command->add_option("--out", a->out, "keep the new result here; without it nothing is kept");

@@ -1,4 +1,4 @@
-# Bundles web/ into one HTML file that the report library carries, and names the tests of the page.
+# Bundles web/ into HTML files that the report library carries, and names the tests of the page.
 
 find_program(DYNASURF_NODE NAMES node nodejs DOC "Node.js, at least 18: bundles the page of the report")
 find_program(DYNASURF_NPM npm DOC "npm: fetches what the page of the report is made of")
@@ -13,7 +13,8 @@ if(node_version VERSION_LESS 18)
 endif()
 
 set(web ${CMAKE_SOURCE_DIR}/web)
-set(DYNASURF_PAGE_TEMPLATE ${CMAKE_BINARY_DIR}/web/report_template.html)
+set(DYNASURF_PAGES ${CMAKE_BINARY_DIR}/web/pages)
+set(web_pages ${DYNASURF_PAGES}/report.html ${DYNASURF_PAGES}/cloud.html ${DYNASURF_PAGES}/lod.html)
 
 # npm writes its hidden lock file last, so the file stands for the whole folder. Scripts of packages never run.
 set(web_modules ${web}/node_modules/.package-lock.json)
@@ -26,21 +27,21 @@ add_custom_command(
   COMMENT "Fetching the packages of web/"
   VERBATIM)
 
-file(GLOB web_sources CONFIGURE_DEPENDS ${web}/src/*)
+file(GLOB_RECURSE web_sources CONFIGURE_DEPENDS ${web}/src/*)
 add_custom_command(
-  OUTPUT ${DYNASURF_PAGE_TEMPLATE}
-  COMMAND ${DYNASURF_NODE} ${web}/build.mjs ${DYNASURF_PAGE_TEMPLATE}
+  OUTPUT ${web_pages}
+  COMMAND ${DYNASURF_NODE} ${web}/build.mjs ${DYNASURF_PAGES}
   DEPENDS ${web_sources} ${web}/build.mjs ${web_modules}
-  COMMENT "Bundling the page of the report"
+  COMMENT "Bundling the pages"
   VERBATIM)
-add_custom_target(web DEPENDS ${DYNASURF_PAGE_TEMPLATE})
+add_custom_target(web DEPENDS ${web_pages})
 
-# dynasurf_embed_page(target): the page as bytes inside a library.
+# dynasurf_embed_page(target): the pages as bytes inside a library.
 function(dynasurf_embed_page target)
   set(source ${CMAKE_SOURCE_DIR}/src/dynasurf/report/page_template.cpp)
   set_source_files_properties(${source} PROPERTIES
-    COMPILE_DEFINITIONS "DYNASURF_PAGE_TEMPLATE=\"${DYNASURF_PAGE_TEMPLATE}\""
-    OBJECT_DEPENDS ${DYNASURF_PAGE_TEMPLATE})
+    COMPILE_DEFINITIONS "DYNASURF_PAGES=\"${DYNASURF_PAGES}\""
+    OBJECT_DEPENDS "${web_pages}")
   add_dependencies(${target} web)
 endfunction()
 
@@ -59,4 +60,15 @@ function(dynasurf_page_tests)
   set_tests_properties(web/samples PROPERTIES FIXTURES_SETUP sample_reports)
   set_tests_properties(web/schema web/report PROPERTIES FIXTURES_REQUIRED sample_reports)
   set_tests_properties(web/report PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300)
+
+  add_executable(make_sample_clouds ${CMAKE_SOURCE_DIR}/tests/web/make_sample_clouds.cpp)
+  target_link_libraries(make_sample_clouds PRIVATE dynasurf::report dynasurf::mesh dynasurf_flags)
+  set(clouds ${CMAKE_BINARY_DIR}/web/sample_clouds)
+  add_test(NAME web/sample-clouds COMMAND make_sample_clouds ${clouds})
+  add_test(NAME web/cloud-schema COMMAND ${DYNASURF_NODE} ${web}/test/cloud_schema.test.mjs
+           ${CMAKE_SOURCE_DIR}/docs/cloud-results.schema.json ${clouds}/results)
+  add_test(NAME web/cloud COMMAND ${DYNASURF_NODE} ${web}/test/cloud.test.mjs ${clouds})
+  set_tests_properties(web/sample-clouds PROPERTIES FIXTURES_SETUP sample_clouds)
+  set_tests_properties(web/cloud-schema web/cloud PROPERTIES FIXTURES_REQUIRED sample_clouds)
+  set_tests_properties(web/cloud PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300)
 endfunction()

@@ -1,6 +1,6 @@
-// Bundles the page into one HTML file: node build.mjs OUTPUT
+// Bundles each page into one HTML file: node build.mjs FOLDER
 //
-// The page may load nothing and run nothing but what is written into it here: its Content-Security-Policy names the
+// A page may load nothing and run nothing but what is written into it here: its Content-Security-Policy names the
 // hashes of the one script and the one style sheet. {{DATA}} is where the program puts a result.
 import { build } from "esbuild";
 import { createHash } from "node:crypto";
@@ -9,9 +9,9 @@ import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
 const here = dirname(fileURLToPath(import.meta.url));
-const output = process.argv[2];
-if (!output) {
-  console.error("usage: node build.mjs OUTPUT");
+const folder = process.argv[2];
+if (!folder) {
+  console.error("usage: node build.mjs FOLDER");
   process.exit(1);
 }
 
@@ -31,21 +31,29 @@ const bundle = async (entry) => {
 };
 const source = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 
-const script = await bundle("main.ts");
-const style = await bundle("style.css");
-const policy = [
-  "default-src 'none'",
-  `script-src ${source(script)}`,
-  `style-src ${source(style)}`,
-  "base-uri 'none'",
-  "form-action 'none'",
-].join("; ");
-
-// Functions as replacements: a string would give its dollar signs a meaning.
-const page = readFileSync(join(here, "src/index.html"), "utf8")
-  .replace("{{LICENCE}}", () => readFileSync(join(here, "node_modules/three/LICENSE"), "utf8").trim())
-  .replace("{{POLICY}}", () => policy)
-  .replace("{{STYLE}}", () => style)
-  .replace("{{SCRIPT}}", () => script);
-mkdirSync(dirname(output), { recursive: true });
-writeFileSync(output, page);
+// Name of the page, its document, its script and its style.
+const pages = [
+  ["report.html", "index.html", "main.ts", "style.css"],
+  ["cloud.html", "cloud/index.html", "cloud/main.ts", "cloud/style.css"],
+  ["lod.html", "lod/index.html", "lod/main.ts", "lod/style.css"],
+];
+const licence = readFileSync(join(here, "node_modules/three/LICENSE"), "utf8").trim();
+mkdirSync(folder, { recursive: true });
+for (const [name, document, script_entry, style_entry] of pages) {
+  const script = await bundle(script_entry);
+  const style = await bundle(style_entry);
+  const policy = [
+    "default-src 'none'",
+    `script-src ${source(script)}`,
+    `style-src ${source(style)}`,
+    "base-uri 'none'",
+    "form-action 'none'",
+  ].join("; ");
+  // Functions as replacements: a string would give its dollar signs a meaning.
+  const page = readFileSync(join(here, "src", document), "utf8")
+    .replace("{{LICENCE}}", () => licence)
+    .replace("{{POLICY}}", () => policy)
+    .replace("{{STYLE}}", () => style)
+    .replace("{{SCRIPT}}", () => script);
+  writeFileSync(join(folder, name), page);
+}

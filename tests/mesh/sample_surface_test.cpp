@@ -15,7 +15,7 @@ TEST(SampleSurface, GivesEachTriangleItsShareOfTheArea) {
   const auto points = sample_surface(mesh, count);
   ASSERT_EQ(points.size(), count);
   std::vector<double> hits(mesh.triangles.size(), 0);
-  for (const SurfacePoint& p : points) hits[p.triangle] += 1;
+  for (const SurfaceSample& p : points) hits[p.triangle] += 1;
   const double whole = area_mm2(mesh);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const double share = area_mm2({mesh.vertices, {mesh.triangles[t]}}) / whole;
@@ -28,7 +28,7 @@ TEST(SampleSurface, SpreadsPointsEvenlyWithinATriangle) {
   Vec3 sum(0, 0, 0);
   std::size_t near_corner = 0;
   const std::size_t count = 4000;
-  for (const SurfacePoint& p : sample_surface(mesh, count)) {
+  for (const SurfaceSample& p : sample_surface(mesh, count)) {
     EXPECT_GE(p.weight.minCoeff(), 0);
     EXPECT_NEAR(p.weight.sum(), 1, 1e-12);
     sum += position_of(mesh, p);

@@ -100,6 +100,27 @@ def meshes():
     }
 
 
+def clouds():
+    las = bytearray(227)
+    las[:4] = b"LASF"
+    las[24:26] = b"\x01\x02"
+    struct.pack_into("<HI", las, 94, 227, 227)
+    struct.pack_into("<BHI", las, 104, 0, 20, 0xFFFFFFFF)
+    struct.pack_into("<6d", las, 131, *[1.0] * 6)
+    return {
+        "count.las": bytes(las) + bytes(200),
+        "count.pts": b"4294967295\n0 0 0\n",
+        "wide.xyz": b"1 " * 3_000_000 + b"\n",
+        "long.csv": b"x,y,z\n" + b"1" * 5_000_000 + b",2,3\n",
+        "counts.xyz": b"0\n" * 500_000,
+        "binary.ply": b"ply\nformat binary_little_endian 1.0\nelement vertex 4294967295\nproperty double x\n"
+                      b"property double y\nproperty double z\nend_header\n" + bytes(48),
+        "empty.xyz": b"",
+        "noise.xyz": random.Random(3).randbytes(5000),
+        "noise.las": b"LASF" + random.Random(4).randbytes(5000),
+    }
+
+
 class Lies(CliTest):
     def measured(self, *arguments):
         """Exit code, standard error, most memory in MB and seconds of one run."""
@@ -135,6 +156,14 @@ class Lies(CliTest):
                 path = self.folder / name
                 path.write_bytes(data)
                 self.refused("measure", path)
+
+    def test_clouds_that_declare_more_than_they_hold(self):
+        for name, data in clouds().items():
+            with self.subTest(name):
+                path = self.folder / name
+                path.write_bytes(data)
+                self.refused("cloud", path, "--out", self.folder / "out", "--quiet")
+        self.assertFalse((self.folder / "out").exists())
 
     def test_the_main_job_leaves_nothing_behind_for_a_liar(self):
         path, out = self.folder / "study.nrrd", self.folder / "out"

@@ -204,14 +204,14 @@ export interface Report {
   surfaces: Surfaces | null;
 }
 
-function bytesOf(text: string): Uint8Array<ArrayBuffer> {
+export function bytesOf(text: string): Uint8Array<ArrayBuffer> {
   const binary = atob(text);
   const bytes = new Uint8Array(binary.length);
   for (let n = 0; n < binary.length; ++n) bytes[n] = binary.charCodeAt(n);
   return bytes;
 }
 
-async function unpack(text: string): Promise<Uint8Array<ArrayBuffer>> {
+export async function unpack(text: string): Promise<Uint8Array<ArrayBuffer>> {
   const stream = new Blob([bytesOf(text)]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }

@@ -244,7 +244,7 @@ function pairs(rows: [string, string | Node][]): HTMLElement {
   return html("dl", {}, ...rows.flatMap(([name, value]) => [html("dt", {}, name), html("dd", {}, value)]));
 }
 
-export function showProvenance(place: HTMLElement, results: Results): void {
+export function showProvenance(place: HTMLElement, results: Pick<Results, "provenance" | "timings_s" | "schema">): void {
   const { provenance, timings_s } = results;
   const rows: [string, string | Node][] = [
     ["Program", `${provenance.program} ${provenance.version}`],
@@ -268,7 +268,7 @@ export function showProvenance(place: HTMLElement, results: Results): void {
     ? html(
         "table",
         { class: "timings" },
-        html("caption", {}, "Time per stage, summed over gates"),
+        html("caption", {}, "Time per stage"),
         ...timings.map(([stage, seconds]) =>
           html(
             "tr",
@@ -289,7 +289,7 @@ function leaves(value: unknown, path: string): [string, string][] {
   return [[path, value === null ? "automatic" : Array.isArray(value) ? JSON.stringify(value) : String(value)]];
 }
 
-export function showOptions(place: HTMLElement, results: Results): void {
+export function showOptions(place: HTMLElement, results: Pick<Results, "provenance">): void {
   const rows = results.provenance.options === null ? [] : leaves(results.provenance.options, "");
   if (rows.length === 0) {
     place.replaceChildren(html("p", { class: "empty" }, "Parameters were not recorded."));

@@ -74,13 +74,13 @@ std::uint32_t renumber(std::vector<std::uint32_t>& scans) {
 }
 
 /// Triangles with a corner that is nowhere are no surface.
-void drop_broken_triangles(TriMesh& mesh, const std::string& name, Notes& notes) {
+void drop_broken_triangles(TriMesh& mesh, Notes& notes) {
   const auto broken = [&](const auto& t) {
     return std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return !mesh.vertices[v].allFinite(); });
   };
   if (const auto count = std::erase_if(mesh.triangles, broken); count > 0)
     tell(notes, Severity::warning, "read.left_out",
-         name + ": " + std::to_string(count) + " triangles have a corner that is not finite and were left out");
+         std::to_string(count) + " triangles have a corner that is not finite and were left out");
 }
 
 Vec3 normal_of(const TriMesh& mesh, std::size_t triangle) {
@@ -107,7 +107,7 @@ PointCloud sampled(const TriMesh& mesh, const VertexData& data) {
     if (oriented) cloud.normals.push_back(area[v]);
   }
   if (cloud.points.size() >= points_of_a_surface) return cloud;
-  for (const SurfacePoint& p : sample_surface(mesh, points_of_a_surface - cloud.points.size())) {
+  for (const SurfaceSample& p : sample_surface(mesh, points_of_a_surface - cloud.points.size())) {
     cloud.points.push_back(position_of(mesh, p));
     if (oriented) cloud.normals.push_back(normal_of(mesh, p.triangle));
     if (!coloured) continue;
@@ -161,8 +161,7 @@ PointCloud io_detail::decode_cloud(const MeshFile& file, CloudSource& source, No
   VertexData data;
   TriMesh mesh = decode(format.kind, file, data);
   source.format = format.name;
-  const std::string name = path.filename().string();
-  if (!data.remark.empty()) tell(notes, Severity::info, "read.left_out", name + ": " + data.remark);
+  if (!data.remark.empty()) tell(notes, Severity::info, "read.left_out", data.remark);
   if (mesh.vertices.empty()) refuse(file, "", 0, "holds no point; expected a cloud or a surface");
   if (mesh.vertices.size() > most_points)
     refuse(file, "", 0, "holds " + std::to_string(mesh.vertices.size()) + " points; expected at most 100000000");
@@ -170,19 +169,19 @@ PointCloud io_detail::decode_cloud(const MeshFile& file, CloudSource& source, No
   if (mesh.triangles.empty()) {
     cloud = {std::move(mesh.vertices), std::move(data.normals), std::move(data.colours), std::move(data.scans)};
   } else {
-    drop_broken_triangles(mesh, name, notes);
+    drop_broken_triangles(mesh, notes);
     source.triangles = mesh.triangles.size();
     cloud = sampled(mesh, data);
     if (cloud.points.empty())
       refuse(file, "", 0, "holds no triangle with finite corners; expected a cloud or a surface");
     tell(notes, Severity::info, "read.sampled",
-         name + ": a surface of " + std::to_string(mesh.triangles.size()) + " triangles, sampled to " +
+         "a surface of " + std::to_string(mesh.triangles.size()) + " triangles, sampled to " +
              std::to_string(cloud.points.size()) + " points");
   }
   if (!normals_are_whole(cloud)) {
     cloud.normals.clear();
     tell(notes, Severity::warning, "read.normals_dropped",
-         name + ": some normals are 0 or not finite; all are estimated from the points instead");
+         "some normals are 0 or not finite; all are estimated from the points instead");
   }
   source.points = cloud.points.size();
   return cloud;
@@ -193,7 +192,12 @@ CloudInput read_cloud(std::span<const std::filesystem::path> files) {
   CloudInput input;
   std::uint32_t scans = 0;
   for (const std::filesystem::path& path : files) {
-    PointCloud cloud = read_one(path, input.sources.emplace_back(), input.notes);
+    Notes notes;
+    PointCloud cloud = read_one(path, input.sources.emplace_back(), notes);
+    for (Note& note : notes) {
+      if (files.size() > 1) note.message = "file " + std::to_string(input.sources.size()) + ": " + note.message;
+      input.notes.push_back(std::move(note));
+    }
     if (input.cloud.points.size() + cloud.points.size() > most_points)
       throw InputError(path.string() + ": with it the cloud has more than 100000000 points");
     if (cloud.scans.empty()) cloud.scans.assign(cloud.points.size(), 0);

@@ -29,11 +29,11 @@ std::string read_whole(const std::filesystem::path& path, const char* what);
 std::string quoted(std::string_view word);
 
 // Encoders. Precondition: the mesh has passed `check_writable`.
-std::string encode_ply(const TriMesh& mesh, std::span<const VertexScalar> scalars);
+std::string encode_ply(const TriMesh& mesh, std::span<const VertexScalar> scalars, const VertexColours& colours = {});
 std::string encode_vtp(const TriMesh& mesh, std::span<const VertexScalar> scalars);
 std::string encode_stl(const TriMesh& mesh);
-std::string encode_obj(const TriMesh& mesh);
-std::string encode_off(const TriMesh& mesh);
+std::string encode_obj(const TriMesh& mesh, const VertexColours& colours = {});
+std::string encode_off(const TriMesh& mesh, const VertexColours& colours = {});
 
 // Decoders. They throw InputError; indices of the mesh they return are in range and coordinates finite.
 TriMesh decode_ply(const MeshFile& file);
@@ -70,6 +70,9 @@ inline std::uint8_t colour_byte(double value, double full) {
 /// Throws InputError unless the mesh has triangles, indices in range and finite vertices, or OptionError when a scalar
 /// does not fit the mesh or its name is not a plain word. `what` names the output.
 void check_writable(const TriMesh& mesh, std::span<const VertexScalar> scalars, const std::string& what);
+
+/// Throws OptionError unless there is a colour for each vertex, or none.
+void check_colours(const TriMesh& mesh, const VertexColours& colours, const std::string& what);
 
 /// Unit normals of the vertices, pointing outwards: the area-weighted mean of the triangles around each. Where there is
 /// none (no triangle, or all flat) +z stands in, because glTF allows no normal of another length than 1.

@@ -29,17 +29,18 @@ bool is_plain_word(const std::string& name) {
 std::span<const std::string_view> names_of(MeshFormat) { return mesh_format_names; }
 
 void write_mesh(const TriMesh& mesh, const std::filesystem::path& path, MeshFormat format,
-                std::span<const VertexScalar> scalars) {
+                std::span<const VertexScalar> scalars, const VertexColours& colours) {
   check_writable(mesh, scalars, path.string());
+  check_colours(mesh, colours, path.string());
   switch (format) {
     case MeshFormat::ply:
-      return write_file(path, encode_ply(mesh, scalars));
+      return write_file(path, encode_ply(mesh, scalars, colours));
     case MeshFormat::stl:
       return write_file(path, encode_stl(mesh));
     case MeshFormat::obj:
-      return write_file(path, encode_obj(mesh));
+      return write_file(path, encode_obj(mesh, colours));
     case MeshFormat::off:
-      return write_file(path, encode_off(mesh));
+      return write_file(path, encode_off(mesh, colours));
     case MeshFormat::vtp:
       return write_file(path, encode_vtp(mesh, scalars));
   }
@@ -99,7 +100,7 @@ void check_writable(const TriMesh& mesh, std::span<const VertexScalar> scalars, 
         refuse_mesh("triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) + " of " +
                     std::to_string(mesh.vertices.size()));
 
-  std::set<std::string> taken{"x", "y", "z", "nx", "ny", "nz", "Normals", "Points"};
+  std::set<std::string> taken{"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "Normals", "Points"};
   for (const VertexScalar& s : scalars) {
     if (!is_plain_word(s.name) || !taken.insert(s.name).second)
       throw OptionError("cannot write " + what + ": scalar name '" + s.name +
@@ -108,6 +109,12 @@ void check_writable(const TriMesh& mesh, std::span<const VertexScalar> scalars, 
       throw OptionError("cannot write " + what + ": scalar " + s.name + " has " + std::to_string(s.values.size()) +
                         " values; expected one for each of " + std::to_string(mesh.vertices.size()) + " vertices");
   }
+}
+
+void check_colours(const TriMesh& mesh, const VertexColours& colours, const std::string& what) {
+  if (!colours.empty() && colours.size() != mesh.vertices.size())
+    throw OptionError("cannot write " + what + ": " + std::to_string(colours.size()) +
+                      " colours; expected one for each of " + std::to_string(mesh.vertices.size()) + " vertices");
 }
 
 std::vector<Eigen::Vector3f> vertex_normals(const TriMesh& mesh) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -19,12 +20,16 @@ struct VertexScalar {
   std::vector<float> values;
 };
 
+/// sRGB, one per vertex, or none.
+using VertexColours = std::vector<std::array<std::uint8_t, 3>>;
+
 /// Writes a mesh in world coordinates (LPS mm): binary little-endian PLY with normals, binary STL, OBJ, OFF, or VTK
 /// PolyData XML. Coordinates are kept exactly, but for STL, which holds single precision. Whole or not at all.
+/// Colours are written where the format can hold them (ply, obj, off).
 /// Throws InputError for a mesh without triangles, with an index out of range or a vertex that is not finite,
-/// OptionError for a scalar of another length or without a plain name, IoError.
+/// OptionError for scalars or colours of another length or a name that is no plain word, IoError.
 void write_mesh(const TriMesh& mesh, const std::filesystem::path& path, MeshFormat format,
-                std::span<const VertexScalar> scalars = {});
+                std::span<const VertexScalar> scalars = {}, const VertexColours& colours = {});
 
 /// Reads PLY (ascii, binary little and big endian), STL (ascii, binary; equal corners welded), OBJ, OFF, told by the
 /// name's ending. Faces with more corners are cut into a fan of triangles; normals, colours, textures and other
@@ -48,6 +53,20 @@ struct AnimatedSurface {
 /// Throws InputError for a surface without mesh or triangle or with meshes that differ in their triangles, OptionError
 /// for a cycle that is not positive or a colour out of range, IoError.
 void write_glb(std::span<const AnimatedSurface> surfaces, double cycle_s, const std::filesystem::path& path);
+
+/// A level of detail.
+struct LodSurface {
+  std::string name;
+  TriMesh mesh;
+  VertexColours colours;
+  double smallest_coverage = 0;  // part of the screen's height that the object takes when the next level takes over
+};
+/// Levels of detail, finest first, as one binary glTF: a node and mesh per level. The scene shows the finest; its node
+/// names the others by the extension MSFT_lod with their screen coverage, which viewers that do not know it leave
+/// alone. Coordinates and unit are those of the meshes, seen from the middle of the box around the finest, which the
+/// nodes' translation holds: positions far from the origin keep their precision.
+/// Throws InputError for no level or a mesh that cannot be written, OptionError for colours of another length, IoError.
+void write_lod_glb(std::span<const LodSurface> levels, const std::filesystem::path& path);
 
 /// ParaView time series: entries of (time, file relative to the .pvd, part number).
 struct PvdEntry {

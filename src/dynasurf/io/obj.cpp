@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "dynasurf/io/bytes.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
@@ -7,7 +8,7 @@
 
 namespace dynasurf::io_detail {
 
-std::string encode_obj(const TriMesh& mesh) {
+std::string encode_obj(const TriMesh& mesh, const VertexColours& colours) {
   std::string out = "# dynasurf, world coordinates, LPS, mm\n";
   const auto add_row = [&](const char* keyword, const auto& row) {
     out += keyword;
@@ -17,7 +18,16 @@ std::string encode_obj(const TriMesh& mesh) {
     }
     out += '\n';
   };
-  for (const Vec3& p : mesh.vertices) add_row("v", p);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    add_row("v", mesh.vertices[v]);
+    if (colours.empty()) continue;
+    out.pop_back();
+    for (const std::uint8_t c : colours[v]) {
+      out += ' ';
+      append_text(out, std::round(c / 255.0 * 1e4) / 1e4);
+    }
+    out += '\n';
+  }
   for (const auto& n : vertex_normals(mesh)) add_row("vn", n);
   for (const auto& t : mesh.triangles) {
     out += 'f';

@@ -6,14 +6,18 @@
 
 namespace dynasurf::io_detail {
 
-std::string encode_off(const TriMesh& mesh) {
-  std::string out = "OFF\n# dynasurf, world coordinates, LPS, mm\n";
+std::string encode_off(const TriMesh& mesh, const VertexColours& colours) {
+  std::string out = std::string(colours.empty() ? "OFF" : "COFF") + "\n# dynasurf, world coordinates, LPS, mm\n";
   out += std::to_string(mesh.vertices.size()) + " " + std::to_string(mesh.triangles.size()) + " 0\n";
-  for (const Vec3& p : mesh.vertices)
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     for (int axis = 0; axis < 3; ++axis) {
-      append_text(out, p[axis]);
-      out += axis < 2 ? ' ' : '\n';
+      append_text(out, mesh.vertices[v][axis]);
+      if (axis < 2) out += ' ';
     }
+    if (!colours.empty())
+      for (const std::uint8_t c : colours[v]) out += " " + std::to_string(c);
+    out += '\n';
+  }
   for (const auto& t : mesh.triangles)
     out += "3 " + std::to_string(t[0]) + " " + std::to_string(t[1]) + " " + std::to_string(t[2]) + "\n";
   return out;

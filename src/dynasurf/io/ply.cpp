@@ -9,12 +9,13 @@
 
 namespace dynasurf::io_detail {
 
-std::string encode_ply(const TriMesh& mesh, std::span<const VertexScalar> scalars) {
+std::string encode_ply(const TriMesh& mesh, std::span<const VertexScalar> scalars, const VertexColours& colours) {
   // Positions are doubles: a mesh read back has the very volume that was reported for it.
   std::string out = "ply\nformat binary_little_endian 1.0\ncomment dynasurf, world coordinates, LPS, mm\n";
   out += "element vertex " + std::to_string(mesh.vertices.size()) + "\n";
   for (const auto* axis : {"x", "y", "z"}) out += std::string("property double ") + axis + "\n";
   for (const auto* axis : {"nx", "ny", "nz"}) out += std::string("property float ") + axis + "\n";
+  if (!colours.empty()) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   for (const VertexScalar& s : scalars) out += "property float " + s.name + "\n";
   out += "element face " + std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\n";
   out += "end_header\n";
@@ -23,6 +24,8 @@ std::string encode_ply(const TriMesh& mesh, std::span<const VertexScalar> scalar
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     for (const double c : mesh.vertices[v]) append(out, c);
     for (const float c : normals[v]) append(out, c);
+    if (!colours.empty())
+      for (const std::uint8_t c : colours[v]) append(out, c);
     for (const VertexScalar& s : scalars) append(out, s.values[v]);
   }
   for (const auto& t : mesh.triangles) {

@@ -24,10 +24,10 @@ Vec3 weights_of(std::size_t n) {
 
 }  // namespace
 
-std::vector<SurfacePoint> sample_surface(const TriMesh& mesh, std::size_t count) {
+std::vector<SurfaceSample> sample_surface(const TriMesh& mesh, std::size_t count) {
   double whole = 0;
   for (const auto& t : mesh.triangles) whole += area_of(mesh, t);
-  std::vector<SurfacePoint> points;
+  std::vector<SurfaceSample> points;
   if (!(whole > 0)) return points;
   points.reserve(count);
   // Point n lies where (n + 1/2) of `count` equal parts of the area are passed.

@@ -3,50 +3,20 @@
 #include <cstring>
 
 #include <nlohmann/json.hpp>
-#include <zlib.h>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/report/measures.hpp"
+#include "dynasurf/report/page_parts.hpp"
 #include "dynasurf/report/page_template.hpp"
 #include "dynasurf/report/report.hpp"
 
 namespace dynasurf {
 namespace {
 
-using Json = nlohmann::ordered_json;
-using Bytes = std::vector<std::uint8_t>;
+using namespace report_detail;
 
 constexpr std::size_t max_page_voxels = 48'000'000;
-
-std::string base64(const Bytes& bytes) {
-  constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t word = 0;
-    for (std::size_t b = 0; b < 3; ++b) word = word << 8 | (b < left ? bytes[i + b] : 0u);
-    for (std::size_t d = 0; d < 4; ++d) text += d <= left ? digits[word >> (18 - 6 * d) & 63u] : '=';
-  }
-  return text;
-}
-
-/// zlib's format, which browsers call "deflate".
-std::string packed(const Bytes& bytes) {
-  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
-  Bytes out(size);
-  if (compress2(out.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), 6) != Z_OK)
-    throw IoError("report: not enough memory to pack " + std::to_string(bytes.size()) + " bytes");
-  out.resize(size);
-  return base64(out);
-}
-
-/// Little-endian bytes of whole numbers.
-template <class T>
-void append(Bytes& bytes, T value) {
-  for (std::size_t b = 0; b < sizeof(T); ++b) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * b) & 0xff));
-}
 
 /// In-plane binning that keeps the page within its bound: 1 for every usual study.
 int bin_of(const Study& study) {
@@ -165,12 +135,6 @@ Json pictures_json(const VentricleResult& result) {
   return json;
 }
 
-/// Box around every surface, so that all meshes share one scale.
-struct Box {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = -low;
-};
-
 Box box_of(const VentricleResult& result) {
   Box box;
   for (const Gate& gate : result.gates)
@@ -181,29 +145,6 @@ Box box_of(const VentricleResult& result) {
           box.high = box.high.cwiseMax(p);
         }
   return box;
-}
-
-constexpr double position_steps = 65535;
-
-/// World positions as 16-bit steps of the box: finer than 5 micrometres in a box of 30 cm.
-std::string positions_of(const TriMesh& mesh, const Box& box) {
-  Bytes bytes;
-  bytes.reserve(mesh.vertices.size() * 6);
-  for (const Vec3& p : mesh.vertices)
-    for (int axis = 0; axis < 3; ++axis) {
-      const double side = box.high[axis] - box.low[axis];
-      const double share = side > 0 ? (p[axis] - box.low[axis]) / side : 0;
-      append(bytes, static_cast<std::uint16_t>(std::clamp(std::round(share * position_steps), 0.0, position_steps)));
-    }
-  return base64(bytes);
-}
-
-std::string triangles_of(const TriMesh& mesh) {
-  Bytes bytes;
-  bytes.reserve(mesh.triangles.size() * 12);
-  for (const auto& triangle : mesh.triangles)
-    for (const std::uint32_t vertex : triangle) append(bytes, vertex);
-  return packed(bytes);
 }
 
 /// One entry per gate: its vertices, and the number of its triangles in the list that all surfaces share.
@@ -219,7 +160,7 @@ Json surfaces_json(const VentricleResult& result) {
   };
   const auto surface_json = [&](const std::optional<Surface>& surface) -> Json {
     if (!surface || surface->mesh.vertices.empty()) return nullptr;
-    return {{"triangles", topology_of(surface->mesh)}, {"positions", positions_of(surface->mesh, box)}};
+    return {{"triangles", topology_of(surface->mesh)}, {"positions", base64(steps_of(surface->mesh.vertices, box))}};
   };
   Json json;
   json["endo"] = json["epi"] = Json::array();
@@ -274,17 +215,6 @@ Json polar_json(const VentricleResult& result) {
   return json;
 }
 
-/// JSON that may stand inside an HTML script element: no text in it can end the element or open a comment.
-std::string text_for_html(const Json& json) {
-  std::string text;
-  for (const char c : json.dump(-1, ' ', true, Json::error_handler_t::replace))
-    if (c == '<')
-      text += "\\u003c";
-    else
-      text += c;
-  return text;
-}
-
 }  // namespace
 
 std::string report_html(const VentricleResult& result, const Provenance& provenance, Timings timings) {
@@ -294,14 +224,7 @@ std::string report_html(const VentricleResult& result, const Provenance& provena
   data["surfaces"] = surfaces_json(result);
   data["polar"] = polar_json(result);
 
-  constexpr std::string_view place = "{{DATA}}";
-  const std::string_view page = page_template();
-  const std::size_t at = page.find(place);
-  DYNASURF_ASSERT(at != std::string_view::npos);
-  std::string html(page.substr(0, at));
-  html += text_for_html(data);
-  html += page.substr(at + place.size());
-  return html;
+  return filled_page(page_template(), data);
 }
 
 void write_report(const VentricleResult& result, const Provenance& provenance, const std::filesystem::path& path,

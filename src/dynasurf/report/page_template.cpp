@@ -1,22 +1,34 @@
 #include "dynasurf/report/page_template.hpp"
 
-// The assembler copies the bundled page into the library: a C++ array of this length would take the compiler seconds.
-asm(".section .rodata\n"
-    "dynasurf_page_template_begin:\n"
-    ".incbin \"" DYNASURF_PAGE_TEMPLATE
-    "\"\n"
-    "dynasurf_page_template_end:\n"
-    ".previous\n");
+// The assembler copies the bundled pages into the library: a C++ array of this length would take the compiler seconds.
+#define DYNASURF_EMBED(name, file)  \
+  asm(".section .rodata\n" name     \
+      "_begin:\n"                   \
+      ".incbin \"" file "\"\n" name \
+      "_end:\n"                     \
+      ".previous\n")
+DYNASURF_EMBED("dynasurf_report_page", DYNASURF_PAGES "/report.html");
+DYNASURF_EMBED("dynasurf_cloud_page", DYNASURF_PAGES "/cloud.html");
+DYNASURF_EMBED("dynasurf_lod_page", DYNASURF_PAGES "/lod.html");
 
 extern "C" {
-extern const char page_template_begin[] asm("dynasurf_page_template_begin");
-extern const char page_template_end[] asm("dynasurf_page_template_end");
+extern const char report_page_begin[] asm("dynasurf_report_page_begin");
+extern const char report_page_end[] asm("dynasurf_report_page_end");
+extern const char cloud_page_begin[] asm("dynasurf_cloud_page_begin");
+extern const char cloud_page_end[] asm("dynasurf_cloud_page_end");
+extern const char lod_page_begin[] asm("dynasurf_lod_page_begin");
+extern const char lod_page_end[] asm("dynasurf_lod_page_end");
 }
 
 namespace dynasurf {
+namespace {
 
-std::string_view page_template() {
-  return {page_template_begin, static_cast<std::size_t>(page_template_end - page_template_begin)};
-}
+std::string_view between(const char* begin, const char* end) { return {begin, static_cast<std::size_t>(end - begin)}; }
+
+}  // namespace
+
+std::string_view page_template() { return between(report_page_begin, report_page_end); }
+std::string_view cloud_page_template() { return between(cloud_page_begin, cloud_page_end); }
+std::string_view lod_page_template() { return between(lod_page_begin, lod_page_end); }
 
 }  // namespace dynasurf

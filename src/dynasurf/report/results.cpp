@@ -5,15 +5,14 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/report/json_parts.hpp"
 #include "dynasurf/report/measures.hpp"
-#include "dynasurf/report/numbers.hpp"
 #include "dynasurf/report/report.hpp"
 
 namespace dynasurf {
 namespace {
 
-using report_detail::Json;
-using report_detail::number;
+using namespace report_detail;
 
 /// Files count gates and slices from 1; -1 inside means none.
 Json one_based(int index) { return index >= 0 ? Json(index + 1) : Json(nullptr); }
@@ -272,27 +271,6 @@ Json readings_json(const VentricleResult& result) {
   json["unbiased"] = fit_json(result.fit);
   json["edge"] = edge_reading(result);
   json["qgs_like"] = qgs_reading(result.qgs_like);
-  return json;
-}
-
-Json options_json(const std::string& text) {
-  if (text.empty()) return nullptr;
-  Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded()) throw OptionError("the resolved options are not JSON: " + text.substr(0, 60));
-  return json;
-}
-
-Json provenance_json(const Provenance& provenance) {
-  Json inputs = Json::array();
-  for (const auto& [file, sha256] : provenance.inputs) inputs.push_back({{"file", file}, {"sha256", sha256}});
-  Json json;
-  json["program"] = "dynasurf";
-  json["version"] = provenance.program_version;
-  json["commit"] = provenance.commit;
-  json["command"] = provenance.command;
-  json["inputs"] = std::move(inputs);
-  json["seed"] = provenance.seed ? Json(*provenance.seed) : Json(nullptr);
-  json["options"] = options_json(provenance.options_json);
   return json;
 }
 

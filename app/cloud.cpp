@@ -1,0 +1,133 @@
+#include <algorithm>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/io/options_json.hpp"
+
+#include "cloud_run.hpp"
+#include "command.hpp"
+#include "console.hpp"
+#include "option_arguments.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> clouds;
+  std::string out, preset = "shaped", file;
+  std::string triangles, max_error, genus;
+  bool keep_sharp = false;
+  std::vector<std::string> settings, mesh_formats;
+  bool quiet = false, json = false, with_names = false, no_timings = false;
+  int threads = 0;
+};
+
+/// "0.1%" or "0.1": percent of the diagonal either way.
+std::string without_percent(std::string text) {
+  if (!text.empty() && text.back() == '%') text.pop_back();
+  return text;
+}
+
+/// The short arguments stand as settings of options, so that they are checked, recorded and repeated like every other.
+std::vector<std::string> settings_of(const Arguments& a) {
+  std::vector<std::string> settings;
+  if (!a.triangles.empty()) settings.push_back("triangles=" + a.triangles);
+  if (!a.max_error.empty()) settings.push_back("max_error_percent=" + without_percent(a.max_error));
+  if (!a.genus.empty()) settings.push_back("genus=" + a.genus);
+  if (a.keep_sharp) settings.emplace_back("keep_sharp=true");
+  settings.insert(settings.end(), a.settings.begin(), a.settings.end());
+  return settings;
+}
+
+CloudOptions options_of(const Arguments& a) {
+  CloudOptions options = cloud_preset(a.preset);
+  if (!a.file.empty()) {
+    try {
+      options_from_text(text_of_options_file(a.file), options);
+    } catch (const OptionError& error) {
+      throw OptionError(a.file + ": " + error.what());
+    }
+  }
+  for (const std::string& setting : settings_of(a)) set_option(options, setting);
+  parse_triangles(options.triangles);  // refused before any work is done
+  return options;
+}
+
+std::vector<MeshFormat> formats_of(const Arguments& arguments) {
+  std::vector<MeshFormat> formats;
+  for (const std::string& word : arguments.mesh_formats) {
+    const auto format = static_cast<MeshFormat>(position_of(names_of(MeshFormat{}), word, "--mesh-format"));
+    if (std::find(formats.begin(), formats.end(), format) == formats.end()) formats.push_back(format);
+  }
+  return formats;
+}
+
+/// The command line without paths, which may name a person, and without what leaves the result as it is.
+std::string recorded_command(const Arguments& a) {
+  std::string command = "dynasurf cloud";
+  for (std::size_t n = 0; n < a.clouds.size(); ++n) command += " CLOUD";
+  command += " --out RESULT --preset " + a.preset;
+  if (!a.file.empty()) command += " --options FILE";
+  for (const std::string& setting : settings_of(a)) command += " --set " + setting;
+  return command;
+}
+
+ExitCode run(const Arguments& arguments, std::stop_token stop) {
+  CloudJob job;
+  job.clouds.assign(arguments.clouds.begin(), arguments.clouds.end());
+  job.out = arguments.out;
+  job.options = options_of(arguments);
+  if (!arguments.mesh_formats.empty()) job.outputs.mesh_formats = formats_of(arguments);
+  job.outputs.timings = !arguments.no_timings;
+  job.command = recorded_command(arguments);
+  job.file_names = arguments.with_names;
+  job.threads = arguments.threads;
+
+  ProgressLine line(arguments.quiet);
+  const Progress progress{[&](std::string_view stage, int done, int total) { line(stage, done, total); }, stop};
+  const CloudOutcome outcome = reconstruct_cloud_to_folder(job, progress);
+  line.finish();
+  if (arguments.json)
+    print(outcome.json);
+  else
+    print(summary_of(outcome.run) + "result: " + arguments.out + "\n");
+  return is_watertight(outcome.run.result) ? done : not_trustworthy;
+}
+
+}  // namespace
+
+void add_cloud(CLI::App& program, Command& chosen) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* command =
+      program.add_subcommand("cloud", "Light closed meshes at several levels of detail from scanned points");
+  command
+      ->add_option("CLOUD", a->clouds,
+                   "PLY, XYZ, PTS, CSV, PWN, OBJ, OFF, LAS file of points, or a surface as STL, PLY, OBJ, OFF; several "
+                   "files are one cloud")
+      ->required();
+  command->add_option("--out", a->out, "folder of the result; a former result there is replaced")->required();
+  command->add_option("--preset", a->preset,
+                      "shaped: well-shaped triangles; faithful: smallest distance; thesis: as published");
+  command->add_option("--options", a->file, "JSON file of options, such as the options.json of a result");
+  command->add_option("--triangles", a->triangles, "triangles of each level: 5120,1280,320");
+  command->add_option("--max-error", a->max_error,
+                      "instead: fewest triangles whose mean distance is below this, percent of the diagonal: 0.1%");
+  command->add_option("--genus", a->genus, "handles: auto, 0 or keep");
+  command->add_flag("--keep-sharp", a->keep_sharp, "do not smooth across sharp edges");
+  command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options cloud)")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--mesh-format", a->mesh_formats, "ply,stl,obj,off,vtp: one or more (ply)")->delimiter(',');
+  command->add_option("--threads", a->threads, "threads at most; the result is the same (0: all)")
+      ->check(CLI::Range(0, 1024));
+  command->add_flag("--quiet", a->quiet, "no progress on standard error");
+  command->add_flag("--json", a->json, "print results.json instead of the table");
+  command->add_flag("--no-timings", a->no_timings, "leave the times out, so that equal runs give equal bytes");
+  command->add_flag("--with-names", a->with_names, "record the names of the input files, which may name a person");
+  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+}
+
+}  // namespace dynasurf::app

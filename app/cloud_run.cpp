@@ -1,0 +1,191 @@
+#include "cloud_run.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/cloud/lod.hpp"
+#include "dynasurf/cloud/transfer.hpp"
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/options_json.hpp"
+#include "dynasurf/io/study_io.hpp"
+
+#include "console.hpp"
+#include "input_names.hpp"
+#include "version.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// Seconds between the moments at which the stages change.
+class StageClock {
+ public:
+  void enter(std::string_view stage) {
+    if (!seconds_.empty() && seconds_.back().first == stage) return;
+    stop();
+    seconds_.emplace_back(stage, 0);
+  }
+  void stop() {
+    const auto now = Clock::now();
+    if (!seconds_.empty()) seconds_.back().second += std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+  }
+  /// A stage that was entered several times counts once.
+  std::vector<std::pair<std::string, double>> seconds() {
+    stop();
+    std::vector<std::pair<std::string, double>> sums;
+    for (const auto& [stage, seconds] : seconds_) {
+      const auto known =
+          std::find_if(sums.begin(), sums.end(), [&stage = stage](const auto& sum) { return sum.first == stage; });
+      if (known == sums.end())
+        sums.emplace_back(stage, seconds);
+      else
+        known->second += seconds;
+    }
+    return sums;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point last_ = Clock::now();
+  std::vector<std::pair<std::string, double>> seconds_;
+};
+
+Provenance provenance_of(const CloudJob& job) {
+  Provenance provenance;
+  provenance.program_version = version();
+  provenance.commit = commit();
+  provenance.command = job.command;
+  provenance.options_json = options_to_text(job.options);
+  for (std::size_t i = 0; i < job.clouds.size(); ++i) {
+    const std::string name = i < job.recorded_names.size() ? job.recorded_names[i]
+                             : job.file_names              ? job.clouds[i].filename().string()
+                                                           : neutral_name(job.clouds[i], i);
+    provenance.inputs.emplace_back(name, sha256_of_file(job.clouds[i]));
+  }
+  return provenance;
+}
+
+/// Part of the screen's height down to which each level serves, for pictures 1080 pixels high.
+std::vector<double> coverages_of(const std::vector<TriMesh>& meshes) {
+  constexpr double screen_px = 1080;
+  const LodChain chain = lod_chain(meshes);
+  std::vector<double> coverages;
+  for (std::size_t n = 1; n < meshes.size(); ++n) coverages.push_back(chain.largest_px[n] / screen_px);
+  coverages.push_back(0);
+  return coverages;
+}
+
+void write_levels(const CloudResult& result, const CloudOutputs& outputs, const fs::path& folder) {
+  fs::create_directory(folder / "meshes");
+  std::vector<LodSurface> levels;
+  std::vector<TriMesh> meshes;
+  for (std::size_t n = 0; n < result.levels.size(); ++n) {
+    const TriMesh& mesh = result.levels[n].mesh;
+    if (mesh.triangles.empty()) continue;  // its certificate says so
+    const VertexColours colours = colours_at_vertices(mesh, result.used);
+    const std::string name = name_of_level(result, n);
+    for (const MeshFormat format : outputs.mesh_formats)
+      write_mesh(mesh, folder / "meshes" / (name + "." + std::string(word_of(format))), format, {}, colours);
+    levels.push_back({name, mesh, colours});
+    meshes.push_back(mesh);
+  }
+  if (levels.empty()) return;
+  const std::vector<double> coverages = coverages_of(meshes);
+  for (std::size_t n = 0; n < levels.size(); ++n) levels[n].smallest_coverage = coverages[n];
+  write_lod_glb(levels, folder / "levels.glb");
+}
+
+std::string results_text(const CloudRun& run, const Provenance& provenance, const CloudOutputs& outputs) {
+  Json json = cloud_results_json(run, provenance, outputs.timings ? Timings::keep : Timings::omit);
+  Json formats = Json::array();
+  for (const MeshFormat format : outputs.mesh_formats) formats.push_back(word_of(format));
+  json["provenance"]["outputs"] = {{"mesh_formats", formats}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace
+
+CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& progress) {
+  const ThreadLimit limit(job.threads);
+  OutputFolder folder(job.out);  // first, so that a place that cannot be written to costs no time
+  StageClock clock;
+  const Progress timed{[&](std::string_view stage, int done, int total) {
+                         clock.enter(stage);
+                         progress(stage, done, total);
+                       },
+                       progress.stop};
+  timed("read", 0, 1);
+  CloudInput input = read_cloud(job.clouds);
+  const Provenance provenance = provenance_of(job);
+  progress.check();
+
+  CloudOutcome outcome;
+  outcome.run.sources = std::move(input.sources);
+  try {
+    outcome.run.result = reconstruct_cloud(input.cloud, job.options, timed);
+  } catch (const InputError& error) {  // the library knows the points, not the file they came from
+    throw InputError(job.clouds.front().string() + ": " + error.what());
+  }
+  input.cloud = {};  // what is used of it lives in the result
+  Notes& notes = outcome.run.result.notes;
+  notes.insert(notes.begin(), input.notes.begin(), input.notes.end());
+  progress.check();
+
+  timed("write", 0, 1);
+  write_levels(outcome.run.result, job.outputs, folder.path());
+  // The page tells no times, so that equal runs give equal pages.
+  write_cloud_report(outcome.run, provenance, folder.path() / "report.html", Timings::omit);
+  write_file(folder.path() / "options.json", provenance.options_json);
+  write_file(folder.path() / "results.csv", cloud_results_csv(outcome.run.result));
+  outcome.run.seconds = clock.seconds();
+  outcome.json = results_text(outcome.run, provenance, job.outputs);
+  write_file(folder.path() / "results.json", outcome.json);
+  progress.check();
+  folder.publish();
+  return outcome;
+}
+
+std::string summary_of(const CloudRun& run) {
+  const CloudResult& result = run.result;
+  std::vector<std::vector<std::string>> rows{
+      {"level", "triangles", "watertight", "parts", "genus", "smallest angle", "mean distance", "largest"}};
+  for (std::size_t n = 0; n < result.levels.size(); ++n) {
+    const Certificate& c = result.levels[n].certificate;
+    const auto share = [&](double length) {
+      return c.cloud_diagonal > 0 ? fixed(100 * length / c.cloud_diagonal, 3) + " %" : std::string("-");
+    };
+    rows.push_back({std::to_string(n + 1), std::to_string(c.triangles), c.watertight() ? "yes" : "no",
+                    std::to_string(c.components), c.genus ? std::to_string(*c.genus) : "-",
+                    fixed(c.smallest_angle_deg, 1) + " deg", share(c.cloud_to_mesh_mean),
+                    share(c.cloud_to_mesh_largest)});
+  }
+  std::string text = table(rows);
+  for (std::size_t n = 0; n < result.levels.size(); ++n) {
+    const Certificate& c = result.levels[n].certificate;
+    if (c.watertight()) continue;
+    text += "level " + std::to_string(n + 1) + " is not watertight:";
+    if (!c.closed) text += " not closed;";
+    if (!c.manifold) text += " not manifold;";
+    if (!c.oriented) text += " not oriented alike;";
+    if (!c.outward) text += " turned inside out;";
+    if (c.self_intersections > 0) text += " " + std::to_string(c.self_intersections) + " pairs of triangles meet;";
+    if (c.flat_triangles > 0) text += " " + std::to_string(c.flat_triangles) + " flat triangles;";
+    text.back() = '\n';
+  }
+  std::size_t remarks = 0;
+  for (const Note& note : result.notes) {
+    if (note.severity == Severity::info) ++remarks;
+    if (note.severity != Severity::info) text += line_of(note) + "\n";
+  }
+  if (remarks > 0) text += std::to_string(remarks) + " remarks in results.json and report.html\n";
+  return text;
+}
+
+}  // namespace dynasurf::app

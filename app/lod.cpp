@@ -1,0 +1,214 @@
+#include "dynasurf/cloud/lod.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/mesh_io.hpp"
+#include "dynasurf/report/lod_page.hpp"
+
+#include "command.hpp"
+#include "console.hpp"
+#include "version.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct Arguments {
+  std::vector<std::string> levels;
+  std::string screen = "1920x1080", out, mesh_format = "ply";
+  Camera camera;
+  LodRule rule;
+  int steps = 3, instances = 200;
+  bool json = false;
+};
+
+struct Level {
+  std::string name;
+  TriMesh mesh;
+};
+
+/// "1920x1080".
+void read_screen(const std::string& text, Camera& camera) {
+  const char* const end = text.data() + text.size();
+  const auto [x, first_error] = std::from_chars(text.data(), end, camera.width_px);
+  const bool has_x = first_error == std::errc{} && x != end && *x == 'x';
+  const auto [rest, second_error] =
+      has_x ? std::from_chars(x + 1, end, camera.height_px) : std::from_chars_result{x, std::errc::invalid_argument};
+  if (second_error != std::errc{} || rest != end)
+    throw OptionError("--screen is '" + text + "'; expected WIDTHxHEIGHT in pixels, such as 1920x1080");
+}
+
+/// The meshes of a result folder, finest first, in the first format of its files that can be read.
+std::vector<Level> levels_of_result(const fs::path& folder) {
+  const fs::path file = folder / "results.json";
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw IoError(file.string() + ": cannot be read; expected the folder of a result of dynasurf cloud");
+  const Json json = Json::parse(std::istreambuf_iterator<char>(in), {}, nullptr, false);
+  std::vector<Level> levels;
+  try {
+    if (json.is_discarded() || json.at("schema") != "dynasurf.cloud/1")
+      throw InputError(file.string() + ": expected the schema dynasurf.cloud/1");
+    for (const Json& level : json.at("levels")) {
+      const auto name = level.at("name").get<std::string>();
+      const fs::path base = folder / "meshes" / name;
+      fs::path mesh;
+      for (const char* ending : {".ply", ".obj", ".off", ".stl"})
+        if (mesh.empty() && fs::exists(base.string() + ending)) mesh = base.string() + ending;
+      if (mesh.empty())
+        throw InputError(base.string() + ": no mesh in a format that can be read: ply, obj, off or stl");
+      levels.push_back({name, read_mesh(mesh)});
+    }
+  } catch (const Json::exception& error) {
+    throw InputError(file.string() + ": is not a result of this program: " + error.what());
+  }
+  return levels;
+}
+
+std::vector<Level> levels_of(const Arguments& arguments) {
+  if (arguments.levels.size() == 1 && fs::is_directory(arguments.levels[0]))
+    return levels_of_result(arguments.levels[0]);
+  std::vector<Level> levels;
+  for (const fs::path path : arguments.levels) levels.push_back({path.stem().string(), read_mesh(path)});
+  for (std::size_t n = 1; n < levels.size(); ++n)
+    if (levels[n].mesh.triangles.size() > levels[n - 1].mesh.triangles.size())
+      throw InputError(arguments.levels[n] + ": has more triangles than the level before; expected the finest first");
+  return levels;
+}
+
+struct Plan {
+  LodChain chain;
+  std::vector<double> from;                // distance from which each level serves
+  std::vector<LodTransition> transitions;  // level n out of level n + 1
+};
+
+Plan plan_of(const std::vector<TriMesh>& meshes, const Arguments& arguments) {
+  Plan plan;
+  plan.chain = lod_chain(meshes, arguments.rule);
+  plan.from = switch_distances(plan.chain, arguments.camera);
+  for (std::size_t n = 0; n + 1 < meshes.size(); ++n)
+    plan.transitions.push_back(lod_transition(meshes[n + 1], meshes[n]));
+  return plan;
+}
+
+Json json_of(const std::vector<Level>& levels, const Plan& plan, const Arguments& arguments) {
+  Json json;
+  json["schema"] = "dynasurf.lod/1";
+  json["screen_px"] = {arguments.camera.width_px, arguments.camera.height_px};
+  json["fov_deg"] = arguments.camera.fov_deg;
+  json["edge_px"] = arguments.rule.edge_px;
+  json["hysteresis_percent"] = arguments.rule.hysteresis_percent;
+  json["diagonal"] = plan.chain.diagonal;
+  json["levels"] = Json::array();
+  for (std::size_t n = 0; n < levels.size(); ++n) {
+    const bool last = n + 1 == levels.size();
+    const double px = plan.chain.largest_px[n];
+    json["levels"].push_back({{"level", n + 1},
+                              {"name", levels[n].name},
+                              {"triangles", levels[n].mesh.triangles.size()},
+                              {"from_distance", plan.from[n]},
+                              {"to_distance", last ? Json() : Json(plan.from[n + 1])},
+                              {"largest_screen_px", std::isfinite(px) ? Json(px) : Json()}});
+  }
+  json["transitions"] = Json::array();
+  for (std::size_t n = 0; n < plan.transitions.size(); ++n)
+    json["transitions"].push_back({{"from_level", n + 2},
+                                   {"to_level", n + 1},
+                                   {"exact", plan.transitions[n].exact},
+                                   {"start_distance", plan.transitions[n].start_distance},
+                                   {"largest_start_distance", plan.transitions[n].largest_start_distance}});
+  json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
+  return json;
+}
+
+/// t runs over (0, 1) in equal steps; its ends are the levels themselves, but for the corners that t = 0 cuts.
+void write_transitions(const Plan& plan, const Arguments& arguments, const fs::path& folder) {
+  const auto format =
+      static_cast<MeshFormat>(position_of(names_of(MeshFormat{}), arguments.mesh_format, "--mesh-format"));
+  fs::create_directory(folder / "transitions");
+  for (std::size_t n = 0; n < plan.transitions.size(); ++n)
+    for (int step = 0; step <= arguments.steps + 1; ++step) {
+      const double t = static_cast<double>(step) / (arguments.steps + 1);
+      const std::string name = "level" + std::to_string(n + 2) + "_to_level" + std::to_string(n + 1) + "_" +
+                               std::to_string(step) + "." + std::string(word_of(format));
+      write_mesh(at_transition(plan.transitions[n], t), folder / "transitions" / name, format);
+    }
+}
+
+std::string summary_of(const std::vector<Level>& levels, const Plan& plan) {
+  std::vector<std::vector<std::string>> rows{{"level", "triangles", "from distance", "to distance", "size on screen"}};
+  for (std::size_t n = 0; n < levels.size(); ++n) {
+    const bool last = n + 1 == levels.size();
+    const double px = plan.chain.largest_px[n];
+    rows.push_back({std::to_string(n + 1), std::to_string(levels[n].mesh.triangles.size()),
+                    fixed(plan.from[n] / plan.chain.diagonal, 2) + " diagonals",
+                    last ? "-" : fixed(plan.from[n + 1] / plan.chain.diagonal, 2) + " diagonals",
+                    std::isfinite(px) ? "up to " + fixed(px, 0) + " px" : "any"});
+  }
+  std::string text = table(rows) + "diagonal: " + fixed(plan.chain.diagonal, 4) + "\n";
+  for (std::size_t n = 0; n < plan.transitions.size(); ++n) {
+    const LodTransition& t = plan.transitions[n];
+    const auto share = [&](double length) { return fixed(100 * length / plan.chain.diagonal, 3) + " %"; };
+    text += "level " + std::to_string(n + 2) + " to " + std::to_string(n + 1) +
+            (t.exact ? ": grows by subdivision, from the very shape\n"
+                     : ": starts " + share(t.start_distance) + " of the diagonal off the coarse shape, at most " +
+                           share(t.largest_start_distance) + "\n");
+  }
+  return text;
+}
+
+ExitCode run(Arguments arguments, std::stop_token stop) {
+  read_screen(arguments.screen, arguments.camera);
+  check_options(arguments.camera, "camera");
+  const std::vector<Level> levels = levels_of(arguments);
+  std::vector<TriMesh> meshes;
+  for (const Level& level : levels) meshes.push_back(level.mesh);
+  const Plan plan = plan_of(meshes, arguments);
+  const std::string json = json_of(levels, plan, arguments).dump(2) + "\n";
+  if (!arguments.out.empty()) {
+    OutputFolder folder(arguments.out, fs::exists(fs::path(arguments.out) / "lod.json"));
+    write_file(folder.path() / "lod.json", json);
+    write_transitions(plan, arguments, folder.path());
+    write_lod_page(meshes, plan.transitions, {arguments.camera, arguments.rule, arguments.instances},
+                   folder.path() / "instances.html");
+    if (stop.stop_requested()) throw Cancelled("stopped on request");
+    folder.publish();
+  }
+  print(arguments.json ? json
+                       : summary_of(levels, plan) + (arguments.out.empty() ? "" : "written: " + arguments.out + "\n"));
+  return done;
+}
+
+}  // namespace
+
+void add_lod(CLI::App& program, Command& chosen) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand(
+      "lod", "Which level of detail at which distance; the meshes between levels; a page of many instances");
+  command->add_option("LEVELS", a->levels, "folder of a result of dynasurf cloud, or mesh files, finest first")
+      ->required();
+  command->add_option("--out", a->out, "folder for lod.json, transitions/ and instances.html");
+  command->add_option("--screen", a->screen, "size of the picture in pixels (1920x1080)");
+  command->add_option("--fov", a->camera.fov_deg, "vertical field of view, degrees (40)");
+  command->add_option("--edge-px", a->rule.edge_px, "a level serves while its mean edge is no longer than this (8)");
+  command->add_option("--hysteresis", a->rule.hysteresis_percent, "percent by which a limit must be passed (10)");
+  command->add_option("--steps", a->steps, "meshes between two levels (3)")->check(CLI::Range(0, 1000));
+  command->add_option("--instances", a->instances, "instances on the page (200)")->check(CLI::Range(1, 1000));
+  command->add_option("--mesh-format", a->mesh_format, "ply, stl, obj, off or vtp, of the transitions (ply)");
+  command->add_flag("--json", a->json, "print lod.json instead of the table");
+  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+}
+
+}  // namespace dynasurf::app

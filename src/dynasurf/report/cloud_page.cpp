@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <cmath>
+
+#include "dynasurf/cloud/lod.hpp"
+#include "dynasurf/cloud/transfer.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/report/cloud_report.hpp"
+#include "dynasurf/report/page_parts.hpp"
+#include "dynasurf/report/page_template.hpp"
+
+namespace dynasurf {
+namespace {
+
+using namespace report_detail;
+
+constexpr std::size_t most_points = 50'000;
+
+Box box_of(const CloudResult& result) {
+  Box box;
+  const auto extend = [&](const std::vector<Vec3>& points) {
+    for (const Vec3& p : points) {
+      box.low = box.low.cwiseMin(p);
+      box.high = box.high.cwiseMax(p);
+    }
+  };
+  extend(result.used.points);
+  for (const CloudLevel& level : result.levels) extend(level.mesh.vertices);
+  return box;
+}
+
+/// Three bytes each; null when there are none.
+Json colours_json(const std::vector<std::array<std::uint8_t, 3>>& colours) {
+  if (colours.empty()) return nullptr;
+  Bytes bytes;
+  bytes.reserve(3 * colours.size());
+  for (const auto& colour : colours) bytes.insert(bytes.end(), colour.begin(), colour.end());
+  return packed(bytes);
+}
+
+/// Points for the eye: evenly many of each stretch of the cloud's order.
+Json points_json(const PointCloud& cloud, const Box& box) {
+  const std::size_t count = cloud.points.size(), shown = std::min(count, most_points);
+  std::vector<Vec3> points;
+  std::vector<std::array<std::uint8_t, 3>> colours;
+  for (std::size_t n = 0; n < shown; ++n) {
+    const std::size_t at = n * count / shown;
+    points.push_back(cloud.points[at]);
+    if (!cloud.colours.empty()) colours.push_back(cloud.colours[at]);
+  }
+  return {{"shown", shown}, {"positions", packed(steps_of(points, box))}, {"colours", colours_json(colours)}};
+}
+
+/// 16-bit steps of `full`; 65535 where nothing can be said.
+std::string errors_of(const std::vector<float>& errors, double full) {
+  Bytes bytes;
+  for (const float error : errors) {
+    const double share = full > 0 ? static_cast<double>(error) / full : 0;
+    append(bytes, static_cast<std::uint16_t>(error < 0 ? 65535 : std::clamp(std::round(share * 65534), 0.0, 65534.0)));
+  }
+  return packed(bytes);
+}
+
+Json levels_json(const CloudResult& result, const Box& box, double& full_error) {
+  std::vector<std::vector<float>> errors;
+  full_error = 0;
+  for (const CloudLevel& level : result.levels) {
+    errors.push_back(errors_at_vertices(level.mesh, result.used));
+    for (const float error : errors.back()) full_error = std::max(full_error, static_cast<double>(error));
+  }
+  Json json = Json::array();
+  for (std::size_t n = 0; n < result.levels.size(); ++n) {
+    const TriMesh& mesh = result.levels[n].mesh;
+    json.push_back({{"positions", packed(steps_of(mesh.vertices, box))},
+                    {"triangles", triangles_of(mesh)},
+                    {"errors", errors_of(errors[n], full_error)},
+                    {"colours", colours_json(colours_at_vertices(mesh, result.used))}});
+  }
+  return json;
+}
+
+/// Level n grows out of level n + 1: where its vertices start.
+Json transitions_json(const CloudResult& result, const Box& box) {
+  Json json = Json::array();
+  for (std::size_t n = 0; n + 1 < result.levels.size(); ++n) {
+    const TriMesh &fine = result.levels[n].mesh, &coarse = result.levels[n + 1].mesh;
+    if (fine.triangles.empty() || coarse.triangles.empty()) {
+      json.push_back(nullptr);
+      continue;
+    }
+    json.push_back(packed(steps_of(lod_transition(coarse, fine).start, box)));
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string cloud_report_html(const CloudRun& run, const Provenance& provenance, Timings timings) {
+  const Box box = box_of(run.result);
+  double full_error = 0;
+  Json data;
+  data["results"] = cloud_results_json(run, provenance, timings);
+  data["low"] = {box.low[0], box.low[1], box.low[2]};
+  data["high"] = {box.high[0], box.high[1], box.high[2]};
+  data["cloud"] = points_json(run.result.used, box);
+  data["levels"] = levels_json(run.result, box, full_error);
+  data["full_error"] = full_error;
+  data["transitions"] = transitions_json(run.result, box);
+  return filled_page(cloud_page_template(), data);
+}
+
+void write_cloud_report(const CloudRun& run, const Provenance& provenance, const std::filesystem::path& path,
+                        Timings timings) {
+  write_file(path, cloud_report_html(run, provenance, timings));
+}
+
+}  // namespace dynasurf

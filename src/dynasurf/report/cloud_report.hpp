@@ -1,0 +1,47 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "dynasurf/cloud/reconstruct_cloud.hpp"
+#include "dynasurf/io/cloud_io.hpp"
+#include "dynasurf/report/provenance.hpp"
+
+namespace dynasurf {
+
+/// One run of the cloud application.
+struct CloudRun {
+  std::vector<CloudSource> sources;                     // one per file
+  CloudResult result;                                   // its notes hold those of reading too
+  std::vector<std::pair<std::string, double>> seconds;  // per stage, in order
+};
+
+/// Whether every level may be published as watertight. False without a level.
+bool is_watertight(const CloudResult& result);
+
+/// Name of a level's files without ending: "level2", or "level2_not_watertight" where its certificate does not hold.
+/// Levels count from 0 here and from 1 in names.
+std::string name_of_level(const CloudResult& result, std::size_t level);
+
+/// results.json of a cloud (schema dynasurf.cloud/1, docs/cloud-results.md), keys in the order of the schema. Levels
+/// count from 1. What is absent, infinite or not a number is null. Throws OptionError when `provenance.options_json` is
+/// neither empty nor JSON.
+nlohmann::ordered_json cloud_results_json(const CloudRun& run, const Provenance& provenance,
+                                          Timings timings = Timings::keep);
+
+/// results.csv of a cloud: a line of names, then one line per level.
+std::string cloud_results_csv(const CloudResult& result);
+
+/// report.html of a cloud as text: one self-contained page that loads nothing: the points, the levels side by side and
+/// in morph, the error as colour, the certificates. Shows 50,000 points at most, evenly taken. Throws OptionError as
+/// above.
+std::string cloud_report_html(const CloudRun& run, const Provenance& provenance, Timings timings = Timings::keep);
+
+/// Writes `cloud_report_html` whole or not at all. Throws IoError.
+void write_cloud_report(const CloudRun& run, const Provenance& provenance, const std::filesystem::path& path,
+                        Timings timings = Timings::keep);
+
+}  // namespace dynasurf

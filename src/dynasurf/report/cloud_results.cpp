@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <sstream>
+
+#include "dynasurf/cloud/lod.hpp"
+#include "dynasurf/report/cloud_report.hpp"
+#include "dynasurf/report/json_parts.hpp"
+
+namespace dynasurf {
+namespace {
+
+using namespace report_detail;
+
+Json angles_json(const Certificate& c) {
+  return {{"smallest", number(c.smallest_angle_deg)},
+          {"percentile_1", number(c.angle_percentile_1_deg)},
+          {"percentile_5", number(c.angle_percentile_5_deg)},
+          {"mean", number(c.angle_mean_deg)}};
+}
+
+/// Distances in the cloud's unit and in percent of its diagonal.
+Json distances_json(const Certificate& c) {
+  const auto share = [&](double length) {
+    return c.cloud_diagonal > 0 ? number(100 * length / c.cloud_diagonal) : Json(nullptr);
+  };
+  const auto pair = [&](double mean, double largest) -> Json {
+    return {{"mean", number(mean)},
+            {"largest", number(largest)},
+            {"mean_percent", share(mean)},
+            {"largest_percent", share(largest)}};
+  };
+  return {{"cloud_to_mesh", pair(c.cloud_to_mesh_mean, c.cloud_to_mesh_largest)},
+          {"mesh_to_cloud", pair(c.mesh_to_cloud_mean, c.mesh_to_cloud_largest)}};
+}
+
+Json certificate_json(const Certificate& c) {
+  Json json;
+  json["watertight"] = c.watertight();
+  json["closed"] = c.closed;
+  json["manifold"] = c.manifold;
+  json["oriented"] = c.oriented;
+  json["outward"] = c.outward;
+  json["self_intersections"] = c.self_intersections;
+  json["flat_triangles"] = c.flat_triangles;
+  json["components"] = c.components;
+  json["genus"] = c.genus ? Json(*c.genus) : Json(nullptr);
+  json["angles_deg"] = angles_json(c);
+  json["distances"] = distances_json(c);
+  json["volume"] = number(c.volume);
+  json["area"] = number(c.area);
+  return json;
+}
+
+/// Largest size on the screen of each level; nothing where a level has no triangle to measure.
+std::vector<double> largest_sizes(const CloudResult& result) {
+  std::vector<TriMesh> meshes;
+  for (const CloudLevel& level : result.levels) {
+    if (level.mesh.triangles.empty()) return {};
+    meshes.push_back(level.mesh);
+  }
+  return meshes.empty() ? std::vector<double>{} : lod_chain(meshes).largest_px;
+}
+
+Json levels_json(const CloudResult& result) {
+  const std::vector<double> sizes = largest_sizes(result);
+  Json levels = Json::array();
+  for (std::size_t n = 0; n < result.levels.size(); ++n) {
+    const CloudLevel& level = result.levels[n];
+    Json json;
+    json["level"] = n + 1;
+    json["name"] = name_of_level(result, n);
+    json["triangles_asked"] = level.triangles_asked;
+    json["triangles"] = level.mesh.triangles.size();
+    json["vertices"] = level.mesh.vertices.size();
+    json["share_of_plain_tessellation_percent"] =
+        number(share_of_plain_tessellation_percent(level.mesh.triangles.size(), result.facts.points_used));
+    json["largest_screen_px"] = n < sizes.size() ? number(sizes[n]) : Json(nullptr);
+    json["certificate"] = certificate_json(level.certificate);
+    levels.push_back(std::move(json));
+  }
+  return levels;
+}
+
+Json cloud_json(const CloudRun& run) {
+  const CloudFacts& f = run.result.facts;
+  const PointCloud& used = run.result.used;
+  Json sources = Json::array();
+  for (const CloudSource& source : run.sources)
+    sources.push_back({{"format", source.format}, {"points", source.points}, {"triangles", source.triangles}});
+  std::uint32_t scans = 0;
+  for (const std::uint32_t scan : used.scans) scans = std::max(scans, scan);
+  Json json;
+  json["files"] = std::move(sources);
+  json["points"] = f.points;
+  json["not_finite"] = f.not_finite;
+  json["duplicates"] = f.duplicates;
+  json["outliers"] = f.outliers;
+  json["points_used"] = f.points_used;
+  json["has_normals"] = !used.normals.empty();
+  json["has_colours"] = !used.colours.empty();
+  json["scans"] = scans + 1;
+  json["diagonal"] = number(f.diagonal);
+  json["spacing"] = number(f.spacing);
+  json["noise"] = number(f.noise);
+  json["cells"] = f.cells;
+  json["parts"] = f.parts;
+  json["genus"] = f.genus;
+  return json;
+}
+
+Json notes_json(const Notes& notes) {
+  Json json = Json::array();
+  for (const Note& note : notes)
+    json.push_back({{"severity", name_of(note.severity)}, {"code", note.code}, {"message", note.message}});
+  return json;
+}
+
+Json timings_json(const CloudRun& run, Timings timings) {
+  if (timings == Timings::omit) return nullptr;
+  Json json = Json::object();
+  for (const auto& [stage, seconds] : run.seconds) json[stage] = number(seconds);
+  return json;
+}
+
+}  // namespace
+
+bool is_watertight(const CloudResult& result) {
+  return !result.levels.empty() && std::all_of(result.levels.begin(), result.levels.end(),
+                                               [](const CloudLevel& level) { return level.certificate.watertight(); });
+}
+
+std::string name_of_level(const CloudResult& result, std::size_t level) {
+  return "level" + std::to_string(level + 1) + (result.levels[level].certificate.watertight() ? "" : "_not_watertight");
+}
+
+nlohmann::ordered_json cloud_results_json(const CloudRun& run, const Provenance& provenance, Timings timings) {
+  Json json;
+  json["schema"] = "dynasurf.cloud/1";
+  json["watertight"] = is_watertight(run.result);
+  json["levels"] = levels_json(run.result);
+  json["cloud"] = cloud_json(run);
+  json["notes"] = notes_json(run.result.notes);
+  json["provenance"] = provenance_json(provenance);
+  json["timings_s"] = timings_json(run, timings);
+  return json;
+}
+
+std::string cloud_results_csv(const CloudResult& result) {
+  std::ostringstream csv;
+  csv.precision(9);
+  csv << "level,triangles_asked,triangles,vertices,watertight,components,genus,self_intersections,smallest_angle_deg,"
+         "cloud_to_mesh_mean,cloud_to_mesh_largest,mesh_to_cloud_mean,mesh_to_cloud_largest,volume,area\n";
+  for (std::size_t n = 0; n < result.levels.size(); ++n) {
+    const CloudLevel& level = result.levels[n];
+    const Certificate& c = level.certificate;
+    csv << n + 1 << ',' << level.triangles_asked << ',' << c.triangles << ',' << c.vertices << ',' << c.watertight()
+        << ',' << c.components << ',';
+    if (c.genus) csv << *c.genus;
+    csv << ',' << c.self_intersections << ',' << c.smallest_angle_deg << ',' << c.cloud_to_mesh_mean << ','
+        << c.cloud_to_mesh_largest << ',' << c.mesh_to_cloud_mean << ',' << c.mesh_to_cloud_largest << ',' << c.volume
+        << ',' << c.area << '\n';
+  }
+  return csv.str();
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,31 @@
+#include "dynasurf/report/json_parts.hpp"
+
+#include "dynasurf/core/error.hpp"
+
+namespace dynasurf::report_detail {
+namespace {
+
+Json options_json(const std::string& text) {
+  if (text.empty()) return nullptr;
+  Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded()) throw OptionError("the resolved options are not JSON: " + text.substr(0, 60));
+  return json;
+}
+
+}  // namespace
+
+Json provenance_json(const Provenance& provenance) {
+  Json inputs = Json::array();
+  for (const auto& [file, sha256] : provenance.inputs) inputs.push_back({{"file", file}, {"sha256", sha256}});
+  Json json;
+  json["program"] = "dynasurf";
+  json["version"] = provenance.program_version;
+  json["commit"] = provenance.commit;
+  json["command"] = provenance.command;
+  json["inputs"] = std::move(inputs);
+  json["seed"] = provenance.seed ? Json(*provenance.seed) : Json(nullptr);
+  json["options"] = options_json(provenance.options_json);
+  return json;
+}
+
+}  // namespace dynasurf::report_detail

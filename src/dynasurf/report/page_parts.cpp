@@ -1,0 +1,80 @@
+#include "dynasurf/report/page_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <zlib.h>
+
+#include "dynasurf/core/error.hpp"
+
+namespace dynasurf::report_detail {
+namespace {
+
+constexpr double position_steps = 65535;
+
+/// JSON that may stand inside an HTML script element: no text in it can end the element or open a comment.
+std::string text_for_html(const Json& json) {
+  std::string text;
+  for (const char c : json.dump(-1, ' ', true, Json::error_handler_t::replace))
+    if (c == '<')
+      text += "\\u003c";
+    else
+      text += c;
+  return text;
+}
+
+}  // namespace
+
+std::string base64(const Bytes& bytes) {
+  constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t word = 0;
+    for (std::size_t b = 0; b < 3; ++b) word = word << 8 | (b < left ? bytes[i + b] : 0u);
+    for (std::size_t d = 0; d < 4; ++d) text += d <= left ? digits[word >> (18 - 6 * d) & 63u] : '=';
+  }
+  return text;
+}
+
+std::string packed(const Bytes& bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  Bytes out(size);
+  if (compress2(out.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), 6) != Z_OK)
+    throw IoError("report: not enough memory to pack " + std::to_string(bytes.size()) + " bytes");
+  out.resize(size);
+  return base64(out);
+}
+
+Bytes steps_of(const std::vector<Vec3>& points, const Box& box) {
+  Bytes bytes;
+  bytes.reserve(points.size() * 6);
+  for (const Vec3& p : points)
+    for (int axis = 0; axis < 3; ++axis) {
+      const double side = box.high[axis] - box.low[axis];
+      const double share = side > 0 ? (p[axis] - box.low[axis]) / side : 0;
+      append(bytes, static_cast<std::uint16_t>(std::clamp(std::round(share * position_steps), 0.0, position_steps)));
+    }
+  return bytes;
+}
+
+std::string triangles_of(const TriMesh& mesh) {
+  Bytes bytes;
+  bytes.reserve(mesh.triangles.size() * 12);
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t vertex : triangle) append(bytes, vertex);
+  return packed(bytes);
+}
+
+std::string filled_page(std::string_view page, const Json& data) {
+  constexpr std::string_view place = "{{DATA}}";
+  const std::size_t at = page.find(place);
+  DYNASURF_ASSERT(at != std::string_view::npos);
+  std::string html(page.substr(0, at));
+  html += text_for_html(data);
+  html += page.substr(at + place.size());
+  return html;
+}
+
+}  // namespace dynasurf::report_detail

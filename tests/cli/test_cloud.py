@@ -1,0 +1,270 @@
+"""From a scan to meshes, and what is done with the levels afterwards."""
+
+import functools
+import json
+import shutil
+import signal
+import struct
+import subprocess
+import time
+import unittest
+
+from cli import PROGRAM, CliTest, hashes, run, shared_folder
+
+
+@functools.cache
+def small_scan():
+    folder = shared_folder() / "scan"
+    made = run("phantom", "cloud", "--seed", 3, "--out", folder, "--set", "shape=ellipsoid", "--set", "points=4000")
+    assert made.returncode == 0, made.stderr
+    return folder / "cloud.ply"
+
+
+@functools.cache
+def small_result():
+    folder = shared_folder() / "cloud-result"
+    made = run("cloud", small_scan(), "--out", folder, "--triangles", "640,160")
+    assert made.returncode == 0, made.stdout + made.stderr
+    return folder
+
+
+def glb_json(path):
+    data = path.read_bytes()
+    magic, version, size, length = struct.unpack_from("<4sIII", data)
+    assert (magic, version, size) == (b"glTF", 2, len(data))
+    return json.loads(data[20:20 + length])
+
+
+def ply_header(path):
+    return path.read_bytes().split(b"end_header\n")[0].decode()
+
+
+class Cloud(CliTest):
+    def test_leaves_all_files_of_a_result(self):
+        result = small_result()
+        self.assertEqual(sorted(hashes(result)), ["levels.glb", "meshes/level1.ply", "meshes/level2.ply", "options.json",
+                                                  "report.html", "results.csv", "results.json"])
+        results = self.read_json(result / "results.json")
+        self.assertEqual(results["schema"], "dynasurf.cloud/1")
+        self.assertTrue(results["watertight"])
+        self.assertEqual([level["triangles_asked"] for level in results["levels"]], [640, 160])
+        for level in results["levels"]:
+            self.assertLessEqual(level["triangles"], level["triangles_asked"])
+            self.assertEqual(level["certificate"]["genus"], 0)
+            # An ellipsoid is easy: a hundredth of its size would be a bad fit even with 160 triangles.
+            self.assertLess(level["certificate"]["distances"]["cloud_to_mesh"]["mean_percent"], 1)
+        self.assertEqual(results["cloud"]["points"], 4000)
+        self.assertGreater(results["timings_s"]["read"], 0)
+        self.assertEqual(len((result / "results.csv").read_text().splitlines()), 3)
+
+    def test_measure_agrees_with_the_certificate(self):
+        level = self.read_json(small_result() / "results.json")["levels"][0]
+        measured = json.loads(run("measure", small_result() / "meshes" / "level1.ply", "--json").stdout)
+        self.assertEqual(measured["triangles"], level["triangles"])
+        self.assertTrue(measured["closed"] and measured["oriented"])
+        self.assertEqual(measured["volume_ml"] * 1000, level["certificate"]["volume"])
+        self.assertEqual(measured["components"], level["certificate"]["components"])
+
+    def test_the_glb_holds_all_levels(self):
+        gltf = glb_json(small_result() / "levels.glb")
+        self.assertEqual(gltf["extensionsUsed"], ["MSFT_lod"])
+        self.assertEqual(gltf["nodes"][0]["extensions"]["MSFT_lod"]["ids"], [1])
+        coverage = gltf["nodes"][0]["extras"]["MSFT_screencoverage"]
+        self.assertEqual(len(coverage), 2)
+        self.assertGreater(coverage[0], coverage[1])
+        self.assertEqual(gltf["scenes"][0]["nodes"], [0])
+
+    def test_writes_the_formats_that_are_asked_for(self):
+        out = self.folder / "r"
+        self.assertEqual(run("cloud", small_scan(), "--out", out, "--triangles", "160", "--mesh-format",
+                             "stl,obj,off,vtp").returncode, 0)
+        self.assertEqual(sorted(path.name for path in (out / "meshes").iterdir()),
+                         ["level1.obj", "level1.off", "level1.stl", "level1.vtp"])
+
+    def test_carries_the_colours_of_the_points_to_the_meshes(self):
+        rows = run("phantom", "cloud", "--out", self.folder / "scan", "--set", "points=1000")
+        self.assertEqual(rows.returncode, 0)
+        data = (self.folder / "scan" / "cloud.ply").read_bytes().split(b"end_header\n")[1]
+        points = [struct.unpack_from("<3d", data, 24 * n) for n in range(1000)]
+        xyz = self.folder / "coloured.xyz"
+        xyz.write_text("".join(f"{x} {y} {z} {200 if x > 0 else 0} 30 0\n" for x, y, z in points))
+        out = self.folder / "r"
+        self.assertEqual(run("cloud", xyz, "--out", out, "--triangles", "320", "--mesh-format", "ply,obj").returncode, 0)
+        self.assertTrue(self.read_json(out / "results.json")["cloud"]["has_colours"])
+        self.assertIn("property uchar red", ply_header(out / "meshes" / "level1.ply"))
+        self.assertIn("COLOR_0", glb_json(out / "levels.glb")["meshes"][0]["primitives"][0]["attributes"])
+        vertices = [line.split() for line in (out / "meshes" / "level1.obj").read_text().splitlines() if line[:2] == "v "]
+        for _, x, _, _, red, green, _ in vertices:
+            self.assertAlmostEqual(float(green), 30 / 255, 3)
+            if abs(float(x)) > 0.3:
+                self.assertAlmostEqual(float(red), 200 / 255 if float(x) > 0 else 0, 3)
+
+    def test_reads_several_files_as_one_cloud(self):
+        rows = [line for line in (small_scan().parent / "cloud.ply").read_bytes().split(b"end_header\n")[1:]]
+        points = [struct.unpack_from("<3d", rows[0], 24 * n) for n in range(4000)]
+        for name, part in (("a.xyz", points[::2]), ("b.csv", points[1::2])):
+            (self.folder / name).write_text("".join(f"{x!r},{y!r},{z!r}\n" for x, y, z in part))
+        out = self.folder / "r"
+        done = run("cloud", self.folder / "a.xyz", self.folder / "b.csv", "--out", out, "--triangles", "160")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        results = self.read_json(out / "results.json")
+        self.assertEqual(results["cloud"]["scans"], 2)
+        self.assertEqual([f["points"] for f in results["cloud"]["files"]], [2000, 2000])
+        self.assertEqual([i["file"] for i in results["provenance"]["inputs"]], ["input-1.xyz", "input-2.csv"])
+        again = run("rerun", out)
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertIn("same bytes", again.stdout)
+
+    def test_equal_runs_give_equal_bytes_for_any_number_of_threads(self):
+        for threads in (1, 2):
+            run("cloud", small_scan(), "--out", self.folder / str(threads), "--triangles", "640,160", "--no-timings",
+                "--threads", threads)
+        self.assertEqual(hashes(self.folder / "1"), hashes(self.folder / "2"))
+
+    def test_a_rerun_finds_the_cloud_by_its_hash(self):
+        shutil.copytree(small_result(), self.folder / "result")
+        shutil.copy(small_scan(), self.folder / "renamed.bin.ply")
+        done = run("rerun", self.folder / "result")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("same bytes: 7 files", done.stdout)
+        (self.folder / "renamed.bin.ply").unlink()
+        self.refuses(2, "rerun", self.folder / "result", says="name it with --input", cwd=self.folder)
+
+    def test_tells_options_like_every_other(self):
+        done = run("options", "cloud")
+        self.assertEqual(done.returncode, 0)
+        self.assertIn("max_error_percent", done.stdout)
+        self.assertNotEqual(done.stdout, run("options", "cloud", "--preset", "faithful").stdout)
+        self.assertIn("shape", run("options", "phantom", "cloud").stdout)
+        options = self.read_json(small_result() / "options.json")
+        self.assertEqual(options["triangles"], "640,160")
+        out = self.folder / "r"
+        self.assertEqual(run("cloud", small_scan(), "--out", out, "--options", small_result() / "options.json").returncode, 0)
+        self.assertEqual(self.read_json(out / "options.json"), options)
+
+    def test_refuses_wrong_options_in_one_line(self):
+        out = self.folder / "r"
+        for arguments, says in ((["--triangles", "320,640"], "triangles"), (["--triangles", "many"], "triangles"),
+                                (["--genus", "two"], "genus"), (["--preset", "best"], "shaped"),
+                                (["--max-error", "much"], "max_error_percent"), (["--set", "cell=3"], "cells"),
+                                (["--mesh-format", "glb"], "ply")):
+            self.refuses(1, "cloud", small_scan(), "--out", out, *arguments, says=says)
+        self.assertFalse(out.exists())
+
+    def test_refuses_what_is_no_cloud(self):
+        out = self.folder / "r"
+        for name, text, says in (("few.xyz", "0 0 0\n1 0 0\n0 1 0\n", "few.xyz"),
+                                 ("flat.xyz", "".join(f"{x} {y} 0\n" for x in range(9) for y in range(9)), "plane"),
+                                 ("cut.ply", small_scan().read_bytes()[:5000], "cut.ply"),
+                                 ("words.xyz", "1 2 3\none two three\n", "line 2"), ("scan.e57", "x", "unknown kind")):
+            path = self.folder / name
+            path.write_bytes(text if isinstance(text, bytes) else text.encode())
+            self.refuses(2, "cloud", path, "--out", out, "--quiet", says=says)
+        self.refuses(2, "cloud", self.folder / "absent.ply", "--out", out, says="absent.ply")
+        self.assertFalse(out.exists())
+
+    def test_a_former_result_is_replaced_and_anything_else_is_not(self):
+        out = self.folder / "r"
+        out.mkdir()
+        (out / "precious.txt").write_text("mine")
+        self.refuses(2, "cloud", small_scan(), "--out", out)
+        self.assertEqual((out / "precious.txt").read_text(), "mine")
+
+    def test_stops_on_request_and_leaves_nothing(self):
+        scan = self.folder / "scan"
+        run("phantom", "cloud", "--out", scan, "--set", "shape=blobs", "--set", "points=200000")
+        out = self.folder / "r"
+        process = subprocess.Popen([PROGRAM, "cloud", scan / "cloud.ply", "--out", out, "--set", "triangles=40000,20000"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        # The first words of progress tell that the work has begun.
+        process.stderr.readline()
+        time.sleep(0.1)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=100)
+        self.assertEqual(process.returncode, 3, errors)
+        self.assertIn("stopped on request", errors)
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["scan"])
+
+    def test_says_when_a_level_is_not_watertight(self):
+        # The thesis's recipe crosses itself where a body is thin: the certificate must say so, and nothing may hide it.
+        scan = self.folder / "scan"
+        run("phantom", "cloud", "--out", scan, "--set", "shape=plate", "--set", "points=5000")
+        out = self.folder / "r"
+        done = run("cloud", scan / "cloud.ply", "--out", out, "--preset", "thesis", "--triangles", "1280")
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("level 1 is not watertight", done.stdout)
+        results = self.read_json(out / "results.json")
+        self.assertFalse(results["watertight"])
+        self.assertEqual(results["levels"][0]["name"], "level1_not_watertight")
+        self.assertEqual([path.name for path in (out / "meshes").iterdir()], ["level1_not_watertight.ply"])
+        self.assertEqual(glb_json(out / "levels.glb")["nodes"][0]["name"], "level1_not_watertight")
+
+
+class Lod(CliTest):
+    def test_tells_which_level_serves_at_which_distance(self):
+        done = run("lod", small_result(), "--screen", "1920x1080", "--fov", "40", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lod = json.loads(done.stdout)
+        self.assertEqual([level["triangles"] for level in lod["levels"]],
+                         [level["triangles"] for level in self.read_json(small_result() / "results.json")["levels"]])
+        first, second = lod["levels"]
+        self.assertEqual(first["from_distance"], 0)
+        self.assertEqual(first["to_distance"], second["from_distance"])
+        self.assertIsNone(second["to_distance"])
+        narrow = json.loads(run("lod", small_result(), "--fov", "20", "--json").stdout)
+        # Twice as large on the screen at nearly half the field: tan(20 deg) / tan(10 deg) = 2.064.
+        self.assertAlmostEqual(narrow["levels"][1]["from_distance"] / second["from_distance"], 2.064, 3)
+        small = json.loads(run("lod", small_result(), "--screen", "960x540", "--json").stdout)
+        self.assertAlmostEqual(small["levels"][1]["from_distance"] / second["from_distance"], 0.5, 9)
+
+    def test_writes_transitions_and_a_page(self):
+        out = self.folder / "lod"
+        done = run("lod", small_result(), "--out", out, "--steps", "3")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(sorted(hashes(out)), ["instances.html", "lod.json",
+                                               *[f"transitions/level2_to_level1_{n}.ply" for n in range(5)]])
+        volumes = [json.loads(run("measure", out / "transitions" / f"level2_to_level1_{n}.ply", "--json").stdout)["volume_ml"]
+                   for n in range(5)]
+        levels = [level["certificate"]["volume"] / 1000 for level in self.read_json(small_result() / "results.json")["levels"]]
+        self.assertEqual(volumes[4], levels[0])
+        self.assertAlmostEqual(volumes[0] / levels[1], 1, delta=0.02)
+        self.assertEqual(volumes, sorted(volumes, reverse=volumes[0] > volumes[4]))
+        self.assertLess((out / "instances.html").stat().st_size, 2e6)
+        # A former folder of this command is replaced.
+        self.assertEqual(run("lod", small_result(), "--out", out, "--steps", "0").returncode, 0)
+        self.assertEqual(len(list((out / "transitions").iterdir())), 2)
+
+    def test_takes_mesh_files_too(self):
+        meshes = small_result() / "meshes"
+        done = run("lod", meshes / "level1.ply", meshes / "level2.ply")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("level 2 to 1", done.stdout)
+        self.refuses(2, "lod", meshes / "level2.ply", meshes / "level1.ply", says="finest first")
+
+    def test_refuses_wrong_usage(self):
+        self.refuses(1, "lod", small_result(), "--screen", "1920", says="WIDTHxHEIGHT")
+        self.refuses(1, "lod", small_result(), "--screen", "0x10", says="width_px")
+        self.refuses(1, "lod", small_result(), "--fov", "180", says="fov_deg")
+        self.refuses(2, "lod", self.folder, says="results.json")
+        self.refuses(2, "lod", self.folder / "absent.ply", says="absent.ply")
+
+
+class Phantom(CliTest):
+    def test_makes_a_scan_with_its_truth(self):
+        out = self.folder / "p"
+        done = run("phantom", "cloud", "--out", out, "--set", "shape=torus", "--set", "points=3000", "--set",
+                   "missing_percent=20", "--set", "noise_percent=0.5", "--set", "normals=true")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        truth = self.read_json(out / "truth.json")
+        self.assertEqual((truth["genus"], truth["points"]), (1, 2400))
+        self.assertIn("property float nx", ply_header(out / "cloud.ply"))
+        self.assertGreater(truth["volume"], 0)
+        first = hashes(out)
+        run("phantom", "cloud", "--out", out, "--set", "shape=torus", "--set", "points=3000", "--set",
+            "missing_percent=20", "--set", "noise_percent=0.5", "--set", "normals=true")
+        self.assertEqual(hashes(out), first)
+        self.refuses(1, "phantom", "cloud", "--out", out, "--nrrd", says="no volume")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,102 @@
+// make_sample_clouds FOLDER: results and reports of clouds made by hand, one folder per kind, for the tests of the
+// pages.
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/mesh/sample_surface.hpp"
+#include "dynasurf/mesh/shapes.hpp"
+#include "dynasurf/report/cloud_report.hpp"
+#include "dynasurf/report/lod_page.hpp"
+
+namespace {
+
+using namespace dynasurf;
+
+/// An egg that looks different from every side, as a surface of any fineness.
+TriMesh egg(int level) {
+  TriMesh mesh = icosphere(level);
+  for (Vec3& p : mesh.vertices)
+    p = Vec3(p[0], 1.4 * p[1], 0.8 * p[2]) * (1 + 0.25 * std::exp(3 * (p[0] - 1))) + Vec3(10, 20, 30);
+  return mesh;
+}
+
+CloudRun run_of(std::initializer_list<int> levels, bool colours) {
+  CloudRun run;
+  const TriMesh fine = egg(5);
+  PointCloud& cloud = run.result.used;
+  for (const SurfaceSample& p : sample_surface(fine, 6000)) {
+    cloud.points.push_back(position_of(fine, p));
+    if (colours) cloud.colours.push_back({static_cast<std::uint8_t>(cloud.points.back()[0] > 10 ? 220 : 40), 80, 60});
+  }
+  run.sources.push_back({"PLY", cloud.points.size(), 0});
+  CloudFacts& facts = run.result.facts;
+  facts.points = facts.points_used = cloud.points.size();
+  facts.spacing = 0.05;
+  facts.cells = 64;
+  facts.parts = 1;
+  for (const int level : levels) {
+    CloudLevel made;
+    made.mesh = egg(level);
+    made.triangles_asked = static_cast<int>(made.mesh.triangles.size());
+    run.result.levels.push_back(std::move(made));
+  }
+  for (CloudLevel& level : run.result.levels) level.certificate = certify(level.mesh, cloud);
+  if (!run.result.levels.empty()) facts.diagonal = run.result.levels[0].certificate.cloud_diagonal;
+  run.result.notes.push_back({Severity::info, "cloud.noise", "the points are clean"});
+  run.seconds = {{"read", 0.01}, {"levels", 0.5}};
+  return run;
+}
+
+Provenance provenance() {
+  Provenance p;
+  p.program_version = "0.1.0";
+  p.commit = "0123456789ab";
+  p.command = "dynasurf cloud CLOUD --out RESULT --preset shaped";
+  p.inputs.emplace_back("input-1.ply", std::string(64, 'a'));
+  p.options_json = R"({"method": "shaped", "triangles": "5120,1280,320"})";
+  return p;
+}
+
+void write_sample(const std::filesystem::path& folder, const CloudRun& run) {
+  std::filesystem::create_directories(folder);
+  std::ofstream file(folder / "results.json", std::ios::binary);
+  file << cloud_results_json(run, provenance()).dump(2) << "\n";
+  if (!file.flush()) throw std::runtime_error("cannot write " + folder.string());
+  write_cloud_report(run, provenance(), folder / "report.html");
+}
+
+void write_instances(const std::filesystem::path& path) {
+  const std::vector<TriMesh> levels{egg(4), egg(3), egg(2)};
+  const std::vector<LodTransition> transitions{lod_transition(levels[1], levels[0]),
+                                               lod_transition(levels[2], levels[1])};
+  write_lod_page(levels, transitions, {}, path);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count != 2) {
+    std::fputs("usage: make_sample_clouds FOLDER\n", stderr);
+    return 1;
+  }
+  try {
+    const std::filesystem::path folder = arguments[1];
+    write_sample(folder / "results" / "ok", run_of({4, 3, 2}, true));
+    write_sample(folder / "results" / "one", run_of({3}, false));
+    CloudRun broken = run_of({3, 2}, false);
+    TriMesh& mesh = broken.result.levels[1].mesh;
+    mesh.triangles.pop_back();
+    broken.result.levels[1].certificate = certify(mesh, broken.result.used);
+    write_sample(folder / "results" / "broken", broken);
+    write_sample(folder / "results" / "empty", run_of({}, false));
+    write_instances(folder / "instances.html");
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "make_sample_clouds: %s\n", error.what());
+    return 2;
+  }
+  return 0;
+}
