@@ -21,7 +21,7 @@ struct Arguments {
   std::string triangles, max_error, genus;
   bool keep_sharp = false;
   std::vector<std::string> settings, mesh_formats;
-  bool quiet = false, json = false, with_names = false, no_timings = false;
+  bool textures = false, quiet = false, json = false, with_names = false, no_timings = false;
   int threads = 0;
 };
 
@@ -81,6 +81,7 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   job.out = arguments.out;
   job.options = options_of(arguments);
   if (!arguments.mesh_formats.empty()) job.outputs.mesh_formats = formats_of(arguments);
+  job.outputs.textures = arguments.textures;
   job.outputs.timings = !arguments.no_timings;
   job.command = recorded_command(arguments);
   job.file_names = arguments.with_names;
@@ -121,6 +122,9 @@ void add_cloud(CLI::App& program, Command& chosen) {
       ->take_all()
       ->allow_extra_args(false);
   command->add_option("--mesh-format", a->mesh_formats, "ply,stl,obj,off,vtp: one or more (ply)")->delimiter(',');
+  command->add_flag(
+      "--textures", a->textures,
+      "write textured.glb too: all levels with normal maps, and colour maps where the points have colours");
   command->add_option("--threads", a->threads, "threads at most; the result is the same (0: all)")
       ->check(CLI::Range(0, 1024));
   command->add_flag("--quiet", a->quiet, "no progress on standard error");

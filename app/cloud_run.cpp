@@ -5,7 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/cloud/bake.hpp"
 #include "dynasurf/cloud/lod.hpp"
+#include "dynasurf/cloud/orient.hpp"
 #include "dynasurf/cloud/transfer.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -93,20 +95,25 @@ void write_levels(const CloudResult& result, const CloudOutputs& outputs, const 
     const std::string name = name_of_level(result, n);
     for (const MeshFormat format : outputs.mesh_formats)
       write_mesh(mesh, folder / "meshes" / (name + "." + std::string(word_of(format))), format, {}, colours);
-    levels.push_back({name, mesh, colours});
+    levels.push_back({name, mesh, colours, 0, {}});
     meshes.push_back(mesh);
   }
   if (levels.empty()) return;
   const std::vector<double> coverages = coverages_of(meshes);
   for (std::size_t n = 0; n < levels.size(); ++n) levels[n].smallest_coverage = coverages[n];
   write_lod_glb(levels, folder / "levels.glb");
+  if (!outputs.textures) return;
+  PointCloud points = result.used;
+  points.normals = orient(result.used, true).normals;
+  for (LodSurface& level : levels) level.textured = bake_textures(level.mesh, points);
+  write_lod_glb(levels, folder / "textured.glb");
 }
 
 std::string results_text(const CloudRun& run, const Provenance& provenance, const CloudOutputs& outputs) {
   Json json = cloud_results_json(run, provenance, outputs.timings ? Timings::keep : Timings::omit);
   Json formats = Json::array();
   for (const MeshFormat format : outputs.mesh_formats) formats.push_back(word_of(format));
-  json["provenance"]["outputs"] = {{"mesh_formats", formats}};
+  json["provenance"]["outputs"] = {{"mesh_formats", formats}, {"textures", outputs.textures}};
   return json.dump(2) + "\n";
 }
 

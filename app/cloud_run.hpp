@@ -12,6 +12,7 @@ namespace dynasurf::app {
 /// What is written beside the numbers. Kept in results.json (provenance.outputs), so that a run can be repeated.
 struct CloudOutputs {
   std::vector<MeshFormat> mesh_formats{MeshFormat::ply};
+  bool textures = false;  // textured.glb
   bool timings = true;
 };
 

@@ -256,6 +256,7 @@ bool repeat_cloud(const Arguments& arguments, const Record& record, const fs::pa
     CloudJob read;
     options_from_json(record.options, read.options);
     read.outputs.mesh_formats = formats_of(record);
+    read.outputs.textures = record.outputs.at("textures").get<bool>();
     return read;
   });
   job.clouds = find_clouds(arguments, record);

@@ -93,11 +93,24 @@ class Cloud(CliTest):
         self.assertTrue(self.read_json(out / "results.json")["cloud"]["has_colours"])
         self.assertIn("property uchar red", ply_header(out / "meshes" / "level1.ply"))
         self.assertIn("COLOR_0", glb_json(out / "levels.glb")["meshes"][0]["primitives"][0]["attributes"])
+        self.assertFalse((out / "textured.glb").exists())
         vertices = [line.split() for line in (out / "meshes" / "level1.obj").read_text().splitlines() if line[:2] == "v "]
         for _, x, _, _, red, green, _ in vertices:
             self.assertAlmostEqual(float(green), 30 / 255, 3)
             if abs(float(x)) > 0.3:
                 self.assertAlmostEqual(float(red), 200 / 255 if float(x) > 0 else 0, 3)
+
+    def test_writes_normal_maps_when_asked_and_repeats_them(self):
+        out = self.folder / "r"
+        shutil.copy(small_scan(), self.folder / "scan.ply")
+        done = run("cloud", self.folder / "scan.ply", "--out", out, "--triangles", "320,80", "--textures")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        gltf = glb_json(out / "textured.glb")
+        self.assertEqual([image["name"] for image in gltf["images"]], ["level1_normals", "level2_normals"])
+        self.assertEqual(len(gltf["materials"]), 2)
+        self.assertIn("TANGENT", gltf["meshes"][0]["primitives"][0]["attributes"])
+        again = run("rerun", out)
+        self.assertIn("same bytes: 8 files", again.stdout)
 
     def test_reads_several_files_as_one_cloud(self):
         rows = [line for line in (small_scan().parent / "cloud.ply").read_bytes().split(b"end_header\n")[1:]]

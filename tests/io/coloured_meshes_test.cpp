@@ -6,6 +6,7 @@
 #include "dynasurf/io/bytes.hpp"
 #include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/io/mesh_io.hpp"
+#include "dynasurf/io/png.hpp"
 
 #include "support/sample_meshes.hpp"
 #include "support/scratch_folder.hpp"
@@ -55,7 +56,7 @@ TEST(ColouredMesh, IsRefusedWithColoursOfAnotherLength) {
   VertexColours colours = striped(ball);
   colours.pop_back();
   EXPECT_THROW(write_mesh(ball, folder / "a.ply", MeshFormat::ply, {}, colours), OptionError);
-  const LodSurface level{"a", ball, colours, 0};
+  const LodSurface level{"a", ball, colours, 0, {}};
   EXPECT_THROW(write_lod_glb({&level, 1}, folder / "a.glb"), OptionError);
   EXPECT_FALSE(std::filesystem::exists(folder / "a.glb"));
 }
@@ -83,7 +84,7 @@ TEST(WriteLodGlb, NamesTheLevelsByTheirExtension) {
   const ScratchFolder folder;
   std::vector<LodSurface> levels;
   for (const int fineness : {3, 2, 1})
-    levels.push_back({"level" + std::to_string(4 - fineness), test::lopsided_ball(fineness), {}, 0.1 * fineness});
+    levels.push_back({"level" + std::to_string(4 - fineness), test::lopsided_ball(fineness), {}, 0.1 * fineness, {}});
   write_lod_glb(levels, folder / "a.glb");
   const Glb glb = read_glb(folder / "a.glb");
   EXPECT_EQ(glb.json.at("extensionsUsed"), Json({"MSFT_lod"}));
@@ -100,7 +101,7 @@ TEST(WriteLodGlb, KeepsThePrecisionOfPlacesFarAway) {
   const ScratchFolder folder;
   TriMesh far = test::lopsided_ball(2);
   for (Vec3& p : far.vertices) p += Vec3(500'000, 4'000'000, 0);  // metres of a map projection
-  const LodSurface level{"a", far, {}, 0};
+  const LodSurface level{"a", far, {}, 0, {}};
   write_lod_glb({&level, 1}, folder / "a.glb");
   const Glb glb = read_glb(folder / "a.glb");
   const Json& translation = glb.json.at("nodes")[0].at("translation");
@@ -115,7 +116,7 @@ TEST(WriteLodGlb, KeepsThePrecisionOfPlacesFarAway) {
 TEST(WriteLodGlb, HoldsColoursInLinearLight) {
   const ScratchFolder folder;
   const TriMesh ball = test::lopsided_ball(1);
-  const LodSurface level{"a", ball, VertexColours(ball.vertices.size(), {0, 188, 255}), 0};
+  const LodSurface level{"a", ball, VertexColours(ball.vertices.size(), {0, 188, 255}), 0, {}};
   write_lod_glb({&level, 1}, folder / "a.glb");
   const Glb glb = read_glb(folder / "a.glb");
   const auto colour = glb.json.at("meshes")[0].at("primitives")[0].at("attributes").at("COLOR_0").get<std::size_t>();
@@ -126,10 +127,39 @@ TEST(WriteLodGlb, HoldsColoursInLinearLight) {
   EXPECT_EQ(glb.at<std::uint16_t>(colour, 3, 3), 65535) << "opaque";
 }
 
+TEST(WriteLodGlb, EmbedsTexturesAsPng) {
+  const ScratchFolder folder;
+  LodSurface level{"a", test::lopsided_ball(0), {}, 0, {}};
+  for (const auto& t : level.mesh.triangles)
+    for (const auto v : t)
+      level.textured.corners.push_back({level.mesh.vertices[v], {0, 0, 1}, {1, 0, 0}, {0.25F, 0.5F}});
+  level.textured.normals = {3, 1, {{128, 128, 255}, {1, 2, 3}, {4, 5, 6}}};
+  level.textured.colours = {1, 1, {{9, 8, 7}}};
+  write_lod_glb({&level, 1}, folder / "a.glb");
+  const Glb glb = read_glb(folder / "a.glb");
+  ASSERT_EQ(glb.json.at("images").size(), 2u);
+  const auto picture = [&](std::size_t image) {
+    const Json& view = glb.json.at("bufferViews").at(glb.json.at("images")[image].at("bufferView").get<std::size_t>());
+    test::write_bytes(folder / "a.png", glb.buffer.substr(view.value("byteOffset", 0u), view.at("byteLength")));
+    return read_png(folder / "a.png");
+  };
+  EXPECT_EQ(picture(0).pixels, level.textured.normals.texels);
+  EXPECT_EQ(picture(1).pixels, level.textured.colours.texels);
+  const Json& material = glb.json.at("materials")[0];
+  EXPECT_EQ(material.at("normalTexture").at("index"), 0);
+  EXPECT_EQ(material.at("pbrMetallicRoughness").at("baseColorTexture").at("index"), 1);
+  const Json& primitive = glb.json.at("meshes")[0].at("primitives")[0];
+  for (const char* name : {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0"})
+    EXPECT_EQ(glb.json.at("accessors")[primitive.at("attributes").at(name).get<std::size_t>()].at("count"),
+              level.textured.corners.size());
+  level.textured.normals.texels.pop_back();
+  EXPECT_THROW(write_lod_glb({&level, 1}, folder / "b.glb"), InputError);
+}
+
 TEST(WriteLodGlb, RefusesWhatCannotBeShown) {
   const ScratchFolder folder;
   EXPECT_THROW(write_lod_glb({}, folder / "a.glb"), InputError);
-  const LodSurface nothing{"a", {}, {}, 0};
+  const LodSurface nothing{"a", {}, {}, 0, {}};
   EXPECT_THROW(write_lod_glb({&nothing, 1}, folder / "a.glb"), InputError);
 }
 

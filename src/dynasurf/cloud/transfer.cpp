@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/cloud/light.hpp"
 #include "dynasurf/cloud/neighbours.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
@@ -12,24 +13,13 @@ namespace {
 
 constexpr std::size_t grain = 1024, most_points_per_vertex = 64;
 
-/// sRGB (IEC 61966-2-1).
-double linear_of(std::uint8_t byte) {
-  const double c = byte / 255.0;
-  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-}
-std::uint8_t byte_of(double light) {
-  const double c = light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
-  return static_cast<std::uint8_t>(std::lround(std::clamp(c, 0.0, 1.0) * 255));
-}
-
 }  // namespace
 
 std::vector<std::array<std::uint8_t, 3>> colours_at_vertices(const TriMesh& mesh, const PointCloud& cloud) {
   std::vector<std::array<std::uint8_t, 3>> colours;
   if (cloud.colours.empty() || mesh.vertices.empty()) return colours;
   colours.resize(mesh.vertices.size());
-  std::array<double, 256> linear{};
-  for (std::size_t byte = 0; byte < 256; ++byte) linear[byte] = linear_of(static_cast<std::uint8_t>(byte));
+  const std::array<double, 256> linear = linear_light();
   const std::size_t near =
       std::clamp<std::size_t>(cloud.points.size() / mesh.vertices.size(), 1, most_points_per_vertex);
   const Neighbours neighbours(cloud.points);
@@ -40,7 +30,7 @@ std::vector<std::array<std::uint8_t, 3>> colours_at_vertices(const TriMesh& mesh
       for (std::size_t c = 0; c < 3; ++c) {
         double light = 0;
         for (std::size_t n = 0; n < count; ++n) light += linear[cloud.colours[found[n].index][c]];
-        colours[v][c] = byte_of(light / static_cast<double>(count));
+        colours[v][c] = srgb_byte(light / static_cast<double>(count));
       }
     }
   });

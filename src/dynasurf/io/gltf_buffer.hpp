@@ -41,6 +41,35 @@ class GltfBuffer {
                      TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
   }
 
+  int add_pairs(const std::vector<Eigen::Vector2f>& rows) {
+    return add_bytes(rows.data(), rows.size() * sizeof(rows[0]), rows.size(), TINYGLTF_TYPE_VEC2,
+                     TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TARGET_ARRAY_BUFFER);
+  }
+  int add_fours(const std::vector<std::array<float, 4>>& rows) {
+    return add_bytes(rows.data(), rows.size() * sizeof(rows[0]), rows.size(), TINYGLTF_TYPE_VEC4,
+                     TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TARGET_ARRAY_BUFFER);
+  }
+
+  /// A whole PNG file; gives the number of its texture.
+  int add_png(const std::string& png, const std::string& name) {
+    tinygltf::Image image;
+    image.name = name;
+    image.mimeType = "image/png";
+    image.bufferView = add_view(png.data(), png.size(), 0);
+    model_.images.push_back(image);
+    if (model_.samplers.empty()) {
+      tinygltf::Sampler sampler;  // no mipmaps: they would mix triangles that are neighbours in the picture alone
+      sampler.minFilter = sampler.magFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
+      sampler.wrapS = sampler.wrapT = TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
+      model_.samplers.push_back(sampler);
+    }
+    tinygltf::Texture texture;
+    texture.sampler = 0;
+    texture.source = static_cast<int>(model_.images.size()) - 1;
+    model_.textures.push_back(texture);
+    return static_cast<int>(model_.textures.size()) - 1;
+  }
+
   /// Linear red, green, blue and opacity, 0 to 65535: what glTF multiplies the material by.
   int add_colours(const std::vector<std::array<std::uint16_t, 4>>& colours) {
     const int accessor = add_bytes(colours.data(), 8 * colours.size(), colours.size(), TINYGLTF_TYPE_VEC4,
@@ -60,20 +89,24 @@ class GltfBuffer {
   }
 
  private:
-  int add_bytes(const void* data, std::size_t bytes, std::size_t count, int type, int component, int target) {
+  int add_view(const void* data, std::size_t bytes, int target) {
     auto& all = model_.buffers[0].data;
     if (all.size() + bytes > max_glb_bytes) throw InputError("the surfaces do not fit one GLB file of 2 GiB");
     tinygltf::BufferView view;
     view.buffer = 0;
-    view.byteOffset = all.size();  // every block is a whole number of 4 bytes, so each begins aligned
+    all.resize((all.size() + 3) / 4 * 4);  // each block begins aligned; only pictures end elsewhere
+    view.byteOffset = all.size();
     view.byteLength = bytes;
     view.target = target;
     const auto* begin = static_cast<const unsigned char*>(data);
     all.insert(all.end(), begin, begin + bytes);
     model_.bufferViews.push_back(view);
+    return static_cast<int>(model_.bufferViews.size()) - 1;
+  }
 
+  int add_bytes(const void* data, std::size_t bytes, std::size_t count, int type, int component, int target) {
     tinygltf::Accessor accessor;
-    accessor.bufferView = static_cast<int>(model_.bufferViews.size()) - 1;
+    accessor.bufferView = add_view(data, bytes, target);
     accessor.componentType = component;
     accessor.type = type;
     accessor.count = count;

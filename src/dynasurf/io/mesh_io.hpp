@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/mesh/textured_mesh.hpp"
 
 namespace dynasurf {
 
@@ -60,12 +61,15 @@ struct LodSurface {
   TriMesh mesh;
   VertexColours colours;
   double smallest_coverage = 0;  // part of the screen's height that the object takes when the next level takes over
+  /// Written instead of `mesh` and `colours` when it has corners, with its textures as PNG.
+  TexturedMesh textured;
 };
 /// Levels of detail, finest first, as one binary glTF: a node and mesh per level. The scene shows the finest; its node
 /// names the others by the extension MSFT_lod with their screen coverage, which viewers that do not know it leave
 /// alone. Coordinates and unit are those of the meshes, seen from the middle of the box around the finest, which the
 /// nodes' translation holds: positions far from the origin keep their precision.
-/// Throws InputError for no level or a mesh that cannot be written, OptionError for colours of another length, IoError.
+/// Throws InputError for no level, a mesh that cannot be written or textures that do not fit their corners, OptionError
+/// for colours of another length, IoError.
 void write_lod_glb(std::span<const LodSurface> levels, const std::filesystem::path& path);
 
 /// ParaView time series: entries of (time, file relative to the .pvd, part number).

@@ -25,8 +25,8 @@ struct PngImage {
 
 }  // namespace
 
-void write_png(const Picture& picture, const std::filesystem::path& path) {
-  if (picture.pixels.empty()) throw InputError("picture for " + path.string() + " is empty; expected pixels");
+std::string encode_png(const Picture& picture) {
+  if (picture.pixels.empty()) throw InputError("the picture is empty; expected pixels");
   PngImage png;
   png.image.width = static_cast<png_uint_32>(picture.width);
   png.image.height = static_cast<png_uint_32>(picture.height);
@@ -34,12 +34,18 @@ void write_png(const Picture& picture, const std::filesystem::path& path) {
   png_alloc_size_t bytes = 0;
   const auto write = [&](void* to) {
     if (!png_image_write_to_memory(&png.image, to, &bytes, 0, picture.pixels.data(), 0, nullptr))
-      throw IoError(path.string() + ": cannot be written: " + png.image.message);
+      throw IoError(std::string("a PNG cannot be made: ") + png.image.message);
   };
   write(nullptr);
   std::string file(bytes, '\0');
   write(file.data());
-  write_file(path, file);
+  file.resize(bytes);
+  return file;
+}
+
+void write_png(const Picture& picture, const std::filesystem::path& path) {
+  if (picture.pixels.empty()) throw InputError("picture for " + path.string() + " is empty; expected pixels");
+  write_file(path, encode_png(picture));
 }
 
 Picture read_png(const std::filesystem::path& path) {

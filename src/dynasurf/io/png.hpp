@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace dynasurf {
@@ -24,6 +25,9 @@ struct Picture {
     return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
   }
 };
+
+/// A PNG file as bytes, 8 bits per colour. Throws InputError for a picture without pixels, IoError.
+std::string encode_png(const Picture& picture);
 
 /// PNG, 8 bits per colour. The same picture gives the same bytes. The file appears whole or not at all.
 /// Throws InputError for a picture without pixels, IoError.

@@ -1,0 +1,183 @@
+#include "dynasurf/cloud/bake.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dynasurf/cloud/light.hpp"
+#include "dynasurf/cloud/neighbours.hpp"
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr std::size_t points_per_texel = 6;
+
+/// Squares of `side` texels, `across` of them in a row, two triangles in each: one with its right angle at the top
+/// left, one with it at the bottom right, four texels between their long sides.
+struct Atlas {
+  std::size_t side, across, rows;
+
+  std::size_t width() const { return side * across; }
+  std::size_t height() const { return side * rows; }
+  double leg() const { return static_cast<double>(side) - 4; }
+
+  /// Where a corner stands, in texels.
+  Eigen::Vector2d place(std::size_t triangle, std::size_t corner) const {
+    const std::size_t square = triangle / 2;
+    const Eigen::Vector2d origin(static_cast<double>(square % across * side),
+                                 static_cast<double>(square / across * side));
+    Eigen::Vector2d within(1 + (corner == 1 ? leg() : 0), 1 + (corner == 2 ? leg() : 0));
+    if (triangle % 2 == 1) within = Eigen::Vector2d::Constant(static_cast<double>(side)) - within;
+    return origin + within;
+  }
+
+  /// The triangle that a texel belongs to, and the weights of its corners at the texel's middle, or at the nearest
+  /// place of the triangle for texels around it.
+  std::pair<std::size_t, Vec3> at(std::size_t x, std::size_t y) const {
+    double u = static_cast<double>(x % side) + 0.5, v = static_cast<double>(y % side) + 0.5;
+    const bool second = u + v > static_cast<double>(side);
+    if (second) {
+      u = static_cast<double>(side) - u;
+      v = static_cast<double>(side) - v;
+    }
+    u = std::max((u - 1) / leg(), 0.0);
+    v = std::max((v - 1) / leg(), 0.0);
+    const double sum = std::max(u + v, 1.0);
+    u /= sum;
+    v /= sum;
+    return {2 * (y / side * across + x / side) + (second ? 1 : 0), {1 - u - v, u, v}};
+  }
+};
+
+Atlas atlas_for(std::size_t triangles, std::size_t points) {
+  Atlas atlas{};
+  const double per_triangle = static_cast<double>(points) / static_cast<double>(triangles);
+  atlas.side = static_cast<std::size_t>(std::clamp(std::ceil(2 * std::sqrt(per_triangle)) + 4, 8.0, 40.0));
+  const std::size_t squares = (triangles + 1) / 2;
+  atlas.across = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(squares))));
+  atlas.rows = (squares + atlas.across - 1) / atlas.across;
+  return atlas;
+}
+
+std::vector<Vec3> vertex_normals(const TriMesh& mesh) {
+  std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3 area = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
+    for (const auto v : {a, b, c}) sums[v] += area;
+  }
+  for (Vec3& n : sums) n = n.stableNorm() > 0 ? n.stableNormalized() : Vec3::UnitZ();
+  return sums;
+}
+
+/// A unit vector at right angles to `normal`, as close to `along` as can be.
+Vec3 tangent_to(const Vec3& normal, const Vec3& along) {
+  const Vec3 tangent = along - normal * normal.dot(along);
+  return tangent.stableNorm() > 1e-9 * along.stableNorm() ? Vec3(tangent.stableNormalized()) : normal.unitOrthogonal();
+}
+
+std::vector<TexturedMesh::Corner> corners_of(const TriMesh& mesh, const Atlas& atlas) {
+  const std::vector<Vec3> normals = vertex_normals(mesh);
+  std::vector<TexturedMesh::Corner> corners;
+  corners.reserve(3 * mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& triangle = mesh.triangles[t];
+    const Vec3 along = mesh.vertices[triangle[1]] - mesh.vertices[triangle[0]];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Eigen::Vector2d place = atlas.place(t, i);
+      const Vec3& normal = normals[triangle[i]];
+      corners.push_back({mesh.vertices[triangle[i]],
+                         normal.cast<float>(),
+                         tangent_to(normal, along).cast<float>(),
+                         {static_cast<float>(place[0] / static_cast<double>(atlas.width())),
+                          static_cast<float>(place[1] / static_cast<double>(atlas.height()))}});
+    }
+  }
+  return corners;
+}
+
+std::array<std::uint8_t, 3> encoded(const Vec3& direction) {
+  std::array<std::uint8_t, 3> bytes{};
+  for (int axis = 0; axis < 3; ++axis)
+    bytes[static_cast<std::size_t>(axis)] =
+        static_cast<std::uint8_t>(std::lround(std::clamp(direction[axis] * 0.5 + 0.5, 0.0, 1.0) * 255));
+  return bytes;
+}
+
+/// What the points say at one place of the surface.
+class Baker {
+ public:
+  explicit Baker(const PointCloud& cloud) : cloud_(cloud), neighbours_(cloud.points), linear_(linear_light()) {}
+
+  void bake(const Vec3& place, const Vec3& normal, const Vec3& tangent, std::array<std::uint8_t, 3>& direction,
+            std::array<std::uint8_t, 3>* colour) const {
+    std::array<Neighbours::Found, points_per_texel> found;
+    const std::size_t count = neighbours_.nearest(place, found);
+    Vec3 sum(0, 0, 0), light(0, 0, 0);
+    double facing = 0;
+    for (std::size_t n = 0; n < count; ++n) {
+      const Vec3 seen = cloud_.normals[found[n].index].stableNormalized();
+      if (!(seen.dot(normal) > 0)) continue;
+      sum += seen;
+      facing += 1;
+      if (colour == nullptr) continue;
+      for (std::size_t c = 0; c < 3; ++c)
+        light[static_cast<Eigen::Index>(c)] += linear_[cloud_.colours[found[n].index][c]];
+    }
+    const Vec3 shown = sum.norm() > 0 ? Vec3(sum.normalized()) : normal;
+    direction = encoded({shown.dot(tangent), shown.dot(normal.cross(tangent)), shown.dot(normal)});
+    if (colour == nullptr) return;
+    if (!(facing > 0)) {  // all points face away: the nearest of them is better than none
+      *colour = cloud_.colours[found[0].index];
+      return;
+    }
+    for (std::size_t c = 0; c < 3; ++c) (*colour)[c] = srgb_byte(light[static_cast<Eigen::Index>(c)] / facing);
+  }
+
+ private:
+  const PointCloud& cloud_;
+  Neighbours neighbours_;
+  std::array<double, 256> linear_;
+};
+
+}  // namespace
+
+TexturedMesh bake_textures(const TriMesh& mesh, const PointCloud& cloud) {
+  if (mesh.triangles.empty()) throw InputError("textures for a mesh without triangles");
+  if (cloud.points.empty() || cloud.normals.size() != cloud.points.size())
+    throw InputError("textures from a cloud without a normal for each point");
+  const Atlas atlas = atlas_for(mesh.triangles.size(), cloud.points.size());
+  const auto width = static_cast<int>(atlas.width()), height = static_cast<int>(atlas.height());
+  TexturedMesh out;
+  out.corners = corners_of(mesh, atlas);
+  out.normals = {width, height, {}};
+  // Flat where no triangle is.
+  out.normals.texels.assign(atlas.width() * atlas.height(), {128, 128, 255});
+  const bool coloured = !cloud.colours.empty();
+  if (coloured) out.colours = {width, height, {}};
+  if (coloured) out.colours.texels.assign(out.normals.texels.size(), {0, 0, 0});
+
+  const Baker baker(cloud);
+  parallel_for(atlas.height(), 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t y = begin; y < end; ++y)
+      for (std::size_t x = 0; x < atlas.width(); ++x) {
+        const auto [triangle, weight] = atlas.at(x, y);
+        if (triangle >= mesh.triangles.size()) continue;
+        Vec3 place(0, 0, 0), normal(0, 0, 0), along(0, 0, 0);
+        for (std::size_t i = 0; i < 3; ++i) {
+          const TexturedMesh::Corner& corner = out.corners[3 * triangle + i];
+          const double w = weight[static_cast<Eigen::Index>(i)];
+          place += w * corner.position;
+          normal += w * corner.normal.cast<double>();
+          along += w * corner.tangent.cast<double>();
+        }
+        normal = normal.norm() > 0 ? Vec3(normal.normalized()) : Vec3::UnitZ();
+        const std::size_t texel = y * atlas.width() + x;
+        baker.bake(place, normal, tangent_to(normal, along), out.normals.texels[texel],
+                   coloured ? &out.colours.texels[texel] : nullptr);
+      }
+  });
+  return out;
+}
+
+}  // namespace dynasurf
