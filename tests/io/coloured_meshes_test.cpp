@@ -1,3 +1,5 @@
+#include <cstdlib>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -154,6 +156,25 @@ TEST(WriteLodGlb, EmbedsTexturesAsPng) {
               level.textured.corners.size());
   level.textured.normals.texels.pop_back();
   EXPECT_THROW(write_lod_glb({&level, 1}, folder / "b.glb"), InputError);
+}
+
+TEST(WriteLodGlb, WritesSamplesForTheValidator) {
+  const char* folder = std::getenv("DYNASURF_GLB_SAMPLES");
+  if (folder == nullptr) GTEST_SKIP() << "runs as part of io/gltf_validator";
+  const std::filesystem::path out(folder);
+  std::vector<LodSurface> levels;
+  for (const int fineness : {3, 2, 1}) {
+    const TriMesh ball = test::lopsided_ball(fineness);
+    levels.push_back({"level" + std::to_string(4 - fineness), ball, striped(ball), 0.1 * fineness, {}});
+  }
+  write_lod_glb(levels, out / "levels.glb");
+  for (LodSurface& level : levels) {
+    level.textured.normals = {2, 2, std::vector<std::array<std::uint8_t, 3>>(4, {128, 128, 255})};
+    level.textured.colours = {1, 1, {{200, 100, 50}}};
+    for (const auto& t : level.mesh.triangles)
+      for (const auto v : t) level.textured.corners.push_back({level.mesh.vertices[v], {0, 0, 1}, {1, 0, 0}, {0, 1}});
+  }
+  write_lod_glb(levels, out / "textured.glb");
 }
 
 TEST(WriteLodGlb, RefusesWhatCannotBeShown) {

@@ -206,22 +206,25 @@ async function start(): Promise<void> {
   new ResizeObserver(resize).observe(view);
   resize();
 
-  let last = performance.now(), told = last, frames = 0;
+  let last = performance.now(), told = last, frames = 0, choosing = 0;
   const frame = (now: number) => {
     const passed = Math.min(now - last, 100) / 1000;
     last = now;
     if (move.checked) phase += passed;
+    const begin = performance.now();
     const triangles = choose();
+    choosing += performance.now() - begin;
     renderer.render(scene, camera);
     ++frames;
     byId("count-now").textContent = count.value;
     byId("edge-now").textContent = `${edge.value} px`;
     if (now - told > 500) {
       const rate = (1000 * frames) / (now - told);
-      byId("rate").textContent = `${rate.toFixed(0)} frames/s, ${triangles.toLocaleString("en")} triangles`;
+      byId("rate").textContent = `${rate.toFixed(0)} frames/s, ${triangles.toLocaleString("en")} triangles, levels chosen in ${(choosing / frames).toFixed(2)} ms`;
       document.documentElement.dataset.rate = rate.toFixed(1);
+      document.documentElement.dataset.choice = (choosing / frames).toFixed(3);
       told = now;
-      frames = 0;
+      frames = choosing = 0;
     }
     document.documentElement.dataset.triangles = String(triangles);
     document.documentElement.dataset.counts = levels.map((level) => level.count).join(" ");
