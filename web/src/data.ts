@@ -79,8 +79,18 @@ export interface MeasureNumbers {
   phase: { counts: PhaseNumbers | null; motion: PhaseNumbers | null };
   segments: SegmentNumbers[];
 }
+export interface Reading {
+  edv_ml: number | null;
+  esv_ml: number | null;
+  sv_ml: number | null;
+  ef_percent: number | null;
+  wall_ml: number | null;
+}
+type Interval = [number | null, number | null] | null;
+export type FittedReading = Reading & { [K in keyof Reading as `${K}_90`]: Interval };
 export interface Results {
   schema: string;
+  readings?: { unbiased: FittedReading | null; edge: Reading; qgs_like: Reading | null };
   edv_ml: number | null;
   esv_ml: number | null;
   sv_ml: number | null;

@@ -7,7 +7,7 @@ import { Player } from "./player";
 import { PolarView } from "./polar";
 import { SurfaceScene, type ViewName } from "./scene";
 import { Slices, type Overlay } from "./slices";
-import { showCards, showGates, showNotes, showOptions, showProvenance, showVerdict, subjectOf } from "./tables";
+import { showCards, showGates, showNotes, showOptions, showProvenance, showReadings, showVerdict, subjectOf } from "./tables";
 
 const default_cycle_ms = 1000;
 
@@ -247,6 +247,7 @@ async function start(): Promise<void> {
   showNotes(byId("notes"), results.notes);
   showProvenance(byId("provenance"), results);
   showOptions(byId("options"), results);
+  showReadings(byId("readings"), results);
   const markGate = showGates(byId("gates"), results);
 
   const walls = surfaces ? wall_names.map((name) => new Wall(name, surfaces)).filter((wall) => wall.present) : [];

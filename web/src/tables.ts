@@ -127,6 +127,37 @@ export function subjectOf(results: Results): string {
   return [kind, gates, size, spacing].filter(Boolean).join(" · ");
 }
 
+const reading_numbers = ["edv_ml", "esv_ml", "sv_ml", "ef_percent", "wall_ml"] as const;
+
+/** The same study read in three ways, side by side; unbiased numbers with their 90 % intervals. */
+export function showReadings(place: HTMLElement, results: Results): void {
+  if (!results.readings) return;
+  const { unbiased, edge, qgs_like } = results.readings;
+  const row = (name: string, title: string, cells: string[]) =>
+    html("tr", {}, html("th", { scope: "row", title }, name), ...cells.map((cell) => html("td", {}, cell)));
+  const fitted = unbiased
+    ? reading_numbers.map((key) => {
+        const interval = unbiased[`${key}_90`];
+        return interval ? `${figure(unbiased[key])} (${figure(interval[0])}–${figure(interval[1])})` : figure(unbiased[key]);
+      })
+    : null;
+  const heads = ["Reading", "EDV mL", "ESV mL", "SV mL", "EF %", "Wall mL"];
+  place.replaceChildren(
+    html(
+      "table",
+      { class: "numbers" },
+      html("thead", {}, html("tr", {}, ...heads.map((head) => html("th", { scope: "col" }, head)))),
+      html(
+        "tbody",
+        {},
+        ...(fitted ? [row("Unbiased (90 %)", "walls fitted through the camera's blur", fitted)] : []),
+        row("Classic edge", "where the image is steepest: volumes read low by the blur", reading_numbers.map((key) => figure(edge[key]))),
+        ...(qgs_like ? [row("QGS-like", "65 % of the deviations of an asymmetric Gaussian along rays, constant muscle", reading_numbers.map((key) => figure(qgs_like[key])))] : []),
+      ),
+    ),
+  );
+}
+
 const percent = (value: number | null | undefined) => (value === null || value === undefined ? "–" : figure(100 * value));
 
 function gateRow(gate: GateNumbers, results: Results): HTMLTableRowElement {

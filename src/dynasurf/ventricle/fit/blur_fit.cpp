@@ -289,6 +289,7 @@ FittedBeat fit_through_blur(const Study& study, const FitStart& start, const Blu
   beat.converged = solution.converged;
   describe_beat(problem, solution, study.grid(), beat);
   beat.fwhm_mm.value = blur.fwhm_mm * std::exp(problem.layout.at_gate(0, solution.unknowns)[layout.width]);
+  beat.fwhm_mm.sd *= beat.fwhm_mm.value;
   return beat;
 }
 

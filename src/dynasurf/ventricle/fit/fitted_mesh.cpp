@@ -137,6 +137,22 @@ double spread_of(const Eigen::VectorXd& gradient, const Eigen::LLT<Eigen::Matrix
   return half.norm();
 }
 
+/// The normal matrix knows of noise, not of hearts and cameras that differ from the model. Its deviations times this
+/// factor, and a part that no counting takes away, hold the truth in about 90 % of the choosing patients of
+/// experiments/unbiased_200.
+void allow_for_model(Estimate& e, double least) {
+  constexpr double factor = 3;
+  e.sd = std::hypot(factor * e.sd, least);
+}
+
+void allow_for_model(FittedBeat& beat) {
+  const auto share = [](Estimate& e, double of_value) { allow_for_model(e, of_value * std::abs(e.value)); };
+  for (FittedGate& gate : beat.gates) share(gate.endo_ml, 0.03), share(gate.epi_ml, 0.03);
+  share(beat.edv_ml, 0.03), share(beat.esv_ml, 0.04), share(beat.sv_ml, 0.04);
+  if (beat.ef_percent) allow_for_model(*beat.ef_percent, 1);
+  share(beat.wall_ml, 0.08), share(beat.thickness_mm, 0.08);
+}
+
 }  // namespace
 
 void describe_beat(const BeatProblem& problem, const Solution& solution, const Grid& grid, FittedBeat& beat) {
@@ -199,6 +215,10 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
   const double area = 0.5 * (open_area(relaxed.endo) + open_area(relaxed.epi));
   beat.thickness_mm.value = 1000 * (relaxed.epi_ml.value - relaxed.endo_ml.value) / std::max(1.0, area);
   beat.thickness_mm.sd = beat.thickness_mm.value * beat.wall_ml.sd / std::max(1e-9, beat.wall_ml.value);
+  Eigen::VectorXd by_width = Eigen::VectorXd::Zero(layout.unknowns);
+  for (const BeatLayout::Term& t : layout.terms[0][static_cast<std::size_t>(layout.gate.width)])
+    by_width[t.unknown] = t.factor;
+  beat.fwhm_mm.sd = spread_of(by_width, factor);  // of its log, until the width is known
   const Eigen::VectorXd first = layout.at_gate(0, solution.unknowns);
   // Activities are told in units of the mean of the healthy half of the wall.
   std::vector<double> activity(beat.uptake.begin(), beat.uptake.begin() + 1 + wall_rings * around);
@@ -207,6 +227,7 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
   const double healthy = std::max(1e-9, activity[activity.size() / 2]);
   for (double& u : beat.uptake) u /= healthy;
   beat.cavity = first[layout.gate.cavity] / healthy, beat.background = first[layout.gate.background] / healthy;
+  allow_for_model(beat);
 }
 
 }  // namespace dynasurf
