@@ -54,7 +54,9 @@ VertexThickness thickness_from(const TriMesh& mesh, const std::vector<bool>& is_
         continue;
       }
       const double nearest = other.distance_to(p);
-      const bool is_crossing = hit && hit->from_behind != (outwards > 0);
+      // A vertex beyond the other surface has it at its back, from the wrong side.
+      const auto back = other.first_hit(p, -direction, 0, reach_mm);
+      const bool is_crossing = back && other_is_wall[back->triangle] && back->from_behind != (outwards > 0);
       result.mm[v] = is_crossing ? -nearest : nearest;
       result.source[v] = is_crossing ? ThicknessSource::crossing : ThicknessSource::nearest;
     }
