@@ -60,6 +60,14 @@ std::vector<Vec3> spread_over(const TriMesh& mesh, double area) {
   return points;
 }
 
+/// Near points one after the other are found faster.
+std::vector<Vec3> in_order(const std::vector<Vec3>& points) {
+  std::vector<Vec3> sorted;
+  sorted.reserve(points.size());
+  for (const std::uint32_t i : along_curve(points)) sorted.push_back(points[i]);
+  return sorted;
+}
+
 struct Spread {
   double mean = 0, largest = 0;
 };
@@ -104,7 +112,8 @@ Certificate certify(const TriMesh& mesh, const PointCloud& cloud) {
   for (const Vec3& p : cloud.points) box.extend(p);
   c.cloud_diagonal = box.diagonal().norm();
   const ClosestPoint closest(mesh);
-  const Spread there = spread_of(cloud.points, [&](const Vec3& p) { return std::sqrt(closest(p).distance2); });
+  const Spread there =
+      spread_of(in_order(cloud.points), [&](const Vec3& p) { return std::sqrt(closest(p).distance2); });
   const Neighbours neighbours(cloud.points);
   const Spread back =
       spread_of(spread_over(mesh, c.area), [&](const Vec3& p) { return std::sqrt(neighbours.nearest(p).distance2); });

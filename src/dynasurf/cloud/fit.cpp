@@ -92,12 +92,13 @@ class Fit {
                           double sum = 0;
                           for (std::size_t i = begin; i < end; ++i) {
                             const Vec3& p = to_.points[i];
-                            if (is_first) {
+                            if (is_first && i == begin) {
                               on_[i] = closest(p);
-                            } else {  // where it was is a good guess
-                              const auto& [a, b, c] = mesh_.triangles[on_[i].triangle];
+                            } else {  // where it was, or where the point before it is, is a good guess
+                              const std::uint32_t guess = on_[is_first ? i - 1 : i].triangle;
+                              const auto& [a, b, c] = mesh_.triangles[guess];
                               on_[i] = closest_on_triangle(p, mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c],
-                                                           on_[i].triangle);
+                                                           guess);
                               const SurfacePoint nearer = closest(p, on_[i].distance2);
                               if (nearer.triangle != SurfacePoint::none) on_[i] = nearer;
                             }

@@ -7,7 +7,16 @@
 namespace dynasurf {
 namespace {
 constexpr std::uint32_t leaf_size = 10;
+
+/// The bits of a number of 16 bits, two zeros after each.
+std::uint64_t spread(std::uint64_t x) {
+  x = (x | x << 32) & 0x1f00000000ffffu;
+  x = (x | x << 16) & 0x1f0000ff0000ffu;
+  x = (x | x << 8) & 0x100f00f00f00f00fu;
+  x = (x | x << 4) & 0x10c30c30c30c30c3u;
+  return (x | x << 2) & 0x1249249249249249u;
 }
+}  // namespace
 
 Neighbours::Neighbours(std::span<const Vec3> points) : order_(points.size()) {
   std::iota(order_.begin(), order_.end(), 0u);
@@ -75,6 +84,23 @@ Neighbours::Found Neighbours::nearest(const Vec3& p) const {
   std::array<Found, 1> one;
   nearest(p, one);
   return one[0];
+}
+
+std::vector<std::uint32_t> along_curve(std::span<const Vec3> points) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : points) box.extend(p);
+  const double scale = 65535 / std::max(points.empty() ? 0 : box.sizes().maxCoeff(), 1e-300);
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 q = scale * (points[i] - box.min());
+    const auto bits = [](double x) { return spread(static_cast<std::uint64_t>(x)); };
+    keyed[i] = {bits(q[0]) | bits(q[1]) << 1 | bits(q[2]) << 2, static_cast<std::uint32_t>(i)};
+  }
+  std::sort(keyed.begin(), keyed.end());
+  std::vector<std::uint32_t> order;
+  order.reserve(keyed.size());
+  for (const auto& [key, i] : keyed) order.push_back(i);
+  return order;
 }
 
 }  // namespace dynasurf

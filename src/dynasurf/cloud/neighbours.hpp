@@ -43,4 +43,7 @@ class Neighbours {
   std::vector<Vec3> sorted_;
 };
 
+/// The points' numbers along a curve that fills their box, so that those that follow each other lie near each other.
+std::vector<std::uint32_t> along_curve(std::span<const Vec3> points);
+
 }  // namespace dynasurf

@@ -125,10 +125,12 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
   result.facts.genus = body.genus;
   const UnitFrame frame(p.cloud.points);
   std::vector<Vec3> points(p.cloud.points.size()), normals(points.size());
+  // Near points one after the other are found faster, and every so many of them still cover all of the surface.
+  const std::vector<std::uint32_t> order = along_curve(p.cloud.points);
   parallel_for(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      points[i] = frame.in(p.cloud.points[i]);
-      normals[i] = outwards(body.field, p.cloud.points[i]);
+      points[i] = frame.in(p.cloud.points[order[i]]);
+      normals[i] = outwards(body.field, p.cloud.points[order[i]]);
     }
   });
   TriMesh fine = body.mesh;

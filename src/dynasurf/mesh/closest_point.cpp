@@ -32,9 +32,15 @@ SurfacePoint closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, co
     s.distance2 = (ap - s.weights[1] * ab - s.weights[2] * ac).squaredNorm();
     return s;
   }
-  SurfacePoint best = on_segment(p, a, b, 0, 1, id);
-  for (const SurfacePoint& other : {on_segment(p, b, c, 1, 2, id), on_segment(p, c, a, 2, 0, id)})
-    if (other.distance2 < best.distance2) best = other;
+  // The nearest place lies on an edge that the point is beyond; a flat triangle tells nothing of that.
+  const bool is_any = !(area2 > 0);
+  SurfacePoint best;
+  const auto consider = [&](const SurfacePoint& s) {
+    if (s.distance2 < best.distance2) best = s;
+  };
+  if (is_any || w < 0) consider(on_segment(p, a, b, 0, 1, id));
+  if (is_any || v + w > area2) consider(on_segment(p, b, c, 1, 2, id));
+  if (is_any || v < 0) consider(on_segment(p, c, a, 2, 0, id));
   return best;
 }
 
@@ -49,6 +55,12 @@ ClosestPoint::ClosestPoint(const TriMesh& mesh) : mesh_(mesh), order_(mesh.trian
   nodes_.reserve(order_.size());
   nodes_.push_back({});
   build(0, 0, static_cast<std::uint32_t>(order_.size()), centres);
+  faces_.reserve(order_.size());
+  for (const std::uint32_t t : order_) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Vec3 &p = mesh.vertices[a], &q = mesh.vertices[b], &r = mesh.vertices[c];
+    faces_.push_back({p, q, r, (q - p).cross(r - p), t});
+  }
 }
 
 void ClosestPoint::build(std::uint32_t node, std::uint32_t first, std::uint32_t last,
@@ -93,9 +105,11 @@ SurfacePoint ClosestPoint::operator()(const Vec3& p, double limit2) const {
     const Node& n = nodes_[top.node];
     if (n.count > 0) {
       for (std::uint32_t i = n.first; i < n.first + n.count; ++i) {
-        const auto& t = mesh_.triangles[order_[i]];
-        const SurfacePoint s =
-            closest_on_triangle(p, mesh_.vertices[t[0]], mesh_.vertices[t[1]], mesh_.vertices[t[2]], order_[i]);
+        const Face& f = faces_[i];
+        // No place of the triangle is nearer than its plane.
+        const double height = f.normal.dot(p - f.a);
+        if (height * height * (1 - 1e-9) > best.distance2 * f.normal.squaredNorm()) continue;
+        const SurfacePoint s = closest_on_triangle(p, f.a, f.b, f.c, f.id);
         if (s.distance2 < best.distance2) best = s;
       }
       continue;

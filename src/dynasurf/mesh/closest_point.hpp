@@ -37,9 +37,16 @@ class ClosestPoint {
   };
   void build(std::uint32_t node, std::uint32_t first, std::uint32_t last, const std::vector<Vec3>& centres);
 
+  // What a question needs of a triangle, in the order of the tree.
+  struct Face {
+    Vec3 a, b, c, normal;
+    std::uint32_t id;
+  };
+
   const TriMesh& mesh_;
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> order_;
+  std::vector<Face> faces_;
 };
 
 }  // namespace dynasurf
