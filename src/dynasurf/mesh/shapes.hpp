@@ -56,8 +56,8 @@ TriMesh place(const TriMesh& unit, const Image& data, const Placement& options);
 /// and OptionError when no mesh was given or it has no extent.
 TriMesh start_mesh(const Image& border, int level, const Placement& options, const TriMesh* given = nullptr);
 
-/// 1 in the non-zero voxels of a border and where they close a ring around a voxel in its slice across any axis, so that
-/// a hole in a wall does not empty the whole; else 0.
+/// 1 in the non-zero voxels of a border and where they close a ring around a voxel in its slice across any axis, so
+/// that a hole in a wall does not empty the whole; else 0.
 Image enclosed_solid(const Image& border);
 
 }  // namespace dynasurf

@@ -67,9 +67,7 @@ Across across(const Vec3& axis) {
   return {u, axis.cross(u)};
 }
 
-OnCup on_cup(const Cup& cup, const Across& a, double theta, double phi) {
-  return on_cup(cup, outwards(a, phi), theta);
-}
+OnCup on_cup(const Cup& cup, const Across& a, double theta, double phi) { return on_cup(cup, outwards(a, phi), theta); }
 
 double base_angle(const Cup& cup) { return std::acos(std::clamp(-cup.base_mm / cup.half_length_mm, -0.98, 0.98)); }
 

@@ -25,8 +25,8 @@ struct CurvePhases {
 /// Absent for fewer than four gates or a flat curve.
 std::optional<CurvePhases> phases_of_curve(std::span<const double> cavity_ml);
 
-/// How far values around a cycle jump from their smooth course: root mean square of what two waves (three from 12 values
-/// on) leave of them, over their mean, free of the number of waves. 0 for fewer than six values or a mean of 0.
+/// How far values around a cycle jump from their smooth course: root mean square of what two waves (three from 12
+/// values on) leave of them, over their mean, free of the number of waves. 0 for fewer than six values or a mean of 0.
 double cycle_roughness(std::span<const double> values);
 
 /// Standard deviation over mean (CARD-SANITY): muscle does not change its volume during the beat, an edge-derived wall
