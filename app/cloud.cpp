@@ -5,6 +5,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/io/byte_source.hpp"
 #include "dynasurf/io/options_json.hpp"
 
 #include "cloud_run.hpp"
@@ -46,7 +47,7 @@ CloudOptions options_of(const Arguments& a) {
   CloudOptions options = cloud_preset(a.preset);
   if (!a.file.empty()) {
     try {
-      options_from_text(text_of_options_file(a.file), options);
+      options_from_text(text_of_file(a.file), options);
     } catch (const OptionError& error) {
       throw OptionError(a.file + ": " + error.what());
     }

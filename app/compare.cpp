@@ -1,5 +1,4 @@
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -7,6 +6,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/byte_source.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/normals.hpp"
 
@@ -48,9 +48,7 @@ std::optional<double> mean_cavity(const Json& results) {
 
 Side read_side(const fs::path& folder) {
   const fs::path path = folder / "results.json";
-  std::ifstream file(path);
-  if (!file) throw IoError("cannot read " + path.string());
-  const Json json = Json::parse(file, nullptr, false);
+  const Json json = Json::parse(text_of_file(path), nullptr, false);
   if (!json.is_object() || !json.contains("gates") || !json["gates"].is_array())
     throw InputError(path.string() + " is no result of dynasurf ventricle");
   return {mean_cavity(json), value_in(json, "edv_ml"), value_in(json, "esv_ml"), value_in(json, "ef_percent"),

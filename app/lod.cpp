@@ -3,8 +3,6 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +11,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/byte_source.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/report/lod_page.hpp"
 
@@ -54,9 +53,7 @@ void read_screen(const std::string& text, Camera& camera) {
 /// The meshes of a result folder, finest first, in the first format of its files that can be read.
 std::vector<Level> levels_of_result(const fs::path& folder) {
   const fs::path file = folder / "results.json";
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw IoError(file.string() + ": cannot be read; expected the folder of a result of dynasurf cloud");
-  const Json json = Json::parse(std::istreambuf_iterator<char>(in), {}, nullptr, false);
+  const Json json = Json::parse(text_of_file(file), nullptr, false);
   std::vector<Level> levels;
   try {
     if (json.is_discarded() || json.at("schema") != "dynasurf.cloud/1")

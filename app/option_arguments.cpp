@@ -1,28 +1,19 @@
 #include "option_arguments.hpp"
 
 #include <array>
-#include <fstream>
 #include <iomanip>
-#include <iterator>
 #include <sstream>
 
 #include <CLI/CLI.hpp>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/io/byte_source.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
 #include "dynasurf/ventricle/presets.hpp"
 
 namespace dynasurf::app {
-
-std::string text_of_options_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text((std::istreambuf_iterator<char>(file)), {});
-  if (!file.good() && !file.eof()) throw IoError(path + ": cannot be read");
-  if (text.empty()) throw IoError(path + ": expected a JSON file of options, and it is missing or empty");
-  return text;
-}
 
 Image read_mask(const std::filesystem::path& file) {
   Study study = read_study(file);
@@ -84,7 +75,7 @@ void add_option_arguments(CLI::App& command, OptionArguments& a) {
 VentricleOptions options_of(const OptionArguments& arguments) {
   VentricleOptions options = ventricle_preset(arguments.preset);
   if (!arguments.file.empty()) {
-    const std::string text = text_of_options_file(arguments.file);
+    const std::string text = text_of_file(arguments.file);
     try {
       options_from_text(text, options);
     } catch (const OptionError& error) {

@@ -26,9 +26,6 @@ struct OptionArguments {
 /// The volume of --mask, with which the file is named in messages. Throws InputError, IoError.
 Image read_mask(const std::filesystem::path& file);
 
-/// The content of a JSON file of options. Throws IoError when it is missing or empty.
-std::string text_of_options_file(const std::string& path);
-
 void add_option_arguments(CLI::App& command, OptionArguments& arguments);
 
 /// All settings in order; the pipeline and what is said by hand stand as settings of options, so that they are checked,

@@ -1,11 +1,11 @@
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/byte_source.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/solid_io.hpp"
 #include "dynasurf/ventricle/measures/wall_solid.hpp"
@@ -27,9 +27,7 @@ struct Arguments {
 
 Json results_of(const fs::path& folder) {
   const fs::path path = folder / "results.json";
-  std::ifstream file(path);
-  if (!file) throw IoError("cannot read " + path.string());
-  Json json = Json::parse(file, nullptr, false);
+  Json json = Json::parse(text_of_file(path), nullptr, false);
   if (!json.is_object() || !json.contains("measures"))
     throw InputError(path.string() + " is no result of this version of dynasurf ventricle");
   if (!json["measures"].is_object()) throw InputError(path.string() + " has no measured wall");

@@ -179,6 +179,16 @@ std::uint64_t size_of_file(const std::filesystem::path& path) {
   return size;
 }
 
+std::string text_of_file(const std::filesystem::path& path) {
+  constexpr std::uint64_t most_bytes = 64u << 20;
+  const std::uint64_t size = size_of_file(path);
+  if (size > most_bytes)
+    throw InputError(path.string() + ": holds " + std::to_string(size) + " bytes; expected a text of at most 64 MiB");
+  std::string text(size, '\0');
+  ByteSource(path, ByteSource::Packing::plain).read(std::as_writable_bytes(std::span(text)), "text");
+  return text;
+}
+
 std::string first_bytes(const std::filesystem::path& path, std::size_t count) {
   ByteSource source(path, is_gzip_file(path) ? ByteSource::Packing::gzip : ByteSource::Packing::plain);
   std::string bytes;

@@ -42,4 +42,7 @@ std::uint64_t size_of_file(const std::filesystem::path& path);
 /// The first bytes of a file, at most `count`, unpacked where it is gzip. Fewer when the file is shorter or damaged.
 std::string first_bytes(const std::filesystem::path& path, std::size_t count);
 
+/// All of a text file. Throws IoError when it cannot be read, InputError when it is larger than 64 MiB.
+std::string text_of_file(const std::filesystem::path& path);
+
 }  // namespace dynasurf

@@ -1,10 +1,10 @@
 #include "dynasurf/report/normals.hpp"
 
 #include <charconv>
-#include <fstream>
 #include <sstream>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/byte_source.hpp"
 #include "dynasurf/report/numbers.hpp"
 
 namespace dynasurf {
@@ -12,13 +12,6 @@ namespace {
 
 using report_detail::Json;
 using report_detail::number;
-
-std::string text_in(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) throw IoError("cannot read " + path.string());
-  return text.str();
-}
 
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields(1);
@@ -48,7 +41,7 @@ std::optional<double> value_of(const std::string& field, const std::string& wher
 }
 
 Json parse(const std::filesystem::path& path) {
-  Json json = Json::parse(text_in(path), nullptr, false);
+  Json json = Json::parse(text_of_file(path), nullptr, false);
   if (!json.is_object()) throw InputError(path.string() + " is not a JSON object");
   return json;
 }
@@ -82,7 +75,7 @@ Json list_of(const PolarValues& values) {
 }  // namespace
 
 PolarTable read_polar(const std::filesystem::path& csv) {
-  std::istringstream text(text_in(csv));
+  std::istringstream text(text_of_file(csv));
   std::string line;
   std::getline(text, line);
   const std::vector<std::string> names = fields_of(line);
