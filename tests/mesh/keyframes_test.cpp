@@ -65,7 +65,7 @@ double jump_at_keys(const std::vector<TriMesh>& cycle, TimeInterpolation how, in
   for (std::size_t g = 0; g < cycle.size(); ++g) {
     const auto x = [&](double s) { return at_phase(cycle, (static_cast<double>(g) + s) / n, how).vertices[7]; };
     const Vec3 zero = x(0), r1 = x(h), r2 = x(2 * h), r3 = x(3 * h), l1 = x(-h), l2 = x(-2 * h), l3 = x(-3 * h);
-    Vec3 right, left;
+    Vec3 right = Vec3::Zero(), left = Vec3::Zero();
     if (order == 0) right = r1, left = l1;
     if (order == 1) right = (-3 * zero + 4 * r1 - r2) / (2 * h), left = (3 * zero - 4 * l1 + l2) / (2 * h);
     if (order == 2)
