@@ -10,7 +10,7 @@
 #include "dynasurf/ventricle/fit/blur_fit.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
-#include "patients.hpp"
+#include "../borders_200/patients.hpp"
 
 namespace dynasurf {
 namespace {
