@@ -1,19 +1,24 @@
 #include "reconstruction.hpp"
 
 #include <algorithm>
+#include <ctime>
+#include <tuple>
 
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/byte_source.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
+#include "dynasurf/report/dicom_folder.hpp"
 #include "dynasurf/report/measures.hpp"
 
 #include "console.hpp"
 #include "input_names.hpp"
 #include "option_arguments.hpp"
+#include "print_page.hpp"
 #include "stages.hpp"
 #include "version.hpp"
 
@@ -154,13 +159,55 @@ void write_keyframes(const VentricleResult& result, const Keyframes& keyframes, 
 /// The hash of a file that was given beside the study; null when none was.
 Json hash_of(const fs::path& file) { return file.empty() ? Json(nullptr) : Json(sha256_of_file(file)); }
 
+/// Now, or without timings the time of the study, so that equal runs give equal bytes.
+std::pair<std::string, std::string> date_and_time(const DicomSubject* subject, bool timings) {
+  if (!timings && subject) return {subject->study_date, subject->study_time};
+  if (!timings) return {"20000101", "000000"};
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  char date[16], time[16];
+  std::strftime(date, sizeof date, "%Y%m%d", &local);
+  std::strftime(time, sizeof time, "%H%M%S", &local);
+  return {date, time};
+}
+
+/// Whose DICOM results these are, and what their UIDs are made from: the inputs, the options, the program, the time.
+DicomResult dicom_context(const Job& job, const Provenance& provenance, bool study_is_dicom) {
+  DicomResult context;
+  context.program_version = provenance.program_version;
+  if (study_is_dicom) context.subject = read_dicom_subject(job.study);
+  std::tie(context.date, context.time) =
+      date_and_time(study_is_dicom ? &context.subject : nullptr, job.outputs.timings);
+  Hasher hasher;
+  const auto add = [&](const std::string& text) { hasher.add(text.data(), text.size() + 1); };
+  for (const auto& [name, hash] : provenance.inputs) add(hash);
+  for (const std::string& text : {provenance.options_json, provenance.program_version, provenance.commit, context.date,
+                                  context.time, hash_of(job.mask).dump(), hash_of(job.start_mesh).dump()})
+    add(text);
+  context.content = hasher.finish();
+  if (!study_is_dicom) context.subject = nameless_subject(context.content, context.date, context.time);
+  return context;
+}
+
+/// What is made from the finished report and result: the printed pages, and the DICOM objects, which hold them.
+void write_for_reading_room(const VentricleResult& result, const Provenance& provenance, const Job& job,
+                            const fs::path& folder) {
+  if (job.outputs.pdf) print_page(folder / "report.html", folder / "report.pdf");
+  if (!job.outputs.dicom) return;
+  fs::create_directory(folder / "dicom");
+  write_dicom_folder(result, dicom_context(job, provenance, result.study.format == "DICOM"),
+                     job.outputs.pdf ? text_of_file(folder / "report.pdf") : std::string(), folder / "dicom");
+}
+
 std::string results_text(const VentricleResult& result, const Provenance& provenance, const Job& job) {
   const Outputs& outputs = job.outputs;
   Json json = results_json(result, provenance, outputs.timings ? Timings::keep : Timings::omit);
   Json formats = Json::array();
   for (const MeshFormat format : outputs.mesh_formats) formats.push_back(word_of(format));
   json["provenance"]["given"] = {{"mask_sha256", hash_of(job.mask)}, {"start_mesh_sha256", hash_of(job.start_mesh)}};
-  json["provenance"]["outputs"] = {{"mesh_formats", formats}, {"keep_stages", outputs.keep_stages}};
+  json["provenance"]["outputs"] = {
+      {"mesh_formats", formats}, {"keep_stages", outputs.keep_stages}, {"dicom", outputs.dicom}, {"pdf", outputs.pdf}};
   return json.dump(2) + "\n";
 }
 
@@ -174,7 +221,8 @@ std::vector<std::string> hashes_of_study(const fs::path& study) {
 
 Outcome reconstruct_to_folder(const Job& job, const Progress& progress) {
   const ThreadLimit limit(job.threads);
-  OutputFolder folder(job.out);  // first, so that a place that cannot be written to costs no time
+  if (job.outputs.pdf) find_browser();  // its absence, too, is told first
+  OutputFolder folder(job.out);         // first, so that a place that cannot be written to costs no time
   const Study study = read_study(job.study);
   const Provenance provenance = provenance_of(job);
   progress.check();
@@ -205,6 +253,7 @@ Outcome reconstruct_to_folder(const Job& job, const Progress& progress) {
   write_cycle(outcome.result, folder.path());
   // The page tells no times, so that equal runs give equal pages.
   write_report(outcome.result, provenance, folder.path() / "report.html", Timings::omit);
+  write_for_reading_room(outcome.result, provenance, job, folder.path());
   progress.check();
   folder.publish();
   return outcome;

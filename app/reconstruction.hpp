@@ -13,6 +13,8 @@ namespace dynasurf::app {
 struct Outputs {
   std::vector<MeshFormat> mesh_formats{MeshFormat::ply, MeshFormat::vtp};
   bool keep_stages = false;
+  bool dicom = false;  // the folder dicom: results as objects of the patient's study
+  bool pdf = false;    // report.pdf, printed by Chromium
   bool timings = true;
 };
 

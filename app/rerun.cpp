@@ -238,6 +238,8 @@ bool repeat_ventricle(const Arguments& arguments, const Record& record, const fs
     options_from_json(record.options, read.options);
     read.outputs.mesh_formats = formats_of(record);
     read.outputs.keep_stages = record.outputs.at("keep_stages").get<bool>();
+    read.outputs.dicom = record.outputs.value("dicom", false);  // results of former versions say nothing of it
+    read.outputs.pdf = record.outputs.value("pdf", false);
     return read;
   });
   job.study = find_study(arguments, record);

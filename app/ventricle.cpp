@@ -18,7 +18,8 @@ struct Arguments {
   std::string study, out, start;
   OptionArguments options;
   std::vector<std::string> mesh_formats;
-  bool keep_stages = false, quiet = false, json = false, with_phi = false, no_timings = false;
+  bool keep_stages = false, quiet = false, json = false, with_phi = false, no_timings = false, dicom = false,
+       pdf = false;
   int threads = 0;
 };
 
@@ -53,6 +54,8 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   }
   if (!arguments.mesh_formats.empty()) job.outputs.mesh_formats = formats_of(arguments);
   job.outputs.keep_stages = arguments.keep_stages;
+  job.outputs.dicom = arguments.dicom;
+  job.outputs.pdf = arguments.pdf;
   job.outputs.timings = !arguments.no_timings;
   job.command = recorded_command(arguments);
   job.file_names = arguments.with_phi;
@@ -81,6 +84,10 @@ void add_ventricle(CLI::App& program, Command& chosen) {
   command->add_option("--start", a->start, "mesh file that all surfaces start from, fitted to each border's box");
   command->add_option("--mesh-format", a->mesh_formats, "ply,stl,obj,off,vtp: one or more (ply,vtp)")->delimiter(',');
   command->add_flag("--keep-stages", a->keep_stages, "write every intermediate step to RESULT/stages");
+  command->add_flag("--pdf", a->pdf, "print the report to report.pdf, two A4 pages (needs Chromium)");
+  command->add_flag("--dicom", a->dicom,
+                    "write RESULT/dicom with the patient's name and id of the study: measurements (SR), segmentations, "
+                    "surfaces, with --pdf the report");
   command->add_option("--threads", a->threads, "threads at most; the result is the same (0: all)")
       ->check(CLI::Range(0, 1024));
   command->add_flag("--quiet", a->quiet, "print nothing but what --json asks for");

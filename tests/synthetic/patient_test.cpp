@@ -6,6 +6,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/fill_mesh.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/synthetic/render.hpp"
 

@@ -1,104 +1,18 @@
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <vector>
 
-#include <dcmtk/config/osconfig.h>
-// DCMTK asks for its configuration header first.
-#include <dcmtk/dcmdata/dctk.h>
-
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/digest.hpp"
+#include "dynasurf/io/dicom_item.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf {
 namespace {
 
-void must(const OFCondition& status, const std::string& doing) {
-  if (status.bad()) throw IoError("cannot " + doing + ": " + status.text());
-}
+using dicom::decimal, dicom::decimals, dicom::Item, dicom::uid_of;
 
-/// A sequence item (or the data set) being filled.
-class Item {
- public:
-  explicit Item(DcmItem& item) : item_(&item) {}
-
-  void text(const DcmTagKey& tag, const std::string& value) {
-    must(item_->putAndInsertString(tag, value.c_str()), name(tag));
-  }
-  void number(const DcmTagKey& tag, int value) {
-    must(item_->putAndInsertUint16(tag, static_cast<Uint16>(value)), name(tag));
-  }
-  void numbers(const DcmTagKey& tag, const std::vector<Uint16>& values) {
-    must(item_->putAndInsertUint16Array(tag, values.data(), values.size()), name(tag));
-  }
-  void tags(const DcmTagKey& tag, const std::vector<DcmTagKey>& values) {
-    std::vector<Uint16> words;
-    for (const DcmTagKey& t : values) {
-      words.push_back(t.getGroup());
-      words.push_back(t.getElement());
-    }
-    auto* element = new DcmAttributeTag(tag);
-    must(element->putUint16Array(words.data(), values.size()), name(tag));
-    must(item_->insert(element, OFTrue), name(tag));
-  }
-  void pixels(const std::vector<Uint16>& values) {
-    must(item_->putAndInsertUint16Array(DCM_PixelData, values.data(), values.size()), "store the pixels");
-  }
-  void empty_sequence(const DcmTagKey& tag) { must(item_->insertEmptyElement(tag), name(tag)); }
-  Item add(const DcmTagKey& tag) {
-    DcmItem* item = nullptr;
-    must(item_->findOrCreateSequenceItem(tag, item, -2), name(tag));
-    return Item(*item);
-  }
-  void code(const DcmTagKey& tag, const std::string& value, const std::string& meaning) {
-    Item item = add(tag);
-    item.text(DCM_CodeValue, value);
-    item.text(DCM_CodingSchemeDesignator, "SCT");
-    item.text(DCM_CodeMeaning, meaning);
-  }
-
- private:
-  static std::string name(const DcmTagKey& tag) { return std::string("store ") + DcmTag(tag).getTagName(); }
-  DcmItem* item_;
-};
-
-/// A decimal string: at most 16 characters, so the last digits of long numbers are rounded.
-std::string decimal(double value) {
-  if (std::abs(value) < 1e-12) return "0";
-  std::array<char, 40> buffer;
-  for (int digits = 15; digits > 3; --digits) {
-    std::snprintf(buffer.data(), buffer.size(), "%.*g", digits, value);
-    if (std::string(buffer.data()).size() <= 16) break;
-  }
-  return buffer.data();
-}
-
-std::string decimals(std::initializer_list<double> values) {
-  std::string text;
-  for (const double v : values) text += (text.empty() ? "" : "\\") + decimal(v);
-  return text;
-}
-
-/// Decimal digits of a 128-bit number.
-std::string digits_of(std::array<unsigned char, 16> number) {
-  std::string digits;
-  while (std::any_of(number.begin(), number.end(), [](unsigned char b) { return b != 0; })) {
-    unsigned rest = 0;
-    for (unsigned char& byte : number) {
-      rest = rest * 256 + byte;
-      byte = static_cast<unsigned char>(rest / 10);
-      rest %= 10;
-    }
-    digits.insert(digits.begin(), static_cast<char>('0' + rest));
-  }
-  return digits.empty() ? "0" : digits;
-}
-
-/// UIDs under 2.25 hold a UUID; these are hashes of the content in the form of a name-based one.
+/// UIDs from the content of a study.
 class UidMaker {
  public:
   UidMaker(const Study& study, const std::vector<Uint16>& pixels, const DicomWriteOptions& options) {
@@ -116,17 +30,7 @@ class UidMaker {
     hasher.add(pixels.data(), pixels.size() * sizeof(Uint16));
     content_ = hasher.finish();
   }
-  std::string operator()(std::string_view role) const {
-    Hasher hasher;
-    hasher.add(content_.data(), content_.size());
-    hasher.add(role.data(), role.size());
-    const Sha256 digest = hasher.finish();
-    std::array<unsigned char, 16> uuid;
-    std::copy_n(digest.begin(), 16, uuid.begin());
-    uuid[6] = static_cast<unsigned char>((uuid[6] & 0x0f) | 0x50);
-    uuid[8] = static_cast<unsigned char>((uuid[8] & 0x3f) | 0x80);
-    return "2.25." + digits_of(uuid);
-  }
+  std::string operator()(std::string_view role) const { return uid_of(content_, role); }
 
  private:
   Sha256 content_;

@@ -24,11 +24,6 @@ Index3 sub_samples_for(const Grid& grid, double step_mm, int least = 3);
 /// a sub-cell), so the width in the image is the width asked for, whatever the voxels are.
 Image render(const Grid& grid, const Density& density, const Box& support, double fwhm_mm, const Index3& sub_samples);
 
-/// Part of each voxel (0..1) inside a closed, oriented mesh given in the grid frame. Exact along k; sampled at
-/// `sub_samples[0]` x `sub_samples[1]` columns per voxel across. Throws InputError when a column crosses the mesh an
-/// odd number of times, as it does above a hole.
-Image fill_mesh(const Grid& grid, const TriMesh& mesh, const Index3& sub_samples);
-
 /// Convolves an image with a Gaussian of the given width, borders replicated. The kernel is the discrete Gaussian
 /// exp(-t) I_n(t), whose variance is exact even where it is narrower than a voxel.
 Image blur(const Image& image, double fwhm_mm);

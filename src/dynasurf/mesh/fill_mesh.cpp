@@ -1,9 +1,10 @@
+#include "dynasurf/mesh/fill_mesh.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/synthetic/render.hpp"
 
 namespace dynasurf {
 namespace {

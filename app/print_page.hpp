@@ -1,0 +1,13 @@
+#pragma once
+#include <filesystem>
+
+namespace dynasurf::app {
+
+/// The Chromium that prints: chromium, chromium-browser or google-chrome of PATH. Throws IoError when there is none.
+std::filesystem::path find_browser();
+
+/// Prints a page of ours to a PDF of A4 pages, without a display and without a network. Throws IoError when the browser
+/// fails or takes longer than two minutes.
+void print_page(const std::filesystem::path& html, const std::filesystem::path& pdf);
+
+}  // namespace dynasurf::app

@@ -1,0 +1,56 @@
+#include "dynasurf/io/dicom_item.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace dynasurf::dicom {
+namespace {
+
+/// Decimal digits of a 128-bit number.
+std::string digits_of(std::array<unsigned char, 16> number) {
+  std::string digits;
+  while (std::any_of(number.begin(), number.end(), [](unsigned char b) { return b != 0; })) {
+    unsigned rest = 0;
+    for (unsigned char& byte : number) {
+      rest = rest * 256 + byte;
+      byte = static_cast<unsigned char>(rest / 10);
+      rest %= 10;
+    }
+    digits.insert(digits.begin(), static_cast<char>('0' + rest));
+  }
+  return digits.empty() ? "0" : digits;
+}
+
+}  // namespace
+
+std::string decimal(double value) {
+  if (std::abs(value) < 1e-12) return "0";
+  std::array<char, 40> buffer;
+  for (int digits = 15; digits > 3; --digits) {
+    std::snprintf(buffer.data(), buffer.size(), "%.*g", digits, value);
+    if (std::string(buffer.data()).size() <= 16) break;
+  }
+  return buffer.data();
+}
+
+std::string decimals(std::initializer_list<double> values) {
+  std::string text;
+  for (const double v : values) text += (text.empty() ? "" : "\\") + decimal(v);
+  return text;
+}
+
+std::string uid_of(const Sha256& content, std::string_view role) {
+  Hasher hasher;
+  hasher.add(content.data(), content.size());
+  hasher.add(role.data(), role.size());
+  const Sha256 digest = hasher.finish();
+  std::array<unsigned char, 16> uuid;
+  std::copy_n(digest.begin(), 16, uuid.begin());
+  uuid[6] = static_cast<unsigned char>((uuid[6] & 0x0f) | 0x50);
+  uuid[8] = static_cast<unsigned char>((uuid[8] & 0x3f) | 0x80);
+  return "2.25." + digits_of(uuid);
+}
+
+}  // namespace dynasurf::dicom

@@ -1,0 +1,104 @@
+#include <algorithm>
+#include <array>
+
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/dicom_result_parts.hpp"
+#include "dynasurf/io/formats.hpp"
+
+namespace dynasurf {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::array subject_texts{
+    std::pair{&DicomSubject::character_set, DCM_SpecificCharacterSet},
+    std::pair{&DicomSubject::patient_name, DCM_PatientName},
+    std::pair{&DicomSubject::patient_id, DCM_PatientID},
+    std::pair{&DicomSubject::birth_date, DCM_PatientBirthDate},
+    std::pair{&DicomSubject::sex, DCM_PatientSex},
+    std::pair{&DicomSubject::study, DCM_StudyInstanceUID},
+    std::pair{&DicomSubject::study_date, DCM_StudyDate},
+    std::pair{&DicomSubject::study_time, DCM_StudyTime},
+    std::pair{&DicomSubject::study_id, DCM_StudyID},
+    std::pair{&DicomSubject::study_description, DCM_StudyDescription},
+    std::pair{&DicomSubject::accession_number, DCM_AccessionNumber},
+    std::pair{&DicomSubject::referring_physician, DCM_ReferringPhysicianName},
+};
+
+std::string text_in(DcmItem& item, const DcmTagKey& tag) {
+  OFString text;
+  return item.findAndGetOFStringArray(tag, text).good() ? std::string(text.c_str()) : std::string();
+}
+
+}  // namespace
+
+DicomSubject read_dicom_subject(const fs::path& study) {
+  DicomSubject subject;
+  for (const fs::path& path : files_of_dicom(study)) {
+    DcmFileFormat file;
+    const OFCondition status = file.loadFileUntilTag(path.c_str(), EXS_Unknown, EGL_noChange, DCM_MaxReadLength,
+                                                     ERM_autoDetect, DCM_PixelData);
+    if (status.bad()) throw InputError(path.string() + ": cannot read as DICOM: " + status.text());
+    DcmDataset& data = *file.getDataset();
+    if (subject.sources.empty()) {
+      for (const auto& [member, tag] : subject_texts) subject.*member = text_in(data, tag);
+      subject.frame_of_reference = text_in(data, DCM_FrameOfReferenceUID);
+    }
+    subject.sources.push_back(
+        {text_in(data, DCM_SOPClassUID), text_in(data, DCM_SOPInstanceUID), text_in(data, DCM_SeriesInstanceUID)});
+  }
+  return subject;
+}
+
+DicomSubject nameless_subject(const Sha256& content, const std::string& date, const std::string& time) {
+  DicomSubject subject;
+  subject.study = dicom::uid_of(content, "study");
+  subject.patient_id = "DYNASURF-" + subject.study.substr(5, 12);
+  subject.study_id = "1";
+  subject.study_date = date;
+  subject.study_time = time;
+  return subject;
+}
+
+DicomInstance instance_of(const DicomResult& result, const DicomObject& object, const std::string& sop_class) {
+  return {sop_class, dicom::uid_of(result.content, "instance " + object.role),
+          dicom::uid_of(result.content, "series " + object.series_role)};
+}
+
+namespace dicom {
+
+void put_context(DcmItem& dataset, const DicomResult& result, const DicomObject& object,
+                 const DicomInstance& instance) {
+  Item root(dataset);
+  // An empty character set means the default repertoire; an empty attribute would be a fault.
+  dataset.findAndDeleteElement(DCM_SpecificCharacterSet);
+  dataset.findAndDeleteElement(DCM_StudyDescription);
+  for (const auto& [member, tag] : subject_texts) {
+    const std::string& text = result.subject.*member;
+    const bool may_be_empty = tag != DCM_SpecificCharacterSet && tag != DCM_StudyDescription;
+    if (!text.empty() || may_be_empty) root.text(tag, text);
+  }
+  root.text(DCM_SOPClassUID, instance.sop_class);
+  root.text(DCM_SOPInstanceUID, instance.sop_instance);
+  root.text(DCM_SeriesInstanceUID, instance.series);
+  root.text(DCM_SeriesNumber, std::to_string(object.series_number));
+  root.text(DCM_InstanceNumber, std::to_string(object.instance_number));
+  root.text(DCM_SeriesDescription, object.series_description);
+  for (const DcmTagKey& tag : {DCM_InstanceCreationDate, DCM_SeriesDate, DCM_ContentDate}) root.text(tag, result.date);
+  for (const DcmTagKey& tag : {DCM_InstanceCreationTime, DCM_SeriesTime, DCM_ContentTime}) root.text(tag, result.time);
+  root.text(DCM_Manufacturer, "Dynasurf");
+  root.text(DCM_ManufacturerModelName, "Dynasurf, research use only");
+  root.text(DCM_DeviceSerialNumber, "none");
+  root.text(DCM_SoftwareVersions, result.program_version);
+}
+
+void save(DcmFileFormat& file, const fs::path& path) {
+  OutputFile output(path);
+  const OFCondition status =
+      file.saveFile(output.path().c_str(), EXS_LittleEndianExplicit, EET_ExplicitLength, EGL_withoutGL);
+  if (status.bad()) throw IoError(path.string() + ": cannot write: " + status.text());
+  output.publish();
+}
+
+}  // namespace dicom
+}  // namespace dynasurf

@@ -1,0 +1,246 @@
+#include "dynasurf/report/dicom_folder.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "dynasurf/mesh/fill_mesh.hpp"
+#include "dynasurf/report/numbers.hpp"
+
+namespace dynasurf {
+namespace {
+
+using report_detail::text_of;
+using Groups = std::vector<DicomMeasurementGroup>;
+using Remarks = std::vector<std::pair<DicomCode, std::string>>;
+
+// Terms of the standard's context groups for hearts; what they lack is the program's own.
+const DicomCode end_diastolic{"8821-1", "LN", "Left Ventricular ED Volume"};
+const DicomCode end_systolic{"8823-7", "LN", "Left Ventricular ES Volume"};
+const DicomCode stroke_volume{"90096001", "SCT", "Stroke Volume"};
+const DicomCode ejection_fraction{"10230-1", "LN", "Left Ventricular Ejection Fraction"};
+const DicomCode mass{"18087-7", "LN", "Left Ventricle Mass"};
+const DicomCode volume{"118565006", "SCT", "Volume"};
+const DicomCode peak_ejection_rate{"122616", "DCM", "Peak Ejection Rate"};
+const DicomCode peak_filling_rate{"122618", "DCM", "Peak Filling Rate"};
+const DicomCode peak_filling_time{"122619", "DCM", "Peak Filling Time"};
+const DicomCode perfusion{"251053005", "SCT", "Myocardial perfusion"};
+const DicomCode left_ventricle{"87878005", "SCT", "Left Ventricle"};
+const DicomCode myocardium{"49848007", "SCT", "Left Ventricle Myocardium"};
+const DicomCode millilitre{"mL", "UCUM", "mL"}, percent{"%", "UCUM", "%"}, gram{"g", "UCUM", "g"};
+const DicomCode per_second_unit{"/s", "UCUM", "/s"}, millisecond{"ms", "UCUM", "ms"}, degree{"deg", "UCUM", "degree"};
+const DicomCode millimetre{"mm", "UCUM", "mm"};
+
+DicomCode own(const char* value, const char* meaning) { return {value, "99DYNASURF", meaning}; }
+
+/// The segments of the AHA in SNOMED CT, from 1.
+constexpr std::array<const char*, 17> segment_codes{
+    "264850008", "396482007", "396646008", "264846001", "396652009", "396654005", "264848000", "396647004", "396649001",
+    "264847005", "396655006", "396656007", "264844003", "264845002", "264849008", "264853005", "128564006"};
+
+DicomCode site_of(SegmentModel model, const Segment& segment) {
+  const std::string name = "Left ventricle " + std::string(segment.name);
+  if (model == SegmentModel::aha17) return {segment_codes[static_cast<std::size_t>(segment.number - 1)], "SCT", name};
+  return {"SEGMENT20_" + std::to_string(segment.number), "99DYNASURF", name};
+}
+
+void add(DicomMeasurementGroup& group, const DicomCode& what, const std::optional<double>& value,
+         const DicomCode& unit) {
+  if (value) group.measurements.push_back({what, *value, unit});
+}
+
+void add_interval(DicomMeasurementGroup& group, const char* name, const Estimate& e, const char* unit) {
+  group.remarks.push_back({own("INTERVAL_90", "90 % interval"), std::string(name) + ": " + text_of(e.low(), 1) +
+                                                                    " to " + text_of(e.high(), 1) + " " + unit});
+}
+
+DicomMeasurementGroup group_of(std::string name, const DicomCode& site) {
+  DicomMeasurementGroup group;
+  group.name = std::move(name);
+  group.site = site;
+  return group;
+}
+
+DicomMeasurementGroup fitted_reading(const FittedBeat& fit) {
+  DicomMeasurementGroup group = group_of("Unbiased reading", left_ventricle);
+  group.method = own("UNBIASED", "Surfaces of all gates fitted through the camera's blur");
+  if (fit.ef_percent) {
+    add(group, end_diastolic, fit.edv_ml.value, millilitre);
+    add(group, end_systolic, fit.esv_ml.value, millilitre);
+    add(group, stroke_volume, fit.sv_ml.value, millilitre);
+    add(group, ejection_fraction, fit.ef_percent->value, percent);
+    add_interval(group, "EDV", fit.edv_ml, "mL");
+    add_interval(group, "ESV", fit.esv_ml, "mL");
+    add_interval(group, "EF", *fit.ef_percent, "%");
+  }
+  add(group, mass, muscle_density * fit.wall_ml.value, gram);
+  return group;
+}
+
+DicomMeasurementGroup edge_reading(const VentricleResult& result) {
+  DicomMeasurementGroup group = group_of("Classic edge reading", left_ventricle);
+  group.method = own("EDGE", "Where the blurred image is steepest");
+  add(group, end_diastolic, result.edv_ml, millilitre);
+  add(group, end_systolic, result.esv_ml, millilitre);
+  add(group, stroke_volume, result.sv_ml, millilitre);
+  add(group, ejection_fraction, result.ef_percent, percent);
+  return group;
+}
+
+DicomMeasurementGroup qgs_reading(const QgsLike& reading) {
+  DicomMeasurementGroup group = group_of("QGS-like reading", left_ventricle);
+  group.method = own("QGS_LIKE", "65 % of the deviations of an asymmetric Gaussian");
+  if (const auto function = left_ventricular_function(reading.cavity_ml)) {
+    add(group, end_diastolic, function->edv_ml, millilitre);
+    add(group, end_systolic, function->esv_ml, millilitre);
+    add(group, stroke_volume, function->sv_ml, millilitre);
+    add(group, ejection_fraction, function->ef_percent, percent);
+  }
+  return group;
+}
+
+DicomMeasurementGroup beat_of(const CycleFunction& f, double cycle_ms) {
+  DicomMeasurementGroup group = group_of("Periodic fit of the volume curve", left_ventricle);
+  add(group, peak_ejection_rate, per_second(f.peak_emptying, cycle_ms), per_second_unit);
+  add(group, peak_filling_rate, per_second(f.peak_filling, cycle_ms), per_second_unit);
+  if (cycle_ms > 0) add(group, peak_filling_time, f.time_to_peak_filling * cycle_ms, millisecond);
+  add(group, own("FIRST_THIRD_FILLING", "Share of the stroke volume back after a third of diastole"),
+      100 * f.first_third_filling, percent);
+  return group;
+}
+
+DicomMeasurementGroup phase_of(const char* name, const PhaseSummary& phase) {
+  DicomMeasurementGroup group = group_of(name, myocardium);
+  add(group, own("PHASE_MEAN", "Mean of the phase"), phase.mean_deg, degree);
+  add(group, own("PHASE_SD", "Standard deviation of the phase"), phase.sd_deg, degree);
+  add(group, own("PHASE_BANDWIDTH", "Bandwidth of the phase"), phase.bandwidth_deg, degree);
+  add(group, own("PHASE_ENTROPY", "Entropy of the phase"), phase.entropy_percent, percent);
+  return group;
+}
+
+void add_measures(Groups& groups, const Measures& m, double cycle_ms) {
+  if (m.function) groups.push_back(beat_of(*m.function, cycle_ms));
+  if (m.phase_counts) groups.push_back(phase_of("Phase of the counts", *m.phase_counts));
+  if (m.phase_motion) groups.push_back(phase_of("Phase of the motion", *m.phase_motion));
+  for (const SegmentMeasures& s : m.segments) {
+    DicomMeasurementGroup group = group_of("Segment " + std::to_string(s.segment.number), site_of(m.model, s.segment));
+    add(group, perfusion, s.perfusion_percent, percent);
+    add(group, own("THICKENING", "Thickening of the wall"), s.thickening_percent, percent);
+    add(group, own("INWARD_MOTION", "Inward motion of the endocardium"), s.motion_mm, millimetre);
+    groups.push_back(std::move(group));
+  }
+}
+
+Groups readings_of(const VentricleResult& result) {
+  Groups groups;
+  if (result.fit) groups.push_back(fitted_reading(*result.fit));
+  groups.push_back(edge_reading(result));
+  if (result.qgs_like) groups.push_back(qgs_reading(*result.qgs_like));
+  if (result.measures) add_measures(groups, *result.measures, result.study.cycle_ms);
+  return groups;
+}
+
+/// The surfaces of one gate that lead: unbiased where they were fitted.
+struct GateWalls {
+  const TriMesh *endo = nullptr, *epi = nullptr;
+  std::optional<double> endo_ml, epi_ml;
+};
+
+GateWalls walls_of(const VentricleResult& result, std::size_t g) {
+  if (result.fit) {
+    const FittedGate& fitted = result.fit->gates[g];
+    return {&fitted.endo, &fitted.epi, fitted.endo_ml.value, fitted.epi_ml.value};
+  }
+  const Gate& gate = result.gates[g];
+  GateWalls walls;
+  if (gate.endo) walls.endo = &gate.endo->mesh, walls.endo_ml = gate.endo->volume_ml;
+  if (gate.epi) walls.epi = &gate.epi->mesh, walls.epi_ml = gate.epi->volume_ml;
+  return walls;
+}
+
+std::string two_digits(std::size_t gate) { return (gate + 1 < 10 ? "0" : "") + std::to_string(gate + 1); }
+
+/// Voxels of which half or more lie inside.
+Mask filled(const Grid& grid, const TriMesh& mesh) {
+  const Image part = fill_mesh(grid, to_grid(grid, mesh), {4, 4, 1});
+  Mask mask(grid);
+  for (std::size_t v = 0; v < mask.values.size(); ++v) mask.values[v] = part.values[v] >= 0.5F;
+  return mask;
+}
+
+bool is_empty(const Mask& mask) {
+  return std::none_of(mask.values.begin(), mask.values.end(), [](std::uint8_t v) { return v != 0; });
+}
+
+/// Cavity and wall of a gate; nothing where a surface is missing or too small for a voxel.
+std::vector<DicomSegment> segments_of_gate(const Grid& grid, const GateWalls& walls) {
+  if (!walls.endo || !walls.epi) return {};
+  DicomSegment cavity{"Cavity of the left ventricle", left_ventricle, filled(grid, *walls.endo), {30000, 28000, 20000}};
+  DicomSegment wall{"Wall of the left ventricle", myocardium, filled(grid, *walls.epi), {38000, 48000, 45000}};
+  for (std::size_t v = 0; v < wall.mask.values.size(); ++v)
+    if (cavity.mask.values[v] != 0) wall.mask.values[v] = 0;
+  if (is_empty(cavity.mask) || is_empty(wall.mask)) return {};
+  return {std::move(cavity), std::move(wall)};
+}
+
+/// Writes the segmentation of a gate and adds the volumes of its parts.
+void add_gate(const VentricleResult& result, const DicomResult& context, std::size_t g, Groups& groups,
+              const std::filesystem::path& folder) {
+  const GateWalls walls = walls_of(result, g);
+  const std::vector<DicomSegment> segments = segments_of_gate(result.study.grid(), walls);
+  if (segments.empty()) return;
+  const std::string gate = "gate " + std::to_string(g + 1);
+  const DicomObject object{"segmentations",         "segmentation " + gate,   802,
+                           static_cast<int>(g) + 1, "Dynasurf segmentations", "Cavity and wall, " + gate};
+  const DicomInstance written =
+      write_segmentation(context, object, segments, folder / ("segmentation_g" + two_digits(g) + ".dcm"));
+  const auto region = [&](const char* name, const DicomCode& site, int number, double ml) {
+    DicomMeasurementGroup group = group_of(std::string(name) + ", " + gate, site);
+    group.time_point = gate;
+    group.segments = written;
+    group.segment = number;
+    add(group, volume, ml, millilitre);
+    groups.push_back(std::move(group));
+  };
+  region("Cavity", left_ventricle, 1, *walls.endo_ml);
+  region("Wall", myocardium, 2, *walls.epi_ml - *walls.endo_ml);
+}
+
+void write_surfaces(const VentricleResult& result, const DicomResult& context, const std::filesystem::path& folder) {
+  int number = 0;
+  for (std::size_t g = 0; g < result.gates.size(); ++g) {
+    const GateWalls walls = walls_of(result, g);
+    for (const auto& [name, mesh] : {std::pair("endo", walls.endo), std::pair("epi", walls.epi)}) {
+      if (!mesh) continue;
+      const std::string words = std::string(name) + "cardium of the left ventricle, gate " + std::to_string(g + 1);
+      const DicomObject object{"surfaces", words, 803, ++number, "Dynasurf surfaces", words};
+      write_encapsulated_stl(context, object, *mesh, folder / (std::string(name) + "_g" + two_digits(g) + ".dcm"));
+    }
+  }
+}
+
+Remarks remarks_of(const VentricleResult& result) {
+  Remarks remarks{{own("USE", "Use"), "Research use only. Not for diagnosis."},
+                  {own("VERDICT", "Verdict"), std::string(word_of(result.verdict))}};
+  for (const Flag& flag : result.flags) remarks.push_back({own("FLAG", "Quality flag"), flag.message});
+  return remarks;
+}
+
+}  // namespace
+
+void write_dicom_folder(const VentricleResult& result, DicomResult context, std::string_view pdf,
+                        const std::filesystem::path& folder) {
+  // Images without a frame of reference get one: surfaces and segmentations must share it.
+  if (context.subject.frame_of_reference.empty())
+    context.subject.frame_of_reference =
+        instance_of(context, {"", "frame of reference", 1, 1, "", ""}, "").sop_instance;
+  Groups groups = readings_of(result);
+  for (std::size_t g = 0; g < result.gates.size(); ++g) add_gate(result, context, g, groups, folder);
+  write_surfaces(result, context, folder);
+  write_measurement_report(context, {"measurements", "measurements", 801, 1, "Dynasurf measurements", "Measurements"},
+                           groups, remarks_of(result), folder / "measurements.dcm");
+  if (!pdf.empty())
+    write_encapsulated_pdf(context, {"report", "report", 804, 1, "Dynasurf report", "Left ventricle report"}, pdf,
+                           folder / "report.dcm");
+}
+
+}  // namespace dynasurf
