@@ -3,6 +3,7 @@
 import contextlib
 import json
 import pathlib
+import re
 import shutil
 import socket
 import struct
@@ -181,13 +182,14 @@ class DicomResults(unittest.TestCase):
                 self.assertAlmostEqual(volume_ml(stl) / gate[f"{wall}_ml"], 1, delta=1e-3)
                 self.assertEqual(data.MeasurementUnitsCodeSequence[0].CodeValue, "mm")
 
-    def test_the_report_is_the_printed_page(self):
+    def test_the_report_is_the_two_printed_pages(self):
         if "report" not in self.objects:
             self.skipTest("chromium is not installed")
         data = self.objects["report"]
         pdf = data.EncapsulatedDocument[:data.EncapsulatedDocumentLength]
         self.assertEqual(pdf, (self.folder / "result" / "report.pdf").read_bytes())
         self.assertEqual(pdf[:5], b"%PDF-")
+        self.assertEqual(len(re.findall(rb"/Type /Page\b", pdf)), 2)
 
     def test_equal_runs_give_equal_objects(self):
         for name in ("first", "second"):

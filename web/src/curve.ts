@@ -1,6 +1,6 @@
 // Volumes over the beat. Dots are what was measured; the line between them is the volume of the surfaces shown.
-import { volumeMl, type Wall } from "./cycle";
-import type { FunctionNumbers, Results } from "./data";
+import { splineWeights, volumeMl, type Wall } from "./cycle";
+import type { FunctionNumbers, Leading, Results } from "./data";
 import { colour, figure, svg } from "./dom";
 import type { Player } from "./player";
 
@@ -14,8 +14,8 @@ interface Line {
   between: number[] | null;
 }
 
-function linesOf(results: Results, walls: Wall[]): Line[] {
-  const n = results.gates.length;
+function linesOf({ gates }: Leading, walls: Wall[]): Line[] {
+  const n = gates.length;
   const between = (wall: Wall | undefined) => {
     if (!wall?.smooth) return null;
     return Array.from({ length: n * samples_per_gate + 1 }, (_, s) => {
@@ -26,9 +26,9 @@ function linesOf(results: Results, walls: Wall[]): Line[] {
   const endo = between(walls.find((w) => w.name === "endo"));
   const epi = between(walls.find((w) => w.name === "epi"));
   const all: Line[] = [
-    { name: "epi", measured: results.gates.map((g) => g.epi_ml), between: epi },
-    { name: "wall", measured: results.gates.map((g) => g.wall_ml), between: endo && epi && epi.map((v, s) => v - endo[s]!) },
-    { name: "endo", measured: results.gates.map((g) => g.endo_ml), between: endo },
+    { name: "epi", measured: gates.map((g) => g.epi_ml), between: epi },
+    { name: "wall", measured: gates.map((g) => g.wall_ml), between: endo && epi && epi.map((v, s) => v - endo[s]!) },
+    { name: "endo", measured: gates.map((g) => g.endo_ml), between: endo },
   ];
   return all.filter((line) => line.measured.some((v) => v !== null));
 }
@@ -64,11 +64,13 @@ export class Curve {
   constructor(
     private readonly place: HTMLElement,
     private readonly results: Results,
+    private readonly leading: Leading,
     walls: Wall[],
     private readonly player: Player,
   ) {
-    this.lines = linesOf(results, walls);
-    const values = this.lines.flatMap((l) => [...l.measured, ...(l.between ?? [])]).filter((v) => v !== null);
+    this.lines = linesOf(leading, walls);
+    const intervals = leading.gates.flatMap((g) => g.endo_90 ?? []);
+    const values = [...intervals, ...this.lines.flatMap((l) => [...l.measured, ...(l.between ?? [])])].filter((v) => v !== null);
     this.top = ticks(Math.max(...values, 1)).at(-1)!;
     this.chart.setAttribute("aria-valuemax", String(results.gates.length));
     place.replaceChildren(this.chart);
@@ -105,11 +107,11 @@ export class Curve {
     this.player.seek(Math.min(Math.max(share, 0), 1) * this.gates);
   }
 
-  private draw(): void {
+  draw(): void {
     const [width, height] = this.size;
     this.chart.setAttribute("viewBox", `0 0 ${width} ${height}`);
     this.cursor = svg("g", { class: "cursor" });
-    this.chart.replaceChildren(...this.axes(), ...this.phaseGuides(), ...this.fit(), ...this.lines.flatMap((l) => this.plot(l)), this.cursor);
+    this.chart.replaceChildren(...this.axes(), ...this.phaseGuides(), ...this.band(), ...this.fit(), ...this.lines.flatMap((l) => this.plot(l)), this.cursor);
     this.moveCursor(this.player.phase);
   }
 
@@ -136,7 +138,7 @@ export class Curve {
   }
 
   private phaseGuides(): SVGElement[] {
-    const { ed_gate, es_gate } = this.results;
+    const { ed_gate, es_gate } = this.leading;
     const height = this.size[1];
     const guides = [
       { gate: ed_gate, name: "ED" },
@@ -150,6 +152,43 @@ export class Curve {
         svg("text", { class: "guide", x, y: margin.top - 10, "text-anchor": "middle" }, name),
       ];
     });
+  }
+
+  /** The 90 % interval of the cavity between the gates; without one, what the periodic fit leaves unexplained. */
+  private band(): SVGElement[] {
+    const edges = this.intervals() ?? this.residuals();
+    if (!edges) return [];
+    const n = edges.low.length;
+    const place = (ml: number, s: number) => `${this.x((s / (n - 1)) * this.gates).toFixed(1)},${this.y(ml).toFixed(1)}`;
+    const points = [...edges.high.map(place), ...edges.low.map(place).reverse()];
+    const area = svg("polygon", { class: "band", points: points.join(" ") });
+    area.append(svg("title", {}, edges.title));
+    return [area];
+  }
+
+  private intervals(): { low: number[]; high: number[]; title: string } | null {
+    const ends = this.leading.gates.map((g) => g.endo_90);
+    if (ends.some((e) => e?.[0] == null || e[1] == null)) return null;
+    const between = (end: 0 | 1) =>
+      Array.from({ length: this.gates * samples_per_gate + 1 }, (_, s) => {
+        const weights = splineWeights(this.gates, s / samples_per_gate);
+        return ends.reduce((sum, e, g) => sum + weights[g]! * e![end]!, 0);
+      });
+    return { low: between(0), high: between(1), title: "90 % interval of the cavity's volume" };
+  }
+
+  private residuals(): { low: number[]; high: number[]; title: string } | null {
+    const fit = this.results.measures?.function;
+    if (!fit?.residual_ml) return null;
+    const half = 1.645 * fit.residual_ml;
+    const line = Array.from({ length: this.gates * samples_per_gate + 1 }, (_, s) =>
+      fittedMl(fit, (s / samples_per_gate + 0.5) / this.gates),
+    );
+    return {
+      low: line.map((v) => v - half),
+      high: line.map((v) => v + half),
+      title: `scatter of the gates about the periodic fit: ${figure(fit.residual_ml)} mL`,
+    };
   }
 
   private fit(): SVGElement[] {
@@ -217,7 +256,7 @@ export class Curve {
     this.cursor.setAttribute("data-x", x.toFixed(1));
     const gate = (Math.round(phase) % this.gates) + 1;
     this.chart.setAttribute("aria-valuenow", String(gate));
-    const endo = this.results.gates[gate - 1]?.endo_ml;
+    const endo = this.leading.gates[gate - 1]?.endo_ml;
     this.chart.setAttribute("aria-valuetext", `gate ${gate}, cavity ${figure(endo)} mL`);
   }
 }

@@ -87,14 +87,22 @@ export class Wall {
   }
 }
 
+/** Cut of a mesh: pairs of points, each given by the two other axes in order, and the first vertex of each one's triangle. */
+export interface Section {
+  lines: number[]; // x, y, x, y per piece
+  vertices: number[]; // one per piece
+}
+
 /**
- * Cut of a mesh with the plane `axis = at` in voxels: pairs of points, each given by the two other axes in order.
- * A vertex on the plane counts as above it, so that no piece is lost or drawn twice.
+ * Cut of a mesh with the plane `axis = at` in voxels. A vertex on the plane counts as above it, so that no piece is
+ * lost or drawn twice.
  */
-export function section(voxel: Float32Array, triangles: Uint32Array, axis: number, at: number): number[] {
+export function section(voxel: Float32Array, triangles: Uint32Array, axis: number, at: number): Section {
   const [x, y] = [0, 1, 2].filter((a) => a !== axis) as [number, number];
   const lines: number[] = [];
+  const vertices: number[] = [];
   for (let t = 0; t < triangles.length; t += 3) {
+    const before = lines.length;
     for (let edge = 0; edge < 3; ++edge) {
       const p = 3 * triangles[t + edge]!;
       const q = 3 * triangles[t + ((edge + 1) % 3)]!;
@@ -105,6 +113,7 @@ export function section(voxel: Float32Array, triangles: Uint32Array, axis: numbe
       lines.push(voxel[p + x]! + share * (voxel[q + x]! - voxel[p + x]!));
       lines.push(voxel[p + y]! + share * (voxel[q + y]! - voxel[p + y]!));
     }
+    if (lines.length > before) vertices.push(triangles[t]!);
   }
-  return lines;
+  return { lines, vertices };
 }

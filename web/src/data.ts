@@ -55,6 +55,8 @@ export interface FunctionNumbers {
   edv_ml: number | null;
   esv_ml: number | null;
   ef_percent: number | null;
+  residual_ml: number | null;
+  peak_emptying_edv_per_s: number | null;
   peak_filling_edv_per_beat: number | null;
   peak_filling_edv_per_s: number | null;
   time_to_peak_filling: number | null;
@@ -66,6 +68,8 @@ export interface FunctionNumbers {
   sine_ml: number[];
 }
 export interface PhaseNumbers {
+  bin_deg: number;
+  histogram_percent: number[];
   mean_deg: number;
   sd_deg: number;
   bandwidth_deg: number;
@@ -86,8 +90,11 @@ export interface Reading {
   ef_percent: number | null;
   wall_ml: number | null;
 }
-type Interval = [number | null, number | null] | null;
-export type FittedReading = Reading & { [K in keyof Reading as `${K}_90`]: Interval };
+export type Interval = [number | null, number | null] | null;
+type WithIntervals<T> = T & { [K in keyof T & string as `${K}_90`]: Interval };
+export type FittedReading = WithIntervals<Reading & { wall_g: number | null }> & {
+  gates: ({ gate: number } & WithIntervals<{ endo_ml: number | null; epi_ml: number | null }>)[];
+};
 export interface Results {
   schema: string;
   readings?: { unbiased: FittedReading | null; edge: Reading; qgs_like: Reading | null };
@@ -273,5 +280,40 @@ export async function readReport(text: string): Promise<Report> {
       endo: packed.endo.map((surface) => meshOf(surface, packed, grid)),
       epi: packed.epi.map((surface) => meshOf(surface, packed, grid)),
     },
+  };
+}
+
+/** The reading that leads: the unbiased one where there is one. Its surfaces are those shown. */
+export interface Leading extends Reading {
+  fitted: FittedReading | null;
+  gates: { endo_ml: number | null; epi_ml: number | null; wall_ml: number | null; endo_90: Interval }[];
+  ed_gate: number | null; // from 1
+  es_gate: number | null;
+}
+
+export function leadingOf(results: Results): Leading {
+  const fitted = results.readings?.unbiased ?? null;
+  if (!fitted) {
+    const { edv_ml, esv_ml, sv_ml, ef_percent, ed_gate, es_gate } = results;
+    const gates = results.gates.map((g) => ({ endo_ml: g.endo_ml, epi_ml: g.epi_ml, wall_ml: g.wall_ml, endo_90: null }));
+    const walls_ml = gates.flatMap((g) => g.wall_ml ?? []);
+    const complete = walls_ml.length === gates.length && walls_ml.length > 0;
+    const wall_ml = complete ? walls_ml.reduce((a, b) => a + b) / walls_ml.length : null;
+    return { fitted, gates, edv_ml, esv_ml, sv_ml, ef_percent, wall_ml, ed_gate, es_gate };
+  }
+  const gates = fitted.gates.map((g) => ({
+    endo_ml: g.endo_ml,
+    epi_ml: g.epi_ml,
+    wall_ml: g.endo_ml !== null && g.epi_ml !== null ? g.epi_ml - g.endo_ml : null,
+    endo_90: g.endo_ml_90,
+  }));
+  const volumes = gates.map((g) => g.endo_ml ?? NaN);
+  const gated = gates.length > 1;
+  const gateOf = (ml: number) => (gated ? volumes.indexOf(ml) + 1 : null);
+  const { edv_ml, esv_ml, sv_ml, ef_percent, wall_ml } = fitted;
+  return {
+    fitted, gates, edv_ml, esv_ml, sv_ml, ef_percent, wall_ml,
+    ed_gate: gateOf(Math.max(...volumes)),
+    es_gate: gateOf(Math.min(...volumes)),
   };
 }

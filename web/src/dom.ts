@@ -36,4 +36,4 @@ export function figure(value: number | null | undefined, digits = 1): string {
   return value === null || value === undefined ? "–" : value.toFixed(digits);
 }
 
-export const colour = { endo: "#5aa9ff", epi: "#ff8a5c", wall: "#a9b4c2", edge: "#f4e04d" } as const;
+export const colour = { endo: "#5aa9ff", epi: "#ff8a5c", wall: "#a9b4c2", edge: "#f4e04d", lit: "#ffe14d", band: "#5aa9ff66", fit: "#ffffff" } as const;

@@ -1,12 +1,15 @@
 // The page of a result: reads the data written into it, builds the parts, and moves them with one clock.
 import { Wall } from "./cycle";
 import { Curve } from "./curve";
-import { readReport, walls as wall_names, type Report, type Results } from "./data";
+import { leadingOf, readReport, walls as wall_names, type Leading, type Report, type Results } from "./data";
 import { byId, colour, figure, html, svg } from "./dom";
+import { Painter, type Overlay } from "./painter";
+import { buildPaper } from "./paper";
 import { Player } from "./player";
 import { PolarView } from "./polar";
 import { SurfaceScene, type ViewName } from "./scene";
-import { Slices, type Overlay } from "./slices";
+import { Slices } from "./slices";
+import { Splash } from "./splash";
 import { showCards, showGates, showNotes, showOptions, showProvenance, showReadings, showVerdict, subjectOf } from "./tables";
 
 const default_cycle_ms = 1000;
@@ -27,7 +30,7 @@ function message(place: HTMLElement, title: string, text: string): void {
   place.append(html("div", { class: "message" }, html("strong", {}, title), html("p", {}, text)));
 }
 
-function buildScene(report: Report, walls: Wall[], player: Player): SurfaceScene | null {
+function buildScene(report: Report, leading: Leading, walls: Wall[], player: Player): SurfaceScene | null {
   const place = byId("scene");
   const legend = byId("scene-legend");
   const missing = wall_names.filter((name) => !walls.some((wall) => wall.name === name));
@@ -39,7 +42,7 @@ function buildScene(report: Report, walls: Wall[], player: Player): SurfaceScene
   }
   let scene: SurfaceScene;
   try {
-    scene = new SurfaceScene(place, byId<SVGSVGElement>("compass"), walls, report.pictures.grid);
+    scene = new SurfaceScene(place, byId<SVGSVGElement>("compass"), walls, report.pictures.grid, report.polar);
   } catch {
     byId("compass").remove();
     byId("views").remove();
@@ -58,7 +61,7 @@ function buildScene(report: Report, walls: Wall[], player: Player): SurfaceScene
   );
   player.listen((phase) => {
     scene.show(phase);
-    const gate = report.results.gates[player.gate]!;
+    const gate = leading.gates[player.gate]!;
     for (const { wall, text } of items) text.textContent = `${figure(gate[`${wall.name}_ml`])} mL`;
   });
   for (const button of byId("views").querySelectorAll<HTMLButtonElement>("[data-view]"))
@@ -66,7 +69,7 @@ function buildScene(report: Report, walls: Wall[], player: Player): SurfaceScene
   return scene;
 }
 
-function buildCurve(results: Results, walls: Wall[], player: Player): void {
+function buildCurve(results: Results, leading: Leading, walls: Wall[], player: Player): void {
   const place = byId("curve");
   if (results.study.gates < 2) {
     message(place, "No volume curve", "This study is not gated: it shows one moment, without a beat and without an ejection fraction.");
@@ -80,30 +83,33 @@ function buildCurve(results: Results, walls: Wall[], player: Player): void {
     legendItem("Cavity", colour.endo),
     legendItem("Outer", colour.epi, "square"),
     legendItem("Wall", colour.wall, "line"),
-    html("span", { class: "faint" }, "dots measured, line between the gates interpolated"),
+    ...(leading.fitted
+      ? [legendItem("90 % of the cavity", colour.band, "square"), html("span", { class: "faint" }, "dots fitted through the blur, lines between the gates interpolated")]
+      : [html("span", { class: "faint" }, "dots measured, lines between the gates interpolated")]),
+    ...(results.measures?.function ? [legendItem(`fit of ${results.measures.function.waves} waves`, colour.fit, "line")] : []),
   ];
   byId("curve-legend").replaceChildren(...legend);
-  new Curve(place, results, walls, player);
+  new Curve(place, results, leading, walls, player);
 }
 
-function buildSlices(report: Report, walls: Wall[], player: Player): Slices | null {
+function buildSlices(painter: Painter | null, fitted: boolean, player: Player, point: (segment: number) => void): Slices | null {
   const place = byId("slices");
-  if (!report.pictures) {
+  if (!painter) {
     message(place, "No images", "The result holds no image data.");
     return null;
   }
-  const slices = new Slices(place, report.pictures, walls);
-  const bin = report.pictures.bin;
+  const slices = new Slices(place, painter, point);
+  const bin = painter.pictures.bin;
   byId("slice-legend").replaceChildren(
     legendItem("endo border", colour.endo, "square"),
     legendItem("epi border", colour.epi, "square"),
-    legendItem("endo surface", colour.endo, "line"),
-    legendItem("epi surface", colour.epi, "line"),
+    legendItem(fitted ? "endo, fitted" : "endo surface", colour.endo, "line"),
+    legendItem(fitted ? "epi, fitted" : "epi surface", colour.epi, "line"),
     legendItem("other edges", colour.edge, "square"),
     ...(bin > 1 ? [html("span", { class: "missing" }, `large study: pixels shown are means of ${bin} × ${bin}`)] : []),
   );
   byId<HTMLInputElement>("brightness").addEventListener("input", (event) => {
-    slices.overlay.brightness = (event.target as HTMLInputElement).valueAsNumber / 100;
+    painter.overlay.brightness = (event.target as HTMLInputElement).valueAsNumber / 100;
     slices.draw();
   });
   let drawn = -1;
@@ -119,7 +125,7 @@ function press(id: string, on: boolean): void {
   byId(id).setAttribute("aria-pressed", String(on));
 }
 
-function buildToggles(slices: Slices | null, scene: SurfaceScene | null): Record<string, () => void> {
+function buildToggles(painter: Painter | null, slices: Slices | null, scene: SurfaceScene | null): Record<string, () => void> {
   const keys: Record<string, () => void> = {};
   const overlays = [
     ["c", "contours"],
@@ -130,10 +136,10 @@ function buildToggles(slices: Slices | null, scene: SurfaceScene | null): Record
   for (const [key, name] of overlays) {
     const button = byId<HTMLButtonElement>(`toggle-${name}`);
     button.disabled = slices === null;
-    if (!slices) continue;
+    if (!slices || !painter) continue;
     keys[key] = () => {
-      slices.overlay[name] = !slices.overlay[name];
-      press(button.id, slices.overlay[name]);
+      painter.overlay[name] = !painter.overlay[name];
+      press(button.id, painter.overlay[name]);
       slices.layOut();
     };
     button.addEventListener("click", keys[key]);
@@ -225,45 +231,97 @@ function buildTransport(results: Results): Player {
   return player;
 }
 
-function buildPolar(report: Report, scene: SurfaceScene | null): void {
+function buildPolar(report: Report, point: (segment: number) => void): PolarView | null {
   const { polar, results } = report;
   if (!polar || !results.measures) {
     byId("polar-panel").remove();
     byId("segments-panel").remove();
-    return;
+    return null;
   }
-  const view = new PolarView(polar, results.measures, (segment) => scene?.light(segment));
-  scene?.followPointer(polar, (segment) => view.show(segment));
   byId("segments-remark").textContent =
     results.measures.thickness_is === "apparent" ? "Thickness between edges of a blurred image is apparent: mostly the camera’s." : "";
+  return new PolarView(polar, results.measures, point);
+}
+
+/** The moments of the beat that stand for it: relaxed and contracted, or the only one. */
+function momentsOf(leading: Leading): { name: string; gate: number }[] {
+  const { ed_gate, es_gate } = leading;
+  if (ed_gate === null || es_gate === null) return [{ name: "", gate: 0 }];
+  return [
+    { name: "end diastole", gate: ed_gate - 1 },
+    { name: "end systole", gate: es_gate - 1 },
+  ];
+}
+
+function buildSplash(painter: Painter | null, leading: Leading, point: (segment: number) => void): Splash | null {
+  if (!painter || painter.walls.length === 0) {
+    byId("splash-panel").remove();
+    return null;
+  }
+  return new Splash(byId("splash"), painter, momentsOf(leading), 8, point);
+}
+
+/** Shown while printing, in place of all that is for the screen; built once, when paper is asked for. */
+function buildPrinting(report: Report, leading: Leading, painter: Painter | null, walls: Wall[], scene: SurfaceScene | null, player: Player): void {
+  const show = () => {
+    player.pause();
+    document.documentElement.dataset.paper = "true";
+    buildPaper(byId("paper"), { report, leading, painter, walls, scene, moments: momentsOf(leading) });
+  };
+  const hide = () => {
+    delete document.documentElement.dataset.paper;
+    byId("paper").replaceChildren();
+    scene?.show(player.phase);
+  };
+  if (location.hash === "#print") return show();
+  addEventListener("beforeprint", show);
+  addEventListener("afterprint", hide);
 }
 
 async function start(): Promise<void> {
   const report = await readReport(byId("data").textContent ?? "");
-  const { results, surfaces } = report;
+  const { results, surfaces, pictures, polar } = report;
+  const leading = leadingOf(results);
   byId("subject").textContent = subjectOf(results);
   showVerdict(byId("verdict"), results);
-  showCards(byId("numbers"), results);
+  showCards(byId("numbers"), results, leading);
   showNotes(byId("notes"), results.notes);
   showProvenance(byId("provenance"), results);
   showOptions(byId("options"), results);
   showReadings(byId("readings"), results);
+  if (leading.fitted) byId("gates-title").textContent = "Gates, classic edge surfaces";
   const markGate = showGates(byId("gates"), results);
 
   const walls = surfaces ? wall_names.map((name) => new Wall(name, surfaces)).filter((wall) => wall.present) : [];
+  const painter = pictures && new Painter(pictures, walls, polar);
   const player = buildTransport(results);
   player.listen(() => markGate(player.gate));
-  const scene = buildScene(report, walls, player);
-  buildPolar(report, scene);
-  buildCurve(results, walls, player);
-  const slices = buildSlices(report, walls, player);
-  const toggles = buildToggles(slices, scene);
+  const scene = buildScene(report, leading, walls, player);
+
+  // One segment is lit at a time, in every part that shows segments.
+  const lights: ((segment: number) => void)[] = [];
+  let lit = 0;
+  const point = (segment: number) => {
+    if (segment === lit) return;
+    lit = segment;
+    for (const light of lights) light(segment);
+  };
+  const view = buildPolar(report, point);
+  if (view) scene?.followPointer(point);
+  buildCurve(results, leading, walls, player);
+  const splash = buildSplash(painter, leading, point);
+  const slices = buildSlices(painter, leading.fitted !== null, player, point);
+  for (const part of [view, scene, splash, slices]) if (part) lights.push((segment) => part.light(segment));
+
+  const toggles = buildToggles(painter, slices, scene);
   buildKeys(player, slices, scene, toggles, buildHelp());
   // Two panels with nothing in them must not push the slices off the screen.
   document.querySelector("main")!.classList.toggle("bare", walls.length === 0);
   // Without borders the edges are what explains the failure.
   if (walls.length === 0) toggles.e?.();
-  if (walls.length > 0 && !matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
+  buildPrinting(report, leading, painter, walls, scene, player);
+  const still = location.hash === "#print" || matchMedia("(prefers-reduced-motion: reduce)").matches;
+  if (walls.length > 0 && !still) player.play();
   document.documentElement.dataset.ready = "true";
 }
 

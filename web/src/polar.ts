@@ -53,6 +53,40 @@ const columns: [MapName, string, string][] = [
   ["phase_motion_deg", "motion", "°"],
 ];
 
+/** Draws a map into `picture`; returns the outlines of its segments. */
+export function drawPolar(picture: SVGSVGElement, polar: Polar, map: PolarMap, title: string): SVGElement[] {
+  const { rings, sectors, places } = polar;
+  const [low, high] = rangeOf(map);
+  const scale = map.cyclic ? circle : even;
+  const colour = (value: number) => colourAt((value - low) / (high - low || 1), scale);
+  const cells = map.values.flatMap((value, n) => {
+    if (value === null) return [];
+    const ring = Math.floor(n / sectors);
+    const d = piece(ring / rings, (ring + 1) / rings, ((n % sectors) * 360) / sectors, 360 / sectors + 0.4);
+    return [svg("path", { d, fill: colour(value) })];
+  });
+  const outlines = places.map((place, n) => svg("path", { d: outline(place), class: "segment", "data-segment": n + 1 }));
+  const words = ([["anterior", 0, -107], ["inferior", 0, 115]] as const).map(([word, x, y]) => svg("text", { x, y }, word));
+  const turned = ([["septal", -108], ["lateral", 115]] as const).map(([word, x]) =>
+    svg("text", { transform: `translate(${x} 0) rotate(-90)` }, word),
+  );
+  const bar = Array.from({ length: 40 }, (_, n) =>
+    svg("rect", { x: 124, y: 80 - (n + 1) * 4, width: 7, height: 4.2, fill: colourAt((n + 0.5) / 40, scale) }),
+  );
+  const ends = ([[low, 83], [(low + high) / 2, 3], [high, -77]] as const).map(([value, y]) =>
+    svg("text", { x: 134, y, class: "side" }, figure(value, 0)),
+  );
+  picture.setAttribute("aria-label", `Polar map: ${title}`);
+  picture.replaceChildren(...cells, svg("g", {}, ...outlines), ...words, ...turned, ...bar, ...ends);
+  return outlines;
+}
+
+/** What a map is called; thickness between edges is apparent. */
+export function titleOfMap(map: PolarMap, measures: MeasureNumbers): string {
+  const apparent = measures.thickness_is === "apparent" && map.name.startsWith("thick");
+  return `${map.title}${apparent ? " (apparent)" : ""}, ${map.unit}`;
+}
+
 export class PolarView {
   private readonly picture = svg("svg", { viewBox: "-122 -122 276 244", role: "img", class: "polar" });
   private readonly caption = html("p", { class: "polar-caption", "aria-live": "polite" });
@@ -61,11 +95,11 @@ export class PolarView {
   private map: PolarMap;
   private lit = 0;
 
-  /** `light` is told the number of the segment that is pointed at, 0: none. */
+  /** `point` is told the number of the segment that is pointed at, 0: none. */
   constructor(
     private readonly polar: Polar,
     private readonly measures: MeasureNumbers,
-    private readonly light: (segment: number) => void,
+    private readonly point: (segment: number) => void,
   ) {
     this.map = polar.maps[0]!;
     const choice = byId<HTMLSelectElement>("polar-map");
@@ -75,21 +109,25 @@ export class PolarView {
       this.draw();
     });
     byId("polar").replaceChildren(this.picture, this.caption);
-    this.rows = measures.segments.map((segment) => this.row(segment));
-    byId("segments").replaceChildren(this.table());
+    const table = segmentTable(measures);
+    this.rows = [...table.tBodies[0]!.rows];
+    this.rows.forEach((row, n) => {
+      row.addEventListener("pointerenter", () => this.point(n + 1));
+      row.addEventListener("pointerleave", () => this.point(0));
+    });
+    byId("segments").replaceChildren(table);
     this.draw();
   }
 
   private titleOf(map: PolarMap): string {
-    const apparent = this.measures.thickness_is === "apparent" && map.name.startsWith("thick");
-    return `${map.title}${apparent ? " (apparent)" : ""}, ${map.unit}`;
+    return titleOfMap(map, this.measures);
   }
 
-  show(segment: number): void {
+  /** Lights a segment, 0: none. */
+  light(segment: number): void {
     if (segment === this.lit) return;
     this.lit = segment;
     this.mark();
-    this.light(segment);
   }
 
   private mark(): void {
@@ -105,67 +143,39 @@ export class PolarView {
   }
 
   private draw(): void {
-    const { rings, sectors, places } = this.polar;
-    const [low, high] = rangeOf(this.map);
-    const scale = this.map.cyclic ? circle : even;
-    const colour = (value: number) => colourAt((value - low) / (high - low || 1), scale);
-    const cells = this.map.values.flatMap((value, n) => {
-      if (value === null) return [];
-      const ring = Math.floor(n / sectors);
-      const d = piece(ring / rings, (ring + 1) / rings, ((n % sectors) * 360) / sectors, 360 / sectors + 0.4);
-      return [svg("path", { d, fill: colour(value) })];
-    });
-    this.outlines = places.map((place, n) => {
-      const path = svg("path", { d: outline(place), class: "segment", "data-segment": n + 1 });
-      path.addEventListener("pointerenter", () => this.show(n + 1));
-      return path;
-    });
-    this.picture.onpointerleave = () => this.show(0);
-    const words = ([["anterior", 0, -107], ["inferior", 0, 115]] as const).map(([word, x, y]) => svg("text", { x, y }, word));
-    const turned = ([["septal", -108], ["lateral", 115]] as const).map(([word, x]) =>
-      svg("text", { transform: `translate(${x} 0) rotate(-90)` }, word),
-    );
-    const bar = Array.from({ length: 40 }, (_, n) =>
-      svg("rect", { x: 124, y: 80 - (n + 1) * 4, width: 7, height: 4.2, fill: colourAt((n + 0.5) / 40, scale) }),
-    );
-    const ends = ([[low, 83], [(low + high) / 2, 3], [high, -77]] as const).map(([value, y]) =>
-      svg("text", { x: 134, y, class: "side" }, figure(value, 0)),
-    );
-    this.picture.setAttribute("aria-label", `Polar map: ${this.titleOf(this.map)}`);
-    this.picture.replaceChildren(...cells, svg("g", {}, ...this.outlines), ...words, ...turned, ...bar, ...ends);
+    this.outlines = drawPolar(this.picture, this.polar, this.map, this.titleOf(this.map));
+    this.outlines.forEach((path, n) => path.addEventListener("pointerenter", () => this.point(n + 1)));
+    this.picture.onpointerleave = () => this.point(0);
     this.mark();
   }
+}
 
-  private row(segment: SegmentNumbers): HTMLTableRowElement {
-    const digits = (key: MapName) => (key === "motion_mm" || key.endsWith("_mm") ? 1 : 0);
-    const row = html(
-      "tr",
-      { "data-segment": segment.number },
-      html("th", { scope: "row" }, `${segment.number} ${segment.name}`),
-      html("td", {}, segment.territory),
-      ...columns.map(([key]) => html("td", {}, figure(segment[key], digits(key)))),
-    );
-    row.addEventListener("pointerenter", () => this.show(segment.number));
-    row.addEventListener("pointerleave", () => this.show(0));
-    return row;
-  }
+function segmentRow(segment: SegmentNumbers): HTMLTableRowElement {
+  const digits = (key: MapName) => (key.endsWith("_mm") ? 1 : 0);
+  return html(
+    "tr",
+    { "data-segment": segment.number },
+    html("th", { scope: "row" }, `${segment.number} ${segment.name}`),
+    html("td", {}, segment.territory),
+    ...columns.map(([key]) => html("td", {}, figure(segment[key], digits(key)))),
+  );
+}
 
-  private table(): HTMLTableElement {
-    return html(
-      "table",
-      { class: "numbers" },
+export function segmentTable({ segments }: MeasureNumbers): HTMLTableElement {
+  return html(
+    "table",
+    { class: "numbers" },
+    html(
+      "thead",
+      {},
       html(
-        "thead",
+        "tr",
         {},
-        html(
-          "tr",
-          {},
-          html("th", { scope: "col" }, "Segment"),
-          html("th", { scope: "col" }, "Artery"),
-          ...columns.map(([, name, unit]) => html("th", { scope: "col" }, name, html("small", {}, unit))),
-        ),
+        html("th", { scope: "col" }, "Segment"),
+        html("th", { scope: "col" }, "Artery"),
+        ...columns.map(([, name, unit]) => html("th", { scope: "col" }, name, html("small", {}, unit))),
       ),
-      html("tbody", {}, ...this.rows),
-    );
-  }
+    ),
+    html("tbody", {}, ...segments.map(segmentRow)),
+  );
 }

@@ -9,6 +9,8 @@ import {
   DoubleSide,
   FrontSide,
   Group,
+  LineBasicMaterial,
+  LineSegments,
   Mesh,
   MeshBasicMaterial,
   MeshPhongMaterial,
@@ -34,6 +36,8 @@ interface Shown {
   geometry: BufferGeometry;
   group: Group;
   wire: Mesh;
+  /** Borders of the segments: pairs of edges whose middles are joined, and the lines. */
+  borders: { edges: number[]; lines: LineSegments };
 }
 
 /** Directions from which one looks at the heart, in the world (LPS); base and apex along its own axis. */
@@ -52,7 +56,6 @@ export class SurfaceScene {
   /** Turned so that its long axis points upwards in the scene. */
   private readonly heart = new Group();
   private waiting = false;
-  private polar: Polar | null = null;
   private lit = 0;
   private gate = 0;
 
@@ -62,6 +65,7 @@ export class SurfaceScene {
     private readonly compass: SVGSVGElement,
     walls: Wall[],
     grid: Grid,
+    private readonly polar: Polar | null,
   ) {
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "low-power" });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
@@ -112,8 +116,12 @@ export class SurfaceScene {
     wire.frustumCulled = false;
     wire.renderOrder = 3;
     group.add(wire);
+    const lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: solid ? 0xeaf4ff : 0xffe2d3, transparent: true, opacity: solid ? 0.75 : 0.5 }));
+    lines.frustumCulled = false;
+    lines.renderOrder = 4;
+    group.add(lines);
     this.heart.add(group);
-    return { wall, geometry, group, wire };
+    return { wall, geometry, group, wire, borders: { edges: [], lines } };
   }
 
   /** Lights travel with the eye, so that no view is dark. */
@@ -169,8 +177,7 @@ export class SurfaceScene {
   }
 
   /** Tells `point` the segment under the pointer, 0 when it leaves the heart. */
-  followPointer(polar: Polar, point: (segment: number) => void): void {
-    this.polar = polar;
+  followPointer(point: (segment: number) => void): void {
     const canvas = this.renderer.domElement;
     const ray = new Raycaster();
     canvas.addEventListener("pointermove", (event) => {
@@ -208,6 +215,57 @@ export class SurfaceScene {
     painted.needsUpdate = true;
   }
 
+  /** Where the borders of the segments run: through the middles of the edges between two of them. */
+  private findBorders({ wall, geometry, borders }: Shown): void {
+    const segments = this.segmentsOf(wall);
+    const triangles = geometry.index?.array;
+    borders.edges = [];
+    if (!segments || !triangles) return;
+    for (let t = 0; t < triangles.length; t += 3) {
+      const corners = [triangles[t]!, triangles[t + 1]!, triangles[t + 2]!];
+      const cut = [0, 1, 2].filter((n) => segments[corners[n]!] !== segments[corners[(n + 1) % 3]!]);
+      if (cut.length < 2) continue;
+      // Where three segments meet two of the three lines say enough.
+      for (const [a, b] of cut.length === 2 ? [[cut[0]!, cut[1]!]] : [[0, 1], [1, 2]])
+        borders.edges.push(corners[a!]!, corners[(a! + 1) % 3]!, corners[b!]!, corners[(b! + 1) % 3]!);
+    }
+  }
+
+  private drawBorders({ geometry, borders }: Shown): void {
+    const position = geometry.getAttribute("position") as BufferAttribute;
+    const count = borders.edges.length / 2;
+    let points = borders.lines.geometry.getAttribute("position") as BufferAttribute | undefined;
+    if (points?.count !== count) {
+      points = new BufferAttribute(new Float32Array(3 * count), 3);
+      borders.lines.geometry.setAttribute("position", points);
+    }
+    for (let n = 0; n < count; ++n) {
+      const [a, b] = [borders.edges[2 * n]!, borders.edges[2 * n + 1]!];
+      points.setXYZ(
+        n,
+        (position.getX(a) + position.getX(b)) / 2,
+        (position.getY(a) + position.getY(b)) / 2,
+        (position.getZ(a) + position.getZ(b)) / 2,
+      );
+    }
+    points.needsUpdate = true;
+  }
+
+  /** A picture of the heart at a moment from a side, for paper. Leaves the scene as it was asked for last. */
+  picture(phase: number, view: ViewName, width: number, height: number): HTMLCanvasElement {
+    const canvas = document.createElement("canvas");
+    canvas.width = width;
+    canvas.height = height;
+    const { clientWidth, clientHeight } = this.place;
+    this.show(phase);
+    this.fit(width / this.renderer.getPixelRatio(), height / this.renderer.getPixelRatio());
+    this.look(view);
+    this.renderer.render(this.scene, this.camera);
+    canvas.getContext("2d")!.drawImage(this.renderer.domElement, 0, 0, width, height);
+    if (clientWidth > 0 && clientHeight > 0) this.fit(clientWidth, clientHeight);
+    return canvas;
+  }
+
   show(phase: number): void {
     const gates = Math.max(...this.shown.map(({ wall }) => wall.meshes.length), 1);
     const gate = Math.round(phase) % gates;
@@ -228,8 +286,11 @@ export class SurfaceScene {
       if (turned || geometry.getAttribute("color")?.count !== now.points.length / 3) this.paint(shown);
       // The ray's first test: a sphere around a moving surface is soon too small.
       geometry.boundingSphere = null;
-      if (geometry.index?.array !== now.triangles) geometry.setIndex(new BufferAttribute(now.triangles, 1));
+      const rewired = geometry.index?.array !== now.triangles;
+      if (rewired) geometry.setIndex(new BufferAttribute(now.triangles, 1));
       geometry.computeVertexNormals();
+      if (turned || rewired) this.findBorders(shown);
+      this.drawBorders(shown);
     }
     this.render();
   }
@@ -237,12 +298,16 @@ export class SurfaceScene {
   private resize(): void {
     const { clientWidth, clientHeight } = this.place;
     if (clientWidth === 0 || clientHeight === 0) return;
-    this.renderer.setSize(clientWidth, clientHeight);
-    this.camera.aspect = clientWidth / clientHeight;
+    this.fit(clientWidth, clientHeight);
+    this.draw();
+  }
+
+  private fit(width: number, height: number): void {
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
     // A narrow panel must hold the heart too.
     this.camera.zoom = Math.min(1, this.camera.aspect);
     this.camera.updateProjectionMatrix();
-    this.draw();
   }
 
   private render(): void {

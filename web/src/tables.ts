@@ -1,8 +1,8 @@
 // Everything that is text and numbers: verdict, cards, tables, provenance.
-import { walls, type GateNumbers, type NoteText, type Results, type WallName } from "./data";
+import { walls, type GateNumbers, type Interval, type Leading, type NoteText, type Results, type WallName } from "./data";
 import { figure, html } from "./dom";
 
-const verdicts = {
+export const verdicts = {
   ok: { title: "Checks passed", text: "No quality flag was raised. Still compare the contours with the images before you use a number." },
   check: { title: "Check this result", text: "Look at what is flagged here before you use a number." },
   fail: { title: "Failed: do not use these numbers", text: "The study could not be reconstructed in a way that can be trusted. Why:" },
@@ -16,7 +16,7 @@ function icon(name: "ok" | "check" | "fail" | "info"): HTMLElement {
 }
 
 const icon_of = { info: "info", warning: "check", failure: "fail" } as const;
-const word_of = { info: "Info", warning: "Warning", failure: "Failure" } as const;
+export const word_of = { info: "Info", warning: "Warning", failure: "Failure" } as const;
 
 export function showVerdict(place: HTMLElement, results: Results): void {
   const { verdict, flags } = results.quality;
@@ -45,11 +45,10 @@ interface Card {
   strong?: boolean;
 }
 
-function cardsOf(results: Results): Card[] {
-  const gate = (number: number | null) => (number === null ? "" : `gate ${number}`);
-  const gates = results.gates;
+function cardsOf(results: Results, leading: Leading): Card[] {
+  const { fitted } = leading;
   if (results.study.gates === 1) {
-    const only = gates[0];
+    const only = leading.gates[0];
     return [
       { name: "Ejection fraction", value: "–", unit: "", detail: "not gated: no beat to measure", strong: true },
       { name: "Cavity", value: figure(only?.endo_ml), unit: "mL", detail: "endocardial surface" },
@@ -57,15 +56,16 @@ function cardsOf(results: Results): Card[] {
       { name: "Wall", value: figure(only?.wall_ml), unit: "mL", detail: "between the surfaces" },
     ];
   }
-  const wall = gates.map((g) => g.wall_ml).filter((v) => v !== null);
-  const mean = wall.length === gates.length && wall.length > 0 ? wall.reduce((a, b) => a + b) / wall.length : null;
+  const gate = (number: number | null) => (number === null ? "" : `gate ${number}`);
+  const range = (interval: Interval | undefined, other: string) =>
+    interval ? `90 %: ${figure(interval[0])} to ${figure(interval[1])}` : other;
   const variation = results.quality.wall_variation;
   return [
-    { name: "Ejection fraction", value: figure(results.ef_percent), unit: "%", detail: "stroke / end-diastolic volume", strong: true },
-    { name: "End-diastolic volume", value: figure(results.edv_ml), unit: "mL", detail: gate(results.ed_gate) },
-    { name: "End-systolic volume", value: figure(results.esv_ml), unit: "mL", detail: gate(results.es_gate) },
-    { name: "Stroke volume", value: figure(results.sv_ml), unit: "mL", detail: "end-diastolic − end-systolic" },
-    { name: "Wall, mean", value: figure(mean), unit: "mL", detail: variation === null ? "" : `varies by ${figure(100 * variation, 0)} %` },
+    { name: "Ejection fraction", value: figure(leading.ef_percent), unit: "%", detail: range(fitted?.ef_percent_90, "stroke / end-diastolic volume"), strong: true },
+    { name: "End-diastolic volume", value: figure(leading.edv_ml), unit: "mL", detail: range(fitted?.edv_ml_90, gate(leading.ed_gate)) },
+    { name: "End-systolic volume", value: figure(leading.esv_ml), unit: "mL", detail: range(fitted?.esv_ml_90, gate(leading.es_gate)) },
+    { name: "Stroke volume", value: figure(leading.sv_ml), unit: "mL", detail: range(fitted?.sv_ml_90, "end-diastolic − end-systolic") },
+    { name: "Wall, mean", value: figure(leading.wall_ml), unit: "mL", detail: range(fitted?.wall_ml_90, variation === null ? "" : `varies by ${figure(100 * variation, 0)} %`) },
   ];
 }
 
@@ -102,11 +102,11 @@ function measuresOf(results: Results): Card[] {
   ];
 }
 
-export function showCards(place: HTMLElement, results: Results): void {
+export function showCards(place: HTMLElement, results: Results, leading: Leading): void {
   const failed = results.quality.verdict === "fail";
   place.classList.toggle("untrusted", failed);
   place.replaceChildren(
-    ...[...cardsOf(results), ...measuresOf(results)].map((card) =>
+    ...[...cardsOf(results, leading), ...measuresOf(results)].map((card) =>
       html(
         "div",
         { class: card.strong ? "card strong" : "card" },
@@ -133,8 +133,8 @@ const reading_numbers = ["edv_ml", "esv_ml", "sv_ml", "ef_percent", "wall_ml"] a
 export function showReadings(place: HTMLElement, results: Results): void {
   if (!results.readings) return;
   const { unbiased, edge, qgs_like } = results.readings;
-  const row = (name: string, title: string, cells: string[]) =>
-    html("tr", {}, html("th", { scope: "row", title }, name), ...cells.map((cell) => html("td", {}, cell)));
+  const row = (name: string, what: string, cells: string[], leads = false) =>
+    html("tr", { class: leads ? "leads" : null }, html("th", { scope: "row" }, name, html("small", {}, what)), ...cells.map((cell) => html("td", {}, cell)));
   const fitted = unbiased
     ? reading_numbers.map((key) => {
         const interval = unbiased[`${key}_90`];
@@ -145,14 +145,14 @@ export function showReadings(place: HTMLElement, results: Results): void {
   place.replaceChildren(
     html(
       "table",
-      { class: "numbers" },
+      { class: "numbers readings" },
       html("thead", {}, html("tr", {}, ...heads.map((head) => html("th", { scope: "col" }, head)))),
       html(
         "tbody",
         {},
-        ...(fitted ? [row("Unbiased (90 %)", "walls fitted through the camera's blur", fitted)] : []),
-        row("Classic edge", "where the image is steepest: volumes read low by the blur", reading_numbers.map((key) => figure(edge[key]))),
-        ...(qgs_like ? [row("QGS-like", "65 % of the deviations of an asymmetric Gaussian along rays, constant muscle", reading_numbers.map((key) => figure(qgs_like[key])))] : []),
+        ...(fitted ? [row("Unbiased", "walls of all gates fitted through the camera’s blur; in brackets 90 % intervals", fitted, true)] : []),
+        row("Classic edge", "where the image is steepest: volumes read low by the blur", reading_numbers.map((key) => figure(edge[key])), !fitted),
+        ...(qgs_like ? [row("QGS-like", "65 % of the deviations of an asymmetric Gaussian, constant muscle: for comparison with older numbers", reading_numbers.map((key) => figure(qgs_like[key])))] : []),
       ),
     ),
   );

@@ -18,6 +18,14 @@ const text = (page, selector) => page.locator(selector).innerText();
 const pause = async (page) => {
   if ((await page.getAttribute("#play", "aria-pressed")) === "true") await page.keyboard.press("Space");
 };
+/** Waits until a condition holds: drawing takes its time on a busy machine. */
+const until = async (holds, otherwise) => {
+  for (let n = 0; n < 60; ++n) {
+    if (await holds()) return;
+    await new Promise((done) => setTimeout(done, 50));
+  }
+  assert.fail(otherwise);
+};
 /** All pixels of a canvas as one number that changes with the picture. */
 const picture = (page, selector) =>
   page.evaluate((of) => {
@@ -126,19 +134,19 @@ const tests = {
 
   async "lights a segment in the map, the table and on the surfaces"(open) {
     const page = await open("ok");
+    // All of it in one view: scrolling would move the pointer to another place.
+    await page.setViewportSize({ width: 1400, height: 1900 });
     await pause(page);
     const shot = () => page.locator("#scene canvas").screenshot();
     const plain = await shot();
     await page.locator('.polar [data-segment="7"]').hover();
     assert.match(await text(page, "#polar .polar-caption"), /^7 mid anterior \(LAD\): \d+\.\d %$/);
     assert.equal(await page.locator("#segments tr[aria-current]").getAttribute("data-segment"), "7");
-    await page.waitForTimeout(150);
-    assert.ok(!plain.equals(await shot()), "the surfaces show nothing of it");
+    await until(async () => !plain.equals(await shot()), "the surfaces show nothing of it");
     await page.locator('#segments tr[data-segment="17"]').hover();
     assert.equal(await page.locator(".polar .segment.lit").getAttribute("data-segment"), "17");
     await page.locator("#scene").hover();
-    await page.waitForTimeout(150);
-    assert.match(await text(page, "#polar .polar-caption"), /^\d+ (basal|mid|apical)/, "the heart does not answer the pointer");
+    await until(async () => /^\d+ (basal|mid|apical)/.test(await text(page, "#polar .polar-caption")), "the heart does not answer the pointer");
     await page.selectOption("#polar-map", { label: "Inward motion, mm" });
     assert.equal(await page.locator("#segments tbody tr").count(), 17);
   },
@@ -205,6 +213,65 @@ const tests = {
     await page.keyboard.press("ArrowLeft");
     assert.match(await text(page, "#gate"), /of 16/);
   },
+  async "lights the segment under the pointer of a slice and of the splash"(open) {
+    const page = await open("ok");
+    await pause(page);
+    const lit = () => page.locator("#segments tr[aria-current]").count();
+    await page.locator(".large").scrollIntoViewIfNeeded();
+    const box = await page.locator(".large").boundingBox();
+    const before = await picture(page, ".large");
+    // From the middle to each side the pointer crosses another wall.
+    const walls = [];
+    for (const [dx, dy] of [[0, -1], [1, 0], [0, 1], [-1, 0]]) {
+      let name = "";
+      for (let share = 0; share < 0.5 && !/\(/.test(name); share += 0.02) {
+        await page.mouse.move(box.x + box.width * (0.5 + dx * share), box.y + box.height * (0.5 + dy * share));
+        name = await text(page, "#polar .polar-caption");
+      }
+      walls.push(name.match(/^\d+ \w+ (\w+)/)?.[1]);
+    }
+    assert.equal(new Set(walls).size, 4, walls.join(", "));
+    assert.equal(await lit(), 1);
+    assert.notEqual(await picture(page, ".large"), before, "the slice shows nothing of it");
+    await page.mouse.move(box.x + 2, box.y + 2);
+    await until(async () => (await lit()) === 0, "far from the wall no segment is meant");
+    assert.equal(await page.locator("#splash .splash-row").count(), 4);
+    assert.ok((await coloured(page, "#splash canvas")) > 0, "the splash shows no borders");
+    const shown = await picture(page, "#splash canvas:nth-of-type(1)");
+    await page.locator('#segments tr[data-segment="17"]').hover();
+    assert.notEqual(await picture(page, "#splash canvas:nth-of-type(1)"), shown, "the apical slice does not light the apex");
+  },
+
+  async "leads with the unbiased reading and its error bars"(open) {
+    const page = await open("fitted");
+    const results = JSON.parse(await page.evaluate(() => document.getElementById("data").textContent)).results;
+    const { unbiased, edge } = results.readings;
+    const cards = await text(page, "#numbers");
+    assert.ok(cards.includes(unbiased.edv_ml.toFixed(1)) && !cards.includes(edge.edv_ml.toFixed(1)), cards);
+    assert.ok(cards.includes(`90 %: ${unbiased.ef_percent_90[0].toFixed(1)} to ${unbiased.ef_percent_90[1].toFixed(1)}`), cards);
+    const rows = await page.locator("#readings tbody tr").allInnerTexts();
+    assert.match(rows[0], /^Unbiased/);
+    assert.match(rows[1], /^Classic edge/);
+    assert.equal(await page.locator("#readings tr.leads").count(), 1);
+    assert.match(await page.locator(".chart .band title").textContent(), /90 % interval/);
+    assert.match(await (await open("ok")).locator(".chart .band title").textContent(), /scatter/);
+  },
+
+  async "prints two pages that hold all they show"(open) {
+    for (const sample of ["ok", "fitted", "check", "gates16", "fail", "ungated"]) {
+      const page = await open(sample);
+      await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+      const sheets = await page.evaluate(() =>
+        [...document.querySelectorAll(".sheet")].map((s) => ({ held: s.clientHeight, needed: s.scrollHeight, wide: s.scrollWidth - s.clientWidth })),
+      );
+      assert.equal(sheets.length, 2);
+      for (const { held, needed, wide } of sheets) assert.ok(needed <= held + 1 && wide <= 0, `${sample}: ${needed} of ${held} px, ${wide} px too wide`);
+      await page.evaluate(() => dispatchEvent(new Event("afterprint")));
+      const pdf = (await page.pdf({ preferCSSPageSize: true })).toString("latin1");
+      assert.equal(pdf.match(/\/Type \/Page\b/g).length, 2, `${sample}: pages`);
+      assert.ok(await page.locator("#numbers").isVisible(), "the screen is back after printing");
+    }
+  },
 };
 
 let failures = 0;
@@ -234,7 +301,7 @@ await withBrowser(async (context) => {
     });
   if (screenshots) {
     mkdirSync(screenshots, { recursive: true });
-    for (const sample of ["ok", "check", "fail", "ungated", "no_endo", "gates16"])
+    for (const sample of ["ok", "fitted", "check", "fail", "ungated", "no_endo", "gates16"])
       for (const [width, height] of [[1400, 1000], [1000, 800]]) {
         const { page } = await openReport(context, path_of(sample));
         await page.setViewportSize({ width, height });

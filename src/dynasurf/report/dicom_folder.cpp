@@ -4,12 +4,13 @@
 #include <array>
 
 #include "dynasurf/mesh/fill_mesh.hpp"
+#include "dynasurf/report/leading_walls.hpp"
 #include "dynasurf/report/numbers.hpp"
 
 namespace dynasurf {
 namespace {
 
-using report_detail::text_of;
+using report_detail::GateWalls, report_detail::leading_walls, report_detail::text_of;
 using Groups = std::vector<DicomMeasurementGroup>;
 using Remarks = std::vector<std::pair<DicomCode, std::string>>;
 
@@ -139,24 +140,6 @@ Groups readings_of(const VentricleResult& result) {
   return groups;
 }
 
-/// The surfaces of one gate that lead: unbiased where they were fitted.
-struct GateWalls {
-  const TriMesh *endo = nullptr, *epi = nullptr;
-  std::optional<double> endo_ml, epi_ml;
-};
-
-GateWalls walls_of(const VentricleResult& result, std::size_t g) {
-  if (result.fit) {
-    const FittedGate& fitted = result.fit->gates[g];
-    return {&fitted.endo, &fitted.epi, fitted.endo_ml.value, fitted.epi_ml.value};
-  }
-  const Gate& gate = result.gates[g];
-  GateWalls walls;
-  if (gate.endo) walls.endo = &gate.endo->mesh, walls.endo_ml = gate.endo->volume_ml;
-  if (gate.epi) walls.epi = &gate.epi->mesh, walls.epi_ml = gate.epi->volume_ml;
-  return walls;
-}
-
 std::string two_digits(std::size_t gate) { return (gate + 1 < 10 ? "0" : "") + std::to_string(gate + 1); }
 
 /// Voxels of which half or more lie inside.
@@ -185,7 +168,7 @@ std::vector<DicomSegment> segments_of_gate(const Grid& grid, const GateWalls& wa
 /// Writes the segmentation of a gate and adds the volumes of its parts.
 void add_gate(const VentricleResult& result, const DicomResult& context, std::size_t g, Groups& groups,
               const std::filesystem::path& folder) {
-  const GateWalls walls = walls_of(result, g);
+  const GateWalls walls = leading_walls(result, g);
   const std::vector<DicomSegment> segments = segments_of_gate(result.study.grid(), walls);
   if (segments.empty()) return;
   const std::string gate = "gate " + std::to_string(g + 1);
@@ -208,7 +191,7 @@ void add_gate(const VentricleResult& result, const DicomResult& context, std::si
 void write_surfaces(const VentricleResult& result, const DicomResult& context, const std::filesystem::path& folder) {
   int number = 0;
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    const GateWalls walls = walls_of(result, g);
+    const GateWalls walls = leading_walls(result, g);
     for (const auto& [name, mesh] : {std::pair("endo", walls.endo), std::pair("epi", walls.epi)}) {
       if (!mesh) continue;
       const std::string words = std::string(name) + "cardium of the left ventricle, gate " + std::to_string(g + 1);

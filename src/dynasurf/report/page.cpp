@@ -6,6 +6,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/report/leading_walls.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/page_parts.hpp"
 #include "dynasurf/report/page_template.hpp"
@@ -135,12 +136,18 @@ Json pictures_json(const VentricleResult& result) {
   return json;
 }
 
-Box box_of(const VentricleResult& result) {
+std::vector<GateWalls> walls_of(const VentricleResult& result) {
+  std::vector<GateWalls> walls;
+  for (std::size_t g = 0; g < result.gates.size(); ++g) walls.push_back(leading_walls(result, g));
+  return walls;
+}
+
+Box box_of(const std::vector<GateWalls>& gates) {
   Box box;
-  for (const Gate& gate : result.gates)
-    for (const auto* surface : {&gate.endo, &gate.epi})
-      if (*surface)
-        for (const Vec3& p : (*surface)->mesh.vertices) {
+  for (const GateWalls& gate : gates)
+    for (const TriMesh* mesh : {gate.endo, gate.epi})
+      if (mesh)
+        for (const Vec3& p : mesh->vertices) {
           box.low = box.low.cwiseMin(p);
           box.high = box.high.cwiseMax(p);
         }
@@ -149,7 +156,8 @@ Box box_of(const VentricleResult& result) {
 
 /// One entry per gate: its vertices, and the number of its triangles in the list that all surfaces share.
 Json surfaces_json(const VentricleResult& result) {
-  const Box box = box_of(result);
+  const std::vector<GateWalls> gates = walls_of(result);
+  const Box box = box_of(gates);
   std::vector<const TriMesh*> topologies;
   const auto topology_of = [&](const TriMesh& mesh) {
     const auto at = std::find_if(topologies.begin(), topologies.end(),
@@ -158,13 +166,13 @@ Json surfaces_json(const VentricleResult& result) {
     if (at == topologies.end()) topologies.push_back(&mesh);
     return number;
   };
-  const auto surface_json = [&](const std::optional<Surface>& surface) -> Json {
-    if (!surface || surface->mesh.vertices.empty()) return nullptr;
-    return {{"triangles", topology_of(surface->mesh)}, {"positions", base64(steps_of(surface->mesh.vertices, box))}};
+  const auto surface_json = [&](const TriMesh* mesh) -> Json {
+    if (!mesh || mesh->vertices.empty()) return nullptr;
+    return {{"triangles", topology_of(*mesh)}, {"positions", base64(steps_of(mesh->vertices, box))}};
   };
   Json json;
   json["endo"] = json["epi"] = Json::array();
-  for (const Gate& gate : result.gates) {
+  for (const GateWalls& gate : gates) {
     json["endo"].push_back(surface_json(gate.endo));
     json["epi"].push_back(surface_json(gate.epi));
   }
@@ -202,16 +210,17 @@ Json polar_json(const VentricleResult& result) {
     json["places"].push_back(
         {{"rho_low", s.rho_low}, {"rho_high", s.rho_high}, {"middle_deg", s.middle_deg}, {"width_deg", s.width_deg}});
   json["endo"] = json["epi"] = Json::array();
-  for (std::size_t g = 0; g < m.gates.size(); ++g)
-    for (const auto& [name, surface] :
-         {std::pair("endo", &result.gates[g].endo), std::pair("epi", &result.gates[g].epi)}) {
-      if (!m.gates[g].axes || !*surface) {
+  for (std::size_t g = 0; g < m.gates.size(); ++g) {
+    const GateWalls walls = leading_walls(result, g);
+    for (const auto& [name, mesh] : {std::pair("endo", walls.endo), std::pair("epi", walls.epi)}) {
+      if (!m.gates[g].axes || !mesh) {
         json[name].push_back(nullptr);
         continue;
       }
-      const std::vector<int> segments = segments_of_vertices(m.model, *m.gates[g].axes, (*surface)->mesh.vertices);
+      const std::vector<int> segments = segments_of_vertices(m.model, *m.gates[g].axes, mesh->vertices);
       json[name].push_back(base64(Bytes(segments.begin(), segments.end())));
     }
+  }
   return json;
 }
 

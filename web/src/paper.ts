@@ -1,0 +1,182 @@
+// Two A4 pages of a result, for printing: what a reader of a report looks for, and nothing that moves.
+import { Curve } from "./curve";
+import type { Wall } from "./cycle";
+import type { Leading, PhaseNumbers, Report } from "./data";
+import { figure, html, svg } from "./dom";
+import type { Painter } from "./painter";
+import { Player } from "./player";
+import { drawPolar, segmentTable, titleOfMap } from "./polar";
+import type { SurfaceScene } from "./scene";
+import { Splash } from "./splash";
+import { showCards, showReadings, subjectOf, verdicts, word_of } from "./tables";
+
+interface Parts {
+  report: Report;
+  leading: Leading;
+  painter: Painter | null;
+  walls: Wall[];
+  scene: SurfaceScene | null;
+  moments: { name: string; gate: number }[];
+}
+
+/** Maps that a reader looks for first; more would not fit. */
+const printed_maps = ["perfusion_percent", "thickening_percent", "count_thickening_percent", "motion_mm", "phase_counts_deg", "thickness_ed_mm"];
+const most_flags = 6;
+const most_inputs = 2;
+
+function head({ results }: Report, page: number): HTMLElement {
+  return html(
+    "header",
+    {},
+    html("div", {}, html("strong", {}, "Dynasurf: left ventricle"), html("span", {}, subjectOf(results))),
+    html("p", {}, "Research use only. Not for diagnosis.", html("span", {}, `page ${page} of 2`)),
+  );
+}
+
+function verdictOf({ results }: Report): HTMLElement {
+  const { verdict, flags } = results.quality;
+  const more = flags.length - most_flags;
+  return html(
+    "section",
+    { class: `paper-verdict ${verdict}` },
+    html("p", {}, html("b", {}, `${verdicts[verdict].title}. `), verdicts[verdict].text),
+    html(
+      "ul",
+      {},
+      ...flags.slice(0, most_flags).map((flag) => html("li", {}, html("b", {}, `${word_of[flag.severity]}: `), flag.message)),
+      ...(more > 0 ? [html("li", {}, `and ${more} more in results.json`)] : []),
+    ),
+  );
+}
+
+/** Numbers of the beat that the cards do not hold. */
+function beatOf({ results }: Report): HTMLElement {
+  const fit = results.measures?.function;
+  const rows: [string, string][] = [];
+  if (fit) {
+    const rate = (per_s: number | null) => (per_s === null ? "–" : `${figure(per_s, 2)} EDV/s`);
+    rows.push(
+      [`Periodic fit, ${fit.waves} waves`, `EDV ${figure(fit.edv_ml)}, ESV ${figure(fit.esv_ml)} mL, EF ${figure(fit.ef_percent)} %`],
+      ["Had the gates been instants", `EF ${figure(fit.instants.ef_percent)} %`],
+      ["Peak emptying, filling rate", `${rate(fit.peak_emptying_edv_per_s)}, ${rate(fit.peak_filling_edv_per_s)}`],
+      ["Time to peak filling", fit.time_to_peak_filling_ms === null ? "–" : `${figure(fit.time_to_peak_filling_ms, 0)} ms after end systole`],
+      ["Back after a third of diastole", `${figure(100 * (fit.first_third_filling ?? 0), 0)} % of the stroke volume`],
+    );
+  }
+  const phase = (name: string, p: PhaseNumbers | null | undefined) => {
+    if (p) rows.push([name, `SD ${figure(p.sd_deg)}°, bandwidth ${figure(p.bandwidth_deg, 0)}°, entropy ${figure(p.entropy_percent, 0)} %`]);
+  };
+  phase("Phase of the counts", results.measures?.phase.counts);
+  phase("Phase of the motion", results.measures?.phase.motion);
+  const muscle = results.measures;
+  if (muscle?.muscle_g) rows.push([muscle.thickness_is === "apparent" ? "Muscle, apparent" : "Muscle", `${figure(muscle.muscle_g, 0)} g (1.05 g/mL)`]);
+  return html("dl", {}, ...rows.flatMap(([name, value]) => [html("dt", {}, name), html("dd", {}, value)]));
+}
+
+function gateTable({ gates, ed_gate, es_gate }: Leading, report: Report): HTMLElement {
+  const mark = (gate: number) => (gate === ed_gate ? " ED" : gate === es_gate ? " ES" : "");
+  const row = (name: string, cells: string[]) => html("tr", {}, html("th", { scope: "row" }, name), ...cells.map((c) => html("td", {}, c)));
+  return html(
+    "table",
+    { class: "numbers" },
+    html("tbody", {},
+      row("Gate", gates.map((_, g) => `${g + 1}${mark(g + 1)}`)),
+      row("ms", report.results.gates.map((g) => figure(g.time_ms, 0))),
+      row("Cavity mL", gates.map((g) => figure(g.endo_ml))),
+      row("Outer mL", gates.map((g) => figure(g.epi_ml))),
+    ),
+  );
+}
+
+function histogramOf(phase: PhaseNumbers): SVGElement {
+  const top = Math.max(...phase.histogram_percent, 1);
+  const bars = phase.histogram_percent.map((share, n) =>
+    svg("rect", { x: n * phase.bin_deg, y: 60 - (52 * share) / top, width: phase.bin_deg - 0.8, height: (52 * share) / top }),
+  );
+  const ticks = [0, 90, 180, 270, 360].map((deg) => svg("text", { x: deg, y: 72 }, `${deg}°`));
+  return svg("svg", { viewBox: "-14 0 388 76", class: "histogram" }, svg("path", { d: "M0 60H360" }), ...bars, ...ticks);
+}
+
+function mapsOf({ polar, results }: Report): HTMLElement[] {
+  const measures = results.measures;
+  if (!polar || !measures) return [];
+  return printed_maps.flatMap((name) => {
+    const map = polar.maps.find((m) => m.name === name);
+    if (!map) return [];
+    const picture = svg("svg", { viewBox: "-122 -122 276 244", class: "polar" });
+    drawPolar(picture, polar, map, map.title);
+    return [html("figure", {}, html("figcaption", {}, titleOfMap(map, measures)), picture)];
+  });
+}
+
+function heartsOf(scene: SurfaceScene, moments: Parts["moments"]): HTMLElement[] {
+  return moments.flatMap(({ name, gate }) =>
+    (["anterior", "left"] as const).map((view) =>
+      html("figure", {}, scene.picture(gate, view, 560, 360), html("figcaption", {}, `${name ? `${name}, ` : ""}from ${view === "left" ? "the left" : "the front"}`)),
+    ),
+  );
+}
+
+function provenanceOf({ results }: Report): HTMLElement {
+  const { provenance } = results;
+  const files = provenance.inputs.slice(0, most_inputs).map(({ file, sha256 }) => `${file} (SHA-256 ${sha256})`);
+  const more = provenance.inputs.length - files.length;
+  return html(
+    "section",
+    { class: "paper-provenance" },
+    html("h2", {}, "Provenance"),
+    html("p", {}, `${provenance.program} ${provenance.version}, commit ${provenance.commit || "unknown"}. ${provenance.command}`),
+    html("p", {}, `Input: ${files.join("; ")}${more > 0 ? `; ${more} more files` : ""}. All options are in results.json.`),
+    html(
+      "p",
+      {},
+      "Unbiased: walls of all gates fitted through the camera’s blur, with 90 % intervals. Classic edge: where the image is steepest; blur makes its volumes small. " +
+        "QGS-like: 65 % of the deviations of an asymmetric Gaussian, for comparison with older numbers. Perfusion: percent of the brightest twentieth of the wall. " +
+        "Polar maps are seen from the apex, anterior wall on top, septum left.",
+    ),
+  );
+}
+
+function section(title: string, ...content: (Node | string)[]): HTMLElement {
+  return html("section", {}, html("h2", {}, title), ...content);
+}
+
+/** Fills `place`, which must be visible, with two sheets. */
+export function buildPaper(place: HTMLElement, { report, leading, painter, walls, scene, moments }: Parts): void {
+  const { results } = report;
+  const measures = results.measures;
+  const cards = html("div", { class: "cards" });
+  showCards(cards, results, leading);
+  const readings = html("div", {});
+  showReadings(readings, results);
+  const curve = html("div", { class: "paper-curve" });
+  const splash = html("div", { class: "paper-splash" });
+  const first = html(
+    "article",
+    { class: "sheet" },
+    head(report, 1),
+    verdictOf(report),
+    cards,
+    section("The study read in three ways", readings),
+    html("div", { class: "paper-pair" }, section("Volumes over the beat", curve, html("p", { class: "paper-legend" }, `Circles: cavity${leading.fitted ? " with its 90 % interval" : ""}. Squares: outer surface. Triangles: wall. Thin dashes: periodic fit.`)), section("The beat in numbers", beatOf(report))),
+    section("Slices", splash),
+  );
+  const phase = measures?.phase.counts;
+  const second = html(
+    "article",
+    { class: "sheet" },
+    head(report, 2),
+    ...(measures && report.polar ? [section("Polar maps", html("div", { class: "paper-maps" }, ...mapsOf(report)))] : []),
+    ...(scene ? [section("Surfaces", html("div", { class: "paper-hearts" }, ...heartsOf(scene, moments)))] : []),
+    ...(phase ? [section("Onset of contraction by counts", histogramOf(phase))] : []),
+    ...(measures ? [section("Segments", segmentTable(measures))] : []),
+    section("Gates", gateTable(leading, report)),
+    provenanceOf(report),
+  );
+  place.replaceChildren(first, second);
+  if (results.study.gates > 1 && walls.length > 0) {
+    const still = new Player(results.gates.length, results.study.cycle_ms ?? 1000, () => {});
+    new Curve(curve, results, leading, walls, still).draw();
+  } else curve.append("No beat to show.");
+  if (painter && walls.length > 0) new Splash(splash, painter, moments, 8).draw();
+}
