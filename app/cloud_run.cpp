@@ -8,7 +8,6 @@
 #include "dynasurf/cloud/bake.hpp"
 #include "dynasurf/cloud/lod.hpp"
 #include "dynasurf/cloud/orient.hpp"
-#include "dynasurf/cloud/transfer.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
@@ -91,7 +90,7 @@ void write_levels(const CloudResult& result, const CloudOutputs& outputs, const 
   for (std::size_t n = 0; n < result.levels.size(); ++n) {
     const TriMesh& mesh = result.levels[n].mesh;
     if (mesh.triangles.empty()) continue;  // its certificate says so
-    const VertexColours colours = colours_at_vertices(mesh, result.used);
+    const VertexColours& colours = result.levels[n].colours;
     const std::string name = name_of_level(result, n);
     for (const MeshFormat format : outputs.mesh_formats)
       write_mesh(mesh, folder / "meshes" / (name + "." + std::string(word_of(format))), format, {}, colours);
@@ -136,11 +135,10 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
   CloudOutcome outcome;
   outcome.run.sources = std::move(input.sources);
   try {
-    outcome.run.result = reconstruct_cloud(input.cloud, job.options, timed);
+    outcome.run.result = reconstruct_cloud(std::move(input.cloud), job.options, timed);
   } catch (const InputError& error) {  // the library knows the points, not the file they came from
     throw InputError(job.clouds.front().string() + ": " + error.what());
   }
-  input.cloud = {};  // what is used of it lives in the result
   Notes& notes = outcome.run.result.notes;
   notes.insert(notes.begin(), input.notes.begin(), input.notes.end());
   progress.check();

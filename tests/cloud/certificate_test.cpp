@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/sample_surface.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
 #include "support/shapes.hpp"
@@ -80,6 +82,56 @@ TEST(Certificate, DoesNotPassASurfaceThatMeetsItself) {
 TEST(Certificate, RefusesPointsThatAreNotFinite) {
   const PointCloud cloud{{Vec3(0, 0, std::numeric_limits<double>::quiet_NaN())}, {}, {}, {}};
   EXPECT_THROW(certify(icosphere(1), cloud), InputError);
+}
+
+/// Points on the unit sphere.
+std::vector<Vec3> on_sphere(std::size_t count) {
+  std::vector<Vec3> points;
+  const TriMesh fine = icosphere(5);
+  for (const SurfaceSample& p : sample_surface(fine, count)) points.push_back(position_of(fine, p).normalized());
+  return points;
+}
+
+TEST(ErrorsAtVertices, MeasureHowFarThePointsAre) {
+  TriMesh mesh = icosphere(4);
+  for (Vec3& p : mesh.vertices) p *= p[0] > 0 ? 1.0 : 0.9;
+  const auto errors = compare(mesh, Neighbours(on_sphere(20000))).errors;
+  ASSERT_EQ(errors.size(), mesh.vertices.size());
+  for (std::size_t v = 0; v < errors.size(); ++v) {
+    const Vec3 direction = mesh.vertices[v].normalized();
+    // Edges of 0.07 leave a sagitta of 0.001.
+    if (direction[0] > 0.2) {
+      EXPECT_NEAR(errors[v], 0, 2e-3);
+    }
+    if (direction[0] < -0.2) {
+      EXPECT_NEAR(errors[v], 0.1, 2e-3);
+    }
+  }
+}
+
+TEST(ErrorsAtVertices, SayNothingWhereThereIsNoPoint) {
+  std::vector<Vec3> right = on_sphere(5000);
+  std::erase_if(right, [](const Vec3& p) { return p[0] <= 0; });
+  const TriMesh mesh = icosphere(3);
+  const auto errors = compare(mesh, Neighbours(right)).errors;
+  for (std::size_t v = 0; v < errors.size(); ++v) {
+    if (mesh.vertices[v][0] < -0.3) {
+      EXPECT_EQ(errors[v], -1);
+    }
+    if (mesh.vertices[v][0] > 0.3) {
+      EXPECT_GE(errors[v], 0);
+    }
+  }
+}
+
+TEST(Compare, GivesTheSameForAnyNumberOfThreads) {
+  const TriMesh mesh = icosphere(4);
+  const std::vector<Vec3> points = on_sphere(100000);  // more than are worked on at once
+  const Comparison all = compare(mesh, Neighbours(points));
+  const ThreadLimit one(1);
+  const Comparison alone = compare(mesh, Neighbours(points));
+  EXPECT_EQ(all.errors, alone.errors);
+  EXPECT_EQ(all.certificate.cloud_to_mesh_mean, alone.certificate.cloud_to_mesh_mean);
 }
 
 }  // namespace

@@ -52,5 +52,35 @@ TEST(Neighbours, CopeWithPointsAllInOnePlace) {
   EXPECT_EQ(found[4].index, 4u);
 }
 
+TEST(Neighbours, StayThoseOfTheOthersWhenSomePointsAreForgotten) {
+  const std::vector<Vec3> all = points(2000);
+  std::vector<std::uint8_t> kept(all.size());
+  std::vector<Vec3> rest;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    kept[i] = i % 3 != 1;
+    if (kept[i]) rest.push_back(all[i]);
+  }
+  Neighbours fewer(all);
+  fewer.keep(kept);
+  const Neighbours fresh(rest);
+  std::array<Neighbours::Found, 9> found, expected;
+  for (const Vec3& p : all) {
+    ASSERT_EQ(fewer.nearest(p, found), fresh.nearest(p, expected));
+    for (std::size_t k = 0; k < found.size(); ++k) ASSERT_EQ(found[k].index, expected[k].index);
+  }
+}
+
+TEST(Neighbours, AreNumberedInTheOrderOfTheTreeAndMoveWithTheirPoints) {
+  const std::vector<Vec3> all = points(500);
+  Neighbours tree(all);
+  const std::vector<std::uint32_t> old = tree.renumber();
+  const Neighbours moved = tree.moved(Vec3(1, 2, 3), 0.5);
+  for (std::uint32_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(tree.places()[i].index, i);
+    EXPECT_EQ(tree.places()[i].point, all[old[i]]);
+    EXPECT_EQ(moved.nearest((all[old[i]] - Vec3(1, 2, 3)) * 0.5).distance2, 0);
+  }
+}
+
 }  // namespace
 }  // namespace dynasurf

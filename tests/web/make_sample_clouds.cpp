@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/cloud/transfer.hpp"
 #include "dynasurf/mesh/sample_surface.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/report/cloud_report.hpp"
@@ -44,7 +45,13 @@ CloudRun run_of(std::initializer_list<int> levels, bool colours) {
     made.triangles_asked = static_cast<int>(made.mesh.triangles.size());
     run.result.levels.push_back(std::move(made));
   }
-  for (CloudLevel& level : run.result.levels) level.certificate = certify(level.mesh, cloud);
+  const Neighbours neighbours(cloud.points);
+  for (CloudLevel& level : run.result.levels) {
+    Comparison comparison = compare(level.mesh, neighbours);
+    level.certificate = comparison.certificate;
+    level.errors = std::move(comparison.errors);
+    level.colours = colours_at_vertices(level.mesh, cloud, neighbours);
+  }
   if (!run.result.levels.empty()) facts.diagonal = run.result.levels[0].certificate.cloud_diagonal;
   run.result.notes.push_back({Severity::info, "cloud.noise", "the points are clean"});
   run.seconds = {{"read", 0.01}, {"levels", 0.5}};

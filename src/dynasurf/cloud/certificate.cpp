@@ -5,7 +5,6 @@
 #include <numbers>
 #include <vector>
 
-#include "dynasurf/cloud/neighbours.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
@@ -60,38 +59,66 @@ std::vector<Vec3> spread_over(const TriMesh& mesh, double area) {
   return points;
 }
 
-/// Near points one after the other are found faster.
-std::vector<Vec3> in_order(const std::vector<Vec3>& points) {
-  std::vector<Vec3> sorted;
-  sorted.reserve(points.size());
-  for (const std::uint32_t i : along_curve(points)) sorted.push_back(points[i]);
-  return sorted;
-}
-
 struct Spread {
   double mean = 0, largest = 0;
+  void add(double distance, std::size_t count) {
+    mean += distance / static_cast<double>(count);
+    largest = std::max(largest, distance);
+  }
 };
 
-template <class Distance>
-Spread spread_of(const std::vector<Vec3>& points, const Distance& distance) {
-  std::vector<double> d(points.size());
-  parallel_for(d.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) d[i] = distance(points[i]);
-  });
-  Spread s;
-  for (const double x : d) {
-    s.mean += x / static_cast<double>(d.size());
-    s.largest = std::max(s.largest, x);
+/// The nearest places of the cloud's points, one after the other.
+template <class Visit>
+void visit_nearest(const TriMesh& mesh, std::span<const Neighbours::Place> points, const Visit& visit) {
+  constexpr std::size_t block = std::size_t{1} << 16;  // bounds the memory
+  const ClosestPoint closest(mesh);
+  std::vector<SurfacePoint> found(std::min(block, points.size()));
+  for (std::size_t done = 0; done < points.size(); done += block) {
+    const std::size_t count = std::min(block, points.size() - done);
+    parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
+      std::uint32_t guess = SurfacePoint::none;  // near points lie near the same triangle
+      for (std::size_t i = begin; i < end; ++i) {
+        found[i] = closest.from_guess(points[done + i].point, guess);
+        guess = found[i].triangle;
+      }
+    });
+    for (std::size_t i = 0; i < count; ++i) visit(found[i]);
   }
-  return s;
+}
+
+/// Gathered in the order of the points, so that the sums are the same for any number of threads.
+Spread spread_of_cloud(const TriMesh& mesh, std::span<const Neighbours::Place> points, std::vector<float>& errors) {
+  Spread spread;
+  std::vector<double> sum(mesh.vertices.size(), 0), weight(mesh.vertices.size(), 0);
+  visit_nearest(mesh, points, [&](const SurfacePoint& p) {
+    const double distance = std::sqrt(p.distance2);
+    spread.add(distance, points.size());
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const std::uint32_t v = mesh.triangles[p.triangle][corner];
+      sum[v] += p.weights[corner] * distance;
+      weight[v] += p.weights[corner];
+    }
+  });
+  for (std::size_t v = 0; v < errors.size(); ++v)
+    if (weight[v] > 1e-9) errors[v] = static_cast<float>(sum[v] / weight[v]);
+  return spread;
+}
+
+Spread spread_of_mesh(const std::vector<Vec3>& points, const Neighbours& cloud) {
+  std::vector<double> distances(points.size());
+  parallel_for(distances.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) distances[i] = std::sqrt(cloud.nearest(points[i]).distance2);
+  });
+  Spread spread;
+  for (const double d : distances) spread.add(d, distances.size());
+  return spread;
 }
 
 }  // namespace
 
-Certificate certify(const TriMesh& mesh, const PointCloud& cloud) {
-  for (const Vec3& p : cloud.points)
-    if (!p.allFinite()) throw InputError("certificate: the cloud has a point that is not finite");
-  Certificate c;
+Comparison compare(const TriMesh& mesh, const Neighbours& cloud) {
+  Comparison result;
+  Certificate& c = result.certificate;
   const SurfaceCheck check = check_surface(mesh);
   const Topology top = topology(mesh);
   c.vertices = mesh.vertices.size();
@@ -107,21 +134,24 @@ Certificate certify(const TriMesh& mesh, const PointCloud& cloud) {
   c.volume = volume_mm3(mesh);
   c.area = area_mm2(mesh);
   c.outward = c.volume > 0;
-  if (cloud.points.empty() || mesh.triangles.empty()) return c;
+  result.errors.assign(mesh.vertices.size(), -1);
+  if (cloud.places().empty() || mesh.triangles.empty()) return result;
   Eigen::AlignedBox3d box;
-  for (const Vec3& p : cloud.points) box.extend(p);
+  for (const auto& place : cloud.places()) box.extend(place.point);
   c.cloud_diagonal = box.diagonal().norm();
-  const ClosestPoint closest(mesh);
-  const Spread there =
-      spread_of(in_order(cloud.points), [&](const Vec3& p) { return std::sqrt(closest(p).distance2); });
-  const Neighbours neighbours(cloud.points);
-  const Spread back =
-      spread_of(spread_over(mesh, c.area), [&](const Vec3& p) { return std::sqrt(neighbours.nearest(p).distance2); });
+  const Spread there = spread_of_cloud(mesh, cloud.places(), result.errors);
+  const Spread back = spread_of_mesh(spread_over(mesh, c.area), cloud);
   c.cloud_to_mesh_mean = there.mean;
   c.cloud_to_mesh_largest = there.largest;
   c.mesh_to_cloud_mean = back.mean;
   c.mesh_to_cloud_largest = back.largest;
-  return c;
+  return result;
+}
+
+Certificate certify(const TriMesh& mesh, const PointCloud& cloud) {
+  for (const Vec3& p : cloud.points)
+    if (!p.allFinite()) throw InputError("certificate: the cloud has a point that is not finite");
+  return compare(mesh, Neighbours(cloud.points)).certificate;
 }
 
 }  // namespace dynasurf

@@ -1,7 +1,9 @@
 #pragma once
 #include <cstddef>
 #include <optional>
+#include <vector>
 
+#include "dynasurf/cloud/neighbours.hpp"
 #include "dynasurf/core/point_cloud.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
@@ -39,5 +41,16 @@ struct Certificate {
 /// Distances are 0 for an empty cloud or mesh. The same for any number of threads. Throws InputError for a vertex or
 /// point that is not finite, or a triangle's corner out of range.
 Certificate certify(const TriMesh& mesh, const PointCloud& cloud);
+
+struct Comparison {
+  Certificate certificate;
+  /// Distance of every point to the mesh, gathered at the corners of the nearest triangle: per vertex the mean over the
+  /// points that are nearest to its triangles, weighted by closeness to the corner. Vertices that no point is near have
+  /// -1: what a level misses of the cloud, and where nothing can be said.
+  std::vector<float> errors;
+};
+
+/// The certificate against points whose tree is at hand, and what their distances say at each vertex.
+Comparison compare(const TriMesh& mesh, const Neighbours& cloud);
 
 }  // namespace dynasurf

@@ -85,23 +85,13 @@ class Fit {
 
   double find_nearest() {
     const ClosestPoint closest(mesh_);
-    const bool is_first = !has_nearest_;
-    has_nearest_ = true;
     return parallel_sum(on_.size(), grain,
                         [&](std::size_t begin, std::size_t end) {
                           double sum = 0;
                           for (std::size_t i = begin; i < end; ++i) {
-                            const Vec3& p = to_.points[i];
-                            if (is_first && i == begin) {
-                              on_[i] = closest(p);
-                            } else {  // where it was, or where the point before it is, is a good guess
-                              const std::uint32_t guess = on_[is_first ? i - 1 : i].triangle;
-                              const auto& [a, b, c] = mesh_.triangles[guess];
-                              on_[i] = closest_on_triangle(p, mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c],
-                                                           guess);
-                              const SurfacePoint nearer = closest(p, on_[i].distance2);
-                              if (nearer.triangle != SurfacePoint::none) on_[i] = nearer;
-                            }
+                            // Where it was, or where the point before it is, is a good guess.
+                            const bool is_known = on_[i].triangle != SurfacePoint::none || i == begin;
+                            on_[i] = closest.from_guess(to_.points[i], on_[is_known ? i : i - 1].triangle);
                             sum += std::sqrt(on_[i].distance2);
                           }
                           return sum;
@@ -251,7 +241,6 @@ class Fit {
   const FitOptions& o_;
   Rows rows_;
   std::vector<SurfacePoint> on_;
-  bool has_nearest_ = false;
   std::vector<Pull> pulls_;
 };
 

@@ -4,72 +4,74 @@
 #include <array>
 #include <numeric>
 
+#include "dynasurf/core/parallel.hpp"
+
 namespace dynasurf {
 namespace {
-constexpr std::uint32_t leaf_size = 10;
 
-/// The bits of a number of 16 bits, two zeros after each.
-std::uint64_t spread(std::uint64_t x) {
-  x = (x | x << 32) & 0x1f00000000ffffu;
-  x = (x | x << 16) & 0x1f0000ff0000ffu;
-  x = (x | x << 8) & 0x100f00f00f00f00fu;
-  x = (x | x << 4) & 0x10c30c30c30c30c3u;
-  return (x | x << 2) & 0x1249249249249249u;
-}
+constexpr std::size_t leaf_size = 8;
+
+/// Where part `m` of 2^level equal parts begins.
+std::size_t part_begin(std::size_t count, std::size_t m, int level) { return count * m >> level; }
+
 }  // namespace
 
-Neighbours::Neighbours(std::span<const Vec3> points) : order_(points.size()) {
-  std::iota(order_.begin(), order_.end(), 0u);
-  if (!points.empty()) build(0, static_cast<std::uint32_t>(points.size()), points);
-  sorted_.reserve(points.size());
-  for (const std::uint32_t i : order_) sorted_.push_back(points[i]);
+Neighbours::Neighbours(std::span<const Vec3> points) : places_(points.size()) {
+  for (std::size_t i = 0; i < points.size(); ++i) places_[i] = {points[i], static_cast<std::uint32_t>(i)};
+  while ((points.size() >> depth_) > leaf_size) ++depth_;
+  const std::size_t leaves = std::size_t{1} << depth_;
+  splits_.resize(leaves - 1);
+  first_.resize(leaves + 1);
+  for (std::size_t l = 0; l <= leaves; ++l)
+    first_[l] = static_cast<std::uint32_t>(part_begin(points.size(), l, depth_));
+  for (int level = 0; level < depth_; ++level) split_level(level);
 }
 
-std::uint32_t Neighbours::build(std::uint32_t first, std::uint32_t last, std::span<const Vec3> points) {
-  const auto node = static_cast<std::uint32_t>(nodes_.size());
-  nodes_.push_back({0, first, last, -1, 0});
-  if (last - first <= leaf_size) return node;
-  Eigen::AlignedBox3d box;
-  for (std::uint32_t i = first; i < last; ++i) box.extend(points[order_[i]]);
-  Eigen::Index axis = 0;
-  if (box.sizes().maxCoeff(&axis) <= 0) return node;
-  const std::uint32_t middle = first + (last - first) / 2;
-  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
-                   [&](std::uint32_t a, std::uint32_t b) {
-                     return points[a][axis] != points[b][axis] ? points[a][axis] < points[b][axis] : a < b;
-                   });
-  const double split = points[order_[middle]][axis];
-  build(first, middle, points);
-  const std::uint32_t right = build(middle, last, points);
-  nodes_[node].split = split;
-  nodes_[node].axis = static_cast<std::int32_t>(axis);
-  nodes_[node].right = right;
-  return node;
+/// Halves every part of a level across its longest side.
+void Neighbours::split_level(int level) {
+  const std::size_t parts = std::size_t{1} << level;
+  parallel_for(parts, std::max<std::size_t>(1, parts / 64), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t m = begin; m < end; ++m) {
+      const auto at = [&](std::size_t part, int of) {
+        return places_.begin() + static_cast<std::ptrdiff_t>(part_begin(places_.size(), part, of));
+      };
+      const auto first = at(m, level), middle = at(2 * m + 1, level + 1), last = at(m + 1, level);
+      Eigen::AlignedBox3d box;
+      for (auto i = first; i != last; ++i) box.extend(i->point);
+      Eigen::Index axis = 0;
+      box.sizes().maxCoeff(&axis);
+      std::nth_element(first, middle, last, [axis](const Place& a, const Place& b) {
+        return a.point[axis] != b.point[axis] ? a.point[axis] < b.point[axis] : a.index < b.index;
+      });
+      splits_[parts - 1 + m] = {middle->point[axis], static_cast<std::uint32_t>(axis)};
+    }
+  });
 }
 
 std::size_t Neighbours::nearest(const Vec3& p, std::span<Found> found) const {
   std::fill(found.begin(), found.end(), Found{});
-  if (nodes_.empty() || found.empty()) return 0;
+  if (places_.empty() || found.empty()) return 0;
   struct Waiting {
-    std::uint32_t node;
+    std::size_t node;
     double distance2;
   };
   std::array<Waiting, 64> stack;
   std::size_t depth = 0, count = 0;
   stack[depth++] = {0, 0};
   while (depth > 0) {
-    Waiting at = stack[--depth];
-    if (at.distance2 > found.back().distance2) continue;
-    const Node* n = &nodes_[at.node];
-    while (n->axis >= 0) {
-      const double across = p[n->axis] - n->split;
-      const std::uint32_t left = at.node + 1;
-      stack[depth++] = {across < 0 ? n->right : left, std::max(at.distance2, across * across)};
-      at.node = across < 0 ? left : n->right;
-      n = &nodes_[at.node];
+    const Waiting top = stack[--depth];
+    if (top.distance2 > found.back().distance2) continue;
+    std::size_t node = top.node;
+    while (node < splits_.size()) {
+      const Split& split = splits_[node];
+      const double across = p[split.axis] - split.at;
+      const std::size_t left = 2 * node + 1;
+      stack[depth++] = {across < 0 ? left + 1 : left, std::max(top.distance2, across * across)};
+      node = across < 0 ? left : left + 1;
     }
-    for (std::uint32_t i = n->first; i < n->last; ++i) {
-      const Found f{(sorted_[i] - p).squaredNorm(), order_[i]};
+    const std::size_t leaf = node - splits_.size();
+    for (std::uint32_t i = first_[leaf]; i < first_[leaf + 1]; ++i) {
+      const Found f{(places_[i].point - p).squaredNorm(), places_[i].index};
       if (!(f < found.back())) continue;
       std::size_t k = std::min(count, found.size() - 1);
       for (; k > 0 && f < found[k - 1]; --k) found[k] = found[k - 1];
@@ -86,21 +88,34 @@ Neighbours::Found Neighbours::nearest(const Vec3& p) const {
   return one[0];
 }
 
-std::vector<std::uint32_t> along_curve(std::span<const Vec3> points) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& p : points) box.extend(p);
-  const double scale = 65535 / std::max(points.empty() ? 0 : box.sizes().maxCoeff(), 1e-300);
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec3 q = scale * (points[i] - box.min());
-    const auto bits = [](double x) { return spread(static_cast<std::uint64_t>(x)); };
-    keyed[i] = {bits(q[0]) | bits(q[1]) << 1 | bits(q[2]) << 2, static_cast<std::uint32_t>(i)};
+std::vector<std::uint32_t> Neighbours::renumber() {
+  std::vector<std::uint32_t> old(places_.size());
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    old[i] = places_[i].index;
+    places_[i].index = static_cast<std::uint32_t>(i);
   }
-  std::sort(keyed.begin(), keyed.end());
-  std::vector<std::uint32_t> order;
-  order.reserve(keyed.size());
-  for (const auto& [key, i] : keyed) order.push_back(i);
-  return order;
+  return old;
+}
+
+void Neighbours::keep(std::span<const std::uint8_t> kept) {
+  std::vector<std::uint32_t> number(kept.size());
+  std::exclusive_scan(kept.begin(), kept.end(), number.begin(), std::uint32_t{0});
+  std::size_t at = 0;
+  for (std::size_t leaf = 0; leaf + 1 < first_.size(); ++leaf) {
+    const std::uint32_t first = first_[leaf], last = first_[leaf + 1];
+    first_[leaf] = static_cast<std::uint32_t>(at);
+    for (std::uint32_t i = first; i < last; ++i)
+      if (kept[places_[i].index]) places_[at++] = {places_[i].point, number[places_[i].index]};
+  }
+  first_.back() = static_cast<std::uint32_t>(at);
+  places_.resize(at);
+}
+
+Neighbours Neighbours::moved(const Vec3& middle, double scale) const {
+  Neighbours copy = *this;
+  for (Place& p : copy.places_) p.point = (p.point - middle) * scale;
+  for (Split& s : copy.splits_) s.at = (s.at - middle[s.axis]) * scale;
+  return copy;
 }
 
 }  // namespace dynasurf

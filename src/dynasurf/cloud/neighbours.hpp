@@ -20,6 +20,12 @@ class Neighbours {
     }
   };
 
+  /// A point and its number in the cloud.
+  struct Place {
+    Vec3 point;
+    std::uint32_t index;
+  };
+
   /// Keeps its own copy of the points, which must be finite.
   explicit Neighbours(std::span<const Vec3> points);
 
@@ -29,21 +35,27 @@ class Neighbours {
   /// The nearest point; infinity when there is none.
   Found nearest(const Vec3& p) const;
 
+  /// The points in the order of the tree: near ones follow each other, so that questions asked in this order find most
+  /// of what they need at hand, and every so many of them still cover all of the surface.
+  std::span<const Place> places() const { return places_; }
+  /// Numbers the points in the order of the tree, and returns which number each of them had.
+  std::vector<std::uint32_t> renumber();
+  /// Forgets the points whose number is not kept; the others are numbered anew, in their order.
+  void keep(std::span<const std::uint8_t> kept);
+  /// The same points, each moved to (point - middle) * scale; `scale` is positive.
+  Neighbours moved(const Vec3& middle, double scale) const;
+
  private:
-  struct Node {
-    double split;
-    std::uint32_t first, last;  // of `order_`
-    std::int32_t axis;          // -1: a leaf
-    std::uint32_t right;        // the left child follows its parent
+  struct Split {
+    double at;
+    std::uint32_t axis;
   };
-  std::uint32_t build(std::uint32_t first, std::uint32_t last, std::span<const Vec3> points);
+  void split_level(int level);
 
-  std::vector<Node> nodes_;
-  std::vector<std::uint32_t> order_;
-  std::vector<Vec3> sorted_;
+  int depth_ = 0;
+  std::vector<Split> splits_;         // node n has the children 2 n + 1 and 2 n + 2; the leaves follow the inner nodes
+  std::vector<std::uint32_t> first_;  // of `places_`, per leaf and at the end
+  std::vector<Place> places_;
 };
-
-/// The points' numbers along a curve that fills their box, so that those that follow each other lie near each other.
-std::vector<std::uint32_t> along_curve(std::span<const Vec3> points);
 
 }  // namespace dynasurf

@@ -39,6 +39,22 @@ std::size_t keep(PointCloud& cloud, const std::vector<std::uint8_t>& kept) {
   return before - cloud.points.size();
 }
 
+template <class T>
+void reorder(std::vector<T>& values, const std::vector<std::uint32_t>& order) {
+  if (values.empty()) return;
+  std::vector<T> moved;
+  moved.reserve(order.size());
+  for (const std::uint32_t i : order) moved.push_back(values[i]);
+  values = std::move(moved);
+}
+
+void reorder(PointCloud& cloud, const std::vector<std::uint32_t>& order) {
+  reorder(cloud.points, order);
+  reorder(cloud.normals, order);
+  reorder(cloud.colours, order);
+  reorder(cloud.scans, order);
+}
+
 std::uint64_t hash_of(const Vec3& p) {
   std::uint64_t h = 0;
   for (int a = 0; a < 3; ++a) {
@@ -188,32 +204,37 @@ void note(Notes& notes, std::size_t count, const char* code, const std::string& 
 
 }  // namespace
 
-PreparedCloud prepare(const PointCloud& cloud, const CloudOptions& options, const Progress& progress) {
+PreparedCloud prepare(PointCloud cloud, const CloudOptions& options, const Progress& progress) {
   check_shape(cloud);
-  PreparedCloud p{cloud, {}, {}};
-  PointCloud& c = p.cloud;
-  p.facts.points = c.points.size();
-  std::vector<std::uint8_t> kept(c.points.size());
-  for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = c.points[i].allFinite();
-  p.facts.not_finite = keep(c, kept);
-  p.facts.duplicates = keep(c, firsts(c.points));
-  check_extent(c.points);
+  CloudFacts facts;
+  facts.points = cloud.points.size();
+  std::vector<std::uint8_t> kept(cloud.points.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = cloud.points[i].allFinite();
+  facts.not_finite = keep(cloud, kept);
+  facts.duplicates = keep(cloud, firsts(cloud.points));
+  check_extent(cloud.points);
   progress.check();
-  Neighbours neighbours(c.points);
+  Neighbours neighbours(cloud.points);
+  reorder(cloud, neighbours.renumber());
+  PreparedCloud p{std::move(cloud), std::move(neighbours), facts, {}};
+  PointCloud& c = p.cloud;
+  progress.check();
   if (options.outliers > 0 && c.points.size() > 4 * ring) {
-    p.facts.outliers = keep(c, in_company(c.points, neighbours, options.outliers));
+    kept = in_company(c.points, p.neighbours, options.outliers);
+    p.facts.outliers = keep(c, kept);
     if (p.facts.outliers > 0) {
       check_extent(c.points);
-      neighbours = Neighbours(c.points);
+      p.neighbours.keep(kept);
     }
   }
+  progress.check();
   Eigen::AlignedBox3d box;
   for (const Vec3& q : c.points) box.extend(q);
   p.facts.points_used = c.points.size();
   p.facts.diagonal = box.diagonal().norm();
-  p.facts.spacing = median_spacing(c.points, neighbours);
+  p.facts.spacing = median_spacing(c.points, p.neighbours);
   p.facts.noise =
-      options.noise_percent ? *options.noise_percent / 100 * p.facts.diagonal : estimate_noise(c.points, neighbours);
+      options.noise_percent ? *options.noise_percent / 100 * p.facts.diagonal : estimate_noise(c.points, p.neighbours);
   note(p.notes, p.facts.not_finite, "cloud.not_finite",
        "have a coordinate that is not a finite number; they were left out");
   note(p.notes, p.facts.duplicates, "cloud.duplicates", "lie exactly where another one lies; they were left out");

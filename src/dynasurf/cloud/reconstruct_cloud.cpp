@@ -8,10 +8,13 @@
 #include "dynasurf/cloud/neighbours.hpp"
 #include "dynasurf/cloud/prepare.hpp"
 #include "dynasurf/cloud/thesis_recipe.hpp"
+#include "dynasurf/cloud/transfer.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf {
 namespace {
+
+constexpr int most_triangles_within_error = 40960;
 
 /// The frame the levels are made in: the cloud's diagonal is 1, its middle 0.
 struct UnitFrame {
@@ -65,8 +68,8 @@ LevelPlan plan_of(const CloudOptions& options, const CloudFacts& facts, std::siz
   return plan;
 }
 
-void add_level(CloudResult& result, int asked, TriMesh mesh) {
-  Certificate certificate = certify(mesh, result.used);
+void add_level(CloudResult& result, const PreparedCloud& p, int asked, TriMesh mesh) {
+  auto [certificate, errors] = compare(mesh, p.neighbours);
   if (!certificate.watertight())
     result.notes.push_back({Severity::failure, "cloud.not_watertight",
                             "the level of " + std::to_string(asked) + " triangles is not watertight"});
@@ -74,7 +77,15 @@ void add_level(CloudResult& result, int asked, TriMesh mesh) {
     result.notes.push_back(
         {Severity::warning, "cloud.triangles",
          "the level of " + std::to_string(asked) + " triangles has " + std::to_string(certificate.triangles)});
-  result.levels.push_back({asked, std::move(mesh), certificate});
+  auto colours = colours_at_vertices(mesh, p.cloud, p.neighbours);
+  result.levels.push_back({asked, std::move(mesh), certificate, std::move(errors), std::move(colours)});
+}
+
+/// Every so many points serve the fit, so that the largest level has as many as its plan asks for.
+std::size_t step_of_fit(std::size_t points, const CloudOptions& options, int triangles) {
+  const int most = options.max_error_percent ? most_triangles_within_error : triangles;
+  const double wanted = shaped_plan().points_per_triangle * most;
+  return std::max<std::size_t>(1, static_cast<std::size_t>(static_cast<double>(points) / wanted));
 }
 
 /// What every level is made from.
@@ -96,7 +107,7 @@ int fewest_within(SurfaceEditor& surface, const Fitting& fitting, double error, 
                   const Progress& progress) {
   constexpr int fewest = 20;
   // What the lattice could not see, more triangles cannot add.
-  const int most = std::clamp(static_cast<int>(surface.triangles()) / 2 * 2, 1000, 40960);
+  const int most = std::clamp(static_cast<int>(surface.triangles()) / 2 * 2, 1000, most_triangles_within_error);
   const auto is_near = [&](const SurfaceEditor& s) { return mean_distance(s, fitting.points.points) <= error; };
   int count = most;
   fitting.make(surface, count);
@@ -124,13 +135,12 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
   result.facts.parts = body.parts;
   result.facts.genus = body.genus;
   const UnitFrame frame(p.cloud.points);
-  std::vector<Vec3> points(p.cloud.points.size()), normals(points.size());
-  // Near points one after the other are found faster, and every so many of them still cover all of the surface.
-  const std::vector<std::uint32_t> order = along_curve(p.cloud.points);
+  const std::size_t step = step_of_fit(p.cloud.points.size(), options, triangles.front());
+  std::vector<Vec3> points((p.cloud.points.size() + step - 1) / step), normals(points.size());
   parallel_for(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      points[i] = frame.in(p.cloud.points[order[i]]);
-      normals[i] = outwards(body.field, p.cloud.points[order[i]]);
+      points[i] = frame.in(p.cloud.points[i * step]);
+      normals[i] = outwards(body.field, p.cloud.points[i * step]);
     }
   });
   TriMesh fine = body.mesh;
@@ -138,8 +148,8 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
   const double reach = (2.5 * p.facts.spacing + 2 * p.facts.noise) / p.facts.diagonal;
   std::optional<TriMesh> closed;
   if (!body.handles_cut)
-    closed =
-        with_smooth_holes(fine, Neighbours(points), reach, std::clamp<std::size_t>(fine.triangles.size(), 1000, 8000));
+    closed = with_smooth_holes(fine, p.neighbours.moved(frame.middle, 1 / frame.diagonal), reach,
+                               std::clamp<std::size_t>(fine.triangles.size(), 1000, 8000));
   if (closed) {
     result.notes.push_back(
         {Severity::info, "cloud.holes", "parts of the surface lie far from all points; they were closed smoothly"});
@@ -150,7 +160,7 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
   const auto publish = [&](const SurfaceEditor& surface, int asked) {
     TriMesh mesh = surface.mesh();
     for (Vec3& v : mesh.vertices) v = frame.out(v);
-    add_level(result, asked, std::move(mesh));
+    add_level(result, p, asked, std::move(mesh));
   };
   SurfaceEditor surface(fine);
   if (options.max_error_percent) {
@@ -169,20 +179,21 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
 
 }  // namespace
 
-CloudResult reconstruct_cloud(const PointCloud& cloud, const CloudOptions& options, const Progress& progress) {
+CloudResult reconstruct_cloud(PointCloud cloud, const CloudOptions& options, const Progress& progress) {
   CloudOptions checked = options;
   check_options(checked, "cloud");
   const std::vector<int> triangles = parse_triangles(options.triangles);
   progress("points", 0, 1);
-  PreparedCloud prepared = prepare(cloud, options, progress);
+  PreparedCloud prepared = prepare(std::move(cloud), options, progress);
   progress("points", 1, 1);
-  CloudResult result{{}, prepared.facts, prepared.cloud, prepared.notes};
+  CloudResult result{{}, prepared.facts, {}, prepared.notes};
   if (options.method == CloudMethod::thesis) {
-    std::vector<TriMesh> meshes = thesis_meshes(result.used.points, triangles, result.notes, progress);
-    for (std::size_t i = 0; i < meshes.size(); ++i) add_level(result, triangles[i], std::move(meshes[i]));
+    std::vector<TriMesh> meshes = thesis_meshes(prepared.cloud.points, triangles, result.notes, progress);
+    for (std::size_t i = 0; i < meshes.size(); ++i) add_level(result, prepared, triangles[i], std::move(meshes[i]));
   } else {
     reconstruct_fitted(prepared, options, triangles, result, progress);
   }
+  result.used = std::move(prepared.cloud);
   return result;
 }
 

@@ -74,7 +74,9 @@ std::vector<int> parse_triangles(const std::string& triangles);
 struct CloudLevel {
   int triangles_asked = 0;
   TriMesh mesh;
-  Certificate certificate;  // against the points that were used
+  Certificate certificate;                           // against the points that were used
+  std::vector<float> errors;                         // at the vertices, see Comparison
+  std::vector<std::array<std::uint8_t, 3>> colours;  // at the vertices; empty when the cloud has none
 };
 
 /// What was found in the cloud; lengths in its unit.
@@ -93,7 +95,7 @@ struct CloudFacts {
 struct CloudResult {
   std::vector<CloudLevel> levels;  // as asked for, finest first
   CloudFacts facts;
-  PointCloud used;  // the points that the levels were fitted to
+  PointCloud used;  // the points that the levels were fitted to, near ones together
   Notes notes;  // "cloud.not_finite", "cloud.duplicates", "cloud.outliers", "cloud.small_parts", "cloud.handles", …
 };
 
@@ -101,6 +103,6 @@ struct CloudResult {
 /// watertight says so in its certificate, and a note of severity failure stands in the result. The same bytes for any
 /// number of threads. Progress stages: "points", "inside", "surface", "levels". Throws OptionError for an option out
 /// of range, InputError for fewer than 10 usable points, or points that all lie in one plane.
-CloudResult reconstruct_cloud(const PointCloud& cloud, const CloudOptions& options, const Progress& progress = {});
+CloudResult reconstruct_cloud(PointCloud cloud, const CloudOptions& options, const Progress& progress = {});
 
 }  // namespace dynasurf

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "dynasurf/cloud/neighbours.hpp"
 #include "dynasurf/core/point_cloud.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
@@ -10,12 +11,9 @@ namespace dynasurf {
 
 /// Colours of the points, carried over to the vertices of a mesh: the mean, in linear light, of the points nearest to
 /// each vertex, as many as there are points per vertex (1 to 64), so that coarse levels are not speckled. One per
-/// vertex; empty when the cloud has no colours. The same for any number of threads.
-std::vector<std::array<std::uint8_t, 3>> colours_at_vertices(const TriMesh& mesh, const PointCloud& cloud);
-
-/// Distance of every point to the mesh, gathered at the corners of the nearest triangle: per vertex the mean over the
-/// points that are nearest to its triangles, weighted by closeness to the corner. Vertices that no point is near have
-/// -1: what a level misses of the cloud, and where nothing can be said.
-std::vector<float> errors_at_vertices(const TriMesh& mesh, const PointCloud& cloud);
+/// vertex; empty when the cloud has no colours. The same for any number of threads. `neighbours` are those of the
+/// cloud's points.
+std::vector<std::array<std::uint8_t, 3>> colours_at_vertices(const TriMesh& mesh, const PointCloud& cloud,
+                                                             const Neighbours& neighbours);
 
 }  // namespace dynasurf

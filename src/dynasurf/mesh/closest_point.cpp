@@ -1,9 +1,11 @@
 #include "dynasurf/mesh/closest_point.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
-#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf {
 namespace {
@@ -18,6 +20,29 @@ SurfacePoint on_segment(const Vec3& p, const Vec3& a, const Vec3& b, int ia, int
   s.weights[static_cast<std::size_t>(ia)] = 1 - t;
   s.weights[static_cast<std::size_t>(ib)] += t;
   return s;
+}
+
+float rounded_down(double x) {
+  const auto f = static_cast<float>(x);
+  return static_cast<double>(f) > x ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
+}
+
+float rounded_up(double x) { return -rounded_down(-x); }
+
+/// Squared distances of a place to boxes, none larger than the true one: the place and the boxes are given rounded to
+/// the side that brings them nearer, and the rounding of the sums is taken off.
+template <std::size_t n>
+void least_distances2(const std::array<std::array<float, n>, 3>& low, const std::array<std::array<float, n>, 3>& high,
+                      const std::array<float, 3>& below, const std::array<float, 3>& above,
+                      std::array<float, n>& distance2) {
+  distance2.fill(0);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t c = 0; c < n; ++c) {
+      const float d = std::max(std::max(low[axis][c] - above[axis], below[axis] - high[axis][c]), 0.0f);
+      distance2[c] += d * d;
+    }
+  for (std::size_t c = 0; c < n; ++c)
+    distance2[c] = std::min(distance2[c] * (1 - 1e-6f), std::numeric_limits<float>::max());
 }
 
 }  // namespace
@@ -44,81 +69,108 @@ SurfacePoint closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, co
   return best;
 }
 
-ClosestPoint::ClosestPoint(const TriMesh& mesh) : mesh_(mesh), order_(mesh.triangles.size()) {
-  if (order_.empty()) return;
-  std::iota(order_.begin(), order_.end(), 0u);
-  std::vector<Vec3> centres(order_.size());
-  for (std::size_t t = 0; t < centres.size(); ++t) {
-    centres[t].setZero();
-    for (const std::uint32_t v : mesh.triangles[t]) centres[t] += mesh.vertices[v];
-  }
-  nodes_.reserve(order_.size());
-  nodes_.push_back({});
-  build(0, 0, static_cast<std::uint32_t>(order_.size()), centres);
-  faces_.reserve(order_.size());
-  for (const std::uint32_t t : order_) {
+ClosestPoint::ClosestPoint(const TriMesh& mesh) : mesh_(mesh) {
+  const std::size_t count = mesh.triangles.size();
+  if (count == 0) return;
+  while ((count >> 2 * depth_) > leaf_size) ++depth_;
+  faces_.reserve(count);
+  for (const std::uint32_t t : sorted()) {
     const auto& [a, b, c] = mesh.triangles[t];
-    const Vec3 &p = mesh.vertices[a], &q = mesh.vertices[b], &r = mesh.vertices[c];
-    faces_.push_back({p, q, r, (q - p).cross(r - p), t});
+    const Vec3 &p = mesh.vertices[a], &q = mesh.vertices[b], &r = mesh.vertices[c], n = (q - p).cross(r - p);
+    faces_.push_back({p, q, r, n, n.squaredNorm(), t});
   }
+  const std::size_t leaves = std::size_t{1} << 2 * depth_, inner = (leaves - 1) / (ways - 1);
+  std::vector<Eigen::AlignedBox3d> boxes(inner + leaves);
+  for (std::size_t leaf = 0; leaf < leaves; ++leaf)
+    for (std::size_t i = leaf_begin(leaf); i < leaf_begin(leaf + 1); ++i)
+      for (const Vec3& corner : {faces_[i].a, faces_[i].b, faces_[i].c}) boxes[inner + leaf].extend(corner);
+  nodes_.resize(inner);
+  for (std::size_t n = inner; n-- > 0;)
+    for (std::size_t c = 0; c < ways; ++c) {
+      const Eigen::AlignedBox3d& box = boxes[ways * n + 1 + c];
+      boxes[n].extend(box);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        nodes_[n].low[axis][c] = rounded_down(box.min()[static_cast<Eigen::Index>(axis)]);
+        nodes_[n].high[axis][c] = rounded_up(box.max()[static_cast<Eigen::Index>(axis)]);
+      }
+    }
 }
 
-void ClosestPoint::build(std::uint32_t node, std::uint32_t first, std::uint32_t last,
-                         const std::vector<Vec3>& centres) {
-  Eigen::AlignedBox3d box, spread;
-  for (std::uint32_t i = first; i < last; ++i) {
-    for (const std::uint32_t v : mesh_.triangles[order_[i]]) box.extend(mesh_.vertices[v]);
-    spread.extend(centres[order_[i]]);
+/// The triangles in the order of the leaves: halved, and halved again, across the longest side of their middles.
+std::vector<std::uint32_t> ClosestPoint::sorted() const {
+  std::vector<std::uint32_t> order(mesh_.triangles.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::vector<Vec3> centres(order.size(), Vec3::Zero());
+  for (std::size_t t = 0; t < centres.size(); ++t)
+    for (const std::uint32_t v : mesh_.triangles[t]) centres[t] += mesh_.vertices[v];
+  for (int level = 0; level < 2 * depth_; ++level) {
+    const std::size_t parts = std::size_t{1} << level;
+    parallel_for(parts, std::max<std::size_t>(1, parts / 64), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t m = begin; m < end; ++m) {
+        const auto at = [&](std::size_t part, int of) {
+          return order.begin() + static_cast<std::ptrdiff_t>(order.size() * part >> of);
+        };
+        const auto first = at(m, level), last = at(m + 1, level);
+        Eigen::AlignedBox3d spread;
+        for (auto i = first; i != last; ++i) spread.extend(centres[*i]);
+        Eigen::Index axis = 0;
+        spread.sizes().maxCoeff(&axis);
+        std::nth_element(first, at(2 * m + 1, level + 1), last, [&](std::uint32_t a, std::uint32_t b) {
+          return centres[a][axis] != centres[b][axis] ? centres[a][axis] < centres[b][axis] : a < b;
+        });
+      }
+    });
   }
-  nodes_[node] = {box, first, last - first};
-  if (last - first <= leaf_size) return;
-  Eigen::Index axis = 0;
-  spread.sizes().maxCoeff(&axis);
-  const std::uint32_t middle = first + (last - first) / 2;
-  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
-                   [&](std::uint32_t a, std::uint32_t b) {
-                     return centres[a][axis] != centres[b][axis] ? centres[a][axis] < centres[b][axis] : a < b;
-                   });
-  const auto child = static_cast<std::uint32_t>(nodes_.size());
-  nodes_[node].first = child;
-  nodes_[node].count = 0;
-  nodes_.resize(nodes_.size() + 2);
-  build(child, first, middle, centres);
-  build(child + 1, middle, last, centres);
+  return order;
+}
+
+SurfacePoint ClosestPoint::from_guess(const Vec3& p, std::uint32_t guess) const {
+  if (guess == SurfacePoint::none) return (*this)(p);
+  const auto& [a, b, c] = mesh_.triangles[guess];
+  const SurfacePoint known = closest_on_triangle(p, mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c], guess);
+  const SurfacePoint nearer = (*this)(p, known.distance2);
+  return nearer.triangle == SurfacePoint::none ? known : nearer;
 }
 
 SurfacePoint ClosestPoint::operator()(const Vec3& p, double limit2) const {
   SurfacePoint best;
   best.distance2 = limit2;
-  if (nodes_.empty()) return best;
+  if (faces_.empty()) return best;
+  const std::array<float, 3> above{rounded_up(p[0]), rounded_up(p[1]), rounded_up(p[2])};
+  const std::array<float, 3> below{rounded_down(p[0]), rounded_down(p[1]), rounded_down(p[2])};
   struct Waiting {
-    std::uint32_t node;
-    double distance2;
+    std::size_t node;
+    float distance2;
   };
-  // Each level leaves at most one node waiting, and halves the triangles: 32 levels hold any index.
+  // Each level leaves at most three nodes waiting, and quarters the triangles: 16 levels hold any index.
   std::array<Waiting, 64> stack;
   std::size_t depth = 0;
-  stack[depth++] = {0, nodes_[0].box.squaredExteriorDistance(p)};
+  stack[depth++] = {0, 0};
   while (depth > 0) {
     const Waiting top = stack[--depth];
-    if (top.distance2 >= best.distance2) continue;
-    const Node& n = nodes_[top.node];
-    if (n.count > 0) {
-      for (std::uint32_t i = n.first; i < n.first + n.count; ++i) {
+    if (static_cast<double>(top.distance2) >= best.distance2) continue;
+    if (top.node >= nodes_.size()) {
+      const std::size_t leaf = top.node - nodes_.size();
+      for (std::size_t i = leaf_begin(leaf); i < leaf_begin(leaf + 1); ++i) {
         const Face& f = faces_[i];
         // No place of the triangle is nearer than its plane.
         const double height = f.normal.dot(p - f.a);
-        if (height * height * (1 - 1e-9) > best.distance2 * f.normal.squaredNorm()) continue;
+        if (height * height * (1 - 1e-9) > best.distance2 * f.normal2) continue;
         const SurfacePoint s = closest_on_triangle(p, f.a, f.b, f.c, f.id);
         if (s.distance2 < best.distance2) best = s;
       }
       continue;
     }
-    Waiting near{n.first, nodes_[n.first].box.squaredExteriorDistance(p)};
-    Waiting far{n.first + 1, nodes_[n.first + 1].box.squaredExteriorDistance(p)};
-    if (far.distance2 < near.distance2) std::swap(near, far);
-    stack[depth++] = far;
-    stack[depth++] = near;
+    std::array<float, ways> distance2;
+    least_distances2(nodes_[top.node].low, nodes_[top.node].high, below, above, distance2);
+    // Of the children that may hold something nearer, the nearest comes on top.
+    const std::size_t waiting = depth;
+    for (std::size_t c = 0; c < ways; ++c) {
+      if (static_cast<double>(distance2[c]) >= best.distance2) continue;
+      std::size_t k = depth++;
+      for (; k > waiting && stack[k - 1].distance2 < distance2[c]; --k) stack[k] = stack[k - 1];
+      stack[k] = {ways * top.node + 1 + c, distance2[c]};
+    }
   }
   return best;
 }

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "dynasurf/cloud/lod.hpp"
-#include "dynasurf/cloud/transfer.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/report/cloud_report.hpp"
 #include "dynasurf/report/page_parts.hpp"
@@ -61,20 +60,15 @@ std::string errors_of(const std::vector<float>& errors, double full) {
 }
 
 Json levels_json(const CloudResult& result, const Box& box, double& full_error) {
-  std::vector<std::vector<float>> errors;
   full_error = 0;
-  for (const CloudLevel& level : result.levels) {
-    errors.push_back(errors_at_vertices(level.mesh, result.used));
-    for (const float error : errors.back()) full_error = std::max(full_error, static_cast<double>(error));
-  }
+  for (const CloudLevel& level : result.levels)
+    for (const float error : level.errors) full_error = std::max(full_error, static_cast<double>(error));
   Json json = Json::array();
-  for (std::size_t n = 0; n < result.levels.size(); ++n) {
-    const TriMesh& mesh = result.levels[n].mesh;
-    json.push_back({{"positions", packed(steps_of(mesh.vertices, box))},
-                    {"triangles", triangles_of(mesh)},
-                    {"errors", errors_of(errors[n], full_error)},
-                    {"colours", colours_json(colours_at_vertices(mesh, result.used))}});
-  }
+  for (const CloudLevel& level : result.levels)
+    json.push_back({{"positions", packed(steps_of(level.mesh.vertices, box))},
+                    {"triangles", triangles_of(level.mesh)},
+                    {"errors", errors_of(level.errors, full_error)},
+                    {"colours", colours_json(level.colours)}});
   return json;
 }
 
