@@ -134,10 +134,15 @@ TEST(ReconstructCloud, FindsTheFewestTrianglesWithinAnError) {
 TEST(ReconstructCloud, KeepsSharpEdgesWhereAsked) {
   const PointCloud cube = make_cloud({.shape = CloudShape::cube, .points = 8000});
   CloudOptions options;
-  options.triangles = "320";
-  const double rounded = reconstruct_cloud(cube, options).levels.front().certificate.cloud_to_mesh_mean;
+  options.triangles = "640,320,200";  // one level alone may lie well on the edges by chance
+  const auto distance = [&] {
+    double sum = 0;
+    for (const CloudLevel& level : reconstruct_cloud(cube, options).levels) sum += level.certificate.cloud_to_mesh_mean;
+    return sum;
+  };
+  const double rounded = distance();
   options.keep_sharp = true;
-  EXPECT_LT(reconstruct_cloud(cube, options).levels.front().certificate.cloud_to_mesh_mean, 0.9 * rounded);
+  EXPECT_LT(distance(), 0.9 * rounded);
 }
 
 TEST(ReconstructCloud, MakesATorusASphereWhereAsked) {

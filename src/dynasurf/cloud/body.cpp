@@ -61,9 +61,13 @@ struct Kind {
   bool operator==(const Kind&) const = default;
 };
 
+/// Of a surface from marching cubes: closed, manifold, all vertices in use.
 Kind kind_of(const TriMesh& mesh) {
-  const Topology t = topology(mesh);
-  return {t.components, t.components - static_cast<int>(t.euler / 2)};
+  std::uint32_t parts = 0;
+  parts_of(mesh, parts);
+  const auto euler =
+      static_cast<std::ptrdiff_t>(mesh.vertices.size()) - static_cast<std::ptrdiff_t>(mesh.triangles.size() / 2);
+  return {static_cast<int>(parts), static_cast<int>(static_cast<std::ptrdiff_t>(parts) - euler / 2)};
 }
 
 }  // namespace

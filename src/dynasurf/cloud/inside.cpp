@@ -59,7 +59,7 @@ using Values = std::vector<float>;
 class Equations {
  public:
   Equations(const Lattice& lattice, const OrientedPoints& points, double closeness)
-      : lattice_(lattice), steps_(steps_of(lattice)), right_(lattice.size(), 0), diagonal_(lattice.size(), 6) {
+      : lattice_(lattice), steps_(steps_of(lattice)), right_(lattice.size(), 0), scale_(lattice.size(), 6) {
     gather_slopes(points);
     gather_points(points, closeness);
   }
@@ -67,26 +67,26 @@ class Equations {
   /// From the start in `x` by conjugate gradients with the diagonal as preconditioner; the outermost nodes stay.
   void solve(Values& x, int iterations, const Progress& progress) const {
     const std::size_t n = x.size();
-    Values r(n, 0), z(n, 0), p(n, 0), q(n, 0);
+    Values r(n, 0), p(n, 0), q(n, 0);
     apply(x, q);
-    for_inner([&](std::size_t i) { r[i] = right_[i] - q[i]; });
-    double rz = 0;
-    const double enough = 1e-10 * dot(right_, right_);
-    for (int k = 0; k < iterations; ++k) {
+    const double enough = 1e-10 * sum_rows([&](std::size_t i) { return right_[i] * right_[i]; });
+    double rz_before = 0, rz = sum_rows([&](std::size_t i) {
+                            r[i] = right_[i] - q[i];
+                            return r[i] * r[i] * scale_[i];
+                          });
+    for (int k = 0; k < iterations && rz > enough; ++k) {
       progress.check();
-      for_inner([&](std::size_t i) { z[i] = r[i] / diagonal_[i]; });
-      const double rz_new = dot(r, z);
-      if (!(rz_new > enough)) break;
-      const auto beta = static_cast<float>(k == 0 ? 0 : rz_new / rz);
-      rz = rz_new;
-      for_inner([&](std::size_t i) { p[i] = z[i] + beta * p[i]; });
+      const auto beta = static_cast<float>(k == 0 ? 0 : rz / rz_before);
+      for_rows([&](std::size_t i) { p[i] = r[i] * scale_[i] + beta * p[i]; });
       apply(p, q);
-      const double pq = dot(p, q);
+      const double pq = sum_rows([&](std::size_t i) { return p[i] * q[i]; });
       if (!(pq > 0)) break;
       const auto alpha = static_cast<float>(rz / pq);
-      for_inner([&](std::size_t i) {
+      rz_before = rz;
+      rz = sum_rows([&](std::size_t i) {
         x[i] += alpha * p[i];
         r[i] -= alpha * q[i];
+        return r[i] * r[i] * scale_[i];
       });
     }
   }
@@ -106,7 +106,7 @@ class Equations {
         const auto v = static_cast<float>(-points.normals[i][static_cast<Eigen::Index>(a)] * points.areas[i] * scale);
         for (std::size_t n = 0; n < 8; ++n) slope[c.at + steps_[n]] += v * c.weight[n];
       }
-      for_inner([&](std::size_t i) {
+      for_rows([&](std::size_t i) {
         right_[i] -= slope[i] - slope[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(i) - step[a])];
       });
     }
@@ -126,6 +126,7 @@ class Equations {
         pulls.push_back(static_cast<float>(scale * points.areas[i]));
       }
     std::sort(order.begin(), order.end());
+    const auto slab = static_cast<std::size_t>(lattice_.slab());
     // Points of one cell add up to one symmetric form of its eight nodes.
     for (std::size_t o = 0; o < order.size(); ++o) {
       if (cells_.empty() || cells_.back().at != order[o].first) cells_.push_back({order[o].first, {}});
@@ -136,7 +137,12 @@ class Equations {
         for (std::size_t n = m; n < 8; ++n) cells_.back().form[e++] += pull * w[m] * w[n];
     }
     for (const Cell& cell : cells_)
-      for (std::size_t m = 0, e = 0; m < 8; e += 8 - m, ++m) diagonal_[cell.at + steps_[m]] += cell.form[e];
+      for (std::size_t m = 0, e = 0; m < 8; e += 8 - m, ++m) scale_[cell.at + steps_[m]] += cell.form[e];
+    for (float& s : scale_) s = 1 / s;
+    slab_of_cells_.assign(static_cast<std::size_t>(lattice_.dims[2]) + 1, cells_.size());
+    for (std::size_t n = cells_.size(); n-- > 0;) slab_of_cells_[cells_[n].at / slab] = n;
+    for (std::size_t k = slab_of_cells_.size() - 1; k-- > 0;)
+      slab_of_cells_[k] = std::min(slab_of_cells_[k], slab_of_cells_[k + 1]);
   }
 
   struct Cell {
@@ -156,45 +162,71 @@ class Equations {
             out[i] = 6 * in[i] - in[i - 1] - in[i + 1] - in[i - row] - in[i + row] - in[i - slab] - in[i + slab];
         }
     });
-    for (const Cell& c : cells_) {
-      std::array<float, 8> in{}, out{};
-      for (std::size_t m = 0; m < 8; ++m) in[m] = x[c.at + steps_[m]];
-      std::size_t e = 0;
-      for (std::size_t m = 0; m < 8; ++m) {
-        out[m] += c.form[e++] * in[m];
-        for (std::size_t n = m + 1; n < 8; ++n, ++e) {
-          out[m] += c.form[e] * in[n];
-          out[n] += c.form[e] * in[m];
-        }
-      }
-      for (std::size_t m = 0; m < 8; ++m) y[c.at + steps_[m]] += out[m];
-    }
+    // Cells of one slab reach into the next, so every other slab of cells can be added at a time.
+    for (const std::size_t odd : {0, 1})
+      parallel_for(slab_of_cells_.size() / 2, 4, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t s = 2 * begin + odd; s < 2 * end + odd && s + 1 < slab_of_cells_.size(); s += 2)
+          for (std::size_t c = slab_of_cells_[s]; c < slab_of_cells_[s + 1]; ++c) add_cell(cells_[c], x, y);
+      });
   }
 
+  void add_cell(const Cell& c, const Values& x, Values& y) const {
+    std::array<float, 8> in{}, out{};
+    for (std::size_t m = 0; m < 8; ++m) in[m] = x[c.at + steps_[m]];
+    std::size_t e = 0;
+    for (std::size_t m = 0; m < 8; ++m) {
+      out[m] += c.form[e++] * in[m];
+      for (std::size_t n = m + 1; n < 8; ++n, ++e) {
+        out[m] += c.form[e] * in[n];
+        out[n] += c.form[e] * in[m];
+      }
+    }
+    for (std::size_t m = 0; m < 8; ++m) y[c.at + steps_[m]] += out[m];
+  }
+
+  /// Calls `body` with the first inner node of each row, and the end of the row.
   template <class Body>
-  void for_inner(const Body& body) const {
+  double for_each_row(const Body& body) const {
     const auto row = static_cast<std::size_t>(lattice_.row()), slab = static_cast<std::size_t>(lattice_.slab());
-    parallel_for(static_cast<std::size_t>(lattice_.dims[2] - 2), 4, [&](std::size_t begin, std::size_t end) {
+    return parallel_sum(static_cast<std::size_t>(lattice_.dims[2] - 2), 4, [&](std::size_t begin, std::size_t end) {
+      double sum = 0;
       for (std::size_t k = begin + 1; k < end + 1; ++k)
         for (std::size_t j = 1; j + 1 < static_cast<std::size_t>(lattice_.dims[1]); ++j) {
           const std::size_t base = k * slab + j * row;
-          for (std::size_t i = base + 1; i < base + row - 1; ++i) body(i);
+          sum += body(base + 1, base + row - 1);
         }
+      return sum;
     });
   }
 
-  static double dot(const Values& a, const Values& b) {
-    return parallel_sum(a.size(), 1 << 16, [&](std::size_t begin, std::size_t end) {
+  template <class Body>
+  void for_rows(const Body& body) const {
+    for_each_row([&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) body(i);
+      return 0.0;
+    });
+  }
+
+  /// Eight sums side by side in each row, so that the processor can work on them at once.
+  template <class Body>
+  double sum_rows(const Body& body) const {
+    return for_each_row([&](std::size_t first, std::size_t last) {
+      std::array<float, 8> sums{};
+      std::size_t i = first;
+      for (; i + 8 <= last; i += 8)
+        for (std::size_t lane = 0; lane < 8; ++lane) sums[lane] += body(i + lane);
       double sum = 0;
-      for (std::size_t i = begin; i < end; ++i) sum += static_cast<double>(a[i]) * static_cast<double>(b[i]);
+      for (; i < last; ++i) sum += static_cast<double>(body(i));
+      for (const float s : sums) sum += static_cast<double>(s);
       return sum;
     });
   }
 
   const Lattice& lattice_;
   std::array<std::size_t, 8> steps_;
-  Values right_, diagonal_;
+  Values right_, scale_;  // the right side, and one over the diagonal
   std::vector<Cell> cells_;
+  std::vector<std::size_t> slab_of_cells_;  // where the cells of each slab begin, and the end
 };
 
 /// A coarse solution between its nodes. Node (i,j,k) of the coarse lattice is node (2i,2j,2k) of the fine one.

@@ -197,7 +197,8 @@ OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t rin
   const Neighbours neighbours(o.points);
   parallel_for(n, grain, [&](std::size_t begin, std::size_t end) {
     std::vector<Neighbours::Found> found(ring + 1);
-    for (std::size_t i = begin; i < end; ++i) {
+    for (const auto& place : neighbours.places().subspan(begin, end - begin)) {  // near ones together
+      const std::size_t i = place.index;
       const std::size_t count = neighbours.nearest(o.points[i], found);
       around[i].fill(none);
       for (std::size_t k = 1; k < std::min(count, links + 1); ++k) around[i][k - 1] = found[k].index;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -96,12 +97,12 @@ class Marching {
     const std::size_t layer = width_ * static_cast<std::size_t>(image.grid.dims[1] + 2);
     for (auto& vertices : in_layer_) vertices.assign(2 * layer, kNone);
     between_.assign(layer, kNone);
+    mark_above();
   }
 
   TriMesh operator()() {
     for (int k = low_; k < high_[2]; ++k) {
-      for (int j = low_; j < high_[1]; ++j)
-        for (int i = low_; i < high_[0]; ++i) visit({i, j, k});
+      for (int j = low_; j < high_[1]; ++j) visit_row(j, k);
       std::swap(in_layer_[0], in_layer_[1]);
       std::fill(in_layer_[1].begin(), in_layer_[1].end(), kNone);
       std::fill(between_.begin(), between_.end(), kNone);
@@ -114,15 +115,47 @@ class Marching {
     return image_.grid.contains(i, j, k) ? static_cast<double>(image_(i, j, k)) - level_ : kOutside;
   }
 
+  /// One bit for each node, those around the grid included: whether it is above the level.
+  void mark_above() {
+    const Index3& dims = image_.grid.dims;
+    words_ = (width_ + 63) / 64;
+    above_.assign(words_ * static_cast<std::size_t>(dims[1] + 2) * static_cast<std::size_t>(dims[2] + 2), 0);
+    const float* value = image_.values.data();
+    for (int k = 0; k < dims[2]; ++k)
+      for (int j = 0; j < dims[1]; ++j) {
+        std::uint64_t* bits = above_.data() + row_of(j, k);
+        for (std::size_t i = 1; i <= static_cast<std::size_t>(dims[0]); ++i, ++value)
+          bits[i / 64] |= std::uint64_t{static_cast<double>(*value) - level_ >= 0} << (i % 64);
+      }
+  }
+
+  std::size_t row_of(int j, int k) const {
+    return words_ * (static_cast<std::size_t>(j + 1) +
+                     static_cast<std::size_t>(image_.grid.dims[1] + 2) * static_cast<std::size_t>(k + 1));
+  }
+
+  /// Visits the cells of a row that have corners above the level and others below, 64 of them told at a time.
+  void visit_row(int j, int k) {
+    const std::array<const std::uint64_t*, 4> rows{&above_[row_of(j, k)], &above_[row_of(j + 1, k)],
+                                                   &above_[row_of(j, k + 1)], &above_[row_of(j + 1, k + 1)]};
+    for (std::size_t w = 0; w < words_; ++w) {
+      std::uint64_t any = 0, all = ~std::uint64_t{0};
+      for (const std::uint64_t* row : rows) {
+        const std::uint64_t next = row[w] >> 1 | (w + 1 < words_ ? row[w + 1] << 63 : 0);
+        any |= row[w] | next;
+        all &= row[w] & next;
+      }
+      for (std::uint64_t crossed = any & ~all; crossed != 0; crossed &= crossed - 1) {
+        const int i = static_cast<int>(64 * w) + std::countr_zero(crossed) - 1;
+        if (i >= low_ && i < high_[0]) visit({i, j, k});
+      }
+    }
+  }
+
   void visit(const Index3& at) {
     Cell cell;
-    int above = 0;
-    for (int c = 0; c < 8; ++c) {
-      const double value = above_level(at[0] + (c & 1), at[1] + ((c >> 1) & 1), at[2] + ((c >> 2) & 1));
-      cell[static_cast<std::size_t>(c)] = value;
-      above += value >= 0 ? 1 : 0;
-    }
-    if (above == 0 || above == 8) return;
+    for (int c = 0; c < 8; ++c)
+      cell[static_cast<std::size_t>(c)] = above_level(at[0] + (c & 1), at[1] + ((c >> 1) & 1), at[2] + ((c >> 2) & 1));
     std::array<int, kEdges> next = follow_faces(cell);
     for (int start = 0; start < kEdges; ++start) {
       Loop loop;
@@ -171,7 +204,8 @@ class Marching {
   const double level_;
   const int low_;
   Index3 high_{};
-  std::size_t width_ = 0;
+  std::size_t width_ = 0, words_ = 0;  // of a row of nodes, and of its bits
+  std::vector<std::uint64_t> above_;
   std::array<std::vector<std::uint32_t>, 2> in_layer_;  // vertices on edges along x and y of the lower, upper layer
   std::vector<std::uint32_t> between_;                  // on edges along z
   TriMesh mesh_;

@@ -40,10 +40,10 @@ Quadric plane_of(const Vec3& p, const Vec3& q, const Vec3& r) {
   return {area * u * u.transpose(), area * d * u, area * d * d, area};
 }
 
+/// Small, for there are many: the place is found anew for those whose turn comes.
 struct Candidate {
   double cost;
-  std::uint32_t half_edge, from_stamp, to_stamp;
-  Vec3 place;
+  std::uint32_t half_edge, stamp;
   bool operator<(const Candidate& o) const {  // the queue gives the largest first
     return cost != o.cost ? cost > o.cost : half_edge > o.half_edge;
   }
@@ -82,23 +82,33 @@ class Simplifier {
       const Candidate c = queue_.top();
       queue_.pop();
       const std::uint32_t h = c.half_edge;
-      if (!s_.is_alive(h / 3) || stamps_[s_.from(h)] != c.from_stamp || stamps_[s_.to(h)] != c.to_stamp) continue;
-      if (s_.can_collapse(h) && is_allowed(h, c.place)) collapse(h, c.place);
+      if (!s_.is_alive(h / 3) || stamp(h) != c.stamp || !s_.can_collapse(h)) continue;
+      const Vec3 place = place_for(h, both(h));
+      if (is_allowed(h, place)) collapse(h, place);
     }
   }
 
-  Candidate candidate(std::uint32_t h) const {
-    const std::uint32_t a = s_.from(h), b = s_.to(h);
-    Quadric q = quadrics_[a];
-    q.add(quadrics_[b]);
-    const Vec3 &pa = s_.position(a), &pb = s_.position(b), middle = 0.5 * (pa + pb);
-    const double length2 = (pb - pa).squaredNorm();
+  /// Grows whenever an end of the edge changes, for the vertex that is left counts the changes of both.
+  std::uint32_t stamp(std::uint32_t h) const { return stamps_[s_.from(h)] + stamps_[s_.to(h)]; }
+
+  Quadric both(std::uint32_t h) const {
+    Quadric q = quadrics_[s_.from(h)];
+    q.add(quadrics_[s_.to(h)]);
+    return q;
+  }
+
+  Vec3 place_for(std::uint32_t h, const Quadric& q) const {
+    const Vec3 &a = s_.position(s_.from(h)), &b = s_.position(s_.to(h)), middle = 0.5 * (a + b);
     // Where the planes leave a direction free, the place is the middle of the edge.
     const double hold = 1e-5 * q.area;
     const Vec3 place = (q.a + hold * Mat3::Identity()).ldlt().solve(q.b + hold * middle);
-    const bool is_near = place.allFinite() && (place - middle).squaredNorm() < length2;
-    const Vec3 p = is_near ? place : middle;
-    return {q.at(p) + o_.evenness * q.area * length2, h, stamps_[a], stamps_[b], p};
+    return place.allFinite() && (place - middle).squaredNorm() < (b - a).squaredNorm() ? place : middle;
+  }
+
+  Candidate candidate(std::uint32_t h) const {
+    const Quadric q = both(h);
+    const double length2 = (s_.position(s_.to(h)) - s_.position(s_.from(h))).squaredNorm();
+    return {q.at(place_for(h, q)) + o_.evenness * q.area * length2, h, stamp(h)};
   }
 
   /// The triangles around both ends, and what they would become.
@@ -151,7 +161,7 @@ class Simplifier {
     const std::uint32_t a = s_.from(h), b = s_.to(h);
     quadrics_[b].add(quadrics_[a]);
     s_.collapse(h, place);
-    ++stamps_[b];
+    stamps_[b] += stamps_[a] + 1;
     std::uint32_t g = s_.leaving(b);
     do {
       queue_.push(candidate(g < s_.twin(g) ? g : s_.twin(g)));
