@@ -20,6 +20,7 @@ namespace dynasurf::detail {
 #define DYNASURF_CLONES
 #endif
 #define DYNASURF_INLINE inline __attribute__((always_inline))
+#define DYNASURF_INLINE_LAMBDA __attribute__((always_inline))
 
 /// Floats that start on a cache line. Fresh memory is not cleared.
 class FloatBuffer {

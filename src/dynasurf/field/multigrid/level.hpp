@@ -9,7 +9,8 @@
 
 namespace dynasurf::multigrid {
 
-constexpr int lanes = 16;  // floats per vector; the same on every machine, so that sums have one order
+constexpr int lanes = 16;       // floats per vector; the same on every machine, so that sums have one order
+constexpr int block_size = 80;  // floats of a block of data: d, b and the gradient of 16 cells
 
 // Every function that takes or returns a Vec16 is inlined, so that no calling convention is touched.
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -20,6 +21,13 @@ typedef float LooseVec16 __attribute__((vector_size(64), aligned(4), may_alias))
 
 DYNASURF_INLINE Vec16 load(const float* p) { return *reinterpret_cast<const LooseVec16*>(p); }
 DYNASURF_INLINE void store(float* p, Vec16 v) { *reinterpret_cast<LooseVec16*>(p) = v; }
+
+/// Even and odd lanes of 32 floats.
+DYNASURF_INLINE void split(const float* natural, Vec16& even, Vec16& odd) {
+  const Vec16 a = load(natural), b = load(natural + lanes);
+  even = __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+  odd = __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+}
 
 /// One axis of a grid of cells. All cells have the same width but the last one, which is narrower where a finer grid
 /// had an odd number of cells: the grids of all levels end at the same wall.
