@@ -171,6 +171,7 @@ ExitCode run(Arguments arguments, std::stop_token stop) {
   check_options(arguments.camera, "camera");
   const std::vector<Level> levels = levels_of(arguments);
   std::vector<TriMesh> meshes;
+  meshes.reserve(levels.size());
   for (const Level& level : levels) meshes.push_back(level.mesh);
   const Plan plan = plan_of(meshes, arguments);
   const std::string json = json_of(levels, plan, arguments).dump(2) + "\n";

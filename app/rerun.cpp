@@ -39,6 +39,7 @@ std::string bytes_of(const fs::path& path) {
 }
 
 /// What a result folder tells of its making, whatever made it.
+// NOLINTNEXTLINE(bugprone-exception-escape): the JSON library moves without throwing, though it does not say so.
 struct Record {
   std::string schema, version, commit, command;
   Json options, outputs;

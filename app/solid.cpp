@@ -39,10 +39,9 @@ Vec3 vector_in(const Json& json) {
 }
 
 TriMesh surface_of(const Arguments& a, const std::string& wall) {
-  const std::string number = (a.gate < 10 ? "0" : "") + std::to_string(a.gate);
+  const std::string name = wall + (a.gate < 10 ? "_g0" : "_g") + std::to_string(a.gate);
   for (const char* ending : {".ply", ".obj", ".off", ".stl"})
-    if (const fs::path path = fs::path(a.result) / "meshes" / (wall + "_g" + number + ending); fs::exists(path))
-      return read_mesh(path);
+    if (const fs::path path = fs::path(a.result) / "meshes" / (name + ending); fs::exists(path)) return read_mesh(path);
   throw InputError(a.result + " holds no " + wall + " surface of gate " + std::to_string(a.gate) +
                    " as PLY, OBJ, OFF or STL");
 }

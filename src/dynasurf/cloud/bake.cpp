@@ -25,8 +25,8 @@ struct Atlas {
   /// Where a corner stands, in texels.
   Eigen::Vector2d place(std::size_t triangle, std::size_t corner) const {
     const std::size_t square = triangle / 2;
-    const Eigen::Vector2d origin(static_cast<double>(square % across * side),
-                                 static_cast<double>(square / across * side));
+    const std::size_t column = square % across, row = square / across;
+    const Eigen::Vector2d origin(static_cast<double>(column * side), static_cast<double>(row * side));
     Eigen::Vector2d within(1 + (corner == 1 ? leg() : 0), 1 + (corner == 2 ? leg() : 0));
     if (triangle % 2 == 1) within = Eigen::Vector2d::Constant(static_cast<double>(side)) - within;
     return origin + within;

@@ -132,8 +132,11 @@ void turn_outwards(OrientedPoints& o, const std::vector<std::uint8_t>& known) {
   std::vector<std::array<Far, directions>> far(o.sheets);
   std::vector<std::uint8_t> fixed(o.sheets, 0);
   std::array<Vec3, directions> axes;
-  for (int i = 0, n = 0; i < 27; ++i)
-    if (i != 13) axes[static_cast<std::size_t>(n++)] = Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1).normalized();
+  std::size_t n = 0;
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x)
+        if (x != 0 || y != 0 || z != 0) axes[n++] = Vec3(x, y, z).normalized();
   for (std::size_t i = 0; i < o.points.size(); ++i) {
     fixed[o.sheet[i]] |= known[i];
     for (std::size_t a = 0; a < directions; ++a) {

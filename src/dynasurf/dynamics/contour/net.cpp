@@ -135,7 +135,7 @@ class Lattice {
           if (const double b = 1 - value(scene_.object, node(r, c)); b > worst) worst = b, worst_r = r, worst_c = c;
     if (worst_r < 0) return false;
     for (int a = -1; a <= 0; ++a)
-      for (int b = -1; b <= 0; ++b) quads_[static_cast<std::size_t>((worst_r + a) * (columns_ - 1) + worst_c + b)] = 0;
+      for (int b = -1; b <= 0; ++b) quads_[quad_index(worst_r + a, worst_c + b)] = 0;
     broken_ += 4;
     return true;
   }
@@ -162,10 +162,10 @@ class Lattice {
 
  private:
   std::size_t index(int r, int c) const { return static_cast<std::size_t>(r * columns_ + c); }
+  std::size_t quad_index(int r, int c) const { return static_cast<std::size_t>(r * (columns_ - 1) + c); }
   const Vec2& node(int r, int c) const { return nodes_[index(r, c)]; }
   bool quad(int r, int c) const {
-    return r >= 0 && c >= 0 && r + 1 < rows_ && c + 1 < columns_ &&
-           quads_[static_cast<std::size_t>(r * (columns_ - 1) + c)] != 0;
+    return r >= 0 && c >= 0 && r + 1 < rows_ && c + 1 < columns_ && quads_[quad_index(r, c)] != 0;
   }
   int quads_around(int r, int c) const { return quad(r - 1, c - 1) + quad(r - 1, c) + quad(r, c - 1) + quad(r, c); }
   /// A link lives as long as one of its two squares does.

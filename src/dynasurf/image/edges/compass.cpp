@@ -270,6 +270,7 @@ class Operator {
     alignas(64) std::array<float, lanes> work{};
     for (std::size_t i = 0; i + 1 < count; ++i)
       for (std::size_t j = i + 1; j < count; ++j) {
+        // NOLINTNEXTLINE(bugprone-incorrect-roundings): values ascend, and std::lround is a call.
         const float d = distance_[static_cast<std::size_t>(book.value[j] - book.value[i] + 0.5)];
         move_between(&below_a[i], &below_a[j], &below_b[i], &below_b[j], d / 4, work);
       }

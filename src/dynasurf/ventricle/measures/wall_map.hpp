@@ -18,9 +18,9 @@ struct PolarGrid {
     return static_cast<std::size_t>(ring) * static_cast<std::size_t>(sectors) + static_cast<std::size_t>(sector);
   }
   PolarPoint point(std::size_t index) const {
-    const auto ring = static_cast<double>(index / static_cast<std::size_t>(sectors));
-    const auto sector = static_cast<double>(index % static_cast<std::size_t>(sectors));
-    return {(ring + 0.5) / rings, (sector + 0.5) * 360 / sectors};
+    const std::size_t ring = index / static_cast<std::size_t>(sectors);
+    const std::size_t sector = index % static_cast<std::size_t>(sectors);
+    return {(static_cast<double>(ring) + 0.5) / rings, (static_cast<double>(sector) + 0.5) * 360 / sectors};
   }
 };
 
