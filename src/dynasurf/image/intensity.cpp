@@ -98,15 +98,20 @@ Image cut_property(Image image, const PropertyCut& cut) {
 }
 
 Image prepare(Image image, const Preparation& o) {
-  if (o.cut_radius_px)
-    image = cut_property(std::move(image), {.x_px = o.cut_x_px.value_or((image.grid.dims[0] - 1) / 2.0),
-                                            .y_px = o.cut_y_px.value_or((image.grid.dims[1] - 1) / 2.0),
-                                            .radius_px = *o.cut_radius_px,
-                                            .soft = o.soft_cut});
+  if (o.cut_radius_px) {
+    const PropertyCut cut{.x_px = o.cut_x_px.value_or((image.grid.dims[0] - 1) / 2.0),
+                          .y_px = o.cut_y_px.value_or((image.grid.dims[1] - 1) / 2.0),
+                          .radius_px = *o.cut_radius_px,
+                          .soft = o.soft_cut};
+    image = cut_property(std::move(image), cut);
+  }
   if (o.doubling != Preparation::Doubling::none)
     image = double_resolution(image,
                               o.doubling == Preparation::Doubling::three ? DoublingMask::three : DoublingMask::single);
-  if (o.threshold) image = threshold_at(std::move(image), *o.threshold * largest(image));
+  if (o.threshold) {
+    const auto level = *o.threshold * largest(image);
+    image = threshold_at(std::move(image), level);
+  }
   return image;
 }
 

@@ -142,7 +142,7 @@ void create_parent(const fs::path& destination) {
 
 }  // namespace
 
-OutputFile::OutputFile(std::filesystem::path destination) : destination_(resolved(destination)) {
+OutputFile::OutputFile(const std::filesystem::path& destination) : destination_(resolved(destination)) {
   std::error_code ignored;
   if (fs::is_directory(destination_, ignored))
     throw IoError(destination_.string() + ": is a folder; expected the name of a file");
@@ -173,7 +173,7 @@ void write_file(const std::filesystem::path& path, std::string_view content) {
   output.publish();
 }
 
-OutputFolder::OutputFolder(std::filesystem::path destination, bool overwrite_any)
+OutputFolder::OutputFolder(const std::filesystem::path& destination, bool overwrite_any)
     : destination_(resolved(destination)) {
   create_parent(destination_);
   clean_up_after_dead_processes(destination_);

@@ -15,7 +15,7 @@ void write_file(const std::filesystem::path& path, std::string_view content);
 /// Leftovers of processes that died in mid-write are removed. Throws IoError.
 class OutputFile {
  public:
-  explicit OutputFile(std::filesystem::path destination);
+  explicit OutputFile(const std::filesystem::path& destination);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -36,7 +36,7 @@ class OutputFile {
 /// is set; else the constructor throws IoError.
 class OutputFolder {
  public:
-  explicit OutputFolder(std::filesystem::path destination, bool overwrite_any = false);
+  explicit OutputFolder(const std::filesystem::path& destination, bool overwrite_any = false);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -64,7 +65,7 @@ PointCloud decode_cloud(const MeshFile& file, CloudSource& source, Notes& notes)
 
 /// A colour of a file, 0 to `full`, as a byte. Precondition: it is in this range.
 inline std::uint8_t colour_byte(double value, double full) {
-  return static_cast<std::uint8_t>(value / full * 255 + 0.5);
+  return static_cast<std::uint8_t>(std::lround(value / full * 255));
 }
 
 /// Throws InputError unless the mesh has triangles, indices in range and finite vertices, or OptionError when a scalar

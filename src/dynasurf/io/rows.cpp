@@ -169,9 +169,8 @@ Columns guessed_columns(TextReader text, char separator, bool normals_first) {
   }
   const auto group = [](std::size_t first) { return std::array<std::size_t, 3>{first, first + 1, first + 2}; };
   const auto place = [&](std::size_t first) {
-    if (normals_first && first == 3)
-      columns.normal = group(first);
-    else if (guesses[first].unit && !columns.has(columns.normal))
+    const bool unit = guesses[first].unit && !columns.has(columns.normal);
+    if (unit || (normals_first && first == 3))
       columns.normal = group(first);
     else if (guesses[first].bytes && !columns.has(columns.colour))
       columns.colour = group(first);
