@@ -3,17 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <sstream>
 
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/dynamics/border_path.hpp"
+#include "dynasurf/dynamics/border_stop.hpp"
 #include "dynasurf/dynamics/coupled_motion.hpp"
+#include "dynasurf/dynamics/distance_history.hpp"
 #include "dynasurf/dynamics/field_force.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
+#include "dynasurf/dynamics/rest_watch.hpp"
 #include "dynasurf/dynamics/solvers/solver.hpp"
-#include "dynasurf/mesh/border_distance.hpp"
+#include "dynasurf/dynamics/step_plan.hpp"
 
 namespace dynasurf {
 namespace {
@@ -23,70 +24,10 @@ constexpr std::array<std::string_view, 4> kStopReasons{"all_stopped", "at_rest",
 
 constexpr std::size_t kGrain = 1024;     // particles of one parallel piece
 constexpr std::size_t kBatch = 64;       // particles advanced together: their state and scratch stay in the cache
-constexpr double kShareOfLimit = 0.8;    // of the largest stable step
-constexpr double kVoxelsPerStep = 0.3;   // the automatic step keeps the steady speed below this
 constexpr double kFastParticle = 0.5;    // voxels per step worth a note (A.4)
-constexpr double kRunaway = 100;         // times the fastest speed the field can give
 constexpr double kFarthestVoxel = 1e6;   // where a start may lie
 constexpr int kStepsBetweenChecks = 64;  // for a request to stop
 constexpr int kStepsBetweenLimits = 16;  // of a coupled run: its forces stiffen as the mesh shrinks
-
-/// The room of the particles: the cells of the grid and the box of the start. Who starts outside the grid may come in
-/// from there, but nobody can leave.
-struct Room {
-  Vec3 low, high;
-  double diagonal_mm() const { return (high - low).norm(); }
-};
-
-Room room_of(const Grid& grid, const TriMesh& start) {
-  Room room{-grid.spacing / 2, Vec3(grid.dims[0] - 0.5, grid.dims[1] - 0.5, grid.dims[2] - 0.5)};
-  room.high = room.high.cwiseProduct(grid.spacing);
-  for (const Vec3& p : start.vertices) {
-    room.low = room.low.cwiseMin(p);
-    room.high = room.high.cwiseMax(p);
-  }
-  return room;
-}
-
-/// What follows from the options before the first step.
-struct Plan {
-  double mass_kg = 0;  // of one particle
-  double fastest = 0;  // bound of the speed that the field can give, mm/s
-  double limit_s = 0, automatic_s = 0, step_s = 0;
-  double runaway = 0;   // faster is a blow-up, mm/s
-  double rest_mm = 0;   // who moves less in a step is at rest
-  double stray_mm = 0;  // and who strays no farther in so many steps
-  int stray_steps = 0;
-};
-
-/// `drag` is the least anywhere, `limit_s` the largest stable step of what moves the particles.
-Plan make_plan(const Evolution& o, std::size_t particles, double pull, double drag, double limit_s, bool is_coupled,
-               const Room& room, double smallest_spacing_mm) {
-  Plan plan;
-  plan.mass_kg = o.mass_kg / static_cast<double>(particles);
-  // Falling all through the room, or the steady speed at which the drag balances the field.
-  plan.fastest = std::sqrt(2 * o.force.strength * pull / plan.mass_kg * room.diagonal_mm());
-  if (drag > 0) plan.fastest = std::min(plan.fastest, o.force.strength * pull / drag);
-  plan.limit_s = limit_s;
-  const double by_speed =
-      plan.fastest > 0 ? kVoxelsPerStep * smallest_spacing_mm / plan.fastest : std::numeric_limits<double>::infinity();
-  plan.automatic_s = std::min(kShareOfLimit * plan.limit_s, by_speed);
-  if (!std::isfinite(plan.automatic_s)) plan.automatic_s = 1;  // no field, no drag: nothing moves
-  if (plan.automatic_s <= 0 && o.step_s <= 0)
-    throw OptionError("option evolve.solver is euler; expected another one, or drag: without, every step grows");
-  plan.step_s = o.step_s > 0 ? o.step_s : plan.automatic_s;
-  if (plan.automatic_s <= 0) plan.automatic_s = plan.step_s;
-  plan.runaway = kRunaway * plan.fastest;
-  // Internal forces may be faster than the field; nothing sound crosses the room in a step.
-  if (is_coupled) plan.runaway = std::max(plan.runaway, room.diagonal_mm() / plan.step_s);
-  // In a shorter step a particle covers less ground without being nearer to rest. Internal forces may need a step so
-  // short that it tells nothing of the speed of the field: there, the field's own step is the measure.
-  const double usual_s = is_coupled && std::isfinite(by_speed) ? by_speed : plan.automatic_s;
-  plan.rest_mm = o.end.still_move * smallest_spacing_mm * std::min(1.0, plan.step_s / usual_s);
-  plan.stray_mm = o.end.still_radius * smallest_spacing_mm;
-  plan.stray_steps = static_cast<int>(std::min(plan.stray_mm / plan.rest_mm, 1e9));
-  return plan;
-}
 
 void check_inputs(const TriMesh& start, const VectorField& field, const Image& border) {
   if (start.vertices.empty()) throw InputError("evolve: the start mesh has no vertices; expected at least one");
@@ -139,12 +80,6 @@ std::vector<Force> all_forces(const TriMesh& start, const VectorField& field, co
   return forces;
 }
 
-/// Where a particle was when it last left the neighbourhood of such a place.
-struct Anchor {
-  Vec3 place;
-  int step = 0;
-};
-
 /// What one piece of the particles reports of a step.
 struct StepReport {
   double speed = 0;           // largest, mm/s
@@ -165,12 +100,11 @@ class Run {
         pull_(checked_pull(field)),
         drag_(drag_of(field, border, options, own)),
         coupled_(couple(start, field)),
-        plan_(make_plan(options, start.vertices.size(), pull_, drag_.least, stable_step_s(start.vertices.size()),
-                        coupled_.has_value(), room_, smallest_spacing_)),
+        plan_(plan_steps(options, start.vertices.size(), pace(start.vertices.size()), room_, smallest_spacing_)),
         motion_(free_motion(field, options.force, plan_.mass_kg, drag_.map ? &*drag_.map : nullptr)),
-        path_(border),
-        planes_(planes),
-        rings_(vertex_rings(start)) {
+        stop_(border, options.stop, planes, own.stop),
+        rings_(vertex_rings(start)),
+        rest_(start.vertices) {
     const std::size_t n = start.vertices.size();
     result_.mesh = start;
     result_.step_s = plan_.step_s;
@@ -178,16 +112,12 @@ class Run {
     state_.assign(6 * n, 0.0);
     before_.resize(n);
     hit_.resize(n);
-    for (const Vec3& p : start.vertices) anchor_.push_back({p, 0});
     moving_.resize(n);
     for (std::uint32_t v = 0; v < n; ++v) {
       moving_[v] = v;
       for (std::size_t a = 0; a < 3; ++a) state_[6 * v + a] = start.vertices[v][static_cast<Eigen::Index>(a)];
     }
-    if (options.histories) {
-      to_border_.emplace(border);
-      bucket_.assign(n, 3);
-    }
+    if (options.histories) history_.emplace(border, n);
   }
 
   EvolutionResult operator()(const Progress& progress) {
@@ -208,7 +138,10 @@ class Run {
         follow_smoothing();
         retire_stopped();
       }
-      if (options_.histories) record_distances();
+      if (history_) {
+        result_.histories.push_back(history_->count(result_.mesh.vertices, moving_, newly_stopped_));
+        newly_stopped_.clear();
+      }
       if (moving_.empty()) {
         result_.reason = StopReason::all_stopped;
         break;
@@ -238,16 +171,16 @@ class Run {
   /// Shortens an automatic step that the mesh has outgrown.
   void keep_step_stable() {
     if (!coupled_ || options_.step_s > 0 || !std::isfinite(plan_.limit_s)) return;
-    const double longest = kShareOfLimit * coupled_->limit(drag_.least).step_s;
+    const double longest = longest_stable_s(coupled_->limit(drag_.least).step_s);
     if (longest >= plan_.step_s || !(longest > 0)) return;
-    plan_.rest_mm *= longest / plan_.step_s;
-    plan_.stray_steps = static_cast<int>(std::min(plan_.stray_mm / plan_.rest_mm, 1e9));
-    plan_.step_s = result_.step_s = longest;
+    plan_.shorten(longest);
+    result_.step_s = longest;
   }
 
-  double stable_step_s(std::size_t particles) {
-    if (coupled_) return coupled_->limit(drag_.least).step_s;
-    return step_limit_s(options_.solver, options_.mass_kg, particles, drag_.most);
+  Pace pace(std::size_t particles) {
+    const double limit_s = coupled_ ? coupled_->limit(drag_.least).step_s
+                                    : step_limit_s(options_.solver, options_.mass_kg, particles, drag_.most);
+    return {pull_, drag_.least, limit_s, coupled_.has_value()};
   }
 
   /// One step of the solver for all moving particles, and STOP-VOXEL on their paths. False, with the mesh as it was
@@ -304,35 +237,12 @@ class Run {
     }
   }
 
-  /// Moves `to` where the caller's stop or STOP-VOXEL, whichever comes first, holds a particle on its way from `from`;
-  /// 1 when one does, else 0.
+  /// Ends the way at a stop on it; 1 when there is one, else 0.
   template <class Point>
   std::uint8_t stop_on_path(const Vec3& step_begin, const Vec3& from, Point& to) const {
-    std::uint8_t stopped = 0;
-    if (own_.stop) {
-      if (const std::optional<Vec3> point = own_.stop(from, to)) {
-        to = *point;
-        stopped = 1;
-      }
-    }
-    if (!options_.stop.enabled) return stopped;
-    const std::optional<BorderHit> hit = path_.first_hit(from, to);
-    if (!hit) return stopped;
-    switch (options_.stop.point) {
-      case StopPoint::entry:
-        to = hit->entry;
-        break;
-      case StopPoint::centre:
-        to = centre_of(grid_, hit->voxel);
-        break;
-      case StopPoint::backtrack:
-        to = step_begin;
-        break;
-      case StopPoint::subvoxel:
-        to = meeting_point(grid_, planes_, *hit, to - from);
-        break;
-    }
-    return 1;
+    const std::optional<Vec3> held = stop_.on_path(step_begin, from, to);
+    if (held) to = *held;
+    return held ? 1 : 0;
   }
 
   /// Smoothing is a part of the motion: a particle that it would push through the border stops there as well.
@@ -354,13 +264,12 @@ class Run {
       const std::uint32_t v = moving_[s];
       if (hit_[s] != 0) {
         result_.stopped[v] = 1;
-        if (options_.histories) newly_stopped_.push_back(v);
+        if (history_) newly_stopped_.push_back(v);
         continue;
       }
       if (kept != s) {
         moving_[kept] = v;
         before_[kept] = before_[s];
-        anchor_[kept] = anchor_[s];
         std::copy_n(&state_[6 * s], 6, &state_[6 * kept]);
       }
       ++kept;
@@ -370,29 +279,8 @@ class Run {
 
   /// Stopped particles are at rest, too.
   std::size_t count_at_rest() {
-    std::size_t count = result_.stopped.size() - moving_.size();
-    for (std::size_t s = 0; s < moving_.size(); ++s) {
-      const Vec3& position = result_.mesh.vertices[moving_[s]];
-      if ((position - anchor_[s].place).squaredNorm() > plan_.stray_mm * plan_.stray_mm)
-        anchor_[s] = {position, result_.steps};
-      const bool is_slow = (position - before_[s]).squaredNorm() < plan_.rest_mm * plan_.rest_mm;
-      if (is_slow || (plan_.stray_steps > 0 && result_.steps - anchor_[s].step >= plan_.stray_steps)) ++count;
-    }
-    return count;
-  }
-
-  void record_distances() {
-    const auto bucket_of = [&](std::uint32_t v) {
-      const double d = to_border_->voxels(result_.mesh.vertices[v], 3);
-      return static_cast<std::uint8_t>(d < 3 ? static_cast<int>(d) : 3);
-    };
-    for (const std::uint32_t v : newly_stopped_) bucket_[v] = bucket_of(v);
-    newly_stopped_.clear();
-    for (const std::uint32_t v : moving_) bucket_[v] = bucket_of(v);
-    std::array<int, 4> count{};
-    for (const std::uint8_t b : bucket_) ++count[b];
-    // "Nearer than 2" includes those nearer than 1.
-    result_.histories.push_back({count[0], count[0] + count[1], count[0] + count[1] + count[2], count[3]});
+    return result_.stopped.size() - moving_.size() +
+           rest_.count(moving_, result_.mesh.vertices, before_, result_.steps, plan_);
   }
 
   EvolutionResult finish() {
@@ -419,34 +307,22 @@ class Run {
       note(Severity::warning, "evolve.step_above_limit", [&](auto& text) {
         text << "the time step " << plan_.step_s << " s is above the stable limit " << plan_.limit_s << " s";
       });
-    result_.step_explained = explained_step();
+    result_.step_explained = explain_step(plan_, options_.step_s > 0, limit_in_words());
     // Where the drag alone bounds the step, it is that of table 4.2; other limits are worth a remark.
     if (coupled_ && options_.step_s <= 0)
       note(Severity::info, "evolve.step_chosen",
            [&](auto& text) { text << "the time step is " << plan_.step_s << " s: " << result_.step_explained; });
   }
 
-  /// ODE-LIMIT in words.
-  std::string explained_step() {
+  /// What the largest stable step comes from.
+  std::string limit_in_words() {
     std::ostringstream text;
-    if (options_.step_s > 0) {
-      text << "given";
-      if (std::isfinite(plan_.limit_s)) text << "; stable are up to " << plan_.limit_s << " s";
-    } else if (plan_.step_s < kShareOfLimit * plan_.limit_s) {
-      text << "the field moves no particle more than " << kVoxelsPerStep << " voxels in it";
-      if (std::isfinite(plan_.limit_s))
-        text << "; stable are up to " << plan_.limit_s << " s";
-      else
-        text << "; the solver itself sets no limit";
+    if (coupled_) {
+      const Fastest modes = coupled_->limit(drag_.least).modes;
+      if (modes.stiffness > 0) text << "the stiffest motion (" << std::sqrt(modes.stiffness) << " rad/s) and ";
+      text << "the strongest damping (" << modes.damping << " 1/s)";
     } else {
-      text << kShareOfLimit << " of the largest stable one, " << plan_.limit_s << " s, set by ";
-      if (coupled_) {
-        const Fastest modes = coupled_->limit(drag_.least).modes;
-        if (modes.stiffness > 0) text << "the stiffest motion (" << std::sqrt(modes.stiffness) << " rad/s) and ";
-        text << "the strongest damping (" << modes.damping << " 1/s)";
-      } else {
-        text << "the drag of " << drag_.most << " kg/s on particles of " << plan_.mass_kg << " kg";
-      }
+      text << "the drag of " << drag_.most << " kg/s on particles of " << plan_.mass_kg << " kg";
     }
     return text.str();
   }
@@ -474,22 +350,20 @@ class Run {
   const double pull_;
   const Drag drag_;
   std::optional<CoupledMotion> coupled_;
-  Plan plan_;
+  StepPlan plan_;
   const Derivative motion_;
-  const BorderPath path_;
-  const BorderPlanes* const planes_;
+  const BorderStop stop_;
   const VertexRings rings_;
-  std::optional<BorderDistance> to_border_;
+  RestWatch rest_;
+  std::optional<DistanceHistory> history_;
   EvolutionResult result_;
 
   std::vector<std::uint32_t> moving_;  // vertices that move, ascending; the arrays below are parallel to it
   std::vector<double> state_;          // x, y, z, vx, vy, vz
   std::vector<Vec3> before_;           // positions before the step
-  std::vector<Anchor> anchor_;
-  std::vector<std::uint8_t> hit_;  // met the border in this step
+  std::vector<std::uint8_t> hit_;      // met the border in this step
   std::vector<StepReport> reports_;
   std::vector<std::uint32_t> newly_stopped_;
-  std::vector<std::uint8_t> bucket_;  // whole voxels from the border, at most 3; per vertex
   double fastest_step_squared_ = 0;
   int fastest_step_ = 0;
 };

@@ -118,13 +118,15 @@ struct EvolutionResult {
   Notes notes;  // "evolve.step_chosen", ".step_above_limit", ".fast_particle", ".unsolved_steps", ".diverged"
 };
 
+/// Where a particle on its way between two points (grid frame) stops for good; nothing: it goes on. Asked before the
+/// border, from several threads at once.
+using OwnStop = std::function<std::optional<Vec3>(const Vec3& from, const Vec3& to)>;
+
 /// What a caller adds to a run of his own.
 struct Additions {
   /// Act next to those of the model. Without a jacobian, implicit solvers take a force as constant within a step.
   std::vector<Force> forces = {};
-  /// Where a particle on its way between two points (grid frame) stops for good; nothing: it goes on. Asked before the
-  /// border, from several threads at once.
-  std::function<std::optional<Vec3>(const Vec3& from, const Vec3& to)> stop = {};
+  OwnStop stop = {};
   /// Drag of every voxel in kg/s, on the field's grid, in place of `Evolution::damping` (see drag_by_intensity).
   std::optional<Image> drag = {};
 };
