@@ -78,15 +78,6 @@ TEST(RayTree, RunsAlongTheFacesOfABox) {
     }
 }
 
-TEST(RayTree, KnowsTheNearestPoint) {
-  const RayTree cube(cube_surface(3));
-  EXPECT_DOUBLE_EQ(cube.distance_to({3, 0.2, 0.1}), 2);             // a face
-  EXPECT_DOUBLE_EQ(cube.distance_to({4, 5, 0}), 5);                 // an edge
-  EXPECT_NEAR(cube.distance_to({2, 2, 2}), std::sqrt(3.0), 1e-12);  // a corner
-  EXPECT_DOUBLE_EQ(cube.distance_to({0.4, 0, 0}), 0.6);             // from inside
-  EXPECT_TRUE(std::isinf(RayTree(TriMesh{}).distance_to(Vec3::Zero())));
-}
-
 TEST(NormalsOfVertices, PointOutOfASphere) {
   const TriMesh mesh = icosphere(3);
   const std::vector<Vec3> normals = normals_of_vertices(mesh);

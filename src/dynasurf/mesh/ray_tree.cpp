@@ -26,32 +26,6 @@ bool crosses(const Vec3& low, const Vec3& high, const Vec3& origin, const Vec3& 
   return nearest <= farthest * (1 + 1e-12) + 1e-12;
 }
 
-double squared_distance_to_box(const Vec3& low, const Vec3& high, const Vec3& p) {
-  return (p - p.cwiseMax(low).cwiseMin(high)).squaredNorm();
-}
-
-/// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5): by the region the point projects into.
-Vec3 nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0) return a;
-  const Vec3 bp = p - b;
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0 && d4 <= d3) return b;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 - d3 > 0) return a + d1 / (d1 - d3) * ab;
-  const Vec3 cp = p - c;
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0 && d5 <= d6) return c;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 - d6 > 0) return a + d2 / (d2 - d6) * ac;
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0 && (d4 - d3) + (d5 - d6) > 0)
-    return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
-  const double sum = va + vb + vc;
-  return sum > 0 ? Vec3(a + vb / sum * ab + vc / sum * ac) : a;
-}
-
 }  // namespace
 
 RayTree::RayTree(const TriMesh& mesh) {
@@ -118,23 +92,6 @@ std::optional<RayHit> RayTree::first_hit(const Vec3& origin, const Vec3& directi
     ++n;
   }
   return best;
-}
-
-double RayTree::distance_to(const Vec3& point) const {
-  double best = std::numeric_limits<double>::infinity();
-  for (std::uint32_t n = 0; n < nodes_.size();) {
-    const Node& node = nodes_[n];
-    if (squared_distance_to_box(node.box.low, node.box.high, point) >= best) {
-      n = node.end;
-      continue;
-    }
-    if (node.is_leaf)
-      for (std::uint32_t i = node.first; i < node.last; ++i)
-        best = std::min(
-            best, (point - nearest_on_triangle(point, corners_[i].a, corners_[i].b, corners_[i].c)).squaredNorm());
-    ++n;
-  }
-  return std::sqrt(best);
 }
 
 std::vector<Vec3> normals_of_vertices(const TriMesh& mesh, const std::vector<bool>& counts) {

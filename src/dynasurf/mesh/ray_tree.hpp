@@ -16,8 +16,8 @@ struct RayHit {
   bool from_behind = false;  // the ray leaves the surface there: it runs along the triangle's normal
 };
 
-/// A bounding-box tree over the triangles of a mesh, for rays and nearest points. Keeps the corners, not the mesh.
-/// Building it costs O(n log n), a question about O(log n).
+/// A bounding-box tree over the triangles of a mesh, for rays (nearest points: closest_point.hpp). Keeps the corners,
+/// not the mesh. Building it costs O(n log n), a question about O(log n).
 class RayTree {
  public:
   explicit RayTree(const TriMesh& mesh);
@@ -26,9 +26,6 @@ class RayTree {
   /// their triangles, so a closed surface has no gaps. `direction` must be a unit vector. Flat triangles are not hit.
   std::optional<RayHit> first_hit(const Vec3& origin, const Vec3& direction, double nearest = 0,
                                   double farthest = std::numeric_limits<double>::infinity()) const;
-
-  /// Distance to the nearest point of the surface; infinity for a mesh without triangles.
-  double distance_to(const Vec3& point) const;
 
  private:
   struct Box {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/ray_tree.hpp"
 
 namespace dynasurf {
@@ -35,11 +36,22 @@ std::vector<double> areas_of_vertices(const TriMesh& mesh, const std::vector<boo
   return areas;
 }
 
-/// From the vertices of `mesh` to `other`. `outwards`: +1 from endo to epi, -1 from epi to endo.
-VertexThickness thickness_from(const TriMesh& mesh, const std::vector<bool>& is_wall, const RayTree& other,
-                               const std::vector<bool>& other_is_wall, const HeartAxes& axes, double outwards,
+/// One surface of the wall, ready to be asked from the other.
+struct Side {
+  const TriMesh& mesh;
+  std::vector<bool> is_wall;
+  RayTree rays;
+  ClosestPoint nearest;
+
+  Side(const TriMesh& surface, const HeartAxes& axes)
+      : mesh(surface), is_wall(wall_triangles(surface, axes)), rays(surface), nearest(surface) {}
+};
+
+/// From the vertices of one side to the other. `outwards`: +1 from endo to epi, -1 from epi to endo.
+VertexThickness thickness_from(const Side& side, const Side& other, const HeartAxes& axes, double outwards,
                                double lid_mm, double reach_mm) {
-  const std::vector<Vec3> normals = normals_of_vertices(mesh, is_wall);
+  const TriMesh& mesh = side.mesh;
+  const std::vector<Vec3> normals = normals_of_vertices(mesh, side.is_wall);
   const std::size_t count = mesh.vertices.size();
   VertexThickness result{std::vector<double>(count, 0.0), std::vector<ThicknessSource>(count, ThicknessSource::lid)};
   parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
@@ -47,16 +59,16 @@ VertexThickness thickness_from(const TriMesh& mesh, const std::vector<bool>& is_
       const Vec3& p = mesh.vertices[v];
       if (axes.above_base(p) > -lid_mm || normals[v].isZero()) continue;
       const Vec3 direction = outwards * normals[v];
-      const auto hit = other.first_hit(p, direction, 0, reach_mm);
+      const auto hit = other.rays.first_hit(p, direction, 0, reach_mm);
       // From between the surfaces the epicardium is met from behind and the endocardium from in front.
-      if (hit && other_is_wall[hit->triangle] && hit->from_behind == (outwards > 0)) {
+      if (hit && other.is_wall[hit->triangle] && hit->from_behind == (outwards > 0)) {
         result.mm[v] = hit->distance, result.source[v] = ThicknessSource::ray;
         continue;
       }
-      const double nearest = other.distance_to(p);
+      const double nearest = std::sqrt(other.nearest(p).distance2);
       // A vertex beyond the other surface has it at its back, from the wrong side.
-      const auto back = other.first_hit(p, -direction, 0, reach_mm);
-      const bool is_crossing = back && other_is_wall[back->triangle] && back->from_behind != (outwards > 0);
+      const auto back = other.rays.first_hit(p, -direction, 0, reach_mm);
+      const bool is_crossing = back && other.is_wall[back->triangle] && back->from_behind != (outwards > 0);
       result.mm[v] = is_crossing ? -nearest : nearest;
       result.source[v] = is_crossing ? ThicknessSource::crossing : ThicknessSource::nearest;
     }
@@ -100,12 +112,11 @@ std::optional<ThicknessSummary> summarise(const WallThickness& wall, const std::
 
 WallThickness wall_thickness(const TriMesh& endo, const TriMesh& epi, const HeartAxes& axes, double lid_mm,
                              double reach_mm) {
-  const RayTree endo_tree(endo), epi_tree(epi);
-  const std::vector<bool> endo_wall = wall_triangles(endo, axes), epi_wall = wall_triangles(epi, axes);
+  const Side inner(endo, axes), outer(epi, axes);
   WallThickness wall;
-  wall.endo = thickness_from(endo, endo_wall, epi_tree, epi_wall, axes, 1, lid_mm, reach_mm);
-  wall.epi = thickness_from(epi, epi_wall, endo_tree, endo_wall, axes, -1, lid_mm, reach_mm);
-  wall.summary = summarise(wall, areas_of_vertices(endo, endo_wall), areas_of_vertices(epi, epi_wall));
+  wall.endo = thickness_from(inner, outer, axes, 1, lid_mm, reach_mm);
+  wall.epi = thickness_from(outer, inner, axes, -1, lid_mm, reach_mm);
+  wall.summary = summarise(wall, areas_of_vertices(endo, inner.is_wall), areas_of_vertices(epi, outer.is_wall));
   return wall;
 }
 
