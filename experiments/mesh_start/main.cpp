@@ -14,6 +14,7 @@
 #include "dynasurf/synthetic/voxel_truth.hpp"
 
 #include "../support/hebron.hpp"
+#include "../support/run_file.hpp"
 
 using namespace dynasurf;
 using namespace dynasurf::experiments;
@@ -28,77 +29,48 @@ void head(const char* title, const char* first) {
       title, first);
 }
 
-void row(const std::string& name, const TriMesh& mesh, const Image& border) {
+void print_row(const std::string& name, const TriMesh& mesh, const Image& border) {
   const TriangleQuality q = triangle_quality(mesh);
   std::printf("| %s | %zu | %zu | %.2f / %.2f | %.2f / %.2f | %.4f / %.4f | %.3f | %.1f %% | %.1f |\n", name.c_str(),
               mesh.vertices.size(), mesh.triangles.size(), q.area_mean, q.d_mean, q.area_max, q.d_max, q.area_min,
               q.d_min, q.shape_min, near_percent(mesh, border), volume_mm3(mesh) / 1000);
 }
 
-TriMesh evolved(const TriMesh& start, const Image& border, const Evolution& how) {
-  return evolve(start, field_of(border), border, how).mesh;
+TriMesh evolved(const MeshRun& run, const Image& border) {
+  return evolve(start_of(run, border), field_of(border), border, run.evolution).mesh;
 }
 
-void before_and_after() {
+void before_and_after(const RunFile& file) {
   head("Tables 5.2 and 5.3: before and after, free model, outer wall", "mesh");
-  for (const int level : {2, 3, 4}) {
-    TriMesh mesh = place(icosphere(level), outer_border(), {});
-    const std::string name = "mesh " + std::to_string(level - 1);
-    row(name + " before", mesh, outer_border());
-    mesh = evolved(mesh, outer_border(), {});
-    row(name + " after", mesh, outer_border());
+  for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Tables 5.2 and 5.3")) {
+    print_row(row.name + " before", start_of(row.options, outer_border()), outer_border());
+    TriMesh mesh = evolved(row.options, outer_border());
+    print_row(row.name + " after", mesh, outer_border());
     tidy(mesh, {});
-    row(name + " after and tidied", mesh, outer_border());
+    print_row(row.name + " after and tidied", mesh, outer_border());
   }
 }
 
-void by_model() {
+void by_model(const RunFile& file) {
   head("Table 5.4: by model, 642 vertices", "model");
-  const TriMesh start = place(icosphere(3), outer_border(), {});
-  row("before", start, outer_border());
-  for (const ModelOptions& model : {ModelOptions(SpringModel{}), ModelOptions(FreeModel{}),
-                                    ModelOptions(RestrictedSpringModel{}), ModelOptions(PlainModel{})}) {
-    Evolution how;
-    how.model = model;
-    how.end.max_steps = 4000;
-    row(std::visit([](const auto& m) { return std::string(m.name); }, model), evolved(start, outer_border(), how),
-        outer_border());
-  }
+  print_row("before", start_of({}, outer_border()), outer_border());
+  for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Table 5.4"))
+    print_row(row.name, evolved(row.options, outer_border()), outer_border());
 }
 
-void by_direction() {
-  const Image& inner = inner_border();
+void by_direction(const RunFile& file) {
   head("Table 5.5: outwards and inwards, free model, inner wall", "direction");
-  for (const int level : {2, 3})
-    for (const auto& [direction, scale] :
-         {std::pair(Direction::out_to_in, 1.5), {Direction::in_to_out, 0.3}, {Direction::in_to_out, 0.6}}) {
-      Placement placement;
-      placement.direction = direction;
-      placement.inside_scale = direction == Direction::in_to_out ? scale : placement.inside_scale;
-      char name[40];
-      std::snprintf(name, sizeof name, "%s from %.1f", word_of(direction).data(), scale);
-      row(name, evolved(place(icosphere(level), inner, placement), inner, {}), inner);
-    }
+  for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Table 5.5"))
+    print_row(row.name, evolved(row.options, inner_border()), inner_border());
   std::printf("\nThe cavity of the data holds %.1f mL.\n", voxel_volume_ml(enclosed_cavity(hebron())));
 }
 
-void by_start() {
+void by_start(const RunFile& file) {
   head("Table 5.6: sphere and marching cubes as start, spring model, no stop, no smoothing", "start");
-  for (const StartShape shape : {StartShape::ellipsoid, StartShape::marching_cubes}) {
-    Placement placement;
-    placement.shape = shape;
-    const TriMesh start = start_mesh(outer_border(), 3, placement);
-    Evolution how;
-    SpringModel spring;
-    if (shape == StartShape::marching_cubes) spring.rest_scale = 1;  // it is there already
-    how.model = spring;
-    how.stop.enabled = false;
-    how.smooth_every = 0;
-    how.smooth_after.sweeps = 0;
-    how.step_s = 0.0005;
-    how.end.max_steps = 4000;
-    row(std::string(word_of(shape)) + " before", start, outer_border());
-    row(std::string(word_of(shape)) + " after", evolved(start, outer_border(), how), outer_border());
+  for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Table 5.6")) {
+    print_row(row.name + " before", start_of(row.options, outer_border()), outer_border());
+    print_row(row.name + " after (published " + row.published + ")", evolved(row.options, outer_border()),
+              outer_border());
   }
   std::printf(
       "\nThe grey phantom by marching cubes, without filling:\n\n| level | components | Euler | triangles | "
@@ -112,26 +84,30 @@ void by_start() {
   }
 }
 
-void across_a_gap() {
+void across_a_gap(const RunFile& file) {
   static const Image image = make_phantom(Gap{}).study.gates.front();
   static const Image border = external_border(image, 0.2, 35);
   const float max = *std::max_element(image.values.begin(), image.values.end());
   const Topology cubes = topology(marching_cubes(image, 0.5 * max));
-  const TriMesh ours = evolved(place(icosphere(3), border, {}), border, {});
-  std::printf(
-      "\n## Fig 5.8: a phantom without its middle third\n\nMarching cubes gives %d components. The deformable "
-      "surface is %d, of %.1f mL; of the whole phantom it is %.1f mL.\n",
-      cubes.components, topology(ours).components, volume_mm3(ours) / 1000,
-      volume_mm3(evolved(place(icosphere(3), outer_border(), {}), outer_border(), {})) / 1000);
+  for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Fig 5.8")) {
+    const TriMesh ours = evolved(row.options, border);
+    std::printf(
+        "\n## Fig 5.8: a phantom without its middle third\n\nMarching cubes gives %d components. The deformable "
+        "surface (%s) is %d, of %.1f mL; of the whole phantom it is %.1f mL.\n",
+        cubes.components, row.name.c_str(), topology(ours).components, volume_mm3(ours) / 1000,
+        volume_mm3(evolved(row.options, outer_border())) / 1000);
+  }
+}
+
+void print(const RunFile& file) {
+  std::printf("Areas in mm2, d = area / longest edge in mm. PH-HEBRON, default options of 0.1.0.\n");
+  before_and_after(file);
+  by_model(file);
+  by_direction(file);
+  by_start(file);
+  across_a_gap(file);
 }
 
 }  // namespace
 
-int main() {
-  std::printf("# Results\n\nAreas in mm2, d = area / longest edge in mm. PH-HEBRON, default options of 0.1.0.\n");
-  before_and_after();
-  by_model();
-  by_direction();
-  by_start();
-  across_a_gap();
-}
+int main(int count, char** arguments) { return run_tables(count, arguments, print); }

@@ -7,13 +7,12 @@
 #include "dynasurf/mesh/shapes.hpp"
 
 #include "../support/hebron.hpp"
+#include "../support/run_file.hpp"
 
 using namespace dynasurf;
 using namespace dynasurf::experiments;
 
 namespace {
-
-constexpr int level = 3;  // 642 vertices
 
 /// Root mean square distance to the border, voxels.
 double rms_voxels(const TriMesh& mesh) {
@@ -31,11 +30,7 @@ struct Late {
   int steps = 0;
 };
 
-Late late(Evolution how) {
-  how.smooth_after.sweeps = 0;
-  how.histories = true;
-  how.end.still_share = 1;
-  how.end.still_radius = 0;  // who swings is not at rest
+Late late(const MeshRun& run) {
   // A force that only looks: it is asked at every stage of every step.
   std::vector<double> speeds;
   Additions look;
@@ -44,8 +39,8 @@ Late late(Evolution how) {
                            for (const Vec3& v : s.velocities) sum += v.norm();
                            speeds.push_back(sum / static_cast<double>(s.velocities.size()));
                          }});
-  const EvolutionResult r = evolve(place(icosphere(level), outer_border(), {}), field_of(outer_border()),
-                                   outer_border(), how, {}, nullptr, look);
+  const EvolutionResult r =
+      evolve(start_of(run, outer_border()), field_of(outer_border()), outer_border(), run.evolution, {}, nullptr, look);
   Late result;
   result.steps = r.steps;
   result.rms_voxels = rms_voxels(r.mesh);
@@ -61,117 +56,41 @@ Late late(Evolution how) {
   return result;
 }
 
-void print(const char* name, const char* stop, const Late& r, const char* published) {
-  std::printf("| %s | %s | %d | %.1f | %.1f to %.1f | %.2f | %.3f | %s |\n", name, stop, r.steps, r.near_percent,
-              r.least, r.most, r.rms_voxels, r.speed_mm_s, published);
-}
-
-Evolution table_41(ModelOptions model, SolverOptions solver, double step_s) {
-  Evolution how;
-  how.model = model;
-  how.solver = solver;
-  how.step_s = step_s;
-  how.mass_kg = 642;  // E38: with 1 kg in all, an explicit step of 0.05 s is three times too long
-  how.force = {.strength = 25, .drag = 0.25};
-  how.smooth_every = std::holds_alternative<FreeModel>(model) ? 1 : 0;
-  return how;
-}
-
-constexpr const char* head =
-    "| steps | < 1 voxel, % | from, to | rms, voxels | speed, mm/s | published |\n|---|---|---|---|---|---|---|---|\n";
-
-void table_of_models() {
-  std::printf("## Table 4.1\n\n642 vertices of 1 kg, strength 25, drag 0.25; the last of 60 s.\n\n| model | stop %s",
-              head);
-  struct Case {
-    const char *name, *published;
-    Evolution how;
-  };
-  const Case cases[] = {{"plain, dt 0.01", "77", table_41(PlainModel{}, BackwardEuler{}, 0.01)},
-                        {"plain, dt 0.05", "74.5", table_41(PlainModel{}, BackwardEuler{}, 0.05)},
-                        {"spring, dt 0.05", "73.6", table_41(SpringModel{}, Rk4{}, 0.05)},
-                        {"free, dt 0.05", "97", table_41(FreeModel{}, Rk4{}, 0.05)}};
-  for (const Case& c : cases)
-    for (const bool stops : {false, true}) {
-      Evolution how = c.how;
-      how.stop.enabled = stops;
-      how.end.max_steps = static_cast<int>(60 / how.step_s);
-      print(c.name, stops ? "voxel" : "none", late(how), c.published);
-    }
-}
-
-/// Particles of 1 kg in all, as the thesis says elsewhere: explicit solvers take the step that is stable.
-void table_of_light_models() {
-  std::printf("\n## Table 4.1 with 1 kg in all, stop at voxels\n\n| model | stop %s", head);
-  struct Case {
-    const char *name, *published;
-    ModelOptions model;
-    SolverOptions solver;
-    double step_s;
-    int steps;
-  };
-  const Case cases[] = {{"plain, dt 0.01", "77", PlainModel{}, BackwardEuler{}, 0.01, 3000},
-                        {"plain, dt 0.05", "74.5", PlainModel{}, BackwardEuler{}, 0.05, 1200},
-                        {"spring, stable dt", "73.6", SpringModel{}, Rk4{}, 0, 5000},
-                        {"free, stable dt", "97", FreeModel{}, Rk4{}, 0, 5000}};
-  for (const Case& c : cases) {
-    Evolution how = table_41(c.model, c.solver, c.step_s);
-    how.mass_kg = 1;
-    how.end.max_steps = c.steps;
-    print(c.name, "voxel", late(how), c.published);
-  }
-}
-
-void oscillation() {
-  std::printf("\n## Table 6.4: plain model, dt 0.05, no stop\n\n| test: stretch, shear, bend, strength | stop %s",
-              head);
-  struct Case {
-    const char* name;
-    double stretch, shear, bend, strength;
-  };
-  const Case cases[] = {{"A: 10, 0.5, 5, 50", 10, 0.5, 5, 50},
-                        {"B: 10, 0.5, 10, 50", 10, 0.5, 10, 50},
-                        {"C: 20, 0.5, 10, 50", 20, 0.5, 10, 50},
-                        {"D: 10, 2, 10, 50", 10, 2, 10, 50},
-                        {"E: 10, 0.5, 5, 1", 10, 0.5, 5, 1},
-                        {"fig 6.11 left: 1, 0.1, 1, 25", 1, 0.1, 1, 25},
-                        {"fig 6.11 right: 100, 1, 50, 25", 100, 1, 50, 25}};
-  for (const Case& c : cases) {
-    PlainModel plain{c.stretch, c.stretch / 10, c.shear, c.shear / 10, c.bend, c.bend / 10};
-    Evolution how = plain_model();
-    how.model = plain;
-    how.step_s = 0.05;
-    how.force = {.strength = c.strength, .drag = 0.1};
-    how.stop.enabled = false;
-    how.end.max_steps = 400;
-    print(c.name, "none", late(how), c.name[0] == 'f' ? "left nearer to the data" : "goes on swinging");
-  }
-}
-
-void smoothing() {
+void table(const RunFile& file, const std::string& title, const char* what) {
   std::printf(
-      "\n## Table 4.3: smoothing on the way, 162 vertices, dt 0.1\n\n| solver | smoothing | steps until at rest | "
-      "volume, "
-      "mL |\n|---|---|---|---|\n");
-  for (const bool on : {true, false})
-    for (const auto& [name, solver] : {std::pair<const char*, SolverOptions>{"Euler", Euler{}}, {"RK4", Rk4{}}}) {
-      Evolution how;
-      how.solver = solver;
-      how.step_s = 0.1;
-      how.smooth_every = on ? 1 : 0;
-      how.smooth_after.sweeps = 0;
-      const EvolutionResult r =
-          evolve(place(icosphere(2), outer_border(), {}), field_of(outer_border()), outer_border(), how);
-      std::printf("| %s | %s | %d | %.1f |\n", name, on ? "on" : "off", r.steps, volume_mm3(r.mesh) / 1000);
-    }
+      "## %s\n\n%s\n\n| run | steps | < 1 voxel, %% | from, to | rms, voxels | speed, mm/s | published "
+      "|\n|---|---|---|---|---|---|---|\n",
+      title.c_str(), what);
+  for (const Row<MeshRun>& row : rows_of<MeshRun>(file, title)) {
+    const Late r = late(row.options);
+    std::printf("| %s | %d | %.1f | %.1f to %.1f | %.2f | %.3f | %s |\n", row.name.c_str(), r.steps, r.near_percent,
+                r.least, r.most, r.rms_voxels, r.speed_mm_s, row.published.c_str());
+    std::fflush(stdout);
+  }
+  std::printf("\n");
+}
+
+void smoothing(const RunFile& file) {
+  std::printf(
+      "## Table 4.3\n\nSmoothing on the way, 162 vertices, dt 0.1.\n\n| solver | steps until at rest | volume, mL "
+      "|\n|---|---|---|\n");
+  for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Table 4.3")) {
+    const EvolutionResult r =
+        evolve(start_of(row.options, outer_border()), field_of(outer_border()), outer_border(), row.options.evolution);
+    std::printf("| %s | %d | %.1f |\n", row.name.c_str(), r.steps, volume_mm3(r.mesh) / 1000);
+  }
+}
+
+void print(const RunFile& file) {
+  table(file, "Table 4.1, 1 kg each", "642 vertices, strength 25, drag 0.25; the last tenth of 60 s.");
+  table(file, "Table 4.1, 1 kg in all", "Stop at voxels; explicit solvers take the step that is stable.");
+  table(file, "Lengths at rest",
+        "As the first table, dt 0.05, stop at voxels. Lengths at rest as a share of those in a start 1.5 times as "
+        "large as the data.");
+  table(file, "Table 6.4", "Plain model, dt 0.05, no stop. The names tell stretch, shear, bend, strength.");
+  smoothing(file);
 }
 
 }  // namespace
 
-int main() {
-  std::printf("# Results\n\n");
-  table_of_models();
-  table_of_light_models();
-  oscillation();
-  smoothing();
-}
+int main(int count, char** arguments) { return run_tables(count, arguments, print); }
