@@ -1,11 +1,13 @@
 // A cloth falls over a cylinder: stretch, shear and bend with backward Euler, and a contact force with its Jacobian.
-// Writes cloth_000.ply ... one every 20 steps.
+// Writes cloth_000.ply ... one every 20 steps, and draws three of them to cloth.svg.
 #include <cmath>
 #include <cstdio>
 
 #include "dynasurf/dynamics/forces/forces.hpp"
 #include "dynasurf/dynamics/solvers/particle_solver.hpp"
 #include "dynasurf/io/mesh_io.hpp"
+
+#include "svg.hpp"
 
 using namespace dynasurf;
 
@@ -54,6 +56,7 @@ int main() {
                    bend_force(cloth, {.stiffness = 0.05, .damping = 0.001}), gravity_force(system.masses), contact};
 
   ParticleSolver solver(BackwardEuler{});
+  Drawing drawing;
   for (int step = 0; step < 200; ++step) {
     solver.step(system, 0.002);
     if (step % 20 != 0) continue;
@@ -61,7 +64,9 @@ int main() {
     char name[32];
     std::snprintf(name, sizeof name, "cloth_%03d.ply", step);
     write_mesh(cloth, name, MeshFormat::ply);
+    if (step % 80 == 20) drawing.mesh(cloth.vertices, cloth.triangles, "teal", Vec3(0.0, 0.0, -0.9 * step));
   }
+  drawing.save("cloth.svg");
   double deepest = 0, lowest = 0;
   for (const Vec3& p : system.positions) {
     deepest = std::max(deepest, kRadius - outwards(p).norm());

@@ -1,11 +1,13 @@
 // A cube of springs, hung from eight fixed points, sags under its weight (thesis fig. 3.4): stiffer springs, less sag.
-// Writes cube_<stiffness>.ply.
+// Writes cube_<stiffness>.ply, and draws all beside the cube that has no weight to cube.svg.
 #include <cmath>
 #include <cstdio>
 
 #include "dynasurf/dynamics/forces/forces.hpp"
 #include "dynasurf/dynamics/solvers/particle_solver.hpp"
 #include "dynasurf/io/mesh_io.hpp"
+
+#include "svg.hpp"
 
 using namespace dynasurf;
 
@@ -24,6 +26,8 @@ TriMesh cube(double side_mm) {
 int main() {
   const double mass_kg = 0.01, weight = mass_kg * 9810;  // of one corner, kg mm/s2
   bool as_expected = true;
+  Drawing drawing;
+  drawing.mesh(cube(50).vertices, cube(50).triangles, "grey");
   for (const double stiffness : {10.0, 20.0, 40.0}) {
     TriMesh m = cube(50);
     std::vector<Vec3> places = m.vertices;
@@ -48,6 +52,8 @@ int main() {
     as_expected = as_expected && std::abs(sag - weight / stiffness) < 0.01;
     m.vertices.assign(system.positions.begin(), system.positions.begin() + 8);
     write_mesh(m, "cube_" + std::to_string(static_cast<int>(stiffness)) + ".ply", MeshFormat::ply);
+    drawing.mesh(m.vertices, m.triangles, "teal", Vec3(60 + 2 * stiffness, 40 + 1.3 * stiffness, 0));
   }
+  drawing.save("cube.svg");
   return as_expected ? 0 : 1;
 }

@@ -1,5 +1,5 @@
-// A field, a force and a stop of one's own: a sphere is drawn to a torus-like ring by a field written down as a
-// formula, lifted by a wind, and held by a floor.
+// A field, a force and a stop of one's own: a sphere is drawn to a smaller one by a field written down as a formula,
+// blown to one side by a wind, and held by a floor.
 #include <cmath>
 #include <cstdio>
 

@@ -1,11 +1,13 @@
 // Spikes on a terrain are taken down by the thesis's smoothing, the hills stay (thesis fig. 5.16).
-// Writes terrain_before.ply and terrain_after.ply.
+// Writes terrain_before.ply and terrain_after.ply, and draws both to terrain.svg.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/mesh/smooth.hpp"
+
+#include "svg.hpp"
 
 using namespace dynasurf;
 
@@ -47,6 +49,8 @@ double farthest_from_hills(const TriMesh& m) {
 int main() {
   TriMesh m = terrain();
   write_mesh(m, "terrain_before.ply", MeshFormat::ply);
+  Drawing drawing;
+  drawing.mesh(m.vertices, m.triangles, "grey", Vec3(0, 0, 45));
   const int before = count_peaks(m);
   std::printf("before: %d peaks, up to %.2f mm off the hills\n", before, farthest_from_hills(m));
   for (int sweep = 1; sweep <= 10; ++sweep) {
@@ -55,5 +59,7 @@ int main() {
       std::printf("after %2d sweeps: %d peaks, up to %.2f mm off\n", sweep, count_peaks(m), farthest_from_hills(m));
   }
   write_mesh(m, "terrain_after.ply", MeshFormat::ply);
+  drawing.mesh(m.vertices, m.triangles, "teal");
+  drawing.save("terrain.svg");
   return count_peaks(m) < before / 10 && farthest_from_hills(m) < 1.5 ? 0 : 1;
 }
