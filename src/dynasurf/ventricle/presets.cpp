@@ -20,6 +20,7 @@ VentricleOptions thesis_options() {
   o.labels.circle = {.min_component_px = 8, .centroid_tolerance_px = 1, .robust_fit = false};
   o.labels.method = Mlc{.strict_thesis = true, .box_margin_px = 0};
   o.evolution.stop.point = StopPoint::entry;
+  o.settle.rounds = 0;
   o.evolution.force.drag = 0.01;
   o.evolution.step_s = 0.1;
   o.evolution.end.still_radius = 0;

@@ -156,6 +156,16 @@ void make_borders(GateRun& run, const Image& image, const VentricleOptions& opti
   }
 }
 
+/// The surface on the steepest slope of the image; the border lies on a grid with room around it.
+TriMesh settled(TriMesh mesh, const Grid& border, const Image& image, const VentricleOptions& options) {
+  const Vec3 shift = to_grid(border, image.grid.origin);
+  for (Vec3& p : mesh.vertices) p -= shift;
+  const Vec3 base{0, 0, options.closure.cover ? 1.0 : 0.0};
+  mesh = settle_on_slope(std::move(mesh), image, base, options.settle);
+  for (Vec3& p : mesh.vertices) p += shift;
+  return mesh;
+}
+
 void find_surface(WallRun& run, const TriMesh& start, const VentricleOptions& options, const Progress& quiet,
                   StageClock& clock) {
   const Image& map = options.pipeline == Pipeline::direct ? run.edge_map : run.border;
@@ -425,8 +435,15 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
   parallel_for(2 * runs.size(), 1, [&](std::size_t task, std::size_t) {
     WallRun& run = runs[task / 2].wall(walls[task % 2]);
     if (!run.exists()) return;
-    run.surface = clock(
-        "measures", [&] { return measure_surface(run.evolved, run.border, runs[task / 2].base_plane, options.tidy); });
+    const bool settles = options.pipeline != Pipeline::contour && run.evolved.reason != StopReason::diverged;
+    std::optional<TriMesh> moved;
+    if (settles && options.settle.rounds > 0)
+      moved = clock("settling",
+                    [&] { return settled(run.evolved.mesh, run.border.grid, result.study.gates[task / 2], options); });
+    run.surface = clock("measures", [&] {
+      return measure_surface(run.evolved, run.border, runs[task / 2].base_plane, options.tidy,
+                             moved ? &*moved : nullptr);
+    });
   });
 
   if (keep) hand_over_stages(keep, runs, result.study);

@@ -25,6 +25,7 @@
 #include "dynasurf/ventricle/measures/measures.hpp"
 #include "dynasurf/ventricle/orientation.hpp"
 #include "dynasurf/ventricle/quality.hpp"
+#include "dynasurf/ventricle/settle.hpp"
 #include "dynasurf/ventricle/surface.hpp"
 
 namespace dynasurf {
@@ -59,6 +60,7 @@ struct VentricleOptions {
   int mesh_level = 3;
   Placement placement;
   Evolution evolution = subvoxel_evolution();
+  Settle settle;
   Tidy tidy;
   ContourPipeline contour;
   bool warm_start = false;
@@ -84,6 +86,7 @@ void describe(auto& visit, VentricleOptions& o) {
   visit("mesh_level", o.mesh_level, Field{"2, 3, 4: 162, 642, 2562 vertices per surface (thesis table 5.2)", "", 0, 6});
   visit("placement", o.placement, Field{"what the surfaces start from"});
   visit("evolution", o.evolution, Field{"the deformable model"});
+  visit("settle", o.settle, Field{"from where particles stopped to the steepest slope; not for pipeline contour"});
   visit("tidy", o.tidy, Field{"better triangles on the finished surfaces, and none that cut each other"});
   visit("contour", o.contour, Field{"the contours of pipeline contour"});
   visit("warm_start", o.warm_start, Field{"start each gate from the surface of the gate before, a little enlarged"});

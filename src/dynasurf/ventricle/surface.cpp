@@ -41,24 +41,22 @@ void measure_distances(const TriMesh& mesh, const Image& border, Surface& s) {
 }  // namespace
 
 Surface measure_surface(const EvolutionResult& evolved, const Image& border, const std::optional<BasePlane>& base_plane,
-                        const Tidy& options) {
+                        const Tidy& options, const TriMesh* settled) {
   Surface s;
   s.stop_reason = evolved.reason;
   s.steps = evolved.steps;
   s.step_s = evolved.step_s;
   s.step_explained = evolved.step_explained;
   s.stopped_fraction = evolved.stopped_fraction;
-  TriMesh mesh = evolved.mesh;
+  measure_distances(evolved.mesh, border, s);
+  TriMesh mesh = settled != nullptr ? *settled : evolved.mesh;
+  MoveReport before_cut;
   if (base_plane) {
-    const MoveReport before_cut = tidy(mesh, options);
-    measure_distances(mesh, border, s);
+    before_cut = tidy(mesh, options);
     mesh = flatten_above(std::move(mesh), to_grid(border.grid, *base_plane));
-    s.repair = repair_surface(mesh, options);
-    s.repair.tidied = sum_of(before_cut, s.repair.tidied);
-  } else {
-    s.repair = repair_surface(mesh, options);
-    measure_distances(mesh, border, s);
   }
+  s.repair = repair_surface(mesh, options);
+  s.repair.tidied = sum_of(before_cut, s.repair.tidied);
   note_repair(s.repair, s.notes);
   s.volume_ml = volume_mm3(mesh) / 1000;
   s.quality = triangle_quality(mesh);

@@ -31,11 +31,13 @@ struct Surface {
   std::optional<StackVolumes> stack;  // pipeline contour: the volume in three ways, mm3
 };
 
-/// The measures of an evolved mesh against the border it was made for. Ill-shaped triangles are improved first, and
-/// triangles that cut each other are freed, as `tidy` says (`repair_surface`). With a valve plane (world frame) the
-/// surface ends there (`flatten_above`): volume, mesh and triangles are those of the closed part below it, the
-/// distances those of the surface as it came to rest.
+/// What is published of an evolved mesh: `settled`, the same surface moved on (`settle_on_slope`), or the mesh itself
+/// without it. The distances are those of the mesh as its particles came to rest, from the border it was made for.
+/// Ill-shaped triangles are improved, and triangles that cut each other are freed, as `tidy` says (`repair_surface`).
+/// With a valve plane (world frame) the surface ends there (`flatten_above`): volume, mesh and triangles are those of
+/// the closed part below it.
 Surface measure_surface(const EvolutionResult& evolved, const Image& border,
-                        const std::optional<BasePlane>& base_plane = std::nullopt, const Tidy& options = {});
+                        const std::optional<BasePlane>& base_plane = std::nullopt, const Tidy& options = {},
+                        const TriMesh* settled = nullptr);
 
 }  // namespace dynasurf
