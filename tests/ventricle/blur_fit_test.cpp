@@ -13,6 +13,7 @@
 #include "dynasurf/synthetic/random.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
 #include "dynasurf/ventricle/fit/qgs_like.hpp"
+#include "dynasurf/ventricle/locate.hpp"
 
 namespace dynasurf {
 namespace {
@@ -153,7 +154,7 @@ RoundHeart round_heart() {
   heart.gate = Eigen::VectorXd::Zero(heart.layout.count());
   heart.gate[heart.layout.endo] = std::log(20.0 / 25);
   heart.gate[heart.layout.wall] = std::log(std::pow(30.0 / 25, 3) - std::pow(20.0 / 25, 3));
-  heart.gate[heart.layout.uptake] = 1;
+  heart.gate[heart.layout.uptake] = 0;
   heart.gate[heart.layout.plane] = 12;
   heart.gate[heart.layout.cavity] = 0.1;
   heart.gate[heart.layout.background] = 0.05;
@@ -188,6 +189,63 @@ TEST(Activity, GradientIsThatOfFiniteDifferences) {
     const double difference = (quantity(more) - quantity(less)) / (2 * step);
     EXPECT_NEAR(gradient[n], difference, 0.01 * std::abs(difference) + 0.3) << n;  // of sums of some 100
   }
+}
+
+/// The round heart as two gates look at it, off the truth in every number.
+BeatProblem round_problem(Eigen::VectorXd& unknowns) {
+  const RoundHeart heart = round_heart();
+  BeatProblem problem;
+  problem.cells = heart.cells;
+  problem.pixels.count = {10, 10, 10};
+  problem.pixels.spacing = {8, 8, 8};
+  for (Vec3* corner : {&problem.cells.lattice.start, &problem.cells.frame.centre}) *corner += Vec3::Constant(36);
+  problem.sigma_mm = 5;
+  problem.noise = 0.01;
+  problem.values = {noise(1000, 5), noise(1000, 6)};
+  problem.weight.assign(1000, 1.0F);
+  problem.thickness.harmonics.resize(5, harmonics_up_to(3));
+  std::vector<double> row(static_cast<std::size_t>(harmonics_up_to(3)));
+  for (int n = 0; n < 5; ++n) {
+    harmonics_at(even_direction(n, 10), 3, row);
+    problem.thickness.harmonics.row(n) = Eigen::Map<Eigen::RowVectorXd>(row.data(), harmonics_up_to(3));
+  }
+  problem.thickness.mm_per_q = Eigen::VectorXd::Constant(5, 25);
+  problem.thickness.mean_mm = 8;
+  Beliefs beliefs;
+  beliefs.width = 0.1;
+  Eigen::VectorXd other = heart.gate;
+  other[heart.layout.endo] -= 0.2, other[heart.layout.wall] += 0.1, other[heart.layout.plane] -= 3;
+  problem.layout = make_beat_layout(heart.layout, {heart.gate, other}, beliefs, unknowns);
+  for (Eigen::Index n = 0; n < unknowns.size(); ++n) unknowns[n] += 0.05 * std::sin(static_cast<double>(7 * n));
+  return problem;
+}
+
+TEST(Misfit, GradientIsThatOfFiniteDifferences) {
+  Eigen::VectorXd unknowns;
+  const BeatProblem problem = round_problem(unknowns);
+  const Eigen::VectorXd gradient = misfit(problem, unknowns).gradient;
+  const double size = gradient.cwiseProduct(problem.layout.spread).cwiseAbs().maxCoeff();
+  for (Eigen::Index n = 0; n < unknowns.size(); ++n) {
+    const double step = 1e-2 * problem.layout.spread[n];
+    Eigen::VectorXd more = unknowns, less = unknowns;
+    more[n] += step, less[n] -= step;
+    const double difference = (misfit(problem, more).value - misfit(problem, less).value) / (2 * step);
+    // Single precision: sums of a thousand pixels are good to about 1e-5 of themselves.
+    EXPECT_NEAR(gradient[n] * problem.layout.spread[n], difference * problem.layout.spread[n], 2e-3 * size) << n;
+  }
+}
+
+TEST(BlurFit, NeedsNoEdgesWhereTheHeartWasLocated) {
+  const Phantom phantom = small_study(12);
+  FitStart start = biased_start(phantom);
+  const auto location = locate(mean_image(phantom.study.gates));
+  ASSERT_TRUE(location);
+  start.cup = location->cup;
+  for (auto* walls : {&start.endo, &start.epi})
+    for (TriMesh& mesh : *walls) mesh = start.endo.front();
+  const FittedBeat beat = fit_through_blur(phantom.study, start, known_blur(12));
+  EXPECT_NEAR(beat.edv_ml.value / *phantom.edv_ml, 1, 0.04);
+  EXPECT_NEAR(beat.ef_percent->value, *phantom.ef_percent, 2);
 }
 
 TEST(BlurFit, FindsTheVolumesThatTheBlurHides) {

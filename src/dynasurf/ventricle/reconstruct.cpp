@@ -308,6 +308,8 @@ void read_otherwise(const Study& original, const BlurFit& options, const Progres
   }
   start.axis = result.study.grid().direction.col(2);
   start.lateral = result.study.grid().direction.col(0);
+  // A heart that was found across the stack was not believed either when the stack was kept.
+  if (result.heart && result.heart->cup.axis.dot(start.axis) > 0.7) start.cup = result.heart->cup;
   result.qgs_like = clock("readings", [&] { return read_like_qgs(original, start); });
   if (!options.run) return;
   result.fit = clock("fit", [&] { return fit_through_blur(original, start, options, progress); });

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
 
 namespace dynasurf {
@@ -33,11 +34,28 @@ Inside inside_of(float wall, float q, float edge) {
   return {step.share, step.slope * (1 / edge + edge / (wall * wall))};
 }
 
-Eigen::VectorXf fields(const HeartCells& cells, const Eigen::VectorXd& gate, int first, int degree) {
+constexpr std::size_t cells_at_once = 4096;
+constexpr float least_log_uptake = -5, most_log_uptake = 2;
+
+/// Sums of harmonics at the cells, one column per gate.
+Eigen::MatrixXf spread_over_cells(const HeartCells& cells, const std::vector<Eigen::VectorXd>& gates, int first,
+                                  int degree) {
   const int count = harmonics_up_to(degree);
-  const Eigen::VectorXf numbers = gate.segment(first, count).cast<float>();
-  return cells.harmonics.leftCols(count) * numbers;
+  Eigen::MatrixXf numbers(count, static_cast<Eigen::Index>(gates.size()));
+  for (std::size_t g = 0; g < gates.size(); ++g)
+    numbers.col(static_cast<Eigen::Index>(g)) = gates[g].segment(first, count).cast<float>();
+  // What all gates have in common is summed once.
+  const bool is_common = (numbers.colwise() - numbers.col(0)).isZero(0);
+  Eigen::MatrixXf fields(static_cast<Eigen::Index>(cells.cell.size()), is_common ? 1 : numbers.cols());
+  parallel_for(cells.cell.size(), cells_at_once, [&](std::size_t begin, std::size_t end) {
+    const auto from = static_cast<Eigen::Index>(begin), rows = static_cast<Eigen::Index>(end - begin);
+    fields.middleRows(from, rows).noalias() =
+        cells.harmonics.block(from, 0, rows, count) * numbers.leftCols(fields.cols());
+  });
+  return fields;
 }
+
+Eigen::Index column_of(const Eigen::MatrixXf& fields, Eigen::Index g) { return fields.cols() == 1 ? 0 : g; }
 
 struct Plane {
   float height, along_x, along_y;
@@ -88,16 +106,27 @@ HeartCells select_cells(const CellLattice& lattice, const HeartFrame& frame, int
   return cells;
 }
 
+CellFields fields_of(const HeartCells& cells, const GateLayout& layout, const std::vector<Eigen::VectorXd>& gates) {
+  return {spread_over_cells(cells, gates, layout.endo, layout.endo_degree),
+          spread_over_cells(cells, gates, layout.wall, layout.wall_degree),
+          spread_over_cells(cells, gates, layout.uptake, layout.uptake_degree)};
+}
+
 Activity lay_out(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate) {
+  return lay_out(cells, layout, gate, fields_of(cells, layout, {gate}), 0);
+}
+
+Activity lay_out(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
+                 const CellFields& fields, Eigen::Index g) {
   const std::size_t n = cells.cell.size();
   Activity a;
   for (auto* v :
        {&a.endo, &a.epi, &a.below, &a.by_endo, &a.by_epi, &a.by_plane, &a.epi_by_endo, &a.epi_by_wall, &a.uptake})
     v->resize(n);
   a.cells.assign(cells.lattice.size(), 0.0F);
-  const Eigen::VectorXf log_endo = fields(cells, gate, layout.endo, layout.endo_degree);
-  const Eigen::VectorXf log_wall = fields(cells, gate, layout.wall, layout.wall_degree);
-  const Eigen::VectorXf uptake = fields(cells, gate, layout.uptake, layout.uptake_degree);
+  const auto log_endo = fields.endo.col(column_of(fields.endo, g));
+  const auto log_wall = fields.wall.col(column_of(fields.wall, g));
+  const auto log_uptake = fields.uptake.col(column_of(fields.uptake, g));
   const Plane plane = plane_of(layout, gate);
   const auto edge_mm = static_cast<float>(cells.lattice.edge_mm);
   const auto cavity = static_cast<float>(gate[layout.cavity]);
@@ -119,9 +148,9 @@ Activity lay_out(const HeartCells& cells, const GateLayout& layout, const Eigen:
     a.by_plane[c] = below.slope / edge_mm;
     a.epi_by_endo[c] = endo_cubed / (q_epi * q_epi);
     a.epi_by_wall[c] = muscle / (3 * q_epi * q_epi);
-    a.uptake[c] = uptake[row];
+    a.uptake[c] = std::exp(std::clamp(log_uptake[row], least_log_uptake, most_log_uptake));
     a.cells[cells.cell[c]] =
-        below.share * ((uptake[row] - background) * epi.share + (cavity - uptake[row]) * endo.share);
+        below.share * ((a.uptake[c] - background) * epi.share + (cavity - a.uptake[c]) * endo.share);
     cavity_cells += static_cast<double>(below.share * endo.share);
     wall_cells += static_cast<double>(below.share * (epi.share - endo.share));
   }
@@ -130,14 +159,16 @@ Activity lay_out(const HeartCells& cells, const GateLayout& layout, const Eigen:
   return a;
 }
 
-Eigen::VectorXd trace_back(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
-                           const Activity& a, std::span<const float> by_cell, double by_cavity, double by_wall) {
+CellGradient trace_to_cells(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
+                            const Activity& a, std::span<const float> by_cell, double by_cavity, double by_wall) {
   const std::size_t n = cells.cell.size();
   const auto cavity = static_cast<float>(gate[layout.cavity]);
   const auto background = static_cast<float>(gate[layout.background]);
   const auto volume_endo = static_cast<float>((by_cavity - by_wall) * cells.lattice.cell_mm3());
   const auto volume_epi = static_cast<float>(by_wall * cells.lattice.cell_mm3());
-  Eigen::VectorXf endo(static_cast<Eigen::Index>(n)), wall(endo.size()), uptake(endo.size());
+  CellGradient to;
+  Eigen::VectorXf &endo = to.endo, &wall = to.wall, &uptake = to.uptake;
+  for (Eigen::VectorXf* field : {&endo, &wall, &uptake}) field->resize(static_cast<Eigen::Index>(n));
   double height = 0, along_x = 0, along_y = 0, to_cavity = 0, to_background = 0;
   for (std::size_t c = 0; c < n; ++c) {
     const auto row = static_cast<Eigen::Index>(c);
@@ -150,7 +181,7 @@ Eigen::VectorXd trace_back(const HeartCells& cells, const GateLayout& layout, co
     const float by_q_epi = by_epi_share * a.by_epi[c];
     endo[row] = by_endo_share * a.by_endo[c] + by_q_epi * a.epi_by_endo[c];
     wall[row] = by_q_epi * a.epi_by_wall[c];
-    uptake[row] = lb * (a.epi[c] - a.endo[c]);
+    uptake[row] = lb * (a.epi[c] - a.endo[c]) * a.uptake[c];
     const auto by_height = static_cast<double>(by_below * a.by_plane[c]);
     height += by_height;
     along_x += by_height * static_cast<double>(cells.x[c]);
@@ -158,17 +189,41 @@ Eigen::VectorXd trace_back(const HeartCells& cells, const GateLayout& layout, co
     to_cavity += static_cast<double>(lb * a.endo[c]);
     to_background -= static_cast<double>(lb * a.epi[c]);
   }
-  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout.count());
-  const auto project = [&](const Eigen::VectorXf& field, int first, int degree) {
+  to.others = Eigen::VectorXd::Zero(layout.count());
+  to.others[layout.plane] = height, to.others[layout.plane + 1] = along_x, to.others[layout.plane + 2] = along_y;
+  to.others[layout.cavity] = to_cavity, to.others[layout.background] = to_background;
+  return to;
+}
+
+std::vector<Eigen::VectorXd> gather(const HeartCells& cells, const GateLayout& layout,
+                                    const std::vector<CellGradient>& gradients) {
+  const auto gates = static_cast<Eigen::Index>(gradients.size());
+  std::vector<Eigen::VectorXd> numbers;
+  for (const CellGradient& gradient : gradients) numbers.push_back(gradient.others);
+  const std::size_t pieces = (cells.cell.size() + cells_at_once - 1) / cells_at_once;
+  const auto project = [&](const Eigen::VectorXf CellGradient::*field, int first, int degree) {
     const int count = harmonics_up_to(degree);
-    gradient.segment(first, count) = (cells.harmonics.leftCols(count).transpose() * field).cast<double>();
+    std::vector<Eigen::MatrixXf> sums(pieces);
+    parallel_for(cells.cell.size(), cells_at_once, [&](std::size_t begin, std::size_t end) {
+      const auto from = static_cast<Eigen::Index>(begin), rows = static_cast<Eigen::Index>(end - begin);
+      Eigen::MatrixXf fields(rows, gates);
+      for (Eigen::Index g = 0; g < gates; ++g)
+        fields.col(g) = (gradients[static_cast<std::size_t>(g)].*field).segment(from, rows);
+      sums[begin / cells_at_once].noalias() = cells.harmonics.block(from, 0, rows, count).transpose() * fields;
+    });
+    for (const Eigen::MatrixXf& sum : sums)
+      for (Eigen::Index g = 0; g < gates; ++g)
+        numbers[static_cast<std::size_t>(g)].segment(first, count) += sum.col(g).cast<double>();
   };
-  project(endo, layout.endo, layout.endo_degree);
-  project(wall, layout.wall, layout.wall_degree);
-  project(uptake, layout.uptake, layout.uptake_degree);
-  gradient[layout.plane] = height, gradient[layout.plane + 1] = along_x, gradient[layout.plane + 2] = along_y;
-  gradient[layout.cavity] = to_cavity, gradient[layout.background] = to_background;
-  return gradient;
+  project(&CellGradient::endo, layout.endo, layout.endo_degree);
+  project(&CellGradient::wall, layout.wall, layout.wall_degree);
+  project(&CellGradient::uptake, layout.uptake, layout.uptake_degree);
+  return numbers;
+}
+
+Eigen::VectorXd trace_back(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
+                           const Activity& activity, std::span<const float> by_cell, double by_cavity, double by_wall) {
+  return gather(cells, layout, {trace_to_cells(cells, layout, gate, activity, by_cell, by_cavity, by_wall)}).front();
 }
 
 }  // namespace dynasurf

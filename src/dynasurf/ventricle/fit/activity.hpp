@@ -34,10 +34,30 @@ struct Activity {
   std::vector<float> cells;  // activity above the background, on the whole lattice
   double cavity_mm3 = 0, wall_mm3 = 0;
 };
+
+/// The walls and the uptake seen from each cell: one column per gate, log of q_endo, of the muscle, and of the uptake.
+struct CellFields {
+  Eigen::MatrixXf endo, wall, uptake;
+};
+CellFields fields_of(const HeartCells& cells, const GateLayout& layout, const std::vector<Eigen::VectorXd>& gates);
+
+/// `g`: the column of the fields that belongs to `gate`.
+Activity lay_out(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
+                 const CellFields& fields, Eigen::Index g);
 Activity lay_out(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate);
 
-/// Gradient by the numbers of the gate of a quantity that has the derivatives `by_cell` by the activity of each cell
-/// of the lattice (may be empty), and `by_cavity`, `by_wall` by the two volumes in mm3.
+/// Derivatives of a quantity by the fields of one gate at each cell, and by the gate's other numbers.
+struct CellGradient {
+  Eigen::VectorXf endo, wall, uptake;
+  Eigen::VectorXd others;  // in the places of the layout, 0 where the harmonics are
+};
+/// Of a quantity that has the derivatives `by_cell` by the activity of each cell of the lattice (may be empty), and
+/// `by_cavity`, `by_wall` by the two volumes in mm3.
+CellGradient trace_to_cells(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
+                            const Activity& activity, std::span<const float> by_cell, double by_cavity, double by_wall);
+/// The same by the numbers of each gate.
+std::vector<Eigen::VectorXd> gather(const HeartCells& cells, const GateLayout& layout,
+                                    const std::vector<CellGradient>& gradients);
 Eigen::VectorXd trace_back(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
                            const Activity& activity, std::span<const float> by_cell, double by_cavity, double by_wall);
 

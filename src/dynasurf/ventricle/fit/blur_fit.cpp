@@ -113,6 +113,33 @@ struct Setup {
   double highest_mm = 0;
 };
 
+/// Of the gate whose cavity is the largest at the start.
+ThicknessBelief believe_in_thickness(const PlacedStart& start, int degree) {
+  constexpr int directions = 120;
+  ThicknessBelief belief;
+  double largest = 0;
+  for (std::size_t g = 0; g < start.endo.size(); ++g) {
+    const double volume = volume_mm3(start.endo[g]);
+    if (volume > largest) largest = volume, belief.gate = static_cast<int>(g);
+  }
+  const double base = start.frame.to_heart(start.base[static_cast<std::size_t>(belief.gate)].point)[2];
+  std::vector<double> mm, harmonics(static_cast<std::size_t>(harmonics_up_to(degree)));
+  std::vector<std::vector<double>> rows;
+  for (int n = 0; n < directions; ++n) {
+    const Vec3 direction = even_direction(n, directions);
+    if (direction[2] * start.frame.scale[2] > 0.8 * base) continue;
+    harmonics_at(direction, degree, harmonics);
+    rows.push_back(harmonics);
+    mm.push_back(1 / direction.cwiseQuotient(start.frame.scale).norm());
+  }
+  belief.harmonics.resize(static_cast<Eigen::Index>(rows.size()), harmonics_up_to(degree));
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    belief.harmonics.row(static_cast<Eigen::Index>(n)) =
+        Eigen::Map<Eigen::RowVectorXd>(rows[n].data(), harmonics_up_to(degree));
+  belief.mm_per_q = Eigen::Map<Eigen::VectorXd>(mm.data(), static_cast<Eigen::Index>(mm.size()));
+  return belief;
+}
+
 Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, const BlurFit& options) {
   Setup s;
   BeatProblem& p = s.problem;
@@ -120,15 +147,16 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
   p.sigma_mm = blur.fwhm_mm / sigmas_per_fwhm;
   // Where voxels are finer than the blur, it does not matter whether it came before or after them.
   p.filtered = grid.spacing.maxCoeff() > 1.2 * p.sigma_mm ? blur.filtered : 0;
-  const double margin = std::max(0.8 * blur.fwhm_mm, 1.5 * grid.spacing.maxCoeff());
+  constexpr double room = 9;  // mm, for an outer wall that lies farther out than at the start
+  const double margin = std::max(0.8 * blur.fwhm_mm, 1.5 * grid.spacing.maxCoeff()) + room / 2;
   const Box box = box_of(start.epi);
   p.pixels = pixels_around(box, grid, p.sigma_mm, margin);
-  const CellLattice lattice = lattice_around(box, p.pixels, p.sigma_mm * std::sqrt(1 - p.filtered), 5);
+  const CellLattice lattice = lattice_around(box, p.pixels, p.sigma_mm, room);
   constexpr int outer_degree = 4;
   const Eigen::VectorXd outer = outermost(start, outer_degree);
   for (const BasePlane& base : start.base) s.highest_mm = std::max(s.highest_mm, start.frame.to_heart(base.point)[2]);
   const int degree = std::max({options.shape_degree, options.wall_degree, options.uptake_degree});
-  p.cells = select_cells(lattice, start.frame, degree, s.highest_mm + 10, outer, outer_degree, 5);
+  p.cells = select_cells(lattice, start.frame, degree, s.highest_mm + 10, outer, outer_degree, room);
 
   std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(outer_degree)));
   for (int k = 0; k < p.pixels.count[2]; ++k)
@@ -165,6 +193,7 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
   s.cavity = quantile(inside, 0.5) / s.unit;
   for (auto& values : p.values)
     for (float& v : values) v = static_cast<float>(static_cast<double>(v) / s.unit);
+  s.problem.thickness = believe_in_thickness(start, degree);
   p.weight.resize(mean.size());
   for (std::size_t n = 0; n < mean.size(); ++n) {
     const Place& place = s.place[n];
@@ -188,43 +217,62 @@ void doubt_outliers(BeatProblem& problem, const std::vector<float>& first_weight
   }
 }
 
-/// Variance of a pixel of weight 1 and the number of pixels that share their noise, from what the fit leaves.
+/// What a fit leaves, freed of what stands still or moves with the beat: third differences over the gates, which keep
+/// the variance of noise that differs from gate to gate. What is left itself where there are too few gates.
+std::vector<std::vector<float>> fast_part(const std::vector<std::vector<float>>& residual) {
+  const std::size_t gates = residual.size();
+  if (gates < 6) return residual;
+  const float scale = 1 / std::sqrt(20.0F);
+  std::vector<std::vector<float>> fast = residual;
+  for (std::size_t g = 0; g < gates; ++g)
+    for (std::size_t n = 0; n < fast[g].size(); ++n)
+      fast[g][n] = scale * (residual[(g + gates - 1) % gates][n] - 3 * residual[g][n] +
+                            3 * residual[(g + 1) % gates][n] - residual[(g + 2) % gates][n]);
+  return fast;
+}
+
+/// Variance of a pixel of weight 1 times the number of pixels that share their noise, from what the fit leaves.
 double noise_of(const BeatProblem& problem, const Misfit& misfit) {
-  std::vector<double> squares;
-  Vec3 shared = Vec3::Ones();
+  const std::vector<std::vector<float>> noise = fast_part(misfit.residual);
   const Index3 dims = problem.pixels.count;
   const std::size_t stride[3] = {1, static_cast<std::size_t>(dims[0]),
                                  static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1])};
-  for (const auto& residual : misfit.residual)
-    for (std::size_t n = 0; n < residual.size(); ++n)
-      if (problem.weight[n] > 0) squares.push_back(static_cast<double>(residual[n] * residual[n] * problem.weight[n]));
+  std::vector<std::vector<float>> scaled = noise;
+  std::vector<double> squares;
+  for (auto& values : scaled)
+    for (std::size_t n = 0; n < values.size(); ++n) {
+      values[n] *= std::sqrt(problem.weight[n]);
+      if (problem.weight[n] > 0) squares.push_back(static_cast<double>(values[n] * values[n]));
+    }
   // By the median, so that a hot neighbour does not pass for noise.
-  const double variance = quantile(squares, 0.5) / (0.6745 * 0.6745);
-  for (int axis = 0; axis < 3; ++axis)
+  const double variance = std::max(1e-12, quantile(squares, 0.5) / (0.6745 * 0.6745));
+  const auto most = static_cast<float>(3 * std::sqrt(variance));
+  for (auto& values : scaled)
+    for (float& v : values) v = std::clamp(v, -most, most);
+  double shared = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    double of_axis = 1;
     for (int lag = 1; lag < 8 && lag < dims[static_cast<std::size_t>(axis)]; ++lag) {
       double product = 0, pairs = 0;
-      for (const auto& residual : misfit.residual)
-        for (int k = 0; k < dims[2]; ++k)
-          for (int j = 0; j < dims[1]; ++j)
-            for (int i = 0; i < dims[0]; ++i) {
-              const Index3 at{i, j, k};
-              if (at[static_cast<std::size_t>(axis)] + lag >= dims[static_cast<std::size_t>(axis)]) continue;
-              const std::size_t a = static_cast<std::size_t>(i) + stride[1] * static_cast<std::size_t>(j) +
-                                    stride[2] * static_cast<std::size_t>(k);
-              const std::size_t b = a + stride[axis] * static_cast<std::size_t>(lag);
-              if (problem.weight[a] <= 0 || problem.weight[b] <= 0) continue;
-              const double scale = std::sqrt(variance / static_cast<double>(problem.weight[a]));
-              const double other = std::sqrt(variance / static_cast<double>(problem.weight[b]));
-              product += variance * std::clamp(static_cast<double>(residual[a]) / scale, -3.0, 3.0) *
-                         std::clamp(static_cast<double>(residual[b]) / other, -3.0, 3.0);
-              pairs += 1;
-            }
-      const double correlation = pairs > 0 && variance > 0 ? product / pairs / variance : 0;
+      const std::size_t apart = stride[axis] * static_cast<std::size_t>(lag);
+      const auto length = static_cast<std::size_t>(dims[static_cast<std::size_t>(axis)]);
+      for (const auto& values : scaled)
+        for (std::size_t n = 0; n + apart < values.size(); ++n) {
+          if (n / stride[axis] % length + static_cast<std::size_t>(lag) >= length) continue;
+          if (problem.weight[n] <= 0 || problem.weight[n + apart] <= 0) continue;
+          product += static_cast<double>(values[n] * values[n + apart]);
+          pairs += 1;
+        }
+      const double correlation = pairs > 0 ? product / pairs / variance : 0;
       if (correlation < 0.05) break;
-      shared[axis] += 2 * correlation;
+      of_axis += 2 * correlation;
     }
+    shared *= of_axis;
+  }
   constexpr double least = 1e-5;  // of the square of healthy muscle: no model is better than that
-  return std::max(variance * shared.prod(), least);
+  // What the model leaves out stands still: no number of gates averages it away.
+  constexpr double model = 0.01;  // of healthy muscle
+  return (std::max(variance, least) + model * model * static_cast<double>(misfit.residual.size())) * shared;
 }
 
 }  // namespace
@@ -254,11 +302,23 @@ FittedBeat fit_through_blur(const Study& study, const FitStart& start, const Blu
   FittedBeat beat;
   const std::vector<float> first_weight = problem.weight;
   std::vector<bool> beside;
-  for (const Place& place : setup.place) beside.push_back(place.outside_mm > 0 && place.above_mm < blur.fwhm_mm);
+  for (const Place& place : setup.place)
+    beside.push_back(place.outside_mm > 0.25 * blur.fwhm_mm && place.above_mm < blur.fwhm_mm);
   Solution solution;
   std::vector<Blob> blobs;
   solution.unknowns = unknowns;
-  minimise(problem, solution, 5, 1e-2, progress);
+  // Thick walls in a narrow point spread look much like thin ones in a wide one. Both begin as they are believed to be
+  // and are let go step by step, so that the other numbers settle first.
+  const ThicknessBelief believed = problem.thickness;
+  const auto let_go = [&](double share) {
+    problem.thickness.log_spread = share * believed.log_spread;
+    for (const BeatLayout::Term& t : problem.layout.terms[0][static_cast<std::size_t>(layout.width)])
+      problem.layout.spread[t.unknown] = share * beliefs.width;
+    solution.matrix = {};
+    solution.damping = 300;
+  };
+  let_go(0.2);
+  minimise(problem, solution, 10, 1e-2, progress);
   blobs = find_blobs(problem, solution.misfit, beside, 0.06, 25);
   if (!blobs.empty()) {
     for (const Blob& blob : blobs) problem.blobs.push_back(blob_image(problem, blob));
@@ -275,16 +335,17 @@ FittedBeat fit_through_blur(const Study& study, const FitStart& start, const Blu
     solution.unknowns = wider_unknowns;
   }
   for (int round = 0; round < 2; ++round) {
+    let_go(round == 0 ? 0.2 : 0.4);
     doubt_outliers(problem, first_weight, setup.place, solution.misfit, 0.03);
     problem.noise = noise_of(problem, solution.misfit);
-    minimise(problem, solution, 5, 1e-2, progress);
+    minimise(problem, solution, 8, 1e-2, progress);
   }
   doubt_outliers(problem, first_weight, setup.place, solution.misfit, 0.03);
   problem.noise = noise_of(problem, solution.misfit);
-  solution.misfit = misfit(problem, solution.unknowns);
-  solution.matrix = normal_matrix(problem, solution.unknowns, solution.misfit);
+  let_go(1);
   minimise(problem, solution, std::max(1, options.most_steps - solution.steps), 1e-3, progress);
   beat.steps = solution.steps;
+  beat.misfit = solution.misfit.value;
   beat.neighbours = static_cast<int>(blobs.size());
   beat.converged = solution.converged;
   describe_beat(problem, solution, study.grid(), beat);

@@ -16,7 +16,7 @@ struct BlurFit {
   double fwhm_uncertainty = 0.07;
   std::optional<double> filter_fwhm_mm;
   int shape_degree = 6, wall_degree = 4, uptake_degree = 10;
-  int most_steps = 20;
+  int most_steps = 60;
 };
 void describe(auto& visit, BlurFit& o) {
   visit("run", o.run, Field{"fit both surfaces of all gates together through the camera's blur"});
@@ -63,6 +63,7 @@ struct FittedBeat {
   int ed_gate = 0, es_gate = 0;
   Estimate fwhm_mm;
   double cavity = 0, background = 0;  // activities, the wall's median is 1
+  double misfit = 0;                  // what is left, half a sum of squares over their variances
   int steps = 0;
   bool converged = false;
   int neighbours = 0;  // blobs of activity beside the heart

@@ -31,7 +31,7 @@ class Walls {
     Ray ray;
     ray.endo = std::exp(field(layout_.endo, layout_.endo_degree));
     ray.epi = std::cbrt(ray.endo * ray.endo * ray.endo + std::exp(field(layout_.wall, layout_.wall_degree)));
-    ray.uptake = field(layout_.uptake, layout_.uptake_degree);
+    ray.uptake = std::exp(field(layout_.uptake, layout_.uptake_degree));
     return ray;
   }
   Vec3 point(const Vec3& direction, double q) const { return (q * direction).cwiseProduct(frame_.scale); }

@@ -79,7 +79,7 @@ class Sources {
     const double endo = std::exp(field(harmonics, l.endo, l.endo_degree));
     const double muscle = std::exp(field(harmonics, l.wall, l.wall_degree));
     const double epi = std::cbrt(endo * endo * endo + muscle), middle = (endo + epi) / 2;
-    const double uptake = field(harmonics, l.uptake, l.uptake_degree);
+    const double uptake = std::exp(std::clamp(field(harmonics, l.uptake, l.uptake_degree), -5.0, 2.0));
     const double volume = frame.scale.prod() * solid_angle;
     const auto place = [&](double q, double by_endo, double by_wall, double by_uptake) {
       const Vec3 heart = (q * direction).cwiseProduct(frame.scale);
@@ -98,9 +98,9 @@ class Sources {
     // Through the wall by Simpson's rule. A wall that moves by d(log q) sweeps q^3 of its solid angle.
     const double third = (epi - endo) / 6;
     const double outer = uptake - gate_[l.background];
-    place(endo, (gate_[l.cavity] - uptake) * endo * endo * endo, 0, third * endo * endo);
-    place(middle, 0, 0, 4 * third * middle * middle);
-    place(epi, outer * endo * endo * endo, outer * muscle / 3, third * epi * epi);
+    place(endo, (gate_[l.cavity] - uptake) * endo * endo * endo, 0, third * endo * endo * uptake);
+    place(middle, 0, 0, 4 * third * middle * middle * uptake);
+    place(epi, outer * endo * endo * endo, outer * muscle / 3, third * epi * epi * uptake);
   }
 
   const BeatProblem& problem_;

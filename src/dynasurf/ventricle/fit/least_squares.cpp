@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/ventricle/fit/harmonics.hpp"
 #include "dynasurf/ventricle/fit/image_derivatives.hpp"
 
 namespace dynasurf {
@@ -38,13 +39,14 @@ double dot(const std::vector<float>& a, const std::vector<float>& b) {
   return sum;
 }
 
-GateMisfit look(const BeatProblem& problem, int g, const Eigen::VectorXd& unknowns, Misfit& result) {
-  const auto at = static_cast<std::size_t>(g);
+GateMisfit look(const BeatProblem& problem, std::size_t at, const Eigen::VectorXd& numbers, const CellFields& fields,
+                Misfit& result) {
   GateMisfit gate;
-  gate.numbers = problem.layout.at_gate(g, unknowns);
+  gate.numbers = numbers;
   gate.camera = make_camera(problem.cells.lattice, problem.pixels,
                             problem.sigma_mm * std::exp(gate.numbers[problem.layout.gate.width]), problem.filtered);
-  result.activity[at] = lay_out(problem.cells, problem.layout.gate, gate.numbers);
+  result.activity[at] =
+      lay_out(problem.cells, problem.layout.gate, gate.numbers, fields, static_cast<Eigen::Index>(at));
   std::vector<float>& residual = result.residual[at];
   residual = picture(problem, gate.numbers, result.activity[at], gate.camera);
   gate.weighted.resize(residual.size());
@@ -77,6 +79,33 @@ WallCycle wall_cycle(const BeatProblem& problem, const std::vector<Activity>& ac
   return cycle;
 }
 
+/// The mean of the log of the wall's thickness in one gate against what is believed, in standard deviations.
+struct ThicknessLook {
+  double deviation = 0;
+  Eigen::VectorXd by_number;  // of the gate
+};
+ThicknessLook look_at_thickness(const BeatProblem& problem, const Eigen::VectorXd& gate) {
+  const ThicknessBelief& belief = problem.thickness;
+  const GateLayout& layout = problem.layout.gate;
+  const int endo = harmonics_up_to(layout.endo_degree), wall = harmonics_up_to(layout.wall_degree);
+  ThicknessLook look{0, Eigen::VectorXd::Zero(layout.count())};
+  const auto directions = static_cast<double>(belief.harmonics.rows());
+  double sum = 0;
+  for (Eigen::Index d = 0; d < belief.harmonics.rows(); ++d) {
+    const auto row = belief.harmonics.row(d);
+    const double q_endo = std::exp(row.head(endo).dot(gate.segment(layout.endo, endo)));
+    const double muscle = std::exp(row.head(wall).dot(gate.segment(layout.wall, wall)));
+    const double q_epi = std::cbrt(q_endo * q_endo * q_endo + muscle), thick = q_epi - q_endo;
+    sum += std::log(thick * belief.mm_per_q[d] / belief.mean_mm);
+    const double scale = 1 / (thick * belief.log_spread * directions);
+    const double by_endo = q_endo * q_endo * q_endo / (q_epi * q_epi) - q_endo;
+    look.by_number.segment(layout.endo, endo) += scale * by_endo * row.head(endo).transpose();
+    look.by_number.segment(layout.wall, wall) += scale * muscle / (3 * q_epi * q_epi) * row.head(wall).transpose();
+  }
+  look.deviation = sum / (directions * belief.log_spread);
+  return look;
+}
+
 }  // namespace
 
 Misfit misfit(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
@@ -86,23 +115,28 @@ Misfit misfit(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
   result.residual.resize(gates);
   result.activity.resize(gates);
   std::vector<GateMisfit> looks(gates);
+  std::vector<Eigen::VectorXd> numbers_of_gates;
+  for (std::size_t g = 0; g < gates; ++g) numbers_of_gates.push_back(layout.at_gate(static_cast<int>(g), unknowns));
+  const CellFields fields = fields_of(problem.cells, layout.gate, numbers_of_gates);
   parallel_for(gates, 1,
-               [&](std::size_t g, std::size_t) { looks[g] = look(problem, static_cast<int>(g), unknowns, result); });
+               [&](std::size_t g, std::size_t) { looks[g] = look(problem, g, numbers_of_gates[g], fields, result); });
   const WallCycle cycle = wall_cycle(problem, result.activity);
   const Eigen::VectorXd by_wall = cycle.by_volume.transpose() * cycle.deviation;
-  std::vector<Eigen::VectorXd> gradients(gates);
+  std::vector<CellGradient> to_cells(gates);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
     const GateMisfit& gate = looks[g];
     const GateLayout& numbers = layout.gate;
     const std::vector<float> by_cell = see_back(gate.camera, gate.weighted);
-    gradients[g] = trace_back(problem.cells, numbers, gate.numbers, result.activity[g], by_cell, 0,
-                              by_wall[static_cast<Eigen::Index>(g)]);
-    for (const float w : gate.weighted) gradients[g][numbers.background] += static_cast<double>(w);
+    to_cells[g] = trace_to_cells(problem.cells, numbers, gate.numbers, result.activity[g], by_cell, 0,
+                                 by_wall[static_cast<Eigen::Index>(g)]);
+    Eigen::VectorXd& others = to_cells[g].others;
+    for (const float w : gate.weighted) others[numbers.background] += static_cast<double>(w);
     for (int axis = 0; axis < 3; ++axis)
-      gradients[g][numbers.width] += dot(gate.weighted, see(gate.camera, result.activity[g].cells, axis));
+      others[numbers.width] += dot(gate.weighted, see(gate.camera, result.activity[g].cells, axis));
     for (int b = 0; b < numbers.blob_count; ++b)
-      gradients[g][numbers.blobs + b] = dot(gate.weighted, problem.blobs[static_cast<std::size_t>(b)]);
+      others[numbers.blobs + b] = dot(gate.weighted, problem.blobs[static_cast<std::size_t>(b)]);
   });
+  const std::vector<Eigen::VectorXd> gradients = gather(problem.cells, layout.gate, to_cells);
   const Eigen::VectorXd from_belief = (unknowns - layout.expected).cwiseQuotient(layout.spread);
   result.gradient = from_belief.cwiseQuotient(layout.spread);
   for (std::size_t g = 0; g < gates; ++g) {
@@ -110,6 +144,12 @@ Misfit misfit(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
     layout.add_gradient(static_cast<int>(g), gradients[g], result.gradient);
   }
   result.value = result.data + 0.5 * from_belief.squaredNorm() + 0.5 * cycle.deviation.squaredNorm();
+  if (problem.thickness.harmonics.rows() > 0) {
+    const auto g = static_cast<std::size_t>(problem.thickness.gate);
+    const ThicknessLook thickness = look_at_thickness(problem, numbers_of_gates[g]);
+    result.value += 0.5 * thickness.deviation * thickness.deviation;
+    layout.add_gradient(problem.thickness.gate, thickness.deviation * thickness.by_number, result.gradient);
+  }
   return result;
 }
 
@@ -142,6 +182,12 @@ NormalMatrix normal_matrix(const BeatProblem& problem, const Eigen::VectorXd& un
   }
   const Eigen::MatrixXd deviations = walls * wall_cycle(problem, at.activity).by_volume.transpose();
   matrix.rest += deviations * deviations.transpose();
+  if (problem.thickness.harmonics.rows() > 0) {
+    const int g = problem.thickness.gate;
+    Eigen::VectorXd thickness = Eigen::VectorXd::Zero(layout.unknowns);
+    layout.add_gradient(g, look_at_thickness(problem, layout.at_gate(g, unknowns)).by_number, thickness);
+    matrix.rest += thickness * thickness.transpose();
+  }
   return matrix;
 }
 
@@ -149,36 +195,47 @@ void minimise(const BeatProblem& problem, Solution& solution, int most_steps, do
               const Progress& progress) {
   constexpr int oldest = 5;
   constexpr double least_truth = 0.3;  // of the gain that the matrix predicts
+  constexpr double calmest = 1e-4, wildest = 1e8;
   solution.misfit = misfit(problem, solution.unknowns);
   solution.converged = false;
   const auto renew = [&] { solution.matrix = normal_matrix(problem, solution.unknowns, solution.misfit); };
   if (solution.matrix.rest.rows() != solution.unknowns.size()) renew();
-  double damping = 1e-3;
+  // Damping in units of what is believed: it holds back what the data hardly tell, and nothing else.
+  const Eigen::VectorXd belief = problem.layout.spread.cwiseAbs2().cwiseInverse();
   for (int step = 0; step < most_steps; ++step) {
     progress.check();
     ++solution.steps;
     Eigen::MatrixXd damped = solution.matrix.whole(problem.noise);
-    damped.diagonal() *= 1 + damping;
-    const Eigen::VectorXd move = damped.selfadjointView<Eigen::Lower>().llt().solve(solution.misfit.gradient);
-    const double predicted = 0.5 * move.dot(solution.misfit.gradient);
+    damped.diagonal() += solution.damping * belief;
+    Eigen::VectorXd move = damped.selfadjointView<Eigen::Lower>().llt().solve(solution.misfit.gradient);
+    const double predicted =
+        0.5 * move.dot(solution.misfit.gradient) + 0.5 * solution.damping * move.dot(belief.cwiseProduct(move));
     Misfit next = misfit(problem, solution.unknowns - move);
-    const double gain = solution.misfit.value - next.value;
+    double gain = solution.misfit.value - next.value;
+    // The valley of thick and pale against thin and bright walls bends: a part of the way may lead farther.
+    for (int half = 0; half < 2 && !(gain > 0.3 * predicted); ++half) {
+      Misfit part = misfit(problem, solution.unknowns - 0.4 * move);
+      const double part_gain = solution.misfit.value - part.value;
+      if (gain >= part_gain) break;
+      move *= 0.4, gain = part_gain, next = std::move(part);
+    }
     if (!(gain > 0)) {
-      if (solution.matrix.age > 0)
-        renew();
-      else if ((damping = std::max(10 * damping, 1e-2)) > 1e6)
-        break;
+      if (solution.matrix.age > 0) renew();
+      solution.damping *= 8;
+      if (solution.damping > wildest) break;
       continue;
     }
     solution.unknowns -= move;
     solution.misfit = std::move(next);
-    damping = std::max(damping / 10, 1e-7);
+    const double truth = gain / predicted;
+    if (truth > 0.7) solution.damping = std::max(solution.damping / 6, calmest);
+    if (truth < 0.2) solution.damping *= 2;
     ++solution.matrix.age;
-    if (gain < tolerance * solution.misfit.value) {
+    if (gain < tolerance * solution.misfit.value && predicted < 3 * tolerance * solution.misfit.value) {
       solution.converged = true;
       break;
     }
-    if (solution.matrix.age >= oldest || gain < least_truth * predicted) renew();
+    if (solution.matrix.age >= oldest || truth < least_truth) renew();
   }
 }
 

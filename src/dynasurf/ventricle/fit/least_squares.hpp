@@ -8,6 +8,14 @@
 
 namespace dynasurf {
 
+/// What is believed of the wall's thickness in one gate: the mean of its log over directions below the base.
+struct ThicknessBelief {
+  Eigen::MatrixXd harmonics;  // one row per direction; none: nothing is believed
+  Eigen::VectorXd mm_per_q;   // along each direction
+  int gate = 0;
+  double mean_mm = 10, log_spread = 0.2;
+};
+
 /// A beat to be explained: pixels of all gates, and the model that explains them.
 struct BeatProblem {
   Pixels pixels;
@@ -17,8 +25,9 @@ struct BeatProblem {
   std::vector<std::vector<float>> blobs;   // [blob][pixel] neighbours of amplitude 1, as the camera sees them
   HeartCells cells;
   BeatLayout layout;
-  double sigma_mm = 0;        // of the point spread when its unknown is 0
-  double filtered = 0;        // share of its variance that comes from a filter on the voxels
+  double sigma_mm = 0;  // of the point spread when its unknown is 0
+  double filtered = 0;  // share of its variance that comes from a filter on the voxels
+  ThicknessBelief thickness;
   double wall_spread = 0.01;  // relative, by which the muscle's volume may vary over the beat
 };
 
@@ -44,7 +53,8 @@ NormalMatrix normal_matrix(const BeatProblem& problem, const Eigen::VectorXd& un
 struct Solution {
   Eigen::VectorXd unknowns;
   Misfit misfit;
-  NormalMatrix matrix;  // of a step at or before the last
+  NormalMatrix matrix;   // of a step at or before the last
+  double damping = 300;  // of the next step, in units of what is believed
   int steps = 0;
   bool converged = false;
 };

@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
 
 namespace dynasurf {
@@ -24,6 +25,17 @@ double lowest(const TriMesh& mesh, const Vec3& axis) {
 
 double highest(const TriMesh& mesh, const Vec3& axis) { return -lowest(mesh, -axis); }
 
+/// The ellipsoid `outside_mm` beyond the cup, closed.
+TriMesh shell_of(const Cup& cup, double outside_mm) {
+  constexpr int level = 3;
+  const Across a = across(cup.axis);
+  TriMesh mesh = icosphere(level);
+  for (Vec3& p : mesh.vertices)
+    p = cup.centre + (cup.radius_mm + outside_mm) * (p[0] * a.u + p[1] * a.v) +
+        (cup.half_length_mm + outside_mm) * p[2] * cup.axis;
+  return mesh;
+}
+
 /// Distance from the axis of the points around a height, in the mean.
 double radius_at(const TriMesh& mesh, const Vec3& axis, const Vec3& centre, double within_mm) {
   double sum = 0, count = 0;
@@ -38,7 +50,17 @@ double radius_at(const TriMesh& mesh, const Vec3& axis, const Vec3& centre, doub
 
 }  // namespace
 
-PlacedStart place_start(const FitStart& start, const Grid& grid) {
+PlacedStart place_start(const FitStart& given, const Grid& grid) {
+  FitStart start = given;
+  if (start.cup) {
+    constexpr double half_wall_mm = 5;
+    const double inside = std::min(half_wall_mm, 0.5 * start.cup->radius_mm);
+    std::fill(start.endo.begin(), start.endo.end(), shell_of(*start.cup, -inside));
+    std::fill(start.epi.begin(), start.epi.end(), shell_of(*start.cup, half_wall_mm));
+    for (auto& base : start.base)
+      if (!base) base = BasePlane{.point = start.cup->base(), .normal = start.cup->axis};
+    start.axis = start.cup->axis;
+  }
   PlacedStart placed;
   Vec3 axis = start.axis.normalized();
   Vec3 normals = Vec3::Zero();
@@ -134,7 +156,7 @@ std::vector<Eigen::VectorXd> first_numbers(const PlacedStart& start, const GateL
     gate.segment(layout.endo, harmonics_up_to(layout.endo_degree)) = endo.head(harmonics_up_to(layout.endo_degree));
     gate.segment(layout.wall, harmonics_up_to(layout.wall_degree)) =
         smooth_harmonics(rows.leftCols(harmonics_up_to(layout.wall_degree)), muscle, layout.wall_degree);
-    gate[layout.uptake] = 1;
+    gate[layout.uptake] = 0;
     const HeartFrame& frame = start.frame;
     const Vec3 normal = frame.axes.transpose() * start.base[g].normal, point = frame.to_heart(start.base[g].point);
     gate[layout.plane + 1] = -normal[0] / normal[2];

@@ -126,7 +126,7 @@ BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::Vec
       const double n = wave.number;
       if (wave.number > (l <= low_degree ? low_waves : fine_waves)) continue;
       if (wave.number == 0)
-        build.add(gate.wall + k, wave, l == 0 ? as_it_starts : 0, l == 0 ? 1.5 : beliefs.wall_shape / l);
+        build.add(gate.wall + k, wave, as_it_starts, l == 0 ? 1.5 : beliefs.wall_shape / l);
       else
         build.add(gate.wall + k, wave, 0, beliefs.wall_motion / (std::max(1, l) * n));
     }

@@ -25,7 +25,7 @@ struct GateLayout {
   int endo_degree = 0, wall_degree = 0, uptake_degree = 0;
   int endo = 0;        // harmonics of log q of the inner wall
   int wall = 0;        // harmonics of log(q_epi^3 - q_endo^3): muscle per solid angle
-  int uptake = 0;      // harmonics of the wall's activity
+  int uptake = 0;      // harmonics of the log of the wall's activity, the same in all gates
   int plane = 0;       // height of the base plane (mm over the centre), and its slopes along x and y
   int cavity = 0;      // activity of the blood
   int background = 0;  // activity around the heart
@@ -56,12 +56,12 @@ struct BeatLayout {
 /// What is believed before the data are seen: standard deviations of the model's numbers.
 struct Beliefs {
   double shape = 0.3;          // of a wall's low harmonics, log q
-  double fine_shape = 0.35;    // of harmonics of degree l >= 3: this times (2 / l)^2.5
+  double fine_shape = 0.15;    // of harmonics of degree l >= 3: this times (2 / l)^2.5
   double motion = 0.30;        // of low harmonics of the motion, first wave
-  double fine_motion = 0.12;   // of those of degree l >= 3, times (2 / l)^2
-  double wall_shape = 0.35;    // of log muscle per solid angle, degree l: this divided by l
+  double fine_motion = 0.06;   // of those of degree l >= 3, times (2 / l)^2
+  double wall_shape = 0.15;    // of log muscle per solid angle, degree l: this divided by l
   double wall_motion = 0.12;   // the same over the beat
-  double uptake = 0.35;        // degree l: this divided by l
+  double uptake = 0.35;        // of log uptake, degree l: this divided by l
   double plane_mm = 2.5;       // of the base plane's height against its start
   double plane_slope = 0.06;   // of its slopes
   double cavity = 0.05;        // of the blood's activity around its expectation
