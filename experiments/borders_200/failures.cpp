@@ -227,6 +227,18 @@ const std::vector<Kind>& kinds() {
        [](int n) { return changed_study(n, [](Phantom& f) {
                      scale_spacing(f.study, {1, 1, 1.8});
                    }); }},
+      {"slices_too_thin",
+       [](int n) { return changed_study(n, [](Phantom& f) {
+                     scale_spacing(f.study, {1, 1, 0.55});
+                   }); }},
+      {"cavity_blurred_away",
+       [](int n) {
+         return changed_patient(n, [n](VirtualPatient& o) {
+           o.edv_ml = dice(n, 1, 28, 42), o.wall_ml = 70 + 0.35 * o.edv_ml;
+           o.ef_percent = dice(n, 2, 60, 78), o.base_excursion_mm = 0.16 * o.ef_percent;
+           o.fwhm_mm = dice(n, 3, 14, 16);
+         });
+       }},
       {"bright_right_ventricle",
        [](int n) { return changed_patient(n, [n](VirtualPatient& o) { o.right_ventricle = dice(n, 1, 1.1, 1.8); }); }},
       {"no_apex",

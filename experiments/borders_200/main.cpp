@@ -121,9 +121,12 @@ int run_fields(int from, int to) {
   return 0;
 }
 
-int run_planted(int from, int to) {
+int run_planted(int from, int to, std::string_view only) {
   Rows rows;
+  std::vector<std::string_view> kinds;
   for (const std::string_view kind : failure_kinds())
+    if (only.empty() || kind == only) kinds.push_back(kind);
+  for (const std::string_view kind : kinds)
     for (int n = from; n < to; ++n) {
       const Planted p = plant(kind, n);
       rows.push_back(examine(p.patient, p.phantom, p.is_heart));
@@ -138,7 +141,7 @@ int run_planted(int from, int to) {
     std::printf("  %-22s %5zu %12zu %12zu %12zu\n", name.c_str(), wrong.size(), count(wrong), right.size(),
                 count(right));
   };
-  for (const std::string_view kind : failure_kinds())
+  for (const std::string_view kind : kinds)
     line(std::string(kind), part_of(rows, [&](const Outcome& o) { return o.kind == kind; }));
   line("all", rows);
   return 0;
@@ -150,7 +153,7 @@ int run(int count, char** arguments) {
   const int from = count > 1 ? std::atoi(arguments[1]) : 0, to = count > 2 ? std::atoi(arguments[2]) : from + 200;
   if (what == "series") return run_series(from, to);
   if (what == "fields") return run_fields(from, to);
-  if (what == "planted") return run_planted(from, to);
+  if (what == "planted") return run_planted(from, to, count > 3 ? arguments[3] : "");
   std::fprintf(stderr, "expected series, fields or planted, and two numbers\n");
   return 1;
 }

@@ -11,6 +11,7 @@
 #include "dynasurf/synthetic/random.hpp"
 
 #include "../support/border_scores.hpp"
+#include "chart.hpp"
 
 namespace {
 
@@ -112,7 +113,7 @@ const std::vector<Parameter> parameters{
 
 }  // namespace
 
-int main() {
+int main(int count, char** arguments) {
   Data data;
   data.scenes.resize(patients), data.edges.resize(patients);
   for (int n = 0; n < patients; ++n) {
@@ -130,7 +131,10 @@ int main() {
   for (const Rule& rule : {Rule{"MLC, robust (the default)", Mlc{}},
                            Rule{"MLC, strict thesis", Mlc{.strict_thesis = true, .box_margin_px = 0}}}) {
     std::printf("\n== %s ==\n", rule.name);
+    std::vector<Curve> curves;
     for (const Parameter& p : parameters) {
+      Curve& curve = curves.emplace_back();
+      curve.name = p.name.substr(0, p.name.find(" ("));
       std::printf("\n%-44s choosing F1  division | reporting F1  division\n", p.name.c_str());
       for (const double v : p.values) {
         Labelling o, usual;
@@ -138,10 +142,14 @@ int main() {
         p.set(o, v);
         const bool is_default = options_to_text(o) == options_to_text(usual);
         const auto r = measure(data, o);
+        if (is_default) curve.usual = curve.values.size();
+        curve.values.push_back(v), curve.choosing.push_back(r[0].mean_f1()), curve.reporting.push_back(r[1].mean_f1());
         std::printf("%40.2f %s         %.3f    %5.2f   |         %.3f    %5.2f\n", v, is_default ? "*" : " ",
                     r[0].mean_f1(), r[0].division / r[0].count, r[1].mean_f1(), r[1].division / r[1].count);
       }
       std::fflush(stdout);
     }
+    if (count > 1 && std::holds_alternative<Mlc>(rule.method) && !std::get<Mlc>(rule.method).strict_thesis)
+      draw_curves(curves, arguments[1]);
   }
 }

@@ -41,11 +41,15 @@ class Sheets(CliTest):
             folder, _ = self.sheets("edges", "edges-" + method, "--set", "edges=" + method)
             self.assertEqual(json.loads((folder / "options.json").read_text())["edges"]["method"], method)
             sheets.add(hashes(folder)["g01_edges.png"])
+            by_file, _ = self.sheets("edges", "edges-file-" + method, "--options", folder / "options.json")
+            self.assertEqual(hashes(by_file), hashes(folder))
         self.assertEqual(len(sheets), 6)
         for method in ("none", "sign", "gradmag", "case", "radial"):
             folder, _ = self.sheets("borders", "borders-" + method, "--set", "labels.method=" + method)
             labels = json.loads((folder / "options.json").read_text())["labels"]
             self.assertEqual(labels["method"]["method"], method)
+            by_file, _ = self.sheets("borders", "borders-file-" + method, "--options", folder / "options.json")
+            self.assertEqual(hashes(by_file), hashes(folder))
 
     def test_a_slice_is_drawn_under_all_choices(self):
         wide, _ = self.sheets("edges", "wide", "--vary", "edges=canny,compass,sobel")

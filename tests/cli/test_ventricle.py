@@ -190,6 +190,36 @@ class SameBytes(CliTest):
         run("rerun", self.folder / "r", "--study", small_patient() / "study.dcm", "--out", self.folder / "again")
         self.assertEqual(hashes(self.folder / "again"), hashes(self.folder / "r"))
 
+    def test_what_a_person_says_is_followed_and_recorded(self):
+        found = self.read_json(small_result() / "results.json")["heart"]
+        said = {"center": [c + 1 for c in found["center_mm"]], "axis": found["axis"], "radius": 45, "first-slice": 3,
+                "last-slice": 22, "base-plane": 95}
+        arguments = []
+        for name, value in said.items():
+            arguments += ["--" + name, *(value if isinstance(value, list) else [value])]
+        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", *arguments)
+        self.assertIn(done.returncode, (0, 3), done.stdout + done.stderr)
+        manual = self.read_json(self.folder / "r" / "options.json")["manual"]
+        for n, letter in enumerate("xyz"):
+            self.assertAlmostEqual(manual[f"center_{letter}_mm"], said["center"][n], places=6)
+            self.assertAlmostEqual(manual[f"axis_{letter}"], said["axis"][n], places=6)
+        self.assertEqual([manual[name] for name in ("radius_mm", "first_slice", "last_slice", "base_plane_mm")],
+                         [45, 3, 22, 95])
+        results = self.read_json(self.folder / "r" / "results.json")
+        self.assertIn("manual.base_plane_mm=95", results["provenance"]["command"])
+        planes = {json.dumps(gate["base_plane"]["point_mm"] + gate["base_plane"]["normal"]) for gate in results["gates"]}
+        self.assertEqual(len(planes), 1, "the same in all gates")
+
+    def test_what_a_person_cannot_mean_is_refused(self):
+        for says, arguments in (("inside the volume", ["--center", "500", "500", "500"]),
+                                ("At least 3", ["--center", "1", "2"]), ("no length", ["--axis", "0", "0", "0"]),
+                                ("radius_mm", ["--radius", "-3"]), ("first_slice", ["--first-slice", "0"]),
+                                ("short-axis stack", ["--last-slice", "900"]),
+                                ("after the last", ["--first-slice", "9", "--last-slice", "4"]),
+                                ("base_plane_mm", ["--base-plane", "900"]), ("base_plane_mm", ["--base-plane", "nan"])):
+            self.refuses(1, "ventricle", small_patient() / "study.dcm", "--out", self.folder / "no", "--quiet", *arguments,
+                         says=says)
+
     def test_a_mask_is_applied_recorded_and_repeated(self):
         write_mask(small_patient() / "study.nii.gz", self.folder / "mask.nii",
                    lambda i, j: (i - 19.5) ** 2 + (j - 19.5) ** 2 < 13 ** 2)

@@ -1,5 +1,9 @@
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "support/blurred_heart.hpp"
@@ -33,6 +37,55 @@ TEST(FindBorders, PreparesTheValuesWhenAsked) {
   const BorderResult borders = find_borders(study, o);
   EXPECT_EQ(borders.study.grid().dims, (Index3{128, 128, 46}));
   EXPECT_TRUE(borders.gates[0].labels.has(Wall::epi));
+}
+
+TEST(BloodPoolStudy, HasACavityAndAnEjectionFractionButNoWall) {
+  VirtualPatient o;
+  o.cavity = 8, o.background = 0.5;  // the wall is 1
+  const Phantom phantom = make_phantom(o);
+  const VentricleResult result = reconstruct(phantom.study, {});
+  EXPECT_EQ(result.verdict, Verdict::check);
+  ASSERT_EQ(
+      std::count_if(result.flags.begin(), result.flags.end(), [](const Flag& f) { return f.code == "blood_pool"; }), 1);
+  for (const Gate& gate : result.gates) {
+    EXPECT_TRUE(gate.endo);
+    EXPECT_FALSE(gate.epi);
+  }
+  ASSERT_TRUE(result.ef_percent && result.edv_ml);
+  EXPECT_NEAR(*result.ef_percent, *phantom.ef_percent, 8);
+  EXPECT_NEAR(*result.edv_ml / *phantom.edv_ml, 1, 0.25) << "the edge lies near the rim, and the base is open";
+}
+
+TEST(ManualPlaces, MustBeOfTheStudy) {
+  const Study study = study_of(test::blurred_heart({}));  // 64 x 64 x 23 voxels of 2.87 x 2.87 x 5.74 mm, from 0
+  const auto refuses = [&](const auto& set, const char* says) {
+    VentricleOptions o;
+    set(o.manual);
+    try {
+      find_borders(study, o);
+      ADD_FAILURE() << says;
+    } catch (const OptionError& e) {
+      EXPECT_NE(std::string(e.what()).find(says), std::string::npos) << e.what();
+    }
+  };
+  refuses([](Manual& m) { m.center_x_mm = 90, m.center_y_mm = 90, m.center_z_mm = 500; }, "inside the volume");
+  refuses([](Manual& m) { m.first_slice = 24; },
+          "first_slice is 24; expected a slice of the short-axis stack, 1 to 23");
+  refuses([](Manual& m) { m.last_slice = 24; }, "manual.last_slice is 24");
+  refuses([](Manual& m) { m.first_slice = 12, m.last_slice = 11; }, "not to lie after the last");
+  refuses([](Manual& m) { m.base_plane_mm = 127; }, "0 to 126.28 mm");
+  refuses([](Manual& m) { m.base_plane_mm = -1; }, "manual.base_plane_mm is -1");
+}
+
+TEST(ManualPlaces, AtTheEdgesOfTheStudyAreFollowed) {
+  const Study study = study_of(test::blurred_heart({}));
+  VentricleOptions o;
+  o.manual.first_slice = 8, o.manual.last_slice = 23;
+  const BorderResult result = find_borders(study, o);
+  const Mask& edges = result.gates[0].edges.edges;
+  const auto first_kept = edges.values.begin() + static_cast<std::ptrdiff_t>(edges.grid.index(0, 0, 7));
+  EXPECT_TRUE(std::all_of(edges.values.begin(), first_kept, [](auto v) { return v == 0; }));
+  EXPECT_TRUE(result.gates[0].labels.has(Wall::endo));
 }
 
 }  // namespace

@@ -276,18 +276,6 @@ TEST(Labels, NeverInventAMissingBorder) {
   EXPECT_EQ(note->slice, hole);
 }
 
-TEST(Labels, FindTheBorderOfABloodPoolWithoutTheGradient) {
-  // A bright cavity has one border, and it darkens outwards.
-  HeartShape h;
-  h.wall_mm = 36, h.apex_wall_mm = 200;  // all wall: a solid body
-  Labelling o;
-  std::get<Mlc>(o.method).use_gradient = false;
-  const Labels labels = labels_of(test::blurred_heart(h), o);
-  EXPECT_TRUE(labels.has(Wall::epi));
-  EXPECT_FALSE(labels.has(Wall::endo));
-  EXPECT_TRUE(has_code(labels.notes, "labels.no_endo"));
-}
-
 TEST(Labels, SayThatNothingWasFound) {
   for (const float value : {0.0F, 1.0F})
     for (const Index3& d : {Index3{64, 64, 23}, Index3{64, 64, 1}, Index3{1, 1, 1}, Index3{3, 2, 4}}) {
@@ -330,6 +318,71 @@ TEST(BorderVolume, HoldsTheVoxelsOfOneBorder) {
   labels.borders.values = {0, 1, 2, 3};
   EXPECT_EQ(border_volume(labels, Wall::endo).values, (std::vector<float>{0, 1, 0, 1}));
   EXPECT_EQ(border_volume(labels, Wall::epi).values, (std::vector<float>{0, 0, 1, 1}));
+}
+
+/// The cavity bright and no wall around it: the outer border of this body is the inner border of the heart.
+HeartShape blood_pool() {
+  HeartShape h;
+  h.epi_radius_mm = h.wall_mm = 26, h.apex_wall_mm = 1e3;
+  h.noise = 0.03;
+  return h;
+}
+
+TEST(BloodPool, ShowsTheInnerBorderAndNoOuterOne) {
+  const HeartShape h = blood_pool();
+  const Image image = test::blurred_heart(h);
+  const Labels labels = labels_of(image);
+  EXPECT_EQ(labels.bright, Bright::cavity);
+  EXPECT_FALSE(labels.has(Wall::epi));
+  EXPECT_TRUE(has_code(labels.notes, "labels.blood_pool"));
+  EXPECT_FALSE(has_code(labels.notes, "labels.no_epi"));
+  EXPECT_EQ(labels.division_slice, 4) << "the cavity ends in its middle";
+  double error = 0;
+  int voxels = 0;
+  for (int k = 7; k < h.base_slice; ++k)  // below, the tip is narrower than the blur
+    for (int j = 0; j < h.dims[1]; ++j)
+      for (int i = 0; i < h.dims[0]; ++i)
+        if (labels.borders(i, j, k) != 0) {
+          EXPECT_EQ(labels.borders(i, j, k), Labels::endo_bit);
+          error += std::abs(std::hypot(i - h.x_px, j - h.y_px) - test::true_radius_px(h, k, true)), ++voxels;
+        }
+  ASSERT_GT(voxels, 300);
+  EXPECT_LT(error / voxels, 1) << "px; blur moves the steepest place of a full body by less";
+}
+
+TEST(BloodPool, IsNoPerfusedWallHoweverBlurred) {
+  for (const double fwhm : {8.0, 12.0, 16.0})
+    for (const double radius : {30.0, 36.0, 48.0}) {
+      HeartShape h;
+      h.fwhm_mm = fwhm, h.epi_radius_mm = radius, h.noise = 0.05;
+      EXPECT_EQ(labels_of(test::blurred_heart(h)).bright, Bright::wall) << fwhm << " mm, radius " << radius;
+    }
+}
+
+TEST(BloodPool, IsWhatThePersonSaysItIs) {
+  const Image image = test::blurred_heart(blood_pool());
+  Labelling o;
+  o.bright = Bright::wall;
+  EXPECT_TRUE(labels_of(image, o).has(Wall::epi));
+  o.bright = Bright::cavity;
+  const Labels told = labels_of(test::blurred_heart(HeartShape{}), o);
+  EXPECT_TRUE(told.has(Wall::endo));
+  EXPECT_FALSE(told.has(Wall::epi));
+}
+
+TEST(BloodPool, IsReadByEveryMethodThatHasALoneBorder) {
+  const HeartShape h = blood_pool();
+  const Image image = test::blurred_heart(h);
+  for (const LabelOptions& method :
+       {LabelOptions{RadialLabels{}}, LabelOptions{NoLabels{}}, LabelOptions{Mlc{.use_gradient = false}},
+        LabelOptions{Mlc{.strict_thesis = true}}}) {
+    Labelling o;
+    o.method = method;
+    const Labels labels = labels_of(image, o);
+    EXPECT_TRUE(labels.has(Wall::endo));
+    EXPECT_FALSE(labels.has(Wall::epi));
+    EXPECT_EQ(labels.division_slice, 4);
+  }
 }
 
 }  // namespace

@@ -1,5 +1,9 @@
 #include "dynasurf/ventricle/quality.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include "dynasurf/ventricle/reconstruct.hpp"
@@ -178,6 +182,63 @@ TEST(Judge, AsksToCheckABorderThatIsMissingInManySlices) {
     for (int k = 0; k < 3; ++k) result.notes.push_back({Severity::warning, "labels.endo_missing", "absent", g, k});
   EXPECT_EQ(verdict_of(judge(result)), Verdict::check);
   EXPECT_EQ(codes_of(result).front(), "border_missing");
+}
+
+/// Both surfaces of every gate as points on spheroids around the heart's axis, with the volumes of these.
+void give_shape(VentricleResult& result, double epi_radius, double epi_half_length, double endo_radius) {
+  for (Gate& gate : result.gates) {
+    const auto spheroid = [](Surface& surface, double radius, double half_length) {
+      for (int n = 0; n < 400; ++n) {
+        const double theta = std::numbers::pi * (n / 20 + 0.5) / 20, phi = 2 * std::numbers::pi * (n % 20) / 20;
+        surface.mesh.vertices.emplace_back(radius * std::sin(theta) * std::cos(phi),
+                                           radius * std::sin(theta) * std::sin(phi), half_length * std::cos(theta));
+      }
+      surface.volume_ml = 4 * std::numbers::pi / 3 * radius * radius * half_length / 1000;
+    };
+    spheroid(*gate.epi, epi_radius, epi_half_length);
+    spheroid(*gate.endo, endo_radius, endo_radius * epi_half_length / epi_radius);
+  }
+}
+
+TEST(Judge, AsksToCheckAHeartThatThickSlicesStretched) {
+  VentricleResult result = good_result();
+  result.heart->cup = {{0, 0, 0}, {0, 0, 1}, 30, 40, 25};
+  give_shape(result, 35, 45, 23);
+  EXPECT_EQ(codes_of(result), Codes{});
+  for (Gate& gate : result.gates)
+    for (Surface* surface : {&*gate.endo, &*gate.epi}) {
+      for (Vec3& p : surface->mesh.vertices) p[2] *= 1.8;
+      surface->volume_ml *= 1.8;
+    }
+  const std::vector<Flag> flags = judge(result);
+  ASSERT_FALSE(flags.empty());
+  const auto found =
+      std::find_if(flags.begin(), flags.end(), [](const Flag& f) { return f.code == "shape_implausible"; });
+  ASSERT_NE(found, flags.end());
+  EXPECT_NEAR(found->value, 1.8 * 45 / 35, 0.05) << "the outermost points lie a little inside the ends";
+}
+
+TEST(Judge, AsksToCheckACavityThatBlurMayHaveFilled) {
+  VentricleResult result = good_result();
+  result.heart->cup = {{0, 0, 0}, {0, 0, 1}, 30, 40, 25};
+  give_shape(result, 35, 45, 23);
+  const auto is_flagged = [&] {
+    const Codes codes = codes_of(result);
+    return std::find(codes.begin(), codes.end(), "cavity_unresolved") != codes.end();
+  };
+  result.gates[3].endo->volume_ml = 8;  // a ball of 12.4 mm, under a wall of some 13
+  EXPECT_FALSE(is_flagged());
+  result.gates[3].endo->volume_ml = 4;  // 9.8 mm
+  EXPECT_TRUE(is_flagged());
+}
+
+TEST(Judge, DoesNotMissTheOuterBorderOfABloodPool) {
+  VentricleResult result = good_result();
+  for (Gate& gate : result.gates) gate.epi.reset(), gate.wall_ml.reset(), gate.labels.bright = Bright::cavity;
+  result.heart.reset(), result.wall_variation.reset();
+  EXPECT_EQ(codes_of(result), Codes{"blood_pool"});
+  result.gates[2].endo.reset();
+  EXPECT_EQ(codes_of(result), (Codes{"surface_missing", "blood_pool"}));
 }
 
 }  // namespace

@@ -122,6 +122,14 @@ double mean_distance(const TriMesh& mesh, const Cup& cup) {
   return sum / static_cast<double>(mesh.vertices.size());
 }
 
+/// Length of a surface along the axis over the width of the ellipsoid that has this length and the surface's volume.
+double length_to_width(const Surface& surface, const Vec3& axis) {
+  double low = 1e300, high = -1e300;
+  for (const Vec3& p : surface.mesh.vertices) low = std::min(low, p.dot(axis)), high = std::max(high, p.dot(axis));
+  const double length = high - low;
+  return length / std::sqrt(6000 * surface.volume_ml / (std::numbers::pi * length));
+}
+
 double largest_residual(const std::vector<std::optional<double>>& values) {
   constexpr double cut_mm = 6;
   const SmoothCycle smooth = smooth_over_cycle(values, cut_mm);
@@ -168,17 +176,23 @@ void look_at_image(const VentricleResult& result, const Cup& world, Clues& clues
 }
 
 void look_at_surfaces(const VentricleResult& result, const Cup& cup, Clues& clues) {
-  double thickness = 0;
-  int both = 0;
+  double thickness = 0, slimness = 0;
+  int outer = 0, both = 0;
+  std::optional<double> least_ml;
   for (const Gate& gate : result.gates) {
     if (!gate.epi || gate.epi->mesh.vertices.empty()) continue;
     const Vec3 base = gate.base_plane ? gate.base_plane->point : cup.base();
     const double top_mm = (base - cup.centre).dot(cup.axis) - below_base_mm;
     clues.unround = std::max(clues.unround, unroundness(gate.epi->mesh, cup, top_mm));
+    if (gate.epi->volume_ml > 0) slimness += length_to_width(*gate.epi, cup.axis), ++outer;
     if (!gate.endo || gate.endo->mesh.vertices.empty()) continue;
+    least_ml = std::min(least_ml.value_or(1e300), std::max(0.0, gate.endo->volume_ml));
     thickness += mean_distance(gate.epi->mesh, cup) - mean_distance(gate.endo->mesh, cup), ++both;
   }
+  if (outer > 0) clues.length_to_width = slimness / outer;
   if (both > 0) clues.thickness_mm = thickness / both;
+  if (least_ml && clues.thickness_mm > 0)
+    clues.least_cavity = std::cbrt(3000 * *least_ml / (4 * std::numbers::pi)) / clues.thickness_mm;
   clues.moves_mm = largest_move(result, cup);
 }
 

@@ -21,7 +21,9 @@ struct Clues {
   double most_counts = 1;
   double endo_roughness = 0;  // of the volume curves, as `cycle_roughness`
   double epi_roughness = 0;
-  double end_systole = 0.4;  // part of the beat that has passed
+  double length_to_width = 1.3;  // of the outer surface: of the ellipsoid of its length and volume; mean of the gates
+  double least_cavity = 2;       // radius of a ball of the smallest cavity's volume, relative to the thickness
+  double end_systole = 0.4;      // part of the beat that has passed
   double base_seen = 1, base_spread_mm = 0, base_cut = 0;
 };
 Clues clues_of(const VentricleResult& result);

@@ -1,9 +1,12 @@
 #include "dynasurf/ventricle/cycle.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
+#include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/resample.hpp"
 
@@ -12,12 +15,20 @@ namespace {
 
 constexpr double room_mm = 22;  // from the middle of the wall to the coarse circle: half a thick wall and the blur
 constexpr double outer_apex_mm = 14;  // from the middle of the wall at the apex to where its edge may lie
+constexpr double half_wall_mm = 3;    // from the middle of the apical wall, as it is seen, to the cavity
 constexpr double plane_smoothing_mm = 2.5;
 // The wall thickens in systole and so gets brighter, but thins towards the valve, where it hardly does: half of its own
 // systolic brightness is reached some millimetres before the muscle ends. So its end is looked for against the
 // brightness of the relaxed wall, a little under the half.
 constexpr double end_level = 0.45;
 constexpr double least_rim_share = 0.7;
+
+template <class... A>
+std::string format(const char* pattern, A... values) {
+  std::array<char, 256> text{};
+  std::snprintf(text.data(), text.size(), pattern, values...);
+  return text.data();
+}
 
 /// A plane square to the stack at a height over the middle of its first slice.
 BasePlane level_plane(const Grid& grid, double height_mm) {
@@ -41,6 +52,32 @@ std::string list_of(const std::vector<bool>& marked) {
 
 }  // namespace
 
+void require_inside(const Manual& manual, const Study& original, const Study& study) {
+  if (const std::optional<Vec3> centre = hints_of(manual).centre_mm) {
+    const Index3 v = voxel_of(original.grid(), to_grid(original.grid(), *centre));
+    if (!original.grid().contains(v[0], v[1], v[2]))
+      throw OptionError(format("option manual.center is (%g, %g, %g); expected a place inside the volume", (*centre)[0],
+                               (*centre)[1], (*centre)[2]));
+  }
+  const int slices = study.grid().dims[2];
+  const auto require_slice = [&](const char* name, const std::optional<int>& slice) {
+    if (slice && *slice > slices)
+      throw OptionError(
+          format("option manual.%s is %d; expected a slice of the short-axis stack, 1 to %d", name, *slice, slices));
+  };
+  require_slice("first_slice", manual.first_slice);
+  require_slice("last_slice", manual.last_slice);
+  if (manual.first_slice && manual.last_slice && *manual.first_slice > *manual.last_slice)
+    throw OptionError(
+        format("option manual.first_slice is %d and manual.last_slice %d; expected the first, nearer to "
+               "the apex, not to lie after the last",
+               *manual.first_slice, *manual.last_slice));
+  const double top_mm = (slices - 1) * study.grid().spacing[2];
+  if (manual.base_plane_mm && (*manual.base_plane_mm < 0 || *manual.base_plane_mm > top_mm))
+    throw OptionError(format("option manual.base_plane_mm is %g; expected a height in the short-axis stack, 0 to %g mm",
+                             *manual.base_plane_mm, top_mm));
+}
+
 CoarseCircle circle_around(const Study& study, const std::optional<Location>& heart, const Manual& manual,
                            CoarseCircle asked) {
   const double pixel = study.grid().spacing[0];
@@ -49,9 +86,20 @@ CoarseCircle circle_around(const Study& study, const std::optional<Location>& he
     if (!asked.x_px) asked.x_px = middle[0] / pixel;
     if (!asked.y_px) asked.y_px = middle[1] / study.grid().spacing[1];
     if (!asked.radius_px) asked.radius_px = (heart->cup.radius_mm + room_mm) / pixel;
+  } else if (const std::optional<Vec3> centre = hints_of(manual).centre_mm) {
+    const Vec3 middle = to_grid(study.grid(), *centre);
+    if (!asked.x_px) asked.x_px = middle[0] / pixel;
+    if (!asked.y_px) asked.y_px = middle[1] / study.grid().spacing[1];
   }
   if (manual.radius_mm) asked.radius_px = *manual.radius_mm / pixel;
   return asked;
+}
+
+std::optional<double> expected_cavity_end(const Study& study, const std::optional<Location>& heart) {
+  if (!heart || !heart->is_clear()) return std::nullopt;
+  const Cup cup = to_grid(study.grid(), heart->cup);
+  if (cup.axis[2] <= 0) return std::nullopt;
+  return (cup.apex() + half_wall_mm * cup.axis)[2] / study.grid().spacing[2];
 }
 
 std::vector<std::optional<BasePlane>> valve_planes(const Study& study, const std::optional<Location>& heart,

@@ -10,11 +10,19 @@
 
 namespace dynasurf {
 
+/// Throws OptionError when what a person says cannot be of this study: a centre outside the volume as it was stored
+/// (`original`), slices or a valve plane outside the short-axis stack (`study`), a last slice before the first.
+void require_inside(const Manual& manual, const Study& original, const Study& study);
+
 /// The coarse circle (CIRC-COARSE) around a heart that was found: centre where its axis crosses the middle of the
-/// heart, radius that of the wall's middle and `room_mm` more. What `asked` sets stays; without a heart `asked` is
-/// returned.
+/// heart, radius that of the wall's middle and `room_mm` more. What `asked` sets stays. Without a heart the centre is
+/// the one a person has set, if any.
 CoarseCircle circle_around(const Study& study, const std::optional<Location>& heart, const Manual& manual,
                            CoarseCircle asked);
+
+/// Where the heart that was found has the end of its cavity, as a slice (0: middle of the lowest). Absent without a
+/// heart whose wall was clearly seen, or one that stands on its head in the stack.
+std::optional<double> expected_cavity_end(const Study& study, const std::optional<Location>& heart);
 
 /// The valve plane of every gate (world frame), smooth over the cycle, or that which a person has set. Absent for all
 /// gates where no heart was found or less than half of the gates show one ("base.plane_missing"); gates that did not

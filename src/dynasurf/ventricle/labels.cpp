@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "dynasurf/ventricle/labels/blood_pool.hpp"
 #include "dynasurf/ventricle/labels/bounding_boxes.hpp"
 #include "dynasurf/ventricle/labels/circle.hpp"
 #include "dynasurf/ventricle/labels/division_slice.hpp"
@@ -100,12 +101,23 @@ int follow_cavity_down(int division, const Mask& borders, const Axis& axis, Note
   return slice;
 }
 
-/// The end of the cavity by the wall under it, where that can be seen; else the lowest slice that showed the cavity,
-/// with what the rules of the thesis (`guess`) had to say about it.
+/// The end of the cavity by the wall under it, where that can be seen; else by the shape of the whole heart, where that
+/// is known; else the lowest slice that showed the cavity, with what the rules of the thesis (`guess`) had to say.
 int division_under(int seen, const LabelScene& scene, const std::vector<double>& profile, const Notes& guess,
                    Notes& notes) {
-  const double floor = scene.options.division.floor;
-  const auto tip = find_wall_tip(profile, seen + 1, scene.image.grid.spacing[2], floor);
+  constexpr double most_off_mm = 9;  // of the tip from where the whole heart has it; 2 to 3 where the wall is seen
+  const double floor = scene.options.division.floor, slice_mm = scene.image.grid.spacing[2];
+  const auto tip = find_wall_tip(profile, seen + 1, slice_mm, floor);
+  const std::optional<double> expected = scene.options.division.expected_slice;
+  if (expected && !(tip && std::abs(tip->slice - *expected) * slice_mm <= most_off_mm)) {
+    const int slice = static_cast<int>(std::floor(*expected));
+    notes.push_back({Severity::info, "slice_find.by_shape",
+                     "The wall of the apex is not seen where the rest of the heart has it (a defect, or something hot "
+                     "nearby); slice " +
+                         std::to_string(slice + 1) + " was taken as the end of the cavity from its shape.",
+                     -1, slice});
+    return slice;
+  }
   if (!tip) {
     notes.insert(notes.end(), guess.begin(), guess.end());
     return seen;
@@ -119,10 +131,30 @@ int division_under(int seen, const LabelScene& scene, const std::vector<double>&
   return slice;
 }
 
+Bright what_is_bright(const LabelScene& scene, const Place& place) {
+  const int min_px = std::max(1, scene.options.circle.min_component_px / 2);
+  const SidedEdges sided = split_by_gradient(scene.inside, scene.image, scene.axis, min_px);
+  return is_blood_pool(filling(scene.image, place.local), inner_share(sided)) ? Bright::cavity : Bright::wall;
+}
+
+/// What the methods found in an image of the blood pool, said as it is.
+void read_as_pool(const Image& image, Labels& labels) {
+  labels.borders = borders_of_pool(std::move(labels.borders));
+  labels.division_slice = division_slice_of_pool(centre_profile(image, labels.axis));
+  // What the methods say of walls, tips and division slices is about images with a bright wall.
+  std::erase_if(labels.notes, [](const Note& n) {
+    return n.code.starts_with("slice_") || n.code.starts_with("boxes.") || n.code == "labels.not_told_apart";
+  });
+  labels.notes.push_back({Severity::info, "labels.blood_pool",
+                          "The cavity is bright and no wall is seen: an image of the blood pool. Its rim is the inner "
+                          "border; there is no outer one."});
+}
+
 /// One note per slice that lacks a border though the slices below and above have it, and one per border found nowhere.
 void note_missing(Labels& labels) {
   const int depth = labels.borders.grid.dims[2];
   for (const Wall wall : {Wall::endo, Wall::epi}) {
+    if (wall == Wall::epi && labels.bright == Bright::cavity) continue;
     const std::uint8_t bit = wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit;
     std::vector<int> with;
     for (int k = 0; k < depth; ++k)
@@ -208,6 +240,8 @@ Labels label_borders(const Image& image, const EdgeMap& edges, const Labelling& 
                                 " pixels around the ventricle."});
 
   labels.borders = std::visit([&](const auto& method) { return label(scene, method, labels); }, o.method);
+  labels.bright = o.bright == Bright::automatic ? what_is_bright(scene, place) : o.bright;
+  if (labels.bright == Bright::cavity) read_as_pool(image, labels);
   note_missing(labels);
   return labels;
 }

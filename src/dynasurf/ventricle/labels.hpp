@@ -66,6 +66,7 @@ void describe(auto& visit, AutoCircle& o) {
 struct DivisionSlice {
   double jump = 0.15;
   double floor = 0.4;
+  std::optional<double> expected_slice;
 };
 void describe(auto& visit, DivisionSlice& o) {
   visit("jump", o.jump,
@@ -84,8 +85,7 @@ struct Mlc {
 void describe(auto& visit, Mlc& o) {
   visit("strict_thesis", o.strict_thesis, Field{"exactly the published rule: the largest gap decides, always"});
   visit("use_gradient", o.use_gradient,
-        Field{"tell the borders by the side on which the wall is brighter; false for images of the blood pool, and "
-              "without effect in strict_thesis"});
+        Field{"tell the borders by the side on which the wall is brighter; without effect in strict_thesis"});
   visit("min_gap_px", o.min_gap_px,
         Field{"smaller gaps are fragments of one border; neighbours decide then", "px", 0, 50});
   visit("box_margin_px", o.box_margin_px, Field{"slack of the bounding boxes: a wall bulges (thesis: 0)", "px", 0, 50});
@@ -164,28 +164,41 @@ void describe(auto& visit, RadialLabels& o) {
 
 using LabelOptions = std::variant<Mlc, NoLabels, SignLabels, GradMagLabels, CaseLabels, RadialLabels>;
 
+/// What the image shows brightly: the muscle of the wall (perfusion), or the blood in the cavity (a blood pool).
+enum class Bright { automatic, wall, cavity };
+inline std::span<const std::string_view> names_of(Bright) {
+  static constexpr std::array<std::string_view, 3> names{"auto", "wall", "cavity"};
+  return names;
+}
+
 /// All of the labelling stage.
 struct Labelling {
+  Bright bright = Bright::automatic;
   CoarseCircle coarse;
   AutoCircle circle;
   DivisionSlice division;
   LabelOptions method = Mlc{};
 };
 void describe(auto& visit, Labelling& o) {
+  visit(
+      "bright", o.bright,
+      Field{"what is bright: wall (perfusion), cavity (blood pool: its rim is the inner border, and there is no outer "
+            "one), or auto: what the image shows"});
   visit("coarse", o.coarse, Field{"coarse circle"});
   visit("circle", o.circle, Field{"automatic circle"});
   visit("division", o.division, Field{"division slice"});
   visit("method", o.method, Field{"how borders are told apart"});
 }
 
-/// Where the two borders lie in one gate, slices apex first. A voxel may carry both bits: two borders pass through it,
-/// or the method cannot tell which one it is ("labels.not_told_apart").
+/// Where the two borders lie in one gate, slices apex first. Of a blood pool only the inner one is there. A voxel may
+/// carry both bits: two borders pass through it, or the method cannot tell which one it is ("labels.not_told_apart").
 struct Labels {
   static constexpr std::uint8_t endo_bit = 1, epi_bit = 2;
   Mask borders;                              // bits, per voxel
   Circle circle;                             // automatic circle: common to all slices
   Axis axis;                                 // centre of the ventricle in every slice
   int big_slice = -1;                        // slice of the widest circular border, -1: none found
+  Bright bright = Bright::wall;              // what was taken to be bright, never automatic
   int division_slice = -1;                   // highest slice under the end of the cavity; -1: none found
   std::vector<std::optional<Circle>> local;  // the best circular edge of every slice, for drawing
   Notes notes;

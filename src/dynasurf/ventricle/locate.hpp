@@ -25,6 +25,9 @@ struct Location {
   std::optional<Vec3> runner_up_mm;  // middle of that place
   double outside = 0;                // share of the wall that lies outside the volume
   double other_end = 0;              // score with apex and base exchanged, relative to this one
+
+  /// Whether the wall was seen well enough to be believed. The limits are those of the flag "heart_uncertain".
+  bool is_clear() const { return contrast >= 0.22 && ridge_share >= 0.55; }
 };
 
 /// The mean of the gates: what the eye sees of a beating heart at rest.

@@ -21,11 +21,12 @@ constexpr double least_ef = 5, most_ef = 85;
 constexpr double least_edv_ml = 15, most_edv_ml = 600;
 
 // Limits of where the heart was found and of the cycle. Set by judgement; experiments/borders_200 shows what they do.
-constexpr double least_contrast = 0.22, least_ridge_share = 0.55;
 constexpr double most_other_end = 0.97;
 constexpr double least_base_seen = 0.45, most_base_spread_mm = 4, most_base_cut = 0.3;
-constexpr double most_outside = 0.05;  // of the wall
-constexpr double least_elongation = 1.15, most_elongation = 2.6;
+constexpr double most_outside = 0.05;                             // of the wall
+constexpr double least_elongation = 1.15, most_elongation = 2.6;  // of the ellipsoid of the wall
+constexpr double most_length_to_width = 1.7;                      // of the outer surface, which ends at the valve
+constexpr double least_cavity = 0.83;
 constexpr double most_hot_neighbour = 0.25;
 constexpr double least_apex = 0.3;  // of the wall
 constexpr double most_unround = 0.13;
@@ -62,8 +63,13 @@ void flag_gates(const VentricleResult& result, std::vector<Flag>& flags, std::st
     flags.push_back({std::move(code), severity, what + " in " + gate_list(gates), static_cast<double>(gates.size())});
 }
 
+bool is_blood_pool(const VentricleResult& result) {
+  return !result.gates.empty() && result.gates.front().labels.bright == Bright::cavity;
+}
+
 void flag_surfaces(const VentricleResult& result, std::vector<Flag>& flags) {
   for (const Wall wall : {Wall::endo, Wall::epi}) {
+    if (wall == Wall::epi && is_blood_pool(result)) continue;
     const auto surface = [wall](const Gate& g) -> const std::optional<Surface>& {
       return wall == Wall::endo ? g.endo : g.epi;
     };
@@ -114,6 +120,14 @@ bool is_told_by_a_surface(const Note& note) { return note.code == "labels.no_end
 
 /// Where the heart was found, and whether the surfaces are there.
 void flag_place(const VentricleResult& result, std::vector<Flag>& flags) {
+  if (is_blood_pool(result)) {
+    flags.push_back({"blood_pool", Severity::warning,
+                     "the cavity is bright and no wall is seen: taken for an image of the blood pool, with the inner "
+                     "border alone; the slices must be short-axis ones, and what else is bright (right ventricle, "
+                     "atria) may have been taken in",
+                     1});
+    return;
+  }
   if (!result.heart) {
     flags.push_back({"heart_not_found", Severity::warning,
                      "nothing in the volume looks like a ventricle by its shape; the borders may be of something else",
@@ -121,7 +135,7 @@ void flag_place(const VentricleResult& result, std::vector<Flag>& flags) {
     return;
   }
   const Location& heart = *result.heart;
-  if (heart.contrast < least_contrast || heart.ridge_share < least_ridge_share)
+  if (!heart.is_clear())
     flags.push_back({"heart_uncertain", Severity::warning,
                      format("the wall is hard to see: contrast %.2f, seen in %.0f %% of the directions", heart.contrast,
                             100 * heart.ridge_share),
@@ -178,6 +192,12 @@ void flag_looks(const VentricleResult& result, const Clues& c, std::vector<Flag>
       Limit{"heart_cut_off", result.heart->outside, 0, most_outside, "%.0f %% of the wall lie outside the volume", 100},
       Limit{"shape_implausible", cup.half_length_mm / cup.radius_mm, least_elongation, most_elongation,
             "the heart is %.1f times as long as wide; hearts are not, so the spacing of the slices may be wrong"},
+      Limit{"shape_implausible", c.length_to_width, 0, most_length_to_width,
+            "the outer surface is %.1f times as long as wide; hearts are not, so the spacing of the slices may be "
+            "wrong"},
+      Limit{"cavity_unresolved", c.least_cavity, least_cavity, 1e9,
+            "at its smallest the cavity's radius is only %.2f of the thickness the wall seems to have: blur fills so "
+            "small a cavity, its volume reads large and the ejection fraction low"},
       Limit{"hot_neighbour", c.hot_neighbour, 0, most_hot_neighbour,
             "something as hot as the wall touches it in %.0f %% of the directions", 100},
       Limit{"apex_missing", c.apex, least_apex, 1e9,

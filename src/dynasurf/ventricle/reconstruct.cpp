@@ -326,6 +326,16 @@ struct StudyRun {
   std::vector<GateRun> gates;
 };
 
+/// What is bright in a study: a wall, where one was clearly seen, else what the labels of the mean say. One answer for
+/// all gates: the cavity of a small heart at end-systole may look filled.
+Bright what_is_bright(const Study& study, const std::optional<Location>& heart, const VentricleOptions& options) {
+  if (options.labels.bright != Bright::automatic) return options.labels.bright;
+  if (heart && heart->is_clear()) return Bright::wall;
+  Notes notes;
+  const Image mean = normalise(mean_image(study.gates), notes);
+  return label_borders(mean, detect_edges(mean, options.edges), options.labels).bright;
+}
+
 StudyRun run_borders(const Study& whole, const VentricleOptions& requested, const Progress& progress, const Image* mask,
                      StageClock& clock) {
   StudyRun run;
@@ -336,7 +346,10 @@ StudyRun run_borders(const Study& whole, const VentricleOptions& requested, cons
   if (mask != nullptr) confined = confine(whole, region_on(*mask, whole.grid()));
   const Study& original = confined ? *confined : whole;
   run.heart = clock("locate", [&] { return locate(mean_image(original.gates), hints_of(options.manual)); });
+  options.labels.bright = clock("locate", [&] { return what_is_bright(original, run.heart, options); });
+  if (options.labels.bright == Bright::cavity) run.heart.reset();  // it is looked for by its wall
   run.study = canonical_study(orient(original, run.heart, options.orientation));
+  require_inside(options.manual, original, run.study);
   for (Image& image : run.study.gates) {
     if (options.noise_fraction > 0) image = suppress_noise(std::move(image), options.noise_fraction);
     image = prepare(std::move(image), options.prepare);
@@ -344,6 +357,8 @@ StudyRun run_borders(const Study& whole, const VentricleOptions& requested, cons
 
   run.gates.resize(run.study.gates.size());
   options.labels.coarse = circle_around(run.study, run.heart, options.manual, options.labels.coarse);
+  if (!options.labels.division.expected_slice)
+    options.labels.division.expected_slice = expected_cavity_end(run.study, run.heart);
   std::vector<std::optional<BasePlane>> planes(run.gates.size());
   if (options.closure.valve_plane)
     planes = clock("valve plane", [&] { return valve_planes(run.study, run.heart, options.manual, run.study.notes); });
