@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "dynasurf/dynamics/evolve.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
 namespace dynasurf {
@@ -57,6 +58,31 @@ TEST(SurfaceCurvatureForce, PullsABumpBackAndDecaysIt) {
   double mean = 0;
   for (const Vec3& p : mesh.vertices) mean += (p - centre).norm() / static_cast<double>(mesh.vertices.size());
   EXPECT_NEAR(mean, 10, 0.01);  // the sphere itself does not shrink
+}
+
+TEST(SurfaceCurvatureForce, DecaysABumpInARunOfEvolve) {
+  TriMesh start = sphere(3, 10);
+  const Vec3 centre(3, -1, 2);
+  start.vertices[100] += 0.3 * (start.vertices[100] - centre).normalized();
+  Grid grid;
+  grid.dims = {30, 30, 30};
+  grid.origin = Vec3::Zero();
+  Evolution how;
+  how.mass_kg = 64.2;  // 0.1 kg each: drag 1 allows RK4 steps of 0.28 s
+  how.force.drag = 1;
+  how.step_s = 0.1;
+  how.smooth_every = 0;
+  how.smooth_after.sweeps = 0;
+  how.end.still_share = 1;
+  how.end.still_move = 0;
+  how.end.still_radius = 0;
+  how.end.max_steps = 300;
+  Additions own;
+  const auto bump = [&](const TriMesh& mesh) { return (mesh.vertices[100] - centre).norm() - 10; };
+  const auto end = [&] { return evolve(start, VectorField(grid), Image(grid), how, {}, nullptr, own).mesh; };
+  EXPECT_NEAR(bump(end()), 0.3, 1e-12);  // nothing else moves it
+  own.forces.push_back(surface_curvature_force(start, 1));
+  EXPECT_LT(std::abs(bump(end())), 0.1);
 }
 
 TEST(SurfaceCurvatureForce, TurnsWithTheSurface) {

@@ -49,8 +49,9 @@ std::vector<double> vertex_curvatures(const TriMesh& mesh) {
   return curvatures(mesh, vertex_rings(mesh), vertex_normals(mesh));
 }
 
-std::vector<Vec3> surface_curvature_force(const TriMesh& mesh) {
-  const VertexRings rings = vertex_rings(mesh);
+namespace {
+
+std::vector<Vec3> force_on(const TriMesh& mesh, const VertexRings& rings) {
   const std::vector<Vec3> normals = vertex_normals(mesh);
   const std::vector<double> k = curvatures(mesh, rings, normals);
   std::vector<Vec3> force(mesh.vertices.size(), Vec3::Zero());
@@ -69,6 +70,19 @@ std::vector<Vec3> surface_curvature_force(const TriMesh& mesh) {
     force[v] = -(k[v] - sum / count) * edge * normals[v];
   }
   return force;
+}
+
+}  // namespace
+
+std::vector<Vec3> surface_curvature_force(const TriMesh& mesh) { return force_on(mesh, vertex_rings(mesh)); }
+
+Force surface_curvature_force(const TriMesh& mesh, double strength) {
+  const auto add = [mesh, strength, rings = vertex_rings(mesh)](const ParticleState& state, std::span<Vec3> forces) {
+    const TriMesh now{{state.positions.begin(), state.positions.end()}, mesh.triangles};
+    const std::vector<Vec3> force = force_on(now, rings);
+    for (std::size_t v = 0; v < forces.size(); ++v) forces[v] += strength * force[v];
+  };
+  return {"surface_curvature", add};
 }
 
 }  // namespace dynasurf

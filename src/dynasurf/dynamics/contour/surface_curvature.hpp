@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/dynamics/particles.hpp"
 
 namespace dynasurf {
 
@@ -14,6 +15,10 @@ namespace dynasurf {
 /// mean edge length, like the angle of a contour. 0 at vertices of a boundary or without triangles.
 /// Normals are means of those of the triangles, weighted by the angle at the vertex.
 std::vector<Vec3> surface_curvature_force(const TriMesh& mesh);
+
+/// The same, times `strength` (kg mm/s2), on particles that are the vertices of `mesh`: an addition to a run of
+/// `evolve`. It has no jacobian: the automatic step does not know how stiff it is, so give one.
+Force surface_curvature_force(const TriMesh& mesh, double strength);
 
 /// Mean curvature per vertex as above, 1/mm, positive where convex.
 std::vector<double> vertex_curvatures(const TriMesh& mesh);
