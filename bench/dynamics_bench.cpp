@@ -80,7 +80,7 @@ void add_steps() {
         how.solver = s.solver;
         how.stop.enabled = false;
         how.smooth_after.sweeps = 0;
-        how.step_s = 1e-4;  // far below every limit: the solvers that cut steps need not
+        how.step_s = 1e-5;  // below the limits of 10242 vertices, too: the solvers that cut steps need not
         how.end.max_steps = 50;
         how.end.still_share = 1;
         how.end.still_move = 0;
