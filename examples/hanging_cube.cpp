@@ -26,6 +26,7 @@ TriMesh cube(double side_mm) {
 int main() {
   const double mass_kg = 0.01, weight = mass_kg * 9810;  // of one corner, kg mm/s2
   bool as_expected = true;
+  Vec3 aside(0, 0, 0);
   Drawing drawing;
   drawing.mesh(cube(50).vertices, cube(50).triangles, "grey");
   for (const double stiffness : {10.0, 20.0, 40.0}) {
@@ -52,7 +53,8 @@ int main() {
     as_expected = as_expected && std::abs(sag - weight / stiffness) < 0.01;
     m.vertices.assign(system.positions.begin(), system.positions.begin() + 8);
     write_mesh(m, "cube_" + std::to_string(static_cast<int>(stiffness)) + ".ply", MeshFormat::ply);
-    drawing.mesh(m.vertices, m.triangles, "teal", Vec3(60 + 2 * stiffness, 40 + 1.3 * stiffness, 0));
+    aside += Vec3(75, 50, 0);
+    drawing.mesh(m.vertices, m.triangles, "teal", aside);
   }
   drawing.save("cube.svg");
   return as_expected ? 0 : 1;
