@@ -141,24 +141,6 @@ TEST(WithoutHandles, CutsATorusOnceAndTakesLittle) {
   EXPECT_GT(static_cast<double>(after), 0.94 * static_cast<double>(before));
 }
 
-TEST(WithSmoothHoles, GivesATornSphereBackItsCap) {
-  const PointCloud torn = scan(CloudShape::sphere, 0, 20);
-  const TriMesh flat = body_surface(find_inside(orient(torn, true), {.cells = 48}).back(), 0, torn.points, 0.02);
-  const std::optional<TriMesh> round = with_smooth_holes(flat, Neighbours(torn.points), 0.115, 3000);
-  ASSERT_TRUE(round);
-  EXPECT_TRUE(check_surface(*round).valid());
-  const double missing = 4.0 / 3 * 3.14159 - volume_mm3(flat);
-  // A flat cut at a height of 0.6 would miss 10 % of the ball; the lattice's surface bulges a little.
-  EXPECT_GT(missing, 0.04 * 4.0 / 3 * 3.14159);
-  EXPECT_LT(std::abs(4.0 / 3 * 3.14159 - volume_mm3(*round)), 0.5 * missing);
-}
-
-TEST(WithSmoothHoles, LeavesAWholeSphereAlone) {
-  const PointCloud whole = scan(CloudShape::sphere);
-  const TriMesh mesh = body_surface(find_inside(orient(whole, true), {.cells = 32}).back(), 0, whole.points, 0.02);
-  EXPECT_FALSE(with_smooth_holes(mesh, Neighbours(whole.points), 0.15, 3000));
-}
-
 TEST(Fit, BringsACoarseSphereNearerToItsPoints) {
   const PointCloud cloud = scan(CloudShape::sphere);
   SurfaceEditor s(icosphere(2));

@@ -1,9 +1,7 @@
 #pragma once
 #include <cstddef>
-#include <optional>
 
 #include "dynasurf/cloud/fit.hpp"
-#include "dynasurf/cloud/neighbours.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/surface_editor.hpp"
 
@@ -31,11 +29,6 @@ LevelPlan faithful_plan();
 
 /// Collapses edges to `triangles` with well-shaped ones, never letting the surface meet itself.
 void make_lighter(SurfaceEditor& surface, std::size_t triangles);
-
-/// A light copy of a surface (free of self-intersections) whose parts far from all points, more than `reach`, are bent
-/// anew: as little as can be, and smoothly where they meet what the points hold. Nothing where no part is.
-std::optional<TriMesh> with_smooth_holes(const TriMesh& fine, const Neighbours& points, double reach,
-                                         std::size_t triangles);
 
 /// Takes `surface` (free of self-intersections) down to `triangles`, with triangles as the plan asks for, fitted to the
 /// points. `fine` is the surface that vertices slide on. Closed, manifold, of the same genus, and free of

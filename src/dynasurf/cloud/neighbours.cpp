@@ -111,11 +111,4 @@ void Neighbours::keep(std::span<const std::uint8_t> kept) {
   places_.resize(at);
 }
 
-Neighbours Neighbours::moved(const Vec3& middle, double scale) const {
-  Neighbours copy = *this;
-  for (Place& p : copy.places_) p.point = (p.point - middle) * scale;
-  for (Split& s : copy.splits_) s.at = (s.at - middle[s.axis]) * scale;
-  return copy;
-}
-
 }  // namespace dynasurf

@@ -42,8 +42,6 @@ class Neighbours {
   std::vector<std::uint32_t> renumber();
   /// Forgets the points whose number is not kept; the others are numbered anew, in their order.
   void keep(std::span<const std::uint8_t> kept);
-  /// The same points, each moved to (point - middle) * scale; `scale` is positive.
-  Neighbours moved(const Vec3& middle, double scale) const;
 
  private:
   struct Split {

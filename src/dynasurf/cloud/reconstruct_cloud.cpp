@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dynasurf/cloud/body.hpp"
+#include "dynasurf/cloud/holes.hpp"
 #include "dynasurf/cloud/levels.hpp"
 #include "dynasurf/cloud/neighbours.hpp"
 #include "dynasurf/cloud/prepare.hpp"
@@ -42,19 +43,58 @@ int cells_for(const CloudFacts& facts, const std::vector<Vec3>& points, const Cl
   return std::clamp(static_cast<int>(box.sizes().maxCoeff() / std::max(finest, 1e-300)), 16, useful);
 }
 
-Body find_body(const PreparedCloud& p, const CloudOptions& options, int triangles, CloudResult& result,
-               const Progress& progress) {
+std::string number(int count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+void tell(const HoleFill& fill, Notes& notes) {
+  std::string what = "parts of the surface lie far from all points: ";
+  if (fill.holes > 0) what += number(fill.holes, "hole was", "holes were") + " closed smoothly";
+  if (fill.holes > 0 && fill.joined > 0) what += ", ";
+  if (fill.joined > 0) what += number(fill.joined, "pair of open ends was", "pairs of open ends were") + " joined";
+  notes.push_back({Severity::info, "cloud.holes", what});
+}
+
+void append(OrientedPoints& to, const OrientedPoints& more) {
+  to.points.insert(to.points.end(), more.points.begin(), more.points.end());
+  to.normals.insert(to.normals.end(), more.normals.begin(), more.normals.end());
+  to.areas.insert(to.areas.end(), more.areas.begin(), more.areas.end());
+}
+
+/// The body, and the points that close its holes.
+struct FoundBody {
+  Body body;
+  OrientedPoints fill;
+};
+
+FoundBody find_body(const PreparedCloud& p, const CloudOptions& options, int triangles, CloudResult& result,
+                    const Progress& progress) {
   const int cells = cells_for(p.facts, p.cloud.points, options, triangles);
   Eigen::AlignedBox3d box;
   for (const Vec3& q : p.cloud.points) box.extend(q);
   const double side = box.sizes().maxCoeff() / cells;
   const bool noisy = is_noisy(p.facts);
-  const PointCloud thin = thin_out(p.cloud, std::max(0.5 * side, noisy ? 2 * p.facts.noise : 0));
-  const OrientedPoints oriented = orient(thin, options.use_normals, noisy ? 30 : 12);
+  const double thin_cell = std::max(0.5 * side, noisy ? 2 * p.facts.noise : 0);
+  const PointCloud thin = thin_out(p.cloud, thin_cell);
+  OrientedPoints oriented = orient(thin, options.use_normals, noisy ? 30 : 12);
   progress.check();
   std::vector<InsideField> fields = find_inside(oriented, {.cells = cells}, progress);
   result.facts.cells = cells;
-  return choose_body(std::move(fields), oriented.points, options, result.notes);
+  const TriMesh first = body_surface(fields.back(), 0, oriented.points, options.smallest_part_percent / 100);
+  std::optional<HoleFill> fill;
+  if (!first.triangles.empty())
+    fill = fill_holes(first, oriented,
+                      {.reach = 2.5 * std::max(p.facts.spacing, thin_cell) + 2 * p.facts.noise,
+                       .spacing = 0.7 * side,
+                       .may_join = options.genus != GenusRule::zero});
+  if (fill) {
+    tell(*fill, result.notes);
+    append(oriented, fill->points);
+    progress.check();
+    fields = find_inside(oriented, {.cells = cells}, progress);
+  }
+  Body body = choose_body(std::move(fields), oriented.points, options, result.notes);
+  return {std::move(body), fill ? std::move(fill->points) : OrientedPoints{}};
 }
 
 LevelPlan plan_of(const CloudOptions& options, const CloudFacts& facts, std::size_t triangles) {
@@ -92,7 +132,8 @@ std::size_t step_of_fit(std::size_t points, const CloudOptions& options, int tri
 struct Fitting {
   const TriMesh& fine;
   const ClosestPoint& on_fine;
-  FitPoints points;
+  FitPoints points;               // of the scan and in its holes
+  std::span<const Vec3> scanned;  // of the scan alone
   const CloudOptions& options;
   const CloudFacts& facts;
 
@@ -108,7 +149,7 @@ int fewest_within(SurfaceEditor& surface, const Fitting& fitting, double error, 
   constexpr int fewest = 20;
   // What the lattice could not see, more triangles cannot add.
   const int most = std::clamp(static_cast<int>(surface.triangles()) / 2 * 2, 1000, most_triangles_within_error);
-  const auto is_near = [&](const SurfaceEditor& s) { return mean_distance(s, fitting.points.points) <= error; };
+  const auto is_near = [&](const SurfaceEditor& s) { return mean_distance(s, fitting.scanned) <= error; };
   int count = most;
   fitting.make(surface, count);
   if (!is_near(surface)) {
@@ -131,32 +172,25 @@ int fewest_within(SurfaceEditor& surface, const Fitting& fitting, double error, 
 
 void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, const std::vector<int>& triangles,
                         CloudResult& result, const Progress& progress) {
-  const Body body = find_body(p, options, triangles.front(), result, progress);
+  const FoundBody found = find_body(p, options, triangles.front(), result, progress);
+  const Body& body = found.body;
   result.facts.parts = body.parts;
   result.facts.genus = body.genus;
   const UnitFrame frame(p.cloud.points);
   const std::size_t step = step_of_fit(p.cloud.points.size(), options, triangles.front());
-  std::vector<Vec3> points((p.cloud.points.size() + step - 1) / step), normals(points.size());
+  const std::size_t scanned = (p.cloud.points.size() + step - 1) / step;
+  std::vector<Vec3> points(scanned + found.fill.points.size()), normals(points.size());
   parallel_for(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      points[i] = frame.in(p.cloud.points[i * step]);
-      normals[i] = outwards(body.field, p.cloud.points[i * step]);
+      const Vec3& place = i < scanned ? p.cloud.points[i * step] : found.fill.points[i - scanned];
+      points[i] = frame.in(place);
+      normals[i] = outwards(body.field, place);
     }
   });
   TriMesh fine = body.mesh;
   for (Vec3& v : fine.vertices) v = frame.in(v);
-  const double reach = (2.5 * p.facts.spacing + 2 * p.facts.noise) / p.facts.diagonal;
-  std::optional<TriMesh> closed;
-  if (!body.handles_cut)
-    closed = with_smooth_holes(fine, p.neighbours.moved(frame.middle, 1 / frame.diagonal), reach,
-                               std::clamp<std::size_t>(fine.triangles.size(), 1000, 8000));
-  if (closed) {
-    result.notes.push_back(
-        {Severity::info, "cloud.holes", "parts of the surface lie far from all points; they were closed smoothly"});
-    fine = std::move(*closed);
-  }
   const ClosestPoint on_fine(fine);
-  const Fitting fitting{fine, on_fine, {points, normals}, options, p.facts};
+  const Fitting fitting{fine, on_fine, {points, normals}, std::span(points).first(scanned), options, p.facts};
   const auto publish = [&](const SurfaceEditor& surface, int asked) {
     TriMesh mesh = surface.mesh();
     for (Vec3& v : mesh.vertices) v = frame.out(v);

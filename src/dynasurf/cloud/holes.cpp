@@ -1,0 +1,319 @@
+#include "dynasurf/cloud/holes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "dynasurf/cloud/levels.hpp"
+#include "dynasurf/cloud/neighbours.hpp"
+#include "dynasurf/cloud/patch.hpp"
+#include "dynasurf/core/parallel.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double same_way = 0.2, not_against = -0.5;  // cosines between directions
+using Marks = std::vector<std::uint8_t>;
+
+/// Sets that grow together.
+class Groups {
+ public:
+  explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  std::uint32_t find(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = find(a), b = find(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+Groups parts_of(const TriMesh& mesh, const Marks& kept) {
+  Groups groups(mesh.vertices.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (kept[t]) {
+      groups.join(mesh.triangles[t][0], mesh.triangles[t][1]);
+      groups.join(mesh.triangles[t][0], mesh.triangles[t][2]);
+    }
+  return groups;
+}
+
+/// The points of the scan, asked for with a direction: the other side of a thin wall does not hold a surface.
+class Scan {
+ public:
+  explicit Scan(const OrientedPoints& points) : points_(points), neighbours_(points.points) {}
+
+  /// Distance to the nearest point whose direction has a cosine above `least` to this one; infinity when none of those
+  /// around does.
+  double distance(const Vec3& place, const Vec3& facing, double least) const {
+    const Neighbours::Found first = neighbours_.nearest(place);
+    if (points_.normals[first.index].dot(facing) > least) return std::sqrt(first.distance2);
+    std::array<Neighbours::Found, 16> found;
+    const std::size_t count = neighbours_.nearest(place, found);
+    for (std::size_t k = 0; k < count; ++k)
+      if (points_.normals[found[k].index].dot(facing) > least) return std::sqrt(found[k].distance2);
+    return infinite;
+  }
+
+ private:
+  const OrientedPoints& points_;
+  Neighbours neighbours_;
+};
+
+/// Sums of the normals of the triangles around each vertex.
+std::vector<Vec3> normals_of(const TriMesh& mesh) {
+  std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3 n = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
+    for (const std::uint32_t v : {a, b, c}) normals[v] += n;
+  }
+  for (Vec3& n : normals) n.normalize();
+  return normals;
+}
+
+/// Whether a part of the surface that is worth the effort lies far from the points; a few vertices tell.
+bool has_holes(const TriMesh& mesh, const Scan& scan, double reach) {
+  constexpr std::size_t step = 4;
+  constexpr double worth_it = 0.002;  // of the vertices
+  const std::vector<Vec3> normals = normals_of(mesh);
+  const std::size_t asked = mesh.vertices.size() / step;
+  const double far = parallel_sum(asked, 256, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i)
+      sum += scan.distance(mesh.vertices[i * step], normals[i * step], same_way) > reach;
+    return sum;
+  });
+  return far > worth_it * static_cast<double>(asked);
+}
+
+/// The distance of each triangle's corners and middle, the farthest, to the points.
+std::vector<double> distances(const TriMesh& mesh, const Scan& scan) {
+  const std::vector<Vec3> normals = normals_of(mesh);
+  std::vector<double> of_vertex(mesh.vertices.size()), of_triangle(mesh.triangles.size());
+  parallel_for(of_vertex.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) of_vertex[v] = scan.distance(mesh.vertices[v], normals[v], same_way);
+  });
+  parallel_for(of_triangle.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const auto& [a, b, c] = mesh.triangles[t];
+      const Vec3 &p = mesh.vertices[a], &q = mesh.vertices[b], &r = mesh.vertices[c];
+      const double middle = scan.distance((p + q + r) / 3, (q - p).cross(r - p).normalized(), same_way);
+      of_triangle[t] = std::max({of_vertex[a], of_vertex[b], of_vertex[c], middle});
+    }
+  });
+  return of_triangle;
+}
+
+void drop_touching(const TriMesh& mesh, const Marks& of_vertex, Marks& kept) {
+  for (std::size_t t = 0; t < kept.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (of_vertex[v]) kept[t] = 0;
+}
+
+Marks corners_of_dropped(const TriMesh& mesh, const Marks& kept) {
+  Marks marks(mesh.vertices.size(), 0);
+  for (std::size_t t = 0; t < kept.size(); ++t)
+    if (!kept[t])
+      for (const std::uint32_t v : mesh.triangles[t]) marks[v] = 1;
+  return marks;
+}
+
+/// Small pieces are no ground to build on.
+void drop_islands(const TriMesh& mesh, Marks& kept) {
+  constexpr std::size_t smallest = 40;
+  Groups groups = parts_of(mesh, kept);
+  std::vector<std::size_t> size(mesh.vertices.size(), 0);
+  for (std::size_t t = 0; t < kept.size(); ++t)
+    if (kept[t]) ++size[groups.find(mesh.triangles[t][0])];
+  for (std::size_t t = 0; t < kept.size(); ++t)
+    if (kept[t] && size[groups.find(mesh.triangles[t][0])] < smallest) kept[t] = 0;
+}
+
+/// Where two holes meet in a vertex, its triangles go, until there is no such vertex.
+void drop_pinches(const TriMesh& mesh, Marks& kept) {
+  for (bool any = true; any;) {
+    any = false;
+    // Around a vertex that is not on a hole, or on one only, the kept triangles make one fan.
+    std::vector<std::array<std::uint32_t, 3>> around;  // vertex, first, second neighbour of each corner
+    for (std::size_t t = 0; t < kept.size(); ++t)
+      if (kept[t])
+        for (std::size_t c = 0; c < 3; ++c)
+          around.push_back({mesh.triangles[t][c], mesh.triangles[t][(c + 1) % 3], mesh.triangles[t][(c + 2) % 3]});
+    std::sort(around.begin(), around.end());
+    Marks pinched(mesh.vertices.size(), 0);
+    for (std::size_t i = 0, last = 0; i < around.size(); i = last) {
+      std::size_t ends = 0;
+      for (last = i; last < around.size() && around[last][0] == around[i][0]; ++last) continue;
+      for (std::size_t k = i; k < last; ++k)
+        ends += std::none_of(around.begin() + static_cast<std::ptrdiff_t>(i),
+                             around.begin() + static_cast<std::ptrdiff_t>(last),
+                             [&](const auto& other) { return other[1] == around[k][2]; });
+      if (ends > 1) pinched[around[i][0]] = 1, any = true;
+    }
+    if (any) drop_touching(mesh, pinched, kept);
+  }
+}
+
+/// Triangles that hang on by one edge make holes ragged.
+void drop_ears(const TriMesh& mesh, Marks& kept) {
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> edges;
+  for (std::uint32_t t = 0; t < kept.size(); ++t)
+    if (kept[t])
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::uint64_t a = mesh.triangles[t][c], b = mesh.triangles[t][(c + 1) % 3];
+        edges.push_back({(std::min(a, b) << 32) | std::max(a, b), t});
+      }
+  std::sort(edges.begin(), edges.end());
+  std::vector<std::uint8_t> free_edges(kept.size(), 0);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const bool is_shared = (i > 0 && edges[i - 1].first == edges[i].first) ||
+                           (i + 1 < edges.size() && edges[i + 1].first == edges[i].first);
+    if (!is_shared && ++free_edges[edges[i].second] == 2) kept[edges[i].second] = 0;
+  }
+}
+
+/// The triangles that the points hold, without those around holes, which the holes have bent.
+Marks held_by_points(const TriMesh& mesh, const Scan& scan, double reach) {
+  constexpr double wide = 4;  // holes less wide than this many times the reach close well enough by themselves
+  const std::vector<double> distance = distances(mesh, scan);
+  Marks is_far(mesh.triangles.size());
+  for (std::size_t t = 0; t < is_far.size(); ++t) is_far[t] = distance[t] > reach;
+  Groups holes = parts_of(mesh, is_far);
+  std::vector<Eigen::AlignedBox3d> box(mesh.vertices.size());
+  for (std::size_t t = 0; t < is_far.size(); ++t)
+    if (is_far[t])
+      for (const std::uint32_t v : mesh.triangles[t]) box[holes.find(v)].extend(mesh.vertices[v]);
+  Marks kept(mesh.triangles.size(), 1);
+  bool any = false;
+  for (std::size_t t = 0; t < kept.size(); ++t)
+    if (is_far[t] && box[holes.find(mesh.triangles[t][0])].diagonal().norm() > wide * reach) kept[t] = 0, any = true;
+  if (!any) return kept;
+  for (int ring = 0; ring < 2; ++ring) drop_touching(mesh, corners_of_dropped(mesh, kept), kept);
+  for (int round = 0; round < 3; ++round) drop_ears(mesh, kept);
+  drop_pinches(mesh, kept);
+  drop_islands(mesh, kept);
+  return kept;
+}
+
+/// The kept triangles as a mesh of their own.
+TriMesh only(const TriMesh& mesh, const Marks& kept) {
+  constexpr std::uint32_t none = 0xffffffff;
+  TriMesh m;
+  std::vector<std::uint32_t> id(mesh.vertices.size(), none);
+  for (std::size_t t = 0; t < kept.size(); ++t) {
+    if (!kept[t]) continue;
+    auto corners = mesh.triangles[t];
+    for (std::uint32_t& v : corners) {
+      if (id[v] == none) {
+        id[v] = static_cast<std::uint32_t>(m.vertices.size());
+        m.vertices.push_back(mesh.vertices[v]);
+      }
+      v = id[v];
+    }
+    m.triangles.push_back(corners);
+  }
+  return m;
+}
+
+bool face_each_other(const Rim& a, const Rim& b) {
+  constexpr double enough = 0.1;
+  const Vec3 way = (b.middle - a.middle).normalized();
+  return a.aim.dot(way) > enough && b.aim.dot(way) < -enough;
+}
+
+struct Join {
+  std::size_t a, b;
+  double gain;
+  std::vector<Vec3> corners;  // three to a triangle
+};
+
+std::vector<Vec3> corners_of(const Patch& p) {
+  std::vector<Vec3> corners;
+  for (std::uint32_t t = p.first_triangle; t < p.surface.triangle_slots(); ++t)
+    if (p.surface.is_alive(t))
+      for (const std::uint32_t v : p.surface.corners(t)) corners.push_back(p.surface.position(v));
+  return corners;
+}
+
+/// Spreads points over triangles. Where points of the scan are near, they alone tell.
+void scatter(const std::vector<Vec3>& corners, const Scan& scan, const Holes& options, OrientedPoints& points) {
+  for (std::size_t t = 0; t < corners.size(); t += 3) {
+    const Vec3 &a = corners[t], u = corners[t + 1] - a, v = corners[t + 2] - a, n = u.cross(v);
+    if (!(n.norm() > 0)) continue;
+    const double longest = std::sqrt(std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()}));
+    const int steps = std::clamp(static_cast<int>(std::ceil(longest / options.spacing)), 1, 64);
+    for (int i = 0; i < steps; ++i)
+      for (int j = 0; i + j < steps; ++j)
+        for (const double third : {1.0 / 3, 2.0 / 3}) {
+          if (third > 0.5 && i + j + 1 == steps) continue;
+          const Vec3 place = a + ((i + third) * u + (j + third) * v) / steps;
+          if (scan.distance(place, n.normalized(), not_against) < options.reach) continue;
+          points.points.push_back(place);
+          points.normals.push_back(n.normalized());
+          points.areas.push_back(0.5 * n.norm() / (steps * steps));
+        }
+  }
+}
+
+}  // namespace
+
+std::optional<HoleFill> fill_holes(const TriMesh& surface, const OrientedPoints& points, const Holes& options) {
+  constexpr std::size_t light = 8000;
+  // Two ends in one hole of the scan are far more often one limb than two that happen to end there.
+  constexpr double limbs_go_on = 1.5;
+  const Scan scan(points);
+  if (!has_holes(surface, scan, options.reach)) return std::nullopt;
+  SurfaceEditor lighter(surface);
+  if (lighter.triangles() > light) make_lighter(lighter, light);
+  const TriMesh whole = lighter.mesh();
+  const Marks kept = held_by_points(whole, scan, options.reach);
+  const TriMesh open = only(whole, kept);
+  const std::vector<Loop> loops = loops_of(open);
+  if (loops.empty()) return std::nullopt;
+
+  std::vector<std::vector<Vec3>> discs;
+  std::vector<double> bending;
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    const Patch disc = make_patch(open, loops, i);
+    discs.push_back(corners_of(disc));
+    bending.push_back(disc.bending);
+  }
+  const std::vector<Rim> rims = rims_of(open, loops);
+  std::vector<Join> joins;
+  for (std::size_t i = 0; i < loops.size(); ++i)
+    for (std::size_t j = i + 1; j < loops.size(); ++j) {
+      if (!face_each_other(rims[i], rims[j])) continue;
+      const Patch tube = make_patch(open, loops, i, j);
+      const double gain = limbs_go_on * (bending[i] + bending[j]) - tube.bending;
+      if (gain > 0) joins.push_back({i, j, gain, corners_of(tube)});
+    }
+  std::stable_sort(joins.begin(), joins.end(), [](const Join& a, const Join& b) { return a.gain > b.gain; });
+
+  HoleFill fill;
+  Groups parts = parts_of(open, Marks(open.triangles.size(), 1));
+  Marks done(loops.size(), 0);
+  for (const Join& join : joins) {
+    if (done[join.a] || done[join.b]) continue;
+    const std::uint32_t a = loops[join.a].front(), b = loops[join.b].front();
+    if (!options.may_join && parts.find(a) == parts.find(b)) continue;
+    parts.join(a, b);
+    done[join.a] = done[join.b] = 1;
+    scatter(join.corners, scan, options, fill.points);
+    ++fill.joined;
+  }
+  for (std::size_t i = 0; i < loops.size(); ++i)
+    if (!done[i]) {
+      scatter(discs[i], scan, options, fill.points);
+      ++fill.holes;
+    }
+  return fill;
+}
+
+}  // namespace dynasurf
