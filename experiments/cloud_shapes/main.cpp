@@ -15,8 +15,9 @@
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/mesh_io.hpp"
-#include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
+
+#include "../support/surface_distance.hpp"
 
 using namespace dynasurf;
 
@@ -45,20 +46,6 @@ struct Arguments {
   std::vector<std::filesystem::path> meshes;
   std::filesystem::path judge;
 };
-
-/// Mean distance in % of the diagonal, of points spread over one surface to the other, both ways.
-double two_sided(const TriMesh& mesh, const TriMesh& truth) {
-  const auto one_way = [](const TriMesh& from, const TriMesh& to) {
-    const ClosestPoint closest(to);
-    double sum = 0;
-    const PointCloud spread = scan_surface(from, {.points = 50000});
-    for (const Vec3& p : spread.points) sum += std::sqrt(closest(p).distance2) / 50000;
-    return sum;
-  };
-  Eigen::AlignedBox3d box;
-  for (const Vec3& p : truth.vertices) box.extend(p);
-  return 50 * (one_way(mesh, truth) + one_way(truth, mesh)) / box.diagonal().norm();
-}
 
 /// What an independent program says of the mesh, one line of JSON.
 void ask_judge(const Arguments& a, const TriMesh& mesh, const TriMesh& truth) {
@@ -93,7 +80,7 @@ void run(const Arguments& a, const std::vector<Subject>& subjects, const std::st
     for (const CloudLevel& level : result.levels) {
       const Certificate& c = level.certificate;
       const bool is_valid = c.watertight() && (!s.genus || c.genus == s.genus);
-      const double distance = two_sided(level.mesh, s.surface);
+      const double distance = two_sided_percent(level.mesh, s.surface);
       all[level.triangles_asked].push_back({is_valid, distance, c.smallest_angle_deg});
       std::printf("| %s | %s | %zu | %s | %.4f | %.4f | %.3f | %.1f | %.1f | %.2f |\n", s.name.c_str(),
                   c.genus ? std::to_string(*c.genus).c_str() : "-", c.triangles,

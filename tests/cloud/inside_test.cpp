@@ -43,6 +43,15 @@ TEST(Prepare, TellsTheSpacingOfASphere) {
   EXPECT_NEAR(p.facts.spacing, std::sqrt(4 * 3.14159 / 6000), 0.1 * p.facts.spacing);
 }
 
+TEST(Prepare, ForgetsOnePointAtTheEndOfTheWorld) {
+  PointCloud cloud = scan(CloudShape::sphere);
+  cloud.normals.clear();
+  cloud.points.push_back({1e12, 0, 0});
+  const PreparedCloud p = prepare(cloud, {});
+  EXPECT_EQ(p.facts.outliers, 1u);
+  EXPECT_NEAR(p.facts.diagonal, 2 * std::sqrt(3.0), 0.01);
+}
+
 class OrientOf : public testing::TestWithParam<CloudShape> {};
 
 TEST_P(OrientOf, FindsTheNormalsThatWereNotGiven) {

@@ -102,6 +102,7 @@ Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, 
   const double share = options.smallest_part_percent / 100;
   const auto surface = [&](const InsideField& f, double level) { return body_surface(f, level, points, share); };
   std::optional<Body> taken;
+  std::size_t taken_from = 0;
   bool as_asked = false;
   for (std::size_t i = fields.size(); i-- > 0 && !as_asked;) {
     TriMesh mesh = surface(fields[i], 0);
@@ -119,9 +120,20 @@ Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, 
         break;
     }
     // Coarse fields hold fewer handles, true or not: without a better reason the simplest surface is taken.
-    if (as_asked || !taken || kind.genus < taken->genus || (kind.genus == taken->genus && kind.parts < taken->parts))
+    if (as_asked || !taken || kind.genus < taken->genus || (kind.genus == taken->genus && kind.parts < taken->parts)) {
       taken = Body{std::move(mesh), kind.parts, kind.genus, false, fields[i]};
+      taken_from = i;
+    }
   }
+  // A finer surface a little inside or outside that has the same parts and handles shows more.
+  for (std::size_t i = fields.size(); taken && i-- > taken_from + 1;)
+    for (const double level : {-nudge, nudge, -2 * nudge, 2 * nudge}) {
+      TriMesh mesh = surface(fields[i], level);
+      if (kind_of(mesh) != Kind{taken->parts, taken->genus}) continue;
+      taken = Body{std::move(mesh), taken->parts, taken->genus, false, fields[i]};
+      taken_from = i;
+      break;
+    }
   if (taken && !as_asked && options.genus == GenusRule::zero) {
     // Cut on a coarser lattice, where the two sides of a cut stand well apart.
     InsideField cut = without_handles(fields.size() > 1 ? fields[fields.size() - 2] : taken->field);

@@ -26,8 +26,9 @@ struct Body {
 
 /// Chooses among the fields, coarsest first. `automatic`: the finest whose surface keeps its parts and handles when the
 /// level is raised or lowered a little, which accidents of the sampling do not; `zero`: the finest without handles;
-/// `keep`: the finest. Where no field does, "cloud.handles" tells which was taken instead. Throws InputError when there
-/// is no surface at all.
+/// `keep`: the finest. Where that is a coarse field, a finer one is taken whose surface has the same parts and handles
+/// at a level a little higher or lower. Where no field does, "cloud.handles" tells which was taken instead. Throws
+/// InputError when there is no surface at all.
 Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, const CloudOptions& options,
                  Notes& notes);
 

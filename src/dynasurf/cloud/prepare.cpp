@@ -186,10 +186,13 @@ void check_shape(const PointCloud& cloud) {
   if (n >= 0xffffffff) throw InputError("the cloud has " + std::to_string(n) + " points; expected fewer than 2^32 - 1");
 }
 
-void check_extent(const std::vector<Vec3>& points) {
+void check_count(const std::vector<Vec3>& points) {
   if (points.size() < fewest_points)
     throw InputError("the cloud has " + std::to_string(points.size()) + " usable points; expected " +
                      std::to_string(fewest_points) + " at least");
+}
+
+void check_extent(const std::vector<Vec3>& points) {
   Vec3 middle = Vec3::Zero();
   for (const Vec3& p : points) middle += p / static_cast<double>(points.size());
   Mat3 spread = Mat3::Zero();
@@ -212,7 +215,7 @@ PreparedCloud prepare(PointCloud cloud, const CloudOptions& options, const Progr
   for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = cloud.points[i].allFinite();
   facts.not_finite = keep(cloud, kept);
   facts.duplicates = keep(cloud, firsts(cloud.points));
-  check_extent(cloud.points);
+  check_count(cloud.points);
   progress.check();
   Neighbours neighbours(cloud.points);
   reorder(cloud, neighbours.renumber());
@@ -222,11 +225,10 @@ PreparedCloud prepare(PointCloud cloud, const CloudOptions& options, const Progr
   if (options.outliers > 0 && c.points.size() > 4 * ring) {
     kept = in_company(c.points, p.neighbours, options.outliers);
     p.facts.outliers = keep(c, kept);
-    if (p.facts.outliers > 0) {
-      check_extent(c.points);
-      p.neighbours.keep(kept);
-    }
+    if (p.facts.outliers > 0) p.neighbours.keep(kept);
+    check_count(c.points);
   }
+  check_extent(c.points);  // not before: one point far enough away makes a line of all others
   progress.check();
   Eigen::AlignedBox3d box;
   for (const Vec3& q : c.points) box.extend(q);
