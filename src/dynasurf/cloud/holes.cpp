@@ -222,10 +222,12 @@ TriMesh only(const TriMesh& mesh, const Marks& kept) {
   return m;
 }
 
-bool face_each_other(const Rim& a, const Rim& b) {
-  constexpr double enough = 0.1;
-  const Vec3 way = (b.middle - a.middle).normalized();
-  return a.aim.dot(way) > enough && b.aim.dot(way) < -enough;
+/// A straight tube of length L around a loop of length l bends by pi^2 L / l; longer than this it costs more than both
+/// ends.
+bool may_meet(const Rim& a, const Rim& b) {
+  constexpr double enough = 0.1, longest = 2;
+  const Vec3 gap = b.middle - a.middle, way = gap.normalized();
+  return gap.norm() < longest * std::max(a.length, b.length) && a.aim.dot(way) > enough && b.aim.dot(way) < -enough;
 }
 
 struct Join {
@@ -289,7 +291,7 @@ std::optional<HoleFill> fill_holes(const TriMesh& surface, const OrientedPoints&
   std::vector<Join> joins;
   for (std::size_t i = 0; i < loops.size(); ++i)
     for (std::size_t j = i + 1; j < loops.size(); ++j) {
-      if (!face_each_other(rims[i], rims[j])) continue;
+      if (!may_meet(rims[i], rims[j])) continue;
       const Patch tube = make_patch(open, loops, i, j);
       const double gain = limbs_go_on * (bending[i] + bending[j]) - tube.bending;
       if (gain > 0) joins.push_back({i, j, gain, corners_of(tube)});
