@@ -6,6 +6,7 @@
 
 namespace dynasurf {
 
+/// How holes are found and filled; lengths are in the unit of the points.
 struct Holes {
   double reach = 0;      // surface farther than this from all points that face the same way is made up
   double spacing = 0;    // of the points that are put there

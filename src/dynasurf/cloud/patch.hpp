@@ -22,6 +22,7 @@ struct Rim {
   double length = 0;
 };
 
+/// The rim of each loop of an open surface, in their order.
 std::vector<Rim> rims_of(const TriMesh& open, std::span<const Loop> loops);
 
 /// A new piece of surface over one hole, or between two.
