@@ -1,58 +1,93 @@
+// unbiased_200 run plain|unlike FIRST END: one row of numbers per patient, to the console.
+// unbiased_200 table ROWS FOLDER: the tables of all rows of a file, and Bland-Altman plots in the folder.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <string>
 
-#include "dynasurf/core/error.hpp"
-#include "dynasurf/io/study_io.hpp"
-#include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/ventricle/fit/blur_fit.hpp"
-#include "dynasurf/ventricle/reconstruct.hpp"
+#include "dynasurf/mesh/closest_point.hpp"
+#include "dynasurf/synthetic/random.hpp"
+#include "dynasurf/ventricle/presets.hpp"
 
 #include "../borders_200/patients.hpp"
+#include "rows.hpp"
 
 namespace dynasurf {
 namespace {
-void examine(int number, double fwhm_factor) {
+
+/// A patient whose heart, camera and noise differ from what is fitted, and whose point spread is told 10 % too wide or
+/// too narrow.
+double make_unlike(Patient& patient) {
+  Random dice(20041, static_cast<std::uint64_t>(patient.number));
+  const auto between = [&](double low, double high) { return low + (high - low) * dice.uniform(); };
+  patient.options.irregular = {between(0.5, 1.2), between(2.5, 5), between(0, 0.15), between(0, 0.15)};
+  patient.options.noise.texture = between(0.2, 0.7);
+  return patient.number % 2 == 0 ? 1.1 : 0.9;
+}
+
+/// Mean distance of the fitted wall's vertices below the base from the true wall.
+double distance_mm(const TriMesh& fitted, const TriMesh& truth, const BasePlane& base) {
+  constexpr double lid_mm = 3;
+  const ClosestPoint closest(truth);
+  double sum = 0, count = 0;
+  for (const Vec3& p : fitted.vertices)
+    if (base.height(p) < -lid_mm) sum += std::sqrt(closest(p).distance2), count += 1;
+  return count > 0 ? sum / count : 0;
+}
+
+void examine(const std::string& generator, int number) {
   Patient patient = draw_patient(number);
-  Phantom phantom = scan(patient);
+  const double told = generator == "unlike" ? make_unlike(patient) : 1;
+  const Phantom phantom = scan(patient);
   const VirtualPatient& p = patient.options;
-  VentricleResult r = reconstruct(phantom.study, VentricleOptions{});
-  FitStart start;
-  for (const Gate& g : r.gates) {
-    if (!g.endo || !g.epi) {
-      std::printf("%3d no surfaces\n", number);
-      return;
+  VentricleOptions options = ventricle_preset("unbiased");
+  options.fit.fwhm_mm = told * p.fwhm_mm;
+  options.fit.filter_fwhm_mm = p.noise.filter_fwhm_mm;
+  const auto begin = std::chrono::steady_clock::now();
+  const VentricleResult result = reconstruct(phantom.study, options);
+  Row row;
+  row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  row.generator = generator, row.number = number;
+  row.has_defect = p.defect != Defect::none, row.has_gut = p.gut_amplitude > 0;
+  row.fwhm_mm = p.fwhm_mm;
+  row.edv = {*phantom.edv_ml, 0, 0}, row.esv = {*phantom.esv_ml, 0, 0}, row.ef = {*phantom.ef_percent, 0, 0};
+  for (const TrueGate& gate : phantom.truth)
+    row.wall.truth += gate.wall_ml() / static_cast<double>(phantom.truth.size());
+  row.edge_edv = result.edv_ml.value_or(0), row.edge_ef = result.ef_percent.value_or(0);
+  if (result.fit) {
+    const FittedBeat& fit = *result.fit;
+    const auto take = [](Measured& reading, const Estimate& e) { reading.value = e.value, reading.sd = e.sd; };
+    take(row.edv, fit.edv_ml), take(row.esv, fit.esv_ml), take(row.wall, fit.wall_ml);
+    if (fit.ef_percent) take(row.ef, *fit.ef_percent);
+    row.wall_variation = 100 * fit.wall_variation;
+    for (const int g : {fit.ed_gate, fit.es_gate}) {
+      const FittedGate& gate = fit.gates[static_cast<std::size_t>(g)];
+      const TrueGate& truth = phantom.truth[static_cast<std::size_t>(g)];
+      row.distance_mm +=
+          (distance_mm(gate.endo, truth.endo, gate.base) + distance_mm(gate.epi, truth.epi, gate.base)) / 4;
     }
-    start.endo.push_back(g.endo->mesh);
-    start.epi.push_back(g.epi->mesh);
-    start.base.push_back(g.base_plane);
   }
-  start.axis = r.study.grid().direction.col(2);
-  start.lateral = r.study.grid().direction.col(0);
-  BlurFit o;
-  if (fwhm_factor > 0) o.fwhm_mm = p.fwhm_mm * fwhm_factor, o.filter_fwhm_mm = p.noise.filter_fwhm_mm;
-  const auto t0 = std::chrono::steady_clock::now();
-  FittedBeat b = fit_through_blur(phantom.study, start, o);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - t0).count();
-  const double edv = *phantom.edv_ml, esv = *phantom.esv_ml, ef = *phantom.ef_percent;
-  double wall = 0;
-  for (auto& t : phantom.truth) wall += t.wall_ml() / phantom.truth.size();
-  std::printf(
-      "%3d %s def=%-12s gut=%.1f/%2.0f rv=%.1f g=%2d px=%.1f n=%3.0f fwhm %4.1f>%4.1f | edv %5.1f edge %+5.1f%% fit "
-      "%+5.1f%% sd %4.1f%% | esv %5.1f edge %+5.1f%% fit %+5.1f%% sd %4.1f%% | ef %4.1f edge %+4.1f fit %+4.1f sd "
-      "%3.1f | wall %5.1f fit %+5.1f%% sd %4.1f%% cv %.3f | cav %.2f>%.2f bg %.2f>%.2f | %2d%s %.2fs\n",
-      number, patient.oblique ? "obl" : "sax", std::string(word_of(p.defect)).c_str(), p.gut_amplitude, p.gut_gap_mm,
-      p.right_ventricle, p.gates, p.lattice.dx_mm, p.noise.peak_counts, p.fwhm_mm, b.fwhm_mm.value, edv,
-      100 * (*r.edv_ml / edv - 1), 100 * (b.edv_ml.value / edv - 1), 100 * b.edv_ml.sd / edv, esv,
-      100 * (*r.esv_ml / esv - 1), 100 * (b.esv_ml.value / esv - 1), 100 * b.esv_ml.sd / esv, ef, *r.ef_percent - ef,
-      b.ef_percent->value - ef, b.ef_percent->sd, wall, 100 * (b.wall_ml.value / wall - 1), 100 * b.wall_ml.sd / wall,
-      b.wall_variation, p.cavity, b.cavity, p.background, b.background, b.steps, b.converged ? "" : "!", seconds);
+  std::printf("%s\n", line_of(row).c_str());
   std::fflush(stdout);
 }
+
 }  // namespace
 }  // namespace dynasurf
-int main(int n, char** a) {
-  for (int i = std::atoi(a[1]); i < std::atoi(a[2]); ++i) dynasurf::examine(i, n > 3 ? std::atof(a[3]) : 0);
+
+int main(int count, char** words) try {
+  const std::string mode = count > 1 ? words[1] : "";
+  if (mode == "run" && count == 5) {
+    for (int n = std::atoi(words[3]); n < std::atoi(words[4]); ++n) dynasurf::examine(words[2], n);
+  } else if (mode == "table" && count == 4) {
+    dynasurf::print_tables(dynasurf::read_rows(words[2]), words[3]);
+  } else {
+    std::fprintf(stderr, "expected: run plain|unlike FIRST END, or table ROWS FOLDER\n");
+    return 1;
+  }
+  return 0;
+} catch (const std::exception& e) {
+  std::fprintf(stderr, "%s\n", e.what());
+  return 2;
 }

@@ -362,5 +362,93 @@ TEST(VirtualPatient, HasOrgansAroundTheHeartAndNothingOutsideTheSkin) {
   EXPECT_NEAR(mean_around(image, heart + Vec3(-45, 130, 20), 8) / liver, 0.05 / 0.7, 0.01) << "the back";
 }
 
+VirtualPatient small_patient() {
+  VirtualPatient o;
+  o.gates = 2;
+  o.noise.peak_counts = 0;
+  o.lattice = {32, 32, 28, 4.5, 4.5, 4.5};
+  return o;
+}
+
+TEST(IrregularPatient, KeepsItsTruthInItsImage) {
+  // Without blur and blood the wall's voxels sum up to the volume between the two true meshes.
+  VirtualPatient o = small_patient();
+  o.fwhm_mm = 0, o.cavity = 0, o.background = 0;
+  const auto muscle_of = [](const Phantom& phantom) {
+    double sum = 0, most = 0;
+    for (const float v : phantom.study.gates[0].values) {
+      sum += static_cast<double>(v);
+      most = std::max(most, static_cast<double>(v));
+    }
+    return sum / most * phantom.study.grid().voxel_volume_mm3() / 1000;
+  };
+  const double plain = muscle_of(make_phantom(o));
+  o.irregular.walls = 1;
+  const Phantom uneven = make_phantom(o);
+  // Thirty voxels across and sub-samples of 1.2 mm hold a wall of 10 mm to within 2 %.
+  EXPECT_NEAR(muscle_of(uneven) / uneven.truth[0].wall_ml(), 1, 0.02);
+  EXPECT_GT(std::abs(muscle_of(uneven) - plain), 1);
+  o.irregular.papillary_mm = 4;
+  EXPECT_GT(muscle_of(make_phantom(o)), muscle_of(uneven) + 1);  // two rods of 4 mm across some 30 mm: 3 mL
+}
+
+TEST(IrregularPatient, KeepsItsMuscleOverTheBeatWithinWhatAtlasesShow) {
+  VirtualPatient o = small_patient();
+  o.gates = 8;
+  o.irregular.walls = 1;
+  const Phantom phantom = make_phantom(o);
+  double least = 1e9, most = 0;
+  for (const TrueGate& gate : phantom.truth)
+    least = std::min(least, gate.wall_ml()), most = std::max(most, gate.wall_ml());
+  EXPECT_LT(most / least, 1.06);
+}
+
+TEST(IrregularPatient, SeesFarRowsMoreBlurred) {
+  VirtualPatient o = small_patient();
+  const Image even = make_phantom(o).study.gates[0];
+  o.irregular.depth = 0.2;
+  const Image uneven = make_phantom(o).study.gates[0];
+  const auto steepest = [](const Image& image, int from, int to) {
+    float most = 0;
+    for (int k = 0; k < image.grid.dims[2]; ++k)
+      for (int j = from; j < to; ++j)
+        for (int i = 1; i < image.grid.dims[0]; ++i) most = std::max(most, image(i, j, k) - image(i - 1, j, k));
+    return most;
+  };
+  EXPECT_GT(steepest(uneven, 0, 14), steepest(even, 0, 14));
+  EXPECT_LT(steepest(uneven, 18, 32), steepest(even, 18, 32));
+}
+
+TEST(IrregularPatient, TailsTakeCountsOutOfTheWall) {
+  VirtualPatient o = small_patient();
+  o.background = 0;
+  const Image even = make_phantom(o).study.gates[0];
+  o.irregular.tails = 0.3;
+  const Image tailed = make_phantom(o).study.gates[0];
+  // Both studies have their hottest voxel at 1000: with tails more of the rest is bright.
+  double sum = 0, with_tails = 0;
+  for (std::size_t v = 0; v < even.values.size(); ++v)
+    sum += static_cast<double>(even.values[v]), with_tails += static_cast<double>(tailed.values[v]);
+  EXPECT_GT(with_tails, 1.1 * sum);
+}
+
+TEST(NoiseTexture, TakesTheSlowWavesOutOfTheNoise) {
+  VirtualPatient o = small_patient();
+  o.noise.filter_fwhm_mm = 0;
+  const Image mean = make_phantom(o).study.gates[0];
+  const auto slow_noise = [&](double texture) {
+    VirtualPatient p = o;
+    p.noise.peak_counts = 1000, p.noise.texture = texture;
+    Image noise = make_phantom(p).study.gates[0];
+    for (std::size_t v = 0; v < noise.values.size(); ++v) noise.values[v] -= mean.values[v];
+    noise = blur(noise, 36);  // eight voxels: twice as slow as what is taken out
+    double squares = 0;
+    for (const float v : noise.values) squares += static_cast<double>(v * v);
+    return std::sqrt(squares);
+  };
+  // White noise keeps 0.34 of it by the two Gaussians' integrals.
+  EXPECT_LT(slow_noise(0.8), 0.5 * slow_noise(0));
+}
+
 }  // namespace
 }  // namespace dynasurf

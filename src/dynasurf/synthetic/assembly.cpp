@@ -94,6 +94,22 @@ Noise limit_filter(Noise noise, double fwhm_mm, Notes& notes) {
   return noise;
 }
 
+namespace {
+
+/// Takes a part of what is slow out of the noise.
+Image with_texture(const Image& mean, Image drawn, double texture) {
+  if (texture <= 0) return drawn;
+  constexpr double slow_voxels = 4;
+  Image noise(mean.grid);
+  for (std::size_t v = 0; v < noise.values.size(); ++v) noise.values[v] = drawn.values[v] - mean.values[v];
+  const Image slow = blur(noise, slow_voxels * mean.grid.spacing.minCoeff());
+  for (std::size_t v = 0; v < noise.values.size(); ++v)
+    drawn.values[v] = std::max(0.0F, drawn.values[v] - static_cast<float>(texture) * slow.values[v]);
+  return drawn;
+}
+
+}  // namespace
+
 std::vector<Image> expose(std::vector<Image> activity, const Noise& noise) {
   constexpr double peak_without_counts = 1000;
   float hottest = 0;
@@ -105,7 +121,7 @@ std::vector<Image> expose(std::vector<Image> activity, const Noise& noise) {
     Image& image = activity[gate];
     for (float& value : image.values) value = static_cast<float>(static_cast<double>(value) * scale);
     if (noise.peak_counts > 0) {
-      image = draw_counts(image, noise.seed, gate);
+      image = with_texture(image, draw_counts(image, noise.seed, gate), noise.texture);
       if (noise.filter_fwhm_mm > 0) image = blur(image, noise.filter_fwhm_mm);
     }
     if (noise.gaussian_percent > 0)

@@ -29,6 +29,7 @@ struct Noise {
   double filter_fwhm_mm = 0;
   double gaussian_percent = 0;
   std::uint64_t seed = 1;
+  double texture = 0;
 };
 void describe(auto& visit, Noise& o) {
   visit("peak_counts", o.peak_counts,
@@ -40,6 +41,10 @@ void describe(auto& visit, Noise& o) {
   visit("gaussian_percent", o.gaussian_percent,
         Field{"standard deviation of added Gaussian noise, in percent of the largest value", "%", 0, 100});
   visit("seed", o.seed, Field{"the same seed gives the same bytes"});
+  visit("texture", o.texture,
+        Field{"part of the noise's slow waves that is missing, as a reconstruction from projections leaves it: noise "
+              "of neighbours becomes opposite",
+              "", 0, 1});
 }
 
 /// Where an object lies in the grid: its middle against the middle of the grid, its axis against the slices' normal.
@@ -257,6 +262,23 @@ void describe(auto& visit, Torso& o) {
   visit("bladder", o.bladder, Field{"activity of the urinary bladder", "", 0, 10});
 }
 
+/// What real hearts and cameras have and the plain virtual patient has not, to see what a method owes to the likeness
+/// of its model with the phantom. 0 everywhere: the plain one. The truth follows: volumes are those of the uneven
+/// walls, with papillary muscles counted as cavity, as in clinical reading.
+struct Irregularity {
+  double walls = 0, papillary_mm = 0, tails = 0, depth = 0;
+};
+void describe(auto& visit, Irregularity& o) {
+  visit("walls", o.walls,
+        Field{"uneven walls: flat septum, bulges, ridges, differing thickness; 1: as in an atlas of hearts", "", 0, 2});
+  visit("papillary_mm", o.papillary_mm, Field{"radius of two papillary muscles in the cavity; 0: none", "mm", 0, 15});
+  visit("tails", o.tails, Field{"part of the point spread that reaches twice as far", "", 0, 0.9});
+  visit("depth", o.depth,
+        Field{"how much the width of the point spread differs from the first row to the last: from 1 - depth to "
+              "1 + depth times fwhm_mm",
+              "", 0, 0.5});
+}
+
 /// How the slices of a virtual patient lie.
 enum class Cut { short_axis, transaxial };
 inline std::span<const std::string_view> names_of(Cut) {
@@ -282,6 +304,7 @@ struct VirtualPatient {
   double late_extent_deg = 90, delay_percent = 15;
   double gut_amplitude = 0, gut_gap_mm = 6, gut_radius_mm = 14, gut_position = 0.3;
   double right_ventricle = 0;
+  Irregularity irregular;
   Torso torso;
   double azimuth_deg = 45, elevation_deg = 30;
   Cut cut = Cut::short_axis;
@@ -320,6 +343,7 @@ void describe(auto& visit, VirtualPatient& o) {
   visit("gut_position", o.gut_position, Field{"height of the gut along the heart: 0 apex, 1 base", "", -0.5, 1});
   visit("right_ventricle", o.right_ventricle,
         Field{"activity of the right ventricle's wall (0.3-0.5 is usual); 0: none", "", 0, 10});
+  visit("irregular", o.irregular, Field{"what real hearts and cameras have beyond the plain model"});
   visit("torso", o.torso, Field{"what lies around the heart"});
   visit("azimuth_deg", o.azimuth_deg, Field{"long axis from the patient's front towards his left", "deg", -180, 180});
   visit("elevation_deg", o.elevation_deg, Field{"long axis downwards from the horizontal plane", "deg", -80, 80});

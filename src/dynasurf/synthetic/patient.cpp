@@ -4,6 +4,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/synthetic/assembly.hpp"
+#include "dynasurf/synthetic/irregular.hpp"
 #include "dynasurf/synthetic/torso.hpp"
 #include "dynasurf/synthetic/ventricle_shape.hpp"
 
@@ -107,20 +108,30 @@ TriMesh with_late_sector(const VirtualPatient& o, TriMesh mesh, const TriMesh& l
   return mesh;
 }
 
+/// A smooth surface with the unevenness of a wall.
+TriMesh made_uneven(const VirtualPatient& o, TriMesh mesh, double base_z, auto factor) {
+  if (o.irregular.walls > 0)
+    for (Vec3& p : mesh.vertices) p = widened(p, factor(o.irregular, p, base_z));
+  return mesh;
+}
+
 /// Activity above the background at one instant, in the frame of the heart.
 Scene scene_of(const VirtualPatient& o, const Instant& now, const VentricleShape& relaxed) {
   const VentricleShape& shape = now.shape;
   const Gut gut = gut_below(o, relaxed);
   const RightVentricle right = right_ventricle_beside(shape.epi_radius, 0.1 * shape.base_z, shape.base_z);
   Scene scene;
-  const double radius = std::max(shape.epi_radius, now.late.epi_radius);
+  // Uneven walls are at most 1.3 times as wide.
+  const double radius = (1 + 0.3 * o.irregular.walls) * std::max(shape.epi_radius, now.late.epi_radius);
   scene.support = {{-radius, -radius, 0}, {radius, radius, shape.base_z}};
   if (o.gut_amplitude > 0) scene.support = hull(scene.support, {gut.centre - gut.half, gut.centre + gut.half});
   if (o.right_ventricle > 0) scene.support = hull(scene.support, box_of(right));
   scene.activity = [o, now, gut, right](const Vec3& p) {
     const VentricleShape& wall = is_late(o, p) ? now.late : now.shape;
-    if (wall.in_epi(p)) {
-      if (wall.in_endo(p)) return o.cavity - o.background;
+    const Irregularity& irregular = o.irregular;
+    if (wall.in_epi(narrowed(p, outer_width_factor(irregular, p, wall.base_z)))) {
+      const Vec3 smooth = narrowed(p, width_factor(irregular, p, wall.base_z));
+      if (wall.in_endo(smooth) && !in_papillary(irregular, wall, smooth)) return o.cavity - o.background;
       return (in_defect(o, wall, p) ? 1 - o.defect_severity : 1.0) - o.background;
     }
     if (o.right_ventricle > 0 && right.in_wall(p)) return o.right_ventricle - o.background;
@@ -218,14 +229,18 @@ Phantom make_phantom(const VirtualPatient& options) {
       TrueGate& truth = phantom.truth[g];
       truth.phase = o.gates > 1 ? (static_cast<double>(g) + 0.5) / o.gates : 0;
       const Instant now = instant_at(o, motion, truth.phase);
-      const TriMesh endo = with_late_sector(o, endo_surface(now.shape), endo_surface(now.late));
-      const TriMesh epi = with_late_sector(o, epi_surface(now.shape), epi_surface(now.late));
-      const bool is_one = o.late_wall == Defect::none;
+      const TriMesh endo = made_uneven(o, with_late_sector(o, endo_surface(now.shape), endo_surface(now.late)),
+                                       now.shape.base_z, width_factor);
+      const TriMesh epi = made_uneven(o, with_late_sector(o, epi_surface(now.shape), epi_surface(now.late)),
+                                      now.shape.base_z, outer_width_factor);
+      const bool is_one = o.late_wall == Defect::none && o.irregular.walls == 0;
       truth.endo_ml = is_one ? endo_ml(now.shape) : volume_mm3(endo) / 1000;
       truth.epi_ml = is_one ? epi_ml(now.shape) : volume_mm3(epi) / 1000;
       truth.endo = place_in_world(grid, frame, endo);
       truth.epi = place_in_world(grid, frame, epi);
-      images[g] = render_scene(grid, frame, scene_of(o, now, relaxed), fwhm, sub_samples);
+      const double narrow = narrow_fwhm(o.irregular, fwhm);
+      images[g] = see_unevenly(o.irregular, render_scene(grid, frame, scene_of(o, now, relaxed), narrow, sub_samples),
+                               narrow, fwhm);
       for (std::size_t v = 0; v < at_rest.values.size(); ++v) {
         const double sum = static_cast<double>(images[g].values[v]) + static_cast<double>(at_rest.values[v]);
         images[g].values[v] = static_cast<float>(std::max(0.0, sum + o.background));

@@ -141,16 +141,16 @@ double spread_of(const Eigen::VectorXd& gradient, const Eigen::LLT<Eigen::Matrix
 /// factor, and a part that no counting takes away, hold the truth in about 90 % of the choosing patients of
 /// experiments/unbiased_200.
 void allow_for_model(Estimate& e, double least) {
-  constexpr double factor = 3;
+  constexpr double factor = 2;
   e.sd = std::hypot(factor * e.sd, least);
 }
 
 void allow_for_model(FittedBeat& beat) {
   const auto share = [](Estimate& e, double of_value) { allow_for_model(e, of_value * std::abs(e.value)); };
-  for (FittedGate& gate : beat.gates) share(gate.endo_ml, 0.03), share(gate.epi_ml, 0.03);
-  share(beat.edv_ml, 0.03), share(beat.esv_ml, 0.04), share(beat.sv_ml, 0.04);
-  if (beat.ef_percent) allow_for_model(*beat.ef_percent, 1);
-  share(beat.wall_ml, 0.08), share(beat.thickness_mm, 0.08);
+  for (FittedGate& gate : beat.gates) share(gate.endo_ml, 0.02), share(gate.epi_ml, 0.02);
+  share(beat.edv_ml, 0.02), share(beat.esv_ml, 0.03), share(beat.sv_ml, 0.03);
+  if (beat.ef_percent) allow_for_model(*beat.ef_percent, 0.8);
+  share(beat.wall_ml, 0.05), share(beat.thickness_mm, 0.05);
 }
 
 }  // namespace
