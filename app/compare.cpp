@@ -7,6 +7,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/report/comparison_page.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/normals.hpp"
 
@@ -24,21 +25,22 @@ struct Arguments {
   bool json = false;
 };
 
-/// What two studies are compared by.
-struct Side {
-  std::optional<double> mean_ml, edv_ml, esv_ml, ef_percent;
-  PolarTable polar;
-};
-
 std::optional<double> value_in(const Json& json, const char* key) {
   return json.contains(key) && json[key].is_number() ? std::optional(json[key].get<double>()) : std::nullopt;
 }
 
+/// The reading that both studies have, so that like is compared with like: the unbiased one, else the classic edge.
+const Json& reading_of(const Json& results, bool fitted) { return fitted ? results["readings"]["unbiased"] : results; }
+
+bool is_fitted(const ComparedStudy& study) {
+  return study.results.contains("readings") && study.results["readings"]["unbiased"].is_object();
+}
+
 /// The cavity's mean over the gates: what an ungated study would show.
-std::optional<double> mean_cavity(const Json& results) {
+std::optional<double> mean_cavity(const Json& reading) {
   double sum = 0;
   int count = 0;
-  for (const Json& gate : results["gates"]) {
+  for (const Json& gate : reading["gates"]) {
     const auto volume = value_in(gate, "endo_ml");
     if (!volume) return std::nullopt;
     sum += *volume, ++count;
@@ -46,48 +48,54 @@ std::optional<double> mean_cavity(const Json& results) {
   return count > 0 ? std::optional(sum / count) : std::nullopt;
 }
 
-Side read_side(const fs::path& folder) {
+ComparedStudy read_study_of(const fs::path& folder) {
   const fs::path path = folder / "results.json";
   const Json json = Json::parse(text_of_file(path), nullptr, false);
-  if (!json.is_object() || !json.contains("gates") || !json["gates"].is_array())
+  if (!json.is_object() || !json.contains("gates") || !json["gates"].is_array() || !json.contains("measures") ||
+      !json.contains("quality"))
     throw InputError(path.string() + " is no result of dynasurf ventricle");
-  return {mean_cavity(json), value_in(json, "edv_ml"), value_in(json, "esv_ml"), value_in(json, "ef_percent"),
-          read_polar(folder / "measures" / "polar.csv")};
+  return {json, read_polar(folder / "measures" / "polar.csv"), ""};
+}
+
+/// The address of a study's report from the folder of the comparison; empty where there is none.
+std::string report_from(const fs::path& study, const fs::path& out) {
+  const fs::path report = fs::absolute(study) / "report.html";
+  return fs::exists(report) ? report.lexically_relative(fs::absolute(out)).generic_string() : std::string();
 }
 
 std::optional<double> ratio(const std::optional<double>& a, const std::optional<double>& b) {
   return a && b && *b > 0 ? std::optional(*a / *b) : std::nullopt;
 }
 
-/// Rest less stress: positive where uptake is lost under stress. Both maps are laid out by the same frame of the heart.
-Measures difference_of(const Side& rest, const Side& stress) {
+/// Rest less stress: positive where uptake is lost under stress.
+Measures difference_of(const ComparedStudy& rest, const ComparedStudy& stress) {
   Measures m;
   m.grid = rest.polar.grid;
   m.area_mm2 = rest.polar.area_mm2;
-  m.maps.perfusion_percent.resize(m.grid.size());
-  for (std::size_t n = 0; n < m.grid.size(); ++n)
-    if (rest.polar.perfusion_percent[n] && stress.polar.perfusion_percent[n])
-      m.maps.perfusion_percent[n] = *rest.polar.perfusion_percent[n] - *stress.polar.perfusion_percent[n];
+  m.maps.perfusion_percent = lost_under_stress(rest.polar.maps.perfusion_percent, stress.polar.maps.perfusion_percent);
   return m;
 }
 
-Json comparison(const Side& rest, const Side& stress, const Measures& difference) {
+Json comparison(const ComparedStudy& rest, const ComparedStudy& stress, const Measures& difference) {
   const auto number = [](const std::optional<double>& v) { return v ? Json(*v) : Json(); };
   const SegmentModel model = SegmentModel::aha17;
-  const auto scores = [&](const Side& side) {
-    return score_segments(model, side.polar.grid, side.polar.perfusion_percent, side.polar.area_mm2, nullptr);
+  const auto scores = [&](const ComparedStudy& side) {
+    return score_segments(model, side.polar.grid, side.polar.maps.perfusion_percent, side.polar.area_mm2, nullptr);
   };
   const SegmentScores at_rest = scores(rest), under_stress = scores(stress);
   const PolarValues lost =
       segment_means(model, difference.grid, difference.maps.perfusion_percent, difference.area_mm2);
+  const bool fitted = is_fitted(rest) && is_fitted(stress);
+  const Json &a = reading_of(rest.results, fitted), &b = reading_of(stress.results, fitted);
   Json json;
   json["schema"] = "dynasurf.comparison/1";
   json["use"] = "Research use only. Not for diagnosis.";
-  json["tid_ratio"] = number(ratio(stress.mean_ml, rest.mean_ml));
-  json["edv_ratio"] = number(ratio(stress.edv_ml, rest.edv_ml));
-  json["esv_ratio"] = number(ratio(stress.esv_ml, rest.esv_ml));
-  json["ef_rest_percent"] = number(rest.ef_percent);
-  json["ef_stress_percent"] = number(stress.ef_percent);
+  json["reading"] = fitted ? "unbiased" : "edge";
+  json["tid_ratio"] = number(ratio(mean_cavity(b), mean_cavity(a)));
+  json["edv_ratio"] = number(ratio(value_in(b, "edv_ml"), value_in(a, "edv_ml")));
+  json["esv_ratio"] = number(ratio(value_in(b, "esv_ml"), value_in(a, "esv_ml")));
+  json["ef_rest_percent"] = number(value_in(a, "ef_percent"));
+  json["ef_stress_percent"] = number(value_in(b, "ef_percent"));
   json["summed_rest_score"] = at_rest.sum;
   json["summed_stress_score"] = under_stress.sum;
   json["summed_difference_score"] = under_stress.sum - at_rest.sum;
@@ -105,13 +113,16 @@ Json comparison(const Side& rest, const Side& stress, const Measures& difference
 }
 
 ExitCode run(const Arguments& a) {
-  const Side rest = read_side(a.rest), stress = read_side(a.stress);
+  ComparedStudy rest = read_study_of(a.rest), stress = read_study_of(a.stress);
   const Measures difference = difference_of(rest, stress);
   const Json json = comparison(rest, stress, difference);
   if (!a.out.empty()) {
     OutputFolder folder(a.out);
     const PolarKind kind{"difference", "Perfusion, rest less stress", "points", &PolarMaps::perfusion_percent, -40, 40};
+    rest.report = report_from(a.rest, a.out);
+    stress.report = report_from(a.stress, a.out);
     write_file(folder.path() / "comparison.json", json.dump(2) + "\n");
+    write_file(folder.path() / "comparison.html", comparison_html(rest, stress, json));
     write_file(folder.path() / "polar_difference.svg", polar_svg(difference, kind));
     folder.publish();
   }
@@ -145,7 +156,8 @@ void add_compare(CLI::App& program, Command& chosen) {
       "compare", "Compare a rest and a stress result: TID ratio, volumes, scores, difference of the polar maps");
   command->add_option("REST", a->rest, "folder written by dynasurf ventricle")->required();
   command->add_option("STRESS", a->stress, "the same of the stress study")->required();
-  command->add_option("--out", a->out, "folder for comparison.json and polar_difference.svg");
+  command->add_option("--out", a->out,
+                      "folder for comparison.json, comparison.html with both studies, and polar_difference.svg");
   command->add_flag("--json", a->json, "print JSON instead of the table");
   command->callback([a, &chosen] { chosen = [a](std::stop_token) { return run(*a); }; });
 }

@@ -34,7 +34,7 @@ std::vector<fs::path> results_in(const fs::path& folder) {
 ExitCode build(const std::string& folder, const std::string& out) {
   std::vector<PolarValues> maps;
   for (const fs::path& result : results_in(folder))
-    maps.push_back(read_polar(result / "measures" / "polar.csv").perfusion_percent);
+    maps.push_back(read_polar(result / "measures" / "polar.csv").maps.perfusion_percent);
   if (maps.size() < 3)
     throw InputError(folder + " holds " + std::to_string(maps.size()) +
                      " results with polar maps; expected at least 3");
@@ -78,10 +78,10 @@ ExitCode score(const Scoring& a) {
   std::optional<NormalMap> normal;
   if (!a.normals.empty()) normal = read_normals(a.normals);
   SegmentScores scores =
-      score_segments(model, polar.grid, polar.perfusion_percent, polar.area_mm2, normal ? &*normal : nullptr);
+      score_segments(model, polar.grid, polar.maps.perfusion_percent, polar.area_mm2, normal ? &*normal : nullptr);
   if (!a.edit.empty()) read_scores(a.edit, scores);
   std::optional<DefectMeasures> defect;
-  if (normal) defect = measure_defect(polar.perfusion_percent, polar.area_mm2, *normal);
+  if (normal) defect = measure_defect(polar.maps.perfusion_percent, polar.area_mm2, *normal);
   const std::string json = scores_json(scores, model, defect, normal ? normal->studies : 0).dump(2) + "\n";
   if (!a.out.empty()) write_file(a.out, json);
   if (a.json) {

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -15,6 +16,8 @@
 #include <unistd.h>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/byte_source.hpp"
 
 extern char** environ;
 
@@ -75,6 +78,18 @@ int run_quietly(const std::vector<std::string>& words) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
+/// A busy machine may print the page before it has drawn itself; only then does its title, which the PDF takes over in
+/// UTF-16 as hexadecimal digits, end with the word "printed".
+bool is_complete(const std::string& pdf) { return pdf.find("007000720069006E007400650064>") != std::string::npos; }
+
+/// Sets the dates that the browser writes to one and the same: equal pages shall be equal bytes.
+void take_dates_out(std::string& pdf) {
+  constexpr std::string_view same = "20000101000000";
+  for (const std::string_view key : {"/CreationDate (D:", "/ModDate (D:"})
+    if (const std::size_t at = pdf.find(key); at != std::string::npos && at + key.size() + same.size() < pdf.size())
+      pdf.replace(at + key.size(), same.size(), same);
+}
+
 /// A path as it stands in an address.
 std::string address_of(const fs::path& path) {
   constexpr char digits[] = "0123456789ABCDEF";
@@ -118,10 +133,16 @@ void print_page(const fs::path& html, const fs::path& pdf) {
                                  "--print-to-pdf=" + printed.string()};
   if (geteuid() == 0) words.push_back("--no-sandbox");  // it refuses to run as root otherwise
   words.push_back(address_of(html) + "#print");
-  const int code = run_quietly(words);
-  if (code != 0 || !fs::exists(printed) || fs::file_size(printed) == 0)
-    throw IoError(pdf.string() + ": " + words[0] + (code < 0 ? " did not finish" : " could not print the report"));
-  fs::copy_file(printed, pdf, fs::copy_options::overwrite_existing);
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    const int code = run_quietly(words);
+    if (code != 0 || !fs::exists(printed) || fs::file_size(printed) == 0)
+      throw IoError(pdf.string() + ": " + words[0] + (code < 0 ? " did not finish" : " could not print the report"));
+    std::string bytes = text_of_file(printed);
+    if (!is_complete(bytes)) continue;
+    take_dates_out(bytes);
+    return write_file(pdf, bytes);
+  }
+  throw IoError(pdf.string() + ": " + words[0] + " printed the report before it was drawn, three times");
 }
 
 }  // namespace dynasurf::app

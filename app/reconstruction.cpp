@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <ctime>
-#include <tuple>
 
 #include <nlohmann/json.hpp>
 
@@ -57,14 +56,35 @@ bool is_cycle(const std::vector<TriMesh>& meshes, std::size_t gates) {
 /// Seconds of one beat: as measured, else one second.
 double cycle_s(const Study& study) { return study.cycle_ms > 0 ? study.cycle_ms / 1000 : 1.0; }
 
-/// What is known of every vertex of a measured surface: its thickness and its segment.
+/// How much thicker the wall is at each vertex than at end diastole, percent; empty where the vertices are others.
+std::vector<float> thickening_of(const Measures& m, const VertexThickness& now, Wall wall) {
+  if (m.ed_gate < 0) return {};
+  const WallThickness& rest = m.gates[static_cast<std::size_t>(m.ed_gate)].thickness;
+  const std::vector<double>& before = wall == Wall::endo ? rest.endo.mm : rest.epi.mm;
+  std::vector<float> percent;
+  if (before.size() != now.mm.size()) return percent;
+  for (std::size_t v = 0; v < before.size(); ++v)
+    percent.push_back(before[v] > 0 ? static_cast<float>(100 * (now.mm[v] / before[v] - 1)) : 0.0F);
+  return percent;
+}
+
+/// What is known of every vertex of a measured surface: its thickness, its segment, its way since end diastole.
 std::vector<VertexScalar> scalars_of(const VentricleResult& result, std::size_t gate, Wall wall, const TriMesh& mesh) {
   if (!result.measures || !result.measures->gates[gate].axes) return {};
   const GateMeasures& measured = result.measures->gates[gate];
   const VertexThickness& thickness = wall == Wall::endo ? measured.thickness.endo : measured.thickness.epi;
   const std::vector<int> segments = segments_of_vertices(result.measures->model, *measured.axes, mesh.vertices);
-  return {{"thickness_mm", {thickness.mm.begin(), thickness.mm.end()}},
-          {"segment", {segments.begin(), segments.end()}}};
+  std::vector<VertexScalar> scalars{{"thickness_mm", {thickness.mm.begin(), thickness.mm.end()}},
+                                    {"segment", {segments.begin(), segments.end()}}};
+  if (const auto& motion = wall == Wall::endo ? measured.endo_motion : measured.epi_motion) {
+    scalars.push_back({"inward_mm", {motion->inward_mm.begin(), motion->inward_mm.end()}});
+    scalars.push_back({"displacement_mm", {motion->displacement_mm.begin(), motion->displacement_mm.end()}});
+    scalars.push_back(
+        {"area_strain_percent", {motion->area_strain_percent.begin(), motion->area_strain_percent.end()}});
+  }
+  if (const auto thickening = thickening_of(*result.measures, thickness, wall); !thickening.empty())
+    scalars.push_back({"thickening_percent", thickening});
+  return scalars;
 }
 
 void write_measures(const VentricleResult& result, const fs::path& folder) {
@@ -159,34 +179,38 @@ void write_keyframes(const VentricleResult& result, const Keyframes& keyframes, 
 /// The hash of a file that was given beside the study; null when none was.
 Json hash_of(const fs::path& file) { return file.empty() ? Json(nullptr) : Json(sha256_of_file(file)); }
 
-/// Now, or without timings the time of the study, so that equal runs give equal bytes.
-std::pair<std::string, std::string> date_and_time(const DicomSubject* subject, bool timings) {
-  if (!timings && subject) return {subject->study_date, subject->study_time};
-  if (!timings) return {"20000101", "000000"};
+/// The time DICOM results tell: as an earlier run told it; now; or, where equal runs shall give equal bytes, the
+/// study's.
+std::string dicom_time(const Job& job, bool study_is_dicom) {
+  if (!job.outputs.dicom_time.empty()) return job.outputs.dicom_time;
+  if (!job.outputs.timings) {
+    const DicomSubject subject = study_is_dicom ? read_dicom_subject(job.study) : DicomSubject();
+    const bool is_told = subject.study_date.size() == 8 && subject.study_time.size() >= 6;
+    return is_told ? subject.study_date + subject.study_time.substr(0, 6) : "20000101000000";
+  }
   const std::time_t now = std::time(nullptr);
   std::tm local{};
   localtime_r(&now, &local);
-  char date[16], time[16];
-  std::strftime(date, sizeof date, "%Y%m%d", &local);
-  std::strftime(time, sizeof time, "%H%M%S", &local);
-  return {date, time};
+  char text[16];
+  std::strftime(text, sizeof text, "%Y%m%d%H%M%S", &local);
+  return text;
 }
 
 /// Whose DICOM results these are, and what their UIDs are made from: the inputs, the options, the program, the time.
 DicomResult dicom_context(const Job& job, const Provenance& provenance, bool study_is_dicom) {
   DicomResult context;
   context.program_version = provenance.program_version;
-  if (study_is_dicom) context.subject = read_dicom_subject(job.study);
-  std::tie(context.date, context.time) =
-      date_and_time(study_is_dicom ? &context.subject : nullptr, job.outputs.timings);
+  context.date = job.outputs.dicom_time.substr(0, 8);
+  context.time = job.outputs.dicom_time.substr(8);
   Hasher hasher;
   const auto add = [&](const std::string& text) { hasher.add(text.data(), text.size() + 1); };
   for (const auto& [name, hash] : provenance.inputs) add(hash);
-  for (const std::string& text : {provenance.options_json, provenance.program_version, provenance.commit, context.date,
-                                  context.time, hash_of(job.mask).dump(), hash_of(job.start_mesh).dump()})
+  for (const std::string& text : {provenance.options_json, provenance.program_version, provenance.commit,
+                                  job.outputs.dicom_time, hash_of(job.mask).dump(), hash_of(job.start_mesh).dump()})
     add(text);
   context.content = hasher.finish();
-  if (!study_is_dicom) context.subject = nameless_subject(context.content, context.date, context.time);
+  context.subject =
+      study_is_dicom ? read_dicom_subject(job.study) : nameless_subject(context.content, context.date, context.time);
   return context;
 }
 
@@ -206,8 +230,11 @@ std::string results_text(const VentricleResult& result, const Provenance& proven
   Json formats = Json::array();
   for (const MeshFormat format : outputs.mesh_formats) formats.push_back(word_of(format));
   json["provenance"]["given"] = {{"mask_sha256", hash_of(job.mask)}, {"start_mesh_sha256", hash_of(job.start_mesh)}};
-  json["provenance"]["outputs"] = {
-      {"mesh_formats", formats}, {"keep_stages", outputs.keep_stages}, {"dicom", outputs.dicom}, {"pdf", outputs.pdf}};
+  json["provenance"]["outputs"] = {{"mesh_formats", formats},
+                                   {"keep_stages", outputs.keep_stages},
+                                   {"dicom", outputs.dicom},
+                                   {"dicom_time", outputs.dicom ? Json(outputs.dicom_time) : Json(nullptr)},
+                                   {"pdf", outputs.pdf}};
   return json.dump(2) + "\n";
 }
 
@@ -219,11 +246,13 @@ std::vector<std::string> hashes_of_study(const fs::path& study) {
   return hashes;
 }
 
-Outcome reconstruct_to_folder(const Job& job, const Progress& progress) {
+Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
+  Job job = asked;
   const ThreadLimit limit(job.threads);
   if (job.outputs.pdf) find_browser();  // its absence, too, is told first
   OutputFolder folder(job.out);         // first, so that a place that cannot be written to costs no time
   const Study study = read_study(job.study);
+  if (job.outputs.dicom) job.outputs.dicom_time = dicom_time(job, study.format == "DICOM");
   const Provenance provenance = provenance_of(job);
   progress.check();
 

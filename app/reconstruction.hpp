@@ -13,8 +13,9 @@ namespace dynasurf::app {
 struct Outputs {
   std::vector<MeshFormat> mesh_formats{MeshFormat::ply, MeshFormat::vtp};
   bool keep_stages = false;
-  bool dicom = false;  // the folder dicom: results as objects of the patient's study
-  bool pdf = false;    // report.pdf, printed by Chromium
+  bool dicom = false;      // the folder dicom: results as objects of the patient's study
+  std::string dicom_time;  // YYYYMMDDHHMMSS that they tell; empty: now, without timings the study's
+  bool pdf = false;        // report.pdf, printed by Chromium
   bool timings = true;
 };
 

@@ -22,6 +22,7 @@ using Json = nlohmann::ordered_json;
 struct Arguments {
   std::string result, out;
   int gate = 1;
+  bool edges = false;
   WallSolidSize size;
 };
 
@@ -59,16 +60,27 @@ SolidFormat format_of(const fs::path& path) {
   throw OptionError("--out " + path.string() + ": expected a name that ends with .vtu, .msh or .inp");
 }
 
+/// Walls freed of the blur are the muscle's; those of the edges are taken where there are no others, or on demand.
+bool is_fitted(const Json& results, const Arguments& a) {
+  return !a.edges && results.contains("readings") && results["readings"]["unbiased"].is_object();
+}
+
+const Json& gate_of(const Json& results, const Arguments& a) {
+  const Json& gates = is_fitted(results, a) ? results["readings"]["unbiased"]["gates"] : results["gates"];
+  return gates.at(static_cast<std::size_t>(a.gate - 1));
+}
+
 ExitCode run(const Arguments& a) {
   const SolidFormat format = format_of(a.out);
   const Json results = results_of(a.result);
   if (a.gate > static_cast<int>(results["gates"].size()))
     throw OptionError("--gate " + std::to_string(a.gate) + "; expected 1 to " +
                       std::to_string(results["gates"].size()));
-  const TriMesh endo = surface_of(a, "endo"), epi = surface_of(a, "epi");
-  const Json& gate = results["gates"].at(static_cast<std::size_t>(a.gate - 1));
+  const Json& gate = gate_of(results, a);
+  const std::string fitted = is_fitted(results, a) ? "fit_" : "";
+  const TriMesh endo = surface_of(a, fitted + "endo"), epi = surface_of(a, fitted + "epi");
   std::optional<BasePlane> plane;
-  if (!gate["base_plane"].is_null()) {
+  if (gate.contains("base_plane") && gate["base_plane"].is_object()) {
     plane.emplace();
     plane->point = vector_in(gate["base_plane"]["point_mm"]);
     plane->normal = vector_in(gate["base_plane"]["normal"]);
@@ -83,7 +95,8 @@ ExitCode run(const Arguments& a) {
   const std::vector<VertexScalar> scalars{{"ring", {solid->ring.begin(), solid->ring.end()}},
                                           {"layer", {solid->layer.begin(), solid->layer.end()}}};
   write_solid(solid->mesh, a.out, format, scalars);
-  print(table({{"tetrahedra", std::to_string(solid->quality.count)},
+  print(table({{"surfaces", fitted.empty() ? "classic edge" : "fitted through the blur"},
+               {"tetrahedra", std::to_string(solid->quality.count)},
                {"not positive", std::to_string(solid->quality.not_positive)},
                {"volume_ml", fixed(solid->volume_ml, 3)},
                {"between the surfaces_ml", fixed(solid->surfaces_ml, 3)},
@@ -102,6 +115,7 @@ void add_solid(CLI::App& program, Command& chosen) {
       program.add_subcommand("solid", "Fill the wall of one gate of a result with tetrahedra, for mechanics");
   command->add_option("RESULT", a->result, "folder written by dynasurf ventricle")->required();
   command->add_option("--gate", a->gate, "from 1")->check(CLI::Range(1, 1000));
+  command->add_flag("--edges", a->edges, "the surfaces of the edges, also where walls were fitted through the blur");
   command->add_option("--out", a->out, "wall.vtu (VTK), wall.msh (gmsh 2.2) or wall.inp (Abaqus)")->required();
   command->add_option("--rings", a->size.rings, "from apex to base")->check(CLI::Range(2, 500));
   command->add_option("--sectors", a->size.sectors, "around the axis")->check(CLI::Range(3, 1000));

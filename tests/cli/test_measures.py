@@ -2,6 +2,7 @@
 
 import functools
 import json
+import re
 import unittest
 
 from cli import CliTest, SMALL_PATIENT, run, shared_folder, small_result
@@ -88,6 +89,13 @@ class Compare(CliTest):
         self.assertEqual(same["tid_ratio"], 1)
         self.assertEqual(same["summed_difference_score"], 0)
         self.assertIn("<svg", (out / "polar_difference.svg").read_text())
+        page = (out / "comparison.html").read_text()
+        self.assertEqual(page.count("<svg"), 1 + 3 * 3, "a curve and three maps of each study with their difference")
+        for text in (f"<b>{both['tid_ratio']:.2f}</b>", "rest less stress", f"normals/{rest.name}/report.html", "mid inferior",
+                     "Research use only", "default-src 'none'"):
+            self.assertIn(text, page)
+        self.assertNotIn("nan", page)
+        self.assertNotRegex(page, "<script|<img|<iframe")
 
     def test_refuses_what_is_no_result(self):
         self.refuses(2, "compare", small_result(), self.folder, says="results.json")
@@ -101,6 +109,22 @@ class Solid(CliTest):
             self.assertEqual(made.returncode, 0, made.stdout + made.stderr)
             self.assertTrue(out.read_bytes().startswith(begins))
             self.assertRegex(made.stdout, r"not positive +0\n")
+
+    def test_fills_the_fitted_wall_where_there_is_one(self):
+        result, out = shared_folder() / "fitted", shared_folder() / "fitted.vtu"
+        made = run("ventricle", shared_folder() / "patient" / "study.dcm", "--out", result, "--preset", "unbiased")
+        self.assertEqual(made.returncode, 0, made.stdout + made.stderr)
+        gate = json.loads((result / "results.json").read_text())["readings"]["unbiased"]["gates"][0]
+        held = {}
+        for kind, more in (("fitted through the blur", []), ("classic edge", ["--edges"])):
+            made = run("solid", result, "--out", out, *more)
+            self.assertEqual(made.returncode, 0, made.stdout + made.stderr)
+            self.assertIn(kind, made.stdout)
+            self.assertRegex(made.stdout, r"not positive +0\n")
+            held[kind] = float(re.search(r"volume_ml +([0-9.]+)", made.stdout)[1])
+        # The solid ends a little below the valve plane.
+        self.assertAlmostEqual(held["fitted through the blur"] / (gate["epi_ml"] - gate["endo_ml"]), 1, delta=0.15)
+        self.assertGreater(held["classic edge"], 1.1 * held["fitted through the blur"], "edges make the wall thick")
 
     def test_refuses_what_is_not_there(self):
         out = shared_folder() / "no.vtu"

@@ -39,7 +39,14 @@ TEST(SurfaceMotion, OfAGrowingSurfaceIsItsGrowth) {
   for (std::size_t v = 0; v < rest.vertices.size(); ++v) {
     EXPECT_NEAR(motion.displacement_mm[v], 0.1 * rest.vertices[v].norm(), 1e-9);
     EXPECT_NEAR(motion.area_strain_percent[v], 21, 1e-9);
+    EXPECT_LT(motion.inward_mm[v], 0);
+    EXPECT_LE(-motion.inward_mm[v], motion.displacement_mm[v] + 1e-12);
   }
+  // A sphere's vertices move along its normals: all of the way is inwards.
+  const TriMesh ball = icosphere(3);
+  TriMesh smaller = ball;
+  for (Vec3& p : smaller.vertices) p *= 0.9;
+  for (const double inward : surface_motion(ball, smaller).inward_mm) EXPECT_NEAR(inward, 0.1, 1e-4);
   EXPECT_THROW(surface_motion(rest, icosphere(2)), InputError);
 }
 

@@ -197,6 +197,9 @@ class DicomResults(unittest.TestCase):
         for path in (self.folder / "first" / "dicom").iterdir():
             self.assertEqual(path.read_bytes(), (self.folder / "second" / "dicom" / path.name).read_bytes(), path.name)
 
+    def test_a_repeated_run_gives_the_same_bytes(self):
+        run(PROGRAM, "rerun", self.folder / "result")
+
     def test_a_study_without_a_patient_gets_an_id_of_its_own(self):
         out = self.folder / "nameless"
         run(PROGRAM, "ventricle", self.folder / "patient" / "study.nii.gz", "--out", out, "--dicom", "--quiet")

@@ -136,6 +136,46 @@ TEST(Measures, OfAHealthyBeatAreThoseOfItsShapes) {
   EXPECT_LT(m.phase_counts->sd_deg, 15);
 }
 
+TEST(Measures, TellWhereEveryVertexWentAndHowItsAreaChanged) {
+  VirtualPatient patient = quick_patient();
+  patient.pose = {};
+  const Phantom phantom = make_phantom(PhantomOptions{patient});
+  // All shrinks to four fifths about a point on the axis and back: areas to 16/25, lengths by a fifth.
+  const TriMesh &endo = phantom.truth[0].endo, &epi = phantom.truth[0].epi;
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : endo.vertices) middle += p / static_cast<double>(endo.vertices.size());
+  std::vector<TriMesh> endos, epis;
+  for (const double scale : {1.0, 0.9, 0.8, 0.9})
+    for (auto [from, to] : {std::pair(&endo, &endos), std::pair(&epi, &epis)}) {
+      to->push_back(*from);
+      for (Vec3& p : to->back().vertices) p = middle + scale * (p - middle);
+    }
+  MeasureInput input;
+  input.axis = axis_of(phantom);
+  input.from_edges = false;
+  for (std::size_t g = 0; g < 4; ++g)
+    input.gates.push_back({&endos[g], &epis[g], &phantom.study.gates[0], std::nullopt});
+  const Measures m = measure_walls(input, {});
+  ASSERT_EQ(m.ed_gate, 0);
+  ASSERT_EQ(m.es_gate, 2);
+  ASSERT_TRUE(m.gates[2].endo_motion && m.gates[1].epi_motion);
+  for (std::size_t v = 0; v < endo.vertices.size(); ++v) {
+    EXPECT_NEAR(m.gates[2].endo_motion->displacement_mm[v], 0.2 * (endo.vertices[v] - middle).norm(), 1e-9);
+    EXPECT_NEAR(m.gates[2].endo_motion->area_strain_percent[v], -36, 1e-6);
+  }
+  EXPECT_NEAR(m.gates[1].epi_motion->area_strain_percent[0], -19, 1e-6);
+  for (const SegmentMeasures& s : m.segments) {
+    EXPECT_NEAR(s.area_strain_percent.value(), -36, 1e-6) << s.segment.number;
+    EXPECT_GT(s.displacement_mm.value(), 2) << s.segment.number;
+    EXPECT_LT(s.displacement_mm.value(), 12) << s.segment.number;
+  }
+  // Other triangles tell nothing of where the muscle went.
+  std::rotate(endos[2].triangles.begin(), endos[2].triangles.begin() + 1, endos[2].triangles.end());
+  const Measures other = measure_walls(input, {});
+  EXPECT_FALSE(other.gates[2].endo_motion);
+  EXPECT_FALSE(other.segments[0].area_strain_percent);
+}
+
 TEST(Measures, SeeAWallThatContractsLate) {
   VirtualPatient patient = quick_patient();
   patient.pose = {};

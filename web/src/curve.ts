@@ -143,6 +143,7 @@ export class Curve {
     const guides = [
       { gate: ed_gate, name: "ED" },
       { gate: es_gate, name: "ES" },
+      { gate: this.results.phases?.end_rapid_filling ?? null, name: "slow filling" },
     ];
     return guides.flatMap(({ gate, name }) => {
       if (gate === null) return [];

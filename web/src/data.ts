@@ -46,6 +46,8 @@ export interface SegmentNumbers {
   thickening_percent: number | null;
   count_thickening_percent: number | null;
   motion_mm: number | null;
+  displacement_mm: number | null;
+  area_strain_percent: number | null;
   phase_counts_deg: number | null;
   phase_motion_deg: number | null;
 }

@@ -273,7 +273,11 @@ function buildPrinting(report: Report, leading: Leading, painter: Painter | null
     byId("paper").replaceChildren();
     scene?.show(player.phase);
   };
-  if (location.hash === "#print") return show();
+  if (location.hash === "#print") {
+    show();
+    document.title += ", printed"; // tells whoever printed that all was drawn
+    return;
+  }
   addEventListener("beforeprint", show);
   addEventListener("afterprint", hide);
 }

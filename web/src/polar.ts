@@ -49,6 +49,7 @@ const columns: [MapName, string, string][] = [
   ["thickening_percent", "Thickening", "%"],
   ["count_thickening_percent", "by counts", "%"],
   ["motion_mm", "Motion", "mm"],
+  ["area_strain_percent", "Area strain", "%"],
   ["phase_counts_deg", "Onset, counts", "°"],
   ["phase_motion_deg", "motion", "°"],
 ];

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/mesh/ray_tree.hpp"
 
 namespace dynasurf {
 namespace {
@@ -37,8 +38,10 @@ SurfaceMotion surface_motion(const TriMesh& rest, const TriMesh& now) {
     throw InputError("surface_motion: the meshes have different triangles; expected the same ones");
   SurfaceMotion motion;
   const std::vector<double> before = areas_around(rest), after = areas_around(now);
+  const std::vector<Vec3> outwards = normals_of_vertices(rest);
   for (std::size_t v = 0; v < rest.vertices.size(); ++v) {
     motion.displacement_mm.push_back((now.vertices[v] - rest.vertices[v]).norm());
+    motion.inward_mm.push_back((rest.vertices[v] - now.vertices[v]).dot(outwards[v]));
     motion.area_strain_percent.push_back(before[v] > 0 ? 100 * (after[v] / before[v] - 1) : 0);
   }
   return motion;

@@ -9,6 +9,7 @@ namespace dynasurf {
 /// How a surface differs from itself at rest: per vertex of two meshes with the same triangles.
 struct SurfaceMotion {
   std::vector<double> displacement_mm;
+  std::vector<double> inward_mm;            // the part of it against the normal of the surface at rest
   std::vector<double> area_strain_percent;  // of the triangles around the vertex together; 0 where they had no area
 };
 /// Meaningful as far as vertices stay on their material: surfaces that were pulled onto edges slide along themselves.

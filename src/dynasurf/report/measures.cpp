@@ -74,13 +74,15 @@ struct Column {
   std::string_view name;
   std::optional<double> SegmentMeasures::*value;
 };
-constexpr std::array<Column, 8> columns{{
+constexpr std::array<Column, 10> columns{{
     {"perfusion_percent", &SegmentMeasures::perfusion_percent},
     {"thickness_ed_mm", &SegmentMeasures::thickness_ed_mm},
     {"thickness_es_mm", &SegmentMeasures::thickness_es_mm},
     {"thickening_percent", &SegmentMeasures::thickening_percent},
     {"count_thickening_percent", &SegmentMeasures::count_thickening_percent},
     {"motion_mm", &SegmentMeasures::motion_mm},
+    {"displacement_mm", &SegmentMeasures::displacement_mm},
+    {"area_strain_percent", &SegmentMeasures::area_strain_percent},
     {"phase_counts_deg", &SegmentMeasures::phase_counts_deg},
     {"phase_motion_deg", &SegmentMeasures::phase_motion_deg},
 }};

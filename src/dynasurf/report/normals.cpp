@@ -1,10 +1,12 @@
 #include "dynasurf/report/normals.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <sstream>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/numbers.hpp"
 
 namespace dynasurf {
@@ -79,7 +81,8 @@ PolarTable read_polar(const std::filesystem::path& csv) {
   std::string line;
   std::getline(text, line);
   const std::vector<std::string> names = fields_of(line);
-  const std::size_t perfusion = column_of(names, "perfusion_percent", csv), area = column_of(names, "area_mm2", csv);
+  const std::size_t area = column_of(names, "area_mm2", csv);
+  column_of(names, "perfusion_percent", csv);  // the one map that must be there
   PolarTable table;
   for (int number = 2; std::getline(text, line); ++number) {
     const std::string where = csv.string() + ", line " + std::to_string(number);
@@ -87,7 +90,9 @@ PolarTable read_polar(const std::filesystem::path& csv) {
     if (fields.size() != names.size())
       throw InputError(where + ": " + std::to_string(fields.size()) + " fields; expected " +
                        std::to_string(names.size()));
-    table.perfusion_percent.push_back(value_of(fields[perfusion], where));
+    for (const PolarKind& kind : polar_kinds())
+      if (const auto at = std::find(names.begin(), names.end(), kind.name); at != names.end())
+        (table.maps.*kind.values).push_back(value_of(fields[static_cast<std::size_t>(at - names.begin())], where));
     table.area_mm2.push_back(value_of(fields[area], where).value_or(0));
   }
   if (table.area_mm2.size() != table.grid.size())

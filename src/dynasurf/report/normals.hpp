@@ -3,14 +3,15 @@
 #include <string>
 #include <vector>
 
+#include "dynasurf/ventricle/measures/measures.hpp"
 #include "dynasurf/ventricle/measures/normal_limits.hpp"
 
 namespace dynasurf {
 
-/// What normal limits and scores need of a finished study.
+/// What normal limits, scores and comparisons need of a finished study.
 struct PolarTable {
   PolarGrid grid;
-  PolarValues perfusion_percent;
+  PolarMaps maps;  // those that the file holds; perfusion always
   std::vector<double> area_mm2;
 };
 

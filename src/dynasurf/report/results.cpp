@@ -261,6 +261,7 @@ Json fit_json(const std::optional<FittedBeat>& fit) {
     Json gate{{"gate", g + 1}};
     put_estimate(gate, "endo_ml", fit->gates[g].endo_ml);
     put_estimate(gate, "epi_ml", fit->gates[g].epi_ml);
+    gate["base_plane"] = plane_json(fit->gates[g].base);
     json["gates"].push_back(std::move(gate));
   }
   return json;

@@ -158,6 +158,47 @@ void measure_maps(Measures& m) {
   }
 }
 
+/// Area of the triangles around each vertex, a third of each.
+std::vector<double> areas_of_vertices(const TriMesh& mesh) {
+  std::vector<double> areas(mesh.vertices.size(), 0.0);
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const double area = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]).norm() / 6;
+    for (const auto v : {a, b, c}) areas[v] += area;
+  }
+  return areas;
+}
+
+/// How far every vertex of every gate is from where it was at end diastole, and what that means for the segments.
+void measure_motion(Measures& m, const MeasureInput& input) {
+  const WallGate& rest = input.gates[static_cast<std::size_t>(m.ed_gate)];
+  const auto motion_of = [](const TriMesh* from, const TriMesh* to) -> std::optional<SurfaceMotion> {
+    if (!from || !to || from->vertices.size() != to->vertices.size() || from->triangles != to->triangles)
+      return std::nullopt;
+    return surface_motion(*from, *to);
+  };
+  for (std::size_t g = 0; g < m.gates.size(); ++g) {
+    m.gates[g].endo_motion = motion_of(rest.endo, input.gates[g].endo);
+    m.gates[g].epi_motion = motion_of(rest.epi, input.gates[g].epi);
+  }
+  if (m.es_gate < 0) return;
+  const auto& contracted = m.gates[static_cast<std::size_t>(m.es_gate)].endo_motion;
+  if (!contracted) return;
+  const GateMeasures& ed = m.gates[static_cast<std::size_t>(m.ed_gate)];
+  const std::vector<int> numbers = segments_of_vertices(m.model, *ed.axes, rest.endo->vertices);
+  const std::vector<double> areas = areas_of_vertices(*rest.endo);
+  std::vector<double> weight(m.segments.size(), 0.0), moved = weight, strain = weight;
+  for (std::size_t v = 0; v < numbers.size(); ++v) {
+    if (numbers[v] == 0) continue;
+    const auto s = static_cast<std::size_t>(numbers[v] - 1);
+    weight[s] += areas[v];
+    moved[s] += areas[v] * contracted->displacement_mm[v];
+    strain[s] += areas[v] * contracted->area_strain_percent[v];
+  }
+  for (std::size_t s = 0; s < m.segments.size(); ++s)
+    if (weight[s] > 0)
+      m.segments[s].displacement_mm = moved[s] / weight[s], m.segments[s].area_strain_percent = strain[s] / weight[s];
+}
+
 void measure_segments(Measures& m) {
   const auto means = [&](const PolarValues& values) { return segment_means(m.model, m.grid, values, m.area_mm2); };
   const GateMeasures& ed = m.gates[static_cast<std::size_t>(m.ed_gate)];
@@ -230,6 +271,7 @@ Measures measure_walls(const MeasureInput& input, const MeasureOptions& requeste
   for (const Segment& segment : segments_of(m.model)) m.segments.emplace_back().segment = segment;
   measure_maps(m);
   measure_segments(m);
+  measure_motion(m, input);
   return m;
 }
 

@@ -7,6 +7,7 @@
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/volume.hpp"
+#include "dynasurf/mesh/surface_motion.hpp"
 #include "dynasurf/ventricle/measures/phase.hpp"
 #include "dynasurf/ventricle/measures/segments.hpp"
 #include "dynasurf/ventricle/measures/volume_curve.hpp"
@@ -51,6 +52,8 @@ struct GateMeasures {
   std::optional<HeartAxes> axes;
   WallThickness thickness;
   WallMap map;
+  // From the surfaces of end diastole; absent where the triangles are not the same.
+  std::optional<SurfaceMotion> endo_motion, epi_motion;
 };
 
 /// The maps of a study; absent samples where any gate that is needed lacks the wall.
@@ -63,11 +66,14 @@ struct PolarMaps {
   PolarValues phase_counts_deg, phase_motion_deg;  // onset of contraction (phase.hpp)
 };
 
+/// `displacement_mm` and `area_strain_percent` are those of the endocardium from end diastole to end systole, means
+/// over its vertices by their area: the length of a vertex's way whatever its direction, and the change of area around
+/// it. They need one set of triangles for both gates; edges of an image do not hold their vertices to the muscle.
 struct SegmentMeasures {
   Segment segment;
   double wall_share_percent = 0;  // of the mapped area at end diastole
   std::optional<double> perfusion_percent, thickness_ed_mm, thickness_es_mm, thickening_percent,
-      count_thickening_percent, motion_mm, phase_counts_deg, phase_motion_deg;
+      count_thickening_percent, motion_mm, displacement_mm, area_strain_percent, phase_counts_deg, phase_motion_deg;
 };
 
 /// Every number a reader expects, from one pair of surfaces per gate (docs/stages/measures.md).

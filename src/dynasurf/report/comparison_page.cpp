@@ -1,0 +1,255 @@
+#include "dynasurf/report/comparison_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dynasurf/report/measures.hpp"
+#include "dynasurf/report/numbers.hpp"
+
+namespace dynasurf {
+namespace {
+
+using report_detail::Json;
+using report_detail::text_of;
+
+constexpr std::string_view style = R"(
+:root { color: #10161d; background: #fff; font: 13px/1.4 system-ui, sans-serif; }
+body { max-width: 1060px; margin: 18px auto; padding: 0 14px; }
+header { display: flex; justify-content: space-between; border-bottom: 2px solid #10161d; padding-bottom: 6px; }
+h1 { font-size: 19px; margin: 0; } h2 { font-size: 14px; margin: 16px 0 4px; }
+p { margin: 4px 0; } .use { font-weight: 600; }
+table { width: 100%; border-collapse: collapse; font-variant-numeric: tabular-nums; }
+th, td { padding: 2px 8px; text-align: right; border-bottom: 1px solid #dde3ea; }
+th:first-child { text-align: left; } thead th { color: #3d4854; font-weight: 500; }
+td.lost { font-weight: 700; }
+.ratios { display: grid; grid-template-columns: repeat(5, 1fr); gap: 8px; margin: 10px 0; }
+.ratios div { border: 1px solid #c4ccd6; border-radius: 6px; padding: 6px 10px; }
+.ratios b { display: block; font-size: 20px; }
+.maps { display: grid; grid-template-columns: repeat(3, 1fr); gap: 4px 18px; break-inside: avoid; }
+.maps b { text-align: center; } .maps svg { width: 100%; height: auto; } .curve svg { width: 100%; height: auto; }
+.sheet { break-after: page; }
+@page { size: A4; margin: 11mm 12mm; }
+@media print { body { margin: 0; padding: 0; max-width: none; font-size: 10px; } .maps svg { height: 58mm; } }
+)";
+
+std::string escaped(const std::string& text) {
+  std::string safe;
+  for (const char c : text)
+    if (c == '<')
+      safe += "&lt;";
+    else if (c == '&')
+      safe += "&amp;";
+    else if (c == '"')
+      safe += "&quot;";
+    else
+      safe += c;
+  return safe;
+}
+
+/// The number at a path of keys; absent where any of them is.
+std::optional<double> number_at(const Json& json, std::initializer_list<const char*> path) {
+  const Json* at = &json;
+  for (const char* key : path) {
+    if (!at->is_object() || !at->contains(key)) return std::nullopt;
+    at = &(*at)[key];
+  }
+  return at->is_number() ? std::optional(at->get<double>()) : std::nullopt;
+}
+
+std::string figure(const std::optional<double>& value, int decimals) {
+  if (!value) return "&ndash;";
+  const double unit = std::pow(10, -decimals);
+  return text_of(std::abs(*value) < unit / 2 ? 0.0 : *value, decimals);  // no -0
+}
+
+/// "60.2 (58.4 to 62.1)": a number of the unbiased reading with its interval.
+std::string with_interval(const Json& results, const std::string& key) {
+  const std::string interval = key + "_90";
+  std::string text = figure(number_at(results, {"readings", "unbiased", key.c_str()}), 1);
+  const Json& fit = results["readings"]["unbiased"];
+  if (!fit.is_object() || !fit.contains(interval) || !fit[interval].is_array()) return text;
+  const Json& ends = fit[interval];
+  return text + " (" + text_of(ends[0].get<double>(), 1) + " to " + text_of(ends[1].get<double>(), 1) + ")";
+}
+
+std::string row(const std::string& name, const std::vector<std::string>& cells) {
+  std::string html = "<tr><th scope=\"row\">" + name + "</th>";
+  for (const std::string& cell : cells) html += "<td>" + cell + "</td>";
+  return html + "</tr>\n";
+}
+
+std::string number_rows(const Json& rest, const Json& stress) {
+  struct Named {
+    const char* name;
+    std::initializer_list<const char*> path;
+    int decimals;
+  };
+  const Named lines[] = {
+      {"EF, classic edge, %", {"ef_percent"}, 1},
+      {"EDV, classic edge, mL", {"edv_ml"}, 1},
+      {"ESV, classic edge, mL", {"esv_ml"}, 1},
+      {"EF, QGS-like, %", {"readings", "qgs_like", "ef_percent"}, 1},
+      {"Muscle, g", {"measures", "muscle_g"}, 0},
+      {"Peak filling rate, EDV/s", {"measures", "function", "peak_filling_edv_per_s"}, 2},
+      {"Phase SD of the counts, deg", {"measures", "phase", "counts", "sd_deg"}, 1},
+  };
+  std::string html;
+  for (const auto& [name, key] : {std::pair("EF, unbiased, %", "ef_percent"), std::pair("EDV, unbiased, mL", "edv_ml"),
+                                  std::pair("ESV, unbiased, mL", "esv_ml")}) {
+    const auto a = number_at(rest, {"readings", "unbiased", key}), b = number_at(stress, {"readings", "unbiased", key});
+    if (!a && !b) continue;
+    html += row(name, {with_interval(rest, key), with_interval(stress, key),
+                       figure(a && b ? std::optional(*b - *a) : std::nullopt, 1)});
+  }
+  for (const Named& line : lines) {
+    const auto a = number_at(rest, line.path), b = number_at(stress, line.path);
+    if (!a && !b) continue;
+    html += row(line.name, {figure(a, line.decimals), figure(b, line.decimals),
+                            figure(a && b ? std::optional(*b - *a) : std::nullopt, line.decimals)});
+  }
+  return html;
+}
+
+/// The periodic fit of a result, if it has one.
+std::optional<PeriodicCurve> curve_of(const Json& results) {
+  const auto mean = number_at(results, {"measures", "function", "mean_ml"});
+  if (!mean) return std::nullopt;
+  const Json& f = results["measures"]["function"];
+  return PeriodicCurve{*mean, f["cosine_ml"].get<std::vector<double>>(), f["sine_ml"].get<std::vector<double>>()};
+}
+
+std::string curves_svg(const ComparedStudy& rest, const ComparedStudy& stress) {
+  constexpr int steps = 128;
+  constexpr double width = 640, height = 190;
+  double top = 1;
+  std::string lines;
+  std::vector<std::pair<PeriodicCurve, const char*>> curves;
+  for (const auto& [study, look] :
+       {std::pair(&rest, "stroke=\"#0072b2\""), std::pair(&stress, "stroke=\"#d55e00\" stroke-dasharray=\"7 4\"")})
+    if (const auto curve = curve_of(study->results)) curves.emplace_back(*curve, look);
+  for (const auto& [curve, look] : curves)
+    for (int n = 0; n <= steps; ++n) top = std::max(top, curve.at(static_cast<double>(n) / steps));
+  top = 20 * std::ceil(top / 20);
+  for (const auto& [curve, look] : curves) {
+    lines += std::string("<polyline fill=\"none\" stroke-width=\"2\" ") + look + " points=\"";
+    for (int n = 0; n <= steps; ++n) {
+      const double phase = static_cast<double>(n) / steps;
+      lines += text_of(40 + (width - 60) * phase, 1) + "," +
+               text_of(height - 24 - (height - 34) * curve.at(phase) / top, 1) + " ";
+    }
+    lines += "\"/>\n";
+  }
+  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 190\" role=\"img\">\n";
+  for (int n = 0; n <= 4; ++n) {
+    const double y = height - 24 - (height - 34) * n / 4;
+    svg += "<path d=\"M40 " + text_of(y, 1) + "H620\" stroke=\"#dde3ea\"/><text x=\"34\" y=\"" + text_of(y + 4, 1) +
+           "\" font-size=\"11\" text-anchor=\"end\">" + text_of(top * n / 4, 0) + "</text>\n";
+  }
+  svg += "<text x=\"330\" y=\"184\" font-size=\"11\" text-anchor=\"middle\">one beat</text>\n" + lines;
+  return svg +
+         "<text x=\"520\" y=\"10\" font-size=\"11\" fill=\"#0072b2\" text-anchor=\"end\">rest</text>"
+         "<text x=\"528\" y=\"10\" font-size=\"11\" fill=\"#d55e00\">stress (dashed)</text></svg>\n";
+}
+
+/// A map of a table as `polar_svg` wants it.
+Measures measures_of(const PolarTable& polar, const Json& results) {
+  Measures m;
+  m.grid = polar.grid;
+  m.area_mm2 = polar.area_mm2;
+  m.maps = polar.maps;
+  m.from_edges = !(results["measures"].is_object() && results["measures"].value("thickness_is", "") == "model");
+  return m;
+}
+
+std::string map_rows(const ComparedStudy& rest, const ComparedStudy& stress) {
+  const Measures a = measures_of(rest.polar, rest.results), b = measures_of(stress.polar, stress.results);
+  std::string html;
+  for (const auto& [name, title, reach] : {std::tuple("perfusion_percent", "Perfusion, rest less stress", 40.0),
+                                           std::tuple("thickening_percent", "Thickening, rest less stress", 40.0),
+                                           std::tuple("motion_mm", "Inward motion, rest less stress", 6.0)}) {
+    const auto kind =
+        std::find_if(polar_kinds().begin(), polar_kinds().end(),
+                     [&, wanted = std::string_view(name)](const PolarKind& k) { return k.name == wanted; });
+    const PolarValues &at_rest = a.maps.*kind->values, &stressed = b.maps.*kind->values;
+    if (at_rest.empty() || stressed.empty()) continue;
+    Measures difference = a;
+    difference.maps.*kind->values = lost_under_stress(at_rest, stressed);
+    PolarKind lost = *kind;
+    lost.name = "difference", lost.title = title, lost.low = -reach, lost.high = reach;
+    html += "<div class=\"maps\"><div>" + polar_svg(a, *kind) + "</div><div>" + polar_svg(b, *kind) + "</div><div>" +
+            polar_svg(difference, lost) + "</div></div>\n";
+  }
+  return html;
+}
+
+std::string segment_rows(const ComparedStudy& rest, const ComparedStudy& stress, const Json& comparison) {
+  const SegmentModel model = SegmentModel::aha17;
+  const PolarValues a = segment_means(model, rest.polar.grid, rest.polar.maps.perfusion_percent, rest.polar.area_mm2);
+  const PolarValues b =
+      segment_means(model, stress.polar.grid, stress.polar.maps.perfusion_percent, stress.polar.area_mm2);
+  std::string html;
+  for (std::size_t n = 0; n < a.size(); ++n) {
+    const Json& s = comparison["segments"][n];
+    html += row(std::to_string(n + 1) + " " + escaped(s["name"].get<std::string>()),
+                {figure(a[n], 0), figure(b[n], 0), figure(number_at(s, {"perfusion_lost_points"}), 0),
+                 figure(number_at(s, {"rest_score"}), 0), figure(number_at(s, {"stress_score"}), 0)});
+  }
+  return html;
+}
+
+std::string box(const char* name, const std::string& value) {
+  return std::string("<div>") + name + "<b>" + value + "</b></div>\n";
+}
+
+std::string link(const char* name, const ComparedStudy& study) {
+  const std::string verdict = study.results["quality"].value("verdict", "");
+  std::string html = std::string("<p>") + name + ": verdict " + escaped(verdict);
+  if (!study.report.empty()) html += ", <a href=\"" + escaped(study.report) + "\">its report</a>";
+  for (const Json& flag : study.results["quality"]["flags"]) html += "; " + escaped(flag.value("message", ""));
+  return html + "</p>\n";
+}
+
+}  // namespace
+
+PolarValues lost_under_stress(const PolarValues& rest, const PolarValues& stress) {
+  PolarValues lost(rest.size());
+  for (std::size_t n = 0; n < lost.size() && n < stress.size(); ++n)
+    if (rest[n] && stress[n]) lost[n] = *rest[n] - *stress[n];
+  return lost;
+}
+
+std::string comparison_html(const ComparedStudy& rest, const ComparedStudy& stress, const Json& comparison) {
+  std::string html =
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n"
+      "<title>Rest and stress &ndash; Dynasurf</title>\n<style>";
+  html += style;
+  html +=
+      "</style></head>\n<body><section class=\"sheet\"><header><h1>Left ventricle, rest and stress</h1>"
+      "<p class=\"use\">Research use only. Not for diagnosis.</p></header>\n";
+  html += link("Rest", rest) + link("Stress", stress);
+  html += "<div class=\"ratios\">" + box("TID ratio", figure(number_at(comparison, {"tid_ratio"}), 2)) +
+          box("EDV, stress / rest", figure(number_at(comparison, {"edv_ratio"}), 2)) +
+          box("Summed rest score", figure(number_at(comparison, {"summed_rest_score"}), 0)) +
+          box("Summed stress score", figure(number_at(comparison, {"summed_stress_score"}), 0)) +
+          box("Summed difference", figure(number_at(comparison, {"summed_difference_score"}), 0)) + "</div>\n";
+  html +=
+      "<h2>Numbers</h2><table><thead><tr><th></th><th>Rest</th><th>Stress</th><th>Stress less "
+      "rest</th></tr></thead>\n" +
+      number_rows(rest.results, stress.results) + "</table>\n";
+  html +=
+      "<h2>Volume of the cavity, periodic fit, mL</h2><div class=\"curve\">" + curves_svg(rest, stress) + "</div>\n";
+  html +=
+      "<h2>Segments: perfusion in percent of the brightest twentieth, scores 0 to 4</h2><table><thead><tr><th></th>"
+      "<th>Rest</th><th>Stress</th><th>Lost</th><th>Score at rest</th><th>Score under stress</th></tr></thead>\n" +
+      segment_rows(rest, stress, comparison) + "</table></section>\n";
+  html +=
+      "<section><h2>Polar maps: rest, stress, and what is lost under stress</h2>"
+      "<p>Seen from the apex, anterior wall on top, septum left. Each map lies in the frame of its own heart: apex, "
+      "valve plane, long axis and anterior wall register one with the other.</p>\n"
+      "<div class=\"maps\"><b>Rest</b><b>Stress</b><b>Rest less stress</b></div>\n" +
+      map_rows(rest, stress) + "</section></body></html>\n";
+  return html;
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,27 @@
+#pragma once
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/report/normals.hpp"
+
+namespace dynasurf {
+
+/// One of two studies that are shown side by side.
+struct ComparedStudy {
+  nlohmann::ordered_json results;  // its results.json
+  PolarTable polar;                // its polar.csv
+  std::string report;              // where its own report lies, as an address; empty: not linked
+};
+
+/// Rest less stress of two polar maps: positive where something is lost under stress. Both are laid out by the frame of
+/// their own heart, which is what registers them. Absent where either is.
+PolarValues lost_under_stress(const PolarValues& rest, const PolarValues& stress);
+
+/// Rest and stress on one page, for the screen and for two A4 pages: the readings of both with their intervals, the
+/// numbers of `comparison` (schema dynasurf.comparison/1), both volume curves, the polar maps of both with their
+/// difference, the segments with their scores. Plain HTML without a script; nothing is loaded.
+std::string comparison_html(const ComparedStudy& rest, const ComparedStudy& stress,
+                            const nlohmann::ordered_json& comparison);
+
+}  // namespace dynasurf
