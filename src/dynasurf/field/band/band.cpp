@@ -178,6 +178,7 @@ BandResult solve(const Grid& grid, std::vector<BrickData> data, const BandGvf& o
     l.rhs = l.before = {};
     l.b = l.d = {};
     l.ghosts = {};
+    l.plain = {};
   }
   result.cycles = outcome.cycles;
   result.error = outcome.error;

@@ -54,6 +54,7 @@ struct Level {
   std::vector<Index3> place;                              // of each brick that exists, in bricks
   std::vector<Cells3> u, rhs, before;                     // field, right-hand side, field before the last correction
   std::vector<Cells> b, d;                                // data term; 1 / diagonal, 0 outside the grid
+  std::vector<std::uint8_t> plain;                        // finest level: the brick has no data and touches no wall
   std::vector<std::uint8_t> covered;                      // eighths of a brick that finer bricks refine, as bits
   std::vector<std::array<std::int32_t, faces>> ghost_at;  // number of the 8x8 ghosts beyond a face, or -1
   std::vector<std::array<std::array<float, 64>, 3>> ghosts;

@@ -143,6 +143,15 @@ void fill_d(Level& l) {
   }
 }
 
+/// Where b is 0 there are no data, and where d is the same in all cells of a brick there is no wall.
+void find_plain(Level& l) {
+  for (std::size_t n = 0; n < l.place.size(); ++n) {
+    const Cells &b = l.b[n], &d = l.d[n];
+    l.plain[n] = std::all_of(b.begin(), b.end(), [](float v) { return v == 0; }) &&
+                 std::all_of(d.begin(), d.end(), [&](float v) { return v == d[0]; });
+  }
+}
+
 void make_room(Level& l) {
   const std::size_t n = l.place.size();
   l.u.assign(n, {});
@@ -150,6 +159,7 @@ void make_room(Level& l) {
   l.b.assign(n, {});
   l.before.assign(n, {});
   l.covered.assign(n, 0);
+  l.plain.assign(n, 0);
   std::array<std::int32_t, faces> none;
   none.fill(-1);
   l.ghost_at.assign(n, none);
@@ -222,6 +232,7 @@ std::vector<Level> build(const Grid& grid, const std::array<double, 3>& rates, s
   }
   for (std::size_t l = 0; l < levels.size(); ++l) {
     fill_d(levels[l]);
+    if (l == 0) find_plain(levels[0]);
     if (l + 1 < levels.size()) coarsen_data(levels[l], levels[l + 1]);
   }
   return levels;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/band/bricks.hpp"
@@ -11,115 +12,139 @@ namespace {
 constexpr std::size_t grain = 16;  // bricks
 
 template <class F>
-void each_brick(std::size_t count, F body) {
-  parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
+void each_brick(std::size_t first, std::size_t end, F body) {
+  parallel_for(end - first, grain, [&](std::size_t from, std::size_t to) {
     const detail::FlushDenormals flush;
-    for (std::size_t n = begin; n < end; ++n) body(n);
+    for (std::size_t n = first + from; n < first + to; ++n) body(n);
   });
 }
 
-/// One component of a brick with one layer of neighbours around it; edges and corners of the layer are not filled.
-/// Beyond a wall of the grid a cell meets itself, so that nothing flows there.
-struct Padded {
-  static constexpr int row = 16, slice = 10 * row, first = slice + row + 4;
-  alignas(64) float v[10 * slice] = {};  // what is not filled is multiplied by 0, and must be finite
-  DYNASURF_INLINE float* at(int i, int j, int k) { return v + first + i + row * j + slice * k; }
-  DYNASURF_INLINE const float* at(int i, int j, int k) const { return v + first + i + row * j + slice * k; }
+/// What is done to every brick. Where it writes what neighbours read, every other brick goes first, as on a chessboard,
+/// then those between, so that neighbours rest meanwhile.
+struct Stage {
+  std::function<void(std::size_t)> body;
+  bool chessboard = false;
 };
 
-/// Which cells of the layer around a brick are filled: all, or those of one colour. A sweep reads the other colour
-/// alone, while other threads write its own.
-enum class Layer { red, black, all };
-
-/// Copies the 8x8 cells of a layer whose first cell has the colour `colour`.
-template <Layer which, std::ptrdiff_t to_a, std::ptrdiff_t to_b, std::ptrdiff_t from_a, std::ptrdiff_t from_b>
-DYNASURF_INLINE void copy_layer(float* to, const float* from, int colour) {
-  for (int q = 0; q < side; ++q) {
-    const int begin = which == Layer::all ? 0 : (colour + q + (which == Layer::black)) & 1;
-    for (int r = 0; r < side; r += which == Layer::all ? 1 : 2)
-      to[(r + begin) * to_a + q * to_b] = from[(r + begin) * from_a + q * from_b];
-  }
-}
-
-/// The layers before and after a brick along one axis.
-template <Layer which, int axis>
-DYNASURF_INLINE void fill_layers(const Level& l, std::size_t n, std::size_t c, Padded& p) {
-  constexpr std::ptrdiff_t padded_step[3] = {1, Padded::row, Padded::slice}, cell_step[3] = {1, side, side * side};
-  constexpr int a = axis == 0 ? 1 : 0, b = axis == 2 ? 1 : 2;
-  const Index3& place = l.place[n];
-  const int count = std::min(side, l.dims[axis] - side * place[axis]);  // cells of the brick inside the grid
-  for (const bool after : {false, true}) {
-    const int across = after ? count : -1;
-    float* to = p.v + Padded::first + across * padded_step[axis];
-    Index3 beyond = place;
-    beyond[axis] += after ? 1 : -1;
-    const int neighbour = l.number(beyond);
-    const std::int32_t ghost = l.ghost_at[n][2 * axis + after];
-    if (ghost >= 0) {
-      copy_layer<which, padded_step[a], padded_step[b], 1, side>(
-          to, l.ghosts[static_cast<std::size_t>(ghost)][c].data(), across);
-      continue;
+/// All stages in one pass over memory: each stays one layer of bricks behind the one before it, whose results on both
+/// sides it reads.
+void run_in_layers(const Level& l, std::initializer_list<Stage> stages) {
+  const int layers = l.bricks[2], last = layers + static_cast<int>(stages.size()) - 1;
+  const auto first_of = [&](int layer) {
+    const auto is_below = [](const Index3& place, int z) { return place[2] < z; };
+    return static_cast<std::size_t>(std::lower_bound(l.place.begin(), l.place.end(), layer, is_below) -
+                                    l.place.begin());
+  };
+  for (int step = 0; step < last; ++step) {
+    int layer = step;
+    for (const Stage& stage : stages) {
+      if (layer >= 0 && layer < layers)
+        for (int turn = 0; turn < (stage.chessboard ? 2 : 1); ++turn)
+          each_brick(first_of(layer), first_of(layer + 1), [&](std::size_t n) {
+            const Index3& p = l.place[n];
+            if (!stage.chessboard || ((p[0] + p[1] + p[2]) & 1) == turn) stage.body(n);
+          });
+      --layer;
     }
-    const float* from =
-        neighbour >= 0 ? l.u[static_cast<std::size_t>(neighbour)][c].data() + (after ? 0 : side - 1) * cell_step[axis]
-                       : l.u[n][c].data() + (after ? count - 1 : 0) * cell_step[axis];
-    copy_layer<which, padded_step[a], padded_step[b], cell_step[a], cell_step[b]>(to, from, across);
   }
 }
 
-template <Layer which>
-DYNASURF_INLINE void fill_padded(const Level& l, std::size_t n, std::size_t c, Padded& p) {
-  const float* own = l.u[n][c].data();
-  for (int k = 0; k < side; ++k)
-    for (int j = 0; j < side; ++j) std::copy_n(own + cell_at(0, j, k), side, p.at(0, j, k));
-  fill_layers<which, 0>(l, n, c, p);
-  fill_layers<which, 1>(l, n, c, p);
-  fill_layers<which, 2>(l, n, c, p);
+/// One component of a brick and the cells beyond its faces, where they lie: in the next brick, in ghosts, or, at a wall
+/// of the grid, the brick's own, where any finite value will do because nothing flows there.
+struct Around {
+  const float* own;
+  std::array<const float*, faces> beyond;        // first cell of the layer
+  std::array<std::ptrdiff_t, faces> row, slice;  // steps from there along j and k; 0 along the face's own axis
+
+  DYNASURF_INLINE Around(const Level& l, std::size_t n, const std::array<int, faces>& next, std::size_t c)
+      : own(l.u[n][c].data()) {
+    constexpr std::ptrdiff_t step[3] = {1, side, side * side};
+    for (std::size_t f = 0; f < faces; ++f) {
+      const std::size_t axis = f / 2;
+      const bool after = f % 2 == 1;
+      const std::int32_t ghost = l.ghost_at[n][f];
+      const bool at_wall = ghost < 0 && next[f] < 0;
+      if (ghost >= 0) {
+        beyond[f] = l.ghosts[static_cast<std::size_t>(ghost)][c].data();
+      } else {
+        const float* brick = at_wall ? own : l.u[static_cast<std::size_t>(next[f])][c].data();
+        beyond[f] = brick + (after == at_wall ? side - 1 : 0) * step[axis];
+      }
+      row[f] = axis == 1 ? 0 : ghost >= 0 && axis == 0 ? 1 : side;
+      slice[f] = axis == 2 ? 0 : ghost >= 0 ? side : side * side;
+    }
+  }
+  DYNASURF_INLINE const float* layer(std::size_t face, int j, int k) const {
+    return beyond[face] + row[face] * j + slice[face] * k;
+  }
+};
+
+/// Numbers of the bricks beyond the faces; -1 where there are none.
+std::array<int, faces> neighbours_of(const Level& l, std::size_t n) {
+  std::array<int, faces> next{};
+  for (std::size_t f = 0; f < faces; ++f) {
+    Index3 place = l.place[n];
+    place[f / 2] += f % 2 == 0 ? -1 : 1;
+    next[f] = l.number(place);
+  }
+  return next;
 }
 
 /// Diffusion towards the neighbours of a brick's cells.
 struct Rates {
-  const float *left[3], *right[3];
-  Rates(const Level& l, std::size_t n) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      const int first = side * l.place[n][a];
-      left[a] = l.axis[a].left.data() + first;
-      right[a] = l.axis[a].right.data() + first;
-    }
+  Row left_x, right_x;
+  const float *left_y, *right_y, *left_z, *right_z;
+  DYNASURF_INLINE Rates(const Level& l, std::size_t n) {
+    const Index3& p = l.place[n];
+    left_x = load(l.axis[0].left.data() + side * p[0]);
+    right_x = load(l.axis[0].right.data() + side * p[0]);
+    left_y = l.axis[1].left.data() + side * p[1];
+    right_y = l.axis[1].right.data() + side * p[1];
+    left_z = l.axis[2].left.data() + side * p[2];
+    right_z = l.axis[2].right.data() + side * p[2];
   }
 };
 
 /// rhs - (b - lap) u on the row (j, k).
-DYNASURF_INLINE Row residual_row(const Rates& rate, const Padded& p, Row rhs, Row b, int j, int k) {
-  const float* at = p.at(0, j, k);
-  const Row u = load(at);
-  const auto from = [&](int offset) { return load(at + offset) - u; };
-  const Row x = load(rate.left[0]) * from(-1) + load(rate.right[0]) * from(1);
-  const Row y = rate.left[1][j] * from(-Padded::row) + rate.right[1][j] * from(Padded::row);
-  const Row z = rate.left[2][k] * from(-Padded::slice) + rate.right[2][k] * from(Padded::slice);
+DYNASURF_INLINE Row residual_row(const Rates& rate, const Around& p, Row rhs, Row b, int j, int k) {
+  const float* at = p.own + cell_at(0, j, k);
+  const Row u = load(at), before_x = Row{*p.layer(0, j, k)}, after_x = Row{*p.layer(1, j, k)};
+  const Row left = __builtin_shufflevector(before_x, u, 0, 8, 9, 10, 11, 12, 13, 14);
+  const Row right = __builtin_shufflevector(u, after_x, 1, 2, 3, 4, 5, 6, 7, 8);
+  const Row x = rate.left_x * (left - u) + rate.right_x * (right - u);
+  const Row y = rate.left_y[j] * (load(j > 0 ? at - side : p.layer(2, 0, k)) - u) +
+                rate.right_y[j] * (load(j + 1 < side ? at + side : p.layer(3, 0, k)) - u);
+  const Row z = rate.left_z[k] * (load(k > 0 ? at - side * side : p.layer(4, j, 0)) - u) +
+                rate.right_z[k] * (load(k + 1 < side ? at + side * side : p.layer(5, j, 0)) - u);
   return (rhs - b * u) + (x + (y + z));
 }
 
 alignas(64) constexpr float every_other[2][side] = {{1, 0, 1, 0, 1, 0, 1, 0}, {0, 1, 0, 1, 0, 1, 0, 1}};
 
-/// Gauss-Seidel on the cells of one colour of a brick.
-DYNASURF_CLONES void sweep_brick(Level& l, std::size_t n, int colour) {
-  Padded p;
+/// Gauss-Seidel on the cells of one colour of a brick. A plain one has no data and no wall: its right-hand side and b
+/// are 0 and d is the same everywhere, so that only the field itself comes from memory.
+template <bool plain>
+DYNASURF_INLINE void sweep_cells(Level& l, std::size_t n, int colour) {
   const Rates rates(l, n);
+  const std::array<int, faces> next = neighbours_of(l, n);
+  const float *b = l.b[n].data(), *d = l.d[n].data();
+  const Row every_d = Row{} + d[0];
   for (std::size_t c = 0; c < 3; ++c) {
-    colour == 0 ? fill_padded<Layer::black>(l, n, c, p) : fill_padded<Layer::red>(l, n, c, p);
+    const Around p(l, n, next, c);
+    const float* rhs = l.rhs[n][c].data();
+    float* u = l.u[n][c].data();
     for (int k = 0; k < side; ++k)
       for (int j = 0; j < side; ++j) {
         const std::size_t row = cell_at(0, j, k);
-        float* u = l.u[n][c].data() + row;
-        const Row r = residual_row(rates, p, load(l.rhs[n][c].data() + row), load(l.b[n].data() + row), j, k);
-        store(u, load(u) + load(every_other[(colour + j + k) & 1]) * (load(l.d[n].data() + row) * r));
+        const Row mask = load(every_other[(colour + j + k) & 1]);
+        const Row r = residual_row(rates, p, plain ? Row{} : load(rhs + row), plain ? Row{} : load(b + row), j, k);
+        store(u + row, load(u + row) + mask * ((plain ? every_d : load(d + row)) * r));
       }
   }
 }
 
-void sweep(Level& l, int colour) {
-  each_brick(l.place.size(), [&](std::size_t n) { sweep_brick(l, n, colour); });
+DYNASURF_CLONES void sweep_brick(Level& l, std::size_t n, int colour) {
+  l.plain[n] ? sweep_cells<true>(l, n, colour) : sweep_cells<false>(l, n, colour);
 }
 
 /// What finer cells of a brick interpolate between: the coarser cells that hold them and one more on every side.
@@ -148,22 +173,21 @@ DYNASURF_INLINE void fill_parents(const Level& f, const Level& g, std::size_t n,
   }
   const auto size = [&](std::size_t a) { return static_cast<std::size_t>(p.count[a] + 2); };
   for (std::size_t k = 0; k < size(2); ++k)
-    for (std::size_t j = 0; j < size(1); ++j) {
-      int held = -2, number = -1;
-      for (std::size_t i = 0; i < size(0); ++i) {
-        if (brick[0][i] != held) number = g.number({held = brick[0][i], brick[1][j], brick[2][k]});
-        const std::size_t to = i + Parents::width * (j + Parents::width * k);
-        const std::size_t from = cell_at(cell[0][i], cell[1][j], cell[2][k]);
+    for (std::size_t j = 0; j < size(1); ++j)
+      for (std::size_t i = 0, end; i < size(0); i = end) {  // runs of cells of one brick
+        for (end = i + 1; end < size(0) && brick[0][end] == brick[0][i];) ++end;
+        const int number = g.number({brick[0][i], brick[1][j], brick[2][k]});
+        const auto m = static_cast<std::size_t>(std::max(number, 0));
+        const std::size_t from = cell_at(0, cell[1][j], cell[2][k]), to = Parents::width * (j + Parents::width * k);
         for (std::size_t c = 0; c < 3; ++c) {
-          if (number < 0) {
-            p.v[c][to] = 0;
-            continue;
+          const float *u = g.u[m][c].data() + from, *before = g.before[m][c].data() + from;
+          float* v = p.v[c] + to;
+          for (std::size_t q = i; q < end; ++q) {
+            const auto at = static_cast<std::size_t>(cell[0][q]);
+            v[q] = number < 0 ? 0 : change ? u[at] - before[at] : u[at];
           }
-          const auto m = static_cast<std::size_t>(number);
-          p.v[c][to] = change ? g.u[m][c][from] - g.before[m][c][from] : g.u[m][c][from];
         }
       }
-    }
 }
 
 /// Where a cell's value comes from along one axis: 3/4 of the coarser cell that holds it and 1/4 of the nearer
@@ -229,13 +253,6 @@ DYNASURF_CLONES void fill_ghosts_of(Level& f, const Level& g, std::size_t n) {
   }
 }
 
-void fill_ghosts(Level& f, const Level& g) {
-  if (f.ghosts.empty()) return;
-  each_brick(f.place.size(), [&](std::size_t n) {
-    if (has_ghosts(f, n)) fill_ghosts_of(f, g, n);
-  });
-}
-
 /// u of the finer level from the coarser: its values (`start`) or the change of its last solution, weighed with
 /// s = D/(D+b).
 DYNASURF_CLONES void prolong_brick(Level& f, const Level& g, std::size_t n, bool start) {
@@ -255,8 +272,8 @@ DYNASURF_CLONES void prolong_brick(Level& f, const Level& g, std::size_t n, bool
 /// Hands a brick's field and residual to the coarser cells that hold it: there the field becomes the mean, and `rhs`
 /// the mean of s times the residual.
 DYNASURF_CLONES void restrict_brick(const Level& f, Level& g, std::size_t n) {
-  Padded p;
   const Rates rates(f, n);
+  const std::array<int, faces> next = neighbours_of(f, n);
   Index3 parent = f.place[n];
   for (std::size_t a = 0; a < 3; ++a)
     if (f.axis[a].halved) parent[a] /= 2;
@@ -271,7 +288,7 @@ DYNASURF_CLONES void restrict_brick(const Level& f, Level& g, std::size_t n) {
   for (std::size_t a = 0; a < 3; ++a) share[a] = f.axis[a].share.data() + side * f.place[n][a];
   const int width = f.axis[0].halved ? side / 2 : side;
   for (std::size_t c = 0; c < 3; ++c) {
-    fill_padded<Layer::all>(f, n, c, p);
+    const Around p(f, n, next, c);
     for (int k = 0; k < count[2]; ++k)
       for (int j = 0; j < count[1]; ++j) {
         const std::size_t row = cell_at(0, j, k);
@@ -300,10 +317,10 @@ DYNASURF_CLONES void restrict_brick(const Level& f, Level& g, std::size_t n) {
 
 /// Restricted residuals become right-hand sides of the full field: the coarser operator applied to the mean is added.
 DYNASURF_CLONES void complete_rhs(Level& g, std::size_t m) {
-  Padded p;
   const Rates rates(g, m);
+  const std::array<int, faces> next = neighbours_of(g, m);
   for (std::size_t c = 0; c < 3; ++c) {
-    fill_padded<Layer::all>(g, m, c, p);
+    const Around p(g, m, next, c);
     for (int k = 0; k < side; ++k)
       for (int j = 0; j < side; ++j) {
         const std::size_t row = cell_at(0, j, k);
@@ -318,26 +335,40 @@ DYNASURF_CLONES void complete_rhs(Level& g, std::size_t m) {
   }
 }
 
-double sum_of_squares(const Cells& u, const Cells* less) {
-  float sum[side] = {};  // one per lane, so that the order is the same on every machine
-  for (std::size_t row = 0; row < brick_cells; row += side)
-    for (std::size_t i = 0; i < side; ++i) {
-      const float v = less ? u[row + i] - (*less)[row + i] : u[row + i];
-      sum[i] += v * v;
+/// Sums of squares of a field and of its change since.
+struct Squares {
+  double size = 0, change = 0;
+};
+
+Squares squares_of(const Cells3& u, const Cells3& before) {
+  Row size{}, change{};  // lane by lane, so that the order is the same on every machine
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t row = 0; row < brick_cells; row += side) {
+      const Row v = load(u[c].data() + row), w = v - load(before[c].data() + row);
+      size += v * v;
+      change += w * w;
     }
-  double total = 0;
-  for (const float s : sum) total += static_cast<double>(s);
-  return total;
+  Squares sum;
+  for (int i = 0; i < side; ++i) {
+    sum.size += static_cast<double>(size[i]);
+    sum.change += static_cast<double>(change[i]);
+  }
+  return sum;
 }
 
-/// The composite of all levels: what finer bricks cover follows them, the rest obeys its own equations.
+/// The composite of all levels: what finer bricks cover follows them, the rest obeys its own equations. Ghosts follow
+/// the coarser level: they are filled again whenever it has changed.
 struct Composite {
   std::vector<Level>& levels;
 
-  void relax(std::size_t l) {
-    if (l + 1 < levels.size()) fill_ghosts(levels[l], levels[l + 1]);
-    sweep(levels[l], 0);
-    sweep(levels[l], 1);
+  Stage sweep(std::size_t l, int colour) {
+    return {[this, l, colour](std::size_t n) { sweep_brick(levels[l], n, colour); }, true};
+  }
+  Stage prolong(std::size_t l, bool start) {
+    return {[this, l, start](std::size_t n) {
+      prolong_brick(levels[l], levels[l + 1], n, start);
+      if (has_ghosts(levels[l], n)) fill_ghosts_of(levels[l], levels[l + 1], n);
+    }};
   }
 
   /// Two corrections from the next level while it is of some size (a W-cycle): the rate then does not fall with the
@@ -347,33 +378,26 @@ struct Composite {
     return n[0] > side || n[1] > side || n[2] > side;
   }
 
-  void correct(std::size_t l) {
-    Level &f = levels[l], &g = levels[l + 1];
-    fill_ghosts(f, g);
-    if (l + 2 < levels.size()) fill_ghosts(g, levels[l + 2]);
+  void cycle(std::size_t l) {
+    Level& f = levels[l];
+    if (l + 1 == levels.size()) return run_in_layers(f, {sweep(l, 0)});  // a single cell: exact
+    Level& g = levels[l + 1];
     // Bricks that share a parent brick write different cells of it.
-    each_brick(f.place.size(), [&](std::size_t n) { restrict_brick(f, g, n); });
-    each_brick(g.place.size(), [&](std::size_t m) {
+    run_in_layers(f, {sweep(l, 0), sweep(l, 1), {[&](std::size_t n) { restrict_brick(f, g, n); }}});
+    each_brick(0, g.place.size(), [&](std::size_t m) {
       if (g.covered[m] != 0) complete_rhs(g, m);
+      g.before[m] = g.u[m];
     });
-    each_brick(g.place.size(), [&](std::size_t m) { g.before[m] = g.u[m]; });
     cycle(l + 1);
     if (twice(l + 1)) cycle(l + 1);
-    each_brick(f.place.size(), [&](std::size_t n) { prolong_brick(f, g, n, false); });
-  }
-
-  void cycle(std::size_t l) {
-    if (l + 1 == levels.size()) return relax(l);  // a single cell: exact
-    relax(l);
-    correct(l);
-    relax(l);
+    run_in_layers(f, {prolong(l, false), sweep(l, 0), sweep(l, 1)});
   }
 
   /// Each level starts from the solution of the next coarser one.
   void start() {
-    relax(levels.size() - 1);
+    cycle(levels.size() - 1);
     for (std::size_t l = levels.size() - 1; l-- > 0;) {
-      each_brick(levels[l].place.size(), [&](std::size_t n) { prolong_brick(levels[l], levels[l + 1], n, true); });
+      run_in_layers(levels[l], {prolong(l, true)});
       if (l > 0) cycle(l);
     }
   }
@@ -382,18 +406,13 @@ struct Composite {
   double measured_cycle() {
     Level& f = levels[0];
     const std::size_t count = f.place.size();
-    each_brick(count, [&](std::size_t n) { f.before[n] = f.u[n]; });
+    each_brick(0, count, [&](std::size_t n) { f.before[n] = f.u[n]; });
     cycle(0);
-    const auto sum = [&](bool change) {
-      return parallel_sum(count, grain, [&](std::size_t begin, std::size_t end) {
-        double total = 0;
-        for (std::size_t n = begin; n < end; ++n)
-          for (std::size_t c = 0; c < 3; ++c) total += sum_of_squares(f.u[n][c], change ? &f.before[n][c] : nullptr);
-        return total;
-      });
-    };
-    const double size = sum(false);
-    return size > 0 ? std::sqrt(sum(true) / size) : 0;
+    std::vector<Squares> squares(count);
+    each_brick(0, count, [&](std::size_t n) { squares[n] = squares_of(f.u[n], f.before[n]); });
+    Squares all;
+    for (const Squares& q : squares) all = {all.size + q.size, all.change + q.change};
+    return all.size > 0 ? std::sqrt(all.change / all.size) : 0;
   }
 };
 
@@ -416,7 +435,6 @@ Outcome solve(std::vector<Level>& levels, double tolerance, int most_cycles, con
     progress("field", out.cycles, most_cycles);
     if (out.error < tolerance || stalled) break;
   }
-  if (levels.size() > 1) fill_ghosts(levels[0], levels[1]);
   return out;
 }
 

@@ -195,10 +195,8 @@ DYNASURF_INLINE void add_row_data(const Level& l, int j, int k, int half, float 
     const std::size_t scalars = l.scalar_row(j, k) + static_cast<std::size_t>(half * l.slot + m);
     const Vec16 d = l.finest ? load(data) : load(l.d.data() + scalars);
     const Vec16 b = l.finest ? load(data + 16) : load(l.b.data() + scalars);
-    const Vec16 free = (load(diagonal + m) + yz) * d;  // D/(D+b)
-    const Vec16 s = (area * load(share + m)) * free;
-    // A tenth of s more for the data term: as measured, thin shells then need fewer cycles.
-    store(sum + m, load(sum + m) + s * b * (0.9f + 0.1f * free));
+    const Vec16 s = (area * load(share + m)) * ((load(diagonal + m) + yz) * d);
+    store(sum + m, load(sum + m) + s * b);
     for (int c = 0; c < 3; ++c) {
       const Vec16 rhs = l.finest ? b * load(data + 32 + 16 * c)
                                  : load(l.rhs.data() + l.row(j, k) + half * l.slot + 2 * c * l.slot + m);

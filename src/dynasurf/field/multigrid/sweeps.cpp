@@ -315,8 +315,10 @@ class Interpolated {
   std::array<int, 4> held_{-1, -1, -1, -1};
 };
 
-/// A correction is stretched a little: the averaged data term of the coarser level holds it back.
-constexpr float stretch = 1.1f;
+/// The correction of the voxels is stretched a little: the averaged data term of the coarser level holds it back. On
+/// every level it would add up, and a field that is smooth on all of them would swing for ever.
+template <bool finest>
+constexpr float stretch = finest ? 1.1f : 1.0f;
 
 template <bool finest, bool first>
 DYNASURF_INLINE void interpolate_rows(const View f, const View g, int k, int j0, int j1) {
@@ -356,7 +358,7 @@ DYNASURF_INLINE void interpolate_rows(const View f, const View g, int k, int j0,
           }
           store(u + at, t);
         } else {
-          store(u + at, load(u + at) + stretch * t);
+          store(u + at, load(u + at) + stretch<finest> * t);
         }
       }
     }
