@@ -4,6 +4,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/ventricle/cycle.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "support/blurred_heart.hpp"
@@ -54,6 +55,19 @@ TEST(BloodPoolStudy, HasACavityAndAnEjectionFractionButNoWall) {
   ASSERT_TRUE(result.ef_percent && result.edv_ml);
   EXPECT_NEAR(*result.ef_percent, *phantom.ef_percent, 8);
   EXPECT_NEAR(*result.edv_ml / *phantom.edv_ml, 1, 0.25) << "the edge lies near the rim, and the base is open";
+}
+
+TEST(ExpectedCavityEnd, LiesUnderTheApexOfAHeartThatWasClearlySeen) {
+  Study study = study_of(test::blurred_heart({}));  // slices of 5.74 mm
+  Location heart;
+  heart.cup = {{90, 90, 70}, {0, 0, 1}, 30, 45, 25};
+  heart.contrast = 0.6, heart.ridge_share = 0.9;
+  EXPECT_NEAR(*expected_cavity_end(study, heart), (70 - 45 + 3) / 5.74, 1e-9);
+  heart.contrast = 0.1;
+  EXPECT_FALSE(expected_cavity_end(study, heart));
+  heart.contrast = 0.6, heart.cup.axis = {0, 0, -1};
+  EXPECT_FALSE(expected_cavity_end(study, heart)) << "it stands on its head";
+  EXPECT_FALSE(expected_cavity_end(study, std::nullopt));
 }
 
 TEST(ManualPlaces, MustBeOfTheStudy) {

@@ -320,6 +320,28 @@ TEST(BorderVolume, HoldsTheVoxelsOfOneBorder) {
   EXPECT_EQ(border_volume(labels, Wall::epi).values, (std::vector<float>{0, 0, 1, 1}));
 }
 
+TEST(DivisionSlice, FollowsTheShapeOfTheHeartWhereTheApexIsNotSeen) {
+  HeartShape h;
+  h.defect_deg = 360, h.defect_to_slice = 8;  // no wall below: the true cavity ends in slice 5
+  const Image image = test::blurred_heart(h);
+  Labelling o;
+  EXPECT_GT(labels_of(image, o).division_slice, 6) << "what is seen ends where the defect begins";
+  o.division.expected_slice = 5.6;
+  const Labels led = labels_of(image, o);
+  EXPECT_EQ(led.division_slice, 5);
+  EXPECT_TRUE(has_code(led.notes, "slice_find.by_shape"));
+}
+
+TEST(DivisionSlice, StaysWithAWallThatIsSeenNearTheShape) {
+  const Image image = test::blurred_heart({});
+  const Labels alone = labels_of(image);
+  Labelling o;
+  o.division.expected_slice = alone.division_slice + 1.5;  // 5.74 mm apart: within what the shape errs by
+  const Labels led = labels_of(image, o);
+  EXPECT_EQ(led.division_slice, alone.division_slice);
+  EXPECT_FALSE(has_code(led.notes, "slice_find.by_shape"));
+}
+
 /// The cavity bright and no wall around it: the outer border of this body is the inner border of the heart.
 HeartShape blood_pool() {
   HeartShape h;
