@@ -131,6 +131,14 @@ TEST(Refine, ReachesTheCountWithoutMovingTheSurface) {
   EXPECT_EQ(euler(s), 2);
 }
 
+TEST(Refine, MakesNoSliversHoweverMany) {
+  // Edges that were lost from the queue stayed long while all others went on being split: half of the triangles were
+  // flat in the end. Splits of the longest edge alone never fall below half of the first smallest angle.
+  SurfaceEditor s(icosphere(1));
+  refine(s, 4000);
+  EXPECT_GT(triangle_quality(s.mesh()).smallest_angle_deg, 25);
+}
+
 TEST(RaiseSmallestAngle, MendsAShuffledBallAndKeepsItsCount) {
   std::mt19937 random(5);
   const auto number = [&] { return random() / 2147483648.0 - 1; };

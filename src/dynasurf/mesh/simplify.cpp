@@ -208,7 +208,8 @@ void refine(SurfaceEditor& s, std::size_t triangles) {
         s.split(e.half_edge, Vec3(0.5 * (s.position(s.from(e.half_edge)) + s.position(s.to(e.half_edge)))));
     std::uint32_t h = s.leaving(v);
     do {
-      longest.push({length2(h), h});
+      // The edges across from v may have changed their half-edges, and would be lost.
+      for (const std::uint32_t edge : {h, SurfaceEditor::next(h)}) longest.push({length2(edge), edge});
       h = s.turned(h);
     } while (h != s.leaving(v));
   }
