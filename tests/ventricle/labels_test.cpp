@@ -187,7 +187,8 @@ TEST(Labels, FollowTheCavityDownPastABrightTip) {
   const Image image = test::blurred_heart(h);
   const EdgeMap edges = detect_edges(image, Canny{});
   Labelling late;
-  late.division = {.jump = 0.04, .floor = 0};  // any rise will do: the profile alone ends the cavity early
+  late.division.jump = 0.04;  // any rise will do: the profile alone ends the cavity early
+  late.division.floor = 0;
   const Labels labels = label_borders(image, edges, late);
   const auto note = std::find_if(labels.notes.begin(), labels.notes.end(),
                                  [](const Note& n) { return n.code == "slice_find.lowered"; });
