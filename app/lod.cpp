@@ -130,7 +130,7 @@ Json json_of(const std::vector<Level>& levels, const Plan& plan, const Arguments
   return json;
 }
 
-/// t runs over (0, 1) in equal steps; its ends are the levels themselves, but for the corners that t = 0 cuts.
+/// t runs over (0, 1) in equal steps; its ends are the levels themselves.
 void write_transitions(const Plan& plan, const Arguments& arguments, const fs::path& folder) {
   const auto format =
       static_cast<MeshFormat>(position_of(names_of(MeshFormat{}), arguments.mesh_format, "--mesh-format"));
@@ -159,7 +159,7 @@ std::string summary_of(const std::vector<Level>& levels, const Plan& plan) {
     const LodTransition& t = plan.transitions[n];
     const auto share = [&](double length) { return fixed(100 * length / plan.chain.diagonal, 3) + " %"; };
     text += "level " + std::to_string(n + 2) + " to " + std::to_string(n + 1) +
-            (t.exact ? ": grows by subdivision, from the very shape\n"
+            (t.exact ? ": starts from the very shape\n"
                      : ": starts " + share(t.start_distance) + " of the diagonal off the coarse shape, at most " +
                            share(t.largest_start_distance) + "\n");
   }

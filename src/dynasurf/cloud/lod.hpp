@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
@@ -76,19 +78,22 @@ std::size_t level_for_distance(std::span<const double> from, double distance, st
 
 /// GEN-MIPINTERP: a finer level that grows out of a coarser one.
 struct LodTransition {
-  TriMesh fine;             // at t = 1
+  TriMesh fine;             // at t = 1: the finer level, its triangles cut where `start` needs it; its vertices first
   std::vector<Vec3> start;  // place of each of its vertices at t = 0, on the coarse surface
-  bool exact = false;       // at t = 0 the shape is the coarse surface itself
+  /// The two ends of the edge of `fine` that each vertex beyond those of the finer level halves, in their order.
+  std::vector<std::array<std::uint32_t, 2>> cuts;
+  bool exact = false;  // at t = 0 the shape is the coarse surface itself
   // Between the shape at t = 0 and the coarse surface, at vertices and middles of edges and triangles, both ways.
   double start_distance = 0;          // mean
-  double largest_start_distance = 0;  // largest: at rims and corners that are finer than the coarse triangles
+  double largest_start_distance = 0;  // largest
 };
 
 /// When `fine` is `coarse` with every triangle cut in four and the coarse vertices first (as icospheres are), every new
-/// vertex starts in the middle of its two parents and the transition is exact. Else every vertex starts at the nearest
-/// point of the coarse surface that faces the same way, and of those near a coarse vertex one at the vertex itself;
-/// triangles that lie across a coarse edge cut its corner then, by `start_distance`. Throws InputError for a mesh
-/// without triangles.
+/// vertex starts in the middle of its two parents. Else every vertex starts at the nearest point of the coarse surface
+/// that faces the same way, and triangles of `fine` are cut until all corners of each start within one coarse triangle:
+/// the shape at t = 0 is the coarse surface then, too, to rounding. Where sheets of the coarse surface nearly touch, a
+/// few triangles may be left that cut its corners; `exact` is false then and the distances tell by how much. Throws
+/// InputError for a mesh without triangles.
 LodTransition lod_transition(const TriMesh& coarse, const TriMesh& fine);
 
 /// The shape at t in [0, 1]: the vertices move on straight lines, so shape and volume are continuous.

@@ -2,10 +2,9 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <tuple>
+#include <span>
 
 #include "dynasurf/cloud/lod.hpp"
-#include "dynasurf/cloud/neighbours.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
@@ -66,11 +65,6 @@ Vec3 normal_of(const TriMesh& mesh, std::size_t triangle) {
   return (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
 }
 
-Vec3 place_of(const TriMesh& mesh, const SurfacePoint& p) {
-  const auto& t = mesh.triangles[p.triangle];
-  return p.weights[0] * mesh.vertices[t[0]] + p.weights[1] * mesh.vertices[t[1]] + p.weights[2] * mesh.vertices[t[2]];
-}
-
 /// The nearest point of the surface whose triangle faces along `normal`: on thin parts the nearest of all may lie on
 /// the other side. Asked for the few vertices where it does.
 SurfacePoint nearest_that_faces(const TriMesh& mesh, const Vec3& p, const Vec3& normal) {
@@ -85,53 +79,150 @@ SurfacePoint nearest_that_faces(const TriMesh& mesh, const Vec3& p, const Vec3& 
   return best;
 }
 
-std::vector<Vec3> nearest_starts(const TriMesh& coarse, const TriMesh& fine) {
-  const ClosestPoint closest(coarse);
-  const std::vector<Vec3> normals = vertex_normals(fine);
-  std::vector<Vec3> start(fine.vertices.size());
-  parallel_for(start.size(), 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      SurfacePoint found = closest(fine.vertices[v]);
-      if (normal_of(coarse, found.triangle).dot(normals[v]) < 0) {
-        const SurfacePoint facing = nearest_that_faces(coarse, fine.vertices[v], normals[v]);
-        if (facing.triangle != SurfacePoint::none) found = facing;
-      }
-      start[v] = place_of(coarse, found);
+/// Cuts the triangles of a fine mesh, which leaves its shape as it is, until all corners of each can be sent into one
+/// triangle of the coarse mesh. The flat pieces between them then are pieces of the coarse surface.
+class Cutting {
+ public:
+  Cutting(const TriMesh& coarse, const TriMesh& fine)
+      : coarse_(coarse), closest_(coarse), mesh_(fine), normals_(vertex_normals(fine)), images_(fine.vertices.size()) {
+    parallel_for(images_.size(), 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) images_[v] = image_of(mesh_.vertices[v], normals_[v]);
+    });
+    for (const Corners& t : coarse_.triangles) {
+      faces_.push_back(sorted(t));
+      for (std::size_t i = 0; i < 3; ++i) faces_.push_back(sorted({t[i], t[(i + 1) % 3], t[(i + 1) % 3]}));
+      for (std::size_t i = 0; i < 3; ++i) faces_.push_back(sorted({t[i], t[(i + 1) % 3], t[i]}));
     }
-  });
-  return start;
-}
+    std::sort(faces_.begin(), faces_.end());
+  }
 
-/// Every coarse vertex that a fine one can start from without turning away becomes the start of the one nearest to it:
-/// else no vertex would stand at the corners and rims of the coarse surface, and they would be missing at t = 0. The
-/// closest pairs come first.
-void start_at_vertices(const TriMesh& coarse, const TriMesh& fine, std::vector<Vec3>& start) {
-  constexpr std::size_t candidates = 8;
-  struct Pairing {
-    double distance2;
-    std::uint32_t corner, vertex;
-    bool operator<(const Pairing& o) const {
-      return std::tie(distance2, corner, vertex) < std::tie(o.distance2, o.corner, o.vertex);
+  /// Whether every triangle ends within one of the coarse mesh.
+  bool run() {
+    constexpr int rounds =
+        10;  // each halves the edges; more are needed only where the sheets of a surface nearly touch
+    for (int k = 0; k < rounds && mark() > 0; ++k) cut();
+    return mark() == 0;
+  }
+
+  TriMesh take_mesh() { return std::move(mesh_); }
+  std::vector<std::array<std::uint32_t, 2>> take_cuts() { return std::move(cuts_); }
+  std::vector<Vec3> starts() const {
+    std::vector<Vec3> starts;
+    for (const Image& image : images_) {
+      Vec3 place = Vec3::Zero();
+      for (std::size_t c = 0; c < 3; ++c) place += image.weights[c] * coarse_.vertices[image.corners[c]];
+      starts.push_back(place);
     }
+    return starts;
+  }
+
+ private:
+  using Corners = std::array<std::uint32_t, 3>;
+  /// A place on the coarse surface by the vertices of a triangle of it.
+  struct Image {
+    Corners corners{};
+    std::array<double, 3> weights{};
+    Vec3 nearest;  // before it was drawn anywhere
   };
-  const std::vector<Vec3> coarse_normals = vertex_normals(coarse), fine_normals = vertex_normals(fine);
-  const Neighbours neighbours(start);
-  std::vector<Pairing> pairings;
-  for (std::uint32_t c = 0; c < coarse.vertices.size(); ++c) {
-    std::array<Neighbours::Found, candidates> found;
-    const std::size_t count = neighbours.nearest(coarse.vertices[c], found);
-    for (std::size_t n = 0; n < count; ++n)
-      if (coarse_normals[c].dot(fine_normals[found[n].index]) > 0)
-        pairings.push_back({found[n].distance2, c, found[n].index});
+
+  static Corners sorted(Corners c) {
+    if (c[1] < c[0]) std::swap(c[0], c[1]);
+    if (c[2] < c[1]) std::swap(c[1], c[2]);
+    if (c[1] < c[0]) std::swap(c[0], c[1]);
+    return c;
   }
-  std::sort(pairings.begin(), pairings.end());
-  std::vector<bool> placed(coarse.vertices.size(), false), taken(start.size(), false);
-  for (const Pairing& p : pairings) {
-    if (placed[p.corner] || taken[p.vertex]) continue;
-    placed[p.corner] = taken[p.vertex] = true;
-    start[p.vertex] = coarse.vertices[p.corner];
+
+  /// Places near a coarse edge or vertex are drawn onto it and the others spread over what they leave, so that no
+  /// triangle of the fine mesh needs to have its edges exactly where the coarse ones are.
+  Image image_of(const Vec3& place, const Vec3& normal) const {
+    constexpr double drawn = 0.22;  // below a third, so that one weight at least is left
+    SurfacePoint on = closest_(place);
+    if (normal_of(coarse_, on.triangle).dot(normal) < 0) {
+      const SurfacePoint facing = nearest_that_faces(coarse_, place, normal);
+      if (facing.triangle != SurfacePoint::none) on = facing;
+    }
+    Image image{coarse_.triangles[on.triangle], {}, Vec3::Zero()};
+    for (std::size_t c = 0; c < 3; ++c) image.nearest += on.weights[c] * coarse_.vertices[image.corners[c]];
+    double sum = 0;
+    for (std::size_t c = 0; c < 3; ++c) sum += image.weights[c] = std::max(0.0, on.weights[c] - drawn);
+    for (double& w : image.weights) w /= sum;
+    return image;
   }
-}
+
+  /// Whether one triangle of the coarse mesh, or an edge or vertex of it, holds the images of these vertices.
+  bool within_one(std::span<const std::uint32_t> vertices) const {
+    Corners used{};
+    std::size_t count = 0;
+    for (const std::uint32_t v : vertices)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::uint32_t corner = images_[v].corners[c];
+        if (!(images_[v].weights[c] > 0) ||
+            std::find(used.begin(), used.begin() + count, corner) != used.begin() + count)
+          continue;
+        if (count == used.size()) return false;
+        used[count++] = corner;
+      }
+    for (std::size_t c = count; c < used.size(); ++c) used[c] = used[count - 1];
+    return count == 1 || std::binary_search(faces_.begin(), faces_.end(), sorted(used));
+  }
+
+  /// Marks the edges to cut, and returns how many triangles do not end within one.
+  std::size_t mark() {
+    marked_.clear();
+    std::size_t bad = 0;
+    for (const Corners& t : mesh_.triangles) {
+      if (within_one(t)) continue;
+      ++bad;
+      const std::size_t before = marked_.size();
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::array<std::uint32_t, 2> ends{t[i], t[(i + 1) % 3]};
+        if (!within_one(ends)) marked_[edge_of(ends[0], ends[1])] = 0;
+      }
+      if (marked_.size() == before)  // three edges without the triangle between them, or marked from the other side
+        for (std::size_t i = 0; i < 3; ++i) marked_[edge_of(t[i], t[(i + 1) % 3])] = 0;
+    }
+    return bad;
+  }
+
+  void cut() {
+    for (auto& [edge, middle] : marked_) {
+      const auto [a, b] = edge;
+      middle = static_cast<std::uint32_t>(mesh_.vertices.size());
+      cuts_.push_back({a, b});
+      mesh_.vertices.push_back((mesh_.vertices[a] + mesh_.vertices[b]) / 2);
+      normals_.push_back(normals_[a].normalized() + normals_[b].normalized());
+      // Between the images of the ends, for what is nearest to a rim or fold of the fine mesh may jump.
+      images_.push_back(image_of((images_[a].nearest + images_[b].nearest) / 2, normals_.back()));
+    }
+    std::vector<Corners> triangles;
+    for (const Corners& t : mesh_.triangles) cut(t, triangles);
+    mesh_.triangles = std::move(triangles);
+  }
+
+  void cut(Corners t, std::vector<Corners>& into) const {
+    const auto middle = [&](std::size_t i) {
+      const auto found = marked_.find(edge_of(t[i % 3], t[(i + 1) % 3]));
+      return found == marked_.end() ? SurfacePoint::none : found->second;
+    };
+    for (std::size_t i = 0; i < 3; ++i) {  // at the first edge that is cut: two triangles, which may be cut again
+      const std::uint32_t m = middle(i);
+      if (m == SurfacePoint::none) continue;
+      cut({m, t[(i + 2) % 3], t[i]}, into);
+      cut({m, t[(i + 1) % 3], t[(i + 2) % 3]}, into);
+      return;
+    }
+    into.push_back(t);
+  }
+
+  const TriMesh& coarse_;
+  ClosestPoint closest_;
+  TriMesh mesh_;
+  std::vector<Vec3> normals_;
+  std::vector<Image> images_;
+  std::vector<std::array<std::uint32_t, 2>> cuts_;
+  std::vector<Corners> faces_;  // triangles and edges (either end twice) of the coarse mesh, sorted
+  std::map<Edge, std::uint32_t> marked_;
+};
 
 /// Squared distances from the vertices and the middles of the edges and the triangle to a surface.
 std::array<double, 7> distances2(const TriMesh& from, std::size_t triangle, const ClosestPoint& closest) {
@@ -167,15 +258,18 @@ LodTransition lod_transition(const TriMesh& coarse, const TriMesh& fine) {
   if (coarse.triangles.empty() || fine.triangles.empty())
     throw InputError("a transition between levels of detail needs two meshes with triangles");
   LodTransition transition;
-  transition.fine = fine;
   if (const std::vector<Edge> parents = parents_of(coarse, fine); !parents.empty()) {
     for (const auto& [a, b] : parents) transition.start.push_back((coarse.vertices[a] + coarse.vertices[b]) / 2);
+    transition.fine = fine;
     transition.exact = true;
     return transition;
   }
-  transition.start = nearest_starts(coarse, fine);
-  start_at_vertices(coarse, fine, transition.start);
-  const TriMesh begin{transition.start, fine.triangles};
+  Cutting cutting(coarse, fine);
+  transition.exact = cutting.run();
+  transition.start = cutting.starts();
+  transition.fine = cutting.take_mesh();
+  transition.cuts = cutting.take_cuts();
+  const TriMesh begin{transition.start, transition.fine.triangles};
   const Distance there = distance_between(begin, coarse), back = distance_between(coarse, begin);
   transition.start_distance = (there.mean + back.mean) / 2;
   transition.largest_start_distance = std::max(there.largest, back.largest);

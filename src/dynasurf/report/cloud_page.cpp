@@ -72,7 +72,7 @@ Json levels_json(const CloudResult& result, const Box& box, double& full_error) 
   return json;
 }
 
-/// Level n grows out of level n + 1: where its vertices start.
+/// How level n grows out of level n + 1.
 Json transitions_json(const CloudResult& result, const Box& box) {
   Json json = Json::array();
   for (std::size_t n = 0; n + 1 < result.levels.size(); ++n) {
@@ -81,7 +81,7 @@ Json transitions_json(const CloudResult& result, const Box& box) {
       json.push_back(nullptr);
       continue;
     }
-    json.push_back(packed(steps_of(lod_transition(coarse, fine).start, box)));
+    json.push_back(transition_json(lod_transition(coarse, fine), box));
   }
   return json;
 }

@@ -33,8 +33,7 @@ void write_lod_page(std::span<const TriMesh> levels, std::span<const LodTransiti
     data["levels"].push_back({{"positions", packed(steps_of(levels[n].vertices, box))},
                               {"triangles", triangles_of(levels[n])},
                               {"mean_edge", options.rule.edge_px * chain.diagonal / chain.largest_px[n]}});
-  for (const LodTransition& transition : transitions)
-    data["transitions"].push_back(packed(steps_of(transition.start, box)));
+  for (const LodTransition& transition : transitions) data["transitions"].push_back(transition_json(transition, box));
   write_file(path, filled_page(lod_page_template(), data));
 }
 

@@ -5,6 +5,7 @@
 
 #include <zlib.h>
 
+#include "dynasurf/cloud/lod.hpp"
 #include "dynasurf/core/error.hpp"
 
 namespace dynasurf::report_detail {
@@ -65,6 +66,15 @@ std::string triangles_of(const TriMesh& mesh) {
   for (const auto& triangle : mesh.triangles)
     for (const std::uint32_t vertex : triangle) append(bytes, vertex);
   return packed(bytes);
+}
+
+Json transition_json(const LodTransition& transition, const Box& box) {
+  Bytes cuts;
+  for (const auto& cut : transition.cuts)
+    for (const std::uint32_t vertex : cut) append(cuts, vertex);
+  return {{"cuts", packed(cuts)},
+          {"triangles", triangles_of(transition.fine)},
+          {"start", packed(steps_of(transition.start, box))}};
 }
 
 std::string filled_page(std::string_view page, const Json& data) {

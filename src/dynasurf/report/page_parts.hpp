@@ -8,6 +8,10 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 
+namespace dynasurf {
+struct LodTransition;
+}
+
 // How data get into a page: bytes as text, meshes as bytes.
 namespace dynasurf::report_detail {
 
@@ -34,6 +38,9 @@ struct Box {
 Bytes steps_of(const std::vector<Vec3>& points, const Box& box);
 /// Vertex indices, 32 bits each.
 std::string triangles_of(const TriMesh& mesh);
+
+/// How a level grows out of the next: where its vertices start, and how its triangles are cut for that.
+Json transition_json(const LodTransition& transition, const Box& box);
 
 /// The page with its one {{DATA}} replaced by the JSON, which cannot end the element it stands in.
 std::string filled_page(std::string_view page, const Json& data);

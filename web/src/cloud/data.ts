@@ -1,4 +1,5 @@
 // What the program wrote into the page of a cloud, and how it becomes arrays.
+import { readTransition, withCuts, type PackedTransition, type Transition } from "../lod/transition";
 import { unpack, type NoteText, type Results } from "../data";
 
 interface Distance {
@@ -61,7 +62,7 @@ interface Packed {
   cloud: { shown: number; positions: string; colours: string | null };
   levels: { positions: string; triangles: string; errors: string; colours: string | null }[];
   full_error: number;
-  transitions: (string | null)[];
+  transitions: (PackedTransition | null)[];
 }
 
 /** A surface: vertices around the middle of the scene, three numbers each. */
@@ -72,6 +73,7 @@ export interface Level {
   errors: Float32Array; // in the cloud's unit; -1 where nothing can be said
   colours: Uint8Array | null;
   start: Float32Array | null; // where each vertex stands on the next level
+  growing: Level | null; // the level to draw while it grows out of the next: the same shape, cut to begin with that one
 }
 export interface CloudReport {
   results: CloudResults;
@@ -83,6 +85,12 @@ export interface CloudReport {
 
 async function stepsOf(text: string): Promise<Uint16Array> {
   return new Uint16Array((await unpack(text)).buffer);
+}
+
+function grown(level: Level, { cuts, triangles, start }: Transition): Level {
+  const positions = withCuts(level.positions, cuts, 3), errors = withCuts(level.errors, cuts, 1);
+  const colours = level.colours && Uint8Array.from(withCuts(Float32Array.from(level.colours), cuts, 3));
+  return { ...level, positions, triangles, errors, colours, start };
 }
 
 /** Of the ball around the middle that holds all places. */
@@ -108,16 +116,19 @@ export async function readCloudReport(text: string): Promise<CloudReport> {
   };
   const levels = await Promise.all(
     data.levels.map(async (packed, n) => {
-      const start = data.transitions[n] ?? null;
       const errors = Float32Array.from(await stepsOf(packed.errors), (e) => (e === 65535 ? -1 : (e / 65534) * data.full_error));
-      return {
+      const level: Level = {
         numbers: data.results.levels[n]!,
         positions: await place(packed.positions),
         triangles: new Uint32Array((await unpack(packed.triangles)).buffer),
         errors,
         colours: packed.colours ? await unpack(packed.colours) : null,
-        start: start ? await place(start) : null,
+        start: null,
+        growing: null,
       };
+      const transition = data.transitions[n];
+      if (transition) level.growing = grown(level, await readTransition(transition, place));
+      return level;
     }),
   );
   const points = await place(data.cloud.positions);

@@ -126,14 +126,15 @@ function buildMorph(view: Tiles, report: CloudReport): (look: Look) => void {
   view.add(surface.group);
   const slider = byId<HTMLInputElement>("morph");
   slider.disabled = last === 0;
-  let shown = 0;
+  let shown = report.levels[0]!;
   let dressed: Look;
   const draw = () => {
     // The slider runs from the coarsest level to the finest.
     const fine = last * (1 - slider.valueAsNumber / 1000);
     const level = Math.floor(fine);
     const t = 1 - (fine - level);
-    if (level !== shown) surface.choose(report.levels[(shown = level)]!);
+    const whole = report.levels[level]!, drawn = t < 1 ? (whole.growing ?? whole) : whole;
+    if (drawn !== shown) surface.choose((shown = drawn));
     surface.morph(t);
     surface.dress(dressed);
     const numbers = report.levels[level]!.numbers;

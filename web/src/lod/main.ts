@@ -20,6 +20,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 import { unpack } from "../data";
 import { byId, html } from "../dom";
+import { readTransition, withCuts, type PackedTransition } from "./transition";
 import { blendFor, levelFor, limitsOf, type Blend } from "./choice";
 
 interface Packed {
@@ -30,7 +31,7 @@ interface Packed {
   hysteresis_percent: number;
   instances: number;
   levels: { positions: string; triangles: string; mean_edge: number }[];
-  transitions: (string | null)[];
+  transitions: PackedTransition[];
 }
 
 
@@ -39,7 +40,7 @@ const tints = [0xff8a5c, 0xf4e04d, 0x7fd068, 0x5aa9ff, 0xb48cff, 0xff7fb0].map((
 const plain = new Color(0xb9a58c);
 const tintOf = (level: number) => tints[level % tints.length]!;
 
-/** A level's triangles, drawn once for all instances that show it. Each instance has its own t. */
+/** Triangles drawn once for all instances that show them. Each instance has its own t. */
 class LevelMesh {
   readonly mesh: InstancedMesh;
   readonly growth = new InstancedBufferAttribute(new Float32Array(most_instances), 1);
@@ -129,9 +130,12 @@ async function start(): Promise<void> {
     return Float32Array.from(steps, (step, n) => data.low[n % 3]! - middle[n % 3]! + (side[n % 3]! * step) / 65535);
   };
   const levels = await Promise.all(
-    data.levels.map(async (level, n) => {
-      const from = data.transitions[n];
-      return new LevelMesh(await place(level.positions), new Uint32Array((await unpack(level.triangles)).buffer), from ? await place(from) : null);
+    data.levels.map(async (packed, n) => {
+      const positions = await place(packed.positions), transition = data.transitions[n];
+      const whole = new LevelMesh(positions, new Uint32Array((await unpack(packed.triangles)).buffer), null);
+      if (!transition) return { whole, growing: whole };
+      const { cuts, triangles, start } = await readTransition(transition, place);
+      return { whole, growing: new LevelMesh(withCuts(positions, cuts, 3), triangles, start) };
     }),
   );
 
@@ -145,7 +149,8 @@ async function start(): Promise<void> {
   controls.target.set(0, 0, -diagonal * 6);
   controls.update();
   const scene = new Scene();
-  scene.add(new AmbientLight(0xffffff, 0.9), ...levels.map((level) => level.mesh));
+  const meshes = [...new Set(levels.flatMap(({ whole, growing }) => [whole, growing]))];
+  scene.add(new AmbientLight(0xffffff, 0.9), ...meshes.map((level) => level.mesh));
   for (const [x, y, z, strength] of [[-1, 1.5, 1, 2.2], [1, -0.5, 0.5, 0.6]] as const) {
     const light = new DirectionalLight(0xffffff, strength);
     light.position.set(x, y, z);
@@ -160,7 +165,7 @@ async function start(): Promise<void> {
     const swatch = html("span", { class: "swatch" });
     swatch.style.background = `#${tintOf(n).getHexString()}`;
     const cell = html("td", {});
-    byId("levels").append(html("tr", {}, html("td", {}, swatch, String(n + 1)), html("td", {}, level.triangles.toLocaleString("en")), cell));
+    byId("levels").append(html("tr", {}, html("td", {}, swatch, String(n + 1)), html("td", {}, level.whole.triangles.toLocaleString("en")), cell));
     return cell;
   });
 
@@ -168,13 +173,14 @@ async function start(): Promise<void> {
   const matrix = new Matrix4(), turn = new Quaternion(), one = new Vector3(1, 1, 1);
   const forward = new Vector3(), from = new Vector3(), colour = new Color();
   let phase = 0;
+  const counts = () => levels.map(({ whole, growing }) => whole.count + (growing === whole ? 0 : growing.count));
 
   /** Chooses the level of every instance for this frame; returns the triangles drawn. */
   const choose = (): number => {
     const limits = limitsOf(data.levels.map((level) => level.mean_edge), diagonal, edge.valueAsNumber);
     const focal = view.clientHeight / (2 * Math.tan((camera.fov * Math.PI) / 360));
     camera.getWorldDirection(forward);
-    for (const level of levels) level.begin();
+    for (const mesh of meshes) mesh.begin();
     for (const instance of instances.slice(0, count.valueAsNumber)) {
       turn.setFromAxisAngle(instance.axis, instance.turn + phase * instance.speed);
       matrix.compose(instance.place, turn, one);
@@ -187,14 +193,15 @@ async function start(): Promise<void> {
         blend = { level: instance.level, t: 1 };
       }
       const next = tintOf(Math.min(blend.level + 1, levels.length - 1));
-      levels[blend.level]!.add(matrix, blend.t, tint.checked ? colour.copy(next).lerp(tintOf(blend.level), blend.t) : plain);
+      const { whole, growing } = levels[blend.level]!;
+      (blend.t < 1 ? growing : whole).add(matrix, blend.t, tint.checked ? colour.copy(next).lerp(tintOf(blend.level), blend.t) : plain);
     }
     let triangles = 0;
-    levels.forEach((level, n) => {
-      level.end();
-      triangles += level.count * level.triangles;
-      cells[n]!.textContent = String(level.count);
-    });
+    for (const mesh of meshes) {
+      mesh.end();
+      triangles += mesh.count * mesh.triangles;
+    }
+    counts().forEach((count, n) => (cells[n]!.textContent = String(count)));
     return triangles;
   };
 
@@ -227,7 +234,8 @@ async function start(): Promise<void> {
       frames = choosing = 0;
     }
     document.documentElement.dataset.triangles = String(triangles);
-    document.documentElement.dataset.counts = levels.map((level) => level.count).join(" ");
+    document.documentElement.dataset.counts = counts().join(" ");
+    document.documentElement.dataset.calls = String(renderer.info.render.calls);
     document.documentElement.dataset.ready = "true";
     requestAnimationFrame(frame);
   };
