@@ -72,6 +72,10 @@ void describe(auto& visit, DivisionSlice& o) {
   visit("jump", o.jump,
         Field{"rise of the centre from one slice to the next that marks the apex wall", "of the maximum", 0, 1});
   visit("floor", o.floor, Field{"least value of the centre in the apex wall", "of the maximum", 0, 1});
+  visit(
+      "expected_slice", o.expected_slice,
+      Field{"where the shape of the whole heart has the end of the cavity, 0: middle of the lowest slice; taken where "
+            "the wall under the cavity is not seen near it; unset: from the heart that was found, if one was"});
 }
 
 /// LAB-MLC (thesis 2.3.6) and BBOX-FILTER (thesis 2.6).
