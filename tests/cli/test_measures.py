@@ -5,7 +5,7 @@ import json
 import re
 import unittest
 
-from cli import CliTest, SMALL_PATIENT, run, shared_folder, small_result
+from cli import CliTest, SMALL_PATIENT, run, shared_folder, small_patient, small_result
 
 
 @functools.cache
@@ -112,7 +112,7 @@ class Solid(CliTest):
 
     def test_fills_the_fitted_wall_where_there_is_one(self):
         result, out = shared_folder() / "fitted", shared_folder() / "fitted.vtu"
-        made = run("ventricle", shared_folder() / "patient" / "study.dcm", "--out", result, "--preset", "unbiased")
+        made = run("ventricle", small_patient() / "study.dcm", "--out", result, "--preset", "unbiased")
         self.assertEqual(made.returncode, 0, made.stdout + made.stderr)
         gate = json.loads((result / "results.json").read_text())["readings"]["unbiased"]["gates"][0]
         held = {}

@@ -10,7 +10,7 @@
 namespace dynasurf::experiments {
 namespace {
 
-const std::filesystem::path folder = std::filesystem::path(__FILE__).parent_path() / "../../experiments";
+const std::filesystem::path folder = DYNASURF_EXPERIMENTS;
 
 std::size_t read_rows(const RunFile& file, const std::string& table) {
   return file.at(table).at("rows").at(0).value("/options/iterations"_json_pointer, 0) > 0

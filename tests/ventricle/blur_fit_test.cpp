@@ -75,7 +75,7 @@ TEST(Harmonics, AreOrthonormalOverTheSphere) {
   EXPECT_LT((products - Eigen::MatrixXd::Identity(count, count)).cwiseAbs().maxCoeff(), 1e-3);
 }
 
-Camera small_camera(double sigma_mm, double filtered = 0) {
+GammaCamera small_camera(double sigma_mm, double filtered = 0) {
   CellLattice cells;
   cells.count = {14, 12, 10};
   cells.step = {2, 2.5, 3};
@@ -99,29 +99,29 @@ double dot(const std::vector<float>& a, const std::vector<float>& b) {
   return sum;
 }
 
-TEST(Camera, SeesBackByItsTranspose) {
+TEST(GammaCamera, SeesBackByItsTranspose) {
   for (const double filtered : {0.0, 0.5}) {
-    const Camera camera = small_camera(5, filtered);
+    const GammaCamera camera = small_camera(5, filtered);
     const std::vector<float> cells = noise(camera.cells.size(), 1), pixels = noise(camera.pixels.size(), 2);
     // Sums of a thousand products of single precision.
     EXPECT_NEAR(dot(see(camera, cells), pixels), dot(cells, see_back(camera, pixels)), 1e-4);
   }
 }
 
-TEST(Camera, KeepsWhatIsTheSameEverywhere) {
+TEST(GammaCamera, KeepsWhatIsTheSameEverywhere) {
   // Far from the lattice's ends, where nothing is cut off, a sharp camera and a blurred one both see 1.
   for (const double sigma : {0.0, 2.5}) {
-    const Camera camera = small_camera(sigma);
+    const GammaCamera camera = small_camera(sigma);
     const std::vector<float> image = see(camera, std::vector<float>(camera.cells.size(), 1.0F));
     const std::size_t middle = 3 + 7 * (3 + 6 * 2);
     EXPECT_NEAR(image[middle], 1, 0.01) << sigma;
   }
 }
 
-TEST(Camera, DerivativeByItsWidthIsThatOfFiniteDifferences) {
+TEST(GammaCamera, DerivativeByItsWidthIsThatOfFiniteDifferences) {
   constexpr double step = 1e-3, sigma = 5;
   const std::vector<float> cells = noise(small_camera(sigma).cells.size(), 3);
-  const Camera camera = small_camera(sigma);
+  const GammaCamera camera = small_camera(sigma);
   std::vector<float> derivative = see(camera, cells, 0);
   for (const int axis : {1, 2}) {
     const std::vector<float> more = see(camera, cells, axis);

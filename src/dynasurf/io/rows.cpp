@@ -68,9 +68,11 @@ bool is_number(std::string_view cell) {
 }
 
 std::vector<std::string_view> cells_of(std::string_view line, char separator) {
+  std::size_t count = 0;  // first, since a hostile line holds millions of cells
+  for (Cells cells(line, separator); cells.next();) ++count;
   std::vector<std::string_view> found;
-  Cells cells(line, separator);
-  while (const auto cell = cells.next()) found.push_back(*cell);
+  found.reserve(count);
+  for (Cells cells(line, separator); const auto cell = cells.next();) found.push_back(*cell);
   return found;
 }
 

@@ -165,15 +165,15 @@ std::vector<float> join(const Image& image, const Pixels& p) {
   return means;
 }
 
-Camera make_camera(const CellLattice& cells, const Pixels& pixels, double sigma_mm, double filtered) {
-  Camera camera{cells, pixels, {}};
+GammaCamera make_camera(const CellLattice& cells, const Pixels& pixels, double sigma_mm, double filtered) {
+  GammaCamera camera{cells, pixels, {}};
   for (int a = 0; a < 3; ++a)
     camera.axes[static_cast<std::size_t>(a)] = axis_kernel(cells, pixels, a, sigma_mm, filtered);
   return camera;
 }
 
 // Along z first, where whole planes lie together, then y, then x.
-std::vector<float> see(const Camera& camera, std::span<const float> cells, int derivative_axis) {
+std::vector<float> see(const GammaCamera& camera, std::span<const float> cells, int derivative_axis) {
   const Index3 c = camera.cells.count, p = camera.pixels.count;
   const auto weights = [&](int axis) -> const std::vector<float>& {
     const AxisKernel& kernel = camera.axes[static_cast<std::size_t>(axis)];
@@ -189,7 +189,7 @@ std::vector<float> see(const Camera& camera, std::span<const float> cells, int d
   return x;
 }
 
-std::vector<float> see_back(const Camera& camera, std::span<const float> pixels) {
+std::vector<float> see_back(const GammaCamera& camera, std::span<const float> pixels) {
   const Index3 c = camera.cells.count, p = camera.pixels.count;
   std::vector<float> y(product(c[0], p[1]) * static_cast<std::size_t>(p[2]), 0.0F);
   scatter(camera.axes[0], p[0], c[0], 1, product(p[1], p[2]), pixels.data(), y.data());

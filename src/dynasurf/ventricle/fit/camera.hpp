@@ -43,16 +43,16 @@ struct AxisKernel {
 /// From cells to pixels: a point spread of standard deviation `sigma_mm` (the edges of the cells included), at least
 /// the mean over a voxel. Separable. `filtered` of its variance comes from a filter on the voxels, after they were
 /// sampled: where voxels are coarse that leaves images sharper than one Gaussian of the same width.
-struct Camera {
+struct GammaCamera {
   CellLattice cells;
   Pixels pixels;
   std::array<AxisKernel, 3> axes;
 };
-Camera make_camera(const CellLattice& cells, const Pixels& pixels, double sigma_mm, double filtered = 0);
+GammaCamera make_camera(const CellLattice& cells, const Pixels& pixels, double sigma_mm, double filtered = 0);
 
 /// What the camera sees. With `derivative_axis` 0 to 2 the kernel of that axis is replaced by its derivative.
-std::vector<float> see(const Camera& camera, std::span<const float> cells, int derivative_axis = -1);
+std::vector<float> see(const GammaCamera& camera, std::span<const float> cells, int derivative_axis = -1);
 /// The transpose of `see`.
-std::vector<float> see_back(const Camera& camera, std::span<const float> pixels);
+std::vector<float> see_back(const GammaCamera& camera, std::span<const float> pixels);
 
 }  // namespace dynasurf

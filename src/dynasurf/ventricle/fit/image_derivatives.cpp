@@ -147,7 +147,7 @@ ImageDerivatives image_derivatives(const BeatProblem& problem, const Eigen::Vect
   }
 
   // The other numbers change the image as a whole.
-  const Camera camera = make_camera(problem.cells.lattice, pixels, sigma, problem.filtered);
+  const GammaCamera camera = make_camera(problem.cells.lattice, pixels, sigma, problem.filtered);
   const HeartCells& cells = problem.cells;
   const auto background = static_cast<float>(gate[layout.background]);
   const auto cavity = static_cast<float>(gate[layout.cavity]);

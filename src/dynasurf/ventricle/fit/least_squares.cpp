@@ -16,11 +16,11 @@ struct GateMisfit {
   double data = 0;
   Eigen::VectorXd numbers;
   std::vector<float> weighted;  // residual times weight over noise
-  Camera camera;
+  GammaCamera camera;
 };
 
 std::vector<float> picture(const BeatProblem& problem, const Eigen::VectorXd& gate, const Activity& activity,
-                           const Camera& camera) {
+                           const GammaCamera& camera) {
   const GateLayout& layout = problem.layout.gate;
   std::vector<float> image = see(camera, activity.cells);
   const auto background = static_cast<float>(gate[layout.background]);
