@@ -26,7 +26,7 @@ constexpr double least_base_seen = 0.45, most_base_spread_mm = 4, most_base_cut 
 constexpr double most_outside = 0.05;                             // of the wall
 constexpr double least_elongation = 1.15, most_elongation = 2.6;  // of the ellipsoid of the wall
 constexpr double most_length_to_width = 1.7;                      // of the outer surface, which ends at the valve
-constexpr double least_cavity = 0.83;
+constexpr double least_cavity = 0.94;
 constexpr double most_hot_neighbour = 0.25;
 constexpr double least_apex = 0.3;  // of the wall
 constexpr double most_unround = 0.13;
