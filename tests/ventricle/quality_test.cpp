@@ -226,7 +226,7 @@ TEST(Judge, AsksToCheckACavityThatBlurMayHaveFilled) {
     const Codes codes = codes_of(result);
     return std::find(codes.begin(), codes.end(), "cavity_unresolved") != codes.end();
   };
-  result.gates[3].endo->volume_ml = 8;  // a ball of 12.4 mm, under a wall of some 13
+  result.gates[3].endo->volume_ml = 11;  // a ball of 13.8 mm, under a wall of some 13
   EXPECT_FALSE(is_flagged());
   result.gates[3].endo->volume_ml = 4;  // 9.8 mm
   EXPECT_TRUE(is_flagged());
