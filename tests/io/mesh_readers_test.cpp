@@ -9,6 +9,7 @@
 #include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 
+#include "support/damage.hpp"
 #include "support/sample_meshes.hpp"
 #include "support/scratch_folder.hpp"
 
@@ -180,25 +181,7 @@ TEST(ReadMesh, SurvivesThousandsOfDamagedFiles) {
   std::size_t read = 0, refused = 0;
   for (const Dialect& d : dialects())
     for (int i = 0; i < 2000; ++i) {
-      std::string bytes = d.bytes;
-      for (std::uint32_t changes = 1 + random() % 4; changes > 0; --changes) {
-        const std::size_t at = random() % bytes.size();
-        switch (random() % 4) {
-          case 0:
-            bytes[at] = static_cast<char>(random() % 256);
-            break;
-          case 1:
-            bytes[at] = static_cast<char>(bytes[at] ^ (1 << random() % 8));
-            break;
-          case 2:
-            bytes.insert(at, bytes.substr(random() % bytes.size(), random() % 8));
-            break;
-          case 3:
-            bytes.erase(at, random() % 8 + 1);
-            break;
-        }
-        if (bytes.empty()) break;
-      }
+      const std::string bytes = test::damaged(d.bytes, random);
       try {
         const TriMesh mesh = decode(d.decoder, bytes);
         ++read;

@@ -35,13 +35,14 @@ TriMesh through_a_file(const TriMesh& mesh, MeshFormat format) {
 
 TEST(WriteMesh, WritesAnObjOneCanReadAloud) {
   EXPECT_EQ(io_detail::encode_obj(one_triangle),
-            "# dynasurf, world coordinates, LPS, mm\n"
+            "# dynasurf, patient coordinates (LPS, mm) or those of the scan\n"
             "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nf 1//1 2//2 3//3\n");
 }
 
 TEST(WriteMesh, WritesAnOffOneCanReadAloud) {
-  EXPECT_EQ(io_detail::encode_off(one_triangle),
-            "OFF\n# dynasurf, world coordinates, LPS, mm\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  EXPECT_EQ(
+      io_detail::encode_off(one_triangle),
+      "OFF\n# dynasurf, patient coordinates (LPS, mm) or those of the scan\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
 }
 
 TEST(WriteMesh, WritesAPlyOfTheDeclaredSize) {

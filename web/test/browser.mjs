@@ -1,4 +1,5 @@
 // A real Chromium with nothing but the page in it.
+import assert from "node:assert/strict";
 import { existsSync, mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -47,4 +48,35 @@ export async function openReport(context, path) {
   await page.goto(url);
   await page.waitForFunction(() => document.documentElement.dataset.ready === "true", null, { timeout: 20000 });
   return { page, requests, complaints };
+}
+
+let failures = 0;
+
+/** Runs one test and prints how it went; `finish` ends the program by what all of them said. */
+export async function check(name, work) {
+  try {
+    await work();
+    console.log(`ok   ${name}`);
+  } catch (error) {
+    ++failures;
+    console.log(`FAIL ${name}\n     ${error.message.replaceAll("\n", "\n     ")}`);
+  }
+}
+export const finish = () => process.exit(failures ? 1 : 0);
+
+/** Runs tests by name. Each gets `open(sample)`; no page it opened may have asked for anything or complained. */
+export async function checkAll(context, tests, path_of) {
+  for (const [name, test] of Object.entries(tests))
+    await check(name, async () => {
+      const opened = [];
+      await test(async (sample) => {
+        opened.push(await openReport(context, path_of(sample)));
+        return opened.at(-1).page;
+      });
+      for (const { page, requests, complaints } of opened) {
+        await page.close();
+        assert.deepEqual(requests, [], "the page asked for something");
+        assert.deepEqual(complaints, [], "the page complained");
+      }
+    });
 }

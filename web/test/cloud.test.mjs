@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync, statSync } from "node:fs";
 import { join, resolve } from "node:path";
-import { openReport, program, skipped, withBrowser } from "./browser.mjs";
+import { check, checkAll, finish, openReport, program, skipped, withBrowser } from "./browser.mjs";
 
 const folder = resolve(process.argv[2]);
 const screenshots = process.argv[3];
@@ -140,31 +140,8 @@ const tests = {
   },
 };
 
-let failures = 0;
-const check = async (name, work) => {
-  try {
-    await work();
-    console.log(`ok   ${name}`);
-  } catch (error) {
-    ++failures;
-    console.log(`FAIL ${name}\n     ${error.message.replaceAll("\n", "\n     ")}`);
-  }
-};
-
 await withBrowser(async (context) => {
-  for (const [name, test] of Object.entries(tests))
-    await check(name, async () => {
-      const opened = [];
-      await test(async (sample) => {
-        opened.push(await openReport(context, path_of(sample)));
-        return opened.at(-1).page;
-      });
-      for (const { page, requests, complaints } of opened) {
-        await page.close();
-        assert.deepEqual(requests, [], "the page asked for something");
-        assert.deepEqual(complaints, [], "the page complained");
-      }
-    });
+  await checkAll(context, tests, path_of);
   if (screenshots) {
     mkdirSync(screenshots, { recursive: true });
     for (const sample of ["ok", "broken", "one", "empty", "instances"]) {
@@ -185,4 +162,4 @@ await withBrowser(
     }),
   { webgl: false },
 );
-process.exit(failures ? 1 : 0);
+finish();

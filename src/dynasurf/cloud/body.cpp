@@ -9,6 +9,7 @@
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/marching.hpp"
 #include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/mesh/submesh.hpp"
 
 namespace dynasurf {
 namespace {
@@ -35,25 +36,6 @@ std::vector<std::uint32_t> parts_of(const TriMesh& mesh, std::uint32_t& count) {
     part[t] = n;
   }
   return part;
-}
-
-TriMesh only(const TriMesh& mesh, const std::vector<std::uint32_t>& part, const std::vector<std::uint8_t>& kept) {
-  constexpr std::uint32_t none = 0xffffffff;
-  TriMesh m;
-  std::vector<std::uint32_t> id(mesh.vertices.size(), none);
-  for (std::size_t t = 0; t < part.size(); ++t) {
-    if (!kept[part[t]]) continue;
-    auto corners = mesh.triangles[t];
-    for (std::uint32_t& v : corners) {
-      if (id[v] == none) {
-        id[v] = static_cast<std::uint32_t>(m.vertices.size());
-        m.vertices.push_back(mesh.vertices[v]);
-      }
-      v = id[v];
-    }
-    m.triangles.push_back(corners);
-  }
-  return m;
 }
 
 struct Kind {
@@ -93,7 +75,9 @@ TriMesh body_surface(const InsideField& field, double level, std::span<const Vec
     kept[p] =
         static_cast<double>(speakers[p]) >= smallest_share * static_cast<double>(nearest.size()) && speakers[p] > 0;
   kept[static_cast<std::size_t>(most)] = 1;
-  return only(mesh, part, kept);
+  std::vector<std::uint8_t> marks(part.size());
+  for (std::size_t t = 0; t < part.size(); ++t) marks[t] = kept[part[t]];
+  return submesh(mesh, marks);
 }
 
 Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, const CloudOptions& options,

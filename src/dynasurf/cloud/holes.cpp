@@ -10,6 +10,7 @@
 #include "dynasurf/cloud/neighbours.hpp"
 #include "dynasurf/cloud/patch.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/submesh.hpp"
 
 namespace dynasurf {
 namespace {
@@ -202,26 +203,6 @@ Marks held_by_points(const TriMesh& mesh, const Scan& scan, double reach) {
   return kept;
 }
 
-/// The kept triangles as a mesh of their own.
-TriMesh only(const TriMesh& mesh, const Marks& kept) {
-  constexpr std::uint32_t none = 0xffffffff;
-  TriMesh m;
-  std::vector<std::uint32_t> id(mesh.vertices.size(), none);
-  for (std::size_t t = 0; t < kept.size(); ++t) {
-    if (!kept[t]) continue;
-    auto corners = mesh.triangles[t];
-    for (std::uint32_t& v : corners) {
-      if (id[v] == none) {
-        id[v] = static_cast<std::uint32_t>(m.vertices.size());
-        m.vertices.push_back(mesh.vertices[v]);
-      }
-      v = id[v];
-    }
-    m.triangles.push_back(corners);
-  }
-  return m;
-}
-
 /// A straight tube of length L around a loop of length l bends by pi^2 L / l; longer than this it costs more than both
 /// ends.
 bool may_meet(const Rim& a, const Rim& b) {
@@ -276,7 +257,7 @@ std::optional<HoleFill> fill_holes(const TriMesh& surface, const OrientedPoints&
   if (lighter.triangles() > light) make_lighter(lighter, light);
   const TriMesh whole = lighter.mesh();
   const Marks kept = held_by_points(whole, scan, options.reach);
-  const TriMesh open = only(whole, kept);
+  const TriMesh open = submesh(whole, kept);
   const std::vector<Loop> loops = loops_of(open);
   if (loops.empty()) return std::nullopt;
 

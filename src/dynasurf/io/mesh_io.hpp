@@ -24,7 +24,7 @@ struct VertexScalar {
 /// sRGB, one per vertex, or none.
 using VertexColours = std::vector<std::array<std::uint8_t, 3>>;
 
-/// Writes a mesh in world coordinates (LPS mm): binary little-endian PLY with normals, binary STL, OBJ, OFF, or VTK
+/// Writes a mesh with the coordinates it has: binary little-endian PLY with normals, binary STL, OBJ, OFF, or VTK
 /// PolyData XML. Coordinates are kept exactly, but for STL, which holds single precision. Whole or not at all.
 /// Colours are written where the format can hold them (ply, obj, off).
 /// Throws InputError for a mesh without triangles, with an index out of range or a vertex that is not finite,

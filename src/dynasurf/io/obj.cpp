@@ -9,7 +9,7 @@
 namespace dynasurf::io_detail {
 
 std::string encode_obj(const TriMesh& mesh, const VertexColours& colours) {
-  std::string out = "# dynasurf, world coordinates, LPS, mm\n";
+  std::string out = "# dynasurf, patient coordinates (LPS, mm) or those of the scan\n";
   const auto add_row = [&](const char* keyword, const auto& row) {
     out += keyword;
     for (const auto c : row) {

@@ -7,7 +7,8 @@
 namespace dynasurf::io_detail {
 
 std::string encode_off(const TriMesh& mesh, const VertexColours& colours) {
-  std::string out = std::string(colours.empty() ? "OFF" : "COFF") + "\n# dynasurf, world coordinates, LPS, mm\n";
+  std::string out = std::string(colours.empty() ? "OFF" : "COFF") +
+                    "\n# dynasurf, patient coordinates (LPS, mm) or those of the scan\n";
   out += std::to_string(mesh.vertices.size()) + " " + std::to_string(mesh.triangles.size()) + " 0\n";
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     for (int axis = 0; axis < 3; ++axis) {

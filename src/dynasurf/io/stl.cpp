@@ -122,7 +122,7 @@ TriMesh decode_ascii(const MeshFile& file) {
 }  // namespace
 
 std::string encode_stl(const TriMesh& mesh) {
-  std::string out = "Dynasurf binary STL, world coordinates, LPS, mm";
+  std::string out = "Dynasurf binary STL, patient coordinates (LPS, mm) or those of the scan";
   out.resize(title_bytes, ' ');
   out.reserve(head_bytes + triangle_bytes * mesh.triangles.size());
   append(out, static_cast<std::uint32_t>(mesh.triangles.size()));
