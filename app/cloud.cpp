@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -10,20 +9,18 @@
 
 #include "cloud_run.hpp"
 #include "command.hpp"
-#include "console.hpp"
-#include "option_arguments.hpp"
 
 namespace dynasurf::app {
 namespace {
 
 struct Arguments {
   std::vector<std::string> clouds;
-  std::string out, preset = "shaped", file;
+  ResultArguments result;
+  std::string preset = "shaped", file;
   std::string triangles, max_error, genus;
   bool keep_sharp = false;
-  std::vector<std::string> settings, mesh_formats;
-  bool textures = false, quiet = false, json = false, with_names = false, no_timings = false;
-  int threads = 0;
+  std::vector<std::string> settings;
+  bool textures = false;
 };
 
 /// "0.1%" or "0.1": percent of the diagonal either way.
@@ -57,15 +54,6 @@ CloudOptions options_of(const Arguments& a) {
   return options;
 }
 
-std::vector<MeshFormat> formats_of(const Arguments& arguments) {
-  std::vector<MeshFormat> formats;
-  for (const std::string& word : arguments.mesh_formats) {
-    const auto format = static_cast<MeshFormat>(position_of(names_of(MeshFormat{}), word, "--mesh-format"));
-    if (std::find(formats.begin(), formats.end(), format) == formats.end()) formats.push_back(format);
-  }
-  return formats;
-}
-
 /// The command line without paths, which may name a person, and without what leaves the result as it is.
 std::string recorded_command(const Arguments& a) {
   std::string command = "dynasurf cloud";
@@ -78,24 +66,14 @@ std::string recorded_command(const Arguments& a) {
 
 ExitCode run(const Arguments& arguments, std::stop_token stop) {
   CloudJob job;
+  take(arguments.result, recorded_command(arguments), job);
   job.clouds.assign(arguments.clouds.begin(), arguments.clouds.end());
-  job.out = arguments.out;
   job.options = options_of(arguments);
-  if (!arguments.mesh_formats.empty()) job.outputs.mesh_formats = formats_of(arguments);
-  job.outputs.textures = arguments.textures;
-  job.outputs.timings = !arguments.no_timings;
-  job.command = recorded_command(arguments);
-  job.file_names = arguments.with_names;
-  job.threads = arguments.threads;
-
-  ProgressLine line(arguments.quiet);
-  const Progress progress{[&](std::string_view stage, int done, int total) { line(stage, done, total); }, stop};
-  const CloudOutcome outcome = reconstruct_cloud_to_folder(job, progress);
-  line.finish();
-  if (arguments.json)
-    print(outcome.json);
-  else
-    print(summary_of(outcome.run) + "result: " + arguments.out + "\n");
+  job.textures = arguments.textures;
+  CloudOutcome outcome;
+  run_with_progress(arguments.result.quiet, stop,
+                    [&](const Progress& progress) { outcome = reconstruct_cloud_to_folder(job, progress); });
+  print_result(arguments.result, outcome.json, summary_of(outcome.run));
   return is_watertight(outcome.run.result) ? done : not_trustworthy;
 }
 
@@ -110,7 +88,7 @@ void add_cloud(CLI::App& program, Command& chosen) {
                    "PLY, XYZ, PTS, CSV, PWN, OBJ, OFF, LAS file of points, or a surface as STL, PLY, OBJ, OFF; several "
                    "files are one cloud")
       ->required();
-  command->add_option("--out", a->out, "folder of the result; a former result there is replaced")->required();
+  add_result_arguments(*command, a->result, "ply");
   command->add_option("--preset", a->preset,
                       "shaped: well-shaped triangles; faithful: smallest distance; thesis: as published");
   command->add_option("--options", a->file, "JSON file of options, such as the options.json of a result");
@@ -122,16 +100,9 @@ void add_cloud(CLI::App& program, Command& chosen) {
   command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options cloud)")
       ->take_all()
       ->allow_extra_args(false);
-  command->add_option("--mesh-format", a->mesh_formats, "ply,stl,obj,off,vtp: one or more (ply)")->delimiter(',');
   command->add_flag(
       "--textures", a->textures,
       "write textured.glb too: all levels with normal maps, and colour maps where the points have colours");
-  command->add_option("--threads", a->threads, "threads at most; the result is the same (0: all)")
-      ->check(CLI::Range(0, 1024));
-  command->add_flag("--quiet", a->quiet, "no progress on standard error");
-  command->add_flag("--json", a->json, "print results.json instead of the table");
-  command->add_flag("--no-timings", a->no_timings, "leave the times out, so that equal runs give equal bytes");
-  command->add_flag("--with-names", a->with_names, "record the names of the input files, which may name a person");
   command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
 }
 

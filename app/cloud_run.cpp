@@ -12,11 +12,8 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/options_json.hpp"
-#include "dynasurf/io/study_io.hpp"
 
 #include "console.hpp"
-#include "input_names.hpp"
-#include "version.hpp"
 
 namespace dynasurf::app {
 namespace {
@@ -58,21 +55,6 @@ class StageClock {
   std::vector<std::pair<std::string, double>> seconds_;
 };
 
-Provenance provenance_of(const CloudJob& job) {
-  Provenance provenance;
-  provenance.program_version = version();
-  provenance.commit = commit();
-  provenance.command = job.command;
-  provenance.options_json = options_to_text(job.options);
-  for (std::size_t i = 0; i < job.clouds.size(); ++i) {
-    const std::string name = i < job.recorded_names.size() ? job.recorded_names[i]
-                             : job.file_names              ? job.clouds[i].filename().string()
-                                                           : neutral_name(job.clouds[i], i);
-    provenance.inputs.emplace_back(name, sha256_of_file(job.clouds[i]));
-  }
-  return provenance;
-}
-
 /// Part of the screen's height down to which each level serves, for pictures 1080 pixels high.
 std::vector<double> coverages_of(const std::vector<TriMesh>& meshes) {
   constexpr double screen_px = 1080;
@@ -83,7 +65,7 @@ std::vector<double> coverages_of(const std::vector<TriMesh>& meshes) {
   return coverages;
 }
 
-void write_levels(const CloudResult& result, const CloudOutputs& outputs, const fs::path& folder) {
+void write_levels(const CloudResult& result, const CloudJob& job, const fs::path& folder) {
   fs::create_directory(folder / "meshes");
   std::vector<LodSurface> levels;
   std::vector<TriMesh> meshes;
@@ -92,7 +74,7 @@ void write_levels(const CloudResult& result, const CloudOutputs& outputs, const 
     if (mesh.triangles.empty()) continue;  // its certificate says so
     const VertexColours& colours = result.levels[n].colours;
     const std::string name = name_of_level(result, n);
-    for (const MeshFormat format : outputs.mesh_formats)
+    for (const MeshFormat format : job.mesh_formats)
       write_mesh(mesh, folder / "meshes" / (name + "." + std::string(word_of(format))), format, {}, colours);
     levels.push_back({name, mesh, colours, 0, {}});
     meshes.push_back(mesh);
@@ -101,18 +83,18 @@ void write_levels(const CloudResult& result, const CloudOutputs& outputs, const 
   const std::vector<double> coverages = coverages_of(meshes);
   for (std::size_t n = 0; n < levels.size(); ++n) levels[n].smallest_coverage = coverages[n];
   write_lod_glb(levels, folder / "levels.glb");
-  if (!outputs.textures) return;
+  if (!job.textures) return;
   PointCloud points = result.used;
   points.normals = orient(result.used, true).normals;
   for (LodSurface& level : levels) level.textured = bake_textures(level.mesh, points);
   write_lod_glb(levels, folder / "textured.glb");
 }
 
-std::string results_text(const CloudRun& run, const Provenance& provenance, const CloudOutputs& outputs) {
-  Json json = cloud_results_json(run, provenance, outputs.timings ? Timings::keep : Timings::omit);
+std::string results_text(const CloudRun& run, const Provenance& provenance, const CloudJob& job) {
+  Json json = cloud_results_json(run, provenance, job.timings ? Timings::keep : Timings::omit);
   Json formats = Json::array();
-  for (const MeshFormat format : outputs.mesh_formats) formats.push_back(word_of(format));
-  json["provenance"]["outputs"] = {{"mesh_formats", formats}, {"textures", outputs.textures}};
+  for (const MeshFormat format : job.mesh_formats) formats.push_back(word_of(format));
+  json["provenance"]["outputs"] = {{"mesh_formats", formats}, {"textures", job.textures}};
   return json.dump(2) + "\n";
 }
 
@@ -129,7 +111,7 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
                        progress.stop};
   timed("read", 0, 1);
   CloudInput input = read_cloud(job.clouds);
-  const Provenance provenance = provenance_of(job);
+  const Provenance provenance = provenance_of(job, job.clouds, options_to_text(job.options));
   progress.check();
 
   CloudOutcome outcome;
@@ -144,13 +126,13 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
   progress.check();
 
   timed("write", 0, 1);
-  write_levels(outcome.run.result, job.outputs, folder.path());
+  write_levels(outcome.run.result, job, folder.path());
   // The page tells no times, so that equal runs give equal pages.
   write_cloud_report(outcome.run, provenance, folder.path() / "report.html", Timings::omit);
   write_file(folder.path() / "options.json", provenance.options_json);
   write_file(folder.path() / "results.csv", cloud_results_csv(outcome.run.result));
   outcome.run.seconds = clock.seconds();
-  outcome.json = results_text(outcome.run, provenance, job.outputs);
+  outcome.json = results_text(outcome.run, provenance, job);
   write_file(folder.path() / "results.json", outcome.json);
   progress.check();
   folder.publish();

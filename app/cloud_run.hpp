@@ -4,28 +4,18 @@
 #include <vector>
 
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
-#include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/report/cloud_report.hpp"
+
+#include "result_job.hpp"
 
 namespace dynasurf::app {
 
-/// What is written beside the numbers. Kept in results.json (provenance.outputs), so that a run can be repeated.
-struct CloudOutputs {
-  std::vector<MeshFormat> mesh_formats{MeshFormat::ply};
-  bool textures = false;  // textured.glb
-  bool timings = true;
-};
-
 /// One run of the cloud application, from files on disk to a result folder.
-struct CloudJob {
+struct CloudJob : ResultJob {
+  CloudJob() { mesh_formats = {MeshFormat::ply}; }
   std::vector<std::filesystem::path> clouds;
-  std::filesystem::path out;
   CloudOptions options;
-  CloudOutputs outputs;
-  std::string command;                      // for the provenance
-  bool file_names = false;                  // record the names of the input files
-  std::vector<std::string> recorded_names;  // of the input files, when an earlier run gave them
-  int threads = 0;                          // 0: as many as the machine has
+  bool textures = false;  // textured.glb
 };
 
 struct CloudOutcome {

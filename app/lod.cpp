@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/byte_source.hpp"
 #include "dynasurf/io/mesh_io.hpp"
@@ -17,6 +16,7 @@
 
 #include "command.hpp"
 #include "console.hpp"
+#include "result_job.hpp"
 #include "version.hpp"
 
 namespace dynasurf::app {
@@ -132,8 +132,7 @@ Json json_of(const std::vector<Level>& levels, const Plan& plan, const Arguments
 
 /// t runs over (0, 1) in equal steps; its ends are the levels themselves.
 void write_transitions(const Plan& plan, const Arguments& arguments, const fs::path& folder) {
-  const auto format =
-      static_cast<MeshFormat>(position_of(names_of(MeshFormat{}), arguments.mesh_format, "--mesh-format"));
+  const MeshFormat format = mesh_formats_of({arguments.mesh_format}, "--mesh-format").front();
   fs::create_directory(folder / "transitions");
   for (std::size_t n = 0; n < plan.transitions.size(); ++n)
     for (int step = 0; step <= arguments.steps + 1; ++step) {
@@ -204,7 +203,7 @@ void add_lod(CLI::App& program, Command& chosen) {
   command->add_option("--hysteresis", a->rule.hysteresis_percent, "percent by which a limit must be passed (10)");
   command->add_option("--steps", a->steps, "meshes between two levels (3)")->check(CLI::Range(0, 1000));
   command->add_option("--instances", a->instances, "instances on the page (200)")->check(CLI::Range(1, 1000));
-  command->add_option("--mesh-format", a->mesh_format, "ply, stl, obj, off or vtp, of the transitions (ply)");
+  command->add_option("--mesh-format", a->mesh_format, mesh_format_choices() + ", of the transitions (ply)");
   command->add_flag("--json", a->json, "print lod.json instead of the table");
   command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
 }

@@ -15,32 +15,15 @@
 #include "dynasurf/report/measures.hpp"
 
 #include "console.hpp"
-#include "input_names.hpp"
 #include "option_arguments.hpp"
 #include "print_page.hpp"
 #include "stages.hpp"
-#include "version.hpp"
 
 namespace dynasurf::app {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-Provenance provenance_of(const Job& job) {
-  Provenance provenance;
-  provenance.program_version = version();
-  provenance.commit = commit();
-  provenance.command = job.command;
-  provenance.options_json = options_to_text(job.options);
-  const std::vector<fs::path> files = files_of_study(job.study);
-  const auto name = [&](std::size_t i) {
-    if (i < job.recorded_names.size()) return job.recorded_names[i];
-    return job.file_names ? files[i].filename().string() : neutral_name(files[i], i);
-  };
-  for (std::size_t i = 0; i < files.size(); ++i) provenance.inputs.emplace_back(name(i), sha256_of_file(files[i]));
-  return provenance;
-}
 
 std::string gate_file(std::string_view wall, std::size_t gate, MeshFormat format) {
   const std::string number = (gate + 1 < 10 ? "0" : "") + std::to_string(gate + 1);
@@ -102,17 +85,16 @@ void write_measures(const VentricleResult& result, const fs::path& folder) {
 }
 
 /// The fitted wall of one gate, with what was measured on it and the uptake that was fitted.
-void write_fitted(const VentricleResult& result, std::size_t gate, Wall wall, const Outputs& outputs,
-                  const fs::path& folder) {
+void write_fitted(const VentricleResult& result, std::size_t gate, Wall wall, const Job& job, const fs::path& folder) {
   const FittedGate& fitted = result.fit->gates[gate];
   const TriMesh& mesh = wall == Wall::endo ? fitted.endo : fitted.epi;
   std::vector<VertexScalar> scalars = scalars_of(result, gate, wall, mesh);
   scalars.push_back({"uptake", {result.fit->uptake.begin(), result.fit->uptake.end()}});
-  for (const MeshFormat format : outputs.mesh_formats)
+  for (const MeshFormat format : job.mesh_formats)
     write_mesh(mesh, folder / "meshes" / ("fit_" + gate_file(name_of(wall), gate, format)), format, scalars);
 }
 
-void write_surfaces(const VentricleResult& result, const Outputs& outputs, const fs::path& folder) {
+void write_surfaces(const VentricleResult& result, const Job& job, const fs::path& folder) {
   fs::create_directory(folder / "meshes");
   std::vector<PvdEntry> series;
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
@@ -124,8 +106,8 @@ void write_surfaces(const VentricleResult& result, const Outputs& outputs, const
       // What was measured on fitted walls is no scalar of the edges.
       const std::vector<VertexScalar> scalars =
           result.fit ? std::vector<VertexScalar>() : scalars_of(result, g, wall, surface->mesh);
-      if (result.fit) write_fitted(result, g, wall, outputs, folder);
-      for (const MeshFormat format : outputs.mesh_formats) {
+      if (result.fit) write_fitted(result, g, wall, job, folder);
+      for (const MeshFormat format : job.mesh_formats) {
         const std::string file = "meshes/" + gate_file(name_of(wall), g, format);
         write_mesh(surface->mesh, folder / file, format, scalars);
         if (format == MeshFormat::vtp) series.push_back({time, file, wall == Wall::endo ? 0 : 1});
@@ -150,8 +132,8 @@ void write_cycle(const VentricleResult& result, const fs::path& folder) {
 }
 
 /// The meshes between the gates that `keyframes.frames_between` asks for, all walls that are complete.
-void write_keyframes(const VentricleResult& result, const Keyframes& keyframes, const Outputs& outputs,
-                     const fs::path& folder) {
+void write_keyframes(const VentricleResult& result, const Job& job, const fs::path& folder) {
+  const Keyframes& keyframes = job.options.keyframes;
   if (keyframes.frames_between == 0 || result.gates.size() < 2) return;
   const std::size_t steps = static_cast<std::size_t>(keyframes.frames_between) + 1;
   const std::size_t frames = steps * result.gates.size();
@@ -167,7 +149,7 @@ void write_keyframes(const VentricleResult& result, const Keyframes& keyframes, 
           at_phase(cycle, static_cast<double>(f) / static_cast<double>(frames), keyframes.interpolation);
       std::string number = std::to_string(f + 1);
       number.insert(0, digits - number.size(), '0');
-      for (const MeshFormat format : outputs.mesh_formats)
+      for (const MeshFormat format : job.mesh_formats)
         write_mesh(
             mesh,
             folder / "keyframes" / (std::string(name_of(wall)) + "_f" + number + "." + std::string(word_of(format))),
@@ -183,7 +165,7 @@ Json hash_of(const fs::path& file) { return file.empty() ? Json(nullptr) : Json(
 /// study's.
 std::string dicom_time(const Job& job, bool study_is_dicom) {
   if (!job.outputs.dicom_time.empty()) return job.outputs.dicom_time;
-  if (!job.outputs.timings) {
+  if (!job.timings) {
     const DicomSubject subject = study_is_dicom ? read_dicom_subject(job.study) : DicomSubject();
     const bool is_told = subject.study_date.size() == 8 && subject.study_time.size() >= 6;
     return is_told ? subject.study_date + subject.study_time.substr(0, 6) : "20000101000000";
@@ -226,9 +208,9 @@ void write_for_reading_room(const VentricleResult& result, const Provenance& pro
 
 std::string results_text(const VentricleResult& result, const Provenance& provenance, const Job& job) {
   const Outputs& outputs = job.outputs;
-  Json json = results_json(result, provenance, outputs.timings ? Timings::keep : Timings::omit);
+  Json json = results_json(result, provenance, job.timings ? Timings::keep : Timings::omit);
   Json formats = Json::array();
-  for (const MeshFormat format : outputs.mesh_formats) formats.push_back(word_of(format));
+  for (const MeshFormat format : job.mesh_formats) formats.push_back(word_of(format));
   json["provenance"]["given"] = {{"mask_sha256", hash_of(job.mask)}, {"start_mesh_sha256", hash_of(job.start_mesh)}};
   json["provenance"]["outputs"] = {{"mesh_formats", formats},
                                    {"keep_stages", outputs.keep_stages},
@@ -253,7 +235,7 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   OutputFolder folder(job.out);         // first, so that a place that cannot be written to costs no time
   const Study study = read_study(job.study);
   if (job.outputs.dicom) job.outputs.dicom_time = dicom_time(job, study.format == "DICOM");
-  const Provenance provenance = provenance_of(job);
+  const Provenance provenance = provenance_of(job, files_of_study(job.study), options_to_text(job.options));
   progress.check();
 
   std::optional<TriMesh> start;
@@ -276,9 +258,9 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   write_file(folder.path() / "options.json", provenance.options_json);
   write_file(folder.path() / "results.json", outcome.json);
   write_file(folder.path() / "results.csv", results_csv(outcome.result));
-  write_surfaces(outcome.result, job.outputs, folder.path());
+  write_surfaces(outcome.result, job, folder.path());
   write_measures(outcome.result, folder.path());
-  write_keyframes(outcome.result, job.options.keyframes, job.outputs, folder.path());
+  write_keyframes(outcome.result, job, folder.path());
   write_cycle(outcome.result, folder.path());
   // The page tells no times, so that equal runs give equal pages.
   write_report(outcome.result, provenance, folder.path() / "report.html", Timings::omit);

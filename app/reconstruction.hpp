@@ -3,33 +3,29 @@
 #include <string>
 #include <vector>
 
-#include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/report/report.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
+#include "result_job.hpp"
+
 namespace dynasurf::app {
 
-/// What is written beside the numbers. Kept in results.json (provenance.outputs), so that a run can be repeated.
+/// What is written beside numbers and meshes. Kept in results.json (provenance.outputs), so that a run can be repeated.
 struct Outputs {
-  std::vector<MeshFormat> mesh_formats{MeshFormat::ply, MeshFormat::vtp};
   bool keep_stages = false;
   bool dicom = false;      // the folder dicom: results as objects of the patient's study
   std::string dicom_time;  // YYYYMMDDHHMMSS that they tell; empty: now, without timings the study's
   bool pdf = false;        // report.pdf, printed by Chromium
-  bool timings = true;
 };
 
 /// One run of the ventricle pipeline, from a study on disk to a result folder.
-struct Job {
-  std::filesystem::path study, out;
+struct Job : ResultJob {
+  Job() { mesh_formats = {MeshFormat::ply, MeshFormat::vtp}; }
+  std::filesystem::path study;
   std::filesystem::path start_mesh;  // for placement.shape file; else empty
   std::filesystem::path mask;        // outside which nothing is looked at; empty: none
   VentricleOptions options;
   Outputs outputs;
-  std::string command;                      // for the provenance
-  bool file_names = false;                  // record the names of the input files, which may name a person
-  std::vector<std::string> recorded_names;  // of the input files, when an earlier run gave them
-  int threads = 0;                          // 0: as many as the machine has
 };
 
 struct Outcome {

@@ -83,12 +83,15 @@ Record record_of(const fs::path& result) {
   return record;
 }
 
-std::vector<MeshFormat> formats_of(const Record& record) {
-  std::vector<MeshFormat> formats;
-  for (const Json& word : record.outputs.at("mesh_formats"))
-    formats.push_back(
-        static_cast<MeshFormat>(position_of(names_of(MeshFormat{}), word.get<std::string>(), "outputs.mesh_formats")));
-  return formats;
+/// What every kind of run needs to be repeated.
+void recall(const Arguments& arguments, const Record& record, const fs::path& out, ResultJob& job) {
+  job.out = out;
+  job.mesh_formats =
+      mesh_formats_of(record.outputs.at("mesh_formats").get<std::vector<std::string>>(), "outputs.mesh_formats");
+  job.timings = record.timings;
+  job.command = record.command;
+  job.recorded_names = record.names;
+  job.threads = arguments.threads;
 }
 
 /// Calls `read`, which turns what was recorded into a job, and blames the record for what it does not understand.
@@ -239,7 +242,7 @@ bool repeat_ventricle(const Arguments& arguments, const Record& record, const fs
   Job job = read_record(arguments.result, [&] {
     Job read;
     options_from_json(record.options, read.options);
-    read.outputs.mesh_formats = formats_of(record);
+    recall(arguments, record, out, read);
     read.outputs.keep_stages = record.outputs.at("keep_stages").get<bool>();
     read.outputs.dicom = record.outputs.value("dicom", false);  // results of former versions say nothing of it
     if (read.outputs.dicom) read.outputs.dicom_time = record.outputs.at("dicom_time").get<std::string>();
@@ -249,11 +252,6 @@ bool repeat_ventricle(const Arguments& arguments, const Record& record, const fs
   job.study = find_study(arguments, record);
   job.mask = find_given(arguments, record.mask_hash, arguments.mask, "mask");
   job.start_mesh = find_given(arguments, record.start_hash, arguments.start, "start");
-  job.out = out;
-  job.outputs.timings = record.timings;
-  job.command = record.command;
-  job.recorded_names = record.names;
-  job.threads = arguments.threads;
   return reconstruct_to_folder(job, progress).result.verdict != Verdict::fail;
 }
 
@@ -261,16 +259,11 @@ bool repeat_cloud(const Arguments& arguments, const Record& record, const fs::pa
   CloudJob job = read_record(arguments.result, [&] {
     CloudJob read;
     options_from_json(record.options, read.options);
-    read.outputs.mesh_formats = formats_of(record);
-    read.outputs.textures = record.outputs.at("textures").get<bool>();
+    recall(arguments, record, out, read);
+    read.textures = record.outputs.at("textures").get<bool>();
     return read;
   });
   job.clouds = find_clouds(arguments, record);
-  job.out = out;
-  job.outputs.timings = record.timings;
-  job.command = record.command;
-  job.recorded_names = record.names;
-  job.threads = arguments.threads;
   return is_watertight(reconstruct_cloud_to_folder(job, progress).run.result);
 }
 
@@ -282,11 +275,11 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   if (!arguments.out.empty() && fs::exists(arguments.out) && fs::equivalent(arguments.out, arguments.result))
     throw OptionError("--out names the result itself; leave it out to compare without keeping");
 
-  ProgressLine line(arguments.quiet);
-  const Progress progress{[&](std::string_view stage, int done, int total) { line(stage, done, total); }, stop};
-  const bool trusted = record.schema == "dynasurf.cloud/1" ? repeat_cloud(arguments, record, out, progress)
-                                                           : repeat_ventricle(arguments, record, out, progress);
-  line.finish();
+  bool trusted = false;
+  run_with_progress(arguments.quiet, stop, [&](const Progress& progress) {
+    trusted = record.schema == "dynasurf.cloud/1" ? repeat_cloud(arguments, record, out, progress)
+                                                  : repeat_ventricle(arguments, record, out, progress);
+  });
 
   std::size_t compared = 0;
   const std::vector<std::string> different = differences(arguments.result, out, compared);

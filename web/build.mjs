@@ -31,17 +31,18 @@ const bundle = async (entry) => {
 };
 const source = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 
-// Name of the page, its document, its script and its style.
+// Name of the page, folder of its body, script and style, its title, and the colours it is made for.
 const pages = [
-  ["report.html", "index.html", "main.ts", "style.css"],
-  ["cloud.html", "cloud/index.html", "cloud/main.ts", "cloud/style.css"],
-  ["lod.html", "lod/index.html", "lod/main.ts", "lod/style.css"],
+  ["report.html", "", "Left ventricle report", "dark light"],
+  ["cloud.html", "cloud", "Cloud report", "dark"],
+  ["lod.html", "lod", "Levels of detail", "dark"],
 ];
 const licence = readFileSync(join(here, "node_modules/three/LICENSE"), "utf8").trim();
 mkdirSync(folder, { recursive: true });
-for (const [name, document, script_entry, style_entry] of pages) {
-  const script = await bundle(script_entry);
-  const style = await bundle(style_entry);
+const frame = readFileSync(join(here, "src/frame.html"), "utf8");
+for (const [name, home, title, scheme] of pages) {
+  const script = await bundle(join(home, "main.ts"));
+  const style = await bundle(join(home, "style.css"));
   const policy = [
     "default-src 'none'",
     `script-src ${source(script)}`,
@@ -49,11 +50,8 @@ for (const [name, document, script_entry, style_entry] of pages) {
     "base-uri 'none'",
     "form-action 'none'",
   ].join("; ");
-  // Functions as replacements: a string would give its dollar signs a meaning.
-  const page = readFileSync(join(here, "src", document), "utf8")
-    .replace("{{LICENCE}}", () => licence)
-    .replace("{{POLICY}}", () => policy)
-    .replace("{{STYLE}}", () => style)
-    .replace("{{SCRIPT}}", () => script);
-  writeFileSync(join(folder, name), page);
+  const body = readFileSync(join(here, "src", home, "body.html"), "utf8").trimEnd();
+  const parts = { LICENCE: licence, POLICY: policy, SCHEME: scheme, TITLE: title, STYLE: style, BODY: body, SCRIPT: script };
+  // A function as replacement: a string would give its dollar signs a meaning.
+  writeFileSync(join(folder, name), frame.replace(/{{(\w+)}}/g, (place, part) => parts[part] ?? place));
 }

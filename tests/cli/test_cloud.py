@@ -74,12 +74,20 @@ class Cloud(CliTest):
         self.assertGreater(coverage[0], coverage[1])
         self.assertEqual(gltf["scenes"][0]["nodes"], [0])
 
+    def test_quiet_leaves_the_terminal_alone(self):
+        out = self.folder / "r"
+        done = run("cloud", small_scan(), "--out", out, "--triangles", "160", "--quiet")
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+        done = run("cloud", small_scan(), "--out", out, "--triangles", "160", "--quiet", "--json")
+        self.assertEqual(done.stdout, (out / "results.json").read_text())
+
     def test_writes_the_formats_that_are_asked_for(self):
         out = self.folder / "r"
         self.assertEqual(run("cloud", small_scan(), "--out", out, "--triangles", "160", "--mesh-format",
-                             "stl,obj,off,vtp").returncode, 0)
+                             "stl,obj,off,vtp,glb").returncode, 0)
         self.assertEqual(sorted(path.name for path in (out / "meshes").iterdir()),
-                         ["level1.obj", "level1.off", "level1.stl", "level1.vtp"])
+                         ["level1.glb", "level1.obj", "level1.off", "level1.stl", "level1.vtp"])
+        self.assertEqual(glb_json(out / "meshes" / "level1.glb")["accessors"][2]["count"], 3 * 160)
 
     def test_carries_the_colours_of_the_points_to_the_meshes(self):
         rows = run("phantom", "cloud", "--out", self.folder / "scan", "--set", "points=1000")
@@ -160,7 +168,7 @@ class Cloud(CliTest):
         for arguments, says in ((["--triangles", "320,640"], "triangles"), (["--triangles", "many"], "triangles"),
                                 (["--genus", "two"], "genus"), (["--preset", "best"], "shaped"),
                                 (["--max-error", "much"], "max_error_percent"), (["--set", "cell=3"], "cells"),
-                                (["--mesh-format", "glb"], "ply")):
+                                (["--mesh-format", "ply,fbx"], "choices: ply, stl, obj, off, vtp, glb")):
             self.refuses(1, "cloud", small_scan(), "--out", out, *arguments, says=says)
         self.assertFalse(out.exists())
 

@@ -82,6 +82,34 @@ Glb read_glb(const std::filesystem::path& path) {
   return {Json::parse(bytes.substr(20, length)), bytes.substr(20 + length + 8)};
 }
 
+TEST(WriteMesh, WritesOneMeshAsAGlbWithItsColoursAndScalars) {
+  const ScratchFolder folder;
+  TriMesh far = test::lopsided_ball(2);
+  for (Vec3& p : far.vertices) p += Vec3(500'000, 4'000'000, 0);
+  const VertexColours colours = striped(far);
+  std::vector<float> heights;
+  for (const Vec3& p : far.vertices) heights.push_back(static_cast<float>(p[2]));
+  write_mesh(far, folder / "a.glb", MeshFormat::glb, std::vector<VertexScalar>{{"height_mm", heights}}, colours);
+  const Glb glb = read_glb(folder / "a.glb");
+  ASSERT_EQ(glb.json.at("nodes").size(), 1u);
+  EXPECT_EQ(glb.json.at("scenes")[0].at("nodes"), Json({0}));
+  const Json& translation = glb.json.at("nodes")[0].at("translation");
+  const Json& primitive = glb.json.at("meshes")[0].at("primitives")[0];
+  const auto accessor = [&](const char* name) { return primitive.at("attributes").at(name).get<std::size_t>(); };
+  for (std::size_t v = 0; v < far.vertices.size(); ++v) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      // Single precision within the ball has steps of 4e-6.
+      EXPECT_NEAR(translation[axis].get<double>() + static_cast<double>(glb.at<float>(accessor("POSITION"), v, axis)),
+                  far.vertices[v][static_cast<Eigen::Index>(axis)], 1e-5);
+    EXPECT_EQ(glb.at<float>(accessor("_HEIGHT_MM"), v, 0), heights[v]);
+    EXPECT_EQ(glb.at<std::uint16_t>(accessor("COLOR_0"), v, 1), colours[v][1] == 0 ? 0 : 65535);
+  }
+  const auto indices = primitive.at("indices").get<std::size_t>();
+  ASSERT_EQ(glb.json.at("accessors")[indices].at("count"), 3 * far.triangles.size());
+  for (std::size_t t = 0; t < far.triangles.size(); ++t)
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(glb.at<std::uint32_t>(indices, 3 * t + c, 0), far.triangles[t][c]);
+}
+
 TEST(WriteLodGlb, NamesTheLevelsByTheirExtension) {
   const ScratchFolder folder;
   std::vector<LodSurface> levels;
@@ -175,6 +203,9 @@ TEST(WriteLodGlb, WritesSamplesForTheValidator) {
       for (const auto v : t) level.textured.corners.push_back({level.mesh.vertices[v], {0, 0, 1}, {1, 0, 0}, {0, 1}});
   }
   write_lod_glb(levels, out / "textured.glb");
+  const TriMesh ball = test::lopsided_ball(2);
+  write_mesh(ball, out / "mesh.glb", MeshFormat::glb,
+             std::vector<VertexScalar>{{"thickness_mm", std::vector<float>(ball.vertices.size(), 9)}}, striped(ball));
 }
 
 TEST(WriteLodGlb, RefusesWhatCannotBeShown) {

@@ -1,17 +1,13 @@
-#include <sstream>
-
-#include <tiny_gltf.h>
-
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/gltf_buffer.hpp"
+#include "dynasurf/io/gltf_scene.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
 namespace dynasurf {
 namespace {
 
+using io_detail::GltfScene;
 using io_detail::Rows3;
-using Buffer = io_detail::GltfBuffer;
 
 /// LPS to glTF's axes: x left, y up (superior), z to the front (anterior).
 Vec3 to_gltf_axes(const Vec3& lps) { return {lps[0], lps[2], -lps[1]}; }
@@ -56,53 +52,49 @@ Rows3 differences(const Rows3& to, const Rows3& from) {
   return rows;
 }
 
-tinygltf::Material material_of(const AnimatedSurface& surface) {
-  tinygltf::Material material;
-  material.name = surface.name;
+int add_material(const AnimatedSurface& surface, GltfScene& scene) {
+  const int index = scene.add_material(surface.name, 0.6);
+  tinygltf::Material& material = scene.model.materials.back();
   material.pbrMetallicRoughness.baseColorFactor.assign(surface.colour.begin(), surface.colour.end());
-  material.pbrMetallicRoughness.metallicFactor = 0;
-  material.pbrMetallicRoughness.roughnessFactor = 0.6;
   if (surface.colour[3] < 1) {
     material.alphaMode = "BLEND";
     material.doubleSided = true;
   }
-  return material;
+  return index;
 }
 
-tinygltf::Mesh mesh_of(const AnimatedSurface& surface, int material, Buffer& buffer) {
+/// The first gate, and what each further one adds to it. Gives the number of its node.
+int add_surface(const AnimatedSurface& surface, GltfScene& scene) {
   const Rows3 base = positions_m(surface.cycle[0]), base_normals = normals(surface.cycle[0]);
   tinygltf::Primitive primitive;
-  primitive.mode = TINYGLTF_MODE_TRIANGLES;
-  primitive.material = material;
-  primitive.attributes["POSITION"] = buffer.add_rows(base, true);
-  primitive.attributes["NORMAL"] = buffer.add_rows(base_normals, false);
-  primitive.indices = buffer.add_triangles(surface.cycle[0]);
-
-  tinygltf::Mesh mesh;
-  mesh.name = surface.name;
+  primitive.material = add_material(surface, scene);
+  primitive.attributes["POSITION"] = scene.add_rows(base, true);
+  primitive.attributes["NORMAL"] = scene.add_rows(base_normals, false);
+  primitive.indices = scene.add_triangles(surface.cycle[0]);
   std::vector<tinygltf::Value> target_names;  // Blender and three.js show them
   for (std::size_t gate = 1; gate < surface.cycle.size(); ++gate) {
-    const int moved = buffer.add_rows(differences(positions_m(surface.cycle[gate]), base), true);
-    const int turned = buffer.add_rows(differences(normals(surface.cycle[gate]), base_normals), false);
+    const int moved = scene.add_rows(differences(positions_m(surface.cycle[gate]), base), true);
+    const int turned = scene.add_rows(differences(normals(surface.cycle[gate]), base_normals), false);
     primitive.targets.push_back({{"POSITION", moved}, {"NORMAL", turned}});
     target_names.emplace_back("gate " + std::to_string(gate + 1));
-    mesh.weights.push_back(0);
   }
+  const int node = scene.add_node(surface.name, std::move(primitive), true);
+  tinygltf::Mesh& mesh = scene.model.meshes.back();
+  mesh.weights.assign(target_names.size(), 0);
   if (!target_names.empty()) mesh.extras = tinygltf::Value({{"targetNames", tinygltf::Value(target_names)}});
-  mesh.primitives.push_back(primitive);
-  return mesh;
+  return node;
 }
 
 /// Keyframe g of G+1 shows gate g alone; the last shows gate 0 again. Gate 0 is the base: all its weights are 0.
-void animate(int node, std::size_t gates, double cycle_s, tinygltf::Animation& animation, Buffer& buffer) {
+void animate(int node, std::size_t gates, double cycle_s, tinygltf::Animation& animation, GltfScene& scene) {
   std::vector<float> times, weights;
   for (std::size_t key = 0; key <= gates; ++key) {
     times.push_back(static_cast<float>(cycle_s * static_cast<double>(key) / static_cast<double>(gates)));
     for (std::size_t target = 1; target < gates; ++target) weights.push_back(key == target ? 1.0f : 0.0f);
   }
   tinygltf::AnimationSampler sampler;
-  sampler.input = buffer.add_numbers(times, true);
-  sampler.output = buffer.add_numbers(weights, false);
+  sampler.input = scene.add_numbers(times, true);
+  sampler.output = scene.add_numbers(weights, false);
   tinygltf::AnimationChannel channel;
   channel.sampler = static_cast<int>(animation.samplers.size());
   channel.target_node = node;
@@ -115,32 +107,15 @@ void animate(int node, std::size_t gates, double cycle_s, tinygltf::Animation& a
 
 void write_glb(std::span<const AnimatedSurface> surfaces, double cycle_s, const std::filesystem::path& path) {
   check_surfaces(surfaces, cycle_s, path.string());
-  tinygltf::Model model;
-  model.asset.version = "2.0";
-  model.asset.generator = "Dynasurf";
-  tinygltf::Scene scene;
+  GltfScene scene;
   tinygltf::Animation beat;
   beat.name = "beat";
-  Buffer buffer(model);
   for (const AnimatedSurface& surface : surfaces) {
-    const int index = static_cast<int>(model.nodes.size());
-    model.materials.push_back(material_of(surface));
-    model.meshes.push_back(mesh_of(surface, index, buffer));
-    tinygltf::Node node;
-    node.name = surface.name;
-    node.mesh = index;
-    model.nodes.push_back(node);
-    scene.nodes.push_back(index);
-    if (surface.cycle.size() > 1) animate(index, surface.cycle.size(), cycle_s, beat, buffer);
+    const int node = add_surface(surface, scene);
+    if (surface.cycle.size() > 1) animate(node, surface.cycle.size(), cycle_s, beat, scene);
   }
-  if (!beat.channels.empty()) model.animations.push_back(beat);
-  model.scenes.push_back(scene);
-  model.defaultScene = 0;
-
-  std::ostringstream bytes;
-  if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, bytes, false, true))
-    throw IoError("cannot write " + path.string() + ": glTF could not be put together");
-  write_file(path, bytes.str());
+  if (!beat.channels.empty()) scene.model.animations.push_back(beat);
+  write_file(path, scene.encode(path.string()));
 }
 
 }  // namespace dynasurf

@@ -1,16 +1,17 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
-#include <sstream>
 
+#include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/gltf_buffer.hpp"
+#include "dynasurf/io/gltf_scene.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/io/png.hpp"
 
 namespace dynasurf {
 namespace {
 
-using io_detail::GltfBuffer;
+using io_detail::GltfScene;
 using io_detail::Rows3;
 
 Vec3 middle_of(const TriMesh& mesh) {
@@ -35,19 +36,29 @@ std::vector<std::array<std::uint16_t, 4>> linear(const VertexColours& colours) {
   return rows;
 }
 
-tinygltf::Primitive plain_primitive(const LodSurface& level, const Vec3& middle, GltfBuffer& buffer) {
+constexpr double roughness = 0.7;
+
+tinygltf::Primitive plain_primitive(const TriMesh& mesh, const VertexColours& colours, const Vec3& middle,
+                                    GltfScene& scene) {
   Rows3 rows;
-  rows.reserve(level.mesh.vertices.size());
-  for (const Vec3& p : level.mesh.vertices) rows.push_back((p - middle).cast<float>());
+  rows.reserve(mesh.vertices.size());
+  for (const Vec3& p : mesh.vertices) rows.push_back((p - middle).cast<float>());
   tinygltf::Primitive primitive;
-  primitive.attributes["POSITION"] = buffer.add_rows(rows, true);
-  primitive.attributes["NORMAL"] = buffer.add_rows(io_detail::vertex_normals(level.mesh), false);
-  if (!level.colours.empty()) primitive.attributes["COLOR_0"] = buffer.add_colours(linear(level.colours));
-  primitive.indices = buffer.add_triangles(level.mesh);
+  primitive.attributes["POSITION"] = scene.add_rows(rows, true);
+  primitive.attributes["NORMAL"] = scene.add_rows(io_detail::vertex_normals(mesh), false);
+  if (!colours.empty()) primitive.attributes["COLOR_0"] = scene.add_colours(linear(colours));
+  primitive.indices = scene.add_triangles(mesh);
   return primitive;
 }
 
-tinygltf::Primitive textured_primitive(const TexturedMesh& mesh, const Vec3& middle, GltfBuffer& buffer) {
+/// A node whose places are seen from `middle`, so that places far from the origin keep their precision.
+void add_node_at(const Vec3& middle, const std::string& name, tinygltf::Primitive primitive, bool shown,
+                 GltfScene& scene) {
+  scene.add_node(name, std::move(primitive), shown);
+  scene.model.nodes.back().translation = {middle[0], middle[1], middle[2]};
+}
+
+tinygltf::Primitive textured_primitive(const TexturedMesh& mesh, const Vec3& middle, GltfScene& scene) {
   Rows3 places, normals;
   std::vector<std::array<float, 4>> tangents;
   std::vector<Eigen::Vector2f> uvs;
@@ -58,10 +69,10 @@ tinygltf::Primitive textured_primitive(const TexturedMesh& mesh, const Vec3& mid
     uvs.push_back(c.uv);
   }
   tinygltf::Primitive primitive;
-  primitive.attributes["POSITION"] = buffer.add_rows(places, true);
-  primitive.attributes["NORMAL"] = buffer.add_rows(normals, false);
-  primitive.attributes["TANGENT"] = buffer.add_fours(tangents);
-  primitive.attributes["TEXCOORD_0"] = buffer.add_pairs(uvs);
+  primitive.attributes["POSITION"] = scene.add_rows(places, true);
+  primitive.attributes["NORMAL"] = scene.add_rows(normals, false);
+  primitive.attributes["TANGENT"] = scene.add_fours(tangents);
+  primitive.attributes["TEXCOORD_0"] = scene.add_pairs(uvs);
   return primitive;
 }
 
@@ -73,21 +84,14 @@ std::string png_of(const Texture& texture) {
   return encode_png(picture);
 }
 
-tinygltf::Material plain_material(const std::string& name) {
-  tinygltf::Material material;
-  material.name = name;
-  material.pbrMetallicRoughness.metallicFactor = 0;
-  material.pbrMetallicRoughness.roughnessFactor = 0.7;
-  return material;
-}
-
-tinygltf::Material textured_material(const LodSurface& level, GltfBuffer& buffer) {
-  tinygltf::Material material = plain_material(level.name);
-  material.normalTexture.index = buffer.add_png(png_of(level.textured.normals), level.name + "_normals");
-  if (!level.textured.colours.texels.empty())
-    material.pbrMetallicRoughness.baseColorTexture.index =
-        buffer.add_png(png_of(level.textured.colours), level.name + "_colours");
-  return material;
+int add_textured_material(const LodSurface& level, GltfScene& scene) {
+  const int normals = scene.add_png(png_of(level.textured.normals), level.name + "_normals");
+  const bool coloured = !level.textured.colours.texels.empty();
+  const int colours = coloured ? scene.add_png(png_of(level.textured.colours), level.name + "_colours") : -1;
+  const int index = scene.add_material(level.name, roughness);
+  scene.model.materials.back().normalTexture.index = normals;
+  scene.model.materials.back().pbrMetallicRoughness.baseColorTexture.index = colours;  // -1: none
+  return index;
 }
 
 bool is_textured(const LodSurface& level) { return !level.textured.corners.empty(); }
@@ -100,18 +104,6 @@ void check_textures(const LodSurface& level, const std::string& what) {
   const TexturedMesh& mesh = level.textured;
   if (mesh.corners.size() % 3 != 0 || !fits(mesh.normals) || (!mesh.colours.texels.empty() && !fits(mesh.colours)))
     throw InputError("cannot write " + what + ": the textures of " + level.name + " do not fit their corners");
-}
-
-tinygltf::Mesh mesh_of(const LodSurface& level, const Vec3& middle, tinygltf::Model& model, GltfBuffer& buffer) {
-  tinygltf::Primitive primitive =
-      is_textured(level) ? textured_primitive(level.textured, middle, buffer) : plain_primitive(level, middle, buffer);
-  primitive.mode = TINYGLTF_MODE_TRIANGLES;
-  primitive.material = is_textured(level) ? static_cast<int>(model.materials.size()) : 0;
-  if (is_textured(level)) model.materials.push_back(textured_material(level, buffer));
-  tinygltf::Mesh mesh;
-  mesh.name = level.name;
-  mesh.primitives.push_back(primitive);
-  return mesh;
 }
 
 /// The finest node lists the others, and down to which part of the screen each level serves.
@@ -136,30 +128,33 @@ void write_lod_glb(std::span<const LodSurface> levels, const std::filesystem::pa
     io_detail::check_colours(level.mesh, level.colours, path.string());
     if (is_textured(level)) check_textures(level, path.string());
   }
-  tinygltf::Model model;
-  model.asset.version = "2.0";
-  model.asset.generator = "Dynasurf";
-  if (!std::all_of(levels.begin(), levels.end(), is_textured)) model.materials.push_back(plain_material("surface"));
-  GltfBuffer buffer(model);
+  GltfScene scene;
+  const bool all_textured = std::all_of(levels.begin(), levels.end(), is_textured);
+  const int plain = all_textured ? -1 : scene.add_material("surface", roughness);
   const Vec3 middle = middle_of(levels[0].mesh);
   for (const LodSurface& level : levels) {
-    tinygltf::Node node;
-    node.name = level.name;
-    node.mesh = static_cast<int>(model.meshes.size());
-    node.translation = {middle[0], middle[1], middle[2]};
-    model.meshes.push_back(mesh_of(level, middle, model, buffer));
-    model.nodes.push_back(node);
+    tinygltf::Primitive primitive = is_textured(level) ? textured_primitive(level.textured, middle, scene)
+                                                       : plain_primitive(level.mesh, level.colours, middle, scene);
+    primitive.material = is_textured(level) ? add_textured_material(level, scene) : plain;
+    add_node_at(middle, level.name, std::move(primitive), &level == &levels[0], scene);
   }
-  name_levels(levels, model);
-  tinygltf::Scene scene;
-  scene.nodes.push_back(0);
-  model.scenes.push_back(scene);
-  model.defaultScene = 0;
+  name_levels(levels, scene.model);
+  write_file(path, scene.encode(path.string()));
+}
 
-  std::ostringstream bytes;
-  if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, bytes, false, true))
-    throw IoError("cannot write " + path.string() + ": glTF could not be put together");
-  write_file(path, bytes.str());
+std::string io_detail::encode_glb(const TriMesh& mesh, std::span<const VertexScalar> scalars,
+                                  const VertexColours& colours, const std::string& what) {
+  GltfScene scene;
+  const Vec3 middle = middle_of(mesh);
+  tinygltf::Primitive primitive = plain_primitive(mesh, colours, middle, scene);
+  primitive.material = scene.add_material("surface", roughness);
+  for (const VertexScalar& scalar : scalars) {
+    std::string name = "_" + scalar.name;  // glTF asks for the underscore
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::toupper(c); });
+    primitive.attributes[name] = scene.add_values(scalar.values);
+  }
+  add_node_at(middle, "surface", std::move(primitive), true, scene);
+  return scene.encode(what);
 }
 
 }  // namespace dynasurf

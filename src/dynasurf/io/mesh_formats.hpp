@@ -35,6 +35,9 @@ std::string encode_vtp(const TriMesh& mesh, std::span<const VertexScalar> scalar
 std::string encode_stl(const TriMesh& mesh);
 std::string encode_obj(const TriMesh& mesh, const VertexColours& colours = {});
 std::string encode_off(const TriMesh& mesh, const VertexColours& colours = {});
+/// `what` names the output, should glTF refuse it.
+std::string encode_glb(const TriMesh& mesh, std::span<const VertexScalar> scalars, const VertexColours& colours,
+                       const std::string& what);
 
 // Decoders. They throw InputError; indices of the mesh they return are in range and coordinates finite.
 TriMesh decode_ply(const MeshFile& file);

@@ -12,10 +12,10 @@
 
 namespace dynasurf {
 
-enum class MeshFormat { ply, stl, obj, off, vtp };
+enum class MeshFormat { ply, stl, obj, off, vtp, glb };
 std::span<const std::string_view> names_of(MeshFormat);
 
-/// One named value per vertex, written where the format can hold it (ply, vtp).
+/// One named value per vertex, written where the format can hold it (ply, vtp, and glb as the attribute _NAME).
 struct VertexScalar {
   std::string name;
   std::vector<float> values;
@@ -24,9 +24,10 @@ struct VertexScalar {
 /// sRGB, one per vertex, or none.
 using VertexColours = std::vector<std::array<std::uint8_t, 3>>;
 
-/// Writes a mesh with the coordinates it has: binary little-endian PLY with normals, binary STL, OBJ, OFF, or VTK
-/// PolyData XML. Coordinates are kept exactly, but for STL, which holds single precision. Whole or not at all.
-/// Colours are written where the format can hold them (ply, obj, off).
+/// Writes a mesh with the coordinates it has: binary little-endian PLY with normals, binary STL, OBJ, OFF, VTK PolyData
+/// XML, or binary glTF. Coordinates are kept exactly, but for STL and GLB, which hold single precision, GLB around the
+/// middle of the mesh. Whole or not at all.
+/// Colours are written where the format can hold them (ply, obj, off, glb).
 /// Throws InputError for a mesh without triangles, with an index out of range or a vertex that is not finite,
 /// OptionError for scalars or colours of another length or a name that is no plain word, IoError.
 void write_mesh(const TriMesh& mesh, const std::filesystem::path& path, MeshFormat format,

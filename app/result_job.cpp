@@ -1,0 +1,84 @@
+#include "result_job.hpp"
+
+#include <algorithm>
+
+#include <CLI/CLI.hpp>
+
+#include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/study_io.hpp"
+
+#include "console.hpp"
+#include "input_names.hpp"
+#include "version.hpp"
+
+namespace dynasurf::app {
+
+void add_result_arguments(CLI::App& command, ResultArguments& a, const std::string& formats) {
+  command.add_option("--out", a.out, "folder of the result; a former result there is replaced")->required();
+  command
+      .add_option("--mesh-format", a.mesh_formats,
+                  mesh_format_choices() + ": one or more, with commas between them (" + formats + ")")
+      ->delimiter(',');
+  command.add_option("--threads", a.threads, "threads at most; the result is the same (0: all)")
+      ->check(CLI::Range(0, 1024));
+  command.add_flag("--quiet", a.quiet, "print nothing but what --json asks for");
+  command.add_flag("--json", a.json, "print results.json instead of the table");
+  command.add_flag("--no-timings", a.no_timings, "leave the times out, so that equal runs give equal bytes");
+  command.add_flag("--with-names,--with-phi", a.with_names,
+                   "record the names of the input files, which may name a person");
+}
+
+std::vector<MeshFormat> mesh_formats_of(const std::vector<std::string>& words, const std::string& where) {
+  std::vector<MeshFormat> formats;
+  for (const std::string& word : words) {
+    const auto format = static_cast<MeshFormat>(position_of(names_of(MeshFormat{}), word, where));
+    if (std::find(formats.begin(), formats.end(), format) == formats.end()) formats.push_back(format);
+  }
+  return formats;
+}
+
+std::string mesh_format_choices() {
+  std::string text;
+  for (const std::string_view word : names_of(MeshFormat{})) text += (text.empty() ? "" : ", ") + std::string(word);
+  return text;
+}
+
+void take(const ResultArguments& arguments, const std::string& command, ResultJob& job) {
+  job.out = arguments.out;
+  if (!arguments.mesh_formats.empty()) job.mesh_formats = mesh_formats_of(arguments.mesh_formats, "--mesh-format");
+  job.timings = !arguments.no_timings;
+  job.command = command;
+  job.file_names = arguments.with_names;
+  job.threads = arguments.threads;
+}
+
+Provenance provenance_of(const ResultJob& job, const std::vector<std::filesystem::path>& inputs,
+                         std::string options_json) {
+  Provenance provenance;
+  provenance.program_version = version();
+  provenance.commit = commit();
+  provenance.command = job.command;
+  provenance.options_json = std::move(options_json);
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const std::string name = i < job.recorded_names.size() ? job.recorded_names[i]
+                             : job.file_names              ? inputs[i].filename().string()
+                                                           : neutral_name(inputs[i], i);
+    provenance.inputs.emplace_back(name, sha256_of_file(inputs[i]));
+  }
+  return provenance;
+}
+
+void run_with_progress(bool quiet, const std::stop_token& stop, const std::function<void(const Progress&)>& work) {
+  ProgressLine line(quiet);
+  work({[&](std::string_view stage, int done, int total) { line(stage, done, total); }, stop});
+}
+
+void print_result(const ResultArguments& arguments, const std::string& json, const std::string& summary) {
+  if (arguments.json)
+    print(json);
+  else if (!arguments.quiet)
+    print(summary + "result: " + arguments.out + "\n");
+}
+
+}  // namespace dynasurf::app

@@ -1,0 +1,59 @@
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "dynasurf/core/progress.hpp"
+#include "dynasurf/io/mesh_io.hpp"
+#include "dynasurf/report/provenance.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace dynasurf::app {
+
+/// What every run that leaves a result folder shares, whatever it makes.
+struct ResultJob {
+  std::filesystem::path out;
+  std::vector<MeshFormat> mesh_formats;
+  bool timings = true;                      // in results.json
+  std::string command;                      // for the provenance
+  bool file_names = false;                  // record the names of the input files, which may name a person
+  std::vector<std::string> recorded_names;  // of the input files, when an earlier run gave them
+  int threads = 0;                          // 0: as many as the machine has
+};
+
+/// The arguments that become a ResultJob, and how the run speaks.
+struct ResultArguments {
+  std::string out;
+  std::vector<std::string> mesh_formats;
+  bool quiet = false, json = false, no_timings = false, with_names = false;
+  int threads = 0;
+};
+
+/// `formats` are those that are written when none are asked for.
+void add_result_arguments(CLI::App& command, ResultArguments& arguments, const std::string& formats);
+
+/// Formats by their words, each once. `where` stands in the OptionError for a word that is none.
+std::vector<MeshFormat> mesh_formats_of(const std::vector<std::string>& words, const std::string& where);
+/// The words of --mesh-format for a help text: "ply, stl, ...".
+std::string mesh_format_choices();
+
+/// Sets what the user asked for; the rest of `job` stays.
+void take(const ResultArguments& arguments, const std::string& command, ResultJob& job);
+
+/// Program, command, options, and the name and hash of every input.
+Provenance provenance_of(const ResultJob& job, const std::vector<std::filesystem::path>& inputs,
+                         std::string options_json);
+
+/// Runs `work` while telling its stages on standard error, unless --quiet.
+void run_with_progress(bool quiet, const std::stop_token& stop, const std::function<void(const Progress&)>& work);
+
+/// What a run prints when it has ended: with --json its results.json; else the table and the place, or with --quiet
+/// nothing.
+void print_result(const ResultArguments& arguments, const std::string& json, const std::string& summary);
+
+}  // namespace dynasurf::app
