@@ -131,7 +131,7 @@ DYNASURF_INLINE bool any(const float* x, const float* y, const float* z) {
 }
 
 struct SliceOutcome {
-  double largest_b = 0;
+  double largest_b = 0, sum_b = 0;
   int largest_bits = 0;
 };
 
@@ -143,7 +143,7 @@ DYNASURF_CLONES SliceOutcome fill_slice(Level& l, const Image& map, int k, DataT
   std::fill_n(gx, 3 * padded, 0.0f);
   std::int32_t next = static_cast<std::int32_t>(l.row_number(0, k)) * 2 * chunks;
   SliceOutcome outcome;
-  float largest_b = 0;
+  float largest_b = 0, sum_b[lanes] = {};
   for (int j = 0; j < ny; ++j) {
     const auto at = [&](int y, int z) { return map.values.data() + map.grid.index(0, y, z); };
     const int jm = std::max(j - 1, 0), jp = std::min(j + 1, ny - 1), km = std::max(k - 1, 0),
@@ -176,16 +176,44 @@ DYNASURF_CLONES SliceOutcome fill_slice(Level& l, const Image& map, int k, DataT
           data[48 + i] = y;
           data[64 + i] = z;
           largest_b = std::max(largest_b, b);
+          sum_b[i] += i < count ? b : 0;
         }
       }
     }
   }
   outcome.largest_b = static_cast<double>(largest_b);
+  for (const float b : sum_b) outcome.sum_b += static_cast<double>(b);
   return outcome;
 }
 
-/// Adds one row's data to the coarser cells: the data term and right-hand side, each weighed with s = D/(D+b). A thin
-/// strong shell would otherwise hold the whole coarse cell fast.
+/// s = D/(D+b) of 16 voxels, the share of a voxel that diffusion rules; 1 where there are no data.
+DYNASURF_INLINE Vec16 freedom(const Level& l, int j, int k, int half, int m) {
+  const std::int32_t number = l.blocks_of(j, k, half)[m / lanes];
+  if (number < 0) return Vec16{} + 1;
+  return (load(l.lane_diagonal(half) + m) + l.yz_diagonal(j, k)) *
+         load(l.blocks.data() + block_size * static_cast<std::ptrdiff_t>(number));
+}
+
+/// How much of its data term a voxel shows to the coarser level. Alone among free voxels it would follow them by s, and
+/// show s b; voxels inside a thick or strong border are held by their neighbours too, and show less.
+DYNASURF_INLINE Vec16 shown(const Level& l, int j, int k, int half, int m, Vec16 d, Vec16 s) {
+  float beside[lanes + 2];
+  store(beside + 1, freedom(l, j, k, 1 - half, m));
+  beside[0] = m > 0 ? freedom(l, j, k, 1 - half, m - lanes)[lanes - 1] : 1;
+  beside[lanes + 1] = m + lanes < l.slot ? freedom(l, j, k, 1 - half, m + lanes)[0] : 1;
+  const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  Vec16 flow =
+      load(l.lane_left(half) + m) * load(beside + half) + load(l.lane_right(half) + m) * load(beside + half + 1);
+  if (j > 0) flow += l.axis[1].left[at(j)] * freedom(l, j - 1, k, half, m);
+  if (j + 1 < l.ny()) flow += l.axis[1].right[at(j)] * freedom(l, j + 1, k, half, m);
+  if (k > 0) flow += l.axis[2].left[at(k)] * freedom(l, j, k - 1, half, m);
+  if (k + 1 < l.nz()) flow += l.axis[2].right[at(k)] * freedom(l, j, k + 1, half, m);
+  const Vec16 held = 0.3f + s;  // as measured on borders of all strengths
+  return held * (d * flow) + (1 - held) * s;
+}
+
+/// Adds one row's data to the coarser cells: the data term as far as it shows, and the right-hand side weighed with s.
+/// A thin strong shell would otherwise hold the whole coarse cell fast.
 DYNASURF_INLINE void add_row_data(const Level& l, int j, int k, int half, float area, float* sum, int step) {
   const float *diagonal = l.lane_diagonal(half), *share = l.lane_share(half), yz = l.yz_diagonal(j, k);
   for (int m = 0; m < l.slot; m += lanes) {
@@ -195,13 +223,13 @@ DYNASURF_INLINE void add_row_data(const Level& l, int j, int k, int half, float 
     const std::size_t scalars = l.scalar_row(j, k) + static_cast<std::size_t>(half * l.slot + m);
     const Vec16 d = l.finest ? load(data) : load(l.d.data() + scalars);
     const Vec16 b = l.finest ? load(data + 16) : load(l.b.data() + scalars);
-    const Vec16 s = (area * load(share + m)) * ((load(diagonal + m) + yz) * d);
-    store(sum + m, load(sum + m) + s * b);
+    const Vec16 part = area * load(share + m), s = (load(diagonal + m) + yz) * d;
+    store(sum + m, load(sum + m) + part * b * (l.finest ? shown(l, j, k, half, m, d, s) : s));
     for (int c = 0; c < 3; ++c) {
       const Vec16 rhs = l.finest ? b * load(data + 32 + 16 * c)
                                  : load(l.rhs.data() + l.row(j, k) + half * l.slot + 2 * c * l.slot + m);
       float* to = sum + (c + 1) * step + m;
-      store(to, load(to) + s * rhs);
+      store(to, load(to) + part * s * rhs);
     }
   }
 }
@@ -254,7 +282,7 @@ DYNASURF_CLONES void coarsen_slice(const Level& f, Level& g, int k) {
 
 }  // namespace
 
-double build(std::vector<Level>& levels, const Image& map, const Vec3& rates, const DataTerm& term) {
+DataStrength build(std::vector<Level>& levels, const Image& map, const Vec3& rates, const DataTerm& term) {
   if (levels.empty()) levels.emplace_back();
   std::array<Axis, 3> axis;
   for (std::size_t d = 0; d < 3; ++d) {
@@ -281,9 +309,9 @@ double build(std::vector<Level>& levels, const Image& map, const Vec3& rates, co
   });
   SliceOutcome all;
   for (const SliceOutcome& o : outcomes)
-    all = {std::max(all.largest_b, o.largest_b), std::max(all.largest_bits, o.largest_bits)};
+    all = {std::max(all.largest_b, o.largest_b), all.sum_b + o.sum_b, std::max(all.largest_bits, o.largest_bits)};
   if (all.largest_bits >= 0x7f800000 || !std::isfinite(all.largest_b)) detail::check_edge_map(map);  // names the place
-  if (all.largest_b == 0) return 0;
+  if (all.largest_b == 0) return {};
 
   for (std::size_t l = 1; l < count; ++l) {
     Level& g = levels[l];
@@ -294,7 +322,7 @@ double build(std::vector<Level>& levels, const Image& map, const Vec3& rates, co
       for (std::size_t k = begin; k < end; ++k) coarsen_slice(levels[l - 1], g, static_cast<int>(k));
     });
   }
-  return all.largest_b;
+  return {all.largest_b, all.sum_b / static_cast<double>(levels[0].cells())};
 }
 
 }  // namespace dynasurf::multigrid

@@ -95,17 +95,23 @@ struct DataTerm {
   double inverse_k = 0;  // 0: GVF
 };
 
+/// The data term b over the voxels.
+struct DataStrength {
+  double largest = 0, mean = 0;
+};
+
 /// Builds all levels from the map; `rates` is the diffusion along each axis per mm of field. Memory of an earlier map
-/// is reused where it fits. Returns the largest b; where that is 0 the levels are not complete.
-double build(std::vector<Level>& levels, const Image& map, const Vec3& rates, const DataTerm& term);
+/// is reused where it fits. Where the largest b is 0 the levels are not complete.
+DataStrength build(std::vector<Level>& levels, const Image& map, const Vec3& rates, const DataTerm& term);
 
 // ---- What is done to the rows [j0, j1) of slice k. Rows of one colour depend on rows of the other alone.
 
 enum class Start {
-  warm,      // improve u
-  measured,  // the same, and note how much it changed (finest level)
-  cold,      // u of this colour counts as 0
-  from_rhs,  // all of u counts as 0
+  warm,       // improve u
+  measured,   // the same, and note how much it changed (finest level)
+  near_data,  // the same where there are data and beside them (finest level)
+  cold,       // u of this colour counts as 0
+  from_rhs,   // all of u counts as 0
 };
 void sweep(Level& level, int k, int j0, int j1, int colour, Start start);
 

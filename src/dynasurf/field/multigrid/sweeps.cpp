@@ -155,8 +155,9 @@ DYNASURF_INLINE void sweep_finest_row(const View& v, int j, int k, int half, Mea
   const float *left = v.lane_left(half), *right = v.lane_right(half), *empty_d = v.empty_d_of(j, k, half);
   const std::int32_t* block_of = v.blocks_of(j, k, half);
   for (int m = 0; m < v.slot; m += lanes) {
-    const Vec16 kl = load(left + m), kr = load(right + m);
     const std::int32_t number = block_of[m / lanes];
+    if (start == Start::near_data && number < 0) continue;
+    const Vec16 kl = load(left + m), kr = load(right + m);
     const auto relax = [&](int c, Vec16 d, auto pull) DYNASURF_INLINE_LAMBDA {
       const std::ptrdiff_t at = 2 * c * v.slot + m;
       const Vec16 u = start == Start::cold ? Vec16{} : load(r.own + at);
@@ -318,7 +319,7 @@ class Interpolated {
 /// The correction of the voxels is stretched a little: the averaged data term of the coarser level holds it back. On
 /// every level it would add up, and a field that is smooth on all of them would swing for ever.
 template <bool finest>
-constexpr float stretch = finest ? 1.1f : 1.0f;
+constexpr float stretch = finest ? 1.05f : 1.0f;
 
 template <bool finest, bool first>
 DYNASURF_INLINE void interpolate_rows(const View f, const View g, int k, int j0, int j1) {
@@ -393,9 +394,10 @@ DYNASURF_INLINE void sweep_rows(Level& l, int k, int j0, int j1, int colour) {
 
 DYNASURF_CLONES void sweep(Level& l, int k, int j0, int j1, int colour, Start start) {
   if (l.finest)
-    start == Start::warm   ? sweep_rows<Start::warm, true>(l, k, j0, j1, colour)
-    : start == Start::cold ? sweep_rows<Start::cold, true>(l, k, j0, j1, colour)
-                           : sweep_rows<Start::measured, true>(l, k, j0, j1, colour);
+    start == Start::warm        ? sweep_rows<Start::warm, true>(l, k, j0, j1, colour)
+    : start == Start::cold      ? sweep_rows<Start::cold, true>(l, k, j0, j1, colour)
+    : start == Start::near_data ? sweep_rows<Start::near_data, true>(l, k, j0, j1, colour)
+                                : sweep_rows<Start::measured, true>(l, k, j0, j1, colour);
   else
     start == Start::warm   ? sweep_rows<Start::warm, false>(l, k, j0, j1, colour)
     : start == Start::cold ? sweep_rows<Start::cold, false>(l, k, j0, j1, colour)
