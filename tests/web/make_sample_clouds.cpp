@@ -76,11 +76,13 @@ void write_sample(const std::filesystem::path& folder, const CloudRun& run) {
   write_cloud_report(run, provenance(), folder / "report.html");
 }
 
-void write_instances(const std::filesystem::path& path) {
+void write_instances(int count, const std::filesystem::path& path) {
   const std::vector<TriMesh> levels{egg(4), egg(3), egg(2)};
   const std::vector<LodTransition> transitions{lod_transition(levels[1], levels[0]),
                                                lod_transition(levels[2], levels[1])};
-  write_lod_page(levels, transitions, {}, path);
+  LodPage options;
+  options.instances = count;
+  write_lod_page(levels, transitions, options, path);
 }
 
 }  // namespace
@@ -100,7 +102,8 @@ int main(int count, char** arguments) {
     broken.result.levels[1].certificate = certify(mesh, broken.result.used);
     write_sample(folder / "results" / "broken", broken);
     write_sample(folder / "results" / "empty", run_of({}, false));
-    write_instances(folder / "instances.html");
+    write_instances(200, folder / "instances.html");
+    write_instances(1, folder / "instance.html");
   } catch (const std::exception& error) {
     std::fprintf(stderr, "make_sample_clouds: %s\n", error.what());
     return 2;

@@ -11,7 +11,7 @@ if (!program) {
   process.exit(skipped);
 }
 
-const path_of = (name) => (name === "instances" ? join(folder, "instances.html") : join(folder, "results", name, "report.html"));
+const path_of = (name) => (name.startsWith("instance") ? join(folder, `${name}.html`) : join(folder, "results", name, "report.html"));
 const text = (page, selector) => page.locator(selector).innerText();
 const shot = async (page, selector) => {
   await page.waitForTimeout(250);
@@ -22,6 +22,40 @@ const set = (page, selector, value) =>
     input.value = to;
     input.dispatchEvent(new Event("input"));
   }, String(value));
+
+/** The page of one instance, which stands still in the middle, about 100 pixels large and in one colour. */
+async function alone(page, mode) {
+  await page.setViewportSize({ width: 260, height: 1400 });
+  await page.waitForTimeout(300);
+  await page.selectOption("#mode", mode);
+  await page.evaluate(() => {
+    document.getElementById("edge").step = "any";
+    for (const name of ["move", "tint"]) document.getElementById(name).click();
+  });
+  return {
+    /** The level it is drawn at when edges may be so long on the screen. */
+    level: (edge) =>
+      page.evaluate(async (to) => {
+        const input = document.getElementById("edge");
+        input.value = to;
+        input.dispatchEvent(new Event("input"));
+        for (let n = 0; n < 2; ++n) await new Promise(requestAnimationFrame);
+        return document.documentElement.dataset.counts.split(" ").indexOf("1");
+      }, edge),
+    /** Mean change of the picture since the last call, in grey levels. */
+    change: () =>
+      page.evaluate(async () => {
+        await new Promise(requestAnimationFrame); // after the page's own: what it drew can still be read
+        const drawn = document.querySelector("#view canvas"), side = 180;
+        const copy = Object.assign(document.createElement("canvas"), { width: side, height: side });
+        const context = copy.getContext("2d");
+        context.drawImage(drawn, (drawn.width - side) / 2, (drawn.height - side) / 2, side, side, 0, 0, side, side);
+        const now = context.getImageData(0, 0, side, side).data.filter((_, n) => n % 4 === 1), last = window.last ?? now;
+        window.last = now;
+        return now.reduce((sum, value, n) => sum + Math.abs(value - last[n]), 0) / now.length;
+      }),
+  };
+}
 
 const tests = {
   async "is small and shows the certificate of every level"(open) {
@@ -99,7 +133,7 @@ const tests = {
   async "shows triangles, flat shading and points by their keys"(open) {
     const page = await open("ok");
     let before = await shot(page, "#tiles");
-    for (const key of ["w", "f", "p"]) {
+    for (const key of ["w", "f", "p", "z"]) {
       await page.keyboard.press(key);
       const now = await shot(page, "#tiles");
       assert.ok(!before.equals(now), key);
@@ -110,10 +144,12 @@ const tests = {
 
   async "fits narrow screens"(open) {
     const page = await open("ok");
-    for (const width of [1920, 1000, 700]) {
+    for (const width of [1920, 1000, 700, 390]) {
       await page.setViewportSize({ width, height: 900 });
       await page.waitForTimeout(150);
       assert.ok(await page.evaluate(() => document.body.scrollWidth <= innerWidth), `too wide at ${width}`);
+      const boxes = await page.locator(".tile-label").evaluateAll((labels) => labels.map((label) => [label.scrollWidth, label.clientWidth]));
+      for (const [needed, given] of boxes) assert.ok(needed <= given, `a label of ${needed} pixels in ${given} at ${width}`);
     }
   },
 
@@ -121,6 +157,7 @@ const tests = {
     const page = await open("instances");
     const read = () => page.evaluate(() => ({ counts: document.documentElement.dataset.counts.split(" ").map(Number), triangles: Number(document.documentElement.dataset.triangles) }));
     const sum = (counts) => counts.reduce((a, b) => a + b);
+    await page.waitForTimeout(400);
     const morph = await read();
     assert.equal(sum(morph.counts), 200);
     assert.ok(morph.counts.every((count) => count > 0), `every level is in use: ${morph.counts}`);
@@ -137,6 +174,68 @@ const tests = {
     await set(page, "#count", 20);
     await page.waitForTimeout(400);
     assert.equal(sum((await read()).counts), 20);
+    assert.ok(await page.evaluate(() => document.getElementById("panel").scrollWidth <= document.getElementById("panel").clientWidth), "the panel holds its texts");
+  },
+
+  async "changes levels at their limits, and back only when these are passed by the hysteresis"(open) {
+    const page = await open("instance");
+    const one = await alone(page, "switch");
+    const data = await page.evaluate(() => JSON.parse(document.getElementById("data").textContent));
+    // Longer edges allowed on the screen ask for coarser levels of an instance that stays where it is.
+    const changes = async (edges) => {
+      const found = [];
+      for (let before = await one.level(edges[0]), n = 1; n < edges.length; ++n) {
+        const now = await one.level(edges[n]);
+        if (now !== before) found.push({ edge: (edges[n] + edges[n - 1]) / 2, from: before, to: now });
+        before = now;
+      }
+      return found;
+    };
+    const edges = Array.from({ length: 60 }, (_, n) => 2 * 20 ** (n / 59));
+    const coarser = await changes(edges), finer = await changes(edges.toReversed());
+    assert.deepEqual(coarser.map(({ from, to }) => [from, to]), [[0, 1], [1, 2]]);
+    assert.deepEqual(finer.map(({ from, to }) => [from, to]), [[2, 1], [1, 0]]);
+    const near = (value, expected, what) => assert.ok(Math.abs(value / expected - 1) < 0.06, `${what}: ${value}, expected ${expected}`); // a step is 5 %
+    for (const n of [0, 1]) near(coarser[n].edge / finer[1 - n].edge, 1.1 / 0.9, "hysteresis of 10 %");
+    near(coarser[1].edge / coarser[0].edge, data.levels[2].mean_edge / data.levels[1].mean_edge, "limits follow the edges");
+    // A size that trembles around a limit changes nothing.
+    await one.level(finer[1].edge * 0.8);
+    for (const share of [0.95, 1.05, 0.95, 1.05]) assert.equal(await one.level(coarser[0].edge * 0.9 * share), 0);
+  },
+
+  async "pops nowhere: interpolated levels change the picture in small steps"(open) {
+    // The largest change of the picture between two steps of the edge, while one level turns into the next.
+    const largest = async (mode) => {
+      const page = await open("instance");
+      const one = await alone(page, mode);
+      const changes = [];
+      for (let n = 0; n <= 120; ++n) {
+        await one.level(2 * 20 ** (n / 120));
+        changes.push(await one.change());
+      }
+      return Math.max(...changes);
+    };
+    const pop = await largest("switch"), smooth = await largest("morph");
+    console.log(`     largest change between two pictures, grey levels: at once ${pop.toFixed(3)}, interpolated ${smooth.toFixed(3)}`);
+    assert.ok(pop > 0.02, "a change at once is seen");
+    // The band of 10 % is passed in four of these steps.
+    assert.ok(smooth < 0.5 * pop, `${smooth} against ${pop}`);
+  },
+
+  async "leaves the frame to the graphics card: scripts take less than 4 ms for 200 instances"(open) {
+    const page = await open("instances");
+    // Drawing itself is a graphics card's work, which a browser without one does on the processor.
+    await page.evaluate(() => (WebGL2RenderingContext.prototype.drawElementsInstanced = () => {}));
+    await page.waitForTimeout(600);
+    const scripts = [];
+    for (let n = 0; n < 6; ++n) {
+      await page.waitForTimeout(600);
+      scripts.push(Number(await page.evaluate(() => document.documentElement.dataset.script)));
+    }
+    console.log(`     ms of script a frame: ${scripts.join(" ")}`);
+    assert.ok(scripts.every((script) => script > 0));
+    assert.ok(Math.min(...scripts) < 4, "the least disturbed of six");
+    assert.ok(Number(await page.evaluate(() => document.documentElement.dataset.calls)) <= 5, "a draw call per level, and one per level that grows");
   },
 };
 

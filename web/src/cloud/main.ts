@@ -96,22 +96,14 @@ function showCloud(place: HTMLElement, results: CloudResults): void {
 
 /** What stands over each tile. */
 function labelTiles(place: HTMLElement, report: CloudReport): void {
-  const tiles = report.levels.length + 1;
-  const label = (n: number, ...children: (Node | string)[]) => {
-    const element = html("div", { class: "tile-label" }, ...children);
-    element.style.left = `${(100 * n) / tiles}%`;
-    place.append(element);
-    if (n === 0) return;
-    const line = html("div", { class: "divider" });
-    line.style.left = `${(100 * n) / tiles}%`;
-    place.append(line);
-  };
+  const labels = html("div", { class: "tile-labels" });
+  place.append(labels);
+  const label = (...children: (Node | string)[]) => labels.append(html("div", { class: "tile-label" }, ...children));
   const shown = report.points.positions.length / 3, used = report.results.cloud.points_used;
-  label(0, html("b", {}, "Cloud"), shown < used ? `${count(shown)} of ${count(used)} points` : `${count(used)} points`);
-  report.levels.forEach(({ numbers }, n) => {
+  label(html("b", {}, "Cloud"), shown < used ? `${count(shown)} of ${count(used)} points` : `${count(used)} points`);
+  report.levels.forEach(({ numbers }) => {
     const c = numbers.certificate;
     label(
-      n + 1,
       html("b", {}, `Level ${numbers.level}: ${count(numbers.triangles)} triangles`),
       html("span", { class: c.watertight ? "good" : "bad" }, c.watertight ? "watertight" : "not watertight"),
       ` · mean distance ${percent(c.distances.cloud_to_mesh.mean_percent)}`,
@@ -151,7 +143,7 @@ function buildMorph(view: Tiles, report: CloudReport): (look: Look) => void {
 }
 
 function build3d(report: CloudReport): void {
-  const tiles = new Tiles(byId("tiles"), "The cloud and its levels of detail. Drag to turn.", report.radius);
+  const tiles = new Tiles(byId("tiles"), "The cloud and its levels of detail. Drag to turn.", report.radius, 42);
   const morph = new Tiles(byId("morph-view"), "A level that turns into the next. Drag to turn.", report.radius);
   labelTiles(byId("tiles"), report);
   tiles.add(pointsOf(report, 1.6));
@@ -173,7 +165,7 @@ function build3d(report: CloudReport): void {
     for (const surface of surfaces) surface.dress(look);
     for (const points of over) points.visible = look.points;
     byId("ramp-end").textContent = `${length(look.full)} (${percent(report.results.cloud.diagonal ? (100 * look.full) / report.results.cloud.diagonal : null)})`;
-    byId("ramp").style.visibility = byId("scale-label").style.visibility = look.colouring === "error" ? "visible" : "hidden";
+    byId("ramp").hidden = byId("scale-label").hidden = look.colouring !== "error";
     dressMorph(look);
     tiles.render();
   };
@@ -196,6 +188,13 @@ function build3d(report: CloudReport): void {
     };
     byId(`toggle-${name}`).addEventListener("click", keys[name[0]!]!);
   }
+  let z_up = false;
+  keys.z = () => {
+    z_up = !z_up;
+    byId("toggle-z").setAttribute("aria-pressed", String(z_up));
+    for (const view of [tiles, morph]) view.stand(z_up);
+  };
+  byId("toggle-z").addEventListener("click", keys.z);
   byId("reset").addEventListener("click", keys.r!);
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || (event.target as HTMLElement).closest("input, select")) return;

@@ -34,6 +34,7 @@ export interface Look {
 }
 
 const ramp = [0x5b83e6, 0x25a3b8, 0x7fd068, 0xf2c84b, 0xd8402f].map((hex) => new Color(hex));
+const least_tile_px = 150;
 const unknown = new Color(0x4a5563), plain = new Color(0xb9c6d4);
 
 /** Colour of a distance; grey where nothing can be said. */
@@ -122,18 +123,19 @@ function linear(bytes: Uint8Array): Float32Array {
   return out;
 }
 
-/** A canvas cut into tiles, each with its own scene. */
+/** A canvas cut into tiles, each with its own scene, and room for a label at its top. */
 export class Tiles {
   readonly camera = new PerspectiveCamera(30, 1, 0.01, 100);
   readonly controls: OrbitControls;
   private readonly renderer: WebGLRenderer;
   private readonly scenes: Scene[] = [];
+  private readonly roots: Object3D[] = [];
   /** Points have no light and shade: what is far away fades instead. */
   private readonly fog = new Fog(0x16202c);
   private waiting = false;
 
   /** Throws when the browser has no WebGL. */
-  constructor(private readonly place: HTMLElement, name: string, private readonly radius: number) {
+  constructor(private readonly place: HTMLElement, name: string, private readonly radius: number, private readonly label_px = 0) {
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     const canvas = this.renderer.domElement;
@@ -153,7 +155,9 @@ export class Tiles {
   add(...objects: Object3D[]): void {
     const scene = new Scene();
     if (objects.every((object) => object instanceof Points)) scene.fog = this.fog;
-    scene.add(new AmbientLight(0xffffff, 0.8), ...objects);
+    const root = new Object3D().add(...objects);
+    this.roots.push(root);
+    scene.add(new AmbientLight(0xffffff, 0.8), root);
     for (const [x, y, z, strength] of [[-1, 1.4, 1.2, 2], [1.6, -0.6, 0.6, 0.7], [0.4, 0.3, -1.4, 0.5]] as const) {
       const light = new DirectionalLight(0xffffff, strength);
       light.position.set(x, y, z);
@@ -167,6 +171,12 @@ export class Tiles {
     this.camera.position.copy(new Vector3(0.55, 0.35, 1).normalize().multiplyScalar(distance));
     this.controls.target.set(0, 0, 0);
     this.controls.update();
+    this.render();
+  }
+
+  /** Sets up what has its z axis upwards, as scanners of the ground write it, or its y axis. */
+  stand(z_up: boolean): void {
+    for (const root of this.roots) root.rotation.x = z_up ? -Math.PI / 2 : 0;
     this.render();
   }
 
@@ -190,15 +200,27 @@ export class Tiles {
   private resize(): void {
     const { clientWidth, clientHeight } = this.place;
     if (clientWidth === 0 || clientHeight === 0) return;
+    // The page's style makes room for the rows and sets what is written over the tiles.
+    const columns = this.columns(clientWidth);
+    this.place.style.setProperty("--columns", String(columns));
+    this.place.style.setProperty("--rows", String(Math.ceil(this.scenes.length / columns)));
     this.renderer.setSize(clientWidth, clientHeight);
     this.draw();
   }
 
+  /** All tiles in one row, or in as few rows as leave each wide enough for its label. */
+  private columns(width: number): number {
+    const rows = Math.ceil(this.scenes.length / Math.max(1, Math.floor(width / least_tile_px)));
+    return Math.max(1, Math.ceil(this.scenes.length / rows));
+  }
+
   private draw(): void {
-    const { clientWidth: width, clientHeight: height } = this.place;
-    if (width === 0 || this.scenes.length === 0) return;
-    const tile = width / this.scenes.length;
-    this.camera.aspect = tile / height;
+    const { clientWidth, clientHeight } = this.place;
+    if (clientWidth === 0 || this.scenes.length === 0) return;
+    const columns = this.columns(clientWidth);
+    const width = clientWidth / columns, height = clientHeight / Math.ceil(this.scenes.length / columns);
+    const seen = height - this.label_px;
+    this.camera.aspect = width / seen;
     this.camera.zoom = Math.min(1, this.camera.aspect);
     this.camera.updateProjectionMatrix();
     const away = this.camera.position.distanceTo(this.controls.target);
@@ -206,8 +228,9 @@ export class Tiles {
     this.fog.far = away + 0.8 * this.radius;
     this.renderer.setScissorTest(true);
     this.scenes.forEach((scene, n) => {
-      this.renderer.setViewport(n * tile, 0, tile, height);
-      this.renderer.setScissor(n * tile, 0, tile, height);
+      const left = (n % columns) * width, bottom = clientHeight - (Math.floor(n / columns) + 1) * height;
+      this.renderer.setViewport(left, bottom, width, seen);
+      this.renderer.setScissor(left, bottom, width, height);
       this.renderer.render(scene, this.camera);
     });
   }
