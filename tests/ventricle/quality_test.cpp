@@ -218,18 +218,29 @@ TEST(Judge, AsksToCheckAHeartThatThickSlicesStretched) {
   EXPECT_NEAR(found->value, 1.8 * 45 / 35, 0.05) << "the outermost points lie a little inside the ends";
 }
 
-TEST(Judge, AsksToCheckACavityThatBlurMayHaveFilled) {
+bool is_flagged(const VentricleResult& result, const std::string& code) {
+  const Codes codes = codes_of(result);
+  return std::find(codes.begin(), codes.end(), code) != codes.end();
+}
+
+TEST(Judge, AsksToCheckWhatTwoReadingsDisagreeAbout) {
+  VentricleResult result = good_result();
+  result.qgs_like = {{110, 95, 70, 44, 55, 75, 90, 105}, {}};
+  EXPECT_FALSE(is_flagged(result, "readings_disagree"));
+  result.qgs_like->cavity_ml[3] = 44 - 0.21 * 110;  // 21 points more
+  EXPECT_TRUE(is_flagged(result, "readings_disagree"));
+}
+
+TEST(Judge, AsksToCheckASmallHeartOfWhichMuchOfTheWallIsNotSeen) {
   VentricleResult result = good_result();
   result.heart->cup = {{0, 0, 0}, {0, 0, 1}, 30, 40, 25};
-  give_shape(result, 35, 45, 23);
-  const auto is_flagged = [&] {
-    const Codes codes = codes_of(result);
-    return std::find(codes.begin(), codes.end(), "cavity_unresolved") != codes.end();
-  };
-  result.gates[3].endo->volume_ml = 11;  // a ball of 13.8 mm, under a wall of some 13
-  EXPECT_FALSE(is_flagged());
-  result.gates[3].endo->volume_ml = 4;  // 9.8 mm
-  EXPECT_TRUE(is_flagged());
+  give_shape(result, 35, 45, 23);  // a wall of some 13 mm around a cavity of the volume of a ball of 25 mm
+  result.heart->ridge_share = 0.9;
+  EXPECT_FALSE(is_flagged(result, "wall_missing"));
+  result.heart->ridge_share = 0.8;  // 0.2 13 / 25
+  EXPECT_TRUE(is_flagged(result, "wall_missing"));
+  for (Gate& gate : result.gates) gate.endo->volume_ml *= 8;  // twice as wide: the same hole matters half as much
+  EXPECT_FALSE(is_flagged(result, "wall_missing"));
 }
 
 TEST(Judge, DoesNotMissTheOuterBorderOfABloodPool) {

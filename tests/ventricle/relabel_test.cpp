@@ -91,5 +91,40 @@ TEST(Relabel, GivesEdgesToTheWallThatNeighboursHaveThere) {
   EXPECT_EQ(found.borders.values, truth.borders.values);
 }
 
+TEST(DivisionSlice, IsSharedByGatesThatCouldOnlyGuessIt) {
+  std::vector<Labels> beat(8);
+  const auto guess = [](Labels& gate, int slice) {
+    gate.division_slice = slice;
+    gate.notes.push_back({Severity::warning, "slice_find.no_rise", "", -1, slice});
+  };
+  for (int g = 0; g < 3; ++g) beat[static_cast<std::size_t>(g)].division_slice = 2 + g;
+  for (std::size_t g = 3; g < 7; ++g) guess(beat[g], 9);
+  guess(beat[7], 1);
+  std::vector<Labels*> all;
+  for (Labels& gate : beat) all.push_back(&gate);
+  share_division_slice(all);
+  const auto found_slices = [&] {
+    std::vector<int> found;
+    for (const Labels& gate : beat) found.push_back(gate.division_slice);
+    return found;
+  };
+  EXPECT_EQ(found_slices(), (std::vector{2, 3, 4, 3, 3, 3, 3, 1})) << "blur hides the end of a cavity, it adds none";
+  EXPECT_EQ(beat[3].notes.back().code, "slice_find.shared");
+  EXPECT_EQ(beat[7].notes.back().code, "slice_find.no_rise");
+}
+
+TEST(DivisionSlice, IsNotSharedWhenFewSawIt) {
+  std::vector<Labels> beat(8);
+  for (Labels& gate : beat) {
+    gate.division_slice = 9;
+    gate.notes.push_back({Severity::warning, "slice_find.no_rise", "", -1, 9});
+  }
+  beat[0].notes.clear(), beat[0].division_slice = 2;
+  std::vector<Labels*> all;
+  for (Labels& gate : beat) all.push_back(&gate);
+  share_division_slice(all);
+  EXPECT_EQ(beat[5].division_slice, 9);
+}
+
 }  // namespace
 }  // namespace dynasurf

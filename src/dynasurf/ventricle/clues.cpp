@@ -59,17 +59,6 @@ bool touches_something_hot(const std::vector<double>& profile, double typical) {
   return false;
 }
 
-double apex_of(const Image& image, const Cup& cup) {
-  std::vector<double> apical, all;
-  for_each_direction(cup, [&](const OnCup& at, int row) {
-    const double wall = wall_in(profile_of(image, at));
-    all.push_back(wall);
-    if (row < 2) apical.push_back(wall);
-  });
-  const double typical = quantile(all, 0.75);
-  return typical > 0 ? median(apical) / typical : 1;
-}
-
 /// Counts within a sphere around the heart: what lies elsewhere would hide what a gate lacks.
 std::vector<double> counts_of(std::span<const Image> gates, const Cup& cup) {
   const double reach = cup.half_length_mm + 15;
@@ -165,7 +154,6 @@ void look_at_image(const VentricleResult& result, const Cup& world, Clues& clues
   if (share_outside(mean.grid, cup) < 0.5) {
     clues.hot_neighbour = hot_neighbour_share(mean, cup);
     clues.noise = noise_of_wall(result.study.gates, cup);
-    clues.apex = apex_of(mean, cup);
   }
   if (result.study.gates.size() < 2) return;
   const std::vector<double> counts = counts_of(result.study.gates, cup);
@@ -178,7 +166,7 @@ void look_at_image(const VentricleResult& result, const Cup& world, Clues& clues
 void look_at_surfaces(const VentricleResult& result, const Cup& cup, Clues& clues) {
   double thickness = 0, slimness = 0;
   int outer = 0, both = 0;
-  std::optional<double> least_ml;
+  double most_ml = 0;
   for (const Gate& gate : result.gates) {
     if (!gate.epi || gate.epi->mesh.vertices.empty()) continue;
     const Vec3 base = gate.base_plane ? gate.base_plane->point : cup.base();
@@ -186,13 +174,14 @@ void look_at_surfaces(const VentricleResult& result, const Cup& cup, Clues& clue
     clues.unround = std::max(clues.unround, unroundness(gate.epi->mesh, cup, top_mm));
     if (gate.epi->volume_ml > 0) slimness += length_to_width(*gate.epi, cup.axis), ++outer;
     if (!gate.endo || gate.endo->mesh.vertices.empty()) continue;
-    least_ml = std::min(least_ml.value_or(1e300), std::max(0.0, gate.endo->volume_ml));
+    most_ml = std::max(most_ml, gate.endo->volume_ml);
     thickness += mean_distance(gate.epi->mesh, cup) - mean_distance(gate.endo->mesh, cup), ++both;
   }
   if (outer > 0) clues.length_to_width = slimness / outer;
   if (both > 0) clues.thickness_mm = thickness / both;
-  if (least_ml && clues.thickness_mm > 0)
-    clues.least_cavity = std::cbrt(3000 * *least_ml / (4 * std::numbers::pi)) / clues.thickness_mm;
+  if (most_ml > 0)
+    clues.bridged =
+        (1 - result.heart->ridge_share) * clues.thickness_mm / std::cbrt(3000 * most_ml / (4 * std::numbers::pi));
   clues.moves_mm = largest_move(result, cup);
 }
 
@@ -205,6 +194,9 @@ void look_at_curves(const VentricleResult& result, Clues& clues) {
   const std::size_t gates = result.gates.size();
   if (endo.size() == gates) clues.endo_roughness = cycle_roughness(endo);
   if (epi.size() == gates) clues.epi_roughness = cycle_roughness(epi);
+  if (result.ef_percent && result.qgs_like)
+    if (const auto other = left_ventricular_function(result.qgs_like->cavity_ml); other && other->ef_percent)
+      clues.readings_apart = std::abs(*other->ef_percent - *result.ef_percent);
   if (result.ed_gate && result.es_gate && gates > 1)
     clues.end_systole = (static_cast<double>(*result.es_gate) + 0.5) / static_cast<double>(gates);
 }

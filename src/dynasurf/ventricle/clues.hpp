@@ -10,10 +10,12 @@ struct VentricleResult;
 
 /// Numbers of a finished study that tell right results from wrong ones; `judge` compares them with limits. A number
 /// whose data are missing has the value of a good result.
+/// Where no wall is seen (a share `m` of the directions) a surface bridges the hole. A bridge that is off by a third of
+/// the wall's apparent thickness `t` moves the volume of a ball of radius `r` by the share 3 m (t/3) / r: `bridged`.
 struct Clues {
   double hot_neighbour = 0;  // share of the directions in which something as hot as the wall touches it
   double noise = 0;          // of a point of the wall from gate to gate, relative to the wall
-  double apex = 1;           // brightness of the wall around the apex, relative to the whole wall
+  double bridged = 0;        // of the largest cavity: what surfaces may err by where no wall is seen, see below
   double unround = 0;        // spread of the outer surface's radius around the axis, relative to it; the worst gate
   double moves_mm = 0;       // how far a gate's outer surface lies from where the smooth beat has it; the worst gate
   double thickness_mm = 12;  // between the two surfaces, mean of the gates
@@ -22,7 +24,7 @@ struct Clues {
   double endo_roughness = 0;  // of the volume curves, as `cycle_roughness`
   double epi_roughness = 0;
   double length_to_width = 1.3;  // of the outer surface: of the ellipsoid of its length and volume; mean of the gates
-  double least_cavity = 2;       // radius of a ball of the smallest cavity's volume, relative to the thickness
+  double readings_apart = 0;     // points of ejection fraction: `qgs_like` over that of the surfaces, either way
   double end_systole = 0.4;      // part of the beat that has passed
   double base_seen = 1, base_spread_mm = 0, base_cut = 0;
 };

@@ -26,13 +26,13 @@ constexpr double least_base_seen = 0.45, most_base_spread_mm = 4, most_base_cut 
 constexpr double most_outside = 0.05;                             // of the wall
 constexpr double least_elongation = 1.15, most_elongation = 2.6;  // of the ellipsoid of the wall
 constexpr double most_length_to_width = 1.7;                      // of the outer surface, which ends at the valve
-constexpr double least_cavity = 0.94;
+constexpr double most_readings_apart = 20;
+constexpr double most_bridged = 0.06;  // of the largest cavity
 constexpr double most_hot_neighbour = 0.25;
-constexpr double least_apex = 0.3;  // of the wall
 constexpr double most_unround = 0.13;
 constexpr double most_noise = 0.2;
 constexpr double most_move_mm = 5;
-constexpr double least_thickness_mm = 8, most_thickness_mm = 18.5;
+constexpr double least_thickness_mm = 8, most_thickness_mm = 17.5;
 constexpr double least_end_systole = 0.2, most_end_systole = 0.65;
 constexpr double most_roughness = 0.12;
 constexpr double least_counts = 0.85, most_counts = 1.15;  // of the usual gate
@@ -96,7 +96,7 @@ void flag_surfaces(const VentricleResult& result, std::vector<Flag>& flags) {
              [](const Gate& g) { return g.wall_ml && *g.wall_ml <= 0; });
 }
 
-void flag_numbers(const VentricleResult& result, std::vector<Flag>& flags) {
+void flag_numbers(const VentricleResult& result, const Clues& clues, std::vector<Flag>& flags) {
   if (result.wall_variation && *result.wall_variation > most_wall_variation)
     flags.push_back(
         {"wall_volume_varies", Severity::warning,
@@ -108,6 +108,13 @@ void flag_numbers(const VentricleResult& result, std::vector<Flag>& flags) {
         {"ejection_fraction_implausible", Severity::warning,
          format("an ejection fraction of %.1f %% is outside %.0f-%.0f %%", *result.ef_percent, least_ef, most_ef),
          *result.ef_percent});
+  if (clues.readings_apart > most_readings_apart)
+    flags.push_back(
+        {"readings_disagree", Severity::warning,
+         format("the reading in the way of QGS has an ejection fraction %.0f points away: the cavity is too small for "
+                "the blur, or a part of the wall is not seen",
+                clues.readings_apart),
+         clues.readings_apart});
   if (result.edv_ml && (*result.edv_ml < least_edv_ml || *result.edv_ml > most_edv_ml))
     flags.push_back({"volume_implausible", Severity::warning,
                      format("an end-diastolic volume of %.1f mL is outside %.0f-%.0f mL", *result.edv_ml, least_edv_ml,
@@ -195,13 +202,10 @@ void flag_looks(const VentricleResult& result, const Clues& c, std::vector<Flag>
       Limit{"shape_implausible", c.length_to_width, 0, most_length_to_width,
             "the outer surface is %.1f times as long as wide; hearts are not, so the spacing of the slices may be "
             "wrong"},
-      Limit{"cavity_unresolved", c.least_cavity, least_cavity, 1e9,
-            "at its smallest the cavity's radius is only %.2f of the thickness the wall seems to have: blur fills so "
-            "small a cavity, its volume reads large and the ejection fraction low"},
+      Limit{"wall_missing", c.bridged, 0, most_bridged,
+            "so much of the wall is not seen that bridging it leaves %.0f %% of the cavity's volume uncertain", 100},
       Limit{"hot_neighbour", c.hot_neighbour, 0, most_hot_neighbour,
             "something as hot as the wall touches it in %.0f %% of the directions", 100},
-      Limit{"apex_missing", c.apex, least_apex, 1e9,
-            "the wall around the apex has only %.0f %% of the brightness of the rest", 100},
       Limit{"noisy", c.noise, 0, most_noise, "noise is %.0f %% of the wall's brightness", 100},
       Limit{"section_not_round", c.unround, 0, most_unround,
             "the outer border is not round: its radius varies by %.0f %%", 100},
@@ -287,7 +291,7 @@ std::vector<Flag> judge(const VentricleResult& result) {
   flag_base(clues, flags);
   flag_cycle(clues, flags);
   flag_missing_slices(result, flags);
-  flag_numbers(result, flags);
+  flag_numbers(result, clues, flags);
   flag_notes(result, flags);
   return flags;
 }

@@ -373,6 +373,11 @@ StudyRun run_borders(const Study& whole, const VentricleOptions& requested, cons
     find_labels(run.gates[g], run.study.gates[g], useful, region, options, clock);
     borders_found.advance();
   });
+  if (const Mlc* mlc = std::get_if<Mlc>(&options.labels.method); mlc == nullptr || !mlc->strict_thesis) {
+    std::vector<Labels*> labels;
+    for (GateRun& gate : run.gates) labels.push_back(&gate.labels);
+    share_division_slice(labels);
+  }
   help_strays(run.gates);
   parallel_for(run.gates.size(), 1,
                [&](std::size_t g, std::size_t) { make_borders(run.gates[g], run.study.gates[g], options); });

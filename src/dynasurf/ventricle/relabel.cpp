@@ -94,4 +94,27 @@ Labels relabel(const Mask& edges, const Labels& before, const Labels& after, dou
   return labels;
 }
 
+void share_division_slice(std::span<Labels* const> gates) {
+  const auto is_guess = [](const Note& n) { return n.code == "slice_find.fallback" || n.code == "slice_find.no_rise"; };
+  std::vector<Labels*> guessing;
+  std::vector<int> seen;
+  for (Labels* gate : gates)
+    if (std::any_of(gate->notes.begin(), gate->notes.end(), is_guess))
+      guessing.push_back(gate);
+    else if (gate->division_slice >= 0)
+      seen.push_back(gate->division_slice);
+  if (guessing.empty() || seen.empty() || 3 * seen.size() < gates.size()) return;
+  const auto middle = seen.begin() + static_cast<std::ptrdiff_t>(seen.size() / 2);
+  std::nth_element(seen.begin(), middle, seen.end());
+  for (Labels* gate : guessing) {
+    if (gate->division_slice <= *middle) continue;
+    gate->division_slice = *middle;
+    std::erase_if(gate->notes, is_guess);
+    gate->notes.push_back({Severity::info, "slice_find.shared",
+                           "The end of the cavity is not seen in this gate; that of the others, slice " +
+                               std::to_string(*middle + 1) + ", was taken.",
+                           -1, *middle});
+  }
+}
+
 }  // namespace dynasurf

@@ -30,4 +30,9 @@ struct Helpers {
 /// then which are right) or the beat has fewer than 6 gates.
 std::vector<Helpers> gates_to_help(std::span<const std::optional<double>> strays);
 
+/// A beat has one end of the cavity, but for a few millimetres: gates that could only guess it ("slice_find.fallback",
+/// "slice_find.no_rise") above where the others see it (their median) take it from these, if they are a third at least,
+/// and say so ("slice_find.shared"). Borders stay as they are. All lie on one grid.
+void share_division_slice(std::span<Labels* const> gates);
+
 }  // namespace dynasurf
