@@ -15,11 +15,13 @@
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
 #include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/report/measures.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 
 #include "command.hpp"
 #include "console.hpp"
+#include "true_walls.hpp"
 #include "version.hpp"
 
 namespace dynasurf::app {
@@ -60,6 +62,20 @@ Json options_of(const Phantom& phantom) {
 
 Json number(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
+/// What of the wall is true per segment, in the words of results.json; nothing that is read from counts.
+Json true_regions(const Phantom& phantom) {
+  if (!phantom.axis) return nullptr;
+  Json json = measures_json(measure_true_walls(phantom), phantom.study.cycle_ms);
+  for (Json& segment : json["segments"]) {
+    segment.erase("count_thickening_percent"), segment.erase("phase_counts_deg");
+    for (auto at = segment.begin(); at != segment.end();)
+      at = at.key().ends_with("_90") ? segment.erase(at) : std::next(at);
+  }
+  json["phase"].erase("counts");
+  for (Json& phase : json["phase"]) phase.erase("sd_deg_90");
+  return {{"phase", json["phase"]}, {"segments", json["segments"]}};
+}
+
 Json truth_of(const Phantom& phantom) {
   Json json;
   json["schema"] = "dynasurf.phantom/1";
@@ -82,6 +98,7 @@ Json truth_of(const Phantom& phantom) {
                              {"epi_ml", gate.epi_ml},
                              {"wall_ml", gate.wall_ml()}});
   }
+  json["regions"] = true_regions(phantom);
   json["notes"] = Json::array();
   for (const Note& note : phantom.notes) json["notes"].push_back({{"code", note.code}, {"message", note.message}});
   json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};

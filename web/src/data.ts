@@ -50,6 +50,16 @@ export interface SegmentNumbers {
   area_strain_percent: number | null;
   phase_counts_deg: number | null;
   phase_motion_deg: number | null;
+  phase_thickness_deg: number | null;
+  perfusion_percent_90: Interval;
+  thickness_ed_mm_90: Interval;
+  thickness_es_mm_90: Interval;
+  thickening_percent_90: Interval;
+  motion_mm_90: Interval;
+  displacement_mm_90: Interval;
+  area_strain_percent_90: Interval;
+  phase_motion_deg_90: Interval;
+  phase_thickness_deg_90: Interval;
 }
 /** A periodic fit of the cavity's volume; times are parts of the beat. */
 export interface FunctionNumbers {
@@ -79,10 +89,11 @@ export interface PhaseNumbers {
 }
 export interface MeasureNumbers {
   thickness_is: "apparent" | "model";
+  perfusion_is: "counts" | "uptake";
   muscle_ml: number | null;
   muscle_g: number | null;
   function: FunctionNumbers | null;
-  phase: { counts: PhaseNumbers | null; motion: PhaseNumbers | null };
+  phase: { counts: PhaseNumbers | null; motion: PhaseNumbers | null; thickness: PhaseNumbers | null };
   segments: SegmentNumbers[];
 }
 export interface Reading {
@@ -209,12 +220,15 @@ interface PackedPolar {
   places: SegmentPlace[];
   endo: (string | null)[];
   epi: (string | null)[];
+  samples: (string | null)[];
 }
 /** The segment of every vertex of a gate, 0: none. */
 type VertexSegments = (Uint8Array | null)[];
-export interface Polar extends Omit<PackedPolar, "endo" | "epi"> {
+export interface Polar extends Omit<PackedPolar, "endo" | "epi" | "samples"> {
   endo: VertexSegments;
   epi: VertexSegments;
+  /** The sample of the maps at every vertex of the endocardium, two bytes each; 65535: none. */
+  samples: (Uint8Array | null)[];
 }
 export interface Report {
   results: Results;
@@ -271,7 +285,7 @@ export async function readReport(text: string): Promise<Report> {
   const grid = data.pictures?.grid;
   return {
     results: data.results,
-    polar: data.polar && { ...data.polar, endo: segments(data.polar.endo), epi: segments(data.polar.epi) },
+    polar: data.polar && { ...data.polar, endo: segments(data.polar.endo), epi: segments(data.polar.epi), samples: segments(data.polar.samples) },
     pictures: data.pictures && {
       ...data.pictures,
       pixels: await unpack(data.pictures.pixels),

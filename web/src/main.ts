@@ -231,7 +231,7 @@ function buildTransport(results: Results): Player {
   return player;
 }
 
-function buildPolar(report: Report, point: (segment: number) => void): PolarView | null {
+function buildPolar(report: Report, scene: SurfaceScene | null, point: (segment: number) => void): PolarView | null {
   const { polar, results } = report;
   if (!polar || !results.measures) {
     byId("polar-panel").remove();
@@ -239,8 +239,11 @@ function buildPolar(report: Report, point: (segment: number) => void): PolarView
     return null;
   }
   byId("segments-remark").textContent =
-    results.measures.thickness_is === "apparent" ? "Thickness between edges of a blurred image is apparent: mostly the camera’s." : "";
-  return new PolarView(polar, results.measures, point);
+    results.measures.thickness_is === "apparent"
+      ? "Thickness between edges of a blurred image is apparent: mostly the camera’s."
+      : "±: half of the 90 % interval. Numbers read from counts have none.";
+  if (!scene) byId("polar-paint").closest("label")!.style.display = "none";
+  return new PolarView(polar, results.measures, point, (map) => scene?.paintMap(map));
 }
 
 /** The moments of the beat that stand for it: relaxed and contracted, or the only one. */
@@ -310,7 +313,7 @@ async function start(): Promise<void> {
     lit = segment;
     for (const light of lights) light(segment);
   };
-  const view = buildPolar(report, point);
+  const view = buildPolar(report, scene, point);
   if (view) scene?.followPointer(point);
   buildCurve(results, leading, walls, player);
   const splash = buildSplash(painter, leading, point);

@@ -1,5 +1,5 @@
 // Polar maps of the wall and the table of its segments: what is pointed at in one is lit in all.
-import type { MeasureNumbers, Polar, PolarMap, SegmentNumbers, SegmentPlace } from "./data";
+import type { Interval, MeasureNumbers, Polar, PolarMap, SegmentNumbers, SegmentPlace } from "./data";
 import { byId, figure, html, svg } from "./dom";
 
 const radius = 100;
@@ -40,7 +40,14 @@ function rangeOf(map: PolarMap): [number, number] {
 }
 
 /** Keys of a segment's numbers, as the maps are called. */
-type MapName = Exclude<keyof SegmentNumbers, "number" | "name" | "territory" | "wall_share_percent">;
+type MapName = Exclude<keyof SegmentNumbers, "number" | "name" | "territory" | "wall_share_percent" | `${string}_90`>;
+
+/** Half of the 90 % interval of a segment's number, null where there is none. */
+function halfWidth(segment: SegmentNumbers, key: MapName): number | null {
+  const interval = segment[`${key}_90` as keyof SegmentNumbers] as Interval | undefined;
+  return interval && interval[0] !== null && interval[1] !== null ? (interval[1] - interval[0]) / 2 : null;
+}
+const digitsOf = (key: string) => (key.endsWith("_mm") ? 1 : 0);
 
 const columns: [MapName, string, string][] = [
   ["perfusion_percent", "Perfusion", "%"],
@@ -53,6 +60,14 @@ const columns: [MapName, string, string][] = [
   ["phase_counts_deg", "Onset, counts", "°"],
   ["phase_motion_deg", "motion", "°"],
 ];
+
+/** The colour of a sample of a map, null where it has no value. */
+export function colourOfSample(map: PolarMap, sample: number): string | null {
+  const value = map.values[sample] ?? null;
+  if (value === null) return null;
+  const [low, high] = rangeOf(map);
+  return colourAt((value - low) / (high - low || 1), map.cyclic ? circle : even);
+}
 
 /** Draws a map into `picture`; returns the outlines of its segments. */
 export function drawPolar(picture: SVGSVGElement, polar: Polar, map: PolarMap, title: string): SVGElement[] {
@@ -101,6 +116,7 @@ export class PolarView {
     private readonly polar: Polar,
     private readonly measures: MeasureNumbers,
     private readonly point: (segment: number) => void,
+    private readonly painted: (map: PolarMap | null) => void,
   ) {
     this.map = polar.maps[0]!;
     const choice = byId<HTMLSelectElement>("polar-map");
@@ -109,6 +125,7 @@ export class PolarView {
       this.map = polar.maps[Number(choice.value)]!;
       this.draw();
     });
+    byId<HTMLInputElement>("polar-paint").addEventListener("change", () => this.paint());
     byId("polar").replaceChildren(this.picture, this.caption);
     const table = segmentTable(measures);
     this.rows = [...table.tBodies[0]!.rows];
@@ -138,8 +155,9 @@ export class PolarView {
     if (this.lit > 0) this.outlines[this.lit - 1]?.parentNode?.append(this.outlines[this.lit - 1]!);
     const segment = this.measures.segments[this.lit - 1];
     const value = segment?.[this.map.name as MapName];
+    const half = segment ? halfWidth(segment, this.map.name as MapName) : null;
     this.caption.textContent = segment
-      ? `${segment.number} ${segment.name} (${segment.territory}): ${figure(value)} ${this.map.unit}`
+      ? `${segment.number} ${segment.name} (${segment.territory}): ${figure(value)}${half === null ? "" : ` ± ${figure(half)}`} ${this.map.unit}`
       : "Seen from the apex. Point at a segment.";
   }
 
@@ -148,17 +166,27 @@ export class PolarView {
     this.outlines.forEach((path, n) => path.addEventListener("pointerenter", () => this.point(n + 1)));
     this.picture.onpointerleave = () => this.point(0);
     this.mark();
+    this.paint();
+  }
+
+  /** Puts the map's colours on the heart, or takes them off. */
+  private paint(): void {
+    this.painted(byId<HTMLInputElement>("polar-paint").checked ? this.map : null);
   }
 }
 
 function segmentRow(segment: SegmentNumbers): HTMLTableRowElement {
-  const digits = (key: MapName) => (key.endsWith("_mm") ? 1 : 0);
+  const cell = (key: MapName) => {
+    const half = halfWidth(segment, key);
+    const bar = half === null ? [] : [html("small", {}, ` ± ${figure(half, digitsOf(key))}`)];
+    return html("td", {}, figure(segment[key], digitsOf(key)), ...bar);
+  };
   return html(
     "tr",
     { "data-segment": segment.number },
     html("th", { scope: "row" }, `${segment.number} ${segment.name}`),
     html("td", {}, segment.territory),
-    ...columns.map(([key]) => html("td", {}, figure(segment[key], digits(key)))),
+    ...columns.map(([key]) => cell(key)),
   );
 }
 

@@ -29,7 +29,8 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 import type { Wall } from "./cycle";
 import { colour, svg } from "./dom";
-import type { Grid, Polar } from "./data";
+import type { Grid, Polar, PolarMap } from "./data";
+import { colourOfSample } from "./polar";
 
 interface Shown {
   wall: Wall;
@@ -57,6 +58,7 @@ export class SurfaceScene {
   private readonly heart = new Group();
   private waiting = false;
   private lit = 0;
+  private map: PolarMap | null = null;
   private gate = 0;
 
   /** Throws when the browser has no WebGL. */
@@ -176,6 +178,13 @@ export class SurfaceScene {
     this.render();
   }
 
+  /** Paints a polar map on the endocardium, null: its plain colour. */
+  paintMap(map: PolarMap | null): void {
+    this.map = map;
+    for (const shown of this.shown) this.paint(shown);
+    this.render();
+  }
+
   /** Tells `point` the segment under the pointer, 0 when it leaves the heart. */
   followPointer(point: (segment: number) => void): void {
     const canvas = this.renderer.domElement;
@@ -208,8 +217,16 @@ export class SurfaceScene {
     }
     const plain = new Color(colour[wall.name]);
     const segments = this.segmentsOf(wall);
+    const samples = wall.name === "endo" && this.map ? this.polar?.samples[this.gate] : null;
+    const colours = new Map<number, Color>();
+    const mapped = (v: number): Color => {
+      const sample = samples![2 * v]! + 256 * samples![2 * v + 1]!;
+      let found = colours.get(sample);
+      if (!found) colours.set(sample, (found = new Color(colourOfSample(this.map!, sample) ?? colour[wall.name])));
+      return found;
+    };
     for (let v = 0; v < position.count; ++v) {
-      const { r, g, b } = this.lit > 0 && segments?.[v] === this.lit ? lit_colour : plain;
+      const { r, g, b } = this.lit > 0 && segments?.[v] === this.lit ? lit_colour : samples ? mapped(v) : plain;
       painted.setXYZ(v, r, g, b);
     }
     painted.needsUpdate = true;

@@ -1,6 +1,7 @@
 #include "dynasurf/report/measures.hpp"
 
 #include "dynasurf/report/numbers.hpp"
+#include "dynasurf/ventricle/fit/blur_fit.hpp"
 
 namespace dynasurf {
 namespace {
@@ -62,29 +63,42 @@ Json thickness_json(const Measures& m) {
   return gates;
 }
 
+/// 90 % interval of a number with a standard deviation; null where one is missing.
+Json interval_json(const std::optional<double>& value, const std::optional<double>& sd) {
+  if (!value || !sd) return nullptr;
+  const Estimate e{*value, *sd};
+  return {number(e.low()), number(e.high())};
+}
+
 Json phase_json(const std::optional<PhaseSummary>& s) {
   if (!s) return nullptr;
-  return {{"mean_deg", number(s->mean_deg)},           {"sd_deg", number(s->sd_deg)},
-          {"bandwidth_deg", number(s->bandwidth_deg)}, {"entropy_percent", number(s->entropy_percent)},
-          {"wall_share", number(s->wall_share)},       {"bin_deg", s->bin_deg},
+  return {{"mean_deg", number(s->mean_deg)},
+          {"sd_deg", number(s->sd_deg)},
+          {"sd_deg_90", interval_json(s->sd_deg, s->sd_error_deg)},
+          {"bandwidth_deg", number(s->bandwidth_deg)},
+          {"entropy_percent", number(s->entropy_percent)},
+          {"wall_share", number(s->wall_share)},
+          {"bin_deg", s->bin_deg},
           {"histogram_percent", s->histogram_percent}};
 }
 
 struct Column {
   std::string_view name;
   std::optional<double> SegmentMeasures::*value;
+  std::optional<double> SegmentErrors::*sd = nullptr;  // null: never known
 };
-constexpr std::array<Column, 10> columns{{
-    {"perfusion_percent", &SegmentMeasures::perfusion_percent},
-    {"thickness_ed_mm", &SegmentMeasures::thickness_ed_mm},
-    {"thickness_es_mm", &SegmentMeasures::thickness_es_mm},
-    {"thickening_percent", &SegmentMeasures::thickening_percent},
+constexpr std::array<Column, 11> columns{{
+    {"perfusion_percent", &SegmentMeasures::perfusion_percent, &SegmentErrors::perfusion_percent},
+    {"thickness_ed_mm", &SegmentMeasures::thickness_ed_mm, &SegmentErrors::thickness_ed_mm},
+    {"thickness_es_mm", &SegmentMeasures::thickness_es_mm, &SegmentErrors::thickness_es_mm},
+    {"thickening_percent", &SegmentMeasures::thickening_percent, &SegmentErrors::thickening_percent},
     {"count_thickening_percent", &SegmentMeasures::count_thickening_percent},
-    {"motion_mm", &SegmentMeasures::motion_mm},
-    {"displacement_mm", &SegmentMeasures::displacement_mm},
-    {"area_strain_percent", &SegmentMeasures::area_strain_percent},
+    {"motion_mm", &SegmentMeasures::motion_mm, &SegmentErrors::motion_mm},
+    {"displacement_mm", &SegmentMeasures::displacement_mm, &SegmentErrors::displacement_mm},
+    {"area_strain_percent", &SegmentMeasures::area_strain_percent, &SegmentErrors::area_strain_percent},
     {"phase_counts_deg", &SegmentMeasures::phase_counts_deg},
-    {"phase_motion_deg", &SegmentMeasures::phase_motion_deg},
+    {"phase_motion_deg", &SegmentMeasures::phase_motion_deg, &SegmentErrors::phase_motion_deg},
+    {"phase_thickness_deg", &SegmentMeasures::phase_thickness_deg, &SegmentErrors::phase_thickness_deg},
 }};
 
 Json segment_json(const SegmentMeasures& s) {
@@ -93,11 +107,14 @@ Json segment_json(const SegmentMeasures& s) {
   json["name"] = s.segment.name;
   json["territory"] = s.segment.territory;
   json["wall_share_percent"] = number(s.wall_share_percent);
-  for (const Column& column : columns) json[std::string(column.name)] = number(s.*column.value);
+  for (const Column& column : columns) {
+    json[std::string(column.name)] = number(s.*column.value);
+    if (column.sd) json[std::string(column.name) + "_90"] = interval_json(s.*column.value, s.sd.*column.sd);
+  }
   return json;
 }
 
-constexpr std::array<PolarKind, 8> kinds{{
+constexpr std::array<PolarKind, 9> kinds{{
     {"perfusion_percent", "Perfusion", "%", &PolarMaps::perfusion_percent, 0, 100},
     {"thickness_ed_mm", "Thickness, end diastole", "mm", &PolarMaps::thickness_ed_mm, std::nullopt, std::nullopt},
     {"thickness_es_mm", "Thickness, end systole", "mm", &PolarMaps::thickness_es_mm, std::nullopt, std::nullopt},
@@ -106,6 +123,7 @@ constexpr std::array<PolarKind, 8> kinds{{
     {"motion_mm", "Inward motion", "mm", &PolarMaps::motion_mm, 0, 12},
     {"phase_counts_deg", "Onset by counts", "deg", &PolarMaps::phase_counts_deg, 0, 360, true},
     {"phase_motion_deg", "Onset by motion", "deg", &PolarMaps::phase_motion_deg, 0, 360, true},
+    {"phase_thickness_deg", "Onset by thickness", "deg", &PolarMaps::phase_thickness_deg, 0, 360, true},
 }};
 
 }  // namespace
@@ -119,12 +137,15 @@ Json measures_json(const std::optional<Measures>& measures, double cycle_ms) {
   for (const SegmentMeasures& s : m.segments) segments.push_back(segment_json(s));
   Json json;
   json["thickness_is"] = m.from_edges ? "apparent" : "model";
+  json["perfusion_is"] = m.perfusion_from_uptake ? "uptake" : "counts";
   json["anterior"] = {{"rule", word_of(m.anterior.rule)}, {"direction", vector_json(m.anterior.direction)}};
   json["muscle_ml"] = number(m.muscle_ml);
   json["muscle_g"] = number(m.muscle_g);
   json["function"] = function_json(m.function, cycle_ms);
   json["thickness"] = thickness_json(m);
-  json["phase"] = {{"counts", phase_json(m.phase_counts)}, {"motion", phase_json(m.phase_motion)}};
+  json["phase"] = {{"counts", phase_json(m.phase_counts)},
+                   {"motion", phase_json(m.phase_motion)},
+                   {"thickness", phase_json(m.phase_thickness)}};
   json["segment_model"] = word_of(m.model);
   json["segments"] = std::move(segments);
   return json;
@@ -133,11 +154,15 @@ Json measures_json(const std::optional<Measures>& measures, double cycle_ms) {
 std::string segments_csv(const Measures& m) {
   std::string csv = "number,name,territory,wall_share_percent";
   for (const Column& column : columns) csv += "," + std::string(column.name);
+  for (const Column& column : columns)
+    if (column.sd) csv += "," + std::string(column.name) + "_sd";
   csv += '\n';
   for (const SegmentMeasures& s : m.segments) {
     csv += std::to_string(s.segment.number) + "," + std::string(s.segment.name) + "," +
            std::string(s.segment.territory) + "," + text_of(std::optional(s.wall_share_percent));
     for (const Column& column : columns) csv += "," + text_of(s.*column.value);
+    for (const Column& column : columns)
+      if (column.sd) csv += "," + text_of(s.sd.*column.sd);
     csv += '\n';
   }
   return csv;

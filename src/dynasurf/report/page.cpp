@@ -171,7 +171,7 @@ Json surfaces_json(const VentricleResult& result) {
     return {{"triangles", topology_of(*mesh)}, {"positions", base64(steps_of(mesh->vertices, box))}};
   };
   Json json;
-  json["endo"] = json["epi"] = Json::array();
+  json["endo"] = json["epi"] = json["samples"] = Json::array();
   for (const GateWalls& gate : gates) {
     json["endo"].push_back(surface_json(gate.endo));
     json["epi"].push_back(surface_json(gate.epi));
@@ -184,7 +184,21 @@ Json surfaces_json(const VentricleResult& result) {
   return json;
 }
 
-/// The polar maps, and the segment of every vertex as one byte, gate by gate.
+/// The sample of the polar maps at every vertex, two bytes each, the low one first; 65535: on the lid.
+std::string samples_of_vertices(const PolarGrid& grid, const HeartAxes& axes, const std::vector<Vec3>& vertices) {
+  Bytes bytes;
+  for (const Vec3& p : vertices) {
+    const PolarPoint at = axes.polar(p);
+    const int ring = std::min(grid.rings - 1, static_cast<int>(at.rho * grid.rings));
+    const int sector = std::min(grid.sectors - 1, static_cast<int>(at.angle_deg * grid.sectors / 360));
+    const std::size_t sample = axes.above_base(p) > -0.1 ? 65535 : grid.index(ring, sector);
+    bytes.push_back(static_cast<unsigned char>(sample % 256)),
+        bytes.push_back(static_cast<unsigned char>(sample / 256));
+  }
+  return base64(bytes);
+}
+
+/// The polar maps, and the segment of every vertex as one byte, gate by gate; of the endocardium also the samples.
 Json polar_json(const VentricleResult& result) {
   if (!result.measures || result.measures->segments.empty()) return nullptr;
   const Measures& m = *result.measures;
@@ -215,8 +229,10 @@ Json polar_json(const VentricleResult& result) {
     for (const auto& [name, mesh] : {std::pair("endo", walls.endo), std::pair("epi", walls.epi)}) {
       if (!m.gates[g].axes || !mesh) {
         json[name].push_back(nullptr);
+        if (mesh == walls.endo) json["samples"].push_back(nullptr);
         continue;
       }
+      if (mesh == walls.endo) json["samples"].push_back(samples_of_vertices(m.grid, *m.gates[g].axes, mesh->vertices));
       const std::vector<int> segments = segments_of_vertices(m.model, *m.gates[g].axes, mesh->vertices);
       json[name].push_back(base64(Bytes(segments.begin(), segments.end())));
     }

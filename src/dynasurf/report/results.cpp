@@ -254,6 +254,8 @@ Json fit_json(const std::optional<FittedBeat>& fit) {
   json["cavity"] = number(fit->cavity);
   json["background"] = number(fit->background);
   json["neighbours"] = fit->neighbours;
+  json["thickness_from_data"] = number(fit->thickness_from_data);
+  json["width_from_data"] = number(fit->width_from_data);
   json["steps"] = fit->steps;
   json["converged"] = fit->converged;
   json["gates"] = Json::array();

@@ -115,6 +115,14 @@ TriMesh made_uneven(const VirtualPatient& o, TriMesh mesh, double base_z, auto f
   return mesh;
 }
 
+/// Activity of the wall at the vertices of one of its surfaces.
+std::vector<double> uptake_at(const VirtualPatient& o, const Instant& now, const TriMesh& surface) {
+  std::vector<double> uptake;
+  for (const Vec3& p : surface.vertices)
+    uptake.push_back(in_defect(o, is_late(o, p) ? now.late : now.shape, p) ? 1 - o.defect_severity : 1.0);
+  return uptake;
+}
+
 /// Activity above the background at one instant, in the frame of the heart.
 Scene scene_of(const VirtualPatient& o, const Instant& now, const VentricleShape& relaxed) {
   const VentricleShape& shape = now.shape;
@@ -236,6 +244,7 @@ Phantom make_phantom(const VirtualPatient& options) {
       const bool is_one = o.late_wall == Defect::none && o.irregular.walls == 0;
       truth.endo_ml = is_one ? endo_ml(now.shape) : volume_mm3(endo) / 1000;
       truth.epi_ml = is_one ? epi_ml(now.shape) : volume_mm3(epi) / 1000;
+      truth.endo_uptake = uptake_at(o, now, endo), truth.epi_uptake = uptake_at(o, now, epi);
       truth.endo = place_in_world(grid, frame, endo);
       truth.epi = place_in_world(grid, frame, epi);
       const double narrow = narrow_fwhm(o.irregular, fwhm);
@@ -257,6 +266,7 @@ Phantom make_phantom(const VirtualPatient& options) {
     phantom.study.view = View::transaxial;
     phantom.study.slice_order = SliceOrder::unknown;
   }
+  phantom.axis = grid.direction * frame.rotation.col(2);
   phantom.fwhm_mm = o.fwhm_mm;
   phantom.options = o;
   summarise(phantom);

@@ -15,6 +15,8 @@ struct TrueGate {
   TriMesh endo, epi;               // fine closed meshes; may be empty where a phantom has none
   double endo_ml = 0, epi_ml = 0;  // analytic volumes where there is a formula, else of the meshes
   double phase = 0;                // part of the beat after the R wave at which the gate was taken, its middle
+  /// Activity of the wall at each vertex, healthy muscle is 1; empty but for virtual patients.
+  std::vector<double> endo_uptake, epi_uptake;
   double wall_ml() const { return epi_ml - endo_ml; }
 };
 
@@ -23,6 +25,7 @@ struct Phantom {
   Study study;
   std::string kind;
   std::vector<TrueGate> truth;                       // one per gate
+  std::optional<Vec3> axis;                          // long axis of a virtual patient, apex to base, unit, world
   std::optional<double> edv_ml, esv_ml, ef_percent;  // largest and smallest true endo_ml of the gates; gated ones only
   /// The same of the beat between the gates, as asked for; absent where only instants are defined.
   std::optional<double> beat_edv_ml, beat_esv_ml, beat_ef_percent;

@@ -12,7 +12,9 @@
 #include "dynasurf/ventricle/border_planes.hpp"
 #include "dynasurf/ventricle/canonical.hpp"
 #include "dynasurf/ventricle/cycle.hpp"
+#include "dynasurf/ventricle/fit/wall_posterior.hpp"
 #include "dynasurf/ventricle/labels/circle.hpp"
+#include "dynasurf/ventricle/measures/regional_errors.hpp"
 #include "dynasurf/ventricle/region.hpp"
 #include "dynasurf/ventricle/relabel.hpp"
 
@@ -261,14 +263,18 @@ std::optional<Measures> measure_study(const VentricleResult& result, const Measu
     if (result.fit) {
       const FittedGate& fitted = result.fit->gates[g];
       input.from_edges = false, is_any = true;
-      input.gates.push_back({&fitted.endo, &fitted.epi, &result.study.gates[g], fitted.base});
+      input.gates.push_back(
+          {&fitted.endo, &fitted.epi, &result.study.gates[g], fitted.base, &result.fit->uptake, &result.fit->uptake});
       continue;
     }
     is_any = is_any || (gate.endo && gate.epi);
     input.gates.push_back({gate.endo ? &gate.endo->mesh : nullptr, gate.epi ? &gate.epi->mesh : nullptr,
                            &result.study.gates[g], gate.base_plane});
   }
-  return is_any ? std::optional(measure_walls(input, options)) : std::nullopt;
+  if (!is_any) return std::nullopt;
+  Measures measures = measure_walls(input, options);
+  if (result.fit && result.fit->posterior) add_error_bars(measures, *result.fit->posterior);
+  return measures;
 }
 
 /// Surfaces that started from the data themselves have triangles of their own in every gate.

@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -51,6 +52,8 @@ struct FittedGate {
   BasePlane base;
 };
 
+class WallPosterior;
+
 struct FittedBeat {
   std::vector<FittedGate> gates;
   int rings = 0, segments = 0;
@@ -67,6 +70,9 @@ struct FittedBeat {
   int steps = 0;
   bool converged = false;
   int neighbours = 0;  // blobs of activity beside the heart
+  // How much of the wall's mean thickness and of the point spread's width the data told (wall_posterior.hpp), 0 to 1.
+  double thickness_from_data = 1, width_from_data = 1;
+  std::shared_ptr<const WallPosterior> posterior;  // how sure anything is that is measured on the walls
   Notes notes;
 };
 

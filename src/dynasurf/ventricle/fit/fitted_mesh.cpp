@@ -7,6 +7,7 @@
 
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
+#include "dynasurf/ventricle/fit/wall_posterior.hpp"
 
 namespace dynasurf {
 namespace {
@@ -228,6 +229,8 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
   for (double& u : beat.uptake) u /= healthy;
   beat.cavity = first[layout.gate.cavity] / healthy, beat.background = first[layout.gate.background] / healthy;
   allow_for_model(beat);
+  tell_belief_from_data(problem, solution, factor, beat);
+  beat.posterior = std::make_shared<const WallPosterior>(problem, solution.unknowns, grid, factor);
 }
 
 }  // namespace dynasurf

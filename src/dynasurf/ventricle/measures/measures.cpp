@@ -131,7 +131,10 @@ void measure_maps(Measures& m) {
   const GateMeasures& ed = m.gates[static_cast<std::size_t>(m.ed_gate)];
   m.area_mm2 = ed.map.area_mm2;
   const Curves counts = curves_of(m, [](const GateMeasures& g, std::size_t n) { return g.map.counts[n]; });
-  m.maps.perfusion_percent = in_percent_of_brightest(means_of(counts));
+  const Curves uptake = curves_of(m, [](const GateMeasures& g, std::size_t n) { return g.map.uptake[n]; });
+  m.perfusion_from_uptake =
+      std::any_of(uptake.begin(), uptake.end(), [](const std::vector<double>& curve) { return !curve.empty(); });
+  m.maps.perfusion_percent = in_percent_of_brightest(means_of(m.perfusion_from_uptake ? uptake : counts));
   m.maps.thickness_ed_mm = ed.map.thickness_mm;
   if (m.es_gate < 0) return;
 
@@ -140,6 +143,7 @@ void measure_maps(Measures& m) {
     if (!g.map.endo[n] || !ed.map.endo[n]) return std::nullopt;
     return (*ed.map.endo[n] - *g.map.endo[n]).dot(ed.map.outwards[n]);
   });
+  const Curves thickness = curves_of(m, [](const GateMeasures& g, std::size_t n) { return g.map.thickness_mm[n]; });
   m.maps.thickness_es_mm = es.map.thickness_mm;
   m.maps.thickening_percent = combine(percent_change, ed.map.thickness_mm, es.map.thickness_mm);
   m.maps.count_thickening_percent = combine(percent_change, ed.map.counts, es.map.counts);
@@ -149,12 +153,16 @@ void measure_maps(Measures& m) {
       m.maps.motion_mm[n] = (*ed.map.endo[n] - *es.map.endo[n]).dot(ed.map.outwards[n]);
   m.maps.phase_counts_deg = onsets_of(counts);
   m.maps.phase_motion_deg = onsets_of(motion);
+  m.maps.phase_thickness_deg = onsets_of(thickness);
   m.phase_counts = summarise_phases(m.maps.phase_counts_deg, m.area_mm2);
   m.phase_motion = summarise_phases(m.maps.phase_motion_deg, m.area_mm2);
+  m.phase_thickness = summarise_phases(m.maps.phase_thickness_deg, m.area_mm2);
   const Curves count_curves = segment_curves(m, counts), motion_curves = segment_curves(m, motion);
+  const Curves thickness_curves = segment_curves(m, thickness);
   for (std::size_t s = 0; s < m.segments.size(); ++s) {
     m.segments[s].phase_counts_deg = onset_phase_deg(count_curves[s]);
     m.segments[s].phase_motion_deg = onset_phase_deg(motion_curves[s]);
+    m.segments[s].phase_thickness_deg = onset_phase_deg(thickness_curves[s]);
   }
 }
 
@@ -250,7 +258,8 @@ Measures measure_walls(const MeasureInput& input, const MeasureOptions& requeste
     measured.axes = axes_of(*gate.endo, *gate.epi, middle, input.axis, m.anterior.direction, gate.base_plane);
     if (!measured.axes) return;
     measured.thickness = wall_thickness(*gate.endo, *gate.epi, *measured.axes);
-    measured.map = map_wall(*gate.endo, *gate.epi, measured.thickness, *measured.axes, *gate.image, m.grid);
+    measured.map = map_wall({*gate.endo, gate.endo_uptake}, {*gate.epi, gate.epi_uptake}, measured.thickness,
+                            *measured.axes, *gate.image, m.grid);
   });
 
   double muscle = 0;

@@ -38,6 +38,8 @@ struct WallGate {
   const TriMesh* epi = nullptr;
   const Image* image = nullptr;
   std::optional<BasePlane> base_plane;
+  // Activity of the wall at each vertex, where it is known better than from the image; null: from the image.
+  const std::vector<double>*endo_uptake = nullptr, *epi_uptake = nullptr;
 };
 struct MeasureInput {
   std::vector<WallGate> gates;  // in the order of the beat
@@ -58,12 +60,20 @@ struct GateMeasures {
 
 /// The maps of a study; absent samples where any gate that is needed lacks the wall.
 struct PolarMaps {
-  PolarValues perfusion_percent;  // mean over the gates of `counts`; 100: mean of the brightest twentieth
+  // Mean over the gates of the uptake, where all of them know it, else of `counts`; 100: mean of the brightest
+  // twentieth.
+  PolarValues perfusion_percent;
   PolarValues thickness_ed_mm, thickness_es_mm;
   PolarValues thickening_percent;        // (es - ed) / ed of the thickness between the surfaces
   PolarValues count_thickening_percent;  // the same of the counts: what blur leaves of the thickening of thin walls
   PolarValues motion_mm;                 // of the endocardium from end diastole to end systole, inwards positive
-  PolarValues phase_counts_deg, phase_motion_deg;  // onset of contraction (phase.hpp)
+  PolarValues phase_counts_deg, phase_motion_deg, phase_thickness_deg;  // onset of contraction (phase.hpp)
+};
+
+/// Standard deviations of a segment's numbers, where they are known (regional_errors.hpp).
+struct SegmentErrors {
+  std::optional<double> perfusion_percent, thickness_ed_mm, thickness_es_mm, thickening_percent, motion_mm,
+      displacement_mm, area_strain_percent, phase_motion_deg, phase_thickness_deg;
 };
 
 /// `displacement_mm` and `area_strain_percent` are those of the endocardium from end diastole to end systole, means
@@ -73,12 +83,15 @@ struct SegmentMeasures {
   Segment segment;
   double wall_share_percent = 0;  // of the mapped area at end diastole
   std::optional<double> perfusion_percent, thickness_ed_mm, thickness_es_mm, thickening_percent,
-      count_thickening_percent, motion_mm, displacement_mm, area_strain_percent, phase_counts_deg, phase_motion_deg;
+      count_thickening_percent, motion_mm, displacement_mm, area_strain_percent, phase_counts_deg, phase_motion_deg,
+      phase_thickness_deg;
+  SegmentErrors sd;
 };
 
 /// Every number a reader expects, from one pair of surfaces per gate (docs/stages/measures.md).
 struct Measures {
   bool from_edges = true;
+  bool perfusion_from_uptake = false;  // else from counts
   Anterior anterior;
   std::vector<GateMeasures> gates;
   int ed_gate = -1, es_gate = -1;  // 0-based, of the measured volumes; -1: none (es of an ungated study)
@@ -89,7 +102,7 @@ struct Measures {
   PolarMaps maps;
   std::vector<double> area_mm2;           // of the samples at end diastole
   std::vector<SegmentMeasures> segments;  // by number; empty without a mapped wall
-  std::optional<PhaseSummary> phase_counts, phase_motion;
+  std::optional<PhaseSummary> phase_counts, phase_motion, phase_thickness;
 };
 
 /// Gates without both surfaces take no part. An ungated study has perfusion and thickness, no function, motion or

@@ -18,7 +18,8 @@ struct PhaseSummary {
   double entropy_percent = 0;             // of the histogram, 0: one bin, 100: the same in all
   std::vector<double> histogram_percent;  // bins of `bin_deg` from 0
   double bin_deg = 6;
-  double wall_share = 0;  // of the weight that has a phase at all
+  double wall_share = 0;               // of the weight that has a phase at all
+  std::optional<double> sd_error_deg;  // standard deviation of the error of sd_deg, where it is known
 };
 
 /// `phase_deg` with weights (areas); absent phases only lower `wall_share`. Absent when nothing has a phase.

@@ -26,6 +26,13 @@ std::optional<double> thickness_at(const RayHit& hit, const TriMesh& mesh, const
   return weight > 1e-9 ? std::optional(sum / weight) : std::nullopt;
 }
 
+/// Uptake at a hit, from the triangle's corners.
+double uptake_at(const RayHit& hit, const WallSide& side) {
+  const auto& t = side.mesh.triangles[hit.triangle];
+  const std::vector<double>& uptake = *side.uptake;
+  return (1 - hit.u - hit.v) * uptake[t[0]] + hit.u * uptake[t[1]] + hit.v * uptake[t[2]];
+}
+
 /// The brightest place of the wall along a ray.
 double brightest(const Image& image, const Vec3& origin, const Vec3& direction, double from, double to) {
   constexpr double step_mm = 1;
@@ -35,6 +42,18 @@ double brightest(const Image& image, const Vec3& origin, const Vec3& direction, 
   for (int n = 0; n <= steps; ++n)
     best = std::max(best, sample_cubic(image, start + (from + (to - from) * n / steps) * way));
   return best;
+}
+
+/// Close to the valve plane the blur mixes the wall with what lies above it, more or less as the plane moves: samples
+/// there take the counts of the ring below.
+void lower_counts(WallMap& map, const HeartAxes& axes) {
+  constexpr double blurred_mm = 6;  // half of a usual width of the blur
+  for (int ring = 1; ring < map.grid.rings; ++ring)
+    for (int sector = 0; sector < map.grid.sectors; ++sector) {
+      const std::size_t n = map.grid.index(ring, sector);
+      if (map.endo[n] && map.epi[n] && axes.above_base((*map.endo[n] + *map.epi[n]) / 2) > -blurred_mm)
+        if (const auto& below = map.counts[map.grid.index(ring - 1, sector)]) map.counts[n] = below;
+    }
 }
 
 /// Area that a sample stands for, from the middle of the wall's distance to the axis or the centre.
@@ -58,15 +77,16 @@ double usual_radius(const RayTree& endo, const RayTree& epi, const HeartAxes& ax
 
 }  // namespace
 
-WallMap map_wall(const TriMesh& endo, const TriMesh& epi, const WallThickness& thickness, const HeartAxes& axes,
+WallMap map_wall(const WallSide& endo, const WallSide& epi, const WallThickness& thickness, const HeartAxes& axes,
                  const Image& image, const PolarGrid& grid) {
-  const RayTree endo_tree(endo), epi_tree(epi);
+  const RayTree endo_tree(endo.mesh), epi_tree(epi.mesh);
   const double radius = usual_radius(endo_tree, epi_tree, axes, grid);
   constexpr double lid_mm = 0.05;
   WallMap map;
   map.grid = grid;
   map.endo.resize(grid.size()), map.epi.resize(grid.size()), map.outwards.resize(grid.size());
-  map.counts.resize(grid.size()), map.thickness_mm.resize(grid.size()), map.area_mm2.assign(grid.size(), 0.0);
+  map.counts.resize(grid.size()), map.uptake.resize(grid.size());
+  map.thickness_mm.resize(grid.size()), map.area_mm2.assign(grid.size(), 0.0);
   parallel_for(grid.size(), static_cast<std::size_t>(grid.sectors), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       const WallRay ray = axes.ray(grid.point(n), radius);
@@ -79,15 +99,17 @@ WallMap map_wall(const TriMesh& endo, const TriMesh& epi, const WallThickness& t
       map.endo[n] = a, map.epi[n] = b;
       const auto [from, to] = std::minmax(inner->distance, outer->distance);
       map.counts[n] = brightest(image, ray.origin, ray.direction, from, to);
+      if (endo.uptake && epi.uptake) map.uptake[n] = (uptake_at(*inner, endo) + uptake_at(*outer, epi)) / 2;
       map.area_mm2[n] = area_of(grid, grid.point(n), (from + to) / 2, axes);
-      const auto from_endo = thickness_at(*inner, endo, thickness.endo);
-      const auto from_epi = thickness_at(*outer, epi, thickness.epi);
+      const auto from_endo = thickness_at(*inner, endo.mesh, thickness.endo);
+      const auto from_epi = thickness_at(*outer, epi.mesh, thickness.epi);
       if (from_endo && from_epi)
         map.thickness_mm[n] = (*from_endo + *from_epi) / 2;
       else
         map.thickness_mm[n] = from_endo ? from_endo : from_epi;
     }
   });
+  lower_counts(map, axes);
   return map;
 }
 

@@ -32,13 +32,20 @@ struct WallMap {
   PolarGrid grid;
   std::vector<std::optional<Vec3>> endo, epi;  // where the rays meet the surfaces, world
   std::vector<Vec3> outwards;                  // directions of the rays
-  PolarValues counts;                          // largest value of the image between the surfaces (cubic interpolation)
-  PolarValues thickness_mm;                    // of the nearest vertices of both surfaces, by their rays
-  std::vector<double> area_mm2;                // of the middle of the wall for each sample; 0 where it was not met
+  PolarValues counts;            // largest value of the image between the surfaces (cubic interpolation); within 6
+                                 // mm of the valve plane that of the ring below
+  PolarValues uptake;            // of the wall, mean of both surfaces; absent where it is not known
+  PolarValues thickness_mm;      // of the nearest vertices of both surfaces, by their rays
+  std::vector<double> area_mm2;  // of the middle of the wall for each sample; 0 where it was not met
 };
 
+/// A surface and, if it is known, the activity of the wall at its vertices.
+struct WallSide {
+  const TriMesh& mesh;
+  const std::vector<double>* uptake = nullptr;
+};
 /// `image` may be on any grid of the world. Samples whose rays miss a surface, or meet its lid, are absent.
-WallMap map_wall(const TriMesh& endo, const TriMesh& epi, const WallThickness& thickness, const HeartAxes& axes,
+WallMap map_wall(const WallSide& endo, const WallSide& epi, const WallThickness& thickness, const HeartAxes& axes,
                  const Image& image, const PolarGrid& grid = {});
 
 /// Mean of the values of each segment (entry 0: segment 1), weighted by `weight`; absent where no sample has a value.

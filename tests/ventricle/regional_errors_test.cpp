@@ -1,0 +1,138 @@
+#include "dynasurf/ventricle/measures/regional_errors.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/ventricle/fit/harmonics.hpp"
+#include "dynasurf/ventricle/presets.hpp"
+
+namespace dynasurf {
+namespace {
+
+/// Four gates of a wall that is neither round nor even.
+struct Beat {
+  BeatProblem problem;
+  Eigen::VectorXd unknowns;
+};
+Beat uneven_beat() {
+  Beat beat;
+  HeartFrame& frame = beat.problem.cells.frame;
+  frame.centre = {3, -2, 5}, frame.scale = {25, 27, 33};
+  const GateLayout layout = make_gate_layout(3, 2, 2, 0);
+  Eigen::VectorXd gate = Eigen::VectorXd::Zero(layout.count());
+  gate[layout.endo] = std::log(0.8), gate[layout.endo + 3] = 0.05, gate[layout.endo + 6] = -0.04;
+  gate[layout.wall] = std::log(0.6), gate[layout.wall + 2] = 0.1;
+  gate[layout.uptake + 1] = 0.2;
+  beat.problem.layout = make_beat_layout(layout, {gate, gate, gate, gate}, Beliefs{}, beat.unknowns);
+  return beat;
+}
+
+struct Ray {
+  double endo_mm, epi_mm, uptake;
+};
+Ray ray_at(const Beat& beat, const Eigen::VectorXd& unknowns, int g, const Vec3& direction) {
+  const GateLayout& layout = beat.problem.layout.gate;
+  const Eigen::VectorXd gate = beat.problem.layout.at_gate(g, unknowns);
+  std::vector<double> h(static_cast<std::size_t>(harmonics_up_to(3)));
+  harmonics_at(direction, 3, h);
+  const auto field = [&](int first, int degree) {
+    double sum = 0;
+    for (int k = 0; k < harmonics_up_to(degree); ++k) sum += gate[first + k] * h[static_cast<std::size_t>(k)];
+    return sum;
+  };
+  const double mm = direction.cwiseProduct(beat.problem.cells.frame.scale).norm();
+  const double q = std::exp(field(layout.endo, 3));
+  return {mm * q, mm * std::cbrt(q * q * q + std::exp(field(layout.wall, 2))), std::exp(field(layout.uptake, 2))};
+}
+
+TEST(WallPosterior, KnowsHowNumbersOfTheWallsDependOnTheUnknowns) {
+  const Beat beat = uneven_beat();
+  constexpr int directions = 12, gate = 1;
+  // Twice the thickness of some places, the size of others, and the uptake, of one gate.
+  const auto number = [&](const Eigen::VectorXd& unknowns) {
+    double sum = 0;
+    for (int n = 0; n < directions; ++n) {
+      const Ray ray = ray_at(beat, unknowns, gate, even_direction(n, directions));
+      sum += n % 2 ? 2 * (ray.epi_mm - ray.endo_mm) : ray.endo_mm;
+      sum += 3 * std::log(ray.uptake);
+    }
+    return sum;
+  };
+  double squares = 0;
+  for (Eigen::Index k = 0; k < beat.unknowns.size(); ++k) {
+    constexpr double step = 1e-5;
+    Eigen::VectorXd more = beat.unknowns, less = beat.unknowns;
+    more[k] += step, less[k] -= step;
+    squares += std::pow((number(more) - number(less)) / (2 * step), 2);
+  }
+
+  Grid grid;
+  grid.spacing = {1, 1, 1};
+  WallPoints points;
+  WallDependence by{Eigen::MatrixXd(directions, 1), Eigen::MatrixXd(directions, 1),
+                    Eigen::MatrixXd::Constant(directions, 1, 3.0)};
+  for (int n = 0; n < directions; ++n) {
+    const Vec3 direction = even_direction(n, directions);
+    const Ray ray = ray_at(beat, beat.unknowns, gate, direction);
+    const HeartFrame& frame = beat.problem.cells.frame;
+    const Vec3 unit = direction.cwiseProduct(frame.scale).normalized();
+    points.endo.emplace_back(to_world(grid, frame.from_heart(ray.endo_mm * unit)));
+    points.epi.emplace_back(to_world(grid, frame.from_heart(ray.epi_mm * unit)));
+    by.by_endo(n, 0) = n % 2 ? -2 : 1, by.by_epi(n, 0) = n % 2 ? 2 : 0;
+  }
+  // With unknowns that are known to 1 and do not depend on each other, the deviation is the gradient's length.
+  const auto count = beat.unknowns.size();
+  const WallPosterior posterior(beat.problem, beat.unknowns, grid,
+                                Eigen::LLT<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(count, count)));
+  Eigen::MatrixXd gradient = posterior.no_gradient(1);
+  posterior.add(gate, points, by, gradient);
+  EXPECT_NEAR(posterior.sd(gradient)[0] / std::sqrt(squares), 1, 1e-7);  // central differences
+}
+
+VentricleResult fit_patient(double peak_counts) {
+  VirtualPatient o;
+  o.edv_ml = 90, o.ef_percent = 50, o.wall_ml = 100;
+  o.gates = 4;
+  o.lattice = {28, 28, 24, 4.8, 4.8, 4.8};
+  o.noise = {peak_counts, 6, 0, 3};
+  VentricleOptions options = ventricle_preset("unbiased");
+  options.fit.fwhm_mm = 12;
+  return reconstruct(make_phantom(o).study, options);
+}
+
+TEST(RegionalErrors, AreWithEverySegmentOfAFitAndGrowWithTheNoise) {
+  const VentricleResult calm = fit_patient(400), noisy = fit_patient(25);
+  ASSERT_TRUE(calm.measures && noisy.measures);
+  EXPECT_TRUE(calm.measures->perfusion_from_uptake);
+  double less = 0, more = 0;
+  for (std::size_t s = 0; s < 17; ++s) {
+    SCOPED_TRACE(s + 1);
+    const SegmentErrors &few = calm.measures->segments[s].sd, &many = noisy.measures->segments[s].sd;
+    for (const auto member :
+         {&SegmentErrors::perfusion_percent, &SegmentErrors::thickness_ed_mm, &SegmentErrors::thickness_es_mm,
+          &SegmentErrors::thickening_percent, &SegmentErrors::motion_mm, &SegmentErrors::area_strain_percent}) {
+      ASSERT_TRUE(few.*member && many.*member);
+      EXPECT_GT((few.*member).value(), 0);
+    }
+    less += *few.thickening_percent, more += *many.thickening_percent;
+  }
+  EXPECT_GT(more, 1.2 * less);
+  EXPECT_TRUE(calm.measures->phase_motion.value().sd_error_deg);
+  // A healthy wall of 9 mm at 12 mm is told by the data.
+  EXPECT_GT(calm.fit.value().thickness_from_data, 0.8);
+}
+
+TEST(RegionalErrors, AreNotThereForEdges) {
+  VirtualPatient o;
+  o.gates = 4;
+  o.lattice = {28, 28, 24, 4.8, 4.8, 4.8};
+  const VentricleResult edges = reconstruct(make_phantom(o).study, {});
+  ASSERT_TRUE(edges.measures);
+  EXPECT_FALSE(edges.measures->segments[0].sd.thickness_ed_mm);
+  EXPECT_FALSE(edges.measures->perfusion_from_uptake);
+}
+
+}  // namespace
+}  // namespace dynasurf
