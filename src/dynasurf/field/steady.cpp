@@ -200,40 +200,49 @@ double relative_change(const Level& finest) {
   return size > 0 ? std::sqrt(change / size) : 0;
 }
 
-/// Relative error that single precision leaves. A mode of the whole field is held by the mean data term alone, against
-/// the rounding of every voxel's diffusion; as measured, a tenth of what chance would make of it.
-double rounding_error(const Level& finest, double mean_data) {
-  double diffusion = 0;
-  for (const multigrid::Axis& a : finest.axis)
-    if (a.count > 1) diffusion += 2 / (a.nominal * a.nominal);
-  return 5e-7 + 6e-9 * diffusion / (mean_data * std::sqrt(static_cast<double>(finest.cells())));
-}
+/// Turns changes into errors.
+struct Estimate {
+  double rounding = 0;  // relative error that single precision leaves
+  double least = 0;     // share of a cycle's change that is left at least
+  double change = 0, rate = 0;
 
-/// What is left after a cycle that changed the field by `change`, where cycles shrink the error by `rate`: the error
-/// was change / (1 - rate) before. The rate is that of the changes; it is not trusted below a tenth, since one cycle
-/// may do well by chance, and twice the result is reported, since the last part of the error shrinks more slowly than
-/// the first.
-double estimate_error(double change, double change_before) {
-  if (change_before == 0) return change;  // measured after a first cycle: mostly 0.02 to 0.2 of it
-  const double rate = std::min(change / change_before, 0.9);
-  return change * std::max(0.18, 2.2 * rate / (1 - rate));
-}
+  Estimate(const Level& finest, const multigrid::DataStrength& data) {
+    double diffusion = 0;
+    for (const multigrid::Axis& a : finest.axis)
+      if (a.count > 1) diffusion += 2 / (a.nominal * a.nominal);
+    // A mode of the whole field is held by the mean data term alone, against the rounding of every voxel's diffusion;
+    // as measured, a tenth of what chance would make of it.
+    rounding = 5e-7 + 6e-9 * diffusion / (data.mean * std::sqrt(static_cast<double>(finest.cells())));
+    // Beside strong data the last part of the error shrinks much more slowly than the first.
+    least = data.largest > 4 * diffusion ? 0.5 : 0.18;
+  }
+
+  /// What is left after a cycle that changed the field by `now`, where cycles shrink the error by `rate`: the error was
+  /// now / (1 - rate) before. The rate is the worse one of the last two, since one cycle may do well by chance, and
+  /// more than twice the result is reported. What a first cycle leaves is mostly 0.02 to 0.2 of its change.
+  double error_after(double now) {
+    const double rate_before = rate, before = change;
+    change = now;
+    if (before == 0) return now + rounding;
+    rate = now / before;
+    const double slower = std::min(std::max(rate, rate_before), 0.9);
+    return now * std::max(least, 2.4 * slower / (1 - slower)) + rounding;
+  }
+};
 
 /// Cycles until the estimated error is below the tolerance or rounding ends the progress (near 1e-6).
-void iterate(Hierarchy& h, double rounding, double tolerance, int most_cycles, FlowResult& r,
+void iterate(Hierarchy& h, Estimate estimate, double tolerance, int most_cycles, FlowResult& r,
              const Progress& progress) {
   h.run(0, begin);
-  double error = 1, change = 0;
+  double error = 1;
   for (int stalled = 0;;) {
     progress.check();
     h.correct(0, 0);
     ++r.iterations;
     const bool certainly_more = 0.01 * error > tolerance && r.iterations < most_cycles;
     h.run(0, certainly_more ? std::span<const Stage>(finish_and_resume) : std::span<const Stage>(finish));
-    const double before = change;
-    change = relative_change(h.levels[0]);
-    error = estimate_error(change, before) + rounding;
-    stalled = r.iterations > 1 && change > 0.7 * before ? stalled + 1 : 0;
+    error = estimate.error_after(relative_change(h.levels[0]));
+    stalled = estimate.rate > 0.7 ? stalled + 1 : 0;
     progress("field", r.iterations, most_cycles);
     if (error < tolerance || r.iterations == most_cycles || stalled == 3) break;
     if (!certainly_more) h.run(0, resume);
@@ -271,7 +280,7 @@ void solve(const Image& map, const Vec3& rates, const multigrid::DataTerm& term,
   }
   Hierarchy h{levels};
   h.solve_coarse();
-  iterate(h, rounding_error(levels[0], data.mean), tolerance, most_cycles, r, progress);
+  iterate(h, Estimate(levels[0], data), tolerance, most_cycles, r, progress);
   const Level& finest = levels[0];
   const std::size_t grain =
       std::max<std::size_t>(1, (std::size_t{1} << 15) / static_cast<std::size_t>(finest.nx() * finest.ny()));
