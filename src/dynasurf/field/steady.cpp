@@ -1,9 +1,11 @@
 #include "dynasurf/field/steady.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <span>
 #include <sstream>
+#include <thread>
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/gradient.hpp"
@@ -53,7 +55,6 @@ struct Hierarchy {
 /// The stage on the rows [j0, j1) of the slices [k0, k1). Where pairs are joined, the bounds are even or the end.
 void Hierarchy::apply(std::size_t l, Stage stage, int k0, int k1, int j0, int j1) {
   Level& fine = levels[l];
-  const detail::FlushDenormals flush;
   if (stage == Stage::restrict_residual) {
     const auto coarse = [](const multigrid::Axis& a, int i) { return a.halved ? (i + 1) / 2 : i; };
     for (int k = coarse(fine.axis[2], k0); k < coarse(fine.axis[2], k1); ++k)
@@ -107,47 +108,57 @@ std::vector<int> lags_of(std::span<const Stage> stages) {
   return lag;
 }
 
+void wait_until(const std::atomic<int>& reached, int slice) {
+  for (int tries = 0; reached.load(std::memory_order_acquire) < slice; ++tries)
+    if (tries > 200) std::this_thread::yield();
+}
+
 int pieces(int count, int size) { return (count + size - 1) / size; }
 
 /// All stages in one pass over memory. A strip of rows is walked through slice by slice, two at a time; every stage
 /// follows the one before it closely enough to find its values in the cache, and `lag` rows and slices behind, so that
-/// they are ready. A piece of a strip needs the pieces before it, in the strip and in the strip below: pieces on a
-/// diagonal are independent of each other, and any number of threads may share them.
+/// they are ready. A step needs the steps before it, in the strip and in the strip below: a thread that takes the next
+/// strip follows the thread in the one below, which was taken earlier and so never waits for this one.
 void Hierarchy::run_in_strips(std::size_t l, std::span<const Stage> stages) {
-  constexpr int step = 2, cached_bytes = 400'000;
+  constexpr int step = 2, cached_bytes = 4'000'000;  // the larger caches; smaller strips read their rims too often
   const Level& f = levels[l];
   const std::vector<int> lag = lags_of(stages);
   const int row_bytes = static_cast<int>(sizeof(float)) * f.slot * (f.finest ? 8 : 16);
-  const int rows = std::clamp(cached_bytes / ((lag.back() + 2 * step) * row_bytes) / 2 * 2, 4, 64);
-  const int length = std::max(8, (f.nz() + lag.back()) / 8 / step * step);
-  const int strips = pieces(f.ny() + lag.back(), rows), lengths = pieces(f.nz() + lag.back(), length);
-  const auto run_piece = [&](int strip, int part) {
-    const int end = std::min((part + 1) * length, f.nz() + lag.back());
-    for (int k = part * length; k < end; k += step)
+  const int cached_rows = std::max(cached_bytes / ((lag.back() + 2 * step) * row_bytes), 4);
+  const int pairs_of_strips = pieces(f.ny() + lag.back(), 2 * cached_rows);  // an even number for two threads
+  const int rows = (pieces(f.ny() + lag.back(), 2 * pairs_of_strips) + 1) / 2 * 2;
+  const int strips = pieces(f.ny() + lag.back(), rows), end = f.nz() + lag.back();
+  std::vector<std::atomic<int>> reached(static_cast<std::size_t>(strips));  // slices begun by the next step
+  std::atomic<int> next = 0;
+  parallel_for(static_cast<std::size_t>(strips), 1, [&](std::size_t, std::size_t) {
+    const int strip = next++;
+    const detail::FlushDenormals flush;
+    for (int k = 0; k < end; k += step) {
+      if (strip > 0) wait_until(reached[static_cast<std::size_t>(strip - 1)], k + step);
       for (std::size_t s = 0; s < stages.size(); ++s) {
         const int k0 = std::max(k - lag[s], 0), k1 = std::min(k + step - lag[s], f.nz());
         const int j0 = std::max(strip * rows - lag[s], 0), j1 = std::min((strip + 1) * rows - lag[s], f.ny());
         if (k0 < k1 && j0 < j1) apply(l, stages[s], k0, k1, j0, j1);
       }
-  };
-  for (int diagonal = 0; diagonal < strips + lengths - 1; ++diagonal) {
-    const int first = std::max(0, diagonal - lengths + 1), last = std::min(strips - 1, diagonal);
-    parallel_for(static_cast<std::size_t>(last - first + 1), 1, [&](std::size_t begin, std::size_t end) {
-      for (int strip = first + static_cast<int>(begin); strip < first + static_cast<int>(end); ++strip)
-        run_piece(strip, diagonal - strip);
-    });
-  }
+      reached[static_cast<std::size_t>(strip)].store(k + step, std::memory_order_release);
+    }
+  });
 }
 
 void Hierarchy::run(std::size_t l, std::span<const Stage> stages) {
-  constexpr std::size_t worth_threads = 32768;
+  constexpr std::size_t worth_threads = 16384;
   if (levels[l].cells() >= worth_threads) return run_in_strips(l, stages);
+  const detail::FlushDenormals flush;
   for (Stage stage : stages) apply(l, stage, 0, levels[l].nz(), 0, levels[l].ny());
 }
 
-/// Solves the residual equation on level l+1 roughly. Two corrections instead of one on the first two levels (a W-cycle
-/// cut short) keep the rate from falling with the number of levels; below, one is as good and cheaper.
-void Hierarchy::correct(std::size_t l, std::size_t top) { cycles(l + 1, top, l < top + 2 ? 2 : 1); }
+/// Solves the residual equation on level l+1 roughly. Two corrections instead of one on the first two levels and on
+/// large ones (a W-cycle cut short) keep the rate from falling with the number of levels; below, one is as good and
+/// cheaper.
+void Hierarchy::correct(std::size_t l, std::size_t top) {
+  constexpr std::size_t worth_two = 4096;
+  cycles(l + 1, top, l < top + 2 || levels[l + 1].cells() >= worth_two ? 2 : 1);
+}
 
 constexpr Stage into[] = {Stage::red_from_rhs, Stage::black_cold, Stage::restrict_residual};
 constexpr Stage through[] = {Stage::correct_black, Stage::red,   Stage::black,

@@ -370,12 +370,18 @@ DYNASURF_INLINE void interpolate_rows(const View f, const View g, int k, int j0,
 
 namespace {
 
+DYNASURF_INLINE bool has_data(const View& v, int j, int k, int half) {
+  const std::int32_t* blocks = v.blocks_of(j, k, half);
+  return std::any_of(blocks, blocks + v.slot / lanes, [](std::int32_t number) { return number >= 0; });
+}
+
 template <Start start, bool finest>
 DYNASURF_INLINE void sweep_rows(Level& l, int k, int j0, int j1, int colour) {
   const View v(l);
   Measure measure;
   for (int j = j0; j < j1; ++j) {
     const int half = half_of(colour, j, k);
+    if (start == Start::near_data && !has_data(v, j, k, half)) continue;
     if constexpr (finest)
       sweep_finest_row<start>(v, j, k, half, measure);
     else
@@ -424,7 +430,10 @@ namespace {
 DYNASURF_CLONES void copy_row(const float* even, const float* odd, int count, float* out) {
   int i = 0;
   for (; i + 2 * lanes <= count; i += 2 * lanes) join(load(even + i / 2), load(odd + i / 2), out + i);
-  for (; i < count; ++i) out[i] = (i % 2 == 0 ? even : odd)[i / 2];
+  if (i == count) return;
+  float rest[2 * lanes];
+  join(load(even + i / 2), load(odd + i / 2), rest);
+  std::copy_n(rest, count - i, out + i);
 }
 
 }  // namespace
