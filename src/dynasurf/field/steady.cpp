@@ -1,11 +1,14 @@
 #include "dynasurf/field/steady.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/gradient.hpp"
@@ -35,12 +38,14 @@ enum class Stage {
   black_near_data,
   start_black,
   correct_black,
-  restrict_residual
+  restrict_residual,
+  copy_out
 };
 
 /// The solver works on levels [0, count): 0 holds the voxels, the last one a single cell.
 struct Hierarchy {
   std::vector<Level>& levels;
+  std::array<float*, 3> field;
 
   void run(std::size_t l, std::span<const Stage> stages);
   void cycles(std::size_t l, std::size_t top, int count);
@@ -91,6 +96,9 @@ void Hierarchy::apply(std::size_t l, Stage stage, int k0, int k1, int j0, int j1
         break;
       case Stage::correct_black:
         multigrid::correct_black(fine, levels[l + 1], k, j0, j1);
+        break;
+      case Stage::copy_out:
+        multigrid::copy_out(fine, k, j0, j1, field);
         break;
       case Stage::restrict_residual:
         break;
@@ -195,8 +203,9 @@ void Hierarchy::solve_coarse() {
 // before a restriction, which expects them to have no residual.
 constexpr Stage begin[] = {Stage::start_black,     Stage::red_cold,      Stage::black, Stage::red_near_data,
                            Stage::black_near_data, Stage::red_near_data, Stage::black, Stage::restrict_residual};
-constexpr Stage finish[] = {Stage::correct_black, Stage::red_measured, Stage::black, Stage::red_near_data,
-                            Stage::black_near_data};
+constexpr Stage finish[] = {Stage::correct_black, Stage::red_measured,    Stage::black,
+                            Stage::red_near_data, Stage::black_near_data, Stage::copy_out};
+constexpr Stage copy[] = {Stage::copy_out};
 constexpr Stage resume[] = {Stage::red, Stage::black, Stage::restrict_residual};
 constexpr Stage finish_and_resume[] = {Stage::correct_black, Stage::red_measured,     Stage::black,
                                        Stage::red_near_data, Stage::black_near_data,  Stage::red,
@@ -255,7 +264,10 @@ void iterate(Hierarchy& h, Estimate estimate, double tolerance, int most_cycles,
     error = estimate.error_after(relative_change(h.levels[0]));
     stalled = estimate.rate > 0.7 ? stalled + 1 : 0;
     progress("field", r.iterations, most_cycles);
-    if (error < tolerance || r.iterations == most_cycles || stalled == 3) break;
+    if (error < tolerance || r.iterations == most_cycles || stalled == 3) {
+      if (certainly_more) h.run(0, copy);
+      break;
+    }
     if (!certainly_more) h.run(0, resume);
   }
   r.error = error;
@@ -289,16 +301,9 @@ void solve(const Image& map, const Vec3& rates, const multigrid::DataTerm& term,
     r.error = 0;
     return;
   }
-  Hierarchy h{levels};
+  Hierarchy h{levels, {r.field.x.data(), r.field.y.data(), r.field.z.data()}};
   h.solve_coarse();
   iterate(h, Estimate(levels[0], data), tolerance, most_cycles, r, progress);
-  const Level& finest = levels[0];
-  const std::size_t grain =
-      std::max<std::size_t>(1, (std::size_t{1} << 15) / static_cast<std::size_t>(finest.nx() * finest.ny()));
-  parallel_for(static_cast<std::size_t>(finest.nz()), grain, [&](std::size_t begin, std::size_t end) {
-    multigrid::copy_out(finest, static_cast<int>(begin), static_cast<int>(end),
-                        {r.field.x.data(), r.field.y.data(), r.field.z.data()});
-  });
 }
 
 }  // namespace
@@ -343,18 +348,29 @@ void flow_field(const Image& edge_map, const SteadyGgvf& options, SteadyWorkspac
         progress);
 }
 
-FlowResult flow_field(const Image& edge_map, const SteadyGvf& options, const Progress& progress) {
-  SteadyWorkspace workspace;
+namespace {
+
+/// With the workspace of the thread's last small field. It is taken away while in use: a thread that waits for others
+/// may begin another field.
+template <class Options>
+FlowResult flow_field_in_kept_memory(const Image& edge_map, const Options& options, const Progress& progress) {
+  constexpr std::size_t worth_keeping = 16 << 20;
+  static thread_local std::optional<SteadyWorkspace> kept;
+  SteadyWorkspace workspace = kept ? *std::exchange(kept, std::nullopt) : SteadyWorkspace();
   FlowResult result;
   flow_field(edge_map, options, workspace, result, progress);
+  if (workspace.bytes() <= worth_keeping) kept = std::move(workspace);
   return result;
 }
 
+}  // namespace
+
+FlowResult flow_field(const Image& edge_map, const SteadyGvf& options, const Progress& progress) {
+  return flow_field_in_kept_memory(edge_map, options, progress);
+}
+
 FlowResult flow_field(const Image& edge_map, const SteadyGgvf& options, const Progress& progress) {
-  SteadyWorkspace workspace;
-  FlowResult result;
-  flow_field(edge_map, options, workspace, result, progress);
-  return result;
+  return flow_field_in_kept_memory(edge_map, options, progress);
 }
 
 }  // namespace dynasurf

@@ -56,7 +56,7 @@ class SteadyWorkspace {
 /// from 1x1x1 and any spacing. `FlowResult::error` estimates the relative distance from the exact solution out of the
 /// last corrections; a note "steady.tolerance_missed" says when single precision or `most_cycles` ended the run above
 /// `tolerance`. Same bytes for any number of threads. A constant map gives a zero field. Throws like the explicit
-/// scheme.
+/// scheme. A thread keeps the memory of its last field, up to 16 MiB, for the next one.
 FlowResult flow_field(const Image& edge_map, const SteadyGvf& options, const Progress& progress = {});
 FlowResult flow_field(const Image& edge_map, const SteadyGgvf& options, const Progress& progress = {});
 

@@ -125,7 +125,7 @@ void correct_black(Level& fine, const Level& coarse, int k, int j0, int j1);
 /// First values of black cells from the coarser level's solution.
 void start_black(Level& fine, const Level& coarse, int k, int j0, int j1);
 
-/// Writes the slices [k0, k1) of u in the natural order of voxels.
-void copy_out(const Level& level, int k0, int k1, std::array<float*, 3> out);
+/// Writes u of the rows [j0, j1) of slice k in the natural order of voxels.
+void copy_out(const Level& level, int k, int j0, int j1, std::array<float*, 3> out);
 
 }  // namespace dynasurf::multigrid

@@ -438,14 +438,13 @@ DYNASURF_CLONES void copy_row(const float* even, const float* odd, int count, fl
 
 }  // namespace
 
-void copy_out(const Level& l, int k0, int k1, std::array<float*, 3> out) {
-  for (int k = k0; k < k1; ++k)
-    for (int j = 0; j < l.ny(); ++j)
-      for (int c = 0; c < 3; ++c) {
-        const float* even = l.u.data() + l.row(j, k) + 2 * c * l.slot;
-        copy_row(even, even + l.slot, l.nx(),
-                 out[static_cast<std::size_t>(c)] + l.row_number(j, k) * static_cast<std::size_t>(l.nx()));
-      }
+void copy_out(const Level& l, int k, int j0, int j1, std::array<float*, 3> out) {
+  for (int j = j0; j < j1; ++j)
+    for (int c = 0; c < 3; ++c) {
+      const float* even = l.u.data() + l.row(j, k) + 2 * c * l.slot;
+      copy_row(even, even + l.slot, l.nx(),
+               out[static_cast<std::size_t>(c)] + l.row_number(j, k) * static_cast<std::size_t>(l.nx()));
+    }
 }
 
 }  // namespace dynasurf::multigrid
