@@ -19,12 +19,13 @@ namespace dynasurf {
 namespace {
 
 /// A small heart of four gates on coarse voxels: seen in well under a second.
-Phantom small_study(double fwhm_mm) {
+Phantom small_study(double fwhm_mm, double right_ventricle = 0) {
   VirtualPatient o;
   o.edv_ml = 90, o.ef_percent = 50, o.wall_ml = 100;
   o.gates = 4;
   o.fwhm_mm = fwhm_mm;
   o.noise.peak_counts = 0;
+  o.right_ventricle = right_ventricle;
   o.pose.tilt_deg = 12;
   o.lattice = {28, 28, 24, 4.8, 4.8, 4.8};
   return make_phantom(o);
@@ -59,6 +60,7 @@ BlurFit known_blur(double fwhm_mm) {
   options.run = true;
   options.fwhm_mm = fwhm_mm;
   options.fwhm_uncertainty = 0;
+  options.papillary_share = 0;  // these hearts have none
   return options;
 }
 
@@ -257,6 +259,32 @@ TEST(BlurFit, FindsTheVolumesThatTheBlurHides) {
   EXPECT_NEAR(beat.ef_percent->value, *phantom.ef_percent, 1.5);
   EXPECT_NEAR(beat.wall_ml.value / phantom.truth[0].wall_ml(), 1, 0.05);
   EXPECT_LT(beat.wall_variation, 0.03);
+}
+
+TEST(BlurFit, IsNotPulledByTheRightVentricle) {
+  const Phantom phantom = small_study(12, 0.45);
+  BlurFit options = known_blur(12);
+  options.fwhm_uncertainty = 0.07;
+  const FittedBeat beat = fit_through_blur(phantom.study, biased_start(phantom), options);
+  EXPECT_NEAR(beat.edv_ml.value / *phantom.edv_ml, 1, 0.03);
+  EXPECT_NEAR(beat.esv_ml.value / *phantom.esv_ml, 1, 0.05);
+  EXPECT_NEAR(beat.fwhm_mm.value, 12, 0.3);
+}
+
+TEST(BlurFit, CountsPapillaryMusclesAsCavity) {
+  const Phantom phantom = small_study(12);
+  BlurFit options = known_blur(12);
+  const FittedBeat without = fit_through_blur(phantom.study, biased_start(phantom), options);
+  options.papillary_share = 0.05;
+  const FittedBeat with = fit_through_blur(phantom.study, biased_start(phantom), options);
+  const double papillary = 0.05 * without.wall_ml.value;
+  // A ray that leaves through the base has muscle above it whose share counts too: 10 and 11 % more.
+  EXPECT_NEAR(with.edv_ml.value - without.edv_ml.value, papillary, 0.15 * papillary);
+  EXPECT_NEAR(without.wall_ml.value - with.wall_ml.value, papillary, 0.15 * papillary);
+  EXPECT_NEAR(with.sv_ml.value, without.sv_ml.value, 0.05 * papillary);
+  // Nobody saw them: there may be none.
+  EXPECT_GT(with.edv_ml.sd, 0.9 * papillary);
+  EXPECT_LT(with.sv_ml.sd, 1.01 * without.sv_ml.sd);
 }
 
 TEST(BlurFit, ReadsSharpImagesToo) {

@@ -17,10 +17,11 @@ constexpr int wall_rings = 24, lid_rings = 6, around = 48;
 /// The walls of one gate as functions of the direction.
 class Walls {
  public:
-  Walls(const BeatProblem& problem, const Eigen::VectorXd& gate)
+  Walls(const BeatProblem& problem, const Eigen::VectorXd& gate, double papillary_share)
       : layout_(problem.layout.gate),
         frame_(problem.cells.frame),
         gate_(gate),
+        papillary_share_(papillary_share),
         harmonics_(static_cast<std::size_t>(
             harmonics_up_to(std::max({layout_.endo_degree, layout_.wall_degree, layout_.uptake_degree})))) {}
 
@@ -30,8 +31,10 @@ class Walls {
   Ray along(const Vec3& direction) {
     harmonics_at(direction, std::max({layout_.endo_degree, layout_.wall_degree, layout_.uptake_degree}), harmonics_);
     Ray ray;
-    ray.endo = std::exp(field(layout_.endo, layout_.endo_degree));
-    ray.epi = std::cbrt(ray.endo * ray.endo * ray.endo + std::exp(field(layout_.wall, layout_.wall_degree)));
+    const double cavity = std::exp(3 * field(layout_.endo, layout_.endo_degree));
+    const double muscle = std::exp(field(layout_.wall, layout_.wall_degree));
+    ray.endo = std::cbrt(cavity + papillary_share_ * muscle);
+    ray.epi = std::cbrt(cavity + muscle);
     ray.uptake = std::exp(field(layout_.uptake, layout_.uptake_degree));
     return ray;
   }
@@ -50,6 +53,7 @@ class Walls {
   const GateLayout& layout_;
   const HeartFrame& frame_;
   const Eigen::VectorXd& gate_;
+  double papillary_share_;
   std::vector<double> harmonics_;
 };
 
@@ -139,24 +143,29 @@ double spread_of(const Eigen::VectorXd& gradient, const Eigen::LLT<Eigen::Matrix
 }
 
 /// The normal matrix knows of noise, not of hearts and cameras that differ from the model. Its deviations times this
-/// factor, and a part that no counting takes away, hold the truth in about 90 % of the choosing patients of
-/// experiments/unbiased_200.
-void allow_for_model(Estimate& e, double least) {
+/// factor, a part that no counting takes away, and papillary muscles of unknown size hold the truth in about 90 % of
+/// the choosing patients of experiments/unbiased_200.
+void allow_for_model(Estimate& e, double least, double papillary = 0) {
   constexpr double factor = 2;
-  e.sd = std::hypot(factor * e.sd, least);
+  e.sd = std::hypot(factor * e.sd, least, papillary);
 }
 
-void allow_for_model(FittedBeat& beat) {
-  const auto share = [](Estimate& e, double of_value) { allow_for_model(e, of_value * std::abs(e.value)); };
-  for (FittedGate& gate : beat.gates) share(gate.endo_ml, 0.02), share(gate.epi_ml, 0.02);
-  share(beat.edv_ml, 0.02), share(beat.esv_ml, 0.03), share(beat.sv_ml, 0.03);
-  if (beat.ef_percent) allow_for_model(*beat.ef_percent, 0.8);
-  share(beat.wall_ml, 0.05), share(beat.thickness_mm, 0.05);
+/// Papillary muscles keep their volume over the beat: they change both volumes alike, and not what is put out.
+void allow_for_model(FittedBeat& beat, double papillary_ml) {
+  const auto share = [](Estimate& e, double of_value, double papillary) {
+    allow_for_model(e, of_value * std::abs(e.value), papillary);
+  };
+  for (FittedGate& gate : beat.gates) share(gate.endo_ml, 0.02, papillary_ml), share(gate.epi_ml, 0.02, 0);
+  share(beat.edv_ml, 0.02, papillary_ml), share(beat.esv_ml, 0.03, papillary_ml), share(beat.sv_ml, 0.03, 0);
+  if (beat.ef_percent)
+    allow_for_model(*beat.ef_percent, 0.8, beat.ef_percent->value * papillary_ml / beat.edv_ml.value);
+  share(beat.wall_ml, 0.05, papillary_ml), share(beat.thickness_mm, 0.05, 0);
 }
 
 }  // namespace
 
-void describe_beat(const BeatProblem& problem, const Solution& solution, const Grid& grid, FittedBeat& beat) {
+void describe_beat(const BeatProblem& problem, const Solution& solution, const Grid& grid, double papillary_share,
+                   FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
   beat.rings = wall_rings, beat.segments = around;
   const Eigen::MatrixXd matrix = solution.matrix.whole(problem.noise);
@@ -166,7 +175,7 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
   std::vector<double> wall;
   for (std::size_t g = 0; g < gates; ++g) {
     const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), solution.unknowns);
-    Walls walls(problem, numbers);
+    Walls walls(problem, numbers, papillary_share);
     FittedGate gate;
     gate.endo = wall_mesh(walls, false, grid, g == 0 ? &beat.uptake : nullptr);
     gate.epi = wall_mesh(walls, true, grid, nullptr);
@@ -184,8 +193,8 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
                           gradient);
       return gradient;
     };
-    by_cavity[g] = of_beat(1, 0);
-    by_wall[g] = of_beat(0, 1);
+    by_cavity[g] = of_beat(1, papillary_share);
+    by_wall[g] = of_beat(0, 1 - papillary_share);
     gate.endo_ml.sd = spread_of(by_cavity[g], factor);
     gate.epi_ml.sd = spread_of(by_cavity[g] + by_wall[g], factor);
     wall.push_back(gate.epi_ml.value - gate.endo_ml.value);
@@ -228,7 +237,7 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
   const double healthy = std::max(1e-9, activity[activity.size() / 2]);
   for (double& u : beat.uptake) u /= healthy;
   beat.cavity = first[layout.gate.cavity] / healthy, beat.background = first[layout.gate.background] / healthy;
-  allow_for_model(beat);
+  allow_for_model(beat, papillary_share / (1 - papillary_share) * beat.wall_ml.value);
   tell_belief_from_data(problem, solution, factor, beat);
   beat.posterior = std::make_shared<const WallPosterior>(problem, solution.unknowns, grid, factor);
 }

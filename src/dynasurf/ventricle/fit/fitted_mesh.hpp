@@ -4,7 +4,9 @@
 
 namespace dynasurf {
 
-/// Turns a solution into surfaces, volumes and their error bars. Internal.
-void describe_beat(const BeatProblem& problem, const Solution& solution, const Grid& grid, FittedBeat& beat);
+/// Turns a solution into surfaces, volumes and their error bars. `papillary_share` of the muscle along every ray counts
+/// as cavity. Internal.
+void describe_beat(const BeatProblem& problem, const Solution& solution, const Grid& grid, double papillary_share,
+                   FittedBeat& beat);
 
 }  // namespace dynasurf
