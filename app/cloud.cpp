@@ -17,7 +17,7 @@ struct Arguments {
   std::vector<std::string> clouds;
   ResultArguments result;
   std::string preset = "shaped", file;
-  std::string triangles, max_error, genus;
+  std::string triangles, max_error, genus, start;
   bool keep_sharp = false;
   std::vector<std::string> settings;
   bool textures = false;
@@ -35,6 +35,7 @@ std::vector<std::string> settings_of(const Arguments& a) {
   if (!a.triangles.empty()) settings.push_back("triangles=" + a.triangles);
   if (!a.max_error.empty()) settings.push_back("max_error_percent=" + without_percent(a.max_error));
   if (!a.genus.empty()) settings.push_back("genus=" + a.genus);
+  if (!a.start.empty()) settings.push_back("start=" + a.start);
   if (a.keep_sharp) settings.emplace_back("keep_sharp=true");
   settings.insert(settings.end(), a.settings.begin(), a.settings.end());
   return settings;
@@ -96,6 +97,7 @@ void add_cloud(CLI::App& program, Command& chosen) {
   command->add_option("--max-error", a->max_error,
                       "instead: fewest triangles whose mean distance is below this, percent of the diagonal: 0.1%");
   command->add_option("--genus", a->genus, "handles: auto, 0 or keep");
+  command->add_option("--start", a->start, "mesh that is deformed: auto, field, sphere, ellipsoid or hull");
   command->add_flag("--keep-sharp", a->keep_sharp, "do not smooth across sharp edges");
   command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options cloud)")
       ->take_all()

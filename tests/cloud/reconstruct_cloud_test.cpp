@@ -1,5 +1,6 @@
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -52,6 +53,45 @@ TEST(ReconstructCloud, TheThesisRecipeMakesIcospheresOnly) {
 
 /// A torus of radii 0.75 and 0.25, seen by 5,000 points.
 PointCloud ring() { return make_cloud({.shape = CloudShape::torus, .points = 5000}); }
+
+class EveryStart : public testing::TestWithParam<CloudStart> {};
+
+TEST_P(EveryStart, BecomesABodyWithDents) {
+  CloudOptions options;
+  options.triangles = "1000";
+  options.start = GetParam();
+  const PointCloud cloud = make_cloud({.shape = CloudShape::blobs, .points = 8000});
+  const CloudResult result = reconstruct_cloud(cloud, options);
+  const Certificate& c = result.levels.at(0).certificate;
+  EXPECT_TRUE(c.watertight());
+  EXPECT_EQ(c.genus, 0);
+  EXPECT_GE(c.smallest_angle_deg, 20);
+  // The field's own surface of as many triangles is 0.07 % off.
+  EXPECT_LT(c.cloud_to_mesh_mean, 0.0011 * c.cloud_diagonal);
+}
+
+TEST_P(EveryStart, CanBeDeformedByTheThesisRecipeToo) {
+  CloudOptions options = cloud_preset("thesis");
+  options.triangles = "1280";
+  options.start = GetParam();
+  const CloudLevel level = reconstruct_cloud(ball(), options).levels.at(0);
+  EXPECT_TRUE(level.certificate.closed && level.certificate.manifold && level.certificate.oriented);
+  EXPECT_LT(level.certificate.cloud_to_mesh_mean, 1.5 * 0.04 / 54);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EveryStart, testing::Values(CloudStart::sphere, CloudStart::ellipsoid, CloudStart::hull),
+                         [](const auto& info) { return std::string(word_of(info.param)); });
+
+TEST(ReconstructCloud, StartsWithoutHandlesCloseThemAndSaySo) {
+  CloudOptions options;
+  options.triangles = "1000";
+  options.start = CloudStart::hull;
+  const CloudResult result = reconstruct_cloud(make_cloud({.shape = CloudShape::torus, .points = 5000}), options);
+  EXPECT_EQ(result.levels.at(0).certificate.genus, 0);
+  EXPECT_TRUE(result.levels.at(0).certificate.watertight());
+  EXPECT_TRUE(std::any_of(result.notes.begin(), result.notes.end(),
+                          [](const Note& note) { return note.code == "cloud.start"; }));
+}
 
 class EveryFittedMethod : public testing::TestWithParam<CloudMethod> {};
 

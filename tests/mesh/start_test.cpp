@@ -68,7 +68,7 @@ TEST(EnclosedSolid, LeavesAnOpenCupsOutsideOut) {
 TEST(StartMesh, FitsEveryShapeAroundTheData) {
   const Image border = hollow_box();
   const Vec3 box(20, 24, 42);
-  for (const StartShape shape : {StartShape::ellipsoid, StartShape::cube, StartShape::file}) {
+  for (const StartShape shape : {StartShape::ellipsoid, StartShape::cube, StartShape::hull, StartShape::file}) {
     Placement placement;
     placement.shape = shape;
     const TriMesh given = moved(ellipsoid(3, {3, 1, 0.2}), {500, -3, 8});
@@ -79,6 +79,18 @@ TEST(StartMesh, FitsEveryShapeAroundTheData) {
   Placement sphere;
   sphere.shape = StartShape::sphere;
   EXPECT_LT((extent_of(start_mesh(border, 3, sphere)) - Vec3::Constant(63)).norm(), 0.5);
+}
+
+TEST(StartMesh, ByTheHullFillsNoHollowButHasNoDent) {
+  // An L of voxels: its hull adds half of the missing square, and no more.
+  Image border(Grid{.dims = {20, 20, 8}});
+  for (int k = 2; k < 6; ++k)
+    for (int n = 2; n < 18; ++n)
+      for (int m = 2; m < 6; ++m) border(n, m, k) = border(m, n, k) = 1;
+  const TriMesh mesh = start_mesh(border, 3, {.shape = StartShape::hull, .scale = 1});
+  EXPECT_TRUE(check_surface(mesh).valid());
+  EXPECT_EQ(mesh.triangles.size(), 1280u);
+  EXPECT_NEAR(volume_mm3(mesh), 4 * (16 * 16 - 12 * 12 / 2.0), 0.02 * 4 * 184);
 }
 
 TEST(StartMesh, ByMarchingCubesIsTheSurfaceOfTheSolid) {

@@ -59,7 +59,8 @@ TEST(Starts, OfEveryShapeEndOnTheSameBorders) {
   VentricleOptions options;
   options.field = SteadyGvf{};  // reaches as far as the sphere around a long heart
   const VentricleResult standard = reconstruct(patient().study, options);
-  for (const StartShape shape : {StartShape::sphere, StartShape::cube, StartShape::marching_cubes, StartShape::file}) {
+  for (const StartShape shape :
+       {StartShape::sphere, StartShape::cube, StartShape::hull, StartShape::marching_cubes, StartShape::file}) {
     options.placement.shape = shape;
     SCOPED_TRACE(word_of(shape));
     const VentricleResult result = reconstruct(patient().study, options, {}, {}, &given);

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <span>
 
 #include "dynasurf/cloud/lod.hpp"
@@ -98,9 +99,11 @@ class Cutting {
 
   /// Whether every triangle ends within one of the coarse mesh.
   bool run() {
-    constexpr int rounds =
-        10;  // each halves the edges; more are needed only where the sheets of a surface nearly touch
-    for (int k = 0; k < rounds && mark() > 0; ++k) cut();
+    // Each halves the edges. Where the sheets of the coarse surface nearly touch, what is nearest jumps between them
+    // however short an edge is: there the rest is led along the edges of the coarse mesh.
+    constexpr int rounds = 7, led_rounds = 16;
+    const std::size_t most = 8 * (mesh_.triangles.size() + coarse_.triangles.size());  // what will not end, ends here
+    for (int k = 0; k < rounds + led_rounds && mesh_.triangles.size() < most && mark() > 0; ++k) cut(k >= rounds);
     return mark() == 0;
   }
 
@@ -184,7 +187,54 @@ class Cutting {
     return bad;
   }
 
-  void cut() {
+  /// The vertices of the coarse mesh between which an image lies.
+  static std::vector<std::uint32_t> support(const Image& image) {
+    std::vector<std::uint32_t> corners;
+    for (std::size_t c = 0; c < 3; ++c)
+      if (image.weights[c] > 0) corners.push_back(image.corners[c]);
+    return corners;
+  }
+
+  /// Vertices along a way over the coarse edges, of the fewest edges, from a corner of one image to one of another.
+  /// Empty when the two lie on different parts of the surface.
+  std::vector<std::uint32_t> way_between(const Image& from, const Image& to) {
+    if (neighbours_.empty()) find_neighbours();
+    const std::vector<std::uint32_t> ends = support(to);
+    std::vector<std::uint32_t> open = support(from);
+    std::map<std::uint32_t, std::uint32_t> came_from;
+    for (const std::uint32_t v : open) came_from[v] = v;
+    for (std::size_t n = 0; n < open.size(); ++n) {
+      const std::uint32_t v = open[n];
+      if (std::find(ends.begin(), ends.end(), v) != ends.end()) {
+        std::vector<std::uint32_t> way{v};
+        while (came_from[way.back()] != way.back()) way.push_back(came_from[way.back()]);
+        std::reverse(way.begin(), way.end());
+        return way;
+      }
+      for (const std::uint32_t next : neighbours_[v])
+        if (came_from.emplace(next, v).second) open.push_back(next);
+    }
+    return {};
+  }
+
+  void find_neighbours() {
+    neighbours_.resize(coarse_.vertices.size());
+    for (const Corners& t : coarse_.triangles)
+      for (std::size_t i = 0; i < 3; ++i) neighbours_[t[i]].push_back(t[(i + 1) % 3]);
+  }
+
+  /// A coarse vertex half way from one image to another, so that the ways to both have fewer edges.
+  std::optional<Image> image_on_the_way(std::uint32_t a, std::uint32_t b) {
+    const std::array<std::uint32_t, 2> ends{a, b};
+    if (within_one(ends)) return std::nullopt;
+    const std::vector<std::uint32_t> way = way_between(images_[a], images_[b]);
+    if (way.empty()) return std::nullopt;
+    const bool at_vertex = support(images_[a]).size() == 1;
+    const std::uint32_t v = way[way.size() == 2 && at_vertex ? 1 : (way.size() - 1) / 2];
+    return Image{{v, v, v}, {1, 0, 0}, coarse_.vertices[v]};
+  }
+
+  void cut(bool led) {
     for (auto& [edge, middle] : marked_) {
       const auto [a, b] = edge;
       middle = static_cast<std::uint32_t>(mesh_.vertices.size());
@@ -192,7 +242,8 @@ class Cutting {
       mesh_.vertices.push_back((mesh_.vertices[a] + mesh_.vertices[b]) / 2);
       normals_.push_back(normals_[a].normalized() + normals_[b].normalized());
       // Between the images of the ends, for what is nearest to a rim or fold of the fine mesh may jump.
-      images_.push_back(image_of((images_[a].nearest + images_[b].nearest) / 2, normals_.back()));
+      const std::optional<Image> led_to = led ? image_on_the_way(a, b) : std::nullopt;
+      images_.push_back(led_to ? *led_to : image_of((images_[a].nearest + images_[b].nearest) / 2, normals_.back()));
     }
     std::vector<Corners> triangles;
     for (const Corners& t : mesh_.triangles) cut(t, triangles);
@@ -222,6 +273,7 @@ class Cutting {
   std::vector<std::array<std::uint32_t, 2>> cuts_;
   std::vector<Corners> faces_;  // triangles and edges (either end twice) of the coarse mesh, sorted
   std::map<Edge, std::uint32_t> marked_;
+  std::vector<std::vector<std::uint32_t>> neighbours_;  // of the coarse vertices; found when a way is asked for
 };
 
 /// Squared distances from the vertices and the middles of the edges and the triangle to a surface.

@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> methods{"shaped", "faithful", "thesis"};
 constexpr std::array<std::string_view, 3> genus_rules{"auto", "0", "keep"};
+constexpr std::array<std::string_view, 5> starts{"auto", "field", "sphere", "ellipsoid", "hull"};
 constexpr int fewest_triangles = 20, most_triangles = 2'000'000;
 
 [[noreturn]] void refuse(const std::string& triangles) {
@@ -22,6 +23,7 @@ constexpr int fewest_triangles = 20, most_triangles = 2'000'000;
 
 std::span<const std::string_view> names_of(CloudMethod) { return methods; }
 std::span<const std::string_view> names_of(GenusRule) { return genus_rules; }
+std::span<const std::string_view> names_of(CloudStart) { return starts; }
 std::span<const std::string_view> cloud_preset_names() { return methods; }
 
 CloudOptions cloud_preset(std::string_view name) {

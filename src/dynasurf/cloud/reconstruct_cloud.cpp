@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dynasurf/cloud/body.hpp"
+#include "dynasurf/cloud/deform_start.hpp"
 #include "dynasurf/cloud/holes.hpp"
 #include "dynasurf/cloud/levels.hpp"
 #include "dynasurf/cloud/neighbours.hpp"
@@ -11,6 +12,7 @@
 #include "dynasurf/cloud/thesis_recipe.hpp"
 #include "dynasurf/cloud/transfer.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/intersections.hpp"
 
 namespace dynasurf {
 namespace {
@@ -170,6 +172,20 @@ int fewest_within(SurfaceEditor& surface, const Fitting& fitting, double error, 
   return count;
 }
 
+/// The mesh that becomes the levels, in the frame of `fine`, the surface that was found.
+TriMesh started(const TriMesh& fine, int genus, CloudStart start, Notes& notes, const Progress& progress) {
+  if (start == CloudStart::automatic || start == CloudStart::field) return fine;
+  if (genus > 0)
+    notes.push_back({Severity::warning, "cloud.start",
+                     "the points show " + number(genus, "handle", "handles") + ", and a start of shape " +
+                         std::string(word_of(start)) + " has none"});
+  TriMesh mesh = deform_start(fine, start, progress);
+  if (self_intersections(mesh).free()) return mesh;
+  notes.push_back({Severity::warning, "cloud.start",
+                   "the starts around the parts of the body run into each other; the field's surface was taken"});
+  return fine;
+}
+
 void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, const std::vector<int>& triangles,
                         CloudResult& result, const Progress& progress) {
   const FoundBody found = find_body(p, options, triangles.front(), result, progress);
@@ -196,7 +212,7 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
     for (Vec3& v : mesh.vertices) v = frame.out(v);
     add_level(result, p, asked, std::move(mesh));
   };
-  SurfaceEditor surface(fine);
+  SurfaceEditor surface(started(fine, body.genus, options.start, result.notes, progress));
   if (options.max_error_percent) {
     const int fewest = fewest_within(surface, fitting, *options.max_error_percent / 100, result.notes, progress);
     publish(surface, fewest);
@@ -222,7 +238,8 @@ CloudResult reconstruct_cloud(PointCloud cloud, const CloudOptions& options, con
   progress("points", 1, 1);
   CloudResult result{{}, prepared.facts, {}, prepared.notes};
   if (options.method == CloudMethod::thesis) {
-    std::vector<TriMesh> meshes = thesis_meshes(prepared.cloud.points, triangles, result.notes, progress);
+    std::vector<TriMesh> meshes =
+        thesis_meshes(prepared.cloud.points, triangles, options.start, result.notes, progress);
     for (std::size_t i = 0; i < meshes.size(); ++i) add_level(result, prepared, triangles[i], std::move(meshes[i]));
   } else {
     reconstruct_fitted(prepared, options, triangles, result, progress);

@@ -24,12 +24,19 @@ std::span<const std::string_view> names_of(CloudMethod);
 enum class GenusRule { automatic, zero, keep };
 std::span<const std::string_view> names_of(GenusRule);
 
+/// What is deformed into the surface. `field`: the level surface of the field between inside and outside, with its
+/// handles. `sphere`, `ellipsoid`, `hull`: around every part, without handles. `automatic`: the field's surface, for
+/// method thesis the ellipsoid.
+enum class CloudStart { automatic, field, sphere, ellipsoid, hull };
+std::span<const std::string_view> names_of(CloudStart);
+
 /// From a cloud to light closed meshes.
 struct CloudOptions {
   CloudMethod method = CloudMethod::shaped;
   std::string triangles = "5120,1280,320";
   std::optional<double> max_error_percent;
   GenusRule genus = GenusRule::automatic;
+  CloudStart start = CloudStart::automatic;
   bool keep_sharp = false;
   std::optional<int> cells;
   std::optional<double> noise_percent;
@@ -49,6 +56,9 @@ void describe(auto& visit, CloudOptions& o) {
               "% of the bounding box's diagonal", 1e-4, 10});
   visit("genus", o.genus,
         Field{"auto: the handles that the data show clearly; 0: none; keep: all that appear at the finest grid"});
+  visit("start", o.start,
+        Field{"the mesh that is deformed: field: the field's own surface; sphere, ellipsoid, hull: around every part, "
+              "without handles; auto: field, for thesis ellipsoid"});
   visit("keep_sharp", o.keep_sharp, Field{"no smoothing across edges that the points show to be sharp"});
   visit("cells", o.cells, Field{"grid cells along the longest side; absent: from the spacing and noise", "", 16, 512});
   visit("noise_percent", o.noise_percent,

@@ -6,7 +6,6 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/dynamics/evolve.hpp"
 #include "dynasurf/field/gvf.hpp"
-#include "dynasurf/mesh/shapes.hpp"
 
 namespace dynasurf {
 namespace {
@@ -56,8 +55,16 @@ CloudVoxels voxelise(std::span<const Vec3> points, int cells, int margin) {
   return v;
 }
 
-std::vector<TriMesh> thesis_meshes(std::span<const Vec3> points, std::span<const int> triangles, Notes& notes,
-                                   const Progress& progress) {
+Placement placement_of(CloudStart start) {
+  Placement place{.scale = 1.15};
+  if (start == CloudStart::sphere) place.shape = StartShape::sphere;
+  if (start == CloudStart::field) place.shape = StartShape::marching_cubes;
+  if (start == CloudStart::hull) place = {.shape = StartShape::hull, .scale = 1.02};
+  return place;
+}
+
+std::vector<TriMesh> thesis_meshes(std::span<const Vec3> points, std::span<const int> triangles, CloudStart start,
+                                   Notes& notes, const Progress& progress) {
   const Progress quiet{{}, progress.stop};
   std::vector<int> levels;
   for (const int count : triangles) levels.push_back(level_of(count));
@@ -69,8 +76,8 @@ std::vector<TriMesh> thesis_meshes(std::span<const Vec3> points, std::span<const
   std::vector<TriMesh> meshes;
   for (std::size_t i = 0; i < levels.size(); ++i) {
     progress("levels", static_cast<int>(i), static_cast<int>(levels.size()));
-    const EvolutionResult evolved = evolve(start_mesh(voxels.border, levels[i], Placement{.scale = 1.15}), flow.field,
-                                           voxels.border, recipe(), quiet);
+    const EvolutionResult evolved =
+        evolve(start_mesh(voxels.border, levels[i], placement_of(start)), flow.field, voxels.border, recipe(), quiet);
     note_arrival(evolved, triangles[i], notes);
     meshes.push_back(evolved.mesh);
     for (Vec3& p : meshes.back().vertices) p = voxels.origin + voxels.side * p;

@@ -18,7 +18,7 @@ TriMesh icosphere(int level);
 TriMesh cube_surface(int cells);
 
 /// What surfaces start from.
-enum class StartShape { ellipsoid, sphere, cube, marching_cubes, file };
+enum class StartShape { ellipsoid, sphere, cube, hull, marching_cubes, file };
 std::span<const std::string_view> names_of(StartShape);
 
 /// Which way surfaces evolve (GEO-OUTIN, thesis 5.3).
@@ -35,12 +35,15 @@ struct Placement {
 };
 void describe(auto& visit, Placement& o) {
   visit("shape", o.shape,
-        Field{"ellipsoid or cube fitted to the data's box, sphere around it, the data's own surface by marching cubes, "
-              "or a mesh that is given, fitted to the box"});
+        Field{"ellipsoid or cube fitted to the data's box, sphere around it, the data's convex hull, the data's own "
+              "surface "
+              "by marching cubes, or a mesh that is given, fitted to the box"});
   visit("direction", o.direction, Field{"from outside onto the border (thesis's choice, 5.3), or from inside"});
   visit("scale", o.scale,
-        Field{"half axes of the start, in half sides of the data's bounding box; 1.74 holds the whole box", "", 0.05,
-              10});
+        Field{"half axes of the start, in half sides of the data's bounding box; 1.74 holds the whole box; of a hull, "
+              "in its "
+              "own size",
+              "", 0.05, 10});
   visit("inside_scale", o.inside_scale, Field{"the same for starts that grow from inside", "", 0.01, 1});
   visit("centre_of_mass", o.centre_of_mass, Field{"centre on the data's centre of mass instead of the box"});
 }
@@ -50,10 +53,10 @@ void describe(auto& visit, Placement& o) {
 /// Precondition: `data` has a non-zero voxel; throws InputError otherwise.
 TriMesh place(const TriMesh& unit, const Image& data, const Placement& options);
 
-/// The start that `options` ask for. Spheres and cubes have about 10 * 4^level vertices. Marching cubes runs around the
-/// solid that the border encloses, so the number of its triangles follows the data, and direction and scales do not
-/// apply. `given` is the mesh of StartShape::file, any size and place: its bounding box is fitted. Throws like `place`,
-/// and OptionError when no mesh was given or it has no extent.
+/// The start that `options` ask for. Spheres, cubes and hulls have about 10 * 4^level vertices. Marching cubes runs
+/// around the solid that the border encloses, so the number of its triangles follows the data, and direction and scales
+/// do not apply. `given` is the mesh of StartShape::file, any size and place: its bounding box is fitted. Throws like
+/// `place`, and OptionError when no mesh was given or it has no extent.
 TriMesh start_mesh(const Image& border, int level, const Placement& options, const TriMesh* given = nullptr);
 
 /// 1 in the non-zero voxels of a border and where they close a ring around a voxel in its slice across any axis, so

@@ -3,16 +3,18 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <string>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/mesh/convex_hull.hpp"
 #include "dynasurf/mesh/marching.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
 namespace dynasurf {
 namespace {
 
-constexpr std::array<std::string_view, 5> kShapes{"ellipsoid", "sphere", "cube", "marching_cubes", "file"};
+constexpr std::array<std::string_view, 6> kShapes{"ellipsoid", "sphere", "cube", "hull", "marching_cubes", "file"};
 constexpr std::array<std::string_view, 2> kDirections{"out_to_in", "in_to_out"};
 
 /// The mesh moved and stretched so that its bounding box is [-1, 1]^3.
@@ -57,6 +59,20 @@ void fill_slice(const Image& border, std::size_t axis, int slice, Image& solid) 
   for (int v = 0; v < height; ++v)
     for (int u = 0; u < width; ++u)
       if (outside[static_cast<std::size_t>(u + width * v)] == 0) solid.values[voxel(u, v)] = 1;
+}
+
+/// The corners of all non-zero voxels, each once, in the grid frame.
+std::vector<Vec3> voxel_corners(const Image& border) {
+  std::set<Index3> corners;
+  for (int k = 0; k < border.grid.dims[2]; ++k)
+    for (int j = 0; j < border.grid.dims[1]; ++j)
+      for (int i = 0; i < border.grid.dims[0]; ++i)
+        for (int n = 0; border(i, j, k) != 0 && n < 8; ++n)
+          corners.insert({i + (n & 1), j + (n >> 1 & 1), k + (n >> 2)});
+  std::vector<Vec3> places;
+  for (const Index3& c : corners)
+    places.push_back((Vec3(c[0], c[1], c[2]) - Vec3::Constant(0.5)).cwiseProduct(border.grid.spacing));
+  return places;
 }
 
 /// As many squares as give a cube about the vertices of the icosphere.
@@ -113,6 +129,8 @@ TriMesh start_mesh(const Image& border, int level, const Placement& options, con
       return place(cube_surface(cells_of_level(level)), border, options);
     case StartShape::marching_cubes:
       return marching_cubes(enclosed_solid(border), 0.5);
+    case StartShape::hull:
+      return place(boxed(even_hull(voxel_corners(border), std::size_t{20} << 2 * level)), border, options);
     case StartShape::file:
       if (given == nullptr) throw OptionError("placement.shape is file; expected a mesh to start from, none was given");
       return place(boxed(*given), border, options);

@@ -1,5 +1,7 @@
 #include "dynasurf/mesh/submesh.hpp"
 
+#include <algorithm>
+#include <numeric>
 #include <vector>
 
 namespace dynasurf {
@@ -21,6 +23,29 @@ TriMesh submesh(const TriMesh& mesh, std::span<const std::uint8_t> kept) {
     m.triangles.push_back(corners);
   }
   return m;
+}
+
+std::vector<std::uint32_t> components_of(const TriMesh& mesh, std::uint32_t& count) {
+  std::vector<std::uint32_t> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto find = [&](std::uint32_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const auto& t : mesh.triangles)
+    for (const std::uint32_t v : {t[1], t[2]}) {
+      const std::uint32_t a = find(t[0]), b = find(v);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  constexpr std::uint32_t none = 0xffffffff;
+  std::vector<std::uint32_t> number(mesh.vertices.size(), none), component(mesh.triangles.size());
+  count = 0;
+  for (std::size_t t = 0; t < component.size(); ++t) {
+    std::uint32_t& n = number[find(mesh.triangles[t][0])];
+    if (n == none) n = count++;
+    component[t] = n;
+  }
+  return component;
 }
 
 }  // namespace dynasurf
