@@ -74,6 +74,12 @@ class Cloud(CliTest):
         self.assertGreater(coverage[0], coverage[1])
         self.assertEqual(gltf["scenes"][0]["nodes"], [0])
 
+    def test_starts_from_the_hull(self):
+        out = self.folder / "r"
+        done = run("cloud", small_scan(), "--out", out, "--triangles", "160", "--start", "hull")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.read_json(out / "options.json")["start"], "hull")
+
     def test_quiet_leaves_the_terminal_alone(self):
         out = self.folder / "r"
         done = run("cloud", small_scan(), "--out", out, "--triangles", "160", "--quiet")
@@ -166,7 +172,7 @@ class Cloud(CliTest):
     def test_refuses_wrong_options_in_one_line(self):
         out = self.folder / "r"
         for arguments, says in ((["--triangles", "320,640"], "triangles"), (["--triangles", "many"], "triangles"),
-                                (["--genus", "two"], "genus"), (["--preset", "best"], "shaped"),
+                                (["--genus", "two"], "genus"), (["--start", "cone"], "auto, field, sphere, ellipsoid, hull"), (["--preset", "best"], "shaped"),
                                 (["--max-error", "much"], "max_error_percent"), (["--set", "cell=3"], "cells"),
                                 (["--mesh-format", "ply,fbx"], "choices: ply, stl, obj, off, vtp, glb")):
             self.refuses(1, "cloud", small_scan(), "--out", out, *arguments, says=says)

@@ -91,9 +91,9 @@ struct LodTransition {
 /// When `fine` is `coarse` with every triangle cut in four and the coarse vertices first (as icospheres are), every new
 /// vertex starts in the middle of its two parents. Else every vertex starts at the nearest point of the coarse surface
 /// that faces the same way, and triangles of `fine` are cut until all corners of each start within one coarse triangle:
-/// the shape at t = 0 is the coarse surface then, too, to rounding. Where sheets of the coarse surface nearly touch, a
-/// few triangles may be left that cut its corners; `exact` is false then and the distances tell by how much. Throws
-/// InputError for a mesh without triangles.
+/// the shape at t = 0 is the coarse surface then, too, to rounding. Where the nearest point jumps between sheets of the
+/// coarse surface that nearly touch, starts between them are led along its edges. Should triangles be left that cut its
+/// corners, `exact` is false and the distances tell by how much. Throws InputError for a mesh without triangles.
 LodTransition lod_transition(const TriMesh& coarse, const TriMesh& fine);
 
 /// The shape at t in [0, 1]: the vertices move on straight lines, so shape and volume are continuous.
