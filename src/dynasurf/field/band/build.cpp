@@ -175,9 +175,32 @@ void make_room(Level& l) {
   l.ghosts.assign(static_cast<std::size_t>(ghosts), {});
 }
 
-/// Data of the coarser level: mean over the cells that a coarser cell joins, each weighed with s = D/(D+b), the share
-/// that diffusion has in it. A thin strong shell would otherwise hold the whole coarse cell fast.
-void coarsen_data(const Level& f, Level& g) {
+/// s = D/(D+b) of a cell, the share that diffusion has in it; 1 outside the band.
+float freedom(const Level& l, const Index3& v) {
+  const std::int32_t n = l.number({v[0] / side, v[1] / side, v[2] / side});
+  if (n < 0) return 1;
+  const std::size_t at = cell_at(v[0] % side, v[1] % side, v[2] % side);
+  return 1 - l.b[static_cast<std::size_t>(n)][at] * l.d[static_cast<std::size_t>(n)][at];
+}
+
+/// How much of its data term a voxel shows to the coarser level. Alone among free voxels it would follow them by s, and
+/// show s b; voxels inside a thick or strong border are held by their neighbours too, and show less.
+float shown(const Level& l, const Index3& v, float d, float s) {
+  float flow = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto at = static_cast<std::size_t>(v[a]);
+    Index3 low = v, high = v;
+    --low[a], ++high[a];
+    if (l.axis[a].left[at] > 0) flow += l.axis[a].left[at] * freedom(l, low);
+    if (l.axis[a].right[at] > 0) flow += l.axis[a].right[at] * freedom(l, high);
+  }
+  const float held = 0.3f + s;  // as measured on borders of all strengths
+  return held * (d * flow) + (1 - held) * s;
+}
+
+/// Data of the coarser level: mean over the cells that a coarser cell joins, the data term as far as it shows, the rest
+/// weighed with s. A thin strong shell would otherwise hold the whole coarse cell fast.
+void coarsen_data(const Level& f, Level& g, bool voxels) {
   for (std::size_t n = 0; n < f.place.size(); ++n) {
     const Index3 parent = parent_of(f, f.place[n]);
     const auto m = static_cast<std::size_t>(g.number(parent));
@@ -196,9 +219,10 @@ void coarsen_data(const Level& f, Level& g) {
           const Index3 at{c[0] - side * parent[0], c[1] - side * parent[1], c[2] - side * parent[2]};
           eighths |= 1 << (at[0] / 4 + 2 * (at[1] / 4) + 4 * (at[2] / 4));
           const std::size_t from = cell_at(i, j, k), to = cell_at(at[0], at[1], at[2]);
-          const float s = share * (1 - f.b[n][from] * f.d[n][from]);
-          g.b[m][to] += s * f.b[n][from];
-          for (std::size_t comp = 0; comp < 3; ++comp) g.rhs[m][comp][to] += s * f.rhs[n][comp][from];
+          const float b = f.b[n][from], d = f.d[n][from], s = 1 - b * d;
+          if (b == 0) continue;
+          g.b[m][to] += share * b * (voxels ? shown(f, v, d, s) : s);
+          for (std::size_t comp = 0; comp < 3; ++comp) g.rhs[m][comp][to] += share * s * f.rhs[n][comp][from];
         }
     g.covered[m] = static_cast<std::uint8_t>(g.covered[m] | eighths);
   }
@@ -233,7 +257,7 @@ std::vector<Level> build(const Grid& grid, const std::array<double, 3>& rates, s
   for (std::size_t l = 0; l < levels.size(); ++l) {
     fill_d(levels[l]);
     if (l == 0) find_plain(levels[0]);
-    if (l + 1 < levels.size()) coarsen_data(levels[l], levels[l + 1]);
+    if (l + 1 < levels.size()) coarsen_data(levels[l], levels[l + 1], l == 0);
   }
   return levels;
 }
