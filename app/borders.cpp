@@ -198,7 +198,8 @@ ExitCode run(const Arguments& arguments, Drawing what, std::stop_token stop) {
   bool failed = false;
   for (const Note& note : result.notes) {
     failed |= note.severity == Severity::failure;
-    if (what == Drawing::borders && note.severity != Severity::info) text += line_of(note) + "\n";
+    const bool is_of_the_study = note.gate < 0;  // which way the heart lies, how slices were cut anew
+    if (is_of_the_study || (what == Drawing::borders && note.severity != Severity::info)) text += line_of(note) + "\n";
   }
   if (!arguments.quiet) print(text + "sheets: " + arguments.out + "\n");
   return what == Drawing::borders && failed ? not_trustworthy : done;

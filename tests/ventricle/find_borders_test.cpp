@@ -102,5 +102,15 @@ TEST(ManualPlaces, AtTheEdgesOfTheStudyAreFollowed) {
   EXPECT_TRUE(result.gates[0].labels.has(Wall::endo));
 }
 
+TEST(ManualAxis, IsWhatSlicesAreCutSquareTo) {
+  const Study study = study_of(test::blurred_heart({}));
+  const Vec3 axis = study.grid().direction * Vec3(0.1, 0, 1).normalized();  // 6 degrees off: the stack would be kept
+  VentricleOptions o;
+  o.manual.axis_x = axis[0], o.manual.axis_y = axis[1], o.manual.axis_z = axis[2];
+  const BorderResult result = find_borders(study, o);
+  EXPECT_LT((result.study.grid().direction.col(2) - axis).norm(), 1e-9);
+  EXPECT_TRUE(result.gates[0].labels.has(Wall::endo));
+}
+
 }  // namespace
 }  // namespace dynasurf

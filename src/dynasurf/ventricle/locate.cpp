@@ -248,6 +248,14 @@ Cup without_blur(Cup cup) {
   return cup;
 }
 
+/// The cup where a person says it is; hints in the frame of the cup.
+Cup held(Cup cup, const std::optional<Vec3>& middle, const std::optional<Vec3>& axis) {
+  const Vec3 found = cup.middle();
+  if (axis) cup.axis = *axis;
+  cup.centre += middle.value_or(found) - cup.middle();
+  return cup;
+}
+
 void describe_fit(const Image& image, Location& found) {
   const CupScore s = score(image, found.cup);
   found.contrast = s.relative();
@@ -273,14 +281,18 @@ std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
 
   std::vector<Vec3> directions = cube_directions();
   std::vector<Place> places = find_places(coarse, directions);
+  std::optional<Vec3> middle, axis;
   if (hints.centre_mm) {
-    const Vec3 centre = to_grid(mean.grid, *hints.centre_mm);
+    middle = to_grid(mean.grid, *hints.centre_mm);
     places.clear();
-    for (double r : radii_mm) places.push_back({centre, r, 1});
+    for (double r : radii_mm) places.push_back({*middle, r, 1});
   }
   if (hints.radius_mm)
     for (Place& p : places) p.radius_mm = *hints.radius_mm;
-  if (hints.axis) directions = {(mean.grid.direction.transpose() * *hints.axis).normalized()};
+  if (hints.axis) {
+    axis = (mean.grid.direction.transpose() * *hints.axis).normalized();
+    directions = {*axis};
+  }
 
   std::vector<Candidate> found(places.size());
   parallel_for(places.size(), 1,
@@ -299,7 +311,7 @@ std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
     if (other.worth > best.worth) std::swap(best, other);
     result.other_end = other.cup.axis.dot(best.cup.axis) < 0 ? other.worth / best.worth : 0;
   }
-  result.cup = best.cup;
+  result.cup = held(best.cup, middle, axis);
   for (const Candidate& c : found)
     if ((c.cup.middle() - result.cup.middle()).norm() > 2 * apart_mm) {
       result.runner_up = c.worth / found.front().worth;
@@ -307,7 +319,7 @@ std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
       break;
     }
   describe_fit(smooth, result);
-  result.cup = without_blur(result.cup);
+  result.cup = held(without_blur(result.cup), middle, axis);
   result.outside = share_outside(mean.grid, result.cup);
   result.cup = to_world(mean.grid, result.cup);
   return result;

@@ -351,7 +351,9 @@ StudyRun run_borders(const Study& whole, const VentricleOptions& requested, cons
   std::optional<Study> confined;
   if (mask != nullptr) confined = confine(whole, region_on(*mask, whole.grid()));
   const Study& original = confined ? *confined : whole;
-  run.heart = clock("locate", [&] { return locate(mean_image(original.gates), hints_of(options.manual)); });
+  const LocateHints hints = hints_of(options.manual);
+  run.heart = clock("locate", [&] { return locate(mean_image(original.gates), hints); });
+  if (hints.axis) options.orientation.method = OrientationMethod::data;  // slices square to what a person says
   options.labels.bright = clock("locate", [&] { return what_is_bright(original, run.heart, options); });
   if (options.labels.bright == Bright::cavity) run.heart.reset();  // it is looked for by its wall
   run.study = canonical_study(orient(original, run.heart, options.orientation));
