@@ -28,6 +28,7 @@ void add_rerun(CLI::App& program, Command& chosen);
 void add_normals(CLI::App& program, Command& chosen);
 void add_scores(CLI::App& program, Command& chosen);
 void add_solid(CLI::App& program, Command& chosen);
+void add_organ(CLI::App& program, Command& chosen);
 void add_compare(CLI::App& program, Command& chosen);
 
 }  // namespace dynasurf::app

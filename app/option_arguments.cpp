@@ -48,7 +48,9 @@ std::vector<std::string> settings_of(const OptionArguments& a) {
 }
 
 void add_option_arguments(CLI::App& command, OptionArguments& a) {
-  command.add_option("--preset", a.preset, "default; unbiased: with volumes freed of the blur; thesis: as published");
+  command.add_option("--preset", a.preset,
+                     "default; unbiased: with volumes freed of the blur; pet, mr, ct: the same at their resolution; "
+                     "thesis: as published");
   command.add_option("--options", a.file, "JSON file of options, such as the options.json of a result");
   command.add_option("--pipeline", a.pipeline,
                      "surface; contour: a contour in every slice; direct: one field straight from the image");

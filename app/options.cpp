@@ -8,6 +8,7 @@
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/ventricle/organ.hpp"
 #include "dynasurf/ventricle/presets.hpp"
 
 #include "command.hpp"
@@ -32,8 +33,13 @@ std::vector<OptionRow> rows_of(const Arguments& arguments) {
     if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'cloud'; expected nothing");
     return option_table(cloud_preset(arguments.preset == "default" ? "shaped" : arguments.preset));
   }
+  if (arguments.subject == "organ") {
+    if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'organ'; expected nothing");
+    return option_table(organ_preset(arguments.preset == "default" ? "ct" : arguments.preset));
+  }
   if (arguments.subject != "phantom")
-    throw OptionError("no options are known of '" + arguments.subject + "'; choices: ventricle, cloud, phantom KIND");
+    throw OptionError("no options are known of '" + arguments.subject +
+                      "'; choices: ventricle, cloud, organ, phantom KIND");
   if (arguments.kind == "cloud") return option_table(CloudPhantom{});
   PhantomOptions phantom;
   const ChoiceRef kinds = choice_of(phantom);

@@ -14,7 +14,7 @@ import tempfile
 import unittest
 
 PROGRAM = os.environ["DYNASURF_PROGRAM"]
-KINDS = "hebron, mayo, partial, spheres, sphere, gap, cycle, pathology, patient"
+KINDS = "hebron, mayo, partial, spheres, sphere, gap, cycle, pathology, patient, organ"
 
 # Small and quick, yet a heart: 4 gates on a coarse lattice.
 SMALL_PATIENT = ["--set", "gates=4", "--set", "lattice.nx=40", "--set", "lattice.ny=40", "--set", "lattice.dx_mm=4",

@@ -158,5 +158,31 @@ class Measure(CliTest):
         self.refuses(2, "measure", secret, says="secret.ply")
 
 
+class OrganCommand(CliTest):
+    def test_surrounds_a_label_with_a_closed_surface(self):
+        scan, out = self.folder / "scan", self.folder / "organ"
+        made = run("phantom", "organ", "--out", scan, "--set", "values=labels", "--set", "shape=prostate",
+                   "--set", "lattice.dx_mm=1.4", "--set", "lattice.dy_mm=1.4", "--set", "lattice.dz_mm=3",
+                   "--set", "lattice.nz=26")
+        self.assertEqual(made.returncode, 0, made.stderr)
+        made = run("organ", scan / "study.nii.gz", "--out", out, "--label", 1)
+        self.assertEqual(made.returncode, 0, made.stdout + made.stderr)
+        result = json.loads((out / "results.json").read_text())
+        truth = json.loads((scan / "truth.json").read_text())["gates"][0]["epi_ml"]
+        self.assertEqual(result["schema"], "dynasurf.organ/1")
+        self.assertAlmostEqual(result["surface"]["volume_ml"] / truth, 1, delta=0.03)
+        self.assertRegex(run("measure", out / "organ.ply").stdout, r"closed +true")
+        before = hashes(out)
+        self.assertEqual(run("organ", scan / "study.nii.gz", "--out", out, "--label", 1, "--threads", 1).returncode, 0)
+        self.assertEqual(hashes(out), before)
+
+    def test_refuses_what_it_cannot_do(self):
+        self.refuses(1, "organ", small_patient() / "study.dcm", "--out", self.folder / "o", "--preset", "xray",
+                     says="choices")
+        self.refuses(1, "organ", small_patient() / "study.dcm", "--out", self.folder / "o", "--gate", 9, says="1 to 4")
+        empty = run("organ", small_patient() / "study.dcm", "--out", self.folder / "o", "--label", 999999)
+        self.assertEqual(empty.returncode, 3, empty.stdout + empty.stderr)
+
+
 if __name__ == "__main__":
     unittest.main()

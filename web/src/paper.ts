@@ -131,7 +131,7 @@ function provenanceOf({ results }: Report): HTMLElement {
       "p",
       {},
       "Unbiased: walls of all gates fitted through the camera’s blur, with 90 % intervals. Classic edge: where the image is steepest; blur makes its volumes small. " +
-        "QGS-like: 65 % of the deviations of an asymmetric Gaussian, for comparison with older numbers. Perfusion: percent of the brightest twentieth of the wall. " +
+        "QGS-like: 65 % of the deviations of an asymmetric Gaussian, for comparison with older numbers. Perfusion: percent of the wall’s brightest twentieth (counts) or upper quartile (fitted uptake). " +
         "Polar maps are seen from the apex, anterior wall on top, septum left.",
     ),
   );

@@ -240,7 +240,7 @@ std::string comparison_html(const ComparedStudy& rest, const ComparedStudy& stre
   html +=
       "<h2>Volume of the cavity, periodic fit, mL</h2><div class=\"curve\">" + curves_svg(rest, stress) + "</div>\n";
   html +=
-      "<h2>Segments: perfusion in percent of the brightest twentieth, scores 0 to 4</h2><table><thead><tr><th></th>"
+      "<h2>Segments: perfusion in percent of the bright wall, scores 0 to 4</h2><table><thead><tr><th></th>"
       "<th>Rest</th><th>Stress</th><th>Lost</th><th>Score at rest</th><th>Score under stress</th></tr></thead>\n" +
       segment_rows(rest, stress, comparison) + "</table></section>\n";
   html +=

@@ -354,7 +354,44 @@ void describe(auto& visit, VirtualPatient& o) {
   visit("noise", o.noise, Field{"counts and noise"});
 }
 
+enum class OrganShape { liver, prostate };
+inline std::span<const std::string_view> names_of(OrganShape) {
+  static constexpr std::array<std::string_view, 2> names{"liver", "prostate"};
+  return names;
+}
+enum class OrganValues { grey, labels };
+inline std::span<const std::string_view> names_of(OrganValues) {
+  static constexpr std::array<std::string_view, 2> names{"grey", "labels"};
+  return names;
+}
+
+/// An organ of one closed surface, as CT, MR or PET sees it or as a label map (FUT-MODALITY): +x to the patient's left,
+/// +y to his back, +z to his head. A ball lies beside it as a neighbour.
+struct Organ {
+  static constexpr std::string_view name = "organ";
+  OrganShape shape = OrganShape::liver;
+  double volume_ml = 0;
+  OrganValues values = OrganValues::grey;
+  double inside = 1, outside = 0.4, neighbour = 1;
+  double fwhm_mm = 0;
+  Pose pose;
+  Lattice lattice{72, 56, 44, 4, 4, 5};
+  Noise noise;
+};
+void describe(auto& visit, Organ& o) {
+  visit("shape", o.shape, Field{"what the organ is like"});
+  visit("volume_ml", o.volume_ml, Field{"its volume; 0: 1500 for a liver, 40 for a prostate", "ml", 0, 10000});
+  visit("values", o.values, Field{"grey: an image; labels: 1 in the organ, 2 in its neighbour, else 0"});
+  visit("inside", o.inside, Field{"grey value of the organ", "", 0, 1e6});
+  visit("outside", o.outside, Field{"grey value around it", "", 0, 1e6});
+  visit("neighbour", o.neighbour, Field{"grey value of the ball beside it", "", 0, 1e6});
+  visit("fwhm_mm", o.fwhm_mm, Field{"full width at half maximum of the point spread; 0: none", "mm", 0, 100});
+  visit("pose", o.pose, Field{"offset and tilt"});
+  visit("lattice", o.lattice, Field{"voxels"});
+  visit("noise", o.noise, Field{"counts and noise"});
+}
+
 using PhantomOptions =
-    std::variant<Hebron, Mayo, Partial, TwoSpheres, VoxelSphere, Gap, CardiacCycle, Pathology, VirtualPatient>;
+    std::variant<Hebron, Mayo, Partial, TwoSpheres, VoxelSphere, Gap, CardiacCycle, Pathology, VirtualPatient, Organ>;
 
 }  // namespace dynasurf

@@ -51,5 +51,6 @@ Phantom make_phantom(const Gap& options);
 Phantom make_phantom(const CardiacCycle& options);
 Phantom make_phantom(const Pathology& options);
 Phantom make_phantom(const VirtualPatient& options);
+Phantom make_phantom(const Organ& options);
 
 }  // namespace dynasurf

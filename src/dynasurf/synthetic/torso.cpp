@@ -6,14 +6,14 @@ namespace dynasurf {
 namespace {
 
 /// Middle and half axes, mm, against the middle of the heart: x to the left, y to the back, z to the head.
-struct Organ {
+struct TrunkPart {
   double Torso::*activity;
   Vec3 middle, half;
 };
 
 // Read off an anatomical atlas to a centimetre or so. The first organ that holds a point counts.
-const std::array<Organ, 12>& organs() {
-  static const std::array<Organ, 12> all{{
+const std::array<TrunkPart, 12>& organs() {
+  static const std::array<TrunkPart, 12> all{{
       {&Torso::gallbladder, {-70, -55, -115}, {14, 14, 22}},
       {&Torso::liver, {-110, 15, -85}, {95, 80, 65}},  // right lobe
       {&Torso::liver, {-40, -25, -78}, {70, 45, 38}},  // left lobe, below the heart
@@ -30,7 +30,7 @@ const std::array<Organ, 12>& organs() {
   return all;
 }
 
-bool holds(const Organ& organ, const Vec3& p) {
+bool holds(const TrunkPart& organ, const Vec3& p) {
   return (p - organ.middle).cwiseQuotient(organ.half).squaredNorm() <= 1;
 }
 
@@ -43,7 +43,7 @@ bool in_body(const Vec3& p) {
 
 double torso_activity(const Torso& torso, double background, const Vec3& from_heart) {
   if (!in_body(from_heart)) return 0;
-  for (const Organ& organ : organs())
+  for (const TrunkPart& organ : organs())
     if (holds(organ, from_heart)) return torso.*organ.activity;
   return background;
 }

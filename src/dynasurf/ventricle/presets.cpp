@@ -7,7 +7,7 @@
 namespace dynasurf {
 namespace {
 
-constexpr std::array<std::string_view, 3> names{"default", "thesis", "unbiased"};
+constexpr std::array<std::string_view, 6> names{"default", "thesis", "unbiased", "pet", "mr", "ct"};
 
 /// The run over a cardiac cycle of thesis 6.3 (CARD-CYCLE): Canny's parameters of 6.1.4, the labels decided by the
 /// largest gap alone, particles that stop at the faces of border voxels, drag of 1 %, a step of 0.1 s, straight
@@ -35,6 +35,21 @@ VentricleOptions unbiased_options() {
   return o;
 }
 
+/// PET is sharper than SPECT, how much depends on scanner and filter: the data decide.
+VentricleOptions pet_options() {
+  VentricleOptions o = unbiased_options();
+  o.fit.fwhm_mm = 6;
+  o.fit.fwhm_uncertainty = 0.25;
+  return o;
+}
+
+/// MR and CT, as grey images of the muscle and as masks of it, are sharp.
+VentricleOptions sharp_options() {
+  VentricleOptions o = unbiased_options();
+  o.fit.fwhm_mm = 0;
+  return o;
+}
+
 }  // namespace
 
 std::span<const std::string_view> preset_names() { return names; }
@@ -45,6 +60,11 @@ VentricleOptions ventricle_preset(std::string_view name) {
       return thesis_options();
     case 2:
       return unbiased_options();
+    case 3:
+      return pet_options();
+    case 4:
+    case 5:
+      return sharp_options();
     default:
       return {};
   }

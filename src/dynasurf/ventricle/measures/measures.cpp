@@ -7,6 +7,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/ventricle/function.hpp"
+#include "dynasurf/ventricle/measures/reference.hpp"
 
 namespace dynasurf {
 namespace {
@@ -89,18 +90,36 @@ PolarValues onsets_of(const Curves& curves) {
   return onsets;
 }
 
-/// Percent of the mean of the brightest twentieth: steadier than a single maximum.
-PolarValues in_percent_of_brightest(const PolarValues& counts) {
-  std::vector<double> sorted;
-  for (const auto& c : counts)
-    if (c) sorted.push_back(*c);
-  if (sorted.empty()) return counts;
-  std::sort(sorted.begin(), sorted.end(), std::greater<>());
-  const std::size_t top = std::max<std::size_t>(1, sorted.size() / 20);
-  double sum = 0;
-  for (std::size_t n = 0; n < top; ++n) sum += sorted[n];
-  const double bright = sum / static_cast<double>(top);
-  return combine([&](double c) { return bright > 0 ? 100 * c / bright : 0.0; }, counts);
+/// Percent of the mean of the reference.
+PolarValues in_percent_of_reference(const PolarValues& values, bool is_uptake) {
+  const std::vector<std::size_t> reference = reference_samples(values, is_uptake);
+  double whole = 0;
+  for (const std::size_t n : reference) whole += *values[n] / static_cast<double>(reference.size());
+  return combine([&](double c) { return whole > 0 ? 100 * c / whole : 0.0; }, values);
+}
+
+/// Curves of counts as means over the samples around, about as wide as the blur: neighbours tell the same muscle, and
+/// their noise would pass for walls out of step.
+Curves smoothed(const Measures& m, const Curves& curves) {
+  constexpr int rings = 1, sectors = 3;  // to both sides
+  Curves result(curves.size());
+  for (int r = 0; r < m.grid.rings; ++r)
+    for (int s = 0; s < m.grid.sectors; ++s) {
+      const std::size_t here = m.grid.index(r, s);
+      if (curves[here].empty()) continue;
+      std::vector<double>& mean = result[here];
+      mean.assign(curves[here].size(), 0.0);
+      double area = 0;
+      for (int dr = std::max(0, r - rings); dr <= std::min(m.grid.rings - 1, r + rings); ++dr)
+        for (int ds = -sectors; ds <= sectors; ++ds) {
+          const std::size_t n = m.grid.index(dr, (s + ds + m.grid.sectors) % m.grid.sectors);
+          if (curves[n].empty()) continue;
+          area += m.area_mm2[n];
+          for (std::size_t g = 0; g < mean.size(); ++g) mean[g] += m.area_mm2[n] * curves[n][g];
+        }
+      for (double& v : mean) v /= area;
+    }
+  return result;
 }
 
 /// The mean curve of each segment.
@@ -134,7 +153,8 @@ void measure_maps(Measures& m) {
   const Curves uptake = curves_of(m, [](const GateMeasures& g, std::size_t n) { return g.map.uptake[n]; });
   m.perfusion_from_uptake =
       std::any_of(uptake.begin(), uptake.end(), [](const std::vector<double>& curve) { return !curve.empty(); });
-  m.maps.perfusion_percent = in_percent_of_brightest(means_of(m.perfusion_from_uptake ? uptake : counts));
+  m.maps.perfusion_percent =
+      in_percent_of_reference(means_of(m.perfusion_from_uptake ? uptake : counts), m.perfusion_from_uptake);
   m.maps.thickness_ed_mm = ed.map.thickness_mm;
   if (m.es_gate < 0) return;
 
@@ -151,7 +171,7 @@ void measure_maps(Measures& m) {
   for (std::size_t n = 0; n < m.grid.size(); ++n)
     if (ed.map.endo[n] && es.map.endo[n])
       m.maps.motion_mm[n] = (*ed.map.endo[n] - *es.map.endo[n]).dot(ed.map.outwards[n]);
-  m.maps.phase_counts_deg = onsets_of(counts);
+  m.maps.phase_counts_deg = onsets_of(smoothed(m, counts));
   m.maps.phase_motion_deg = onsets_of(motion);
   m.maps.phase_thickness_deg = onsets_of(thickness);
   m.phase_counts = summarise_phases(m.maps.phase_counts_deg, m.area_mm2);

@@ -60,8 +60,7 @@ struct GateMeasures {
 
 /// The maps of a study; absent samples where any gate that is needed lacks the wall.
 struct PolarMaps {
-  // Mean over the gates of the uptake, where all of them know it, else of `counts`; 100: mean of the brightest
-  // twentieth.
+  // Mean over the gates of the uptake, where all of them know it, else of `counts`; 100: see reference.hpp.
   PolarValues perfusion_percent;
   PolarValues thickness_ed_mm, thickness_es_mm;
   PolarValues thickening_percent;        // (es - ed) / ed of the thickness between the surfaces

@@ -7,8 +7,7 @@
 
 namespace dynasurf {
 
-/// Perfusion of normal hearts, sample by sample (percent of the brightest twentieth, as
-/// `PolarMaps::perfusion_percent`).
+/// Perfusion of normal hearts, sample by sample, as `PolarMaps::perfusion_percent`.
 struct NormalMap {
   PolarGrid grid;
   int studies = 0;

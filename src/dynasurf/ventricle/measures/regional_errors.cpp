@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/ventricle/measures/reference.hpp"
+
 namespace dynasurf {
 namespace {
 
@@ -82,22 +84,18 @@ void set_all(Measures& m, std::optional<double> SegmentErrors::*member, const Ve
     m.segments[s].sd.*member = allowed(sd[static_cast<Index>(s)], allowance);
 }
 
-/// Percent of the brightest twentieth, as `perfusion_percent` is made.
+/// Percent of the reference, as `perfusion_percent` is made.
 void perfusion_errors(Measures& m, const Wall& wall, int gate) {
   if (!m.perfusion_from_uptake) return;
   const PolarValues& percent = m.maps.perfusion_percent;
   MatrixXd weights = segment_weights(m, percent);
-  std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t n = 0; n < percent.size(); ++n)
-    if (percent[n]) order.emplace_back(-*percent[n], n);
-  std::sort(order.begin(), order.end());
-  order.resize(std::max<std::size_t>(1, order.size() / 20));
-  VectorXd brightest = VectorXd::Zero(weights.rows());
-  for (const auto& [minus, n] : order)
-    brightest[static_cast<Index>(n)] = -minus / 100 / static_cast<double>(order.size());
+  const std::vector<std::size_t> reference = reference_samples(percent, true);
+  VectorXd whole = VectorXd::Zero(weights.rows());
+  for (const std::size_t n : reference)
+    whole[static_cast<Index>(n)] = *percent[n] / 100 / static_cast<double>(reference.size());
   for (std::size_t n = 0; n < percent.size(); ++n) weights.row(static_cast<Index>(n)) *= percent[n].value_or(0);
   for (Index s = 0; s < weights.cols(); ++s)
-    weights.col(s) -= m.segments[static_cast<std::size_t>(s)].perfusion_percent.value_or(0) * brightest;
+    weights.col(s) -= m.segments[static_cast<std::size_t>(s)].perfusion_percent.value_or(0) * whole;
   MatrixXd gradient = wall.nothing(weights.cols());
   wall.add_log_uptake(gate, weights, gradient);
   set_all(m, &SegmentErrors::perfusion_percent, wall.sd(gradient), for_perfusion);

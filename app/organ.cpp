@@ -1,0 +1,124 @@
+#include "dynasurf/ventricle/organ.hpp"
+
+#include <filesystem>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/digest.hpp"
+#include "dynasurf/io/mesh_io.hpp"
+#include "dynasurf/io/options_json.hpp"
+#include "dynasurf/io/study_io.hpp"
+
+#include "command.hpp"
+#include "console.hpp"
+#include "version.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct Arguments {
+  std::string study, out, preset = "ct";
+  std::vector<std::string> settings;
+  std::optional<int> label;
+  int gate = 1, threads = 0;
+  bool quiet = false;
+};
+
+OrganOptions options_of(const Arguments& a) {
+  OrganOptions options = organ_preset(a.preset);
+  for (const std::string& setting : a.settings) set_option(options, setting);
+  if (a.label) options.source = OrganSource::labels, options.label = *a.label;
+  return options;
+}
+
+Json surface_json(const std::optional<Surface>& surface) {
+  if (!surface) return nullptr;
+  const Repair& repair = surface->repair;
+  return {{"volume_ml", surface->volume_ml},
+          {"area_mm2", area_mm2(surface->mesh)},
+          {"vertices", surface->mesh.vertices.size()},
+          {"stop_reason", std::string(name_of(surface->stop_reason))},
+          {"border_reached", surface->border_reached},
+          {"shape_min", surface->quality.shape_min},
+          {"closed", repair.check.closed},
+          {"manifold", repair.check.manifold},
+          {"self_intersections", repair.check.self_intersections}};
+}
+
+bool is_trustworthy(const OrganResult& result) {
+  return result.surface && result.surface->stop_reason != StopReason::diverged && result.surface->repair.check.closed &&
+         result.surface->repair.check.self_intersections == 0;
+}
+
+Json result_json(const OrganResult& result, const OrganOptions& options, const Study& study) {
+  Json json;
+  json["schema"] = "dynasurf.organ/1";
+  json["use"] = "Research use only. Not for diagnosis.";
+  json["surface"] = surface_json(result.surface);
+  json["voxels_ml"] = result.voxels_ml;
+  json["threshold"] = result.threshold;
+  json["notes"] = Json::array();
+  for (const Note& note : result.notes)
+    json["notes"].push_back({{"severity", name_of(note.severity)}, {"code", note.code}, {"message", note.message}});
+  json["study"] = {{"format", study.format}, {"modality", study.modality}, {"dims", study.grid().dims}};
+  json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
+  json["options"] = Json::parse(options_to_text(options));
+  return json;
+}
+
+ExitCode run(const Arguments& a, std::stop_token stop) {
+  const ThreadLimit limit(a.threads);
+  const OrganOptions options = options_of(a);
+  const Study study = read_study(a.study);
+  if (a.gate > static_cast<int>(study.gates.size()))
+    throw OptionError("--gate " + std::to_string(a.gate) + "; expected 1 to " + std::to_string(study.gates.size()));
+  OutputFolder folder(a.out, fs::exists(fs::path(a.out) / "results.json"));
+  const OrganResult result = reconstruct_organ(study.gates[static_cast<std::size_t>(a.gate - 1)], options, {{}, stop});
+  write_file(folder.path() / "results.json", result_json(result, options, study).dump(2) + "\n");
+  if (result.surface)
+    for (const MeshFormat format : {MeshFormat::ply, MeshFormat::stl, MeshFormat::vtp})
+      write_mesh(result.surface->mesh, folder.path() / ("organ." + std::string(word_of(format))), format);
+  folder.publish();
+  if (!a.quiet) {
+    std::string text;
+    if (result.surface)
+      text = table({{"volume_ml", fixed(result.surface->volume_ml, 2)},
+                    {"voxels_ml", fixed(result.voxels_ml, 2)},
+                    {"area_mm2", fixed(area_mm2(result.surface->mesh), 0)},
+                    {"vertices", std::to_string(result.surface->mesh.vertices.size())}},
+                   {0});
+    for (const Note& note : result.notes) text += line_of(note) + "\n";
+    print(text + "Research use only. Not for diagnosis.\nresult: " + a.out + "\n");
+  }
+  return is_trustworthy(result) ? done : not_trustworthy;
+}
+
+}  // namespace
+
+void add_organ(CLI::App& program, Command& chosen) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand(
+      "organ", "The closed surface of an organ in CT, MR, PET or a label map: no heart is looked for");
+  command->add_option("STUDY", a->study, "DICOM, NIfTI or NRRD, file or folder")->required();
+  command->add_option("--out", a->out, "folder for results.json and organ.ply, .stl, .vtp")->required();
+  command->add_option("--preset", a->preset, "ct, mr, pet or labels");
+  command->add_option("--label", a->label, "value of the organ in a label map; 0: all above 0")
+      ->check(CLI::Range(0, 1000000));
+  command->add_option("--gate", a->gate, "which image of a gated study, from 1")->check(CLI::Range(1, 1000));
+  command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options organ)")
+      ->take_all();
+  command->add_option("--threads", a->threads, "0: as many as the machine has")->check(CLI::Range(0, 1024));
+  command->add_flag("--quiet", a->quiet, "print nothing");
+  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+}
+
+}  // namespace dynasurf::app
