@@ -35,11 +35,12 @@ struct Named {
   const char* name;
   Evolution model;
 };
-std::array<Named, 4> models() {
+std::array<Named, 5> models() {
   return {{{"free", free_model()},
            {"spring", spring_model()},
            {"restricted", restricted_spring_model()},
-           {"plain", plain_model()}}};
+           {"plain", plain_model()},
+           {"curvature", curvature_model()}}};
 }
 
 struct NamedSolver {
@@ -97,24 +98,22 @@ void add_run(const std::string& name, const Evolution& how, int level) {
       ->Unit(benchmark::kMillisecond);
 }
 
-/// From a start 1.5 times as large as the data until all is at rest.
+/// From a start 1.5 times as large as the data until all is at rest, or as far as `max_steps` reach: the label says
+/// which.
 void add_runs() {
   for (const Named& m : models())
-    for (const int level : {2, 3, 4, 5}) {
-      if (level == 5 && std::string(m.name) != "free") continue;  // minutes: their steps shrink with the triangles
-      add_run(m.name, m.model, level);
-    }
+    for (const NamedSolver& s : solvers())
+      for (const int level : {2, 3, 4, 5}) {
+        Evolution how = m.model;
+        how.solver = s.solver;
+        add_run(std::string(m.name) + "/" + s.name, how, level);
+      }
   benchmark::RegisterBenchmark("to_rest/free_thesis_field/642", [](benchmark::State& state) {
     run(state, scene().thesis_field, free_model(), 3);
   })->Unit(benchmark::kMillisecond);
   Evolution plain = plain_model();
   plain.step_s = 0.05;
   add_run("plain_dt_0.05", plain, 3);
-  for (const NamedSolver& s : solvers()) {
-    Evolution how = free_model();
-    how.solver = s.solver;
-    add_run(std::string("free_") + s.name, how, 3);
-  }
 }
 
 const bool registered = [] {

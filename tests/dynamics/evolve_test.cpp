@@ -1,6 +1,7 @@
 #include "dynasurf/dynamics/evolve.hpp"
 
 #include <cstring>
+#include <numbers>
 #include <numeric>
 
 #include <gmock/gmock.h>
@@ -359,6 +360,54 @@ TEST(Evolve, CountsParticlesThatTrembleAsAtRest) {
   EXPECT_EQ(evolve(s.start, s.field, s.border, o).reason, StopReason::max_steps);
 }
 
+TEST(Evolve, GoesByABandAsByTheFieldOfEveryVoxel) {
+  // Starts outside the band, reads coarser cells there, and the nearest voxel outside the grid.
+  const Scene s = gvf_scene(3, [](const Vec3& p) { return (p - kCentre).norm() <= 35; });
+  const BandField band = band_field(s.border, BandGvf{}).field;
+  const VectorField dense = dense_field(band);
+  TriMesh start = s.start;
+  for (Vec3& p : start.vertices) p = kCentre + 2.5 * (p - kCentre);
+  for (const Sampling sampling : {Sampling::nearest, Sampling::trilinear})
+    for (const ModelOptions& model : {ModelOptions(FreeModel{}), ModelOptions(RestrictedSpringModel{})}) {
+      Evolution o;
+      o.model = model;
+      o.damping = FieldDrag{};
+      o.force.sampling = sampling;
+      o.end.max_steps = 60;
+      const EvolutionResult near = evolve(start, band, s.border, o), full = evolve(start, dense, s.border, o);
+      double moved = 0;
+      for (std::size_t v = 0; v < start.vertices.size(); ++v) {
+        ASSERT_LT((near.mesh.vertices[v] - full.mesh.vertices[v]).norm(), 1e-6);
+        moved = std::max(moved, (near.mesh.vertices[v] - start.vertices[v]).norm());
+      }
+      EXPECT_GT(moved, 0.1);  // far out the field is weak
+    }
+}
+
+TEST(Evolve, ClosesASurfaceInABigVolumeThroughABandAlone) {
+  Grid grid;
+  grid.dims = {200, 180, 190};
+  const Vec3 centre(95, 92, 90);
+  Image border(grid);
+  std::vector<Index3> voxels;
+  for (int k = 0; k < 190; ++k)
+    for (int j = 0; j < 180; ++j)
+      for (int i = 0; i < 200; ++i) {
+        const double r = (Vec3(i, j, k) - centre).norm();
+        if (r > 50 || r <= 49) continue;
+        border(i, j, k) = 1;
+        voxels.push_back({i, j, k});
+      }
+  const BandField band = band_field(grid, voxels, BandGvf{}).field;
+  EXPECT_LT(band.bytes(), grid.size() * 12 / 5) << "a fifth of the field of every voxel";
+  Evolution o;
+  o.force.strength = 25;
+  const EvolutionResult r = evolve(place(icosphere(3), border, {}), band, border, o);
+  EXPECT_TRUE(r.reason == StopReason::all_stopped || r.reason == StopReason::at_rest) << name_of(r.reason);
+  EXPECT_GT(r.stopped_fraction, 0.99);
+  EXPECT_NEAR(volume_mm3(r.mesh) / (4.0 / 3 * std::numbers::pi * 50 * 50 * 50), 1, 0.03);  // 642 vertices: -0.9 %
+}
+
 TEST(Evolve, EndsSoonInAFieldOfZeros) {
   Scene s = sphere_scene(2);
   s.field = VectorField(hebron_grid());
@@ -440,7 +489,7 @@ TEST(Evolve, RefusesWhatCannotMove) {
   Grid other = hebron_grid();
   other.dims[2] = 24;
   EXPECT_THROW(evolve(s.start, s.field, Image(other), {}), InputError);
-  EXPECT_THROW(evolve(s.start, {}, Image(), {}), InputError);
+  EXPECT_THROW(evolve(s.start, VectorField{}, Image(), {}), InputError);
   Scene broken = s;
   broken.start.vertices[3][1] = std::nan("");
   EXPECT_THROW(evolve(broken.start, s.field, s.border, {}), InputError);

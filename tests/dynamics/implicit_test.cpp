@@ -199,7 +199,7 @@ TEST(BackwardEulerStep, EqualsADenseSolve) {
     b.segment<3>(9).setZero();
     const Eigen::VectorXd dv = a.llt().solve(b);
 
-    const ImplicitStep report = ParticleSolver(BackwardEuler{.tolerance = 1e-12}).step(system, h);
+    const SolverWork report = ParticleSolver(BackwardEuler{.tolerance = 1e-12}).step(system, h);
     EXPECT_TRUE(report.converged);
     double worst = 0;
     for (std::size_t p = 0; p < system.size(); ++p) {
@@ -253,7 +253,7 @@ TEST(BackwardEulerStep, FallsBackToADefiniteSystem) {
   ParticleSystem system = particles_at(std::vector<Vec3>{{0, 0, 0}, {5, 0, 0}}, 1);
   system.velocities[1] = {0, 1, 0};
   system.forces = {spring_force({{0, 1, 10}}, {.stiffness = 100, .damping = 0})};
-  const ImplicitStep report = ParticleSolver(BackwardEuler{.stiffness = Stiffening::exact}).step(system, 1);
+  const SolverWork report = ParticleSolver(BackwardEuler{.stiffness = Stiffening::exact}).step(system, 1);
   EXPECT_TRUE(report.made_definite);
   EXPECT_TRUE(report.converged);
   EXPECT_TRUE(system.positions[1].allFinite());

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/dynamics/contour/surface_curvature.hpp"
 #include "dynasurf/dynamics/coupled_motion.hpp"
 #include "dynasurf/dynamics/evolve.hpp"
 #include "dynasurf/dynamics/field_force.hpp"
@@ -55,7 +56,9 @@ EvolutionResult run(const Evolution& o, const Additions& own = {}) {
   return evolve(s.start, s.field, s.border, o, {}, nullptr, own);
 }
 
-std::vector<Evolution> all_models() { return {free_model(), spring_model(), restricted_spring_model(), plain_model()}; }
+std::vector<Evolution> all_models() {
+  return {free_model(), spring_model(), restricted_spring_model(), plain_model(), curvature_model()};
+}
 std::string_view name_of_model(const Evolution& o) {
   return std::visit([](const auto& m) { return m.name; }, o.model);
 }
@@ -95,6 +98,60 @@ TEST(Models, StayWhereNothingPulls) {
   }
 }
 
+TEST(Models, ComeToRestAsTheyAreChosenByName) {
+  // What `--set evolution.model=NAME` does: everything else is as for the free model.
+  for (const Evolution& model : all_models()) {
+    Evolution o;
+    o.model = model.model;
+    const EvolutionResult r = run(o);
+    EXPECT_TRUE(r.reason == StopReason::all_stopped || r.reason == StopReason::at_rest) << name_of_model(o);
+    EXPECT_LT(r.steps, 1500) << name_of_model(o);
+    EXPECT_GE(within_one_voxel(r.mesh), 0.8) << name_of_model(o);
+  }
+}
+
+TEST(Models, TakeTheSolverThatSuitsThem) {
+  for (Evolution o : all_models()) {
+    o.end.max_steps = 20;
+    const bool is_stiff = !std::holds_alternative<FreeModel>(o.model);
+    const EvolutionResult chosen = run(o);
+    o.solver = is_stiff ? SolverOptions(BackwardEuler{}) : SolverOptions(Rk4{});
+    EXPECT_TRUE(same_bytes(chosen.mesh, run(o).mesh)) << name_of_model(o);
+    EXPECT_EQ(solver_for(o.model, Euler{}).index(), SolverOptions(Euler{}).index());
+  }
+}
+
+TEST(Models, SayWhatKeptThemFromRest) {
+  const auto last_note = [](const Evolution& o) {
+    const EvolutionResult r = run(o);
+    EXPECT_EQ(r.reason, StopReason::max_steps);
+    return r.notes.empty() ? Note{} : r.notes.back();
+  };
+  Evolution o = spring_model();
+  o.end.max_steps = 30;
+  o.solver = Rk4{};
+  EXPECT_EQ(last_note(o).code, "evolve.max_steps");
+  EXPECT_NE(last_note(o).message.find("stability bounds the step"), std::string::npos) << last_note(o).message;
+  o.solver = Rkf45{.tolerance = 1e-10};  // cuts its steps into thousands
+  EXPECT_LT(run(o).steps, 30);
+  EXPECT_NE(last_note(o).message.find("the solver had to cut them into 6"), std::string::npos) << last_note(o).message;
+}
+
+TEST(Models, CurvatureIsTheContoursForceAddedToTheFreeOne) {
+  Evolution free = free_model();
+  free.smooth_every = 0;
+  Evolution curved = curvature_model();
+  curved.model = CurvatureModel{.strength = 3};
+  curved.solver = Rk4{};
+  free.end.max_steps = curved.end.max_steps = 40;
+  Additions own;
+  own.forces.push_back(surface_curvature_force(ball().start, 3));
+  const TriMesh model = run(curved).mesh, added = run(free, own).mesh;
+  for (std::size_t v = 0; v < model.vertices.size(); ++v)
+    ASSERT_LT((model.vertices[v] - added.vertices[v]).norm(), 1e-6);  // summed in another order
+  EXPECT_FALSE(same_bytes(model, run(free).mesh));
+}
+
 TEST(Models, GiveTheSameBytesForAnyNumberOfThreads) {
   for (Evolution o : all_models()) {
     o.end.max_steps = 40;
@@ -128,6 +185,7 @@ TEST(Models, DoWhatTheFreeRunDoesWhenTheyHoldNothing) {
   Evolution free = free_model(), loose = spring_model();
   free.smooth_every = 0;
   loose.model = SpringModel{.stiffness = 0, .damping = 0};
+  loose.solver = Rk4{};
   const EvolutionResult a = run(free), b = run(loose);
   EXPECT_EQ(a.steps, b.steps);
   EXPECT_EQ(a.stopped, b.stopped);
@@ -166,6 +224,7 @@ TEST(AutomaticStep, IsStableForEveryModelAndExplicitSolver) {
 
 TEST(AutomaticStep, BlowsUpWhenItIsFarExceededAndKeepsTheLastGoodMesh) {
   Evolution o = spring_model();
+  o.solver = Rk4{};
   o.stop.enabled = false;
   o.step_s = 20 * run(o).step_s;
   const EvolutionResult r = run(o);

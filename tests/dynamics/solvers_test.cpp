@@ -263,6 +263,31 @@ TEST(ErrorControl, CoversTheWholeStepItIsAskedFor) {
   }
 }
 
+TEST(ErrorControl, CountsErrorsInTheUnitsItIsGiven) {
+  // A fast oscillator beside a slow one: in units in which its errors are small, it costs no more steps.
+  const Derivative two = [](std::span<const double> y, std::span<double> dydt) {
+    oscillator(1)(y.first(2), dydt.first(2));
+    oscillator(20)(y.subspan(2), dydt.subspan(2));
+  };
+  for (const SolverOptions& solver : {SolverOptions(StepDoubling{.tolerance = 1e-6}), SolverOptions(Rkf45{1e-6})}) {
+    const auto steps = [&](const std::vector<double>& units, int most) {
+      std::vector<double> y{1, 0, 1, 0}, scratch(4 * kSolverScratch);
+      return advance(solver, y, 2, two, scratch, units, most);
+    };
+    const int strict = steps({}, 1'000'000);
+    EXPECT_EQ(steps({1, 1, 1, 1}, 1'000'000), strict);
+    EXPECT_GT(strict, 2 * steps({1, 1, 1e4, 1e4}, 1'000'000)) << name_of(solver);
+    EXPECT_GE(steps({}, 5), 5);
+    EXPECT_LT(steps({}, 5), 5 + 20) << "stops short of the end after 5, and what the last one tried in vain";
+  }
+}
+
+TEST(Solvers, RefuseWhatNeedsAModelOrAParticleSystem) {
+  std::vector<double> y{1}, scratch(kSolverScratch);
+  for (const SolverOptions& solver : {SolverOptions(BackwardEuler{}), SolverOptions(AutomaticSolver{})})
+    EXPECT_THROW(advance(solver, y, 0.1, decay(1), scratch), OptionError);
+}
+
 TEST(ErrorControl, EndsWhereTheRightSideIsNotFinite) {
   const Derivative broken = [](std::span<const double> y, std::span<double> dydt) { dydt[0] = std::sqrt(-1 - y[0]); };
   for (const SolverOptions& solver : {SolverOptions(StepDoubling{}), SolverOptions(Rkf45{})})

@@ -7,6 +7,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/field/field_view.hpp"
 #include "dynasurf/field/gvf.hpp"
 
 #include "support/edge_maps.hpp"
@@ -129,6 +130,46 @@ TEST(BandGvf, IsReadLikeADenseField) {
       EXPECT_LT((sample(band, p, how, Vec3(1, -1, 0)) - sample(dense, p, how, Vec3(1, -1, 0))).norm(), 1e-6);
 }
 
+TEST(BandGgvf, EqualsTheFullFieldNearTheBorder) {
+  for (double k : {0.05, 0.1, 0.5}) {
+    for (const Image& f : {sphere(72, 24), bumpy(box(64, 50, 30, {1, 1, 2.5}))}) {
+      const BandResult r = band_field(f, BandGgvf{.k = k});
+      EXPECT_TRUE(r.notes.empty());
+      EXPECT_LT(apart(r.field, flow_field(f, SteadyGgvf{.k = k, .tolerance = 1e-5}).field), 5e-3) << k;
+      const BandResult listed = band_field(f.grid, voxels_of(f), BandGgvf{.k = k});
+      EXPECT_EQ(dense_field(r.field).x, dense_field(listed.field).x);
+    }
+  }
+  EXPECT_EQ(band_field(Image(box(20, 20, 20), 0.5f), BandGgvf{}).field.voxels_in_band(), 0u);
+}
+
+TEST(BandGgvf, IsAsFarFromGvfAsTheFullFields) {
+  const Image f = sphere(64, 20);
+  EXPECT_GT(apart(band_field(f, BandGgvf{}).field, full_field(f, 0.2)), 0.05);
+}
+
+TEST(BandGvf, IsAChoiceAmongTheFields) {
+  const Image f = bumpy(box(40, 33, 35));
+  for (const FieldOptions& o : {FieldOptions(BandGvf{}), FieldOptions(BandGgvf{})}) {
+    const FlowResult r = flow_field(f, o);
+    ASSERT_TRUE(r.error.has_value());
+    EXPECT_LT(*r.error, 1e-3);
+    EXPECT_GT(r.iterations, 0);
+    const BandField band =
+        std::holds_alternative<BandGvf>(o) ? band_field(f, BandGvf{}).field : band_field(f, BandGgvf{}).field;
+    EXPECT_EQ(r.field.y, dense_field(band).y);
+  }
+}
+
+TEST(BandField, TellsItsLongestVector) {
+  const Image f = bumpy(box(60, 53, 45, {1, 2, 1}));
+  const BandField band = band_field(f, BandGvf{}).field;
+  const VectorField dense = dense_field(band);
+  EXPECT_NEAR(FieldView(band).largest(), FieldView(dense).largest(), 1e-6);
+  EXPECT_EQ(FieldView(band).grid().dims, f.grid.dims);
+  EXPECT_LT((FieldView(band).at(3, 4, 5) - FieldView(dense).at(3, 4, 5)).norm(), 1e-6);
+}
+
 TEST(BandGvf, HasTheSameBytesForAnyNumberOfThreads) {
   const Image f = bumpy(box(70, 45, 51));
   VectorField one;
@@ -159,6 +200,7 @@ TEST(BandGvf, SaysWhenItStoppedShortOfTheTolerance) {
 TEST(BandGvf, RefusesBadInput) {
   EXPECT_THROW(band_field(Image{}, BandGvf{}), InputError);
   EXPECT_THROW(band_field(Image(box(3, 3, 3)), BandGvf{.mu = 0}), OptionError);
+  EXPECT_THROW(band_field(Image(box(3, 3, 3)), BandGgvf{.k = 0}), OptionError);
   Image f(box(20, 20, 20));
   f(10, 10, 10) = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THROW(band_field(f, BandGvf{}), InputError);

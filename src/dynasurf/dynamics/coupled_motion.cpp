@@ -2,16 +2,20 @@
 
 #include <algorithm>
 
+#include "dynasurf/dynamics/step_plan.hpp"
+
 namespace dynasurf {
 
 CoupledMotion::CoupledMotion(const TriMesh& start, double mass_kg, std::vector<Force> forces,
-                             const SolverOptions& solver)
-    : system_(particles_at(start.vertices, mass_kg)), options_(solver), solver_(solver) {
+                             const SolverOptions& solver, double least_drag)
+    : system_(particles_at(start.vertices, mass_kg)),
+      options_(solver),
+      solver_(solver, speed_unit(least_drag, system_.masses.front())) {
   system_.forces = std::move(forces);
 }
 
-void CoupledMotion::step(std::span<const Vec3> vertices, std::span<const std::uint32_t> moving, std::span<double> state,
-                         double h) {
+int CoupledMotion::step(std::span<const Vec3> vertices, std::span<const std::uint32_t> moving, std::span<double> state,
+                        double h, int most) {
   std::copy(vertices.begin(), vertices.end(), system_.positions.begin());
   system_.pinned.assign(system_.size(), 1);
   std::fill(system_.velocities.begin(), system_.velocities.end(), Vec3::Zero());
@@ -19,11 +23,13 @@ void CoupledMotion::step(std::span<const Vec3> vertices, std::span<const std::ui
     system_.pinned[moving[s]] = 0;
     system_.velocities[moving[s]] = Eigen::Map<const Vec3>(&state[6 * s + 3]);
   }
-  if (!solver_.step(system_, h).converged) ++unsolved_steps_;
+  const SolverWork work = solver_.step(system_, h, most);
+  if (!work.converged) ++unsolved_steps_;
   for (std::size_t s = 0; s < moving.size(); ++s) {
     Eigen::Map<Vec3>{&state[6 * s]} = system_.positions[moving[s]];
     Eigen::Map<Vec3>{&state[6 * s + 3]} = system_.velocities[moving[s]];
   }
+  return work.steps;
 }
 
 CoupledMotion::Limit CoupledMotion::limit(double least_drag) {

@@ -15,17 +15,21 @@ constexpr std::size_t kGrain = 4096;
 template <class Share>
 Image raised(const Grid& grid, double drag, double ratio, Share share) {
   Image map(grid);
+  const auto nx = static_cast<std::size_t>(grid.dims[0]), ny = static_cast<std::size_t>(grid.dims[1]);
   parallel_for(map.values.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) map.values[v] = static_cast<float>(drag * (1 + ratio * share(v)));
+    for (std::size_t v = begin; v < end; ++v) {
+      const Index3 at{static_cast<int>(v % nx), static_cast<int>(v / nx % ny), static_cast<int>(v / (nx * ny))};
+      map.values[v] = static_cast<float>(drag * (1 + ratio * share(at)));
+    }
   });
   return map;
 }
 
-std::optional<Image> map_of(const UniformDrag&, const VectorField&, const Image&, double) { return std::nullopt; }
-std::optional<Image> map_of(const FieldDrag& o, const VectorField& field, const Image&, double drag) {
+std::optional<Image> map_of(const UniformDrag&, FieldView, const Image&, double) { return std::nullopt; }
+std::optional<Image> map_of(const FieldDrag& o, FieldView field, const Image&, double drag) {
   return drag_by_field(field, drag, o.ratio);
 }
-std::optional<Image> map_of(const BorderDrag& o, const VectorField&, const Image& border, double drag) {
+std::optional<Image> map_of(const BorderDrag& o, FieldView, const Image& border, double drag) {
   return drag_near_border(border, drag, o.ratio, o.reach_voxels);
 }
 
@@ -35,32 +39,25 @@ Image drag_by_intensity(const Image& image, double drag, double ratio) {
   const auto largest = std::max_element(image.values.begin(), image.values.end());
   const double most = largest == image.values.end() ? 0 : *largest;
   return raised(image.grid, drag, ratio,
-                [&](std::size_t v) { return most > 0 ? std::max(0.0, image.values[v] / most) : 0.0; });
+                [&](const Index3& at) { return most > 0 ? std::max(0.0, image(at[0], at[1], at[2]) / most) : 0.0; });
 }
 
-Image drag_by_field(const VectorField& field, double drag, double ratio) {
-  const auto length = [&](std::size_t v) {
-    return std::sqrt(double(field.x[v]) * field.x[v] + double(field.y[v]) * field.y[v] +
-                     double(field.z[v]) * field.z[v]);
-  };
-  double most = 0;
-  for (std::size_t v = 0; v < field.x.size(); ++v) most = std::max(most, length(v));
-  return raised(field.grid, drag, ratio, [&](std::size_t v) { return most > 0 ? length(v) / most : 0.0; });
+Image drag_by_field(FieldView field, double drag, double ratio) {
+  const double most = field.largest();
+  return raised(field.grid(), drag, ratio,
+                [&](const Index3& at) { return most > 0 ? field.at(at[0], at[1], at[2]).norm() / most : 0.0; });
 }
 
 Image drag_near_border(const Image& border, double drag, double ratio, double reach_voxels) {
   const BorderDistance distance(border);
   const Grid& g = border.grid;
-  const auto nx = static_cast<std::size_t>(g.dims[0]), ny = static_cast<std::size_t>(g.dims[1]);
-  return raised(g, drag, ratio, [&](std::size_t v) {
-    const Index3 at{static_cast<int>(v % nx), static_cast<int>(v / nx % ny), static_cast<int>(v / (nx * ny))};
+  return raised(g, drag, ratio, [&](const Index3& at) {
     // Beyond 30 reaches nothing is left in a float.
     return std::exp(-distance.voxels(centre_of(g, at), 30 * reach_voxels) / reach_voxels);
   });
 }
 
-std::optional<Image> drag_map(const DampingOptions& options, const VectorField& field, const Image& border,
-                              double drag) {
+std::optional<Image> drag_map(const DampingOptions& options, FieldView field, const Image& border, double drag) {
   return std::visit([&](const auto& o) { return map_of(o, field, border, drag); }, options);
 }
 

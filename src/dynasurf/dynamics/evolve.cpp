@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <sstream>
 
@@ -29,21 +30,21 @@ constexpr double kFarthestVoxel = 1e6;   // where a start may lie
 constexpr int kStepsBetweenChecks = 64;  // for a request to stop
 constexpr int kStepsBetweenLimits = 16;  // of a coupled run: its forces stiffen as the mesh shrinks
 
-void check_inputs(const TriMesh& start, const VectorField& field, const Image& border) {
+void check_inputs(const TriMesh& start, FieldView field, const Image& border) {
   if (start.vertices.empty()) throw InputError("evolve: the start mesh has no vertices; expected at least one");
-  if (field.grid.size() == 0) throw InputError("evolve: the field has no voxels; expected a field to move in");
-  if (field.grid.dims != border.grid.dims || field.grid.spacing != border.grid.spacing)
+  if (field.grid().size() == 0) throw InputError("evolve: the field has no voxels; expected a field to move in");
+  if (field.grid().dims != border.grid.dims || field.grid().spacing != border.grid.spacing)
     throw InputError("evolve: field and border lie on different grids; expected the same size and spacing");
   for (const Vec3& p : start.vertices)
-    if (!p.allFinite() || p.cwiseQuotient(field.grid.spacing).cwiseAbs().maxCoeff() > kFarthestVoxel)
+    if (!p.allFinite() || p.cwiseQuotient(field.grid().spacing).cwiseAbs().maxCoeff() > kFarthestVoxel)
       throw InputError("evolve: a start vertex is not finite or farther than a million voxels from the grid");
 }
 
-void check_additions(const Additions& own, const VectorField& field) {
+void check_additions(const Additions& own, FieldView field) {
   for (const Force& force : own.forces)
     if (!force.accumulate) throw InputError("evolve: the force '" + force.name + "' has no function; expected one");
   if (!own.drag) return;
-  if (own.drag->grid.dims != field.grid.dims)
+  if (own.drag->grid.dims != field.grid().dims)
     throw InputError("evolve: the drag lies on another grid than the field; expected the same size");
   for (const float drag : own.drag->values)
     if (!(drag >= 0) || std::isinf(drag)) throw InputError("evolve: a drag is negative or not finite; expected >= 0");
@@ -55,7 +56,7 @@ struct Drag {
   double least = 0, most = 0;
 };
 
-Drag drag_of(const VectorField& field, const Image& border, const Evolution& o, const Additions& own) {
+Drag drag_of(FieldView field, const Image& border, const Evolution& o, const Additions& own) {
   Drag drag{own.drag ? own.drag : drag_map(o.damping, field, border, o.force.drag), o.force.drag, o.force.drag};
   if (drag.map) {
     const auto [least, most] = std::minmax_element(drag.map->values.begin(), drag.map->values.end());
@@ -71,7 +72,7 @@ bool needs_coupling(const Evolution& o, const Additions& own) {
 }
 
 /// All forces on particles that are not advanced one by one. `drag` and `field` must outlive them.
-std::vector<Force> all_forces(const TriMesh& start, const VectorField& field, const Drag& drag, const Evolution& o,
+std::vector<Force> all_forces(const TriMesh& start, FieldView field, const Drag& drag, const Evolution& o,
                               const Additions& own) {
   std::vector<Force> forces = internal_forces(o.model, start, field, o.force.sampling);
   forces.push_back(field_pull(field, o.force.strength, o.force.sampling));
@@ -90,13 +91,13 @@ struct StepReport {
 /// A run of any model. Particles that still move are kept packed: with the free model, a stopped one costs nothing.
 class Run {
  public:
-  Run(const TriMesh& start, const VectorField& field, const Image& border, const Evolution& options,
-      const BorderPlanes* planes, const Additions& own)
+  Run(const TriMesh& start, FieldView field, const Image& border, const Evolution& options, const BorderPlanes* planes,
+      const Additions& own)
       : options_(options),
         own_(own),
-        grid_(field.grid),
-        smallest_spacing_(field.grid.spacing.minCoeff()),
-        room_(room_of(field.grid, start)),
+        grid_(field.grid()),
+        smallest_spacing_(field.grid().spacing.minCoeff()),
+        room_(room_of(field.grid(), start)),
         pull_(checked_pull(field)),
         drag_(drag_of(field, border, options, own)),
         coupled_(couple(start, field)),
@@ -117,6 +118,8 @@ class Run {
       moving_[v] = v;
       for (std::size_t a = 0; a < 3; ++a) state_[6 * v + a] = start.vertices[v][static_cast<Eigen::Index>(a)];
     }
+    const double speed = speed_unit(drag_.least, plan_.mass_kg);
+    for (std::size_t p = 0; p < kBatch; ++p) units_.insert(units_.end(), {1, 1, 1, speed, speed, speed});
     if (options.histories) history_.emplace(border, n);
   }
 
@@ -124,7 +127,7 @@ class Run {
     note_step();
     result_.reason = StopReason::max_steps;
     int rested_steps = 0;
-    while (result_.steps < options_.end.max_steps) {
+    while (result_.steps < options_.end.max_steps && solver_steps_ < most_solver_steps()) {
       if (result_.steps % kStepsBetweenChecks == 0) progress.check();
       if (result_.steps % kStepsBetweenLimits == 0) keep_step_stable();
       if (!move()) {
@@ -157,15 +160,16 @@ class Run {
   }
 
  private:
-  static double checked_pull(const VectorField& field) {
-    const double pull = largest_pull(field);
+  static double checked_pull(FieldView field) {
+    const double pull = field.largest();
     if (!std::isfinite(pull)) throw InputError("evolve: the field has a vector that is not finite");
     return pull;
   }
 
-  std::optional<CoupledMotion> couple(const TriMesh& start, const VectorField& field) const {
+  std::optional<CoupledMotion> couple(const TriMesh& start, FieldView field) const {
     if (!needs_coupling(options_, own_)) return std::nullopt;
-    return CoupledMotion(start, options_.mass_kg, all_forces(start, field, drag_, options_, own_), options_.solver);
+    return CoupledMotion(start, options_.mass_kg, all_forces(start, field, drag_, options_, own_), options_.solver,
+                         drag_.least);
   }
 
   /// Shortens an automatic step that the mesh has outgrown.
@@ -183,10 +187,15 @@ class Run {
     return {pull_, drag_.least, limit_s, coupled_.has_value()};
   }
 
+  /// Steps that a solver cuts its own into count half.
+  int most_solver_steps() const { return 2 * std::min(options_.end.max_steps, std::numeric_limits<int>::max() / 2); }
+
   /// One step of the solver for all moving particles, and STOP-VOXEL on their paths. False, with the mesh as it was
   /// before, when the motion blew up.
   bool move() {
-    if (coupled_) coupled_->step(result_.mesh.vertices, moving_, state_, plan_.step_s);
+    if (coupled_)
+      solver_steps_ +=
+          coupled_->step(result_.mesh.vertices, moving_, state_, plan_.step_s, most_solver_steps() - solver_steps_);
     reports_.assign((moving_.size() + kGrain - 1) / kGrain, {});
     parallel_for(moving_.size(), kGrain, [this](std::size_t begin, std::size_t end) {
       StepReport& report = reports_[begin / kGrain];
@@ -213,7 +222,8 @@ class Run {
     std::array<double, 6 * kBatch * kSolverScratch> scratch;
     const std::span<double> state = std::span(state_).subspan(6 * begin, 6 * (end - begin));
     for (std::size_t s = begin; s < end; ++s) before_[s] = result_.mesh.vertices[moving_[s]];
-    if (!coupled_) advance(options_.solver, state, plan_.step_s, motion_, scratch);
+    if (!coupled_)
+      advance(options_.solver, state, plan_.step_s, motion_, scratch, std::span(units_).first(state.size()));
     for (std::size_t s = begin; s < end; ++s) {
       Eigen::Map<Vec3> position(&state_[6 * s]), velocity(&state_[6 * s + 3]);
       if (!position.allFinite() || !velocity.allFinite()) {
@@ -292,6 +302,7 @@ class Run {
         text << "the linear system was not solved to the tolerance in " << coupled_->unsolved_steps() << " of "
              << result_.steps << " steps";
       });
+    if (result_.reason == StopReason::max_steps) note_max_steps();
     if (result_.reason == StopReason::diverged) {
       note(Severity::failure, "evolve.diverged", [&](auto& text) {
         text << "the motion blew up after " << result_.steps << " steps; a shorter step is needed";
@@ -325,6 +336,16 @@ class Run {
       text << "the drag of " << drag_.most << " kg/s on particles of " << plan_.mass_kg << " kg";
     }
     return text.str();
+  }
+
+  void note_max_steps() {
+    note(Severity::warning, "evolve.max_steps", [&](auto& text) {
+      text << "the motion was not at rest after " << result_.steps << " steps of " << plan_.step_s
+           << " s: " << moving_.size() << " of " << result_.stopped.size() << " particles still moved";
+      if (solver_steps_ > result_.steps) text << "; the solver had to cut them into " << solver_steps_;
+      if (coupled_ && plan_.step_s < longest_stable_s(plan_.limit_s) * 1.001)
+        text << "; stability bounds the step, which solver backward_euler does without";
+    });
   }
 
   void note_fast_particle() {
@@ -362,10 +383,12 @@ class Run {
   std::vector<double> state_;          // x, y, z, vx, vy, vz
   std::vector<Vec3> before_;           // positions before the step
   std::vector<std::uint8_t> hit_;      // met the border in this step
+  std::vector<double> units_;          // of the errors of a batch
   std::vector<StepReport> reports_;
   std::vector<std::uint32_t> newly_stopped_;
   double fastest_step_squared_ = 0;
   int fastest_step_ = 0;
+  int solver_steps_ = 0;  // of a coupled run: into which its steps were cut
 };
 
 }  // namespace
@@ -373,10 +396,11 @@ class Run {
 std::span<const std::string_view> names_of(StopPoint) { return kStopPoints; }
 std::string_view name_of(StopReason reason) { return kStopReasons[static_cast<std::size_t>(reason)]; }
 
-EvolutionResult evolve(const TriMesh& start, const VectorField& field, const Image& border, const Evolution& options,
+EvolutionResult evolve(const TriMesh& start, FieldView field, const Image& border, const Evolution& options,
                        const Progress& progress, const BorderPlanes* planes, const Additions& own) {
   Evolution checked = options;
   check_options(checked, "evolve");
+  checked.solver = solver_for(checked.model, checked.solver);
   check_inputs(start, field, border);
   if (planes != nullptr &&
       (planes->offset.grid.dims != border.grid.dims || planes->normal.grid.dims != border.grid.dims))

@@ -17,7 +17,7 @@
 #include "dynasurf/dynamics/damping.hpp"
 #include "dynasurf/dynamics/models.hpp"
 #include "dynasurf/dynamics/solvers/solver_options.hpp"
-#include "dynasurf/field/vector_field.hpp"
+#include "dynasurf/field/field_view.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
 namespace dynasurf {
@@ -62,18 +62,21 @@ void describe(auto& visit, StopConv& o) {
   visit("still_share", o.still_share, Field{"share of particles that must be at rest", "", 0, 1});
   visit("still_move", o.still_move,
         Field{"a particle that moves less per step rests", "of the smallest voxel side", 0, 1});
-  visit("still_radius", o.still_radius,
-        Field{"one that strays no farther in as many steps as it takes at still_move rests, too; 0: it does not",
-              "of the smallest voxel side", 0, 1000});
+  visit(
+      "still_radius", o.still_radius,
+      Field{"one that strays no farther in as many steps as it takes at still_move rests, too, as does one that strays "
+            "2, 4, 8 times as far in as many times as long; 0: they do not",
+            "of the smallest voxel side", 0, 1000});
   visit("still_steps", o.still_steps, Field{"steps in a row", "", 1, 100000});
-  visit("max_steps", o.max_steps, Field{"the run ends here in any case", "", 1, 100000000});
+  visit("max_steps", o.max_steps,
+        Field{"the run ends here in any case; steps that a solver cuts its own into count half", "", 1, 100000000});
 }
 
 /// How a mesh is deformed: a model, a field, a stop, and smoothing. The default is the free model (MOD-FREE, thesis
 /// 3.4.5); the others come from the functions at the end.
 struct Evolution {
   ModelOptions model = FreeModel{};
-  SolverOptions solver = Rk4{};
+  SolverOptions solver = AutomaticSolver{};
   double step_s = 0;
   double mass_kg = 1;
   FieldForce force;
@@ -87,7 +90,8 @@ struct Evolution {
 };
 void describe(auto& visit, Evolution& o) {
   visit("model", o.model, Field{"what the particles know of each other"});
-  visit("solver", o.solver, Field{"how the motion is integrated"});
+  visit("solver", o.solver,
+        Field{"how the motion is integrated; automatic: rk4 for the free model, backward_euler for the others"});
   visit("step_s", o.step_s,
         Field{"time step; 0: 0.8 of the largest stable one, less where particles could move 0.3 voxels in it", "s", 0,
               1e3});
@@ -115,7 +119,8 @@ struct EvolutionResult {
   std::vector<std::uint8_t> stopped;  // per vertex: reached a border voxel
   double stopped_fraction = 0;
   std::vector<std::array<int, 4>> histories;  // per step: particles < 1, < 2, < 3 (each with the former), >= 3 voxels
-  Notes notes;  // "evolve.step_chosen", ".step_above_limit", ".fast_particle", ".unsolved_steps", ".diverged"
+  Notes notes;  // "evolve.step_chosen", ".step_above_limit", ".fast_particle", ".unsolved_steps", ".max_steps",
+                // ".diverged"
 };
 
 /// Where a particle on its way between two points (grid frame) stops for good; nothing: it goes on. Asked before the
@@ -131,21 +136,22 @@ struct Additions {
   std::optional<Image> drag = {};
 };
 
-/// Moves the vertices of `start` (grid frame) under `field` until they rest on the non-zero voxels of `border`.
-/// Particles start at rest. They cannot leave the box that holds the grid's cells and the start. With `stop` on,
-/// neither the field nor the smoothing takes a particle through a border voxel, however long the step. Deterministic
-/// for any thread count. On divergence the mesh before the bad step is returned, with the reason. Throws InputError for
-/// an empty or far start, a field that is not finite, or a border on another grid.
-/// `planes`, on the grid of `border`, tells StopPoint::subvoxel where in its voxels the border runs; without it the
-/// voxels' centres are taken.
-EvolutionResult evolve(const TriMesh& start, const VectorField& field, const Image& border, const Evolution& options,
+/// Moves the vertices of `start` (grid frame) under `field`, a `VectorField` or a `BandField`, until they rest on the
+/// non-zero voxels of `border`. Particles start at rest. They cannot leave the box that holds the grid's cells and the
+/// start. With `stop` on, neither the field nor the smoothing takes a particle through a border voxel, however long the
+/// step. Deterministic for any thread count. On divergence the mesh before the bad step is returned, with the reason.
+/// Throws InputError for an empty or far start, a field that is not finite, or a border on another grid. `planes`, on
+/// the grid of `border`, tells StopPoint::subvoxel where in its voxels the border runs; without it the voxels' centres
+/// are taken.
+EvolutionResult evolve(const TriMesh& start, FieldView field, const Image& border, const Evolution& options,
                        const Progress& progress = {}, const BorderPlanes* planes = nullptr, const Additions& own = {});
 
-/// The models of the thesis as options. Free: RK4 and smoothing; springs: RK4, no smoothing on the way; plain: backward
-/// Euler, no smoothing on the way (ODE-CHOICE, thesis 4.4).
+/// The models of the thesis as options, with the solver that suits them (`solver_for`). The free one is smoothed on the
+/// way, the others are not: internal forces keep them in order.
 Evolution free_model();
 Evolution spring_model();
 Evolution restricted_spring_model();
 Evolution plain_model();
+Evolution curvature_model();
 
 }  // namespace dynasurf

@@ -1,9 +1,5 @@
 #include "dynasurf/dynamics/field_force.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "dynasurf/dynamics/forces/forces.hpp"
 
 namespace dynasurf {
@@ -51,14 +47,14 @@ class NearestMotion {
 
 }  // namespace
 
-Derivative free_motion(const VectorField& field, const FieldForce& force, double particle_mass_kg,
-                       const Image* drag_map) {
+Derivative free_motion(FieldView field, const FieldForce& force, double particle_mass_kg, const Image* drag_map) {
   const double pull = force.strength / particle_mass_kg;
-  const auto general = [&field, how = force.sampling, pull](auto drag_per_mass_at) -> Derivative {
-    return [&field, how, pull, drag_per_mass_at](std::span<const double> y, std::span<double> dydt) {
+  const auto general = [field, how = force.sampling, pull](auto drag_per_mass_at) -> Derivative {
+    return [field, how, pull, drag_per_mass_at](std::span<const double> y, std::span<double> dydt) {
       for (std::size_t p = 0; p < y.size(); p += 6) {
         const Vec3 position(y[p], y[p + 1], y[p + 2]), velocity(y[p + 3], y[p + 4], y[p + 5]);
-        const Vec3 acceleration = pull * sample(field, position, how, velocity) - drag_per_mass_at(position) * velocity;
+        const Vec3 acceleration =
+            pull * field.at_point(position, how, velocity) - drag_per_mass_at(position) * velocity;
         for (std::size_t a = 0; a < 3; ++a) {
           dydt[p + a] = y[p + 3 + a];
           dydt[p + 3 + a] = acceleration[static_cast<Eigen::Index>(a)];
@@ -69,19 +65,8 @@ Derivative free_motion(const VectorField& field, const FieldForce& force, double
   if (drag_map != nullptr)
     return general([drag_map, particle_mass_kg](const Vec3& p) { return drag_at(*drag_map, p) / particle_mass_kg; });
   const double drag = force.drag / particle_mass_kg;
-  if (force.sampling == Sampling::nearest) return NearestMotion(field, pull, drag);
+  if (force.sampling == Sampling::nearest && field.dense() != nullptr) return NearestMotion(*field.dense(), pull, drag);
   return general([drag](const Vec3&) { return drag; });
-}
-
-double largest_pull(const VectorField& field) {
-  double largest = 0;
-  for (std::size_t v = 0; v < field.x.size(); ++v) {
-    const double x = field.x[v], y = field.y[v], z = field.z[v];
-    const double squared = x * x + y * y + z * z;
-    if (!(squared <= largest)) largest = squared;  // lets NaN through, and keeps it
-    if (std::isnan(largest)) break;
-  }
-  return std::sqrt(largest);
 }
 
 }  // namespace dynasurf

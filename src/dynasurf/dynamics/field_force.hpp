@@ -6,11 +6,9 @@ namespace dynasurf {
 
 /// The motion of free particles under a field force (SYS-PARTICLE, thesis 3.1-3.3): y holds x, y, z, vx, vy, vz of one
 /// particle after another (mm, mm/s); x' = v, v' = (strength * V(x) - drag * v) / particle_mass_kg. With a map
-/// of the drag (kg/s per voxel), its nearest voxel stands in for the drag. `field` and the map must outlive the result.
-Derivative free_motion(const VectorField& field, const FieldForce& force, double particle_mass_kg,
+/// of the drag (kg/s per voxel), its nearest voxel stands in for the drag. What `field` shows and the map must outlive
+/// the result.
+Derivative free_motion(FieldView field, const FieldForce& force, double particle_mass_kg,
                        const Image* drag_map = nullptr);
-
-/// Largest length of a vector of the field; not finite when the field is not.
-double largest_pull(const VectorField& field);
 
 }  // namespace dynasurf

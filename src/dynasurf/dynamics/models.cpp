@@ -1,48 +1,58 @@
 #include "dynasurf/dynamics/models.hpp"
 
+#include "dynasurf/dynamics/contour/surface_curvature.hpp"
 #include "dynasurf/dynamics/evolve.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
 
 namespace dynasurf {
 namespace {
 
-std::vector<Force> forces_of(const FreeModel&, const TriMesh&, const VectorField&, Sampling) { return {}; }
+std::vector<Force> forces_of(const FreeModel&, const TriMesh&, FieldView, Sampling) { return {}; }
 
-std::vector<Force> forces_of(const SpringModel& o, const TriMesh& start, const VectorField&, Sampling) {
+std::vector<Force> forces_of(const SpringModel& o, const TriMesh& start, FieldView, Sampling) {
   return {spring_force(springs_of(start, o.rest_scale), {o.stiffness, o.damping})};
 }
 
-std::vector<Force> forces_of(const RestrictedSpringModel& o, const TriMesh& start, const VectorField& field,
-                             Sampling sampling) {
+std::vector<Force> forces_of(const RestrictedSpringModel& o, const TriMesh& start, FieldView field, Sampling sampling) {
   return {
       restricted_spring_force(springs_of(start, o.rest_scale), field, {o.stiffness, o.damping, o.threshold, sampling})};
 }
 
-std::vector<Force> forces_of(const PlainModel& o, const TriMesh& start, const VectorField&, Sampling) {
+std::vector<Force> forces_of(const PlainModel& o, const TriMesh& start, FieldView, Sampling) {
   return {stretch_force(start, {o.stretch, o.stretch_damping, o.rest_scale, o.area_unit_mm2}),
           shear_force(start, {o.shear, o.shear_damping, o.area_unit_mm2}),
           bend_force(start, {.stiffness = o.bend, .damping = o.bend_damping})};
 }
 
+std::vector<Force> forces_of(const CurvatureModel& o, const TriMesh& start, FieldView, Sampling) {
+  return {surface_curvature_force(start, o.strength)};
+}
+
 /// Internal forces keep the mesh in order while it moves; smoothing would fight them.
-Evolution coupled(ModelOptions model, SolverOptions solver) {
+Evolution coupled(ModelOptions model) {
   Evolution o;
   o.model = model;
-  o.solver = solver;
   o.smooth_every = 0;
   return o;
 }
 
 }  // namespace
 
-std::vector<Force> internal_forces(const ModelOptions& model, const TriMesh& start, const VectorField& field,
+std::vector<Force> internal_forces(const ModelOptions& model, const TriMesh& start, FieldView field,
                                    Sampling sampling) {
   return std::visit([&](const auto& o) { return forces_of(o, start, field, sampling); }, model);
 }
 
+SolverOptions solver_for(const ModelOptions& model, const SolverOptions& asked) {
+  if (!std::holds_alternative<AutomaticSolver>(asked)) return asked;
+  if (std::holds_alternative<FreeModel>(model)) return Rk4{};
+  return BackwardEuler{};
+}
+
 Evolution free_model() { return {}; }
-Evolution spring_model() { return coupled(SpringModel{}, Rk4{}); }
-Evolution restricted_spring_model() { return coupled(RestrictedSpringModel{}, Rk4{}); }
-Evolution plain_model() { return coupled(PlainModel{}, BackwardEuler{}); }
+Evolution spring_model() { return coupled(SpringModel{}); }
+Evolution restricted_spring_model() { return coupled(RestrictedSpringModel{}); }
+Evolution plain_model() { return coupled(PlainModel{}); }
+Evolution curvature_model() { return coupled(CurvatureModel{}); }
 
 }  // namespace dynasurf

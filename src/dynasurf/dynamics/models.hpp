@@ -6,7 +6,8 @@
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/dynamics/particles.hpp"
-#include "dynasurf/field/vector_field.hpp"
+#include "dynasurf/dynamics/solvers/solver_options.hpp"
+#include "dynasurf/field/field_view.hpp"
 
 namespace dynasurf {
 
@@ -74,10 +75,27 @@ void describe(auto& visit, PlainModel& o) {
         Field{"what areas are counted in; 0: the mean triangle of the start mesh", "mm2", 0, 1e9});
 }
 
-using ModelOptions = std::variant<FreeModel, SpringModel, RestrictedSpringModel, PlainModel>;
+/// The internal force of the discrete contour, carried to surfaces (FUT-3DCONTOUR, thesis 7.3; see
+/// `surface_curvature_force`): bumps are drawn back, and a sphere of any size feels nothing.
+struct CurvatureModel {
+  static constexpr std::string_view name = "curvature";
+  double strength = 1;
+};
+void describe(auto& visit, CurvatureModel& o) {
+  visit("strength", o.strength,
+        Field{"force on a vertex whose curvature differs from its neighbours' by one over the edges' length", "N mm", 0,
+              1e9});
+}
+
+using ModelOptions = std::variant<FreeModel, SpringModel, RestrictedSpringModel, PlainModel, CurvatureModel>;
+
+/// `asked`, or what suits the model: RK4 for the free one, backward Euler for the others, which are stiff wherever
+/// triangles shrink. The thesis (4.4.2) takes RK4 for springs, too; damped as they are here, its stable step is a
+/// hundredth of what the motion needs.
+SolverOptions solver_for(const ModelOptions& model, const SolverOptions& asked);
 
 /// The internal forces of a model at rest in `start`; none for the free one. `field` must outlive them.
-std::vector<Force> internal_forces(const ModelOptions& model, const TriMesh& start, const VectorField& field,
+std::vector<Force> internal_forces(const ModelOptions& model, const TriMesh& start, FieldView field,
                                    Sampling sampling = Sampling::nearest);
 
 }  // namespace dynasurf

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -8,12 +9,16 @@
 
 namespace dynasurf {
 
-/// Who is at rest (STOP-CONV, O16): who moves little in a step, and who has not left the neighbourhood of a place for
-/// long. The second rule is ours: field and smoothing may pull a particle to and fro for ever.
+/// Who is at rest (STOP-CONV, O16): who moves little in a step, and who gets nowhere for long. The second rule is ours:
+/// field, smoothing and neighbours may pull a particle to and fro for ever. Who has stayed in a ball of the radius
+/// `StepPlan::stray_mm` for `stray_steps`, or in one 2, 4 or 8 times as wide for as many times as long, rests.
 class RestWatch {
  public:
   explicit RestWatch(std::span<const Vec3> start) {
-    for (const Vec3& p : start) anchors_.push_back({p, 0});
+    for (const Vec3& p : start) {
+      anchors_.emplace_back();
+      anchors_.back().fill({p, 0});
+    }
   }
 
   /// How many of the `moving` particles are at rest after `step`; `before` holds their places before it, in the order
@@ -27,7 +32,10 @@ class RestWatch {
     Vec3 place;
     int step = 0;
   };
-  std::vector<Anchor> anchors_;  // per vertex
+  using Anchors = std::array<Anchor, 4>;  // of balls, each twice as wide as the one before
+  static bool gets_nowhere(Anchors& anchors, const Vec3& position, int step, const StepPlan& plan);
+
+  std::vector<Anchors> anchors_;  // per vertex
 };
 
 }  // namespace dynasurf

@@ -64,6 +64,8 @@ StepPlan plan_steps(const Evolution& o, std::size_t particles, const Pace& pace,
   return plan;
 }
 
+double speed_unit(double least_drag, double particle_kg) { return std::max(1.0, least_drag / particle_kg); }
+
 double longest_stable_s(double limit_s) { return kShareOfLimit * limit_s; }
 
 std::string explain_step(const StepPlan& plan, bool is_given, const std::string& limit_in_words) {

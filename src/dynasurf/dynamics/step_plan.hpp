@@ -42,6 +42,10 @@ struct StepPlan {
 StepPlan plan_steps(const Evolution& options, std::size_t particles, const Pace& pace, const Room& room,
                     double smallest_spacing_mm);
 
+/// In what errors of speeds count beside errors of places, 1/s: a speed that is wrong by this leads 1 mm astray before
+/// the drag ends it. At least 1.
+double speed_unit(double least_drag, double particle_kg);
+
 /// The longest step that is taken where the largest stable one is `limit_s`.
 double longest_stable_s(double limit_s);
 

@@ -30,6 +30,24 @@ void describe(auto& visit, BandGvf& o) {
   visit("most_cycles", o.most_cycles, Field{"give up with a note after this many cycles", "", 1, 1000});
 }
 
+/// Generalised gradient vector flow at rest (see `SteadyGgvf`) near the borders alone.
+struct BandGgvf {
+  static constexpr std::string_view name = "band_ggvf";
+  double k = 0.1;
+  double tolerance = 1e-3;
+  int reach_voxels = 3;
+  int most_cycles = 20;
+};
+void describe(auto& visit, BandGgvf& o) {
+  visit("k", o.k,
+        Field{"K as a share of the largest gradient: small keeps weak gradients (thesis 3.42)", "", 0.01, 100});
+  visit("tolerance", o.tolerance,
+        Field{"stop cycles below this relative distance from what they tend to", "", 1e-6, 0.1});
+  visit("reach_voxels", o.reach_voxels,
+        Field{"bricks of 8 voxels that come so near to a border are solved for", "voxels", 1, 64});
+  visit("most_cycles", o.most_cycles, Field{"give up with a note after this many cycles", "", 1, 1000});
+}
+
 /// A field on bricks of 8x8x8 cells near the borders and on coarser cells elsewhere. Holds at least one voxel.
 class BandField {
  public:
@@ -41,6 +59,8 @@ class BandField {
   /// must lie in the grid.
   Vec3 at(int i, int j, int k) const;
   bool is_in_band(int i, int j, int k) const;
+  /// Largest length of a vector in the band.
+  double largest() const;
   std::size_t voxels_in_band() const;
   std::size_t bytes() const;
 
@@ -62,14 +82,21 @@ struct BandResult {
 };
 
 /// The field of a map, equal spread in mm (the `metric` scheme). Differs from the field of `SteadyGvf` because cells
-/// beyond the band are coarse: near borders by about 1e-2 with a reach of 8 and 3e-3 with 16 (docs/performance.md).
+/// beyond the band are coarse: in the band by about 1e-3 with the default reach (docs/stages/field.md).
 /// Looks at every voxel once. Same bytes for any number of threads. A constant map gives a zero field. Throws like
 /// `SteadyGvf`.
 BandResult band_field(const Image& edge_map, const BandGvf& options, const Progress& progress = {});
+BandResult band_field(const Image& edge_map, const BandGgvf& options, const Progress& progress = {});
 
 /// The same for a map that is 1 on `border` and 0 elsewhere, without ever holding the box. Throws InputError for a
 /// voxel outside the grid.
 BandResult band_field(const Grid& grid, std::span<const Index3> border, const BandGvf& options,
                       const Progress& progress = {});
+BandResult band_field(const Grid& grid, std::span<const Index3> border, const BandGgvf& options,
+                      const Progress& progress = {});
+
+/// The field of a band on every voxel, for those who need them all.
+FlowResult flow_field(const Image& edge_map, const BandGvf& options, const Progress& progress = {});
+FlowResult flow_field(const Image& edge_map, const BandGgvf& options, const Progress& progress = {});
 
 }  // namespace dynasurf

@@ -4,6 +4,7 @@
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/progress.hpp"
+#include "dynasurf/field/band.hpp"
 #include "dynasurf/field/flow_result.hpp"
 #include "dynasurf/field/steady.hpp"
 
@@ -52,7 +53,7 @@ void describe(auto& visit, Ggvf& o) {
   visit("safe_step", o.safe_step, Field{"shorten a step that the stability bound forbids, with a note"});
 }
 
-using FieldOptions = std::variant<Gvf, SteadyGvf, SteadyGgvf, Ggvf>;
+using FieldOptions = std::variant<Gvf, SteadyGvf, SteadyGgvf, Ggvf, BandGvf, BandGgvf>;
 
 /// Gradient vector flow of an edge map that is high on borders: vectors point towards borders from both sides.
 /// Starts from the gradient of the map (central differences in mm, one-sided on the grid's faces); neighbours beyond

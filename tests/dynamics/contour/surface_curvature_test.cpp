@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/dynamics/evolve.hpp"
+#include "dynasurf/dynamics/solvers/particle_solver.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
 namespace dynasurf {
@@ -83,6 +84,39 @@ TEST(SurfaceCurvatureForce, DecaysABumpInARunOfEvolve) {
   EXPECT_NEAR(bump(end()), 0.3, 1e-12);  // nothing else moves it
   own.forces.push_back(surface_curvature_force(start, 1));
   EXPECT_LT(std::abs(bump(end())), 0.1);
+}
+
+TEST(SurfaceCurvatureForce, ItsJacobianBoundsItsSlope) {
+  // The largest slope by power iteration on differences of the force, against the largest one of the jacobian.
+  const TriMesh mesh = sphere(2, 10);
+  const Force force = surface_curvature_force(mesh, 1);
+  ParticleSystem system = particles_at(mesh.vertices, static_cast<double>(mesh.vertices.size()));
+  const auto force_at = [&](const std::vector<Vec3>& x) {
+    std::vector<Vec3> f(x.size(), Vec3::Zero());
+    force.accumulate({x, system.velocities, {}}, f);
+    return f;
+  };
+  std::vector<Vec3> x;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) x.push_back(Vec3(v % 2, v % 3, v % 5) - Vec3(0.5, 1, 2));
+  double slope = 0;
+  for (int k = 0; k < 200; ++k) {
+    double size = 0;
+    for (const Vec3& p : x) size += p.squaredNorm();
+    std::vector<Vec3> ahead = mesh.vertices, behind = mesh.vertices;
+    const double step = 1e-5 / std::sqrt(size);
+    for (std::size_t v = 0; v < x.size(); ++v) ahead[v] += step * x[v], behind[v] -= step * x[v];
+    const auto a = force_at(ahead), b = force_at(behind);
+    slope = 0;
+    for (std::size_t v = 0; v < x.size(); ++v) {
+      x[v] = (b[v] - a[v]) / 2e-5;
+      slope += x[v].squaredNorm();
+    }
+    slope = std::sqrt(slope);
+  }
+  system.forces = {force};
+  const double bound = fastest_modes(system).stiffness;  // masses of 1 kg
+  EXPECT_GE(bound, slope);
+  EXPECT_LT(bound, 5 * slope) << "not idly large";
 }
 
 TEST(SurfaceCurvatureForce, TurnsWithTheSurface) {

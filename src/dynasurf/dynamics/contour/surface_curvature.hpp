@@ -16,8 +16,8 @@ namespace dynasurf {
 /// Normals are means of those of the triangles, weighted by the angle at the vertex.
 std::vector<Vec3> surface_curvature_force(const TriMesh& mesh);
 
-/// The same, times `strength` (kg mm/s2), on particles that are the vertices of `mesh`: an addition to a run of
-/// `evolve`. It has no jacobian: the automatic step does not know how stiff it is, so give one.
+/// The same, times `strength` (kg mm/s2), on particles that are the vertices of `mesh`. Its jacobian is not the slope
+/// but a bound of it.
 Force surface_curvature_force(const TriMesh& mesh, double strength);
 
 /// Mean curvature per vertex as above, 1/mm, positive where convex.

@@ -2,10 +2,10 @@
 
 namespace dynasurf {
 
-Force field_pull(const VectorField& field, double strength, Sampling sampling) {
-  return {"field", [&field, strength, sampling](const ParticleState& s, std::span<Vec3> forces) {
+Force field_pull(FieldView field, double strength, Sampling sampling) {
+  return {"field", [field, strength, sampling](const ParticleState& s, std::span<Vec3> forces) {
             for (std::size_t p = 0; p < forces.size(); ++p)
-              if (!s.is_pinned(p)) forces[p] += strength * sample(field, s.positions[p], sampling, s.velocities[p]);
+              if (!s.is_pinned(p)) forces[p] += strength * field.at_point(s.positions[p], sampling, s.velocities[p]);
           }};
 }
 

@@ -2,7 +2,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/core/volume.hpp"
 #include "dynasurf/dynamics/particles.hpp"
-#include "dynasurf/field/vector_field.hpp"
+#include "dynasurf/field/field_view.hpp"
 
 namespace dynasurf {
 
@@ -58,11 +58,10 @@ struct RestrictedSpringForce {
   double threshold = 1e-3;  // of the longest vector of the field
   Sampling sampling = Sampling::nearest;
 };
-Force restricted_spring_force(std::vector<Spring> springs, const VectorField& field,
-                              const RestrictedSpringForce& options);
+Force restricted_spring_force(std::vector<Spring> springs, FieldView field, const RestrictedSpringForce& options);
 
 /// The pull of a field: F = strength * V(x) (thesis 3.4). Implicit solvers take it as constant within a step.
-Force field_pull(const VectorField& field, double strength, Sampling sampling = Sampling::nearest);
+Force field_pull(FieldView field, double strength, Sampling sampling = Sampling::nearest);
 
 /// F = -drag * v, and with a volume F = -drag(x) * v, read at the nearest voxel (VOL-DAMP).
 Force drag_force(double drag_kg_s);

@@ -8,13 +8,13 @@ namespace dynasurf {
 namespace {
 
 struct Restriction {
-  const VectorField* field;
+  FieldView field;
   Sampling sampling;
   double threshold;  // 1/mm
 
   /// What is left of space when the direction of the field is taken away.
   Mat3 operator()(const ParticleState& state, std::uint32_t p) const {
-    const Vec3 g = sample(*field, state.positions[p], sampling, state.velocities[p]);
+    const Vec3 g = field.at_point(state.positions[p], sampling, state.velocities[p]);
     const double length = g.norm();
     if (!(length > threshold)) return Mat3::Identity();
     return Mat3::Identity() - (g / length) * (g / length).transpose();
@@ -23,9 +23,9 @@ struct Restriction {
 
 }  // namespace
 
-Force restricted_spring_force(std::vector<Spring> springs, const VectorField& field, const RestrictedSpringForce& o) {
+Force restricted_spring_force(std::vector<Spring> springs, FieldView field, const RestrictedSpringForce& o) {
   const auto list = std::make_shared<const std::vector<Spring>>(std::move(springs));
-  const Restriction restrict {&field, o.sampling, o.threshold * largest_pull(field)};
+  const Restriction restrict {field, o.sampling, o.threshold * field.largest()};
   Force force{"restricted_spring"};
   force.accumulate = [list, restrict, o](const ParticleState& state, std::span<Vec3> forces) {
     std::vector<Vec3> sum(forces.size(), Vec3::Zero());

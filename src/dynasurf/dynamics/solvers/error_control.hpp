@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "dynasurf/dynamics/solvers/solver.hpp"
 
@@ -41,17 +42,24 @@ AdaptiveStep control(double h, double power, Attempt attempt, Accept accept) {
   }
 }
 
-/// Covers `h` by as many accepted steps as it takes.
+/// Covers `h` by as many accepted steps as it takes, or what `most` attempts reach of it. Returns how many there were.
+/// The tolerance counts in `units`, one per unknown; none: in 1.
 template <class Method>
-void cover(const Method& method, std::span<double> y, double h, const Derivative& f, std::span<double> scratch) {
+int cover(const Method& method, std::span<double> y, double h, const Derivative& f, std::span<double> scratch,
+          std::span<const double> units = {}, int most = std::numeric_limits<int>::max()) {
+  std::vector<double> tolerance(units.empty() ? 1 : units.size(), method.tolerance);
+  for (std::size_t i = 0; i < units.size(); ++i) tolerance[i] *= units[i];
   double left = h, next = h;
-  while (left > 0) {
+  int attempts = 0;
+  while (left > 0 && attempts < most) {
     const double asked = std::min(next, left);
-    const AdaptiveStep step = advance_once(method, y, asked, std::span(&method.tolerance, 1), f, scratch);
+    const AdaptiveStep step = advance_once(method, y, asked, tolerance, f, scratch);
+    attempts += 1 + step.rejected;
     left = step.taken >= left ? 0 : left - step.taken;
     next = step.taken < asked || asked == next ? step.next : std::max(next, step.next);
-    if (!std::all_of(y.begin(), y.end(), [](double v) { return std::isfinite(v); })) return;  // the caller sees it
+    if (!std::all_of(y.begin(), y.end(), [](double v) { return std::isfinite(v); })) break;  // the caller sees it
   }
+  return attempts;
 }
 
 }  // namespace dynasurf::error_control

@@ -99,27 +99,29 @@ Derivative motion_of(const ParticleSystem& system) {
   };
 }
 
-ImplicitStep ParticleSolver::step(ParticleSystem& system, double h) {
+SolverWork ParticleSolver::step(ParticleSystem& system, double h, int most) {
   for (std::size_t p = 0; p < system.size(); ++p)
     if (system.is_pinned(p)) system.velocities[p].setZero();
   if (const auto* implicit = std::get_if<BackwardEuler>(&solver_)) return step_implicit(system, h, *implicit);
-  step_explicit(system, h);
-  return {};
+  return step_explicit(system, h, most);
 }
 
-void ParticleSolver::step_explicit(ParticleSystem& system, double h) {
+SolverWork ParticleSolver::step_explicit(ParticleSystem& system, double h, int most) {
   const std::size_t n = system.size();
-  if (n == 0) return;
+  if (n == 0) return {};
   y_.resize(6 * n);
   scratch_.resize(kSolverScratch * y_.size());
   std::copy_n(system.positions.data()->data(), 3 * n, y_.data());
   std::copy_n(system.velocities.data()->data(), 3 * n, y_.data() + 3 * n);
-  advance(solver_, y_, h, motion_of(system), scratch_);
+  units_.resize(6 * n, speed_unit_);
+  std::fill_n(units_.begin(), 3 * n, 1.0);
+  const int steps = advance(solver_, y_, h, motion_of(system), scratch_, units_, most);
   std::copy_n(y_.data(), 3 * n, system.positions.data()->data());
   std::copy_n(y_.data() + 3 * n, 3 * n, system.velocities.data()->data());
+  return {.steps = steps};
 }
 
-ImplicitStep ParticleSolver::step_implicit(ParticleSystem& system, double h, const BackwardEuler& options) {
+SolverWork ParticleSolver::step_implicit(ParticleSystem& system, double h, const BackwardEuler& options) {
   const std::size_t n = system.size();
   if (!jacobian_ || jacobian_->rows().size() != n) jacobian_.emplace(n);
   std::vector<Vec3> force(n), right(n), change(n);
@@ -150,7 +152,7 @@ ImplicitStep ParticleSolver::step_implicit(ParticleSystem& system, double h, con
     system.velocities[i] += change[i];
     system.positions[i] += h * system.velocities[i];
   }
-  return {found.iterations, found.residual, found.converged, made_definite};
+  return {1, found.iterations, found.residual, found.converged, made_definite};
 }
 
 Fastest fastest_modes(const ParticleSystem& system, ModeSearch* former) {

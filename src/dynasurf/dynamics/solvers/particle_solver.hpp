@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <optional>
 
 #include "dynasurf/dynamics/particles.hpp"
@@ -6,9 +7,10 @@
 
 namespace dynasurf {
 
-/// What an implicit step had to do.
-struct ImplicitStep {
-  int iterations = 0;          // of conjugate gradients
+/// What a step had to do.
+struct SolverWork {
+  int steps = 1;               // into which the step was cut, those tried in vain included
+  int iterations = 0;          // of conjugate gradients; this and what follows: of implicit solvers
   double residual = 0;         // reached, of the right side
   bool converged = true;       // to the tolerance
   bool made_definite = false;  // `exact` was asked for, but the system was not definite
@@ -17,20 +19,25 @@ struct ImplicitStep {
 /// Advances a particle system by any of the solvers, and keeps their memory between the steps.
 class ParticleSolver {
  public:
-  explicit ParticleSolver(const SolverOptions& solver) : solver_(solver) {}
+  /// AutomaticSolver is backward Euler here: it is stable for any step. Solvers that control their error hold their
+  /// tolerance in mm for places, and in mm times `speed_unit` (1/s) for speeds.
+  explicit ParticleSolver(const SolverOptions& solver, double speed_unit = 1)
+      : solver_(std::holds_alternative<AutomaticSolver>(solver) ? BackwardEuler{} : solver), speed_unit_(speed_unit) {}
 
   /// One step of `h` seconds. Pinned particles neither move nor have a speed afterwards. For BackwardEuler,
   ///     (M - h Kv - h^2 Kx) dv = h (f + h Kx v),   v += dv,   x += h v
   /// with the Jacobians Kx, Kv of those forces that have them (thesis 4.44, A.5), by conjugate gradients with a block
-  /// diagonal preconditioner; other solvers report an empty ImplicitStep. The same bytes for any number of threads.
-  ImplicitStep step(ParticleSystem& system, double h);
+  /// diagonal preconditioner; solvers that control their error stop short of `h` after `most` steps. The
+  /// same bytes for any number of threads.
+  SolverWork step(ParticleSystem& system, double h, int most = std::numeric_limits<int>::max());
 
  private:
-  void step_explicit(ParticleSystem& system, double h);
-  ImplicitStep step_implicit(ParticleSystem& system, double h, const BackwardEuler& options);
+  SolverWork step_explicit(ParticleSystem& system, double h, int most);
+  SolverWork step_implicit(ParticleSystem& system, double h, const BackwardEuler& options);
 
   SolverOptions solver_;
-  std::vector<double> y_, scratch_;
+  double speed_unit_;
+  std::vector<double> y_, scratch_, units_;
   std::optional<ForceJacobian> jacobian_;
 };
 

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <string>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/dynamics/solvers/error_control.hpp"
 
 namespace dynasurf {
 namespace {
@@ -32,14 +34,20 @@ std::complex<double> growth(const SolverOptions& solver, std::complex<double> z)
 std::span<const std::string_view> names_of(BaseMethod) { return kBaseMethods; }
 std::span<const std::string_view> names_of(Stiffening) { return kStiffenings; }
 
-void advance(const SolverOptions& solver, std::span<double> y, double h, const Derivative& f,
-             std::span<double> scratch) {
-  std::visit(
-      [&](const auto& method) {
-        if constexpr (std::is_same_v<std::decay_t<decltype(method)>, BackwardEuler>)
-          throw OptionError("solver backward_euler advances particle systems only; expected one of the others");
-        else
+int advance(const SolverOptions& solver, std::span<double> y, double h, const Derivative& f, std::span<double> scratch,
+            std::span<const double> units, int most) {
+  return std::visit(
+      [&](const auto& method) -> int {
+        using Method = std::decay_t<decltype(method)>;
+        if constexpr (std::is_same_v<Method, BackwardEuler> || std::is_same_v<Method, AutomaticSolver>) {
+          throw OptionError("solver " + std::string(Method::name) +
+                            " advances particle systems only; expected one of the others");
+        } else if constexpr (requires { method.tolerance; }) {
+          return error_control::cover(method, y, h, f, scratch, units, most);
+        } else {
           advance(method, y, h, f, scratch);
+          return 1;
+        }
       },
       solver);
 }

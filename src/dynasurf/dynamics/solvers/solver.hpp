@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <limits>
 #include <span>
 
 #include "dynasurf/dynamics/solvers/solver_options.hpp"
@@ -15,14 +16,17 @@ inline constexpr std::size_t kSolverScratch = 8;
 
 /// Advances y by one step of `h`. `scratch` holds at least kSolverScratch * y.size() numbers, whose contents are lost.
 /// Global errors of the first three are of order h, h^2 and h^4; the two after them cut the step until their tolerance
-/// holds (see advance_once). Precondition of the last: not BackwardEuler, which needs the Jacobians of a particle
-/// system (particle_solver.hpp).
+/// holds (see advance_once). The last throws OptionError for BackwardEuler, which needs the Jacobians of a particle
+/// system (particle_solver.hpp), and for AutomaticSolver, which needs a model. Its `units` are what the tolerance
+/// counts the errors of the unknowns in, one per unknown; without them, 1. It returns how many steps `h` was cut into,
+/// those tried in vain included, and stops short of `h` after `most` of them.
 void advance(const Euler&, std::span<double> y, double h, const Derivative& f, std::span<double> scratch);
 void advance(const Midpoint&, std::span<double> y, double h, const Derivative& f, std::span<double> scratch);
 void advance(const Rk4&, std::span<double> y, double h, const Derivative& f, std::span<double> scratch);
 void advance(const StepDoubling&, std::span<double> y, double h, const Derivative& f, std::span<double> scratch);
 void advance(const Rkf45&, std::span<double> y, double h, const Derivative& f, std::span<double> scratch);
-void advance(const SolverOptions&, std::span<double> y, double h, const Derivative& f, std::span<double> scratch);
+int advance(const SolverOptions&, std::span<double> y, double h, const Derivative& f, std::span<double> scratch,
+            std::span<const double> units = {}, int most = std::numeric_limits<int>::max());
 
 /// One accepted step of a solver that controls its error (A.7).
 struct AdaptiveStep {

@@ -37,7 +37,8 @@ struct StepDoubling {
 void describe(auto& visit, StepDoubling& o) {
   visit("base", o.base, Field{"method of the single steps"});
   visit("tolerance", o.tolerance,
-        Field{"largest error of a step in any unknown: mm for places, mm/s for speeds", "", 1e-12, 1e9});
+        Field{"largest error of a step: of places, and of the way that speeds lead to before the drag ends it", "mm",
+              1e-12, 1e9});
   visit("extrapolate", o.extrapolate, Field{"use the error to gain one order (local extrapolation)"});
 }
 
@@ -48,7 +49,8 @@ struct Rkf45 {
 };
 void describe(auto& visit, Rkf45& o) {
   visit("tolerance", o.tolerance,
-        Field{"largest error of a step in any unknown: mm for places, mm/s for speeds", "", 1e-12, 1e9});
+        Field{"largest error of a step: of places, and of the way that speeds lead to before the drag ends it", "mm",
+              1e-12, 1e9});
 }
 
 /// Linearised backward Euler with conjugate gradients (ODE-BEULER, thesis 4.4, eqs 4.37-4.46). `exact` keeps the second
@@ -71,7 +73,13 @@ void describe(auto& visit, BackwardEuler& o) {
         Field{"definite: second derivatives only where they keep the system definite; exact: all, as long as it is"});
 }
 
-using SolverOptions = std::variant<Euler, Midpoint, Rk4, StepDoubling, Rkf45, BackwardEuler>;
+/// What suits the model (ODE-CHOICE, see `solver_for`).
+struct AutomaticSolver {
+  static constexpr std::string_view name = "automatic";
+};
+void describe(auto&, AutomaticSolver&) {}
+
+using SolverOptions = std::variant<Euler, Midpoint, Rk4, StepDoubling, Rkf45, BackwardEuler, AutomaticSolver>;
 
 /// The largest stable step of a solver for the drag alone: 2 m/k_d for Euler and midpoint, 2.785 m/k_d for RK4, with
 /// m = mass / n (ODE-LIMIT, thesis table 4.2). Infinity without drag, and for the other solvers.

@@ -234,6 +234,22 @@ bool BandField::is_in_band(int i, int j, int k) const {
   return !levels_->levels.empty() && levels_->levels[0].number({i / side, j / side, k / side}) >= 0;
 }
 
+double BandField::largest() const {
+  double squared = 0;
+  if (levels_->levels.empty()) return 0;
+  const band::Level& l = levels_->levels[0];
+  for (std::size_t n = 0; n < l.place.size(); ++n)
+    for (int k = 0; k < side; ++k)
+      for (int j = 0; j < side; ++j)
+        for (int i = 0; i < side; ++i) {
+          if (!band::is_inside(band::cell_of(l.place[n], i, j, k), l.dims)) continue;
+          const std::size_t at = band::cell_at(i, j, k);
+          const double own = Vec3(l.u[n][0][at], l.u[n][1][at], l.u[n][2][at]).squaredNorm();
+          if (!(own <= squared)) squared = own;  // lets NaN through
+        }
+  return std::sqrt(squared);
+}
+
 std::size_t BandField::voxels_in_band() const {
   std::size_t count = 0;
   if (levels_->levels.empty()) return 0;
@@ -270,9 +286,31 @@ VectorField dense_field(const BandField& field) {
   return out;
 }
 
-BandResult band_field(const Image& edge_map, const BandGvf& options, const Progress& progress) {
-  BandGvf o = options;
-  check_options(o, "band");
+namespace {
+
+/// What GGVF makes of the data of GVF: b = h/g = exp(|grad f| / K) - 1, with K a share of the largest gradient.
+void generalise(std::vector<BrickData>& data, double k) {
+  float most = 0;
+  for (const BrickData& brick : data) most = std::max(most, *std::max_element(brick.b.begin(), brick.b.end()));
+  const double inverse_k = most > 0 ? 1 / (k * std::sqrt(static_cast<double>(most))) : 0;
+  for (BrickData& brick : data)
+    for (std::size_t at = 0; at < band::brick_cells; ++at) {
+      const double b = brick.b[at];
+      if (b == 0) continue;
+      const double now = std::expm1(std::min(16.0, inverse_k * std::sqrt(b)));
+      brick.b[at] = static_cast<float>(now);
+      for (auto& pull : brick.pull) pull[at] = static_cast<float>(now / b * pull[at]);
+    }
+}
+
+BandResult solve(const Grid& grid, std::vector<BrickData> data, const BandGgvf& o, const Progress& progress) {
+  generalise(data, o.k);
+  return solve(grid, std::move(data), BandGvf{1, o.tolerance, o.reach_voxels, o.most_cycles}, progress);
+}
+
+template <class Options>
+BandResult field_of_map(const Image& edge_map, Options o, const Progress& progress) {
+  check_options(o, std::string(Options::name));
   detail::check_grid(edge_map);
   if (!is_finite(edge_map)) detail::check_edge_map(edge_map);  // names the place
   std::vector<BrickData> data = data_of(edge_map);
@@ -282,13 +320,49 @@ BandResult band_field(const Image& edge_map, const BandGvf& options, const Progr
   return solve(edge_map.grid, std::move(data), o, progress);
 }
 
-BandResult band_field(const Grid& grid, std::span<const Index3> border, const BandGvf& options,
-                      const Progress& progress) {
-  BandGvf o = options;
-  check_options(o, "band");
+template <class Options>
+BandResult field_of_voxels(const Grid& grid, std::span<const Index3> border, Options o, const Progress& progress) {
+  check_options(o, std::string(Options::name));
   if (grid.size() == 0 || !(grid.spacing.minCoeff() > 0) || !grid.spacing.allFinite())
     throw InputError("border: the grid must have at least one voxel and a positive spacing along every axis");
   return solve(grid, data_of(grid, border), o, progress);
+}
+
+FlowResult dense_result(const BandResult& band) {
+  FlowResult result;
+  result.field = dense_field(band.field);
+  result.iterations = band.cycles;
+  result.error = band.error;
+  result.notes = band.notes;
+  return result;
+}
+
+}  // namespace
+
+BandResult band_field(const Image& edge_map, const BandGvf& options, const Progress& progress) {
+  return field_of_map(edge_map, options, progress);
+}
+
+BandResult band_field(const Image& edge_map, const BandGgvf& options, const Progress& progress) {
+  return field_of_map(edge_map, options, progress);
+}
+
+BandResult band_field(const Grid& grid, std::span<const Index3> border, const BandGvf& options,
+                      const Progress& progress) {
+  return field_of_voxels(grid, border, options, progress);
+}
+
+BandResult band_field(const Grid& grid, std::span<const Index3> border, const BandGgvf& options,
+                      const Progress& progress) {
+  return field_of_voxels(grid, border, options, progress);
+}
+
+FlowResult flow_field(const Image& edge_map, const BandGvf& options, const Progress& progress) {
+  return dense_result(band_field(edge_map, options, progress));
+}
+
+FlowResult flow_field(const Image& edge_map, const BandGgvf& options, const Progress& progress) {
+  return dense_result(band_field(edge_map, options, progress));
 }
 
 }  // namespace dynasurf
