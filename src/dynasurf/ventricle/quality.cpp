@@ -32,7 +32,7 @@ constexpr double most_hot_neighbour = 0.25;
 constexpr double most_unround = 0.13;
 constexpr double most_noise = 0.2;
 constexpr double most_move_mm = 5;
-constexpr double least_thickness_mm = 8, most_thickness_mm = 17.5;
+constexpr double least_thickness_mm = 8, most_thickness_mm = 18;
 constexpr double least_end_systole = 0.2, most_end_systole = 0.65;
 constexpr double most_roughness = 0.12;
 constexpr double least_counts = 0.85, most_counts = 1.15;  // of the usual gate
