@@ -66,8 +66,8 @@ TEST_P(EveryStart, BecomesABodyWithDents) {
   EXPECT_TRUE(c.watertight());
   EXPECT_EQ(c.genus, 0);
   EXPECT_GE(c.smallest_angle_deg, 20);
-  // The field's own surface of as many triangles is 0.07 % off.
-  EXPECT_LT(c.cloud_to_mesh_mean, 0.0011 * c.cloud_diagonal);
+  // 0.043 %; the field's own surface of as many triangles is 0.041 % off.
+  EXPECT_LT(c.cloud_to_mesh_mean, 0.0006 * c.cloud_diagonal);
 }
 
 TEST_P(EveryStart, CanBeDeformedByTheThesisRecipeToo) {
