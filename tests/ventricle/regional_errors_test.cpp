@@ -124,6 +124,22 @@ TEST(RegionalErrors, AreWithEverySegmentOfAFitAndGrowWithTheNoise) {
   EXPECT_GT(calm.fit.value().thickness_from_data, 0.8);
 }
 
+TEST(Presets, OfMrReadSharpImagesRight) {
+  VirtualPatient o;
+  o.edv_ml = 90, o.ef_percent = 50, o.wall_ml = 100;
+  o.gates = 4, o.fwhm_mm = 0, o.noise = {};
+  o.lattice = {40, 40, 36, 3.2, 3.2, 3.2};
+  const Phantom phantom = make_phantom(o);
+  const VentricleResult result = reconstruct(phantom.study, ventricle_preset("mr"));
+  ASSERT_TRUE(result.fit);
+  // Of the volumes 2 %: voxels of a third of the wall.
+  EXPECT_NEAR(result.fit->edv_ml.value / *phantom.edv_ml, 1, 0.02);
+  EXPECT_NEAR(result.fit->esv_ml.value / *phantom.esv_ml, 1, 0.03);
+  // There is no Gaussian across a sharp wall: no volume is better than a wild one.
+  if (result.qgs_like)
+    for (std::size_t g = 0; g < 4; ++g) EXPECT_LT(result.qgs_like->wall_ml[g], 3 * result.gates[g].epi->volume_ml) << g;
+}
+
 TEST(RegionalErrors, AreNotThereForEdges) {
   VirtualPatient o;
   o.gates = 4;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <mutex>
 
@@ -302,6 +303,20 @@ void hand_over_stages(const StageSink& keep, std::vector<GateRun>& runs, const S
   }
 }
 
+/// An image without blur has no Gaussian across its wall: deviations without end would be shown as volumes.
+void drop_unlikely_reading(VentricleResult& result) {
+  if (!result.qgs_like) return;
+  constexpr double most = 3;  // times the outer edge surface
+  for (std::size_t g = 0; g < result.gates.size(); ++g) {
+    const double outer_ml = result.qgs_like->cavity_ml[g] + result.qgs_like->wall_ml[g];
+    if (std::isfinite(outer_ml) && outer_ml < most * result.gates[g].epi->volume_ml) continue;
+    result.qgs_like.reset();
+    result.notes.push_back(
+        {Severity::info, "readings.no_gaussian", "no QGS-like reading: no asymmetric Gaussian fits across this wall"});
+    return;
+  }
+}
+
 /// Readings beside the edges' own: they need both surfaces in all gates.
 void read_otherwise(const Study& original, const BlurFit& options, const Progress& progress, StageClock& clock,
                     VentricleResult& result) {
@@ -317,6 +332,7 @@ void read_otherwise(const Study& original, const BlurFit& options, const Progres
   // A heart that was found across the stack was not believed either when the stack was kept.
   if (result.heart && result.heart->cup.axis.dot(start.axis) > 0.7) start.cup = result.heart->cup;
   result.qgs_like = clock("readings", [&] { return read_like_qgs(original, start); });
+  drop_unlikely_reading(result);
   if (!options.run) return;
   result.fit = clock("fit", [&] { return fit_through_blur(original, start, options, progress); });
   add_notes(result.notes, result.fit->notes, -1);
