@@ -1,5 +1,6 @@
 #include "dynasurf/ventricle/measures/regional_errors.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -124,6 +125,21 @@ TEST(RegionalErrors, AreWithEverySegmentOfAFitAndGrowWithTheNoise) {
   EXPECT_GT(calm.fit.value().thickness_from_data, 0.8);
 }
 
+TEST(RegionalErrors, SayThatAThinWallIsNotTold) {
+  VirtualPatient o;
+  o.edv_ml = 220, o.ef_percent = 25, o.wall_ml = 80;
+  o.gates = 4, o.fwhm_mm = 15;
+  o.lattice = {28, 28, 24, 6, 6, 6};
+  VentricleOptions options = ventricle_preset("unbiased");
+  options.fit.fwhm_mm = 15;
+  const auto says = [](const VentricleResult& result) {
+    return std::any_of(result.notes.begin(), result.notes.end(),
+                       [](const Note& note) { return note.code == "fit.thin_wall"; });
+  };
+  EXPECT_TRUE(says(reconstruct(make_phantom(o).study, options)));
+  EXPECT_FALSE(says(fit_patient(400)));  // 9 mm at 12 mm
+}
+
 TEST(Presets, OfMrReadSharpImagesRight) {
   VirtualPatient o;
   o.edv_ml = 90, o.ef_percent = 50, o.wall_ml = 100;
@@ -132,12 +148,13 @@ TEST(Presets, OfMrReadSharpImagesRight) {
   const Phantom phantom = make_phantom(o);
   const VentricleResult result = reconstruct(phantom.study, ventricle_preset("mr"));
   ASSERT_TRUE(result.fit);
-  // Of the volumes 2 %: voxels of a third of the wall.
-  EXPECT_NEAR(result.fit->edv_ml.value / *phantom.edv_ml, 1, 0.02);
-  EXPECT_NEAR(result.fit->esv_ml.value / *phantom.esv_ml, 1, 0.03);
+  // Measured +0.4 and +0.7 %; papillary muscles, which this heart has not, may count as 1 mL of cavity.
+  EXPECT_NEAR(result.fit->edv_ml.value / *phantom.edv_ml, 1, 0.03);
+  EXPECT_NEAR(result.fit->esv_ml.value / *phantom.esv_ml, 1, 0.05);
   // There is no Gaussian across a sharp wall: no volume is better than a wild one.
-  if (result.qgs_like)
+  if (result.qgs_like) {
     for (std::size_t g = 0; g < 4; ++g) EXPECT_LT(result.qgs_like->wall_ml[g], 3 * result.gates[g].epi->volume_ml) << g;
+  }
 }
 
 TEST(RegionalErrors, AreNotThereForEdges) {

@@ -48,6 +48,22 @@ std::string in_percent(const char* pattern, double share) {
   return text;
 }
 
+/// A wall much thinner than the blur looks like a thicker, paler one, more so than small changes around the best fit
+/// tell: the covariance does not know it.
+void tell_thin_wall(const BeatProblem& problem, const Solution& solution, FittedBeat& beat) {
+  constexpr double resolved = 0.65;  // of the full width at half maximum
+  constexpr double fwhm_of_sigma = 2.3548200450309493;
+  const double width = problem.layout.at_gate(0, solution.unknowns)[problem.layout.gate.width];
+  const double fwhm_mm = fwhm_of_sigma * problem.sigma_mm * std::exp(width);
+  if (beat.thickness_mm.value >= resolved * fwhm_mm) return;
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "the wall (%.1f mm) is thin against the blur (%.1f mm): thickness, mass and volumes lean on what is "
+                "believed of hearts (10 mm), and a thinner wall would look much the same",
+                beat.thickness_mm.value, fwhm_mm);
+  beat.notes.push_back({Severity::warning, "fit.thin_wall", text});
+}
+
 /// Derivative of the mean log of the thickness in the gate that is believed to be at end-diastole.
 Eigen::VectorXd by_mean_log_thickness(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
   const ThicknessBelief& belief = problem.thickness;
@@ -119,6 +135,7 @@ Eigen::VectorXd WallPosterior::sd(const Eigen::MatrixXd& gradient) const {
 void tell_belief_from_data(const BeatProblem& problem, const Solution& solution,
                            const Eigen::LLT<Eigen::MatrixXd>& factor, FittedBeat& beat) {
   constexpr double least = 0.5;
+  tell_thin_wall(problem, solution, beat);
   const auto left = [&](const Eigen::VectorXd& gradient) {
     return Eigen::VectorXd(factor.matrixL().solve(gradient)).norm();
   };

@@ -45,7 +45,7 @@ class WallPosterior {
 
 /// How much of what is said of the wall's mean thickness and of the point spread's width comes from the data: 1 less
 /// the variance that is left over the variance that was believed before. 0: nothing; 1: all. Says so in the beat's
-/// notes where less than half does.
+/// notes where less than half does, and where the wall is thinner than 0.65 of the point spread's width.
 void tell_belief_from_data(const BeatProblem& problem, const Solution& solution,
                            const Eigen::LLT<Eigen::MatrixXd>& factor, FittedBeat& beat);
 
