@@ -75,7 +75,7 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   run_with_progress(arguments.result.quiet, stop,
                     [&](const Progress& progress) { outcome = reconstruct_cloud_to_folder(job, progress); });
   print_result(arguments.result, outcome.json, summary_of(outcome.run));
-  return is_watertight(outcome.run.result) ? done : not_trustworthy;
+  return is_trustworthy(outcome.run.result) ? done : not_trustworthy;
 }
 
 }  // namespace

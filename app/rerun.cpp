@@ -264,7 +264,7 @@ bool repeat_cloud(const Arguments& arguments, const Record& record, const fs::pa
     return read;
   });
   job.clouds = find_clouds(arguments, record);
-  return is_watertight(reconstruct_cloud_to_folder(job, progress).run.result);
+  return is_trustworthy(reconstruct_cloud_to_folder(job, progress).run.result);
 }
 
 ExitCode run(const Arguments& arguments, std::stop_token stop) {

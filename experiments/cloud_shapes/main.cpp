@@ -26,7 +26,7 @@ namespace {
 struct Subject {
   std::string name;
   TriMesh surface;
-  std::optional<int> genus;
+  int genus;
 };
 
 struct Condition {
@@ -40,9 +40,11 @@ struct Row {
 };
 
 struct Arguments {
-  int points = 100000;
+  int points = 100000, seeds = 1, handles = 0;
+  std::string triangles = "5120,1280,320";
   std::vector<std::string> presets{"shaped", "faithful", "thesis"};
   std::vector<Condition> conditions{{"clean", 0, 0}, {"noise 0.5 %", 0.5, 0}, {"a fifth missing", 0, 20}};
+  std::vector<std::string> shapes;
   std::vector<std::filesystem::path> meshes;
   std::filesystem::path judge;
 };
@@ -66,34 +68,39 @@ double median(std::vector<double> values) {
 void run(const Arguments& a, const std::vector<Subject>& subjects, const std::string& preset,
          const Condition& condition) {
   std::printf(
-      "\n## %s, %s\n\n| body | genus | triangles | valid | distance %% | cloud to mesh %% | largest %% | angle | "
-      "1st percentile | cpu s |\n|---|---|---|---|---|---|---|---|---|---|\n",
+      "\n## %s, %s\n\n| body | seed | parts | genus | triangles | valid | distance %% | cloud to mesh %% | largest %% "
+      "| angle | "
+      "1st percentile | cpu s |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n",
       preset.c_str(), condition.name.c_str());
   std::map<int, std::vector<Row>, std::greater<>> all;
-  for (const Subject& s : subjects) {
-    const PointCloud cloud = scan_surface(
-        s.surface,
-        {.points = a.points, .noise_percent = condition.noise_percent, .missing_percent = condition.missing_percent});
-    const std::clock_t start = std::clock();
-    const CloudResult result = reconstruct_cloud(cloud, cloud_preset(preset));
-    const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-    for (const CloudLevel& level : result.levels) {
-      const Certificate& c = level.certificate;
-      const bool is_valid = c.watertight() && (!s.genus || c.genus == s.genus);
-      const double distance = two_sided_percent(level.mesh, s.surface);
-      all[level.triangles_asked].push_back({is_valid, distance, c.smallest_angle_deg});
-      std::printf("| %s | %s | %zu | %s | %.4f | %.4f | %.3f | %.1f | %.1f | %.2f |\n", s.name.c_str(),
-                  c.genus ? std::to_string(*c.genus).c_str() : "-", c.triangles,
-                  is_valid         ? "yes"
-                  : c.watertight() ? "other genus"
-                                   : "no",
-                  distance, 100 * c.cloud_to_mesh_mean / c.cloud_diagonal,
-                  100 * c.cloud_to_mesh_largest / c.cloud_diagonal, c.smallest_angle_deg, c.angle_percentile_1_deg,
-                  seconds);
-      if (!a.judge.empty()) ask_judge(a, level.mesh, s.surface);
+  for (const Subject& s : subjects)
+    for (int seed = 1; seed <= a.seeds; ++seed) {
+      const PointCloud cloud = scan_surface(s.surface, {.points = a.points,
+                                                        .noise_percent = condition.noise_percent,
+                                                        .missing_percent = condition.missing_percent,
+                                                        .seed = static_cast<std::uint64_t>(seed)});
+      CloudOptions options = cloud_preset(preset);
+      options.triangles = a.triangles;
+      const std::clock_t start = std::clock();
+      const CloudResult result = reconstruct_cloud(cloud, options);
+      const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+      for (const CloudLevel& level : result.levels) {
+        const Certificate& c = level.certificate;
+        const bool is_valid = c.watertight() && c.components == 1 && c.genus == s.genus;
+        const double distance = two_sided_percent(level.mesh, s.surface);
+        all[level.triangles_asked].push_back({is_valid, distance, c.smallest_angle_deg});
+        std::printf("| %s | %d | %d | %s | %zu | %s | %.4f | %.4f | %.3f | %.1f | %.1f | %.2f |\n", s.name.c_str(),
+                    seed, c.components, c.genus ? std::to_string(*c.genus).c_str() : "-", c.triangles,
+                    is_valid         ? "yes"
+                    : c.watertight() ? "other kind"
+                                     : "no",
+                    distance, 100 * c.cloud_to_mesh_mean / c.cloud_diagonal,
+                    100 * c.cloud_to_mesh_largest / c.cloud_diagonal, c.smallest_angle_deg, c.angle_percentile_1_deg,
+                    seconds);
+        if (!a.judge.empty()) ask_judge(a, level.mesh, s.surface);
+      }
+      std::fflush(stdout);
     }
-    std::fflush(stdout);
-  }
   for (const auto& [triangles, rows] : all) {
     std::vector<double> distances, angles;
     std::size_t valid = 0;
@@ -111,11 +118,13 @@ void run(const Arguments& a, const std::vector<Subject>& subjects, const std::st
 
 std::vector<Subject> subjects_of(const Arguments& a) {
   std::vector<Subject> subjects;
-  for (const auto& path : a.meshes) subjects.push_back({path.stem().string(), read_mesh(path), std::nullopt});
+  for (const auto& path : a.meshes) subjects.push_back({path.stem().string(), read_mesh(path), a.handles});
   if (!subjects.empty()) return subjects;
   for (std::size_t i = 0; i < names_of(CloudShape{}).size(); ++i) {
     const auto shape = static_cast<CloudShape>(i);
-    subjects.push_back({std::string(word_of(shape)), cloud_reference(shape), genus_of(shape)});
+    const std::string name(word_of(shape));
+    if (a.shapes.empty() || std::find(a.shapes.begin(), a.shapes.end(), name) != a.shapes.end())
+      subjects.push_back({name, cloud_reference(shape), genus_of(shape)});
   }
   return subjects;
 }
@@ -127,6 +136,14 @@ std::optional<Arguments> read(int argc, char** argv) {
     const std::string name = argv[i], value = argv[i + 1];
     if (name == "--points")
       a.points = std::atoi(value.c_str());
+    else if (name == "--seeds")
+      a.seeds = std::atoi(value.c_str());
+    else if (name == "--handles")
+      a.handles = std::atoi(value.c_str());
+    else if (name == "--triangles")
+      a.triangles = value;
+    else if (name == "--shape")
+      a.shapes.push_back(value);
     else if (name == "--preset")
       a.presets = {value};
     else if (name == "--mesh")
@@ -146,9 +163,10 @@ std::optional<Arguments> read(int argc, char** argv) {
 int main(int argc, char** argv) try {
   const std::optional<Arguments> arguments = read(argc, argv);
   if (!arguments) {
-    std::fprintf(stderr,
-                 "usage: experiment_cloud_shapes [--points N] [--preset shaped|faithful|thesis] [--only clean|noise|"
-                 "missing] [--mesh FILE]... [--judge PROGRAM]\n");
+    std::fprintf(
+        stderr,
+        "usage: experiment_cloud_shapes [--points N] [--preset shaped|faithful|thesis] [--only clean|noise|"
+        "missing] [--shape NAME]... [--mesh FILE]... [--handles N] [--seeds N] [--triangles LIST] [--judge PROGRAM]\n");
     return 1;
   }
   const std::vector<Subject> subjects = subjects_of(*arguments);

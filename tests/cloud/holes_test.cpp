@@ -114,8 +114,9 @@ TEST(MakePatch, JoinsTheEndsOfATornRing) {
   EXPECT_LT(tube.bending, 0.6 * ends);
 }
 
-HoleFill filled(CloudShape shape, bool may_join, int points = 20000, int cells = 72) {
-  const PointCloud cloud = make_cloud({.shape = shape, .points = points, .missing_percent = 20, .normals = true});
+HoleFill filled(CloudShape shape, bool may_join, int points = 20000, int cells = 72, std::uint64_t seed = 1) {
+  const PointCloud cloud =
+      make_cloud({.shape = shape, .points = points, .missing_percent = 20, .normals = true, .seed = seed});
   const OrientedPoints oriented = orient(cloud, true);
   const TriMesh surface = body_surface(find_inside(oriented, {.cells = cells}).back(), 0, cloud.points, 0.02);
   Eigen::AlignedBox3d box;
@@ -131,12 +132,23 @@ TEST(FillHoles, JoinsWhatWasOneRing) {
   const HoleFill fill = filled(CloudShape::torus, true);
   EXPECT_EQ(fill.joined, 1);
   EXPECT_EQ(fill.holes, 0);
+  EXPECT_EQ(fill.kind, (Kind{1, 1}));
+}
+
+// The hole takes two turns apart: five ends, of which only two pairs may be joined, or the wire goes round in a ring.
+TEST(FillHoles, JoinsThePiecesOfASpringInOneLine) {
+  for (const std::uint64_t seed : {2u, 3u}) {
+    const HoleFill fill = filled(CloudShape::spring, true, 50000, 86, seed);
+    EXPECT_EQ(fill.joined, 2) << seed;
+    EXPECT_EQ(fill.kind, (Kind{1, 0})) << seed;
+  }
 }
 
 TEST(FillHoles, MakesNoHandleWhereNoneMayBe) {
   const HoleFill fill = filled(CloudShape::torus, false);
   EXPECT_EQ(fill.joined, 0);
   EXPECT_EQ(fill.holes, 2);
+  EXPECT_EQ(fill.kind, (Kind{1, 0}));
 }
 
 TEST(FillHoles, MendsBothSidesOfAWallApart) {

@@ -38,11 +38,6 @@ std::vector<std::uint32_t> parts_of(const TriMesh& mesh, std::uint32_t& count) {
   return part;
 }
 
-struct Kind {
-  int parts = 0, genus = 0;
-  bool operator==(const Kind&) const = default;
-};
-
 /// Of a surface from marching cubes: closed, manifold, all vertices in use.
 Kind kind_of(const TriMesh& mesh) {
   std::uint32_t parts = 0;
@@ -81,43 +76,53 @@ TriMesh body_surface(const InsideField& field, double level, std::span<const Vec
 }
 
 Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, const CloudOptions& options,
-                 Notes& notes) {
+                 Notes& notes, const std::optional<Kind>& expected) {
   constexpr double nudge = 0.1;  // the field runs from -0.5 to 0.5
   const double share = options.smallest_part_percent / 100;
   const auto surface = [&](const InsideField& f, double level) { return body_surface(f, level, points, share); };
   std::optional<Body> taken;
   std::size_t taken_from = 0;
-  bool as_asked = false;
-  for (std::size_t i = fields.size(); i-- > 0 && !as_asked;) {
-    TriMesh mesh = surface(fields[i], 0);
-    if (mesh.triangles.empty()) continue;
-    const Kind kind = kind_of(mesh);
-    switch (options.genus) {
-      case GenusRule::keep:
-        as_asked = true;
-        break;
-      case GenusRule::zero:
-        as_asked = kind.genus == 0;
-        break;
-      case GenusRule::automatic:
-        as_asked = kind_of(surface(fields[i], nudge)) == kind && kind_of(surface(fields[i], -nudge)) == kind;
-        break;
+  const auto take = [&](std::size_t i, TriMesh mesh, const Kind& kind) {
+    taken = Body{std::move(mesh), kind.parts, kind.genus, false, fields[i]};
+    taken_from = i;
+  };
+  const auto is_firm = [&](std::size_t i, const Kind& kind) {
+    return kind_of(surface(fields[i], nudge)) == kind && kind_of(surface(fields[i], -nudge)) == kind;
+  };
+  // Takes the finest that is as asked for, else the simplest: coarse fields hold fewer handles, true or not.
+  const auto take_finest = [&](const std::optional<Kind>& wanted) {
+    for (std::size_t i = fields.size(); i-- > 0;) {
+      TriMesh mesh = surface(fields[i], 0);
+      if (mesh.triangles.empty()) continue;
+      const Kind kind = kind_of(mesh);
+      const bool suits = options.genus == GenusRule::keep || (options.genus == GenusRule::zero && kind.genus == 0) ||
+                         (options.genus == GenusRule::automatic && (!wanted || kind == *wanted) && is_firm(i, kind));
+      if (suits || !taken || kind.genus < taken->genus || (kind.genus == taken->genus && kind.parts < taken->parts))
+        take(i, std::move(mesh), kind);
+      if (suits) return true;
     }
-    // Coarse fields hold fewer handles, true or not: without a better reason the simplest surface is taken.
-    if (as_asked || !taken || kind.genus < taken->genus || (kind.genus == taken->genus && kind.parts < taken->parts)) {
-      taken = Body{std::move(mesh), kind.parts, kind.genus, false, fields[i]};
-      taken_from = i;
+    return false;
+  };
+  // Takes the finest from `first` on that is of this kind at a level a little higher or lower.
+  const auto take_near = [&](const Kind& kind, std::size_t first) {
+    for (std::size_t i = fields.size(); i-- > first;)
+      for (const double level : {0.0, -nudge, nudge, -2 * nudge, 2 * nudge}) {
+        TriMesh mesh = surface(fields[i], level);
+        if (mesh.triangles.empty() || kind_of(mesh) != kind) continue;
+        take(i, std::move(mesh), kind);
+        return true;
+      }
+    return false;
+  };
+  bool as_asked = take_finest(expected);
+  if (!as_asked && expected && options.genus == GenusRule::automatic) {
+    as_asked = take_near(*expected, 0);
+    if (!as_asked) {
+      taken.reset();
+      as_asked = take_finest({});
     }
   }
-  // A finer surface a little inside or outside that has the same parts and handles shows more.
-  for (std::size_t i = fields.size(); taken && i-- > taken_from + 1;)
-    for (const double level : {-nudge, nudge, -2 * nudge, 2 * nudge}) {
-      TriMesh mesh = surface(fields[i], level);
-      if (kind_of(mesh) != Kind{taken->parts, taken->genus}) continue;
-      taken = Body{std::move(mesh), taken->parts, taken->genus, false, fields[i]};
-      taken_from = i;
-      break;
-    }
+  if (taken) take_near({taken->parts, taken->genus}, taken_from + 1);
   if (taken && !as_asked && options.genus == GenusRule::zero) {
     // Cut on a coarser lattice, where the two sides of a cut stand well apart.
     InsideField cut = without_handles(fields.size() > 1 ? fields[fields.size() - 2] : taken->field);

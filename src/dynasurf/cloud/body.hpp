@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,12 @@ TriMesh body_surface(const InsideField& field, double level, std::span<const Vec
 /// 1994). Values become 0.3 inside and -0.5 outside.
 InsideField without_handles(const InsideField& field);
 
+/// What a closed surface is: separate pieces, and handles of all of them together.
+struct Kind {
+  int parts = 0, genus = 0;
+  bool operator==(const Kind&) const = default;
+};
+
 /// The surface to start from, and what it is.
 struct Body {
   TriMesh mesh;  // closed, manifold, oriented, in the cloud's frame
@@ -27,9 +34,10 @@ struct Body {
 /// Chooses among the fields, coarsest first. `automatic`: the finest whose surface keeps its parts and handles when the
 /// level is raised or lowered a little, which accidents of the sampling do not; `zero`: the finest without handles;
 /// `keep`: the finest. Where that is a coarse field, a finer one is taken whose surface has the same parts and handles
-/// at a level a little higher or lower. Where no field does, "cloud.handles" tells which was taken instead. Throws
+/// at a level a little higher or lower. `expected` is what the surface should be after holes were filled; fields that
+/// show it come first. Where no field does, "cloud.handles" tells which was taken instead. Throws
 /// InputError when there is no surface at all.
 Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, const CloudOptions& options,
-                 Notes& notes);
+                 Notes& notes, const std::optional<Kind>& expected = {});
 
 }  // namespace dynasurf

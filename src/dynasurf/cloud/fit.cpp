@@ -108,7 +108,8 @@ class Fit {
     for (std::uint32_t i = 0; i < on_.size(); ++i) order[at[on_[i].triangle]++] = i;
     pulls_.resize(mesh_.triangles.size());
     const double share = static_cast<double>(mesh_.vertices.size()) / static_cast<double>(on_.size());
-    const double soft = 0.25 * mean * mean + 1e-18;
+    // Means suit noise better than medians do; distances beyond it are shape that the triangles cannot follow.
+    const double soft = 0.25 * mean * mean + 4 * o_.noise * o_.noise + 1e-18;
     parallel_for(pulls_.size(), 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t t = begin; t < end; ++t) {
         Pull& pull = pulls_[t];

@@ -18,6 +18,7 @@ struct FitOptions {
   double smallest_angle_deg = 20;  // no angle falls below it that is not below it already
   double largest_turn_deg = 60;    // of a normal in a round
   int iterations = 40;             // of conjugate gradients in a round
+  double noise = 0;                // of the points: what lies twice as far off counts less
 };
 
 /// Moves the vertices so that the mean distance of the points to the surface becomes small: in each round every point

@@ -10,6 +10,7 @@
 #include "dynasurf/cloud/neighbours.hpp"
 #include "dynasurf/cloud/patch.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/submesh.hpp"
 
 namespace dynasurf {
@@ -203,18 +204,61 @@ Marks held_by_points(const TriMesh& mesh, const Scan& scan, double reach) {
   return kept;
 }
 
-/// A straight tube of length L around a loop of length l bends by pi^2 L / l; longer than this it costs more than both
-/// ends.
-bool may_meet(const Rim& a, const Rim& b) {
+/// How well two rims face each other: 1 where the surface leaves both straight towards the other, 0 where no tube can
+/// be. A straight tube of length L around a loop of length l bends by pi^2 L / l; longer than this it costs more than
+/// both ends.
+double facing(const Rim& a, const Rim& b) {
   constexpr double enough = 0.1, longest = 2;
   const Vec3 gap = b.middle - a.middle, way = gap.normalized();
-  return gap.norm() < longest * std::max(a.length, b.length) && a.aim.dot(way) > enough && b.aim.dot(way) < -enough;
+  if (!(gap.norm() < longest * std::max(a.length, b.length))) return 0;
+  if (!(a.aim.dot(way) > enough && b.aim.dot(way) < -enough)) return 0;
+  return a.aim.normalized().dot(way) * -b.aim.normalized().dot(way);
 }
 
+/// A tube that could be put between two loops. `effort`: how much it bends, against the two pieces that would close the
+/// loops apart; more where it changes its width or leaves aslant, for what was one limb goes on as it was.
 struct Join {
   std::size_t a, b;
-  double gain;
+  double effort;
   std::vector<Vec3> corners;  // three to a triangle
+};
+
+/// The joins between different pieces that leave the fewest pieces, with the least effort in all. No loop is joined
+/// twice.
+class Bridges {
+ public:
+  /// `joins` by rising effort; `piece` of each loop.
+  Bridges(const std::vector<Join>& joins, const std::vector<std::uint32_t>& piece)
+      : joins_(joins), used_(piece.size(), 0) {
+    search(0, piece, 0);
+  }
+  const std::vector<std::size_t>& best() const { return best_; }
+
+ private:
+  void search(std::size_t from, const std::vector<std::uint32_t>& piece, double effort) {
+    constexpr int most_steps = 20000;
+    if (chosen_.size() > best_.size() || (chosen_.size() == best_.size() && effort < least_)) {
+      best_ = chosen_;
+      least_ = effort;
+    }
+    for (std::size_t i = from; i < joins_.size() && ++steps_ < most_steps; ++i) {
+      const auto& [a, b, more, corners] = joins_[i];
+      if (used_[a] || used_[b] || piece[a] == piece[b]) continue;
+      std::vector<std::uint32_t> then = piece;
+      std::replace(then.begin(), then.end(), piece[b], piece[a]);
+      used_[a] = used_[b] = 1;
+      chosen_.push_back(i);
+      search(i + 1, then, effort + more);
+      chosen_.pop_back();
+      used_[a] = used_[b] = 0;
+    }
+  }
+
+  const std::vector<Join>& joins_;
+  Marks used_;
+  std::vector<std::size_t> chosen_, best_;
+  double least_ = infinite;
+  int steps_ = 0;
 };
 
 std::vector<Vec3> corners_of(const Patch& p) {
@@ -249,8 +293,9 @@ void scatter(const std::vector<Vec3>& corners, const Scan& scan, const Holes& op
 
 std::optional<HoleFill> fill_holes(const TriMesh& surface, const OrientedPoints& points, const Holes& options) {
   constexpr std::size_t light = 8000;
-  // Two ends in one hole of the scan are far more often one limb than two that happen to end there.
-  constexpr double limbs_go_on = 1.5;
+  // Two ends in one hole of the scan are far more often one limb than two that happen to end there; and pieces of the
+  // scan are more often one body than two.
+  constexpr double most_for_handle = 1.8, most_for_body = 3;
   const Scan scan(points);
   if (!has_holes(surface, scan, options.reach)) return std::nullopt;
   SurfaceEditor lighter(surface);
@@ -272,25 +317,35 @@ std::optional<HoleFill> fill_holes(const TriMesh& surface, const OrientedPoints&
   std::vector<Join> joins;
   for (std::size_t i = 0; i < loops.size(); ++i)
     for (std::size_t j = i + 1; j < loops.size(); ++j) {
-      if (!may_meet(rims[i], rims[j])) continue;
+      const double facing_each_other = facing(rims[i], rims[j]);
+      if (!(facing_each_other > 0)) continue;
       const Patch tube = make_patch(open, loops, i, j);
-      const double gain = limbs_go_on * (bending[i] + bending[j]) - tube.bending;
-      if (gain > 0) joins.push_back({i, j, gain, corners_of(tube)});
+      const double widening = std::max(rims[i].length, rims[j].length) / std::min(rims[i].length, rims[j].length);
+      // The aims of ragged rims are rough: they count little.
+      const double effort = tube.bending * widening / std::pow(facing_each_other, 0.25) / (bending[i] + bending[j]);
+      if (effort < most_for_body) joins.push_back({i, j, effort, corners_of(tube)});
     }
-  std::stable_sort(joins.begin(), joins.end(), [](const Join& a, const Join& b) { return a.gain > b.gain; });
+  std::stable_sort(joins.begin(), joins.end(), [](const Join& a, const Join& b) { return a.effort < b.effort; });
 
   HoleFill fill;
   Groups parts = parts_of(open, Marks(open.triangles.size(), 1));
   Marks done(loops.size(), 0);
-  for (const Join& join : joins) {
-    if (done[join.a] || done[join.b]) continue;
-    const std::uint32_t a = loops[join.a].front(), b = loops[join.b].front();
-    if (!options.may_join && parts.find(a) == parts.find(b)) continue;
-    parts.join(a, b);
+  const auto put = [&](const Join& join) {
+    parts.join(loops[join.a].front(), loops[join.b].front());
     done[join.a] = done[join.b] = 1;
     scatter(join.corners, scan, options, fill.points);
     ++fill.joined;
-  }
+  };
+  std::vector<std::uint32_t> piece;
+  for (const Loop& loop : loops) piece.push_back(parts.find(loop.front()));
+  const Bridges bridges(joins, piece);
+  for (const std::size_t n : bridges.best()) put(joins[n]);
+  for (const Join& join : joins)
+    if (options.may_join && !done[join.a] && !done[join.b] && join.effort < most_for_handle) put(join);
+  for (std::uint32_t v = 0; v < open.vertices.size(); ++v) fill.kind.parts += parts.find(v) == v;
+  // Every disc closes a loop and adds one to Euler's number; a tube adds nothing.
+  fill.kind.genus = fill.kind.parts -
+                    static_cast<int>((topology(open).euler + static_cast<long>(loops.size()) - 2 * fill.joined) / 2);
   for (std::size_t i = 0; i < loops.size(); ++i)
     if (!done[i]) {
       scatter(discs[i], scan, options, fill.points);

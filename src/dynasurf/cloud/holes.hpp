@@ -1,6 +1,7 @@
 #pragma once
 #include <optional>
 
+#include "dynasurf/cloud/body.hpp"
 #include "dynasurf/cloud/orient.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
@@ -18,6 +19,7 @@ struct HoleFill {
   OrientedPoints points;
   int holes = 0;   // closed each by a piece of its own
   int joined = 0;  // pairs between which a tube was put
+  Kind kind;       // of the surface when it is closed like that
 };
 
 /// Looks on `surface`, which comes from the points, for pieces that the points do not hold, and puts points where the

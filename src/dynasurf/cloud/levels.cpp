@@ -65,8 +65,11 @@ std::size_t make_level(SurfaceEditor& surface, std::size_t triangles, const TriM
   const auto wanted = static_cast<std::size_t>(plan.points_per_triangle * static_cast<double>(triangles)) + 1;
   const std::size_t step = std::max<std::size_t>(1, points.points.size() / wanted);
   const std::vector<Vec3> some = every(points.points, step), normals = every(points.normals, step);
-  FitOptions fitting{
-      .rounds = 1, .hold = plan.hold, .smoothness = plan.smoothness, .smallest_angle_deg = plan.hold_angle_deg};
+  FitOptions fitting{.rounds = 1,
+                     .hold = plan.hold,
+                     .smoothness = plan.smoothness,
+                     .smallest_angle_deg = plan.hold_angle_deg,
+                     .noise = plan.noise};
   for (int round = 0; round < plan.rounds; ++round) {
     const bool is_last = round == plan.rounds - 1;
     flip_to_larger_angles(surface, plan.largest_bend_deg);

@@ -21,6 +21,7 @@ struct LevelPlan {
   double sharp_deg = 180;  // edges this sharp keep their vertices
   double hold = 0.005;
   double smoothness = 1e-4;
+  double noise = 0;                 // of the points, where it is larger than their spacing
   double points_per_triangle = 20;  // that the fit uses, at most
 };
 

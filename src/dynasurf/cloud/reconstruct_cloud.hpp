@@ -110,7 +110,8 @@ struct CloudResult {
 };
 
 /// Closed surfaces from points (thesis 6.2; GEN-*). Every level is fitted to the points themselves. A level that is not
-/// watertight says so in its certificate, and a note of severity failure stands in the result. The same bytes for any
+/// watertight says so in its certificate, and a note of severity failure stands in the result, as it does
+/// ("cloud.no_surface") where the points fill space instead of lying on a surface. The same bytes for any
 /// number of threads. Progress stages: "points", "inside", "surface", "levels". Throws OptionError for an option out
 /// of range, InputError for fewer than 10 usable points, or points that all lie in one plane.
 CloudResult reconstruct_cloud(PointCloud cloud, const CloudOptions& options, const Progress& progress = {});

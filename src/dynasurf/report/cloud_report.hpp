@@ -21,6 +21,8 @@ struct CloudRun {
 
 /// Whether every level may be published as watertight. False without a level.
 bool is_watertight(const CloudResult& result);
+/// Whether every level is watertight and no note tells of a failure, such as points that show no surface.
+bool is_trustworthy(const CloudResult& result);
 
 /// Name of a level's files without ending: "level2", or "level2_not_watertight" where its certificate does not hold.
 /// Levels count from 0 here and from 1 in names.

@@ -128,6 +128,11 @@ bool is_watertight(const CloudResult& result) {
                                                [](const CloudLevel& level) { return level.certificate.watertight(); });
 }
 
+bool is_trustworthy(const CloudResult& result) {
+  return is_watertight(result) && std::none_of(result.notes.begin(), result.notes.end(),
+                                               [](const Note& note) { return note.severity == Severity::failure; });
+}
+
 std::string name_of_level(const CloudResult& result, std::size_t level) {
   return "level" + std::to_string(level + 1) + (result.levels[level].certificate.watertight() ? "" : "_not_watertight");
 }
