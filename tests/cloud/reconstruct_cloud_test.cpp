@@ -80,7 +80,7 @@ TEST_P(EveryStart, CanBeDeformedByTheThesisRecipeToo) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryStart, testing::Values(CloudStart::sphere, CloudStart::ellipsoid, CloudStart::hull),
-                         [](const auto& info) { return std::string(word_of(info.param)); });
+                         [](const auto& one) { return std::string(word_of(one.param)); });
 
 TEST(ReconstructCloud, StartsWithoutHandlesCloseThemAndSaySo) {
   CloudOptions options;
