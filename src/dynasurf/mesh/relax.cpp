@@ -128,7 +128,7 @@ bool try_move(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t v) {
   };
   for (const double t : {1.0, 0.5, 0.25}) consider(p + t * inward);
   for (double length = 0.3 * reach; length > 0.01 * reach; length *= 0.5) {
-    const Vec3 from = place;
+    const Vec3 from = place;  // NOLINT(performance-unnecessary-copy-initialization): consider() moves place
     for (int k = 0; k < 8; ++k) {
       const double angle = std::numbers::pi * k / 4;
       consider(from + length * (std::cos(angle) * u + std::sin(angle) * w));
