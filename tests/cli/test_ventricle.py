@@ -69,7 +69,7 @@ class Result(CliTest):
         expected |= {f"measures/{name}" for name in ("segments.csv", "polar.csv", "phase_histogram.svg")}
         expected |= {f"measures/polar_{name}.svg" for name in (
             "perfusion_percent", "thickness_ed_mm", "thickness_es_mm", "thickening_percent", "count_thickening_percent",
-            "motion_mm", "phase_counts_deg", "phase_motion_deg")}
+            "motion_mm", "phase_counts_deg", "phase_motion_deg", "phase_thickness_deg")}
         self.assertEqual(files, expected)
 
     def test_tells_the_same_numbers_everywhere(self):

@@ -1,7 +1,6 @@
 #include "dynasurf/cloud/body.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 
 #include "dynasurf/core/error.hpp"
@@ -14,34 +13,10 @@
 namespace dynasurf {
 namespace {
 
-/// Which part each triangle belongs to; parts are numbered by their first vertex.
-std::vector<std::uint32_t> parts_of(const TriMesh& mesh, std::uint32_t& count) {
-  std::vector<std::uint32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto find = [&](std::uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const auto& t : mesh.triangles)
-    for (const std::uint32_t v : {t[1], t[2]}) {
-      const std::uint32_t a = find(t[0]), b = find(v);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  constexpr std::uint32_t none = 0xffffffff;
-  std::vector<std::uint32_t> number(mesh.vertices.size(), none), part(mesh.triangles.size());
-  count = 0;
-  for (std::size_t t = 0; t < part.size(); ++t) {
-    std::uint32_t& n = number[find(mesh.triangles[t][0])];
-    if (n == none) n = count++;
-    part[t] = n;
-  }
-  return part;
-}
-
 /// Of a surface from marching cubes: closed, manifold, all vertices in use.
 Kind kind_of(const TriMesh& mesh) {
   std::uint32_t parts = 0;
-  parts_of(mesh, parts);
+  components_of(mesh, parts);
   const auto euler =
       static_cast<std::ptrdiff_t>(mesh.vertices.size()) - static_cast<std::ptrdiff_t>(mesh.triangles.size() / 2);
   return {static_cast<int>(parts), static_cast<int>(static_cast<std::ptrdiff_t>(parts) - euler / 2)};
@@ -53,7 +28,7 @@ TriMesh body_surface(const InsideField& field, double level, std::span<const Vec
   TriMesh mesh = marching_cubes(field.value, level);
   for (Vec3& p : mesh.vertices) p = field.origin + field.side * p;
   std::uint32_t count = 0;
-  const std::vector<std::uint32_t> part = parts_of(mesh, count);
+  const std::vector<std::uint32_t> part = components_of(mesh, count);
   if (count <= 1) return mesh;
   constexpr std::size_t samples = 4000;
   const std::size_t step = std::max<std::size_t>(1, points.size() / samples);

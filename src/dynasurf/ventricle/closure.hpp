@@ -44,4 +44,7 @@ Image close_border(const Image& border, int base_slice);
 /// border, or one that has the room already, is returned as it is.
 Image with_room(Image border, int voxels);
 
+/// The image on a larger grid of the same lattice (see `with_room`), its outermost voxels repeated.
+Image spread_to(const Image& image, const Grid& grid);
+
 }  // namespace dynasurf

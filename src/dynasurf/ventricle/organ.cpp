@@ -144,17 +144,6 @@ Image border_of(const Image& body) {
   return with_room(std::move(border), room_voxels);
 }
 
-/// The image on the larger grid of the border, its outermost voxels repeated.
-Image spread_to(const Image& image, const Grid& grid) {
-  if (image.grid.dims == grid.dims) return image;
-  const Index3 shift = voxel_of(image.grid, to_grid(image.grid, grid.origin));
-  Image spread(grid);
-  for (int k = 0; k < grid.dims[2]; ++k)
-    for (int j = 0; j < grid.dims[1]; ++j)
-      for (int i = 0; i < grid.dims[0]; ++i) spread(i, j, k) = image.clamped(i + shift[0], j + shift[1], k + shift[2]);
-  return spread;
-}
-
 }  // namespace
 
 std::span<const std::string_view> organ_preset_names() { return presets; }

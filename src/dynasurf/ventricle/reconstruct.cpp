@@ -97,17 +97,6 @@ std::string format(const char* pattern, A... values) {
 constexpr Wall walls[] = {Wall::endo, Wall::epi};
 constexpr int room_voxels = 3;  // around a border, for its field
 
-/// The image on a larger grid of the same lattice, its outermost voxels repeated.
-Image spread_to(const Image& image, const Grid& grid) {
-  if (image.grid.dims == grid.dims) return image;
-  const Index3 shift = voxel_of(image.grid, to_grid(image.grid, grid.origin));
-  Image spread(grid);
-  for (int k = 0; k < grid.dims[2]; ++k)
-    for (int j = 0; j < grid.dims[1]; ++j)
-      for (int i = 0; i < grid.dims[0]; ++i) spread(i, j, k) = image.clamped(i + shift[0], j + shift[1], k + shift[2]);
-  return spread;
-}
-
 void find_labels(GateRun& run, const Image& image, const SliceRange& useful, const std::optional<Mask>& region,
                  const VentricleOptions& options, StageClock& clock) {
   run.edges = clock("edges", [&] { return detect_edges(image, options.edges); });
