@@ -70,7 +70,7 @@ std::vector<char> candidates(const Image& image, const OrganOptions& o, double& 
   return is_inside;
 }
 
-/// Sets of voxels with a common face, largest first.
+/// Sets of voxels joined by common faces, in the order of their first voxels.
 struct Parts {
   std::vector<int> part;  // of every voxel, -1: none
   std::vector<std::size_t> size;
