@@ -96,6 +96,27 @@ TEST(Organ, ThatReachesTheEdgeOfTheImageSaysSo) {
   EXPECT_EQ(result.notes.front().code, "organ.cut_off");
 }
 
+TEST(Organ, IsTheLargestBodyWithoutItsHolesAndSaysWhatIsLeftOut) {
+  Image image(Grid{{48, 36, 36}, Vec3::Constant(2.0)});
+  const auto is_in_ball = [&](int i, int j, int k, const Vec3& centre, double radius_mm) {
+    return (centre_of(image.grid, {i, j, k}) - centre).norm() < radius_mm;
+  };
+  std::size_t solid = 0;
+  for (int k = 0; k < 36; ++k)
+    for (int j = 0; j < 36; ++j)
+      for (int i = 0; i < 48; ++i) {
+        const bool large = is_in_ball(i, j, k, {30, 35, 35}, 20), hole = is_in_ball(i, j, k, {30, 35, 35}, 7);
+        image(i, j, k) = (large && !hole) || is_in_ball(i, j, k, {74, 35, 35}, 12) ? 1.0F : 0.0F;
+        solid += large;
+      }
+  const OrganResult result = reconstruct_organ(image, organ_preset("labels"));
+  ASSERT_TRUE(result.surface);
+  EXPECT_NEAR(result.voxels_ml, 8e-3 * static_cast<double>(solid), 1e-9);
+  EXPECT_NEAR(result.surface->volume_ml / result.voxels_ml, 1, 0.03);  // steps of voxels, smoothed
+  ASSERT_FALSE(result.notes.empty());
+  EXPECT_EQ(result.notes.front().code, "organ.parts");
+}
+
 TEST(Organ, RefusesWhatIsNoImageOrNoPreset) {
   EXPECT_THROW(organ_preset("ultrasound"), OptionError);
   Grid grid;
