@@ -62,7 +62,7 @@ TriMesh spring() {
   constexpr double turns = 2.5, radius = 0.8, rise = 0.6, wire = 0.16;
   const auto frame = [&](double u, Vec3& out, Vec3& up) {
     const double angle = 2 * pi * u;
-    const Vec3 along = Vec3(-2 * pi * radius * std::sin(angle), 2 * pi * radius * std::cos(angle), rise).normalized();
+    Vec3 along = Vec3(-2 * pi * radius * std::sin(angle), 2 * pi * radius * std::cos(angle), rise).normalized();
     out = Vec3(std::cos(angle), std::sin(angle), 0);
     up = along.cross(out);
     return along;

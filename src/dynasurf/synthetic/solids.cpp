@@ -44,14 +44,15 @@ double volume_ml(const Cup& cup) {
 }
 
 TriMesh surface(const Cup& cup) {
+  constexpr int half = steps / 2, quarter = steps / 4;
   const double r = cup.radius_mm;
   std::vector<ProfilePoint> profile;
-  for (int n = 0; n <= steps / 2; ++n) {
-    const double angle = M_PI / 2 * n / (steps / 2);
+  for (int n = 0; n <= half; ++n) {
+    const double angle = M_PI / 2 * n / half;
     profile.push_back({n == 0 ? 0 : r * std::sin(angle), -r * std::cos(angle)});
   }
-  for (int n = 1; n <= steps / 4; ++n) profile.push_back({r, cup.height_mm * n / (steps / 4)});
-  for (int n = steps / 4 - 1; n >= 0; --n) profile.push_back({r * n / (steps / 4), cup.height_mm});
+  for (int n = 1; n <= quarter; ++n) profile.push_back({r, cup.height_mm * n / quarter});
+  for (int n = quarter - 1; n >= 0; --n) profile.push_back({r * n / quarter, cup.height_mm});
   return revolve(profile, segments);
 }
 
