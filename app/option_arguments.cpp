@@ -48,9 +48,10 @@ std::vector<std::string> settings_of(const OptionArguments& a) {
 }
 
 void add_option_arguments(CLI::App& command, OptionArguments& a) {
-  command.add_option("--preset", a.preset,
-                     "default; unbiased: with volumes freed of the blur; pet, mr, ct: the same at their resolution; "
-                     "thesis: as published");
+  command.add_option(
+      "--preset", a.preset,
+      "unbiased, the default: volumes freed of the camera's blur; pet, mr, ct: the same at their resolution; "
+      "edges: surfaces on the largest gradient alone; thesis: as published");
   command.add_option("--options", a.file, "JSON file of options, such as the options.json of a result");
   command.add_option("--pipeline", a.pipeline,
                      "surface; contour: a contour in every slice; direct: one field straight from the image");
@@ -58,7 +59,7 @@ void add_option_arguments(CLI::App& command, OptionArguments& a) {
       ->take_all()
       ->allow_extra_args(false);
   command.add_option("--fwhm", a.fwhm_mm,
-                     "width of the camera's point spread in the image, mm; 0: sharp (preset unbiased)");
+                     "width of the camera's point spread in the image, mm; 0: sharp; not told: the data decide");
   command.add_option("--center", a.center, "by hand: middle of the heart x,y,z in the world (LPS), mm")
       ->delimiter(',')
       ->expected(3);

@@ -20,22 +20,23 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Arguments {
-  std::string subject = "ventricle", kind, preset = "default";
+  std::string subject = "ventricle", kind, preset;
   bool json = false, markdown = false;
 };
 
 std::vector<OptionRow> rows_of(const Arguments& arguments) {
+  const auto preset_or = [&](const char* usual) { return arguments.preset.empty() ? usual : arguments.preset; };
   if (arguments.subject == "ventricle") {
     if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'ventricle'; expected nothing");
-    return option_table(ventricle_preset(arguments.preset));
+    return option_table(ventricle_preset(preset_or("unbiased")));
   }
   if (arguments.subject == "cloud") {
     if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'cloud'; expected nothing");
-    return option_table(cloud_preset(arguments.preset == "default" ? "shaped" : arguments.preset));
+    return option_table(cloud_preset(preset_or("shaped")));
   }
   if (arguments.subject == "organ") {
     if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'organ'; expected nothing");
-    return option_table(organ_preset(arguments.preset == "default" ? "ct" : arguments.preset));
+    return option_table(organ_preset(preset_or("ct")));
   }
   if (arguments.subject != "phantom")
     throw OptionError("no options are known of '" + arguments.subject +

@@ -274,10 +274,17 @@ namespace {
 
 /// The same study read in three ways, a line each; what was not read has none.
 std::string readings_of(const VentricleResult& result) {
+  const auto cell = [](const Estimate& e) { return fixed(e.value, 1) + " +- " + fixed(e.high() - e.value, 1); };
+  if (result.gates.size() == 1 && result.fit) {  // not gated
+    const Gate& gate = result.gates.front();
+    return table({{"reading", "cavity mL", "wall mL"},
+                  {"unbiased, 90 %", cell(result.fit->edv_ml), cell(result.fit->wall_ml)},
+                  {"classic edge", fixed(gate.endo->volume_ml, 1), fixed(*gate.wall_ml, 1)}},
+                 {0});
+  }
   std::vector<std::vector<std::string>> rows{{"reading", "EDV mL", "ESV mL", "SV mL", "EF %", "wall mL"}};
   if (result.fit && result.fit->ef_percent) {
     const FittedBeat& fit = *result.fit;
-    const auto cell = [](const Estimate& e) { return fixed(e.value, 1) + " +- " + fixed(e.high() - e.value, 1); };
     rows.push_back({"unbiased, 90 %", cell(fit.edv_ml), cell(fit.esv_ml), cell(fit.sv_ml), cell(*fit.ef_percent),
                     cell(fit.wall_ml)});
   }

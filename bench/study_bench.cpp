@@ -7,6 +7,7 @@
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/ventricle/presets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf {
@@ -15,7 +16,7 @@ namespace {
 void study(benchmark::State& state, const FieldOptions& field) {
   static const Study cycle = make_phantom(CardiacCycle{}).study;
   const ThreadLimit limit(static_cast<int>(state.range(0)));
-  VentricleOptions options;
+  VentricleOptions options = ventricle_preset("edges");
   options.field = field;
   VentricleResult result;
   for (auto _ : state) result = reconstruct(cycle, options);

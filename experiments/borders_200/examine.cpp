@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/ventricle/presets.hpp"
 
 namespace dynasurf {
 namespace {
@@ -120,7 +121,7 @@ Outcome examine(const Patient& patient, const Phantom& phantom, bool is_heart) {
   o.allowed_mm = Vec3(p.lattice.dx_mm, p.lattice.dy_mm, p.lattice.dz_mm).norm() + 0.25 * phantom.fwhm_mm;
   VentricleResult result;
   try {
-    result = reconstruct(phantom.study, VentricleOptions{});
+    result = reconstruct(phantom.study, ventricle_preset("edges"));
   } catch (const InputError& e) {
     o.flags = e.what();
     return o;

@@ -29,7 +29,7 @@ def run(command):
 
 
 def reconstruct(program, study, out, extra):
-    run([program, "ventricle", study, "--out", out, "--quiet", "--mesh-format", "ply", *extra])
+    run([program, "ventricle", study, "--out", out, "--preset", "edges", "--quiet", "--mesh-format", "ply", *extra])
     return json.loads((out / "results.json").read_text())
 
 

@@ -90,7 +90,7 @@ void draw(const char* path) {
   file << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 920 255\" width=\"920\">\n"
           "<style>text{font:12px sans-serif}</style><rect width=\"920\" height=\"255\" fill=\"#fff\"/>\n";
   for (std::size_t n = 0; n < std::size(fractions); ++n)
-    file << panel(reconstruct_partial(fractions[n], Missing::sector, "default"),
+    file << panel(reconstruct_partial(fractions[n], Missing::sector, "edges"),
                   std::to_string(std::lround(100 * fractions[n])) + " % empty", 230.0 * static_cast<double>(n));
   file << "</svg>\n";
 }
@@ -99,7 +99,7 @@ void draw(const char* path) {
 
 int main(int count, char** arguments) {
   std::printf("Phantom Mayo, 265.5 mL: outer volume V_p with the part p of the wall empty; m = 1 - V_p / V_0\n");
-  for (const std::string_view preset : {"default", "thesis"})
+  for (const std::string_view preset : {"edges", "thesis"})
     for (const Missing missing : {Missing::sector, Missing::apex}) print_rows(missing, preset);
   if (count > 1) draw(arguments[1]);
 }

@@ -58,7 +58,7 @@ void print_surface(const std::optional<Surface>& surface, const TriMesh& truth, 
 }
 
 VentricleResult reconstructed(const Phantom& phantom) {
-  return reconstruct(phantom.study, ventricle_preset("default"));
+  return reconstruct(phantom.study, ventricle_preset("edges"));
 }
 
 void print_case(const Case& c) {

@@ -165,7 +165,7 @@ void run(int first, int end) {
     const Case one = case_of(number);
     const Phantom phantom = make_phantom(one.options);
     const Measures truth = measure_true_walls(phantom);
-    for (const char* preset : {"default", "unbiased"}) {
+    for (const char* preset : {"edges", "unbiased"}) {
       VentricleOptions options = ventricle_preset(preset);
       options.fit.fwhm_mm = one.options.fwhm_mm;
       options.fit.filter_fwhm_mm = one.options.noise.filter_fwhm_mm;

@@ -21,7 +21,7 @@ def run(command):
 
 
 def reconstruct(program, study, out):
-    run([program, "ventricle", study, "--out", out, "--quiet", "--mesh-format", "ply"])
+    run([program, "ventricle", study, "--out", out, "--preset", "edges", "--quiet", "--mesh-format", "ply"])
     return json.loads((out / "results.json").read_text())
 
 

@@ -11,7 +11,7 @@ import subprocess
 import time
 import unittest
 
-from cli import PROGRAM, CliTest, hashes, run, small_patient, small_result, write_mask
+from cli import EDGES, PROGRAM, CliTest, hashes, run, small_patient, small_result, write_mask
 
 # A run that takes long, so that it can be disturbed.
 SLOW = ["--set", "mesh_level=4", "--set", "field.iterations=200000"]
@@ -64,8 +64,8 @@ class Result(CliTest):
     def test_leaves_everything_it_promises(self):
         files = set(hashes(small_result()))
         expected = {"results.json", "results.csv", "options.json", "report.html", "cycle.pvd", "cycle.glb"}
-        expected |= {f"meshes/{wall}_g0{gate}.{ending}" for wall in ("endo", "epi") for gate in (1, 2, 3, 4)
-                     for ending in ("ply", "vtp")}
+        expected |= {f"meshes/{wall}_g0{gate}.{ending}" for wall in ("endo", "epi", "fit_endo", "fit_epi")
+                     for gate in (1, 2, 3, 4) for ending in ("ply", "vtp")}
         expected |= {f"measures/{name}" for name in ("segments.csv", "polar.csv", "phase_histogram.svg")}
         expected |= {f"measures/polar_{name}.svg" for name in (
             "perfusion_percent", "thickness_ed_mm", "thickness_es_mm", "thickening_percent", "count_thickening_percent",
@@ -94,24 +94,40 @@ class Result(CliTest):
         self.assertIn("surfaces 8/8\n", done.stderr)
         self.assertNotIn("\x1b", done.stderr)
 
+    def test_reads_volumes_freed_of_the_blur_unless_edges_are_asked_for(self):
+        def reading_of(result):
+            return self.read_json(result / "results.json")["readings"]
+
+        both = reading_of(small_result())
+        self.assertGreater(both["unbiased"]["edv_ml"], 1.05 * both["edge"]["edv_ml"], "edges read low")
+        low, high = both["unbiased"]["edv_ml_90"]
+        truth = self.read_json(small_patient() / "truth.json")["edv_ml"]
+        self.assertTrue(low < truth < high, (low, truth, high))
+        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", *EDGES)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("unbiased", done.stdout)
+        self.assertIsNone(reading_of(self.folder / "r")["unbiased"])
+        self.assertEqual(reading_of(self.folder / "r")["edge"], both["edge"])
+
     def test_quiet_is_quiet(self):
         done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--quiet")
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
         self.assertTrue((self.folder / "r" / "results.json").exists())
 
     def test_quiet_leaves_json_its_output(self):
-        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--quiet", "--json")
+        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--quiet", "--json", *EDGES)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual(json.loads(done.stdout), self.read_json(self.folder / "r" / "results.json"))
 
     def test_writes_the_mesh_formats_asked_for(self):
-        run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--mesh-format", "stl,obj,off")
+        run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--mesh-format", "stl,obj,off",
+            *EDGES)
         endings = {path.suffix for path in (self.folder / "r" / "meshes").iterdir()}
         self.assertEqual(endings, {".stl", ".obj", ".off"})
         self.assertFalse((self.folder / "r" / "cycle.pvd").exists())
 
     def test_keeps_the_stages(self):
-        run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--keep-stages")
+        run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--keep-stages", *EDGES)
         stages = set(leftovers(self.folder / "r" / "stages"))
         for stage in ("image.nrrd", "edges.nrrd", "labels.nrrd", "border_endo.nrrd", "field_epi.vti", "field_epi.nrrd",
                       "start_endo.ply"):
@@ -139,7 +155,7 @@ class Result(CliTest):
 
     def test_writes_keyframes_when_asked(self):
         run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--mesh-format", "obj", "--set",
-            "keyframes.frames_between=2")
+            "keyframes.frames_between=2", *EDGES)
         names = leftovers(self.folder / "r" / "keyframes")
         self.assertEqual(len(names), 2 * 4 * 3)
         # Every third frame is a gate; OBJ holds no measures of vertices, which only gates have.
@@ -197,7 +213,7 @@ class SameBytes(CliTest):
         arguments = []
         for name, value in said.items():
             arguments += ["--" + name, *(value if isinstance(value, list) else [value])]
-        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", *arguments)
+        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", *arguments, *EDGES)
         self.assertIn(done.returncode, (0, 3), done.stdout + done.stderr)
         manual = self.read_json(self.folder / "r" / "options.json")["manual"]
         for n, letter in enumerate("xyz"):
@@ -224,7 +240,7 @@ class SameBytes(CliTest):
         write_mask(small_patient() / "study.nii.gz", self.folder / "mask.nii",
                    lambda i, j: (i - 19.5) ** 2 + (j - 19.5) ** 2 < 13 ** 2)
         done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--mask",
-                   self.folder / "mask.nii")
+                   self.folder / "mask.nii", *EDGES)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         results = self.read_json(self.folder / "r" / "results.json")
         self.assertIn("region.used", [note["code"] for note in results["notes"]])
@@ -246,7 +262,7 @@ class SameBytes(CliTest):
 
     def test_a_rerun_repeats_the_mesh_that_was_started_from(self):
         start = small_result() / "meshes" / "epi_g01.ply"
-        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--start", start)
+        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--start", start, *EDGES)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         again = run("rerun", self.folder / "r", "--study", small_patient() / "study.dcm", "--start", start)
         self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
@@ -272,7 +288,7 @@ class SameBytes(CliTest):
 
     def test_options_json_of_a_result_is_an_options_file(self):
         run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "a", "--set", "edges.sigma_px=2", "--set",
-            "evolution.solver=euler")
+            "evolution.solver=euler", *EDGES)
         run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "b", "--options",
             self.folder / "a" / "options.json")
         self.assertEqual(hashes(self.folder / "a")["meshes/endo_g01.ply"], hashes(self.folder / "b")["meshes/endo_g01.ply"])
@@ -352,18 +368,18 @@ class BadDays(CliTest):
     def test_kill_leaves_the_old_result_or_the_new_one(self):
         study, out = small_patient() / "study.dcm", self.folder / "r"
         started = time.monotonic()
-        run("ventricle", study, "--out", self.folder / "new", "--no-timings", "--set", "edges.high=0.65")
+        run("ventricle", study, "--out", self.folder / "new", "--no-timings", "--set", "edges.high=0.65", *EDGES)
         whole = time.monotonic() - started
-        run("ventricle", study, "--out", out, "--no-timings")
+        run("ventricle", study, "--out", out, "--no-timings", *EDGES)
         complete = [hashes(out), hashes(self.folder / "new")]
         for step in range(12):
             process = subprocess.Popen([PROGRAM, "ventricle", study, "--out", out, "--no-timings", "--set",
-                                        "edges.high=0.65"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                                        "edges.high=0.65", *EDGES], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             time.sleep(whole * (step + 1) / 11)
             process.kill()
             process.wait()
             self.assertIn(hashes(out), complete, f"killed after {step + 1}/11 of a run")
-        self.assertEqual(run("ventricle", study, "--out", out, "--no-timings").returncode, 0)
+        self.assertEqual(run("ventricle", study, "--out", out, "--no-timings", *EDGES).returncode, 0)
         self.assertEqual(leftovers(self.folder), ["new", "r"], "what killed runs left is gone")
 
     def test_a_limit_of_file_size_ends_with_2_and_leaves_the_former_result(self):
@@ -434,7 +450,7 @@ class Privacy(CliTest):
             self.assert_clean(done.stdout.encode(), "info")
 
     def test_the_name_of_the_file_is_recorded_only_when_asked(self):
-        run("ventricle", self.study(), "--out", self.folder / "r", "--with-phi")
+        run("ventricle", self.study(), "--out", self.folder / "r", "--with-phi", *EDGES)
         inputs = self.read_json(self.folder / "r" / "results.json")["provenance"]["inputs"]
         self.assertEqual([entry["file"] for entry in inputs], ["CANARYFILE.dcm"])
 

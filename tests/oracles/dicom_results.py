@@ -77,8 +77,7 @@ class DicomResults(unittest.TestCase):
         cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
         cls.study = study_of_a_person(cls.folder)
         words = ["--pdf"] if shutil.which("chromium") else []
-        run(PROGRAM, "ventricle", cls.study, "--out", cls.folder / "result", "--dicom", "--preset", "unbiased", "--quiet",
-            *words)
+        run(PROGRAM, "ventricle", cls.study, "--out", cls.folder / "result", "--dicom", "--quiet", *words)
         cls.results = json.loads((cls.folder / "result" / "results.json").read_text())
         cls.files = sorted((cls.folder / "result" / "dicom").glob("*.dcm"))
         cls.objects = {path.stem: pydicom.dcmread(path) for path in cls.files}
@@ -193,7 +192,8 @@ class DicomResults(unittest.TestCase):
 
     def test_equal_runs_give_equal_objects(self):
         for name in ("first", "second"):
-            run(PROGRAM, "ventricle", self.study, "--out", self.folder / name, "--dicom", "--no-timings", "--quiet")
+            run(PROGRAM, "ventricle", self.study, "--out", self.folder / name, "--dicom", "--no-timings", "--quiet",
+                "--preset", "edges")
         for path in (self.folder / "first" / "dicom").iterdir():
             self.assertEqual(path.read_bytes(), (self.folder / "second" / "dicom" / path.name).read_bytes(), path.name)
 
@@ -202,7 +202,8 @@ class DicomResults(unittest.TestCase):
 
     def test_a_study_without_a_patient_gets_an_id_of_its_own(self):
         out = self.folder / "nameless"
-        run(PROGRAM, "ventricle", self.folder / "patient" / "study.nii.gz", "--out", out, "--dicom", "--quiet")
+        run(PROGRAM, "ventricle", self.folder / "patient" / "study.nii.gz", "--out", out, "--dicom", "--quiet", "--preset",
+            "edges")
         data = pydicom.dcmread(out / "dicom" / "measurements.dcm")
         self.assertRegex(data.PatientID, "^DYNASURF-[0-9]{12}$")
         self.assertEqual(str(data.PatientName), "")

@@ -7,6 +7,7 @@
 
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/ventricle/presets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf {
@@ -126,7 +127,7 @@ TEST(ContourSurface, IsClosedAndEnclosesItsContours) {
 
 TEST(ContourPipeline, ReconstructsACycleFromOneOption) {
   const Phantom phantom = make_phantom(CardiacCycle{});
-  VentricleOptions options;
+  VentricleOptions options = ventricle_preset("edges");
   options.pipeline = Pipeline::contour;
   const VentricleResult result = reconstruct(phantom.study, options);
   ASSERT_EQ(result.gates.size(), phantom.truth.size());

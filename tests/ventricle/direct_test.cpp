@@ -5,6 +5,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/ventricle/presets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf {
@@ -29,9 +30,10 @@ void expect_both_walls(const VentricleResult& result) {
 }
 
 TEST(Direct, FindsTheOuterWallAsTheStandardPipelineDoesAndTheInnerOneFromInside) {
-  VentricleOptions options;
+  VentricleOptions options = ventricle_preset("edges");
   options.pipeline = Pipeline::direct;
-  const VentricleResult direct = reconstruct(patient().study, options), standard = reconstruct(patient().study, {});
+  const VentricleResult direct = reconstruct(patient().study, options),
+                        standard = reconstruct(patient().study, ventricle_preset("edges"));
   expect_both_walls(direct);
   EXPECT_NEAR(direct.gates[0].epi->volume_ml, standard.gates[0].epi->volume_ml,
               0.02 * standard.gates[0].epi->volume_ml);
@@ -56,7 +58,7 @@ TEST(Direct, FindsTheOuterWallAsTheStandardPipelineDoesAndTheInnerOneFromInside)
 
 TEST(Starts, OfEveryShapeEndOnTheSameBorders) {
   const TriMesh given = cube_surface(6);
-  VentricleOptions options;
+  VentricleOptions options = ventricle_preset("edges");
   options.field = SteadyGvf{};  // reaches as far as the sphere around a long heart
   const VentricleResult standard = reconstruct(patient().study, options);
   for (const StartShape shape :
@@ -75,16 +77,17 @@ TEST(Starts, OfEveryShapeEndOnTheSameBorders) {
 }
 
 TEST(Starts, FromAFileNeedAMesh) {
-  VentricleOptions file;
+  VentricleOptions file = ventricle_preset("edges");
   file.placement.shape = StartShape::file;
   EXPECT_THROW(reconstruct(patient().study, file), OptionError);
 }
 
 TEST(Starts, FromInsideReadLow) {
   // Table 5.5: the top is poorly resolved when a surface grows from inside.
-  VentricleOptions options;
+  VentricleOptions options = ventricle_preset("edges");
   options.placement.direction = Direction::in_to_out;
-  const VentricleResult inside = reconstruct(patient().study, options), outside = reconstruct(patient().study, {});
+  const VentricleResult inside = reconstruct(patient().study, options),
+                        outside = reconstruct(patient().study, ventricle_preset("edges"));
   expect_both_walls(inside);
   for (const auto wall : {&Gate::endo, &Gate::epi}) {
     EXPECT_LT((inside.gates[0].*wall)->volume_ml, (outside.gates[0].*wall)->volume_ml);
@@ -95,7 +98,7 @@ TEST(Starts, FromInsideReadLow) {
 TEST(Starts, SayWhenGatesHaveTrianglesOfTheirOwn) {
   VirtualPatient two;
   two.gates = 2;
-  VentricleOptions options;
+  VentricleOptions options = ventricle_preset("edges");
   options.placement.shape = StartShape::marching_cubes;
   const VentricleResult result = reconstruct(make_phantom(two).study, options);
   const auto said = std::count_if(result.notes.begin(), result.notes.end(),

@@ -5,6 +5,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/ventricle/cycle.hpp"
+#include "dynasurf/ventricle/presets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "support/blurred_heart.hpp"
@@ -23,7 +24,7 @@ TEST(FindBorders, FindsWhatReconstructFinds) {
   h.noise = 0.03;
   const Study study = study_of(test::blurred_heart(h));
   const BorderResult borders = find_borders(study, {});
-  const VentricleResult whole = reconstruct(study, {});
+  const VentricleResult whole = reconstruct(study, ventricle_preset("edges"));
   ASSERT_EQ(borders.gates.size(), 1U);
   EXPECT_TRUE(borders.gates[0].labels.has(Wall::endo));
   EXPECT_EQ(borders.gates[0].labels.borders.values, whole.gates[0].labels.borders.values);
@@ -33,7 +34,7 @@ TEST(FindBorders, FindsWhatReconstructFinds) {
 
 TEST(FindBorders, PreparesTheValuesWhenAsked) {
   const Study study = study_of(test::blurred_heart({}));
-  VentricleOptions o;
+  VentricleOptions o = ventricle_preset("edges");
   o.prepare.doubling = Preparation::Doubling::three;
   const BorderResult borders = find_borders(study, o);
   EXPECT_EQ(borders.study.grid().dims, (Index3{128, 128, 46}));
@@ -52,6 +53,10 @@ TEST(BloodPoolStudy, HasACavityAndAnEjectionFractionButNoWall) {
     EXPECT_TRUE(gate.endo);
     EXPECT_FALSE(gate.epi);
   }
+  EXPECT_FALSE(result.fit) << "there is no wall to fit, and a note says so";
+  EXPECT_EQ(
+      std::count_if(result.notes.begin(), result.notes.end(), [](const Note& n) { return n.code == "fit.no_walls"; }),
+      1);
   ASSERT_TRUE(result.ef_percent && result.edv_ml);
   EXPECT_NEAR(*result.ef_percent, *phantom.ef_percent, 8);
   EXPECT_NEAR(*result.edv_ml / *phantom.edv_ml, 1, 0.25) << "the edge lies near the rim, and the base is open";
@@ -73,7 +78,7 @@ TEST(ExpectedCavityEnd, LiesUnderTheApexOfAHeartThatWasClearlySeen) {
 TEST(ManualPlaces, MustBeOfTheStudy) {
   const Study study = study_of(test::blurred_heart({}));  // 64 x 64 x 23 voxels of 2.87 x 2.87 x 5.74 mm, from 0
   const auto refuses = [&](const auto& set, const char* says) {
-    VentricleOptions o;
+    VentricleOptions o = ventricle_preset("edges");
     set(o.manual);
     try {
       find_borders(study, o);
@@ -93,7 +98,7 @@ TEST(ManualPlaces, MustBeOfTheStudy) {
 
 TEST(ManualPlaces, AtTheEdgesOfTheStudyAreFollowed) {
   const Study study = study_of(test::blurred_heart({}));
-  VentricleOptions o;
+  VentricleOptions o = ventricle_preset("edges");
   o.manual.first_slice = 8, o.manual.last_slice = 23;
   const BorderResult result = find_borders(study, o);
   const Mask& edges = result.gates[0].edges.edges;
@@ -105,7 +110,7 @@ TEST(ManualPlaces, AtTheEdgesOfTheStudyAreFollowed) {
 TEST(ManualAxis, IsWhatSlicesAreCutSquareTo) {
   const Study study = study_of(test::blurred_heart({}));
   const Vec3 axis = study.grid().direction * Vec3(0.1, 0, 1).normalized();  // 6 degrees off: the stack would be kept
-  VentricleOptions o;
+  VentricleOptions o = ventricle_preset("edges");
   o.manual.axis_x = axis[0], o.manual.axis_y = axis[1], o.manual.axis_z = axis[2];
   const BorderResult result = find_borders(study, o);
   EXPECT_LT((result.study.grid().direction.col(2) - axis).norm(), 1e-9);

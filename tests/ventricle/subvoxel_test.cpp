@@ -9,6 +9,7 @@
 
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/ventricle/presets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf {
@@ -75,7 +76,7 @@ Error error_of(const Surface& surface, const Gate& gate, const Image& fine) {
 /// Mean error of both surfaces in voxels, with particles that stop at one point of their voxels or another, and with or
 /// without the last way to the steepest slope.
 Error error_with(StopPoint point, int rounds, const Study& study, const Image& fine, const char* name) {
-  VentricleOptions options;
+  VentricleOptions options = ventricle_preset("edges");
   options.evolution.stop.point = point;
   options.settle.rounds = rounds;
   options.field = SteadyGvf{};

@@ -8,6 +8,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/ventricle/presets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf {
@@ -69,9 +70,9 @@ TEST_P(VirtualPatients, HaveValidSurfacesWithSoundTrianglesOfTheSameVolume) {
   patient.gates = 3;
   patient.noise.seed = GetParam();
   const Study study = make_phantom(patient).study;
-  VentricleOptions raw;
+  VentricleOptions raw = ventricle_preset("edges");
   raw.tidy = {.shape = 0, .untangle_rounds = 0};
-  const VentricleResult with = reconstruct(study, {}), without = reconstruct(study, raw);
+  const VentricleResult with = reconstruct(study, ventricle_preset("edges")), without = reconstruct(study, raw);
   double worst_before = 1, worst_after = 1;
   for (std::size_t g = 0; g < with.gates.size(); ++g)
     for (const auto wall : {&Gate::endo, &Gate::epi}) {
@@ -101,7 +102,7 @@ TEST(VirtualPatientsAtRandom, HaveSurfacesThatAreValidOrSaidNotToBe) {
     patient.defect = seed % 3 == 0 ? Defect::apical : seed % 3 == 1 ? Defect::none : Defect::lateral;
     patient.gut_amplitude = seed % 2 == 0 ? 0.8 : 0;
     patient.noise = {60, 8, 0, seed};
-    const VentricleResult result = reconstruct(make_phantom(patient).study, {});
+    const VentricleResult result = reconstruct(make_phantom(patient).study, ventricle_preset("edges"));
     const bool is_told = std::any_of(result.flags.begin(), result.flags.end(),
                                      [](const Flag& f) { return f.code == "surface_invalid"; });
     for (const Gate& gate : result.gates)

@@ -7,13 +7,20 @@
 namespace dynasurf {
 namespace {
 
-constexpr std::array<std::string_view, 6> names{"default", "thesis", "unbiased", "pet", "mr", "ct"};
+constexpr std::array<std::string_view, 6> names{"unbiased", "edges", "thesis", "pet", "mr", "ct"};
+
+/// Surfaces on the largest gradient alone.
+VentricleOptions edge_options() {
+  VentricleOptions o;
+  o.fit.run = false;
+  return o;
+}
 
 /// The run over a cardiac cycle of thesis 6.3 (CARD-CYCLE): Canny's parameters of 6.1.4, the labels decided by the
 /// largest gap alone, particles that stop at the faces of border voxels, drag of 1 %, a step of 0.1 s, straight
 /// lines between the gates, surfaces that end at a slice.
 VentricleOptions thesis_options() {
-  VentricleOptions o;
+  VentricleOptions o = edge_options();
   o.orientation.method = OrientationMethod::header;
   o.closure.valve_plane = false;
   o.edges = Canny{.sigma_px = 1.8, .low = 0.3, .high = 0.7};
@@ -29,15 +36,9 @@ VentricleOptions thesis_options() {
   return o;
 }
 
-VentricleOptions unbiased_options() {
-  VentricleOptions o;
-  o.fit.run = true;
-  return o;
-}
-
 /// PET is sharper than SPECT, how much depends on scanner and filter: the data decide.
 VentricleOptions pet_options() {
-  VentricleOptions o = unbiased_options();
+  VentricleOptions o;
   o.fit.fwhm_mm = 6;
   o.fit.fwhm_uncertainty = 0.25;
   return o;
@@ -45,7 +46,7 @@ VentricleOptions pet_options() {
 
 /// MR and CT, as grey images of the muscle and as masks of it, are sharp.
 VentricleOptions sharp_options() {
-  VentricleOptions o = unbiased_options();
+  VentricleOptions o;
   o.fit.fwhm_mm = 0;
   return o;
 }
@@ -57,9 +58,9 @@ std::span<const std::string_view> preset_names() { return names; }
 VentricleOptions ventricle_preset(std::string_view name) {
   switch (position_of(names, name, "preset")) {
     case 1:
-      return thesis_options();
+      return edge_options();
     case 2:
-      return unbiased_options();
+      return thesis_options();
     case 3:
       return pet_options();
     case 4:

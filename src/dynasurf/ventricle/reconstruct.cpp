@@ -306,12 +306,28 @@ void drop_unlikely_reading(VentricleResult& result) {
   }
 }
 
+/// False where the fit ran away from what was seen: data that are no wall seen through a blur.
+bool is_plausible(const VentricleResult& result) {
+  constexpr double most = 4;  // times the outer edge surface, or a part of it
+  for (std::size_t g = 0; g < result.gates.size(); ++g) {
+    const double fitted = result.fit->gates[g].epi_ml.value / result.gates[g].epi->volume_ml;
+    if (!(fitted > 1 / most && fitted < most) || !(result.fit->gates[g].endo_ml.value > 0)) return false;
+  }
+  return std::isfinite(result.fit->edv_ml.sd + result.fit->esv_ml.sd + result.fit->wall_ml.sd);
+}
+
 /// Readings beside the edges' own: they need both surfaces in all gates.
 void read_otherwise(const Study& original, const BlurFit& options, const Progress& progress, StageClock& clock,
                     VentricleResult& result) {
   FitStart start;
   for (const Gate& gate : result.gates) {
-    if (!gate.endo || !gate.epi || gate.endo->volume_ml <= 0 || gate.wall_ml.value_or(0) <= 0) return;
+    if (!gate.endo || !gate.epi || gate.endo->volume_ml <= 0 || gate.wall_ml.value_or(0) <= 0) {
+      if (options.run)
+        result.notes.push_back(
+            {Severity::info, "fit.no_walls",
+             "no volumes freed of the blur: gate " + std::to_string(gate.gate + 1) + " has not both surfaces"});
+      return;
+    }
     start.endo.push_back(gate.endo->mesh);
     start.epi.push_back(gate.epi->mesh);
     start.base.push_back(gate.base_plane);
@@ -325,6 +341,11 @@ void read_otherwise(const Study& original, const BlurFit& options, const Progres
   if (!options.run) return;
   result.fit = clock("fit", [&] { return fit_through_blur(original, start, options, progress); });
   add_notes(result.notes, result.fit->notes, -1);
+  if (is_plausible(result)) return;
+  result.fit.reset();
+  result.notes.push_back(
+      {Severity::warning, "fit.lost",
+       "no volumes freed of the blur: the walls that were fitted are not those whose edges were seen"});
 }
 
 constexpr std::array<std::string_view, 3> pipeline_names{"surface", "contour", "direct"};

@@ -25,10 +25,23 @@ struct Blur {
   double fwhm_mm = 0, uncertainty = 0;
   double filtered = 0.5;  // share of its variance that a filter on the voxels makes
 };
+/// True where every voxel is either nothing or one value: a drawing of the muscle, which no camera has seen.
+bool is_mask(const Study& study) {
+  float full = 0;
+  for (const Image& gate : study.gates)
+    for (const float v : gate.values) {
+      if (v == 0) continue;
+      if (full == 0) full = v;
+      if (v != full) return false;
+    }
+  return full != 0;
+}
+
 Blur blur_of(const Study& study, const BlurFit& options) {
   Blur blur{12, 0.2};
+  if (study.modality == "PT") blur = {6, 0.25};
+  if (study.modality == "MR" || study.modality == "CT" || is_mask(study)) blur = {0, 0};
   if (options.fwhm_mm) blur = {*options.fwhm_mm, *options.fwhm_mm > 0 ? options.fwhm_uncertainty : 0};
-  if (!options.fwhm_mm && (study.modality == "MR" || study.modality == "CT")) blur = {0, 0};
   if (options.filter_fwhm_mm && blur.fwhm_mm > 0)
     blur.filtered = std::min(0.9, std::pow(*options.filter_fwhm_mm / blur.fwhm_mm, 2));
   return blur;
@@ -203,7 +216,9 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
   for (std::size_t n = 0; n < mean.size(); ++n) {
     const Place& place = s.place[n];
     const bool looked_at = place.outside_mm < margin && place.above_mm < margin;
-    p.weight[n] = looked_at ? static_cast<float>(1 / std::max(mean[n] / s.unit, 0.1)) : 0.0F;
+    // Counts are as uncertain as they are many; the noise of sharp images, MR and CT, is the same everywhere.
+    const double variance = blur.fwhm_mm > 0 ? std::max(mean[n] / s.unit, 0.1) : 1;
+    p.weight[n] = looked_at ? static_cast<float>(1 / variance) : 0.0F;
   }
   return s;
 }

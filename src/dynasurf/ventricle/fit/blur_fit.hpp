@@ -12,7 +12,7 @@ namespace dynasurf {
 
 /// How the surfaces are fitted through the camera's blur.
 struct BlurFit {
-  bool run = false;
+  bool run = true;
   std::optional<double> fwhm_mm;
   double fwhm_uncertainty = 0.07;
   std::optional<double> filter_fwhm_mm;
@@ -23,8 +23,8 @@ struct BlurFit {
 void describe(auto& visit, BlurFit& o) {
   visit("run", o.run, Field{"fit both surfaces of all gates together through the camera's blur"});
   visit("fwhm_mm", o.fwhm_mm,
-        Field{"width of the point spread in the image, where it is known; 0: sharp; unset: 12 mm or so for SPECT and "
-              "sharp for MR and CT, and the data decide",
+        Field{"width of the point spread in the image, where it is known; 0: sharp; unset: 12 mm or so for SPECT, "
+              "6 for PET, and the data decide; sharp for MR, CT and masks",
               "mm", 0, 60});
   visit("fwhm_uncertainty", o.fwhm_uncertainty,
         Field{"how far the given width may be off, as a part of it (one standard deviation); 0: exact", "", 0, 1});
