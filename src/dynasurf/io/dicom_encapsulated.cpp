@@ -24,7 +24,7 @@ void put_document(DcmItem& dataset, std::string_view document, const char* mime,
 
 DicomInstance save_document(DcmFileFormat& file, const DicomResult& result, const DicomObject& object,
                             const char* sop_class, const std::filesystem::path& path) {
-  const DicomInstance instance = instance_of(result, object, sop_class);
+  DicomInstance instance = instance_of(result, object, sop_class);
   dicom::put_context(*file.getDataset(), result, object, instance);
   dicom::save(file, path);
   return instance;

@@ -147,7 +147,7 @@ void put_references(DcmItem& dataset, const DicomSubject& subject) {
 DicomInstance write_segmentation(const DicomResult& result, const DicomObject& object,
                                  std::span<const DicomSegment> segments, const std::filesystem::path& path) {
   check(segments);
-  const DicomInstance instance = instance_of(result, object, UID_SegmentationStorage);
+  DicomInstance instance = instance_of(result, object, UID_SegmentationStorage);
   const Grid& grid = segments[0].mask.grid;
   const auto segmentation = new_segmentation(grid, result, object);
   must(segmentation->getSeries().setSeriesNumber(std::to_string(object.series_number).c_str()), "number the series");

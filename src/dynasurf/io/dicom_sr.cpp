@@ -93,7 +93,7 @@ DicomInstance write_measurement_report(const DicomResult& result, const DicomObj
                                        std::span<const DicomMeasurementGroup> groups,
                                        std::span<const std::pair<DicomCode, std::string>> remarks,
                                        const std::filesystem::path& path) {
-  const DicomInstance instance = instance_of(result, object, UID_EnhancedSRStorage);
+  DicomInstance instance = instance_of(result, object, UID_EnhancedSRStorage);
   TID1500_MeasurementReport report = new_report(result);
   add_groups(report, groups, result, object);
   for (const auto& [what, text] : remarks)
