@@ -157,6 +157,20 @@ TEST(FillHoles, MendsBothSidesOfAWallApart) {
   EXPECT_EQ(fill.holes, 2);
 }
 
+// Both sides of the wall come to an end in one height, and no tube can join them: closed apart, the inner one would be
+// a bubble within the other.
+TEST(FillHoles, LeavesTheRimOfAPotWhoseUpperHalfIsMissing) {
+  PointCloud cloud = make_cloud({.shape = CloudShape::vase, .points = 50000});
+  std::erase_if(cloud.points, [](const Vec3& p) { return p[2] > 0.1; });
+  CloudOptions options;
+  options.triangles = "1280";
+  const CloudResult result = reconstruct_cloud(cloud, options);
+  const Certificate& c = result.levels.at(0).certificate;
+  EXPECT_TRUE(c.watertight());
+  EXPECT_EQ(c.components, 1);
+  EXPECT_EQ(c.genus, 0);
+}
+
 TEST(FillHoles, LeavesAWholeSphereAlone) {
   const PointCloud cloud = make_cloud({.shape = CloudShape::sphere, .points = 6000, .normals = true});
   const OrientedPoints oriented = orient(cloud, true);

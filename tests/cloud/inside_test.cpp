@@ -77,6 +77,39 @@ TEST(Orient, TakesNormalsThatAreGiven) {
   EXPECT_GT(orient(inward, false).normals[0].dot(inward.points[0]), 0);
 }
 
+/// The lower half of the vase: a pot whose two sides hang together nowhere.
+PointCloud pot(int points) {
+  PointCloud cloud = make_cloud({.shape = CloudShape::vase, .points = points, .normals = true});
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    if (cloud.points[i][2] < 0.1) {
+      cloud.points[n] = cloud.points[i];
+      cloud.normals[n++] = cloud.normals[i];
+    }
+  cloud.points.resize(n);
+  cloud.normals.resize(n);
+  return cloud;
+}
+
+TEST(Orient, TurnsTheInnerSideOfAWallInwardsWhereItsRimIsMissing) {
+  const PointCloud cloud = pot(40000);
+  const OrientedPoints o = orient(cloud, false);
+  ASSERT_EQ(o.sheets, 2u);
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < o.points.size(); ++i) wrong += o.normals[i].dot(cloud.normals[i]) < 0;
+  EXPECT_EQ(wrong, 0u);
+}
+
+TEST(Orient, TurnsBodiesThatStandApartOutwardsEach) {
+  PointCloud cloud = scan(CloudShape::sphere);
+  const std::size_t one = cloud.points.size();
+  for (std::size_t i = 0; i < one; ++i) cloud.points.push_back(cloud.points[i] + Vec3(2.2, 0, 0));
+  const OrientedPoints o = orient(without_normals(cloud), true);
+  EXPECT_EQ(o.sheets, 2u);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    EXPECT_GT(o.normals[i].dot(i < one ? cloud.points[i] : Vec3(cloud.points[i] - Vec3(2.2, 0, 0))), 0);
+}
+
 TEST(ThinOut, LeavesOnePointPerCellInTheMiddleOfItsOwn) {
   const PointCloud cloud{{Vec3(0, 0, 0), Vec3(0.2, 0, 0), Vec3(5, 5, 5)}, {}, {}, {}};
   const PointCloud thin = thin_out(cloud, 1);

@@ -17,7 +17,7 @@ namespace dynasurf {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double same_way = 0.2, not_against = -0.5;  // cosines between directions
+constexpr double same_way = 0.2, alike = 0.5, not_against = -0.5;  // cosines between directions
 using Marks = std::vector<std::uint8_t>;
 
 /// Sets that grow together.
@@ -95,18 +95,19 @@ bool has_holes(const TriMesh& mesh, const Scan& scan, double reach) {
   return far > worth_it * static_cast<double>(asked);
 }
 
-/// The distance of each triangle's corners and middle, the farthest, to the points.
-std::vector<double> distances(const TriMesh& mesh, const Scan& scan) {
+/// The distance of each triangle's corners and middle, the farthest, to the points whose directions have a cosine above
+/// `least` to its own.
+std::vector<double> distances(const TriMesh& mesh, const Scan& scan, double least) {
   const std::vector<Vec3> normals = normals_of(mesh);
   std::vector<double> of_vertex(mesh.vertices.size()), of_triangle(mesh.triangles.size());
   parallel_for(of_vertex.size(), 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) of_vertex[v] = scan.distance(mesh.vertices[v], normals[v], same_way);
+    for (std::size_t v = begin; v < end; ++v) of_vertex[v] = scan.distance(mesh.vertices[v], normals[v], least);
   });
   parallel_for(of_triangle.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
       const auto& [a, b, c] = mesh.triangles[t];
       const Vec3 &p = mesh.vertices[a], &q = mesh.vertices[b], &r = mesh.vertices[c];
-      const double middle = scan.distance((p + q + r) / 3, (q - p).cross(r - p).normalized(), same_way);
+      const double middle = scan.distance((p + q + r) / 3, (q - p).cross(r - p).normalized(), least);
       of_triangle[t] = std::max({of_vertex[a], of_vertex[b], of_vertex[c], middle});
     }
   });
@@ -181,12 +182,28 @@ void drop_ears(const TriMesh& mesh, Marks& kept) {
   }
 }
 
+/// Marks go on over a few triangles that may have them: the rim of a torn wall is one band, or its two sides hang
+/// together.
+void grow(const TriMesh& mesh, const Marks& may_be, Marks& marked) {
+  constexpr int rings = 4;
+  for (int ring = 0; ring < rings; ++ring) {
+    Marks corners(mesh.vertices.size(), 0);
+    for (std::size_t t = 0; t < marked.size(); ++t)
+      if (marked[t])
+        for (const std::uint32_t v : mesh.triangles[t]) corners[v] = 1;
+    for (std::size_t t = 0; t < marked.size(); ++t)
+      for (const std::uint32_t v : mesh.triangles[t])
+        if (may_be[t] && corners[v]) marked[t] = 1;
+  }
+}
+
 /// The triangles that the points hold, without those around holes, which the holes have bent.
 Marks held_by_points(const TriMesh& mesh, const Scan& scan, double reach) {
   constexpr double wide = 4;  // holes less wide than this many times the reach close well enough by themselves
-  const std::vector<double> distance = distances(mesh, scan);
-  Marks is_far(mesh.triangles.size());
-  for (std::size_t t = 0; t < is_far.size(); ++t) is_far[t] = distance[t] > reach;
+  Marks is_far(mesh.triangles.size()), may_be(mesh.triangles.size());
+  const std::vector<double> distance = distances(mesh, scan, same_way), strict = distances(mesh, scan, alike);
+  for (std::size_t t = 0; t < is_far.size(); ++t) is_far[t] = distance[t] > reach, may_be[t] = strict[t] > reach;
+  grow(mesh, may_be, is_far);
   Groups holes = parts_of(mesh, is_far);
   std::vector<Eigen::AlignedBox3d> box(mesh.vertices.size());
   for (std::size_t t = 0; t < is_far.size(); ++t)
@@ -289,66 +306,110 @@ void scatter(const std::vector<Vec3>& corners, const Scan& scan, const Holes& op
   }
 }
 
+/// What is left when all that is made up is taken away, and what could close it.
+struct Torn {
+  TriMesh open;
+  std::vector<Loop> loops;
+  std::vector<std::vector<Vec3>> discs;  // of each loop: three corners to a triangle
+  std::vector<Join> joins;               // by rising effort
+  std::vector<std::size_t> bridges;      // those of the joins that put pieces together again
+};
+
+Torn tear(const TriMesh& whole, const Marks& kept) {
+  constexpr double most = 3;  // pieces of the scan are more often one body than two
+  Torn torn{submesh(whole, kept), {}, {}, {}, {}};
+  const TriMesh& open = torn.open;
+  torn.loops = loops_of(open);
+  const std::vector<Rim> rims = rims_of(open, torn.loops);
+  Groups parts = parts_of(open, Marks(open.triangles.size(), 1));
+  std::vector<std::uint32_t> piece;
+  std::vector<double> bending;
+  for (std::size_t i = 0; i < torn.loops.size(); ++i) {
+    const Patch disc = make_patch(open, torn.loops, i);
+    torn.discs.push_back(corners_of(disc));
+    bending.push_back(disc.bending);
+    piece.push_back(parts.find(torn.loops[i].front()));
+  }
+  for (std::size_t i = 0; i < torn.loops.size(); ++i)
+    for (std::size_t j = i + 1; j < torn.loops.size(); ++j) {
+      const double facing_each_other = facing(rims[i], rims[j]);
+      if (!(facing_each_other > 0)) continue;
+      const Patch tube = make_patch(open, torn.loops, i, j);
+      const double widening = std::max(rims[i].length, rims[j].length) / std::min(rims[i].length, rims[j].length);
+      // The aims of ragged rims are rough: they count little.
+      const double effort = tube.bending * widening / std::pow(facing_each_other, 0.25) / (bending[i] + bending[j]);
+      if (effort < most) torn.joins.push_back({i, j, effort, corners_of(tube)});
+    }
+  std::stable_sort(torn.joins.begin(), torn.joins.end(),
+                   [](const Join& a, const Join& b) { return a.effort < b.effort; });
+  torn.bridges = Bridges(torn.joins, piece).best();
+  return torn;
+}
+
+/// Keeps what was made up between pieces that no tube puts together again: the rim between both sides of a wall, which
+/// would else be closed each by itself, one within the other. Returns whether there was any.
+bool keep_between_pieces(const TriMesh& whole, const Torn& torn, Marks& kept) {
+  std::vector<std::uint32_t> in_whole(torn.open.vertices.size());
+  for (std::size_t t = 0, n = 0; t < kept.size(); ++t)
+    if (kept[t]) {
+      for (std::size_t c = 0; c < 3; ++c) in_whole[torn.open.triangles[n][c]] = whole.triangles[t][c];
+      ++n;
+    }
+  Groups pieces = parts_of(whole, kept);
+  for (const std::size_t n : torn.bridges)
+    pieces.join(in_whole[torn.loops[torn.joins[n].a].front()], in_whole[torn.loops[torn.joins[n].b].front()]);
+  Marks dropped(kept.size());
+  for (std::size_t t = 0; t < kept.size(); ++t) dropped[t] = !kept[t];
+  Groups regions = parts_of(whole, dropped);
+  constexpr std::uint32_t none = 0xffffffff;
+  std::vector<std::uint32_t> piece_of(whole.vertices.size(), none);  // of each region
+  Marks is_between(whole.vertices.size(), 0);
+  for (const std::uint32_t v : in_whole) {
+    std::uint32_t& piece = piece_of[regions.find(v)];
+    if (piece != none && piece != pieces.find(v)) is_between[regions.find(v)] = 1;
+    piece = pieces.find(v);
+  }
+  bool any = false;
+  for (std::size_t t = 0; t < kept.size(); ++t)
+    if (dropped[t] && is_between[regions.find(whole.triangles[t][0])]) kept[t] = 1, any = true;
+  return any;
+}
+
 }  // namespace
 
 std::optional<HoleFill> fill_holes(const TriMesh& surface, const OrientedPoints& points, const Holes& options) {
   constexpr std::size_t light = 8000;
-  // Two ends in one hole of the scan are far more often one limb than two that happen to end there; and pieces of the
-  // scan are more often one body than two.
-  constexpr double most_for_handle = 1.8, most_for_body = 3;
+  // Two ends in one hole of the scan are far more often one limb than two that happen to end there.
+  constexpr double most_for_handle = 1.8;
   const Scan scan(points);
   if (!has_holes(surface, scan, options.reach)) return std::nullopt;
   SurfaceEditor lighter(surface);
   if (lighter.triangles() > light) make_lighter(lighter, light);
   const TriMesh whole = lighter.mesh();
-  const Marks kept = held_by_points(whole, scan, options.reach);
-  const TriMesh open = submesh(whole, kept);
-  const std::vector<Loop> loops = loops_of(open);
-  if (loops.empty()) return std::nullopt;
-
-  std::vector<std::vector<Vec3>> discs;
-  std::vector<double> bending;
-  for (std::size_t i = 0; i < loops.size(); ++i) {
-    const Patch disc = make_patch(open, loops, i);
-    discs.push_back(corners_of(disc));
-    bending.push_back(disc.bending);
-  }
-  const std::vector<Rim> rims = rims_of(open, loops);
-  std::vector<Join> joins;
-  for (std::size_t i = 0; i < loops.size(); ++i)
-    for (std::size_t j = i + 1; j < loops.size(); ++j) {
-      const double facing_each_other = facing(rims[i], rims[j]);
-      if (!(facing_each_other > 0)) continue;
-      const Patch tube = make_patch(open, loops, i, j);
-      const double widening = std::max(rims[i].length, rims[j].length) / std::min(rims[i].length, rims[j].length);
-      // The aims of ragged rims are rough: they count little.
-      const double effort = tube.bending * widening / std::pow(facing_each_other, 0.25) / (bending[i] + bending[j]);
-      if (effort < most_for_body) joins.push_back({i, j, effort, corners_of(tube)});
-    }
-  std::stable_sort(joins.begin(), joins.end(), [](const Join& a, const Join& b) { return a.effort < b.effort; });
+  Marks kept = held_by_points(whole, scan, options.reach);
+  Torn torn = tear(whole, kept);
+  if (keep_between_pieces(whole, torn, kept)) torn = tear(whole, kept);
+  if (torn.loops.empty()) return std::nullopt;
 
   HoleFill fill;
-  Groups parts = parts_of(open, Marks(open.triangles.size(), 1));
-  Marks done(loops.size(), 0);
+  Groups parts = parts_of(torn.open, Marks(torn.open.triangles.size(), 1));
+  Marks done(torn.loops.size(), 0);
   const auto put = [&](const Join& join) {
-    parts.join(loops[join.a].front(), loops[join.b].front());
+    parts.join(torn.loops[join.a].front(), torn.loops[join.b].front());
     done[join.a] = done[join.b] = 1;
     scatter(join.corners, scan, options, fill.points);
     ++fill.joined;
   };
-  std::vector<std::uint32_t> piece;
-  for (const Loop& loop : loops) piece.push_back(parts.find(loop.front()));
-  const Bridges bridges(joins, piece);
-  for (const std::size_t n : bridges.best()) put(joins[n]);
-  for (const Join& join : joins)
+  for (const std::size_t n : torn.bridges) put(torn.joins[n]);
+  for (const Join& join : torn.joins)
     if (options.may_join && !done[join.a] && !done[join.b] && join.effort < most_for_handle) put(join);
-  for (std::uint32_t v = 0; v < open.vertices.size(); ++v) fill.kind.parts += parts.find(v) == v;
+  for (std::uint32_t v = 0; v < torn.open.vertices.size(); ++v) fill.kind.parts += parts.find(v) == v;
   // Every disc closes a loop and adds one to Euler's number; a tube adds nothing.
-  fill.kind.genus = fill.kind.parts -
-                    static_cast<int>((topology(open).euler + static_cast<long>(loops.size()) - 2 * fill.joined) / 2);
-  for (std::size_t i = 0; i < loops.size(); ++i)
+  const auto euler = topology(torn.open).euler + static_cast<long>(torn.loops.size()) - 2 * fill.joined;
+  fill.kind.genus = fill.kind.parts - static_cast<int>(euler / 2);
+  for (std::size_t i = 0; i < torn.loops.size(); ++i)
     if (!done[i]) {
-      scatter(discs[i], scan, options, fill.points);
+      scatter(torn.discs[i], scan, options, fill.points);
       ++fill.holes;
     }
   return fill;

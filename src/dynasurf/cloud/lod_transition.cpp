@@ -100,11 +100,19 @@ class Cutting {
   /// Whether every triangle ends within one of the coarse mesh.
   bool run() {
     // Each halves the edges. Where the sheets of the coarse surface nearly touch, what is nearest jumps between them
-    // however short an edge is: there the rest is led along the edges of the coarse mesh.
+    // however short an edge is, and a round leaves no fewer triangles to cut: from then on they are led along the edges
+    // of the coarse mesh.
     constexpr int rounds = 7, led_rounds = 16;
     const std::size_t most = 8 * (mesh_.triangles.size() + coarse_.triangles.size());  // what will not end, ends here
-    for (int k = 0; k < rounds + led_rounds && mesh_.triangles.size() < most && mark() > 0; ++k) cut(k >= rounds);
-    return mark() == 0;
+    std::size_t bad = mark(), before = 2 * bad;
+    int led = 0;
+    for (int k = 0; led < led_rounds && mesh_.triangles.size() < most && bad > 0; ++k) {
+      led += led > 0 || k >= rounds || bad >= before;
+      cut(led > 0);
+      before = bad;
+      bad = mark();
+    }
+    return bad == 0;
   }
 
   TriMesh take_mesh() { return std::move(mesh_); }

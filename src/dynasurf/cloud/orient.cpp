@@ -20,12 +20,22 @@ constexpr std::uint32_t none = 0xffffffff;
 
 using Ring = std::array<std::uint32_t, links>;
 
+/// Of the nearest points, nearest first. The farther one lies, the less it counts: along a tear the last of them may
+/// belong to the other side of a wall.
 Vec3 plane_normal(const std::vector<Vec3>& points, std::span<const Neighbours::Found> found) {
+  const double farthest2 = 1.1 * found.back().distance2;
+  double weights = 0;
   Vec3 middle = Vec3::Zero();
-  for (const auto& f : found) middle += points[f.index];
-  middle /= static_cast<double>(found.size());
+  for (const auto& f : found) {
+    const double weight = farthest2 - f.distance2;
+    weights += weight;
+    middle += weight * points[f.index];
+  }
+  if (!(weights > 0)) return Vec3::UnitZ();
+  middle /= weights;
   Mat3 spread = Mat3::Zero();
-  for (const auto& f : found) spread += (points[f.index] - middle) * (points[f.index] - middle).transpose();
+  for (const auto& f : found)
+    spread += (farthest2 - f.distance2) * (points[f.index] - middle) * (points[f.index] - middle).transpose();
   const double scale = spread.trace();
   if (!(scale > 0)) return Vec3::UnitZ();
   Eigen::SelfAdjointEigenSolver<Mat3> axes;
@@ -122,36 +132,82 @@ void turn_together(OrientedPoints& o, const std::vector<Ring>& around, const std
   }
 }
 
-/// On each sheet the outermost points in many directions vote.
-void turn_outwards(OrientedPoints& o, const std::vector<std::uint8_t>& known) {
-  constexpr int directions = 26;
-  struct Far {
-    double reach = -std::numeric_limits<double>::infinity();
-    double along = 0;
-  };
-  std::vector<std::array<Far, directions>> far(o.sheets);
-  std::vector<std::uint8_t> fixed(o.sheets, 0);
+constexpr int directions = 26;
+
+std::array<Vec3, directions> all_directions() {
   std::array<Vec3, directions> axes;
   std::size_t n = 0;
   for (int z = -1; z <= 1; ++z)
     for (int y = -1; y <= 1; ++y)
       for (int x = -1; x <= 1; ++x)
         if (x != 0 || y != 0 || z != 0) axes[n++] = Vec3(x, y, z).normalized();
-  for (std::size_t i = 0; i < o.points.size(); ++i) {
-    fixed[o.sheet[i]] |= known[i];
+  return axes;
+}
+
+struct Sheet {
+  std::vector<std::uint32_t> points;
+  double extent = 0;
+  double vote = 0;  // of the outermost points in many directions: positive when they face outwards
+  bool is_known = false;
+};
+
+std::vector<Sheet> sheets_of(const OrientedPoints& o, const std::vector<std::uint8_t>& known) {
+  struct Far {
+    double reach = -std::numeric_limits<double>::infinity();
+    double along = 0;
+  };
+  const std::array<Vec3, directions> axes = all_directions();
+  std::vector<std::array<Far, directions>> far(o.sheets);
+  std::vector<Eigen::AlignedBox3d> box(o.sheets);
+  std::vector<Sheet> sheets(o.sheets);
+  for (std::uint32_t i = 0; i < o.points.size(); ++i) {
+    const std::uint32_t s = o.sheet[i];
+    sheets[s].points.push_back(i);
+    sheets[s].is_known |= known[i] != 0;
+    box[s].extend(o.points[i]);
     for (std::size_t a = 0; a < directions; ++a) {
       const double reach = o.points[i].dot(axes[a]);
-      if (reach > far[o.sheet[i]][a].reach) far[o.sheet[i]][a] = {reach, o.normals[i].dot(axes[a])};
+      if (reach > far[s][a].reach) far[s][a] = {reach, o.normals[i].dot(axes[a])};
     }
   }
-  std::vector<std::uint8_t> turn(o.sheets, 0);
-  for (std::size_t s = 0; s < o.sheets; ++s) {
-    double vote = 0;
-    for (const Far& f : far[s]) vote += f.along;
-    turn[s] = !fixed[s] && vote < 0;
+  for (std::size_t s = 0; s < sheets.size(); ++s) {
+    sheets[s].extent = box[s].diagonal().norm();
+    for (const Far& f : far[s]) sheets[s].vote += f.along;
   }
-  for (std::size_t i = 0; i < o.points.size(); ++i)
-    if (turn[o.sheet[i]]) o.normals[i] = -o.normals[i];
+  return sheets;
+}
+
+/// How much of all directions `sheet` fills, seen from a place behind it: 1 inside a closed one, 0 outside.
+double share_of_view(const OrientedPoints& o, const Sheet& sheet, const Vec3& place) {
+  constexpr std::size_t most = 4000;
+  const std::size_t step = (sheet.points.size() + most - 1) / most;
+  double sum = 0;
+  for (std::size_t k = 0; k < sheet.points.size(); k += step) {
+    const std::uint32_t i = sheet.points[k];
+    const Vec3 d = o.points[i] - place;
+    const double area = static_cast<double>(step) * o.areas[i];
+    // Nearer than its own size a point is no longer one.
+    sum += area * o.normals[i].dot(d) / std::pow(std::max(d.squaredNorm(), area), 1.5);
+  }
+  return sum / (4 * std::numbers::pi);
+}
+
+/// The outermost points of each sheet, the widest one first, face outwards; but inwards where it lies within those
+/// before it: the inner side of a wall whose rim was not scanned.
+void turn_outwards(OrientedPoints& o, const std::vector<std::uint8_t>& known) {
+  constexpr std::size_t asked = 32, fewest = 100;  // smaller sheets enclose nothing
+  std::vector<Sheet> sheets = sheets_of(o, known);
+  std::stable_sort(sheets.begin(), sheets.end(), [](const Sheet& a, const Sheet& b) { return a.extent > b.extent; });
+  for (auto s = sheets.begin(); s != sheets.end(); ++s) {
+    if (s->is_known) continue;
+    const std::size_t step = (s->points.size() + asked - 1) / asked;
+    double within = 0, places = 0;
+    for (std::size_t k = 0; k < s->points.size(); k += step, ++places)
+      for (auto other = sheets.begin(); other != s; ++other)
+        if (other->points.size() >= fewest) within += share_of_view(o, *other, o.points[s->points[k]]);
+    if (within > 0.5 * places ? s->vote > 0 : s->vote < 0)
+      for (const std::uint32_t i : s->points) o.normals[i] = -o.normals[i];
+  }
 }
 
 }  // namespace
