@@ -54,7 +54,7 @@ ComparedStudy read_study_of(const fs::path& folder) {
   if (!json.is_object() || !json.contains("gates") || !json["gates"].is_array() || !json.contains("measures") ||
       !json.contains("quality"))
     throw InputError(path.string() + " is no result of dynasurf ventricle");
-  return {json, read_polar(folder / "measures" / "polar.csv"), ""};
+  return {json, read_polar(folder), ""};
 }
 
 /// The address of a study's report from the folder of the comparison; empty where there is none.
@@ -83,6 +83,7 @@ Json comparison(const ComparedStudy& rest, const ComparedStudy& stress, const Me
     return score_segments(model, side.polar.grid, side.polar.maps.perfusion_percent, side.polar.area_mm2, nullptr);
   };
   const SegmentScores at_rest = scores(rest), under_stress = scores(stress);
+  const auto sum_of = [](const SegmentScores& scored) { return scored.most > 0 ? Json(scored.sum) : Json(); };
   const PolarValues lost =
       segment_means(model, difference.grid, difference.maps.perfusion_percent, difference.area_mm2);
   const bool fitted = is_fitted(rest) && is_fitted(stress);
@@ -96,9 +97,10 @@ Json comparison(const ComparedStudy& rest, const ComparedStudy& stress, const Me
   json["esv_ratio"] = number(ratio(value_in(b, "esv_ml"), value_in(a, "esv_ml")));
   json["ef_rest_percent"] = number(value_in(a, "ef_percent"));
   json["ef_stress_percent"] = number(value_in(b, "ef_percent"));
-  json["summed_rest_score"] = at_rest.sum;
-  json["summed_stress_score"] = under_stress.sum;
-  json["summed_difference_score"] = under_stress.sum - at_rest.sum;
+  json["summed_rest_score"] = sum_of(at_rest);
+  json["summed_stress_score"] = sum_of(under_stress);
+  json["summed_difference_score"] =
+      at_rest.most > 0 && under_stress.most > 0 ? Json(under_stress.sum - at_rest.sum) : Json();
   json["segments"] = Json::array();
   for (const Segment& s : segments_of(model)) {
     const auto n = static_cast<std::size_t>(s.number - 1);
@@ -114,6 +116,9 @@ Json comparison(const ComparedStudy& rest, const ComparedStudy& stress, const Me
 
 ExitCode run(const Arguments& a) {
   ComparedStudy rest = read_study_of(a.rest), stress = read_study_of(a.stress);
+  // Two blood pools are compared by their volumes alone.
+  if (rest.polar.perfusion_is != stress.polar.perfusion_is)
+    require_same_perfusion(rest.polar.perfusion_is, a.rest, stress.polar.perfusion_is, a.stress);
   const Measures difference = difference_of(rest, stress);
   const Json json = comparison(rest, stress, difference);
   if (!a.out.empty()) {
@@ -123,7 +128,8 @@ ExitCode run(const Arguments& a) {
     stress.report = report_from(a.stress, a.out);
     write_file(folder.path() / "comparison.json", json.dump(2) + "\n");
     write_file(folder.path() / "comparison.html", comparison_html(rest, stress, json));
-    write_file(folder.path() / "polar_difference.svg", polar_svg(difference, kind));
+    if (rest.polar.perfusion_is != Perfusion::none)
+      write_file(folder.path() / "polar_difference.svg", polar_svg(difference, kind));
     folder.publish();
   }
   if (a.json) {

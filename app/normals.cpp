@@ -32,13 +32,21 @@ std::vector<fs::path> results_in(const fs::path& folder) {
 }
 
 ExitCode build(const std::string& folder, const std::string& out) {
+  const std::vector<fs::path> results = results_in(folder);
   std::vector<PolarValues> maps;
-  for (const fs::path& result : results_in(folder))
-    maps.push_back(read_polar(result / "measures" / "polar.csv").maps.perfusion_percent);
+  Perfusion kind = Perfusion::none;
+  for (const fs::path& result : results) {
+    const PolarTable polar = read_polar(result);
+    if (maps.empty()) kind = polar.perfusion_is;
+    require_same_perfusion(kind, results.front().string(), polar.perfusion_is, result.string());
+    maps.push_back(polar.maps.perfusion_percent);
+  }
   if (maps.size() < 3)
     throw InputError(folder + " holds " + std::to_string(maps.size()) +
                      " results with polar maps; expected at least 3");
-  write_file(out, normals_text(build_normal_map(maps, PolarGrid{})));
+  NormalMap normal = build_normal_map(maps, PolarGrid{});
+  normal.perfusion_is = kind;
+  write_file(out, normals_text(normal));
   print("normal map of " + std::to_string(maps.size()) + " studies: " + out + "\n");
   return done;
 }
@@ -74,9 +82,10 @@ ExitCode score(const Scoring& a) {
   const auto model = static_cast<SegmentModel>(
       std::find(names_of(SegmentModel{}).begin(), names_of(SegmentModel{}).end(), a.segments) -
       names_of(SegmentModel{}).begin());
-  const PolarTable polar = read_polar(fs::path(a.result) / "measures" / "polar.csv");
+  const PolarTable polar = read_polar(a.result);
   std::optional<NormalMap> normal;
   if (!a.normals.empty()) normal = read_normals(a.normals);
+  require_same_perfusion(polar.perfusion_is, a.result, normal ? normal->perfusion_is : polar.perfusion_is, a.normals);
   SegmentScores scores =
       score_segments(model, polar.grid, polar.maps.perfusion_percent, polar.area_mm2, normal ? &*normal : nullptr);
   if (!a.edit.empty()) read_scores(a.edit, scores);

@@ -17,6 +17,7 @@
 
 #include "command.hpp"
 #include "console.hpp"
+#include "sheets.hpp"
 #include "version.hpp"
 
 namespace dynasurf::app {
@@ -87,6 +88,10 @@ ExitCode run(const Arguments& a, std::stop_token stop) {
   if (result.surface)
     for (const MeshFormat format : {MeshFormat::ply, MeshFormat::stl, MeshFormat::vtp})
       write_mesh(result.surface->mesh, folder.path() / ("organ." + std::string(word_of(format))), format);
+  if (result.surface)
+    write_png(draw_sections(study.gates[static_cast<std::size_t>(a.gate - 1)], result.surface->mesh,
+                            "organ:  " + fixed(result.surface->volume_ml, 1) + " mL"),
+              folder.path() / "slices.png");
   folder.publish();
   if (!a.quiet) {
     std::string text;
@@ -109,7 +114,7 @@ void add_organ(CLI::App& program, Command& chosen) {
   CLI::App* command = program.add_subcommand(
       "organ", "The closed surface of an organ in CT, MR, PET or a label map: no heart is looked for");
   command->add_option("STUDY", a->study, "DICOM, NIfTI or NRRD, file or folder")->required();
-  command->add_option("--out", a->out, "folder for results.json and organ.ply, .stl, .vtp")->required();
+  command->add_option("--out", a->out, "folder for results.json, organ.ply, .stl, .vtp and slices.png")->required();
   command->add_option("--preset", a->preset, "ct, mr, pet or labels");
   command->add_option("--label", a->label, "value of the organ in a label map; 0: all above 0")
       ->check(CLI::Range(0, 1000000));

@@ -57,8 +57,8 @@ std::vector<VertexScalar> scalars_of(const VentricleResult& result, std::size_t 
   const GateMeasures& measured = result.measures->gates[gate];
   const VertexThickness& thickness = wall == Wall::endo ? measured.thickness.endo : measured.thickness.epi;
   const std::vector<int> segments = segments_of_vertices(result.measures->model, *measured.axes, mesh.vertices);
-  std::vector<VertexScalar> scalars{{"thickness_mm", {thickness.mm.begin(), thickness.mm.end()}},
-                                    {"segment", {segments.begin(), segments.end()}}};
+  std::vector<VertexScalar> scalars{{"segment", {segments.begin(), segments.end()}}};
+  if (!thickness.mm.empty()) scalars.push_back({"thickness_mm", {thickness.mm.begin(), thickness.mm.end()}});
   if (const auto& motion = wall == Wall::endo ? measured.endo_motion : measured.epi_motion) {
     scalars.push_back({"inward_mm", {motion->inward_mm.begin(), motion->inward_mm.end()}});
     scalars.push_back({"displacement_mm", {motion->displacement_mm.begin(), motion->displacement_mm.end()}});
@@ -344,6 +344,9 @@ std::string summary_of(const VentricleResult& result) {
             (result.measures->from_edges ? " between the edges" : "") + "  phase SD " +
             fixed(result.measures->phase_counts->sd_deg, 1) + " deg  bandwidth " +
             fixed(result.measures->phase_counts->bandwidth_deg, 0) + " deg\n";
+  if (result.measures && result.measures->cavity_alone && result.measures->phase_motion)
+    text += "phase SD of the motion " + fixed(result.measures->phase_motion->sd_deg, 1) + " deg  bandwidth " +
+            fixed(result.measures->phase_motion->bandwidth_deg, 0) + " deg\n";
   text += readings_of(result);
   text += "verdict: " + std::string(word_of(result.verdict)) + "\n";
   for (const Flag& flag : result.flags)

@@ -6,6 +6,7 @@
 #include <functional>
 #include <numbers>
 
+#include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/ventricle/labels/mlc.hpp"
 #include "dynasurf/ventricle/labels/radial.hpp"
 
@@ -75,22 +76,29 @@ class Tile {
   Window window_;
 };
 
-std::uint8_t shade(float value, float max) {
+/// Values that are drawn black and white.
+struct GreyScale {
+  float black = 0, white = 0;
+};
+
+std::uint8_t shade(float value, const GreyScale& scale) {
+  const float range = scale.white - scale.black;
   // The eye tells dark greys apart less well than bright ones; the square root lifts them.
-  return static_cast<std::uint8_t>(max > 0 ? 235 * std::sqrt(std::clamp(value / max, 0.0F, 1.0F)) : 0);
+  return static_cast<std::uint8_t>(range > 0 ? 235 * std::sqrt(std::clamp((value - scale.black) / range, 0.0F, 1.0F))
+                                             : 0);
 }
 
-void draw_image(Tile& tile, const Image& image, int k, float max) {
+void draw_image(Tile& tile, const Image& image, int k, const GreyScale& scale) {
   const Window& w = tile.window();
   for (int j = w.j; j < w.j + w.height; ++j)
     for (int i = w.i; i < w.i + w.width; ++i) {
-      const std::uint8_t v = image.grid.contains(i, j, k) ? shade(image(i, j, k), max) : 0;
+      const std::uint8_t v = image.grid.contains(i, j, k) ? shade(image(i, j, k), scale) : 0;
       tile.paint(i, j, {v, v, v});
     }
 }
 
-float brightest(const Image& image) {
-  return image.values.empty() ? 0 : *std::max_element(image.values.begin(), image.values.end());
+GreyScale up_to_brightest(const Image& image) {
+  return {0, image.values.empty() ? 0 : *std::max_element(image.values.begin(), image.values.end())};
 }
 
 /// What a colour means.
@@ -107,6 +115,7 @@ const Legend label_legend{{red, "outer border, its box"},      {blue, "inner bor
 const Legend ring_legend{{yellow, "edge inside the circle"},
                          {red, "peaks: rings with most edge pixels"},
                          {white, "automatic circle; bars: edge pixels by distance, rings of 1, 2, 3 px"}};
+const Legend section_legend{{red, "the surface, cut by the slice"}};
 
 constexpr int swatch = 10;
 int width_of(const Key& key) { return swatch + 4 + static_cast<int>(key.meaning.size()) * letter_width + 14; }
@@ -135,26 +144,78 @@ void draw_head(Picture& picture, const std::string& title, const Legend& legend)
   }
 }
 
-/// A sheet with a place for every slice; `extra` pixels are left free to the right of each.
-Picture draw_sheet(const Image& image, int extra, const std::string& title, const Legend& legend,
+/// What of an image a sheet shows.
+struct Shown {
+  std::vector<int> slices;
+  Window window;
+  GreyScale grey;
+  int extra = 0;  // pixels that are left free to the right of each slice
+};
+
+Shown all_of(const Image& image, int extra = 0) {
+  Shown shown{{}, {0, 0, image.grid.dims[0], image.grid.dims[1]}, up_to_brightest(image), extra};
+  for (int k = 0; k < image.grid.dims[2]; ++k) shown.slices.push_back(k);
+  return shown;
+}
+
+/// A sheet with a place for every slice.
+Picture draw_sheet(const Image& image, const Shown& shown, const std::string& title, const Legend& legend,
                    const std::function<void(Picture&, Tile&, int k, int x, int y)>& draw) {
-  const auto [nx, ny, nz] = image.grid.dims;
-  const int scale = std::max(1, tile_pixels / std::max(nx, ny));
-  const int width = nx * scale + extra + gap, height = ny * scale + gap;
-  const int columns = std::max(1, static_cast<int>(std::ceil(std::sqrt(nz * 1.5 * height / width))));
-  const int rows = (nz + columns - 1) / columns;
+  const Window& window = shown.window;
+  const int count = static_cast<int>(shown.slices.size());
+  const int scale = std::max(1, tile_pixels / std::max(window.width, window.height));
+  const int width = window.width * scale + shown.extra + gap, height = window.height * scale + gap;
+  const int columns = std::max(1, static_cast<int>(std::ceil(std::sqrt(count * 1.5 * height / width))));
+  const int rows = (count + columns - 1) / columns;
   const int head = head_height(legend, columns * width + gap);
   Picture picture(columns * width + gap, head + std::max(1, rows) * height + gap, background);
   draw_head(picture, title, legend);
-  const float max = brightest(image);
-  for (int k = 0; k < nz; ++k) {
-    const int left = gap + k % columns * width, top = head + gap + k / columns * height;
-    Tile tile(picture, left, top, scale, {0, 0, nx, ny});
-    draw_image(tile, image, k, max);
-    draw(picture, tile, k, left + nx * scale, top);
+  for (int n = 0; n < count; ++n) {
+    const int k = shown.slices[static_cast<std::size_t>(n)];
+    const int left = gap + n % columns * width, top = head + gap + n / columns * height;
+    Tile tile(picture, left, top, scale, window);
+    draw_image(tile, image, k, shown.grey);
+    draw(picture, tile, k, left + window.width * scale, top);
     tile.text(std::to_string(k + 1));
   }
   return picture;
+}
+
+/// Of what a window shows, black and white for all but the few darkest and brightest voxels: the rest of an image may
+/// hold air and bone.
+GreyScale usual_values(const Image& image, const std::vector<int>& slices, const Window& w) {
+  std::vector<float> values;
+  for (const int k : slices)
+    for (int j = w.j; j < w.j + w.height; ++j)
+      for (int i = w.i; i < w.i + w.width; ++i)
+        if (image.grid.contains(i, j, k)) values.push_back(image(i, j, k));
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const auto last = static_cast<double>(values.size() - 1);
+  return {values[static_cast<std::size_t>(0.01 * last)], values[static_cast<std::size_t>(0.99 * last)]};
+}
+
+/// The slices that a surface meets and a window around it, px; `mesh` in the grid frame.
+Shown around(const Image& image, const TriMesh& mesh) {
+  constexpr double margin = 0.2;  // of the surface's width
+  constexpr int most_slices = 36;
+  Vec3 low = mesh.vertices.front(), high = low;
+  for (const Vec3& p : mesh.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const Vec3 room(margin * (high[0] - low[0]), margin * (high[1] - low[1]), 0);
+  const Vec3 first = (low - room).cwiseQuotient(image.grid.spacing),
+             last = (high + room).cwiseQuotient(image.grid.spacing);
+  const auto pixel = [&](double at, int axis) {
+    return std::clamp(static_cast<int>(std::lround(at)), 0, image.grid.dims[static_cast<std::size_t>(axis)] - 1);
+  };
+  Shown shown;
+  shown.window = {pixel(first[0], 0), pixel(first[1], 1), 0, 0};
+  shown.window.width = pixel(last[0], 0) - shown.window.i + 1;
+  shown.window.height = pixel(last[1], 1) - shown.window.j + 1;
+  const int bottom = pixel(std::ceil(first[2]), 2), top = pixel(std::floor(last[2]), 2);
+  const int stride = 1 + (top - bottom) / most_slices;
+  for (int k = bottom; k <= std::max(bottom, top); k += stride) shown.slices.push_back(k);
+  shown.grey = usual_values(image, shown.slices, shown.window);
+  return shown;
 }
 
 void draw_box(Tile& tile, const std::vector<Pixel>& pixels, Colour colour) {
@@ -205,12 +266,12 @@ void draw_label_marks(Tile& tile, const GateBorders& gate, const Circle& coarse,
 }  // namespace
 
 Picture draw_edges(const Image& image, const EdgeMap& edges, const std::string& title) {
-  return draw_sheet(image, 0, title, edge_legend,
+  return draw_sheet(image, all_of(image), title, edge_legend,
                     [&](Picture&, Tile& tile, int k, int, int) { draw_edge_pixels(tile, edges, k); });
 }
 
 Picture draw_labels(const Image& image, const GateBorders& gate, const Circle& coarse, const std::string& title) {
-  return draw_sheet(image, 0, title, label_legend,
+  return draw_sheet(image, all_of(image), title, label_legend,
                     [&](Picture&, Tile& tile, int k, int, int) { draw_label_marks(tile, gate, coarse, k); });
 }
 
@@ -218,21 +279,33 @@ Picture draw_rings(const Image& image, const GateBorders& gate, const RadialLabe
   constexpr int graph_width = 96;
   const Labels& labels = gate.labels;
   const SliceEdges edges = find_components(clip(gate.edges.edges, labels.axis, labels.circle.radius_px), 1);
-  return draw_sheet(image, graph_width, title, ring_legend, [&](Picture& picture, Tile& tile, int k, int x, int y) {
-    const auto& slice = edges[static_cast<std::size_t>(k)];
-    for (const Component& edge : slice)
-      for (const Pixel& p : edge.pixels) tile.paint(p.i, p.j, yellow);
-    RadialLabels o = options;
-    for (const double radius : radial_profile(slice, labels.axis, labels.circle.radius_px, o).peaks_px)
-      tile.circle(labels.axis.x_at(k), labels.axis.y_at(k), radius, red);
-    tile.circle(labels.axis.x_at(k), labels.axis.y_at(k), labels.circle.radius_px, white);
-    const int scale = std::max(1, tile_pixels / std::max(image.grid.dims[0], image.grid.dims[1]));
-    const int height = image.grid.dims[1] * scale / 3;
-    for (int n = 0; n < 3; ++n) {
-      o.ring_px = n + 1;
-      draw_bars(picture, radial_profile(slice, labels.axis, labels.circle.radius_px, o), o.ring_px, x + 4,
-                y + n * height, graph_width - 8, height, labels.circle.radius_px);
-    }
+  return draw_sheet(
+      image, all_of(image, graph_width), title, ring_legend, [&](Picture& picture, Tile& tile, int k, int x, int y) {
+        const auto& slice = edges[static_cast<std::size_t>(k)];
+        for (const Component& edge : slice)
+          for (const Pixel& p : edge.pixels) tile.paint(p.i, p.j, yellow);
+        RadialLabels o = options;
+        for (const double radius : radial_profile(slice, labels.axis, labels.circle.radius_px, o).peaks_px)
+          tile.circle(labels.axis.x_at(k), labels.axis.y_at(k), radius, red);
+        tile.circle(labels.axis.x_at(k), labels.axis.y_at(k), labels.circle.radius_px, white);
+        const int scale = std::max(1, tile_pixels / std::max(image.grid.dims[0], image.grid.dims[1]));
+        const int height = image.grid.dims[1] * scale / 3;
+        for (int n = 0; n < 3; ++n) {
+          o.ring_px = n + 1;
+          draw_bars(picture, radial_profile(slice, labels.axis, labels.circle.radius_px, o), o.ring_px, x + 4,
+                    y + n * height, graph_width - 8, height, labels.circle.radius_px);
+        }
+      });
+}
+
+Picture draw_sections(const Image& image, const TriMesh& surface, const std::string& title) {
+  const TriMesh mesh = to_grid(image.grid, surface);
+  const Vec3& spacing = image.grid.spacing;
+  return draw_sheet(image, around(image, mesh), title, section_legend, [&](Picture&, Tile& tile, int k, int, int) {
+    for (const auto& polygon : cross_section(mesh, Vec3(0, 0, k * spacing[2]), Vec3(0, 0, 1)))
+      for (std::size_t n = 1; n < polygon.size(); ++n)
+        tile.line(polygon[n - 1][0] / spacing[0], polygon[n - 1][1] / spacing[1], polygon[n][0] / spacing[0],
+                  polygon[n][1] / spacing[1], red);
   });
 }
 
@@ -259,7 +332,7 @@ Picture draw_matrix(const std::vector<std::vector<MatrixCell>>& rows, int slice,
       Tile tile(picture, left, top + line_height, scale, window);
       const Image& image = cell.borders.study.gates.front();
       if (slice >= image.grid.dims[2]) continue;
-      draw_image(tile, image, slice, brightest(image));
+      draw_image(tile, image, slice, up_to_brightest(image));
       if (what == MatrixDrawing::edges)
         draw_edge_pixels(tile, cell.borders.gates.front().edges, slice);
       else

@@ -22,6 +22,10 @@ Picture draw_labels(const Image& image, const GateBorders& gate, const Circle& c
 /// graphs for rings of 1, 2 and 3 pixels, their peaks in red.
 Picture draw_rings(const Image& image, const GateBorders& gate, const RadialLabels& options, const std::string& title);
 
+/// A closed surface (world frame) cut by the slices that it meets, at most 36 of them evenly spaced, over the image
+/// around it.
+Picture draw_sections(const Image& image, const TriMesh& surface, const std::string& title);
+
 /// One choice of options and what came of it.
 struct MatrixCell {
   std::string name;

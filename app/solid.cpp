@@ -31,7 +31,8 @@ Json results_of(const fs::path& folder) {
   Json json = Json::parse(text_of_file(path), nullptr, false);
   if (!json.is_object() || !json.contains("measures"))
     throw InputError(path.string() + " is no result of this version of dynasurf ventricle");
-  if (!json["measures"].is_object()) throw InputError(path.string() + " has no measured wall");
+  if (!json["measures"].is_object() || json["measures"]["thickness_is"].is_null())
+    throw InputError(path.string() + ": no wall was measured");
   return json;
 }
 
@@ -100,6 +101,7 @@ ExitCode run(const Arguments& a) {
                {"not positive", std::to_string(solid->quality.not_positive)},
                {"volume_ml", fixed(solid->volume_ml, 3)},
                {"between the surfaces_ml", fixed(solid->surfaces_ml, 3)},
+               {"moved to hold it_mm", fixed(solid->moved_mm, 3)},
                {"ends below the valve plane_mm", fixed(solid->lowered_mm, 1)},
                {"shape_min", fixed(solid->quality.shape_min, 3)},
                {"shape_mean", fixed(solid->quality.shape_mean, 3)}},

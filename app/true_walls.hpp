@@ -14,8 +14,10 @@ inline Measures measure_true_walls(const Phantom& phantom, const MeasureOptions&
   for (std::size_t g = 0; g < phantom.truth.size(); ++g) {
     const TrueGate& gate = phantom.truth[g];
     const bool knows = !gate.endo_uptake.empty();
-    input.gates.push_back({&gate.endo, &gate.epi, &phantom.study.gates[g], std::nullopt,
-                           knows ? &gate.endo_uptake : nullptr, knows ? &gate.epi_uptake : nullptr});
+    input.gates.push_back({{&gate.endo, knows ? &gate.endo_uptake : nullptr},
+                           {&gate.epi, knows ? &gate.epi_uptake : nullptr},
+                           &phantom.study.gates[g],
+                           std::nullopt});
   }
   return measure_walls(input, options);
 }

@@ -172,6 +172,7 @@ class OrganCommand(CliTest):
         self.assertEqual(result["schema"], "dynasurf.organ/1")
         self.assertAlmostEqual(result["surface"]["volume_ml"] / truth, 1, delta=0.03)
         self.assertRegex(run("measure", out / "organ.ply").stdout, r"closed +true")
+        self.assertTrue((out / "slices.png").read_bytes().startswith(b"\x89PNG"))
         before = hashes(out)
         self.assertEqual(run("organ", scan / "study.nii.gz", "--out", out, "--label", 1, "--threads", 1).returncode, 0)
         self.assertEqual(hashes(out), before)

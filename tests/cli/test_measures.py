@@ -3,6 +3,7 @@
 import functools
 import json
 import re
+import shutil
 import unittest
 
 from cli import CliTest, SMALL_PATIENT, run, shared_folder, small_patient, small_result
@@ -70,6 +71,67 @@ class Normals(CliTest):
         self.assertEqual(made.returncode, 2)
         self.assertIn("at least 3", made.stderr)
         self.assertEqual(run("scores", small_result(), "--normals", edit).returncode, 2)
+
+
+    def test_does_not_mix_what_perfusion_is_made_of(self):
+        normals()  # three results by uptake
+        mixed = shared_folder() / "mixed"
+        if not mixed.exists():
+            shutil.copytree(shared_folder() / "normals", mixed)
+        path = mixed / "normal1" / "results.json"
+        results = json.loads(path.read_text())
+        self.assertEqual(results["measures"]["perfusion_is"], "uptake")
+        results["measures"]["perfusion_is"] = "counts"
+        path.write_text(json.dumps(results))
+        self.refuses(2, "normals", mixed, "--out", self.folder / "none.json", says="normal1 from counts")
+        self.assertFalse((self.folder / "none.json").exists())
+        self.refuses(2, "scores", mixed / "normal1", "--normals", normals(), says="from counts")
+        self.refuses(2, "compare", mixed / "normal0", mixed / "normal1", says="normal0 has perfusion from uptake")
+        results["measures"]["perfusion_is"] = "colour"
+        path.write_text(json.dumps(results))
+        self.refuses(2, "scores", mixed / "normal1", says="expected counts or uptake")
+
+
+@functools.cache
+def blood_pool():
+    study, result = shared_folder() / "pool-study", shared_folder() / "pool"
+    made = run("phantom", "patient", "--out", study, *SMALL_PATIENT, "--set", "cavity=8", "--set", "background=0.5")
+    assert made.returncode == 0, made.stderr
+    made = run("ventricle", study / "study.dcm", "--out", result)
+    assert made.returncode in (0, 3), made.stderr
+    return result
+
+
+class BloodPool(CliTest):
+    def test_tells_of_the_cavity_and_of_no_wall(self):
+        results = self.read_json(blood_pool() / "results.json")
+        self.assertIn("blood_pool", [flag["code"] for flag in results["quality"]["flags"]])
+        measures = results["measures"]
+        for key in ("thickness_is", "perfusion_is", "muscle_ml", "muscle_g"):
+            self.assertIsNone(measures[key], key)
+        self.assertIsNone(measures["phase"]["counts"])
+        self.assertEqual(len(measures["segments"]), 17)
+        for segment in measures["segments"]:
+            self.assertGreater(segment["motion_mm"], 0)
+            self.assertIsNone(segment["perfusion_percent"])
+            self.assertIsNone(segment["thickness_ed_mm"])
+        maps = sorted(path.name for path in (blood_pool() / "measures").glob("polar_*.svg"))
+        self.assertIn("polar_motion_mm.svg", maps)
+        self.assertFalse([name for name in maps if "perfusion" in name or "thick" in name or "counts" in name], maps)
+
+    def test_has_no_perfusion_to_score_and_volumes_to_compare(self):
+        self.refuses(2, "scores", blood_pool(), says="has no perfusion")
+        self.refuses(2, "solid", blood_pool(), "--out", self.folder / "wall.vtu", says="no wall")
+        out = self.folder / "both"
+        made = run("compare", blood_pool(), blood_pool(), "--out", out)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        both = self.read_json(out / "comparison.json")
+        self.assertEqual(both["tid_ratio"], 1)
+        self.assertIsNone(both["summed_rest_score"])
+        page = (out / "comparison.html").read_text()
+        self.assertIn("Inward motion, rest less stress", page)
+        self.assertNotIn("Perfusion", page)
+        self.refuses(2, "compare", blood_pool(), small_result(), says="has no perfusion")
 
 
 class Compare(CliTest):

@@ -128,9 +128,11 @@ inline std::optional<Measures> measures_of_sample(const VentricleResult& result)
   bool is_any = false;
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
     const Gate& gate = result.gates[g];
-    is_any = is_any || (gate.endo && gate.epi);
-    input.gates.push_back({gate.endo ? &gate.endo->mesh : nullptr, gate.epi ? &gate.epi->mesh : nullptr,
-                           &result.study.gates[g], std::nullopt});
+    is_any = is_any || gate.endo;
+    input.gates.push_back({{gate.endo ? &gate.endo->mesh : nullptr},
+                           {gate.epi ? &gate.epi->mesh : nullptr},
+                           &result.study.gates[g],
+                           std::nullopt});
   }
   return is_any ? std::optional(measure_walls(input, {})) : std::nullopt;
 }
@@ -265,6 +267,21 @@ inline VentricleResult sample_without_endo() {
   result.verdict = Verdict::fail;
   result.flags = {
       {"surface_missing", Severity::failure, "no endocardial border was found in gates 1, 2, 3, 4, 5, 6, 7, 8", 8}};
+  return result;
+}
+
+/// An image of the blood pool: the cavity alone.
+inline VentricleResult sample_blood_pool() {
+  VentricleResult result = sample_result();
+  for (Gate& gate : result.gates) gate.epi = std::nullopt;
+  measure_sample(result);
+  result.wall_variation = std::nullopt;
+  result.qgs_like = std::nullopt;
+  result.verdict = Verdict::check;
+  result.flags = {{"blood_pool", Severity::warning, "the cavity is bright and no wall is seen", 1}};
+  for (int n = 1; n <= 8; ++n)  // a page must have room for them
+    result.flags.push_back({"flag_" + std::to_string(n), Severity::warning,
+                            "something else that a reader should look at before the numbers are believed", 1.0 * n});
   return result;
 }
 

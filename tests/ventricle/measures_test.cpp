@@ -42,7 +42,7 @@ Measures measure_truth(const Phantom& phantom, const MeasureOptions& options = {
   input.cycle_ms = phantom.study.cycle_ms;
   input.from_edges = false;
   for (std::size_t g = 0; g < phantom.truth.size(); ++g)
-    input.gates.push_back({&phantom.truth[g].endo, &phantom.truth[g].epi, &phantom.study.gates[g], std::nullopt});
+    input.gates.push_back({{&phantom.truth[g].endo}, {&phantom.truth[g].epi}, &phantom.study.gates[g], std::nullopt});
   return measure_walls(input, options);
 }
 
@@ -53,7 +53,7 @@ Measures measure_truth_with_uptake(const Phantom& phantom) {
   for (std::size_t g = 0; g < phantom.truth.size(); ++g) {
     const TrueGate& gate = phantom.truth[g];
     input.gates.push_back(
-        {&gate.endo, &gate.epi, &phantom.study.gates[g], std::nullopt, &gate.endo_uptake, &gate.epi_uptake});
+        {{&gate.endo, &gate.endo_uptake}, {&gate.epi, &gate.epi_uptake}, &phantom.study.gates[g], std::nullopt});
   }
   return measure_walls(input, {});
 }
@@ -110,7 +110,7 @@ TEST(Measures, FindTheDefectInAStackWhoseRowsAreUpsideDown) {
       for (int i = 0; i < image.grid.dims[0]; ++i) image(i, j, k) = original(i, image.grid.dims[1] - 1 - j, k);
   MeasureInput input;
   input.axis = axis;
-  input.gates.push_back({&phantom.truth[0].endo, &phantom.truth[0].epi, &image, std::nullopt});
+  input.gates.push_back({{&phantom.truth[0].endo}, {&phantom.truth[0].epi}, &image, std::nullopt});
   EXPECT_EQ(coldest(measure_walls(input, {}), 2), (std::set<int>{4, 10}));
   // Whoever asks for the rows gets what they show: the anterior wall.
   EXPECT_EQ(coldest(measure_walls(input, {.anterior = AnteriorRule::rows}), 2), (std::set<int>{1, 7}));
@@ -166,7 +166,7 @@ TEST(Measures, TellWhereEveryVertexWentAndHowItsAreaChanged) {
   input.axis = axis_of(phantom);
   input.from_edges = false;
   for (std::size_t g = 0; g < 4; ++g)
-    input.gates.push_back({&endos[g], &epis[g], &phantom.study.gates[0], std::nullopt});
+    input.gates.push_back({{&endos[g]}, {&epis[g]}, &phantom.study.gates[0], std::nullopt});
   const Measures m = measure_walls(input, {});
   ASSERT_EQ(m.ed_gate, 0);
   ASSERT_EQ(m.es_gate, 2);
@@ -198,8 +198,8 @@ TEST(Measures, TakePerfusionFromTheUptakeWhereItIsKnown) {
   const Phantom phantom = make_phantom(PhantomOptions{patient});
   EXPECT_NEAR(phantom.axis.value().dot(axis_of(phantom)), 1, 1e-9);
   const Measures known = measure_truth_with_uptake(phantom), seen = measure_truth(phantom);
-  EXPECT_TRUE(known.perfusion_from_uptake);
-  EXPECT_FALSE(seen.perfusion_from_uptake);
+  EXPECT_EQ(known.perfusion_is, Perfusion::uptake);
+  EXPECT_EQ(seen.perfusion_is, Perfusion::counts);
   // Segments 11 and 12 lie within the defect by 5 degrees, 8 and 9 opposite; the blur lends the defect activity.
   for (const std::size_t s : {11u, 12u}) {
     EXPECT_NEAR(known.segments[s - 1].perfusion_percent.value(), 30, 2) << s;
@@ -242,6 +242,42 @@ TEST(Measures, SeeAWallThatContractsLate) {
   EXPECT_GT(m.phase_motion->bandwidth_deg, 50);
 }
 
+TEST(Measures, TellOfABloodPoolWhatItsCavityTells) {
+  VirtualPatient patient = quick_patient();
+  patient.pose = {};
+  patient.late_wall = Defect::lateral;
+  patient.late_extent_deg = 120;
+  patient.delay_percent = 15;
+  const Phantom phantom = make_phantom(PhantomOptions{patient});
+  MeasureInput input;
+  input.axis = axis_of(phantom);
+  input.cycle_ms = phantom.study.cycle_ms;
+  for (std::size_t g = 0; g < phantom.truth.size(); ++g)
+    input.gates.push_back({{&phantom.truth[g].endo}, {}, &phantom.study.gates[g], std::nullopt});
+  const Measures pool = measure_walls(input, {}), both = measure_truth(phantom);
+  EXPECT_TRUE(pool.cavity_alone);
+  EXPECT_FALSE(both.cavity_alone);
+  ASSERT_TRUE(pool.function && pool.phase_motion);
+  EXPECT_EQ(pool.function->ef_percent, both.function->ef_percent);
+  EXPECT_NEAR(pool.phase_motion->sd_deg, both.phase_motion->sd_deg, 2);
+  for (std::size_t s = 0; s < 17; ++s) {
+    SCOPED_TRACE(s + 1);
+    // The frame begins half a wall lower where there is one, so the samples lie a little apart.
+    EXPECT_NEAR(pool.segments[s].motion_mm.value(), both.segments[s].motion_mm.value(), 1);
+    EXPECT_NEAR(std::remainder(*pool.segments[s].phase_motion_deg - *both.segments[s].phase_motion_deg, 360.0), 0, 8);
+    EXPECT_FALSE(pool.segments[s].perfusion_percent || pool.segments[s].thickness_ed_mm ||
+                 pool.segments[s].thickening_percent || pool.segments[s].count_thickening_percent ||
+                 pool.segments[s].phase_counts_deg || pool.segments[s].phase_thickness_deg);
+  }
+  EXPECT_EQ(pool.perfusion_is, Perfusion::none);
+  EXPECT_FALSE(pool.muscle_ml || pool.phase_counts || pool.phase_thickness);
+  EXPECT_TRUE(pool.maps.perfusion_percent.empty() && pool.maps.thickness_ed_mm.empty());
+  EXPECT_FALSE(pool.maps.motion_mm.empty());
+  // At rest a cavity has nothing to map.
+  input.gates.resize(1);
+  EXPECT_TRUE(measure_walls(input, {}).segments.empty());
+}
+
 TEST(Measures, DoWithOneGateAndWithMissingSurfaces) {
   VirtualPatient patient = quick_patient();
   patient.gates = 1;
@@ -255,7 +291,7 @@ TEST(Measures, DoWithOneGateAndWithMissingSurfaces) {
 
   MeasureInput input;
   input.gates.resize(2);
-  input.gates[0] = {nullptr, &phantom.truth[0].epi, &phantom.study.gates[0], std::nullopt};
+  input.gates[0] = {{}, {&phantom.truth[0].epi}, &phantom.study.gates[0], std::nullopt};
   const Measures none = measure_walls(input, {});
   EXPECT_TRUE(none.segments.empty());
   EXPECT_FALSE(none.muscle_ml);

@@ -106,7 +106,7 @@ VentricleResult fit_patient(double peak_counts) {
 TEST(RegionalErrors, AreWithEverySegmentOfAFitAndGrowWithTheNoise) {
   const VentricleResult calm = fit_patient(400), noisy = fit_patient(25);
   ASSERT_TRUE(calm.measures && noisy.measures);
-  EXPECT_TRUE(calm.measures->perfusion_from_uptake);
+  EXPECT_EQ(calm.measures->perfusion_is, Perfusion::uptake);
   double less = 0, more = 0;
   for (std::size_t s = 0; s < 17; ++s) {
     SCOPED_TRACE(s + 1);
@@ -195,7 +195,7 @@ TEST(RegionalErrors, AreNotThereForEdges) {
   const VentricleResult edges = reconstruct(make_phantom(o).study, ventricle_preset("edges"));
   ASSERT_TRUE(edges.measures);
   EXPECT_FALSE(edges.measures->segments[0].sd.thickness_ed_mm);
-  EXPECT_FALSE(edges.measures->perfusion_from_uptake);
+  EXPECT_EQ(edges.measures->perfusion_is, Perfusion::counts);
 }
 
 }  // namespace

@@ -41,6 +41,7 @@ int main(int count, char** arguments) {
     write_sample(folder / "fail", test::sample_failed());
     write_sample(folder / "ungated", test::sample_ungated());
     write_sample(folder / "no_endo", test::sample_without_endo());
+    write_sample(folder / "pool", test::sample_blood_pool());
     write_sample(folder / "gates16", test::sample_result({.gates = 16}));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "make_sample_report: %s\n", error.what());

@@ -88,8 +88,9 @@ export interface PhaseNumbers {
   entropy_percent: number;
 }
 export interface MeasureNumbers {
-  thickness_is: "apparent" | "model";
-  perfusion_is: "counts" | "uptake";
+  /** Null: a blood pool, no wall is seen. */
+  thickness_is: "apparent" | "model" | null;
+  perfusion_is: "counts" | "uptake" | null;
   muscle_ml: number | null;
   muscle_g: number | null;
   function: FunctionNumbers | null;

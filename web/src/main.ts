@@ -10,7 +10,7 @@ import { PolarView } from "./polar";
 import { SurfaceScene, type ViewName } from "./scene";
 import { Slices } from "./slices";
 import { Splash } from "./splash";
-import { showCards, showGates, showNotes, showOptions, showProvenance, showReadings, showVerdict, subjectOf } from "./tables";
+import { isBloodPool, showCards, showGates, showNotes, showOptions, showProvenance, showReadings, showVerdict, subjectOf } from "./tables";
 
 const default_cycle_ms = 1000;
 
@@ -57,7 +57,11 @@ function buildScene(report: Report, leading: Leading, walls: Wall[], player: Pla
       item.append(" ", text);
       return item;
     }),
-    ...missing.map((name) => html("span", { class: "missing" }, `${names[name]} was not found`)),
+    ...missing.map((name) =>
+      isBloodPool(report.results)
+        ? html("span", {}, "blood pool: no wall is seen")
+        : html("span", { class: "missing" }, `${names[name]} was not found`),
+    ),
   );
   player.listen((phase) => {
     scene.show(phase);
@@ -238,10 +242,13 @@ function buildPolar(report: Report, scene: SurfaceScene | null, point: (segment:
     byId("segments-panel").remove();
     return null;
   }
+  const { thickness_is } = results.measures;
   byId("segments-remark").textContent =
-    results.measures.thickness_is === "apparent"
-      ? "Thickness between edges of a blurred image is apparent: mostly the camera’s."
-      : "±: half of the 90 % interval. Numbers read from counts have none.";
+    thickness_is === null
+      ? "An image of the blood pool: how the rim of the cavity moves. Of the wall nothing is seen."
+      : thickness_is === "apparent"
+        ? "Thickness between edges of a blurred image is apparent: mostly the camera’s."
+        : "±: half of the 90 % interval. Numbers read from counts have none.";
   if (!scene) byId("polar-paint").closest("label")!.style.display = "none";
   return new PolarView(polar, results.measures, point, (map) => scene?.paintMap(map));
 }

@@ -83,7 +83,7 @@ function gateTable({ gates, ed_gate, es_gate }: Leading, report: Report): HTMLEl
       row("Gate", gates.map((_, g) => `${g + 1}${mark(g + 1)}`)),
       row("ms", report.results.gates.map((g) => figure(g.time_ms, 0))),
       row("Cavity mL", gates.map((g) => figure(g.endo_ml))),
-      row("Outer mL", gates.map((g) => figure(g.epi_ml))),
+      ...(gates.some((g) => g.epi_ml !== null) ? [row("Outer mL", gates.map((g) => figure(g.epi_ml)))] : []),
     ),
   );
 }
@@ -141,6 +141,11 @@ function section(title: string, ...content: (Node | string)[]): HTMLElement {
   return html("section", {}, html("h2", {}, title), ...content);
 }
 
+/** Many flags leave less room: the slices become as small as the sheet needs. */
+function fit(sheet: HTMLElement, slices: HTMLElement): void {
+  for (let percent = 100; sheet.scrollHeight > sheet.clientHeight && percent > 30; percent -= 5) slices.style.width = `${percent}%`;
+}
+
 /** Fills `place`, which must be visible, with two sheets. */
 export function buildPaper(place: HTMLElement, { report, leading, painter, walls, scene, moments }: Parts): void {
   const { results } = report;
@@ -157,18 +162,18 @@ export function buildPaper(place: HTMLElement, { report, leading, painter, walls
     head(report, 1),
     verdictOf(report),
     cards,
-    section("The study read in three ways", readings),
+    section("Readings", readings),
     html("div", { class: "paper-pair" }, section("Volumes over the beat", curve, html("p", { class: "paper-legend" }, `Circles: cavity${leading.fitted ? " with its 90 % interval" : ""}. Squares: outer surface. Triangles: wall. Thin dashes: periodic fit.`)), section("The beat in numbers", beatOf(report))),
     section("Slices", splash),
   );
-  const phase = measures?.phase.counts;
+  const phase = measures?.phase.counts ?? measures?.phase.motion;
   const second = html(
     "article",
     { class: "sheet" },
     head(report, 2),
     ...(measures && report.polar ? [section("Polar maps", html("div", { class: "paper-maps" }, ...mapsOf(report)))] : []),
     ...(scene ? [section("Surfaces", html("div", { class: "paper-hearts" }, ...heartsOf(scene, moments)))] : []),
-    ...(phase ? [section("Onset of contraction by counts", histogramOf(phase))] : []),
+    ...(phase ? [section(`Onset of contraction by ${phase === measures?.phase.counts ? "counts" : "motion"}`, histogramOf(phase))] : []),
     ...(measures ? [section("Segments", segmentTable(measures))] : []),
     section("Gates", gateTable(leading, report)),
     provenanceOf(report),
@@ -179,4 +184,5 @@ export function buildPaper(place: HTMLElement, { report, leading, painter, walls
     new Curve(curve, results, leading, walls, still).draw();
   } else curve.append("No beat to show.");
   if (painter && walls.length > 0) new Splash(splash, painter, moments, 8).draw();
+  fit(first, splash);
 }

@@ -175,7 +175,9 @@ export class PolarView {
   }
 }
 
-function segmentRow(segment: SegmentNumbers): HTMLTableRowElement {
+type Column = (typeof columns)[number];
+
+function segmentRow(segment: SegmentNumbers, shown: Column[]): HTMLTableRowElement {
   const cell = (key: MapName) => {
     const half = halfWidth(segment, key);
     const bar = half === null ? [] : [html("small", {}, ` ± ${figure(half, digitsOf(key))}`)];
@@ -186,11 +188,16 @@ function segmentRow(segment: SegmentNumbers): HTMLTableRowElement {
     { "data-segment": segment.number },
     html("th", { scope: "row" }, `${segment.number} ${segment.name}`),
     html("td", {}, segment.territory),
-    ...columns.map(([key]) => cell(key)),
+    ...shown.map(([key]) => cell(key)),
   );
 }
 
+/** Columns without any number are left out; a column's name is short beside the one before it. */
 export function segmentTable({ segments }: MeasureNumbers): HTMLTableElement {
+  const has = (key: MapName) => segments.some((segment) => segment[key] !== null);
+  const shown = columns
+    .filter(([key]) => has(key))
+    .map(([key, name, unit]): Column => [key, key === "phase_motion_deg" && !has("phase_counts_deg") ? "Onset, motion" : name, unit]);
   return html(
     "table",
     { class: "numbers" },
@@ -202,9 +209,9 @@ export function segmentTable({ segments }: MeasureNumbers): HTMLTableElement {
         {},
         html("th", { scope: "col" }, "Segment"),
         html("th", { scope: "col" }, "Artery"),
-        ...columns.map(([, name, unit]) => html("th", { scope: "col" }, name, html("small", {}, unit))),
+        ...shown.map(([, name, unit]) => html("th", { scope: "col" }, name, html("small", {}, unit))),
       ),
     ),
-    html("tbody", {}, ...segments.map(segmentRow)),
+    html("tbody", {}, ...segments.map((segment) => segmentRow(segment, shown))),
   );
 }

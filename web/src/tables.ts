@@ -65,9 +65,14 @@ function cardsOf(results: Results, leading: Leading): Card[] {
     { name: "End-diastolic volume", value: figure(leading.edv_ml), unit: "mL", detail: range(fitted?.edv_ml_90, gate(leading.ed_gate)) },
     { name: "End-systolic volume", value: figure(leading.esv_ml), unit: "mL", detail: range(fitted?.esv_ml_90, gate(leading.es_gate)) },
     { name: "Stroke volume", value: figure(leading.sv_ml), unit: "mL", detail: range(fitted?.sv_ml_90, "end-diastolic − end-systolic") },
-    { name: "Wall, mean", value: figure(leading.wall_ml), unit: "mL", detail: range(fitted?.wall_ml_90, variation === null ? "" : `varies by ${figure(100 * variation, 0)} %`) },
+    ...(isBloodPool(results)
+      ? []
+      : [{ name: "Wall, mean", value: figure(leading.wall_ml), unit: "mL", detail: range(fitted?.wall_ml_90, variation === null ? "" : `varies by ${figure(100 * variation, 0)} %`) }]),
   ];
 }
+
+/** An image of the blood: the cavity is measured, and nothing of a wall. */
+export const isBloodPool = ({ measures }: Results): boolean => measures !== null && measures.thickness_is === null;
 
 /** What is measured beyond the volumes of the gates. */
 function measuresOf(results: Results): Card[] {
@@ -75,7 +80,7 @@ function measuresOf(results: Results): Card[] {
   const fit = measures?.function;
   if (!measures || !fit) return [];
   const rate = fit.peak_filling_edv_per_s;
-  const phase = measures.phase.counts;
+  const phase = measures.phase.counts ?? measures.phase.motion;
   const time = fit.time_to_peak_filling_ms;
   return [
     {
@@ -90,14 +95,18 @@ function measuresOf(results: Results): Card[] {
       unit: rate === null ? "EDV/beat" : "EDV/s",
       detail: `${time === null ? `${figure(fit.time_to_peak_filling, 2)} beat` : `${figure(time, 0)} ms`} after ES; first third ${figure(100 * (fit.first_third_filling ?? 0), 0)} %`,
     },
-    {
-      name: measures.thickness_is === "apparent" ? "Muscle, apparent" : "Muscle",
-      value: figure(measures.muscle_g, 0),
-      unit: "g",
-      detail: `${figure(measures.muscle_ml, 0)} mL at 1.05 g/mL`,
-    },
+    ...(isBloodPool(results)
+      ? []
+      : [
+          {
+            name: measures.thickness_is === "apparent" ? "Muscle, apparent" : "Muscle",
+            value: figure(measures.muscle_g, 0),
+            unit: "g",
+            detail: `${figure(measures.muscle_ml, 0)} mL at 1.05 g/mL`,
+          },
+        ]),
     ...(phase
-      ? [{ name: "Phase SD", value: figure(phase.sd_deg), unit: "°", detail: `bandwidth ${figure(phase.bandwidth_deg, 0)}°, entropy ${figure(phase.entropy_percent, 0)} %` }]
+      ? [{ name: measures.phase.counts ? "Phase SD" : "Phase SD, motion", value: figure(phase.sd_deg), unit: "°", detail: `bandwidth ${figure(phase.bandwidth_deg, 0)}°, entropy ${figure(phase.entropy_percent, 0)} %` }]
       : []),
   ];
 }

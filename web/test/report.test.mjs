@@ -151,6 +151,47 @@ const tests = {
     assert.equal(await page.locator("#segments tbody tr").count(), 17);
   },
 
+  async "paints the polar map on the heart"(open) {
+    const page = await open("ok");
+    await page.setViewportSize({ width: 1400, height: 1900 });
+    await pause(page);
+    const shot = () => page.locator("#scene canvas").screenshot();
+    const plain = await shot();
+    await page.locator("#polar-paint").check();
+    await until(async () => !plain.equals(await shot()), "nothing was painted");
+    const perfusion = await shot();
+    await page.selectOption("#polar-map", { label: "Inward motion, mm" });
+    await until(async () => !perfusion.equals(await shot()), "another map paints the same");
+    await page.selectOption("#polar-map", { index: 0 });
+    await until(async () => perfusion.equals(await shot()), "the same map paints another heart");
+    await page.locator("#polar-paint").uncheck();
+    await until(async () => plain.equals(await shot()), "the paint stays");
+  },
+
+  async "tells of a blood pool what the cavity tells"(open) {
+    const page = await open("pool");
+    const cards = await text(page, "#numbers");
+    assert.match(cards, /Ejection fraction/);
+    assert.match(cards, /Peak filling rate/);
+    assert.match(cards, /Phase SD, motion/);
+    assert.doesNotMatch(cards, /Wall|Muscle/);
+    const maps = await page.locator("#polar-map option").allTextContents();
+    assert.deepEqual(maps, ["Inward motion, mm", "Onset by motion, deg"]);
+    const head = await text(page, "#segments thead");
+    assert.match(head, /Motion/);
+    assert.doesNotMatch(head, /Perfusion|Thick/);
+    assert.match(await text(page, "#segments-remark"), /blood pool/);
+  },
+
+  async "is no wider than a telephone"(open) {
+    for (const sample of ["fitted", "check", "fail"]) {
+      const page = await open(sample);
+      await page.setViewportSize({ width: 390, height: 800 });
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+      assert.ok(wide <= 390, `${sample}: ${wide} px`);
+    }
+  },
+
   async "draws no polar map without surfaces"(open) {
     const page = await open("fail");
     assert.equal(await page.locator("#polar-panel").count(), 0);
@@ -258,7 +299,7 @@ const tests = {
   },
 
   async "prints two pages that hold all they show"(open) {
-    for (const sample of ["ok", "fitted", "check", "gates16", "fail", "ungated"]) {
+    for (const sample of ["ok", "fitted", "check", "pool", "gates16", "fail", "ungated"]) {
       const page = await open(sample);
       await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
       const sheets = await page.evaluate(() =>

@@ -92,6 +92,7 @@ std::string number_rows(const Json& rest, const Json& stress) {
       {"Muscle, g", {"measures", "muscle_g"}, 0},
       {"Peak filling rate, EDV/s", {"measures", "function", "peak_filling_edv_per_s"}, 2},
       {"Phase SD of the counts, deg", {"measures", "phase", "counts", "sd_deg"}, 1},
+      {"Phase SD of the motion, deg", {"measures", "phase", "motion", "sd_deg"}, 1},
   };
   std::string html;
   for (const auto& [name, key] : {std::pair("EF, unbiased, %", "ef_percent"), std::pair("EDV, unbiased, mL", "edv_ml"),
@@ -157,8 +158,12 @@ Measures measures_of(const PolarTable& polar, const Json& results) {
   m.grid = polar.grid;
   m.area_mm2 = polar.area_mm2;
   m.maps = polar.maps;
-  m.from_edges = !(results["measures"].is_object() && results["measures"].value("thickness_is", "") == "model");
+  m.from_edges = !(results["measures"].is_object() && results["measures"]["thickness_is"] == "model");
   return m;
+}
+
+bool is_blank(const PolarValues& map) {
+  return std::none_of(map.begin(), map.end(), [](const auto& value) { return value.has_value(); });
 }
 
 std::string map_rows(const ComparedStudy& rest, const ComparedStudy& stress) {
@@ -171,7 +176,7 @@ std::string map_rows(const ComparedStudy& rest, const ComparedStudy& stress) {
         std::find_if(polar_kinds().begin(), polar_kinds().end(),
                      [&, wanted = std::string_view(name)](const PolarKind& k) { return k.name == wanted; });
     const PolarValues &at_rest = a.maps.*kind->values, &stressed = b.maps.*kind->values;
-    if (at_rest.empty() || stressed.empty()) continue;
+    if (is_blank(at_rest) || is_blank(stressed)) continue;
     Measures difference = a;
     difference.maps.*kind->values = lost_under_stress(at_rest, stressed);
     PolarKind lost = *kind;
@@ -239,10 +244,12 @@ std::string comparison_html(const ComparedStudy& rest, const ComparedStudy& stre
       number_rows(rest.results, stress.results) + "</table>\n";
   html +=
       "<h2>Volume of the cavity, periodic fit, mL</h2><div class=\"curve\">" + curves_svg(rest, stress) + "</div>\n";
-  html +=
-      "<h2>Segments: perfusion in percent of the bright wall, scores 0 to 4</h2><table><thead><tr><th></th>"
-      "<th>Rest</th><th>Stress</th><th>Lost</th><th>Score at rest</th><th>Score under stress</th></tr></thead>\n" +
-      segment_rows(rest, stress, comparison) + "</table></section>\n";
+  if (rest.polar.perfusion_is != Perfusion::none)
+    html +=
+        "<h2>Segments: perfusion in percent of the bright wall, scores 0 to 4</h2><table><thead><tr><th></th>"
+        "<th>Rest</th><th>Stress</th><th>Lost</th><th>Score at rest</th><th>Score under stress</th></tr></thead>\n" +
+        segment_rows(rest, stress, comparison) + "</table>";
+  html += "</section>\n";
   html +=
       "<section><h2>Polar maps: rest, stress, and what is lost under stress</h2>"
       "<p>Seen from the apex, anterior wall on top, septum left. Each map lies in the frame of its own heart: apex, "

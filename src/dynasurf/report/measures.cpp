@@ -136,8 +136,8 @@ Json measures_json(const std::optional<Measures>& measures, double cycle_ms) {
   Json segments = Json::array();
   for (const SegmentMeasures& s : m.segments) segments.push_back(segment_json(s));
   Json json;
-  json["thickness_is"] = m.from_edges ? "apparent" : "model";
-  json["perfusion_is"] = m.perfusion_from_uptake ? "uptake" : "counts";
+  json["thickness_is"] = m.cavity_alone ? Json(nullptr) : Json(m.from_edges ? "apparent" : "model");
+  json["perfusion_is"] = m.perfusion_is == Perfusion::none ? Json(nullptr) : Json(word_of(m.perfusion_is));
   json["anterior"] = {{"rule", word_of(m.anterior.rule)}, {"direction", vector_json(m.anterior.direction)}};
   json["muscle_ml"] = number(m.muscle_ml);
   json["muscle_g"] = number(m.muscle_g);

@@ -74,9 +74,21 @@ Json list_of(const PolarValues& values) {
   return list;
 }
 
+/// Of a result's measures, or of a normal map.
+Perfusion perfusion_in(const Json& json, const std::filesystem::path& path) {
+  if (!json.is_object() || !json.contains("perfusion_is"))
+    throw InputError(path.string() + " does not tell what its perfusion is made of (perfusion_is)");
+  const Json& word = json["perfusion_is"];
+  if (word.is_null()) return Perfusion::none;
+  for (const Perfusion kind : {Perfusion::counts, Perfusion::uptake})
+    if (word == word_of(kind)) return kind;
+  throw InputError(path.string() + ": perfusion_is " + word.dump() + "; expected counts or uptake");
+}
+
 }  // namespace
 
-PolarTable read_polar(const std::filesystem::path& csv) {
+PolarTable read_polar(const std::filesystem::path& result) {
+  const std::filesystem::path csv = result / "measures" / "polar.csv", results = result / "results.json";
   std::istringstream text(text_of_file(csv));
   std::string line;
   std::getline(text, line);
@@ -84,6 +96,7 @@ PolarTable read_polar(const std::filesystem::path& csv) {
   const std::size_t area = column_of(names, "area_mm2", csv);
   column_of(names, "perfusion_percent", csv);  // the one map that must be there
   PolarTable table;
+  table.perfusion_is = perfusion_in(parse(results).value("measures", Json()), results);
   for (int number = 2; std::getline(text, line); ++number) {
     const std::string where = csv.string() + ", line " + std::to_string(number);
     const std::vector<std::string> fields = fields_of(line);
@@ -101,11 +114,20 @@ PolarTable read_polar(const std::filesystem::path& csv) {
   return table;
 }
 
+void require_same_perfusion(Perfusion a, const std::string& name_a, Perfusion b, const std::string& name_b) {
+  for (const auto& [kind, name] : {std::pair(a, name_a), std::pair(b, name_b)})
+    if (kind == Perfusion::none) throw InputError(name + " has no perfusion");
+  if (a != b)
+    throw InputError(name_a + " has perfusion from " + std::string(word_of(a)) + ", " + name_b + " from " +
+                     std::string(word_of(b)) + "; expected one kind: reconstruct both with the same preset");
+}
+
 std::string normals_text(const NormalMap& normal) {
   Json json;
   json["schema"] = "dynasurf.normals/1";
   json["use"] = "Research use only. Not for diagnosis.";
   json["studies"] = normal.studies;
+  json["perfusion_is"] = word_of(normal.perfusion_is);
   json["rings"] = normal.grid.rings;
   json["sectors"] = normal.grid.sectors;
   json["mean"] = list_of(normal.mean);
@@ -119,6 +141,7 @@ NormalMap read_normals(const std::filesystem::path& path) {
     throw InputError(path.string() + ": no normal map; expected schema dynasurf.normals/1");
   NormalMap normal;
   normal.studies = whole_in(json, "studies", path);
+  normal.perfusion_is = perfusion_in(json, path);
   normal.grid = {whole_in(json, "rings", path), whole_in(json, "sectors", path)};
   normal.mean = values_in(json, "mean", normal.grid.size(), path);
   normal.sd = values_in(json, "sd", normal.grid.size(), path);

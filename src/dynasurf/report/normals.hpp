@@ -11,15 +11,21 @@ namespace dynasurf {
 /// What normal limits, scores and comparisons need of a finished study.
 struct PolarTable {
   PolarGrid grid;
-  PolarMaps maps;  // those that the file holds; perfusion always
+  PolarMaps maps;  // those that the file holds; perfusion always, without any value where `perfusion_is` none
+  Perfusion perfusion_is = Perfusion::none;
   std::vector<double> area_mm2;
 };
 
-/// Reads measures/polar.csv of a result. Throws InputError naming the file and the line, IoError.
-PolarTable read_polar(const std::filesystem::path& csv);
+/// Reads measures/polar.csv of a result, and in its results.json what its perfusion is made of. Throws InputError
+/// naming the file and the line, IoError.
+PolarTable read_polar(const std::filesystem::path& result);
 
-/// A normal map as a file (schema dynasurf.normals/1): `studies`, `rings`, `sectors`, `mean` and `sd`, ring by ring
-/// from the apex; null where there is none.
+/// Throws InputError unless both perfusions are of one kind, and there is any: "A has perfusion from counts, B from
+/// uptake".
+void require_same_perfusion(Perfusion a, const std::string& name_a, Perfusion b, const std::string& name_b);
+
+/// A normal map as a file (schema dynasurf.normals/1): `studies`, `perfusion_is` (counts or uptake), `rings`,
+/// `sectors`, `mean` and `sd`, ring by ring from the apex; null where there is none.
 std::string normals_text(const NormalMap& normal);
 NormalMap read_normals(const std::filesystem::path& path);
 

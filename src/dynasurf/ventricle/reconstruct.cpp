@@ -253,13 +253,17 @@ std::optional<Measures> measure_study(const VentricleResult& result, const Measu
     if (result.fit) {
       const FittedGate& fitted = result.fit->gates[g];
       input.from_edges = false, is_any = true;
-      input.gates.push_back(
-          {&fitted.endo, &fitted.epi, &result.study.gates[g], fitted.base, &result.fit->uptake, &result.fit->uptake});
+      input.gates.push_back({{&fitted.endo, &result.fit->uptake},
+                             {&fitted.epi, &result.fit->uptake},
+                             &result.study.gates[g],
+                             fitted.base});
       continue;
     }
-    is_any = is_any || (gate.endo && gate.epi);
-    input.gates.push_back({gate.endo ? &gate.endo->mesh : nullptr, gate.epi ? &gate.epi->mesh : nullptr,
-                           &result.study.gates[g], gate.base_plane});
+    is_any = is_any || gate.endo;
+    input.gates.push_back({{gate.endo ? &gate.endo->mesh : nullptr},
+                           {gate.epi ? &gate.epi->mesh : nullptr},
+                           &result.study.gates[g],
+                           gate.base_plane});
   }
   if (!is_any) return std::nullopt;
   Measures measures = measure_walls(input, options);

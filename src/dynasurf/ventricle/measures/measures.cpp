@@ -12,7 +12,10 @@
 namespace dynasurf {
 namespace {
 
-bool has_walls(const WallGate& gate) { return gate.endo && gate.epi && gate.image; }
+/// Both surfaces, or the inner one where no outer one is looked for.
+bool is_measured(const WallGate& gate, bool cavity_alone) {
+  return gate.image && gate.endo.mesh && (cavity_alone || gate.epi.mesh);
+}
 
 /// Centre of the volume inside a closed surface.
 Vec3 centroid(const TriMesh& mesh) {
@@ -28,11 +31,11 @@ Vec3 centroid(const TriMesh& mesh) {
 }
 
 /// A point of the long axis in the cavities of all gates.
-Vec3 middle_of(const MeasureInput& input) {
+Vec3 middle_of(const MeasureInput& input, bool cavity_alone) {
   Vec3 sum = Vec3::Zero();
   int count = 0;
   for (const WallGate& gate : input.gates)
-    if (has_walls(gate)) sum += centroid(*gate.endo), ++count;
+    if (is_measured(gate, cavity_alone)) sum += centroid(*gate.endo.mesh), ++count;
   return sum / count;
 }
 
@@ -151,10 +154,12 @@ void measure_maps(Measures& m) {
   m.area_mm2 = ed.map.area_mm2;
   const Curves counts = curves_of(m, [](const GateMeasures& g, std::size_t n) { return g.map.counts[n]; });
   const Curves uptake = curves_of(m, [](const GateMeasures& g, std::size_t n) { return g.map.uptake[n]; });
-  m.perfusion_from_uptake =
-      std::any_of(uptake.begin(), uptake.end(), [](const std::vector<double>& curve) { return !curve.empty(); });
-  m.maps.perfusion_percent =
-      in_percent_of_reference(means_of(m.perfusion_from_uptake ? uptake : counts), m.perfusion_from_uptake);
+  const auto is_known = [](const Curves& curves) {
+    return std::any_of(curves.begin(), curves.end(), [](const std::vector<double>& curve) { return !curve.empty(); });
+  };
+  const bool is_uptake = is_known(uptake);
+  if (is_uptake || is_known(counts)) m.perfusion_is = is_uptake ? Perfusion::uptake : Perfusion::counts;
+  m.maps.perfusion_percent = in_percent_of_reference(means_of(is_uptake ? uptake : counts), is_uptake);
   m.maps.thickness_ed_mm = ed.map.thickness_mm;
   if (m.es_gate < 0) return;
 
@@ -205,15 +210,15 @@ void measure_motion(Measures& m, const MeasureInput& input) {
     return surface_motion(*from, *to);
   };
   for (std::size_t g = 0; g < m.gates.size(); ++g) {
-    m.gates[g].endo_motion = motion_of(rest.endo, input.gates[g].endo);
-    m.gates[g].epi_motion = motion_of(rest.epi, input.gates[g].epi);
+    m.gates[g].endo_motion = motion_of(rest.endo.mesh, input.gates[g].endo.mesh);
+    m.gates[g].epi_motion = motion_of(rest.epi.mesh, input.gates[g].epi.mesh);
   }
   if (m.es_gate < 0) return;
   const auto& contracted = m.gates[static_cast<std::size_t>(m.es_gate)].endo_motion;
   if (!contracted) return;
   const GateMeasures& ed = m.gates[static_cast<std::size_t>(m.ed_gate)];
-  const std::vector<int> numbers = segments_of_vertices(m.model, *ed.axes, rest.endo->vertices);
-  const std::vector<double> areas = areas_of_vertices(*rest.endo);
+  const std::vector<int> numbers = segments_of_vertices(m.model, *ed.axes, rest.endo.mesh->vertices);
+  const std::vector<double> areas = areas_of_vertices(*rest.endo.mesh);
   std::vector<double> weight(m.segments.size(), 0.0), moved = weight, strain = weight;
   for (std::size_t v = 0; v < numbers.size(); ++v) {
     if (numbers[v] == 0) continue;
@@ -256,6 +261,14 @@ void measure_segments(Measures& m) {
   }
 }
 
+/// A map without any value is none.
+void drop_blank_maps(PolarMaps& maps) {
+  for (PolarValues* map : {&maps.perfusion_percent, &maps.thickness_ed_mm, &maps.thickness_es_mm,
+                           &maps.thickening_percent, &maps.count_thickening_percent, &maps.motion_mm,
+                           &maps.phase_counts_deg, &maps.phase_motion_deg, &maps.phase_thickness_deg})
+    if (std::none_of(map->begin(), map->end(), [](const auto& value) { return value.has_value(); })) map->clear();
+}
+
 }  // namespace
 
 Measures measure_walls(const MeasureInput& input, const MeasureOptions& requested) {
@@ -265,21 +278,29 @@ Measures measure_walls(const MeasureInput& input, const MeasureOptions& requeste
   m.from_edges = input.from_edges;
   m.model = options.segments;
   m.gates.resize(input.gates.size());
+  m.cavity_alone = std::none_of(input.gates.begin(), input.gates.end(), [](const WallGate& g) { return g.epi.mesh; });
+  const auto has_walls = [&](const WallGate& gate) { return is_measured(gate, m.cavity_alone); };
   const auto first = std::find_if(input.gates.begin(), input.gates.end(), has_walls);
   if (first == input.gates.end()) return m;
 
   m.anterior = find_anterior(input.axis, first->image->grid, options.anterior);
-  const Vec3 middle = middle_of(input);
+  const Vec3 middle = middle_of(input, m.cavity_alone);
   parallel_for(input.gates.size(), 1, [&](std::size_t g, std::size_t) {
     const WallGate& gate = input.gates[g];
     if (!has_walls(gate)) return;
     GateMeasures& measured = m.gates[g];
-    measured.endo_ml = volume_mm3(*gate.endo) / 1000, measured.epi_ml = volume_mm3(*gate.epi) / 1000;
-    measured.axes = axes_of(*gate.endo, *gate.epi, middle, input.axis, m.anterior.direction, gate.base_plane);
+    const TriMesh& endo = *gate.endo.mesh;
+    const TriMesh& outermost = m.cavity_alone ? endo : *gate.epi.mesh;
+    measured.endo_ml = volume_mm3(endo) / 1000;
+    measured.axes = axes_of(endo, outermost, middle, input.axis, m.anterior.direction, gate.base_plane);
+    if (!m.cavity_alone) measured.epi_ml = volume_mm3(outermost) / 1000;
     if (!measured.axes) return;
-    measured.thickness = wall_thickness(*gate.endo, *gate.epi, *measured.axes);
-    measured.map = map_wall({*gate.endo, gate.endo_uptake}, {*gate.epi, gate.epi_uptake}, measured.thickness,
-                            *measured.axes, *gate.image, m.grid);
+    if (m.cavity_alone) {
+      measured.map = map_cavity(endo, *measured.axes, m.grid);
+      return;
+    }
+    measured.thickness = wall_thickness(endo, outermost, *measured.axes);
+    measured.map = map_wall(gate.endo, gate.epi, measured.thickness, *measured.axes, *gate.image, m.grid);
   });
 
   double muscle = 0;
@@ -290,17 +311,19 @@ Measures measure_walls(const MeasureInput& input, const MeasureOptions& requeste
     muscle += m.gates[g].epi_ml - m.gates[g].endo_ml, ++walls;
     cavity.push_back(m.gates[g].endo_ml);
   }
-  m.muscle_ml = muscle / walls, m.muscle_g = muscle_density * *m.muscle_ml;
+  if (!m.cavity_alone) m.muscle_ml = muscle / walls, m.muscle_g = muscle_density * *m.muscle_ml;
   if (cavity.size() == m.gates.size() && cavity.size() > 1) measure_beat(m, cavity, options.waves);
   if (m.gates.size() == 1) m.ed_gate = 0;
 
   // Maps of a beat need its extremes.
   const auto is_mapped = [&](int gate) { return gate >= 0 && m.gates[static_cast<std::size_t>(gate)].axes; };
   if (!is_mapped(m.ed_gate) || (m.gates.size() > 1 && !is_mapped(m.es_gate))) return m;
+  if (m.cavity_alone && m.es_gate < 0) return m;  // a cavity at rest has nothing to map
   for (const Segment& segment : segments_of(m.model)) m.segments.emplace_back().segment = segment;
   measure_maps(m);
   measure_segments(m);
   measure_motion(m, input);
+  drop_blank_maps(m.maps);
   return m;
 }
 

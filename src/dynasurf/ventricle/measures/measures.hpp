@@ -34,12 +34,9 @@ inline constexpr double muscle_density = 1.05;
 
 /// What is measured: closed surfaces and the image of each gate, in the world frame, on any pipeline's way.
 struct WallGate {
-  const TriMesh* endo = nullptr;  // null: not found in this gate
-  const TriMesh* epi = nullptr;
+  WallSide endo, epi;  // without a mesh: not found in this gate
   const Image* image = nullptr;
   std::optional<BasePlane> base_plane;
-  // Activity of the wall at each vertex, where it is known better than from the image; null: from the image.
-  const std::vector<double>*endo_uptake = nullptr, *epi_uptake = nullptr;
 };
 struct MeasureInput {
   std::vector<WallGate> gates;  // in the order of the beat
@@ -90,7 +87,8 @@ struct SegmentMeasures {
 /// Every number a reader expects, from one pair of surfaces per gate (docs/stages/measures.md).
 struct Measures {
   bool from_edges = true;
-  bool perfusion_from_uptake = false;  // else from counts
+  bool cavity_alone = false;  // a blood pool: nothing of a wall is measured
+  Perfusion perfusion_is = Perfusion::none;
   Anterior anterior;
   std::vector<GateMeasures> gates;
   int ed_gate = -1, es_gate = -1;  // 0-based, of the measured volumes; -1: none (es of an ungated study)
@@ -104,8 +102,10 @@ struct Measures {
   std::optional<PhaseSummary> phase_counts, phase_motion, phase_thickness;
 };
 
-/// Gates without both surfaces take no part. An ungated study has perfusion and thickness, no function, motion or
-/// phase. A segment's percentages come from its mean thickness and counts, its phases from its mean curves.
+/// Gates without both surfaces take no part; but where no gate has an outer surface, as in images of the blood pool,
+/// the cavity's function, motion and phase by motion are measured alone. An ungated study has perfusion and thickness,
+/// no function, motion or phase. A segment's percentages come from its mean thickness and counts, its phases from its
+/// mean curves. Maps without any value are empty.
 Measures measure_walls(const MeasureInput& input, const MeasureOptions& options);
 
 }  // namespace dynasurf

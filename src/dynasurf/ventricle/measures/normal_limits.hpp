@@ -10,12 +10,14 @@ namespace dynasurf {
 /// Perfusion of normal hearts, sample by sample, as `PolarMaps::perfusion_percent`.
 struct NormalMap {
   PolarGrid grid;
+  Perfusion perfusion_is = Perfusion::none;
   int studies = 0;
   PolarValues mean, sd;  // absent where fewer than 3 studies have a value
 };
 
 /// Mean and standard deviation (n - 1) of the maps. A deviation below `least_sd` is raised to it: a handful of studies
-/// may agree by chance. Throws InputError for fewer than 3 maps or maps of different sizes.
+/// may agree by chance. What the maps are made of is for the caller to tell. Throws InputError for fewer than 3 maps or
+/// maps of different sizes.
 NormalMap build_normal_map(std::span<const PolarValues> perfusion, const PolarGrid& grid, double least_sd = 4);
 
 /// What of a wall lies below normal.

@@ -86,7 +86,7 @@ void set_all(Measures& m, std::optional<double> SegmentErrors::*member, const Ve
 
 /// Percent of the reference, as `perfusion_percent` is made.
 void perfusion_errors(Measures& m, const Wall& wall, int gate) {
-  if (!m.perfusion_from_uptake) return;
+  if (m.perfusion_is != Perfusion::uptake) return;
   const PolarValues& percent = m.maps.perfusion_percent;
   MatrixXd weights = segment_weights(m, percent);
   const std::vector<std::size_t> reference = reference_samples(percent, true);

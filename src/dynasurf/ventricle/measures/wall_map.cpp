@@ -28,7 +28,7 @@ std::optional<double> thickness_at(const RayHit& hit, const TriMesh& mesh, const
 
 /// Uptake at a hit, from the triangle's corners.
 double uptake_at(const RayHit& hit, const WallSide& side) {
-  const auto& t = side.mesh.triangles[hit.triangle];
+  const auto& t = side.mesh->triangles[hit.triangle];
   const std::vector<double>& uptake = *side.uptake;
   return (1 - hit.u - hit.v) * uptake[t[0]] + hit.u * uptake[t[1]] + hit.v * uptake[t[2]];
 }
@@ -75,18 +75,24 @@ double usual_radius(const RayTree& endo, const RayTree& epi, const HeartAxes& ax
   return count > 0 ? sum / count : 0;
 }
 
-}  // namespace
+constexpr double lid_mm = 0.05;
 
-WallMap map_wall(const WallSide& endo, const WallSide& epi, const WallThickness& thickness, const HeartAxes& axes,
-                 const Image& image, const PolarGrid& grid) {
-  const RayTree endo_tree(endo.mesh), epi_tree(epi.mesh);
-  const double radius = usual_radius(endo_tree, epi_tree, axes, grid);
-  constexpr double lid_mm = 0.05;
+WallMap empty_map(const PolarGrid& grid) {
   WallMap map;
   map.grid = grid;
   map.endo.resize(grid.size()), map.epi.resize(grid.size()), map.outwards.resize(grid.size());
   map.counts.resize(grid.size()), map.uptake.resize(grid.size());
   map.thickness_mm.resize(grid.size()), map.area_mm2.assign(grid.size(), 0.0);
+  return map;
+}
+
+}  // namespace
+
+WallMap map_wall(const WallSide& endo, const WallSide& epi, const WallThickness& thickness, const HeartAxes& axes,
+                 const Image& image, const PolarGrid& grid) {
+  const RayTree endo_tree(*endo.mesh), epi_tree(*epi.mesh);
+  const double radius = usual_radius(endo_tree, epi_tree, axes, grid);
+  WallMap map = empty_map(grid);
   parallel_for(grid.size(), static_cast<std::size_t>(grid.sectors), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       const WallRay ray = axes.ray(grid.point(n), radius);
@@ -101,8 +107,8 @@ WallMap map_wall(const WallSide& endo, const WallSide& epi, const WallThickness&
       map.counts[n] = brightest(image, ray.origin, ray.direction, from, to);
       if (endo.uptake && epi.uptake) map.uptake[n] = (uptake_at(*inner, endo) + uptake_at(*outer, epi)) / 2;
       map.area_mm2[n] = area_of(grid, grid.point(n), (from + to) / 2, axes);
-      const auto from_endo = thickness_at(*inner, endo.mesh, thickness.endo);
-      const auto from_epi = thickness_at(*outer, epi.mesh, thickness.epi);
+      const auto from_endo = thickness_at(*inner, *endo.mesh, thickness.endo);
+      const auto from_epi = thickness_at(*outer, *epi.mesh, thickness.epi);
       if (from_endo && from_epi)
         map.thickness_mm[n] = (*from_endo + *from_epi) / 2;
       else
@@ -110,6 +116,23 @@ WallMap map_wall(const WallSide& endo, const WallSide& epi, const WallThickness&
     }
   });
   lower_counts(map, axes);
+  return map;
+}
+
+WallMap map_cavity(const TriMesh& endo, const HeartAxes& axes, const PolarGrid& grid) {
+  const RayTree tree(endo);
+  const double radius = usual_radius(tree, tree, axes, grid);
+  WallMap map = empty_map(grid);
+  for (std::size_t n = 0; n < grid.size(); ++n) {
+    const WallRay ray = axes.ray(grid.point(n), radius);
+    map.outwards[n] = ray.direction;
+    const auto hit = tree.first_hit(ray.origin, ray.direction);
+    if (!hit) continue;
+    const Vec3 p = ray.origin + hit->distance * ray.direction;
+    if (axes.above_base(p) > -lid_mm) continue;
+    map.endo[n] = p;
+    map.area_mm2[n] = area_of(grid, grid.point(n), hit->distance, axes);
+  }
   return map;
 }
 

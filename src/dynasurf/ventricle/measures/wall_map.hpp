@@ -1,5 +1,8 @@
 #pragma once
+#include <array>
 #include <optional>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "dynasurf/core/volume.hpp"
@@ -27,6 +30,14 @@ struct PolarGrid {
 /// One value per sample, ring by ring from the apex; absent where the wall was not met.
 using PolarValues = std::vector<std::optional<double>>;
 
+/// What perfusion is made of: the largest counts in the wall, or the activity that was fitted with it. Limits of the
+/// one do not hold for the other.
+enum class Perfusion { none, counts, uptake };
+inline std::span<const std::string_view> names_of(Perfusion) {
+  static constexpr std::array<std::string_view, 3> names{"none", "counts", "uptake"};
+  return names;
+}
+
 /// The wall of one gate seen along the rays of its frame.
 struct WallMap {
   PolarGrid grid;
@@ -39,14 +50,18 @@ struct WallMap {
   std::vector<double> area_mm2;  // of the middle of the wall for each sample; 0 where it was not met
 };
 
-/// A surface and, if it is known, the activity of the wall at its vertices.
+/// A surface and, where it is known better than from the image, the activity of the wall at its vertices.
 struct WallSide {
-  const TriMesh& mesh;
+  const TriMesh* mesh = nullptr;
   const std::vector<double>* uptake = nullptr;
 };
 /// `image` may be on any grid of the world. Samples whose rays miss a surface, or meet its lid, are absent.
 WallMap map_wall(const WallSide& endo, const WallSide& epi, const WallThickness& thickness, const HeartAxes& axes,
                  const Image& image, const PolarGrid& grid = {});
+
+/// The same of a cavity whose outer wall is not seen: where the rays meet its surface, and nothing of a wall. Areas are
+/// those of the surface.
+WallMap map_cavity(const TriMesh& endo, const HeartAxes& axes, const PolarGrid& grid = {});
 
 /// Mean of the values of each segment (entry 0: segment 1), weighted by `weight`; absent where no sample has a value.
 PolarValues segment_means(SegmentModel model, const PolarGrid& grid, const PolarValues& values,

@@ -1,6 +1,8 @@
 #include "dynasurf/ventricle/measures/wall_solid.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/measures.hpp"
@@ -28,8 +30,33 @@ std::vector<std::array<std::uint32_t, 3>> cap_triangles(int rings, int sectors) 
 /// Both surfaces at the same polar points, inner first.
 struct Sheets {
   TriMesh side[2];
-  std::vector<int> ring;  // of every vertex
+  std::vector<int> ring;   // of every vertex
+  std::vector<Vec3> ways;  // of every vertex: the direction of its ray
 };
+
+/// Straight up or down the long axis onto the valve plane.
+Vec3 on_base(const HeartAxes& axes, const Vec3& p) {
+  return p - axes.above_base(p) / axes.axis.dot(axes.base_normal) * axes.axis;
+}
+
+/// Volume of the part of a surface below the valve plane, mm3: of one that is closed, or ends in the plane.
+double volume_below_base(const TriMesh& mesh, const HeartAxes& axes) {
+  const Vec3 base = axes.base();
+  double six = 0;
+  for (const auto& t : mesh.triangles) {
+    // The part of the triangle below the plane, seen from a point of the plane: what closes it there adds nothing.
+    std::array<Vec3, 4> part;
+    std::size_t corners = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Vec3 &a = mesh.vertices[t[c]], &b = mesh.vertices[t[(c + 1) % 3]];
+      const double height_a = axes.above_base(a), height_b = axes.above_base(b);
+      if (height_a <= 0) part[corners++] = a - base;
+      if ((height_a <= 0) != (height_b <= 0)) part[corners++] = a + height_a / (height_a - height_b) * (b - a) - base;
+    }
+    for (std::size_t c = 2; c < corners; ++c) six += part[0].dot(part[c - 1].cross(part[c]));
+  }
+  return six / 6;
+}
 
 /// Absent where a ray misses a surface, the wall turns inside out, or its rim is not that of a wall: surfaces that end
 /// below the valve plane are met there by their lids' dents only.
@@ -55,18 +82,41 @@ std::optional<Sheets> meet(const RayTree (&trees)[2], const HeartAxes& axes, con
           if (!hit) return std::nullopt;
           radii[side] = far_mm - hit->distance;
         }
-        Vec3 p = ray.origin + radii[side] * ray.direction;
-        if (ring == size.rings) p -= axes.above_base(p) / axes.axis.dot(axes.base_normal) * axes.axis;
-        sheets.side[side].vertices.push_back(p);
+        const Vec3 p = ray.origin + radii[side] * ray.direction;
+        sheets.side[side].vertices.push_back(ring == size.rings ? on_base(axes, p) : p);
       }
       if (radii[1] <= radii[0]) return std::nullopt;
       double& usual = middle[static_cast<std::size_t>(sector)];
       if (4 * ring <= 3 * size.rings) usual = radii[1];
       if (ring == size.rings && radii[1] < least_rim * usual) return std::nullopt;
       sheets.ring.push_back(ring);
+      sheets.ways.push_back(axes.ray(at, 0).direction);
     }
   sheets.side[0].triangles = sheets.side[1].triangles = cap_triangles(size.rings, size.sectors);
   return sheets;
+}
+
+/// A side with all its vertices moved along their rays; its rim stays in the base.
+TriMesh moved(const Sheets& sheets, int side, double mm, const HeartAxes& axes) {
+  TriMesh mesh = sheets.side[side];
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    mesh.vertices[v] += mm * sheets.ways[v];
+    if (sheets.ring[v] == sheets.ring.back()) mesh.vertices[v] = on_base(axes, mesh.vertices[v]);
+  }
+  return mesh;
+}
+
+/// How far a side must move to hold `target_mm3`: by secants; the volume is nearly linear in so small a way.
+double way_to_volume(const Sheets& sheets, int side, double target_mm3, const HeartAxes& axes) {
+  const auto lacks = [&](double mm) { return target_mm3 - volume_below_base(moved(sheets, side, mm, axes), axes); };
+  double last = 0, now = 0.05, lack_last = lacks(last);
+  for (int n = 0; n < 8; ++n) {
+    const double lack = lacks(now);
+    if (std::abs(lack) < 1e-9 * target_mm3 || lack == lack_last) break;
+    const double next = now - lack * (now - last) / (lack - lack_last);
+    last = now, lack_last = lack, now = next;
+  }
+  return now;
 }
 
 }  // namespace
@@ -76,7 +126,7 @@ std::optional<WallSolid> wall_solid(const TriMesh& endo, const TriMesh& epi, con
   if (size.rings < 2 || size.sectors < 3 || size.layers < 1)
     throw OptionError("wall_solid: expected at least 2 rings, 3 sectors and 1 layer");
   const RayTree trees[] = {RayTree(endo), RayTree(epi)};
-  constexpr double step_mm = 0.5, lowest_mm = 12;
+  constexpr double step_mm = 0.5, lowest_mm = 12, most_moved_mm = 1;
   HeartAxes lowered = axes;
   WallSolid solid;
   std::optional<Sheets> sheets;
@@ -86,9 +136,18 @@ std::optional<WallSolid> wall_solid(const TriMesh& endo, const TriMesh& epi, con
   }
   if (!sheets) return std::nullopt;
   solid.lowered_mm -= step_mm;
-  solid.mesh = fill_between(sheets->side[0], sheets->side[1], size.layers);
+  TriMesh sides[2];
+  double held_mm3[2];
+  for (const int side : {0, 1}) {
+    held_mm3[side] = volume_below_base(side == 0 ? endo : epi, axes);
+    const double way = way_to_volume(*sheets, side, held_mm3[side], lowered);
+    if (!(std::abs(way) <= most_moved_mm)) return std::nullopt;
+    solid.moved_mm = std::max(solid.moved_mm, std::abs(way));
+    sides[side] = moved(*sheets, side, way, lowered);
+  }
+  solid.mesh = fill_between(sides[0], sides[1], size.layers);
   solid.volume_ml = volume_mm3(solid.mesh) / 1000;
-  solid.surfaces_ml = (volume_mm3(epi) - volume_mm3(endo)) / 1000;
+  solid.surfaces_ml = (held_mm3[1] - held_mm3[0]) / 1000;
   solid.quality = tet_quality(solid.mesh);
   for (int layer = 0; layer <= size.layers; ++layer) {
     solid.ring.insert(solid.ring.end(), sheets->ring.begin(), sheets->ring.end());
