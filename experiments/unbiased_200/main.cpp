@@ -1,4 +1,4 @@
-// unbiased_200 run plain|unlike FIRST END: one row of numbers per patient, to the console.
+// unbiased_200 run plain|unlike|untold FIRST END: one row of numbers per patient, to the console.
 // unbiased_200 table ROWS FOLDER: the tables of all rows of a file, and Bland-Altman plots in the folder.
 #include <chrono>
 #include <cmath>
@@ -43,15 +43,15 @@ void examine(const std::string& generator, int number) {
   const Phantom phantom = scan(patient);
   const VirtualPatient& p = patient.options;
   VentricleOptions options = ventricle_preset("unbiased");
-  options.fit.fwhm_mm = told * p.fwhm_mm;
-  options.fit.filter_fwhm_mm = p.noise.filter_fwhm_mm;
+  const bool is_told = generator != "untold";
+  if (is_told) options.fit.fwhm_mm = told * p.fwhm_mm, options.fit.filter_fwhm_mm = p.noise.filter_fwhm_mm;
   const auto begin = std::chrono::steady_clock::now();
   const VentricleResult result = reconstruct(phantom.study, options);
   Row row;
   row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   row.generator = generator, row.number = number;
   row.has_defect = p.defect != Defect::none, row.has_gut = p.gut_amplitude > 0;
-  row.fwhm_mm = p.fwhm_mm;
+  row.fwhm.truth = p.fwhm_mm, row.told_mm = is_told ? told * p.fwhm_mm : 0;
   row.edv = {*phantom.edv_ml, 0, 0}, row.esv = {*phantom.esv_ml, 0, 0}, row.ef = {*phantom.ef_percent, 0, 0};
   for (const TrueGate& gate : phantom.truth)
     row.wall.truth += gate.wall_ml() / static_cast<double>(phantom.truth.size());
@@ -59,7 +59,7 @@ void examine(const std::string& generator, int number) {
   if (result.fit) {
     const FittedBeat& fit = *result.fit;
     const auto take = [](Measured& reading, const Estimate& e) { reading.value = e.value, reading.sd = e.sd; };
-    take(row.edv, fit.edv_ml), take(row.esv, fit.esv_ml), take(row.wall, fit.wall_ml);
+    take(row.fwhm, fit.fwhm_mm), take(row.edv, fit.edv_ml), take(row.esv, fit.esv_ml), take(row.wall, fit.wall_ml);
     if (fit.ef_percent) take(row.ef, *fit.ef_percent);
     row.wall_variation = 100 * fit.wall_variation;
     for (const int g : {fit.ed_gate, fit.es_gate}) {
@@ -83,7 +83,7 @@ int main(int count, char** words) try {
   } else if (mode == "table" && count == 4) {
     dynasurf::print_tables(dynasurf::read_rows(words[2]), words[3]);
   } else {
-    std::fprintf(stderr, "expected: run plain|unlike FIRST END, or table ROWS FOLDER\n");
+    std::fprintf(stderr, "expected: run plain|unlike|untold FIRST END, or table ROWS FOLDER\n");
     return 1;
   }
   return 0;

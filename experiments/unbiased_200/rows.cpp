@@ -67,6 +67,38 @@ std::vector<Row> chosen(const std::vector<Row>& rows, const std::function<bool(c
   return some;
 }
 
+/// How well the data tell the width of the point spread.
+void print_widths(const std::vector<Row>& rows) {
+  constexpr double step_mm = 2, first_mm = 8, end_mm = 16;
+  std::printf("\n| FWHM mm | n | told %% | read %% | held %% |\n|---|---|---|---|---|\n");
+  const auto print_class = [&](double low, double high) {
+    const std::vector<Row> some =
+        chosen(rows, [&](const Row& r) { return r.fwhm.truth >= low && r.fwhm.truth < high; });
+    Errors told, read;
+    for (const Row& row : some) {
+      if (row.told_mm > 0) told.values.push_back(100 * (row.told_mm / row.fwhm.truth - 1));
+      read.values.push_back(percent_off(row.fwhm));
+    }
+    if (some.empty()) return;
+    std::printf("| %.0f to %.0f | %zu | %s | %s | %.0f |\n", low, high, some.size(),
+                told.values.empty() ? "-" : mean_and_sd(told).c_str(), mean_and_sd(read).c_str(),
+                held(some, &Row::fwhm));
+  };
+  for (double low = first_mm; low < end_mm; low += step_mm) print_class(low, low + step_mm);
+  print_class(first_mm, end_mm);
+}
+
+/// How often the intervals hold the truth in patients of both kinds together.
+void print_held_of_both(const std::vector<Row>& all, bool reporting) {
+  const std::vector<Row> rows = chosen(all, [&](const Row& r) {
+    return r.generator != "untold" && (r.number >= first_reporting) == reporting && r.edv.value > 0;
+  });
+  if (rows.empty()) return;
+  std::printf("\nplain and unlike together, %s half: held %% EDV / ESV / EF / wall %.0f / %.0f / %.0f / %.0f\n",
+              reporting ? "reporting" : "choosing", held(rows, &Row::edv), held(rows, &Row::esv), held(rows, &Row::ef),
+              held(rows, &Row::wall));
+}
+
 /// The differences of one number, grouped by what was planted in the patients.
 void draw_agreement(const std::vector<Row>& rows, const Measured Row::*reading, const AgreementPlot& plot,
                     const std::string& file) {
@@ -81,8 +113,8 @@ void draw_agreement(const std::vector<Row>& rows, const Measured Row::*reading, 
 std::string line_of(const Row& r) {
   std::ostringstream line;
   line.precision(5);
-  line << r.generator << ' ' << r.number << ' ' << r.has_defect << ' ' << r.has_gut << ' ' << r.fwhm_mm;
-  for (const Measured* reading : {&r.edv, &r.esv, &r.ef, &r.wall})
+  line << r.generator << ' ' << r.number << ' ' << r.has_defect << ' ' << r.has_gut << ' ' << r.told_mm;
+  for (const Measured* reading : {&r.fwhm, &r.edv, &r.esv, &r.ef, &r.wall})
     line << ' ' << reading->truth << ' ' << reading->value << ' ' << reading->sd;
   line << ' ' << r.wall_variation << ' ' << r.distance_mm << ' ' << r.edge_edv << ' ' << r.edge_ef << ' ' << r.seconds;
   return line.str();
@@ -95,8 +127,9 @@ std::vector<Row> read_rows(const std::string& file) {
   for (std::string line; std::getline(in, line);) {
     std::istringstream words(line);
     Row r;
-    words >> r.generator >> r.number >> r.has_defect >> r.has_gut >> r.fwhm_mm;
-    for (Measured* reading : {&r.edv, &r.esv, &r.ef, &r.wall}) words >> reading->truth >> reading->value >> reading->sd;
+    words >> r.generator >> r.number >> r.has_defect >> r.has_gut >> r.told_mm;
+    for (Measured* reading : {&r.fwhm, &r.edv, &r.esv, &r.ef, &r.wall})
+      words >> reading->truth >> reading->value >> reading->sd;
     words >> r.wall_variation >> r.distance_mm >> r.edge_edv >> r.edge_ef >> r.seconds;
     if (!words) throw InputError(file + ", line " + std::to_string(rows.size() + 1) + ": not a row of a run");
     rows.push_back(r);
@@ -105,7 +138,7 @@ std::vector<Row> read_rows(const std::string& file) {
 }
 
 void print_tables(const std::vector<Row>& all, const std::string& folder) {
-  for (const std::string generator : {"plain", "unlike"})
+  for (const std::string generator : {"plain", "unlike", "untold"})
     for (const bool reporting : {false, true}) {
       const std::vector<Row> half = chosen(
           all, [&](const Row& r) { return r.generator == generator && (r.number >= first_reporting) == reporting; });
@@ -124,12 +157,14 @@ void print_tables(const std::vector<Row>& all, const std::string& folder) {
       print_row("with a defect", chosen(rows, [](const Row& r) { return r.has_defect != 0; }));
       print_row("with gut", chosen(rows, [](const Row& r) { return r.has_gut != 0; }));
       print_row("below 60 mL", chosen(rows, is_small));
+      print_widths(rows);
       if (!reporting) continue;
       const std::string to = folder + "/" + generator;
       draw_agreement(rows, &Row::edv, {"EDV, " + generator, "mL", false}, to + "_edv.svg");
       draw_agreement(rows, &Row::esv, {"ESV, " + generator, "mL", false}, to + "_esv.svg");
       draw_agreement(rows, &Row::ef, {"EF, " + generator, "%", false}, to + "_ef.svg");
     }
+  for (const bool reporting : {false, true}) print_held_of_both(all, reporting);
 }
 
 }  // namespace dynasurf

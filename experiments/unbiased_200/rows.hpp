@@ -11,10 +11,11 @@ struct Measured {
 
 /// One patient. No reading (value 0) where a surface was missing.
 struct Row {
-  std::string generator;  // plain, or unlike: differs from the fitted model
+  std::string generator;  // plain; unlike: differs from the fitted model; untold: plain, the width is not told
   int number = 0;
   int has_defect = 0, has_gut = 0;
-  double fwhm_mm = 0;
+  Measured fwhm;                                  // mm
+  double told_mm = 0;                             // the width that was told; 0: none
   Measured edv, esv, ef, wall;                    // mL, %
   double wall_variation = 0, distance_mm = 0;     // % over the beat; of both walls at both ends of the beat
   double edge_edv = 0, edge_ef = 0, seconds = 0;  // of the classic edge; of the whole study

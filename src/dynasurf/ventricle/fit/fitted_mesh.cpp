@@ -155,11 +155,11 @@ void allow_for_model(FittedBeat& beat, double papillary_ml) {
   const auto share = [](Estimate& e, double of_value, double papillary) {
     allow_for_model(e, of_value * std::abs(e.value), papillary);
   };
-  for (FittedGate& gate : beat.gates) share(gate.endo_ml, 0.02, papillary_ml), share(gate.epi_ml, 0.02, 0);
-  share(beat.edv_ml, 0.02, papillary_ml), share(beat.esv_ml, 0.03, papillary_ml), share(beat.sv_ml, 0.03, 0);
+  for (FittedGate& gate : beat.gates) share(gate.endo_ml, 0.01, papillary_ml), share(gate.epi_ml, 0.01, 0);
+  share(beat.edv_ml, 0.01, papillary_ml), share(beat.esv_ml, 0.015, papillary_ml), share(beat.sv_ml, 0.015, 0);
   if (beat.ef_percent)
-    allow_for_model(*beat.ef_percent, 0.8, beat.ef_percent->value * papillary_ml / beat.edv_ml.value);
-  share(beat.wall_ml, 0.05, papillary_ml), share(beat.thickness_mm, 0.05, 0);
+    allow_for_model(*beat.ef_percent, 0.5, beat.ef_percent->value * papillary_ml / beat.edv_ml.value);
+  share(beat.wall_ml, 0.03, papillary_ml), share(beat.thickness_mm, 0.03, 0);
 }
 
 }  // namespace
@@ -237,7 +237,7 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
   const double healthy = std::max(1e-9, activity[activity.size() / 2]);
   for (double& u : beat.uptake) u /= healthy;
   beat.cavity = first[layout.gate.cavity] / healthy, beat.background = first[layout.gate.background] / healthy;
-  constexpr double papillary_doubt = 1.5;  // standard deviation of their volume over what is believed
+  constexpr double papillary_doubt = 0.5;  // standard deviation of their volume over what is believed
   allow_for_model(beat, papillary_doubt * papillary_share / (1 - papillary_share) * beat.wall_ml.value);
   tell_belief_from_data(problem, solution, factor, beat);
   beat.posterior = std::make_shared<const WallPosterior>(problem, solution.unknowns, grid, factor);

@@ -159,11 +159,12 @@ NormalMatrix normal_matrix(const BeatProblem& problem, const Eigen::VectorXd& un
   std::vector<std::size_t> chosen;
   for (std::size_t n = 0; n < problem.weight.size(); ++n)
     if (problem.weight[n] > 0) chosen.push_back(n);
+  const EvenRays rays = even_rays(problem);
   std::vector<Eigen::MatrixXd> of_gate(gates);
   std::vector<Eigen::VectorXd> of_wall(gates);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
     const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), unknowns);
-    ImageDerivatives derivatives = image_derivatives(problem, numbers, at.activity[g], chosen);
+    ImageDerivatives derivatives = image_derivatives(problem, rays, numbers, at.activity[g], chosen);
     for (std::size_t n = 0; n < chosen.size(); ++n)
       derivatives.row(static_cast<Eigen::Index>(n)) *= std::sqrt(problem.weight[chosen[n]]);
     Eigen::MatrixXf squares = Eigen::MatrixXf::Zero(derivatives.cols(), derivatives.cols());

@@ -71,8 +71,8 @@ class Wall {
 struct Allowance {
   double factor, least;
 };
-constexpr Allowance for_thickness{2, 0.5}, for_thickening{2, 6}, for_perfusion{2, 4}, for_motion{2, 0.5},
-    for_strain{2, 3}, for_phase{2, 3};
+constexpr Allowance for_thickness{1.7, 0.4}, for_thickening{1.3, 4}, for_perfusion{1.5, 3}, for_motion{0.9, 0.22},
+    for_strain{2, 3}, for_phase{0.9, 1.3};
 
 std::optional<double> allowed(double sd, const Allowance& a) {
   return std::isfinite(sd) ? std::optional(std::hypot(a.factor * sd, a.least)) : std::nullopt;
