@@ -208,6 +208,22 @@ TEST(Measures, TakePerfusionFromTheUptakeWhereItIsKnown) {
   for (const std::size_t s : {8u, 9u}) EXPECT_NEAR(known.segments[s - 1].perfusion_percent.value(), 100, 1e-6) << s;
 }
 
+TEST(Measures, TellNoOnsetWhereTheWallIsNotSeen) {
+  VirtualPatient patient = quick_patient();
+  patient.defect = Defect::lateral;
+  patient.defect_severity = 0.9;
+  patient.defect_extent_deg = 130;
+  const Phantom phantom = make_phantom(PhantomOptions{patient});
+  const Measures known = measure_truth_with_uptake(phantom), edges = measure_truth(phantom);
+  ASSERT_TRUE(known.phase_motion && edges.phase_motion);
+  EXPECT_LT(known.phase_motion->wall_share, 0.9 * edges.phase_motion->wall_share);
+  for (const auto phase : {&SegmentMeasures::phase_motion_deg, &SegmentMeasures::phase_thickness_deg})
+    for (const std::size_t s : {11u, 12u, 8u, 9u}) {
+      EXPECT_EQ((known.segments[s - 1].*phase).has_value(), s < 10) << s;  // 11 and 12 lie within the defect
+      EXPECT_TRUE((edges.segments[s - 1].*phase).has_value()) << s;
+    }
+}
+
 TEST(Measures, KeepCountsFreeOfTheMovingValvePlane) {
   VirtualPatient patient = quick_patient();
   patient.fwhm_mm = 12;

@@ -149,6 +149,15 @@ void measure_beat(Measures& m, const std::vector<double>& cavity, int waves) {
   m.function = cycle_function(cavity, waves);
 }
 
+/// Fitted walls without uptake move as is believed of them: nobody saw when they contract.
+Curves where_seen(const Measures& m, Curves curves) {
+  constexpr double least_percent = 25;  // of perfusion
+  if (m.perfusion_is != Perfusion::uptake) return curves;
+  for (std::size_t n = 0; n < curves.size(); ++n)
+    if (m.maps.perfusion_percent[n].value_or(0) < least_percent) curves[n].clear();
+  return curves;
+}
+
 void measure_maps(Measures& m) {
   const GateMeasures& ed = m.gates[static_cast<std::size_t>(m.ed_gate)];
   m.area_mm2 = ed.map.area_mm2;
@@ -176,14 +185,15 @@ void measure_maps(Measures& m) {
   for (std::size_t n = 0; n < m.grid.size(); ++n)
     if (ed.map.endo[n] && es.map.endo[n])
       m.maps.motion_mm[n] = (*ed.map.endo[n] - *es.map.endo[n]).dot(ed.map.outwards[n]);
+  const Curves seen_motion = where_seen(m, motion), seen_thickness = where_seen(m, thickness);
   m.maps.phase_counts_deg = onsets_of(smoothed(m, counts));
-  m.maps.phase_motion_deg = onsets_of(motion);
-  m.maps.phase_thickness_deg = onsets_of(thickness);
+  m.maps.phase_motion_deg = onsets_of(seen_motion);
+  m.maps.phase_thickness_deg = onsets_of(seen_thickness);
   m.phase_counts = summarise_phases(m.maps.phase_counts_deg, m.area_mm2);
   m.phase_motion = summarise_phases(m.maps.phase_motion_deg, m.area_mm2);
   m.phase_thickness = summarise_phases(m.maps.phase_thickness_deg, m.area_mm2);
-  const Curves count_curves = segment_curves(m, counts), motion_curves = segment_curves(m, motion);
-  const Curves thickness_curves = segment_curves(m, thickness);
+  const Curves count_curves = segment_curves(m, counts), motion_curves = segment_curves(m, seen_motion);
+  const Curves thickness_curves = segment_curves(m, seen_thickness);
   for (std::size_t s = 0; s < m.segments.size(); ++s) {
     m.segments[s].phase_counts_deg = onset_phase_deg(count_curves[s]);
     m.segments[s].phase_motion_deg = onset_phase_deg(motion_curves[s]);

@@ -105,7 +105,8 @@ struct Measures {
 /// Gates without both surfaces take no part; but where no gate has an outer surface, as in images of the blood pool,
 /// the cavity's function, motion and phase by motion are measured alone. An ungated study has perfusion and thickness,
 /// no function, motion or phase. A segment's percentages come from its mean thickness and counts, its phases from its
-/// mean curves. Maps without any value are empty.
+/// mean curves. Where the uptake is known, samples with less than 25 % of it have no onset by motion or thickness.
+/// Maps without any value are empty.
 Measures measure_walls(const MeasureInput& input, const MeasureOptions& options);
 
 }  // namespace dynasurf

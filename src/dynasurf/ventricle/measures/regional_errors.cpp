@@ -72,7 +72,7 @@ struct Allowance {
   double factor, least;
 };
 constexpr Allowance for_thickness{1.7, 0.4}, for_thickening{1.3, 4}, for_perfusion{1.5, 3}, for_motion{0.9, 0.22},
-    for_strain{2, 3}, for_phase{0.9, 1.3};
+    for_strain{2, 3}, for_phase{0.9, 1.3}, for_spread{2, 3};
 
 std::optional<double> allowed(double sd, const Allowance& a) {
   return std::isfinite(sd) ? std::optional(std::hypot(a.factor * sd, a.least)) : std::nullopt;
@@ -205,7 +205,7 @@ void onset_errors(Measures& m, const Wall& wall, const Onset& onset) {
   for (Index s = 0; s < segments; ++s)
     if (sd[s] > 0 && for_phase.factor * sd[s] < unknown_deg)
       m.segments[static_cast<std::size_t>(s)].sd.*onset.error = allowed(sd[s], for_phase);
-  if (summary && sd[segments] > 0) summary->sd_error_deg = allowed(sd[segments], for_phase);
+  if (summary && sd[segments] > 0) summary->sd_error_deg = allowed(sd[segments], for_spread);
 }
 
 }  // namespace
