@@ -66,7 +66,7 @@ void lay_out(Level& l, std::array<Axis, 3> axis, bool finest) {
   l.axis = std::move(axis);
   l.finest = finest;
   l.slot = ((l.nx() + 1) / 2 + lanes - 1) / lanes * lanes;
-  l.stride = 6 * static_cast<std::size_t>(l.slot) + lanes;
+  l.stride = 6 * static_cast<std::size_t>(l.slot);
   const std::size_t rows = static_cast<std::size_t>(l.ny()) * static_cast<std::size_t>(l.nz());
   const std::size_t vector_size = rows * l.stride + 2 * lanes,
                     scalar_size = rows * 2 * static_cast<std::size_t>(l.slot);
