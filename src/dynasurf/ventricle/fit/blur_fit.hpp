@@ -17,7 +17,7 @@ struct BlurFit {
   double fwhm_uncertainty = 0.07;
   std::optional<double> filter_fwhm_mm;
   int shape_degree = 6, wall_degree = 4, uptake_degree = 10;
-  double papillary_share = 0.02;
+  double papillary_share = 0.016;
   int most_steps = 60;
 };
 void describe(auto& visit, BlurFit& o) {

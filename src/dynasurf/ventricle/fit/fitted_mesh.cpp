@@ -237,7 +237,7 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
   const double healthy = std::max(1e-9, activity[activity.size() / 2]);
   for (double& u : beat.uptake) u /= healthy;
   beat.cavity = first[layout.gate.cavity] / healthy, beat.background = first[layout.gate.background] / healthy;
-  constexpr double papillary_doubt = 0.5;  // standard deviation of their volume over what is believed
+  constexpr double papillary_doubt = 0.78;  // standard deviation of their volume over what is believed
   allow_for_model(beat, papillary_doubt * papillary_share / (1 - papillary_share) * beat.wall_ml.value);
   tell_belief_from_data(problem, solution, factor, beat);
   beat.posterior = std::make_shared<const WallPosterior>(problem, solution.unknowns, grid, factor);

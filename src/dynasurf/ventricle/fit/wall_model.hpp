@@ -59,7 +59,7 @@ struct Beliefs {
   double fine_shape = 0.15;    // of harmonics of degree l >= 3: this times (2 / l)^2.5
   double motion = 0.30;        // of low harmonics of the motion, first wave
   double fine_motion = 0.06;   // of those of degree l >= 3, times (2 / l)^2
-  double wall_shape = 0.10;    // of log muscle per solid angle, degree l: this divided by l
+  double wall_shape = 0.15;    // of log muscle per solid angle, degree l: this divided by l
   double wall_motion = 0.12;   // the same over the beat
   double uptake = 0.35;        // of log uptake, degree l: this divided by l
   double plane_mm = 2.5;       // of the base plane's height against its start
