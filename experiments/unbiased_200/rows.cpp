@@ -73,7 +73,7 @@ void print_widths(const std::vector<Row>& rows) {
   std::printf("\n| FWHM mm | n | told %% | read %% | held %% |\n|---|---|---|---|---|\n");
   const auto print_class = [&](double low, double high) {
     const std::vector<Row> some =
-        chosen(rows, [&](const Row& r) { return r.fwhm.truth >= low && r.fwhm.truth < high; });
+        chosen(rows, [&](const Row& r) { return r.fwhm.value > 0 && r.fwhm.truth >= low && r.fwhm.truth < high; });
     Errors told, read;
     for (const Row& row : some) {
       if (row.told_mm > 0) told.values.push_back(100 * (row.told_mm / row.fwhm.truth - 1));
