@@ -220,9 +220,10 @@ TEST(SteadyGvf, NeverReportsLessThanTheTrueError) {
     const Equations equations(f, metric(g, mu));
     for (int cycles : {1, 2, 3}) {
       const FlowResult r = flow_field(f, SteadyGvf{.mu = mu, .tolerance = 1e-6, .most_cycles = cycles});
-      if (*r.error > 0)
+      if (*r.error > 0) {
         EXPECT_LT(true_error(r.field, equations), *r.error)
             << text_of(g) << ", mu " << mu << ", height " << height << ", map " << n << " after " << cycles;
+      }
     }
   }
 }
@@ -326,6 +327,17 @@ TEST(SteadyGvf, SettlesInsideAWideClosedBorder) {
     EXPECT_TRUE(r.notes.empty()) << mu;
     EXPECT_LE(r.iterations, 6) << mu;
   }
+}
+
+TEST(SteadyGvf, SettlesAroundASmallHollowBorderOfLongVoxels) {
+  // Coarse corrections overshot there, and every cycle took the field ten times farther away.
+  const Grid g = box(22, 27, 23, {0.671, 2.49, 3.517});
+  const Vec3 half = Vec3(g.dims[0], g.dims[1], g.dims[2]).cwiseProduct(g.spacing) / 2;
+  Image f = border_of(
+      g, [&](const Vec3& p) { return (p.cwiseQuotient(half) - Vec3(0.0969, -0.1278, 0.1069)).norm() < 0.2312; });
+  for (float& v : f.values) v *= 6.75f;
+  const FlowResult r = flow_field(f, SteadyGvf{.mu = 0.0147});
+  expect_honest(r, Equations(f, metric(g, 0.0147)), 1e-3, text_of(g));
 }
 
 TEST(SteadyGvf, MirrorsWithItsMap) {

@@ -262,9 +262,18 @@ struct Estimate {
   }
 };
 
-/// Cycles until the estimated error is below the tolerance or rounding ends the progress (near 1e-6).
-void iterate(Hierarchy& h, Estimate estimate, double tolerance, int most_cycles, FlowResult& r,
+/// The correction of the voxels is stretched a little: the averaged data term of the coarser level holds it back. On
+/// every level it would add up, and a field that is smooth on all of them would swing for ever. Careful: where strong
+/// data close in a few long voxels, coarse levels overshoot by more than they gain.
+void set_stretch(std::vector<Level>& levels, bool careful) {
+  for (Level& l : levels) l.stretch = careful ? (l.finest ? 1.0f : 0.5f) : (l.finest ? 1.05f : 1.0f);
+}
+
+/// Cycles until the estimated error is below the tolerance or rounding ends the progress (near 1e-6). False, and no
+/// result, where cycles take the field away from its place; careful ones do not.
+bool iterate(Hierarchy& h, Estimate estimate, double tolerance, int most_cycles, bool careful, FlowResult& r,
              const Progress& progress) {
+  r.iterations = 0;
   h.run(0, begin);
   double error = 1;
   for (int stalled = 0;;) {
@@ -274,7 +283,8 @@ void iterate(Hierarchy& h, Estimate estimate, double tolerance, int most_cycles,
     const bool certainly_more = 0.01 * error > tolerance && r.iterations < most_cycles;
     h.run(0, certainly_more ? std::span<const Stage>(finish_and_resume) : std::span<const Stage>(finish));
     error = estimate.error_after(relative_change(h.levels[0]));
-    stalled = estimate.rate > 0.7 ? stalled + 1 : 0;
+    if (!careful && estimate.change > 0.1 && estimate.rate > 0.7) return false;
+    stalled = estimate.rate > (careful ? 0.95 : 0.7) ? stalled + 1 : 0;
     progress("field", r.iterations, most_cycles);
     if (error < tolerance || r.iterations == most_cycles || stalled == 3) {
       if (certainly_more) h.run(0, copy);
@@ -283,11 +293,12 @@ void iterate(Hierarchy& h, Estimate estimate, double tolerance, int most_cycles,
     if (!certainly_more) h.run(0, resume);
   }
   r.error = error;
-  if (error < tolerance) return;
+  if (error < tolerance) return true;
   std::ostringstream text;
   text << "the steady field was left at an estimated relative error of " << error << " after " << r.iterations
        << " cycles; asked for was " << tolerance;
   r.notes.push_back({Severity::warning, "steady.tolerance_missed", text.str()});
+  return true;
 }
 
 void prepare(const Image& map, FlowResult& r) {
@@ -314,8 +325,12 @@ void solve(const Image& map, const Vec3& rates, const multigrid::DataTerm& term,
     return;
   }
   Hierarchy h{levels, {r.field.x.data(), r.field.y.data(), r.field.z.data()}};
-  h.solve_coarse();
-  iterate(h, Estimate(levels[0], data), tolerance, most_cycles, r, progress);
+  for (const bool careful : {false, true}) {
+    if (careful) multigrid::build(levels, map, rates, term);  // cycles leave residuals where its right-hand sides were
+    set_stretch(levels, careful);
+    h.solve_coarse();
+    if (iterate(h, Estimate(levels[0], data), tolerance, most_cycles, careful, r, progress)) return;
+  }
 }
 
 }  // namespace

@@ -55,6 +55,7 @@ struct Level {
 
   // The finest level: most blocks of 16 cells have b = 0; the others keep d, b and the gradient in 80 floats.
   bool finest = false;
+  float stretch = 1;  // factor of the corrections that come from the coarser level
   detail::FloatBuffer blocks;
   std::vector<std::int32_t> block_of;  // row, half, block: number of its 80 floats, or -1
   detail::FloatBuffer empty_d;         // d of rows without data, for the first, inner and last row and slice

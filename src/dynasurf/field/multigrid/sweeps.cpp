@@ -10,6 +10,7 @@ namespace {
 /// would read its members again after every vector.
 struct View {
   int slot, nx, ny, nz;
+  float stretch;
   std::ptrdiff_t stride;
   float *u, *rhs;
   const float *b, *d, *lane_values, *blocks, *empty_d;
@@ -22,6 +23,7 @@ struct View {
         nx(l.nx()),
         ny(l.ny()),
         nz(l.nz()),
+        stretch(l.stretch),
         stride(static_cast<std::ptrdiff_t>(l.stride)),
         u(l.u.data()),
         rhs(l.rhs.data()),
@@ -316,11 +318,6 @@ class Interpolated {
   std::array<int, 4> held_{-1, -1, -1, -1};
 };
 
-/// The correction of the voxels is stretched a little: the averaged data term of the coarser level holds it back. On
-/// every level it would add up, and a field that is smooth on all of them would swing for ever.
-template <bool finest>
-constexpr float stretch = finest ? 1.05f : 1.0f;
-
 /// Asks for a row that the first stage of a pass will soon need: that stage touches every other half row alone, which
 /// the processor does not foresee. Smaller levels are in the cache.
 template <bool finest>
@@ -376,7 +373,7 @@ DYNASURF_INLINE void interpolate_rows(const View f, const View g, int k, int j0,
           }
           store(u + at, t);
         } else {
-          store(u + at, load(u + at) + stretch<finest> * t);
+          store(u + at, load(u + at) + f.stretch * t);
         }
       }
     }
