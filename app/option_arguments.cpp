@@ -39,6 +39,7 @@ std::vector<std::string> settings_of(const OptionArguments& a) {
   if (a.first_slice) set("first_slice", *a.first_slice);
   if (a.last_slice) set("last_slice", *a.last_slice);
   if (a.base_plane_mm) set("base_plane_mm", *a.base_plane_mm);
+  if (a.label) settings.push_back("label=" + std::to_string(*a.label));
   if (a.fwhm_mm) {
     std::ostringstream text;
     text << "fit.fwhm_mm=" << std::setprecision(12) << *a.fwhm_mm;
@@ -60,6 +61,8 @@ void add_option_arguments(CLI::App& command, OptionArguments& a) {
       ->allow_extra_args(false);
   command.add_option("--fwhm", a.fwhm_mm,
                      "width of the camera's point spread in the image, mm; 0: sharp; not told: the data decide");
+  command.add_option("--label", a.label, "value of the muscle in a label map; all else is nothing")
+      ->check(CLI::Range(1, 1000000));
   command.add_option("--center", a.center, "by hand: middle of the heart x,y,z in the world (LPS), mm")
       ->delimiter(',')
       ->expected(3);

@@ -20,6 +20,7 @@ struct OptionArguments {
   std::vector<double> center, axis;
   std::optional<double> radius_mm, base_plane_mm;
   std::optional<double> fwhm_mm;  // of the camera
+  std::optional<int> label;       // of the muscle in a label map
   std::optional<int> first_slice, last_slice;
 };
 

@@ -26,6 +26,7 @@ VentricleResult reconstruct_partial(double fraction, Missing missing, std::strin
 }
 
 std::optional<double> outer_ml(const VentricleResult& result) {
+  if (result.fit) return result.fit->gates.front().epi_ml.value;
   const auto& epi = result.gates.front().epi;
   return epi ? std::optional(epi->volume_ml) : std::nullopt;
 }
@@ -99,7 +100,7 @@ void draw(const char* path) {
 
 int main(int count, char** arguments) {
   std::printf("Phantom Mayo, 265.5 mL: outer volume V_p with the part p of the wall empty; m = 1 - V_p / V_0\n");
-  for (const std::string_view preset : {"edges", "thesis"})
+  for (const std::string_view preset : {"unbiased", "edges", "thesis"})
     for (const Missing missing : {Missing::sector, Missing::apex}) print_rows(missing, preset);
   if (count > 1) draw(arguments[1]);
 }

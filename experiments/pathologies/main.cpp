@@ -5,14 +5,20 @@
 #include <cstdio>
 #include <fstream>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/mesh/smooth.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/ventricle/labels/mlc.hpp"
 #include "dynasurf/ventricle/presets.hpp"
 
+#include "../support/border_scores.hpp"
+
 using namespace dynasurf;
+using namespace dynasurf::experiments;
 
 namespace {
 
@@ -49,16 +55,46 @@ double mean_distance_mm(const TriMesh& truth, const TriMesh& mesh) {
   return sum / static_cast<double>(truth.vertices.size());
 }
 
-void print_surface(const std::optional<Surface>& surface, const TriMesh& truth, double truth_ml) {
-  if (!surface)
+void print_surface(const TriMesh* mesh, double volume_ml, const TriMesh& truth, double truth_ml) {
+  if (mesh == nullptr)
     std::printf("        -       -         -");
   else
-    std::printf("  %7.1f  %+6.1f  %8.2f", surface->volume_ml, 100 * (surface->volume_ml / truth_ml - 1),
-                mean_distance_mm(truth, surface->mesh));
+    std::printf("  %7.1f  %+6.1f  %8.2f", volume_ml, 100 * (volume_ml / truth_ml - 1), mean_distance_mm(truth, *mesh));
 }
 
 VentricleResult reconstructed(const Phantom& phantom) {
-  return reconstruct(phantom.study, ventricle_preset("edges"));
+  return reconstruct(phantom.study, ventricle_preset("unbiased"));
+}
+
+/// How well the border voxels of one wall lie on its true border and cover it (F1 of both, within 2 pixels).
+double f1_of(const VentricleResult& result, const TriMesh& truth, int bit) {
+  const Grid& grid = result.study.grid();
+  const TrueLines lines = true_lines(truth, grid);
+  Score score;
+  for (int k = 0; k < grid.dims[2]; ++k)
+    score += score_slice(pixels_of(result.gates.front().labels.borders, k, bit), lines[static_cast<std::size_t>(k)], 2);
+  return score.f1();
+}
+
+/// Vertices whose angles miss a plane's by more than the smoothing tolerates, below the lid and its rim.
+int peaks_of(const std::optional<Surface>& surface, const TriMesh& truth) {
+  if (!surface) return -1;
+  constexpr double rim_mm = 12;
+  double top = -1e9;
+  for (const Vec3& p : truth.vertices) top = std::max(top, p[2]);
+  const std::vector<double> deficits = angle_deficits(surface->mesh);
+  int peaks = 0;
+  for (std::size_t v = 0; v < deficits.size(); ++v)
+    peaks += surface->mesh.vertices[v][2] < top - rim_mm && std::abs(deficits[v]) > Smoothing{}.tolerance_rad;
+  return peaks;
+}
+
+/// The surfaces as they came to rest, with and without the smoothing of the thesis (5.5), before anything else.
+VentricleResult at_rest(const Phantom& phantom, bool is_smoothed) {
+  VentricleOptions options = ventricle_preset("edges");
+  options.settle.rounds = 0, options.tidy = {.shape = 0, .untangle_rounds = 0};
+  if (!is_smoothed) options.evolution.smooth_every = 0, options.evolution.smooth_after.sweeps = 0;
+  return reconstruct(phantom.study, options);
 }
 
 void print_case(const Case& c) {
@@ -70,11 +106,41 @@ void print_case(const Case& c) {
   for (const auto& [stage, s] : result.seconds)
     if (stage == "surfaces") seconds += s;
   std::printf("%-16s", c.name.c_str());
-  print_surface(gate.endo, truth.endo, truth.endo_ml);
-  print_surface(gate.epi, truth.epi, truth.epi_ml);
+  for (const auto& [surface, true_mesh, true_ml] :
+       {std::tuple(&gate.endo, &truth.endo, truth.endo_ml), std::tuple(&gate.epi, &truth.epi, truth.epi_ml)})
+    print_surface(*surface ? &(*surface)->mesh : nullptr, *surface ? (*surface)->volume_ml : 0, *true_mesh, true_ml);
   std::printf("  %6.3f  %s", seconds, std::string(word_of(result.verdict)).c_str());
   for (const Flag& flag : result.flags) std::printf(" %s", flag.code.c_str());
   std::printf("\n");
+}
+
+/// The walls that were fitted through the blur.
+void print_fit(const Case& c) {
+  const Phantom phantom = make_phantom(c.made);
+  const VentricleResult result = reconstructed(phantom);
+  if (!result.fit) return;
+  const FittedGate& gate = result.fit->gates.front();
+  const TrueGate& truth = phantom.truth.front();
+  std::printf("%-16s", c.name.c_str());
+  print_surface(&gate.endo, gate.endo_ml.value, truth.endo, truth.endo_ml);
+  print_surface(&gate.epi, gate.epi_ml.value, truth.epi, truth.epi_ml);
+  const auto holds = [](const Estimate& e, double ml) { return e.low() <= ml && ml <= e.high() ? "yes" : "no"; };
+  std::printf("  %5.1f to %5.1f  %s\n", gate.endo_ml.low(), gate.endo_ml.high(), holds(gate.endo_ml, truth.endo_ml));
+}
+
+void print_labels(const Case& c) {
+  const Phantom phantom = make_phantom(c.made);
+  const VentricleResult result = reconstruct(phantom.study, ventricle_preset("edges"));
+  const TrueGate& truth = phantom.truth.front();
+  const Gate rough = at_rest(phantom, false).gates.front(), smooth = at_rest(phantom, true).gates.front();
+  std::printf("%-16s  %8.3f", c.name.c_str(), f1_of(result, truth.endo, Labels::endo_bit));
+  if (rough.epi && smooth.epi)
+    std::printf("  %8.3f  %5d to %4d  %5d to %4d\n", f1_of(result, truth.epi, Labels::epi_bit),
+                peaks_of(rough.endo, truth.endo), peaks_of(smooth.endo, truth.endo), peaks_of(rough.epi, truth.epi),
+                peaks_of(smooth.epi, truth.epi));
+  else
+    std::printf("         -  %5d to %4d             -\n", peaks_of(rough.endo, truth.endo),
+                peaks_of(smooth.endo, truth.endo));
 }
 
 /// One slice as a panel: border voxels as squares, cuts through both surfaces as lines.
@@ -128,5 +194,14 @@ int main(int count, char** arguments) {
       "                 inner                     outer                   surfaces\n"
       "state            mL     error %%   apart mm  mL    error %%   apart mm   s      verdict, flags\n");
   for (const Case& c : cases()) print_case(c);
+  std::printf(
+      "\nWalls fitted through the blur\n"
+      "                 inner                     outer                   inner, 90 %%, holds the truth\n"
+      "state            mL     error %%   apart mm  mL    error %%   apart mm\n");
+  for (const Case& c : cases()) print_fit(c);
+  std::printf(
+      "\nBorder voxels (F1 within 2 pixels), and peaks of the surfaces without and with smoothing\n"
+      "state            inner     outer     peaks inside   outside\n");
+  for (const Case& c : cases()) print_labels(c);
   if (count > 1) draw(arguments[1]);
 }

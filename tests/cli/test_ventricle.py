@@ -1,5 +1,7 @@
 """The main job from the command line: what it leaves, that it is the same every time, and its bad days."""
 
+import array
+import gzip
 import json
 import os
 import pathlib
@@ -11,7 +13,7 @@ import subprocess
 import time
 import unittest
 
-from cli import EDGES, PROGRAM, CliTest, hashes, run, small_patient, small_result, write_mask
+from cli import EDGES, PROGRAM, SMALL_PATIENT, CliTest, hashes, run, small_patient, small_result, write_mask
 
 # A run that takes long, so that it can be disturbed.
 SLOW = ["--set", "mesh_level=4", "--set", "field.iterations=200000"]
@@ -171,6 +173,31 @@ class Result(CliTest):
         self.assertEqual(results["quality"]["verdict"], "fail")
         self.assertIsNone(results["ef_percent"])
         self.assertTrue((self.folder / "r" / "report.html").is_file())
+
+
+class LabelMap(CliTest):
+    def test_reads_the_muscle_of_a_label_map(self):
+        # Muscle 1, blood 2 with sharp borders: without --label the bright blood would be taken for a blood pool.
+        scan, out = self.folder / "scan", self.folder / "labels"
+        made = run("phantom", "patient", "--out", scan, *SMALL_PATIENT, "--set", "fwhm_mm=0", "--set", "noise.peak_counts=0",
+                   "--set", "noise.filter_fwhm_mm=0", "--set", "background=0", "--set", "cavity=2")
+        self.assertEqual(made.returncode, 0, made.stderr)
+        study = scan / "study.nii.gz"
+        nifti = bytearray(gzip.decompress(study.read_bytes()))
+        # Of muscle at 1 and blood at 2 the nearest whole number is the label; voxels are doubles or floats as stored.
+        kind, start = struct.unpack_from("<h", nifti, 70)[0], int(struct.unpack_from("<f", nifti, 108)[0])
+        self.assertEqual(kind, 16, "expected floats")
+        values = array.array("f", bytes(nifti[start:]))
+        top = max(values)
+        values = array.array("f", [float(round(2 * v / top)) for v in values])
+        study.write_bytes(gzip.compress(bytes(nifti[:start]) + values.tobytes()))
+        made = run("ventricle", study, "--out", out, "--label", 1, "--fwhm", 0)
+        self.assertIn(made.returncode, (0, 3), made.stdout + made.stderr)
+        fit = self.read_json(out / "results.json")["readings"]["unbiased"]
+        truth = [gate["endo_ml"] for gate in self.read_json(scan / "truth.json")["gates"]]
+        self.assertAlmostEqual(fit["edv_ml"] / max(truth), 1, delta=0.08)
+        self.assertEqual(self.read_json(out / "options.json")["label"], 1)
+        self.refuses(2, "ventricle", study, "--out", self.folder / "none", "--label", 7, says="no voxel has the label 7")
 
 
 class SameBytes(CliTest):

@@ -89,7 +89,7 @@ TEST(Settle, LeavesTheLidThatFacesTheBase) {
   }
 }
 
-TEST(Settle, MovesAsItsNeighboursDoWhereTheImageShowsNothing) {
+TEST(Settle, MovesAsTheSurfaceDoesWhereTheImageShowsNothing) {
   Image ball = soft_ball(100, 0);
   for (std::size_t v = 0; v < ball.values.size(); ++v)
     if (v % 31 > 22) ball.values[v] = 50;  // more than 24 mm to the right of the middle
@@ -98,6 +98,27 @@ TEST(Settle, MovesAsItsNeighboursDoWhereTheImageShowsNothing) {
     if ((p - middle)[0] > 0.97 * radius_mm) {
       EXPECT_LT(off_mm(p), 2);
     }
+}
+
+TEST(Settle, DoesNotFollowTheRimOfADefectIntoTheCavity) {
+  // A dark ball in a bright shell that lacks a sector: the inner surface there has nothing to settle on, and what is
+  // left of the shell shows slopes at the rim that lead around its corner.
+  Image shell = soft_ball(0, 100);
+  for (int k = 0; k < shell.grid.dims[2]; ++k)
+    for (int j = 0; j < 31; ++j)
+      for (int i = 0; i < 31; ++i) {
+        const Vec3 p = centre_of(shell.grid, {i, j, k}) - middle;
+        const double gone = std::atan2(p[1], p[0]);
+        const double share = 0.5 * std::erfc((p.norm() - 1.5 * radius_mm) / (std::sqrt(2.0) * sigma_mm));
+        const double edge = 0.5 * (std::erf((std::abs(gone) - 0.65) * p.norm() / 4) + 1);
+        shell(i, j, k) = static_cast<float>(shell(i, j, k) * share * (0.05 + 0.95 * edge));
+      }
+  const TriMesh end = settle_on_slope(sphere(0), shell, no_base, {});
+  double most_inwards = 0;
+  for (const Vec3& p : end.vertices)
+    if (std::abs(std::atan2(p[1] - middle[1], p[0] - middle[0])) < 0.5)
+      most_inwards = std::min(most_inwards, off_mm(p));
+  EXPECT_GT(most_inwards, -1);
 }
 
 TEST(Settle, AveragesNoiseAway) {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <mutex>
 
@@ -13,38 +11,14 @@
 #include "dynasurf/ventricle/border_planes.hpp"
 #include "dynasurf/ventricle/canonical.hpp"
 #include "dynasurf/ventricle/cycle.hpp"
-#include "dynasurf/ventricle/fit/wall_posterior.hpp"
 #include "dynasurf/ventricle/labels/circle.hpp"
-#include "dynasurf/ventricle/measures/regional_errors.hpp"
+#include "dynasurf/ventricle/readings.hpp"
 #include "dynasurf/ventricle/region.hpp"
 #include "dynasurf/ventricle/relabel.hpp"
+#include "dynasurf/ventricle/stage_clock.hpp"
 
 namespace dynasurf {
 namespace {
-
-/// Seconds per stage, added up from several threads, in the order in which stages first appear.
-class StageClock {
- public:
-  explicit StageClock(std::vector<std::pair<std::string, double>>& seconds) : seconds_(seconds) {}
-
-  template <class F>
-  auto operator()(std::string_view stage, F&& work) {
-    const auto start = std::chrono::steady_clock::now();
-    auto result = work();
-    const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const std::lock_guard lock(mutex_);
-    const auto entry = std::find_if(seconds_.begin(), seconds_.end(), [&](const auto& s) { return s.first == stage; });
-    if (entry == seconds_.end())
-      seconds_.emplace_back(stage, elapsed);
-    else
-      entry->second += elapsed;
-    return result;
-  }
-
- private:
-  std::vector<std::pair<std::string, double>>& seconds_;
-  std::mutex mutex_;
-};
 
 /// Counts finished pieces of work from several threads and tells the user, one call at a time.
 class StageCounter {
@@ -223,54 +197,6 @@ Gate finish_gate(GateRun& run, int g, const VentricleResult& result) {
   return gate;
 }
 
-void measure_cycle(VentricleResult& result) {
-  std::vector<double> cavity, wall;
-  for (const Gate& gate : result.gates) {
-    if (gate.endo) cavity.push_back(gate.endo->volume_ml);
-    if (gate.wall_ml) wall.push_back(*gate.wall_ml);
-  }
-  if (cavity.size() == result.gates.size()) {
-    if (const std::optional<Function> f = left_ventricular_function(cavity)) {
-      result.edv_ml = f->edv_ml, result.esv_ml = f->esv_ml, result.sv_ml = f->sv_ml;
-      result.ef_percent = f->ef_percent;
-      result.ed_gate = f->ed_gate, result.es_gate = f->es_gate;
-    }
-    result.phases = phases_of_curve(cavity);
-  }
-  if (wall.size() == result.gates.size() && wall.size() > 1) result.wall_variation = coefficient_of_variation(wall);
-}
-
-/// What is measured on the surfaces, along the heart's axis where it was found, else along the stack.
-std::optional<Measures> measure_study(const VentricleResult& result, const MeasureOptions& options) {
-  MeasureInput input;
-  input.cycle_ms = result.study.cycle_ms;
-  // A heart that was found across the stack was not believed either when the stack was kept.
-  const Vec3 along_stack = result.study.grid().direction.col(2);
-  input.axis = result.heart && result.heart->cup.axis.dot(along_stack) > 0.7 ? result.heart->cup.axis : along_stack;
-  bool is_any = false;
-  for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    const Gate& gate = result.gates[g];
-    if (result.fit) {
-      const FittedGate& fitted = result.fit->gates[g];
-      input.from_edges = false, is_any = true;
-      input.gates.push_back({{&fitted.endo, &result.fit->uptake},
-                             {&fitted.epi, &result.fit->uptake},
-                             &result.study.gates[g],
-                             fitted.base});
-      continue;
-    }
-    is_any = is_any || gate.endo;
-    input.gates.push_back({{gate.endo ? &gate.endo->mesh : nullptr},
-                           {gate.epi ? &gate.epi->mesh : nullptr},
-                           &result.study.gates[g],
-                           gate.base_plane});
-  }
-  if (!is_any) return std::nullopt;
-  Measures measures = measure_walls(input, options);
-  if (result.fit && result.fit->posterior) add_error_bars(measures, *result.fit->posterior);
-  return measures;
-}
-
 /// Surfaces that started from the data themselves have triangles of their own in every gate.
 void note_correspondence(VentricleResult& result) {
   for (const auto wall : {&Gate::endo, &Gate::epi})
@@ -296,60 +222,9 @@ void hand_over_stages(const StageSink& keep, std::vector<GateRun>& runs, const S
   }
 }
 
-/// An image without blur has no Gaussian across its wall: deviations without end would be shown as volumes.
-void drop_unlikely_reading(VentricleResult& result) {
-  if (!result.qgs_like) return;
-  constexpr double most = 3;  // times the outer edge surface
-  for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    const double outer_ml = result.qgs_like->cavity_ml[g] + result.qgs_like->wall_ml[g];
-    if (std::isfinite(outer_ml) && outer_ml < most * result.gates[g].epi->volume_ml) continue;
-    result.qgs_like.reset();
-    result.notes.push_back(
-        {Severity::info, "readings.no_gaussian", "no QGS-like reading: no asymmetric Gaussian fits across this wall"});
-    return;
-  }
-}
-
-/// False where the fit ran away from what was seen: data that are no wall seen through a blur.
-bool is_plausible(const VentricleResult& result) {
-  constexpr double most = 4;  // times the outer edge surface, or a part of it
-  for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    const double fitted = result.fit->gates[g].epi_ml.value / result.gates[g].epi->volume_ml;
-    if (!(fitted > 1 / most && fitted < most) || !(result.fit->gates[g].endo_ml.value > 0)) return false;
-  }
-  return std::isfinite(result.fit->edv_ml.sd + result.fit->esv_ml.sd + result.fit->wall_ml.sd);
-}
-
-/// Readings beside the edges' own: they need both surfaces in all gates.
-void read_otherwise(const Study& original, const BlurFit& options, const Progress& progress, StageClock& clock,
-                    VentricleResult& result) {
-  FitStart start;
-  for (const Gate& gate : result.gates) {
-    if (!gate.endo || !gate.epi || gate.endo->volume_ml <= 0 || gate.wall_ml.value_or(0) <= 0) {
-      if (options.run)
-        result.notes.push_back(
-            {Severity::info, "fit.no_walls",
-             "no volumes freed of the blur: gate " + std::to_string(gate.gate + 1) + " has not both surfaces"});
-      return;
-    }
-    start.endo.push_back(gate.endo->mesh);
-    start.epi.push_back(gate.epi->mesh);
-    start.base.push_back(gate.base_plane);
-  }
-  start.axis = result.study.grid().direction.col(2);
-  start.lateral = result.study.grid().direction.col(0);
-  // A heart that was found across the stack was not believed either when the stack was kept.
-  if (result.heart && result.heart->cup.axis.dot(start.axis) > 0.7) start.cup = result.heart->cup;
-  result.qgs_like = clock("readings", [&] { return read_like_qgs(original, start); });
-  drop_unlikely_reading(result);
-  if (!options.run) return;
-  result.fit = clock("fit", [&] { return fit_through_blur(original, start, options, progress); });
-  add_notes(result.notes, result.fit->notes, -1);
-  if (is_plausible(result)) return;
-  result.fit.reset();
-  result.notes.push_back(
-      {Severity::warning, "fit.lost",
-       "no volumes freed of the blur: the walls that were fitted are not those whose edges were seen"});
+VentricleOptions without_label(VentricleOptions options) {
+  options.label = 0;
+  return options;
 }
 
 constexpr std::array<std::string_view, 3> pipeline_names{"surface", "contour", "direct"};
@@ -428,6 +303,7 @@ std::span<const std::string_view> names_of(Pipeline) { return pipeline_names; }
 
 BorderResult find_borders(const Study& study, const VentricleOptions& options, const Progress& progress,
                           const Image* mask) {
+  if (options.label > 0) return find_borders(only_label(study, options.label), without_label(options), progress, mask);
   BorderResult result;
   StageClock clock(result.seconds);
   StudyRun run = run_borders(study, options, progress, mask, clock);
@@ -446,6 +322,8 @@ BorderResult find_borders(const Study& study, const VentricleOptions& options, c
 
 VentricleResult reconstruct(const Study& original, const VentricleOptions& requested, const Progress& progress,
                             const StageSink& keep, const TriMesh* start, const Image* mask) {
+  if (requested.label > 0)
+    return reconstruct(only_label(original, requested.label), without_label(requested), progress, keep, start, mask);
   if (requested.placement.shape == StartShape::file && start == nullptr)
     throw OptionError("option placement.shape is file; expected a mesh to start from, none was given");
   VentricleResult result;

@@ -48,6 +48,7 @@ std::span<const std::string_view> names_of(Pipeline);
 /// Everything that steers the ventricle pipeline (PIPE-2, thesis 7.1 and appendix A.8 of the specification).
 struct VentricleOptions {
   Pipeline pipeline = Pipeline::surface;
+  int label = 0;
   Orientation orientation;
   Manual manual;
   double noise_fraction = 0;
@@ -72,6 +73,8 @@ void describe(auto& visit, VentricleOptions& o) {
   visit("pipeline", o.pipeline,
         Field{"surface: deforming meshes, a field for each wall; contour: a contour in every slice (thesis 6.1.6.1); "
               "direct: one field straight from the image"});
+  visit("label", o.label,
+        Field{"the muscle's value in a label map, all else is nothing; 0: the study is an image", "", 0, 1e6});
   visit("orientation", o.orientation, Field{"which way the heart lies in the volume"});
   visit("manual", o.manual, Field{"what a person says in place of what would be found"});
   visit("noise_fraction", o.noise_fraction,

@@ -90,6 +90,17 @@ Study confine(Study study, const Mask& region) {
   return study;
 }
 
+Study only_label(Study study, int label) {
+  bool is_any = false;
+  for (Image& gate : study.gates)
+    for (float& value : gate.values) {
+      const bool is_it = value == static_cast<float>(label);
+      value = is_it ? 1.0F : 0.0F, is_any = is_any || is_it;
+    }
+  if (!is_any) throw InputError("no voxel has the label " + std::to_string(label));
+  return study;
+}
+
 void clear_outside(Mask& edges, const Mask& region) {
   for (std::size_t n = 0; n < edges.values.size(); ++n)
     if (region.values[n] == 0) edges.values[n] = 0;

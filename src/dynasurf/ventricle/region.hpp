@@ -13,6 +13,9 @@ Mask region_on(const Image& mask, const Grid& grid);
 /// no edge. Adds the note "region.used". Throws InputError when the region covers no voxel.
 Study confine(Study study, const Mask& region);
 
+/// A label map as a mask: 1 where a voxel has the value, else 0. Throws InputError where no voxel of the study has it.
+Study only_label(Study study, int label);
+
 /// Edges outside the region are no border of the ventricle.
 void clear_outside(Mask& edges, const Mask& region);
 

@@ -17,7 +17,6 @@ constexpr int samples_per_voxel = 3;
 constexpr double lid_cosine = 0.5;  // normals nearer to the base belong to the lid
 constexpr double weak_slope = 0.2;  // of the median slope: what lies below is no border
 constexpr double no_slope = 1e-6;   // of the image's largest value per sample: rounding alone
-constexpr int rings_to_fill = 8;    // how far vertices with a slope lead those without
 
 /// Slopes of the image along the normals: a row per vertex, its middle on the vertex.
 struct Profiles {
@@ -89,21 +88,6 @@ std::optional<Peak> peak_of(std::span<const double> row, double step_mm) {
   return Peak{step_mm * (static_cast<double>(at) - static_cast<double>(middle) + share), row[at]};
 }
 
-/// Vertices without an offset take the mean of their neighbours', ring by ring.
-void fill_from_neighbours(std::vector<std::optional<double>>& offsets, const VertexRings& rings,
-                          const std::vector<bool>& on_lid) {
-  for (int ring = 0; ring < rings_to_fill; ++ring) {
-    const std::vector<std::optional<double>> known = offsets;
-    for (std::uint32_t v = 0; v < offsets.size(); ++v) {
-      if (known[v] || on_lid[v]) continue;
-      double sum = 0, count = 0;
-      for (const std::uint32_t u : rings.of(v))
-        if (known[u]) sum += *known[u], ++count;
-      if (count > 0) offsets[v] = sum / count;
-    }
-  }
-}
-
 /// `least_slope`: what is no slope at all.
 std::vector<std::optional<double>> offsets_of(const Profiles& profiles, const std::vector<bool>& on_lid,
                                               double least_slope) {
@@ -123,6 +107,16 @@ std::vector<std::optional<double>> offsets_of(const Profiles& profiles, const st
   return offsets;
 }
 
+double median_of(const std::vector<std::optional<double>>& offsets) {
+  std::vector<double> known;
+  for (const auto& offset : offsets)
+    if (offset) known.push_back(*offset);
+  if (known.empty()) return 0;
+  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+  std::nth_element(known.begin(), middle, known.end());
+  return *middle;
+}
+
 }  // namespace
 
 TriMesh settle_on_slope(TriMesh mesh, const Image& image, const Vec3& base, const Settle& options) {
@@ -135,11 +129,12 @@ TriMesh settle_on_slope(TriMesh mesh, const Image& image, const Vec3& base, cons
     const std::vector<Vec3> normals = normals_of_vertices(mesh);
     Profiles profiles = profiles_of(mesh, normals, image, options.reach_voxels);
     turn_upwards(profiles, on_lid);
-    std::vector<std::optional<double>> offsets =
+    const std::vector<std::optional<double>> offsets =
         offsets_of(averaged(profiles, rings, on_lid), on_lid, no_slope * largest / profiles.step_mm);
-    fill_from_neighbours(offsets, rings, on_lid);
+    // Where a wall is not seen its neighbours are no guide: at the rim of a defect the slopes lead around its corner.
+    const double usual = median_of(offsets);
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-      if (offsets[v]) mesh.vertices[v] += *offsets[v] * normals[v];
+      if (!on_lid[v]) mesh.vertices[v] += offsets[v].value_or(usual) * normals[v];
   }
   return mesh;
 }

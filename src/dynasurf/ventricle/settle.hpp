@@ -24,7 +24,7 @@ void describe(auto& visit, Settle& o) {
 /// Moves the vertices of a closed surface (grid frame of `image`, oriented outwards) along their normals to where the
 /// image rises or falls most steeply; which of the two, the surface as a whole decides. Slopes are averaged over each
 /// vertex and its neighbours, along their own normals: that takes noise away without moving the edge of a curved wall.
-/// Where no slope is steepest within reach, or it is weak, a vertex moves as its neighbours do. Vertices that face
+/// Where no slope is steepest within reach, or it is weak, a vertex moves by the surface's median. Vertices that face
 /// `base` (unit; zero: none do) within 60 degrees stay: there a surface is closed by a lid that no image shows.
 TriMesh settle_on_slope(TriMesh mesh, const Image& image, const Vec3& base, const Settle& options);
 

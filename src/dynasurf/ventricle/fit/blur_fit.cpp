@@ -63,7 +63,8 @@ Pixels pixels_around(const Box& box, const Grid& grid, double sigma_mm, double m
   Pixels pixels;
   pixels.spacing = grid.spacing;
   for (int a = 0; a < 3; ++a) {
-    const double wanted = std::max(1.4 * sigma_mm, 2.0);
+    // Sharp voxels of 2 mm and less are joined: their edges are known better than a wall is smooth.
+    const double wanted = std::max(1.4 * sigma_mm, 3.0);
     const int joined = std::max(1, static_cast<int>(std::lround(wanted / grid.spacing[a])));
     const int from = std::max(0, static_cast<int>(std::floor((box.low[a] - margin_mm) / grid.spacing[a])));
     const int to = std::min(grid.dims[a] - 1, static_cast<int>(std::ceil((box.high[a] + margin_mm) / grid.spacing[a])));
