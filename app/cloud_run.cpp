@@ -126,9 +126,11 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
   progress.check();
 
   timed("write", 0, 1);
-  write_levels(outcome.run.result, job, folder.path());
-  // The page tells no times, so that equal runs give equal pages.
-  write_cloud_report(outcome.run, provenance, folder.path() / "report.html", Timings::omit);
+  parallel_for(2, 1, [&](std::size_t task, std::size_t) {
+    if (task == 0) write_levels(outcome.run.result, job, folder.path());
+    // The page tells no times, so that equal runs give equal pages.
+    if (task == 1) write_cloud_report(outcome.run, provenance, folder.path() / "report.html", Timings::omit);
+  });
   write_file(folder.path() / "options.json", provenance.options_json);
   write_file(folder.path() / "results.csv", cloud_results_csv(outcome.run.result));
   outcome.run.seconds = clock.seconds();

@@ -1,6 +1,7 @@
 #include "dynasurf/cloud/body.hpp"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "dynasurf/core/error.hpp"
@@ -62,7 +63,11 @@ Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, 
     taken_from = i;
   };
   const auto is_firm = [&](std::size_t i, const Kind& kind) {
-    return kind_of(surface(fields[i], nudge)) == kind && kind_of(surface(fields[i], -nudge)) == kind;
+    std::array<std::uint8_t, 2> is_same{};
+    parallel_for(2, 1, [&](std::size_t n, std::size_t) {
+      is_same[n] = kind_of(surface(fields[i], n == 0 ? nudge : -nudge)) == kind;
+    });
+    return is_same[0] && is_same[1];
   };
   // Takes the finest that is as asked for, else the simplest: coarse fields hold fewer handles, true or not.
   const auto take_finest = [&](const std::optional<Kind>& wanted) {

@@ -247,24 +247,26 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
   for (Vec3& v : fine.vertices) v = frame.in(v);
   const ClosestPoint on_fine(fine);
   const Fitting fitting{fine, on_fine, {points, normals}, std::span(points).first(scanned), options, p.facts};
-  const auto publish = [&](const SurfaceEditor& surface, int asked) {
-    TriMesh mesh = surface.mesh();
+  const auto publish = [&](TriMesh mesh, int asked) {
     for (Vec3& v : mesh.vertices) v = frame.out(v);
     add_level(result, p, asked, std::move(mesh));
   };
   SurfaceEditor surface(started(fine, body.genus, options.start, result.notes, progress));
   if (options.max_error_percent) {
     const int fewest = fewest_within(surface, fitting, *options.max_error_percent / 100, result.notes, progress);
-    publish(surface, fewest);
+    publish(surface.mesh(), fewest);
     return;
   }
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
+  for (std::size_t i = 0; i <= triangles.size(); ++i) {
     progress("levels", static_cast<int>(i), static_cast<int>(triangles.size()));
     progress.check();
-    fitting.make(surface, triangles[i]);
-    publish(surface, triangles[i]);
+    // While a level is made, the one before it is measured: each leaves the other's processor idle at times.
+    TriMesh made = i > 0 ? surface.mesh() : TriMesh{};
+    parallel_for(2, 1, [&](std::size_t task, std::size_t) {
+      if (task == 0 && i < triangles.size()) fitting.make(surface, triangles[i]);
+      if (task == 1 && i > 0) publish(std::move(made), triangles[i - 1]);
+    });
   }
-  progress("levels", static_cast<int>(triangles.size()), static_cast<int>(triangles.size()));
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 
 #include <Eigen/LU>
 
+#include "dynasurf/core/parallel.hpp"
+
 namespace dynasurf {
 namespace {
 
@@ -74,9 +76,13 @@ class Simplifier {
 
  private:
   void pass() {
-    std::vector<Candidate> all;
+    std::vector<std::uint32_t> edges;
     for (std::uint32_t h = 0; h < 3 * s_.triangle_slots(); ++h)
-      if (s_.is_alive(h / 3) && h < s_.twin(h)) all.push_back(candidate(h));
+      if (s_.is_alive(h / 3) && h < s_.twin(h)) edges.push_back(h);
+    std::vector<Candidate> all(edges.size());
+    parallel_for(all.size(), 1024, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) all[i] = candidate(edges[i]);
+    });
     queue_ = std::priority_queue<Candidate>(std::less<Candidate>(), std::move(all));
     while (s_.triangles() > o_.triangles && !queue_.empty()) {
       const Candidate c = queue_.top();
@@ -101,7 +107,8 @@ class Simplifier {
     const Vec3 &a = s_.position(s_.from(h)), &b = s_.position(s_.to(h)), middle = 0.5 * (a + b);
     // Where the planes leave a direction free, the place is the middle of the edge.
     const double hold = 1e-5 * q.area;
-    const Vec3 place = (q.a + hold * Mat3::Identity()).ldlt().solve(q.b + hold * middle);
+    const Mat3 firm = q.a + hold * Mat3::Identity();
+    const Vec3 place = firm.inverse() * (q.b + hold * middle);
     return place.allFinite() && (place - middle).squaredNorm() < (b - a).squaredNorm() ? place : middle;
   }
 
