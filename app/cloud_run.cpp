@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include <nlohmann/json.hpp>
+#include <sys/resource.h>
 
 #include "dynasurf/cloud/bake.hpp"
 #include "dynasurf/cloud/lod.hpp"
@@ -90,6 +91,12 @@ void write_levels(const CloudResult& result, const CloudJob& job, const fs::path
   write_lod_glb(levels, folder / "textured.glb");
 }
 
+/// The most memory that this process has held; 0 where the system does not tell.
+std::size_t peak_bytes() {
+  rusage usage{};
+  return getrusage(RUSAGE_SELF, &usage) == 0 ? static_cast<std::size_t>(usage.ru_maxrss) * 1024 : 0;
+}
+
 std::string results_text(const CloudRun& run, const Provenance& provenance, const CloudJob& job) {
   Json json = cloud_results_json(run, provenance, job.timings ? Timings::keep : Timings::omit);
   Json formats = Json::array();
@@ -134,6 +141,7 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
   write_file(folder.path() / "options.json", provenance.options_json);
   write_file(folder.path() / "results.csv", cloud_results_csv(outcome.run.result));
   outcome.run.seconds = clock.seconds();
+  outcome.run.peak_bytes = peak_bytes();
   outcome.json = results_text(outcome.run, provenance, job);
   write_file(folder.path() / "results.json", outcome.json);
   progress.check();

@@ -50,7 +50,8 @@ void read_screen(const std::string& text, Camera& camera) {
     throw OptionError("--screen is '" + text + "'; expected WIDTHxHEIGHT in pixels, such as 1920x1080");
 }
 
-/// The meshes of a result folder, finest first, in the first format of its files that can be read.
+/// The meshes of a result folder, finest first: in the first format of its files that can be read, else those of
+/// levels.glb, which holds them with 32 bits a number.
 std::vector<Level> levels_of_result(const fs::path& folder) {
   const fs::path file = folder / "results.json";
   const Json json = Json::parse(text_of_file(file), nullptr, false);
@@ -64,10 +65,13 @@ std::vector<Level> levels_of_result(const fs::path& folder) {
       fs::path mesh;
       for (const char* ending : {".ply", ".obj", ".off", ".stl"})
         if (mesh.empty() && fs::exists(base.string() + ending)) mesh = base.string() + ending;
-      if (mesh.empty())
-        throw InputError(base.string() + ": no mesh in a format that can be read: ply, obj, off or stl");
-      levels.push_back({name, read_mesh(mesh)});
+      if (!mesh.empty()) levels.push_back({name, read_mesh(mesh)});
     }
+    if (levels.empty())
+      for (LodSurface& level : read_lod_glb(folder / "levels.glb"))
+        levels.push_back({std::move(level.name), std::move(level.mesh)});
+    if (levels.size() != json.at("levels").size())
+      throw InputError(folder.string() + ": some levels have no mesh in meshes/; expected all that results.json names");
   } catch (const Json::exception& error) {
     throw InputError(file.string() + ": is not a result of this program: " + error.what());
   }

@@ -55,6 +55,9 @@ class Cloud(CliTest):
             self.assertLess(level["certificate"]["distances"]["cloud_to_mesh"]["mean_percent"], 1)
         self.assertEqual(results["cloud"]["points"], 4000)
         self.assertGreater(results["timings_s"]["read"], 0)
+        # The program itself takes ten MiB or more, and no cloud so small a GiB.
+        self.assertTrue(10 * 2**20 < results["memory"]["peak_bytes"] < 2**30)
+        self.assertAlmostEqual(results["memory"]["bytes_per_point"], results["memory"]["peak_bytes"] / 4000, 3)
         self.assertEqual(len((result / "results.csv").read_text().splitlines()), 3)
 
     def test_measure_agrees_with_the_certificate(self):

@@ -120,6 +120,20 @@ TEST_P(EveryFittedMethod, ClosesATorusAtEveryLevel) {
 INSTANTIATE_TEST_SUITE_P(Methods, EveryFittedMethod, testing::Values(CloudMethod::shaped, CloudMethod::faithful),
                          [](const auto& one) { return std::string(word_of(one.param)); });
 
+TEST(CloudStart, TellsWhenADeepCavityWasNotReached) {
+  const auto is_told = [](CloudShape shape) {
+    CloudOptions options;
+    options.triangles = "640";
+    options.start = CloudStart::hull;
+    const CloudResult result = reconstruct_cloud(make_cloud({.shape = shape, .points = 8000}), options);
+    return std::any_of(result.notes.begin(), result.notes.end(), [](const Note& note) {
+      return note.code == "cloud.start" && note.message.find("did not reach") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(is_told(CloudShape::vase));
+  EXPECT_FALSE(is_told(CloudShape::ellipsoid));
+}
+
 TEST(ReconstructCloud, GivesTheSameBytesForAnyNumberOfThreads) {
   CloudOptions options;
   options.triangles = "500";

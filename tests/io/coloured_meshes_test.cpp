@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/byte_source.hpp"
 #include "dynasurf/io/bytes.hpp"
 #include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/io/mesh_io.hpp"
@@ -206,6 +208,43 @@ TEST(WriteLodGlb, WritesSamplesForTheValidator) {
   const TriMesh ball = test::lopsided_ball(2);
   write_mesh(ball, out / "mesh.glb", MeshFormat::glb,
              std::vector<VertexScalar>{{"thickness_mm", std::vector<float>(ball.vertices.size(), 9)}}, striped(ball));
+}
+
+TEST(ReadLodGlb, GivesBackNamesAndMeshesOfAllLevels) {
+  const ScratchFolder folder;
+  std::vector<LodSurface> levels;
+  for (const int fineness : {3, 1}) {
+    TriMesh ball = test::lopsided_ball(fineness);
+    for (Vec3& p : ball.vertices) p += Vec3(4e5, 5e6, 100);
+    levels.push_back({"level" + std::to_string(fineness), ball, striped(ball), 0.1 * fineness, {}});
+  }
+  write_lod_glb(levels, folder / "levels.glb");
+  const std::vector<LodSurface> read = read_lod_glb(folder / "levels.glb");
+  ASSERT_EQ(read.size(), 2u);
+  for (std::size_t n = 0; n < 2; ++n) {
+    EXPECT_EQ(read[n].name, levels[n].name);
+    EXPECT_EQ(read[n].mesh.triangles, levels[n].mesh.triangles);
+    ASSERT_EQ(read[n].mesh.vertices.size(), levels[n].mesh.vertices.size());
+    // Offsets from the middle have 24 bits, and the ball is a few units wide.
+    for (std::size_t v = 0; v < read[n].mesh.vertices.size(); ++v)
+      EXPECT_LT((read[n].mesh.vertices[v] - levels[n].mesh.vertices[v]).norm(), 1e-5);
+  }
+}
+
+TEST(ReadLodGlb, RefusesDamagedFilesInOneLine) {
+  const ScratchFolder folder;
+  const TriMesh ball = test::lopsided_ball(1);
+  const LodSurface level{"level1", ball, {}, 0, {}};
+  write_lod_glb({&level, 1}, folder / "a.glb");
+  const std::string whole = text_of_file(folder / "a.glb");
+  for (const std::size_t size : {std::size_t{0}, std::size_t{11}, whole.size() / 2, whole.size() - 4}) {
+    write_file(folder / "b.glb", whole.substr(0, size));
+    EXPECT_THROW(read_lod_glb(folder / "b.glb"), InputError) << size;
+  }
+  std::string other = whole;  // the last corner names a vertex that is not there
+  other.replace(other.size() - 4, 4, "\xff\xff\xff\x7f");
+  write_file(folder / "b.glb", other);
+  EXPECT_THROW(read_lod_glb(folder / "b.glb"), InputError);
 }
 
 TEST(WriteLodGlb, RefusesWhatCannotBeShown) {

@@ -214,7 +214,7 @@ Marks held_by_points(const TriMesh& mesh, const Scan& scan, double reach) {
   for (std::size_t t = 0; t < kept.size(); ++t)
     if (is_far[t] && box[holes.find(mesh.triangles[t][0])].diagonal().norm() > wide * reach) kept[t] = 0, any = true;
   if (!any) return kept;
-  for (int ring = 0; ring < 2; ++ring) drop_touching(mesh, corners_of_dropped(mesh, kept), kept);
+  drop_touching(mesh, corners_of_dropped(mesh, kept), kept);
   for (int round = 0; round < 3; ++round) drop_ears(mesh, kept);
   drop_pinches(mesh, kept);
   drop_islands(mesh, kept);
@@ -378,7 +378,7 @@ bool keep_between_pieces(const TriMesh& whole, const Torn& torn, Marks& kept) {
 }  // namespace
 
 std::optional<HoleFill> fill_holes(const TriMesh& surface, const OrientedPoints& points, const Holes& options) {
-  constexpr std::size_t light = 8000;
+  constexpr std::size_t light = 16000;
   // Two ends in one hole of the scan are far more often one limb than two that happen to end there.
   constexpr double most_for_handle = 1.8;
   const Scan scan(points);

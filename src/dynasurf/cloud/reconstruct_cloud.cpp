@@ -60,6 +60,11 @@ std::string number(int count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
+std::string percent(double share) {
+  std::string text = std::to_string(100 * share);
+  return text.substr(0, text.find('.') + 2) + " %";
+}
+
 void tell(const HoleFill& fill, Notes& notes) {
   std::string what = "parts of the surface lie far from all points: ";
   if (fill.holes > 0) what += number(fill.holes, "hole was", "holes were") + " closed smoothly";
@@ -226,6 +231,28 @@ TriMesh started(const TriMesh& fine, int genus, CloudStart start, Notes& notes, 
   return fine;
 }
 
+/// A start without the field's own shape may stop before a deep cavity: the points in it lie far from the mesh and near
+/// the field's surface.
+void tell_unreached(const TriMesh& mesh, const Fitting& fitting, Notes& notes) {
+  constexpr double far = 0.01, worth_telling = 0.002;  // of the diagonal; of the points
+  const ClosestPoint closest(mesh);
+  const std::span<const Vec3> points = fitting.scanned;
+  const double count = parallel_sum(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const double distance2 = closest(points[i]).distance2;
+      sum += distance2 > far * far && fitting.on_fine(points[i]).distance2 < 0.25 * distance2;
+    }
+    return sum;
+  });
+  const double share = count / static_cast<double>(points.size());
+  if (share > worth_telling)
+    notes.push_back({Severity::warning, "cloud.start",
+                     "the start of shape " + std::string(word_of(fitting.options.start)) + " did not reach " +
+                         percent(share) + " of the points, which lie farther than " + percent(far) +
+                         " of the diagonal from its surface"});
+}
+
 void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, const std::vector<int>& triangles,
                         CloudResult& result, const Progress& progress) {
   const FoundBody found = find_body(p, options, triangles.front(), result, progress);
@@ -262,6 +289,8 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
     progress.check();
     // While a level is made, the one before it is measured: each leaves the other's processor idle at times.
     TriMesh made = i > 0 ? surface.mesh() : TriMesh{};
+    if (i == 1 && options.start != CloudStart::automatic && options.start != CloudStart::field)
+      tell_unreached(made, fitting, result.notes);
     parallel_for(2, 1, [&](std::size_t task, std::size_t) {
       if (task == 0 && i < triangles.size()) fitting.make(surface, triangles[i]);
       if (task == 1 && i > 0) publish(std::move(made), triangles[i - 1]);

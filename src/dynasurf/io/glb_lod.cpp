@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstring>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/byte_source.hpp"
 #include "dynasurf/io/gltf_scene.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/io/png.hpp"
@@ -119,7 +121,75 @@ void name_levels(std::span<const LodSurface> levels, tinygltf::Model& model) {
   model.extensionsUsed.emplace_back("MSFT_lod");
 }
 
+[[noreturn]] void refuse(const std::string& file) {
+  throw InputError(file + ": is not a file of levels of detail that this program wrote");
+}
+
+/// The numbers of an accessor of this kind: `width` of `bytes` bytes in each of its rows.
+template <class Number>
+std::vector<Number> numbers_of(const tinygltf::Model& model, int accessor, int type, int component, std::size_t width,
+                               const std::string& file) {
+  constexpr std::size_t max_count = std::size_t{1} << 32;
+  const auto is_one_of = [](int index, const auto& all) {
+    return index >= 0 && static_cast<std::size_t>(index) < all.size();
+  };
+  if (is_one_of(accessor, model.accessors)) {
+    const tinygltf::Accessor& a = model.accessors[static_cast<std::size_t>(accessor)];
+    if (a.type == type && a.componentType == component && is_one_of(a.bufferView, model.bufferViews)) {
+      const tinygltf::BufferView& view = model.bufferViews[static_cast<std::size_t>(a.bufferView)];
+      const std::size_t bytes = a.count * width * sizeof(Number), begin = view.byteOffset + a.byteOffset;
+      if (is_one_of(view.buffer, model.buffers) && view.byteStride == 0 && a.count < max_count &&
+          begin + bytes <= model.buffers[static_cast<std::size_t>(view.buffer)].data.size()) {
+        std::vector<Number> numbers(a.count * width);
+        std::memcpy(numbers.data(), &model.buffers[static_cast<std::size_t>(view.buffer)].data[begin], bytes);
+        return numbers;
+      }
+    }
+  }
+  refuse(file);
+}
+
+LodSurface level_of(const tinygltf::Model& model, const tinygltf::Node& node, const std::string& file) {
+  if (node.mesh < 0 || static_cast<std::size_t>(node.mesh) >= model.meshes.size() || node.translation.size() != 3 ||
+      model.meshes[static_cast<std::size_t>(node.mesh)].primitives.size() != 1)
+    refuse(file);
+  const tinygltf::Primitive& primitive = model.meshes[static_cast<std::size_t>(node.mesh)].primitives[0];
+  if (primitive.attributes.contains("TEXCOORD_0"))
+    throw InputError(file + ": " + node.name +
+                     " is textured, and its triangles share no vertices; expected plain ones");
+  const auto place = primitive.attributes.find("POSITION");
+  const auto places = numbers_of<float>(model, place == primitive.attributes.end() ? -1 : place->second,
+                                        TINYGLTF_TYPE_VEC3, TINYGLTF_COMPONENT_TYPE_FLOAT, 3, file);
+  const auto corners = numbers_of<std::uint32_t>(model, primitive.indices, TINYGLTF_TYPE_SCALAR,
+                                                 TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 1, file);
+  LodSurface level;
+  level.name = node.name;
+  const Vec3 middle(node.translation[0], node.translation[1], node.translation[2]);
+  for (std::size_t i = 0; i + 2 < places.size(); i += 3)
+    level.mesh.vertices.push_back(Eigen::Vector3f(places[i], places[i + 1], places[i + 2]).cast<double>() + middle);
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
+    level.mesh.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
+  const bool is_whole =
+      std::all_of(corners.begin(), corners.end(), [&](auto v) { return 3 * std::size_t{v} < places.size(); });
+  if (!is_whole || corners.empty() || corners.size() % 3 != 0) refuse(file);
+  return level;
+}
+
 }  // namespace
+
+std::vector<LodSurface> read_lod_glb(const std::filesystem::path& path) {
+  const std::string bytes = text_of_file(path);
+  tinygltf::Model model;
+  std::string error, warning;
+  if (!tinygltf::TinyGLTF().LoadBinaryFromMemory(&model, &error, &warning,
+                                                 reinterpret_cast<const unsigned char*>(bytes.data()),
+                                                 static_cast<unsigned int>(bytes.size())) ||
+      model.nodes.empty())
+    refuse(path.string());
+  std::vector<LodSurface> levels;
+  for (const tinygltf::Node& node : model.nodes) levels.push_back(level_of(model, node, path.string()));
+  return levels;
+}
 
 void write_lod_glb(std::span<const LodSurface> levels, const std::filesystem::path& path) {
   if (levels.empty()) throw InputError("cannot write " + path.string() + ": there is no level");

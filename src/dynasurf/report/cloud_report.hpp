@@ -17,6 +17,7 @@ struct CloudRun {
   std::vector<CloudSource> sources;                     // one per file
   CloudResult result;                                   // its notes hold those of reading too
   std::vector<std::pair<std::string, double>> seconds;  // per stage, in order
+  std::size_t peak_bytes = 0;                           // of memory that the program has held; 0: not known
 };
 
 /// Whether every level may be published as watertight. False without a level.

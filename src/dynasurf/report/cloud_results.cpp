@@ -121,6 +121,13 @@ Json timings_json(const CloudRun& run, Timings timings) {
   return json;
 }
 
+Json memory_json(const CloudRun& run, Timings timings) {
+  const std::size_t points = run.result.facts.points;
+  if (timings == Timings::omit || run.peak_bytes == 0 || points == 0) return nullptr;
+  return {{"peak_bytes", run.peak_bytes},
+          {"bytes_per_point", number(static_cast<double>(run.peak_bytes) / static_cast<double>(points))}};
+}
+
 }  // namespace
 
 bool is_watertight(const CloudResult& result) {
@@ -146,6 +153,7 @@ nlohmann::ordered_json cloud_results_json(const CloudRun& run, const Provenance&
   json["notes"] = notes_json(run.result.notes);
   json["provenance"] = provenance_json(provenance);
   json["timings_s"] = timings_json(run, timings);
+  json["memory"] = memory_json(run, timings);
   return json;
 }
 
