@@ -16,7 +16,8 @@ struct Provenance {
   std::optional<std::uint64_t> seed;                        // of the random numbers; absent when none were drawn
 };
 
-/// How long a run took is the only thing that differs when it is repeated. With `omit` the key `timings_s` is null and
+/// How long a run took and how much memory it held is all that differs when it is repeated. With `omit` the keys
+/// `timings_s` and `memory` (of clouds) are null and
 /// the same input and options give the same bytes.
 enum class Timings { keep, omit };
 
