@@ -8,7 +8,7 @@ import subprocess
 import time
 import unittest
 
-from cli import PROGRAM, CliTest, hashes, run, small_patient
+from cli import EDGES, PROGRAM, CliTest, hashes, run, small_patient
 
 # A full campaign: DYNASURF_KILLS=10000.
 KILLS = int(os.environ.get("DYNASURF_KILLS", "200"))
@@ -17,7 +17,7 @@ KILLS = int(os.environ.get("DYNASURF_KILLS", "200"))
 class Kill(CliTest):
     def start(self, out, level):
         return subprocess.Popen([PROGRAM, "ventricle", small_patient() / "study.dcm", "--out", out, "--no-timings",
-                                 "--quiet", "--set", f"mesh_level={level}"],
+                                 "--quiet", "--set", f"mesh_level={level}", *EDGES],
                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
     def whole(self, level):
@@ -58,7 +58,7 @@ class Kill(CliTest):
         self.assertEqual(killed, KILLS)
         self.assertGreater(seen["new"], 0)
         # What killed runs left beside is swept up by the next one.
-        self.assertEqual(run("ventricle", small_patient() / "study.dcm", "--out", out, "--quiet").returncode, 0)
+        self.assertEqual(run("ventricle", small_patient() / "study.dcm", "--out", out, "--quiet", *EDGES).returncode, 0)
         self.assertEqual([path.name for path in place.iterdir()], ["result"])
 
 
