@@ -162,6 +162,21 @@ TEST(ReconstructCloud, DropsWhatIsNoSurfaceAndSaysSo) {
   EXPECT_EQ(result.levels.front().certificate.genus, 1);
 }
 
+TEST(ReconstructCloud, TellsOfOutliersThatKeepEachOtherCompany) {
+  const auto is_told = [](const PointCloud& cloud) {
+    CloudOptions options;
+    options.triangles = "500";
+    const Notes notes = reconstruct_cloud(cloud, options).notes;
+    return std::any_of(notes.begin(), notes.end(), [](const Note& n) {
+      return n.code == "cloud.left_out" && n.message.starts_with("20 points lie farther than 5.0 %");
+    });
+  };
+  PointCloud cloud = ring();
+  EXPECT_FALSE(is_told(cloud));
+  for (int i = 0; i < 20; ++i) cloud.points.push_back(Vec3(0.01 * i, 0, 2));
+  EXPECT_TRUE(is_told(cloud));
+}
+
 TEST(ReconstructCloud, RefusesWhatIsNoBody) {
   PointCloud few, flat, short_normals = ring();
   for (int i = 0; i < 9; ++i) few.points.push_back(Vec3(i, i * i, i * i * i));

@@ -253,6 +253,23 @@ void tell_unreached(const TriMesh& mesh, const Fitting& fitting, Notes& notes) {
                          " of the diagonal from its surface"});
 }
 
+/// Points that no surface goes near: a part too small to keep, outliers that keep each other company.
+void tell_left_out(std::span<const Vec3> points, CloudResult& result) {
+  constexpr double far = 0.05;  // of the diagonal
+  const CloudLevel& finest = result.levels.front();
+  const double limit = far * finest.certificate.cloud_diagonal;
+  if (finest.certificate.cloud_to_mesh_largest <= limit) return;
+  const ClosestPoint closest(finest.mesh);
+  const double count = parallel_sum(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i) sum += closest(points[i]).distance2 > limit * limit;
+    return sum;
+  });
+  result.notes.push_back({Severity::warning, "cloud.left_out",
+                          number(static_cast<int>(count), "point lies", "points lie") + " farther than " +
+                              percent(far) + " of the diagonal from the surface, which leaves them out"});
+}
+
 void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, const std::vector<int>& triangles,
                         CloudResult& result, const Progress& progress) {
   const FoundBody found = find_body(p, options, triangles.front(), result, progress);
@@ -316,6 +333,7 @@ CloudResult reconstruct_cloud(PointCloud cloud, const CloudOptions& options, con
   } else {
     reconstruct_fitted(prepared, options, triangles, result, progress);
   }
+  tell_left_out(prepared.cloud.points, result);
   result.used = std::move(prepared.cloud);
   return result;
 }
