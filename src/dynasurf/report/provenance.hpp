@@ -17,8 +17,7 @@ struct Provenance {
 };
 
 /// How long a run took and how much memory it held is all that differs when it is repeated. With `omit` the keys
-/// `timings_s` and `memory` (of clouds) are null and
-/// the same input and options give the same bytes.
+/// `timings_s` and `memory` (of clouds) are null and the same input and options give the same bytes.
 enum class Timings { keep, omit };
 
 }  // namespace dynasurf
