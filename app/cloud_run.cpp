@@ -1,8 +1,5 @@
 #include "cloud_run.hpp"
 
-#include <algorithm>
-#include <chrono>
-
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
@@ -11,6 +8,7 @@
 #include "dynasurf/cloud/orient.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/core/stage_clock.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/options_json.hpp"
 
@@ -21,40 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-/// Seconds between the moments at which the stages change.
-class StageClock {
- public:
-  void enter(std::string_view stage) {
-    if (!seconds_.empty() && seconds_.back().first == stage) return;
-    stop();
-    seconds_.emplace_back(stage, 0);
-  }
-  void stop() {
-    const auto now = Clock::now();
-    if (!seconds_.empty()) seconds_.back().second += std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-  }
-  /// A stage that was entered several times counts once.
-  std::vector<std::pair<std::string, double>> seconds() {
-    stop();
-    std::vector<std::pair<std::string, double>> sums;
-    for (const auto& [stage, seconds] : seconds_) {
-      const auto known =
-          std::find_if(sums.begin(), sums.end(), [&stage = stage](const auto& sum) { return sum.first == stage; });
-      if (known == sums.end())
-        sums.emplace_back(stage, seconds);
-      else
-        known->second += seconds;
-    }
-    return sums;
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point last_ = Clock::now();
-  std::vector<std::pair<std::string, double>> seconds_;
-};
 
 /// Part of the screen's height down to which each level serves, for pictures 1080 pixels high.
 std::vector<double> coverages_of(const std::vector<TriMesh>& meshes) {
@@ -110,7 +74,8 @@ std::string results_text(const CloudRun& run, const Provenance& provenance, cons
 CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& progress) {
   const ThreadLimit limit(job.threads);
   OutputFolder folder(job.out);  // first, so that a place that cannot be written to costs no time
-  StageClock clock;
+  CloudOutcome outcome;
+  StageClock clock(outcome.run.seconds);
   const Progress timed{[&](std::string_view stage, int done, int total) {
                          clock.enter(stage);
                          progress(stage, done, total);
@@ -121,7 +86,6 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
   const Provenance provenance = provenance_of(job, job.clouds, options_to_text(job.options));
   progress.check();
 
-  CloudOutcome outcome;
   outcome.run.sources = std::move(input.sources);
   try {
     outcome.run.result = reconstruct_cloud(std::move(input.cloud), job.options, timed);
@@ -140,7 +104,7 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
   });
   write_file(folder.path() / "options.json", provenance.options_json);
   write_file(folder.path() / "results.csv", cloud_results_csv(outcome.run.result));
-  outcome.run.seconds = clock.seconds();
+  clock.stop();
   outcome.run.peak_bytes = peak_bytes();
   outcome.json = results_text(outcome.run, provenance, job);
   write_file(folder.path() / "results.json", outcome.json);

@@ -1,6 +1,6 @@
 #pragma once
 #include "dynasurf/ventricle/reconstruct.hpp"
-#include "dynasurf/ventricle/stage_clock.hpp"
+#include "dynasurf/core/stage_clock.hpp"
 
 namespace dynasurf {
 

@@ -15,7 +15,7 @@
 #include "dynasurf/ventricle/readings.hpp"
 #include "dynasurf/ventricle/region.hpp"
 #include "dynasurf/ventricle/relabel.hpp"
-#include "dynasurf/ventricle/stage_clock.hpp"
+#include "dynasurf/core/stage_clock.hpp"
 
 namespace dynasurf {
 namespace {
