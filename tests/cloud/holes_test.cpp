@@ -118,11 +118,11 @@ HoleFill filled(CloudShape shape, bool may_join, int points = 20000, int cells =
   const PointCloud cloud =
       make_cloud({.shape = shape, .points = points, .missing_percent = 20, .normals = true, .seed = seed});
   const OrientedPoints oriented = orient(cloud, true);
-  const TriMesh surface = body_surface(find_inside(oriented, {.cells = cells}).back(), 0, cloud.points, 0.02);
+  const InsideField field = find_inside(oriented, {.cells = cells}).back();
   Eigen::AlignedBox3d box;
   for (const Vec3& p : cloud.points) box.extend(p);
   const double reach = 0.02 * box.diagonal().norm() * std::sqrt(20000.0 / points);
-  const auto fill = fill_holes(surface, oriented, {.reach = reach, .spacing = 0.5 * reach, .may_join = may_join});
+  const auto fill = fill_holes(field, oriented, {.reach = reach, .spacing = 0.5 * reach, .may_join = may_join});
   if (!fill) return {};
   EXPECT_GT(fill->points.points.size(), 100u);
   return *fill;
@@ -174,8 +174,7 @@ TEST(FillHoles, LeavesTheRimOfAPotWhoseUpperHalfIsMissing) {
 TEST(FillHoles, LeavesAWholeSphereAlone) {
   const PointCloud cloud = make_cloud({.shape = CloudShape::sphere, .points = 6000, .normals = true});
   const OrientedPoints oriented = orient(cloud, true);
-  const TriMesh mesh = body_surface(find_inside(oriented, {.cells = 32}).back(), 0, cloud.points, 0.02);
-  EXPECT_FALSE(fill_holes(mesh, oriented, {.reach = 0.15, .spacing = 0.05}));
+  EXPECT_FALSE(fill_holes(find_inside(oriented, {.cells = 32}).back(), oriented, {.reach = 0.15, .spacing = 0.05}));
 }
 
 class TornScan : public testing::TestWithParam<CloudShape> {};

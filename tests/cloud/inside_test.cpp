@@ -37,6 +37,13 @@ TEST(Prepare, EstimatesTheNoiseOfASphere) {
   EXPECT_LT(100 * clean.facts.noise / clean.facts.diagonal, 0.01);
 }
 
+// Its wall is 2.4 % of the diagonal thick: a hundred neighbours reach its other side and made the noise 0.88 %.
+TEST(Prepare, DoesNotTakeAThinWallForNoise) {
+  const PreparedCloud p =
+      prepare(make_cloud({.shape = CloudShape::vase, .points = 50000, .noise_percent = 0.5}), {}, {});
+  EXPECT_NEAR(100 * p.facts.noise / p.facts.diagonal, 0.5, 0.06);
+}
+
 TEST(Prepare, TellsTheSpacingOfASphere) {
   const PreparedCloud p = prepare(scan(CloudShape::sphere), {});
   // 6,000 points share an area of 4 pi.

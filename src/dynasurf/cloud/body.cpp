@@ -62,10 +62,10 @@ Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, 
     taken = Body{std::move(mesh), kind.parts, kind.genus, false, fields[i]};
     taken_from = i;
   };
-  const auto is_firm = [&](std::size_t i, const Kind& kind) {
+  const auto is_firm = [&](std::size_t i, const Kind& kind, double level, double width) {
     std::array<std::uint8_t, 2> is_same{};
     parallel_for(2, 1, [&](std::size_t n, std::size_t) {
-      is_same[n] = kind_of(surface(fields[i], n == 0 ? nudge : -nudge)) == kind;
+      is_same[n] = kind_of(surface(fields[i], n == 0 ? level + width : level - width)) == kind;
     });
     return is_same[0] && is_same[1];
   };
@@ -75,8 +75,9 @@ Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, 
       TriMesh mesh = surface(fields[i], 0);
       if (mesh.triangles.empty()) continue;
       const Kind kind = kind_of(mesh);
-      const bool suits = options.genus == GenusRule::keep || (options.genus == GenusRule::zero && kind.genus == 0) ||
-                         (options.genus == GenusRule::automatic && (!wanted || kind == *wanted) && is_firm(i, kind));
+      const bool suits =
+          options.genus == GenusRule::keep || (options.genus == GenusRule::zero && kind.genus == 0) ||
+          (options.genus == GenusRule::automatic && (!wanted || kind == *wanted) && is_firm(i, kind, 0, nudge));
       if (suits || !taken || kind.genus < taken->genus || (kind.genus == taken->genus && kind.parts < taken->parts))
         take(i, std::move(mesh), kind);
       if (suits) return true;
@@ -94,6 +95,21 @@ Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, 
       }
     return false;
   };
+  // Takes the finest whose surface is firm at another level, the nearest one: noise breaks a thin wall in many places,
+  // but a little farther out it is whole.
+  const auto take_firm = [&] {
+    constexpr double step = 0.5 * nudge;
+    for (std::size_t i = fields.size(); i-- > 0;)
+      for (int steps = 1; steps <= 6; ++steps)
+        for (const double level : {-step * steps, step * steps}) {
+          TriMesh mesh = surface(fields[i], level);
+          const Kind kind = kind_of(mesh);
+          if (mesh.triangles.empty() || !is_firm(i, kind, level, step)) continue;
+          take(i, std::move(mesh), kind);
+          return true;
+        }
+    return false;
+  };
   bool as_asked = take_finest(expected);
   if (!as_asked && expected && options.genus == GenusRule::automatic) {
     as_asked = take_near(*expected, 0);
@@ -102,6 +118,7 @@ Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, 
       as_asked = take_finest({});
     }
   }
+  if (!as_asked && options.genus == GenusRule::automatic) as_asked = take_firm();
   if (taken) take_near({taken->parts, taken->genus}, taken_from + 1);
   if (taken && !as_asked && options.genus == GenusRule::zero) {
     // Cut on a coarser lattice, where the two sides of a cut stand well apart.

@@ -17,6 +17,7 @@ namespace dynasurf {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double nudge = 0.1;                                      // of the level, as `choose_body` tries it
 constexpr double same_way = 0.2, alike = 0.5, not_against = -0.5;  // cosines between directions
 using Marks = std::vector<std::uint8_t>;
 
@@ -221,6 +222,30 @@ Marks held_by_points(const TriMesh& mesh, const Scan& scan, double reach) {
   return kept;
 }
 
+/// Euler's number of an open surface whose loops are closed by a disc each.
+long euler_when_closed(const TriMesh& open, const std::vector<Loop>& loops) {
+  return topology(open).euler + static_cast<long>(loops.size());
+}
+
+/// A surface, lighter, and what of it the points hold.
+struct Held {
+  TriMesh whole;
+  Marks kept;
+  int handles = 0;  // of the kept part
+};
+
+Held held_part(const TriMesh& surface, const Scan& scan, double reach) {
+  constexpr std::size_t light = 16000;
+  SurfaceEditor lighter(surface);
+  if (lighter.triangles() > light) make_lighter(lighter, light);
+  Held held{lighter.mesh(), {}, 0};
+  held.kept = held_by_points(held.whole, scan, reach);
+  const TriMesh open = submesh(held.whole, held.kept);
+  const Topology top = topology(open);
+  held.handles = top.components - static_cast<int>(euler_when_closed(open, loops_of(open)) / 2);
+  return held;
+}
+
 /// How well two rims face each other: 1 where the surface leaves both straight towards the other, 0 where no tube can
 /// be. A straight tube of length L around a loop of length l bends by pi^2 L / l; longer than this it costs more than
 /// both ends.
@@ -377,16 +402,20 @@ bool keep_between_pieces(const TriMesh& whole, const Torn& torn, Marks& kept) {
 
 }  // namespace
 
-std::optional<HoleFill> fill_holes(const TriMesh& surface, const OrientedPoints& points, const Holes& options) {
-  constexpr std::size_t light = 16000;
+std::optional<HoleFill> fill_holes(const InsideField& field, const OrientedPoints& points, const Holes& options) {
   // Two ends in one hole of the scan are far more often one limb than two that happen to end there.
   constexpr double most_for_handle = 1.8;
   const Scan scan(points);
-  if (!has_holes(surface, scan, options.reach)) return std::nullopt;
-  SurfaceEditor lighter(surface);
-  if (lighter.triangles() > light) make_lighter(lighter, light);
-  const TriMesh whole = lighter.mesh();
-  Marks kept = held_by_points(whole, scan, options.reach);
+  const TriMesh surface = body_surface(field, 0, points.points, options.smallest_share);
+  if (surface.triangles.empty() || !has_holes(surface, scan, options.reach)) return std::nullopt;
+  Held held = held_part(surface, scan, options.reach);
+  for (const double level : {-nudge, nudge}) {
+    if (held.handles == 0) break;
+    Held other = held_part(body_surface(field, level, points.points, options.smallest_share), scan, options.reach);
+    if (other.handles < held.handles) held = std::move(other);
+  }
+  const TriMesh& whole = held.whole;
+  Marks& kept = held.kept;
   Torn torn = tear(whole, kept);
   if (keep_between_pieces(whole, torn, kept)) torn = tear(whole, kept);
   if (torn.loops.empty()) return std::nullopt;
@@ -404,9 +433,8 @@ std::optional<HoleFill> fill_holes(const TriMesh& surface, const OrientedPoints&
   for (const Join& join : torn.joins)
     if (options.may_join && !done[join.a] && !done[join.b] && join.effort < most_for_handle) put(join);
   for (std::uint32_t v = 0; v < torn.open.vertices.size(); ++v) fill.kind.parts += parts.find(v) == v;
-  // Every disc closes a loop and adds one to Euler's number; a tube adds nothing.
-  const auto euler = topology(torn.open).euler + static_cast<long>(torn.loops.size()) - 2 * fill.joined;
-  fill.kind.genus = fill.kind.parts - static_cast<int>(euler / 2);
+  // A tube in the place of two discs takes two from Euler's number.
+  fill.kind.genus = fill.kind.parts - static_cast<int>(euler_when_closed(torn.open, torn.loops) / 2) + fill.joined;
   for (std::size_t i = 0; i < torn.loops.size(); ++i)
     if (!done[i]) {
       scatter(torn.discs[i], scan, options, fill.points);

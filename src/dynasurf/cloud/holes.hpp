@@ -9,9 +9,10 @@ namespace dynasurf {
 
 /// How holes are found and filled; lengths are in the unit of the points.
 struct Holes {
-  double reach = 0;      // surface farther than this from all points that face the same way is made up
-  double spacing = 0;    // of the points that are put there
-  bool may_join = true;  // two holes of one part by a tube, which makes a handle
+  double reach = 0;              // surface farther than this from all points that face the same way is made up
+  double spacing = 0;            // of the points that are put there
+  double smallest_share = 0.02;  // of the points: smaller parts of the surface are left out, see body_surface
+  bool may_join = true;          // two holes of one part by a tube, which makes a handle
 };
 
 /// Points that close what a scan left open.
@@ -22,10 +23,11 @@ struct HoleFill {
   Kind kind;       // of the surface when it is closed like that
 };
 
-/// Looks on `surface`, which comes from the points, for pieces that the points do not hold, and puts points where the
-/// body most likely goes on there: every hole gets a smooth piece of its own, or a tube between two holes that face
-/// each other, where that has to bend less. So the ends of a torn handle meet again, and both sides of a torn wall are
-/// mended apart, which a function fitted to the points alone gets wrong. Nothing where there are no holes.
-std::optional<HoleFill> fill_holes(const TriMesh& surface, const OrientedPoints& points, const Holes& options);
+/// Looks on the surface of `field`, which comes from the points, for pieces that the points do not hold, and puts
+/// points where the body most likely goes on there: every hole gets a smooth piece of its own, or a tube between two
+/// holes that face each other, where that has to bend less. So the ends of a torn handle meet again, and both sides of
+/// a torn wall are mended apart, which a function fitted to the points alone gets wrong. Handles that a level a little
+/// higher or lower does not have are accidents. Nothing where there are no holes.
+std::optional<HoleFill> fill_holes(const InsideField& field, const OrientedPoints& points, const Holes& options);
 
 }  // namespace dynasurf

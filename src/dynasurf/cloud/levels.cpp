@@ -57,13 +57,17 @@ LevelPlan faithful_plan() {
   return p;
 }
 
+std::size_t step_of_fit(const LevelPlan& plan, std::size_t points, std::size_t triangles) {
+  const double wanted = std::max(plan.points_per_triangle * static_cast<double>(triangles), plan.fewest_points);
+  return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(static_cast<double>(points) / wanted)));
+}
+
 std::size_t make_level(SurfaceEditor& surface, std::size_t triangles, const TriMesh& fine, const ClosestPoint& on_fine,
                        const FitPoints& points, const LevelPlan& plan) {
   if (surface.triangles() < triangles) refine(surface, triangles + triangles / 2);
   simplify_safely(surface,
                   {.triangles = triangles, .evenness = plan.evenness, .smallest_angle_deg = plan.collapse_angle_deg});
-  const auto wanted = static_cast<std::size_t>(plan.points_per_triangle * static_cast<double>(triangles)) + 1;
-  const std::size_t step = std::max<std::size_t>(1, points.points.size() / wanted);
+  const std::size_t step = step_of_fit(plan, points.points.size(), triangles);
   const std::vector<Vec3> some = every(points.points, step), normals = every(points.normals, step);
   FitOptions fitting{.rounds = 1,
                      .hold = plan.hold,

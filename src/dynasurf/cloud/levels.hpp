@@ -22,11 +22,15 @@ struct LevelPlan {
   double hold = 0.005;
   double smoothness = 1e-4;
   double noise = 0;                 // of the points, where it is larger than their spacing
-  double points_per_triangle = 20;  // that the fit uses, at most
+  double points_per_triangle = 10;  // that the fit uses, at most
+  double fewest_points = 25600;     // but this many where there are; a few triangles cost little each
 };
 
 LevelPlan shaped_plan();
 LevelPlan faithful_plan();
+
+/// Every so many of the points serve the fit of a level.
+std::size_t step_of_fit(const LevelPlan& plan, std::size_t points, std::size_t triangles);
 
 /// Collapses edges to `triangles` with well-shaped ones, never letting the surface meet itself.
 void make_lighter(SurfaceEditor& surface, std::size_t triangles);

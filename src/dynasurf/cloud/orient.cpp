@@ -5,6 +5,9 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <queue>
+#include <span>
+#include <unordered_map>
 
 #include <Eigen/Eigenvalues>
 
@@ -20,28 +23,37 @@ constexpr std::uint32_t none = 0xffffffff;
 
 using Ring = std::array<std::uint32_t, links>;
 
-/// Of the nearest points, nearest first. The farther one lies, the less it counts: along a tear the last of them may
-/// belong to the other side of a wall.
-Vec3 plane_normal(const std::vector<Vec3>& points, std::span<const Neighbours::Found> found) {
-  const double farthest2 = 1.1 * found.back().distance2;
+struct Plane {
+  Vec3 middle = Vec3::Zero(), normal = Vec3::UnitZ();
+};
+
+/// The farther a neighbour lies, the less it counts: along a tear the last of them may belong to the other side of a
+/// wall. Neighbours come nearest first.
+double weight_of(const Neighbours::Found& f, std::span<const Neighbours::Found> all) {
+  return 1.1 * all.back().distance2 - f.distance2;
+}
+
+Plane plane_of(const std::vector<Vec3>& points, std::span<const Neighbours::Found> found) {
+  Plane plane;
   double weights = 0;
-  Vec3 middle = Vec3::Zero();
   for (const auto& f : found) {
-    const double weight = farthest2 - f.distance2;
-    weights += weight;
-    middle += weight * points[f.index];
+    weights += weight_of(f, found);
+    plane.middle += weight_of(f, found) * points[f.index];
   }
-  if (!(weights > 0)) return Vec3::UnitZ();
-  middle /= weights;
+  if (!(weights > 0)) return {points[found.front().index]};
+  plane.middle /= weights;
   Mat3 spread = Mat3::Zero();
-  for (const auto& f : found)
-    spread += (farthest2 - f.distance2) * (points[f.index] - middle) * (points[f.index] - middle).transpose();
+  for (const auto& f : found) {
+    const Vec3 off = points[f.index] - plane.middle;
+    spread += weight_of(f, found) * off * off.transpose();
+  }
   const double scale = spread.trace();
-  if (!(scale > 0)) return Vec3::UnitZ();
+  if (!(scale > 0)) return plane;
   Eigen::SelfAdjointEigenSolver<Mat3> axes;
   axes.computeDirect(Mat3(spread / scale));
   const Vec3 n = axes.eigenvectors().col(0);
-  return n.allFinite() && n.squaredNorm() > 0.5 ? n.normalized() : Vec3::UnitZ();
+  if (n.allFinite() && n.squaredNorm() > 0.5) plane.normal = n.normalized();
+  return plane;
 }
 
 /// Sets that are joined, each member knowing whether it is turned against the first of its set.
@@ -80,11 +92,12 @@ class Turns {
 
 struct Link {
   std::uint32_t a, b;
+  float clarity;  // 1 where it leaves no doubt, 0 where it says nothing
   bool against;
 };
 
-/// Links of all neighbours in steps of falling agreement.
-std::vector<Link> links_by_agreement(const OrientedPoints& o, const std::vector<Ring>& around) {
+/// Links of all neighbours in steps of falling clarity.
+std::vector<Link> links_by_clarity(const OrientedPoints& o, const std::vector<Ring>& around) {
   constexpr std::size_t steps = 1024;
   const std::size_t n = o.points.size();
   std::vector<std::uint16_t> step(n * links, steps);
@@ -108,8 +121,51 @@ std::vector<Link> links_by_agreement(const OrientedPoints& o, const std::vector<
   std::vector<Link> sorted(first[steps]);
   for (std::size_t e = 0; e < step.size(); ++e)
     if (step[e] < steps)
-      sorted[first[step[e]]++] = {static_cast<std::uint32_t>(e / links), around[e / links][e % links], against[e] != 0};
+      sorted[first[step[e]]++] = {static_cast<std::uint32_t>(e / links), around[e / links][e % links],
+                                  1 - static_cast<float>(step[e]) / (steps - 1), against[e] != 0};
   return sorted;
+}
+
+/// Joins sets by what all links between them say in sum, the clearest sum first (greedy additive contraction, Keuper et
+/// al. 2015): around the rim of a noisy wall no single link can be trusted, but most of them are right.
+void join_by_sums(std::span<const Link> links_left, Turns& turns) {
+  struct Pair {
+    float sum;  // below 0: against each other
+    std::uint32_t a, b;
+    bool operator<(const Pair& o) const {  // the queue gives the largest first
+      const float x = std::abs(sum), y = std::abs(o.sum);
+      return x != y ? x < y : std::pair(a, b) > std::pair(o.a, o.b);
+    }
+  };
+  std::unordered_map<std::uint32_t, std::unordered_map<std::uint32_t, float>> between;
+  for (const Link& l : links_left) {
+    std::uint8_t of_a = 0, of_b = 0;
+    const std::uint32_t a = turns.find(l.a, of_a), b = turns.find(l.b, of_b);
+    if (a == b) continue;
+    const bool against = l.against != (of_a != of_b);
+    between[a][b] += against ? -l.clarity : l.clarity;
+    between[b][a] = between[a][b];
+  }
+  std::priority_queue<Pair> clearest;
+  for (const auto& [a, others] : between)
+    for (const auto& [b, sum] : others)
+      if (a < b) clearest.push({sum, a, b});
+  while (!clearest.empty()) {
+    auto [sum, a, b] = clearest.top();
+    clearest.pop();
+    const auto still = between.find(a);
+    if (still == between.end() || !still->second.contains(b) || still->second.at(b) != sum) continue;
+    turns.join(a, b, sum < 0);
+    if (between[a].size() < between[b].size()) std::swap(a, b);
+    for (const auto& [c, more] : between[b]) {
+      between[c].erase(b);
+      if (c == a) continue;
+      const float total = between[a][c] += sum < 0 ? -more : more;
+      between[c][a] = total;
+      clearest.push({total, std::min(a, c), std::max(a, c)});
+    }
+    between.erase(b);
+  }
 }
 
 void turn_together(OrientedPoints& o, const std::vector<Ring>& around, const std::vector<std::uint8_t>& known) {
@@ -120,7 +176,11 @@ void turn_together(OrientedPoints& o, const std::vector<Ring>& around, const std
       if (first_known != none) turns.join(first_known, i, false);
       first_known = std::min(first_known, i);
     }
-  for (const Link& l : links_by_agreement(o, around)) turns.join(l.a, l.b, l.against);
+  constexpr float clear = 0.98f;
+  const std::vector<Link> all = links_by_clarity(o, around);
+  const auto doubtful = std::find_if(all.begin(), all.end(), [&](const Link& l) { return l.clarity < clear; });
+  std::for_each(all.begin(), doubtful, [&](const Link& l) { turns.join(l.a, l.b, l.against); });
+  join_by_sums(std::span(doubtful, all.end()), turns);
   std::vector<std::uint32_t> sheet_of(o.points.size(), none);
   o.sheet.resize(o.points.size());
   for (std::uint32_t i = 0; i < o.points.size(); ++i) {
@@ -244,6 +304,32 @@ PointCloud thin_out(const PointCloud& cloud, double cell) {
   return thin;
 }
 
+void draw_to_planes(PointCloud& cloud, const std::vector<Vec3>& scan, const Neighbours& of_scan, std::size_t ring) {
+  parallel_for(cloud.points.size(), grain, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbours::Found> found(ring);
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t count = of_scan.nearest(cloud.points[i], found);
+      const Plane plane = plane_of(scan, std::span(found).first(count));
+      cloud.points[i] -= plane.normal.dot(cloud.points[i] - plane.middle) * plane.normal;
+    }
+  });
+}
+
+void even_out_normals(OrientedPoints& o, std::size_t ring) {
+  const Neighbours neighbours(o.points);
+  std::vector<Vec3> even(o.points.size());
+  parallel_for(even.size(), grain, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbours::Found> found(ring);
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto around = std::span(found).first(neighbours.nearest(o.points[i], found));
+      Vec3 sum = Vec3::Zero();
+      for (const auto& f : around) sum += weight_of(f, around) * o.normals[f.index];
+      even[i] = sum.norm() > 0 ? Vec3(sum.normalized()) : o.normals[i];
+    }
+  });
+  o.normals = std::move(even);
+}
+
 OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t ring) {
   OrientedPoints o;
   o.points = cloud.points;
@@ -264,7 +350,7 @@ OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t rin
       o.areas[i] = std::numbers::pi * found[count - 1].distance2 / static_cast<double>(count - 1);
       known[i] = given && cloud.normals[i].allFinite() && cloud.normals[i].norm() > 1e-6;
       o.normals[i] =
-          known[i] ? Vec3(cloud.normals[i].normalized()) : plane_normal(o.points, std::span(found).first(count));
+          known[i] ? Vec3(cloud.normals[i].normalized()) : plane_of(o.points, std::span(found).first(count)).normal;
     }
   });
   turn_together(o, around, known);

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "dynasurf/cloud/neighbours.hpp"
 #include "dynasurf/core/point_cloud.hpp"
 
 namespace dynasurf {
@@ -18,9 +19,17 @@ struct OrientedPoints {
 /// for. Normals are merged too; a zero normal means that there is none. With `cell` 0 all stay as they are.
 PointCloud thin_out(const PointCloud& cloud, double cell);
 
-/// Estimates the plane at each point from its `ring` nearest neighbours, and turns neighbours the same way, those that
-/// agree best first (after Hoppe et al. 1992, with the rule of König and Gumhold 2009 for the two sides of an edge).
-/// Each sheet is turned outwards by its outermost points. Normals of the cloud that are not zero are taken as they are.
+/// Draws every point onto the plane of the `ring` points of the scan nearest to it, which takes most of the noise off.
+void draw_to_planes(PointCloud& cloud, const std::vector<Vec3>& scan, const Neighbours& of_scan, std::size_t ring);
+
+/// Estimates the plane at each point from its `ring` nearest neighbours, and turns neighbours the same way: those that
+/// clearly agree first, then sets of them by what all links between them say in sum (after Hoppe et al. 1992, with the
+/// rule of König and Gumhold 2009 for the two sides of an edge, and Keuper et al. 2015 for the sums). Each sheet is
+/// turned outwards by its outermost points. Normals of the cloud that are not zero are taken as they are.
 OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t ring = 12);
+
+/// Gives each point the mean direction of its `ring` nearest points: single ones that noise has turned go with the
+/// rest.
+void even_out_normals(OrientedPoints& points, std::size_t ring = 14);
 
 }  // namespace dynasurf

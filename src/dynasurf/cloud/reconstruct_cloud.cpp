@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "dynasurf/cloud/body.hpp"
 #include "dynasurf/cloud/deform_start.hpp"
@@ -79,10 +80,26 @@ void append(OrientedPoints& to, const OrientedPoints& more) {
   to.areas.insert(to.areas.end(), more.areas.begin(), more.areas.end());
 }
 
-/// The body, and the points that close its holes.
+/// What the inside is found from. Noise is taken off first: within four times its size most of the points around are of
+/// the same side of a wall, and many enough to tell a plane.
+OrientedPoints oriented_points(const PreparedCloud& p, const CloudOptions& options, double cell) {
+  constexpr double wide = 4;
+  constexpr std::size_t fewest = 16, most = 100;
+  PointCloud thin = thin_out(p.cloud, cell);
+  if (!is_noisy(p.facts)) return orient(thin, options.use_normals);
+  const double around = std::numbers::pi * std::pow(wide * p.facts.noise / p.facts.spacing, 2);
+  const auto ring = static_cast<std::size_t>(std::clamp<double>(around, fewest, most));
+  draw_to_planes(thin, p.cloud.points, p.neighbours, ring);
+  OrientedPoints oriented = orient(thin_out(thin, cell), options.use_normals, 14);
+  even_out_normals(oriented);
+  return oriented;
+}
+
+/// The body, the points that close its holes, and the side of the finest lattice's cells.
 struct FoundBody {
   Body body;
   OrientedPoints fill;
+  double side;
 };
 
 FoundBody find_body(const PreparedCloud& p, const CloudOptions& options, int triangles, CloudResult& result,
@@ -93,18 +110,16 @@ FoundBody find_body(const PreparedCloud& p, const CloudOptions& options, int tri
   const double side = box.sizes().maxCoeff() / cells;
   const bool noisy = is_noisy(p.facts);
   const double thin_cell = std::max(0.5 * side, noisy ? 2 * p.facts.noise : 0);
-  const PointCloud thin = thin_out(p.cloud, thin_cell);
-  OrientedPoints oriented = orient(thin, options.use_normals, noisy ? 30 : 12);
+  OrientedPoints oriented = oriented_points(p, options, thin_cell);
   progress.check();
   std::vector<InsideField> fields = find_inside(oriented, {.cells = cells}, progress);
   result.facts.cells = cells;
-  const TriMesh first = body_surface(fields.back(), 0, oriented.points, options.smallest_part_percent / 100);
-  std::optional<HoleFill> fill;
-  if (!first.triangles.empty())
-    fill = fill_holes(first, oriented,
-                      {.reach = 2.5 * std::max(p.facts.spacing, thin_cell) + 2 * p.facts.noise,
-                       .spacing = 0.7 * side,
-                       .may_join = options.genus != GenusRule::zero});
+  const std::optional<HoleFill> fill =
+      fill_holes(fields.back(), oriented,
+                 {.reach = 2.5 * std::max(p.facts.spacing, thin_cell) + 2 * p.facts.noise,
+                  .spacing = 0.7 * side,
+                  .smallest_share = options.smallest_part_percent / 100,
+                  .may_join = options.genus != GenusRule::zero});
   if (fill) {
     tell(*fill, result.notes);
     append(oriented, fill->points);
@@ -113,7 +128,7 @@ FoundBody find_body(const PreparedCloud& p, const CloudOptions& options, int tri
   }
   const std::optional<Kind> expected = fill ? std::optional(fill->kind) : std::nullopt;
   Body body = choose_body(std::move(fields), oriented.points, options, result.notes, expected);
-  return {std::move(body), fill ? std::move(fill->points) : OrientedPoints{}};
+  return {std::move(body), fill ? fill->points : OrientedPoints{}, side};
 }
 
 LevelPlan plan_of(const CloudOptions& options, const CloudFacts& facts, std::size_t triangles) {
@@ -123,6 +138,7 @@ LevelPlan plan_of(const CloudOptions& options, const CloudFacts& facts, std::siz
     // The smaller the triangles against the noise, the more their vertices must share; measured on noisy bodies.
     const double edge = 1.5 / std::sqrt(static_cast<double>(triangles));  // of the diagonal, for common bodies
     plan.noise = facts.noise / facts.diagonal;
+    plan.points_per_triangle *= 2;
     plan.smoothness += 1400 * std::pow(plan.noise / edge, 5);
   }
   return plan;
@@ -139,13 +155,6 @@ void add_level(CloudResult& result, const PreparedCloud& p, int asked, TriMesh m
          "the level of " + std::to_string(asked) + " triangles has " + std::to_string(certificate.triangles)});
   auto colours = colours_at_vertices(mesh, p.cloud, p.neighbours);
   result.levels.push_back({asked, std::move(mesh), certificate, std::move(errors), std::move(colours)});
-}
-
-/// Every so many points serve the fit, so that the largest level has as many as its plan asks for.
-std::size_t step_of_fit(std::size_t points, const CloudOptions& options, int triangles) {
-  const int most = options.max_error_percent ? most_triangles_within_error : triangles;
-  const double wanted = shaped_plan().points_per_triangle * most;
-  return std::max<std::size_t>(1, static_cast<std::size_t>(static_cast<double>(points) / wanted));
 }
 
 /// What every level is made from.
@@ -253,6 +262,43 @@ void tell_unreached(const TriMesh& mesh, const Fitting& fitting, Notes& notes) {
                          " of the diagonal from its surface"});
 }
 
+/// More points than noise and lattice explain lie off the surface that was found: of a wall about as thin as the noise
+/// one side may be lost, and with it the cavity behind.
+void tell_lost(const Fitting& fitting, double side, Notes& notes) {
+  constexpr double deviations = 2.5, sides = 0.5;  // normal noise leaves 1.2 % outside
+  constexpr double worth_telling = 0.05;           // of the points
+  const CloudFacts& facts = fitting.facts;
+  const double limit = (deviations * facts.noise + sides * side) / facts.diagonal;
+  constexpr std::size_t samples = 5000;
+  const std::size_t step = std::max<std::size_t>(1, fitting.scanned.size() / samples);
+  const std::size_t asked = fitting.scanned.size() / step;
+  const double count = parallel_sum(asked, 256, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i)
+      sum += fitting.on_fine(fitting.scanned[i * step]).distance2 > limit * limit;
+    return sum;
+  });
+  const double share = count / static_cast<double>(asked);
+  if (share > worth_telling)
+    notes.push_back(
+        {Severity::warning, "cloud.left_out",
+         percent(share) + " of the points lie farther than " + percent(limit) +
+             " of the diagonal from the surface, more than noise explains: thin walls or cavities are lost"});
+}
+
+/// Surface far from all points where no hole was found: the points were misunderstood.
+void tell_made_up(CloudResult& result) {
+  constexpr double far = 0.1;  // of the diagonal
+  const Certificate& finest = result.levels.front().certificate;
+  const bool is_told =
+      std::any_of(result.notes.begin(), result.notes.end(), [](const Note& n) { return n.code == "cloud.holes"; });
+  if (is_told || finest.mesh_to_cloud_largest <= far * finest.cloud_diagonal) return;
+  result.notes.push_back({Severity::warning, "cloud.holes",
+                          "the surface goes as far as " +
+                              percent(finest.mesh_to_cloud_largest / finest.cloud_diagonal) +
+                              " of the diagonal away from all points; it is made up there"});
+}
+
 /// Points that no surface goes near: a part too small to keep, outliers that keep each other company.
 void tell_left_out(std::span<const Vec3> points, CloudResult& result) {
   constexpr double far = 0.05;  // of the diagonal
@@ -277,7 +323,9 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
   result.facts.parts = body.parts;
   result.facts.genus = body.genus;
   const UnitFrame frame(p.cloud.points);
-  const std::size_t step = step_of_fit(p.cloud.points.size(), options, triangles.front());
+  const auto most =
+      static_cast<std::size_t>(options.max_error_percent ? most_triangles_within_error : triangles.front());
+  const std::size_t step = step_of_fit(plan_of(options, p.facts, most), p.cloud.points.size(), most);
   const std::size_t scanned = (p.cloud.points.size() + step - 1) / step;
   std::vector<Vec3> points(scanned + found.fill.points.size()), normals(points.size());
   parallel_for(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
@@ -291,6 +339,7 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
   for (Vec3& v : fine.vertices) v = frame.in(v);
   const ClosestPoint on_fine(fine);
   const Fitting fitting{fine, on_fine, {points, normals}, std::span(points).first(scanned), options, p.facts};
+  tell_lost(fitting, found.side, result.notes);
   const auto publish = [&](TriMesh mesh, int asked) {
     for (Vec3& v : mesh.vertices) v = frame.out(v);
     add_level(result, p, asked, std::move(mesh));
@@ -334,6 +383,7 @@ CloudResult reconstruct_cloud(PointCloud cloud, const CloudOptions& options, con
     reconstruct_fitted(prepared, options, triangles, result, progress);
   }
   tell_left_out(prepared.cloud.points, result);
+  if (options.method != CloudMethod::thesis) tell_made_up(result);
   result.used = std::move(prepared.cloud);
   return result;
 }

@@ -135,27 +135,32 @@ class Simplifier {
       if (g / 3 != h / 3) take(g / 3);
   }
 
+  double worst_sine(const std::vector<std::uint32_t>& triangles) const {
+    double worst = 1;
+    for (const std::uint32_t t : triangles) {
+      const Corners c = s_.corners(t);
+      worst = std::min(worst, sine_of_smallest_angle(s_.position(c[0]), s_.position(c[1]), s_.position(c[2])));
+    }
+    return worst;
+  }
+
   bool is_allowed(std::uint32_t h, const Vec3& place) {
     constexpr std::size_t most_neighbours = 11;
     gather(h, old_, fresh_);
     if (fresh_.size() > most_neighbours) return false;
     const std::uint32_t b = s_.to(h);
-    double worst_before = 1, worst_after = 1, least_turn = 1;
     const double turn_limit = std::cos(o_.largest_turn_deg * std::numbers::pi / 180);
     const auto at = [&](std::uint32_t v) -> const Vec3& { return v == b ? place : s_.position(v); };
-    for (const std::uint32_t t : old_) {
-      const Corners c = s_.corners(t);
-      worst_before =
-          std::min(worst_before, sine_of_smallest_angle(s_.position(c[0]), s_.position(c[1]), s_.position(c[2])));
-    }
+    double worst_after = 1;
     for (std::size_t i = 0; i < fresh_.size(); ++i) {
       const Corners &n = fresh_[i], c = s_.corners(old_[i + 2]);
       const Vec3 after = (at(n[1]) - at(n[0])).cross(at(n[2]) - at(n[0]));
       const Vec3 before = (s_.position(c[1]) - s_.position(c[0])).cross(s_.position(c[2]) - s_.position(c[0]));
-      least_turn = std::min(least_turn, after.dot(before) / std::max(after.norm() * before.norm(), 1e-300));
+      if (after.dot(before) < turn_limit * std::max(after.norm() * before.norm(), 1e-300)) return false;
       worst_after = std::min(worst_after, sine_of_smallest_angle(at(n[0]), at(n[1]), at(n[2])));
     }
-    if (least_turn < turn_limit || (worst_after < least_sine_ && worst_after < worst_before)) return false;
+    // Slender triangles may stay as slender as they are.
+    if (worst_after < least_sine_ && worst_after < worst_sine(old_)) return false;
     if (!guard_) return true;
     const Vec3 before = s_.position(b);
     s_.position(b) = place;
