@@ -29,8 +29,6 @@ namespace {
 /// further.
 enum class Stage {
   red_from_rhs,
-  red_cold,
-  black_cold,
   red,
   red_measured,
   black,
@@ -62,47 +60,33 @@ void Hierarchy::apply(std::size_t l, Stage stage, int k0, int k1, int j0, int j1
   Level& fine = levels[l];
   if (stage == Stage::restrict_residual) {
     const auto coarse = [](const multigrid::Axis& a, int i) { return a.halved ? (i + 1) / 2 : i; };
-    for (int k = coarse(fine.axis[2], k0); k < coarse(fine.axis[2], k1); ++k)
-      multigrid::restrict_residual(fine, levels[l + 1], k, coarse(fine.axis[1], j0), coarse(fine.axis[1], j1));
-    return;
+    return multigrid::restrict_residual(fine, levels[l + 1], coarse(fine.axis[2], k0), coarse(fine.axis[2], k1),
+                                        coarse(fine.axis[1], j0), coarse(fine.axis[1], j1));
   }
-  for (int k = k0; k < k1; ++k) switch (stage) {
-      case Stage::red_from_rhs:
-        multigrid::sweep(fine, k, j0, j1, 0, Start::from_rhs);
-        break;
-      case Stage::red_cold:
-        multigrid::sweep(fine, k, j0, j1, 0, Start::cold);
-        break;
-      case Stage::black_cold:
-        multigrid::sweep(fine, k, j0, j1, 1, Start::cold);
-        break;
-      case Stage::red:
-        multigrid::sweep(fine, k, j0, j1, 0, Start::warm);
-        break;
-      case Stage::red_measured:
-        multigrid::sweep(fine, k, j0, j1, 0, Start::measured);
-        break;
-      case Stage::black:
-        multigrid::sweep(fine, k, j0, j1, 1, Start::warm);
-        break;
-      case Stage::red_near_data:
-        multigrid::sweep(fine, k, j0, j1, 0, Start::near_data);
-        break;
-      case Stage::black_near_data:
-        multigrid::sweep(fine, k, j0, j1, 1, Start::near_data);
-        break;
-      case Stage::start_black:
-        multigrid::start_black(fine, levels[l + 1], k, j0, j1);
-        break;
-      case Stage::correct_black:
-        multigrid::correct_black(fine, levels[l + 1], k, j0, j1);
-        break;
-      case Stage::copy_out:
-        multigrid::copy_out(fine, k, j0, j1, field);
-        break;
-      case Stage::restrict_residual:
-        break;
-    }
+  const auto sweep = [&](int colour, Start start) { multigrid::sweep(fine, k0, k1, j0, j1, colour, start); };
+  switch (stage) {
+    case Stage::red_from_rhs:
+      return sweep(0, Start::from_rhs);
+    case Stage::red:
+      return sweep(0, Start::warm);
+    case Stage::red_measured:
+      return sweep(0, Start::measured);
+    case Stage::red_near_data:
+      return sweep(0, Start::near_data);
+    case Stage::black:
+      return sweep(1, Start::warm);
+    case Stage::black_near_data:
+      return sweep(1, Start::near_data);
+    case Stage::start_black:
+      return multigrid::start_black(fine, levels[l + 1], k0, k1, j0, j1);
+    case Stage::correct_black:
+      return multigrid::correct_black(fine, levels[l + 1], k0, k1, j0, j1);
+    case Stage::copy_out:
+      for (int k = k0; k < k1; ++k) multigrid::copy_out(fine, k, j0, j1, field);
+      return;
+    case Stage::restrict_residual:
+      return;
+  }
 }
 
 /// How far, in rows and in slices, each stage stays behind the first. A stage reads what the one before wrote up to one
@@ -128,7 +112,7 @@ int pieces(int count, int size) { return (count + size - 1) / size; }
 /// they are ready. A step needs the steps before it, in the strip and in the strip below: a thread that takes the next
 /// strip follows the thread in the one below, which was taken earlier and so never waits for this one.
 void Hierarchy::run_in_strips(std::size_t l, std::span<const Stage> stages) {
-  constexpr int step = 2, cached_bytes = 4'000'000;  // the larger caches; smaller strips read their rims too often
+  constexpr int step = 2, cached_bytes = 2'000'000;  // of several sizes the best from 128³ on
   const Level& f = levels[l];
   const std::vector<int> lag = lags_of(stages);
   const int row_bytes = static_cast<int>(sizeof(float)) * f.slot * (f.finest ? 8 : 16);
@@ -172,11 +156,11 @@ void Hierarchy::correct(std::size_t l, std::size_t top) {
   cycles(l + 1, top, twice ? 2 : 1);
 }
 
-constexpr Stage into[] = {Stage::red_from_rhs, Stage::black_cold, Stage::restrict_residual};
+constexpr Stage into[] = {Stage::red_from_rhs, Stage::black, Stage::restrict_residual};
 constexpr Stage through[] = {Stage::correct_black, Stage::red,   Stage::black,
                              Stage::red,           Stage::black, Stage::restrict_residual};
 constexpr Stage out_of[] = {Stage::correct_black, Stage::red, Stage::black};
-constexpr Stage begin_full[] = {Stage::start_black, Stage::red_cold, Stage::black, Stage::restrict_residual};
+constexpr Stage begin_full[] = {Stage::start_black, Stage::red, Stage::black, Stage::restrict_residual};
 
 /// `count` cycles on level l from zero.
 void Hierarchy::cycles(std::size_t l, std::size_t top, int count) {
@@ -205,7 +189,7 @@ void Hierarchy::solve_coarse() {
 
 // On the voxels. Errors are largest and roughest beside the data, where further sweeps are cheap. Black cells come last
 // before a restriction, which expects them to have no residual.
-constexpr Stage begin[] = {Stage::start_black,     Stage::red_cold,      Stage::black, Stage::red_near_data,
+constexpr Stage begin[] = {Stage::start_black,     Stage::red,           Stage::black, Stage::red_near_data,
                            Stage::black_near_data, Stage::red_near_data, Stage::black, Stage::restrict_residual};
 constexpr Stage finish[] = {Stage::correct_black, Stage::red_measured,    Stage::black,
                             Stage::red_near_data, Stage::black_near_data, Stage::copy_out};

@@ -45,7 +45,7 @@ struct Axis {
 /// Colours: a cell is red when i+j+k is even. A row keeps its cells of even i first, then those of odd i, so that the
 /// cells of one colour are contiguous and the two neighbours along i of lane m are lanes m-1 and m (or m and m+1) of
 /// the other half. A row of `u` and `rhs` holds x even, x odd, y even, y odd, z even, z odd; of `b` and `d` even, odd.
-/// Unused lanes of `d` are 0, so that they never change.
+/// Unused lanes of `d` are 0, so that what they hold stays finite and is never asked for.
 struct Level {
   std::array<Axis, 3> axis;
   int slot = 0;                      // floats of half a row, a multiple of `lanes`
@@ -105,26 +105,25 @@ struct DataStrength {
 /// is reused where it fits. Where the largest b is 0 the levels are not complete.
 DataStrength build(std::vector<Level>& levels, const Image& map, const Vec3& rates, const DataTerm& term);
 
-// ---- What is done to the rows [j0, j1) of slice k. Rows of one colour depend on rows of the other alone.
+// ---- What is done to the rows [j0, j1) of the slices [k0, k1). Cells of one colour depend on the other colour alone.
 
 enum class Start {
   warm,       // improve u
   measured,   // the same, and note how much it changed (finest level)
   near_data,  // the same where there are data and beside them (finest level)
-  cold,       // u of this colour counts as 0
   from_rhs,   // all of u counts as 0
 };
-void sweep(Level& level, int k, int j0, int j1, int colour, Start start);
+void sweep(Level& level, int k0, int k1, int j0, int j1, int colour, Start start);
 
-/// Right-hand side of the coarser level on its rows [j0, j1) of slice k: the residual that red cells have after black
-/// ones were swept.
-void restrict_residual(Level& fine, Level& coarse, int k, int j0, int j1);
+/// Right-hand side of the coarser level on its rows [j0, j1) of its slices [k0, k1): the residual that red cells have
+/// after black ones were swept.
+void restrict_residual(Level& fine, Level& coarse, int k0, int k1, int j0, int j1);
 
 /// Adds the coarser level's correction to the black cells; red ones need none, their next sweep overwrites them.
-void correct_black(Level& fine, const Level& coarse, int k, int j0, int j1);
+void correct_black(Level& fine, const Level& coarse, int k0, int k1, int j0, int j1);
 
 /// First values of black cells from the coarser level's solution.
-void start_black(Level& fine, const Level& coarse, int k, int j0, int j1);
+void start_black(Level& fine, const Level& coarse, int k0, int k1, int j0, int j1);
 
 /// Writes u of the rows [j0, j1) of slice k in the natural order of voxels.
 void copy_out(const Level& level, int k, int j0, int j1, std::array<float*, 3> out);

@@ -1,0 +1,358 @@
+#include <algorithm>
+
+#include "dynasurf/field/multigrid/view.hpp"
+
+namespace dynasurf::multigrid {
+
+namespace {
+
+/// 32 floats out of their even and odd lanes.
+DYNASURF_INLINE void join(Vec16 even, Vec16 odd, float* natural) {
+  store(natural, __builtin_shufflevector(even, odd, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23));
+  store(natural + lanes,
+        __builtin_shufflevector(even, odd, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31));
+}
+
+/// Memory for a few rows, kept by the thread.
+float* scratch(std::size_t count) {
+  thread_local detail::FloatBuffer buffer;
+  if (buffer.size() < count) buffer = detail::FloatBuffer(count);
+  return buffer.data();
+}
+
+/// Adds to `sum` what the red cells of a row pass to the coarser level: D times the change that their next sweep would
+/// make. With s = D/(D+b), the share of a cell that diffusion rules, this is s times the residual: a cell that the data
+/// hold fast does not speak for its neighbourhood. `area` is the row's share in the coarser cell.
+template <bool finest>
+DYNASURF_INLINE void add_residual(const View& l, int j, int k, float area, float* sum, int sum_step) {
+  const int half = half_of(0, j, k);
+  const Row r = row_of(l, j, k, half, Towards::own);
+  const Rates rates = rates_of<finest>(l, j, k);
+  const float* towards_near = half == 0 ? l.lane_right(0) : l.lane_left(1);
+  const float* towards_far = half == 0 ? l.lane_left(0) : l.lane_right(1);
+  const float *diagonal = l.lane_diagonal(half), *share = l.lane_share(half);
+  const float yz = l.yz_diagonal(j, k);
+  for (int m = 0; m < l.slot; m += lanes) {
+    const Vec16 k_near = load(towards_near + m), k_far = load(towards_far + m);
+    const Vec16 weight = area * load(share + m);
+    const Vec16 spread = (load(diagonal + m) + yz) * weight;
+    const std::int32_t number = finest ? l.blocks_of(j, k, half)[m / lanes] : 0;
+    const float* data = finest ? l.block(std::max(number, 0)) : nullptr;
+    for (int c = 0; c < 3; ++c) {
+      const std::ptrdiff_t at = 2 * c * l.slot + m;
+      const Vec16 u = load(r.own + at);
+      const Around n{load(r.near + at), load(r.far + at), load(r.ym + at),
+                     load(r.yp + at),   load(r.zm + at),  load(r.zp + at)};
+      Vec16 flow = (k_near * (n.near - u) + k_far * (n.far - u)) + inflow_yz<finest>(n, u, rates);
+      if constexpr (finest) {
+        if (number < 0) {
+          flow *= weight;  // D d is 1 where there are no data
+        } else {
+          flow = spread * (load(data) * (load(data + 16) * (load(data + 32 + 16 * c) - u) + flow));
+        }
+      } else {
+        const float* rhs = l.rhs + l.row(j, k) + half * l.slot;
+        const std::ptrdiff_t scalars = l.scalar_row(j, k) + half * l.slot + m;
+        flow = spread * (load(l.d + scalars) * ((load(rhs + at) - load(l.b + scalars) * u) + flow));
+      }
+      store(sum + c * sum_step + m, load(sum + c * sum_step + m) + flow);
+    }
+  }
+}
+
+/// Cells of an axis that a coarser cell holds: [first, last].
+struct Children {
+  int first, last;
+};
+DYNASURF_INLINE Children children_of(bool halved, int count, int i) {
+  return halved ? Children{2 * i, std::min(2 * i + 1, count - 1)} : Children{i, i};
+}
+
+/// The same of the rows j and j+1 of the slices k and k+1, joined along x and y: into `sum[0]`, or into one per slice.
+/// What the sums held before is forgotten.
+template <bool finest, int first, int usual_slot>
+DYNASURF_INLINE void sum_residuals(const View& l, int j, int k, float* const (&sum)[2], int sum_step) {
+  const Tile<first, usual_slot> t(l, j, k, Towards::own);
+  const bool together = sum[0] == sum[1];
+  const int chunks = static_cast<int>(t.slot) / lanes;
+  const std::ptrdiff_t scalars = 2 * t.slot * l.row_number(j, k), slice = 2 * t.slot * l.ny;
+  const float *rhs0 = l.rhs + lanes + 3 * scalars, *rhs1 = rhs0 + 3 * slice;
+  const float *b0 = l.b + scalars, *b1 = b0 + slice, *d0 = l.d + scalars, *d1 = d0 + slice;
+  const std::int32_t *numbers0 = l.block_of + scalars / lanes, *numbers1 = numbers0 + slice / lanes;
+  Rates rates[4];
+  float area[4], yz[4];
+  for (int r = 0; r < 4; ++r) {
+    rates[r] = rates_of<finest>(l, j + r % 2, k + r / 2);
+    area[r] = l.share[1][j + r % 2] * l.share[2][k + r / 2];
+    yz[r] = l.yz_diagonal(j + r % 2, k + r / 2);
+  }
+  for (int m = 0; m < t.slot; m += lanes) {
+    const auto lane = [&](int kind, int half)
+                          DYNASURF_INLINE_LAMBDA { return load(l.lane_values + (2 * kind + half) * t.slot + m); };
+    const Vec16 left[2] = {lane(0, 0), lane(0, 1)}, right[2] = {lane(1, 0), lane(1, 1)};
+    const Vec16 diagonal[2] = {lane(2, 0), lane(2, 1)}, share[2] = {lane(3, 0), lane(3, 1)};
+    const float* data[4] = {};
+    if constexpr (finest)
+      for (int r = 0; r < 4; ++r) {
+        const std::int32_t number = (r < 2 ? numbers0 : numbers1)[(r % 2 * 2 + t.half(r)) * chunks + m / lanes];
+        if (number >= 0) data[r] = l.block(number);
+      }
+    for (int c = 0; c < 3; ++c) {
+      const std::ptrdiff_t at = 2 * c * t.slot + m;
+      Vec16 passed[2] = {};
+      t.each_row(at, [&](auto r, const Around& n) DYNASURF_INLINE_LAMBDA {
+        constexpr int half = t.half(r);
+        const Vec16 u = load(t.own(r) + at);
+        const Vec16 x = half == 0 ? left[0] * (n.far - u) + right[0] * (n.near - u)
+                                  : left[1] * (n.near - u) + right[1] * (n.far - u);
+        Vec16 flow = x + inflow_yz<finest>(n, u, rates[r]);
+        if constexpr (finest) {
+          if (data[r] != nullptr)
+            flow = (diagonal[half] + yz[r]) *
+                   (load(data[r]) * (load(data[r] + 16) * (load(data[r] + 32 + 16 * c) - u) + flow));
+        } else {
+          const std::ptrdiff_t scalar = (r % 2 * 2 + half) * t.slot + m;
+          const Vec16 rhs = load((r < 2 ? rhs0 : rhs1) + (r % 2 * 6 + half) * t.slot + at);
+          const Vec16 b = load((r < 2 ? b0 : b1) + scalar), dm = load((r < 2 ? d0 : d1) + scalar);
+          flow = (diagonal[half] + yz[r]) * (dm * ((rhs - b * u) + flow));
+        }
+        passed[r / 2] += (area[r] * share[half]) * flow;
+      });
+      const std::ptrdiff_t to = c * sum_step + m;
+      store(sum[0] + to, together ? passed[0] + passed[1] : passed[0]);
+      if (!together) store(sum[1] + to, passed[1]);
+    }
+  }
+}
+
+/// Right-hand side of a row from sums in natural order.
+DYNASURF_INLINE void split_row(const View& g, int j, int k, const float* sum, int step) {
+  float* rhs = g.rhs + g.row(j, k);
+  for (int c = 0; c < 3; ++c)
+    for (int m = 0; m < g.slot; m += lanes) {
+      Vec16 even, odd;
+      split(sum + c * step + 2 * m, even, odd);
+      store(rhs + 2 * c * g.slot + m, even);
+      store(rhs + (2 * c + 1) * g.slot + m, odd);
+    }
+}
+
+template <bool finest>
+DYNASURF_INLINE void restrict_row(const View& f, const View& g, int j, int k) {
+  // Sums over pairs along x lie in natural order and are split at the end; without pairs they lie split already.
+  const bool joined = f.halved[0];
+  const int step = joined ? std::max(f.slot, 2 * g.slot) : 2 * f.slot;
+  float* sum = scratch(static_cast<std::size_t>(3 * step));
+  std::fill_n(sum, 3 * step, 0.0f);
+  const Children rows = children_of(f.halved[1], f.ny, j), slices = children_of(f.halved[2], f.nz, k);
+  for (int z = slices.first; z <= slices.last; ++z)
+    for (int y = rows.first; y <= rows.last; ++y) {
+      const float area = f.share[1][y] * f.share[2][z];
+      add_residual<finest>(f, y, z, area, joined ? sum : sum + half_of(0, y, z) * f.slot, step);
+    }
+  if (joined) return split_row(g, j, k, sum, step);
+  for (int c = 0; c < 3; ++c) std::copy_n(sum + c * step, 2 * f.slot, g.rhs + g.row(j, k) + 2 * c * g.slot);
+}
+
+/// The rows [j0, j1) of slice k, or of k and k+1 where slices are not joined, from pairs of rows and slices.
+template <bool finest, int first, int usual_slot>
+DYNASURF_INLINE void restrict_pairs(const View& f, const View& g, int k, int j0, int j1) {
+  const int step = std::max(f.slot, 2 * g.slot);
+  float* both = scratch(static_cast<std::size_t>(6 * step));
+  std::fill_n(both, 6 * step, 0.0f);
+  float* const sum[2] = {both, f.halved[2] ? both : both + 3 * step};
+  for (int j = j0; j < j1; ++j) {
+    sum_residuals<finest, first, usual_slot>(f, 2 * j, f.halved[2] ? 2 * k : k, sum, step);
+    split_row(g, j, k, sum[0], step);
+    if (!f.halved[2]) split_row(g, j, k + 1, sum[1], step);
+  }
+}
+
+template <bool finest>
+DYNASURF_INLINE void restrict_rows(const View& f, const View& g, int k0, int k1, int j0, int j1) {
+  for (int k = k0; k < k1;) {
+    const bool in_pairs = f.halved[0] && f.halved[1] && (f.halved[2] ? 2 * k + 1 < f.nz : k + 1 < k1);
+    const int last = in_pairs ? std::min(j1, f.ny / 2) : j0, next = in_pairs && !f.halved[2] ? k + 2 : k + 1;
+    if (in_pairs)
+      with_usual_slot(f.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
+        f.halved[2] || k % 2 == 0 ? restrict_pairs<finest, 0, slot>(f, g, k, j0, last)
+                                  : restrict_pairs<finest, 1, slot>(f, g, k, j0, last);
+      });
+    for (; k < next; ++k)
+      for (int j = last; j < j1; ++j) restrict_row<finest>(f, g, j, k);
+  }
+}
+
+/// Rows of the coarser level between slices, in natural order along x where pairs were joined: the last four asked for.
+template <bool joined, int usual_slot>
+class Interpolated {
+ public:
+  DYNASURF_INLINE Interpolated(const View& fine, const View& coarse, int k)
+      : g_(coarse),
+        slot_(usual_slot == 0 ? coarse.slot
+              : joined        ? std::max(usual_slot / 2, lanes)
+                              : usual_slot),
+        step_(2 * slot_ + 2 * lanes),
+        rows_(scratch(12 * static_cast<std::size_t>(step_))) {
+    std::fill_n(rows_, 12 * step_, 0.0f);
+    const int own = fine.halved[2] ? k / 2 : k;
+    const int next = fine.halved[2] ? std::clamp(own + (k % 2 == 0 ? -1 : 1), 0, coarse.nz - 1) : own;
+    own_ = coarse.u + lanes + 6 * slot_ * coarse.row_number(0, own);
+    next_ = coarse.u + lanes + 6 * slot_ * coarse.row_number(0, next);
+  }
+
+  /// Component 0; the others follow at `step()`. Lanes -1 and `count` repeat the ends.
+  DYNASURF_INLINE const float* row(int j) {
+    float* out = rows_ + 3 * step_ * (j & 3) + lanes;
+    if (held_[j & 3] == j) return out;
+    held_[j & 3] = j;
+    const float *p = own_ + 6 * slot_ * j, *q = next_ + 6 * slot_ * j;
+    const auto between = [&](std::ptrdiff_t at)
+                             DYNASURF_INLINE_LAMBDA { return 0.75f * load(p + at) + 0.25f * load(q + at); };
+    for (int c = 0; c < 3; ++c) {
+      float* to = out + c * step_;
+      const std::ptrdiff_t from = 2 * c * slot_;
+      if constexpr (joined) {
+        for (int m = 0; m < slot_; m += lanes) join(between(from + m), between(from + slot_ + m), to + 2 * m);
+        to[-1] = to[0];
+        to[g_.nx] = to[g_.nx - 1];
+      } else {
+        for (int m = 0; m < 2 * slot_; m += lanes) store(to + m, between(from + m));
+      }
+    }
+    return out;
+  }
+  DYNASURF_INLINE std::ptrdiff_t step() const { return step_; }
+
+ private:
+  const View& g_;
+  std::ptrdiff_t slot_, step_;
+  const float *own_, *next_;
+  float* rows_;
+  int held_[4] = {-1, -1, -1, -1};
+};
+
+/// Asks for a row that the first stage of a pass will soon need: that stage touches every other half row alone, which
+/// the processor does not foresee. Smaller levels are in the cache.
+template <bool finest>
+DYNASURF_INLINE void fetch_ahead(const View& v, int j, int k) {
+  constexpr int ahead = 2, short_row = 64;
+  if (v.slot < short_row || j + ahead >= v.ny) return;
+  for (int m = 0; m < 6 * v.slot; m += lanes) {
+    __builtin_prefetch(v.u + v.row(j + ahead, k) + m, 1);
+    if (!finest) __builtin_prefetch(v.rhs + v.row(j + ahead, k) + m);
+  }
+  for (int m = 0; !finest && m < 2 * v.slot; m += lanes) {
+    __builtin_prefetch(v.b + v.scalar_row(j + ahead, k) + m);
+    __builtin_prefetch(v.d + v.scalar_row(j + ahead, k) + m);
+  }
+}
+
+template <bool finest, bool first, bool joined, int usual_slot, int half>
+DYNASURF_INLINE void interpolate_row(const View& f, const View& g, Interpolated<joined, usual_slot>& between, int j,
+                                     int k) {
+  const std::ptrdiff_t slot = usual_slot > 0 ? usual_slot : f.slot, step = between.step();
+  const int own = f.halved[1] ? j / 2 : j;
+  const int next = f.halved[1] ? std::clamp(own + (j % 2 == 0 ? -1 : 1), 0, g.ny - 1) : own;
+  constexpr int beside = !joined ? 0 : half == 0 ? -1 : 1;
+  const float *p = between.row(own), *q = between.row(next);
+  if (!joined) p += half * slot, q += half * slot;
+  const float *diagonal = f.lane_values + (4 + half) * slot, yz = f.yz_diagonal(j, k);
+  const std::ptrdiff_t row = f.row_number(j, k);
+  float* u = f.u + lanes + (6 * row + half) * slot;
+  const float *rhs = f.rhs + lanes + (6 * row + half) * slot, *d_row = f.d + (2 * row + half) * slot;
+  const std::int32_t* block_of = f.block_of + (2 * row + half) * (slot / lanes);
+  fetch_ahead<finest>(f, j, k);
+  for (int m = 0; m < slot; m += lanes) {
+    const float* data = nullptr;
+    if constexpr (finest) {
+      const std::int32_t number = block_of[m / lanes];
+      if (number >= 0) data = f.block(number);
+    }
+    Vec16 d{}, share{};
+    if (!finest || data != nullptr) {
+      d = load(finest ? data : d_row + m);
+      share = (load(diagonal + m) + yz) * d;
+    }
+    for (int c = 0; c < 3; ++c) {
+      const float *pm = p + c * step + m, *qm = q + c * step + m;
+      const Vec16 here = 0.75f * load(pm) + 0.25f * load(qm);
+      const Vec16 there = 0.75f * load(pm + beside) + 0.25f * load(qm + beside);
+      Vec16 t = 0.75f * here + 0.25f * there;
+      const std::ptrdiff_t at = 2 * c * slot + m;
+      if (!finest || data != nullptr) t *= share;
+      if constexpr (first) {
+        // One relaxation with the interpolated values as neighbours.
+        if (!finest)
+          t += d * load(rhs + at);
+        else if (data != nullptr)
+          t += d * (load(data + 16) * load(data + 32 + 16 * c));
+        store(u + at, t);
+      } else {
+        store(u + at, load(u + at) + f.stretch * t);
+      }
+    }
+  }
+}
+
+template <bool finest, bool first, bool joined>
+DYNASURF_INLINE void interpolate_rows(const View& f, const View& g, int k0, int k1, int j0, int j1) {
+  with_usual_slot(f.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
+    for (int k = k0; k < k1; ++k) {
+      Interpolated<joined, slot> between(f, g, k);
+      for (int j = j0; j < j1; ++j)
+        half_of(1, j, k) == 0 ? interpolate_row<finest, first, joined, slot, 0>(f, g, between, j, k)
+                              : interpolate_row<finest, first, joined, slot, 1>(f, g, between, j, k);
+    }
+  });
+}
+
+template <bool first>
+DYNASURF_INLINE void interpolate(const Level& fine, const Level& coarse, int k0, int k1, int j0, int j1) {
+  const View f(fine), g(coarse);
+  if (f.halved[0])
+    fine.finest ? interpolate_rows<true, first, true>(f, g, k0, k1, j0, j1)
+                : interpolate_rows<false, first, true>(f, g, k0, k1, j0, j1);
+  else
+    fine.finest ? interpolate_rows<true, first, false>(f, g, k0, k1, j0, j1)
+                : interpolate_rows<false, first, false>(f, g, k0, k1, j0, j1);
+}
+
+}  // namespace
+
+DYNASURF_CLONES void restrict_residual(Level& fine, Level& coarse, int k0, int k1, int j0, int j1) {
+  const View f(fine), g(coarse);
+  fine.finest ? restrict_rows<true>(f, g, k0, k1, j0, j1) : restrict_rows<false>(f, g, k0, k1, j0, j1);
+}
+
+DYNASURF_CLONES void correct_black(Level& fine, const Level& coarse, int k0, int k1, int j0, int j1) {
+  interpolate<false>(fine, coarse, k0, k1, j0, j1);
+}
+
+DYNASURF_CLONES void start_black(Level& fine, const Level& coarse, int k0, int k1, int j0, int j1) {
+  interpolate<true>(fine, coarse, k0, k1, j0, j1);
+}
+
+namespace {
+
+DYNASURF_CLONES void copy_row(const float* even, const float* odd, int count, float* out) {
+  int i = 0;
+  for (; i + 2 * lanes <= count; i += 2 * lanes) join(load(even + i / 2), load(odd + i / 2), out + i);
+  if (i == count) return;
+  float rest[2 * lanes];
+  join(load(even + i / 2), load(odd + i / 2), rest);
+  std::copy_n(rest, count - i, out + i);
+}
+
+}  // namespace
+
+void copy_out(const Level& l, int k, int j0, int j1, std::array<float*, 3> out) {
+  for (int j = j0; j < j1; ++j)
+    for (int c = 0; c < 3; ++c) {
+      const float* even = l.u.data() + l.row(j, k) + 2 * c * l.slot;
+      copy_row(even, even + l.slot, l.nx(),
+               out[static_cast<std::size_t>(c)] + l.row_number(j, k) * static_cast<std::size_t>(l.nx()));
+    }
+}
+
+}  // namespace dynasurf::multigrid

@@ -1,0 +1,170 @@
+#pragma once
+#include <algorithm>
+#include <type_traits>
+
+#include "dynasurf/field/multigrid/level.hpp"
+
+/// How the loops over a level see it: for the sources of the solver alone.
+namespace dynasurf::multigrid {
+
+/// What a loop needs of a level, copied: the compiler must believe that writing `u` may change a level itself, and
+/// would read its members again after every vector.
+struct View {
+  int slot, nx, ny, nz;
+  float stretch;
+  std::ptrdiff_t stride;
+  float *u, *rhs;
+  const float *b, *d, *lane_values, *blocks, *empty_d;
+  const std::int32_t* block_of;
+  const float *left[3], *right[3], *share[3];
+  bool halved[3];
+
+  DYNASURF_INLINE explicit View(const Level& l)
+      : slot(l.slot),
+        nx(l.nx()),
+        ny(l.ny()),
+        nz(l.nz()),
+        stretch(l.stretch),
+        stride(static_cast<std::ptrdiff_t>(l.stride)),
+        u(l.u.data()),
+        rhs(l.rhs.data()),
+        b(l.b.data()),
+        d(l.d.data()),
+        lane_values(l.lane_values.data()),
+        blocks(l.blocks.data()),
+        empty_d(l.empty_d.data()),
+        block_of(l.block_of.data()) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      left[a] = l.axis[a].left.data();
+      right[a] = l.axis[a].right.data();
+      share[a] = l.axis[a].share.data();
+      halved[a] = l.axis[a].halved;
+    }
+  }
+
+  DYNASURF_INLINE std::ptrdiff_t row_number(int j, int k) const { return j + static_cast<std::ptrdiff_t>(ny) * k; }
+  DYNASURF_INLINE std::ptrdiff_t row(int j, int k) const { return lanes + stride * row_number(j, k); }
+  DYNASURF_INLINE std::ptrdiff_t scalar_row(int j, int k) const { return 2 * slot * row_number(j, k); }
+  DYNASURF_INLINE const float* lane_left(int half) const { return lane_values + half * slot; }
+  DYNASURF_INLINE const float* lane_right(int half) const { return lane_values + (2 + half) * slot; }
+  DYNASURF_INLINE const float* lane_diagonal(int half) const { return lane_values + (4 + half) * slot; }
+  DYNASURF_INLINE const float* lane_share(int half) const { return lane_values + (6 + half) * slot; }
+  DYNASURF_INLINE float yz_diagonal(int j, int k) const {
+    return (left[1][j] + right[1][j]) + (left[2][k] + right[2][k]);
+  }
+  DYNASURF_INLINE const std::int32_t* blocks_of(int j, int k, int half) const {
+    return block_of + (row_number(j, k) * 2 + half) * (slot / lanes);
+  }
+  DYNASURF_INLINE const float* block(std::int32_t number) const {
+    return blocks + block_size * static_cast<std::ptrdiff_t>(number);
+  }
+  DYNASURF_INLINE const float* empty_d_of(int j, int k, int half) const {
+    const int y = j == 0 ? 0 : j + 1 == ny ? 2 : 1, z = k == 0 ? 0 : k + 1 == nz ? 2 : 1;
+    return empty_d + ((z * 3 + y) * 2 + half) * slot;
+  }
+};
+
+/// Calls `body(std::integral_constant)` with the size of half a row where it is one of the usual ones, else with 0.
+template <class Body>
+DYNASURF_INLINE void with_usual_slot(int slot, Body body) {
+  slot == 16   ? body(std::integral_constant<int, 16>{})
+  : slot == 32 ? body(std::integral_constant<int, 32>{})
+               : body(std::integral_constant<int, 0>{});
+}
+
+DYNASURF_INLINE int half_of(int colour, int j, int k) { return (colour + j + k) & 1; }
+
+/// What the differences of a loop are taken to: the first neighbour, or the cell itself.
+enum class Towards { near, own };
+
+/// The cells of one colour of a row, of the x component, and their neighbours, all of the other colour. Along i one
+/// neighbour has the lane of the cell itself (`near`), the other is a lane further (`far`). Beyond a wall along y and z
+/// a cell meets what differences are taken to. Component c lies 2 c slots further.
+struct Row {
+  float* own;
+  const float *near, *far, *ym, *yp, *zm, *zp;
+};
+
+DYNASURF_INLINE Row row_of(const View& v, int j, int k, int half, Towards reference) {
+  float* base = v.u + v.row(j, k);
+  float* own = base + half * v.slot;
+  const float* near = base + (1 - half) * v.slot;
+  const float* wall = reference == Towards::near ? near : own;
+  const std::ptrdiff_t slice = v.stride * v.ny;
+  return {own,
+          near,
+          half == 0 ? near - 1 : near + 1,
+          j > 0 ? own - v.stride : wall,
+          j + 1 < v.ny ? own + v.stride : wall,
+          k > 0 ? own - slice : wall,
+          k + 1 < v.nz ? own + slice : wall};
+}
+
+/// Sixteen cells' neighbours.
+struct Around {
+  Vec16 near, far, ym, yp, zm, zp;
+};
+
+/// The same of 2 x 2 rows, row r at (j + r % 2, k + r / 2), so that what is a neighbour of two rows is loaded once.
+/// Half `first` of row 0, and the size of half a row where it is one of the usual ones, are known when this is
+/// compiled, so that a few pointers do.
+template <int first, int usual_slot>
+struct Tile {
+  std::ptrdiff_t slot, stride;
+  float* slice[2];
+  const float *y_low[2], *y_high[2], *z_low[2], *z_high[2];
+
+  static constexpr int half(int r) { return r == 0 || r == 3 ? first : 1 - first; }
+  DYNASURF_INLINE float* row(int r) const { return slice[r / 2] + (r % 2) * stride; }
+  DYNASURF_INLINE float* own(int r) const { return row(r) + half(r) * slot; }
+  DYNASURF_INLINE const float* near(int r) const { return row(r) + (1 - half(r)) * slot; }
+  DYNASURF_INLINE const float* far(int r) const { return near(r) + (half(r) == 0 ? -1 : 1); }
+
+  DYNASURF_INLINE Tile(const View& v, int j, int k, Towards reference)
+      : slot(usual_slot > 0 ? usual_slot : v.slot), stride(6 * slot) {
+    slice[0] = v.u + lanes + stride * v.row_number(j, k);
+    slice[1] = slice[0] + stride * v.ny;
+    const auto wall = [&](int r) DYNASURF_INLINE_LAMBDA { return reference == Towards::near ? near(r) : own(r); };
+    for (int i = 0; i < 2; ++i) {
+      y_low[i] = j > 0 ? own(2 * i) - stride : wall(2 * i);
+      y_high[i] = j + 2 < v.ny ? own(2 * i + 1) + stride : wall(2 * i + 1);
+      z_low[i] = k > 0 ? own(i) - stride * v.ny : wall(i);
+      z_high[i] = k + 2 < v.nz ? own(2 + i) + stride * v.ny : wall(2 + i);
+    }
+  }
+
+  /// Calls `body(row, around)` for every row.
+  template <class Body>
+  DYNASURF_INLINE void each_row(std::ptrdiff_t at, Body body) const {
+    const Vec16 a = load(near(0) + at), b = load(near(1) + at), c = load(near(2) + at), d = load(near(3) + at);
+    body(std::integral_constant<int, 0>{},
+         Around{a, load(far(0) + at), load(y_low[0] + at), b, load(z_low[0] + at), c});
+    body(std::integral_constant<int, 1>{},
+         Around{b, load(far(1) + at), a, load(y_high[0] + at), load(z_low[1] + at), d});
+    body(std::integral_constant<int, 2>{},
+         Around{c, load(far(2) + at), load(y_low[1] + at), d, a, load(z_high[0] + at)});
+    body(std::integral_constant<int, 3>{},
+         Around{d, load(far(3) + at), c, load(y_high[1] + at), b, load(z_high[1] + at)});
+  }
+};
+
+/// Diffusion towards the four neighbours in y and z; on the finest level either side of an axis is alike.
+struct Rates {
+  float ym, yp, zm, zp;
+};
+
+template <bool finest>
+DYNASURF_INLINE Rates rates_of(const View& v, int j, int k) {
+  if constexpr (finest) return {v.ny > 1 ? v.right[1][0] : 0.0f, 0, v.nz > 1 ? v.right[2][0] : 0.0f, 0};
+  return {v.left[1][j], v.right[1][j], v.left[2][k], v.right[2][k]};
+}
+
+/// Sum of diffusion times difference to the four neighbours in y and z. In differences: single precision then holds the
+/// field to its last digits however many voxels there are.
+template <bool finest>
+DYNASURF_INLINE Vec16 inflow_yz(const Around& n, Vec16 u, const Rates& k) {
+  if constexpr (finest) return k.ym * ((n.ym - u) + (n.yp - u)) + k.zm * ((n.zm - u) + (n.zp - u));
+  return (k.ym * (n.ym - u) + k.yp * (n.yp - u)) + (k.zm * (n.zm - u) + k.zp * (n.zp - u));
+}
+
+}  // namespace dynasurf::multigrid
