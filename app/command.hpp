@@ -30,5 +30,6 @@ void add_scores(CLI::App& program, Command& chosen);
 void add_solid(CLI::App& program, Command& chosen);
 void add_organ(CLI::App& program, Command& chosen);
 void add_compare(CLI::App& program, Command& chosen);
+void add_motion(CLI::App& program, Command& chosen);
 
 }  // namespace dynasurf::app

@@ -13,6 +13,7 @@
 
 #include "command.hpp"
 #include "console.hpp"
+#include "print_page.hpp"
 
 namespace dynasurf::app {
 namespace {
@@ -22,7 +23,7 @@ using Json = nlohmann::ordered_json;
 
 struct Arguments {
   std::string rest, stress, out;
-  bool json = false;
+  bool json = false, pdf = false;
 };
 
 std::optional<double> value_in(const Json& json, const char* key) {
@@ -115,21 +116,25 @@ Json comparison(const ComparedStudy& rest, const ComparedStudy& stress, const Me
 }
 
 ExitCode run(const Arguments& a) {
+  if (a.pdf) find_browser();  // before anything is computed
   ComparedStudy rest = read_study_of(a.rest), stress = read_study_of(a.stress);
   // Two blood pools are compared by their volumes alone.
   if (rest.polar.perfusion_is != stress.polar.perfusion_is)
     require_same_perfusion(rest.polar.perfusion_is, a.rest, stress.polar.perfusion_is, a.stress);
   const Measures difference = difference_of(rest, stress);
   const Json json = comparison(rest, stress, difference);
+  if (a.pdf && a.out.empty()) throw OptionError("--pdf needs a folder to print to; expected --out");
   if (!a.out.empty()) {
-    OutputFolder folder(a.out);
-    const PolarKind kind{"difference", "Perfusion, rest less stress", "points", &PolarMaps::perfusion_percent, -40, 40};
+    OutputFolder folder(a.out, fs::exists(fs::path(a.out) / "comparison.json"));
+    const PolarKind kind{
+        "difference", "Perfusion, rest less stress", "points", &PolarMaps::perfusion_percent, -40, 40, false, true};
     rest.report = report_from(a.rest, a.out);
     stress.report = report_from(a.stress, a.out);
     write_file(folder.path() / "comparison.json", json.dump(2) + "\n");
     write_file(folder.path() / "comparison.html", comparison_html(rest, stress, json));
     if (rest.polar.perfusion_is != Perfusion::none)
       write_file(folder.path() / "polar_difference.svg", polar_svg(difference, kind));
+    if (a.pdf) print_page(folder.path() / "comparison.html", folder.path() / "comparison.pdf");
     folder.publish();
   }
   if (a.json) {
@@ -164,6 +169,7 @@ void add_compare(CLI::App& program, Command& chosen) {
   command->add_option("STRESS", a->stress, "the same of the stress study")->required();
   command->add_option("--out", a->out,
                       "folder for comparison.json, comparison.html with both studies, and polar_difference.svg");
+  command->add_flag("--pdf", a->pdf, "print the page to comparison.pdf, two A4 pages (needs Chromium)");
   command->add_flag("--json", a->json, "print JSON instead of the table");
   command->callback([a, &chosen] { chosen = [a](std::stop_token) { return run(*a); }; });
 }

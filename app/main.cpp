@@ -46,6 +46,7 @@ ExitCode run(int argc, char** argv) {
   add_scores(program, chosen);
   add_solid(program, chosen);
   add_compare(program, chosen);
+  add_motion(program, chosen);
   add_organ(program, chosen);
 
   try {

@@ -14,6 +14,7 @@
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
+#include "dynasurf/io/tracked_points_io.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
@@ -62,6 +63,17 @@ Json options_of(const Phantom& phantom) {
 
 Json number(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
+Json vector_json(const Vec3& v) { return {v[0], v[1], v[2]}; }
+
+Json true_motion(const Phantom& phantom) {
+  if (!phantom.tracked) return nullptr;
+  const TrackedTruth& t = *phantom.tracked;
+  return {{"points", t.points.name.size()},
+          {"apex_mm", vector_json(t.apex)},
+          {"base_mm", vector_json(t.base)},
+          {"twist_deg", t.twist_deg}};
+}
+
 /// What of the wall is true per segment, in the words of results.json; nothing that is read from counts.
 Json true_regions(const Phantom& phantom) {
   if (!phantom.axis) return nullptr;
@@ -99,6 +111,7 @@ Json truth_of(const Phantom& phantom) {
                              {"wall_ml", gate.wall_ml()}});
   }
   json["regions"] = true_regions(phantom);
+  json["tracked"] = true_motion(phantom);
   json["notes"] = Json::array();
   for (const Note& note : phantom.notes) json["notes"].push_back({{"code", note.code}, {"message", note.message}});
   json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
@@ -123,6 +136,7 @@ void write_phantom(const Phantom& phantom, const Arguments& arguments, const fs:
   write_nifti(phantom.study, folder / "study.nii.gz");
   if (arguments.nrrd)
     write_nrrd(phantom.study, folder / (phantom.study.gates.size() > 1 ? "study.seq.nrrd" : "study.nrrd"));
+  if (phantom.tracked) write_tracked_points(phantom.tracked->points, folder / "points.csv");
   write_file(folder / "truth.json", truth_of(phantom).dump(2) + "\n");
   fs::create_directory(folder / "truth");
   for (std::size_t g = 0; g < phantom.truth.size(); ++g) {
@@ -210,8 +224,10 @@ void add_phantom(CLI::App& program, Command& chosen) {
   CLI::App* command = program.add_subcommand("phantom", "Make a synthetic study or scan with known truth");
   command->add_option("KIND", a->kind, kinds_text())->required();
   command
-      ->add_option("--out", a->out,
-                   "folder for study.dcm, study.nii.gz (cloud: cloud.ply), truth.json and the true surfaces")
+      ->add_option(
+          "--out", a->out,
+          "folder for study.dcm, study.nii.gz (cloud: cloud.ply), truth.json, the true surfaces, and points.csv of "
+          "patients with tags")
       ->required();
   command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options)")
       ->take_all()

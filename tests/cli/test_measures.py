@@ -158,6 +158,10 @@ class Compare(CliTest):
             self.assertIn(text, page)
         self.assertNotIn("nan", page)
         self.assertNotRegex(page, "<script|<img|<iframe")
+        self.assertNotIn("<style>text", page, "a style of one picture holds for the whole page")
+        again = run("compare", rest, stress, "--out", out)
+        self.assertEqual(again.returncode, 0, again.stderr)  # a former comparison is replaced
+        self.refuses(1, "compare", rest, stress, "--pdf", says="expected --out")
 
     def test_refuses_what_is_no_result(self):
         self.refuses(2, "compare", small_result(), self.folder, says="results.json")

@@ -432,6 +432,37 @@ TEST(IrregularPatient, TailsTakeCountsOutOfTheWall) {
   EXPECT_GT(with_tails, 1.1 * sum);
 }
 
+TEST(Tags, FollowTheMuscleAndTurnWithTheTwist) {
+  VirtualPatient o = small_patient();
+  o.gates = 8;
+  EXPECT_FALSE(make_phantom(o).tracked);
+  o.tags = {.points = 60, .twist_deg = 20, .error_mm = 0};
+  const Phantom turned = make_phantom(o);
+  o.tags.twist_deg = 0;
+  const Phantom straight = make_phantom(o);
+  ASSERT_TRUE(turned.tracked && straight.tracked);
+  ASSERT_EQ(turned.tracked->points.gates.size(), 8u);
+  EXPECT_EQ(turned.study.gates[4].values, straight.study.gates[4].values);  // no image shows it
+  const auto systole =
+      static_cast<std::size_t>(std::max_element(turned.tracked->twist_deg.begin(), turned.tracked->twist_deg.end()) -
+                               turned.tracked->twist_deg.begin());
+  EXPECT_GT(turned.tracked->twist_deg[systole], 18);
+  EXPECT_DOUBLE_EQ(turned.tracked->twist_deg[0], 0);
+  const Vec3 apex = turned.tracked->apex, up = (turned.tracked->base - apex).normalized();
+  EXPECT_NEAR(up.dot(*turned.axis), 1, 1e-12);
+  for (std::size_t n = 0; n < 60; ++n) {
+    const Vec3 a = straight.tracked->points.gates[systole][n] - apex,
+               b = turned.tracked->points.gates[systole][n] - apex;
+    EXPECT_NEAR(a.dot(up), b.dot(up), 1e-9);
+    const Vec3 across = a - a.dot(up) * up, there = b - b.dot(up) * up;
+    EXPECT_NEAR(across.norm(), there.norm(), 1e-9);
+    const double height = (turned.tracked->points.gates[0][n] - apex).dot(up) / (turned.tracked->base - apex).norm();
+    const double angle =
+        std::atan2(-up.dot(across.cross(there)), across.dot(there)) * 180 / M_PI;  // seen from the apex
+    EXPECT_NEAR(angle, turned.tracked->twist_deg[systole] * (0.7 - height), 0.3);  // the first gate is all but at rest
+  }
+}
+
 TEST(NoiseTexture, TakesTheSlowWavesOutOfTheNoise) {
   VirtualPatient o = small_patient();
   o.noise.filter_fwhm_mm = 0;

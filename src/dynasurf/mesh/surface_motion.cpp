@@ -1,11 +1,9 @@
 #include "dynasurf/mesh/surface_motion.hpp"
 
 #include <cmath>
-#include <string>
-
-#include <Eigen/LU>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/mesh/point_spline.hpp"
 #include "dynasurf/mesh/ray_tree.hpp"
 
 namespace dynasurf {
@@ -18,17 +16,6 @@ std::vector<double> areas_around(const TriMesh& mesh) {
     for (const auto v : {a, b, c}) areas[v] += area;
   }
   return areas;
-}
-
-void check(std::span<const Vec3> rest, std::span<const Vec3> now) {
-  if (rest.size() != now.size())
-    throw InputError("move_with_points: " + std::to_string(rest.size()) + " points at rest and " +
-                     std::to_string(now.size()) + " moved; expected as many");
-  if (rest.size() < 4)
-    throw InputError("move_with_points: " + std::to_string(rest.size()) + " points; expected at least 4");
-  for (std::size_t n = 0; n < rest.size(); ++n)
-    if (!rest[n].allFinite() || !now[n].allFinite())
-      throw InputError("move_with_points: point " + std::to_string(n + 1) + " is not finite");
 }
 
 }  // namespace
@@ -48,35 +35,8 @@ SurfaceMotion surface_motion(const TriMesh& rest, const TriMesh& now) {
 }
 
 TriMesh move_with_points(TriMesh mesh, std::span<const Vec3> rest, std::span<const Vec3> now, double smoothing) {
-  check(rest, now);
-  const auto n = static_cast<Eigen::Index>(rest.size());
-  const auto at = [](Eigen::Index i) { return static_cast<std::size_t>(i); };
-  // Lengths near 1 keep the system well scaled.
-  Vec3 middle = Vec3::Zero();
-  for (const Vec3& p : rest) middle += p / static_cast<double>(n);
-  double size = 0;
-  for (const Vec3& p : rest) size = std::max(size, (p - middle).norm());
-  const auto scaled = [&](const Vec3& p) -> Vec3 { return (p - middle) / size; };
-
-  Eigen::MatrixXd system = Eigen::MatrixXd::Zero(n + 4, n + 4), moves = Eigen::MatrixXd::Zero(n + 4, 3);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index j = 0; j < n; ++j) system(i, j) = (scaled(rest[at(i)]) - scaled(rest[at(j)])).norm();
-    system(i, i) -= smoothing * size;  // |r| is conditionally negative
-    system(i, n) = system(n, i) = 1;
-    system.block<1, 3>(i, n + 1) = scaled(rest[at(i)]).transpose();
-    system.block<3, 1>(n + 1, i) = scaled(rest[at(i)]);
-    moves.row(i) = (now[at(i)] - rest[at(i)]).transpose();
-  }
-  const Eigen::FullPivLU<Eigen::MatrixXd> factor(system);
-  if (!factor.isInvertible())
-    throw InputError("move_with_points: the points lie in one plane or some are equal; expected points in space");
-  const Eigen::MatrixXd weights = factor.solve(moves);
-  for (Vec3& p : mesh.vertices) {
-    const Vec3 q = scaled(p);
-    Vec3 move = weights.row(n).transpose() + weights.bottomRows<3>().transpose() * q;
-    for (Eigen::Index i = 0; i < n; ++i) move += (q - scaled(rest[at(i)])).norm() * weights.row(i).transpose();
-    p += move;
-  }
+  const SplineMotion motion = PointSpline(rest, smoothing).motion_to(now);
+  for (Vec3& p : mesh.vertices) p = motion.at(p);
   return mesh;
 }
 

@@ -16,11 +16,9 @@ struct SurfaceMotion {
 /// Throws InputError when the triangles differ.
 SurfaceMotion surface_motion(const TriMesh& rest, const TriMesh& now);
 
-/// A mesh moved along with tracked points (FUT-TAGGED): the displacement is a linear map and radial functions |r| that
-/// take every point from `rest` to `now`, and bend as little as that allows between them (the biharmonic spline in
-/// space, Duchon 1977). This is how twist enters, which no surface shows by itself. `smoothing` in mm^-1 or larger
-/// lets noisy points be missed. Throws InputError for fewer than 4 points, points in one plane, equal points, lists of
-/// different lengths, or numbers that are not finite.
+/// A mesh moved along with tracked points (FUT-TAGGED) by the spline that takes every point from `rest` to `now`. This
+/// is how twist enters, which no surface shows by itself. `smoothing` (mm) lets noisy points be missed. Throws as
+/// PointSpline does.
 TriMesh move_with_points(TriMesh mesh, std::span<const Vec3> rest, std::span<const Vec3> now, double smoothing = 0);
 
 /// Rotation (deg) about an axis (unit) through `on_axis` that takes vertices from `rest` to `now` best,

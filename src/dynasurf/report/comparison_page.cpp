@@ -22,12 +22,16 @@ table { width: 100%; border-collapse: collapse; font-variant-numeric: tabular-nu
 th, td { padding: 2px 8px; text-align: right; border-bottom: 1px solid #dde3ea; }
 th:first-child { text-align: left; } thead th { color: #3d4854; font-weight: 500; }
 td.lost { font-weight: 700; }
-.ratios { display: grid; grid-template-columns: repeat(5, 1fr); gap: 8px; margin: 10px 0; }
+.ratios { display: grid; grid-template-columns: repeat(auto-fit, minmax(130px, 1fr)); gap: 8px; margin: 10px 0; }
 .ratios div { border: 1px solid #c4ccd6; border-radius: 6px; padding: 6px 10px; }
 .ratios b { display: block; font-size: 20px; }
 .maps { display: grid; grid-template-columns: repeat(3, 1fr); gap: 4px 18px; break-inside: avoid; }
-.maps b { text-align: center; } .maps svg { width: 100%; height: auto; } .curve svg { width: 100%; height: auto; }
+.maps svg { width: 100%; height: auto; } .curve svg { width: 100%; height: auto; }
 .sheet { break-after: page; }
+@media screen and (max-width: 640px) {
+  header { display: block; } th, td { padding: 2px 4px; }
+  .maps { grid-template-columns: 1fr; } .maps > div { max-width: 360px; margin: 0 auto; }
+}
 @page { size: A4; margin: 11mm 12mm; }
 @media print { body { margin: 0; padding: 0; max-width: none; font-size: 10px; } .maps svg { height: 58mm; } }
 )";
@@ -180,9 +184,15 @@ std::string map_rows(const ComparedStudy& rest, const ComparedStudy& stress) {
     Measures difference = a;
     difference.maps.*kind->values = lost_under_stress(at_rest, stressed);
     PolarKind lost = *kind;
-    lost.name = "difference", lost.title = title, lost.low = -reach, lost.high = reach;
-    html += "<div class=\"maps\"><div>" + polar_svg(a, *kind) + "</div><div>" + polar_svg(b, *kind) + "</div><div>" +
-            polar_svg(difference, lost) + "</div></div>\n";
+    lost.name = "difference", lost.title = title, lost.low = -reach, lost.high = reach, lost.is_difference = true;
+    const auto map_of = [&](const Measures& m, const char* study) {
+      PolarKind named = *kind;
+      const std::string whole = study + std::string(": ") + std::string(kind->title);
+      named.title = whole;
+      return "<div>" + polar_svg(m, named) + "</div>";
+    };
+    html += "<div class=\"maps\">" + map_of(a, "Rest") + map_of(b, "Stress") + "<div>" + polar_svg(difference, lost) +
+            "</div></div>\n";
   }
   return html;
 }
@@ -253,8 +263,7 @@ std::string comparison_html(const ComparedStudy& rest, const ComparedStudy& stre
   html +=
       "<section><h2>Polar maps: rest, stress, and what is lost under stress</h2>"
       "<p>Seen from the apex, anterior wall on top, septum left. Each map lies in the frame of its own heart: apex, "
-      "valve plane, long axis and anterior wall register one with the other.</p>\n"
-      "<div class=\"maps\"><b>Rest</b><b>Stress</b><b>Rest less stress</b></div>\n" +
+      "valve plane, long axis and anterior wall register one with the other.</p>\n" +
       map_rows(rest, stress) + "</section></body></html>\n";
   return html;
 }

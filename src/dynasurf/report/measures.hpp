@@ -20,6 +20,7 @@ struct PolarKind {
   PolarValues PolarMaps::*values;
   std::optional<double> low, high;  // absent: the smallest and the largest value of the segments
   bool is_cyclic = false;           // an angle: colours close
+  bool is_difference = false;       // colours run both ways from a pale middle
 };
 std::span<const PolarKind> polar_kinds();
 

@@ -24,6 +24,10 @@ constexpr Rgb even_colours[] = {{68, 1, 84},    {72, 40, 120},  {62, 74, 137},  
 constexpr Rgb circle_colours[] = {{116, 57, 90},   {159, 86, 52},  {199, 150, 76}, {214, 219, 159},
                                   {150, 205, 196}, {90, 152, 192}, {86, 94, 153},  {116, 57, 90}};
 
+/// Blue over a pale middle to red, for differences (vik's course).
+constexpr Rgb difference_colours[] = {{0, 47, 108},    {33, 102, 172}, {113, 168, 208}, {240, 238, 234},
+                                      {221, 152, 116}, {178, 62, 30},  {89, 0, 8}};
+
 template <std::size_t N>
 Rgb between(const Rgb (&colours)[N], double share) {
   const double place = std::clamp(share, 0.0, 1.0) * (N - 1);
@@ -33,8 +37,9 @@ Rgb between(const Rgb (&colours)[N], double share) {
   return {a.r + part * (b.r - a.r), a.g + part * (b.g - a.g), a.b + part * (b.b - a.b)};
 }
 
-Rgb colour_of(double share, bool is_cyclic) {
-  return is_cyclic ? between(circle_colours, share) : between(even_colours, share);
+Rgb colour_of(double share, const PolarKind& kind) {
+  if (kind.is_difference) return between(difference_colours, share);
+  return kind.is_cyclic ? between(circle_colours, share) : between(even_colours, share);
 }
 
 std::string hex(const Rgb& c) {
@@ -90,14 +95,14 @@ Scale scale_of(const PolarKind& kind, const PolarValues& values) {
   return scale;
 }
 
-std::string cells(const PolarGrid& grid, const PolarValues& values, const Scale& scale, bool is_cyclic) {
+std::string cells(const PolarGrid& grid, const PolarValues& values, const Scale& scale, const PolarKind& kind) {
   std::string svg;
   const double width = 360.0 / grid.sectors;
   for (int ring = 0; ring < grid.rings; ++ring)
     for (int sector = 0; sector < grid.sectors; ++sector) {
       const auto& value = values[grid.index(ring, sector)];
       if (!value) continue;
-      const std::string colour = hex(colour_of(scale.share(*value), is_cyclic));
+      const std::string colour = hex(colour_of(scale.share(*value), kind));
       // Cells overlap a little, or the page would shine through.
       svg += "<path d=\"" +
              piece(static_cast<double>(ring) / grid.rings, (ring + 1.0) / grid.rings, sector * width, width + 0.4) +
@@ -126,15 +131,17 @@ std::string segments(const Measures& m, const PolarKind& kind, const Scale& scal
   std::string svg;
   for (const Segment& s : segments_of(m.model)) {
     svg += "<path d=\"" + piece(s.rho_low, s.rho_high, s.middle_deg - s.width_deg / 2, s.width_deg) +
-           "\" fill=\"none\" stroke=\"#fff\" stroke-width=\"0.8\" data-segment=\"" + std::to_string(s.number) +
-           "\"><title>" + std::to_string(s.number) + " " + std::string(s.name) + "</title></path>\n";
+           "\" fill=\"none\" stroke=\"" + (kind.is_difference ? "#888" : "#fff") +
+           "\" stroke-width=\"0.8\" data-segment=\"" + std::to_string(s.number) + "\"><title>" +
+           std::to_string(s.number) + " " + std::string(s.name) + "</title></path>\n";
     const auto mean = mean_in(m, kind, s.number);
     if (!mean) continue;
     const double rho = s.rho_low == 0 && s.width_deg >= 360 ? 0 : (s.rho_low + s.rho_high) / 2;
     const double x = radius * rho * std::cos(s.middle_deg * degrees);
     const double y = -radius * rho * std::sin(s.middle_deg * degrees);
     svg += "<text x=\"" + text_of(x, 1) + "\" y=\"" + text_of(y + 3, 1) + "\" fill=\"" +
-           std::string(ink_on(colour_of(scale.share(*mean), kind.is_cyclic))) + "\">" + text_of(*mean, 0) + "</text>\n";
+           std::string(ink_on(colour_of(scale.share(*mean), kind))) + "\">" +
+           text_of(std::abs(*mean) < 0.5 ? 0 : *mean, 0) + "</text>\n";
   }
   return svg;
 }
@@ -144,16 +151,17 @@ std::string colour_bar(const Scale& scale, const PolarKind& kind) {
   constexpr int steps = 48;
   for (int n = 0; n < steps; ++n)
     svg += "<rect x=\"118\" y=\"" + text_of(80 - 160.0 * (n + 1) / steps, 2) + "\" width=\"8\" height=\"3.6\" fill=\"" +
-           hex(colour_of((n + 0.5) / steps, kind.is_cyclic)) + "\"/>";
+           hex(colour_of((n + 0.5) / steps, kind)) + "\"/>";
   for (int n = 0; n <= 4; ++n)
     svg += "<text class=\"side\" x=\"129\" y=\"" + text_of(83 - 40.0 * n, 1) + "\">" +
            text_of(scale.low + (scale.high - scale.low) * n / 4, 0) + "</text>\n";
   return svg;
 }
 
+/// Of these pictures alone: on a page a style holds for everything.
 constexpr std::string_view style =
-    "<style>text{font:8px sans-serif;text-anchor:middle}.side{text-anchor:start;fill:#444}"
-    ".head{font-size:10px;font-weight:600;fill:#111}.wall{fill:#444}</style>\n";
+    "<style>.polar text{font:8px sans-serif;text-anchor:middle}.polar .side{text-anchor:start;fill:#444}"
+    ".polar .head{font-size:10px;font-weight:600;fill:#111}.polar .wall{fill:#444}</style>\n";
 
 std::string histogram(const PhaseSummary& s, std::string_view title, double top) {
   const double highest = *std::max_element(s.histogram_percent.begin(), s.histogram_percent.end());
@@ -167,8 +175,8 @@ std::string histogram(const PhaseSummary& s, std::string_view title, double top)
     const double from = static_cast<double>(n) * s.bin_deg;
     svg += "<rect x=\"" + text_of(from, 1) + "\" y=\"" + text_of(bottom - height, 2) + "\" width=\"" +
            text_of(s.bin_deg - 0.6, 1) + "\" height=\"" + text_of(height, 2) + "\" fill=\"" +
-           hex(colour_of(from / 360, true)) + "\"><title>" + text_of(from, 0) + " to " + text_of(from + s.bin_deg, 0) +
-           ": " + text_of(s.histogram_percent[n], 1) + " %</title></rect>\n";
+           hex(between(circle_colours, from / 360)) + "\"><title>" + text_of(from, 0) + " to " +
+           text_of(from + s.bin_deg, 0) + ": " + text_of(s.histogram_percent[n], 1) + " %</title></rect>\n";
   }
   svg += "<path d=\"M0 " + text_of(bottom, 1) + "H360\" stroke=\"#444\" stroke-width=\"0.6\"/>\n";
   for (int deg = 0; deg <= 360; deg += 90)
@@ -183,13 +191,14 @@ std::string polar_svg(const Measures& m, const PolarKind& kind) {
   const PolarValues& values = m.maps.*kind.values;
   const Scale scale = scale_of(kind, values);
   std::string svg =
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-125 -130 285 255\" width=\"570\" height=\"510\" "
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"polar\" viewBox=\"-125 -130 285 255\" width=\"570\" "
+      "height=\"510\" "
       "role=\"img\">\n";
   svg += style;
   std::string title(kind.title);
   if (m.from_edges && kind.name.starts_with("thick")) title += " (apparent)";
   svg += "<text class=\"head\" x=\"0\" y=\"-118\">" + title + ", " + std::string(kind.unit) + "</text>\n";
-  if (values.size() == m.grid.size()) svg += cells(m.grid, values, scale, kind.is_cyclic);
+  if (values.size() == m.grid.size()) svg += cells(m.grid, values, scale, kind);
   svg += segments(m, kind, scale);
   svg +=
       "<text class=\"wall\" x=\"0\" y=\"-104\">anterior</text><text class=\"wall\" x=\"0\" y=\"113\">inferior"
@@ -201,8 +210,8 @@ std::string polar_svg(const Measures& m, const PolarKind& kind) {
 std::string phase_histogram_svg(const Measures& m) {
   if (!m.phase_counts && !m.phase_motion) return "";
   const double height = m.phase_counts && m.phase_motion ? 250 : 125;
-  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-15 -5 390 " + text_of(height, 0) +
-                    "\" width=\"780\" role=\"img\">\n" + std::string(style);
+  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"polar\" viewBox=\"-15 -5 390 " +
+                    text_of(height, 0) + "\" width=\"780\" role=\"img\">\n" + std::string(style);
   double top = 0;
   if (m.phase_counts) svg += histogram(*m.phase_counts, "Onset by counts", top), top += 122;
   if (m.phase_motion) svg += histogram(*m.phase_motion, "Onset by motion", top);

@@ -279,6 +279,21 @@ void describe(auto& visit, Irregularity& o) {
               "", 0, 0.5});
 }
 
+/// Points of the muscle that are followed over the beat, as tagged MR gives them.
+struct Tags {
+  int points = 0;
+  double twist_deg = 19, error_mm = 0.3;
+};
+void describe(auto& visit, Tags& o) {
+  visit("points", o.points, Field{"tracked points in the wall; 0: none", "", 0, 2000});
+  visit(
+      "twist_deg", o.twist_deg,
+      Field{"how far the apex turns against the base in systole, counter-clockwise seen from the apex; the image shows "
+            "nothing of it",
+            "deg", -60, 60});
+  visit("error_mm", o.error_mm, Field{"standard deviation of each coordinate of a tracked point", "mm", 0, 10});
+}
+
 /// How the slices of a virtual patient lie.
 enum class Cut { short_axis, transaxial };
 inline std::span<const std::string_view> names_of(Cut) {
@@ -305,6 +320,7 @@ struct VirtualPatient {
   double gut_amplitude = 0, gut_gap_mm = 6, gut_radius_mm = 14, gut_position = 0.3;
   double right_ventricle = 0;
   Irregularity irregular;
+  Tags tags;
   Torso torso;
   double azimuth_deg = 45, elevation_deg = 30;
   Cut cut = Cut::short_axis;
@@ -344,6 +360,7 @@ void describe(auto& visit, VirtualPatient& o) {
   visit("right_ventricle", o.right_ventricle,
         Field{"activity of the right ventricle's wall (0.3-0.5 is usual); 0: none", "", 0, 10});
   visit("irregular", o.irregular, Field{"what real hearts and cameras have beyond the plain model"});
+  visit("tags", o.tags, Field{"points of the smooth wall that are followed over the beat, for points.csv"});
   visit("torso", o.torso, Field{"what lies around the heart"});
   visit("azimuth_deg", o.azimuth_deg, Field{"long axis from the patient's front towards his left", "deg", -180, 180});
   visit("elevation_deg", o.elevation_deg, Field{"long axis downwards from the horizontal plane", "deg", -80, 80});

@@ -5,6 +5,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/synthetic/assembly.hpp"
 #include "dynasurf/synthetic/irregular.hpp"
+#include "dynasurf/synthetic/random.hpp"
 #include "dynasurf/synthetic/torso.hpp"
 #include "dynasurf/synthetic/ventricle_shape.hpp"
 
@@ -175,6 +176,61 @@ Setting setting_of(const VirtualPatient& o, const Vec3& middle) {
   return s;
 }
 
+/// A tracked point: where it lies in the wall, whatever the wall does.
+struct Tag {
+  double from_apex = 0;  // angle from the apex over that of the rim, of both ellipsoids
+  double azimuth = 0;    // about the axis, rad
+  double depth = 0;      // 0 inner, 1 outer side
+};
+
+/// Evenly over the wall, at three depths.
+Tag tag(int n, int count) {
+  constexpr double golden = 2.399963229728653;
+  const double height = (n + 0.5) / count;
+  return {std::acos(1 - height) / (M_PI / 2), golden * n, 0.2 + 0.3 * (n % 3)};
+}
+
+Vec3 place_of(const Tag& t, const VentricleShape& s) {
+  const auto on = [&](double radius, double half_length) -> Vec3 {
+    const double angle = t.from_apex * std::acos(-(s.base_z - s.centre_z) / half_length);
+    return {radius * std::sin(angle) * std::cos(t.azimuth), radius * std::sin(angle) * std::sin(t.azimuth),
+            s.centre_z - half_length * std::cos(angle)};
+  };
+  return (1 - t.depth) * on(s.endo_radius, s.endo_half_length) + t.depth * on(s.epi_radius, s.epi_half_length);
+}
+
+/// The part of the twist at a height: the base turns back by 3/10 of it while the apex goes on by 7/10.
+double share_of_twist(double height) { return 0.7 - height; }
+
+/// Points of the smooth wall over the beat. At end-diastole nothing is turned.
+TrackedTruth track(const VirtualPatient& o, const VentricleMotion& motion, const Setting& s,
+                   const std::vector<TrueGate>& gates) {
+  TrackedTruth truth;
+  const auto to_world_of = [&](const Vec3& p) { return to_world(s.grid, s.heart.to_grid(p)); };
+  const VentricleShape first = instant_at(o, motion, gates[0].phase).shape;
+  const auto turned_deg = [&](std::size_t g) { return o.tags.twist_deg * (1 - filling_at(gates[g].phase)); };
+  truth.apex = to_world_of({0, 0, 0}), truth.base = to_world_of({0, 0, first.base_z});
+  for (int n = 0; n < o.tags.points; ++n) truth.points.name.push_back(std::to_string(n + 1));
+  for (std::size_t g = 0; g < gates.size(); ++g) {
+    const Instant now = instant_at(o, motion, gates[g].phase);
+    truth.twist_deg.push_back(turned_deg(g) - turned_deg(0));
+    auto& places = truth.points.gates.emplace_back();
+    for (int n = 0; n < o.tags.points; ++n) {
+      const Tag t = tag(n, o.tags.points);
+      const Vec3 rest = place_of(t, first), p = place_of(t, is_late(o, rest) ? now.late : now.shape);
+      // Seen from the apex counter-clockwise is clockwise about the axis, which points away.
+      const double angle = -turned_deg(g) * share_of_twist(rest[2] / first.base_z) * degrees;
+      Vec3 place(std::cos(angle) * p[0] - std::sin(angle) * p[1], std::sin(angle) * p[0] + std::cos(angle) * p[1],
+                 p[2]);
+      constexpr std::uint64_t stream = 0x7a65;  // of its own, beside that of the voxels
+      Random random(o.noise.seed, stream, g * static_cast<std::size_t>(o.tags.points) + static_cast<std::size_t>(n));
+      for (int a = 0; a < 3; ++a) place[a] += o.tags.error_mm * random.normal();
+      places.push_back(to_world_of(place));
+    }
+  }
+  return truth;
+}
+
 /// What does not beat, less the background: the trunk up to a thin rim around the relaxed heart.
 Image render_torso(const VirtualPatient& o, const Setting& s, const VentricleShape& relaxed, double fwhm) {
   constexpr double rim_mm = 4, sub_step_mm = 2.5;
@@ -267,6 +323,7 @@ Phantom make_phantom(const VirtualPatient& options) {
     phantom.study.slice_order = SliceOrder::unknown;
   }
   phantom.axis = grid.direction * frame.rotation.col(2);
+  if (o.tags.points > 0) phantom.tracked = track(o, motion, setting, phantom.truth);
   phantom.fwhm_mm = o.fwhm_mm;
   phantom.options = o;
   summarise(phantom);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "dynasurf/core/study.hpp"
+#include "dynasurf/core/tracked_points.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/synthetic/options.hpp"
 
@@ -20,6 +21,14 @@ struct TrueGate {
   double wall_ml() const { return epi_ml - endo_ml; }
 };
 
+/// Points that were followed over the beat, and what their motion is made of.
+struct TrackedTruth {
+  TrackedPoints points;
+  Vec3 apex{0, 0, 0},
+      base{0, 0, 0};              // of the first gate: where the long axis leaves the outer wall and the valve plane
+  std::vector<double> twist_deg;  // per gate, of the apex against the base, from the first gate
+};
+
 /// A study together with its truth.
 struct Phantom {
   Study study;
@@ -29,9 +38,10 @@ struct Phantom {
   std::optional<double> edv_ml, esv_ml, ef_percent;  // largest and smallest true endo_ml of the gates; gated ones only
   /// The same of the beat between the gates, as asked for; absent where only instants are defined.
   std::optional<double> beat_edv_ml, beat_esv_ml, beat_ef_percent;
-  double fwhm_mm = 0;           // of the point spread in the finished image, any filter included
-  double missing_fraction = 0;  // part of the wall's volume left empty
-  PhantomOptions options;       // what it was made from, resolved
+  std::optional<TrackedTruth> tracked;  // of virtual patients with tags
+  double fwhm_mm = 0;                   // of the point spread in the finished image, any filter included
+  double missing_fraction = 0;          // part of the wall's volume left empty
+  PhantomOptions options;               // what it was made from, resolved
   Notes notes;
 };
 

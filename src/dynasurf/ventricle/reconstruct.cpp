@@ -7,6 +7,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/core/stage_clock.hpp"
 #include "dynasurf/image/intensity.hpp"
 #include "dynasurf/ventricle/border_planes.hpp"
 #include "dynasurf/ventricle/canonical.hpp"
@@ -15,7 +16,6 @@
 #include "dynasurf/ventricle/readings.hpp"
 #include "dynasurf/ventricle/region.hpp"
 #include "dynasurf/ventricle/relabel.hpp"
-#include "dynasurf/core/stage_clock.hpp"
 
 namespace dynasurf {
 namespace {

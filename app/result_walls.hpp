@@ -1,0 +1,21 @@
+#pragma once
+#include <filesystem>
+
+#include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/ventricle/measures/heart_axes.hpp"
+
+namespace dynasurf::app {
+
+/// Both surfaces of one gate of a result of `dynasurf ventricle`, read from its folder.
+struct ResultWalls {
+  TriMesh endo, epi;
+  std::optional<HeartAxes> axes;  // absent when the axis does not leave both surfaces
+  bool is_fitted = false;         // freed of the blur
+};
+
+/// `gate` from 1. Walls freed of the blur are the muscle's; those of the edges are taken where there are no others, or
+/// when `edges` asks for them. Throws InputError when the folder holds no such walls, OptionError for a gate that it
+/// has not.
+ResultWalls read_result_walls(const std::filesystem::path& folder, int gate, bool edges = false);
+
+}  // namespace dynasurf::app
