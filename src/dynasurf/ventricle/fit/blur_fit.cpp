@@ -64,7 +64,7 @@ Pixels pixels_around(const Box& box, const Grid& grid, double sigma_mm, double m
   pixels.spacing = grid.spacing;
   for (int a = 0; a < 3; ++a) {
     // Sharp voxels of 2 mm and less are joined: their edges are known better than a wall is smooth.
-    const double wanted = std::max(1.4 * sigma_mm, 3.0);
+    const double wanted = sigma_mm > 0 ? std::max(1.4 * sigma_mm, 3.0) : 4.0;
     const int joined = std::max(1, static_cast<int>(std::lround(wanted / grid.spacing[a])));
     const int from = std::max(0, static_cast<int>(std::floor((box.low[a] - margin_mm) / grid.spacing[a])));
     const int to = std::min(grid.dims[a] - 1, static_cast<int>(std::ceil((box.high[a] + margin_mm) / grid.spacing[a])));
@@ -86,8 +86,9 @@ CellLattice lattice_around(const Box& box, const Pixels& pixels, double sigma_mm
   for (int a = 0; a < 3; ++a) {
     const auto axis = static_cast<std::size_t>(a);
     // Sharp images want whole cells in every voxel.
-    lattice.step[a] =
-        0.7 * sigma_mm > std::min(0.5 * finest, 2.0) ? wanted : pitch[a] / std::ceil(pitch[a] / wanted - 1e-9);
+    lattice.step[a] = 0.7 * sigma_mm > std::min(0.5 * finest, 2.0)
+                          ? wanted
+                          : pitch[a] / std::ceil(pitch[a] / (sigma_mm > 0 ? wanted : 2.3) - 1e-9);
     const double edge = pixels.centre(a, 0) - pitch[a] / 2;
     const double from = std::floor((box.low[a] - margin_mm - edge) / lattice.step[a]);
     const double to = std::ceil((box.high[a] + margin_mm - edge) / lattice.step[a]);
@@ -340,7 +341,8 @@ FittedBeat fit_through_blur(const Study& study, const FitStart& start, const Blu
   };
   let_go(0.2);
   minimise(problem, solution, 10, 1e-2, progress);
-  blobs = find_blobs(problem, solution.misfit, beside, least_spot, most_spots);
+  // Of a sharp image nothing beside the heart spills over the wall: what is left there is doubted, not modelled.
+  if (blur.fwhm_mm > 0) blobs = find_blobs(problem, solution.misfit, beside, least_spot, most_spots);
   if (!blobs.empty()) {
     for (const Blob& blob : blobs) problem.blobs.push_back(blob_image(problem, blob));
     const GateLayout wider = make_gate_layout(options.shape_degree, options.wall_degree, options.uptake_degree,
