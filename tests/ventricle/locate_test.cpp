@@ -92,6 +92,26 @@ TEST(LocateCup, IsNotMisledByHotGutOrAScale) {
   EXPECT_LT((scaled->cup.middle() - found->cup.middle()).norm(), 1e-3);
 }
 
+/// A small heart that has lost its apex and the wall in front: what is left is a gutter, and a cup that leans into it
+/// is brighter than the one that spans the gap.
+TEST(LocateCup, SpansTheGapOfALargeDefect) {
+  VirtualPatient patient;
+  patient.edv_ml = 48.2, patient.ef_percent = 44.17, patient.wall_ml = 81.2, patient.length_to_width = 1.61;
+  patient.base_excursion_mm = 8.27, patient.gates = 8, patient.fwhm_mm = 9.75;
+  patient.cavity = 0.095, patient.background = 0.0765;
+  patient.defect = Defect::anteroapical, patient.defect_extent_deg = 80.8, patient.defect_severity = 0.885;
+  patient.lattice = {45, 45, 32, 4.8, 4.8, 4.8};
+  patient.pose.offset_x_mm = -7.87, patient.pose.offset_y_mm = 10.75, patient.pose.offset_z_mm = 4.33;
+  patient.pose.tilt_deg = 2.17, patient.pose.tilt_towards_deg = 124;
+  patient.noise.peak_counts = 204, patient.noise.filter_fwhm_mm = 7.8, patient.noise.seed = 1208;
+  const Phantom phantom = make_phantom(patient);
+  const auto found = locate(mean_image(phantom.study.gates));
+  ASSERT_TRUE(found);
+  // The axis of a heart half of which is not seen; the leaning cup is 137 degrees off.
+  EXPECT_LT(angle_deg(found->cup.axis, true_axis(phantom, patient.pose)), 5);
+  EXPECT_LT(distance_to_axis(middle_of_cavity(phantom), found->cup), 3);
+}
+
 TEST(LocateCup, KeepsWhatAPersonSays) {
   const VirtualPatient patient = tilted_patient(60);
   const Phantom phantom = make_phantom(patient);

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include <Eigen/Cholesky>
+
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/ventricle/base_plane.hpp"
@@ -215,21 +217,77 @@ double share_of_ridge(const Image& image, const Cup& cup, double brightness, std
   return static_cast<double>(seen) / static_cast<double>(ridge.size());
 }
 
+/// The part of the image that every way to lay a cup has to explain.
+struct Scene {
+  const Image& image;
+  Vec3 middle;
+  double reach_mm = 0;
+  double brightest = 0;  // what is brighter counts no more: hot neighbours
+};
+
+/// Share of the variance of a scene that a cup explains: an open wall whose brightness changes slowly with the
+/// direction, a level inside and one around it. A wall that goes on beyond the supposed base is left unexplained, and
+/// so is one that is not there; a defect costs little, for the brightness may follow it.
+double explained_share(const Scene& scene, const Cup& cup) {
+  constexpr double step_mm = 7, half_wall_mm = 7.3, rim_mm = 3;  // half_wall: deviation of a smoothed wall
+  constexpr int patterns = 9, unknowns = patterns + 2;
+  using Row = Eigen::Matrix<double, unknowns, 1>;
+  Eigen::Matrix<double, unknowns, unknowns> matrix = Eigen::Matrix<double, unknowns, unknowns>::Zero();
+  Row right = Row::Zero();
+  double sum = 0, squares = 0, count = 0;
+  const Across a = across(cup.axis);
+  const auto look = [&](const Vec3& p) {
+    const Index3 voxel = voxel_of(scene.image.grid, p);
+    if (!scene.image.grid.contains(voxel[0], voxel[1], voxel[2])) return;
+    const double value = std::min(sample_linear(scene.image, p), scene.brightest);
+    const Vec3 d = p - cup.centre;
+    const double height = d.dot(cup.axis), away = signed_distance(cup, p) / half_wall_mm;
+    const double below = 1 / (1 + std::exp((height - cup.base_mm) / rim_mm)), ridge = std::exp(-0.5 * away * away);
+    const Vec3 u =
+        Vec3(d.dot(a.u) / cup.radius_mm, d.dot(a.v) / cup.radius_mm, height / cup.half_length_mm).stableNormalized();
+    Row row;
+    row << 1, u[0], u[1], u[2], u[0] * u[1], u[1] * u[2], u[0] * u[2], u[0] * u[0] - u[1] * u[1], 3 * u[2] * u[2] - 1,
+        0, 0;
+    row *= ridge * below;
+    row[patterns] = 1;
+    row[patterns + 1] = away < 0 ? (1 - ridge) * below : 0;
+    matrix += row * row.transpose();
+    right += value * row;
+    sum += value, squares += value * value, ++count;
+  };
+  const int steps = static_cast<int>(scene.reach_mm / step_mm);
+  for (int k = -steps; k <= steps; ++k)
+    for (int j = -steps; j <= steps; ++j)
+      for (int i = -steps; i <= steps; ++i)
+        if (i * i + j * j + k * k <= steps * steps) look(scene.middle + step_mm * Vec3(i, j, k));
+  const double variance = squares - sum * sum / count;
+  if (!(variance > 0)) return 0;
+  matrix.diagonal().array() += 5e-5 * count;  // patterns that are out of view stay small
+  const Row level = matrix.ldlt().solve(right);
+  return std::clamp(1 - (squares - 2 * level.dot(right) + level.dot(matrix * level)) / variance, 0.0, 1.0);
+}
+
+/// How well a cup lies in the wall and explains what is around it. The wall alone would not tell: where a defect takes
+/// the apex away, what is left is a ring that is open at both ends, and a cup that leans into it is bright all over.
+double worth_of(const Scene& scene, const Cup& cup) {
+  const CupScore s = score(scene.image, cup);
+  std::vector<double> away;
+  const double share = share_of_ridge(scene.image, cup, s.brightness, &away);
+  if (away.empty()) return 0;
+  const double spread = middle_of(away) / 5;
+  return s.contrast * share * std::exp(-spread * spread) * std::pow(explained_share(scene, cup), 4);
+}
+
 /// The best refinement of a cup. The apical half of a wide ventricle is a good cup too, so wider ones are tried: they
 /// see more ridge, nearer to an ellipsoid.
-Candidate best_refinement(const Image& image, const Cup& start) {
+Candidate best_refinement(const Scene& scene, const Cup& start) {
   constexpr std::array<double, 3> sizes{1.0, 1.25, 1.5};
-  const Cup climbed = climb(image, start, 3);
+  const Cup climbed = climb(scene.image, start, 3);
   std::array<Candidate, 2 * sizes.size()> tries;
   parallel_for(tries.size(), 1, [&](std::size_t n, std::size_t) {
     const bool may_grow = n % 2 != 0;
-    const Cup cup = refined(image, grown(climbed, sizes[n / 2]), may_grow);
-    const CupScore s = score(image, cup);
-    std::vector<double> away;
-    const double share = share_of_ridge(image, cup, s.brightness, &away);
-    if (away.empty()) return;
-    const double spread = middle_of(away) / 5;
-    tries[n] = {cup, s.contrast * share * std::exp(-spread * spread)};
+    const Cup cup = refined(scene.image, grown(climbed, sizes[n / 2]), may_grow);
+    tries[n] = {cup, worth_of(scene, cup)};
   });
   Candidate best{climbed, 0};
   for (const Candidate& t : tries)
@@ -304,10 +362,12 @@ std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
 
   const Image smooth = smooth_gaussian(mean, smooth_mm);
   Location result;
-  Candidate best = best_refinement(smooth, found.front().cup);
+  const Cup& first = found.front().cup;
+  const Scene scene{smooth, first.middle(), 2 * first.radius_mm + 25, 1.2 * typical};
+  Candidate best = best_refinement(scene, first);
   if (!(best.worth > 0)) return std::nullopt;
   if (!hints.axis) {
-    Candidate other = best_refinement(smooth, exchanged(best.cup));
+    Candidate other = best_refinement(scene, exchanged(best.cup));
     if (other.worth > best.worth) std::swap(best, other);
     result.other_end = other.cup.axis.dot(best.cup.axis) < 0 ? other.worth / best.worth : 0;
   }
