@@ -397,6 +397,16 @@ TEST(SteadyGvf, AWorkspaceRemembersNothing) {
   EXPECT_GT(workspace.bytes(), 0u);
 }
 
+TEST(SteadyGvf, NeedsSixtyBytesPerVoxelAtMost) {
+  // Map and field, 16 bytes, included. Half rows of 24 cells fill one and a half vectors: the dearest of usual sizes.
+  for (const Grid& g : {box(64, 64, 23, {2.87, 2.87, 5.74}), box(48, 48, 16, {1, 1, 3}), box(62, 62, 62)}) {
+    SteadyWorkspace workspace;
+    FlowResult r;
+    flow_field(lopsided(g), SteadyGvf{.mu = 0.15}, workspace, r);
+    EXPECT_LT(static_cast<double>(workspace.bytes()) / static_cast<double>(g.size()) + 16, 60) << text_of(g);
+  }
+}
+
 TEST(SteadyGvf, SaysWhenItStoppedShortOfTheTolerance) {
   const Image f = lopsided(box(30, 30, 30));
   const FlowResult r = flow_field(f, SteadyGvf{.tolerance = 1e-5, .most_cycles = 1});

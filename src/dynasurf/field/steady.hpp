@@ -46,7 +46,7 @@ class SteadyWorkspace {
   ~SteadyWorkspace();
   SteadyWorkspace(SteadyWorkspace&&) noexcept;
   SteadyWorkspace& operator=(SteadyWorkspace&&) noexcept;
-  std::size_t bytes() const;  // reserved; where a map is flat a large part of it is never touched
+  std::size_t bytes() const;  // reserved; voxels around which the map is flat need least
 
   struct Levels;
   std::unique_ptr<Levels> levels;

@@ -73,7 +73,6 @@ void lay_out(Level& l, std::array<Axis, 3> axis, bool finest) {
   make_room(l.u, vector_size, changed);
   if (finest) {
     make_room(l.empty_d, 18 * static_cast<std::size_t>(l.slot), true);
-    if (l.blocks.size() < 5 * scalar_size) l.blocks = detail::FloatBuffer(5 * scalar_size);
     l.block_of.resize(scalar_size / lanes);
     l.change.resize(rows);
     l.size.resize(rows);
@@ -109,81 +108,137 @@ void fill_empty_d(Level& l) {
     }
 }
 
-/// The gradient of one row in natural order, and whether the map is finite there: the largest magnitude as bits.
-DYNASURF_CLONES int row_gradient(const float* f, const float* ym, const float* yp, const float* zm, const float* zp,
-                                 int n, const float* per_mm, float* gx, float* gy, float* gz) {
+/// A row of the map and the rows whose difference is its gradient in y and z.
+struct MapRow {
+  const float *own, *ym, *yp, *zm, *zp;
+  float per_mm[3];  // of a difference over two voxels in x, of those rows in y and z
+};
+
+MapRow row_of(const Image& map, int j, int k) {
+  const Grid& g = map.grid;
+  const auto at = [&](int y, int z) { return map.values.data() + g.index(0, y, z); };
+  const int jm = std::max(j - 1, 0), jp = std::min(j + 1, g.dims[1] - 1), km = std::max(k - 1, 0),
+            kp = std::min(k + 1, g.dims[2] - 1);
+  return {at(j, k),
+          at(jm, k),
+          at(jp, k),
+          at(j, km),
+          at(j, kp),
+          {static_cast<float>(0.5 / g.spacing[0]), static_cast<float>(jp > jm ? 1 / ((jp - jm) * g.spacing[1]) : 0),
+           static_cast<float>(kp > km ? 1 / ((kp - km) * g.spacing[2]) : 0)}};
+}
+
+DYNASURF_INLINE int bits_of(float f) { return std::bit_cast<int>(f); }
+
+/// The largest magnitude of a row as bits: whether the map is finite there. `changes[m]` is 0 where the 32 voxels of
+/// chunk m have no gradient.
+DYNASURF_CLONES int find_changes(const MapRow& r, int n, int* changes) {
+  constexpr int chunk = 2 * lanes;
   int largest = 0;
-  const float kx = per_mm[0], ky = per_mm[1], kz = per_mm[2];
-  for (int i = 0; i < n; ++i) largest = std::max(largest, std::bit_cast<int>(f[i]) & 0x7fffffff);
-  for (int i = 1; i + 1 < n; ++i) gx[i] = (f[i + 1] - f[i - 1]) * kx;
-  gx[0] = n > 1 ? (f[1] - f[0]) * (2 * kx) : 0;
-  if (n > 1) gx[n - 1] = (f[n - 1] - f[n - 2]) * (2 * kx);
-  for (int i = 0; i < n; ++i) gy[i] = (yp[i] - ym[i]) * ky;
-  for (int i = 0; i < n; ++i) gz[i] = (zp[i] - zm[i]) * kz;
+  for (int m = 0; m * chunk < n; ++m) {
+    const int first = m * chunk, last = std::min(first + chunk, n);
+    int change = 0;
+    for (int i = first; i < last; ++i) {
+      change |= (bits_of(r.yp[i]) ^ bits_of(r.ym[i])) | (bits_of(r.zp[i]) ^ bits_of(r.zm[i]));
+      largest = std::max(largest, bits_of(r.own[i]) & 0x7fffffff);
+    }
+    for (int i = std::max(first, 1); i < std::min(last, n - 1); ++i)
+      change |= bits_of(r.own[i + 1]) ^ bits_of(r.own[i - 1]);
+    if (first == 0 && n > 1) change |= bits_of(r.own[1]) ^ bits_of(r.own[0]);
+    if (last == n && n > 1) change |= bits_of(r.own[n - 1]) ^ bits_of(r.own[n - 2]);
+    changes[m] = change;
+  }
   return largest;
 }
 
-DYNASURF_INLINE bool any(const float* x, const float* y, const float* z) {
-  int bits = 0;
-  for (int i = 0; i < 2 * lanes; ++i)
-    bits |= (std::bit_cast<int>(x[i]) | std::bit_cast<int>(y[i]) | std::bit_cast<int>(z[i])) & 0x7fffffff;
-  return bits != 0;
+/// The gradient of the voxels [first, first + 32) of a row of n, 0 beyond its end.
+DYNASURF_INLINE void chunk_gradient(const MapRow& r, int first, int n, float* gx, float* gy, float* gz) {
+  constexpr int chunk = 2 * lanes;
+  const float kx = r.per_mm[0], ky = r.per_mm[1], kz = r.per_mm[2];
+  const int count = std::min(chunk, n - first);
+  const float *f = r.own + first, *ym = r.ym + first, *yp = r.yp + first, *zm = r.zm + first, *zp = r.zp + first;
+  const int inner = first == 0 ? 1 : 0, end = first + count == n ? count - 1 : count;
+  for (int i = inner; i < end; ++i) gx[i] = (f[i + 1] - f[i - 1]) * kx;
+  if (end < count) gx[count - 1] = n > 1 ? (f[count - 1] - f[count - 2]) * (2 * kx) : 0;
+  if (inner == 1) gx[0] = n > 1 ? (f[1] - f[0]) * (2 * kx) : 0;
+  for (int i = 0; i < count; ++i) gy[i] = (yp[i] - ym[i]) * ky;
+  for (int i = 0; i < count; ++i) gz[i] = (zp[i] - zm[i]) * kz;
+  for (float* g : {gx, gy, gz}) std::fill(g + count, g + chunk, 0.0f);
+}
+
+/// b of 16 voxels from the squares of their gradients.
+DYNASURF_INLINE Vec16 data_term(Vec16 squared, const DataTerm& term) {
+  if (term.inverse_k == 0) return squared;
+  for (int i = 0; i < lanes; ++i)
+    squared[i] =
+        static_cast<float>(std::expm1(std::min(16.0, term.inverse_k * std::sqrt(static_cast<double>(squared[i])))));
+  return squared;
 }
 
 struct SliceOutcome {
+  std::int32_t blocks = 0;
   double largest_b = 0, sum_b = 0;
   int largest_bits = 0;
 };
 
-/// Data blocks of one slice of the finest level.
-DYNASURF_CLONES SliceOutcome fill_slice(Level& l, const Image& map, int k, DataTerm term) {
-  const int nx = l.nx(), ny = l.ny(), nz = l.nz(), chunks = l.slot / lanes, padded = 2 * l.slot;
-  detail::FloatBuffer room(static_cast<std::size_t>(3 * padded));
-  float *gx = room.data(), *gy = gx + padded, *gz = gy + padded;
-  std::fill_n(gx, 3 * padded, 0.0f);
-  std::int32_t next = static_cast<std::int32_t>(l.row_number(0, k)) * 2 * chunks;
+/// Where the finest level needs blocks of data in one slice: numbers from 0, the halves of a chunk one after the other.
+SliceOutcome number_blocks(Level& l, const Image& map, int k) {
+  const int chunks = l.slot / lanes;
+  std::vector<int> changes(static_cast<std::size_t>(chunks));
   SliceOutcome outcome;
-  float largest_b = 0, sum_b[lanes] = {};
-  for (int j = 0; j < ny; ++j) {
-    const auto at = [&](int y, int z) { return map.values.data() + map.grid.index(0, y, z); };
-    const int jm = std::max(j - 1, 0), jp = std::min(j + 1, ny - 1), km = std::max(k - 1, 0),
-              kp = std::min(k + 1, nz - 1);
-    const float per_mm[3] = {static_cast<float>(0.5 / map.grid.spacing[0]),
-                             static_cast<float>(jp > jm ? 1 / ((jp - jm) * map.grid.spacing[1]) : 0),
-                             static_cast<float>(kp > km ? 1 / ((kp - km) * map.grid.spacing[2]) : 0)};
-    outcome.largest_bits = std::max(outcome.largest_bits, row_gradient(at(j, k), at(jm, k), at(jp, k), at(j, km),
-                                                                       at(j, kp), nx, per_mm, gx, gy, gz));
+  for (int j = 0; j < l.ny(); ++j) {
+    outcome.largest_bits = std::max(outcome.largest_bits, find_changes(row_of(map, j, k), l.nx(), changes.data()));
+    std::int32_t* block_of = l.block_of.data() + l.row_number(j, k) * 2 * static_cast<std::size_t>(chunks);
+    for (int m = 0; m < chunks; ++m)
+      for (int half : {0, 1})
+        block_of[half * chunks + m] = changes[static_cast<std::size_t>(m)] != 0 ? outcome.blocks++ : -1;
+  }
+  return outcome;
+}
+
+/// Fills the blocks of one slice, whose first one is block `first`.
+DYNASURF_CLONES void fill_blocks(Level& l, const Image& map, int k, std::int32_t first, DataTerm term,
+                                 SliceOutcome& outcome) {
+  const int chunks = l.slot / lanes;
+  alignas(64) float gx[2 * lanes], gy[2 * lanes], gz[2 * lanes];
+  Vec16 largest_b{}, sum_b{};
+  for (int j = 0; j < l.ny(); ++j) {
+    const MapRow row = row_of(map, j, k);
     std::int32_t* block_of = l.block_of.data() + l.row_number(j, k) * 2 * static_cast<std::size_t>(chunks);
     const float yz = l.yz_diagonal(j, k);
     for (int m = 0; m < chunks; ++m) {
-      block_of[m] = block_of[chunks + m] = -1;
-      const int first = 2 * lanes * m;
-      if (!any(gx + first, gy + first, gz + first)) continue;
+      if (block_of[m] < 0) continue;
+      chunk_gradient(row, 2 * lanes * m, l.nx(), gx, gy, gz);
+      Vec16 x[2], y[2], z[2];
+      split(gx, x[0], x[1]);
+      split(gy, y[0], y[1]);
+      split(gz, z[0], z[1]);
       for (int half : {0, 1}) {
-        block_of[half * chunks + m] = next;
-        float* data = l.blocks.data() + block_size * static_cast<std::ptrdiff_t>(next++);
-        const float* diagonal = l.lane_diagonal(half) + lanes * m;
-        const int count = std::min(lanes, (nx + 1 - half) / 2 - lanes * m);  // the others are unused lanes
-        for (int i = 0; i < lanes; ++i) {
-          const int from = first + 2 * i + half;
-          const float x = gx[from], y = gy[from], z = gz[from];
-          float b = x * x + y * y + z * z;
-          if (term.inverse_k > 0)
-            b = static_cast<float>(std::expm1(std::min(16.0, term.inverse_k * std::sqrt(static_cast<double>(b)))));
-          data[i] = i < count ? 1 / (b + (diagonal[i] + yz)) : 0;
-          data[16 + i] = b;
-          data[32 + i] = x;
-          data[48 + i] = y;
-          data[64 + i] = z;
-          largest_b = std::max(largest_b, b);
-          sum_b[i] += i < count ? b : 0;
-        }
+        const std::int32_t number = block_of[half * chunks + m] += first;
+        float* data = l.blocks.data() + block_size * static_cast<std::ptrdiff_t>(number);
+        const Vec16 b = data_term(x[half] * x[half] + y[half] * y[half] + z[half] * z[half], term);
+        const Vec16 diagonal = b + (load(l.lane_diagonal(half) + lanes * m) + yz);
+        const auto used = (diagonal > 0) & (load(l.lane_share(half) + lanes * m) > 0);
+        store(data, used ? 1 / diagonal : Vec16{});
+        store(data + 16, b);
+        store(data + 32, x[half]);
+        store(data + 48, y[half]);
+        store(data + 64, z[half]);
+        largest_b = b > largest_b ? b : largest_b;
+        sum_b += b;  // 0 in unused lanes
       }
     }
   }
-  outcome.largest_b = static_cast<double>(largest_b);
-  for (const float b : sum_b) outcome.sum_b += static_cast<double>(b);
-  return outcome;
+  for (int i = 0; i < lanes; ++i) {
+    outcome.largest_b = std::max(outcome.largest_b, static_cast<double>(largest_b[i]));
+    outcome.sum_b += static_cast<double>(sum_b[i]);
+  }
+}
+
+/// Room for so many blocks, and some more: the next map of a series needs about as many.
+void make_room_for_blocks(Level& l, std::size_t count) {
+  constexpr std::size_t size = block_size;
+  if (l.blocks.size() < size * count) l.blocks = detail::FloatBuffer(size * (count + count / 16));
 }
 
 /// s = D/(D+b) of 16 voxels, the share of a voxel that diffusion rules; 1 where there are no data.
@@ -300,16 +355,24 @@ DataStrength build(std::vector<Level>& levels, const Image& map, const Vec3& rat
   for (Level& l : levels) fill_lanes(l);
   fill_empty_d(levels[0]);
 
-  const auto slices = static_cast<std::size_t>(levels[0].nz());
+  Level& finest = levels[0];
+  const auto slices = static_cast<std::size_t>(finest.nz());
   std::vector<SliceOutcome> outcomes(slices);
-  const std::size_t grain = std::max<std::size_t>(1, (std::size_t{1} << 14) * slices / levels[0].cells());
-  parallel_for(slices, grain, [&](std::size_t begin, std::size_t end) {
-    const detail::FlushDenormals flush;
-    for (std::size_t k = begin; k < end; ++k) outcomes[k] = fill_slice(levels[0], map, static_cast<int>(k), term);
-  });
+  std::vector<std::int32_t> first(slices + 1);
+  const auto each_slice = [&](auto body) {
+    const std::size_t grain = std::max<std::size_t>(1, (std::size_t{1} << 14) * slices / finest.cells());
+    parallel_for(slices, grain, [&](std::size_t begin, std::size_t end) {
+      const detail::FlushDenormals flush;
+      for (std::size_t k = begin; k < end; ++k) body(k);
+    });
+  };
+  each_slice([&](std::size_t k) { outcomes[k] = number_blocks(finest, map, static_cast<int>(k)); });
+  for (std::size_t k = 0; k < slices; ++k) first[k + 1] = first[k] + outcomes[k].blocks;
+  make_room_for_blocks(finest, static_cast<std::size_t>(first[slices]));
+  each_slice([&](std::size_t k) { fill_blocks(finest, map, static_cast<int>(k), first[k], term, outcomes[k]); });
   SliceOutcome all;
   for (const SliceOutcome& o : outcomes)
-    all = {std::max(all.largest_b, o.largest_b), all.sum_b + o.sum_b, std::max(all.largest_bits, o.largest_bits)};
+    all = {0, std::max(all.largest_b, o.largest_b), all.sum_b + o.sum_b, std::max(all.largest_bits, o.largest_bits)};
   if (all.largest_bits >= 0x7f800000 || !std::isfinite(all.largest_b)) detail::check_edge_map(map);  // names the place
   if (all.largest_b == 0) return {};
 
