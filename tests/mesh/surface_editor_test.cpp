@@ -176,6 +176,21 @@ TEST(Relax, LeavesSharpEdgesWhereTheyAre) {
   EXPECT_LT(relaxed_volume(180), 7.99);
 }
 
+// A face that is cut into small triangles around a corner counts as much as one that is not.
+TEST(Relax, LeavesCornersWhoseFacesAreCutUnevenly) {
+  const TriMesh cube = cube_surface(6);
+  const ClosestPoint on_cube(cube);
+  SurfaceEditor s(cube);
+  simplify(s, {.triangles = 60, .evenness = 1e-6});
+  relax(s, std::vector<double>(s.vertex_slots(), 1.0), on_cube, cube, 5, 5, 60);
+  raise_smallest_angle(s, 20, 4, 60);
+  const TriMesh result = s.mesh();
+  const ClosestPoint on_result(result);
+  for (const double x : {-1, 1})
+    for (const double y : {-1, 1})
+      for (const double z : {-1, 1}) EXPECT_LT(on_result(Vec3(x, y, z)).distance2, 1e-6);
+}
+
 TEST(TakeBackCrossings, UndoesOnlyWhatCrosses) {
   SurfaceEditor s(icosphere(3));
   const std::vector<Vec3> safe(s.positions().begin(), s.positions().end());

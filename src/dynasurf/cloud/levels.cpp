@@ -64,6 +64,10 @@ std::size_t step_of_fit(const LevelPlan& plan, std::size_t points, std::size_t t
 
 std::size_t make_level(SurfaceEditor& surface, std::size_t triangles, const TriMesh& fine, const ClosestPoint& on_fine,
                        const FitPoints& points, const LevelPlan& plan) {
+  // Few triangles find their places better from well-shaped ones half their size, and there it costs little.
+  constexpr std::size_t few = 640;
+  if (triangles <= few && surface.triangles() > 3 * triangles)
+    make_level(surface, 2 * triangles, fine, on_fine, points, plan);
   if (surface.triangles() < triangles) refine(surface, triangles + triangles / 2);
   simplify_safely(surface,
                   {.triangles = triangles, .evenness = plan.evenness, .smallest_angle_deg = plan.collapse_angle_deg});
@@ -83,12 +87,12 @@ std::size_t make_level(SurfaceEditor& surface, std::size_t triangles, const TriM
       take_back_crossings(surface, safe);
     }
     if (is_last) {
-      raise_smallest_angle(surface, plan.raise_deg, 8);
+      raise_smallest_angle(surface, plan.raise_deg, 8, plan.sharp_deg);
       fitting.rounds = plan.last_fits;
     }
     fit(surface, {some, normals}, fitting);
   }
-  raise_smallest_angle(surface, plan.smallest_angle_deg, 10);
+  raise_smallest_angle(surface, plan.smallest_angle_deg, 10, plan.sharp_deg);
   return surface.triangles();
 }
 

@@ -102,8 +102,42 @@ int flip_sweeps(SurfaceEditor& s, CrossingGuard& guard, double largest_bend_deg,
   return all;
 }
 
+/// The directions that a vertex must not leave: its normal on a smooth surface, two on an edge, all on a corner.
+struct Firm {
+  int count = 0;
+  Mat3 across = Mat3::Zero();
+  Vec3 free(const Vec3& step) const { return step - across * step; }
+};
+
+/// Two halves of a fan at this angle spread their normals by this much of the whole to either side.
+double spread_of(double sharp_deg) { return std::pow(std::sin(radians(0.5 * sharp_deg)), 2); }
+
+/// Triangles count by their angle at the vertex, so that each face of a corner counts the same however it is cut.
+Firm firm_at(const SurfaceEditor& s, std::uint32_t v, double spread) {
+  Firm firm;
+  if (!(spread < 1)) return firm;
+  Mat3 normals = Mat3::Zero();
+  double angles = 0;
+  for_ring(s, v, [&](std::uint32_t h) {
+    const Vec3 a = s.position(s.to(h)) - s.position(v),
+               b = s.position(s.from(SurfaceEditor::previous(h))) - s.position(v), n = a.cross(b);
+    const double angle = std::atan2(n.norm(), a.dot(b));
+    normals += angle * n * n.transpose() / std::max(n.squaredNorm(), 1e-300);
+    angles += angle;
+  });
+  if (!(angles > 0)) return firm;
+  Eigen::SelfAdjointEigenSolver<Mat3> axes;
+  axes.computeDirect(Mat3(normals / angles));
+  for (int a = 0; a < 3; ++a)
+    if (axes.eigenvalues()[a] > spread) {
+      ++firm.count;
+      firm.across += axes.eigenvectors().col(a) * axes.eigenvectors().col(a).transpose();
+    }
+  return firm;
+}
+
 /// Tries places around a vertex for a larger smallest angle.
-bool try_move(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t v) {
+bool try_move(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t v, double spread) {
   const Vec3 p = s.position(v);
   Vec3 normal = Vec3::Zero(), middle = Vec3::Zero();
   double reach = 0, n = 0;
@@ -120,9 +154,11 @@ bool try_move(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t v) {
   normal.normalize();
   const Vec3 u = normal.unitOrthogonal(), w = normal.cross(u);
   const Vec3 inward = (middle - p) - (middle - p).dot(normal) * normal;
+  const Firm firm = firm_at(s, v, spread);
   double best = worst_at(s, v, p, -2);
   Vec3 place = p;
-  const auto consider = [&](const Vec3& q) {
+  const auto consider = [&](const Vec3& aim) {
+    const Vec3 q = p + firm.free(aim - p);
     const double worst = worst_at(s, v, q, 0.5);
     if (worst > best + 1e-4) best = worst, place = q;
   };
@@ -139,8 +175,9 @@ bool try_move(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t v) {
   return true;
 }
 
-/// Collapses h to its middle when that leaves no angle below the limit, or none below what was there.
-bool try_collapse(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t h, double least) {
+/// Collapses h to its middle, or to the end that is firmer, when that leaves no angle below the limit, or none below
+/// what was there.
+bool try_collapse(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t h, double least, double spread) {
   if (!s.can_collapse(h)) return false;
   const std::uint32_t o = s.twin(h), a = s.from(h), b = s.to(h);
   std::vector<std::uint32_t> old{h / 3, o / 3};
@@ -155,22 +192,24 @@ bool try_collapse(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t h, doubl
       for (std::uint32_t& x : c) x = x == a ? b : x;
       fresh.push_back(c);
     });
-  const Vec3 at_a = s.position(a), at_b = s.position(b), middle = 0.5 * (at_a + at_b);
+  const Vec3 at_a = s.position(a), at_b = s.position(b);
+  const int firm_a = firm_at(s, a, spread).count, firm_b = firm_at(s, b, spread).count;
+  const Vec3 place = firm_a > firm_b ? at_a : firm_b > firm_a ? at_b : Vec3(0.5 * (at_a + at_b));
   double after = 1, turn = 1;
   for (std::size_t i = 0; i < fresh.size(); ++i) {
     const Corners c = s.corners(old[i + 2]);
     const Vec3 n = normal_of(s, c[0], c[1], c[2]);
-    s.position(b) = middle;
+    s.position(b) = place;
     after = std::min(after, sine_of(s, fresh[i]));
     turn = std::min(turn, n.dot(normal_of(s, fresh[i][0], fresh[i][1], fresh[i][2])));
     s.position(b) = at_b;
   }
   if (turn < 0.5 || (after < least && after <= before)) return false;
-  s.position(b) = middle;
+  s.position(b) = place;
   const bool crosses = guard.would_cross(fresh, old);
   s.position(b) = at_b;
   if (crosses) return false;
-  s.collapse(h, middle);
+  s.collapse(h, place);
   for_ring(s, b, [&](std::uint32_t g) { guard.update(g / 3); });
   return true;
 }
@@ -244,15 +283,13 @@ std::vector<double> local_sizes(const SurfaceEditor& s, int sweeps) {
 void relax(SurfaceEditor& s, std::span<const double> sizes, const ClosestPoint& onto, const TriMesh& onto_mesh,
            int sweeps, double enough_deg, double sharp_deg) {
   const double enough = std::sin(radians(enough_deg));
-  // Two halves of a fan at this angle spread their normals by this much of the whole to either side.
-  const double spread = std::pow(std::sin(radians(0.5 * sharp_deg)), 2);
+  const double spread = spread_of(sharp_deg);
   for (int k = 0; k < sweeps; ++k)
     for (std::uint32_t v = 0; v < s.vertex_slots(); ++v) {
       if (!s.has_vertex(v)) continue;
       const Vec3 p = s.position(v);
       Vec3 sum = Vec3::Zero(), normal = Vec3::Zero();
-      Mat3 normals = Mat3::Zero();
-      double weights = 0, areas = 0;
+      double weights = 0;
       for_ring(s, v, [&](std::uint32_t h) {
         const std::uint32_t ia = s.to(h), ib = s.from(SurfaceEditor::previous(h));
         const Vec3 &a = s.position(ia), &b = s.position(ib), n = (a - p).cross(b - p);
@@ -261,21 +298,12 @@ void relax(SurfaceEditor& s, std::span<const double> sizes, const ClosestPoint& 
         sum += weight / 3 * (p + a + b);
         weights += weight;
         normal += n;
-        areas += n.norm();
-        if (spread < 1) normals += n * n.transpose() / std::max(n.norm(), 1e-300);
       });
       if (!(weights > 0) || !(normal.norm() > 0)) continue;
       normal.normalize();
       Vec3 step = sum / weights - p;
       step -= step.dot(normal) * normal;
-      if (spread < 1) {
-        Eigen::SelfAdjointEigenSolver<Mat3> axes;
-        axes.computeDirect(Mat3(normals / areas));
-        for (int a = 0; a < 3; ++a)
-          if (axes.eigenvalues()[a] > spread) step -= step.dot(axes.eigenvectors().col(a)) * axes.eigenvectors().col(a);
-      }
-      const Vec3 free = p + step;
-      const SurfacePoint on = onto(free);
+      const SurfacePoint on = onto(Vec3(p + firm_at(s, v, spread).free(step)));
       const auto& t = onto_mesh.triangles[on.triangle];
       const Vec3 place = on.weights[0] * onto_mesh.vertices[t[0]] + on.weights[1] * onto_mesh.vertices[t[1]] +
                          on.weights[2] * onto_mesh.vertices[t[2]];
@@ -284,19 +312,20 @@ void relax(SurfaceEditor& s, std::span<const double> sizes, const ClosestPoint& 
     }
 }
 
-double raise_smallest_angle(SurfaceEditor& s, double wanted_deg, int rounds) {
+double raise_smallest_angle(SurfaceEditor& s, double wanted_deg, int rounds, double sharp_deg) {
   const double wanted = std::sin(radians(wanted_deg));
   CrossingGuard guard(s);
   const std::vector<double> sizes = local_sizes(s, 2);
   const std::size_t count = s.triangles();
   for (int round = 0; round < rounds; ++round) {
     bool changed = false;
+    const double spread = 2 * round < rounds ? spread_of(sharp_deg) : 1;
     for (std::uint32_t t = 0; t < s.triangle_slots(); ++t) {
       if (!s.is_alive(t) || sine_of(s, s.corners(t)) >= wanted) continue;
       for (std::uint32_t c = 0; c < 3 && s.is_alive(t) && sine_of(s, s.corners(t)) < wanted; ++c)
         changed |= try_flip(s, guard, 3 * t + c, std::cos(radians(round < 2 ? 40 : 70)), 1.02);
       for (std::uint32_t c = 0; c < 3 && s.is_alive(t) && sine_of(s, s.corners(t)) < wanted; ++c)
-        changed |= try_move(s, guard, s.corners(t)[c]);
+        changed |= try_move(s, guard, s.corners(t)[c], spread);
       if (round < 2 || sine_of(s, s.corners(t)) >= wanted) continue;
       // A needle: its shortest edge goes. The neighbours may help, too.
       std::uint32_t shortest = 3 * t;
@@ -304,12 +333,12 @@ double raise_smallest_angle(SurfaceEditor& s, double wanted_deg, int rounds) {
         if ((s.position(s.to(h)) - s.position(s.from(h))).norm() <
             (s.position(s.to(shortest)) - s.position(s.from(shortest))).norm())
           shortest = h;
-      if (try_collapse(s, guard, shortest, wanted)) {
+      if (try_collapse(s, guard, shortest, wanted, spread)) {
         changed = true;
         continue;
       }
       for (std::uint32_t c = 0; c < 3; ++c)
-        for_ring(s, s.corners(t)[c], [&](std::uint32_t h) { changed |= try_move(s, guard, s.to(h)); });
+        for_ring(s, s.corners(t)[c], [&](std::uint32_t h) { changed |= try_move(s, guard, s.to(h), spread); });
     }
     while (s.triangles() < count && split_one(s, guard, sizes, wanted)) changed = true;
     if (!changed || worst_sine(s) >= wanted) break;

@@ -25,8 +25,9 @@ std::vector<double> local_sizes(const SurfaceEditor& surface, int sweeps);
 
 /// Changes the surface where triangles have an angle below `wanted_deg`: flips, moves of the corners, and collapses
 /// of short edges paid back by splits of the longest ones, so the number of triangles stays. Never makes the surface
-/// meet itself. Returns the smallest angle left, degrees.
-double raise_smallest_angle(SurfaceEditor& surface, double wanted_deg, int rounds);
+/// meet itself. In the first half of the rounds vertices stay on edges and corners as in `relax`. Returns the smallest
+/// angle left, degrees.
+double raise_smallest_angle(SurfaceEditor& surface, double wanted_deg, int rounds, double sharp_deg = 180);
 
 /// Takes vertices back to `safe`, where the surface is free of self-intersections, until it is so again: those of the
 /// triangles that meet first, then their neighbours. Returns how many went back.
