@@ -30,7 +30,7 @@ struct Measure {
 template <Start start, bool finest>
 DYNASURF_INLINE void sweep_row(const View& v, int j, int k, int colour, Measure& measure) {
   const int half = half_of(colour, j, k);
-  const Row r = row_of(v, j, k, half, Towards::near);
+  const Row r = row_of(v, j, k, half);
   const Rates rates = rates_of<finest>(v, j, k);
   const float *empty_d = nullptr, *rhs = nullptr, *b = nullptr, *d = nullptr;
   const std::int32_t* block_of = nullptr;
@@ -56,7 +56,7 @@ DYNASURF_INLINE void sweep_row(const View& v, int j, int k, int colour, Measure&
       const std::ptrdiff_t at = 2 * c * v.slot + m;
       const Around n{load(r.near + at), load(r.far + at), load(r.ym + at),
                      load(r.yp + at),   load(r.zm + at),  load(r.zp + at)};
-      Vec16 flow = kx * (n.far - n.near) + inflow_yz<finest>(n, n.near, rates);
+      Vec16 flow = inflow<finest>(n, kx, rates);
       if constexpr (finest) {
         if (data != nullptr) flow += load(data + 16) * (load(data + 32 + 16 * c) - n.near);
       } else {
@@ -71,7 +71,7 @@ DYNASURF_INLINE void sweep_row(const View& v, int j, int k, int colour, Measure&
 
 template <int first, int usual_slot>
 DYNASURF_INLINE void sweep_finest_tile(const View& v, int j, int k) {
-  const Tile<first, usual_slot> t(v, j, k, Towards::near);
+  const Tile<first, usual_slot> t(v, j, k);
   const Rates rates = rates_of<true>(v, j, k);
   const int chunks = static_cast<int>(t.slot) / lanes;
   const std::int32_t* block_of[2] = {v.block_of + v.row_number(j, k) * 2 * chunks,
@@ -90,7 +90,7 @@ DYNASURF_INLINE void sweep_finest_tile(const View& v, int j, int k) {
     for (int c = 0; c < 3; ++c) {
       const std::ptrdiff_t at = 2 * c * t.slot + m;
       t.each_row(at, [&](auto r, const Around& n) DYNASURF_INLINE_LAMBDA {
-        Vec16 flow = kx[t.half(r)] * (n.far - n.near) + inflow_yz<true>(n, n.near, rates);
+        Vec16 flow = inflow<true>(n, kx[t.half(r)], rates);
         if (data[r] != nullptr) flow += load(data[r] + 16) * (load(data[r] + 32 + 16 * c) - n.near);
         store(t.own(r) + at, n.near + d[r] * flow);
       });
@@ -100,7 +100,7 @@ DYNASURF_INLINE void sweep_finest_tile(const View& v, int j, int k) {
 
 template <int first, int usual_slot>
 DYNASURF_INLINE void sweep_coarse_tile(const View& v, int j, int k) {
-  const Tile<first, usual_slot> t(v, j, k, Towards::near);
+  const Tile<first, usual_slot> t(v, j, k);
   const std::ptrdiff_t scalars = 2 * t.slot * v.row_number(j, k), slice = 2 * t.slot * v.ny;
   const float *rhs0 = v.rhs + lanes + 3 * scalars, *rhs1 = rhs0 + 3 * slice;
   const float *b0 = v.b + scalars, *b1 = b0 + slice, *d0 = v.d + scalars, *d1 = d0 + slice;
@@ -118,9 +118,8 @@ DYNASURF_INLINE void sweep_coarse_tile(const View& v, int j, int k) {
       const std::ptrdiff_t at = 2 * c * t.slot + m;
       t.each_row(at, [&](auto r, const Around& n) DYNASURF_INLINE_LAMBDA {
         const Vec16 rhs = load((r < 2 ? rhs0 : rhs1) + (r % 2 * 6 + t.half(r)) * t.slot + at);
-        const Vec16 flow =
-            (rhs - b[r] * n.near) + (kx[t.half(r)] * (n.far - n.near) +
-                                     inflow_yz<false>(n, n.near, {ym[r % 2], yp[r % 2], zm[r / 2], zp[r / 2]}));
+        const Rates rates{ym[r % 2], yp[r % 2], zm[r / 2], zp[r / 2]};
+        const Vec16 flow = (rhs - b[r] * n.near) + inflow<false>(n, kx[t.half(r)], rates);
         store(t.own(r) + at, n.near + d[r] * flow);
       });
     }

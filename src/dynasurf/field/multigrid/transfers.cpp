@@ -26,34 +26,31 @@ float* scratch(std::size_t count) {
 template <bool finest>
 DYNASURF_INLINE void add_residual(const View& l, int j, int k, float area, float* sum, int sum_step) {
   const int half = half_of(0, j, k);
-  const Row r = row_of(l, j, k, half, Towards::own);
+  const Row r = row_of(l, j, k, half);
   const Rates rates = rates_of<finest>(l, j, k);
-  const float* towards_near = half == 0 ? l.lane_right(0) : l.lane_left(1);
   const float* towards_far = half == 0 ? l.lane_left(0) : l.lane_right(1);
   const float *diagonal = l.lane_diagonal(half), *share = l.lane_share(half);
   const float yz = l.yz_diagonal(j, k);
   for (int m = 0; m < l.slot; m += lanes) {
-    const Vec16 k_near = load(towards_near + m), k_far = load(towards_far + m);
-    const Vec16 weight = area * load(share + m);
+    const Vec16 kx = load(towards_far + m), weight = area * load(share + m);
     const Vec16 spread = (load(diagonal + m) + yz) * weight;
     const std::int32_t number = finest ? l.blocks_of(j, k, half)[m / lanes] : 0;
     const float* data = finest ? l.block(std::max(number, 0)) : nullptr;
     for (int c = 0; c < 3; ++c) {
       const std::ptrdiff_t at = 2 * c * l.slot + m;
-      const Vec16 u = load(r.own + at);
       const Around n{load(r.near + at), load(r.far + at), load(r.ym + at),
                      load(r.yp + at),   load(r.zm + at),  load(r.zp + at)};
-      Vec16 flow = (k_near * (n.near - u) + k_far * (n.far - u)) + inflow_yz<finest>(n, u, rates);
+      const Vec16 step = n.near - load(r.own + at);
+      Vec16 flow = inflow<finest>(n, kx, rates);
       if constexpr (finest) {
-        if (number < 0) {
-          flow *= weight;  // D d is 1 where there are no data
-        } else {
-          flow = spread * (load(data) * (load(data + 16) * (load(data + 32 + 16 * c) - u) + flow));
-        }
+        if (number < 0)
+          flow = spread * step + weight * flow;  // D d is 1 where there are no data
+        else
+          flow = spread * (step + load(data) * (load(data + 16) * (load(data + 32 + 16 * c) - n.near) + flow));
       } else {
         const float* rhs = l.rhs + l.row(j, k) + half * l.slot;
         const std::ptrdiff_t scalars = l.scalar_row(j, k) + half * l.slot + m;
-        flow = spread * (load(l.d + scalars) * ((load(rhs + at) - load(l.b + scalars) * u) + flow));
+        flow = spread * (step + load(l.d + scalars) * ((load(rhs + at) - load(l.b + scalars) * n.near) + flow));
       }
       store(sum + c * sum_step + m, load(sum + c * sum_step + m) + flow);
     }
@@ -72,7 +69,7 @@ DYNASURF_INLINE Children children_of(bool halved, int count, int i) {
 /// What the sums held before is forgotten.
 template <bool finest, int first, int usual_slot>
 DYNASURF_INLINE void sum_residuals(const View& l, int j, int k, float* const (&sum)[2], int sum_step) {
-  const Tile<first, usual_slot> t(l, j, k, Towards::own);
+  const Tile<first, usual_slot> t(l, j, k);
   const bool together = sum[0] == sum[1];
   const int chunks = static_cast<int>(t.slot) / lanes;
   const std::ptrdiff_t scalars = 2 * t.slot * l.row_number(j, k), slice = 2 * t.slot * l.ny;
@@ -89,7 +86,7 @@ DYNASURF_INLINE void sum_residuals(const View& l, int j, int k, float* const (&s
   for (int m = 0; m < t.slot; m += lanes) {
     const auto lane = [&](int kind, int half)
                           DYNASURF_INLINE_LAMBDA { return load(l.lane_values + (2 * kind + half) * t.slot + m); };
-    const Vec16 left[2] = {lane(0, 0), lane(0, 1)}, right[2] = {lane(1, 0), lane(1, 1)};
+    const Vec16 kx[2] = {lane(0, 0), lane(1, 1)};
     const Vec16 diagonal[2] = {lane(2, 0), lane(2, 1)}, share[2] = {lane(3, 0), lane(3, 1)};
     const float* data[4] = {};
     if constexpr (finest)
@@ -102,19 +99,19 @@ DYNASURF_INLINE void sum_residuals(const View& l, int j, int k, float* const (&s
       Vec16 passed[2] = {};
       t.each_row(at, [&](auto r, const Around& n) DYNASURF_INLINE_LAMBDA {
         constexpr int half = t.half(r);
-        const Vec16 u = load(t.own(r) + at);
-        const Vec16 x = half == 0 ? left[0] * (n.far - u) + right[0] * (n.near - u)
-                                  : left[1] * (n.near - u) + right[1] * (n.far - u);
-        Vec16 flow = x + inflow_yz<finest>(n, u, rates[r]);
+        const Vec16 step = n.near - load(t.own(r) + at), spread = diagonal[half] + yz[r];
+        Vec16 flow = inflow<finest>(n, kx[half], rates[r]);
         if constexpr (finest) {
-          if (data[r] != nullptr)
-            flow = (diagonal[half] + yz[r]) *
-                   (load(data[r]) * (load(data[r] + 16) * (load(data[r] + 32 + 16 * c) - u) + flow));
+          if (data[r] == nullptr)
+            flow = spread * step + flow;  // D d is 1 where there are no data
+          else
+            flow =
+                spread * (step + load(data[r]) * (load(data[r] + 16) * (load(data[r] + 32 + 16 * c) - n.near) + flow));
         } else {
           const std::ptrdiff_t scalar = (r % 2 * 2 + half) * t.slot + m;
           const Vec16 rhs = load((r < 2 ? rhs0 : rhs1) + (r % 2 * 6 + half) * t.slot + at);
           const Vec16 b = load((r < 2 ? b0 : b1) + scalar), dm = load((r < 2 ? d0 : d1) + scalar);
-          flow = (diagonal[half] + yz[r]) * (dm * ((rhs - b * u) + flow));
+          flow = spread * (step + dm * ((rhs - b * n.near) + flow));
         }
         passed[r / 2] += (area[r] * share[half]) * flow;
       });

@@ -74,30 +74,26 @@ DYNASURF_INLINE void with_usual_slot(int slot, Body body) {
 
 DYNASURF_INLINE int half_of(int colour, int j, int k) { return (colour + j + k) & 1; }
 
-/// What the differences of a loop are taken to: the first neighbour, or the cell itself.
-enum class Towards { near, own };
-
 /// The cells of one colour of a row, of the x component, and their neighbours, all of the other colour. Along i one
 /// neighbour has the lane of the cell itself (`near`), the other is a lane further (`far`). Beyond a wall along y and z
-/// a cell meets what differences are taken to. Component c lies 2 c slots further.
+/// a cell meets `near` again. Component c lies 2 c slots further.
 struct Row {
   float* own;
   const float *near, *far, *ym, *yp, *zm, *zp;
 };
 
-DYNASURF_INLINE Row row_of(const View& v, int j, int k, int half, Towards reference) {
+DYNASURF_INLINE Row row_of(const View& v, int j, int k, int half) {
   float* base = v.u + v.row(j, k);
   float* own = base + half * v.slot;
   const float* near = base + (1 - half) * v.slot;
-  const float* wall = reference == Towards::near ? near : own;
   const std::ptrdiff_t slice = v.stride * v.ny;
   return {own,
           near,
           half == 0 ? near - 1 : near + 1,
-          j > 0 ? own - v.stride : wall,
-          j + 1 < v.ny ? own + v.stride : wall,
-          k > 0 ? own - slice : wall,
-          k + 1 < v.nz ? own + slice : wall};
+          j > 0 ? own - v.stride : near,
+          j + 1 < v.ny ? own + v.stride : near,
+          k > 0 ? own - slice : near,
+          k + 1 < v.nz ? own + slice : near};
 }
 
 /// Sixteen cells' neighbours.
@@ -120,16 +116,14 @@ struct Tile {
   DYNASURF_INLINE const float* near(int r) const { return row(r) + (1 - half(r)) * slot; }
   DYNASURF_INLINE const float* far(int r) const { return near(r) + (half(r) == 0 ? -1 : 1); }
 
-  DYNASURF_INLINE Tile(const View& v, int j, int k, Towards reference)
-      : slot(usual_slot > 0 ? usual_slot : v.slot), stride(6 * slot) {
+  DYNASURF_INLINE Tile(const View& v, int j, int k) : slot(usual_slot > 0 ? usual_slot : v.slot), stride(6 * slot) {
     slice[0] = v.u + lanes + stride * v.row_number(j, k);
     slice[1] = slice[0] + stride * v.ny;
-    const auto wall = [&](int r) DYNASURF_INLINE_LAMBDA { return reference == Towards::near ? near(r) : own(r); };
     for (int i = 0; i < 2; ++i) {
-      y_low[i] = j > 0 ? own(2 * i) - stride : wall(2 * i);
-      y_high[i] = j + 2 < v.ny ? own(2 * i + 1) + stride : wall(2 * i + 1);
-      z_low[i] = k > 0 ? own(i) - stride * v.ny : wall(i);
-      z_high[i] = k + 2 < v.nz ? own(2 + i) + stride * v.ny : wall(2 + i);
+      y_low[i] = j > 0 ? own(2 * i) - stride : near(2 * i);
+      y_high[i] = j + 2 < v.ny ? own(2 * i + 1) + stride : near(2 * i + 1);
+      z_low[i] = k > 0 ? own(i) - stride * v.ny : near(i);
+      z_high[i] = k + 2 < v.nz ? own(2 + i) + stride * v.ny : near(2 + i);
     }
   }
 
@@ -159,12 +153,14 @@ DYNASURF_INLINE Rates rates_of(const View& v, int j, int k) {
   return {v.left[1][j], v.right[1][j], v.left[2][k], v.right[2][k]};
 }
 
-/// Sum of diffusion times difference to the four neighbours in y and z. In differences: single precision then holds the
-/// field to its last digits however many voxels there are.
+/// Sum of diffusion times difference from `near` to the other neighbours; `x` is that towards `far`. A cell's new value
+/// is `near` and its d times this and what the data add. In differences: single precision then holds the field to its
+/// last digits however many voxels there are.
 template <bool finest>
-DYNASURF_INLINE Vec16 inflow_yz(const Around& n, Vec16 u, const Rates& k) {
-  if constexpr (finest) return k.ym * ((n.ym - u) + (n.yp - u)) + k.zm * ((n.zm - u) + (n.zp - u));
-  return (k.ym * (n.ym - u) + k.yp * (n.yp - u)) + (k.zm * (n.zm - u) + k.zp * (n.zp - u));
+DYNASURF_INLINE Vec16 inflow(const Around& n, Vec16 x, const Rates& k) {
+  const Vec16 u = n.near, from_far = x * (n.far - u);
+  if constexpr (finest) return from_far + (k.ym * ((n.ym - u) + (n.yp - u)) + k.zm * ((n.zm - u) + (n.zp - u)));
+  return from_far + ((k.ym * (n.ym - u) + k.yp * (n.yp - u)) + (k.zm * (n.zm - u) + k.zp * (n.zp - u)));
 }
 
 }  // namespace dynasurf::multigrid
