@@ -261,6 +261,67 @@ TEST(BlurFit, FindsTheVolumesThatTheBlurHides) {
   EXPECT_LT(beat.wall_variation, 0.03);
 }
 
+/// Eight noisy gates of a small heart whose apex and anterior wall take up 12 %: as much as blood and surroundings.
+Phantom heart_without_apex(double severity) {
+  VirtualPatient o;
+  o.edv_ml = 48.2, o.ef_percent = 44.17, o.wall_ml = 81.2, o.length_to_width = 1.61, o.base_excursion_mm = 8.27;
+  o.gates = 8, o.fwhm_mm = 9.75, o.cavity = 0.095, o.background = 0.0765;
+  o.defect = Defect::anteroapical, o.defect_extent_deg = 80.8, o.defect_severity = severity;
+  o.lattice = {34, 34, 28, 4.8, 4.8, 4.8};
+  o.noise.peak_counts = 204, o.noise.filter_fwhm_mm = 7.8, o.noise.seed = 1208;
+  return make_phantom(o);
+}
+
+FitStart located_start(const Phantom& phantom) {
+  FitStart start = biased_start(phantom);
+  start.cup = locate(mean_image(phantom.study.gates))->cup;
+  return start;
+}
+
+TEST(FitStart, SeesADefectAsAbsentUptake) {
+  constexpr int degree = 8;
+  const auto log_uptake = [](double severity, const Vec3& direction) {
+    const Phantom phantom = heart_without_apex(severity);
+    const Image mean = mean_image(phantom.study.gates);
+    const PlacedStart placed = place_start(located_start(phantom), mean.grid);
+    const float brightest = *std::max_element(mean.values.begin(), mean.values.end());
+    const Eigen::VectorXd seen = uptake_seen(mean, placed, static_cast<double>(brightest), degree);
+    std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(degree)));
+    harmonics_at(direction, degree, harmonics);
+    return seen.dot(Eigen::Map<const Eigen::VectorXd>(harmonics.data(), seen.size()));
+  };
+  const Vec3 apex{0, 0, -1};
+  // The apex of a healthy heart is bright but for noise and its own curvature; one of 12 % looks like a fifth of the
+  // brightest point, blur included.
+  EXPECT_GT(log_uptake(0, apex), std::log(0.75));
+  EXPECT_LT(log_uptake(0.885, apex), std::log(0.3));
+}
+
+TEST(BlurFit, SpansTheGapOfALargeDefect) {
+  const Phantom phantom = heart_without_apex(0.885);
+  BlurFit options;
+  options.fwhm_mm = 9.75, options.filter_fwhm_mm = 7.8;
+  const FittedBeat beat = fit_through_blur(phantom.study, located_start(phantom), options);
+  // Half of the wall looks like its surroundings. What is left holds the volume within a quarter, and the beat, which
+  // the seen half shows, better; the error bar knows it.
+  EXPECT_NEAR(beat.edv_ml.value / *phantom.edv_ml, 1, 0.25);
+  EXPECT_NEAR(beat.ef_percent->value, *phantom.ef_percent, 6);
+  EXPECT_LT(beat.edv_ml.low(), *phantom.edv_ml);
+  EXPECT_GT(beat.edv_ml.high(), *phantom.edv_ml);
+}
+
+TEST(BlurFit, IsLessSureOfAWallThatItDoesNotSee) {
+  const auto relative_sd = [](double severity) {
+    const Phantom phantom = heart_without_apex(severity);
+    BlurFit options;
+    options.fwhm_mm = 9.75, options.filter_fwhm_mm = 7.8;
+    const FittedBeat beat = fit_through_blur(phantom.study, located_start(phantom), options);
+    return beat.edv_ml.sd / beat.edv_ml.value;
+  };
+  // Of 48 mL half the wall unseen within 2.5 mm makes some 15 %.
+  EXPECT_GT(relative_sd(0.885), 2 * relative_sd(0));
+}
+
 TEST(BlurFit, IsNotPulledByTheRightVentricle) {
   const Phantom phantom = small_study(12, 0.45);
   BlurFit options = known_blur(12);

@@ -10,6 +10,7 @@
 #include "dynasurf/ventricle/fit/fitted_mesh.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
 #include "dynasurf/ventricle/fit/neighbours.hpp"
+#include "dynasurf/ventricle/locate.hpp"
 
 namespace dynasurf {
 namespace {
@@ -128,7 +129,8 @@ struct Place {
 struct Setup {
   BeatProblem problem;
   std::vector<Place> place;
-  double unit = 1;  // image value of activity 1
+  double unit = 1;     // image value of activity 1
+  double healthy = 1;  // of muscle in the blurred image
   double background = 0, cavity = 0;
   double highest_mm = 0;
 };
@@ -208,7 +210,8 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
     if (place.above_mm < 0 && place.outside_mm > 0.5 * margin && place.outside_mm < margin) around.push_back(mean[n]);
     if (place.above_mm < -5 && place.depth < 0.3) inside.push_back(mean[n]);
   }
-  s.unit = std::max(1e-12, 1.1 * quantile(wall, 0.9));
+  s.healthy = std::max(1e-12, quantile(wall, 0.9));
+  s.unit = 1.1 * s.healthy;
   s.background = quantile(around, 0.25) / s.unit;
   s.cavity = quantile(inside, 0.5) / s.unit;
   for (auto& values : p.values)
@@ -308,7 +311,7 @@ FittedBeat fit_through_blur(const Study& study, const FitStart& start, const Blu
   // Finer harmonics than the blur lets through would only fit noise.
   const double size =
       std::sqrt(placed.frame.scale[0] * placed.frame.scale[2]) / std::max(blur.fwhm_mm / sigmas_per_fwhm, 3.0);
-  options.uptake_degree = std::min(options.uptake_degree, std::max(3, static_cast<int>(std::lround(1.1 * size))));
+  options.uptake_degree = std::min(options.uptake_degree, std::max(3, static_cast<int>(std::lround(1.6 * size))));
   options.shape_degree = std::min(options.shape_degree, std::max(4, static_cast<int>(std::lround(size))));
   Setup setup = set_up(study, placed, blur, options);
   BeatProblem& problem = setup.problem;
@@ -318,7 +321,9 @@ FittedBeat fit_through_blur(const Study& study, const FitStart& start, const Blu
   const GateLayout layout = make_gate_layout(options.shape_degree, options.wall_degree, options.uptake_degree, 0);
   if (setup.cavity > 0.6) beliefs.cavity_level = setup.cavity, beliefs.cavity = 0.3;
   Eigen::VectorXd unknowns;
-  const std::vector<Eigen::VectorXd> first = first_numbers(placed, layout, setup.background, beliefs.cavity_level);
+  std::vector<Eigen::VectorXd> first = first_numbers(placed, layout, setup.background, beliefs.cavity_level);
+  const Eigen::VectorXd uptake = uptake_seen(mean_image(study.gates), placed, setup.healthy, options.uptake_degree);
+  for (Eigen::VectorXd& gate : first) gate.segment(layout.uptake, uptake.size()) = uptake;
   problem.layout = make_beat_layout(layout, first, beliefs, unknowns);
   problem.noise = 0.003;
   FittedBeat beat;

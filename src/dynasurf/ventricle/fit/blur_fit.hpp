@@ -16,7 +16,7 @@ struct BlurFit {
   std::optional<double> fwhm_mm;
   double fwhm_uncertainty = 0.07;
   std::optional<double> filter_fwhm_mm;
-  int shape_degree = 6, wall_degree = 4, uptake_degree = 10;
+  int shape_degree = 6, wall_degree = 4, uptake_degree = 12;
   double papillary_share = 0.016;
   int most_steps = 60;
 };

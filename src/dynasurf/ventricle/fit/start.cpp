@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "dynasurf/image/resample.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
 
@@ -132,6 +133,39 @@ Eigen::VectorXd harmonics_of_surface(const TriMesh& surface, const HeartFrame& f
     rows.row(used) = Eigen::Map<Eigen::RowVectorXd>(harmonics.data(), count);
     values[used++] = std::log(scaled.norm());
   }
+  return smooth_harmonics(rows.topRows(used), values.head(used), degree);
+}
+
+Eigen::VectorXd uptake_seen(const Image& mean, const PlacedStart& start, double healthy, int degree) {
+  constexpr int directions = 400, shape_degree = 4, fewest = 50;
+  constexpr double faintest = 0.08, brightest = 1.3;  // of healthy muscle
+  constexpr double telling = 0.5;                     // log; smaller differences are thickness and blur
+  constexpr double below_base_mm = 4;
+  const Eigen::VectorXd endo = harmonics_of_surface(start.endo.front(), start.frame, start.base.front(), shape_degree);
+  const Eigen::VectorXd epi = harmonics_of_surface(start.epi.front(), start.frame, start.base.front(), shape_degree);
+  double base = std::numeric_limits<double>::infinity();
+  for (const BasePlane& plane : start.base) base = std::min(base, start.frame.to_heart(plane.point)[2]);
+  std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(std::max(degree, shape_degree))));
+  Eigen::MatrixXd rows(directions, harmonics_up_to(degree));
+  Eigen::VectorXd values(directions);
+  Eigen::Index used = 0;
+  for (int n = 0; n < directions; ++n) {
+    const Vec3 direction = even_direction(n, directions);
+    harmonics_at(direction, std::max(degree, shape_degree), harmonics);
+    const Eigen::Map<const Eigen::VectorXd> at(harmonics.data(), static_cast<Eigen::Index>(harmonics.size()));
+    const double inner = std::exp(endo.dot(at.head(endo.size()))), outer = std::exp(epi.dot(at.head(epi.size())));
+    if (direction[2] * start.frame.scale[2] * (inner + outer) / 2 > base - below_base_mm) continue;
+    double most = 0;
+    for (int step = -2; step <= 10; ++step) {  // from a quarter of the wall's thickness inside it to as much outside
+      const double q = inner + (outer - inner) * step / 8;
+      most =
+          std::max(most, sample_linear(mean, start.frame.from_heart((q * direction).cwiseProduct(start.frame.scale))));
+    }
+    const double seen = std::log(std::clamp(most / healthy, faintest, brightest));
+    rows.row(used) = at.head(rows.cols()).transpose();
+    values[used++] = seen * seen * seen / (seen * seen + telling * telling);
+  }
+  if (used < fewest) return Eigen::VectorXd::Zero(rows.cols());
   return smooth_harmonics(rows.topRows(used), values.head(used), degree);
 }
 

@@ -37,6 +37,11 @@ Eigen::VectorXd smooth_harmonics(const Eigen::MatrixXd& rows, const Eigen::Vecto
 Eigen::VectorXd harmonics_of_surface(const TriMesh& surface, const HeartFrame& frame, const BasePlane& base,
                                      int degree);
 
+/// Harmonics of the log of the wall's activity, healthy muscle is 0, as the brightest point along rays from the centre
+/// shows it in the `mean` of the gates (in whose grid the start was placed). Blur and thickness change this brightness,
+/// too: what is little below or above `healthy` counts for less, a defect for what it seems.
+Eigen::VectorXd uptake_seen(const Image& mean, const PlacedStart& start, double healthy, int degree);
+
 /// The numbers of every gate to begin with. `background` is in units of healthy muscle.
 std::vector<Eigen::VectorXd> first_numbers(const PlacedStart& start, const GateLayout& layout, double background,
                                            double cavity);

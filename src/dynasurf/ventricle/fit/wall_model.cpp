@@ -112,12 +112,17 @@ BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::Vec
     for (const Wave& wave : waves) {
       const double n = wave.number;
       if (!low && wave.number > fine_waves) continue;
-      if (wave.number == 0)
-        build.add(gate.endo + k, wave, low ? as_it_starts : 0,
-                  low ? beliefs.shape : beliefs.fine_shape * std::pow(2.0 / l, 2.5));
-      else
-        build.add(gate.endo + k, wave, 0,
-                  (low ? beliefs.motion : beliefs.fine_motion * std::pow(2.0 / l, 2)) / (n * std::sqrt(n)));
+      if (wave.number == 0) {
+        const double spread = l == 0 ? beliefs.size
+                              : low  ? beliefs.shape / l
+                                     : beliefs.fine_shape * std::pow(2.0 / l, 2.5);
+        build.add(gate.endo + k, wave, low ? as_it_starts : 0, spread);
+      } else {
+        const double spread = l == 0 ? beliefs.beating
+                              : low  ? beliefs.motion
+                                     : beliefs.fine_motion * std::pow(2.0 / l, 2);
+        build.add(gate.endo + k, wave, 0, spread / (n * std::sqrt(n)));
+      }
     }
   }
   for (int k = 0; k < harmonics_up_to(gate.wall_degree); ++k) {
@@ -133,7 +138,7 @@ BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::Vec
   }
   for (int k = 0; k < harmonics_up_to(gate.uptake_degree); ++k) {
     const int l = degree_of_harmonic(k);
-    build.add(gate.uptake + k, waves[0], l == 0 ? as_it_starts : 0, l == 0 ? 1.0 : beliefs.uptake / l);
+    build.add(gate.uptake + k, waves[0], as_it_starts, l == 0 ? 1.0 : beliefs.uptake / l);
   }
   for (const Wave& wave : waves)
     build.add(gate.plane, wave, as_it_starts,

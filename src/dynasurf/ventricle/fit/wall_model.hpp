@@ -55,13 +55,15 @@ struct BeatLayout {
 
 /// What is believed before the data are seen: standard deviations of the model's numbers.
 struct Beliefs {
-  double shape = 0.3;          // of a wall's low harmonics, log q
+  double size = 0.3;           // of a wall's harmonic of degree 0, log q
+  double shape = 0.12;         // of those of degree 1 and 2: this divided by l
   double fine_shape = 0.15;    // of harmonics of degree l >= 3: this times (2 / l)^2.5
-  double motion = 0.30;        // of low harmonics of the motion, first wave
-  double fine_motion = 0.06;   // of those of degree l >= 3, times (2 / l)^2
+  double beating = 0.30;       // of the motion of degree 0, first wave
+  double motion = 0.04;        // of that of degree 1 and 2: where a wall cannot be seen it moves with the others
+  double fine_motion = 0.02;   // of that of degree l >= 3, times (2 / l)^2
   double wall_shape = 0.15;    // of log muscle per solid angle, degree l: this divided by l
   double wall_motion = 0.12;   // the same over the beat
-  double uptake = 0.35;        // of log uptake, degree l: this divided by l
+  double uptake = 0.35;        // of log uptake around what the rays show, degree l: this divided by l
   double plane_mm = 2.5;       // of the base plane's height against its start
   double plane_slope = 0.06;   // of its slopes
   double cavity = 0.05;        // of the blood's activity around its expectation
