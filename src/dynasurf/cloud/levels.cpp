@@ -21,6 +21,7 @@ std::vector<Vec3> every(std::span<const Vec3> points, std::size_t step) {
 /// itself is made again under watch.
 void simplify_safely(SurfaceEditor& surface, const Simplify& options) {
   constexpr std::size_t many = 12000;
+  if (surface.triangles() <= options.triangles) return;
   if (surface.triangles() <= many) {
     simplify(surface, options);
     return;
@@ -34,6 +35,14 @@ void simplify_safely(SurfaceEditor& surface, const Simplify& options) {
   else
     simplify(surface, options);
 }
+
+void collapse(SurfaceEditor& surface, std::size_t triangles, const LevelPlan& plan) {
+  simplify_safely(surface,
+                  {.triangles = triangles, .evenness = plan.evenness, .smallest_angle_deg = plan.collapse_angle_deg});
+}
+
+/// Few triangles find their places better from well-shaped ones half their size, and there it costs little.
+constexpr std::size_t few = 640;
 
 }  // namespace
 
@@ -62,15 +71,16 @@ std::size_t step_of_fit(const LevelPlan& plan, std::size_t points, std::size_t t
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(static_cast<double>(points) / wanted)));
 }
 
+void lighten_for_level(SurfaceEditor& surface, std::size_t triangles, const LevelPlan& plan) {
+  if (triangles > few) collapse(surface, triangles, plan);
+}
+
 std::size_t make_level(SurfaceEditor& surface, std::size_t triangles, const TriMesh& fine, const ClosestPoint& on_fine,
                        const FitPoints& points, const LevelPlan& plan) {
-  // Few triangles find their places better from well-shaped ones half their size, and there it costs little.
-  constexpr std::size_t few = 640;
   if (triangles <= few && surface.triangles() > 3 * triangles)
     make_level(surface, 2 * triangles, fine, on_fine, points, plan);
   if (surface.triangles() < triangles) refine(surface, triangles + triangles / 2);
-  simplify_safely(surface,
-                  {.triangles = triangles, .evenness = plan.evenness, .smallest_angle_deg = plan.collapse_angle_deg});
+  collapse(surface, triangles, plan);
   const std::size_t step = step_of_fit(plan, points.points.size(), triangles);
   const std::vector<Vec3> some = every(points.points, step), normals = every(points.normals, step);
   FitOptions fitting{.rounds = 1,

@@ -327,24 +327,32 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
       static_cast<std::size_t>(options.max_error_percent ? most_triangles_within_error : triangles.front());
   const std::size_t step = step_of_fit(plan_of(options, p.facts, most), p.cloud.points.size(), most);
   const std::size_t scanned = (p.cloud.points.size() + step - 1) / step;
-  std::vector<Vec3> points(scanned + found.fill.points.size()), normals(points.size());
-  parallel_for(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3& place = i < scanned ? p.cloud.points[i * step] : found.fill.points[i - scanned];
-      points[i] = frame.in(place);
-      normals[i] = outwards(body.field, place);
-    }
-  });
   TriMesh fine = body.mesh;
   for (Vec3& v : fine.vertices) v = frame.in(v);
-  const ClosestPoint on_fine(fine);
-  const Fitting fitting{fine, on_fine, {points, normals}, std::span(points).first(scanned), options, p.facts};
+  SurfaceEditor surface(started(fine, body.genus, options.start, result.notes, progress));
+  std::vector<Vec3> points(scanned + found.fill.points.size()), normals(points.size());
+  std::optional<ClosestPoint> on_fine;
+  // One processor collapses edges, while the others prepare what the fit asks for.
+  parallel_for(2, 1, [&](std::size_t task, std::size_t) {
+    if (task == 0) {
+      if (!options.max_error_percent) lighten_for_level(surface, most, plan_of(options, p.facts, most));
+      return;
+    }
+    on_fine.emplace(fine);
+    parallel_for(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const Vec3& place = i < scanned ? p.cloud.points[i * step] : found.fill.points[i - scanned];
+        points[i] = frame.in(place);
+        normals[i] = outwards(body.field, place);
+      }
+    });
+  });
+  const Fitting fitting{fine, *on_fine, {points, normals}, std::span(points).first(scanned), options, p.facts};
   tell_lost(fitting, found.side, result.notes);
   const auto publish = [&](TriMesh mesh, int asked) {
     for (Vec3& v : mesh.vertices) v = frame.out(v);
     add_level(result, p, asked, std::move(mesh));
   };
-  SurfaceEditor surface(started(fine, body.genus, options.start, result.notes, progress));
   if (options.max_error_percent) {
     const int fewest = fewest_within(surface, fitting, *options.max_error_percent / 100, result.notes, progress);
     publish(surface.mesh(), fewest);
