@@ -55,7 +55,8 @@ ComparedStudy read_study_of(const fs::path& folder) {
   if (!json.is_object() || !json.contains("gates") || !json["gates"].is_array() || !json.contains("measures") ||
       !json.contains("quality"))
     throw InputError(path.string() + " is no result of dynasurf ventricle");
-  return {json, read_polar(folder), ""};
+  const fs::path splash = folder / "measures" / "splash.png";
+  return {json, read_polar(folder), "", fs::exists(splash) ? text_of_file(splash) : std::string()};
 }
 
 /// The address of a study's report from the folder of the comparison; empty where there is none.
@@ -134,7 +135,7 @@ ExitCode run(const Arguments& a) {
     write_file(folder.path() / "comparison.html", comparison_html(rest, stress, json));
     if (rest.polar.perfusion_is != Perfusion::none)
       write_file(folder.path() / "polar_difference.svg", polar_svg(difference, kind));
-    if (a.pdf) print_page(folder.path() / "comparison.html", folder.path() / "comparison.pdf");
+    if (a.pdf) print_page(folder.path() / "comparison.html", folder.path() / "comparison.pdf", PageKind::plain);
     folder.publish();
   }
   if (a.json) {

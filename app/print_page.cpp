@@ -116,7 +116,7 @@ fs::path find_browser() {
   throw IoError("printing needs Chromium, and PATH holds none (on Debian: apt-get install chromium)");
 }
 
-void print_page(const fs::path& html, const fs::path& pdf) {
+void print_page(const fs::path& html, const fs::path& pdf, PageKind kind) {
   const Profile profile;
   const fs::path printed = profile.path() / "page.pdf";
   std::vector<std::string> words{find_browser().string(),
@@ -138,7 +138,7 @@ void print_page(const fs::path& html, const fs::path& pdf) {
     if (code != 0 || !fs::exists(printed) || fs::file_size(printed) == 0)
       throw IoError(pdf.string() + ": " + words[0] + (code < 0 ? " did not finish" : " could not print the report"));
     std::string bytes = text_of_file(printed);
-    if (!is_complete(bytes)) continue;
+    if (kind == PageKind::drawn && !is_complete(bytes)) continue;
     take_dates_out(bytes);
     return write_file(pdf, bytes);
   }

@@ -12,11 +12,13 @@
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
 #include "dynasurf/report/dicom_folder.hpp"
+#include "dynasurf/report/leading_walls.hpp"
 #include "dynasurf/report/measures.hpp"
 
 #include "console.hpp"
 #include "option_arguments.hpp"
 #include "print_page.hpp"
+#include "sheets.hpp"
 #include "stages.hpp"
 
 namespace dynasurf::app {
@@ -70,6 +72,20 @@ std::vector<VertexScalar> scalars_of(const VentricleResult& result, std::size_t 
   return scalars;
 }
 
+/// The slices of end-diastole and end-systole with the walls that lead, for the page of two studies.
+void write_splash(const VentricleResult& result, const fs::path& folder) {
+  const int ed = result.fit ? result.fit->ed_gate : result.ed_gate.value_or(0);
+  const int es = result.fit ? result.fit->es_gate : result.es_gate.value_or(ed);
+  std::vector<SplashRow> rows;
+  for (const auto& [name, gate] : {std::pair("end diastole", ed), std::pair("end systole", es)}) {
+    if (!rows.empty() && es == ed) break;
+    const auto g = static_cast<std::size_t>(gate);
+    const report_detail::GateWalls walls = report_detail::leading_walls(result, g);
+    if (walls.endo || walls.epi) rows.push_back({name, &result.study.gates[g], walls.endo, walls.epi});
+  }
+  if (!rows.empty()) write_png(draw_splash(rows), folder / "measures" / "splash.png");
+}
+
 void write_measures(const VentricleResult& result, const fs::path& folder) {
   if (!result.measures || result.measures->segments.empty()) return;
   const Measures& m = *result.measures;
@@ -82,6 +98,7 @@ void write_measures(const VentricleResult& result, const fs::path& folder) {
       write_file(folder / "measures" / ("polar_" + std::string(kind.name) + ".svg"), polar_svg(m, kind));
   if (const std::string svg = phase_histogram_svg(m); !svg.empty())
     write_file(folder / "measures" / "phase_histogram.svg", svg);
+  write_splash(result, folder);
 }
 
 /// The fitted wall of one gate, with what was measured on it and the uptake that was fitted.

@@ -218,6 +218,14 @@ Shown around(const Image& image, const TriMesh& mesh) {
   return shown;
 }
 
+/// A surface (grid frame) where slice k cuts it.
+void draw_cut(Tile& tile, const TriMesh& mesh, int k, const Vec3& spacing, Colour colour) {
+  for (const auto& polygon : cross_section(mesh, Vec3(0, 0, k * spacing[2]), Vec3(0, 0, 1)))
+    for (std::size_t n = 1; n < polygon.size(); ++n)
+      tile.line(polygon[n - 1][0] / spacing[0], polygon[n - 1][1] / spacing[1], polygon[n][0] / spacing[0],
+                polygon[n][1] / spacing[1], colour);
+}
+
 void draw_box(Tile& tile, const std::vector<Pixel>& pixels, Colour colour) {
   if (pixels.empty()) return;
   const auto [i0, i1] = std::minmax_element(pixels.begin(), pixels.end(), [](auto a, auto b) { return a.i < b.i; });
@@ -300,13 +308,32 @@ Picture draw_rings(const Image& image, const GateBorders& gate, const RadialLabe
 
 Picture draw_sections(const Image& image, const TriMesh& surface, const std::string& title) {
   const TriMesh mesh = to_grid(image.grid, surface);
-  const Vec3& spacing = image.grid.spacing;
-  return draw_sheet(image, around(image, mesh), title, section_legend, [&](Picture&, Tile& tile, int k, int, int) {
-    for (const auto& polygon : cross_section(mesh, Vec3(0, 0, k * spacing[2]), Vec3(0, 0, 1)))
-      for (std::size_t n = 1; n < polygon.size(); ++n)
-        tile.line(polygon[n - 1][0] / spacing[0], polygon[n - 1][1] / spacing[1], polygon[n][0] / spacing[0],
-                  polygon[n][1] / spacing[1], red);
-  });
+  return draw_sheet(image, around(image, mesh), title, section_legend,
+                    [&](Picture&, Tile& tile, int k, int, int) { draw_cut(tile, mesh, k, image.grid.spacing, red); });
+}
+
+Picture draw_splash(const std::vector<SplashRow>& rows) {
+  constexpr int columns = 8, cell_pixels = 110;
+  const Image& first = *rows.front().image;
+  const Shown shown = around(first, to_grid(first.grid, rows.front().epi ? *rows.front().epi : *rows.front().endo));
+  const int scale = std::max(1, cell_pixels / std::max(shown.window.width, shown.window.height));
+  const int width = shown.window.width * scale + gap, height = shown.window.height * scale + line_height + gap;
+  Picture picture(columns * width + gap, static_cast<int>(rows.size()) * height + gap, background);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const SplashRow& row = rows[r];
+    const int top = gap + static_cast<int>(r) * height;
+    draw_text(picture, row.name, gap, top, white);
+    for (int c = 0; c < columns; ++c) {
+      const std::size_t last = shown.slices.size() - 1;
+      const int k = shown.slices[static_cast<std::size_t>(c) * last / (columns - 1)];
+      Tile tile(picture, gap + c * width, top + line_height, scale, shown.window);
+      draw_image(tile, *row.image, k, shown.grey);
+      for (const auto& [wall, colour] : {std::pair(row.epi, orange), std::pair(row.endo, blue)})
+        if (wall) draw_cut(tile, to_grid(first.grid, *wall), k, first.grid.spacing, colour);
+      tile.text(std::to_string(k + 1));
+    }
+  }
+  return picture;
 }
 
 Picture draw_matrix(const std::vector<std::vector<MatrixCell>>& rows, int slice, MatrixDrawing what,

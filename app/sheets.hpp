@@ -26,6 +26,16 @@ Picture draw_rings(const Image& image, const GateBorders& gate, const RadialLabe
 /// around it.
 Picture draw_sections(const Image& image, const TriMesh& surface, const std::string& title);
 
+/// An instant of the beat with its walls in the world frame; a wall that is not there is null.
+struct SplashRow {
+  std::string name;
+  const Image* image = nullptr;
+  const TriMesh *endo = nullptr, *epi = nullptr;
+};
+/// The same eight slices of the heart at several instants, a row each, from the apex on: the inner wall blue, the outer
+/// one orange. `rows` are not empty, and the first has a wall.
+Picture draw_splash(const std::vector<SplashRow>& rows);
+
 /// One choice of options and what came of it.
 struct MatrixCell {
   std::string name;

@@ -1,5 +1,6 @@
 """Normal limits, scores and solids made from results."""
 
+import base64
 import functools
 import json
 import re
@@ -157,7 +158,9 @@ class Compare(CliTest):
                      "Research use only", "default-src 'none'"):
             self.assertIn(text, page)
         self.assertNotIn("nan", page)
-        self.assertNotRegex(page, "<script|<img|<iframe")
+        self.assertNotRegex(page, "<script|<iframe")
+        pictures = [base64.b64decode(text) for text in re.findall('<img [^>]*src="data:image/png;base64,([^"]*)"', page)]
+        self.assertEqual(pictures, [(study / "measures" / "splash.png").read_bytes() for study in (rest, stress)])
         self.assertNotIn("<style>text", page, "a style of one picture holds for the whole page")
         again = run("compare", rest, stress, "--out", out)
         self.assertEqual(again.returncode, 0, again.stderr)  # a former comparison is replaced

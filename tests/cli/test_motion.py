@@ -63,8 +63,9 @@ class Motion(CliTest):
         true = [gate["endo_ml"] for gate in truth["gates"]]
         first = motion["gates"][0]["cavity_ml"]
         for gate, volume in zip(motion["gates"], true):
-            # Points within the wall and as far apart as it is thick hold its inner side back: measured, by a sixth.
-            self.assertAlmostEqual(first - gate["cavity_ml"], true[0] - volume, delta=0.25 * (true[0] - volume) + 1)
+            # Points within the wall and as far apart as it is thick hold its inner side back: measured, by a sixth; their
+            # errors of 0.3 mm are 2 mL.
+            self.assertAlmostEqual(first - gate["cavity_ml"], true[0] - volume, delta=0.25 * (true[0] - volume) + 3)
         self.assertTrue((out / "meshes" / "endo_g08.vtp").exists())
         self.assertTrue((out / "meshes" / "epi_g01.ply").exists())
 

@@ -68,7 +68,7 @@ class Result(CliTest):
         expected = {"results.json", "results.csv", "options.json", "report.html", "cycle.pvd", "cycle.glb"}
         expected |= {f"meshes/{wall}_g0{gate}.{ending}" for wall in ("endo", "epi", "fit_endo", "fit_epi")
                      for gate in (1, 2, 3, 4) for ending in ("ply", "vtp")}
-        expected |= {f"measures/{name}" for name in ("segments.csv", "polar.csv", "phase_histogram.svg")}
+        expected |= {f"measures/{name}" for name in ("segments.csv", "polar.csv", "phase_histogram.svg", "splash.png")}
         expected |= {f"measures/polar_{name}.svg" for name in (
             "perfusion_percent", "thickness_ed_mm", "thickness_es_mm", "thickening_percent", "count_thickening_percent",
             "motion_mm", "phase_counts_deg", "phase_motion_deg", "phase_thickness_deg")}

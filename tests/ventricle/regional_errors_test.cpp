@@ -107,19 +107,20 @@ TEST(RegionalErrors, AreWithEverySegmentOfAFitAndGrowWithTheNoise) {
   const VentricleResult calm = fit_patient(400), noisy = fit_patient(25);
   ASSERT_TRUE(calm.measures && noisy.measures);
   EXPECT_EQ(calm.measures->perfusion_is, Perfusion::uptake);
-  double less = 0, more = 0;
-  for (std::size_t s = 0; s < 17; ++s) {
-    SCOPED_TRACE(s + 1);
-    const SegmentErrors &few = calm.measures->segments[s].sd, &many = noisy.measures->segments[s].sd;
-    for (const auto member :
-         {&SegmentErrors::perfusion_percent, &SegmentErrors::thickness_ed_mm, &SegmentErrors::thickness_es_mm,
-          &SegmentErrors::thickening_percent, &SegmentErrors::motion_mm, &SegmentErrors::area_strain_percent}) {
-      ASSERT_TRUE(few.*member && many.*member);
-      EXPECT_GT((few.*member).value(), 0);
+  int number = 0;
+  for (const auto member :
+       {&SegmentErrors::perfusion_percent, &SegmentErrors::thickness_ed_mm, &SegmentErrors::thickness_es_mm,
+        &SegmentErrors::thickening_percent, &SegmentErrors::motion_mm, &SegmentErrors::area_strain_percent}) {
+    SCOPED_TRACE(++number);
+    double less = 0, more = 0;
+    for (std::size_t s = 0; s < 17; ++s) {
+      const SegmentErrors &few = calm.measures->segments[s].sd, &many = noisy.measures->segments[s].sd;
+      ASSERT_TRUE(few.*member && many.*member) << s + 1;
+      less += (few.*member).value(), more += (many.*member).value();
     }
-    less += *few.thickening_percent, more += *many.thickening_percent;
+    // Each has a part that stays the same, however many counts there are.
+    EXPECT_GT(more, 1.1 * less);
   }
-  EXPECT_GT(more, 1.2 * less);
   EXPECT_TRUE(calm.measures->phase_motion.value().sd_error_deg);
   // A healthy wall of 9 mm at 12 mm is told by the data.
   EXPECT_GT(calm.fit.value().thickness_from_data, 0.8);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/numbers.hpp"
@@ -27,13 +28,16 @@ td.lost { font-weight: 700; }
 .ratios b { display: block; font-size: 20px; }
 .maps { display: grid; grid-template-columns: repeat(3, 1fr); gap: 4px 18px; break-inside: avoid; }
 .maps svg { width: 100%; height: auto; } .curve svg { width: 100%; height: auto; }
+figure { margin: 4px 0; } figcaption { font-weight: 600; } figure img { width: 100%; display: block; }
 .sheet { break-after: page; }
 @media screen and (max-width: 640px) {
   header { display: block; } th, td { padding: 2px 4px; }
   .maps { grid-template-columns: 1fr; } .maps > div { max-width: 360px; margin: 0 auto; }
 }
 @page { size: A4; margin: 11mm 12mm; }
-@media print { body { margin: 0; padding: 0; max-width: none; font-size: 10px; } .maps svg { height: 58mm; } }
+@media print { body { margin: 0; padding: 0; max-width: none; font-size: 10px; } .maps svg { height: 50mm; }
+  .curve svg { height: 34mm; } th, td { padding: 1px 8px; } figure { break-inside: avoid; }
+  figure img { width: auto; max-width: 100%; max-height: 44mm; } }
 )";
 
 std::string escaped(const std::string& text) {
@@ -48,6 +52,30 @@ std::string escaped(const std::string& text) {
     else
       safe += c;
   return safe;
+}
+
+std::string base64(const std::string& bytes) {
+  constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t n = 0; n < bytes.size(); n += 3) {
+    std::uint32_t three = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      three = three << 8 | (n + k < bytes.size() ? static_cast<unsigned char>(bytes[n + k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k) text += n + k > bytes.size() ? '=' : digits[three >> (18 - 6 * k) & 63U];
+  }
+  return text;
+}
+
+/// The slices of both studies one above the other, as they are read.
+std::string slices(const ComparedStudy& rest, const ComparedStudy& stress) {
+  constexpr std::string_view png_magic = "\x89PNG";
+  std::string html;
+  for (const auto& [name, study] : {std::pair("Rest", &rest), std::pair("Stress", &stress)}) {
+    if (!study->splash_png.starts_with(png_magic)) continue;
+    html += std::string("<figure><figcaption>") + name + "</figcaption><img alt=\"Slices of the " + name +
+            " study\" src=\"data:image/png;base64," + base64(study->splash_png) + "\"></figure>\n";
+  }
+  return html.empty() ? html : "<h2>Slices from apex to base, inner wall blue, outer wall orange</h2>\n" + html;
 }
 
 /// The number at a path of keys; absent where any of them is.
@@ -236,7 +264,8 @@ PolarValues lost_under_stress(const PolarValues& rest, const PolarValues& stress
 std::string comparison_html(const ComparedStudy& rest, const ComparedStudy& stress, const Json& comparison) {
   std::string html =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src "
+      "data:\">\n"
       "<title>Rest and stress &ndash; Dynasurf</title>\n<style>";
   html += style;
   html +=
@@ -248,24 +277,25 @@ std::string comparison_html(const ComparedStudy& rest, const ComparedStudy& stre
           box("Summed rest score", figure(number_at(comparison, {"summed_rest_score"}), 0)) +
           box("Summed stress score", figure(number_at(comparison, {"summed_stress_score"}), 0)) +
           box("Summed difference", figure(number_at(comparison, {"summed_difference_score"}), 0)) + "</div>\n";
+  html += slices(rest, stress);
   html +=
       "<h2>Numbers</h2><table><thead><tr><th></th><th>Rest</th><th>Stress</th><th>Stress less "
       "rest</th></tr></thead>\n" +
       number_rows(rest.results, stress.results) + "</table>\n";
   html +=
       "<h2>Volume of the cavity, periodic fit, mL</h2><div class=\"curve\">" + curves_svg(rest, stress) + "</div>\n";
-  if (rest.polar.perfusion_is != Perfusion::none)
-    html +=
-        "<h2>Segments: perfusion in percent of the bright wall, scores 0 to 4</h2><table><thead><tr><th></th>"
-        "<th>Rest</th><th>Stress</th><th>Lost</th><th>Score at rest</th><th>Score under stress</th></tr></thead>\n" +
-        segment_rows(rest, stress, comparison) + "</table>";
   html += "</section>\n";
   html +=
       "<section><h2>Polar maps: rest, stress, and what is lost under stress</h2>"
       "<p>Seen from the apex, anterior wall on top, septum left. Each map lies in the frame of its own heart: apex, "
       "valve plane, long axis and anterior wall register one with the other.</p>\n" +
-      map_rows(rest, stress) + "</section></body></html>\n";
-  return html;
+      map_rows(rest, stress);
+  if (rest.polar.perfusion_is != Perfusion::none)
+    html +=
+        "<h2>Segments: perfusion in percent of the bright wall, scores 0 to 4</h2><table><thead><tr><th></th>"
+        "<th>Rest</th><th>Stress</th><th>Lost</th><th>Score at rest</th><th>Score under stress</th></tr></thead>\n" +
+        segment_rows(rest, stress, comparison) + "</table>";
+  return html + "</section></body></html>\n";
 }
 
 }  // namespace dynasurf

@@ -12,6 +12,7 @@ struct ComparedStudy {
   nlohmann::ordered_json results;  // its results.json
   PolarTable polar;                // its polar.csv
   std::string report;              // where its own report lies, as an address; empty: not linked
+  std::string splash_png;          // the bytes of its splash.png; empty: no slices are shown
 };
 
 /// Rest less stress of two polar maps: positive where something is lost under stress. Both are laid out by the frame of
@@ -19,8 +20,8 @@ struct ComparedStudy {
 PolarValues lost_under_stress(const PolarValues& rest, const PolarValues& stress);
 
 /// Rest and stress on one page, for the screen and for two A4 pages: the readings of both with their intervals, the
-/// numbers of `comparison` (schema dynasurf.comparison/1), both volume curves, the polar maps of both with their
-/// difference, the segments with their scores. Plain HTML without a script; nothing is loaded.
+/// numbers of `comparison` (schema dynasurf.comparison/1), both volume curves, the slices of both, the polar maps with
+/// their difference, the segments with their scores. Plain HTML without a script; nothing is loaded.
 std::string comparison_html(const ComparedStudy& rest, const ComparedStudy& stress,
                             const nlohmann::ordered_json& comparison);
 
