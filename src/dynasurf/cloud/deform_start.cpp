@@ -5,6 +5,7 @@
 #include "dynasurf/cloud/thesis_recipe.hpp"
 #include "dynasurf/field/steady.hpp"
 #include "dynasurf/field/vector_field.hpp"
+#include "dynasurf/mesh/intersections.hpp"
 #include "dynasurf/mesh/relax.hpp"
 #include "dynasurf/mesh/sample_surface.hpp"
 #include "dynasurf/mesh/simplify.hpp"
@@ -62,17 +63,26 @@ TriMesh deform_part(const TriMesh& target, CloudStart start, const Progress& pro
   constexpr int evened_every = 10;
   const Pull pull = pull_of(target, {{}, progress.stop});
   SurfaceEditor surface(start_mesh(pull.voxels.border, passes[0].level, placement_of(start)));
+  std::vector<TriMesh> states;
   for (const auto& [level, steps] : passes) {
     const std::size_t triangles = std::size_t{20} << 2 * level;
     for (int k = 0; k < steps; ++k) {
       progress.check();
-      if (k % evened_every == 0) even_out(surface, triangles);
+      if (k % evened_every == 0) {
+        even_out(surface, triangles);
+        states.push_back(surface.mesh());
+      }
       follow(surface, pull);
     }
   }
-  TriMesh mesh = surface.mesh();
-  for (Vec3& p : mesh.vertices) p = pull.voxels.origin + pull.voxels.side * p;
-  return mesh;
+  states.push_back(surface.mesh());
+  // Sheets that all but touch may cross once they are rounded to the cloud's frame: a state shortly before does not.
+  for (;;) {
+    TriMesh mesh = std::move(states.back());
+    states.pop_back();
+    for (Vec3& p : mesh.vertices) p = pull.voxels.origin + pull.voxels.side * p;
+    if (states.empty() || self_intersections(mesh).free()) return mesh;
+  }
 }
 
 }  // namespace
