@@ -254,7 +254,7 @@ void set_stretch(std::vector<Level>& levels, bool careful) {
 }
 
 /// Cycles until the estimated error is below the tolerance or rounding ends the progress (near 1e-6). False, and no
-/// result, where cycles take the field away from its place; careful ones do not.
+/// result, where cycles take the field away from its place or swing about it; careful ones do not.
 bool iterate(Hierarchy& h, Estimate estimate, double tolerance, int most_cycles, bool careful, FlowResult& r,
              const Progress& progress) {
   r.iterations = 0;
@@ -269,6 +269,7 @@ bool iterate(Hierarchy& h, Estimate estimate, double tolerance, int most_cycles,
     error = estimate.error_after(relative_change(h.levels[0]));
     if (!careful && estimate.change > 0.1 && estimate.rate > 0.7) return false;
     stalled = estimate.rate > (careful ? 0.95 : 0.7) ? stalled + 1 : 0;
+    if (!careful && stalled == 3 && error > std::max(tolerance, 100 * estimate.rounding)) return false;
     progress("field", r.iterations, most_cycles);
     if (error < tolerance || r.iterations == most_cycles || stalled == 3) {
       if (certainly_more) h.run(0, copy);
