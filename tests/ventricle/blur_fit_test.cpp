@@ -318,8 +318,9 @@ TEST(BlurFit, IsLessSureOfAWallThatItDoesNotSee) {
     const FittedBeat beat = fit_through_blur(phantom.study, located_start(phantom), options);
     return beat.edv_ml.sd / beat.edv_ml.value;
   };
-  // Of 48 mL half the wall unseen within 2.5 mm makes some 15 %.
-  EXPECT_GT(relative_sd(0.885), 2 * relative_sd(0));
+  // The matrix alone says 7 %; near half the wall of 48 mL, unseen within 2.5 mm, makes as much again.
+  EXPECT_GT(relative_sd(0.885), 0.11);
+  EXPECT_LT(relative_sd(0), 0.06);
 }
 
 TEST(BlurFit, IsNotPulledByTheRightVentricle) {
