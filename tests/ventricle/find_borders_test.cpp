@@ -32,6 +32,19 @@ TEST(FindBorders, FindsWhatReconstructFinds) {
   EXPECT_EQ(borders.study.gates[0].values, whole.study.gates[0].values);
 }
 
+TEST(FindBorders, TakesTheEndOfATubeFromTheOrderOfItsSlices) {
+  // A third of the wall is missing from the apex: the base could be at either end.
+  Partial tube;
+  tube.missing = Missing::apex;
+  const Study study = make_phantom(PhantomOptions{tube}).study;
+  ASSERT_EQ(study.slice_order, SliceOrder::apex_to_base);
+  const BorderResult borders = find_borders(study, {});
+  ASSERT_TRUE(borders.heart);
+  EXPECT_GT(borders.heart->cup.axis.dot(study.grid().direction.col(2)), 0.9);
+  EXPECT_TRUE(borders.gates[0].labels.has(Wall::endo));
+  EXPECT_TRUE(borders.gates[0].labels.has(Wall::epi));
+}
+
 TEST(FindBorders, PreparesTheValuesWhenAsked) {
   const Study study = study_of(test::blurred_heart({}));
   VentricleOptions o = ventricle_preset("edges");

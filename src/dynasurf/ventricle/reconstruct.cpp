@@ -247,6 +247,20 @@ Bright what_is_bright(const Study& study, const std::optional<Location>& heart, 
   return label_borders(mean, detect_edges(mean, options.edges), options.labels).bright;
 }
 
+/// The heart in the mean of the gates. Where its two ends look alike, as those of a tube without an apex, the order of
+/// the slices decides if the file tells it.
+std::optional<Location> locate_upright(const Study& study, const LocateHints& hints) {
+  constexpr double alike = 0.95;
+  const Image mean = mean_image(study.gates);
+  std::optional<Location> heart = locate(mean, hints);
+  if (!heart || hints.axis || heart->other_end < alike || study.slice_order == SliceOrder::unknown) return heart;
+  const Vec3 to_base = (study.slice_order == SliceOrder::apex_to_base ? 1 : -1) * study.grid().direction.col(2);
+  if (heart->cup.axis.dot(to_base) > -0.7) return heart;
+  LocateHints told = hints;
+  told.axis = -heart->cup.axis;
+  return locate(mean, told);
+}
+
 StudyRun run_borders(const Study& whole, const VentricleOptions& requested, const Progress& progress, const Image* mask,
                      StageClock& clock) {
   StudyRun run;
@@ -257,7 +271,7 @@ StudyRun run_borders(const Study& whole, const VentricleOptions& requested, cons
   if (mask != nullptr) confined = confine(whole, region_on(*mask, whole.grid()));
   const Study& original = confined ? *confined : whole;
   const LocateHints hints = hints_of(options.manual);
-  run.heart = clock("locate", [&] { return locate(mean_image(original.gates), hints); });
+  run.heart = clock("locate", [&] { return locate_upright(original, hints); });
   if (hints.axis) options.orientation.method = OrientationMethod::data;  // slices square to what a person says
   options.labels.bright = clock("locate", [&] { return what_is_bright(original, run.heart, options); });
   if (options.labels.bright == Bright::cavity) run.heart.reset();  // it is looked for by its wall
