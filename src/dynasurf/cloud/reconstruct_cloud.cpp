@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "dynasurf/cloud/body.hpp"
 #include "dynasurf/cloud/deform_start.hpp"
@@ -262,28 +263,32 @@ void tell_unreached(const TriMesh& mesh, const Fitting& fitting, Notes& notes) {
                          " of the diagonal from its surface"});
 }
 
-/// More points than noise and lattice explain lie off the surface that was found: of a wall about as thin as the noise
-/// one side may be lost, and with it the cavity behind.
+/// The points lie farther off the surface that was found than noise and lattice explain: of a wall about as thin as the
+/// noise one side may be lost, and with it the cavity behind.
 void tell_lost(const Fitting& fitting, double side, Notes& notes) {
-  constexpr double deviations = 2.5, sides = 0.5;  // normal noise leaves 1.2 % outside
-  constexpr double worth_telling = 0.05;           // of the points
-  const CloudFacts& facts = fitting.facts;
-  const double limit = (deviations * facts.noise + sides * side) / facts.diagonal;
   constexpr std::size_t samples = 5000;
   const std::size_t step = std::max<std::size_t>(1, fitting.scanned.size() / samples);
-  const std::size_t asked = fitting.scanned.size() / step;
-  const double count = parallel_sum(asked, 256, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t i = begin; i < end; ++i)
-      sum += fitting.on_fine(fitting.scanned[i * step]).distance2 > limit * limit;
-    return sum;
+  std::vector<double> off(fitting.scanned.size() / step);
+  parallel_for(off.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) off[i] = std::sqrt(fitting.on_fine(fitting.scanned[i * step]).distance2);
   });
-  const double share = count / static_cast<double>(asked);
-  if (share > worth_telling)
-    notes.push_back(
-        {Severity::warning, "cloud.left_out",
-         percent(share) + " of the points lie farther than " + percent(limit) +
-             " of the diagonal from the surface, more than noise explains: thin walls or cavities are lost"});
+  const double noise = fitting.facts.noise / fitting.facts.diagonal;
+  // Normal noise leaves points 0.8 deviations off on the mean; what noise hides of the surface itself adds little.
+  const double mean_limit = 1.3 * 0.8 * noise;
+  const double mean = std::accumulate(off.begin(), off.end(), 0.0) / static_cast<double>(off.size());
+  if (is_noisy(fitting.facts) && mean > mean_limit)
+    notes.push_back({Severity::warning, "cloud.left_out",
+                     "the points lie " + percent(mean) +
+                         " of the diagonal off the surface on the mean, more than their noise explains: thin walls or "
+                         "cavities are lost"});
+  constexpr double far_share = 0.05;
+  const double limit = (2.5 * fitting.facts.noise + 0.5 * side) / fitting.facts.diagonal;
+  const auto far = std::count_if(off.begin(), off.end(), [&](double d) { return d > limit; });
+  const double share = static_cast<double>(far) / static_cast<double>(off.size());
+  if (!is_noisy(fitting.facts) && share > far_share)
+    notes.push_back({Severity::warning, "cloud.left_out",
+                     percent(share) + " of the points lie farther than " + percent(limit) +
+                         " of the diagonal from the surface: thin walls or cavities are lost"});
 }
 
 /// Surface far from all points where no hole was found: the points were misunderstood.
