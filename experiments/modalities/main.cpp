@@ -79,9 +79,18 @@ struct Numbers {
   double edv = NAN, esv = NAN, ef = NAN, wall = NAN;
 };
 
+/// A number with a sign, or a dash.
+std::string figure(double value, int width) {
+  if (std::isnan(value)) return std::string(static_cast<std::size_t>(width - 1), ' ') + "-";
+  char text[32];
+  std::snprintf(text, sizeof text, "%+*.1f", width, value);
+  return text;
+}
+
 void print_errors(const Numbers& n, const Numbers& truth) {
-  std::printf("  %+6.1f %+6.1f %+5.1f %+6.1f", 100 * (n.edv / truth.edv - 1), 100 * (n.esv / truth.esv - 1),
-              n.ef - truth.ef, 100 * (n.wall / truth.wall - 1));
+  std::printf("  %s %s %s %s", figure(100 * (n.edv / truth.edv - 1), 6).c_str(),
+              figure(100 * (n.esv / truth.esv - 1), 6).c_str(), figure(n.ef - truth.ef, 5).c_str(),
+              figure(100 * (n.wall / truth.wall - 1), 6).c_str());
 }
 
 void print_row(const Heart& heart, const Kind& kind) {
