@@ -282,7 +282,7 @@ void tell_lost(const Fitting& fitting, double side, Notes& notes) {
                          " of the diagonal off the surface on the mean, more than their noise explains: thin walls or "
                          "cavities are lost"});
   constexpr double far_share = 0.05;
-  const double limit = (2.5 * fitting.facts.noise + 0.5 * side) / fitting.facts.diagonal;
+  const double limit = (2.5 * fitting.facts.noise + side) / fitting.facts.diagonal;
   const auto far = std::count_if(off.begin(), off.end(), [&](double d) { return d > limit; });
   const double share = static_cast<double>(far) / static_cast<double>(off.size());
   if (!is_noisy(fitting.facts) && share > far_share)
