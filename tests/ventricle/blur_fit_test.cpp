@@ -318,7 +318,7 @@ TEST(BlurFit, IsLessSureOfAWallThatItDoesNotSee) {
     const FittedBeat beat = fit_through_blur(phantom.study, located_start(phantom), options);
     return beat.edv_ml.sd / beat.edv_ml.value;
   };
-  // The matrix alone says 7 %; near half the wall of 48 mL, unseen within 2.5 mm, makes as much again.
+  // The matrix alone says 7 %; near half the wall of 48 mL, unseen within 2.25 mm, makes as much again.
   EXPECT_GT(relative_sd(0.885), 0.11);
   EXPECT_LT(relative_sd(0), 0.06);
 }
