@@ -32,10 +32,11 @@ struct Arguments {
 
 /// Where the long axis lies: as told, or as a result found it.
 LongAxis axis_of(const Arguments& a, const std::optional<ResultWalls>& walls) {
-  if (!a.apex.empty()) return {{a.apex[0], a.apex[1], a.apex[2]}, {a.base[0], a.base[1], a.base[2]}};
+  if (!a.apex.empty()) return {{a.apex[0], a.apex[1], a.apex[2]}, {a.base[0], a.base[1], a.base[2]}, 0};
   if (!walls) throw OptionError("where the long axis lies is not told; expected --result, or --apex and --base");
   if (!walls->axes) throw InputError(a.result + ": the axis does not leave both surfaces");
-  return {walls->axes->apex, walls->axes->base()};
+  constexpr double length_sd_mm = 3;  // apex and valve plane of a result lie within some 2 mm each
+  return {walls->axes->apex, walls->axes->base(), length_sd_mm};
 }
 
 void write_moved(const TriMesh& rest, const SplineMotion& motion, const std::string& name, const fs::path& folder,

@@ -44,6 +44,14 @@ TrackedPoints beat(double twist, double error_mm = 0, const Vec3& shift = Vec3::
   return points;
 }
 
+TEST(MeasureMotion, IsAsUnsureOfTheTwistAsOfTheLengthOfTheAxis) {
+  LongAxis unsure = axis;
+  unsure.length_sd_mm = 4;  // of 80 mm
+  const GateMotion sure = measure_motion(beat(19), axis).gates[1], other = measure_motion(beat(19), unsure).gates[1];
+  EXPECT_DOUBLE_EQ(other.twist_deg, sure.twist_deg);
+  EXPECT_NEAR(other.twist_sd_deg, std::hypot(sure.twist_sd_deg, sure.twist_deg / 20), 1e-9);
+}
+
 TEST(MeasureMotion, RecoversTwistTorsionAndRotationOfEveryLevel) {
   const TrackedMotion m = measure_motion(beat(19), axis);
   EXPECT_DOUBLE_EQ(m.length_mm, 80);

@@ -95,7 +95,7 @@ std::string chart(const std::string& title, const std::vector<Curve>& curves, do
     const std::string y = text_of(top + height + 38, 0);
     svg += "<path d=\"" + path + "\" " + c.look + "/><path d=\"M" + text_of(key, 0) + " " + y + "h18\" " + c.look +
            "/><text x=\"" + text_of(key + 23, 0) + "\" y=\"" + y + "\" dy=\"4\">" + c.name + "</text>\n";
-    key += width / static_cast<double>(curves.size());
+    key += 42 + 6.4 * static_cast<double>(c.name.size());
   }
   return svg + "<text class=\"middle\" x=\"" + text_of(left + width / 2, 0) + "\" y=\"" +
          text_of(top + height + 58, 0) + "\">gate</text>\n";
@@ -143,9 +143,9 @@ std::string motion_svg(const TrackedMotion& motion) {
   };
   const std::string thin = "fill=\"none\" stroke-width=\"1.6\" stroke=";
   std::string svg =
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 780 264\" width=\"1170\" height=\"396\" role=\"img\">\n"
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 780 276\" width=\"1170\" height=\"414\" role=\"img\">\n"
       "<style>text{font:12px sans-serif;fill:#333}.head{font-weight:600;fill:#111}.end{text-anchor:end}"
-      ".middle{text-anchor:middle}</style>\n<rect width=\"780\" height=\"264\" fill=\"#fff\"/>\n";
+      ".middle{text-anchor:middle}</style>\n<rect width=\"780\" height=\"276\" fill=\"#fff\"/>\n";
   svg += chart("Rotation seen from the apex, degrees, by gate",
                {{"apex", thin + "\"#0072b2\"", rotation(WallLevel::apex)},
                 {"mid", thin + "\"#009e73\" stroke-dasharray=\"6 3\"", rotation(WallLevel::mid)},

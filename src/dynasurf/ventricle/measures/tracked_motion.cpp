@@ -19,7 +19,7 @@ constexpr double nearest_mm = 2;  // to the axis, where round it and away from i
 /// The long axis as directions, and where each point lies along it at rest.
 struct Frame {
   Vec3 apex, up;  // `up`: unit, to the base
-  double length_mm = 0;
+  double length_mm = 0, length_sd_mm = 0;
   std::array<std::vector<std::size_t>, 3> in_level;
   std::vector<double> height_mm;
 };
@@ -27,7 +27,7 @@ struct Frame {
 Frame frame_of(const std::vector<Vec3>& rest, const LongAxis& axis) {
   Frame f;
   f.apex = axis.apex;
-  f.length_mm = (axis.base - axis.apex).norm();
+  f.length_mm = (axis.base - axis.apex).norm(), f.length_sd_mm = axis.length_sd_mm;
   if (!(f.length_mm > 1) || !std::isfinite(f.length_mm))
     throw InputError("the long axis from apex to base is " + std::to_string(f.length_mm) +
                      " mm long; expected more than 1");
@@ -148,7 +148,7 @@ GateMotion measure_gate(const Frame& f, const std::vector<Vec3>& rest, const std
   }
   const Line line = line_of(height, angle, weight);
   gate.twist_deg = (0 - line.slope) * f.length_mm / degrees;  // the apex against the base; no -0
-  gate.twist_sd_deg = line.slope_sd * f.length_mm / degrees;
+  gate.twist_sd_deg = std::hypot(line.slope_sd * f.length_mm, line.slope * f.length_sd_mm) / degrees;
   gate.torsion_deg_per_cm = 10 * (0 - line.slope) / degrees;
   return gate;
 }

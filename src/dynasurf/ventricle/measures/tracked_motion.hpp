@@ -9,9 +9,11 @@
 
 namespace dynasurf {
 
-/// The ventricle's long axis at rest, world, mm: its end at the apex and its end at the valve plane.
+/// The ventricle's long axis at rest, world, mm: its end at the apex and its end at the valve plane, and how well the
+/// distance between them is known (a standard deviation).
 struct LongAxis {
   Vec3 apex{0, 0, 0}, base{0, 0, 1};
+  double length_sd_mm = 0;
 };
 
 /// Thirds of the long axis.
@@ -53,10 +55,11 @@ struct TrackedMotion {
 /// about the middle of its level, weighted by the square of its distance from the axis, is fitted by a line over the
 /// height; *torsion* is the line's slope and *twist* what it gains from the valve plane to the apex, positive where
 /// the apex turns counter-clockwise against the base, seen from the apex. Its standard deviation follows from how far
-/// the points lie from the line. Strains come from the spline that moves all points (PointSpline), at the points:
-/// across the wall they are too small unless points lie much closer to each other than the wall is thick. Heights count
-/// at rest: a point stays in its level. Throws InputError for fewer than 12 points, points in fewer than two levels, an
-/// axis without length, and what PointSpline refuses; OptionError for a gate that does not exist.
+/// the points lie from the line, and from that of the axis's length. Strains come from the spline that moves all points
+/// (PointSpline), at the points: across the wall they are too small unless points lie much closer to each other than
+/// the wall is thick. Heights count at rest: a point stays in its level. Throws InputError for fewer than 12 points,
+/// points in fewer than two levels, an axis without length, and what PointSpline refuses; OptionError for a gate that
+/// does not exist.
 TrackedMotion measure_motion(const TrackedPoints& points, const LongAxis& axis, int rest_gate = 0);
 
 }  // namespace dynasurf
