@@ -106,7 +106,7 @@ struct CloudResult {
   std::vector<CloudLevel> levels;  // as asked for, finest first
   CloudFacts facts;
   PointCloud used;  // the points that the levels were fitted to, near ones together
-  Notes notes;  // "cloud.not_finite", "cloud.duplicates", "cloud.outliers", "cloud.left_out", "cloud.handles", …
+  Notes notes;      // "cloud.not_finite", "cloud.duplicates", "cloud.outliers", "cloud.left_out", "cloud.handles", …
 };
 
 /// Closed surfaces from points (thesis 6.2; GEN-*). Every level is fitted to the points themselves. A level that is not

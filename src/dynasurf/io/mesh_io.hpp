@@ -72,9 +72,9 @@ struct LodSurface {
 /// Throws InputError for no level, a mesh that cannot be written or textures that do not fit their corners, OptionError
 /// for colours of another length, IoError.
 void write_lod_glb(std::span<const LodSurface> levels, const std::filesystem::path& path);
-/// The names and meshes of a file of `write_lod_glb`, in the file's order, without colours and textures; places as exact
-/// as its numbers of 32 bits. Throws InputError for a file that is none, for textured levels, whose triangles share no
-/// vertices, and for triangles without vertices; IoError when it cannot be read.
+/// The names and meshes of a file of `write_lod_glb`, in the file's order, without colours and textures; places as
+/// exact as its numbers of 32 bits. Throws InputError for a file that is none, for textured levels, whose triangles
+/// share no vertices, and for triangles without vertices; IoError when it cannot be read.
 std::vector<LodSurface> read_lod_glb(const std::filesystem::path& path);
 
 /// ParaView time series: entries of (time, file relative to the .pvd, part number).
