@@ -58,11 +58,7 @@ struct Hierarchy {
 /// The stage on the rows [j0, j1) of the slices [k0, k1). Where pairs are joined, the bounds are even or the end.
 void Hierarchy::apply(std::size_t l, Stage stage, int k0, int k1, int j0, int j1) {
   Level& fine = levels[l];
-  if (stage == Stage::restrict_residual) {
-    const auto coarse = [](const multigrid::Axis& a, int i) { return a.halved ? (i + 1) / 2 : i; };
-    return multigrid::restrict_residual(fine, levels[l + 1], coarse(fine.axis[2], k0), coarse(fine.axis[2], k1),
-                                        coarse(fine.axis[1], j0), coarse(fine.axis[1], j1));
-  }
+  const auto coarse = [](const multigrid::Axis& a, int i) { return a.halved ? (i + 1) / 2 : i; };
   const auto sweep = [&](int colour, Start start) { multigrid::sweep(fine, k0, k1, j0, j1, colour, start); };
   switch (stage) {
     case Stage::red_from_rhs:
@@ -85,7 +81,8 @@ void Hierarchy::apply(std::size_t l, Stage stage, int k0, int k1, int j0, int j1
       for (int k = k0; k < k1; ++k) multigrid::copy_out(fine, k, j0, j1, field);
       return;
     case Stage::restrict_residual:
-      return;
+      return multigrid::restrict_residual(fine, levels[l + 1], coarse(fine.axis[2], k0), coarse(fine.axis[2], k1),
+                                          coarse(fine.axis[1], j0), coarse(fine.axis[1], j1));
   }
 }
 

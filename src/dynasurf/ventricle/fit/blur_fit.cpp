@@ -86,10 +86,11 @@ CellLattice lattice_around(const Box& box, const Pixels& pixels, double sigma_mm
   const double wanted = std::max(0.7 * sigma_mm, std::min(0.5 * finest, 2.0));
   for (int a = 0; a < 3; ++a) {
     const auto axis = static_cast<std::size_t>(a);
-    // Sharp images want whole cells in every voxel.
+    // Sharp images want whole cells in every voxel, two in a joined one.
+    constexpr double sharp_mm = 2.3;
     lattice.step[a] = 0.7 * sigma_mm > std::min(0.5 * finest, 2.0)
                           ? wanted
-                          : pitch[a] / std::ceil(pitch[a] / (sigma_mm > 0 ? wanted : 2.3) - 1e-9);
+                          : pitch[a] / std::ceil(pitch[a] / (sigma_mm > 0 ? wanted : sharp_mm) - 1e-9);
     const double edge = pixels.centre(a, 0) - pitch[a] / 2;
     const double from = std::floor((box.low[a] - margin_mm - edge) / lattice.step[a]);
     const double to = std::ceil((box.high[a] + margin_mm - edge) / lattice.step[a]);
