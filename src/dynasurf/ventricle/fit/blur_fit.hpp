@@ -37,7 +37,7 @@ void describe(auto& visit, BlurFit& o) {
   visit("uptake_degree", o.uptake_degree, Field{"of the activity in the wall", "", 0, 12});
   visit("papillary_share", o.papillary_share,
         Field{"part of the muscle that stands in the cavity as papillary muscles and counts as cavity; the blur hides "
-              "it, so the error bars hold anything from none to twice as much",
+              "it, so the error bars hold anything from none to three times as much",
               "", 0, 0.2});
   visit("most_steps", o.most_steps, Field{"steps of the optimiser at most", "", 1, 1000});
 }
