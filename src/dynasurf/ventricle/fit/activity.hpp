@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "dynasurf/ventricle/fit/camera.hpp"
+#include "dynasurf/ventricle/fit/loops.hpp"
 #include "dynasurf/ventricle/fit/wall_model.hpp"
 
 namespace dynasurf {
@@ -14,7 +15,7 @@ struct HeartCells {
   CellLattice lattice;
   HeartFrame frame;
   std::vector<std::size_t> cell;  // place in the lattice
-  Eigen::MatrixXf harmonics;      // one row per cell, its direction's
+  detail::Lines harmonics;        // a line per harmonic, a value per cell
   std::vector<float> q, edge_q;   // distance from the centre, and the width of an edge there, both over the scale
   std::vector<float> x, y, z;     // mm in the heart's frame
 };
@@ -35,29 +36,31 @@ struct Activity {
   double cavity_mm3 = 0, wall_mm3 = 0;
 };
 
-/// The walls and the uptake seen from each cell: one column per gate, log of q_endo, of the muscle, and of the uptake.
+/// The walls and the uptake seen from each cell: a line per gate, or one that is the same in all gates. Log of q_endo,
+/// of the muscle, and of the uptake.
 struct CellFields {
-  Eigen::MatrixXf endo, wall, uptake;
+  detail::Lines endo, wall, uptake;
 };
 CellFields fields_of(const HeartCells& cells, const GateLayout& layout, const std::vector<Eigen::VectorXd>& gates);
 
-/// `g`: the column of the fields that belongs to `gate`.
+/// `g`: which of the fields' gates `gate` is.
 Activity lay_out(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
-                 const CellFields& fields, Eigen::Index g);
+                 const CellFields& fields, std::size_t g);
 Activity lay_out(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate);
 
-/// Derivatives of a quantity by the fields of one gate at each cell, and by the gate's other numbers.
-struct CellGradient {
-  Eigen::VectorXf endo, wall, uptake;
-  Eigen::VectorXd others;  // in the places of the layout, 0 where the harmonics are
+/// Derivatives of a quantity by the fields at each cell, a line per gate, and by the gates' other numbers.
+struct CellGradients {
+  detail::Lines endo, wall, uptake;
+  std::vector<Eigen::VectorXd> others;  // in the places of the layout, 0 where the harmonics are
 };
-/// Of a quantity that has the derivatives `by_cell` by the activity of each cell of the lattice (may be empty), and
-/// `by_cavity`, `by_wall` by the two volumes in mm3.
-CellGradient trace_to_cells(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
-                            const Activity& activity, std::span<const float> by_cell, double by_cavity, double by_wall);
+CellGradients no_gradients(const HeartCells& cells, const GateLayout& layout, std::size_t gates);
+/// Puts those of gate `g` there, of a quantity that has the derivatives `by_cell` by the activity of each cell of the
+/// lattice (may be empty), and `by_cavity`, `by_wall` by the two volumes in mm3.
+void trace_to_cells(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
+                    const Activity& activity, std::span<const float> by_cell, double by_cavity, double by_wall,
+                    CellGradients& to, std::size_t g);
 /// The same by the numbers of each gate.
-std::vector<Eigen::VectorXd> gather(const HeartCells& cells, const GateLayout& layout,
-                                    const std::vector<CellGradient>& gradients);
+std::vector<Eigen::VectorXd> gather(const HeartCells& cells, const GateLayout& layout, const CellGradients& gradients);
 Eigen::VectorXd trace_back(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
                            const Activity& activity, std::span<const float> by_cell, double by_cavity, double by_wall);
 

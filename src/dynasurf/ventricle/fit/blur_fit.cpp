@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/ventricle/fit/fitted_mesh.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
@@ -181,23 +182,26 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
   const int degree = std::max({options.shape_degree, options.wall_degree, options.uptake_degree});
   p.cells = select_cells(lattice, start.frame, degree, s.highest_mm + 10, outer, outer_degree, room);
 
-  std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(outer_degree)));
-  for (int k = 0; k < p.pixels.count[2]; ++k)
-    for (int j = 0; j < p.pixels.count[1]; ++j)
-      for (int i = 0; i < p.pixels.count[0]; ++i) {
-        const Vec3 heart = start.frame.to_heart({p.pixels.centre(0, i), p.pixels.centre(1, j), p.pixels.centre(2, k)});
+  const Index3 dims = p.pixels.count;
+  s.place.resize(p.pixels.size());
+  parallel_for(static_cast<std::size_t>(dims[2]), 1, [&](std::size_t k, std::size_t) {
+    std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(outer_degree)));
+    Place* place = s.place.data() + k * static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]);
+    for (int j = 0; j < dims[1]; ++j)
+      for (int i = 0; i < dims[0]; ++i, ++place) {
+        const Vec3 heart = start.frame.to_heart(
+            {p.pixels.centre(0, i), p.pixels.centre(1, j), p.pixels.centre(2, static_cast<int>(k))});
         const Vec3 scaled = heart.cwiseQuotient(start.frame.scale);
         const double q = std::max(1e-6, scaled.norm());
         harmonics_at(scaled / q, outer_degree, harmonics);
         double wall = 0;
         for (int h = 0; h < harmonics_up_to(outer_degree); ++h)
           wall += outer[h] * harmonics[static_cast<std::size_t>(h)];
-        Place place;
-        place.outside_mm = (q - std::exp(wall)) / (scaled / q).cwiseQuotient(start.frame.scale).norm();
-        place.above_mm = heart[2] - s.highest_mm;
-        place.depth = q / std::exp(wall);
-        s.place.push_back(place);
+        place->outside_mm = (q - std::exp(wall)) / (scaled / q).cwiseQuotient(start.frame.scale).norm();
+        place->above_mm = heart[2] - s.highest_mm;
+        place->depth = q / std::exp(wall);
       }
+  });
   std::vector<double> mean(p.pixels.size(), 0.0);
   for (const Image& gate : study.gates) {
     p.values.push_back(join(gate, p.pixels));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/ventricle/fit/loops.hpp"
+
 namespace dynasurf {
 namespace {
 
@@ -115,36 +117,77 @@ AxisKernel axis_kernel(const CellLattice& cells, const Pixels& pixels, int axis,
   return kernel;
 }
 
-/// out[n] += sum over the kernel of in[c], for blocks of `stride` values that lie together.
-void gather(const AxisKernel& kernel, const std::vector<float>& weights, int pixels, int cells, std::size_t stride,
-            std::size_t blocks, const float* in, float* out) {
-  for (std::size_t b = 0; b < blocks; ++b)
-    for (int n = 0; n < pixels; ++n) {
-      float* to = out + (b * static_cast<std::size_t>(pixels) + static_cast<std::size_t>(n)) * stride;
-      const float* w = weights.data() + kernel.at[static_cast<std::size_t>(n)];
-      for (int c = kernel.from[static_cast<std::size_t>(n)]; c < kernel.to[static_cast<std::size_t>(n)]; ++c, ++w) {
-        const float* from = in + (b * static_cast<std::size_t>(cells) + static_cast<std::size_t>(c)) * stride;
-        const float factor = *w;
-        for (std::size_t s = 0; s < stride; ++s) to[s] += factor * from[s];
-      }
-    }
-}
-
-void scatter(const AxisKernel& kernel, int pixels, int cells, std::size_t stride, std::size_t blocks, const float* in,
-             float* out) {
-  for (std::size_t b = 0; b < blocks; ++b)
-    for (int n = 0; n < pixels; ++n) {
-      const float* from = in + (b * static_cast<std::size_t>(pixels) + static_cast<std::size_t>(n)) * stride;
-      const float* w = kernel.weights.data() + kernel.at[static_cast<std::size_t>(n)];
-      for (int c = kernel.from[static_cast<std::size_t>(n)]; c < kernel.to[static_cast<std::size_t>(n)]; ++c, ++w) {
-        float* to = out + (b * static_cast<std::size_t>(cells) + static_cast<std::size_t>(c)) * stride;
-        const float factor = *w;
-        for (std::size_t s = 0; s < stride; ++s) to[s] += factor * from[s];
-      }
-    }
-}
-
 std::size_t product(int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); }
+
+/// A kernel along one axis, or its transpose: what every number of `to` collects of those of `from`.
+struct Collector {
+  const float* weights = nullptr;
+  std::vector<int> from, to, at;
+  std::vector<float> own;  // of a transpose
+};
+Collector collector(const AxisKernel& kernel, const std::vector<float>& weights) {
+  return {weights.data(), kernel.from, kernel.to, kernel.at, {}};
+}
+Collector transposed(const AxisKernel& kernel, int cells) {
+  const std::size_t pixels = kernel.from.size();
+  Collector back;
+  for (int c = 0; c < cells; ++c) {
+    // Pixels that see a cell lie together.
+    std::size_t first = 0;
+    while (first < pixels && kernel.to[first] <= c) ++first;
+    std::size_t end = first;
+    back.at.push_back(static_cast<int>(back.own.size()));
+    for (; end < pixels && kernel.from[end] <= c && c < kernel.to[end]; ++end)
+      back.own.push_back(kernel.weights[static_cast<std::size_t>(kernel.at[end] + c - kernel.from[end])]);
+    back.from.push_back(static_cast<int>(first));
+    back.to.push_back(static_cast<int>(end));
+  }
+  back.weights = back.own.data();
+  return back;
+}
+
+/// out[n] += sum over the kernel of in[c], for blocks of `stride` values that lie together; `length` of them go in.
+void collect(const Collector& kernel, int length, std::size_t stride, std::size_t blocks, const float* in, float* out) {
+  std::vector<const float*> lines;
+  for (std::size_t b = 0; b < blocks; ++b, in += static_cast<std::size_t>(length) * stride)
+    for (std::size_t n = 0; n < kernel.from.size(); ++n, out += stride) {
+      lines.clear();
+      for (int c = kernel.from[n]; c < kernel.to[n]; ++c) lines.push_back(in + static_cast<std::size_t>(c) * stride);
+      detail::add_lines(out, stride, lines.data(), kernel.weights + kernel.at[n], lines.size());
+    }
+}
+
+/// The same for single values: all that one of `in` goes to is added at once. `out` has `out_length` values a block.
+void spread(const Collector& kernel, int length, int out_length, std::size_t blocks, const float* in, float* out) {
+  detail::Lines to_all(static_cast<std::size_t>(length), static_cast<std::size_t>(out_length));
+  for (std::size_t n = 0; n < kernel.from.size(); ++n)
+    for (int c = kernel.from[n]; c < kernel.to[n]; ++c)
+      to_all.line(static_cast<std::size_t>(c))[n] = kernel.weights[kernel.at[n] + c - kernel.from[n]];
+  std::vector<const float*> lines;
+  for (std::size_t c = 0; c < to_all.count; ++c) lines.push_back(to_all.line(c));
+  for (std::size_t b = 0; b < blocks; ++b, in += length, out += out_length)
+    detail::add_lines(out, to_all.length, lines.data(), in, lines.size());
+}
+
+/// The three passes from cells to pixels: along z first, where whole planes lie together, then y, then x. Each adds.
+struct Passes {
+  Index3 c, p;
+  std::vector<float> along_z() const {
+    return std::vector<float>(product(c[0], c[1]) * static_cast<std::size_t>(p[2]));
+  }
+  std::vector<float> along_y() const {
+    return std::vector<float>(product(c[0], p[1]) * static_cast<std::size_t>(p[2]));
+  }
+  void z(const Collector& kernel, const float* in, std::vector<float>& out) const {
+    collect(kernel, c[2], product(c[0], c[1]), 1, in, out.data());
+  }
+  void y(const Collector& kernel, const std::vector<float>& in, std::vector<float>& out) const {
+    collect(kernel, c[1], static_cast<std::size_t>(c[0]), static_cast<std::size_t>(p[2]), in.data(), out.data());
+  }
+  void x(const Collector& kernel, const std::vector<float>& in, std::vector<float>& out) const {
+    spread(kernel, c[0], p[0], product(p[1], p[2]), in.data(), out.data());
+  }
+};
 
 }  // namespace
 
@@ -172,32 +215,39 @@ GammaCamera make_camera(const CellLattice& cells, const Pixels& pixels, double s
   return camera;
 }
 
-// Along z first, where whole planes lie together, then y, then x.
-std::vector<float> see(const GammaCamera& camera, std::span<const float> cells, int derivative_axis) {
-  const Index3 c = camera.cells.count, p = camera.pixels.count;
-  const auto weights = [&](int axis) -> const std::vector<float>& {
-    const AxisKernel& kernel = camera.axes[static_cast<std::size_t>(axis)];
-    return axis == derivative_axis ? kernel.by_width : kernel.weights;
-  };
-  std::vector<float> z(product(c[0], c[1]) * static_cast<std::size_t>(p[2]), 0.0F);
-  gather(camera.axes[2], weights(2), p[2], c[2], product(c[0], c[1]), 1, cells.data(), z.data());
-  std::vector<float> y(product(c[0], p[1]) * static_cast<std::size_t>(p[2]), 0.0F);
-  gather(camera.axes[1], weights(1), p[1], c[1], static_cast<std::size_t>(c[0]), static_cast<std::size_t>(p[2]),
-         z.data(), y.data());
-  std::vector<float> x(camera.pixels.size(), 0.0F);
-  gather(camera.axes[0], weights(0), p[0], c[0], 1, product(p[1], p[2]), y.data(), x.data());
+std::vector<float> see(const GammaCamera& camera, std::span<const float> cells) {
+  const Passes pass{camera.cells.count, camera.pixels.count};
+  const auto kernel = [&](std::size_t axis) { return collector(camera.axes[axis], camera.axes[axis].weights); };
+  std::vector<float> z = pass.along_z(), y = pass.along_y(), x(camera.pixels.size());
+  pass.z(kernel(2), cells.data(), z);
+  pass.y(kernel(1), z, y);
+  pass.x(kernel(0), y, x);
   return x;
+}
+
+std::vector<float> see_wider(const GammaCamera& camera, std::span<const float> cells) {
+  const Passes pass{camera.cells.count, camera.pixels.count};
+  const auto kernel = [&](std::size_t axis) { return collector(camera.axes[axis], camera.axes[axis].weights); };
+  const auto wider = [&](std::size_t axis) { return collector(camera.axes[axis], camera.axes[axis].by_width); };
+  std::vector<float> z = pass.along_z(), y = pass.along_y(), by_z = z, by_y = y, by_x(camera.pixels.size());
+  pass.z(kernel(2), cells.data(), z);
+  pass.z(wider(2), cells.data(), by_z);
+  pass.y(kernel(1), z, y);
+  pass.y(kernel(1), by_z, by_y);
+  pass.y(wider(1), z, by_y);
+  pass.x(kernel(0), by_y, by_x);
+  pass.x(wider(0), y, by_x);
+  return by_x;
 }
 
 std::vector<float> see_back(const GammaCamera& camera, std::span<const float> pixels) {
   const Index3 c = camera.cells.count, p = camera.pixels.count;
-  std::vector<float> y(product(c[0], p[1]) * static_cast<std::size_t>(p[2]), 0.0F);
-  scatter(camera.axes[0], p[0], c[0], 1, product(p[1], p[2]), pixels.data(), y.data());
-  std::vector<float> z(product(c[0], c[1]) * static_cast<std::size_t>(p[2]), 0.0F);
-  scatter(camera.axes[1], p[1], c[1], static_cast<std::size_t>(c[0]), static_cast<std::size_t>(p[2]), y.data(),
-          z.data());
-  std::vector<float> x(camera.cells.size(), 0.0F);
-  scatter(camera.axes[2], p[2], c[2], product(c[0], c[1]), 1, z.data(), x.data());
+  const Passes pass{c, p};
+  std::vector<float> y = pass.along_y(), z = pass.along_z(), x(camera.cells.size());
+  spread(transposed(camera.axes[0], c[0]), p[0], c[0], product(p[1], p[2]), pixels.data(), y.data());
+  collect(transposed(camera.axes[1], c[1]), p[1], static_cast<std::size_t>(c[0]), static_cast<std::size_t>(p[2]),
+          y.data(), z.data());
+  collect(transposed(camera.axes[2], c[2]), p[2], product(c[0], c[1]), 1, z.data(), x.data());
   return x;
 }
 

@@ -50,8 +50,10 @@ struct GammaCamera {
 };
 GammaCamera make_camera(const CellLattice& cells, const Pixels& pixels, double sigma_mm, double filtered = 0);
 
-/// What the camera sees. With `derivative_axis` 0 to 2 the kernel of that axis is replaced by its derivative.
-std::vector<float> see(const GammaCamera& camera, std::span<const float> cells, int derivative_axis = -1);
+/// What the camera sees.
+std::vector<float> see(const GammaCamera& camera, std::span<const float> cells);
+/// Its derivative by the log of the point spread's deviation.
+std::vector<float> see_wider(const GammaCamera& camera, std::span<const float> cells);
 /// The transpose of `see`.
 std::vector<float> see_back(const GammaCamera& camera, std::span<const float> pixels);
 

@@ -1,6 +1,7 @@
 #include "dynasurf/ventricle/fit/image_derivatives.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "dynasurf/ventricle/fit/harmonics.hpp"
@@ -12,7 +13,6 @@ namespace {
 /// in its middle, and by how much each counts for the harmonics of endo, wall and uptake in that direction.
 struct WallRay {
   static constexpr int points = 3;
-  Eigen::RowVectorXf harmonics;
   Vec3 position[points];  // grid frame, mm
   Eigen::Vector3f by_field[points];
 };
@@ -58,7 +58,6 @@ class WallRays {
     const double uptake = std::exp(std::clamp(field(harmonics, l.uptake, l.uptake_degree), -5.0, 2.0));
     const double volume = frame.scale.prod() * solid_angle;
     WallRay ray;
-    ray.harmonics = harmonics.transpose().cast<float>();
     int point = 0;
     const auto place = [&](double q, double by_endo, double by_wall, double by_uptake) {
       const Vec3 heart = (q * direction).cwiseProduct(frame.scale);
@@ -93,38 +92,61 @@ class WallRays {
   const Eigen::VectorXd& gate_;
 };
 
-/// Adds what the pixels see of one direction. Every pixel collects its three points first and is then written once.
+/// What the pixels see of the directions. Each pixel collects the three points of a ray first; then, pixel by pixel,
+/// the harmonics of all rays that it sees are summed up, so that its line is written once.
 class RayPainter {
  public:
-  RayPainter(const BeatProblem& problem, const GateLayout& layout, double sigma_mm,
-             const std::vector<std::size_t>& chosen)
+  RayPainter(const BeatProblem& problem, double sigma_mm, const std::vector<std::size_t>& chosen)
       : pixels_(problem.pixels),
-        layout_(layout),
         sigma_mm_(sigma_mm),
         edge_mm_(problem.cells.lattice.edge_mm),
         row_of_(problem.pixels.size(), -1),
-        touched_at_(problem.pixels.size(), -1) {
+        touched_at_(problem.pixels.size(), -1),
+        seen_by_(chosen.size(), 0) {
     for (std::size_t n = 0; n < chosen.size(); ++n) row_of_[chosen[n]] = static_cast<int>(n);
   }
 
-  void paint(const WallRay& ray, ImageDerivatives& derivatives) {
+  void paint(const WallRay& ray, std::size_t number) {
     for (const Touched& t : touched_) touched_at_[t.pixel] = -1;
     touched_.clear();
     for (int p = 0; p < WallRay::points; ++p)
       if (!ray.by_field[p].isZero(0)) collect(ray.position[p], ray.by_field[p]);
-    const int endo = harmonics_up_to(layout_.endo_degree), wall = harmonics_up_to(layout_.wall_degree),
-              uptake = harmonics_up_to(layout_.uptake_degree);
     for (const Touched& t : touched_) {
-      auto row = derivatives.row(row_of_[t.pixel]);
-      row.segment(layout_.endo, endo) += t.by_field[0] * ray.harmonics.head(endo);
-      row.segment(layout_.wall, wall) += t.by_field[1] * ray.harmonics.head(wall);
-      row.segment(layout_.uptake, uptake) += t.by_field[2] * ray.harmonics.head(uptake);
+      const auto row = static_cast<std::size_t>(row_of_[t.pixel]);
+      views_.push_back({row, number, t.by_field});
+      ++seen_by_[row];
+    }
+  }
+
+  void sum_up(const GateLayout& layout, const EvenRays& rays, detail::Lines& derivatives) const {
+    std::vector<std::size_t> end(seen_by_.size());  // of the views of each row
+    std::size_t sum = 0;
+    for (std::size_t row = 0; row < end.size(); ++row) end[row] = sum, sum += seen_by_[row];
+    std::vector<const float*> harmonics(views_.size());
+    std::array<std::vector<float>, 3> factor;
+    for (auto& of_field : factor) of_field.resize(views_.size());
+    for (const View& view : views_) {
+      const std::size_t at = end[view.row]++;
+      harmonics[at] = rays.lines.line(view.ray);
+      for (std::size_t f = 0; f < 3; ++f) factor[f][at] = view.by_field[static_cast<Eigen::Index>(f)];
+    }
+    const int first[3] = {layout.endo, layout.wall, layout.uptake};
+    const int degree[3] = {layout.endo_degree, layout.wall_degree, layout.uptake_degree};
+    for (std::size_t row = 0; row < end.size(); ++row) {
+      const std::size_t begin = end[row] - seen_by_[row];
+      for (std::size_t f = 0; f < 3; ++f)
+        detail::add_lines(derivatives.line(row) + first[f], static_cast<std::size_t>(harmonics_up_to(degree[f])),
+                          harmonics.data() + begin, factor[f].data() + begin, seen_by_[row]);
     }
   }
 
  private:
   struct Touched {
     std::size_t pixel;
+    Eigen::Vector3f by_field;
+  };
+  struct View {
+    std::size_t row, ray;
     Eigen::Vector3f by_field;
   };
 
@@ -152,19 +174,16 @@ class RayPainter {
   }
 
   const Pixels& pixels_;
-  const GateLayout& layout_;
   double sigma_mm_, edge_mm_;
   std::vector<int> row_of_, touched_at_;  // per pixel: its row, and its place among those touched; -1: none
   std::vector<Touched> touched_;
+  std::vector<View> views_;           // in the order of the rays
+  std::vector<std::size_t> seen_by_;  // views of each row
 };
 
 void put_column(const std::vector<float>& image, const std::vector<std::size_t>& chosen, int column,
-                ImageDerivatives& derivatives) {
-  for (std::size_t n = 0; n < chosen.size(); ++n) derivatives(static_cast<Eigen::Index>(n), column) = image[chosen[n]];
-}
-
-void add(std::vector<float>& sum, const std::vector<float>& more) {
-  for (std::size_t n = 0; n < sum.size(); ++n) sum[n] += more[n];
+                detail::Lines& derivatives) {
+  for (std::size_t n = 0; n < chosen.size(); ++n) derivatives.line(n)[column] = image[chosen[n]];
 }
 
 }  // namespace
@@ -177,27 +196,30 @@ EvenRays even_rays(const BeatProblem& problem) {
   const double area = 4 * M_PI * scale[0] * (0.4 * scale[0] + 0.6 * scale[2]) * 1.4;
   const int count = std::clamp(static_cast<int>(area / (pitch * pitch)), 150, 1200);
   const int degree = std::max({layout.endo_degree, layout.wall_degree, layout.uptake_degree});
-  EvenRays rays{{}, Eigen::MatrixXd(harmonics_up_to(degree), count)};
+  EvenRays rays{{}, Eigen::MatrixXd(harmonics_up_to(degree), count), {}};
+  rays.lines = {static_cast<std::size_t>(count), static_cast<std::size_t>(harmonics_up_to(degree))};
   for (int n = 0; n < count; ++n) {
     rays.direction.push_back(even_direction(n, count));
     harmonics_at(rays.direction.back(), degree,
                  {rays.harmonics.col(n).data(), static_cast<std::size_t>(rays.harmonics.rows())});
+    std::transform(rays.harmonics.col(n).begin(), rays.harmonics.col(n).end(),
+                   rays.lines.line(static_cast<std::size_t>(n)), [](double h) { return static_cast<float>(h); });
   }
   return rays;
 }
 
-ImageDerivatives image_derivatives(const BeatProblem& problem, const EvenRays& rays, const Eigen::VectorXd& gate,
-                                   const Activity& activity, const std::vector<std::size_t>& chosen) {
+detail::Lines image_derivatives(const BeatProblem& problem, const EvenRays& rays, const Eigen::VectorXd& gate,
+                                const Activity& activity, const std::vector<std::size_t>& chosen) {
   const GateLayout& layout = problem.layout.gate;
   const Pixels& pixels = problem.pixels;
   const double sigma = problem.sigma_mm * std::exp(gate[layout.width]);
-  ImageDerivatives derivatives = ImageDerivatives::Zero(static_cast<Eigen::Index>(chosen.size()), layout.count());
-  RayPainter painter(problem, layout, sigma, chosen);
+  detail::Lines derivatives(chosen.size(), static_cast<std::size_t>(layout.count()));
+  RayPainter painter(problem, sigma, chosen);
   const WallRays walls(problem, gate);
   const double solid_angle = 4 * M_PI / static_cast<double>(rays.direction.size());
   for (std::size_t n = 0; n < rays.direction.size(); ++n)
-    painter.paint(walls.along(rays.direction[n], rays.harmonics.col(static_cast<Eigen::Index>(n)), solid_angle),
-                  derivatives);
+    painter.paint(walls.along(rays.direction[n], rays.harmonics.col(static_cast<Eigen::Index>(n)), solid_angle), n);
+  painter.sum_up(layout, rays, derivatives);
 
   // The other numbers change the image as a whole.
   const GammaCamera camera = make_camera(problem.cells.lattice, pixels, sigma, problem.filtered);
@@ -218,15 +240,11 @@ ImageDerivatives image_derivatives(const BeatProblem& problem, const EvenRays& r
   column(layout.plane + 2, [&](std::size_t c) { return by_height(c) * cells.y[c]; });
   column(layout.cavity, [&](std::size_t c) { return activity.below[c] * activity.endo[c]; });
   column(layout.background, [&](std::size_t c) { return -activity.below[c] * activity.epi[c]; });
-  derivatives.col(layout.background).array() += 1.0F;
-  std::vector<float> by_width = see(camera, activity.cells, 0);
-  add(by_width, see(camera, activity.cells, 1));
-  add(by_width, see(camera, activity.cells, 2));
-  put_column(by_width, chosen, layout.width, derivatives);
+  for (std::size_t n = 0; n < chosen.size(); ++n) derivatives.line(n)[layout.background] += 1.0F;
+  put_column(see_wider(camera, activity.cells), chosen, layout.width, derivatives);
   for (std::size_t n = 0; n < chosen.size(); ++n)
     for (int b = 0; b < layout.blob_count; ++b)
-      derivatives(static_cast<Eigen::Index>(n), layout.blobs + b) =
-          problem.blobs[static_cast<std::size_t>(b)][chosen[n]];
+      derivatives.line(n)[layout.blobs + b] = problem.blobs[static_cast<std::size_t>(b)][chosen[n]];
   return derivatives;
 }
 

@@ -4,20 +4,21 @@
 #include <Eigen/Core>
 
 #include "dynasurf/ventricle/fit/least_squares.hpp"
+#include "dynasurf/ventricle/fit/loops.hpp"
 
 namespace dynasurf {
 
-/// Directions that cover the heart as densely as the blur asks for, and their harmonics, a column each. The same for
-/// all gates.
+/// Directions that cover the heart as densely as the blur asks for, and their harmonics, a column each and a line each.
+/// The same for all gates.
 struct EvenRays {
   std::vector<Vec3> direction;
   Eigen::MatrixXd harmonics;
+  detail::Lines lines;
 };
 EvenRays even_rays(const BeatProblem& problem);
 
-/// Derivatives of the image of one gate: a row per pixel of `chosen`, a column per number of the gate.
-using ImageDerivatives = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-ImageDerivatives image_derivatives(const BeatProblem& problem, const EvenRays& rays, const Eigen::VectorXd& gate,
-                                   const Activity& activity, const std::vector<std::size_t>& chosen);
+/// Derivatives of the image of one gate: a line per pixel of `chosen`, in it a value per number of the gate.
+detail::Lines image_derivatives(const BeatProblem& problem, const EvenRays& rays, const Eigen::VectorXd& gate,
+                                const Activity& activity, const std::vector<std::size_t>& chosen);
 
 }  // namespace dynasurf

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/ventricle/fit/cholesky.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
 #include "dynasurf/ventricle/fit/image_derivatives.hpp"
 
@@ -106,6 +105,14 @@ ThicknessLook look_at_thickness(const BeatProblem& problem, const Eigen::VectorX
   return look;
 }
 
+Eigen::MatrixXd symmetric(const detail::Lines& lower, int count) {
+  Eigen::MatrixXd whole(count, count);
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j <= i; ++j)
+      whole(i, j) = whole(j, i) = static_cast<double>(lower.line(static_cast<std::size_t>(i))[j]);
+  return whole;
+}
+
 }  // namespace
 
 Misfit misfit(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
@@ -122,17 +129,16 @@ Misfit misfit(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
                [&](std::size_t g, std::size_t) { looks[g] = look(problem, g, numbers_of_gates[g], fields, result); });
   const WallCycle cycle = wall_cycle(problem, result.activity);
   const Eigen::VectorXd by_wall = cycle.by_volume.transpose() * cycle.deviation;
-  std::vector<CellGradient> to_cells(gates);
+  CellGradients to_cells = no_gradients(problem.cells, layout.gate, gates);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
     const GateMisfit& gate = looks[g];
     const GateLayout& numbers = layout.gate;
     const std::vector<float> by_cell = see_back(gate.camera, gate.weighted);
-    to_cells[g] = trace_to_cells(problem.cells, numbers, gate.numbers, result.activity[g], by_cell, 0,
-                                 by_wall[static_cast<Eigen::Index>(g)]);
-    Eigen::VectorXd& others = to_cells[g].others;
+    trace_to_cells(problem.cells, numbers, gate.numbers, result.activity[g], by_cell, 0,
+                   by_wall[static_cast<Eigen::Index>(g)], to_cells, g);
+    Eigen::VectorXd& others = to_cells.others[g];
     for (const float w : gate.weighted) others[numbers.background] += static_cast<double>(w);
-    for (int axis = 0; axis < 3; ++axis)
-      others[numbers.width] += dot(gate.weighted, see(gate.camera, result.activity[g].cells, axis));
+    others[numbers.width] = dot(gate.weighted, see_wider(gate.camera, result.activity[g].cells));
     for (int b = 0; b < numbers.blob_count; ++b)
       others[numbers.blobs + b] = dot(gate.weighted, problem.blobs[static_cast<std::size_t>(b)]);
   });
@@ -164,12 +170,12 @@ NormalMatrix normal_matrix(const BeatProblem& problem, const Eigen::VectorXd& un
   std::vector<Eigen::VectorXd> of_wall(gates);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
     const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), unknowns);
-    ImageDerivatives derivatives = image_derivatives(problem, rays, numbers, at.activity[g], chosen);
-    for (std::size_t n = 0; n < chosen.size(); ++n)
-      derivatives.row(static_cast<Eigen::Index>(n)) *= std::sqrt(problem.weight[chosen[n]]);
-    Eigen::MatrixXf squares = Eigen::MatrixXf::Zero(derivatives.cols(), derivatives.cols());
-    squares.selfadjointView<Eigen::Lower>().rankUpdate(derivatives.transpose());
-    of_gate[g] = squares.selfadjointView<Eigen::Lower>().toDenseMatrix().cast<double>();
+    detail::Lines derivatives = image_derivatives(problem, rays, numbers, at.activity[g], chosen);
+    for (std::size_t n = 0; n < chosen.size(); ++n) {
+      const float scale = std::sqrt(problem.weight[chosen[n]]);
+      for (std::size_t i = 0; i < derivatives.length; ++i) derivatives.line(n)[i] *= scale;
+    }
+    of_gate[g] = symmetric(detail::squares_of(derivatives), layout.gate.count());
     of_wall[g] = trace_back(problem.cells, layout.gate, numbers, at.activity[g], {}, 0, 1);
   });
   NormalMatrix matrix{Eigen::MatrixXd::Zero(layout.unknowns, layout.unknowns),
@@ -208,7 +214,7 @@ void minimise(const BeatProblem& problem, Solution& solution, int most_steps, do
     ++solution.steps;
     Eigen::MatrixXd damped = solution.matrix.whole(problem.noise);
     damped.diagonal() += solution.damping * belief;
-    Eigen::VectorXd move = damped.selfadjointView<Eigen::Lower>().llt().solve(solution.misfit.gradient);
+    Eigen::VectorXd move = solve_definite(damped, solution.misfit.gradient);
     const double predicted =
         0.5 * move.dot(solution.misfit.gradient) + 0.5 * solution.damping * move.dot(belief.cwiseProduct(move));
     Misfit next = misfit(problem, solution.unknowns - move);

@@ -88,11 +88,14 @@ void BeatLayout::add_gradient(int g, const Eigen::VectorXd& of_gate, Eigen::Vect
 
 void BeatLayout::add_hessian(int g, const Eigen::MatrixXd& of_gate, Eigen::MatrixXd& of_beat) const {
   const auto& mine = terms[static_cast<std::size_t>(g)];
-  for (int j = 0; j < gate.count(); ++j)
+  Eigen::VectorXd column(unknowns);
+  for (int j = 0; j < gate.count(); ++j) {
+    if (mine[static_cast<std::size_t>(j)].empty()) continue;
+    column.setZero();
+    add_gradient(g, of_gate.col(j), column);
     for (const Term& b : mine[static_cast<std::size_t>(j)])
-      for (int i = 0; i < gate.count(); ++i)
-        for (const Term& a : mine[static_cast<std::size_t>(i)])
-          of_beat(a.unknown, b.unknown) += a.factor * b.factor * of_gate(i, j);
+      of_beat.col(b.unknown).tail(unknowns - b.unknown) += b.factor * column.tail(unknowns - b.unknown);
+  }
 }
 
 BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::VectorXd>& start, const Beliefs& beliefs,

@@ -1,0 +1,42 @@
+#pragma once
+#include <cstddef>
+#include <vector>
+
+namespace dynasurf::detail {
+
+// The loops over many numbers that a fit spends its time in, for any instruction set (field/simd.hpp): every copy
+// returns the same bytes. Sums are in single precision, over pieces in a fixed order.
+
+/// A matrix whose lines lie together, each filled up with zeros to a multiple of `line_step`.
+constexpr std::size_t line_step = 32;
+constexpr std::size_t filled_up(std::size_t count) { return (count + line_step - 1) / line_step * line_step; }
+struct Lines {
+  std::size_t count = 0, length = 0;  // of the lines, without what fills them up
+  std::vector<float> values;
+
+  Lines() = default;
+  Lines(std::size_t lines, std::size_t long_) : count(lines), length(long_), values(lines * filled_up(long_)) {}
+  std::size_t pitch() const { return filled_up(length); }
+  float* line(std::size_t n) { return values.data() + n * pitch(); }
+  const float* line(std::size_t n) const { return values.data() + n * pitch(); }
+};
+
+/// to[i] += factor[n] * from[n][i] for all n < lines, in their order.
+void add_lines(float* to, std::size_t length, const float* const* from, const float* factor, std::size_t lines);
+
+/// Sums over the lines of the products of their numbers: the lower triangle, in lines of its own.
+Lines squares_of(const Lines& lines);
+
+/// to[i][j] -= sum over n < lines of from[n][i] * from[n][j] for i in [begin, end) and j from `first` to i (some
+/// beyond); all of them, and `pitch`, by which lines lie apart, multiples of `line_step`.
+void subtract_squares(const double* from, std::size_t lines, std::size_t pitch, std::size_t first, std::size_t begin,
+                      std::size_t end, double* to);
+
+/// to[g][i] = sum over the first `lines` lines of factor[n * gates + g] * from[n][i], a line of `to` for each gate, for
+/// i in [begin, end), multiples of `line_step`.
+void blend(const Lines& from, std::size_t lines, const float* factor, std::size_t begin, std::size_t end, Lines& to);
+
+/// Its transpose: to[n * gates + g] = sum over i in [begin, end) of from[n][i] * fields[g][i].
+void project(const Lines& from, std::size_t lines, const Lines& fields, std::size_t begin, std::size_t end, float* to);
+
+}  // namespace dynasurf::detail
