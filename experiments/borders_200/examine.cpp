@@ -105,15 +105,16 @@ void compare_borders(const VentricleResult& result, const Phantom& phantom, Outc
                           [](const TrueGate& a, const TrueGate& b) { return a.endo_ml < b.endo_ml; });
   o.border_mm = 0;
   for (const auto& true_gate : {most, least}) {
-    const Gate& gate = result.gates[static_cast<std::size_t>(true_gate - phantom.truth.begin())];
-    o.border_mm = std::max(
-        {o.border_mm, mean_distance(gate.endo->mesh, true_gate->endo), mean_distance(gate.epi->mesh, true_gate->epi)});
+    const auto g = static_cast<std::size_t>(true_gate - phantom.truth.begin());
+    const TriMesh& endo = result.fit ? result.fit->gates[g].endo : result.gates[g].endo->mesh;
+    const TriMesh& epi = result.fit ? result.fit->gates[g].epi : result.gates[g].epi->mesh;
+    o.border_mm = std::max({o.border_mm, mean_distance(endo, true_gate->endo), mean_distance(epi, true_gate->epi)});
   }
 }
 
 }  // namespace
 
-Outcome examine(const Patient& patient, const Phantom& phantom, bool is_heart) {
+Outcome examine(const Patient& patient, const Phantom& phantom, std::string_view preset, bool is_heart) {
   Outcome o;
   o.patient = patient, o.is_heart = is_heart;
   // The steepest place of a blurred wall lies off its border: up to a quarter of the width of the blur.
@@ -121,7 +122,7 @@ Outcome examine(const Patient& patient, const Phantom& phantom, bool is_heart) {
   o.allowed_mm = Vec3(p.lattice.dx_mm, p.lattice.dy_mm, p.lattice.dz_mm).norm() + 0.25 * phantom.fwhm_mm;
   VentricleResult result;
   try {
-    result = reconstruct(phantom.study, ventricle_preset("edges"));
+    result = reconstruct(phantom.study, ventricle_preset(preset));
   } catch (const InputError& e) {
     o.flags = e.what();
     return o;
@@ -138,6 +139,11 @@ Outcome examine(const Patient& patient, const Phantom& phantom, bool is_heart) {
   if (!o.has_surfaces) return o;
   if (result.ef_percent && phantom.ef_percent) o.ef_error = *result.ef_percent - *phantom.ef_percent;
   if (result.edv_ml && phantom.edv_ml) o.edv_ratio = *result.edv_ml / *phantom.edv_ml;
+  if (result.fit && result.fit->ef_percent && phantom.ef_percent) {
+    o.ef_error = result.fit->ef_percent->value - *phantom.ef_percent;
+    o.ef_90 = (result.fit->ef_percent->high() - result.fit->ef_percent->low()) / 2;
+    o.edv_ratio = result.fit->edv_ml.value / *phantom.edv_ml, o.least_edv_ratio = 0.75;
+  }
   compare_borders(result, phantom, o);
   return o;
 }

@@ -20,12 +20,12 @@ void print_line(const Outcome& o) {
   const VirtualPatient& p = o.patient.options;
   std::printf(
       "%3d %s%s def=%-12s gut=%d rv=%.1f edv=%3.0f ef=%2.0f fwhm=%4.1f px=%.1f sl=%.1f g=%2d n=%3.0f | %s %s ef%+6.1f "
-      "edv x%.2f axis %5.1f centre %5.1f across %4.1f base %5.1f div %4.1f border %4.1f/%4.1f | %s | %s\n",
+      "(90: %.1f) edv x%.2f axis %5.1f centre %5.1f across %4.1f base %5.1f div %4.1f border %4.1f/%4.1f | %s | %s\n",
       o.patient.number, o.kind.empty() ? "" : (o.kind + " ").c_str(), o.patient.oblique ? "oblique" : "short  ",
       std::string(word_of(p.defect)).c_str(), p.gut_amplitude > 0 ? 1 : 0, p.right_ventricle, p.edv_ml, p.ef_percent,
       p.fwhm_mm, p.lattice.dx_mm, p.lattice.dz_mm, p.gates, p.noise.peak_counts, o.wrong() ? "WRONG" : "right",
-      std::string(word_of(o.verdict)).c_str(), o.ef_error, o.edv_ratio, o.axis_deg, o.centre_mm, o.across_mm, o.base_mm,
-      o.division, o.border_mm, o.allowed_mm, o.clues.c_str(), o.flags.c_str());
+      std::string(word_of(o.verdict)).c_str(), o.ef_error, o.ef_90, o.edv_ratio, o.axis_deg, o.centre_mm, o.across_mm,
+      o.base_mm, o.division, o.border_mm, o.allowed_mm, o.clues.c_str(), o.flags.c_str());
   std::fflush(stdout);
 }
 
@@ -88,11 +88,11 @@ void print_table(const char* title, const Rows& rows) {
               share_of(known, [](auto& o) { return o.border_mm <= o.allowed_mm; }));
 }
 
-int run_series(int from, int to) {
+int run_series(int from, int to, std::string_view preset) {
   Rows rows;
   for (int n = from; n < to; ++n) {
     const Patient patient = draw_patient(n);
-    rows.push_back(examine(patient, scan(patient)));
+    rows.push_back(examine(patient, scan(patient), preset));
     print_line(rows.back());
   }
   const auto half = [&](bool reporting) {
@@ -107,12 +107,12 @@ int run_series(int from, int to) {
   return 0;
 }
 
-int run_fields(int from, int to) {
+int run_fields(int from, int to, std::string_view preset) {
   for (const std::string_view kind : field_kinds()) {
     Rows rows;
     for (int n = from; n < to; ++n) {
       const Planted p = place_in_field(kind, n);
-      rows.push_back(examine(p.patient, p.phantom));
+      rows.push_back(examine(p.patient, p.phantom, preset));
       rows.back().kind = kind;
       print_line(rows.back());
     }
@@ -121,7 +121,7 @@ int run_fields(int from, int to) {
   return 0;
 }
 
-int run_planted(int from, int to, std::string_view only) {
+int run_planted(int from, int to, std::string_view only, std::string_view preset) {
   Rows rows;
   std::vector<std::string_view> kinds;
   for (const std::string_view kind : failure_kinds())
@@ -129,7 +129,7 @@ int run_planted(int from, int to, std::string_view only) {
   for (const std::string_view kind : kinds)
     for (int n = from; n < to; ++n) {
       const Planted p = plant(kind, n);
-      rows.push_back(examine(p.patient, p.phantom, p.is_heart));
+      rows.push_back(examine(p.patient, p.phantom, preset, p.is_heart));
       rows.back().kind = kind;
       print_line(rows.back());
     }
@@ -149,12 +149,14 @@ int run_planted(int from, int to, std::string_view only) {
 
 int run(int count, char** arguments) {
   std::string what = "series";
+  std::string_view preset = "edges";
+  if (count > 1 && std::string_view(arguments[1]) == "fitted") preset = "unbiased", --count, ++arguments;
   if (count > 1 && std::isalpha(static_cast<unsigned char>(arguments[1][0]))) what = arguments[1], --count, ++arguments;
   const int from = count > 1 ? std::atoi(arguments[1]) : 0, to = count > 2 ? std::atoi(arguments[2]) : from + 200;
-  if (what == "series") return run_series(from, to);
-  if (what == "fields") return run_fields(from, to);
-  if (what == "planted") return run_planted(from, to, count > 3 ? arguments[3] : "");
-  std::fprintf(stderr, "expected series, fields or planted, and two numbers\n");
+  if (what == "series") return run_series(from, to, preset);
+  if (what == "fields") return run_fields(from, to, preset);
+  if (what == "planted") return run_planted(from, to, count > 3 ? arguments[3] : "", preset);
+  std::fprintf(stderr, "expected [fitted] series, fields or planted, and two numbers\n");
   return 1;
 }
 

@@ -243,6 +243,22 @@ TEST(Judge, AsksToCheckASmallHeartOfWhichMuchOfTheWallIsNotSeen) {
   EXPECT_FALSE(is_flagged(result, "wall_missing"));
 }
 
+TEST(Judge, BelievesAFitThatIsSureOfWhatEdgesCannotTell) {
+  VentricleResult result = good_result();
+  result.heart->cup = {{0, 0, 0}, {0, 0, 1}, 30, 40, 25};
+  give_shape(result, 35, 45, 23);
+  result.heart->ridge_share = 0.8;
+  result.qgs_like = {{110, 95, 70, 20, 55, 75, 90, 105}, {}};
+  const Codes doubts{"wall_missing", "readings_disagree"};
+  result.fit.emplace();
+  result.fit->ef_percent = {60, 3.1};  // within 5.1 points
+  EXPECT_EQ(codes_of(result), doubts);
+  EXPECT_EQ(verdict_of(judge(result)), Verdict::check);
+  result.fit->ef_percent->sd = 3;
+  EXPECT_EQ(codes_of(result), doubts) << "readers are still told";
+  EXPECT_EQ(verdict_of(judge(result)), Verdict::ok);
+}
+
 TEST(Judge, DoesNotMissTheOuterBorderOfABloodPool) {
   VentricleResult result = good_result();
   for (Gate& gate : result.gates) gate.epi.reset(), gate.wall_ml.reset(), gate.labels.bright = Bright::cavity;
