@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include <Eigen/LU>
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
+#include "dynasurf/mesh/intersections.hpp"
 #include "dynasurf/mesh/relax.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
@@ -19,9 +21,9 @@ namespace {
 constexpr std::size_t grain = 1024;
 using Places = std::vector<Vec3>;
 
-/// Rows of neighbours of each vertex, one after the other.
+/// Rows of neighbours of each vertex, one after the other, and of the triangles around it.
 struct Rows {
-  std::vector<std::uint32_t> first, neighbour;
+  std::vector<std::uint32_t> first, neighbour, triangle;
 };
 
 Rows rows_of(const TriMesh& mesh) {
@@ -31,10 +33,15 @@ Rows rows_of(const TriMesh& mesh) {
     for (const std::uint32_t v : t) ++r.first[v + 1];
   for (std::size_t v = 0; v + 1 < r.first.size(); ++v) r.first[v + 1] += r.first[v];
   r.neighbour.resize(r.first.back());
+  r.triangle.resize(r.first.back());
   std::vector<std::uint32_t> at(r.first.begin(), r.first.end() - 1);
   // On a closed surface every neighbour is the next corner of exactly one triangle.
-  for (const auto& t : mesh.triangles)
-    for (std::size_t c = 0; c < 3; ++c) r.neighbour[at[t[c]]++] = t[(c + 1) % 3];
+  for (std::uint32_t n = 0; n < mesh.triangles.size(); ++n)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto& t = mesh.triangles[n];
+      r.triangle[at[t[c]]] = n;
+      r.neighbour[at[t[c]]++] = t[(c + 1) % 3];
+    }
   return r;
 }
 
@@ -83,20 +90,45 @@ class Fit {
     return (mesh_.vertices[b] - mesh_.vertices[a]).cross(mesh_.vertices[c] - mesh_.vertices[a]).normalized();
   }
 
+  /// Of all triangles at first; then, as the moves are small, of those around the place where it was. A few triangles
+  /// move far, and are asked all.
   double find_nearest() {
-    const ClosestPoint closest(mesh_);
+    constexpr std::size_t few = 1000;
+    std::optional<ClosestPoint> closest;
+    const bool is_first = on_.front().triangle == SurfacePoint::none;
+    if (is_first || mesh_.triangles.size() <= few) closest.emplace(mesh_);
     return parallel_sum(on_.size(), grain,
                         [&](std::size_t begin, std::size_t end) {
                           double sum = 0;
                           for (std::size_t i = begin; i < end; ++i) {
                             // Where it was, or where the point before it is, is a good guess.
-                            const bool is_known = on_[i].triangle != SurfacePoint::none || i == begin;
-                            on_[i] = closest.from_guess(to_.points[i], on_[is_known ? i : i - 1].triangle);
+                            const std::uint32_t guess = on_[!is_first || i == begin ? i : i - 1].triangle;
+                            on_[i] = closest ? closest->from_guess(to_.points[i], guess) : follow(to_.points[i], guess);
                             sum += std::sqrt(on_[i].distance2);
                           }
                           return sum;
                         }) /
-           static_cast<double>(std::max<std::size_t>(1, on_.size()));
+           static_cast<double>(on_.size());
+  }
+
+  SurfacePoint nearest_in(const Vec3& p, std::uint32_t t) const {
+    const auto& [a, b, c] = mesh_.triangles[t];
+    return closest_on_triangle(p, mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c], t);
+  }
+
+  /// The nearest place from triangle to triangle, starting in one, until none around is nearer.
+  SurfacePoint follow(const Vec3& p, std::uint32_t triangle) const {
+    SurfacePoint best = nearest_in(p, triangle);
+    for (bool any = true; any && *std::min_element(best.weights.begin(), best.weights.end()) <= 0;) {
+      any = false;
+      const auto corner = std::max_element(best.weights.begin(), best.weights.end()) - best.weights.begin();
+      const std::uint32_t v = mesh_.triangles[best.triangle][static_cast<std::size_t>(corner)];
+      for (std::uint32_t i = rows_.first[v]; i < rows_.first[v + 1]; ++i) {
+        const SurfacePoint other = nearest_in(p, rows_.triangle[i]);
+        if (other.distance2 < best.distance2) best = other, any = true;
+      }
+    }
+    return best;
   }
 
   void gather(double mean) {
@@ -250,17 +282,31 @@ class Fit {
 double fit(SurfaceEditor& surface, const FitPoints& to, const FitOptions& options) {
   if (to.points.empty()) return 0;
   std::vector<std::uint32_t> slots;
-  TriMesh mesh = surface.mesh(&slots);
-  Fit fitting(mesh, to, options);
-  double mean = 0;
-  for (int k = 0; k < options.rounds; ++k) {
-    const std::vector<Vec3> safe(surface.positions().begin(), surface.positions().end());
-    mean = fitting.round();
+  const TriMesh start = surface.mesh(&slots);
+  const auto take_over = [&](const TriMesh& mesh) {
     for (std::size_t v = 0; v < slots.size(); ++v) surface.position(slots[v]) = mesh.vertices[v];
+  };
+  const auto rounds = [&](const auto& after_each) {
+    TriMesh mesh = start;
+    Fit fitting(mesh, to, options);
+    double mean = 0;
+    for (int k = 0; k < options.rounds; ++k) {
+      mean = fitting.round();
+      after_each(mesh);
+    }
+    take_over(mesh);
+    return mean;
+  };
+  const double mean = rounds([](const TriMesh&) {});
+  if (self_intersections(surface.mesh()).free()) return mean;
+  take_over(start);
+  // Seldom so: then each round answers for itself.
+  return rounds([&](TriMesh& mesh) {
+    const std::vector<Vec3> safe(surface.positions().begin(), surface.positions().end());
+    take_over(mesh);
     if (take_back_crossings(surface, safe) > 0)
       for (std::size_t v = 0; v < slots.size(); ++v) mesh.vertices[v] = surface.position(slots[v]);
-  }
-  return mean;
+  });
 }
 
 double mean_distance(const SurfaceEditor& surface, std::span<const Vec3> points) {

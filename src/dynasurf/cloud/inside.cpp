@@ -55,35 +55,130 @@ std::array<std::size_t, 8> steps_of(const Lattice& l) {
 
 using Values = std::vector<float>;
 
+/// The nodes that are solved for, as runs along the rows, slab after slab. The others keep the value of their start.
+struct Runs {
+  std::vector<std::pair<std::size_t, std::size_t>> nodes;  // first, and behind the last
+  std::vector<std::size_t> first_of_slab;                  // of its runs, and the end
+};
+
+/// Rows are cut in pieces that the processor can work on at once; a run is made of whole ones.
+class Pieces {
+ public:
+  explicit Pieces(const Lattice& l, std::uint8_t marked)
+      : l_(l),
+        per_row_((static_cast<std::size_t>(l.dims[0]) + length - 3) / length),
+        per_slab_(per_row_ * static_cast<std::size_t>(l.dims[1])),
+        marks_(per_slab_ * static_cast<std::size_t>(l.dims[2]), marked) {}
+
+  /// Those within `reach` nodes of node (i, j, k) along its row.
+  void mark(std::size_t i, std::size_t j, std::size_t k, std::size_t reach) {
+    std::uint8_t* row = marks_.data() + j * per_row_ + k * per_slab_;
+    const std::size_t last = std::min((i + reach) / length, per_row_ - 1);
+    for (std::size_t n = (std::max(i, reach + 1) - reach - 1) / length; n <= last; ++n) row[n] = 1;
+  }
+
+  /// Marks spread as far from row to row and from slab to slab.
+  void spread(std::size_t reach) {
+    spread_along(per_row_, static_cast<std::size_t>(l_.dims[1]), reach);
+    spread_along(per_slab_, static_cast<std::size_t>(l_.dims[2]), reach);
+  }
+
+  Runs runs() const {
+    Runs r;
+    r.first_of_slab.assign(2, 0);
+    const auto row = static_cast<std::size_t>(l_.row()), slab = static_cast<std::size_t>(l_.slab());
+    for (std::size_t k = 1; k + 1 < static_cast<std::size_t>(l_.dims[2]); ++k) {
+      for (std::size_t j = 1; j + 1 < static_cast<std::size_t>(l_.dims[1]); ++j) {
+        const std::uint8_t* marks = marks_.data() + j * per_row_ + k * per_slab_;
+        for (std::size_t n = 0; n < per_row_; ++n) {
+          if (!marks[n]) continue;
+          const std::size_t first = n;
+          while (n + 1 < per_row_ && marks[n + 1]) ++n;
+          const std::size_t base = k * slab + j * row;
+          r.nodes.push_back({base + 1 + first * length, base + std::min(1 + (n + 1) * length, row - 1)});
+        }
+      }
+      r.first_of_slab.push_back(r.nodes.size());
+    }
+    return r;
+  }
+
+ private:
+  static constexpr std::size_t length = 8;
+
+  /// Bytes `step` apart, `count` of them after each other.
+  void spread_along(std::size_t step, std::size_t count, std::size_t reach) {
+    const std::vector<std::uint8_t> before = marks_;
+    for (std::size_t i = 0; i < marks_.size(); ++i) {
+      if (!before[i]) continue;
+      const std::size_t at = i / step % count;
+      const std::size_t first = at - std::min(at, reach), last = std::min(at + reach, count - 1);
+      for (std::size_t n = first; n <= last; ++n) marks_[i + n * step - at * step] = 1;
+    }
+  }
+
+  const Lattice& l_;
+  std::size_t per_row_, per_slab_;
+  std::vector<std::uint8_t> marks_;
+};
+
+Runs all_nodes(const Lattice& l) { return Pieces(l, 1).runs(); }
+
+/// Nodes near the points, and near the surface that the start already shows where there are none: what the next finer
+/// lattice adds to the start is there, and far from both the start is as good.
+Runs nodes_near_surface(const Lattice& l, const OrientedPoints& points, const Values& start) {
+  constexpr std::size_t reach = 4;
+  Pieces pieces(l, 0);
+  const auto row = static_cast<std::size_t>(l.row()), slab = static_cast<std::size_t>(l.slab());
+  Corner c;
+  for (const Vec3& p : points.points)
+    if (corner_of(l, p, Vec3::Zero(), c)) pieces.mark(c.at % row, c.at % slab / row, c.at / slab, reach);
+  for (std::size_t k = 1; k < static_cast<std::size_t>(l.dims[2]); ++k)
+    for (std::size_t j = 1; j < static_cast<std::size_t>(l.dims[1]); ++j)
+      for (std::size_t i = 1; i < row; ++i) {
+        const std::size_t at = k * slab + j * row + i;
+        const bool is_inside = start[at] > 0;
+        if (is_inside != (start[at - 1] > 0) || is_inside != (start[at - row] > 0) ||
+            is_inside != (start[at - slab] > 0))
+          pieces.mark(i, j, k, reach);
+      }
+  pieces.spread(reach);
+  return pieces.runs();
+}
+
 /// The equations on one lattice: the seven-point Laplacian plus, for each point, a pull of its value to 0.
 class Equations {
  public:
-  Equations(const Lattice& lattice, const OrientedPoints& points, double closeness)
-      : lattice_(lattice), steps_(steps_of(lattice)), right_(lattice.size(), 0), scale_(lattice.size(), 6) {
+  Equations(const Lattice& lattice, Runs runs, const OrientedPoints& points, double closeness)
+      : lattice_(lattice),
+        runs_(std::move(runs)),
+        steps_(steps_of(lattice)),
+        right_(lattice.size(), 0),
+        scale_(lattice.size(), 6) {
     gather_slopes(points);
     gather_points(points, closeness);
   }
 
-  /// From the start in `x` by conjugate gradients with the diagonal as preconditioner; the outermost nodes stay.
+  /// From the start in `x` by conjugate gradients with the diagonal as preconditioner.
   void solve(Values& x, int iterations, const Progress& progress) const {
     const std::size_t n = x.size();
     Values r(n, 0), p(n, 0), q(n, 0);
     apply(x, q);
-    const double enough = 1e-10 * sum_rows([&](std::size_t i) { return right_[i] * right_[i]; });
-    double rz_before = 0, rz = sum_rows([&](std::size_t i) {
+    const double enough = 1e-10 * sum_nodes([&](std::size_t i) { return right_[i] * right_[i]; });
+    double rz_before = 0, rz = sum_nodes([&](std::size_t i) {
                             r[i] = right_[i] - q[i];
                             return r[i] * r[i] * scale_[i];
                           });
     for (int k = 0; k < iterations && rz > enough; ++k) {
       progress.check();
       const auto beta = static_cast<float>(k == 0 ? 0 : rz / rz_before);
-      for_rows([&](std::size_t i) { p[i] = r[i] * scale_[i] + beta * p[i]; });
+      for_nodes([&](std::size_t i) { p[i] = r[i] * scale_[i] + beta * p[i]; });
       apply(p, q);
-      const double pq = sum_rows([&](std::size_t i) { return p[i] * q[i]; });
+      const double pq = sum_nodes([&](std::size_t i) { return p[i] * q[i]; });
       if (!(pq > 0)) break;
       const auto alpha = static_cast<float>(rz / pq);
       rz_before = rz;
-      rz = sum_rows([&](std::size_t i) {
+      rz = sum_nodes([&](std::size_t i) {
         x[i] += alpha * p[i];
         r[i] -= alpha * q[i];
         return r[i] * r[i] * scale_[i];
@@ -106,7 +201,7 @@ class Equations {
         const auto v = static_cast<float>(-points.normals[i][static_cast<Eigen::Index>(a)] * points.areas[i] * scale);
         for (std::size_t n = 0; n < 8; ++n) slope[c.at + steps_[n]] += v * c.weight[n];
       }
-      for_rows([&](std::size_t i) {
+      for_nodes([&](std::size_t i) {
         right_[i] -= slope[i] - slope[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(i) - step[a])];
       });
     }
@@ -152,15 +247,12 @@ class Equations {
 
   void apply(const Values& x, Values& y) const {
     const std::ptrdiff_t row = lattice_.row(), slab = lattice_.slab();
-    parallel_for(static_cast<std::size_t>(lattice_.dims[2] - 2), 4, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin + 1; k < end + 1; ++k)
-        for (std::ptrdiff_t j = 1; j < lattice_.dims[1] - 1; ++j) {
-          const std::ptrdiff_t base = static_cast<std::ptrdiff_t>(k) * slab + j * row;
-          const float* in = x.data() + base;
-          float* out = y.data() + base;
-          for (std::ptrdiff_t i = 1; i < row - 1; ++i)
-            out[i] = 6 * in[i] - in[i - 1] - in[i + 1] - in[i - row] - in[i + row] - in[i - slab] - in[i + slab];
-        }
+    for_each_run([&](std::size_t first, std::size_t last) {
+      const float* in = x.data() + first;
+      float* out = y.data() + first;
+      for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(last - first); ++i)
+        out[i] = 6 * in[i] - in[i - 1] - in[i + 1] - in[i - row] - in[i + row] - in[i - slab] - in[i + slab];
+      return 0.0;
     });
     // Cells of one slab reach into the next, so every other slab of cells can be added at a time.
     for (const std::size_t odd : {0, 1})
@@ -184,33 +276,29 @@ class Equations {
     for (std::size_t m = 0; m < 8; ++m) y[c.at + steps_[m]] += out[m];
   }
 
-  /// Calls `body` with the first inner node of each row, and the end of the row.
+  /// Calls `body` with the first node of each run, and the one behind its last.
   template <class Body>
-  double for_each_row(const Body& body) const {
-    const auto row = static_cast<std::size_t>(lattice_.row()), slab = static_cast<std::size_t>(lattice_.slab());
+  double for_each_run(const Body& body) const {
     return parallel_sum(static_cast<std::size_t>(lattice_.dims[2] - 2), 4, [&](std::size_t begin, std::size_t end) {
       double sum = 0;
-      for (std::size_t k = begin + 1; k < end + 1; ++k)
-        for (std::size_t j = 1; j + 1 < static_cast<std::size_t>(lattice_.dims[1]); ++j) {
-          const std::size_t base = k * slab + j * row;
-          sum += body(base + 1, base + row - 1);
-        }
+      for (std::size_t r = runs_.first_of_slab[begin + 1]; r < runs_.first_of_slab[end + 1]; ++r)
+        sum += body(runs_.nodes[r].first, runs_.nodes[r].second);
       return sum;
     });
   }
 
   template <class Body>
-  void for_rows(const Body& body) const {
-    for_each_row([&](std::size_t first, std::size_t last) {
+  void for_nodes(const Body& body) const {
+    for_each_run([&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) body(i);
       return 0.0;
     });
   }
 
-  /// Eight sums side by side in each row, so that the processor can work on them at once.
+  /// Eight sums side by side in each run, so that the processor can work on them at once.
   template <class Body>
-  double sum_rows(const Body& body) const {
-    return for_each_row([&](std::size_t first, std::size_t last) {
+  double sum_nodes(const Body& body) const {
+    return for_each_run([&](std::size_t first, std::size_t last) {
       std::array<float, 8> sums{};
       std::size_t i = first;
       for (; i + 8 <= last; i += 8)
@@ -223,6 +311,7 @@ class Equations {
   }
 
   const Lattice& lattice_;
+  Runs runs_;
   std::array<std::size_t, 8> steps_;
   Values right_, scale_;  // the right side, and one over the diagonal
   std::vector<Cell> cells_;
@@ -339,7 +428,9 @@ std::vector<InsideField> find_inside(const OrientedPoints& points, const InsideO
     const Lattice& lattice = lattices[l];
     Values x = fields.empty() ? Values(lattice.size(), outside)
                               : refined(lattices[l + 1], fields.back().value.values, lattice);
-    Equations(lattice, l == 0 ? points : seen[l], options.closeness).solve(x, iterations, progress);
+    const OrientedPoints& here = l == 0 ? points : seen[l];
+    Runs runs = fields.empty() ? all_nodes(lattice) : nodes_near_surface(lattice, here, x);
+    Equations(lattice, std::move(runs), here, options.closeness).solve(x, iterations, progress);
     iterations = std::max(10, iterations * 2 / 3);
     InsideField field;
     field.value.grid = Grid{.dims = lattice.dims};

@@ -54,7 +54,7 @@ int cells_for(const CloudFacts& facts, const std::vector<Vec3>& points, const Cl
   Eigen::AlignedBox3d box;
   for (const Vec3& p : points) box.extend(p);
   const double finest = std::max(1.4 * facts.spacing, 2 * facts.noise);
-  const int useful = std::clamp(static_cast<int>(1.4 * std::sqrt(triangles)), 64, 256);
+  const int useful = std::clamp(static_cast<int>(1.2 * std::sqrt(triangles)), 64, 256);
   return std::clamp(static_cast<int>(box.sizes().maxCoeff() / std::max(finest, 1e-300)), 16, useful);
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "dynasurf/cloud/lod.hpp"
+#include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/report/cloud_report.hpp"
 #include "dynasurf/report/page_parts.hpp"
@@ -73,32 +74,36 @@ Json levels_json(const CloudResult& result, const Box& box, double& full_error) 
 }
 
 /// How level n grows out of level n + 1.
-Json transitions_json(const CloudResult& result, const Box& box) {
-  Json json = Json::array();
-  for (std::size_t n = 0; n + 1 < result.levels.size(); ++n) {
-    const TriMesh &fine = result.levels[n].mesh, &coarse = result.levels[n + 1].mesh;
-    if (fine.triangles.empty() || coarse.triangles.empty()) {
-      json.push_back(nullptr);
-      continue;
-    }
-    json.push_back(transition_json(lod_transition(coarse, fine), box));
-  }
-  return json;
+Json growth_json(const CloudResult& result, const Box& box, std::size_t n) {
+  const TriMesh &fine = result.levels[n].mesh, &coarse = result.levels[n + 1].mesh;
+  if (fine.triangles.empty() || coarse.triangles.empty()) return nullptr;
+  return transition_json(lod_transition(coarse, fine), box);
 }
 
 }  // namespace
 
 std::string cloud_report_html(const CloudRun& run, const Provenance& provenance, Timings timings) {
-  const Box box = box_of(run.result);
+  const CloudResult& result = run.result;
+  const Box box = box_of(result);
   double full_error = 0;
+  Json points, levels;
+  std::vector<Json> growths(result.levels.empty() ? 0 : result.levels.size() - 1);
+  parallel_for(growths.size() + 2, 1, [&](std::size_t task, std::size_t) {
+    if (task < growths.size())
+      growths[task] = growth_json(result, box, task);
+    else if (task == growths.size())
+      levels = levels_json(result, box, full_error);
+    else
+      points = points_json(result.used, box);
+  });
   Json data;
   data["results"] = cloud_results_json(run, provenance, timings);
   data["low"] = {box.low[0], box.low[1], box.low[2]};
   data["high"] = {box.high[0], box.high[1], box.high[2]};
-  data["cloud"] = points_json(run.result.used, box);
-  data["levels"] = levels_json(run.result, box, full_error);
+  data["cloud"] = std::move(points);
+  data["levels"] = std::move(levels);
   data["full_error"] = full_error;
-  data["transitions"] = transitions_json(run.result, box);
+  data["transitions"] = std::move(growths);
   return filled_page(cloud_page_template(), data);
 }
 
