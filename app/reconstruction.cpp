@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <functional>
 
 #include <nlohmann/json.hpp>
 
@@ -237,6 +238,24 @@ std::string results_text(const VentricleResult& result, const Provenance& proven
   return json.dump(2) + "\n";
 }
 
+/// Every file of a usual result. They know nothing of each other: the page takes as long as all others together.
+void write_files(const Outcome& outcome, const Provenance& provenance, const Job& job, const fs::path& folder) {
+  const VentricleResult& result = outcome.result;
+  const std::function<void()> writers[] = {
+      // The page tells no times, so that equal runs give equal pages.
+      [&] { write_report(result, provenance, folder / "report.html", Timings::omit); },
+      [&] { write_surfaces(result, job, folder); },
+      [&] { write_measures(result, folder); },
+      [&] { write_cycle(result, folder); },
+      [&] { write_keyframes(result, job, folder); },
+      [&] {
+        write_file(folder / "options.json", provenance.options_json);
+        write_file(folder / "results.json", outcome.json);
+        write_file(folder / "results.csv", results_csv(result));
+      }};
+  parallel_for(std::size(writers), 1, [&](std::size_t n, std::size_t) { writers[n](); });
+}
+
 }  // namespace
 
 std::vector<std::string> hashes_of_study(const fs::path& study) {
@@ -272,15 +291,7 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   }
   progress.check();
   outcome.json = results_text(outcome.result, provenance, job);
-  write_file(folder.path() / "options.json", provenance.options_json);
-  write_file(folder.path() / "results.json", outcome.json);
-  write_file(folder.path() / "results.csv", results_csv(outcome.result));
-  write_surfaces(outcome.result, job, folder.path());
-  write_measures(outcome.result, folder.path());
-  write_keyframes(outcome.result, job, folder.path());
-  write_cycle(outcome.result, folder.path());
-  // The page tells no times, so that equal runs give equal pages.
-  write_report(outcome.result, provenance, folder.path() / "report.html", Timings::omit);
+  write_files(outcome, provenance, job, folder.path());
   write_for_reading_room(outcome.result, provenance, job, folder.path());
   progress.check();
   folder.publish();

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
+#include "dynasurf/core/parallel.hpp"
 #include "dynasurf/ventricle/fit/cholesky.hpp"
 #include "dynasurf/ventricle/fit/lane_math.hpp"
 #include "dynasurf/ventricle/fit/loops.hpp"
@@ -128,11 +129,15 @@ TEST(FitLoops, SolveDefiniteMatricesOfAnySize) {
     Eigen::MatrixXd a = root * root.transpose();
     a.diagonal().array() += 1;
     const Eigen::VectorXd expected = Eigen::VectorXd::NullaryExpr(count, [&] { return drawn(random); });
-    const Eigen::VectorXd b = a * expected;
-    Eigen::MatrixXd lower = a;
+    const Eigen::VectorXd diagonal = Eigen::VectorXd::LinSpaced(count, 0.5, 2);
+    const Eigen::VectorXd b = a * expected + diagonal.cwiseProduct(expected);
+    RowMatrix lower = a;
     lower.triangularView<Eigen::StrictlyUpper>().setConstant(1e300);  // must not be read
     // Conditions up to a few hundred times the count.
-    EXPECT_LT((solve_definite(lower, b) - expected).norm(), 1e-10 * expected.norm()) << count;
+    const Eigen::VectorXd solved = solve_definite(lower, diagonal, b);
+    EXPECT_LT((solved - expected).norm(), 1e-10 * expected.norm()) << count;
+    const ThreadLimit one(1);
+    EXPECT_EQ(solve_definite(lower, diagonal, b), solved) << count;
   }
 }
 

@@ -1,13 +1,16 @@
 #include "dynasurf/io/atomic_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <vector>
 
 #include <fcntl.h>
@@ -42,14 +45,44 @@ void sync_path(const fs::path& path, int flags) {
 
 void sync_folder(const fs::path& path) { sync_path(path, O_RDONLY | O_DIRECTORY); }
 
+/// Asks the system to begin to write a file, so that syncing one file after the other finds most of it done: a file
+/// system writes its journal once then, not once per file. A hint: where it is refused, syncing takes longer.
+void begin_to_write(const fs::path& path) {
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.fd >= 0) ::sync_file_range(file.fd, 0, 0, SYNC_FILE_RANGE_WRITE);
+}
+
+/// Several at a time, for they wait for the disk and not for a processor.
+void sync_files(const std::vector<fs::path>& files) {
+  constexpr std::size_t at_once = 8;
+  for (const fs::path& file : files) begin_to_write(file);
+  std::array<std::exception_ptr, at_once> failures;
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t t = 0; t < std::min(at_once, files.size()); ++t)
+      threads.emplace_back([&, t] {
+        try {
+          for (std::size_t n = t; n < files.size(); n += at_once) sync_path(files[n], O_RDONLY);
+        } catch (...) {
+          failures[t] = std::current_exception();
+        }
+      });
+  }
+  for (const std::exception_ptr& failure : failures)
+    if (failure) std::rethrow_exception(failure);
+}
+
 void sync_tree(const fs::path& folder) {
+  std::vector<fs::path> files, folders;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.is_symlink()) continue;
     if (entry.is_directory())
-      sync_folder(entry.path());
+      folders.push_back(entry.path());
     else if (entry.is_regular_file())
-      sync_path(entry.path(), O_RDONLY);
+      files.push_back(entry.path());
   }
+  sync_files(files);
+  for (const fs::path& inner : folders) sync_folder(inner);
   sync_folder(folder);
 }
 

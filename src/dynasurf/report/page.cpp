@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/report/leading_walls.hpp"
 #include "dynasurf/report/measures.hpp"
@@ -129,9 +130,16 @@ Json pictures_json(const VentricleResult& result) {
   json["columns"] = (dims[0] + bin - 1) / bin;
   json["rows"] = (dims[1] + bin - 1) / bin;
   json["gates"] = study.gates.size();
-  json["pixels"] = packed(image_bytes(study, bin));
+  std::string pixels, drawn;
+  parallel_for(2, 1, [&](std::size_t task, std::size_t) {
+    if (task == 0)
+      pixels = packed(image_bytes(study, bin));
+    else
+      drawn = packed(mark_bytes(result, bin));
+  });
+  json["pixels"] = std::move(pixels);
   json["marked_gates"] = result.gates.size();
-  json["marks"] = packed(mark_bytes(result, bin));
+  json["marks"] = std::move(drawn);
   json["labels"] = std::move(marks);
   return json;
 }

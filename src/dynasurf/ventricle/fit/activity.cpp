@@ -38,7 +38,7 @@ Lines spread_over_cells(const HeartCells& cells, const std::vector<Eigen::Vector
   std::vector<float> numbers;
   for (int k = 0; k < count; ++k)
     for (std::size_t g = 0; g < fields.count; ++g) numbers.push_back(static_cast<float>(gates[g][first + k]));
-  parallel_for(fields.pitch(), cells_at_once, [&](std::size_t begin, std::size_t end) {
+  parallel_for(fields.pitch(), cells_at_once / 4, [&](std::size_t begin, std::size_t end) {
     blend(cells.harmonics, static_cast<std::size_t>(count), numbers.data(), begin, end, fields);
   });
   return fields;
@@ -224,8 +224,9 @@ Activity lay_out(const HeartCells& cells, const GateLayout& layout, const Eigen:
 }
 
 CellGradients no_gradients(const HeartCells& cells, const GateLayout& layout, std::size_t gates) {
-  const Lines none(gates, cells.cell.size());
-  return {none, none, none, std::vector<Eigen::VectorXd>(gates, Eigen::VectorXd::Zero(layout.count()))};
+  const std::size_t count = cells.cell.size();
+  return {Lines(gates, count), Lines(gates, count), Lines(gates, count),
+          std::vector<Eigen::VectorXd>(gates, Eigen::VectorXd::Zero(layout.count()))};
 }
 
 void trace_to_cells(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate, const Activity& a,

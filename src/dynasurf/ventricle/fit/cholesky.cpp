@@ -10,14 +10,20 @@
 
 namespace dynasurf {
 
-Eigen::VectorXd solve_definite(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
-  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+Eigen::VectorXd solve_definite(const RowMatrix& a, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& b) {
   constexpr Eigen::Index block = 64;
   const Eigen::Index count = a.rows();
   const auto pitch = static_cast<Eigen::Index>(detail::filled_up(static_cast<std::size_t>(count)));
-  Square lower = Square::Identity(pitch, pitch);
-  lower.topLeftCorner(count, count) = a;
-  Square panel(block, pitch);  // columns of the factor, lying
+  RowMatrix lower(pitch, pitch);
+  parallel_for(static_cast<std::size_t>(pitch), detail::line_step, [&](std::size_t from, std::size_t to) {
+    const auto at = static_cast<Eigen::Index>(from), end = static_cast<Eigen::Index>(to);
+    lower.middleRows(at, end - at) = RowMatrix::Identity(pitch, pitch).middleRows(at, end - at);
+    if (at >= count) return;
+    const Eigen::Index rows = std::min(end, count) - at;
+    lower.block(at, 0, rows, at + rows) = a.block(at, 0, rows, at + rows);
+    lower.diagonal().segment(at, rows) += diagonal.segment(at, rows);
+  });
+  RowMatrix panel(block, pitch);  // columns of the factor, lying
   for (Eigen::Index k = 0; k < pitch; k += block) {
     const Eigen::Index columns = std::min(block, pitch - k), rest = pitch - k - columns;
     const Eigen::MatrixXd corner = lower.block(k, k, columns, columns);

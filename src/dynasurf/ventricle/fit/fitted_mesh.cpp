@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
 #include "dynasurf/ventricle/fit/wall_posterior.hpp"
@@ -30,13 +31,14 @@ class Walls {
   };
   Ray along(const Vec3& direction) {
     harmonics_at(direction, std::max({layout_.endo_degree, layout_.wall_degree, layout_.uptake_degree}), harmonics_);
-    Ray ray;
-    const double cavity = std::exp(3 * field(layout_.endo, layout_.endo_degree));
-    const double muscle = std::exp(field(layout_.wall, layout_.wall_degree));
-    ray.endo = std::cbrt(cavity + papillary_share_ * muscle);
-    ray.epi = std::cbrt(cavity + muscle);
+    Ray ray = walls_here();
     ray.uptake = std::exp(field(layout_.uptake, layout_.uptake_degree));
     return ray;
+  }
+  /// Without the uptake, which has finer harmonics.
+  Ray walls_along(const Vec3& direction) {
+    harmonics_at(direction, std::max(layout_.endo_degree, layout_.wall_degree), harmonics_);
+    return walls_here();
   }
   Vec3 point(const Vec3& direction, double q) const { return (q * direction).cwiseProduct(frame_.scale); }
   double above_base(const Vec3& heart) const {
@@ -45,6 +47,11 @@ class Walls {
   const HeartFrame& frame() const { return frame_; }
 
  private:
+  Ray walls_here() const {
+    const double cavity = std::exp(3 * field(layout_.endo, layout_.endo_degree));
+    const double muscle = std::exp(field(layout_.wall, layout_.wall_degree));
+    return {std::cbrt(cavity + papillary_share_ * muscle), std::cbrt(cavity + muscle), 0};
+  }
   double field(int first, int degree) const {
     double sum = 0;
     for (int k = 0; k < harmonics_up_to(degree); ++k) sum += gate_[first + k] * harmonics_[static_cast<std::size_t>(k)];
@@ -65,7 +72,7 @@ Vec3 direction_at(double from_apex, double angle) {
 double rim_angle(Walls& walls, double angle, bool outer) {
   const auto above = [&](double from_apex) {
     const Vec3 d = direction_at(from_apex, angle);
-    const Walls::Ray ray = walls.along(d);
+    const Walls::Ray ray = walls.walls_along(d);
     return walls.above_base(walls.point(d, outer ? ray.epi : ray.endo));
   };
   constexpr double step = M_PI / 36;
@@ -111,7 +118,7 @@ TriMesh wall_mesh(Walls& walls, bool outer, const Grid& grid, std::vector<double
   for (int r = 1; r <= wall_rings; ++r)
     for (int s = 0; s < around; ++s) {
       const Vec3 d = direction_at(rims[static_cast<std::size_t>(s)] * r / wall_rings, 2 * M_PI * s / around);
-      const Walls::Ray ray = walls.along(d);
+      const Walls::Ray ray = uptake ? walls.along(d) : walls.walls_along(d);
       const Vec3 p = walls.point(d, outer ? ray.epi : ray.endo);
       add(p, ray.uptake);
       if (r == wall_rings) rim_points.push_back(p);
@@ -211,11 +218,11 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
   const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
   const auto gates = static_cast<std::size_t>(layout.gates);
   std::vector<Eigen::VectorXd> by_cavity(gates), by_wall(gates);
-  std::vector<double> wall;
-  for (std::size_t g = 0; g < gates; ++g) {
+  beat.gates.resize(gates);
+  parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
     const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), solution.unknowns);
     Walls walls(problem, numbers, papillary_share);
-    FittedGate gate;
+    FittedGate& gate = beat.gates[g];
     gate.endo = wall_mesh(walls, false, grid, g == 0 ? &beat.uptake : nullptr);
     gate.epi = wall_mesh(walls, true, grid, nullptr);
     gate.endo_ml.value = volume_mm3(gate.endo) / 1000;
@@ -236,9 +243,9 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
     by_wall[g] = of_beat(0, 1 - papillary_share);
     gate.endo_ml.sd = spread_of(by_cavity[g], factor);
     gate.epi_ml.sd = spread_of(by_cavity[g] + by_wall[g], factor);
-    wall.push_back(gate.epi_ml.value - gate.endo_ml.value);
-    beat.gates.push_back(std::move(gate));
-  }
+  });
+  std::vector<double> wall;
+  for (const FittedGate& gate : beat.gates) wall.push_back(gate.epi_ml.value - gate.endo_ml.value);
   Eigen::VectorXd mean_wall = Eigen::VectorXd::Zero(layout.unknowns);
   for (std::size_t g = 0; g < gates; ++g) {
     beat.wall_ml.value += wall[g] / static_cast<double>(gates);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "dynasurf/ventricle/fit/harmonics.hpp"
 
@@ -101,21 +102,32 @@ class RayPainter {
         sigma_mm_(sigma_mm),
         edge_mm_(problem.cells.lattice.edge_mm),
         row_of_(problem.pixels.size(), -1),
-        touched_at_(problem.pixels.size(), -1),
         seen_by_(chosen.size(), 0) {
     for (std::size_t n = 0; n < chosen.size(); ++n) row_of_[chosen[n]] = static_cast<int>(n);
   }
 
   void paint(const WallRay& ray, std::size_t number) {
-    for (const Touched& t : touched_) touched_at_[t.pixel] = -1;
-    touched_.clear();
-    for (int p = 0; p < WallRay::points; ++p)
-      if (!ray.by_field[p].isZero(0)) collect(ray.position[p], ray.by_field[p]);
-    for (const Touched& t : touched_) {
-      const auto row = static_cast<std::size_t>(row_of_[t.pixel]);
-      views_.push_back({row, number, t.by_field});
-      ++seen_by_[row];
+    std::array<std::array<Seen, 3>, WallRay::points> seen;
+    Index3 first = pixels_.count, end{0, 0, 0};
+    for (std::size_t p = 0; p < seen.size(); ++p) {
+      if (ray.by_field[p].isZero(0)) continue;
+      for (std::size_t a = 0; a < 3; ++a)
+        seen[p][a] =
+            seen_along(pixels_, static_cast<int>(a), ray.position[p][static_cast<int>(a)], sigma_mm_, edge_mm_);
+      if (!is_seen(seen[p])) continue;
+      for (std::size_t a = 0; a < 3; ++a) {
+        first[a] = std::min(first[a], seen[p][a].from);
+        end[a] = std::max(end[a], seen[p][a].from + static_cast<int>(seen[p][a].weight.size()));
+      }
     }
+    const Index3 size{end[0] - first[0], end[1] - first[1], end[2] - first[2]};
+    if (size[0] <= 0) return;
+    box_.assign(
+        static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]),
+        Eigen::Vector3f::Zero());
+    for (std::size_t p = 0; p < seen.size(); ++p)
+      if (is_seen(seen[p])) add_point(seen[p], ray.by_field[p], first, size);
+    look_through_box(first, size, number);
   }
 
   void sum_up(const GateLayout& layout, const EvenRays& rays, detail::Lines& derivatives) const {
@@ -141,42 +153,47 @@ class RayPainter {
   }
 
  private:
-  struct Touched {
-    std::size_t pixel;
-    Eigen::Vector3f by_field;
-  };
   struct View {
-    std::size_t row, ray;
+    std::uint32_t row, ray;
     Eigen::Vector3f by_field;
   };
 
-  void collect(const Vec3& position, const Eigen::Vector3f& by_field) {
-    Seen seen[3];
-    for (int a = 0; a < 3; ++a) seen[a] = seen_along(pixels_, a, position[a], sigma_mm_, edge_mm_);
+  static bool is_seen(const std::array<Seen, 3>& seen) {
+    return !seen[0].weight.empty() && !seen[1].weight.empty() && !seen[2].weight.empty();
+  }
+
+  void add_point(const std::array<Seen, 3>& seen, const Eigen::Vector3f& by_field, const Index3& first,
+                 const Index3& size) {
     for (std::size_t k = 0; k < seen[2].weight.size(); ++k)
       for (std::size_t j = 0; j < seen[1].weight.size(); ++j) {
         const float plane = seen[2].weight[k] * seen[1].weight[j];
-        const std::size_t line =
-            static_cast<std::size_t>(pixels_.count[0]) *
-                (static_cast<std::size_t>(seen[1].from) + j +
-                 static_cast<std::size_t>(pixels_.count[1]) * (static_cast<std::size_t>(seen[2].from) + k)) +
-            static_cast<std::size_t>(seen[0].from);
-        for (std::size_t i = 0; i < seen[0].weight.size(); ++i) {
-          if (row_of_[line + i] < 0) continue;
-          int& at = touched_at_[line + i];
-          if (at < 0) {
-            at = static_cast<int>(touched_.size());
-            touched_.push_back({line + i, Eigen::Vector3f::Zero()});
-          }
-          touched_[static_cast<std::size_t>(at)].by_field += plane * seen[0].weight[i] * by_field;
+        const std::size_t slice = static_cast<std::size_t>(seen[2].from - first[2]) + k,
+                          line = static_cast<std::size_t>(seen[1].from - first[1]) + j;
+        Eigen::Vector3f* at = box_.data() + static_cast<std::size_t>(seen[0].from - first[0]) +
+                              static_cast<std::size_t>(size[0]) * (line + static_cast<std::size_t>(size[1]) * slice);
+        for (std::size_t i = 0; i < seen[0].weight.size(); ++i) at[i] += plane * seen[0].weight[i] * by_field;
+      }
+  }
+
+  void look_through_box(const Index3& first, const Index3& size, std::size_t number) {
+    const Eigen::Vector3f* at = box_.data();
+    for (int k = 0; k < size[2]; ++k)
+      for (int j = 0; j < size[1]; ++j) {
+        const int* row = row_of_.data() + first[0] +
+                         static_cast<std::ptrdiff_t>(pixels_.count[0]) *
+                             (first[1] + j + static_cast<std::ptrdiff_t>(pixels_.count[1]) * (first[2] + k));
+        for (int i = 0; i < size[0]; ++i, ++at) {
+          if (row[i] < 0 || at->isZero(0)) continue;
+          views_.push_back({static_cast<std::uint32_t>(row[i]), static_cast<std::uint32_t>(number), *at});
+          ++seen_by_[static_cast<std::size_t>(row[i])];
         }
       }
   }
 
   const Pixels& pixels_;
   double sigma_mm_, edge_mm_;
-  std::vector<int> row_of_, touched_at_;  // per pixel: its row, and its place among those touched; -1: none
-  std::vector<Touched> touched_;
+  std::vector<int> row_of_;           // per pixel; -1: none
+  std::vector<Eigen::Vector3f> box_;  // what the pixels around one ray see of it
   std::vector<View> views_;           // in the order of the rays
   std::vector<std::size_t> seen_by_;  // views of each row
 };

@@ -11,13 +11,6 @@
 namespace dynasurf {
 namespace {
 
-struct GateMisfit {
-  double data = 0;
-  Eigen::VectorXd numbers;
-  std::vector<float> weighted;  // residual times weight over noise
-  GammaCamera camera;
-};
-
 std::vector<float> picture(const BeatProblem& problem, const Eigen::VectorXd& gate, const Activity& activity,
                            const GammaCamera& camera) {
   const GateLayout& layout = problem.layout.gate;
@@ -38,23 +31,21 @@ double dot(const std::vector<float>& a, const std::vector<float>& b) {
   return sum;
 }
 
-GateMisfit look(const BeatProblem& problem, std::size_t at, const Eigen::VectorXd& numbers, const CellFields& fields,
-                Misfit& result) {
-  GateMisfit gate;
-  gate.numbers = numbers;
-  gate.camera = make_camera(problem.cells.lattice, problem.pixels,
-                            problem.sigma_mm * std::exp(gate.numbers[problem.layout.gate.width]), problem.filtered);
-  result.activity[at] =
-      lay_out(problem.cells, problem.layout.gate, gate.numbers, fields, static_cast<Eigen::Index>(at));
-  std::vector<float>& residual = result.residual[at];
-  residual = picture(problem, gate.numbers, result.activity[at], gate.camera);
-  gate.weighted.resize(residual.size());
-  for (std::size_t n = 0; n < residual.size(); ++n) {
-    residual[n] -= problem.values[at][n];
-    gate.weighted[n] = residual[n] * problem.weight[n] / static_cast<float>(problem.noise);
-    gate.data += 0.5 * static_cast<double>(residual[n] * gate.weighted[n]);
-  }
-  return gate;
+std::vector<Eigen::VectorXd> numbers_of_gates(const BeatLayout& layout, const Eigen::VectorXd& unknowns) {
+  std::vector<Eigen::VectorXd> numbers;
+  for (int g = 0; g < layout.gates; ++g) numbers.push_back(layout.at_gate(g, unknowns));
+  return numbers;
+}
+
+/// The width of the point spread is the same in all gates.
+GammaCamera camera_of(const BeatProblem& problem, const std::vector<Eigen::VectorXd>& gates) {
+  return make_camera(problem.cells.lattice, problem.pixels,
+                     problem.sigma_mm * std::exp(gates.front()[problem.layout.gate.width]), problem.filtered);
+}
+
+/// Residual times weight over noise.
+float weighted(const BeatProblem& problem, const std::vector<float>& residual, std::size_t n) {
+  return residual[n] * problem.weight[n] / static_cast<float>(problem.noise);
 }
 
 /// Relative deviations of the muscle's volume from its mean, over what is allowed, and their derivatives by the
@@ -115,47 +106,70 @@ Eigen::MatrixXd symmetric(const detail::Lines& lower, int count) {
 
 }  // namespace
 
-Misfit misfit(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
+Misfit misfit_alone(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
   const BeatLayout& layout = problem.layout;
   const auto gates = static_cast<std::size_t>(layout.gates);
   Misfit result;
   result.residual.resize(gates);
   result.activity.resize(gates);
-  std::vector<GateMisfit> looks(gates);
-  std::vector<Eigen::VectorXd> numbers_of_gates;
-  for (std::size_t g = 0; g < gates; ++g) numbers_of_gates.push_back(layout.at_gate(static_cast<int>(g), unknowns));
-  const CellFields fields = fields_of(problem.cells, layout.gate, numbers_of_gates);
-  parallel_for(gates, 1,
-               [&](std::size_t g, std::size_t) { looks[g] = look(problem, g, numbers_of_gates[g], fields, result); });
-  const WallCycle cycle = wall_cycle(problem, result.activity);
-  const Eigen::VectorXd by_wall = cycle.by_volume.transpose() * cycle.deviation;
-  CellGradients to_cells = no_gradients(problem.cells, layout.gate, gates);
+  const std::vector<Eigen::VectorXd> numbers = numbers_of_gates(layout, unknowns);
+  const GammaCamera camera = camera_of(problem, numbers);
+  const CellFields fields = fields_of(problem.cells, layout.gate, numbers);
+  std::vector<double> data(gates, 0.0);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
-    const GateMisfit& gate = looks[g];
-    const GateLayout& numbers = layout.gate;
-    const std::vector<float> by_cell = see_back(gate.camera, gate.weighted);
-    trace_to_cells(problem.cells, numbers, gate.numbers, result.activity[g], by_cell, 0,
+    result.activity[g] = lay_out(problem.cells, layout.gate, numbers[g], fields, g);
+    std::vector<float>& residual = result.residual[g];
+    residual = picture(problem, numbers[g], result.activity[g], camera);
+    for (std::size_t n = 0; n < residual.size(); ++n) {
+      residual[n] -= problem.values[g][n];
+      data[g] += 0.5 * static_cast<double>(residual[n] * weighted(problem, residual, n));
+    }
+  });
+  for (const double of_gate : data) result.data += of_gate;
+  result.value = result.data + 0.5 * (unknowns - layout.expected).cwiseQuotient(layout.spread).squaredNorm() +
+                 0.5 * wall_cycle(problem, result.activity).deviation.squaredNorm();
+  if (problem.thickness.harmonics.rows() > 0) {
+    const double deviation =
+        look_at_thickness(problem, numbers[static_cast<std::size_t>(problem.thickness.gate)]).deviation;
+    result.value += 0.5 * deviation * deviation;
+  }
+  return result;
+}
+
+Eigen::VectorXd misfit_gradient(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Misfit& at) {
+  const BeatLayout& layout = problem.layout;
+  const GateLayout& places = layout.gate;
+  const auto gates = static_cast<std::size_t>(layout.gates);
+  const std::vector<Eigen::VectorXd> numbers = numbers_of_gates(layout, unknowns);
+  const GammaCamera camera = camera_of(problem, numbers);
+  const WallCycle cycle = wall_cycle(problem, at.activity);
+  const Eigen::VectorXd by_wall = cycle.by_volume.transpose() * cycle.deviation;
+  CellGradients to_cells = no_gradients(problem.cells, places, gates);
+  parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
+    std::vector<float> by_pixel(at.residual[g].size());
+    for (std::size_t n = 0; n < by_pixel.size(); ++n) by_pixel[n] = weighted(problem, at.residual[g], n);
+    trace_to_cells(problem.cells, places, numbers[g], at.activity[g], see_back(camera, by_pixel), 0,
                    by_wall[static_cast<Eigen::Index>(g)], to_cells, g);
     Eigen::VectorXd& others = to_cells.others[g];
-    for (const float w : gate.weighted) others[numbers.background] += static_cast<double>(w);
-    others[numbers.width] = dot(gate.weighted, see_wider(gate.camera, result.activity[g].cells));
-    for (int b = 0; b < numbers.blob_count; ++b)
-      others[numbers.blobs + b] = dot(gate.weighted, problem.blobs[static_cast<std::size_t>(b)]);
+    for (const float w : by_pixel) others[places.background] += static_cast<double>(w);
+    others[places.width] = dot(by_pixel, see_wider(camera, at.activity[g].cells));
+    for (int b = 0; b < places.blob_count; ++b)
+      others[places.blobs + b] = dot(by_pixel, problem.blobs[static_cast<std::size_t>(b)]);
   });
-  const std::vector<Eigen::VectorXd> gradients = gather(problem.cells, layout.gate, to_cells);
-  const Eigen::VectorXd from_belief = (unknowns - layout.expected).cwiseQuotient(layout.spread);
-  result.gradient = from_belief.cwiseQuotient(layout.spread);
-  for (std::size_t g = 0; g < gates; ++g) {
-    result.data += looks[g].data;
-    layout.add_gradient(static_cast<int>(g), gradients[g], result.gradient);
-  }
-  result.value = result.data + 0.5 * from_belief.squaredNorm() + 0.5 * cycle.deviation.squaredNorm();
+  const std::vector<Eigen::VectorXd> gradients = gather(problem.cells, places, to_cells);
+  Eigen::VectorXd gradient = (unknowns - layout.expected).cwiseQuotient(layout.spread).cwiseQuotient(layout.spread);
+  for (std::size_t g = 0; g < gates; ++g) layout.add_gradient(static_cast<int>(g), gradients[g], gradient);
   if (problem.thickness.harmonics.rows() > 0) {
-    const auto g = static_cast<std::size_t>(problem.thickness.gate);
-    const ThicknessLook thickness = look_at_thickness(problem, numbers_of_gates[g]);
-    result.value += 0.5 * thickness.deviation * thickness.deviation;
-    layout.add_gradient(problem.thickness.gate, thickness.deviation * thickness.by_number, result.gradient);
+    const ThicknessLook thickness =
+        look_at_thickness(problem, numbers[static_cast<std::size_t>(problem.thickness.gate)]);
+    layout.add_gradient(problem.thickness.gate, thickness.deviation * thickness.by_number, gradient);
   }
+  return gradient;
+}
+
+Misfit misfit(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
+  Misfit result = misfit_alone(problem, unknowns);
+  result.gradient = misfit_gradient(problem, unknowns, result);
   return result;
 }
 
@@ -181,8 +195,8 @@ NormalMatrix normal_matrix(const BeatProblem& problem, const Eigen::VectorXd& un
   NormalMatrix matrix{Eigen::MatrixXd::Zero(layout.unknowns, layout.unknowns),
                       layout.spread.cwiseAbs2().cwiseInverse().asDiagonal()};
   Eigen::MatrixXd walls = Eigen::MatrixXd::Zero(layout.unknowns, layout.gates);
+  layout.add_hessian(of_gate, matrix.data);
   for (std::size_t g = 0; g < gates; ++g) {
-    layout.add_hessian(static_cast<int>(g), of_gate[g], matrix.data);
     Eigen::VectorXd column = Eigen::VectorXd::Zero(layout.unknowns);
     layout.add_gradient(static_cast<int>(g), of_wall[g], column);
     walls.col(static_cast<Eigen::Index>(g)) = column;
@@ -203,25 +217,32 @@ void minimise(const BeatProblem& problem, Solution& solution, int most_steps, do
   constexpr int oldest = 5;
   constexpr double least_truth = 0.3;  // of the gain that the matrix predicts
   constexpr double calmest = 1e-4, wildest = 1e8;
-  solution.misfit = misfit(problem, solution.unknowns);
+  solution.misfit = misfit_alone(problem, solution.unknowns);
   solution.converged = false;
-  const auto renew = [&] { solution.matrix = normal_matrix(problem, solution.unknowns, solution.misfit); };
-  if (solution.matrix.rest.rows() != solution.unknowns.size()) renew();
+  RowMatrix whole;
+  const auto renew = [&] {
+    solution.matrix = normal_matrix(problem, solution.unknowns, solution.misfit);
+    whole = solution.matrix.whole(problem.noise);
+  };
+  if (solution.matrix.rest.rows() != solution.unknowns.size())
+    renew();
+  else
+    whole = solution.matrix.whole(problem.noise);
   // Damping in units of what is believed: it holds back what the data hardly tell, and nothing else.
   const Eigen::VectorXd belief = problem.layout.spread.cwiseAbs2().cwiseInverse();
   for (int step = 0; step < most_steps; ++step) {
     progress.check();
     ++solution.steps;
-    Eigen::MatrixXd damped = solution.matrix.whole(problem.noise);
-    damped.diagonal() += solution.damping * belief;
-    Eigen::VectorXd move = solve_definite(damped, solution.misfit.gradient);
+    if (solution.misfit.gradient.size() == 0)
+      solution.misfit.gradient = misfit_gradient(problem, solution.unknowns, solution.misfit);
+    Eigen::VectorXd move = solve_definite(whole, solution.damping * belief, solution.misfit.gradient);
     const double predicted =
         0.5 * move.dot(solution.misfit.gradient) + 0.5 * solution.damping * move.dot(belief.cwiseProduct(move));
-    Misfit next = misfit(problem, solution.unknowns - move);
+    Misfit next = misfit_alone(problem, solution.unknowns - move);
     double gain = solution.misfit.value - next.value;
     // The valley of thick and pale against thin and bright walls bends: a part of the way may lead farther.
     for (int half = 0; half < 2 && !(gain > 0.3 * predicted); ++half) {
-      Misfit part = misfit(problem, solution.unknowns - 0.4 * move);
+      Misfit part = misfit_alone(problem, solution.unknowns - 0.4 * move);
       const double part_gain = solution.misfit.value - part.value;
       if (gain >= part_gain) break;
       move *= 0.4, gain = part_gain, next = std::move(part);

@@ -40,6 +40,9 @@ struct Misfit {
   std::vector<Activity> activity;            // [gate]
 };
 Misfit misfit(const BeatProblem& problem, const Eigen::VectorXd& unknowns);
+/// The same without its gradient, which takes as long again, and the gradient there.
+Misfit misfit_alone(const BeatProblem& problem, const Eigen::VectorXd& unknowns);
+Eigen::VectorXd misfit_gradient(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Misfit& at);
 
 /// Gauss-Newton matrix of the misfit at some unknowns, in parts: the derivatives of the image are those of point
 /// sources on the walls. The first part is that of a noise of 1.

@@ -112,20 +112,33 @@ std::optional<Profiles> profiles_of(const Image& image, const std::vector<Ray>& 
   return p;
 }
 
+/// Along one ray, mm: the base plane, the brightest point, and the two deviations there.
+struct Crossing {
+  double base, middle, inner, outer;
+};
+std::vector<Crossing> crossings_of(const Profiles& p, const std::vector<Ray>& rays, const PlacedStart& start,
+                                   std::size_t gate) {
+  std::vector<Crossing> crossings;
+  for (const Ray& ray : rays)
+    crossings.push_back({to_base(ray, start.frame, start.base[gate]),
+                         std::exp(ray.harmonics.dot(p.middle)) * ray.mm_per_q, std::exp(ray.harmonics.dot(p.inner)),
+                         std::exp(ray.harmonics.dot(p.outer))});
+  return crossings;
+}
+
 struct Volumes {
   double cavity = 0, epi = 0;  // mm3
 };
 
-Volumes volumes_of(const Profiles& p, const std::vector<Ray>& rays, const PlacedStart& start, std::size_t gate,
+Volumes volumes_of(const std::vector<Crossing>& crossings, const std::vector<Ray>& rays, const HeartFrame& frame,
                    double share) {
-  const double solid_angle = 4 * M_PI / ray_count * start.frame.scale.prod() / 3;
+  const double solid_angle = 4 * M_PI / ray_count * frame.scale.prod() / 3;
   Volumes v;
-  for (const Ray& ray : rays) {
-    const double base = to_base(ray, start.frame, start.base[gate]);
-    const double middle = std::exp(ray.harmonics.dot(p.middle)) * ray.mm_per_q;
-    const auto cubed = [&](double mm) { return std::pow(std::clamp(mm, 0.0, base) / ray.mm_per_q, 3); };
-    v.cavity += solid_angle * cubed(middle - share * std::exp(ray.harmonics.dot(p.inner)));
-    v.epi += solid_angle * cubed(middle + share * std::exp(ray.harmonics.dot(p.outer)));
+  for (std::size_t n = 0; n < rays.size(); ++n) {
+    const Crossing& at = crossings[n];
+    const auto cubed = [&](double mm) { return std::pow(std::clamp(mm, 0.0, at.base) / rays[n].mm_per_q, 3); };
+    v.cavity += solid_angle * cubed(at.middle - share * at.inner);
+    v.epi += solid_angle * cubed(at.middle + share * at.outer);
   }
   return v;
 }
@@ -141,22 +154,24 @@ std::optional<QgsLike> read_like_qgs(const Study& study, const FitStart& fit_sta
                [&](std::size_t g, std::size_t) { profiles[g] = profiles_of(study.gates[g], rays, start, g); });
   if (!std::all_of(profiles.begin(), profiles.end(), [](const auto& p) { return p.has_value(); })) return std::nullopt;
   double muscle = 0;
+  std::vector<std::vector<Crossing>> crossings;
   for (std::size_t g = 0; g < gates; ++g) {
-    const Volumes v = volumes_of(*profiles[g], rays, start, g, share_of_deviation);
+    crossings.push_back(crossings_of(*profiles[g], rays, start, g));
+    const Volumes v = volumes_of(crossings[g], rays, start.frame, share_of_deviation);
     muscle += (v.epi - v.cavity) / static_cast<double>(gates);
   }
-  QgsLike reading;
-  for (std::size_t g = 0; g < gates; ++g) {
+  QgsLike reading{std::vector<double>(gates), std::vector<double>(gates)};
+  parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
     double low = 0.1, high = 2;
     for (int n = 0; n < 40; ++n) {
       const double middle = (low + high) / 2;
-      const Volumes v = volumes_of(*profiles[g], rays, start, g, middle);
+      const Volumes v = volumes_of(crossings[g], rays, start.frame, middle);
       (v.epi - v.cavity < muscle ? low : high) = middle;
     }
-    const Volumes v = volumes_of(*profiles[g], rays, start, g, (low + high) / 2);
-    reading.cavity_ml.push_back(v.cavity / 1000);
-    reading.wall_ml.push_back((v.epi - v.cavity) / 1000);
-  }
+    const Volumes v = volumes_of(crossings[g], rays, start.frame, (low + high) / 2);
+    reading.cavity_ml[g] = v.cavity / 1000;
+    reading.wall_ml[g] = (v.epi - v.cavity) / 1000;
+  });
   return reading;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/parallel.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
 
 namespace dynasurf {
@@ -86,16 +87,21 @@ void BeatLayout::add_gradient(int g, const Eigen::VectorXd& of_gate, Eigen::Vect
       of_beat[t.unknown] += t.factor * of_gate[i];
 }
 
-void BeatLayout::add_hessian(int g, const Eigen::MatrixXd& of_gate, Eigen::MatrixXd& of_beat) const {
-  const auto& mine = terms[static_cast<std::size_t>(g)];
-  Eigen::VectorXd column(unknowns);
-  for (int j = 0; j < gate.count(); ++j) {
-    if (mine[static_cast<std::size_t>(j)].empty()) continue;
-    column.setZero();
-    add_gradient(g, of_gate.col(j), column);
-    for (const Term& b : mine[static_cast<std::size_t>(j)])
-      of_beat.col(b.unknown).tail(unknowns - b.unknown) += b.factor * column.tail(unknowns - b.unknown);
-  }
+void BeatLayout::add_hessian(const std::vector<Eigen::MatrixXd>& of_gates, Eigen::MatrixXd& of_beat) const {
+  // Every unknown belongs to one number, so that the columns of a number are nobody else's.
+  constexpr std::size_t numbers_at_once = 16;
+  parallel_for(static_cast<std::size_t>(gate.count()), numbers_at_once, [&](std::size_t begin, std::size_t end) {
+    Eigen::VectorXd column(unknowns);
+    for (std::size_t j = begin; j < end; ++j)
+      for (int g = 0; g < gates; ++g) {
+        const auto at = static_cast<std::size_t>(g);
+        if (terms[at][j].empty()) continue;
+        column.setZero();
+        add_gradient(g, of_gates[at].col(static_cast<Eigen::Index>(j)), column);
+        for (const Term& b : terms[at][j])
+          of_beat.col(b.unknown).tail(unknowns - b.unknown) += b.factor * column.tail(unknowns - b.unknown);
+      }
+  });
 }
 
 BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::VectorXd>& start, const Beliefs& beliefs,

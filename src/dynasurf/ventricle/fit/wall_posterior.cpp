@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "dynasurf/core/parallel.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
 
 namespace dynasurf {
@@ -16,25 +17,29 @@ struct Rays {
   Eigen::VectorXd epi_by_endo, epi_by_wall;  // derivatives of log q_epi by log q_endo and by log of the muscle
 };
 
+/// `degree`: of the harmonics that are wanted, not below that of the walls.
 Rays rays_through(const std::vector<std::optional<Vec3>>& points, const HeartFrame& frame, const Grid& grid,
-                  const GateLayout& layout, const Eigen::VectorXd& gate) {
-  const int degree = std::max({layout.endo_degree, layout.wall_degree, layout.uptake_degree});
+                  const GateLayout& layout, const Eigen::VectorXd& gate, int degree) {
+  constexpr std::size_t rays_at_once = 64;
   const int endo = harmonics_up_to(layout.endo_degree), wall = harmonics_up_to(layout.wall_degree);
   const auto count = static_cast<Eigen::Index>(points.size());
   Rays rays{Eigen::MatrixXd::Zero(count, harmonics_up_to(degree)), Eigen::VectorXd::Zero(count),
             Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count)};
-  std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(degree)));
-  for (Eigen::Index n = 0; n < count; ++n) {
-    const auto& point = points[static_cast<std::size_t>(n)];
-    if (!point) continue;
-    const Vec3 heart = frame.to_heart(to_grid(grid, *point));
-    harmonics_at(heart.cwiseQuotient(frame.scale).normalized(), degree, harmonics);
-    rays.harmonics.row(n) = Eigen::Map<const Eigen::RowVectorXd>(harmonics.data(), rays.harmonics.cols());
-    rays.mm[n] = heart.norm();
-    const double inner = std::exp(3 * rays.harmonics.row(n).head(endo).dot(gate.segment(layout.endo, endo)));
-    const double muscle = std::exp(rays.harmonics.row(n).head(wall).dot(gate.segment(layout.wall, wall)));
-    rays.epi_by_endo[n] = inner / (inner + muscle), rays.epi_by_wall[n] = muscle / (3 * (inner + muscle));
-  }
+  parallel_for(points.size(), rays_at_once, [&](std::size_t begin, std::size_t end) {
+    std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(degree)));
+    for (std::size_t p = begin; p < end; ++p) {
+      const auto& point = points[p];
+      if (!point) continue;
+      const auto n = static_cast<Eigen::Index>(p);
+      const Vec3 heart = frame.to_heart(to_grid(grid, *point));
+      harmonics_at(heart.cwiseQuotient(frame.scale).normalized(), degree, harmonics);
+      rays.harmonics.row(n) = Eigen::Map<const Eigen::RowVectorXd>(harmonics.data(), rays.harmonics.cols());
+      rays.mm[n] = heart.norm();
+      const double inner = std::exp(3 * rays.harmonics.row(n).head(endo).dot(gate.segment(layout.endo, endo)));
+      const double muscle = std::exp(rays.harmonics.row(n).head(wall).dot(gate.segment(layout.wall, wall)));
+      rays.epi_by_endo[n] = inner / (inner + muscle), rays.epi_by_wall[n] = muscle / (3 * (inner + muscle));
+    }
+  });
   return rays;
 }
 
@@ -104,9 +109,11 @@ void WallPosterior::add(int gate, const WallPoints& points, const WallDependence
   const Eigen::VectorXd& numbers = gates_[static_cast<std::size_t>(gate)];
   const int endo = harmonics_up_to(layout.endo_degree), wall = harmonics_up_to(layout.wall_degree);
   const int uptake = harmonics_up_to(layout.uptake_degree);
+  const int of_walls = std::max(layout.endo_degree, layout.wall_degree);
   Eigen::MatrixXd of_gate = Eigen::MatrixXd::Zero(layout.count(), gradient.cols());
   if (dependence.by_endo.cols() > 0 || dependence.by_log_uptake.cols() > 0) {
-    const Rays inner = rays_through(points.endo, frame_, grid_, layout, numbers);
+    const int degree = dependence.by_log_uptake.cols() > 0 ? std::max(of_walls, layout.uptake_degree) : of_walls;
+    const Rays inner = rays_through(points.endo, frame_, grid_, layout, numbers, degree);
     if (dependence.by_endo.cols() > 0)
       of_gate.middleRows(layout.endo, endo) +=
           inner.harmonics.leftCols(endo).transpose() * (inner.mm.asDiagonal() * dependence.by_endo);
@@ -115,7 +122,7 @@ void WallPosterior::add(int gate, const WallPoints& points, const WallDependence
           inner.harmonics.leftCols(uptake).transpose() * dependence.by_log_uptake;
   }
   if (dependence.by_epi.cols() > 0) {
-    const Rays outer = rays_through(points.epi, frame_, grid_, layout, numbers);
+    const Rays outer = rays_through(points.epi, frame_, grid_, layout, numbers, of_walls);
     const Eigen::MatrixXd by_log = outer.mm.asDiagonal() * dependence.by_epi;
     of_gate.middleRows(layout.endo, endo) +=
         outer.harmonics.leftCols(endo).transpose() * (outer.epi_by_endo.asDiagonal() * by_log);
