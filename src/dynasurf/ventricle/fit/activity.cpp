@@ -1,6 +1,7 @@
 #include "dynasurf/ventricle/fit/activity.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "dynasurf/core/error.hpp"
@@ -27,21 +28,23 @@ DYNASURF_INLINE Inside inside_of(float wall, float q, float edge) {
 constexpr std::size_t cells_at_once = 4096;
 constexpr float least_log_uptake = -5, most_log_uptake = 2;
 
-/// Sums of harmonics at the cells, a line per gate.
-Lines spread_over_cells(const HeartCells& cells, const std::vector<Eigen::VectorXd>& gates, int first, int degree) {
+/// Numbers of the gates that are blended at the cells into one field.
+struct Blending {
+  std::size_t harmonics;
+  std::vector<float> numbers;  // [harmonic][gate]
+};
+Blending blending_of(const std::vector<Eigen::VectorXd>& gates, int first, int degree, const HeartCells& cells,
+                     Lines& field) {
   const int count = harmonics_up_to(degree);
   // What all gates have in common is summed once.
   const bool is_common = std::all_of(gates.begin(), gates.end(), [&](const Eigen::VectorXd& gate) {
     return gate.segment(first, count) == gates.front().segment(first, count);
   });
-  Lines fields(is_common ? 1 : gates.size(), cells.cell.size());
-  std::vector<float> numbers;
+  field = Lines(is_common ? 1 : gates.size(), cells.cell.size());
+  Blending blending{static_cast<std::size_t>(count), {}};
   for (int k = 0; k < count; ++k)
-    for (std::size_t g = 0; g < fields.count; ++g) numbers.push_back(static_cast<float>(gates[g][first + k]));
-  parallel_for(fields.pitch(), cells_at_once / 4, [&](std::size_t begin, std::size_t end) {
-    blend(cells.harmonics, static_cast<std::size_t>(count), numbers.data(), begin, end, fields);
-  });
-  return fields;
+    for (std::size_t g = 0; g < field.count; ++g) blending.numbers.push_back(static_cast<float>(gates[g][first + k]));
+  return blending;
 }
 
 const float* line_of(const Lines& fields, std::size_t g) { return fields.line(fields.count == 1 ? 0 : g); }
@@ -189,9 +192,16 @@ HeartCells select_cells(const CellLattice& lattice, const HeartFrame& frame, int
 }
 
 CellFields fields_of(const HeartCells& cells, const GateLayout& layout, const std::vector<Eigen::VectorXd>& gates) {
-  return {spread_over_cells(cells, gates, layout.endo, layout.endo_degree),
-          spread_over_cells(cells, gates, layout.wall, layout.wall_degree),
-          spread_over_cells(cells, gates, layout.uptake, layout.uptake_degree)};
+  CellFields fields;
+  const Blending endo = blending_of(gates, layout.endo, layout.endo_degree, cells, fields.endo),
+                 wall = blending_of(gates, layout.wall, layout.wall_degree, cells, fields.wall),
+                 uptake = blending_of(gates, layout.uptake, layout.uptake_degree, cells, fields.uptake);
+  parallel_for(cells.harmonics.pitch(), cells_at_once / 4, [&](std::size_t begin, std::size_t end) {
+    blend(cells.harmonics, endo.harmonics, endo.numbers.data(), begin, end, fields.endo);
+    blend(cells.harmonics, wall.harmonics, wall.numbers.data(), begin, end, fields.wall);
+    blend(cells.harmonics, uptake.harmonics, uptake.numbers.data(), begin, end, fields.uptake);
+  });
+  return fields;
 }
 
 Activity lay_out(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate) {
@@ -258,22 +268,23 @@ void trace_to_cells(const HeartCells& cells, const GateLayout& layout, const Eig
 std::vector<Eigen::VectorXd> gather(const HeartCells& cells, const GateLayout& layout, const CellGradients& gradients) {
   std::vector<Eigen::VectorXd> numbers = gradients.others;
   const std::size_t gates = numbers.size(), length = cells.harmonics.pitch();
-  const auto project_field = [&](const Lines& field, int first, int degree) {
-    const auto count = static_cast<std::size_t>(harmonics_up_to(degree));
-    std::vector<std::vector<float>> sums((length + cells_at_once - 1) / cells_at_once);
-    parallel_for(length, cells_at_once, [&](std::size_t begin, std::size_t end) {
-      std::vector<float>& sum = sums[begin / cells_at_once];
-      sum.resize(count * gates);
-      project(cells.harmonics, count, field, begin, end, sum.data());
-    });
-    for (const std::vector<float>& sum : sums)
-      for (std::size_t k = 0; k < count; ++k)
-        for (std::size_t g = 0; g < gates; ++g)
-          numbers[g][first + static_cast<Eigen::Index>(k)] += static_cast<double>(sum[k * gates + g]);
-  };
-  project_field(gradients.endo, layout.endo, layout.endo_degree);
-  project_field(gradients.wall, layout.wall, layout.wall_degree);
-  project_field(gradients.uptake, layout.uptake, layout.uptake_degree);
+  const std::array<const Lines*, 3> field{&gradients.endo, &gradients.wall, &gradients.uptake};
+  const std::array<int, 3> first{layout.endo, layout.wall, layout.uptake};
+  const std::array<std::size_t, 3> count{static_cast<std::size_t>(harmonics_up_to(layout.endo_degree)),
+                                         static_cast<std::size_t>(harmonics_up_to(layout.wall_degree)),
+                                         static_cast<std::size_t>(harmonics_up_to(layout.uptake_degree))};
+  const std::size_t pieces = (length + cells_at_once - 1) / cells_at_once;
+  std::vector<std::vector<float>> sums(field.size() * pieces);  // field by field
+  parallel_for(sums.size(), 1, [&](std::size_t task, std::size_t) {
+    const std::size_t f = task / pieces, begin = task % pieces * cells_at_once;
+    sums[task].resize(count[f] * gates);
+    project(cells.harmonics, count[f], *field[f], begin, std::min(begin + cells_at_once, length), sums[task].data());
+  });
+  for (std::size_t task = 0; task < sums.size(); ++task)
+    for (std::size_t k = 0; k < count[task / pieces]; ++k)
+      for (std::size_t g = 0; g < gates; ++g)
+        numbers[g][first[task / pieces] + static_cast<Eigen::Index>(k)] +=
+            static_cast<double>(sums[task][k * gates + g]);
   return numbers;
 }
 
