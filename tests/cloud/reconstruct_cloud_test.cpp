@@ -181,6 +181,26 @@ TEST(ReconstructCloud, TellsOfOutliersThatKeepEachOtherCompany) {
   EXPECT_TRUE(is_told(cloud));
 }
 
+TEST(ReconstructCloud, WarnsOfSurfaceThatNoPointIsNear) {
+  const auto warning = [](const PointCloud& cloud) {
+    CloudOptions options;
+    options.triangles = "500";
+    const Notes notes = reconstruct_cloud(cloud, options).notes;
+    const auto found = std::find_if(notes.begin(), notes.end(), [](const Note& n) {
+      return n.code == "cloud.holes" && n.severity == Severity::warning;
+    });
+    return found == notes.end() ? std::string() : found->message;
+  };
+  PointCloud cloud = make_cloud({.points = 5000});
+  EXPECT_EQ(warning(cloud), "");
+  std::erase_if(cloud.points, [](const Vec3& p) { return p.z() < 0; });
+  const std::string message = warning(cloud), begin = "the surface goes as far as ";
+  ASSERT_TRUE(message.starts_with(begin)) << message;
+  // Of half a sphere the diagonal is 3, and what closes it comes back round: its pole is the root of 2 from the points,
+  // or a little more, for the rim tells the bend to a tenth.
+  EXPECT_NEAR(std::stod(message.substr(begin.size())), 100 * std::sqrt(2) / 3, 5) << message;
+}
+
 /// Of a scan of the vase, whose wall is 2.4 % of the diagonal thick.
 CloudResult noisy_vase(int points, double noise_percent, std::optional<double> told = {}) {
   CloudOptions options;
@@ -205,6 +225,15 @@ TEST(ReconstructCloud, KeepsTheCavityOfANoisyVase) {
   EXPECT_EQ(c.genus, 0);
   EXPECT_LT(c.cloud_to_mesh_mean, 0.0042 * c.cloud_diagonal);
   EXPECT_FALSE(tells_of_loss(result));
+}
+
+// The wall is 4.8 times the smaller noise thick, and 2.4 times the larger.
+TEST(ReconstructCloud, TellsWhenWallsAreThinAgainstTheNoise) {
+  const auto is_told = [](const CloudResult& result) {
+    return std::any_of(result.notes.begin(), result.notes.end(), [](const Note& n) { return n.code == "cloud.thin"; });
+  };
+  EXPECT_FALSE(is_told(noisy_vase(60000, 0.5)));
+  EXPECT_TRUE(is_told(noisy_vase(60000, 1)));
 }
 
 TEST(ReconstructCloud, TellsWhenNoiseHidesACavity) { EXPECT_TRUE(tells_of_loss(noisy_vase(10000, 1, 1))); }

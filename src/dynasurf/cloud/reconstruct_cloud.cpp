@@ -291,13 +291,45 @@ void tell_lost(const Fitting& fitting, double side, Notes& notes) {
                          " of the diagonal from the surface: thin walls or cavities are lost"});
 }
 
-/// Surface far from all points where no hole was found: the points were misunderstood.
+/// Two sides of the surface are nearer to each other than the noise lets them be told apart: what was found there is by
+/// luck, and may have windows or be closed in another scan of the same body.
+void tell_thin(const Fitting& fitting, Notes& notes) {
+  constexpr double least = 4, worth_telling = 0.02;  // of the noise; of the surface
+  constexpr std::size_t samples = 5000;
+  if (!is_noisy(fitting.facts)) return;
+  const TriMesh& mesh = fitting.fine;
+  const auto normal = [&](std::size_t t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    return Vec3((mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]).normalized());
+  };
+  const double thin = least * fitting.facts.noise / fitting.facts.diagonal;
+  const std::size_t step = std::max<std::size_t>(1, mesh.triangles.size() / samples),
+                    asked = mesh.triangles.size() / step;
+  const double near = parallel_sum(asked, 64, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3 facing = normal(i * step), &corner = mesh.vertices[mesh.triangles[i * step][0]];
+      // From half way the other side is the nearer one.
+      const auto faces_another = [&](double along) {
+        const SurfacePoint other = fitting.on_fine(corner + along * facing);
+        return other.distance2 < 0.9 * along * along && normal(other.triangle).dot(facing) < -0.5;
+      };
+      sum += faces_another(-0.5 * thin) || faces_another(0.5 * thin);
+    }
+    return sum;
+  });
+  const double share = near / static_cast<double>(asked);
+  if (share > worth_telling)
+    notes.push_back({Severity::warning, "cloud.thin",
+                     percent(share) + " of the surface has another side of it nearer than four times the noise (" +
+                         percent(thin) + " of the diagonal): walls, gaps and cavities there are uncertain"});
+}
+
+/// Surface far from all points: the larger part of a body that was not scanned, or points that were misunderstood.
 void tell_made_up(CloudResult& result) {
   constexpr double far = 0.1;  // of the diagonal
   const Certificate& finest = result.levels.front().certificate;
-  const bool is_told =
-      std::any_of(result.notes.begin(), result.notes.end(), [](const Note& n) { return n.code == "cloud.holes"; });
-  if (is_told || finest.mesh_to_cloud_largest <= far * finest.cloud_diagonal) return;
+  if (finest.mesh_to_cloud_largest <= far * finest.cloud_diagonal) return;
   result.notes.push_back({Severity::warning, "cloud.holes",
                           "the surface goes as far as " +
                               percent(finest.mesh_to_cloud_largest / finest.cloud_diagonal) +
@@ -354,6 +386,7 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
   });
   const Fitting fitting{fine, *on_fine, {points, normals}, std::span(points).first(scanned), options, p.facts};
   tell_lost(fitting, found.side, result.notes);
+  tell_thin(fitting, result.notes);
   const auto publish = [&](TriMesh mesh, int asked) {
     for (Vec3& v : mesh.vertices) v = frame.out(v);
     add_level(result, p, asked, std::move(mesh));
