@@ -392,8 +392,10 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
     add_level(result, p, asked, std::move(mesh));
   };
   if (options.max_error_percent) {
+    progress("levels", 0, 1);
     const int fewest = fewest_within(surface, fitting, *options.max_error_percent / 100, result.notes, progress);
     publish(surface.mesh(), fewest);
+    progress("levels", 1, 1);
     return;
   }
   for (std::size_t i = 0; i <= triangles.size(); ++i) {
