@@ -133,12 +133,16 @@ TEST(RegionalErrors, SayThatAThinWallIsNotTold) {
   o.lattice = {28, 28, 24, 6, 6, 6};
   VentricleOptions options = ventricle_preset("unbiased");
   options.fit.fwhm_mm = 15;
-  const auto says = [](const VentricleResult& result) {
-    return std::any_of(result.notes.begin(), result.notes.end(),
-                       [](const Note& note) { return note.code == "fit.thin_wall"; });
+  const auto says = [](const VentricleResult& result, Severity severity) {
+    return std::any_of(result.notes.begin(), result.notes.end(), [severity](const Note& note) {
+      return note.code == "fit.thin_wall" && note.severity == severity;
+    });
   };
-  EXPECT_TRUE(says(reconstruct(make_phantom(o).study, options)));
-  EXPECT_FALSE(says(fit_patient(400)));  // 9 mm at 12 mm
+  EXPECT_TRUE(says(reconstruct(make_phantom(o).study, options), Severity::warning));
+  o.edv_ml = 110, o.ef_percent = 60, o.wall_ml = 120;  // 8.7 mm
+  EXPECT_TRUE(says(reconstruct(make_phantom(o).study, options), Severity::info));
+  const VentricleResult healthy = fit_patient(400);  // 9 mm at 12 mm
+  EXPECT_FALSE(says(healthy, Severity::warning) || says(healthy, Severity::info));
 }
 
 TEST(Presets, OfMrReadSharpImagesRight) {
