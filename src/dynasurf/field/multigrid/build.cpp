@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <span>
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/gradient.hpp"
@@ -177,6 +178,7 @@ DYNASURF_INLINE Vec16 data_term(Vec16 squared, const DataTerm& term) {
 
 struct SliceOutcome {
   std::int32_t blocks = 0;
+  int first_row = 0, end_row = 0;  // of those with blocks
   double largest_b = 0, sum_b = 0;
   int largest_bits = 0;
 };
@@ -189,9 +191,13 @@ SliceOutcome number_blocks(Level& l, const Image& map, int k) {
   for (int j = 0; j < l.ny(); ++j) {
     outcome.largest_bits = std::max(outcome.largest_bits, find_changes(row_of(map, j, k), l.nx(), changes.data()));
     std::int32_t* block_of = l.block_of.data() + l.row_number(j, k) * 2 * static_cast<std::size_t>(chunks);
+    const std::int32_t before = outcome.blocks;
     for (int m = 0; m < chunks; ++m)
       for (int half : {0, 1})
         block_of[half * chunks + m] = changes[static_cast<std::size_t>(m)] != 0 ? outcome.blocks++ : -1;
+    if (outcome.blocks == before) continue;
+    if (before == 0) outcome.first_row = j;
+    outcome.end_row = j + 1;
   }
   return outcome;
 }
@@ -233,6 +239,18 @@ DYNASURF_CLONES void fill_blocks(Level& l, const Image& map, int k, std::int32_t
     outcome.largest_b = std::max(outcome.largest_b, static_cast<double>(largest_b[i]));
     outcome.sum_b += static_cast<double>(sum_b[i]);
   }
+}
+
+Rows box_around(std::span<const SliceOutcome> slices) {
+  Rows box;
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    const SliceOutcome& s = slices[k];
+    if (s.blocks == 0) continue;
+    const int slice = static_cast<int>(k);
+    box = box.k1 == 0 ? Rows{slice, slice + 1, s.first_row, s.end_row}
+                      : Rows{box.k0, slice + 1, std::min(box.j0, s.first_row), std::max(box.j1, s.end_row)};
+  }
+  return box;
 }
 
 /// Room for so many blocks, and some more: the next map of a series needs about as many.
@@ -368,11 +386,14 @@ DataStrength build(std::vector<Level>& levels, const Image& map, const Vec3& rat
   };
   each_slice([&](std::size_t k) { outcomes[k] = number_blocks(finest, map, static_cast<int>(k)); });
   for (std::size_t k = 0; k < slices; ++k) first[k + 1] = first[k] + outcomes[k].blocks;
+  finest.data = box_around(outcomes);
   make_room_for_blocks(finest, static_cast<std::size_t>(first[slices]));
   each_slice([&](std::size_t k) { fill_blocks(finest, map, static_cast<int>(k), first[k], term, outcomes[k]); });
   SliceOutcome all;
   for (const SliceOutcome& o : outcomes)
-    all = {0, std::max(all.largest_b, o.largest_b), all.sum_b + o.sum_b, std::max(all.largest_bits, o.largest_bits)};
+    all = {.largest_b = std::max(all.largest_b, o.largest_b),
+           .sum_b = all.sum_b + o.sum_b,
+           .largest_bits = std::max(all.largest_bits, o.largest_bits)};
   if (all.largest_bits >= 0x7f800000 || !std::isfinite(all.largest_b)) detail::check_edge_map(map);  // names the place
   if (all.largest_b == 0) return {};
 

@@ -40,6 +40,11 @@ struct Axis {
   std::vector<float> share;        // of a cell in the width of the coarser cell that holds it
 };
 
+/// The rows [j0, j1) of the slices [k0, k1).
+struct Rows {
+  int k0 = 0, k1 = 0, j0 = 0, j1 = 0;
+};
+
 /// A grid of the hierarchy with its unknowns and its operator (b - lap).
 ///
 /// Colours: a cell is red when i+j+k is even. A row keeps its cells of even i first, then those of odd i, so that the
@@ -58,6 +63,7 @@ struct Level {
   float stretch = 1;  // factor of the corrections that come from the coarser level
   detail::FloatBuffer blocks;
   std::vector<std::int32_t> block_of;  // row, half, block: number of its 80 floats, or -1
+  Rows data;                           // a box around all blocks
   detail::FloatBuffer empty_d;         // d of rows without data, for the first, inner and last row and slice
   std::vector<double> change, size;    // finest: sums of squares over each row's red cells in the last measured sweep
 
@@ -119,8 +125,13 @@ void sweep(Level& level, int k0, int k1, int j0, int j1, int colour, Start start
 /// after black ones were swept.
 void restrict_residual(Level& fine, Level& coarse, int k0, int k1, int j0, int j1);
 
-/// Adds the coarser level's correction to the black cells; red ones need none, their next sweep overwrites them.
-void correct_black(Level& fine, const Level& coarse, int k0, int k1, int j0, int j1);
+/// Adds (b - lap) u to `stretch` times the right-hand side: from residuals to the equation of which u is the first
+/// guess.
+void add_operator(Level& coarse, float stretch, int k0, int k1, int j0, int j1);
+
+/// Adds the coarser level's correction, `stretch` times, to the black cells; red ones need none, their next sweep
+/// overwrites them.
+void correct_black(Level& fine, const Level& coarse, float stretch, int k0, int k1, int j0, int j1);
 
 /// First values of black cells from the coarser level's solution.
 void start_black(Level& fine, const Level& coarse, int k0, int k1, int j0, int j1);

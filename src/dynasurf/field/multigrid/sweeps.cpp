@@ -196,4 +196,28 @@ DYNASURF_CLONES void sweep(Level& l, int k0, int k1, int j0, int j1, int colour,
                               : sweep_rows<Start::measured, true>(l, k0, k1, j0, j1, colour);
 }
 
+DYNASURF_CLONES void add_operator(Level& l, float stretch, int k0, int k1, int j0, int j1) {
+  const View v(l);
+  for (int k = k0; k < k1; ++k)
+    for (int j = j0; j < j1; ++j)
+      for (int half : {0, 1}) {
+        const Row r = row_of(v, j, k, half);
+        const Rates rates = rates_of<false>(v, j, k);
+        const float* towards_far = half == 0 ? v.lane_left(0) : v.lane_right(1);
+        const float* towards_near = half == 0 ? v.lane_right(0) : v.lane_left(1);
+        float* rhs = v.rhs + v.row(j, k) + half * v.slot;
+        const float* b = v.b + v.scalar_row(j, k) + half * v.slot;
+        for (int m = 0; m < v.slot; m += lanes)
+          for (int c = 0; c < 3; ++c) {
+            const std::ptrdiff_t at = 2 * c * v.slot + m;
+            const Vec16 u = load(r.own + at);
+            const Vec16 x =
+                load(towards_far + m) * (u - load(r.far + at)) + load(towards_near + m) * (u - load(r.near + at));
+            const Vec16 y = rates.ym * (u - load(r.ym + at)) + rates.yp * (u - load(r.yp + at));
+            const Vec16 z = rates.zm * (u - load(r.zm + at)) + rates.zp * (u - load(r.zp + at));
+            store(rhs + at, stretch * load(rhs + at) + (load(b + m) * u + (x + (y + z))));
+          }
+      }
+}
+
 }  // namespace dynasurf::multigrid

@@ -305,8 +305,11 @@ DYNASURF_INLINE void interpolate_rows(const View& f, const View& g, int k0, int 
 }
 
 template <bool first>
-DYNASURF_INLINE void interpolate(const Level& fine, const Level& coarse, int k0, int k1, int j0, int j1) {
-  const View f(fine), g(coarse);
+DYNASURF_INLINE void interpolate(const Level& fine, const Level& coarse, float stretch, int k0, int k1, int j0,
+                                 int j1) {
+  View f(fine);
+  const View g(coarse);
+  f.stretch = stretch;
   if (f.halved[0])
     fine.finest ? interpolate_rows<true, first, true>(f, g, k0, k1, j0, j1)
                 : interpolate_rows<false, first, true>(f, g, k0, k1, j0, j1);
@@ -322,12 +325,12 @@ DYNASURF_CLONES void restrict_residual(Level& fine, Level& coarse, int k0, int k
   fine.finest ? restrict_rows<true>(f, g, k0, k1, j0, j1) : restrict_rows<false>(f, g, k0, k1, j0, j1);
 }
 
-DYNASURF_CLONES void correct_black(Level& fine, const Level& coarse, int k0, int k1, int j0, int j1) {
-  interpolate<false>(fine, coarse, k0, k1, j0, j1);
+DYNASURF_CLONES void correct_black(Level& fine, const Level& coarse, float stretch, int k0, int k1, int j0, int j1) {
+  interpolate<false>(fine, coarse, stretch, k0, k1, j0, j1);
 }
 
 DYNASURF_CLONES void start_black(Level& fine, const Level& coarse, int k0, int k1, int j0, int j1) {
-  interpolate<true>(fine, coarse, k0, k1, j0, j1);
+  interpolate<true>(fine, coarse, 1, k0, k1, j0, j1);
 }
 
 namespace {

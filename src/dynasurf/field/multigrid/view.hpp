@@ -11,7 +11,7 @@ namespace dynasurf::multigrid {
 /// would read its members again after every vector.
 struct View {
   int slot, nx, ny, nz;
-  float stretch;
+  float stretch = 1;  // of corrections
   std::ptrdiff_t stride;
   float *u, *rhs;
   const float *b, *d, *lane_values, *blocks, *empty_d;
@@ -24,7 +24,6 @@ struct View {
         nx(l.nx()),
         ny(l.ny()),
         nz(l.nz()),
-        stretch(l.stretch),
         stride(static_cast<std::ptrdiff_t>(l.stride)),
         u(l.u.data()),
         rhs(l.rhs.data()),
