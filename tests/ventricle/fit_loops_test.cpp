@@ -71,7 +71,8 @@ TEST(FitLoops, SumSquaresAsAMatrixProductDoes) {
   for (const std::array<std::size_t, 2> size : {std::array<std::size_t, 2>{1, 1}, {300, 37}, {129, 96}}) {
     const Lines lines = some_lines(size[0], size[1], 1);
     const Eigen::MatrixXd expected = dense(lines).transpose() * dense(lines);
-    const Lines squares = squares_of(lines);
+    Lines squares = no_squares(lines.length);
+    add_squares(lines, lines.count, squares);
     for (Eigen::Index i = 0; i < expected.rows(); ++i)
       for (Eigen::Index j = 0; j <= i; ++j)
         // Rounding of a sum of a few hundred products below 1.

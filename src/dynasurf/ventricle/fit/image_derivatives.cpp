@@ -130,26 +130,27 @@ class RayPainter {
     look_through_box(first, size, number);
   }
 
-  void sum_up(const GateLayout& layout, const EvenRays& rays, detail::Lines& derivatives) const {
-    std::vector<std::size_t> end(seen_by_.size());  // of the views of each row
+  /// After all rays: sorts what was seen by its row.
+  void sort(const EvenRays& rays) {
     std::size_t sum = 0;
-    for (std::size_t row = 0; row < end.size(); ++row) end[row] = sum, sum += seen_by_[row];
-    std::vector<const float*> harmonics(views_.size());
-    std::array<std::vector<float>, 3> factor;
-    for (auto& of_field : factor) of_field.resize(views_.size());
+    end_.resize(seen_by_.size());
+    for (std::size_t row = 0; row < end_.size(); ++row) end_[row] = sum, sum += seen_by_[row];
+    harmonics_.resize(views_.size());
+    for (auto& of_field : factor_) of_field.resize(views_.size());
     for (const View& view : views_) {
-      const std::size_t at = end[view.row]++;
-      harmonics[at] = rays.lines.line(view.ray);
-      for (std::size_t f = 0; f < 3; ++f) factor[f][at] = view.by_field[static_cast<Eigen::Index>(f)];
+      const std::size_t at = end_[view.row]++;
+      harmonics_[at] = rays.lines.line(view.ray);
+      for (std::size_t f = 0; f < 3; ++f) factor_[f][at] = view.by_field[static_cast<Eigen::Index>(f)];
     }
+  }
+
+  void sum_up(const GateLayout& layout, std::size_t row, float* line) const {
     const int first[3] = {layout.endo, layout.wall, layout.uptake};
     const int degree[3] = {layout.endo_degree, layout.wall_degree, layout.uptake_degree};
-    for (std::size_t row = 0; row < end.size(); ++row) {
-      const std::size_t begin = end[row] - seen_by_[row];
-      for (std::size_t f = 0; f < 3; ++f)
-        detail::add_lines(derivatives.line(row) + first[f], static_cast<std::size_t>(harmonics_up_to(degree[f])),
-                          harmonics.data() + begin, factor[f].data() + begin, seen_by_[row]);
-    }
+    const std::size_t begin = end_[row] - seen_by_[row];
+    for (std::size_t f = 0; f < 3; ++f)
+      detail::add_lines(line + first[f], static_cast<std::size_t>(harmonics_up_to(degree[f])),
+                        harmonics_.data() + begin, factor_[f].data() + begin, seen_by_[row]);
   }
 
  private:
@@ -196,11 +197,42 @@ class RayPainter {
   std::vector<Eigen::Vector3f> box_;  // what the pixels around one ray see of it
   std::vector<View> views_;           // in the order of the rays
   std::vector<std::size_t> seen_by_;  // views of each row
+  std::vector<std::size_t> end_;      // of those of each row, once they are sorted
+  std::vector<const float*> harmonics_;
+  std::array<std::vector<float>, 3> factor_;
 };
 
-void put_column(const std::vector<float>& image, const std::vector<std::size_t>& chosen, int column,
-                detail::Lines& derivatives) {
-  for (std::size_t n = 0; n < chosen.size(); ++n) derivatives.line(n)[column] = image[chosen[n]];
+/// What changes an image as a whole: the number that does, and its derivative.
+struct WholeImage {
+  int number;
+  std::vector<float> image;
+};
+
+std::vector<WholeImage> whole_images(const BeatProblem& problem, const Eigen::VectorXd& gate, const Activity& activity,
+                                     double sigma_mm) {
+  const GateLayout& layout = problem.layout.gate;
+  const GammaCamera camera = make_camera(problem.cells.lattice, problem.pixels, sigma_mm, problem.filtered);
+  const HeartCells& cells = problem.cells;
+  const auto background = static_cast<float>(gate[layout.background]);
+  const auto cavity = static_cast<float>(gate[layout.cavity]);
+  std::vector<WholeImage> images;
+  std::vector<float> lattice(cells.lattice.size(), 0.0F);
+  const auto add = [&](int number, const auto& value_of) {
+    for (std::size_t c = 0; c < cells.cell.size(); ++c) lattice[cells.cell[c]] = value_of(c);
+    images.push_back({number, see(camera, lattice)});
+  };
+  const auto by_height = [&](std::size_t c) {
+    return activity.by_plane[c] *
+           ((activity.uptake[c] - background) * activity.epi[c] + (cavity - activity.uptake[c]) * activity.endo[c]);
+  };
+  add(layout.plane, by_height);
+  add(layout.plane + 1, [&](std::size_t c) { return by_height(c) * cells.x[c]; });
+  add(layout.plane + 2, [&](std::size_t c) { return by_height(c) * cells.y[c]; });
+  add(layout.cavity, [&](std::size_t c) { return activity.below[c] * activity.endo[c]; });
+  add(layout.background, [&](std::size_t c) { return -activity.below[c] * activity.epi[c]; });
+  for (float& v : images.back().image) v += 1.0F;
+  images.push_back({layout.width, see_wider(camera, activity.cells)});
+  return images;
 }
 
 }  // namespace
@@ -225,44 +257,37 @@ EvenRays even_rays(const BeatProblem& problem) {
   return rays;
 }
 
-detail::Lines image_derivatives(const BeatProblem& problem, const EvenRays& rays, const Eigen::VectorXd& gate,
-                                const Activity& activity, const std::vector<std::size_t>& chosen) {
+detail::Lines squares_of_derivatives(const BeatProblem& problem, const EvenRays& rays, const Eigen::VectorXd& gate,
+                                     const Activity& activity, const std::vector<std::size_t>& chosen) {
   const GateLayout& layout = problem.layout.gate;
-  const Pixels& pixels = problem.pixels;
   const double sigma = problem.sigma_mm * std::exp(gate[layout.width]);
-  detail::Lines derivatives(chosen.size(), static_cast<std::size_t>(layout.count()));
   RayPainter painter(problem, sigma, chosen);
   const WallRays walls(problem, gate);
   const double solid_angle = 4 * M_PI / static_cast<double>(rays.direction.size());
   for (std::size_t n = 0; n < rays.direction.size(); ++n)
     painter.paint(walls.along(rays.direction[n], rays.harmonics.col(static_cast<Eigen::Index>(n)), solid_angle), n);
-  painter.sum_up(layout, rays, derivatives);
+  painter.sort(rays);
+  const std::vector<WholeImage> images = whole_images(problem, gate, activity, sigma);
 
-  // The other numbers change the image as a whole.
-  const GammaCamera camera = make_camera(problem.cells.lattice, pixels, sigma, problem.filtered);
-  const HeartCells& cells = problem.cells;
-  const auto background = static_cast<float>(gate[layout.background]);
-  const auto cavity = static_cast<float>(gate[layout.cavity]);
-  std::vector<float> lattice(cells.lattice.size(), 0.0F);
-  const auto column = [&](int number, const auto& value_of) {
-    for (std::size_t c = 0; c < cells.cell.size(); ++c) lattice[cells.cell[c]] = value_of(c);
-    put_column(see(camera, lattice), chosen, number, derivatives);
-  };
-  const auto by_height = [&](std::size_t c) {
-    return activity.by_plane[c] *
-           ((activity.uptake[c] - background) * activity.epi[c] + (cavity - activity.uptake[c]) * activity.endo[c]);
-  };
-  column(layout.plane, by_height);
-  column(layout.plane + 1, [&](std::size_t c) { return by_height(c) * cells.x[c]; });
-  column(layout.plane + 2, [&](std::size_t c) { return by_height(c) * cells.y[c]; });
-  column(layout.cavity, [&](std::size_t c) { return activity.below[c] * activity.endo[c]; });
-  column(layout.background, [&](std::size_t c) { return -activity.below[c] * activity.epi[c]; });
-  for (std::size_t n = 0; n < chosen.size(); ++n) derivatives.line(n)[layout.background] += 1.0F;
-  put_column(see_wider(camera, activity.cells), chosen, layout.width, derivatives);
-  for (std::size_t n = 0; n < chosen.size(); ++n)
-    for (int b = 0; b < layout.blob_count; ++b)
-      derivatives.line(n)[layout.blobs + b] = problem.blobs[static_cast<std::size_t>(b)][chosen[n]];
-  return derivatives;
+  // Some lines at a time, so that they are still in the cache when they are squared.
+  const auto length = static_cast<std::size_t>(layout.count());
+  detail::Lines squares = detail::no_squares(length), lines(detail::lines_at_once, length);
+  for (std::size_t first = 0; first < chosen.size(); first += lines.count) {
+    const std::size_t count = std::min(lines.count, chosen.size() - first);
+    std::fill(lines.values.begin(), lines.values.end(), 0.0F);
+    for (std::size_t n = 0; n < count; ++n) {
+      float* line = lines.line(n);
+      const std::size_t pixel = chosen[first + n];
+      painter.sum_up(layout, first + n, line);
+      for (const WholeImage& whole : images) line[whole.number] = whole.image[pixel];
+      for (int b = 0; b < layout.blob_count; ++b)
+        line[layout.blobs + b] = problem.blobs[static_cast<std::size_t>(b)][pixel];
+      const float scale = std::sqrt(problem.weight[pixel]);
+      for (std::size_t i = 0; i < length; ++i) line[i] *= scale;
+    }
+    detail::add_squares(lines, count, squares);
+  }
+  return squares;
 }
 
 }  // namespace dynasurf

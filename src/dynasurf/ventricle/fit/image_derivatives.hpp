@@ -17,8 +17,9 @@ struct EvenRays {
 };
 EvenRays even_rays(const BeatProblem& problem);
 
-/// Derivatives of the image of one gate: a line per pixel of `chosen`, in it a value per number of the gate.
-detail::Lines image_derivatives(const BeatProblem& problem, const EvenRays& rays, const Eigen::VectorXd& gate,
-                                const Activity& activity, const std::vector<std::size_t>& chosen);
+/// Sums over the pixels of `chosen`, by their weights, of products of the derivatives of one gate's image by two
+/// numbers of the gate: a line per number, the lower triangle.
+detail::Lines squares_of_derivatives(const BeatProblem& problem, const EvenRays& rays, const Eigen::VectorXd& gate,
+                                     const Activity& activity, const std::vector<std::size_t>& chosen);
 
 }  // namespace dynasurf

@@ -184,12 +184,7 @@ NormalMatrix normal_matrix(const BeatProblem& problem, const Eigen::VectorXd& un
   std::vector<Eigen::VectorXd> of_wall(gates);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
     const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), unknowns);
-    detail::Lines derivatives = image_derivatives(problem, rays, numbers, at.activity[g], chosen);
-    for (std::size_t n = 0; n < chosen.size(); ++n) {
-      const float scale = std::sqrt(problem.weight[chosen[n]]);
-      for (std::size_t i = 0; i < derivatives.length; ++i) derivatives.line(n)[i] *= scale;
-    }
-    of_gate[g] = symmetric(detail::squares_of(derivatives), layout.gate.count());
+    of_gate[g] = symmetric(squares_of_derivatives(problem, rays, numbers, at.activity[g], chosen), layout.gate.count());
     of_wall[g] = trace_back(problem.cells, layout.gate, numbers, at.activity[g], {}, 0, 1);
   });
   NormalMatrix matrix{Eigen::MatrixXd::Zero(layout.unknowns, layout.unknowns),

@@ -13,8 +13,7 @@ typedef double DoubleLanes __attribute__((vector_size(64)));
 typedef double LooseDoubleLanes __attribute__((vector_size(64), aligned(8), may_alias));
 
 constexpr std::size_t lane_count = 16;
-constexpr std::size_t lines_at_once = 128;  // of a sum of squares: they stay in the second cache
-constexpr std::size_t tall = 4, wide = 2;   // a tile that stays in registers: numbers, and lanes of numbers
+constexpr std::size_t tall = 4, wide = 2;  // a tile that stays in registers: numbers, and lanes of numbers
 
 /// Adds the products of `lines` lines to one tile; `at` begins its first number, `across` its first lane.
 DYNASURF_INLINE void add_tile(const float* line, std::size_t pitch, std::size_t lines, std::size_t at,
@@ -60,7 +59,7 @@ DYNASURF_INLINE void subtract_tile(const double* line, std::size_t pitch, std::s
 }
 
 DYNASURF_CLONES
-void add_squares(const float* lines, std::size_t count, std::size_t pitch, float* sums) {
+void add_squares_of_some(const float* lines, std::size_t count, std::size_t pitch, float* sums) {
   for (std::size_t across = 0; across < pitch; across += wide * lane_count)
     for (std::size_t at = across; at < pitch; at += tall)
       add_tile(lines, pitch, count, at, across, sums + at * pitch + across);
@@ -125,12 +124,9 @@ void add_lines(float* to, std::size_t length, const float* const* from, const fl
     for (std::size_t i = 0; i < length; ++i) to[i] += factor[n] * from[n][i];
 }
 
-Lines squares_of(const Lines& lines) {
-  const std::size_t pitch = lines.pitch();
-  Lines squares(pitch, pitch);
-  for (std::size_t n = 0; n < lines.count; n += lines_at_once)
-    add_squares(lines.line(n), std::min(lines_at_once, lines.count - n), pitch, squares.values.data());
-  return squares;
+void add_squares(const Lines& lines, std::size_t count, Lines& squares) {
+  for (std::size_t n = 0; n < count; n += lines_at_once)
+    add_squares_of_some(lines.line(n), std::min(lines_at_once, count - n), lines.pitch(), squares.values.data());
 }
 
 DYNASURF_CLONES

@@ -24,8 +24,12 @@ struct Lines {
 /// to[i] += factor[n] * from[n][i] for all n < lines, in their order.
 void add_lines(float* to, std::size_t length, const float* const* from, const float* factor, std::size_t lines);
 
-/// Sums over the lines of the products of their numbers: the lower triangle, in lines of its own.
-Lines squares_of(const Lines& lines);
+/// Lines that `add_squares` takes best at a time: they stay in the second cache.
+constexpr std::size_t lines_at_once = 128;
+/// No sums of squares yet, of lines of this length.
+inline Lines no_squares(std::size_t length) { return {filled_up(length), length}; }
+/// squares[i][j] += sum over the first `count` lines of line[i] * line[j], for j <= i (some beyond).
+void add_squares(const Lines& lines, std::size_t count, Lines& squares);
 
 /// to[i][j] -= sum over n < lines of from[n][i] * from[n][j] for i in [begin, end) and j from `first` to i (some
 /// beyond); all of them, and `pitch`, by which lines lie apart, multiples of `line_step`.
