@@ -1,6 +1,6 @@
 #pragma once
-#include "dynasurf/ventricle/reconstruct.hpp"
 #include "dynasurf/core/stage_clock.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf {
 

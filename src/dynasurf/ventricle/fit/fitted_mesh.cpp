@@ -111,6 +111,7 @@ TriMesh wall_mesh(Walls& walls, bool outer, const Grid& grid, std::vector<double
     if (uptake) uptake->push_back(activity);
   };
   std::vector<double> rims;
+  rims.reserve(around);
   for (int s = 0; s < around; ++s) rims.push_back(rim_angle(walls, 2 * M_PI * s / around, outer));
   const Walls::Ray apex = walls.along({0, 0, -1});
   add(walls.point({0, 0, -1}, outer ? apex.epi : apex.endo), apex.uptake);

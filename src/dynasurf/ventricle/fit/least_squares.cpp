@@ -33,6 +33,7 @@ double dot(const std::vector<float>& a, const std::vector<float>& b) {
 
 std::vector<Eigen::VectorXd> numbers_of_gates(const BeatLayout& layout, const Eigen::VectorXd& unknowns) {
   std::vector<Eigen::VectorXd> numbers;
+  numbers.reserve(static_cast<std::size_t>(layout.gates));
   for (int g = 0; g < layout.gates; ++g) numbers.push_back(layout.at_gate(g, unknowns));
   return numbers;
 }

@@ -119,6 +119,7 @@ struct Crossing {
 std::vector<Crossing> crossings_of(const Profiles& p, const std::vector<Ray>& rays, const PlacedStart& start,
                                    std::size_t gate) {
   std::vector<Crossing> crossings;
+  crossings.reserve(rays.size());
   for (const Ray& ray : rays)
     crossings.push_back({to_base(ray, start.frame, start.base[gate]),
                          std::exp(ray.harmonics.dot(p.middle)) * ray.mm_per_q, std::exp(ray.harmonics.dot(p.inner)),
