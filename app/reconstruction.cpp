@@ -335,26 +335,45 @@ std::string readings_of(const VentricleResult& result) {
   return rows.size() > 1 ? table(rows, {0}) : std::string();
 }
 
+/// Volumes gate by gate: of the surfaces on the edges, and before them of the fit where there is one.
+std::string gates_of(const VentricleResult& result) {
+  std::vector<std::string> header{"gate", "time_ms"};
+  if (result.fit) header.insert(header.end(), {"unbiased_ml", "+-"});
+  const std::string of = result.fit ? "edge " : "";
+  header.insert(header.end(), {of + "endo_ml", of + "epi_ml", of + "wall_ml", "on border"});
+  std::vector<std::vector<std::string>> rows{header};
+  const auto number = [](const auto& value, int decimals) {
+    return value ? fixed(static_cast<double>(*value), decimals) : std::string("-");
+  };
+  for (std::size_t n = 0; n < result.gates.size(); ++n) {
+    const Gate& gate = result.gates[n];
+    const auto volume = [](const std::optional<Surface>& s) { return s ? fixed(s->volume_ml, 1) : std::string("-"); };
+    double stopped = 1;
+    for (const auto* surface : {&gate.endo, &gate.epi})
+      if (*surface) stopped = std::min(stopped, (*surface)->stopped_fraction);
+    std::vector<std::string> row{std::to_string(gate.gate + 1), number(gate.time_ms, 0)};
+    if (result.fit) {
+      const Estimate& cavity = result.fit->gates[n].endo_ml;
+      row.insert(row.end(), {fixed(cavity.value, 1), fixed((cavity.high() - cavity.low()) / 2, 1)});
+    }
+    row.insert(row.end(), {volume(gate.endo), volume(gate.epi), number(gate.wall_ml, 1),
+                           gate.endo || gate.epi ? fixed(100 * stopped, 1) + " %" : "-"});
+    rows.push_back(row);
+  }
+  return table(rows);
+}
+
 }  // namespace
 
 std::string summary_of(const VentricleResult& result) {
   const auto number = [](const auto& value, int decimals) {
     return value ? fixed(static_cast<double>(*value), decimals) : std::string("-");
   };
-  std::vector<std::vector<std::string>> rows{{"gate", "time_ms", "endo_ml", "epi_ml", "wall_ml", "on border"}};
-  for (const Gate& gate : result.gates) {
-    const auto volume = [&](const std::optional<Surface>& s) { return s ? fixed(s->volume_ml, 1) : std::string("-"); };
-    double stopped = 1;
-    for (const auto* surface : {&gate.endo, &gate.epi})
-      if (*surface) stopped = std::min(stopped, (*surface)->stopped_fraction);
-    rows.push_back({std::to_string(gate.gate + 1), number(gate.time_ms, 0), volume(gate.endo), volume(gate.epi),
-                    number(gate.wall_ml, 1), gate.endo || gate.epi ? fixed(100 * stopped, 1) + " %" : "-"});
-  }
-  std::string text = table(rows);
+  std::string text = gates_of(result);
   const auto gate_text = [](const std::optional<int>& gate) {
     return gate ? " (gate " + std::to_string(*gate + 1) + ")" : std::string();
   };
-  if (result.ef_percent)
+  if (result.ef_percent && !result.fit)
     text += "EDV " + number(result.edv_ml, 1) + " mL" + gate_text(result.ed_gate) + "  ESV " +
             number(result.esv_ml, 1) + " mL" + gate_text(result.es_gate) + "  SV " + number(result.sv_ml, 1) +
             " mL  EF " + number(result.ef_percent, 1) + " %\n";
