@@ -113,9 +113,10 @@ void fill_empty_d(Level& l) {
 struct MapRow {
   const float *own, *ym, *yp, *zm, *zp;
   float per_mm[3];  // of a difference over two voxels in x, of those rows in y and z
+  const float *begin, *end;  // of the whole map
 };
 
-MapRow row_of(const Image& map, int j, int k) {
+DYNASURF_INLINE MapRow row_of(const Image& map, int j, int k) {
   const Grid& g = map.grid;
   const auto at = [&](int y, int z) { return map.values.data() + g.index(0, y, z); };
   const int jm = std::max(j - 1, 0), jp = std::min(j + 1, g.dims[1] - 1), km = std::max(k - 1, 0),
@@ -126,45 +127,79 @@ MapRow row_of(const Image& map, int j, int k) {
           at(j, km),
           at(j, kp),
           {static_cast<float>(0.5 / g.spacing[0]), static_cast<float>(jp > jm ? 1 / ((jp - jm) * g.spacing[1]) : 0),
-           static_cast<float>(kp > km ? 1 / ((kp - km) * g.spacing[2]) : 0)}};
+           static_cast<float>(kp > km ? 1 / ((kp - km) * g.spacing[2]) : 0)},
+          map.values.data(),
+          map.values.data() + map.values.size()};
 }
 
-DYNASURF_INLINE int bits_of(float f) { return std::bit_cast<int>(f); }
+typedef std::int32_t Ints16 __attribute__((vector_size(64)));
+constexpr Vec16 lane_numbers{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
-/// The largest magnitude of a row as bits: whether the map is finite there. `changes[m]` is 0 where the 32 voxels of
-/// chunk m have no gradient.
-DYNASURF_CLONES int find_changes(const MapRow& r, int n, int* changes) {
-  constexpr int chunk = 2 * lanes;
-  int largest = 0;
-  for (int m = 0; m * chunk < n; ++m) {
-    const int first = m * chunk, last = std::min(first + chunk, n);
-    int change = 0;
-    for (int i = first; i < last; ++i) {
-      change |= (bits_of(r.yp[i]) ^ bits_of(r.ym[i])) | (bits_of(r.zp[i]) ^ bits_of(r.zm[i]));
-      largest = std::max(largest, bits_of(r.own[i]) & 0x7fffffff);
-    }
-    for (int i = std::max(first, 1); i < std::min(last, n - 1); ++i)
-      change |= bits_of(r.own[i + 1]) ^ bits_of(r.own[i - 1]);
-    if (first == 0 && n > 1) change |= bits_of(r.own[1]) ^ bits_of(r.own[0]);
-    if (last == n && n > 1) change |= bits_of(r.own[n - 1]) ^ bits_of(r.own[n - 2]);
-    changes[m] = change;
-  }
-  return largest;
+DYNASURF_INLINE Ints16 bits_of(Vec16 v) { return __builtin_bit_cast(Ints16, v); }
+
+DYNASURF_INLINE bool any(Ints16 v) {
+  std::int32_t all = 0;
+  for (int i = 0; i < lanes; ++i) all |= v[i];
+  return all != 0;
 }
 
-/// The gradient of the voxels [first, first + 32) of a row of n, 0 beyond its end.
-DYNASURF_INLINE void chunk_gradient(const MapRow& r, int first, int n, float* gx, float* gy, float* gz) {
-  constexpr int chunk = 2 * lanes;
-  const float kx = r.per_mm[0], ky = r.per_mm[1], kz = r.per_mm[2];
+constexpr int chunk = 2 * lanes;  // voxels whose even and odd ones share blocks
+
+/// The values of a chunk of a row and those beside them, 0 beyond the row's end. At the ends of a row a voxel stands in
+/// for its missing neighbour.
+struct MapChunk {
+  Vec16 own[2], before[2], after[2], ym[2], yp[2], zm[2], zp[2];
+};
+
+DYNASURF_INLINE MapChunk chunk_of(const MapRow& r, int first, int n) {
   const int count = std::min(chunk, n - first);
-  const float *f = r.own + first, *ym = r.ym + first, *yp = r.yp + first, *zm = r.zm + first, *zp = r.zp + first;
-  const int inner = first == 0 ? 1 : 0, end = first + count == n ? count - 1 : count;
-  for (int i = inner; i < end; ++i) gx[i] = (f[i + 1] - f[i - 1]) * kx;
-  if (end < count) gx[count - 1] = n > 1 ? (f[count - 1] - f[count - 2]) * (2 * kx) : 0;
-  if (inner == 1) gx[0] = n > 1 ? (f[1] - f[0]) * (2 * kx) : 0;
-  for (int i = 0; i < count; ++i) gy[i] = (yp[i] - ym[i]) * ky;
-  for (int i = 0; i < count; ++i) gz[i] = (zp[i] - zm[i]) * kz;
-  for (float* g : {gx, gy, gz}) std::fill(g + count, g + chunk, 0.0f);
+  const float *own = r.own + first, *ym = r.ym + first, *yp = r.yp + first, *zm = r.zm + first, *zp = r.zp + first;
+  float copies[5][chunk + 2];  // where reading whole vectors would leave the map
+  if (own == r.begin || std::max(yp, zp) + chunk >= r.end) {
+    const int from = first > 0 ? -1 : 0, to = std::min(chunk + 1, n - first);
+    int copy = 0;
+    for (const float** p : {&own, &ym, &yp, &zm, &zp}) {
+      std::copy(*p + from, *p + to, copies[copy] + 1 + from);
+      *p = copies[copy++] + 1;
+    }
+  }
+  MapChunk c;
+  for (int h : {0, 1}) {
+    const auto at = [&](const float* p) DYNASURF_INLINE_LAMBDA { return load(p + h * lanes); };
+    c.own[h] = at(own), c.before[h] = at(own - 1), c.after[h] = at(own + 1);
+    c.ym[h] = at(ym), c.yp[h] = at(yp), c.zm[h] = at(zm), c.zp[h] = at(zp);
+  }
+  if (first == 0) c.before[0] = lane_numbers > 0 ? c.before[0] : c.own[0];
+  if (first + count < n) return c;
+  for (int h : {0, 1}) {
+    const Vec16 left = static_cast<float>(count - h * lanes) - lane_numbers;  // voxels from this one on
+    c.after[h] = left == 1 ? c.own[h] : c.after[h];
+    if (count == chunk) continue;
+    for (Vec16* v : {c.own, c.before, c.after, c.ym, c.yp, c.zm, c.zp}) v[h] = left > 0 ? v[h] : Vec16{};
+  }
+  return c;
+}
+
+/// Whether a chunk has a gradient anywhere. Bits of the largest magnitude are kept in `largest`.
+DYNASURF_INLINE bool changes(const MapChunk& c, Ints16& largest) {
+  Ints16 change{};
+  for (int h : {0, 1}) {
+    change |= (bits_of(c.yp[h]) ^ bits_of(c.ym[h])) | (bits_of(c.zp[h]) ^ bits_of(c.zm[h])) |
+              (bits_of(c.after[h]) ^ bits_of(c.before[h]));
+    const Ints16 size = bits_of(c.own[h]) & 0x7fffffff;
+    largest = size > largest ? size : largest;
+  }
+  return any(change);
+}
+
+/// Even and odd voxels of a chunk's gradient along one axis.
+struct Halves {
+  Vec16 half[2];
+};
+DYNASURF_INLINE Halves slope(const Vec16 (&after)[2], const Vec16 (&before)[2], float per_mm) {
+  Halves s;
+  split((after[0] - before[0]) * per_mm, (after[1] - before[1]) * per_mm, s.half[0], s.half[1]);
+  return s;
 }
 
 /// b of 16 voxels from the squares of their gradients.
@@ -184,29 +219,30 @@ struct SliceOutcome {
 };
 
 /// Where the finest level needs blocks of data in one slice: numbers from 0, the halves of a chunk one after the other.
-SliceOutcome number_blocks(Level& l, const Image& map, int k) {
-  const int chunks = l.slot / lanes;
-  std::vector<int> changes(static_cast<std::size_t>(chunks));
-  SliceOutcome outcome;
-  for (int j = 0; j < l.ny(); ++j) {
-    outcome.largest_bits = std::max(outcome.largest_bits, find_changes(row_of(map, j, k), l.nx(), changes.data()));
+DYNASURF_CLONES void number_blocks(Level& l, const Image& map, int k, SliceOutcome& outcome) {
+  const int chunks = l.slot / lanes, nx = l.nx(), ny = l.ny();
+  Ints16 largest{};
+  std::int32_t blocks = 0;
+  for (int j = 0; j < ny; ++j) {
+    const MapRow row = row_of(map, j, k);
     std::int32_t* block_of = l.block_of.data() + l.row_number(j, k) * 2 * static_cast<std::size_t>(chunks);
-    const std::int32_t before = outcome.blocks;
-    for (int m = 0; m < chunks; ++m)
-      for (int half : {0, 1})
-        block_of[half * chunks + m] = changes[static_cast<std::size_t>(m)] != 0 ? outcome.blocks++ : -1;
-    if (outcome.blocks == before) continue;
+    const std::int32_t before = blocks;
+    for (int m = 0; m < chunks; ++m) {
+      const bool has_data = changes(chunk_of(row, m * chunk, nx), largest);
+      for (int half : {0, 1}) block_of[half * chunks + m] = has_data ? blocks++ : -1;
+    }
+    if (blocks == before) continue;
     if (before == 0) outcome.first_row = j;
     outcome.end_row = j + 1;
   }
-  return outcome;
+  outcome.blocks = blocks;
+  for (int i = 0; i < lanes; ++i) outcome.largest_bits = std::max(outcome.largest_bits, static_cast<int>(largest[i]));
 }
 
 /// Fills the blocks of one slice, whose first one is block `first`.
 DYNASURF_CLONES void fill_blocks(Level& l, const Image& map, int k, std::int32_t first, DataTerm term,
                                  SliceOutcome& outcome) {
-  const int chunks = l.slot / lanes;
-  alignas(64) float gx[2 * lanes], gy[2 * lanes], gz[2 * lanes];
+  const int chunks = l.slot / lanes, nx = l.nx();
   Vec16 largest_b{}, sum_b{};
   for (int j = 0; j < l.ny(); ++j) {
     const MapRow row = row_of(map, j, k);
@@ -214,22 +250,24 @@ DYNASURF_CLONES void fill_blocks(Level& l, const Image& map, int k, std::int32_t
     const float yz = l.yz_diagonal(j, k);
     for (int m = 0; m < chunks; ++m) {
       if (block_of[m] < 0) continue;
-      chunk_gradient(row, 2 * lanes * m, l.nx(), gx, gy, gz);
-      Vec16 x[2], y[2], z[2];
-      split(gx, x[0], x[1]);
-      split(gy, y[0], y[1]);
-      split(gz, z[0], z[1]);
+      const MapChunk c = chunk_of(row, m * chunk, nx);
+      Halves x = slope(c.after, c.before, row.per_mm[0]);
+      const Halves y = slope(c.yp, c.ym, row.per_mm[1]), z = slope(c.zp, c.zm, row.per_mm[2]);
+      // One voxel apart at the ends.
+      if (m == 0) x.half[0][0] *= 2;
+      if (const int last = nx - 1 - m * chunk; last < chunk) x.half[last % 2][last / 2] *= 2;
       for (int half : {0, 1}) {
         const std::int32_t number = block_of[half * chunks + m] += first;
         float* data = l.blocks.data() + block_size * static_cast<std::ptrdiff_t>(number);
-        const Vec16 b = data_term(x[half] * x[half] + y[half] * y[half] + z[half] * z[half], term);
+        const Vec16 gx = x.half[half], gy = y.half[half], gz = z.half[half];
+        const Vec16 b = data_term(gx * gx + gy * gy + gz * gz, term);
         const Vec16 diagonal = b + (load(l.lane_diagonal(half) + lanes * m) + yz);
         const auto used = (diagonal > 0) & (load(l.lane_share(half) + lanes * m) > 0);
         store(data, used ? 1 / diagonal : Vec16{});
         store(data + 16, b);
-        store(data + 32, x[half]);
-        store(data + 48, y[half]);
-        store(data + 64, z[half]);
+        store(data + 32, gx);
+        store(data + 48, gy);
+        store(data + 64, gz);
         largest_b = b > largest_b ? b : largest_b;
         sum_b += b;  // 0 in unused lanes
       }
@@ -267,16 +305,25 @@ DYNASURF_INLINE Vec16 freedom(const Level& l, int j, int k, int half, int m) {
          load(l.blocks.data() + block_size * static_cast<std::ptrdiff_t>(number));
 }
 
+/// Lane m holds lane m-1 of `v`; the first one is the last of `before`.
+DYNASURF_INLINE Vec16 shifted_up(Vec16 before, Vec16 v) {
+  return __builtin_shufflevector(before, v, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30);
+}
+/// Lane m holds lane m+1 of `v`; the last one is the first of `after`.
+DYNASURF_INLINE Vec16 shifted_down(Vec16 v, Vec16 after) {
+  return __builtin_shufflevector(v, after, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
+}
+
 /// How much of its data term a voxel shows to the coarser level. Alone among free voxels it would follow them by s, and
 /// show s b; voxels inside a thick or strong border are held by their neighbours too, and show less.
 DYNASURF_INLINE Vec16 shown(const Level& l, int j, int k, int half, int m, Vec16 d, Vec16 s) {
-  float beside[lanes + 2];
-  store(beside + 1, freedom(l, j, k, 1 - half, m));
-  beside[0] = m > 0 ? freedom(l, j, k, 1 - half, m - lanes)[lanes - 1] : 1;
-  beside[lanes + 1] = m + lanes < l.slot ? freedom(l, j, k, 1 - half, m + lanes)[0] : 1;
+  const Vec16 near = freedom(l, j, k, 1 - half, m);
+  const int beside = half == 0 ? m - lanes : m + lanes;
+  const Vec16 next = beside >= 0 && beside < l.slot ? freedom(l, j, k, 1 - half, beside) : Vec16{} + 1;
   const auto at = [](int i) { return static_cast<std::size_t>(i); };
-  Vec16 flow =
-      load(l.lane_left(half) + m) * load(beside + half) + load(l.lane_right(half) + m) * load(beside + half + 1);
+  Vec16 flow = half == 0
+                   ? load(l.lane_left(0) + m) * shifted_up(next, near) + load(l.lane_right(0) + m) * near
+                   : load(l.lane_left(1) + m) * near + load(l.lane_right(1) + m) * shifted_down(near, next);
   if (j > 0) flow += l.axis[1].left[at(j)] * freedom(l, j - 1, k, half, m);
   if (j + 1 < l.ny()) flow += l.axis[1].right[at(j)] * freedom(l, j + 1, k, half, m);
   if (k > 0) flow += l.axis[2].left[at(k)] * freedom(l, j, k - 1, half, m);
@@ -384,7 +431,7 @@ DataStrength build(std::vector<Level>& levels, const Image& map, const Vec3& rat
       for (std::size_t k = begin; k < end; ++k) body(k);
     });
   };
-  each_slice([&](std::size_t k) { outcomes[k] = number_blocks(finest, map, static_cast<int>(k)); });
+  each_slice([&](std::size_t k) { number_blocks(finest, map, static_cast<int>(k), outcomes[k]); });
   for (std::size_t k = 0; k < slices; ++k) first[k + 1] = first[k] + outcomes[k].blocks;
   finest.data = box_around(outcomes);
   make_room_for_blocks(finest, static_cast<std::size_t>(first[slices]));

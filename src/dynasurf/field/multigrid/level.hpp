@@ -23,10 +23,12 @@ DYNASURF_INLINE Vec16 load(const float* p) { return *reinterpret_cast<const Loos
 DYNASURF_INLINE void store(float* p, Vec16 v) { *reinterpret_cast<LooseVec16*>(p) = v; }
 
 /// Even and odd lanes of 32 floats.
-DYNASURF_INLINE void split(const float* natural, Vec16& even, Vec16& odd) {
-  const Vec16 a = load(natural), b = load(natural + lanes);
+DYNASURF_INLINE void split(Vec16 a, Vec16 b, Vec16& even, Vec16& odd) {
   even = __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
   odd = __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+}
+DYNASURF_INLINE void split(const float* natural, Vec16& even, Vec16& odd) {
+  split(load(natural), load(natural + lanes), even, odd);
 }
 
 /// One axis of a grid of cells. All cells have the same width but the last one, which is narrower where a finer grid
