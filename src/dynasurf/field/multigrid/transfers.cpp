@@ -335,23 +335,31 @@ DYNASURF_CLONES void start_black(Level& fine, const Level& coarse, int k0, int k
 
 namespace {
 
-DYNASURF_CLONES void copy_row(const float* even, const float* odd, int count, float* out) {
+DYNASURF_INLINE void copy_row(const float* even, const float* odd, int count, float* out) {
   int i = 0;
   for (; i + 2 * lanes <= count; i += 2 * lanes) join(load(even + i / 2), load(odd + i / 2), out + i);
   if (i == count) return;
+  if (i > 0) {  // the last whole vectors overlap those before
+    i = count - 2 * lanes;
+    if (i % 2 == 0)
+      join(load(even + i / 2), load(odd + i / 2), out + i);
+    else
+      join(load(odd + i / 2), load(even + i / 2 + 1), out + i);
+    return;
+  }
   float rest[2 * lanes];
-  join(load(even + i / 2), load(odd + i / 2), rest);
-  std::copy_n(rest, count - i, out + i);
+  join(load(even), load(odd), rest);
+  std::copy_n(rest, count, out);
 }
 
 }  // namespace
 
-void copy_out(const Level& l, int k, int j0, int j1, std::array<float*, 3> out) {
+DYNASURF_CLONES void copy_out(const Level& l, int k, int j0, int j1, std::array<float*, 3> out) {
+  const View v(l);
   for (int j = j0; j < j1; ++j)
     for (int c = 0; c < 3; ++c) {
-      const float* even = l.u.data() + l.row(j, k) + 2 * c * l.slot;
-      copy_row(even, even + l.slot, l.nx(),
-               out[static_cast<std::size_t>(c)] + l.row_number(j, k) * static_cast<std::size_t>(l.nx()));
+      const float* even = v.u + v.row(j, k) + 2 * c * v.slot;
+      copy_row(even, even + v.slot, v.nx, out[static_cast<std::size_t>(c)] + v.row_number(j, k) * v.nx);
     }
 }
 
