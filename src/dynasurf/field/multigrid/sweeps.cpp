@@ -18,8 +18,9 @@ struct Measure {
   Vec16 change{}, size{};
 
   /// Unused lanes, whose d is 0, do not count.
-  DYNASURF_INLINE void add(Vec16 before, Vec16 after, Vec16 d) {
-    const Vec16 step = d > 0 ? after - before : Vec16{}, kept = d > 0 ? after : Vec16{};
+  DYNASURF_INLINE void add(Vec16 before, Vec16 after, Vec16 d, bool all_used) {
+    Vec16 step = after - before, kept = after;
+    if (!all_used) step = d > 0 ? step : Vec16{}, kept = d > 0 ? kept : Vec16{};
     change += step * step;
     size += kept * kept;
   }
@@ -63,14 +64,14 @@ DYNASURF_INLINE void sweep_row(const View& v, int j, int k, int colour, Measure&
         flow += load(rhs + at) - load(b + m) * n.near;
       }
       const Vec16 next = n.near + dm * flow;
-      if constexpr (start == Start::measured) measure.add(load(r.own + at), next, dm);
+      if constexpr (start == Start::measured) measure.add(load(r.own + at), next, dm, false);
       store(r.own + at, next);
     }
   }
 }
 
-template <int first, int usual_slot>
-DYNASURF_INLINE void sweep_finest_tile(const View& v, int j, int k) {
+template <int first, int usual_slot, bool measured>
+DYNASURF_INLINE void sweep_finest_tile(const View& v, int j, int k, Measure& measure) {
   const Tile<first, usual_slot> t(v, j, k);
   const Rates rates = rates_of<true>(v, j, k);
   const int chunks = static_cast<int>(t.slot) / lanes;
@@ -80,6 +81,7 @@ DYNASURF_INLINE void sweep_finest_tile(const View& v, int j, int k) {
   for (int r = 0; r < 4; ++r) empty_d[r] = v.empty_d_of(j + r % 2, k + r / 2, t.half(r));
   for (int m = 0; m < t.slot; m += lanes) {
     const Vec16 kx[2] = {load(v.lane_values + m), load(v.lane_values + 3 * t.slot + m)};
+    const bool all_used = 2 * (m + lanes) <= v.nx;
     const float* data[4];
     Vec16 d[4];
     for (int r = 0; r < 4; ++r) {
@@ -92,7 +94,9 @@ DYNASURF_INLINE void sweep_finest_tile(const View& v, int j, int k) {
       t.each_row(at, [&](auto r, const Around& n) DYNASURF_INLINE_LAMBDA {
         Vec16 flow = inflow<true>(n, kx[t.half(r)], rates);
         if (data[r] != nullptr) flow += load(data[r] + 16) * (load(data[r] + 32 + 16 * c) - n.near);
-        store(t.own(r) + at, n.near + d[r] * flow);
+        const Vec16 next = n.near + d[r] * flow;
+        if constexpr (measured) measure.add(load(t.own(r) + at), next, d[r], all_used);
+        store(t.own(r) + at, next);
       });
     }
   }
@@ -127,10 +131,11 @@ DYNASURF_INLINE void sweep_coarse_tile(const View& v, int j, int k) {
 }
 
 /// Pairs of the rows [j0, j1) in the slices k and k+1.
-template <bool finest, int first, int usual_slot>
-DYNASURF_INLINE void sweep_tiles(const View& v, int k, int j0, int j1) {
+template <bool finest, bool measured, int first, int usual_slot>
+DYNASURF_INLINE void sweep_tiles(const View& v, int k, int j0, int j1, Measure& measure) {
   for (int j = j0; j + 1 < j1; j += 2)
-    finest ? sweep_finest_tile<first, usual_slot>(v, j, k) : sweep_coarse_tile<first, usual_slot>(v, j, k);
+    finest ? sweep_finest_tile<first, usual_slot, measured>(v, j, k, measure)
+           : sweep_coarse_tile<first, usual_slot>(v, j, k);
 }
 
 /// All of u counts as 0.
@@ -149,51 +154,58 @@ DYNASURF_INLINE bool has_data(const View& v, int j, int k, int half) {
 
 /// Row by row.
 template <Start start, bool finest>
-DYNASURF_INLINE void sweep_rows(Level& l, int k0, int k1, int j0, int j1, int colour) {
-  const View v(l);
-  for (int k = k0; k < k1; ++k) {
-    Measure measure;
+DYNASURF_INLINE void sweep_rows(const View& v, int k0, int k1, int j0, int j1, int colour, Measure& measure) {
+  for (int k = k0; k < k1; ++k)
     for (int j = j0; j < j1; ++j) {
-      if (start == Start::near_data && !has_data(v, j, k, half_of(colour, j, k))) continue;
+      const int half = half_of(colour, j, k);
+      if (start == Start::near_data && !has_data(v, j, k, half)) continue;
       if constexpr (start == Start::from_rhs)
-        start_row(v, j, k, half_of(colour, j, k));
+        start_row(v, j, k, half);
       else
         sweep_row<start, finest>(v, j, k, colour, measure);
     }
-    if constexpr (start == Start::measured) {
-      const std::size_t row = l.row_number(j0, k);
-      l.change[row] = sum_of(measure.change);
-      l.size[row] = sum_of(measure.size);
-      std::fill(l.change.begin() + row + 1, l.change.begin() + row + (j1 - j0), 0.0);
-      std::fill(l.size.begin() + row + 1, l.size.begin() + row + (j1 - j0), 0.0);
-    }
-  }
 }
 
 /// In tiles, and row by row what is left of an odd number of rows or slices.
-template <bool finest>
-DYNASURF_INLINE void sweep_in_tiles(Level& l, int k0, int k1, int j0, int j1, int colour) {
-  const View v(l);
+template <Start start, bool finest>
+DYNASURF_INLINE void sweep_in_tiles(const View& v, int k0, int k1, int j0, int j1, int colour, Measure& measure) {
   const int j_end = j1 - (j1 - j0) % 2, k_end = k1 - (k1 - k0) % 2;
   for (int k = k0; k < k_end; k += 2)
     with_usual_slot(v.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
-      half_of(colour, j0, k) == 0 ? sweep_tiles<finest, 0, slot>(v, k, j0, j1)
-                                  : sweep_tiles<finest, 1, slot>(v, k, j0, j1);
+      half_of(colour, j0, k) == 0 ? sweep_tiles<finest, start == Start::measured, 0, slot>(v, k, j0, j1, measure)
+                                  : sweep_tiles<finest, start == Start::measured, 1, slot>(v, k, j0, j1, measure);
     });
-  sweep_rows<Start::warm, finest>(l, k0, k_end, j_end, j1, colour);
-  sweep_rows<Start::warm, finest>(l, k_end, k1, j0, j1, colour);
+  sweep_rows<start, finest>(v, k0, k_end, j_end, j1, colour, measure);
+  sweep_rows<start, finest>(v, k_end, k1, j0, j1, colour, measure);
 }
 
 }  // namespace
 
 DYNASURF_CLONES void sweep(Level& l, int k0, int k1, int j0, int j1, int colour, Start start) {
-  if (start == Start::warm)
-    l.finest ? sweep_in_tiles<true>(l, k0, k1, j0, j1, colour) : sweep_in_tiles<false>(l, k0, k1, j0, j1, colour);
-  else if (start == Start::from_rhs)
-    sweep_rows<Start::from_rhs, false>(l, k0, k1, j0, j1, colour);
-  else
-    start == Start::near_data ? sweep_rows<Start::near_data, true>(l, k0, k1, j0, j1, colour)
-                              : sweep_rows<Start::measured, true>(l, k0, k1, j0, j1, colour);
+  const View v(l);
+  Measure measure;
+  switch (start) {
+    case Start::warm:
+      l.finest ? sweep_in_tiles<Start::warm, true>(v, k0, k1, j0, j1, colour, measure)
+               : sweep_in_tiles<Start::warm, false>(v, k0, k1, j0, j1, colour, measure);
+      break;
+    case Start::near_data:
+      sweep_rows<Start::near_data, true>(v, k0, k1, j0, j1, colour, measure);
+      break;
+    case Start::measured:
+      sweep_in_tiles<Start::measured, true>(v, k0, k1, j0, j1, colour, measure);
+      for (int k = k0; k < k1; ++k) {
+        const std::size_t row = l.row_number(j0, k), count = static_cast<std::size_t>(j1 - j0);
+        std::fill_n(l.change.begin() + static_cast<std::ptrdiff_t>(row), count, 0.0);
+        std::fill_n(l.size.begin() + static_cast<std::ptrdiff_t>(row), count, 0.0);
+      }
+      l.change[l.row_number(j0, k0)] = sum_of(measure.change);
+      l.size[l.row_number(j0, k0)] = sum_of(measure.size);
+      break;
+    case Start::from_rhs:
+      sweep_rows<Start::from_rhs, false>(v, k0, k1, j0, j1, colour, measure);
+      break;
+  }
 }
 
 DYNASURF_CLONES void add_operator(Level& l, float stretch, int k0, int k1, int j0, int j1) {
