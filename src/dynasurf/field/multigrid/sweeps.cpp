@@ -55,8 +55,7 @@ DYNASURF_INLINE void sweep_row(const View& v, int j, int k, int colour, Measure&
     const Vec16 dm = load(!finest ? d + m : data != nullptr ? data : empty_d + m);
     for (int c = 0; c < 3; ++c) {
       const std::ptrdiff_t at = 2 * c * v.slot + m;
-      const Around n{load(r.near + at), load(r.far + at), load(r.ym + at),
-                     load(r.yp + at),   load(r.zm + at),  load(r.zp + at)};
+      const Around n = around(r, at);
       Vec16 flow = inflow<finest>(n, kx, rates);
       if constexpr (finest) {
         if (data != nullptr) flow += load(data + 16) * (load(data + 32 + 16 * c) - n.near);

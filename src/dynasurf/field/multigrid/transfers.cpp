@@ -38,8 +38,7 @@ DYNASURF_INLINE void add_residual(const View& l, int j, int k, float area, float
     const float* data = finest ? l.block(std::max(number, 0)) : nullptr;
     for (int c = 0; c < 3; ++c) {
       const std::ptrdiff_t at = 2 * c * l.slot + m;
-      const Around n{load(r.near + at), load(r.far + at), load(r.ym + at),
-                     load(r.yp + at),   load(r.zm + at),  load(r.zp + at)};
+      const Around n = around(r, at);
       const Vec16 step = n.near - load(r.own + at);
       Vec16 flow = inflow<finest>(n, kx, rates);
       if constexpr (finest) {

@@ -95,12 +95,23 @@ DYNASURF_INLINE Row row_of(const View& v, int j, int k, int half) {
           k + 1 < v.nz ? own + slice : near};
 }
 
-/// Sixteen cells' neighbours.
+/// Of sixteen cells the value `near` and how far their other neighbours lie from it.
 struct Around {
   Vec16 near, far, ym, yp, zm, zp;
 };
 
-/// The same of 2 x 2 rows, row r at (j + r % 2, k + r / 2), so that what is a neighbour of two rows is loaded once.
+DYNASURF_INLINE Around around(const Row& r, std::ptrdiff_t at) {
+  const Vec16 u = load(r.near + at);
+  return {u,
+          load(r.far + at) - u,
+          load(r.ym + at) - u,
+          load(r.yp + at) - u,
+          load(r.zm + at) - u,
+          load(r.zp + at) - u};
+}
+
+/// The same of 2 x 2 rows, row r at (j + r % 2, k + r / 2), so that what is a neighbour of two rows is loaded once, and
+/// subtracted once where it is that of both.
 /// Half `first` of row 0, and the size of half a row where it is one of the usual ones, are known when this is
 /// compiled, so that a few pointers do.
 template <int first, int usual_slot>
@@ -130,14 +141,16 @@ struct Tile {
   template <class Body>
   DYNASURF_INLINE void each_row(std::ptrdiff_t at, Body body) const {
     const Vec16 a = load(near(0) + at), b = load(near(1) + at), c = load(near(2) + at), d = load(near(3) + at);
+    const Vec16 ab = b - a, cd = d - c, ac = c - a, bd = d - b;
+    const auto beyond = [&](const float* p, Vec16 u) DYNASURF_INLINE_LAMBDA { return load(p + at) - u; };
     body(std::integral_constant<int, 0>{},
-         Around{a, load(far(0) + at), load(y_low[0] + at), b, load(z_low[0] + at), c});
+         Around{a, beyond(far(0), a), beyond(y_low[0], a), ab, beyond(z_low[0], a), ac});
     body(std::integral_constant<int, 1>{},
-         Around{b, load(far(1) + at), a, load(y_high[0] + at), load(z_low[1] + at), d});
+         Around{b, beyond(far(1), b), -ab, beyond(y_high[0], b), beyond(z_low[1], b), bd});
     body(std::integral_constant<int, 2>{},
-         Around{c, load(far(2) + at), load(y_low[1] + at), d, a, load(z_high[0] + at)});
+         Around{c, beyond(far(2), c), beyond(y_low[1], c), cd, -ac, beyond(z_high[0], c)});
     body(std::integral_constant<int, 3>{},
-         Around{d, load(far(3) + at), c, load(y_high[1] + at), b, load(z_high[1] + at)});
+         Around{d, beyond(far(3), d), -cd, beyond(y_high[1], d), -bd, beyond(z_high[1], d)});
   }
 };
 
@@ -157,9 +170,8 @@ DYNASURF_INLINE Rates rates_of(const View& v, int j, int k) {
 /// last digits however many voxels there are.
 template <bool finest>
 DYNASURF_INLINE Vec16 inflow(const Around& n, Vec16 x, const Rates& k) {
-  const Vec16 u = n.near, from_far = x * (n.far - u);
-  if constexpr (finest) return from_far + (k.ym * ((n.ym - u) + (n.yp - u)) + k.zm * ((n.zm - u) + (n.zp - u)));
-  return from_far + ((k.ym * (n.ym - u) + k.yp * (n.yp - u)) + (k.zm * (n.zm - u) + k.zp * (n.zp - u)));
+  if constexpr (finest) return x * n.far + (k.ym * (n.yp + n.ym) + k.zm * (n.zp + n.zm));
+  return x * n.far + ((k.yp * n.yp + k.ym * n.ym) + (k.zp * n.zp + k.zm * n.zm));
 }
 
 }  // namespace dynasurf::multigrid
