@@ -133,7 +133,6 @@ DYNASURF_INLINE MapRow row_of(const Image& map, int j, int k) {
 }
 
 typedef std::int32_t Ints16 __attribute__((vector_size(64)));
-constexpr Vec16 lane_numbers{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
 DYNASURF_INLINE Ints16 bits_of(Vec16 v) { return __builtin_bit_cast(Ints16, v); }
 
@@ -303,15 +302,6 @@ DYNASURF_INLINE Vec16 freedom(const Level& l, int j, int k, int half, int m) {
   if (number < 0) return Vec16{} + 1;
   return (load(l.lane_diagonal(half) + m) + l.yz_diagonal(j, k)) *
          load(l.blocks.data() + block_size * static_cast<std::ptrdiff_t>(number));
-}
-
-/// Lane m holds lane m-1 of `v`; the first one is the last of `before`.
-DYNASURF_INLINE Vec16 shifted_up(Vec16 before, Vec16 v) {
-  return __builtin_shufflevector(before, v, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30);
-}
-/// Lane m holds lane m+1 of `v`; the last one is the first of `after`.
-DYNASURF_INLINE Vec16 shifted_down(Vec16 v, Vec16 after) {
-  return __builtin_shufflevector(v, after, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
 }
 
 /// How much of its data term a voxel shows to the coarser level. Alone among free voxels it would follow them by s, and

@@ -22,6 +22,17 @@ typedef float LooseVec16 __attribute__((vector_size(64), aligned(4), may_alias))
 DYNASURF_INLINE Vec16 load(const float* p) { return *reinterpret_cast<const LooseVec16*>(p); }
 DYNASURF_INLINE void store(float* p, Vec16 v) { *reinterpret_cast<LooseVec16*>(p) = v; }
 
+constexpr Vec16 lane_numbers{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+
+/// Lane m holds lane m-1 of `v`; the first one is the last of `before`.
+DYNASURF_INLINE Vec16 shifted_up(Vec16 before, Vec16 v) {
+  return __builtin_shufflevector(before, v, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30);
+}
+/// Lane m holds lane m+1 of `v`; the last one is the first of `after`.
+DYNASURF_INLINE Vec16 shifted_down(Vec16 v, Vec16 after) {
+  return __builtin_shufflevector(v, after, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
+}
+
 /// Even and odd lanes of 32 floats.
 DYNASURF_INLINE void split(Vec16 a, Vec16 b, Vec16& even, Vec16& odd) {
   even = __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);

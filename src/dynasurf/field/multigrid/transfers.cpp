@@ -7,10 +7,15 @@ namespace dynasurf::multigrid {
 namespace {
 
 /// 32 floats out of their even and odd lanes.
+DYNASURF_INLINE void join(Vec16 even, Vec16 odd, Vec16& first, Vec16& second) {
+  first = __builtin_shufflevector(even, odd, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+  second = __builtin_shufflevector(even, odd, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+}
 DYNASURF_INLINE void join(Vec16 even, Vec16 odd, float* natural) {
-  store(natural, __builtin_shufflevector(even, odd, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23));
-  store(natural + lanes,
-        __builtin_shufflevector(even, odd, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31));
+  Vec16 first, second;
+  join(even, odd, first, second);
+  store(natural, first);
+  store(natural + lanes, second);
 }
 
 /// Memory for a few rows, kept by the thread.
@@ -179,50 +184,67 @@ DYNASURF_INLINE void restrict_rows(const View& f, const View& g, int k0, int k1,
   }
 }
 
-/// Rows of the coarser level between slices, in natural order along x where pairs were joined: the last four asked for.
+/// Rows of the coarser level for a slice of the finer one, interpolated along z and x: the last four asked for.
 template <bool joined, int usual_slot>
 class Interpolated {
  public:
   DYNASURF_INLINE Interpolated(const View& fine, const View& coarse, int k)
-      : g_(coarse),
+      : fine_slot_(usual_slot > 0 ? usual_slot : fine.slot),
         slot_(usual_slot == 0 ? coarse.slot
               : joined        ? std::max(usual_slot / 2, lanes)
                               : usual_slot),
-        step_(2 * slot_ + 2 * lanes),
-        rows_(scratch(12 * static_cast<std::size_t>(step_))) {
-    std::fill_n(rows_, 12 * step_, 0.0f);
+        end_(coarse.nx - 1),
+        rows_(scratch(24 * static_cast<std::size_t>(fine_slot_))) {
     const int own = fine.halved[2] ? k / 2 : k;
     const int next = fine.halved[2] ? std::clamp(own + (k % 2 == 0 ? -1 : 1), 0, coarse.nz - 1) : own;
     own_ = coarse.u + lanes + 6 * slot_ * coarse.row_number(0, own);
     next_ = coarse.u + lanes + 6 * slot_ * coarse.row_number(0, next);
   }
 
-  /// Component 0; the others follow at `step()`. Lanes -1 and `count` repeat the ends.
+  /// As the finer level's rows: two halves of each component.
   DYNASURF_INLINE const float* row(int j) {
-    float* out = rows_ + 3 * step_ * (j & 3) + lanes;
+    float* out = rows_ + 6 * fine_slot_ * (j & 3);
     if (held_[j & 3] == j) return out;
     held_[j & 3] = j;
     const float *p = own_ + 6 * slot_ * j, *q = next_ + 6 * slot_ * j;
     const auto between = [&](std::ptrdiff_t at)
                              DYNASURF_INLINE_LAMBDA { return 0.75f * load(p + at) + 0.25f * load(q + at); };
     for (int c = 0; c < 3; ++c) {
-      float* to = out + c * step_;
+      float* to = out + 2 * c * fine_slot_;
       const std::ptrdiff_t from = 2 * c * slot_;
-      if constexpr (joined) {
-        for (int m = 0; m < slot_; m += lanes) join(between(from + m), between(from + slot_ + m), to + 2 * m);
-        to[-1] = to[0];
-        to[g_.nx] = to[g_.nx - 1];
-      } else {
+      if constexpr (joined)
+        join_halves([&](std::ptrdiff_t m) DYNASURF_INLINE_LAMBDA { return between(from + m); }, to);
+      else
         for (int m = 0; m < 2 * slot_; m += lanes) store(to + m, between(from + m));
-      }
     }
     return out;
   }
-  DYNASURF_INLINE std::ptrdiff_t step() const { return step_; }
 
  private:
-  const View& g_;
-  std::ptrdiff_t slot_, step_;
+  /// A cell of the coarser level lies in its middle between two of the finer one, in the even half and in the odd one at
+  /// its own place. Beyond the ends its values go on.
+  template <class Values>
+  DYNASURF_INLINE void join_halves(const Values& values, float* to) const {
+    Vec16 v[2], next[2];
+    join(values(0), values(slot_), v[0], v[1]);
+    Vec16 before = Vec16{} + v[0][0];
+    for (std::ptrdiff_t m = 0;; m += lanes) {
+      if (m + lanes < slot_) join(values(m + lanes), values(slot_ + m + lanes), next[0], next[1]);
+      for (int i : {0, 1}) {
+        const std::ptrdiff_t at = 2 * m + i * lanes;
+        if (at >= fine_slot_) return;
+        const Vec16 down = shifted_up(before, v[i]);
+        Vec16 up = shifted_down(v[i], i == 0 ? v[1] : next[0]);
+        if (at + lanes > end_) up = lane_numbers == static_cast<float>(end_ - at) ? v[i] : up;
+        store(to + at, 0.75f * v[i] + 0.25f * down);
+        store(to + fine_slot_ + at, 0.75f * v[i] + 0.25f * up);
+        before = v[i];
+      }
+      v[0] = next[0], v[1] = next[1];
+    }
+  }
+
+  std::ptrdiff_t fine_slot_, slot_, end_;
   const float *own_, *next_;
   float* rows_;
   int held_[4] = {-1, -1, -1, -1};
@@ -247,12 +269,10 @@ DYNASURF_INLINE void fetch_ahead(const View& v, int j, int k) {
 template <bool finest, bool first, bool joined, int usual_slot, int half>
 DYNASURF_INLINE void interpolate_row(const View& f, const View& g, Interpolated<joined, usual_slot>& between, int j,
                                      int k) {
-  const std::ptrdiff_t slot = usual_slot > 0 ? usual_slot : f.slot, step = between.step();
+  const std::ptrdiff_t slot = usual_slot > 0 ? usual_slot : f.slot;
   const int own = f.halved[1] ? j / 2 : j;
   const int next = f.halved[1] ? std::clamp(own + (j % 2 == 0 ? -1 : 1), 0, g.ny - 1) : own;
-  constexpr int beside = !joined ? 0 : half == 0 ? -1 : 1;
-  const float *p = between.row(own), *q = between.row(next);
-  if (!joined) p += half * slot, q += half * slot;
+  const float *p = between.row(own) + half * slot, *q = between.row(next) + half * slot;
   const float *diagonal = f.lane_values + (4 + half) * slot, yz = f.yz_diagonal(j, k);
   const std::ptrdiff_t row = f.row_number(j, k);
   float* u = f.u + lanes + (6 * row + half) * slot;
@@ -271,11 +291,8 @@ DYNASURF_INLINE void interpolate_row(const View& f, const View& g, Interpolated<
       share = (load(diagonal + m) + yz) * d;
     }
     for (int c = 0; c < 3; ++c) {
-      const float *pm = p + c * step + m, *qm = q + c * step + m;
-      const Vec16 here = 0.75f * load(pm) + 0.25f * load(qm);
-      const Vec16 there = 0.75f * load(pm + beside) + 0.25f * load(qm + beside);
-      Vec16 t = 0.75f * here + 0.25f * there;
       const std::ptrdiff_t at = 2 * c * slot + m;
+      Vec16 t = 0.75f * load(p + at) + 0.25f * load(q + at);
       if (!finest || data != nullptr) t *= share;
       if constexpr (first) {
         // One relaxation with the interpolated values as neighbours.
