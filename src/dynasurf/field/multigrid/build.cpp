@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/gradient.hpp"
-#include "dynasurf/field/multigrid/level.hpp"
+#include "dynasurf/field/multigrid/view.hpp"
 
 namespace dynasurf::multigrid {
 
@@ -297,72 +297,67 @@ void make_room_for_blocks(Level& l, std::size_t count) {
 }
 
 /// s = D/(D+b) of 16 voxels, the share of a voxel that diffusion rules; 1 where there are no data.
-DYNASURF_INLINE Vec16 freedom(const Level& l, int j, int k, int half, int m) {
+DYNASURF_INLINE Vec16 freedom(const View& l, int j, int k, int half, int m) {
   const std::int32_t number = l.blocks_of(j, k, half)[m / lanes];
-  if (number < 0) return Vec16{} + 1;
-  return (load(l.lane_diagonal(half) + m) + l.yz_diagonal(j, k)) *
-         load(l.blocks.data() + block_size * static_cast<std::ptrdiff_t>(number));
+  const float* d = number < 0 ? l.empty_d_of(j, k, half) + m : l.block(number);
+  return (load(l.lane_diagonal(half) + m) + l.yz_diagonal(j, k)) * load(d);
 }
 
 /// How much of its data term a voxel shows to the coarser level. Alone among free voxels it would follow them by s, and
 /// show s b; voxels inside a thick or strong border are held by their neighbours too, and show less.
-DYNASURF_INLINE Vec16 shown(const Level& l, int j, int k, int half, int m, Vec16 d, Vec16 s) {
+DYNASURF_INLINE Vec16 shown(const View& l, int j, int k, int half, int m, Vec16 d, Vec16 s) {
   const Vec16 near = freedom(l, j, k, 1 - half, m);
   const int beside = half == 0 ? m - lanes : m + lanes;
   const Vec16 next = beside >= 0 && beside < l.slot ? freedom(l, j, k, 1 - half, beside) : Vec16{} + 1;
-  const auto at = [](int i) { return static_cast<std::size_t>(i); };
-  Vec16 flow = half == 0
-                   ? load(l.lane_left(0) + m) * shifted_up(next, near) + load(l.lane_right(0) + m) * near
-                   : load(l.lane_left(1) + m) * near + load(l.lane_right(1) + m) * shifted_down(near, next);
-  if (j > 0) flow += l.axis[1].left[at(j)] * freedom(l, j - 1, k, half, m);
-  if (j + 1 < l.ny()) flow += l.axis[1].right[at(j)] * freedom(l, j + 1, k, half, m);
-  if (k > 0) flow += l.axis[2].left[at(k)] * freedom(l, j, k - 1, half, m);
-  if (k + 1 < l.nz()) flow += l.axis[2].right[at(k)] * freedom(l, j, k + 1, half, m);
+  Vec16 flow = half == 0 ? load(l.lane_left(0) + m) * shifted_up(next, near) + load(l.lane_right(0) + m) * near
+                         : load(l.lane_left(1) + m) * near + load(l.lane_right(1) + m) * shifted_down(near, next);
+  if (j > 0) flow += l.left[1][j] * freedom(l, j - 1, k, half, m);
+  if (j + 1 < l.ny) flow += l.right[1][j] * freedom(l, j + 1, k, half, m);
+  if (k > 0) flow += l.left[2][k] * freedom(l, j, k - 1, half, m);
+  if (k + 1 < l.nz) flow += l.right[2][k] * freedom(l, j, k + 1, half, m);
   const Vec16 held = 0.3f + s;  // as measured on borders of all strengths
   return held * (d * flow) + (1 - held) * s;
 }
 
 /// Adds one row's data to the coarser cells: the data term as far as it shows, and the right-hand side weighed with s.
 /// A thin strong shell would otherwise hold the whole coarse cell fast.
-DYNASURF_INLINE void add_row_data(const Level& l, int j, int k, int half, float area, float* sum, int step) {
+template <bool finest>
+DYNASURF_INLINE void add_row_data(const View& l, int j, int k, int half, float area, float* sum, int step) {
   const float *diagonal = l.lane_diagonal(half), *share = l.lane_share(half), yz = l.yz_diagonal(j, k);
+  const float *b_row = l.b + l.scalar_row(j, k) + half * l.slot, *d_row = l.d + l.scalar_row(j, k) + half * l.slot;
+  const float* rhs_row = l.rhs + l.row(j, k) + half * l.slot;
   for (int m = 0; m < l.slot; m += lanes) {
-    const std::int32_t number = l.finest ? l.blocks_of(j, k, half)[m / lanes] : 0;
+    const std::int32_t number = finest ? l.blocks_of(j, k, half)[m / lanes] : 0;
     if (number < 0) continue;
-    const float* data = l.finest ? l.blocks.data() + block_size * static_cast<std::ptrdiff_t>(number) : nullptr;
-    const std::size_t scalars = l.scalar_row(j, k) + static_cast<std::size_t>(half * l.slot + m);
-    const Vec16 d = l.finest ? load(data) : load(l.d.data() + scalars);
-    const Vec16 b = l.finest ? load(data + 16) : load(l.b.data() + scalars);
+    const float* data = finest ? l.block(number) : nullptr;
+    const Vec16 d = load(finest ? data : d_row + m), b = load(finest ? data + 16 : b_row + m);
     const Vec16 part = area * load(share + m), s = (load(diagonal + m) + yz) * d;
-    store(sum + m, load(sum + m) + part * b * (l.finest ? shown(l, j, k, half, m, d, s) : s));
+    store(sum + m, load(sum + m) + part * b * (finest ? shown(l, j, k, half, m, d, s) : s));
     for (int c = 0; c < 3; ++c) {
-      const Vec16 rhs = l.finest ? b * load(data + 32 + 16 * c)
-                                 : load(l.rhs.data() + l.row(j, k) + half * l.slot + 2 * c * l.slot + m);
+      const Vec16 rhs = finest ? b * load(data + 32 + 16 * c) : load(rhs_row + 2 * c * l.slot + m);
       float* to = sum + (c + 1) * step + m;
       store(to, load(to) + part * s * rhs);
     }
   }
 }
 
-DYNASURF_CLONES void coarsen_slice(const Level& f, Level& g, int k) {
-  const bool halved = f.axis[0].halved;
+template <bool finest>
+DYNASURF_INLINE void coarsen_rows(const View& f, const View& g, int k) {
+  const bool halved = f.halved[0];
   const int step = halved ? std::max(f.slot, 2 * g.slot) : 2 * f.slot;
   detail::FloatBuffer sums(static_cast<std::size_t>(4 * step));
   float* sum = sums.data();
-  const auto children = [](const Axis& a, int i) {
-    return a.halved ? std::pair{2 * i, std::min(2 * i + 1, a.count - 1)} : std::pair{i, i};
+  const auto children = [](bool joined, int count, int i) {
+    return joined ? std::pair{2 * i, std::min(2 * i + 1, count - 1)} : std::pair{i, i};
   };
-  const auto [z0, z1] = children(f.axis[2], k);
-  for (int j = 0; j < g.ny(); ++j) {
+  const auto [z0, z1] = children(f.halved[2], f.nz, k);
+  for (int j = 0; j < g.ny; ++j) {
     std::fill_n(sum, 4 * step, 0.0f);
-    const auto [y0, y1] = children(f.axis[1], j);
+    const auto [y0, y1] = children(f.halved[1], f.ny, j);
     for (int z = z0; z <= z1; ++z)
       for (int y = y0; y <= y1; ++y)
-        for (int half : {0, 1}) {
-          const float area =
-              f.axis[1].share[static_cast<std::size_t>(y)] * f.axis[2].share[static_cast<std::size_t>(z)];
-          add_row_data(f, y, z, half, area, halved ? sum : sum + half * f.slot, step);
-        }
+        for (int half : {0, 1})
+          add_row_data<finest>(f, y, z, half, f.share[1][y] * f.share[2][z], halved ? sum : sum + half * f.slot, step);
     // Sums over pairs along x lie in natural order, others split into halves already.
     const auto halves_of = [&](int c, int m, Vec16* half) {
       const float* from = sum + c * step;
@@ -370,8 +365,8 @@ DYNASURF_CLONES void coarsen_slice(const Level& f, Level& g, int k) {
       half[0] = load(from + m);
       half[1] = load(from + f.slot + m);
     };
-    float *b_row = g.b.data() + g.scalar_row(j, k), *d_row = g.d.data() + g.scalar_row(j, k);
-    float* rhs_row = g.rhs.data() + g.row(j, k);
+    const std::ptrdiff_t scalars = g.scalar_row(j, k);
+    float *b_row = g.b + scalars, *d_row = g.d + scalars, *rhs_row = g.rhs + g.row(j, k);
     const float yz = g.yz_diagonal(j, k);
     for (int m = 0; m < g.slot; m += lanes) {
       Vec16 b[2], rhs[2];
@@ -388,6 +383,10 @@ DYNASURF_CLONES void coarsen_slice(const Level& f, Level& g, int k) {
       }
     }
   }
+}
+
+DYNASURF_CLONES void coarsen_slice(const Level& f, const Level& g, int k) {
+  f.finest ? coarsen_rows<true>(View(f), View(g), k) : coarsen_rows<false>(View(f), View(g), k);
 }
 
 }  // namespace

@@ -13,8 +13,8 @@ struct View {
   int slot, nx, ny, nz;
   float stretch = 1;  // of corrections
   std::ptrdiff_t stride;
-  float *u, *rhs;
-  const float *b, *d, *lane_values, *blocks, *empty_d;
+  float *u, *rhs, *b, *d;
+  const float *lane_values, *blocks, *empty_d;
   const std::int32_t* block_of;
   const float *left[3], *right[3], *share[3];
   bool halved[3];
