@@ -112,7 +112,7 @@ void fill_empty_d(Level& l) {
 /// A row of the map and the rows whose difference is its gradient in y and z.
 struct MapRow {
   const float *own, *ym, *yp, *zm, *zp;
-  float per_mm[3];  // of a difference over two voxels in x, of those rows in y and z
+  float per_mm[3];           // of a difference over two voxels in x, of those rows in y and z
   const float *begin, *end;  // of the whole map
 };
 
@@ -423,6 +423,8 @@ DataStrength build(std::vector<Level>& levels, const Image& map, const Vec3& rat
   each_slice([&](std::size_t k) { number_blocks(finest, map, static_cast<int>(k), outcomes[k]); });
   for (std::size_t k = 0; k < slices; ++k) first[k + 1] = first[k] + outcomes[k].blocks;
   finest.data = box_around(outcomes);
+  finest.data_rows.resize(slices);
+  for (std::size_t k = 0; k < slices; ++k) finest.data_rows[k] = {outcomes[k].first_row, outcomes[k].end_row};
   make_room_for_blocks(finest, static_cast<std::size_t>(first[slices]));
   each_slice([&](std::size_t k) { fill_blocks(finest, map, static_cast<int>(k), first[k], term, outcomes[k]); });
   SliceOutcome all;

@@ -10,6 +10,24 @@
 
 namespace dynasurf::multigrid {
 
+namespace {
+
+/// Of the rows those with data and those beside them.
+Rows rows_beside_data(const Level& l, Rows r) {
+  int first = l.ny(), end = 0;
+  for (int k = std::max(r.k0 - 1, 0); k < std::min(r.k1 + 1, l.nz()); ++k) {
+    const auto [from, to] = l.data_rows[static_cast<std::size_t>(k)];
+    if (from == to) continue;
+    first = std::min(first, from - 1);
+    end = std::max(end, to + 1);
+  }
+  r.j0 = std::max(r.j0, first);
+  r.j1 = std::min(r.j1, end);
+  return r;
+}
+
+}  // namespace
+
 /// Where pairs are joined, the bounds of the rows are even or the end.
 void Hierarchy::apply(std::size_t l, Stage stage, const Rows& r) {
   Level& fine = levels[l];
@@ -28,6 +46,10 @@ void Hierarchy::apply(std::size_t l, Stage stage, const Rows& r) {
       return sweep(1, Start::warm);
     case Stage::black_near_data:
       return sweep(1, Start::near_data);
+    case Stage::black_beside_data:
+      if (const Rows b = rows_beside_data(fine, r); b.j0 < b.j1)
+        multigrid::sweep(fine, b.k0, b.k1, b.j0, b.j1, 1, Start::warm);
+      return;
     case Stage::start_black:
       return multigrid::start_black(fine, levels[l + 1], r.k0, r.k1, r.j0, r.j1);
     case Stage::continue_black:
@@ -198,14 +220,15 @@ namespace {
 
 // On the voxels. Errors are largest and roughest beside the data, where further sweeps are cheap. Black cells come last
 // before a restriction, which expects them to have no residual.
-constexpr Stage begin[] = {Stage::start_black,     Stage::red,           Stage::black, Stage::red_near_data,
-                           Stage::black_near_data, Stage::red_near_data, Stage::black, Stage::restrict_residual};
+constexpr Stage begin[] = {
+    Stage::start_black,      Stage::red, Stage::black, Stage::red_near_data, Stage::black_beside_data,
+    Stage::restrict_residual};
 constexpr Stage begin_box[] = {Stage::start_black,     Stage::red, Stage::black, Stage::red_near_data,
                                Stage::black_near_data, Stage::red, Stage::black, Stage::restrict_residual,
                                Stage::take_back_black};
-constexpr Stage begin_around_box[] = {Stage::continue_black, Stage::continue_red,     Stage::black,
-                                      Stage::red_near_data,  Stage::black_near_data,  Stage::red_near_data,
-                                      Stage::black,          Stage::restrict_residual};
+constexpr Stage begin_around_box[] = {Stage::continue_black,    Stage::continue_red,     Stage::black,
+                                      Stage::red_near_data,     Stage::black_near_data,  Stage::red_near_data,
+                                      Stage::black_beside_data, Stage::restrict_residual};
 
 /// The rows near data, where they are less than half of all and the grid is so large that memory decides; else none.
 Rows box_near_data(const Level& voxels) {

@@ -18,6 +18,7 @@ enum class Stage {
   black,
   red_near_data,
   black_near_data,
+  black_beside_data,  // all that a red sweep near data changes
   start_black,
   continue_black,
   continue_red,

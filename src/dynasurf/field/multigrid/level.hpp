@@ -75,10 +75,11 @@ struct Level {
   bool finest = false;
   float stretch = 1;  // factor of the corrections that come from the coarser level
   detail::FloatBuffer blocks;
-  std::vector<std::int32_t> block_of;  // row, half, block: number of its 80 floats, or -1
-  Rows data;                           // a box around all blocks
-  detail::FloatBuffer empty_d;         // d of rows without data, for the first, inner and last row and slice
-  std::vector<double> change, size;    // finest: sums of squares over each row's red cells in the last measured sweep
+  std::vector<std::int32_t> block_of;         // row, half, block: number of its 80 floats, or -1
+  Rows data;                                  // a box around all blocks
+  std::vector<std::array<int, 2>> data_rows;  // of each slice those with blocks: the first and one past the last
+  detail::FloatBuffer empty_d;                // d of rows without data, for the first, inner and last row and slice
+  std::vector<double> change, size;  // finest: sums of squares over each row's red cells in the last measured sweep
 
   int nx() const { return axis[0].count; }
   int ny() const { return axis[1].count; }

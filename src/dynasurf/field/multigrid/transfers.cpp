@@ -221,8 +221,8 @@ class Interpolated {
   }
 
  private:
-  /// A cell of the coarser level lies in its middle between two of the finer one, in the even half and in the odd one at
-  /// its own place. Beyond the ends its values go on.
+  /// A cell of the coarser level lies in its middle between two of the finer one, in the even half and in the odd one
+  /// at its own place. Beyond the ends its values go on.
   template <class Values>
   DYNASURF_INLINE void join_halves(const Values& values, float* to) const {
     Vec16 v[2], next[2];

@@ -102,12 +102,7 @@ struct Around {
 
 DYNASURF_INLINE Around around(const Row& r, std::ptrdiff_t at) {
   const Vec16 u = load(r.near + at);
-  return {u,
-          load(r.far + at) - u,
-          load(r.ym + at) - u,
-          load(r.yp + at) - u,
-          load(r.zm + at) - u,
-          load(r.zp + at) - u};
+  return {u, load(r.far + at) - u, load(r.ym + at) - u, load(r.yp + at) - u, load(r.zm + at) - u, load(r.zp + at) - u};
 }
 
 /// The same of 2 x 2 rows, row r at (j + r % 2, k + r / 2), so that what is a neighbour of two rows is loaded once, and
