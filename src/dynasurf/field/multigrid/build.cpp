@@ -137,9 +137,9 @@ typedef std::int32_t Ints16 __attribute__((vector_size(64)));
 DYNASURF_INLINE Ints16 bits_of(Vec16 v) { return __builtin_bit_cast(Ints16, v); }
 
 DYNASURF_INLINE bool any(Ints16 v) {
-  std::int32_t all = 0;
-  for (int i = 0; i < lanes; ++i) all |= v[i];
-  return all != 0;
+  v |= __builtin_shufflevector(v, v, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7);
+  v |= __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11);
+  return (v[0] | v[1] | v[2] | v[3]) != 0;
 }
 
 constexpr int chunk = 2 * lanes;  // voxels whose even and odd ones share blocks
