@@ -226,6 +226,8 @@ DYNASURF_CLONES void number_blocks(Level& l, const Image& map, int k, SliceOutco
     const MapRow row = row_of(map, j, k);
     std::int32_t* block_of = l.block_of.data() + l.row_number(j, k) * 2 * static_cast<std::size_t>(chunks);
     const std::int32_t before = blocks;
+    if (constexpr int ahead = 4; j + ahead < ny)  // of the rows of one place only that of the next slice is new
+      for (int i = 0; i < nx; i += lanes) __builtin_prefetch(row.zp + ahead * nx + i);
     for (int m = 0; m < chunks; ++m) {
       const bool has_data = changes(chunk_of(row, m * chunk, nx), largest);
       for (int half : {0, 1}) block_of[half * chunks + m] = has_data ? blocks++ : -1;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdint>
 
 #include "dynasurf/field/multigrid/view.hpp"
 
@@ -351,16 +352,33 @@ DYNASURF_CLONES void start_black(Level& fine, const Level& coarse, int k0, int k
 
 namespace {
 
+/// Past the caches; `to` starts at a multiple of 16 bytes.
+DYNASURF_INLINE void stream(float* to, Vec16 v) {
+#if defined(__SSE2__)
+  _mm_stream_ps(to, __builtin_shufflevector(v, v, 0, 1, 2, 3));
+  _mm_stream_ps(to + 4, __builtin_shufflevector(v, v, 4, 5, 6, 7));
+  _mm_stream_ps(to + 8, __builtin_shufflevector(v, v, 8, 9, 10, 11));
+  _mm_stream_ps(to + 12, __builtin_shufflevector(v, v, 12, 13, 14, 15));
+#else
+  store(to, v);
+#endif
+}
+
+template <bool past_caches>
 DYNASURF_INLINE void copy_row(const float* even, const float* odd, int count, float* out) {
+  const auto put = [](Vec16 a, Vec16 b, float* to) DYNASURF_INLINE_LAMBDA {
+    Vec16 first, second;
+    join(a, b, first, second);
+    past_caches ? stream(to, first) : store(to, first);
+    past_caches ? stream(to + lanes, second) : store(to + lanes, second);
+  };
   int i = 0;
-  for (; i + 2 * lanes <= count; i += 2 * lanes) join(load(even + i / 2), load(odd + i / 2), out + i);
+  for (; i + 2 * lanes <= count; i += 2 * lanes) put(load(even + i / 2), load(odd + i / 2), out + i);
   if (i == count) return;
   if (i > 0) {  // the last whole vectors overlap those before
     i = count - 2 * lanes;
-    if (i % 2 == 0)
-      join(load(even + i / 2), load(odd + i / 2), out + i);
-    else
-      join(load(odd + i / 2), load(even + i / 2 + 1), out + i);
+    i % 2 == 0 ? put(load(even + i / 2), load(odd + i / 2), out + i)
+               : put(load(odd + i / 2), load(even + i / 2 + 1), out + i);
     return;
   }
   float rest[2 * lanes];
@@ -368,15 +386,27 @@ DYNASURF_INLINE void copy_row(const float* even, const float* odd, int count, fl
   std::copy_n(rest, count, out);
 }
 
-}  // namespace
-
-DYNASURF_CLONES void copy_out(const Level& l, int k, int j0, int j1, std::array<float*, 3> out) {
-  const View v(l);
+template <bool past_caches>
+DYNASURF_INLINE void copy_rows(const View& v, int k, int j0, int j1, const std::array<float*, 3>& out) {
   for (int j = j0; j < j1; ++j)
     for (int c = 0; c < 3; ++c) {
       const float* even = v.u + v.row(j, k) + 2 * c * v.slot;
-      copy_row(even, even + v.slot, v.nx, out[static_cast<std::size_t>(c)] + v.row_number(j, k) * v.nx);
+      copy_row<past_caches>(even, even + v.slot, v.nx, out[static_cast<std::size_t>(c)] + v.row_number(j, k) * v.nx);
     }
+}
+
+}  // namespace
+
+DYNASURF_CLONES void copy_out(const Level& l, int k, int j0, int j1, std::array<float*, 3> out) {
+  constexpr std::size_t too_large_for_caches = 1'000'000;
+  const bool aligned = l.nx() % 4 == 0 && std::all_of(out.begin(), out.end(), [](const float* p) {
+                         return reinterpret_cast<std::uintptr_t>(p) % 16 == 0;
+                       });
+  if (l.cells() < too_large_for_caches || !aligned) return copy_rows<false>(View(l), k, j0, j1, out);
+  copy_rows<true>(View(l), k, j0, j1, out);
+#if defined(__SSE2__)
+  _mm_sfence();  // other threads see it
+#endif
 }
 
 }  // namespace dynasurf::multigrid
