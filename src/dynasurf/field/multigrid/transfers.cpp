@@ -226,7 +226,7 @@ class Interpolated {
   /// at its own place. Beyond the ends its values go on.
   template <class Values>
   DYNASURF_INLINE void join_halves(const Values& values, float* to) const {
-    Vec16 v[2], next[2];
+    Vec16 v[2], next[2]{};
     join(values(0), values(slot_), v[0], v[1]);
     Vec16 before = Vec16{} + v[0][0];
     for (std::ptrdiff_t m = 0;; m += lanes) {
