@@ -424,6 +424,10 @@ TEST(Evolve, DoesNotTakeAShortStepForRest) {
   o.step_s = 5e-5;
   o.end.max_steps = 200;
   EXPECT_EQ(evolve(s.start, s.field, s.border, o).reason, StopReason::max_steps);
+  // Nor the slow beginning of one that is shorter still, in which particles have no speed yet.
+  o.step_s /= 1000;
+  const EvolutionResult begun = evolve(s.start, s.field, s.border, o);
+  EXPECT_EQ(begun.reason, StopReason::max_steps) << begun.steps << " steps";
 }
 
 TEST(Evolve, ReportsDivergenceWithTheLastGoodMesh) {

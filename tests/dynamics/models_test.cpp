@@ -1,6 +1,7 @@
 #include "dynasurf/dynamics/models.hpp"
 
 #include <cstring>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -132,9 +133,35 @@ TEST(Models, SayWhatKeptThemFromRest) {
   o.solver = Rk4{};
   EXPECT_EQ(last_note(o).code, "evolve.max_steps");
   EXPECT_NE(last_note(o).message.find("stability bounds the step"), std::string::npos) << last_note(o).message;
+  o.solver = BackwardEuler{};
+  o.end.max_steps = 5;
+  EXPECT_EQ(last_note(o).message.find("stability"), std::string::npos) << last_note(o).message;
+  Evolution free = free_model();
+  free.end.max_steps = 30;
+  free.force.drag = 1;
+  EXPECT_NE(last_note(free).message.find("stability bounds the step"), std::string::npos) << last_note(free).message;
+  free.force.drag = 0.1;  // the speed of the particles bounds the step
+  EXPECT_EQ(last_note(free).message.find("stability"), std::string::npos) << last_note(free).message;
+  free.step_s = 0.001;  // the user does
+  EXPECT_EQ(last_note(free).message.find("stability"), std::string::npos) << last_note(free).message;
+  o.end.max_steps = 30;
   o.solver = Rkf45{.tolerance = 1e-10};  // cuts its steps into thousands
   EXPECT_LT(run(o).steps, 30);
   EXPECT_NE(last_note(o).message.find("the solver had to cut them into 6"), std::string::npos) << last_note(o).message;
+}
+
+TEST(Models, ExplainTheStepThatTheyEndedWith) {
+  // Triangles that shrink stiffen: the step of the curvature model falls, and its explanation with it.
+  Evolution o = curvature_model();
+  o.solver = Euler{};
+  o.end.max_steps = 1;
+  const EvolutionResult begun = run(o);
+  o.end.max_steps = 300;
+  const EvolutionResult ended = run(o);
+  EXPECT_LT(ended.step_s, 0.5 * begun.step_s);
+  std::ostringstream limit;
+  limit << "0.8 of the largest stable one, " << ended.step_s / 0.8 << " s";
+  EXPECT_EQ(ended.step_explained.substr(0, limit.str().size()), limit.str()) << ended.step_explained;
 }
 
 TEST(Models, CurvatureIsTheContoursForceAddedToTheFreeOne) {
