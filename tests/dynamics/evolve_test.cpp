@@ -475,6 +475,24 @@ TEST(Evolve, LetsParticlesInFromOutsideTheGridAndNoneOut) {
   for (const Vec3& p : r.mesh.vertices) EXPECT_NEAR(p[0], 63.5 * 2.87, 1e-9);
 }
 
+TEST(Evolve, LeavesNoSpeedToAParticleAtTheWall) {
+  // Else it would stay there until a force had eaten up what it gained on the way.
+  Grid g;
+  g.dims = {10, 3, 3};
+  VectorField f(g);
+  std::fill(f.x.begin(), f.x.end(), 0.1F);
+  Evolution o = without_smoothing();
+  o.step_s = 0.05;
+  o.force = {.strength = 10, .drag = 0.5};
+  o.end = {.still_share = 1, .still_radius = 0, .max_steps = 400};
+  double speed = 0;
+  Additions own;
+  own.forces.push_back({"watch", [&](const ParticleState& state, std::span<Vec3>) { speed = state.velocities[0][0]; }});
+  const EvolutionResult r = evolve({{{5, 1, 1}}, {}}, f, Image(g), o, {}, nullptr, own);
+  EXPECT_DOUBLE_EQ(r.mesh.vertices[0][0], 9.5);
+  EXPECT_LT(speed, 10 * 0.1 * 0.05 * 1.01);  // what the last step gave
+}
+
 TEST(Evolve, StartsInsideTheBorderStoppedWhereItIs) {
   Scene s = sphere_scene(2);
   std::fill(s.border.values.begin(), s.border.values.end(), 1.0F);

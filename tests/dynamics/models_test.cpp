@@ -1,5 +1,6 @@
 #include "dynasurf/dynamics/models.hpp"
 
+#include <cmath>
 #include <cstring>
 #include <sstream>
 
@@ -96,6 +97,26 @@ TEST(Models, StayWhereNothingPulls) {
     const EvolutionResult r = evolve(s.start, VectorField(s.field.grid), Image(s.field.grid), o);
     for (std::size_t v = 0; v < r.mesh.vertices.size(); ++v)
       ASSERT_LT((r.mesh.vertices[v] - s.start.vertices[v]).norm(), 1e-9) << name_of_model(o);
+  }
+}
+
+TEST(Models, RestAtTheShareOfTheStartThatTheyName) {
+  const Scene& s = ball();
+  const VectorField nothing(s.field.grid);
+  std::vector<Vec3> smaller = s.start.vertices;
+  for (Vec3& p : smaller) p = kCentre + 0.67 * (p - kCentre);
+  const std::vector<Vec3> still(smaller.size(), Vec3::Zero());
+  const auto strongest = [&](const ModelOptions& model, std::span<const Vec3> places) {
+    double most = 0;
+    std::vector<Vec3> sum(places.size(), Vec3::Zero());
+    for (const Force& f : internal_forces(model, s.start, nothing, Sampling::nearest))
+      f.accumulate({places, still}, sum);
+    for (const Vec3& f : sum) most = std::max(most, f.norm());
+    return most;
+  };
+  for (const Evolution& o : {spring_model(), restricted_spring_model(), plain_model()}) {
+    EXPECT_LT(strongest(o.model, smaller), 1e-9) << name_of_model(o);
+    EXPECT_GT(strongest(o.model, s.start.vertices), 0.1) << name_of_model(o);
   }
 }
 
@@ -326,6 +347,8 @@ TEST(DragMaps, RaiseTheDragWhereTheySay) {
   }
   const Index3 far{0, 0, 0};
   EXPECT_NEAR(hard(far[0], far[1], far[2]), 0.1, 1e-4);
+  const Image from_one = drag_near_border(grey, 0.1, 10, 2);  // (3, 3, 3), (4, 4, 4) and (5, 5, 5)
+  EXPECT_FLOAT_EQ(from_one(5, 5, 11), static_cast<float>(0.1 * (1 + 10 * std::exp(-3.0))));
   EXPECT_FALSE(drag_map(UniformDrag{}, s.field, s.border, 0.1));
   EXPECT_EQ(drag_map(BorderDrag{}, s.field, s.border, 0.1)->values, hard.values);
 }
