@@ -195,7 +195,7 @@ void hypre(benchmark::State& state) {
   }
   state.counters["residual"] = residual;
 }
-BENCHMARK(hypre)->Arg(64)->Arg(62)->Arg(128)->ArgName("size")->UseRealTime()->MeasureProcessCPUTime()->Unit(
+BENCHMARK(hypre)->Arg(64)->Arg(62)->Arg(128)->Arg(256)->ArgName("size")->UseRealTime()->MeasureProcessCPUTime()->Unit(
     benchmark::kMillisecond);
 #endif
 

@@ -424,6 +424,10 @@ TEST(Evolve, DoesNotTakeAShortStepForRest) {
   o.step_s = 5e-5;
   o.end.max_steps = 200;
   EXPECT_EQ(evolve(s.start, s.field, s.border, o).reason, StopReason::max_steps);
+  // Nor the slow beginning of one that is shorter still, in which particles have no speed yet.
+  o.step_s /= 1000;
+  const EvolutionResult begun = evolve(s.start, s.field, s.border, o);
+  EXPECT_EQ(begun.reason, StopReason::max_steps) << begun.steps << " steps";
 }
 
 TEST(Evolve, ReportsDivergenceWithTheLastGoodMesh) {
@@ -469,6 +473,24 @@ TEST(Evolve, LetsParticlesInFromOutsideTheGridAndNoneOut) {
   const EvolutionResult r = evolve(sphere_scene(2).start, outwards, Image(hebron_grid()), without_smoothing());
   EXPECT_EQ(r.reason, StopReason::at_rest);
   for (const Vec3& p : r.mesh.vertices) EXPECT_NEAR(p[0], 63.5 * 2.87, 1e-9);
+}
+
+TEST(Evolve, LeavesNoSpeedToAParticleAtTheWall) {
+  // Else it would stay there until a force had eaten up what it gained on the way.
+  Grid g;
+  g.dims = {10, 3, 3};
+  VectorField f(g);
+  std::fill(f.x.begin(), f.x.end(), 0.1F);
+  Evolution o = without_smoothing();
+  o.step_s = 0.05;
+  o.force = {.strength = 10, .drag = 0.5};
+  o.end = {.still_share = 1, .still_radius = 0, .max_steps = 400};
+  double speed = 0;
+  Additions own;
+  own.forces.push_back({"watch", [&](const ParticleState& state, std::span<Vec3>) { speed = state.velocities[0][0]; }});
+  const EvolutionResult r = evolve({{{5, 1, 1}}, {}}, f, Image(g), o, {}, nullptr, own);
+  EXPECT_DOUBLE_EQ(r.mesh.vertices[0][0], 9.5);
+  EXPECT_LT(speed, 10 * 0.1 * 0.05 * 1.01);  // what the last step gave
 }
 
 TEST(Evolve, StartsInsideTheBorderStoppedWhereItIs) {

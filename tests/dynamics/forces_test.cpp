@@ -336,6 +336,8 @@ TEST(Bend, MeasuresTheAngleBetweenNormals) {
   EXPECT_NEAR(energy({.stiffness = 2, .rest = BendRest::zone, .zone_low_rad = 0, .zone_high_rad = 1.6}), 0, 1e-12);
   EXPECT_NEAR(energy({.stiffness = 2, .rest = BendRest::zone, .zone_low_rad = -1.6, .zone_high_rad = 1}),
               12 * (right - 1) * (right - 1), 1e-12);
+  EXPECT_NEAR(energy({.stiffness = 2, .rest = BendRest::zone, .zone_low_rad = 2, .zone_high_rad = 2.5}),
+              12 * (right - 2) * (right - 2) + 6 * 2 * 2, 1e-12);
 }
 
 TEST(Bend, FlattensAFold) {

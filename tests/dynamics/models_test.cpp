@@ -1,6 +1,8 @@
 #include "dynasurf/dynamics/models.hpp"
 
+#include <cmath>
 #include <cstring>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -98,6 +100,26 @@ TEST(Models, StayWhereNothingPulls) {
   }
 }
 
+TEST(Models, RestAtTheShareOfTheStartThatTheyName) {
+  const Scene& s = ball();
+  const VectorField nothing(s.field.grid);
+  std::vector<Vec3> smaller = s.start.vertices;
+  for (Vec3& p : smaller) p = kCentre + 0.67 * (p - kCentre);
+  const std::vector<Vec3> still(smaller.size(), Vec3::Zero());
+  const auto strongest = [&](const ModelOptions& model, std::span<const Vec3> places) {
+    double most = 0;
+    std::vector<Vec3> sum(places.size(), Vec3::Zero());
+    for (const Force& f : internal_forces(model, s.start, nothing, Sampling::nearest))
+      f.accumulate({places, still}, sum);
+    for (const Vec3& f : sum) most = std::max(most, f.norm());
+    return most;
+  };
+  for (const Evolution& o : {spring_model(), restricted_spring_model(), plain_model()}) {
+    EXPECT_LT(strongest(o.model, smaller), 1e-9) << name_of_model(o);
+    EXPECT_GT(strongest(o.model, s.start.vertices), 0.1) << name_of_model(o);
+  }
+}
+
 TEST(Models, ComeToRestAsTheyAreChosenByName) {
   // What `--set evolution.model=NAME` does: everything else is as for the free model.
   for (const Evolution& model : all_models()) {
@@ -132,9 +154,35 @@ TEST(Models, SayWhatKeptThemFromRest) {
   o.solver = Rk4{};
   EXPECT_EQ(last_note(o).code, "evolve.max_steps");
   EXPECT_NE(last_note(o).message.find("stability bounds the step"), std::string::npos) << last_note(o).message;
+  o.solver = BackwardEuler{};
+  o.end.max_steps = 5;
+  EXPECT_EQ(last_note(o).message.find("stability"), std::string::npos) << last_note(o).message;
+  Evolution free = free_model();
+  free.end.max_steps = 30;
+  free.force.drag = 1;
+  EXPECT_NE(last_note(free).message.find("stability bounds the step"), std::string::npos) << last_note(free).message;
+  free.force.drag = 0.1;  // the speed of the particles bounds the step
+  EXPECT_EQ(last_note(free).message.find("stability"), std::string::npos) << last_note(free).message;
+  free.step_s = 0.001;  // the user does
+  EXPECT_EQ(last_note(free).message.find("stability"), std::string::npos) << last_note(free).message;
+  o.end.max_steps = 30;
   o.solver = Rkf45{.tolerance = 1e-10};  // cuts its steps into thousands
   EXPECT_LT(run(o).steps, 30);
   EXPECT_NE(last_note(o).message.find("the solver had to cut them into 6"), std::string::npos) << last_note(o).message;
+}
+
+TEST(Models, ExplainTheStepThatTheyEndedWith) {
+  // Triangles that shrink stiffen: the step of the curvature model falls, and its explanation with it.
+  Evolution o = curvature_model();
+  o.solver = Euler{};
+  o.end.max_steps = 1;
+  const EvolutionResult begun = run(o);
+  o.end.max_steps = 300;
+  const EvolutionResult ended = run(o);
+  EXPECT_LT(ended.step_s, 0.5 * begun.step_s);
+  std::ostringstream limit;
+  limit << "0.8 of the largest stable one, " << ended.step_s / 0.8 << " s";
+  EXPECT_EQ(ended.step_explained.substr(0, limit.str().size()), limit.str()) << ended.step_explained;
 }
 
 TEST(Models, CurvatureIsTheContoursForceAddedToTheFreeOne) {
@@ -299,6 +347,8 @@ TEST(DragMaps, RaiseTheDragWhereTheySay) {
   }
   const Index3 far{0, 0, 0};
   EXPECT_NEAR(hard(far[0], far[1], far[2]), 0.1, 1e-4);
+  const Image from_one = drag_near_border(grey, 0.1, 10, 2);  // (3, 3, 3), (4, 4, 4) and (5, 5, 5)
+  EXPECT_FLOAT_EQ(from_one(5, 5, 11), static_cast<float>(0.1 * (1 + 10 * std::exp(-3.0))));
   EXPECT_FALSE(drag_map(UniformDrag{}, s.field, s.border, 0.1));
   EXPECT_EQ(drag_map(BorderDrag{}, s.field, s.border, 0.1)->values, hard.values);
 }

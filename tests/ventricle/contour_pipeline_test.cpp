@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/ventricle/presets.hpp"
@@ -90,6 +91,19 @@ TEST(ContourPipeline, SurvivesASliceThatFails) {
   EXPECT_EQ(epi.notes[0].code, "contour.jump");
   EXPECT_EQ(epi.notes[0].slice, 5);
   EXPECT_LT(mean_error(*epi.slices[4], outer_radius(4)), 0.5);
+}
+
+TEST(ContourPipeline, TellsWhereItBeginsInsteadOfASliceWithoutABorder) {
+  const Image image = wall_image();
+  ContourPipeline options;
+  options.best_slice = 1;
+  const WallContours endo = propagate_contours(image, labels_of(image), Wall::endo, base, options);
+  EXPECT_EQ(endo.best_slice, 3);
+  ASSERT_FALSE(endo.notes.empty());
+  EXPECT_EQ(endo.notes[0].code, "contour.best_slice");
+  EXPECT_EQ(endo.notes[0].message, "slice 1 has no endocardial border; its contours begin in slice 4");
+  options.best_slice = image.grid.dims[2] + 1;
+  EXPECT_THROW((void)propagate_contours(image, labels_of(image), Wall::endo, base, options), OptionError);
 }
 
 TEST(ContourPipeline, TellsWhenThereIsNothingToBeginWith) {

@@ -127,6 +127,7 @@ class Run {
     note_step();
     result_.reason = StopReason::max_steps;
     int rested_steps = 0;
+    bool begun = false;
     while (result_.steps < options_.end.max_steps && solver_steps_ < most_solver_steps()) {
       if (result_.steps % kStepsBetweenChecks == 0) progress.check();
       if (result_.steps % kStepsBetweenLimits == 0) keep_step_stable();
@@ -149,8 +150,10 @@ class Run {
         result_.reason = StopReason::all_stopped;
         break;
       }
-      const auto all = static_cast<double>(result_.stopped.size());
-      rested_steps = static_cast<double>(count_at_rest()) >= options_.end.still_share * all ? rested_steps + 1 : 0;
+      const bool rests = static_cast<double>(count_at_rest()) >=
+                         options_.end.still_share * static_cast<double>(result_.stopped.size());
+      begun = begun || !rests || result_.steps > plan_.start_steps;
+      rested_steps = rests && begun ? rested_steps + 1 : 0;
       if (rested_steps >= options_.end.still_steps) {
         result_.reason = StopReason::at_rest;
         break;
@@ -175,10 +178,11 @@ class Run {
   /// Shortens an automatic step that the mesh has outgrown.
   void keep_step_stable() {
     if (!coupled_ || options_.step_s > 0 || !std::isfinite(plan_.limit_s)) return;
-    const double longest = longest_stable_s(coupled_->limit(drag_.least).step_s);
-    if (longest >= plan_.step_s || !(longest > 0)) return;
-    plan_.shorten(longest);
-    result_.step_s = longest;
+    const auto now = coupled_->limit(drag_.least);
+    if (longest_stable_s(now.step_s) >= plan_.step_s || !(now.step_s > 0)) return;
+    plan_.shorten(now.step_s);
+    result_.step_s = plan_.step_s;
+    result_.step_explained = explain_step(plan_, false, limit_in_words(now.modes));
   }
 
   Pace pace(std::size_t particles) {
@@ -327,14 +331,15 @@ class Run {
 
   /// What the largest stable step comes from.
   std::string limit_in_words() {
+    if (coupled_) return limit_in_words(coupled_->limit(drag_.least).modes);
     std::ostringstream text;
-    if (coupled_) {
-      const Fastest modes = coupled_->limit(drag_.least).modes;
-      if (modes.stiffness > 0) text << "the stiffest motion (" << std::sqrt(modes.stiffness) << " rad/s) and ";
-      text << "the strongest damping (" << modes.damping << " 1/s)";
-    } else {
-      text << "the drag of " << drag_.most << " kg/s on particles of " << plan_.mass_kg << " kg";
-    }
+    text << "the drag of " << drag_.most << " kg/s on particles of " << plan_.mass_kg << " kg";
+    return text.str();
+  }
+  static std::string limit_in_words(const Fastest& modes) {
+    std::ostringstream text;
+    if (modes.stiffness > 0) text << "the stiffest motion (" << std::sqrt(modes.stiffness) << " rad/s) and ";
+    text << "the strongest damping (" << modes.damping << " 1/s)";
     return text.str();
   }
 
@@ -343,7 +348,7 @@ class Run {
       text << "the motion was not at rest after " << result_.steps << " steps of " << plan_.step_s
            << " s: " << moving_.size() << " of " << result_.stopped.size() << " particles still moved";
       if (solver_steps_ > result_.steps) text << "; the solver had to cut them into " << solver_steps_;
-      if (coupled_ && plan_.step_s < longest_stable_s(plan_.limit_s) * 1.001)
+      if (options_.step_s <= 0 && plan_.is_bounded_by_stability())
         text << "; stability bounds the step, which solver backward_euler does without";
     });
   }

@@ -32,10 +32,14 @@ Room room_of(const Grid& grid, const TriMesh& start) {
   return room;
 }
 
-void StepPlan::shorten(double shorter_s) {
+bool StepPlan::is_bounded_by_stability() const { return step_s >= longest_stable_s(limit_s); }
+
+void StepPlan::shorten(double new_limit_s) {
+  const double shorter_s = longest_stable_s(new_limit_s);
   rest_mm *= shorter_s / step_s;
   stray_steps = steps_to_cross(stray_mm, rest_mm);
   step_s = shorter_s;
+  limit_s = new_limit_s;
 }
 
 StepPlan plan_steps(const Evolution& o, std::size_t particles, const Pace& pace, const Room& room,
@@ -61,6 +65,9 @@ StepPlan plan_steps(const Evolution& o, std::size_t particles, const Pace& pace,
   plan.rest_mm = o.end.still_move * smallest_spacing_mm * std::min(1.0, plan.step_s / usual_s);
   plan.stray_mm = o.end.still_radius * smallest_spacing_mm;
   plan.stray_steps = steps_to_cross(plan.stray_mm, plan.rest_mm);
+  // Nor have particles that begin without speed gained any in a few shorter steps: nobody rests before moving in the
+  // time of the usual ones.
+  plan.start_steps = static_cast<int>(std::min(o.end.still_steps * std::max(0.0, usual_s / plan.step_s - 1), 1e9));
   return plan;
 }
 
@@ -74,7 +81,7 @@ std::string explain_step(const StepPlan& plan, bool is_given, const std::string&
   if (is_given) {
     text << "given";
     if (is_bounded) text << "; stable are up to " << plan.limit_s << " s";
-  } else if (plan.step_s < longest_stable_s(plan.limit_s)) {
+  } else if (!plan.is_bounded_by_stability()) {
     text << "the field moves no particle more than " << kVoxelsPerStep << " voxels in it";
     if (is_bounded)
       text << "; stable are up to " << plan.limit_s << " s";

@@ -32,9 +32,12 @@ struct StepPlan {
   double rest_mm = 0;   // who moves less in a step is at rest
   double stray_mm = 0;  // and who strays no farther in so many steps
   int stray_steps = 0;
+  int start_steps = 0;  // who has not moved yet has only begun slowly: particles begin without speed
 
-  /// Takes a shorter step; in it, a particle at rest covers less ground.
-  void shorten(double shorter_s);
+  /// Whether stability sets the automatic step, and not the speed of the particles.
+  bool is_bounded_by_stability() const;
+  /// Takes the longest step for a new, smaller limit; in it, a particle at rest covers less ground.
+  void shorten(double new_limit_s);
 };
 
 /// The step that the user gave, or the automatic one (ODE-LIMIT): a share of the stable one, less where a particle as

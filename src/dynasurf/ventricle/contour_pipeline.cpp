@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "dynasurf/core/error.hpp"
 #include "dynasurf/dynamics/contour/potential.hpp"
 #include "dynasurf/field/gvf.hpp"
 
@@ -93,7 +94,13 @@ void keep(WallContours& all, int k, const ContourResult& r) {
 /// The slice asked for, or the clearest of all slices in the middle half, each with a contour of its own.
 std::optional<ContourResult> begin(const Search& s, int first, int last, WallContours& all) {
   if (s.options.best_slice) {
-    all.best_slice = std::clamp(*s.options.best_slice - 1, first, last);
+    const int asked = *s.options.best_slice - 1;
+    all.best_slice = std::clamp(asked, first, last);
+    if (all.best_slice != asked)
+      all.notes.push_back({Severity::info, "contour.best_slice",
+                           "slice " + std::to_string(asked + 1) + " has no " + std::string(name_of(s.wall)) +
+                               "cardial border; its contours begin in slice " + std::to_string(all.best_slice + 1),
+                           -1, all.best_slice});
     return contour_in_slice(s, all.best_slice, automatic_start(s, all.best_slice));
   }
   const int margin = (last - first) / 4;
@@ -159,8 +166,12 @@ WallContours propagate_contours(const Image& image, const Labels& labels, Wall w
                                 const ContourPipeline& requested, const WallContours* outer) {
   ContourPipeline options = requested;
   check_options(options, "contour");
+  const int slices = image.grid.dims[2];
+  if (options.best_slice && *options.best_slice > slices)
+    throw OptionError("option contour.best_slice is " + std::to_string(*options.best_slice) +
+                      "; expected a slice of the short-axis stack, 1 to " + std::to_string(slices));
   WallContours all;
-  all.slices.resize(static_cast<std::size_t>(image.grid.dims[2]));
+  all.slices.resize(static_cast<std::size_t>(slices));
   const Search search{image, labels, wall, options, outer};
   const auto [first, last] = range_of(labels, wall, base_slice);
   std::optional<ContourResult> start;

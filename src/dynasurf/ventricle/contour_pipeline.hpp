@@ -64,14 +64,15 @@ struct WallContours {
   int best_slice = -1;
   int at_rest = 0, found = 0;  // how many contours there are and how many of them came to rest
   int steps = 0;               // of all contours
-  Notes notes;                 // "contour.jump", "contour.none"
+  Notes notes;                 // "contour.jump", "contour.none", "contour.best_slice"
 };
 
 /// C3D-PROP: the contour of the best slice from the automatic circle, then slice by slice up and down, each from the
 /// one before. The border strength of a wall is the slope along the ray from the axis of the ventricle: falling
 /// outwards for the outer wall, rising for the inner one, inside the automatic circle. The outer wall begins in the
 /// lowest slice with an outer border, the inner one above the division slice; both end in `base_slice`. `outer`, when
-/// given, bounds the search of the inner wall.
+/// given, bounds the search of the inner wall. A best slice that is asked for is moved, with a note, to the nearest one
+/// of these; throws OptionError when the stack has no such slice.
 WallContours propagate_contours(const Image& image, const Labels& labels, Wall wall, int base_slice,
                                 const ContourPipeline& options, const WallContours* outer = nullptr);
 

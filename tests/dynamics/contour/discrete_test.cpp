@@ -73,6 +73,12 @@ TEST(Resample, CarriesVelocitiesAsMeans) {
   ASSERT_EQ(c.size(), 6U);
   EXPECT_EQ(velocity[1], Vec2(1, 0));
   EXPECT_EQ(velocity[4], Vec2(1, 2));
+  c.points = {{0, 0}, {2, 0}, {2, 2}, {1.5, 2}, {0, 2}};
+  velocity = {{0, 0}, {0, 0}, {4, 0}, {0, 2}, {0, 0}};
+  resample(c, 2, velocity);
+  ASSERT_EQ(c.size(), 4U);
+  EXPECT_EQ(c.points[2], Vec2(1.75, 2));
+  EXPECT_EQ(velocity[2], Vec2(2, 1));
 }
 
 TEST(Resample, KeepsTheEndsOfAnOpenContour) {
@@ -197,7 +203,10 @@ TEST(SnakeEnergy, OfTheGradientIsLeastOnAStep) {
     EXPECT_LT(e(15, 4, 0), e(5, 4, 0));
   }
   EXPECT_EQ(snake_energy(step, SnakeEnergy::intensity).values, step.values);
-  EXPECT_FLOAT_EQ(snake_energy(step, SnakeEnergy::smoothed_intensity, 2)(31, 4, 0), 1);
+  const Image smoothed = snake_energy(step, SnakeEnergy::smoothed_intensity, 2);
+  EXPECT_FLOAT_EQ(smoothed(31, 4, 0), 1);
+  EXPECT_EQ(smoothed.values, smoothed_plane(step, 2).values);
+  EXPECT_NE(smoothed.values, step.values);
 }
 
 TEST(Strokes, AreGaussiansOfTheDistance) {
