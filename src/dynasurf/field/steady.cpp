@@ -92,7 +92,7 @@ struct Estimate {
 /// every level it would add up, and a field that is smooth on all of them would swing for ever. Careful: where strong
 /// data close in a few long voxels, coarse levels overshoot by more than they gain.
 void set_stretch(std::vector<Level>& levels, bool careful) {
-  for (Level& l : levels) l.stretch = careful ? (l.finest ? 1.0f : 0.5f) : (l.finest ? 1.05f : 1.0f);
+  for (Level& l : levels) l.stretch = careful ? (l.finest ? 1.0f : 0.75f) : (l.finest ? 1.05f : 1.0f);
 }
 
 /// Cycles until the estimated error is below the tolerance or rounding ends the progress (near 1e-6). False, and no
@@ -110,7 +110,7 @@ bool iterate(Hierarchy& h, Estimate estimate, double tolerance, int most_cycles,
     const bool certainly_more = 0.01 * error > tolerance && r.iterations < most_cycles;
     h.run(0, certainly_more ? std::span<const Stage>(finish_and_resume) : std::span<const Stage>(finish));
     error = estimate.error_after(relative_change(h.levels[0]));
-    if (!careful && r.iterations > 1 && estimate.change > 0.1 && estimate.rate > 0.7) return false;
+    if (!careful && r.iterations > 2 && estimate.change > 0.1 && estimate.rate > 0.7) return false;
     stalled = estimate.rate > (careful ? 0.95 : 0.7) ? stalled + 1 : 0;
     if (!careful && stalled == 3 && error > std::max(tolerance, 100 * estimate.rounding)) return false;
     progress("field", r.iterations, most_cycles);
