@@ -117,6 +117,7 @@ Json comparison(const ComparedStudy& rest, const ComparedStudy& stress, const Me
 }
 
 ExitCode run(const Arguments& a) {
+  if (a.pdf && a.out.empty()) throw OptionError("--pdf needs a folder to print to; expected --out");
   if (a.pdf) find_browser();  // before anything is computed
   ComparedStudy rest = read_study_of(a.rest), stress = read_study_of(a.stress);
   // Two blood pools are compared by their volumes alone.
@@ -124,7 +125,6 @@ ExitCode run(const Arguments& a) {
     require_same_perfusion(rest.polar.perfusion_is, a.rest, stress.polar.perfusion_is, a.stress);
   const Measures difference = difference_of(rest, stress);
   const Json json = comparison(rest, stress, difference);
-  if (a.pdf && a.out.empty()) throw OptionError("--pdf needs a folder to print to; expected --out");
   if (!a.out.empty()) {
     OutputFolder folder(a.out, fs::exists(fs::path(a.out) / "comparison.json"));
     const PolarKind kind{
