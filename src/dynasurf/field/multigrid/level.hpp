@@ -22,6 +22,7 @@ typedef float LooseVec16 __attribute__((vector_size(64), aligned(4), may_alias))
 DYNASURF_INLINE Vec16 load(const float* p) { return *reinterpret_cast<const LooseVec16*>(p); }
 DYNASURF_INLINE void store(float* p, Vec16 v) { *reinterpret_cast<LooseVec16*>(p) = v; }
 
+/// Lane m holds m.
 constexpr Vec16 lane_numbers{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
 /// Lane m holds lane m-1 of `v`; the first one is the last of `before`.

@@ -100,6 +100,7 @@ struct Around {
   Vec16 near, far, ym, yp, zm, zp;
 };
 
+/// Of the cells from lane `at` of a row on.
 DYNASURF_INLINE Around around(const Row& r, std::ptrdiff_t at) {
   const Vec16 u = load(r.near + at);
   return {u, load(r.far + at) - u, load(r.ym + at) - u, load(r.yp + at) - u, load(r.zm + at) - u, load(r.zp + at) - u};
