@@ -80,7 +80,8 @@ DYNASURF_INLINE void sum_residuals(const View& l, int j, int k, float* const (&s
   const std::ptrdiff_t scalars = 2 * t.slot * l.row_number(j, k), slice = 2 * t.slot * l.ny;
   const float *rhs0 = l.rhs + lanes + 3 * scalars, *rhs1 = rhs0 + 3 * slice;
   const float *b0 = l.b + scalars, *b1 = b0 + slice, *d0 = l.d + scalars, *d1 = d0 + slice;
-  const std::int32_t *numbers0 = l.block_of + scalars / lanes, *numbers1 = numbers0 + slice / lanes;
+  // In an array: gcc 12 takes a wrong element of `(r < 2 ? p : q)[i / lanes]` where it looks for undefined behaviour.
+  const std::int32_t* const numbers[2] = {l.block_of + scalars / lanes, l.block_of + (scalars + slice) / lanes};
   Rates rates[4];
   float area[4], yz[4];
   for (int r = 0; r < 4; ++r) {
@@ -96,7 +97,7 @@ DYNASURF_INLINE void sum_residuals(const View& l, int j, int k, float* const (&s
     const float* data[4] = {};
     if constexpr (finest)
       for (int r = 0; r < 4; ++r) {
-        const std::int32_t number = (r < 2 ? numbers0 : numbers1)[(r % 2 * 2 + t.half(r)) * chunks + m / lanes];
+        const std::int32_t number = numbers[r / 2][(r % 2 * 2 + t.half(r)) * chunks + m / lanes];
         if (number >= 0) data[r] = l.block(number);
       }
     for (int c = 0; c < 3; ++c) {
