@@ -201,6 +201,13 @@ DYNASURF_INLINE Halves slope(const Vec16 (&after)[2], const Vec16 (&before)[2], 
   return s;
 }
 
+/// d of 16 cells; 0 where nothing flows, and in lanes that are not used: they have no share.
+DYNASURF_INLINE Vec16 inverse(Vec16 diagonal, Vec16 share) {
+  // Not 0 of one condition or of another: gcc 12 joins the two, and then asks for every lane on its own.
+  const Vec16 d = 1 / (share > 0 ? diagonal : Vec16{} + INFINITY);
+  return diagonal > 0 ? d : Vec16{};
+}
+
 /// b of 16 voxels from the squares of their gradients.
 DYNASURF_INLINE Vec16 data_term(Vec16 squared, const DataTerm& term) {
   if (term.inverse_k == 0) return squared;
@@ -255,16 +262,16 @@ DYNASURF_CLONES void fill_blocks(Level& l, const Image& map, int k, std::int32_t
       Halves x = slope(c.after, c.before, row.per_mm[0]);
       const Halves y = slope(c.yp, c.ym, row.per_mm[1]), z = slope(c.zp, c.zm, row.per_mm[2]);
       // One voxel apart at the ends.
-      if (m == 0) x.half[0][0] *= 2;
-      if (const int last = nx - 1 - m * chunk; last < chunk) x.half[last % 2][last / 2] *= 2;
+      if (m == 0) x.half[0] = lane_numbers > 0 ? x.half[0] : x.half[0] * 2;
+      if (const int last = nx - 1 - m * chunk; last < chunk)
+        x.half[last % 2] = lane_numbers == static_cast<float>(last / 2) ? x.half[last % 2] * 2 : x.half[last % 2];
       for (int half : {0, 1}) {
         const std::int32_t number = block_of[half * chunks + m] += first;
         float* data = l.blocks.data() + block_size * static_cast<std::ptrdiff_t>(number);
         const Vec16 gx = x.half[half], gy = y.half[half], gz = z.half[half];
         const Vec16 b = data_term(gx * gx + gy * gy + gz * gz, term);
         const Vec16 diagonal = b + (load(l.lane_diagonal(half) + lanes * m) + yz);
-        const auto used = (diagonal > 0) & (load(l.lane_share(half) + lanes * m) > 0);
-        store(data, used ? 1 / diagonal : Vec16{});
+        store(data, inverse(diagonal, load(l.lane_share(half) + lanes * m)));
         store(data + 16, b);
         store(data + 32, gx);
         store(data + 48, gy);
@@ -298,90 +305,151 @@ void make_room_for_blocks(Level& l, std::size_t count) {
   if (l.blocks.size() < size * count) l.blocks = detail::FloatBuffer(size * (count + count / 16));
 }
 
+/// A row of the finest level and where its neighbours are: what coarsening asks for again and again.
+struct DataRow {
+  const std::int32_t* numbers;           // of the blocks: two halves
+  std::ptrdiff_t ym, yp, zm, zp;         // from those to the neighbours'; beyond a wall is the row itself
+  float yz, yz_ym, yz_yp, yz_zm, yz_zp;  // D without the part along i
+  Rates rates;
+};
+DYNASURF_INLINE DataRow data_row(const View& l, int j, int k) {
+  const std::ptrdiff_t row = 2 * (l.slot / lanes), slice = row * l.ny;
+  const bool ym = j > 0, yp = j + 1 < l.ny, zm = k > 0, zp = k + 1 < l.nz;
+  return {l.blocks_of(j, k, 0),
+          ym ? -row : 0,
+          yp ? row : 0,
+          zm ? -slice : 0,
+          zp ? slice : 0,
+          l.yz_diagonal(j, k),
+          l.yz_diagonal(j - ym, k),
+          l.yz_diagonal(j + yp, k),
+          l.yz_diagonal(j, k - zm),
+          l.yz_diagonal(j, k + zp),
+          rates_of<false>(l, j, k)};
+}
+
 /// s = D/(D+b) of 16 voxels, the share of a voxel that diffusion rules; 1 where there are no data.
-DYNASURF_INLINE Vec16 freedom(const View& l, int j, int k, int half, int m) {
-  const std::int32_t number = l.blocks_of(j, k, half)[m / lanes];
-  const float* d = number < 0 ? l.empty_d_of(j, k, half) + m : l.block(number);
-  return (load(l.lane_diagonal(half) + m) + l.yz_diagonal(j, k)) * load(d);
+DYNASURF_INLINE Vec16 freedom(const View& l, std::int32_t number, Vec16 diagonal) {
+  const Vec16 s = diagonal * load(l.block(std::max(number, 0)));
+  return Ints16{} + number < 0 ? Vec16{} + 1 : s;
 }
 
 /// How much of its data term a voxel shows to the coarser level. Alone among free voxels it would follow them by s, and
 /// show s b; voxels inside a thick or strong border are held by their neighbours too, and show less.
-DYNASURF_INLINE Vec16 shown(const View& l, int j, int k, int half, int m, Vec16 d, Vec16 s) {
-  const Vec16 near = freedom(l, j, k, 1 - half, m);
-  const int beside = half == 0 ? m - lanes : m + lanes;
-  const Vec16 next = beside >= 0 && beside < l.slot ? freedom(l, j, k, 1 - half, beside) : Vec16{} + 1;
+template <int half>
+DYNASURF_INLINE Vec16 shown(const View& l, const DataRow& r, int m, Vec16 d, Vec16 s) {
+  const int chunks = l.slot / lanes;
+  const std::int32_t *own = r.numbers + half * chunks + m / lanes, *other = r.numbers + (1 - half) * chunks + m / lanes;
+  const Vec16 along = load(l.lane_diagonal(half) + m);
+  const float* along_other = l.lane_diagonal(1 - half) + m;
+  constexpr int step = half == 0 ? -1 : 1;
+  const bool ends = half == 0 ? m == 0 : m + lanes == l.slot;
+  const Vec16 near = freedom(l, *other, load(along_other) + r.yz);
+  const Vec16 next = ends ? Vec16{} + 1 : freedom(l, other[step], load(along_other + step * lanes) + r.yz);
   Vec16 flow = half == 0 ? load(l.lane_left(0) + m) * shifted_up(next, near) + load(l.lane_right(0) + m) * near
                          : load(l.lane_left(1) + m) * near + load(l.lane_right(1) + m) * shifted_down(near, next);
-  if (j > 0) flow += l.left[1][j] * freedom(l, j - 1, k, half, m);
-  if (j + 1 < l.ny) flow += l.right[1][j] * freedom(l, j + 1, k, half, m);
-  if (k > 0) flow += l.left[2][k] * freedom(l, j, k - 1, half, m);
-  if (k + 1 < l.nz) flow += l.right[2][k] * freedom(l, j, k + 1, half, m);
+  flow += r.rates.ym * freedom(l, own[r.ym], along + r.yz_ym);
+  flow += r.rates.yp * freedom(l, own[r.yp], along + r.yz_yp);
+  flow += r.rates.zm * freedom(l, own[r.zm], along + r.yz_zm);
+  flow += r.rates.zp * freedom(l, own[r.zp], along + r.yz_zp);
   const Vec16 held = 0.3f + s;  // as measured on borders of all strengths
   return held * (d * flow) + (1 - held) * s;
 }
 
-/// Adds one row's data to the coarser cells: the data term as far as it shows, and the right-hand side weighed with s.
-/// A thin strong shell would otherwise hold the whole coarse cell fast.
-template <bool finest>
-DYNASURF_INLINE void add_row_data(const View& l, int j, int k, int half, float area, float* sum, int step) {
-  const float *diagonal = l.lane_diagonal(half), *share = l.lane_share(half), yz = l.yz_diagonal(j, k);
-  const float *b_row = l.b + l.scalar_row(j, k) + half * l.slot, *d_row = l.d + l.scalar_row(j, k) + half * l.slot;
-  const float* rhs_row = l.rhs + l.row(j, k) + half * l.slot;
-  for (int m = 0; m < l.slot; m += lanes) {
-    const std::int32_t number = finest ? l.blocks_of(j, k, half)[m / lanes] : 0;
-    if (number < 0) continue;
-    const float* data = finest ? l.block(number) : nullptr;
-    const Vec16 d = load(finest ? data : d_row + m), b = load(finest ? data + 16 : b_row + m);
-    const Vec16 part = area * load(share + m), s = (load(diagonal + m) + yz) * d;
-    store(sum + m, load(sum + m) + part * b * (finest ? shown(l, j, k, half, m, d, s) : s));
-    for (int c = 0; c < 3; ++c) {
-      const Vec16 rhs = finest ? b * load(data + 32 + 16 * c) : load(rhs_row + 2 * c * l.slot + m);
-      float* to = sum + (c + 1) * step + m;
-      store(to, load(to) + part * s * rhs);
-    }
+/// What a coarser level gets from the level above: b and the right-hand side of 16 cells.
+struct CoarseData {
+  Vec16 b{}, rhs[3]{};
+};
+
+/// Adds the data of 16 cells of row (j, k) to the coarser ones: the data term as far as it shows, and the right-hand
+/// side weighed with s. A thin strong shell would otherwise hold the whole coarse cell fast.
+template <bool finest, int half>
+DYNASURF_INLINE void add_data(const View& l, int j, int k, const DataRow& r, int m, float area, CoarseData& sum) {
+  const float* data = nullptr;
+  if constexpr (finest) {
+    const std::int32_t number = r.numbers[(half * l.slot + m) / lanes];
+    if (number < 0) return;
+    data = l.block(number);
+  }
+  const std::ptrdiff_t scalars = l.scalar_row(j, k) + half * l.slot + m;
+  const float yz = finest ? r.yz : l.yz_diagonal(j, k);
+  const Vec16 d = load(finest ? data : l.d + scalars), b = load(finest ? data + 16 : l.b + scalars);
+  const Vec16 part = area * load(l.lane_share(half) + m), s = (load(l.lane_diagonal(half) + m) + yz) * d;
+  if constexpr (finest)
+    sum.b += part * b * shown<half>(l, r, m, d, s);
+  else
+    sum.b += part * b * s;
+  for (int c = 0; c < 3; ++c) {
+    const Vec16 rhs = finest ? b * load(data + 32 + 16 * c) : load(l.rhs + l.row(j, k) + (2 * c + half) * l.slot + m);
+    sum.rhs[c] += part * s * rhs;
   }
 }
 
+/// The rows that row j of slice k of the coarser level joins.
+struct JoinedRows {
+  int count;
+  struct {
+    int j, k;
+    float area;
+    DataRow data;
+  } row[4];
+};
+
 template <bool finest>
-DYNASURF_INLINE void coarsen_rows(const View& f, const View& g, int k) {
-  const bool halved = f.halved[0];
-  const int step = halved ? std::max(f.slot, 2 * g.slot) : 2 * f.slot;
-  detail::FloatBuffer sums(static_cast<std::size_t>(4 * step));
-  float* sum = sums.data();
+DYNASURF_INLINE JoinedRows joined_rows(const View& f, int j, int k) {
   const auto children = [](bool joined, int count, int i) {
     return joined ? std::pair{2 * i, std::min(2 * i + 1, count - 1)} : std::pair{i, i};
   };
   const auto [z0, z1] = children(f.halved[2], f.nz, k);
+  const auto [y0, y1] = children(f.halved[1], f.ny, j);
+  JoinedRows joined;
+  joined.count = 0;
+  for (int z = z0; z <= z1; ++z)
+    for (int y = y0; y <= y1; ++y) {
+      if (finest) {
+        const std::int32_t* numbers = f.blocks_of(y, z, 0);
+        if (std::all_of(numbers, numbers + 2 * (f.slot / lanes), [](std::int32_t n) { return n < 0; })) continue;
+      }
+      auto& r = joined.row[joined.count++];
+      r.j = y, r.k = z, r.area = f.share[1][y] * f.share[2][z];
+      if (finest) r.data = data_row(f, y, z);
+    }
+  return joined;
+}
+
+template <bool finest>
+DYNASURF_INLINE void coarsen_rows(const View& f, const View& g, int k) {
   for (int j = 0; j < g.ny; ++j) {
-    std::fill_n(sum, 4 * step, 0.0f);
-    const auto [y0, y1] = children(f.halved[1], f.ny, j);
-    for (int z = z0; z <= z1; ++z)
-      for (int y = y0; y <= y1; ++y)
-        for (int half : {0, 1})
-          add_row_data<finest>(f, y, z, half, f.share[1][y] * f.share[2][z], halved ? sum : sum + half * f.slot, step);
-    // Sums over pairs along x lie in natural order, others split into halves already.
-    const auto halves_of = [&](int c, int m, Vec16* half) {
-      const float* from = sum + c * step;
-      if (halved) return split(from + 2 * m, half[0], half[1]);
-      half[0] = load(from + m);
-      half[1] = load(from + f.slot + m);
-    };
-    const std::ptrdiff_t scalars = g.scalar_row(j, k);
-    float *b_row = g.b + scalars, *d_row = g.d + scalars, *rhs_row = g.rhs + g.row(j, k);
+    const JoinedRows joined = joined_rows<finest>(f, j, k);
+    float *b_row = g.b + g.scalar_row(j, k), *d_row = g.d + g.scalar_row(j, k), *rhs_row = g.rhs + g.row(j, k);
     const float yz = g.yz_diagonal(j, k);
     for (int m = 0; m < g.slot; m += lanes) {
-      Vec16 b[2], rhs[2];
-      halves_of(0, m, b);
-      for (int half : {0, 1}) {
-        const Vec16 diagonal = b[half] + (load(g.lane_diagonal(half) + m) + yz);
-        const auto used = (diagonal > 0) & (load(g.lane_share(half) + m) > 0);
-        store(b_row + half * g.slot + m, b[half]);
-        store(d_row + half * g.slot + m, used ? 1 / diagonal : Vec16{});
+      const auto sum_of = [&](int from, bool even, bool odd) DYNASURF_INLINE_LAMBDA {
+        CoarseData sum;
+        for (int n = 0; n < joined.count; ++n) {
+          const auto& r = joined.row[n];
+          if (even) add_data<finest, 0>(f, r.j, r.k, r.data, from, r.area, sum);
+          if (odd) add_data<finest, 1>(f, r.j, r.k, r.data, from, r.area, sum);
+        }
+        return sum;
+      };
+      CoarseData sum[2];
+      if (f.halved[0]) {
+        sum[0] = sum_of(2 * m, true, true);
+        if (2 * m + lanes < f.slot) sum[1] = sum_of(2 * m + lanes, true, true);
+      } else {
+        sum[0] = sum_of(m, true, false);
+        sum[1] = sum_of(m, false, true);
       }
-      for (int c = 0; c < 3; ++c) {
-        halves_of(c + 1, m, rhs);
-        for (int half : {0, 1}) store(rhs_row + (2 * c + half) * g.slot + m, rhs[half]);
+      if (f.halved[0]) {
+        split(sum[0].b, sum[1].b, sum[0].b, sum[1].b);
+        for (int c = 0; c < 3; ++c) split(sum[0].rhs[c], sum[1].rhs[c], sum[0].rhs[c], sum[1].rhs[c]);
+      }
+      for (int half : {0, 1}) {
+        const Vec16 diagonal = sum[half].b + (load(g.lane_diagonal(half) + m) + yz);
+        store(b_row + half * g.slot + m, sum[half].b);
+        store(d_row + half * g.slot + m, inverse(diagonal, load(g.lane_share(half) + m)));
+        for (int c = 0; c < 3; ++c) store(rhs_row + (2 * c + half) * g.slot + m, sum[half].rhs[c]);
       }
     }
   }
