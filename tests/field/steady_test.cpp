@@ -9,6 +9,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/gvf.hpp"
+#include "dynasurf/field/simd.hpp"
 
 #include "support/edge_maps.hpp"
 
@@ -433,6 +434,24 @@ TEST(SteadyGvf, HasTheSameBytesForAnyNumberOfThreads) {
     const ThreadLimit limit(threads);
     EXPECT_TRUE(same_bytes(flow_field(f, SteadyGvf{}).field, one)) << threads;
   }
+}
+
+TEST(SteadyGvf, HasTheSameBytesWithVectorsOfAnyWidth) {
+  const auto field_of = [](const Image& f, int widest, bool ggvf) {
+    detail::widest_vectors = widest;
+    VectorField v = ggvf ? flow_field(f, SteadyGgvf{}).field : flow_field(f, SteadyGvf{}).field;
+    detail::widest_vectors = 16;
+    return v;
+  };
+  // Rows of all kinds of ends, anisotropic levels, grey maps, and one too large for the caches.
+  const Image maps[] = {lopsided(box(64, 33, 23, {2, 2, 4})), lopsided(box(31, 17, 1), 40), lopsided(box(5, 40, 9)),
+                        test::noise(box(39, 20, 21), 3), lopsided(box(128, 128, 64))};
+  for (const Image& f : maps)
+    for (const bool ggvf : {false, true}) {
+      const VectorField widest = field_of(f, 16, ggvf);
+      for (int width : {4, 8})
+        EXPECT_TRUE(same_bytes(field_of(f, width, ggvf), widest)) << f.grid.dims[0] << " " << width;
+    }
 }
 
 TEST(SteadyGvf, ManyFieldsAtOnceAreTheSameAsOneByOne) {

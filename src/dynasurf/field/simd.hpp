@@ -1,4 +1,5 @@
 #pragma once
+#include <atomic>
 #include <cstddef>
 #include <cstdlib>
 #include <memory>
@@ -21,6 +22,32 @@ namespace dynasurf::detail {
 #endif
 #define DYNASURF_INLINE inline __attribute__((always_inline))
 #define DYNASURF_INLINE_LAMBDA __attribute__((always_inline))
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+template <class Body>
+__attribute__((target("avx512f"))) void with_avx512(const Body& body) {
+  body.template operator()<16>();
+}
+template <class Body>
+__attribute__((target("avx2"))) void with_avx2(const Body& body) {
+  body.template operator()<8>();
+}
+#endif
+
+/// The widest vectors to compute with, in floats. All give the same bytes: tests narrow them.
+inline std::atomic<int> widest_vectors = 16;
+
+/// Calls `body.operator()<n>()`, compiled for the best instruction set of the machine, whose vectors hold n floats. The
+/// body is an inlined lambda, and inlines what it calls.
+template <class Body>
+void with_native_vectors(const Body& body) {
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+  const int widest = widest_vectors.load(std::memory_order_relaxed);
+  if (widest >= 16 && __builtin_cpu_supports("avx512f")) return with_avx512(body);
+  if (widest >= 8 && __builtin_cpu_supports("avx2")) return with_avx2(body);
+#endif
+  body.template operator()<4>();
+}
 
 /// Floats that start on a cache line. Fresh memory is not cleared.
 class FloatBuffer {

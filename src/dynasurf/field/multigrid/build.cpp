@@ -132,25 +132,17 @@ DYNASURF_INLINE MapRow row_of(const Image& map, int j, int k) {
           map.values.data() + map.values.size()};
 }
 
-typedef std::int32_t Ints16 __attribute__((vector_size(64)));
-
-DYNASURF_INLINE Ints16 bits_of(Vec16 v) { return __builtin_bit_cast(Ints16, v); }
-
-DYNASURF_INLINE bool any(Ints16 v) {
-  v |= __builtin_shufflevector(v, v, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7);
-  v |= __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11);
-  return (v[0] | v[1] | v[2] | v[3]) != 0;
-}
-
 constexpr int chunk = 2 * lanes;  // voxels whose even and odd ones share blocks
 
 /// The values of a chunk of a row and those beside them, 0 beyond the row's end. At the ends of a row a voxel stands in
 /// for its missing neighbour.
+template <class V>
 struct MapChunk {
-  Vec16 own[2], before[2], after[2], ym[2], yp[2], zm[2], zp[2];
+  V own[2], before[2], after[2], ym[2], yp[2], zm[2], zp[2];
 };
 
-DYNASURF_INLINE MapChunk chunk_of(const MapRow& r, int first, int n) {
+template <class V>
+DYNASURF_INLINE MapChunk<V> chunk_of(const MapRow& r, int first, int n) {
   const int count = std::min(chunk, n - first);
   const float *own = r.own + first, *ym = r.ym + first, *yp = r.yp + first, *zm = r.zm + first, *zp = r.zp + first;
   float copies[5][chunk + 2];  // where reading whole vectors would leave the map
@@ -162,59 +154,65 @@ DYNASURF_INLINE MapChunk chunk_of(const MapRow& r, int first, int n) {
       *p = copies[copy++] + 1;
     }
   }
-  MapChunk c;
+  MapChunk<V> c;
   for (int h : {0, 1}) {
-    const auto at = [&](const float* p) DYNASURF_INLINE_LAMBDA { return load(p + h * lanes); };
+    const auto at = [&](const float* p) DYNASURF_INLINE_LAMBDA { return load<V>(p + h * lanes); };
     c.own[h] = at(own), c.before[h] = at(own - 1), c.after[h] = at(own + 1);
     c.ym[h] = at(ym), c.yp[h] = at(yp), c.zm[h] = at(zm), c.zp[h] = at(zp);
   }
-  if (first == 0) c.before[0] = lane_numbers > 0 ? c.before[0] : c.own[0];
+  if (first == 0) c.before[0] = where_greater(lane_numbers<V>(), V{}, c.before[0], c.own[0]);
   if (first + count < n) return c;
   for (int h : {0, 1}) {
-    const Vec16 left = static_cast<float>(count - h * lanes) - lane_numbers;  // voxels from this one on
-    c.after[h] = left == 1 ? c.own[h] : c.after[h];
+    const V left = static_cast<float>(count - h * lanes) - lane_numbers<V>();  // voxels from this one on
+    c.after[h] = where_equal(left, V(1), c.own[h], c.after[h]);
     if (count == chunk) continue;
-    for (Vec16* v : {c.own, c.before, c.after, c.ym, c.yp, c.zm, c.zp}) v[h] = left > 0 ? v[h] : Vec16{};
+    for (V* v : {c.own, c.before, c.after, c.ym, c.yp, c.zm, c.zp}) v[h] = where_greater(left, V{}, v[h], V{});
   }
   return c;
 }
 
 /// Whether a chunk has a gradient anywhere. Bits of the largest magnitude are kept in `largest`.
-DYNASURF_INLINE bool changes(const MapChunk& c, Ints16& largest) {
-  Ints16 change{};
+template <class V>
+DYNASURF_INLINE bool changes(const MapChunk<V>& c, Ints<V>& largest) {
+  Ints<V> change{};
   for (int h : {0, 1}) {
-    change |= (bits_of(c.yp[h]) ^ bits_of(c.ym[h])) | (bits_of(c.zp[h]) ^ bits_of(c.zm[h])) |
-              (bits_of(c.after[h]) ^ bits_of(c.before[h]));
-    const Ints16 size = bits_of(c.own[h]) & 0x7fffffff;
-    largest = size > largest ? size : largest;
+    change = change | (bits_of(c.yp[h]) ^ bits_of(c.ym[h])) | (bits_of(c.zp[h]) ^ bits_of(c.zm[h])) |
+             (bits_of(c.after[h]) ^ bits_of(c.before[h]));
+    const Ints<V> size = bits_of(c.own[h]) & 0x7fffffff;
+    largest = larger(size, largest);
   }
   return any(change);
 }
 
 /// Even and odd voxels of a chunk's gradient along one axis.
+template <class V>
 struct Halves {
-  Vec16 half[2];
+  V half[2];
 };
-DYNASURF_INLINE Halves slope(const Vec16 (&after)[2], const Vec16 (&before)[2], float per_mm) {
-  Halves s;
+template <class V>
+DYNASURF_INLINE Halves<V> slope(const V (&after)[2], const V (&before)[2], float per_mm) {
+  Halves<V> s;
   split((after[0] - before[0]) * per_mm, (after[1] - before[1]) * per_mm, s.half[0], s.half[1]);
   return s;
 }
 
 /// d of 16 cells; 0 where nothing flows, and in lanes that are not used: they have no share.
-DYNASURF_INLINE Vec16 inverse(Vec16 diagonal, Vec16 share) {
+template <class V>
+DYNASURF_INLINE V inverse(V diagonal, V share) {
   // Not 0 of one condition or of another: gcc 12 joins the two, and then asks for every lane on its own.
-  const Vec16 d = 1 / (share > 0 ? diagonal : Vec16{} + INFINITY);
-  return diagonal > 0 ? d : Vec16{};
+  const V d = 1 / where_greater(share, V{}, diagonal, V(INFINITY));
+  return where_greater(diagonal, V{}, d, V{});
 }
 
 /// b of 16 voxels from the squares of their gradients.
-DYNASURF_INLINE Vec16 data_term(Vec16 squared, const DataTerm& term) {
+template <class V>
+DYNASURF_INLINE V data_term(V squared, const DataTerm& term) {
   if (term.inverse_k == 0) return squared;
-  for (int i = 0; i < lanes; ++i)
-    squared[i] =
-        static_cast<float>(std::expm1(std::min(16.0, term.inverse_k * std::sqrt(static_cast<double>(squared[i])))));
-  return squared;
+  float b[lanes];
+  store(b, squared);
+  for (float& x : b)
+    x = static_cast<float>(std::expm1(std::min(16.0, term.inverse_k * std::sqrt(static_cast<double>(x)))));
+  return load<V>(b);
 }
 
 struct SliceOutcome {
@@ -225,9 +223,10 @@ struct SliceOutcome {
 };
 
 /// Where the finest level needs blocks of data in one slice: numbers from 0, the halves of a chunk one after the other.
-DYNASURF_CLONES void number_blocks(Level& l, const Image& map, int k, SliceOutcome& outcome) {
+template <class V>
+DYNASURF_INLINE void number_blocks(Level& l, const Image& map, int k, SliceOutcome& outcome) {
   const int chunks = l.slot / lanes, nx = l.nx(), ny = l.ny();
-  Ints16 largest{};
+  Ints<V> largest{};
   std::int32_t blocks = 0;
   for (int j = 0; j < ny; ++j) {
     const MapRow row = row_of(map, j, k);
@@ -236,7 +235,7 @@ DYNASURF_CLONES void number_blocks(Level& l, const Image& map, int k, SliceOutco
     if (constexpr int ahead = 4; j + ahead < ny)  // of the rows of one place only that of the next slice is new
       for (int i = 0; i < nx; i += lanes) __builtin_prefetch(row.zp + ahead * nx + i);
     for (int m = 0; m < chunks; ++m) {
-      const bool has_data = changes(chunk_of(row, m * chunk, nx), largest);
+      const bool has_data = changes(chunk_of<V>(row, m * chunk, nx), largest);
       for (int half : {0, 1}) block_of[half * chunks + m] = has_data ? blocks++ : -1;
     }
     if (blocks == before) continue;
@@ -244,47 +243,53 @@ DYNASURF_CLONES void number_blocks(Level& l, const Image& map, int k, SliceOutco
     outcome.end_row = j + 1;
   }
   outcome.blocks = blocks;
-  for (int i = 0; i < lanes; ++i) outcome.largest_bits = std::max(outcome.largest_bits, static_cast<int>(largest[i]));
+  std::int32_t bits[lanes];
+  store(bits, largest);
+  outcome.largest_bits = std::max(outcome.largest_bits, *std::max_element(bits, bits + lanes));
 }
 
 /// Fills the blocks of one slice, whose first one is block `first`.
-DYNASURF_CLONES void fill_blocks(Level& l, const Image& map, int k, std::int32_t first, DataTerm term,
+template <class V>
+DYNASURF_INLINE void fill_blocks(Level& l, const Image& map, int k, std::int32_t first, DataTerm term,
                                  SliceOutcome& outcome) {
   const int chunks = l.slot / lanes, nx = l.nx();
-  Vec16 largest_b{}, sum_b{};
+  V largest_b{}, sum_b{};
   for (int j = 0; j < l.ny(); ++j) {
     const MapRow row = row_of(map, j, k);
     std::int32_t* block_of = l.block_of.data() + l.row_number(j, k) * 2 * static_cast<std::size_t>(chunks);
     const float yz = l.yz_diagonal(j, k);
     for (int m = 0; m < chunks; ++m) {
       if (block_of[m] < 0) continue;
-      const MapChunk c = chunk_of(row, m * chunk, nx);
-      Halves x = slope(c.after, c.before, row.per_mm[0]);
-      const Halves y = slope(c.yp, c.ym, row.per_mm[1]), z = slope(c.zp, c.zm, row.per_mm[2]);
+      const MapChunk<V> c = chunk_of<V>(row, m * chunk, nx);
+      Halves<V> x = slope(c.after, c.before, row.per_mm[0]);
+      const Halves<V> y = slope(c.yp, c.ym, row.per_mm[1]), z = slope(c.zp, c.zm, row.per_mm[2]);
       // One voxel apart at the ends.
-      if (m == 0) x.half[0] = lane_numbers > 0 ? x.half[0] : x.half[0] * 2;
-      if (const int last = nx - 1 - m * chunk; last < chunk)
-        x.half[last % 2] = lane_numbers == static_cast<float>(last / 2) ? x.half[last % 2] * 2 : x.half[last % 2];
+      if (m == 0) x.half[0] = where_greater(lane_numbers<V>(), V{}, x.half[0], x.half[0] * 2);
+      if (const int last = nx - 1 - m * chunk; last < chunk) {
+        V& end = x.half[last % 2];
+        end = where_equal(lane_numbers<V>(), V(static_cast<float>(last / 2)), end * 2, end);
+      }
       for (int half : {0, 1}) {
         const std::int32_t number = block_of[half * chunks + m] += first;
         float* data = l.blocks.data() + block_size * static_cast<std::ptrdiff_t>(number);
-        const Vec16 gx = x.half[half], gy = y.half[half], gz = z.half[half];
-        const Vec16 b = data_term(gx * gx + gy * gy + gz * gz, term);
-        const Vec16 diagonal = b + (load(l.lane_diagonal(half) + lanes * m) + yz);
-        store(data, inverse(diagonal, load(l.lane_share(half) + lanes * m)));
+        const V gx = x.half[half], gy = y.half[half], gz = z.half[half];
+        const V b = data_term(gx * gx + gy * gy + gz * gz, term);
+        const V diagonal = b + (load<V>(l.lane_diagonal(half) + lanes * m) + yz);
+        store(data, inverse(diagonal, load<V>(l.lane_share(half) + lanes * m)));
         store(data + 16, b);
         store(data + 32, gx);
         store(data + 48, gy);
         store(data + 64, gz);
-        largest_b = b > largest_b ? b : largest_b;
+        largest_b = larger(b, largest_b);
         sum_b += b;  // 0 in unused lanes
       }
     }
   }
-  for (int i = 0; i < lanes; ++i) {
-    outcome.largest_b = std::max(outcome.largest_b, static_cast<double>(largest_b[i]));
-    outcome.sum_b += static_cast<double>(sum_b[i]);
-  }
+  float lane[lanes];
+  store(lane, largest_b);
+  outcome.largest_b = std::max(outcome.largest_b, static_cast<double>(*std::max_element(lane, lane + lanes)));
+  store(lane, sum_b);
+  for (const float b : lane) outcome.sum_b += static_cast<double>(b);
 }
 
 Rows box_around(std::span<const SliceOutcome> slices) {
@@ -329,42 +334,44 @@ DYNASURF_INLINE DataRow data_row(const View& l, int j, int k) {
 }
 
 /// s = D/(D+b) of 16 voxels, the share of a voxel that diffusion rules; 1 where there are no data.
-DYNASURF_INLINE Vec16 freedom(const View& l, std::int32_t number, Vec16 diagonal) {
-  const Vec16 s = diagonal * load(l.block(std::max(number, 0)));
-  return Ints16{} + number < 0 ? Vec16{} + 1 : s;
+template <class V>
+DYNASURF_INLINE V freedom(const View& l, std::int32_t number, V diagonal) {
+  const V s = diagonal * load<V>(l.block(std::max(number, 0)));
+  return where_greater(V{}, V(static_cast<float>(number)), V(1), s);
 }
 
 /// How much of its data term a voxel shows to the coarser level. Alone among free voxels it would follow them by s, and
 /// show s b; voxels inside a thick or strong border are held by their neighbours too, and show less.
-template <int half>
-DYNASURF_INLINE Vec16 shown(const View& l, const DataRow& r, int m, Vec16 d, Vec16 s) {
+template <class V, int half>
+DYNASURF_INLINE V shown(const View& l, const DataRow& r, int m, V d, V s) {
   const int chunks = l.slot / lanes;
   const std::int32_t *own = r.numbers + half * chunks + m / lanes, *other = r.numbers + (1 - half) * chunks + m / lanes;
-  const Vec16 along = load(l.lane_diagonal(half) + m);
+  const V along = load<V>(l.lane_diagonal(half) + m);
   const float* along_other = l.lane_diagonal(1 - half) + m;
   constexpr int step = half == 0 ? -1 : 1;
   const bool ends = half == 0 ? m == 0 : m + lanes == l.slot;
-  const Vec16 near = freedom(l, *other, load(along_other) + r.yz);
-  const Vec16 next = ends ? Vec16{} + 1 : freedom(l, other[step], load(along_other + step * lanes) + r.yz);
-  Vec16 flow = half == 0 ? load(l.lane_left(0) + m) * shifted_up(next, near) + load(l.lane_right(0) + m) * near
-                         : load(l.lane_left(1) + m) * near + load(l.lane_right(1) + m) * shifted_down(near, next);
+  const V near = freedom<V>(l, *other, load<V>(along_other) + r.yz);
+  const V next = ends ? V(1) : freedom(l, other[step], load<V>(along_other + step * lanes) + r.yz);
+  V flow = half == 0 ? load<V>(l.lane_left(0) + m) * shifted_up(next, near) + load<V>(l.lane_right(0) + m) * near
+                     : load<V>(l.lane_left(1) + m) * near + load<V>(l.lane_right(1) + m) * shifted_down(near, next);
   flow += r.rates.ym * freedom(l, own[r.ym], along + r.yz_ym);
   flow += r.rates.yp * freedom(l, own[r.yp], along + r.yz_yp);
   flow += r.rates.zm * freedom(l, own[r.zm], along + r.yz_zm);
   flow += r.rates.zp * freedom(l, own[r.zp], along + r.yz_zp);
-  const Vec16 held = 0.3f + s;  // as measured on borders of all strengths
+  const V held = 0.3f + s;  // as measured on borders of all strengths
   return held * (d * flow) + (1 - held) * s;
 }
 
 /// What a coarser level gets from the level above: b and the right-hand side of 16 cells.
+template <class V>
 struct CoarseData {
-  Vec16 b{}, rhs[3]{};
+  V b{}, rhs[3]{};
 };
 
 /// Adds the data of 16 cells of row (j, k) to the coarser ones: the data term as far as it shows, and the right-hand
 /// side weighed with s. A thin strong shell would otherwise hold the whole coarse cell fast.
-template <bool finest, int half>
-DYNASURF_INLINE void add_data(const View& l, int j, int k, const DataRow& r, int m, float area, CoarseData& sum) {
+template <class V, bool finest, int half>
+DYNASURF_INLINE void add_data(const View& l, int j, int k, const DataRow& r, int m, float area, CoarseData<V>& sum) {
   const float* data = nullptr;
   if constexpr (finest) {
     const std::int32_t number = r.numbers[(half * l.slot + m) / lanes];
@@ -373,14 +380,14 @@ DYNASURF_INLINE void add_data(const View& l, int j, int k, const DataRow& r, int
   }
   const std::ptrdiff_t scalars = l.scalar_row(j, k) + half * l.slot + m;
   const float yz = finest ? r.yz : l.yz_diagonal(j, k);
-  const Vec16 d = load(finest ? data : l.d + scalars), b = load(finest ? data + 16 : l.b + scalars);
-  const Vec16 part = area * load(l.lane_share(half) + m), s = (load(l.lane_diagonal(half) + m) + yz) * d;
+  const V d = load<V>(finest ? data : l.d + scalars), b = load<V>(finest ? data + 16 : l.b + scalars);
+  const V part = area * load<V>(l.lane_share(half) + m), s = (load<V>(l.lane_diagonal(half) + m) + yz) * d;
   if constexpr (finest)
-    sum.b += part * b * shown<half>(l, r, m, d, s);
+    sum.b += part * b * shown<V, half>(l, r, m, d, s);
   else
     sum.b += part * b * s;
   for (int c = 0; c < 3; ++c) {
-    const Vec16 rhs = finest ? b * load(data + 32 + 16 * c) : load(l.rhs + l.row(j, k) + (2 * c + half) * l.slot + m);
+    const V rhs = finest ? b * load<V>(data + 32 + 16 * c) : load<V>(l.rhs + l.row(j, k) + (2 * c + half) * l.slot + m);
     sum.rhs[c] += part * s * rhs;
   }
 }
@@ -417,7 +424,7 @@ DYNASURF_INLINE JoinedRows joined_rows(const View& f, int j, int k) {
   return joined;
 }
 
-template <bool finest>
+template <class V, bool finest>
 DYNASURF_INLINE void coarsen_rows(const View& f, const View& g, int k) {
   for (int j = 0; j < g.ny; ++j) {
     const JoinedRows joined = joined_rows<finest>(f, j, k);
@@ -425,15 +432,15 @@ DYNASURF_INLINE void coarsen_rows(const View& f, const View& g, int k) {
     const float yz = g.yz_diagonal(j, k);
     for (int m = 0; m < g.slot; m += lanes) {
       const auto sum_of = [&](int from, bool even, bool odd) DYNASURF_INLINE_LAMBDA {
-        CoarseData sum;
+        CoarseData<V> sum;
         for (int n = 0; n < joined.count; ++n) {
           const auto& r = joined.row[n];
-          if (even) add_data<finest, 0>(f, r.j, r.k, r.data, from, r.area, sum);
-          if (odd) add_data<finest, 1>(f, r.j, r.k, r.data, from, r.area, sum);
+          if (even) add_data<V, finest, 0>(f, r.j, r.k, r.data, from, r.area, sum);
+          if (odd) add_data<V, finest, 1>(f, r.j, r.k, r.data, from, r.area, sum);
         }
         return sum;
       };
-      CoarseData sum[2];
+      CoarseData<V> sum[2];
       if (f.halved[0]) {
         sum[0] = sum_of(2 * m, true, true);
         if (2 * m + lanes < f.slot) sum[1] = sum_of(2 * m + lanes, true, true);
@@ -446,17 +453,20 @@ DYNASURF_INLINE void coarsen_rows(const View& f, const View& g, int k) {
         for (int c = 0; c < 3; ++c) split(sum[0].rhs[c], sum[1].rhs[c], sum[0].rhs[c], sum[1].rhs[c]);
       }
       for (int half : {0, 1}) {
-        const Vec16 diagonal = sum[half].b + (load(g.lane_diagonal(half) + m) + yz);
+        const V diagonal = sum[half].b + (load<V>(g.lane_diagonal(half) + m) + yz);
         store(b_row + half * g.slot + m, sum[half].b);
-        store(d_row + half * g.slot + m, inverse(diagonal, load(g.lane_share(half) + m)));
+        store(d_row + half * g.slot + m, inverse(diagonal, load<V>(g.lane_share(half) + m)));
         for (int c = 0; c < 3; ++c) store(rhs_row + (2 * c + half) * g.slot + m, sum[half].rhs[c]);
       }
     }
   }
 }
 
-DYNASURF_CLONES void coarsen_slice(const Level& f, const Level& g, int k) {
-  f.finest ? coarsen_rows<true>(View(f), View(g), k) : coarsen_rows<false>(View(f), View(g), k);
+void coarsen_slice(const Level& f, const Level& g, int k) {
+  detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
+    f.finest ? coarsen_rows<Floats<native>, true>(View(f), View(g), k)
+             : coarsen_rows<Floats<native>, false>(View(f), View(g), k);
+  });
 }
 
 }  // namespace
@@ -490,13 +500,21 @@ DataStrength build(std::vector<Level>& levels, const Image& map, const Vec3& rat
       for (std::size_t k = begin; k < end; ++k) body(k);
     });
   };
-  each_slice([&](std::size_t k) { number_blocks(finest, map, static_cast<int>(k), outcomes[k]); });
+  each_slice([&](std::size_t k) {
+    detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
+      number_blocks<Floats<native>>(finest, map, static_cast<int>(k), outcomes[k]);
+    });
+  });
   for (std::size_t k = 0; k < slices; ++k) first[k + 1] = first[k] + outcomes[k].blocks;
   finest.data = box_around(outcomes);
   finest.data_rows.resize(slices);
   for (std::size_t k = 0; k < slices; ++k) finest.data_rows[k] = {outcomes[k].first_row, outcomes[k].end_row};
   make_room_for_blocks(finest, static_cast<std::size_t>(first[slices]));
-  each_slice([&](std::size_t k) { fill_blocks(finest, map, static_cast<int>(k), first[k], term, outcomes[k]); });
+  each_slice([&](std::size_t k) {
+    detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
+      fill_blocks<Floats<native>>(finest, map, static_cast<int>(k), first[k], term, outcomes[k]);
+    });
+  });
   SliceOutcome all;
   for (const SliceOutcome& o : outcomes)
     all = {.largest_b = std::max(all.largest_b, o.largest_b),

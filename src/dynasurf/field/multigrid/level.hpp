@@ -5,43 +5,12 @@
 
 #include "dynasurf/core/grid.hpp"
 #include "dynasurf/core/volume.hpp"
+#include "dynasurf/field/multigrid/lanes.hpp"
 #include "dynasurf/field/simd.hpp"
 
 namespace dynasurf::multigrid {
 
-constexpr int lanes = 16;       // floats per vector; the same on every machine, so that sums have one order
 constexpr int block_size = 80;  // floats of a block of data: d, b and the gradient of 16 cells
-
-// Every function that takes or returns a Vec16 is inlined, so that no calling convention is touched.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
-/// Sixteen floats. The compiler splits them where the machine's vectors are shorter.
-typedef float Vec16 __attribute__((vector_size(64)));
-typedef float LooseVec16 __attribute__((vector_size(64), aligned(4), may_alias));
-
-DYNASURF_INLINE Vec16 load(const float* p) { return *reinterpret_cast<const LooseVec16*>(p); }
-DYNASURF_INLINE void store(float* p, Vec16 v) { *reinterpret_cast<LooseVec16*>(p) = v; }
-
-/// Lane m holds m.
-constexpr Vec16 lane_numbers{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-
-/// Lane m holds lane m-1 of `v`; the first one is the last of `before`.
-DYNASURF_INLINE Vec16 shifted_up(Vec16 before, Vec16 v) {
-  return __builtin_shufflevector(before, v, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30);
-}
-/// Lane m holds lane m+1 of `v`; the last one is the first of `after`.
-DYNASURF_INLINE Vec16 shifted_down(Vec16 v, Vec16 after) {
-  return __builtin_shufflevector(v, after, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
-}
-
-/// Even and odd lanes of 32 floats.
-DYNASURF_INLINE void split(Vec16 a, Vec16 b, Vec16& even, Vec16& odd) {
-  even = __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-  odd = __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
-}
-DYNASURF_INLINE void split(const float* natural, Vec16& even, Vec16& odd) {
-  split(load(natural), load(natural + lanes), even, odd);
-}
 
 /// One axis of a grid of cells. All cells have the same width but the last one, which is narrower where a finer grid
 /// had an odd number of cells: the grids of all levels end at the same wall.

@@ -7,20 +7,24 @@ namespace dynasurf::multigrid {
 namespace {
 
 /// Sum of all lanes, in an order that does not depend on the machine.
-DYNASURF_INLINE double sum_of(Vec16 v) {
+template <class V>
+DYNASURF_INLINE double sum_of(V v) {
+  float lane[lanes];
+  store(lane, v);
   double pairs[8];
-  for (int i = 0; i < 8; ++i) pairs[i] = static_cast<double>(v[i]) + static_cast<double>(v[i + 8]);
+  for (int i = 0; i < 8; ++i) pairs[i] = static_cast<double>(lane[i]) + static_cast<double>(lane[i + 8]);
   return ((pairs[0] + pairs[4]) + (pairs[1] + pairs[5])) + ((pairs[2] + pairs[6]) + (pairs[3] + pairs[7]));
 }
 
 /// Sums of squares of what a sweep changed and of what it left.
+template <class V>
 struct Measure {
-  Vec16 change{}, size{};
+  V change{}, size{};
 
   /// Unused lanes, whose d is 0, do not count.
-  DYNASURF_INLINE void add(Vec16 before, Vec16 after, Vec16 d, bool all_used) {
-    Vec16 step = after - before, kept = after;
-    if (!all_used) step = d > 0 ? step : Vec16{}, kept = d > 0 ? kept : Vec16{};
+  DYNASURF_INLINE void add(V before, V after, V d, bool all_used) {
+    V step = after - before, kept = after;
+    if (!all_used) step = where_greater(d, V{}, step, V{}), kept = where_greater(d, V{}, kept, V{});
     change += step * step;
     size += kept * kept;
   }
@@ -28,8 +32,8 @@ struct Measure {
 
 /// New values of one row. They follow from the neighbours alone, so they are told by how far they lie from `near`, and
 /// old values are not read. Unused lanes, whose d is 0, repeat their neighbour.
-template <Start start, bool finest>
-DYNASURF_INLINE void sweep_row(const View& v, int j, int k, int colour, Measure& measure) {
+template <class V, Start start, bool finest>
+DYNASURF_INLINE void sweep_row(const View& v, int j, int k, int colour, Measure<V>& measure) {
   const int half = half_of(colour, j, k);
   const Row r = row_of(v, j, k, half);
   const Rates rates = rates_of<finest>(v, j, k);
@@ -45,33 +49,33 @@ DYNASURF_INLINE void sweep_row(const View& v, int j, int k, int colour, Measure&
   }
   const float* towards_far = half == 0 ? v.lane_left(0) : v.lane_right(1);
   for (int m = 0; m < v.slot; m += lanes) {
-    const Vec16 kx = load(towards_far + m);
+    const V kx = load<V>(towards_far + m);
     const float* data = nullptr;
     if constexpr (finest) {
       const std::int32_t number = block_of[m / lanes];
       if (start == Start::near_data && number < 0) continue;
       if (number >= 0) data = v.block(number);
     }
-    const Vec16 dm = load(!finest ? d + m : data != nullptr ? data : empty_d + m);
+    const V dm = load<V>(!finest ? d + m : data != nullptr ? data : empty_d + m);
     for (int c = 0; c < 3; ++c) {
       const std::ptrdiff_t at = 2 * c * v.slot + m;
-      const Around n = around(r, at);
-      Vec16 flow = inflow<finest>(n, kx, rates);
+      const Around<V> n = around<V>(r, at);
+      V flow = inflow<finest>(n, kx, rates);
       if constexpr (finest) {
-        if (data != nullptr) flow += load(data + 16) * (load(data + 32 + 16 * c) - n.near);
+        if (data != nullptr) flow += load<V>(data + 16) * (load<V>(data + 32 + 16 * c) - n.near);
       } else {
-        flow += load(rhs + at) - load(b + m) * n.near;
+        flow += load<V>(rhs + at) - load<V>(b + m) * n.near;
       }
-      const Vec16 next = n.near + dm * flow;
-      if constexpr (start == Start::measured) measure.add(load(r.own + at), next, dm, false);
+      const V next = n.near + dm * flow;
+      if constexpr (start == Start::measured) measure.add(load<V>(r.own + at), next, dm, false);
       store(r.own + at, next);
     }
   }
 }
 
-template <int first, int usual_slot, bool measured>
-DYNASURF_INLINE void sweep_finest_tile(const View& v, int j, int k, Measure& measure) {
-  const Tile<first, usual_slot> t(v, j, k);
+template <class V, int first, int usual_slot, bool measured>
+DYNASURF_INLINE void sweep_finest_tile(const View& v, int j, int k, Measure<V>& measure) {
+  const Tile<V, first, usual_slot> t(v, j, k);
   const Rates rates = rates_of<true>(v, j, k);
   const int chunks = static_cast<int>(t.slot) / lanes;
   const std::int32_t* block_of[2] = {v.block_of + v.row_number(j, k) * 2 * chunks,
@@ -79,50 +83,50 @@ DYNASURF_INLINE void sweep_finest_tile(const View& v, int j, int k, Measure& mea
   const float* empty_d[4];
   for (int r = 0; r < 4; ++r) empty_d[r] = v.empty_d_of(j + r % 2, k + r / 2, t.half(r));
   for (int m = 0; m < t.slot; m += lanes) {
-    const Vec16 kx[2] = {load(v.lane_values + m), load(v.lane_values + 3 * t.slot + m)};
+    const V kx[2] = {load<V>(v.lane_values + m), load<V>(v.lane_values + 3 * t.slot + m)};
     const bool all_used = 2 * (m + lanes) <= v.nx;
     const float* data[4];
-    Vec16 d[4];
+    V d[4];
     for (int r = 0; r < 4; ++r) {
       const std::int32_t number = block_of[r / 2][(r % 2 * 2 + t.half(r)) * chunks + m / lanes];
       data[r] = number < 0 ? nullptr : v.block(number);
-      d[r] = load(number < 0 ? empty_d[r] + m : data[r]);
+      d[r] = load<V>(number < 0 ? empty_d[r] + m : data[r]);
     }
     for (int c = 0; c < 3; ++c) {
       const std::ptrdiff_t at = 2 * c * t.slot + m;
-      t.each_row(at, [&](auto r, const Around& n) DYNASURF_INLINE_LAMBDA {
-        Vec16 flow = inflow<true>(n, kx[t.half(r)], rates);
-        if (data[r] != nullptr) flow += load(data[r] + 16) * (load(data[r] + 32 + 16 * c) - n.near);
-        const Vec16 next = n.near + d[r] * flow;
-        if constexpr (measured) measure.add(load(t.own(r) + at), next, d[r], all_used);
+      t.each_row(at, [&](auto r, const Around<V>& n) DYNASURF_INLINE_LAMBDA {
+        V flow = inflow<true>(n, kx[t.half(r)], rates);
+        if (data[r] != nullptr) flow += load<V>(data[r] + 16) * (load<V>(data[r] + 32 + 16 * c) - n.near);
+        const V next = n.near + d[r] * flow;
+        if constexpr (measured) measure.add(load<V>(t.own(r) + at), next, d[r], all_used);
         store(t.own(r) + at, next);
       });
     }
   }
 }
 
-template <int first, int usual_slot>
+template <class V, int first, int usual_slot>
 DYNASURF_INLINE void sweep_coarse_tile(const View& v, int j, int k) {
-  const Tile<first, usual_slot> t(v, j, k);
+  const Tile<V, first, usual_slot> t(v, j, k);
   const std::ptrdiff_t scalars = 2 * t.slot * v.row_number(j, k), slice = 2 * t.slot * v.ny;
   const float *rhs0 = v.rhs + lanes + 3 * scalars, *rhs1 = rhs0 + 3 * slice;
   const float *b0 = v.b + scalars, *b1 = b0 + slice, *d0 = v.d + scalars, *d1 = d0 + slice;
   const float ym[2] = {v.left[1][j], v.left[1][j + 1]}, yp[2] = {v.right[1][j], v.right[1][j + 1]};
   const float zm[2] = {v.left[2][k], v.left[2][k + 1]}, zp[2] = {v.right[2][k], v.right[2][k + 1]};
   for (int m = 0; m < t.slot; m += lanes) {
-    const Vec16 kx[2] = {load(v.lane_values + m), load(v.lane_values + 3 * t.slot + m)};
-    Vec16 b[4], d[4];
+    const V kx[2] = {load<V>(v.lane_values + m), load<V>(v.lane_values + 3 * t.slot + m)};
+    V b[4], d[4];
     for (int r = 0; r < 4; ++r) {
       const std::ptrdiff_t at = (r % 2 * 2 + t.half(r)) * t.slot + m;
-      b[r] = load((r < 2 ? b0 : b1) + at);
-      d[r] = load((r < 2 ? d0 : d1) + at);
+      b[r] = load<V>((r < 2 ? b0 : b1) + at);
+      d[r] = load<V>((r < 2 ? d0 : d1) + at);
     }
     for (int c = 0; c < 3; ++c) {
       const std::ptrdiff_t at = 2 * c * t.slot + m;
-      t.each_row(at, [&](auto r, const Around& n) DYNASURF_INLINE_LAMBDA {
-        const Vec16 rhs = load((r < 2 ? rhs0 : rhs1) + (r % 2 * 6 + t.half(r)) * t.slot + at);
+      t.each_row(at, [&](auto r, const Around<V>& n) DYNASURF_INLINE_LAMBDA {
+        const V rhs = load<V>((r < 2 ? rhs0 : rhs1) + (r % 2 * 6 + t.half(r)) * t.slot + at);
         const Rates rates{ym[r % 2], yp[r % 2], zm[r / 2], zp[r / 2]};
-        const Vec16 flow = (rhs - b[r] * n.near) + inflow<false>(n, kx[t.half(r)], rates);
+        const V flow = (rhs - b[r] * n.near) + inflow<false>(n, kx[t.half(r)], rates);
         store(t.own(r) + at, n.near + d[r] * flow);
       });
     }
@@ -130,20 +134,21 @@ DYNASURF_INLINE void sweep_coarse_tile(const View& v, int j, int k) {
 }
 
 /// Pairs of the rows [j0, j1) in the slices k and k+1.
-template <bool finest, bool measured, int first, int usual_slot>
-DYNASURF_INLINE void sweep_tiles(const View& v, int k, int j0, int j1, Measure& measure) {
+template <class V, bool finest, bool measured, int first, int usual_slot>
+DYNASURF_INLINE void sweep_tiles(const View& v, int k, int j0, int j1, Measure<V>& measure) {
   for (int j = j0; j + 1 < j1; j += 2)
-    finest ? sweep_finest_tile<first, usual_slot, measured>(v, j, k, measure)
-           : sweep_coarse_tile<first, usual_slot>(v, j, k);
+    finest ? sweep_finest_tile<V, first, usual_slot, measured>(v, j, k, measure)
+           : sweep_coarse_tile<V, first, usual_slot>(v, j, k);
 }
 
 /// All of u counts as 0.
+template <class V>
 DYNASURF_INLINE void start_row(const View& v, int j, int k, int half) {
   float* own = v.u + v.row(j, k) + half * v.slot;
   const float* rhs = v.rhs + v.row(j, k) + half * v.slot;
   const float* d = v.d + v.scalar_row(j, k) + half * v.slot;
   for (int m = 0; m < v.slot; m += lanes)
-    for (int c = 0; c < 3; ++c) store(own + 2 * c * v.slot + m, load(d + m) * load(rhs + 2 * c * v.slot + m));
+    for (int c = 0; c < 3; ++c) store(own + 2 * c * v.slot + m, load<V>(d + m) * load<V>(rhs + 2 * c * v.slot + m));
 }
 
 DYNASURF_INLINE bool has_data(const View& v, int j, int k, int half) {
@@ -152,47 +157,46 @@ DYNASURF_INLINE bool has_data(const View& v, int j, int k, int half) {
 }
 
 /// Row by row.
-template <Start start, bool finest>
-DYNASURF_INLINE void sweep_rows(const View& v, int k0, int k1, int j0, int j1, int colour, Measure& measure) {
+template <class V, Start start, bool finest>
+DYNASURF_INLINE void sweep_rows(const View& v, int k0, int k1, int j0, int j1, int colour, Measure<V>& measure) {
   for (int k = k0; k < k1; ++k)
     for (int j = j0; j < j1; ++j) {
       const int half = half_of(colour, j, k);
       if (start == Start::near_data && !has_data(v, j, k, half)) continue;
       if constexpr (start == Start::from_rhs)
-        start_row(v, j, k, half);
+        start_row<V>(v, j, k, half);
       else
-        sweep_row<start, finest>(v, j, k, colour, measure);
+        sweep_row<V, start, finest>(v, j, k, colour, measure);
     }
 }
 
 /// In tiles, and row by row what is left of an odd number of rows or slices.
-template <Start start, bool finest>
-DYNASURF_INLINE void sweep_in_tiles(const View& v, int k0, int k1, int j0, int j1, int colour, Measure& measure) {
+template <class V, Start start, bool finest>
+DYNASURF_INLINE void sweep_in_tiles(const View& v, int k0, int k1, int j0, int j1, int colour, Measure<V>& measure) {
   const int j_end = j1 - (j1 - j0) % 2, k_end = k1 - (k1 - k0) % 2;
   for (int k = k0; k < k_end; k += 2)
     with_usual_slot(v.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
-      half_of(colour, j0, k) == 0 ? sweep_tiles<finest, start == Start::measured, 0, slot>(v, k, j0, j1, measure)
-                                  : sweep_tiles<finest, start == Start::measured, 1, slot>(v, k, j0, j1, measure);
+      half_of(colour, j0, k) == 0 ? sweep_tiles<V, finest, start == Start::measured, 0, slot>(v, k, j0, j1, measure)
+                                  : sweep_tiles<V, finest, start == Start::measured, 1, slot>(v, k, j0, j1, measure);
     });
-  sweep_rows<start, finest>(v, k0, k_end, j_end, j1, colour, measure);
-  sweep_rows<start, finest>(v, k_end, k1, j0, j1, colour, measure);
+  sweep_rows<V, start, finest>(v, k0, k_end, j_end, j1, colour, measure);
+  sweep_rows<V, start, finest>(v, k_end, k1, j0, j1, colour, measure);
 }
 
-}  // namespace
-
-DYNASURF_CLONES void sweep(Level& l, int k0, int k1, int j0, int j1, int colour, Start start) {
+template <class V>
+DYNASURF_INLINE void sweep_with(Level& l, int k0, int k1, int j0, int j1, int colour, Start start) {
   const View v(l);
-  Measure measure;
+  Measure<V> measure;
   switch (start) {
     case Start::warm:
-      l.finest ? sweep_in_tiles<Start::warm, true>(v, k0, k1, j0, j1, colour, measure)
-               : sweep_in_tiles<Start::warm, false>(v, k0, k1, j0, j1, colour, measure);
+      l.finest ? sweep_in_tiles<V, Start::warm, true>(v, k0, k1, j0, j1, colour, measure)
+               : sweep_in_tiles<V, Start::warm, false>(v, k0, k1, j0, j1, colour, measure);
       break;
     case Start::near_data:
-      sweep_rows<Start::near_data, true>(v, k0, k1, j0, j1, colour, measure);
+      sweep_rows<V, Start::near_data, true>(v, k0, k1, j0, j1, colour, measure);
       break;
     case Start::measured:
-      sweep_in_tiles<Start::measured, true>(v, k0, k1, j0, j1, colour, measure);
+      sweep_in_tiles<V, Start::measured, true>(v, k0, k1, j0, j1, colour, measure);
       for (int k = k0; k < k1; ++k) {
         const std::size_t row = l.row_number(j0, k), count = static_cast<std::size_t>(j1 - j0);
         std::fill_n(l.change.begin() + static_cast<std::ptrdiff_t>(row), count, 0.0);
@@ -202,12 +206,13 @@ DYNASURF_CLONES void sweep(Level& l, int k0, int k1, int j0, int j1, int colour,
       l.size[l.row_number(j0, k0)] = sum_of(measure.size);
       break;
     case Start::from_rhs:
-      sweep_rows<Start::from_rhs, false>(v, k0, k1, j0, j1, colour, measure);
+      sweep_rows<V, Start::from_rhs, false>(v, k0, k1, j0, j1, colour, measure);
       break;
   }
 }
 
-DYNASURF_CLONES void add_operator(Level& l, float stretch, int k0, int k1, int j0, int j1) {
+template <class V>
+DYNASURF_INLINE void add_operator_with(Level& l, float stretch, int k0, int k1, int j0, int j1) {
   const View v(l);
   for (int k = k0; k < k1; ++k)
     for (int j = j0; j < j1; ++j)
@@ -221,14 +226,26 @@ DYNASURF_CLONES void add_operator(Level& l, float stretch, int k0, int k1, int j
         for (int m = 0; m < v.slot; m += lanes)
           for (int c = 0; c < 3; ++c) {
             const std::ptrdiff_t at = 2 * c * v.slot + m;
-            const Vec16 u = load(r.own + at);
-            const Vec16 x =
-                load(towards_far + m) * (u - load(r.far + at)) + load(towards_near + m) * (u - load(r.near + at));
-            const Vec16 y = rates.ym * (u - load(r.ym + at)) + rates.yp * (u - load(r.yp + at));
-            const Vec16 z = rates.zm * (u - load(r.zm + at)) + rates.zp * (u - load(r.zp + at));
-            store(rhs + at, stretch * load(rhs + at) + (load(b + m) * u + (x + (y + z))));
+            const V u = load<V>(r.own + at);
+            const V x = load<V>(towards_far + m) * (u - load<V>(r.far + at)) +
+                        load<V>(towards_near + m) * (u - load<V>(r.near + at));
+            const V y = rates.ym * (u - load<V>(r.ym + at)) + rates.yp * (u - load<V>(r.yp + at));
+            const V z = rates.zm * (u - load<V>(r.zm + at)) + rates.zp * (u - load<V>(r.zp + at));
+            store(rhs + at, stretch * load<V>(rhs + at) + (load<V>(b + m) * u + (x + (y + z))));
           }
       }
+}
+
+}  // namespace
+
+void sweep(Level& level, int k0, int k1, int j0, int j1, int colour, Start start) {
+  detail::with_native_vectors(
+      [&]<int native>() DYNASURF_INLINE_LAMBDA { sweep_with<Floats<native>>(level, k0, k1, j0, j1, colour, start); });
+}
+
+void add_operator(Level& coarse, float stretch, int k0, int k1, int j0, int j1) {
+  detail::with_native_vectors(
+      [&]<int native>() DYNASURF_INLINE_LAMBDA { add_operator_with<Floats<native>>(coarse, stretch, k0, k1, j0, j1); });
 }
 
 }  // namespace dynasurf::multigrid

@@ -7,18 +7,6 @@ namespace dynasurf::multigrid {
 
 namespace {
 
-/// 32 floats out of their even and odd lanes.
-DYNASURF_INLINE void join(Vec16 even, Vec16 odd, Vec16& first, Vec16& second) {
-  first = __builtin_shufflevector(even, odd, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
-  second = __builtin_shufflevector(even, odd, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
-}
-DYNASURF_INLINE void join(Vec16 even, Vec16 odd, float* natural) {
-  Vec16 first, second;
-  join(even, odd, first, second);
-  store(natural, first);
-  store(natural + lanes, second);
-}
-
 /// Memory for a few rows, kept by the thread.
 float* scratch(std::size_t count) {
   thread_local detail::FloatBuffer buffer;
@@ -29,7 +17,7 @@ float* scratch(std::size_t count) {
 /// Adds to `sum` what the red cells of a row pass to the coarser level: D times the change that their next sweep would
 /// make. With s = D/(D+b), the share of a cell that diffusion rules, this is s times the residual: a cell that the data
 /// hold fast does not speak for its neighbourhood. `area` is the row's share in the coarser cell.
-template <bool finest>
+template <class V, bool finest>
 DYNASURF_INLINE void add_residual(const View& l, int j, int k, float area, float* sum, int sum_step) {
   const int half = half_of(0, j, k);
   const Row r = row_of(l, j, k, half);
@@ -38,26 +26,27 @@ DYNASURF_INLINE void add_residual(const View& l, int j, int k, float area, float
   const float *diagonal = l.lane_diagonal(half), *share = l.lane_share(half);
   const float yz = l.yz_diagonal(j, k);
   for (int m = 0; m < l.slot; m += lanes) {
-    const Vec16 kx = load(towards_far + m), weight = area * load(share + m);
-    const Vec16 spread = (load(diagonal + m) + yz) * weight;
+    const V kx = load<V>(towards_far + m), weight = area * load<V>(share + m);
+    const V spread = (load<V>(diagonal + m) + yz) * weight;
     const std::int32_t number = finest ? l.blocks_of(j, k, half)[m / lanes] : 0;
     const float* data = finest ? l.block(std::max(number, 0)) : nullptr;
     for (int c = 0; c < 3; ++c) {
       const std::ptrdiff_t at = 2 * c * l.slot + m;
-      const Around n = around(r, at);
-      const Vec16 step = n.near - load(r.own + at);
-      Vec16 flow = inflow<finest>(n, kx, rates);
+      const Around<V> n = around<V>(r, at);
+      const V step = n.near - load<V>(r.own + at);
+      V flow = inflow<finest>(n, kx, rates);
       if constexpr (finest) {
         if (number < 0)
           flow = spread * step + weight * flow;  // D d is 1 where there are no data
         else
-          flow = spread * (step + load(data) * (load(data + 16) * (load(data + 32 + 16 * c) - n.near) + flow));
+          flow = spread * (step + load<V>(data) * (load<V>(data + 16) * (load<V>(data + 32 + 16 * c) - n.near) + flow));
       } else {
         const float* rhs = l.rhs + l.row(j, k) + half * l.slot;
         const std::ptrdiff_t scalars = l.scalar_row(j, k) + half * l.slot + m;
-        flow = spread * (step + load(l.d + scalars) * ((load(rhs + at) - load(l.b + scalars) * n.near) + flow));
+        flow =
+            spread * (step + load<V>(l.d + scalars) * ((load<V>(rhs + at) - load<V>(l.b + scalars) * n.near) + flow));
       }
-      store(sum + c * sum_step + m, load(sum + c * sum_step + m) + flow);
+      store(sum + c * sum_step + m, load<V>(sum + c * sum_step + m) + flow);
     }
   }
 }
@@ -72,9 +61,9 @@ DYNASURF_INLINE Children children_of(bool halved, int count, int i) {
 
 /// The same of the rows j and j+1 of the slices k and k+1, joined along x and y: into `sum[0]`, or into one per slice.
 /// What the sums held before is forgotten.
-template <bool finest, int first, int usual_slot>
+template <class V, bool finest, int first, int usual_slot>
 DYNASURF_INLINE void sum_residuals(const View& l, int j, int k, float* const (&sum)[2], int sum_step) {
-  const Tile<first, usual_slot> t(l, j, k);
+  const Tile<V, first, usual_slot> t(l, j, k);
   const bool together = sum[0] == sum[1];
   const int chunks = static_cast<int>(t.slot) / lanes;
   const std::ptrdiff_t scalars = 2 * t.slot * l.row_number(j, k), slice = 2 * t.slot * l.ny;
@@ -91,9 +80,9 @@ DYNASURF_INLINE void sum_residuals(const View& l, int j, int k, float* const (&s
   }
   for (int m = 0; m < t.slot; m += lanes) {
     const auto lane = [&](int kind, int half)
-                          DYNASURF_INLINE_LAMBDA { return load(l.lane_values + (2 * kind + half) * t.slot + m); };
-    const Vec16 kx[2] = {lane(0, 0), lane(1, 1)};
-    const Vec16 diagonal[2] = {lane(2, 0), lane(2, 1)}, share[2] = {lane(3, 0), lane(3, 1)};
+                          DYNASURF_INLINE_LAMBDA { return load<V>(l.lane_values + (2 * kind + half) * t.slot + m); };
+    const V kx[2] = {lane(0, 0), lane(1, 1)};
+    const V diagonal[2] = {lane(2, 0), lane(2, 1)}, share[2] = {lane(3, 0), lane(3, 1)};
     const float* data[4] = {};
     if constexpr (finest)
       for (int r = 0; r < 4; ++r) {
@@ -102,21 +91,21 @@ DYNASURF_INLINE void sum_residuals(const View& l, int j, int k, float* const (&s
       }
     for (int c = 0; c < 3; ++c) {
       const std::ptrdiff_t at = 2 * c * t.slot + m;
-      Vec16 passed[2] = {};
-      t.each_row(at, [&](auto r, const Around& n) DYNASURF_INLINE_LAMBDA {
+      V passed[2] = {};
+      t.each_row(at, [&](auto r, const Around<V>& n) DYNASURF_INLINE_LAMBDA {
         constexpr int half = t.half(r);
-        const Vec16 step = n.near - load(t.own(r) + at), spread = diagonal[half] + yz[r];
-        Vec16 flow = inflow<finest>(n, kx[half], rates[r]);
+        const V step = n.near - load<V>(t.own(r) + at), spread = diagonal[half] + yz[r];
+        V flow = inflow<finest>(n, kx[half], rates[r]);
         if constexpr (finest) {
           if (data[r] == nullptr)
             flow = spread * step + flow;  // D d is 1 where there are no data
           else
-            flow =
-                spread * (step + load(data[r]) * (load(data[r] + 16) * (load(data[r] + 32 + 16 * c) - n.near) + flow));
+            flow = spread * (step + load<V>(data[r]) *
+                                        (load<V>(data[r] + 16) * (load<V>(data[r] + 32 + 16 * c) - n.near) + flow));
         } else {
           const std::ptrdiff_t scalar = (r % 2 * 2 + half) * t.slot + m;
-          const Vec16 rhs = load((r < 2 ? rhs0 : rhs1) + (r % 2 * 6 + half) * t.slot + at);
-          const Vec16 b = load((r < 2 ? b0 : b1) + scalar), dm = load((r < 2 ? d0 : d1) + scalar);
+          const V rhs = load<V>((r < 2 ? rhs0 : rhs1) + (r % 2 * 6 + half) * t.slot + at);
+          const V b = load<V>((r < 2 ? b0 : b1) + scalar), dm = load<V>((r < 2 ? d0 : d1) + scalar);
           flow = spread * (step + dm * ((rhs - b * n.near) + flow));
         }
         passed[r / 2] += (area[r] * share[half]) * flow;
@@ -129,18 +118,20 @@ DYNASURF_INLINE void sum_residuals(const View& l, int j, int k, float* const (&s
 }
 
 /// Right-hand side of a row from sums in natural order.
+template <class V>
 DYNASURF_INLINE void split_row(const View& g, int j, int k, const float* sum, int step) {
   float* rhs = g.rhs + g.row(j, k);
   for (int c = 0; c < 3; ++c)
     for (int m = 0; m < g.slot; m += lanes) {
-      Vec16 even, odd;
-      split(sum + c * step + 2 * m, even, odd);
+      V even, odd;
+      const float* from = sum + c * step + 2 * m;
+      split(load<V>(from), load<V>(from + lanes), even, odd);
       store(rhs + 2 * c * g.slot + m, even);
       store(rhs + (2 * c + 1) * g.slot + m, odd);
     }
 }
 
-template <bool finest>
+template <class V, bool finest>
 DYNASURF_INLINE void restrict_row(const View& f, const View& g, int j, int k) {
   // Sums over pairs along x lie in natural order and are split at the end; without pairs they lie split already.
   const bool joined = f.halved[0];
@@ -151,43 +142,43 @@ DYNASURF_INLINE void restrict_row(const View& f, const View& g, int j, int k) {
   for (int z = slices.first; z <= slices.last; ++z)
     for (int y = rows.first; y <= rows.last; ++y) {
       const float area = f.share[1][y] * f.share[2][z];
-      add_residual<finest>(f, y, z, area, joined ? sum : sum + half_of(0, y, z) * f.slot, step);
+      add_residual<V, finest>(f, y, z, area, joined ? sum : sum + half_of(0, y, z) * f.slot, step);
     }
-  if (joined) return split_row(g, j, k, sum, step);
+  if (joined) return split_row<V>(g, j, k, sum, step);
   for (int c = 0; c < 3; ++c) std::copy_n(sum + c * step, 2 * f.slot, g.rhs + g.row(j, k) + 2 * c * g.slot);
 }
 
 /// The rows [j0, j1) of slice k, or of k and k+1 where slices are not joined, from pairs of rows and slices.
-template <bool finest, int first, int usual_slot>
+template <class V, bool finest, int first, int usual_slot>
 DYNASURF_INLINE void restrict_pairs(const View& f, const View& g, int k, int j0, int j1) {
   const int step = std::max(f.slot, 2 * g.slot);
   float* both = scratch(static_cast<std::size_t>(6 * step));
   std::fill_n(both, 6 * step, 0.0f);
   float* const sum[2] = {both, f.halved[2] ? both : both + 3 * step};
   for (int j = j0; j < j1; ++j) {
-    sum_residuals<finest, first, usual_slot>(f, 2 * j, f.halved[2] ? 2 * k : k, sum, step);
-    split_row(g, j, k, sum[0], step);
-    if (!f.halved[2]) split_row(g, j, k + 1, sum[1], step);
+    sum_residuals<V, finest, first, usual_slot>(f, 2 * j, f.halved[2] ? 2 * k : k, sum, step);
+    split_row<V>(g, j, k, sum[0], step);
+    if (!f.halved[2]) split_row<V>(g, j, k + 1, sum[1], step);
   }
 }
 
-template <bool finest>
+template <class V, bool finest>
 DYNASURF_INLINE void restrict_rows(const View& f, const View& g, int k0, int k1, int j0, int j1) {
   for (int k = k0; k < k1;) {
     const bool in_pairs = f.halved[0] && f.halved[1] && (f.halved[2] ? 2 * k + 1 < f.nz : k + 1 < k1);
     const int last = in_pairs ? std::min(j1, f.ny / 2) : j0, next = in_pairs && !f.halved[2] ? k + 2 : k + 1;
     if (in_pairs)
       with_usual_slot(f.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
-        f.halved[2] || k % 2 == 0 ? restrict_pairs<finest, 0, slot>(f, g, k, j0, last)
-                                  : restrict_pairs<finest, 1, slot>(f, g, k, j0, last);
+        f.halved[2] || k % 2 == 0 ? restrict_pairs<V, finest, 0, slot>(f, g, k, j0, last)
+                                  : restrict_pairs<V, finest, 1, slot>(f, g, k, j0, last);
       });
     for (; k < next; ++k)
-      for (int j = last; j < j1; ++j) restrict_row<finest>(f, g, j, k);
+      for (int j = last; j < j1; ++j) restrict_row<V, finest>(f, g, j, k);
   }
 }
 
 /// Rows of the coarser level for a slice of the finer one, interpolated along z and x: the last four asked for.
-template <bool joined, int usual_slot>
+template <class V, bool joined, int usual_slot>
 class Interpolated {
  public:
   DYNASURF_INLINE Interpolated(const View& fine, const View& coarse, int k)
@@ -210,7 +201,7 @@ class Interpolated {
     held_[j & 3] = j;
     const float *p = own_ + 6 * slot_ * j, *q = next_ + 6 * slot_ * j;
     const auto between = [&](std::ptrdiff_t at)
-                             DYNASURF_INLINE_LAMBDA { return 0.75f * load(p + at) + 0.25f * load(q + at); };
+                             DYNASURF_INLINE_LAMBDA { return 0.75f * load<V>(p + at) + 0.25f * load<V>(q + at); };
     for (int c = 0; c < 3; ++c) {
       float* to = out + 2 * c * fine_slot_;
       const std::ptrdiff_t from = 2 * c * slot_;
@@ -227,17 +218,17 @@ class Interpolated {
   /// at its own place. Beyond the ends its values go on.
   template <class Values>
   DYNASURF_INLINE void join_halves(const Values& values, float* to) const {
-    Vec16 v[2], next[2]{};
+    V v[2], next[2]{};
     join(values(0), values(slot_), v[0], v[1]);
-    Vec16 before = Vec16{} + v[0][0];
+    V before = first_lane(v[0]);
     for (std::ptrdiff_t m = 0;; m += lanes) {
       if (m + lanes < slot_) join(values(m + lanes), values(slot_ + m + lanes), next[0], next[1]);
       for (int i : {0, 1}) {
         const std::ptrdiff_t at = 2 * m + i * lanes;
         if (at >= fine_slot_) return;
-        const Vec16 down = shifted_up(before, v[i]);
-        Vec16 up = shifted_down(v[i], i == 0 ? v[1] : next[0]);
-        if (at + lanes > end_) up = lane_numbers == static_cast<float>(end_ - at) ? v[i] : up;
+        const V down = shifted_up(before, v[i]);
+        V up = shifted_down(v[i], i == 0 ? v[1] : next[0]);
+        if (at + lanes > end_) up = where_equal(lane_numbers<V>(), V(static_cast<float>(end_ - at)), v[i], up);
         store(to + at, 0.75f * v[i] + 0.25f * down);
         store(to + fine_slot_ + at, 0.75f * v[i] + 0.25f * up);
         before = v[i];
@@ -268,8 +259,8 @@ DYNASURF_INLINE void fetch_ahead(const View& v, int j, int k) {
   }
 }
 
-template <bool finest, bool first, bool joined, int usual_slot, int half>
-DYNASURF_INLINE void interpolate_row(const View& f, const View& g, Interpolated<joined, usual_slot>& between, int j,
+template <class V, bool finest, bool first, bool joined, int usual_slot, int half>
+DYNASURF_INLINE void interpolate_row(const View& f, const View& g, Interpolated<V, joined, usual_slot>& between, int j,
                                      int k) {
   const std::ptrdiff_t slot = usual_slot > 0 ? usual_slot : f.slot;
   const int own = f.halved[1] ? j / 2 : j;
@@ -287,126 +278,126 @@ DYNASURF_INLINE void interpolate_row(const View& f, const View& g, Interpolated<
       const std::int32_t number = block_of[m / lanes];
       if (number >= 0) data = f.block(number);
     }
-    Vec16 d{}, share{};
+    V d{}, share{};
     if (!finest || data != nullptr) {
-      d = load(finest ? data : d_row + m);
-      share = (load(diagonal + m) + yz) * d;
+      d = load<V>(finest ? data : d_row + m);
+      share = (load<V>(diagonal + m) + yz) * d;
     }
     for (int c = 0; c < 3; ++c) {
       const std::ptrdiff_t at = 2 * c * slot + m;
-      Vec16 t = 0.75f * load(p + at) + 0.25f * load(q + at);
+      V t = 0.75f * load<V>(p + at) + 0.25f * load<V>(q + at);
       if (!finest || data != nullptr) t *= share;
       if constexpr (first) {
         // One relaxation with the interpolated values as neighbours.
         if (!finest)
-          t += d * load(rhs + at);
+          t += d * load<V>(rhs + at);
         else if (data != nullptr)
-          t += d * (load(data + 16) * load(data + 32 + 16 * c));
+          t += d * (load<V>(data + 16) * load<V>(data + 32 + 16 * c));
         store(u + at, t);
       } else {
-        store(u + at, load(u + at) + f.stretch * t);
+        store(u + at, load<V>(u + at) + f.stretch * t);
       }
     }
   }
 }
 
-template <bool finest, bool first, bool joined>
+template <class V, bool finest, bool first, bool joined>
 DYNASURF_INLINE void interpolate_rows(const View& f, const View& g, int k0, int k1, int j0, int j1) {
   with_usual_slot(f.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
     for (int k = k0; k < k1; ++k) {
-      Interpolated<joined, slot> between(f, g, k);
+      Interpolated<V, joined, slot> between(f, g, k);
       for (int j = j0; j < j1; ++j)
-        half_of(1, j, k) == 0 ? interpolate_row<finest, first, joined, slot, 0>(f, g, between, j, k)
-                              : interpolate_row<finest, first, joined, slot, 1>(f, g, between, j, k);
+        half_of(1, j, k) == 0 ? interpolate_row<V, finest, first, joined, slot, 0>(f, g, between, j, k)
+                              : interpolate_row<V, finest, first, joined, slot, 1>(f, g, between, j, k);
     }
   });
 }
 
-template <bool first>
+template <class V, bool first>
 DYNASURF_INLINE void interpolate(const Level& fine, const Level& coarse, float stretch, int k0, int k1, int j0,
                                  int j1) {
   View f(fine);
   const View g(coarse);
   f.stretch = stretch;
   if (f.halved[0])
-    fine.finest ? interpolate_rows<true, first, true>(f, g, k0, k1, j0, j1)
-                : interpolate_rows<false, first, true>(f, g, k0, k1, j0, j1);
+    fine.finest ? interpolate_rows<V, true, first, true>(f, g, k0, k1, j0, j1)
+                : interpolate_rows<V, false, first, true>(f, g, k0, k1, j0, j1);
   else
-    fine.finest ? interpolate_rows<true, first, false>(f, g, k0, k1, j0, j1)
-                : interpolate_rows<false, first, false>(f, g, k0, k1, j0, j1);
+    fine.finest ? interpolate_rows<V, true, first, false>(f, g, k0, k1, j0, j1)
+                : interpolate_rows<V, false, first, false>(f, g, k0, k1, j0, j1);
 }
 
 }  // namespace
 
-DYNASURF_CLONES void restrict_residual(Level& fine, Level& coarse, int k0, int k1, int j0, int j1) {
+void restrict_residual(Level& fine, Level& coarse, int k0, int k1, int j0, int j1) {
   const View f(fine), g(coarse);
-  fine.finest ? restrict_rows<true>(f, g, k0, k1, j0, j1) : restrict_rows<false>(f, g, k0, k1, j0, j1);
+  detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
+    fine.finest ? restrict_rows<Floats<native>, true>(f, g, k0, k1, j0, j1)
+                : restrict_rows<Floats<native>, false>(f, g, k0, k1, j0, j1);
+  });
 }
 
-DYNASURF_CLONES void correct_black(Level& fine, const Level& coarse, float stretch, int k0, int k1, int j0, int j1) {
-  interpolate<false>(fine, coarse, stretch, k0, k1, j0, j1);
+void correct_black(Level& fine, const Level& coarse, float stretch, int k0, int k1, int j0, int j1) {
+  detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
+    interpolate<Floats<native>, false>(fine, coarse, stretch, k0, k1, j0, j1);
+  });
 }
 
-DYNASURF_CLONES void start_black(Level& fine, const Level& coarse, int k0, int k1, int j0, int j1) {
-  interpolate<true>(fine, coarse, 1, k0, k1, j0, j1);
+void start_black(Level& fine, const Level& coarse, int k0, int k1, int j0, int j1) {
+  detail::with_native_vectors(
+      [&]<int native>() DYNASURF_INLINE_LAMBDA { interpolate<Floats<native>, true>(fine, coarse, 1, k0, k1, j0, j1); });
 }
 
 namespace {
 
-/// Past the caches; `to` starts at a multiple of 16 bytes.
-DYNASURF_INLINE void stream(float* to, Vec16 v) {
-#if defined(__SSE2__)
-  _mm_stream_ps(to, __builtin_shufflevector(v, v, 0, 1, 2, 3));
-  _mm_stream_ps(to + 4, __builtin_shufflevector(v, v, 4, 5, 6, 7));
-  _mm_stream_ps(to + 8, __builtin_shufflevector(v, v, 8, 9, 10, 11));
-  _mm_stream_ps(to + 12, __builtin_shufflevector(v, v, 12, 13, 14, 15));
-#else
-  store(to, v);
-#endif
-}
-
-template <bool past_caches>
+template <class V, bool past_caches>
 DYNASURF_INLINE void copy_row(const float* even, const float* odd, int count, float* out) {
-  const auto put = [](Vec16 a, Vec16 b, float* to) DYNASURF_INLINE_LAMBDA {
-    Vec16 first, second;
+  const auto put = [](V a, V b, float* to) DYNASURF_INLINE_LAMBDA {
+    V first, second;
     join(a, b, first, second);
     past_caches ? stream(to, first) : store(to, first);
     past_caches ? stream(to + lanes, second) : store(to + lanes, second);
   };
   int i = 0;
-  for (; i + 2 * lanes <= count; i += 2 * lanes) put(load(even + i / 2), load(odd + i / 2), out + i);
+  for (; i + 2 * lanes <= count; i += 2 * lanes) put(load<V>(even + i / 2), load<V>(odd + i / 2), out + i);
   if (i == count) return;
   if (i > 0) {  // the last whole vectors overlap those before
     i = count - 2 * lanes;
-    i % 2 == 0 ? put(load(even + i / 2), load(odd + i / 2), out + i)
-               : put(load(odd + i / 2), load(even + i / 2 + 1), out + i);
+    i % 2 == 0 ? put(load<V>(even + i / 2), load<V>(odd + i / 2), out + i)
+               : put(load<V>(odd + i / 2), load<V>(even + i / 2 + 1), out + i);
     return;
   }
   float rest[2 * lanes];
-  join(load(even), load(odd), rest);
+  V first, second;
+  join(load<V>(even), load<V>(odd), first, second);
+  store(rest, first);
+  store(rest + lanes, second);
   std::copy_n(rest, count, out);
 }
 
-template <bool past_caches>
+template <class V, bool past_caches>
 DYNASURF_INLINE void copy_rows(const View& v, int k, int j0, int j1, const std::array<float*, 3>& out) {
   for (int j = j0; j < j1; ++j)
     for (int c = 0; c < 3; ++c) {
       const float* even = v.u + v.row(j, k) + 2 * c * v.slot;
-      copy_row<past_caches>(even, even + v.slot, v.nx, out[static_cast<std::size_t>(c)] + v.row_number(j, k) * v.nx);
+      copy_row<V, past_caches>(even, even + v.slot, v.nx, out[static_cast<std::size_t>(c)] + v.row_number(j, k) * v.nx);
     }
 }
 
 }  // namespace
 
-DYNASURF_CLONES void copy_out(const Level& l, int k, int j0, int j1, std::array<float*, 3> out) {
+void copy_out(const Level& l, int k, int j0, int j1, std::array<float*, 3> out) {
   constexpr std::size_t too_large_for_caches = 1'000'000;
   const bool aligned = l.nx() % 4 == 0 && std::all_of(out.begin(), out.end(), [](const float* p) {
                          return reinterpret_cast<std::uintptr_t>(p) % 16 == 0;
                        });
-  if (l.cells() < too_large_for_caches || !aligned) return copy_rows<false>(View(l), k, j0, j1, out);
-  copy_rows<true>(View(l), k, j0, j1, out);
+  const bool past_caches = l.cells() >= too_large_for_caches && aligned;
+  detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
+    past_caches ? copy_rows<Floats<native>, true>(View(l), k, j0, j1, out)
+                : copy_rows<Floats<native>, false>(View(l), k, j0, j1, out);
+  });
 #if defined(__SSE2__)
-  _mm_sfence();  // other threads see it
+  if (past_caches) _mm_sfence();  // other threads see it
 #endif
 }
 

@@ -96,21 +96,24 @@ DYNASURF_INLINE Row row_of(const View& v, int j, int k, int half) {
 }
 
 /// Of sixteen cells the value `near` and how far their other neighbours lie from it.
+template <class V>
 struct Around {
-  Vec16 near, far, ym, yp, zm, zp;
+  V near, far, ym, yp, zm, zp;
 };
 
 /// Of the cells from lane `at` of a row on.
-DYNASURF_INLINE Around around(const Row& r, std::ptrdiff_t at) {
-  const Vec16 u = load(r.near + at);
-  return {u, load(r.far + at) - u, load(r.ym + at) - u, load(r.yp + at) - u, load(r.zm + at) - u, load(r.zp + at) - u};
+template <class V>
+DYNASURF_INLINE Around<V> around(const Row& r, std::ptrdiff_t at) {
+  const V u = load<V>(r.near + at);
+  const auto beyond = [&](const float* p) DYNASURF_INLINE_LAMBDA { return load<V>(p + at) - u; };
+  return {u, beyond(r.far), beyond(r.ym), beyond(r.yp), beyond(r.zm), beyond(r.zp)};
 }
 
 /// The same of 2 x 2 rows, row r at (j + r % 2, k + r / 2), so that what is a neighbour of two rows is loaded once, and
 /// subtracted once where it is that of both.
 /// Half `first` of row 0, and the size of half a row where it is one of the usual ones, are known when this is
 /// compiled, so that a few pointers do.
-template <int first, int usual_slot>
+template <class V, int first, int usual_slot>
 struct Tile {
   std::ptrdiff_t slot, stride;
   float* slice[2];
@@ -136,17 +139,17 @@ struct Tile {
   /// Calls `body(row, around)` for every row.
   template <class Body>
   DYNASURF_INLINE void each_row(std::ptrdiff_t at, Body body) const {
-    const Vec16 a = load(near(0) + at), b = load(near(1) + at), c = load(near(2) + at), d = load(near(3) + at);
-    const Vec16 ab = b - a, cd = d - c, ac = c - a, bd = d - b;
-    const auto beyond = [&](const float* p, Vec16 u) DYNASURF_INLINE_LAMBDA { return load(p + at) - u; };
+    const V a = load<V>(near(0) + at), b = load<V>(near(1) + at), c = load<V>(near(2) + at), d = load<V>(near(3) + at);
+    const V ab = b - a, cd = d - c, ac = c - a, bd = d - b;
+    const auto beyond = [&](const float* p, V u) DYNASURF_INLINE_LAMBDA { return load<V>(p + at) - u; };
     body(std::integral_constant<int, 0>{},
-         Around{a, beyond(far(0), a), beyond(y_low[0], a), ab, beyond(z_low[0], a), ac});
+         Around<V>{a, beyond(far(0), a), beyond(y_low[0], a), ab, beyond(z_low[0], a), ac});
     body(std::integral_constant<int, 1>{},
-         Around{b, beyond(far(1), b), -ab, beyond(y_high[0], b), beyond(z_low[1], b), bd});
+         Around<V>{b, beyond(far(1), b), -ab, beyond(y_high[0], b), beyond(z_low[1], b), bd});
     body(std::integral_constant<int, 2>{},
-         Around{c, beyond(far(2), c), beyond(y_low[1], c), cd, -ac, beyond(z_high[0], c)});
+         Around<V>{c, beyond(far(2), c), beyond(y_low[1], c), cd, -ac, beyond(z_high[0], c)});
     body(std::integral_constant<int, 3>{},
-         Around{d, beyond(far(3), d), -cd, beyond(y_high[1], d), -bd, beyond(z_high[1], d)});
+         Around<V>{d, beyond(far(3), d), -cd, beyond(y_high[1], d), -bd, beyond(z_high[1], d)});
   }
 };
 
@@ -164,8 +167,8 @@ DYNASURF_INLINE Rates rates_of(const View& v, int j, int k) {
 /// Sum of diffusion times difference from `near` to the other neighbours; `x` is that towards `far`. A cell's new value
 /// is `near` and its d times this and what the data add. In differences: single precision then holds the field to its
 /// last digits however many voxels there are.
-template <bool finest>
-DYNASURF_INLINE Vec16 inflow(const Around& n, Vec16 x, const Rates& k) {
+template <bool finest, class V>
+DYNASURF_INLINE V inflow(const Around<V>& n, V x, const Rates& k) {
   if constexpr (finest) return x * n.far + (k.ym * (n.yp + n.ym) + k.zm * (n.zp + n.zm));
   return x * n.far + ((k.yp * n.yp + k.ym * n.ym) + (k.zp * n.zp + k.zm * n.zm));
 }
