@@ -51,8 +51,9 @@ struct NativeVector<std::int32_t, 16> {
 
 /// `count` values in vectors of `native` ones, those that the machine computes with: the compiler itself splits wider
 /// ones through memory, and moves and compares them one by one.
-template <class T, int count, int native>
+template <class T, int count_, int native>
 struct Pack {
+  static constexpr int count = count_;
   using Half = Pack<T, count / 2, native>;
   Half low, high;
 
@@ -72,6 +73,7 @@ struct Pack {
 
 template <class T, int native>
 struct Pack<T, native, native> {
+  static constexpr int count = native;
   using Native = typename NativeVector<T, native>::Type;
   Native v;
 
@@ -102,7 +104,11 @@ DYNASURF_INLINE void operator*=(Pack<T, count, native>& a, Pack<T, count, native
 template <int native>
 using Floats = Pack<float, lanes, native>;
 
-/// Sixteen integers in vectors like those of V.
+/// Eight floats, for levels whose half rows hold no more.
+template <int native>
+using FewFloats = Pack<float, lanes / 2, (native < lanes / 2 ? native : lanes / 2)>;
+
+/// As many integers as V has floats, in vectors like its own.
 template <class T, class V>
 struct Like;
 template <class T, class U, int count, int native>

@@ -48,7 +48,7 @@ DYNASURF_INLINE void sweep_row(const View& v, int j, int k, int colour, Measure<
     d = v.d + v.scalar_row(j, k) + half * v.slot;
   }
   const float* towards_far = half == 0 ? v.lane_left(0) : v.lane_right(1);
-  for (int m = 0; m < v.slot; m += lanes) {
+  for (int m = 0; m < end_of<V>(v.slot); m += V::count) {
     const V kx = load<V>(towards_far + m);
     const float* data = nullptr;
     if constexpr (finest) {
@@ -82,7 +82,7 @@ DYNASURF_INLINE void sweep_finest_tile(const View& v, int j, int k, Measure<V>& 
                                      v.block_of + v.row_number(j, k + 1) * 2 * chunks};
   const float* empty_d[4];
   for (int r = 0; r < 4; ++r) empty_d[r] = v.empty_d_of(j + r % 2, k + r / 2, t.half(r));
-  for (int m = 0; m < t.slot; m += lanes) {
+  for (int m = 0; m < end_of<V>(t.slot); m += V::count) {
     const V kx[2] = {load<V>(v.lane_values + m), load<V>(v.lane_values + 3 * t.slot + m)};
     const bool all_used = 2 * (m + lanes) <= v.nx;
     const float* data[4];
@@ -113,7 +113,7 @@ DYNASURF_INLINE void sweep_coarse_tile(const View& v, int j, int k) {
   const float *b0 = v.b + scalars, *b1 = b0 + slice, *d0 = v.d + scalars, *d1 = d0 + slice;
   const float ym[2] = {v.left[1][j], v.left[1][j + 1]}, yp[2] = {v.right[1][j], v.right[1][j + 1]};
   const float zm[2] = {v.left[2][k], v.left[2][k + 1]}, zp[2] = {v.right[2][k], v.right[2][k + 1]};
-  for (int m = 0; m < t.slot; m += lanes) {
+  for (int m = 0; m < end_of<V>(t.slot); m += V::count) {
     const V kx[2] = {load<V>(v.lane_values + m), load<V>(v.lane_values + 3 * t.slot + m)};
     V b[4], d[4];
     for (int r = 0; r < 4; ++r) {
@@ -147,7 +147,7 @@ DYNASURF_INLINE void start_row(const View& v, int j, int k, int half) {
   float* own = v.u + v.row(j, k) + half * v.slot;
   const float* rhs = v.rhs + v.row(j, k) + half * v.slot;
   const float* d = v.d + v.scalar_row(j, k) + half * v.slot;
-  for (int m = 0; m < v.slot; m += lanes)
+  for (int m = 0; m < end_of<V>(v.slot); m += V::count)
     for (int c = 0; c < 3; ++c) store(own + 2 * c * v.slot + m, load<V>(d + m) * load<V>(rhs + 2 * c * v.slot + m));
 }
 
@@ -175,7 +175,7 @@ template <class V, Start start, bool finest>
 DYNASURF_INLINE void sweep_in_tiles(const View& v, int k0, int k1, int j0, int j1, int colour, Measure<V>& measure) {
   const int j_end = j1 - (j1 - j0) % 2, k_end = k1 - (k1 - k0) % 2;
   for (int k = k0; k < k_end; k += 2)
-    with_usual_slot(v.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
+    with_usual_slot<V>(v.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
       half_of(colour, j0, k) == 0 ? sweep_tiles<V, finest, start == Start::measured, 0, slot>(v, k, j0, j1, measure)
                                   : sweep_tiles<V, finest, start == Start::measured, 1, slot>(v, k, j0, j1, measure);
     });
@@ -183,31 +183,24 @@ DYNASURF_INLINE void sweep_in_tiles(const View& v, int k0, int k1, int j0, int j
   sweep_rows<V, start, finest>(v, k_end, k1, j0, j1, colour, measure);
 }
 
-template <class V>
+template <class V, bool finest>
 DYNASURF_INLINE void sweep_with(Level& l, int k0, int k1, int j0, int j1, int colour, Start start) {
   const View v(l);
   Measure<V> measure;
-  switch (start) {
-    case Start::warm:
-      l.finest ? sweep_in_tiles<V, Start::warm, true>(v, k0, k1, j0, j1, colour, measure)
-               : sweep_in_tiles<V, Start::warm, false>(v, k0, k1, j0, j1, colour, measure);
-      break;
-    case Start::near_data:
-      sweep_rows<V, Start::near_data, true>(v, k0, k1, j0, j1, colour, measure);
-      break;
-    case Start::measured:
-      sweep_in_tiles<V, Start::measured, true>(v, k0, k1, j0, j1, colour, measure);
-      for (int k = k0; k < k1; ++k) {
-        const std::size_t row = l.row_number(j0, k), count = static_cast<std::size_t>(j1 - j0);
-        std::fill_n(l.change.begin() + static_cast<std::ptrdiff_t>(row), count, 0.0);
-        std::fill_n(l.size.begin() + static_cast<std::ptrdiff_t>(row), count, 0.0);
-      }
-      l.change[l.row_number(j0, k0)] = sum_of(measure.change);
-      l.size[l.row_number(j0, k0)] = sum_of(measure.size);
-      break;
-    case Start::from_rhs:
-      sweep_rows<V, Start::from_rhs, false>(v, k0, k1, j0, j1, colour, measure);
-      break;
+  if (start == Start::warm) return sweep_in_tiles<V, Start::warm, finest>(v, k0, k1, j0, j1, colour, measure);
+  if constexpr (!finest) {
+    sweep_rows<V, Start::from_rhs, false>(v, k0, k1, j0, j1, colour, measure);
+  } else if (start == Start::near_data) {
+    sweep_rows<V, Start::near_data, true>(v, k0, k1, j0, j1, colour, measure);
+  } else {
+    sweep_in_tiles<V, Start::measured, true>(v, k0, k1, j0, j1, colour, measure);
+    for (int k = k0; k < k1; ++k) {
+      const std::size_t row = l.row_number(j0, k), count = static_cast<std::size_t>(j1 - j0);
+      std::fill_n(l.change.begin() + static_cast<std::ptrdiff_t>(row), count, 0.0);
+      std::fill_n(l.size.begin() + static_cast<std::ptrdiff_t>(row), count, 0.0);
+    }
+    l.change[l.row_number(j0, k0)] = sum_of(measure.change);
+    l.size[l.row_number(j0, k0)] = sum_of(measure.size);
   }
 }
 
@@ -223,7 +216,7 @@ DYNASURF_INLINE void add_operator_with(Level& l, float stretch, int k0, int k1, 
         const float* towards_near = half == 0 ? v.lane_right(0) : v.lane_left(1);
         float* rhs = v.rhs + v.row(j, k) + half * v.slot;
         const float* b = v.b + v.scalar_row(j, k) + half * v.slot;
-        for (int m = 0; m < v.slot; m += lanes)
+        for (int m = 0; m < end_of<V>(v.slot); m += V::count)
           for (int c = 0; c < 3; ++c) {
             const std::ptrdiff_t at = 2 * c * v.slot + m;
             const V u = load<V>(r.own + at);
@@ -239,8 +232,13 @@ DYNASURF_INLINE void add_operator_with(Level& l, float stretch, int k0, int k1, 
 }  // namespace
 
 void sweep(Level& level, int k0, int k1, int j0, int j1, int colour, Start start) {
-  detail::with_native_vectors(
-      [&]<int native>() DYNASURF_INLINE_LAMBDA { sweep_with<Floats<native>>(level, k0, k1, j0, j1, colour, start); });
+  with_vectors_for(level, [&]<class V>() DYNASURF_INLINE_LAMBDA {
+    if constexpr (V::count < lanes)
+      sweep_with<V, false>(level, k0, k1, j0, j1, colour, start);
+    else
+      level.finest ? sweep_with<V, true>(level, k0, k1, j0, j1, colour, start)
+                   : sweep_with<V, false>(level, k0, k1, j0, j1, colour, start);
+  });
 }
 
 void add_operator(Level& coarse, float stretch, int k0, int k1, int j0, int j1) {

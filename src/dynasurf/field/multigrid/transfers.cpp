@@ -25,7 +25,7 @@ DYNASURF_INLINE void add_residual(const View& l, int j, int k, float area, float
   const float* towards_far = half == 0 ? l.lane_left(0) : l.lane_right(1);
   const float *diagonal = l.lane_diagonal(half), *share = l.lane_share(half);
   const float yz = l.yz_diagonal(j, k);
-  for (int m = 0; m < l.slot; m += lanes) {
+  for (int m = 0; m < end_of<V>(l.slot); m += V::count) {
     const V kx = load<V>(towards_far + m), weight = area * load<V>(share + m);
     const V spread = (load<V>(diagonal + m) + yz) * weight;
     const std::int32_t number = finest ? l.blocks_of(j, k, half)[m / lanes] : 0;
@@ -78,7 +78,7 @@ DYNASURF_INLINE void sum_residuals(const View& l, int j, int k, float* const (&s
     area[r] = l.share[1][j + r % 2] * l.share[2][k + r / 2];
     yz[r] = l.yz_diagonal(j + r % 2, k + r / 2);
   }
-  for (int m = 0; m < t.slot; m += lanes) {
+  for (int m = 0; m < end_of<V>(t.slot); m += V::count) {
     const auto lane = [&](int kind, int half)
                           DYNASURF_INLINE_LAMBDA { return load<V>(l.lane_values + (2 * kind + half) * t.slot + m); };
     const V kx[2] = {lane(0, 0), lane(1, 1)};
@@ -122,10 +122,10 @@ template <class V>
 DYNASURF_INLINE void split_row(const View& g, int j, int k, const float* sum, int step) {
   float* rhs = g.rhs + g.row(j, k);
   for (int c = 0; c < 3; ++c)
-    for (int m = 0; m < g.slot; m += lanes) {
+    for (int m = 0; m < end_of<V>(g.slot); m += V::count) {
       V even, odd;
       const float* from = sum + c * step + 2 * m;
-      split(load<V>(from), load<V>(from + lanes), even, odd);
+      split(load<V>(from), load<V>(from + V::count), even, odd);
       store(rhs + 2 * c * g.slot + m, even);
       store(rhs + (2 * c + 1) * g.slot + m, odd);
     }
@@ -168,7 +168,7 @@ DYNASURF_INLINE void restrict_rows(const View& f, const View& g, int k0, int k1,
     const bool in_pairs = f.halved[0] && f.halved[1] && (f.halved[2] ? 2 * k + 1 < f.nz : k + 1 < k1);
     const int last = in_pairs ? std::min(j1, f.ny / 2) : j0, next = in_pairs && !f.halved[2] ? k + 2 : k + 1;
     if (in_pairs)
-      with_usual_slot(f.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
+      with_usual_slot<V>(f.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
         f.halved[2] || k % 2 == 0 ? restrict_pairs<V, finest, 0, slot>(f, g, k, j0, last)
                                   : restrict_pairs<V, finest, 1, slot>(f, g, k, j0, last);
       });
@@ -208,7 +208,7 @@ class Interpolated {
       if constexpr (joined)
         join_halves([&](std::ptrdiff_t m) DYNASURF_INLINE_LAMBDA { return between(from + m); }, to);
       else
-        for (int m = 0; m < 2 * slot_; m += lanes) store(to + m, between(from + m));
+        for (int m = 0; m < 2 * slot_; m += V::count) store(to + m, between(from + m));
     }
     return out;
   }
@@ -221,14 +221,15 @@ class Interpolated {
     V v[2], next[2]{};
     join(values(0), values(slot_), v[0], v[1]);
     V before = first_lane(v[0]);
-    for (std::ptrdiff_t m = 0;; m += lanes) {
-      if (m + lanes < slot_) join(values(m + lanes), values(slot_ + m + lanes), next[0], next[1]);
+    for (std::ptrdiff_t m = 0;; m += V::count) {
+      const std::ptrdiff_t after = m + V::count;
+      if (after < slot_) join(values(after), values(slot_ + after), next[0], next[1]);
       for (int i : {0, 1}) {
-        const std::ptrdiff_t at = 2 * m + i * lanes;
-        if (at >= fine_slot_) return;
+        const std::ptrdiff_t at = 2 * m + i * V::count;
+        if (at >= end_of<V>(fine_slot_)) return;
         const V down = shifted_up(before, v[i]);
         V up = shifted_down(v[i], i == 0 ? v[1] : next[0]);
-        if (at + lanes > end_) up = where_equal(lane_numbers<V>(), V(static_cast<float>(end_ - at)), v[i], up);
+        if (at + V::count > end_) up = where_equal(lane_numbers<V>(), V(static_cast<float>(end_ - at)), v[i], up);
         store(to + at, 0.75f * v[i] + 0.25f * down);
         store(to + fine_slot_ + at, 0.75f * v[i] + 0.25f * up);
         before = v[i];
@@ -272,7 +273,7 @@ DYNASURF_INLINE void interpolate_row(const View& f, const View& g, Interpolated<
   const float *rhs = f.rhs + lanes + (6 * row + half) * slot, *d_row = f.d + (2 * row + half) * slot;
   const std::int32_t* block_of = f.block_of + (2 * row + half) * (slot / lanes);
   fetch_ahead<finest>(f, j, k);
-  for (int m = 0; m < slot; m += lanes) {
+  for (int m = 0; m < end_of<V>(slot); m += V::count) {
     const float* data = nullptr;
     if constexpr (finest) {
       const std::int32_t number = block_of[m / lanes];
@@ -303,7 +304,7 @@ DYNASURF_INLINE void interpolate_row(const View& f, const View& g, Interpolated<
 
 template <class V, bool finest, bool first, bool joined>
 DYNASURF_INLINE void interpolate_rows(const View& f, const View& g, int k0, int k1, int j0, int j1) {
-  with_usual_slot(f.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
+  with_usual_slot<V>(f.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
     for (int k = k0; k < k1; ++k) {
       Interpolated<V, joined, slot> between(f, g, k);
       for (int j = j0; j < j1; ++j)
@@ -319,33 +320,38 @@ DYNASURF_INLINE void interpolate(const Level& fine, const Level& coarse, float s
   View f(fine);
   const View g(coarse);
   f.stretch = stretch;
-  if (f.halved[0])
-    fine.finest ? interpolate_rows<V, true, first, true>(f, g, k0, k1, j0, j1)
-                : interpolate_rows<V, false, first, true>(f, g, k0, k1, j0, j1);
+  const auto rows = [&](auto finest, auto joined)
+                        DYNASURF_INLINE_LAMBDA { interpolate_rows<V, finest, first, joined>(f, g, k0, k1, j0, j1); };
+  using Yes = std::true_type;
+  using No = std::false_type;
+  if constexpr (V::count < lanes)
+    f.halved[0] ? rows(No{}, Yes{}) : rows(No{}, No{});
+  else if (fine.finest)
+    f.halved[0] ? rows(Yes{}, Yes{}) : rows(Yes{}, No{});
   else
-    fine.finest ? interpolate_rows<V, true, first, false>(f, g, k0, k1, j0, j1)
-                : interpolate_rows<V, false, first, false>(f, g, k0, k1, j0, j1);
+    f.halved[0] ? rows(No{}, Yes{}) : rows(No{}, No{});
 }
 
 }  // namespace
 
 void restrict_residual(Level& fine, Level& coarse, int k0, int k1, int j0, int j1) {
   const View f(fine), g(coarse);
-  detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
-    fine.finest ? restrict_rows<Floats<native>, true>(f, g, k0, k1, j0, j1)
-                : restrict_rows<Floats<native>, false>(f, g, k0, k1, j0, j1);
+  with_vectors_for(fine, [&]<class V>() DYNASURF_INLINE_LAMBDA {
+    if constexpr (V::count < lanes)
+      restrict_rows<V, false>(f, g, k0, k1, j0, j1);
+    else
+      fine.finest ? restrict_rows<V, true>(f, g, k0, k1, j0, j1) : restrict_rows<V, false>(f, g, k0, k1, j0, j1);
   });
 }
 
 void correct_black(Level& fine, const Level& coarse, float stretch, int k0, int k1, int j0, int j1) {
-  detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
-    interpolate<Floats<native>, false>(fine, coarse, stretch, k0, k1, j0, j1);
-  });
+  with_vectors_for(
+      fine, [&]<class V>() DYNASURF_INLINE_LAMBDA { interpolate<V, false>(fine, coarse, stretch, k0, k1, j0, j1); });
 }
 
 void start_black(Level& fine, const Level& coarse, int k0, int k1, int j0, int j1) {
-  detail::with_native_vectors(
-      [&]<int native>() DYNASURF_INLINE_LAMBDA { interpolate<Floats<native>, true>(fine, coarse, 1, k0, k1, j0, j1); });
+  with_vectors_for(fine,
+                   [&]<class V>() DYNASURF_INLINE_LAMBDA { interpolate<V, true>(fine, coarse, 1, k0, k1, j0, j1); });
 }
 
 namespace {

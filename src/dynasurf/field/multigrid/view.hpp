@@ -63,12 +63,30 @@ struct View {
   }
 };
 
-/// Calls `body(std::integral_constant)` with the size of half a row where it is one of the usual ones, else with 0.
+/// Where the loops over half a row end, a multiple of V::count: few floats are used where they are enough.
+template <class V, class Size>
+DYNASURF_INLINE Size end_of(Size slot) {
+  return V::count < lanes ? V::count : slot;
+}
+
+/// Calls `body<V>()` with the vectors that suit the rows of a level, on the machine's best instruction set.
 template <class Body>
+DYNASURF_INLINE void with_vectors_for(const Level& l, const Body& body) {
+  detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
+    l.nx() <= lanes && !l.finest ? body.template operator()<FewFloats<native>>()
+                                 : body.template operator()<Floats<native>>();
+  });
+}
+
+/// Calls `body(std::integral_constant)` with the size of half a row where it is one of the usual ones, else with 0.
+template <class V, class Body>
 DYNASURF_INLINE void with_usual_slot(int slot, Body body) {
-  slot == 16   ? body(std::integral_constant<int, 16>{})
-  : slot == 32 ? body(std::integral_constant<int, 32>{})
-               : body(std::integral_constant<int, 0>{});
+  if constexpr (V::count < lanes)
+    body(std::integral_constant<int, lanes>{});
+  else
+    slot == 16   ? body(std::integral_constant<int, 16>{})
+    : slot == 32 ? body(std::integral_constant<int, 32>{})
+                 : body(std::integral_constant<int, 0>{});
 }
 
 DYNASURF_INLINE int half_of(int colour, int j, int k) { return (colour + j + k) & 1; }
