@@ -11,11 +11,21 @@
 
 namespace dynasurf::detail {
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define DYNASURF_SANITIZED 1
+#else
+#define DYNASURF_SANITIZED 0
+#endif
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !DYNASURF_SANITIZED
+#define DYNASURF_SEVERAL_INSTRUCTION_SETS 1
+#else
+#define DYNASURF_SEVERAL_INSTRUCTION_SETS 0
+#endif
+
 // A function marked so is compiled for several instruction sets and the best one is chosen when the program starts.
 // Contraction is off and no loop reorders a sum, so every copy returns the same bytes. Sanitizers cannot run the
 // chooser (it is called before they are ready), so they get the plain copy.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
+#if DYNASURF_SEVERAL_INSTRUCTION_SETS
 #define DYNASURF_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define DYNASURF_CLONES
@@ -23,7 +33,7 @@ namespace dynasurf::detail {
 #define DYNASURF_INLINE inline __attribute__((always_inline))
 #define DYNASURF_INLINE_LAMBDA __attribute__((always_inline))
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#if DYNASURF_SEVERAL_INSTRUCTION_SETS
 template <class Body>
 __attribute__((target("avx512f"))) void with_avx512(const Body& body) {
   body.template operator()<16>();
@@ -41,12 +51,13 @@ inline std::atomic<int> widest_vectors = 16;
 /// body is an inlined lambda, and inlines what it calls.
 template <class Body>
 void with_native_vectors(const Body& body) {
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#if DYNASURF_SEVERAL_INSTRUCTION_SETS
   const int widest = widest_vectors.load(std::memory_order_relaxed);
   if (widest >= 16 && __builtin_cpu_supports("avx512f")) return with_avx512(body);
   if (widest >= 8 && __builtin_cpu_supports("avx2")) return with_avx2(body);
 #endif
-  body.template operator()<4>();
+  constexpr int plain = DYNASURF_SANITIZED ? 16 : 4;  // wide ones are less code to instrument: minutes to compile
+  body.template operator()<plain>();
 }
 
 /// Floats that start on a cache line. Fresh memory is not cleared.
