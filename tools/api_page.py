@@ -43,7 +43,7 @@ def first_sentence(comment):
 def name_of(declaration):
     """Kind and name of a declaration, or None for what the page leaves out."""
     plain = re.sub(r"template\s*<[^{;]*?>\s*(?=[a-z\[])", "", declaration).strip()
-    match = re.match(r"(struct|class|enum class|enum|concept|using)\s+(\w+)", plain)
+    match = re.match(r"(struct|class|enum class|enum|concept|using)\s+(?!namespace\b)(\w+)", plain)
     if match:
         if match[1] in ("struct", "class") and re.match(r"(struct|class)\s+\w+\s*(<.*>)?\s*;", plain):
             return None  # announced here, declared elsewhere

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/field/simd.hpp"
 #include "dynasurf/ventricle/fit/cholesky.hpp"
 #include "dynasurf/ventricle/fit/lane_math.hpp"
 #include "dynasurf/ventricle/fit/loops.hpp"
@@ -121,6 +122,30 @@ TEST(FitLoops, ProjectByTheTransposeOfWhatTheyBlendBy) {
         ASSERT_NEAR(back[n * gates + g], sums(static_cast<Eigen::Index>(n), gate), 1e-4);
     }
   }
+}
+
+TEST(FitLoops, HaveTheSameBytesWithVectorsOfAnyWidth) {
+  constexpr std::size_t count = 129, length = 96, gates = 6;
+  const Lines lines = some_lines(count, length, 5), factors = some_lines(1, count * gates, 6);
+  const auto all_sums = [&](int widest) {
+    widest_vectors = widest;
+    Lines squares = no_squares(length), blended(gates, length);
+    add_squares(lines, count, squares);
+    blend(lines, count, factors.values.data(), 0, lines.pitch(), blended);
+    std::vector<float> back(count * gates);
+    project(lines, count, blended, 0, lines.pitch(), back.data());
+    const std::vector<double> from(lines.values.begin(), lines.values.end());
+    std::vector<double> rest(length * length);
+    subtract_squares(from.data(), count, length, 0, 0, length, rest.data());
+    widest_vectors = 16;
+    std::vector<double> sums(back.begin(), back.end());
+    sums.insert(sums.end(), blended.values.begin(), blended.values.end());
+    for (std::size_t i = 0; i < length; ++i)
+      for (std::size_t j = 0; j <= i; ++j) sums.insert(sums.end(), {squares.line(i)[j], rest[i * length + j]});
+    return sums;
+  };
+  const std::vector<double> widest = all_sums(16);
+  for (const int width : {4, 8}) EXPECT_EQ(all_sums(width), widest) << width;
 }
 
 TEST(FitLoops, SolveDefiniteMatricesOfAnySize) {

@@ -5,10 +5,12 @@
 
 #include "dynasurf/core/grid.hpp"
 #include "dynasurf/core/volume.hpp"
-#include "dynasurf/field/multigrid/lanes.hpp"
+#include "dynasurf/field/lanes.hpp"
 #include "dynasurf/field/simd.hpp"
 
 namespace dynasurf::multigrid {
+
+using namespace simd;
 
 constexpr int block_size = 80;  // floats of a block of data: d, b and the gradient of 16 cells
 

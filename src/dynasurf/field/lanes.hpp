@@ -8,45 +8,52 @@
 
 #include "dynasurf/field/simd.hpp"
 
-namespace dynasurf::multigrid {
+namespace dynasurf::simd {
 
 // Every function that takes or returns lanes is inlined, so that no calling convention is touched.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-constexpr int lanes = 16;  // floats per vector; the same on every machine, so that sums have one order
+/// Floats that loops take at a time: as many on every machine, so that sums have one order.
+constexpr int lanes = 16;
 
-typedef float Floats4 __attribute__((vector_size(16)));
-typedef float Floats8 __attribute__((vector_size(32)));
-typedef float Floats16 __attribute__((vector_size(64)));
-typedef std::int32_t Ints4 __attribute__((vector_size(16)));
-typedef std::int32_t Ints8 __attribute__((vector_size(32)));
-typedef std::int32_t Ints16 __attribute__((vector_size(64)));
-
+/// As many values as one vector of the machine holds.
 template <class T, int count>
 struct NativeVector;
 template <>
 struct NativeVector<float, 4> {
-  typedef Floats4 Type;
+  typedef float Type __attribute__((vector_size(16)));
 };
 template <>
 struct NativeVector<float, 8> {
-  typedef Floats8 Type;
+  typedef float Type __attribute__((vector_size(32)));
 };
 template <>
 struct NativeVector<float, 16> {
-  typedef Floats16 Type;
+  typedef float Type __attribute__((vector_size(64)));
+};
+template <>
+struct NativeVector<double, 2> {
+  typedef double Type __attribute__((vector_size(16)));
+};
+template <>
+struct NativeVector<double, 4> {
+  typedef double Type __attribute__((vector_size(32)));
+};
+template <>
+struct NativeVector<double, 8> {
+  typedef double Type __attribute__((vector_size(64)));
 };
 template <>
 struct NativeVector<std::int32_t, 4> {
-  typedef Ints4 Type;
+  typedef std::int32_t Type __attribute__((vector_size(16)));
 };
 template <>
 struct NativeVector<std::int32_t, 8> {
-  typedef Ints8 Type;
+  typedef std::int32_t Type __attribute__((vector_size(32)));
 };
 template <>
 struct NativeVector<std::int32_t, 16> {
-  typedef Ints16 Type;
+  typedef std::int32_t Type __attribute__((vector_size(64)));
 };
 
 /// `count` values in vectors of `native` ones, those that the machine computes with: the compiler itself splits wider
@@ -108,18 +115,20 @@ using Floats = Pack<float, lanes, native>;
 template <int native>
 using FewFloats = Pack<float, lanes / 2, (native < lanes / 2 ? native : lanes / 2)>;
 
-/// As many integers as V has floats, in vectors like its own.
+/// Vectors of T like those of V.
 template <class T, class V>
 struct Like;
 template <class T, class U, int count, int native>
 struct Like<T, Pack<U, count, native>> {
   using Type = Pack<T, count, native>;
 };
+/// As many integers as V has floats.
 template <class V>
 using Ints = typename Like<std::int32_t, V>::Type;
 
 // ---- Memory, of any alignment.
 
+/// As many values as `v` holds, from `p` on.
 template <class T, int native>
 DYNASURF_INLINE void load_to(Pack<T, native, native>& v, const T* p) {
   __builtin_memcpy(&v.v, p, sizeof v.v);
@@ -129,6 +138,7 @@ DYNASURF_INLINE void load_to(Pack<T, count, native>& v, const T* p) {
   load_to(v.low, p);
   load_to(v.high, p + count / 2);
 }
+/// The same, returned.
 template <class V, class T>
 DYNASURF_INLINE V load(const T* p) {
   V v;
@@ -192,6 +202,7 @@ DYNASURF_INLINE Pack<float, count, native> where_equal(Pack<float, count, native
   return {where_equal(a.low, b.low, x.low, y.low), where_equal(a.high, b.high, x.high, y.high)};
 }
 
+/// The larger one.
 template <class V>
 DYNASURF_INLINE V larger(V a, V b) {
   return where_greater(a, b, a, b);
@@ -295,6 +306,7 @@ DYNASURF_INLINE void join(Pack<float, count, native> even, Pack<float, count, na
 
 // ---- Integers.
 
+/// The bits of floats, as integers.
 template <int native>
 DYNASURF_INLINE Pack<std::int32_t, native, native> bits_of(Pack<float, native, native> v) {
   return std::bit_cast<typename Pack<std::int32_t, native, native>::Native>(v.v);
@@ -321,4 +333,4 @@ DYNASURF_INLINE bool any(Pack<std::int32_t, count, native> v) {
   return any(v.low | v.high);
 }
 
-}  // namespace dynasurf::multigrid
+}  // namespace dynasurf::simd
