@@ -14,6 +14,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/band.hpp"
 #include "dynasurf/field/gvf.hpp"
+#include "dynasurf/field/simd.hpp"
 
 #if DYNASURF_BENCH_HYPRE
 #include "support/hypre_gvf.hpp"
@@ -81,6 +82,24 @@ BENCHMARK(steady)
     ->ArgsProduct({{256}, {1, 2}, {2, 3, 4}})
     ->ArgsProduct({{32, 96, -48, -96, -192}, {1}, {3}})
     ->ArgNames({"size", "threads", "digits"})
+    ->UseRealTime()
+    ->MeasureProcessCPUTime()
+    ->Unit(benchmark::kMillisecond);
+
+/// size, floats of the widest vectors: 4 as with SSE2, 8 with AVX2, 16 with AVX-512, where the machine has them
+void steady_in_vectors(benchmark::State& state) {
+  const int size = static_cast<int>(state.range(0));
+  const Image map = border_map(size);
+  const ThreadLimit limit(1);
+  SteadyWorkspace workspace;
+  FlowResult result;
+  detail::widest_vectors = static_cast<int>(state.range(1));
+  for (auto _ : state) flow_field(map, SteadyGvf{.mu = mu_of(size)}, workspace, result);
+  detail::widest_vectors = 16;
+}
+BENCHMARK(steady_in_vectors)
+    ->ArgsProduct({{64, 62, 128}, {4, 8, 16}})
+    ->ArgNames({"size", "floats"})
     ->UseRealTime()
     ->MeasureProcessCPUTime()
     ->Unit(benchmark::kMillisecond);

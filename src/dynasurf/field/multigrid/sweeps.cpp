@@ -191,7 +191,11 @@ DYNASURF_INLINE void sweep_with(Level& l, int k0, int k1, int j0, int j1, int co
   if constexpr (!finest) {
     sweep_rows<V, Start::from_rhs, false>(v, k0, k1, j0, j1, colour, measure);
   } else if (start == Start::near_data) {
-    sweep_rows<V, Start::near_data, true>(v, k0, k1, j0, j1, colour, measure);
+    with_usual_slot<V>(v.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
+      View known = v;
+      if (slot > 0) known.slot = slot, known.stride = 6 * slot;
+      sweep_rows<V, Start::near_data, true>(known, k0, k1, j0, j1, colour, measure);
+    });
   } else {
     sweep_in_tiles<V, Start::measured, true>(v, k0, k1, j0, j1, colour, measure);
     for (int k = k0; k < k1; ++k) {
