@@ -267,7 +267,8 @@ DYNASURF_INLINE void fill_blocks(Level& l, const Image& map, int k, std::int32_t
       if (m == 0) x.half[0] = where_greater(lane_numbers<V>(), V{}, x.half[0], x.half[0] * 2);
       if (const int last = nx - 1 - m * chunk; last < chunk) {
         V& end = x.half[last % 2];
-        end = where_equal(lane_numbers<V>(), V(static_cast<float>(last / 2)), end * 2, end);
+        const int lane = last / 2;
+        end = where_equal(lane_numbers<V>(), V(static_cast<float>(lane)), end * 2, end);
       }
       for (int half : {0, 1}) {
         const std::int32_t number = block_of[half * chunks + m] += first;

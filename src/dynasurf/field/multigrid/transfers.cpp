@@ -324,12 +324,9 @@ DYNASURF_INLINE void interpolate(const Level& fine, const Level& coarse, float s
                         DYNASURF_INLINE_LAMBDA { interpolate_rows<V, finest, first, joined>(f, g, k0, k1, j0, j1); };
   using Yes = std::true_type;
   using No = std::false_type;
-  if constexpr (V::count < lanes)
-    f.halved[0] ? rows(No{}, Yes{}) : rows(No{}, No{});
-  else if (fine.finest)
-    f.halved[0] ? rows(Yes{}, Yes{}) : rows(Yes{}, No{});
-  else
-    f.halved[0] ? rows(No{}, Yes{}) : rows(No{}, No{});
+  if constexpr (V::count == lanes)
+    if (fine.finest) return f.halved[0] ? rows(Yes{}, Yes{}) : rows(Yes{}, No{});
+  f.halved[0] ? rows(No{}, Yes{}) : rows(No{}, No{});
 }
 
 }  // namespace
