@@ -19,41 +19,17 @@ constexpr int lanes = 16;
 /// As many values as one vector of the machine holds.
 template <class T, int count>
 struct NativeVector;
-template <>
-struct NativeVector<float, 4> {
-  typedef float Type __attribute__((vector_size(16)));
+template <int count>
+struct NativeVector<float, count> {
+  typedef float Type __attribute__((vector_size(count * sizeof(float))));
 };
-template <>
-struct NativeVector<float, 8> {
-  typedef float Type __attribute__((vector_size(32)));
+template <int count>
+struct NativeVector<double, count> {
+  typedef double Type __attribute__((vector_size(count * sizeof(double))));
 };
-template <>
-struct NativeVector<float, 16> {
-  typedef float Type __attribute__((vector_size(64)));
-};
-template <>
-struct NativeVector<double, 2> {
-  typedef double Type __attribute__((vector_size(16)));
-};
-template <>
-struct NativeVector<double, 4> {
-  typedef double Type __attribute__((vector_size(32)));
-};
-template <>
-struct NativeVector<double, 8> {
-  typedef double Type __attribute__((vector_size(64)));
-};
-template <>
-struct NativeVector<std::int32_t, 4> {
-  typedef std::int32_t Type __attribute__((vector_size(16)));
-};
-template <>
-struct NativeVector<std::int32_t, 8> {
-  typedef std::int32_t Type __attribute__((vector_size(32)));
-};
-template <>
-struct NativeVector<std::int32_t, 16> {
-  typedef std::int32_t Type __attribute__((vector_size(64)));
+template <int count>
+struct NativeVector<std::int32_t, count> {
+  typedef std::int32_t Type __attribute__((vector_size(count * sizeof(std::int32_t))));
 };
 
 /// `count` values in vectors of `native` ones, those that the machine computes with: the compiler itself splits wider
