@@ -443,9 +443,11 @@ TEST(SteadyGvf, HasTheSameBytesWithVectorsOfAnyWidth) {
     detail::widest_vectors = 16;
     return v;
   };
-  // Rows of all kinds of ends, anisotropic levels, grey maps, and one too large for the caches.
-  const Image maps[] = {lopsided(box(64, 33, 23, {2, 2, 4})), lopsided(box(31, 17, 1), 40), lopsided(box(5, 40, 9)),
-                        test::noise(box(39, 20, 21), 3), lopsided(box(128, 128, 64))};
+  // Rows of all kinds of ends, anisotropic levels, short rows that are not joined, grey maps, and one too large for the
+  // caches.
+  const Image maps[] = {
+      lopsided(box(64, 33, 23, {2, 2, 4})), lopsided(box(31, 17, 1), 40),    lopsided(box(5, 40, 9)),
+      lopsided(box(12, 50, 47, {4, 1, 1})), test::noise(box(39, 20, 21), 3), lopsided(box(128, 128, 64))};
   for (const Image& f : maps)
     for (const bool ggvf : {false, true}) {
       const VectorField widest = field_of(f, 16, ggvf);
