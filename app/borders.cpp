@@ -14,6 +14,7 @@
 #include "command.hpp"
 #include "console.hpp"
 #include "option_arguments.hpp"
+#include "out_argument.hpp"
 #include "sheets.hpp"
 
 namespace dynasurf::app {
@@ -22,7 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string study, out;
+  std::string study;
+  OutFolder out;
   OptionArguments options;
   std::vector<std::string> vary;  // path=value,value,...
   int gate = 1, slice = 0;        // from 1; slice 0: the middle of the heart
@@ -170,9 +172,11 @@ void write_matrix(const Arguments& arguments, Drawing what, const Image* mask, c
 }
 
 ExitCode run(const Arguments& arguments, Drawing what, std::stop_token stop) {
-  // Only what this command wrote before is replaced.
-  const fs::path out = arguments.out;
-  OutputFolder folder(out, fs::exists(out / "g01_edges.png") || fs::exists(out / "matrix.png"));
+  const fs::path out = arguments.out.path;
+  std::vector<fs::path> inputs{arguments.study};
+  for (const std::string& given : {arguments.options.mask, arguments.options.file})
+    if (!given.empty()) inputs.emplace_back(given);
+  OutputFolder folder(out, arguments.out.existing(), inputs);
   const VentricleOptions options = options_of(arguments.options);
   const ThreadLimit limit(arguments.threads);
   ProgressLine line(arguments.quiet);
@@ -184,7 +188,7 @@ ExitCode run(const Arguments& arguments, Drawing what, std::stop_token stop) {
     line.finish();
     write_file(folder.path() / "options.json", options_to_text(options));
     folder.publish();
-    print("matrix: " + (out / "matrix.png").string() + "\n");
+    print("matrix: " + (out / "matrix.png").string() + "\n" + line_of_moved(folder));
     return done;
   }
 
@@ -201,7 +205,7 @@ ExitCode run(const Arguments& arguments, Drawing what, std::stop_token stop) {
     const bool is_of_the_study = note.gate < 0;  // which way the heart lies, how slices were cut anew
     if (is_of_the_study || (what == Drawing::borders && note.severity != Severity::info)) text += line_of(note) + "\n";
   }
-  if (!arguments.quiet) print(text + "sheets: " + arguments.out + "\n");
+  if (!arguments.quiet) print(text + "sheets: " + out.string() + "\n" + line_of_moved(folder));
   return what == Drawing::borders && failed ? not_trustworthy : done;
 }
 
@@ -209,7 +213,7 @@ void add(CLI::App& program, Command& chosen, Drawing what, const std::string& na
   auto a = std::make_shared<Arguments>();
   CLI::App* command = program.add_subcommand(name, text);
   command->add_option("STUDY", a->study, "DICOM file or folder, NIfTI or NRRD file")->required();
-  command->add_option("--out", a->out, "folder for the sheets; former sheets there are replaced")->required();
+  add_out_folder(*command, a->out, "folder for the sheets")->required();
   add_option_arguments(*command, a->options);
   command
       ->add_option("--vary", a->vary,

@@ -70,11 +70,12 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   take(arguments.result, recorded_command(arguments), job);
   job.clouds.assign(arguments.clouds.begin(), arguments.clouds.end());
   job.options = options_of(arguments);
+  job.options_file = arguments.file;
   job.textures = arguments.textures;
   CloudOutcome outcome;
   run_with_progress(arguments.result.quiet, stop,
                     [&](const Progress& progress) { outcome = reconstruct_cloud_to_folder(job, progress); });
-  print_result(arguments.result, outcome.json, summary_of(outcome.run));
+  print_result(arguments.result, outcome.json, summary_of(outcome.run), outcome.moved_to);
   return is_trustworthy(outcome.run.result) ? done : not_trustworthy;
 }
 

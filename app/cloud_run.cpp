@@ -31,7 +31,6 @@ std::vector<double> coverages_of(const std::vector<TriMesh>& meshes) {
 }
 
 void write_levels(const CloudResult& result, const CloudJob& job, const fs::path& folder) {
-  fs::create_directory(folder / "meshes");
   std::vector<LodSurface> levels;
   std::vector<TriMesh> meshes;
   for (std::size_t n = 0; n < result.levels.size(); ++n) {
@@ -73,7 +72,9 @@ std::string results_text(const CloudRun& run, const Provenance& provenance, cons
 
 CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& progress) {
   const ThreadLimit limit(job.threads);
-  OutputFolder folder(job.out);  // first, so that a place that cannot be written to costs no time
+  std::vector<fs::path> inputs = job.clouds;
+  if (!job.options_file.empty()) inputs.push_back(job.options_file);
+  OutputFolder folder(job.out, job.existing, inputs);  // first: a place that cannot be written to costs no time
   CloudOutcome outcome;
   StageClock clock(outcome.run.seconds);
   const Progress timed{[&](std::string_view stage, int done, int total) {
@@ -110,6 +111,7 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
   write_file(folder.path() / "results.json", outcome.json);
   progress.check();
   folder.publish();
+  outcome.moved_to = folder.moved_to();
   return outcome;
 }
 

@@ -13,6 +13,7 @@
 
 #include "command.hpp"
 #include "console.hpp"
+#include "out_argument.hpp"
 #include "print_page.hpp"
 
 namespace dynasurf::app {
@@ -22,7 +23,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct Arguments {
-  std::string rest, stress, out;
+  std::string rest, stress;
+  OutFolder out;
   bool json = false, pdf = false;
 };
 
@@ -117,7 +119,7 @@ Json comparison(const ComparedStudy& rest, const ComparedStudy& stress, const Me
 }
 
 ExitCode run(const Arguments& a) {
-  if (a.pdf && a.out.empty()) throw OptionError("--pdf needs a folder to print to; expected --out");
+  if (a.pdf && !a.out.is_asked()) throw OptionError("--pdf needs a folder to print to; expected --out");
   if (a.pdf) find_browser();  // before anything is computed
   ComparedStudy rest = read_study_of(a.rest), stress = read_study_of(a.stress);
   // Two blood pools are compared by their volumes alone.
@@ -125,18 +127,20 @@ ExitCode run(const Arguments& a) {
     require_same_perfusion(rest.polar.perfusion_is, a.rest, stress.polar.perfusion_is, a.stress);
   const Measures difference = difference_of(rest, stress);
   const Json json = comparison(rest, stress, difference);
-  if (!a.out.empty()) {
-    OutputFolder folder(a.out, fs::exists(fs::path(a.out) / "comparison.json"));
+  std::string moved;
+  if (a.out.is_asked()) {
+    OutputFolder folder(a.out.path, a.out.existing(), {a.rest, a.stress});
     const PolarKind kind{
         "difference", "Perfusion, rest less stress", "points", &PolarMaps::perfusion_percent, -40, 40, false, true};
-    rest.report = report_from(a.rest, a.out);
-    stress.report = report_from(a.stress, a.out);
+    rest.report = report_from(a.rest, a.out.path);
+    stress.report = report_from(a.stress, a.out.path);
     write_file(folder.path() / "comparison.json", json.dump(2) + "\n");
     write_file(folder.path() / "comparison.html", comparison_html(rest, stress, json));
     if (rest.polar.perfusion_is != Perfusion::none)
       write_file(folder.path() / "polar_difference.svg", polar_svg(difference, kind));
     if (a.pdf) print_page(folder.path() / "comparison.html", folder.path() / "comparison.pdf", PageKind::plain);
     folder.publish();
+    moved = line_of_moved(folder);
   }
   if (a.json) {
     print(json.dump(2) + "\n");
@@ -156,7 +160,7 @@ ExitCode run(const Arguments& a) {
              {"summed scores rest, stress, difference",
               text("summed_rest_score") + ", " + text("summed_stress_score") + ", " + text("summed_difference_score")}},
             {0}) +
-      "Research use only. Not for diagnosis.\n");
+      moved + "Research use only. Not for diagnosis.\n");
   return done;
 }
 
@@ -168,8 +172,8 @@ void add_compare(CLI::App& program, Command& chosen) {
       "compare", "Compare a rest and a stress result: TID ratio, volumes, scores, difference of the polar maps");
   command->add_option("REST", a->rest, "folder written by dynasurf ventricle")->required();
   command->add_option("STRESS", a->stress, "the same of the stress study")->required();
-  command->add_option("--out", a->out,
-                      "folder for comparison.json, comparison.html with both studies, and polar_difference.svg");
+  add_out_folder(*command, a->out,
+                 "folder for comparison.json, comparison.html with both studies, and polar_difference.svg");
   command->add_flag("--pdf", a->pdf, "print the page to comparison.pdf, two A4 pages (needs Chromium)");
   command->add_flag("--json", a->json, "print JSON instead of the table");
   command->callback([a, &chosen] { chosen = [a](std::stop_token) { return run(*a); }; });

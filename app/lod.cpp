@@ -16,6 +16,7 @@
 
 #include "command.hpp"
 #include "console.hpp"
+#include "out_argument.hpp"
 #include "result_job.hpp"
 #include "version.hpp"
 
@@ -27,7 +28,8 @@ using Json = nlohmann::ordered_json;
 
 struct Arguments {
   std::vector<std::string> levels;
-  std::string screen = "1920x1080", out, mesh_format = "ply";
+  std::string screen = "1920x1080", mesh_format = "ply";
+  OutFolder out;
   Camera camera;
   LodRule rule;
   int steps = 3, instances = 200;
@@ -137,7 +139,6 @@ Json json_of(const std::vector<Level>& levels, const Plan& plan, const Arguments
 /// t runs over (0, 1) in equal steps; its ends are the levels themselves.
 void write_transitions(const Plan& plan, const Arguments& arguments, const fs::path& folder) {
   const MeshFormat format = mesh_formats_of({arguments.mesh_format}, "--mesh-format").front();
-  fs::create_directory(folder / "transitions");
   for (std::size_t n = 0; n < plan.transitions.size(); ++n)
     for (int step = 0; step <= arguments.steps + 1; ++step) {
       const double t = static_cast<double>(step) / (arguments.steps + 1);
@@ -178,17 +179,19 @@ ExitCode run(Arguments arguments, std::stop_token stop) {
   for (const Level& level : levels) meshes.push_back(level.mesh);
   const Plan plan = plan_of(meshes, arguments);
   const std::string json = json_of(levels, plan, arguments).dump(2) + "\n";
-  if (!arguments.out.empty()) {
-    OutputFolder folder(arguments.out, fs::exists(fs::path(arguments.out) / "lod.json"));
+  std::string written;
+  if (arguments.out.is_asked()) {
+    OutputFolder folder(arguments.out.path, arguments.out.existing(),
+                        {arguments.levels.begin(), arguments.levels.end()});
     write_file(folder.path() / "lod.json", json);
     write_transitions(plan, arguments, folder.path());
     write_lod_page(meshes, plan.transitions, {arguments.camera, arguments.rule, arguments.instances},
                    folder.path() / "instances.html");
     if (stop.stop_requested()) throw Cancelled("stopped on request");
     folder.publish();
+    written = "written: " + arguments.out.path + "\n" + line_of_moved(folder);
   }
-  print(arguments.json ? json
-                       : summary_of(levels, plan) + (arguments.out.empty() ? "" : "written: " + arguments.out + "\n"));
+  print(arguments.json ? json : summary_of(levels, plan) + written);
   return done;
 }
 
@@ -200,7 +203,7 @@ void add_lod(CLI::App& program, Command& chosen) {
       "lod", "Which level of detail at which distance; the meshes between levels; a page of many instances");
   command->add_option("LEVELS", a->levels, "folder of a result of dynasurf cloud, or mesh files, finest first")
       ->required();
-  command->add_option("--out", a->out, "folder for lod.json, transitions/ and instances.html");
+  add_out_folder(*command, a->out, "folder for lod.json, transitions/ and instances.html");
   command->add_option("--screen", a->screen, "size of the picture in pixels (1920x1080)");
   command->add_option("--fov", a->camera.fov_deg, "vertical field of view, degrees (40)");
   command->add_option("--edge-px", a->rule.edge_px, "a level serves while its mean edge is no longer than this (8)");

@@ -56,7 +56,6 @@ void write_moved(const TriMesh& rest, const SplineMotion& motion, const std::str
 /// The surfaces of the gate at rest in all gates, carried along by the points.
 void carry_surfaces(const TrackedPoints& points, const ResultWalls& walls, int rest_gate, const fs::path& folder,
                     const std::vector<MeshFormat>& formats, MotionRun& run) {
-  fs::create_directory(folder);
   const PointSpline spline(points.gates[static_cast<std::size_t>(rest_gate)]);
   for (std::size_t g = 0; g < points.gates.size(); ++g) {
     const SplineMotion motion = spline.motion_to(points.gates[g]);
@@ -106,7 +105,9 @@ ExitCode run(const Arguments& a, std::stop_token stop) {
   job.mesh_formats = {MeshFormat::ply, MeshFormat::vtp};
   take(a.output, "dynasurf motion", job);
   TrackedFile tracked = read_tracked_points(a.points);
-  OutputFolder folder(job.out);
+  std::vector<fs::path> inputs{a.points};
+  if (!a.result.empty()) inputs.push_back(fs::path(a.result) / "results.json");
+  OutputFolder folder(job.out, job.existing, inputs);
   std::optional<ResultWalls> walls;
   if (!a.result.empty()) walls = read_result_walls(a.result, a.rest_gate);
   MotionRun run;
@@ -116,14 +117,12 @@ ExitCode run(const Arguments& a, std::stop_token stop) {
   run.motion = measure_motion(tracked.points, run.axis, a.rest_gate - 1);
   note_spacing(run);
   if (walls) carry_surfaces(tracked.points, *walls, a.rest_gate - 1, folder.path() / "meshes", job.mesh_formats, run);
-  std::vector<fs::path> inputs{a.points};
-  if (walls) inputs.push_back(fs::path(a.result) / "results.json");
   const std::string json = motion_json(run, provenance_of(job, inputs, "")).dump(2) + "\n";
   write_file(folder.path() / "results.json", json);
   write_file(folder.path() / "motion.svg", motion_svg(run.motion));
   if (stop.stop_requested()) throw Cancelled("stopped on request");
   folder.publish();
-  print_result(a.output, json, summary_of(run));
+  print_result(a.output, json, summary_of(run), folder.moved_to());
   return done;
 }
 

@@ -12,6 +12,7 @@
 
 #include "command.hpp"
 #include "console.hpp"
+#include "out_argument.hpp"
 
 namespace dynasurf::app {
 namespace {
@@ -31,7 +32,8 @@ std::vector<fs::path> results_in(const fs::path& folder) {
   return results;
 }
 
-ExitCode build(const std::string& folder, const std::string& out) {
+ExitCode build(const std::string& folder, const OutFile& out) {
+  OutputFile output(out.path, out.existing());
   const std::vector<fs::path> results = results_in(folder);
   std::vector<PolarValues> maps;
   Perfusion kind = Perfusion::none;
@@ -46,13 +48,15 @@ ExitCode build(const std::string& folder, const std::string& out) {
                      " results with polar maps; expected at least 3");
   NormalMap normal = build_normal_map(maps, PolarGrid{});
   normal.perfusion_is = kind;
-  write_file(out, normals_text(normal));
-  print("normal map of " + std::to_string(maps.size()) + " studies: " + out + "\n");
+  write_file(output.path(), normals_text(normal));
+  output.publish();
+  print("normal map of " + std::to_string(maps.size()) + " studies: " + out.path + "\n" + line_of_moved(output));
   return done;
 }
 
 struct Scoring {
-  std::string result, normals, edit, out, segments = "aha17";
+  std::string result, normals, edit, segments = "aha17";
+  OutFile out;
   bool json = false;
 };
 
@@ -92,7 +96,13 @@ ExitCode score(const Scoring& a) {
   std::optional<DefectMeasures> defect;
   if (normal) defect = measure_defect(polar.maps.perfusion_percent, polar.area_mm2, *normal);
   const std::string json = scores_json(scores, model, defect, normal ? normal->studies : 0).dump(2) + "\n";
-  if (!a.out.empty()) write_file(a.out, json);
+  std::string moved;
+  if (!a.out.path.empty()) {
+    OutputFile output(a.out.path, a.out.existing());
+    write_file(output.path(), json);
+    output.publish();
+    moved = line_of_moved(output);
+  }
   if (a.json) {
     print(json);
     return done;
@@ -109,7 +119,7 @@ ExitCode score(const Scoring& a) {
   if (defect)
     text += "defect: extent " + fixed(defect->extent_percent, 1) + " % of the wall, severity " +
             fixed(defect->severity_sd, 1) + " SD, deficit " + fixed(defect->deficit_percent, 1) + " %\n";
-  print(text + "Research use only. Not for diagnosis.\n");
+  print(text + moved + "Research use only. Not for diagnosis.\n");
   return done;
 }
 
@@ -117,14 +127,15 @@ ExitCode score(const Scoring& a) {
 
 void add_normals(CLI::App& program, Command& chosen) {
   struct Arguments {
-    std::string folder, out;
+    std::string folder;
+    OutFile out;
   };
   auto a = std::make_shared<Arguments>();
   CLI::App* command =
       program.add_subcommand("normals", "Build a normal map of perfusion from the results of normal studies");
   command->add_option("FOLDER", a->folder, "folder of results, each a folder written by dynasurf ventricle")
       ->required();
-  command->add_option("--out", a->out, "file of the normal map (JSON)")->required();
+  add_out_file(*command, a->out, "file of the normal map (JSON)")->required();
   command->callback([a, &chosen] { chosen = [a](std::stop_token) { return build(a->folder, a->out); }; });
 }
 
@@ -136,7 +147,7 @@ void add_scores(CLI::App& program, Command& chosen) {
   command->add_option("--normals", a->normals, "normal map written by dynasurf normals; without one, by uptake alone");
   command->add_option("--edit", a->edit, "a person's scores, JSON: {\"17\": 2, \"4\": 0}");
   command->add_option("--segments", a->segments, "aha17 or segments20")->check(CLI::IsMember({"aha17", "segments20"}));
-  command->add_option("--out", a->out, "write the scores to this file (JSON)");
+  add_out_file(*command, a->out, "write the scores to this file (JSON)");
   command->add_flag("--json", a->json, "print JSON instead of the table");
   command->callback([a, &chosen] { chosen = [a](std::stop_token) { return score(*a); }; });
 }

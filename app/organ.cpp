@@ -17,6 +17,7 @@
 
 #include "command.hpp"
 #include "console.hpp"
+#include "out_argument.hpp"
 #include "sheets.hpp"
 #include "version.hpp"
 
@@ -27,7 +28,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct Arguments {
-  std::string study, out, preset = "ct";
+  std::string study, preset = "ct";
+  OutFolder out;
   std::vector<std::string> settings;
   std::optional<int> label;
   int gate = 1, threads = 0;
@@ -82,7 +84,7 @@ ExitCode run(const Arguments& a, std::stop_token stop) {
   const Study study = read_study(a.study);
   if (a.gate > static_cast<int>(study.gates.size()))
     throw OptionError("--gate " + std::to_string(a.gate) + "; expected 1 to " + std::to_string(study.gates.size()));
-  OutputFolder folder(a.out, fs::exists(fs::path(a.out) / "results.json"));
+  OutputFolder folder(a.out.path, a.out.existing(), {a.study});
   const OrganResult result = reconstruct_organ(study.gates[static_cast<std::size_t>(a.gate - 1)], options, {{}, stop});
   write_file(folder.path() / "results.json", result_json(result, options, study).dump(2) + "\n");
   if (result.surface)
@@ -102,7 +104,7 @@ ExitCode run(const Arguments& a, std::stop_token stop) {
                     {"vertices", std::to_string(result.surface->mesh.vertices.size())}},
                    {0});
     for (const Note& note : result.notes) text += line_of(note) + "\n";
-    print(text + "Research use only. Not for diagnosis.\nresult: " + a.out + "\n");
+    print(text + "Research use only. Not for diagnosis.\nresult: " + a.out.path + "\n" + line_of_moved(folder));
   }
   return is_trustworthy(result) ? done : not_trustworthy;
 }
@@ -114,7 +116,7 @@ void add_organ(CLI::App& program, Command& chosen) {
   CLI::App* command = program.add_subcommand(
       "organ", "The closed surface of an organ in CT, MR, PET or a label map: no heart is looked for");
   command->add_option("STUDY", a->study, "DICOM, NIfTI or NRRD, file or folder")->required();
-  command->add_option("--out", a->out, "folder for results.json, organ.ply, .stl, .vtp and slices.png")->required();
+  add_out_folder(*command, a->out, "folder for results.json, organ.ply, .stl, .vtp and slices.png")->required();
   command->add_option("--preset", a->preset, "ct, mr, pet or labels");
   command->add_option("--label", a->label, "value of the organ in a label map; 0: all above 0")
       ->check(CLI::Range(0, 1000000));

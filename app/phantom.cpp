@@ -22,6 +22,7 @@
 
 #include "command.hpp"
 #include "console.hpp"
+#include "out_argument.hpp"
 #include "true_walls.hpp"
 #include "version.hpp"
 
@@ -32,7 +33,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct Arguments {
-  std::string kind, out;
+  std::string kind;
+  OutFolder out;
   std::vector<std::string> settings;
   std::string seed;
   int threads = 0;
@@ -138,7 +140,6 @@ void write_phantom(const Phantom& phantom, const Arguments& arguments, const fs:
     write_nrrd(phantom.study, folder / (phantom.study.gates.size() > 1 ? "study.seq.nrrd" : "study.nrrd"));
   if (phantom.tracked) write_tracked_points(phantom.tracked->points, folder / "points.csv");
   write_file(folder / "truth.json", truth_of(phantom).dump(2) + "\n");
-  fs::create_directory(folder / "truth");
   for (std::size_t g = 0; g < phantom.truth.size(); ++g) {
     const std::string ending = (g < 9 ? "_g0" : "_g") + std::to_string(g + 1) + ".ply";
     const TrueGate& gate = phantom.truth[g];
@@ -172,11 +173,10 @@ CloudPhantom cloud_options_of(const Arguments& arguments) {
 ExitCode make_scan(const Arguments& arguments, std::stop_token stop) {
   if (arguments.nrrd) throw OptionError("--nrrd: the phantom 'cloud' is no volume");
   const CloudPhantom options = cloud_options_of(arguments);
-  OutputFolder folder(arguments.out, fs::exists(fs::path(arguments.out) / "truth.json"));
+  OutputFolder folder(arguments.out.path, arguments.out.existing());
   const TriMesh reference = cloud_reference(options.shape);
   const PointCloud cloud = make_cloud(options);
   write_cloud(cloud, folder.path() / "cloud.ply");
-  fs::create_directory(folder.path() / "truth");
   write_mesh(reference, folder.path() / "truth" / "surface.ply", MeshFormat::ply);
   Json json;
   json["schema"] = "dynasurf.phantom/1";
@@ -193,7 +193,7 @@ ExitCode make_scan(const Arguments& arguments, std::stop_token stop) {
   folder.publish();
   if (!arguments.quiet)
     print(std::string(word_of(options.shape)) + ": " + std::to_string(cloud.points.size()) + " points, genus " +
-          std::to_string(genus_of(options.shape)) + "\nphantom: " + arguments.out + "\n");
+          std::to_string(genus_of(options.shape)) + "\nphantom: " + arguments.out.path + "\n" + line_of_moved(folder));
   return done;
 }
 
@@ -201,12 +201,12 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   const ThreadLimit limit(arguments.threads);
   if (arguments.kind == "cloud") return make_scan(arguments, stop);
   const PhantomOptions options = options_of(arguments);
-  OutputFolder folder(arguments.out, fs::exists(fs::path(arguments.out) / "truth.json"));
+  OutputFolder folder(arguments.out.path, arguments.out.existing());
   const Phantom phantom = make_phantom(options);
   write_phantom(phantom, arguments, folder.path());
   if (stop.stop_requested()) throw Cancelled("stopped on request");
   folder.publish();
-  if (!arguments.quiet) print(summary_of(phantom) + "phantom: " + arguments.out + "\n");
+  if (!arguments.quiet) print(summary_of(phantom) + "phantom: " + arguments.out.path + "\n" + line_of_moved(folder));
   return done;
 }
 
@@ -223,11 +223,9 @@ void add_phantom(CLI::App& program, Command& chosen) {
   auto a = std::make_shared<Arguments>();
   CLI::App* command = program.add_subcommand("phantom", "Make a synthetic study or scan with known truth");
   command->add_option("KIND", a->kind, kinds_text())->required();
-  command
-      ->add_option(
-          "--out", a->out,
-          "folder for study.dcm, study.nii.gz (cloud: cloud.ply), truth.json, the true surfaces, and points.csv of "
-          "patients with tags")
+  add_out_folder(*command, a->out,
+                 "folder for study.dcm, study.nii.gz (cloud: cloud.ply), truth.json, the true surfaces, and points.csv "
+                 "of patients with tags")
       ->required();
   command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options)")
       ->take_all()

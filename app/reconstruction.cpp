@@ -90,7 +90,6 @@ void write_splash(const VentricleResult& result, const fs::path& folder) {
 void write_measures(const VentricleResult& result, const fs::path& folder) {
   if (!result.measures || result.measures->segments.empty()) return;
   const Measures& m = *result.measures;
-  fs::create_directory(folder / "measures");
   write_file(folder / "measures" / "segments.csv", segments_csv(m));
   write_file(folder / "measures" / "polar.csv", polar_csv(m));
   if (m.function) write_file(folder / "measures" / "curve.csv", curve_csv(*m.function));
@@ -113,7 +112,6 @@ void write_fitted(const VentricleResult& result, std::size_t gate, Wall wall, co
 }
 
 void write_surfaces(const VentricleResult& result, const Job& job, const fs::path& folder) {
-  fs::create_directory(folder / "meshes");
   std::vector<PvdEntry> series;
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
     const Gate& gate = result.gates[g];
@@ -161,7 +159,6 @@ void write_keyframes(const VentricleResult& result, const Job& job, const fs::pa
     for (const Gate& gate : result.gates)
       if (const auto& s = wall == Wall::endo ? gate.endo : gate.epi) cycle.push_back(s->mesh);
     if (!is_cycle(cycle, result.gates.size())) continue;
-    fs::create_directories(folder / "keyframes");
     for (std::size_t f = 0; f < frames; ++f) {
       const TriMesh mesh =
           at_phase(cycle, static_cast<double>(f) / static_cast<double>(frames), keyframes.interpolation);
@@ -204,7 +201,7 @@ DicomResult dicom_context(const Job& job, const Provenance& provenance, bool stu
   context.time = job.outputs.dicom_time.substr(8);
   Hasher hasher;
   const auto add = [&](const std::string& text) { hasher.add(text.data(), text.size() + 1); };
-  for (const auto& [name, hash] : provenance.inputs) add(hash);
+  for (const InputFile& input : provenance.inputs) add(input.sha256);
   for (const std::string& text : {provenance.options_json, provenance.program_version, provenance.commit,
                                   job.outputs.dicom_time, hash_of(job.mask).dump(), hash_of(job.start_mesh).dump()})
     add(text);
@@ -219,7 +216,6 @@ void write_for_reading_room(const VentricleResult& result, const Provenance& pro
                             const fs::path& folder) {
   if (job.outputs.pdf) print_page(folder / "report.html", folder / "report.pdf");
   if (!job.outputs.dicom) return;
-  fs::create_directory(folder / "dicom");
   write_dicom_folder(result, dicom_context(job, provenance, result.study.format == "DICOM"),
                      job.outputs.pdf ? text_of_file(folder / "report.pdf") : std::string(), folder / "dicom");
 }
@@ -264,11 +260,24 @@ std::vector<std::string> hashes_of_study(const fs::path& study) {
   return hashes;
 }
 
+namespace {
+
+/// Every file the run reads.
+std::vector<fs::path> inputs_of(const Job& job) {
+  std::vector<fs::path> inputs{job.study};
+  for (const fs::path& given : {job.mask, job.start_mesh, job.options_file})
+    if (!given.empty()) inputs.push_back(given);
+  return inputs;
+}
+
+}  // namespace
+
 Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   Job job = asked;
   const ThreadLimit limit(job.threads);
   if (job.outputs.pdf) find_browser();  // its absence, too, is told first
-  OutputFolder folder(job.out);         // first, so that a place that cannot be written to costs no time
+  // First, so that a place that cannot be written to costs no time.
+  OutputFolder folder(job.out, job.existing, inputs_of(job));
   const Study study = read_study(job.study);
   if (job.outputs.dicom) job.outputs.dicom_time = dicom_time(job, study.format == "DICOM");
   const Provenance provenance = provenance_of(job, files_of_study(job.study), options_to_text(job.options));
@@ -295,6 +304,7 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   write_for_reading_room(outcome.result, provenance, job, folder.path());
   progress.check();
   folder.publish();
+  outcome.moved_to = folder.moved_to();
   return outcome;
 }
 

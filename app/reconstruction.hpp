@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,8 @@ struct Job : ResultJob {
 
 struct Outcome {
   VentricleResult result;
-  std::string json;  // results.json
+  std::string json;                               // results.json
+  std::optional<std::filesystem::path> moved_to;  // where what stood at `job.out` was moved
 };
 
 /// Reads, reconstructs, and publishes the folder `job.out`, whole or not at all.

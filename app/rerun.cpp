@@ -7,9 +7,10 @@
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/manifest.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
 
@@ -26,7 +27,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct Arguments {
-  std::string result, mask, start, out;
+  std::string result, mask, start;
+  OutFolder out;
   std::vector<std::string> inputs;
   int threads = 0;
   bool quiet = false;
@@ -45,6 +47,7 @@ struct Record {
   Json options, outputs;
   bool timings = true;
   std::vector<std::string> names, hashes;  // of the inputs
+  std::vector<std::uint64_t> bytes;        // likewise; empty where a former version did not tell
   std::string mask_hash, start_hash;       // empty: none was given
 };
 
@@ -70,6 +73,7 @@ Record record_of(const fs::path& result) {
     for (const Json& input : provenance.at("inputs")) {
       record.hashes.push_back(input.at("sha256").get<std::string>());
       record.names.push_back(input.at("file").get<std::string>());
+      if (input.contains("bytes")) record.bytes.push_back(input.at("bytes").get<std::uint64_t>());
     }
     const Json given = provenance.value("given", Json::object());
     const auto hash = [&](const char* key) {
@@ -86,6 +90,8 @@ Record record_of(const fs::path& result) {
 /// What every kind of run needs to be repeated.
 void recall(const Arguments& arguments, const Record& record, const fs::path& out, ResultJob& job) {
   job.out = out;
+  job.existing = arguments.out.existing();
+  job.options_file = fs::path(arguments.result) / "results.json";
   job.mesh_formats =
       mesh_formats_of(record.outputs.at("mesh_formats").get<std::vector<std::string>>(), "outputs.mesh_formats");
   job.timings = record.timings;
@@ -106,9 +112,22 @@ auto read_record(const fs::path& result, const Read& read) {
   }
 }
 
+/// No reader takes a larger file: what is larger need not be hashed.
+constexpr std::uintmax_t largest_input = std::uintmax_t{4} << 30;
+
+bool may_be_input(const fs::path& file, const Record& record) {
+  std::error_code error;
+  const std::uintmax_t bytes = fs::file_size(file, error);
+  if (error || bytes > largest_input) return false;
+  return record.bytes.empty() || std::find(record.bytes.begin(), record.bytes.end(), bytes) != record.bytes.end();
+}
+
 bool is_study(const fs::path& path, const Record& record) {
   try {
-    return hashes_of_study(path) == record.hashes;
+    const std::vector<fs::path> files = files_of_study(path);
+    return files.size() == record.hashes.size() &&
+           std::all_of(files.begin(), files.end(), [&](const fs::path& file) { return may_be_input(file, record); }) &&
+           hashes_of_study(path) == record.hashes;
   } catch (const std::exception&) {
     return false;  // not a study at all
   }
@@ -155,7 +174,7 @@ std::vector<fs::path> find_clouds(const Arguments& arguments, const Record& reco
   std::vector<fs::path> candidates(arguments.inputs.begin(), arguments.inputs.end());
   if (candidates.empty())
     for (const fs::path& path : places_beside(arguments))
-      if (fs::is_regular_file(path)) candidates.push_back(path);
+      if (fs::is_regular_file(path) && may_be_input(path, record)) candidates.push_back(path);
   std::map<std::string, fs::path> by_hash;
   for (const fs::path& path : candidates) try {
       by_hash.emplace(sha256_of_file(path), path);
@@ -182,16 +201,31 @@ fs::path find_given(const Arguments& arguments, const std::string& hash, const s
     return named;
   }
   for (const fs::path& candidate : places_beside(arguments))
-    if (fs::is_regular_file(candidate) && sha256_of_file(candidate) == hash) return candidate;
+    if (std::error_code error; fs::is_regular_file(candidate, error) &&
+                               fs::file_size(candidate, error) <= largest_input && sha256_of_file(candidate) == hash)
+      return candidate;
   throw InputError(arguments.result + ": its " + what + " (SHA-256 " + hash.substr(0, 12) +
                    "...) is neither beside it nor in the working folder; name it with --" + what);
 }
 
+/// What a result holds: what its manifest lists, but for what has gone. Everything where there is no manifest.
 std::set<std::string> files_in(const fs::path& folder) {
   std::set<std::string> files;
+  if (fs::exists(folder / manifest_name)) {
+    for (const ManifestEntry& file : read_manifest(folder))
+      if (fs::exists(folder / file.name)) files.insert(file.name);
+    return files;
+  }
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.is_regular_file()) files.insert(entry.path().lexically_relative(folder).string());
   return files;
+}
+
+/// A line for a result that is not as it was written.
+std::string alteration_of(const fs::path& result) {
+  if (!fs::exists(result / manifest_name)) return {};
+  const auto foreign = first_foreign_file(result);
+  return foreign ? foreign->name + " in it " + foreign->why + "\n" : std::string();
 }
 
 /// Times and memory are what a repeated run may tell otherwise. The printed pages are Chromium's, not ours: another
@@ -221,23 +255,6 @@ std::vector<std::string> differences(const fs::path& before, const fs::path& aft
       different.push_back(file);
   return different;
 }
-
-/// A folder beside the result that goes away again.
-class ScratchFolder {
- public:
-  explicit ScratchFolder(const fs::path& result)
-      : path_(fs::weakly_canonical(result).string() + ".rerun-" + std::to_string(::getpid())) {}
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// Repeats the run into `out`; tells whether its result may be trusted.
 bool repeat_ventricle(const Arguments& arguments, const Record& record, const fs::path& out, const Progress& progress) {
@@ -271,11 +288,10 @@ bool repeat_cloud(const Arguments& arguments, const Record& record, const fs::pa
 
 ExitCode run(const Arguments& arguments, std::stop_token stop) {
   const Record record = record_of(arguments.result);
-  const ScratchFolder scratch(arguments.result);
-  const fs::path out = arguments.out.empty() ? scratch.path() : fs::path(arguments.out);
-  // Compared before anything is replaced: --out may name the result itself.
-  if (!arguments.out.empty() && fs::exists(arguments.out) && fs::equivalent(arguments.out, arguments.result))
-    throw OptionError("--out names the result itself; leave it out to compare without keeping");
+  // A folder beside the result that is never published, and so goes away again.
+  const fs::path result = fs::weakly_canonical(arguments.result);
+  const OutputFolder scratch(result.parent_path() / (result.filename().string() + ".rerun"), Existing::move_aside);
+  const fs::path out = arguments.out.is_asked() ? fs::path(arguments.out.path) : scratch.path() / "again";
 
   bool trusted = false;
   run_with_progress(arguments.quiet, stop, [&](const Progress& progress) {
@@ -285,17 +301,17 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
 
   std::size_t compared = 0;
   const std::vector<std::string> different = differences(arguments.result, out, compared);
-  std::string text;
+  std::string text = alteration_of(arguments.result);
   if (different.empty()) {
-    text = "same bytes: " + std::to_string(compared) + " files (times apart)\n";
+    text += "same bytes: " + std::to_string(compared) + " files (times apart)\n";
   } else {
-    text = std::to_string(different.size()) + " of " + std::to_string(compared) + " files differ:\n";
+    text += std::to_string(different.size()) + " of " + std::to_string(compared) + " files differ:\n";
     for (const std::string& file : different) text += "  " + file + "\n";
     if (record.version != version() || record.commit != commit())
       text += "made by version " + record.version + " (" + record.commit + "), repeated by " + version() + " (" +
               commit() + ")\n";
   }
-  if (!arguments.out.empty()) text += "result: " + arguments.out + "\n";
+  if (arguments.out.is_asked()) text += "result: " + arguments.out.path + "\n";
   if (!arguments.quiet || !different.empty()) print(text);
   return different.empty() && trusted ? done : not_trustworthy;
 }
@@ -311,7 +327,7 @@ void add_rerun(CLI::App& program, Command& chosen) {
       "the study or the files of the cloud, when they are neither beside RESULT nor in the working folder");
   command->add_option("--mask", a->mask, "the mask of the run, likewise");
   command->add_option("--start", a->start, "the mesh its surfaces started from, likewise");
-  command->add_option("--out", a->out, "keep the new result here; without it nothing is kept");
+  add_out_folder(*command, a->out, "keep the new result here; without it nothing is kept");
   command->add_option("--threads", a->threads, "threads at most (0: all)")->check(CLI::Range(0, 1024));
   command->add_flag("--quiet", a->quiet, "print nothing but what differs");
   command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });

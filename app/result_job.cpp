@@ -15,7 +15,7 @@
 namespace dynasurf::app {
 
 void add_result_arguments(CLI::App& command, ResultArguments& a, const std::string& formats) {
-  command.add_option("--out", a.out, "folder of the result; a former result there is replaced")->required();
+  add_out_folder(command, a.out, "folder of the result")->required();
   command
       .add_option("--mesh-format", a.mesh_formats,
                   mesh_format_choices() + ": one or more, with commas between them (" + formats + ")")
@@ -45,7 +45,8 @@ std::string mesh_format_choices() {
 }
 
 void take(const ResultArguments& arguments, const std::string& command, ResultJob& job) {
-  job.out = arguments.out;
+  job.out = arguments.out.path;
+  job.existing = arguments.out.existing();
   if (!arguments.mesh_formats.empty()) job.mesh_formats = mesh_formats_of(arguments.mesh_formats, "--mesh-format");
   job.timings = !arguments.no_timings;
   job.command = command;
@@ -64,7 +65,7 @@ Provenance provenance_of(const ResultJob& job, const std::vector<std::filesystem
     const std::string name = i < job.recorded_names.size() ? job.recorded_names[i]
                              : job.file_names              ? inputs[i].filename().string()
                                                            : neutral_name(inputs[i], i);
-    provenance.inputs.emplace_back(name, sha256_of_file(inputs[i]));
+    provenance.inputs.push_back({name, sha256_of_file(inputs[i]), std::filesystem::file_size(inputs[i])});
   }
   return provenance;
 }
@@ -74,11 +75,13 @@ void run_with_progress(bool quiet, const std::stop_token& stop, const std::funct
   work({[&](std::string_view stage, int done, int total) { line(stage, done, total); }, stop});
 }
 
-void print_result(const ResultArguments& arguments, const std::string& json, const std::string& summary) {
+void print_result(const ResultArguments& arguments, const std::string& json, const std::string& summary,
+                  const std::optional<std::filesystem::path>& moved_to) {
   if (arguments.json)
     print(json);
   else if (!arguments.quiet)
-    print(summary + "result: " + arguments.out + "\n");
+    print(summary + "result: " + arguments.out.path + "\n" +
+          (moved_to ? "moved aside: " + moved_to->string() + "\n" : std::string()));
 }
 
 }  // namespace dynasurf::app

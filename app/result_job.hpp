@@ -1,13 +1,17 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "dynasurf/core/progress.hpp"
+#include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/report/provenance.hpp"
+
+#include "out_argument.hpp"
 
 namespace CLI {
 class App;
@@ -18,6 +22,8 @@ namespace dynasurf::app {
 /// What every run that leaves a result folder shares, whatever it makes.
 struct ResultJob {
   std::filesystem::path out;
+  Existing existing = Existing::replace;  // at `out`
+  std::filesystem::path options_file;     // read before the run; empty: none
   std::vector<MeshFormat> mesh_formats;
   bool timings = true;                      // in results.json
   std::string command;                      // for the provenance
@@ -28,7 +34,7 @@ struct ResultJob {
 
 /// The arguments that become a ResultJob, and how the run speaks.
 struct ResultArguments {
-  std::string out;
+  OutFolder out;
   std::vector<std::string> mesh_formats;
   bool quiet = false, json = false, no_timings = false, with_names = false;
   int threads = 0;
@@ -54,6 +60,8 @@ void run_with_progress(bool quiet, const std::stop_token& stop, const std::funct
 
 /// What a run prints when it has ended: with --json its results.json; else the table and the place, or with --quiet
 /// nothing.
-void print_result(const ResultArguments& arguments, const std::string& json, const std::string& summary);
+/// `moved_to` is where --replace moved what stood at --out.
+void print_result(const ResultArguments& arguments, const std::string& json, const std::string& summary,
+                  const std::optional<std::filesystem::path>& moved_to = {});
 
 }  // namespace dynasurf::app

@@ -9,6 +9,7 @@
 
 #include "command.hpp"
 #include "console.hpp"
+#include "out_argument.hpp"
 #include "result_walls.hpp"
 
 namespace dynasurf::app {
@@ -17,7 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string result, out;
+  std::string result;
+  OutFile out;
   int gate = 1;
   bool edges = false;
   WallSolidSize size;
@@ -31,7 +33,8 @@ SolidFormat format_of(const fs::path& path) {
 }
 
 ExitCode run(const Arguments& a) {
-  const SolidFormat format = format_of(a.out);
+  const SolidFormat format = format_of(a.out.path);
+  OutputFile output(a.out.path, a.out.existing());
   const auto [endo, epi, axes, is_fitted] = read_result_walls(a.result, a.gate, a.edges);
   const auto solid = axes ? wall_solid(endo, epi, *axes, a.size) : std::nullopt;
   if (!solid)
@@ -39,7 +42,8 @@ ExitCode run(const Arguments& a) {
                      " cannot be filled: its surfaces cross, or are not seen from the axis");
   const std::vector<VertexScalar> scalars{{"ring", {solid->ring.begin(), solid->ring.end()}},
                                           {"layer", {solid->layer.begin(), solid->layer.end()}}};
-  write_solid(solid->mesh, a.out, format, scalars);
+  write_solid(solid->mesh, output.path(), format, scalars);
+  output.publish();
   print(table({{"surfaces", is_fitted ? "fitted through the blur" : "classic edge"},
                {"tetrahedra", std::to_string(solid->quality.count)},
                {"not positive", std::to_string(solid->quality.not_positive)},
@@ -49,7 +53,8 @@ ExitCode run(const Arguments& a) {
                {"ends below the valve plane_mm", fixed(solid->lowered_mm, 1)},
                {"shape_min", fixed(solid->quality.shape_min, 3)},
                {"shape_mean", fixed(solid->quality.shape_mean, 3)}},
-              {0}));
+              {0}) +
+        line_of_moved(output));
   return solid->quality.not_positive == 0 ? done : not_trustworthy;
 }
 
@@ -62,7 +67,7 @@ void add_solid(CLI::App& program, Command& chosen) {
   command->add_option("RESULT", a->result, "folder written by dynasurf ventricle")->required();
   command->add_option("--gate", a->gate, "from 1")->check(CLI::Range(1, 1000));
   command->add_flag("--edges", a->edges, "the surfaces of the edges, also where walls were fitted through the blur");
-  command->add_option("--out", a->out, "wall.vtu (VTK), wall.msh (gmsh 2.2) or wall.inp (Abaqus)")->required();
+  add_out_file(*command, a->out, "wall.vtu (VTK), wall.msh (gmsh 2.2) or wall.inp (Abaqus)")->required();
   command->add_option("--rings", a->size.rings, "from apex to base")->check(CLI::Range(2, 500));
   command->add_option("--sectors", a->size.sectors, "around the axis")->check(CLI::Range(3, 1000));
   command->add_option("--layers", a->size.layers, "through the wall")->check(CLI::Range(1, 50));

@@ -29,7 +29,6 @@ void write_wall(const std::string& prefix, std::string_view wall, const Image* b
 }  // namespace
 
 void StageWriter::operator()(const Stages& stages, const VentricleOptions& options) const {
-  fs::create_directories(folder_);
   const std::string gate = (stages.gate < 9 ? "g0" : "g") + std::to_string(stages.gate + 1);
   const std::string prefix = (folder_ / gate).string() + "_";
   write_nrrd_volume(*stages.image, prefix + "image.nrrd");

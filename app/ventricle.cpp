@@ -31,6 +31,7 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   take(arguments.result, recorded_command(arguments), job);
   job.study = arguments.study;
   job.options = options_of(arguments.options);
+  job.options_file = arguments.options.file;
   job.mask = arguments.options.mask;
   if (!arguments.start.empty()) {
     job.start_mesh = arguments.start;
@@ -40,7 +41,7 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   Outcome outcome;
   run_with_progress(arguments.result.quiet, stop,
                     [&](const Progress& progress) { outcome = reconstruct_to_folder(job, progress); });
-  print_result(arguments.result, outcome.json, summary_of(outcome.result));
+  print_result(arguments.result, outcome.json, summary_of(outcome.result), outcome.moved_to);
   return outcome.result.verdict == Verdict::fail ? not_trustworthy : done;
 }
 

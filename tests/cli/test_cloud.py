@@ -42,7 +42,7 @@ def ply_header(path):
 class Cloud(CliTest):
     def test_leaves_all_files_of_a_result(self):
         result = small_result()
-        self.assertEqual(sorted(hashes(result)), ["levels.glb", "meshes/level1.ply", "meshes/level2.ply", "options.json",
+        self.assertEqual(sorted(hashes(result)), ["levels.glb", "manifest.txt", "meshes/level1.ply", "meshes/level2.ply", "options.json",
                                                   "report.html", "results.csv", "results.json"])
         results = self.read_json(result / "results.json")
         self.assertEqual(results["schema"], "dynasurf.cloud/1")
@@ -251,7 +251,7 @@ class Lod(CliTest):
         out = self.folder / "lod"
         done = run("lod", small_result(), "--out", out, "--steps", "3")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(sorted(hashes(out)), ["instances.html", "lod.json",
+        self.assertEqual(sorted(hashes(out)), ["instances.html", "lod.json", "manifest.txt",
                                                *[f"transitions/level2_to_level1_{n}.ply" for n in range(5)]])
         volumes = [json.loads(run("measure", out / "transitions" / f"level2_to_level1_{n}.ply", "--json").stdout)["volume_ml"]
                    for n in range(5)]

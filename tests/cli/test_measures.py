@@ -184,7 +184,7 @@ class Solid(CliTest):
         gate = json.loads((result / "results.json").read_text())["readings"]["unbiased"]["gates"][0]
         held = {}
         for kind, more in (("fitted through the blur", []), ("classic edge", ["--edges"])):
-            made = run("solid", result, "--out", out, *more)
+            made = run("solid", result, "--out", out, "--replace", *more)
             self.assertEqual(made.returncode, 0, made.stdout + made.stderr)
             self.assertIn(kind, made.stdout)
             self.assertRegex(made.stdout, r"not positive +0\n")

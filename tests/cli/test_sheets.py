@@ -23,7 +23,7 @@ class Sheets(CliTest):
     def test_edges_draws_a_sheet_per_gate(self):
         folder, text = self.sheets("edges", "edges")
         names = {path.name for path in folder.iterdir()}
-        self.assertEqual(names, {f"g0{g}_edges.png" for g in range(1, 5)} | {"options.json"})
+        self.assertEqual(names, {f"g0{g}_edges.png" for g in range(1, 5)} | {"manifest.txt", "options.json"})
         width, height = size_of_png(folder / "g01_edges.png")
         self.assertGreater(width, 500)
         self.assertGreater(height, 500)
@@ -57,7 +57,7 @@ class Sheets(CliTest):
                               "edges.sigma_px=0.6,1,1.8,3", "--gate", 2)
         labels, _ = self.sheets("borders", "choices", "--vary", "labels.method=none,radial,mlc", "--slice", 12)
         for folder in (wide, high, labels):
-            self.assertEqual({path.name for path in folder.iterdir()}, {"matrix.png", "options.json"})
+            self.assertEqual({path.name for path in folder.iterdir()}, {"manifest.txt", "matrix.png", "options.json"})
         self.assertGreater(size_of_png(wide / "matrix.png")[0], size_of_png(high / "matrix.png")[0])
         self.assertGreater(size_of_png(high / "matrix.png")[1], 2 * size_of_png(wide / "matrix.png")[1])
         # The whole is set before its parts: a value set for Compass is not lost when Compass is chosen.

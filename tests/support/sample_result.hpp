@@ -290,7 +290,7 @@ inline Provenance sample_provenance() {
   provenance.program_version = "0.1.0";
   provenance.commit = "0123456789abcdef0123456789abcdef01234567";
   provenance.command = "dynasurf ventricle patient.dcm --out result";
-  provenance.inputs = {{"patient.dcm", "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"}};
+  provenance.inputs = {{"patient.dcm", "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08", 4}};
   provenance.options_json =
       R"({"noise_fraction":0,"edges":{"method":"canny","sigma_px":1.8,"low":0.3,"high":0.7,"threshold":"max_fraction"},)"
       R"("labels":{"coarse":{"x_px":null,"y_px":null,"radius_px":null},"method":{"method":"mlc","min_gap_px":2}},)"

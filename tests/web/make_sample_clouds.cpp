@@ -63,7 +63,7 @@ Provenance provenance() {
   p.program_version = "0.1.0";
   p.commit = "0123456789ab";
   p.command = "dynasurf cloud CLOUD --out RESULT --preset shaped";
-  p.inputs.emplace_back("input-1.ply", std::string(64, 'a'));
+  p.inputs.push_back({"input-1.ply", std::string(64, 'a'), 1234});
   p.options_json = R"({"method": "shaped", "triangles": "5120,1280,320"})";
   return p;
 }

@@ -138,7 +138,7 @@ export interface Results {
     version: string;
     commit: string;
     command: string;
-    inputs: { file: string; sha256: string }[];
+    inputs: { file: string; bytes: number; sha256: string }[];
     seed: number | null;
     options: unknown;
   };

@@ -2,6 +2,8 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <string>
+#include <string_view>
 
 namespace dynasurf {
 
@@ -22,5 +24,9 @@ class Hasher {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// 64 hexadecimal digits, lower case.
+std::string hexadecimal(const Sha256& digest);
+std::string sha256_of(std::string_view bytes);
 
 }  // namespace dynasurf

@@ -11,20 +11,6 @@
 #include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf {
-namespace {
-
-std::string hexadecimal(const Sha256& digest) {
-  constexpr char digits[] = "0123456789abcdef";
-  std::string text;
-  for (const unsigned char byte : digest) {
-    text += digits[byte >> 4];
-    text += digits[byte & 15];
-  }
-  return text;
-}
-
-}  // namespace
-
 struct Hasher::State {
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context{EVP_MD_CTX_new(), EVP_MD_CTX_free};
 };
@@ -41,6 +27,22 @@ Sha256 Hasher::finish() {
   Sha256 digest{};
   EVP_DigestFinal_ex(state_->context.get(), digest.data(), nullptr);
   return digest;
+}
+
+std::string hexadecimal(const Sha256& digest) {
+  constexpr char digits[] = "0123456789abcdef";
+  std::string text;
+  for (const unsigned char byte : digest) {
+    text += digits[byte >> 4];
+    text += digits[byte & 15];
+  }
+  return text;
+}
+
+std::string sha256_of(std::string_view bytes) {
+  Hasher hasher;
+  hasher.add(bytes.data(), bytes.size());
+  return hexadecimal(hasher.finish());
 }
 
 std::string sha256_of_file(const std::filesystem::path& path) {

@@ -16,7 +16,8 @@ Json options_json(const std::string& text) {
 
 Json provenance_json(const Provenance& provenance) {
   Json inputs = Json::array();
-  for (const auto& [file, sha256] : provenance.inputs) inputs.push_back({{"file", file}, {"sha256", sha256}});
+  for (const InputFile& input : provenance.inputs)
+    inputs.push_back({{"file", input.name}, {"bytes", input.bytes}, {"sha256", input.sha256}});
   Json json;
   json["program"] = "dynasurf";
   json["version"] = provenance.program_version;

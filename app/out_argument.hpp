@@ -1,0 +1,42 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "dynasurf/io/atomic_file.hpp"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace dynasurf::app {
+
+/// --out and --replace, of every command that writes a folder.
+struct OutFolder {
+  std::string path;
+  bool replace = false;
+
+  bool is_asked() const { return !path.empty(); }
+  Existing existing() const { return replace ? Existing::move_aside : Existing::replace; }
+};
+
+/// `what` says what the folder is for.
+CLI::Option* add_out_folder(CLI::App& command, OutFolder& out, const std::string& what);
+
+/// --out and --replace, of every command that writes one file. An existing file is never written over.
+struct OutFile {
+  std::string path;
+  bool replace = false;
+
+  Existing existing() const { return replace ? Existing::move_aside : Existing::refuse; }
+};
+
+CLI::Option* add_out_file(CLI::App& command, OutFile& out, const std::string& what);
+
+/// What is printed of a former file or folder that --replace moved aside; empty when there was none.
+template <class Output>
+std::string line_of_moved(const Output& output) {
+  return output.moved_to() ? "moved aside: " + output.moved_to()->string() + "\n" : std::string();
+}
+
+}  // namespace dynasurf::app
