@@ -95,6 +95,22 @@ class Phantom(CliTest):
         run("phantom", "hebron", "--nrrd", "--out", self.folder / "h")
         self.assertEqual(run("info", self.folder / "h" / "study.nrrd").returncode, 0)
 
+    def test_makes_beats_of_one_and_two_gates_that_can_be_read(self):
+        for gates in (1, 2):
+            folder = self.folder / str(gates)
+            made = run("phantom", "patient", "--seed", 7, "--out", folder, *SMALL_PATIENT, "--set", f"gates={gates}")
+            self.assertEqual(made.returncode, 0, made.stderr)
+            truth = self.read_json(folder / "truth.json")
+            self.assertEqual(len(truth["gates"]), gates)
+            self.assertEqual(len(truth["regions"]["segments"]), 17)
+            self.assertIsNone(truth["regions"]["phase"]["motion"])
+            read = run("ventricle", folder / "study.dcm", "--out", folder / "result")
+            self.assertEqual(read.returncode, 0, read.stdout + read.stderr)
+            results = self.read_json(folder / "result" / "results.json")
+            for gate, true in zip(results["readings"]["unbiased"]["gates"], truth["gates"], strict=True):
+                # A coarse lattice and few counts: within a quarter is in the right place.
+                self.assertAlmostEqual(gate["endo_ml"] / true["endo_ml"], 1, delta=0.25)
+
     def test_refuses_unknown_kinds_options_and_seeds(self):
         out = self.folder / "p"
         self.refuses(1, "phantom", "patiant", "--out", out, says="did you mean 'patient'?")
