@@ -16,6 +16,8 @@
 
 #include "dynasurf/core/error.hpp"
 
+#include "utf8.hpp"
+
 namespace dynasurf::app {
 namespace {
 
@@ -55,16 +57,14 @@ void prepare_process() {
 
 void print(std::string_view text) {
   if (output_was_closed) throw IoError("cannot write to standard output: it is closed");
-  if (!write_all(STDOUT_FILENO, text))
+  if (!write_all(STDOUT_FILENO, printable(text)))
     throw IoError(std::string("cannot write to standard output: ") + std::strerror(errno));
 }
 
 void print_error(std::string_view message) {
-  std::string line = "dynasurf: error: " + std::string(message);
-  std::replace(line.begin(), line.end(), '\n', ' ');
-  // Control characters of a file name must not reach the terminal.
+  std::string line = printable("dynasurf: error: " + std::string(message));
   std::replace_if(
-      line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');
+      line.begin(), line.end(), [](char c) { return c == '\n' || c == '\t'; }, ' ');
   write_all(STDERR_FILENO, line + "\n");
 }
 
@@ -109,7 +109,7 @@ ProgressLine::~ProgressLine() { finish(); }
 
 void ProgressLine::operator()(std::string_view stage, int done, int total) {
   if (quiet_) return;
-  const std::string text = std::string(stage) + " " + std::to_string(done) + "/" + std::to_string(total);
+  const std::string text = printable(stage) + " " + std::to_string(done) + "/" + std::to_string(total);
   write_all(STDERR_FILENO, terminal_ ? "\r\033[K" + text : text + "\n");
   open_ = terminal_;
 }

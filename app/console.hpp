@@ -12,10 +12,11 @@ namespace dynasurf::app {
 /// closed it, and keeps memory (which holds a patient's images) out of core files. Call it first.
 void prepare_process();
 
-/// Writes to standard output at once. Throws IoError when it does not arrive (closed pipe, disk full).
+/// Writes to standard output at once, as `printable` text: names of files must not steer a terminal. Throws IoError
+/// when it does not arrive (closed pipe, disk full).
 void print(std::string_view text);
 
-/// The one line on standard error that every failure ends with.
+/// The one line on standard error that every failure ends with, as `printable` text.
 void print_error(std::string_view message);
 
 /// Rows of cells as aligned columns; the first row is the head. `left` names the columns that are aligned left.

@@ -10,6 +10,7 @@
 
 #include "console.hpp"
 #include "input_names.hpp"
+#include "utf8.hpp"
 #include "version.hpp"
 
 namespace dynasurf::app {
@@ -63,7 +64,7 @@ Provenance provenance_of(const ResultJob& job, const std::vector<std::filesystem
   provenance.options_json = std::move(options_json);
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const std::string name = i < job.recorded_names.size() ? job.recorded_names[i]
-                             : job.file_names              ? inputs[i].filename().string()
+                             : job.file_names              ? valid_utf8(inputs[i].filename().string())
                                                            : neutral_name(inputs[i], i);
     provenance.inputs.push_back({name, sha256_of_file(inputs[i]), std::filesystem::file_size(inputs[i])});
   }
