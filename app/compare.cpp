@@ -15,6 +15,7 @@
 #include "console.hpp"
 #include "out_argument.hpp"
 #include "print_page.hpp"
+#include "utf8.hpp"
 
 namespace dynasurf::app {
 namespace {
@@ -64,7 +65,7 @@ ComparedStudy read_study_of(const fs::path& folder) {
 /// The address of a study's report from the folder of the comparison; empty where there is none.
 std::string report_from(const fs::path& study, const fs::path& out) {
   const fs::path report = fs::absolute(study) / "report.html";
-  return fs::exists(report) ? report.lexically_relative(fs::absolute(out)).generic_string() : std::string();
+  return fs::exists(report) ? address_of(report.lexically_relative(fs::absolute(out)).string()) : std::string();
 }
 
 std::optional<double> ratio(const std::optional<double>& a, const std::optional<double>& b) {
@@ -118,7 +119,7 @@ Json comparison(const ComparedStudy& rest, const ComparedStudy& stress, const Me
   return json;
 }
 
-ExitCode run(const Arguments& a) {
+ExitCode run(const Arguments& a, const std::stop_token& stop) {
   if (a.pdf && !a.out.is_asked()) throw OptionError("--pdf needs a folder to print to; expected --out");
   if (a.pdf) find_browser();  // before anything is computed
   ComparedStudy rest = read_study_of(a.rest), stress = read_study_of(a.stress);
@@ -138,7 +139,8 @@ ExitCode run(const Arguments& a) {
     write_file(folder.path() / "comparison.html", comparison_html(rest, stress, json));
     if (rest.polar.perfusion_is != Perfusion::none)
       write_file(folder.path() / "polar_difference.svg", polar_svg(difference, kind));
-    if (a.pdf) print_page(folder.path() / "comparison.html", folder.path() / "comparison.pdf", PageKind::plain);
+    if (a.pdf) print_page(folder.path() / "comparison.html", folder.path() / "comparison.pdf", stop, PageKind::plain);
+    if (stop.stop_requested()) throw Cancelled("stopped on request");
     folder.publish();
     moved = line_of_moved(folder);
   }
@@ -176,7 +178,7 @@ void add_compare(CLI::App& program, Command& chosen) {
                  "folder for comparison.json, comparison.html with both studies, and polar_difference.svg");
   command->add_flag("--pdf", a->pdf, "print the page to comparison.pdf, two A4 pages (needs Chromium)");
   command->add_flag("--json", a->json, "print JSON instead of the table");
-  command->callback([a, &chosen] { chosen = [a](std::stop_token) { return run(*a); }; });
+  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
 }
 
 }  // namespace dynasurf::app

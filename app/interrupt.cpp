@@ -1,14 +1,34 @@
 #include "interrupt.hpp"
 
-#include <csignal>
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+#include <system_error>
 
 #include <pthread.h>
 #include <unistd.h>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+
+#include "child_process.hpp"
+#include "command.hpp"
+#include "console.hpp"
+#include "removed_at_end.hpp"
 
 namespace dynasurf::app {
 namespace {
 
 constexpr int end_of_watch = SIGUSR1;
+
+// How long a command may take to come back after the first signal. One that has begun to write has its own to clean up;
+// the others lose nothing. Together with cleaning up from here it stays below one second.
+constexpr int patience_with_readers_ms = 50;
+constexpr int patience_with_writers_ms = 600;
+constexpr int patience_with_finished_ms = 250;
+
+std::atomic<bool> taken_back{false};
+std::atomic<bool> outputs_are_scratch{false};
 
 sigset_t watched() {
   sigset_t set;
@@ -17,22 +37,73 @@ sigset_t watched() {
   return set;
 }
 
+/// The next of the signals, or 0 when the time is over.
+int next_signal(const sigset_t& set, int wait_ms) {
+  const timespec time{wait_ms / 1000, (wait_ms % 1000) * 1000000L};
+  const int signal = sigtimedwait(&set, nullptr, &time);
+  return signal > 0 ? signal : 0;
+}
+
 }  // namespace
+
+bool is_taken_back() { return taken_back; }
+
+void outputs_go_away() { outputs_are_scratch = true; }
+
+std::string words_of_stop() {
+  return state_of_outputs() == OutputState::published && !outputs_are_scratch
+             ? "stopped on request; the result had been written before"
+             : "stopped on request; nothing was written";
+}
 
 Interrupt::Interrupt() {
   const sigset_t set = watched();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
-  watcher_ = std::thread([this, set] {
-    for (int signal = 0; sigwait(&set, &signal) == 0 && signal != end_of_watch;) {
-      if (source_.stop_requested()) ::_exit(3);
-      source_.request_stop();
-    }
-  });
+  try {
+    watcher_ = std::thread([this, set] { watch(set); });
+  } catch (const std::system_error& error) {
+    throw IoError(std::string("cannot start the thread that waits for Ctrl-C: ") + std::strerror(error.code().value()) +
+                  " (limits on processes or memory, ulimit -u and -v)");
+  }
 }
 
 Interrupt::~Interrupt() {
+  while (ends_.test_and_set()) pause();  // the watcher is about to end the process
   pthread_kill(watcher_.native_handle(), end_of_watch);
   watcher_.join();
+}
+
+void Interrupt::watch(const sigset_t& set) {
+  int signal = 0;
+  while (sigwait(&set, &signal) != 0) {
+  }
+  if (signal == end_of_watch) return;
+  source_.request_stop();
+  const bool writes = state_of_outputs() != OutputState::none;
+  if (!comes_back(set, writes ? patience_with_writers_ms : patience_with_readers_ms)) end_process(set);
+}
+
+/// Whether the command came back by itself. A second signal does not wait for it.
+bool Interrupt::comes_back(const sigset_t& set, int patience_ms) const {
+  const int signal = next_signal(set, patience_ms);
+  if (signal == end_of_watch) return true;
+  if (signal != 0) {
+    kill_children();
+    ::_exit(not_trustworthy);
+  }
+  return false;
+}
+
+void Interrupt::end_process(const sigset_t& set) {
+  taken_back = true;
+  kill_children();
+  discard_unpublished();
+  // Now it is settled whether there is a result. Where there is one, only the last words are missing: let it tell them.
+  if (state_of_outputs() == OutputState::published && comes_back(set, patience_with_finished_ms)) return;
+  if (ends_.test_and_set()) return;  // it came back after all
+  remove_what_goes_at_end();
+  print_error(words_of_stop());
+  ::_exit(not_trustworthy);
 }
 
 }  // namespace dynasurf::app

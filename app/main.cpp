@@ -1,7 +1,10 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <stop_token>
 #include <string>
+#include <string_view>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 
@@ -19,7 +22,7 @@ std::string version_text() {
   return std::string("dynasurf ") + version() + " (commit " + commit() + ")\nResearch use only. Not for diagnosis.\n";
 }
 
-ExitCode run(int argc, char** argv) {
+ExitCode run(int argc, char** argv, const std::stop_token& stop) {
   CLI::App program{
       "Beating surfaces, volumes and ejection fraction of the left ventricle from a gated heart study, and light "
       "closed\n"
@@ -61,24 +64,41 @@ ExitCode run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     throw OptionError(std::string(error.what()) + "; see dynasurf --help");
   }
-  const Interrupt interrupt;
-  return chosen(interrupt.token());
+  return chosen(stop);
+}
+
+/// InputError and IoError tell everything themselves; what the standard library throws does not.
+std::string words_of(const std::exception& error) {
+  if (const auto* files = dynamic_cast<const std::filesystem::filesystem_error*>(&error))
+    return files->path1().string() + ": " + files->code().message();
+  const auto* system = dynamic_cast<const std::system_error*>(&error);
+  const bool is_thread = std::string_view(error.what()).starts_with("pthread_create");  // oneTBB's own words
+  if (is_thread || (system && system->code() == std::errc::resource_unavailable_try_again))
+    return "cannot start another thread (limits on processes or memory: ulimit -u, ulimit -v; --threads 1 needs "
+           "fewest)";
+  return error.what();
+}
+
+ExitCode stopped() {
+  print_error(words_of_stop());
+  return not_trustworthy;
 }
 
 ExitCode run_and_report(int argc, char** argv) {
   try {
-    return run(argc, argv);
+    const Interrupt interrupt;
+    return run(argc, argv, interrupt.token());
   } catch (const OptionError& error) {
     print_error(error.what());
     return bad_usage;
   } catch (const Cancelled&) {
-    print_error("stopped on request; nothing was written");
-    return not_trustworthy;
+    return stopped();
   } catch (const std::bad_alloc&) {
     print_error("out of memory");
     return bad_input;
-  } catch (const std::exception& error) {  // InputError, IoError, and what the standard library throws
-    print_error(error.what());
+  } catch (const std::exception& error) {
+    if (is_taken_back()) return stopped();
+    print_error(words_of(error));
     return bad_input;
   }
 }

@@ -1,25 +1,27 @@
 #include "print_page.hpp"
 
-#include <cctype>
+#include <cerrno>
 #include <chrono>
 #include <cstdlib>
+#include <cstring>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 #include <fcntl.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/byte_source.hpp"
 
-extern char** environ;
+#include "child_process.hpp"
+#include "removed_at_end.hpp"
+#include "utf8.hpp"
 
 namespace dynasurf::app {
 namespace {
@@ -28,55 +30,74 @@ namespace fs = std::filesystem;
 
 constexpr auto patience = std::chrono::seconds(120);
 
+constexpr std::string_view profile_prefix = "dynasurf-print-";
+
+/// A locked folder says that its run is alive: the system unlocks it when the run ends, however it ends.
+class Lock {
+ public:
+  explicit Lock(const fs::path& folder)
+      : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC)) {
+    struct stat locked {};
+    struct stat there {};
+    held_ = descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 && ::fstat(descriptor_, &locked) == 0 &&
+            ::lstat(folder.c_str(), &there) == 0 && locked.st_ino == there.st_ino && locked.st_dev == there.st_dev;
+    is_ours_ = held_ && locked.st_uid == ::geteuid() && (locked.st_mode & 0777) == 0700;
+  }
+  ~Lock() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  Lock(const Lock&) = delete;
+  Lock& operator=(const Lock&) = delete;
+  bool is_held() const { return held_; }
+  bool is_ours() const { return is_ours_; }
+
+ private:
+  int descriptor_;
+  bool held_ = false, is_ours_ = false;
+};
+
+/// Removes the profiles of runs that were killed: folders, never links, of this user, that no run holds.
+void sweep_profiles(const fs::path& place) {
+  std::error_code ignored;
+  for (fs::directory_iterator it(place, ignored), end; !ignored && it != end; it.increment(ignored)) {
+    const fs::path folder = it->path();
+    if (!folder.filename().native().starts_with(profile_prefix)) continue;
+    const Lock lock(folder);
+    std::error_code unremoved;
+    if (lock.is_ours()) fs::remove_all(folder, unremoved);
+  }
+}
+
+fs::path temporary_place() {
+  std::error_code error;
+  const fs::path place = fs::temp_directory_path(error);
+  if (error) throw IoError("printing needs a folder for temporary files, and TMPDIR names none");
+  return place;
+}
+
 /// A folder of its own for the browser's settings, which it would else look for at home.
 class Profile {
  public:
   Profile() {
-    std::string name = (fs::temp_directory_path() / "dynasurf-print-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw IoError("cannot make a folder in " + fs::temp_directory_path().string());
-    path_ = name;
+    const fs::path place = temporary_place();
+    sweep_profiles(place);
+    // Another run may sweep a new folder in the moment before it is locked; then there is the next one.
+    constexpr int attempts = 10;
+    for (int attempt = 0; attempt < attempts && !(lock_ && lock_->is_held()); ++attempt) {
+      lock_.reset();
+      std::string name = (place / profile_prefix).string() + "XXXXXX";
+      if (!::mkdtemp(name.data()))
+        throw IoError("cannot make a folder in " + place.string() + ": " + std::strerror(errno));
+      folder_.emplace(name);
+      lock_.emplace(name);
+    }
   }
-  ~Profile() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Profile(const Profile&) = delete;
-  Profile& operator=(const Profile&) = delete;
-  const fs::path& path() const { return path_; }
+  const fs::path& path() const { return folder_->path(); }
 
  private:
-  fs::path path_;
+  std::optional<Lock> lock_;
+  std::optional<RemovedAtEnd> folder_;  // goes first, while it is locked
 };
-
-/// Runs a program silently, in a group of its own. Returns its exit code; -1 when it had to be stopped.
-int run_quietly(const std::vector<std::string>& words) {
-  std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  for (const int stream : {0, 1, 2}) posix_spawn_file_actions_addopen(&files, stream, "/dev/null", O_RDWR, 0);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  pid_t child = 0;
-  const int failed = posix_spawn(&child, words[0].c_str(), &files, &attributes, arguments.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&files);
-  if (failed != 0) throw IoError("cannot start " + words[0]);
-
-  const auto end = std::chrono::steady_clock::now() + patience;
-  int status = 0;
-  while (waitpid(child, &status, WNOHANG) == 0) {
-    if (std::chrono::steady_clock::now() > end) {
-      kill(-child, SIGKILL);
-      waitpid(child, &status, 0);
-      return -1;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
 
 /// A busy machine may print the page before it has drawn itself; only then does its title, which the PDF takes over in
 /// UTF-16 as hexadecimal digits, end with the word "printed".
@@ -88,20 +109,6 @@ void take_dates_out(std::string& pdf) {
   for (const std::string_view key : {"/CreationDate (D:", "/ModDate (D:"})
     if (const std::size_t at = pdf.find(key); at != std::string::npos && at + key.size() + same.size() < pdf.size())
       pdf.replace(at + key.size(), same.size(), same);
-}
-
-/// A path as it stands in an address.
-std::string address_of(const fs::path& path) {
-  constexpr char digits[] = "0123456789ABCDEF";
-  std::string address = "file://";
-  for (const char c : fs::absolute(path).string()) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (std::isalnum(byte) || std::string("/-_.~").find(c) != std::string::npos)
-      address += c;
-    else
-      (address += '%') += digits[byte >> 4], address += digits[byte & 15u];
-  }
-  return address;
 }
 
 }  // namespace
@@ -116,7 +123,7 @@ fs::path find_browser() {
   throw IoError("printing needs Chromium, and PATH holds none (on Debian: apt-get install chromium)");
 }
 
-void print_page(const fs::path& html, const fs::path& pdf, PageKind kind) {
+void print_page(const fs::path& html, const fs::path& pdf, const std::stop_token& stop, PageKind kind) {
   const Profile profile;
   const fs::path printed = profile.path() / "page.pdf";
   std::vector<std::string> words{find_browser().string(),
@@ -132,11 +139,11 @@ void print_page(const fs::path& html, const fs::path& pdf, PageKind kind) {
                                  "--virtual-time-budget=20000",
                                  "--print-to-pdf=" + printed.string()};
   if (geteuid() == 0) words.push_back("--no-sandbox");  // it refuses to run as root otherwise
-  words.push_back(address_of(html) + "#print");
+  words.push_back("file://" + address_of(fs::absolute(html).string()) + "#print");
   for (int attempt = 0; attempt < 3; ++attempt) {
-    const int code = run_quietly(words);
+    const std::optional<int> code = run_quietly(words, profile.path(), patience, stop);
     if (code != 0 || !fs::exists(printed) || fs::file_size(printed) == 0)
-      throw IoError(pdf.string() + ": " + words[0] + (code < 0 ? " did not finish" : " could not print the report"));
+      throw IoError(pdf.string() + ": " + words[0] + (code ? " could not print the report" : " did not finish"));
     std::string bytes = text_of_file(printed);
     if (kind == PageKind::drawn && !is_complete(bytes)) continue;
     take_dates_out(bytes);

@@ -213,8 +213,8 @@ DicomResult dicom_context(const Job& job, const Provenance& provenance, bool stu
 
 /// What is made from the finished report and result: the printed pages, and the DICOM objects, which hold them.
 void write_for_reading_room(const VentricleResult& result, const Provenance& provenance, const Job& job,
-                            const fs::path& folder) {
-  if (job.outputs.pdf) print_page(folder / "report.html", folder / "report.pdf");
+                            const fs::path& folder, const std::stop_token& stop) {
+  if (job.outputs.pdf) print_page(folder / "report.html", folder / "report.pdf", stop);
   if (!job.outputs.dicom) return;
   write_dicom_folder(result, dicom_context(job, provenance, result.study.format == "DICOM"),
                      job.outputs.pdf ? text_of_file(folder / "report.pdf") : std::string(), folder / "dicom");
@@ -301,7 +301,7 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   progress.check();
   outcome.json = results_text(outcome.result, provenance, job);
   write_files(outcome, provenance, job, folder.path());
-  write_for_reading_room(outcome.result, provenance, job, folder.path());
+  write_for_reading_room(outcome.result, provenance, job, folder.path(), progress.stop);
   progress.check();
   folder.publish();
   outcome.moved_to = folder.moved_to();

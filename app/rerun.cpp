@@ -3,6 +3,7 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 
 #include <CLI/CLI.hpp>
@@ -17,7 +18,9 @@
 #include "cloud_run.hpp"
 #include "command.hpp"
 #include "console.hpp"
+#include "interrupt.hpp"
 #include "reconstruction.hpp"
+#include "removed_at_end.hpp"
 #include "version.hpp"
 
 namespace dynasurf::app {
@@ -245,14 +248,17 @@ bool same(const fs::path& a, const fs::path& b, const std::string& file) {
   return old_json == new_json;
 }
 
-std::vector<std::string> differences(const fs::path& before, const fs::path& after, std::size_t& compared) {
+std::vector<std::string> differences(const fs::path& before, const fs::path& after, const std::stop_token& stop,
+                                     std::size_t& compared) {
   std::set<std::string> files = files_in(before);
   files.merge(files_in(after));
   compared = files.size();
   std::vector<std::string> different;
-  for (const std::string& file : files)
+  for (const std::string& file : files) {
+    if (stop.stop_requested()) throw Cancelled("stopped on request");
     if (!fs::exists(before / file) || !fs::exists(after / file) || !same(before / file, after / file, file))
       different.push_back(file);
+  }
   return different;
 }
 
@@ -264,7 +270,8 @@ bool repeat_ventricle(const Arguments& arguments, const Record& record, const fs
     recall(arguments, record, out, read);
     read.outputs.keep_stages = record.outputs.at("keep_stages").get<bool>();
     read.outputs.dicom = record.outputs.value("dicom", false);  // results of former versions say nothing of it
-    if (read.outputs.dicom) read.outputs.dicom_time = record.outputs.at("dicom_time").get<std::string>();
+    if (read.outputs.dicom && record.timings)                   // else the study tells it
+      read.outputs.dicom_time = record.outputs.at("dicom_time").get<std::string>();
     read.outputs.pdf = record.outputs.value("pdf", false);
     return read;
   });
@@ -300,7 +307,7 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   });
 
   std::size_t compared = 0;
-  const std::vector<std::string> different = differences(arguments.result, out, compared);
+  const std::vector<std::string> different = differences(arguments.result, out, stop, compared);
   std::string text = alteration_of(arguments.result);
   if (different.empty()) {
     text += "same bytes: " + std::to_string(compared) + " files (times apart)\n";
