@@ -26,7 +26,7 @@ using Json = nlohmann::ordered_json;
 struct Arguments {
   std::string rest, stress;
   OutFolder out;
-  bool json = false, pdf = false;
+  bool json = false, pdf = false, with_names = false;
 };
 
 std::optional<double> value_in(const Json& json, const char* key) {
@@ -133,8 +133,10 @@ ExitCode run(const Arguments& a, const std::stop_token& stop) {
     OutputFolder folder(a.out.path, a.out.existing(), {a.rest, a.stress});
     const PolarKind kind{
         "difference", "Perfusion, rest less stress", "points", &PolarMaps::perfusion_percent, -40, 40, false, true};
-    rest.report = report_from(a.rest, a.out.path);
-    stress.report = report_from(a.stress, a.out.path);
+    if (a.with_names) {
+      rest.report = report_from(a.rest, a.out.path);
+      stress.report = report_from(a.stress, a.out.path);
+    }
     write_file(folder.path() / "comparison.json", json.dump(2) + "\n");
     write_file(folder.path() / "comparison.html", comparison_html(rest, stress, json));
     if (rest.polar.perfusion_is != Perfusion::none)
@@ -177,6 +179,8 @@ void add_compare(CLI::App& program, Command& chosen) {
   add_out_folder(*command, a->out,
                  "folder for comparison.json, comparison.html with both studies, and polar_difference.svg");
   command->add_flag("--pdf", a->pdf, "print the page to comparison.pdf, two A4 pages (needs Chromium)");
+  command->add_flag("--with-names,--with-phi", a->with_names,
+                    "link the reports of both results; the names of their folders may name a person");
   command->add_flag("--json", a->json, "print JSON instead of the table");
   command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
 }

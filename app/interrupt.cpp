@@ -28,7 +28,6 @@ constexpr int patience_with_writers_ms = 600;
 constexpr int patience_with_finished_ms = 250;
 
 std::atomic<bool> taken_back{false};
-std::atomic<bool> outputs_are_scratch{false};
 
 sigset_t watched() {
   sigset_t set;
@@ -48,12 +47,9 @@ int next_signal(const sigset_t& set, int wait_ms) {
 
 bool is_taken_back() { return taken_back; }
 
-void outputs_go_away() { outputs_are_scratch = true; }
-
 std::string words_of_stop() {
-  return state_of_outputs() == OutputState::published && !outputs_are_scratch
-             ? "stopped on request; the result had been written before"
-             : "stopped on request; nothing was written";
+  return state_of_outputs() == OutputState::published ? "stopped on request; the result had been written before"
+                                                      : "stopped on request; nothing was written";
 }
 
 Interrupt::Interrupt() {

@@ -38,7 +38,4 @@ bool is_taken_back();
 /// What a run that was stopped says, and what is true: whether a result stands.
 std::string words_of_stop();
 
-/// The outputs of this run are for comparing alone and go away with it: a stopped run has written nothing.
-void outputs_go_away();
-
 }  // namespace dynasurf::app

@@ -18,6 +18,7 @@
 #include "console.hpp"
 #include "out_argument.hpp"
 #include "result_job.hpp"
+#include "utf8.hpp"
 #include "version.hpp"
 
 namespace dynasurf::app {
@@ -33,7 +34,7 @@ struct Arguments {
   Camera camera;
   LodRule rule;
   int steps = 3, instances = 200;
-  bool json = false;
+  bool json = false, with_names = false;
 };
 
 struct Level {
@@ -84,7 +85,10 @@ std::vector<Level> levels_of(const Arguments& arguments) {
   if (arguments.levels.size() == 1 && fs::is_directory(arguments.levels[0]))
     return levels_of_result(arguments.levels[0]);
   std::vector<Level> levels;
-  for (const fs::path path : arguments.levels) levels.push_back({path.stem().string(), read_mesh(path)});
+  for (const fs::path path : arguments.levels) {
+    const std::string neutral = "level" + std::to_string(levels.size() + 1);
+    levels.push_back({arguments.with_names ? valid_utf8(path.stem().string()) : neutral, read_mesh(path)});
+  }
   for (std::size_t n = 1; n < levels.size(); ++n)
     if (levels[n].mesh.triangles.size() > levels[n - 1].mesh.triangles.size())
       throw InputError(arguments.levels[n] + ": has more triangles than the level before; expected the finest first");
@@ -211,6 +215,8 @@ void add_lod(CLI::App& program, Command& chosen) {
   command->add_option("--steps", a->steps, "meshes between two levels (3)")->check(CLI::Range(0, 1000));
   command->add_option("--instances", a->instances, "instances on the page (200)")->check(CLI::Range(1, 1000));
   command->add_option("--mesh-format", a->mesh_format, mesh_format_choices() + ", of the transitions (ply)");
+  command->add_flag("--with-names,--with-phi", a->with_names,
+                    "record the names of mesh files, which may name a person, instead of level1, level2, ...");
   command->add_flag("--json", a->json, "print lod.json instead of the table");
   command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
 }

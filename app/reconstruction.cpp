@@ -229,7 +229,8 @@ std::string results_text(const VentricleResult& result, const Provenance& proven
   json["provenance"]["outputs"] = {{"mesh_formats", formats},
                                    {"keep_stages", outputs.keep_stages},
                                    {"dicom", outputs.dicom},
-                                   {"dicom_time", outputs.dicom ? Json(outputs.dicom_time) : Json(nullptr)},
+                                   // Without timings it is the study's, which a repeated run reads there again.
+                                   {"dicom_time", outputs.dicom && job.timings ? Json(outputs.dicom_time) : Json()},
                                    {"pdf", outputs.pdf}};
   return json.dump(2) + "\n";
 }

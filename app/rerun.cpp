@@ -18,9 +18,7 @@
 #include "cloud_run.hpp"
 #include "command.hpp"
 #include "console.hpp"
-#include "interrupt.hpp"
 #include "reconstruction.hpp"
-#include "removed_at_end.hpp"
 #include "version.hpp"
 
 namespace dynasurf::app {

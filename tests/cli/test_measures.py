@@ -140,7 +140,7 @@ class Compare(CliTest):
         rest = result_of("normal1", "--seed", "2", "--set", "edv_ml=110")
         stress = result_of("sick", "--seed", "9", "--set", "defect=inferior", "--set", "defect_extent_deg=70")
         out = self.folder / "both"
-        made = run("compare", rest, stress, "--out", out, "--json")
+        made = run("compare", rest, stress, "--out", out, "--json", "--with-names")
         self.assertEqual(made.returncode, 0, made.stderr)
         both = self.read_json(out / "comparison.json")
         self.assertEqual(both, json.loads(made.stdout))
