@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include <dcmtk/dcmdata/dcostrmb.h>
+
 namespace dynasurf::dicom {
 namespace {
 
@@ -51,6 +53,25 @@ std::string uid_of(const Sha256& content, std::string_view role) {
   uuid[6] = static_cast<unsigned char>((uuid[6] & 0x0f) | 0x50);
   uuid[8] = static_cast<unsigned char>((uuid[8] & 0x3f) | 0x80);
   return "2.25." + digits_of(uuid);
+}
+
+std::string bytes_of(DcmFileFormat& file, const std::string& where) {
+  // saveFile() of DCMTK does not look whether what it writes arrives (a full disk), so only memory is left to it.
+  std::array<char, 65536> buffer;
+  DcmOutputBufferStream stream(buffer.data(), buffer.size());
+  std::string bytes;
+  OFCondition status = EC_StreamNotifyClient;
+  file.transferInit();
+  while (status == EC_StreamNotifyClient) {
+    status = file.write(stream, EXS_LittleEndianExplicit, EET_ExplicitLength, nullptr, EGL_withoutGL);
+    void* piece = nullptr;
+    offile_off_t length = 0;
+    stream.flushBuffer(piece, length);
+    bytes.append(static_cast<const char*>(piece), static_cast<std::size_t>(length));
+  }
+  file.transferEnd();
+  if (status.bad()) throw IoError(where + ": cannot write: " + status.text());
+  return bytes;
 }
 
 }  // namespace dynasurf::dicom

@@ -72,4 +72,7 @@ std::string decimals(std::initializer_list<double> values);
 /// one, so that the same content gives the same UIDs.
 std::string uid_of(const Sha256& content, std::string_view role);
 
+/// A DICOM file as it stands on disk: little endian, explicit lengths. `where` is what errors call it.
+std::string bytes_of(DcmFileFormat& file, const std::string& where);
+
 }  // namespace dynasurf::dicom

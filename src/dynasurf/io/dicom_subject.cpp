@@ -92,13 +92,7 @@ void put_context(DcmItem& dataset, const DicomResult& result, const DicomObject&
   root.text(DCM_SoftwareVersions, result.program_version);
 }
 
-void save(DcmFileFormat& file, const fs::path& path) {
-  OutputFile output(path);
-  const OFCondition status =
-      file.saveFile(output.path().c_str(), EXS_LittleEndianExplicit, EET_ExplicitLength, EGL_withoutGL);
-  if (status.bad()) throw IoError(path.string() + ": cannot write: " + status.text());
-  output.publish();
-}
+void save(DcmFileFormat& file, const fs::path& path) { write_file(path, bytes_of(file, path.string())); }
 
 }  // namespace dicom
 }  // namespace dynasurf

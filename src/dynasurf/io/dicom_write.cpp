@@ -187,11 +187,7 @@ void write_dicom(const Study& study, const std::filesystem::path& path, const Di
   put_acquisition(root, study);
   root.pixels(pixels);
 
-  OutputFile output(path);
-  const OFCondition status =
-      file.saveFile(output.path().c_str(), EXS_LittleEndianExplicit, EET_ExplicitLength, EGL_withoutGL);
-  if (status.bad()) throw IoError(where + ": cannot write: " + status.text());
-  output.publish();
+  write_file(path, dicom::bytes_of(file, where));
 }
 
 }  // namespace dynasurf
