@@ -13,6 +13,7 @@
 #include "command.hpp"
 #include "console.hpp"
 #include "interrupt.hpp"
+#include "last_words.hpp"
 #include "version.hpp"
 
 namespace dynasurf::app {
@@ -94,7 +95,7 @@ ExitCode run_and_report(int argc, char** argv) {
   } catch (const Cancelled&) {
     return stopped();
   } catch (const std::bad_alloc&) {
-    print_error("out of memory");
+    tell_out_of_memory();
     return bad_input;
   } catch (const std::exception& error) {
     if (is_taken_back()) return stopped();
@@ -107,6 +108,7 @@ ExitCode run_and_report(int argc, char** argv) {
 }  // namespace dynasurf::app
 
 int main(int argc, char** argv) {
+  dynasurf::app::tell_last_words();
   dynasurf::app::prepare_process();
   return dynasurf::app::run_and_report(argc, argv);
 }
