@@ -246,18 +246,36 @@ void write_manifest(Place& place) {
   std::swap(place.lock, file);
 }
 
-/// Exchanges the staged folder with the former result, which then stands at the staged folder's place. What turns out
-/// to be no former result is put back.
-void exchange_with_former(const fs::path& staged, const fs::path& destination) {
-  if (!exchange(staged, destination)) fail(destination, "exchange this with the new result", errno);
+/// Why what came to the staged folder's place by an exchange must go back; empty when it is a former result.
+std::string reason_to_keep(const fs::path& staged, const fs::path& destination) {
   std::error_code error;
-  const bool is_folder = fs::is_directory(fs::symlink_status(staged, error));
-  const auto foreign =
-      is_folder ? first_foreign_file(staged) : ForeignFile{destination.filename().string(), "appeared"};
-  if (!foreign) return;
-  if (!exchange(staged, destination)) staging::move_aside(staged, destination);
-  throw IoError(is_folder ? refusal_of(destination, *foreign)
-                          : destination.string() + ": appeared while the result was made, and was kept");
+  if (!fs::is_directory(fs::symlink_status(staged, error)))
+    return destination.string() + ": appeared while the result was made, and was kept";
+  const auto foreign = first_foreign_file(staged);
+  return foreign ? refusal_of(destination, *foreign) : std::string();
+}
+
+/// Exchanges the staged folder with the former result, which then stands at the staged folder's place. What turns out
+/// to be no former result is put back. `published` says at every moment which of the two stands at the destination.
+void exchange_with_former(const fs::path& staged, const fs::path& destination, bool& published) {
+  if (!exchange(staged, destination)) fail(destination, "exchange this with the new result", errno);
+  published = true;
+  const auto put_back = [&] {
+    if (exchange(staged, destination))
+      published = false;
+    else
+      staging::move_aside(staged, destination);
+  };
+  std::string reason;
+  try {
+    reason = reason_to_keep(staged, destination);
+  } catch (...) {  // out of memory
+    put_back();
+    throw;
+  }
+  if (reason.empty()) return;
+  put_back();
+  throw IoError(reason);
 }
 
 /// Keeps what stands at the destination under another name. Where the file system can exchange, the new result stands
@@ -389,7 +407,7 @@ void OutputFolder::publish() {
     if (existing_ == Existing::move_aside)
       moved_to_ = put_beside_former(path_, destination_);
     else
-      exchange_with_former(path_, destination_);
+      exchange_with_former(path_, destination_, published_);
   }
   published_ = true;
   if (is_outermost) staging::note_published();

@@ -130,9 +130,15 @@ std::optional<ForeignFile> first_foreign_file(const fs::path& folder) {
     return ForeignFile{error.path1().lexically_relative(folder).string(), "cannot be looked at"};
   }
   if (first && !has_manifest) first->why = "is not of a result: the folder has no manifest.txt";
-  for (const ManifestEntry* file : listed)
-    if ((!first || file->name < first->name) && sha256_of_file(folder / file->name) != file->sha256)
-      first = ForeignFile{file->name, "was changed since it was written"};
+  for (const ManifestEntry* file : listed) {
+    if (first && first->name < file->name) continue;
+    try {
+      if (sha256_of_file(folder / file->name) != file->sha256)
+        first = ForeignFile{file->name, "was changed since it was written"};
+    } catch (const IoError&) {
+      first = ForeignFile{file->name, "cannot be read"};
+    }
+  }
   return first;
 }
 
