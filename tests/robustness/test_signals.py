@@ -278,7 +278,7 @@ class Printing(Stopping):
         place, out = self.place("result")
         process = self.start(["ventricle", small_patient() / "study.dcm", "--out", out, "--pdf", "--quiet", *EDGES],
                              env=os.environ | {"TMPDIR": str(temporary)})
-        self.assertTrue(wait_until(lambda: len(processes_with(str(temporary))) > 2), "the browser was not started")
+        self.assertTrue(wait_until(lambda: len(processes_with(str(temporary))) > 2, 240), "the browser was not started")
         return process, place, temporary
 
     def test_the_browser_ends_with_the_run(self):
