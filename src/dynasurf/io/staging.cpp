@@ -208,12 +208,12 @@ void remove_place(const fs::path& path) noexcept try {
     ::unlink(path.c_str());
     return;
   }
-  std::error_code ignored;
-  for (fs::directory_iterator it(path, ignored), end; !ignored && it != end; it.increment(ignored)) {
-    std::error_code of_this_one;
-    if (it->path().filename() != manifest_name) fs::remove_all(it->path(), of_this_one);
+  std::error_code error;
+  for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().filename() != manifest_name) fs::remove_all(it->path(), error);
+    if (error) break;
   }
-  // Another thread may have written a file meanwhile: then the folder stays, and its manifest says that it is ours.
+  if (error) return;
   ::unlink((path / manifest_name).c_str());
   ::rmdir(path.c_str());
 } catch (...) {  // out of memory: the next run sweeps
