@@ -4,7 +4,10 @@
 #include <memory>
 #include <vector>
 
-#include <openssl/evp.h>
+// The functions of OpenSSL 1: those of OpenSSL 3 look their algorithm up in tables that they make at the first call,
+// and crash (3.0) when memory runs out while they do. These take none.
+#define OPENSSL_SUPPRESS_DEPRECATED
+#include <openssl/sha.h>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/digest.hpp"
@@ -12,20 +15,17 @@
 
 namespace dynasurf {
 struct Hasher::State {
-  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context{EVP_MD_CTX_new(), EVP_MD_CTX_free};
+  SHA256_CTX context;
 };
 
-Hasher::Hasher() : state_(std::make_unique<State>()) {
-  if (!state_->context || EVP_DigestInit_ex(state_->context.get(), EVP_sha256(), nullptr) != 1)
-    throw IoError("SHA-256 is not available in this OpenSSL");
-}
+Hasher::Hasher() : state_(std::make_unique<State>()) { SHA256_Init(&state_->context); }
 Hasher::~Hasher() = default;
 
-void Hasher::add(const void* data, std::size_t bytes) { EVP_DigestUpdate(state_->context.get(), data, bytes); }
+void Hasher::add(const void* data, std::size_t bytes) { SHA256_Update(&state_->context, data, bytes); }
 
 Sha256 Hasher::finish() {
   Sha256 digest{};
-  EVP_DigestFinal_ex(state_->context.get(), digest.data(), nullptr);
+  SHA256_Final(digest.data(), &state_->context);
   return digest;
 }
 
