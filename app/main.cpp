@@ -9,11 +9,14 @@
 #include <CLI/CLI.hpp>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/memory_limit.hpp"
+#include "dynasurf/io/machine_memory.hpp"
 
 #include "command.hpp"
 #include "console.hpp"
 #include "interrupt.hpp"
 #include "last_words.hpp"
+#include "memory_argument.hpp"
 #include "version.hpp"
 
 namespace dynasurf::app {
@@ -52,6 +55,8 @@ ExitCode run(int argc, char** argv, const std::stop_token& stop) {
   add_compare(program, chosen);
   add_motion(program, chosen);
   add_organ(program, chosen);
+  std::string memory;
+  add_memory_limit(program, memory);
 
   try {
     program.parse(argc, argv);
@@ -65,6 +70,7 @@ ExitCode run(int argc, char** argv, const std::stop_token& stop) {
   } catch (const CLI::ParseError& error) {
     throw OptionError(std::string(error.what()) + "; see dynasurf --help");
   }
+  const MemoryLimit limit(memory.empty() ? default_memory_limit() : memory_from_text(memory));
   return chosen(stop);
 }
 
