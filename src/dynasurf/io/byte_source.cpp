@@ -91,6 +91,16 @@ struct ByteSource::State {
     return n;
   }
 
+  /// Passes over bytes of a plain file without reading them: all of them, or those that there are.
+  std::uint64_t jump(std::uint64_t bytes) {
+    const std::uint64_t held = buffered_to - buffered_from, beyond = std::min(bytes - held, bytes_left_in_file);
+    if (::lseek(fd, static_cast<off_t>(beyond), SEEK_CUR) < 0) fail_io(path, "read");
+    buffered_from = buffered_to;
+    bytes_left_in_file -= beyond;
+    delivered += held + beyond;
+    return held + beyond;
+  }
+
   std::size_t take_unpacked(std::byte* out, std::size_t count) {
     if (!unpacker_ready) throw IoError(path.string() + ": zlib has no memory to unpack it");
     while (true) {
@@ -126,6 +136,57 @@ struct ByteSource::State {
   }
 };
 
+struct FileWindow::State {
+  fs::path path;
+  int fd = -1;
+  std::uint64_t size = 0, begin = 0;  // of the file; where the buffer stands in it
+  std::size_t held = 0;
+  std::array<unsigned char, 1 << 16> buffer{};
+
+  explicit State(const fs::path& file) : path(file) { fd = open_regular(path, size); }
+  ~State() { ::close(fd); }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  /// As many bytes as there are, at most `count`.
+  std::size_t fill(std::uint64_t place, unsigned char* out, std::size_t count) const {
+    std::size_t done = 0;
+    while (done < count) {
+      const ssize_t n = ::pread(fd, out + done, count - done, static_cast<off_t>(place + done));
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) fail_io(path, "read");
+      if (n == 0) break;
+      done += static_cast<std::size_t>(n);
+    }
+    return done;
+  }
+};
+
+FileWindow::FileWindow(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {}
+FileWindow::~FileWindow() = default;
+FileWindow::FileWindow(FileWindow&&) noexcept = default;
+
+std::uint64_t FileWindow::size() const { return state_->size; }
+
+const unsigned char* FileWindow::at(std::uint64_t place, std::size_t count) {
+  State& s = *state_;
+  if (place < s.begin || place + count > s.begin + s.held) {
+    // After a jump a little is read: the next jump may follow at once.
+    const bool goes_on = place >= s.begin && place <= s.begin + s.held;
+    s.held = s.fill(place, s.buffer.data(), goes_on ? s.buffer.size() : std::size_t{4096});
+    s.begin = place;
+    if (s.held < count) throw InputError(s.path.string() + ": became shorter while it was read");
+  }
+  return s.buffer.data() + (place - s.begin);
+}
+
+void FileWindow::read(std::uint64_t place, std::span<std::byte> out, const char* what) {
+  const std::size_t n = state_->fill(place, reinterpret_cast<unsigned char*>(out.data()), out.size());
+  if (n < out.size())
+    throw InputError(state_->path.string() + ": ends within its " + what + ": " + std::to_string(out.size() - n) +
+                     " more bytes were expected here");
+}
+
 ByteSource::ByteSource(const std::filesystem::path& path, Packing packing, std::uint64_t offset)
     : state_(std::make_unique<State>(path, packing, offset)) {}
 ByteSource::~ByteSource() = default;
@@ -143,6 +204,7 @@ void ByteSource::read(std::span<std::byte> out, const char* what) {
 }
 
 void ByteSource::skip(std::uint64_t bytes, const char* what) {
+  if (state_->packing == Packing::plain && bytes > state_->buffer.size()) bytes -= state_->jump(bytes);
   std::array<std::byte, 4096> waste{};
   while (bytes > 0) {
     const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(bytes, waste.size()));

@@ -33,6 +33,25 @@ class ByteSource {
   std::unique_ptr<State> state_;
 };
 
+/// A regular file that is read at any place, through one small buffer: a walk forwards reads each part once, and parts
+/// that are passed over are not read at all. Throws IoError when it cannot be opened or read.
+class FileWindow {
+ public:
+  explicit FileWindow(const std::filesystem::path& path);
+  ~FileWindow();
+  FileWindow(FileWindow&&) noexcept;
+
+  std::uint64_t size() const;
+  /// `count` bytes from `place` on, valid until the next call. Precondition: they are in the file, and at most 4096.
+  const unsigned char* at(std::uint64_t place, std::size_t count);
+  /// Fills all of `out` from `place` on. Throws InputError when the file ends within; `what` names it ("a frame").
+  void read(std::uint64_t place, std::span<std::byte> out, const char* what);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
 /// True when the file starts with the gzip magic. Throws IoError.
 bool is_gzip_file(const std::filesystem::path& path);
 

@@ -6,15 +6,10 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
-#include <mutex>
-
-#include <dcmtk/config/osconfig.h>
-// DCMTK asks for its configuration header first.
-#include <dcmtk/dcmdata/dcrledrg.h>
-#include <dcmtk/dcmdata/dctk.h>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/io/dicom_load.hpp"
 #include "dynasurf/io/dicom_words.hpp"
 #include "dynasurf/io/samples.hpp"
 #include "dynasurf/io/study_io.hpp"
@@ -24,83 +19,75 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// DCMTK reads nested sequences by recursion, some 1.2 KB of stack a level (measured, 3.6.7). The nesting cannot be
-// deeper than the number of item tags in the file, and this many take a quarter of the usual 8 MiB. Real files hold
-// some hundred, and one per frame when they are packed in run lengths.
-constexpr std::uint64_t most_items = 1500;
+std::uint32_t number_of(const DcmTagKey& tag) { return std::uint32_t{tag.getGroup()} << 16 | tag.getElement(); }
 
-void prepare_dcmtk() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    OFLog::configure(OFLogger::OFF_LOG_LEVEL);  // a library does not print
-    DcmRLEDecoderRegistration::registerCodecs();
-  });
-  if (!dcmDataDict.isDictionaryLoaded())
-    throw IoError("DCMTK's dictionary dicom.dic is not found: install package libdcmtk17 or set DCMDICTPATH");
+/// Every attribute of the first level that this source asks for.
+std::vector<std::uint32_t> wanted_tags() {
+  std::vector<std::uint32_t> tags;
+  for (const DcmTagKey& tag : {DCM_Modality,
+                               DCM_ImageType,
+                               DCM_SOPClassUID,
+                               DCM_SOPInstanceUID,
+                               DCM_StudyInstanceUID,
+                               DCM_SeriesInstanceUID,
+                               DCM_SeriesType,
+                               DCM_Rows,
+                               DCM_Columns,
+                               DCM_NumberOfFrames,
+                               DCM_SamplesPerPixel,
+                               DCM_BitsAllocated,
+                               DCM_BitsStored,
+                               DCM_HighBit,
+                               DCM_PixelRepresentation,
+                               DCM_RescaleSlope,
+                               DCM_RescaleIntercept,
+                               DCM_RealWorldValueMappingSequence,
+                               DCM_PixelSpacing,
+                               DCM_SpacingBetweenSlices,
+                               DCM_SliceThickness,
+                               DCM_SliceLocation,
+                               DCM_DetectorInformationSequence,
+                               DCM_ImagePositionPatient,
+                               DCM_ImageOrientationPatient,
+                               DCM_RRIntervalVector,
+                               DCM_TimeSlotVector,
+                               DCM_SliceVector,
+                               DCM_NumberOfRRIntervals,
+                               DCM_NumberOfTimeSlots,
+                               DCM_NumberOfSlices,
+                               DCM_TriggerTime,
+                               DCM_NominalInterval,
+                               DCM_HeartRate,
+                               DCM_TemporalPositionIndex,
+                               DCM_TemporalPositionIdentifier,
+                               DCM_NominalPercentageOfCardiacPhase,
+                               DCM_InstanceNumber,
+                               DCM_GatedInformationSequence,
+                               DCM_ViewCodeSequence,
+                               DCM_SeriesDescription,
+                               DCM_ImageID,
+                               DCM_SliceProgressionDirection,
+                               DCM_RadiopharmaceuticalInformationSequence,
+                               DCM_CorrectedImage,
+                               DCM_AcquisitionNumber,
+                               DCM_ImagesInAcquisition})
+    tags.push_back(number_of(tag));
+  return tags;
 }
 
-/// Counts item tags of either byte order in the whole file.
-std::uint64_t count_items(const fs::path& path, std::uint64_t size) {
-  ByteSource source(path, ByteSource::Packing::plain);
-  std::vector<std::byte> block(1 << 16);
-  std::uint32_t last_four = 0;
-  std::uint64_t items = 0;
-  for (std::uint64_t left = size; left > 0;) {
-    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(left, block.size()));
-    source.read(std::span(block).first(n), "content");
-    for (std::size_t b = 0; b < n; ++b) {
-      last_four = (last_four << 8) | std::to_integer<std::uint32_t>(block[b]);
-      items += last_four == 0xfeff00e0u || last_four == 0xfffee000u;
-    }
-    left -= n;
-  }
-  return items;
-}
+/// What is wanted of a file, and where its pixels stand.
+struct LoadedFile {
+  DicomOutline outline;
+  std::unique_ptr<DcmDataset> dataset;
+};
 
-std::string conversion_hint(E_TransferSyntax syntax) {
-  switch (syntax) {
-    case EXS_DeflatedLittleEndianExplicit:
-      return "convert it with: dcmconv +te IN OUT";
-    case EXS_JPEGLSLossless:
-    case EXS_JPEGLSLossy:
-      return "convert it with: dcmdjpls IN OUT";
-    case EXS_JPEG2000LosslessOnly:
-    case EXS_JPEG2000:
-      return "convert it with: gdcmconv --raw IN OUT";
-    default:
-      return "convert it with: dcmdjpeg IN OUT";
-  }
-}
-
-void check_syntax(E_TransferSyntax syntax, const std::string& where) {
-  for (const E_TransferSyntax good :
-       {EXS_LittleEndianImplicit, EXS_LittleEndianExplicit, EXS_BigEndianExplicit, EXS_RLELossless})
-    if (syntax == good) return;
-  throw InputError(where + ": its pixels are packed as \"" + DcmXfer(syntax).getXferName() + "\", which is not read; " +
-                   conversion_hint(syntax));
-}
-
-std::unique_ptr<DcmFileFormat> load(const fs::path& path) {
-  prepare_dcmtk();
-  const std::string where = path.string();
+LoadedFile load(const fs::path& path) {
   const std::uint64_t size = size_of_file(path);
   if (size > 2 * std::uint64_t{max_study_bytes})
-    throw InputError(where + ": is larger than any study that is read (" + std::to_string(size) + " bytes)");
-  if (count_items(path, size) > most_items)
-    throw InputError(where + ": holds more than " + std::to_string(most_items) +
-                     " sequence items or packed frames; if its pixels are packed, convert it with: dcmdrle IN OUT");
-  // The syntax is looked at first: a deflated file would be unpacked while it is loaded, whatever its size.
-  DcmFileFormat meta;
-  if (meta.loadFile(path.c_str(), EXS_Unknown, EGL_noChange, DCM_MaxReadLength, ERM_metaOnly).good()) {
-    OFString uid;
-    if (meta.getMetaInfo()->findAndGetOFString(DCM_TransferSyntaxUID, uid).good())
-      check_syntax(DcmXfer(uid.c_str()).getXfer(), where);
-  }
-  auto file = std::make_unique<DcmFileFormat>();
-  const OFCondition status = file->loadFile(path.c_str());
-  if (status.bad())
-    throw InputError(where + ": is damaged or cut off: DICOM reading stops with \"" + status.text() + "\"");
-  check_syntax(file->getDataset()->getOriginalXfer(), where);
+    throw InputError(path.string() + ": is larger than any study that is read (" + std::to_string(size) + " bytes)");
+  LoadedFile file;
+  file.outline = outline_of_dicom(path, wanted_tags());
+  file.dataset = dicom::load_wanted(path, file.outline);
   return file;
 }
 
@@ -241,10 +228,6 @@ class Attributes {
 };
 
 void read_pixel_format(DicomImage& image, const Attributes& root) {
-  if (!root.has(DCM_PixelData))
-    throw InputError(image.where() + ": holds no pixel data" +
-                     (root.has(DCM_FloatPixelData) || root.has(DCM_DoubleFloatPixelData) ? " of 8 or 16 bits" : "") +
-                     "; expected an image");
   image.rows = root.need_whole(DCM_Rows, 1, 65535);
   image.columns = root.need_whole(DCM_Columns, 1, 65535);
   image.frames = root.has(DCM_NumberOfFrames) ? root.need_whole(DCM_NumberOfFrames, 1, 1'000'000) : 1;
@@ -301,6 +284,8 @@ void read_gating(DicomImage& image, const Attributes& root) {
   if (!image.temporal_position) image.temporal_position = root.soft_number(DCM_TemporalPositionIdentifier);
   image.cycle_percentage = root.soft_number(DCM_NominalPercentageOfCardiacPhase);
   image.instance_number = root.soft_whole(DCM_InstanceNumber);
+  image.acquisition = root.soft_whole(DCM_AcquisitionNumber);
+  image.images_in_acquisition = root.soft_whole(DCM_ImagesInAcquisition);
   const auto gated = root.first_item(DCM_GatedInformationSequence);
   if (!gated) return;
   if (const auto delay = gated->soft_number(DCM_TriggerTime)) image.trigger_time = delay;
@@ -333,37 +318,6 @@ void read_view(DicomImage& image, const Attributes& root) {
   if (order == "BASE_TO_APEX") image.slice_order = SliceOrder::base_to_apex;
 }
 
-/// The pixels as raw bytes in the order of this machine.
-std::span<const std::uint8_t> raw_pixels(DcmDataset& dataset, const DicomImage& image) {
-  DcmElement* element = nullptr;
-  if (dataset.findAndGetElement(DCM_PixelData, element).bad() || !element)
-    throw InputError(image.where() + ": holds no pixel data");
-  const std::uint64_t sample = static_cast<std::uint64_t>(image.bits_allocated) / 8;
-  const std::uint64_t expected = sample * static_cast<std::uint64_t>(image.rows) *
-                                 static_cast<std::uint64_t>(image.columns) * static_cast<std::uint64_t>(image.frames);
-  const std::uint64_t stored = element->getLength();
-  if (stored != expected && stored != expected + expected % 2)
-    throw InputError(image.where() + ": its pixel data are " + std::to_string(stored) + " bytes; " +
-                     std::to_string(image.frames) + " frames of " + std::to_string(image.columns) + " x " +
-                     std::to_string(image.rows) + " pixels need " + std::to_string(expected));
-  Uint8* bytes = nullptr;
-  Uint16* words = nullptr;
-  if (sample == 1 && element->getUint8Array(bytes).good() && bytes) return {bytes, expected};
-  if (sample == 2 && element->getUint16Array(words).good() && words)
-    return {reinterpret_cast<const std::uint8_t*>(words), expected};
-  throw InputError(image.where() + ": its pixel data cannot be read");
-}
-
-float value_of(const std::uint8_t* at, const DicomImage& image) {
-  std::uint32_t raw = at[0];
-  if (image.bits_allocated == 16) raw |= static_cast<std::uint32_t>(at[1]) << 8;
-  // Old files keep overlays in the bits that the value does not use.
-  raw = (raw >> (image.high_bit + 1 - image.bits_stored)) & ((1u << image.bits_stored) - 1);
-  auto value = static_cast<std::int32_t>(raw);
-  if (image.is_signed && (raw >> (image.bits_stored - 1)) != 0) value -= 1 << image.bits_stored;
-  return static_cast<float>(image.slope * value + image.intercept);
-}
-
 }  // namespace
 
 const std::string& DicomImage::kind() const {
@@ -381,10 +335,13 @@ DicomLook dicom_look_of(const std::filesystem::path& path) {
 }
 
 DicomImage read_dicom_header(const std::filesystem::path& path) {
-  const auto file = load(path);
-  const Attributes root(*file->getDataset(), path.string());
+  const LoadedFile file = load(path);
+  const Attributes root(*file.dataset, path.string());
   DicomImage image;
   image.path = path;
+  if (!file.outline.pixels)
+    throw InputError(path.string() + ": holds no pixel data" +
+                     (file.outline.has_real_pixels ? " of 8 or 16 bits" : "") + "; expected an image");
   image.modality = root.text(DCM_Modality);
   image.image_type = root.texts(DCM_ImageType);
   image.sop_class = root.text(DCM_SOPClassUID);
@@ -401,33 +358,9 @@ DicomImage read_dicom_header(const std::filesystem::path& path) {
   return image;
 }
 
-void read_dicom_frames(const DicomImage& image, const std::function<void(int, std::span<const float>)>& use) {
-  const auto file = load(image.path);
-  DcmDataset& dataset = *file->getDataset();
-  if (dataset.getOriginalXfer() == EXS_RLELossless) {
-    // Run lengths pack 128 bytes into 2 at best: more is a lie, found before memory is taken.
-    const std::uint64_t expected = static_cast<std::uint64_t>(image.bits_allocated) / 8 *
-                                   static_cast<std::uint64_t>(image.rows) * static_cast<std::uint64_t>(image.columns) *
-                                   static_cast<std::uint64_t>(image.frames);
-    if (expected > 64 * size_of_file(image.path))
-      throw InputError(image.where() + ": declares more pixels than its run-length data can hold");
-    const OFCondition status = dataset.chooseRepresentation(EXS_LittleEndianExplicit, nullptr);
-    if (status.bad()) throw InputError(image.where() + ": its run-length pixel data are damaged: " + status.text());
-  }
-  const auto bytes = raw_pixels(dataset, image);
-  const std::size_t pixels = static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(image.columns);
-  const std::size_t sample = static_cast<std::size_t>(image.bits_allocated) / 8;
-  std::vector<float> values(pixels);
-  for (int f = 0; f < image.frames; ++f) {
-    const std::uint8_t* at = bytes.data() + static_cast<std::size_t>(f) * pixels * sample;
-    for (std::size_t p = 0; p < pixels; ++p) values[p] = value_of(at + p * sample, image);
-    use(f, values);
-  }
-}
-
 std::vector<std::pair<std::string, std::string>> acquisition_facts_of(const std::filesystem::path& path) {
-  const auto file = load(path);
-  const Attributes root(*file->getDataset(), path.string());
+  const LoadedFile file = load(path);
+  const Attributes root(*file.dataset, path.string());
   std::vector<std::pair<std::string, std::string>> rows;
   if (const auto tracer = root.first_item(DCM_RadiopharmaceuticalInformationSequence)) {
     std::string isotope, code;

@@ -42,7 +42,8 @@ struct DicomImage {
   // What tells gates apart when each has files of its own.
   std::optional<double> trigger_time, temporal_position, cycle_percentage, nominal_interval, heart_rate;
   std::optional<int> instance_number, gate_in_words;
-  std::string series_type;  // PET: GATED, STATIC, ...; else empty
+  std::optional<int> acquisition, images_in_acquisition;  // its number, and how many images it gave
+  std::string series_type;                                // PET: GATED, STATIC, ...; else empty
   bool is_reprojection = false;
 
   View view = View::unknown;
@@ -58,11 +59,13 @@ enum class DicomLook { none, bare, preamble };
 DicomLook dicom_look_of(const std::filesystem::path& path);
 
 /// Reads the header of one file. Throws InputError for a file that is cut off, packed in a way that is not read (with
-/// the way to convert it), or that contradicts itself; IoError when it cannot be opened.
+/// the way to convert it), above the limits of an outline, or that contradicts itself; IoError when it cannot be
+/// opened.
 DicomImage read_dicom_header(const std::filesystem::path& path);
 
 /// Calls `use(frame, values)` for each frame in the order of the file: rows x columns values after rescaling.
-/// Throws InputError when the pixels are fewer or more than the header says.
+/// The pixels are taken from the file frame by frame. Throws InputError when they are fewer or more than the header
+/// says, or their run lengths are damaged.
 void read_dicom_frames(const DicomImage& image, const std::function<void(int, std::span<const float>)>& use);
 
 /// Isotope, tracer, corrections, beats: words from fixed lists and numbers only.

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/dicom_load.hpp"
 #include "dynasurf/io/dicom_result_parts.hpp"
 #include "dynasurf/io/formats.hpp"
 
@@ -33,13 +34,17 @@ std::string text_in(DcmItem& item, const DcmTagKey& tag) {
 }  // namespace
 
 DicomSubject read_dicom_subject(const fs::path& study) {
+  std::vector<std::uint32_t> wanted;
+  const auto want = [&](const DcmTagKey& tag) {
+    wanted.push_back(std::uint32_t{tag.getGroup()} << 16 | tag.getElement());
+  };
+  for (const auto& [member, tag] : subject_texts) want(tag);
+  for (const DcmTagKey& tag : {DCM_FrameOfReferenceUID, DCM_SOPClassUID, DCM_SOPInstanceUID, DCM_SeriesInstanceUID})
+    want(tag);
   DicomSubject subject;
   for (const fs::path& path : files_of_dicom(study)) {
-    DcmFileFormat file;
-    const OFCondition status = file.loadFileUntilTag(path.c_str(), EXS_Unknown, EGL_noChange, DCM_MaxReadLength,
-                                                     ERM_autoDetect, DCM_PixelData);
-    if (status.bad()) throw InputError(path.string() + ": cannot read as DICOM: " + status.text());
-    DcmDataset& data = *file.getDataset();
+    const auto dataset = dicom::load_wanted(path, outline_of_dicom(path, wanted));
+    DcmDataset& data = *dataset;
     if (subject.sources.empty()) {
       for (const auto& [member, tag] : subject_texts) subject.*member = text_in(data, tag);
       subject.frame_of_reference = text_in(data, DCM_FrameOfReferenceUID);
