@@ -159,7 +159,62 @@ TEST_F(DicomFolder, WithAGapBetweenSlicesIsRefused) {
   test::expect_l_shape(read_study(folder), one, decimal_tolerance_mm);
   for (const auto& entry : fs::directory_iterator(folder))
     if (entry.path().filename().string().ends_with("_2")) fs::remove(entry.path());
-  EXPECT_THAT(test::refusal_of(folder), HasSubstr("a slice is missing"));
+  // The place is named, not the slices that are there: those numbered 2 and 3 now were 2 and 4.
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("slices 2 and 3 of 4, at "));
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("are 11.50 mm apart, the others 5.75 mm; a slice is missing at "));
+}
+
+TEST_F(DicomFolder, WithoutItsFirstOrLastSliceIsRefusedWhenACountTells) {
+  Study one = truth;
+  one.gates.resize(1);
+  const std::pair<const char*, std::function<void(DcmDataset&)>> counts[] = {
+      {"holds 4 of 5 slices that NumberOfSlices tells",
+       [](DcmDataset& d) { put(d, DCM_NumberOfSlices, std::vector<Uint16>{5}); }},
+      {"holds 4 of 5 images that ImagesInAcquisition tells",
+       [](DcmDataset& d) { put(d, DCM_ImagesInAcquisition, "5"); }}};
+  for (const auto& [reason, count] : counts)
+    for (const char* lost : {"_0", "_4"})
+      for (const bool derived : {false, true}) {
+        fs::remove_all(folder);
+        test::write_single_frames(one, folder, [&, &put_count = count](DcmDataset& d, int) {
+          put_count(d);
+          if (derived) put(d, DCM_ImageType, "DERIVED\\PRIMARY");
+        });
+        test::expect_l_shape(read_study(folder), one, decimal_tolerance_mm);
+        for (const auto& entry : fs::directory_iterator(folder))
+          if (entry.path().filename().string().ends_with(lost)) fs::remove(entry.path());
+        if (!derived) {
+          EXPECT_THAT(test::refusal_of(folder), HasSubstr(reason));
+          continue;
+        }
+        const Study back = read_study(folder);
+        EXPECT_THAT(back.notes.at(0).message, HasSubstr(reason));
+        EXPECT_EQ(back.notes.at(0).code, "dicom.fewer_images");
+      }
+}
+
+TEST_F(DicomFolder, NumberedFromLaterThanOneIsReadWithANote) {
+  Study one = truth;
+  one.gates.resize(1);
+  test::write_single_frames(one, folder, [](DcmDataset&, int) {});
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().filename().string().ends_with("_0")) fs::remove(entry.path());
+  const Study back = read_study(folder);
+  ASSERT_EQ(back.notes.size(), 1u);
+  EXPECT_EQ(back.notes[0].code, "dicom.first_number");
+}
+
+TEST_F(DicomFolder, WithoutOneOfItsGatesIsRefusedWhenTheirNumberTells) {
+  write_pet([](DcmDataset& d, int gate) {
+    tell_trigger(d, gate);
+    put(d, DCM_NumberOfTimeSlots, std::vector<Uint16>{4});
+  });
+  test::expect_l_shape(read_study(folder), truth, decimal_tolerance_mm);
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (std::stoi(name.substr(name.find('_') + 1)) >= 15) fs::remove(entry.path());
+  }
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("holds 3 of 4 gates that NumberOfTimeSlots tells"));
 }
 
 TEST_F(DicomFolder, TakesTheOnlyGatedShortAxisOfSeveralStacksAndSaysSo) {

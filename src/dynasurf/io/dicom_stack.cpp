@@ -8,13 +8,11 @@
 #include <set>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/dicom_whole.hpp"
 #include "dynasurf/io/samples.hpp"
 
 namespace dynasurf {
 namespace {
-
-// Positions are written with a few decimals; slices of hearts are millimetres apart.
-constexpr double same_place_mm = 0.05;
 
 void note(Notes& notes, Severity severity, const std::string& code, const std::string& message) {
   notes.push_back({severity, code, message});
@@ -315,12 +313,16 @@ DicomStack stack_of_slices(const std::vector<DicomImage>& images, std::span<cons
     if (slices.empty() || height[f] - height[slices.back().front()] > same_place_mm) slices.emplace_back();
     slices.back().push_back(f);
   }
-  const std::size_t gates = slices.front().size();
+  const std::size_t gates = std::max_element(slices.begin(), slices.end(), [](const auto& a, const auto& b) {
+                              return a.size() < b.size();
+                            })->size();
   for (std::size_t k = 0; k < slices.size(); ++k)
     if (slices[k].size() != gates)
-      throw InputError(first.path.parent_path().string() + ": slice " + std::to_string(k + 1) + " has " +
-                       std::to_string(slices[k].size()) + " images, slice 1 has " + std::to_string(gates) +
-                       "; a file is missing or double");
+      throw InputError(first.path.parent_path().string() + ": slice " + std::to_string(k + 1) + " of " +
+                       std::to_string(slices.size()) + ", at " + std::to_string(height[slices[k].front()]) +
+                       " mm along the normal, has " + std::to_string(slices[k].size()) + " images, another " +
+                       std::to_string(gates) + "; a file is missing or double");
+  require_all_images(images, files, slices.size(), gates, stack.notes);
 
   if (gates > 1) {
     std::string used;
@@ -362,13 +364,9 @@ DicomStack stack_of_slices(const std::vector<DicomImage>& images, std::span<cons
   const std::size_t bottom = slices.front().front(), top = slices.back().front();
   if (nz > 1) {
     const double mean = (height[top] - height[bottom]) / static_cast<double>(nz - 1);
-    for (std::size_t k = 1; k < nz; ++k) {
-      const double gap = height[slices[k].front()] - height[slices[k - 1].front()];
-      if (std::abs(gap - mean) > std::max(0.02 * mean, same_place_mm))
-        throw InputError(first.path.parent_path().string() + ": slices " + std::to_string(k) + " and " +
-                         std::to_string(k + 1) + " are " + std::to_string(gap) + " mm apart, the others " +
-                         std::to_string(mean) + " mm on average; a slice is missing");
-    }
+    std::vector<double> heights;
+    for (const auto& slice : slices) heights.push_back(height[slice.front()]);
+    require_even_slices(heights, first.path.parent_path().string());
     step = images[bottom].position && images[top].position
                ? Vec3((*images[top].position - *images[bottom].position) / static_cast<double>(nz - 1))
                : Vec3(place.normal * mean);

@@ -9,6 +9,9 @@
 
 namespace dynasurf {
 
+/// Positions are written with a few decimals; slices of hearts are millimetres apart.
+inline constexpr double same_place_mm = 0.05;
+
 /// One volume or a beat of volumes whose frames have found their places, before any pixel is read.
 struct DicomStack {
   struct Frame {
@@ -37,7 +40,8 @@ std::string reason_to_refuse(const DicomImage& image);
 DicomStack stack_of_frames(const DicomImage& image, std::size_t file);
 
 /// The stack of single-frame files, one per slice (and gate): slices ordered along the normal, gates by the first
-/// attribute that tells them apart. `files` are indices into `images`. Throws InputError for gaps and doubles.
+/// attribute that tells them apart. `files` are indices into `images`. Throws InputError for gaps, doubles and files
+/// that are fewer than they say (see `require_all_images`).
 DicomStack stack_of_slices(const std::vector<DicomImage>& images, std::span<const std::size_t> files);
 
 /// One stack of several that hold a gate each, ordered by what tells the gates apart; nothing when they are not on
