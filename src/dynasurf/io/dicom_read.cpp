@@ -21,12 +21,18 @@ struct Plan {
   DicomStack stack;
 };
 
+// Files below a folder that are looked at: a study of one file per slice and gate has some hundred.
+constexpr std::size_t most_files = 100'000;
+
 std::vector<fs::path> files_below(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     if (it.depth() >= 8) it.disable_recursion_pending();
     if (it->is_regular_file(error)) files.push_back(it->path());
+    if (files.size() > most_files)
+      throw InputError(folder.string() + ": holds more than " + std::to_string(most_files) +
+                       " files; give the folder of one study");
   }
   if (error) throw IoError(folder.string() + ": cannot list this folder: " + error.message());
   std::sort(files.begin(), files.end());
@@ -142,6 +148,7 @@ void check_whole(const Plan& plan) {
 
 std::vector<Image> read_pixels(const Plan& plan) {
   const DicomStack& stack = plan.stack;
+  require_memory_of_study(stack.grid, stack.gates, plan.images[stack.first_file()].where());
   const auto slices = static_cast<std::size_t>(stack.grid.dims[2]);
   const std::size_t pixels = stack.grid.size() / slices;
   std::map<std::size_t, std::map<int, std::size_t>> place_of;  // file -> frame -> place in the stack

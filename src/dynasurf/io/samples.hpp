@@ -25,8 +25,14 @@ struct SampleLayout {
 void check_study_size(std::uint64_t nx, std::uint64_t ny, std::uint64_t nz, std::uint64_t gates,
                       const std::string& where);
 
+/// Memory that a study takes through the heaviest job on it, bytes.
+std::uint64_t memory_of_study(std::uint64_t voxels, std::uint64_t gates);
+/// Throws InputError when that is above the limit of memory. To be called before any voxel is read.
+void require_memory_of_study(const Grid& grid, int gates, const std::string& where);
+
 /// Reads `gates` volumes on `grid` and nothing more: the source must end there. Throws InputError for less or more
-/// data than that, or for a value that is not a finite number, naming the first such voxel.
+/// data than that, for more than the limit of memory allows, or for a value that is not a finite number, naming the
+/// first such voxel.
 std::vector<Image> read_samples(ByteSource& source, const Grid& grid, int gates, const SampleLayout& layout,
                                 const std::string& where);
 
