@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/memory_limit.hpp"
 #include "dynasurf/io/gzip.hpp"
 #include "dynasurf/io/nifti_format.hpp"
 #include "dynasurf/io/study_io.hpp"
@@ -218,6 +219,18 @@ TEST_F(NiftiFile, DeclaringFourGigabytesIsRefusedAtOnce) {
   EXPECT_THAT(refusal(bytes), HasSubstr("dimension 5"));
 }
 
+TEST_F(NiftiFile, ThatNeedsMoreMemoryThanTheLimitIsRefusedBeforeItIsUnpacked) {
+  std::string bytes = written(test::l_shape_study(test::oblique_grid(), 1)).substr(0, 352);
+  for (std::size_t d = 1; d <= 3; ++d) set<std::int16_t>(bytes, nifti::dim + 2 * d, 200);
+  bytes.resize(352 + 4 * 200 * 200 * 200);
+  const auto path = file(gzip(bytes), "zeros.nii.gz");
+  ASSERT_LT(std::filesystem::file_size(path), 100'000u);
+  EXPECT_EQ(test::refusal_of(path), "");
+  const MemoryLimit limit(std::uint64_t{300} << 20);
+  EXPECT_THAT(test::refusal_of(path),
+              HasSubstr("of memory for 200 x 200 x 200 voxels x 1 gates; the limit is 300 MiB"));
+}
+
 TEST_F(NiftiFile, NamesTheFirstVoxelThatIsNotANumber) {
   std::string bytes = written(test::l_shape_study(test::oblique_grid(), 2));
   const std::size_t voxel = 7 * 6 * 5 + (7 * 6) * 3 + 7 * 2 + 1;
@@ -241,6 +254,8 @@ TEST_F(NiftiFile, IsRefusedWithTheReason) {
   EXPECT_THAT(changed(nifti::srow + 4, 1.f), HasSubstr("not at right angles"));
   EXPECT_THAT(changed(nifti::srow, std::numeric_limits<float>::quiet_NaN()), HasSubstr("not a finite number"));
   EXPECT_THAT(changed(nifti::vox_offset, 100.f), HasSubstr("vox_offset"));
+  EXPECT_THAT(changed(nifti::vox_offset, 2e7f),
+              HasSubstr("vox_offset is 20000000.000000; expected a whole number from 352 to "));
   EXPECT_THAT(changed(nifti::magic, std::int32_t{0}), HasSubstr("Analyze"));
   EXPECT_THAT(changed(nifti::xyzt_units, std::uint8_t{7}), HasSubstr("unit of length"));
 }
@@ -252,6 +267,19 @@ TEST_F(NiftiFile, NotesThatLeftAndRightAreUnknownWithoutOrientation) {
   const Study study = read(bytes);
   ASSERT_EQ(study.notes.size(), 1u);
   EXPECT_EQ(study.notes[0].code, "nifti.no_orientation");
+}
+
+TEST_F(NiftiFile, WithAVoxelSizeBelowZeroIsRefusedWhereThatIsAllItSays) {
+  for (const bool has_quaternion : {false, true}) {
+    std::string bytes = written(test::l_shape_study(test::oblique_grid(), 1));
+    set<std::int16_t>(bytes, nifti::sform_code, 0);
+    set<std::int16_t>(bytes, nifti::qform_code, std::int16_t{has_quaternion});
+    ASSERT_EQ(refusal(bytes), "");
+    set<float>(bytes, nifti::pixdim + 4, -3.f);
+    EXPECT_THAT(refusal(bytes), HasSubstr("pixdim[1] is -3.0"));
+    set<std::int16_t>(bytes, nifti::sform_code, 1);
+    EXPECT_EQ(refusal(bytes), "") << "the sform says all";
+  }
 }
 
 TEST_F(NiftiFile, SurvivesFlippedBits) {

@@ -120,9 +120,12 @@ TEST_F(NrrdFile, ReadsADetachedHeader) {
   write_bytes(scratch / "voxels.raw", "line\nxy" + data);
   EXPECT_EQ(read_study(file(one_row + "line skip: 1\nbyte skip: 2\ndata file: voxels.raw\n", "b.nhdr")).gates[0].values,
             (std::vector<float>{1, 2, 3}));
-  EXPECT_EQ(read_study(file(one_row + "byte skip: -1\ndatafile: voxels.raw\n", "c.nhdr")).gates[0].values,
-            (std::vector<float>{1, 2, 3}));
+  const auto from_the_end = file(one_row + "byte skip: -1\ndatafile: voxels.raw\n", "c.nhdr");
+  EXPECT_THAT(test::refusal_of(from_the_end), HasSubstr("a whole one: 7 if this one is whole"));
+  write_bytes(scratch / "voxels.raw", data);
+  EXPECT_EQ(read_study(from_the_end).gates[0].values, (std::vector<float>{1, 2, 3}));
   write_bytes(scratch / "voxels.raw", data.substr(1));
+  EXPECT_THAT(test::refusal_of(from_the_end), HasSubstr("is cut off"));
   EXPECT_THAT(test::refusal_of(header), HasSubstr("is cut off"));
 }
 
@@ -130,6 +133,46 @@ TEST_F(NrrdFile, NeverLeavesTheFolderOfItsHeader) {
   for (const char* name : {"/etc/passwd", "../voxels.raw", "sub/voxels.raw", "..", "LIST", "v%02d.raw 1 3 1"})
     EXPECT_THAT(test::refusal_of(file(one_row + "data file: " + name + "\n", "study.nhdr")), HasSubstr("datafile"))
         << name;
+}
+
+TEST_F(NrrdFile, NeverFollowsALinkOutOfTheFolderOfItsHeader) {
+  const std::string data = raw<std::int16_t>({1, 2, 3});
+  std::filesystem::create_directory(scratch / "other");
+  write_bytes(scratch / "other" / "voxels.raw", data);
+  const auto header = file(one_row + "data file: link.raw\n", "study.nhdr");
+  std::filesystem::create_symlink("other/voxels.raw", scratch / "link.raw");
+  EXPECT_THAT(test::refusal_of(header), HasSubstr("leads out of the folder"));
+  std::filesystem::remove(scratch / "link.raw");
+  write_bytes(scratch / "real.raw", data);
+  std::filesystem::create_symlink("real.raw", scratch / "link.raw");
+  EXPECT_EQ(test::refusal_of(header), "");
+}
+
+TEST_F(NrrdFile, WithADetachedHeaderIsRefusedWhenTheHeaderIsCutAtAnyByte) {
+  write_bytes(scratch / "voxels.raw", raw<std::int16_t>({1, 2, 3}));
+  const std::string name = "data file: voxels.raw\n";
+  EXPECT_EQ(test::accepted_cuts(scratch / "cut.nhdr", one_row + name), std::vector<std::size_t>{});
+  // The one exception: programs that leave the empty line out write the name last, so a header may end there.
+  const std::string in_front = with(one_row, "endian: little\n", name + "endian: little\n") + "\n";
+  EXPECT_EQ(test::accepted_cuts(scratch / "cut.nhdr", in_front), std::vector<std::size_t>{});
+  const std::string behind = with(one_row, "space origin", name + "space origin") + "\n";
+  EXPECT_EQ(test::accepted_cuts(scratch / "cut.nhdr", behind), std::vector{behind.find("space origin")});
+  EXPECT_THAT(test::refusal_of(file(one_row + name + "# no more\ncontent: x\n", "open.nhdr")),
+              HasSubstr("ends without a blank line"));
+}
+
+TEST_F(NrrdFile, WithADataFileIsRefusedWhenThatIsCutAtAnyByte) {
+  for (const char* skip : {"", "byte skip: 3\n", "line skip: 1\n", "byte skip: -1\n"}) {
+    const auto header = file(one_row + skip + "data file: voxels.raw\n", "study.nhdr");
+    const std::string front = std::string(skip) == "byte skip: 3\n" ? "abc" : *skip == 'l' ? "abc\n" : "";
+    const std::string data = front + raw<std::int16_t>({1, 2, 3});
+    write_bytes(scratch / "voxels.raw", data);
+    ASSERT_EQ(test::refusal_of(header), "") << skip;
+    for (std::size_t n = 0; n < data.size(); ++n) {
+      write_bytes(scratch / "voxels.raw", data.substr(0, n));
+      EXPECT_NE(test::refusal_of(header), "") << skip << n;
+    }
+  }
 }
 
 TEST_F(NrrdFile, TakesTimesOnlyWithTheirUnit) {

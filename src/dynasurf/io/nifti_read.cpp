@@ -14,6 +14,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// What stands before the voxels is the header and extensions of some kilobytes; a gzip file has to be unpacked up to
+// there.
+constexpr double most_offset = 1 << 24;
+
 struct Header {
   std::array<std::byte, nifti::header_bytes> bytes;
   bool big_endian = false;
@@ -109,6 +113,19 @@ Affine affine_of_sform(const Header& header) {
   return a;
 }
 
+/// Sizes of a voxel by the header's word; only a sform makes do without them. A sign would say that an axis runs back,
+/// but pixdim must not tell that, and readers differ.
+Vec3 voxel_sizes(const Header& header, const std::string& where) {
+  Vec3 sizes;
+  for (int axis = 0; axis < 3; ++axis) {
+    sizes[axis] = header.real(nifti::pixdim, static_cast<std::size_t>(axis) + 1);
+    if (!(sizes[axis] > 0))
+      throw InputError(where + ": pixdim[" + std::to_string(axis + 1) + "] is " + std::to_string(sizes[axis]) +
+                       "; expected the size of a voxel, above 0");
+  }
+  return sizes;
+}
+
 Affine affine_of_qform(const Header& header, const std::string& where) {
   const double b = header.real(nifti::quatern), c = header.real(nifti::quatern, 1), d = header.real(nifti::quatern, 2);
   const double rest = 1 - (b * b + c * c + d * d);
@@ -117,9 +134,7 @@ Affine affine_of_qform(const Header& header, const std::string& where) {
   const double handedness = header.real(nifti::pixdim) < 0 ? -1 : 1;
   Affine a;
   a.leftCols<3>() =
-      q.normalized().toRotationMatrix() *
-      Vec3(header.real(nifti::pixdim, 1), header.real(nifti::pixdim, 2), handedness * header.real(nifti::pixdim, 3))
-          .asDiagonal();
+      q.normalized().toRotationMatrix() * voxel_sizes(header, where).cwiseProduct(Vec3(1, 1, handedness)).asDiagonal();
   for (int row = 0; row < 3; ++row) a(row, 3) = header.real(nifti::qoffset, static_cast<std::size_t>(row));
   return a;
 }
@@ -146,8 +161,7 @@ Grid grid_of(const Header& header, const Index3& dims, Notes& notes, const std::
   } else if (header.small(nifti::qform_code) > 0) {
     ras = affine_of_qform(header, where);
   } else {
-    for (int axis = 0; axis < 3; ++axis)
-      ras(axis, axis) = header.real(nifti::pixdim, static_cast<std::size_t>(axis) + 1);
+    ras.leftCols<3>() = voxel_sizes(header, where).asDiagonal();
     notes.push_back({Severity::warning, "nifti.no_orientation",
                      "the file has neither sform nor qform: where left and right are is assumed, not known"});
   }
@@ -236,11 +250,12 @@ Study read_nifti(const std::filesystem::path& path) {
   const double offset = header.real(nifti::vox_offset);
   const bool single = header.has_magic("n+1");
   const double least = single ? nifti::header_bytes + 4 : 0;
-  if (!(offset >= least) || offset != std::floor(offset) || offset > 1e9) {
+  if (!(offset >= least) || offset != std::floor(offset) || offset > most_offset) {
     // Writers of pairs leave it at zero; for a single file zero is known to mean the usual place.
     if (!(single && offset == 0))
       throw InputError(where + ": vox_offset is " + std::to_string(offset) + "; expected a whole number from " +
-                       std::to_string(static_cast<int>(least)));
+                       std::to_string(static_cast<int>(least)) + " to " +
+                       std::to_string(static_cast<int>(most_offset)));
   }
   const auto start = static_cast<std::uint64_t>(std::max(offset, least));
   if (single) {

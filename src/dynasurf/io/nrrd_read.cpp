@@ -22,6 +22,7 @@ struct Header {
   std::map<std::string, std::string> keys;    // "key:=value"
   std::uint64_t end = 0;                      // offset of the first byte after the blank line
   bool has_blank_line = false;
+  bool data_file_is_last = false;  // of the lines so far
 
   std::optional<std::string> find(const std::string& name) const {
     const auto it = fields.find(name);
@@ -60,9 +61,24 @@ void read_line(Header& header, const std::string& line) {
     name = lower(name);
     std::erase(name, ' ');
   }
+  header.data_file_is_last = !is_key && name == "datafile";
   auto& table = is_key ? header.keys : header.fields;
   if (!table.emplace(name, trimmed(line.substr(colon + (is_key ? 2 : 1)))).second)
     throw InputError(header.where + ": NRRD header gives \"" + name.substr(0, 60) + "\" twice");
+}
+
+/// A header that lost its last lines must not pass for a whole one. It is whole up to an empty line; and up to the name
+/// of its data file, which the programs that leave the empty line out write last. `line` is what follows the last line
+/// break.
+void require_end(const Header& header, const std::string& line) {
+  if (header.has_blank_line) return;
+  if (!line.empty())
+    throw InputError(header.where + ": is cut off: the last line of the NRRD header, \"" + line.substr(0, 60) +
+                     "\", has no end");
+  if (!header.data_file_is_last)
+    throw InputError(header.where +
+                     ": may be cut off: the NRRD header ends without a blank line; end it with one, or " +
+                     "with the line \"data file\"");
 }
 
 Header read_header(const fs::path& path) {
@@ -80,7 +96,7 @@ Header read_header(const fs::path& path) {
     const char c = static_cast<char>(byte);
     if (c != '\n') {
       line += c;
-      if (header.end < size) continue;
+      continue;
     }
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (first) {
@@ -94,6 +110,7 @@ Header read_header(const fs::path& path) {
     }
     line.clear();
   }
+  require_end(header, line);
   return header;
 }
 
@@ -378,6 +395,19 @@ void set_own_keys(Study& study, const Header& header) {
     study.cycle_ms = ms;
 }
 
+/// The data file, which has to be in the folder of the header, also when it is a link.
+fs::path data_file_beside(const fs::path& header, const std::string& name) {
+  const fs::path file = header.parent_path() / name;
+  std::error_code error;
+  if (!fs::is_symlink(file, error)) return file;
+  const fs::path here = fs::canonical(header.parent_path().empty() ? "." : header.parent_path(), error);
+  const fs::path there = fs::canonical(file, error);
+  if (error || there.parent_path() != here)
+    throw InputError(file.string() + ": is a link that leads out of the folder of its header " +
+                     header.filename().string());
+  return file;
+}
+
 std::optional<std::string> data_file_name(const Header& header) {
   const auto long_name = header.find("datafile");
   if (!long_name) return std::nullopt;
@@ -402,9 +432,13 @@ std::uint64_t data_offset(const Header& header, const fs::path& file, std::uint6
     throw InputError(header.where + ": line skip and byte skip are read for raw encoding only");
   const std::uint64_t size = size_of_file(file);
   if (skip == -1) {
-    if (size < bytes || size - bytes < start)
+    if (size < start || size - start < bytes)
       throw InputError(file.string() + ": is cut off: " + std::to_string(bytes) + " bytes of voxels are declared");
-    return size - bytes;
+    // Counted from the end, the voxels of a shorter file would all be shifted, and nobody could tell.
+    if (size - start > bytes)
+      header.refuse("byteskip", "how many bytes stand before the voxels, so that a file that was cut is told from a " +
+                                    ("whole one: " + std::to_string(size - start - bytes)) + " if this one is whole");
+    return start;
   }
   ByteSource source(file, packing, start);
   std::uint64_t offset = start;
@@ -421,7 +455,7 @@ std::uint64_t data_offset(const Header& header, const fs::path& file, std::uint6
 std::vector<std::filesystem::path> data_files_of_nrrd(const std::filesystem::path& path) {
   const auto name = data_file_name(read_header(path));
   if (!name) return {};
-  return {path.parent_path() / *name};
+  return {data_file_beside(path, *name)};
 }
 
 Study read_nrrd(const std::filesystem::path& path) {
@@ -437,7 +471,7 @@ Study read_nrrd(const std::filesystem::path& path) {
   const auto name = data_file_name(header);
   if (!name && !header.has_blank_line)
     throw InputError(header.where + ": the NRRD header ends without a blank line, so no voxels follow");
-  const fs::path file = name ? path.parent_path() / *name : path;
+  const fs::path file = name ? data_file_beside(path, *name) : path;
   const std::uint64_t bytes =
       std::uint64_t{bytes_of(layout.type)} * grid.size() * static_cast<std::uint64_t>(axes.gates);
   ByteSource source(file, packing, data_offset(header, file, name ? 0 : header.end, bytes, packing));
