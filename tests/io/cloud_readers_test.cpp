@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/memory_limit.hpp"
 #include "dynasurf/io/bytes.hpp"
 #include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
@@ -250,7 +251,7 @@ TEST_F(ReadCloud, DropsNormalsThatAreNotWholeAndSaysSo) {
   for (const char* bad : {"0 0 0", "nan 0 0", "inf 0 0"}) {
     const CloudInput input = read("a.pwn", "0 0 0 0 0 1\n1 0 0 " + std::string(bad) + "\n");
     EXPECT_TRUE(input.cloud.normals.empty()) << bad;
-    EXPECT_THAT(codes(input), ElementsAre("read.normals_dropped"));
+    EXPECT_THAT(codes(input), ElementsAre("read.no_count", "read.normals_dropped"));
   }
 }
 
@@ -263,7 +264,7 @@ TEST_F(ReadCloud, NumbersTheScansOfOneAndOfSeveralFiles) {
   write_bytes(folder / "c.pts", "1\n6 0 0\n1\n7 0 0\n");
   const CloudInput several = read_cloud(std::vector{folder / "b.xyz", folder / "c.pts", folder / "b.xyz"});
   EXPECT_THAT(several.cloud.scans, ElementsAre(0, 1, 2, 3));
-  EXPECT_THAT(codes(several), ElementsAre("read.scans"));
+  EXPECT_THAT(codes(several), ElementsAre("read.no_count", "read.no_count", "read.scans"));
   EXPECT_EQ(several.sources.size(), 3u);
 }
 
@@ -273,7 +274,7 @@ TEST_F(ReadCloud, KeepsOfSeveralFilesOnlyWhatAllHave) {
   const CloudInput input = read_cloud(std::vector{folder / "a.xyz", folder / "b.xyz"});
   EXPECT_EQ(input.cloud.points.size(), 2u);
   EXPECT_TRUE(input.cloud.normals.empty());
-  EXPECT_THAT(codes(input), ElementsAre("read.normals_dropped", "read.scans"));
+  EXPECT_THAT(codes(input), ElementsAre("read.no_count", "read.no_count", "read.normals_dropped", "read.scans"));
 }
 
 TEST_F(ReadCloud, RefusesBlocksThatHoldLessOrMoreThanTheyDeclare) {
@@ -282,6 +283,29 @@ TEST_F(ReadCloud, RefusesBlocksThatHoldLessOrMoreThanTheyDeclare) {
   EXPECT_THAT(refusal("a.pts", "4294967295\n0 0 0\n"), HasSubstr("4294967295 were declared"));
   EXPECT_THAT(refusal("a.pts", "-3\n0 0 0\n"), HasSubstr("line 1"));
   EXPECT_THAT(refusal("a.pts", "0\n"), HasSubstr("holds no point"));
+}
+
+TEST_F(ReadCloud, RefusesRowsThatAreFewerThanTheirCommentsTell) {
+  EXPECT_THAT(refusal("a.xyz", "# 3 points\n0 0 0\n1 0 0\n"), HasSubstr("holds 2 points; its first lines tell of 3"));
+  EXPECT_THAT(refusal("a.csv", "// rows: 2\nx,y,z\n0,0,0\n"), HasSubstr("holds 1 rows"));
+  EXPECT_TRUE(codes(read("a.xyz", "# 2 points\n0 0 0\n1 0 0\n")).empty());
+  EXPECT_THAT(codes(read("a.xyz", "0 0 0\n1 0 0\n")), ElementsAre("read.no_count"));
+}
+
+TEST_F(ReadCloud, OfSeveralScansMissesOnlyACutBetweenThem) {
+  const std::string first = "2\n0 0 0\n1 0 0\n", both = first + "1\n2 0 0\n";
+  std::vector<std::size_t> accepted;
+  for (std::size_t size = 0; size < both.size(); ++size)
+    if (refusal("a.pts", std::string_view(both).substr(0, size)).empty()) accepted.push_back(size);
+  EXPECT_EQ(accepted, std::vector{first.size()});
+}
+
+TEST_F(ReadCloud, RefusesWhatNeedsMoreMemoryThanTheLimit) {
+  std::string rows;
+  for (int n = 0; n < 400'000; ++n) rows += "0 0 " + std::to_string(n) + "\n";
+  ASSERT_EQ(refusal("a.xyz", rows), "");
+  const MemoryLimit limit(std::uint64_t{100} << 20);
+  EXPECT_THAT(refusal("a.xyz", rows), HasSubstr("400000 points; the limit is 100 MiB (--memory-limit)"));
 }
 
 TEST_F(ReadCloud, RefusesLasFilesThatLie) {

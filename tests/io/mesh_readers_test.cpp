@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/memory_limit.hpp"
 #include "dynasurf/io/bytes.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/io/mesh_io.hpp"
@@ -170,6 +171,58 @@ TEST(ReadMesh, RefusesAFileCutAnywhere) {
       EXPECT_EQ(reason.find('\n'), std::string::npos);
     }
   }
+}
+
+TEST(ReadMesh, RefusesAnObjCutAnywhereWhenItsCommentsTellTheCounts) {
+  const std::string whole = io_detail::encode_obj(decode(io_detail::decode_obj, pyramid_obj));
+  ASSERT_EQ(refusal(io_detail::decode_obj, whole), "");
+  const std::size_t first_row = whole.find("\nv ") + 1;  // a cut before it leaves no mesh at all
+  for (std::size_t size = first_row; size < whole.size(); ++size)
+    EXPECT_NE(refusal(io_detail::decode_obj, std::string_view(whole).substr(0, size)), "") << size;
+  for (const char* comment : {"# 6 vertices, 5 faces\n", "#number of vertices = 6\n", "# Points: 6\n", "# FACES 99\n"})
+    EXPECT_THAT(refusal(io_detail::decode_obj, comment + pyramid_obj), HasSubstr("its first lines tell of")) << comment;
+  for (const char* comment :
+       {"# 4 vertices\n", "# 99 vertices were removed\n", "# 99 vertex normals\n", "# vertices\n"})
+    EXPECT_EQ(refusal(io_detail::decode_obj, comment + pyramid_obj), "") << comment;
+}
+
+TEST(ReadMesh, OfAnAsciiStlWithSeveralSolidsMissesOnlyACutBetweenThem) {
+  const std::string two = triangle_stl_ascii + triangle_stl_ascii;
+  std::vector<std::size_t> accepted;
+  for (std::size_t size = 1; size < two.size(); ++size)
+    if (refusal(io_detail::decode_stl, std::string_view(two).substr(0, size)).empty()) accepted.push_back(size);
+  EXPECT_EQ(accepted, std::vector{triangle_stl_ascii.size()});
+}
+
+TEST(ReadMesh, RefusesHeadersAndLinesAboveTheirLimits) {
+  const auto with_properties = [](int count) {
+    std::string ply =
+        "ply\nformat ascii 1.0\nelement face 0\nproperty list uchar int vertex_indices\n"
+        "element vertex 0\nproperty float x\nproperty float y\nproperty float z\n";
+    for (int n = 0; n < count - 3; ++n) ply += "property float p" + std::to_string(n) + "\n";
+    return ply + "end_header\n";
+  };
+  EXPECT_EQ(refusal(io_detail::decode_ply, with_properties(1024)), "");
+  EXPECT_THAT(refusal(io_detail::decode_ply, with_properties(1025)), HasSubstr("more than 1024 properties"));
+  std::string elements = "ply\nformat ascii 1.0\n";
+  for (int n = 0; n < 257; ++n) elements += "element e" + std::to_string(n) + " 0\n";
+  EXPECT_THAT(refusal(io_detail::decode_ply, elements), HasSubstr("more than 256 elements"));
+  const std::string line(std::size_t{1} << 20, ' ');
+  EXPECT_EQ(refusal(io_detail::decode_off, line + "\n" + pyramid_off), "");
+  EXPECT_THAT(refusal(io_detail::decode_off, line + " \n" + pyramid_off), HasSubstr("longer than 1048576 bytes"));
+}
+
+TEST(ReadMesh, RefusesWhatNeedsMoreMemoryThanTheLimit) {
+  std::string stl(80, ' ');
+  append(stl, std::uint32_t{1'000'000});
+  stl.resize(84 + 50'000'000, '\0');
+  ASSERT_EQ(refusal(io_detail::decode_stl, stl), "");
+  const MemoryLimit limit(std::uint64_t{200} << 20);
+  EXPECT_THAT(refusal(io_detail::decode_stl, stl), HasSubstr("1000000 triangles; the limit is 200 MiB"));
+  std::string obj = "v 0 0 0\nf";
+  for (int n = 0; n < 500'000; ++n) obj += " 1";  // a fan of so many triangles
+  for (int n = 0; n < 4; ++n) obj += "\n" + obj.substr(obj.find('f'));
+  EXPECT_THAT(refusal(io_detail::decode_obj, obj + "\n"), HasSubstr("the limit is 200 MiB"));
 }
 
 TEST(ReadMesh, RefusesWhatFollowsTheEnd) {

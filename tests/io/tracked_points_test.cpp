@@ -37,6 +37,21 @@ TEST(TrackedPoints, ComeBackAsTheyWereWritten) {
   EXPECT_TRUE(read.notes.empty());
 }
 
+TEST(TrackedPoints, ThatWereWrittenAreRefusedWhenCutAnywhere) {
+  const ScratchFolder folder;
+  write_tracked_points({{"a", "b"}, {{{1, 2, 3}, {3, 4, 5}}, {{3, 0, 9}, {6, 7, 8}}, {{1, 1, 1}, {2, 2, 2}}}},
+                       folder / "points.csv");
+  const std::string whole = test::read_bytes(folder / "points.csv");
+  ASSERT_EQ(refusal_of(whole), "");
+  for (std::size_t size = 0; size < whole.size(); ++size) EXPECT_NE(refusal_of(whole.substr(0, size)), "") << size;
+}
+
+TEST(TrackedPoints, WithoutACountAreReadWithANote) {
+  const TrackedFile read = read_text(head + "a,1,0,0,0\na,2,1,1,1\n");
+  ASSERT_EQ(read.notes.size(), 1u);
+  EXPECT_EQ(read.notes[0].code, "motion.no_count");
+}
+
 TEST(TrackedPoints, MayStandInAnyOrderOfRowsAndColumns) {
   const TrackedFile read =
       read_text("# tags\n\"Z\"; note; GATE; X; Y; Point\n3;far;2;1;2;p\n\n6; ;1;4;5;p\n9;x;1;7;8;q\n1;x;2;1;1;q\n");
@@ -50,9 +65,9 @@ TEST(TrackedPoints, MayStandInAnyOrderOfRowsAndColumns) {
 TEST(TrackedPoints, ThatWereLostInAGateAreLeftOutAndCounted) {
   const TrackedFile read = read_text(head + "a,1,0,0,0\nb,1,1,1,1\na,2,2,2,2\nc,2,3,3,3\n");
   EXPECT_EQ(read.points.name, std::vector<std::string>{"a"});
-  ASSERT_EQ(read.notes.size(), 1u);
-  EXPECT_EQ(read.notes[0].code, "motion.points_left_out");
-  EXPECT_NE(read.notes[0].message.find("2 of 3"), std::string::npos);
+  ASSERT_EQ(read.notes.size(), 2u);
+  EXPECT_EQ(read.notes[1].code, "motion.points_left_out");
+  EXPECT_NE(read.notes[1].message.find("2 of 3"), std::string::npos);
 }
 
 TEST(TrackedPoints, OfADamagedFileAreRefusedWithTheLine) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
-#include <unordered_map>
+#include <map>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
@@ -59,7 +59,7 @@ TriMesh decode(Kind kind, const MeshFile& file, VertexData& data) {
     case Kind::stl:
       break;
   }
-  return decode_stl(file);
+  return decode_stl(file, true);
 }
 
 void tell(Notes& notes, Severity severity, std::string code, std::string message) {
@@ -68,7 +68,8 @@ void tell(Notes& notes, Severity severity, std::string code, std::string message
 
 /// The scans numbered from 0 in the order in which they are first seen.
 std::uint32_t renumber(std::vector<std::uint32_t>& scans) {
-  std::unordered_map<std::uint32_t, std::uint32_t> numbers;
+  // A tree, whose time does not depend on which numbers a file has chosen.
+  std::map<std::uint32_t, std::uint32_t> numbers;
   for (auto& scan : scans) scan = numbers.try_emplace(scan, static_cast<std::uint32_t>(numbers.size())).first->second;
   return static_cast<std::uint32_t>(numbers.size());
 }
@@ -162,6 +163,9 @@ PointCloud io_detail::decode_cloud(const MeshFile& file, CloudSource& source, No
   TriMesh mesh = decode(format.kind, file, data);
   source.format = format.name;
   if (!data.remark.empty()) tell(notes, Severity::info, "read.left_out", data.remark);
+  if (!data.has_count)
+    tell(notes, Severity::info, "read.no_count",
+         "the file does not tell how much it holds; one that was cut at the end of a line would look alike");
   if (mesh.vertices.empty()) refuse(file, "", 0, "holds no point; expected a cloud or a surface");
   if (mesh.vertices.size() > most_points)
     refuse(file, "", 0, "holds " + std::to_string(mesh.vertices.size()) + " points; expected at most 100000000");

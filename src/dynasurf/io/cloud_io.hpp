@@ -20,7 +20,8 @@ struct CloudSource {
 struct CloudInput {
   PointCloud cloud;
   std::vector<CloudSource> sources;  // one per file
-  Notes notes;  // "read.sampled", "read.normals_dropped", "read.colours_dropped", "read.left_out", "read.scans"
+  Notes notes;  // "read.sampled", "read.normals_dropped", "read.colours_dropped", "read.left_out", "read.scans",
+                // "read.no_count"
 };
 
 /// Points that a surface given as input is sampled to, its vertices among them; more when it has more vertices.
@@ -43,9 +44,13 @@ constexpr std::size_t points_of_a_surface = 100'000;
 /// Coordinates that are not finite are kept: scanners write them where they saw nothing. Normals are kept when every
 /// finite point of every file has one that is finite and not 0, colours when every file has them; else a note tells.
 /// Several files, or several scans in a file, are numbered in `scans`, from 0 in the order of appearance.
-/// Strict: cut short, longer or shorter than declared, a value that is no number: all refused. Rows without a count can
-/// be cut at the end of a row unnoticed, like an OBJ. At most 2 GiB a file and 100 million points.
-/// Throws InputError naming the file and the line or byte, also for a file without points; IoError.
+/// Strict: cut short, longer or shorter than declared, a value that is no number: all refused, also when comments in
+/// front tell of more ("# Vertices: 35947", "# 500 points"). Where neither the format nor a comment tells (XYZ, TXT,
+/// ASC, CSV, PWN, OBJ), a cut at the end of a row cannot be seen, and the note "read.no_count" says so; nor can a PTS
+/// be told that was cut between two scans, or an ascii STL between two solids. Time is linear in the file (times the
+/// logarithm of the scans). At most 2 GiB a file, 100 million points, 1 MiB a line, 1024 properties and 256 elements of
+/// a PLY; what a header declares must fit the limit of memory, at 200 bytes a point, before rows are read. Throws
+/// InputError naming the file and the line or byte, also for a file without points; IoError.
 CloudInput read_cloud(std::span<const std::filesystem::path> files);
 
 /// Writes binary PLY with doubles for the points, floats for normals, bytes for colours, integers for scans, of what

@@ -91,6 +91,7 @@ bool is_left_out(const char* point, bool extended) {
 
 TriMesh decode_las(const MeshFile& file, VertexData& data) {
   const Header header = read_header(file);
+  require_memory_of(file, header.points, 0, true);
   TriMesh mesh;
   mesh.vertices.reserve(header.points);
   std::vector<std::array<std::uint16_t, 3>> colours;

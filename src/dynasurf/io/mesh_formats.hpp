@@ -20,11 +20,36 @@ struct MeshFile {
   std::string_view bytes;
 };
 
-/// All of a file; `what` it is ("a mesh") stands in the refusal of one above 2 GiB. Throws InputError, IoError.
+/// All of a file; `what` it is ("a mesh") stands in the refusal of one above 2 GiB or the limit of memory. Throws
+/// InputError, IoError.
 std::string read_whole(const std::filesystem::path& path, const char* what);
 
 /// Throws InputError "NAME: line 12: REASON", or byte 12, or without a place when `unit` is empty.
 [[noreturn]] void refuse(const MeshFile& file, std::string_view unit, std::size_t place, const std::string& reason);
+
+/// Throws InputError when a mesh of so many vertices and triangles (or with `as_cloud` a cloud of so many points, or of
+/// the points sampled from such a mesh) would take more memory than the limit, through the heaviest job on it. Called
+/// with what a header declares or the file can hold at most, before any row is read.
+void require_memory_of(const MeshFile& file, std::size_t vertices, std::size_t triangles, bool as_cloud);
+
+/// Keeps a mesh that grows row by row within the limit of memory: to be asked before rows are added.
+class MeshRoom {
+ public:
+  MeshRoom(const MeshFile& file, bool as_cloud) : file_(file), as_cloud_(as_cloud) {}
+  /// Throws InputError like `require_memory_of`. At most so many triangles are added before it is asked again.
+  void before_more(const TriMesh& mesh, std::size_t triangles = 1) {
+    if (mesh.vertices.size() + 1 > vertices_ || mesh.triangles.size() + triangles > triangles_) grow(mesh, triangles);
+  }
+
+ private:
+  void grow(const TriMesh& mesh, std::size_t triangles);
+  const MeshFile& file_;
+  bool as_cloud_;
+  std::size_t vertices_ = 0, triangles_ = 0;  // that there is memory for
+};
+
+/// Rows of a text: its line breaks.
+std::size_t count_lines(std::string_view text);
 
 /// A word of a file as it may stand in a message: 'word', at most 40 characters, unprintable ones as ?.
 std::string quoted(std::string_view word);
@@ -51,6 +76,7 @@ struct VertexData {
   std::vector<std::array<std::uint8_t, 3>> colours;
   std::vector<std::uint32_t> scans;  // the file's own numbers
   std::string remark;                // what was left out on purpose; empty: nothing
+  bool has_count = true;             // false: nothing in the file tells how much it should hold
 };
 
 // Decoders of clouds. They may return vertices without triangles and coordinates that are not finite, as scanners write
@@ -59,6 +85,7 @@ TriMesh decode_ply(const MeshFile& file, VertexData& data);
 TriMesh decode_obj(const MeshFile& file, VertexData& data);
 TriMesh decode_off(const MeshFile& file, VertexData& data);
 TriMesh decode_las(const MeshFile& file, VertexData& data);
+TriMesh decode_stl(const MeshFile& file, bool as_cloud);
 /// Rows of numbers: XYZ, PTS, PWN, CSV. See `read_cloud` for the columns. With `normals_first` the columns after the
 /// coordinates are normals of any length.
 TriMesh decode_rows(const MeshFile& file, VertexData& data, bool normals_first);

@@ -5,11 +5,14 @@
 #include "dynasurf/io/bytes.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/io/text_reader.hpp"
+#include "dynasurf/io/told_counts.hpp"
 
 namespace dynasurf::io_detail {
 
 std::string encode_obj(const TriMesh& mesh, const VertexColours& colours) {
-  std::string out = "# dynasurf, patient coordinates (LPS, mm) or those of the scan\n";
+  // The counts tell a whole file from one that was cut at the end of a line.
+  std::string out = "# dynasurf, patient coordinates (LPS, mm) or those of the scan\n# Vertices: " +
+                    std::to_string(mesh.vertices.size()) + "\n# Faces: " + std::to_string(mesh.triangles.size()) + "\n";
   const auto add_row = [&](const char* keyword, const auto& row) {
     out += keyword;
     for (const auto c : row) {
@@ -129,10 +132,11 @@ void read_normal(TextReader& text, VertexData& data) {
   data.normals.push_back(n);
 }
 
-void read_face(TextReader& text, Tables& tables, std::vector<std::uint32_t>& corners, TriMesh& mesh) {
+void read_face(TextReader& text, Tables& tables, std::vector<std::uint32_t>& corners, TriMesh& mesh, MeshRoom& room) {
   corners.clear();
   for (auto word = text.word(); !word.empty(); word = text.word()) corners.push_back(read_corner(text, tables, word));
   if (corners.size() < 3) text.fail("a face of " + std::to_string(corners.size()) + " corners; expected 3 or more");
+  room.before_more(mesh, corners.size());
   add_fan(mesh, corners);
 }
 
@@ -140,10 +144,14 @@ TriMesh decode(const MeshFile& file, VertexData* data) {
   TriMesh mesh;
   Tables tables;
   std::vector<std::uint32_t> corners;
+  const ToldCounts told = told_counts(file);
+  std::size_t faces = 0;
+  MeshRoom room(file, data != nullptr);
   TextReader text(file);
   while (text.next_line_with_words('#')) {
     const auto keyword = text.word();
     if (keyword == "v") {
+      room.before_more(mesh, 0);
       read_vertex(text, mesh, data);
       tables.rows[0].count = mesh.vertices.size();
     } else if (keyword == "vt" || keyword == "vn") {
@@ -155,11 +163,15 @@ TriMesh decode(const MeshFile& file, VertexData* data) {
       text.number<double>("a value");
       while (!text.line_is_done()) text.number<double>("a value");
     } else if (keyword == "f") {
-      read_face(text, tables, corners, mesh);
+      read_face(text, tables, corners, mesh, room);
+      ++faces;
     } else if (std::find(std::begin(skipped), std::end(skipped), keyword) == std::end(skipped)) {
       text.fail(quoted(keyword) + " is not supported; expected a Wavefront OBJ of polygons");
     }
   }
+  require_told(file, told.points, mesh.vertices.size(), "vertices");
+  require_told(file, told.faces, faces, "faces");
+  if (data != nullptr) data->has_count = told.points && (told.faces || faces == 0);
   constexpr const char* names[] = {"vertices", "texture coordinates", "normals"};
   for (std::size_t i = 0; i < 3; ++i)
     if (const Rows& rows = tables.rows[i]; rows.largest > rows.count)

@@ -81,7 +81,7 @@ void read_data(TextReader& text, const Counts& counts, VertexData& data) {
   }
 }
 
-void read_face(TextReader& text, std::vector<std::uint32_t>& corners, TriMesh& mesh) {
+void read_face(TextReader& text, std::vector<std::uint32_t>& corners, TriMesh& mesh, MeshRoom& room) {
   const std::size_t count = text.number<std::uint32_t>("the number of corners");
   if (count < 3) text.fail("a face of " + std::to_string(count) + " corners; expected 3 or more");
   corners.clear();
@@ -92,12 +92,14 @@ void read_face(TextReader& text, std::vector<std::uint32_t>& corners, TriMesh& m
                 std::to_string(mesh.vertices.size()) + " vertices");
   }
   skip_numbers(text);
+  room.before_more(mesh, corners.size());
   add_fan(mesh, corners);
 }
 
 TriMesh decode(const MeshFile& file, VertexData* data) {
   TextReader text(file);
   const Counts counts = read_counts(text);
+  require_memory_of(file, counts.vertices, counts.faces, data != nullptr);
   TriMesh mesh;
   mesh.vertices.reserve(counts.vertices);
   mesh.triangles.reserve(counts.faces);
@@ -110,9 +112,10 @@ TriMesh decode(const MeshFile& file, VertexData* data) {
     mesh.vertices.push_back(p);
   }
   std::vector<std::uint32_t> corners;
+  MeshRoom room(file, data != nullptr);
   for (std::size_t i = 0; i < counts.faces; ++i) {
     next_row(text, "face");
-    read_face(text, corners, mesh);
+    read_face(text, corners, mesh, room);
   }
   if (text.next_line_with_words('#')) text.fail("expected nothing after the last face");
   return mesh;

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <set>
 
 #include "dynasurf/io/bytes.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
@@ -38,6 +39,9 @@ std::string encode_ply(const TriMesh& mesh, std::span<const VertexScalar> scalar
 
 namespace {
 
+// Files of splats have some 60 properties; every row is read with all of them.
+constexpr std::size_t most_elements = 256, most_properties = 1024;
+
 enum class Encoding { ascii, little, big };
 
 struct NumberType {
@@ -55,11 +59,13 @@ struct Element {
   std::string name;
   std::size_t rows = 0, line = 0;
   std::vector<Property> properties;
+  std::set<std::string, std::less<>> names;  // of the properties
 };
 
 struct Header {
   Encoding encoding = Encoding::ascii;
   std::vector<Element> elements;
+  std::set<std::string, std::less<>> names;  // of the elements
 };
 
 NumberType number_type(const TextReader& text, std::string_view word) {
@@ -84,7 +90,7 @@ Encoding read_format(TextReader& text) {
   text.fail("expected format ascii, binary_little_endian or binary_big_endian");
 }
 
-Property read_property(TextReader& text, const Element& element) {
+Property read_property(TextReader& text, Element& element) {
   Property property;
   auto word = text.word();
   if (word == "list") {
@@ -95,19 +101,24 @@ Property read_property(TextReader& text, const Element& element) {
   property.type = number_type(text, word);
   property.name = text.word();
   if (property.name.empty() || !text.line_is_done()) text.fail("expected one name at the end of a property");
-  for (const Property& other : element.properties)
-    if (other.name == property.name) text.fail("property " + property.name + " is there twice");
+  if (element.properties.size() == most_properties)
+    text.fail("element " + quoted(std::string_view(element.name)) + " has more than " +
+              std::to_string(most_properties) + " properties");
+  if (!element.names.insert(property.name).second)
+    text.fail("property " + quoted(std::string_view(property.name)) + " is there twice");
   return property;
 }
 
-Element read_element(TextReader& text, const Header& header) {
+Element read_element(TextReader& text, Header& header) {
   Element element;
   element.name = text.word();
   element.rows = text.number<std::uint32_t>("the number of rows");
   element.line = text.line_number();
   if (!text.line_is_done()) text.fail("expected nothing after the number of rows");
-  for (const Element& other : header.elements)
-    if (other.name == element.name) text.fail("element " + element.name + " is there twice");
+  if (header.elements.size() == most_elements)
+    text.fail("the header has more than " + std::to_string(most_elements) + " elements");
+  if (!header.names.insert(element.name).second)
+    text.fail("element " + quoted(std::string_view(element.name)) + " is there twice");
   return element;
 }
 
@@ -275,7 +286,8 @@ void read_vertex(Rows& rows, const Element& element, const VertexColumns& column
 }
 
 template <class Rows>
-void read_face(Rows& rows, const Element& element, std::size_t corner_list, std::size_t vertex_count, TriMesh& mesh) {
+void read_face(Rows& rows, const Element& element, std::size_t corner_list, std::size_t vertex_count, TriMesh& mesh,
+               MeshRoom& room) {
   std::vector<std::uint32_t> corners;
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
     const Property& property = element.properties[i];
@@ -293,6 +305,7 @@ void read_face(Rows& rows, const Element& element, std::size_t corner_list, std:
       corner = static_cast<std::uint32_t>(index);
     }
   }
+  room.before_more(mesh, corners.size());
   add_fan(mesh, corners);
 }
 
@@ -359,16 +372,18 @@ TriMesh read_rows(const MeshFile& file, const Header& header, Rows rows, VertexD
   const Element* face = data == nullptr ? &needed_element(file, header, "face") : element_named(header, "face");
   const VertexColumns columns = columns_of(file, vertex, data != nullptr);
   const std::size_t corner_list = face != nullptr && (data == nullptr || face->rows > 0) ? corners_of(file, *face) : 0;
+  require_memory_of(file, vertex.rows, face != nullptr ? face->rows : 0, data != nullptr);
   TriMesh mesh;
   mesh.vertices.reserve(vertex.rows);
   if (face != nullptr) mesh.triangles.reserve(face->rows);
+  MeshRoom room(file, data != nullptr);
   for (const Element& element : header.elements)
     for (std::size_t row = 0; row < element.rows; ++row) {
       rows.begin_row();
       if (&element == &vertex)
         read_vertex(rows, element, columns, mesh, data);
       else if (&element == face)
-        read_face(rows, element, corner_list, vertex.rows, mesh);
+        read_face(rows, element, corner_list, vertex.rows, mesh, room);
       else
         for (const Property& property : element.properties) skip(rows, property);
       rows.end_row();

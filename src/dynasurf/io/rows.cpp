@@ -7,6 +7,7 @@
 
 #include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/io/text_cells.hpp"
+#include "dynasurf/io/told_counts.hpp"
 
 // Clouds as rows of numbers: XYZ, PTS, PWN, CSV. Such files name their columns in a first line or not at all.
 
@@ -223,6 +224,7 @@ class RowReader {
 }  // namespace
 
 TriMesh decode_rows(const MeshFile& file, VertexData& data, bool normals_first) {
+  require_memory_of(file, count_lines(file.bytes), 0, true);
   TextReader text(file);
   TriMesh mesh;
   if (!next_row(text)) return mesh;
@@ -251,6 +253,10 @@ TriMesh decode_rows(const MeshFile& file, VertexData& data, bool normals_first) 
     }
   }
   end_block();
+  const ToldCounts told = told_counts(file);
+  require_told(file, told.points, mesh.vertices.size(), "points");
+  require_told(file, told.rows, mesh.vertices.size(), "rows");
+  data.has_count = declared || told.points || told.rows;
   if (columns.scan == absent && blocks == 1) data.scans.clear();
   return mesh;
 }

@@ -2,6 +2,7 @@
 #include <array>
 #include <bit>
 #include <cctype>
+#include <random>
 #include <unordered_map>
 
 #include "dynasurf/io/bytes.hpp"
@@ -12,6 +13,17 @@ namespace dynasurf::io_detail {
 namespace {
 
 constexpr std::size_t title_bytes = 80, head_bytes = 84, triangle_bytes = 50;
+
+using Corner = std::array<std::uint64_t, 3>;  // the bits of its coordinates
+
+struct CornerHash {
+  std::uint64_t seed;
+  std::size_t operator()(const Corner& corner) const {
+    std::uint64_t h = seed;
+    for (const auto part : corner) h = (h ^ part ^ (part >> 32)) * 0x9e3779b97f4a7c15u;
+    return h ^ (h >> 29);
+  }
+};
 
 /// Gives equal corners one vertex, numbered in the order in which they are first seen.
 class Weld {
@@ -24,16 +36,14 @@ class Weld {
   }
 
  private:
-  using Key = std::array<std::uint64_t, 3>;
-  struct Hash {
-    std::size_t operator()(const Key& k) const {
-      std::uint64_t h = 0;
-      for (const auto part : k) h = (h ^ part ^ (part >> 32)) * 0x9e3779b97f4a7c15u;
-      return h ^ (h >> 29);
-    }
-  };
+  /// Drawn anew for each mesh, so that no file can be made whose corners all fall together. The order of the vertices
+  /// does not depend on it.
+  static CornerHash any_hash() {
+    std::random_device device;
+    return {std::uint64_t{device()} << 32 | device()};
+  }
   static std::uint64_t key(double c) { return std::bit_cast<std::uint64_t>(c == 0 ? 0.0 : c); }  // -0 is 0
-  std::unordered_map<Key, std::uint32_t, Hash> seen_;
+  std::unordered_map<Corner, std::uint32_t, CornerHash> seen_{16, any_hash()};
 };
 
 TriMesh decode_binary(const MeshFile& file, std::size_t count) {
@@ -102,8 +112,9 @@ void read_facet(TextReader& text, Weld& weld, TriMesh& mesh) {
   mesh.triangles.push_back(triangle);
 }
 
-TriMesh decode_ascii(const MeshFile& file) {
+TriMesh decode_ascii(const MeshFile& file, bool as_cloud) {
   TriMesh mesh;
+  MeshRoom room(file, as_cloud);
   Weld weld;
   TextReader text(file);
   while (text.next_line_with_words()) {  // some files hold several solids
@@ -113,6 +124,7 @@ TriMesh decode_ascii(const MeshFile& file) {
       const std::string_view word = text.word();
       if (same_word(word, "endsolid")) break;
       if (!same_word(word, "facet")) text.fail(quoted(word) + " stands where an ascii STL has 'facet' or 'endsolid'");
+      room.before_more(mesh);
       read_facet(text, weld, mesh);
     }
   }
@@ -138,17 +150,22 @@ std::string encode_stl(const TriMesh& mesh) {
 
 /// Binary files are known by their size, which follows from the count they declare; the word 'solid' says nothing,
 /// because many programs begin binary files with it.
-TriMesh decode_stl(const MeshFile& file) {
+TriMesh decode_stl(const MeshFile& file, bool as_cloud) {
   if (file.bytes.size() >= head_bytes) {
     const std::size_t count = load<std::uint32_t>(file.bytes.data() + title_bytes);
-    if (file.bytes.size() == head_bytes + count * triangle_bytes) return decode_binary(file, count);
+    if (file.bytes.size() == head_bytes + count * triangle_bytes) {
+      require_memory_of(file, count / 2, count, as_cloud);
+      return decode_binary(file, count);
+    }
   }
   std::size_t begin = 0;
   while (begin < file.bytes.size() && (is_blank(file.bytes[begin]) || file.bytes[begin] == '\n')) ++begin;
   if (!same_word(file.bytes.substr(begin, 5), "solid"))
     refuse(file, "", 0,
            "neither a binary STL (84 bytes and 50 for each triangle declared in byte 80) nor an ascii one ('solid')");
-  return decode_ascii(file);
+  return decode_ascii(file, as_cloud);
 }
+
+TriMesh decode_stl(const MeshFile& file) { return decode_stl(file, false); }
 
 }  // namespace dynasurf::io_detail

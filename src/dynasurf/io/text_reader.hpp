@@ -10,8 +10,11 @@ namespace dynasurf::io_detail {
 
 inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v'; }
 
+/// Longest line of a text, bytes. The longest that are known hold some thousand cells.
+inline constexpr std::size_t longest_line = std::size_t{1} << 20;
+
 /// Walks through a text line by line and word by word and knows where it is. A last line without an end is refused:
-/// that is how a file cut in the middle of a number is told from a whole one.
+/// that is how a file cut in the middle of a number is told from a whole one. So is a line above `longest_line`.
 class TextReader {
  public:
   TextReader(const MeshFile& file, std::size_t begin = 0, std::size_t lines_before = 0)
@@ -21,11 +24,14 @@ class TextReader {
   bool next_line() {
     if (next_ >= file_.bytes.size()) return false;
     ++line_number_;
-    const std::size_t end = file_.bytes.find('\n', next_);
+    const std::string_view line = file_.bytes.substr(next_, longest_line + 1);
+    const std::size_t end = line.find('\n');
+    if (end == std::string_view::npos && line.size() > longest_line)
+      fail("the line is longer than " + std::to_string(longest_line) + " bytes");
     if (end == std::string_view::npos)
       fail("the line has no end; expected a line break after the last line of a whole file");
-    rest_ = file_.bytes.substr(next_, end - next_);
-    next_ = end + 1;
+    rest_ = line.substr(0, end);
+    next_ += end + 1;
     return true;
   }
 

@@ -8,6 +8,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/text_cells.hpp"
+#include "dynasurf/io/told_counts.hpp"
 
 namespace dynasurf {
 namespace {
@@ -106,11 +107,18 @@ TrackedFile read_tracked_points(const std::filesystem::path& path) {
   if (!io_detail::next_row(text)) throw InputError(path.string() + ": no rows; expected a table of points");
   const Columns columns = columns_of(text);
   Table table;
-  while (io_detail::next_row(text)) read_row(text, columns, table);
+  std::size_t rows = 0;
+  for (; io_detail::next_row(text); ++rows) read_row(text, columns, table);
+  const io_detail::ToldCounts told = io_detail::told_counts(file);
+  io_detail::require_told(file, told.rows, rows, "rows");
   if (table.name.empty()) throw InputError(path.string() + ": no points below the names of the columns");
   require_gates(table, path.string());
 
   TrackedFile result;
+  if (!told.rows)
+    result.notes.push_back({Severity::info, "motion.no_count",
+                            "the table does not tell how many rows it has (\"# " + std::to_string(rows) +
+                                " rows\" in front); one that was cut at the end of a row would look alike"});
   result.points.gates.resize(table.gates);
   for (std::size_t n = 0; n < table.name.size(); ++n) {
     const auto& places = table.places[n];
@@ -127,7 +135,8 @@ TrackedFile read_tracked_points(const std::filesystem::path& path) {
 }
 
 void write_tracked_points(const TrackedPoints& points, const std::filesystem::path& file) {
-  std::string text = "point,gate,x_mm,y_mm,z_mm\n";
+  std::string text =
+      "# " + std::to_string(points.gates.size() * points.name.size()) + " rows\npoint,gate,x_mm,y_mm,z_mm\n";
   for (std::size_t g = 0; g < points.gates.size(); ++g)
     for (std::size_t n = 0; n < points.name.size(); ++n) {
       const Vec3& p = points.gates[g][n];

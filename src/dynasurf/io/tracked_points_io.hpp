@@ -9,7 +9,7 @@ namespace dynasurf {
 /// Tracked points of a file and what there is to say about them.
 struct TrackedFile {
   TrackedPoints points;
-  Notes notes;  // "motion.points_left_out"
+  Notes notes;  // "motion.points_left_out", "motion.no_count"
 };
 
 /// Reads a table with a row per point and gate. Its first line names the columns: point (any word), gate (from 1), and
@@ -17,10 +17,12 @@ struct TrackedFile {
 /// cells; lines that begin with # are comments. Points come in the order of their first row. One that is missing in a
 /// gate is left out, with a note.
 /// Strict: 2 to 1000 gates without a gap, at most 2000 points, finite coordinates of at most 100 m, every pair of
-/// point and gate once, every row of the same length. Throws InputError naming the file and the line; IoError.
+/// point and gate once, every row of the same length, and no fewer rows than a comment in front tells ("# 40 rows"); a
+/// table without one that was cut at the end of a row cannot be told from a whole one, and a note says so. At most 2
+/// GiB and 1 MiB a line; linear in the file. Throws InputError naming the file and the line; IoError.
 TrackedFile read_tracked_points(const std::filesystem::path& file);
 
-/// Writes such a table, whole or not at all. Throws IoError.
+/// Writes such a table with the number of its rows in front, whole or not at all. Throws IoError.
 void write_tracked_points(const TrackedPoints& points, const std::filesystem::path& file);
 
 }  // namespace dynasurf
