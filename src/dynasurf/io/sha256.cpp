@@ -1,7 +1,6 @@
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
+#include <algorithm>
 #include <memory>
+#include <span>
 #include <vector>
 
 // The functions of OpenSSL 1: those of OpenSSL 3 look their algorithm up in tables that they make at the first call,
@@ -10,6 +9,7 @@
 #include <openssl/sha.h>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/byte_source.hpp"
 #include "dynasurf/io/digest.hpp"
 #include "dynasurf/io/study_io.hpp"
 
@@ -46,13 +46,14 @@ std::string sha256_of(std::string_view bytes) {
 }
 
 std::string sha256_of_file(const std::filesystem::path& path) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-  if (!file) throw IoError(path.string() + ": cannot open: " + std::strerror(errno));
+  FileWindow file(path);
   Hasher hasher;
-  std::vector<unsigned char> block(1 << 16);
-  while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get()))
-    hasher.add(block.data(), count);
-  if (std::ferror(file.get())) throw IoError(path.string() + ": cannot read: " + std::strerror(errno));
+  std::vector<std::byte> block(1 << 16);
+  for (std::uint64_t at = 0; at < file.size(); at += block.size()) {
+    const std::span part = std::span(block).first(std::min<std::uint64_t>(block.size(), file.size() - at));
+    file.read(at, part, "content");
+    hasher.add(part.data(), part.size());
+  }
   return hexadecimal(hasher.finish());
 }
 
