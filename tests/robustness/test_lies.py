@@ -3,6 +3,8 @@
 import gzip
 import os
 import random
+import resource
+import socket
 import struct
 import subprocess
 import tempfile
@@ -54,6 +56,13 @@ def nested_sequences(depth):
     return head + begin * depth + end * depth
 
 
+def small_elements(megabytes):
+    """A DICOM file of private elements of two bytes each, in an order that nobody asked for."""
+    head = nested_sequences(0)
+    element = b"".join(struct.pack("<HH2sH2s", 0x29, n, b"LO", 2, b"ab") for n in range(10_000, 0, -1))
+    return head + element * (megabytes * 1_000_000 // len(element))
+
+
 def patched(data, tag, value):
     """A DICOM file with the 16-bit value of one element replaced."""
     at = data.index(struct.pack("<HH2sH", *tag, b"US", 2)) + 8
@@ -80,6 +89,8 @@ def studies():
         "pixel_length.dcm": dicom[:dicom.rindex(struct.pack("<HH2s", 0x7FE0, 0x10, b"OW")) + 8] + b"\xfe\xff\xff\xff",
         "deep.dcm": nested_sequences(100),
         "very_deep.dcm": nested_sequences(200000),
+        "small_elements.dcm": small_elements(20),
+        "far.nii.gz": gzip.compress(nifti([4, 4, 4], bytes(256), offset=1e9)),
         "empty.dcm": b"",
         "noise.dcm": random.Random(1).randbytes(5000),
     }
@@ -111,6 +122,9 @@ def clouds():
         "count.las": bytes(las) + bytes(200),
         "count.pts": b"4294967295\n0 0 0\n",
         "wide.xyz": b"1 " * 3_000_000 + b"\n",
+        "properties.ply": b"ply\nformat ascii 1.0\nelement vertex 1\n" +
+                          b"".join(b"property float p%d\n" % n for n in range(60_000)) + b"end_header\n",
+        "elements.ply": b"ply\nformat ascii 1.0\n" + b"".join(b"element e%d 0\n" % n for n in range(60_000)),
         "long.csv": b"x,y,z\n" + b"1" * 5_000_000 + b",2,3\n",
         "counts.xyz": b"0\n" * 500_000,
         "binary.ply": b"ply\nformat binary_little_endian 1.0\nelement vertex 4294967295\nproperty double x\n"
@@ -122,19 +136,22 @@ def clouds():
 
 
 class Lies(CliTest):
-    def measured(self, *arguments):
-        """Exit code, standard error, most memory in MB and seconds of one run."""
+    def measured(self, *arguments, limits=()):
+        """Exit code, standard error, most memory in MB and seconds of one run, under limits of the system."""
+        def prepare():
+            for which, value in limits:
+                resource.setrlimit(which, (value, value))
         with tempfile.TemporaryFile() as errors:
             begin = time.monotonic()
             process = subprocess.Popen([PROGRAM, *map(str, arguments)], stdin=subprocess.DEVNULL,
-                                       stdout=subprocess.DEVNULL, stderr=errors)
+                                       stdout=subprocess.DEVNULL, stderr=errors, preexec_fn=prepare)
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
             errors.seek(0)
             return process.returncode, errors.read().decode(), usage.ru_maxrss / 1024, time.monotonic() - begin
 
-    def refused(self, *arguments):
-        code, errors, megabytes, seconds = self.measured(*arguments)
+    def refused(self, *arguments, limits=()):
+        code, errors, megabytes, seconds = self.measured(*arguments, limits=limits)
         self.assertEqual(code, 2, errors)
         self.assertEqual(len(errors.splitlines()), 1, errors)
         self.assertLess(megabytes, MOST_MB, errors)
@@ -149,6 +166,50 @@ class Lies(CliTest):
                 path.write_bytes(data)
                 most = max(most, self.refused("info", path))
         print(f"most memory: {most:.0f} MB")
+
+    def test_a_small_file_of_a_huge_study_tells_the_memory_that_it_needs(self):
+        header = bytearray(nifti([400, 400, 400]))
+        struct.pack_into("<hh", header, 70, 2, 8)
+        path = self.folder / "bomb.nii.gz"
+        path.write_bytes(bomb(bytes(header), 61) + gzip.compress(bytes(400 ** 3 - (61 << 20))))
+        for command in (["info", path], ["ventricle", path, "--out", self.folder / "out", "--quiet"]):
+            code, errors, megabytes, _ = self.measured(*command, "--memory-limit", "4G")
+            self.assertEqual(code, 2, errors)
+            self.assertRegex(errors, r"needs \d+\.\d GiB of memory for 400 x 400 x 400 voxels x 1 gates; the limit is "
+                                     r"4\.0 GiB \(--memory-limit\)")
+            self.assertLess(megabytes, MOST_MB)
+
+    def test_sequences_are_not_read_by_recursion(self):
+        path = self.folder / "deep.dcm"
+        for depth in (700, 1400):
+            path.write_bytes(nested_sequences(depth))
+            self.refused("info", path, limits=[(resource.RLIMIT_STACK, 1 << 20)])
+
+    def test_memory_that_is_not_there_is_one_line(self):
+        path = self.folder / "large.nrrd"
+        path.write_bytes(nrrd([512, 512, 256], kind="uchar"))
+        os.truncate(path, path.stat().st_size + 512 * 512 * 256)
+        space = 400 << 20
+        code, errors, _, _ = self.measured("info", path, limits=[(resource.RLIMIT_AS, space)])
+        self.assertEqual(code, 2)
+        self.assertIn("the limit is 200 MiB", errors)
+        code, errors, _, _ = self.measured("info", path, "--memory-limit", "1T", limits=[(resource.RLIMIT_AS, space)])
+        self.assertEqual((code, errors), (2, "dynasurf: error: out of memory\n"))
+
+    def test_what_is_no_file_is_refused_at_once(self):
+        for ending in ("dcm", "nii", "nrrd", "ply", "xyz", "las", "stl", "obj", "off", "csv"):
+            pipe, place, link = (self.folder / f"{what}.{ending}" for what in ("pipe", "socket", "device"))
+            os.mkfifo(pipe)
+            with socket.socket(socket.AF_UNIX) as server:
+                server.bind(str(place))
+                link.symlink_to("/dev/zero")
+                for path in (pipe, place, link):
+                    self.refused("info", path)
+                    self.refused("motion", path, "--out", self.folder / "out")
+                    if ending in ("ply", "stl", "obj", "off"):
+                        self.refused("measure", path)
+                    if ending != "dcm":
+                        self.refused("cloud", path, "--out", self.folder / "out", "--quiet")
 
     def test_meshes_that_declare_more_than_they_hold(self):
         for name, data in meshes().items():
