@@ -7,6 +7,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/json_read.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
@@ -85,8 +86,8 @@ std::string words_of(const nlohmann::ordered_json& options) {
 }
 
 std::string title_of(const std::string& subject, const VentricleOptions& options, Drawing what) {
-  const auto json = nlohmann::ordered_json::parse(options_to_text(options));
-  return subject + ":  " + words_of(what == Drawing::edges ? json["edges"] : json["labels"]["method"]);
+  const auto json = parse_json(options_to_text(options), "the options");
+  return subject + ":  " + words_of(what == Drawing::edges ? json.at("edges") : json.at("labels").at("method"));
 }
 
 void write_sheets(const BorderResult& result, Drawing what, const fs::path& folder, const VentricleOptions& options) {

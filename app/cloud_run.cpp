@@ -10,6 +10,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/core/stage_clock.hpp"
 #include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/json_read.hpp"
 #include "dynasurf/io/options_json.hpp"
 
 #include "console.hpp"
@@ -65,7 +66,7 @@ std::string results_text(const CloudRun& run, const Provenance& provenance, cons
   Json formats = Json::array();
   for (const MeshFormat format : job.mesh_formats) formats.push_back(word_of(format));
   json["provenance"]["outputs"] = {{"mesh_formats", formats}, {"textures", job.textures}};
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 }  // namespace

@@ -7,6 +7,9 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/io/folder_file.hpp"
+#include "dynasurf/io/json_node.hpp"
+#include "dynasurf/io/json_read.hpp"
 #include "dynasurf/report/comparison_page.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/normals.hpp"
@@ -29,22 +32,28 @@ struct Arguments {
   bool json = false, pdf = false, with_names = false;
 };
 
+/// A number of what was checked on reading; absent where it is null.
 std::optional<double> value_in(const Json& json, const char* key) {
-  return json.contains(key) && json[key].is_number() ? std::optional(json[key].get<double>()) : std::nullopt;
+  const auto at = json.find(key);
+  return at != json.end() && at->is_number() ? std::optional(at->get<double>()) : std::nullopt;
+}
+
+bool is_fitted(const ComparedStudy& study) {
+  const auto readings = study.results.find("readings");
+  return readings != study.results.end() && readings->is_object() && readings->contains("unbiased") &&
+         readings->at("unbiased").is_object();
 }
 
 /// The reading that both studies have, so that like is compared with like: the unbiased one, else the classic edge.
-const Json& reading_of(const Json& results, bool fitted) { return fitted ? results["readings"]["unbiased"] : results; }
-
-bool is_fitted(const ComparedStudy& study) {
-  return study.results.contains("readings") && study.results["readings"]["unbiased"].is_object();
+const Json& reading_of(const Json& results, bool fitted) {
+  return fitted ? results.at("readings").at("unbiased") : results;
 }
 
 /// The cavity's mean over the gates: what an ungated study would show.
 std::optional<double> mean_cavity(const Json& reading) {
   double sum = 0;
   int count = 0;
-  for (const Json& gate : reading["gates"]) {
+  for (const Json& gate : reading.at("gates")) {
     const auto volume = value_in(gate, "endo_ml");
     if (!volume) return std::nullopt;
     sum += *volume, ++count;
@@ -52,14 +61,57 @@ std::optional<double> mean_cavity(const Json& reading) {
   return count > 0 ? std::optional(sum / count) : std::nullopt;
 }
 
+/// Throws InputError unless each of these is there, a number or null.
+void check_numbers(const JsonNode& object, std::initializer_list<const char*> keys) {
+  for (const char* key : keys)
+    if (!object.json->contains(key) || has(object, key)) number_in(object, key);
+}
+
+/// A reading: the numbers of the beat, and a volume for each gate.
+void check_reading(const JsonNode& reading) {
+  check_numbers(reading, {"edv_ml", "esv_ml", "ef_percent"});
+  const JsonNode gates = list_in(reading, "gates");
+  if (size_of(gates) == 0) refuse_value(gates, "a gate at least");
+  for (std::size_t n = 0; n < size_of(gates); ++n) check_numbers(object_of(gates, n), {"endo_ml"});
+}
+
+/// The ends of the 90 % intervals, which the page shows.
+void check_intervals(const JsonNode& reading) {
+  for (const char* key : {"edv_ml_90", "esv_ml_90", "ef_percent_90"})
+    if (has(reading, key) && numbers_in(reading, key).size() != 2) refuse_value(list_in(reading, key), "a list of 2");
+}
+
+/// The waves of the volume curve, which the page draws.
+void check_curve(const JsonNode& results) {
+  constexpr std::size_t most_waves = 100;
+  if (!has(results, "measures") || !has(object_in(results, "measures"), "function")) return;
+  const JsonNode function = object_in(object_in(results, "measures"), "function");
+  if (!has(function, "mean_ml")) return;
+  const std::size_t waves = numbers_in(function, "cosine_ml").size();
+  if (waves > most_waves || numbers_in(function, "sine_ml").size() != waves)
+    refuse_value(list_in(function, "sine_ml"), "as many waves as cosine_ml, at most " + std::to_string(most_waves));
+}
+
+/// Throws InputError unless all is there that is compared and shown.
+void check_results(const JsonNode& results) {
+  check_reading(results);
+  if (has(results, "readings") && has(object_in(results, "readings"), "unbiased")) {
+    check_reading(object_in(object_in(results, "readings"), "unbiased"));
+    check_intervals(object_in(object_in(results, "readings"), "unbiased"));
+  }
+  check_curve(results);
+  const JsonNode quality = object_in(results, "quality");
+  text_in(quality, "verdict");
+  const JsonNode flags = list_in(quality, "flags");
+  for (std::size_t n = 0; n < size_of(flags); ++n) text_in(object_of(flags, n), "message");
+}
+
 ComparedStudy read_study_of(const fs::path& folder) {
-  const fs::path path = folder / "results.json";
-  const Json json = Json::parse(text_of_file(path), nullptr, false);
-  if (!json.is_object() || !json.contains("gates") || !json["gates"].is_array() || !json.contains("measures") ||
-      !json.contains("quality"))
-    throw InputError(path.string() + " is no result of dynasurf ventricle");
-  const fs::path splash = folder / "measures" / "splash.png";
-  return {json, read_polar(folder), "", fs::exists(splash) ? text_of_file(splash) : std::string()};
+  const fs::path path = file_inside(folder, "results.json");
+  Json json = read_json(path);
+  check_results(root_of(json, path.string()));
+  const fs::path splash = file_inside(folder, fs::path("measures") / "splash.png");
+  return {std::move(json), read_polar(folder), "", fs::exists(splash) ? text_of_file(splash) : std::string()};
 }
 
 /// The address of a study's report from the folder of the comparison; empty where there is none.
@@ -137,7 +189,7 @@ ExitCode run(const Arguments& a, const std::stop_token& stop) {
       rest.report = report_from(a.rest, a.out.path);
       stress.report = report_from(a.stress, a.out.path);
     }
-    write_file(folder.path() / "comparison.json", json.dump(2) + "\n");
+    write_file(folder.path() / "comparison.json", json_text(json));
     write_file(folder.path() / "comparison.html", comparison_html(rest, stress, json));
     if (rest.polar.perfusion_is != Perfusion::none)
       write_file(folder.path() / "polar_difference.svg", polar_svg(difference, kind));
@@ -147,13 +199,12 @@ ExitCode run(const Arguments& a, const std::stop_token& stop) {
     moved = line_of_moved(folder);
   }
   if (a.json) {
-    print(json.dump(2) + "\n");
+    print(json_text(json));
     return done;
   }
   const auto text = [&](const char* key) {
-    return json[key].is_number_float() ? fixed(json[key].get<double>(), 2)
-           : json[key].is_null()       ? "-"
-                                       : json[key].dump();
+    const Json& value = json.at(key);
+    return value.is_number_float() ? fixed(value.get<double>(), 2) : value.is_null() ? "-" : value.dump();
   };
   print(
       table({{"TID ratio", text("tid_ratio")},

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/io/json_read.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 #include "command.hpp"
@@ -24,7 +25,7 @@ ExitCode run(const Arguments& arguments) {
     for (const auto& [name, value] : facts.rows) json[name] = value;
     json["notes"] = nlohmann::ordered_json::array();
     for (const Note& note : study.notes) json["notes"].push_back({{"code", note.code}, {"message", note.message}});
-    print(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    print(json_text(json));
     return done;
   }
   std::vector<std::vector<std::string>> rows;

@@ -1,5 +1,6 @@
 #include "dynasurf/cloud/lod.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -10,7 +11,9 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/io/folder_file.hpp"
+#include "dynasurf/io/json_node.hpp"
+#include "dynasurf/io/json_read.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/report/lod_page.hpp"
 
@@ -53,31 +56,46 @@ void read_screen(const std::string& text, Camera& camera) {
     throw OptionError("--screen is '" + text + "'; expected WIDTHxHEIGHT in pixels, such as 1920x1080");
 }
 
+/// The names of the levels that results.json tells, each the name of a file in meshes/.
+std::vector<std::string> level_names_of(const fs::path& folder) {
+  constexpr std::size_t most_levels = 1000;
+  const fs::path file = file_inside(folder, "results.json");
+  const Json json = read_json(file);
+  const JsonNode results = root_of(json, file.string());
+  if (text_in(results, "schema") != "dynasurf.cloud/1")
+    throw InputError(file.string() + ": expected the schema dynasurf.cloud/1");
+  const JsonNode levels = list_in(results, "levels");
+  if (size_of(levels) == 0 || size_of(levels) > most_levels)
+    refuse_value(levels, "a list of 1 to " + std::to_string(most_levels));
+  std::vector<std::string> names;
+  for (std::size_t n = 0; n < size_of(levels); ++n) {
+    const JsonNode level = object_of(levels, n);
+    names.push_back(text_in(level, "name"));
+    if (!is_plain_file_name(names.back()) || std::find(names.begin(), names.end() - 1, names.back()) != names.end() - 1)
+      throw InputError(level.file + ": " + level.path + ".name: expected the name of a file, each level its own");
+  }
+  return names;
+}
+
 /// The meshes of a result folder, finest first: in the first format of its files that can be read, else those of
 /// levels.glb, which holds them with 32 bits a number.
 std::vector<Level> levels_of_result(const fs::path& folder) {
-  const fs::path file = folder / "results.json";
-  const Json json = Json::parse(text_of_file(file), nullptr, false);
+  const std::vector<std::string> names = level_names_of(folder);
   std::vector<Level> levels;
-  try {
-    if (json.is_discarded() || json.at("schema") != "dynasurf.cloud/1")
-      throw InputError(file.string() + ": expected the schema dynasurf.cloud/1");
-    for (const Json& level : json.at("levels")) {
-      const auto name = level.at("name").get<std::string>();
-      const fs::path base = folder / "meshes" / name;
-      fs::path mesh;
-      for (const char* ending : {".ply", ".obj", ".off", ".stl"})
-        if (mesh.empty() && fs::exists(base.string() + ending)) mesh = base.string() + ending;
-      if (!mesh.empty()) levels.push_back({name, read_mesh(mesh)});
-    }
-    if (levels.empty())
-      for (LodSurface& level : read_lod_glb(folder / "levels.glb"))
-        levels.push_back({std::move(level.name), std::move(level.mesh)});
-    if (levels.size() != json.at("levels").size())
-      throw InputError(folder.string() + ": some levels have no mesh in meshes/; expected all that results.json names");
-  } catch (const Json::exception& error) {
-    throw InputError(file.string() + ": is not a result of this program: " + error.what());
+  for (const std::string& name : names) {
+    fs::path mesh;
+    for (const char* ending : {".ply", ".obj", ".off", ".stl"})
+      if (const fs::path file = file_inside(folder, fs::path("meshes") / (name + ending));
+          mesh.empty() && fs::exists(file))
+        mesh = file;
+    if (!mesh.empty()) levels.push_back({name, read_mesh(mesh)});
   }
+  if (levels.empty())
+    for (LodSurface& level : read_lod_glb(file_inside(folder, "levels.glb")))
+      levels.push_back({std::move(level.name), std::move(level.mesh)});
+  if (levels.size() != names.size())
+    throw InputError(folder.string() + ": " + std::to_string(levels.size()) + " levels have a mesh; expected the " +
+                     std::to_string(names.size()) + " that results.json names");
   return levels;
 }
 
@@ -182,7 +200,7 @@ ExitCode run(Arguments arguments, std::stop_token stop) {
   meshes.reserve(levels.size());
   for (const Level& level : levels) meshes.push_back(level.mesh);
   const Plan plan = plan_of(meshes, arguments);
-  const std::string json = json_of(levels, plan, arguments).dump(2) + "\n";
+  const std::string json = json_text(json_of(levels, plan, arguments));
   std::string written;
   if (arguments.out.is_asked()) {
     OutputFolder folder(arguments.out.path, arguments.out.existing(),

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/io/json_read.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/mesh/measures.hpp"
 
@@ -48,7 +49,7 @@ Json measures_of(const TriMesh& mesh) {
 ExitCode run(const Arguments& arguments) {
   const Json json = measures_of(read_mesh(arguments.mesh));
   if (arguments.json) {
-    print(json.dump(2) + "\n");
+    print(json_text(json));
     return done;
   }
   std::vector<std::vector<std::string>> rows;

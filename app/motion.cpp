@@ -7,6 +7,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/json_read.hpp"
 #include "dynasurf/io/tracked_points_io.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/point_spline.hpp"
@@ -117,7 +118,7 @@ ExitCode run(const Arguments& a, std::stop_token stop) {
   run.motion = measure_motion(tracked.points, run.axis, a.rest_gate - 1);
   note_spacing(run);
   if (walls) carry_surfaces(tracked.points, *walls, a.rest_gate - 1, folder.path() / "meshes", job.mesh_formats, run);
-  const std::string json = motion_json(run, provenance_of(job, inputs, "")).dump(2) + "\n";
+  const std::string json = json_text(motion_json(run, provenance_of(job, inputs, "")));
   write_file(folder.path() / "results.json", json);
   write_file(folder.path() / "motion.svg", motion_svg(run.motion));
   if (stop.stop_requested()) throw Cancelled("stopped on request");

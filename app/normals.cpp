@@ -9,6 +9,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/json_read.hpp"
 
 #include "command.hpp"
 #include "console.hpp"
@@ -95,7 +96,7 @@ ExitCode score(const Scoring& a) {
   if (!a.edit.empty()) read_scores(a.edit, scores);
   std::optional<DefectMeasures> defect;
   if (normal) defect = measure_defect(polar.maps.perfusion_percent, polar.area_mm2, *normal);
-  const std::string json = scores_json(scores, model, defect, normal ? normal->studies : 0).dump(2) + "\n";
+  const std::string json = json_text(scores_json(scores, model, defect, normal ? normal->studies : 0));
   std::string moved;
   if (!a.out.path.empty()) {
     OutputFile output(a.out.path, a.out.existing());

@@ -6,6 +6,7 @@
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/io/json_read.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/ventricle/organ.hpp"
@@ -82,7 +83,7 @@ std::string as_json(const std::vector<OptionRow>& rows) {
                     {"range", row.range},
                     {"choices", row.choices},
                     {"meaning", row.doc}});
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 ExitCode run(const Arguments& arguments) {

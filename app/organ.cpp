@@ -11,6 +11,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/digest.hpp"
+#include "dynasurf/io/json_read.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
@@ -74,7 +75,7 @@ Json result_json(const OrganResult& result, const OrganOptions& options, const S
     json["notes"].push_back({{"severity", name_of(note.severity)}, {"code", note.code}, {"message", note.message}});
   json["study"] = {{"format", study.format}, {"modality", study.modality}, {"dims", study.grid().dims}};
   json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
-  json["options"] = Json::parse(options_to_text(options));
+  json["options"] = parse_json(options_to_text(options), "the options");
   return json;
 }
 
@@ -86,7 +87,7 @@ ExitCode run(const Arguments& a, std::stop_token stop) {
     throw OptionError("--gate " + std::to_string(a.gate) + "; expected 1 to " + std::to_string(study.gates.size()));
   OutputFolder folder(a.out.path, a.out.existing(), {a.study});
   const OrganResult result = reconstruct_organ(study.gates[static_cast<std::size_t>(a.gate - 1)], options, {{}, stop});
-  write_file(folder.path() / "results.json", result_json(result, options, study).dump(2) + "\n");
+  write_file(folder.path() / "results.json", json_text(result_json(result, options, study)));
   if (result.surface)
     for (const MeshFormat format : {MeshFormat::ply, MeshFormat::stl, MeshFormat::vtp})
       write_mesh(result.surface->mesh, folder.path() / ("organ." + std::string(word_of(format))), format);

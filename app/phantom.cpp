@@ -11,6 +11,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/cloud_io.hpp"
+#include "dynasurf/io/json_read.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
@@ -140,7 +141,7 @@ void write_phantom(const Phantom& phantom, const Arguments& arguments, const fs:
   if (arguments.nrrd)
     write_nrrd(phantom.study, folder / (phantom.study.gates.size() > 1 ? "study.seq.nrrd" : "study.nrrd"));
   if (phantom.tracked) write_tracked_points(phantom.tracked->points, folder / "points.csv");
-  write_file(folder / "truth.json", truth_of(phantom).dump(2) + "\n");
+  write_file(folder / "truth.json", json_text(truth_of(phantom)));
   for (std::size_t g = 0; g < phantom.truth.size(); ++g) {
     const std::string ending = (g < 9 ? "_g0" : "_g") + std::to_string(g + 1) + ".ply";
     const TrueGate& gate = phantom.truth[g];
@@ -188,8 +189,8 @@ ExitCode make_scan(const Arguments& arguments, std::stop_token stop) {
   json["area"] = area_mm2(reference);
   json["triangles"] = reference.triangles.size();
   json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
-  json["options"] = Json::parse(options_to_text(options));
-  write_file(folder.path() / "truth.json", json.dump(2) + "\n");
+  json["options"] = parse_json(options_to_text(options), "the options");
+  write_file(folder.path() / "truth.json", json_text(json));
   if (stop.stop_requested()) throw Cancelled("stopped on request");
   folder.publish();
   if (!arguments.quiet)

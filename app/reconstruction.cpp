@@ -10,6 +10,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/io/json_read.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
 #include "dynasurf/report/dicom_folder.hpp"
@@ -232,7 +233,7 @@ std::string results_text(const VentricleResult& result, const Provenance& proven
                                    // Without timings it is the study's, which a repeated run reads there again.
                                    {"dicom_time", outputs.dicom && job.timings ? Json(outputs.dicom_time) : Json()},
                                    {"pdf", outputs.pdf}};
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 /// Every file of a usual result. They know nothing of each other: the page takes as long as all others together.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -11,6 +12,9 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/folder_file.hpp"
+#include "dynasurf/io/json_node.hpp"
+#include "dynasurf/io/json_read.hpp"
 #include "dynasurf/io/manifest.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
@@ -56,36 +60,66 @@ struct Record {
   throw InputError((result / "results.json").string() + ": " + what);
 }
 
+/// A word that is printed as it stands, such as a version.
+std::string plain_word_in(const JsonNode& object, const char* key) {
+  constexpr std::size_t most = 100;
+  std::string word = text_in(object, key);
+  if (word.size() > most || !std::all_of(word.begin(), word.end(), [](char c) { return c >= ' ' && c <= '~'; }))
+    throw InputError(object.file + ": " + object.path + "." + key + ": expected a plain word");
+  return word;
+}
+
 Record record_of(const fs::path& result) {
-  const Json json = Json::parse(bytes_of(result / "results.json"), nullptr, false);
-  if (json.is_discarded()) refuse(result, "is no JSON");
+  const fs::path file = file_inside(result, "results.json");
+  const Json json = read_json(file);
+  const JsonNode results = root_of(json, file.string());
   Record record;
-  try {
-    record.schema = json.at("schema").get<std::string>();
-    if (record.schema != "dynasurf.ventricle/1" && record.schema != "dynasurf.cloud/1")
-      refuse(result, "expected the schema dynasurf.ventricle/1 or dynasurf.cloud/1");
-    const Json& provenance = json.at("provenance");
-    record.version = provenance.at("version").get<std::string>();
-    record.commit = provenance.at("commit").get<std::string>();
-    record.command = provenance.at("command").get<std::string>();
-    record.options = provenance.at("options");
-    record.outputs = provenance.at("outputs");
-    record.timings = !json.at("timings_s").is_null();
-    for (const Json& input : provenance.at("inputs")) {
-      record.hashes.push_back(input.at("sha256").get<std::string>());
-      record.names.push_back(input.at("file").get<std::string>());
-      if (input.contains("bytes")) record.bytes.push_back(input.at("bytes").get<std::uint64_t>());
-    }
-    const Json given = provenance.value("given", Json::object());
-    const auto hash = [&](const char* key) {
-      return given.contains(key) && given.at(key).is_string() ? given.at(key).get<std::string>() : std::string();
-    };
-    record.mask_hash = hash("mask_sha256"), record.start_hash = hash("start_mesh_sha256");
-  } catch (const Json::exception& error) {
-    refuse(result, std::string("is not a result of this program: ") + error.what());
+  record.schema = text_in(results, "schema");
+  if (record.schema != "dynasurf.ventricle/1" && record.schema != "dynasurf.cloud/1")
+    refuse(result, "expected the schema dynasurf.ventricle/1 or dynasurf.cloud/1");
+  const JsonNode provenance = object_in(results, "provenance");
+  record.version = plain_word_in(provenance, "version");
+  record.commit = plain_word_in(provenance, "commit");
+  record.command = text_in(provenance, "command");
+  record.options = *object_in(provenance, "options").json;
+  record.outputs = *object_in(provenance, "outputs").json;
+  record.timings = has(results, "timings_s");
+  const JsonNode inputs = list_in(provenance, "inputs");
+  for (std::size_t n = 0; n < size_of(inputs); ++n) {
+    const JsonNode input = object_of(inputs, n);
+    record.hashes.push_back(text_in(input, "sha256"));
+    record.names.push_back(text_in(input, "file"));
+    if (has(input, "bytes"))
+      record.bytes.push_back(
+          static_cast<std::uint64_t>(whole_in(input, "bytes", 0, std::numeric_limits<std::int64_t>::max())));
+  }
+  if (has(provenance, "given")) {
+    const JsonNode given = object_in(provenance, "given");
+    if (has(given, "mask_sha256")) record.mask_hash = text_in(given, "mask_sha256");
+    if (has(given, "start_mesh_sha256")) record.start_hash = text_in(given, "start_mesh_sha256");
   }
   if (record.hashes.empty()) refuse(result, "names no input");
   return record;
+}
+
+/// What was written beside numbers and meshes, to be looked at.
+JsonNode outputs_of(const Arguments& arguments, const Record& record) {
+  return {&record.outputs, (fs::path(arguments.result) / "results.json").string(), "provenance.outputs"};
+}
+
+std::vector<std::string> words_in(const JsonNode& object, const char* key) {
+  const JsonNode list = list_in(object, key);
+  std::vector<std::string> words;
+  for (std::size_t n = 0; n < size_of(list); ++n) words.push_back(text_of(item_of(list, n)));
+  return words;
+}
+
+/// YYYYMMDDHHMMSS.
+std::string dicom_time_in(const JsonNode& outputs) {
+  const std::string time = text_in(outputs, "dicom_time");
+  if (time.size() != 14 || !std::all_of(time.begin(), time.end(), [](char c) { return c >= '0' && c <= '9'; }))
+    throw InputError(outputs.file + ": " + outputs.path + ".dicom_time: expected 14 digits, YYYYMMDDHHMMSS");
+  return time;
 }
 
 /// What every kind of run needs to be repeated.
@@ -93,8 +127,7 @@ void recall(const Arguments& arguments, const Record& record, const fs::path& ou
   job.out = out;
   job.existing = arguments.out.existing();
   job.options_file = fs::path(arguments.result) / "results.json";
-  job.mesh_formats =
-      mesh_formats_of(record.outputs.at("mesh_formats").get<std::vector<std::string>>(), "outputs.mesh_formats");
+  job.mesh_formats = mesh_formats_of(words_in(outputs_of(arguments, record), "mesh_formats"), "outputs.mesh_formats");
   job.timings = record.timings;
   job.command = record.command;
   job.recorded_names = record.names;
@@ -106,8 +139,6 @@ template <class Read>
 auto read_record(const fs::path& result, const Read& read) {
   try {
     return read();
-  } catch (const Json::exception& error) {
-    refuse(result, std::string("is not a result of this program: ") + error.what());
   } catch (const OptionError& error) {
     refuse(result, error.what());
   }
@@ -237,8 +268,8 @@ bool same(const fs::path& a, const fs::path& b, const std::string& file) {
   const std::string new_bytes = bytes_of(b);
   if (old_bytes == new_bytes) return true;
   if (file != "results.json") return false;
-  Json old_json = Json::parse(old_bytes, nullptr, false);
-  Json new_json = Json::parse(new_bytes, nullptr, false);
+  Json old_json = parse_json(old_bytes, a.string());
+  Json new_json = parse_json(new_bytes, b.string());
   for (const char* key : {"timings_s", "memory"}) {
     old_json.erase(key);
     new_json.erase(key);
@@ -266,11 +297,13 @@ bool repeat_ventricle(const Arguments& arguments, const Record& record, const fs
     Job read;
     options_from_json(record.options, read.options);
     recall(arguments, record, out, read);
-    read.outputs.keep_stages = record.outputs.at("keep_stages").get<bool>();
-    read.outputs.dicom = record.outputs.value("dicom", false);  // results of former versions say nothing of it
-    if (read.outputs.dicom && record.timings)                   // else the study tells it
-      read.outputs.dicom_time = record.outputs.at("dicom_time").get<std::string>();
-    read.outputs.pdf = record.outputs.value("pdf", false);
+    const JsonNode outputs = outputs_of(arguments, record);
+    read.outputs.keep_stages = flag_in(outputs, "keep_stages");
+    // Results of former versions say nothing of these.
+    read.outputs.dicom = has(outputs, "dicom") && flag_in(outputs, "dicom");
+    if (read.outputs.dicom && record.timings)  // else the study tells it
+      read.outputs.dicom_time = dicom_time_in(outputs);
+    read.outputs.pdf = has(outputs, "pdf") && flag_in(outputs, "pdf");
     return read;
   });
   job.study = find_study(arguments, record);
@@ -284,7 +317,7 @@ bool repeat_cloud(const Arguments& arguments, const Record& record, const fs::pa
     CloudJob read;
     options_from_json(record.options, read.options);
     recall(arguments, record, out, read);
-    read.textures = record.outputs.at("textures").get<bool>();
+    read.textures = flag_in(outputs_of(arguments, record), "textures");
     return read;
   });
   job.clouds = find_clouds(arguments, record);

@@ -1,9 +1,14 @@
 #include "result_walls.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/io/folder_file.hpp"
+#include "dynasurf/io/json_node.hpp"
+#include "dynasurf/io/json_read.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 
 namespace dynasurf::app {
@@ -12,25 +17,36 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-Json results_of(const fs::path& folder) {
-  const fs::path path = folder / "results.json";
-  Json json = Json::parse(text_of_file(path), nullptr, false);
-  if (!json.is_object() || !json.contains("measures"))
-    throw InputError(path.string() + " is no result of this version of dynasurf ventricle");
-  if (!json["measures"].is_object() || json["measures"]["thickness_is"].is_null())
-    throw InputError(path.string() + ": no wall was measured");
-  if (json["heart"].is_null()) throw InputError(folder.string() + ": the heart's axis was not found");
-  return json;
+/// Throws InputError unless something was measured on the walls, and the heart's axis was found.
+void check_measured(const JsonNode& results) {
+  if (!has(results, "measures") || !has(object_in(results, "measures"), "thickness_is"))
+    throw InputError(results.file + ": no wall was measured; expected a result of dynasurf ventricle with walls");
+  if (!has(results, "heart")) throw InputError(results.file + ": the heart's axis was not found");
 }
 
-Vec3 vector_in(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
+/// A place or a direction of three numbers.
+Vec3 vector_in(const JsonNode& object, const char* key) {
+  constexpr double farthest = 1e9;
+  const std::vector<double> v = numbers_in(object, key);
+  const bool is_near = std::all_of(v.begin(), v.end(), [](double x) { return std::abs(x) <= farthest; });
+  if (v.size() != 3 || !is_near)
+    throw InputError(object.file + ": " + object.path + "." + key +
+                     ": expected three numbers of a place or a direction");
+  return {v[0], v[1], v[2]};
+}
+
+Vec3 direction_in(const JsonNode& object, const char* key) {
+  const Vec3 v = vector_in(object, key);
+  if (v.norm() < 1e-3 || v.norm() > 1e3)
+    throw InputError(object.file + ": " + object.path + "." + key + ": expected a direction, about 1 long");
+  return v;
 }
 
 TriMesh surface_of(const fs::path& folder, int gate, const std::string& wall) {
   const std::string name = wall + (gate < 10 ? "_g0" : "_g") + std::to_string(gate);
   for (const char* ending : {".ply", ".obj", ".off", ".stl"})
-    if (const fs::path path = folder / "meshes" / (name + ending); fs::exists(path)) return read_mesh(path);
+    if (const fs::path path = file_inside(folder, fs::path("meshes") / (name + ending)); fs::exists(path))
+      return read_mesh(path);
   throw InputError(folder.string() + " holds no " + wall + " surface of gate " + std::to_string(gate) +
                    " as PLY, OBJ, OFF or STL");
 }
@@ -44,23 +60,31 @@ Vec3 middle_of(const TriMesh& mesh) {
 }  // namespace
 
 ResultWalls read_result_walls(const fs::path& folder, int gate, bool edges) {
-  const Json results = results_of(folder);
-  if (gate < 1 || gate > static_cast<int>(results["gates"].size()))
-    throw OptionError("--gate " + std::to_string(gate) + "; expected 1 to " + std::to_string(results["gates"].size()));
+  const fs::path file = file_inside(folder, "results.json");
+  const Json json = read_json(file);
+  const JsonNode results = root_of(json, file.string());
+  check_measured(results);
+  const std::size_t count = size_of(list_in(results, "gates"));
+  if (gate < 1 || static_cast<std::size_t>(gate) > count)
+    throw OptionError("--gate " + std::to_string(gate) + "; expected 1 to " + std::to_string(count));
   ResultWalls walls;
-  walls.is_fitted = !edges && results.contains("readings") && results["readings"]["unbiased"].is_object();
-  const Json& gates = walls.is_fitted ? results["readings"]["unbiased"]["gates"] : results["gates"];
-  const Json& of_gate = gates.at(static_cast<std::size_t>(gate - 1));
+  walls.is_fitted = !edges && has(results, "readings") && has(object_in(results, "readings"), "unbiased");
+  const JsonNode reading = walls.is_fitted ? object_in(object_in(results, "readings"), "unbiased") : results;
+  const JsonNode gates = list_in(reading, "gates");
+  if (size_of(gates) != count) refuse_value(gates, "a list of " + std::to_string(count) + ", one for each gate");
+  const JsonNode of_gate = object_of(gates, static_cast<std::size_t>(gate - 1));
   const std::string fitted = walls.is_fitted ? "fit_" : "";
   walls.endo = surface_of(folder, gate, fitted + "endo"), walls.epi = surface_of(folder, gate, fitted + "epi");
   std::optional<BasePlane> plane;
-  if (of_gate.contains("base_plane") && of_gate["base_plane"].is_object()) {
+  if (has(of_gate, "base_plane")) {
+    const JsonNode base = object_in(of_gate, "base_plane");
     plane.emplace();
-    plane->point = vector_in(of_gate["base_plane"]["point_mm"]);
-    plane->normal = vector_in(of_gate["base_plane"]["normal"]);
+    plane->point = vector_in(base, "point_mm");
+    plane->normal = direction_in(base, "normal");
   }
-  walls.axes = axes_of(walls.endo, walls.epi, middle_of(walls.endo), vector_in(results["heart"]["axis"]),
-                       vector_in(results["measures"]["anterior"]["direction"]), plane);
+  const Vec3 axis = direction_in(object_in(results, "heart"), "axis");
+  const Vec3 anterior = direction_in(object_in(object_in(results, "measures"), "anterior"), "direction");
+  walls.axes = axes_of(walls.endo, walls.epi, middle_of(walls.endo), axis, anterior, plane);
   return walls;
 }
 

@@ -21,7 +21,6 @@ LIBRARIES = {
     "libpng": r"png\.h$",
     "OpenSSL": r"openssl/",
     "nlohmann-json": r"nlohmann/",
-    "tinygltf": r"tiny_gltf\.h$",
     "CLI11": r"CLI/",
 }
 OPEN_TO_ALL = {"Eigen"}

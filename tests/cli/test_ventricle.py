@@ -350,7 +350,7 @@ class BadDays(CliTest):
             code = 2 if arguments[0] == "--options" else 1
             self.refuses(code, "ventricle", study, "--out", out, *arguments, says=says)
         for text, says in (('{"edgez": {}}', "did you mean 'edges'?"), ('{"mesh_level": 2.5}', "a whole number"),
-                           ('{"mesh_level": 3', "no JSON"), ('{"mesh_level": 1, "mesh_level": 2}', "stands twice")):
+                           ('{"mesh_level": 3', "options: line 1, column 17: "), ('{"mesh_level": 1, "mesh_level": 2}', '"mesh_level" twice')):
             (self.folder / "o.json").write_text(text)
             self.refuses(1, "ventricle", study, "--out", out, "--options", self.folder / "o.json", says=["o.json: ", says])
         self.assertFalse(out.exists())

@@ -92,18 +92,23 @@ TEST(OptionsJson, RefusesWrongTypes) {
 TEST(OptionsJson, RefusesValuesOutOfRange) {
   EXPECT_EQ(error_of(R"({"width_mm": -0.5})"), "option width_mm is -0.5; expected a number >= 0 and <= 20 (mm)");
   EXPECT_EQ(error_of(R"({"limit": 101})"), "option limit is 101; expected unset or a whole number >= 0 and <= 100");
-  EXPECT_THAT(error_of(R"({"width_mm": 1e999})"), testing::HasSubstr("no JSON"));
+  EXPECT_THAT(error_of(R"({"width_mm": 1e999})"),
+              testing::HasSubstr("the options: line 1, column 17: a number too large"));
 }
 
 TEST(OptionsJson, RefusesAKeyThatStandsTwice) {
-  EXPECT_EQ(error_of(R"({"rounds": 1, "rounds": 2})"), "option rounds stands twice in the same object");
-  EXPECT_EQ(error_of(R"({"inner": {"depth": 1, "depth": 1}})"), "option depth stands twice in the same object");
+  EXPECT_EQ(
+      error_of(R"({"rounds": 1, "rounds": 2})"),
+      "the options: line 1, column 26: the object that ends here has the key \"rounds\" twice; expected each key once");
+  EXPECT_EQ(
+      error_of(R"({"inner": {"depth": 1, "depth": 1}})"),
+      "the options: line 1, column 34: the object that ends here has the key \"depth\" twice; expected each key once");
 }
 
 TEST(OptionsJson, TellsWhereATextStopsBeingJson) {
-  EXPECT_THAT(error_of("{\"rounds\": 1,\n}"), testing::HasSubstr("no JSON: parse error at line 2, column 1"));
-  EXPECT_THAT(error_of(""), testing::HasSubstr("no JSON"));
-  EXPECT_THAT(error_of(std::string(100000, '[')), testing::HasSubstr("nested deeper"));
+  EXPECT_THAT(error_of("{\"rounds\": 1,\n}"), testing::HasSubstr("the options: line 2, column 1: syntax error"));
+  EXPECT_THAT(error_of(""), testing::HasSubstr("the options: line 1, column 1: "));
+  EXPECT_THAT(error_of(std::string(100000, '[')), testing::HasSubstr("nested too deep"));
 }
 
 TEST(OptionsJson, ChangesNothingWhenItRefuses) {

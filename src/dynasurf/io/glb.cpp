@@ -6,6 +6,7 @@
 namespace dynasurf {
 namespace {
 
+using io_detail::GltfJson;
 using io_detail::GltfScene;
 using io_detail::Rows3;
 
@@ -54,11 +55,12 @@ Rows3 differences(const Rows3& to, const Rows3& from) {
 
 int add_material(const AnimatedSurface& surface, GltfScene& scene) {
   const int index = scene.add_material(surface.name, 0.6);
-  tinygltf::Material& material = scene.model.materials.back();
-  material.pbrMetallicRoughness.baseColorFactor.assign(surface.colour.begin(), surface.colour.end());
+  GltfJson& material = scene.document["materials"].back();
+  if (surface.colour != std::array<float, 4>{1, 1, 1, 1})  // what glTF takes where none is told
+    for (const double part : surface.colour) material["pbrMetallicRoughness"]["baseColorFactor"].push_back(part);
   if (surface.colour[3] < 1) {
-    material.alphaMode = "BLEND";
-    material.doubleSided = true;
+    material["alphaMode"] = "BLEND";
+    material["doubleSided"] = true;
   }
   return index;
 }
@@ -66,41 +68,41 @@ int add_material(const AnimatedSurface& surface, GltfScene& scene) {
 /// The first gate, and what each further one adds to it. Gives the number of its node.
 int add_surface(const AnimatedSurface& surface, GltfScene& scene) {
   const Rows3 base = positions_m(surface.cycle[0]), base_normals = normals(surface.cycle[0]);
-  tinygltf::Primitive primitive;
-  primitive.material = add_material(surface, scene);
-  primitive.attributes["POSITION"] = scene.add_rows(base, true);
-  primitive.attributes["NORMAL"] = scene.add_rows(base_normals, false);
-  primitive.indices = scene.add_triangles(surface.cycle[0]);
-  std::vector<tinygltf::Value> target_names;  // Blender and three.js show them
+  GltfJson primitive;
+  primitive["material"] = add_material(surface, scene);
+  primitive["attributes"]["POSITION"] = scene.add_rows(base, true);
+  primitive["attributes"]["NORMAL"] = scene.add_rows(base_normals, false);
+  primitive["indices"] = scene.add_triangles(surface.cycle[0]);
+  GltfJson target_names = GltfJson::array();  // Blender and three.js show them
   for (std::size_t gate = 1; gate < surface.cycle.size(); ++gate) {
     const int moved = scene.add_rows(differences(positions_m(surface.cycle[gate]), base), true);
     const int turned = scene.add_rows(differences(normals(surface.cycle[gate]), base_normals), false);
-    primitive.targets.push_back({{"POSITION", moved}, {"NORMAL", turned}});
-    target_names.emplace_back("gate " + std::to_string(gate + 1));
+    primitive["targets"].push_back({{"POSITION", moved}, {"NORMAL", turned}});
+    target_names.push_back("gate " + std::to_string(gate + 1));
   }
   const int node = scene.add_node(surface.name, std::move(primitive), true);
-  tinygltf::Mesh& mesh = scene.model.meshes.back();
-  mesh.weights.assign(target_names.size(), 0);
-  if (!target_names.empty()) mesh.extras = tinygltf::Value({{"targetNames", tinygltf::Value(target_names)}});
+  if (target_names.empty()) return node;
+  GltfJson& mesh = scene.document["meshes"].back();
+  mesh["weights"] = std::vector<double>(target_names.size(), 0.0);
+  mesh["extras"]["targetNames"] = std::move(target_names);
   return node;
 }
 
 /// Keyframe g of G+1 shows gate g alone; the last shows gate 0 again. Gate 0 is the base: all its weights are 0.
-void animate(int node, std::size_t gates, double cycle_s, tinygltf::Animation& animation, GltfScene& scene) {
+void animate(int node, std::size_t gates, double cycle_s, GltfJson& animation, GltfScene& scene) {
   std::vector<float> times, weights;
   for (std::size_t key = 0; key <= gates; ++key) {
     times.push_back(static_cast<float>(cycle_s * static_cast<double>(key) / static_cast<double>(gates)));
     for (std::size_t target = 1; target < gates; ++target) weights.push_back(key == target ? 1.0f : 0.0f);
   }
-  tinygltf::AnimationSampler sampler;
-  sampler.input = scene.add_numbers(times, true);
-  sampler.output = scene.add_numbers(weights, false);
-  tinygltf::AnimationChannel channel;
-  channel.sampler = static_cast<int>(animation.samplers.size());
-  channel.target_node = node;
-  channel.target_path = "weights";
-  animation.samplers.push_back(sampler);
-  animation.channels.push_back(channel);
+  GltfJson sampler, channel;
+  sampler["input"] = scene.add_numbers(times, true);
+  sampler["output"] = scene.add_numbers(weights, false);
+  sampler["interpolation"] = "LINEAR";
+  channel["sampler"] = animation["samplers"].size();
+  channel["target"] = {{"node", node}, {"path", "weights"}};
+  animation["samplers"].push_back(std::move(sampler));
+  animation["channels"].push_back(std::move(channel));
 }
 
 }  // namespace
@@ -108,13 +110,15 @@ void animate(int node, std::size_t gates, double cycle_s, tinygltf::Animation& a
 void write_glb(std::span<const AnimatedSurface> surfaces, double cycle_s, const std::filesystem::path& path) {
   check_surfaces(surfaces, cycle_s, path.string());
   GltfScene scene;
-  tinygltf::Animation beat;
-  beat.name = "beat";
+  GltfJson beat;
   for (const AnimatedSurface& surface : surfaces) {
     const int node = add_surface(surface, scene);
     if (surface.cycle.size() > 1) animate(node, surface.cycle.size(), cycle_s, beat, scene);
   }
-  if (!beat.channels.empty()) scene.model.animations.push_back(beat);
+  if (!beat.is_null()) {
+    beat["name"] = "beat";
+    scene.document["animations"].push_back(std::move(beat));
+  }
   write_file(path, scene.encode(path.string()));
 }
 

@@ -1,29 +1,51 @@
 #include "dynasurf/io/gltf_scene.hpp"
 
 #include <algorithm>
-#include <sstream>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/bytes.hpp"
 
 namespace dynasurf::io_detail {
 namespace {
 
-/// glTF counts bytes in 32 bits, and tinygltf casts to them.
+/// glTF counts bytes in 32 bits, and many readers take them for signed.
 constexpr std::size_t max_glb_bytes = std::size_t{1} << 31;
+
+/// Nameless things have no key for it.
+GltfJson named(const std::string& name, GltfJson thing) {
+  if (!name.empty()) thing["name"] = name;
+  return thing;
+}
+
+GltfJson doubles_of(const auto& numbers) {
+  GltfJson list = GltfJson::array();
+  for (const auto number : numbers) list.push_back(static_cast<double>(number));
+  return list;
+}
+
+/// Chunks begin and end at multiples of four.
+std::string padded(std::string bytes, char filler) {
+  bytes.resize((bytes.size() + 3) / 4 * 4, filler);
+  return bytes;
+}
+
+void add_chunk(std::string& file, std::uint32_t kind, const std::string& bytes) {
+  append(file, static_cast<std::uint32_t>(bytes.size()));
+  append(file, kind);
+  file += bytes;
+}
 
 }  // namespace
 
 GltfScene::GltfScene() {
-  model.asset.version = "2.0";
-  model.asset.generator = "Dynasurf";
-  model.buffers.emplace_back();
-  model.scenes.emplace_back();
-  model.defaultScene = 0;
+  document["asset"] = {{"version", "2.0"}, {"generator", "Dynasurf"}};
+  document["scene"] = 0;
+  document["scenes"][0] = GltfJson::object();
 }
 
 int GltfScene::add_rows(const Rows3& rows, bool with_bounds) {
-  const int accessor = add_bytes(rows.data(), rows.size() * sizeof(rows[0]), rows.size(), TINYGLTF_TYPE_VEC3,
-                                 TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TARGET_ARRAY_BUFFER);
+  const int accessor =
+      add_bytes(rows.data(), rows.size() * sizeof(rows[0]), rows.size(), "VEC3", gltf::float_32, gltf::array_buffer);
   if (with_bounds) {
     Eigen::Vector3f low = rows[0], high = rows[0];
     for (const auto& row : rows) {
@@ -37,34 +59,32 @@ int GltfScene::add_rows(const Rows3& rows, bool with_bounds) {
 
 int GltfScene::add_triangles(const TriMesh& mesh) {
   return add_bytes(mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]), 3 * mesh.triangles.size(),
-                   TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+                   "SCALAR", gltf::unsigned_int, gltf::element_array_buffer);
 }
 
 int GltfScene::add_pairs(const std::vector<Eigen::Vector2f>& rows) {
-  return add_bytes(rows.data(), rows.size() * sizeof(rows[0]), rows.size(), TINYGLTF_TYPE_VEC2,
-                   TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TARGET_ARRAY_BUFFER);
+  return add_bytes(rows.data(), rows.size() * sizeof(rows[0]), rows.size(), "VEC2", gltf::float_32, gltf::array_buffer);
 }
 
 int GltfScene::add_fours(const std::vector<std::array<float, 4>>& rows) {
-  return add_bytes(rows.data(), rows.size() * sizeof(rows[0]), rows.size(), TINYGLTF_TYPE_VEC4,
-                   TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TARGET_ARRAY_BUFFER);
+  return add_bytes(rows.data(), rows.size() * sizeof(rows[0]), rows.size(), "VEC4", gltf::float_32, gltf::array_buffer);
 }
 
 int GltfScene::add_colours(const std::vector<std::array<std::uint16_t, 4>>& colours) {
-  const int accessor = add_bytes(colours.data(), 8 * colours.size(), colours.size(), TINYGLTF_TYPE_VEC4,
-                                 TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TARGET_ARRAY_BUFFER);
-  model.accessors[static_cast<std::size_t>(accessor)].normalized = true;
+  const int accessor =
+      add_bytes(colours.data(), 8 * colours.size(), colours.size(), "VEC4", gltf::unsigned_short, gltf::array_buffer);
+  document["accessors"][static_cast<std::size_t>(accessor)]["normalized"] = true;
   return accessor;
 }
 
 int GltfScene::add_values(const std::vector<float>& values) {
-  return add_bytes(values.data(), values.size() * sizeof(float), values.size(), TINYGLTF_TYPE_SCALAR,
-                   TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TARGET_ARRAY_BUFFER);
+  return add_bytes(values.data(), values.size() * sizeof(float), values.size(), "SCALAR", gltf::float_32,
+                   gltf::array_buffer);
 }
 
 int GltfScene::add_numbers(const std::vector<float>& numbers, bool with_bounds) {
-  const int accessor = add_bytes(numbers.data(), numbers.size() * sizeof(float), numbers.size(), TINYGLTF_TYPE_SCALAR,
-                                 TINYGLTF_COMPONENT_TYPE_FLOAT, 0);
+  const int accessor =
+      add_bytes(numbers.data(), numbers.size() * sizeof(float), numbers.size(), "SCALAR", gltf::float_32, 0);
   if (with_bounds) {
     const auto [low, high] = std::minmax_element(numbers.begin(), numbers.end());
     set_bounds(accessor, std::array{*low}, std::array{*high});
@@ -73,85 +93,76 @@ int GltfScene::add_numbers(const std::vector<float>& numbers, bool with_bounds) 
 }
 
 int GltfScene::add_png(const std::string& png, const std::string& name) {
-  tinygltf::Image image;
-  image.name = name;
-  image.mimeType = "image/png";
-  image.bufferView = add_view(png.data(), png.size(), 0);
-  model.images.push_back(image);
-  if (model.samplers.empty()) {
-    tinygltf::Sampler sampler;  // no mipmaps: they would mix triangles that are neighbours in the picture alone
-    sampler.minFilter = sampler.magFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
-    sampler.wrapS = sampler.wrapT = TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
-    model.samplers.push_back(sampler);
-  }
-  tinygltf::Texture texture;
-  texture.sampler = 0;
-  texture.source = static_cast<int>(model.images.size()) - 1;
-  model.textures.push_back(texture);
-  return static_cast<int>(model.textures.size()) - 1;
+  const int view = add_view(png.data(), png.size(), 0);
+  const int image = add("images", named(name, {{"mimeType", "image/png"}, {"bufferView", view}}));
+  if (!document.contains("samplers"))  // no mipmaps: they would mix triangles that are neighbours in the picture alone
+    add("samplers", {{"magFilter", gltf::linear},
+                     {"minFilter", gltf::linear},
+                     {"wrapS", gltf::clamp_to_edge},
+                     {"wrapT", gltf::clamp_to_edge}});
+  return add("textures", {{"sampler", 0}, {"source", image}});
 }
 
 int GltfScene::add_material(const std::string& name, double roughness) {
-  tinygltf::Material material;
-  material.name = name;
-  material.pbrMetallicRoughness.metallicFactor = 0;
-  material.pbrMetallicRoughness.roughnessFactor = roughness;
-  model.materials.push_back(material);
-  return static_cast<int>(model.materials.size()) - 1;
+  GltfJson material;
+  material["pbrMetallicRoughness"] = {{"metallicFactor", 0.0}, {"roughnessFactor", roughness}};
+  return add("materials", named(name, std::move(material)));
 }
 
-int GltfScene::add_node(const std::string& name, tinygltf::Primitive primitive, bool shown) {
-  primitive.mode = TINYGLTF_MODE_TRIANGLES;
-  tinygltf::Mesh mesh;
-  mesh.name = name;
-  mesh.primitives.push_back(std::move(primitive));
-  model.meshes.push_back(std::move(mesh));
-  tinygltf::Node node;
-  node.name = name;
-  node.mesh = static_cast<int>(model.meshes.size()) - 1;
-  const int index = static_cast<int>(model.nodes.size());
-  model.nodes.push_back(std::move(node));
-  if (shown) model.scenes[0].nodes.push_back(index);
+int GltfScene::add_node(const std::string& name, GltfJson primitive, bool shown) {
+  primitive["mode"] = gltf::triangles;
+  GltfJson mesh, node;
+  mesh["primitives"].push_back(std::move(primitive));
+  node["mesh"] = add("meshes", named(name, std::move(mesh)));
+  const int index = add("nodes", named(name, std::move(node)));
+  if (shown) document["scenes"][0]["nodes"].push_back(index);
   return index;
 }
 
-std::string GltfScene::encode(const std::string& what) {
-  std::ostringstream bytes;
-  if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, bytes, false, true))
-    throw IoError("cannot write " + what + ": glTF could not be put together");
-  return bytes.str();
+std::string GltfScene::encode(const std::string& what) const {
+  GltfJson whole = document;
+  if (!binary_.empty()) whole["buffers"][0]["byteLength"] = binary_.size();
+  const std::string json = padded(whole.dump(-1, ' ', false, GltfJson::error_handler_t::replace), ' ');
+  const std::string binary = padded(binary_, '\0');
+  const std::size_t size = 12 + 8 + json.size() + (binary.empty() ? 0 : 8 + binary.size());
+  if (size > 2 * max_glb_bytes - 1) throw InputError("cannot write " + what + ": does not fit one GLB file");
+  std::string file;
+  file.reserve(size);
+  append(file, gltf::glb_magic);
+  append(file, gltf::glb_version);
+  append(file, static_cast<std::uint32_t>(size));
+  add_chunk(file, gltf::json_chunk, json);
+  if (!binary.empty()) add_chunk(file, gltf::binary_chunk, binary);
+  return file;
+}
+
+int GltfScene::add(const char* list, GltfJson item) {
+  GltfJson& items = document[list];
+  items.push_back(std::move(item));
+  return static_cast<int>(items.size()) - 1;
 }
 
 int GltfScene::add_view(const void* data, std::size_t bytes, int target) {
-  auto& all = model.buffers[0].data;
-  if (all.size() + bytes > max_glb_bytes) throw InputError("the surfaces do not fit one GLB file of 2 GiB");
-  tinygltf::BufferView view;
-  view.buffer = 0;
-  all.resize((all.size() + 3) / 4 * 4);  // each block begins aligned; only pictures end elsewhere
-  view.byteOffset = all.size();
-  view.byteLength = bytes;
-  view.target = target;
-  const auto* begin = static_cast<const unsigned char*>(data);
-  all.insert(all.end(), begin, begin + bytes);
-  model.bufferViews.push_back(view);
-  return static_cast<int>(model.bufferViews.size()) - 1;
+  if (binary_.size() + bytes > max_glb_bytes) throw InputError("the surfaces do not fit one GLB file of 2 GiB");
+  binary_ = padded(std::move(binary_), '\0');  // each block begins aligned; only pictures end elsewhere
+  GltfJson view = {{"buffer", 0}, {"byteLength", bytes}};
+  if (!binary_.empty()) view["byteOffset"] = binary_.size();
+  if (target != 0) view["target"] = target;
+  binary_.append(static_cast<const char*>(data), bytes);
+  return add("bufferViews", std::move(view));
 }
 
-int GltfScene::add_bytes(const void* data, std::size_t bytes, std::size_t count, int type, int component, int target) {
-  tinygltf::Accessor accessor;
-  accessor.bufferView = add_view(data, bytes, target);
-  accessor.componentType = component;
-  accessor.type = type;
-  accessor.count = count;
-  model.accessors.push_back(accessor);
-  return static_cast<int>(model.accessors.size()) - 1;
+int GltfScene::add_bytes(const void* data, std::size_t bytes, std::size_t count, const char* type, int component,
+                         int target) {
+  const int view = add_view(data, bytes, target);
+  return add("accessors", {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
 }
 
 template <class Bounds>
 void GltfScene::set_bounds(int accessor, const Bounds& low, const Bounds& high) {
-  auto& a = model.accessors[static_cast<std::size_t>(accessor)];
-  a.minValues.assign(low.begin(), low.end());
-  a.maxValues.assign(high.begin(), high.end());
+  GltfJson& a = document["accessors"][static_cast<std::size_t>(accessor)];
+  a["min"] = doubles_of(low);
+  a["max"] = doubles_of(high);
 }
 
 }  // namespace dynasurf::io_detail

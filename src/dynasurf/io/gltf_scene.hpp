@@ -4,13 +4,27 @@
 #include <string>
 #include <vector>
 
-#include <tiny_gltf.h>
+#include <nlohmann/json.hpp>
 
 #include "dynasurf/core/tri_mesh.hpp"
+
+// The numbers that glTF 2.0 gives to the kinds of things that we write and read.
+namespace dynasurf::io_detail::gltf {
+
+inline constexpr int unsigned_short = 5123, unsigned_int = 5125, float_32 = 5126;
+inline constexpr int array_buffer = 34962, element_array_buffer = 34963;
+inline constexpr int linear = 9729, clamp_to_edge = 33071;
+inline constexpr int triangles = 4;
+inline constexpr std::uint32_t glb_magic = 0x46546c67, glb_version = 2;
+inline constexpr std::uint32_t json_chunk = 0x4e4f534a, binary_chunk = 0x004e4942;
+
+}  // namespace dynasurf::io_detail::gltf
 
 namespace dynasurf::io_detail {
 
 using Rows3 = std::vector<Eigen::Vector3f>;
+/// Keys stand in alphabetical order.
+using GltfJson = nlohmann::json;
 
 /// A binary glTF in the making: one scene, and one buffer that holds all numbers, each block with a view and an
 /// accessor of its own. The `add_` functions return the number by which the rest of the file names what was added.
@@ -19,7 +33,7 @@ class GltfScene {
  public:
   GltfScene();
 
-  tinygltf::Model model;
+  GltfJson document;
 
   int add_rows(const Rows3& rows, bool with_bounds);
   int add_triangles(const TriMesh& mesh);
@@ -37,14 +51,17 @@ class GltfScene {
   /// Matt, of one colour.
   int add_material(const std::string& name, double roughness);
   /// A node with a mesh of this one primitive, both of this name.
-  int add_node(const std::string& name, tinygltf::Primitive primitive, bool shown);
+  int add_node(const std::string& name, GltfJson primitive, bool shown);
 
-  /// The whole file. `what` names the output. Throws IoError.
-  std::string encode(const std::string& what);
+  /// The whole file. `what` names the output. Throws InputError for one too large for the format.
+  std::string encode(const std::string& what) const;
 
  private:
+  std::string binary_;
+
+  int add(const char* list, GltfJson item);
   int add_view(const void* data, std::size_t bytes, int target);
-  int add_bytes(const void* data, std::size_t bytes, std::size_t count, int type, int component, int target);
+  int add_bytes(const void* data, std::size_t bytes, std::size_t count, const char* type, int component, int target);
   template <class Bounds>
   void set_bounds(int accessor, const Bounds& low, const Bounds& high);
 };

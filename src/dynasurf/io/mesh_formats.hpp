@@ -70,6 +70,9 @@ TriMesh decode_stl(const MeshFile& file);
 TriMesh decode_obj(const MeshFile& file);
 TriMesh decode_off(const MeshFile& file);
 
+/// The levels of a binary glTF, see `read_lod_glb`.
+std::vector<LodSurface> decode_lod_glb(const MeshFile& file);
+
 /// What a file tells of its vertices beside their places. Each list is empty or has one entry per vertex.
 struct VertexData {
   std::vector<Vec3> normals;  // as in the file, of any length, also not finite

@@ -75,8 +75,10 @@ struct LodSurface {
 /// for colours of another length, IoError.
 void write_lod_glb(std::span<const LodSurface> levels, const std::filesystem::path& path);
 /// The names and meshes of a file of `write_lod_glb`, in the file's order, without colours and textures; places as
-/// exact as its numbers of 32 bits. Throws InputError for a file that is none, for textured levels, whose triangles
-/// share no vertices, and for triangles without vertices; IoError when it cannot be read.
+/// exact as its numbers of 32 bits. The file may come from anybody: nothing outside it is opened, and what does not lie
+/// within it is refused. Throws InputError naming the file and the place for a file that is none, for textured levels,
+/// whose triangles share no vertices, for vertices that are not finite and triangles of vertices that are not there;
+/// IoError when it cannot be read.
 std::vector<LodSurface> read_lod_glb(const std::filesystem::path& path);
 
 /// ParaView time series: entries of (time, file relative to the .pvd, part number).

@@ -1,11 +1,9 @@
 #include "dynasurf/io/options_json.hpp"
 
-#include <set>
-#include <vector>
-
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/json_read.hpp"
 
 namespace dynasurf {
 namespace {
@@ -20,7 +18,8 @@ template <class... F>
 Overload(F...) -> Overload<F...>;
 
 std::string short_text(const Json& json) {
-  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text = json_text(json, -1);
+  text.pop_back();  // the line break
   if (text.size() > 40) text = text.substr(0, 37) + "...";
   return text;
 }
@@ -116,27 +115,6 @@ void assign_members(const Json& json, const OptionNodes& nodes, const std::strin
   }
 }
 
-/// JSON lets a key stand twice, and most readers silently keep one of the two.
-Json parse_strictly(std::string_view text, const std::string& path) {
-  std::vector<std::set<std::string>> keys;
-  const auto refuse_doubles = [&](int depth, Json::parse_event_t event, Json& parsed) {
-    if (depth > 32) throw OptionError("the options are nested deeper than any option");
-    if (event == Json::parse_event_t::object_start) keys.emplace_back();
-    if (event == Json::parse_event_t::object_end) keys.pop_back();
-    if (event == Json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
-      throw OptionError("option " + join_path(path, parsed.get<std::string>()) + " stands twice in the same object");
-    return true;
-  };
-  try {
-    return Json::parse(text, refuse_doubles);
-  } catch (const Json::exception& error) {
-    // "[json.exception.parse_error.101] parse error at line 3, column 1: ..."
-    const std::string what = error.what();
-    const std::size_t place = what.find("] ");
-    throw OptionError("the options are no JSON: " + (place == std::string::npos ? what : what.substr(place + 2)));
-  }
-}
-
 }  // namespace
 
 Json options_to_json(const OptionNodes& nodes) {
@@ -145,14 +123,20 @@ Json options_to_json(const OptionNodes& nodes) {
   return object;
 }
 
-std::string options_to_text(const OptionNodes& nodes) { return options_to_json(nodes).dump(2) + "\n"; }
+std::string options_to_text(const OptionNodes& nodes) { return json_text(options_to_json(nodes)); }
 
 void options_from_json(const Json& json, const OptionNodes& nodes, const std::string& path) {
   assign_members(json, nodes, path, false);
 }
 
 void options_from_text(std::string_view text, const OptionNodes& nodes, const std::string& path) {
-  options_from_json(parse_strictly(text, path), nodes, path);
+  Json json;
+  try {
+    json = parse_json(text, path.empty() ? "the options" : path);
+  } catch (const InputError& error) {
+    throw OptionError(error.what());
+  }
+  options_from_json(json, nodes, path);
 }
 
 }  // namespace dynasurf

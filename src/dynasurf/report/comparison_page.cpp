@@ -78,14 +78,30 @@ std::string slices(const ComparedStudy& rest, const ComparedStudy& stress) {
   return html.empty() ? html : "<h2>Slices from apex to base, inner wall blue, outer wall orange</h2>\n" + html;
 }
 
-/// The number at a path of keys; absent where any of them is.
-std::optional<double> number_at(const Json& json, std::initializer_list<const char*> path) {
+/// The value at a path of keys; null where any of them is absent.
+const Json* value_at(const Json& json, std::initializer_list<const char*> path) {
   const Json* at = &json;
   for (const char* key : path) {
-    if (!at->is_object() || !at->contains(key)) return std::nullopt;
-    at = &(*at)[key];
+    const auto found = at->is_object() ? at->find(key) : at->end();
+    if (found == at->end()) return nullptr;
+    at = &*found;
   }
-  return at->is_number() ? std::optional(at->get<double>()) : std::nullopt;
+  return at;
+}
+
+/// The number there; absent where there is none.
+std::optional<double> number_at(const Json& json, std::initializer_list<const char*> path) {
+  const Json* at = value_at(json, path);
+  return at != nullptr && at->is_number() ? std::optional(at->get<double>()) : std::nullopt;
+}
+
+/// All numbers of a list at a path of keys; empty where there is none.
+std::vector<double> numbers_at(const Json& json, std::initializer_list<const char*> path) {
+  std::vector<double> numbers;
+  if (const Json* at = value_at(json, path); at != nullptr && at->is_array())
+    for (const Json& number : *at)
+      if (number.is_number()) numbers.push_back(number.get<double>());
+  return numbers;
 }
 
 std::string figure(const std::optional<double>& value, int decimals) {
@@ -98,10 +114,8 @@ std::string figure(const std::optional<double>& value, int decimals) {
 std::string with_interval(const Json& results, const std::string& key) {
   const std::string interval = key + "_90";
   std::string text = figure(number_at(results, {"readings", "unbiased", key.c_str()}), 1);
-  const Json& fit = results["readings"]["unbiased"];
-  if (!fit.is_object() || !fit.contains(interval) || !fit[interval].is_array()) return text;
-  const Json& ends = fit[interval];
-  return text + " (" + text_of(ends[0].get<double>(), 1) + " to " + text_of(ends[1].get<double>(), 1) + ")";
+  const std::vector<double> ends = numbers_at(results, {"readings", "unbiased", interval.c_str()});
+  return ends.size() == 2 ? text + " (" + text_of(ends[0], 1) + " to " + text_of(ends[1], 1) + ")" : text;
 }
 
 std::string row(const std::string& name, const std::vector<std::string>& cells) {
@@ -147,8 +161,9 @@ std::string number_rows(const Json& rest, const Json& stress) {
 std::optional<PeriodicCurve> curve_of(const Json& results) {
   const auto mean = number_at(results, {"measures", "function", "mean_ml"});
   if (!mean) return std::nullopt;
-  const Json& f = results["measures"]["function"];
-  return PeriodicCurve{*mean, f["cosine_ml"].get<std::vector<double>>(), f["sine_ml"].get<std::vector<double>>()};
+  PeriodicCurve curve{*mean, numbers_at(results, {"measures", "function", "cosine_ml"}),
+                      numbers_at(results, {"measures", "function", "sine_ml"})};
+  return curve.cosine.size() == curve.sine.size() ? std::optional(std::move(curve)) : std::nullopt;
 }
 
 std::string curves_svg(const ComparedStudy& rest, const ComparedStudy& stress) {
@@ -190,7 +205,8 @@ Measures measures_of(const PolarTable& polar, const Json& results) {
   m.grid = polar.grid;
   m.area_mm2 = polar.area_mm2;
   m.maps = polar.maps;
-  m.from_edges = !(results["measures"].is_object() && results["measures"]["thickness_is"] == "model");
+  const Json* kind = value_at(results, {"measures", "thickness_is"});
+  m.from_edges = kind == nullptr || *kind != "model";
   return m;
 }
 
@@ -232,8 +248,8 @@ std::string segment_rows(const ComparedStudy& rest, const ComparedStudy& stress,
       segment_means(model, stress.polar.grid, stress.polar.maps.perfusion_percent, stress.polar.area_mm2);
   std::string html;
   for (std::size_t n = 0; n < a.size(); ++n) {
-    const Json& s = comparison["segments"][n];
-    html += row(std::to_string(n + 1) + " " + escaped(s["name"].get<std::string>()),
+    const Json& s = comparison.at("segments").at(n);
+    html += row(std::to_string(n + 1) + " " + escaped(s.at("name").get<std::string>()),
                 {figure(a[n], 0), figure(b[n], 0), figure(number_at(s, {"perfusion_lost_points"}), 0),
                  figure(number_at(s, {"rest_score"}), 0), figure(number_at(s, {"stress_score"}), 0)});
   }
@@ -245,10 +261,11 @@ std::string box(const char* name, const std::string& value) {
 }
 
 std::string link(const char* name, const ComparedStudy& study) {
-  const std::string verdict = study.results["quality"].value("verdict", "");
+  const Json& quality = study.results.at("quality");
+  const std::string verdict = quality.value("verdict", "");
   std::string html = std::string("<p>") + name + ": verdict " + escaped(verdict);
   if (!study.report.empty()) html += ", <a href=\"" + escaped(study.report) + "\">its report</a>";
-  for (const Json& flag : study.results["quality"]["flags"]) html += "; " + escaped(flag.value("message", ""));
+  for (const Json& flag : quality.at("flags")) html += "; " + escaped(flag.value("message", ""));
   return html + "</p>\n";
 }
 

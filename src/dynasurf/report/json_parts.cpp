@@ -1,15 +1,18 @@
 #include "dynasurf/report/json_parts.hpp"
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/json_read.hpp"
 
 namespace dynasurf::report_detail {
 namespace {
 
 Json options_json(const std::string& text) {
   if (text.empty()) return nullptr;
-  Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded()) throw OptionError("the resolved options are not JSON: " + text.substr(0, 60));
-  return json;
+  try {
+    return parse_json(text, "the resolved options");
+  } catch (const InputError& error) {
+    throw OptionError(error.what());
+  }
 }
 
 }  // namespace

@@ -6,6 +6,10 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/io/folder_file.hpp"
+#include "dynasurf/io/json_node.hpp"
+#include "dynasurf/io/json_read.hpp"
+#include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/numbers.hpp"
 
@@ -15,7 +19,12 @@ namespace {
 using report_detail::Json;
 using report_detail::number;
 
-std::vector<std::string> fields_of(const std::string& line) {
+/// More than any table of ours has; a line of commas alone must not cost a thousand times its size.
+constexpr std::size_t most_columns = 64;
+
+std::vector<std::string> fields_of(const std::string& line, const std::string& where) {
+  if (static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) >= most_columns)
+    throw InputError(where + ": expected at most " + std::to_string(most_columns) + " columns");
   std::vector<std::string> fields(1);
   for (const char c : line)
     if (c == ',')
@@ -38,34 +47,18 @@ std::optional<double> value_of(const std::string& field, const std::string& wher
   double value = 0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
   if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value))
-    throw InputError(where + ": '" + field + "' is not a number");
+    throw InputError(where + ": " + io_detail::quoted(field) + " is not a number");
   return value;
 }
 
-Json parse(const std::filesystem::path& path) {
-  Json json = Json::parse(text_of_file(path), nullptr, false);
-  if (!json.is_object()) throw InputError(path.string() + " is not a JSON object");
-  return json;
-}
-
-PolarValues values_in(const Json& json, const char* key, std::size_t size, const std::filesystem::path& path) {
-  if (!json.contains(key) || !json[key].is_array() || json[key].size() != size)
-    throw InputError(path.string() + ": " + key + " is no list of " + std::to_string(size) + " numbers");
+/// One number, or null, for each sample of the grid.
+PolarValues values_in(const JsonNode& object, const char* key, std::size_t size) {
+  const JsonNode list = list_in(object, key);
+  if (size_of(list) != size) refuse_value(list, "a list of " + std::to_string(size));
   PolarValues values(size);
-  for (std::size_t n = 0; n < size; ++n) {
-    const Json& value = json[key][n];
-    if (value.is_null()) continue;
-    if (!value.is_number()) throw InputError(path.string() + ": " + key + " holds what is no number");
-    values[n] = value.get<double>();
-  }
+  for (std::size_t n = 0; n < size; ++n)
+    if (const JsonNode value = item_of(list, n); !value.json->is_null()) values[n] = number_of(value);
   return values;
-}
-
-int whole_in(const Json& json, const char* key, const std::filesystem::path& path) {
-  if (!json.contains(key) || !json[key].is_number_integer() || json[key].get<long>() < 1 ||
-      json[key].get<long>() > 1000)
-    throw InputError(path.string() + ": " + key + " is no number from 1 to 1000");
-  return json[key].get<int>();
 }
 
 Json list_of(const PolarValues& values) {
@@ -75,31 +68,45 @@ Json list_of(const PolarValues& values) {
 }
 
 /// Of a result's measures, or of a normal map.
-Perfusion perfusion_in(const Json& json, const std::filesystem::path& path) {
-  if (!json.is_object() || !json.contains("perfusion_is"))
-    throw InputError(path.string() + " does not tell what its perfusion is made of (perfusion_is)");
-  const Json& word = json["perfusion_is"];
-  if (word.is_null()) return Perfusion::none;
+Perfusion perfusion_in(const JsonNode& object) {
+  if (!object.json->contains("perfusion_is"))
+    throw InputError(object.file + ": does not tell what its perfusion is made of (perfusion_is)");
+  if (!has(object, "perfusion_is")) return Perfusion::none;
+  const std::string word = text_in(object, "perfusion_is");
   for (const Perfusion kind : {Perfusion::counts, Perfusion::uptake})
     if (word == word_of(kind)) return kind;
-  throw InputError(path.string() + ": perfusion_is " + word.dump() + "; expected counts or uptake");
+  throw InputError(object.file + ": perfusion_is " + io_detail::quoted(word) + "; expected counts or uptake");
+}
+
+Perfusion perfusion_of_result(const std::filesystem::path& folder) {
+  const std::filesystem::path path = file_inside(folder, "results.json");
+  const Json json = read_json(path);
+  return perfusion_in(object_in(root_of(json, path.string()), "measures"));
+}
+
+/// The next line that may stand in a table of so many samples.
+bool next_line(std::istringstream& text, std::string& line, std::size_t samples, const std::filesystem::path& csv) {
+  if (!std::getline(text, line)) return false;
+  if (samples == PolarGrid{}.size())
+    throw InputError(csv.string() + ": has more samples than the " + std::to_string(samples) + " expected");
+  return true;
 }
 
 }  // namespace
 
 PolarTable read_polar(const std::filesystem::path& result) {
-  const std::filesystem::path csv = result / "measures" / "polar.csv", results = result / "results.json";
+  const std::filesystem::path csv = file_inside(result, std::filesystem::path("measures") / "polar.csv");
   std::istringstream text(text_of_file(csv));
   std::string line;
   std::getline(text, line);
-  const std::vector<std::string> names = fields_of(line);
+  const std::vector<std::string> names = fields_of(line, csv.string() + ", line 1");
   const std::size_t area = column_of(names, "area_mm2", csv);
   column_of(names, "perfusion_percent", csv);  // the one map that must be there
   PolarTable table;
-  table.perfusion_is = perfusion_in(parse(results).value("measures", Json()), results);
-  for (int number = 2; std::getline(text, line); ++number) {
+  table.perfusion_is = perfusion_of_result(result);
+  for (int number = 2; next_line(text, line, table.area_mm2.size(), csv); ++number) {
     const std::string where = csv.string() + ", line " + std::to_string(number);
-    const std::vector<std::string> fields = fields_of(line);
+    const std::vector<std::string> fields = fields_of(line, where);
     if (fields.size() != names.size())
       throw InputError(where + ": " + std::to_string(fields.size()) + " fields; expected " +
                        std::to_string(names.size()));
@@ -132,19 +139,21 @@ std::string normals_text(const NormalMap& normal) {
   json["sectors"] = normal.grid.sectors;
   json["mean"] = list_of(normal.mean);
   json["sd"] = list_of(normal.sd);
-  return json.dump() + "\n";
+  return json_text(json, -1);
 }
 
 NormalMap read_normals(const std::filesystem::path& path) {
-  const Json json = parse(path);
-  if (json.value("schema", "") != "dynasurf.normals/1")
+  const Json json = read_json(path);
+  const JsonNode map = root_of(json, path.string());
+  if (!has(map, "schema") || text_in(map, "schema") != "dynasurf.normals/1")
     throw InputError(path.string() + ": no normal map; expected schema dynasurf.normals/1");
   NormalMap normal;
-  normal.studies = whole_in(json, "studies", path);
-  normal.perfusion_is = perfusion_in(json, path);
-  normal.grid = {whole_in(json, "rings", path), whole_in(json, "sectors", path)};
-  normal.mean = values_in(json, "mean", normal.grid.size(), path);
-  normal.sd = values_in(json, "sd", normal.grid.size(), path);
+  normal.studies = static_cast<int>(whole_in(map, "studies", 1, 1000000));
+  normal.perfusion_is = perfusion_in(map);
+  whole_in(map, "rings", normal.grid.rings, normal.grid.rings);  // there is one grid
+  whole_in(map, "sectors", normal.grid.sectors, normal.grid.sectors);
+  normal.mean = values_in(map, "mean", normal.grid.size());
+  normal.sd = values_in(map, "sd", normal.grid.size());
   for (std::size_t n = 0; n < normal.grid.size(); ++n)
     if (normal.mean[n].has_value() != normal.sd[n].has_value() || (normal.sd[n] && !(*normal.sd[n] > 0)))
       throw InputError(path.string() + ": sample " + std::to_string(n + 1) + " has no positive sd beside its mean");
@@ -152,15 +161,15 @@ NormalMap read_normals(const std::filesystem::path& path) {
 }
 
 void read_scores(const std::filesystem::path& path, SegmentScores& scores) {
-  const Json json = parse(path);
+  const Json json = read_json(path);
+  root_of(json, path.string());  // an object
   for (const auto& [segment, score] : json.items()) {
     const std::optional<double> number = value_of(segment, path.string());
-    if (!number || *number != std::floor(*number) || std::abs(*number) > 1000 || !score.is_number_integer() ||
-        std::abs(score.get<long>()) > 1000)
-      throw InputError(path.string() + ": \"" + segment + "\": " + score.dump() +
-                       "; expected the number of a segment and its score");
+    if (!number || *number != std::floor(*number) || std::abs(*number) > 1000)
+      throw InputError(path.string() + ": " + io_detail::quoted(segment) + "; expected the number of a segment");
+    const auto value = whole_of({&score, path.string(), segment}, 0, 4);
     try {
-      set_score(scores, static_cast<int>(*number), score.get<int>());
+      set_score(scores, static_cast<int>(*number), static_cast<int>(value));
     } catch (const InputError& error) {
       throw InputError(path.string() + ": " + error.what());
     }

@@ -24,7 +24,7 @@ inline std::string text_of(const std::optional<double>& value) {
 
 /// The same with a fixed number of decimals.
 inline std::string text_of(double value, int decimals) {
-  char text[64];
+  char text[512];  // the largest double has 309 digits
   return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr};
 }
 
