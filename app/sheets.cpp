@@ -6,6 +6,7 @@
 #include <functional>
 #include <numbers>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/ventricle/labels/mlc.hpp"
 #include "dynasurf/ventricle/labels/radial.hpp"
@@ -41,14 +42,14 @@ class Tile {
         static_cast<int>(std::floor((j - window_.j + 0.5) * scale_)), colour);
   }
   void line(double i0, double j0, double i1, double j1, Colour colour) {
-    const int steps = 1 + static_cast<int>(std::hypot(i1 - i0, j1 - j0) * scale_ * 1.5);
+    const int steps = 1 + static_cast<int>(own::hypot(i1 - i0, j1 - j0) * scale_ * 1.5);
     for (int n = 0; n <= steps; ++n) dot(i0 + (i1 - i0) * n / steps, j0 + (j1 - j0) * n / steps, colour);
   }
   void circle(double i, double j, double radius, Colour colour) {
     const int steps = 8 + static_cast<int>(radius * scale_ * 8);
     for (int n = 0; n < steps; ++n) {
       const double a = 2 * std::numbers::pi * n / steps;
-      dot(i + radius * std::cos(a), j + radius * std::sin(a), colour);
+      dot(i + radius * own::cos(a), j + radius * own::sin(a), colour);
     }
   }
   void cross(double i, double j, double arm, Colour colour) {

@@ -37,6 +37,32 @@ class Project(unittest.TestCase):
         return run.returncode, run.stdout + run.stderr
 
 
+class CheckSameBytes(Project):
+    def check(self, line, path="src/dynasurf/mesh/a.cpp"):
+        self.write(path, line + "\n")
+        code, text = self.run_tool("check_same_bytes.py", self.root)
+        self.write(path, "")
+        return code, text
+
+    def test_accepts_own_functions_and_exact_ones(self):
+        for line in ("x = own::exp(y) + std::sqrt(z) + std::fma(a, b, c);", "// std::exp would do", 'f("exp(x)");',
+                     "at = axes.polar(p) + std::remainder(x, 360.0);", "wave.log(x); my::sin(x); catalog(x);"):
+            code, text = self.check(line)
+            self.assertEqual(code, 0, text)
+
+    def test_refuses_what_libraries_round(self):
+        for line in ("x = std::exp(y);", "x = sin(y);", "x = ::hypot(y, z);", "x = std::pow(2.0F, y);", "f(&std::cos);",
+                     "x = y.array().log();", "std::normal_distribution<double> n;", "Eigen::AngleAxisd turn(a, b);",
+                     "axes.computeDirect(m);", "long double x;"):
+            code, text = self.check(line)
+            self.assertEqual(code, 1, line)
+            self.assertIn("src/dynasurf/mesh/a.cpp:1: ", text)
+        self.assertEqual(self.check("x = std::exp(y);", "app/a.cpp")[0], 1)
+
+    def test_lets_the_own_functions_name_what_they_replace(self):
+        self.assertEqual(self.check("double exp(double x);", "src/dynasurf/core/elementary.hpp")[0], 0)
+
+
 class CheckIncludes(Project):
     def check(self, path, include):
         self.write(path, f"#include {include}\n")

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
@@ -18,7 +19,7 @@ constexpr std::size_t samples_of_mesh = 50000;
 constexpr std::size_t grain = 2048;
 
 double smallest_angle_deg(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const auto angle = [](const Vec3& u, const Vec3& v) { return std::atan2(u.cross(v).norm(), u.dot(v)); };
+  const auto angle = [](const Vec3& u, const Vec3& v) { return own::atan2(u.cross(v).norm(), u.dot(v)); };
   return std::min({angle(b - a, c - a), angle(c - b, a - b), angle(a - c, b - c)}) * 180 / std::numbers::pi;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf {
@@ -51,7 +52,7 @@ double smallest_dimension(std::span<const Vec3> points) {
   const Counts counts = pairs_within(points);
   double smallest = 3;
   for (std::size_t s = 0; s + 2 < scales && counts[s + 2] >= few; ++s)
-    smallest = std::min(smallest, std::log2(counts[s] / counts[s + 2]));
+    smallest = std::min(smallest, own::log2(counts[s] / counts[s + 2]));
   return counts[2] >= few ? smallest : 0;
 }
 

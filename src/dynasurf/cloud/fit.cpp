@@ -9,6 +9,7 @@
 
 #include <Eigen/LU>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/intersections.hpp"
@@ -245,8 +246,8 @@ class Fit {
 
   void shorten_bad_moves(const Places& before) {
     constexpr int halvings = 6;
-    const double least = std::sin(o_.smallest_angle_deg * std::numbers::pi / 180);
-    const double turn = std::cos(o_.largest_turn_deg * std::numbers::pi / 180);
+    const double least = own::sin(o_.smallest_angle_deg * std::numbers::pi / 180);
+    const double turn = own::cos(o_.largest_turn_deg * std::numbers::pi / 180);
     std::vector<std::uint8_t> is_bad(before.size());
     for (int k = 0;; ++k) {
       std::fill(is_bad.begin(), is_bad.end(), std::uint8_t{0});

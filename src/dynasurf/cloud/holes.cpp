@@ -9,6 +9,7 @@
 #include "dynasurf/cloud/levels.hpp"
 #include "dynasurf/cloud/neighbours.hpp"
 #include "dynasurf/cloud/patch.hpp"
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/submesh.hpp"
@@ -362,7 +363,7 @@ Torn tear(const TriMesh& whole, const Marks& kept) {
       const Patch tube = make_patch(open, torn.loops, i, j);
       const double widening = std::max(rims[i].length, rims[j].length) / std::min(rims[i].length, rims[j].length);
       // The aims of ragged rims are rough: they count little.
-      const double effort = tube.bending * widening / std::pow(facing_each_other, 0.25) / (bending[i] + bending[j]);
+      const double effort = tube.bending * widening / own::pow(facing_each_other, 0.25) / (bending[i] + bending[j]);
       if (effort < most) torn.joins.push_back({i, j, effort, corners_of(tube)});
     }
   std::stable_sort(torn.joins.begin(), torn.joins.end(),

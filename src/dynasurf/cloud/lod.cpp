@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 
 namespace dynasurf {
@@ -28,7 +29,7 @@ double diagonal_of(const TriMesh& mesh) {
 }  // namespace
 
 double focal_px(const Camera& camera) {
-  return camera.height_px / (2 * std::tan(camera.fov_deg * std::numbers::pi / 360));
+  return camera.height_px / (2 * own::tan(camera.fov_deg * std::numbers::pi / 360));
 }
 
 double projected_size_px(const Vec3& low, const Vec3& high, const CameraPose& pose, const Camera& camera) {

@@ -25,6 +25,12 @@ Neighbours::Neighbours(std::span<const Vec3> points) : places_(points.size()) {
   for (std::size_t l = 0; l <= leaves; ++l)
     first_[l] = static_cast<std::uint32_t>(part_begin(points.size(), l, depth_));
   for (int level = 0; level < depth_; ++level) split_level(level);
+  // Each library leaves its own order within the leaves.
+  parallel_for(leaves, std::max<std::size_t>(1, leaves / 64), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t l = begin; l < end; ++l)
+      std::sort(places_.begin() + first_[l], places_.begin() + first_[l + 1],
+                [](const Place& a, const Place& b) { return a.index < b.index; });
+  });
 }
 
 /// Halves every part of a level across its longest side.

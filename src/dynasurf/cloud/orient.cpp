@@ -9,10 +9,10 @@
 #include <span>
 #include <unordered_map>
 
-#include <Eigen/Eigenvalues>
-
 #include "dynasurf/cloud/neighbours.hpp"
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/core/symmetric_axes.hpp"
 
 namespace dynasurf {
 namespace {
@@ -49,9 +49,7 @@ Plane plane_of(const std::vector<Vec3>& points, std::span<const Neighbours::Foun
   }
   const double scale = spread.trace();
   if (!(scale > 0)) return plane;
-  Eigen::SelfAdjointEigenSolver<Mat3> axes;
-  axes.computeDirect(Mat3(spread / scale));
-  const Vec3 n = axes.eigenvectors().col(0);
+  const Vec3 n = symmetric_axes(spread / scale).directions.col(0);
   if (n.allFinite() && n.squaredNorm() > 0.5) plane.normal = n.normalized();
   return plane;
 }
@@ -247,7 +245,7 @@ double share_of_view(const OrientedPoints& o, const Sheet& sheet, const Vec3& pl
     const Vec3 d = o.points[i] - place;
     const double area = static_cast<double>(step) * o.areas[i];
     // Nearer than its own size a point is no longer one.
-    sum += area * o.normals[i].dot(d) / std::pow(std::max(d.squaredNorm(), area), 1.5);
+    sum += area * o.normals[i].dot(d) / own::pow(std::max(d.squaredNorm(), area), 1.5);
   }
   return sum / (4 * std::numbers::pi);
 }

@@ -8,6 +8,7 @@
 
 #include <Eigen/SparseCholesky>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
 namespace dynasurf {
@@ -98,8 +99,8 @@ struct Way {
   Way(const Rim& a, const Rim& b)
       : from(a.middle), to(b.middle), leaving(a.aim.normalized()), arriving(-b.aim.normalized()) {
     // As long as the arc of a circle that turns as much.
-    const double turn = std::acos(std::clamp(leaving.dot(arriving), -1.0, 1.0));
-    length = (to - from).norm() * (turn > 1e-3 ? turn / (2 * std::sin(turn / 2)) : 1);
+    const double turn = own::acos(std::clamp(leaving.dot(arriving), -1.0, 1.0));
+    length = (to - from).norm() * (turn > 1e-3 ? turn / (2 * own::sin(turn / 2)) : 1);
   }
   Vec3 place(double t) const {
     const double u = 1 - t;

@@ -9,11 +9,11 @@
 #include <optional>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include "dynasurf/cloud/neighbours.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/core/symmetric_axes.hpp"
 
 namespace dynasurf {
 namespace {
@@ -121,15 +121,14 @@ double off_quadric(const std::vector<Vec3>& points, std::span<const Neighbours::
   for (const auto& f : found) middle += points[f.index] / n;
   Mat3 spread = Mat3::Zero();
   for (const auto& f : found) spread += (points[f.index] - middle) * (points[f.index] - middle).transpose() / n;
-  Eigen::SelfAdjointEigenSolver<Mat3> axes;
-  axes.computeDirect(spread);
-  const double size = std::sqrt(std::max(axes.eigenvalues()[2], 1e-300));
+  const SymmetricAxes axes = symmetric_axes(spread);
+  const double size = std::sqrt(std::max(axes.values[2], 1e-300));
   using Six = Eigen::Matrix<double, 6, 1>;
   Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Identity() * 1e-12;
   Six right = Six::Zero();
   double squares = 0;
   for (const auto& f : found) {
-    const Vec3 q = axes.eigenvectors().transpose() * (points[f.index] - middle) / size;
+    const Vec3 q = axes.directions.transpose() * (points[f.index] - middle) / size;
     const Six row{1, q[1], q[2], q[1] * q[1], q[1] * q[2], q[2] * q[2]};
     normal += row * row.transpose();
     right += row * q[0];
@@ -213,7 +212,7 @@ void check_extent(const std::vector<Vec3>& points) {
   for (const Vec3& p : points) middle += p / static_cast<double>(points.size());
   Mat3 spread = Mat3::Zero();
   for (const Vec3& p : points) spread += (p - middle) * (p - middle).transpose();
-  const Vec3 axes = Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  const Vec3 axes = symmetric_axes(spread).values;
   if (!(axes[0] > 1e-12 * axes[2])) throw InputError("the points of the cloud all lie in one plane; expected a body");
 }
 

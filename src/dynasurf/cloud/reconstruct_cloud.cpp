@@ -14,6 +14,7 @@
 #include "dynasurf/cloud/prepare.hpp"
 #include "dynasurf/cloud/thesis_recipe.hpp"
 #include "dynasurf/cloud/transfer.hpp"
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/intersections.hpp"
 
@@ -88,7 +89,7 @@ OrientedPoints oriented_points(const PreparedCloud& p, const CloudOptions& optio
   constexpr std::size_t fewest = 16, most = 100;
   PointCloud thin = thin_out(p.cloud, cell);
   if (!is_noisy(p.facts)) return orient(thin, options.use_normals);
-  const double around = std::numbers::pi * std::pow(wide * p.facts.noise / p.facts.spacing, 2);
+  const double around = std::numbers::pi * own::pow(wide * p.facts.noise / p.facts.spacing, 2);
   const auto ring = static_cast<std::size_t>(std::clamp<double>(around, fewest, most));
   draw_to_planes(thin, p.cloud.points, p.neighbours, ring);
   OrientedPoints oriented = orient(thin_out(thin, cell), options.use_normals, 14);
@@ -140,7 +141,7 @@ LevelPlan plan_of(const CloudOptions& options, const CloudFacts& facts, std::siz
     const double edge = 1.5 / std::sqrt(static_cast<double>(triangles));  // of the diagonal, for common bodies
     plan.noise = facts.noise / facts.diagonal;
     plan.points_per_triangle *= 2;
-    plan.smoothness += 1400 * std::pow(plan.noise / edge, 5);
+    plan.smoothness += 1400 * own::pow(plan.noise / edge, 5);
   }
   return plan;
 }
@@ -214,9 +215,9 @@ int fewest_within(SurfaceEditor& surface, const Fitting& fitting, double error, 
     if (near && (near->count <= fewest || (far && near->count <= step * far->count + 2))) break;
     double slope = -1;
     if (last && last->count != now.count && last->error != now.error)
-      slope = std::clamp(std::log(now.error / last->error) / std::log(static_cast<double>(now.count) / last->count),
+      slope = std::clamp(own::log(now.error / last->error) / own::log(static_cast<double>(now.count) / last->count),
                          -2.0, -0.3);
-    const double guess = now.count * std::pow(as_good * error / now.error, 1 / slope);
+    const double guess = now.count * own::pow(as_good * error / now.error, 1 / slope);
     const double low = far ? std::sqrt(step) * far->count : fewest_triangles;
     const double high = near ? near->count / std::sqrt(step) : most;
     count = std::clamp(static_cast<int>(std::clamp(guess, std::min(low, high), high)) / 2 * 2, fewest,

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 
 namespace dynasurf {
@@ -37,7 +38,7 @@ Place place_nearest_to_axis(const Contour& c, const Vec2& centre) {
   double least = 10;
   for (std::size_t i = 0; i < c.size(); ++i) {
     const Vec2 d = c.points[i] - centre;
-    const double angle = std::abs(std::atan2(d.y(), d.x()));
+    const double angle = std::abs(own::atan2(d.y(), d.x()));
     if (angle < least) least = angle, best = Place{i, 0};
   }
   return best;
@@ -91,7 +92,7 @@ Contour circle_contour(const Vec2& centre, double radius, double edge) {
   Contour c;
   for (int i = 0; i < n; ++i) {
     const double angle = 2 * std::numbers::pi * i / n;
-    c.points.push_back(centre + radius * Vec2(std::cos(angle), std::sin(angle)));
+    c.points.push_back(centre + radius * Vec2(own::cos(angle), own::sin(angle)));
   }
   return c;
 }

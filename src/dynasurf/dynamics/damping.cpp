@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/border_distance.hpp"
 
@@ -53,7 +54,7 @@ Image drag_near_border(const Image& border, double drag, double ratio, double re
   const Grid& g = border.grid;
   return raised(g, drag, ratio, [&](const Index3& at) {
     // Beyond 30 reaches nothing is left in a float.
-    return std::exp(-distance.voxels(centre_of(g, at), 30 * reach_voxels) / reach_voxels);
+    return own::exp(-distance.voxels(centre_of(g, at), 30 * reach_voxels) / reach_voxels);
   });
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/gradient.hpp"
 
@@ -18,7 +19,7 @@ std::vector<double> gaussian(double sigma) {
   std::vector<double> weight(static_cast<std::size_t>(2 * reach + 1));
   double sum = 0;
   for (int n = -reach; n <= reach; ++n)
-    sum += weight[static_cast<std::size_t>(n + reach)] = std::exp(-0.5 * n * n / (sigma * sigma));
+    sum += weight[static_cast<std::size_t>(n + reach)] = own::exp(-0.5 * n * n / (sigma * sigma));
   for (double& w : weight) w /= sum;
   return weight;
 }

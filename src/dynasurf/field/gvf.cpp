@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/gradient.hpp"
 #include "dynasurf/field/simd.hpp"
@@ -34,7 +35,7 @@ struct Scheme {
   bool safe_step;
 
   double spread(double slope_squared) const {
-    return inverse_k > 0 ? std::exp(-inverse_k * std::sqrt(slope_squared)) : 1;
+    return inverse_k > 0 ? own::exp(-inverse_k * std::sqrt(slope_squared)) : 1;
   }
   double pull(double slope_squared) const { return inverse_k > 0 ? 1 - spread(slope_squared) : slope_squared; }
 };

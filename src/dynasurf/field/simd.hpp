@@ -90,8 +90,17 @@ class FlushDenormals {
 
  private:
   unsigned saved_;
+#elif defined(__aarch64__)
+  FlushDenormals() {
+    __asm__ volatile("mrs %0, fpcr" : "=r"(saved_));
+    __asm__ volatile("msr fpcr, %0" : : "r"(saved_ | (1UL << 24U)));
+  }
+  ~FlushDenormals() { __asm__ volatile("msr fpcr, %0" : : "r"(saved_)); }
+
+ private:
+  unsigned long saved_;
 #else
-  FlushDenormals() {}
+  FlushDenormals() {}  // they stay, and with them other bytes than elsewhere
 #endif
  public:
   FlushDenormals(const FlushDenormals&) = delete;

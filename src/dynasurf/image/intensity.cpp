@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/image/slice.hpp"
 
@@ -81,7 +82,7 @@ Image cut_property(Image image, const PropertyCut& cut) {
   const auto half = half_gaussian(cut.sigma_px);
   for_each_slice(image.grid, [&](int k) {
     Slice slice = slice_of(image, k);
-    const auto beyond = [&](int i, int j) { return std::hypot(i - cut.x_px, j - cut.y_px) - cut.radius_px; };
+    const auto beyond = [&](int i, int j) { return own::hypot(i - cut.x_px, j - cut.y_px) - cut.radius_px; };
     for (int j = 0; j < slice.height; ++j)
       for (int i = 0; i < slice.width; ++i)
         if (beyond(i, j) > 0) slice(i, j) = 0;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf {
@@ -39,7 +40,7 @@ std::vector<double> gaussian_kernel(double sigma_px) {
   std::vector<double> kernel;
   double sum = 0;
   for (int d = -reach; d <= reach; ++d) {
-    kernel.push_back(std::exp(-0.5 * d * d / (sigma_px * sigma_px)));
+    kernel.push_back(own::exp(-0.5 * d * d / (sigma_px * sigma_px)));
     sum += kernel.back();
   }
   for (double& w : kernel) w /= sum;

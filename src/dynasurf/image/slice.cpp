@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf {
@@ -29,7 +30,7 @@ std::vector<double> half_gaussian(double sigma) {
   std::vector<double> w{1.0};
   double sum = 1;
   for (int r = 1; r <= radius; ++r) {
-    w.push_back(std::exp(-r * r / (2 * sigma * sigma)));
+    w.push_back(own::exp(-r * r / (2 * sigma * sigma)));
     sum += 2 * w.back();
   }
   for (double& v : w) v /= sum;

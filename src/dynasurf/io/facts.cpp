@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <string>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/formats.hpp"
 #include "dynasurf/io/study_io.hpp"
@@ -27,10 +28,10 @@ std::string words_of(std::string_view name) {
 std::string heading_of(const Vec3& axis) {
   constexpr const char* names[3][2] = {{"right", "left"}, {"anterior", "posterior"}, {"inferior", "superior"}};
   std::array<Eigen::Index, 3> order{0, 1, 2};
-  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return std::abs(axis[a]) > std::abs(axis[b]); });
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return std::abs(axis[a]) > std::abs(axis[b]); });
   const auto name = [&](Eigen::Index n) { return std::string(names[n][axis[n] > 0 ? 1 : 0]); };
   constexpr double degrees = 57.29577951308232;
-  const double tilt = std::acos(std::min(1.0, std::abs(axis[order[0]]))) * degrees;
+  const double tilt = own::acos(std::min(1.0, std::abs(axis[order[0]]))) * degrees;
   if (tilt < 0.5) return name(order[0]);
   return name(order[0]) + ", " + number(std::round(tilt), 3) + " degrees towards " + name(order[1]);
 }

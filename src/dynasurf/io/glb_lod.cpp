@@ -2,6 +2,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/gltf_scene.hpp"
@@ -29,7 +30,7 @@ std::vector<std::array<std::uint16_t, 4>> linear(const VertexColours& colours) {
     auto& row = rows.emplace_back();
     for (std::size_t c = 0; c < 3; ++c) {
       const double share = colour[c] / 255.0;
-      const double light = share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4);
+      const double light = share <= 0.04045 ? share / 12.92 : own::pow((share + 0.055) / 1.055, 2.4);
       row[c] = static_cast<std::uint16_t>(std::lround(light * 65535));
     }
     row[3] = 65535;

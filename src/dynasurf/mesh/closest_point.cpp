@@ -121,6 +121,11 @@ std::vector<std::uint32_t> ClosestPoint::sorted() const {
       }
     });
   }
+  // Each library leaves its own order within the parts.
+  const std::size_t leaves = std::size_t{1} << (2 * depth_);
+  for (std::size_t m = 0; m < leaves; ++m)
+    std::sort(order.begin() + static_cast<std::ptrdiff_t>(order.size() * m >> 2 * depth_),
+              order.begin() + static_cast<std::ptrdiff_t>(order.size() * (m + 1) >> 2 * depth_));
   return order;
 }
 

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "dynasurf/core/elementary.hpp"
+
 namespace dynasurf {
 
 std::vector<std::uint32_t> order_around(const Vec3& vertex, const Vec3& normal, std::span<const Vec3> neighbours) {
@@ -23,7 +25,7 @@ std::vector<std::uint32_t> order_around(const Vec3& vertex, const Vec3& normal, 
       angle[i] = 0;  // not a rounding below a full turn
       continue;
     }
-    angle[i] = std::atan2(way.dot(second), way.dot(first));
+    angle[i] = own::atan2(way.dot(second), way.dot(first));
     if (angle[i] < 0) angle[i] += 2 * std::numbers::pi;
   }
   std::vector<std::uint32_t> order(neighbours.size());

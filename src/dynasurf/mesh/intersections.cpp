@@ -78,7 +78,9 @@ class BoxTree {
       const std::size_t middle = (first + last) / 2;
       const auto at = [this](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
       std::nth_element(at(first), at(middle), at(last), [&](std::uint32_t a, std::uint32_t b) {
-        return boxes_[a].low[axis] + boxes_[a].high[axis] < boxes_[b].low[axis] + boxes_[b].high[axis];
+        const double at_a = boxes_[a].low[axis] + boxes_[a].high[axis],
+                     at_b = boxes_[b].low[axis] + boxes_[b].high[axis];
+        return at_a != at_b ? at_a < at_b : a < b;
       });
       build(first, middle);
       build(middle, last);

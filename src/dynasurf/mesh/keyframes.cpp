@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 
 namespace dynasurf {
@@ -29,8 +30,8 @@ std::vector<double> cubic_shares(std::size_t n, std::size_t i, double a) {
   const double m_here = (b * b * b - b) / 6, m_next = (a * a * a - a) / 6;
   const double z = std::sqrt(3.0) - 2;
   const auto inverse = [&](std::size_t k) {
-    const double wrapped = std::pow(z, static_cast<double>(k)) + std::pow(z, static_cast<double>(n - k));
-    return wrapped / (1 - std::pow(z, static_cast<double>(n))) / (2 * std::sqrt(3.0));
+    const double wrapped = own::pow(z, static_cast<double>(k)) + own::pow(z, static_cast<double>(n - k));
+    return wrapped / (1 - own::pow(z, static_cast<double>(n))) / (2 * std::sqrt(3.0));
   };
   for (std::size_t g = 0; g < n; ++g) {
     const double q = m_here * inverse((g + n - i) % n) + m_next * inverse((g + 2 * n - i - 1) % n);

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "dynasurf/core/elementary.hpp"
+
 namespace dynasurf {
 namespace {
 
@@ -16,7 +18,7 @@ Corners corners_of(const TriMesh& mesh, const std::array<std::uint32_t, 3>& t) {
   return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
 }
 
-double angle_between(const Vec3& u, const Vec3& v) { return std::atan2(u.cross(v).norm(), u.dot(v)); }
+double angle_between(const Vec3& u, const Vec3& v) { return own::atan2(u.cross(v).norm(), u.dot(v)); }
 
 /// Mean and extremes of one number per triangle.
 struct Summary {

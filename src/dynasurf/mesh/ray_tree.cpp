@@ -61,6 +61,9 @@ void RayTree::build(std::uint32_t first, std::uint32_t last) {
                      });
     build(first, middle);
     build(middle, last);
+  } else {  // each library leaves its own order
+    std::sort(corners_.begin() + first, corners_.begin() + last,
+              [](const Corners& s, const Corners& t) { return s.triangle < t.triangle; });
   }
   nodes_[n].end = static_cast<std::uint32_t>(nodes_.size());
 }

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
-
+#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/symmetric_axes.hpp"
 #include "dynasurf/mesh/intersections.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
@@ -90,7 +90,7 @@ bool try_flip(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t h, double be
 }
 
 int flip_sweeps(SurfaceEditor& s, CrossingGuard& guard, double largest_bend_deg, int sweeps) {
-  const double limit = std::cos(radians(largest_bend_deg));
+  const double limit = own::cos(radians(largest_bend_deg));
   int all = 0;
   for (int n = 0; n < sweeps; ++n) {
     int flipped = 0;
@@ -110,7 +110,7 @@ struct Firm {
 };
 
 /// Two halves of a fan at this angle spread their normals by this much of the whole to either side.
-double spread_of(double sharp_deg) { return std::pow(std::sin(radians(0.5 * sharp_deg)), 2); }
+double spread_of(double sharp_deg) { return own::pow(own::sin(radians(0.5 * sharp_deg)), 2); }
 
 /// Triangles count by their angle at the vertex, so that each face of a corner counts the same however it is cut.
 Firm firm_at(const SurfaceEditor& s, std::uint32_t v, double spread) {
@@ -121,17 +121,16 @@ Firm firm_at(const SurfaceEditor& s, std::uint32_t v, double spread) {
   for_ring(s, v, [&](std::uint32_t h) {
     const Vec3 a = s.position(s.to(h)) - s.position(v),
                b = s.position(s.from(SurfaceEditor::previous(h))) - s.position(v), n = a.cross(b);
-    const double angle = std::atan2(n.norm(), a.dot(b));
+    const double angle = own::atan2(n.norm(), a.dot(b));
     normals += angle * n * n.transpose() / std::max(n.squaredNorm(), 1e-300);
     angles += angle;
   });
   if (!(angles > 0)) return firm;
-  Eigen::SelfAdjointEigenSolver<Mat3> axes;
-  axes.computeDirect(Mat3(normals / angles));
+  const SymmetricAxes axes = symmetric_axes(normals / angles);
   for (int a = 0; a < 3; ++a)
-    if (axes.eigenvalues()[a] > spread) {
+    if (axes.values[a] > spread) {
       ++firm.count;
-      firm.across += axes.eigenvectors().col(a) * axes.eigenvectors().col(a).transpose();
+      firm.across += axes.directions.col(a) * axes.directions.col(a).transpose();
     }
   return firm;
 }
@@ -167,7 +166,7 @@ bool try_move(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t v, double sp
     const Vec3 from = place;  // NOLINT(performance-unnecessary-copy-initialization): consider() moves place
     for (int k = 0; k < 8; ++k) {
       const double angle = std::numbers::pi * k / 4;
-      consider(from + length * (std::cos(angle) * u + std::sin(angle) * w));
+      consider(from + length * (own::cos(angle) * u + own::sin(angle) * w));
     }
   }
   if (place == p || would_cross(s, guard, v, place)) return false;
@@ -282,7 +281,7 @@ std::vector<double> local_sizes(const SurfaceEditor& s, int sweeps) {
 
 void relax(SurfaceEditor& s, std::span<const double> sizes, const ClosestPoint& onto, const TriMesh& onto_mesh,
            int sweeps, double enough_deg, double sharp_deg) {
-  const double enough = std::sin(radians(enough_deg));
+  const double enough = own::sin(radians(enough_deg));
   const double spread = spread_of(sharp_deg);
   for (int k = 0; k < sweeps; ++k)
     for (std::uint32_t v = 0; v < s.vertex_slots(); ++v) {
@@ -313,7 +312,7 @@ void relax(SurfaceEditor& s, std::span<const double> sizes, const ClosestPoint& 
 }
 
 double raise_smallest_angle(SurfaceEditor& s, double wanted_deg, int rounds, double sharp_deg) {
-  const double wanted = std::sin(radians(wanted_deg));
+  const double wanted = own::sin(radians(wanted_deg));
   CrossingGuard guard(s);
   const std::vector<double> sizes = local_sizes(s, 2);
   const std::size_t count = s.triangles();
@@ -323,7 +322,7 @@ double raise_smallest_angle(SurfaceEditor& s, double wanted_deg, int rounds, dou
     for (std::uint32_t t = 0; t < s.triangle_slots(); ++t) {
       if (!s.is_alive(t) || sine_of(s, s.corners(t)) >= wanted) continue;
       for (std::uint32_t c = 0; c < 3 && s.is_alive(t) && sine_of(s, s.corners(t)) < wanted; ++c)
-        changed |= try_flip(s, guard, 3 * t + c, std::cos(radians(round < 2 ? 40 : 70)), 1.02);
+        changed |= try_flip(s, guard, 3 * t + c, own::cos(radians(round < 2 ? 40 : 70)), 1.02);
       for (std::uint32_t c = 0; c < 3 && s.is_alive(t) && sine_of(s, s.corners(t)) < wanted; ++c)
         changed |= try_move(s, guard, s.corners(t)[c], spread);
       if (round < 2 || sine_of(s, s.corners(t)) >= wanted) continue;
@@ -343,7 +342,7 @@ double raise_smallest_angle(SurfaceEditor& s, double wanted_deg, int rounds, dou
     while (s.triangles() < count && split_one(s, guard, sizes, wanted)) changed = true;
     if (!changed || worst_sine(s) >= wanted) break;
   }
-  return std::asin(std::min(1.0, worst_sine(s))) * 180 / std::numbers::pi;
+  return own::asin(std::min(1.0, worst_sine(s))) * 180 / std::numbers::pi;
 }
 
 std::size_t take_back_crossings(SurfaceEditor& s, std::span<const Vec3> safe) {

@@ -10,6 +10,7 @@
 
 #include <Eigen/LU>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf {
@@ -67,7 +68,7 @@ class Simplifier {
   std::size_t run() {
     // Rules that leave nothing to collapse are eased step by step.
     for (const double ease : {1.0, 0.6, 0.3, 0.05}) {
-      least_sine_ = std::sin(ease * o_.smallest_angle_deg * std::numbers::pi / 180);
+      least_sine_ = own::sin(ease * o_.smallest_angle_deg * std::numbers::pi / 180);
       pass();
       if (s_.triangles() <= o_.triangles) break;
     }
@@ -149,7 +150,7 @@ class Simplifier {
     gather(h, old_, fresh_);
     if (fresh_.size() > most_neighbours) return false;
     const std::uint32_t b = s_.to(h);
-    const double turn_limit = std::cos(o_.largest_turn_deg * std::numbers::pi / 180);
+    const double turn_limit = own::cos(o_.largest_turn_deg * std::numbers::pi / 180);
     const auto at = [&](std::uint32_t v) -> const Vec3& { return v == b ? place : s_.position(v); };
     double worst_after = 1;
     for (std::size_t i = 0; i < fresh_.size(); ++i) {

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "dynasurf/core/elementary.hpp"
+
 namespace dynasurf {
 namespace {
 
@@ -36,7 +38,7 @@ struct Turn {
   }
   double angle() const {
     // Direction above the real axis: the sum is in an even half turn, below: in an odd one.
-    const double within = std::atan2(is_upper() ? im : -im, is_upper() ? re : -re);
+    const double within = own::atan2(is_upper() ? im : -im, is_upper() ? re : -re);
     return half_turns * std::numbers::pi + within;
   }
   bool is_upper() const { return (im > 0) | ((im == 0) & (re > 0)); }
@@ -60,7 +62,7 @@ Turn turn_around(const Vec3& centre, std::span<const Vec3> p, Ring ring) {
 class PeakTest {
  public:
   explicit PeakTest(double tolerance_rad)
-      : tolerance_(tolerance_rad), slope_(tolerance_rad < std::numbers::pi / 2 ? std::tan(tolerance_rad) : -1) {}
+      : tolerance_(tolerance_rad), slope_(tolerance_rad < std::numbers::pi / 2 ? own::tan(tolerance_rad) : -1) {}
 
   bool operator()(const Vec3& centre, std::span<const Vec3> p, Ring ring) const {
     const Turn turn = turn_around(centre, p, ring);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/point_spline.hpp"
 #include "dynasurf/mesh/ray_tree.hpp"
@@ -50,7 +51,7 @@ double rotation_deg(std::span<const Vec3> rest, std::span<const Vec3> now, const
     const Vec3 b = now[v] - on_axis - (now[v] - on_axis).dot(axis) * axis;
     sine += axis.dot(a.cross(b)), cosine += a.dot(b);
   }
-  return std::atan2(sine, cosine) * 180 / M_PI;
+  return own::atan2(sine, cosine) * 180 / M_PI;
 }
 
 }  // namespace dynasurf

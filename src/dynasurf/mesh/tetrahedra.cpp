@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 
 namespace dynasurf {
@@ -72,7 +73,7 @@ TetQuality tet_quality(const TetMesh& solid) {
     double squares = 0;
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = i + 1; j < 4; ++j) squares += (solid.vertices[t[i]] - solid.vertices[t[j]]).squaredNorm();
-    const double shape = volume > 0 ? 12 * std::pow(3 * volume, 2.0 / 3) / squares : 0;
+    const double shape = volume > 0 ? 12 * own::pow(3 * volume, 2.0 / 3) / squares : 0;
     q.not_positive += !(volume > 0);
     q.volume_min = std::min(q.volume_min, volume), q.volume_max = std::max(q.volume_max, volume);
     q.shape_min = std::min(q.shape_min, shape);

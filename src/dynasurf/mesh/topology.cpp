@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <numeric>
+#include <tuple>
 
 #include "dynasurf/mesh/measures.hpp"
 
@@ -21,8 +22,9 @@ std::vector<Side> sorted_sides(const TriMesh& mesh) {
       const std::uint32_t from = t[c], to = t[(c + 1) % 3];
       sides.push_back({std::min(from, to), std::max(from, to), from < to});
     }
-  std::sort(sides.begin(), sides.end(),
-            [](const Side& a, const Side& b) { return a.low != b.low ? a.low < b.low : a.high < b.high; });
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return std::tie(a.low, a.high, a.ascending) < std::tie(b.low, b.high, b.ascending);
+  });
   return sides;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/report/numbers.hpp"
 
 namespace dynasurf {
@@ -62,7 +63,7 @@ struct Axis {
 
   Axis(double from, double to) {
     if (!(to - from > 1e-9)) from -= 0.5, to += 0.5;
-    const double rough = (to - from) / 5, power = std::pow(10, std::floor(std::log10(rough)));
+    const double rough = (to - from) / 5, power = own::pow(10, std::floor(own::log10(rough)));
     const double digit = rough / power;
     step = power * (digit <= 1 ? 1 : digit <= 2 ? 2 : digit <= 5 ? 5 : 10);
     low = step * std::floor(from / step);
@@ -70,7 +71,7 @@ struct Axis {
   }
   double share(double value) const { return (value - low) / (high - low); }
   int steps() const { return static_cast<int>(std::lround((high - low) / step)); }
-  int decimals() const { return std::max(0, -static_cast<int>(std::floor(std::log10(step) + 1e-9))); }
+  int decimals() const { return std::max(0, -static_cast<int>(std::floor(own::log10(step) + 1e-9))); }
 };
 
 constexpr double left = 64, right = 500, top = 34, bottom = 300;

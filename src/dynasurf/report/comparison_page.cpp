@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/numbers.hpp"
 
@@ -106,7 +107,7 @@ std::vector<double> numbers_at(const Json& json, std::initializer_list<const cha
 
 std::string figure(const std::optional<double>& value, int decimals) {
   if (!value) return "&ndash;";
-  const double unit = std::pow(10, -decimals);
+  const double unit = own::pow(10, -decimals);
   return text_of(std::abs(*value) < unit / 2 ? 0.0 : *value, decimals);  // no -0
 }
 

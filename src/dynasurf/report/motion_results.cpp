@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/report/json_parts.hpp"
 
 namespace dynasurf {
@@ -52,7 +53,7 @@ struct Curve {
 
 /// A step that gives four lines or so.
 double even_step(double range) {
-  const double unit = std::pow(10, std::floor(std::log10(range / 4)));
+  const double unit = own::pow(10, std::floor(own::log10(range / 4)));
   for (const double factor : {1.0, 2.0, 5.0})
     if (range / (factor * unit) <= 5) return factor * unit;
   return 10 * unit;

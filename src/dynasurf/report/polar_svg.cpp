@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/numbers.hpp"
 
@@ -56,8 +57,8 @@ std::string hex(const Rgb& c) {
 std::string_view ink_on(const Rgb& c) { return 0.3 * c.r + 0.59 * c.g + 0.11 * c.b > 140 ? "#111" : "#fff"; }
 
 std::string point(double rho, double angle_deg) {
-  return text_of(radius * rho * std::cos(angle_deg * degrees), 2) + " " +
-         text_of(-radius * rho * std::sin(angle_deg * degrees), 2);
+  return text_of(radius * rho * own::cos(angle_deg * degrees), 2) + " " +
+         text_of(-radius * rho * own::sin(angle_deg * degrees), 2);
 }
 
 /// The outline of a piece of a ring; whole rings as two arcs each.
@@ -119,11 +120,11 @@ std::optional<double> mean_in(const Measures& m, const PolarKind& kind, int numb
     if (!values[n] || segment_at(m.model, m.grid.point(n)) != number) continue;
     const double w = m.area_mm2[n];
     sum += w * *values[n], weight += w;
-    c += w * std::cos(*values[n] * degrees), s += w * std::sin(*values[n] * degrees);
+    c += w * own::cos(*values[n] * degrees), s += w * own::sin(*values[n] * degrees);
   }
   if (!(weight > 0)) return std::nullopt;
   if (!kind.is_cyclic) return sum / weight;
-  const double angle = std::atan2(s, c) / degrees;
+  const double angle = own::atan2(s, c) / degrees;
   return angle < 0 ? angle + 360 : angle;
 }
 
@@ -137,8 +138,8 @@ std::string segments(const Measures& m, const PolarKind& kind, const Scale& scal
     const auto mean = mean_in(m, kind, s.number);
     if (!mean) continue;
     const double rho = s.rho_low == 0 && s.width_deg >= 360 ? 0 : (s.rho_low + s.rho_high) / 2;
-    const double x = radius * rho * std::cos(s.middle_deg * degrees);
-    const double y = -radius * rho * std::sin(s.middle_deg * degrees);
+    const double x = radius * rho * own::cos(s.middle_deg * degrees);
+    const double y = -radius * rho * own::sin(s.middle_deg * degrees);
     svg += "<text x=\"" + text_of(x, 1) + "\" y=\"" + text_of(y + 3, 1) + "\" fill=\"" +
            std::string(ink_on(colour_of(scale.share(*mean), kind))) + "\">" +
            text_of(std::abs(*mean) < 0.5 ? 0 : *mean, 0) + "</text>\n";

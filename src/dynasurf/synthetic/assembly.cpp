@@ -5,6 +5,7 @@
 #include <limits>
 #include <sstream>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/synthetic/noise.hpp"
 
 namespace dynasurf {
@@ -28,11 +29,18 @@ Grid make_grid(const Lattice& lattice, const Mat3& direction, const Vec3& centre
   return grid;
 }
 
+/// The rotation about an axis of length 1 (Rodrigues).
+Mat3 turn_about(const Vec3& axis, double angle) {
+  Mat3 across;
+  across << 0, -axis[2], axis[1], axis[2], 0, -axis[0], -axis[1], axis[0], 0;
+  return Mat3::Identity() + own::sin(angle) * across + (1 - own::cos(angle)) * (across * across);
+}
+
 Frame make_frame(const Grid& grid, const Pose& pose, const Vec3& middle) {
   Frame frame;
   const double towards = pose.tilt_towards_deg * degrees;
-  const Vec3 hinge{-std::sin(towards), std::cos(towards), 0};  // turning about it leans +k into the direction asked for
-  if (pose.tilt_deg != 0) frame.rotation = Eigen::AngleAxisd(pose.tilt_deg * degrees, hinge).toRotationMatrix();
+  const Vec3 hinge{-own::sin(towards), own::cos(towards), 0};  // turning about it leans +k into the direction asked for
+  if (pose.tilt_deg != 0) frame.rotation = turn_about(hinge, pose.tilt_deg * degrees);
   frame.origin = middle_of(grid) + Vec3(pose.offset_x_mm, pose.offset_y_mm, pose.offset_z_mm) - frame.rotation * middle;
   return frame;
 }
@@ -52,7 +60,7 @@ Box box_of(const RightVentricle& v) {
 }
 
 bool in_sector(const Vec3& p, double towards_deg, double width_deg) {
-  const double beside = std::remainder(std::atan2(p[1], p[0]) / degrees - towards_deg, 360.0);
+  const double beside = std::remainder(own::atan2(p[1], p[0]) / degrees - towards_deg, 360.0);
   return std::abs(beside) <= width_deg / 2;
 }
 

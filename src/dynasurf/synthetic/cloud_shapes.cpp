@@ -6,6 +6,7 @@
 #include <functional>
 #include <numbers>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/marching.hpp"
 #include "dynasurf/mesh/shapes.hpp"
@@ -51,8 +52,8 @@ TriMesh tube(int rings, int sides, bool is_ring, const std::function<Vec3(int, i
 TriMesh torus(double large, double small) {
   constexpr int rings = 256, sides = 96;
   return tube(rings, sides, true, [&](int r, int s) {
-    const double u = 2 * pi * r / rings, v = 2 * pi * s / sides, across = large + small * std::cos(v);
-    return Vec3(across * std::cos(u), across * std::sin(u), small * std::sin(v));
+    const double u = 2 * pi * r / rings, v = 2 * pi * s / sides, across = large + small * own::cos(v);
+    return Vec3(across * own::cos(u), across * own::sin(u), small * own::sin(v));
   });
 }
 
@@ -62,13 +63,13 @@ TriMesh spring() {
   constexpr double turns = 2.5, radius = 0.8, rise = 0.6, wire = 0.16;
   const auto frame = [&](double u, Vec3& out, Vec3& up) {
     const double angle = 2 * pi * u;
-    Vec3 along = Vec3(-2 * pi * radius * std::sin(angle), 2 * pi * radius * std::cos(angle), rise).normalized();
-    out = Vec3(std::cos(angle), std::sin(angle), 0);
+    Vec3 along = Vec3(-2 * pi * radius * own::sin(angle), 2 * pi * radius * own::cos(angle), rise).normalized();
+    out = Vec3(own::cos(angle), own::sin(angle), 0);
     up = along.cross(out);
     return along;
   };
   const auto centre = [&](double u) {
-    return Vec3(radius * std::cos(2 * pi * u), radius * std::sin(2 * pi * u), rise * (u - turns / 2));
+    return Vec3(radius * own::cos(2 * pi * u), radius * own::sin(2 * pi * u), rise * (u - turns / 2));
   };
   const auto at = [&](int r, int s) {
     const double u = turns * std::clamp(r - cap, 0, body) / body;
@@ -77,7 +78,7 @@ TriMesh spring() {
     Vec3 out, up;
     const Vec3 along = frame(u, out, up);
     const double v = 2 * pi * s / sides;
-    return Vec3(centre(u) + wire * (std::sin(tilt) * along + std::cos(tilt) * (std::cos(v) * out - std::sin(v) * up)));
+    return Vec3(centre(u) + wire * (own::sin(tilt) * along + own::cos(tilt) * (own::cos(v) * out - own::sin(v) * up)));
   };
   Vec3 out, up;
   const Vec3 start = centre(0) - wire * frame(0, out, up), end = centre(turns) + wire * frame(turns, out, up);
@@ -87,7 +88,7 @@ TriMesh spring() {
 /// A belly with a narrow neck, hollow almost to the foot.
 TriMesh vase() {
   std::vector<ProfilePoint> profile;
-  const auto outer = [](double z) { return 0.36 + 0.24 * std::cos(2.4 * z + 0.9) + 0.05 * z; };
+  const auto outer = [](double z) { return 0.36 + 0.24 * own::cos(2.4 * z + 0.9) + 0.05 * z; };
   constexpr double wall = 0.07, foot = -1, rim = 1;
   constexpr int steps = 160;
   profile.push_back({0, foot});
@@ -98,7 +99,7 @@ TriMesh vase() {
   }
   for (int i = 1; i < 12; ++i) {  // the rim is a half circle
     const double a = pi * i / 12;
-    profile.push_back({outer(rim) - wall / 2 + wall / 2 * std::cos(a), rim + wall / 2 * std::sin(a)});
+    profile.push_back({outer(rim) - wall / 2 + wall / 2 * own::cos(a), rim + wall / 2 * own::sin(a)});
   }
   for (int i = steps; i >= 8; --i) {
     const double z = foot + (rim - foot) * i / steps;
@@ -153,7 +154,7 @@ double blobs(const Vec3& p) {
   double sum = -1;
   for (const Blob& b : all) {
     const double d2 = (p - Vec3(b.x, b.y, b.z)).squaredNorm() / (b.radius * b.radius);
-    sum += std::exp(1.5 * (1 - d2)) / 1.5;
+    sum += own::exp(1.5 * (1 - d2)) / 1.5;
   }
   return sum;
 }

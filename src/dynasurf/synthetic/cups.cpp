@@ -4,6 +4,7 @@
 #include <limits>
 #include <sstream>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/intensity.hpp"
 #include "dynasurf/synthetic/assembly.hpp"
@@ -103,7 +104,7 @@ Scene with_cover(const Scene& scene, const Hebron& o) {
   if (!o.cover) return scene;
   const double low = o.shape.height_mm, high = low + o.lattice.dz_mm, radius = o.cover_radius_mm;
   return {[=](const Vec3& p) {
-            if (p[2] > low && p[2] <= high && std::hypot(p[0], p[1]) <= radius) return 1.0;
+            if (p[2] > low && p[2] <= high && own::hypot(p[0], p[1]) <= radius) return 1.0;
             return scene.activity(p);
           },
           hull(scene.support, {{-radius, -radius, low}, {radius, radius, high}})};
@@ -117,7 +118,7 @@ Phantom take_hebron(std::string_view kind, const Hebron& o, const Cups& cups, co
 
 CupShape mayo_shape(const Mayo& o) {
   const CupShape hebron;
-  const double scale = std::cbrt(o.volume_mm3 / (1000 * volume_ml(Cup{hebron.outer_radius_mm, hebron.height_mm})));
+  const double scale = own::cbrt(o.volume_mm3 / (1000 * volume_ml(Cup{hebron.outer_radius_mm, hebron.height_mm})));
   return {scale * hebron.inner_radius_mm, scale * hebron.outer_radius_mm, scale * hebron.height_mm};
 }
 
@@ -187,7 +188,7 @@ Scene with_digestive_blob(const Scene& scene, const Cup& outer, double amplitude
   constexpr double sigma = 10, reach = 4 * sigma;
   const Vec3 centre = Vec3(0, 0.5, -std::sqrt(0.75)) * (outer.radius_mm + sigma);
   const auto blob = [=](const Vec3& p) {
-    return amplitude * std::exp(-(p - centre).squaredNorm() / (2 * sigma * sigma));
+    return amplitude * own::exp(-(p - centre).squaredNorm() / (2 * sigma * sigma));
   };
   return with_neighbour(scene, outer, blob, {centre - Vec3::Constant(reach), centre + Vec3::Constant(reach)});
 }
@@ -201,10 +202,10 @@ Scene with_right_ventricle(const Scene& scene, const Cup& outer, double amplitud
 /// A cavity of Hebron's proportions and an outer cup of the same height, with the given volumes.
 Cups cups_of_volumes(double cavity_mm3, double wall_mm3) {
   const CupShape hebron;
-  const double scale = std::cbrt(cavity_mm3 / (1000 * volume_ml(Cup{hebron.inner_radius_mm, hebron.height_mm})));
+  const double scale = own::cbrt(cavity_mm3 / (1000 * volume_ml(Cup{hebron.inner_radius_mm, hebron.height_mm})));
   Cups cups;
   cups.inner = {scale * hebron.inner_radius_mm, scale * hebron.height_mm};
-  double low = cups.inner.radius_mm, high = 10 * low + std::cbrt(wall_mm3);
+  double low = cups.inner.radius_mm, high = 10 * low + own::cbrt(wall_mm3);
   for (int n = 0; n < 200; ++n) {
     const double middle = (low + high) / 2;
     (1000 * volume_ml(Cup{middle, cups.inner.height_mm}) < cavity_mm3 + wall_mm3 ? low : high) = middle;

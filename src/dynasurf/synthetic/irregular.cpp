@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/synthetic/render.hpp"
 
 namespace dynasurf {
@@ -22,16 +23,16 @@ Image blurred_on(const Image& image, double from_fwhm, double to_fwhm) {
 }  // namespace
 
 double width_factor(const Irregularity& o, const Vec3& p, double base_z) {
-  const double u = height_of(p, base_z), angle = std::atan2(p[1], p[0]);
-  const double septum = std::max(0.0, -std::cos(angle));  // towards -x
-  const double shape = -1.2 * septum * septum * std::sin(M_PI * u) + 0.6 * std::cos(2 * angle - 1) +
-                       0.5 * std::cos(angle - 5 * u) + 0.3 * std::cos(5 * angle + 7 * u);
+  const double u = height_of(p, base_z), angle = own::atan2(p[1], p[0]);
+  const double septum = std::max(0.0, -own::cos(angle));  // towards -x
+  const double shape = -1.2 * septum * septum * own::sin(M_PI * u) + 0.6 * own::cos(2 * angle - 1) +
+                       0.5 * own::cos(angle - 5 * u) + 0.3 * own::cos(5 * angle + 7 * u);
   return 1 + 0.06 * o.walls * std::sqrt(u) * shape;
 }
 
 double outer_width_factor(const Irregularity& o, const Vec3& p, double base_z) {
-  const double u = height_of(p, base_z), angle = std::atan2(p[1], p[0]);
-  const double thickness = std::cos(angle + 2) + 0.7 * std::cos(3 * angle - 4 * u) + 0.6 * std::cos(6 * u);
+  const double u = height_of(p, base_z), angle = own::atan2(p[1], p[0]);
+  const double thickness = own::cos(angle + 2) + 0.7 * own::cos(3 * angle - 4 * u) + 0.6 * own::cos(6 * u);
   return width_factor(o, p, base_z) * (1 + 0.025 * o.walls * std::sqrt(u) * thickness);
 }
 
@@ -43,7 +44,7 @@ bool in_papillary(const Irregularity& o, const VentricleShape& shape, const Vec3
   const double wall = shape.endo_radius * std::sqrt(std::max(0.0, 1 - h * h));
   for (const double angle : {0.9, 2.4}) {
     const double away = std::max(0.0, wall - 0.8 * o.papillary_mm);
-    if (std::hypot(p[0] - away * std::cos(angle), p[1] - away * std::sin(angle)) <= o.papillary_mm) return true;
+    if (own::hypot(p[0] - away * own::cos(angle), p[1] - away * own::sin(angle)) <= o.papillary_mm) return true;
   }
   return false;
 }

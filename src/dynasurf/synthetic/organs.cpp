@@ -1,6 +1,7 @@
 #include <cmath>
 #include <vector>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/synthetic/assembly.hpp"
 #include "dynasurf/synthetic/solids.hpp"
@@ -24,8 +25,8 @@ struct Body {
   double radius(const Vec3& direction) const {
     double factor = 1;
     for (const Bump& b : bumps) {
-      const double angle = std::acos(std::clamp(direction.dot(b.towards.normalized()), -1.0, 1.0));
-      factor += b.height * std::exp(-0.5 * std::pow(angle / b.width_rad, 2));
+      const double angle = own::acos(std::clamp(direction.dot(b.towards.normalized()), -1.0, 1.0));
+      factor += b.height * own::exp(-0.5 * own::pow(angle / b.width_rad, 2));
     }
     return factor / direction.cwiseQuotient(half).norm();
   }
@@ -51,7 +52,7 @@ TriMesh surface_of(const Body& body) {
 /// The body with the volume that is asked for.
 Body sized(Body body, double volume_ml) {
   const double wanted = volume_ml > 0 ? volume_ml : body.usual_ml;
-  body.half *= std::cbrt(1000 * wanted / volume_mm3(surface_of(body)));
+  body.half *= own::cbrt(1000 * wanted / volume_mm3(surface_of(body)));
   return body;
 }
 

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
@@ -19,8 +20,8 @@ constexpr double degrees = M_PI / 180;
 Mat3 short_axis_directions(double azimuth_deg, double elevation_deg) {
   const double a = azimuth_deg * degrees, e = elevation_deg * degrees;
   Mat3 direction;
-  direction.col(0) = Vec3(std::cos(a), std::sin(a), 0);
-  direction.col(2) = Vec3(-std::sin(a) * std::cos(e), std::cos(a) * std::cos(e), std::sin(e));
+  direction.col(0) = Vec3(own::cos(a), own::sin(a), 0);
+  direction.col(2) = Vec3(-own::sin(a) * own::cos(e), own::cos(a) * own::cos(e), own::sin(e));
   direction.col(1) = direction.col(2).cross(direction.col(0));
   return direction;
 }
@@ -31,7 +32,7 @@ VentricleMotion motion_of(const VirtualPatient& o) {
 
 /// An opening of `width_deg` around the axis downwards, seen from the middle of the heart.
 bool near_apex(const Vec3& p, double middle_z, double width_deg) {
-  return std::atan2(std::hypot(p[0], p[1]), middle_z - p[2]) <= width_deg / 2 * degrees;
+  return own::atan2(own::hypot(p[0], p[1]), middle_z - p[2]) <= width_deg / 2 * degrees;
 }
 
 bool in_defect(const VirtualPatient& o, const VentricleShape& shape, const Vec3& p) {
@@ -187,14 +188,14 @@ struct Tag {
 Tag tag(int n, int count) {
   constexpr double golden = 2.399963229728653;
   const double height = (n + 0.5) / count;
-  return {std::acos(1 - height) / (M_PI / 2), golden * n, 0.2 + 0.3 * (n % 3)};
+  return {own::acos(1 - height) / (M_PI / 2), golden * n, 0.2 + 0.3 * (n % 3)};
 }
 
 Vec3 place_of(const Tag& t, const VentricleShape& s) {
   const auto on = [&](double radius, double half_length) -> Vec3 {
-    const double angle = t.from_apex * std::acos(-(s.base_z - s.centre_z) / half_length);
-    return {radius * std::sin(angle) * std::cos(t.azimuth), radius * std::sin(angle) * std::sin(t.azimuth),
-            s.centre_z - half_length * std::cos(angle)};
+    const double angle = t.from_apex * own::acos(-(s.base_z - s.centre_z) / half_length);
+    return {radius * own::sin(angle) * own::cos(t.azimuth), radius * own::sin(angle) * own::sin(t.azimuth),
+            s.centre_z - half_length * own::cos(angle)};
   };
   return (1 - t.depth) * on(s.endo_radius, s.endo_half_length) + t.depth * on(s.epi_radius, s.epi_half_length);
 }
@@ -220,7 +221,7 @@ TrackedTruth track(const VirtualPatient& o, const VentricleMotion& motion, const
       const Vec3 rest = place_of(t, first), p = place_of(t, is_late(o, rest) ? now.late : now.shape);
       // Seen from the apex counter-clockwise is clockwise about the axis, which points away.
       const double angle = -turned_deg(g) * share_of_twist(rest[2] / first.base_z) * degrees;
-      Vec3 place(std::cos(angle) * p[0] - std::sin(angle) * p[1], std::sin(angle) * p[0] + std::cos(angle) * p[1],
+      Vec3 place(own::cos(angle) * p[0] - own::sin(angle) * p[1], own::sin(angle) * p[0] + own::cos(angle) * p[1],
                  p[2]);
       constexpr std::uint64_t stream = 0x7a65;  // of its own, beside that of the voxels
       Random random(o.noise.seed, stream, g * static_cast<std::size_t>(o.tags.points) + static_cast<std::size_t>(n));

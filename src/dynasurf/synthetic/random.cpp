@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 
 namespace dynasurf {
@@ -18,15 +19,15 @@ double log_factorial(double k) {
   if (k < 10) {
     double product = 1;
     for (double n = 2; n <= k; ++n) product *= n;
-    return std::log(product);
+    return own::log(product);
   }
   const double x = k + 1, x2 = x * x;
   constexpr double half_log_two_pi = 0.91893853320467274178;
-  return (x - 0.5) * std::log(x) - x + half_log_two_pi + (1.0 / 12 - (1.0 / 360 - 1.0 / (1260 * x2)) / x2) / x;
+  return (x - 0.5) * own::log(x) - x + half_log_two_pi + (1.0 / 12 - (1.0 / 360 - 1.0 / (1260 * x2)) / x2) / x;
 }
 
 double poisson_by_multiplication(Random& random, double mean) {
-  const double limit = std::exp(-mean);
+  const double limit = own::exp(-mean);
   double product = random.uniform(), k = 0;
   while (product > limit) {
     product *= random.uniform();
@@ -38,14 +39,14 @@ double poisson_by_multiplication(Random& random, double mean) {
 double poisson_by_rejection(Random& random, double mean) {
   const double b = 0.931 + 2.53 * std::sqrt(mean), a = -0.059 + 0.02483 * b;
   const double inverse_alpha = 1.1239 + 1.1328 / (b - 3.4), v_r = 0.9277 - 3.6224 / (b - 2);
-  const double log_mean = std::log(mean);
+  const double log_mean = own::log(mean);
   for (;;) {
     const double u = random.uniform() - 0.5, v = random.uniform();
     const double us = 0.5 - std::abs(u);
     const double k = std::floor((2 * a / us + b) * u + mean + 0.43);
     if (us >= 0.07 && v <= v_r) return k;
     if (k < 0 || (us < 0.013 && v > us)) continue;
-    if (std::log(v * inverse_alpha / (a / (us * us) + b)) <= k * log_mean - mean - log_factorial(k)) return k;
+    if (own::log(v * inverse_alpha / (a / (us * us) + b)) <= k * log_mean - mean - log_factorial(k)) return k;
   }
 }
 
@@ -66,7 +67,7 @@ double Random::normal() {
   for (;;) {
     const double u = 2 * uniform() - 1, v = 2 * uniform() - 1;
     const double s = u * u + v * v;
-    if (s < 1 && s > 0) return u * std::sqrt(-2 * std::log(s) / s);
+    if (s < 1 && s > 0) return u * std::sqrt(-2 * own::log(s) / s);
   }
 }
 

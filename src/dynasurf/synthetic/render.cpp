@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf {
@@ -29,7 +30,7 @@ int per_voxel(double spacing, double sigma, int asked) {
 double spread_without_cell(double sigma, double step) { return std::sqrt(sigma * sigma - step * step / 12); }
 
 double gaussian(double x, double sigma) {
-  return std::exp(-x * x / (2 * sigma * sigma)) / (sigma * std::sqrt(2 * M_PI));
+  return own::exp(-x * x / (2 * sigma * sigma)) / (sigma * std::sqrt(2 * M_PI));
 }
 
 /// Where in its sub-cell a sample is taken along one axis (-0.5..0.5), from its indices along the other two. Samples

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 
 namespace dynasurf {
@@ -13,7 +14,7 @@ constexpr int segments = 96, steps = 108;
 
 TriMesh revolve(const std::vector<ProfilePoint>& profile, int segment_count) {
   DYNASURF_ASSERT(profile.size() >= 3 && segment_count >= 3);
-  const double step = 2 * M_PI / segment_count, widen = std::sqrt(step / std::sin(step));
+  const double step = 2 * M_PI / segment_count, widen = std::sqrt(step / own::sin(step));
   const auto n = static_cast<std::uint32_t>(segment_count);
   const auto rings = static_cast<std::uint32_t>(profile.size() - 2);
   TriMesh mesh;
@@ -21,7 +22,7 @@ TriMesh revolve(const std::vector<ProfilePoint>& profile, int segment_count) {
   for (std::uint32_t r = 0; r < rings; ++r)
     for (std::uint32_t s = 0; s < n; ++s) {
       const auto [radius, height] = profile[r + 1];
-      mesh.vertices.push_back({widen * radius * std::cos(s * step), widen * radius * std::sin(s * step), height});
+      mesh.vertices.push_back({widen * radius * own::cos(s * step), widen * radius * own::sin(s * step), height});
     }
   mesh.vertices.push_back({0, 0, profile.back()[1]});
 
@@ -49,7 +50,7 @@ TriMesh surface(const Cup& cup) {
   std::vector<ProfilePoint> profile;
   for (int n = 0; n <= half; ++n) {
     const double angle = M_PI / 2 * n / half;
-    profile.push_back({n == 0 ? 0 : r * std::sin(angle), -r * std::cos(angle)});
+    profile.push_back({n == 0 ? 0 : r * own::sin(angle), -r * own::cos(angle)});
   }
   for (int n = 1; n <= quarter; ++n) profile.push_back({r, cup.height_mm * n / quarter});
   for (int n = quarter - 1; n >= 0; --n) profile.push_back({r * n / quarter, cup.height_mm});
@@ -60,7 +61,7 @@ TriMesh sphere_surface(double radius_mm) {
   std::vector<ProfilePoint> profile;
   for (int n = 0; n <= steps; ++n) {
     const double angle = M_PI * n / steps;
-    profile.push_back({n == 0 || n == steps ? 0 : radius_mm * std::sin(angle), -radius_mm * std::cos(angle)});
+    profile.push_back({n == 0 || n == steps ? 0 : radius_mm * own::sin(angle), -radius_mm * own::cos(angle)});
   }
   return revolve(profile, segments);
 }

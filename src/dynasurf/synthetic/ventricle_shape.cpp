@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/synthetic/solids.hpp"
 
@@ -35,7 +36,7 @@ VentricleShape make_shape(double endo_radius, double endo_half_length, double th
 
 VentricleShape diastolic_shape(const VentricleMotion& m, double thickness) {
   const double length_per_radius = 2 * m.length_to_width / (1 + base_level);
-  const double radius = std::cbrt(1000 * m.edv_ml / (length_per_radius * cavity_factor()));
+  const double radius = own::cbrt(1000 * m.edv_ml / (length_per_radius * cavity_factor()));
   return make_shape(radius, length_per_radius * radius, thickness);
 }
 
@@ -67,11 +68,11 @@ VentricleShape with_wall(double wall_ml, double thickest, const ShapeOf& shape_o
 
 TriMesh cut_ellipsoid_surface(double radius, double half_length, double centre_z, double base_z) {
   constexpr int wall_rings = 96, lid_rings = 16, segments = 96;
-  const double top = std::acos(-(base_z - centre_z) / half_length);  // angle from the apex to the rim
+  const double top = own::acos(-(base_z - centre_z) / half_length);  // angle from the apex to the rim
   std::vector<ProfilePoint> profile;
   for (int n = 0; n <= wall_rings; ++n) {
     const double angle = top * n / wall_rings;
-    profile.push_back({radius * std::sin(angle), centre_z - half_length * std::cos(angle)});
+    profile.push_back({radius * own::sin(angle), centre_z - half_length * own::cos(angle)});
   }
   profile.back()[1] = base_z;
   const double rim = profile.back()[0];

@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/ventricle/smooth_cycle.hpp"
 
@@ -59,7 +60,7 @@ double surroundings(const Image& image, const Cup& cup, const Across& a) {
   std::vector<double> values;
   for (int d = 0; d < meridians; ++d) {
     const double angle = 2 * std::numbers::pi * d / meridians;
-    const Vec3 out = std::cos(angle) * a.u + std::sin(angle) * a.v;
+    const Vec3 out = own::cos(angle) * a.u + own::sin(angle) * a.v;
     for (const double z : {-0.3, 0.0, 0.3})
       values.push_back(
           sample_linear(image, cup.centre + z * cup.half_length_mm * cup.axis + (cup.radius_mm + 24) * out));
@@ -143,7 +144,7 @@ Walls walk_all(const Image& image, const Cup& cup) {
   std::vector<double> middle;
   for (int d = 0; d < meridians; ++d) {
     const double angle = 2 * std::numbers::pi * d / meridians;
-    walls.all.push_back(walk(image, cup, std::cos(angle) * a.u + std::sin(angle) * a.v, low, high));
+    walls.all.push_back(walk(image, cup, own::cos(angle) * a.u + own::sin(angle) * a.v, low, high));
     const auto& brightness = walls.all.back().brightness;
     const auto to = static_cast<std::ptrdiff_t>(-low / step_mm);
     middle.push_back(quantile({brightness.begin(), brightness.begin() + to + 1}, 0.7));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
+
 namespace dynasurf {
 namespace {
 
@@ -27,7 +29,7 @@ struct Plane {
 
 Plane plane_of_edge(const Image& strength, const Axis& axis, const Index3& v) {
   const int k = v[2];
-  const double x = v[0] - axis.x_at(k), y = v[1] - axis.y_at(k), radius = std::hypot(x, y);
+  const double x = v[0] - axis.x_at(k), y = v[1] - axis.y_at(k), radius = own::hypot(x, y);
   if (radius == 0) return {};
   const double ux = x / radius, uy = y / radius;
   const double shift_px = parabola_vertex(value_at(strength, v[0] - ux, v[1] - uy, k), strength(v[0], v[1], k),

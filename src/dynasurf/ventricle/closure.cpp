@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "dynasurf/core/elementary.hpp"
+
 namespace dynasurf {
 namespace {
 
@@ -20,8 +22,8 @@ double wall_brightness(const Image& image, const Circle& circle, int k) {
     float brightest = 0;
     for (double r = 0; r <= circle.radius_px; r += 0.5)
       brightest =
-          std::max(brightest, image.clamped(static_cast<int>(std::lround(circle.x_px + r * std::cos(angle))),
-                                            static_cast<int>(std::lround(circle.y_px + r * std::sin(angle))), k));
+          std::max(brightest, image.clamped(static_cast<int>(std::lround(circle.x_px + r * own::cos(angle))),
+                                            static_cast<int>(std::lround(circle.y_px + r * own::sin(angle))), k));
     sum += brightest;
   }
   return sum / directions;
@@ -69,10 +71,10 @@ void fill_disc(Image& border, int k, const std::vector<int>& others) {
   for (const auto& ring : rings) {
     RadiusOf here;
     for (const Pixel& p : ring) {
-      const double angle = std::atan2(p.j - y, p.i - x);
+      const double angle = own::atan2(p.j - y, p.i - x);
       auto& r =
           here[static_cast<std::size_t>(static_cast<int>(std::lround((angle / turn + 1) * directions)) % directions)];
-      r = std::max(r.value_or(0), std::hypot(p.i - x, p.j - y));
+      r = std::max(r.value_or(0), own::hypot(p.i - x, p.j - y));
     }
     for (std::size_t d = 0; d < directions; ++d)
       if (!radius[d]) radius[d] = here[d];
@@ -80,10 +82,10 @@ void fill_disc(Image& border, int k, const std::vector<int>& others) {
   bridge_gaps(radius);
   for (int j = 0; j < border.grid.dims[1]; ++j)
     for (int i = 0; i < border.grid.dims[0]; ++i) {
-      const double angle = std::atan2(j - y, i - x);
+      const double angle = own::atan2(j - y, i - x);
       const auto d =
           static_cast<std::size_t>(static_cast<int>(std::lround((angle / turn + 1) * directions)) % directions);
-      if (std::hypot(i - x, j - y) <= *radius[d] + 1e-9) border(i, j, k) = 1;
+      if (own::hypot(i - x, j - y) <= *radius[d] + 1e-9) border(i, j, k) = 1;
     }
 }
 
@@ -118,7 +120,7 @@ int find_base_slice(const Image& image, const Labels& labels, double base_level,
 int slice_above(const Grid& grid, const BasePlane& world_plane, double radius_mm) {
   const BasePlane plane = to_grid(grid, world_plane);
   // The plane rises from its point by the tangent of its lean.
-  const double across = std::hypot(plane.normal[0], plane.normal[1]);
+  const double across = own::hypot(plane.normal[0], plane.normal[1]);
   const double rise = plane.normal[2] > 0 ? radius_mm * across / plane.normal[2] : 0;
   const Index3 voxel = voxel_of(grid, {0, 0, plane.point[2] + rise});
   return std::clamp(voxel[2], 0, grid.dims[2] - 1);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 #include "dynasurf/ventricle/smooth_cycle.hpp"
@@ -143,7 +144,7 @@ double largest_move(const VentricleResult& result, const Cup& cup) {
   }
   double largest = result.gates.size() < 4 ? 0 : largest_residual(along);
   const double mean_u = median(u), mean_v = median(v);
-  for (std::size_t n = 0; n < u.size(); ++n) largest = std::max(largest, std::hypot(u[n] - mean_u, v[n] - mean_v));
+  for (std::size_t n = 0; n < u.size(); ++n) largest = std::max(largest, own::hypot(u[n] - mean_u, v[n] - mean_v));
   return largest;
 }
 
@@ -181,7 +182,7 @@ void look_at_surfaces(const VentricleResult& result, const Cup& cup, Clues& clue
   if (both > 0) clues.thickness_mm = thickness / both;
   if (most_ml > 0)
     clues.bridged =
-        (1 - result.heart->ridge_share) * clues.thickness_mm / std::cbrt(3000 * most_ml / (4 * std::numbers::pi));
+        (1 - result.heart->ridge_share) * clues.thickness_mm / own::cbrt(3000 * most_ml / (4 * std::numbers::pi));
   clues.moves_mm = largest_move(result, cup);
 }
 
@@ -239,7 +240,7 @@ double noise_of_wall(std::span<const Image> gates, const Cup& cup) {
     brightness.push_back(mean);
     const SmoothCycle smooth = smooth_over_cycle(course, 1e9);
     double sum = 0;
-    for (std::size_t g = 0; g < gates.size(); ++g) sum += std::pow(*course[g] - smooth.values[g], 2);
+    for (std::size_t g = 0; g < gates.size(); ++g) sum += own::pow(*course[g] - smooth.values[g], 2);
     squares.push_back(sum / static_cast<double>(gates.size() >= 12 ? gates.size() - 7 : gates.size() - 5));
   });
   const double typical = median(brightness);

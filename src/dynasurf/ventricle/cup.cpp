@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/image/resample.hpp"
 
 namespace dynasurf {
@@ -18,11 +19,11 @@ constexpr double least_elongation = 1.0, usual_elongation = 1.9, most_elongation
 constexpr double side_mm = 14;  // beside the wall: beyond its half thickness and the blur
 
 /// Unit vector square to the axis at the angle `phi`.
-Vec3 outwards(const Across& a, double phi) { return std::cos(phi) * a.u + std::sin(phi) * a.v; }
+Vec3 outwards(const Across& a, double phi) { return own::cos(phi) * a.u + own::sin(phi) * a.v; }
 
 /// The point of the ellipsoid on the side of `out`.
 OnCup on_cup(const Cup& cup, const Vec3& out, double theta) {
-  const double s = std::sin(theta), c = std::cos(theta);
+  const double s = own::sin(theta), c = own::cos(theta);
   const Vec3 position = cup.centre + cup.radius_mm * s * out - cup.half_length_mm * c * cup.axis;
   const Vec3 normal = (s / cup.radius_mm * out - c / cup.half_length_mm * cup.axis).normalized();
   return {position, normal};
@@ -35,7 +36,7 @@ double median(std::vector<double> v) {
 }
 
 Vec3 turned(const Vec3& axis, const Vec3& towards, double angle) {
-  return (axis + std::tan(angle) * towards).normalized();
+  return (axis + own::tan(angle) * towards).normalized();
 }
 
 bool plausible(const Cup& c) {
@@ -69,7 +70,7 @@ Across across(const Vec3& axis) {
 
 OnCup on_cup(const Cup& cup, const Across& a, double theta, double phi) { return on_cup(cup, outwards(a, phi), theta); }
 
-double base_angle(const Cup& cup) { return std::acos(std::clamp(-cup.base_mm / cup.half_length_mm, -0.98, 0.98)); }
+double base_angle(const Cup& cup) { return own::acos(std::clamp(-cup.base_mm / cup.half_length_mm, -0.98, 0.98)); }
 
 double signed_distance(const Cup& cup, const Vec3& p) {
   const Vec3 d = p - cup.centre;
@@ -192,7 +193,7 @@ std::vector<RidgePoint> find_ridge(const Image& image, const Cup& cup, int rows,
       const auto n = static_cast<std::size_t>(s);
       if (!(profile[n] >= profile[n - 1] && profile[n] > profile[n + 1])) continue;
       const double away = (s - steps) * step_mm / reach_mm;
-      const double value = profile[n] * std::exp(-away * away);
+      const double value = profile[n] * own::exp(-away * away);
       if (best < 0 || value > worth) best = s, worth = value;
     }
     RidgePoint point{at.position, profile[static_cast<std::size_t>(steps)], 0, 0};

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "dynasurf/core/elementary.hpp"
+
 namespace dynasurf {
 
 std::optional<Function> left_ventricular_function(std::span<const double> cavity_ml) {
@@ -54,11 +56,11 @@ double cycle_roughness(std::span<const double> values) {
     double c = 0, s = 0;
     for (std::size_t g = 0; g < rest.size(); ++g) {
       const double angle = 2 * std::numbers::pi * w * static_cast<double>(g) / n;
-      c += rest[g] * std::cos(angle) * 2 / n, s += rest[g] * std::sin(angle) * 2 / n;
+      c += rest[g] * own::cos(angle) * 2 / n, s += rest[g] * own::sin(angle) * 2 / n;
     }
     for (std::size_t g = 0; g < rest.size(); ++g) {
       const double angle = 2 * std::numbers::pi * w * static_cast<double>(g) / n;
-      rest[g] -= c * std::cos(angle) + s * std::sin(angle);
+      rest[g] -= c * own::cos(angle) + s * own::sin(angle);
     }
   }
   double squares = 0;

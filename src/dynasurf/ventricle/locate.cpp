@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/ventricle/base_plane.hpp"
@@ -242,7 +243,7 @@ double explained_share(const Scene& scene, const Cup& cup) {
     const double value = std::min(sample_linear(scene.image, p), scene.brightest);
     const Vec3 d = p - cup.centre;
     const double height = d.dot(cup.axis), away = signed_distance(cup, p) / half_wall_mm;
-    const double below = 1 / (1 + std::exp((height - cup.base_mm) / rim_mm)), ridge = std::exp(-0.5 * away * away);
+    const double below = 1 / (1 + own::exp((height - cup.base_mm) / rim_mm)), ridge = own::exp(-0.5 * away * away);
     const Vec3 u =
         Vec3(d.dot(a.u) / cup.radius_mm, d.dot(a.v) / cup.radius_mm, height / cup.half_length_mm).stableNormalized();
     Row row;
@@ -275,7 +276,7 @@ double worth_of(const Scene& scene, const Cup& cup) {
   const double share = share_of_ridge(scene.image, cup, s.brightness, &away);
   if (away.empty()) return 0;
   const double spread = middle_of(away) / 5;
-  return s.contrast * share * std::exp(-spread * spread) * std::pow(explained_share(scene, cup), 4);
+  return s.contrast * share * own::exp(-spread * spread) * own::pow(explained_share(scene, cup), 4);
 }
 
 /// The best refinement of a cup. The apical half of a wide ventricle is a good cup too, so wider ones are tried: they

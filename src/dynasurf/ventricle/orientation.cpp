@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/image/resample.hpp"
 
@@ -15,7 +16,7 @@ constexpr double widest_voxel_mm = 4;
 constexpr double room_across_mm = 38, room_along_mm = 28;  // around the middle of the wall
 
 double degrees_between(const Vec3& a, const Vec3& b) {
-  return std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)) * 180 / std::numbers::pi;
+  return own::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
 template <class... A>

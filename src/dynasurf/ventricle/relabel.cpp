@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/ventricle/smooth_cycle.hpp"
 
 namespace dynasurf {
@@ -20,7 +21,7 @@ std::optional<double> mean_radius_mm(const Labels& labels, Wall wall, int base_s
     for (int j = 0; j < grid.dims[1]; ++j)
       for (int i = 0; i < grid.dims[0]; ++i)
         if ((labels.borders(i, j, k) & bit_of(wall)) != 0) {
-          sum += std::hypot((i - labels.axis.x_at(k)) * grid.spacing[0], (j - labels.axis.y_at(k)) * grid.spacing[1]);
+          sum += own::hypot((i - labels.axis.x_at(k)) * grid.spacing[0], (j - labels.axis.y_at(k)) * grid.spacing[1]);
           ++count;
         }
   if (count == 0) return std::nullopt;
@@ -34,7 +35,7 @@ double nearest(const Mask& borders, std::uint8_t bit, int i, int j, int k, int r
   for (int b = std::max(0, j - reach_j); b <= std::min(grid.dims[1] - 1, j + reach_j); ++b)
     for (int a = std::max(0, i - reach_i); a <= std::min(grid.dims[0] - 1, i + reach_i); ++a)
       if ((borders(a, b, k) & bit) != 0)
-        best = std::min(best, std::pow((a - i) * grid.spacing[0], 2) + std::pow((b - j) * grid.spacing[1], 2));
+        best = std::min(best, own::pow((a - i) * grid.spacing[0], 2) + own::pow((b - j) * grid.spacing[1], 2));
   return best;
 }
 

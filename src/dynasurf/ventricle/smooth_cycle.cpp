@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "dynasurf/core/elementary.hpp"
+
 namespace dynasurf {
 namespace {
 
@@ -16,7 +18,7 @@ Eigen::MatrixXd waves_over(Eigen::Index gates, Eigen::Index most) {
     basis(g, 0) = 1;
     for (Eigen::Index w = 1; w <= waves; ++w) {
       const double angle = 2 * std::numbers::pi * static_cast<double>(w * g) / static_cast<double>(gates);
-      basis(g, 2 * w - 1) = std::cos(angle), basis(g, 2 * w) = std::sin(angle);
+      basis(g, 2 * w - 1) = own::cos(angle), basis(g, 2 * w) = own::sin(angle);
     }
   }
   return basis;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/field/gradient.hpp"
 
@@ -19,7 +20,7 @@ std::vector<double> gaussian_kernel(double sigma) {
   std::vector<double> kernel;
   double sum = 0;
   for (int i = -reach; i <= reach; ++i) {
-    kernel.push_back(std::exp(-i * i / (2 * sigma * sigma)));
+    kernel.push_back(own::exp(-i * i / (2 * sigma * sigma)));
     sum += kernel.back();
   }
   for (double& w : kernel) w /= sum;
@@ -114,7 +115,7 @@ void add_strokes(Image& energy, std::span<const Stroke> strokes) {
     for (int j = 0; j < energy.grid.dims[1]; ++j)
       for (int i = 0; i < energy.grid.dims[0]; ++i) {
         const double d = distance_to_stroke(Vec2(i, j), s) / s.width_px;
-        energy(i, j, 0) += static_cast<float>(s.strength * std::exp(-d * d / 2));
+        energy(i, j, 0) += static_cast<float>(s.strength * own::exp(-d * d / 2));
       }
   }
 }
@@ -133,7 +134,8 @@ VectorField force_of(const Image& energy, double scale) {
 
 VectorField scaled_to_one(VectorField field) {
   float largest = 0;
-  for (std::size_t n = 0; n < field.x.size(); ++n) largest = std::max(largest, std::hypot(field.x[n], field.y[n]));
+  for (std::size_t n = 0; n < field.x.size(); ++n)
+    largest = std::max(largest, static_cast<float>(own::hypot(field.x[n], field.y[n])));
   if (largest > 0)
     for (std::size_t n = 0; n < field.x.size(); ++n) field.x[n] /= largest, field.y[n] /= largest;
   return field;

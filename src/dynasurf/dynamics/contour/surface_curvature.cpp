@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
 namespace dynasurf {
@@ -16,7 +17,7 @@ std::vector<Vec3> vertex_normals(const TriMesh& mesh) {
       const Vec3 a = mesh.vertices[t[(c + 1) % 3]] - at, b = mesh.vertices[t[(c + 2) % 3]] - at;
       const Vec3 n = a.cross(b);
       const double length = n.norm();
-      if (length > 0) normals[t[c]] += n / length * std::atan2(length, a.dot(b));
+      if (length > 0) normals[t[c]] += n / length * own::atan2(length, a.dot(b));
     }
   for (Vec3& n : normals)
     if (n.norm() > 0) n.normalize();

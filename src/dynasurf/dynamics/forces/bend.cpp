@@ -3,6 +3,7 @@
 #include <map>
 #include <numbers>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/dynamics/forces/condition.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
 
@@ -37,7 +38,7 @@ struct Fold {
     const double least = 1e-12 * scale * scale;
     return !(length > 1e-12 * scale && n1.norm() > least && n2.norm() > least);
   }
-  double angle() const { return std::atan2(n1.cross(n2).dot(edge) / length, n1.dot(n2)); }
+  double angle() const { return own::atan2(n1.cross(n2).dot(edge) / length, n1.dot(n2)); }
 };
 
 /// Derivatives of the angle: every one of the four is a sum of terms s * u with u1 = n1/|n1|^2 or u2 = n2/|n2|^2.

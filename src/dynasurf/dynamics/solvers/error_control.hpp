@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/dynamics/solvers/solver.hpp"
 
 // What the solvers that control their error share.
@@ -30,7 +31,7 @@ AdaptiveStep control(double h, double power, Attempt attempt, Accept accept) {
   const double shortest = kShortest * h;
   for (;;) {
     step.error = attempt(h);
-    const double factor = kSafety * std::pow(std::max(step.error, kErrorFloor), -power);
+    const double factor = kSafety * own::pow(std::max(step.error, kErrorFloor), -power);
     if (step.error <= 1 || h <= shortest) {
       accept();
       step.taken = h;

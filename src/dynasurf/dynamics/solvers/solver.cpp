@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/dynamics/solvers/error_control.hpp"
 
@@ -21,6 +22,8 @@ bool has_limit(const SolverOptions& solver) {
   return std::holds_alternative<Euler>(solver) || std::holds_alternative<Midpoint>(solver) ||
          std::holds_alternative<Rk4>(solver);
 }
+
+double size(std::complex<double> z) { return own::hypot(z.real(), z.imag()); }
 
 /// By which factor one step multiplies a solution exp(z t / h).
 std::complex<double> growth(const SolverOptions& solver, std::complex<double> z) {
@@ -60,16 +63,17 @@ double stability_interval(const SolverOptions& solver) {
 double oscillator_limit_s(const SolverOptions& solver, double stiffness, double damping) {
   if (!has_limit(solver) || (stiffness <= 0 && damping <= 0)) return kInfinity;
   // Exponents of the two solutions: roots of s^2 + damping s + stiffness.
-  const std::complex<double> root = std::sqrt(std::complex<double>(damping * damping / 4 - stiffness));
-  const std::complex<double> fast = -damping / 2 - root;
-  const auto slow = stiffness > 0 ? stiffness / fast : std::complex<double>(0);
+  const double inside = damping * damping / 4 - stiffness, root = std::sqrt(std::abs(inside));
+  const bool swings = inside < 0;
+  const std::complex<double> fast(-damping / 2 - (swings ? 0 : root), swings ? -root : 0);
+  const std::complex<double> slow = swings ? std::conj(fast) : stiffness > 0 ? stiffness / fast.real() : 0;
   const auto holds = [&](double h) {
     // Rounding must not make an undamped oscillator grow where it keeps its size.
     const double most = 1 + 1e-12;
-    return std::abs(growth(solver, h * fast)) <= most && std::abs(growth(solver, h * slow)) <= most;
+    return size(growth(solver, h * fast)) <= most && size(growth(solver, h * slow)) <= most;
   };
   // The stable steps of these methods are one interval from 0 along each ray; find its end from above.
-  const double longest = 3 / std::max(std::abs(fast), std::abs(slow));
+  const double longest = 3 / std::max(size(fast), size(slow));
   double good = 0, bad = longest;
   for (int n = 0; n < 200 && good == 0; ++n, bad *= 0.97)
     if (holds(bad)) good = bad;

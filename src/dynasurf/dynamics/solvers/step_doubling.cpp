@@ -1,3 +1,4 @@
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/dynamics/solvers/error_control.hpp"
 
 namespace dynasurf {
@@ -28,7 +29,7 @@ AdaptiveStep advance_once(const StepDoubling& o, std::span<double> y, double h, 
     advance_base(o.base, halves, step / 2, f, rest);
     return error_control::worst(halves, whole, tolerance);
   };
-  const double gain = o.extrapolate ? 1 / (std::pow(2, order) - 1) : 0;
+  const double gain = o.extrapolate ? 1 / (own::pow(2, order) - 1) : 0;
   const auto accept = [&] {
     for (std::size_t i = 0; i < n; ++i) y[i] = halves[i] + gain * (halves[i] - whole[i]);
   };

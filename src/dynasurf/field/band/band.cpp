@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/band/bricks.hpp"
@@ -297,7 +298,7 @@ void generalise(std::vector<BrickData>& data, double k) {
     for (std::size_t at = 0; at < band::brick_cells; ++at) {
       const double b = brick.b[at];
       if (b == 0) continue;
-      const double now = std::expm1(std::min(16.0, inverse_k * std::sqrt(b)));
+      const double now = own::expm1(std::min(16.0, inverse_k * std::sqrt(b)));
       brick.b[at] = static_cast<float>(now);
       for (auto& pull : brick.pull) pull[at] = static_cast<float>(now / b * pull[at]);
     }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <span>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/gradient.hpp"
 #include "dynasurf/field/multigrid/view.hpp"
@@ -211,7 +212,7 @@ DYNASURF_INLINE V data_term(V squared, const DataTerm& term) {
   float b[lanes];
   store(b, squared);
   for (float& x : b)
-    x = static_cast<float>(std::expm1(std::min(16.0, term.inverse_k * std::sqrt(static_cast<double>(x)))));
+    x = static_cast<float>(own::expm1(std::min(16.0, term.inverse_k * std::sqrt(static_cast<double>(x)))));
   return load<V>(b);
 }
 

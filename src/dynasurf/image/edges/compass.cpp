@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/image/ridges.hpp"
 
 // All masses and values are whole numbers, so that their sums are exact: the map of a turned image is the turned map,
@@ -50,7 +51,7 @@ std::vector<int> wedge_areas(int dx, int dy, double radius, int wedges) {
         const int t = x;
         x = y, y = -t;
       }
-      const double within = std::atan2(y, x) / (std::numbers::pi / 2) * wedges;
+      const double within = own::atan2(y, x) / (std::numbers::pi / 2) * wedges;
       const int first = quarter * wedges;
       const bool on_border = x == y && wedges % 2 == 0;
       const int wedge = on_border ? wedges / 2 : std::min(wedges - 1, static_cast<int>(within));
@@ -66,7 +67,7 @@ Window make_window(const Compass& o) {
   w.radius = static_cast<int>(std::ceil(radius));
   const auto weight = [&](int dx, int dy) {
     const double r2 = dx * dx + dy * dy;
-    return std::sqrt(r2) * std::exp(-r2 / (2 * o.sigma_px * o.sigma_px));
+    return std::sqrt(r2) * own::exp(-r2 / (2 * o.sigma_px * o.sigma_px));
   };
   double sum = 0;
   for (int dy = -w.radius; dy <= w.radius; ++dy)
@@ -187,11 +188,11 @@ class Operator {
  public:
   explicit Operator(const Compass& o) : o_(o), window_(make_window(o)), distance_(levels + 1) {
     for (int d = 0; d <= levels; ++d)
-      distance_[static_cast<std::size_t>(d)] = static_cast<float>(-std::expm1(-d / (o.gamma * (levels - 1))));
+      distance_[static_cast<std::size_t>(d)] = static_cast<float>(-own::expm1(-d / (o.gamma * (levels - 1))));
     for (int n = 0; n < orientations(); ++n) {
       // In the first quadrant and turned from there, so that the four quarters are exact copies.
       const double angle = n % o.wedges * std::numbers::pi / (2 * o.wedges);
-      const double c = std::cos(angle), s = std::sin(angle);
+      const double c = own::cos(angle), s = own::sin(angle);
       along_.push_back(n < o.wedges ? std::array<double, 2>{c, s} : std::array<double, 2>{-s, c});
     }
   }
@@ -312,7 +313,7 @@ class Operator {
     p.needle.abnormality = least / total;
     p.needle.uncertainty_deg = static_cast<float>(180.0 / turns * near);
     // Turn the diameter by t steps, then by a quarter turn.
-    const double small = static_cast<double>(t) * std::numbers::pi / turns, c = std::cos(small), s = std::sin(small);
+    const double small = static_cast<double>(t) * std::numbers::pi / turns, c = own::cos(small), s = own::sin(small);
     const auto& along = along_[static_cast<std::size_t>(peak)];
     p.needle.x = static_cast<float>(-(along[0] * s + along[1] * c));
     p.needle.y = static_cast<float>(along[0] * c - along[1] * s);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/image/ridges.hpp"
 
 namespace dynasurf {
@@ -45,9 +46,9 @@ Tensor tensor_of(Products p, double sigma_px) {
     const double agreement = sum > 0 ? difference / sum : 0, c = agreement * agreement;
     const double cos2 = difference > 0 ? (xx - yy) / difference : 1, sin2 = difference > 0 ? 2 * xy / difference : 0;
     t.a[n] = c * (1 - cos2) / 2, t.d[n] = c * (1 + cos2) / 2, t.b[n] = -c * sin2 / 2;
-    const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
-    t.normal.x.values[n] = static_cast<float>(std::cos(angle));
-    t.normal.y.values[n] = static_cast<float>(std::sin(angle));
+    const double angle = 0.5 * own::atan2(2 * xy, xx - yy);
+    t.normal.x.values[n] = static_cast<float>(own::cos(angle));
+    t.normal.y.values[n] = static_cast<float>(own::sin(angle));
   }
   return t;
 }

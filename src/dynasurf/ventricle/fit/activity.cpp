@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
@@ -162,7 +163,7 @@ HeartCells select_cells(const CellLattice& lattice, const HeartFrame& frame, int
         const Vec3 scaled = heart.cwiseQuotient(frame.scale), direction = direction_of(scaled);
         harmonics_at(direction, surface_degree, values);
         const double room = margin_mm * direction.cwiseQuotient(frame.scale).norm();
-        if (scaled.norm() <= std::exp(surface.head(harmonics.size()).dot(harmonics)) + room)
+        if (scaled.norm() <= own::exp(surface.head(harmonics.size()).dot(harmonics)) + room)
           of_slice[k].push_back(cell);
       }
   });

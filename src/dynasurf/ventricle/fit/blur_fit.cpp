@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
@@ -45,7 +46,7 @@ Blur blur_of(const Study& study, const BlurFit& options) {
   if (study.modality == "MR" || study.modality == "CT" || is_mask(study)) blur = {0, 0};
   if (options.fwhm_mm) blur = {*options.fwhm_mm, *options.fwhm_mm > 0 ? options.fwhm_uncertainty : 0};
   if (options.filter_fwhm_mm && blur.fwhm_mm > 0)
-    blur.filtered = std::min(0.9, std::pow(*options.filter_fwhm_mm / blur.fwhm_mm, 2));
+    blur.filtered = std::min(0.9, own::pow(*options.filter_fwhm_mm / blur.fwhm_mm, 2));
   return blur;
 }
 
@@ -197,9 +198,9 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
         double wall = 0;
         for (int h = 0; h < harmonics_up_to(outer_degree); ++h)
           wall += outer[h] * harmonics[static_cast<std::size_t>(h)];
-        place->outside_mm = (q - std::exp(wall)) / (scaled / q).cwiseQuotient(start.frame.scale).norm();
+        place->outside_mm = (q - own::exp(wall)) / (scaled / q).cwiseQuotient(start.frame.scale).norm();
         place->above_mm = heart[2] - s.highest_mm;
-        place->depth = q / std::exp(wall);
+        place->depth = q / own::exp(wall);
       }
   });
   std::vector<double> mean(p.pixels.size(), 0.0);
@@ -243,7 +244,7 @@ void doubt_outliers(BeatProblem& problem, const std::vector<float>& first_weight
     double missing = 0;
     for (const auto& residual : misfit.residual)
       missing -= static_cast<double>(residual[n]) / static_cast<double>(misfit.residual.size());
-    if (missing > 0) problem.weight[n] /= static_cast<float>(1 + std::pow(missing / usual_rest, 2));
+    if (missing > 0) problem.weight[n] /= static_cast<float>(1 + own::pow(missing / usual_rest, 2));
   }
 }
 
@@ -383,10 +384,10 @@ FittedBeat fit_through_blur(const Study& study, const FitStart& start, const Blu
   beat.converged = solution.converged;
   // Sharp images show papillary muscles as they are.
   describe_beat(problem, solution, study.grid(), blur.fwhm_mm > 0 ? options.papillary_share : 0, beat);
-  beat.fwhm_mm.value = blur.fwhm_mm * std::exp(problem.layout.at_gate(0, solution.unknowns)[layout.width]);
+  beat.fwhm_mm.value = blur.fwhm_mm * own::exp(problem.layout.at_gate(0, solution.unknowns)[layout.width]);
   // Of its log until here. Cameras differ from one Gaussian: so widened, the interval holds the truth in 90 % of the
   // choosing patients of experiments/unbiased_200.
-  if (beat.fwhm_mm.sd > 0) beat.fwhm_mm.sd = beat.fwhm_mm.value * std::hypot(2 * beat.fwhm_mm.sd, 0.015);
+  if (beat.fwhm_mm.sd > 0) beat.fwhm_mm.sd = beat.fwhm_mm.value * own::hypot(2 * beat.fwhm_mm.sd, 0.015);
   return beat;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/ventricle/fit/loops.hpp"
 
 namespace dynasurf {
@@ -11,7 +12,7 @@ namespace {
 constexpr double reach_sigmas = 3.7;
 
 double gaussian(double x, double variance) {
-  return std::exp(-x * x / (2 * variance)) / std::sqrt(2 * M_PI * variance);
+  return own::exp(-x * x / (2 * variance)) / std::sqrt(2 * M_PI * variance);
 }
 
 /// Share of a cell that lies in a voxel.
@@ -31,7 +32,7 @@ std::vector<double> discrete_gaussian(double t) {
     double sum = 0;
     for (int m = 0; m < nodes; ++m) {
       const double w = 2 * M_PI * m / nodes;
-      sum += std::exp(t * (std::cos(w) - 1)) * std::cos(n * w);
+      sum += own::exp(t * (own::cos(w) - 1)) * own::cos(n * w);
     }
     half.push_back(sum / nodes);
   }

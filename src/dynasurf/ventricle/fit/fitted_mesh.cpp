@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
@@ -32,7 +33,7 @@ class Walls {
   Ray along(const Vec3& direction) {
     harmonics_at(direction, std::max({layout_.endo_degree, layout_.wall_degree, layout_.uptake_degree}), harmonics_);
     Ray ray = walls_here();
-    ray.uptake = std::exp(field(layout_.uptake, layout_.uptake_degree));
+    ray.uptake = own::exp(field(layout_.uptake, layout_.uptake_degree));
     return ray;
   }
   /// Without the uptake, which has finer harmonics.
@@ -48,9 +49,9 @@ class Walls {
 
  private:
   Ray walls_here() const {
-    const double cavity = std::exp(3 * field(layout_.endo, layout_.endo_degree));
-    const double muscle = std::exp(field(layout_.wall, layout_.wall_degree));
-    return {std::cbrt(cavity + papillary_share_ * muscle), std::cbrt(cavity + muscle), 0};
+    const double cavity = own::exp(3 * field(layout_.endo, layout_.endo_degree));
+    const double muscle = own::exp(field(layout_.wall, layout_.wall_degree));
+    return {own::cbrt(cavity + papillary_share_ * muscle), own::cbrt(cavity + muscle), 0};
   }
   double field(int first, int degree) const {
     double sum = 0;
@@ -65,7 +66,7 @@ class Walls {
 };
 
 Vec3 direction_at(double from_apex, double angle) {
-  return {std::sin(from_apex) * std::cos(angle), std::sin(from_apex) * std::sin(angle), -std::cos(from_apex)};
+  return {own::sin(from_apex) * own::cos(angle), own::sin(from_apex) * own::sin(angle), -own::cos(from_apex)};
 }
 
 /// Angle from the apex at which a wall meets the base plane, going up along one meridian.
@@ -155,7 +156,7 @@ double spread_of(const Eigen::VectorXd& gradient, const Eigen::LLT<Eigen::Matrix
 /// the choosing patients of experiments/unbiased_200.
 void allow_for_model(Estimate& e, double least, double papillary = 0) {
   constexpr double factor = 1.3;
-  e.sd = std::hypot(factor * e.sd, least, papillary);
+  e.sd = own::hypot(factor * e.sd, least, papillary);
 }
 
 /// Area of the inner wall that is not seen, mm2: each triangle by what its activity lacks of the faintest healthy
@@ -181,7 +182,7 @@ double unseen_area(const FittedBeat& beat, const TriMesh& endo) {
 /// defects among patients 0 to 144 and 198 to 249 of experiments/unbiased_200.
 void allow_for_unseen_wall(FittedBeat& beat) {
   constexpr double off_mm = 2.25, beating_mm = off_mm / 2, ml_per_mm3 = 1e-3;
-  const auto widen = [](Estimate& e, double by) { e.sd = std::hypot(e.sd, by); };
+  const auto widen = [](Estimate& e, double by) { e.sd = own::hypot(e.sd, by); };
   const auto unseen = [&](int g) {
     return ml_per_mm3 * unseen_area(beat, beat.gates[static_cast<std::size_t>(g)].endo);
   };
@@ -258,7 +259,7 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
   }
   beat.wall_ml.sd = spread_of(mean_wall, factor);
   double variance = 0;
-  for (const double w : wall) variance += std::pow(w - beat.wall_ml.value, 2) / static_cast<double>(gates);
+  for (const double w : wall) variance += own::pow(w - beat.wall_ml.value, 2) / static_cast<double>(gates);
   beat.wall_variation = std::sqrt(variance) / std::max(1e-9, beat.wall_ml.value);
   const auto ed = static_cast<std::size_t>(beat.ed_gate), es = static_cast<std::size_t>(beat.es_gate);
   beat.edv_ml = beat.gates[ed].endo_ml, beat.esv_ml = beat.gates[es].endo_ml;

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
+
 namespace dynasurf {
 
 int degree_of_harmonic(int k) {
@@ -38,7 +40,7 @@ Vec3 even_direction(int n, int count) {
   const double golden = M_PI * (3 - std::sqrt(5.0));
   const double z = -1 + (2 * n + 1.0) / count;
   const double r = std::sqrt(std::max(0.0, 1 - z * z));
-  return {r * std::cos(golden * n), r * std::sin(golden * n), z};
+  return {r * own::cos(golden * n), r * own::sin(golden * n), z};
 }
 
 }  // namespace dynasurf

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
 
 namespace dynasurf {
@@ -38,7 +39,7 @@ Seen seen_along(const Pixels& pixels, int axis, double position, double sigma_mm
     double sum = 0;
     for (int v = 0; v < pixels.joined[axis]; ++v) {
       const double x = spacing * (pixels.first[axis] + n * pixels.joined[axis] + v) - position;
-      sum += std::exp(-x * x / (2 * variance));
+      sum += own::exp(-x * x / (2 * variance));
     }
     seen.weight.push_back(static_cast<float>(sum / joined / std::sqrt(2 * M_PI * variance)));
   }
@@ -53,10 +54,10 @@ class WallRays {
   WallRay along(const Vec3& direction, const Eigen::VectorXd& harmonics, double solid_angle) const {
     const GateLayout& l = layout_;
     const HeartFrame& frame = problem_.cells.frame;
-    const double endo = std::exp(field(harmonics, l.endo, l.endo_degree));
-    const double muscle = std::exp(field(harmonics, l.wall, l.wall_degree));
-    const double epi = std::cbrt(endo * endo * endo + muscle), middle = (endo + epi) / 2;
-    const double uptake = std::exp(std::clamp(field(harmonics, l.uptake, l.uptake_degree), -5.0, 2.0));
+    const double endo = own::exp(field(harmonics, l.endo, l.endo_degree));
+    const double muscle = own::exp(field(harmonics, l.wall, l.wall_degree));
+    const double epi = own::cbrt(endo * endo * endo + muscle), middle = (endo + epi) / 2;
+    const double uptake = own::exp(std::clamp(field(harmonics, l.uptake, l.uptake_degree), -5.0, 2.0));
     const double volume = frame.scale.prod() * solid_angle;
     WallRay ray;
     int point = 0;
@@ -81,7 +82,7 @@ class WallRays {
   double below(const Vec3& heart) const {
     const double height =
         gate_[layout_.plane] + gate_[layout_.plane + 1] * heart[0] + gate_[layout_.plane + 2] * heart[1] - heart[2];
-    return 0.5 * std::erfc(-height / (problem_.cells.lattice.edge_mm * std::sqrt(2.0)));
+    return 0.5 * own::erfc(-height / (problem_.cells.lattice.edge_mm * std::sqrt(2.0)));
   }
 
   double field(const Eigen::VectorXd& harmonics, int first, int degree) const {
@@ -260,7 +261,7 @@ EvenRays even_rays(const BeatProblem& problem) {
 detail::Lines squares_of_derivatives(const BeatProblem& problem, const EvenRays& rays, const Eigen::VectorXd& gate,
                                      const Activity& activity, const std::vector<std::size_t>& chosen) {
   const GateLayout& layout = problem.layout.gate;
-  const double sigma = problem.sigma_mm * std::exp(gate[layout.width]);
+  const double sigma = problem.sigma_mm * own::exp(gate[layout.width]);
   RayPainter painter(problem, sigma, chosen);
   const WallRays walls(problem, gate);
   const double solid_angle = 4 * M_PI / static_cast<double>(rays.direction.size());

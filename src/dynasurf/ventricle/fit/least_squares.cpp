@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/ventricle/fit/cholesky.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
@@ -41,7 +42,7 @@ std::vector<Eigen::VectorXd> numbers_of_gates(const BeatLayout& layout, const Ei
 /// The width of the point spread is the same in all gates.
 GammaCamera camera_of(const BeatProblem& problem, const std::vector<Eigen::VectorXd>& gates) {
   return make_camera(problem.cells.lattice, problem.pixels,
-                     problem.sigma_mm * std::exp(gates.front()[problem.layout.gate.width]), problem.filtered);
+                     problem.sigma_mm * own::exp(gates.front()[problem.layout.gate.width]), problem.filtered);
 }
 
 /// Residual times weight over noise.
@@ -84,10 +85,10 @@ ThicknessLook look_at_thickness(const BeatProblem& problem, const Eigen::VectorX
   double sum = 0;
   for (Eigen::Index d = 0; d < belief.harmonics.rows(); ++d) {
     const auto row = belief.harmonics.row(d);
-    const double q_endo = std::exp(row.head(endo).dot(gate.segment(layout.endo, endo)));
-    const double muscle = std::exp(row.head(wall).dot(gate.segment(layout.wall, wall)));
-    const double q_epi = std::cbrt(q_endo * q_endo * q_endo + muscle), thick = q_epi - q_endo;
-    sum += std::log(thick * belief.mm_per_q[d] / belief.mean_mm);
+    const double q_endo = own::exp(row.head(endo).dot(gate.segment(layout.endo, endo)));
+    const double muscle = own::exp(row.head(wall).dot(gate.segment(layout.wall, wall)));
+    const double q_epi = own::cbrt(q_endo * q_endo * q_endo + muscle), thick = q_epi - q_endo;
+    sum += own::log(thick * belief.mm_per_q[d] / belief.mean_mm);
     const double scale = 1 / (thick * belief.log_spread * directions);
     const double by_endo = q_endo * q_endo * q_endo / (q_epi * q_epi) - q_endo;
     look.by_number.segment(layout.endo, endo) += scale * by_endo * row.head(endo).transpose();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
+
 namespace dynasurf {
 namespace {
 
@@ -23,7 +25,7 @@ Profiles profiles(const BeatProblem& problem, const Vec3& centre) {
   for (int a = 0; a < 3; ++a)
     for (int n = 0; n < problem.pixels.count[static_cast<std::size_t>(a)]; ++n) {
       const double x = problem.pixels.centre(a, n) - centre[a];
-      p.along[a].push_back(static_cast<float>(std::exp(-x * x / (2 * sigma * sigma))));
+      p.along[a].push_back(static_cast<float>(own::exp(-x * x / (2 * sigma * sigma))));
     }
   return p;
 }
@@ -44,7 +46,7 @@ std::vector<float> correlate(const BeatProblem& problem, const std::vector<float
       const int at = static_cast<int>(n / stride[a] % static_cast<std::size_t>(length));
       for (int lag = std::max(-reach, -at); lag <= std::min(reach, length - 1 - at); ++lag) {
         const double x = lag * pitch;
-        const auto k = static_cast<float>(std::exp(-x * x / (2 * sigma * sigma)));
+        const auto k = static_cast<float>(own::exp(-x * x / (2 * sigma * sigma)));
         out[n] +=
             k *
             in[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(n) + lag * static_cast<std::ptrdiff_t>(stride[a]))];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
 
@@ -49,7 +50,7 @@ double deviation(const std::vector<double>& values, std::size_t peak, int step, 
     if (share < 0.5 || share >= 1) break;
     const double d = n * step_mm;
     d4 += d * d * d * d;
-    d2 += d * d * -2 * std::log(share);
+    d2 += d * d * -2 * own::log(share);
   }
   return d2 > 0 ? std::sqrt(d4 / d2) : 0;
 }
@@ -85,8 +86,8 @@ std::optional<Profiles> profiles_of(const Image& image, const std::vector<Ray>& 
   Eigen::MatrixXd values(ray_count, 3);
   Eigen::Index used = 0;
   for (const Ray& ray : rays) {
-    const double from = 0.6 * std::exp(ray.harmonics.dot(endo)) * ray.mm_per_q;
-    const double to = 1.25 * std::exp(ray.harmonics.dot(epi)) * ray.mm_per_q;
+    const double from = 0.6 * own::exp(ray.harmonics.dot(endo)) * ray.mm_per_q;
+    const double to = 1.25 * own::exp(ray.harmonics.dot(epi)) * ray.mm_per_q;
     if (to > to_base(ray, start.frame, start.base[gate])) continue;
     std::vector<double> profile;
     for (double d = 0; d <= to + 10; d += step_mm)
@@ -100,8 +101,8 @@ std::optional<Profiles> profiles_of(const Image& image, const std::vector<Ray>& 
     const double inner = deviation(profile, peak, -1, step_mm), outer = deviation(profile, peak, 1, step_mm);
     if (inner <= 0 || outer <= 0) continue;
     rows.row(used) = ray.harmonics;
-    values.row(used++) << std::log(static_cast<double>(peak) * step_mm / ray.mm_per_q), std::log(inner),
-        std::log(outer);
+    values.row(used++) << own::log(static_cast<double>(peak) * step_mm / ray.mm_per_q), own::log(inner),
+        own::log(outer);
   }
   if (used < ray_count / 5) return std::nullopt;
   Profiles p;
@@ -122,8 +123,8 @@ std::vector<Crossing> crossings_of(const Profiles& p, const std::vector<Ray>& ra
   crossings.reserve(rays.size());
   for (const Ray& ray : rays)
     crossings.push_back({to_base(ray, start.frame, start.base[gate]),
-                         std::exp(ray.harmonics.dot(p.middle)) * ray.mm_per_q, std::exp(ray.harmonics.dot(p.inner)),
-                         std::exp(ray.harmonics.dot(p.outer))});
+                         own::exp(ray.harmonics.dot(p.middle)) * ray.mm_per_q, own::exp(ray.harmonics.dot(p.inner)),
+                         own::exp(ray.harmonics.dot(p.outer))});
   return crossings;
 }
 
@@ -137,7 +138,7 @@ Volumes volumes_of(const std::vector<Crossing>& crossings, const std::vector<Ray
   Volumes v;
   for (std::size_t n = 0; n < rays.size(); ++n) {
     const Crossing& at = crossings[n];
-    const auto cubed = [&](double mm) { return std::pow(std::clamp(mm, 0.0, at.base) / rays[n].mm_per_q, 3); };
+    const auto cubed = [&](double mm) { return own::pow(std::clamp(mm, 0.0, at.base) / rays[n].mm_per_q, 3); };
     v.cavity += solid_angle * cubed(at.middle - share * at.inner);
     v.epi += solid_angle * cubed(at.middle + share * at.outer);
   }

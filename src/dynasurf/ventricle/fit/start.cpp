@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
@@ -110,7 +111,7 @@ Eigen::VectorXd smooth_harmonics(const Eigen::MatrixXd& rows, const Eigen::Vecto
   Eigen::MatrixXd matrix = rows.transpose() * rows / static_cast<double>(std::max<Eigen::Index>(1, rows.rows())) * 300;
   for (int k = 0; k < harmonics_up_to(degree); ++k) {
     const int l = degree_of_harmonic(k);
-    const double sd = l == 0 ? 2.0 : 0.5 * std::pow(l, -2.0);
+    const double sd = l == 0 ? 2.0 : 0.5 * own::pow(l, -2.0);
     matrix(k, k) += noise * noise / (sd * sd);
   }
   const double scale = 300.0 / static_cast<double>(std::max<Eigen::Index>(1, rows.rows()));
@@ -131,7 +132,7 @@ Eigen::VectorXd harmonics_of_surface(const TriMesh& surface, const HeartFrame& f
     if (scaled.norm() < 0.02) continue;
     harmonics_at(scaled.normalized(), degree, harmonics);
     rows.row(used) = Eigen::Map<Eigen::RowVectorXd>(harmonics.data(), count);
-    values[used++] = std::log(scaled.norm());
+    values[used++] = own::log(scaled.norm());
   }
   return smooth_harmonics(rows.topRows(used), values.head(used), degree);
 }
@@ -153,7 +154,7 @@ Eigen::VectorXd uptake_seen(const Image& mean, const PlacedStart& start, double 
     const Vec3 direction = even_direction(n, directions);
     harmonics_at(direction, std::max(degree, shape_degree), harmonics);
     const Eigen::Map<const Eigen::VectorXd> at(harmonics.data(), static_cast<Eigen::Index>(harmonics.size()));
-    const double inner = std::exp(endo.dot(at.head(endo.size()))), outer = std::exp(epi.dot(at.head(epi.size())));
+    const double inner = own::exp(endo.dot(at.head(endo.size()))), outer = own::exp(epi.dot(at.head(epi.size())));
     if (direction[2] * start.frame.scale[2] * (inner + outer) / 2 > base - below_base_mm) continue;
     double most = 0;
     for (int step = -2; step <= 10; ++step) {  // from a quarter of the wall's thickness inside it to as much outside
@@ -161,7 +162,7 @@ Eigen::VectorXd uptake_seen(const Image& mean, const PlacedStart& start, double 
       most =
           std::max(most, sample_linear(mean, start.frame.from_heart((q * direction).cwiseProduct(start.frame.scale))));
     }
-    const double seen = std::log(std::clamp(most / healthy, faintest, brightest));
+    const double seen = own::log(std::clamp(most / healthy, faintest, brightest));
     rows.row(used) = at.head(rows.cols()).transpose();
     values[used++] = seen * seen * seen / (seen * seen + telling * telling);
   }
@@ -184,9 +185,9 @@ std::vector<Eigen::VectorXd> first_numbers(const PlacedStart& start, const GateL
     Eigen::VectorXd gate = Eigen::VectorXd::Zero(layout.count());
     const Eigen::VectorXd endo = harmonics_of_surface(start.endo[g], start.frame, start.base[g], most);
     const Eigen::VectorXd epi = harmonics_of_surface(start.epi[g], start.frame, start.base[g], most);
-    const Eigen::ArrayXd inner = (rows * endo).array().exp().cube();
-    const Eigen::ArrayXd outer = (rows * epi).array().exp().cube();
-    const Eigen::VectorXd muscle = (outer - inner).max(0.15 * outer).log().matrix();
+    const Eigen::ArrayXd inner = (rows * endo).array().unaryExpr(&own::exp).cube();
+    const Eigen::ArrayXd outer = (rows * epi).array().unaryExpr(&own::exp).cube();
+    const Eigen::VectorXd muscle = (outer - inner).max(0.15 * outer).unaryExpr(&own::log).matrix();
     gate.segment(layout.endo, harmonics_up_to(layout.endo_degree)) = endo.head(harmonics_up_to(layout.endo_degree));
     gate.segment(layout.wall, harmonics_up_to(layout.wall_degree)) =
         smooth_harmonics(rows.leftCols(harmonics_up_to(layout.wall_degree)), muscle, layout.wall_degree);

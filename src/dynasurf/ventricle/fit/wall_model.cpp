@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
 
@@ -24,7 +25,7 @@ std::vector<Wave> waves_up_to(int number, int gates) {
       const double scale = 2 * n == gates ? 1 : std::sqrt(2.0);
       for (int g = 0; g < gates; ++g) {
         const double angle = 2 * M_PI * n * g / gates;
-        wave.values.push_back(scale * (phase == 0 ? std::cos(angle) : std::sin(angle)));
+        wave.values.push_back(scale * (phase == 0 ? own::cos(angle) : own::sin(angle)));
       }
       waves.push_back(std::move(wave));
     }
@@ -124,12 +125,12 @@ BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::Vec
       if (wave.number == 0) {
         const double spread = l == 0 ? beliefs.size
                               : low  ? beliefs.shape / l
-                                     : beliefs.fine_shape * std::pow(2.0 / l, 2.5);
+                                     : beliefs.fine_shape * own::pow(2.0 / l, 2.5);
         build.add(gate.endo + k, wave, low ? as_it_starts : 0, spread);
       } else {
         const double spread = l == 0 ? beliefs.beating
                               : low  ? beliefs.motion
-                                     : beliefs.fine_motion * std::pow(2.0 / l, 2);
+                                     : beliefs.fine_motion * own::pow(2.0 / l, 2);
         build.add(gate.endo + k, wave, 0, spread / (n * std::sqrt(n)));
       }
     }

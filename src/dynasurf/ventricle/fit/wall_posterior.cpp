@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
 
@@ -35,8 +36,8 @@ Rays rays_through(const std::vector<std::optional<Vec3>>& points, const HeartFra
       harmonics_at(heart.cwiseQuotient(frame.scale).normalized(), degree, harmonics);
       rays.harmonics.row(n) = Eigen::Map<const Eigen::RowVectorXd>(harmonics.data(), rays.harmonics.cols());
       rays.mm[n] = heart.norm();
-      const double inner = std::exp(3 * rays.harmonics.row(n).head(endo).dot(gate.segment(layout.endo, endo)));
-      const double muscle = std::exp(rays.harmonics.row(n).head(wall).dot(gate.segment(layout.wall, wall)));
+      const double inner = own::exp(3 * rays.harmonics.row(n).head(endo).dot(gate.segment(layout.endo, endo)));
+      const double muscle = own::exp(rays.harmonics.row(n).head(wall).dot(gate.segment(layout.wall, wall)));
       rays.epi_by_endo[n] = inner / (inner + muscle), rays.epi_by_wall[n] = muscle / (3 * (inner + muscle));
     }
   });
@@ -60,7 +61,7 @@ void tell_thin_wall(const BeatProblem& problem, const Solution& solution, Fitted
   constexpr double resolved = 0.65, lost = 0.5;  // of the full width at half maximum
   constexpr double fwhm_of_sigma = 2.3548200450309493;
   const double width = problem.layout.at_gate(0, solution.unknowns)[problem.layout.gate.width];
-  const double fwhm_mm = fwhm_of_sigma * problem.sigma_mm * std::exp(width);
+  const double fwhm_mm = fwhm_of_sigma * problem.sigma_mm * own::exp(width);
   if (beat.thickness_mm.value >= resolved * fwhm_mm) return;
   char text[240];
   std::snprintf(text, sizeof text,
@@ -81,9 +82,9 @@ Eigen::VectorXd by_mean_log_thickness(const BeatProblem& problem, const Eigen::V
   const auto directions = static_cast<double>(belief.harmonics.rows());
   for (Eigen::Index d = 0; d < belief.harmonics.rows(); ++d) {
     const auto row = belief.harmonics.row(d);
-    const double inner = std::exp(row.head(endo).dot(gate.segment(layout.endo, endo)));
-    const double muscle = std::exp(row.head(wall).dot(gate.segment(layout.wall, wall)));
-    const double outer = std::cbrt(inner * inner * inner + muscle), scale = 1 / ((outer - inner) * directions);
+    const double inner = own::exp(row.head(endo).dot(gate.segment(layout.endo, endo)));
+    const double muscle = own::exp(row.head(wall).dot(gate.segment(layout.wall, wall)));
+    const double outer = own::cbrt(inner * inner * inner + muscle), scale = 1 / ((outer - inner) * directions);
     of_gate.segment(layout.endo, endo) +=
         scale * (inner * inner * inner / (outer * outer) - inner) * row.head(endo).transpose();
     of_gate.segment(layout.wall, wall) += scale * muscle / (3 * outer * outer) * row.head(wall).transpose();

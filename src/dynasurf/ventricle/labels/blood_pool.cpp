@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
+
 namespace dynasurf {
 namespace {
 
@@ -17,7 +19,7 @@ double filling_of(const Image& image, double x, double y, double radius_px, int 
   const int ci = static_cast<int>(std::floor(x + 0.5)), cj = static_cast<int>(std::floor(y + 0.5));
   for (int j = cj - reach; j <= cj + reach; ++j)
     for (int i = ci - reach; i <= ci + reach; ++i) {
-      const double d = std::hypot(i - x, j - y);
+      const double d = own::hypot(i - x, j - y);
       if (d > radius_px || !image.grid.contains(i, j, k)) continue;
       const std::size_t ring = d <= middle_px ? 0 : 1 + static_cast<std::size_t>(d - middle_px);
       sums[ring] += image(i, j, k), counts[ring] += 1;

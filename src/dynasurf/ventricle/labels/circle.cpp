@@ -7,6 +7,8 @@
 
 #include <Eigen/Dense>
 
+#include "dynasurf/core/elementary.hpp"
+
 namespace dynasurf {
 namespace {
 
@@ -38,7 +40,7 @@ double nearness(const Grid& grid, double x, double y, double width_share) {
   const PixelMean m = middle_of(grid);
   const double width = width_share * grid.dims[0];
   const double dx = x - m.x_px, dy = y - m.y_px;
-  return std::exp(-(dx * dx + dy * dy) / (2 * width * width));
+  return own::exp(-(dx * dx + dy * dy) / (2 * width * width));
 }
 
 /// The edge as a circle around its own centre, if it is circular.
@@ -153,7 +155,7 @@ std::optional<Circle> fit_circle(const std::vector<Pixel>& pixels) {
 double coverage_deg(const std::vector<Pixel>& pixels, double x_px, double y_px) {
   if (pixels.size() < 2) return 0;
   std::vector<double> angles;
-  for (const Pixel& p : pixels) angles.push_back(std::atan2(p.j - y_px, p.i - x_px));
+  for (const Pixel& p : pixels) angles.push_back(own::atan2(p.j - y_px, p.i - x_px));
   std::sort(angles.begin(), angles.end());
   double widest = angles.front() + 2 * std::numbers::pi - angles.back();
   for (std::size_t n = 1; n < angles.size(); ++n) widest = std::max(widest, angles[n] - angles[n - 1]);

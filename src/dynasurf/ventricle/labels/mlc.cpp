@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf {
@@ -35,7 +36,7 @@ Sorted sort_by_distance(const std::vector<Component>& edges, const Axis& axis) {
   std::vector<double> mean;
   for (const Component& e : edges) {
     double sum = 0;
-    for (const Pixel& p : e.pixels) sum += std::hypot(p.i - axis.x_at(e.slice), p.j - axis.y_at(e.slice));
+    for (const Pixel& p : e.pixels) sum += own::hypot(p.i - axis.x_at(e.slice), p.j - axis.y_at(e.slice));
     mean.push_back(sum / static_cast<double>(e.pixels.size()));
   }
   Sorted s;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/mesh/ray_tree.hpp"
 
 namespace dynasurf {
@@ -16,9 +17,9 @@ Vec3 square_to(const Vec3& axis, const Vec3& v) { return v - v.dot(axis) * axis;
 
 /// The mean direction from apex to base of hearts: to the right, back and up (azimuth 45, elevation 30 degrees).
 bool lies_as_in_a_patient(const Vec3& axis) {
-  const Vec3 usual(-std::cos(30 * degrees) * std::sin(45 * degrees), std::cos(30 * degrees) * std::cos(45 * degrees),
-                   std::sin(30 * degrees));
-  return axis.dot(usual) > std::cos(50 * degrees);
+  const Vec3 usual(-own::cos(30 * degrees) * own::sin(45 * degrees), own::cos(30 * degrees) * own::cos(45 * degrees),
+                   own::sin(30 * degrees));
+  return axis.dot(usual) > own::cos(50 * degrees);
 }
 
 double highest(const TriMesh& mesh, const Vec3& from, const Vec3& axis) {
@@ -43,11 +44,11 @@ PolarPoint HeartAxes::polar(const Vec3& p) const {
   const Vec3 q = p - centre();
   const double x = q.dot(lateral()), y = q.dot(anterior), z = q.dot(axis);
   PolarPoint at;
-  at.angle_deg = std::atan2(y, x) / degrees;
+  at.angle_deg = own::atan2(y, x) / degrees;
   if (at.angle_deg < 0) at.angle_deg += 360;
   if (at.angle_deg >= 360) at.angle_deg = 0;
   if (z < 0) {
-    at.rho = 0.5 * std::atan2(std::hypot(x, y), -z) / (90 * degrees);
+    at.rho = 0.5 * own::atan2(own::hypot(x, y), -z) / (90 * degrees);
   } else {
     // The valve plane may lean: its height straight above the point counts.
     const double to_base = -above_base(p) / base_normal.dot(axis);
@@ -58,10 +59,10 @@ PolarPoint HeartAxes::polar(const Vec3& p) const {
 
 WallRay HeartAxes::ray(const PolarPoint& at, double radius_mm) const {
   const double angle = at.angle_deg * degrees;
-  const Vec3 outwards = std::cos(angle) * lateral() + std::sin(angle) * anterior;
+  const Vec3 outwards = own::cos(angle) * lateral() + own::sin(angle) * anterior;
   if (at.rho < 0.5) {
     const double from_apex = at.rho * 180 * degrees;
-    return {centre(), std::sin(from_apex) * outwards - std::cos(from_apex) * axis};
+    return {centre(), own::sin(from_apex) * outwards - own::cos(from_apex) * axis};
   }
   const double base_height =
       (1 - sphere_part) * length_mm - radius_mm * outwards.dot(base_normal) / axis.dot(base_normal);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/ventricle/measures/volume_curve.hpp"
 
 namespace dynasurf {
@@ -22,7 +23,8 @@ struct Weighted {
 
 /// The shortest arc with the share asked for: it begins and ends at a value.
 double shortest_arc(std::vector<Weighted> values, double share) {
-  std::sort(values.begin(), values.end(), [](const Weighted& a, const Weighted& b) { return a.deg < b.deg; });
+  std::sort(values.begin(), values.end(),
+            [](const Weighted& a, const Weighted& b) { return a.deg != b.deg ? a.deg < b.deg : a.weight < b.weight; });
   double total = 0;
   for (const Weighted& v : values) total += v.weight;
   const std::size_t n = values.size();
@@ -43,10 +45,10 @@ double shortest_arc(std::vector<Weighted> values, double share) {
 std::optional<double> onset_phase_deg(std::span<const double> values, double least_amplitude) {
   if (values.size() < 4) return std::nullopt;
   const PeriodicCurve wave = fit_periodic(values, 1);
-  const double amplitude = std::hypot(wave.cosine[0], wave.sine[0]);
+  const double amplitude = own::hypot(wave.cosine[0], wave.sine[0]);
   if (!(amplitude > 0) || amplitude < least_amplitude) return std::nullopt;
   // a cos t + b sin t peaks at atan2(b, a) and rises through 0 a quarter of a turn before.
-  return in_turn(std::atan2(wave.sine[0], wave.cosine[0]) / degrees - 90);
+  return in_turn(own::atan2(wave.sine[0], wave.cosine[0]) / degrees - 90);
 }
 
 std::optional<PhaseSummary> summarise_phases(std::span<const std::optional<double>> phase_deg,
@@ -59,11 +61,11 @@ std::optional<PhaseSummary> summarise_phases(std::span<const std::optional<doubl
     if (!phase_deg[n] || !(weight[n] > 0)) continue;
     values.push_back({in_turn(*phase_deg[n]), weight[n]});
     with_phase += weight[n];
-    c += weight[n] * std::cos(*phase_deg[n] * degrees), s += weight[n] * std::sin(*phase_deg[n] * degrees);
+    c += weight[n] * own::cos(*phase_deg[n] * degrees), s += weight[n] * own::sin(*phase_deg[n] * degrees);
   }
   if (values.empty()) return std::nullopt;
   summary.wall_share = with_phase / all;
-  summary.mean_deg = in_turn(std::atan2(s, c) / degrees);
+  summary.mean_deg = in_turn(own::atan2(s, c) / degrees);
 
   summary.histogram_percent.assign(static_cast<std::size_t>(std::lround(360 / summary.bin_deg)), 0.0);
   double squares = 0;
@@ -78,7 +80,7 @@ std::optional<PhaseSummary> summarise_phases(std::span<const std::optional<doubl
   for (const double percent : summary.histogram_percent)
     if (percent > 0)
       summary.entropy_percent -=
-          percent * std::log(percent / 100) / std::log(static_cast<double>(summary.histogram_percent.size()));
+          percent * own::log(percent / 100) / own::log(static_cast<double>(summary.histogram_percent.size()));
   return summary;
 }
 

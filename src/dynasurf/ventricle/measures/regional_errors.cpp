@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/ventricle/measures/reference.hpp"
 
 namespace dynasurf {
@@ -75,7 +76,7 @@ constexpr Allowance for_thickness{1.7, 0.4}, for_thickening{1.3, 4}, for_perfusi
     for_strain{2, 3}, for_phase{0.9, 1.3}, for_spread{2, 3};
 
 std::optional<double> allowed(double sd, const Allowance& a) {
-  return std::isfinite(sd) ? std::optional(std::hypot(a.factor * sd, a.least)) : std::nullopt;
+  return std::isfinite(sd) ? std::optional(own::hypot(a.factor * sd, a.least)) : std::nullopt;
 }
 
 void set_all(Measures& m, std::optional<double> SegmentErrors::*member, const VectorXd& sd,
@@ -141,13 +142,13 @@ std::vector<double> onset_by_gate(const std::vector<double>& curve) {
   double a = 0, b = 0;
   for (std::size_t g = 0; g < curve.size(); ++g) {
     const double angle = 2 * M_PI * (static_cast<double>(g) + 0.5) / n;
-    a += 2 / n * curve[g] * std::cos(angle), b += 2 / n * curve[g] * std::sin(angle);
+    a += 2 / n * curve[g] * own::cos(angle), b += 2 / n * curve[g] * own::sin(angle);
   }
   if (!(a * a + b * b > 1e-12)) return {};
   std::vector<double> by_gate;
   for (std::size_t g = 0; g < curve.size(); ++g) {
     const double angle = 2 * M_PI * (static_cast<double>(g) + 0.5) / n;
-    by_gate.push_back(2 / n * (a * std::sin(angle) - b * std::cos(angle)) / (a * a + b * b) / degrees);
+    by_gate.push_back(2 / n * (a * own::sin(angle) - b * own::cos(angle)) / (a * a + b * b) / degrees);
   }
   return by_gate;
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/point_spline.hpp"
@@ -60,11 +61,11 @@ Turn turn_of(const Frame& f, const std::vector<std::size_t>& level, const std::v
   for (const std::size_t n : level) {
     const Vec3 a = across(rest[n]) - before, b = across(now[n]) - after;
     const double s = -f.up.dot(a.cross(b)), c = a.dot(b);  // seen from the apex
-    turn.angle.push_back(std::atan2(s, c));
+    turn.angle.push_back(own::atan2(s, c));
     turn.weight.push_back(a.squaredNorm());
     sine += s, cosine += c;
   }
-  turn.rotation = std::atan2(sine, cosine);
+  turn.rotation = own::atan2(sine, cosine);
   return turn;
 }
 
@@ -148,7 +149,7 @@ GateMotion measure_gate(const Frame& f, const std::vector<Vec3>& rest, const std
   }
   const Line line = line_of(height, angle, weight);
   gate.twist_deg = (0 - line.slope) * f.length_mm / degrees;  // the apex against the base; no -0
-  gate.twist_sd_deg = std::hypot(line.slope_sd * f.length_mm, line.slope * f.length_sd_mm) / degrees;
+  gate.twist_sd_deg = own::hypot(line.slope_sd * f.length_mm, line.slope * f.length_sd_mm) / degrees;
   gate.torsion_deg_per_cm = 10 * (0 - line.slope) / degrees;
   return gate;
 }

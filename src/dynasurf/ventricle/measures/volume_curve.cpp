@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "dynasurf/core/elementary.hpp"
+
 namespace dynasurf {
 namespace {
 
@@ -66,7 +68,7 @@ double PeriodicCurve::at(double phase) const {
   double value = mean;
   for (std::size_t k = 0; k < cosine.size(); ++k) {
     const double angle = turn * static_cast<double>(k + 1) * phase;
-    value += cosine[k] * std::cos(angle) + sine[k] * std::sin(angle);
+    value += cosine[k] * own::cos(angle) + sine[k] * own::sin(angle);
   }
   return value;
 }
@@ -75,7 +77,7 @@ double PeriodicCurve::slope(double phase) const {
   double value = 0;
   for (std::size_t k = 0; k < cosine.size(); ++k) {
     const double speed = turn * static_cast<double>(k + 1);
-    value += speed * (sine[k] * std::cos(speed * phase) - cosine[k] * std::sin(speed * phase));
+    value += speed * (sine[k] * own::cos(speed * phase) - cosine[k] * own::sin(speed * phase));
   }
   return value;
 }
@@ -91,7 +93,7 @@ PeriodicCurve fit_periodic(std::span<const double> values, int waves) {
     double c = 0, s = 0;
     for (std::size_t g = 0; g < values.size(); ++g) {
       const double angle = turn * k * (static_cast<double>(g) + 0.5) / n;
-      c += values[g] * std::cos(angle) * 2 / n, s += values[g] * std::sin(angle) * 2 / n;
+      c += values[g] * own::cos(angle) * 2 / n, s += values[g] * own::sin(angle) * 2 / n;
     }
     curve.cosine.push_back(c), curve.sine.push_back(s);
   }
@@ -101,7 +103,7 @@ PeriodicCurve fit_periodic(std::span<const double> values, int waves) {
 PeriodicCurve without_gate_averaging(PeriodicCurve curve, int gates) {
   for (std::size_t k = 0; k < curve.cosine.size(); ++k) {
     const double x = std::numbers::pi * static_cast<double>(k + 1) / gates;
-    curve.cosine[k] *= x / std::sin(x), curve.sine[k] *= x / std::sin(x);
+    curve.cosine[k] *= x / own::sin(x), curve.sine[k] *= x / own::sin(x);
   }
   return curve;
 }

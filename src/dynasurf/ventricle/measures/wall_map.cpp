@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/mesh/ray_tree.hpp"
@@ -59,7 +60,7 @@ void lower_counts(WallMap& map, const HeartAxes& axes) {
 /// Area that a sample stands for, from the middle of the wall's distance to the axis or the centre.
 double area_of(const PolarGrid& grid, const PolarPoint& at, double radius_mm, const HeartAxes& axes) {
   const double around = 2 * M_PI / grid.sectors, ring = 1.0 / grid.rings;
-  if (at.rho < 0.5) return radius_mm * radius_mm * std::sin(at.rho * 180 * degrees) * (ring * 180 * degrees) * around;
+  if (at.rho < 0.5) return radius_mm * radius_mm * own::sin(at.rho * 180 * degrees) * (ring * 180 * degrees) * around;
   return radius_mm * around * (2 * ring * (axes.base() - axes.centre()).dot(axes.axis));
 }
 

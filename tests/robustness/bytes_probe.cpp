@@ -1,0 +1,194 @@
+// Prints what the libraries make of a few small tasks as one number for each, which is the same wherever this program
+// is compiled and runs. What comes first is made of least, so the first line that differs tells where to look.
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "dynasurf/cloud/reconstruct_cloud.hpp"
+#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/field/simd.hpp"
+#include "dynasurf/synthetic/cloud_shapes.hpp"
+#include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/synthetic/random.hpp"
+#include "dynasurf/ventricle/organ.hpp"
+#include "dynasurf/ventricle/presets.hpp"
+
+namespace dynasurf {
+namespace {
+
+/// FNV-1a of everything that is put in.
+class Hash {
+ public:
+  template <class T>
+  requires std::is_arithmetic_v<T> Hash& operator<<(T value) {
+    std::array<unsigned char, sizeof(T)> bytes;
+    __builtin_memcpy(bytes.data(), &value, sizeof value);
+    for (const unsigned char b : bytes) state_ = (state_ ^ b) * 0x100000001b3;
+    return *this;
+  }
+  Hash& operator<<(const Vec3& v) { return *this << v[0] << v[1] << v[2]; }
+  template <class T, std::size_t n>
+  Hash& operator<<(const std::array<T, n>& values) {
+    for (const T& v : values) *this << v;
+    return *this;
+  }
+  template <class T>
+  Hash& operator<<(const std::vector<T>& values) {
+    *this << static_cast<std::uint64_t>(values.size());
+    for (const T& v : values) *this << v;
+    return *this;
+  }
+  Hash& operator<<(const TriMesh& mesh) { return *this << mesh.vertices << mesh.triangles; }
+  Hash& operator<<(const Estimate& e) { return *this << e.value << e.sd; }
+  template <class T>
+  Hash& operator<<(const std::optional<T>& value) {
+    return value ? *this << true << *value : *this << false;
+  }
+  void print(const std::string& name) const {
+    std::printf("%-28s %016llx\n", name.c_str(), static_cast<unsigned long long>(state_));
+    std::fflush(stdout);
+  }
+
+ private:
+  std::uint64_t state_ = 0xcbf29ce484222325;
+};
+
+void functions() {
+  Random random(1, 1);
+  Hash hash;
+  for (int n = 0; n < 20000; ++n) {
+    const double x = 40 * (random.uniform() - 0.5), u = random.uniform();
+    hash << own::exp(x) << own::expm1(u) << own::log(u) << own::pow(u, x) << own::sin(x) << own::cos(x) << own::tan(x)
+         << own::asin(u) << own::acos(u) << own::atan2(x, u) << own::cbrt(x) << own::hypot(x, u) << own::erfc(x / 4)
+         << own::log2(u) << own::log10(u);
+  }
+  hash.print("functions");
+  Hash draws;
+  for (int n = 0; n < 20000; ++n) draws << random.normal() << random.poisson(40 * random.uniform());
+  draws.print("draws");
+}
+
+VirtualPatient patient_options() {
+  VirtualPatient o;
+  o.gates = 4;
+  o.gut_amplitude = 0.8;
+  o.noise.seed = 3;
+  return o;
+}
+
+void print_images(const std::string& name, const std::vector<Image>& images) {
+  Hash hash;
+  for (const Image& image : images) hash << image.values;
+  hash.print(name);
+}
+
+void print_stages(const Stages& s) {
+  const std::string gate = "gate " + std::to_string(s.gate);
+  if (s.border_endo) print_images(gate + " inner border", {*s.border_endo});
+  if (s.border_epi) print_images(gate + " outer border", {*s.border_epi});
+  for (const VectorField* field : {s.field_endo, s.field_epi}) {
+    if (!field) continue;
+    Hash hash;
+    hash << field->x << field->y << field->z;
+    hash.print(gate + (field == s.field_endo ? " inner field" : " outer field"));
+  }
+}
+
+void print_ventricle(const std::string& name, const Study& study, const VentricleOptions& options) {
+  const VentricleResult r = reconstruct(study, options, {}, print_stages);
+  Hash edges, surfaces, numbers;
+  for (const Gate& g : r.gates) {
+    edges << g.edges.values << g.base_slice;
+    if (g.endo) surfaces << g.endo->mesh << g.endo->steps;
+    if (g.epi) surfaces << g.epi->mesh << g.epi->steps;
+    numbers << g.wall_ml;
+  }
+  numbers << r.edv_ml << r.esv_ml << r.ef_percent << r.wall_variation;
+  if (r.measures) {
+    numbers << r.measures->area_mm2 << r.measures->muscle_g;
+    for (const auto& map : {r.measures->maps.thickness_ed_mm, r.measures->maps.motion_mm}) numbers << map;
+  }
+  edges.print(name + " edges");
+  surfaces.print(name + " surfaces");
+  numbers.print(name + " numbers");
+  if (!r.fit) return;
+  Hash fit;
+  for (const FittedGate& g : r.fit->gates) fit << g.endo << g.epi;
+  fit.print(name + " fit");
+  Hash estimates;
+  estimates << r.fit->uptake << r.fit->wall_ml << r.fit->edv_ml << r.fit->esv_ml << r.fit->ef_percent
+            << r.fit->thickness_mm << r.fit->fwhm_mm << r.fit->misfit << r.fit->steps;
+  estimates.print(name + " estimates");
+}
+
+void ventricles() {
+  const Phantom phantom = make_phantom(patient_options());
+  Hash truth;
+  for (const TrueGate& g : phantom.truth) truth << g.endo << g.epi << g.endo_ml << g.epi_ml;
+  truth.print("patient truth");
+  print_images("patient images", phantom.study.gates);
+  print_ventricle("thesis", phantom.study, ventricle_preset("thesis"));
+  print_ventricle("unbiased", phantom.study, ventricle_preset("unbiased"));
+}
+
+void organs() {
+  const Phantom phantom = make_phantom(Organ{});
+  print_images("organ images", phantom.study.gates);
+  const OrganResult r = reconstruct_organ(phantom.study.gates.front(), organ_preset("ct"));
+  Hash hash;
+  if (r.surface) hash << r.surface->mesh;
+  hash << r.voxels_ml << r.threshold;
+  hash.print("organ surface");
+}
+
+void clouds() {
+  struct Task {
+    CloudShape shape;
+    double noise, missing;
+    bool normals;
+    const char* preset;
+  };
+  for (const Task& t :
+       {Task{CloudShape::vase, 0.5, 0, false, "shaped"}, Task{CloudShape::blobs, 0.3, 5, true, "faithful"},
+        Task{CloudShape::cube, 0, 0, false, "shaped"}}) {
+    CloudPhantom o;
+    o.shape = t.shape;
+    o.points = 12000;
+    o.noise_percent = t.noise;
+    o.missing_percent = t.missing;
+    o.normals = t.normals;
+    const PointCloud cloud = make_cloud(o);
+    const std::string name = std::string(names_of(CloudShape{})[static_cast<std::size_t>(t.shape)]);
+    Hash points;
+    points << cloud.points << cloud.normals;
+    points.print(name + " points");
+    CloudOptions options = cloud_preset(t.preset);
+    options.triangles = "1280,320";
+    const CloudResult r = reconstruct_cloud(cloud, options);
+    Hash used, levels;
+    used << r.used.points << r.facts.spacing << r.facts.noise << r.facts.cells;
+    for (const CloudLevel& l : r.levels) levels << l.mesh << l.errors;
+    used.print(name + " facts");
+    levels.print(name + " levels");
+  }
+}
+
+}  // namespace
+}  // namespace dynasurf
+
+// bytes_probe [widest vectors, in floats [threads]]
+int main(int count, char** words) {
+  if (count > 1) dynasurf::detail::widest_vectors = std::atoi(words[1]);
+  const dynasurf::ThreadLimit limit(count > 2 ? std::atoi(words[2]) : 0);
+  dynasurf::functions();
+  dynasurf::organs();
+  dynasurf::clouds();
+  dynasurf::ventricles();
+  return 0;
+}
