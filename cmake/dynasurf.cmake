@@ -11,20 +11,35 @@ endif()
 if(DYNASURF_WERROR)
   target_compile_options(dynasurf_flags INTERFACE -Werror)
 endif()
+# Against mistakes in reading hostile files: stacks, copies, jumps and indices are checked. Sanitizers check more.
+if(NOT DYNASURF_SANITIZE)
+  target_compile_options(dynasurf_flags INTERFACE -fstack-protector-strong -fstack-clash-protection)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|i.86")
+    target_compile_options(dynasurf_flags INTERFACE -fcf-protection)
+  endif()
+  # glibc checks copies only in optimised code; a distribution may have set another level.
+  target_compile_options(dynasurf_flags INTERFACE "$<$<CONFIG:Release>:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=3>")
+  target_link_options(dynasurf_flags INTERFACE -Wl,-z,relro,-z,now,-z,noexecstack)
+endif()
 if(DYNASURF_SANITIZE)
   target_compile_options(dynasurf_flags INTERFACE -fsanitize=${DYNASURF_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(dynasurf_flags INTERFACE -fsanitize=${DYNASURF_SANITIZE})
 endif()
 
-# dynasurf_module(name USES PUBLIC ... PRIVATE ...): a static library from src/dynasurf/<name>.
+# dynasurf_module(name [READS_FILES] USES PUBLIC ... PRIVATE ...): a static library from src/dynasurf/<name>.
 function(dynasurf_module name)
-  cmake_parse_arguments(ARG "" "" "USES" ${ARGN})
+  cmake_parse_arguments(ARG "READS_FILES" "" "USES" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/dynasurf/${name}/*.cpp)
   set(target dynasurf_${name})
   if(sources)
     add_library(${target} STATIC ${sources})
     target_include_directories(${target} PUBLIC ${CMAKE_SOURCE_DIR}/src)
     target_link_libraries(${target} ${ARG_USES} PRIVATE dynasurf_flags)
+    if(ARG_READS_FILES AND NOT DYNASURF_SANITIZE)
+      # Indices of containers are checked where files decide them. The inner loops of the numeric rooms, which get what
+      # was checked here, are spared.
+      target_compile_definitions(${target} PRIVATE _GLIBCXX_ASSERTIONS)
+    endif()
   else()
     # A module of headers alone passes everything on to its users.
     add_library(${target} INTERFACE)
