@@ -1,0 +1,38 @@
+#include "dynasurf/io/formats.hpp"
+
+#include "input_files.hpp"
+#include "target.hpp"
+
+namespace dynasurf::fuzz {
+namespace {
+
+bool reads_study(InputFiles& files, const std::filesystem::path& path) {
+  return reads(files.folder(), [&] {
+    const Study study = read_dicom(path);
+    require(!study.gates.empty(), "a study has a gate");
+    for (const Image& gate : study.gates) require(gate.values.size() == study.grid().size(), "every voxel has a value");
+    dicom_facts(path);
+  });
+}
+
+}  // namespace
+
+bool run_dicom(std::string_view bytes) {
+  InputFiles files;
+  return reads_study(files, files.add("a.dcm", bytes));
+}
+
+/// Up to eight files of one folder; "--CUT--" stands between them.
+bool run_dicom_folder(std::string_view bytes) {
+  constexpr std::string_view border = "--CUT--";
+  InputFiles files;
+  for (char name = 'a'; name <= 'h'; ++name) {
+    const std::size_t end = bytes.find(border);
+    files.add(std::string(1, name) + ".dcm", bytes.substr(0, end));
+    if (end == std::string_view::npos) break;
+    bytes.remove_prefix(end + border.size());
+  }
+  return reads_study(files, files.folder());
+}
+
+}  // namespace dynasurf::fuzz

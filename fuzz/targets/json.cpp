@@ -1,0 +1,12 @@
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/io/json_read.hpp"
+
+#include "target.hpp"
+
+bool dynasurf::fuzz::run_json(std::string_view bytes) {
+  return reads("a.json", [&] {
+    const nlohmann::ordered_json json = parse_json(bytes, "a.json");
+    require(parse_json(json_text(json), "again") == json, "what is written is what was read");
+  });
+}

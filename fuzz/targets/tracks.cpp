@@ -1,0 +1,13 @@
+#include "dynasurf/io/tracked_points_io.hpp"
+
+#include "input_files.hpp"
+#include "target.hpp"
+
+bool dynasurf::fuzz::run_tracks(std::string_view bytes) {
+  InputFiles files;
+  const auto path = files.add("a.csv", bytes);
+  return reads(path.string(), [&] {
+    const TrackedPoints points = read_tracked_points(path).points;
+    for (const auto& gate : points.gates) require(gate.size() == points.name.size(), "every point is in every gate");
+  });
+}

@@ -1,0 +1,167 @@
+// Seeds of formats that are text, or that are made by hand.
+
+#include <array>
+#include <cstring>
+
+#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/mesh_io.hpp"
+#include "dynasurf/io/options_json.hpp"
+#include "dynasurf/report/normals.hpp"
+#include "dynasurf/synthetic/options.hpp"
+
+#include "seeds.hpp"
+#include "support/scratch_folder.hpp"
+#include "support/toy_options.hpp"
+
+namespace dynasurf::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+using io_detail::append;
+using test::read_bytes;
+
+TriMesh tetrahedron() {
+  return {{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
+}
+
+/// LAS with two points of a format; 1.4 for those that only it has.
+std::string las(int format) {
+  constexpr std::array<std::uint16_t, 11> records{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+  const bool extended = format >= 6;
+  const std::uint16_t record = records[static_cast<std::size_t>(format)];
+  const std::size_t header = extended ? 375 : 227;
+  std::string out(header + 2 * record, '\0');
+  const auto set = [&](std::size_t place, auto value) { std::memcpy(out.data() + place, &value, sizeof value); };
+  std::memcpy(out.data(), "LASF", 4);
+  set(24, std::uint8_t{1});
+  set(25, static_cast<std::uint8_t>(extended ? 4 : 2));
+  set(94, static_cast<std::uint16_t>(header));
+  set(96, static_cast<std::uint32_t>(header));
+  set(104, static_cast<std::uint8_t>(format));
+  set(105, record);
+  set(107, std::uint32_t{extended ? 0U : 2U});
+  for (std::size_t axis = 0; axis < 3; ++axis) set(131 + 8 * axis, 0.001);
+  if (extended) set(247, std::uint64_t{2});
+  for (std::size_t n = 0; n < 6; ++n) set(header + (n / 3) * record + 4 * (n % 3), static_cast<std::int32_t>(100 * n));
+  return out;
+}
+
+std::string big_endian_ply() {
+  std::string out =
+      "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n";
+  for (int n = 0; n < 3; ++n) out += std::string("\x3f\x80\0\0\0\0\0\0\x40\0\0\0\1\2\3", 15);
+  return out + std::string("\3\0\0\0\0\0\0\0\1\0\0\0\2", 13);
+}
+
+/// Options by their path, as --set takes them.
+void add_settings(SeedFolder& seeds, char kind, const OptionNodes& nodes) {
+  std::string lines(1, kind);
+  for (const OptionRow& row : option_table(nodes)) {
+    if (row.path.empty() || !row.method.empty()) continue;
+    lines += row.path + "=" + row.default_value + "\n";
+    if (lines.size() < 200) continue;
+    seeds.add(lines);
+    lines = kind;
+  }
+  seeds.add(lines);
+}
+
+}  // namespace
+
+void write_mesh_seeds(const fs::path& all) {
+  const test::ScratchFolder scratch;
+  const TriMesh mesh = tetrahedron();
+  const VertexColours colours(4, {200, 100, 50});
+  const auto written = [&](MeshFormat format, std::span<const VertexScalar> scalars = {}, const VertexColours& c = {}) {
+    write_mesh(mesh, scratch / "mesh", format, scalars, c);
+    return read_bytes(scratch / "mesh");
+  };
+  SeedFolder ply(all, "ply"), stl(all, "stl"), obj(all, "obj"), off(all, "off"), las_seeds(all, "las"), glb(all, "glb");
+  ply.add(written(MeshFormat::ply));
+  ply.add(written(MeshFormat::ply, std::vector<VertexScalar>{{"thickness", {1, 2, 3, 4}}}, colours));
+  ply.add(big_endian_ply());
+  ply.add(
+      "ply\nformat ascii 1.0\ncomment by hand\nobj_info none\nelement vertex 3\nproperty float x\n"
+      "property double y\nproperty short z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+      "property uint scan\nelement face 1\nproperty list uchar int vertex_index\nelement edge 1\n"
+      "property int vertex1\nproperty int vertex2\nend_header\n0 0 0 0 0 1 0\n1 0 0 0 0 1 0\n0 1 0 0 0 1 1\n"
+      "3 0 1 2\n0 1\n");
+  stl.add(written(MeshFormat::stl));
+  stl.add(
+      "solid by hand\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 1e0 0\n"
+      "  endloop\n endfacet\nfacet normal nan nan nan\nouter loop\nvertex 1 0 0\nvertex 1 1 0\nvertex -0.0 1 0\n"
+      "endloop\nendfacet\nendsolid by hand\n");
+  obj.add(written(MeshFormat::obj));
+  obj.add(written(MeshFormat::obj, {}, colours));
+  obj.add(
+      "# by hand\nmtllib none.mtl\no one\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0 1.0\nv 1 1 3 0.1 0.2 0.3\nvt 0 0\n"
+      "vn 0 0 1\ns off\nf 1 4 3 2\nf 1/1 2/1 5/1\nf -4//-1 -3//1 -1//1\nf 3/1/1 4/-1/-1 5/1/1\nl 1 2\np 1\n");
+  off.add(written(MeshFormat::off));
+  off.add(written(MeshFormat::off, {}, colours));
+  off.add(
+      "CNOFF 4 1 0\n# corners\n0 0 0 0 0 1 255 0 0\n2 0.5 0 0 1 0 0 1.0 0\n-2 2 1e-3 -1 0 0 0 0 255 9\n"
+      "0 2 4 0.6 0 0.8 10 20 30\n4 0 3 2 1 0.5 0.5 0.5\n");
+  for (int format = 0; format <= 10; ++format) las_seeds.add(las(format));
+  std::vector<LodSurface> levels(1);
+  levels[0].name = "level1";
+  levels[0].mesh = mesh;
+  write_lod_glb(levels, scratch / "one.glb");
+  glb.add(read_bytes(scratch / "one.glb"));
+  levels[0].colours = colours;
+  levels.emplace_back().name = "level2";
+  levels[1].mesh = {mesh.vertices, {mesh.triangles[0]}};
+  write_lod_glb(levels, scratch / "two.glb");
+  glb.add(read_bytes(scratch / "two.glb"));
+}
+
+void write_text_seeds(const fs::path& all) {
+  SeedFolder rows(all, "rows"), tracks(all, "tracks"), json(all, "json"), normals(all, "normals");
+  for (const char* text :
+       {"0 0 0\n\n2\t+0.5 0\n-2 2 1e-3 \n", "0 0 0 0 0 1\n2 0.5 0 0 1 0\n", "// seen\n0 0 0 255 0 0\n2 0.5 0 0 255 0\n",
+        "# all\n0 0 0 255 0 0 0 0 1\n2 0 0 0 255 0 0 1 0\n",
+        "2\n0 0 0 -17 255 0 0\n2 0.5 0 5 0 255 0\n1\n1 1 1 7 9 9 9\n", "0,0,0\n2,0.5,0\n-2, 2,1e-3\n",
+        "\"X\";\"Y\";\"Z\";class;NX;NY;NZ;Red;Green;Blue;scan\n0;0;0;wall;0;0;1;255;0;0;1\n"})
+    for (const char name : {'\0', '\1', '\2', '\3'}) rows.add(name + std::string(text));
+  tracks.add("point,gate,x_mm,y_mm,z_mm\na,1,1,2,3\nb,1,0,0,1e-3\na,2,1,2,4\nb,2,-1,5,6\n");
+  tracks.add("# tags\n\"Z\"; note; GATE; X; Y; Point\n3;far;2;1;2;p\n\n6; ;1;4;5;p\n9;x;1;7;8;q\n1;x;2;1;1;q\n");
+  tracks.add("point gate x y z\na 1 0 0 0\na 2 0 0 1\nb 2 1 1 1\n");
+  for (const char* text :
+       {"{\"schema\": \"dynasurf.cloud/1\", \"levels\": [{\"name\": \"level1\", \"vertices\": 642}], \"out\": null}\n",
+        "[0, -0, 1.5e-3, -2E+10, 18446744073709551615, -9223372036854775808, true, false, null, \"\"]",
+        "{\"a\\u00e9\\ud83d\\ude00\\n\\\\\\/\\b\\f\\t\": {\"b\": [[], {}, [{}]]}, \"\": \"\xc3\xa9\xf0\x9f\x98\x80\"}",
+        "7", "\"text\""})
+    json.add(text);
+  NormalMap map;
+  map.studies = 3;
+  map.perfusion_is = Perfusion::counts;
+  map.grid = {2, 2};
+  map.mean = {70.0, 80.0, 90.5, std::nullopt};
+  map.sd = {5.0, 6.0, 7.25, std::nullopt};
+  normals.add('\0' + normals_text(map));
+  normals.add("\1{\"1\": 0, \"7\": 4, \"17\": 2}");
+  normals.add(
+      "\2{\"measures\": {\"perfusion_is\": "
+      "\"counts\"}}----\nring,sector,area_mm2,perfusion_percent\n1,1,2.5,90\n1,2,,\n");
+}
+
+void write_option_seeds(const fs::path& all) {
+  SeedFolder options(all, "options"), settings(all, "settings");
+  test::Toy toy;
+  PhantomOptions phantom;
+  const ChoiceRef kinds = choice_of(phantom);
+  for (std::size_t kind = 0; kind <= kinds.methods.size(); ++kind) {
+    const bool is_toy = kind == kinds.methods.size();
+    const OptionNodes nodes = is_toy ? nodes_of(toy) : kinds.choose(kind);
+    const char byte = is_toy ? '\0' : static_cast<char>(2 * kind + 1);
+    options.add(byte + options_to_text(nodes));
+    add_settings(settings, byte, nodes);
+  }
+  options.add('\0' +
+              std::string("{\"step\": {\"method\": \"edge\", \"gain\": 4}, \"limit\": null, \"colour\": \"blue\"}"));
+  options.add('\0' + std::string("{\"step\": \"edge\", \"inner\": {\"depth\": -5}, \"seed\": 18446744073709551615}"));
+  settings.add('\0' + std::string("step.method=edge\nstep.gain=7\nlimit=unset\ncolour=red\nlimit=5\nwidth_mm=1e1\n"));
+}
+
+}  // namespace dynasurf::fuzz
