@@ -25,6 +25,7 @@ std::span<const Target> all_targets() {
       Target{"options", run_options},
       Target{"settings", run_settings},
       Target{"normals", run_normals},
+      Target{"manifest", run_manifest},
   };
   return targets;
 }

@@ -173,6 +173,7 @@ int main(int argc, char** argv) {
   write_nrrd_seeds(all);
   write_mesh_seeds(all);
   write_text_seeds(all);
+  write_manifest_seeds(all);
   write_option_seeds(all);
   return 0;
 }

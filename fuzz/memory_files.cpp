@@ -17,7 +17,7 @@
 
 namespace {
 
-constexpr std::string_view folder = "/dynasurf-fuzz";
+constexpr std::string_view our_folder = "/dynasurf-fuzz";
 constexpr int first_descriptor = 1 << 20;
 
 struct File {
@@ -38,7 +38,7 @@ std::size_t next_entry = 0;
 dirent entry;
 DIR* const folder_stream = reinterpret_cast<DIR*>(&entry);
 
-bool is_ours(const char* path) { return std::strncmp(path, folder.data(), folder.size()) == 0; }
+bool is_ours(const char* path) { return std::strncmp(path, our_folder.data(), our_folder.size()) == 0; }
 
 const File* find(const char* path) {
   const std::string_view wanted(path);
@@ -74,7 +74,7 @@ int tell_size(const File& file, struct stat* facts) {
 }
 
 int stat_ours(const char* path, struct stat* facts) {
-  if (folder == path) {
+  if (our_folder == path) {
     *facts = {};
     facts->st_mode = S_IFDIR | 0700;
     return 0;
@@ -89,7 +89,7 @@ dirent* next_entry_of_folder() {
   const std::string& name = files[next_entry++].name;
   entry = {};
   entry.d_type = DT_REG;
-  name.copy(entry.d_name, sizeof entry.d_name - 1, folder.size() + 1);
+  name.copy(entry.d_name, sizeof entry.d_name - 1, our_folder.size() + 1);
   return &entry;
 }
 
@@ -105,7 +105,7 @@ ssize_t read_ours(const Opened& from, std::size_t at, void* out, std::size_t cou
 
 namespace dynasurf::fuzz {
 
-InputFiles::InputFiles() : folder_(folder) {}
+InputFiles::InputFiles() : folder_(our_folder) {}
 
 InputFiles::~InputFiles() {
   for (const Opened& leaked : opened)
@@ -153,7 +153,7 @@ int __wrap_open(const char* path, int flags, ...) {
 }
 
 int __wrap_openat(int at, const char* path, int flags, ...) {
-  if (is_ours(path)) return folder == path ? folder_descriptor : open_ours(path);
+  if (is_ours(path)) return our_folder == path ? folder_descriptor : open_ours(path);
   std::va_list rest;
   va_start(rest, flags);
   const int mode = (flags & O_CREAT) != 0 ? va_arg(rest, int) : 0;

@@ -24,6 +24,7 @@ class SeedFolder {
 
 void write_text_seeds(const std::filesystem::path& all);
 void write_mesh_seeds(const std::filesystem::path& all);
+void write_manifest_seeds(const std::filesystem::path& all);
 void write_option_seeds(const std::filesystem::path& all);
 
 }  // namespace dynasurf::fuzz

@@ -36,6 +36,7 @@ bool run_json(std::string_view bytes);
 bool run_options(std::string_view bytes);
 bool run_settings(std::string_view bytes);
 bool run_normals(std::string_view bytes);
+bool run_manifest(std::string_view bytes);
 
 /// Stops the process when a promise is broken: that is what the fuzzer looks for.
 void require(bool promise, std::string_view what);

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/manifest.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/report/normals.hpp"
@@ -144,6 +145,14 @@ void write_text_seeds(const fs::path& all) {
   normals.add(
       "\2{\"measures\": {\"perfusion_is\": "
       "\"counts\"}}----\nring,sector,area_mm2,perfusion_percent\n1,1,2.5,90\n1,2,,\n");
+}
+
+void write_manifest_seeds(const fs::path& all) {
+  SeedFolder seeds(all, "manifest");
+  const std::string hash(64, 'a');
+  seeds.add(manifest_text({}));
+  seeds.add(unfinished_manifest_text());
+  seeds.add(manifest_text({{"results.json", 12345, hash}, {"meshes/a b\xc3\xa9.ply", 0, hash}}));
 }
 
 void write_option_seeds(const fs::path& all) {

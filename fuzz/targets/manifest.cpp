@@ -1,0 +1,10 @@
+#include "dynasurf/io/manifest.hpp"
+
+#include "target.hpp"
+
+bool dynasurf::fuzz::run_manifest(std::string_view bytes) {
+  return reads("manifest.txt", [&] {
+    const std::string again = manifest_text(parse_manifest(bytes, "manifest.txt"));
+    require(again == bytes, "nothing is read that the program does not write");
+  });
+}
