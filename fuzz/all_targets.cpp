@@ -21,7 +21,7 @@ std::span<const Target> all_targets() {
       Target{"rows", run_rows},
       Target{"tracks", run_tracks},
       Target{"glb", run_glb},
-
+      Target{"json", run_json},
       Target{"options", run_options},
       Target{"settings", run_settings},
       Target{"normals", run_normals},
