@@ -58,7 +58,7 @@ class Outline : public ::testing::Test {
 
 TEST_F(Outline, FindsWhatIsWantedAndNothingElse) {
   const std::string before = element(0x00080008, "ORIGINAL"), inner = item(element(0x00280010, "ab", "US"));
-  const DicomOutline found = outline(before + sequence(wanted_sequence, inner) + element(0x7fe00010, "abcd", "OW"));
+  const DicomOutline found = outline(before + sequence(wanted_sequence, inner) + element(0x7fe00010, "abcd", "US"));
   const std::uint64_t begin = with_meta(explicit_little, before).size();
   ASSERT_EQ(found.wanted.size(), 1u);
   EXPECT_EQ(found.wanted[0].begin, begin);

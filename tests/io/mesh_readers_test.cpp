@@ -128,7 +128,7 @@ std::vector<Dialect> dialects() {
 
 TEST(ReadMesh, ReadsTheSamePyramidFromEveryDialect) {
   for (const Dialect& d : dialects()) {
-    if (d.decoder == io_detail::decode_stl) continue;
+    if (d.decoder == static_cast<Decoder>(io_detail::decode_stl)) continue;
     const TriMesh mesh = decode(d.decoder, d.bytes);
     EXPECT_EQ(mesh.vertices, pyramid_vertices) << d.name;
     EXPECT_EQ(mesh.triangles, pyramid_triangles) << d.name;
