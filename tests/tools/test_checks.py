@@ -7,6 +7,8 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+import mutate  # pylint: disable=wrong-import-position
 
 ARCHITECTURE = """
 | floor | module | holds | may include | third party |
@@ -158,6 +160,35 @@ class CheckDocs(Project):
 
     def test_finds_unfinished_places(self):
         self.assertIn("unfinished", self.check("TO" + "DO: write this\n")[1])
+
+
+class Mutate(Project):
+    def changes(self, source):
+        """The lines that differ, for every mutant of a source."""
+        found = {}
+        for mutant in mutate.sites("a.cpp", source):
+            broken = source[:mutant.begin] + mutant.text + source[mutant.end:]
+            found.setdefault(mutant.line, []).append(broken.splitlines()[mutant.line - 1].strip())
+        return found
+
+    def test_breaks_operators_numbers_returns_and_statements(self):
+        found = self.changes("int f(int a) {\n  if (a < 3 && !g(a)) return 0;\n  a += 2;\n  return a * b;\n}\n")
+        self.assertEqual(set(found[2]), {"if (a <= 3 && !g(a)) return 0;", "if (a < 3 || !g(a)) return 0;",
+                                         "if (a < 4 && !g(a)) return 0;", "if (a < 3 && g(a)) return 0;",
+                                         "if (a < 3 && !g(a)) return 1;", "if (a < 3 && !g(a)) return -(0);"})
+        self.assertEqual(set(found[3]), {"a -= 2;", "a += 3;", ";"})
+        self.assertEqual(set(found[4]), {"return a / b;", "return -(a * b);"})
+
+    def test_leaves_alone_what_no_test_of_numbers_can_see(self):
+        for line in ("// a + b", "const char* c = \"a + b\";", "/* a + b */", "DYNASURF_ASSERT(a > b);", "#include <a + b>",
+                     "throw InputError(a + b);", "std::vector<int> v;", "static_assert(a == b);", "T* p;", "f(T&& t);"):
+            self.assertEqual(self.changes(line + "\n"), {}, line)
+
+    def test_draws_the_same_mutants_again_and_all_kinds_of_them(self):
+        self.write("a.cpp", "  a = b + c;\n  d = e < f;\n  g = h + i;\n")
+        drawn = [mutate.chosen(["a.cpp"], 3, seed, self.root) for seed in (1, 1, 2)]
+        self.assertEqual(drawn[0], drawn[1])
+        self.assertEqual({mutant.kind for mutant in drawn[2]}, {"+ to -", "< to <=", "statement deleted"})
 
 
 if __name__ == "__main__":
