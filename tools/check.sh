@@ -1,0 +1,84 @@
+# The checks of ./dev check. Sourced by ./dev, which brings say, need, configure, compile and sources.
+#
+# Every check runs to its end, whatever the ones before it found, and the last lines are a table of all of them.
+
+checked=()
+
+# step NAME COMMAND...
+step() {
+  local name=$1 begin=$SECONDS verdict=passed
+  shift
+  say "$name"
+  ("$@") || verdict=FAILED
+  checked+=("$(printf '%-34s %6d s  %s' "$name" $((SECONDS - begin)) "$verdict")")
+}
+
+end_of_checks() {
+  printf '\n'
+  printf '%s\n' "${checked[@]}"
+  case "${checked[*]}" in *FAILED*) fail "not all checks passed" ;; esac
+  say "all checks passed"
+}
+
+check_format() { sources | xargs clang-format --dry-run --Werror; }
+
+check_rules() {
+  configure release -DDYNASURF_WERROR="$(warnings)" && compile release dynasurf &&
+    ctest --preset release -R '^tools/' --output-on-failure
+}
+
+# check_tidy < list of files
+check_tidy() { xargs -r -P "$(job_count)" -n 4 clang-tidy --quiet -p "$build"; }
+
+all_units() { git ls-files 'src/*.cpp' 'app/*.cpp'; }
+
+# At most this many files, so that continuous integration stays quick: those that changed since the branch left main, or
+# in the last commit; where there are more, or none can be told, a share that each commit chooses anew.
+tidy_share=2
+changed_units() {
+  local base
+  base=$(git merge-base HEAD origin/main 2>/dev/null || git merge-base HEAD main 2>/dev/null || true)
+  [ "$base" != "$(git rev-parse HEAD)" ] || base=$(git rev-parse -q --verify HEAD~1 || true)
+  { if [ -n "$base" ]; then git diff --name-only --diff-filter=d "$base" -- 'src/*.cpp' 'app/*.cpp'; else all_units; fi; } |
+    shuf --random-source=<(yes "$(git rev-parse HEAD)") | head -n "$tidy_share"
+}
+
+# Tests of one preset, and every command of the program on small inputs.
+check_tests() { configure "$1" && compile "$1" && ctest --preset "$1" -j "$(nproc)"; }
+check_jobs() {
+  configure "$1" && compile "$1" dynasurf && python3 tests/robustness/whole_jobs.py --program "build/$1/bin/dynasurf"
+}
+
+check_leaks() {
+  configure release -DDYNASURF_WERROR="$(warnings)" && compile release dynasurf &&
+    python3 tests/robustness/whole_jobs.py --program "$program" --limit 7200 --wrapper "valgrind -q --error-exitcode=99
+      --leak-check=full --errors-for-leak-kinds=definite,indirect,possible
+      --suppressions=$PWD/tests/robustness/valgrind.supp"
+}
+
+check_quickly() {
+  need clang-format:clang-format clang-tidy:clang-tidy
+  step "format" check_format
+  step "include rules" python3 tools/check_includes.py
+  step "thesis map" python3 tools/check_thesis_map.py
+  configure release -DDYNASURF_WERROR="$(warnings)"
+  step "clang-tidy of $tidy_share changed files" check_tidy < <(changed_units)
+  end_of_checks
+}
+
+do_check() {
+  case "${1:-}" in
+    --quick) check_quickly; return ;;
+    "") ;;
+    *) fail "check: unknown option '$1'; expected --quick or nothing" ;;
+  esac
+  need clang-format:clang-format clang-tidy:clang-tidy clang++:clang valgrind:valgrind
+  step "format" check_format
+  step "include rules and documents" check_rules
+  step "clang-tidy" check_tidy < <(all_units)
+  local preset
+  for preset in asan tsan isan; do step "every command under $preset" check_jobs "$preset"; done
+  step "every command under Valgrind" check_leaks
+  for preset in asan tsan; do step "tests under $preset" check_tests "$preset"; done
+  end_of_checks
+}
