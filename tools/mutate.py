@@ -3,7 +3,7 @@
 
     tools/mutate.py --test test_field --count 20 --seed 1 src/dynasurf/field/gvf.cpp src/dynasurf/field/sample.cpp
 
-Works in a copy of the repository under --build, never in the working tree. A mutant is killed when the tests of the room
+Works in a copy of the repository at --build, never in the working tree. A mutant is killed when the tests of the room
 fail, crash or take ten times as long; it survives when they pass. Those that do not compile do not count. Some that
 survive change nothing that anybody could see (a limit that is never met, an order of equal things); they stay in the list
 for a reader to judge."""
@@ -104,14 +104,15 @@ def chosen(paths, count, seed, root=ROOT):
 class Workshop:
     """A copy of the sources with a build folder of its own."""
 
-    def __init__(self, build, test, flags):
-        self.tree, self.build, self.test = build / "tree", build / "build", test
+    def __init__(self, tree, test, options):
+        # As in the repository, so that a cache of compilers knows all but the broken sources.
+        self.tree, self.build, self.test = tree, tree / "build" / "release", test
         listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "-z"], cwd=ROOT, check=True,
                                 capture_output=True, text=True)
         for name in filter(None, listed.stdout.split("\0")):
             self.restore(name)
-        subprocess.run(["cmake", "-S", self.tree, "-B", self.build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug",
-                        f"-DCMAKE_CXX_FLAGS={flags}"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(["cmake", "--preset", "release", *(f"-D{option}" for option in options)], cwd=self.tree, check=True,
+                       stdout=subprocess.DEVNULL)
         if not self.compiles():
             sys.exit("the unbroken sources do not compile")
         begin = time.monotonic()
@@ -158,7 +159,7 @@ def main():
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "mutants")
-    parser.add_argument("--flags", default="-O1", help="for the compiler")
+    parser.add_argument("--option", action="append", default=[], help="for cmake, such as DYNASURF_WERROR=ON")
     parser.add_argument("--log", type=pathlib.Path, help="a line of JSON per mutant is added to this file")
     parser.add_argument("--list", action="store_true", help="only tell which mutants would be tried")
     arguments = parser.parse_args()
@@ -166,7 +167,7 @@ def main():
     if arguments.list:
         print("\n".join(f"{m.path}:{m.line}: {m.kind}" for m in mutants))
         return
-    workshop = Workshop(arguments.build.resolve(), arguments.test, arguments.flags)
+    workshop = Workshop(arguments.build.resolve(), arguments.test, arguments.option)
     counts = collections.Counter()
     for mutant in mutants:
         verdict = workshop.judge(mutant)
