@@ -65,6 +65,7 @@ ResultWalls read_result_walls(const fs::path& folder, int gate, bool edges) {
   const JsonNode results = root_of(json, file.string());
   check_measured(results);
   const std::size_t count = size_of(list_in(results, "gates"));
+  if (count == 0) throw InputError(file.string() + ": gates: empty; expected at least one");
   if (gate < 1 || static_cast<std::size_t>(gate) > count)
     throw OptionError("--gate " + std::to_string(gate) + "; expected 1 to " + std::to_string(count));
   ResultWalls walls;

@@ -103,7 +103,7 @@ class Reasons(CliTest):
             self.assertIn(done.returncode, (0, 2), f"{megabytes} MB: {done.stderr}")
             if done.returncode == 2:
                 self.assertEqual(done.stderr.count("\n"), 1)
-                self.assertRegex(done.stderr, "^dynasurf: error: (cannot start .*thread.*ulimit .*-v|out of memory)")
+                self.assertRegex(done.stderr, "^dynasurf: error: (cannot start .*thread.*ulimit .*-v|out of memory|.*needs .* of memory)")
                 said.add(done.stderr)
         self.assertTrue(said)
 

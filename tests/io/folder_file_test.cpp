@@ -16,7 +16,7 @@ using test::write_bytes;
 TEST(PlainFileName, IsOneOfTheFolderAlone) {
   for (const char* name : {"level1", "level 1", "Jos\xc3\xa9", ".hidden", "a..b", "..."})
     EXPECT_TRUE(is_plain_file_name(name)) << name;
-  for (const std::string name :
+  for (const std::string& name :
        {std::string(), std::string("."), std::string(".."), std::string("../a"), std::string("/etc/passwd"),
         std::string("a/b"), std::string("a\\b"), std::string("a\0b", 3), std::string("a\nb"), std::string(201, 'a')})
     EXPECT_FALSE(is_plain_file_name(name)) << name;

@@ -43,8 +43,8 @@ def nrrd(n, encoding="raw", list_first=False, extra=""):
 
 def line_skip(folder, n):
     (folder / "voxels.raw").write_bytes(b"line\n" * (20000 * n) + bytes(64))
-    return (f"NRRD0005\ntype: uchar\ndimension: 3\nspace: LPS\nsizes: 4 4 4\nspace directions: (3,0,0) (0,3,0) (0,0,6)\n"
-            f"encoding: raw\nspace origin: (0,0,0)\nline skip: {20000 * n}\ndata file: voxels.raw\n").encode()
+    return (f"NRRD0005\ntype: uchar\ndimension: 3\nspace: LPS\nsizes: 4 4 4\n"
+            f"space directions: (3,0,0) (0,3,0) (0,0,6)\nencoding: raw\nspace origin: (0,0,0)\nline skip: {20000 * n}\ndata file: voxels.raw\n").encode()
 
 
 def element(tag, vr, value):
@@ -212,7 +212,7 @@ CASES = {
     "OBJ, comments": ("mesh", "a.obj", 20000, plain(lambda n: "# 8 vertices\n" * n + "v 0 0 0\nf 1 1 1\n")),
     "OFF": ("mesh", "a.off", 5000, plain(off)),
     "cloud PLY": ("cloud", "a.ply", 20000,
-                  plain(lambda n: binary_ply(n).replace(b"element face %d" % (n - 2), b"element face 0")[:-13 * (n - 2)])),
+                  plain(lambda n: binary_ply(n)[:-13 * (n - 2)].replace(b"face %d" % (n - 2), b"face 0"))),
     "cloud XYZ": ("cloud", "a.xyz", 10000, plain(lambda n: "\n".join(points(n)) + "\n")),
     "cloud CSV": ("cloud", "a.csv", 10000,
                   plain(lambda n: "x,y,z\n" + "\n".join(points(n)).replace(" ", ",") + "\n")),

@@ -77,7 +77,7 @@ std::size_t bytes_of(SampleType type) {
 
 // Peak memory of `ventricle` on two threads, measured with one heart at 1, 2 and 3 times the resolution and in a wider
 // field: 54 MB (94,208 voxels, 1 gate), 157 MB (753,664, 1), 465 MB (2,543,616, 1), 133 MB (94,208, 8), 656 MB
-// (753,664, 8). Images, edge maps and fields of every gate live together; the bound is 7 to 38 % above.
+// (753,664, 8). Images, edge maps and fields of every gate live together; the bound is 8 to 49 % above.
 std::uint64_t memory_of_study(std::uint64_t voxels, std::uint64_t gates) {
   return (std::uint64_t{64} << 20) + gates * (std::uint64_t{4} << 20) + voxels * (70 + 100 * gates);
 }
