@@ -159,6 +159,7 @@ nlohmann::ordered_json cloud_results_json(const CloudRun& run, const Provenance&
 
 std::string cloud_results_csv(const CloudResult& result) {
   std::ostringstream csv;
+  csv.exceptions(std::ios::badbit);  // else a stream swallows that memory runs out, and the table is cut short
   csv.precision(9);
   csv << "level,triangles_asked,triangles,vertices,watertight,components,genus,self_intersections,smallest_angle_deg,"
          "cloud_to_mesh_mean,cloud_to_mesh_largest,mesh_to_cloud_mean,mesh_to_cloud_largest,volume,area\n";
