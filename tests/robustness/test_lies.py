@@ -189,10 +189,10 @@ class Lies(CliTest):
         path = self.folder / "large.nrrd"
         path.write_bytes(nrrd([512, 512, 256], kind="uchar"))
         os.truncate(path, path.stat().st_size + 512 * 512 * 256)
-        space = 400 << 20
+        space = 300 << 20
         code, errors, _, _ = self.measured("info", path, limits=[(resource.RLIMIT_AS, space)])
         self.assertEqual(code, 2)
-        self.assertIn("the limit is 200 MiB", errors)
+        self.assertIn("the limit is 150 MiB", errors)
         code, errors, _, _ = self.measured("info", path, "--memory-limit", "1T", limits=[(resource.RLIMIT_AS, space)])
         self.assertEqual((code, errors), (2, "dynasurf: error: out of memory\n"))
 
