@@ -53,6 +53,7 @@ TEST(Manifest, NamesThePlaceOfWhatItDoesNotUnderstand) {
     }
   }
   EXPECT_NO_THROW(parse_manifest(with(hash_a + " 1 b"), "m"));
+  EXPECT_THROW(parse_manifest(with(hash_a + " 01 b"), "m"), InputError);  // no writer writes that
   EXPECT_THROW(parse_manifest(unfinished_manifest_text(), "m"), InputError);
 }
 

@@ -40,9 +40,9 @@ std::optional<ManifestEntry> parse_line(std::string_view line) {
   if (line.size() < hash_digits + 4 || line[hash_digits] != ' ' || !is_hash(line.substr(0, hash_digits))) return {};
   ManifestEntry entry;
   entry.sha256 = line.substr(0, hash_digits);
-  const char* const end = line.data() + line.size();
-  const auto [rest, error] = std::from_chars(line.data() + hash_digits + 1, end, entry.bytes);
-  if (error != std::errc{} || rest == end || *rest != ' ') return {};
+  const char *const size = line.data() + hash_digits + 1, *const end = line.data() + line.size();
+  const auto [rest, error] = std::from_chars(size, end, entry.bytes);
+  if (error != std::errc{} || rest == end || *rest != ' ' || (*size == '0' && rest != size + 1)) return {};
   entry.name.assign(rest + 1, end);
   return is_plain_name(entry.name) ? std::optional(entry) : std::nullopt;
 }
