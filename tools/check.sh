@@ -32,17 +32,6 @@ check_tidy() { xargs -r -P "$(job_count)" -n 4 clang-tidy --quiet -p "$build"; }
 
 all_units() { git ls-files 'src/*.cpp' 'app/*.cpp'; }
 
-# At most this many files, so that continuous integration stays quick: those that changed since the branch left main, or
-# in the last commit; where there are more, or none can be told, a share that each commit chooses anew.
-tidy_share=2
-changed_units() {
-  local base
-  base=$(git merge-base HEAD origin/main 2>/dev/null || git merge-base HEAD main 2>/dev/null || true)
-  [ "$base" != "$(git rev-parse HEAD)" ] || base=$(git rev-parse -q --verify HEAD~1 || true)
-  { if [ -n "$base" ]; then git diff --name-only --diff-filter=d "$base" -- 'src/*.cpp' 'app/*.cpp'; else all_units; fi; } |
-    shuf --random-source=<(yes "$(git rev-parse HEAD)") | head -n "$tidy_share"
-}
-
 # Tests of one preset, and every command of the program on small inputs.
 check_tests() { configure "$1" && compile "$1" && ctest --preset "$1" -j "$(nproc)"; }
 check_jobs() {
@@ -56,13 +45,13 @@ check_leaks() {
       --suppressions=$PWD/tests/robustness/valgrind.supp"
 }
 
+# What needs no compiler.
 check_quickly() {
-  need clang-format:clang-format clang-tidy:clang-tidy
+  need clang-format:clang-format
   step "format" check_format
   step "include rules" python3 tools/check_includes.py
+  step "same bytes" python3 tools/check_same_bytes.py
   step "thesis map" python3 tools/check_thesis_map.py
-  configure release -DDYNASURF_WERROR="$(warnings)"
-  step "clang-tidy of $tidy_share changed files" check_tidy < <(changed_units)
   end_of_checks
 }
 

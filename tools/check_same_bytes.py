@@ -16,6 +16,9 @@ EXCEPTED = re.compile(r"src/dynasurf/core/(elementary\w*|twofold)\.[ch]pp$")
 
 ROUNDED = ("exp|exp2|expm1|log|log1p|log2|log10|pow|sin|cos|tan|sincos|asin|acos|atan|atan2|sinh|cosh|tanh|asinh|acosh|"
            "atanh|cbrt|hypot|erf|erfc|lgamma|tgamma")
+# No result depends on what is drawn here: it keeps hostile files from making all keys of a table fall together.
+ALLOWED = {("src/dynasurf/io/stl.cpp", "std::random_device")}
+
 RULES = [
     (rf"\bstd::({ROUNDED})[fl]?\b(?!\w)", "each library rounds it in its own way; expected own::{0} (core/elementary.hpp)"),
     (rf"(?<![\w:.>])(::)?({ROUNDED})[fl]?\(", "each library rounds it in its own way; expected the function of own::"),
@@ -48,6 +51,8 @@ def check(root):
             for pattern, why in RULES:
                 if match := re.search(pattern, line):
                     name = match[0].strip("(.)")
+                    if (relative, name) in ALLOWED:
+                        continue
                     failures.append(f"{relative}:{number}: {name}: {why.format(match[1] if match.groups() else '')}")
     return failures
 

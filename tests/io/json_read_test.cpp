@@ -1,6 +1,6 @@
 #include "dynasurf/io/json_read.hpp"
 
-#include <chrono>
+#include <ctime>
 #include <limits>
 #include <random>
 
@@ -50,10 +50,11 @@ std::string wide_object(std::size_t keys) {
   return text + "}";
 }
 
-double seconds_of(const auto& work) {
-  const auto begin = std::chrono::steady_clock::now();
+/// Of this process alone: other work on the machine does not count.
+double cpu_seconds_of(const auto& work) {
+  const std::clock_t begin = std::clock();
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
 }
 
 const std::string sample = R"({"schema": "dynasurf.cloud/1", "levels": [{"name": "level1", "triangles": 80},
@@ -72,7 +73,7 @@ TEST(ParseJson, TellsLineColumnAndWhatWasExpected) {
   EXPECT_THAT(refusal_of("{\"rounds\": 1,\n}"), StartsWith("a.json: line 2, column 1: syntax error"));
   EXPECT_THAT(refusal_of("{\"rounds\": 1,\n}"), HasSubstr("; expected"));
   EXPECT_THAT(refusal_of(""), StartsWith("a.json: line 1, column 1: "));
-  EXPECT_THAT(refusal_of("[1, 2"), StartsWith("a.json: line 1, column 7: "));
+  EXPECT_THAT(refusal_of("[1, 2"), StartsWith("a.json: line 1, column 6: "));
 }
 
 TEST(ParseJson, RefusesWhatIsNotOneStrictValue) {
@@ -132,7 +133,7 @@ TEST(ParseJson, RefusesMoreValuesAndBytesThanItsLimits) {
 TEST(ParseJson, TakesTimeInProportionToTheKeys) {
   const std::string text = wide_object(400000);
   ordered_json json;
-  EXPECT_LT(seconds_of([&] { json = parse_json(text, "a.json"); }), 10);
+  EXPECT_LT(cpu_seconds_of([&] { json = parse_json(text, "a.json"); }), 10);
   EXPECT_EQ(json.size(), 400000u);
 }
 

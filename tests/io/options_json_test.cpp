@@ -93,7 +93,7 @@ TEST(OptionsJson, RefusesValuesOutOfRange) {
   EXPECT_EQ(error_of(R"({"width_mm": -0.5})"), "option width_mm is -0.5; expected a number >= 0 and <= 20 (mm)");
   EXPECT_EQ(error_of(R"({"limit": 101})"), "option limit is 101; expected unset or a whole number >= 0 and <= 100");
   EXPECT_THAT(error_of(R"({"width_mm": 1e999})"),
-              testing::HasSubstr("the options: line 1, column 17: a number too large"));
+              testing::HasSubstr("the options: line 1, column 18: a number too large"));
 }
 
 TEST(OptionsJson, RefusesAKeyThatStandsTwice) {

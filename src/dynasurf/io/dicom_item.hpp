@@ -9,6 +9,7 @@
 #include <dcmtk/dcmdata/dctk.h>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/dicom_load.hpp"
 #include "dynasurf/io/digest.hpp"
 
 // How DICOM objects are filled. For the sources of this module: it brings DCMTK with it.
@@ -21,7 +22,7 @@ inline void must(const OFCondition& status, const std::string& doing) {
 /// A sequence item (or the data set) being filled.
 class Item {
  public:
-  explicit Item(DcmItem& item) : item_(&item) {}
+  explicit Item(DcmItem& item) : item_(&item) { silence_dcmtk(); }
 
   void text(const DcmTagKey& tag, const std::string& value) {
     must(item_->putAndInsertString(tag, value.c_str()), name(tag));

@@ -12,8 +12,7 @@ namespace dynasurf::dicom {
 namespace {
 
 void prepare_dcmtk() {
-  static std::once_flag once;
-  std::call_once(once, [] { OFLog::configure(OFLogger::OFF_LOG_LEVEL); });  // a library does not print
+  silence_dcmtk();
   if (!dcmDataDict.isDictionaryLoaded())
     throw IoError("DCMTK's dictionary dicom.dic is not found: install package libdcmtk17 or set DCMDICTPATH");
 }
@@ -24,6 +23,11 @@ E_TransferSyntax syntax_of(const DicomOutline& outline) {
 }
 
 }  // namespace
+
+void silence_dcmtk() {
+  static std::once_flag once;
+  std::call_once(once, [] { OFLog::configure(OFLogger::OFF_LOG_LEVEL); });
+}
 
 std::unique_ptr<DcmDataset> load_wanted(const std::filesystem::path& path, const DicomOutline& outline) {
   prepare_dcmtk();
