@@ -227,8 +227,8 @@ TEST(ReconstructCloud, KeepsTheCavityOfANoisyVase) {
   EXPECT_FALSE(tells_of_loss(result));
 }
 
-// The wall is 6 times the smaller noise thick, and 2.4 times the larger. At 4.8 times, beside the limit of 4, every second
-// scan of this body is told.
+// The wall is 6 times the smaller noise thick, and 2.4 times the larger. At 4.8 times, beside the limit of 4, every
+// second scan of this body is told.
 TEST(ReconstructCloud, TellsWhenWallsAreThinAgainstTheNoise) {
   const auto is_told = [](const CloudResult& result) {
     return std::any_of(result.notes.begin(), result.notes.end(), [](const Note& n) { return n.code == "cloud.thin"; });

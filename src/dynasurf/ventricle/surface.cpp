@@ -61,7 +61,8 @@ Surface measure_surface(const EvolutionResult& evolved, const Image& border, con
   s.volume_ml = volume_mm3(mesh) / 1000;
   s.quality = triangle_quality(mesh);
   s.mesh = to_world(border.grid, std::move(mesh));
-  // What is certified is the surface as it is published: rounding on the way may make triangles meet that only just passed.
+  // What is certified is the surface as it is published: rounding on the way may make triangles meet that only just
+  // passed.
   s.repair.check = check_surface(s.mesh);
   return s;
 }
