@@ -11,7 +11,7 @@ PROBE = os.environ["DYNASURF_PROBE"]
 GOLDEN = os.path.join(os.path.dirname(os.path.abspath(__file__)), "golden_bytes.txt")
 # An older processor, for the C library: it then rounds its own functions in another way.
 OLD = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX2,-FMA,-FMA4"}
-LOCALES = ["C", "C.UTF-8", "de_DE.UTF-8"]  # those that are not installed are as good as C
+LOCALE = "de_DE.UTF-8"  # with commas in numbers; as good as C where it is not installed
 JUDGE = """
 import math
 print([(math.exp(x / 7), math.sin(x / 7), math.pow(x / 7, 1.3), math.atan2(x, 3)) for x in range(1, 3000)])
@@ -40,9 +40,7 @@ class SameBytes(CliTest):
     def test_on_an_older_processor_with_other_threads_and_another_locale(self):
         expected = self.jobs("here", environment(LC_ALL="C"), 1)
         self.assertGreater(len(expected), 10)
-        for n, locale in enumerate(LOCALES):
-            found = self.jobs(f"there {n}", environment(LC_ALL=locale, **OLD), 7)
-            self.assertEqual(found, expected, locale)
+        self.assertEqual(self.jobs("there", environment(LC_ALL=LOCALE, **OLD), 7), expected)
 
     def test_the_older_processor_is_one_that_would_show(self):
         """The C library itself answers otherwise there, or the test above would prove nothing."""
