@@ -352,13 +352,13 @@ TEST(OutputFolder, KeepsAFormerResultThatIsTouchedWhileTheNewOneIsMade) {
 
 TEST(OutputFolder, RefusesToHoldItsInputs) {
   const ScratchFolder scratch;
-  fs::create_directories(scratch / "work/scans");
-  write_bytes(scratch / "work/scans/a.ply", "x");
-  fs::create_symlink("work", scratch / "link");
-  for (const char* out : {"work", "work/scans", "work/scans/", "link", "work/scans/a.ply"})
-    for (const char* input : {"work/scans/a.ply", "link/scans/a.ply", "work/../work/scans/a.ply"})
+  fs::create_directories(scratch / "data/scans");
+  write_bytes(scratch / "data/scans/a.ply", "x");
+  fs::create_symlink("data", scratch / "link");
+  for (const char* out : {"data", "data/scans", "data/scans/", "link", "data/scans/a.ply"})
+    for (const char* input : {"data/scans/a.ply", "link/scans/a.ply", "data/../data/scans/a.ply"})
       EXPECT_THROW(OutputFolder(scratch / out, Existing::move_aside, {scratch / input}), OptionError) << out;
-  EXPECT_NO_THROW(OutputFolder(scratch / "work/result", Existing::replace, {scratch / "work/scans/a.ply"}));
+  EXPECT_NO_THROW(OutputFolder(scratch / "data/result", Existing::replace, {scratch / "data/scans/a.ply"}));
 }
 
 TEST(OutputFolder, PublishesNothingWhenSomethingOfItIsGone) {
