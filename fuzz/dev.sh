@@ -112,7 +112,7 @@ fuzz_table() {
   [ -f $fuzz_figures ] || touch $fuzz_figures
   printf '| target | executions | edges | seconds | open finds |\n|---|---:|---:|---:|---:|\n'
   for target in $(fuzz_targets); do
-    awk -F '\t' -v t="$target" -v finds="$(find $fuzz_work/$target/crashes -type f 2>/dev/null | wc -l)" \
+    awk -F '\t' -v t="$target" -v finds="$(find "$fuzz_work/$target/crashes" -type f 2>/dev/null | wc -l)" \
       '$1 == t {n += $2; s += $4; if ($3 > e) e = $3} END {printf "| %s | %d | %d | %d | %d |\n", t, n, e, s, finds}' \
       $fuzz_figures
   done

@@ -137,14 +137,14 @@ void write_text_seeds(const fs::path& all) {
   NormalMap map;
   map.studies = 3;
   map.perfusion_is = Perfusion::counts;
-  map.grid = {2, 2};
-  map.mean = {70.0, 80.0, 90.5, std::nullopt};
-  map.sd = {5.0, 6.0, 7.25, std::nullopt};
+  map.mean.resize(map.grid.size());
+  map.sd.resize(map.grid.size());
+  map.mean[0] = 90.5, map.sd[0] = 7.25;
   normals.add('\0' + normals_text(map));
   normals.add("\1{\"1\": 0, \"7\": 4, \"17\": 2}");
-  normals.add(
-      "\2{\"measures\": {\"perfusion_is\": "
-      "\"counts\"}}----\nring,sector,area_mm2,perfusion_percent\n1,1,2.5,90\n1,2,,\n");
+  std::string polar = "\2{\"measures\": {\"perfusion_is\": \"counts\"}}----\narea_mm2,perfusion_percent\n2.5,90\n";
+  for (std::size_t n = 1; n < map.grid.size(); ++n) polar += ",\n";
+  normals.add(polar);
 }
 
 void write_manifest_seeds(const fs::path& all) {

@@ -22,7 +22,7 @@ bool run_normals(std::string_view bytes) {
   if (kind == 1) {
     const auto path = files.add("scores.json", bytes);
     return reads(path.string(), [&] {
-      SegmentScores scores;
+      SegmentScores scores{std::vector<std::optional<int>>(17), std::vector<bool>(17)};
       read_scores(path, scores);
     });
   }
