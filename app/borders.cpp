@@ -10,13 +10,13 @@
 #include "dynasurf/io/json_read.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
+#include "dynasurf/report/sheets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "command.hpp"
 #include "console.hpp"
 #include "option_arguments.hpp"
 #include "out_argument.hpp"
-#include "sheets.hpp"
 
 namespace dynasurf::app {
 namespace {

@@ -38,23 +38,20 @@ std::optional<double> value_in(const Json& json, const char* key) {
   return at != json.end() && at->is_number() ? std::optional(at->get<double>()) : std::nullopt;
 }
 
-bool is_fitted(const ComparedStudy& study) {
-  const auto readings = study.results.find("readings");
-  return readings != study.results.end() && readings->is_object() && readings->contains("unbiased") &&
-         readings->at("unbiased").is_object();
+/// The reading that leads in both studies, so that like is compared with like; else the edge's, which both have.
+std::string common_reading(const ComparedStudy& rest, const ComparedStudy& stress) {
+  const std::string leading = rest.results.at("reading").get<std::string>();
+  return stress.results.at("reading") == leading ? leading : "edge";
 }
 
-/// The reading that both studies have, so that like is compared with like: the unbiased one, else the classic edge.
-const Json& reading_of(const Json& results, bool fitted) {
-  return fitted ? results.at("readings").at("unbiased") : results;
-}
+const Json& reading_of(const Json& results, const std::string& kind) { return results.at("readings").at(kind); }
 
 /// The cavity's mean over the gates: what an ungated study would show.
-std::optional<double> mean_cavity(const Json& reading) {
+std::optional<double> mean_cavity(const Json& results, const std::string& kind) {
   double sum = 0;
   int count = 0;
-  for (const Json& gate : reading.at("gates")) {
-    const auto volume = value_in(gate, "endo_ml");
+  for (const Json& gate : results.at("gates")) {
+    const auto volume = value_in(kind == "edge" ? gate.at("edge") : gate, "endo_ml");
     if (!volume) return std::nullopt;
     sum += *volume, ++count;
   }
@@ -67,16 +64,19 @@ void check_numbers(const JsonNode& object, std::initializer_list<const char*> ke
     if (!object.json->contains(key) || has(object, key)) number_in(object, key);
 }
 
-/// A reading: the numbers of the beat, and a volume for each gate.
-void check_reading(const JsonNode& reading) {
-  check_numbers(reading, {"edv_ml", "esv_ml", "ef_percent"});
-  const JsonNode gates = list_in(reading, "gates");
+/// Each gate has a volume in the reading that leads and one of the edges.
+void check_gates(const JsonNode& results) {
+  const JsonNode gates = list_in(results, "gates");
   if (size_of(gates) == 0) refuse_value(gates, "a gate at least");
-  for (std::size_t n = 0; n < size_of(gates); ++n) check_numbers(object_of(gates, n), {"endo_ml"});
+  for (std::size_t n = 0; n < size_of(gates); ++n) {
+    check_numbers(object_of(gates, n), {"endo_ml"});
+    check_numbers(object_in(object_of(gates, n), "edge"), {"endo_ml"});
+  }
 }
 
-/// The ends of the 90 % intervals, which the page shows.
-void check_intervals(const JsonNode& reading) {
+/// The numbers of the beat, and the ends of their 90 % intervals, which the page shows.
+void check_reading(const JsonNode& reading) {
+  check_numbers(reading, {"edv_ml", "esv_ml", "ef_percent"});
   for (const char* key : {"edv_ml_90", "esv_ml_90", "ef_percent_90"})
     if (has(reading, key) && numbers_in(reading, key).size() != 2) refuse_value(list_in(reading, key), "a list of 2");
 }
@@ -94,11 +94,16 @@ void check_curve(const JsonNode& results) {
 
 /// Throws InputError unless all is there that is compared and shown.
 void check_results(const JsonNode& results) {
+  if (text_in(results, "schema") != "dynasurf.ventricle/3")
+    throw InputError(results.file + ": expected the schema dynasurf.ventricle/3");
+  const std::string leading = text_in(results, "reading");
+  if (leading != "psf_corrected" && leading != "edge")
+    throw InputError(results.file + ": reading: expected psf_corrected or edge");
+  const JsonNode readings = object_in(results, "readings");
+  check_reading(object_in(readings, "edge"));
+  check_reading(object_in(readings, leading.c_str()));
   check_reading(results);
-  if (has(results, "readings") && has(object_in(results, "readings"), "unbiased")) {
-    check_reading(object_in(object_in(results, "readings"), "unbiased"));
-    check_intervals(object_in(object_in(results, "readings"), "unbiased"));
-  }
+  check_gates(results);
   check_curve(results);
   const JsonNode quality = object_in(results, "quality");
   text_in(quality, "verdict");
@@ -143,13 +148,13 @@ Json comparison(const ComparedStudy& rest, const ComparedStudy& stress, const Me
   const auto sum_of = [](const SegmentScores& scored) { return scored.most > 0 ? Json(scored.sum) : Json(); };
   const PolarValues lost =
       segment_means(model, difference.grid, difference.maps.perfusion_percent, difference.area_mm2);
-  const bool fitted = is_fitted(rest) && is_fitted(stress);
-  const Json &a = reading_of(rest.results, fitted), &b = reading_of(stress.results, fitted);
+  const std::string kind = common_reading(rest, stress);
+  const Json &a = reading_of(rest.results, kind), &b = reading_of(stress.results, kind);
   Json json;
   json["schema"] = "dynasurf.comparison/1";
   json["use"] = "Research use only. Not for diagnosis.";
-  json["reading"] = fitted ? "unbiased" : "edge";
-  json["tid_ratio"] = number(ratio(mean_cavity(b), mean_cavity(a)));
+  json["reading"] = kind;
+  json["tid_ratio"] = number(ratio(mean_cavity(stress.results, kind), mean_cavity(rest.results, kind)));
   json["edv_ratio"] = number(ratio(value_in(b, "edv_ml"), value_in(a, "edv_ml")));
   json["esv_ratio"] = number(ratio(value_in(b, "esv_ml"), value_in(a, "esv_ml")));
   json["ef_rest_percent"] = number(value_in(a, "ef_percent"));

@@ -51,7 +51,7 @@ std::vector<std::string> settings_of(const OptionArguments& a) {
 void add_option_arguments(CLI::App& command, OptionArguments& a) {
   command.add_option(
       "--preset", a.preset,
-      "unbiased, the default: volumes freed of the camera's blur; pet, mr, ct: the same at their resolution; "
+      "psf_corrected, the default: volumes corrected for the point spread; pet, mr, ct: the same at their resolution; "
       "edges: surfaces on the largest gradient alone; thesis: as published");
   command.add_option("--options", a.file, "JSON file of options, such as the options.json of a result");
   command.add_option("--pipeline", a.pipeline,

@@ -14,7 +14,7 @@ namespace dynasurf::app {
 
 /// The arguments by which the user sets options: defaults < preset < file < --pipeline < --set < by hand.
 struct OptionArguments {
-  std::string preset = "unbiased", file, pipeline, mask;
+  std::string preset = "psf_corrected", file, pipeline, mask;
   std::vector<std::string> settings;
   // What a person says in place of what would be found.
   std::vector<double> center, axis;

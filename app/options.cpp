@@ -29,7 +29,7 @@ std::vector<OptionRow> rows_of(const Arguments& arguments) {
   const auto preset_or = [&](const char* usual) { return arguments.preset.empty() ? usual : arguments.preset; };
   if (arguments.subject == "ventricle") {
     if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'ventricle'; expected nothing");
-    return option_table(ventricle_preset(preset_or("unbiased")));
+    return option_table(ventricle_preset(preset_or("psf_corrected")));
   }
   if (arguments.subject == "cloud") {
     if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'cloud'; expected nothing");

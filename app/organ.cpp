@@ -15,11 +15,11 @@
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
+#include "dynasurf/report/sheets.hpp"
 
 #include "command.hpp"
 #include "console.hpp"
 #include "out_argument.hpp"
-#include "sheets.hpp"
 #include "version.hpp"
 
 namespace dynasurf::app {

@@ -41,7 +41,4 @@ Outcome reconstruct_to_folder(const Job& job, const Progress& progress);
 /// SHA-256 of every file of a study, in the order of `files_of_study`.
 std::vector<std::string> hashes_of_study(const std::filesystem::path& study);
 
-/// The short table on the terminal: a row per gate, the function, the verdict with its reasons.
-std::string summary_of(const VentricleResult& result);
-
 }  // namespace dynasurf::app

@@ -75,8 +75,8 @@ Record record_of(const fs::path& result) {
   const JsonNode results = root_of(json, file.string());
   Record record;
   record.schema = text_in(results, "schema");
-  if (record.schema != "dynasurf.ventricle/1" && record.schema != "dynasurf.cloud/1")
-    refuse(result, "expected the schema dynasurf.ventricle/1 or dynasurf.cloud/1");
+  if (record.schema != "dynasurf.ventricle/3" && record.schema != "dynasurf.cloud/1")
+    refuse(result, "expected the schema dynasurf.ventricle/3 or dynasurf.cloud/1");
   const JsonNode provenance = object_in(results, "provenance");
   record.version = plain_word_in(provenance, "version");
   record.commit = plain_word_in(provenance, "commit");

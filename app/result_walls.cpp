@@ -69,13 +69,15 @@ ResultWalls read_result_walls(const fs::path& folder, int gate, bool edges) {
   if (gate < 1 || static_cast<std::size_t>(gate) > count)
     throw OptionError("--gate " + std::to_string(gate) + "; expected 1 to " + std::to_string(count));
   ResultWalls walls;
-  walls.is_fitted = !edges && has(results, "readings") && has(object_in(results, "readings"), "unbiased");
-  const JsonNode reading = walls.is_fitted ? object_in(object_in(results, "readings"), "unbiased") : results;
-  const JsonNode gates = list_in(reading, "gates");
-  if (size_of(gates) != count) refuse_value(gates, "a list of " + std::to_string(count) + ", one for each gate");
-  const JsonNode of_gate = object_of(gates, static_cast<std::size_t>(gate - 1));
-  const std::string fitted = walls.is_fitted ? "fit_" : "";
-  walls.endo = surface_of(folder, gate, fitted + "endo"), walls.epi = surface_of(folder, gate, fitted + "epi");
+  const std::string reading = text_in(results, "reading");
+  if (reading != "psf_corrected" && reading != "edge")
+    throw InputError(file.string() + ": reading: expected psf_corrected or edge");
+  const bool has_fit = reading == "psf_corrected";
+  walls.is_fitted = has_fit && !edges;
+  const JsonNode leading = object_of(list_in(results, "gates"), static_cast<std::size_t>(gate - 1));
+  const JsonNode of_gate = walls.is_fitted ? leading : object_in(leading, "edge");
+  const std::string prefix = has_fit && edges ? "edge_" : "";
+  walls.endo = surface_of(folder, gate, prefix + "endo"), walls.epi = surface_of(folder, gate, prefix + "epi");
   std::optional<BasePlane> plane;
   if (has(of_gate, "base_plane")) {
     const JsonNode base = object_in(of_gate, "base_plane");

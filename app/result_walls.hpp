@@ -10,12 +10,11 @@ namespace dynasurf::app {
 struct ResultWalls {
   TriMesh endo, epi;
   std::optional<HeartAxes> axes;  // absent when the axis does not leave both surfaces
-  bool is_fitted = false;         // freed of the blur
+  bool is_fitted = false;         // PSF-corrected
 };
 
-/// `gate` from 1. Walls freed of the blur are the muscle's; those of the edges are taken where there are no others, or
-/// when `edges` asks for them. Throws InputError when the folder holds no such walls, OptionError for a gate that it
-/// has not.
+/// `gate` from 1. The surfaces of the reading that leads, or those of the edges when `edges` asks for them. Throws
+/// InputError when the folder holds no such walls, OptionError for a gate that it has not.
 ResultWalls read_result_walls(const std::filesystem::path& folder, int gate, bool edges = false);
 
 }  // namespace dynasurf::app

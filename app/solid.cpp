@@ -44,7 +44,7 @@ ExitCode run(const Arguments& a) {
                                           {"layer", {solid->layer.begin(), solid->layer.end()}}};
   write_solid(solid->mesh, output.path(), format, scalars);
   output.publish();
-  print(table({{"surfaces", is_fitted ? "fitted through the blur" : "classic edge"},
+  print(table({{"surfaces", is_fitted ? "PSF-corrected" : "edge"},
                {"tetrahedra", std::to_string(solid->quality.count)},
                {"not positive", std::to_string(solid->quality.not_positive)},
                {"volume_ml", fixed(solid->volume_ml, 3)},

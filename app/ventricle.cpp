@@ -5,6 +5,7 @@
 #include "command.hpp"
 #include "option_arguments.hpp"
 #include "reconstruction.hpp"
+#include "summary.hpp"
 
 namespace dynasurf::app {
 namespace {

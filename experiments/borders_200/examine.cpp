@@ -48,10 +48,10 @@ double mean_distance(const TriMesh& from, const TriMesh& to) {
   return sum / static_cast<double>(from.vertices.size());
 }
 
-double on(const VentricleResult& r, std::optional<Surface> Gate::*wall) {
+double on(const VentricleResult& r, Wall wall) {
   double sum = 0;
   for (const Gate& g : r.gates)
-    if (g.*wall) sum += (g.*wall)->within_one_voxel / static_cast<double>(r.gates.size());
+    if (const auto& s = g.edge_surfaces.of(wall)) sum += s->within_one_voxel / static_cast<double>(r.gates.size());
   return sum;
 }
 
@@ -66,9 +66,10 @@ std::string text_of(const VentricleResult& r) {
       r.heart ? r.heart->contrast : 0, r.heart ? r.heart->ridge_share : 0, r.heart ? r.heart->runner_up : 0,
       r.heart ? r.heart->other_end : 0, r.heart ? r.heart->outside : 0, c.hot_neighbour, c.noise, c.bridged, c.unround,
       c.moves_mm, c.thickness_mm, c.least_counts, c.most_counts, c.endo_roughness, c.epi_roughness, c.end_systole,
-      c.base_seen, c.base_spread_mm, c.base_cut, r.wall_variation.value_or(-1), r.edv_ml.value_or(-1),
-      c.length_to_width, r.heart ? r.heart->cup.half_length_mm / r.heart->cup.radius_mm : 0, c.readings_apart,
-      on(r, &Gate::endo), on(r, &Gate::epi));
+      c.base_seen, c.base_spread_mm, c.base_cut, r.wall_variation.value_or(-1),
+      r.readings.edge.edv_ml.value_or(Estimate{-1}).value, c.length_to_width,
+      r.heart ? r.heart->cup.half_length_mm / r.heart->cup.radius_mm : 0, c.readings_apart, on(r, Wall::endo),
+      on(r, Wall::epi));
   return text.data();
 }
 
@@ -106,8 +107,8 @@ void compare_borders(const VentricleResult& result, const Phantom& phantom, Outc
   o.border_mm = 0;
   for (const auto& true_gate : {most, least}) {
     const auto g = static_cast<std::size_t>(true_gate - phantom.truth.begin());
-    const TriMesh& endo = result.fit ? result.fit->gates[g].endo : result.gates[g].endo->mesh;
-    const TriMesh& epi = result.fit ? result.fit->gates[g].epi : result.gates[g].epi->mesh;
+    const TriMesh& endo = result.gates[g].surfaces.endo->mesh;
+    const TriMesh& epi = result.gates[g].surfaces.epi->mesh;
     o.border_mm = std::max({o.border_mm, mean_distance(endo, true_gate->endo), mean_distance(epi, true_gate->epi)});
   }
 }
@@ -131,19 +132,20 @@ Outcome examine(const Patient& patient, const Phantom& phantom, std::string_view
   for (const Flag& f : result.flags)
     if (f.severity != Severity::info) o.flags += (o.flags.empty() ? "" : " ") + f.code;
   o.clues = text_of(result);
-  o.has_surfaces = std::all_of(result.gates.begin(), result.gates.end(), [](const Gate& g) { return g.endo && g.epi; });
+  o.has_surfaces = std::all_of(result.gates.begin(), result.gates.end(),
+                               [](const Gate& g) { return g.surfaces.endo && g.surfaces.epi; });
   if (!is_heart) return o;
   const Truth truth = truth_of(phantom);
   compare_place(result, truth, o);
   compare_slices(result, truth, o);
   if (!o.has_surfaces) return o;
-  if (result.ef_percent && phantom.ef_percent) o.ef_error = *result.ef_percent - *phantom.ef_percent;
-  if (result.edv_ml && phantom.edv_ml) o.edv_ratio = *result.edv_ml / *phantom.edv_ml;
-  if (result.fit && result.fit->ef_percent && phantom.ef_percent) {
-    o.ef_error = result.fit->ef_percent->value - *phantom.ef_percent;
-    o.ef_90 = (result.fit->ef_percent->high() - result.fit->ef_percent->low()) / 2;
-    o.edv_ratio = result.fit->edv_ml.value / *phantom.edv_ml, o.least_edv_ratio = 0.75;
+  const Reading& leading = result.leading;
+  if (leading.ef_percent && phantom.ef_percent) {
+    o.ef_error = leading.ef_percent->value - *phantom.ef_percent;
+    if (leading.ef_percent->has_interval()) o.ef_90 = (leading.ef_percent->high() - leading.ef_percent->low()) / 2;
   }
+  if (leading.edv_ml && phantom.edv_ml) o.edv_ratio = leading.edv_ml->value / *phantom.edv_ml;
+  if (leading.kind == ReadingKind::psf_corrected && leading.ef_percent) o.least_edv_ratio = 0.75;
   compare_borders(result, phantom, o);
   return o;
 }

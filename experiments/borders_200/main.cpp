@@ -150,7 +150,7 @@ int run_planted(int from, int to, std::string_view only, std::string_view preset
 int run(int count, char** arguments) {
   std::string what = "series";
   std::string_view preset = "edges";
-  if (count > 1 && std::string_view(arguments[1]) == "fitted") preset = "unbiased", --count, ++arguments;
+  if (count > 1 && std::string_view(arguments[1]) == "fitted") preset = "psf_corrected", --count, ++arguments;
   if (count > 1 && std::isalpha(static_cast<unsigned char>(arguments[1][0]))) what = arguments[1], --count, ++arguments;
   const int from = count > 1 ? std::atoi(arguments[1]) : 0, to = count > 2 ? std::atoi(arguments[2]) : from + 200;
   if (what == "series") return run_series(from, to, preset);

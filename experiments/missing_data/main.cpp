@@ -26,8 +26,8 @@ VentricleResult reconstruct_partial(double fraction, Missing missing, std::strin
 }
 
 std::optional<double> outer_ml(const VentricleResult& result) {
-  if (result.fit) return result.fit->gates.front().epi_ml.value;
-  const auto& epi = result.gates.front().epi;
+  if (result.readings.psf_corrected) return result.readings.psf_corrected->gates.front().epi_ml.value;
+  const auto& epi = result.gates.front().edge_surfaces.epi;
   return epi ? std::optional(epi->volume_ml) : std::nullopt;
 }
 
@@ -73,12 +73,12 @@ std::string panel(const VentricleResult& result, const std::string& title, doubl
       svg += "<rect x=\"" + x(i * grid.spacing[0] - 1.2) + "\" y=\"" + y(j * grid.spacing[1] - 1.2) +
              "\" width=\"3.8\" height=\"3.8\" fill=\"" + (bits & Labels::epi_bit ? "#d55e00" : "#0072b2") + "\"/>\n";
     }
-  for (const auto* surface : {&gate.endo, &gate.epi}) {
+  for (const auto* surface : {&gate.edge_surfaces.endo, &gate.edge_surfaces.epi}) {
     if (!*surface) continue;
     const TriMesh mesh = to_grid(grid, (*surface)->mesh);
     for (const auto& polygon : cross_section(mesh, Vec3(0, 0, (slice + 1e-3) * grid.spacing[2]), Vec3(0, 0, 1))) {
       svg += "<polyline fill=\"none\" stroke-width=\"1.6\" stroke=\"" +
-             std::string(surface == &gate.epi ? "#b34700" : "#004f7c") + "\" points=\"";
+             std::string(surface == &gate.edge_surfaces.epi ? "#b34700" : "#004f7c") + "\" points=\"";
       for (const Vec3& p : polygon) svg += x(p[0]) + "," + y(p[1]) + " ";
       svg += "\"/>\n";
     }
@@ -100,7 +100,7 @@ void draw(const char* path) {
 
 int main(int count, char** arguments) {
   std::printf("Phantom Mayo, 265.5 mL: outer volume V_p with the part p of the wall empty; m = 1 - V_p / V_0\n");
-  for (const std::string_view preset : {"unbiased", "edges", "thesis"})
+  for (const std::string_view preset : {"psf_corrected", "edges", "thesis"})
     for (const Missing missing : {Missing::sector, Missing::apex}) print_rows(missing, preset);
   if (count > 1) draw(arguments[1]);
 }

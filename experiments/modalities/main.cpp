@@ -107,14 +107,15 @@ void print_row(const Heart& heart, const Kind& kind) {
   const VentricleResult result = reconstruct(study, options);
   Numbers fit, edge;
   int held = 0;
-  if (result.fit && result.fit->ef_percent) {
-    const FittedBeat& f = *result.fit;
+  if (result.readings.psf_corrected && result.readings.psf_corrected->ef_percent) {
+    const FittedBeat& f = *result.readings.psf_corrected;
     fit = {f.edv_ml.value, f.esv_ml.value, f.ef_percent->value, f.wall_ml.value};
     const auto holds = [](const Estimate& e, double t) { return e.low() <= t && t <= e.high(); };
     held = holds(f.edv_ml, truth.edv) + holds(f.esv_ml, truth.esv) + holds(*f.ef_percent, truth.ef) +
            holds(f.wall_ml, truth.wall);
   }
-  if (result.ef_percent) edge = {*result.edv_ml, *result.esv_ml, *result.ef_percent, NAN};
+  if (const Reading& r = result.readings.edge; r.ef_percent)
+    edge = {r.edv_ml->value, r.esv_ml->value, r.ef_percent->value, NAN};
   double seconds = 0;
   for (const auto& [stage, s] : result.seconds) seconds += s;
   std::printf("%-23s %-6s", kind.name, heart.name);

@@ -63,7 +63,7 @@ void print_surface(const TriMesh* mesh, double volume_ml, const TriMesh& truth, 
 }
 
 VentricleResult reconstructed(const Phantom& phantom) {
-  return reconstruct(phantom.study, ventricle_preset("unbiased"));
+  return reconstruct(phantom.study, ventricle_preset("psf_corrected"));
 }
 
 /// How well the border voxels of one wall lie on its true border and cover it (F1 of both, within 2 pixels).
@@ -118,8 +118,8 @@ void print_case(const Case& c) {
 void print_fit(const Case& c) {
   const Phantom phantom = make_phantom(c.made);
   const VentricleResult result = reconstructed(phantom);
-  if (!result.fit) return;
-  const FittedGate& gate = result.fit->gates.front();
+  if (!result.readings.psf_corrected) return;
+  const FittedGate& gate = result.readings.psf_corrected->gates.front();
   const TrueGate& truth = phantom.truth.front();
   std::printf("%-16s", c.name.c_str());
   print_surface(&gate.endo, gate.endo_ml.value, truth.endo, truth.endo_ml);
@@ -162,12 +162,12 @@ std::string panel(const Case& c, double left, double top) {
       svg += "<rect x=\"" + x(j * grid.spacing[1] - 1.2) + "\" y=\"" + y(k * grid.spacing[2] + 1.2) +
              "\" width=\"3.2\" height=\"3.2\" fill=\"" + (bits & Labels::epi_bit ? "#d55e00" : "#0072b2") + "\"/>\n";
     }
-  for (const auto* surface : {&gate.endo, &gate.epi}) {
+  for (const auto* surface : {&gate.edge_surfaces.endo, &gate.edge_surfaces.epi}) {
     if (!*surface) continue;
     const TriMesh mesh = to_grid(grid, (*surface)->mesh);
     for (const auto& polygon : cross_section(mesh, Vec3((column + 1e-3) * grid.spacing[0], 0, 0), Vec3(1, 0, 0))) {
       svg += "<polyline fill=\"none\" stroke-width=\"1.6\" stroke=\"" +
-             std::string(surface == &gate.epi ? "#b34700" : "#004f7c") + "\" points=\"";
+             std::string(surface == &gate.edge_surfaces.epi ? "#b34700" : "#004f7c") + "\" points=\"";
       for (const Vec3& p : polygon) svg += x(p[1]) + "," + y(p[2]) + " ";
       svg += "\"/>\n";
     }

@@ -165,17 +165,17 @@ void run(int first, int end) {
     const Case one = case_of(number);
     const Phantom phantom = make_phantom(one.options);
     const Measures truth = measure_true_walls(phantom);
-    for (const char* preset : {"edges", "unbiased"}) {
+    for (const char* preset : {"edges", "psf_corrected"}) {
       VentricleOptions options = ventricle_preset(preset);
       options.fit.fwhm_mm = one.options.fwhm_mm;
       options.fit.filter_fwhm_mm = one.options.noise.filter_fwhm_mm;
       const VentricleResult result = reconstruct(phantom.study, options);
-      const bool is_fit = result.fit.has_value();
-      std::printf("%d %s %s EF %.1f (true %.1f)\n", number, one.name.c_str(), is_fit ? "unbiased" : "classic edge",
-                  is_fit ? result.fit->ef_percent.value().value : result.ef_percent.value_or(0), *phantom.ef_percent);
+      const bool is_fit = result.readings.psf_corrected.has_value();
+      std::printf("%d %s %s EF %.1f (true %.1f)\n", number, one.name.c_str(), is_fit ? "psf_corrected" : "edge",
+                  result.leading.ef_percent.value_or(Estimate{}).value, *phantom.ef_percent);
       if (is_fit)
-        std::printf("  thickness from data %.2f, width from data %.2f\n", result.fit->thickness_from_data,
-                    result.fit->width_from_data);
+        std::printf("  thickness from data %.2f, width from data %.2f\n",
+                    result.readings.psf_corrected->thickness_from_data, result.readings.psf_corrected->width_from_data);
       if (!result.measures) continue;
       for (Table* table : {&all, &of_kind[one.name]}) compare(*result.measures, truth, is_fit ? "fit" : "edge", *table);
     }

@@ -42,7 +42,7 @@ void examine(const std::string& generator, int number) {
   const double told = generator == "unlike" ? make_unlike(patient) : 1;
   const Phantom phantom = scan(patient);
   const VirtualPatient& p = patient.options;
-  VentricleOptions options = ventricle_preset("unbiased");
+  VentricleOptions options = ventricle_preset("psf_corrected");
   const bool is_told = generator != "untold";
   if (is_told) options.fit.fwhm_mm = told * p.fwhm_mm, options.fit.filter_fwhm_mm = p.noise.filter_fwhm_mm;
   const auto begin = std::chrono::steady_clock::now();
@@ -55,9 +55,10 @@ void examine(const std::string& generator, int number) {
   row.edv = {*phantom.edv_ml, 0, 0}, row.esv = {*phantom.esv_ml, 0, 0}, row.ef = {*phantom.ef_percent, 0, 0};
   for (const TrueGate& gate : phantom.truth)
     row.wall.truth += gate.wall_ml() / static_cast<double>(phantom.truth.size());
-  row.edge_edv = result.edv_ml.value_or(0), row.edge_ef = result.ef_percent.value_or(0);
-  if (result.fit) {
-    const FittedBeat& fit = *result.fit;
+  row.edge_edv = result.readings.edge.edv_ml.value_or(Estimate{}).value;
+  row.edge_ef = result.readings.edge.ef_percent.value_or(Estimate{}).value;
+  if (result.readings.psf_corrected) {
+    const FittedBeat& fit = *result.readings.psf_corrected;
     const auto take = [](Measured& reading, const Estimate& e) { reading.value = e.value, reading.sd = e.sd; };
     take(row.fwhm, fit.fwhm_mm), take(row.edv, fit.edv_ml), take(row.esv, fit.esv_ml), take(row.wall, fit.wall_ml);
     if (fit.ef_percent) take(row.ef, *fit.ef_percent);

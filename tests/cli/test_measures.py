@@ -181,17 +181,17 @@ class Solid(CliTest):
 
     def test_fills_the_fitted_wall_where_there_is_one(self):
         result, out = small_result(), shared_folder() / "fitted.vtu"
-        gate = json.loads((result / "results.json").read_text())["readings"]["unbiased"]["gates"][0]
+        gate = json.loads((result / "results.json").read_text())["gates"][0]
         held = {}
-        for kind, more in (("fitted through the blur", []), ("classic edge", ["--edges"])):
+        for kind, more in (("PSF-corrected", []), ("edge", ["--edges"])):
             made = run("solid", result, "--out", out, "--replace", *more)
             self.assertEqual(made.returncode, 0, made.stdout + made.stderr)
             self.assertIn(kind, made.stdout)
             self.assertRegex(made.stdout, r"not positive +0\n")
             held[kind] = float(re.search(r"volume_ml +([0-9.]+)", made.stdout)[1])
         # The solid ends a little below the valve plane.
-        self.assertAlmostEqual(held["fitted through the blur"] / (gate["epi_ml"] - gate["endo_ml"]), 1, delta=0.15)
-        self.assertGreater(held["classic edge"], 1.1 * held["fitted through the blur"], "edges make the wall thick")
+        self.assertAlmostEqual(held["PSF-corrected"] / (gate["epi_ml"] - gate["endo_ml"]), 1, delta=0.15)
+        self.assertGreater(held["edge"], 1.1 * held["PSF-corrected"], "edges make the wall thick")
 
     def test_refuses_what_is_not_there(self):
         out = shared_folder() / "no.vtu"

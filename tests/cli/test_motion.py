@@ -58,7 +58,7 @@ class Motion(CliTest):
         motion, truth = self.read_json(out / "results.json"), self.read_json(tagged() / "truth.json")
         # The axis is the one that was found, and the twist is that of the points.
         self.assertAlmostEqual(motion["peak"]["twist_deg"], max(truth["tracked"]["twist_deg"]), delta=2)
-        first = self.read_json(result / "results.json")["readings"]["unbiased"]["gates"][0]
+        first = self.read_json(result / "results.json")["gates"][0]
         self.assertAlmostEqual(motion["gates"][0]["cavity_ml"], first["endo_ml"], delta=1e-6)
         true = [gate["endo_ml"] for gate in truth["gates"]]
         first = motion["gates"][0]["cavity_ml"]

@@ -78,7 +78,7 @@ class Privacy(CliTest):
         self.clean("info", study(), "--json", out=None)
 
     def test_what_is_made_of_a_result_names_nobody(self):
-        self.assertIn("dynasurf.ventricle/1", (result() / "results.json").read_text())
+        self.assertIn("dynasurf.ventricle/3", (result() / "results.json").read_text())
         self.assert_clean((result() / "results.json").read_bytes(), "results.json")
         self.clean("scores", result(), out="scores.json")
         self.clean("solid", result(), out="wall.vtu")

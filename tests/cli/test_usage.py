@@ -63,7 +63,7 @@ class Options(CliTest):
     def test_refuses_unknown_subjects_with_the_choices(self):
         self.refuses(1, "options", "liver", says="choices: ventricle, cloud, organ, phantom KIND")
         self.refuses(1, "options", "phantom", "heberon", says=["did you mean 'hebron'?", KINDS])
-        self.refuses(1, "options", "--preset", "fast", says="choices: unbiased, edges, thesis")
+        self.refuses(1, "options", "--preset", "fast", says="choices: psf_corrected, edges, thesis")
 
 
 class Output(CliTest):

@@ -5,6 +5,7 @@ import gzip
 import json
 import os
 import pathlib
+import re
 import resource
 import shutil
 import signal
@@ -66,7 +67,7 @@ class Result(CliTest):
     def test_leaves_everything_it_promises(self):
         files = set(hashes(small_result()))
         expected = {"results.json", "results.csv", "options.json", "report.html", "cycle.pvd", "cycle.glb", "manifest.txt"}
-        expected |= {f"meshes/{wall}_g0{gate}.{ending}" for wall in ("endo", "epi", "fit_endo", "fit_epi")
+        expected |= {f"meshes/{wall}_g0{gate}.{ending}" for wall in ("endo", "epi", "edge_endo", "edge_epi")
                      for gate in (1, 2, 3, 4) for ending in ("ply", "vtp")}
         expected |= {f"measures/{name}" for name in ("segments.csv", "polar.csv", "phase_histogram.svg", "splash.png")}
         expected |= {f"measures/polar_{name}.svg" for name in (
@@ -76,17 +77,33 @@ class Result(CliTest):
 
     def test_tells_the_same_numbers_everywhere(self):
         results = self.read_json(small_result() / "results.json")
-        self.assertEqual(results["schema"], "dynasurf.ventricle/1")
+        self.assertEqual(results["schema"], "dynasurf.ventricle/3")
         rows = (small_result() / "results.csv").read_text().splitlines()
         self.assertEqual(len(rows), 5)
         for gate, row in zip(results["gates"], rows[1:]):
             endo = gate["endo_ml"]
             measured = json.loads(run("measure", small_result() / f"meshes/endo_g0{gate['gate']}.ply", "--json").stdout)
             self.assertAlmostEqual(measured["volume_ml"], endo, delta=1e-6 * endo)
-            self.assertAlmostEqual(float(row.split(",")[rows[0].split(",").index("endo_ml")]), endo, delta=1e-3)
+            cells = dict(zip(rows[0].split(","), row.split(",")))
+            self.assertAlmostEqual(float(cells["endo_ml"]), endo, delta=1e-3)
+            self.assertAlmostEqual(float(cells["edge_endo_ml"]), gate["edge"]["endo_ml"], delta=1e-3)
             self.assertAlmostEqual(gate["wall_ml"], gate["epi_ml"] - endo, places=9)
-        volumes = [gate["endo_ml"] for gate in results["gates"]]
-        self.assertAlmostEqual(results["ef_percent"], 100 * (max(volumes) - min(volumes)) / max(volumes), places=9)
+        for reading, gates in ((results, results["gates"]), (results["readings"]["edge"],
+                                                             [gate["edge"] for gate in results["gates"]])):
+            volumes = [gate["endo_ml"] for gate in gates]
+            self.assertAlmostEqual(reading["edv_ml"], max(volumes), places=9)
+            self.assertAlmostEqual(reading["ef_percent"], 100 * (max(volumes) - min(volumes)) / max(volumes), delta=0.5)
+
+    def test_gives_one_answer_everywhere(self):
+        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r")
+        results = self.read_json(self.folder / "r" / "results.json")
+        leading = results["readings"][results["reading"]]
+        self.assertEqual({key: results[key] for key in leading if key in results},
+                         {key: leading[key] for key in leading if key in results})
+        self.assertIn("EDV %.1f mL" % results["edv_ml"], done.stdout)
+        self.assertIn("EF %.1f %%" % results["ef_percent"], done.stdout)
+        shown = json.loads(re.search(r'id="data">(.*?)</script>', (self.folder / "r/report.html").read_text(), re.S)[1])
+        self.assertEqual(shown["results"]["edv_ml"], results["edv_ml"])
 
     def test_prints_a_table_and_progress(self):
         done = run("ventricle", small_patient() / "study.nii.gz", "--out", self.folder / "r")
@@ -96,19 +113,19 @@ class Result(CliTest):
         self.assertIn("surfaces 8/8\n", done.stderr)
         self.assertNotIn("\x1b", done.stderr)
 
-    def test_reads_volumes_freed_of_the_blur_unless_edges_are_asked_for(self):
+    def test_reads_psf_corrected_volumes_unless_edges_are_asked_for(self):
         def reading_of(result):
             return self.read_json(result / "results.json")["readings"]
 
         both = reading_of(small_result())
-        self.assertGreater(both["unbiased"]["edv_ml"], 1.05 * both["edge"]["edv_ml"], "edges read low")
-        low, high = both["unbiased"]["edv_ml_90"]
+        self.assertGreater(both["psf_corrected"]["edv_ml"], 1.05 * both["edge"]["edv_ml"], "edges read low")
+        low, high = both["psf_corrected"]["edv_ml_90"]
         truth = self.read_json(small_patient() / "truth.json")["edv_ml"]
         self.assertTrue(low < truth < high, (low, truth, high))
         done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", *EDGES)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertNotIn("unbiased", done.stdout)
-        self.assertIsNone(reading_of(self.folder / "r")["unbiased"])
+        self.assertNotIn("PSF-corrected", done.stdout)
+        self.assertIsNone(reading_of(self.folder / "r")["psf_corrected"])
         self.assertEqual(reading_of(self.folder / "r")["edge"], both["edge"])
 
     def test_quiet_is_quiet(self):
@@ -138,12 +155,12 @@ class Result(CliTest):
 
     def test_joins_contours_when_asked(self):
         done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--pipeline", "contour",
-                   "--keep-stages", "--set", "keyframes.frames_between=2")
+                   "--keep-stages", "--set", "keyframes.frames_between=2", *EDGES)
         self.assertEqual(done.returncode, 0, done.stderr)
         results = self.read_json(self.folder / "r" / "results.json")
         for gate in results["gates"]:
             for wall in ("endo", "epi"):
-                volumes = gate[wall]["contour_volumes"]
+                volumes = gate["edge"][wall]["contour_volumes"]
                 self.assertAlmostEqual(volumes["gauss_ml"], volumes["triangle_exact_ml"], places=6)
                 self.assertAlmostEqual(volumes["trapezoid_ml"], volumes["gauss_ml"], delta=0.05 * volumes["gauss_ml"])
         self.assertIn("surface.no_correspondence", [note["code"] for note in results["notes"]])
@@ -151,7 +168,7 @@ class Result(CliTest):
         self.assertFalse((self.folder / "r" / "cycle.glb").exists())
         again = run("rerun", self.folder / "r", "--study", small_patient() / "study.dcm", "--out", self.folder / "again")
         self.assertEqual(again.returncode, 0, again.stderr)
-        self.assertIsNone(self.read_json(small_result() / "results.json")["gates"][0]["endo"]["contour_volumes"])
+        self.assertIsNone(self.read_json(small_result() / "results.json")["gates"][0]["edge"]["endo"]["contour_volumes"])
         refused = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "no", "--pipeline", "cube")
         self.assertEqual(refused.returncode, 1)
 
@@ -193,7 +210,7 @@ class LabelMap(CliTest):
         study.write_bytes(gzip.compress(bytes(nifti[:start]) + values.tobytes()))
         made = run("ventricle", study, "--out", out, "--label", 1, "--fwhm", 0)
         self.assertIn(made.returncode, (0, 3), made.stdout + made.stderr)
-        fit = self.read_json(out / "results.json")["readings"]["unbiased"]
+        fit = self.read_json(out / "results.json")["readings"]["psf_corrected"]
         truth = [gate["endo_ml"] for gate in self.read_json(scan / "truth.json")["gates"]]
         self.assertAlmostEqual(fit["edv_ml"] / max(truth), 1, delta=0.08)
         self.assertEqual(self.read_json(out / "options.json")["label"], 1)
@@ -310,7 +327,7 @@ class SameBytes(CliTest):
         self.refuses(1, "rerun", self.folder / "result", "--study", small_patient() / "study.dcm", "--out",
                      self.folder / "result", says="holds the input")
         self.refuses(2, "rerun", self.folder, says="results.json")
-        for text in ("", "{", "[]", '{"schema": "other"}', '{"schema": "dynasurf.ventricle/1"}'):
+        for text in ("", "{", "[]", '{"schema": "other"}', '{"schema": "dynasurf.ventricle/3"}'):
             (self.folder / "result" / "results.json").write_text(text)
             self.refuses(2, "rerun", self.folder / "result", says="results.json")
 

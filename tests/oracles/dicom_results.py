@@ -125,14 +125,14 @@ class DicomResults(unittest.TestCase):
             return {name_of(i): float(i.MeasuredValueSequence[0].NumericValue)
                     for i in group.ContentSequence if i.ValueType == "NUM"}
 
-        for tracking, key in (("Unbiased reading", "unbiased"), ("Classic edge reading", "edge")):
+        for tracking, key in (("PSF-corrected reading", "psf_corrected"), ("Edge reading", "edge")):
             reading = self.results["readings"][key]
             read = numbers(tracking)
             self.assertAlmostEqual(read["Left Ventricular Ejection Fraction"], reading["ef_percent"], 3)
             self.assertAlmostEqual(read["Left Ventricular ED Volume"], reading["edv_ml"], 3)
             self.assertAlmostEqual(read["Left Ventricular ES Volume"], reading["esv_ml"], 3)
             self.assertAlmostEqual(read["Stroke Volume"], reading["sv_ml"], 3)
-        for gate in self.results["readings"]["unbiased"]["gates"]:
+        for gate in self.results["gates"]:
             self.assertAlmostEqual(numbers(f"Cavity, gate {gate['gate']}")["Volume"], gate["endo_ml"], 3)
         segment = self.results["measures"]["segments"][6]
         self.assertAlmostEqual(numbers("Segment 7")["Myocardial perfusion"], segment["perfusion_percent"], 3)
@@ -157,7 +157,7 @@ class DicomResults(unittest.TestCase):
             frames = [f.SegmentIdentificationSequence[0].ReferencedSegmentNumber
                       for f in data.PerFrameFunctionalGroupsSequence]
             pixels = data.pixel_array.reshape(-1, data.Rows, data.Columns)
-            gate = self.results["readings"]["unbiased"]["gates"][g - 1]
+            gate = self.results["gates"][g - 1]
             for number, truth in ((1, gate["endo_ml"]), (2, gate["epi_ml"] - gate["endo_ml"])):
                 held = sum(int(pixels[n].sum()) for n, of in enumerate(frames) if of == number) * voxel_ml
                 # Whole voxels of 0.09 mL at a border of some 100 cm2: a few per cent.
@@ -173,7 +173,7 @@ class DicomResults(unittest.TestCase):
 
     def test_surfaces_are_closed_and_of_the_right_volume(self):
         for g in range(1, 5):
-            gate = self.results["readings"]["unbiased"]["gates"][g - 1]
+            gate = self.results["gates"][g - 1]
             for wall in ("endo", "epi"):
                 data = self.objects[f"{wall}_g0{g}"]
                 stl = data.EncapsulatedDocument[:data.EncapsulatedDocumentLength]

@@ -45,25 +45,40 @@ ordered_json data_of(const std::string& page) {
 
 TEST(Results, HoldTheNumbersOfTheResult) {
   const ordered_json json = ok_json();
-  EXPECT_EQ(json["schema"], "dynasurf.ventricle/1");
-  EXPECT_EQ(json["edv_ml"], *ok_result().edv_ml);
-  EXPECT_EQ(json["esv_ml"], *ok_result().esv_ml);
-  EXPECT_EQ(json["sv_ml"], *ok_result().sv_ml);
-  EXPECT_EQ(json["ef_percent"], *ok_result().ef_percent);
+  EXPECT_EQ(json["schema"], "dynasurf.ventricle/3");
+  EXPECT_EQ(json["edv_ml"], ok_result().leading.edv_ml->value);
+  EXPECT_EQ(json["esv_ml"], ok_result().leading.esv_ml->value);
+  EXPECT_EQ(json["sv_ml"], ok_result().leading.sv_ml->value);
+  EXPECT_EQ(json["ef_percent"], ok_result().leading.ef_percent->value);
   EXPECT_EQ(json["quality"]["verdict"], "ok");
   ASSERT_EQ(json["gates"].size(), 8u);
   const ordered_json& gate = json["gates"][2];
   EXPECT_EQ(gate["time_ms"], 220);
-  EXPECT_EQ(gate["endo_ml"], ok_result().gates[2].endo->volume_ml);
-  EXPECT_EQ(gate["wall_ml"], *ok_result().gates[2].wall_ml);
-  EXPECT_EQ(gate["endo"]["stop_reason"], "all_stopped");
-  EXPECT_EQ(gate["epi"]["triangles"]["count"], 1280);
+  EXPECT_EQ(gate["endo_ml"], ok_result().gates[2].edge_surfaces.endo->volume_ml);
+  EXPECT_EQ(gate["wall_ml"], *ok_result().gates[2].edge_surfaces.wall_ml);
+  EXPECT_EQ(gate["edge"]["endo"]["stop_reason"], "all_stopped");
+  EXPECT_EQ(gate["edge"]["epi"]["triangles"]["count"], 1280);
+}
+
+TEST(Results, SayTheNumberOfTheLeadingReadingAtTheTop) {
+  const VentricleResult fitted = test::sample_fitted();
+  const ordered_json json = results_json(fitted, {});
+  EXPECT_EQ(json["reading"], "psf_corrected");
+  for (const char* key :
+       {"edv_ml", "edv_ml_90", "esv_ml", "sv_ml", "ef_percent", "ef_percent_90", "wall_ml", "ed_gate"})
+    EXPECT_EQ(json[key], json["readings"]["psf_corrected"][key]) << key;
+  EXPECT_NE(json["edv_ml"], json["readings"]["edge"]["edv_ml"]);
+  const ordered_json& gate = json["gates"][0];
+  EXPECT_EQ(gate["endo_ml"], fitted.readings.psf_corrected->gates[0].endo_ml.value);
+  EXPECT_EQ(gate["edge"]["endo_ml"], fitted.gates[0].edge_surfaces.endo->volume_ml);
+  EXPECT_EQ(ok_json()["reading"], "edge");
+  EXPECT_TRUE(ok_json()["edv_ml_90"].is_null()) << "the edge has no interval";
 }
 
 TEST(Results, CountGatesAndSlicesFromOne) {
   const ordered_json json = ok_json();
-  EXPECT_EQ(json["ed_gate"], *ok_result().ed_gate + 1);
-  EXPECT_EQ(json["es_gate"], *ok_result().es_gate + 1);
+  EXPECT_EQ(json["ed_gate"], *ok_result().leading.ed_gate + 1);
+  EXPECT_EQ(json["es_gate"], *ok_result().leading.es_gate + 1);
   EXPECT_EQ(json["gates"][0]["gate"], 1);
   EXPECT_EQ(json["gates"][0]["division_slice"], 5);
   EXPECT_EQ(json["notes"][0]["gate"], 1);
@@ -72,24 +87,24 @@ TEST(Results, CountGatesAndSlicesFromOne) {
 
 TEST(Results, GiveTheWorseOfTheTwoSurfacesAsTheNumberOfTheGate) {
   VentricleResult result = ok_result();
-  result.gates[0].endo->stopped_fraction = 0.5;
-  result.gates[0].epi->mean_distance_mm = 9;
-  const ordered_json gate = results_json(result, {})["gates"][0];
+  result.gates[0].edge_surfaces.endo->stopped_fraction = 0.5;
+  result.gates[0].edge_surfaces.epi->mean_distance_mm = 9;
+  const ordered_json gate = results_json(result, {})["gates"][0]["edge"];
   EXPECT_EQ(gate["stopped_fraction"], 0.5);
   EXPECT_EQ(gate["mean_distance_mm"], 9);
 }
 
 TEST(Results, AreNullWhereSomethingIsAbsentOrNotANumber) {
   VentricleResult result = test::sample_without_endo();
-  result.gates[1].epi->mean_distance_mm = std::numeric_limits<double>::infinity();
-  result.gates[1].epi->quality.shape_min = std::numeric_limits<double>::quiet_NaN();
+  result.gates[1].edge_surfaces.epi->mean_distance_mm = std::numeric_limits<double>::infinity();
+  result.gates[1].edge_surfaces.epi->quality.shape_min = std::numeric_limits<double>::quiet_NaN();
   const ordered_json json = results_json(result, {});
   EXPECT_TRUE(json["ef_percent"].is_null());
   EXPECT_TRUE(json["ed_gate"].is_null());
-  EXPECT_TRUE(json["gates"][0]["endo"].is_null());
+  EXPECT_TRUE(json["gates"][0]["edge"]["endo"].is_null());
   EXPECT_TRUE(json["gates"][0]["wall_ml"].is_null());
-  EXPECT_TRUE(json["gates"][1]["mean_distance_mm"].is_null());
-  EXPECT_TRUE(json["gates"][1]["epi"]["triangles"]["shape_min"].is_null());
+  EXPECT_TRUE(json["gates"][1]["edge"]["mean_distance_mm"].is_null());
+  EXPECT_TRUE(json["gates"][1]["edge"]["epi"]["triangles"]["shape_min"].is_null());
   EXPECT_TRUE(json["provenance"]["options"].is_null());
   EXPECT_TRUE(json["provenance"]["seed"].is_null());
 }
@@ -137,7 +152,7 @@ TEST(Results, RefuseOptionsThatAreNotJson) {
 TEST(Csv, HasOneRowPerGateAndAsManyFieldsAsNames) {
   const std::vector<std::string> lines = lines_of(results_csv(ok_result()));
   ASSERT_EQ(lines.size(), 9u);
-  EXPECT_THAT(lines[0], StartsWith("gate,time_ms,endo_ml,epi_ml,wall_ml,endo_stop_reason,"));
+  EXPECT_THAT(lines[0], StartsWith("gate,time_ms,endo_ml,endo_ml_low,endo_ml_high,epi_ml,"));
   EXPECT_THAT(lines[3], StartsWith("3,220,"));
   for (const std::string& line : lines)
     EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(lines[0].begin(), lines[0].end(), ','));
@@ -148,7 +163,7 @@ TEST(Csv, GivesBackTheVolumesExactly) {
   std::istringstream fields(line);
   std::string field;
   for (int n = 0; n < 3; ++n) std::getline(fields, field, ',');
-  EXPECT_EQ(std::stod(field), ok_result().gates[0].endo->volume_ml);
+  EXPECT_EQ(std::stod(field), ok_result().gates[0].edge_surfaces.endo->volume_ml);
 }
 
 TEST(Csv, LeavesAbsentValuesEmpty) {

@@ -105,11 +105,14 @@ void print_ventricle(const std::string& name, const Study& study, const Ventricl
   Hash edges, surfaces, numbers;
   for (const Gate& g : r.gates) {
     edges << g.edges.values << g.base_slice;
-    if (g.endo) surfaces << g.endo->mesh << g.endo->steps;
-    if (g.epi) surfaces << g.epi->mesh << g.epi->steps;
-    numbers << g.wall_ml;
+    const EdgeSurfaces& edge = g.edge_surfaces;
+    if (edge.endo) surfaces << edge.endo->mesh << edge.endo->steps;
+    if (edge.epi) surfaces << edge.epi->mesh << edge.epi->steps;
+    numbers << edge.wall_ml;
   }
-  numbers << r.edv_ml << r.esv_ml << r.ef_percent << r.wall_variation;
+  const auto value = [](const std::optional<Estimate>& e) { return e ? std::optional(e->value) : std::nullopt; };
+  const Reading& edge = r.readings.edge;
+  numbers << value(edge.edv_ml) << value(edge.esv_ml) << value(edge.ef_percent) << r.wall_variation;
   if (r.measures) {
     numbers << r.measures->area_mm2 << r.measures->muscle_g;
     for (const auto& map : {r.measures->maps.thickness_ed_mm, r.measures->maps.motion_mm}) numbers << map;
@@ -117,13 +120,14 @@ void print_ventricle(const std::string& name, const Study& study, const Ventricl
   edges.print(name + " edges");
   surfaces.print(name + " surfaces");
   numbers.print(name + " numbers");
-  if (!r.fit) return;
+  if (!r.readings.psf_corrected) return;
   Hash fit;
-  for (const FittedGate& g : r.fit->gates) fit << g.endo << g.epi;
+  const FittedBeat& beat = *r.readings.psf_corrected;
+  for (const FittedGate& g : beat.gates) fit << g.endo << g.epi;
   fit.print(name + " fit");
   Hash estimates;
-  estimates << r.fit->uptake << r.fit->wall_ml << r.fit->edv_ml << r.fit->esv_ml << r.fit->ef_percent
-            << r.fit->thickness_mm << r.fit->fwhm_mm << r.fit->misfit << r.fit->steps;
+  estimates << beat.uptake << beat.wall_ml << beat.edv_ml << beat.esv_ml << beat.ef_percent << beat.thickness_mm
+            << beat.fwhm_mm << beat.misfit << beat.steps;
   estimates.print(name + " estimates");
 }
 
@@ -134,7 +138,7 @@ void ventricles() {
   truth.print("patient truth");
   print_images("patient images", phantom.study.gates);
   print_ventricle("thesis", phantom.study, ventricle_preset("thesis"));
-  print_ventricle("unbiased", phantom.study, ventricle_preset("unbiased"));
+  print_ventricle("psf_corrected", phantom.study, ventricle_preset("psf_corrected"));
 }
 
 void organs() {

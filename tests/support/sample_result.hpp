@@ -9,6 +9,7 @@
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/report/report.hpp"
 #include "dynasurf/ventricle/function.hpp"
+#include "dynasurf/ventricle/readings.hpp"
 
 namespace dynasurf::test {
 
@@ -121,40 +122,16 @@ inline Labels sample_labels(const Grid& grid, double phase) {
   return labels;
 }
 
-/// What is measured on the surfaces that are there.
-inline std::optional<Measures> measures_of_sample(const VentricleResult& result) {
-  MeasureInput input;
-  input.axis = result.study.grid().direction.col(2);
-  bool is_any = false;
-  for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    const Gate& gate = result.gates[g];
-    is_any = is_any || gate.endo;
-    input.gates.push_back({{gate.endo ? &gate.endo->mesh : nullptr},
-                           {gate.epi ? &gate.epi->mesh : nullptr},
-                           &result.study.gates[g],
-                           std::nullopt});
-  }
-  return is_any ? std::optional(measure_walls(input, {})) : std::nullopt;
-}
-
 /// The numbers over the beat, from the surfaces that are there.
 inline void measure_sample(VentricleResult& result) {
-  std::vector<double> cavity;
   for (Gate& gate : result.gates) {
-    if (gate.endo) cavity.push_back(gate.endo->volume_ml);
-    gate.wall_ml = gate.endo && gate.epi ? std::optional(gate.epi->volume_ml - gate.endo->volume_ml) : std::nullopt;
+    EdgeSurfaces& edge = gate.edge_surfaces;
+    edge.wall_ml = edge.endo && edge.epi ? std::optional(edge.epi->volume_ml - edge.endo->volume_ml) : std::nullopt;
   }
-  result.edv_ml = result.esv_ml = result.sv_ml = result.ef_percent = std::nullopt;
-  result.ed_gate = result.es_gate = std::nullopt;
   result.phases = std::nullopt;
-  result.measures = measures_of_sample(result);
-  if (cavity.size() != result.gates.size()) return;
-  result.phases = phases_of_curve(cavity);
-  if (const auto function = left_ventricular_function(cavity)) {
-    result.edv_ml = function->edv_ml, result.esv_ml = function->esv_ml, result.sv_ml = function->sv_ml;
-    result.ef_percent = function->ef_percent;
-    result.ed_gate = function->ed_gate, result.es_gate = function->es_gate;
-  }
+  measure_cycle(result);
+  choose_leading(result);
+  result.measures = measure_study(result, {});
 }
 
 inline VentricleResult sample_result(const SampleStudy& study = {}) {
@@ -181,8 +158,8 @@ inline VentricleResult sample_result(const SampleStudy& study = {}) {
     for (std::size_t v = 0; v < gate.edges.values.size(); ++v)
       gate.edges.values[v] = gate.labels.borders.values[v] != 0 ? 2 : v % 397 == 0 ? 1 : 0;
     gate.base_slice = 17;
-    gate.endo = sample_surface(grid, sphere, sample_wall(grid, Wall::endo, phase));
-    gate.epi = sample_surface(grid, sphere, sample_wall(grid, Wall::epi, phase));
+    gate.edge_surfaces.endo = sample_surface(grid, sphere, sample_wall(grid, Wall::endo, phase));
+    gate.edge_surfaces.epi = sample_surface(grid, sphere, sample_wall(grid, Wall::epi, phase));
     result.gates.push_back(std::move(gate));
   }
   measure_sample(result);
@@ -199,19 +176,20 @@ inline VentricleResult sample_fitted() {
   FittedBeat fit;
   for (const Gate& gate : result.gates) {
     FittedGate fitted;
-    fitted.endo = gate.endo->mesh, fitted.epi = gate.epi->mesh;
-    fitted.endo_ml = {1.2 * gate.endo->volume_ml, 3};
-    fitted.epi_ml = {1.1 * gate.epi->volume_ml, 5};
+    fitted.endo = gate.edge_surfaces.endo->mesh, fitted.epi = gate.edge_surfaces.epi->mesh;
+    fitted.endo_ml = {1.2 * gate.edge_surfaces.endo->volume_ml, 3};
+    fitted.epi_ml = {1.1 * gate.edge_surfaces.epi->volume_ml, 5};
     fit.gates.push_back(std::move(fitted));
   }
-  const double edv = 1.2 * *result.edv_ml, esv = 1.2 * *result.esv_ml;
+  const double edv = 1.2 * result.leading.edv_ml->value, esv = 1.2 * result.leading.esv_ml->value;
   fit.edv_ml = {edv, 4}, fit.esv_ml = {esv, 2}, fit.sv_ml = {edv - esv, 3};
   fit.ef_percent = Estimate{100 * (edv - esv) / edv, 1.5};
   fit.wall_ml = {130, 6}, fit.thickness_mm = {9.5, 0.5}, fit.fwhm_mm = {12, 0.4};
-  fit.ed_gate = *result.ed_gate, fit.es_gate = *result.es_gate;
+  fit.ed_gate = *result.leading.ed_gate, fit.es_gate = *result.leading.es_gate;
   fit.uptake.assign(fit.gates[0].endo.vertices.size(), 1.0);
   fit.steps = 9, fit.converged = true;
-  result.fit = std::move(fit);
+  result.readings.psf_corrected = std::move(fit);
+  choose_leading(result);
   return result;
 }
 
@@ -220,8 +198,8 @@ inline VentricleResult sample_to_check() {
   VentricleResult result = sample_result();
   result.verdict = Verdict::check;
   result.wall_variation = 0.24;
-  result.gates[3].endo->stopped_fraction = 0.83;
-  result.gates[3].endo->stop_reason = StopReason::max_steps;
+  result.gates[3].edge_surfaces.endo->stopped_fraction = 0.83;
+  result.gates[3].edge_surfaces.endo->stop_reason = StopReason::max_steps;
   result.flags = {
       {"surface_incomplete", Severity::warning,
        "fewer than 90 % of the particles of the endocardial surface reached the border in gate 4", 1},
@@ -236,7 +214,7 @@ inline VentricleResult sample_to_check() {
 inline VentricleResult sample_failed() {
   VentricleResult result = sample_result();
   for (Gate& gate : result.gates) {
-    gate.endo = gate.epi = std::nullopt;
+    gate.edge_surfaces = {};
     gate.labels.borders = Mask(result.study.grid());
     gate.labels.circle = {};
     gate.labels.division_slice = gate.labels.big_slice = gate.base_slice = -1;
@@ -261,7 +239,7 @@ inline VentricleResult sample_ungated() {
 
 inline VentricleResult sample_without_endo() {
   VentricleResult result = sample_result();
-  for (Gate& gate : result.gates) gate.endo = std::nullopt;
+  for (Gate& gate : result.gates) gate.edge_surfaces.endo = std::nullopt;
   measure_sample(result);
   result.wall_variation = std::nullopt;
   result.verdict = Verdict::fail;
@@ -273,10 +251,9 @@ inline VentricleResult sample_without_endo() {
 /// An image of the blood pool: the cavity alone.
 inline VentricleResult sample_blood_pool() {
   VentricleResult result = sample_result();
-  for (Gate& gate : result.gates) gate.epi = std::nullopt;
+  for (Gate& gate : result.gates) gate.edge_surfaces.epi = std::nullopt;
   measure_sample(result);
   result.wall_variation = std::nullopt;
-  result.qgs_like = std::nullopt;
   result.verdict = Verdict::check;
   result.flags = {{"blood_pool", Severity::warning, "the cavity is bright and no wall is seen", 1}};
   for (int n = 1; n <= 8; ++n)  // a page must have room for them

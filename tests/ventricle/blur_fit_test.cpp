@@ -11,8 +11,8 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/synthetic/random.hpp"
+#include "dynasurf/ventricle/fit/gaussian_profile.hpp"
 #include "dynasurf/ventricle/fit/harmonics.hpp"
-#include "dynasurf/ventricle/fit/qgs_like.hpp"
 #include "dynasurf/ventricle/locate.hpp"
 
 namespace dynasurf {
@@ -392,9 +392,9 @@ TEST(BlurFit, RefusesABlurThatNoCameraHas) {
   EXPECT_THROW(fit_through_blur(phantom.study, biased_start(phantom), options), OptionError);
 }
 
-TEST(QgsLike, KeepsTheMuscleAndReadsVolumesLow) {
+TEST(GaussianProfile, KeepsTheMuscleAndReadsVolumesLow) {
   const Phantom phantom = small_study(12);
-  const auto reading = read_like_qgs(phantom.study, biased_start(phantom));
+  const auto reading = read_gaussian_profile(phantom.study, biased_start(phantom));
   ASSERT_TRUE(reading);
   for (const double wall : reading->wall_ml) EXPECT_NEAR(wall, reading->wall_ml[0], 0.01 * wall);
   const double edv = *std::max_element(reading->cavity_ml.begin(), reading->cavity_ml.end());

@@ -146,14 +146,14 @@ TEST(ContourPipeline, ReconstructsACycleFromOneOption) {
   const VentricleResult result = reconstruct(phantom.study, options);
   ASSERT_EQ(result.gates.size(), phantom.truth.size());
   for (const Gate& gate : result.gates) {
-    ASSERT_TRUE(gate.endo && gate.epi);
-    ASSERT_TRUE(gate.endo->stack && gate.epi->stack);
-    EXPECT_LT(gate.endo->volume_ml, gate.epi->volume_ml);
-    EXPECT_NEAR(gate.epi->stack->gauss, gate.epi->stack->triangle_exact, 1);
-    EXPECT_TRUE(topology(gate.endo->mesh).closed());
+    ASSERT_TRUE(gate.edge_surfaces.endo && gate.edge_surfaces.epi);
+    ASSERT_TRUE(gate.edge_surfaces.endo->stack && gate.edge_surfaces.epi->stack);
+    EXPECT_LT(gate.edge_surfaces.endo->volume_ml, gate.edge_surfaces.epi->volume_ml);
+    EXPECT_NEAR(gate.edge_surfaces.epi->stack->gauss, gate.edge_surfaces.epi->stack->triangle_exact, 1);
+    EXPECT_TRUE(topology(gate.edge_surfaces.endo->mesh).closed());
   }
-  EXPECT_EQ(result.ed_gate, 7);
-  EXPECT_EQ(result.es_gate, 3);
+  EXPECT_EQ(result.readings.edge.ed_gate, 7);
+  EXPECT_EQ(result.readings.edge.es_gate, 3);
 }
 
 }  // namespace

@@ -21,8 +21,8 @@ const Phantom& patient() {
 }
 
 void expect_both_walls(const VentricleResult& result) {
-  ASSERT_TRUE(result.gates[0].endo && result.gates[0].epi);
-  for (const Surface* s : {&*result.gates[0].endo, &*result.gates[0].epi}) {
+  ASSERT_TRUE(result.gates[0].edge_surfaces.endo && result.gates[0].edge_surfaces.epi);
+  for (const Surface* s : {&*result.gates[0].edge_surfaces.endo, &*result.gates[0].edge_surfaces.epi}) {
     EXPECT_TRUE(s->repair.check.valid());
     EXPECT_GT(s->volume_ml, 0);
     EXPECT_GT(s->within_one_voxel, 0.9);
@@ -35,24 +35,24 @@ TEST(Direct, FindsTheOuterWallAsTheStandardPipelineDoesAndTheInnerOneFromInside)
   const VentricleResult direct = reconstruct(patient().study, options),
                         standard = reconstruct(patient().study, ventricle_preset("edges"));
   expect_both_walls(direct);
-  EXPECT_NEAR(direct.gates[0].epi->volume_ml, standard.gates[0].epi->volume_ml,
-              0.02 * standard.gates[0].epi->volume_ml);
-  EXPECT_NE(direct.gates[0].epi->volume_ml, standard.gates[0].epi->volume_ml);
+  EXPECT_NEAR(direct.gates[0].edge_surfaces.epi->volume_ml, standard.gates[0].edge_surfaces.epi->volume_ml,
+              0.02 * standard.gates[0].edge_surfaces.epi->volume_ml);
+  EXPECT_NE(direct.gates[0].edge_surfaces.epi->volume_ml, standard.gates[0].edge_surfaces.epi->volume_ml);
   // An image has no lid over the base, so nothing pulls a growing surface up there: the result says so.
   const auto is_unreached = [](const Flag& f) { return f.code == "border_unreached"; };
-  EXPECT_LT(direct.gates[0].endo->border_reached, 0.8);
-  EXPECT_GT(direct.gates[0].epi->border_reached, 0.95);
+  EXPECT_LT(direct.gates[0].edge_surfaces.endo->border_reached, 0.8);
+  EXPECT_GT(direct.gates[0].edge_surfaces.epi->border_reached, 0.95);
   EXPECT_EQ(std::count_if(direct.flags.begin(), direct.flags.end(), is_unreached), 1);
   EXPECT_NE(direct.verdict, Verdict::ok);
   EXPECT_EQ(std::count_if(standard.flags.begin(), standard.flags.end(), is_unreached), 0);
-  EXPECT_LT(direct.gates[0].endo->volume_ml, 0.8 * standard.gates[0].endo->volume_ml);
-  EXPECT_GT(direct.gates[0].endo->volume_ml, 0.5 * standard.gates[0].endo->volume_ml);
+  EXPECT_LT(direct.gates[0].edge_surfaces.endo->volume_ml, 0.8 * standard.gates[0].edge_surfaces.endo->volume_ml);
+  EXPECT_GT(direct.gates[0].edge_surfaces.endo->volume_ml, 0.5 * standard.gates[0].edge_surfaces.endo->volume_ml);
 
   options.placement.shape = StartShape::marching_cubes;
   const VentricleResult cubes = reconstruct(patient().study, options);
   expect_both_walls(cubes);
-  EXPECT_NEAR(cubes.gates[0].endo->volume_ml, standard.gates[0].endo->volume_ml,
-              0.05 * standard.gates[0].endo->volume_ml);
+  EXPECT_NEAR(cubes.gates[0].edge_surfaces.endo->volume_ml, standard.gates[0].edge_surfaces.endo->volume_ml,
+              0.05 * standard.gates[0].edge_surfaces.endo->volume_ml);
   EXPECT_EQ(std::count_if(cubes.flags.begin(), cubes.flags.end(), is_unreached), 0);
 }
 
@@ -67,12 +67,13 @@ TEST(Starts, OfEveryShapeEndOnTheSameBorders) {
     SCOPED_TRACE(word_of(shape));
     const VentricleResult result = reconstruct(patient().study, options, {}, {}, &given);
     expect_both_walls(result);
-    EXPECT_NE(result.gates[0].epi->mesh.vertices, standard.gates[0].epi->mesh.vertices) << "the shape was not heard";
+    EXPECT_NE(result.gates[0].edge_surfaces.epi->mesh.vertices, standard.gates[0].edge_surfaces.epi->mesh.vertices)
+        << "the shape was not heard";
     // The given cube has 218 vertices, and a coarse mesh reads low by its chords.
     const double tolerance = shape == StartShape::file ? 0.12 : 0.05;
-    for (const auto wall : {&Gate::endo, &Gate::epi}) {
-      const double volume = (standard.gates[0].*wall)->volume_ml;
-      EXPECT_NEAR((result.gates[0].*wall)->volume_ml, volume, tolerance * volume);
+    for (const auto wall : {Wall::endo, Wall::epi}) {
+      const double volume = standard.gates[0].edge_surfaces.of(wall)->volume_ml;
+      EXPECT_NEAR(result.gates[0].edge_surfaces.of(wall)->volume_ml, volume, tolerance * volume);
     }
   }
 }
@@ -90,9 +91,10 @@ TEST(Starts, FromInsideReadLow) {
   const VentricleResult inside = reconstruct(patient().study, options),
                         outside = reconstruct(patient().study, ventricle_preset("edges"));
   expect_both_walls(inside);
-  for (const auto wall : {&Gate::endo, &Gate::epi}) {
-    EXPECT_LT((inside.gates[0].*wall)->volume_ml, (outside.gates[0].*wall)->volume_ml);
-    EXPECT_GT((inside.gates[0].*wall)->volume_ml, 0.8 * (outside.gates[0].*wall)->volume_ml);
+  for (const auto wall : {Wall::endo, Wall::epi}) {
+    EXPECT_LT(inside.gates[0].edge_surfaces.of(wall)->volume_ml, outside.gates[0].edge_surfaces.of(wall)->volume_ml);
+    EXPECT_GT(inside.gates[0].edge_surfaces.of(wall)->volume_ml,
+              0.8 * outside.gates[0].edge_surfaces.of(wall)->volume_ml);
   }
 }
 

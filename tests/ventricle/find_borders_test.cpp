@@ -63,16 +63,17 @@ TEST(BloodPoolStudy, HasACavityAndAnEjectionFractionButNoWall) {
   ASSERT_EQ(
       std::count_if(result.flags.begin(), result.flags.end(), [](const Flag& f) { return f.code == "blood_pool"; }), 1);
   for (const Gate& gate : result.gates) {
-    EXPECT_TRUE(gate.endo);
-    EXPECT_FALSE(gate.epi);
+    EXPECT_TRUE(gate.edge_surfaces.endo);
+    EXPECT_FALSE(gate.edge_surfaces.epi);
   }
-  EXPECT_FALSE(result.fit) << "there is no wall to fit, and a note says so";
+  EXPECT_FALSE(result.readings.psf_corrected) << "there is no wall to fit, and a note says so";
   EXPECT_EQ(
       std::count_if(result.notes.begin(), result.notes.end(), [](const Note& n) { return n.code == "fit.no_walls"; }),
       1);
-  ASSERT_TRUE(result.ef_percent && result.edv_ml);
-  EXPECT_NEAR(*result.ef_percent, *phantom.ef_percent, 8);
-  EXPECT_NEAR(*result.edv_ml / *phantom.edv_ml, 1, 0.25) << "the edge lies near the rim, and the base is open";
+  ASSERT_TRUE(result.readings.edge.ef_percent && result.readings.edge.edv_ml);
+  EXPECT_NEAR(result.readings.edge.ef_percent->value, *phantom.ef_percent, 8);
+  EXPECT_NEAR(result.readings.edge.edv_ml->value / *phantom.edv_ml, 1, 0.25)
+      << "the edge lies near the rim, and the base is open";
 }
 
 TEST(ExpectedCavityEnd, LiesUnderTheApexOfAHeartThatWasClearlySeen) {

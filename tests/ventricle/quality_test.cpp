@@ -16,19 +16,20 @@ VentricleResult good_result() {
   for (int g = 0; g < 8; ++g) {
     Gate gate;
     gate.gate = g;
-    gate.endo.emplace();
-    gate.epi.emplace();
-    gate.endo->within_one_voxel = gate.epi->within_one_voxel = 1;
-    gate.endo->border_reached = gate.epi->border_reached = 1;
-    gate.endo->stop_reason = gate.epi->stop_reason = StopReason::all_stopped;
-    gate.endo->repair.check = gate.epi->repair.check = {true, true, true, 0, 0};
-    gate.wall_ml = 120;
+    gate.edge_surfaces.endo.emplace();
+    gate.edge_surfaces.epi.emplace();
+    gate.edge_surfaces.endo->within_one_voxel = gate.edge_surfaces.epi->within_one_voxel = 1;
+    gate.edge_surfaces.endo->border_reached = gate.edge_surfaces.epi->border_reached = 1;
+    gate.edge_surfaces.endo->stop_reason = gate.edge_surfaces.epi->stop_reason = StopReason::all_stopped;
+    gate.edge_surfaces.endo->repair.check = gate.edge_surfaces.epi->repair.check = {true, true, true, 0, 0};
+    gate.edge_surfaces.wall_ml = 120;
     result.gates.push_back(gate);
   }
   result.heart.emplace();
   result.heart->cup = {{0, 0, 0}, {0, 0, 1}, 30, 45, 25};
   result.heart->contrast = 0.6, result.heart->ridge_share = 0.95, result.heart->other_end = 0.5;
-  result.edv_ml = 110, result.esv_ml = 44, result.ef_percent = 60, result.wall_variation = 0.08;
+  result.readings.edge.edv_ml = Estimate{110}, result.readings.edge.esv_ml = Estimate{44};
+  result.readings.edge.ef_percent = Estimate{60}, result.wall_variation = 0.08;
   return result;
 }
 
@@ -46,8 +47,8 @@ TEST(Judge, FindsNothingInAGoodResult) {
 
 TEST(Judge, FailsWhenASurfaceIsMissingAndNamesTheGates) {
   VentricleResult result = good_result();
-  result.gates[2].endo.reset();
-  result.gates[5].endo.reset();
+  result.gates[2].edge_surfaces.endo.reset();
+  result.gates[5].edge_surfaces.endo.reset();
   const std::vector<Flag> flags = judge(result);
   ASSERT_EQ(flags.size(), 1U);
   EXPECT_EQ(flags[0].code, "surface_missing");
@@ -58,7 +59,7 @@ TEST(Judge, FailsWhenASurfaceIsMissingAndNamesTheGates) {
 
 TEST(Judge, TellsAMissingSurfaceOnce) {
   VentricleResult result = good_result();
-  result.gates[2].endo.reset();
+  result.gates[2].edge_surfaces.endo.reset();
   result.notes.push_back({Severity::failure, "labels.no_endo", "The endo border was found in no slice.", 2});
   EXPECT_EQ(codes_of(result), Codes{"surface_missing"});
 }
@@ -66,7 +67,7 @@ TEST(Judge, TellsAMissingSurfaceOnce) {
 TEST(Judge, AsksToCheckASurfaceThatLiesOnAPartOfItsBorderOnly) {
   // All particles lie on the border, but the open base of a cavity that was grown from inside was never reached.
   VentricleResult result = good_result();
-  result.gates[3].endo->border_reached = 0.6;
+  result.gates[3].edge_surfaces.endo->border_reached = 0.6;
   EXPECT_EQ(codes_of(result), Codes{"border_unreached"});
   EXPECT_EQ(verdict_of(judge(result)), Verdict::check);
 }
@@ -74,9 +75,9 @@ TEST(Judge, AsksToCheckASurfaceThatLiesOnAPartOfItsBorderOnly) {
 TEST(Judge, AsksToCheckWhatAHeartDoesNotDo) {
   VentricleResult result = good_result();
   result.wall_variation = 0.3;
-  result.ef_percent = 96;
-  result.edv_ml = 900;
-  result.gates[0].epi->within_one_voxel = 0.5;
+  result.readings.edge.ef_percent = Estimate{96};
+  result.readings.edge.edv_ml = Estimate{900};
+  result.gates[0].edge_surfaces.epi->within_one_voxel = 0.5;
   EXPECT_EQ(codes_of(result),
             (Codes{"surface_incomplete", "wall_volume_varies", "ejection_fraction_implausible", "volume_implausible"}));
   EXPECT_EQ(verdict_of(judge(result)), Verdict::check);
@@ -84,16 +85,16 @@ TEST(Judge, AsksToCheckWhatAHeartDoesNotDo) {
 
 TEST(Judge, FailsWhenTheWallsCrossOrASurfaceDiverged) {
   VentricleResult result = good_result();
-  result.gates[3].wall_ml = -2;
-  result.gates[4].epi->stop_reason = StopReason::diverged;
+  result.gates[3].edge_surfaces.wall_ml = -2;
+  result.gates[4].edge_surfaces.epi->stop_reason = StopReason::diverged;
   EXPECT_EQ(codes_of(result), (Codes{"surface_diverged", "walls_cross"}));
   EXPECT_EQ(verdict_of(judge(result)), Verdict::fail);
 }
 
 TEST(Judge, AsksToCheckASurfaceThatIsNotFitToPublish) {
   VentricleResult result = good_result();
-  result.gates[1].epi->repair.check.self_intersections = 3;
-  result.gates[6].endo->repair.check.closed = false;
+  result.gates[1].edge_surfaces.epi->repair.check.self_intersections = 3;
+  result.gates[6].edge_surfaces.endo->repair.check.closed = false;
   const std::vector<Flag> flags = judge(result);
   ASSERT_EQ(flags.size(), 1U);
   EXPECT_EQ(flags[0].code, "surface_invalid");
@@ -125,9 +126,9 @@ TEST(Judge, AsksToCheckWhereTheHeartWasHardlySeen) {
 
 TEST(Judge, AsksToCheckASurfaceThatLiesBesideTheHeart) {
   VentricleResult result = good_result();
-  for (Gate& gate : result.gates) gate.epi->mesh.vertices = {{0, 0, -12}, {2, 0, -8}};
+  for (Gate& gate : result.gates) gate.edge_surfaces.epi->mesh.vertices = {{0, 0, -12}, {2, 0, -8}};
   EXPECT_EQ(codes_of(result), Codes{}) << "the heart's middle is at (0, 0, -10)";
-  result.gates[6].epi->mesh.vertices = {{30, 0, -10}};
+  result.gates[6].edge_surfaces.epi->mesh.vertices = {{30, 0, -10}};
   EXPECT_EQ(codes_of(result), (Codes{"surface_off_heart", "heart_moves"}));
 }
 
@@ -142,19 +143,20 @@ TEST(Judge, AsksToCheckAHeartThatIsNotAllInTheVolumeOrTooLong) {
 
 TEST(Judge, AsksToCheckGatesInTheWrongOrder) {
   VentricleResult result = good_result();
-  result.ed_gate = 0, result.es_gate = 3;
+  result.readings.edge.ed_gate = 0, result.readings.edge.es_gate = 3;
   EXPECT_EQ(codes_of(result), Codes{});
-  result.es_gate = 6;
+  result.readings.edge.es_gate = 6;
   EXPECT_EQ(codes_of(result), Codes{"end_systole_implausible"});
 }
 
 TEST(Judge, AsksToCheckABaseThatWasHardlySeen) {
   VentricleResult result = good_result();
-  for (Gate& gate : result.gates) gate.base_plane = BasePlane{{0, 0, 25}, {0, 0, 1}, 1.0, 0.9};
+  for (Gate& gate : result.gates) gate.edge_surfaces.base_plane = BasePlane{{0, 0, 25}, {0, 0, 1}, 1.0, 0.9};
   EXPECT_EQ(codes_of(result), Codes{});
-  for (Gate& gate : result.gates) gate.base_plane->spread_mm = 9;
+  for (Gate& gate : result.gates) gate.edge_surfaces.base_plane->spread_mm = 9;
   EXPECT_EQ(codes_of(result), Codes{"base_uncertain"});
-  for (Gate& gate : result.gates) gate.base_plane->spread_mm = 1, gate.base_plane->cut = 0.5;
+  for (Gate& gate : result.gates)
+    gate.edge_surfaces.base_plane->spread_mm = 1, gate.edge_surfaces.base_plane->cut = 0.5;
   EXPECT_EQ(codes_of(result), Codes{"base_cut_off"});
 }
 
@@ -163,7 +165,7 @@ TEST(Judge, AsksToCheckGatesThatDoNotFitTogether) {
   Grid grid;
   grid.dims = {2, 2, 2};
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    result.gates[g].endo->volume_ml = g == 3 ? 20 : 80;
+    result.gates[g].edge_surfaces.endo->volume_ml = g == 3 ? 20 : 80;
     result.study.gates.push_back(Image(grid, g == 7 ? 0.7F : 1.0F));
   }
   EXPECT_EQ(codes_of(result), (Codes{"counts_uneven", "curve_rough"}));
@@ -195,8 +197,8 @@ void give_shape(VentricleResult& result, double epi_radius, double epi_half_leng
       }
       surface.volume_ml = 4 * std::numbers::pi / 3 * radius * radius * half_length / 1000;
     };
-    spheroid(*gate.epi, epi_radius, epi_half_length);
-    spheroid(*gate.endo, endo_radius, endo_radius * epi_half_length / epi_radius);
+    spheroid(*gate.edge_surfaces.epi, epi_radius, epi_half_length);
+    spheroid(*gate.edge_surfaces.endo, endo_radius, endo_radius * epi_half_length / epi_radius);
   }
 }
 
@@ -206,7 +208,7 @@ TEST(Judge, AsksToCheckAHeartThatThickSlicesStretched) {
   give_shape(result, 35, 45, 23);
   EXPECT_EQ(codes_of(result), Codes{});
   for (Gate& gate : result.gates)
-    for (Surface* surface : {&*gate.endo, &*gate.epi}) {
+    for (Surface* surface : {&*gate.edge_surfaces.endo, &*gate.edge_surfaces.epi}) {
       for (Vec3& p : surface->mesh.vertices) p[2] *= 1.8;
       surface->volume_ml *= 1.8;
     }
@@ -225,9 +227,9 @@ bool is_flagged(const VentricleResult& result, const std::string& code) {
 
 TEST(Judge, AsksToCheckWhatTwoReadingsDisagreeAbout) {
   VentricleResult result = good_result();
-  result.qgs_like = {{110, 95, 70, 44, 55, 75, 90, 105}, {}};
+  result.readings.gaussian_profile = {{110, 95, 70, 44, 55, 75, 90, 105}, {}};
   EXPECT_FALSE(is_flagged(result, "readings_disagree"));
-  result.qgs_like->cavity_ml[3] = 44 - 0.21 * 110;  // 21 points more
+  result.readings.gaussian_profile->cavity_ml[3] = 44 - 0.21 * 110;  // 21 points more
   EXPECT_TRUE(is_flagged(result, "readings_disagree"));
 }
 
@@ -239,7 +241,8 @@ TEST(Judge, AsksToCheckASmallHeartOfWhichMuchOfTheWallIsNotSeen) {
   EXPECT_FALSE(is_flagged(result, "wall_missing"));
   result.heart->ridge_share = 0.8;  // 0.2 13 / 25
   EXPECT_TRUE(is_flagged(result, "wall_missing"));
-  for (Gate& gate : result.gates) gate.endo->volume_ml *= 8;  // twice as wide: the same hole matters half as much
+  for (Gate& gate : result.gates)
+    gate.edge_surfaces.endo->volume_ml *= 8;  // twice as wide: the same hole matters half as much
   EXPECT_FALSE(is_flagged(result, "wall_missing"));
 }
 
@@ -248,23 +251,23 @@ TEST(Judge, BelievesAFitThatIsSureOfWhatEdgesCannotTell) {
   result.heart->cup = {{0, 0, 0}, {0, 0, 1}, 30, 40, 25};
   give_shape(result, 35, 45, 23);
   result.heart->ridge_share = 0.8;
-  result.qgs_like = {{110, 95, 70, 20, 55, 75, 90, 105}, {}};
+  result.readings.gaussian_profile = {{110, 95, 70, 20, 55, 75, 90, 105}, {}};
   const Codes doubts{"wall_missing", "readings_disagree"};
-  result.fit.emplace();
-  result.fit->ef_percent = {60, 3.1};  // within 5.1 points
+  result.leading.ef_percent = Estimate{60, 3.1};  // within 5.1 points
   EXPECT_EQ(codes_of(result), doubts);
   EXPECT_EQ(verdict_of(judge(result)), Verdict::check);
-  result.fit->ef_percent->sd = 3;
+  result.leading.ef_percent->sd = 3;
   EXPECT_EQ(codes_of(result), doubts) << "readers are still told";
   EXPECT_EQ(verdict_of(judge(result)), Verdict::ok);
 }
 
 TEST(Judge, DoesNotMissTheOuterBorderOfABloodPool) {
   VentricleResult result = good_result();
-  for (Gate& gate : result.gates) gate.epi.reset(), gate.wall_ml.reset(), gate.labels.bright = Bright::cavity;
+  for (Gate& gate : result.gates)
+    gate.edge_surfaces.epi.reset(), gate.edge_surfaces.wall_ml.reset(), gate.labels.bright = Bright::cavity;
   result.heart.reset(), result.wall_variation.reset();
   EXPECT_EQ(codes_of(result), Codes{"blood_pool"});
-  result.gates[2].endo.reset();
+  result.gates[2].edge_surfaces.endo.reset();
   EXPECT_EQ(codes_of(result), (Codes{"surface_missing", "blood_pool"}));
 }
 

@@ -98,7 +98,7 @@ VentricleResult fit_patient(double peak_counts) {
   o.gates = 4;
   o.lattice = {28, 28, 24, 4.8, 4.8, 4.8};
   o.noise = {peak_counts, 6, 0, 3};
-  VentricleOptions options = ventricle_preset("unbiased");
+  VentricleOptions options = ventricle_preset("psf_corrected");
   options.fit.fwhm_mm = 12;
   return reconstruct(make_phantom(o).study, options);
 }
@@ -123,7 +123,7 @@ TEST(RegionalErrors, AreWithEverySegmentOfAFitAndGrowWithTheNoise) {
   }
   EXPECT_TRUE(calm.measures->phase_motion.value().sd_error_deg);
   // A healthy wall of 9 mm at 12 mm is told by the data.
-  EXPECT_GT(calm.fit.value().thickness_from_data, 0.8);
+  EXPECT_GT(calm.readings.psf_corrected.value().thickness_from_data, 0.8);
 }
 
 TEST(RegionalErrors, SayThatAThinWallIsNotTold) {
@@ -131,7 +131,7 @@ TEST(RegionalErrors, SayThatAThinWallIsNotTold) {
   o.edv_ml = 220, o.ef_percent = 25, o.wall_ml = 80;
   o.gates = 4, o.fwhm_mm = 15;
   o.lattice = {28, 28, 24, 6, 6, 6};
-  VentricleOptions options = ventricle_preset("unbiased");
+  VentricleOptions options = ventricle_preset("psf_corrected");
   options.fit.fwhm_mm = 15;
   const auto says = [](const VentricleResult& result, Severity severity) {
     return std::any_of(result.notes.begin(), result.notes.end(), [severity](const Note& note) {
@@ -152,13 +152,14 @@ TEST(Presets, OfMrReadSharpImagesRight) {
   o.lattice = {40, 40, 36, 3.2, 3.2, 3.2};
   const Phantom phantom = make_phantom(o);
   const VentricleResult result = reconstruct(phantom.study, ventricle_preset("mr"));
-  ASSERT_TRUE(result.fit);
+  ASSERT_TRUE(result.readings.psf_corrected);
   // Measured +0.4 and +0.7 %; papillary muscles, which this heart has not, may count as 1 mL of cavity.
-  EXPECT_NEAR(result.fit->edv_ml.value / *phantom.edv_ml, 1, 0.03);
-  EXPECT_NEAR(result.fit->esv_ml.value / *phantom.esv_ml, 1, 0.05);
+  EXPECT_NEAR(result.readings.psf_corrected->edv_ml.value / *phantom.edv_ml, 1, 0.03);
+  EXPECT_NEAR(result.readings.psf_corrected->esv_ml.value / *phantom.esv_ml, 1, 0.05);
   // There is no Gaussian across a sharp wall: no volume is better than a wild one.
-  if (result.qgs_like) {
-    for (std::size_t g = 0; g < 4; ++g) EXPECT_LT(result.qgs_like->wall_ml[g], 3 * result.gates[g].epi->volume_ml) << g;
+  if (result.readings.gaussian_profile) {
+    for (std::size_t g = 0; g < 4; ++g)
+      EXPECT_LT(result.readings.gaussian_profile->wall_ml[g], 3 * result.gates[g].edge_surfaces.epi->volume_ml) << g;
   }
 }
 
@@ -180,17 +181,17 @@ TEST(Fit, TakesADrawingOfTheMuscleAsSharp) {
   const float half = *std::max_element(values.begin(), values.end()) / 2;
   for (float& v : values) v = v > half ? 1.0F : 0.0F;
   const VentricleResult drawn = reconstruct(phantom.study, {});
-  ASSERT_TRUE(drawn.fit);
-  EXPECT_EQ(drawn.fit->fwhm_mm.value, 0);
+  ASSERT_TRUE(drawn.readings.psf_corrected);
+  EXPECT_EQ(drawn.readings.psf_corrected->fwhm_mm.value, 0);
   double drawn_ml = 0;
   for (const float v : values) drawn_ml += 3.2 * 3.2 * 3.2 / 1000 * static_cast<double>(v);
   // Measured -1.1 %.
-  EXPECT_NEAR(drawn.fit->wall_ml.value / drawn_ml, 1, 0.05);
-  EXPECT_FALSE(drawn.fit->ef_percent);
+  EXPECT_NEAR(drawn.readings.psf_corrected->wall_ml.value / drawn_ml, 1, 0.05);
+  EXPECT_FALSE(drawn.readings.psf_corrected->ef_percent);
   values[0] = 0.5F;  // a grey voxel: an image, which a camera may have seen
   const VentricleResult grey = reconstruct(phantom.study, {});
-  ASSERT_TRUE(grey.fit);
-  EXPECT_GT(grey.fit->fwhm_mm.value, 0);
+  ASSERT_TRUE(grey.readings.psf_corrected);
+  EXPECT_GT(grey.readings.psf_corrected->fwhm_mm.value, 0);
 }
 
 TEST(RegionalErrors, AreNotThereForEdges) {

@@ -65,7 +65,7 @@ Error error_of(const Surface& surface, const Gate& gate, const Image& fine) {
   Error error;
   for (const Vec3& p : surface.mesh.vertices) {
     if (p.dot(up) < lowest + 2 * slice_mm) continue;
-    if (gate.base_plane && gate.base_plane->height(p) > -1.5 * slice_mm) continue;
+    if (gate.edge_surfaces.base_plane && gate.edge_surfaces.base_plane->height(p) > -1.5 * slice_mm) continue;
     error.mean_voxels += to_steepest_mm(fine, to_grid(fine.grid, p)) / voxel_mm;
     ++error.vertices;
   }
@@ -83,8 +83,9 @@ Error error_with(StopPoint point, int rounds, const Study& study, const Image& f
   const VentricleResult result = reconstruct(study, options);
   const Gate& gate = result.gates.front();
   Error both;
-  if (!gate.endo || !gate.epi) return both;
-  const Error endo = error_of(*gate.endo, gate, fine), epi = error_of(*gate.epi, gate, fine);
+  if (!gate.edge_surfaces.endo || !gate.edge_surfaces.epi) return both;
+  const Error endo = error_of(*gate.edge_surfaces.endo, gate, fine),
+              epi = error_of(*gate.edge_surfaces.epi, gate, fine);
   both.vertices = endo.vertices + epi.vertices;
   both.mean_voxels = (endo.mean_voxels * endo.vertices + epi.mean_voxels * epi.vertices) / both.vertices;
   // The source of the figures in docs/validation.md.

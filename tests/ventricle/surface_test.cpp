@@ -75,9 +75,9 @@ TEST_P(VirtualPatients, HaveValidSurfacesWithSoundTrianglesOfTheSameVolume) {
   const VentricleResult with = reconstruct(study, ventricle_preset("edges")), without = reconstruct(study, raw);
   double worst_before = 1, worst_after = 1;
   for (std::size_t g = 0; g < with.gates.size(); ++g)
-    for (const auto wall : {&Gate::endo, &Gate::epi}) {
-      const auto& after = with.gates[g].*wall;
-      const auto& before = without.gates[g].*wall;
+    for (const auto wall : {Wall::endo, Wall::epi}) {
+      const auto& after = with.gates[g].edge_surfaces.of(wall);
+      const auto& before = without.gates[g].edge_surfaces.of(wall);
       ASSERT_TRUE(after && before);
       EXPECT_TRUE(after->repair.check.valid()) << g;
       EXPECT_NEAR(after->volume_ml, before->volume_ml, 0.002 * before->volume_ml);
@@ -106,7 +106,7 @@ TEST(VirtualPatientsAtRandom, HaveSurfacesThatAreValidOrSaidNotToBe) {
     const bool is_told = std::any_of(result.flags.begin(), result.flags.end(),
                                      [](const Flag& f) { return f.code == "surface_invalid"; });
     for (const Gate& gate : result.gates)
-      for (const auto* wall : {&gate.endo, &gate.epi}) {
+      for (const auto* wall : {&gate.edge_surfaces.endo, &gate.edge_surfaces.epi}) {
         if (!*wall) continue;
         ++surfaces;
         const TriMesh& mesh = (*wall)->mesh;

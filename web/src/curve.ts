@@ -1,6 +1,6 @@
 // Volumes over the beat. Dots are what was measured; the line between them is the volume of the surfaces shown.
 import { splineWeights, volumeMl, type Wall } from "./cycle";
-import type { FunctionNumbers, Leading, Results } from "./data";
+import type { FunctionNumbers, Results } from "./data";
 import { colour, figure, svg } from "./dom";
 import type { Player } from "./player";
 
@@ -14,7 +14,7 @@ interface Line {
   between: number[] | null;
 }
 
-function linesOf({ gates }: Leading, walls: Wall[]): Line[] {
+function linesOf({ gates }: Results, walls: Wall[]): Line[] {
   const n = gates.length;
   const between = (wall: Wall | undefined) => {
     if (!wall?.smooth) return null;
@@ -64,12 +64,11 @@ export class Curve {
   constructor(
     private readonly place: HTMLElement,
     private readonly results: Results,
-    private readonly leading: Leading,
     walls: Wall[],
     private readonly player: Player,
   ) {
-    this.lines = linesOf(leading, walls);
-    const intervals = leading.gates.flatMap((g) => g.endo_90 ?? []);
+    this.lines = linesOf(results, walls);
+    const intervals = results.gates.flatMap((g) => g.endo_ml_90 ?? []);
     const values = [...intervals, ...this.lines.flatMap((l) => [...l.measured, ...(l.between ?? [])])].filter((v) => v !== null);
     this.top = ticks(Math.max(...values, 1)).at(-1)!;
     this.chart.setAttribute("aria-valuemax", String(results.gates.length));
@@ -138,7 +137,7 @@ export class Curve {
   }
 
   private phaseGuides(): SVGElement[] {
-    const { ed_gate, es_gate } = this.leading;
+    const { ed_gate, es_gate } = this.results;
     const height = this.size[1];
     const guides = [
       { gate: ed_gate, name: "ED" },
@@ -168,7 +167,7 @@ export class Curve {
   }
 
   private intervals(): { low: number[]; high: number[]; title: string } | null {
-    const ends = this.leading.gates.map((g) => g.endo_90);
+    const ends = this.results.gates.map((g) => g.endo_ml_90);
     if (ends.some((e) => e?.[0] == null || e[1] == null)) return null;
     const between = (end: 0 | 1) =>
       Array.from({ length: this.gates * samples_per_gate + 1 }, (_, s) => {
@@ -257,7 +256,7 @@ export class Curve {
     this.cursor.setAttribute("data-x", x.toFixed(1));
     const gate = (Math.round(phase) % this.gates) + 1;
     this.chart.setAttribute("aria-valuenow", String(gate));
-    const endo = this.leading.gates[gate - 1]?.endo_ml;
+    const endo = this.results.gates[gate - 1]?.endo_ml;
     this.chart.setAttribute("aria-valuetext", `gate ${gate}, cavity ${figure(endo)} mL`);
   }
 }

@@ -19,14 +19,24 @@ export interface SurfaceNumbers {
   mean_distance_mm: number | null;
   triangles: Triangles;
 }
-export interface GateNumbers {
-  gate: number;
-  time_ms: number | null;
+/** The surfaces that were deformed onto the edges of a gate. */
+export interface EdgeNumbers {
   endo_ml: number | null;
   epi_ml: number | null;
   wall_ml: number | null;
   endo: SurfaceNumbers | null;
   epi: SurfaceNumbers | null;
+}
+/** The volumes of a gate in the reading that leads. */
+export interface GateNumbers {
+  gate: number;
+  time_ms: number | null;
+  endo_ml: number | null;
+  endo_ml_90: Interval;
+  epi_ml: number | null;
+  epi_ml_90: Interval;
+  wall_ml: number | null;
+  edge: EdgeNumbers;
 }
 export interface NoteText {
   severity: "info" | "warning" | "failure";
@@ -97,27 +107,21 @@ export interface MeasureNumbers {
   phase: { counts: PhaseNumbers | null; motion: PhaseNumbers | null; thickness: PhaseNumbers | null };
   segments: SegmentNumbers[];
 }
-export interface Reading {
+export type Interval = [number | null, number | null] | null;
+type WithIntervals<T> = T & { [K in keyof T & string as `${K}_90`]: Interval };
+/** The beat in numbers, as one way of reading tells it. Gates count from 1. */
+export type Reading = WithIntervals<{
   edv_ml: number | null;
   esv_ml: number | null;
   sv_ml: number | null;
   ef_percent: number | null;
   wall_ml: number | null;
-}
-export type Interval = [number | null, number | null] | null;
-type WithIntervals<T> = T & { [K in keyof T & string as `${K}_90`]: Interval };
-export type FittedReading = WithIntervals<Reading & { wall_g: number | null }> & {
-  gates: ({ gate: number } & WithIntervals<{ endo_ml: number | null; epi_ml: number | null }>)[];
-};
-export interface Results {
+}> & { ed_gate: number | null; es_gate: number | null };
+/** At the top the reading that leads; its surfaces are those shown. */
+export type Results = Reading & {
   schema: string;
-  readings?: { unbiased: FittedReading | null; edge: Reading; qgs_like: Reading | null };
-  edv_ml: number | null;
-  esv_ml: number | null;
-  sv_ml: number | null;
-  ef_percent: number | null;
-  ed_gate: number | null;
-  es_gate: number | null;
+  reading: "psf_corrected" | "edge";
+  readings: { psf_corrected: Reading | null; edge: Reading; gaussian_profile: Reading | null };
   phases: { end_diastole: number; end_systole: number; end_rapid_filling: number } | null;
   quality: { verdict: "ok" | "check" | "fail"; wall_variation: number | null; flags: NoteText[] };
   notes: NoteText[];
@@ -143,7 +147,7 @@ export interface Results {
     options: unknown;
   };
   timings_s: Record<string, number> | null;
-}
+};
 
 type Circle = [number, number, number];
 /** Marks of one gate; slices count from 0, -1 is none. */
@@ -300,37 +304,5 @@ export async function readReport(text: string): Promise<Report> {
   };
 }
 
-/** The reading that leads: the unbiased one where there is one. Its surfaces are those shown. */
-export interface Leading extends Reading {
-  fitted: FittedReading | null;
-  gates: { endo_ml: number | null; epi_ml: number | null; wall_ml: number | null; endo_90: Interval }[];
-  ed_gate: number | null; // from 1
-  es_gate: number | null;
-}
-
-export function leadingOf(results: Results): Leading {
-  const fitted = results.readings?.unbiased ?? null;
-  if (!fitted) {
-    const { edv_ml, esv_ml, sv_ml, ef_percent, ed_gate, es_gate } = results;
-    const gates = results.gates.map((g) => ({ endo_ml: g.endo_ml, epi_ml: g.epi_ml, wall_ml: g.wall_ml, endo_90: null }));
-    const walls_ml = gates.flatMap((g) => g.wall_ml ?? []);
-    const complete = walls_ml.length === gates.length && walls_ml.length > 0;
-    const wall_ml = complete ? walls_ml.reduce((a, b) => a + b) / walls_ml.length : null;
-    return { fitted, gates, edv_ml, esv_ml, sv_ml, ef_percent, wall_ml, ed_gate, es_gate };
-  }
-  const gates = fitted.gates.map((g) => ({
-    endo_ml: g.endo_ml,
-    epi_ml: g.epi_ml,
-    wall_ml: g.endo_ml !== null && g.epi_ml !== null ? g.epi_ml - g.endo_ml : null,
-    endo_90: g.endo_ml_90,
-  }));
-  const volumes = gates.map((g) => g.endo_ml ?? NaN);
-  const gated = gates.length > 1;
-  const gateOf = (ml: number) => (gated ? volumes.indexOf(ml) + 1 : null);
-  const { edv_ml, esv_ml, sv_ml, ef_percent, wall_ml } = fitted;
-  return {
-    fitted, gates, edv_ml, esv_ml, sv_ml, ef_percent, wall_ml,
-    ed_gate: gateOf(Math.max(...volumes)),
-    es_gate: gateOf(Math.min(...volumes)),
-  };
-}
+/** Whether the surfaces shown were fitted through the point spread, and have intervals. */
+export const isCorrected = ({ reading }: Results): boolean => reading === "psf_corrected";

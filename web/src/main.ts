@@ -1,7 +1,7 @@
 // The page of a result: reads the data written into it, builds the parts, and moves them with one clock.
 import { Wall } from "./cycle";
 import { Curve } from "./curve";
-import { leadingOf, readReport, walls as wall_names, type Leading, type Report, type Results } from "./data";
+import { isCorrected, readReport, walls as wall_names, type Report, type Results } from "./data";
 import { byId, colour, figure, html, svg } from "./dom";
 import { Painter, type Overlay } from "./painter";
 import { buildPaper } from "./paper";
@@ -30,7 +30,7 @@ function message(place: HTMLElement, title: string, text: string): void {
   place.append(html("div", { class: "message" }, html("strong", {}, title), html("p", {}, text)));
 }
 
-function buildScene(report: Report, leading: Leading, walls: Wall[], player: Player): SurfaceScene | null {
+function buildScene(report: Report, walls: Wall[], player: Player): SurfaceScene | null {
   const place = byId("scene");
   const legend = byId("scene-legend");
   const missing = wall_names.filter((name) => !walls.some((wall) => wall.name === name));
@@ -65,7 +65,7 @@ function buildScene(report: Report, leading: Leading, walls: Wall[], player: Pla
   );
   player.listen((phase) => {
     scene.show(phase);
-    const gate = leading.gates[player.gate]!;
+    const gate = report.results.gates[player.gate]!;
     for (const { wall, text } of items) text.textContent = `${figure(gate[`${wall.name}_ml`])} mL`;
   });
   for (const button of byId("views").querySelectorAll<HTMLButtonElement>("[data-view]"))
@@ -73,7 +73,7 @@ function buildScene(report: Report, leading: Leading, walls: Wall[], player: Pla
   return scene;
 }
 
-function buildCurve(results: Results, leading: Leading, walls: Wall[], player: Player): void {
+function buildCurve(results: Results, walls: Wall[], player: Player): void {
   const place = byId("curve");
   if (results.study.gates < 2) {
     message(place, "No volume curve", "This study is not gated: it shows one moment, without a beat and without an ejection fraction.");
@@ -87,13 +87,13 @@ function buildCurve(results: Results, leading: Leading, walls: Wall[], player: P
     legendItem("Cavity", colour.endo),
     legendItem("Outer", colour.epi, "square"),
     legendItem("Wall", colour.wall, "line"),
-    ...(leading.fitted
-      ? [legendItem("90 % of the cavity", colour.band, "square"), html("span", { class: "faint" }, "dots fitted through the blur, lines between the gates interpolated")]
+    ...(isCorrected(results)
+      ? [legendItem("90 % of the cavity", colour.band, "square"), html("span", { class: "faint" }, "dots fitted through the point spread, lines between the gates interpolated")]
       : [html("span", { class: "faint" }, "dots measured, lines between the gates interpolated")]),
     ...(results.measures?.function ? [legendItem(`fit of ${results.measures.function.waves} waves`, colour.fit, "line")] : []),
   ];
   byId("curve-legend").replaceChildren(...legend);
-  new Curve(place, results, leading, walls, player);
+  new Curve(place, results, walls, player);
 }
 
 function buildSlices(painter: Painter | null, fitted: boolean, player: Player, point: (segment: number) => void): Slices | null {
@@ -254,8 +254,7 @@ function buildPolar(report: Report, scene: SurfaceScene | null, point: (segment:
 }
 
 /** The moments of the beat that stand for it: relaxed and contracted, or the only one. */
-function momentsOf(leading: Leading): { name: string; gate: number }[] {
-  const { ed_gate, es_gate } = leading;
+function momentsOf({ ed_gate, es_gate }: Results): { name: string; gate: number }[] {
   if (ed_gate === null || es_gate === null) return [{ name: "", gate: 0 }];
   return [
     { name: "end diastole", gate: ed_gate - 1 },
@@ -263,20 +262,20 @@ function momentsOf(leading: Leading): { name: string; gate: number }[] {
   ];
 }
 
-function buildSplash(painter: Painter | null, leading: Leading, point: (segment: number) => void): Splash | null {
+function buildSplash(painter: Painter | null, results: Results, point: (segment: number) => void): Splash | null {
   if (!painter || painter.walls.length === 0) {
     byId("splash-panel").remove();
     return null;
   }
-  return new Splash(byId("splash"), painter, momentsOf(leading), 8, point);
+  return new Splash(byId("splash"), painter, momentsOf(results), 8, point);
 }
 
 /** Shown while printing, in place of all that is for the screen; built once, when paper is asked for. */
-function buildPrinting(report: Report, leading: Leading, painter: Painter | null, walls: Wall[], scene: SurfaceScene | null, player: Player): void {
+function buildPrinting(report: Report, painter: Painter | null, walls: Wall[], scene: SurfaceScene | null, player: Player): void {
   const show = () => {
     player.pause();
     document.documentElement.dataset.paper = "true";
-    buildPaper(byId("paper"), { report, leading, painter, walls, scene, moments: momentsOf(leading) });
+    buildPaper(byId("paper"), { report, painter, walls, scene, moments: momentsOf(report.results) });
   };
   const hide = () => {
     delete document.documentElement.dataset.paper;
@@ -295,22 +294,21 @@ function buildPrinting(report: Report, leading: Leading, painter: Painter | null
 async function start(): Promise<void> {
   const report = await readReport(byId("data").textContent ?? "");
   const { results, surfaces, pictures, polar } = report;
-  const leading = leadingOf(results);
   byId("subject").textContent = subjectOf(results);
   showVerdict(byId("verdict"), results);
-  showCards(byId("numbers"), results, leading);
+  showCards(byId("numbers"), results);
   showNotes(byId("notes"), results.notes);
   showProvenance(byId("provenance"), results);
   showOptions(byId("options"), results);
   showReadings(byId("readings"), results);
-  if (leading.fitted) byId("gates-title").textContent = "Gates, classic edge surfaces";
+  if (isCorrected(results)) byId("gates-title").textContent = "Gates, edge surfaces";
   const markGate = showGates(byId("gates"), results);
 
   const walls = surfaces ? wall_names.map((name) => new Wall(name, surfaces)).filter((wall) => wall.present) : [];
   const painter = pictures && new Painter(pictures, walls, polar);
   const player = buildTransport(results);
   player.listen(() => markGate(player.gate));
-  const scene = buildScene(report, leading, walls, player);
+  const scene = buildScene(report, walls, player);
 
   // One segment is lit at a time, in every part that shows segments.
   const lights: ((segment: number) => void)[] = [];
@@ -322,9 +320,9 @@ async function start(): Promise<void> {
   };
   const view = buildPolar(report, scene, point);
   if (view) scene?.followPointer(point);
-  buildCurve(results, leading, walls, player);
-  const splash = buildSplash(painter, leading, point);
-  const slices = buildSlices(painter, leading.fitted !== null, player, point);
+  buildCurve(results, walls, player);
+  const splash = buildSplash(painter, results, point);
+  const slices = buildSlices(painter, isCorrected(results), player, point);
   for (const part of [view, scene, splash, slices]) if (part) lights.push((segment) => part.light(segment));
 
   const toggles = buildToggles(painter, slices, scene);
@@ -333,7 +331,7 @@ async function start(): Promise<void> {
   document.querySelector("main")!.classList.toggle("bare", walls.length === 0);
   // Without borders the edges are what explains the failure.
   if (walls.length === 0) toggles.e?.();
-  buildPrinting(report, leading, painter, walls, scene, player);
+  buildPrinting(report, painter, walls, scene, player);
   const still = location.hash === "#print" || matchMedia("(prefers-reduced-motion: reduce)").matches;
   if (walls.length > 0 && !still) player.play();
   document.documentElement.dataset.ready = "true";

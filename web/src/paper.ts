@@ -1,7 +1,7 @@
 // Two A4 pages of a result, for printing: what a reader of a report looks for, and nothing that moves.
 import { Curve } from "./curve";
 import type { Wall } from "./cycle";
-import type { Leading, PhaseNumbers, Report } from "./data";
+import { isCorrected, type PhaseNumbers, type Report, type Results } from "./data";
 import { figure, html, svg } from "./dom";
 import type { Painter } from "./painter";
 import { Player } from "./player";
@@ -12,7 +12,6 @@ import { showCards, showReadings, subjectOf, verdicts, word_of } from "./tables"
 
 interface Parts {
   report: Report;
-  leading: Leading;
   painter: Painter | null;
   walls: Wall[];
   scene: SurfaceScene | null;
@@ -73,7 +72,7 @@ function beatOf({ results }: Report): HTMLElement {
   return html("dl", {}, ...rows.flatMap(([name, value]) => [html("dt", {}, name), html("dd", {}, value)]));
 }
 
-function gateTable({ gates, ed_gate, es_gate }: Leading, report: Report): HTMLElement {
+function gateTable({ gates, ed_gate, es_gate }: Results): HTMLElement {
   const mark = (gate: number) => (gate === ed_gate ? " ED" : gate === es_gate ? " ES" : "");
   const row = (name: string, cells: string[]) => html("tr", {}, html("th", { scope: "row" }, name), ...cells.map((c) => html("td", {}, c)));
   return html(
@@ -81,7 +80,7 @@ function gateTable({ gates, ed_gate, es_gate }: Leading, report: Report): HTMLEl
     { class: "numbers" },
     html("tbody", {},
       row("Gate", gates.map((_, g) => `${g + 1}${mark(g + 1)}`)),
-      row("ms", report.results.gates.map((g) => figure(g.time_ms, 0))),
+      row("ms", gates.map((g) => figure(g.time_ms, 0))),
       row("Cavity mL", gates.map((g) => figure(g.endo_ml))),
       ...(gates.some((g) => g.epi_ml !== null) ? [row("Outer mL", gates.map((g) => figure(g.epi_ml)))] : []),
     ),
@@ -130,8 +129,8 @@ function provenanceOf({ results }: Report): HTMLElement {
     html(
       "p",
       {},
-      "Unbiased: walls of all gates fitted through the camera’s blur, with 90 % intervals. Classic edge: where the image is steepest; blur makes its volumes small. " +
-        "QGS-like: 65 % of the deviations of an asymmetric Gaussian, for comparison with older numbers. Perfusion: percent of the wall’s brightest twentieth (counts) or upper quartile (fitted uptake). " +
+      "PSF-corrected: surfaces of all gates fitted through the point spread, with 90 % intervals. Edge: where the image is steepest; blur makes its volumes small. " +
+        "Gaussian profile: 65 % of the deviations of an asymmetric Gaussian, for comparison with older numbers. Perfusion: percent of the wall’s brightest twentieth (counts) or upper quartile (fitted uptake). " +
         "Polar maps are seen from the apex, anterior wall on top, septum left.",
     ),
   );
@@ -147,11 +146,11 @@ function fit(sheet: HTMLElement, slices: HTMLElement): void {
 }
 
 /** Fills `place`, which must be visible, with two sheets. */
-export function buildPaper(place: HTMLElement, { report, leading, painter, walls, scene, moments }: Parts): void {
+export function buildPaper(place: HTMLElement, { report, painter, walls, scene, moments }: Parts): void {
   const { results } = report;
   const measures = results.measures;
   const cards = html("div", { class: "cards" });
-  showCards(cards, results, leading);
+  showCards(cards, results);
   const readings = html("div", {});
   showReadings(readings, results);
   const curve = html("div", { class: "paper-curve" });
@@ -163,7 +162,7 @@ export function buildPaper(place: HTMLElement, { report, leading, painter, walls
     verdictOf(report),
     cards,
     section("Readings", readings),
-    html("div", { class: "paper-pair" }, section("Volumes over the beat", curve, html("p", { class: "paper-legend" }, `Circles: cavity${leading.fitted ? " with its 90 % interval" : ""}. Squares: outer surface. Triangles: wall. Thin dashes: periodic fit.`)), section("The beat in numbers", beatOf(report))),
+    html("div", { class: "paper-pair" }, section("Volumes over the beat", curve, html("p", { class: "paper-legend" }, `Circles: cavity${isCorrected(results) ? " with its 90 % interval" : ""}. Squares: outer surface. Triangles: wall. Thin dashes: periodic fit.`)), section("The beat in numbers", beatOf(report))),
     section("Slices", splash),
   );
   const phase = measures?.phase.counts ?? measures?.phase.motion;
@@ -175,13 +174,13 @@ export function buildPaper(place: HTMLElement, { report, leading, painter, walls
     ...(scene ? [section("Surfaces", html("div", { class: "paper-hearts" }, ...heartsOf(scene, moments)))] : []),
     ...(phase ? [section(`Onset of contraction by ${phase === measures?.phase.counts ? "counts" : "motion"}`, histogramOf(phase))] : []),
     ...(measures ? [section("Segments", segmentTable(measures))] : []),
-    section("Gates", gateTable(leading, report)),
+    section("Gates", gateTable(results)),
     provenanceOf(report),
   );
   place.replaceChildren(first, second);
   if (results.study.gates > 1 && walls.length > 0) {
     const still = new Player(results.gates.length, results.study.cycle_ms ?? 1000, () => {});
-    new Curve(curve, results, leading, walls, still).draw();
+    new Curve(curve, results, walls, still).draw();
   } else curve.append("No beat to show.");
   if (painter && walls.length > 0) new Splash(splash, painter, moments, 8).draw();
   fit(first, splash);

@@ -1,5 +1,5 @@
 // Everything that is text and numbers: verdict, cards, tables, provenance.
-import { walls, type GateNumbers, type Interval, type Leading, type NoteText, type Results, type WallName } from "./data";
+import { isCorrected, walls, type GateNumbers, type Interval, type NoteText, type Reading, type Results, type WallName } from "./data";
 import { figure, html } from "./dom";
 
 export const verdicts = {
@@ -45,10 +45,9 @@ interface Card {
   strong?: boolean;
 }
 
-function cardsOf(results: Results, leading: Leading): Card[] {
-  const { fitted } = leading;
+function cardsOf(results: Results): Card[] {
   if (results.study.gates === 1) {
-    const only = leading.gates[0];
+    const only = results.gates[0];
     return [
       { name: "Ejection fraction", value: "–", unit: "", detail: "not gated: no beat to measure", strong: true },
       { name: "Cavity", value: figure(only?.endo_ml), unit: "mL", detail: "endocardial surface" },
@@ -57,17 +56,17 @@ function cardsOf(results: Results, leading: Leading): Card[] {
     ];
   }
   const gate = (number: number | null) => (number === null ? "" : `gate ${number}`);
-  const range = (interval: Interval | undefined, other: string) =>
+  const range = (interval: Interval, other: string) =>
     interval ? `90 %: ${figure(interval[0])} to ${figure(interval[1])}` : other;
   const variation = results.quality.wall_variation;
   return [
-    { name: "Ejection fraction", value: figure(leading.ef_percent), unit: "%", detail: range(fitted?.ef_percent_90, "stroke / end-diastolic volume"), strong: true },
-    { name: "End-diastolic volume", value: figure(leading.edv_ml), unit: "mL", detail: range(fitted?.edv_ml_90, gate(leading.ed_gate)) },
-    { name: "End-systolic volume", value: figure(leading.esv_ml), unit: "mL", detail: range(fitted?.esv_ml_90, gate(leading.es_gate)) },
-    { name: "Stroke volume", value: figure(leading.sv_ml), unit: "mL", detail: range(fitted?.sv_ml_90, "end-diastolic − end-systolic") },
+    { name: "Ejection fraction", value: figure(results.ef_percent), unit: "%", detail: range(results.ef_percent_90, "stroke / end-diastolic volume"), strong: true },
+    { name: "End-diastolic volume", value: figure(results.edv_ml), unit: "mL", detail: range(results.edv_ml_90, gate(results.ed_gate)) },
+    { name: "End-systolic volume", value: figure(results.esv_ml), unit: "mL", detail: range(results.esv_ml_90, gate(results.es_gate)) },
+    { name: "Stroke volume", value: figure(results.sv_ml), unit: "mL", detail: range(results.sv_ml_90, "end-diastolic − end-systolic") },
     ...(isBloodPool(results)
       ? []
-      : [{ name: "Wall, mean", value: figure(leading.wall_ml), unit: "mL", detail: range(fitted?.wall_ml_90, variation === null ? "" : `varies by ${figure(100 * variation, 0)} %`) }]),
+      : [{ name: "Wall, mean", value: figure(results.wall_ml), unit: "mL", detail: range(results.wall_ml_90, variation === null ? "" : `varies by ${figure(100 * variation, 0)} %`) }]),
   ];
 }
 
@@ -111,11 +110,11 @@ function measuresOf(results: Results): Card[] {
   ];
 }
 
-export function showCards(place: HTMLElement, results: Results, leading: Leading): void {
+export function showCards(place: HTMLElement, results: Results): void {
   const failed = results.quality.verdict === "fail";
   place.classList.toggle("untrusted", failed);
   place.replaceChildren(
-    ...[...cardsOf(results, leading), ...measuresOf(results)].map((card) =>
+    ...[...cardsOf(results), ...measuresOf(results)].map((card) =>
       html(
         "div",
         { class: card.strong ? "card strong" : "card" },
@@ -138,18 +137,17 @@ export function subjectOf(results: Results): string {
 
 const reading_numbers = ["edv_ml", "esv_ml", "sv_ml", "ef_percent", "wall_ml"] as const;
 
-/** The same study read in three ways, side by side; unbiased numbers with their 90 % intervals. */
+/** The same study read in three ways, side by side, the leading one first; with 90 % intervals where they are known. */
 export function showReadings(place: HTMLElement, results: Results): void {
-  if (!results.readings) return;
-  const { unbiased, edge, qgs_like } = results.readings;
-  const row = (name: string, what: string, cells: string[], leads = false) =>
-    html("tr", { class: leads ? "leads" : null }, html("th", { scope: "row" }, name, html("small", {}, what)), ...cells.map((cell) => html("td", {}, cell)));
-  const fitted = unbiased
-    ? reading_numbers.map((key) => {
-        const interval = unbiased[`${key}_90`];
-        return interval ? `${figure(unbiased[key])} (${figure(interval[0])}–${figure(interval[1])})` : figure(unbiased[key]);
-      })
-    : null;
+  const { psf_corrected, edge, gaussian_profile } = results.readings;
+  const cell = (reading: Reading, key: (typeof reading_numbers)[number]) => {
+    const interval = reading[`${key}_90`];
+    return interval ? `${figure(reading[key])} (${figure(interval[0])}–${figure(interval[1])})` : figure(reading[key]);
+  };
+  const row = (name: string, what: string, reading: Reading | null, leads = false) =>
+    reading
+      ? [html("tr", { class: leads ? "leads" : null }, html("th", { scope: "row" }, name, html("small", {}, what)), ...reading_numbers.map((key) => html("td", {}, cell(reading, key))))]
+      : [];
   const heads = ["Reading", "EDV mL", "ESV mL", "SV mL", "EF %", "Wall mL"];
   place.replaceChildren(
     html(
@@ -159,9 +157,9 @@ export function showReadings(place: HTMLElement, results: Results): void {
       html(
         "tbody",
         {},
-        ...(fitted ? [row("Unbiased", "walls of all gates fitted through the camera’s blur; in brackets 90 % intervals", fitted, true)] : []),
-        row("Classic edge", "where the image is steepest: volumes read low by the blur", reading_numbers.map((key) => figure(edge[key])), !fitted),
-        ...(qgs_like ? [row("QGS-like", "65 % of the deviations of an asymmetric Gaussian, constant muscle: for comparison with older numbers", reading_numbers.map((key) => figure(qgs_like[key])))] : []),
+        ...row("PSF-corrected", "surfaces of all gates fitted through the point spread; in brackets 90 % intervals", psf_corrected, true),
+        ...row("Edge", "where the image is steepest: blur makes its volumes small", edge, !isCorrected(results)),
+        ...row("Gaussian profile", "65 % of the deviations of an asymmetric Gaussian, constant muscle (QGS-style): for comparison with older numbers", gaussian_profile),
       ),
     ),
   );
@@ -171,20 +169,20 @@ const percent = (value: number | null | undefined) => (value === null || value =
 
 function gateRow(gate: GateNumbers, results: Results): HTMLTableRowElement {
   const both = (cell: (wall: WallName) => string) => walls.map((wall) => html("td", {}, cell(wall)));
-  const marks = [gate.gate === results.ed_gate ? "ED" : "", gate.gate === results.es_gate ? "ES" : ""].filter(Boolean);
+  const marks = [gate.gate === results.readings.edge.ed_gate ? "ED" : "", gate.gate === results.readings.edge.es_gate ? "ES" : ""].filter(Boolean);
   return html(
     "tr",
     { "data-gate": gate.gate },
     html("th", { scope: "row" }, String(gate.gate), ...marks.map((m) => html("span", { class: "tag" }, m))),
     html("td", {}, figure(gate.time_ms, 0)),
-    html("td", { class: "endo" }, figure(gate.endo_ml)),
-    html("td", { class: "epi" }, figure(gate.epi_ml)),
-    html("td", {}, figure(gate.wall_ml)),
-    ...both((wall) => percent(gate[wall]?.stopped_fraction)),
-    ...both((wall) => percent(gate[wall]?.within_one_voxel)),
-    ...both((wall) => figure(gate[wall]?.mean_distance_mm, 2)),
-    ...both((wall) => figure(gate[wall]?.triangles.shape_min, 2)),
-    ...both((wall) => (gate[wall]?.stop_reason ?? "–").replaceAll("_", " ")),
+    html("td", { class: "endo" }, figure(gate.edge.endo_ml)),
+    html("td", { class: "epi" }, figure(gate.edge.epi_ml)),
+    html("td", {}, figure(gate.edge.wall_ml)),
+    ...both((wall) => percent(gate.edge[wall]?.stopped_fraction)),
+    ...both((wall) => percent(gate.edge[wall]?.within_one_voxel)),
+    ...both((wall) => figure(gate.edge[wall]?.mean_distance_mm, 2)),
+    ...both((wall) => figure(gate.edge[wall]?.triangles.shape_min, 2)),
+    ...both((wall) => (gate.edge[wall]?.stop_reason ?? "–").replaceAll("_", " ")),
   );
 }
 

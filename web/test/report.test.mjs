@@ -283,16 +283,16 @@ const tests = {
     assert.notEqual(await picture(page, "#splash canvas:nth-of-type(1)"), shown, "the apical slice does not light the apex");
   },
 
-  async "leads with the unbiased reading and its error bars"(open) {
+  async "leads with the PSF-corrected reading and its error bars"(open) {
     const page = await open("fitted");
     const results = JSON.parse(await page.evaluate(() => document.getElementById("data").textContent)).results;
-    const { unbiased, edge } = results.readings;
+    const { psf_corrected, edge } = results.readings;
     const cards = await text(page, "#numbers");
-    assert.ok(cards.includes(unbiased.edv_ml.toFixed(1)) && !cards.includes(edge.edv_ml.toFixed(1)), cards);
-    assert.ok(cards.includes(`90 %: ${unbiased.ef_percent_90[0].toFixed(1)} to ${unbiased.ef_percent_90[1].toFixed(1)}`), cards);
+    assert.ok(cards.includes(psf_corrected.edv_ml.toFixed(1)) && !cards.includes(edge.edv_ml.toFixed(1)), cards);
+    assert.ok(cards.includes(`90 %: ${psf_corrected.ef_percent_90[0].toFixed(1)} to ${psf_corrected.ef_percent_90[1].toFixed(1)}`), cards);
     const rows = await page.locator("#readings tbody tr").allInnerTexts();
-    assert.match(rows[0], /^Unbiased/);
-    assert.match(rows[1], /^Classic edge/);
+    assert.match(rows[0], /^PSF-corrected/);
+    assert.match(rows[1], /^Edge/);
     assert.equal(await page.locator("#readings tr.leads").count(), 1);
     assert.match(await page.locator(".chart .band title").textContent(), /90 % interval/);
     assert.match(await (await open("ok")).locator(".chart .band title").textContent(), /scatter/);

@@ -21,7 +21,7 @@ const breaks = {
   "an unknown key": (r) => (r.colour = "red"),
   "another schema": (r) => (r.schema = "dynasurf.ventricle/2"),
   "gates from 0": (r) => (r.gates[0].gate = 0),
-  "a fraction above 1": (r) => (r.gates[0].endo.stopped_fraction = 1.5),
+  "a fraction above 1": (r) => (r.gates[0].edge.endo.stopped_fraction = 1.5),
   "an unknown verdict": (r) => (r.quality.verdict = "fine"),
   "a short hash": (r) => (r.provenance.inputs[0].sha256 = "abc"),
 };
@@ -34,7 +34,7 @@ for (const [what, break_it] of Object.entries(breaks)) {
 const manual = readFileSync(schema_path.replace("results.schema.json", "results-schema.md"), "utf8");
 const schema = read(schema_path);
 for (const part of [schema, ...Object.values(schema.$defs)])
-  for (const key of Object.keys(part.properties))
+  for (const key of Object.keys(part.properties ?? {}))
     // Intervals are explained once: the interval of `edv_ml` is `edv_ml_90`.
     assert.ok(manual.includes(`| \`${key.replace(/.*_90$/, "x_90")}\` |`), `results-schema.md does not explain ${key}`);
 console.log(`${samples.length} results obey the schema, ${Object.keys(breaks).length} broken ones are refused`);

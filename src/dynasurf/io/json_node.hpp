@@ -10,13 +10,13 @@ namespace dynasurf {
 
 // How a value of JSON that was read is looked at: never by `operator[]` of a key that may be absent, which is
 // undefined, but by functions that refuse what is not there or not of the kind, and say where: InputError
-// "results.json: readings.unbiased.edv_ml: missing; expected a number".
+// "results.json: readings.psf_corrected.edv_ml: missing; expected a number".
 
 /// A value and where it stands. Points into the JSON, which must outlive it.
 struct JsonNode {
   const nlohmann::ordered_json* json = nullptr;
   std::string file;
-  std::string path;  // "readings.unbiased.gates[2]"; empty: the whole
+  std::string path;  // "readings.psf_corrected.gates[2]"; empty: the whole
 };
 
 /// The whole of a file. Throws InputError unless it is an object.

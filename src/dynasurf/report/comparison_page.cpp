@@ -111,11 +111,11 @@ std::string figure(const std::optional<double>& value, int decimals) {
   return text_of(std::abs(*value) < unit / 2 ? 0.0 : *value, decimals);  // no -0
 }
 
-/// "60.2 (58.4 to 62.1)": a number of the unbiased reading with its interval.
+/// "60.2 (58.4 to 62.1)": a number of the PSF-corrected reading with its interval.
 std::string with_interval(const Json& results, const std::string& key) {
   const std::string interval = key + "_90";
-  std::string text = figure(number_at(results, {"readings", "unbiased", key.c_str()}), 1);
-  const std::vector<double> ends = numbers_at(results, {"readings", "unbiased", interval.c_str()});
+  std::string text = figure(number_at(results, {"readings", "psf_corrected", key.c_str()}), 1);
+  const std::vector<double> ends = numbers_at(results, {"readings", "psf_corrected", interval.c_str()});
   return ends.size() == 2 ? text + " (" + text_of(ends[0], 1) + " to " + text_of(ends[1], 1) + ")" : text;
 }
 
@@ -132,19 +132,21 @@ std::string number_rows(const Json& rest, const Json& stress) {
     int decimals;
   };
   const Named lines[] = {
-      {"EF, classic edge, %", {"ef_percent"}, 1},
-      {"EDV, classic edge, mL", {"edv_ml"}, 1},
-      {"ESV, classic edge, mL", {"esv_ml"}, 1},
-      {"EF, QGS-like, %", {"readings", "qgs_like", "ef_percent"}, 1},
+      {"EF, edge, %", {"readings", "edge", "ef_percent"}, 1},
+      {"EDV, edge, mL", {"readings", "edge", "edv_ml"}, 1},
+      {"ESV, edge, mL", {"readings", "edge", "esv_ml"}, 1},
+      {"EF, Gaussian profile, %", {"readings", "gaussian_profile", "ef_percent"}, 1},
       {"Muscle, g", {"measures", "muscle_g"}, 0},
       {"Peak filling rate, EDV/s", {"measures", "function", "peak_filling_edv_per_s"}, 2},
       {"Phase SD of the counts, deg", {"measures", "phase", "counts", "sd_deg"}, 1},
       {"Phase SD of the motion, deg", {"measures", "phase", "motion", "sd_deg"}, 1},
   };
   std::string html;
-  for (const auto& [name, key] : {std::pair("EF, unbiased, %", "ef_percent"), std::pair("EDV, unbiased, mL", "edv_ml"),
-                                  std::pair("ESV, unbiased, mL", "esv_ml")}) {
-    const auto a = number_at(rest, {"readings", "unbiased", key}), b = number_at(stress, {"readings", "unbiased", key});
+  for (const auto& [name, key] :
+       {std::pair("EF, PSF-corrected, %", "ef_percent"), std::pair("EDV, PSF-corrected, mL", "edv_ml"),
+        std::pair("ESV, PSF-corrected, mL", "esv_ml")}) {
+    const auto a = number_at(rest, {"readings", "psf_corrected", key}),
+               b = number_at(stress, {"readings", "psf_corrected", key});
     if (!a && !b) continue;
     html += row(name, {with_interval(rest, key), with_interval(stress, key),
                        figure(a && b ? std::optional(*b - *a) : std::nullopt, 1)});

@@ -4,13 +4,12 @@
 #include <array>
 
 #include "dynasurf/mesh/fill_mesh.hpp"
-#include "dynasurf/report/leading_walls.hpp"
 #include "dynasurf/report/numbers.hpp"
 
 namespace dynasurf {
 namespace {
 
-using report_detail::GateWalls, report_detail::leading_walls, report_detail::text_of;
+using report_detail::text_of;
 using Groups = std::vector<DicomMeasurementGroup>;
 using Remarks = std::vector<std::pair<DicomCode, std::string>>;
 
@@ -61,41 +60,42 @@ DicomMeasurementGroup group_of(std::string name, const DicomCode& site) {
   return group;
 }
 
-DicomMeasurementGroup fitted_reading(const FittedBeat& fit) {
-  DicomMeasurementGroup group = group_of("Unbiased reading", left_ventricle);
-  group.method = own("UNBIASED", "Surfaces of all gates fitted through the camera's blur");
-  if (fit.ef_percent) {
-    add(group, end_diastolic, fit.edv_ml.value, millilitre);
-    add(group, end_systolic, fit.esv_ml.value, millilitre);
-    add(group, stroke_volume, fit.sv_ml.value, millilitre);
-    add(group, ejection_fraction, fit.ef_percent->value, percent);
-    add_interval(group, "EDV", fit.edv_ml, "mL");
-    add_interval(group, "ESV", fit.esv_ml, "mL");
-    add_interval(group, "EF", *fit.ef_percent, "%");
+struct ReadingTerms {
+  const char *name, *code, *method;
+};
+
+/// What a reading is called, by its kind.
+ReadingTerms terms_of(ReadingKind kind) {
+  switch (kind) {
+    case ReadingKind::psf_corrected:
+      return {"PSF-corrected reading", "PSF_CORRECTED", "Surfaces of all gates fitted through the point spread"};
+    case ReadingKind::gaussian_profile:
+      return {"Gaussian-profile reading", "GAUSSIAN_PROFILE", "65 % of the deviations of an asymmetric Gaussian"};
+    case ReadingKind::edge:
+      break;
   }
-  add(group, mass, muscle_density * fit.wall_ml.value, gram);
-  return group;
+  return {"Edge reading", "EDGE", "Where the blurred image is steepest"};
 }
 
-DicomMeasurementGroup edge_reading(const VentricleResult& result) {
-  DicomMeasurementGroup group = group_of("Classic edge reading", left_ventricle);
-  group.method = own("EDGE", "Where the blurred image is steepest");
-  add(group, end_diastolic, result.edv_ml, millilitre);
-  add(group, end_systolic, result.esv_ml, millilitre);
-  add(group, stroke_volume, result.sv_ml, millilitre);
-  add(group, ejection_fraction, result.ef_percent, percent);
-  return group;
-}
-
-DicomMeasurementGroup qgs_reading(const QgsLike& reading) {
-  DicomMeasurementGroup group = group_of("QGS-like reading", left_ventricle);
-  group.method = own("QGS_LIKE", "65 % of the deviations of an asymmetric Gaussian");
-  if (const auto function = left_ventricular_function(reading.cavity_ml)) {
-    add(group, end_diastolic, function->edv_ml, millilitre);
-    add(group, end_systolic, function->esv_ml, millilitre);
-    add(group, stroke_volume, function->sv_ml, millilitre);
-    add(group, ejection_fraction, function->ef_percent, percent);
-  }
+DicomMeasurementGroup group_of(const Reading& reading) {
+  const ReadingTerms terms = terms_of(reading.kind);
+  DicomMeasurementGroup group = group_of(terms.name, left_ventricle);
+  group.method = own(terms.code, terms.method);
+  const auto add_value = [&](const DicomCode& what, const std::optional<Estimate>& e, const DicomCode& unit) {
+    if (e) add(group, what, e->value, unit);
+  };
+  const auto add_bar = [&](const char* name, const std::optional<Estimate>& e, const char* unit) {
+    if (e && e->has_interval()) add_interval(group, name, *e, unit);
+  };
+  add_value(end_diastolic, reading.edv_ml, millilitre);
+  add_value(end_systolic, reading.esv_ml, millilitre);
+  add_value(stroke_volume, reading.sv_ml, millilitre);
+  add_value(ejection_fraction, reading.ef_percent, percent);
+  add_bar("EDV", reading.edv_ml, "mL");
+  add_bar("ESV", reading.esv_ml, "mL");
+  add_bar("EF", reading.ef_percent, "%");
+  if (reading.kind == ReadingKind::psf_corrected && reading.wall_ml)
+    add(group, mass, muscle_density * reading.wall_ml->value, gram);
   return group;
 }
 
@@ -133,9 +133,10 @@ void add_measures(Groups& groups, const Measures& m, double cycle_ms) {
 
 Groups readings_of(const VentricleResult& result) {
   Groups groups;
-  if (result.fit) groups.push_back(fitted_reading(*result.fit));
-  groups.push_back(edge_reading(result));
-  if (result.qgs_like) groups.push_back(qgs_reading(*result.qgs_like));
+  const Readings& readings = result.readings;
+  if (readings.psf_corrected) groups.push_back(group_of(reading_of(*readings.psf_corrected)));
+  groups.push_back(group_of(readings.edge));
+  if (readings.gaussian_profile) groups.push_back(group_of(reading_of(*readings.gaussian_profile)));
   if (result.measures) add_measures(groups, *result.measures, result.study.cycle_ms);
   return groups;
 }
@@ -155,10 +156,11 @@ bool is_empty(const Mask& mask) {
 }
 
 /// Cavity and wall of a gate; nothing where a surface is missing or too small for a voxel.
-std::vector<DicomSegment> segments_of_gate(const Grid& grid, const GateWalls& walls) {
+std::vector<DicomSegment> segments_of_gate(const Grid& grid, const LeadingSurfaces& walls) {
   if (!walls.endo || !walls.epi) return {};
-  DicomSegment cavity{"Cavity of the left ventricle", left_ventricle, filled(grid, *walls.endo), {30000, 28000, 20000}};
-  DicomSegment wall{"Wall of the left ventricle", myocardium, filled(grid, *walls.epi), {38000, 48000, 45000}};
+  DicomSegment cavity{
+      "Cavity of the left ventricle", left_ventricle, filled(grid, walls.endo->mesh), {30000, 28000, 20000}};
+  DicomSegment wall{"Wall of the left ventricle", myocardium, filled(grid, walls.epi->mesh), {38000, 48000, 45000}};
   for (std::size_t v = 0; v < wall.mask.values.size(); ++v)
     if (cavity.mask.values[v] != 0) wall.mask.values[v] = 0;
   if (is_empty(cavity.mask) || is_empty(wall.mask)) return {};
@@ -168,7 +170,7 @@ std::vector<DicomSegment> segments_of_gate(const Grid& grid, const GateWalls& wa
 /// Writes the segmentation of a gate and adds the volumes of its parts.
 void add_gate(const VentricleResult& result, const DicomResult& context, std::size_t g, Groups& groups,
               const std::filesystem::path& folder) {
-  const GateWalls walls = leading_walls(result, g);
+  const LeadingSurfaces& walls = result.gates[g].surfaces;
   const std::vector<DicomSegment> segments = segments_of_gate(result.study.grid(), walls);
   if (segments.empty()) return;
   const std::string gate = "gate " + std::to_string(g + 1);
@@ -184,19 +186,20 @@ void add_gate(const VentricleResult& result, const DicomResult& context, std::si
     add(group, volume, ml, millilitre);
     groups.push_back(std::move(group));
   };
-  region("Cavity", left_ventricle, 1, *walls.endo_ml);
-  region("Wall", myocardium, 2, *walls.epi_ml - *walls.endo_ml);
+  region("Cavity", left_ventricle, 1, walls.endo->volume_ml.value);
+  region("Wall", myocardium, 2, walls.epi->volume_ml.value - walls.endo->volume_ml.value);
 }
 
 void write_surfaces(const VentricleResult& result, const DicomResult& context, const std::filesystem::path& folder) {
   int number = 0;
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    const GateWalls walls = leading_walls(result, g);
-    for (const auto& [name, mesh] : {std::pair("endo", walls.endo), std::pair("epi", walls.epi)}) {
-      if (!mesh) continue;
-      const std::string words = std::string(name) + "cardium of the left ventricle, gate " + std::to_string(g + 1);
+    for (const Wall wall : {Wall::endo, Wall::epi}) {
+      const auto& surface = result.gates[g].surfaces.of(wall);
+      if (!surface) continue;
+      const std::string name(name_of(wall));
+      const std::string words = name + "cardium of the left ventricle, gate " + std::to_string(g + 1);
       const DicomObject object{"surfaces", words, 803, ++number, "Dynasurf surfaces", words};
-      write_encapsulated_stl(context, object, *mesh, folder / (std::string(name) + "_g" + two_digits(g) + ".dcm"));
+      write_encapsulated_stl(context, object, surface->mesh, folder / (name + "_g" + two_digits(g) + ".dcm"));
     }
   }
 }

@@ -7,7 +7,6 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/report/leading_walls.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/page_parts.hpp"
 #include "dynasurf/report/page_template.hpp"
@@ -144,18 +143,12 @@ Json pictures_json(const VentricleResult& result) {
   return json;
 }
 
-std::vector<GateWalls> walls_of(const VentricleResult& result) {
-  std::vector<GateWalls> walls;
-  for (std::size_t g = 0; g < result.gates.size(); ++g) walls.push_back(leading_walls(result, g));
-  return walls;
-}
-
-Box box_of(const std::vector<GateWalls>& gates) {
+Box box_of(const std::vector<Gate>& gates) {
   Box box;
-  for (const GateWalls& gate : gates)
-    for (const TriMesh* mesh : {gate.endo, gate.epi})
-      if (mesh)
-        for (const Vec3& p : mesh->vertices) {
+  for (const Gate& gate : gates)
+    for (const auto* surface : {&gate.surfaces.endo, &gate.surfaces.epi})
+      if (*surface)
+        for (const Vec3& p : (*surface)->mesh.vertices) {
           box.low = box.low.cwiseMin(p);
           box.high = box.high.cwiseMax(p);
         }
@@ -164,8 +157,7 @@ Box box_of(const std::vector<GateWalls>& gates) {
 
 /// One entry per gate: its vertices, and the number of its triangles in the list that all surfaces share.
 Json surfaces_json(const VentricleResult& result) {
-  const std::vector<GateWalls> gates = walls_of(result);
-  const Box box = box_of(gates);
+  const Box box = box_of(result.gates);
   std::vector<const TriMesh*> topologies;
   const auto topology_of = [&](const TriMesh& mesh) {
     const auto at = std::find_if(topologies.begin(), topologies.end(),
@@ -174,15 +166,15 @@ Json surfaces_json(const VentricleResult& result) {
     if (at == topologies.end()) topologies.push_back(&mesh);
     return number;
   };
-  const auto surface_json = [&](const TriMesh* mesh) -> Json {
-    if (!mesh || mesh->vertices.empty()) return nullptr;
-    return {{"triangles", topology_of(*mesh)}, {"positions", base64(steps_of(mesh->vertices, box))}};
+  const auto surface_json = [&](const std::optional<LeadingSurface>& surface) -> Json {
+    if (!surface || surface->mesh.vertices.empty()) return nullptr;
+    return {{"triangles", topology_of(surface->mesh)}, {"positions", base64(steps_of(surface->mesh.vertices, box))}};
   };
   Json json;
   json["endo"] = json["epi"] = json["samples"] = Json::array();
-  for (const GateWalls& gate : gates) {
-    json["endo"].push_back(surface_json(gate.endo));
-    json["epi"].push_back(surface_json(gate.epi));
+  for (const Gate& gate : result.gates) {
+    json["endo"].push_back(surface_json(gate.surfaces.endo));
+    json["epi"].push_back(surface_json(gate.surfaces.epi));
   }
   if (topologies.empty()) return nullptr;
   json["low_mm"] = {box.low[0], box.low[1], box.low[2]};
@@ -233,15 +225,17 @@ Json polar_json(const VentricleResult& result) {
         {{"rho_low", s.rho_low}, {"rho_high", s.rho_high}, {"middle_deg", s.middle_deg}, {"width_deg", s.width_deg}});
   json["endo"] = json["epi"] = Json::array();
   for (std::size_t g = 0; g < m.gates.size(); ++g) {
-    const GateWalls walls = leading_walls(result, g);
-    for (const auto& [name, mesh] : {std::pair("endo", walls.endo), std::pair("epi", walls.epi)}) {
-      if (!m.gates[g].axes || !mesh) {
+    for (const Wall wall : {Wall::endo, Wall::epi}) {
+      const std::string name(name_of(wall));
+      const auto& surface = result.gates[g].surfaces.of(wall);
+      if (!m.gates[g].axes || !surface) {
         json[name].push_back(nullptr);
-        if (mesh == walls.endo) json["samples"].push_back(nullptr);
+        if (wall == Wall::endo) json["samples"].push_back(nullptr);
         continue;
       }
-      if (mesh == walls.endo) json["samples"].push_back(samples_of_vertices(m.grid, *m.gates[g].axes, mesh->vertices));
-      const std::vector<int> segments = segments_of_vertices(m.model, *m.gates[g].axes, mesh->vertices);
+      const std::vector<Vec3>& vertices = surface->mesh.vertices;
+      if (wall == Wall::endo) json["samples"].push_back(samples_of_vertices(m.grid, *m.gates[g].axes, vertices));
+      const std::vector<int> segments = segments_of_vertices(m.model, *m.gates[g].axes, vertices);
       json[name].push_back(base64(Bytes(segments.begin(), segments.end())));
     }
   }

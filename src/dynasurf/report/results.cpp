@@ -116,35 +116,61 @@ Json plane_json(const std::optional<BasePlane>& plane) {
   return json;
 }
 
+Json interval_json(const Estimate& e) {
+  return e.has_interval() ? Json{number(e.low()), number(e.high())} : Json(nullptr);
+}
+
+/// A number with its 90 % interval, null where none is known.
+void put_estimate(Json& json, const std::string& name, const std::optional<Estimate>& e) {
+  json[name] = e ? number(e->value) : Json(nullptr);
+  json[name + "_90"] = e ? interval_json(*e) : Json(nullptr);
+}
+
 /// The worse of the two surfaces, so that one number per gate cannot hide a bad one.
 template <class Member, class Worse>
-Json worst(const Gate& gate, Member member, Worse worse) {
+Json worst(const EdgeSurfaces& surfaces, Member member, Worse worse) {
   std::optional<double> value;
-  for (const auto* surface : {&gate.endo, &gate.epi})
+  for (const auto* surface : {&surfaces.endo, &surfaces.epi})
     if (*surface) value = value ? worse(*value, member(**surface)) : member(**surface);
   return number(value);
 }
 
-Json gate_json(const Gate& gate) {
+/// The edge surfaces of a gate: how they were found, and what they enclose.
+Json edge_json(const EdgeSurfaces& surfaces) {
   const auto least = [](double a, double b) { return std::min(a, b); };
   const auto most = [](double a, double b) { return std::max(a, b); };
   Json json;
+  json["endo_ml"] = surfaces.endo ? number(surfaces.endo->volume_ml) : Json(nullptr);
+  json["epi_ml"] = surfaces.epi ? number(surfaces.epi->volume_ml) : Json(nullptr);
+  json["wall_ml"] = number(surfaces.wall_ml);
+  json["stopped_fraction"] = worst(
+      surfaces, [](const Surface& s) { return s.stopped_fraction; }, least);
+  json["mean_distance_mm"] = worst(
+      surfaces, [](const Surface& s) { return s.mean_distance_mm; }, most);
+  json["triangle_shape_min"] = worst(
+      surfaces, [](const Surface& s) { return s.quality.shape_min; }, least);
+  json["base_plane"] = plane_json(surfaces.base_plane);
+  json["endo"] = surface_json(surfaces.endo);
+  json["epi"] = surface_json(surfaces.epi);
+  return json;
+}
+
+std::optional<Estimate> volume_of(const std::optional<LeadingSurface>& surface) {
+  return surface ? std::optional(surface->volume_ml) : std::nullopt;
+}
+
+Json gate_json(const Gate& gate) {
+  const std::optional<Estimate> endo = volume_of(gate.surfaces.endo), epi = volume_of(gate.surfaces.epi);
+  Json json;
   json["gate"] = one_based(gate.gate);
   json["time_ms"] = number(gate.time_ms);
-  json["endo_ml"] = gate.endo ? number(gate.endo->volume_ml) : Json(nullptr);
-  json["epi_ml"] = gate.epi ? number(gate.epi->volume_ml) : Json(nullptr);
-  json["wall_ml"] = number(gate.wall_ml);
-  json["stopped_fraction"] = worst(
-      gate, [](const Surface& s) { return s.stopped_fraction; }, least);
-  json["mean_distance_mm"] = worst(
-      gate, [](const Surface& s) { return s.mean_distance_mm; }, most);
-  json["triangle_shape_min"] = worst(
-      gate, [](const Surface& s) { return s.quality.shape_min; }, least);
+  put_estimate(json, "endo_ml", endo);
+  put_estimate(json, "epi_ml", epi);
+  json["wall_ml"] = endo && epi ? number(epi->value - endo->value) : Json(nullptr);
+  json["base_plane"] = plane_json(gate.surfaces.base_plane);
   json["division_slice"] = one_based(gate.labels.division_slice);
   json["base_slice"] = one_based(gate.base_slice);
-  json["base_plane"] = plane_json(gate.base_plane);
-  json["endo"] = surface_json(gate.endo);
-  json["epi"] = surface_json(gate.epi);
+  json["edge"] = edge_json(gate.edge_surfaces);
   return json;
 }
 
@@ -195,59 +221,27 @@ Json phases_json(const std::optional<CurvePhases>& phases) {
           {"end_rapid_filling", one_based(phases->end_rapid_filling)}};
 }
 
-Json reading_json(const std::optional<double>& edv, const std::optional<double>& esv, const std::optional<double>& ef,
-                  const std::optional<double>& wall) {
+/// The numbers that every reading has.
+void put_reading(Json& json, const Reading& reading) {
+  put_estimate(json, "edv_ml", reading.edv_ml);
+  put_estimate(json, "esv_ml", reading.esv_ml);
+  put_estimate(json, "sv_ml", reading.sv_ml);
+  put_estimate(json, "ef_percent", reading.ef_percent);
+  put_estimate(json, "wall_ml", reading.wall_ml);
+  json["ed_gate"] = one_based(reading.ed_gate);
+  json["es_gate"] = one_based(reading.es_gate);
+}
+
+Json reading_json(const Reading& reading) {
   Json json;
-  json["edv_ml"] = number(edv);
-  json["esv_ml"] = number(esv);
-  json["sv_ml"] = edv && esv ? number(*edv - *esv) : Json(nullptr);
-  json["ef_percent"] = number(ef);
-  json["wall_ml"] = number(wall);
+  put_reading(json, reading);
   return json;
-}
-
-double mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v;
-  return values.empty() ? 0 : sum / static_cast<double>(values.size());
-}
-
-Json edge_reading(const VentricleResult& result) {
-  std::vector<double> walls;
-  for (const Gate& gate : result.gates)
-    if (gate.wall_ml) walls.push_back(*gate.wall_ml);
-  const bool complete = !walls.empty() && walls.size() == result.gates.size();
-  return reading_json(result.edv_ml, result.esv_ml, result.ef_percent,
-                      complete ? std::optional(mean(walls)) : std::nullopt);
-}
-
-Json qgs_reading(const std::optional<QgsLike>& reading) {
-  if (!reading) return nullptr;
-  const auto function = left_ventricular_function(reading->cavity_ml);
-  if (!function) return reading_json({}, {}, {}, mean(reading->wall_ml));
-  return reading_json(function->edv_ml, function->esv_ml, function->ef_percent, mean(reading->wall_ml));
-}
-
-Json interval_json(const Estimate& e) { return {number(e.low()), number(e.high())}; }
-
-/// Numbers of one gate or the beat, each with its 90 % interval.
-void put_estimate(Json& json, const std::string& name, const std::optional<Estimate>& e) {
-  json[name] = e ? number(e->value) : Json(nullptr);
-  json[name + "_90"] = e ? interval_json(*e) : Json(nullptr);
 }
 
 Json fit_json(const std::optional<FittedBeat>& fit) {
   if (!fit) return nullptr;
-  const bool gated = fit->gates.size() > 1;
-  const auto of_beat = [&](const Estimate& e) { return gated ? std::optional(e) : std::nullopt; };
-  Json json;
-  put_estimate(json, "edv_ml", of_beat(fit->edv_ml));
-  put_estimate(json, "esv_ml", of_beat(fit->esv_ml));
-  put_estimate(json, "sv_ml", of_beat(fit->sv_ml));
-  put_estimate(json, "ef_percent", fit->ef_percent);
-  put_estimate(json, "wall_ml", fit->wall_ml);
-  constexpr double g_per_ml = 1.05;
-  put_estimate(json, "wall_g", Estimate{g_per_ml * fit->wall_ml.value, g_per_ml * fit->wall_ml.sd});
+  Json json = reading_json(reading_of(*fit));
+  put_estimate(json, "wall_g", Estimate{muscle_density * fit->wall_ml.value, muscle_density * fit->wall_ml.sd});
   put_estimate(json, "thickness_mm", fit->thickness_mm);
   put_estimate(json, "fwhm_mm", fit->fwhm_mm);
   json["wall_variation"] = number(fit->wall_variation);
@@ -258,22 +252,15 @@ Json fit_json(const std::optional<FittedBeat>& fit) {
   json["width_from_data"] = number(fit->width_from_data);
   json["steps"] = fit->steps;
   json["converged"] = fit->converged;
-  json["gates"] = Json::array();
-  for (std::size_t g = 0; g < fit->gates.size(); ++g) {
-    Json gate{{"gate", g + 1}};
-    put_estimate(gate, "endo_ml", fit->gates[g].endo_ml);
-    put_estimate(gate, "epi_ml", fit->gates[g].epi_ml);
-    gate["base_plane"] = plane_json(fit->gates[g].base);
-    json["gates"].push_back(std::move(gate));
-  }
   return json;
 }
 
-Json readings_json(const VentricleResult& result) {
+Json readings_json(const Readings& readings) {
   Json json;
-  json["unbiased"] = fit_json(result.fit);
-  json["edge"] = edge_reading(result);
-  json["qgs_like"] = qgs_reading(result.qgs_like);
+  json["psf_corrected"] = fit_json(readings.psf_corrected);
+  json["edge"] = reading_json(readings.edge);
+  json["gaussian_profile"] =
+      readings.gaussian_profile ? reading_json(reading_of(*readings.gaussian_profile)) : Json(nullptr);
   return json;
 }
 
@@ -291,16 +278,12 @@ Json results_json(const VentricleResult& result, const Provenance& provenance, T
   for (const Gate& gate : result.gates) gates.push_back(gate_json(gate));
 
   Json json;
-  json["schema"] = "dynasurf.ventricle/1";
+  json["schema"] = "dynasurf.ventricle/3";
   json["use"] = "Research use only. Not for diagnosis.";
-  json["edv_ml"] = number(result.edv_ml);
-  json["esv_ml"] = number(result.esv_ml);
-  json["sv_ml"] = number(result.sv_ml);
-  json["ef_percent"] = number(result.ef_percent);
-  json["ed_gate"] = one_based(result.ed_gate);
-  json["es_gate"] = one_based(result.es_gate);
+  json["reading"] = word_of(result.leading.kind);
+  put_reading(json, result.leading);
   json["phases"] = phases_json(result.phases);
-  json["readings"] = readings_json(result);
+  json["readings"] = readings_json(result.readings);
   json["heart"] = heart_json(result.heart);
   json["quality"] = quality_json(result);
   json["notes"] = notes_json(all_notes(result));

@@ -26,21 +26,33 @@ constexpr Column surface_columns[] = {
     {"smallest_angle_deg", [](const Surface& s) { return text_of(s.quality.smallest_angle_deg); }},
 };
 
-std::optional<double> volume_of(const std::optional<Surface>& surface) {
-  return surface ? std::optional(surface->volume_ml) : std::nullopt;
+std::string volume_cells(const std::optional<LeadingSurface>& surface) {
+  if (!surface) return ",,";
+  const Estimate& ml = surface->volume_ml;
+  const auto end = [&](double value) { return ml.has_interval() ? text_of(value) : std::string(); };
+  return text_of(ml.value) + ',' + end(ml.low()) + ',' + end(ml.high());
+}
+
+std::string volume_cell(const std::optional<Surface>& surface) {
+  return surface ? text_of(surface->volume_ml) : std::string();
 }
 
 }  // namespace
 
 std::string results_csv(const VentricleResult& result) {
-  std::string csv = "gate,time_ms,endo_ml,epi_ml,wall_ml";
+  std::string csv = "gate,time_ms";
+  for (const char* wall : {"endo_ml", "epi_ml"})
+    for (const char* part : {"", "_low", "_high"}) csv += std::string(",") + wall + part;
+  csv += ",edge_endo_ml,edge_epi_ml,edge_wall_ml";
   for (const char* wall : {"endo", "epi"})
-    for (const Column& column : surface_columns) csv += std::string(",") + wall + "_" + column.name;
+    for (const Column& column : surface_columns) csv += std::string(",edge_") + wall + "_" + column.name;
   csv += '\n';
   for (const Gate& gate : result.gates) {
-    csv += std::to_string(gate.gate + 1) + ',' + text_of(gate.time_ms) + ',' + text_of(volume_of(gate.endo)) + ',' +
-           text_of(volume_of(gate.epi)) + ',' + text_of(gate.wall_ml);
-    for (const auto* surface : {&gate.endo, &gate.epi})
+    const EdgeSurfaces& edge = gate.edge_surfaces;
+    csv += std::to_string(gate.gate + 1) + ',' + text_of(gate.time_ms) + ',' + volume_cells(gate.surfaces.endo) + ',' +
+           volume_cells(gate.surfaces.epi) + ',' + volume_cell(edge.endo) + ',' + volume_cell(edge.epi) + ',' +
+           text_of(edge.wall_ml);
+    for (const auto* surface : {&edge.endo, &edge.epi})
       for (const Column& column : surface_columns) csv += ',' + (*surface ? column.text(**surface) : std::string());
     csv += '\n';
   }

@@ -9,7 +9,7 @@
 
 #include "dynasurf/core/elementary.hpp"
 #include "dynasurf/image/resample.hpp"
-#include "dynasurf/ventricle/reconstruct.hpp"
+#include "dynasurf/ventricle/result.hpp"
 #include "dynasurf/ventricle/smooth_cycle.hpp"
 
 namespace dynasurf {
@@ -135,11 +135,11 @@ double largest_move(const VentricleResult& result, const Cup& cup) {
   std::vector<double> u, v;
   std::vector<std::optional<double>> along;
   for (const Gate& gate : result.gates) {
-    if (!gate.epi || gate.epi->mesh.vertices.empty()) {
+    if (!gate.edge_surfaces.epi || gate.edge_surfaces.epi->mesh.vertices.empty()) {
       along.push_back(std::nullopt);
       continue;
     }
-    const Vec3 d = middle_of(gate.epi->mesh) - cup.centre;
+    const Vec3 d = middle_of(gate.edge_surfaces.epi->mesh) - cup.centre;
     u.push_back(d.dot(a.u)), v.push_back(d.dot(a.v)), along.push_back(d.dot(cup.axis));
   }
   double largest = result.gates.size() < 4 ? 0 : largest_residual(along);
@@ -169,14 +169,15 @@ void look_at_surfaces(const VentricleResult& result, const Cup& cup, Clues& clue
   int outer = 0, both = 0;
   double most_ml = 0;
   for (const Gate& gate : result.gates) {
-    if (!gate.epi || gate.epi->mesh.vertices.empty()) continue;
-    const Vec3 base = gate.base_plane ? gate.base_plane->point : cup.base();
+    if (!gate.edge_surfaces.epi || gate.edge_surfaces.epi->mesh.vertices.empty()) continue;
+    const Vec3 base = gate.edge_surfaces.base_plane ? gate.edge_surfaces.base_plane->point : cup.base();
     const double top_mm = (base - cup.centre).dot(cup.axis) - below_base_mm;
-    clues.unround = std::max(clues.unround, unroundness(gate.epi->mesh, cup, top_mm));
-    if (gate.epi->volume_ml > 0) slimness += length_to_width(*gate.epi, cup.axis), ++outer;
-    if (!gate.endo || gate.endo->mesh.vertices.empty()) continue;
-    most_ml = std::max(most_ml, gate.endo->volume_ml);
-    thickness += mean_distance(gate.epi->mesh, cup) - mean_distance(gate.endo->mesh, cup), ++both;
+    clues.unround = std::max(clues.unround, unroundness(gate.edge_surfaces.epi->mesh, cup, top_mm));
+    if (gate.edge_surfaces.epi->volume_ml > 0) slimness += length_to_width(*gate.edge_surfaces.epi, cup.axis), ++outer;
+    if (!gate.edge_surfaces.endo || gate.edge_surfaces.endo->mesh.vertices.empty()) continue;
+    most_ml = std::max(most_ml, gate.edge_surfaces.endo->volume_ml);
+    thickness += mean_distance(gate.edge_surfaces.epi->mesh, cup) - mean_distance(gate.edge_surfaces.endo->mesh, cup),
+        ++both;
   }
   if (outer > 0) clues.length_to_width = slimness / outer;
   if (both > 0) clues.thickness_mm = thickness / both;
@@ -189,25 +190,27 @@ void look_at_surfaces(const VentricleResult& result, const Cup& cup, Clues& clue
 void look_at_curves(const VentricleResult& result, Clues& clues) {
   std::vector<double> endo, epi;
   for (const Gate& gate : result.gates) {
-    if (gate.endo) endo.push_back(gate.endo->volume_ml);
-    if (gate.epi) epi.push_back(gate.epi->volume_ml);
+    if (gate.edge_surfaces.endo) endo.push_back(gate.edge_surfaces.endo->volume_ml);
+    if (gate.edge_surfaces.epi) epi.push_back(gate.edge_surfaces.epi->volume_ml);
   }
   const std::size_t gates = result.gates.size();
   if (endo.size() == gates) clues.endo_roughness = cycle_roughness(endo);
   if (epi.size() == gates) clues.epi_roughness = cycle_roughness(epi);
-  if (result.ef_percent && result.qgs_like)
-    if (const auto other = left_ventricular_function(result.qgs_like->cavity_ml); other && other->ef_percent)
-      clues.readings_apart = std::abs(*other->ef_percent - *result.ef_percent);
-  if (result.ed_gate && result.es_gate && gates > 1)
-    clues.end_systole = (static_cast<double>(*result.es_gate) + 0.5) / static_cast<double>(gates);
+  const Reading& edge = result.readings.edge;
+  if (edge.ef_percent && result.readings.gaussian_profile)
+    if (const auto other = reading_of(*result.readings.gaussian_profile); other.ef_percent)
+      clues.readings_apart = std::abs(other.ef_percent->value - edge.ef_percent->value);
+  if (edge.ed_gate && edge.es_gate && gates > 1)
+    clues.end_systole = (static_cast<double>(*edge.es_gate) + 0.5) / static_cast<double>(gates);
 }
 
 void look_at_base(const VentricleResult& result, Clues& clues) {
   double seen = 0, spread = 0, cut = 0;
   int planes = 0;
   for (const Gate& gate : result.gates)
-    if (gate.base_plane)
-      seen += gate.base_plane->seen, spread += gate.base_plane->spread_mm, cut += gate.base_plane->cut, ++planes;
+    if (gate.edge_surfaces.base_plane)
+      seen += gate.edge_surfaces.base_plane->seen, spread += gate.edge_surfaces.base_plane->spread_mm,
+          cut += gate.edge_surfaces.base_plane->cut, ++planes;
   if (planes > 0)
     clues.base_seen = seen / planes, clues.base_spread_mm = spread / planes, clues.base_cut = cut / planes;
 }

@@ -24,7 +24,7 @@ struct Clues {
   double endo_roughness = 0;  // of the volume curves, as `cycle_roughness`
   double epi_roughness = 0;
   double length_to_width = 1.3;  // of the outer surface: of the ellipsoid of its length and volume; mean of the gates
-  double readings_apart = 0;     // points of ejection fraction: `qgs_like` over that of the surfaces, either way
+  double readings_apart = 0;     // points of ejection fraction: `gaussian_profile` over the edges, either way
   double end_systole = 0.4;      // part of the beat that has passed
   double base_seen = 1, base_spread_mm = 0, base_cut = 0;
 };

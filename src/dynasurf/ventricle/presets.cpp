@@ -7,7 +7,7 @@
 namespace dynasurf {
 namespace {
 
-constexpr std::array<std::string_view, 6> names{"unbiased", "edges", "thesis", "pet", "mr", "ct"};
+constexpr std::array<std::string_view, 6> names{"psf_corrected", "edges", "thesis", "pet", "mr", "ct"};
 
 /// Surfaces on the largest gradient alone.
 VentricleOptions edge_options() {

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "dynasurf/ventricle/clues.hpp"
-#include "dynasurf/ventricle/reconstruct.hpp"
+#include "dynasurf/ventricle/result.hpp"
 
 namespace dynasurf {
 namespace {
@@ -68,9 +68,9 @@ void flag_gates(const VentricleResult& result, std::vector<Flag>& flags, std::st
 /// What blur or a defect does to edges does not make the ejection fraction doubtful where a fit through the blur is
 /// sure of it: its error bar knows of unseen wall. It is listed without changing the verdict.
 Severity doubt_of_edges(const VentricleResult& result) {
-  if (!result.fit || !result.fit->ef_percent) return Severity::warning;
-  const Estimate& ef = *result.fit->ef_percent;
-  return ef.high() - ef.low() > 2 * most_ef_90 ? Severity::warning : Severity::info;
+  const auto& ef = result.leading.ef_percent;
+  if (!ef || !ef->has_interval()) return Severity::warning;
+  return ef->high() - ef->low() > 2 * most_ef_90 ? Severity::warning : Severity::info;
 }
 
 bool is_blood_pool(const VentricleResult& result) {
@@ -80,9 +80,7 @@ bool is_blood_pool(const VentricleResult& result) {
 void flag_surfaces(const VentricleResult& result, std::vector<Flag>& flags) {
   for (const Wall wall : {Wall::endo, Wall::epi}) {
     if (wall == Wall::epi && is_blood_pool(result)) continue;
-    const auto surface = [wall](const Gate& g) -> const std::optional<Surface>& {
-      return wall == Wall::endo ? g.endo : g.epi;
-    };
+    const auto surface = [wall](const Gate& g) -> const std::optional<Surface>& { return g.edge_surfaces.of(wall); };
     const std::string name(name_of(wall));
     flag_gates(result, flags, "surface_missing", Severity::failure, "no " + name + "cardial border was found",
                [&](const Gate& g) { return !surface(g); });
@@ -99,11 +97,12 @@ void flag_surfaces(const VentricleResult& result, std::vector<Flag>& flags) {
   }
   flag_gates(result, flags, "surface_invalid", Severity::warning,
              "a surface is not closed, manifold, oriented and free of self-intersections", [](const Gate& g) {
-               return (g.endo && !g.endo->repair.check.valid()) || (g.epi && !g.epi->repair.check.valid());
+               const EdgeSurfaces& s = g.edge_surfaces;
+               return (s.endo && !s.endo->repair.check.valid()) || (s.epi && !s.epi->repair.check.valid());
              });
   flag_gates(result, flags, "walls_cross", Severity::failure,
              "the endocardial volume is not smaller than the epicardial one",
-             [](const Gate& g) { return g.wall_ml && *g.wall_ml <= 0; });
+             [](const Gate& g) { return g.edge_surfaces.wall_ml && *g.edge_surfaces.wall_ml <= 0; });
 }
 
 void flag_numbers(const VentricleResult& result, const Clues& clues, std::vector<Flag>& flags) {
@@ -113,23 +112,24 @@ void flag_numbers(const VentricleResult& result, const Clues& clues, std::vector
          format("the wall's volume varies by %.0f %% over the beat (coefficient of variation); muscle keeps its volume",
                 100 * *result.wall_variation),
          *result.wall_variation});
-  if (result.ef_percent && (*result.ef_percent < least_ef || *result.ef_percent > most_ef))
+  const Reading& edge = result.readings.edge;
+  if (edge.ef_percent && (edge.ef_percent->value < least_ef || edge.ef_percent->value > most_ef))
     flags.push_back(
         {"ejection_fraction_implausible", Severity::warning,
-         format("an ejection fraction of %.1f %% is outside %.0f-%.0f %%", *result.ef_percent, least_ef, most_ef),
-         *result.ef_percent});
+         format("an ejection fraction of %.1f %% is outside %.0f-%.0f %%", edge.ef_percent->value, least_ef, most_ef),
+         edge.ef_percent->value});
   if (clues.readings_apart > most_readings_apart)
     flags.push_back(
         {"readings_disagree", doubt_of_edges(result),
-         format("the reading in the way of QGS has an ejection fraction %.0f points away: the cavity is too small for "
+         format("the Gaussian-profile reading has an ejection fraction %.0f points away: the cavity is too small for "
                 "the blur, or a part of the wall is not seen",
                 clues.readings_apart),
          clues.readings_apart});
-  if (result.edv_ml && (*result.edv_ml < least_edv_ml || *result.edv_ml > most_edv_ml))
+  if (edge.edv_ml && (edge.edv_ml->value < least_edv_ml || edge.edv_ml->value > most_edv_ml))
     flags.push_back({"volume_implausible", Severity::warning,
-                     format("an end-diastolic volume of %.1f mL is outside %.0f-%.0f mL", *result.edv_ml, least_edv_ml,
-                            most_edv_ml),
-                     *result.edv_ml});
+                     format("an end-diastolic volume of %.1f mL is outside %.0f-%.0f mL", edge.edv_ml->value,
+                            least_edv_ml, most_edv_ml),
+                     edge.edv_ml->value});
 }
 
 /// "surface_missing" says these already.
@@ -166,10 +166,10 @@ void flag_place(const VentricleResult& result, std::vector<Flag>& flags) {
              format("a surface lies more than %.0f mm beside or %.0f mm along the axis from where the heart was found",
                     most_beside_mm, most_along * heart.cup.half_length_mm),
              [&](const Gate& gate) {
-               if (!gate.epi || gate.epi->mesh.vertices.empty()) return false;
+               if (!gate.edge_surfaces.epi || gate.edge_surfaces.epi->mesh.vertices.empty()) return false;
                Vec3 middle = Vec3::Zero();
-               for (const Vec3& p : gate.epi->mesh.vertices)
-                 middle += p / static_cast<double>(gate.epi->mesh.vertices.size());
+               for (const Vec3& p : gate.edge_surfaces.epi->mesh.vertices)
+                 middle += p / static_cast<double>(gate.edge_surfaces.epi->mesh.vertices.size());
                const Vec3 off = middle - heart.cup.middle();
                const double along = off.dot(heart.cup.axis);
                return std::abs(along) > most_along * heart.cup.half_length_mm ||

@@ -1,5 +1,6 @@
 #include "dynasurf/ventricle/readings.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "dynasurf/ventricle/cycle.hpp"
@@ -9,107 +10,167 @@
 namespace dynasurf {
 namespace {
 
-/// An image without blur has no Gaussian across its wall: deviations without end would be shown as volumes.
-void drop_unlikely_reading(VentricleResult& result) {
-  if (!result.qgs_like) return;
-  constexpr double most = 3;  // times the outer edge surface
-  for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    const double outer_ml = result.qgs_like->cavity_ml[g] + result.qgs_like->wall_ml[g];
-    if (std::isfinite(outer_ml) && outer_ml < most * result.gates[g].epi->volume_ml) continue;
-    result.qgs_like.reset();
-    result.notes.push_back(
-        {Severity::info, "readings.no_gaussian", "no QGS-like reading: no asymmetric Gaussian fits across this wall"});
-    return;
-  }
+constexpr std::array<std::string_view, 3> kind_names{"psf_corrected", "edge", "gaussian_profile"};
+
+std::optional<Estimate> mean_of(const std::vector<double>& values) {
+  if (values.empty()) return std::nullopt;
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return Estimate{sum / static_cast<double>(values.size())};
 }
 
-/// False where the fit ran away from what was seen: data that are no wall seen through a blur.
-bool is_plausible(const VentricleResult& result) {
+/// Volumes of the cavity and the wall over the beat, without intervals.
+Reading reading_of_volumes(ReadingKind kind, const std::vector<double>& cavity_ml, const std::vector<double>& wall_ml) {
+  Reading reading;
+  reading.kind = kind;
+  reading.wall_ml = mean_of(wall_ml);
+  const std::optional<Function> f = left_ventricular_function(cavity_ml);
+  if (!f) return reading;
+  reading.edv_ml = Estimate{f->edv_ml}, reading.esv_ml = Estimate{f->esv_ml}, reading.sv_ml = Estimate{f->sv_ml};
+  if (f->ef_percent) reading.ef_percent = Estimate{*f->ef_percent};
+  reading.ed_gate = f->ed_gate, reading.es_gate = f->es_gate;
+  return reading;
+}
+
+/// False where the fit diverged from the edges: data that are no wall seen through a point spread.
+bool is_plausible(const FittedBeat& beat, const std::vector<Gate>& gates) {
   constexpr double most = 4;  // times the outer edge surface, or a part of it
-  for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    const double fitted = result.fit->gates[g].epi_ml.value / result.gates[g].epi->volume_ml;
-    if (!(fitted > 1 / most && fitted < most) || !(result.fit->gates[g].endo_ml.value > 0)) return false;
+  for (std::size_t g = 0; g < gates.size(); ++g) {
+    const double ratio = beat.gates[g].epi_ml.value / gates[g].edge_surfaces.epi->volume_ml;
+    if (!(ratio > 1 / most && ratio < most) || !(beat.gates[g].endo_ml.value > 0)) return false;
   }
-  return std::isfinite(result.fit->edv_ml.sd + result.fit->esv_ml.sd + result.fit->wall_ml.sd);
+  return std::isfinite(beat.edv_ml.sd + beat.esv_ml.sd + beat.wall_ml.sd);
 }
 
-}  // namespace
-
-void measure_cycle(VentricleResult& result) {
-  std::vector<double> cavity, wall;
-  for (const Gate& gate : result.gates) {
-    if (gate.endo) cavity.push_back(gate.endo->volume_ml);
-    if (gate.wall_ml) wall.push_back(*gate.wall_ml);
+/// An image without blur has no Gaussian across its wall: deviations without end would be shown as volumes.
+bool is_plausible(const GaussianProfile& profile, const std::vector<Gate>& gates) {
+  constexpr double most = 3;  // times the outer edge surface
+  for (std::size_t g = 0; g < gates.size(); ++g) {
+    const double outer_ml = profile.cavity_ml[g] + profile.wall_ml[g];
+    if (!(std::isfinite(outer_ml) && outer_ml < most * gates[g].edge_surfaces.epi->volume_ml)) return false;
   }
-  if (cavity.size() == result.gates.size()) {
-    if (const std::optional<Function> f = left_ventricular_function(cavity)) {
-      result.edv_ml = f->edv_ml, result.esv_ml = f->esv_ml, result.sv_ml = f->sv_ml;
-      result.ef_percent = f->ef_percent;
-      result.ed_gate = f->ed_gate, result.es_gate = f->es_gate;
-    }
-    result.phases = phases_of_curve(cavity);
-  }
-  if (wall.size() == result.gates.size() && wall.size() > 1) result.wall_variation = coefficient_of_variation(wall);
+  return true;
 }
 
-void read_otherwise(const Study& original, const BlurFit& options, const Progress& progress, StageClock& clock,
-                    VentricleResult& result) {
+/// What a fit begins with; absent, with a note where one was asked for, unless all gates have both surfaces.
+std::optional<FitStart> fit_start_of(VentricleResult& result, bool is_asked_for) {
   FitStart start;
   for (const Gate& gate : result.gates) {
-    if (!gate.endo || !gate.epi || gate.endo->volume_ml <= 0 || gate.wall_ml.value_or(0) <= 0) {
-      if (options.run)
+    const EdgeSurfaces& edge = gate.edge_surfaces;
+    if (!edge.endo || !edge.epi || edge.endo->volume_ml <= 0 || edge.wall_ml.value_or(0) <= 0) {
+      if (is_asked_for)
         result.notes.push_back(
             {Severity::info, "fit.no_walls",
-             "no volumes freed of the blur: gate " + std::to_string(gate.gate + 1) + " has not both surfaces"});
-      return;
+             "no PSF-corrected volumes: gate " + std::to_string(gate.gate + 1) + " has not both surfaces"});
+      return std::nullopt;
     }
-    start.endo.push_back(gate.endo->mesh);
-    start.epi.push_back(gate.epi->mesh);
-    start.base.push_back(gate.base_plane);
+    start.endo.push_back(edge.endo->mesh);
+    start.epi.push_back(edge.epi->mesh);
+    start.base.push_back(edge.base_plane);
   }
   start.axis = result.study.grid().direction.col(2);
   start.lateral = result.study.grid().direction.col(0);
   // A heart that was found across the stack was not believed either when the stack was kept.
   if (result.heart && result.heart->cup.axis.dot(start.axis) > 0.7) start.cup = result.heart->cup;
-  result.qgs_like = clock("readings", [&] { return read_like_qgs(original, start); });
-  drop_unlikely_reading(result);
+  return start;
+}
+
+LeadingSurfaces surfaces_of(const FittedGate& fitted) {
+  return {LeadingSurface{fitted.endo, fitted.endo_ml}, LeadingSurface{fitted.epi, fitted.epi_ml}, fitted.base};
+}
+
+LeadingSurfaces surfaces_of(const EdgeSurfaces& edge) {
+  LeadingSurfaces surfaces;
+  if (edge.endo) surfaces.endo = LeadingSurface{edge.endo->mesh, {edge.endo->volume_ml}};
+  if (edge.epi) surfaces.epi = LeadingSurface{edge.epi->mesh, {edge.epi->volume_ml}};
+  surfaces.base_plane = edge.base_plane;
+  return surfaces;
+}
+
+}  // namespace
+
+std::span<const std::string_view> names_of(ReadingKind) { return kind_names; }
+
+Reading reading_of(const FittedBeat& beat) {
+  Reading reading;
+  reading.kind = ReadingKind::psf_corrected;
+  reading.wall_ml = beat.wall_ml;
+  if (beat.gates.size() < 2) return reading;
+  reading.edv_ml = beat.edv_ml, reading.esv_ml = beat.esv_ml, reading.sv_ml = beat.sv_ml;
+  reading.ef_percent = beat.ef_percent;
+  reading.ed_gate = beat.ed_gate, reading.es_gate = beat.es_gate;
+  return reading;
+}
+
+Reading reading_of(const GaussianProfile& profile) {
+  return reading_of_volumes(ReadingKind::gaussian_profile, profile.cavity_ml, profile.wall_ml);
+}
+
+void measure_cycle(VentricleResult& result) {
+  std::vector<double> cavity, wall;
+  for (const Gate& gate : result.gates) {
+    if (gate.edge_surfaces.endo) cavity.push_back(gate.edge_surfaces.endo->volume_ml);
+    if (gate.edge_surfaces.wall_ml) wall.push_back(*gate.edge_surfaces.wall_ml);
+  }
+  if (cavity.size() != result.gates.size()) cavity.clear();
+  if (wall.size() != result.gates.size()) wall.clear();
+  result.readings.edge = reading_of_volumes(ReadingKind::edge, cavity, wall);
+  if (wall.size() > 1) result.wall_variation = coefficient_of_variation(wall);
+}
+
+void read_otherwise(const Study& original, const BlurFit& options, const Progress& progress, StageClock& clock,
+                    VentricleResult& result) {
+  const std::optional<FitStart> start = fit_start_of(result, options.run);
+  if (!start) return;
+  auto& profile = result.readings.gaussian_profile;
+  profile = clock("readings", [&] { return read_gaussian_profile(original, *start); });
+  if (profile && !is_plausible(*profile, result.gates)) {
+    profile.reset();
+    result.notes.push_back({Severity::info, "readings.no_gaussian",
+                            "no Gaussian-profile reading: no asymmetric Gaussian fits across this wall"});
+  }
   if (!options.run) return;
-  result.fit = clock("fit", [&] { return fit_through_blur(original, start, options, progress); });
-  result.notes.insert(result.notes.end(), result.fit->notes.begin(), result.fit->notes.end());
-  if (is_plausible(result)) return;
-  result.fit.reset();
-  result.notes.push_back(
-      {Severity::warning, "fit.lost",
-       "no volumes freed of the blur: the walls that were fitted are not those whose edges were seen"});
+  auto& beat = result.readings.psf_corrected;
+  beat = clock("fit", [&] { return fit_through_blur(original, *start, options, progress); });
+  result.notes.insert(result.notes.end(), beat->notes.begin(), beat->notes.end());
+  if (is_plausible(*beat, result.gates)) return;
+  beat.reset();
+  result.notes.push_back({Severity::warning, "fit.lost",
+                          "no PSF-corrected volumes: the fit diverged from the edge surfaces and was discarded"});
+}
+
+void choose_leading(VentricleResult& result) {
+  const auto& beat = result.readings.psf_corrected;
+  result.leading = beat ? reading_of(*beat) : result.readings.edge;
+  std::vector<double> cavity_ml;
+  for (std::size_t g = 0; g < result.gates.size(); ++g) {
+    Gate& gate = result.gates[g];
+    gate.surfaces = beat ? surfaces_of(beat->gates[g]) : surfaces_of(gate.edge_surfaces);
+    if (gate.surfaces.endo) cavity_ml.push_back(gate.surfaces.endo->volume_ml.value);
+  }
+  if (cavity_ml.size() == result.gates.size()) result.phases = phases_of_curve(cavity_ml);
 }
 
 std::optional<Measures> measure_study(const VentricleResult& result, const MeasureOptions& options) {
+  const auto& beat = result.readings.psf_corrected;
   MeasureInput input;
   input.cycle_ms = result.study.cycle_ms;
+  if (beat) input.from_edges = false;
   // A heart that was found across the stack was not believed either when the stack was kept.
   const Vec3 along_stack = result.study.grid().direction.col(2);
   input.axis = result.heart && result.heart->cup.axis.dot(along_stack) > 0.7 ? result.heart->cup.axis : along_stack;
   bool is_any = false;
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    const Gate& gate = result.gates[g];
-    if (result.fit) {
-      const FittedGate& fitted = result.fit->gates[g];
-      input.from_edges = false, is_any = true;
-      input.gates.push_back({{&fitted.endo, &result.fit->uptake},
-                             {&fitted.epi, &result.fit->uptake},
-                             &result.study.gates[g],
-                             fitted.base});
-      continue;
-    }
-    is_any = is_any || gate.endo;
-    input.gates.push_back({{gate.endo ? &gate.endo->mesh : nullptr},
-                           {gate.epi ? &gate.epi->mesh : nullptr},
-                           &result.study.gates[g],
-                           gate.base_plane});
+    const LeadingSurfaces& surfaces = result.gates[g].surfaces;
+    const auto wall = [&](const std::optional<LeadingSurface>& surface) {
+      return WallSide{surface ? &surface->mesh : nullptr, beat ? &beat->uptake : nullptr};
+    };
+    is_any = is_any || surfaces.endo;
+    input.gates.push_back({wall(surfaces.endo), wall(surfaces.epi), &result.study.gates[g], surfaces.base_plane});
   }
   if (!is_any) return std::nullopt;
   Measures measures = measure_walls(input, options);
-  if (result.fit && result.fit->posterior) add_error_bars(measures, *result.fit->posterior);
+  if (beat && beat->posterior) add_error_bars(measures, *beat->posterior);
   return measures;
 }
 

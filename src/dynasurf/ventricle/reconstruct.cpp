@@ -187,11 +187,12 @@ Gate finish_gate(GateRun& run, int g, const VentricleResult& result) {
   if (!result.study.time_ms.empty()) gate.time_ms = result.study.time_ms[static_cast<std::size_t>(g)];
   if (run.endo.surface) run.endo.surface->stack = run.endo.stack;
   if (run.epi.surface) run.epi.surface->stack = run.epi.stack;
-  gate.endo = std::move(run.endo.surface);
-  gate.epi = std::move(run.epi.surface);
-  if (gate.endo && gate.epi) gate.wall_ml = gate.epi->volume_ml - gate.endo->volume_ml;
+  EdgeSurfaces& edge = gate.edge_surfaces;
+  edge.endo = std::move(run.endo.surface);
+  edge.epi = std::move(run.epi.surface);
+  if (edge.endo && edge.epi) edge.wall_ml = edge.epi->volume_ml - edge.endo->volume_ml;
+  edge.base_plane = run.base_plane;
   gate.base_slice = run.base_slice;
-  gate.base_plane = run.base_plane;
   gate.labels = std::move(run.labels);
   gate.edges = std::move(run.edges.edges);
   return gate;
@@ -199,15 +200,16 @@ Gate finish_gate(GateRun& run, int g, const VentricleResult& result) {
 
 /// Surfaces that started from the data themselves have triangles of their own in every gate.
 void note_correspondence(VentricleResult& result) {
-  for (const auto wall : {&Gate::endo, &Gate::epi})
-    for (const Gate& gate : result.gates)
-      if (result.gates[0].*wall && gate.*wall &&
-          (gate.*wall)->mesh.triangles != (result.gates[0].*wall)->mesh.triangles) {
+  for (const Wall wall : walls)
+    for (const Gate& gate : result.gates) {
+      const auto &first = result.gates[0].surfaces.of(wall), &here = gate.surfaces.of(wall);
+      if (first && here && here->mesh.triangles != first->mesh.triangles) {
         result.notes.push_back(
             {Severity::info, "surface.no_correspondence",
              "the surfaces of the gates have different triangles, so nothing is shown between them"});
         return;
       }
+    }
 }
 
 void hand_over_stages(const StageSink& keep, std::vector<GateRun>& runs, const Study& study) {
@@ -409,9 +411,10 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
       if (run.wall(wall).surface) add_notes(result.notes, run.wall(wall).surface->notes, g);
     result.gates.push_back(finish_gate(run, g, result));
   }
-  note_correspondence(result);
   measure_cycle(result);
   read_otherwise(original, options.fit, progress, clock, result);
+  choose_leading(result);
+  note_correspondence(result);
   result.measures = clock("measures", [&] { return measure_study(result, options.measures); });
   result.flags = judge(result);
   result.verdict = verdict_of(result.flags);

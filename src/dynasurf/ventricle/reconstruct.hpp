@@ -18,13 +18,11 @@
 #include "dynasurf/ventricle/closure.hpp"
 #include "dynasurf/ventricle/contour_pipeline.hpp"
 #include "dynasurf/ventricle/fit/blur_fit.hpp"
-#include "dynasurf/ventricle/fit/qgs_like.hpp"
-#include "dynasurf/ventricle/function.hpp"
 #include "dynasurf/ventricle/labels.hpp"
 #include "dynasurf/ventricle/locate.hpp"
 #include "dynasurf/ventricle/measures/measures.hpp"
 #include "dynasurf/ventricle/orientation.hpp"
-#include "dynasurf/ventricle/quality.hpp"
+#include "dynasurf/ventricle/result.hpp"
 #include "dynasurf/ventricle/settle.hpp"
 #include "dynasurf/ventricle/surface.hpp"
 
@@ -95,36 +93,8 @@ void describe(auto& visit, VentricleOptions& o) {
   visit("warm_start", o.warm_start, Field{"start each gate from the surface of the gate before, a little enlarged"});
   visit("keyframes", o.keyframes, Field{"surfaces between the gates"});
   visit("measures", o.measures, Field{"what is measured on the surfaces"});
-  visit("fit", o.fit, Field{"surfaces of all gates fitted through the camera's blur: unbiased volumes"});
+  visit("fit", o.fit, Field{"surfaces of all gates fitted through the point spread: PSF-corrected volumes"});
 }
-
-struct Gate {
-  int gate = 0;  // 0-based
-  std::optional<double> time_ms;
-  Labels labels;                        // on the canonical grid, apex first
-  std::optional<Surface> endo, epi;     // absent where the border was not found
-  int base_slice = -1;                  // highest slice of the ventricle, -1: unknown
-  std::optional<BasePlane> base_plane;  // world frame: the surfaces end there; absent when it was not found
-  std::optional<double> wall_ml;        // epi - endo
-  Mask edges;                           // all edges as in EdgeMap, for drawing: they show why a border was not found
-};
-
-struct VentricleResult {
-  Study study;                    // canonical: slices apex first, values normalised
-  std::optional<Location> heart;  // where the ventricle was found in the volume, world frame
-  std::vector<Gate> gates;
-  std::optional<double> edv_ml, esv_ml, sv_ml, ef_percent;  // absent for ungated or failed studies
-  std::optional<int> ed_gate, es_gate;                      // 0-based
-  std::optional<CurvePhases> phases;                        // of the cavity's volume curve
-  std::optional<double> wall_variation;                     // coefficient of variation of wall_ml over the cycle
-  std::optional<Measures> measures;                         // absent when no gate has both surfaces
-  std::optional<QgsLike> qgs_like;  // what programs of the QGS family would read; needs both surfaces in all gates
-  std::optional<FittedBeat> fit;    // unbiased volumes with their error bars, when asked for
-  Verdict verdict = Verdict::fail;
-  std::vector<Flag> flags;
-  Notes notes;
-  std::vector<std::pair<std::string, double>> seconds;  // per stage, in order, summed over gates
-};
 
 /// What a run passed through, gate by gate, for saving and drawing: called once per gate if given.
 struct Stages {

@@ -6,6 +6,7 @@
 
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/progress.hpp"
+#include "dynasurf/ventricle/estimate.hpp"
 #include "dynasurf/ventricle/fit/start.hpp"
 
 namespace dynasurf {
@@ -41,13 +42,6 @@ void describe(auto& visit, BlurFit& o) {
               "", 0, 0.2});
   visit("most_steps", o.most_steps, Field{"steps of the optimiser at most", "", 1, 1000});
 }
-
-/// A number and how sure it is: one standard deviation.
-struct Estimate {
-  double value = 0, sd = 0;
-  double low() const { return value - 1.645 * sd; }  // of the 90 % interval
-  double high() const { return value + 1.645 * sd; }
-};
 
 /// One gate as fitted. World frame. The triangles are the same for all gates and both walls: `rings` rows of
 /// `segments` vertices from the apex (one vertex) to the rim at the base, then the lid that closes the base.

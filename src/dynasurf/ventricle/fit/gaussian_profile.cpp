@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/fit/qgs_like.hpp"
+#include "dynasurf/ventricle/fit/gaussian_profile.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -147,7 +147,7 @@ Volumes volumes_of(const std::vector<Crossing>& crossings, const std::vector<Ray
 
 }  // namespace
 
-std::optional<QgsLike> read_like_qgs(const Study& study, const FitStart& fit_start) {
+std::optional<GaussianProfile> read_gaussian_profile(const Study& study, const FitStart& fit_start) {
   const PlacedStart start = place_start(fit_start, study.grid());
   const std::vector<Ray> rays = make_rays(start.frame);
   const std::size_t gates = study.gates.size();
@@ -162,7 +162,7 @@ std::optional<QgsLike> read_like_qgs(const Study& study, const FitStart& fit_sta
     const Volumes v = volumes_of(crossings[g], rays, start.frame, share_of_deviation);
     muscle += (v.epi - v.cavity) / static_cast<double>(gates);
   }
-  QgsLike reading{std::vector<double>(gates), std::vector<double>(gates)};
+  GaussianProfile reading{std::vector<double>(gates), std::vector<double>(gates)};
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
     double low = 0.1, high = 2;
     for (int n = 0; n < 40; ++n) {

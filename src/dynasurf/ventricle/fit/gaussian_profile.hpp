@@ -7,7 +7,7 @@
 namespace dynasurf {
 
 /// Volumes as programs of the QGS family read them, so that old numbers can be compared with new ones.
-struct QgsLike {
+struct GaussianProfile {
   std::vector<double> cavity_ml, wall_ml;  // per gate
 };
 
@@ -16,6 +16,6 @@ struct QgsLike {
 /// share is then changed gate by gate until all gates hold the same muscle as in the mean of the beat. The base plane
 /// closes both walls. After what was published of the method, not a copy of any program.
 /// `start` needs both surfaces in all gates; it says where to look. Absent when the walls cannot be seen.
-std::optional<QgsLike> read_like_qgs(const Study& study, const FitStart& start);
+std::optional<GaussianProfile> read_gaussian_profile(const Study& study, const FitStart& start);
 
 }  // namespace dynasurf

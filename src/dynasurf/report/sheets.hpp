@@ -5,7 +5,7 @@
 #include "dynasurf/io/png.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
-namespace dynasurf::app {
+namespace dynasurf {
 
 // All slices of one gate on one sheet, from the apex on, row by row, each with its number (from 1), under a title and
 // a legend of the colours.
@@ -49,4 +49,4 @@ enum class MatrixDrawing { edges, labels };
 Picture draw_matrix(const std::vector<std::vector<MatrixCell>>& rows, int slice, MatrixDrawing what,
                     const std::string& title);
 
-}  // namespace dynasurf::app
+}  // namespace dynasurf

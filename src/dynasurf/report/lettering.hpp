@@ -3,7 +3,7 @@
 
 #include "dynasurf/io/png.hpp"
 
-namespace dynasurf::app {
+namespace dynasurf {
 
 inline constexpr int letter_width = 8, letter_height = 10;  // of a letter with the gap after it, pixels
 
@@ -11,4 +11,4 @@ inline constexpr int letter_width = 8, letter_height = 10;  // of a letter with 
 /// out; a character without a shape of its own becomes a gap.
 void draw_text(Picture& picture, std::string_view text, int x, int y, Colour colour);
 
-}  // namespace dynasurf::app
+}  // namespace dynasurf

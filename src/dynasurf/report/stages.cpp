@@ -1,11 +1,11 @@
-#include "stages.hpp"
+#include "dynasurf/report/stages.hpp"
 
 #include <string>
 
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/stage_io.hpp"
 
-namespace dynasurf::app {
+namespace dynasurf {
 namespace {
 
 namespace fs = std::filesystem;
@@ -39,4 +39,4 @@ void StageWriter::operator()(const Stages& stages, const VentricleOptions& optio
   write_wall(prefix, name_of(Wall::epi), stages.border_epi, stages.field_epi, options);
 }
 
-}  // namespace dynasurf::app
+}  // namespace dynasurf

@@ -1,9 +1,9 @@
-#include "lettering.hpp"
+#include "dynasurf/report/lettering.hpp"
 
 #include <cctype>
 #include <string>
 
-namespace dynasurf::app {
+namespace dynasurf {
 namespace {
 
 struct Glyph {
@@ -40,4 +40,4 @@ void draw_text(Picture& picture, std::string_view text, int x, int y, Colour col
   }
 }
 
-}  // namespace dynasurf::app
+}  // namespace dynasurf

@@ -3,7 +3,7 @@
 
 #include "dynasurf/ventricle/reconstruct.hpp"
 
-namespace dynasurf::app {
+namespace dynasurf {
 
 /// Saves what a run passed through, gate by gate, as files that ParaView and 3D Slicer open: the image, the edges, the
 /// labels and the closed borders as NRRD, the fields as VTK images, the ellipsoids that the surfaces start from as PLY.
@@ -16,4 +16,4 @@ class StageWriter {
   std::filesystem::path folder_;
 };
 
-}  // namespace dynasurf::app
+}  // namespace dynasurf

@@ -1,4 +1,4 @@
-#include "sheets.hpp"
+#include "dynasurf/report/sheets.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,12 +8,11 @@
 
 #include "dynasurf/core/elementary.hpp"
 #include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/report/lettering.hpp"
 #include "dynasurf/ventricle/labels/mlc.hpp"
 #include "dynasurf/ventricle/labels/radial.hpp"
 
-#include "lettering.hpp"
-
-namespace dynasurf::app {
+namespace dynasurf {
 namespace {
 
 constexpr Colour white{255, 255, 255}, grey{90, 90, 90}, yellow{255, 220, 0}, orange{255, 130, 0}, red{255, 40, 40},
@@ -369,4 +368,4 @@ Picture draw_matrix(const std::vector<std::vector<MatrixCell>>& rows, int slice,
   return picture;
 }
 
-}  // namespace dynasurf::app
+}  // namespace dynasurf

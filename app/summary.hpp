@@ -1,0 +1,11 @@
+#pragma once
+#include <string>
+
+#include "dynasurf/ventricle/result.hpp"
+
+namespace dynasurf::app {
+
+/// The short table on the terminal: a row per gate, the readings, the verdict with its reasons.
+std::string summary_of(const VentricleResult& result);
+
+}  // namespace dynasurf::app
