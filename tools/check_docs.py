@@ -1,25 +1,29 @@
 #!/usr/bin/env python3
-"""Checks the documents: links lead somewhere, option tables are those of the program, nothing is left unfinished.
+"""Checks the documents: links lead somewhere, numbers are those that were measured, options are those of the program,
+nothing is left unfinished, and all of it stays short enough to be read.
 
     check_docs.py [--program build/release/bin/dynasurf] [--update]
 
-docs/api.md must be what api_page.py writes. A table of options stands between <!-- dynasurf options SUBJECT... --> and <!-- end -->; --update writes it anew.
+Numbers from result files stand between the markers of tools/figures.py; --update writes them anew. A table row that
+begins with `path.of.option` below the headline "option | default" must tell the program's default.
 """
 
 import argparse
+import json
 import pathlib
 import re
 import subprocess
 import sys
 import urllib.parse
 
-import api_page
+import figures
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SKIP = {"build", "demo", "node_modules", "dist", ".git", ".cache"}
 UNFINISHED = re.compile(r"\b(TO" + r"DO|FIX" + r"ME|XX" + r"X|TB" + r"D)\b|lorem " + "ipsum", re.IGNORECASE)
 TEXTS = {".cpp", ".hpp", ".md", ".py", ".ts", ".cmake", ".json", ".html", ".css", ".mjs", ".cff", ".txt", ""}
-TABLE = re.compile(r"(<!-- dynasurf options ([a-z ]+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
+# All documents together, without the tables that experiments print (experiments/*/results.md).
+LARGEST_BYTES = 180_000
 
 
 def files(root):
@@ -29,13 +33,13 @@ def files(root):
             yield path
 
 
+def anchor_of(heading):
+    """GitHub's name of a heading."""
+    return re.sub(r"[^\w\- ]", "", heading.replace("`", "").lower()).strip().replace(" ", "-")
+
+
 def anchors_of(text):
-    """GitHub's names of the headings of a document."""
-    names = set()
-    for heading in re.findall(r"^#+ (.+)$", text, re.MULTILINE):
-        plain = re.sub(r"[^\w\- ]", "", re.sub(r"`", "", heading).lower()).strip()
-        names.add(plain.replace(" ", "-"))
-    return names
+    return {anchor_of(heading) for heading in re.findall(r"^#+ (.+)$", text, re.MULTILINE)}
 
 
 def broken_links(path, root):
@@ -51,31 +55,21 @@ def broken_links(path, root):
             yield f"{path.relative_to(root)}: {file or path.name} has no heading #{anchor}"
 
 
-def option_tables(path, root, program, update):
-    text = path.read_text()
-
-    def fresh(match):
-        command = [str(program), "options", *match[2].split(), "--markdown"]
-        return match[1] + subprocess.run(command, check=True, capture_output=True, text=True).stdout + match[4]
-
-    written = TABLE.sub(fresh, text)
-    if written != text:
-        if update:
-            path.write_text(written)
-        else:
-            yield f"{path.relative_to(root)}: a table of options is out of date; run tools/check_docs.py --update"
+def defaults_of(program):
+    """The defaults of the ventricle's options by path."""
+    run = subprocess.run([str(program), "options", "ventricle", "--markdown"], check=True, capture_output=True, text=True)
+    rows = re.findall(r"^\| `([^`]+)`(?: \(\w+\))? \| ([^|]*?) \|", run.stdout, re.MULTILINE)
+    return dict(reversed(rows))
 
 
-def api(root, update):
-    path = root / "docs" / "api.md"
-    if not path.exists():
-        return
-    fresh = api_page.page(root)
-    if path.read_text() != fresh:
-        if update:
-            path.write_text(fresh)
-        else:
-            yield "docs/api.md: out of date; run tools/check_docs.py --update"
+def stale_options(path, root, program):
+    for table in re.findall(r"^\| option \| default \|.*\n((?:\|.*\n)+)", path.read_text(), re.MULTILINE):
+        known = defaults_of(program)
+        for option, default in re.findall(r"^\| `([^`]+)` \| ([^|]*?) \|", table, re.MULTILINE):
+            if option not in known:
+                yield f"{path.relative_to(root)}: the program has no option '{option}'"
+            elif known[option] != default:
+                yield f"{path.relative_to(root)}: the default of '{option}' is {known[option]}, not {default}"
 
 
 def unfinished(path, root):
@@ -90,6 +84,20 @@ def unfinished(path, root):
             yield f"{path.relative_to(root)}:{number}: unfinished: {line.strip()[:80]}"
 
 
+def schema_parts(schema):
+    yield "", schema
+    yield from schema.get("$defs", {}).items()
+
+
+def undescribed_keys(path, root):
+    """Keys of a JSON Schema without words, from which its page is made."""
+    schema = json.loads(path.read_text())
+    for name, part in schema_parts(schema):
+        for key, value in part.get("properties", {}).items():
+            if "description" not in value and "description" not in schema["$defs"].get(value.get("$ref", "").rsplit("/", 1)[-1], {}):
+                yield f"{path.relative_to(root)}: {name or 'top level'}: '{key}' has no description"
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build/release/bin/dynasurf")
@@ -97,14 +105,20 @@ def main():
     parser.add_argument("--root", type=pathlib.Path, default=ROOT)
     arguments = parser.parse_args()
     root = arguments.root.resolve()
-    failures, documents = list(api(root, arguments.update)), 0
+    failures, documents, size = [], 0, 0
     for path in files(root):
         failures += unfinished(path, root)
+        if path.name.endswith(".schema.json"):
+            failures += undescribed_keys(path, root)
         if path.suffix == ".md":
             documents += 1
+            size += 0 if path.name == "results.md" and path.parent.parent.name == "experiments" else path.stat().st_size
             failures += broken_links(path, root)
-            failures += option_tables(path, root, arguments.program, arguments.update)
-    print("\n".join(failures) if failures else f"{documents} documents are in order")
+            failures += figures.check(path, root, arguments.update)
+            failures += stale_options(path, root, arguments.program)
+    if size > LARGEST_BYTES:
+        failures.append(f"the documents hold {size} bytes; at most {LARGEST_BYTES} are wanted")
+    print("\n".join(failures) if failures else f"{documents} documents are in order, {size} bytes")
     return 1 if failures else 0
 
 

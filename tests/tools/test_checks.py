@@ -130,7 +130,7 @@ class CheckThesisMap(Project):
 class CheckDocs(Project):
     def check(self, text, *arguments):
         self.write("docs/page.md", text)
-        self.write("program", '#!/bin/sh\necho "| $2 |"\n')
+        self.write("program", '#!/bin/sh\necho "| \`field.mu\` | 0.2 | | | balance |"\n')
         (self.root / "program").chmod(0o755)
         return self.run_tool("check_docs.py", "--root", self.root, "--program", self.root / "program", *arguments)
 
@@ -140,23 +140,35 @@ class CheckDocs(Project):
         self.assertIn("leads nowhere", self.check("[a](missing.md)\n")[1])
         self.assertIn("no heading #three", self.check(good + "[d](#three)\n")[1])
 
-    def test_compares_tables_of_options_with_the_program(self):
-        stale = "<!-- dynasurf options ventricle -->\n| old |\n<!-- end -->\n"
-        self.assertIn("out of date", self.check(stale)[1])
-        self.assertEqual(self.check(stale, "--update")[0], 0)
-        self.assertIn("| ventricle |", (self.root / "docs/page.md").read_text())
+    def test_compares_defaults_of_options_with_the_program(self):
+        table = "| option | default | meaning |\n|---|---|---|\n| `field.{}` | {} | balance |\n"
+        self.assertEqual(self.check(table.format("mu", "0.2"))[0], 0)
+        self.assertIn("the default of 'field.mu' is 0.2, not 0.3", self.check(table.format("mu", "0.3"))[1])
+        self.assertIn("no option 'field.nu'", self.check(table.format("nu", "0.2"))[1])
 
-    def test_holds_the_api_page_against_the_headers(self):
-        self.write("src/dynasurf/mesh/a.hpp", "/// Area in mm2. Never negative.\ndouble area(\n    const Mesh& mesh);\n")
-        self.write("docs/api.md", "old")
-        self.write("docs/options.md", "# Options\n")
-        code, text = self.run_tool("check_docs.py", "--root", self.root)
+    def test_inserts_measured_numbers_and_refuses_others(self):
+        self.write("experiments/one/run.json", '{"runs": [{"error": 1.26}]}')
+        self.write("experiments/one/results.txt", "all   44  25\n  small | 4 | 2 |\n")
+        page = ("<!-- figure experiments/one/run.json runs.0.error %.1f -->1.3<!-- end -->\n"
+                "<!-- figure experiments/one/results.txt all:2 -->25<!-- end -->\n"
+                "<!-- figure experiments/one/results.txt small:1 -->4<!-- end -->\n")
+        self.assertEqual(self.check(page)[0], 0)
+        code, text = self.check(page.replace("1.3", "1.4"))
         self.assertEqual(code, 1)
-        self.assertIn("docs/api.md: out of date", text)
-        self.assertEqual(self.run_tool("check_docs.py", "--root", self.root, "--update")[0], 0)
-        self.assertIn("| `area()` | function | Area in mm2. |", (self.root / "docs/api.md").read_text())
-        self.write("src/dynasurf/mesh/a.hpp", "/// Area in cm2.\ndouble area(const Mesh& mesh);\n")
-        self.assertEqual(self.run_tool("check_docs.py", "--root", self.root)[0], 1)
+        self.assertIn("run.json runs.0.error %.1f is not what the file says", text)
+        self.assertEqual(self.check(page.replace("1.3", "1.4"), "--update")[0], 0)
+        self.assertEqual((self.root / "docs/page.md").read_text(), page)
+        self.assertEqual(self.check(page.replace("small:1", "large:1"))[0], 1)
+
+    def test_refuses_more_text_than_anybody_reads(self):
+        self.assertIn("bytes", self.check("word " * 40_000)[1])
+
+    def test_wants_words_for_every_key_of_a_schema(self):
+        schema = '{"properties": {"a": {"description": "one"}, "b": {"$ref": "#/$defs/c"}}, "$defs": {"c": {%s}}}'
+        self.write("docs/results.schema.json", schema % '"description": "two"')
+        self.assertEqual(self.check("")[0], 0)
+        self.write("docs/results.schema.json", schema % "")
+        self.assertIn("'b' has no description", self.check("")[1])
 
     def test_finds_unfinished_places(self):
         self.assertIn("unfinished", self.check("TO" + "DO: write this\n")[1])
