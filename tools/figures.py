@@ -6,7 +6,8 @@
 Two kinds of markers; what stands behind them must be what the files say, and --update writes it:
 
     <!-- figure FILE KEY [FORMAT] -->VALUE<!-- end -->    one number: KEY is a path (a.b.0) in a JSON file; in any other
-                                                         text it is the beginning of a line and a column, `all:2`
+                                                         text it is a line's label and a column: `all:2`, or behind a
+                                                         headline `Mean F1 > mlc:1`
     <!-- results NAME -->TABLE<!-- end -->               a table, made by the function `NAME` below
 """
 
@@ -30,13 +31,15 @@ def text_of(root, name):
 
 
 def number_in_line(text, key):
-    """Number `column` (from 1) of the first line that begins with a label, counted behind the label."""
-    label, _, column = key.rpartition(":")
-    for line in text.splitlines():
+    """Number `column` (from 1) of the first line that is a label and numbers; with `SECTION > ` only behind that text."""
+    section, _, line_and_column = key.rpartition(" > ")
+    label, _, column = line_and_column.rpartition(":")
+    for line in text[text.index(section):].splitlines():
         plain = " ".join(line.strip("| ").replace("|", " ").split())
-        if plain.startswith(label):
-            return NUMBER.findall(plain[len(label):])[int(column) - 1]
-    raise LookupError(f"no line begins with '{label}'")
+        numbers = NUMBER.findall(plain[len(label):])
+        if plain.startswith(label) and NUMBER.match(plain[len(label):].strip()):
+            return numbers[int(column) - 1]
+    raise LookupError(f"no line begins with '{label}' and a number")
 
 
 def figure(root, arguments):
