@@ -100,7 +100,7 @@ void across_a_gap(const RunFile& file) {
 }
 
 void print(const RunFile& file) {
-  std::printf("Areas in mm2, d = area / longest edge in mm. PH-HEBRON, default options of 0.1.0.\n");
+  std::printf("Areas in mm2, d = area / longest edge in mm. PH-HEBRON, default options.\n");
   before_and_after(file);
   by_model(file);
   by_direction(file);
