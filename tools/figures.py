@@ -231,13 +231,16 @@ def clouds(root):
 def missing_data(root):
     text, columns = text_of(root, "missing_data/results.txt"), {}
     for empty, preset, body in re.findall(r"^empty: (\w+), preset (\w+)\n.*\n((?:.+\n?)+)", text, re.MULTILINE):
-        columns[preset, empty] = {line.split()[0]: line.split() for line in body.splitlines()}
-    order = [(preset, empty) for preset in ("thesis", "edges", "unbiased") for empty in ("sector", "apex")]
-    rows = []
-    for part in ("10", "32", "53"):
-        rows.append([f"{part} %", columns[order[0]][part][5]] + [
-            columns[key][part][2] + (f" ({columns[key][part][4]})" if columns[key][part][4] != "-" else "") for key in order])
-    return markdown(["empty", "published"] + [f"{preset}, {empty}" for preset, empty in order], rows)
+        name = preset if preset in ("thesis", "edges") else "fit"
+        columns[name, empty] = {line.split()[0]: line.split() for line in body.splitlines()}
+    order = [(name, empty) for name in ("thesis", "edges", "fit") for empty in ("sector", "apex")]
+
+    def cell(column, part):
+        _, _, share, _, off, *_ = columns[column][part]
+        return share if off == "-" else f"{share} ({off})"
+
+    rows = [[f"{part} %", columns[order[0]][part][5], *(cell(column, part) for column in order)] for part in ("10", "32", "53")]
+    return markdown(["empty", "published"] + [", ".join(column) for column in order], rows)
 
 
 TABLES = [clouds, division_slice, edge_bias, fit_held_out, fit_reporting, located, missing_data, modalities, point_spread,

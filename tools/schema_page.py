@@ -33,13 +33,14 @@ def name_of(part):
 
 
 def meaning_of(schema, key, part):
-    text = part.get("description") or schema["$defs"].get(name_of(part), {}).get("description") if "$ref" in part else \
-        part.get("description")
-    if not text and ("anyOf" in part or "oneOf" in part):
-        text = next((meaning for choice in part.get("anyOf") or part["oneOf"] if (meaning := meaning_of(schema, "", choice))), "")
-    if not text and key:
+    """The words of a key, or of what it refers to."""
+    referred = schema.get("$defs", {}).get(name_of(part), {}) if "$ref" in part else {}
+    choices = part.get("anyOf") or part.get("oneOf") or []
+    words = [part.get("description"), referred.get("description"), *(meaning_of(schema, "", choice) for choice in choices)]
+    found = next((text for text in words if text), "")
+    if key and not found:
         raise SystemExit(f"{schema['title']}: '{key}' has no description")
-    return (text or "").replace("|", "\\|")
+    return found.replace("|", "\\|")
 
 
 def table(schema, part):

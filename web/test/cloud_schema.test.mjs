@@ -34,8 +34,4 @@ for (const [what, break_it] of Object.entries(breaks)) {
   assert.ok(!validate(results), `the schema accepts ${what}`);
 }
 
-const manual = readFileSync(schema_path.replace(".schema.json", ".md"), "utf8");
-for (const part of [schema, ...Object.values(schema.$defs)])
-  for (const key of Object.keys(part.properties))
-    assert.ok(manual.includes(`| \`${key}\` |`), `cloud-results.md does not explain ${key}`);
 console.log(`${samples.length} results obey the schema, ${Object.keys(breaks).length} broken ones are refused`);

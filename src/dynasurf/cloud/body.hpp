@@ -8,8 +8,8 @@
 
 namespace dynasurf {
 
-/// The surface of a field at `level`, in the cloud's frame, without the parts that the points do not speak for: those
-/// nearest to less than `smallest_share` of the points.
+/// The surface of a field at `level`, in the cloud's frame, without components supported by less than `smallest_share`
+/// of the points: those nearest to fewer.
 TriMesh body_surface(const InsideField& field, double level, std::span<const Vec3> points, double smallest_share);
 
 /// The field changed so that the inside is one ball without handles or cavities: it grows from its innermost node, the

@@ -337,7 +337,7 @@ void tell_made_up(CloudResult& result) {
                               " of the diagonal away from all points; it is made up there"});
 }
 
-/// Points that no surface goes near: a part too small to keep, outliers that keep each other company.
+/// Points without surface nearby: a component too small to keep, or clustered outliers.
 void tell_left_out(std::span<const Vec3> points, CloudResult& result) {
   constexpr double far = 0.05;  // of the diagonal
   const CloudLevel& finest = result.levels.front();

@@ -9,8 +9,7 @@
 
 namespace dynasurf {
 
-/// Where particles are and how they move: mm and mm/s, one entry per particle. Nobody asks for the force on pinned
-/// ones, so a force may leave it out.
+/// Where particles are and how they move: mm and mm/s, one entry per particle. Forces on pinned particles are ignored.
 struct ParticleState {
   std::span<const Vec3> positions, velocities;
   std::span<const std::uint8_t> pinned = {};  // non-zero: held; may be empty

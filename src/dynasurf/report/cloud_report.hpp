@@ -29,7 +29,7 @@ bool is_trustworthy(const CloudResult& result);
 /// Levels count from 0 here and from 1 in names.
 std::string name_of_level(const CloudResult& result, std::size_t level);
 
-/// results.json of a cloud (schema dynasurf.cloud/1, docs/cloud-results.md), keys in the order of the schema. Levels
+/// results.json of a cloud (schema dynasurf.cloud/1, docs/results.md), keys in the order of the schema. Levels
 /// count from 1. What is absent, infinite or not a number is null. Throws OptionError when `provenance.options_json` is
 /// neither empty nor JSON.
 nlohmann::ordered_json cloud_results_json(const CloudRun& run, const Provenance& provenance,

@@ -5,9 +5,9 @@
 
 namespace dynasurf {
 
-/// The last way of a surface, from where its particles stopped to the steepest slope of the image. An edge detector
-/// blurs the image once more, which moves the edges of curved walls inwards, and sees one slice at a time; the image
-/// itself, read along the surface's normals, does neither.
+/// Moves a surface from where its particles stopped onto the steepest slope of the image. An edge detector blurs the
+/// image once more, which moves the edges of curved walls inwards, and sees one slice at a time; reading the image along
+/// the surface's normals does neither.
 struct Settle {
   int rounds = 2;
   double reach_voxels = 1.5;
