@@ -103,7 +103,6 @@ def covered(readings):
 
 GROUPS = {
     "all": lambda p: True,
-    "60 mL and more, no defect": lambda p: p.edv[0] >= 60 and not p.defect,
     "with a defect": lambda p: p.defect,
     "below 60 mL": lambda p: p.edv[0] < 60,
 }
@@ -117,23 +116,24 @@ def fit_rows(root, name, kind, label, first, end, with_coverage):
                mean_and_sd(percent_off([p.wall for p in some])), f"{statistics.mean(p.distance for p in some):.2f}"]
         if with_coverage:
             row.append(" / ".join(covered([getattr(p, what) for p in some]) for what in ("edv", "esv", "ef", "wall")))
-        edge_edv = [100 * (p.edge_edv / p.edv[0] - 1) for p in some]
+        else:
+            row.append(mean_and_sd([100 * (p.edge_edv / p.edv[0] - 1) for p in some]))
         edge_ef = [p.edge_ef - p.ef[0] for p in some]
-        yield row + [mean_and_sd(edge_edv), f"{rms(points_off([p.ef for p in some]))} / {rms(edge_ef)}"]
+        yield row + [f"{rms(points_off([p.ef for p in some]))} / {rms(edge_ef)}"]
 
 
 FIT_HEADER = ["patients", "n", "EDV %", "ESV %", "EF points", "wall %", "distance mm"]
-EDGE_HEADER = ["edge EDV %", "RMS of EF, fit / edge"]
+RMS = "RMS of EF, fit / edge"
 
 
 def fit_reporting(root):
-    return markdown(FIT_HEADER + ["coverage % of EDV / ESV / EF / wall"] + EDGE_HEADER,
+    return markdown(FIT_HEADER + ["coverage % of EDV / ESV / EF / wall", RMS],
                     [*fit_rows(root, "results.txt", "plain", "model", 100, 200, True),
                      *fit_rows(root, "results.txt", "unlike", "mismatch", 100, 200, True)])
 
 
 def fit_held_out(root):
-    return markdown(FIT_HEADER + EDGE_HEADER, [*fit_rows(root, "fresh_250.txt", "plain", "model", 250, 300, False),
+    return markdown(FIT_HEADER + ["edge EDV %", RMS], [*fit_rows(root, "fresh_250.txt", "plain", "model", 250, 300, False),
                                               *fit_rows(root, "fresh_250.txt", "unlike", "mismatch", 250, 300, False)])
 
 
@@ -167,7 +167,8 @@ def located(root):
     rows = []
     for key, name in names.items():
         found = [re.search(rf"^ *{re.escape(key)}(?:\(mean of gates\)| )*(.*)$", half, re.MULTILINE)[1] for half in halves]
-        rows.append([name] + [re.sub(r"\s+", " ", value).replace("+-", "±").strip() for value in found])
+        values = [re.sub(r", within.*", "", " ".join(value.split())) for value in found]
+        rows.append([name] + [value.replace("+-", "±").replace(".0 %", " %") for value in values])
     return markdown(["", "reporting half", "choosing half"], rows)
 
 

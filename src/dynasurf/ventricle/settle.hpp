@@ -6,8 +6,8 @@
 namespace dynasurf {
 
 /// Moves a surface from where its particles stopped onto the steepest slope of the image. An edge detector blurs the
-/// image once more, which moves the edges of curved walls inwards, and sees one slice at a time; reading the image along
-/// the surface's normals does neither.
+/// image once more, which moves the edges of curved walls inwards, and sees one slice at a time; reading the image
+/// along the surface's normals does neither.
 struct Settle {
   int rounds = 2;
   double reach_voxels = 1.5;
