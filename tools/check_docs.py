@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Checks the documents: links lead somewhere, numbers are those that were measured, options are those of the program,
-nothing is left unfinished, and all of it stays short enough to be read.
+nothing is left unfinished, a line holds one sentence, and all of it stays short enough to be read.
 
     check_docs.py [--program build/release/bin/dynasurf] [--update]
 
@@ -22,6 +22,9 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 SKIP = {"build", "demo", "node_modules", "dist", ".git", ".cache"}
 UNFINISHED = re.compile(r"\b(TO" + r"DO|FIX" + r"ME|XX" + r"X|TB" + r"D)\b|lorem " + "ipsum", re.IGNORECASE)
 TEXTS = {".cpp", ".hpp", ".md", ".py", ".ts", ".cmake", ".json", ".html", ".css", ".mjs", ".cff", ".txt", ""}
+# The end of a sentence with another one behind it; run-in headings, code, brackets and abbreviations are none.
+NO_SENTENCE = re.compile(r"\*\*.*?\*\*|`[^`]*`|\([^()]*\)|\b(?:eqs?|figs?|app|ch|cf|al)\.")
+TWO_SENTENCES = re.compile(r"[a-z0-9%]{2}[.!?] [A-Z]")
 # All documents together, without the tables that experiments print (experiments/*/results.md).
 LARGEST_BYTES = 180_000
 
@@ -84,6 +87,20 @@ def unfinished(path, root):
             yield f"{path.relative_to(root)}:{number}: unfinished: {line.strip()[:80]}"
 
 
+def crowded_lines(path, root):
+    """Lines of prose with more than one sentence: a change of one should show as one."""
+    in_block = False
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        in_block ^= line.startswith("```")
+        if not in_block and not line.startswith(("    ", "|", "!")) and TWO_SENTENCES.search(NO_SENTENCE.sub("", line)):
+            yield f"{path.relative_to(root)}:{number}: more than one sentence on a line: {line.strip()[:60]}"
+
+
+def is_printed(path):
+    """Tables that an experiment prints are results, not documents."""
+    return path.name == "results.md" and path.parent.parent.name == "experiments"
+
+
 def schema_parts(schema):
     yield "", schema
     yield from schema.get("$defs", {}).items()
@@ -112,7 +129,9 @@ def main():
             failures += undescribed_keys(path, root)
         if path.suffix == ".md":
             documents += 1
-            size += 0 if path.name == "results.md" and path.parent.parent.name == "experiments" else path.stat().st_size
+            if not is_printed(path):
+                size += path.stat().st_size
+                failures += crowded_lines(path, root)
             failures += broken_links(path, root)
             failures += figures.check(path, root, arguments.update)
             failures += stale_options(path, root, arguments.program)

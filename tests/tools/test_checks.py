@@ -1,5 +1,6 @@
 """The checks of tools/ find what they are there to find."""
 
+import json
 import pathlib
 import subprocess
 import sys
@@ -162,6 +163,23 @@ class CheckDocs(Project):
 
     def test_refuses_more_text_than_anybody_reads(self):
         self.assertIn("bytes", self.check("word " * 40_000)[1])
+
+    def test_wants_one_sentence_a_line(self):
+        fine = "**Camera** (`render`). It blurs, see fig. 3 and eq. D.3.\n| One cell. Two sentences. | x |\n    code. Code\n"
+        self.assertEqual(self.check(fine)[0], 0)
+        self.assertIn("page.md:2: more than one sentence", self.check("One line.\nIt is here. It is there.\n")[1])
+
+    def test_makes_the_page_of_a_schema(self):
+        schema = {"title": "a/1", "description": "A result.", "$defs": {"gate": {"description": "A gate.", "properties": {
+            "time": {"type": ["number", "null"], "description": "ms | s"}}}},
+                  "properties": {"gates": {"type": "array", "items": {"$ref": "#/$defs/gate"}, "description": "in order"},
+                                 "first": {"anyOf": [{"$ref": "#/$defs/gate"}, {"type": "null"}]}}}
+        self.write("a.json", json.dumps(schema))
+        code, text = self.run_tool("schema_page.py", self.root / "a.json")
+        self.assertEqual(code, 0, text)
+        self.assertIn("| `gates` | array of [gate](#gate) | in order |", text)
+        self.assertIn("| `first` | [gate](#gate) or null | A gate. |", text)
+        self.assertIn("| `time` | number or null | ms \\| s |", text)
 
     def test_wants_words_for_every_key_of_a_schema(self):
         schema = '{"properties": {"a": {"description": "one"}, "b": {"$ref": "#/$defs/c"}}, "$defs": {"c": {%s}}}'
