@@ -10,7 +10,7 @@ docs_pages=build/docs-pages
 docs_options() {
   local subject kinds
   kinds=$("$1" phantom --help | sed -n 's/^ *KIND TEXT REQUIRED *//p' | sed 's/:.*//; s/,/ /g; s/ or / /')
-  printf '# Manual of options {#manual_of_options}\n\n'
+  printf '# Manual of options\n\n'
   for subject in ventricle cloud organ $(printf 'phantom/%s ' $kinds); do
     printf '## %s\n\n' "${subject/\// }"
     "$1" options ${subject/\// } --markdown

@@ -54,7 +54,7 @@ def row(name, truth, result):
 def gate_rows(title, truth, result):
     """The volumes of every gate beside their truth."""
     key = ("endo_ml", "epi_ml", "wall_ml") if "edv_ml" in truth else ("endo_mL", "epi_mL", "myo_mL")
-    lines = [f"### {title}", "", "| gate | endo (true) mL | epi (true) mL | wall (true) mL |", "|---|---|---|---|"]
+    lines = [f"## {title}", "", "| gate | endo (true) mL | epi (true) mL | wall (true) mL |", "|---|---|---|---|"]
     for gate, true in zip(result["gates"], truth["gates"]):
         pairs = zip((gate["endo_ml"], gate["epi_ml"], gate["wall_ml"]), (true[k] for k in key))
         cells = [f"{a:.1f} ({b:.1f})" if a is not None else f"- ({b:.1f})" for a, b in pairs]

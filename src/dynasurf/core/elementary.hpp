@@ -2,10 +2,10 @@
 
 /// Elementary functions that return the same bytes on every machine.
 ///
-/// The functions of <cmath> are rounded as each library, and each processor, finds best. These are made of + - * / and
+/// The functions of `cmath` are rounded as each library, and each processor, finds best. These are made of + - * / and
 /// square roots of doubles alone, which IEEE 754 defines to the last bit, so every compiler and machine agrees (with
 /// contraction off, and to nearest). They err by less than 1 unit in the last place; what is exact comes out exact,
-/// and zeros, infinities and NaN follow C. What <cmath> computes exactly on every machine (sqrt, floor, fmod,
+/// and zeros, infinities and NaN follow C. What `cmath` computes exactly on every machine (sqrt, floor, fmod,
 /// remainder, fma, ldexp, ...) is taken from there.
 namespace dynasurf::own {
 

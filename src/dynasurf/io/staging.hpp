@@ -11,7 +11,7 @@
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/manifest.hpp"
 
-/// Where results are written before they are published: files and folders named `.<name>.partial-<16 hex digits>`
+/// Where results are written before they are published: files and folders named `.NAME.partial-` and 16 hex digits
 /// beside their destination. Whoever writes one holds a lock (flock) on it, on the manifest of a folder, which the
 /// system drops when the process ends, however it ends and whichever process numbers or hosts see the place. What is
 /// not locked belongs to nobody and is swept.
