@@ -100,7 +100,7 @@ void expect_subvoxel(const Study& study, const Image& fine, const char* name) {
   const Error settled = error_with(StopPoint::subvoxel, Settle{}.rounds, study, fine, name);
   for (const Error& error : {entry, subvoxel, settled}) ASSERT_GT(error.vertices, 500);
   EXPECT_GT(entry.mean_voxels, 0.35) << name;  // about half a voxel: the near face of a voxel round the border
-  // The stop alone: the edge detector's own blur of 1.8 pixels moves edges of curved walls inwards.
+  // The stop alone: the edge detector's own blur (1 pixel) moves edges of curved walls inwards.
   EXPECT_LT(subvoxel.mean_voxels, 0.4) << name;
   EXPECT_LT(subvoxel.mean_voxels, 0.65 * entry.mean_voxels) << name;
   EXPECT_LT(settled.mean_voxels, 0.15) << name;  // the aim is 0.25
