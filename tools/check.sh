@@ -52,6 +52,7 @@ check_quickly() {
   step "include rules" python3 tools/check_includes.py
   step "same bytes" python3 tools/check_same_bytes.py
   step "thesis map" python3 tools/check_thesis_map.py
+  step "figures" python3 tools/figures.py
   end_of_checks
 }
 
