@@ -103,6 +103,7 @@ def covered(readings):
 
 GROUPS = {
     "all": lambda p: True,
+    "60 mL and more, no defect": lambda p: p.edv[0] >= 60 and not p.defect,
     "with a defect": lambda p: p.defect,
     "below 60 mL": lambda p: p.edv[0] < 60,
 }
