@@ -17,7 +17,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from check_docs import ROOT, anchor_of  # pylint: disable=wrong-import-position
 
 SITE = ROOT / "build" / "docs"
-CODE = re.compile(r"```.*?```|^(?: {4}.*\n)+|`[^`\n]*`", re.DOTALL | re.MULTILINE)
+CODE = re.compile(r"```.*?```|^(?: {4}[^\n]*\n)+|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")
 
 

@@ -169,6 +169,15 @@ class CheckDocs(Project):
         self.assertEqual(self.check(fine)[0], 0)
         self.assertIn("page.md:2: more than one sentence", self.check("One line.\nIt is here. It is there.\n")[1])
 
+    def test_leads_links_of_a_page_to_pages_of_the_site(self):
+        code, text = self.run_tool("site_page.py", ROOT / "README.md")
+        self.assertEqual(code, 0, text)
+        self.assertIn("# Dynasurf {#README}", text)
+        self.assertIn("(@ref docs_validation)", text)
+        self.assertIn("(@ref docs_file_formats__the_output_folder)", text)
+        self.assertIn('<a href="../../LICENSE">Licence</a>', text)
+        self.assertIn("(docs/images/report.jpg)", text)
+
     def test_makes_the_page_of_a_schema(self):
         schema = {"title": "a/1", "description": "A result.", "$defs": {"gate": {"description": "A gate.", "properties": {
             "time": {"type": ["number", "null"], "description": "ms | s"}}}},
