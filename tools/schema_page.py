@@ -14,7 +14,8 @@ import sys
 def kind_of(schema, part):
     """The type of a value in words: `number or null`, `array of gate`, `"ok", "check"`."""
     if "$ref" in part:
-        return f"[{name_of(part)}](#{name_of(part)})"
+        referred = schema["$defs"][name_of(part)]
+        return f"[{name_of(part)}](#{name_of(part)})" if "properties" in referred else kind_of(schema, referred)
     if "anyOf" in part or "oneOf" in part:
         return " or ".join(kind_of(schema, choice) for choice in part.get("anyOf") or part["oneOf"])
     if "const" in part:
@@ -22,10 +23,8 @@ def kind_of(schema, part):
     if "enum" in part:
         return ", ".join(f"`{json.dumps(value)}`" for value in part["enum"])
     types = part.get("type", "any value")
-    words = " or ".join(types) if isinstance(types, list) else types
-    if "array" in types and isinstance(part.get("items"), dict):
-        words += f" of {kind_of(schema, part['items'])}"
-    return words
+    words = " or ".join(sorted(types, key="array".__eq__)) if isinstance(types, list) else types
+    return f"{words} of {kind_of(schema, part['items'])}" if isinstance(part.get("items"), dict) else words
 
 
 def name_of(part):

@@ -9,7 +9,7 @@
 
 namespace dynasurf {
 
-/// results.json (schema dynasurf.ventricle/3, docs/results-schema.md), keys in the order of the schema. Gates and
+/// results.json (schema dynasurf.ventricle/3, docs/results.md), keys in the order of the schema. Gates and
 /// slices count from 1. What is absent, infinite or not a number is null. Notes of the study and of the labels that
 /// `result.notes` does not hold are added: none is dropped.
 /// Throws OptionError when `provenance.options_json` is neither empty nor JSON.
