@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
-#include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/options_json.hpp"
 
 #include "cloud_run.hpp"

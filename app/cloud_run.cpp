@@ -3,15 +3,13 @@
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
-#include "dynasurf/cloud/bake.hpp"
-#include "dynasurf/cloud/lod.hpp"
-#include "dynasurf/cloud/orient.hpp"
+#include "dynasurf/core/detail/stage_clock.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/core/stage_clock.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/json_read.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/options_json.hpp"
+#include "dynasurf/report/cloud_folder.hpp"
 
 #include "console.hpp"
 
@@ -20,40 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-/// Part of the screen's height down to which each level serves, for pictures 1080 pixels high.
-std::vector<double> coverages_of(const std::vector<TriMesh>& meshes) {
-  constexpr double screen_px = 1080;
-  const LodChain chain = lod_chain(meshes);
-  std::vector<double> coverages;
-  for (std::size_t n = 1; n < meshes.size(); ++n) coverages.push_back(chain.largest_px[n] / screen_px);
-  coverages.push_back(0);
-  return coverages;
-}
-
-void write_levels(const CloudResult& result, const CloudJob& job, const fs::path& folder) {
-  std::vector<LodSurface> levels;
-  std::vector<TriMesh> meshes;
-  for (std::size_t n = 0; n < result.levels.size(); ++n) {
-    const TriMesh& mesh = result.levels[n].mesh;
-    if (mesh.triangles.empty()) continue;  // its certificate says so
-    const VertexColours& colours = result.levels[n].colours;
-    const std::string name = name_of_level(result, n);
-    for (const MeshFormat format : job.mesh_formats)
-      write_mesh(mesh, folder / "meshes" / (name + "." + std::string(word_of(format))), format, {}, colours);
-    levels.push_back({name, mesh, colours, 0, {}});
-    meshes.push_back(mesh);
-  }
-  if (levels.empty()) return;
-  const std::vector<double> coverages = coverages_of(meshes);
-  for (std::size_t n = 0; n < levels.size(); ++n) levels[n].smallest_coverage = coverages[n];
-  write_lod_glb(levels, folder / "levels.glb");
-  if (!job.textures) return;
-  PointCloud points = result.used;
-  points.normals = orient(result.used, true).normals;
-  for (LodSurface& level : levels) level.textured = bake_textures(level.mesh, points);
-  write_lod_glb(levels, folder / "textured.glb");
-}
 
 /// The most memory that this process has held; 0 where the system does not tell.
 std::size_t peak_bytes() {
@@ -99,13 +63,7 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
   progress.check();
 
   timed("write", 0, 1);
-  parallel_for(2, 1, [&](std::size_t task, std::size_t) {
-    if (task == 0) write_levels(outcome.run.result, job, folder.path());
-    // The page tells no times, so that equal runs give equal pages.
-    if (task == 1) write_cloud_report(outcome.run, provenance, folder.path() / "report.html", Timings::omit);
-  });
-  write_file(folder.path() / "options.json", provenance.options_json);
-  write_file(folder.path() / "results.csv", cloud_results_csv(outcome.run.result));
+  write_cloud_files(outcome.run, provenance, {job.mesh_formats, job.textures}, folder.path());
   clock.stop();
   outcome.run.peak_bytes = peak_bytes();
   outcome.json = results_text(outcome.run, provenance, job);

@@ -10,7 +10,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/memory_limit.hpp"
-#include "dynasurf/io/machine_memory.hpp"
+#include "dynasurf/io/detail/machine_memory.hpp"
 
 #include "command.hpp"
 #include "console.hpp"

@@ -7,7 +7,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/json_read.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/tracked_points_io.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/point_spline.hpp"

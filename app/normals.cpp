@@ -9,7 +9,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/json_read.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
 
 #include "command.hpp"
 #include "console.hpp"

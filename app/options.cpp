@@ -6,7 +6,7 @@
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
-#include "dynasurf/io/json_read.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/ventricle/organ.hpp"

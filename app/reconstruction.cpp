@@ -7,8 +7,8 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/byte_source.hpp"
-#include "dynasurf/io/json_read.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
 #include "dynasurf/report/dicom_folder.hpp"
@@ -120,8 +120,8 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
 
   const StageWriter stages(folder.path() / "stages");
   Outcome outcome;
-  const StageSink keep =
-      job.outputs.keep_stages ? StageSink([&](const Stages& s) { stages(s, job.options); }) : StageSink();
+  const IntermediateSink keep =
+      job.outputs.keep_stages ? IntermediateSink([&](const Intermediates& s) { stages(s); }) : IntermediateSink();
   try {
     outcome.result =
         reconstruct(study, job.options, progress, keep, start ? &*start : nullptr, mask ? &*mask : nullptr);

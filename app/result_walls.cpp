@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/folder_file.hpp"
-#include "dynasurf/io/json_node.hpp"
-#include "dynasurf/io/json_read.hpp"
+#include "dynasurf/io/detail/folder_file.hpp"
+#include "dynasurf/io/detail/json_node.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 
 namespace dynasurf::app {

@@ -77,7 +77,7 @@ std::string summary_of(const VentricleResult& result) {
   };
   std::string text = gates_of(result);
   if (result.measures && result.measures->function) {
-    const CycleFunction& f = *result.measures->function;
+    const VolumeCurveFit& f = *result.measures->function;
     text += "fit of " + std::to_string(f.waves) + " waves: EDV " + fixed(f.edv_ml, 1) + " mL  ESV " +
             fixed(f.esv_ml, 1) + " mL  EF " + number(f.ef_percent, 1) + " %";
     if (const auto rate = per_second(f.peak_filling, result.study.cycle_ms))
@@ -95,12 +95,12 @@ std::string summary_of(const VentricleResult& result) {
             fixed(result.measures->phase_motion->bandwidth_deg, 0) + " deg\n";
   text += readings_of(result.readings) + leading_of(result);
   text += "verdict: " + std::string(word_of(result.verdict)) + "\n";
-  for (const Flag& flag : result.flags)
+  for (const QualityFlag& flag : result.flags)
     text += "  " + std::string(name_of(flag.severity)) + ": " + flag.message + " [" + flag.code + "]\n";
   std::size_t remarks = 0;
   for (const Note& note : result.notes) {
-    const bool flagged =
-        std::any_of(result.flags.begin(), result.flags.end(), [&](const Flag& flag) { return flag.code == note.code; });
+    const bool flagged = std::any_of(result.flags.begin(), result.flags.end(),
+                                     [&](const QualityFlag& flag) { return flag.code == note.code; });
     if (note.severity == Severity::info) ++remarks;
     if (note.severity != Severity::info && !flagged) text += "  " + line_of(note) + "\n";
   }

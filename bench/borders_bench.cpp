@@ -10,7 +10,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/edges.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/ventricle/canonical.hpp"
+#include "dynasurf/ventricle/detail/canonical.hpp"
 #include "dynasurf/ventricle/labels.hpp"
 
 namespace dynasurf {

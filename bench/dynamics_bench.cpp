@@ -15,8 +15,8 @@
 #include "dynasurf/field/gvf.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
+#include "dynasurf/synthetic/detail/voxel_truth.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/synthetic/voxel_truth.hpp"
 
 namespace dynasurf {
 namespace {

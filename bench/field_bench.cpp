@@ -13,8 +13,8 @@
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/band.hpp"
+#include "dynasurf/field/detail/simd.hpp"
 #include "dynasurf/field/gvf.hpp"
-#include "dynasurf/field/simd.hpp"
 
 #if DYNASURF_BENCH_HYPRE
 #include "support/hypre_gvf.hpp"
@@ -222,15 +222,15 @@ BENCHMARK(hypre)->Arg(64)->Arg(62)->Arg(128)->Arg(256)->ArgName("size")->UseReal
 /// A few iterations of ITK's filter, which is the explicit scheme too.
 void itk_steps(benchmark::State& state) {
   using Vector = itk::CovariantVector<float, 3>;
-  using Field = itk::Image<Vector, 3>;
+  using OptionInfo = itk::Image<Vector, 3>;
   const int size = static_cast<int>(state.range(0)), threads = static_cast<int>(state.range(1));
   const unsigned steps = size > 200 ? 2 : 5;
   itk::MultiThreaderBase::SetGlobalDefaultNumberOfThreads(static_cast<itk::ThreadIdType>(threads));
   itk::MultiThreaderBase::SetGlobalMaximumNumberOfThreads(static_cast<itk::ThreadIdType>(threads));
   const Image map = border_map(size);
   const VectorField start = flow_field(map, Gvf{.mu = mu_of(size), .iterations = 1}).field;
-  auto input = Field::New();
-  Field::SizeType extent;
+  auto input = OptionInfo::New();
+  OptionInfo::SizeType extent;
   for (std::size_t a = 0; a < 3; ++a) extent[a] = static_cast<itk::SizeValueType>(map.grid.dims[a]);
   input->SetRegions(extent);
   input->Allocate();
@@ -239,7 +239,7 @@ void itk_steps(benchmark::State& state) {
     to[0] = start.x[v], to[1] = start.y[v], to[2] = start.z[v];
   }
   for (auto _ : state) {
-    auto filter = itk::GradientVectorFlowImageFilter<Field, Field, float>::New();
+    auto filter = itk::GradientVectorFlowImageFilter<OptionInfo, OptionInfo, float>::New();
     filter->SetInput(input);
     filter->SetNoiseLevel(mu_of(size));
     filter->SetIterationNum(steps);

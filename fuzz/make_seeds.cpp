@@ -5,7 +5,7 @@
 #include <cstring>
 #include <set>
 
-#include "dynasurf/io/nifti_format.hpp"
+#include "dynasurf/io/detail/nifti_format.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 #include "seeds.hpp"
@@ -152,8 +152,7 @@ void write_nrrd_seeds(const fs::path& all) {
                                    "endian: " + (bytes == 2 ? "big" : "little") + "\nencoding: " + packing + "\n" +
                                    places[rank];
         attached.add(header + "\n" + std::string(4 * bytes, '\1'));
-        detached.add(header + "data file: a.raw\n" + (bytes == 4 ? "byte skip: -1\n" : "line skip: 0\n") +
-                     "\n----\n" +
+        detached.add(header + "data file: a.raw\n" + (bytes == 4 ? "byte skip: -1\n" : "line skip: 0\n") + "\n----\n" +
                      std::string(4 * bytes, '\1'));
       }
 }

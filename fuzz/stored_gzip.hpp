@@ -6,7 +6,7 @@
 
 #include <zlib.h>
 
-#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
 
 namespace dynasurf::fuzz {
 

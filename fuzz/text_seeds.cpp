@@ -3,7 +3,7 @@
 #include <array>
 #include <cstring>
 
-#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
 #include "dynasurf/io/manifest.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/options_json.hpp"

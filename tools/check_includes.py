@@ -72,7 +72,7 @@ def complaint(name, modules, target, quoted):
     """Why a file of module `name` may not include `target`; None when it may. The library it is part of, if any."""
     module = modules[name]
     if target.startswith("dynasurf/"):
-        other = target.split("/")[1]
+        other = target.split("/")[1].removesuffix(".hpp")
         if other not in modules:
             return f"there is no module '{other}'", None
         if other == name or "all" in module.modules or other in module.modules:
@@ -103,7 +103,7 @@ def check(root):
         if file.suffix not in (".cpp", ".hpp"):
             continue
         relative = file.relative_to(root)
-        name = "app" if relative.parts[0] == "app" else relative.parts[2]
+        name = "app" if relative.parts[0] == "app" else relative.parts[2].removesuffix(".hpp")
         if name not in modules:
             failures.append(f"{relative}: module '{name}' does not stand in docs/architecture.md")
             continue

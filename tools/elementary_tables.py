@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes src/dynasurf/core/elementary_tables.hpp: the numbers that the elementary functions are made of.
+"""Writes src/dynasurf/core/detail/elementary_tables.hpp: the numbers that the elementary functions are made of.
 
 Needs mpmath. Every number is computed with 400 digits and rounded once, so the file is the same wherever it is written.
 """
@@ -10,7 +10,7 @@ import textwrap
 from mpmath import mp, mpf
 
 mp.dps = 400
-OUT = pathlib.Path(__file__).resolve().parent.parent / "src/dynasurf/core/elementary_tables.hpp"
+OUT = pathlib.Path(__file__).resolve().parent.parent / "src/dynasurf/core/detail/elementary_tables.hpp"
 
 
 def number(x):
@@ -116,7 +116,7 @@ def error_function():
 HEAD = """#pragma once
 #include <cstdint>
 
-#include "dynasurf/core/twofold.hpp"
+#include "dynasurf/core/detail/twofold.hpp"
 
 // Written by tools/elementary_tables.py.
 // clang-format off

@@ -8,6 +8,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf {
 namespace {
@@ -48,7 +49,7 @@ double mean_distance(const TriMesh& from, const TriMesh& to) {
   return sum / static_cast<double>(from.vertices.size());
 }
 
-double on(const VentricleResult& r, Wall wall) {
+double on(const VentricleResult& r, Border wall) {
   double sum = 0;
   for (const Gate& g : r.gates)
     if (const auto& s = g.edge_surfaces.of(wall)) sum += s->within_one_voxel / static_cast<double>(r.gates.size());
@@ -56,7 +57,7 @@ double on(const VentricleResult& r, Wall wall) {
 }
 
 std::string text_of(const VentricleResult& r) {
-  const Clues c = clues_of(r);
+  const QualityMetrics c = quality_metrics(r);
   std::array<char, 500> text{};
   std::snprintf(
       text.data(), text.size(),
@@ -68,14 +69,14 @@ std::string text_of(const VentricleResult& r) {
       c.moves_mm, c.thickness_mm, c.least_counts, c.most_counts, c.endo_roughness, c.epi_roughness, c.end_systole,
       c.base_seen, c.base_spread_mm, c.base_cut, r.wall_variation.value_or(-1),
       r.readings.edge.edv_ml.value_or(Estimate{-1}).value, c.length_to_width,
-      r.heart ? r.heart->cup.half_length_mm / r.heart->cup.radius_mm : 0, c.readings_apart, on(r, Wall::endo),
-      on(r, Wall::epi));
+      r.heart ? r.heart->cup.half_length_mm / r.heart->cup.radius_mm : 0, c.readings_apart, on(r, Border::endo),
+      on(r, Border::epi));
   return text.data();
 }
 
 void compare_place(const VentricleResult& result, const Truth& truth, Outcome& o) {
   if (!result.heart) return;
-  const Cup& cup = result.heart->cup;
+  const LvShell& cup = result.heart->cup;
   o.axis_deg = std::acos(std::clamp(cup.axis.dot(truth.axis), -1.0, 1.0)) * 180 / M_PI;
   const Vec3 off = cup.middle() - truth.centre;
   o.centre_mm = off.norm();
@@ -129,7 +130,7 @@ Outcome examine(const Patient& patient, const Phantom& phantom, std::string_view
     return o;
   }
   o.verdict = result.verdict;
-  for (const Flag& f : result.flags)
+  for (const QualityFlag& f : result.flags)
     if (f.severity != Severity::info) o.flags += (o.flags.empty() ? "" : " ") + f.code;
   o.clues = text_of(result);
   o.has_surfaces = std::all_of(result.gates.begin(), result.gates.end(),

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "dynasurf/ventricle/clues.hpp"
+#include "dynasurf/ventricle/detail/quality_metrics.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "patients.hpp"

@@ -6,9 +6,9 @@
 #include <functional>
 #include <vector>
 
-#include "dynasurf/synthetic/noise.hpp"
-#include "dynasurf/synthetic/random.hpp"
-#include "dynasurf/synthetic/render.hpp"
+#include "dynasurf/synthetic/detail/noise.hpp"
+#include "dynasurf/synthetic/detail/random.hpp"
+#include "dynasurf/synthetic/detail/render.hpp"
 #include "dynasurf/ventricle/locate.hpp"
 
 namespace dynasurf {

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "dynasurf/synthetic/random.hpp"
+#include "dynasurf/synthetic/detail/random.hpp"
 
 namespace dynasurf {
 namespace {

@@ -46,7 +46,7 @@ struct Arguments {
   std::vector<Condition> conditions{{"clean", 0, 0}, {"noise 0.5 %", 0.5, 0}, {"a fifth missing", 0, 20}};
   std::vector<std::string> shapes;
   std::vector<std::filesystem::path> meshes;
-  std::filesystem::path judge;
+  std::filesystem::path assess;
 };
 
 /// What an independent program says of the mesh, one line of JSON.
@@ -56,7 +56,7 @@ void ask_judge(const Arguments& a, const TriMesh& mesh, const TriMesh& truth) {
   write_mesh(mesh, ours, MeshFormat::off);
   write_mesh(truth, reference, MeshFormat::off);
   std::fflush(stdout);
-  const std::string command = a.judge.string() + " " + ours.string() + " --ref " + reference.string();
+  const std::string command = a.assess.string() + " " + ours.string() + " --ref " + reference.string();
   if (std::system(command.c_str()) != 0) std::printf("the judge failed\n");
 }
 
@@ -97,7 +97,7 @@ void run(const Arguments& a, const std::vector<Subject>& subjects, const std::st
                     distance, 100 * c.cloud_to_mesh_mean / c.cloud_diagonal,
                     100 * c.cloud_to_mesh_largest / c.cloud_diagonal, c.smallest_angle_deg, c.angle_percentile_1_deg,
                     seconds);
-        if (!a.judge.empty()) ask_judge(a, level.mesh, s.surface);
+        if (!a.assess.empty()) ask_judge(a, level.mesh, s.surface);
       }
       std::fflush(stdout);
     }
@@ -149,7 +149,7 @@ std::optional<Arguments> read(int argc, char** argv) {
     else if (name == "--mesh")
       a.meshes.push_back(value);
     else if (name == "--judge")
-      a.judge = value;
+      a.assess = value;
     else if (name == "--only")
       std::erase_if(a.conditions, [&](const Condition& c) { return c.name.find(value) == std::string::npos; });
     else

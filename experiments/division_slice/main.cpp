@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "dynasurf/ventricle/labels/mlc.hpp"
+#include "dynasurf/ventricle/labels/detail/mlc.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "../borders_200/patients.hpp"

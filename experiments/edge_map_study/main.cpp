@@ -5,8 +5,8 @@
 #include "dynasurf/field/edge_map.hpp"
 #include "dynasurf/field/gvf.hpp"
 #include "dynasurf/mesh/border_distance.hpp"
+#include "dynasurf/synthetic/detail/voxel_truth.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/synthetic/voxel_truth.hpp"
 
 using namespace dynasurf;
 

@@ -8,7 +8,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/edges.hpp"
 #include "dynasurf/io/options_json.hpp"
-#include "dynasurf/synthetic/random.hpp"
+#include "dynasurf/synthetic/detail/random.hpp"
 
 #include "../support/border_scores.hpp"
 #include "chart.hpp"
@@ -64,14 +64,14 @@ std::array<Result, 2> measure(const Data& data, const Labelling& o) {
       const Scene& s = data.scenes[n];
       const Labels labels = label_borders(s.image, data.edges[n], o);
       for (int k = 0; k < s.image.grid.dims[2]; ++k)
-        for (const Wall wall : {Wall::endo, Wall::epi}) {
+        for (const Border wall : {Border::endo, Border::epi}) {
           std::vector<Pixel> pixels;
-          const std::uint8_t bit = wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit;
+          const std::uint8_t bit = wall == Border::endo ? Labels::endo_bit : Labels::epi_bit;
           for (int j = 0; j < s.image.grid.dims[1]; ++j)
             for (int i = 0; i < s.image.grid.dims[0]; ++i)
               if (labels.borders(i, j, k) & bit) pixels.push_back({i, j});
-          const auto& line = (wall == Wall::endo ? s.endo : s.epi)[static_cast<std::size_t>(k)];
-          (wall == Wall::endo ? each[n].endo : each[n].epi) += score_slice(pixels, line, tolerance_px);
+          const auto& line = (wall == Border::endo ? s.endo : s.epi)[static_cast<std::size_t>(k)];
+          (wall == Border::endo ? each[n].endo : each[n].epi) += score_slice(pixels, line, tolerance_px);
         }
       each[n].division = std::abs(labels.division_slice - s.division_slice);
     }

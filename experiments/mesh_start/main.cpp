@@ -10,8 +10,8 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/repair.hpp"
 #include "dynasurf/mesh/shapes.hpp"
+#include "dynasurf/synthetic/detail/voxel_truth.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/synthetic/voxel_truth.hpp"
 
 #include "../support/hebron.hpp"
 #include "../support/run_file.hpp"

@@ -9,6 +9,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
 
 using namespace dynasurf;
 

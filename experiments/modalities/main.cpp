@@ -7,6 +7,7 @@
 
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
 
 using namespace dynasurf;
 
@@ -123,7 +124,7 @@ void print_row(const Heart& heart, const Kind& kind) {
   std::printf("   %d of 4", held);
   print_errors(edge, truth);
   std::printf("  %5.1f  %s", seconds, std::string(word_of(result.verdict)).c_str());
-  for (const Flag& flag : result.flags) std::printf(" %s", flag.code.c_str());
+  for (const QualityFlag& flag : result.flags) std::printf(" %s", flag.code.c_str());
   for (const Note& note : result.notes)
     if (note.code.starts_with("fit.")) std::printf(" %s", note.code.c_str());
   std::printf("\n");

@@ -12,8 +12,9 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/ventricle/labels/mlc.hpp"
+#include "dynasurf/ventricle/labels/detail/mlc.hpp"
 #include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "../support/border_scores.hpp"
 
@@ -110,7 +111,7 @@ void print_case(const Case& c) {
        {std::tuple(&gate.endo, &truth.endo, truth.endo_ml), std::tuple(&gate.epi, &truth.epi, truth.epi_ml)})
     print_surface(*surface ? &(*surface)->mesh : nullptr, *surface ? (*surface)->volume_ml : 0, *true_mesh, true_ml);
   std::printf("  %6.3f  %s", seconds, std::string(word_of(result.verdict)).c_str());
-  for (const Flag& flag : result.flags) std::printf(" %s", flag.code.c_str());
+  for (const QualityFlag& flag : result.flags) std::printf(" %s", flag.code.c_str());
   std::printf("\n");
 }
 

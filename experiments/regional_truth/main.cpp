@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "../../app/true_walls.hpp"
 

@@ -26,9 +26,9 @@ struct MeshRun {
   Evolution evolution;
 };
 void describe(auto& visit, MeshRun& o) {
-  visit("level", o.level, Field{"2, 3, 4: 162, 642, 2562 vertices", "", 0, 6});
-  visit("start", o.start, Field{"what the surface starts from"});
-  visit("evolution", o.evolution, Field{"the deformable model"});
+  visit("level", o.level, OptionInfo{"2, 3, 4: 162, 642, 2562 vertices", "", 0, 6});
+  visit("start", o.start, OptionInfo{"what the surface starts from"});
+  visit("evolution", o.evolution, OptionInfo{"the deformable model"});
 }
 
 template <class Options>

@@ -8,8 +8,9 @@
 #include <string>
 
 #include "dynasurf/mesh/closest_point.hpp"
-#include "dynasurf/synthetic/random.hpp"
+#include "dynasurf/synthetic/detail/random.hpp"
 #include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "../borders_200/patients.hpp"
 #include "rows.hpp"

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/report/bland_altman.hpp"
+#include "dynasurf/report/detail/bland_altman.hpp"
 
 namespace dynasurf {
 namespace {

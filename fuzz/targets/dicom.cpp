@@ -1,4 +1,4 @@
-#include "dynasurf/io/formats.hpp"
+#include "dynasurf/io/detail/formats.hpp"
 
 #include "input_files.hpp"
 #include "target.hpp"

@@ -1,6 +1,6 @@
 #include <nlohmann/json.hpp>
 
-#include "dynasurf/io/json_read.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
 
 #include "target.hpp"
 

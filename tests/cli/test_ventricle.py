@@ -153,6 +153,13 @@ class Result(CliTest):
             self.assertLessEqual({f"g0{gate}_{stage}" for gate in (1, 2, 3, 4)}, stages)
         self.assertEqual(run("info", self.folder / "r" / "stages" / "g01_image.nrrd").returncode, 0)
 
+    def test_keeps_the_mesh_that_was_deformed(self):
+        start = small_patient() / "truth" / "endo_g01.ply"
+        run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--keep-stages", "--start", start, *EDGES)
+        given, kept = (json.loads(run("measure", mesh, "--json").stdout)
+                       for mesh in (start, self.folder / "r" / "stages" / "g02_start_epi.ply"))
+        self.assertEqual(kept["vertices"], given["vertices"])
+
     def test_joins_contours_when_asked(self):
         done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--pipeline", "contour",
                    "--keep-stages", "--set", "keyframes.frames_between=2", *EDGES)

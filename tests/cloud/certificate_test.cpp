@@ -95,7 +95,7 @@ std::vector<Vec3> on_sphere(std::size_t count) {
 TEST(ErrorsAtVertices, MeasureHowFarThePointsAre) {
   TriMesh mesh = icosphere(4);
   for (Vec3& p : mesh.vertices) p *= p[0] > 0 ? 1.0 : 0.9;
-  const auto errors = compare(mesh, Neighbours(on_sphere(20000))).errors;
+  const auto errors = compare(mesh, KdTree(on_sphere(20000))).errors;
   ASSERT_EQ(errors.size(), mesh.vertices.size());
   for (std::size_t v = 0; v < errors.size(); ++v) {
     const Vec3 direction = mesh.vertices[v].normalized();
@@ -113,7 +113,7 @@ TEST(ErrorsAtVertices, SayNothingWhereThereIsNoPoint) {
   std::vector<Vec3> right = on_sphere(5000);
   std::erase_if(right, [](const Vec3& p) { return p[0] <= 0; });
   const TriMesh mesh = icosphere(3);
-  const auto errors = compare(mesh, Neighbours(right)).errors;
+  const auto errors = compare(mesh, KdTree(right)).errors;
   for (std::size_t v = 0; v < errors.size(); ++v) {
     if (mesh.vertices[v][0] < -0.3) {
       EXPECT_EQ(errors[v], -1);
@@ -127,9 +127,9 @@ TEST(ErrorsAtVertices, SayNothingWhereThereIsNoPoint) {
 TEST(Compare, GivesTheSameForAnyNumberOfThreads) {
   const TriMesh mesh = icosphere(4);
   const std::vector<Vec3> points = on_sphere(100000);  // more than are worked on at once
-  const Comparison all = compare(mesh, Neighbours(points));
+  const Comparison all = compare(mesh, KdTree(points));
   const ThreadLimit one(1);
-  const Comparison alone = compare(mesh, Neighbours(points));
+  const Comparison alone = compare(mesh, KdTree(points));
   EXPECT_EQ(all.errors, alone.errors);
   EXPECT_EQ(all.certificate.cloud_to_mesh_mean, alone.certificate.cloud_to_mesh_mean);
 }

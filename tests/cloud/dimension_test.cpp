@@ -1,4 +1,4 @@
-#include "dynasurf/cloud/dimension.hpp"
+#include "dynasurf/cloud/detail/dimension.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
-#include "dynasurf/synthetic/random.hpp"
+#include "dynasurf/synthetic/detail/random.hpp"
 
 namespace dynasurf {
 namespace {

@@ -1,13 +1,13 @@
-#include "dynasurf/cloud/holes.hpp"
+#include "dynasurf/cloud/detail/holes.hpp"
 
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "dynasurf/cloud/body.hpp"
-#include "dynasurf/cloud/inside.hpp"
-#include "dynasurf/cloud/patch.hpp"
+#include "dynasurf/cloud/detail/body.hpp"
+#include "dynasurf/cloud/detail/indicator_field.hpp"
+#include "dynasurf/cloud/detail/patch.hpp"
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
@@ -118,7 +118,7 @@ HoleFill filled(CloudShape shape, bool may_join, int points = 20000, int cells =
   const PointCloud cloud =
       make_cloud({.shape = shape, .points = points, .missing_percent = 20, .normals = true, .seed = seed});
   const OrientedPoints oriented = orient(cloud, true);
-  const InsideField field = find_inside(oriented, {.cells = cells}).back();
+  const IndicatorField field = solve_indicator(oriented, {.cells = cells}).back();
   Eigen::AlignedBox3d box;
   for (const Vec3& p : cloud.points) box.extend(p);
   const double reach = 0.02 * box.diagonal().norm() * std::sqrt(20000.0 / points);
@@ -132,7 +132,7 @@ TEST(FillHoles, JoinsWhatWasOneRing) {
   const HoleFill fill = filled(CloudShape::torus, true);
   EXPECT_EQ(fill.joined, 1);
   EXPECT_EQ(fill.holes, 0);
-  EXPECT_EQ(fill.kind, (Kind{1, 1}));
+  EXPECT_EQ(fill.kind, (BodyTopology{1, 1}));
 }
 
 // The hole takes two turns apart: five ends, of which only two pairs may be joined, or the wire goes round in a ring.
@@ -140,7 +140,7 @@ TEST(FillHoles, JoinsThePiecesOfASpringInOneLine) {
   for (const std::uint64_t seed : {2u, 3u}) {
     const HoleFill fill = filled(CloudShape::spring, true, 50000, 86, seed);
     EXPECT_EQ(fill.joined, 2) << seed;
-    EXPECT_EQ(fill.kind, (Kind{1, 0})) << seed;
+    EXPECT_EQ(fill.kind, (BodyTopology{1, 0})) << seed;
   }
 }
 
@@ -148,7 +148,7 @@ TEST(FillHoles, MakesNoHandleWhereNoneMayBe) {
   const HoleFill fill = filled(CloudShape::torus, false);
   EXPECT_EQ(fill.joined, 0);
   EXPECT_EQ(fill.holes, 2);
-  EXPECT_EQ(fill.kind, (Kind{1, 0}));
+  EXPECT_EQ(fill.kind, (BodyTopology{1, 0}));
 }
 
 TEST(FillHoles, MendsBothSidesOfAWallApart) {
@@ -174,7 +174,7 @@ TEST(FillHoles, LeavesTheRimOfAPotWhoseUpperHalfIsMissing) {
 TEST(FillHoles, LeavesAWholeSphereAlone) {
   const PointCloud cloud = make_cloud({.shape = CloudShape::sphere, .points = 6000, .normals = true});
   const OrientedPoints oriented = orient(cloud, true);
-  EXPECT_FALSE(fill_holes(find_inside(oriented, {.cells = 32}).back(), oriented, {.reach = 0.15, .spacing = 0.05}));
+  EXPECT_FALSE(fill_holes(solve_indicator(oriented, {.cells = 32}).back(), oriented, {.reach = 0.15, .spacing = 0.05}));
 }
 
 class TornScan : public testing::TestWithParam<CloudShape> {};

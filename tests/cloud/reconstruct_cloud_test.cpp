@@ -10,8 +10,8 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/detail/surface_editor.hpp"
 #include "dynasurf/mesh/shapes.hpp"
-#include "dynasurf/mesh/surface_editor.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 
 namespace dynasurf {

@@ -1,4 +1,4 @@
-#include "dynasurf/cloud/transfer.hpp"
+#include "dynasurf/cloud/detail/transfer.hpp"
 
 #include <cmath>
 
@@ -25,7 +25,7 @@ PointCloud two_coloured(std::size_t count) {
 }
 
 auto colours_of(const TriMesh& mesh, const PointCloud& cloud) {
-  return colours_at_vertices(mesh, cloud, Neighbours(cloud.points));
+  return colours_at_vertices(mesh, cloud, KdTree(cloud.points));
 }
 
 TEST(ColoursAtVertices, AreThoseOfThePointsAround) {

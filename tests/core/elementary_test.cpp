@@ -1,4 +1,4 @@
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 
 #include <bit>
 #include <cmath>
@@ -18,13 +18,13 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double tiny = std::numeric_limits<double>::denorm_min();
 constexpr double largest = std::numeric_limits<double>::max();
 
-using Function = double (*)(double);
+using LvVolumes = double (*)(double);
 using Judge = long double (*)(long double);
 
 struct OneArgument {
   const char* name;
-  Function function;
-  Judge judge;
+  LvVolumes function;
+  Judge assess;
 };
 
 const OneArgument functions[] = {
@@ -98,7 +98,7 @@ TEST_P(EachFunction, ErrsByLessThanOneUnitInTheLastPlace) {
   Worst worst;
   for (std::uint64_t n = 0; n < 200'000; ++n) {
     const double x = argument(n);
-    worst.see(units_between(GetParam().function(x), GetParam().judge(x)), x);
+    worst.see(units_between(GetParam().function(x), GetParam().assess(x)), x);
   }
   EXPECT_LT(worst.units, promised) << GetParam().name << "(" << std::hexfloat << worst.at << ")";
 }
@@ -112,7 +112,7 @@ TEST_P(EachFunction, ErrsByLessThanOneUnitForFloats) {
   Worst worst;
   for (std::uint64_t n = 0; n < 0x1'0000'0000; n += step) {
     const double x = std::bit_cast<float>(static_cast<std::uint32_t>(n));
-    worst.see(units_between(GetParam().function(x), GetParam().judge(x)), x);
+    worst.see(units_between(GetParam().function(x), GetParam().assess(x)), x);
   }
   std::printf("%s: %.4f units at %a\n", GetParam().name, worst.units, worst.at);
   EXPECT_LT(worst.units, promised) << GetParam().name << "(" << std::hexfloat << worst.at << ")";
@@ -144,7 +144,7 @@ TEST(Elementary, FunctionsOfTwoNumbersErrByLessThanOneUnit) {
 TEST(Elementary, OddArgumentsFollowC) {
   for (const OneArgument& f : functions)
     for (const double x : {0.0, -0.0, infinity, -infinity, nan, 1.0, -1.0, tiny, -tiny, 2.0, -2.0})
-      EXPECT_TRUE(same(f.function(x), static_cast<double>(f.judge(x)))) << f.name << " of " << x;
+      EXPECT_TRUE(same(f.function(x), static_cast<double>(f.assess(x)))) << f.name << " of " << x;
 }
 
 TEST(Elementary, OddPowersAndAnglesFollowC) {

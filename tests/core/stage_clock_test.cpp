@@ -1,4 +1,4 @@
-#include "dynasurf/core/stage_clock.hpp"
+#include "dynasurf/core/detail/stage_clock.hpp"
 
 #include <thread>
 

@@ -1,4 +1,4 @@
-#include "dynasurf/core/symmetric_axes.hpp"
+#include "dynasurf/core/detail/symmetric_axes.hpp"
 
 #include <cmath>
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/dynamics/field_force.hpp"
+#include "dynasurf/dynamics/detail/field_force.hpp"
 #include "dynasurf/field/gvf.hpp"
 #include "dynasurf/mesh/measures.hpp"
 

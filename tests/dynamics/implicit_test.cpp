@@ -8,9 +8,9 @@
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
-#include "dynasurf/dynamics/solvers/conjugate_gradients.hpp"
-#include "dynasurf/dynamics/solvers/particle_solver.hpp"
-#include "dynasurf/dynamics/solvers/theta.hpp"
+#include "dynasurf/dynamics/solvers/detail/conjugate_gradients.hpp"
+#include "dynasurf/dynamics/solvers/detail/particle_solver.hpp"
+#include "dynasurf/dynamics/solvers/detail/theta.hpp"
 
 #include "support/shapes.hpp"
 
@@ -60,9 +60,9 @@ TEST(Chain, IsSolvedAsADenseSystemWouldBe) {
       else
         solve_tridiagonal(b.lower, b.diagonal, b.upper, x);
       const auto size = static_cast<Eigen::Index>(n);
-      const Eigen::VectorXd judge =
+      const Eigen::VectorXd assess =
           b.dense(cyclic).partialPivLu().solve(Eigen::Map<const Eigen::VectorXd>(b.right.data(), size));
-      EXPECT_LT((Eigen::Map<const Eigen::VectorXd>(x.data(), size) - judge).norm(), 1e-13 * (1 + judge.norm()));
+      EXPECT_LT((Eigen::Map<const Eigen::VectorXd>(x.data(), size) - assess).norm(), 1e-13 * (1 + assess.norm()));
     }
 }
 
@@ -128,8 +128,8 @@ TEST(ConjugateGradients, SolveWhatADenseSolverDoes) {
   const CgResult r = conjugate_gradients(multiply, inverse, b, x, 1e-12, 200);
   EXPECT_TRUE(r.converged);
   EXPECT_LE(r.iterations, 40);
-  const Eigen::VectorXd judge = a.llt().solve(Eigen::Map<const Eigen::VectorXd>(b.data()->data(), 3 * n));
-  EXPECT_LT((Eigen::Map<const Eigen::VectorXd>(x.data()->data(), 3 * n) - judge).norm(), 1e-9 * judge.norm());
+  const Eigen::VectorXd assess = a.llt().solve(Eigen::Map<const Eigen::VectorXd>(b.data()->data(), 3 * n));
+  EXPECT_LT((Eigen::Map<const Eigen::VectorXd>(x.data()->data(), 3 * n) - assess).norm(), 1e-9 * assess.norm());
   EXPECT_FALSE(conjugate_gradients(multiply, inverse, b, x, 1e-12, 3).converged);
 }
 
@@ -237,11 +237,11 @@ TEST(BackwardEulerStep, ApproachesRk4AsTheStepShrinks) {
     for (int s = 0; s < steps; ++s) stepper.step(system, 0.2 / steps);
     return system.positions;
   };
-  const auto judge = end(Rk4{}, 2000);
+  const auto assess = end(Rk4{}, 2000);
   const auto error = [&](int steps) {
     const auto found = end(BackwardEuler{.stiffness = Stiffening::exact}, steps);
     double worst = 0;
-    for (std::size_t p = 0; p < judge.size(); ++p) worst = std::max(worst, (found[p] - judge[p]).norm());
+    for (std::size_t p = 0; p < assess.size(); ++p) worst = std::max(worst, (found[p] - assess[p]).norm());
     return worst;
   };
   EXPECT_NEAR(std::log2(error(400) / error(800)), 1, 0.15);

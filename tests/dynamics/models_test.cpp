@@ -1,4 +1,4 @@
-#include "dynasurf/dynamics/models.hpp"
+#include "dynasurf/dynamics/detail/models.hpp"
 
 #include <cmath>
 #include <cstring>
@@ -8,10 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/dynamics/contour/surface_curvature.hpp"
-#include "dynasurf/dynamics/coupled_motion.hpp"
+#include "dynasurf/dynamics/contour/detail/surface_curvature.hpp"
+#include "dynasurf/dynamics/detail/coupled_motion.hpp"
+#include "dynasurf/dynamics/detail/field_force.hpp"
 #include "dynasurf/dynamics/evolve.hpp"
-#include "dynasurf/dynamics/field_force.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
 #include "dynasurf/field/gvf.hpp"
 #include "dynasurf/mesh/measures.hpp"

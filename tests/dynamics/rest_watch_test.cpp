@@ -1,4 +1,4 @@
-#include "dynasurf/dynamics/rest_watch.hpp"
+#include "dynasurf/dynamics/detail/rest_watch.hpp"
 
 #include <cmath>
 

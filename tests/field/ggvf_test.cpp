@@ -89,13 +89,13 @@ TEST(Ggvf, FollowsThePrintedSchemeInTwoAndThreeDimensions) {
         const Ggvf o{.k = k, .iterations = 40, .scheme = scheme};
         const FlowResult r = flow_field(f, o);
         EXPECT_EQ(r.iterations, 40);
-        const VectorField judge = plain_ggvf(f, o, r.step);
-        const double scale = largest(judge);
+        const VectorField assess = plain_ggvf(f, o, r.step);
+        const double scale = largest(assess);
         // 40 roundings of 6e-8 each, of numbers below the scale.
         for (std::size_t v = 0; v < g.size(); ++v) {
-          ASSERT_NEAR(r.field.x[v], judge.x[v], 3e-6 * scale);
-          ASSERT_NEAR(r.field.y[v], judge.y[v], 3e-6 * scale);
-          ASSERT_NEAR(r.field.z[v], judge.z[v], 3e-6 * scale);
+          ASSERT_NEAR(r.field.x[v], assess.x[v], 3e-6 * scale);
+          ASSERT_NEAR(r.field.y[v], assess.y[v], 3e-6 * scale);
+          ASSERT_NEAR(r.field.z[v], assess.z[v], 3e-6 * scale);
         }
       }
 }

@@ -8,8 +8,8 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/field/detail/simd.hpp"
 #include "dynasurf/field/gvf.hpp"
-#include "dynasurf/field/simd.hpp"
 
 #include "support/edge_maps.hpp"
 

@@ -1,4 +1,4 @@
-#include "dynasurf/image/edges/compass.hpp"
+#include "dynasurf/image/edges/detail/compass.hpp"
 
 #include <cmath>
 #include <ctime>
@@ -109,9 +109,9 @@ TEST(SweepDistance, IsNeverCheaperThanTheCheapestTransport) {
   double greedy = 0, exact = 0;
   for (const Pair& p : random_pairs(100)) {
     const auto d = p.distance(saturating);
-    const double sweep = sweep_distance(p.a, p.b, d), judge = exact_distance(p.a, p.b, d);
-    EXPECT_GE(sweep, judge - 1e-9);
-    greedy += sweep, exact += judge;
+    const double sweep = sweep_distance(p.a, p.b, d), assess = exact_distance(p.a, p.b, d);
+    EXPECT_GE(sweep, assess - 1e-9);
+    greedy += sweep, exact += assess;
   }
   // On unrelated random distributions, which are the worst case, the shortcut was 14 % dearer.
   EXPECT_GT(greedy, 1.05 * exact);

@@ -1,4 +1,4 @@
-#include "dynasurf/image/edges/contour_completion.hpp"
+#include "dynasurf/image/edges/detail/contour_completion.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-#include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
 
 #include <filesystem>
 

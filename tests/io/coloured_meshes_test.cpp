@@ -6,9 +6,9 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/byte_source.hpp"
-#include "dynasurf/io/bytes.hpp"
 #include "dynasurf/io/cloud_io.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/png.hpp"
 

@@ -1,4 +1,4 @@
-#include "dynasurf/io/dicom_outline.hpp"
+#include "dynasurf/io/detail/dicom_outline.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

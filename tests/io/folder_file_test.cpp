@@ -1,4 +1,4 @@
-#include "dynasurf/io/folder_file.hpp"
+#include "dynasurf/io/detail/folder_file.hpp"
 
 #include <gtest/gtest.h>
 

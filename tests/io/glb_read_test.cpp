@@ -1,4 +1,4 @@
-#include "dynasurf/io/glb_read.hpp"
+#include "dynasurf/io/detail/glb_read.hpp"
 
 #include <cstring>
 #include <filesystem>
@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
 #include "support/damage.hpp"

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 
 #include "support/sample_meshes.hpp"

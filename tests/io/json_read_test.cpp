@@ -1,4 +1,4 @@
-#include "dynasurf/io/json_read.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
 
 #include <ctime>
 #include <limits>
@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/json_node.hpp"
+#include "dynasurf/io/detail/json_node.hpp"
 
 #include "support/damage.hpp"
 #include "support/scratch_folder.hpp"

@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/memory_limit.hpp"
-#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 

@@ -6,8 +6,8 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/memory_limit.hpp"
-#include "dynasurf/io/gzip.hpp"
-#include "dynasurf/io/nifti_format.hpp"
+#include "dynasurf/io/detail/gzip.hpp"
+#include "dynasurf/io/detail/nifti_format.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 #include "support/l_shape.hpp"

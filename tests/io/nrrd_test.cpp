@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "dynasurf/io/gzip.hpp"
+#include "dynasurf/io/detail/gzip.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 #include "support/l_shape.hpp"

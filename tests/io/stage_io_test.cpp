@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 #include "support/scratch_folder.hpp"

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/mesh/detail/predicates.hpp"
 #include "dynasurf/mesh/intersections.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/mesh/predicates.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
 namespace dynasurf {

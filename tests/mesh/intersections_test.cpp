@@ -9,7 +9,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/mesh/predicates.hpp"
+#include "dynasurf/mesh/detail/predicates.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
 namespace dynasurf {

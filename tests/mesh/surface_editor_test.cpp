@@ -1,4 +1,4 @@
-#include "dynasurf/mesh/surface_editor.hpp"
+#include "dynasurf/mesh/detail/surface_editor.hpp"
 
 #include <algorithm>
 #include <random>
@@ -146,7 +146,7 @@ TEST(RaiseSmallestAngle, MendsAShuffledBallAndKeepsItsCount) {
       icosphere(3), [&](const Vec3& p) { return Vec3((p + 0.05 * Vec3(number(), number(), number())).normalized()); }));
   ASSERT_TRUE(self_intersections(s.mesh()).free());
   ASSERT_LT(triangle_quality(s.mesh()).smallest_angle_deg, 15);
-  EXPECT_GE(raise_smallest_angle(s, 25, 10), 25);
+  EXPECT_GE(improve_smallest_angle(s, 25, 10), 25);
   EXPECT_EQ(s.triangles(), 1280u);
   EXPECT_TRUE(check_surface(s.mesh()).valid());
 }
@@ -183,7 +183,7 @@ TEST(Relax, LeavesCornersWhoseFacesAreCutUnevenly) {
   SurfaceEditor s(cube);
   simplify(s, {.triangles = 60, .evenness = 1e-6});
   relax(s, std::vector<double>(s.vertex_slots(), 1.0), on_cube, cube, 5, 5, 60);
-  raise_smallest_angle(s, 20, 4, 60);
+  improve_smallest_angle(s, 20, 4, 60);
   const TriMesh result = s.mesh();
   const ClosestPoint on_result(result);
   for (const double x : {-1, 1})
@@ -196,7 +196,7 @@ TEST(TakeBackCrossings, UndoesOnlyWhatCrosses) {
   const std::vector<Vec3> safe(s.positions().begin(), s.positions().end());
   s.position(0) *= -1.5;
   s.position(100) *= 1.01;
-  EXPECT_GT(take_back_crossings(s, safe), 0u);
+  EXPECT_GT(revert_self_intersections(s, safe), 0u);
   EXPECT_TRUE(self_intersections(s.mesh()).free());
   EXPECT_EQ(s.position(0), safe[0]);
   EXPECT_NE(s.position(100), safe[100]);

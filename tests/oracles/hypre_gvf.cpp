@@ -24,12 +24,12 @@ test::MpiSession* HypreOracle::session = nullptr;
 
 /// |u - u*| / |u*| against hypre's field. Its residual says little of the error, so it iterates to the last digits.
 double error_of(const VectorField& field, const Image& map, double mu) {
-  test::HypreGvf judge(map, mu * map.grid.spacing.cwiseAbs2().cwiseInverse(), 1e-12);
+  test::HypreGvf assess(map, mu * map.grid.spacing.cwiseAbs2().cwiseInverse(), 1e-12);
   double apart = 0, size = 0;
   const std::array<const std::vector<float>*, 3> u{&field.x, &field.y, &field.z};
   for (std::size_t a = 0; a < 3; ++a) {
-    const std::vector<double> exact = judge.component(a);
-    EXPECT_LT(judge.iterations, 200);
+    const std::vector<double> exact = assess.component(a);
+    EXPECT_LT(assess.iterations, 200);
     for (std::size_t v = 0; v < exact.size(); ++v) {
       apart += std::pow(double((*u[a])[v]) - exact[v], 2);
       size += exact[v] * exact[v];

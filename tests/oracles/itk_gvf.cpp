@@ -4,7 +4,7 @@
 #include <itkGradientVectorFlowImageFilter.h>
 #include <itkImage.h>
 
-#include "dynasurf/field/gradient.hpp"
+#include "dynasurf/field/detail/gradient.hpp"
 #include "dynasurf/field/gvf.hpp"
 
 #include "support/edge_maps.hpp"

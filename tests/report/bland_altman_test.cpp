@@ -1,4 +1,4 @@
-#include "dynasurf/report/bland_altman.hpp"
+#include "dynasurf/report/detail/bland_altman.hpp"
 
 #include <cmath>
 #include <limits>
@@ -15,7 +15,7 @@ std::size_t count_of(const std::string& text, const std::string& what) {
 }
 
 // Differences -1, 0, 1, 4: mean 1, sample variance (4 + 1 + 0 + 9) / 3.
-const std::vector<Reading> four{{10, 9}, {20, 20}, {50, 51}, {80, 84}};
+const std::vector<PairedReading> four{{10, 9}, {20, 20}, {50, 51}, {80, 84}};
 
 TEST(Agreement, IsMeanAndSampleDeviationOfTheDifferences) {
   const Agreement a = agreement_of(four);
@@ -30,7 +30,7 @@ TEST(Agreement, IsMeanAndSampleDeviationOfTheDifferences) {
 
 TEST(Agreement, LeavesOutWhatHasNoDifference) {
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<Reading> readings{{none, 1}, {1, none}, {0, 3}, {10, 11}};
+  const std::vector<PairedReading> readings{{none, 1}, {1, none}, {0, 3}, {10, 11}};
   EXPECT_EQ(agreement_of(readings).count, 2u);
   EXPECT_EQ(relative_agreement_of(readings).count, 1u);
   EXPECT_EQ(relative_agreement_of(readings).sd, 0);

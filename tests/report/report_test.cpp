@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "dynasurf/report/page_template.hpp"
+#include "dynasurf/report/detail/page_template.hpp"
 
 #include "support/sample_result.hpp"
 

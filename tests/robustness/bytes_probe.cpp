@@ -10,14 +10,15 @@
 #include <vector>
 
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/field/simd.hpp"
+#include "dynasurf/field/detail/simd.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
+#include "dynasurf/synthetic/detail/random.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/synthetic/random.hpp"
 #include "dynasurf/ventricle/organ.hpp"
 #include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf {
 namespace {
@@ -88,7 +89,7 @@ void print_images(const std::string& name, const std::vector<Image>& images) {
   hash.print(name);
 }
 
-void print_stages(const Stages& s) {
+void print_stages(const Intermediates& s) {
   const std::string gate = "gate " + std::to_string(s.gate);
   if (s.border_endo) print_images(gate + " inner border", {*s.border_endo});
   if (s.border_epi) print_images(gate + " outer border", {*s.border_epi});
@@ -127,7 +128,7 @@ void print_ventricle(const std::string& name, const Study& study, const Ventricl
   fit.print(name + " fit");
   Hash estimates;
   estimates << beat.uptake << beat.wall_ml << beat.edv_ml << beat.esv_ml << beat.ef_percent << beat.thickness_mm
-            << beat.fwhm_mm << beat.misfit << beat.steps;
+            << beat.fwhm_mm << beat.objective << beat.steps;
   estimates.print(name + " estimates");
 }
 

@@ -8,8 +8,8 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/report/report.hpp"
-#include "dynasurf/ventricle/function.hpp"
-#include "dynasurf/ventricle/readings.hpp"
+#include "dynasurf/ventricle/detail/readings.hpp"
+#include "dynasurf/ventricle/lv_volumes.hpp"
 
 namespace dynasurf::test {
 
@@ -48,13 +48,13 @@ struct Ellipsoid {
   bool below_base(const Vec3& p) const { return p[2] - centre[2] <= base_mm; }
 };
 
-inline Ellipsoid sample_wall(const Grid& grid, Wall wall, double phase) {
+inline Ellipsoid sample_wall(const Grid& grid, Border wall, double phase) {
   const double squeeze = 0.5 - 0.5 * std::cos(2 * std::numbers::pi * std::pow(phase, 0.8));  // 0: end diastole
   Ellipsoid e;
   e.centre = centre_of(grid, {grid.dims[0] / 2 + 2, grid.dims[1] / 2 - 1, grid.dims[2] / 2 + 2});
   e.base_mm = 20 - 7 * squeeze;
-  e.across_mm = wall == Wall::endo ? 25 - 7.5 * squeeze : 35 - 4.0 * squeeze;
-  e.along_mm = wall == Wall::endo ? 43 - 7.0 * squeeze : 52 - 4.0 * squeeze;
+  e.across_mm = wall == Border::endo ? 25 - 7.5 * squeeze : 35 - 4.0 * squeeze;
+  e.along_mm = wall == Border::endo ? 43 - 7.0 * squeeze : 52 - 4.0 * squeeze;
   return e;
 }
 
@@ -80,7 +80,7 @@ inline Surface sample_surface(const Grid& grid, const TriMesh& sphere, const Ell
 
 /// Bright muscle, blurred, on a faint background with noise from a fixed sequence.
 inline Image sample_image(const Grid& grid, double phase) {
-  const Ellipsoid endo = sample_wall(grid, Wall::endo, phase), epi = sample_wall(grid, Wall::epi, phase);
+  const Ellipsoid endo = sample_wall(grid, Border::endo, phase), epi = sample_wall(grid, Border::epi, phase);
   Image image(grid);
   std::uint32_t noise = 12345;
   for (int k = 0; k < grid.dims[2]; ++k)
@@ -103,7 +103,7 @@ inline Image sample_image(const Grid& grid, double phase) {
 inline Labels sample_labels(const Grid& grid, double phase) {
   Labels labels;
   labels.borders = Mask(grid);
-  for (const Wall wall : {Wall::endo, Wall::epi}) {
+  for (const Border wall : {Border::endo, Border::epi}) {
     const Ellipsoid shape = sample_wall(grid, wall, phase);
     const auto inside = [&](int i, int j, int k) { return shape.level(centre_of(grid, {i, j, k})) < 1; };
     for (int k = 0; k < grid.dims[2]; ++k)
@@ -111,9 +111,9 @@ inline Labels sample_labels(const Grid& grid, double phase) {
         for (int i = 1; i + 1 < grid.dims[0]; ++i)
           if (inside(i, j, k) && shape.below_base(centre_of(grid, {i, j, k})) &&
               !(inside(i - 1, j, k) && inside(i + 1, j, k) && inside(i, j - 1, k) && inside(i, j + 1, k)))
-            labels.borders(i, j, k) |= wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit;
+            labels.borders(i, j, k) |= wall == Border::endo ? Labels::endo_bit : Labels::epi_bit;
   }
-  const Ellipsoid epi = sample_wall(grid, Wall::epi, 0);
+  const Ellipsoid epi = sample_wall(grid, Border::epi, 0);
   labels.circle = {epi.centre[0] / grid.spacing[0], epi.centre[1] / grid.spacing[1],
                    epi.across_mm / grid.spacing[0] + 2};
   labels.big_slice = grid.dims[2] / 2 + 2;
@@ -158,8 +158,8 @@ inline VentricleResult sample_result(const SampleStudy& study = {}) {
     for (std::size_t v = 0; v < gate.edges.values.size(); ++v)
       gate.edges.values[v] = gate.labels.borders.values[v] != 0 ? 2 : v % 397 == 0 ? 1 : 0;
     gate.base_slice = 17;
-    gate.edge_surfaces.endo = sample_surface(grid, sphere, sample_wall(grid, Wall::endo, phase));
-    gate.edge_surfaces.epi = sample_surface(grid, sphere, sample_wall(grid, Wall::epi, phase));
+    gate.edge_surfaces.endo = sample_surface(grid, sphere, sample_wall(grid, Border::endo, phase));
+    gate.edge_surfaces.epi = sample_surface(grid, sphere, sample_wall(grid, Border::epi, phase));
     result.gates.push_back(std::move(gate));
   }
   measure_sample(result);

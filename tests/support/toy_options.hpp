@@ -23,18 +23,18 @@ struct ToyBlur {
   static constexpr std::string_view name = "blur";
   double sigma = 1;
 };
-void describe(auto& visit, ToyBlur& o) { visit("sigma", o.sigma, Field{"width", "px", 0, 10}); }
+void describe(auto& visit, ToyBlur& o) { visit("sigma", o.sigma, OptionInfo{"width", "px", 0, 10}); }
 
 struct ToyEdge {
   static constexpr std::string_view name = "edge";
   int gain = 3;
 };
-void describe(auto& visit, ToyEdge& o) { visit("gain", o.gain, Field{"factor"}); }
+void describe(auto& visit, ToyEdge& o) { visit("gain", o.gain, OptionInfo{"factor"}); }
 
 struct ToyInner {
   int depth = 2;
 };
-void describe(auto& visit, ToyInner& o) { visit("depth", o.depth, Field{"how deep", "", -5, 5}); }
+void describe(auto& visit, ToyInner& o) { visit("depth", o.depth, OptionInfo{"how deep", "", -5, 5}); }
 
 struct Toy {
   double width_mm = 1.25;
@@ -48,15 +48,15 @@ struct Toy {
   std::variant<ToyBlur, ToyEdge> step;
 };
 void describe(auto& visit, Toy& o) {
-  visit("width_mm", o.width_mm, Field{"how wide", "mm", 0, 20});
-  visit("rounds", o.rounds, Field{"how often", "", 1});
-  visit("seed", o.seed, Field{"of the random numbers"});
-  visit("title", o.title, Field{"a text"});
-  visit("strict", o.strict, Field{"no mercy"});
-  visit("colour", o.colour, Field{"a word"});
-  visit("limit", o.limit, Field{"may be unset", "", 0, 100});
-  visit("inner", o.inner, Field{"a group"});
-  visit("step", o.step, Field{"a family"});
+  visit("width_mm", o.width_mm, OptionInfo{"how wide", "mm", 0, 20});
+  visit("rounds", o.rounds, OptionInfo{"how often", "", 1});
+  visit("seed", o.seed, OptionInfo{"of the random numbers"});
+  visit("title", o.title, OptionInfo{"a text"});
+  visit("strict", o.strict, OptionInfo{"no mercy"});
+  visit("colour", o.colour, OptionInfo{"a word"});
+  visit("limit", o.limit, OptionInfo{"may be unset", "", 0, 100});
+  visit("inner", o.inner, OptionInfo{"a group"});
+  visit("step", o.step, OptionInfo{"a family"});
 }
 
 }  // namespace dynasurf::test

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/synthetic/detail/voxel_truth.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/synthetic/voxel_truth.hpp"
 
 #include "mesh_checks.hpp"
 

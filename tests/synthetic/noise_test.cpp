@@ -1,11 +1,11 @@
-#include "dynasurf/synthetic/noise.hpp"
+#include "dynasurf/synthetic/detail/noise.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/synthetic/render.hpp"
+#include "dynasurf/synthetic/detail/render.hpp"
 
 namespace dynasurf {
 namespace {

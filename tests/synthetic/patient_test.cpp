@@ -7,8 +7,8 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/fill_mesh.hpp"
+#include "dynasurf/synthetic/detail/render.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/synthetic/render.hpp"
 
 #include "mesh_checks.hpp"
 

@@ -1,4 +1,4 @@
-#include "dynasurf/synthetic/random.hpp"
+#include "dynasurf/synthetic/detail/random.hpp"
 
 #include <cmath>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "dynasurf/synthetic/render.hpp"
+#include "dynasurf/synthetic/detail/render.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/fill_mesh.hpp"
-#include "dynasurf/synthetic/solids.hpp"
+#include "dynasurf/synthetic/detail/solids.hpp"
 
 #include "mesh_checks.hpp"
 
@@ -132,7 +132,7 @@ TEST(FillMesh, FillsABoxExactly) {
 
 TEST(FillMesh, KeepsTheVolumeOfClosedMeshesWithinOnePerMille) {
   const Grid grid = spect_grid();
-  TriMesh cup = surface(Cup{30, 40});
+  TriMesh cup = surface(CylinderCup{30, 40});
   for (Vec3& p : cup.vertices) p += centre_of(grid, {20, 20, 11}) + Vec3(0, 0, -5);
   const double truth = signed_volume_ml(cup);
   EXPECT_NEAR(sum_of(fill_mesh(grid, cup, {5, 5, 5})) * grid.voxel_volume_mm3() / 1000, truth, 0.001 * truth);
@@ -140,7 +140,7 @@ TEST(FillMesh, KeepsTheVolumeOfClosedMeshesWithinOnePerMille) {
 
 TEST(FillMesh, AgreesWithTheAnalyticSolidVoxelByVoxel) {
   const Grid grid = spect_grid();
-  const Cup cup{30, 40};
+  const CylinderCup cup{30, 40};
   const Vec3 shift = centre_of(grid, {20, 20, 11}) + Vec3(0, 0, -5);
   TriMesh mesh = surface(cup);
   for (Vec3& p : mesh.vertices) p += shift;
@@ -155,7 +155,7 @@ TEST(FillMesh, AgreesWithTheAnalyticSolidVoxelByVoxel) {
 }
 
 TEST(FillMesh, RefusesAnOpenMesh) {
-  TriMesh open = surface(Cup{30, 40});
+  TriMesh open = surface(CylinderCup{30, 40});
   std::erase_if(open.triangles, [&](const auto& t) {
     return std::all_of(t.begin(), t.end(), [&](auto v) { return open.vertices[v][2] == 40; });
   });

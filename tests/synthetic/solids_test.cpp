@@ -1,4 +1,4 @@
-#include "dynasurf/synthetic/solids.hpp"
+#include "dynasurf/synthetic/detail/solids.hpp"
 
 #include <cmath>
 
@@ -9,13 +9,13 @@
 namespace dynasurf {
 namespace {
 
-TEST(Cup, HasTheVolumesOfThePhantom) {
-  EXPECT_NEAR(1000 * volume_ml(Cup{35, 55}), 301461.995, 0.001);
-  EXPECT_NEAR(1000 * volume_ml(Cup{20, 55}), 85870.199, 0.001);
+TEST(CylinderCup, HasTheVolumesOfThePhantom) {
+  EXPECT_NEAR(1000 * volume_ml(CylinderCup{35, 55}), 301461.995, 0.001);
+  EXPECT_NEAR(1000 * volume_ml(CylinderCup{20, 55}), 85870.199, 0.001);
 }
 
-TEST(Cup, ContainsItsHalfSphereAndItsCylinder) {
-  const Cup cup{20, 55};
+TEST(CylinderCup, ContainsItsHalfSphereAndItsCylinder) {
+  const CylinderCup cup{20, 55};
   EXPECT_TRUE(cup.contains({0, 0, -19.9}));
   EXPECT_FALSE(cup.contains({0, 0, -20.1}));
   EXPECT_FALSE(cup.contains({15, 0, -15}));
@@ -25,7 +25,7 @@ TEST(Cup, ContainsItsHalfSphereAndItsCylinder) {
 }
 
 TEST(Surfaces, AreFineClosedOrientedAndHoldTheVolumeOfTheirSolid) {
-  for (const Cup& cup : {Cup{35, 55}, Cup{20, 55}, Cup{19, 10}}) {
+  for (const CylinderCup& cup : {CylinderCup{35, 55}, CylinderCup{20, 55}, CylinderCup{19, 10}}) {
     const TriMesh mesh = surface(cup);
     EXPECT_GE(mesh.vertices.size(), 10000u);
     EXPECT_TRUE(closed_and_oriented(mesh));

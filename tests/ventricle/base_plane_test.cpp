@@ -11,7 +11,7 @@
 namespace dynasurf {
 namespace {
 
-const Cup heart{{60, 60, 62}, {0, 0, 1}, 30, 48, 26};
+const LvShell heart{{60, 60, 62}, {0, 0, 1}, 30, 48, 26};
 
 /// A blurred wall: bright near the middle surface of `heart`, ending smoothly at a plane.
 Image walled(const BasePlane& base) {

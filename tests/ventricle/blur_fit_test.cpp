@@ -9,10 +9,10 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/synthetic/detail/random.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/synthetic/random.hpp"
+#include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 #include "dynasurf/ventricle/fit/gaussian_profile.hpp"
-#include "dynasurf/ventricle/fit/harmonics.hpp"
 #include "dynasurf/ventricle/locate.hpp"
 
 namespace dynasurf {
@@ -69,7 +69,7 @@ TEST(Harmonics, AreOrthonormalOverTheSphere) {
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(count, count);
   std::vector<double> values(count);
   for (int n = 0; n < directions; ++n) {
-    harmonics_at(even_direction(n, directions), degree, values);
+    real_spherical_harmonics(fibonacci_direction(n, directions), degree, values);
     const Eigen::Map<Eigen::VectorXd> v(values.data(), count);
     products += v * v.transpose() / directions;
   }
@@ -77,7 +77,7 @@ TEST(Harmonics, AreOrthonormalOverTheSphere) {
   EXPECT_LT((products - Eigen::MatrixXd::Identity(count, count)).cwiseAbs().maxCoeff(), 1e-3);
 }
 
-GammaCamera small_camera(double sigma_mm, double filtered = 0) {
+PsfProjector small_camera(double sigma_mm, double filtered = 0) {
   CellLattice cells;
   cells.count = {14, 12, 10};
   cells.step = {2, 2.5, 3};
@@ -101,32 +101,32 @@ double dot(const std::vector<float>& a, const std::vector<float>& b) {
   return sum;
 }
 
-TEST(GammaCamera, SeesBackByItsTranspose) {
+TEST(PsfProjector, SeesBackByItsTranspose) {
   for (const double filtered : {0.0, 0.5}) {
-    const GammaCamera camera = small_camera(5, filtered);
+    const PsfProjector camera = small_camera(5, filtered);
     const std::vector<float> cells = noise(camera.cells.size(), 1), pixels = noise(camera.pixels.size(), 2);
     // Sums of a thousand products of single precision.
-    EXPECT_NEAR(dot(see(camera, cells), pixels), dot(cells, see_back(camera, pixels)), 1e-4);
+    EXPECT_NEAR(dot(project(camera, cells), pixels), dot(cells, backproject(camera, pixels)), 1e-4);
   }
 }
 
-TEST(GammaCamera, KeepsWhatIsTheSameEverywhere) {
+TEST(PsfProjector, KeepsWhatIsTheSameEverywhere) {
   // Far from the lattice's ends, where nothing is cut off, a sharp camera and a blurred one both see 1.
   for (const double sigma : {0.0, 2.5}) {
-    const GammaCamera camera = small_camera(sigma);
-    const std::vector<float> image = see(camera, std::vector<float>(camera.cells.size(), 1.0F));
+    const PsfProjector camera = small_camera(sigma);
+    const std::vector<float> image = project(camera, std::vector<float>(camera.cells.size(), 1.0F));
     const std::size_t middle = 3 + 7 * (3 + 6 * 2);
     EXPECT_NEAR(image[middle], 1, 0.01) << sigma;
   }
 }
 
-TEST(GammaCamera, DerivativeByItsWidthIsThatOfFiniteDifferences) {
+TEST(PsfProjector, DerivativeByItsWidthIsThatOfFiniteDifferences) {
   constexpr double step = 1e-3, sigma = 5;
   const std::vector<float> cells = noise(small_camera(sigma).cells.size(), 3);
-  const GammaCamera camera = small_camera(sigma);
-  const std::vector<float> derivative = see_wider(camera, cells);
-  const std::vector<float> wider = see(small_camera(sigma * std::exp(step)), cells),
-                           narrower = see(small_camera(sigma * std::exp(-step)), cells);
+  const PsfProjector camera = small_camera(sigma);
+  const std::vector<float> derivative = project_wider(camera, cells);
+  const std::vector<float> wider = project(small_camera(sigma * std::exp(step)), cells),
+                           narrower = project(small_camera(sigma * std::exp(-step)), cells);
   for (std::size_t n = 0; n < derivative.size(); ++n)
     EXPECT_NEAR(derivative[n], (wider[n] - narrower[n]) / (2 * static_cast<float>(step)), 2e-3);  // single precision
 }
@@ -165,7 +165,7 @@ double cut_sphere(double radius, double height) {
 
 TEST(Activity, HoldsTheVolumesOfItsWalls) {
   const RoundHeart heart = round_heart();
-  const Activity activity = lay_out(heart.cells, heart.layout, heart.gate);
+  const Activity activity = rasterise(heart.cells, heart.layout, heart.gate);
   // Smooth edges on cells of 2 mm: the sum is right to a few thousandths.
   EXPECT_NEAR(activity.cavity_mm3 / cut_sphere(20, 12), 1, 0.005);
   EXPECT_NEAR((activity.cavity_mm3 + activity.wall_mm3) / cut_sphere(30, 12), 1, 0.005);
@@ -175,11 +175,11 @@ TEST(Activity, GradientIsThatOfFiniteDifferences) {
   const RoundHeart heart = round_heart();
   const std::vector<float> by_cell = noise(heart.cells.lattice.size(), 4);
   const auto quantity = [&](const Eigen::VectorXd& gate) {
-    const Activity a = lay_out(heart.cells, heart.layout, gate);
+    const Activity a = rasterise(heart.cells, heart.layout, gate);
     return dot(a.cells, by_cell) + 2e-3 * a.cavity_mm3 - 1e-3 * a.wall_mm3;
   };
-  const Activity activity = lay_out(heart.cells, heart.layout, heart.gate);
-  const Eigen::VectorXd gradient = trace_back(heart.cells, heart.layout, heart.gate, activity, by_cell, 2e-3, -1e-3);
+  const Activity activity = rasterise(heart.cells, heart.layout, heart.gate);
+  const Eigen::VectorXd gradient = backpropagate(heart.cells, heart.layout, heart.gate, activity, by_cell, 2e-3, -1e-3);
   for (int n = 0; n < heart.layout.width; ++n) {
     const double step = n >= heart.layout.plane && n < heart.layout.cavity ? 2e-2 : 2e-3;
     Eigen::VectorXd more = heart.gate, less = heart.gate;
@@ -204,12 +204,12 @@ BeatProblem round_problem(Eigen::VectorXd& unknowns) {
   problem.thickness.harmonics.resize(5, harmonics_up_to(3));
   std::vector<double> row(static_cast<std::size_t>(harmonics_up_to(3)));
   for (int n = 0; n < 5; ++n) {
-    harmonics_at(even_direction(n, 10), 3, row);
+    real_spherical_harmonics(fibonacci_direction(n, 10), 3, row);
     problem.thickness.harmonics.row(n) = Eigen::Map<Eigen::RowVectorXd>(row.data(), harmonics_up_to(3));
   }
   problem.thickness.mm_per_q = Eigen::VectorXd::Constant(5, 25);
   problem.thickness.mean_mm = 8;
-  Beliefs beliefs;
+  Priors beliefs;
   beliefs.width = 0.1;
   Eigen::VectorXd other = heart.gate;
   other[heart.layout.endo] -= 0.2, other[heart.layout.wall] += 0.1, other[heart.layout.plane] -= 3;
@@ -218,16 +218,16 @@ BeatProblem round_problem(Eigen::VectorXd& unknowns) {
   return problem;
 }
 
-TEST(Misfit, GradientIsThatOfFiniteDifferences) {
+TEST(Objective, GradientIsThatOfFiniteDifferences) {
   Eigen::VectorXd unknowns;
   const BeatProblem problem = round_problem(unknowns);
-  const Eigen::VectorXd gradient = misfit(problem, unknowns).gradient;
+  const Eigen::VectorXd gradient = objective(problem, unknowns).gradient;
   const double size = gradient.cwiseProduct(problem.layout.spread).cwiseAbs().maxCoeff();
   for (Eigen::Index n = 0; n < unknowns.size(); ++n) {
     const double step = 1e-2 * problem.layout.spread[n];
     Eigen::VectorXd more = unknowns, less = unknowns;
     more[n] += step, less[n] -= step;
-    const double difference = (misfit(problem, more).value - misfit(problem, less).value) / (2 * step);
+    const double difference = (objective(problem, more).value - objective(problem, less).value) / (2 * step);
     // Single precision: sums of a thousand pixels are good to about 1e-5 of themselves.
     EXPECT_NEAR(gradient[n] * problem.layout.spread[n], difference * problem.layout.spread[n], 2e-3 * size) << n;
   }
@@ -283,7 +283,7 @@ TEST(FitStart, SeesADefectAsAbsentUptake) {
     const float brightest = *std::max_element(mean.values.begin(), mean.values.end());
     const Eigen::VectorXd seen = uptake_seen(mean, placed, static_cast<double>(brightest), degree);
     std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(degree)));
-    harmonics_at(direction, degree, harmonics);
+    real_spherical_harmonics(direction, degree, harmonics);
     return seen.dot(Eigen::Map<const Eigen::VectorXd>(harmonics.data(), seen.size()));
   };
   const Vec3 apex{0, 0, -1};

@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/border_planes.hpp"
+#include "dynasurf/ventricle/detail/border_planes.hpp"
 
 #include <cmath>
 
@@ -37,7 +37,7 @@ Case disc_case() {
   c.labels.borders = c.edges.edges;
   for (auto& v : c.labels.borders.values) v = v != 0 ? Labels::epi_bit : std::uint8_t{0};
   c.labels.axis = {middle, middle, 0, 0};
-  c.border = close_border(border_volume(c.labels, Wall::epi), 4);
+  c.border = close_border(border_volume(c.labels, Border::epi), 4);
   return c;
 }
 
@@ -48,7 +48,7 @@ Vec3 vector_at(const VectorField& f, const Index3& v) {
 
 TEST(BorderPlanes, FindTheEdgeInsideItsPixels) {
   const Case c = disc_case();
-  const BorderPlanes planes = border_planes(c.border, Wall::epi, c.labels, c.edges, 4);
+  const BorderPlanes planes = border_planes(c.border, Border::epi, c.labels, c.edges, 4);
   double with = 0, without = 0;
   int count = 0;
   for (int j = 0; j < 41; ++j)
@@ -66,7 +66,7 @@ TEST(BorderPlanes, FindTheEdgeInsideItsPixels) {
 
 TEST(BorderPlanes, StandSquareToTheRayOnEdgesAndToTheSlicesOnTheClosingDiscs) {
   const Case c = disc_case();
-  const BorderPlanes planes = border_planes(c.border, Wall::epi, c.labels, c.edges, 4);
+  const BorderPlanes planes = border_planes(c.border, Border::epi, c.labels, c.edges, 4);
   const Index3 inside{20, 20, 4}, bottom{20, 20, 0};
   EXPECT_EQ(vector_at(planes.offset, inside), Vec3(0, 0, 2));
   EXPECT_EQ(vector_at(planes.offset, bottom), Vec3(0, 0, -2));
@@ -82,8 +82,8 @@ TEST(BorderPlanes, FollowTheBorderOntoALargerGrid) {
   const Case c = disc_case();
   const Image roomy = with_room(c.border, 3);
   ASSERT_EQ(roomy.grid.dims[2], 11);
-  const BorderPlanes small = border_planes(c.border, Wall::epi, c.labels, c.edges, 4);
-  const BorderPlanes large = border_planes(roomy, Wall::epi, c.labels, c.edges, 4);
+  const BorderPlanes small = border_planes(c.border, Border::epi, c.labels, c.edges, 4);
+  const BorderPlanes large = border_planes(roomy, Border::epi, c.labels, c.edges, 4);
   for (int k = 0; k < 5; ++k)
     for (int j = 0; j < 41; ++j)
       for (int i = 0; i < 41; ++i)

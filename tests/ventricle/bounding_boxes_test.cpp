@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/labels/bounding_boxes.hpp"
+#include "dynasurf/ventricle/labels/detail/bounding_boxes.hpp"
 
 #include <cmath>
 

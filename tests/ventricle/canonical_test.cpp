@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/canonical.hpp"
+#include "dynasurf/ventricle/detail/canonical.hpp"
 
 #include <cmath>
 #include <limits>

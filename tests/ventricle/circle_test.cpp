@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/labels/circle.hpp"
+#include "dynasurf/ventricle/labels/detail/circle.hpp"
 
 #include <cmath>
 

@@ -59,8 +59,8 @@ double mean_error(const Contour& c, double radius) {
 TEST(ContourPipeline, FindsBothWallsInEverySliceToHalfAPixel) {
   const Image image = wall_image();
   const Labels labels = labels_of(image);
-  const WallContours epi = propagate_contours(image, labels, Wall::epi, base, {});
-  const WallContours endo = propagate_contours(image, labels, Wall::endo, base, {}, &epi);
+  const WallContours epi = propagate_contours(image, labels, Border::epi, base, {});
+  const WallContours endo = propagate_contours(image, labels, Border::endo, base, {}, &epi);
   EXPECT_EQ(epi.found, 9);
   EXPECT_EQ(endo.found, 8);  // none in the division slice
   EXPECT_FALSE(endo.slices[2].has_value());
@@ -83,7 +83,7 @@ TEST(ContourPipeline, SurvivesASliceThatFails) {
     for (int i = 22; i <= 24; ++i) image(i, j, 5) = 1;
   ContourPipeline options;
   options.best_slice = 8;
-  const WallContours epi = propagate_contours(image, labels_of(image), Wall::epi, base, options);
+  const WallContours epi = propagate_contours(image, labels_of(image), Border::epi, base, options);
   EXPECT_EQ(epi.best_slice, 7);
   ASSERT_TRUE(epi.slices[5] && epi.slices[4]);
   EXPECT_EQ(epi.slices[5]->points, epi.slices[6]->points);
@@ -97,13 +97,13 @@ TEST(ContourPipeline, TellsWhereItBeginsInsteadOfASliceWithoutABorder) {
   const Image image = wall_image();
   ContourPipeline options;
   options.best_slice = 1;
-  const WallContours endo = propagate_contours(image, labels_of(image), Wall::endo, base, options);
+  const WallContours endo = propagate_contours(image, labels_of(image), Border::endo, base, options);
   EXPECT_EQ(endo.best_slice, 3);
   ASSERT_FALSE(endo.notes.empty());
   EXPECT_EQ(endo.notes[0].code, "contour.best_slice");
   EXPECT_EQ(endo.notes[0].message, "slice 1 has no endocardial border; its contours begin in slice 4");
   options.best_slice = image.grid.dims[2] + 1;
-  EXPECT_THROW((void)propagate_contours(image, labels_of(image), Wall::endo, base, options), OptionError);
+  EXPECT_THROW((void)propagate_contours(image, labels_of(image), Border::endo, base, options), OptionError);
 }
 
 TEST(ContourPipeline, TellsWhenThereIsNothingToBeginWith) {
@@ -111,7 +111,7 @@ TEST(ContourPipeline, TellsWhenThereIsNothingToBeginWith) {
   std::fill(image.values.begin(), image.values.end(), 0.0F);
   Labels labels = labels_of(image);
   labels.circle.radius_px = 0;
-  const WallContours none = propagate_contours(image, labels, Wall::epi, base, {});
+  const WallContours none = propagate_contours(image, labels, Border::epi, base, {});
   EXPECT_EQ(none.found, 0);
   ASSERT_EQ(none.notes.size(), 1U);
   EXPECT_EQ(none.notes[0].code, "contour.none");
@@ -120,7 +120,7 @@ TEST(ContourPipeline, TellsWhenThereIsNothingToBeginWith) {
 
 TEST(ContourSurface, IsClosedAndEnclosesItsContours) {
   const Image image = wall_image();
-  const WallContours epi = propagate_contours(image, labels_of(image), Wall::epi, base, {});
+  const WallContours epi = propagate_contours(image, labels_of(image), Border::epi, base, {});
   for (const StackEnds ends : {StackEnds::slice_centre, StackEnds::slice_face}) {
     ContourPipeline options;
     options.ends = ends;

@@ -39,7 +39,7 @@ TEST(Direct, FindsTheOuterWallAsTheStandardPipelineDoesAndTheInnerOneFromInside)
               0.02 * standard.gates[0].edge_surfaces.epi->volume_ml);
   EXPECT_NE(direct.gates[0].edge_surfaces.epi->volume_ml, standard.gates[0].edge_surfaces.epi->volume_ml);
   // An image has no lid over the base, so nothing pulls a growing surface up there: the result says so.
-  const auto is_unreached = [](const Flag& f) { return f.code == "border_unreached"; };
+  const auto is_unreached = [](const QualityFlag& f) { return f.code == "border_unreached"; };
   EXPECT_LT(direct.gates[0].edge_surfaces.endo->border_reached, 0.8);
   EXPECT_GT(direct.gates[0].edge_surfaces.epi->border_reached, 0.95);
   EXPECT_EQ(std::count_if(direct.flags.begin(), direct.flags.end(), is_unreached), 1);
@@ -71,7 +71,7 @@ TEST(Starts, OfEveryShapeEndOnTheSameBorders) {
         << "the shape was not heard";
     // The given cube has 218 vertices, and a coarse mesh reads low by its chords.
     const double tolerance = shape == StartShape::file ? 0.12 : 0.05;
-    for (const auto wall : {Wall::endo, Wall::epi}) {
+    for (const auto wall : {Border::endo, Border::epi}) {
       const double volume = standard.gates[0].edge_surfaces.of(wall)->volume_ml;
       EXPECT_NEAR(result.gates[0].edge_surfaces.of(wall)->volume_ml, volume, tolerance * volume);
     }
@@ -91,7 +91,7 @@ TEST(Starts, FromInsideReadLow) {
   const VentricleResult inside = reconstruct(patient().study, options),
                         outside = reconstruct(patient().study, ventricle_preset("edges"));
   expect_both_walls(inside);
-  for (const auto wall : {Wall::endo, Wall::epi}) {
+  for (const auto wall : {Border::endo, Border::epi}) {
     EXPECT_LT(inside.gates[0].edge_surfaces.of(wall)->volume_ml, outside.gates[0].edge_surfaces.of(wall)->volume_ml);
     EXPECT_GT(inside.gates[0].edge_surfaces.of(wall)->volume_ml,
               0.8 * outside.gates[0].edge_surfaces.of(wall)->volume_ml);

@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/ventricle/cycle.hpp"
+#include "dynasurf/ventricle/detail/cycle.hpp"
 #include "dynasurf/ventricle/presets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
@@ -26,7 +26,7 @@ TEST(FindBorders, FindsWhatReconstructFinds) {
   const BorderResult borders = find_borders(study, {});
   const VentricleResult whole = reconstruct(study, ventricle_preset("edges"));
   ASSERT_EQ(borders.gates.size(), 1U);
-  EXPECT_TRUE(borders.gates[0].labels.has(Wall::endo));
+  EXPECT_TRUE(borders.gates[0].labels.has(Border::endo));
   EXPECT_EQ(borders.gates[0].labels.borders.values, whole.gates[0].labels.borders.values);
   EXPECT_EQ(borders.gates[0].base_slice, whole.gates[0].base_slice);
   EXPECT_EQ(borders.study.gates[0].values, whole.study.gates[0].values);
@@ -41,8 +41,8 @@ TEST(FindBorders, TakesTheEndOfATubeFromTheOrderOfItsSlices) {
   const BorderResult borders = find_borders(study, {});
   ASSERT_TRUE(borders.heart);
   EXPECT_GT(borders.heart->cup.axis.dot(study.grid().direction.col(2)), 0.9);
-  EXPECT_TRUE(borders.gates[0].labels.has(Wall::endo));
-  EXPECT_TRUE(borders.gates[0].labels.has(Wall::epi));
+  EXPECT_TRUE(borders.gates[0].labels.has(Border::endo));
+  EXPECT_TRUE(borders.gates[0].labels.has(Border::epi));
 }
 
 TEST(FindBorders, PreparesTheValuesWhenAsked) {
@@ -51,7 +51,7 @@ TEST(FindBorders, PreparesTheValuesWhenAsked) {
   o.prepare.doubling = Preparation::Doubling::three;
   const BorderResult borders = find_borders(study, o);
   EXPECT_EQ(borders.study.grid().dims, (Index3{128, 128, 46}));
-  EXPECT_TRUE(borders.gates[0].labels.has(Wall::epi));
+  EXPECT_TRUE(borders.gates[0].labels.has(Border::epi));
 }
 
 TEST(BloodPoolStudy, HasACavityAndAnEjectionFractionButNoWall) {
@@ -60,8 +60,9 @@ TEST(BloodPoolStudy, HasACavityAndAnEjectionFractionButNoWall) {
   const Phantom phantom = make_phantom(o);
   const VentricleResult result = reconstruct(phantom.study, {});
   EXPECT_EQ(result.verdict, Verdict::check);
-  ASSERT_EQ(
-      std::count_if(result.flags.begin(), result.flags.end(), [](const Flag& f) { return f.code == "blood_pool"; }), 1);
+  ASSERT_EQ(std::count_if(result.flags.begin(), result.flags.end(),
+                          [](const QualityFlag& f) { return f.code == "blood_pool"; }),
+            1);
   for (const Gate& gate : result.gates) {
     EXPECT_TRUE(gate.edge_surfaces.endo);
     EXPECT_FALSE(gate.edge_surfaces.epi);
@@ -101,13 +102,13 @@ TEST(ManualPlaces, MustBeOfTheStudy) {
       EXPECT_NE(std::string(e.what()).find(says), std::string::npos) << e.what();
     }
   };
-  refuses([](Manual& m) { m.center_x_mm = 90, m.center_y_mm = 90, m.center_z_mm = 500; }, "inside the volume");
-  refuses([](Manual& m) { m.first_slice = 24; },
+  refuses([](UserOverrides& m) { m.center_x_mm = 90, m.center_y_mm = 90, m.center_z_mm = 500; }, "inside the volume");
+  refuses([](UserOverrides& m) { m.first_slice = 24; },
           "first_slice is 24; expected a slice of the short-axis stack, 1 to 23");
-  refuses([](Manual& m) { m.last_slice = 24; }, "manual.last_slice is 24");
-  refuses([](Manual& m) { m.first_slice = 12, m.last_slice = 11; }, "not to lie after the last");
-  refuses([](Manual& m) { m.base_plane_mm = 127; }, "0 to 126.28 mm");
-  refuses([](Manual& m) { m.base_plane_mm = -1; }, "manual.base_plane_mm is -1");
+  refuses([](UserOverrides& m) { m.last_slice = 24; }, "manual.last_slice is 24");
+  refuses([](UserOverrides& m) { m.first_slice = 12, m.last_slice = 11; }, "not to lie after the last");
+  refuses([](UserOverrides& m) { m.base_plane_mm = 127; }, "0 to 126.28 mm");
+  refuses([](UserOverrides& m) { m.base_plane_mm = -1; }, "manual.base_plane_mm is -1");
 }
 
 TEST(ManualPlaces, AtTheEdgesOfTheStudyAreFollowed) {
@@ -118,7 +119,7 @@ TEST(ManualPlaces, AtTheEdgesOfTheStudyAreFollowed) {
   const Mask& edges = result.gates[0].edges.edges;
   const auto first_kept = edges.values.begin() + static_cast<std::ptrdiff_t>(edges.grid.index(0, 0, 7));
   EXPECT_TRUE(std::all_of(edges.values.begin(), first_kept, [](auto v) { return v == 0; }));
-  EXPECT_TRUE(result.gates[0].labels.has(Wall::endo));
+  EXPECT_TRUE(result.gates[0].labels.has(Border::endo));
 }
 
 TEST(ManualAxis, IsWhatSlicesAreCutSquareTo) {
@@ -128,7 +129,7 @@ TEST(ManualAxis, IsWhatSlicesAreCutSquareTo) {
   o.manual.axis_x = axis[0], o.manual.axis_y = axis[1], o.manual.axis_z = axis[2];
   const BorderResult result = find_borders(study, o);
   EXPECT_LT((result.study.grid().direction.col(2) - axis).norm(), 1e-9);
-  EXPECT_TRUE(result.gates[0].labels.has(Wall::endo));
+  EXPECT_TRUE(result.gates[0].labels.has(Border::endo));
 }
 
 }  // namespace

@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/field/simd.hpp"
-#include "dynasurf/ventricle/fit/cholesky.hpp"
-#include "dynasurf/ventricle/fit/lane_math.hpp"
-#include "dynasurf/ventricle/fit/loops.hpp"
+#include "dynasurf/field/detail/simd.hpp"
+#include "dynasurf/ventricle/fit/detail/cholesky.hpp"
+#include "dynasurf/ventricle/fit/detail/lane_math.hpp"
+#include "dynasurf/ventricle/fit/detail/matrix_loops.hpp"
 
 namespace dynasurf::detail {
 namespace {
@@ -21,15 +21,15 @@ constexpr double promised = 3e-7;
 /// In [-1, 1], the same on every machine.
 double drawn(std::mt19937& random) { return static_cast<double>(random()) / 2147483647.5 - 1; }
 
-Lines some_lines(std::size_t count, std::size_t length, unsigned seed) {
+AlignedMatrix some_lines(std::size_t count, std::size_t length, unsigned seed) {
   std::mt19937 random(seed);
-  Lines lines(count, length);
+  AlignedMatrix lines(count, length);
   for (std::size_t n = 0; n < count; ++n)
     for (std::size_t i = 0; i < length; ++i) lines.line(n)[i] = static_cast<float>(drawn(random));
   return lines;
 }
 
-Eigen::MatrixXd dense(const Lines& lines) {
+Eigen::MatrixXd dense(const AlignedMatrix& lines) {
   Eigen::MatrixXd m(static_cast<Eigen::Index>(lines.count), static_cast<Eigen::Index>(lines.length));
   for (Eigen::Index n = 0; n < m.rows(); ++n)
     for (Eigen::Index i = 0; i < m.cols(); ++i) m(n, i) = lines.line(static_cast<std::size_t>(n))[i];
@@ -56,24 +56,24 @@ TEST(FitLoops, TakeCubeRootsFromTinyToHuge) {
 TEST(FitLoops, StepAsAGaussianDoesUntilItIsOver) {
   for (double s = -4.49; s < 4.49; s += 0.00173) {
     const auto at = static_cast<float>(s);
-    const Step step = step_at(at);
+    const Step step = normal_cdf(at);
     const double t = static_cast<double>(at);
     ASSERT_NEAR(static_cast<double>(step.share), 0.5 * std::erfc(-t * std::sqrt(0.5)), promised) << s;
     ASSERT_NEAR(static_cast<double>(step.slope), std::exp(-0.5 * t * t) * 0.3989422804, promised) << s;
   }
   for (const float far : {4.5F, 1e10F}) {
-    EXPECT_EQ(step_at(far).share, 1);
-    EXPECT_EQ(step_at(-far).share, 0);
-    EXPECT_EQ(step_at(far).slope, 0);
+    EXPECT_EQ(normal_cdf(far).share, 1);
+    EXPECT_EQ(normal_cdf(-far).share, 0);
+    EXPECT_EQ(normal_cdf(far).slope, 0);
   }
 }
 
 TEST(FitLoops, SumSquaresAsAMatrixProductDoes) {
   for (const std::array<std::size_t, 2> size : {std::array<std::size_t, 2>{1, 1}, {300, 37}, {129, 96}}) {
-    const Lines lines = some_lines(size[0], size[1], 1);
+    const AlignedMatrix lines = some_lines(size[0], size[1], 1);
     const Eigen::MatrixXd expected = dense(lines).transpose() * dense(lines);
-    Lines squares = no_squares(lines.length);
-    add_squares(lines, lines.count, squares);
+    AlignedMatrix squares = no_squares(lines.length);
+    syrk(lines, lines.count, squares);
     for (Eigen::Index i = 0; i < expected.rows(); ++i)
       for (Eigen::Index j = 0; j <= i; ++j)
         // Rounding of a sum of a few hundred products below 1.
@@ -83,7 +83,7 @@ TEST(FitLoops, SumSquaresAsAMatrixProductDoes) {
 
 TEST(FitLoops, AddLinesByTheirFactors) {
   for (const std::size_t count : {1U, 4U, 7U}) {
-    const Lines lines = some_lines(count, 45, 2);
+    const AlignedMatrix lines = some_lines(count, 45, 2);
     std::vector<const float*> from;
     std::vector<float> factor;
     Eigen::VectorXd factors(static_cast<Eigen::Index>(count));
@@ -102,14 +102,14 @@ TEST(FitLoops, AddLinesByTheirFactors) {
 
 TEST(FitLoops, ProjectByTheTransposeOfWhatTheyBlendBy) {
   constexpr std::size_t lines = 5, length = 70;
-  const Lines harmonics = some_lines(lines, length, 3);
+  const AlignedMatrix harmonics = some_lines(lines, length, 3);
   for (const std::size_t gates : {1U, 4U, 6U}) {
     std::mt19937 random(4);
     std::vector<float> factor(lines * gates), back(lines * gates);
     for (float& f : factor) f = static_cast<float>(drawn(random));
-    Lines blended(gates, length);
-    blend(harmonics, lines, factor.data(), 0, harmonics.pitch(), blended);
-    project(harmonics, lines, blended, 0, harmonics.pitch(), back.data());
+    AlignedMatrix blended(gates, length);
+    gemm(harmonics, lines, factor.data(), 0, harmonics.pitch(), blended);
+    gemm_t(harmonics, lines, blended, 0, harmonics.pitch(), back.data());
     Eigen::MatrixXd factors(lines, static_cast<Eigen::Index>(gates));
     for (std::size_t n = 0; n < factor.size(); ++n)
       factors(static_cast<Eigen::Index>(n / gates), static_cast<Eigen::Index>(n % gates)) = factor[n];
@@ -126,17 +126,17 @@ TEST(FitLoops, ProjectByTheTransposeOfWhatTheyBlendBy) {
 
 TEST(FitLoops, HaveTheSameBytesWithVectorsOfAnyWidth) {
   constexpr std::size_t count = 129, length = 96, gates = 6;
-  const Lines lines = some_lines(count, length, 5), factors = some_lines(1, count * gates, 6);
+  const AlignedMatrix lines = some_lines(count, length, 5), factors = some_lines(1, count * gates, 6);
   const auto all_sums = [&](int widest) {
     widest_vectors = widest;
-    Lines squares = no_squares(length), blended(gates, length);
-    add_squares(lines, count, squares);
-    blend(lines, count, factors.values.data(), 0, lines.pitch(), blended);
+    AlignedMatrix squares = no_squares(length), blended(gates, length);
+    syrk(lines, count, squares);
+    gemm(lines, count, factors.values.data(), 0, lines.pitch(), blended);
     std::vector<float> back(count * gates);
-    project(lines, count, blended, 0, lines.pitch(), back.data());
+    gemm_t(lines, count, blended, 0, lines.pitch(), back.data());
     const std::vector<double> from(lines.values.begin(), lines.values.end());
     std::vector<double> rest(length * length);
-    subtract_squares(from.data(), count, length, 0, 0, length, rest.data());
+    syrk_downdate(from.data(), count, length, 0, 0, length, rest.data());
     widest_vectors = 16;
     std::vector<double> sums(back.begin(), back.end());
     sums.insert(sums.end(), blended.values.begin(), blended.values.end());

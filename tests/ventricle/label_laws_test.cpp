@@ -10,8 +10,8 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/intensity.hpp"
 #include "dynasurf/ventricle/labels.hpp"
-#include "dynasurf/ventricle/labels/radial.hpp"
-#include "dynasurf/ventricle/labels/slice_flow.hpp"
+#include "dynasurf/ventricle/labels/detail/radial.hpp"
+#include "dynasurf/ventricle/labels/detail/slice_flow.hpp"
 
 #include "support/blurred_heart.hpp"
 
@@ -51,7 +51,7 @@ class LabelLaws : public testing::Test {
     as_published.circle.robust_fit = false;
     all.push_back(as_published);
     all.push_back(with(Options{}));
-    all.back().bright = Bright::cavity;
+    all.back().bright = ImageContrast::cavity;
     return all;
   }
 };
@@ -125,9 +125,9 @@ TYPED_TEST(LabelLaws, SayThatNothingWasFound) {
     g.dims = d;
     for (const Labelling& o : this->variants()) {
       const Labels labels = labels_of(Image(g, 0.5F), o);
-      EXPECT_FALSE(labels.has(Wall::endo) || labels.has(Wall::epi));
+      EXPECT_FALSE(labels.has(Border::endo) || labels.has(Border::epi));
       EXPECT_TRUE(has_code(labels.notes, "labels.no_endo"));
-      EXPECT_EQ(has_code(labels.notes, "labels.no_epi"), o.bright != Bright::cavity) << "a blood pool has none";
+      EXPECT_EQ(has_code(labels.notes, "labels.no_epi"), o.bright != ImageContrast::cavity) << "a blood pool has none";
     }
   }
 }
@@ -139,16 +139,16 @@ struct Agreement {
   int pixels = 0;
 };
 
-Agreement agreement(const Labels& labels, const HeartShape& h, Wall wall, int from, int to) {
+Agreement agreement(const Labels& labels, const HeartShape& h, Border wall, int from, int to) {
   Agreement a;
-  const std::uint8_t bit = wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit;
+  const std::uint8_t bit = wall == Border::endo ? Labels::endo_bit : Labels::epi_bit;
   for (int k = from; k <= to; ++k)
     for (int j = 0; j < h.dims[1]; ++j)
       for (int i = 0; i < h.dims[0]; ++i) {
         if (!(labels.borders(i, j, k) & bit)) continue;
         const double d = std::hypot(i - test::centre_x(h, k), j - test::centre_y(h, k));
-        const double own = std::abs(d - test::true_radius_px(h, k, wall == Wall::epi)),
-                     other = std::abs(d - test::true_radius_px(h, k, wall != Wall::epi));
+        const double own = std::abs(d - test::true_radius_px(h, k, wall == Border::epi)),
+                     other = std::abs(d - test::true_radius_px(h, k, wall != Border::epi));
         a.wrong += other < own, a.error_px += std::min(own, other), a.pixels += 1;
       }
   a.wrong /= std::max(1, a.pixels), a.error_px /= std::max(1, a.pixels);
@@ -165,7 +165,7 @@ TEST(SignLabels, MarkBothBordersAndNotTheMiddleOfTheWall) {
   const HeartShape h = sharp_heart();
   const Labels labels = labels_of(test::blurred_heart(h), with(SignLabels{}));
   EXPECT_TRUE(has_code(labels.notes, "labels.not_told_apart"));
-  const Agreement a = agreement(labels, h, Wall::epi, 11, 15);
+  const Agreement a = agreement(labels, h, Border::epi, 11, 15);
   EXPECT_GT(a.pixels, 5 * 60);
   EXPECT_LT(a.error_px, 1);
   int in_middle = 0;
@@ -181,7 +181,7 @@ TEST(SignLabels, MarkBothBordersAndNotTheMiddleOfTheWall) {
 TEST(GradMagLabels, MarkWhereTheFieldIsQuiet) {
   const HeartShape h = sharp_heart();
   const Labels labels = labels_of(test::blurred_heart(h), with(GradMagLabels{}));
-  const Agreement a = agreement(labels, h, Wall::epi, 11, 15);
+  const Agreement a = agreement(labels, h, Border::epi, 11, 15);
   EXPECT_GT(a.pixels, 5 * 40);
   EXPECT_LT(a.error_px, 1.3);  // some points in the middle of the wall are quiet too
 }
@@ -190,7 +190,7 @@ TEST(CaseLabels, AreRightOnAFullPhantomAndWrongOnASickOne) {
   HeartShape h = sharp_heart();
   h.fwhm_mm = 12;
   const Labels full = labels_of(test::blurred_heart(h), with(CaseLabels{}));
-  for (const Wall wall : {Wall::endo, Wall::epi}) {
+  for (const Border wall : {Border::endo, Border::epi}) {
     EXPECT_GT(agreement(full, h, wall, 11, 15).pixels, 5 * 30) << name_of(wall);
     EXPECT_EQ(agreement(full, h, wall, 11, 15).wrong, 0) << name_of(wall);
   }
@@ -198,8 +198,8 @@ TEST(CaseLabels, AreRightOnAFullPhantomAndWrongOnASickOne) {
   sick.defect_deg = 120;
   const Labels open = labels_of(test::blurred_heart(sick), with(CaseLabels{})),
                mlc = labels_of(test::blurred_heart(sick), with(Mlc{}));
-  EXPECT_GT(agreement(open, sick, Wall::epi, 11, 15).wrong, 0.05);
-  EXPECT_LT(agreement(mlc, sick, Wall::epi, 11, 15).wrong, 0.02);
+  EXPECT_GT(agreement(open, sick, Border::epi, 11, 15).wrong, 0.05);
+  EXPECT_LT(agreement(mlc, sick, Border::epi, 11, 15).wrong, 0.02);
   EXPECT_TRUE(has_code(open.notes, "case.unknown"));
 }
 
@@ -234,7 +234,7 @@ TEST(RadialLabels, LeaveOutWhatLiesBeyondTheCircle) {
 TEST(RadialLabels, AreRightOnARoundHeart) {
   const HeartShape h = sharp_heart();
   const Labels labels = labels_of(test::blurred_heart(h), with(RadialLabels{}));
-  for (const Wall wall : {Wall::endo, Wall::epi}) {
+  for (const Border wall : {Border::endo, Border::epi}) {
     const Agreement a = agreement(labels, h, wall, 11, 15);
     EXPECT_GT(a.pixels, 5 * 30);
     EXPECT_LT(a.wrong, 0.02) << name_of(wall);
@@ -245,8 +245,8 @@ TEST(RadialLabels, AreRightOnARoundHeart) {
 TEST(NoLabels, KeepEveryEdgeForEitherWall) {
   const HeartShape h = sharp_heart();
   const Labels labels = labels_of(test::blurred_heart(h), with(NoLabels{}));
-  EXPECT_EQ(border_volume(labels, Wall::endo).values, border_volume(labels, Wall::epi).values);
-  EXPECT_TRUE(labels.has(Wall::endo));
+  EXPECT_EQ(border_volume(labels, Border::endo).values, border_volume(labels, Border::epi).values);
+  EXPECT_TRUE(labels.has(Border::endo));
   EXPECT_TRUE(has_code(labels.notes, "labels.not_told_apart"));
 }
 

@@ -31,13 +31,13 @@ struct Score {
   int slices_missing = 0;     // of those where the border exists by more than a slice and is 3 px wide or more
 };
 
-Score score(const Labels& labels, const HeartShape& h, Wall wall) {
+Score score(const Labels& labels, const HeartShape& h, Border wall) {
   Score s;
-  const std::uint8_t bit = wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit;
+  const std::uint8_t bit = wall == Border::endo ? Labels::endo_bit : Labels::epi_bit;
   for (int k = 0; k < h.dims[2]; ++k) {
     int here = 0;
-    const double own = test::true_radius_px(h, k, wall == Wall::epi),
-                 other = test::true_radius_px(h, k, wall != Wall::epi);
+    const double own = test::true_radius_px(h, k, wall == Border::epi),
+                 other = test::true_radius_px(h, k, wall != Border::epi);
     for (int j = 0; j < h.dims[1]; ++j)
       for (int i = 0; i < h.dims[0]; ++i) {
         if (!(labels.borders(i, j, k) & bit)) continue;
@@ -47,7 +47,7 @@ Score score(const Labels& labels, const HeartShape& h, Wall wall) {
         s.error_px += own > 0 ? std::abs(d - own) : 0;
       }
     s.voxels += here;
-    const bool expected = own > 3 && k < h.base_slice - 1 && test::true_radius_px(h, k - 1, wall == Wall::epi) > 0;
+    const bool expected = own > 3 && k < h.base_slice - 1 && test::true_radius_px(h, k - 1, wall == Border::epi) > 0;
     s.slices_missing += expected && here == 0;
   }
   s.error_px /= std::max(1, s.voxels);
@@ -68,7 +68,7 @@ TEST(Labels, OfASharpHeartAreAllRight) {
     Labelling o;
     std::get<Mlc>(o.method).use_gradient = gradient;
     const Labels labels = labels_of(test::blurred_heart(h), o);
-    for (const Wall wall : {Wall::endo, Wall::epi}) {
+    for (const Border wall : {Border::endo, Border::epi}) {
       const Score s = score(labels, h, wall);
       EXPECT_GT(s.voxels, 300);
       EXPECT_EQ(s.wrong, 0) << name_of(wall);
@@ -95,9 +95,9 @@ class HardHeart : public testing::TestWithParam<Hard> {};
 TEST_P(HardHeart, GivesNoFragmentToTheWrongWall) {
   const HeartShape& h = GetParam().shape;
   const Labels labels = labels_of(test::blurred_heart(h));
-  for (const Wall wall : {Wall::endo, Wall::epi}) {
+  for (const Border wall : {Border::endo, Border::epi}) {
     const Score s = score(labels, h, wall);
-    EXPECT_GT(s.voxels, wall == Wall::endo ? 80 : 250) << name_of(wall);
+    EXPECT_GT(s.voxels, wall == Border::endo ? 80 : 250) << name_of(wall);
     EXPECT_LE(s.wrong, 0.02 * s.voxels) << name_of(wall);
     EXPECT_EQ(s.slices_missing, 0) << name_of(wall);
     // The steepest slope of a blurred wall lies off its border by a share of the blur that grows with curvature and
@@ -177,7 +177,7 @@ TEST(Labels, FollowThePublishedRuleWhenAsked) {
   o.circle.robust_fit = false;
   o.method = Mlc{.strict_thesis = true, .box_margin_px = 0};
   const Labels labels = labels_of(test::blurred_heart(h), o);
-  for (const Wall wall : {Wall::endo, Wall::epi}) EXPECT_EQ(score(labels, h, wall).wrong, 0) << name_of(wall);
+  for (const Border wall : {Border::endo, Border::epi}) EXPECT_EQ(score(labels, h, wall).wrong, 0) << name_of(wall);
   EXPECT_EQ(labels.axis.dx_px, 0);
 }
 
@@ -228,7 +228,7 @@ TEST(Labels, KeepTheRightVentricleOut) {
       h.blobs.push_back({31.5 + 19 * std::cos(angle * std::numbers::pi / 180),
                          31.5 + 19 * std::sin(angle * std::numbers::pi / 180), k, 4, 0.6});
   const Labels labels = labels_of(test::blurred_heart(h));
-  for (const Wall wall : {Wall::endo, Wall::epi}) {
+  for (const Border wall : {Border::endo, Border::epi}) {
     const Score s = score(labels, h, wall);
     EXPECT_EQ(s.slices_missing, 0) << name_of(wall);
     EXPECT_LE(s.wrong, 0.02 * s.voxels) << name_of(wall);
@@ -250,9 +250,9 @@ TEST(Labels, AreNotMisledByContoursOfNoise) {
         if (k % 4 == 0 && k >= 9) image(i, j, k) += static_cast<float>(0.5 * std::exp(-(x * x + y * y) / 4));
       }
   const Labels labels = labels_of(image);
-  for (const Wall wall : {Wall::endo, Wall::epi}) {
+  for (const Border wall : {Border::endo, Border::epi}) {
     const Score s = score(labels, h, wall);
-    EXPECT_GT(s.voxels, wall == Wall::endo ? 300 : 600) << name_of(wall);
+    EXPECT_GT(s.voxels, wall == Border::endo ? 300 : 600) << name_of(wall);
     EXPECT_LE(s.wrong, 0.05 * s.voxels) << name_of(wall);  // LAB-MLC's own limit
     EXPECT_EQ(s.slices_missing, 0) << name_of(wall);
   }
@@ -283,7 +283,7 @@ TEST(Labels, SayThatNothingWasFound) {
       Grid g;
       g.dims = d;
       const Labels labels = labels_of(Image(g, value));
-      EXPECT_FALSE(labels.has(Wall::endo) || labels.has(Wall::epi));
+      EXPECT_FALSE(labels.has(Border::endo) || labels.has(Border::epi));
       for (const char* code : {"components.empty", "circle.no_circular_edge", "circle.no_wide_edge",
                                "slice_refine.not_in_table", "boxes.no_big_slice", "labels.no_endo", "labels.no_epi"})
         EXPECT_TRUE(has_code(labels.notes, code)) << code;
@@ -298,7 +298,7 @@ TEST(Labels, TakeOneSliceOfAHeart) {
   Image one(g);
   std::copy_n(all.values.begin() + static_cast<std::ptrdiff_t>(all.grid.index(0, 0, 13)), g.size(), one.values.begin());
   const Labels labels = labels_of(one);
-  EXPECT_TRUE(labels.has(Wall::epi));
+  EXPECT_TRUE(labels.has(Border::epi));
 }
 
 TEST(Labels, RefuseOptionsAndEdgesThatDoNotFit) {
@@ -317,8 +317,8 @@ TEST(BorderVolume, HoldsTheVoxelsOfOneBorder) {
   Labels labels;
   labels.borders.grid.dims = {4, 1, 1};
   labels.borders.values = {0, 1, 2, 3};
-  EXPECT_EQ(border_volume(labels, Wall::endo).values, (std::vector<float>{0, 1, 0, 1}));
-  EXPECT_EQ(border_volume(labels, Wall::epi).values, (std::vector<float>{0, 0, 1, 1}));
+  EXPECT_EQ(border_volume(labels, Border::endo).values, (std::vector<float>{0, 1, 0, 1}));
+  EXPECT_EQ(border_volume(labels, Border::epi).values, (std::vector<float>{0, 0, 1, 1}));
 }
 
 TEST(DivisionSlice, FollowsTheShapeOfTheHeartWhereTheApexIsNotSeen) {
@@ -355,8 +355,8 @@ TEST(BloodPool, ShowsTheInnerBorderAndNoOuterOne) {
   const HeartShape h = blood_pool();
   const Image image = test::blurred_heart(h);
   const Labels labels = labels_of(image);
-  EXPECT_EQ(labels.bright, Bright::cavity);
-  EXPECT_FALSE(labels.has(Wall::epi));
+  EXPECT_EQ(labels.bright, ImageContrast::cavity);
+  EXPECT_FALSE(labels.has(Border::epi));
   EXPECT_TRUE(has_code(labels.notes, "labels.blood_pool"));
   EXPECT_FALSE(has_code(labels.notes, "labels.no_epi"));
   EXPECT_EQ(labels.division_slice, 4) << "the cavity ends in its middle";
@@ -378,19 +378,19 @@ TEST(BloodPool, IsNoPerfusedWallHoweverBlurred) {
     for (const double radius : {30.0, 36.0, 48.0}) {
       HeartShape h;
       h.fwhm_mm = fwhm, h.epi_radius_mm = radius, h.noise = 0.05;
-      EXPECT_EQ(labels_of(test::blurred_heart(h)).bright, Bright::wall) << fwhm << " mm, radius " << radius;
+      EXPECT_EQ(labels_of(test::blurred_heart(h)).bright, ImageContrast::wall) << fwhm << " mm, radius " << radius;
     }
 }
 
 TEST(BloodPool, IsWhatThePersonSaysItIs) {
   const Image image = test::blurred_heart(blood_pool());
   Labelling o;
-  o.bright = Bright::wall;
-  EXPECT_TRUE(labels_of(image, o).has(Wall::epi));
-  o.bright = Bright::cavity;
+  o.bright = ImageContrast::wall;
+  EXPECT_TRUE(labels_of(image, o).has(Border::epi));
+  o.bright = ImageContrast::cavity;
   const Labels told = labels_of(test::blurred_heart(HeartShape{}), o);
-  EXPECT_TRUE(told.has(Wall::endo));
-  EXPECT_FALSE(told.has(Wall::epi));
+  EXPECT_TRUE(told.has(Border::endo));
+  EXPECT_FALSE(told.has(Border::epi));
 }
 
 TEST(BloodPool, IsReadByEveryMethodThatHasALoneBorder) {
@@ -402,8 +402,8 @@ TEST(BloodPool, IsReadByEveryMethodThatHasALoneBorder) {
     Labelling o;
     o.method = method;
     const Labels labels = labels_of(image, o);
-    EXPECT_TRUE(labels.has(Wall::endo));
-    EXPECT_FALSE(labels.has(Wall::epi));
+    EXPECT_TRUE(labels.has(Border::endo));
+    EXPECT_FALSE(labels.has(Border::epi));
     EXPECT_EQ(labels.division_slice, 4);
   }
 }

@@ -35,7 +35,7 @@ Vec3 middle_of_cavity(const Phantom& phantom) {
   return sum;
 }
 
-double distance_to_axis(const Vec3& p, const Cup& cup) {
+double distance_to_axis(const Vec3& p, const LvShell& cup) {
   const Vec3 d = p - cup.centre;
   return (d - d.dot(cup.axis) * cup.axis).norm();
 }
@@ -164,7 +164,7 @@ TEST(LocateCup, FindsTheHeartAmongTheOrgansOfAChest) {
 }
 
 TEST(LocateCup, TellsHowMuchOfTheWallTheVolumeDoesNotHold) {
-  const Cup cup{{50, 50, 50}, {0, 0, 1}, 25, 40, 20};
+  const LvShell cup{{50, 50, 50}, {0, 0, 1}, 25, 40, 20};
   Grid grid;
   grid.dims = {51, 51, 51};
   grid.spacing = {2, 2, 2};

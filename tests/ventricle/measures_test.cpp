@@ -126,7 +126,7 @@ TEST(Measures, OfAHealthyBeatAreThoseOfItsShapes) {
   EXPECT_NEAR(*m.muscle_g, 1.05 * *m.muscle_ml, 1e-9);
   std::vector<double> cavity;
   for (const TrueGate& gate : phantom.truth) cavity.push_back(gate.endo_ml);
-  EXPECT_NEAR(m.function->ef_percent.value(), cycle_function(cavity)->ef_percent.value(), 0.1);  // facets
+  EXPECT_NEAR(m.function->ef_percent.value(), fit_volume_curve(cavity)->ef_percent.value(), 0.1);  // facets
   // The wall between true surfaces thickens, and every segment moves inwards.
   double shares = 0;
   for (const SegmentMeasures& s : m.segments) {

@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/labels/mlc.hpp"
+#include "dynasurf/ventricle/labels/detail/mlc.hpp"
 
 #include <cmath>
 

@@ -21,7 +21,7 @@ Phantom patient_with_tilt(double tilt_deg) {
   return make_phantom(p);
 }
 
-const Cup cup_at_an_angle{{10, -20, 30}, Vec3(-0.6, 0.64, 0.48), 30, 50, 25};
+const LvShell cup_at_an_angle{{10, -20, 30}, Vec3(-0.6, 0.64, 0.48), 30, 50, 25};
 
 TEST(ShortAxisGrid, RunsFromApexToBaseAroundTheHeartWithColumnsLevel) {
   const Grid grid = short_axis_grid(cup_at_an_angle, 3);
@@ -127,7 +127,7 @@ TEST(Orient, RefusesWhatItMayNotOrCannotCut) {
 }
 
 TEST(Hints, NeedWholeVectors) {
-  Manual manual;
+  UserOverrides manual;
   EXPECT_FALSE(hints_of(manual).axis);
   manual.axis_x = 0;
   EXPECT_THROW(hints_of(manual), OptionError);

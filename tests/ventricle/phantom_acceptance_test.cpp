@@ -7,8 +7,8 @@
 #include "dynasurf/dynamics/evolve.hpp"
 #include "dynasurf/field/gvf.hpp"
 #include "dynasurf/mesh/shapes.hpp"
+#include "dynasurf/synthetic/detail/voxel_truth.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/synthetic/voxel_truth.hpp"
 #include "dynasurf/ventricle/surface.hpp"
 
 namespace dynasurf {

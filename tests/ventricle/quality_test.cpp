@@ -35,7 +35,7 @@ VentricleResult good_result() {
 
 std::vector<std::string> codes_of(const VentricleResult& result) {
   std::vector<std::string> codes;
-  for (const Flag& flag : judge(result)) codes.push_back(flag.code);
+  for (const QualityFlag& flag : assess(result)) codes.push_back(flag.code);
   return codes;
 }
 using Codes = std::vector<std::string>;
@@ -49,7 +49,7 @@ TEST(Judge, FailsWhenASurfaceIsMissingAndNamesTheGates) {
   VentricleResult result = good_result();
   result.gates[2].edge_surfaces.endo.reset();
   result.gates[5].edge_surfaces.endo.reset();
-  const std::vector<Flag> flags = judge(result);
+  const std::vector<QualityFlag> flags = assess(result);
   ASSERT_EQ(flags.size(), 1U);
   EXPECT_EQ(flags[0].code, "surface_missing");
   EXPECT_EQ(flags[0].message, "no endocardial border was found in gates 3, 6");
@@ -69,7 +69,7 @@ TEST(Judge, AsksToCheckASurfaceThatLiesOnAPartOfItsBorderOnly) {
   VentricleResult result = good_result();
   result.gates[3].edge_surfaces.endo->border_reached = 0.6;
   EXPECT_EQ(codes_of(result), Codes{"border_unreached"});
-  EXPECT_EQ(verdict_of(judge(result)), Verdict::check);
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
 }
 
 TEST(Judge, AsksToCheckWhatAHeartDoesNotDo) {
@@ -80,7 +80,7 @@ TEST(Judge, AsksToCheckWhatAHeartDoesNotDo) {
   result.gates[0].edge_surfaces.epi->within_one_voxel = 0.5;
   EXPECT_EQ(codes_of(result),
             (Codes{"surface_incomplete", "wall_volume_varies", "ejection_fraction_implausible", "volume_implausible"}));
-  EXPECT_EQ(verdict_of(judge(result)), Verdict::check);
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
 }
 
 TEST(Judge, FailsWhenTheWallsCrossOrASurfaceDiverged) {
@@ -88,14 +88,14 @@ TEST(Judge, FailsWhenTheWallsCrossOrASurfaceDiverged) {
   result.gates[3].edge_surfaces.wall_ml = -2;
   result.gates[4].edge_surfaces.epi->stop_reason = StopReason::diverged;
   EXPECT_EQ(codes_of(result), (Codes{"surface_diverged", "walls_cross"}));
-  EXPECT_EQ(verdict_of(judge(result)), Verdict::fail);
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::fail);
 }
 
 TEST(Judge, AsksToCheckASurfaceThatIsNotFitToPublish) {
   VentricleResult result = good_result();
   result.gates[1].edge_surfaces.epi->repair.check.self_intersections = 3;
   result.gates[6].edge_surfaces.endo->repair.check.closed = false;
-  const std::vector<Flag> flags = judge(result);
+  const std::vector<QualityFlag> flags = assess(result);
   ASSERT_EQ(flags.size(), 1U);
   EXPECT_EQ(flags[0].code, "surface_invalid");
   EXPECT_EQ(flags[0].value, 2);
@@ -107,7 +107,7 @@ TEST(Judge, TurnsWarningsOfTheStagesIntoOneFlagPerCode) {
   result.notes.push_back({Severity::info, "gvf.step_limited", "the step was shortened", 0});
   result.notes.push_back({Severity::warning, "slice_refine.case_4", "the slices disagree", 1});
   result.notes.push_back({Severity::warning, "slice_refine.case_4", "the slices disagree", 3});
-  const std::vector<Flag> flags = judge(result);
+  const std::vector<QualityFlag> flags = assess(result);
   ASSERT_EQ(flags.size(), 1U);
   EXPECT_EQ(flags[0].code, "slice_refine.case_4");
   EXPECT_EQ(flags[0].message, "the slices disagree (gates 2, 4)");
@@ -119,7 +119,7 @@ TEST(Judge, AsksToCheckWhereTheHeartWasHardlySeen) {
   result.heart->contrast = 0.1;
   result.heart->other_end = 0.99;
   EXPECT_EQ(codes_of(result), (Codes{"heart_uncertain", "ends_uncertain"}));
-  EXPECT_EQ(judge(result)[0].value, 0.1);
+  EXPECT_EQ(assess(result)[0].value, 0.1);
   result.heart.reset();
   EXPECT_EQ(codes_of(result), Codes{"heart_not_found"});
 }
@@ -137,8 +137,8 @@ TEST(Judge, AsksToCheckAHeartThatIsNotAllInTheVolumeOrTooLong) {
   result.heart->outside = 0.2;
   result.heart->cup.half_length_mm = 90;
   EXPECT_EQ(codes_of(result), (Codes{"heart_cut_off", "shape_implausible"}));
-  EXPECT_EQ(judge(result)[0].value, 0.2);
-  EXPECT_NEAR(judge(result)[1].value, 3, 1e-12);
+  EXPECT_EQ(assess(result)[0].value, 0.2);
+  EXPECT_NEAR(assess(result)[1].value, 3, 1e-12);
 }
 
 TEST(Judge, AsksToCheckGatesInTheWrongOrder) {
@@ -175,14 +175,14 @@ TEST(Judge, ListsUncertainDivisionSlicesWithoutDoubtingTheResult) {
   VentricleResult result = good_result();
   result.notes.push_back({Severity::warning, "slice_refine.case_2", "unlikely", 0, 3});
   EXPECT_EQ(codes_of(result), Codes{"slice_refine.case_2"});
-  EXPECT_EQ(verdict_of(judge(result)), Verdict::ok);
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::ok);
 }
 
 TEST(Judge, AsksToCheckABorderThatIsMissingInManySlices) {
   VentricleResult result = good_result();
   for (int g = 0; g < 8; ++g)
     for (int k = 0; k < 3; ++k) result.notes.push_back({Severity::warning, "labels.endo_missing", "absent", g, k});
-  EXPECT_EQ(verdict_of(judge(result)), Verdict::check);
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
   EXPECT_EQ(codes_of(result).front(), "border_missing");
 }
 
@@ -212,10 +212,10 @@ TEST(Judge, AsksToCheckAHeartThatThickSlicesStretched) {
       for (Vec3& p : surface->mesh.vertices) p[2] *= 1.8;
       surface->volume_ml *= 1.8;
     }
-  const std::vector<Flag> flags = judge(result);
+  const std::vector<QualityFlag> flags = assess(result);
   ASSERT_FALSE(flags.empty());
   const auto found =
-      std::find_if(flags.begin(), flags.end(), [](const Flag& f) { return f.code == "shape_implausible"; });
+      std::find_if(flags.begin(), flags.end(), [](const QualityFlag& f) { return f.code == "shape_implausible"; });
   ASSERT_NE(found, flags.end());
   EXPECT_NEAR(found->value, 1.8 * 45 / 35, 0.05) << "the outermost points lie a little inside the ends";
 }
@@ -255,16 +255,16 @@ TEST(Judge, BelievesAFitThatIsSureOfWhatEdgesCannotTell) {
   const Codes doubts{"wall_missing", "readings_disagree"};
   result.leading.ef_percent = Estimate{60, 3.1};  // within 5.1 points
   EXPECT_EQ(codes_of(result), doubts);
-  EXPECT_EQ(verdict_of(judge(result)), Verdict::check);
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
   result.leading.ef_percent->sd = 3;
   EXPECT_EQ(codes_of(result), doubts) << "readers are still told";
-  EXPECT_EQ(verdict_of(judge(result)), Verdict::ok);
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::ok);
 }
 
 TEST(Judge, DoesNotMissTheOuterBorderOfABloodPool) {
   VentricleResult result = good_result();
   for (Gate& gate : result.gates)
-    gate.edge_surfaces.epi.reset(), gate.edge_surfaces.wall_ml.reset(), gate.labels.bright = Bright::cavity;
+    gate.edge_surfaces.epi.reset(), gate.edge_surfaces.wall_ml.reset(), gate.labels.bright = ImageContrast::cavity;
   result.heart.reset(), result.wall_variation.reset();
   EXPECT_EQ(codes_of(result), Codes{"blood_pool"});
   result.gates[2].edge_surfaces.endo.reset();

@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/region.hpp"
+#include "dynasurf/ventricle/detail/region.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/measures/regional_errors.hpp"
+#include "dynasurf/ventricle/measures/detail/regional_errors.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/ventricle/fit/harmonics.hpp"
+#include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 #include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf {
 namespace {
@@ -26,7 +27,7 @@ Beat uneven_beat() {
   gate[layout.endo] = std::log(0.8), gate[layout.endo + 3] = 0.05, gate[layout.endo + 6] = -0.04;
   gate[layout.wall] = std::log(0.6), gate[layout.wall + 2] = 0.1;
   gate[layout.uptake + 1] = 0.2;
-  beat.problem.layout = make_beat_layout(layout, {gate, gate, gate, gate}, Beliefs{}, beat.unknowns);
+  beat.problem.layout = make_beat_layout(layout, {gate, gate, gate, gate}, Priors{}, beat.unknowns);
   return beat;
 }
 
@@ -37,7 +38,7 @@ Ray ray_at(const Beat& beat, const Eigen::VectorXd& unknowns, int g, const Vec3&
   const GateLayout& layout = beat.problem.layout.gate;
   const Eigen::VectorXd gate = beat.problem.layout.at_gate(g, unknowns);
   std::vector<double> h(static_cast<std::size_t>(harmonics_up_to(3)));
-  harmonics_at(direction, 3, h);
+  real_spherical_harmonics(direction, 3, h);
   const auto field = [&](int first, int degree) {
     double sum = 0;
     for (int k = 0; k < harmonics_up_to(degree); ++k) sum += gate[first + k] * h[static_cast<std::size_t>(k)];
@@ -55,7 +56,7 @@ TEST(WallPosterior, KnowsHowNumbersOfTheWallsDependOnTheUnknowns) {
   const auto number = [&](const Eigen::VectorXd& unknowns) {
     double sum = 0;
     for (int n = 0; n < directions; ++n) {
-      const Ray ray = ray_at(beat, unknowns, gate, even_direction(n, directions));
+      const Ray ray = ray_at(beat, unknowns, gate, fibonacci_direction(n, directions));
       sum += n % 2 ? 2 * (ray.epi_mm - ray.endo_mm) : ray.endo_mm;
       sum += 3 * std::log(ray.uptake);
     }
@@ -75,7 +76,7 @@ TEST(WallPosterior, KnowsHowNumbersOfTheWallsDependOnTheUnknowns) {
   WallDependence by{Eigen::MatrixXd(directions, 1), Eigen::MatrixXd(directions, 1),
                     Eigen::MatrixXd::Constant(directions, 1, 3.0)};
   for (int n = 0; n < directions; ++n) {
-    const Vec3 direction = even_direction(n, directions);
+    const Vec3 direction = fibonacci_direction(n, directions);
     const Ray ray = ray_at(beat, beat.unknowns, gate, direction);
     const HeartFrame& frame = beat.problem.cells.frame;
     const Vec3 unit = direction.cwiseProduct(frame.scale).normalized();

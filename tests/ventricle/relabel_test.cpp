@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/relabel.hpp"
+#include "dynasurf/ventricle/detail/relabel.hpp"
 
 #include <cmath>
 #include <numbers>

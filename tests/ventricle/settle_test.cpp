@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/mesh/shapes.hpp"
-#include "dynasurf/synthetic/noise.hpp"
+#include "dynasurf/synthetic/detail/noise.hpp"
 
 namespace dynasurf {
 namespace {

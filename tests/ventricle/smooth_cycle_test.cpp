@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/smooth_cycle.hpp"
+#include "dynasurf/ventricle/detail/smooth_cycle.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -75,7 +75,7 @@ TEST_P(VirtualPatients, HaveValidSurfacesWithSoundTrianglesOfTheSameVolume) {
   const VentricleResult with = reconstruct(study, ventricle_preset("edges")), without = reconstruct(study, raw);
   double worst_before = 1, worst_after = 1;
   for (std::size_t g = 0; g < with.gates.size(); ++g)
-    for (const auto wall : {Wall::endo, Wall::epi}) {
+    for (const auto wall : {Border::endo, Border::epi}) {
       const auto& after = with.gates[g].edge_surfaces.of(wall);
       const auto& before = without.gates[g].edge_surfaces.of(wall);
       ASSERT_TRUE(after && before);
@@ -104,7 +104,7 @@ TEST(VirtualPatientsAtRandom, HaveSurfacesThatAreValidOrSaidNotToBe) {
     patient.noise = {60, 8, 0, seed};
     const VentricleResult result = reconstruct(make_phantom(patient).study, ventricle_preset("edges"));
     const bool is_told = std::any_of(result.flags.begin(), result.flags.end(),
-                                     [](const Flag& f) { return f.code == "surface_invalid"; });
+                                     [](const QualityFlag& f) { return f.code == "surface_invalid"; });
     for (const Gate& gate : result.gates)
       for (const auto* wall : {&gate.edge_surfaces.endo, &gate.edge_surfaces.epi}) {
         if (!*wall) continue;

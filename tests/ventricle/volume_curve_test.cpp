@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/synthetic/ventricle_shape.hpp"
-#include "dynasurf/ventricle/function.hpp"
+#include "dynasurf/ventricle/lv_volumes.hpp"
 
 namespace dynasurf {
 namespace {
@@ -75,9 +75,9 @@ TEST(PeriodicFit, UndoesTheAveragingOfGatesExactly) {
   for (const double phase : {0.0, 0.21, 0.5, 0.83}) EXPECT_NEAR(instant.at(phase), three_waves.at(phase), 1e-10);
 }
 
-TEST(CycleFunction, KnowsAPureWave) {
+TEST(VolumeCurveFit, KnowsAPureWave) {
   // 100 + 40 cos(2 pi t): EDV 140 at 0, ESV 60 at 1/2, fastest filling 2 pi 40 mL/beat at 3/4.
-  const auto f = cycle_function(at_middles(8, {100, {40}, {0}}), 3);
+  const auto f = fit_volume_curve(at_middles(8, {100, {40}, {0}}), 3);
   ASSERT_TRUE(f && f->ef_percent);
   EXPECT_NEAR(f->edv_ml, 140, 1e-9);
   EXPECT_NEAR(f->esv_ml, 60, 1e-9);
@@ -98,11 +98,11 @@ TEST(CycleFunction, KnowsAPureWave) {
   EXPECT_GT(*f->instant_ef_percent, *f->ef_percent);
 }
 
-TEST(CycleFunction, CountsTimeFromTheFirstGate) {
+TEST(VolumeCurveFit, CountsTimeFromTheFirstGate) {
   std::vector<double> curve = at_middles(8, three_waves);
-  const auto f = cycle_function(curve);
+  const auto f = fit_volume_curve(curve);
   std::rotate(curve.begin(), curve.begin() + 3, curve.end());
-  const auto later = cycle_function(curve);
+  const auto later = fit_volume_curve(curve);
   ASSERT_TRUE(f && later);
   EXPECT_NEAR(later->edv_ml, f->edv_ml, 1e-4);
   EXPECT_NEAR(std::remainder(later->es_time + 3.0 / 8 - f->es_time, 1.0), 0, 6e-4);  // the grid of instants
@@ -110,13 +110,13 @@ TEST(CycleFunction, CountsTimeFromTheFirstGate) {
   EXPECT_NEAR(later->first_third_filling, f->first_third_filling, 1e-3);
 }
 
-TEST(CycleFunction, OfEightAveragedGatesIsNearerToTheBeatThanTheGatesThemselves) {
+TEST(VolumeCurveFit, OfEightAveragedGatesIsNearerToTheBeatThanTheGatesThemselves) {
   // True EF 60 %. Gates read low, as gated studies do (Germano 1995: 3.7 points lower with 8 gates than with 16).
   double gates_miss = 0, fit_miss = 0;
   for (const double late : {0.0, 0.25, 0.5, 0.75}) {
     const std::vector<double> volumes = averaged_heart(8, 120, 48, late);
-    const auto raw = left_ventricular_function(volumes);
-    const auto fit = cycle_function(volumes);
+    const auto raw = lv_volumes(volumes);
+    const auto fit = fit_volume_curve(volumes);
     ASSERT_TRUE(raw && raw->ef_percent && fit && fit->ef_percent && fit->instant_ef_percent);
     EXPECT_LT(*raw->ef_percent, 60);
     EXPECT_GT(*fit->instant_ef_percent, *fit->ef_percent);
@@ -126,13 +126,13 @@ TEST(CycleFunction, OfEightAveragedGatesIsNearerToTheBeatThanTheGatesThemselves)
   EXPECT_LT(fit_miss, 0.7 * gates_miss);
 }
 
-TEST(CycleFunction, IsAbsentWithoutABeat) {
-  EXPECT_FALSE(cycle_function(std::vector<double>{100, 60, 50, 80}));
-  EXPECT_FALSE(cycle_function(std::vector<double>(8, 70.0)));
-  EXPECT_FALSE(cycle_function(std::vector<double>{1, 2, 3, std::numeric_limits<double>::quiet_NaN(), 3, 2, 1, 1}));
+TEST(VolumeCurveFit, IsAbsentWithoutABeat) {
+  EXPECT_FALSE(fit_volume_curve(std::vector<double>{100, 60, 50, 80}));
+  EXPECT_FALSE(fit_volume_curve(std::vector<double>(8, 70.0)));
+  EXPECT_FALSE(fit_volume_curve(std::vector<double>{1, 2, 3, std::numeric_limits<double>::quiet_NaN(), 3, 2, 1, 1}));
 }
 
-TEST(CycleFunction, HasRatesPerSecondOnlyWhenTheIntervalIsKnown) {
+TEST(VolumeCurveFit, HasRatesPerSecondOnlyWhenTheIntervalIsKnown) {
   EXPECT_DOUBLE_EQ(per_second(2, 800).value(), 2.5);
   EXPECT_FALSE(per_second(2, 0));
 }

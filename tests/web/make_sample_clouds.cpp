@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "dynasurf/cloud/transfer.hpp"
+#include "dynasurf/cloud/detail/transfer.hpp"
 #include "dynasurf/mesh/sample_surface.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/report/cloud_report.hpp"
@@ -45,7 +45,7 @@ CloudRun run_of(std::initializer_list<int> levels, bool colours) {
     made.triangles_asked = static_cast<int>(made.mesh.triangles.size());
     run.result.levels.push_back(std::move(made));
   }
-  const Neighbours neighbours(cloud.points);
+  const KdTree neighbours(cloud.points);
   for (CloudLevel& level : run.result.levels) {
     Comparison comparison = compare(level.mesh, neighbours);
     level.certificate = comparison.certificate;

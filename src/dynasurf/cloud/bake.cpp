@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dynasurf/cloud/light.hpp"
-#include "dynasurf/cloud/neighbours.hpp"
+#include "dynasurf/cloud/detail/kd_tree.hpp"
+#include "dynasurf/cloud/detail/light.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 
@@ -111,7 +111,7 @@ class Baker {
 
   void bake(const Vec3& place, const Vec3& normal, const Vec3& tangent, std::array<std::uint8_t, 3>& direction,
             std::array<std::uint8_t, 3>* colour) const {
-    std::array<Neighbours::Found, points_per_texel> found;
+    std::array<KdTree::Found, points_per_texel> found;
     const std::size_t count = neighbours_.nearest(place, found);
     Vec3 sum(0, 0, 0), light(0, 0, 0);
     double facing = 0;
@@ -136,7 +136,7 @@ class Baker {
 
  private:
   const PointCloud& cloud_;
-  Neighbours neighbours_;
+  KdTree neighbours_;
   std::array<double, 256> linear_;
 };
 

@@ -1,4 +1,4 @@
-#include "dynasurf/cloud/body.hpp"
+#include "dynasurf/cloud/detail/body.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,15 +7,15 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
+#include "dynasurf/mesh/detail/submesh.hpp"
 #include "dynasurf/mesh/marching.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/mesh/submesh.hpp"
 
 namespace dynasurf {
 namespace {
 
 /// Of a surface from marching cubes: closed, manifold, all vertices in use.
-Kind kind_of(const TriMesh& mesh) {
+BodyTopology kind_of(const TriMesh& mesh) {
   std::uint32_t parts = 0;
   components_of(mesh, parts);
   const auto euler =
@@ -25,7 +25,7 @@ Kind kind_of(const TriMesh& mesh) {
 
 }  // namespace
 
-TriMesh body_surface(const InsideField& field, double level, std::span<const Vec3> points, double smallest_share) {
+TriMesh body_surface(const IndicatorField& field, double level, std::span<const Vec3> points, double smallest_share) {
   TriMesh mesh = marching_cubes(field.value, level);
   for (Vec3& p : mesh.vertices) p = field.origin + field.side * p;
   std::uint32_t count = 0;
@@ -51,18 +51,18 @@ TriMesh body_surface(const InsideField& field, double level, std::span<const Vec
   return submesh(mesh, marks);
 }
 
-Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, const CloudOptions& options,
-                 Notes& notes, const std::optional<Kind>& expected) {
+Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> points, const CloudOptions& options,
+                 Notes& notes, const std::optional<BodyTopology>& expected) {
   constexpr double nudge = 0.1;  // the field runs from -0.5 to 0.5
   const double share = options.smallest_part_percent / 100;
-  const auto surface = [&](const InsideField& f, double level) { return body_surface(f, level, points, share); };
+  const auto surface = [&](const IndicatorField& f, double level) { return body_surface(f, level, points, share); };
   std::optional<Body> taken;
   std::size_t taken_from = 0;
-  const auto take = [&](std::size_t i, TriMesh mesh, const Kind& kind) {
+  const auto take = [&](std::size_t i, TriMesh mesh, const BodyTopology& kind) {
     taken = Body{std::move(mesh), kind.parts, kind.genus, false, fields[i]};
     taken_from = i;
   };
-  const auto is_firm = [&](std::size_t i, const Kind& kind, double level, double width) {
+  const auto is_firm = [&](std::size_t i, const BodyTopology& kind, double level, double width) {
     std::array<std::uint8_t, 2> is_same{};
     parallel_for(2, 1, [&](std::size_t n, std::size_t) {
       is_same[n] = kind_of(surface(fields[i], n == 0 ? level + width : level - width)) == kind;
@@ -70,11 +70,11 @@ Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, 
     return is_same[0] && is_same[1];
   };
   // Takes the finest that is as asked for, else the simplest: coarse fields hold fewer handles, true or not.
-  const auto take_finest = [&](const std::optional<Kind>& wanted) {
+  const auto take_finest = [&](const std::optional<BodyTopology>& wanted) {
     for (std::size_t i = fields.size(); i-- > 0;) {
       TriMesh mesh = surface(fields[i], 0);
       if (mesh.triangles.empty()) continue;
-      const Kind kind = kind_of(mesh);
+      const BodyTopology kind = kind_of(mesh);
       const bool suits =
           options.genus == GenusRule::keep || (options.genus == GenusRule::zero && kind.genus == 0) ||
           (options.genus == GenusRule::automatic && (!wanted || kind == *wanted) && is_firm(i, kind, 0, nudge));
@@ -85,7 +85,7 @@ Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, 
     return false;
   };
   // Takes the finest from `first` on that is of this kind at a level a little higher or lower.
-  const auto take_near = [&](const Kind& kind, std::size_t first) {
+  const auto take_near = [&](const BodyTopology& kind, std::size_t first) {
     for (std::size_t i = fields.size(); i-- > first;)
       for (const double level : {0.0, -nudge, nudge, -2 * nudge, 2 * nudge}) {
         TriMesh mesh = surface(fields[i], level);
@@ -103,7 +103,7 @@ Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, 
       for (int steps = 1; steps <= 6; ++steps)
         for (const double level : {-step * steps, step * steps}) {
           TriMesh mesh = surface(fields[i], level);
-          const Kind kind = kind_of(mesh);
+          const BodyTopology kind = kind_of(mesh);
           if (mesh.triangles.empty() || !is_firm(i, kind, level, step)) continue;
           take(i, std::move(mesh), kind);
           return true;
@@ -122,9 +122,9 @@ Body choose_body(std::vector<InsideField> fields, std::span<const Vec3> points, 
   if (taken) take_near({taken->parts, taken->genus}, taken_from + 1);
   if (taken && !as_asked && options.genus == GenusRule::zero) {
     // Cut on a coarser lattice, where the two sides of a cut stand well apart.
-    InsideField cut = without_handles(fields.size() > 1 ? fields[fields.size() - 2] : taken->field);
+    IndicatorField cut = without_handles(fields.size() > 1 ? fields[fields.size() - 2] : taken->field);
     TriMesh mesh = surface(cut, 0);
-    const Kind kind = kind_of(mesh);
+    const BodyTopology kind = kind_of(mesh);
     as_asked = kind.genus == 0;
     if (as_asked) taken = Body{std::move(mesh), kind.parts, 0, true, std::move(cut)};
   }

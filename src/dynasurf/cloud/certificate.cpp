@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
@@ -70,7 +70,7 @@ struct Spread {
 
 /// The nearest places of the cloud's points, one after the other.
 template <class Visit>
-void visit_nearest(const TriMesh& mesh, std::span<const Neighbours::Place> points, const Visit& visit) {
+void visit_nearest(const TriMesh& mesh, std::span<const KdTree::Place> points, const Visit& visit) {
   constexpr std::size_t block = std::size_t{1} << 16;  // bounds the memory
   const ClosestPoint closest(mesh);
   std::vector<SurfacePoint> found(std::min(block, points.size()));
@@ -88,7 +88,7 @@ void visit_nearest(const TriMesh& mesh, std::span<const Neighbours::Place> point
 }
 
 /// Gathered in the order of the points, so that the sums are the same for any number of threads.
-Spread spread_of_cloud(const TriMesh& mesh, std::span<const Neighbours::Place> points, std::vector<float>& errors) {
+Spread spread_of_cloud(const TriMesh& mesh, std::span<const KdTree::Place> points, std::vector<float>& errors) {
   Spread spread;
   std::vector<double> sum(mesh.vertices.size(), 0), weight(mesh.vertices.size(), 0);
   visit_nearest(mesh, points, [&](const SurfacePoint& p) {
@@ -105,7 +105,7 @@ Spread spread_of_cloud(const TriMesh& mesh, std::span<const Neighbours::Place> p
   return spread;
 }
 
-Spread spread_of_mesh(const std::vector<Vec3>& points, const Neighbours& cloud) {
+Spread spread_of_mesh(const std::vector<Vec3>& points, const KdTree& cloud) {
   std::vector<double> distances(points.size());
   parallel_for(distances.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) distances[i] = std::sqrt(cloud.nearest(points[i]).distance2);
@@ -117,7 +117,7 @@ Spread spread_of_mesh(const std::vector<Vec3>& points, const Neighbours& cloud) 
 
 }  // namespace
 
-Comparison compare(const TriMesh& mesh, const Neighbours& cloud) {
+Comparison compare(const TriMesh& mesh, const KdTree& cloud) {
   Comparison result;
   Certificate& c = result.certificate;
   const SurfaceCheck check = check_surface(mesh);
@@ -152,7 +152,7 @@ Comparison compare(const TriMesh& mesh, const Neighbours& cloud) {
 Certificate certify(const TriMesh& mesh, const PointCloud& cloud) {
   for (const Vec3& p : cloud.points)
     if (!p.allFinite()) throw InputError("certificate: the cloud has a point that is not finite");
-  return compare(mesh, Neighbours(cloud.points)).certificate;
+  return compare(mesh, KdTree(cloud.points)).certificate;
 }
 
 }  // namespace dynasurf

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "dynasurf/cloud/neighbours.hpp"
+#include "dynasurf/cloud/detail/kd_tree.hpp"
 #include "dynasurf/core/point_cloud.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
@@ -51,6 +51,6 @@ struct Comparison {
 };
 
 /// The certificate against points whose tree is at hand, and what their distances say at each vertex.
-Comparison compare(const TriMesh& mesh, const Neighbours& cloud);
+Comparison compare(const TriMesh& mesh, const KdTree& cloud);
 
 }  // namespace dynasurf

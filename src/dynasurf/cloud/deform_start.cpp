@@ -1,15 +1,15 @@
-#include "dynasurf/cloud/deform_start.hpp"
+#include "dynasurf/cloud/detail/deform_start.hpp"
 
 #include <algorithm>
 
-#include "dynasurf/cloud/thesis_recipe.hpp"
+#include "dynasurf/cloud/detail/thesis_recipe.hpp"
 #include "dynasurf/field/steady.hpp"
 #include "dynasurf/field/vector_field.hpp"
+#include "dynasurf/mesh/detail/submesh.hpp"
 #include "dynasurf/mesh/intersections.hpp"
 #include "dynasurf/mesh/relax.hpp"
 #include "dynasurf/mesh/sample_surface.hpp"
 #include "dynasurf/mesh/simplify.hpp"
-#include "dynasurf/mesh/submesh.hpp"
 
 namespace dynasurf {
 namespace {
@@ -43,7 +43,7 @@ void follow(SurfaceEditor& surface, const Pull& pull) {
     const Vec3 way = sample(pull.field, p, Sampling::trilinear);
     if (way.norm() > 0) p += step * way.normalized();
   }
-  take_back_crossings(surface, safe);
+  revert_self_intersections(surface, safe);
 }
 
 /// Triangles of even size and shape on the surface as it stands.
@@ -55,7 +55,7 @@ void even_out(SurfaceEditor& surface, std::size_t triangles) {
   const TriMesh shape = surface.mesh();
   const ClosestPoint on_shape(shape);
   relax(surface, std::vector<double>(surface.vertex_slots(), 1), on_shape, shape, 2, 30);
-  take_back_crossings(surface, safe);
+  revert_self_intersections(surface, safe);
 }
 
 TriMesh deform_part(const TriMesh& target, CloudStart start, const Progress& progress) {

@@ -1,11 +1,11 @@
-#include "dynasurf/cloud/dimension.hpp"
+#include "dynasurf/cloud/detail/dimension.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf {

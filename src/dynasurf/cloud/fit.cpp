@@ -1,4 +1,4 @@
-#include "dynasurf/cloud/fit.hpp"
+#include "dynasurf/cloud/detail/fit.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include <Eigen/LU>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/intersections.hpp"
@@ -305,7 +305,7 @@ double fit(SurfaceEditor& surface, const FitPoints& to, const FitOptions& option
   return rounds([&](TriMesh& mesh) {
     const std::vector<Vec3> safe(surface.positions().begin(), surface.positions().end());
     take_over(mesh);
-    if (take_back_crossings(surface, safe) > 0)
+    if (revert_self_intersections(surface, safe) > 0)
       for (std::size_t v = 0; v < slots.size(); ++v) mesh.vertices[v] = surface.position(slots[v]);
   });
 }

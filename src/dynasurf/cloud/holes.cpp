@@ -1,4 +1,4 @@
-#include "dynasurf/cloud/holes.hpp"
+#include "dynasurf/cloud/detail/holes.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,13 +6,13 @@
 #include <limits>
 #include <numeric>
 
-#include "dynasurf/cloud/levels.hpp"
-#include "dynasurf/cloud/neighbours.hpp"
-#include "dynasurf/cloud/patch.hpp"
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/cloud/detail/kd_tree.hpp"
+#include "dynasurf/cloud/detail/levels.hpp"
+#include "dynasurf/cloud/detail/patch.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/detail/submesh.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/mesh/submesh.hpp"
 
 namespace dynasurf {
 namespace {
@@ -57,9 +57,9 @@ class Scan {
   /// Distance to the nearest point whose direction has a cosine above `least` to this one; infinity when none of those
   /// around does.
   double distance(const Vec3& place, const Vec3& facing, double least) const {
-    const Neighbours::Found first = neighbours_.nearest(place);
+    const KdTree::Found first = neighbours_.nearest(place);
     if (points_.normals[first.index].dot(facing) > least) return std::sqrt(first.distance2);
-    std::array<Neighbours::Found, 16> found;
+    std::array<KdTree::Found, 16> found;
     const std::size_t count = neighbours_.nearest(place, found);
     for (std::size_t k = 0; k < count; ++k)
       if (points_.normals[found[k].index].dot(facing) > least) return std::sqrt(found[k].distance2);
@@ -68,7 +68,7 @@ class Scan {
 
  private:
   const OrientedPoints& points_;
-  Neighbours neighbours_;
+  KdTree neighbours_;
 };
 
 /// Sums of the normals of the triangles around each vertex.
@@ -403,7 +403,7 @@ bool keep_between_pieces(const TriMesh& whole, const Torn& torn, Marks& kept) {
 
 }  // namespace
 
-std::optional<HoleFill> fill_holes(const InsideField& field, const OrientedPoints& points, const Holes& options) {
+std::optional<HoleFill> fill_holes(const IndicatorField& field, const OrientedPoints& points, const Holes& options) {
   // Two ends in one hole of the scan are far more often one limb than two that happen to end there.
   constexpr double most_for_handle = 1.8;
   const Scan scan(points);

@@ -1,4 +1,4 @@
-#include "dynasurf/cloud/levels.hpp"
+#include "dynasurf/cloud/detail/levels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -94,15 +94,15 @@ std::size_t make_level(SurfaceEditor& surface, std::size_t triangles, const TriM
     if (plan.sweeps > 0) {
       const std::vector<Vec3> safe(surface.positions().begin(), surface.positions().end());
       relax(surface, local_sizes(surface, 2), on_fine, fine, plan.sweeps, plan.raise_deg, plan.sharp_deg);
-      take_back_crossings(surface, safe);
+      revert_self_intersections(surface, safe);
     }
     if (is_last) {
-      raise_smallest_angle(surface, plan.raise_deg, 8, plan.sharp_deg);
+      improve_smallest_angle(surface, plan.raise_deg, 8, plan.sharp_deg);
       fitting.rounds = plan.last_fits;
     }
     fit(surface, {some, normals}, fitting);
   }
-  raise_smallest_angle(surface, plan.smallest_angle_deg, 10, plan.sharp_deg);
+  improve_smallest_angle(surface, plan.smallest_angle_deg, 10, plan.sharp_deg);
   return surface.triangles();
 }
 

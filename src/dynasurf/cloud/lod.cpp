@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 
 namespace dynasurf {

@@ -20,9 +20,9 @@ struct Camera {
   double fov_deg = 40;  // vertical field of view
 };
 void describe(auto& visit, Camera& o) {
-  visit("width_px", o.width_px, Field{"width of the picture", "px", 1, 100000});
-  visit("height_px", o.height_px, Field{"height of the picture", "px", 1, 100000});
-  visit("fov_deg", o.fov_deg, Field{"vertical field of view", "degrees", 0.01, 179});
+  visit("width_px", o.width_px, OptionInfo{"width of the picture", "px", 1, 100000});
+  visit("height_px", o.height_px, OptionInfo{"height of the picture", "px", 1, 100000});
+  visit("fov_deg", o.fov_deg, OptionInfo{"vertical field of view", "degrees", 0.01, 179});
 }
 
 /// Size on the screen, in pixels, of what is 1 long, 1 away and square to the view.
@@ -44,11 +44,12 @@ struct LodRule {
 };
 void describe(auto& visit, LodRule& o) {
   visit("edge_px", o.edge_px,
-        Field{"a level serves while its mean edge is no longer than this on the screen", "px", 0.01, 10000});
+        OptionInfo{"a level serves while its mean edge is no longer than this on the screen", "px", 0.01, 10000});
   visit("hysteresis_percent", o.hysteresis_percent,
-        Field{"by how much the limit must be passed before the level changes back, and the width of the band in which "
-              "one level turns into the next",
-              "%", 0, 90});
+        OptionInfo{
+            "by how much the limit must be passed before the level changes back, and the width of the band in which "
+            "one level turns into the next",
+            "%", 0, 90});
 }
 
 /// What the choice of a level needs to know of a chain.

@@ -1,7 +1,8 @@
+#include "dynasurf/cloud/options.hpp"
+
 #include <array>
 #include <charconv>
 
-#include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
 

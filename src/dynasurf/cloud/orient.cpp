@@ -9,10 +9,10 @@
 #include <span>
 #include <unordered_map>
 
-#include "dynasurf/cloud/neighbours.hpp"
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/cloud/detail/kd_tree.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/symmetric_axes.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/core/symmetric_axes.hpp"
 
 namespace dynasurf {
 namespace {
@@ -29,11 +29,11 @@ struct Plane {
 
 /// The farther a neighbour lies, the less it counts: along a tear the last of them may belong to the other side of a
 /// wall. Neighbours come nearest first.
-double weight_of(const Neighbours::Found& f, std::span<const Neighbours::Found> all) {
+double weight_of(const KdTree::Found& f, std::span<const KdTree::Found> all) {
   return 1.1 * all.back().distance2 - f.distance2;
 }
 
-Plane plane_of(const std::vector<Vec3>& points, std::span<const Neighbours::Found> found) {
+Plane plane_of(const std::vector<Vec3>& points, std::span<const KdTree::Found> found) {
   Plane plane;
   double weights = 0;
   for (const auto& f : found) {
@@ -270,7 +270,7 @@ void turn_outwards(OrientedPoints& o, const std::vector<std::uint8_t>& known) {
 
 }  // namespace
 
-PointCloud thin_out(const PointCloud& cloud, double cell) {
+PointCloud voxel_downsample(const PointCloud& cloud, double cell) {
   if (!(cell > 0)) return {cloud.points, cloud.normals, {}, {}};
   Eigen::AlignedBox3d box;
   for (const Vec3& p : cloud.points) box.extend(p);
@@ -302,9 +302,10 @@ PointCloud thin_out(const PointCloud& cloud, double cell) {
   return thin;
 }
 
-void draw_to_planes(PointCloud& cloud, const std::vector<Vec3>& scan, const Neighbours& of_scan, std::size_t ring) {
+void project_to_local_planes(PointCloud& cloud, const std::vector<Vec3>& scan, const KdTree& of_scan,
+                             std::size_t ring) {
   parallel_for(cloud.points.size(), grain, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbours::Found> found(ring);
+    std::vector<KdTree::Found> found(ring);
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t count = of_scan.nearest(cloud.points[i], found);
       const Plane plane = plane_of(scan, std::span(found).first(count));
@@ -313,11 +314,11 @@ void draw_to_planes(PointCloud& cloud, const std::vector<Vec3>& scan, const Neig
   });
 }
 
-void even_out_normals(OrientedPoints& o, std::size_t ring) {
-  const Neighbours neighbours(o.points);
+void smooth_normals(OrientedPoints& o, std::size_t ring) {
+  const KdTree neighbours(o.points);
   std::vector<Vec3> even(o.points.size());
   parallel_for(even.size(), grain, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbours::Found> found(ring);
+    std::vector<KdTree::Found> found(ring);
     for (std::size_t i = begin; i < end; ++i) {
       const auto around = std::span(found).first(neighbours.nearest(o.points[i], found));
       Vec3 sum = Vec3::Zero();
@@ -337,9 +338,9 @@ OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t rin
   const bool given = use_normals && !cloud.normals.empty();
   std::vector<std::uint8_t> known(n, 0);
   std::vector<Ring> around(n);
-  const Neighbours neighbours(o.points);
+  const KdTree neighbours(o.points);
   parallel_for(n, grain, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbours::Found> found(ring + 1);
+    std::vector<KdTree::Found> found(ring + 1);
     for (const auto& place : neighbours.places().subspan(begin, end - begin)) {  // near ones together
       const std::size_t i = place.index;
       const std::size_t count = neighbours.nearest(o.points[i], found);

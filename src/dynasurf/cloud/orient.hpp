@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "dynasurf/cloud/neighbours.hpp"
+#include "dynasurf/cloud/detail/kd_tree.hpp"
 #include "dynasurf/core/point_cloud.hpp"
 
 namespace dynasurf {
@@ -17,10 +17,10 @@ struct OrientedPoints {
 
 /// Merges the points in each cube of side `cell` to their mean, so that many points cost no more than the surface asks
 /// for. Normals are merged too; a zero normal means that there is none. With `cell` 0 all stay as they are.
-PointCloud thin_out(const PointCloud& cloud, double cell);
+PointCloud voxel_downsample(const PointCloud& cloud, double cell);
 
 /// Draws every point onto the plane of the `ring` points of the scan nearest to it, which takes most of the noise off.
-void draw_to_planes(PointCloud& cloud, const std::vector<Vec3>& scan, const Neighbours& of_scan, std::size_t ring);
+void project_to_local_planes(PointCloud& cloud, const std::vector<Vec3>& scan, const KdTree& of_scan, std::size_t ring);
 
 /// Estimates the plane at each point from its `ring` nearest neighbours, and turns neighbours the same way: those that
 /// clearly agree first, then sets of them by what all links between them say in sum (after Hoppe et al. 1992, with the
@@ -30,6 +30,6 @@ OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t rin
 
 /// Gives each point the mean direction of its `ring` nearest points: single ones that noise has turned go with the
 /// rest.
-void even_out_normals(OrientedPoints& points, std::size_t ring = 14);
+void smooth_normals(OrientedPoints& points, std::size_t ring = 14);
 
 }  // namespace dynasurf

@@ -1,4 +1,4 @@
-#include "dynasurf/cloud/patch.hpp"
+#include "dynasurf/cloud/detail/patch.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <Eigen/SparseCholesky>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
 namespace dynasurf {

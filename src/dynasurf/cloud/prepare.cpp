@@ -1,4 +1,4 @@
-#include "dynasurf/cloud/prepare.hpp"
+#include "dynasurf/cloud/detail/prepare.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,10 +10,10 @@
 
 #include <Eigen/Cholesky>
 
-#include "dynasurf/cloud/neighbours.hpp"
+#include "dynasurf/cloud/detail/kd_tree.hpp"
+#include "dynasurf/core/detail/symmetric_axes.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/core/symmetric_axes.hpp"
 
 namespace dynasurf {
 namespace {
@@ -92,11 +92,11 @@ double median_of(std::vector<double> values) {
 }
 
 /// 0 for points that lie `factor` times farther from their neighbours than those lie from theirs.
-std::vector<std::uint8_t> in_company(const std::vector<Vec3>& points, const Neighbours& neighbours, double factor) {
+std::vector<std::uint8_t> in_company(const std::vector<Vec3>& points, const KdTree& neighbours, double factor) {
   std::vector<double> distance(points.size());
   std::vector<std::array<std::uint32_t, ring>> around(points.size());
   parallel_for(points.size(), grain, [&](std::size_t begin, std::size_t end) {
-    std::array<Neighbours::Found, ring + 1> found;
+    std::array<KdTree::Found, ring + 1> found;
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t n = neighbours.nearest(points[i], found);
       for (std::size_t k = 1; k < n; ++k) {
@@ -115,7 +115,7 @@ std::vector<std::uint8_t> in_company(const std::vector<Vec3>& points, const Neig
 }
 
 /// Root mean square distance of points from the best height function of second degree over their own plane.
-double off_quadric(const std::vector<Vec3>& points, std::span<const Neighbours::Found> found) {
+double off_quadric(const std::vector<Vec3>& points, std::span<const KdTree::Found> found) {
   const auto n = static_cast<double>(found.size());
   Vec3 middle = Vec3::Zero();
   for (const auto& f : found) middle += points[f.index] / n;
@@ -138,12 +138,12 @@ double off_quadric(const std::vector<Vec3>& points, std::span<const Neighbours::
   return size * std::sqrt(std::max(0.0, left) / (n - 6));
 }
 
-double median_off_quadric(const std::vector<Vec3>& points, const Neighbours& neighbours, std::size_t count) {
+double median_off_quadric(const std::vector<Vec3>& points, const KdTree& neighbours, std::size_t count) {
   constexpr std::size_t samples = 1500;
   const std::size_t step = std::max<std::size_t>(1, points.size() / samples);
   std::vector<double> off((points.size() + step - 1) / step);
   parallel_for(off.size(), 64, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbours::Found> found(count);
+    std::vector<KdTree::Found> found(count);
     for (std::size_t i = begin; i < end; ++i) {
       neighbours.nearest(points[i * step], found);
       off[i] = off_quadric(points, found);
@@ -153,12 +153,12 @@ double median_off_quadric(const std::vector<Vec3>& points, const Neighbours& nei
 }
 
 /// Side of the square that a point stands for, from the circle that holds its neighbours.
-double median_spacing(const std::vector<Vec3>& points, const Neighbours& neighbours) {
+double median_spacing(const std::vector<Vec3>& points, const KdTree& neighbours) {
   constexpr std::size_t samples = 3000;
   const std::size_t step = std::max<std::size_t>(1, points.size() / samples);
   std::vector<double> side((points.size() + step - 1) / step);
   parallel_for(side.size(), 64, [&](std::size_t begin, std::size_t end) {
-    std::array<Neighbours::Found, 13> found;
+    std::array<KdTree::Found, 13> found;
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t n = neighbours.nearest(points[i * step], found);
       side[i] = std::sqrt(std::numbers::pi * found[n - 1].distance2 / static_cast<double>(n - 1));
@@ -182,7 +182,7 @@ std::optional<double> noise_from(double left_over, std::size_t count, double spa
 }
 
 /// The shape of the body and the other side of a wall only add to it, so the smallest counts.
-double estimate_noise(const std::vector<Vec3>& points, const Neighbours& neighbours, double spacing) {
+double estimate_noise(const std::vector<Vec3>& points, const KdTree& neighbours, double spacing) {
   double least = std::numeric_limits<double>::infinity(), left_over = 0;
   for (const std::size_t count : {16, 24, 48, 100}) {
     if (points.size() < 2 * count) break;
@@ -232,7 +232,7 @@ PreparedCloud prepare(PointCloud cloud, const CloudOptions& options, const Progr
   facts.duplicates = keep(cloud, firsts(cloud.points));
   check_count(cloud.points);
   progress.check();
-  Neighbours neighbours(cloud.points);
+  KdTree neighbours(cloud.points);
   reorder(cloud, neighbours.renumber());
   PreparedCloud p{std::move(cloud), std::move(neighbours), facts, {}};
   PointCloud& c = p.cloud;

@@ -5,16 +5,16 @@
 #include <numbers>
 #include <numeric>
 
-#include "dynasurf/cloud/body.hpp"
-#include "dynasurf/cloud/deform_start.hpp"
-#include "dynasurf/cloud/dimension.hpp"
-#include "dynasurf/cloud/holes.hpp"
-#include "dynasurf/cloud/levels.hpp"
-#include "dynasurf/cloud/neighbours.hpp"
-#include "dynasurf/cloud/prepare.hpp"
-#include "dynasurf/cloud/thesis_recipe.hpp"
-#include "dynasurf/cloud/transfer.hpp"
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/cloud/detail/body.hpp"
+#include "dynasurf/cloud/detail/deform_start.hpp"
+#include "dynasurf/cloud/detail/dimension.hpp"
+#include "dynasurf/cloud/detail/holes.hpp"
+#include "dynasurf/cloud/detail/kd_tree.hpp"
+#include "dynasurf/cloud/detail/levels.hpp"
+#include "dynasurf/cloud/detail/prepare.hpp"
+#include "dynasurf/cloud/detail/thesis_recipe.hpp"
+#include "dynasurf/cloud/detail/transfer.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/intersections.hpp"
 
@@ -87,13 +87,13 @@ void append(OrientedPoints& to, const OrientedPoints& more) {
 OrientedPoints oriented_points(const PreparedCloud& p, const CloudOptions& options, double cell) {
   constexpr double wide = 4;
   constexpr std::size_t fewest = 16, most = 100;
-  PointCloud thin = thin_out(p.cloud, cell);
+  PointCloud thin = voxel_downsample(p.cloud, cell);
   if (!is_noisy(p.facts)) return orient(thin, options.use_normals);
   const double around = std::numbers::pi * own::pow(wide * p.facts.noise / p.facts.spacing, 2);
   const auto ring = static_cast<std::size_t>(std::clamp<double>(around, fewest, most));
-  draw_to_planes(thin, p.cloud.points, p.neighbours, ring);
-  OrientedPoints oriented = orient(thin_out(thin, cell), options.use_normals, 14);
-  even_out_normals(oriented);
+  project_to_local_planes(thin, p.cloud.points, p.neighbours, ring);
+  OrientedPoints oriented = orient(voxel_downsample(thin, cell), options.use_normals, 14);
+  smooth_normals(oriented);
   return oriented;
 }
 
@@ -114,7 +114,7 @@ FoundBody find_body(const PreparedCloud& p, const CloudOptions& options, int tri
   const double thin_cell = std::max(0.5 * side, noisy ? 2 * p.facts.noise : 0);
   OrientedPoints oriented = oriented_points(p, options, thin_cell);
   progress.check();
-  std::vector<InsideField> fields = find_inside(oriented, {.cells = cells}, progress);
+  std::vector<IndicatorField> fields = solve_indicator(oriented, {.cells = cells}, progress);
   result.facts.cells = cells;
   const std::optional<HoleFill> fill =
       fill_holes(fields.back(), oriented,
@@ -126,9 +126,9 @@ FoundBody find_body(const PreparedCloud& p, const CloudOptions& options, int tri
     tell(*fill, result.notes);
     append(oriented, fill->points);
     progress.check();
-    fields = find_inside(oriented, {.cells = cells}, progress);
+    fields = solve_indicator(oriented, {.cells = cells}, progress);
   }
-  const std::optional<Kind> expected = fill ? std::optional(fill->kind) : std::nullopt;
+  const std::optional<BodyTopology> expected = fill ? std::optional(fill->kind) : std::nullopt;
   Body body = choose_body(std::move(fields), oriented.points, options, result.notes, expected);
   return {std::move(body), fill ? fill->points : OrientedPoints{}, side};
 }

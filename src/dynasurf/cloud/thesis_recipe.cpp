@@ -1,4 +1,4 @@
-#include "dynasurf/cloud/thesis_recipe.hpp"
+#include "dynasurf/cloud/detail/thesis_recipe.hpp"
 
 #include <algorithm>
 #include <string>

@@ -1,8 +1,8 @@
-#include "dynasurf/cloud/transfer.hpp"
+#include "dynasurf/cloud/detail/transfer.hpp"
 
 #include <algorithm>
 
-#include "dynasurf/cloud/light.hpp"
+#include "dynasurf/cloud/detail/light.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf {
@@ -13,7 +13,7 @@ constexpr std::size_t grain = 1024, most_points_per_vertex = 64;
 }  // namespace
 
 std::vector<std::array<std::uint8_t, 3>> colours_at_vertices(const TriMesh& mesh, const PointCloud& cloud,
-                                                             const Neighbours& neighbours) {
+                                                             const KdTree& neighbours) {
   std::vector<std::array<std::uint8_t, 3>> colours;
   if (cloud.colours.empty() || mesh.vertices.empty()) return colours;
   colours.resize(mesh.vertices.size());
@@ -21,7 +21,7 @@ std::vector<std::array<std::uint8_t, 3>> colours_at_vertices(const TriMesh& mesh
   const std::size_t near =
       std::clamp<std::size_t>(cloud.points.size() / mesh.vertices.size(), 1, most_points_per_vertex);
   parallel_for(mesh.vertices.size(), grain, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbours::Found> found(near);
+    std::vector<KdTree::Found> found(near);
     for (std::size_t v = begin; v < end; ++v) {
       const std::size_t count = neighbours.nearest(mesh.vertices[v], found);
       for (std::size_t c = 0; c < 3; ++c) {

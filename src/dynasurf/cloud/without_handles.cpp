@@ -2,7 +2,7 @@
 #include <array>
 #include <queue>
 
-#include "dynasurf/cloud/body.hpp"
+#include "dynasurf/cloud/detail/body.hpp"
 
 namespace dynasurf {
 namespace {
@@ -52,7 +52,7 @@ int groups(const Block& block, std::uint8_t kind) {
 
 }  // namespace
 
-InsideField without_handles(const InsideField& field) {
+IndicatorField without_handles(const IndicatorField& field) {
   const Grid& grid = field.value.grid;
   struct Node {
     float value;
@@ -91,7 +91,7 @@ InsideField without_handles(const InsideField& field) {
       if (!taken.values[there] && values[there] > 0) next.push({values[there], static_cast<std::uint32_t>(there)});
     }
   }
-  InsideField ball = field;
+  IndicatorField ball = field;
   for (std::size_t n = 0; n < values.size(); ++n) ball.value.values[n] = taken.values[n] ? 0.3f : -0.5f;
   return ball;
 }

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 
 namespace dynasurf {

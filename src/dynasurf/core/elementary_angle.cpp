@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "dynasurf/core/elementary.hpp"
-#include "dynasurf/core/elementary_tables.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/elementary_tables.hpp"
 
 namespace dynasurf::own {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "dynasurf/core/elementary.hpp"
-#include "dynasurf/core/twofold.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/twofold.hpp"
 
 namespace dynasurf::own {
 namespace {

@@ -80,7 +80,7 @@ std::string joined(const Words& words, std::string_view separator) {
 
 void collect_names(const OptionNodes& nodes, const std::string& path, std::vector<std::string>& paths);
 
-std::string range_of(const Field& field) {
+std::string range_of(const OptionInfo& field) {
   const bool low = std::isfinite(field.min);
   const bool high = std::isfinite(field.max);
   if (low && high) return limit_text(field.min) + " to " + limit_text(field.max);
@@ -88,7 +88,7 @@ std::string range_of(const Field& field) {
   return high ? "<= " + limit_text(field.max) : "";
 }
 
-std::string number_words(std::string noun, const Field& field) {
+std::string number_words(std::string noun, const OptionInfo& field) {
   const bool low = std::isfinite(field.min);
   const bool high = std::isfinite(field.max);
   if (low) noun += " >= " + limit_text(field.min);
@@ -217,7 +217,7 @@ std::string join_path(const std::string& path, std::string_view name) {
   return path.empty() ? std::string(name) : path + "." + std::string(name);
 }
 
-bool in_range(const Field& field, double value) {
+bool in_range(const OptionInfo& field, double value) {
   return std::isfinite(value) && value >= field.min && value <= field.max;
 }
 
@@ -251,8 +251,10 @@ void throw_unknown_option(const OptionNodes& siblings, const std::string& path, 
     // Perhaps the right name in the wrong place.
     std::vector<std::string> leaves;
     collect_names(siblings, path, leaves);
-    const auto same = std::find_if(leaves.begin(), leaves.end(),
-                                   [&](const std::string& leaf) { return leaf.ends_with("." + std::string(name)); });
+    std::string ending = ".";
+    ending += name;
+    const auto same =
+        std::find_if(leaves.begin(), leaves.end(), [&](const std::string& leaf) { return leaf.ends_with(ending); });
     text += same != leaves.end() ? "; did you mean '" + *same + "'?" : ";";
   }
   throw OptionError(text + " choices: " + (names.empty() ? "none" : joined(names, ", ")));
@@ -269,7 +271,9 @@ std::size_t position_of(std::span<const std::string_view> words, std::string_vie
 
 void set_option(const OptionNodes& nodes, std::string_view assignment) {
   const std::size_t equals = assignment.find('=');
-  const std::string path = "." + std::string(assignment.substr(0, equals)) + ".";
+  std::string path = ".";
+  path += assignment.substr(0, equals);
+  path += '.';
   if (equals == std::string_view::npos || path.find("..") != std::string::npos)
     throw OptionError("'" + std::string(assignment) +
                       "' is no setting; expected path=value, for example edges.low=0.2");

@@ -45,7 +45,7 @@ using OptionRef = std::variant<double*, int*, std::uint64_t*, bool*, std::string
 /// One member of an options struct. It points into the struct, which must outlive it.
 struct OptionNode {
   std::string_view name;
-  Field field;
+  OptionInfo field;
   OptionRef ref;
 };
 
@@ -99,7 +99,7 @@ std::string expected_of(const OptionNode& node);
 /// The position of `word` in `words`, or OptionError with the choices and the nearest word.
 std::size_t position_of(std::span<const std::string_view> words, std::string_view word, const std::string& path);
 /// Whether a number may be assigned: finite, in range.
-bool in_range(const Field& field, double value);
+bool in_range(const OptionInfo& field, double value);
 std::string join_path(const std::string& path, std::string_view name);
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -132,7 +132,7 @@ struct NodeCollector {
   OptionNodes nodes;
 
   template <class T>
-  void operator()(std::string_view name, T& value, const Field& field) {
+  void operator()(std::string_view name, T& value, const OptionInfo& field) {
     nodes.push_back({name, field, ref_of(value)});
   }
 

@@ -11,7 +11,7 @@
 namespace dynasurf {
 
 /// What a person needs to know of one option. The default is the member's initialiser.
-struct Field {
+struct OptionInfo {
   std::string_view doc;        // one line: what it does, what its ends mean, thesis reference where there is one
   std::string_view unit = "";  // "mm", "px", "ms"; empty for a pure number
   double min = -std::numeric_limits<double>::infinity();
@@ -30,7 +30,7 @@ struct Field {
 namespace detail {
 struct AnyVisitor {
   template <class T>
-  void operator()(std::string_view, T&, const Field&) {}
+  void operator()(std::string_view, T&, const OptionInfo&) {}
 };
 }  // namespace detail
 
@@ -67,4 +67,4 @@ void check_options(O& options, const std::string& path);
 
 }  // namespace dynasurf
 
-#include "dynasurf/core/options_check.hpp"
+#include "dynasurf/core/detail/options_check.hpp"

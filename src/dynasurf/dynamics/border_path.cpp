@@ -1,4 +1,4 @@
-#include "dynasurf/dynamics/border_path.hpp"
+#include "dynasurf/dynamics/detail/border_path.hpp"
 
 #include <algorithm>
 #include <cmath>

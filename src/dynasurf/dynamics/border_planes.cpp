@@ -1,4 +1,4 @@
-#include "dynasurf/dynamics/border_planes.hpp"
+#include "dynasurf/dynamics/detail/border_planes.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "dynasurf/dynamics/border_stop.hpp"
+#include "dynasurf/dynamics/detail/border_stop.hpp"
 
 namespace dynasurf {
 

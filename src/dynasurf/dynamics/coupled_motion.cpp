@@ -1,8 +1,8 @@
-#include "dynasurf/dynamics/coupled_motion.hpp"
+#include "dynasurf/dynamics/detail/coupled_motion.hpp"
 
 #include <algorithm>
 
-#include "dynasurf/dynamics/step_plan.hpp"
+#include "dynasurf/dynamics/detail/step_plan.hpp"
 
 namespace dynasurf {
 

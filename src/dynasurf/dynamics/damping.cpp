@@ -1,9 +1,9 @@
-#include "dynasurf/dynamics/damping.hpp"
+#include "dynasurf/dynamics/detail/damping.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/border_distance.hpp"
 

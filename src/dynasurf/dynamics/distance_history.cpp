@@ -1,4 +1,4 @@
-#include "dynasurf/dynamics/distance_history.hpp"
+#include "dynasurf/dynamics/detail/distance_history.hpp"
 
 namespace dynasurf {
 

@@ -8,14 +8,14 @@
 #include <sstream>
 
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/dynamics/border_stop.hpp"
-#include "dynasurf/dynamics/coupled_motion.hpp"
-#include "dynasurf/dynamics/distance_history.hpp"
-#include "dynasurf/dynamics/field_force.hpp"
+#include "dynasurf/dynamics/detail/border_stop.hpp"
+#include "dynasurf/dynamics/detail/coupled_motion.hpp"
+#include "dynasurf/dynamics/detail/distance_history.hpp"
+#include "dynasurf/dynamics/detail/field_force.hpp"
+#include "dynasurf/dynamics/detail/rest_watch.hpp"
+#include "dynasurf/dynamics/detail/step_plan.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
-#include "dynasurf/dynamics/rest_watch.hpp"
 #include "dynasurf/dynamics/solvers/solver.hpp"
-#include "dynasurf/dynamics/step_plan.hpp"
 
 namespace dynasurf {
 namespace {

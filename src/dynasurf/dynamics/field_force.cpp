@@ -1,4 +1,4 @@
-#include "dynasurf/dynamics/field_force.hpp"
+#include "dynasurf/dynamics/detail/field_force.hpp"
 
 #include "dynasurf/dynamics/forces/forces.hpp"
 

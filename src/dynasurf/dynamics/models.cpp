@@ -1,8 +1,8 @@
-#include "dynasurf/dynamics/models.hpp"
+#include "dynasurf/dynamics/detail/models.hpp"
 
-#include "dynasurf/dynamics/contour/surface_curvature.hpp"
-#include "dynasurf/dynamics/evolve.hpp"
+#include "dynasurf/dynamics/contour/detail/surface_curvature.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
+#include "dynasurf/dynamics/options.hpp"
 
 namespace dynasurf {
 namespace {

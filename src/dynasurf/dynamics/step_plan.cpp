@@ -1,4 +1,4 @@
-#include "dynasurf/dynamics/step_plan.hpp"
+#include "dynasurf/dynamics/detail/step_plan.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -22,12 +22,12 @@ struct BandGvf {
   int most_cycles = 20;
 };
 void describe(auto& visit, BandGvf& o) {
-  visit("mu", o.mu, Field{"balance: 0 keeps the gradient, large spreads it (thesis 3.36)", "", 1e-6, 1e4});
+  visit("mu", o.mu, OptionInfo{"balance: 0 keeps the gradient, large spreads it (thesis 3.36)", "", 1e-6, 1e4});
   visit("tolerance", o.tolerance,
-        Field{"stop cycles below this relative distance from what they tend to", "", 1e-6, 0.1});
+        OptionInfo{"stop cycles below this relative distance from what they tend to", "", 1e-6, 0.1});
   visit("reach_voxels", o.reach_voxels,
-        Field{"bricks of 8 voxels that come so near to a border are solved for", "voxels", 1, 64});
-  visit("most_cycles", o.most_cycles, Field{"give up with a note after this many cycles", "", 1, 1000});
+        OptionInfo{"bricks of 8 voxels that come so near to a border are solved for", "voxels", 1, 64});
+  visit("most_cycles", o.most_cycles, OptionInfo{"give up with a note after this many cycles", "", 1, 1000});
 }
 
 /// Generalised gradient vector flow at rest (see `SteadyGgvf`) near the borders alone.
@@ -40,12 +40,12 @@ struct BandGgvf {
 };
 void describe(auto& visit, BandGgvf& o) {
   visit("k", o.k,
-        Field{"K as a share of the largest gradient: small keeps weak gradients (thesis 3.42)", "", 0.01, 100});
+        OptionInfo{"K as a share of the largest gradient: small keeps weak gradients (thesis 3.42)", "", 0.01, 100});
   visit("tolerance", o.tolerance,
-        Field{"stop cycles below this relative distance from what they tend to", "", 1e-6, 0.1});
+        OptionInfo{"stop cycles below this relative distance from what they tend to", "", 1e-6, 0.1});
   visit("reach_voxels", o.reach_voxels,
-        Field{"bricks of 8 voxels that come so near to a border are solved for", "voxels", 1, 64});
-  visit("most_cycles", o.most_cycles, Field{"give up with a note after this many cycles", "", 1, 1000});
+        OptionInfo{"bricks of 8 voxels that come so near to a border are solved for", "voxels", 1, 64});
+  visit("most_cycles", o.most_cycles, OptionInfo{"give up with a note after this many cycles", "", 1, 1000});
 }
 
 /// A field on bricks of 8x8x8 cells near the borders and on coarser cells elsewhere. Holds at least one voxel.

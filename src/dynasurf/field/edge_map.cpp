@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/field/gradient.hpp"
+#include "dynasurf/field/detail/gradient.hpp"
 
 namespace dynasurf {
 namespace {

@@ -19,11 +19,12 @@ struct EdgeMapOptions {
   bool reversed = false;
 };
 void describe(auto& visit, EdgeMapOptions& o) {
-  visit("of", o.of,
-        Field{"squared length of the gradient (eq. 6.1), its length, or the values themselves (eq. 6.2, for binary "
-              "data)"});
-  visit("sigma_px", o.sigma_px, Field{"Gaussian before the operator (eqs 3.22, 3.24); 0: none", "px", 0, 20});
-  visit("reversed", o.reversed, Field{"the map upside down, as in the failed tests of fig 3.20"});
+  visit(
+      "of", o.of,
+      OptionInfo{"squared length of the gradient (eq. 6.1), its length, or the values themselves (eq. 6.2, for binary "
+                 "data)"});
+  visit("sigma_px", o.sigma_px, OptionInfo{"Gaussian before the operator (eqs 3.22, 3.24); 0: none", "px", 0, 20});
+  visit("reversed", o.reversed, OptionInfo{"the map upside down, as in the failed tests of fig 3.20"});
 }
 
 /// The map on the image's grid, its largest value 1, or with `reversed` its smallest -1; all 0 for a constant image.

@@ -1,4 +1,4 @@
-#include "dynasurf/field/gradient.hpp"
+#include "dynasurf/field/detail/gradient.hpp"
 
 #include <cmath>
 #include <limits>

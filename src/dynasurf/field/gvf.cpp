@@ -6,10 +6,10 @@
 #include <sstream>
 #include <string>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/field/gradient.hpp"
-#include "dynasurf/field/simd.hpp"
+#include "dynasurf/field/detail/gradient.hpp"
+#include "dynasurf/field/detail/simd.hpp"
 
 namespace dynasurf {
 

@@ -21,13 +21,15 @@ struct Gvf {
   bool safe_step = true;
 };
 void describe(auto& visit, Gvf& o) {
-  visit("mu", o.mu, Field{"balance: 0 keeps the gradient, large spreads it (thesis 3.36)", "", 1e-6, 1e4});
-  visit("iterations", o.iterations, Field{"most steps", "", 1, 10000000});
-  visit("residual", o.residual,
-        Field{"stop when no component changes faster than this; 0 runs all iterations", "1/mm per unit of time", 0});
-  visit("step_divisor", o.step_divisor, Field{"the step is dx dy dz / (divisor * mu) (thesis 4.51)", "", 0.1, 1e6});
-  visit("scheme", o.scheme, Field{"thesis: as printed; metric: equal spread in mm"});
-  visit("safe_step", o.safe_step, Field{"shorten a step that the stability bound forbids, with a note"});
+  visit("mu", o.mu, OptionInfo{"balance: 0 keeps the gradient, large spreads it (thesis 3.36)", "", 1e-6, 1e4});
+  visit("iterations", o.iterations, OptionInfo{"most steps", "", 1, 10000000});
+  visit(
+      "residual", o.residual,
+      OptionInfo{"stop when no component changes faster than this; 0 runs all iterations", "1/mm per unit of time", 0});
+  visit("step_divisor", o.step_divisor,
+        OptionInfo{"the step is dx dy dz / (divisor * mu) (thesis 4.51)", "", 0.1, 1e6});
+  visit("scheme", o.scheme, OptionInfo{"thesis: as printed; metric: equal spread in mm"});
+  visit("safe_step", o.safe_step, OptionInfo{"shorten a step that the stability bound forbids, with a note"});
 }
 
 /// Explicit generalised gradient vector flow (FLD-GGVF, thesis 3.39-3.42): v_t = g lap(v) - h (v - grad f) with
@@ -44,13 +46,15 @@ struct Ggvf {
 };
 void describe(auto& visit, Ggvf& o) {
   visit("k", o.k,
-        Field{"K as a share of the largest gradient: small keeps weak gradients (thesis 3.42)", "", 0.01, 100});
-  visit("iterations", o.iterations, Field{"most steps", "", 1, 10000000});
-  visit("residual", o.residual,
-        Field{"stop when no component changes faster than this; 0 runs all iterations", "1/mm per unit of time", 0});
-  visit("step_divisor", o.step_divisor, Field{"the step is dx dy dz / divisor (thesis 4.51 with mu 1)", "", 0.1, 1e6});
-  visit("scheme", o.scheme, Field{"thesis: as printed; metric: equal spread in mm"});
-  visit("safe_step", o.safe_step, Field{"shorten a step that the stability bound forbids, with a note"});
+        OptionInfo{"K as a share of the largest gradient: small keeps weak gradients (thesis 3.42)", "", 0.01, 100});
+  visit("iterations", o.iterations, OptionInfo{"most steps", "", 1, 10000000});
+  visit(
+      "residual", o.residual,
+      OptionInfo{"stop when no component changes faster than this; 0 runs all iterations", "1/mm per unit of time", 0});
+  visit("step_divisor", o.step_divisor,
+        OptionInfo{"the step is dx dy dz / divisor (thesis 4.51 with mu 1)", "", 0.1, 1e6});
+  visit("scheme", o.scheme, OptionInfo{"thesis: as printed; metric: equal spread in mm"});
+  visit("safe_step", o.safe_step, OptionInfo{"shorten a step that the stability bound forbids, with a note"});
 }
 
 using FieldOptions = std::variant<Gvf, SteadyGvf, SteadyGgvf, Ggvf, BandGvf, BandGgvf>;

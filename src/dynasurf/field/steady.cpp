@@ -8,8 +8,8 @@
 #include <sstream>
 #include <utility>
 
-#include "dynasurf/field/gradient.hpp"
-#include "dynasurf/field/multigrid/hierarchy.hpp"
+#include "dynasurf/field/detail/gradient.hpp"
+#include "dynasurf/field/multigrid/detail/hierarchy.hpp"
 
 namespace dynasurf {
 

@@ -17,10 +17,11 @@ struct SteadyGvf {
   int most_cycles = 40;
 };
 void describe(auto& visit, SteadyGvf& o) {
-  visit("mu", o.mu, Field{"balance: 0 keeps the gradient, large spreads it (thesis 3.36)", "", 1e-6, 1e4});
-  visit("tolerance", o.tolerance, Field{"stop below this relative distance from the converged field", "", 1e-6, 0.1});
-  visit("scheme", o.scheme, Field{"thesis: diffusion over the voxel's volume; metric: equal spread in mm"});
-  visit("most_cycles", o.most_cycles, Field{"give up with a note after this many cycles", "", 1, 1000});
+  visit("mu", o.mu, OptionInfo{"balance: 0 keeps the gradient, large spreads it (thesis 3.36)", "", 1e-6, 1e4});
+  visit("tolerance", o.tolerance,
+        OptionInfo{"stop below this relative distance from the converged field", "", 1e-6, 0.1});
+  visit("scheme", o.scheme, OptionInfo{"thesis: diffusion over the voxel's volume; metric: equal spread in mm"});
+  visit("most_cycles", o.most_cycles, OptionInfo{"give up with a note after this many cycles", "", 1, 1000});
 }
 
 /// Generalised gradient vector flow at rest (thesis 3.39-3.42): g lap(v) = h (v - grad f), g = exp(-|grad f|/K),
@@ -33,9 +34,10 @@ struct SteadyGgvf {
 };
 void describe(auto& visit, SteadyGgvf& o) {
   visit("k", o.k,
-        Field{"K as a share of the largest gradient: small keeps weak gradients (thesis 3.42)", "", 0.01, 100});
-  visit("tolerance", o.tolerance, Field{"stop below this relative distance from the converged field", "", 1e-6, 0.1});
-  visit("most_cycles", o.most_cycles, Field{"give up with a note after this many cycles", "", 1, 1000});
+        OptionInfo{"K as a share of the largest gradient: small keeps weak gradients (thesis 3.42)", "", 0.01, 100});
+  visit("tolerance", o.tolerance,
+        OptionInfo{"stop below this relative distance from the converged field", "", 1e-6, 0.1});
+  visit("most_cycles", o.most_cycles, OptionInfo{"give up with a note after this many cycles", "", 1, 1000});
 }
 
 /// Memory of a solver, kept from field to field: for small grids, touching fresh memory costs as much as the solution.

@@ -33,11 +33,11 @@ struct Canny {
 };
 void describe(auto& visit, Canny& o) {
   visit("sigma_px", o.sigma_px,
-        Field{"width of the Gaussian before the gradient; 0 does not smooth (thesis 6.1.4: 1.8)", "px", 0, 20});
-  visit("low", o.low, Field{"lower hysteresis threshold (thesis 6.1.4: 0.3)", "", 0, 1});
-  visit("high", o.high, Field{"upper hysteresis threshold, at least `low` (thesis 6.1.4: 0.7)", "", 0, 1});
-  visit("threshold", o.threshold, Field{"what the thresholds are fractions of"});
-  visit("subpixel", o.subpixel, Field{"tell where in its pixel each edge lies"});
+        OptionInfo{"width of the Gaussian before the gradient; 0 does not smooth (thesis 6.1.4: 1.8)", "px", 0, 20});
+  visit("low", o.low, OptionInfo{"lower hysteresis threshold (thesis 6.1.4: 0.3)", "", 0, 1});
+  visit("high", o.high, OptionInfo{"upper hysteresis threshold, at least `low` (thesis 6.1.4: 0.7)", "", 0, 1});
+  visit("threshold", o.threshold, OptionInfo{"what the thresholds are fractions of"});
+  visit("subpixel", o.subpixel, OptionInfo{"tell where in its pixel each edge lies"});
 }
 
 /// Canny's detector with Ding and Goshtasby's minor edges, which close the gaps at branches (EDGE-CANNY-REV,
@@ -47,7 +47,7 @@ struct CannyRevised {
   Canny canny{};
 };
 void describe(auto& visit, CannyRevised& o) {
-  visit("canny", o.canny, Field{"the detector that gives the major edges"});
+  visit("canny", o.canny, OptionInfo{"the detector that gives the major edges"});
 }
 
 /// The measure that marks an edge.
@@ -68,11 +68,12 @@ struct GradientEdges {
   bool subpixel = false;
 };
 void describe(auto& visit, GradientEdges& o) {
-  visit("measure", o.measure, Field{"what is compared with the threshold (eq. 2.1 can be read in two ways)"});
-  visit("threshold", o.threshold, Field{"least measure of an edge", "of the volume's maximum", 0, 1});
-  visit("thin", o.thin,
-        Field{"keep only the ridges of the measure, of the Laplacian its zero crossings; false: all that reach it"});
-  visit("subpixel", o.subpixel, Field{"tell where in its pixel each edge lies"});
+  visit("measure", o.measure, OptionInfo{"what is compared with the threshold (eq. 2.1 can be read in two ways)"});
+  visit("threshold", o.threshold, OptionInfo{"least measure of an edge", "of the volume's maximum", 0, 1});
+  visit(
+      "thin", o.thin,
+      OptionInfo{"keep only the ridges of the measure, of the Laplacian its zero crossings; false: all that reach it"});
+  visit("subpixel", o.subpixel, OptionInfo{"tell where in its pixel each edge lies"});
 }
 
 /// Sobel's operator (EDGE-SOBEL, thesis 2.2.4, eqs 2.2-2.3).
@@ -83,9 +84,9 @@ struct SobelEdges {
   bool subpixel = false;
 };
 void describe(auto& visit, SobelEdges& o) {
-  visit("threshold", o.threshold, Field{"least magnitude of an edge", "of the volume's maximum", 0, 1});
-  visit("thin", o.thin, Field{"keep only the ridges of the magnitude; false: all that reach the threshold"});
-  visit("subpixel", o.subpixel, Field{"tell where in its pixel each edge lies"});
+  visit("threshold", o.threshold, OptionInfo{"least magnitude of an edge", "of the volume's maximum", 0, 1});
+  visit("thin", o.thin, OptionInfo{"keep only the ridges of the magnitude; false: all that reach the threshold"});
+  visit("subpixel", o.subpixel, OptionInfo{"tell where in its pixel each edge lies"});
 }
 
 /// Ruzon and Tomasi's Compass operator: compares the distributions of the values in two half discs (EDGE-COMPASS,
@@ -101,15 +102,15 @@ struct Compass {
   bool subpixel = false;
 };
 void describe(auto& visit, Compass& o) {
-  visit("sigma_px", o.sigma_px, Field{"the window's radius is three times this", "px", 0.2, 7});
-  visit("low", o.low, Field{"lower hysteresis threshold, a distance of distributions", "", 0, 1});
-  visit("high", o.high, Field{"upper hysteresis threshold, at least `low`", "", 0, 1});
-  visit("clusters", o.clusters, Field{"most values a distribution is reduced to", "", 2, 10});
-  visit("wedges", o.wedges, Field{"wedges per quarter turn; twice as many orientations are tried", "", 2, 12});
+  visit("sigma_px", o.sigma_px, OptionInfo{"the window's radius is three times this", "px", 0.2, 7});
+  visit("low", o.low, OptionInfo{"lower hysteresis threshold, a distance of distributions", "", 0, 1});
+  visit("high", o.high, OptionInfo{"upper hysteresis threshold, at least `low`", "", 0, 1});
+  visit("clusters", o.clusters, OptionInfo{"most values a distribution is reduced to", "", 2, 10});
+  visit("wedges", o.wedges, OptionInfo{"wedges per quarter turn; twice as many orientations are tried", "", 2, 12});
   visit("gamma", o.gamma,
-        Field{"difference of values that counts as different: distance 1 - exp(-d / gamma)", "of the volume's range",
-              0.001, 100});
-  visit("subpixel", o.subpixel, Field{"tell where in its pixel each edge lies"});
+        OptionInfo{"difference of values that counts as different: distance 1 - exp(-d / gamma)",
+                   "of the volume's range", 0.001, 100});
+  visit("subpixel", o.subpixel, OptionInfo{"tell where in its pixel each edge lies"});
 }
 
 /// Heat that flows along contours only, then Canny (EDGE-ACC, anisotropic contour completion, thesis 6.1.6).
@@ -125,15 +126,17 @@ struct ContourCompletion {
   Canny canny{};
 };
 void describe(auto& visit, ContourCompletion& o) {
-  visit("gradient_sigma_px", o.gradient_sigma_px, Field{"s: smoothing before the tensor's gradients", "px", 0, 20});
-  visit("tensor_sigma_px", o.tensor_sigma_px, Field{"rho: window in which the tangent is common", "px", 0.1, 20});
-  visit("step", o.step, Field{"time step", "px^2", 0.001, 0.25});
-  visit("steps", o.steps, Field{"number of steps (50 to 100)", "", 0, 100000});
-  visit("refresh", o.refresh, Field{"compute the tangents anew after so many steps; 0: once", "", 0, 100000});
+  visit("gradient_sigma_px", o.gradient_sigma_px,
+        OptionInfo{"s: smoothing before the tensor's gradients", "px", 0, 20});
+  visit("tensor_sigma_px", o.tensor_sigma_px, OptionInfo{"rho: window in which the tangent is common", "px", 0.1, 20});
+  visit("step", o.step, OptionInfo{"time step", "px^2", 0.001, 0.25});
+  visit("steps", o.steps, OptionInfo{"number of steps (50 to 100)", "", 0, 100000});
+  visit("refresh", o.refresh, OptionInfo{"compute the tangents anew after so many steps; 0: once", "", 0, 100000});
   visit("complete", o.complete,
-        Field{"diffuse the contours that Canny finds instead of the image, and add what bridges them as minor edges"});
-  visit("complete_level", o.complete_level, Field{"heat that makes a bridge, 1 on the contour", "", 0.001, 1});
-  visit("canny", o.canny, Field{"the detector that finds the edges"});
+        OptionInfo{
+            "diffuse the contours that Canny finds instead of the image, and add what bridges them as minor edges"});
+  visit("complete_level", o.complete_level, OptionInfo{"heat that makes a bridge, 1 on the contour", "", 0.001, 1});
+  visit("canny", o.canny, OptionInfo{"the detector that finds the edges"});
 }
 
 using EdgeOptions = std::variant<Canny, CannyRevised, GradientEdges, SobelEdges, Compass, ContourCompletion>;

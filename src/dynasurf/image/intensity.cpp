@@ -5,9 +5,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/image/slice.hpp"
+#include "dynasurf/image/detail/slice.hpp"
 
 namespace dynasurf {
 namespace {

@@ -60,13 +60,14 @@ inline std::span<const std::string_view> names_of(Preparation::Doubling) {
 }
 void describe(auto& visit, Preparation& o) {
   visit("doubling", o.doubling,
-        Field{"double the resolution (VOL-DOUBLE); three or single: where the mask's weight of 1.5 lies"});
+        OptionInfo{"double the resolution (VOL-DOUBLE); three or single: where the mask's weight of 1.5 lies"});
   visit("threshold", o.threshold,
-        Field{"make the data binary: 1 from this share of the maximum on (VOL-THRESH)", "of the maximum", 0, 1});
-  visit("cut_radius_px", o.cut_radius_px, Field{"set what lies outside a circle to 0 (VOL-PROPCUT)", "px", 1, 10000});
-  visit("cut_x_px", o.cut_x_px, Field{"its centre, column; unset: the middle", "px"});
-  visit("cut_y_px", o.cut_y_px, Field{"its centre, row; unset: the middle", "px"});
-  visit("soft_cut", o.soft_cut, Field{"smooth along the circle"});
+        OptionInfo{"make the data binary: 1 from this share of the maximum on (VOL-THRESH)", "of the maximum", 0, 1});
+  visit("cut_radius_px", o.cut_radius_px,
+        OptionInfo{"set what lies outside a circle to 0 (VOL-PROPCUT)", "px", 1, 10000});
+  visit("cut_x_px", o.cut_x_px, OptionInfo{"its centre, column; unset: the middle", "px"});
+  visit("cut_y_px", o.cut_y_px, OptionInfo{"its centre, row; unset: the middle", "px"});
+  visit("soft_cut", o.soft_cut, OptionInfo{"smooth along the circle"});
 }
 
 /// Cuts, then doubles, then thresholds a normalised volume, as far as asked for. Pixels are those of `image`.

@@ -1,4 +1,4 @@
-#include "dynasurf/image/ridges.hpp"
+#include "dynasurf/image/detail/ridges.hpp"
 
 #include <cmath>
 #include <sstream>

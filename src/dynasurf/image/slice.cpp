@@ -1,8 +1,8 @@
-#include "dynasurf/image/slice.hpp"
+#include "dynasurf/image/detail/slice.hpp"
 
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf {

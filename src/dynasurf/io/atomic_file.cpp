@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/staging.hpp"
+#include "dynasurf/io/detail/staging.hpp"
 
 namespace dynasurf {
 namespace {

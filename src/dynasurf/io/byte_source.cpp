@@ -1,4 +1,4 @@
-#include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
 
 #include <algorithm>
 #include <array>
@@ -46,7 +46,7 @@ struct ByteSource::State {
   int fd = -1;
   std::uint64_t bytes_left_in_file = 0;
   std::uint64_t delivered = 0;
-  std::array<unsigned char, 1 << 16> buffer{};
+  std::array<unsigned char, 1 << 16> buffer;  // what was not read is never looked at
   std::size_t buffered_from = 0, buffered_to = 0;
   z_stream unpacker{};
   bool unpacker_ready = false;
@@ -141,7 +141,7 @@ struct FileWindow::State {
   int fd = -1;
   std::uint64_t size = 0, begin = 0;  // of the file; where the buffer stands in it
   std::size_t held = 0;
-  std::array<unsigned char, 1 << 16> buffer{};
+  std::array<unsigned char, 1 << 16> buffer;
 
   explicit State(const fs::path& file) : path(file) { fd = open_regular(path, size); }
   ~State() { ::close(fd); }

@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/sample_surface.hpp"

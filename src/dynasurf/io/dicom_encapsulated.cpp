@@ -1,4 +1,4 @@
-#include "dynasurf/io/dicom_result_parts.hpp"
+#include "dynasurf/io/detail/dicom_result_parts.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
 namespace dynasurf {

@@ -1,4 +1,4 @@
-#include "dynasurf/io/dicom_file.hpp"
+#include "dynasurf/io/detail/dicom_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,10 +8,10 @@
 #include <memory>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/byte_source.hpp"
-#include "dynasurf/io/dicom_load.hpp"
-#include "dynasurf/io/dicom_words.hpp"
-#include "dynasurf/io/samples.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
+#include "dynasurf/io/detail/dicom_load.hpp"
+#include "dynasurf/io/detail/dicom_words.hpp"
+#include "dynasurf/io/detail/samples.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf {

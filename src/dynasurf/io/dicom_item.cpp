@@ -1,4 +1,4 @@
-#include "dynasurf/io/dicom_item.hpp"
+#include "dynasurf/io/detail/dicom_item.hpp"
 
 #include <algorithm>
 #include <array>

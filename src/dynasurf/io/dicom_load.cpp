@@ -1,4 +1,4 @@
-#include "dynasurf/io/dicom_load.hpp"
+#include "dynasurf/io/detail/dicom_load.hpp"
 
 #include <mutex>
 #include <vector>
@@ -6,7 +6,7 @@
 #include <dcmtk/dcmdata/dcistrmb.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
 
 namespace dynasurf::dicom {
 namespace {

@@ -1,4 +1,4 @@
-#include "dynasurf/io/dicom_outline.hpp"
+#include "dynasurf/io/detail/dicom_outline.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/byte_source.hpp"
-#include "dynasurf/io/dicom_load.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
+#include "dynasurf/io/detail/dicom_load.hpp"
 
 namespace dynasurf {
 namespace {

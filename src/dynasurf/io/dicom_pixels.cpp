@@ -2,9 +2,9 @@
 #include <utility>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/byte_source.hpp"
-#include "dynasurf/io/dicom_file.hpp"
-#include "dynasurf/io/dicom_outline.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
+#include "dynasurf/io/detail/dicom_file.hpp"
+#include "dynasurf/io/detail/dicom_outline.hpp"
 
 namespace dynasurf {
 namespace {

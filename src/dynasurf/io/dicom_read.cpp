@@ -5,10 +5,10 @@
 #include <tuple>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/dicom_file.hpp"
-#include "dynasurf/io/dicom_stack.hpp"
-#include "dynasurf/io/formats.hpp"
-#include "dynasurf/io/samples.hpp"
+#include "dynasurf/io/detail/dicom_file.hpp"
+#include "dynasurf/io/detail/dicom_stack.hpp"
+#include "dynasurf/io/detail/formats.hpp"
+#include "dynasurf/io/detail/samples.hpp"
 
 namespace dynasurf {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/core/volume.hpp"
-#include "dynasurf/io/digest.hpp"
+#include "dynasurf/io/detail/digest.hpp"
 
 namespace dynasurf {
 

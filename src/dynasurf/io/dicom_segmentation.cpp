@@ -2,7 +2,7 @@
 #include <memory>
 #include <set>
 
-#include "dynasurf/io/dicom_result_parts.hpp"
+#include "dynasurf/io/detail/dicom_result_parts.hpp"
 // DCMTK's own headers want its configuration, which the parts bring.
 #include <dcmtk/dcmfg/fgderimg.h>
 #include <dcmtk/dcmfg/fgfracon.h>

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "dynasurf/io/dicom_result_parts.hpp"
+#include "dynasurf/io/detail/dicom_result_parts.hpp"
 // DCMTK's own headers want its configuration, which the parts bring.
 #include <dcmtk/dcmsr/cmr/tid1500.h>
 #include <dcmtk/dcmsr/dsrdoc.h>

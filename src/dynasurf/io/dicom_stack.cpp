@@ -1,4 +1,4 @@
-#include "dynasurf/io/dicom_stack.hpp"
+#include "dynasurf/io/detail/dicom_stack.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <set>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/dicom_whole.hpp"
-#include "dynasurf/io/samples.hpp"
+#include "dynasurf/io/detail/dicom_whole.hpp"
+#include "dynasurf/io/detail/samples.hpp"
 
 namespace dynasurf {
 namespace {

@@ -2,9 +2,9 @@
 #include <array>
 
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/dicom_load.hpp"
-#include "dynasurf/io/dicom_result_parts.hpp"
-#include "dynasurf/io/formats.hpp"
+#include "dynasurf/io/detail/dicom_load.hpp"
+#include "dynasurf/io/detail/dicom_result_parts.hpp"
+#include "dynasurf/io/detail/formats.hpp"
 
 namespace dynasurf {
 namespace {

@@ -1,4 +1,4 @@
-#include "dynasurf/io/dicom_whole.hpp"
+#include "dynasurf/io/detail/dicom_whole.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/dicom_stack.hpp"
+#include "dynasurf/io/detail/dicom_stack.hpp"
 
 namespace dynasurf {
 namespace {

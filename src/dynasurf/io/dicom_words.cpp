@@ -1,4 +1,4 @@
-#include "dynasurf/io/dicom_words.hpp"
+#include "dynasurf/io/detail/dicom_words.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <string>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/formats.hpp"
+#include "dynasurf/io/detail/formats.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf {

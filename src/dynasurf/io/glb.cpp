@@ -1,6 +1,6 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/gltf_scene.hpp"
+#include "dynasurf/io/detail/gltf_scene.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
 namespace dynasurf {

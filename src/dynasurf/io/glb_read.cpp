@@ -1,13 +1,13 @@
-#include "dynasurf/io/glb_read.hpp"
+#include "dynasurf/io/detail/glb_read.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cstring>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/bytes.hpp"
-#include "dynasurf/io/gltf_scene.hpp"
-#include "dynasurf/io/json_read.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
+#include "dynasurf/io/detail/gltf_scene.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
 namespace dynasurf {

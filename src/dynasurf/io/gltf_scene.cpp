@@ -1,9 +1,9 @@
-#include "dynasurf/io/gltf_scene.hpp"
+#include "dynasurf/io/detail/gltf_scene.hpp"
 
 #include <algorithm>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
 
 namespace dynasurf::io_detail {
 namespace {

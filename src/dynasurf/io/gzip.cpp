@@ -1,4 +1,4 @@
-#include "dynasurf/io/gzip.hpp"
+#include "dynasurf/io/detail/gzip.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,11 +1,11 @@
-#include "dynasurf/io/json_node.hpp"
+#include "dynasurf/io/detail/json_node.hpp"
 
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/json_read.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
 
 namespace dynasurf {
 namespace {

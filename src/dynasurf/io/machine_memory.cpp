@@ -1,4 +1,4 @@
-#include "dynasurf/io/machine_memory.hpp"
+#include "dynasurf/io/detail/machine_memory.hpp"
 
 #include <algorithm>
 #include <fstream>

@@ -4,7 +4,7 @@
 #include <charconv>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf {

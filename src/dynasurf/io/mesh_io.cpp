@@ -7,7 +7,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/memory_limit.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/byte_source.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
 namespace dynasurf {

@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/formats.hpp"
-#include "dynasurf/io/nifti_format.hpp"
-#include "dynasurf/io/samples.hpp"
+#include "dynasurf/io/detail/formats.hpp"
+#include "dynasurf/io/detail/nifti_format.hpp"
+#include "dynasurf/io/detail/samples.hpp"
 
 namespace dynasurf {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/gzip.hpp"
-#include "dynasurf/io/nifti_format.hpp"
+#include "dynasurf/io/detail/gzip.hpp"
+#include "dynasurf/io/detail/nifti_format.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf {

@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/formats.hpp"
-#include "dynasurf/io/samples.hpp"
+#include "dynasurf/io/detail/formats.hpp"
+#include "dynasurf/io/detail/samples.hpp"
 
 namespace dynasurf {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/gzip.hpp"
+#include "dynasurf/io/detail/gzip.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf {

@@ -2,10 +2,10 @@
 #include <array>
 #include <cmath>
 
-#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
+#include "dynasurf/io/detail/text_reader.hpp"
+#include "dynasurf/io/detail/told_counts.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
-#include "dynasurf/io/text_reader.hpp"
-#include "dynasurf/io/told_counts.hpp"
 
 namespace dynasurf::io_detail {
 

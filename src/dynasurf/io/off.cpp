@@ -1,8 +1,8 @@
 #include <algorithm>
 
-#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
+#include "dynasurf/io/detail/text_reader.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
-#include "dynasurf/io/text_reader.hpp"
 
 namespace dynasurf::io_detail {
 

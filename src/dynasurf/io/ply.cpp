@@ -4,9 +4,9 @@
 #include <optional>
 #include <set>
 
-#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
+#include "dynasurf/io/detail/text_reader.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
-#include "dynasurf/io/text_reader.hpp"
 
 namespace dynasurf::io_detail {
 

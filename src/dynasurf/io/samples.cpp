@@ -1,4 +1,4 @@
-#include "dynasurf/io/samples.hpp"
+#include "dynasurf/io/detail/samples.hpp"
 
 #include <algorithm>
 #include <array>

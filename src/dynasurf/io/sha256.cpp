@@ -9,8 +9,8 @@
 #include <openssl/sha.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/byte_source.hpp"
-#include "dynasurf/io/digest.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
+#include "dynasurf/io/detail/digest.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf {

@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/vtk_xml.hpp"
+#include "dynasurf/io/detail/vtk_xml.hpp"
 
 namespace dynasurf {
 namespace {

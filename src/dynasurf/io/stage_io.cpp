@@ -6,8 +6,8 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/bytes.hpp"
-#include "dynasurf/io/vtk_xml.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
+#include "dynasurf/io/detail/vtk_xml.hpp"
 
 namespace dynasurf {
 namespace {

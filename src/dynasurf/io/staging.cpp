@@ -1,4 +1,4 @@
-#include "dynasurf/io/staging.hpp"
+#include "dynasurf/io/detail/staging.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/digest.hpp"
+#include "dynasurf/io/detail/digest.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf::staging {

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/byte_source.hpp"
-#include "dynasurf/io/formats.hpp"
-#include "dynasurf/io/nifti_format.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
+#include "dynasurf/io/detail/formats.hpp"
+#include "dynasurf/io/detail/nifti_format.hpp"
 
 namespace dynasurf {
 namespace {

@@ -1,9 +1,9 @@
-#include "dynasurf/io/told_counts.hpp"
+#include "dynasurf/io/detail/told_counts.hpp"
 
 #include <algorithm>
 #include <charconv>
 
-#include "dynasurf/io/text_cells.hpp"
+#include "dynasurf/io/detail/text_cells.hpp"
 
 namespace dynasurf::io_detail {
 namespace {

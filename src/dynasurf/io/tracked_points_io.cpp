@@ -7,8 +7,8 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/text_cells.hpp"
-#include "dynasurf/io/told_counts.hpp"
+#include "dynasurf/io/detail/text_cells.hpp"
+#include "dynasurf/io/detail/told_counts.hpp"
 
 namespace dynasurf {
 namespace {

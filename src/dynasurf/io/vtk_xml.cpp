@@ -1,9 +1,9 @@
-#include "dynasurf/io/vtk_xml.hpp"
+#include "dynasurf/io/detail/vtk_xml.hpp"
 
 #include <cstdint>
 #include <type_traits>
 
-#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
 
 namespace dynasurf::io_detail {
 

@@ -1,7 +1,7 @@
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/bytes.hpp"
+#include "dynasurf/io/detail/bytes.hpp"
+#include "dynasurf/io/detail/vtk_xml.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
-#include "dynasurf/io/vtk_xml.hpp"
 
 namespace dynasurf {
 namespace io_detail {

@@ -27,8 +27,9 @@ struct Tessellation {
   Strip strip = Strip::even;
 };
 void describe(auto& visit, Tessellation& o) {
-  visit("points", o.points, Field{"points of a contour (strip even), or of the longest one (greedy)", "", 8, 4096});
-  visit("strip", o.strip, Field{"even: equal counts, shorter diagonal; greedy: counts by length"});
+  visit("points", o.points,
+        OptionInfo{"points of a contour (strip even), or of the longest one (greedy)", "", 8, 4096});
+  visit("strip", o.strip, OptionInfo{"even: equal counts, shorter diagonal; greedy: counts by length"});
 }
 
 /// How far the middle of the lowest and of the highest contour's cap lies outside; 0 is flat.

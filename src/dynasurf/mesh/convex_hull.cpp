@@ -7,8 +7,8 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
+#include "dynasurf/mesh/detail/predicates.hpp"
 #include "dynasurf/mesh/intersections.hpp"
-#include "dynasurf/mesh/predicates.hpp"
 #include "dynasurf/mesh/relax.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 

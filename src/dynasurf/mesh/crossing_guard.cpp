@@ -2,8 +2,8 @@
 #include <bit>
 #include <cmath>
 
+#include "dynasurf/mesh/detail/surface_editor.hpp"
 #include "dynasurf/mesh/intersections.hpp"
-#include "dynasurf/mesh/surface_editor.hpp"
 
 namespace dynasurf {
 namespace {

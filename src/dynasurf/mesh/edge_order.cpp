@@ -1,4 +1,4 @@
-#include "dynasurf/mesh/edge_order.hpp"
+#include "dynasurf/mesh/detail/edge_order.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 
 namespace dynasurf {
 

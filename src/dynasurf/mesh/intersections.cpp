@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/mesh/predicates.hpp"
+#include "dynasurf/mesh/detail/predicates.hpp"
 
 namespace dynasurf {
 namespace {
@@ -31,9 +31,9 @@ struct Box {
 
 /// Boxes around ever smaller groups of triangles. The group of a node is a run of `order`; children follow their
 /// parent, so `end` tells where to go on when a node's box is missed.
-class BoxTree {
+class BoxBvh {
  public:
-  explicit BoxTree(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
+  explicit BoxBvh(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
     std::iota(order_.begin(), order_.end(), 0u);
     if (!order_.empty()) build(0, order_.size());
   }
@@ -202,7 +202,7 @@ SelfIntersections self_intersections(const TriMesh& mesh) {
     for (const auto v : {a, b, c}) boxes[t].hold(mesh.vertices[v]);
   }
 
-  const BoxTree tree(std::move(boxes));
+  const BoxBvh tree(std::move(boxes));
   constexpr std::size_t grain = 256;
   std::vector<std::vector<std::array<std::uint32_t, 2>>> pieces((count + grain - 1) / grain);
   parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {

@@ -20,10 +20,11 @@ struct Keyframes {
 };
 void describe(auto& visit, Keyframes& o) {
   visit("interpolation", o.interpolation,
-        Field{"linear (thesis 5.7); periodic_cubic: C2 through the gates; catmull_rom: C1 through the gates; b_spline: "
-              "C2, smoothed; all close from the last gate to the first"});
+        OptionInfo{
+            "linear (thesis 5.7); periodic_cubic: C2 through the gates; catmull_rom: C1 through the gates; b_spline: "
+            "C2, smoothed; all close from the last gate to the first"});
   visit("frames_between", o.frames_between,
-        Field{"meshes written between two gates (thesis: 20-30); 0 writes none", "", 0, 1000});
+        OptionInfo{"meshes written between two gates (thesis: 20-30); 0 writes none", "", 0, 1000});
 }
 
 /// The mesh at `phase` in [0, 1) of the cycle; mesh g of n sits at phase g/n, and the cycle closes.

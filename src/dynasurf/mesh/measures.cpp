@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 
 namespace dynasurf {
 namespace {

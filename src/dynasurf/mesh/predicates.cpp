@@ -1,4 +1,4 @@
-#include "dynasurf/mesh/predicates.hpp"
+#include "dynasurf/mesh/detail/predicates.hpp"
 
 #include <cmath>
 #include <limits>

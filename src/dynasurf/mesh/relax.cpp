@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "dynasurf/core/elementary.hpp"
-#include "dynasurf/core/symmetric_axes.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/symmetric_axes.hpp"
 #include "dynasurf/mesh/intersections.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
@@ -311,7 +311,7 @@ void relax(SurfaceEditor& s, std::span<const double> sizes, const ClosestPoint& 
     }
 }
 
-double raise_smallest_angle(SurfaceEditor& s, double wanted_deg, int rounds, double sharp_deg) {
+double improve_smallest_angle(SurfaceEditor& s, double wanted_deg, int rounds, double sharp_deg) {
   const double wanted = own::sin(radians(wanted_deg));
   CrossingGuard guard(s);
   const std::vector<double> sizes = local_sizes(s, 2);
@@ -345,7 +345,7 @@ double raise_smallest_angle(SurfaceEditor& s, double wanted_deg, int rounds, dou
   return own::asin(std::min(1.0, worst_sine(s))) * 180 / std::numbers::pi;
 }
 
-std::size_t take_back_crossings(SurfaceEditor& s, std::span<const Vec3> safe) {
+std::size_t revert_self_intersections(SurfaceEditor& s, std::span<const Vec3> safe) {
   std::vector<std::uint8_t> back(s.vertex_slots(), 0);
   std::size_t taken = 0;
   for (;;) {

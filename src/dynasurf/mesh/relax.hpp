@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "dynasurf/mesh/closest_point.hpp"
-#include "dynasurf/mesh/surface_editor.hpp"
+#include "dynasurf/mesh/detail/surface_editor.hpp"
 
 namespace dynasurf {
 
@@ -27,10 +27,10 @@ std::vector<double> local_sizes(const SurfaceEditor& surface, int sweeps);
 /// of short edges paid back by splits of the longest ones, so the number of triangles stays. Never makes the surface
 /// meet itself. In the first half of the rounds vertices stay on edges and corners as in `relax`. Returns the smallest
 /// angle left, degrees.
-double raise_smallest_angle(SurfaceEditor& surface, double wanted_deg, int rounds, double sharp_deg = 180);
+double improve_smallest_angle(SurfaceEditor& surface, double wanted_deg, int rounds, double sharp_deg = 180);
 
 /// Takes vertices back to `safe`, where the surface is free of self-intersections, until it is so again: those of the
 /// triangles that meet first, then their neighbours. Returns how many went back.
-std::size_t take_back_crossings(SurfaceEditor& surface, std::span<const Vec3> safe);
+std::size_t revert_self_intersections(SurfaceEditor& surface, std::span<const Vec3> safe);
 
 }  // namespace dynasurf

@@ -27,14 +27,14 @@ struct Tidy {
   int untangle_rounds = 40;
 };
 void describe(auto& visit, Tidy& o) {
-  visit(
-      "shape", o.shape,
-      Field{"vertices with a worse triangle move within the surface until it has this shape (1: equilateral, 0: flat); "
+  visit("shape", o.shape,
+        OptionInfo{
+            "vertices with a worse triangle move within the surface until it has this shape (1: equilateral, 0: flat); "
             "0 moves none",
             "", 0, 1});
-  visit("sweeps", o.sweeps, Field{"passes over the vertices at most", "", 0, 1000});
+  visit("sweeps", o.sweeps, OptionInfo{"passes over the vertices at most", "", 0, 1000});
   visit("untangle_rounds", o.untangle_rounds,
-        Field{"attempts to free the surface of triangles that cut each other; 0 leaves them", "", 0, 1000});
+        OptionInfo{"attempts to free the surface of triangles that cut each other; 0 leaves them", "", 0, 1000});
 }
 
 /// Who was moved, and how far.

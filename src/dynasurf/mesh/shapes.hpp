@@ -34,18 +34,20 @@ struct Placement {
   bool centre_of_mass = false;
 };
 void describe(auto& visit, Placement& o) {
-  visit("shape", o.shape,
-        Field{"ellipsoid or cube fitted to the data's box, sphere around it, the data's convex hull, the data's own "
-              "surface "
-              "by marching cubes, or a mesh that is given, fitted to the box"});
-  visit("direction", o.direction, Field{"from outside onto the border (thesis's choice, 5.3), or from inside"});
+  visit(
+      "shape", o.shape,
+      OptionInfo{"ellipsoid or cube fitted to the data's box, sphere around it, the data's convex hull, the data's own "
+                 "surface "
+                 "by marching cubes, or a mesh that is given, fitted to the box"});
+  visit("direction", o.direction, OptionInfo{"from outside onto the border (thesis's choice, 5.3), or from inside"});
   visit("scale", o.scale,
-        Field{"half axes of the start, in half sides of the data's bounding box; 1.74 holds the whole box; of a hull, "
-              "in its "
-              "own size",
-              "", 0.05, 10});
-  visit("inside_scale", o.inside_scale, Field{"the same for starts that grow from inside", "", 0.01, 1});
-  visit("centre_of_mass", o.centre_of_mass, Field{"centre on the data's centre of mass instead of the box"});
+        OptionInfo{
+            "half axes of the start, in half sides of the data's bounding box; 1.74 holds the whole box; of a hull, "
+            "in its "
+            "own size",
+            "", 0.05, 10});
+  visit("inside_scale", o.inside_scale, OptionInfo{"the same for starts that grow from inside", "", 0.01, 1});
+  visit("centre_of_mass", o.centre_of_mass, OptionInfo{"centre on the data's centre of mass instead of the box"});
 }
 
 /// `unit` stretched around the non-zero voxels of `data`, in the grid frame: per axis, or for a sphere by its largest

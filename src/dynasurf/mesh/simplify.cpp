@@ -10,7 +10,7 @@
 
 #include <Eigen/LU>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf {

@@ -1,7 +1,7 @@
 #pragma once
 #include <cstddef>
 
-#include "dynasurf/mesh/surface_editor.hpp"
+#include "dynasurf/mesh/detail/surface_editor.hpp"
 
 namespace dynasurf {
 

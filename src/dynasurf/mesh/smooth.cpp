@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 
 namespace dynasurf {
 namespace {

@@ -17,12 +17,12 @@ struct Smoothing {
 };
 void describe(auto& visit, Smoothing& o) {
   visit("tolerance_rad", o.tolerance_rad,
-        Field{"a vertex is a peak when its angles miss 2 pi by more (thesis 5.3)", "rad", 0, 6.3});
+        OptionInfo{"a vertex is a peak when its angles miss 2 pi by more (thesis 5.3)", "rad", 0, 6.3});
   visit("step_mm", o.step_mm,
-        Field{"length of one move towards the neighbours' centroid; 0: smallest voxel side / 20", "mm", 0, 100});
+        OptionInfo{"length of one move towards the neighbours' centroid; 0: smallest voxel side / 20", "mm", 0, 100});
   visit("literal_step", o.literal_step,
-        Field{"read the thesis literally: the step is a share of the way, not a length"});
-  visit("sweeps", o.sweeps, Field{"passes over the vertices; 0 does nothing", "", 0, 10000});
+        OptionInfo{"read the thesis literally: the step is a share of the way, not a length"});
+  visit("sweeps", o.sweeps, OptionInfo{"passes over the vertices; 0 does nothing", "", 0, 10000});
 }
 
 struct SmoothReport {

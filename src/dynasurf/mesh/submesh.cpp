@@ -1,4 +1,4 @@
-#include "dynasurf/mesh/submesh.hpp"
+#include "dynasurf/mesh/detail/submesh.hpp"
 
 #include <algorithm>
 #include <numeric>

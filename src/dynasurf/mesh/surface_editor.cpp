@@ -1,4 +1,4 @@
-#include "dynasurf/mesh/surface_editor.hpp"
+#include "dynasurf/mesh/detail/surface_editor.hpp"
 
 #include <algorithm>
 

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/point_spline.hpp"
-#include "dynasurf/mesh/ray_tree.hpp"
+#include "dynasurf/mesh/ray_bvh.hpp"
 
 namespace dynasurf {
 namespace {

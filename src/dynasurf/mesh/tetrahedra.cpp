@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 
 namespace dynasurf {

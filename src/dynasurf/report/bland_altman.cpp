@@ -1,11 +1,11 @@
-#include "dynasurf/report/bland_altman.hpp"
+#include "dynasurf/report/detail/bland_altman.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
-#include "dynasurf/report/numbers.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/report/detail/numbers.hpp"
 
 namespace dynasurf {
 namespace {
@@ -18,9 +18,9 @@ struct Dot {
 };
 
 /// The pairs that can be drawn, as differences.
-std::vector<Dot> dots_of(std::span<const Reading> readings, bool relative, std::size_t group = 0) {
+std::vector<Dot> dots_of(std::span<const PairedReading> readings, bool relative, std::size_t group = 0) {
   std::vector<Dot> dots;
-  for (const Reading& r : readings) {
+  for (const PairedReading& r : readings) {
     if (!std::isfinite(r.truth) || !std::isfinite(r.measured) || (relative && !(r.truth > 0))) continue;
     const double difference = r.measured - r.truth;
     dots.push_back({r.truth, relative ? 100 * difference / r.truth : difference, group});
@@ -152,8 +152,10 @@ std::string legend(std::span<const ReadingGroup> groups) {
 
 }  // namespace
 
-Agreement agreement_of(std::span<const Reading> readings) { return agreement_of(dots_of(readings, false)); }
-Agreement relative_agreement_of(std::span<const Reading> readings) { return agreement_of(dots_of(readings, true)); }
+Agreement agreement_of(std::span<const PairedReading> readings) { return agreement_of(dots_of(readings, false)); }
+Agreement relative_agreement_of(std::span<const PairedReading> readings) {
+  return agreement_of(dots_of(readings, true));
+}
 
 std::string bland_altman_svg(std::span<const ReadingGroup> groups, const AgreementPlot& plot) {
   std::vector<Dot> dots;

@@ -5,8 +5,8 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/report/cloud_report.hpp"
-#include "dynasurf/report/page_parts.hpp"
-#include "dynasurf/report/page_template.hpp"
+#include "dynasurf/report/detail/page_parts.hpp"
+#include "dynasurf/report/detail/page_template.hpp"
 
 namespace dynasurf {
 namespace {

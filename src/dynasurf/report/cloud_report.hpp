@@ -6,7 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "dynasurf/cloud/reconstruct_cloud.hpp"
+#include "dynasurf/cloud/result.hpp"
 #include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/report/provenance.hpp"
 

@@ -3,7 +3,7 @@
 
 #include "dynasurf/cloud/lod.hpp"
 #include "dynasurf/report/cloud_report.hpp"
-#include "dynasurf/report/json_parts.hpp"
+#include "dynasurf/report/detail/json_parts.hpp"
 
 namespace dynasurf {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/report/detail/numbers.hpp"
 #include "dynasurf/report/measures.hpp"
-#include "dynasurf/report/numbers.hpp"
 
 namespace dynasurf {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "dynasurf/mesh/fill_mesh.hpp"
-#include "dynasurf/report/numbers.hpp"
+#include "dynasurf/report/detail/numbers.hpp"
 
 namespace dynasurf {
 namespace {
@@ -99,7 +99,7 @@ DicomMeasurementGroup group_of(const Reading& reading) {
   return group;
 }
 
-DicomMeasurementGroup beat_of(const CycleFunction& f, double cycle_ms) {
+DicomMeasurementGroup beat_of(const VolumeCurveFit& f, double cycle_ms) {
   DicomMeasurementGroup group = group_of("Periodic fit of the volume curve", left_ventricle);
   add(group, peak_ejection_rate, per_second(f.peak_emptying, cycle_ms), per_second_unit);
   add(group, peak_filling_rate, per_second(f.peak_filling, cycle_ms), per_second_unit);
@@ -193,7 +193,7 @@ void add_gate(const VentricleResult& result, const DicomResult& context, std::si
 void write_surfaces(const VentricleResult& result, const DicomResult& context, const std::filesystem::path& folder) {
   int number = 0;
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    for (const Wall wall : {Wall::endo, Wall::epi}) {
+    for (const Border wall : {Border::endo, Border::epi}) {
       const auto& surface = result.gates[g].surfaces.of(wall);
       if (!surface) continue;
       const std::string name(name_of(wall));
@@ -207,7 +207,7 @@ void write_surfaces(const VentricleResult& result, const DicomResult& context, c
 Remarks remarks_of(const VentricleResult& result) {
   Remarks remarks{{own("USE", "Use"), "Research use only. Not for diagnosis."},
                   {own("VERDICT", "Verdict"), std::string(word_of(result.verdict))}};
-  for (const Flag& flag : result.flags) remarks.push_back({own("FLAG", "Quality flag"), flag.message});
+  for (const QualityFlag& flag : result.flags) remarks.push_back({own("FLAG", "Quality flag"), flag.message});
   return remarks;
 }
 

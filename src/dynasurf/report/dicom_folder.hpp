@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "dynasurf/io/dicom_results.hpp"
-#include "dynasurf/ventricle/reconstruct.hpp"
+#include "dynasurf/ventricle/result.hpp"
 
 namespace dynasurf {
 

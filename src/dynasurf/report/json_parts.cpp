@@ -1,7 +1,7 @@
-#include "dynasurf/report/json_parts.hpp"
+#include "dynasurf/report/detail/json_parts.hpp"
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/json_read.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
 
 namespace dynasurf::report_detail {
 namespace {

@@ -1,4 +1,4 @@
-#include "dynasurf/report/lettering.hpp"
+#include "dynasurf/report/detail/lettering.hpp"
 
 #include <cctype>
 #include <string>

@@ -2,8 +2,8 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/report/page_parts.hpp"
-#include "dynasurf/report/page_template.hpp"
+#include "dynasurf/report/detail/page_parts.hpp"
+#include "dynasurf/report/detail/page_template.hpp"
 
 namespace dynasurf {
 

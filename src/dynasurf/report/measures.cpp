@@ -1,6 +1,6 @@
 #include "dynasurf/report/measures.hpp"
 
-#include "dynasurf/report/numbers.hpp"
+#include "dynasurf/report/detail/numbers.hpp"
 #include "dynasurf/ventricle/fit/blur_fit.hpp"
 
 namespace dynasurf {
@@ -12,7 +12,7 @@ using report_detail::text_of;
 
 Json vector_json(const Vec3& v) { return {number(v[0]), number(v[1]), number(v[2])}; }
 
-Json function_json(const std::optional<CycleFunction>& f, double cycle_ms) {
+Json function_json(const std::optional<VolumeCurveFit>& f, double cycle_ms) {
   if (!f) return nullptr;
   const auto in_ms = [&](double beats) { return cycle_ms > 0 ? number(beats * cycle_ms) : Json(nullptr); };
   Json json;
@@ -187,7 +187,7 @@ std::string polar_csv(const Measures& m) {
   return csv;
 }
 
-std::string curve_csv(const CycleFunction& function) {
+std::string curve_csv(const VolumeCurveFit& function) {
   constexpr int instants = 64;
   std::string csv = "phase,volume_ml,rate_edv_per_beat\n";
   for (int n = 0; n < instants; ++n) {

@@ -30,7 +30,7 @@ std::string segments_csv(const Measures& measures);
 /// the maps by their names.
 std::string polar_csv(const Measures& measures);
 /// curve.csv: 64 instants of the beat: phase (of the beat), volume_ml and rate (EDV per beat) of the periodic fit.
-std::string curve_csv(const CycleFunction& function);
+std::string curve_csv(const VolumeCurveFit& function);
 
 /// A polar map as a picture: samples as coloured cells, borders of the segments, their means, a scale. Anterior wall
 /// on top, septum left, apex in the middle. Plain SVG 1.1; nothing is loaded.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
-#include "dynasurf/report/json_parts.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/report/detail/json_parts.hpp"
 
 namespace dynasurf {
 namespace {

@@ -5,13 +5,13 @@
 #include <sstream>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/byte_source.hpp"
-#include "dynasurf/io/folder_file.hpp"
-#include "dynasurf/io/json_node.hpp"
-#include "dynasurf/io/json_read.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
+#include "dynasurf/io/detail/folder_file.hpp"
+#include "dynasurf/io/detail/json_node.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/report/detail/numbers.hpp"
 #include "dynasurf/report/measures.hpp"
-#include "dynasurf/report/numbers.hpp"
 
 namespace dynasurf {
 namespace {

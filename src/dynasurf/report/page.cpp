@@ -7,9 +7,9 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/report/detail/page_parts.hpp"
+#include "dynasurf/report/detail/page_template.hpp"
 #include "dynasurf/report/measures.hpp"
-#include "dynasurf/report/page_parts.hpp"
-#include "dynasurf/report/page_template.hpp"
 #include "dynasurf/report/report.hpp"
 
 namespace dynasurf {
@@ -225,16 +225,16 @@ Json polar_json(const VentricleResult& result) {
         {{"rho_low", s.rho_low}, {"rho_high", s.rho_high}, {"middle_deg", s.middle_deg}, {"width_deg", s.width_deg}});
   json["endo"] = json["epi"] = Json::array();
   for (std::size_t g = 0; g < m.gates.size(); ++g) {
-    for (const Wall wall : {Wall::endo, Wall::epi}) {
+    for (const Border wall : {Border::endo, Border::epi}) {
       const std::string name(name_of(wall));
       const auto& surface = result.gates[g].surfaces.of(wall);
       if (!m.gates[g].axes || !surface) {
         json[name].push_back(nullptr);
-        if (wall == Wall::endo) json["samples"].push_back(nullptr);
+        if (wall == Border::endo) json["samples"].push_back(nullptr);
         continue;
       }
       const std::vector<Vec3>& vertices = surface->mesh.vertices;
-      if (wall == Wall::endo) json["samples"].push_back(samples_of_vertices(m.grid, *m.gates[g].axes, vertices));
+      if (wall == Border::endo) json["samples"].push_back(samples_of_vertices(m.grid, *m.gates[g].axes, vertices));
       const std::vector<int> segments = segments_of_vertices(m.model, *m.gates[g].axes, vertices);
       json[name].push_back(base64(Bytes(segments.begin(), segments.end())));
     }

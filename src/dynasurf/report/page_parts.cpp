@@ -1,4 +1,4 @@
-#include "dynasurf/report/page_parts.hpp"
+#include "dynasurf/report/detail/page_parts.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "dynasurf/report/page_template.hpp"
+#include "dynasurf/report/detail/page_template.hpp"
 
 // The assembler copies the bundled pages into the library: a C++ array of this length would take the compiler seconds.
 #define DYNASURF_EMBED(name, file)  \

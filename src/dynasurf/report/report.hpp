@@ -5,7 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "dynasurf/report/provenance.hpp"
-#include "dynasurf/ventricle/reconstruct.hpp"
+#include "dynasurf/ventricle/result.hpp"
 
 namespace dynasurf {
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/report/json_parts.hpp"
+#include "dynasurf/report/detail/json_parts.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/report.hpp"
 
@@ -204,7 +204,7 @@ Json notes_json(const Notes& notes) {
 
 Json quality_json(const VentricleResult& result) {
   Json flags = Json::array();
-  for (const Flag& flag : result.flags)
+  for (const QualityFlag& flag : result.flags)
     flags.push_back({{"severity", name_of(flag.severity)},
                      {"code", flag.code},
                      {"message", flag.message},
@@ -247,7 +247,7 @@ Json fit_json(const std::optional<FittedBeat>& fit) {
   json["wall_variation"] = number(fit->wall_variation);
   json["cavity"] = number(fit->cavity);
   json["background"] = number(fit->background);
-  json["neighbours"] = fit->neighbours;
+  json["extracardiac_sources"] = fit->extracardiac_sources;
   json["thickness_from_data"] = number(fit->thickness_from_data);
   json["width_from_data"] = number(fit->width_from_data);
   json["steps"] = fit->steps;

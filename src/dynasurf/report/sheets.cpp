@@ -6,11 +6,11 @@
 #include <functional>
 #include <numbers>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/report/lettering.hpp"
-#include "dynasurf/ventricle/labels/mlc.hpp"
-#include "dynasurf/ventricle/labels/radial.hpp"
+#include "dynasurf/report/detail/lettering.hpp"
+#include "dynasurf/ventricle/labels/detail/mlc.hpp"
+#include "dynasurf/ventricle/labels/detail/radial.hpp"
 
 namespace dynasurf {
 namespace {

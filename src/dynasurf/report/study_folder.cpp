@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/json_read.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/report.hpp"
 #include "dynasurf/report/sheets.hpp"
@@ -32,10 +32,10 @@ bool is_cycle(const std::vector<TriMesh>& meshes, std::size_t gates) {
 double cycle_s(const Study& study) { return study.cycle_ms > 0 ? study.cycle_ms / 1000 : 1.0; }
 
 /// How much thicker the wall is at each vertex than at end diastole, percent; empty where the vertices are others.
-std::vector<float> thickening_of(const Measures& m, const VertexThickness& now, Wall wall) {
+std::vector<float> thickening_of(const Measures& m, const VertexThickness& now, Border wall) {
   if (m.ed_gate < 0) return {};
   const WallThickness& rest = m.gates[static_cast<std::size_t>(m.ed_gate)].thickness;
-  const std::vector<double>& before = wall == Wall::endo ? rest.endo.mm : rest.epi.mm;
+  const std::vector<double>& before = wall == Border::endo ? rest.endo.mm : rest.epi.mm;
   std::vector<float> percent;
   if (before.size() != now.mm.size()) return percent;
   for (std::size_t v = 0; v < before.size(); ++v)
@@ -44,14 +44,15 @@ std::vector<float> thickening_of(const Measures& m, const VertexThickness& now, 
 }
 
 /// What is known of every vertex of a measured surface: its thickness, its segment, its way since end diastole.
-std::vector<VertexScalar> scalars_of(const VentricleResult& result, std::size_t gate, Wall wall, const TriMesh& mesh) {
+std::vector<VertexScalar> scalars_of(const VentricleResult& result, std::size_t gate, Border wall,
+                                     const TriMesh& mesh) {
   if (!result.measures || !result.measures->gates[gate].axes) return {};
   const GateMeasures& measured = result.measures->gates[gate];
-  const VertexThickness& thickness = wall == Wall::endo ? measured.thickness.endo : measured.thickness.epi;
+  const VertexThickness& thickness = wall == Border::endo ? measured.thickness.endo : measured.thickness.epi;
   const std::vector<int> segments = segments_of_vertices(result.measures->model, *measured.axes, mesh.vertices);
   std::vector<VertexScalar> scalars{{"segment", {segments.begin(), segments.end()}}};
   if (!thickness.mm.empty()) scalars.push_back({"thickness_mm", {thickness.mm.begin(), thickness.mm.end()}});
-  if (const auto& motion = wall == Wall::endo ? measured.endo_motion : measured.epi_motion) {
+  if (const auto& motion = wall == Border::endo ? measured.endo_motion : measured.epi_motion) {
     scalars.push_back({"inward_mm", {motion->inward_mm.begin(), motion->inward_mm.end()}});
     scalars.push_back({"displacement_mm", {motion->displacement_mm.begin(), motion->displacement_mm.end()}});
     scalars.push_back(
@@ -97,14 +98,14 @@ void write_surfaces(const VentricleResult& result, const StudyFolderOptions& opt
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
     const Gate& gate = result.gates[g];
     const double time = gate.time_ms ? *gate.time_ms : static_cast<double>(g);
-    for (const Wall wall : {Wall::endo, Wall::epi}) {
+    for (const Border wall : {Border::endo, Border::epi}) {
       if (const auto& surface = gate.surfaces.of(wall)) {
         std::vector<VertexScalar> scalars = scalars_of(result, g, wall, surface->mesh);
         if (beat) scalars.push_back({"uptake", {beat->uptake.begin(), beat->uptake.end()}});
         for (const MeshFormat format : options.mesh_formats) {
           const std::string file = "meshes/" + gate_file(name_of(wall), g, format);
           write_mesh(surface->mesh, folder / file, format, scalars);
-          if (format == MeshFormat::vtp) series.push_back({time, file, wall == Wall::endo ? 0 : 1});
+          if (format == MeshFormat::vtp) series.push_back({time, file, wall == Border::endo ? 0 : 1});
         }
       }
       if (const auto& edge = gate.edge_surfaces.of(wall); edge && beat)
@@ -118,14 +119,14 @@ void write_surfaces(const VentricleResult& result, const StudyFolderOptions& opt
 /// Walls that are missing in a gate have no cycle to show.
 void write_cycle(const VentricleResult& result, const fs::path& folder) {
   std::vector<AnimatedSurface> surfaces;
-  const auto add = [&](Wall wall, std::array<float, 4> colour) {
+  const auto add = [&](Border wall, std::array<float, 4> colour) {
     AnimatedSurface surface{std::string(name_of(wall)), colour, {}};
     for (const Gate& gate : result.gates)
       if (const auto& s = gate.surfaces.of(wall)) surface.cycle.push_back(s->mesh);
     if (is_cycle(surface.cycle, result.gates.size())) surfaces.push_back(std::move(surface));
   };
-  add(Wall::endo, {0.75F, 0.12F, 0.10F, 1.0F});
-  add(Wall::epi, {0.85F, 0.75F, 0.65F, 0.35F});
+  add(Border::endo, {0.75F, 0.12F, 0.10F, 1.0F});
+  add(Border::epi, {0.85F, 0.75F, 0.65F, 0.35F});
   if (!surfaces.empty()) write_glb(surfaces, cycle_s(result.study), folder / "cycle.glb");
 }
 
@@ -136,7 +137,7 @@ void write_keyframes(const VentricleResult& result, const StudyFolderOptions& op
   const std::size_t steps = static_cast<std::size_t>(keyframes.frames_between) + 1;
   const std::size_t frames = steps * result.gates.size();
   const auto digits = std::to_string(frames).size();
-  for (const Wall wall : {Wall::endo, Wall::epi}) {
+  for (const Border wall : {Border::endo, Border::epi}) {
     std::vector<TriMesh> cycle;
     for (const Gate& gate : result.gates)
       if (const auto& s = gate.surfaces.of(wall)) cycle.push_back(s->mesh);

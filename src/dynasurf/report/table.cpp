@@ -1,4 +1,4 @@
-#include "dynasurf/report/numbers.hpp"
+#include "dynasurf/report/detail/numbers.hpp"
 #include "dynasurf/report/report.hpp"
 
 namespace dynasurf {

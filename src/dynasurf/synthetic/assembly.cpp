@@ -1,12 +1,12 @@
-#include "dynasurf/synthetic/assembly.hpp"
+#include "dynasurf/synthetic/detail/assembly.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
 
-#include "dynasurf/core/elementary.hpp"
-#include "dynasurf/synthetic/noise.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/synthetic/detail/noise.hpp"
 
 namespace dynasurf {
 namespace {

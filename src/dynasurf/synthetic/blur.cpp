@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/synthetic/render.hpp"
+#include "dynasurf/synthetic/detail/render.hpp"
 
 namespace dynasurf {
 namespace {

@@ -6,11 +6,11 @@
 #include <functional>
 #include <numbers>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/marching.hpp"
 #include "dynasurf/mesh/shapes.hpp"
-#include "dynasurf/synthetic/solids.hpp"
+#include "dynasurf/synthetic/detail/solids.hpp"
 
 namespace dynasurf {
 namespace {

@@ -30,15 +30,15 @@ struct CloudPhantom {
   std::uint64_t seed = 1;
 };
 void describe(auto& visit, CloudPhantom& o) {
-  visit("shape", o.shape, Field{"the body that is scanned"});
-  visit("points", o.points, Field{"points before any go missing", "", 10, 1e8});
+  visit("shape", o.shape, OptionInfo{"the body that is scanned"});
+  visit("points", o.points, OptionInfo{"points before any go missing", "", 10, 1e8});
   visit("noise_percent", o.noise_percent,
-        Field{"standard deviation of a normal displacement in every direction", "% of the bounding box's diagonal", 0,
-              100});
+        OptionInfo{"standard deviation of a normal displacement in every direction", "% of the bounding box's diagonal",
+                   0, 100});
   visit("missing_percent", o.missing_percent,
-        Field{"share of the points that is missing, in one region around a point of the surface", "%", 0, 90});
-  visit("normals", o.normals, Field{"give the points the normals of the surface they come from"});
-  visit("seed", o.seed, Field{"the same seed gives the same points"});
+        OptionInfo{"share of the points that is missing, in one region around a point of the surface", "%", 0, 90});
+  visit("normals", o.normals, OptionInfo{"give the points the normals of the surface they come from"});
+  visit("seed", o.seed, OptionInfo{"the same seed gives the same points"});
 }
 
 /// `options.shape` is not asked: the points come from `surface`. Throws InputError for a surface without area.

@@ -4,11 +4,11 @@
 #include <limits>
 #include <sstream>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/intensity.hpp"
-#include "dynasurf/synthetic/assembly.hpp"
-#include "dynasurf/synthetic/solids.hpp"
+#include "dynasurf/synthetic/detail/assembly.hpp"
+#include "dynasurf/synthetic/detail/solids.hpp"
 
 // The phantoms made of "cylinder on half sphere" walls.
 
@@ -18,7 +18,7 @@ namespace {
 constexpr Index3 sub_samples{5, 5, 5};
 
 struct Cups {
-  Cup inner, outer;
+  CylinderCup inner, outer;
 };
 
 Cups cups_of(const CupShape& s, const std::string& path) {
@@ -31,14 +31,14 @@ Cups cups_of(const CupShape& s, const std::string& path) {
   return {{s.inner_radius_mm, s.height_mm}, {s.outer_radius_mm, s.height_mm}};
 }
 
-Box box_of(const Cup& cup) {
+Box box_of(const CylinderCup& cup) {
   return {{-cup.radius_mm, -cup.radius_mm, -cup.radius_mm}, {cup.radius_mm, cup.radius_mm, cup.height_mm}};
 }
 
-Vec3 middle_of(const Cup& outer) { return {0, 0, (outer.height_mm - outer.radius_mm) / 2}; }
+Vec3 middle_of(const CylinderCup& outer) { return {0, 0, (outer.height_mm - outer.radius_mm) / 2}; }
 
 /// Part of a cup's volume below a height, mm3.
-double volume_below(const Cup& cup, double z) {
+double volume_below(const CylinderCup& cup, double z) {
   const double r = cup.radius_mm;
   if (z <= -r) return 0;
   if (z <= 0) return M_PI * (z + r) * (z + r) * (2 * r - z) / 3;
@@ -118,7 +118,8 @@ Phantom take_hebron(std::string_view kind, const Hebron& o, const Cups& cups, co
 
 CupShape mayo_shape(const Mayo& o) {
   const CupShape hebron;
-  const double scale = own::cbrt(o.volume_mm3 / (1000 * volume_ml(Cup{hebron.outer_radius_mm, hebron.height_mm})));
+  const double scale =
+      own::cbrt(o.volume_mm3 / (1000 * volume_ml(CylinderCup{hebron.outer_radius_mm, hebron.height_mm})));
   return {scale * hebron.inner_radius_mm, scale * hebron.outer_radius_mm, scale * hebron.height_mm};
 }
 
@@ -179,12 +180,12 @@ bool is_sick(const Pathology& o, const Cups& cups, const Vec3& p) {
 }
 
 /// Adds activity where the left ventricle is not.
-Scene with_neighbour(const Scene& scene, const Cup& outer, const Density& neighbour, const Box& box) {
+Scene with_neighbour(const Scene& scene, const CylinderCup& outer, const Density& neighbour, const Box& box) {
   return {[=](const Vec3& p) { return outer.contains(p) ? scene.activity(p) : neighbour(p); },
           hull(scene.support, box)};
 }
 
-Scene with_digestive_blob(const Scene& scene, const Cup& outer, double amplitude) {
+Scene with_digestive_blob(const Scene& scene, const CylinderCup& outer, double amplitude) {
   constexpr double sigma = 10, reach = 4 * sigma;
   const Vec3 centre = Vec3(0, 0.5, -std::sqrt(0.75)) * (outer.radius_mm + sigma);
   const auto blob = [=](const Vec3& p) {
@@ -193,7 +194,7 @@ Scene with_digestive_blob(const Scene& scene, const Cup& outer, double amplitude
   return with_neighbour(scene, outer, blob, {centre - Vec3::Constant(reach), centre + Vec3::Constant(reach)});
 }
 
-Scene with_right_ventricle(const Scene& scene, const Cup& outer, double amplitude) {
+Scene with_right_ventricle(const Scene& scene, const CylinderCup& outer, double amplitude) {
   const RightVentricle right = right_ventricle_beside(outer.radius_mm, -0.7 * outer.radius_mm, outer.height_mm);
   return with_neighbour(
       scene, outer, [=](const Vec3& p) { return right.in_wall(p) ? amplitude : 0.0; }, box_of(right));
@@ -202,13 +203,14 @@ Scene with_right_ventricle(const Scene& scene, const Cup& outer, double amplitud
 /// A cavity of Hebron's proportions and an outer cup of the same height, with the given volumes.
 Cups cups_of_volumes(double cavity_mm3, double wall_mm3) {
   const CupShape hebron;
-  const double scale = own::cbrt(cavity_mm3 / (1000 * volume_ml(Cup{hebron.inner_radius_mm, hebron.height_mm})));
+  const double scale =
+      own::cbrt(cavity_mm3 / (1000 * volume_ml(CylinderCup{hebron.inner_radius_mm, hebron.height_mm})));
   Cups cups;
   cups.inner = {scale * hebron.inner_radius_mm, scale * hebron.height_mm};
   double low = cups.inner.radius_mm, high = 10 * low + own::cbrt(wall_mm3);
   for (int n = 0; n < 200; ++n) {
     const double middle = (low + high) / 2;
-    (1000 * volume_ml(Cup{middle, cups.inner.height_mm}) < cavity_mm3 + wall_mm3 ? low : high) = middle;
+    (1000 * volume_ml(CylinderCup{middle, cups.inner.height_mm}) < cavity_mm3 + wall_mm3 ? low : high) = middle;
   }
   cups.outer = {(low + high) / 2, cups.inner.height_mm};
   return cups;

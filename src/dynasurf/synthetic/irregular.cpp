@@ -1,10 +1,10 @@
-#include "dynasurf/synthetic/irregular.hpp"
+#include "dynasurf/synthetic/detail/irregular.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
-#include "dynasurf/synthetic/render.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/synthetic/detail/render.hpp"
 
 namespace dynasurf {
 namespace {

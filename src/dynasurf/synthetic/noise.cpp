@@ -1,9 +1,9 @@
-#include "dynasurf/synthetic/noise.hpp"
+#include "dynasurf/synthetic/detail/noise.hpp"
 
 #include <algorithm>
 
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/synthetic/random.hpp"
+#include "dynasurf/synthetic/detail/random.hpp"
 
 namespace dynasurf {
 namespace {

@@ -15,12 +15,12 @@ struct Lattice {
   double dx_mm = 2.87, dy_mm = 2.87, dz_mm = 5.74;
 };
 void describe(auto& visit, Lattice& o) {
-  visit("nx", o.nx, Field{"voxels along i (columns)", "", 1, 1024});
-  visit("ny", o.ny, Field{"voxels along j (rows)", "", 1, 1024});
-  visit("nz", o.nz, Field{"slices", "", 1, 1024});
-  visit("dx_mm", o.dx_mm, Field{"distance of columns", "mm", 0.05, 100});
-  visit("dy_mm", o.dy_mm, Field{"distance of rows", "mm", 0.05, 100});
-  visit("dz_mm", o.dz_mm, Field{"distance of slices", "mm", 0.05, 100});
+  visit("nx", o.nx, OptionInfo{"voxels along i (columns)", "", 1, 1024});
+  visit("ny", o.ny, OptionInfo{"voxels along j (rows)", "", 1, 1024});
+  visit("nz", o.nz, OptionInfo{"slices", "", 1, 1024});
+  visit("dx_mm", o.dx_mm, OptionInfo{"distance of columns", "mm", 0.05, 100});
+  visit("dy_mm", o.dy_mm, OptionInfo{"distance of rows", "mm", 0.05, 100});
+  visit("dz_mm", o.dz_mm, OptionInfo{"distance of slices", "mm", 0.05, 100});
 }
 
 /// Counts and noise. Without counts the largest value of a grey study is 1000.
@@ -33,18 +33,21 @@ struct Noise {
 };
 void describe(auto& visit, Noise& o) {
   visit("peak_counts", o.peak_counts,
-        Field{"expected counts of the hottest voxel of the study before the filter; 0: no Poisson noise", "", 0, 1e7});
+        OptionInfo{"expected counts of the hottest voxel of the study before the filter; 0: no Poisson noise", "", 0,
+                   1e7});
   visit("filter_fwhm_mm", o.filter_fwhm_mm,
-        Field{"Gaussian filter after the counts were drawn, which makes the noise of neighbours alike; it is part of "
-              "the point spread asked for, not added to it",
-              "mm", 0, 100});
+        OptionInfo{
+            "Gaussian filter after the counts were drawn, which makes the noise of neighbours alike; it is part of "
+            "the point spread asked for, not added to it",
+            "mm", 0, 100});
   visit("gaussian_percent", o.gaussian_percent,
-        Field{"standard deviation of added Gaussian noise, in percent of the largest value", "%", 0, 100});
-  visit("seed", o.seed, Field{"the same seed gives the same bytes"});
+        OptionInfo{"standard deviation of added Gaussian noise, in percent of the largest value", "%", 0, 100});
+  visit("seed", o.seed, OptionInfo{"the same seed gives the same bytes"});
   visit("texture", o.texture,
-        Field{"part of the noise's slow waves that is missing, as a reconstruction from projections leaves it: noise "
-              "of neighbours becomes opposite",
-              "", 0, 1});
+        OptionInfo{
+            "part of the noise's slow waves that is missing, as a reconstruction from projections leaves it: noise "
+            "of neighbours becomes opposite",
+            "", 0, 1});
 }
 
 /// Where an object lies in the grid: its middle against the middle of the grid, its axis against the slices' normal.
@@ -53,12 +56,12 @@ struct Pose {
   double tilt_deg = 0, tilt_towards_deg = 0;
 };
 void describe(auto& visit, Pose& o) {
-  visit("offset_x_mm", o.offset_x_mm, Field{"middle of the object beside the middle of the grid, along i", "mm"});
-  visit("offset_y_mm", o.offset_y_mm, Field{"the same along j", "mm"});
-  visit("offset_z_mm", o.offset_z_mm, Field{"the same along k", "mm"});
-  visit("tilt_deg", o.tilt_deg, Field{"angle between the object's axis and k", "deg", 0, 180});
+  visit("offset_x_mm", o.offset_x_mm, OptionInfo{"middle of the object beside the middle of the grid, along i", "mm"});
+  visit("offset_y_mm", o.offset_y_mm, OptionInfo{"the same along j", "mm"});
+  visit("offset_z_mm", o.offset_z_mm, OptionInfo{"the same along k", "mm"});
+  visit("tilt_deg", o.tilt_deg, OptionInfo{"angle between the object's axis and k", "deg", 0, 180});
   visit("tilt_towards_deg", o.tilt_towards_deg,
-        Field{"direction into which the base leans: 0 is +i, 90 is +j", "deg", -360, 360});
+        OptionInfo{"direction into which the base leans: 0 is +i, 90 is +j", "deg", -360, 360});
 }
 
 /// Two coaxial "cylinder on half sphere" walls, half sphere (apex) at low k, open at the top (thesis app. D).
@@ -66,9 +69,9 @@ struct CupShape {
   double inner_radius_mm = 20, outer_radius_mm = 35, height_mm = 55;
 };
 void describe(auto& visit, CupShape& o) {
-  visit("inner_radius_mm", o.inner_radius_mm, Field{"R1 of thesis app. D", "mm", 0.1, 1000});
-  visit("outer_radius_mm", o.outer_radius_mm, Field{"R2 of thesis app. D", "mm", 0.1, 1000});
-  visit("height_mm", o.height_mm, Field{"H of thesis app. D, length of the cylinder", "mm", 0, 1000});
+  visit("inner_radius_mm", o.inner_radius_mm, OptionInfo{"R1 of thesis app. D", "mm", 0.1, 1000});
+  visit("outer_radius_mm", o.outer_radius_mm, OptionInfo{"R2 of thesis app. D", "mm", 0.1, 1000});
+  visit("height_mm", o.height_mm, OptionInfo{"H of thesis app. D, length of the cylinder", "mm", 0, 1000});
 }
 
 enum class Values { grey, binary };
@@ -94,16 +97,17 @@ struct Hebron {
   Noise noise;
 };
 void describe(auto& visit, Hebron& o) {
-  visit("shape", o.shape, Field{"radii and height"});
-  visit("sigma_mm", o.sigma_mm, Field{"standard deviation of the point spread (FWHM / 2.355); 0: none", "mm", 0, 50});
-  visit("values", o.values, Field{"grey: counts; binary: 1 where the value reaches binary_level, else 0"});
-  visit("binary_level", o.binary_level, Field{"part of the largest value where binary data begin", "", 0, 1});
-  visit("cover", o.cover, Field{"close the open top by a disc one slice thick (VOL-COVER)"});
-  visit("cover_radius_mm", o.cover_radius_mm, Field{"radius of that disc", "mm", 0, 1000});
-  visit("doubled", o.doubled, Field{"double the resolution by the thesis's masks (VOL-DOUBLE)"});
-  visit("pose", o.pose, Field{"offset and tilt"});
-  visit("lattice", o.lattice, Field{"voxels"});
-  visit("noise", o.noise, Field{"counts and noise"});
+  visit("shape", o.shape, OptionInfo{"radii and height"});
+  visit("sigma_mm", o.sigma_mm,
+        OptionInfo{"standard deviation of the point spread (FWHM / 2.355); 0: none", "mm", 0, 50});
+  visit("values", o.values, OptionInfo{"grey: counts; binary: 1 where the value reaches binary_level, else 0"});
+  visit("binary_level", o.binary_level, OptionInfo{"part of the largest value where binary data begin", "", 0, 1});
+  visit("cover", o.cover, OptionInfo{"close the open top by a disc one slice thick (VOL-COVER)"});
+  visit("cover_radius_mm", o.cover_radius_mm, OptionInfo{"radius of that disc", "mm", 0, 1000});
+  visit("doubled", o.doubled, OptionInfo{"double the resolution by the thesis's masks (VOL-DOUBLE)"});
+  visit("pose", o.pose, OptionInfo{"offset and tilt"});
+  visit("lattice", o.lattice, OptionInfo{"voxels"});
+  visit("noise", o.noise, OptionInfo{"counts and noise"});
 }
 
 /// PH-MAYO: a Hebron scaled to the published overall volume, on coarse cubic voxels.
@@ -116,11 +120,11 @@ struct Mayo {
   Noise noise;
 };
 void describe(auto& visit, Mayo& o) {
-  visit("volume_mm3", o.volume_mm3, Field{"volume of the outer solid (thesis 6.1.3)", "mm3", 1, 1e8});
-  visit("sigma_mm", o.sigma_mm, Field{"standard deviation of the point spread", "mm", 0, 50});
-  visit("pose", o.pose, Field{"offset and tilt"});
-  visit("lattice", o.lattice, Field{"voxels"});
-  visit("noise", o.noise, Field{"counts and noise"});
+  visit("volume_mm3", o.volume_mm3, OptionInfo{"volume of the outer solid (thesis 6.1.3)", "mm3", 1, 1e8});
+  visit("sigma_mm", o.sigma_mm, OptionInfo{"standard deviation of the point spread", "mm", 0, 50});
+  visit("pose", o.pose, OptionInfo{"offset and tilt"});
+  visit("lattice", o.lattice, OptionInfo{"voxels"});
+  visit("noise", o.noise, OptionInfo{"counts and noise"});
 }
 
 enum class Missing { sector, patch, apex };
@@ -139,12 +143,13 @@ struct Partial {
   Mayo base;
 };
 void describe(auto& visit, Partial& o) {
-  visit("fraction", o.fraction, Field{"part of the wall's volume that is empty", "", 0, 0.95});
+  visit("fraction", o.fraction, OptionInfo{"part of the wall's volume that is empty", "", 0, 0.95});
   visit("missing", o.missing,
-        Field{"sector: over the full height; patch: over the middle half of the cylinder; apex: from below"});
-  visit("pieces", o.pieces, Field{"equal sectors or patches that share the fraction", "", 1, 12});
-  visit("towards_deg", o.towards_deg, Field{"direction of the middle of the first piece: 0 is +i, 90 is +j", "deg"});
-  visit("base", o.base, Field{"the phantom that is partly filled"});
+        OptionInfo{"sector: over the full height; patch: over the middle half of the cylinder; apex: from below"});
+  visit("pieces", o.pieces, OptionInfo{"equal sectors or patches that share the fraction", "", 1, 12});
+  visit("towards_deg", o.towards_deg,
+        OptionInfo{"direction of the middle of the first piece: 0 is +i, 90 is +j", "deg"});
+  visit("base", o.base, OptionInfo{"the phantom that is partly filled"});
 }
 
 /// PH-SPHERES: a binary shell between two concentric spheres; the central line reads 10 high voxels twice.
@@ -155,10 +160,10 @@ struct TwoSpheres {
   double spacing_mm = 1;
 };
 void describe(auto& visit, TwoSpheres& o) {
-  visit("size", o.size, Field{"voxels along each side", "", 3, 512});
-  visit("inner_radius_voxels", o.inner_radius_voxels, Field{"inner radius of the shell", "px", 0, 256});
-  visit("outer_radius_voxels", o.outer_radius_voxels, Field{"outer radius of the shell", "px", 0.5, 256});
-  visit("spacing_mm", o.spacing_mm, Field{"size of the voxels", "mm", 0.01, 100});
+  visit("size", o.size, OptionInfo{"voxels along each side", "", 3, 512});
+  visit("inner_radius_voxels", o.inner_radius_voxels, OptionInfo{"inner radius of the shell", "px", 0, 256});
+  visit("outer_radius_voxels", o.outer_radius_voxels, OptionInfo{"outer radius of the shell", "px", 0.5, 256});
+  visit("spacing_mm", o.spacing_mm, OptionInfo{"size of the voxels", "mm", 0.01, 100});
 }
 
 /// PH-SPHERE: one filled sphere of voxels, binary (thesis fig. 4.14).
@@ -169,9 +174,9 @@ struct VoxelSphere {
   double spacing_mm = 1;
 };
 void describe(auto& visit, VoxelSphere& o) {
-  visit("size", o.size, Field{"voxels along each side", "", 3, 512});
-  visit("radius_voxels", o.radius_voxels, Field{"radius", "px", 0.5, 256});
-  visit("spacing_mm", o.spacing_mm, Field{"size of the voxels", "mm", 0.01, 100});
+  visit("size", o.size, OptionInfo{"voxels along each side", "", 3, 512});
+  visit("radius_voxels", o.radius_voxels, OptionInfo{"radius", "px", 0.5, 256});
+  visit("spacing_mm", o.spacing_mm, OptionInfo{"size of the voxels", "mm", 0.01, 100});
 }
 
 /// PH-GAP: a Hebron whose wall lacks a band around its middle (thesis fig. 5.8).
@@ -181,8 +186,8 @@ struct Gap {
   Hebron base;
 };
 void describe(auto& visit, Gap& o) {
-  visit("part", o.part, Field{"part of the whole height that is empty, around the middle", "", 0, 0.9});
-  visit("base", o.base, Field{"the phantom that loses the band"});
+  visit("part", o.part, OptionInfo{"part of the whole height that is empty, around the middle", "", 0, 0.9});
+  visit("base", o.base, OptionInfo{"the phantom that loses the band"});
 }
 
 enum class WallVolume { constant, published };
@@ -203,15 +208,15 @@ struct CardiacCycle {
   Noise noise;
 };
 void describe(auto& visit, CardiacCycle& o) {
-  visit(
-      "wall", o.wall,
-      Field{"constant: muscle keeps wall_ml, as it must; published: the wall volumes of table 6.16, which vary 1.8x"});
-  visit("wall_ml", o.wall_ml, Field{"muscle volume of the constant wall", "ml", 1, 2000});
-  visit("sigma_mm", o.sigma_mm, Field{"standard deviation of the point spread", "mm", 0, 50});
-  visit("heart_rate_bpm", o.heart_rate_bpm, Field{"heart rate", "1/min", 20, 300});
-  visit("pose", o.pose, Field{"offset and tilt"});
-  visit("lattice", o.lattice, Field{"voxels"});
-  visit("noise", o.noise, Field{"counts and noise"});
+  visit("wall", o.wall,
+        OptionInfo{
+            "constant: muscle keeps wall_ml, as it must; published: the wall volumes of table 6.16, which vary 1.8x"});
+  visit("wall_ml", o.wall_ml, OptionInfo{"muscle volume of the constant wall", "ml", 1, 2000});
+  visit("sigma_mm", o.sigma_mm, OptionInfo{"standard deviation of the point spread", "mm", 0, 50});
+  visit("heart_rate_bpm", o.heart_rate_bpm, OptionInfo{"heart rate", "1/min", 20, 300});
+  visit("pose", o.pose, OptionInfo{"offset and tilt"});
+  visit("lattice", o.lattice, OptionInfo{"voxels"});
+  visit("noise", o.noise, OptionInfo{"counts and noise"});
 }
 
 enum class Disease { inferior, apical, lateral, anteroapical, digestive, right_ventricle, muga };
@@ -231,12 +236,12 @@ struct Pathology {
   Hebron base;
 };
 void describe(auto& visit, Pathology& o) {
-  visit("disease", o.disease, Field{"what is wrong; muga: bright blood pool, dark wall"});
-  visit("extent_deg", o.extent_deg, Field{"width of the sick sector (60-90 in PH-PATHO)", "deg", 0, 360});
-  visit("uptake", o.uptake, Field{"what is left in the sick wall, 1 is healthy", "", 0, 1});
+  visit("disease", o.disease, OptionInfo{"what is wrong; muga: bright blood pool, dark wall"});
+  visit("extent_deg", o.extent_deg, OptionInfo{"width of the sick sector (60-90 in PH-PATHO)", "deg", 0, 360});
+  visit("uptake", o.uptake, OptionInfo{"what is left in the sick wall, 1 is healthy", "", 0, 1});
   visit("amplitude", o.amplitude,
-        Field{"activity of the digestive blob (0.5-1) or of the right ventricle's wall (0.3-0.5)", "", 0, 10});
-  visit("base", o.base, Field{"the phantom that falls ill"});
+        OptionInfo{"activity of the digestive blob (0.5-1) or of the right ventricle's wall (0.3-0.5)", "", 0, 10});
+  visit("base", o.base, OptionInfo{"the phantom that falls ill"});
 }
 
 enum class Defect { none, inferior, lateral, apical, anteroapical, septal };
@@ -252,14 +257,14 @@ struct Torso {
   double liver = 0.6, gallbladder = 1.5, lung = 0.12, spleen = 0.5, kidneys = 0.6, bowel = 0.4, bladder = 1.5;
 };
 void describe(auto& visit, Torso& o) {
-  visit("present", o.present, Field{"organs and skin around the heart; false: background everywhere"});
-  visit("liver", o.liver, Field{"activity of the liver, whose left lobe lies under the heart", "", 0, 10});
-  visit("gallbladder", o.gallbladder, Field{"activity of the gallbladder", "", 0, 10});
-  visit("lung", o.lung, Field{"activity of both lungs", "", 0, 10});
-  visit("spleen", o.spleen, Field{"activity of the spleen", "", 0, 10});
-  visit("kidneys", o.kidneys, Field{"activity of the kidneys", "", 0, 10});
-  visit("bowel", o.bowel, Field{"activity of the bowel far from the heart", "", 0, 10});
-  visit("bladder", o.bladder, Field{"activity of the urinary bladder", "", 0, 10});
+  visit("present", o.present, OptionInfo{"organs and skin around the heart; false: background everywhere"});
+  visit("liver", o.liver, OptionInfo{"activity of the liver, whose left lobe lies under the heart", "", 0, 10});
+  visit("gallbladder", o.gallbladder, OptionInfo{"activity of the gallbladder", "", 0, 10});
+  visit("lung", o.lung, OptionInfo{"activity of both lungs", "", 0, 10});
+  visit("spleen", o.spleen, OptionInfo{"activity of the spleen", "", 0, 10});
+  visit("kidneys", o.kidneys, OptionInfo{"activity of the kidneys", "", 0, 10});
+  visit("bowel", o.bowel, OptionInfo{"activity of the bowel far from the heart", "", 0, 10});
+  visit("bladder", o.bladder, OptionInfo{"activity of the urinary bladder", "", 0, 10});
 }
 
 /// What real hearts and cameras have and the plain virtual patient has not, to see what a method owes to the likeness
@@ -270,13 +275,15 @@ struct Irregularity {
 };
 void describe(auto& visit, Irregularity& o) {
   visit("walls", o.walls,
-        Field{"uneven walls: flat septum, bulges, ridges, differing thickness; 1: as in an atlas of hearts", "", 0, 2});
-  visit("papillary_mm", o.papillary_mm, Field{"radius of two papillary muscles in the cavity; 0: none", "mm", 0, 15});
-  visit("tails", o.tails, Field{"part of the point spread that reaches twice as far", "", 0, 0.9});
+        OptionInfo{"uneven walls: flat septum, bulges, ridges, differing thickness; 1: as in an atlas of hearts", "", 0,
+                   2});
+  visit("papillary_mm", o.papillary_mm,
+        OptionInfo{"radius of two papillary muscles in the cavity; 0: none", "mm", 0, 15});
+  visit("tails", o.tails, OptionInfo{"part of the point spread that reaches twice as far", "", 0, 0.9});
   visit("depth", o.depth,
-        Field{"how much the width of the point spread differs from the first row to the last: from 1 - depth to "
-              "1 + depth times fwhm_mm",
-              "", 0, 0.5});
+        OptionInfo{"how much the width of the point spread differs from the first row to the last: from 1 - depth to "
+                   "1 + depth times fwhm_mm",
+                   "", 0, 0.5});
 }
 
 /// Points of the muscle that are followed over the beat, as tagged MR gives them.
@@ -285,13 +292,13 @@ struct Tags {
   double twist_deg = 19, error_mm = 0.3;
 };
 void describe(auto& visit, Tags& o) {
-  visit("points", o.points, Field{"tracked points in the wall; 0: none", "", 0, 2000});
-  visit(
-      "twist_deg", o.twist_deg,
-      Field{"how far the apex turns against the base in systole, counter-clockwise seen from the apex; the image shows "
+  visit("points", o.points, OptionInfo{"tracked points in the wall; 0: none", "", 0, 2000});
+  visit("twist_deg", o.twist_deg,
+        OptionInfo{
+            "how far the apex turns against the base in systole, counter-clockwise seen from the apex; the image shows "
             "nothing of it",
             "deg", -60, 60});
-  visit("error_mm", o.error_mm, Field{"standard deviation of each coordinate of a tracked point", "mm", 0, 10});
+  visit("error_mm", o.error_mm, OptionInfo{"standard deviation of each coordinate of a tracked point", "mm", 0, 10});
 }
 
 /// How the slices of a virtual patient lie.
@@ -330,45 +337,47 @@ struct VirtualPatient {
   Noise noise{120, 8, 0, 1};
 };
 void describe(auto& visit, VirtualPatient& o) {
-  visit("edv_ml", o.edv_ml, Field{"volume of the cavity at end-diastole", "ml", 5, 1000});
-  visit("ef_percent", o.ef_percent, Field{"ejection fraction", "%", 0, 95});
-  visit("wall_ml", o.wall_ml, Field{"volume of the muscle, the same in every gate", "ml", 5, 1000});
-  visit("length_to_width", o.length_to_width, Field{"cavity's length over its width at end-diastole", "", 0.8, 4});
+  visit("edv_ml", o.edv_ml, OptionInfo{"volume of the cavity at end-diastole", "ml", 5, 1000});
+  visit("ef_percent", o.ef_percent, OptionInfo{"ejection fraction", "%", 0, 95});
+  visit("wall_ml", o.wall_ml, OptionInfo{"volume of the muscle, the same in every gate", "ml", 5, 1000});
+  visit("length_to_width", o.length_to_width, OptionInfo{"cavity's length over its width at end-diastole", "", 0.8, 4});
   visit("base_excursion_mm", o.base_excursion_mm,
-        Field{"way of the base plane towards the apex in systole", "mm", 0, 40});
-  visit("gates", o.gates, Field{"gates per beat; 1: an ungated heart at rest in end-diastole", "", 1, 64});
-  visit("heart_rate_bpm", o.heart_rate_bpm, Field{"heart rate", "1/min", 20, 300});
+        OptionInfo{"way of the base plane towards the apex in systole", "mm", 0, 40});
+  visit("gates", o.gates, OptionInfo{"gates per beat; 1: an ungated heart at rest in end-diastole", "", 1, 64});
+  visit("heart_rate_bpm", o.heart_rate_bpm, OptionInfo{"heart rate", "1/min", 20, 300});
   visit("fwhm_mm", o.fwhm_mm,
-        Field{"full width at half maximum of the point spread in the finished image; 0: none", "mm", 0, 100});
-  visit("cavity", o.cavity, Field{"activity of the blood, healthy muscle is 1", "", 0, 10});
-  visit("background", o.background, Field{"activity around the heart", "", 0, 10});
-  visit("defect", o.defect, Field{"place of a perfusion defect"});
+        OptionInfo{"full width at half maximum of the point spread in the finished image; 0: none", "mm", 0, 100});
+  visit("cavity", o.cavity, OptionInfo{"activity of the blood, healthy muscle is 1", "", 0, 10});
+  visit("background", o.background, OptionInfo{"activity around the heart", "", 0, 10});
+  visit("defect", o.defect, OptionInfo{"place of a perfusion defect"});
+  visit("defect_extent_deg", o.defect_extent_deg,
+        OptionInfo{"width of the defect around the axis; of an apical one, its opening seen from the middle", "deg", 0,
+                   360});
+  visit("defect_severity", o.defect_severity, OptionInfo{"part of the uptake that is lost there", "", 0, 1});
   visit(
-      "defect_extent_deg", o.defect_extent_deg,
-      Field{"width of the defect around the axis; of an apical one, its opening seen from the middle", "deg", 0, 360});
-  visit("defect_severity", o.defect_severity, Field{"part of the uptake that is lost there", "", 0, 1});
-  visit("late_wall", o.late_wall,
-        Field{"a sector that contracts later, as after a block of conduction; whole sectors only, no apical ones"});
-  visit("late_extent_deg", o.late_extent_deg, Field{"its width around the axis", "deg", 0, 360});
-  visit("delay_percent", o.delay_percent, Field{"how much later it contracts", "% of the beat", 0, 50});
+      "late_wall", o.late_wall,
+      OptionInfo{"a sector that contracts later, as after a block of conduction; whole sectors only, no apical ones"});
+  visit("late_extent_deg", o.late_extent_deg, OptionInfo{"its width around the axis", "deg", 0, 360});
+  visit("delay_percent", o.delay_percent, OptionInfo{"how much later it contracts", "% of the beat", 0, 50});
   visit("gut_amplitude", o.gut_amplitude,
-        Field{"activity of a loop of gut below the inferior wall; 0: none", "", 0, 10});
-  visit("gut_gap_mm", o.gut_gap_mm, Field{"gap between gut and heart at end-diastole", "mm", -20, 100});
+        OptionInfo{"activity of a loop of gut below the inferior wall; 0: none", "", 0, 10});
+  visit("gut_gap_mm", o.gut_gap_mm, OptionInfo{"gap between gut and heart at end-diastole", "mm", -20, 100});
   visit("gut_radius_mm", o.gut_radius_mm,
-        Field{"half thickness of the gut; its half length is twice that", "mm", 1, 60});
-  visit("gut_position", o.gut_position, Field{"height of the gut along the heart: 0 apex, 1 base", "", -0.5, 1});
+        OptionInfo{"half thickness of the gut; its half length is twice that", "mm", 1, 60});
+  visit("gut_position", o.gut_position, OptionInfo{"height of the gut along the heart: 0 apex, 1 base", "", -0.5, 1});
   visit("right_ventricle", o.right_ventricle,
-        Field{"activity of the right ventricle's wall (0.3-0.5 is usual); 0: none", "", 0, 10});
-  visit("irregular", o.irregular, Field{"what real hearts and cameras have beyond the plain model"});
-  visit("tags", o.tags, Field{"points of the smooth wall that are followed over the beat, for points.csv"});
-  visit("torso", o.torso, Field{"what lies around the heart"});
-  visit("azimuth_deg", o.azimuth_deg, Field{"long axis from the patient's front towards his left", "deg", -180, 180});
-  visit("elevation_deg", o.elevation_deg, Field{"long axis downwards from the horizontal plane", "deg", -80, 80});
-  visit("cut", o.cut, Field{"how the slices lie: square to the heart's long axis, or to the patient's"});
-  visit("base_first", o.base_first, Field{"store the slices from the other end: from base to apex"});
-  visit("pose", o.pose, Field{"offset and tilt of the heart in the stack"});
-  visit("lattice", o.lattice, Field{"voxels"});
-  visit("noise", o.noise, Field{"counts and noise"});
+        OptionInfo{"activity of the right ventricle's wall (0.3-0.5 is usual); 0: none", "", 0, 10});
+  visit("irregular", o.irregular, OptionInfo{"what real hearts and cameras have beyond the plain model"});
+  visit("tags", o.tags, OptionInfo{"points of the smooth wall that are followed over the beat, for points.csv"});
+  visit("torso", o.torso, OptionInfo{"what lies around the heart"});
+  visit("azimuth_deg", o.azimuth_deg,
+        OptionInfo{"long axis from the patient's front towards his left", "deg", -180, 180});
+  visit("elevation_deg", o.elevation_deg, OptionInfo{"long axis downwards from the horizontal plane", "deg", -80, 80});
+  visit("cut", o.cut, OptionInfo{"how the slices lie: square to the heart's long axis, or to the patient's"});
+  visit("base_first", o.base_first, OptionInfo{"store the slices from the other end: from base to apex"});
+  visit("pose", o.pose, OptionInfo{"offset and tilt of the heart in the stack"});
+  visit("lattice", o.lattice, OptionInfo{"voxels"});
+  visit("noise", o.noise, OptionInfo{"counts and noise"});
 }
 
 enum class OrganShape { liver, prostate };
@@ -396,16 +405,16 @@ struct Organ {
   Noise noise;
 };
 void describe(auto& visit, Organ& o) {
-  visit("shape", o.shape, Field{"what the organ is like"});
-  visit("volume_ml", o.volume_ml, Field{"its volume; 0: 1500 for a liver, 40 for a prostate", "ml", 0, 10000});
-  visit("values", o.values, Field{"grey: an image; labels: 1 in the organ, 2 in its neighbour, else 0"});
-  visit("inside", o.inside, Field{"grey value of the organ", "", 0, 1e6});
-  visit("outside", o.outside, Field{"grey value around it", "", 0, 1e6});
-  visit("neighbour", o.neighbour, Field{"grey value of the ball beside it", "", 0, 1e6});
-  visit("fwhm_mm", o.fwhm_mm, Field{"full width at half maximum of the point spread; 0: none", "mm", 0, 100});
-  visit("pose", o.pose, Field{"offset and tilt"});
-  visit("lattice", o.lattice, Field{"voxels"});
-  visit("noise", o.noise, Field{"counts and noise"});
+  visit("shape", o.shape, OptionInfo{"what the organ is like"});
+  visit("volume_ml", o.volume_ml, OptionInfo{"its volume; 0: 1500 for a liver, 40 for a prostate", "ml", 0, 10000});
+  visit("values", o.values, OptionInfo{"grey: an image; labels: 1 in the organ, 2 in its neighbour, else 0"});
+  visit("inside", o.inside, OptionInfo{"grey value of the organ", "", 0, 1e6});
+  visit("outside", o.outside, OptionInfo{"grey value around it", "", 0, 1e6});
+  visit("neighbour", o.neighbour, OptionInfo{"grey value of the ball beside it", "", 0, 1e6});
+  visit("fwhm_mm", o.fwhm_mm, OptionInfo{"full width at half maximum of the point spread; 0: none", "mm", 0, 100});
+  visit("pose", o.pose, OptionInfo{"offset and tilt"});
+  visit("lattice", o.lattice, OptionInfo{"voxels"});
+  visit("noise", o.noise, OptionInfo{"counts and noise"});
 }
 
 using PhantomOptions =

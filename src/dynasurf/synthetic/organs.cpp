@@ -1,10 +1,10 @@
 #include <cmath>
 #include <vector>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/synthetic/assembly.hpp"
-#include "dynasurf/synthetic/solids.hpp"
+#include "dynasurf/synthetic/detail/assembly.hpp"
+#include "dynasurf/synthetic/detail/solids.hpp"
 
 namespace dynasurf {
 namespace {

@@ -1,13 +1,13 @@
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/synthetic/assembly.hpp"
-#include "dynasurf/synthetic/irregular.hpp"
-#include "dynasurf/synthetic/random.hpp"
-#include "dynasurf/synthetic/torso.hpp"
+#include "dynasurf/synthetic/detail/assembly.hpp"
+#include "dynasurf/synthetic/detail/irregular.hpp"
+#include "dynasurf/synthetic/detail/random.hpp"
+#include "dynasurf/synthetic/detail/torso.hpp"
 #include "dynasurf/synthetic/ventricle_shape.hpp"
 
 namespace dynasurf {

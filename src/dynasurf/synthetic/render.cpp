@@ -1,10 +1,10 @@
-#include "dynasurf/synthetic/render.hpp"
+#include "dynasurf/synthetic/detail/render.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf {

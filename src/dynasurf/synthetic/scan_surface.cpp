@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
-#include "dynasurf/synthetic/random.hpp"
+#include "dynasurf/synthetic/detail/random.hpp"
 
 namespace dynasurf {
 namespace {

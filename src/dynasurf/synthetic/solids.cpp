@@ -1,8 +1,8 @@
-#include "dynasurf/synthetic/solids.hpp"
+#include "dynasurf/synthetic/detail/solids.hpp"
 
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 
 namespace dynasurf {
@@ -39,12 +39,12 @@ TriMesh revolve(const std::vector<ProfilePoint>& profile, int segment_count) {
   return mesh;
 }
 
-double volume_ml(const Cup& cup) {
+double volume_ml(const CylinderCup& cup) {
   const double r = cup.radius_mm;
   return (2.0 / 3.0 * M_PI * r * r * r + M_PI * r * r * cup.height_mm) / 1000;
 }
 
-TriMesh surface(const Cup& cup) {
+TriMesh surface(const CylinderCup& cup) {
   constexpr int half = steps / 2, quarter = steps / 4;
   const double r = cup.radius_mm;
   std::vector<ProfilePoint> profile;

@@ -1,7 +1,7 @@
 #include <sstream>
 
-#include "dynasurf/synthetic/assembly.hpp"
-#include "dynasurf/synthetic/solids.hpp"
+#include "dynasurf/synthetic/detail/assembly.hpp"
+#include "dynasurf/synthetic/detail/solids.hpp"
 
 namespace dynasurf {
 namespace {

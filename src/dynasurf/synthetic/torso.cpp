@@ -1,4 +1,4 @@
-#include "dynasurf/synthetic/torso.hpp"
+#include "dynasurf/synthetic/detail/torso.hpp"
 
 #include <array>
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/synthetic/solids.hpp"
+#include "dynasurf/synthetic/detail/solids.hpp"
 
 namespace dynasurf {
 namespace {

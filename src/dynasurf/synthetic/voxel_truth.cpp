@@ -1,4 +1,4 @@
-#include "dynasurf/synthetic/voxel_truth.hpp"
+#include "dynasurf/synthetic/detail/voxel_truth.hpp"
 
 #include <algorithm>
 #include <utility>

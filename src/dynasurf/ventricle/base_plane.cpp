@@ -6,9 +6,9 @@
 
 #include <Eigen/Dense>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/image/resample.hpp"
-#include "dynasurf/ventricle/smooth_cycle.hpp"
+#include "dynasurf/ventricle/detail/smooth_cycle.hpp"
 
 namespace dynasurf {
 namespace {
@@ -23,7 +23,7 @@ double quantile(std::vector<double> v, double share) {
 }
 
 /// Distance of the wall's middle from the axis. Over the widest place walls run on more steeply than an ellipsoid.
-double wall_radius(const Cup& cup, double z) {
+double wall_radius(const LvShell& cup, double z) {
   const double t = z / cup.half_length_mm;
   const double r = cup.radius_mm * std::sqrt(std::max(0.0, 1 - t * t));
   return z > 0 ? std::max(r, 0.7 * cup.radius_mm) : r;
@@ -37,7 +37,7 @@ struct Meridian {
   bool is_cut = false;  // the volume ends before the way does
 };
 
-Meridian walk(const Image& image, const Cup& cup, const Vec3& out, double low, double high) {
+Meridian walk(const Image& image, const LvShell& cup, const Vec3& out, double low, double high) {
   Meridian m{out, low, {}, false};
   constexpr double reach_mm = 7;
   for (double z = low; z <= high; z += step_mm) {
@@ -56,7 +56,7 @@ Meridian walk(const Image& image, const Cup& cup, const Vec3& out, double low, d
 }
 
 /// What surrounds the heart: a low quantile, so that its neighbours do not count.
-double surroundings(const Image& image, const Cup& cup, const Across& a) {
+double surroundings(const Image& image, const LvShell& cup, const ShellBasis& a) {
   std::vector<double> values;
   for (int d = 0; d < meridians; ++d) {
     const double angle = 2 * std::numbers::pi * d / meridians;
@@ -132,14 +132,14 @@ namespace {
 
 /// The wall along all meridians, and what a usual one and the surroundings are like.
 struct Walls {
-  Across across;
+  ShellBasis across;
   std::vector<Meridian> all;
   double typical = 0, background = 0;
 };
 
-Walls walk_all(const Image& image, const Cup& cup) {
+Walls walk_all(const Image& image, const LvShell& cup) {
   Walls walls{across(cup.axis), {}};
-  const Across& a = walls.across;
+  const ShellBasis& a = walls.across;
   const double low = -0.6 * cup.half_length_mm, high = 1.3 * cup.half_length_mm + 15;
   std::vector<double> middle;
   for (int d = 0; d < meridians; ++d) {
@@ -156,15 +156,15 @@ Walls walk_all(const Image& image, const Cup& cup) {
 
 }  // namespace
 
-double wall_over_surroundings(const Image& image, const Cup& cup) {
+double wall_over_surroundings(const Image& image, const LvShell& cup) {
   const Walls walls = walk_all(image, cup);
   return walls.typical - walls.background;
 }
 
-std::optional<BasePlane> find_base_plane(const Image& image, const Cup& cup, double level_share) {
+std::optional<BasePlane> find_base_plane(const Image& image, const LvShell& cup, double level_share) {
   constexpr double least_seen = 1.0 / 3;
   const Walls walls = walk_all(image, cup);
-  const Across& a = walls.across;
+  const ShellBasis& a = walls.across;
   std::vector<End> ends;
   int cut = 0;
   for (const Meridian& m : walls.all) {
@@ -197,7 +197,7 @@ std::optional<PlaneCycle> smooth_over_cycle(std::span<const std::optional<BasePl
 
   const auto first = std::find_if(planes.begin(), planes.end(), [](const auto& p) { return p.has_value(); });
   const Vec3 origin = (*first)->point;
-  const Across a = across(axis);
+  const ShellBasis a = across(axis);
   std::vector<std::optional<double>> heights;
   std::vector<double> lean_u, lean_v;
   for (const auto& p : planes) {

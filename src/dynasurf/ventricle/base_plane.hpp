@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/core/volume.hpp"
-#include "dynasurf/ventricle/cup.hpp"
+#include "dynasurf/ventricle/lv_shell.hpp"
 
 namespace dynasurf {
 
@@ -27,10 +27,10 @@ BasePlane to_grid(const Grid& grid, BasePlane plane);
 /// its brightness over that of the surroundings (a half: blur does not move the end of a wall of even thickness), and a
 /// plane is laid through the ends, robust against hot neighbours and missing walls, its tilt held near square to the
 /// axis. Grid frame. Absent when the end of the wall is seen in less than a third of the directions.
-std::optional<BasePlane> find_base_plane(const Image& image, const Cup& cup, double level_share = 0.5);
+std::optional<BasePlane> find_base_plane(const Image& image, const LvShell& cup, double level_share = 0.5);
 
 /// How much brighter the middle of the wall is than what surrounds the heart, in units of the image.
-double wall_over_surroundings(const Image& image, const Cup& cup);
+double wall_over_surroundings(const Image& image, const LvShell& cup);
 
 /// The planes of a whole cycle: height along the axis as a constant and two waves (three from 12 gates on), the tilt
 /// common to all gates. Gates without a plane, or far from what their neighbours say, follow the others; `outlier`

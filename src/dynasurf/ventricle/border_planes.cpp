@@ -1,9 +1,9 @@
-#include "dynasurf/ventricle/border_planes.hpp"
+#include "dynasurf/ventricle/detail/border_planes.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 
 namespace dynasurf {
 namespace {
@@ -46,12 +46,13 @@ void set(VectorField& field, std::size_t voxel, const Vec3& v) {
 
 }  // namespace
 
-BorderPlanes border_planes(const Image& border, Wall wall, const Labels& labels, const EdgeMap& edges, int base_slice) {
+BorderPlanes border_planes(const Image& border, Border wall, const Labels& labels, const EdgeMap& edges,
+                           int base_slice) {
   BorderPlanes planes(border.grid);
   const Grid& grid = labels.borders.grid;
   // The border's grid is the labels' grown by whole voxels.
   const Index3 shift = voxel_of(border.grid, to_grid(border.grid, grid.origin));
-  const std::uint8_t bit = wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit;
+  const std::uint8_t bit = wall == Border::endo ? Labels::endo_bit : Labels::epi_bit;
   const double half_slice = grid.spacing[2] / 2;
   for (int k = 0; k < grid.dims[2]; ++k)
     for (int j = 0; j < grid.dims[1]; ++j)

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 
 namespace dynasurf {
 namespace {

@@ -15,13 +15,14 @@ struct Closure {
 };
 void describe(auto& visit, Closure& o) {
   visit("cover", o.cover,
-        Field{"close both ends of each border with a disc of border voxels, so that surfaces stop there"});
+        OptionInfo{"close both ends of each border with a disc of border voxels, so that surfaces stop there"});
   visit("valve_plane", o.valve_plane,
-        Field{"end the surfaces at a plane fitted to the end of the wall, gate by gate; false, and where no plane is "
-              "found: at the upper face of a slice"});
+        OptionInfo{
+            "end the surfaces at a plane fitted to the end of the wall, gate by gate; false, and where no plane is "
+            "found: at the upper face of a slice"});
   visit("base_level", o.base_level,
-        Field{"the heart ends in the highest slice whose wall is still this bright", "of the wall in the middle", 0.05,
-              1});
+        OptionInfo{"the heart ends in the highest slice whose wall is still this bright", "of the wall in the middle",
+                   0.05, 1});
 }
 
 /// The highest slice that still belongs to the ventricle: going up from the middle of the labelled slices, the last

@@ -20,7 +20,7 @@ constexpr double inner_start = 0.5;
 struct Search {
   const Image& image;
   const Labels& labels;
-  Wall wall;
+  Border wall;
   const ContourPipeline& options;
   const WallContours* outer;
 
@@ -30,7 +30,7 @@ struct Search {
 /// Slope of the image along the ray from the axis, of the sign that the wall has, from 0 to 1.
 Image border_strength(const Search& s, int k) {
   const Image plane = smoothed_plane(plane_of(s.image, k), s.options.sigma_px);
-  const VectorField slope = force_of(plane, s.wall == Wall::epi ? 1 : -1);
+  const VectorField slope = force_of(plane, s.wall == Border::epi ? 1 : -1);
   const Contour* bound = nullptr;
   if (s.outer && s.outer->slices[static_cast<std::size_t>(k)]) bound = &*s.outer->slices[static_cast<std::size_t>(k)];
   Image strength(plane.grid);
@@ -76,7 +76,7 @@ double clarity(const Search& s, int k, const Contour& c) {
 }
 
 Contour automatic_start(const Search& s, int k) {
-  const double share = s.wall == Wall::epi ? 1 : inner_start;
+  const double share = s.wall == Border::epi ? 1 : inner_start;
   return circle_contour(s.centre(k), share * s.labels.circle.radius_px, s.options.model.edge_px);
 }
 
@@ -146,14 +146,14 @@ void sweep(const Search& s, int to, int direction, WallContours& all) {
 }
 
 /// Slices in which the wall is looked for; none when first > last.
-std::pair<int, int> range_of(const Labels& labels, Wall wall, int base_slice) {
-  const std::uint8_t bit = wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit;
+std::pair<int, int> range_of(const Labels& labels, Border wall, int base_slice) {
+  const std::uint8_t bit = wall == Border::endo ? Labels::endo_bit : Labels::epi_bit;
   const Grid& g = labels.borders.grid;
   const std::size_t plane = static_cast<std::size_t>(g.dims[0]) * static_cast<std::size_t>(g.dims[1]);
   const auto found = std::find_if(labels.borders.values.begin(), labels.borders.values.end(),
                                   [bit](std::uint8_t v) { return (v & bit) != 0; });
   int first = static_cast<int>(static_cast<std::size_t>(found - labels.borders.values.begin()) / plane);
-  if (wall == Wall::endo && labels.division_slice >= 0) first = std::max(first, labels.division_slice + 1);
+  if (wall == Border::endo && labels.division_slice >= 0) first = std::max(first, labels.division_slice + 1);
   return {first, std::min(base_slice, g.dims[2] - 1)};
 }
 
@@ -162,7 +162,7 @@ std::pair<int, int> range_of(const Labels& labels, Wall wall, int base_slice) {
 std::span<const std::string_view> names_of(ContourForce) { return force_names; }
 std::span<const std::string_view> names_of(StackEnds) { return end_names; }
 
-WallContours propagate_contours(const Image& image, const Labels& labels, Wall wall, int base_slice,
+WallContours propagate_contours(const Image& image, const Labels& labels, Border wall, int base_slice,
                                 const ContourPipeline& requested, const WallContours* outer) {
   ContourPipeline options = requested;
   check_options(options, "contour");

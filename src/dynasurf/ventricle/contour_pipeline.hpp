@@ -39,23 +39,24 @@ struct ContourPipeline {
   Smoothing smooth{.sweeps = 0};
 };
 void describe(auto& visit, ContourPipeline& o) {
-  visit("sigma_px", o.sigma_px, Field{"Gaussian before the gradient", "px", 0, 20});
-  visit(
-      "force", o.force,
-      Field{"potential: gradient of the border strength; flow: its gradient vector flow; both: flow, then potential"});
-  visit("mu", o.mu, Field{"balance of the flow", "", 1e-6, 1e4});
-  visit("model", o.model, Field{"the discrete contour"});
+  visit("sigma_px", o.sigma_px, OptionInfo{"Gaussian before the gradient", "px", 0, 20});
+  visit("force", o.force,
+        OptionInfo{
+            "potential: gradient of the border strength; flow: its gradient vector flow; both: flow, then potential"});
+  visit("mu", o.mu, OptionInfo{"balance of the flow", "", 1e-6, 1e4});
+  visit("model", o.model, OptionInfo{"the discrete contour"});
   visit("best_slice", o.best_slice,
-        Field{"slice to begin with, from 1 at the apex; unset: where the border is strongest along its contour", "", 1,
-              100000});
+        OptionInfo{"slice to begin with, from 1 at the apex; unset: where the border is strongest along its contour",
+                   "", 1, 100000});
   visit("jump", o.jump,
-        Field{"a contour whose area leaves that of its neighbour, and the line through two, by more is replaced by the "
-              "neighbour's",
-              "of the area", 0, 10});
-  visit("least_area_px2", o.least_area_px2, Field{"a smaller contour ends the sweep", "px2", 0, 1e6});
-  visit("tessellation", o.tessellation, Field{"the mesh between the contours"});
-  visit("ends", o.ends, Field{"slice_centre (thesis) or slice_face"});
-  visit("smooth", o.smooth, Field{"smoothing of the finished mesh; 0 sweeps: none"});
+        OptionInfo{
+            "a contour whose area leaves that of its neighbour, and the line through two, by more is replaced by the "
+            "neighbour's",
+            "of the area", 0, 10});
+  visit("least_area_px2", o.least_area_px2, OptionInfo{"a smaller contour ends the sweep", "px2", 0, 1e6});
+  visit("tessellation", o.tessellation, OptionInfo{"the mesh between the contours"});
+  visit("ends", o.ends, OptionInfo{"slice_centre (thesis) or slice_face"});
+  visit("smooth", o.smooth, OptionInfo{"smoothing of the finished mesh; 0 sweeps: none"});
 }
 
 /// The contours of one wall in one gate, px, per slice of the stack from the apex; absent where there is none.
@@ -73,7 +74,7 @@ struct WallContours {
 /// lowest slice with an outer border, the inner one above the division slice; both end in `base_slice`. `outer`, when
 /// given, bounds the search of the inner wall. A best slice that is asked for is moved, with a note, to the nearest one
 /// of these; throws OptionError when the stack has no such slice.
-WallContours propagate_contours(const Image& image, const Labels& labels, Wall wall, int base_slice,
+WallContours propagate_contours(const Image& image, const Labels& labels, Border wall, int base_slice,
                                 const ContourPipeline& options, const WallContours* outer = nullptr);
 
 /// C3D-TESS, C3D-CAP, C3D-SMOOTH, C3D-VOL. The mesh is in the grid frame. Empty for fewer than two contours.

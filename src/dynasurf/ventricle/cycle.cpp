@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/cycle.hpp"
+#include "dynasurf/ventricle/detail/cycle.hpp"
 
 #include <algorithm>
 #include <array>
@@ -52,7 +52,7 @@ std::string list_of(const std::vector<bool>& marked) {
 
 }  // namespace
 
-void require_inside(const Manual& manual, const Study& original, const Study& study) {
+void require_inside(const UserOverrides& manual, const Study& original, const Study& study) {
   if (const std::optional<Vec3> centre = hints_of(manual).centre_mm) {
     const Index3 v = voxel_of(original.grid(), to_grid(original.grid(), *centre));
     if (!original.grid().contains(v[0], v[1], v[2]))
@@ -78,7 +78,7 @@ void require_inside(const Manual& manual, const Study& original, const Study& st
                              *manual.base_plane_mm, top_mm));
 }
 
-CoarseCircle circle_around(const Study& study, const std::optional<Location>& heart, const Manual& manual,
+CoarseCircle circle_around(const Study& study, const std::optional<Location>& heart, const UserOverrides& manual,
                            CoarseCircle asked) {
   const double pixel = study.grid().spacing[0];
   if (heart) {
@@ -97,20 +97,20 @@ CoarseCircle circle_around(const Study& study, const std::optional<Location>& he
 
 std::optional<double> expected_cavity_end(const Study& study, const std::optional<Location>& heart) {
   if (!heart || !heart->is_clear()) return std::nullopt;
-  const Cup cup = to_grid(study.grid(), heart->cup);
+  const LvShell cup = to_grid(study.grid(), heart->cup);
   if (cup.axis[2] <= 0) return std::nullopt;
   return (cup.apex() + half_wall_mm * cup.axis)[2] / study.grid().spacing[2];
 }
 
 std::vector<std::optional<BasePlane>> valve_planes(const Study& study, const std::optional<Location>& heart,
-                                                   const Manual& manual, Notes& notes) {
+                                                   const UserOverrides& manual, Notes& notes) {
   std::vector<std::optional<BasePlane>> planes(study.gates.size());
   if (manual.base_plane_mm) {
     planes.assign(planes.size(), level_plane(study.grid(), *manual.base_plane_mm));
     return planes;
   }
   if (!heart) return planes;
-  const Cup cup = to_grid(study.grid(), heart->cup);
+  const LvShell cup = to_grid(study.grid(), heart->cup);
   std::vector<Image> smooth(planes.size());
   std::vector<double> wall(planes.size());
   parallel_for(planes.size(), 1, [&](std::size_t g, std::size_t) {
@@ -138,14 +138,14 @@ std::vector<std::optional<BasePlane>> valve_planes(const Study& study, const std
 }
 
 SliceRange useful_slices(const Study& study, const std::optional<Location>& heart,
-                         const std::vector<std::optional<BasePlane>>& planes, const Manual& manual) {
+                         const std::vector<std::optional<BasePlane>>& planes, const UserOverrides& manual) {
   const Grid& grid = study.grid();
   const auto slice_at = [&](double z_mm) {
     return std::clamp(static_cast<int>(std::lround(z_mm / grid.spacing[2])), 0, grid.dims[2] - 1);
   };
   SliceRange range{0, grid.dims[2] - 1};
   if (heart) {
-    const Cup cup = to_grid(grid, heart->cup);
+    const LvShell cup = to_grid(grid, heart->cup);
     const double way = cup.axis[2] > 0 ? 1 : -1;
     range.first = slice_at(cup.apex()[2] - way * outer_apex_mm);
     double top = cup.base()[2] + 2 * outer_apex_mm;

@@ -5,12 +5,12 @@
 #include <functional>
 #include <string>
 
-#include "dynasurf/ventricle/labels/blood_pool.hpp"
-#include "dynasurf/ventricle/labels/bounding_boxes.hpp"
-#include "dynasurf/ventricle/labels/circle.hpp"
-#include "dynasurf/ventricle/labels/division_slice.hpp"
-#include "dynasurf/ventricle/labels/method.hpp"
-#include "dynasurf/ventricle/labels/mlc.hpp"
+#include "dynasurf/ventricle/labels/detail/blood_pool.hpp"
+#include "dynasurf/ventricle/labels/detail/bounding_boxes.hpp"
+#include "dynasurf/ventricle/labels/detail/circle.hpp"
+#include "dynasurf/ventricle/labels/detail/division_slice.hpp"
+#include "dynasurf/ventricle/labels/detail/method.hpp"
+#include "dynasurf/ventricle/labels/detail/mlc.hpp"
 
 namespace dynasurf {
 namespace {
@@ -131,10 +131,11 @@ int division_under(int seen, const LabelScene& scene, const std::vector<double>&
   return slice;
 }
 
-Bright what_is_bright(const LabelScene& scene, const Place& place) {
+ImageContrast detect_contrast(const LabelScene& scene, const Place& place) {
   const int min_px = std::max(1, scene.options.circle.min_component_px / 2);
   const SidedEdges sided = split_by_gradient(scene.inside, scene.image, scene.axis, min_px);
-  return is_blood_pool(filling(scene.image, place.local), inner_share(sided)) ? Bright::cavity : Bright::wall;
+  return is_blood_pool(filling(scene.image, place.local), inner_share(sided)) ? ImageContrast::cavity
+                                                                              : ImageContrast::wall;
 }
 
 /// What the methods found in an image of the blood pool, said as it is.
@@ -153,9 +154,9 @@ void read_as_pool(const Image& image, Labels& labels) {
 /// One note per slice that lacks a border though the slices below and above have it, and one per border found nowhere.
 void note_missing(Labels& labels) {
   const int depth = labels.borders.grid.dims[2];
-  for (const Wall wall : {Wall::endo, Wall::epi}) {
-    if (wall == Wall::epi && labels.bright == Bright::cavity) continue;
-    const std::uint8_t bit = wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit;
+  for (const Border wall : {Border::endo, Border::epi}) {
+    if (wall == Border::epi && labels.bright == ImageContrast::cavity) continue;
+    const std::uint8_t bit = wall == Border::endo ? Labels::endo_bit : Labels::epi_bit;
     std::vector<int> with;
     for (int k = 0; k < depth; ++k)
       if (!pixels_of(labels.borders, k, bit).empty()) with.push_back(k);
@@ -214,8 +215,8 @@ void note_not_told_apart(Notes& notes) {
                    "The method finds borders but cannot tell the inner from the outer one; each stands for both."});
 }
 
-bool Labels::has(Wall w) const {
-  const std::uint8_t bit = w == Wall::endo ? endo_bit : epi_bit;
+bool Labels::has(Border w) const {
+  const std::uint8_t bit = w == Border::endo ? endo_bit : epi_bit;
   return std::any_of(borders.values.begin(), borders.values.end(), [&](std::uint8_t v) { return v & bit; });
 }
 
@@ -240,14 +241,14 @@ Labels label_borders(const Image& image, const EdgeMap& edges, const Labelling& 
                                 " pixels around the ventricle."});
 
   labels.borders = std::visit([&](const auto& method) { return label(scene, method, labels); }, o.method);
-  labels.bright = o.bright == Bright::automatic ? what_is_bright(scene, place) : o.bright;
-  if (labels.bright == Bright::cavity) read_as_pool(image, labels);
+  labels.bright = o.bright == ImageContrast::automatic ? detect_contrast(scene, place) : o.bright;
+  if (labels.bright == ImageContrast::cavity) read_as_pool(image, labels);
   note_missing(labels);
   return labels;
 }
 
-Image border_volume(const Labels& labels, Wall wall) {
-  const std::uint8_t bit = wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit;
+Image border_volume(const Labels& labels, Border wall) {
+  const std::uint8_t bit = wall == Border::endo ? Labels::endo_bit : Labels::epi_bit;
   Image border(labels.borders.grid);
   for (std::size_t n = 0; n < border.values.size(); ++n)
     border.values[n] = labels.borders.values[n] & bit ? 1.0F : 0.0F;

@@ -11,8 +11,8 @@
 namespace dynasurf {
 
 /// The two borders of the wall: the inner (endocardial) and the outer (epicardial) one.
-enum class Wall { endo, epi };
-inline std::string_view name_of(Wall w) { return w == Wall::endo ? "endo" : "epi"; }
+enum class Border { endo, epi };
+inline std::string_view name_of(Border w) { return w == Border::endo ? "endo" : "epi"; }
 
 struct Circle {
   double x_px = 0, y_px = 0, radius_px = 0;
@@ -33,9 +33,9 @@ struct CoarseCircle {
   std::optional<double> x_px, y_px, radius_px;
 };
 void describe(auto& visit, CoarseCircle& o) {
-  visit("x_px", o.x_px, Field{"centre, column; unset: middle of the image", "px"});
-  visit("y_px", o.y_px, Field{"centre, row; unset: middle of the image", "px"});
-  visit("radius_px", o.radius_px, Field{"radius; unset: half the shorter image side", "px", 1});
+  visit("x_px", o.x_px, OptionInfo{"centre, column; unset: middle of the image", "px"});
+  visit("y_px", o.y_px, OptionInfo{"centre, row; unset: middle of the image", "px"});
+  visit("radius_px", o.radius_px, OptionInfo{"radius; unset: half the shorter image side", "px", 1});
 }
 
 /// LAB-COMP, CIRC-CENTROID, CIRC-RADIUS (thesis 2.3.6, 2.4.1, 2.4.2).
@@ -50,16 +50,18 @@ struct AutoCircle {
   bool robust_fit = true;
 };
 void describe(auto& visit, AutoCircle& o) {
-  visit("min_component_px", o.min_component_px, Field{"edges with fewer pixels are noise (n_min)", "px", 1, 10000});
-  visit("centroid_tolerance_px", o.centroid_tolerance_px, Field{"tau of CIRC-CENTROID", "px", 0.1, 20});
+  visit("min_component_px", o.min_component_px,
+        OptionInfo{"edges with fewer pixels are noise (n_min)", "px", 1, 10000});
+  visit("centroid_tolerance_px", o.centroid_tolerance_px, OptionInfo{"tau of CIRC-CENTROID", "px", 0.1, 20});
   visit("centroid_share", o.centroid_share,
-        Field{"share of a border at one distance for it to be a circle (T_circ)", "", 0, 1});
-  visit("radius_tolerance_px", o.radius_tolerance_px, Field{"tau of CIRC-RADIUS", "px", 0.1, 20});
-  visit("radius_share", o.radius_share, Field{"T_r of CIRC-RADIUS", "", 0, 1});
+        OptionInfo{"share of a border at one distance for it to be a circle (T_circ)", "", 0, 1});
+  visit("radius_tolerance_px", o.radius_tolerance_px, OptionInfo{"tau of CIRC-RADIUS", "px", 0.1, 20});
+  visit("radius_share", o.radius_share, OptionInfo{"T_r of CIRC-RADIUS", "", 0, 1});
   visit("centre_width", o.centre_width,
-        Field{"s_c: width of the preference for the image centre, share of the image width", "", 0.01, 10});
-  visit("offset_px", o.offset_px, Field{"added to the radius that was found", "px", 0, 50});
-  visit("robust_fit", o.robust_fit, Field{"fit circles algebraically instead of by centroid (arcs stay unbiased)"});
+        OptionInfo{"s_c: width of the preference for the image centre, share of the image width", "", 0.01, 10});
+  visit("offset_px", o.offset_px, OptionInfo{"added to the radius that was found", "px", 0, 50});
+  visit("robust_fit", o.robust_fit,
+        OptionInfo{"fit circles algebraically instead of by centroid (arcs stay unbiased)"});
 }
 
 /// SLICE-FIND and SLICE-REFINE (thesis 2.5).
@@ -70,11 +72,11 @@ struct DivisionSlice {
 };
 void describe(auto& visit, DivisionSlice& o) {
   visit("jump", o.jump,
-        Field{"rise of the centre from one slice to the next that marks the apex wall", "of the maximum", 0, 1});
-  visit("floor", o.floor, Field{"least value of the centre in the apex wall", "of the maximum", 0, 1});
-  visit(
-      "expected_slice", o.expected_slice,
-      Field{"where the shape of the whole heart has the end of the cavity, 0: middle of the lowest slice; taken where "
+        OptionInfo{"rise of the centre from one slice to the next that marks the apex wall", "of the maximum", 0, 1});
+  visit("floor", o.floor, OptionInfo{"least value of the centre in the apex wall", "of the maximum", 0, 1});
+  visit("expected_slice", o.expected_slice,
+        OptionInfo{
+            "where the shape of the whole heart has the end of the cavity, 0: middle of the lowest slice; taken where "
             "the wall under the cavity is not seen near it; unset: from the heart that was found, if one was"});
 }
 
@@ -87,12 +89,13 @@ struct Mlc {
   double box_margin_px = 2;
 };
 void describe(auto& visit, Mlc& o) {
-  visit("strict_thesis", o.strict_thesis, Field{"exactly the published rule: the largest gap decides, always"});
+  visit("strict_thesis", o.strict_thesis, OptionInfo{"exactly the published rule: the largest gap decides, always"});
   visit("use_gradient", o.use_gradient,
-        Field{"tell the borders by the side on which the wall is brighter; without effect in strict_thesis"});
+        OptionInfo{"tell the borders by the side on which the wall is brighter; without effect in strict_thesis"});
   visit("min_gap_px", o.min_gap_px,
-        Field{"smaller gaps are fragments of one border; neighbours decide then", "px", 0, 50});
-  visit("box_margin_px", o.box_margin_px, Field{"slack of the bounding boxes: a wall bulges (thesis: 0)", "px", 0, 50});
+        OptionInfo{"smaller gaps are fragments of one border; neighbours decide then", "px", 0, 50});
+  visit("box_margin_px", o.box_margin_px,
+        OptionInfo{"slack of the bounding boxes: a wall bulges (thesis: 0)", "px", 0, 50});
 }
 
 /// LAB-NONE (thesis 2.3.1): nothing is told apart, every edge inside the automatic circle stays a border of either
@@ -108,8 +111,8 @@ struct SliceFlow {
   int iterations = 60;
 };
 void describe(auto& visit, SliceFlow& o) {
-  visit("mu", o.mu, Field{"as in gvf: large spreads the field and blurs what it tells", "", 1e-6, 1e4});
-  visit("iterations", o.iterations, Field{"steps", "", 1, 100000});
+  visit("mu", o.mu, OptionInfo{"as in gvf: large spreads the field and blurs what it tells", "", 1e-6, 1e4});
+  visit("iterations", o.iterations, OptionInfo{"steps", "", 1, 100000});
 }
 
 /// LAB-SIGN (thesis 2.3.2): borders are where the vectors of a row or column meet. They are not told apart.
@@ -120,8 +123,8 @@ struct SignLabels {
 };
 void describe(auto& visit, SignLabels& o) {
   visit("least_change", o.least_change,
-        Field{"smaller changes are noise (eps)", "of the slice's longest vector", 0, 1});
-  visit("flow", o.flow, Field{"the field that is read"});
+        OptionInfo{"smaller changes are noise (eps)", "of the slice's longest vector", 0, 1});
+  visit("flow", o.flow, OptionInfo{"the field that is read"});
 }
 
 /// How LAB-GRADMAG and LAB-CASE find borders in a row or column of the field. A border seldom lies in the middle of a
@@ -133,10 +136,10 @@ struct QuietPoints {
   SliceFlow flow{};
 };
 void describe(auto& visit, QuietPoints& o) {
-  visit("low", o.low, Field{"most length of a vector on the border", "of the slice's longest vector", 0, 1});
-  visit("high", o.high, Field{"least length on both sides of it", "of the slice's longest vector", 0, 1});
-  visit("width_px", o.width_px, Field{"how far from it", "px", 1, 50});
-  visit("flow", o.flow, Field{"the field that is read"});
+  visit("low", o.low, OptionInfo{"most length of a vector on the border", "of the slice's longest vector", 0, 1});
+  visit("high", o.high, OptionInfo{"least length on both sides of it", "of the slice's longest vector", 0, 1});
+  visit("width_px", o.width_px, OptionInfo{"how far from it", "px", 1, 50});
+  visit("flow", o.flow, OptionInfo{"the field that is read"});
 }
 
 /// LAB-GRADMAG (thesis 2.3.3): borders are where the field is quiet between two strong sides. They are not told apart.
@@ -144,7 +147,7 @@ struct GradMagLabels {
   static constexpr std::string_view name = "gradmag";
   QuietPoints quiet{};
 };
-void describe(auto& visit, GradMagLabels& o) { visit("quiet", o.quiet, Field{"what is quiet"}); }
+void describe(auto& visit, GradMagLabels& o) { visit("quiet", o.quiet, OptionInfo{"what is quiet"}); }
 
 /// LAB-CASE (thesis 2.3.4): quiet points where vectors meet, told apart by their number along a row or column: four
 /// are outer, inner, inner, outer; two are outer; none is nothing; of any other number nothing is said.
@@ -152,7 +155,7 @@ struct CaseLabels {
   static constexpr std::string_view name = "case";
   QuietPoints quiet{};
 };
-void describe(auto& visit, CaseLabels& o) { visit("quiet", o.quiet, Field{"what is quiet"}); }
+void describe(auto& visit, CaseLabels& o) { visit("quiet", o.quiet, OptionInfo{"what is quiet"}); }
 
 /// LAB-RADIAL (thesis 2.3.5): edges counted in rings around the centre; the peaks are the borders.
 struct RadialLabels {
@@ -161,53 +164,53 @@ struct RadialLabels {
   double least_share = 0.15;
 };
 void describe(auto& visit, RadialLabels& o) {
-  visit("ring_px", o.ring_px, Field{"width of a ring (delta; thesis 1, 2, 3)", "px", 1, 20});
+  visit("ring_px", o.ring_px, OptionInfo{"width of a ring (delta; thesis 1, 2, 3)", "px", 1, 20});
   visit("least_share", o.least_share,
-        Field{"a border has at least this share of a slice's edge pixels in its ring", "", 0, 1});
+        OptionInfo{"a border has at least this share of a slice's edge pixels in its ring", "", 0, 1});
 }
 
 using LabelOptions = std::variant<Mlc, NoLabels, SignLabels, GradMagLabels, CaseLabels, RadialLabels>;
 
 /// What the image shows brightly: the muscle of the wall (perfusion), or the blood in the cavity (a blood pool).
-enum class Bright { automatic, wall, cavity };
-inline std::span<const std::string_view> names_of(Bright) {
+enum class ImageContrast { automatic, wall, cavity };
+inline std::span<const std::string_view> names_of(ImageContrast) {
   static constexpr std::array<std::string_view, 3> names{"auto", "wall", "cavity"};
   return names;
 }
 
 /// All of the labelling stage.
 struct Labelling {
-  Bright bright = Bright::automatic;
+  ImageContrast bright = ImageContrast::automatic;
   CoarseCircle coarse;
   AutoCircle circle;
   DivisionSlice division;
   LabelOptions method = Mlc{};
 };
 void describe(auto& visit, Labelling& o) {
-  visit(
-      "bright", o.bright,
-      Field{"what is bright: wall (perfusion), cavity (blood pool: its rim is the inner border, and there is no outer "
+  visit("bright", o.bright,
+        OptionInfo{
+            "what is bright: wall (perfusion), cavity (blood pool: its rim is the inner border, and there is no outer "
             "one), or auto: what the image shows"});
-  visit("coarse", o.coarse, Field{"coarse circle"});
-  visit("circle", o.circle, Field{"automatic circle"});
-  visit("division", o.division, Field{"division slice"});
-  visit("method", o.method, Field{"how borders are told apart"});
+  visit("coarse", o.coarse, OptionInfo{"coarse circle"});
+  visit("circle", o.circle, OptionInfo{"automatic circle"});
+  visit("division", o.division, OptionInfo{"division slice"});
+  visit("method", o.method, OptionInfo{"how borders are told apart"});
 }
 
 /// Where the two borders lie in one gate, slices apex first. Of a blood pool only the inner one is there. A voxel may
 /// carry both bits: two borders pass through it, or the method cannot tell which one it is ("labels.not_told_apart").
 struct Labels {
   static constexpr std::uint8_t endo_bit = 1, epi_bit = 2;
-  Mask borders;                              // bits, per voxel
-  Circle circle;                             // automatic circle: common to all slices
-  Axis axis;                                 // centre of the ventricle in every slice
-  int big_slice = -1;                        // slice of the widest circular border, -1: none found
-  Bright bright = Bright::wall;              // what was taken to be bright, never automatic
-  int division_slice = -1;                   // highest slice under the end of the cavity; -1: none found
-  std::vector<std::optional<Circle>> local;  // the best circular edge of every slice, for drawing
+  Mask borders;                                // bits, per voxel
+  Circle circle;                               // automatic circle: common to all slices
+  Axis axis;                                   // centre of the ventricle in every slice
+  int big_slice = -1;                          // slice of the widest circular border, -1: none found
+  ImageContrast bright = ImageContrast::wall;  // what was taken to be bright, never automatic
+  int division_slice = -1;                     // highest slice under the end of the cavity; -1: none found
+  std::vector<std::optional<Circle>> local;    // the best circular edge of every slice, for drawing
   Notes notes;
 
-  bool has(Wall w) const;  // any voxel of that border
+  bool has(Border w) const;  // any voxel of that border
 };
 
 /// Tells endocardial from epicardial edges. `image` is normalised, its slices run from apex to base, and
@@ -217,6 +220,6 @@ Labels label_borders(const Image& image, const EdgeMap& edges, const Labelling& 
 
 /// The voxels of one border as a binary volume: the edge map of its field and the stop mask of its surface
 /// (VOL-BORDERS, thesis 3.3.4).
-Image border_volume(const Labels& labels, Wall wall);
+Image border_volume(const Labels& labels, Border wall);
 
 }  // namespace dynasurf

@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/ventricle/base_plane.hpp"
@@ -122,11 +122,11 @@ std::vector<Place> find_places(const Image& image, const std::vector<Vec3>& dire
 }
 
 struct Candidate {
-  Cup cup;
+  LvShell cup;
   double worth = 0;
 };
 
-Cup usual_cup(const Vec3& centre, const Vec3& axis, double radius) {
+LvShell usual_cup(const Vec3& centre, const Vec3& axis, double radius) {
   return {centre, axis, radius, 1.35 * radius, 0.6 * radius};
 }
 
@@ -139,7 +139,7 @@ Candidate best_cup(const Image& image, const Place& place, const std::vector<Vec
   for (const Vec3& axis : directions)
     for (double size : {0.8, 1.0, 1.2})
       for (double along : {-0.3, 0.0, 0.3}) {
-        const Cup cup = usual_cup(place.centre + along * place.radius_mm * axis, axis, size * place.radius_mm);
+        const LvShell cup = usual_cup(place.centre + along * place.radius_mm * axis, axis, size * place.radius_mm);
         tries.push_back({cup, score(image, cup).contrast});
       }
   std::stable_sort(tries.begin(), tries.end(),
@@ -149,7 +149,7 @@ Candidate best_cup(const Image& image, const Place& place, const std::vector<Vec
   for (const Candidate& t : tries) {
     if (std::any_of(climbed.begin(), climbed.end(), [&](const Vec3& a) { return a.dot(t.cup.axis) > 0.7; })) continue;
     climbed.push_back(t.cup.axis);
-    const Cup cup = climb(image, t.cup, 6);
+    const LvShell cup = local_search(image, t.cup, 6);
     const double worth = worth_of(score(image, cup), typical);
     if (worth > best.worth) best = {cup, worth};
     if (climbed.size() == 4) break;
@@ -165,7 +165,7 @@ double bright_level(const Image& image) {
 }
 
 /// The cup grown about its apex.
-Cup grown(Cup cup, double by) {
+LvShell grown(LvShell cup, double by) {
   const Vec3 apex = cup.apex();
   cup.radius_mm *= by, cup.half_length_mm *= by, cup.base_mm *= by;
   cup.centre = apex + cup.half_length_mm * cup.axis;
@@ -174,11 +174,11 @@ Cup grown(Cup cup, double by) {
 
 /// The cup fitted to the ridge of the wall, up to where the wall ends. A wall that goes on where the cup has closed
 /// shows that the cup lies in the apical part of a wider one: with `may_grow` it is made wider then.
-Cup refined(const Image& image, Cup cup, bool may_grow) {
+LvShell refined(const Image& image, LvShell cup, bool may_grow) {
   constexpr double usual_base = 0.55, highest_base = 0.75, most_growth = 1.3;
   constexpr std::array<double, 7> reaches_mm{12, 12, 12, 12, 10, 8, 8};
   for (std::size_t round = 0; round < reaches_mm.size(); ++round) {
-    const std::optional<Cup> fit = fit_cup(find_ridge(image, cup, 7, 16, reaches_mm[round]), cup);
+    const std::optional<LvShell> fit = fit_cup(find_ridge(image, cup, 7, 16, reaches_mm[round]), cup);
     if (!fit) break;
     cup = *fit;
     const std::optional<BasePlane> base = find_base_plane(image, cup);
@@ -193,8 +193,8 @@ Cup refined(const Image& image, Cup cup, bool may_grow) {
 }
 
 /// The cup in the same place with its apex where the base was.
-Cup exchanged(const Cup& cup) {
-  Cup other = cup;
+LvShell exchanged(const LvShell& cup) {
+  LvShell other = cup;
   other.axis = -cup.axis;
   other.centre = cup.middle() + (cup.middle() - cup.centre);
   return other;
@@ -207,7 +207,7 @@ double middle_of(std::vector<double> values) {
 }
 
 /// Share of a dense set of directions in which the wall is a ridge near the cup.
-double share_of_ridge(const Image& image, const Cup& cup, double brightness, std::vector<double>* away = nullptr) {
+double share_of_ridge(const Image& image, const LvShell& cup, double brightness, std::vector<double>* away = nullptr) {
   const std::vector<RidgePoint> ridge = find_ridge(image, cup, 6, 16, 10);
   std::size_t seen = 0;
   for (const RidgePoint& p : ridge) {
@@ -229,14 +229,14 @@ struct Scene {
 /// Share of the variance of a scene that a cup explains: an open wall whose brightness changes slowly with the
 /// direction, a level inside and one around it. A wall that goes on beyond the supposed base is left unexplained, and
 /// so is one that is not there; a defect costs little, for the brightness may follow it.
-double explained_share(const Scene& scene, const Cup& cup) {
+double explained_share(const Scene& scene, const LvShell& cup) {
   constexpr double step_mm = 7, half_wall_mm = 7.3, rim_mm = 3;  // half_wall: deviation of a smoothed wall
   constexpr int patterns = 9, unknowns = patterns + 2;
   using Row = Eigen::Matrix<double, unknowns, 1>;
   Eigen::Matrix<double, unknowns, unknowns> matrix = Eigen::Matrix<double, unknowns, unknowns>::Zero();
   Row right = Row::Zero();
   double sum = 0, squares = 0, count = 0;
-  const Across a = across(cup.axis);
+  const ShellBasis a = across(cup.axis);
   const auto look = [&](const Vec3& p) {
     const Index3 voxel = voxel_of(scene.image.grid, p);
     if (!scene.image.grid.contains(voxel[0], voxel[1], voxel[2])) return;
@@ -270,7 +270,7 @@ double explained_share(const Scene& scene, const Cup& cup) {
 
 /// How well a cup lies in the wall and explains what is around it. The wall alone would not tell: where a defect takes
 /// the apex away, what is left is a ring that is open at both ends, and a cup that leans into it is bright all over.
-double worth_of(const Scene& scene, const Cup& cup) {
+double worth_of(const Scene& scene, const LvShell& cup) {
   const CupScore s = score(scene.image, cup);
   std::vector<double> away;
   const double share = share_of_ridge(scene.image, cup, s.brightness, &away);
@@ -281,13 +281,13 @@ double worth_of(const Scene& scene, const Cup& cup) {
 
 /// The best refinement of a cup. The apical half of a wide ventricle is a good cup too, so wider ones are tried: they
 /// see more ridge, nearer to an ellipsoid.
-Candidate best_refinement(const Scene& scene, const Cup& start) {
+Candidate best_refinement(const Scene& scene, const LvShell& start) {
   constexpr std::array<double, 3> sizes{1.0, 1.25, 1.5};
-  const Cup climbed = climb(scene.image, start, 3);
+  const LvShell climbed = local_search(scene.image, start, 3);
   std::array<Candidate, 2 * sizes.size()> tries;
   parallel_for(tries.size(), 1, [&](std::size_t n, std::size_t) {
     const bool may_grow = n % 2 != 0;
-    const Cup cup = refined(scene.image, grown(climbed, sizes[n / 2]), may_grow);
+    const LvShell cup = refined(scene.image, grown(climbed, sizes[n / 2]), may_grow);
     tries[n] = {cup, worth_of(scene, cup)};
   });
   Candidate best{climbed, 0};
@@ -298,7 +298,7 @@ Candidate best_refinement(const Scene& scene, const Cup& start) {
 
 /// Blur draws the ridge of a curved wall inwards, by its variance times the mean curvature: little at the sides, some
 /// millimetres at the apex. Put back for a usual camera and wall.
-Cup without_blur(Cup cup) {
+LvShell without_blur(LvShell cup) {
   constexpr double camera_mm = 12 / 2.3548, wall_mm = 10;
   constexpr double variance = smooth_mm * smooth_mm + camera_mm * camera_mm + wall_mm * wall_mm / 12;
   const double r = cup.radius_mm, l = cup.half_length_mm;
@@ -308,7 +308,7 @@ Cup without_blur(Cup cup) {
 }
 
 /// The cup where a person says it is; hints in the frame of the cup.
-Cup held(Cup cup, const std::optional<Vec3>& middle, const std::optional<Vec3>& axis) {
+LvShell held(LvShell cup, const std::optional<Vec3>& middle, const std::optional<Vec3>& axis) {
   const Vec3 found = cup.middle();
   if (axis) cup.axis = *axis;
   cup.centre += middle.value_or(found) - cup.middle();
@@ -363,7 +363,7 @@ std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
 
   const Image smooth = smooth_gaussian(mean, smooth_mm);
   Location result;
-  const Cup& first = found.front().cup;
+  const LvShell& first = found.front().cup;
   const Scene scene{smooth, first.middle(), 2 * first.radius_mm + 25, 1.2 * typical};
   Candidate best = best_refinement(scene, first);
   if (!(best.worth > 0)) return std::nullopt;

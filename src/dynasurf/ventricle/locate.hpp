@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/volume.hpp"
-#include "dynasurf/ventricle/cup.hpp"
+#include "dynasurf/ventricle/lv_shell.hpp"
 
 namespace dynasurf {
 
@@ -17,7 +17,7 @@ struct LocateHints {
 
 /// Where a left ventricle lies in a volume. World frame (LPS, mm).
 struct Location {
-  Cup cup;
+  LvShell cup;
   double contrast = 0;               // of the wall against its sides, relative to the wall: 0 none, 1 perfect
   double ridge_share = 0;            // share of the directions in which the wall was seen as a ridge
   double spread_mm = 0;              // median distance of those points from the cup
@@ -34,9 +34,9 @@ struct Location {
 Image mean_image(std::span<const Image> gates);
 
 /// Finds the ventricle in a volume of any orientation and field of view: hollow shells of all sizes and places are
-/// tried on a coarse grid, the best places become cups (`climb`) in 26 directions, and the best cup is fitted to the
-/// ridge of the wall (`fit_cup`). Absent when nothing in the volume looks like a cup.
-/// A centre or an axis that is given is kept as it is; a radius says where to start.
+/// tried on a coarse grid, the best places become cups (`local_search`) in 26 directions, and the best cup is fitted to
+/// the ridge of the wall (`fit_cup`). Absent when nothing in the volume looks like a cup. A centre or an axis that is
+/// given is kept as it is; a radius says where to start.
 std::optional<Location> locate(const Image& mean, const LocateHints& hints = {});
 
 }  // namespace dynasurf

@@ -35,22 +35,23 @@ struct OrganOptions {
   Tidy tidy;
 };
 void describe(auto& visit, OrganOptions& o) {
-  visit(
-      "source", o.source,
-      Field{"between: values on the organ's side between the two usual values of the image (CT, MR); of_maximum: above "
+  visit("source", o.source,
+        OptionInfo{
+            "between: values on the organ's side between the two usual values of the image (CT, MR); of_maximum: above "
             "a share of the largest (PET); labels: voxels of one value (label maps, masks)"});
-  visit("level", o.level, Field{"where the organ begins: 0 the lower, 1 the upper value", "", 0.01, 0.99});
-  visit("dark", o.dark, Field{"the organ is darker than what lies around it"});
-  visit("label", o.label, Field{"its value in a label map; 0: all that is above 0", "", 0, 1e6});
-  visit("smooth_voxels", o.smooth_voxels,
-        Field{"standard deviation of the smoothing before the steepest slope is looked for; at least 0.7 for labels",
-              "smallest voxel sides", 0, 5});
-  visit("mesh_level", o.mesh_level, Field{"3, 4, 5: 642, 2562, 10242 vertices", "", 2, 6});
-  visit("placement", o.placement, Field{"what the surface starts from"});
-  visit("field", o.field, Field{"vector field of the border"});
-  visit("evolution", o.evolution, Field{"the deformable model"});
-  visit("settle", o.settle, Field{"from where particles stopped to the steepest slope"});
-  visit("tidy", o.tidy, Field{"better triangles, and none that cut each other"});
+  visit("level", o.level, OptionInfo{"where the organ begins: 0 the lower, 1 the upper value", "", 0.01, 0.99});
+  visit("dark", o.dark, OptionInfo{"the organ is darker than what lies around it"});
+  visit("label", o.label, OptionInfo{"its value in a label map; 0: all that is above 0", "", 0, 1e6});
+  visit(
+      "smooth_voxels", o.smooth_voxels,
+      OptionInfo{"standard deviation of the smoothing before the steepest slope is looked for; at least 0.7 for labels",
+                 "smallest voxel sides", 0, 5});
+  visit("mesh_level", o.mesh_level, OptionInfo{"3, 4, 5: 642, 2562, 10242 vertices", "", 2, 6});
+  visit("placement", o.placement, OptionInfo{"what the surface starts from"});
+  visit("field", o.field, OptionInfo{"vector field of the border"});
+  visit("evolution", o.evolution, OptionInfo{"the deformable model"});
+  visit("settle", o.settle, OptionInfo{"from where particles stopped to the steepest slope"});
+  visit("tidy", o.tidy, OptionInfo{"better triangles, and none that cut each other"});
 }
 
 /// Named sets: "ct", "mr", "pet", "labels". Throws OptionError with the choices for an unknown name.

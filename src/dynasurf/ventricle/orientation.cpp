@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/image/resample.hpp"
 
@@ -34,12 +34,12 @@ std::optional<Vec3> whole_vector(const std::optional<double>& x, const std::opti
 }
 
 /// Angle between the stack's normal and the axis, whichever end comes first.
-double tilt_of(const Study& study, const Cup& heart) {
+double tilt_of(const Study& study, const LvShell& heart) {
   const double angle = degrees_between(study.grid().direction.col(2), heart.axis);
   return std::min(angle, 180 - angle);
 }
 
-SliceOrder order_of(const Study& study, const Cup& heart) {
+SliceOrder order_of(const Study& study, const LvShell& heart) {
   return study.grid().direction.col(2).dot(heart.axis) > 0 ? SliceOrder::apex_to_base : SliceOrder::base_to_apex;
 }
 
@@ -89,7 +89,7 @@ Study keep_unless_contradicted(const Study& study, const Location& heart, const 
 
 }  // namespace
 
-LocateHints hints_of(const Manual& m) {
+LocateHints hints_of(const UserOverrides& m) {
   LocateHints hints;
   hints.centre_mm = whole_vector(m.center_x_mm, m.center_y_mm, m.center_z_mm, "center");
   hints.axis = whole_vector(m.axis_x, m.axis_y, m.axis_z, "axis");
@@ -98,7 +98,7 @@ LocateHints hints_of(const Manual& m) {
   return hints;
 }
 
-Grid short_axis_grid(const Cup& heart, double voxel_mm) {
+Grid short_axis_grid(const LvShell& heart, double voxel_mm) {
   Grid grid;
   const Vec3 k = heart.axis.normalized();
   // An axis that stands upright has no horizontal direction of its own.
@@ -117,7 +117,7 @@ Grid short_axis_grid(const Cup& heart, double voxel_mm) {
   return grid;
 }
 
-Study reorient(const Study& study, const Cup& heart, double voxel_mm) {
+Study reorient(const Study& study, const LvShell& heart, double voxel_mm) {
   Study result = study;
   const Grid grid = short_axis_grid(heart, voxel_mm);
   for (Image& image : result.gates) image = resample(image, grid);
@@ -126,9 +126,9 @@ Study reorient(const Study& study, const Cup& heart, double voxel_mm) {
   return result;
 }
 
-Study with_finer_pixels(const Study& study, const Cup& heart, double widest_mm) {
+Study with_finer_pixels(const Study& study, const LvShell& heart, double widest_mm) {
   const Grid& old = study.grid();
-  const Cup cup = to_grid(old, heart);
+  const LvShell cup = to_grid(old, heart);
   Grid grid = old;
   Vec3 corner = Vec3::Zero();  // grid frame of the old stack
   bool is_finer = false;

@@ -26,56 +26,59 @@ struct Orientation {
 };
 void describe(auto& visit, Orientation& o) {
   visit("method", o.method,
-        Field{"header: a short-axis stack as the file says; data: always cut anew square to the axis that was found; "
-              "auto: the file's short-axis stack is kept while the data do not contradict it, others are cut anew"});
+        OptionInfo{
+            "header: a short-axis stack as the file says; data: always cut anew square to the axis that was found; "
+            "auto: the file's short-axis stack is kept while the data do not contradict it, others are cut anew"});
   visit("most_tilt_deg", o.most_tilt_deg,
-        Field{"a stack whose slices lean by less than this from square to the long axis is kept", "deg", 0, 90});
+        OptionInfo{"a stack whose slices lean by less than this from square to the long axis is kept", "deg", 0, 90});
   visit("least_contrast", o.least_contrast,
-        Field{"what was found contradicts a header only when its wall is this clear", "", 0, 1});
+        OptionInfo{"what was found contradicts a header only when its wall is this clear", "", 0, 1});
   visit("widest_pixel_mm", o.widest_pixel_mm,
-        Field{"wider pixels of a stack that is kept are divided around the heart: edges of a small ventricle need room",
-              "mm", 0.5, 100});
+        OptionInfo{
+            "wider pixels of a stack that is kept are divided around the heart: edges of a small ventricle need room",
+            "mm", 0.5, 100});
   visit("voxel_mm", o.voxel_mm,
-        Field{"voxels of the new stack; unset: the smallest distance of voxels in the old one, at most 4 mm", "mm", 0.5,
-              20});
+        OptionInfo{"voxels of the new stack; unset: the smallest distance of voxels in the old one, at most 4 mm", "mm",
+                   0.5, 20});
 }
 
 /// Where the heart lies, as far as a person says so. World frame: DICOM's LPS. Each value replaces what would be found.
-struct Manual {
+struct UserOverrides {
   std::optional<double> center_x_mm, center_y_mm, center_z_mm;
   std::optional<double> axis_x, axis_y, axis_z;
   std::optional<double> radius_mm;
   std::optional<int> first_slice, last_slice;
   std::optional<double> base_plane_mm;
 };
-void describe(auto& visit, Manual& o) {
-  visit("center_x_mm", o.center_x_mm, Field{"middle of the heart, world (LPS); set all three or none", "mm"});
-  visit("center_y_mm", o.center_y_mm, Field{"the same, y", "mm"});
-  visit("center_z_mm", o.center_z_mm, Field{"the same, z", "mm"});
-  visit("axis_x", o.axis_x, Field{"long axis from apex to base, world (LPS), any length; set all three or none"});
-  visit("axis_y", o.axis_y, Field{"the same, y"});
-  visit("axis_z", o.axis_z, Field{"the same, z"});
-  visit("radius_mm", o.radius_mm, Field{"radius of the circle around the ventricle", "mm", 5, 200});
-  visit("first_slice", o.first_slice, Field{"first slice of the ventricle, from 1 at the apex", "", 1, 10000});
-  visit("last_slice", o.last_slice, Field{"last slice of the ventricle, from 1 at the apex", "", 1, 10000});
+void describe(auto& visit, UserOverrides& o) {
+  visit("center_x_mm", o.center_x_mm, OptionInfo{"middle of the heart, world (LPS); set all three or none", "mm"});
+  visit("center_y_mm", o.center_y_mm, OptionInfo{"the same, y", "mm"});
+  visit("center_z_mm", o.center_z_mm, OptionInfo{"the same, z", "mm"});
+  visit("axis_x", o.axis_x, OptionInfo{"long axis from apex to base, world (LPS), any length; set all three or none"});
+  visit("axis_y", o.axis_y, OptionInfo{"the same, y"});
+  visit("axis_z", o.axis_z, OptionInfo{"the same, z"});
+  visit("radius_mm", o.radius_mm, OptionInfo{"radius of the circle around the ventricle", "mm", 5, 200});
+  visit("first_slice", o.first_slice, OptionInfo{"first slice of the ventricle, from 1 at the apex", "", 1, 10000});
+  visit("last_slice", o.last_slice, OptionInfo{"last slice of the ventricle, from 1 at the apex", "", 1, 10000});
   visit("base_plane_mm", o.base_plane_mm,
-        Field{"height of the valve plane in all gates: along the stack, from the middle of slice 1 at the apex", "mm"});
+        OptionInfo{"height of the valve plane in all gates: along the stack, from the middle of slice 1 at the apex",
+                   "mm"});
 }
 
 /// The hints that a person's values give. Throws OptionError when only a part of a vector is set or an axis has no
 /// length.
-LocateHints hints_of(const Manual& manual);
+LocateHints hints_of(const UserOverrides& manual);
 
 /// The grid of a short-axis stack around a heart, slices from apex to base, its columns horizontal in the world (so
 /// that the anterior wall is up and the septum left, as such stacks are shown). World frame.
-Grid short_axis_grid(const Cup& heart, double voxel_mm);
+Grid short_axis_grid(const LvShell& heart, double voxel_mm);
 
 /// The study cut anew on that grid by one cubic interpolation.
-Study reorient(const Study& study, const Cup& heart, double voxel_mm);
+Study reorient(const Study& study, const LvShell& heart, double voxel_mm);
 
 /// The same slices with finer pixels (cubic interpolation), cut to the surroundings of the heart: columns and rows
 /// wider than `widest_mm` are divided by the least whole number that does. World positions stay.
-Study with_finer_pixels(const Study& study, const Cup& heart, double widest_mm);
+Study with_finer_pixels(const Study& study, const LvShell& heart, double widest_mm);
 
 /// The study as a short-axis stack: as it is or cut anew, with notes that say what was done and why
 /// ("orientation.reoriented", "orientation.refined", "orientation.uncertain"). `heart` is where it was found or absent.

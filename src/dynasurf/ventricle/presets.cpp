@@ -24,7 +24,7 @@ VentricleOptions thesis_options() {
   o.orientation.method = OrientationMethod::header;
   o.closure.valve_plane = false;
   o.edges = Canny{.sigma_px = 1.8, .low = 0.3, .high = 0.7};
-  o.labels.bright = Bright::wall;
+  o.labels.bright = ImageContrast::wall;
   o.labels.circle = {.min_component_px = 8, .centroid_tolerance_px = 1, .robust_fit = false};
   o.labels.method = Mlc{.strict_thesis = true, .box_margin_px = 0};
   o.evolution.stop.point = StopPoint::entry;

@@ -2,7 +2,7 @@
 #include <span>
 #include <string_view>
 
-#include "dynasurf/ventricle/reconstruct.hpp"
+#include "dynasurf/ventricle/options.hpp"
 
 namespace dynasurf {
 

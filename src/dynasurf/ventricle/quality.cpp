@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <map>
 
-#include "dynasurf/ventricle/clues.hpp"
+#include "dynasurf/ventricle/detail/quality_metrics.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
 namespace dynasurf {
@@ -56,7 +56,7 @@ std::string gate_list(const std::vector<int>& gates) {
 
 /// Gates of which `says_so` holds become one flag.
 template <class Predicate>
-void flag_gates(const VentricleResult& result, std::vector<Flag>& flags, std::string code, Severity severity,
+void flag_gates(const VentricleResult& result, std::vector<QualityFlag>& flags, std::string code, Severity severity,
                 const std::string& what, Predicate says_so) {
   std::vector<int> gates;
   for (const Gate& gate : result.gates)
@@ -74,12 +74,12 @@ Severity doubt_of_edges(const VentricleResult& result) {
 }
 
 bool is_blood_pool(const VentricleResult& result) {
-  return !result.gates.empty() && result.gates.front().labels.bright == Bright::cavity;
+  return !result.gates.empty() && result.gates.front().labels.bright == ImageContrast::cavity;
 }
 
-void flag_surfaces(const VentricleResult& result, std::vector<Flag>& flags) {
-  for (const Wall wall : {Wall::endo, Wall::epi}) {
-    if (wall == Wall::epi && is_blood_pool(result)) continue;
+void flag_surfaces(const VentricleResult& result, std::vector<QualityFlag>& flags) {
+  for (const Border wall : {Border::endo, Border::epi}) {
+    if (wall == Border::epi && is_blood_pool(result)) continue;
     const auto surface = [wall](const Gate& g) -> const std::optional<Surface>& { return g.edge_surfaces.of(wall); };
     const std::string name(name_of(wall));
     flag_gates(result, flags, "surface_missing", Severity::failure, "no " + name + "cardial border was found",
@@ -105,7 +105,7 @@ void flag_surfaces(const VentricleResult& result, std::vector<Flag>& flags) {
              [](const Gate& g) { return g.edge_surfaces.wall_ml && *g.edge_surfaces.wall_ml <= 0; });
 }
 
-void flag_numbers(const VentricleResult& result, const Clues& clues, std::vector<Flag>& flags) {
+void flag_numbers(const VentricleResult& result, const QualityMetrics& clues, std::vector<QualityFlag>& flags) {
   if (result.wall_variation && *result.wall_variation > most_wall_variation)
     flags.push_back(
         {"wall_volume_varies", Severity::warning,
@@ -136,7 +136,7 @@ void flag_numbers(const VentricleResult& result, const Clues& clues, std::vector
 bool is_told_by_a_surface(const Note& note) { return note.code == "labels.no_endo" || note.code == "labels.no_epi"; }
 
 /// Where the heart was found, and whether the surfaces are there.
-void flag_place(const VentricleResult& result, std::vector<Flag>& flags) {
+void flag_place(const VentricleResult& result, std::vector<QualityFlag>& flags) {
   if (is_blood_pool(result)) {
     flags.push_back({"blood_pool", Severity::warning,
                      "the cavity is bright and no wall is seen: taken for an image of the blood pool, with the inner "
@@ -186,13 +186,13 @@ struct Limit {
   Severity severity = Severity::warning;
 };
 
-void flag_limits(std::span<const Limit> limits, std::vector<Flag>& flags) {
+void flag_limits(std::span<const Limit> limits, std::vector<QualityFlag>& flags) {
   for (const Limit& l : limits)
     if (l.value < l.least || l.value > l.most)
       flags.push_back({l.code, l.severity, format(l.message, l.factor * l.value), l.value});
 }
 
-void flag_base(const Clues& c, std::vector<Flag>& flags) {
+void flag_base(const QualityMetrics& c, std::vector<QualityFlag>& flags) {
   if (c.base_seen < least_base_seen || c.base_spread_mm > most_base_spread_mm)
     flags.push_back({"base_uncertain", Severity::warning,
                      format("the end of the wall was seen in %.0f %% of the directions, %.1f mm from a plane",
@@ -204,9 +204,9 @@ void flag_base(const Clues& c, std::vector<Flag>& flags) {
 }
 
 /// What lies around the heart and what the heart looks like.
-void flag_looks(const VentricleResult& result, const Clues& c, std::vector<Flag>& flags) {
+void flag_looks(const VentricleResult& result, const QualityMetrics& c, std::vector<QualityFlag>& flags) {
   if (!result.heart) return;
-  const Cup& cup = result.heart->cup;
+  const LvShell& cup = result.heart->cup;
   const std::array limits{
       Limit{"heart_cut_off", result.heart->outside, 0, most_outside, "%.0f %% of the wall lie outside the volume", 100},
       Limit{"shape_implausible", cup.half_length_mm / cup.radius_mm, least_elongation, most_elongation,
@@ -228,7 +228,7 @@ void flag_looks(const VentricleResult& result, const Clues& c, std::vector<Flag>
 }
 
 /// Gates against each other.
-void flag_cycle(const Clues& c, std::vector<Flag>& flags) {
+void flag_cycle(const QualityMetrics& c, std::vector<QualityFlag>& flags) {
   const std::array limits{
       Limit{"counts_uneven", c.least_counts, least_counts, 1e9,
             "a gate has only %.0f %% of the counts of the others; its beats may have been cut short", 100},
@@ -242,9 +242,9 @@ void flag_cycle(const Clues& c, std::vector<Flag>& flags) {
   flag_limits(limits, flags);
 }
 
-void flag_missing_slices(const VentricleResult& result, std::vector<Flag>& flags) {
+void flag_missing_slices(const VentricleResult& result, std::vector<QualityFlag>& flags) {
   if (result.gates.empty()) return;
-  for (const Wall wall : {Wall::endo, Wall::epi}) {
+  for (const Border wall : {Border::endo, Border::epi}) {
     const std::string code = "labels." + std::string(name_of(wall)) + "_missing";
     const auto missing = static_cast<double>(
         std::count_if(result.notes.begin(), result.notes.end(), [&](const Note& n) { return n.code == code; }));
@@ -266,7 +266,7 @@ bool is_remark(const std::string& code) {
 }
 
 /// One flag per code of the stages' warnings, with how often it came.
-void flag_notes(const VentricleResult& result, std::vector<Flag>& flags) {
+void flag_notes(const VentricleResult& result, std::vector<QualityFlag>& flags) {
   std::vector<std::string> order;
   std::map<std::string, std::vector<const Note*>> by_code;
   for (const Note& note : result.notes)
@@ -295,11 +295,11 @@ std::span<const std::string_view> names_of(Verdict) {
   return names;
 }
 
-std::vector<Flag> judge(const VentricleResult& result) {
-  std::vector<Flag> flags;
+std::vector<QualityFlag> assess(const VentricleResult& result) {
+  std::vector<QualityFlag> flags;
   flag_surfaces(result, flags);
   flag_place(result, flags);
-  const Clues clues = clues_of(result);
+  const QualityMetrics clues = quality_metrics(result);
   flag_looks(result, clues, flags);
   flag_base(clues, flags);
   flag_cycle(clues, flags);
@@ -309,9 +309,9 @@ std::vector<Flag> judge(const VentricleResult& result) {
   return flags;
 }
 
-Verdict verdict_of(std::span<const Flag> flags) {
+Verdict verdict_of(std::span<const QualityFlag> flags) {
   Verdict verdict = Verdict::ok;
-  for (const Flag& flag : flags) {
+  for (const QualityFlag& flag : flags) {
     if (flag.severity == Severity::failure) return Verdict::fail;
     if (flag.severity == Severity::warning) verdict = Verdict::check;
   }

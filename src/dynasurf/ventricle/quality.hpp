@@ -15,7 +15,7 @@ enum class Verdict { ok, check, fail };
 std::span<const std::string_view> names_of(Verdict);
 
 /// One reason to distrust a result, with its number.
-struct Flag {
+struct QualityFlag {
   std::string code;  // "surface_missing", "wall_volume_varies", ...
   Severity severity = Severity::warning;
   std::string message;
@@ -25,9 +25,9 @@ struct Flag {
 /// Every reason to distrust a finished result (CARD-SANITY and the diagnostics of labelling, field and motion):
 /// a surface that is missing or did not reach its border, walls that cross, a wall volume that beats, volumes or an
 /// ejection fraction that no heart has, warnings of the stages.
-std::vector<Flag> judge(const VentricleResult& result);
+std::vector<QualityFlag> assess(const VentricleResult& result);
 
 /// The worst of the flags: none is `ok`, a warning is `check`, a failure is `fail`.
-Verdict verdict_of(std::span<const Flag> flags);
+Verdict verdict_of(std::span<const QualityFlag> flags);
 
 }  // namespace dynasurf

@@ -1,11 +1,11 @@
-#include "dynasurf/ventricle/readings.hpp"
+#include "dynasurf/ventricle/detail/readings.hpp"
 
 #include <array>
 #include <cmath>
 
-#include "dynasurf/ventricle/cycle.hpp"
-#include "dynasurf/ventricle/fit/wall_posterior.hpp"
-#include "dynasurf/ventricle/measures/regional_errors.hpp"
+#include "dynasurf/ventricle/detail/cycle.hpp"
+#include "dynasurf/ventricle/fit/detail/wall_posterior.hpp"
+#include "dynasurf/ventricle/measures/detail/regional_errors.hpp"
 
 namespace dynasurf {
 namespace {
@@ -24,7 +24,7 @@ Reading reading_of_volumes(ReadingKind kind, const std::vector<double>& cavity_m
   Reading reading;
   reading.kind = kind;
   reading.wall_ml = mean_of(wall_ml);
-  const std::optional<Function> f = left_ventricular_function(cavity_ml);
+  const std::optional<LvVolumes> f = lv_volumes(cavity_ml);
   if (!f) return reading;
   reading.edv_ml = Estimate{f->edv_ml}, reading.esv_ml = Estimate{f->esv_ml}, reading.sv_ml = Estimate{f->sv_ml};
   if (f->ef_percent) reading.ef_percent = Estimate{*f->ef_percent};

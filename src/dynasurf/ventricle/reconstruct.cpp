@@ -5,17 +5,17 @@
 #include <cstdio>
 #include <mutex>
 
+#include "dynasurf/core/detail/stage_clock.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/core/stage_clock.hpp"
 #include "dynasurf/image/intensity.hpp"
-#include "dynasurf/ventricle/border_planes.hpp"
-#include "dynasurf/ventricle/canonical.hpp"
-#include "dynasurf/ventricle/cycle.hpp"
-#include "dynasurf/ventricle/labels/circle.hpp"
-#include "dynasurf/ventricle/readings.hpp"
-#include "dynasurf/ventricle/region.hpp"
-#include "dynasurf/ventricle/relabel.hpp"
+#include "dynasurf/ventricle/detail/border_planes.hpp"
+#include "dynasurf/ventricle/detail/canonical.hpp"
+#include "dynasurf/ventricle/detail/cycle.hpp"
+#include "dynasurf/ventricle/detail/readings.hpp"
+#include "dynasurf/ventricle/detail/region.hpp"
+#include "dynasurf/ventricle/detail/relabel.hpp"
+#include "dynasurf/ventricle/labels/detail/circle.hpp"
 
 namespace dynasurf {
 namespace {
@@ -43,6 +43,7 @@ struct WallRun {
   BorderPlanes planes;
   Image edge_map;  // of pipeline direct
   Placement placement;
+  TriMesh start;  // grid frame; empty for pipeline contour
   FlowResult flow;
   EvolutionResult evolved;
   std::optional<Surface> surface;
@@ -58,7 +59,7 @@ struct GateRun {
   std::optional<BasePlane> base_plane;
   WallRun endo, epi;
   Notes notes;
-  WallRun& wall(Wall w) { return w == Wall::endo ? endo : epi; }
+  WallRun& wall(Border w) { return w == Border::endo ? endo : epi; }
 };
 
 template <class... A>
@@ -68,7 +69,7 @@ std::string format(const char* pattern, A... values) {
   return text.data();
 }
 
-constexpr Wall walls[] = {Wall::endo, Wall::epi};
+constexpr Border walls[] = {Border::endo, Border::epi};
 constexpr int room_voxels = 3;  // around a border, for its field
 
 void find_labels(GateRun& run, const Image& image, const SliceRange& useful, const std::optional<Mask>& region,
@@ -90,7 +91,7 @@ void help_strays(std::vector<GateRun>& gates) {
   for (const Helpers& help : gates_to_help(strays_mm(all))) {
     GateRun& gate = gates[help.gate];
     Labels labels = relabel(gate.edges.edges, gates[help.before].labels, gates[help.after].labels, reach_mm);
-    if (!labels.has(Wall::endo) || !labels.has(Wall::epi)) continue;
+    if (!labels.has(Border::endo) || !labels.has(Border::epi)) continue;
     labels.notes = gate.labels.notes;
     const std::string why = help.stray_mm
                                 ? format("its borders lay %.1f mm from their course over the beat", *help.stray_mm)
@@ -107,7 +108,7 @@ bool is_empty(const Image& border) {
 }
 
 void make_borders(GateRun& run, const Image& image, const VentricleOptions& options) {
-  for (const Wall wall : walls) {
+  for (const Border wall : walls) {
     if (!run.labels.has(wall)) continue;
     Image border = border_volume(run.labels, wall);
     if (options.closure.cover) border = close_border(border, run.base_slice);
@@ -117,7 +118,7 @@ void make_borders(GateRun& run, const Image& image, const VentricleOptions& opti
     run.wall(wall).placement = options.placement;
     if (options.pipeline != Pipeline::direct) continue;
     // One field for both walls: who comes from outside would be held by the outer one.
-    if (wall == Wall::endo) run.wall(wall).placement.direction = Direction::in_to_out;
+    if (wall == Border::endo) run.wall(wall).placement.direction = Direction::in_to_out;
     run.wall(wall).edge_map = edge_map_of(spread_to(image, run.wall(wall).border.grid), options.edge_map);
   }
 }
@@ -135,6 +136,7 @@ TriMesh settled(TriMesh mesh, const Grid& border, const Image& image, const Vent
 void find_surface(WallRun& run, const TriMesh& start, const VentricleOptions& options, const Progress& quiet,
                   StageClock& clock) {
   const Image& map = options.pipeline == Pipeline::direct ? run.edge_map : run.border;
+  run.start = start;
   run.flow = clock("field", [&] { return flow_field(map, options.field, quiet); });
   run.evolved = clock("surfaces",
                       [&] { return evolve(start, run.flow.field, run.border, options.evolution, quiet, &run.planes); });
@@ -143,7 +145,7 @@ void find_surface(WallRun& run, const TriMesh& start, const VentricleOptions& op
 /// The outer wall first: it bounds the search for the inner one. A wall without contours keeps no border and no mesh.
 void find_contours(GateRun& run, const Image& image, const VentricleOptions& options, StageClock& clock) {
   WallContours outer;
-  for (const Wall wall : {Wall::epi, Wall::endo}) {
+  for (const Border wall : {Border::epi, Border::endo}) {
     if (!run.wall(wall).exists()) continue;
     WallContours contours = clock("contours", [&] {
       return propagate_contours(image, run.labels, wall, run.base_slice, options.contour,
@@ -160,7 +162,7 @@ void find_contours(GateRun& run, const Image& image, const VentricleOptions& opt
       run.wall(wall) = {};
       run.notes.insert(run.notes.end(), contours.notes.begin(), contours.notes.end());
     }
-    if (wall == Wall::epi) outer = std::move(contours);
+    if (wall == Border::epi) outer = std::move(contours);
   }
 }
 
@@ -200,7 +202,7 @@ Gate finish_gate(GateRun& run, int g, const VentricleResult& result) {
 
 /// Surfaces that started from the data themselves have triangles of their own in every gate.
 void note_correspondence(VentricleResult& result) {
-  for (const Wall wall : walls)
+  for (const Border wall : walls)
     for (const Gate& gate : result.gates) {
       const auto &first = result.gates[0].surfaces.of(wall), &here = gate.surfaces.of(wall);
       if (first && here && here->mesh.triangles != first->mesh.triangles) {
@@ -212,12 +214,14 @@ void note_correspondence(VentricleResult& result) {
     }
 }
 
-void hand_over_stages(const StageSink& keep, std::vector<GateRun>& runs, const Study& study) {
+void hand_over_stages(const IntermediateSink& keep, std::vector<GateRun>& runs, const Study& study) {
   for (std::size_t g = 0; g < runs.size(); ++g) {
     GateRun& run = runs[g];
-    Stages stages{static_cast<int>(g), &study.gates[g], &run.edges, &run.labels};
+    Intermediates stages{static_cast<int>(g), &study.gates[g], &run.edges, &run.labels};
     if (run.endo.exists()) stages.border_endo = &run.endo.border;
     if (run.epi.exists()) stages.border_epi = &run.epi.border;
+    if (!run.endo.start.vertices.empty()) stages.start_endo = &run.endo.start;
+    if (!run.epi.start.vertices.empty()) stages.start_epi = &run.epi.start;
     if (!run.endo.flow.field.x.empty()) stages.field_endo = &run.endo.flow.field;
     if (!run.epi.flow.field.x.empty()) stages.field_epi = &run.epi.flow.field;
     keep(stages);
@@ -241,9 +245,10 @@ struct StudyRun {
 
 /// What is bright in a study: a wall, where one was clearly seen, else what the labels of the mean say. One answer for
 /// all gates: the cavity of a small heart at end-systole may look filled.
-Bright what_is_bright(const Study& study, const std::optional<Location>& heart, const VentricleOptions& options) {
-  if (options.labels.bright != Bright::automatic) return options.labels.bright;
-  if (heart && heart->is_clear()) return Bright::wall;
+ImageContrast detect_contrast(const Study& study, const std::optional<Location>& heart,
+                              const VentricleOptions& options) {
+  if (options.labels.bright != ImageContrast::automatic) return options.labels.bright;
+  if (heart && heart->is_clear()) return ImageContrast::wall;
   Notes notes;
   const Image mean = normalise(mean_image(study.gates), notes);
   return label_borders(mean, detect_edges(mean, options.edges), options.labels).bright;
@@ -275,8 +280,8 @@ StudyRun run_borders(const Study& whole, const VentricleOptions& requested, cons
   const LocateHints hints = hints_of(options.manual);
   run.heart = clock("locate", [&] { return locate_upright(original, hints); });
   if (hints.axis) options.orientation.method = OrientationMethod::data;  // slices square to what a person says
-  options.labels.bright = clock("locate", [&] { return what_is_bright(original, run.heart, options); });
-  if (options.labels.bright == Bright::cavity) run.heart.reset();  // it is looked for by its wall
+  options.labels.bright = clock("locate", [&] { return detect_contrast(original, run.heart, options); });
+  if (options.labels.bright == ImageContrast::cavity) run.heart.reset();  // it is looked for by its wall
   run.study = canonical_study(orient(original, run.heart, options.orientation));
   require_inside(options.manual, original, run.study);
   for (Image& image : run.study.gates) {
@@ -337,7 +342,7 @@ BorderResult find_borders(const Study& study, const VentricleOptions& options, c
 }
 
 VentricleResult reconstruct(const Study& original, const VentricleOptions& requested, const Progress& progress,
-                            const StageSink& keep, const TriMesh* start, const Image* mask) {
+                            const IntermediateSink& keep, const TriMesh* start, const Image* mask) {
   if (requested.label > 0)
     return reconstruct(only_label(original, requested.label), without_label(requested), progress, keep, start, mask);
   if (requested.placement.shape == StartShape::file && start == nullptr)
@@ -407,7 +412,7 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
     for (const Notes* notes : {&run.edges.notes, &run.labels.notes, &run.notes, &run.endo.flow.notes,
                                &run.endo.evolved.notes, &run.epi.flow.notes, &run.epi.evolved.notes})
       add_notes(result.notes, *notes, g);
-    for (const Wall wall : walls)
+    for (const Border wall : walls)
       if (run.wall(wall).surface) add_notes(result.notes, run.wall(wall).surface->notes, g);
     result.gates.push_back(finish_gate(run, g, result));
   }
@@ -416,7 +421,7 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
   choose_leading(result);
   note_correspondence(result);
   result.measures = clock("measures", [&] { return measure_study(result, options.measures); });
-  result.flags = judge(result);
+  result.flags = assess(result);
   result.verdict = verdict_of(result.flags);
   return result;
 }

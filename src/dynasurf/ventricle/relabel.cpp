@@ -1,19 +1,19 @@
-#include "dynasurf/ventricle/relabel.hpp"
+#include "dynasurf/ventricle/detail/relabel.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
-#include "dynasurf/ventricle/smooth_cycle.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/ventricle/detail/smooth_cycle.hpp"
 
 namespace dynasurf {
 namespace {
 
 constexpr double most_stray_mm = 4;  // gates that lie farther do not bend the smooth course either
 
-std::uint8_t bit_of(Wall wall) { return wall == Wall::endo ? Labels::endo_bit : Labels::epi_bit; }
+std::uint8_t bit_of(Border wall) { return wall == Border::endo ? Labels::endo_bit : Labels::epi_bit; }
 
-std::optional<double> mean_radius_mm(const Labels& labels, Wall wall, int base_slice) {
+std::optional<double> mean_radius_mm(const Labels& labels, Border wall, int base_slice) {
   const Grid& grid = labels.borders.grid;
   double sum = 0;
   int count = 0;
@@ -43,7 +43,7 @@ double nearest(const Mask& borders, std::uint8_t bit, int i, int j, int k, int r
 
 std::vector<std::optional<double>> strays_mm(std::span<const GateLabels> gates) {
   std::vector<std::optional<double>> strays(gates.size(), 0.0);
-  for (const Wall wall : {Wall::endo, Wall::epi}) {
+  for (const Border wall : {Border::endo, Border::epi}) {
     // Few waves, so that they do not bend towards a gate that strays.
     std::vector<std::optional<double>> radii;
     for (const GateLabels& gate : gates) radii.push_back(mean_radius_mm(*gate.labels, wall, gate.base_slice));

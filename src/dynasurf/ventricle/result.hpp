@@ -9,9 +9,9 @@
 #include "dynasurf/ventricle/estimate.hpp"
 #include "dynasurf/ventricle/fit/blur_fit.hpp"
 #include "dynasurf/ventricle/fit/gaussian_profile.hpp"
-#include "dynasurf/ventricle/function.hpp"
 #include "dynasurf/ventricle/labels.hpp"
 #include "dynasurf/ventricle/locate.hpp"
+#include "dynasurf/ventricle/lv_volumes.hpp"
 #include "dynasurf/ventricle/measures/measures.hpp"
 #include "dynasurf/ventricle/quality.hpp"
 #include "dynasurf/ventricle/surface.hpp"
@@ -50,7 +50,7 @@ struct LeadingSurface {
 struct LeadingSurfaces {
   std::optional<LeadingSurface> endo, epi;
   std::optional<BasePlane> base_plane;  // world frame: the surfaces end there
-  const std::optional<LeadingSurface>& of(Wall wall) const { return wall == Wall::endo ? endo : epi; }
+  const std::optional<LeadingSurface>& of(Border wall) const { return wall == Border::endo ? endo : epi; }
 };
 
 /// The surfaces that were deformed onto the edges of a gate.
@@ -58,7 +58,7 @@ struct EdgeSurfaces {
   std::optional<Surface> endo, epi;
   std::optional<BasePlane> base_plane;  // world frame; absent when it was not found
   std::optional<double> wall_ml;        // epi - endo
-  const std::optional<Surface>& of(Wall wall) const { return wall == Wall::endo ? endo : epi; }
+  const std::optional<Surface>& of(Border wall) const { return wall == Border::endo ? endo : epi; }
 };
 
 struct Gate {
@@ -81,7 +81,7 @@ struct VentricleResult {
   std::optional<double> wall_variation;  // coefficient of variation of the edges' wall over the cycle
   std::optional<Measures> measures;      // of the leading surfaces; absent when no gate has one
   Verdict verdict = Verdict::fail;
-  std::vector<Flag> flags;
+  std::vector<QualityFlag> flags;
   Notes notes;
   std::vector<std::pair<std::string, double>> seconds;  // per stage, in order, summed over gates
 };

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "dynasurf/image/resample.hpp"
-#include "dynasurf/mesh/ray_tree.hpp"
+#include "dynasurf/mesh/ray_bvh.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
 namespace dynasurf {

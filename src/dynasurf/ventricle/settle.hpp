@@ -14,11 +14,12 @@ struct Settle {
 };
 void describe(auto& visit, Settle& o) {
   visit("rounds", o.rounds,
-        Field{"how often the surface moves to the steepest slope of the image along its normals; 0: it stays where its "
-              "particles stopped (thesis)",
-              "", 0, 100});
+        OptionInfo{
+            "how often the surface moves to the steepest slope of the image along its normals; 0: it stays where its "
+            "particles stopped (thesis)",
+            "", 0, 100});
   visit("reach_voxels", o.reach_voxels,
-        Field{"how far to both sides a round looks for it", "smallest voxel sides", 0.1, 10});
+        OptionInfo{"how far to both sides a round looks for it", "smallest voxel sides", 0.1, 10});
 }
 
 /// Moves the vertices of a closed surface (grid frame of `image`, oriented outwards) along their normals to where the

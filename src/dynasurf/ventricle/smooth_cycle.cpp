@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/smooth_cycle.hpp"
+#include "dynasurf/ventricle/detail/smooth_cycle.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <Eigen/Dense>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 
 namespace dynasurf {
 namespace {

@@ -1,11 +1,11 @@
-#include "dynasurf/dynamics/contour/surface_curvature.hpp"
+#include "dynasurf/dynamics/contour/detail/surface_curvature.hpp"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
 #include "dynasurf/dynamics/evolve.hpp"
-#include "dynasurf/dynamics/solvers/particle_solver.hpp"
+#include "dynasurf/dynamics/solvers/detail/particle_solver.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
 namespace dynasurf {

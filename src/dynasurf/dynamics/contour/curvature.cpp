@@ -1,4 +1,4 @@
-#include "dynasurf/dynamics/contour/curvature.hpp"
+#include "dynasurf/dynamics/contour/detail/curvature.hpp"
 
 #include <array>
 #include <optional>

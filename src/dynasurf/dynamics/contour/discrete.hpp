@@ -5,8 +5,8 @@
 #include "dynasurf/core/contour.hpp"
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/options.hpp"
-#include "dynasurf/dynamics/contour/curvature.hpp"
-#include "dynasurf/dynamics/evolve.hpp"
+#include "dynasurf/dynamics/contour/detail/curvature.hpp"
+#include "dynasurf/dynamics/options.hpp"
 #include "dynasurf/field/vector_field.hpp"
 
 namespace dynasurf {
@@ -28,21 +28,22 @@ struct DiscreteContour {
   int max_steps = 2000;
 };
 void describe(auto& visit, DiscreteContour& o) {
-  visit("external", o.external, Field{"w_ex: weight of the field, whose largest vector should be 1", "", 0, 1e3});
+  visit("external", o.external, OptionInfo{"w_ex: weight of the field, whose largest vector should be 1", "", 0, 1e3});
   visit("internal", o.internal,
-        Field{"w_in: weight of the local curvature force; 0 leaves the contour limp", "", 0, 1e3});
-  visit("damping", o.damping, Field{"-w_damp: force against the velocity", "", 0, 1e3});
-  visit("mass", o.mass, Field{"of each point", "", 1e-6, 1e6});
-  visit("step", o.step, Field{"time step", "", 1e-6, 1e3});
+        OptionInfo{"w_in: weight of the local curvature force; 0 leaves the contour limp", "", 0, 1e3});
+  visit("damping", o.damping, OptionInfo{"-w_damp: force against the velocity", "", 0, 1e3});
+  visit("mass", o.mass, OptionInfo{"of each point", "", 1e-6, 1e6});
+  visit("step", o.step, OptionInfo{"time step", "", 1e-6, 1e3});
   visit("edge_px", o.edge_px,
-        Field{"l_des: edges below half of it are merged, above 1.5 of it split (thesis 3.48-3.49)", "px", 0.1, 1000});
-  visit("resample_every", o.resample_every, Field{"steps between two resamplings; 0 never", "", 0, 1000000});
+        OptionInfo{"l_des: edges below half of it are merged, above 1.5 of it split (thesis 3.48-3.49)", "px", 0.1,
+                   1000});
+  visit("resample_every", o.resample_every, OptionInfo{"steps between two resamplings; 0 never", "", 0, 1000000});
   visit("radial_only", o.radial_only,
-        Field{"only the radial part of the field acts, so that points do not gather (thesis 3.32)"});
-  visit("filter", o.filter, Field{"fixed {-1/2, 1, -1/2} or by local edge length"});
-  visit("still_px", o.still_px, Field{"at rest below this velocity and acceleration", "px", 0, 1});
-  visit("still_checks", o.still_checks, Field{"steps in a row", "", 1, 100000});
-  visit("max_steps", o.max_steps, Field{"the run ends here in any case", "", 1, 100000000});
+        OptionInfo{"only the radial part of the field acts, so that points do not gather (thesis 3.32)"});
+  visit("filter", o.filter, OptionInfo{"fixed {-1/2, 1, -1/2} or by local edge length"});
+  visit("still_px", o.still_px, OptionInfo{"at rest below this velocity and acceleration", "px", 0, 1});
+  visit("still_checks", o.still_checks, OptionInfo{"steps in a row", "", 1, 100000});
+  visit("max_steps", o.max_steps, OptionInfo{"the run ends here in any case", "", 1, 100000000});
 }
 
 struct ContourResult {

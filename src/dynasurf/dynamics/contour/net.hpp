@@ -26,26 +26,28 @@ struct ActiveNet {
   int sparse = 10;
 };
 void describe(auto& visit, ActiveNet& o) {
-  visit("rows", o.rows, Field{"nodes of the dense net", "", 3, 500});
-  visit("columns", o.columns, Field{"nodes of the dense net", "", 3, 500});
-  visit("alpha", o.alpha, Field{"contraction: squared distance of linked nodes, in first spacings", "", 0, 1e6});
-  visit("beta", o.beta, Field{"bending of the lines of the net", "", 0, 1e6});
-  visit("xi", o.xi, Field{"pull of external nodes to strong gradients", "", 0, 1e6});
-  visit("window", o.window, Field{"side of the square over which the image is averaged", "px", 1, 31});
-  visit("sigma_px", o.sigma_px, Field{"Gaussian before the gradient", "px", 0, 20});
-  visit("dark_objects", o.dark_objects, Field{"objects are dark on bright, as in the thesis"});
-  visit("max_sweeps", o.max_sweeps, Field{"passes over all nodes before a minimum is given up", "", 1, 1000000});
+  visit("rows", o.rows, OptionInfo{"nodes of the dense net", "", 3, 500});
+  visit("columns", o.columns, OptionInfo{"nodes of the dense net", "", 3, 500});
+  visit("alpha", o.alpha, OptionInfo{"contraction: squared distance of linked nodes, in first spacings", "", 0, 1e6});
+  visit("beta", o.beta, OptionInfo{"bending of the lines of the net", "", 0, 1e6});
+  visit("xi", o.xi, OptionInfo{"pull of external nodes to strong gradients", "", 0, 1e6});
+  visit("window", o.window, OptionInfo{"side of the square over which the image is averaged", "px", 1, 31});
+  visit("sigma_px", o.sigma_px, OptionInfo{"Gaussian before the gradient", "px", 0, 20});
+  visit("dark_objects", o.dark_objects, OptionInfo{"objects are dark on bright, as in the thesis"});
+  visit("max_sweeps", o.max_sweeps, OptionInfo{"passes over all nodes before a minimum is given up", "", 1, 1000000});
   visit("bad_distance_px", o.bad_distance_px,
-        Field{"a link of the rim that lies in the background and farther than this from every strong gradient breaks",
-              "px", 0, 1000});
+        OptionInfo{
+            "a link of the rim that lies in the background and farther than this from every strong gradient breaks",
+            "px", 0, 1000});
   visit("hole_level", o.hole_level,
-        Field{"an internal node with more of the background than this lies in a hole or concavity", "", 0, 1});
+        OptionInfo{"an internal node with more of the background than this lies in a hole or concavity", "", 0, 1});
   visit("reach", o.reach,
-        Field{"pull of external nodes to the nearest strong gradient, per px: moves of whole pixels do not carry a net "
-              "over "
-              "an empty plane by its contraction alone",
-              "", 0, 1e3});
-  visit("sparse", o.sparse, Field{"nodes per side of the first net, which finds the objects", "", 3, 500});
+        OptionInfo{
+            "pull of external nodes to the nearest strong gradient, per px: moves of whole pixels do not carry a net "
+            "over "
+            "an empty plane by its contraction alone",
+            "", 0, 1e3});
+  visit("sparse", o.sparse, OptionInfo{"nodes per side of the first net, which finds the objects", "", 3, 500});
 }
 
 /// A mesh of squares over part of a plane. Nodes that lost all their squares are gone.

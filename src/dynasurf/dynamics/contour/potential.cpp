@@ -4,9 +4,9 @@
 #include <cmath>
 #include <string>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/field/gradient.hpp"
+#include "dynasurf/field/detail/gradient.hpp"
 
 namespace dynasurf {
 namespace {

@@ -36,8 +36,8 @@ struct Potential {
   double sigma_px = 1;
 };
 void describe(auto& visit, Potential& o) {
-  visit("source", o.source, Field{"gradient: borders are valleys; bright, dark: lines of that kind are"});
-  visit("sigma_px", o.sigma_px, Field{"Gaussian before all else", "px", 0, 20});
+  visit("source", o.source, OptionInfo{"gradient: borders are valleys; bright, dark: lines of that kind are"});
+  visit("sigma_px", o.sigma_px, OptionInfo{"Gaussian before all else", "px", 0, 20});
 }
 /// E_im, from -1 to 0; a constant plane gives 0 everywhere.
 Image image_potential(const Image& plane, const Potential& options);

@@ -15,14 +15,15 @@ struct Snake {
   int max_steps = 2000;
 };
 void describe(auto& visit, Snake& o) {
-  visit("alpha", o.alpha, Field{"tension: resists stretching", "", 0, 1e6});
-  visit("beta", o.beta, Field{"rigidity: resists bending", "", 0, 1e6});
-  visit("step", o.step, Field{"time step", "", 1e-6, 1e6});
-  visit("external", o.external, Field{"weight of the field, whose largest vector should be 1", "", 0, 1e3});
-  visit("edge_px", o.edge_px, Field{"distance of the points", "px", 0.1, 1000});
-  visit("respace_every", o.respace_every, Field{"steps between two spacings at equal arcs; 0 never", "", 0, 1000000});
-  visit("still_px", o.still_px, Field{"at rest when no point moves farther in a step", "px", 0, 1});
-  visit("max_steps", o.max_steps, Field{"the run ends here in any case", "", 1, 100000000});
+  visit("alpha", o.alpha, OptionInfo{"tension: resists stretching", "", 0, 1e6});
+  visit("beta", o.beta, OptionInfo{"rigidity: resists bending", "", 0, 1e6});
+  visit("step", o.step, OptionInfo{"time step", "", 1e-6, 1e6});
+  visit("external", o.external, OptionInfo{"weight of the field, whose largest vector should be 1", "", 0, 1e3});
+  visit("edge_px", o.edge_px, OptionInfo{"distance of the points", "px", 0.1, 1000});
+  visit("respace_every", o.respace_every,
+        OptionInfo{"steps between two spacings at equal arcs; 0 never", "", 0, 1000000});
+  visit("still_px", o.still_px, OptionInfo{"at rest when no point moves farther in a step", "px", 0, 1});
+  visit("max_steps", o.max_steps, OptionInfo{"the run ends here in any case", "", 1, 100000000});
 }
 
 /// x_t = alpha x'' - beta x'''' + V(x), points one unit of the parameter apart, implicit in the internal part:

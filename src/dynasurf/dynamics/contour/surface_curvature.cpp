@@ -1,8 +1,8 @@
-#include "dynasurf/dynamics/contour/surface_curvature.hpp"
+#include "dynasurf/dynamics/contour/detail/surface_curvature.hpp"
 
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
 namespace dynasurf {

@@ -3,8 +3,8 @@
 #include <map>
 #include <numbers>
 
-#include "dynasurf/core/elementary.hpp"
-#include "dynasurf/dynamics/forces/condition.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/dynamics/forces/detail/condition.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
 
 namespace dynasurf {

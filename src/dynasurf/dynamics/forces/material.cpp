@@ -1,4 +1,4 @@
-#include "dynasurf/dynamics/forces/material.hpp"
+#include "dynasurf/dynamics/forces/detail/material.hpp"
 
 #include <cmath>
 

@@ -1,8 +1,8 @@
 #include <memory>
 
-#include "dynasurf/dynamics/field_force.hpp"
+#include "dynasurf/dynamics/detail/field_force.hpp"
+#include "dynasurf/dynamics/forces/detail/spring.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
-#include "dynasurf/dynamics/forces/spring.hpp"
 
 namespace dynasurf {
 namespace {

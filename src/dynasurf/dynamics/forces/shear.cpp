@@ -1,6 +1,6 @@
-#include "dynasurf/dynamics/forces/condition.hpp"
+#include "dynasurf/dynamics/forces/detail/condition.hpp"
+#include "dynasurf/dynamics/forces/detail/material.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
-#include "dynasurf/dynamics/forces/material.hpp"
 
 namespace dynasurf {
 

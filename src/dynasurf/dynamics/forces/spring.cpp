@@ -1,4 +1,4 @@
-#include "dynasurf/dynamics/forces/spring.hpp"
+#include "dynasurf/dynamics/forces/detail/spring.hpp"
 
 #include <algorithm>
 #include <memory>

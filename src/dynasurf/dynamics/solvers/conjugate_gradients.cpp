@@ -1,4 +1,4 @@
-#include "dynasurf/dynamics/solvers/conjugate_gradients.hpp"
+#include "dynasurf/dynamics/solvers/detail/conjugate_gradients.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "dynasurf/dynamics/solvers/particle_solver.hpp"
+#include "dynasurf/dynamics/solvers/detail/particle_solver.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <Eigen/LU>
 
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/dynamics/solvers/conjugate_gradients.hpp"
+#include "dynasurf/dynamics/solvers/detail/conjugate_gradients.hpp"
 
 namespace dynasurf {
 namespace {

@@ -1,6 +1,6 @@
 #include <array>
 
-#include "dynasurf/dynamics/solvers/error_control.hpp"
+#include "dynasurf/dynamics/solvers/detail/error_control.hpp"
 
 namespace dynasurf {
 namespace {

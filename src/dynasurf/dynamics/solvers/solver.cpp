@@ -7,9 +7,9 @@
 #include <limits>
 #include <string>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/dynamics/solvers/error_control.hpp"
+#include "dynasurf/dynamics/solvers/detail/error_control.hpp"
 
 namespace dynasurf {
 namespace {

@@ -3,7 +3,7 @@
 #include <limits>
 #include <span>
 
-#include "dynasurf/dynamics/solvers/solver_options.hpp"
+#include "dynasurf/dynamics/solvers/detail/solver_options.hpp"
 
 namespace dynasurf {
 

@@ -1,5 +1,5 @@
-#include "dynasurf/core/elementary.hpp"
-#include "dynasurf/dynamics/solvers/error_control.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/dynamics/solvers/detail/error_control.hpp"
 
 namespace dynasurf {
 namespace {

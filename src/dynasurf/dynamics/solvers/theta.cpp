@@ -1,4 +1,4 @@
-#include "dynasurf/dynamics/solvers/theta.hpp"
+#include "dynasurf/dynamics/solvers/detail/theta.hpp"
 
 #include <vector>
 

@@ -6,11 +6,11 @@
 #include <sstream>
 #include <string>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/field/band/bricks.hpp"
-#include "dynasurf/field/gradient.hpp"
+#include "dynasurf/field/band/detail/bricks.hpp"
+#include "dynasurf/field/detail/gradient.hpp"
 
 namespace dynasurf {
 

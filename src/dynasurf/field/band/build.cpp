@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dynasurf/field/band/bricks.hpp"
+#include "dynasurf/field/band/detail/bricks.hpp"
 
 namespace dynasurf::band {
 

@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/field/band/bricks.hpp"
+#include "dynasurf/field/band/detail/bricks.hpp"
 
 namespace dynasurf::band {
 

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <span>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/field/gradient.hpp"
-#include "dynasurf/field/multigrid/view.hpp"
+#include "dynasurf/field/detail/gradient.hpp"
+#include "dynasurf/field/multigrid/detail/view.hpp"
 
 namespace dynasurf::multigrid {
 
@@ -63,7 +63,7 @@ std::array<Axis, 3> coarsen(std::array<Axis, 3>& fine) {
 }
 
 /// Sizes and the values along i that all rows share.
-void lay_out(Level& l, std::array<Axis, 3> axis, bool finest) {
+void rasterise(Level& l, std::array<Axis, 3> axis, bool finest) {
   const bool changed = l.nx() != axis[0].count || l.ny() != axis[1].count || l.nz() != axis[2].count;
   l.axis = std::move(axis);
   l.finest = finest;
@@ -480,12 +480,12 @@ DataStrength build(std::vector<Level>& levels, const Image& map, const Vec3& rat
     const double width = 1 / std::sqrt(rates[static_cast<int>(d)]);
     axis[d] = axis_of(std::vector<double>(static_cast<std::size_t>(map.grid.dims[static_cast<int>(d)]), width), width);
   }
-  lay_out(levels[0], axis, true);
+  rasterise(levels[0], axis, true);
   std::size_t count = 1;
   for (; levels[count - 1].cells() > 1; ++count) {
     if (levels.size() == count) levels.emplace_back();
     std::array<Axis, 3> coarse = coarsen(levels[count - 1].axis);
-    lay_out(levels[count], std::move(coarse), false);
+    rasterise(levels[count], std::move(coarse), false);
   }
   levels.resize(count);
   for (Level& l : levels) fill_lanes(l);

@@ -1,4 +1,4 @@
-#include "dynasurf/field/multigrid/hierarchy.hpp"
+#include "dynasurf/field/multigrid/detail/hierarchy.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/field/simd.hpp"
+#include "dynasurf/field/detail/simd.hpp"
 
 namespace dynasurf::multigrid {
 

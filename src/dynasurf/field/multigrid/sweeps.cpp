@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "dynasurf/field/multigrid/view.hpp"
+#include "dynasurf/field/multigrid/detail/view.hpp"
 
 namespace dynasurf::multigrid {
 

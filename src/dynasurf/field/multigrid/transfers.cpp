@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "dynasurf/field/multigrid/view.hpp"
+#include "dynasurf/field/multigrid/detail/view.hpp"
 
 namespace dynasurf::multigrid {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <vector>
 
+#include "dynasurf/image/detail/ridges.hpp"
 #include "dynasurf/image/edges.hpp"
-#include "dynasurf/image/ridges.hpp"
 
 namespace dynasurf {
 

@@ -1,4 +1,4 @@
-#include "dynasurf/image/edges/compass.hpp"
+#include "dynasurf/image/edges/detail/compass.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <numbers>
 
-#include "dynasurf/core/elementary.hpp"
-#include "dynasurf/image/ridges.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/image/detail/ridges.hpp"
 
 // All masses and values are whole numbers, so that their sums are exact: the map of a turned image is the turned map,
 // and half windows can be summed up wedge by wedge.

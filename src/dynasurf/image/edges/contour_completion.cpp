@@ -1,9 +1,9 @@
-#include "dynasurf/image/edges/contour_completion.hpp"
+#include "dynasurf/image/edges/detail/contour_completion.hpp"
 
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
-#include "dynasurf/image/ridges.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/image/detail/ridges.hpp"
 
 namespace dynasurf {
 namespace {

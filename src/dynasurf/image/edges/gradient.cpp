@@ -1,8 +1,8 @@
 #include <array>
 #include <cmath>
 
+#include "dynasurf/image/detail/ridges.hpp"
 #include "dynasurf/image/edges.hpp"
-#include "dynasurf/image/ridges.hpp"
 
 namespace dynasurf {
 

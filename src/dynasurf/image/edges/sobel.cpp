@@ -1,5 +1,5 @@
+#include "dynasurf/image/detail/ridges.hpp"
 #include "dynasurf/image/edges.hpp"
-#include "dynasurf/image/ridges.hpp"
 
 namespace dynasurf {
 namespace {

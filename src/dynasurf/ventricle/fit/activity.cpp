@@ -1,19 +1,19 @@
-#include "dynasurf/ventricle/fit/activity.hpp"
+#include "dynasurf/ventricle/fit/detail/activity.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/ventricle/fit/harmonics.hpp"
-#include "dynasurf/ventricle/fit/lane_math.hpp"
+#include "dynasurf/ventricle/fit/detail/harmonics.hpp"
+#include "dynasurf/ventricle/fit/detail/lane_math.hpp"
 
 namespace dynasurf {
 namespace {
 
-using detail::Lines, detail::Step, detail::step_at;
+using detail::AlignedMatrix, detail::Step, detail::normal_cdf;
 
 /// Inside of a wall at q_wall seen from q. A step of width e in q, moved in by e^2 / q_wall, holds the volume of the
 /// sharp one: the integral of 3 q^2 over it is q_wall^3.
@@ -22,7 +22,7 @@ struct Inside {
 };
 DYNASURF_INLINE Inside inside_of(float wall, float q, float edge) {
   const float s = (wall - edge * edge / wall - q) / edge;
-  const Step step = step_at(s);
+  const Step step = normal_cdf(s);
   return {step.share, step.slope * (1 / edge + edge / (wall * wall))};
 }
 
@@ -35,20 +35,20 @@ struct Blending {
   std::vector<float> numbers;  // [harmonic][gate]
 };
 Blending blending_of(const std::vector<Eigen::VectorXd>& gates, int first, int degree, const HeartCells& cells,
-                     Lines& field) {
+                     AlignedMatrix& field) {
   const int count = harmonics_up_to(degree);
   // What all gates have in common is summed once.
   const bool is_common = std::all_of(gates.begin(), gates.end(), [&](const Eigen::VectorXd& gate) {
     return gate.segment(first, count) == gates.front().segment(first, count);
   });
-  field = Lines(is_common ? 1 : gates.size(), cells.cell.size());
+  field = AlignedMatrix(is_common ? 1 : gates.size(), cells.cell.size());
   Blending blending{static_cast<std::size_t>(count), {}};
   for (int k = 0; k < count; ++k)
     for (std::size_t g = 0; g < field.count; ++g) blending.numbers.push_back(static_cast<float>(gates[g][first + k]));
   return blending;
 }
 
-const float* line_of(const Lines& fields, std::size_t g) { return fields.line(fields.count == 1 ? 0 : g); }
+const float* line_of(const AlignedMatrix& fields, std::size_t g) { return fields.line(fields.count == 1 ? 0 : g); }
 
 struct Plane {
   float height, along_x, along_y;
@@ -79,9 +79,9 @@ GateCells gate_cells(const HeartCells& cells, const GateLayout& layout, const Ei
 }
 
 DYNASURF_CLONES
-void lay_walls(const GateCells& cells, const float* __restrict log_endo, const float* __restrict log_wall,
-               float* __restrict endo, float* __restrict epi, float* __restrict by_endo, float* __restrict by_epi,
-               float* __restrict epi_by_endo, float* __restrict epi_by_wall) {
+void rasterise_walls(const GateCells& cells, const float* __restrict log_endo, const float* __restrict log_wall,
+                     float* __restrict endo, float* __restrict epi, float* __restrict by_endo, float* __restrict by_epi,
+                     float* __restrict epi_by_endo, float* __restrict epi_by_wall) {
   for (std::size_t c = 0; c < cells.count; ++c) {
     const float q_endo = detail::exp_of(std::min(std::max(log_endo[c], -4.0F), 2.0F));
     const float muscle = detail::exp_of(std::min(std::max(log_wall[c], -9.0F), 4.0F));
@@ -105,7 +105,7 @@ void lay_activity(const GateCells& cells, const float* __restrict log_uptake, co
   for (std::size_t c = 0; c < cells.count; ++c) {
     const float height =
         cells.plane.height + cells.plane.along_x * cells.x[c] + cells.plane.along_y * cells.y[c] - cells.z[c];
-    const Step step = step_at(height / cells.edge_mm);
+    const Step step = normal_cdf(height / cells.edge_mm);
     below[c] = step.share;
     by_plane[c] = step.slope / cells.edge_mm;
     uptake[c] = detail::exp_of(std::min(std::max(log_uptake[c], least_log_uptake), most_log_uptake));
@@ -161,7 +161,7 @@ HeartCells select_cells(const CellLattice& lattice, const HeartFrame& frame, int
         const Vec3 heart = place_of(i, j, static_cast<int>(k));
         if (heart[2] > highest_mm) continue;
         const Vec3 scaled = heart.cwiseQuotient(frame.scale), direction = direction_of(scaled);
-        harmonics_at(direction, surface_degree, values);
+        real_spherical_harmonics(direction, surface_degree, values);
         const double room = margin_mm * direction.cwiseQuotient(frame.scale).norm();
         if (scaled.norm() <= own::exp(surface.head(harmonics.size()).dot(harmonics)) + room)
           of_slice[k].push_back(cell);
@@ -185,7 +185,7 @@ HeartCells select_cells(const CellLattice& lattice, const HeartFrame& frame, int
       cells.x[c] = static_cast<float>(heart[0]);
       cells.y[c] = static_cast<float>(heart[1]);
       cells.z[c] = static_cast<float>(heart[2]);
-      harmonics_at(direction, degree, values);
+      real_spherical_harmonics(direction, degree, values);
       for (std::size_t h = 0; h < values.size(); ++h) cells.harmonics.line(h)[c] = static_cast<float>(values[h]);
     }
   });
@@ -198,19 +198,19 @@ CellFields fields_of(const HeartCells& cells, const GateLayout& layout, const st
                  wall = blending_of(gates, layout.wall, layout.wall_degree, cells, fields.wall),
                  uptake = blending_of(gates, layout.uptake, layout.uptake_degree, cells, fields.uptake);
   parallel_for(cells.harmonics.pitch(), cells_at_once / 4, [&](std::size_t begin, std::size_t end) {
-    blend(cells.harmonics, endo.harmonics, endo.numbers.data(), begin, end, fields.endo);
-    blend(cells.harmonics, wall.harmonics, wall.numbers.data(), begin, end, fields.wall);
-    blend(cells.harmonics, uptake.harmonics, uptake.numbers.data(), begin, end, fields.uptake);
+    gemm(cells.harmonics, endo.harmonics, endo.numbers.data(), begin, end, fields.endo);
+    gemm(cells.harmonics, wall.harmonics, wall.numbers.data(), begin, end, fields.wall);
+    gemm(cells.harmonics, uptake.harmonics, uptake.numbers.data(), begin, end, fields.uptake);
   });
   return fields;
 }
 
-Activity lay_out(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate) {
-  return lay_out(cells, layout, gate, fields_of(cells, layout, {gate}), 0);
+Activity rasterise(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate) {
+  return rasterise(cells, layout, gate, fields_of(cells, layout, {gate}), 0);
 }
 
-Activity lay_out(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
-                 const CellFields& fields, std::size_t g) {
+Activity rasterise(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
+                   const CellFields& fields, std::size_t g) {
   const std::size_t n = cells.cell.size();
   Activity a;
   for (auto* v :
@@ -218,8 +218,8 @@ Activity lay_out(const HeartCells& cells, const GateLayout& layout, const Eigen:
     v->resize(n);
   std::vector<float> active(n);
   const GateCells of_gate = gate_cells(cells, layout, gate);
-  lay_walls(of_gate, line_of(fields.endo, g), line_of(fields.wall, g), a.endo.data(), a.epi.data(), a.by_endo.data(),
-            a.by_epi.data(), a.epi_by_endo.data(), a.epi_by_wall.data());
+  rasterise_walls(of_gate, line_of(fields.endo, g), line_of(fields.wall, g), a.endo.data(), a.epi.data(),
+                  a.by_endo.data(), a.by_epi.data(), a.epi_by_endo.data(), a.epi_by_wall.data());
   lay_activity(of_gate, line_of(fields.uptake, g), a.endo.data(), a.epi.data(), a.below.data(), a.by_plane.data(),
                a.uptake.data(), active.data());
   a.cells.assign(cells.lattice.size(), 0.0F);
@@ -236,13 +236,13 @@ Activity lay_out(const HeartCells& cells, const GateLayout& layout, const Eigen:
 
 CellGradients no_gradients(const HeartCells& cells, const GateLayout& layout, std::size_t gates) {
   const std::size_t count = cells.cell.size();
-  return {Lines(gates, count), Lines(gates, count), Lines(gates, count),
+  return {AlignedMatrix(gates, count), AlignedMatrix(gates, count), AlignedMatrix(gates, count),
           std::vector<Eigen::VectorXd>(gates, Eigen::VectorXd::Zero(layout.count()))};
 }
 
-void trace_to_cells(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate, const Activity& a,
-                    std::span<const float> by_cell, double by_cavity, double by_wall, CellGradients& to,
-                    std::size_t g) {
+void backpropagate_to_cells(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
+                            const Activity& a, std::span<const float> by_cell, double by_cavity, double by_wall,
+                            CellGradients& to, std::size_t g) {
   const std::size_t n = cells.cell.size();
   const ByVolume volume{static_cast<float>((by_cavity - by_wall) * cells.lattice.cell_mm3()),
                         static_cast<float>(by_wall * cells.lattice.cell_mm3())};
@@ -269,7 +269,7 @@ void trace_to_cells(const HeartCells& cells, const GateLayout& layout, const Eig
 std::vector<Eigen::VectorXd> gather(const HeartCells& cells, const GateLayout& layout, const CellGradients& gradients) {
   std::vector<Eigen::VectorXd> numbers = gradients.others;
   const std::size_t gates = numbers.size(), length = cells.harmonics.pitch();
-  const std::array<const Lines*, 3> field{&gradients.endo, &gradients.wall, &gradients.uptake};
+  const std::array<const AlignedMatrix*, 3> field{&gradients.endo, &gradients.wall, &gradients.uptake};
   const std::array<int, 3> first{layout.endo, layout.wall, layout.uptake};
   const std::array<std::size_t, 3> count{static_cast<std::size_t>(harmonics_up_to(layout.endo_degree)),
                                          static_cast<std::size_t>(harmonics_up_to(layout.wall_degree)),
@@ -279,7 +279,7 @@ std::vector<Eigen::VectorXd> gather(const HeartCells& cells, const GateLayout& l
   parallel_for(sums.size(), 1, [&](std::size_t task, std::size_t) {
     const std::size_t f = task / pieces, begin = task % pieces * cells_at_once;
     sums[task].resize(count[f] * gates);
-    project(cells.harmonics, count[f], *field[f], begin, std::min(begin + cells_at_once, length), sums[task].data());
+    gemm_t(cells.harmonics, count[f], *field[f], begin, std::min(begin + cells_at_once, length), sums[task].data());
   });
   for (std::size_t task = 0; task < sums.size(); ++task)
     for (std::size_t k = 0; k < count[task / pieces]; ++k)
@@ -289,10 +289,11 @@ std::vector<Eigen::VectorXd> gather(const HeartCells& cells, const GateLayout& l
   return numbers;
 }
 
-Eigen::VectorXd trace_back(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
-                           const Activity& activity, std::span<const float> by_cell, double by_cavity, double by_wall) {
+Eigen::VectorXd backpropagate(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate,
+                              const Activity& activity, std::span<const float> by_cell, double by_cavity,
+                              double by_wall) {
   CellGradients gradients = no_gradients(cells, layout, 1);
-  trace_to_cells(cells, layout, gate, activity, by_cell, by_cavity, by_wall, gradients, 0);
+  backpropagate_to_cells(cells, layout, gate, activity, by_cell, by_cavity, by_wall, gradients, 0);
   return gather(cells, layout, gradients).front();
 }
 

@@ -5,13 +5,13 @@
 
 #include <Eigen/Cholesky>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/ventricle/fit/fitted_mesh.hpp"
-#include "dynasurf/ventricle/fit/harmonics.hpp"
-#include "dynasurf/ventricle/fit/neighbours.hpp"
+#include "dynasurf/ventricle/fit/detail/extracardiac_sources.hpp"
+#include "dynasurf/ventricle/fit/detail/fitted_mesh.hpp"
+#include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 #include "dynasurf/ventricle/locate.hpp"
 
 namespace dynasurf {
@@ -139,9 +139,9 @@ struct Setup {
 };
 
 /// Of the gate whose cavity is the largest at the start.
-ThicknessBelief believe_in_thickness(const PlacedStart& start, int degree) {
+ThicknessPrior believe_in_thickness(const PlacedStart& start, int degree) {
   constexpr int directions = 120;
-  ThicknessBelief belief;
+  ThicknessPrior belief;
   double largest = 0;
   for (std::size_t g = 0; g < start.endo.size(); ++g) {
     const double volume = volume_mm3(start.endo[g]);
@@ -151,9 +151,9 @@ ThicknessBelief believe_in_thickness(const PlacedStart& start, int degree) {
   std::vector<double> mm, harmonics(static_cast<std::size_t>(harmonics_up_to(degree)));
   std::vector<std::vector<double>> rows;
   for (int n = 0; n < directions; ++n) {
-    const Vec3 direction = even_direction(n, directions);
+    const Vec3 direction = fibonacci_direction(n, directions);
     if (direction[2] * start.frame.scale[2] > 0.8 * base) continue;
-    harmonics_at(direction, degree, harmonics);
+    real_spherical_harmonics(direction, degree, harmonics);
     rows.push_back(harmonics);
     mm.push_back(1 / direction.cwiseQuotient(start.frame.scale).norm());
   }
@@ -194,7 +194,7 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
             {p.pixels.centre(0, i), p.pixels.centre(1, j), p.pixels.centre(2, static_cast<int>(k))});
         const Vec3 scaled = heart.cwiseQuotient(start.frame.scale);
         const double q = std::max(1e-6, scaled.norm());
-        harmonics_at(scaled / q, outer_degree, harmonics);
+        real_spherical_harmonics(scaled / q, outer_degree, harmonics);
         double wall = 0;
         for (int h = 0; h < harmonics_up_to(outer_degree); ++h)
           wall += outer[h] * harmonics[static_cast<std::size_t>(h)];
@@ -236,14 +236,14 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
 
 /// Weights that trust pixels beside the heart less where the time's mean of what is left says that something else is
 /// there.
-void doubt_outliers(BeatProblem& problem, const std::vector<float>& first_weight, const std::vector<Place>& places,
-                    const Misfit& misfit) {
+void reweight_outliers(BeatProblem& problem, const std::vector<float>& first_weight, const std::vector<Place>& places,
+                       const Objective& objective) {
   for (std::size_t n = 0; n < problem.weight.size(); ++n) {
     problem.weight[n] = first_weight[n];
     if (places[n].outside_mm <= 0) continue;
     double missing = 0;
-    for (const auto& residual : misfit.residual)
-      missing -= static_cast<double>(residual[n]) / static_cast<double>(misfit.residual.size());
+    for (const auto& residual : objective.residual)
+      missing -= static_cast<double>(residual[n]) / static_cast<double>(objective.residual.size());
     if (missing > 0) problem.weight[n] /= static_cast<float>(1 + own::pow(missing / usual_rest, 2));
   }
 }
@@ -263,8 +263,8 @@ std::vector<std::vector<float>> fast_part(const std::vector<std::vector<float>>&
 }
 
 /// Variance of a pixel of weight 1 times the number of pixels that share their noise, from what the fit leaves.
-double noise_of(const BeatProblem& problem, const Misfit& misfit) {
-  const std::vector<std::vector<float>> noise = fast_part(misfit.residual);
+double noise_of(const BeatProblem& problem, const Objective& objective) {
+  const std::vector<std::vector<float>> noise = fast_part(objective.residual);
   const Index3 dims = problem.pixels.count;
   const std::size_t stride[3] = {1, static_cast<std::size_t>(dims[0]),
                                  static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1])};
@@ -303,7 +303,7 @@ double noise_of(const BeatProblem& problem, const Misfit& misfit) {
   constexpr double least = 1e-5;  // of the square of healthy muscle: no model is better than that
   // What the model leaves out stands still: no number of gates averages it away.
   constexpr double model = 0.01;  // of healthy muscle
-  return (std::max(variance, least) + model * model * static_cast<double>(misfit.residual.size())) * shared;
+  return (std::max(variance, least) + model * model * static_cast<double>(objective.residual.size())) * shared;
 }
 
 }  // namespace
@@ -321,7 +321,7 @@ FittedBeat fit_through_blur(const Study& study, const FitStart& start, const Blu
   options.shape_degree = std::min(options.shape_degree, std::max(4, static_cast<int>(std::lround(size))));
   Setup setup = set_up(study, placed, blur, options);
   BeatProblem& problem = setup.problem;
-  Beliefs beliefs;
+  Priors beliefs;
   beliefs.width = blur.uncertainty;
 
   const GateLayout layout = make_gate_layout(options.shape_degree, options.wall_degree, options.uptake_degree, 0);
@@ -338,24 +338,24 @@ FittedBeat fit_through_blur(const Study& study, const FitStart& start, const Blu
   for (const Place& place : setup.place)
     beside.push_back(place.outside_mm > 0.25 * blur.fwhm_mm && place.above_mm < blur.fwhm_mm);
   Solution solution;
-  std::vector<Blob> blobs;
+  std::vector<ExtracardiacSource> blobs;
   solution.unknowns = unknowns;
   // Thick walls in a narrow point spread look much like thin ones in a wide one. Both begin as they are believed to be
   // and are let go step by step, so that the other numbers settle first.
-  const ThicknessBelief believed = problem.thickness;
-  const auto let_go = [&](double share) {
-    problem.thickness.log_spread = share * believed.log_spread;
+  const ThicknessPrior believed = problem.thickness;
+  const auto relax_priors = [&](double share) {
+    problem.thickness.log_sd = share * believed.log_sd;
     for (const BeatLayout::Term& t : problem.layout.terms[0][static_cast<std::size_t>(layout.width)])
       problem.layout.spread[t.unknown] = share * beliefs.width;
     solution.matrix = {};
     solution.damping = 300;
   };
-  let_go(0.2);
+  relax_priors(0.2);
   minimise(problem, solution, 10, 1e-2, progress);
   // Of a sharp image nothing beside the heart spills over the wall: what is left there is doubted, not modelled.
-  if (blur.fwhm_mm > 0) blobs = find_blobs(problem, solution.misfit, beside, least_spot, most_spots);
+  if (blur.fwhm_mm > 0) blobs = find_extracardiac_sources(problem, solution.objective, beside, least_spot, most_spots);
   if (!blobs.empty()) {
-    for (const Blob& blob : blobs) problem.blobs.push_back(blob_image(problem, blob));
+    for (const ExtracardiacSource& blob : blobs) problem.blobs.push_back(blob_image(problem, blob));
     const GateLayout wider = make_gate_layout(options.shape_degree, options.wall_degree, options.uptake_degree,
                                               static_cast<int>(blobs.size()));
     std::vector<Eigen::VectorXd> wider_first;
@@ -369,18 +369,18 @@ FittedBeat fit_through_blur(const Study& study, const FitStart& start, const Blu
     solution.unknowns = wider_unknowns;
   }
   for (int round = 0; round < 2; ++round) {
-    let_go(round == 0 ? 0.2 : 0.4);
-    doubt_outliers(problem, first_weight, setup.place, solution.misfit);
-    problem.noise = noise_of(problem, solution.misfit);
+    relax_priors(round == 0 ? 0.2 : 0.4);
+    reweight_outliers(problem, first_weight, setup.place, solution.objective);
+    problem.noise = noise_of(problem, solution.objective);
     minimise(problem, solution, 8, 1e-2, progress);
   }
-  doubt_outliers(problem, first_weight, setup.place, solution.misfit);
-  problem.noise = noise_of(problem, solution.misfit);
-  let_go(1);
+  reweight_outliers(problem, first_weight, setup.place, solution.objective);
+  problem.noise = noise_of(problem, solution.objective);
+  relax_priors(1);
   minimise(problem, solution, std::max(1, options.most_steps - solution.steps), 1e-3, progress);
   beat.steps = solution.steps;
-  beat.misfit = solution.misfit.value;
-  beat.neighbours = static_cast<int>(blobs.size());
+  beat.objective = solution.objective.value;
+  beat.extracardiac_sources = static_cast<int>(blobs.size());
   beat.converged = solution.converged;
   // Sharp images show papillary muscles as they are.
   describe_beat(problem, solution, study.grid(), blur.fwhm_mm > 0 ? options.papillary_share : 0, beat);

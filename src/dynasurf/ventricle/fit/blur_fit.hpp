@@ -7,7 +7,7 @@
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/ventricle/estimate.hpp"
-#include "dynasurf/ventricle/fit/start.hpp"
+#include "dynasurf/ventricle/fit/detail/start.hpp"
 
 namespace dynasurf {
 
@@ -22,25 +22,27 @@ struct BlurFit {
   int most_steps = 60;
 };
 void describe(auto& visit, BlurFit& o) {
-  visit("run", o.run, Field{"fit both surfaces of all gates together through the camera's blur"});
+  visit("run", o.run, OptionInfo{"fit both surfaces of all gates together through the camera's blur"});
   visit("fwhm_mm", o.fwhm_mm,
-        Field{"width of the point spread in the image, where it is known; 0: sharp; unset: 12 mm or so for SPECT, "
-              "6 for PET, and the data decide; sharp for MR, CT and masks",
-              "mm", 0, 60});
+        OptionInfo{"width of the point spread in the image, where it is known; 0: sharp; unset: 12 mm or so for SPECT, "
+                   "6 for PET, and the data decide; sharp for MR, CT and masks",
+                   "mm", 0, 60});
   visit("fwhm_uncertainty", o.fwhm_uncertainty,
-        Field{"how far the given width may be off, as a part of it (one standard deviation); 0: exact", "", 0, 1});
+        OptionInfo{"how far the given width may be off, as a part of it (one standard deviation); 0: exact", "", 0, 1});
   visit("filter_fwhm_mm", o.filter_fwhm_mm,
-        Field{"width of the filter that the reconstruction applied to the voxels, a part of fwhm_mm; it matters where "
-              "voxels are coarse; unset: half of the blur",
-              "mm", 0, 60});
-  visit("shape_degree", o.shape_degree, Field{"spherical harmonics of the inner wall's shape", "", 2, 12});
-  visit("wall_degree", o.wall_degree, Field{"of the thickness", "", 1, 12});
-  visit("uptake_degree", o.uptake_degree, Field{"of the activity in the wall", "", 0, 12});
+        OptionInfo{
+            "width of the filter that the reconstruction applied to the voxels, a part of fwhm_mm; it matters where "
+            "voxels are coarse; unset: half of the blur",
+            "mm", 0, 60});
+  visit("shape_degree", o.shape_degree, OptionInfo{"spherical harmonics of the inner wall's shape", "", 2, 12});
+  visit("wall_degree", o.wall_degree, OptionInfo{"of the thickness", "", 1, 12});
+  visit("uptake_degree", o.uptake_degree, OptionInfo{"of the activity in the wall", "", 0, 12});
   visit("papillary_share", o.papillary_share,
-        Field{"part of the muscle that stands in the cavity as papillary muscles and counts as cavity; the blur hides "
-              "it, so the error bars hold anything from none to three times as much",
-              "", 0, 0.2});
-  visit("most_steps", o.most_steps, Field{"steps of the optimiser at most", "", 1, 1000});
+        OptionInfo{
+            "part of the muscle that stands in the cavity as papillary muscles and counts as cavity; the blur hides "
+            "it, so the error bars hold anything from none to three times as much",
+            "", 0, 0.2});
+  visit("most_steps", o.most_steps, OptionInfo{"steps of the optimiser at most", "", 1, 1000});
 }
 
 /// One gate as fitted. World frame. The triangles are the same for all gates and both walls: `rings` rows of
@@ -65,10 +67,10 @@ struct FittedBeat {
   int ed_gate = 0, es_gate = 0;
   Estimate fwhm_mm;
   double cavity = 0, background = 0;  // activities, the wall's median is 1
-  double misfit = 0;                  // what is left, half a sum of squares over their variances
+  double objective = 0;               // what is left, half a sum of squares over their variances
   int steps = 0;
   bool converged = false;
-  int neighbours = 0;  // blobs of activity beside the heart
+  int extracardiac_sources = 0;  // fitted with the heart
   // How much of the wall's mean thickness and of the point spread's width the data told (wall_posterior.hpp), 0 to 1.
   double thickness_from_data = 1, width_from_data = 1;
   std::shared_ptr<const WallPosterior> posterior;  // how sure anything is that is measured on the walls

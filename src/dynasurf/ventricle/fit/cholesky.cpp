@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/fit/cholesky.hpp"
+#include "dynasurf/ventricle/fit/detail/cholesky.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -6,7 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/ventricle/fit/loops.hpp"
+#include "dynasurf/ventricle/fit/detail/matrix_loops.hpp"
 
 namespace dynasurf {
 
@@ -40,8 +40,8 @@ Eigen::VectorXd solve_definite(const RowMatrix& a, const Eigen::VectorXd& diagon
       lower.block(at, k, length, columns) = solved.transpose();
     });
     parallel_for(end - first, rows, [&](std::size_t from, std::size_t to) {
-      detail::subtract_squares(panel.data(), static_cast<std::size_t>(columns), end, first, first + from, first + to,
-                               lower.data());
+      detail::syrk_downdate(panel.data(), static_cast<std::size_t>(columns), end, first, first + from, first + to,
+                            lower.data());
     });
   }
   Eigen::VectorXd x = b;

@@ -1,15 +1,15 @@
-#include "dynasurf/ventricle/fit/fitted_mesh.hpp"
+#include "dynasurf/ventricle/fit/detail/fitted_mesh.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/ventricle/fit/harmonics.hpp"
-#include "dynasurf/ventricle/fit/wall_posterior.hpp"
+#include "dynasurf/ventricle/fit/detail/harmonics.hpp"
+#include "dynasurf/ventricle/fit/detail/wall_posterior.hpp"
 
 namespace dynasurf {
 namespace {
@@ -31,14 +31,15 @@ class Walls {
     double endo = 0, epi = 0, uptake = 0;
   };
   Ray along(const Vec3& direction) {
-    harmonics_at(direction, std::max({layout_.endo_degree, layout_.wall_degree, layout_.uptake_degree}), harmonics_);
+    real_spherical_harmonics(direction, std::max({layout_.endo_degree, layout_.wall_degree, layout_.uptake_degree}),
+                             harmonics_);
     Ray ray = walls_here();
     ray.uptake = own::exp(field(layout_.uptake, layout_.uptake_degree));
     return ray;
   }
   /// Without the uptake, which has finer harmonics.
   Ray walls_along(const Vec3& direction) {
-    harmonics_at(direction, std::max(layout_.endo_degree, layout_.wall_degree), harmonics_);
+    real_spherical_harmonics(direction, std::max(layout_.endo_degree, layout_.wall_degree), harmonics_);
     return walls_here();
   }
   Vec3 point(const Vec3& direction, double q) const { return (q * direction).cwiseProduct(frame_.scale); }
@@ -233,11 +234,11 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
     const Vec3 normal = Vec3(-numbers[layout.gate.plane + 1], -numbers[layout.gate.plane + 2], 1).normalized();
     gate.base.point = to_world(grid, frame.from_heart({0, 0, numbers[layout.gate.plane]}));
     gate.base.normal = grid.direction * (frame.axes * normal);
-    const Activity& activity = solution.misfit.activity[g];
+    const Activity& activity = solution.objective.activity[g];
     const auto of_beat = [&](double cavity, double muscle) {
       Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout.unknowns);
       layout.add_gradient(static_cast<int>(g),
-                          trace_back(problem.cells, layout.gate, numbers, activity, {}, cavity, muscle) / 1000,
+                          backpropagate(problem.cells, layout.gate, numbers, activity, {}, cavity, muscle) / 1000,
                           gradient);
       return gradient;
     };

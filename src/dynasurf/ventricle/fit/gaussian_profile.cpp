@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/ventricle/fit/harmonics.hpp"
+#include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 
 namespace dynasurf {
 namespace {
@@ -60,11 +60,11 @@ std::vector<Ray> make_rays(const HeartFrame& frame) {
   std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(degree)));
   for (int n = 0; n < ray_count; ++n) {
     Ray ray;
-    ray.direction = even_direction(n, ray_count);
+    ray.direction = fibonacci_direction(n, ray_count);
     const Vec3 step = frame.axes * ray.direction.cwiseProduct(frame.scale);
     ray.mm_per_q = step.norm();
     ray.per_mm = step / ray.mm_per_q;
-    harmonics_at(ray.direction, degree, harmonics);
+    real_spherical_harmonics(ray.direction, degree, harmonics);
     ray.harmonics = Eigen::Map<Eigen::VectorXd>(harmonics.data(), static_cast<Eigen::Index>(harmonics.size()));
     rays.push_back(std::move(ray));
   }

@@ -2,7 +2,7 @@
 #include <optional>
 #include <vector>
 
-#include "dynasurf/ventricle/fit/start.hpp"
+#include "dynasurf/ventricle/fit/detail/start.hpp"
 
 namespace dynasurf {
 

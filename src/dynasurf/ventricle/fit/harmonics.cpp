@@ -1,8 +1,8 @@
-#include "dynasurf/ventricle/fit/harmonics.hpp"
+#include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 
 namespace dynasurf {
 
@@ -12,7 +12,7 @@ int degree_of_harmonic(int k) {
   return degree;
 }
 
-void harmonics_at(const Vec3& unit, int degree, std::span<double> out) {
+void real_spherical_harmonics(const Vec3& unit, int degree, std::span<double> out) {
   const double z = unit[2];
   // P holds the associated Legendre functions divided by sin^m, which goes into the powers of x + iy.
   double re = 1, im = 0, p_mm = 1;
@@ -36,7 +36,7 @@ void harmonics_at(const Vec3& unit, int degree, std::span<double> out) {
   }
 }
 
-Vec3 even_direction(int n, int count) {
+Vec3 fibonacci_direction(int n, int count) {
   const double golden = M_PI * (3 - std::sqrt(5.0));
   const double z = -1 + (2 * n + 1.0) / count;
   const double r = std::sqrt(std::max(0.0, 1 - z * z));

@@ -1,12 +1,12 @@
-#include "dynasurf/ventricle/fit/image_derivatives.hpp"
+#include "dynasurf/ventricle/fit/detail/image_derivatives.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 
-#include "dynasurf/core/elementary.hpp"
-#include "dynasurf/ventricle/fit/harmonics.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 
 namespace dynasurf {
 namespace {
@@ -212,7 +212,7 @@ struct WholeImage {
 std::vector<WholeImage> whole_images(const BeatProblem& problem, const Eigen::VectorXd& gate, const Activity& activity,
                                      double sigma_mm) {
   const GateLayout& layout = problem.layout.gate;
-  const GammaCamera camera = make_camera(problem.cells.lattice, problem.pixels, sigma_mm, problem.filtered);
+  const PsfProjector camera = make_camera(problem.cells.lattice, problem.pixels, sigma_mm, problem.filtered);
   const HeartCells& cells = problem.cells;
   const auto background = static_cast<float>(gate[layout.background]);
   const auto cavity = static_cast<float>(gate[layout.cavity]);
@@ -220,7 +220,7 @@ std::vector<WholeImage> whole_images(const BeatProblem& problem, const Eigen::Ve
   std::vector<float> lattice(cells.lattice.size(), 0.0F);
   const auto add = [&](int number, const auto& value_of) {
     for (std::size_t c = 0; c < cells.cell.size(); ++c) lattice[cells.cell[c]] = value_of(c);
-    images.push_back({number, see(camera, lattice)});
+    images.push_back({number, project(camera, lattice)});
   };
   const auto by_height = [&](std::size_t c) {
     return activity.by_plane[c] *
@@ -232,7 +232,7 @@ std::vector<WholeImage> whole_images(const BeatProblem& problem, const Eigen::Ve
   add(layout.cavity, [&](std::size_t c) { return activity.below[c] * activity.endo[c]; });
   add(layout.background, [&](std::size_t c) { return -activity.below[c] * activity.epi[c]; });
   for (float& v : images.back().image) v += 1.0F;
-  images.push_back({layout.width, see_wider(camera, activity.cells)});
+  images.push_back({layout.width, project_wider(camera, activity.cells)});
   return images;
 }
 
@@ -249,17 +249,18 @@ EvenRays even_rays(const BeatProblem& problem) {
   EvenRays rays{{}, Eigen::MatrixXd(harmonics_up_to(degree), count), {}};
   rays.lines = {static_cast<std::size_t>(count), static_cast<std::size_t>(harmonics_up_to(degree))};
   for (int n = 0; n < count; ++n) {
-    rays.direction.push_back(even_direction(n, count));
-    harmonics_at(rays.direction.back(), degree,
-                 {rays.harmonics.col(n).data(), static_cast<std::size_t>(rays.harmonics.rows())});
+    rays.direction.push_back(fibonacci_direction(n, count));
+    real_spherical_harmonics(rays.direction.back(), degree,
+                             {rays.harmonics.col(n).data(), static_cast<std::size_t>(rays.harmonics.rows())});
     std::transform(rays.harmonics.col(n).begin(), rays.harmonics.col(n).end(),
                    rays.lines.line(static_cast<std::size_t>(n)), [](double h) { return static_cast<float>(h); });
   }
   return rays;
 }
 
-detail::Lines squares_of_derivatives(const BeatProblem& problem, const EvenRays& rays, const Eigen::VectorXd& gate,
-                                     const Activity& activity, const std::vector<std::size_t>& chosen) {
+detail::AlignedMatrix squares_of_derivatives(const BeatProblem& problem, const EvenRays& rays,
+                                             const Eigen::VectorXd& gate, const Activity& activity,
+                                             const std::vector<std::size_t>& chosen) {
   const GateLayout& layout = problem.layout.gate;
   const double sigma = problem.sigma_mm * own::exp(gate[layout.width]);
   RayPainter painter(problem, sigma, chosen);
@@ -272,7 +273,7 @@ detail::Lines squares_of_derivatives(const BeatProblem& problem, const EvenRays&
 
   // Some lines at a time, so that they are still in the cache when they are squared.
   const auto length = static_cast<std::size_t>(layout.count());
-  detail::Lines squares = detail::no_squares(length), lines(detail::lines_at_once, length);
+  detail::AlignedMatrix squares = detail::no_squares(length), lines(detail::lines_at_once, length);
   for (std::size_t first = 0; first < chosen.size(); first += lines.count) {
     const std::size_t count = std::min(lines.count, chosen.size() - first);
     std::fill(lines.values.begin(), lines.values.end(), 0.0F);
@@ -286,7 +287,7 @@ detail::Lines squares_of_derivatives(const BeatProblem& problem, const EvenRays&
       const float scale = std::sqrt(problem.weight[pixel]);
       for (std::size_t i = 0; i < length; ++i) line[i] *= scale;
     }
-    detail::add_squares(lines, count, squares);
+    detail::syrk(lines, count, squares);
   }
   return squares;
 }

@@ -1,21 +1,21 @@
-#include "dynasurf/ventricle/fit/least_squares.hpp"
+#include "dynasurf/ventricle/fit/detail/least_squares.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/ventricle/fit/cholesky.hpp"
-#include "dynasurf/ventricle/fit/harmonics.hpp"
-#include "dynasurf/ventricle/fit/image_derivatives.hpp"
+#include "dynasurf/ventricle/fit/detail/cholesky.hpp"
+#include "dynasurf/ventricle/fit/detail/harmonics.hpp"
+#include "dynasurf/ventricle/fit/detail/image_derivatives.hpp"
 
 namespace dynasurf {
 namespace {
 
 std::vector<float> picture(const BeatProblem& problem, const Eigen::VectorXd& gate, const Activity& activity,
-                           const GammaCamera& camera) {
+                           const PsfProjector& camera) {
   const GateLayout& layout = problem.layout.gate;
-  std::vector<float> image = see(camera, activity.cells);
+  std::vector<float> image = project(camera, activity.cells);
   const auto background = static_cast<float>(gate[layout.background]);
   for (float& v : image) v += background;
   for (int b = 0; b < layout.blob_count; ++b) {
@@ -40,7 +40,7 @@ std::vector<Eigen::VectorXd> numbers_of_gates(const BeatLayout& layout, const Ei
 }
 
 /// The width of the point spread is the same in all gates.
-GammaCamera camera_of(const BeatProblem& problem, const std::vector<Eigen::VectorXd>& gates) {
+PsfProjector camera_of(const BeatProblem& problem, const std::vector<Eigen::VectorXd>& gates) {
   return make_camera(problem.cells.lattice, problem.pixels,
                      problem.sigma_mm * own::exp(gates.front()[problem.layout.gate.width]), problem.filtered);
 }
@@ -64,9 +64,10 @@ WallCycle wall_cycle(const BeatProblem& problem, const std::vector<Activity>& ac
   WallCycle cycle{Eigen::VectorXd(gates), Eigen::MatrixXd(gates, gates)};
   for (Eigen::Index g = 0; g < gates; ++g) {
     const double share = activity[static_cast<std::size_t>(g)].wall_mm3 / mean;
-    cycle.deviation[g] = (share - 1) / problem.wall_spread;
+    cycle.deviation[g] = (share - 1) / problem.wall_relative_sd;
     for (Eigen::Index h = 0; h < gates; ++h)
-      cycle.by_volume(g, h) = ((g == h ? 1 : 0) - share / static_cast<double>(gates)) / (mean * problem.wall_spread);
+      cycle.by_volume(g, h) =
+          ((g == h ? 1 : 0) - share / static_cast<double>(gates)) / (mean * problem.wall_relative_sd);
   }
   return cycle;
 }
@@ -77,7 +78,7 @@ struct ThicknessLook {
   Eigen::VectorXd by_number;  // of the gate
 };
 ThicknessLook look_at_thickness(const BeatProblem& problem, const Eigen::VectorXd& gate) {
-  const ThicknessBelief& belief = problem.thickness;
+  const ThicknessPrior& belief = problem.thickness;
   const GateLayout& layout = problem.layout.gate;
   const int endo = harmonics_up_to(layout.endo_degree), wall = harmonics_up_to(layout.wall_degree);
   ThicknessLook look{0, Eigen::VectorXd::Zero(layout.count())};
@@ -89,16 +90,16 @@ ThicknessLook look_at_thickness(const BeatProblem& problem, const Eigen::VectorX
     const double muscle = own::exp(row.head(wall).dot(gate.segment(layout.wall, wall)));
     const double q_epi = own::cbrt(q_endo * q_endo * q_endo + muscle), thick = q_epi - q_endo;
     sum += own::log(thick * belief.mm_per_q[d] / belief.mean_mm);
-    const double scale = 1 / (thick * belief.log_spread * directions);
+    const double scale = 1 / (thick * belief.log_sd * directions);
     const double by_endo = q_endo * q_endo * q_endo / (q_epi * q_epi) - q_endo;
     look.by_number.segment(layout.endo, endo) += scale * by_endo * row.head(endo).transpose();
     look.by_number.segment(layout.wall, wall) += scale * muscle / (3 * q_epi * q_epi) * row.head(wall).transpose();
   }
-  look.deviation = sum / (directions * belief.log_spread);
+  look.deviation = sum / (directions * belief.log_sd);
   return look;
 }
 
-Eigen::MatrixXd symmetric(const detail::Lines& lower, int count) {
+Eigen::MatrixXd symmetric(const detail::AlignedMatrix& lower, int count) {
   Eigen::MatrixXd whole(count, count);
   for (int i = 0; i < count; ++i)
     for (int j = 0; j <= i; ++j)
@@ -108,18 +109,18 @@ Eigen::MatrixXd symmetric(const detail::Lines& lower, int count) {
 
 }  // namespace
 
-Misfit misfit_alone(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
+Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
   const BeatLayout& layout = problem.layout;
   const auto gates = static_cast<std::size_t>(layout.gates);
-  Misfit result;
+  Objective result;
   result.residual.resize(gates);
   result.activity.resize(gates);
   const std::vector<Eigen::VectorXd> numbers = numbers_of_gates(layout, unknowns);
-  const GammaCamera camera = camera_of(problem, numbers);
+  const PsfProjector camera = camera_of(problem, numbers);
   const CellFields fields = fields_of(problem.cells, layout.gate, numbers);
   std::vector<double> data(gates, 0.0);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
-    result.activity[g] = lay_out(problem.cells, layout.gate, numbers[g], fields, g);
+    result.activity[g] = rasterise(problem.cells, layout.gate, numbers[g], fields, g);
     std::vector<float>& residual = result.residual[g];
     residual = picture(problem, numbers[g], result.activity[g], camera);
     for (std::size_t n = 0; n < residual.size(); ++n) {
@@ -138,23 +139,23 @@ Misfit misfit_alone(const BeatProblem& problem, const Eigen::VectorXd& unknowns)
   return result;
 }
 
-Eigen::VectorXd misfit_gradient(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Misfit& at) {
+Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at) {
   const BeatLayout& layout = problem.layout;
   const GateLayout& places = layout.gate;
   const auto gates = static_cast<std::size_t>(layout.gates);
   const std::vector<Eigen::VectorXd> numbers = numbers_of_gates(layout, unknowns);
-  const GammaCamera camera = camera_of(problem, numbers);
+  const PsfProjector camera = camera_of(problem, numbers);
   const WallCycle cycle = wall_cycle(problem, at.activity);
   const Eigen::VectorXd by_wall = cycle.by_volume.transpose() * cycle.deviation;
   CellGradients to_cells = no_gradients(problem.cells, places, gates);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
     std::vector<float> by_pixel(at.residual[g].size());
     for (std::size_t n = 0; n < by_pixel.size(); ++n) by_pixel[n] = weighted(problem, at.residual[g], n);
-    trace_to_cells(problem.cells, places, numbers[g], at.activity[g], see_back(camera, by_pixel), 0,
-                   by_wall[static_cast<Eigen::Index>(g)], to_cells, g);
+    backpropagate_to_cells(problem.cells, places, numbers[g], at.activity[g], backproject(camera, by_pixel), 0,
+                           by_wall[static_cast<Eigen::Index>(g)], to_cells, g);
     Eigen::VectorXd& others = to_cells.others[g];
     for (const float w : by_pixel) others[places.background] += static_cast<double>(w);
-    others[places.width] = dot(by_pixel, see_wider(camera, at.activity[g].cells));
+    others[places.width] = dot(by_pixel, project_wider(camera, at.activity[g].cells));
     for (int b = 0; b < places.blob_count; ++b)
       others[places.blobs + b] = dot(by_pixel, problem.blobs[static_cast<std::size_t>(b)]);
   });
@@ -169,13 +170,13 @@ Eigen::VectorXd misfit_gradient(const BeatProblem& problem, const Eigen::VectorX
   return gradient;
 }
 
-Misfit misfit(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
-  Misfit result = misfit_alone(problem, unknowns);
-  result.gradient = misfit_gradient(problem, unknowns, result);
+Objective objective(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
+  Objective result = objective_value(problem, unknowns);
+  result.gradient = objective_gradient(problem, unknowns, result);
   return result;
 }
 
-NormalMatrix normal_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Misfit& at) {
+NormalMatrix normal_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at) {
   const BeatLayout& layout = problem.layout;
   const auto gates = static_cast<std::size_t>(layout.gates);
   std::vector<std::size_t> chosen;
@@ -187,7 +188,7 @@ NormalMatrix normal_matrix(const BeatProblem& problem, const Eigen::VectorXd& un
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
     const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), unknowns);
     of_gate[g] = symmetric(squares_of_derivatives(problem, rays, numbers, at.activity[g], chosen), layout.gate.count());
-    of_wall[g] = trace_back(problem.cells, layout.gate, numbers, at.activity[g], {}, 0, 1);
+    of_wall[g] = backpropagate(problem.cells, layout.gate, numbers, at.activity[g], {}, 0, 1);
   });
   NormalMatrix matrix{Eigen::MatrixXd::Zero(layout.unknowns, layout.unknowns),
                       layout.spread.cwiseAbs2().cwiseInverse().asDiagonal()};
@@ -214,11 +215,11 @@ void minimise(const BeatProblem& problem, Solution& solution, int most_steps, do
   constexpr int oldest = 5;
   constexpr double least_truth = 0.3;  // of the gain that the matrix predicts
   constexpr double calmest = 1e-4, wildest = 1e8;
-  solution.misfit = misfit_alone(problem, solution.unknowns);
+  solution.objective = objective_value(problem, solution.unknowns);
   solution.converged = false;
   RowMatrix whole;
   const auto renew = [&] {
-    solution.matrix = normal_matrix(problem, solution.unknowns, solution.misfit);
+    solution.matrix = normal_matrix(problem, solution.unknowns, solution.objective);
     whole = solution.matrix.whole(problem.noise);
   };
   if (solution.matrix.rest.rows() != solution.unknowns.size())
@@ -230,17 +231,17 @@ void minimise(const BeatProblem& problem, Solution& solution, int most_steps, do
   for (int step = 0; step < most_steps; ++step) {
     progress.check();
     ++solution.steps;
-    if (solution.misfit.gradient.size() == 0)
-      solution.misfit.gradient = misfit_gradient(problem, solution.unknowns, solution.misfit);
-    Eigen::VectorXd move = solve_definite(whole, solution.damping * belief, solution.misfit.gradient);
+    if (solution.objective.gradient.size() == 0)
+      solution.objective.gradient = objective_gradient(problem, solution.unknowns, solution.objective);
+    Eigen::VectorXd move = solve_definite(whole, solution.damping * belief, solution.objective.gradient);
     const double predicted =
-        0.5 * move.dot(solution.misfit.gradient) + 0.5 * solution.damping * move.dot(belief.cwiseProduct(move));
-    Misfit next = misfit_alone(problem, solution.unknowns - move);
-    double gain = solution.misfit.value - next.value;
+        0.5 * move.dot(solution.objective.gradient) + 0.5 * solution.damping * move.dot(belief.cwiseProduct(move));
+    Objective next = objective_value(problem, solution.unknowns - move);
+    double gain = solution.objective.value - next.value;
     // The valley of thick and pale against thin and bright walls bends: a part of the way may lead farther.
     for (int half = 0; half < 2 && !(gain > 0.3 * predicted); ++half) {
-      Misfit part = misfit_alone(problem, solution.unknowns - 0.4 * move);
-      const double part_gain = solution.misfit.value - part.value;
+      Objective part = objective_value(problem, solution.unknowns - 0.4 * move);
+      const double part_gain = solution.objective.value - part.value;
       if (gain >= part_gain) break;
       move *= 0.4, gain = part_gain, next = std::move(part);
     }
@@ -251,12 +252,12 @@ void minimise(const BeatProblem& problem, Solution& solution, int most_steps, do
       continue;
     }
     solution.unknowns -= move;
-    solution.misfit = std::move(next);
+    solution.objective = std::move(next);
     const double truth = gain / predicted;
     if (truth > 0.7) solution.damping = std::max(solution.damping / 6, calmest);
     if (truth < 0.2) solution.damping *= 2;
     ++solution.matrix.age;
-    if (gain < tolerance * solution.misfit.value && predicted < 3 * tolerance * solution.misfit.value) {
+    if (gain < tolerance * solution.objective.value && predicted < 3 * tolerance * solution.objective.value) {
       solution.converged = true;
       break;
     }

@@ -1,14 +1,14 @@
-#include "dynasurf/ventricle/fit/start.hpp"
+#include "dynasurf/ventricle/fit/detail/start.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/mesh/shapes.hpp"
-#include "dynasurf/ventricle/fit/harmonics.hpp"
+#include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 
 namespace dynasurf {
 namespace {
@@ -28,9 +28,9 @@ double lowest(const TriMesh& mesh, const Vec3& axis) {
 double highest(const TriMesh& mesh, const Vec3& axis) { return -lowest(mesh, -axis); }
 
 /// The ellipsoid `outside_mm` beyond the cup, closed.
-TriMesh shell_of(const Cup& cup, double outside_mm) {
+TriMesh shell_of(const LvShell& cup, double outside_mm) {
   constexpr int level = 3;
-  const Across a = across(cup.axis);
+  const ShellBasis a = across(cup.axis);
   TriMesh mesh = icosphere(level);
   for (Vec3& p : mesh.vertices)
     p = cup.centre + (cup.radius_mm + outside_mm) * (p[0] * a.u + p[1] * a.v) +
@@ -130,7 +130,7 @@ Eigen::VectorXd harmonics_of_surface(const TriMesh& surface, const HeartFrame& f
     if (base.height(p) > -lid_mm) continue;
     const Vec3 scaled = frame.to_heart(p).cwiseQuotient(frame.scale);
     if (scaled.norm() < 0.02) continue;
-    harmonics_at(scaled.normalized(), degree, harmonics);
+    real_spherical_harmonics(scaled.normalized(), degree, harmonics);
     rows.row(used) = Eigen::Map<Eigen::RowVectorXd>(harmonics.data(), count);
     values[used++] = own::log(scaled.norm());
   }
@@ -151,8 +151,8 @@ Eigen::VectorXd uptake_seen(const Image& mean, const PlacedStart& start, double 
   Eigen::VectorXd values(directions);
   Eigen::Index used = 0;
   for (int n = 0; n < directions; ++n) {
-    const Vec3 direction = even_direction(n, directions);
-    harmonics_at(direction, std::max(degree, shape_degree), harmonics);
+    const Vec3 direction = fibonacci_direction(n, directions);
+    real_spherical_harmonics(direction, std::max(degree, shape_degree), harmonics);
     const Eigen::Map<const Eigen::VectorXd> at(harmonics.data(), static_cast<Eigen::Index>(harmonics.size()));
     const double inner = own::exp(endo.dot(at.head(endo.size()))), outer = own::exp(epi.dot(at.head(epi.size())));
     if (direction[2] * start.frame.scale[2] * (inner + outer) / 2 > base - below_base_mm) continue;
@@ -178,7 +178,7 @@ std::vector<Eigen::VectorXd> first_numbers(const PlacedStart& start, const GateL
   std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(most)));
   Eigen::MatrixXd rows(directions, harmonics_up_to(most));
   for (int n = 0; n < directions; ++n) {
-    harmonics_at(even_direction(n, directions), most, harmonics);
+    real_spherical_harmonics(fibonacci_direction(n, directions), most, harmonics);
     rows.row(n) = Eigen::Map<Eigen::RowVectorXd>(harmonics.data(), rows.cols());
   }
   for (std::size_t g = 0; g < start.endo.size(); ++g) {

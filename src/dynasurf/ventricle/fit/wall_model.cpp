@@ -1,11 +1,11 @@
-#include "dynasurf/ventricle/fit/wall_model.hpp"
+#include "dynasurf/ventricle/fit/detail/wall_model.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/ventricle/fit/harmonics.hpp"
+#include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 
 namespace dynasurf {
 namespace {
@@ -105,7 +105,7 @@ void BeatLayout::add_hessian(const std::vector<Eigen::MatrixXd>& of_gates, Eigen
   });
 }
 
-BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::VectorXd>& start, const Beliefs& beliefs,
+BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::VectorXd>& start, const Priors& beliefs,
                             Eigen::VectorXd& unknowns) {
   BeatLayout layout;
   layout.gate = gate;

@@ -1,12 +1,12 @@
-#include "dynasurf/ventricle/fit/wall_posterior.hpp"
+#include "dynasurf/ventricle/fit/detail/wall_posterior.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/ventricle/fit/harmonics.hpp"
+#include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 
 namespace dynasurf {
 namespace {
@@ -33,7 +33,7 @@ Rays rays_through(const std::vector<std::optional<Vec3>>& points, const HeartFra
       if (!point) continue;
       const auto n = static_cast<Eigen::Index>(p);
       const Vec3 heart = frame.to_heart(to_grid(grid, *point));
-      harmonics_at(heart.cwiseQuotient(frame.scale).normalized(), degree, harmonics);
+      real_spherical_harmonics(heart.cwiseQuotient(frame.scale).normalized(), degree, harmonics);
       rays.harmonics.row(n) = Eigen::Map<const Eigen::RowVectorXd>(harmonics.data(), rays.harmonics.cols());
       rays.mm[n] = heart.norm();
       const double inner = own::exp(3 * rays.harmonics.row(n).head(endo).dot(gate.segment(layout.endo, endo)));
@@ -74,7 +74,7 @@ void tell_thin_wall(const BeatProblem& problem, const Solution& solution, Fitted
 
 /// Derivative of the mean log of the thickness in the gate that is believed to be at end-diastole.
 Eigen::VectorXd by_mean_log_thickness(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
-  const ThicknessBelief& belief = problem.thickness;
+  const ThicknessPrior& belief = problem.thickness;
   const GateLayout& layout = problem.layout.gate;
   const int endo = harmonics_up_to(layout.endo_degree), wall = harmonics_up_to(layout.wall_degree);
   const Eigen::VectorXd gate = problem.layout.at_gate(belief.gate, unknowns);
@@ -151,7 +151,7 @@ void tell_belief_from_data(const BeatProblem& problem, const Solution& solution,
   };
   if (problem.thickness.harmonics.rows() > 0) {
     const double share =
-        share_of_data(left(by_mean_log_thickness(problem, solution.unknowns)), problem.thickness.log_spread);
+        share_of_data(left(by_mean_log_thickness(problem, solution.unknowns)), problem.thickness.log_sd);
     beat.thickness_from_data = share;
     if (share < least)
       beat.notes.push_back(

@@ -1,9 +1,9 @@
-#include "dynasurf/ventricle/labels/blood_pool.hpp"
+#include "dynasurf/ventricle/labels/detail/blood_pool.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 
 namespace dynasurf {
 namespace {

@@ -1,11 +1,11 @@
-#include "dynasurf/ventricle/labels/bounding_boxes.hpp"
+#include "dynasurf/ventricle/labels/detail/bounding_boxes.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <optional>
 #include <string>
 
-#include "dynasurf/ventricle/labels/mlc.hpp"
+#include "dynasurf/ventricle/labels/detail/mlc.hpp"
 
 namespace dynasurf {
 namespace {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <string>
 
-#include "dynasurf/ventricle/labels/method.hpp"
-#include "dynasurf/ventricle/labels/mlc.hpp"
-#include "dynasurf/ventricle/labels/slice_flow.hpp"
+#include "dynasurf/ventricle/labels/detail/method.hpp"
+#include "dynasurf/ventricle/labels/detail/mlc.hpp"
+#include "dynasurf/ventricle/labels/detail/slice_flow.hpp"
 
 namespace dynasurf {
 namespace {

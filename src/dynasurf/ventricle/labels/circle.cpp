@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/labels/circle.hpp"
+#include "dynasurf/ventricle/labels/detail/circle.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <Eigen/Dense>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 
 namespace dynasurf {
 namespace {

@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/labels/division_slice.hpp"
+#include "dynasurf/ventricle/labels/detail/division_slice.hpp"
 
 #include <algorithm>
 #include <array>

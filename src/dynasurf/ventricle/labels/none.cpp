@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/labels/method.hpp"
+#include "dynasurf/ventricle/labels/detail/method.hpp"
 
 namespace dynasurf {
 

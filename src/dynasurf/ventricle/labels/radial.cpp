@@ -1,10 +1,10 @@
-#include "dynasurf/ventricle/labels/radial.hpp"
+#include "dynasurf/ventricle/labels/detail/radial.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-#include "dynasurf/ventricle/labels/method.hpp"
+#include "dynasurf/ventricle/labels/detail/method.hpp"
 
 namespace dynasurf {
 namespace {

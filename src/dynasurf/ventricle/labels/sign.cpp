@@ -1,5 +1,5 @@
-#include "dynasurf/ventricle/labels/method.hpp"
-#include "dynasurf/ventricle/labels/slice_flow.hpp"
+#include "dynasurf/ventricle/labels/detail/method.hpp"
+#include "dynasurf/ventricle/labels/detail/slice_flow.hpp"
 
 namespace dynasurf {
 

@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/labels/slice_flow.hpp"
+#include "dynasurf/ventricle/labels/detail/slice_flow.hpp"
 
 #include <algorithm>
 #include <cmath>

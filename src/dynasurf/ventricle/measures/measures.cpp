@@ -6,8 +6,8 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/ventricle/function.hpp"
-#include "dynasurf/ventricle/measures/reference.hpp"
+#include "dynasurf/ventricle/lv_volumes.hpp"
+#include "dynasurf/ventricle/measures/detail/reference.hpp"
 
 namespace dynasurf {
 namespace {
@@ -143,10 +143,10 @@ Curves segment_curves(const Measures& m, const Curves& curves) {
 }
 
 void measure_beat(Measures& m, const std::vector<double>& cavity, int waves) {
-  const std::optional<Function> f = left_ventricular_function(cavity);
+  const std::optional<LvVolumes> f = lv_volumes(cavity);
   if (!f) return;
   m.ed_gate = f->ed_gate, m.es_gate = f->es_gate;
-  m.function = cycle_function(cavity, waves);
+  m.function = fit_volume_curve(cavity, waves);
 }
 
 /// Fitted walls without uptake move as is believed of them: nobody saw when they contract.

@@ -22,11 +22,13 @@ struct MeasureOptions {
   int waves = 3;
 };
 void describe(auto& visit, MeasureOptions& o) {
-  visit("segments", o.segments, Field{"how the wall is divided"});
+  visit("segments", o.segments, OptionInfo{"how the wall is divided"});
   visit("anterior", o.anterior,
-        Field{"where the anterior wall is: patient: towards the head; rows: against the rows of the short-axis stack; "
-              "auto: by the patient where the long axis runs as in a patient"});
-  visit("waves", o.waves, Field{"waves of the volume curve's periodic fit, as far as the gates tell them", "", 1, 8});
+        OptionInfo{
+            "where the anterior wall is: patient: towards the head; rows: against the rows of the short-axis stack; "
+            "auto: by the patient where the long axis runs as in a patient"});
+  visit("waves", o.waves,
+        OptionInfo{"waves of the volume curve's periodic fit, as far as the gates tell them", "", 1, 8});
 }
 
 /// Density of the myocardium, g/mL.
@@ -92,7 +94,7 @@ struct Measures {
   Anterior anterior;
   std::vector<GateMeasures> gates;
   int ed_gate = -1, es_gate = -1;  // 0-based, of the measured volumes; -1: none (es of an ungated study)
-  std::optional<CycleFunction> function;
+  std::optional<VolumeCurveFit> function;
   std::optional<double> muscle_ml, muscle_g;  // mean over the gates
   SegmentModel model = SegmentModel::aha17;
   PolarGrid grid;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/ventricle/measures/volume_curve.hpp"
 
 namespace dynasurf {

@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/measures/reference.hpp"
+#include "dynasurf/ventricle/measures/detail/reference.hpp"
 
 #include <algorithm>
 

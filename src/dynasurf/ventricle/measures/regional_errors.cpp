@@ -1,10 +1,10 @@
-#include "dynasurf/ventricle/measures/regional_errors.hpp"
+#include "dynasurf/ventricle/measures/detail/regional_errors.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
-#include "dynasurf/ventricle/measures/reference.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/ventricle/measures/detail/reference.hpp"
 
 namespace dynasurf {
 namespace {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 
 namespace dynasurf {
 namespace {
@@ -43,7 +43,7 @@ std::optional<double> ef_of(double edv, double esv) {
 }
 
 /// Emptying between the extremes, filling after them.
-void measure_rates(CycleFunction& f) {
+void measure_rates(VolumeCurveFit& f) {
   const PeriodicCurve& curve = f.curve;
   const double systole = wrapped(f.es_time - f.ed_time), diastole = 1 - systole;
   const auto slope = [&](double t) { return curve.slope(t); };
@@ -108,10 +108,10 @@ PeriodicCurve without_gate_averaging(PeriodicCurve curve, int gates) {
   return curve;
 }
 
-std::optional<CycleFunction> cycle_function(std::span<const double> cavity_ml, int waves) {
+std::optional<VolumeCurveFit> fit_volume_curve(std::span<const double> cavity_ml, int waves) {
   if (cavity_ml.size() < 5) return std::nullopt;
   if (!std::all_of(cavity_ml.begin(), cavity_ml.end(), [](double v) { return std::isfinite(v); })) return std::nullopt;
-  CycleFunction f;
+  VolumeCurveFit f;
   f.curve = fit_periodic(cavity_ml, waves);
   f.waves = static_cast<int>(f.curve.cosine.size());
   const auto extremes = [](const PeriodicCurve& curve) {

@@ -24,7 +24,7 @@ PeriodicCurve without_gate_averaging(PeriodicCurve curve, int gates);
 /// Global function from a periodic fit of the cavity's volume. Times count from the R wave in beats (0 to 1) unless
 /// named otherwise; a rate is in end-diastolic volumes per beat. With the R-R interval, multiply a time by it and
 /// divide a rate by it (`per_second`).
-struct CycleFunction {
+struct VolumeCurveFit {
   PeriodicCurve curve;
   int waves = 0;
   double edv_ml = 0, esv_ml = 0, sv_ml = 0;
@@ -46,9 +46,9 @@ struct CycleFunction {
 
 /// Fits the volumes of the gates (in the order of the beat). Diastole lasts from the fit's smallest volume to its next
 /// largest. Absent for fewer than 5 gates, a volume that is not finite, or a flat curve.
-std::optional<CycleFunction> cycle_function(std::span<const double> cavity_ml, int waves = 3);
+std::optional<VolumeCurveFit> fit_volume_curve(std::span<const double> cavity_ml, int waves = 3);
 
-/// Rates of `cycle_function` in EDV/s; absent when the R-R interval is unknown (0).
+/// Rates of `fit_volume_curve` in EDV/s; absent when the R-R interval is unknown (0).
 std::optional<double> per_second(double rate_per_beat, double cycle_ms);
 
 }  // namespace dynasurf

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dynasurf/core/elementary.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/resample.hpp"
-#include "dynasurf/mesh/ray_tree.hpp"
+#include "dynasurf/mesh/ray_bvh.hpp"
 
 namespace dynasurf {
 namespace {
@@ -65,7 +65,7 @@ double area_of(const PolarGrid& grid, const PolarPoint& at, double radius_mm, co
 }
 
 /// Mean distance of the wall from the axis where it is seen square to it: for valve planes that lean.
-double usual_radius(const RayTree& endo, const RayTree& epi, const HeartAxes& axes, const PolarGrid& grid) {
+double usual_radius(const RayBvh& endo, const RayBvh& epi, const HeartAxes& axes, const PolarGrid& grid) {
   double sum = 0;
   int count = 0;
   for (int s = 0; s < grid.sectors; ++s) {
@@ -91,7 +91,7 @@ WallMap empty_map(const PolarGrid& grid) {
 
 WallMap map_wall(const WallSide& endo, const WallSide& epi, const WallThickness& thickness, const HeartAxes& axes,
                  const Image& image, const PolarGrid& grid) {
-  const RayTree endo_tree(*endo.mesh), epi_tree(*epi.mesh);
+  const RayBvh endo_tree(*endo.mesh), epi_tree(*epi.mesh);
   const double radius = usual_radius(endo_tree, epi_tree, axes, grid);
   WallMap map = empty_map(grid);
   parallel_for(grid.size(), static_cast<std::size_t>(grid.sectors), [&](std::size_t begin, std::size_t end) {
@@ -121,7 +121,7 @@ WallMap map_wall(const WallSide& endo, const WallSide& epi, const WallThickness&
 }
 
 WallMap map_cavity(const TriMesh& endo, const HeartAxes& axes, const PolarGrid& grid) {
-  const RayTree tree(endo);
+  const RayBvh tree(endo);
   const double radius = usual_radius(tree, tree, axes, grid);
   WallMap map = empty_map(grid);
   for (std::size_t n = 0; n < grid.size(); ++n) {

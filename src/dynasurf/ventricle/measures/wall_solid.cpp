@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/mesh/ray_tree.hpp"
+#include "dynasurf/mesh/ray_bvh.hpp"
 
 namespace dynasurf {
 namespace {
@@ -60,7 +60,7 @@ double volume_below_base(const TriMesh& mesh, const HeartAxes& axes) {
 
 /// Absent where a ray misses a surface, the wall turns inside out, or its rim is not that of a wall: surfaces that end
 /// below the valve plane are met there by their lids' dents only.
-std::optional<Sheets> meet(const RayTree (&trees)[2], const HeartAxes& axes, const WallSolidSize& size) {
+std::optional<Sheets> meet(const RayBvh (&trees)[2], const HeartAxes& axes, const WallSolidSize& size) {
   // A ray in the valve plane runs along the lid: it looks a little below, and its point is moved back onto the plane.
   constexpr double far_mm = 300;
   constexpr double below_lid = 1e-4;  // of rho: some hundredths of a millimetre
@@ -125,7 +125,7 @@ std::optional<WallSolid> wall_solid(const TriMesh& endo, const TriMesh& epi, con
                                     const WallSolidSize& size) {
   if (size.rings < 2 || size.sectors < 3 || size.layers < 1)
     throw OptionError("wall_solid: expected at least 2 rings, 3 sectors and 1 layer");
-  const RayTree trees[] = {RayTree(endo), RayTree(epi)};
+  const RayBvh trees[] = {RayBvh(endo), RayBvh(epi)};
   constexpr double step_mm = 0.5, lowest_mm = 12, most_moved_mm = 1;
   HeartAxes lowered = axes;
   WallSolid solid;

@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
-#include "dynasurf/mesh/ray_tree.hpp"
+#include "dynasurf/mesh/ray_bvh.hpp"
 
 namespace dynasurf {
 namespace {
@@ -40,7 +40,7 @@ std::vector<double> areas_of_vertices(const TriMesh& mesh, const std::vector<boo
 struct Side {
   const TriMesh& mesh;
   std::vector<bool> is_wall;
-  RayTree rays;
+  RayBvh rays;
   ClosestPoint nearest;
 
   Side(const TriMesh& surface, const HeartAxes& axes)

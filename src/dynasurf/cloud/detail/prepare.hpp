@@ -1,0 +1,24 @@
+#pragma once
+#include "dynasurf/cloud/detail/kd_tree.hpp"
+#include "dynasurf/cloud/options.hpp"
+#include "dynasurf/cloud/result.hpp"
+#include "dynasurf/core/note.hpp"
+#include "dynasurf/core/point_cloud.hpp"
+#include "dynasurf/core/progress.hpp"
+
+namespace dynasurf {
+
+/// What is left of a cloud to work on. Points stand in the order of the tree, near ones together, and the other arrays
+/// with them.
+struct PreparedCloud {
+  PointCloud cloud;
+  KdTree neighbours;  // of the cloud's points
+  CloudFacts facts;   // up to `noise`
+  Notes notes;
+};
+
+/// Drops points that are not finite, repeated, or outliers, and measures spacing and noise. Throws InputError for fewer
+/// than 10 points left, points in one plane, and arrays of the wrong length.
+PreparedCloud prepare(PointCloud cloud, const CloudOptions& options, const Progress& progress = {});
+
+}  // namespace dynasurf

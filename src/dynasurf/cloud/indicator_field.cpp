@@ -1,0 +1,446 @@
+#include "dynasurf/cloud/detail/indicator_field.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "dynasurf/core/parallel.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr float outside = -0.5f;
+
+/// One lattice of the cascade. Node (i,j,k) lies at origin + side (i,j,k); the outermost nodes are held outside.
+struct Lattice {
+  Index3 dims;
+  double side;
+  Vec3 origin;
+  std::size_t size() const {
+    return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
+  }
+  std::ptrdiff_t row() const { return dims[0]; }
+  std::ptrdiff_t slab() const { return static_cast<std::ptrdiff_t>(dims[0]) * dims[1]; }
+};
+
+/// The eight nodes around a place and their weights; false when it is not within the lattice.
+struct Corner {
+  std::size_t at = 0;
+  std::array<float, 8> weight{};
+};
+
+bool corner_of(const Lattice& l, const Vec3& p, const Vec3& shift, Corner& c) {
+  const Vec3 q = (p - l.origin) / l.side - shift;
+  std::array<std::ptrdiff_t, 3> base{};
+  std::array<double, 3> part{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double whole = std::floor(q[static_cast<Eigen::Index>(a)]);
+    if (!(whole >= 0) || whole >= l.dims[a] - 1) return false;
+    base[a] = static_cast<std::ptrdiff_t>(whole);
+    part[a] = q[static_cast<Eigen::Index>(a)] - whole;
+  }
+  c.at = static_cast<std::size_t>(base[0] + l.row() * base[1] + l.slab() * base[2]);
+  for (std::size_t n = 0; n < 8; ++n)
+    c.weight[n] = static_cast<float>((n & 1 ? part[0] : 1 - part[0]) * (n & 2 ? part[1] : 1 - part[1]) *
+                                     (n & 4 ? part[2] : 1 - part[2]));
+  return true;
+}
+
+std::array<std::size_t, 8> steps_of(const Lattice& l) {
+  std::array<std::size_t, 8> s{};
+  for (std::size_t n = 0; n < 8; ++n)
+    s[n] = (n & 1) + (n & 2 ? static_cast<std::size_t>(l.row()) : 0) + (n & 4 ? static_cast<std::size_t>(l.slab()) : 0);
+  return s;
+}
+
+using Values = std::vector<float>;
+
+/// The nodes that are solved for, as runs along the rows, slab after slab. The others keep the value of their start.
+struct Runs {
+  std::vector<std::pair<std::size_t, std::size_t>> nodes;  // first, and behind the last
+  std::vector<std::size_t> first_of_slab;                  // of its runs, and the end
+};
+
+/// Rows are cut in pieces that the processor can work on at once; a run is made of whole ones.
+class Pieces {
+ public:
+  explicit Pieces(const Lattice& l, std::uint8_t marked)
+      : l_(l),
+        per_row_((static_cast<std::size_t>(l.dims[0]) + length - 3) / length),
+        per_slab_(per_row_ * static_cast<std::size_t>(l.dims[1])),
+        marks_(per_slab_ * static_cast<std::size_t>(l.dims[2]), marked) {}
+
+  /// Those within `reach` nodes of node (i, j, k) along its row.
+  void mark(std::size_t i, std::size_t j, std::size_t k, std::size_t reach) {
+    std::uint8_t* row = marks_.data() + j * per_row_ + k * per_slab_;
+    const std::size_t last = std::min((i + reach) / length, per_row_ - 1);
+    for (std::size_t n = (std::max(i, reach + 1) - reach - 1) / length; n <= last; ++n) row[n] = 1;
+  }
+
+  /// Marks spread as far from row to row and from slab to slab.
+  void spread(std::size_t reach) {
+    spread_along(per_row_, static_cast<std::size_t>(l_.dims[1]), reach);
+    spread_along(per_slab_, static_cast<std::size_t>(l_.dims[2]), reach);
+  }
+
+  Runs runs() const {
+    Runs r;
+    r.first_of_slab.assign(2, 0);
+    const auto row = static_cast<std::size_t>(l_.row()), slab = static_cast<std::size_t>(l_.slab());
+    for (std::size_t k = 1; k + 1 < static_cast<std::size_t>(l_.dims[2]); ++k) {
+      for (std::size_t j = 1; j + 1 < static_cast<std::size_t>(l_.dims[1]); ++j) {
+        const std::uint8_t* marks = marks_.data() + j * per_row_ + k * per_slab_;
+        for (std::size_t n = 0; n < per_row_; ++n) {
+          if (!marks[n]) continue;
+          const std::size_t first = n;
+          while (n + 1 < per_row_ && marks[n + 1]) ++n;
+          const std::size_t base = k * slab + j * row;
+          r.nodes.push_back({base + 1 + first * length, base + std::min(1 + (n + 1) * length, row - 1)});
+        }
+      }
+      r.first_of_slab.push_back(r.nodes.size());
+    }
+    return r;
+  }
+
+ private:
+  static constexpr std::size_t length = 8;
+
+  /// Bytes `step` apart, `count` of them after each other.
+  void spread_along(std::size_t step, std::size_t count, std::size_t reach) {
+    const std::vector<std::uint8_t> before = marks_;
+    for (std::size_t i = 0; i < marks_.size(); ++i) {
+      if (!before[i]) continue;
+      const std::size_t at = i / step % count;
+      const std::size_t first = at - std::min(at, reach), last = std::min(at + reach, count - 1);
+      for (std::size_t n = first; n <= last; ++n) marks_[i + n * step - at * step] = 1;
+    }
+  }
+
+  const Lattice& l_;
+  std::size_t per_row_, per_slab_;
+  std::vector<std::uint8_t> marks_;
+};
+
+Runs all_nodes(const Lattice& l) { return Pieces(l, 1).runs(); }
+
+/// Nodes near the points, and near the surface that the start already shows where there are none: what the next finer
+/// lattice adds to the start is there, and far from both the start is as good.
+Runs nodes_near_surface(const Lattice& l, const OrientedPoints& points, const Values& start) {
+  constexpr std::size_t reach = 4;
+  Pieces pieces(l, 0);
+  const auto row = static_cast<std::size_t>(l.row()), slab = static_cast<std::size_t>(l.slab());
+  Corner c;
+  for (const Vec3& p : points.points)
+    if (corner_of(l, p, Vec3::Zero(), c)) pieces.mark(c.at % row, c.at % slab / row, c.at / slab, reach);
+  for (std::size_t k = 1; k < static_cast<std::size_t>(l.dims[2]); ++k)
+    for (std::size_t j = 1; j < static_cast<std::size_t>(l.dims[1]); ++j)
+      for (std::size_t i = 1; i < row; ++i) {
+        const std::size_t at = k * slab + j * row + i;
+        const bool is_inside = start[at] > 0;
+        if (is_inside != (start[at - 1] > 0) || is_inside != (start[at - row] > 0) ||
+            is_inside != (start[at - slab] > 0))
+          pieces.mark(i, j, k, reach);
+      }
+  pieces.spread(reach);
+  return pieces.runs();
+}
+
+/// The equations on one lattice: the seven-point Laplacian plus, for each point, a pull of its value to 0.
+class Equations {
+ public:
+  Equations(const Lattice& lattice, Runs runs, const OrientedPoints& points, double closeness)
+      : lattice_(lattice),
+        runs_(std::move(runs)),
+        steps_(steps_of(lattice)),
+        right_(lattice.size(), 0),
+        scale_(lattice.size(), 6) {
+    gather_slopes(points);
+    gather_points(points, closeness);
+  }
+
+  /// From the start in `x` by conjugate gradients with the diagonal as preconditioner.
+  void solve(Values& x, int iterations, const Progress& progress) const {
+    const std::size_t n = x.size();
+    Values r(n, 0), p(n, 0), q(n, 0);
+    apply(x, q);
+    const double enough = 1e-10 * sum_nodes([&](std::size_t i) { return right_[i] * right_[i]; });
+    double rz_before = 0, rz = sum_nodes([&](std::size_t i) {
+                            r[i] = right_[i] - q[i];
+                            return r[i] * r[i] * scale_[i];
+                          });
+    for (int k = 0; k < iterations && rz > enough; ++k) {
+      progress.check();
+      const auto beta = static_cast<float>(k == 0 ? 0 : rz / rz_before);
+      for_nodes([&](std::size_t i) { p[i] = r[i] * scale_[i] + beta * p[i]; });
+      apply(p, q);
+      const double pq = sum_nodes([&](std::size_t i) { return p[i] * q[i]; });
+      if (!(pq > 0)) break;
+      const auto alpha = static_cast<float>(rz / pq);
+      rz_before = rz;
+      rz = sum_nodes([&](std::size_t i) {
+        x[i] += alpha * p[i];
+        r[i] -= alpha * q[i];
+        return r[i] * r[i] * scale_[i];
+      });
+    }
+  }
+
+ private:
+  void gather_slopes(const OrientedPoints& points) {
+    // The slope along each axis lives half way between nodes, where the difference of their values does.
+    const double scale = 1 / (lattice_.side * lattice_.side);
+    const std::array<std::ptrdiff_t, 3> step{1, lattice_.row(), lattice_.slab()};
+    Values slope;
+    for (std::size_t a = 0; a < 3; ++a) {
+      slope.assign(lattice_.size(), 0);
+      const Vec3 shift = 0.5 * Vec3::Unit(static_cast<Eigen::Index>(a));
+      Corner c;
+      for (std::size_t i = 0; i < points.points.size(); ++i) {
+        if (!corner_of(lattice_, points.points[i], shift, c)) continue;
+        const auto v = static_cast<float>(-points.normals[i][static_cast<Eigen::Index>(a)] * points.areas[i] * scale);
+        for (std::size_t n = 0; n < 8; ++n) slope[c.at + steps_[n]] += v * c.weight[n];
+      }
+      for_nodes([&](std::size_t i) {
+        right_[i] -= slope[i] - slope[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(i) - step[a])];
+      });
+    }
+  }
+
+  void gather_points(const OrientedPoints& points, double closeness) {
+    const double scale = closeness / (lattice_.side * lattice_.side);
+    // Sorted by where they are, so that slabs of points can be worked on apart.
+    std::vector<Corner> corners;
+    std::vector<float> pulls;
+    Corner c;
+    std::vector<std::pair<std::size_t, std::size_t>> order;
+    for (std::size_t i = 0; i < points.points.size(); ++i)
+      if (corner_of(lattice_, points.points[i], Vec3::Zero(), c)) {
+        order.push_back({c.at, corners.size()});
+        corners.push_back(c);
+        pulls.push_back(static_cast<float>(scale * points.areas[i]));
+      }
+    std::sort(order.begin(), order.end());
+    const auto slab = static_cast<std::size_t>(lattice_.slab());
+    // Points of one cell add up to one symmetric form of its eight nodes.
+    for (std::size_t o = 0; o < order.size(); ++o) {
+      if (cells_.empty() || cells_.back().at != order[o].first) cells_.push_back({order[o].first, {}});
+      const auto& w = corners[order[o].second].weight;
+      const float pull = pulls[order[o].second];
+      std::size_t e = 0;
+      for (std::size_t m = 0; m < 8; ++m)
+        for (std::size_t n = m; n < 8; ++n) cells_.back().form[e++] += pull * w[m] * w[n];
+    }
+    for (const Cell& cell : cells_)
+      for (std::size_t m = 0, e = 0; m < 8; e += 8 - m, ++m) scale_[cell.at + steps_[m]] += cell.form[e];
+    for (float& s : scale_) s = 1 / s;
+    slab_of_cells_.assign(static_cast<std::size_t>(lattice_.dims[2]) + 1, cells_.size());
+    for (std::size_t n = cells_.size(); n-- > 0;) slab_of_cells_[cells_[n].at / slab] = n;
+    for (std::size_t k = slab_of_cells_.size() - 1; k-- > 0;)
+      slab_of_cells_[k] = std::min(slab_of_cells_[k], slab_of_cells_[k + 1]);
+  }
+
+  struct Cell {
+    std::size_t at;
+    std::array<float, 36> form;
+  };
+
+  void apply(const Values& x, Values& y) const {
+    const std::ptrdiff_t row = lattice_.row(), slab = lattice_.slab();
+    for_each_run([&](std::size_t first, std::size_t last) {
+      const float* in = x.data() + first;
+      float* out = y.data() + first;
+      for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(last - first); ++i)
+        out[i] = 6 * in[i] - in[i - 1] - in[i + 1] - in[i - row] - in[i + row] - in[i - slab] - in[i + slab];
+      return 0.0;
+    });
+    // Cells of one slab reach into the next, so every other slab of cells can be added at a time.
+    for (const std::size_t odd : {0, 1})
+      parallel_for(slab_of_cells_.size() / 2, 4, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t s = 2 * begin + odd; s < 2 * end + odd && s + 1 < slab_of_cells_.size(); s += 2)
+          for (std::size_t c = slab_of_cells_[s]; c < slab_of_cells_[s + 1]; ++c) add_cell(cells_[c], x, y);
+      });
+  }
+
+  void add_cell(const Cell& c, const Values& x, Values& y) const {
+    std::array<float, 8> in{}, out{};
+    for (std::size_t m = 0; m < 8; ++m) in[m] = x[c.at + steps_[m]];
+    std::size_t e = 0;
+    for (std::size_t m = 0; m < 8; ++m) {
+      out[m] += c.form[e++] * in[m];
+      for (std::size_t n = m + 1; n < 8; ++n, ++e) {
+        out[m] += c.form[e] * in[n];
+        out[n] += c.form[e] * in[m];
+      }
+    }
+    for (std::size_t m = 0; m < 8; ++m) y[c.at + steps_[m]] += out[m];
+  }
+
+  /// Calls `body` with the first node of each run, and the one behind its last.
+  template <class Body>
+  double for_each_run(const Body& body) const {
+    return parallel_sum(static_cast<std::size_t>(lattice_.dims[2] - 2), 4, [&](std::size_t begin, std::size_t end) {
+      double sum = 0;
+      for (std::size_t r = runs_.first_of_slab[begin + 1]; r < runs_.first_of_slab[end + 1]; ++r)
+        sum += body(runs_.nodes[r].first, runs_.nodes[r].second);
+      return sum;
+    });
+  }
+
+  template <class Body>
+  void for_nodes(const Body& body) const {
+    for_each_run([&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) body(i);
+      return 0.0;
+    });
+  }
+
+  /// Eight sums side by side in each run, so that the processor can work on them at once.
+  template <class Body>
+  double sum_nodes(const Body& body) const {
+    return for_each_run([&](std::size_t first, std::size_t last) {
+      std::array<float, 8> sums{};
+      std::size_t i = first;
+      for (; i + 8 <= last; i += 8)
+        for (std::size_t lane = 0; lane < 8; ++lane) sums[lane] += body(i + lane);
+      double sum = 0;
+      for (; i < last; ++i) sum += static_cast<double>(body(i));
+      for (const float s : sums) sum += static_cast<double>(s);
+      return sum;
+    });
+  }
+
+  const Lattice& lattice_;
+  Runs runs_;
+  std::array<std::size_t, 8> steps_;
+  Values right_, scale_;  // the right side, and one over the diagonal
+  std::vector<Cell> cells_;
+  std::vector<std::size_t> slab_of_cells_;  // where the cells of each slab begin, and the end
+};
+
+/// A coarse solution between its nodes. Node (i,j,k) of the coarse lattice is node (2i,2j,2k) of the fine one.
+Values refined(const Lattice& coarse, const Values& x, const Lattice& fine) {
+  Values y(fine.size());
+  const auto row = static_cast<std::size_t>(coarse.row()), slab = static_cast<std::size_t>(coarse.slab());
+  parallel_for(static_cast<std::size_t>(fine.dims[2]), 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      for (std::size_t j = 0; j < static_cast<std::size_t>(fine.dims[1]); ++j) {
+        const std::size_t k0 = k / 2 * slab, k1 = (k + 1) / 2 * slab, j0 = j / 2 * row, j1 = (j + 1) / 2 * row;
+        float* out =
+            y.data() + (k * static_cast<std::size_t>(fine.dims[1]) + j) * static_cast<std::size_t>(fine.dims[0]);
+        const auto mean = [&](std::size_t i) {
+          return 0.25f * (x[k0 + j0 + i] + x[k0 + j1 + i] + x[k1 + j0 + i] + x[k1 + j1 + i]);
+        };
+        for (std::size_t i = 0; i < static_cast<std::size_t>(fine.dims[0]); ++i)
+          out[i] = i % 2 == 0 ? mean(i / 2) : 0.5f * (mean(i / 2) + mean(i / 2 + 1));
+      }
+  });
+  return y;
+}
+
+std::vector<Lattice> cascade(const OrientedPoints& points, const InsideOptions& options) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : points.points) box.extend(p);
+  const double side = box.sizes().maxCoeff() / options.cells;
+  int depth = 1;
+  while ((options.cells >> depth) >= 12) ++depth;
+  const int block = 1 << (depth - 1);
+  const double margin = std::max(options.margin * box.sizes().maxCoeff(), 4 * side);
+  Lattice fine{{}, side, {}};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto axis = static_cast<Eigen::Index>(a);
+    const int needed = static_cast<int>(std::ceil((box.sizes()[axis] + 2 * margin) / side));
+    fine.dims[a] = std::max(3, (needed + block - 1) / block) * block + 1;
+    fine.origin[axis] = box.center()[axis] - 0.5 * (fine.dims[a] - 1) * side;
+  }
+  std::vector<Lattice> all{fine};
+  for (int d = 1; d < depth; ++d) {
+    Lattice next = all.back();
+    next.side *= 2;
+    for (int& n : next.dims) n = (n - 1) / 2 + 1;
+    all.push_back(next);
+  }
+  return all;
+}
+
+/// Points merged in cells of half a step: what a coarse lattice sees of many points.
+OrientedPoints merged(const OrientedPoints& all, double cell, const Vec3& origin) {
+  struct At {
+    std::uint64_t cell;
+    std::uint32_t index;
+  };
+  std::vector<At> order(all.points.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Vec3 q = (all.points[i] - origin) / cell;
+    order[i] = {(static_cast<std::uint64_t>(q[2]) << 42) | (static_cast<std::uint64_t>(q[1]) << 21) |
+                    static_cast<std::uint64_t>(q[0]),
+                static_cast<std::uint32_t>(i)};
+  }
+  std::sort(order.begin(), order.end(),
+            [](const At& a, const At& b) { return a.cell != b.cell ? a.cell < b.cell : a.index < b.index; });
+  OrientedPoints few;
+  for (std::size_t i = 0, last = 0; i < order.size(); i = last) {
+    Vec3 place = Vec3::Zero(), normal = Vec3::Zero();
+    double area = 0;
+    for (last = i; last < order.size() && order[last].cell == order[i].cell; ++last) {
+      const std::uint32_t k = order[last].index;
+      place += all.areas[k] * all.points[k];
+      normal += all.areas[k] * all.normals[k];
+      area += all.areas[k];
+    }
+    if (!(area > 0)) continue;
+    few.points.push_back(place / area);
+    few.normals.push_back(normal / area);
+    few.areas.push_back(area);
+  }
+  return few;
+}
+
+}  // namespace
+
+Vec3 outwards(const IndicatorField& field, const Vec3& place) {
+  const Lattice l{field.value.grid.dims, field.side, field.origin};
+  const std::array<std::size_t, 8> steps = steps_of(l);
+  const auto at = [&](const Vec3& p) {
+    Corner c;
+    if (!corner_of(l, p, Vec3::Zero(), c)) return static_cast<double>(outside);
+    double sum = 0;
+    for (std::size_t n = 0; n < 8; ++n)
+      sum += static_cast<double>(c.weight[n]) * static_cast<double>(field.value.values[c.at + steps[n]]);
+    return sum;
+  };
+  Vec3 down;
+  for (int a = 0; a < 3; ++a) down[a] = at(place - field.side * Vec3::Unit(a)) - at(place + field.side * Vec3::Unit(a));
+  const double length = down.norm();
+  return length > 0 ? Vec3(down / length) : Vec3::Zero();
+}
+
+std::vector<IndicatorField> solve_indicator(const OrientedPoints& points, const InsideOptions& options,
+                                            const Progress& progress) {
+  const std::vector<Lattice> lattices = cascade(points, options);
+  std::vector<OrientedPoints> seen(lattices.size());
+  for (std::size_t l = 1; l < lattices.size(); ++l)
+    seen[l] = merged(l == 1 ? points : seen[l - 1], 0.5 * lattices[l].side, lattices[l].origin);
+  std::vector<IndicatorField> fields;
+  int iterations = 80;
+  for (std::size_t l = lattices.size(); l-- > 0;) {
+    progress("inside", static_cast<int>(lattices.size() - l - 1), static_cast<int>(lattices.size()));
+    const Lattice& lattice = lattices[l];
+    Values x = fields.empty() ? Values(lattice.size(), outside)
+                              : refined(lattices[l + 1], fields.back().value.values, lattice);
+    const OrientedPoints& here = l == 0 ? points : seen[l];
+    Runs runs = fields.empty() ? all_nodes(lattice) : nodes_near_surface(lattice, here, x);
+    Equations(lattice, std::move(runs), here, options.closeness).solve(x, iterations, progress);
+    iterations = std::max(10, iterations * 2 / 3);
+    IndicatorField field;
+    field.value.grid = Grid{.dims = lattice.dims};
+    field.value.values = std::move(x);
+    field.side = lattice.side;
+    field.origin = lattice.origin;
+    fields.push_back(std::move(field));
+  }
+  progress("inside", static_cast<int>(lattices.size()), static_cast<int>(lattices.size()));
+  return fields;
+}
+
+}  // namespace dynasurf

@@ -1,0 +1,120 @@
+#include "dynasurf/cloud/detail/kd_tree.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "dynasurf/core/parallel.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr std::size_t leaf_size = 8;
+
+/// Where part `m` of 2^level equal parts begins.
+std::size_t part_begin(std::size_t count, std::size_t m, int level) { return count * m >> level; }
+
+}  // namespace
+
+KdTree::KdTree(std::span<const Vec3> points) : places_(points.size()) {
+  for (std::size_t i = 0; i < points.size(); ++i) places_[i] = {points[i], static_cast<std::uint32_t>(i)};
+  while ((points.size() >> depth_) > leaf_size) ++depth_;
+  const std::size_t leaves = std::size_t{1} << depth_;
+  splits_.resize(leaves - 1);
+  first_.resize(leaves + 1);
+  for (std::size_t l = 0; l <= leaves; ++l)
+    first_[l] = static_cast<std::uint32_t>(part_begin(points.size(), l, depth_));
+  for (int level = 0; level < depth_; ++level) split_level(level);
+  // Each library leaves its own order within the leaves.
+  parallel_for(leaves, std::max<std::size_t>(1, leaves / 64), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t l = begin; l < end; ++l)
+      std::sort(places_.begin() + first_[l], places_.begin() + first_[l + 1],
+                [](const Place& a, const Place& b) { return a.index < b.index; });
+  });
+}
+
+/// Halves every part of a level across its longest side.
+void KdTree::split_level(int level) {
+  const std::size_t parts = std::size_t{1} << level;
+  parallel_for(parts, std::max<std::size_t>(1, parts / 64), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t m = begin; m < end; ++m) {
+      const auto at = [&](std::size_t part, int of) {
+        return places_.begin() + static_cast<std::ptrdiff_t>(part_begin(places_.size(), part, of));
+      };
+      const auto first = at(m, level), middle = at(2 * m + 1, level + 1), last = at(m + 1, level);
+      Eigen::AlignedBox3d box;
+      for (auto i = first; i != last; ++i) box.extend(i->point);
+      Eigen::Index axis = 0;
+      box.sizes().maxCoeff(&axis);
+      std::nth_element(first, middle, last, [axis](const Place& a, const Place& b) {
+        return a.point[axis] != b.point[axis] ? a.point[axis] < b.point[axis] : a.index < b.index;
+      });
+      splits_[parts - 1 + m] = {middle->point[axis], static_cast<std::uint32_t>(axis)};
+    }
+  });
+}
+
+std::size_t KdTree::nearest(const Vec3& p, std::span<Found> found) const {
+  std::fill(found.begin(), found.end(), Found{});
+  if (places_.empty() || found.empty()) return 0;
+  struct Waiting {
+    std::size_t node;
+    double distance2;
+  };
+  std::array<Waiting, 64> stack;
+  std::size_t depth = 0, count = 0;
+  stack[depth++] = {0, 0};
+  while (depth > 0) {
+    const Waiting top = stack[--depth];
+    if (top.distance2 > found.back().distance2) continue;
+    std::size_t node = top.node;
+    while (node < splits_.size()) {
+      const Split& split = splits_[node];
+      const double across = p[split.axis] - split.at;
+      const std::size_t left = 2 * node + 1;
+      stack[depth++] = {across < 0 ? left + 1 : left, std::max(top.distance2, across * across)};
+      node = across < 0 ? left : left + 1;
+    }
+    const std::size_t leaf = node - splits_.size();
+    for (std::uint32_t i = first_[leaf]; i < first_[leaf + 1]; ++i) {
+      const Found f{(places_[i].point - p).squaredNorm(), places_[i].index};
+      if (!(f < found.back())) continue;
+      std::size_t k = std::min(count, found.size() - 1);
+      for (; k > 0 && f < found[k - 1]; --k) found[k] = found[k - 1];
+      found[k] = f;
+      if (count < found.size()) ++count;
+    }
+  }
+  return count;
+}
+
+KdTree::Found KdTree::nearest(const Vec3& p) const {
+  std::array<Found, 1> one;
+  nearest(p, one);
+  return one[0];
+}
+
+std::vector<std::uint32_t> KdTree::renumber() {
+  std::vector<std::uint32_t> old(places_.size());
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    old[i] = places_[i].index;
+    places_[i].index = static_cast<std::uint32_t>(i);
+  }
+  return old;
+}
+
+void KdTree::keep(std::span<const std::uint8_t> kept) {
+  std::vector<std::uint32_t> number(kept.size());
+  std::exclusive_scan(kept.begin(), kept.end(), number.begin(), std::uint32_t{0});
+  std::size_t at = 0;
+  for (std::size_t leaf = 0; leaf + 1 < first_.size(); ++leaf) {
+    const std::uint32_t first = first_[leaf], last = first_[leaf + 1];
+    first_[leaf] = static_cast<std::uint32_t>(at);
+    for (std::uint32_t i = first; i < last; ++i)
+      if (kept[places_[i].index]) places_[at++] = {places_[i].point, number[places_[i].index]};
+  }
+  first_.back() = static_cast<std::uint32_t>(at);
+  places_.resize(at);
+}
+
+}  // namespace dynasurf

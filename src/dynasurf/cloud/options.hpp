@@ -1,0 +1,83 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "dynasurf/core/options.hpp"
+
+namespace dynasurf {
+
+/// How the surface is made. `shaped`: well-shaped triangles. `faithful`: triangles that follow the curvature, for the
+/// smallest distance. `thesis`: 62^3 voxels, an icosphere, gradient vector flow and the free model (thesis 6.2).
+enum class CloudMethod { shaped, faithful, thesis };
+std::span<const std::string_view> names_of(CloudMethod);
+
+/// Which handles the surface has. `automatic`: those the data show clearly. `zero`: none, every part is a sphere.
+/// `keep`: all that the inside has at the finest level.
+enum class GenusRule { automatic, zero, keep };
+std::span<const std::string_view> names_of(GenusRule);
+
+/// What is deformed into the surface. `field`: the level surface of the field between inside and outside, with its
+/// handles. `sphere`, `ellipsoid`, `hull`: around every part, without handles. `automatic`: the field's surface, for
+/// method thesis the ellipsoid.
+enum class CloudStart { automatic, field, sphere, ellipsoid, hull };
+std::span<const std::string_view> names_of(CloudStart);
+
+/// From a cloud to light closed meshes.
+struct CloudOptions {
+  CloudMethod method = CloudMethod::shaped;
+  std::string triangles = "5120,1280,320";
+  std::optional<double> max_error_percent;
+  GenusRule genus = GenusRule::automatic;
+  CloudStart start = CloudStart::automatic;
+  bool keep_sharp = false;
+  std::optional<int> cells;
+  std::optional<double> noise_percent;
+  double outliers = 6;
+  bool use_normals = true;
+  double smallest_part_percent = 2;
+};
+void describe(auto& visit, CloudOptions& o) {
+  visit(
+      "method", o.method,
+      OptionInfo{"shaped: well-shaped triangles; faithful: the smallest distance, slender triangles where the surface "
+                 "asks for them; thesis: the voxels, icosphere and free model of thesis 6.2"});
+  visit("triangles", o.triangles,
+        OptionInfo{"triangles of each level, falling, with commas between them; thesis: 20 times a power of 4"});
+  visit(
+      "max_error_percent", o.max_error_percent,
+      OptionInfo{"one level with the fewest triangles, in steps of a tenth, whose mean distance to the points is below "
+                 "this; instead of `triangles`",
+                 "% of the bounding box's diagonal", 1e-4, 10});
+  visit("genus", o.genus,
+        OptionInfo{"auto: the handles that the data show clearly; 0: none; keep: all that appear at the finest grid"});
+  visit("start", o.start,
+        OptionInfo{
+            "the mesh that is deformed: field: the field's own surface; sphere, ellipsoid, hull: around every part, "
+            "without handles; auto: field, for thesis ellipsoid"});
+  visit("keep_sharp", o.keep_sharp, OptionInfo{"no smoothing across edges that the points show to be sharp"});
+  visit("cells", o.cells,
+        OptionInfo{"grid cells along the longest side; absent: from the spacing and noise", "", 16, 512});
+  visit("noise_percent", o.noise_percent,
+        OptionInfo{"standard deviation of the points off the surface; absent: estimated",
+                   "% of the bounding box's diagonal", 0, 10});
+  visit("outliers", o.outliers,
+        OptionInfo{
+            "points are dropped when they lie this many times farther from their neighbours than is usual; 0: none", "",
+            0, 1e6});
+  visit("use_normals", o.use_normals, OptionInfo{"trust the directions of the cloud's normals where it has them"});
+  visit("smallest_part_percent", o.smallest_part_percent,
+        OptionInfo{"separate parts with a smaller share of the points are dropped", "%", 0, 50});
+}
+
+/// "shaped", "faithful", "thesis".
+std::span<const std::string_view> cloud_preset_names();
+/// Throws OptionError with the choices for an unknown name.
+CloudOptions cloud_preset(std::string_view name);
+
+/// The numbers in `triangles`, in their order. Throws OptionError unless they are even, from 20 to 2,000,000, and fall.
+std::vector<int> parse_triangles(const std::string& triangles);
+
+}  // namespace dynasurf

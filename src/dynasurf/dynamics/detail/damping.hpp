@@ -1,0 +1,50 @@
+#pragma once
+#include <optional>
+#include <string_view>
+#include <variant>
+
+#include "dynasurf/core/options.hpp"
+#include "dynasurf/core/volume.hpp"
+#include "dynasurf/field/field_view.hpp"
+
+namespace dynasurf {
+
+// Maps of the drag (VOL-DAMP, thesis 3.4.2 and 6.1.2.3): kg/s per voxel, larger where the border is likely, so that
+// particles brake there. They soften the oscillation about a border; only STOP-VOXEL ends it.
+
+/// (a) by intensity: drag * (1 + ratio * I / max I); negative intensities count as 0.
+Image drag_by_intensity(const Image& image, double drag, double ratio = 10);
+/// (b) by the length of the field's vectors (STOP-DAMP): drag * (1 + ratio * |v| / max |v|). It brakes on the flanks of
+/// the border, where the field is strong, not on it.
+Image drag_by_field(FieldView field, double drag, double ratio = 10);
+/// (c) near border voxels (STOP-HARDEN): drag * (1 + ratio * exp(-d / reach)), d the distance to the nearest non-zero
+/// voxel's centre in voxels.
+Image drag_near_border(const Image& border, double drag, double ratio = 10, double reach_voxels = 1);
+
+/// The drag is the same everywhere.
+struct UniformDrag {
+  static constexpr std::string_view name = "uniform";
+};
+struct FieldDrag {
+  static constexpr std::string_view name = "field";
+  double ratio = 10;
+};
+struct BorderDrag {
+  static constexpr std::string_view name = "border";
+  double ratio = 10;
+  double reach_voxels = 1;
+};
+void describe(auto&, UniformDrag&) {}
+void describe(auto& visit, FieldDrag& o) {
+  visit("ratio", o.ratio, OptionInfo{"drag added where the field is strongest, in units of the drag", "", 0, 1e6});
+}
+void describe(auto& visit, BorderDrag& o) {
+  visit("ratio", o.ratio, OptionInfo{"drag added on the border, in units of the drag", "", 0, 1e6});
+  visit("reach_voxels", o.reach_voxels, OptionInfo{"distance in which it falls to 1/e", "voxels", 0.01, 1000});
+}
+using DampingOptions = std::variant<UniformDrag, FieldDrag, BorderDrag>;
+
+/// The map that the options describe; none for a uniform drag.
+std::optional<Image> drag_map(const DampingOptions& options, FieldView field, const Image& border, double drag);
+
+}  // namespace dynasurf

@@ -1,0 +1,69 @@
+#pragma once
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "dynasurf/core/progress.hpp"
+#include "dynasurf/ventricle/fit/detail/activity.hpp"
+
+namespace dynasurf {
+
+/// What is believed of the wall's thickness in one gate: the mean of its log over directions below the base.
+struct ThicknessPrior {
+  Eigen::MatrixXd harmonics;  // one row per direction; none: nothing is believed
+  Eigen::VectorXd mm_per_q;   // along each direction
+  int gate = 0;
+  double mean_mm = 10, log_sd = 0.2;
+};
+
+/// A beat to be explained: pixels of all gates, and the model that explains them.
+struct BeatProblem {
+  Pixels pixels;
+  std::vector<std::vector<float>> values;  // [gate][pixel], healthy muscle near 1
+  std::vector<float> weight;               // [pixel] relative precision, 0: not looked at
+  double noise = 1;                        // variance of a pixel of weight 1, times the pixels that share their noise
+  std::vector<std::vector<float>> blobs;   // [blob][pixel] neighbours of amplitude 1, as the camera sees them
+  HeartCells cells;
+  BeatLayout layout;
+  double sigma_mm = 0;  // of the point spread when its unknown is 0
+  double filtered = 0;  // share of its variance that comes from a filter on the voxels
+  ThicknessPrior thickness;
+  double wall_relative_sd = 0.01;  // relative, by which the muscle's volume may vary over the beat
+};
+
+/// How badly a set of unknowns explains the beat: half the sum of squares of the data, of what was believed, and of the
+/// muscle's volume over the beat, each over its standard deviation.
+struct Objective {
+  double value = 0, data = 0;
+  Eigen::VectorXd gradient;
+  std::vector<std::vector<float>> residual;  // [gate][pixel] model less data
+  std::vector<Activity> activity;            // [gate]
+};
+Objective objective(const BeatProblem& problem, const Eigen::VectorXd& unknowns);
+/// The same without its gradient, which takes as long again, and the gradient there.
+Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unknowns);
+Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at);
+
+/// Gauss-Newton matrix of the misfit at some unknowns, in parts: the derivatives of the image are those of point
+/// sources on the walls. The first part is that of a noise of 1.
+struct NormalMatrix {
+  Eigen::MatrixXd data, rest;
+  int age = 0;  // steps taken since
+  Eigen::MatrixXd whole(double noise) const { return data / noise + rest; }
+};
+NormalMatrix normal_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at);
+
+struct Solution {
+  Eigen::VectorXd unknowns;
+  Objective objective;
+  NormalMatrix matrix;   // of a step at or before the last
+  double damping = 300;  // of the next step, in units of what is believed
+  int steps = 0;
+  bool converged = false;
+};
+/// Levenberg-Marquardt from where `solution` is: stops when a step gains less than `tolerance` of the misfit, or after
+/// `most_steps` more. A matrix of the same unknowns is used on until it no longer predicts what a step gains.
+void minimise(const BeatProblem& problem, Solution& solution, int most_steps, double tolerance,
+              const Progress& progress);
+
+}  // namespace dynasurf
