@@ -83,13 +83,15 @@ fuzz_confirmed() {
   esac
 }
 
-# fuzz_run TARGET SECONDS: 1 when something was found.
+# fuzz_run TARGET SECONDS: 1 when something was found. Entropic weighs the corpus by how rare its features are; that took
+# 15 % (NIfTI) to 40 % (DICOM) of the time, and re-reading the corpus of other processes is of no use to one.
 fuzz_run() {
   local target=$1 seconds=$2 work=$fuzz_work/$1 log=$fuzz_work/$1/log begin=$SECONDS left finds=0 count
   mkdir -p "$work/corpus" "$work/crashes"
   while left=$((seconds - (SECONDS - begin))) && [ "$left" -gt 0 ]; do
     "build/fuzz/bin/fuzz_$target" "$work/corpus" "fuzz/corpus/$target" -max_total_time="$left" -timeout=1 \
       -rss_limit_mb=2048 -malloc_limit_mb=256 -max_len="$(fuzz_fact "$target" LENGTH)" -print_final_stats=1 \
+      -entropic=0 -reload=0 \
       -dict="fuzz/dictionaries/$(fuzz_fact "$target" SOURCE).dict" -artifact_prefix="$work/crashes/" \
       >"$log" 2>&1 || true
     count=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")

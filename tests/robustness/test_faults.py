@@ -56,7 +56,7 @@ def levels():
 JOBS = {
     "ventricle": lambda new: ["ventricle", study(), "--no-timings", "--quiet", *EDGES, "--set", f"mesh_level={1 + new}"],
     "cloud": lambda new: ["cloud", scan(), "--no-timings", "--quiet", "--triangles", str(80 + 80 * new)],
-    "phantom": lambda new: ["phantom", "patient", "--quiet", "--seed", str(new), *TINY_PATIENT],
+    "phantom": lambda new: ["phantom", "patient", "--quiet", "--seed", str(new), *TINY_PATIENT, "--set", "gates=1"],
     "lod": lambda new: ["lod", levels(), "--steps", str(1 + new)],
 }
 
