@@ -40,6 +40,24 @@ class Project(unittest.TestCase):
         return run.returncode, run.stdout + run.stderr
 
 
+class CheckNames(Project):
+    def check(self, first, second):
+        self.write("src/dynasurf/mesh/a.hpp", "namespace dynasurf {\n\n" + first + "\n\n}  // namespace dynasurf\n")
+        self.write("src/dynasurf/cloud/b.hpp", "namespace dynasurf {\n\n" + second + "\n\n}  // namespace dynasurf\n")
+        return self.run_tool("check_names.py", self.root)
+
+    def test_finds_a_type_that_is_defined_twice(self):
+        for second in ("struct Cup {\n  int b;\n};", "class Cup final : public A {\n};", "enum class Cup { a };"):
+            code, text = self.check("struct Cup {\n  double a;\n};", second)
+            self.assertEqual(code, 1, second)
+            self.assertIn("dynasurf::Cup is defined in src/dynasurf/cloud/b.hpp and in src/dynasurf/mesh/a.hpp", text)
+
+    def test_accepts_types_that_differ_are_declared_or_are_local(self):
+        for second in ("struct Bowl {\n};", "struct Cup;", "namespace {\nstruct Cup {\n};\n}  // namespace"):
+            code, text = self.check("struct Cup {\n  double a;\n};", second)
+            self.assertEqual(code, 0, text)
+
+
 class CheckSameBytes(Project):
     def check(self, line, path="src/dynasurf/mesh/a.cpp"):
         self.write(path, line + "\n")
@@ -63,7 +81,7 @@ class CheckSameBytes(Project):
         self.assertEqual(self.check("x = std::exp(y);", "app/a.cpp")[0], 1)
 
     def test_lets_the_own_functions_name_what_they_replace(self):
-        self.assertEqual(self.check("double exp(double x);", "src/dynasurf/core/elementary.hpp")[0], 0)
+        self.assertEqual(self.check("double exp(double x);", "src/dynasurf/core/detail/elementary.hpp")[0], 0)
 
 
 class CheckIncludes(Project):
