@@ -1,44 +1,54 @@
 # Bundles web/ into HTML files that the report library carries, and names the tests of the page.
 
-find_program(DYNASURF_NODE NAMES node nodejs DOC "Node.js, at least 18: bundles the page of the report")
-find_program(DYNASURF_NPM npm DOC "npm: fetches what the page of the report is made of")
-if(NOT DYNASURF_NODE OR NOT DYNASURF_NPM)
-  message(FATAL_ERROR "Node.js and npm bundle the page of the report and were not found. "
-                      "On Debian: apt-get install --no-install-recommends nodejs npm")
-endif()
-execute_process(COMMAND ${DYNASURF_NODE} --version OUTPUT_VARIABLE node_version OUTPUT_STRIP_TRAILING_WHITESPACE)
-string(REGEX REPLACE "^v" "" node_version "${node_version}")
-if(node_version VERSION_LESS 18)
-  message(FATAL_ERROR "${DYNASURF_NODE} is Node.js '${node_version}'; the page of the report needs at least 18")
-endif()
-
-set(web ${CMAKE_SOURCE_DIR}/web)
-set(DYNASURF_PAGES ${CMAKE_BINARY_DIR}/web/pages)
+set(web ${PROJECT_SOURCE_DIR}/web)
+set(DYNASURF_PAGES ${PROJECT_BINARY_DIR}/web/pages)
 set(web_pages ${DYNASURF_PAGES}/report.html ${DYNASURF_PAGES}/cloud.html ${DYNASURF_PAGES}/lod.html)
 
-# npm writes its hidden lock file last, so the file stands for the whole folder. Scripts of packages never run.
-set(web_modules ${web}/node_modules/.package-lock.json)
-add_custom_command(
-  OUTPUT ${web_modules}
-  COMMAND ${DYNASURF_NPM} ci --ignore-scripts --no-audit --no-fund --loglevel=error
-  COMMAND ${CMAKE_COMMAND} -E touch ${web_modules}
-  DEPENDS ${web}/package.json ${web}/package-lock.json
-  WORKING_DIRECTORY ${web}
-  COMMENT "Fetching the packages of web/"
-  VERBATIM)
+if(DYNASURF_WITH_PAGES)
+  find_program(DYNASURF_NODE NAMES node nodejs DOC "Node.js, at least 18: bundles the page of the report")
+  find_program(DYNASURF_NPM npm DOC "npm: fetches what the page of the report is made of")
+  if(NOT DYNASURF_NODE OR NOT DYNASURF_NPM)
+    message(FATAL_ERROR "Node.js and npm bundle the page of the report and were not found. "
+                        "On Debian: apt-get install --no-install-recommends nodejs npm")
+  endif()
+  execute_process(COMMAND ${DYNASURF_NODE} --version OUTPUT_VARIABLE node_version OUTPUT_STRIP_TRAILING_WHITESPACE)
+  string(REGEX REPLACE "^v" "" node_version "${node_version}")
+  if(node_version VERSION_LESS 18)
+    message(FATAL_ERROR "${DYNASURF_NODE} is Node.js '${node_version}'; the page of the report needs at least 18")
+  endif()
 
-file(GLOB_RECURSE web_sources CONFIGURE_DEPENDS ${web}/src/*)
-add_custom_command(
-  OUTPUT ${web_pages}
-  COMMAND ${DYNASURF_NODE} ${web}/build.mjs ${DYNASURF_PAGES}
-  DEPENDS ${web_sources} ${web}/build.mjs ${web_modules}
-  COMMENT "Bundling the pages"
-  VERBATIM)
-add_custom_target(web DEPENDS ${web_pages})
+  # npm writes its hidden lock file last, so the file stands for the whole folder. Scripts of packages never run.
+  set(web_modules ${web}/node_modules/.package-lock.json)
+  add_custom_command(
+    OUTPUT ${web_modules}
+    COMMAND ${DYNASURF_NPM} ci --ignore-scripts --no-audit --no-fund --loglevel=error
+    COMMAND ${CMAKE_COMMAND} -E touch ${web_modules}
+    DEPENDS ${web}/package.json ${web}/package-lock.json
+    WORKING_DIRECTORY ${web}
+    COMMENT "Fetching the packages of web/"
+    VERBATIM)
+
+  file(GLOB_RECURSE web_sources CONFIGURE_DEPENDS ${web}/src/*)
+  add_custom_command(
+    OUTPUT ${web_pages}
+    COMMAND ${DYNASURF_NODE} ${web}/build.mjs ${DYNASURF_PAGES}
+    DEPENDS ${web_sources} ${web}/build.mjs ${web_modules}
+    COMMENT "Bundling the pages"
+    VERBATIM)
+  add_custom_target(web DEPENDS ${web_pages})
+else()
+  # Reports still hold their data, for programs to read.
+  foreach(page IN LISTS web_pages)
+    file(WRITE ${page} "<!doctype html><meta charset=\"utf-8\"><title>Dynasurf</title>"
+         "<p>This build has no interactive page (DYNASURF_WITH_PAGES=OFF). The data are in the source of this page.</p>"
+         "<script type=\"application/json\" id=\"data\">{{DATA}}</script>\n")
+  endforeach()
+  add_custom_target(web)
+endif()
 
 # dynasurf_embed_page(target): the pages as bytes inside a library.
 function(dynasurf_embed_page target)
-  set(source ${CMAKE_SOURCE_DIR}/src/dynasurf/report/page_template.cpp)
+  set(source ${PROJECT_SOURCE_DIR}/src/dynasurf/report/page_template.cpp)
   set_source_files_properties(${source} PROPERTIES
     COMPILE_DEFINITIONS "DYNASURF_PAGES=\"${DYNASURF_PAGES}\""
     OBJECT_DEPENDS "${web_pages}")
@@ -47,26 +57,26 @@ endfunction()
 
 # dynasurf_page_tests(): the types of the page, the published schema against real output, the page in Chromium.
 function(dynasurf_page_tests)
-  add_executable(make_sample_report ${CMAKE_SOURCE_DIR}/tests/web/make_sample_report.cpp)
-  target_include_directories(make_sample_report PRIVATE ${CMAKE_SOURCE_DIR}/tests)
+  add_executable(make_sample_report ${PROJECT_SOURCE_DIR}/tests/web/make_sample_report.cpp)
+  target_include_directories(make_sample_report PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(make_sample_report PRIVATE dynasurf::report dynasurf::mesh dynasurf_flags)
 
   set(samples ${CMAKE_BINARY_DIR}/web/samples)
   add_test(NAME web/samples COMMAND make_sample_report ${samples})
   add_test(NAME web/types COMMAND ${DYNASURF_NODE} ${web}/node_modules/typescript/bin/tsc --noEmit -p ${web})
   add_test(NAME web/schema COMMAND ${DYNASURF_NODE} ${web}/test/schema.test.mjs
-           ${CMAKE_SOURCE_DIR}/docs/results.schema.json ${samples})
+           ${PROJECT_SOURCE_DIR}/docs/results.schema.json ${samples})
   add_test(NAME web/report COMMAND ${DYNASURF_NODE} ${web}/test/report.test.mjs ${samples})
   set_tests_properties(web/samples PROPERTIES FIXTURES_SETUP sample_reports)
   set_tests_properties(web/schema web/report PROPERTIES FIXTURES_REQUIRED sample_reports)
   set_tests_properties(web/report PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 600)
 
-  add_executable(make_sample_clouds ${CMAKE_SOURCE_DIR}/tests/web/make_sample_clouds.cpp)
+  add_executable(make_sample_clouds ${PROJECT_SOURCE_DIR}/tests/web/make_sample_clouds.cpp)
   target_link_libraries(make_sample_clouds PRIVATE dynasurf::report dynasurf::mesh dynasurf_flags)
   set(clouds ${CMAKE_BINARY_DIR}/web/sample_clouds)
   add_test(NAME web/sample-clouds COMMAND make_sample_clouds ${clouds})
   add_test(NAME web/cloud-schema COMMAND ${DYNASURF_NODE} ${web}/test/cloud_schema.test.mjs
-           ${CMAKE_SOURCE_DIR}/docs/cloud-results.schema.json ${clouds}/results)
+           ${PROJECT_SOURCE_DIR}/docs/cloud-results.schema.json ${clouds}/results)
   add_test(NAME web/cloud COMMAND ${DYNASURF_NODE} ${web}/test/cloud.test.mjs ${clouds})
   set_tests_properties(web/sample-clouds PROPERTIES FIXTURES_SETUP sample_clouds)
   set_tests_properties(web/cloud-schema web/cloud PROPERTIES FIXTURES_REQUIRED sample_clouds)

@@ -1,0 +1,18 @@
+// From a gated heart study to the ejection fraction and a folder with meshes, measures and a report.
+// study STUDY RESULT
+
+#include <cstdio>
+
+#include "dynasurf/io/study_io.hpp"
+#include "dynasurf/report/study_folder.hpp"
+#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
+
+int main(int argc, char** argv) {
+  if (argc != 3) return 1;
+  const dynasurf::Study study = dynasurf::read_study(argv[1]);
+  const auto result = dynasurf::reconstruct(study, dynasurf::ventricle_preset("psf_corrected"));
+  if (const auto& ef = result.leading.ef_percent)
+    std::printf("EF %.0f %% (%.0f-%.0f)\n", ef->value, ef->low(), ef->high());
+  dynasurf::write_study_folder(result, argv[2]);
+}

@@ -1,0 +1,74 @@
+"""The library from outside: installed and found by CMake or pkg-config, and taken in as sources.
+
+DYNASURF_BUILD is the build that is installed, DYNASURF_SOURCE the sources.
+"""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+BUILD, SOURCE = pathlib.Path(os.environ["DYNASURF_BUILD"]), pathlib.Path(os.environ["DYNASURF_SOURCE"])
+HERE = pathlib.Path(__file__).resolve().parent
+
+
+def run(*command, **more):
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, **more)
+    if done.returncode != 0:
+        raise AssertionError(f"{' '.join(map(str, command))}\n{done.stdout[-3000:]}{done.stderr[-3000:]}")
+    return done.stdout
+
+
+class Package(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="dynasurf-package-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = pathlib.Path(folder.name)
+        cls.prefix = cls.folder / "prefix"
+        run("cmake", "--install", BUILD, "--prefix", cls.prefix)
+
+    def build(self, name, *options):
+        build = self.folder / name
+        launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
+        run("cmake", "-S", HERE / name, "-B", build, "-G", "Ninja", *launcher, *options)
+        return build
+
+    def test_programs_find_the_installed_library(self):
+        build = self.build("installed", f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DEXAMPLES={SOURCE / 'examples'}")
+        run("cmake", "--build", build)
+        self.assertEqual(run(build / "flow"), "1728 vectors\n")
+        program = self.prefix / "bin" / "dynasurf"
+        run(program, "phantom", "patient", "--set", "gates=4", "--out", self.folder / "patient")
+        self.assertRegex(run(build / "study", self.folder / "patient/study.dcm", self.folder / "heart"), r"^EF \d+ % ")
+        self.assertTrue((self.folder / "heart" / "report.html").is_file())
+        run(program, "phantom", "cloud", "--set", "points=3000", "--out", self.folder / "scan")
+        self.assertIn("320 triangles, watertight", run(build / "scan", self.folder / "scan/cloud.ply", self.folder / "body"))
+
+    def test_another_version_is_not_taken(self):
+        wrong = self.folder / "wrong"
+        wrong.mkdir()
+        (wrong / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.25)\nproject(w C CXX)\n"
+                                              "find_package(dynasurf 0.3 REQUIRED)\n")
+        done = subprocess.run(["cmake", "-S", wrong, "-B", wrong / "build", f"-DCMAKE_PREFIX_PATH={self.prefix}"],
+                              capture_output=True, text=True)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("0.2.0", done.stderr)
+
+    @unittest.skipUnless(shutil.which("pkg-config"), "pkg-config is not installed")
+    def test_pkg_config_tells_the_flags(self):
+        paths = {**os.environ, "PKG_CONFIG_PATH": str(next(self.prefix.rglob("pkgconfig")))}
+        flags = run("pkg-config", "--cflags", "--libs", "dynasurf", env=paths).split()
+        run("c++", HERE / "subproject" / "grid.cpp", "-o", self.folder / "grid", *flags)
+        self.assertEqual(run(self.folder / "grid"), "24 voxels\n")
+
+    def test_the_sources_are_a_part_of_another_project(self):
+        build = self.build("subproject", f"-DDYNASURF={SOURCE}")
+        run("cmake", "--build", build, "--target", "grid")
+        self.assertEqual(run(build / "grid"), "24 voxels\n")
+
+
+if __name__ == "__main__":
+    unittest.main()
