@@ -3,9 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "dynasurf/io/json_read.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/mesh/repair.hpp"
 
 #include "command.hpp"
 #include "console.hpp"
@@ -22,6 +23,7 @@ struct Arguments {
 
 Json measures_of(const TriMesh& mesh) {
   const Topology surface = topology(mesh);
+  const SurfaceCheck check = check_surface(mesh);
   const TriangleQuality quality = triangle_quality(mesh);
   Json json;
   json["vertices"] = surface.vertices;
@@ -33,7 +35,10 @@ Json measures_of(const TriMesh& mesh) {
   json["non_manifold_edges"] = surface.non_manifold_edges;
   json["misoriented_edges"] = surface.misoriented_edges;
   json["closed"] = surface.closed();
+  json["manifold"] = check.manifold;
   json["oriented"] = surface.oriented();
+  json["self_intersections"] = check.self_intersections;
+  json["flat_triangles"] = check.flat_triangles;
   // Only a closed, oriented surface bounds something.
   json["volume_ml"] = surface.closed() && surface.oriented() ? Json(volume_mm3(mesh) / 1000) : Json();
   json["area_mm2"] = area_mm2(mesh);
@@ -63,7 +68,8 @@ ExitCode run(const Arguments& arguments) {
 
 void add_measure(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand("measure", "Measure a triangle mesh: volume, area, topology, triangles");
+  CLI::App* command = program.add_subcommand(
+      "measure", "Measure a triangle mesh: volume, area, topology, self-intersections, triangles");
   command->add_option("MESH", arguments->mesh, "PLY, STL, OBJ or OFF file, in mm")->required();
   command->add_flag("--json", arguments->json, "print JSON");
   command->callback([arguments, &chosen] { chosen = [arguments](std::stop_token) { return run(*arguments); }; });

@@ -139,8 +139,15 @@ class Measure(CliTest):
         self.assertAlmostEqual(measured["volume_ml"], 1.0, places=12)
         self.assertAlmostEqual(measured["area_mm2"], 600.0, places=9)
         self.assertEqual((measured["vertices"], measured["edges"], measured["triangles"], measured["euler"]), (8, 18, 12, 2))
-        self.assertTrue(measured["closed"] and measured["oriented"])
+        self.assertTrue(measured["closed"] and measured["oriented"] and measured["manifold"])
+        self.assertEqual((measured["self_intersections"], measured["flat_triangles"]), (0, 0))
         self.assertIn("volume_ml", run("measure", cube).stdout)
+
+    def test_counts_triangles_that_cut_each_other(self):
+        crossed = self.folder / "crossed.off"
+        crossed.write_text("OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 -1\n1 1 1\n2 2 1\n3 0 1 2\n3 3 4 5\n")
+        measured = json.loads(run("measure", crossed, "--json").stdout)
+        self.assertEqual((measured["self_intersections"], measured["manifold"]), (1, True))
 
     def test_gives_no_volume_to_an_open_surface(self):
         lines = CUBE.splitlines()
