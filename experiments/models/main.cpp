@@ -39,8 +39,10 @@ Late late(const MeshRun& run) {
                            for (const Vec3& v : s.velocities) sum += v.norm();
                            speeds.push_back(sum / static_cast<double>(s.velocities.size()));
                          }});
+  Evolution evolution = run.evolution;
+  evolution.histories = true;
   const EvolutionResult r =
-      evolve(start_of(run, outer_border()), field_of(outer_border()), outer_border(), run.evolution, {}, nullptr, look);
+      evolve(start_of(run, outer_border()), field_of(outer_border()), outer_border(), evolution, {}, nullptr, look);
   Late result;
   result.steps = r.steps;
   result.rms_voxels = rms_voxels(r.mesh);
