@@ -92,7 +92,8 @@ void compare_slices(const VentricleResult& result, const Truth& truth, Outcome& 
     const auto on_axis = [&](double height) {
       return Vec3(truth.centre + (height - truth.centre.dot(truth.axis)) * truth.axis);
     };
-    if (gate.base_plane) base += std::abs(gate.base_plane->height(on_axis(truth.base[g]))), ++planes;
+    if (gate.edge_surfaces.base_plane)
+      base += std::abs(gate.edge_surfaces.base_plane->height(on_axis(truth.base[g]))), ++planes;
     const double apex_mm = to_grid(grid, on_axis(truth.endo_apex[g]))[2];
     division += std::abs(gate.labels.division_slice - std::floor(apex_mm / grid.spacing[2]));
   }
