@@ -29,6 +29,8 @@ if(DYNASURF_WITH_DICOM)
   # By name: Debian's dcmtk.pc asks for packages that its own package does not bring.
   string(PREPEND pc_private "-ldcmdata -loflog -lofstd ")
 endif()
+# Relative to the file itself, so that `cmake --install --prefix` may choose another place.
+file(RELATIVE_PATH pc_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(${CMAKE_CURRENT_LIST_DIR}/dynasurf.pc.in ${PROJECT_BINARY_DIR}/dynasurf.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/dynasurf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
 
