@@ -18,7 +18,7 @@ from cli import EDGES, PROGRAM, hashes, run, shared_folder
 
 SHIM = os.environ["DYNASURF_FAULT_SHIM"]
 # Runs per test; "all" makes a campaign of it, in which every call fails in every way.
-RUNS = os.environ.get("DYNASURF_FAULTS", "24")
+RUNS = os.environ.get("DYNASURF_FAULTS", "20")
 WORKERS = os.cpu_count()
 TINY_PATIENT = ["--set", "gates=4", "--set", "lattice.nx=20", "--set", "lattice.ny=20", "--set", "lattice.dx_mm=8",
                 "--set", "lattice.dy_mm=8", "--set", "fwhm_mm=12"]
