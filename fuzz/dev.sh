@@ -120,14 +120,14 @@ fuzz_table() {
   done
 }
 
-# fuzz_minimise TARGET: at most 60 files of at most 8 kB, the smallest first; what once broke a reader stays.
+# fuzz_minimise TARGET: at most 200 files of at most 8 kB, the smallest first; what once broke a reader stays.
 fuzz_minimise() {
   local target=$1 merged=$fuzz_work/$1/merged corpus=fuzz/corpus/$1 count=0 file
   rm -rf "$merged" && mkdir -p "$merged" "$corpus" "$fuzz_work/$1/corpus"
   "build/fuzz/bin/fuzz_$target" -merge=1 -set_cover_merge=1 -use_counters=0 -use_cmp=0 -timeout=5 -max_len=8192 "$merged" "$corpus" "$fuzz_work/$target/corpus" \
     >"$fuzz_work/$target/log" 2>&1 || { tail -n 20 "$fuzz_work/$target/log" >&2; return 1; }
   find "$corpus" -type f ! -name 'once-*' -delete
-  while read -r _ file && [ $count -lt 60 ]; do
+  while read -r _ file && [ $count -lt 200 ]; do
     cp "$file" "$corpus/$(sha1sum "$file" | cut -c1-16).bin"
     count=$((count + 1))
   done < <(find "$merged" -type f -size -9k -printf '%s %p\n' | sort -n)
