@@ -150,7 +150,7 @@ Json comparison(const ComparedStudy& rest, const ComparedStudy& stress, const Me
       segment_means(model, difference.grid, difference.maps.perfusion_percent, difference.area_mm2);
   const std::string kind = common_reading(rest, stress);
   const Json &a = reading_of(rest.results, kind), &b = reading_of(stress.results, kind);
-  Json json;
+  Json json = Json::object();
   json["schema"] = "dynasurf.comparison/1";
   json["use"] = "Research use only. Not for diagnosis.";
   json["reading"] = kind;

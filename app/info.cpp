@@ -21,7 +21,7 @@ ExitCode run(const Arguments& arguments) {
   const Study study = read_study(arguments.study);
   const StudyFacts facts = facts_of(arguments.study, study);
   if (arguments.json) {
-    nlohmann::ordered_json json;
+    nlohmann::ordered_json json = nlohmann::ordered_json::object();
     for (const auto& [name, value] : facts.rows) json[name] = value;
     json["notes"] = nlohmann::ordered_json::array();
     for (const Note& note : study.notes) json["notes"].push_back({{"code", note.code}, {"message", note.message}});

@@ -129,7 +129,7 @@ Plan plan_of(const std::vector<TriMesh>& meshes, const Arguments& arguments) {
 }
 
 Json json_of(const std::vector<Level>& levels, const Plan& plan, const Arguments& arguments) {
-  Json json;
+  Json json = Json::object();
   json["schema"] = "dynasurf.lod/1";
   json["screen_px"] = {arguments.camera.width_px, arguments.camera.height_px};
   json["fov_deg"] = arguments.camera.fov_deg;

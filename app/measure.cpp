@@ -25,7 +25,7 @@ Json measures_of(const TriMesh& mesh) {
   const Topology surface = topology(mesh);
   const SurfaceCheck check = check_surface(mesh);
   const TriangleQuality quality = triangle_quality(mesh);
-  Json json;
+  Json json = Json::object();
   json["vertices"] = surface.vertices;
   json["edges"] = surface.edges;
   json["triangles"] = surface.triangles;

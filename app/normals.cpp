@@ -63,7 +63,7 @@ struct Scoring {
 
 Json scores_json(const SegmentScores& scores, SegmentModel model, const std::optional<DefectMeasures>& defect,
                  int studies) {
-  Json json;
+  Json json = Json::object();
   json["schema"] = "dynasurf.scores/1";
   json["use"] = "Research use only. Not for diagnosis.";
   json["normal_studies"] = studies > 0 ? Json(studies) : Json();

@@ -64,7 +64,7 @@ bool is_trustworthy(const OrganResult& result) {
 }
 
 Json result_json(const OrganResult& result, const OrganOptions& options, const Study& study) {
-  Json json;
+  Json json = Json::object();
   json["schema"] = "dynasurf.organ/1";
   json["use"] = "Research use only. Not for diagnosis.";
   json["surface"] = surface_json(result.surface);

@@ -93,7 +93,7 @@ Json true_regions(const Phantom& phantom) {
 }
 
 Json truth_of(const Phantom& phantom) {
-  Json json;
+  Json json = Json::object();
   json["schema"] = "dynasurf.phantom/1";
   json["kind"] = phantom.kind;
   json["edv_ml"] = number(phantom.edv_ml);
@@ -180,7 +180,7 @@ ExitCode make_scan(const Arguments& arguments, std::stop_token stop) {
   const PointCloud cloud = make_cloud(options);
   write_cloud(cloud, folder.path() / "cloud.ply");
   write_mesh(reference, folder.path() / "truth" / "surface.ply", MeshFormat::ply);
-  Json json;
+  Json json = Json::object();
   json["schema"] = "dynasurf.phantom/1";
   json["kind"] = "cloud";
   json["points"] = cloud.points.size();

@@ -57,7 +57,8 @@ int add_material(const AnimatedSurface& surface, GltfScene& scene) {
   const int index = scene.add_material(surface.name, 0.6);
   GltfJson& material = scene.document["materials"].back();
   if (surface.colour != std::array<float, 4>{1, 1, 1, 1})  // what glTF takes where none is told
-    for (const double part : surface.colour) material["pbrMetallicRoughness"]["baseColorFactor"].push_back(part);
+    material["pbrMetallicRoughness"]["baseColorFactor"] =
+        std::vector<double>(surface.colour.begin(), surface.colour.end());
   if (surface.colour[3] < 1) {
     material["alphaMode"] = "BLEND";
     material["doubleSided"] = true;
@@ -68,23 +69,24 @@ int add_material(const AnimatedSurface& surface, GltfScene& scene) {
 /// The first gate, and what each further one adds to it. Gives the number of its node.
 int add_surface(const AnimatedSurface& surface, GltfScene& scene) {
   const Rows3 base = positions_m(surface.cycle[0]), base_normals = normals(surface.cycle[0]);
-  GltfJson primitive;
+  GltfJson primitive = {{"attributes", GltfJson::object()}};
   primitive["material"] = add_material(surface, scene);
   primitive["attributes"]["POSITION"] = scene.add_rows(base, true);
   primitive["attributes"]["NORMAL"] = scene.add_rows(base_normals, false);
   primitive["indices"] = scene.add_triangles(surface.cycle[0]);
-  GltfJson target_names = GltfJson::array();  // Blender and three.js show them
+  GltfJson targets = GltfJson::array(), target_names = GltfJson::array();  // Blender and three.js show the names
   for (std::size_t gate = 1; gate < surface.cycle.size(); ++gate) {
     const int moved = scene.add_rows(differences(positions_m(surface.cycle[gate]), base), true);
     const int turned = scene.add_rows(differences(normals(surface.cycle[gate]), base_normals), false);
-    primitive["targets"].push_back({{"POSITION", moved}, {"NORMAL", turned}});
+    targets.push_back({{"POSITION", moved}, {"NORMAL", turned}});
     target_names.push_back("gate " + std::to_string(gate + 1));
   }
+  if (!targets.empty()) primitive["targets"] = std::move(targets);
   const int node = scene.add_node(surface.name, std::move(primitive), true);
   if (target_names.empty()) return node;
   GltfJson& mesh = scene.document["meshes"].back();
   mesh["weights"] = std::vector<double>(target_names.size(), 0.0);
-  mesh["extras"]["targetNames"] = std::move(target_names);
+  mesh["extras"] = {{"targetNames", std::move(target_names)}};
   return node;
 }
 
@@ -95,7 +97,7 @@ void animate(int node, std::size_t gates, double cycle_s, GltfJson& animation, G
     times.push_back(static_cast<float>(cycle_s * static_cast<double>(key) / static_cast<double>(gates)));
     for (std::size_t target = 1; target < gates; ++target) weights.push_back(key == target ? 1.0f : 0.0f);
   }
-  GltfJson sampler, channel;
+  GltfJson sampler = GltfJson::object(), channel = GltfJson::object();
   sampler["input"] = scene.add_numbers(times, true);
   sampler["output"] = scene.add_numbers(weights, false);
   sampler["interpolation"] = "LINEAR";
@@ -110,14 +112,14 @@ void animate(int node, std::size_t gates, double cycle_s, GltfJson& animation, G
 void write_glb(std::span<const AnimatedSurface> surfaces, double cycle_s, const std::filesystem::path& path) {
   check_surfaces(surfaces, cycle_s, path.string());
   GltfScene scene;
-  GltfJson beat;
+  GltfJson beat = {{"samplers", GltfJson::array()}, {"channels", GltfJson::array()}};
   for (const AnimatedSurface& surface : surfaces) {
     const int node = add_surface(surface, scene);
     if (surface.cycle.size() > 1) animate(node, surface.cycle.size(), cycle_s, beat, scene);
   }
-  if (!beat.is_null()) {
+  if (!beat["channels"].empty()) {
     beat["name"] = "beat";
-    scene.document["animations"].push_back(std::move(beat));
+    scene.document["animations"] = GltfJson::array({std::move(beat)});
   }
   write_file(path, scene.encode(path.string()));
 }

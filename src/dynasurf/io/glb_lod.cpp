@@ -44,7 +44,7 @@ GltfJson plain_primitive(const TriMesh& mesh, const VertexColours& colours, cons
   Rows3 rows;
   rows.reserve(mesh.vertices.size());
   for (const Vec3& p : mesh.vertices) rows.push_back((p - middle).cast<float>());
-  GltfJson primitive;
+  GltfJson primitive = {{"attributes", GltfJson::object()}};
   primitive["attributes"]["POSITION"] = scene.add_rows(rows, true);
   primitive["attributes"]["NORMAL"] = scene.add_rows(io_detail::vertex_normals(mesh), false);
   if (!colours.empty()) primitive["attributes"]["COLOR_0"] = scene.add_colours(linear(colours));
@@ -68,7 +68,7 @@ GltfJson textured_primitive(const TexturedMesh& mesh, const Vec3& middle, GltfSc
     tangents.push_back({c.tangent[0], c.tangent[1], c.tangent[2], 1.0F});
     uvs.push_back(c.uv);
   }
-  GltfJson primitive;
+  GltfJson primitive = {{"attributes", GltfJson::object()}};
   primitive["attributes"]["POSITION"] = scene.add_rows(places, true);
   primitive["attributes"]["NORMAL"] = scene.add_rows(normals, false);
   primitive["attributes"]["TANGENT"] = scene.add_fours(tangents);
@@ -90,8 +90,8 @@ int add_textured_material(const LodSurface& level, GltfScene& scene) {
   const int colours = coloured ? scene.add_png(png_of(level.textured.colours), level.name + "_colours") : -1;
   const int index = scene.add_material(level.name, roughness);
   GltfJson& material = scene.document["materials"].back();
-  material["normalTexture"]["index"] = normals;
-  if (coloured) material["pbrMetallicRoughness"]["baseColorTexture"]["index"] = colours;
+  material["normalTexture"] = {{"index", normals}};
+  if (coloured) material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", colours}};
   return index;
 }
 
@@ -110,12 +110,15 @@ void check_textures(const LodSurface& level, const std::string& what) {
 /// The finest node lists the others, and down to which part of the screen each level serves.
 void name_levels(std::span<const LodSurface> levels, GltfJson& document) {
   if (levels.size() < 2) return;
-  GltfJson& finest = document["nodes"][0];
+  GltfJson ids = GltfJson::array(), coverage = GltfJson::array();
   for (std::size_t n = 0; n < levels.size(); ++n) {
-    if (n > 0) finest["extensions"]["MSFT_lod"]["ids"].push_back(n);
-    finest["extras"]["MSFT_screencoverage"].push_back(levels[n].smallest_coverage);
+    if (n > 0) ids.push_back(n);
+    coverage.push_back(levels[n].smallest_coverage);
   }
-  document["extensionsUsed"].push_back("MSFT_lod");
+  GltfJson& finest = document["nodes"][0];
+  finest["extras"] = {{"MSFT_screencoverage", std::move(coverage)}};
+  finest["extensions"] = {{"MSFT_lod", {{"ids", std::move(ids)}}}};
+  document["extensionsUsed"] = {"MSFT_lod"};
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ void add_chunk(std::string& file, std::uint32_t kind, const std::string& bytes) 
 GltfScene::GltfScene() {
   document["asset"] = {{"version", "2.0"}, {"generator", "Dynasurf"}};
   document["scene"] = 0;
-  document["scenes"][0] = GltfJson::object();
+  document["scenes"] = GltfJson::array({GltfJson::object()});
 }
 
 int GltfScene::add_rows(const Rows3& rows, bool with_bounds) {
@@ -104,24 +104,25 @@ int GltfScene::add_png(const std::string& png, const std::string& name) {
 }
 
 int GltfScene::add_material(const std::string& name, double roughness) {
-  GltfJson material;
+  GltfJson material = GltfJson::object();
   material["pbrMetallicRoughness"] = {{"metallicFactor", 0.0}, {"roughnessFactor", roughness}};
   return add("materials", named(name, std::move(material)));
 }
 
 int GltfScene::add_node(const std::string& name, GltfJson primitive, bool shown) {
   primitive["mode"] = gltf::triangles;
-  GltfJson mesh, node;
-  mesh["primitives"].push_back(std::move(primitive));
+  GltfJson mesh = GltfJson::object(), node = GltfJson::object();
+  mesh["primitives"] = GltfJson::array({std::move(primitive)});
   node["mesh"] = add("meshes", named(name, std::move(mesh)));
   const int index = add("nodes", named(name, std::move(node)));
-  if (shown) document["scenes"][0]["nodes"].push_back(index);
+  if (shown) shown_.push_back(index);
   return index;
 }
 
 std::string GltfScene::encode(const std::string& what) const {
   GltfJson whole = document;
-  if (!binary_.empty()) whole["buffers"][0]["byteLength"] = binary_.size();
+  if (!shown_.empty()) whole["scenes"][0]["nodes"] = shown_;
+  if (!binary_.empty()) whole["buffers"] = GltfJson::array({{{"byteLength", binary_.size()}}});
   const std::string json = padded(whole.dump(-1, ' ', false, GltfJson::error_handler_t::replace), ' ');
   const std::string binary = padded(binary_, '\0');
   const std::size_t size = 12 + 8 + json.size() + (binary.empty() ? 0 : 8 + binary.size());
@@ -137,7 +138,7 @@ std::string GltfScene::encode(const std::string& what) const {
 }
 
 int GltfScene::add(const char* list, GltfJson item) {
-  GltfJson& items = document[list];
+  GltfJson& items = *document.emplace(list, GltfJson::array()).first;
   items.push_back(std::move(item));
   return static_cast<int>(items.size()) - 1;
 }

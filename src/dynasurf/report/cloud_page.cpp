@@ -96,7 +96,7 @@ std::string cloud_report_html(const CloudRun& run, const Provenance& provenance,
     else
       points = points_json(result.used, box);
   });
-  Json data;
+  Json data = Json::object();
   data["results"] = cloud_results_json(run, provenance, timings);
   data["low"] = {box.low[0], box.low[1], box.low[2]};
   data["high"] = {box.high[0], box.high[1], box.high[2]};

@@ -33,7 +33,7 @@ Json distances_json(const Certificate& c) {
 }
 
 Json certificate_json(const Certificate& c) {
-  Json json;
+  Json json = Json::object();
   json["watertight"] = c.watertight();
   json["closed"] = c.closed;
   json["manifold"] = c.manifold;
@@ -65,7 +65,7 @@ Json levels_json(const CloudResult& result) {
   Json levels = Json::array();
   for (std::size_t n = 0; n < result.levels.size(); ++n) {
     const CloudLevel& level = result.levels[n];
-    Json json;
+    Json json = Json::object();
     json["level"] = n + 1;
     json["name"] = name_of_level(result, n);
     json["triangles_asked"] = level.triangles_asked;
@@ -88,7 +88,7 @@ Json cloud_json(const CloudRun& run) {
     sources.push_back({{"format", source.format}, {"points", source.points}, {"triangles", source.triangles}});
   std::uint32_t scans = 0;
   for (const std::uint32_t scan : used.scans) scans = std::max(scans, scan);
-  Json json;
+  Json json = Json::object();
   json["files"] = std::move(sources);
   json["points"] = f.points;
   json["not_finite"] = f.not_finite;
@@ -145,7 +145,7 @@ std::string name_of_level(const CloudResult& result, std::size_t level) {
 }
 
 nlohmann::ordered_json cloud_results_json(const CloudRun& run, const Provenance& provenance, Timings timings) {
-  Json json;
+  Json json = Json::object();
   json["schema"] = "dynasurf.cloud/1";
   json["watertight"] = is_watertight(run.result);
   json["levels"] = levels_json(run.result);

@@ -21,7 +21,7 @@ Json provenance_json(const Provenance& provenance) {
   Json inputs = Json::array();
   for (const InputFile& input : provenance.inputs)
     inputs.push_back({{"file", input.name}, {"bytes", input.bytes}, {"sha256", input.sha256}});
-  Json json;
+  Json json = Json::object();
   json["program"] = "dynasurf";
   json["version"] = provenance.program_version;
   json["commit"] = provenance.commit;

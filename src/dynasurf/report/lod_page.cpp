@@ -20,7 +20,7 @@ void write_lod_page(std::span<const TriMesh> levels, std::span<const LodTransiti
       box.low = box.low.cwiseMin(p);
       box.high = box.high.cwiseMax(p);
     }
-  Json data;
+  Json data = Json::object();
   data["low"] = {box.low[0], box.low[1], box.low[2]};
   data["high"] = {box.high[0], box.high[1], box.high[2]};
   data["fov_deg"] = options.camera.fov_deg;

@@ -15,7 +15,7 @@ Json vector_json(const Vec3& v) { return {number(v[0]), number(v[1]), number(v[2
 Json function_json(const std::optional<VolumeCurveFit>& f, double cycle_ms) {
   if (!f) return nullptr;
   const auto in_ms = [&](double beats) { return cycle_ms > 0 ? number(beats * cycle_ms) : Json(nullptr); };
-  Json json;
+  Json json = Json::object();
   json["waves"] = f->waves;
   json["edv_ml"] = number(f->edv_ml);
   json["esv_ml"] = number(f->esv_ml);
@@ -102,7 +102,7 @@ constexpr std::array<Column, 11> columns{{
 }};
 
 Json segment_json(const SegmentMeasures& s) {
-  Json json;
+  Json json = Json::object();
   json["number"] = s.segment.number;
   json["name"] = s.segment.name;
   json["territory"] = s.segment.territory;
@@ -135,7 +135,7 @@ Json measures_json(const std::optional<Measures>& measures, double cycle_ms) {
   const Measures& m = *measures;
   Json segments = Json::array();
   for (const SegmentMeasures& s : m.segments) segments.push_back(segment_json(s));
-  Json json;
+  Json json = Json::object();
   json["thickness_is"] = m.cavity_alone ? Json(nullptr) : Json(m.from_edges ? "apparent" : "model");
   json["perfusion_is"] = m.perfusion_is == Perfusion::none ? Json(nullptr) : Json(word_of(m.perfusion_is));
   json["anterior"] = {{"rule", word_of(m.anterior.rule)}, {"direction", vector_json(m.anterior.direction)}};

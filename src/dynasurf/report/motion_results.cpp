@@ -23,7 +23,7 @@ void put(Json& json, const Strains& s) {
 
 Json gate_json(const MotionRun& run, std::size_t g) {
   const GateMotion& gate = run.motion.gates[g];
-  Json json;
+  Json json = Json::object();
   json["gate"] = g + 1;
   json["twist_deg"] = number(gate.twist_deg);
   const double reach = 1.645 * gate.twist_sd_deg;
@@ -34,7 +34,7 @@ Json gate_json(const MotionRun& run, std::size_t g) {
   for (std::size_t n = 0; n < gate.levels.size(); ++n) {
     if (!gate.levels[n]) continue;
     const LevelMotion& level = *gate.levels[n];
-    Json of;
+    Json of = Json::object();
     of["level"] = names_of(WallLevel{})[n];
     of["points"] = level.points;
     of["height_mm"] = number(level.height_mm);
@@ -113,7 +113,7 @@ std::vector<std::optional<double>> over_gates(const TrackedMotion& motion, const
 
 Json motion_json(const MotionRun& run, const Provenance& provenance) {
   const auto peak = static_cast<std::size_t>(run.motion.peak_gate);
-  Json json;
+  Json json = Json::object();
   json["schema"] = "dynasurf.motion/1";
   json["use"] = "Research use only. Not for diagnosis.";
   json["points"] = run.points;

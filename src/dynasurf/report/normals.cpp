@@ -130,7 +130,7 @@ void require_same_perfusion(Perfusion a, const std::string& name_a, Perfusion b,
 }
 
 std::string normals_text(const NormalMap& normal) {
-  Json json;
+  Json json = Json::object();
   json["schema"] = "dynasurf.normals/1";
   json["use"] = "Research use only. Not for diagnosis.";
   json["studies"] = normal.studies;

@@ -123,7 +123,7 @@ Json pictures_json(const VentricleResult& result) {
   const Index3 dims = study.grid().dims;
   Json marks = Json::array();
   for (const Gate& gate : result.gates) marks.push_back(marks_json(gate));
-  Json json;
+  Json json = Json::object();
   json["grid"] = grid_json(study.grid());
   json["bin"] = bin;
   json["columns"] = (dims[0] + bin - 1) / bin;
@@ -170,7 +170,7 @@ Json surfaces_json(const VentricleResult& result) {
     if (!surface || surface->mesh.vertices.empty()) return nullptr;
     return {{"triangles", topology_of(surface->mesh)}, {"positions", base64(steps_of(surface->mesh.vertices, box))}};
   };
-  Json json;
+  Json json = Json::object();
   json["endo"] = json["epi"] = json["samples"] = Json::array();
   for (const Gate& gate : result.gates) {
     json["endo"].push_back(surface_json(gate.surfaces.endo));
@@ -202,7 +202,7 @@ std::string samples_of_vertices(const PolarGrid& grid, const HeartAxes& axes, co
 Json polar_json(const VentricleResult& result) {
   if (!result.measures || result.measures->segments.empty()) return nullptr;
   const Measures& m = *result.measures;
-  Json json;
+  Json json = Json::object();
   json["rings"] = m.grid.rings;
   json["sectors"] = m.grid.sectors;
   json["maps"] = Json::array();
@@ -245,7 +245,7 @@ Json polar_json(const VentricleResult& result) {
 }  // namespace
 
 std::string report_html(const VentricleResult& result, const Provenance& provenance, Timings timings) {
-  Json data;
+  Json data = Json::object();
   data["results"] = results_json(result, provenance, timings);
   data["pictures"] = pictures_json(result);
   data["surfaces"] = surfaces_json(result);

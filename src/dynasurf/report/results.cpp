@@ -21,7 +21,7 @@ Json one_based(const std::optional<int>& index) { return index ? one_based(*inde
 Json vector_json(const Vec3& v) { return {number(v[0]), number(v[1]), number(v[2])}; }
 
 Json study_json(const Study& study) {
-  Json json;
+  Json json = Json::object();
   json["format"] = study.format;
   json["modality"] = study.modality;
   json["image_type"] = study.image_type;
@@ -38,7 +38,7 @@ Json study_json(const Study& study) {
 }
 
 Json triangles_json(const TriMesh& mesh, const TriangleQuality& q) {
-  Json json;
+  Json json = Json::object();
   json["count"] = mesh.triangles.size();
   json["area_mean_mm2"] = number(q.area_mean);
   json["area_min_mm2"] = number(q.area_min);
@@ -53,7 +53,7 @@ Json triangles_json(const TriMesh& mesh, const TriangleQuality& q) {
 }
 
 Json validity_json(const Repair& repair) {
-  Json json;
+  Json json = Json::object();
   json["closed"] = repair.check.closed;
   json["manifold"] = repair.check.manifold;
   json["oriented"] = repair.check.oriented;
@@ -75,7 +75,7 @@ Json stack_json(const std::optional<StackVolumes>& stack) {
 
 Json surface_json(const std::optional<Surface>& surface) {
   if (!surface) return nullptr;
-  Json json;
+  Json json = Json::object();
   json["volume_ml"] = number(surface->volume_ml);
   json["vertices"] = surface->mesh.vertices.size();
   json["stop_reason"] = name_of(surface->stop_reason);
@@ -94,7 +94,7 @@ Json surface_json(const std::optional<Surface>& surface) {
 
 Json heart_json(const std::optional<Location>& heart) {
   if (!heart) return nullptr;
-  Json json;
+  Json json = Json::object();
   json["center_mm"] = vector_json(heart->cup.middle());
   json["axis"] = vector_json(heart->cup.axis);
   json["apex_mm"] = vector_json(heart->cup.apex());
@@ -108,7 +108,7 @@ Json heart_json(const std::optional<Location>& heart) {
 
 Json plane_json(const std::optional<BasePlane>& plane) {
   if (!plane) return nullptr;
-  Json json;
+  Json json = Json::object();
   json["point_mm"] = vector_json(plane->point);
   json["normal"] = vector_json(plane->normal);
   json["spread_mm"] = number(plane->spread_mm);
@@ -139,7 +139,7 @@ Json worst(const EdgeSurfaces& surfaces, Member member, Worse worse) {
 Json edge_json(const EdgeSurfaces& surfaces) {
   const auto least = [](double a, double b) { return std::min(a, b); };
   const auto most = [](double a, double b) { return std::max(a, b); };
-  Json json;
+  Json json = Json::object();
   json["endo_ml"] = surfaces.endo ? number(surfaces.endo->volume_ml) : Json(nullptr);
   json["epi_ml"] = surfaces.epi ? number(surfaces.epi->volume_ml) : Json(nullptr);
   json["wall_ml"] = number(surfaces.wall_ml);
@@ -161,7 +161,7 @@ std::optional<Estimate> volume_of(const std::optional<LeadingSurface>& surface) 
 
 Json gate_json(const Gate& gate) {
   const std::optional<Estimate> endo = volume_of(gate.surfaces.endo), epi = volume_of(gate.surfaces.epi);
-  Json json;
+  Json json = Json::object();
   json["gate"] = one_based(gate.gate);
   json["time_ms"] = number(gate.time_ms);
   put_estimate(json, "endo_ml", endo);
@@ -233,7 +233,7 @@ void put_reading(Json& json, const Reading& reading) {
 }
 
 Json reading_json(const Reading& reading) {
-  Json json;
+  Json json = Json::object();
   put_reading(json, reading);
   return json;
 }
@@ -256,7 +256,7 @@ Json fit_json(const std::optional<FittedBeat>& fit) {
 }
 
 Json readings_json(const Readings& readings) {
-  Json json;
+  Json json = Json::object();
   json["psf_corrected"] = fit_json(readings.psf_corrected);
   json["edge"] = reading_json(readings.edge);
   json["gaussian_profile"] =
@@ -277,7 +277,7 @@ Json results_json(const VentricleResult& result, const Provenance& provenance, T
   Json gates = Json::array();
   for (const Gate& gate : result.gates) gates.push_back(gate_json(gate));
 
-  Json json;
+  Json json = Json::object();
   json["schema"] = "dynasurf.ventricle/3";
   json["use"] = "Research use only. Not for diagnosis.";
   json["reading"] = word_of(result.leading.kind);

@@ -33,7 +33,7 @@ class GltfScene {
  public:
   GltfScene();
 
-  GltfJson document;
+  GltfJson document = GltfJson::object();
 
   int add_rows(const Rows3& rows, bool with_bounds);
   int add_triangles(const TriMesh& mesh);
@@ -58,6 +58,7 @@ class GltfScene {
 
  private:
   std::string binary_;
+  std::vector<int> shown_;  // nodes of the scene
 
   int add(const char* list, GltfJson item);
   int add_view(const void* data, std::size_t bytes, int target);
