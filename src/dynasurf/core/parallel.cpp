@@ -90,7 +90,17 @@ struct ThreadLimit::State {
 ThreadLimit::ThreadLimit(int threads)
     : state_(threads > 0 ? new State{oneapi::tbb::global_control(oneapi::tbb::global_control::max_allowed_parallelism,
                                                                  static_cast<std::size_t>(threads))}
-                         : nullptr) {}
+                         : nullptr) {
+  try {
+    // oneTBB loads a library first, and the loader of the system does not survive the want of memory everywhere.
+    { const std::vector<char> library(std::size_t{8} << 20); }
+    parallel_for(2, 1, [](std::size_t, std::size_t) {});
+  } catch (...) {
+    // The end of a control waits for ever for a scheduler that could not be started: it is given up.
+    (void)state_.release();
+    throw;
+  }
+}
 ThreadLimit::~ThreadLimit() = default;
 
 }  // namespace dynasurf

@@ -11,8 +11,8 @@
 namespace dynasurf::dicom {
 namespace {
 
-void prepare_dcmtk() {
-  silence_dcmtk();
+void require_dictionary() {
+  prepare_dcmtk();
   if (!dcmDataDict.isDictionaryLoaded())
     throw IoError("DCMTK's dictionary dicom.dic is not found: install package libdcmtk17 or set DCMDICTPATH");
 }
@@ -24,13 +24,19 @@ E_TransferSyntax syntax_of(const DicomOutline& outline) {
 
 }  // namespace
 
-void silence_dcmtk() {
+void prepare_dcmtk() {
   static std::once_flag once;
-  std::call_once(once, [] { OFLog::configure(OFLogger::OFF_LOG_LEVEL); });
+  std::call_once(once, [] {
+    OFLog::configure(OFLogger::OFF_LOG_LEVEL);
+    // DCMTK reads its dictionary, 2 MB in memory, without a look at whether there is memory: here one looks.
+    { const std::vector<std::byte> dictionary(std::size_t{8} << 20); }
+    dcmDataDict.rdlock();
+    dcmDataDict.rdunlock();
+  });
 }
 
 std::unique_ptr<DcmDataset> load_wanted(const std::filesystem::path& path, const DicomOutline& outline) {
-  prepare_dcmtk();
+  require_dictionary();
   FileWindow file(path);
   std::vector<std::byte> bytes;
   for (const FilePiece& piece : outline.wanted) {
@@ -52,7 +58,7 @@ std::unique_ptr<DcmDataset> load_wanted(const std::filesystem::path& path, const
 }
 
 bool is_sequence(std::uint32_t tag) {
-  prepare_dcmtk();
+  require_dictionary();
   return DcmTag(static_cast<Uint16>(tag >> 16), static_cast<Uint16>(tag & 0xffff)).getEVR() == EVR_SQ;
 }
 

@@ -11,8 +11,9 @@
 // How DICOM objects are read. For the sources of this module: it brings DCMTK with it.
 namespace dynasurf::dicom {
 
-/// From here on DCMTK does not print: a library does not, and an error is one line.
-void silence_dcmtk();
+/// From here on DCMTK does not print: a library does not, and an error is one line. Its dictionary is loaded. Throws
+/// std::bad_alloc where that does not fit.
+void prepare_dcmtk();
 
 /// The wanted elements of an outline as a data set. DCMTK sees nothing else of the file, so what it needs is bounded
 /// by the limits of an outline. Throws InputError when it cannot understand them.
