@@ -194,7 +194,7 @@ void describe(auto& visit, Labelling& o) {
   visit("coarse", o.coarse, OptionInfo{"coarse circle"});
   visit("circle", o.circle, OptionInfo{"automatic circle"});
   visit("division", o.division, OptionInfo{"division slice"});
-  visit("method", o.method, OptionInfo{"how borders are told apart"});
+  visit("method", o.method, OptionInfo{"labelling method"});
 }
 
 /// Where the two borders lie in one gate, slices apex first. Of a blood pool only the inner one is there. A voxel may
