@@ -81,6 +81,7 @@ class Configure(unittest.TestCase):
         self.break_node()
         self.configures("-DDYNASURF_BUILD_TESTS=OFF", "-DDYNASURF_WITH_DICOM=OFF", "-DDYNASURF_WITH_PAGES=OFF",
                         *hidden("DCMTK", "GTest", "Python3", "ITK", "benchmark"))
+        self.assertIn("no manual pages", self.said)
 
     def test_the_libraries_without_what_the_program_and_the_tests_need(self):
         self.break_node()
