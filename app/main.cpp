@@ -61,8 +61,7 @@ ExitCode run(int argc, char** argv, const std::stop_token& stop) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    const auto picked = program.get_subcommands();
-    print(picked.empty() ? program.help() : picked.front()->help());
+    print(program.help());  // of the command, where one was given
     return done;
   } catch (const CLI::CallForVersion&) {
     print(version_text());

@@ -97,7 +97,7 @@ ExitCode run(const Arguments& arguments) {
 void add_options(CLI::App& program, Command& chosen) {
   auto a = std::make_shared<Arguments>();
   CLI::App* command = program.add_subcommand("options", "The manual of all options, for --set and --options");
-  command->add_option("SUBJECT", a->subject, "ventricle (the default), cloud or phantom");
+  command->add_option("SUBJECT", a->subject, "ventricle (the default), cloud, organ or phantom");
   command->add_option("KIND", a->kind, "kind of phantom");
   command->add_option("--preset", a->preset, "show the values of a preset of the ventricle or the cloud");
   command->add_flag("--json", a->json, "print JSON");

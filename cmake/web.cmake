@@ -57,6 +57,9 @@ endfunction()
 
 # dynasurf_page_tests(): the types of the page, the published schema against real output, the page in Chromium.
 function(dynasurf_page_tests)
+  if(NOT DYNASURF_WITH_PAGES)
+    return()
+  endif()
   add_executable(make_sample_report ${PROJECT_SOURCE_DIR}/tests/web/make_sample_report.cpp)
   target_include_directories(make_sample_report PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(make_sample_report PRIVATE dynasurf::report dynasurf::mesh dynasurf_flags)

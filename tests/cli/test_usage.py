@@ -25,6 +25,11 @@ class Usage(CliTest):
         for word in ("STUDY", "--out", "--preset", "--set", "--mesh-format", "--keep-stages", "--threads"):
             self.assertIn(word, done.stdout)
 
+    def test_usage_lines_begin_with_the_program(self):
+        self.assertIn("\nUsage: dynasurf [OPTIONS] SUBCOMMAND\n", run("--help").stdout)
+        self.assertIn("\nUsage: dynasurf ventricle [OPTIONS] STUDY\n", run("ventricle", "--help").stdout)
+        self.assertIn("\nUsage: dynasurf phantom [OPTIONS] KIND\n", run("phantom", "--help").stdout)
+
     def test_wrong_command_lines_end_with_1(self):
         self.refuses(1, says="--help")
         self.refuses(1, "ventrikel", says="--help")

@@ -5,6 +5,7 @@ DYNASURF_BUILD is the build that is installed, DYNASURF_SOURCE the sources.
 
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import tempfile
@@ -27,8 +28,9 @@ class Package(unittest.TestCase):
         folder = tempfile.TemporaryDirectory(prefix="dynasurf-package-")
         cls.addClassCleanup(folder.cleanup)
         cls.folder = pathlib.Path(folder.name)
-        cls.prefix = cls.folder / "prefix"
-        run("cmake", "--install", BUILD, "--prefix", cls.prefix)
+        first, cls.prefix = cls.folder / "first", cls.folder / "prefix"
+        run("cmake", "--install", BUILD, "--prefix", first)
+        first.rename(cls.prefix)  # nothing may remember where it was first
 
     def build(self, name, *options):
         build = self.folder / name
@@ -46,6 +48,24 @@ class Package(unittest.TestCase):
         self.assertTrue((self.folder / "heart" / "report.html").is_file())
         run(program, "phantom", "cloud", "--set", "points=3000", "--out", self.folder / "scan")
         self.assertIn("320 triangles, watertight", run(build / "scan", self.folder / "scan/cloud.ply", self.folder / "body"))
+
+    def test_installs_what_a_user_needs_and_no_more(self):
+        files = {str(path.relative_to(self.prefix)) for path in self.prefix.rglob("*") if path.is_file()}
+        needed = (r"bin/dynasurf", r"lib(/[^/]+)?/libdynasurf_[a-z]+\.a", r"include/dynasurf/.+\.hpp",
+                  r"lib(/[^/]+)?/cmake/dynasurf/dynasurf[A-Za-z-]+\.cmake", r"lib(/[^/]+)?/pkgconfig/dynasurf\.pc")
+        where_made = (r"share/man/man1/dynasurf(-[a-z]+)?\.1\.gz", r"share/bash-completion/completions/dynasurf",
+                      r"share/zsh/vendor-completions/_dynasurf", r"share/doc/(lib)?dynasurf(-dev)?/[A-Za-z.]+")
+        for kind in needed:
+            self.assertTrue(any(re.fullmatch(kind, file) for file in files), kind)
+        kinds = needed + where_made
+        self.assertEqual([file for file in files if not any(re.fullmatch(kind, file) for kind in kinds)], [])
+
+    def test_names_no_folder_of_the_build(self):
+        texts = [path for ending in ("*.cmake", "*.pc") for path in self.prefix.rglob(ending)]
+        self.assertGreaterEqual(len(texts), 4)
+        for path in texts:
+            for folder in (SOURCE, BUILD, self.folder):
+                self.assertNotIn(str(folder), path.read_text(), path)
 
     def test_another_version_is_not_taken(self):
         wrong = self.folder / "wrong"

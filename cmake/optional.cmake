@@ -1,0 +1,64 @@
+# What only some tests and benchmarks ask. A package that is installed by half can end the configuring that looks for
+# it, even when it is looked for quietly: it is tried in a project of its own first.
+
+# dynasurf_find_optional(package language [component...]): find_package(package), where that works; else as if it were
+# not there. A macro, for the variables that a package sets.
+macro(dynasurf_find_optional package language)
+  dynasurf_try_package(${package} ${language} ${ARGN})
+  if(DYNASURF_FINDS_${package})
+    find_package(${package} QUIET COMPONENTS ${ARGN})
+  else()
+    set(${package}_FOUND FALSE)
+  endif()
+endmacro()
+
+# Sets DYNASURF_FINDS_<package>, once for each place where the package is looked for.
+function(dynasurf_try_package package language)
+  set(places "${CMAKE_PREFIX_PATH};${${package}_DIR};${CMAKE_DISABLE_FIND_PACKAGE_${package}};$ENV{PATH}")
+  if(DEFINED DYNASURF_FINDS_${package} AND "${DYNASURF_TRIED_${package}}" STREQUAL "${places}")
+    return()
+  endif()
+  set(folder ${PROJECT_BINARY_DIR}/CMakeFiles/try_${package})
+  file(REMOVE_RECURSE ${folder})
+  file(WRITE ${folder}/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)
+project(try LANGUAGES ${language})
+find_package(${package} QUIET COMPONENTS ${ARGN})
+file(WRITE \${PROJECT_BINARY_DIR}/found \"\${${package}_FOUND}\")
+")
+  set(settings "-DCMAKE_PREFIX_PATH=${CMAKE_PREFIX_PATH}"
+               "-DCMAKE_DISABLE_FIND_PACKAGE_${package}=${CMAKE_DISABLE_FIND_PACKAGE_${package}}")
+  if(${package}_DIR)
+    list(APPEND settings "-D${package}_DIR=${${package}_DIR}")
+  endif()
+  string(REPLACE ";" "\\;" settings "${settings}")
+  foreach(needed IN ITEMS C CXX)
+    if(CMAKE_${needed}_COMPILER)
+      list(APPEND settings "-DCMAKE_${needed}_COMPILER=${CMAKE_${needed}_COMPILER}")
+    endif()
+  endforeach()
+  execute_process(COMMAND ${CMAKE_COMMAND} -S ${folder} -B ${folder}/build -G ${CMAKE_GENERATOR}
+                          -DCMAKE_MAKE_PROGRAM=${CMAKE_MAKE_PROGRAM} ${settings}
+                  OUTPUT_QUIET ERROR_VARIABLE error RESULT_VARIABLE failed)
+  set(found FALSE)
+  if(failed)
+    message(STATUS "${package} is not usable here and is left out: ${folder}/error.txt tells why")
+    file(WRITE ${folder}/error.txt "${error}")
+  else()
+    file(READ ${folder}/build/found found)
+  endif()
+  set(DYNASURF_FINDS_${package} ${found} CACHE INTERNAL "${package} can be used")
+  set(DYNASURF_TRIED_${package} "${places}" CACHE INTERNAL "where it was looked for")
+endfunction()
+
+# dynasurf_find_hypre(): HYPRE_FOUND, with HYPRE_INCLUDE_DIR, HYPRE_LIBRARY and MPI's targets. hypre needs MPI.
+macro(dynasurf_find_hypre)
+  find_path(HYPRE_INCLUDE_DIR HYPRE_struct_ls.h PATH_SUFFIXES hypre)
+  find_library(HYPRE_LIBRARY HYPRE)
+  set(HYPRE_FOUND FALSE)
+  if(HYPRE_INCLUDE_DIR AND HYPRE_LIBRARY)
+    dynasurf_find_optional(MPI "C CXX" C CXX)
+    if(MPI_FOUND AND TARGET MPI::MPI_C AND TARGET MPI::MPI_CXX)
+      set(HYPRE_FOUND TRUE)
+    endif()
+  endif()
+endmacro()
