@@ -146,6 +146,22 @@ TEST(LocateCup, FindsBothEndsOfALongWideHeart) {
   EXPECT_EQ(found->outside, 0);
 }
 
+TEST(LocateCup, FindsAHeartBesideAGutManyTimesAsHot) {
+  for (const double position : {0.0, 0.3}) {
+    VirtualPatient patient;
+    patient.gates = 1;
+    patient.lattice = {40, 40, 24, 5, 5, 5};
+    patient.gut_amplitude = 5, patient.gut_gap_mm = 5, patient.gut_radius_mm = 16, patient.gut_position = position;
+    patient.noise.peak_counts = 300;
+    const Phantom phantom = make_phantom(patient);
+    const auto found = locate(mean_image(phantom.study.gates));
+    ASSERT_TRUE(found);
+    EXPECT_TRUE(found->is_clear());
+    EXPECT_LT(angle_deg(found->cup.axis, true_axis(phantom, patient.pose)), 8);
+    EXPECT_LT(distance_to_axis(middle_of_cavity(phantom), found->cup), 4);
+  }
+}
+
 TEST(LocateCup, FindsTheHeartAmongTheOrgansOfAChest) {
   VirtualPatient patient;
   patient.gates = 1;

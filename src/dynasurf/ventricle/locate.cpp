@@ -323,17 +323,7 @@ void describe_fit(const Image& image, Location& found) {
   if (!away.empty()) found.spread_mm = middle_of(away);
 }
 
-}  // namespace
-
-Image mean_image(std::span<const Image> gates) {
-  Image mean(gates.front().grid);
-  for (const Image& gate : gates)
-    for (std::size_t v = 0; v < mean.values.size(); ++v)
-      mean.values[v] += gate.values[v] / static_cast<float>(gates.size());
-  return mean;
-}
-
-std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
+std::optional<Location> look_for(const Image& mean, const LocateHints& hints) {
   const Image coarse = coarsened(mean);
   const double typical = bright_level(coarse);
   if (!(typical > 0)) return std::nullopt;
@@ -384,6 +374,39 @@ std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
   result.outside = share_outside(mean.grid, result.cup);
   result.cup = to_world(mean.grid, result.cup);
   return result;
+}
+
+double clarity(const Location& l) { return l.contrast * l.ridge_share; }
+
+Image cut_at(Image image, float most) {
+  for (float& value : image.values) value = std::min(value, most);
+  return image;
+}
+
+}  // namespace
+
+Image mean_image(std::span<const Image> gates) {
+  Image mean(gates.front().grid);
+  for (const Image& gate : gates)
+    for (std::size_t v = 0; v < mean.values.size(); ++v)
+      mean.values[v] += gate.values[v] / static_cast<float>(gates.size());
+  return mean;
+}
+
+std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
+  std::optional<Location> best = look_for(mean, hints);
+  if (best && best->is_clear()) return best;
+  // Something hotter than the wall may draw the search to itself. How bright the wall is, is not known: the cut falls
+  // to a thirteenth of the peak, and the look that sees a wall best counts.
+  constexpr double dimmer = 0.6;
+  constexpr int looks = 5;
+  double most = *std::max_element(mean.values.begin(), mean.values.end());
+  for (int n = 0; n < looks; ++n) {
+    most *= dimmer;
+    const std::optional<Location> look = look_for(cut_at(mean, static_cast<float>(most)), hints);
+    if (look && look->is_clear() && (!best || clarity(*look) > clarity(*best))) best = look;
+  }
+  return best;
 }
 
 }  // namespace dynasurf

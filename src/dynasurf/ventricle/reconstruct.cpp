@@ -12,6 +12,7 @@
 #include "dynasurf/ventricle/detail/border_planes.hpp"
 #include "dynasurf/ventricle/detail/canonical.hpp"
 #include "dynasurf/ventricle/detail/cycle.hpp"
+#include "dynasurf/ventricle/detail/hot_objects.hpp"
 #include "dynasurf/ventricle/detail/readings.hpp"
 #include "dynasurf/ventricle/detail/region.hpp"
 #include "dynasurf/ventricle/detail/relabel.hpp"
@@ -282,7 +283,8 @@ StudyRun run_borders(const Study& whole, const VentricleOptions& requested, cons
   if (hints.axis) options.orientation.method = OrientationMethod::data;  // slices square to what a person says
   options.labels.bright = clock("locate", [&] { return detect_contrast(original, run.heart, options); });
   if (options.labels.bright == ImageContrast::cavity) run.heart.reset();  // it is looked for by its wall
-  run.study = canonical_study(orient(original, run.heart, options.orientation));
+  const std::optional<Study> cut = run.heart ? cut_hot_objects(original, *run.heart) : std::nullopt;
+  run.study = canonical_study(orient(cut ? *cut : original, run.heart, options.orientation));
   require_inside(options.manual, original, run.study);
   for (Image& image : run.study.gates) {
     if (options.noise_fraction > 0) image = suppress_noise(std::move(image), options.noise_fraction);

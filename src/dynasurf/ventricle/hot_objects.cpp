@@ -1,0 +1,49 @@
+#include "dynasurf/ventricle/detail/hot_objects.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <vector>
+
+namespace dynasurf {
+namespace {
+
+/// Of the bright part of the wall in the mean of the gates. The brightest voxel of a wall at end-systole, with its
+/// noise, has up to 1.6 times of it.
+constexpr double brightest_wall = 2.5, cut_at = 2;
+
+/// The brightness that four fifths of the wall stay below: neither a large defect nor a neighbour moves it far.
+double bright_wall(const Image& mean, const LvShell& cup) {
+  constexpr double share = 0.8, reach_mm = 8;
+  std::vector<double> values;
+  for (const RidgePoint& p : find_ridge(mean, cup, 6, 16, reach_mm)) values.push_back(p.brightness);
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
+
+std::optional<Study> cut_hot_objects(const Study& study, const Location& heart) {
+  if (!heart.is_clear()) return std::nullopt;
+  const Image mean = mean_image(study.gates);
+  const double wall = bright_wall(mean, to_grid(mean.grid, heart.cup));
+  float peak = 0;
+  for (const Image& gate : study.gates)
+    peak = std::max(peak, *std::max_element(gate.values.begin(), gate.values.end()));
+  if (!(wall > 0) || peak <= brightest_wall * wall) return std::nullopt;
+  Study cut = study;
+  const auto most = static_cast<float>(cut_at * wall);
+  for (Image& gate : cut.gates)
+    for (float& value : gate.values) value = std::min(value, most);
+  std::array<char, 160> text{};
+  std::snprintf(
+      text.data(), text.size(),
+      "something in the volume is %.1f times as bright as the heart's wall; for borders and fit it was cut to "
+      "%.0f times",
+      static_cast<double>(peak) / wall, cut_at);
+  cut.notes.push_back({Severity::info, "study.hot_cut", text.data()});
+  return cut;
+}
+
+}  // namespace dynasurf
