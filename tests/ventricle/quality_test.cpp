@@ -30,6 +30,7 @@ VentricleResult good_result() {
   result.heart->contrast = 0.6, result.heart->ridge_share = 0.95, result.heart->other_end = 0.5;
   result.readings.edge.edv_ml = Estimate{110}, result.readings.edge.esv_ml = Estimate{44};
   result.readings.edge.ef_percent = Estimate{60}, result.wall_variation = 0.08;
+  result.leading = result.readings.edge;
   return result;
 }
 
@@ -75,12 +76,29 @@ TEST(Judge, AsksToCheckASurfaceThatLiesOnAPartOfItsBorderOnly) {
 TEST(Judge, AsksToCheckWhatAHeartDoesNotDo) {
   VentricleResult result = good_result();
   result.wall_variation = 0.3;
-  result.readings.edge.ef_percent = Estimate{96};
-  result.readings.edge.edv_ml = Estimate{900};
+  result.leading.ef_percent = Estimate{90};
+  result.leading.edv_ml = Estimate{900};
   result.gates[0].edge_surfaces.epi->within_one_voxel = 0.5;
   EXPECT_EQ(codes_of(result),
             (Codes{"surface_incomplete", "wall_volume_varies", "ejection_fraction_implausible", "volume_implausible"}));
   EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
+}
+
+TEST(Judge, FailsForNumbersThatNoHeartHas) {
+  VentricleResult result = good_result();
+  result.leading.ef_percent = Estimate{99.8};
+  EXPECT_EQ(codes_of(result), Codes{"ejection_fraction_implausible"});
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::fail);
+  result = good_result();
+  result.leading.edv_ml = Estimate{2324};
+  EXPECT_EQ(codes_of(result), Codes{"volume_implausible"});
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::fail);
+}
+
+TEST(Judge, JudgesTheNumbersThatLead) {
+  VentricleResult result = good_result();
+  result.readings.edge.ef_percent = Estimate{99}, result.readings.edge.edv_ml = Estimate{9};
+  EXPECT_EQ(codes_of(result), Codes{}) << "blur does this to the edges of a small heart";
 }
 
 TEST(Judge, FailsWhenTheWallsCrossOrASurfaceDiverged) {

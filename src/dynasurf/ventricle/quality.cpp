@@ -19,6 +19,7 @@ constexpr double least_reached = 0.95;  // of a border; good surfaces reach 0.98
 constexpr double most_wall_variation = 0.20;
 constexpr double least_ef = 5, most_ef = 85;
 constexpr double least_edv_ml = 15, most_edv_ml = 600;
+constexpr double impossible_ef = 95, impossible_small_ml = 5, impossible_large_ml = 1000;
 
 // Limits of where the heart was found and of the cycle. Set by judgement; experiments/borders_200 shows what they do.
 constexpr double most_other_end = 0.97;
@@ -112,12 +113,12 @@ void flag_numbers(const VentricleResult& result, const QualityMetrics& clues, st
          format("the wall's volume varies by %.0f %% over the beat (coefficient of variation); muscle keeps its volume",
                 100 * *result.wall_variation),
          *result.wall_variation});
-  const Reading& edge = result.readings.edge;
-  if (edge.ef_percent && (edge.ef_percent->value < least_ef || edge.ef_percent->value > most_ef))
-    flags.push_back(
-        {"ejection_fraction_implausible", Severity::warning,
-         format("an ejection fraction of %.1f %% is outside %.0f-%.0f %%", edge.ef_percent->value, least_ef, most_ef),
-         edge.ef_percent->value});
+  const auto severity = [](bool is_impossible) { return is_impossible ? Severity::failure : Severity::warning; };
+  const auto &ef = result.leading.ef_percent, &edv = result.leading.edv_ml;
+  if (ef && (ef->value < least_ef || ef->value > most_ef))
+    flags.push_back({"ejection_fraction_implausible", severity(ef->value > impossible_ef),
+                     format("an ejection fraction of %.1f %% is outside %.0f-%.0f %%", ef->value, least_ef, most_ef),
+                     ef->value});
   if (clues.readings_apart > most_readings_apart)
     flags.push_back(
         {"readings_disagree", doubt_of_edges(result),
@@ -125,11 +126,11 @@ void flag_numbers(const VentricleResult& result, const QualityMetrics& clues, st
                 "the blur, or a part of the wall is not seen",
                 clues.readings_apart),
          clues.readings_apart});
-  if (edge.edv_ml && (edge.edv_ml->value < least_edv_ml || edge.edv_ml->value > most_edv_ml))
-    flags.push_back({"volume_implausible", Severity::warning,
-                     format("an end-diastolic volume of %.1f mL is outside %.0f-%.0f mL", edge.edv_ml->value,
-                            least_edv_ml, most_edv_ml),
-                     edge.edv_ml->value});
+  if (edv && (edv->value < least_edv_ml || edv->value > most_edv_ml))
+    flags.push_back(
+        {"volume_implausible", severity(edv->value < impossible_small_ml || edv->value > impossible_large_ml),
+         format("an end-diastolic volume of %.1f mL is outside %.0f-%.0f mL", edv->value, least_edv_ml, most_edv_ml),
+         edv->value});
 }
 
 /// "surface_missing" says these already.
