@@ -14,7 +14,7 @@ struct Arguments {
   std::string study, start;
   ResultArguments result;
   OptionArguments options;
-  bool keep_stages = false, dicom = false, pdf = false;
+  bool keep_stages = false, dicom = false, pdf = false, strict = false;
 };
 
 /// The command line without paths, which may name a person, and without what leaves the result as it is.
@@ -43,7 +43,8 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   run_with_progress(arguments.result.quiet, stop,
                     [&](const Progress& progress) { outcome = reconstruct_to_folder(job, progress); });
   print_result(arguments.result, outcome.json, summary_of(outcome.result), outcome.moved_to);
-  return outcome.result.verdict == Verdict::fail ? not_trustworthy : done;
+  const Verdict verdict = outcome.result.verdict;
+  return verdict == Verdict::fail || (arguments.strict && verdict != Verdict::ok) ? not_trustworthy : done;
 }
 
 }  // namespace
@@ -57,6 +58,7 @@ void add_ventricle(CLI::App& program, Command& chosen) {
   add_option_arguments(*command, a->options);
   command->add_option("--start", a->start, "mesh file that all surfaces start from, fitted to each border's box");
   command->add_flag("--keep-stages", a->keep_stages, "write every intermediate step to RESULT/stages");
+  command->add_flag("--strict", a->strict, "end with exit code 3 for the verdict check too, not for fail alone");
   command->add_flag("--pdf", a->pdf, "print the report to report.pdf, two A4 pages (needs Chromium)");
   command->add_flag("--dicom", a->dicom,
                     "write RESULT/dicom with the patient's name and id of the study: measurements (SR), segmentations, "
