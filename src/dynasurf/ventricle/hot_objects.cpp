@@ -37,11 +37,10 @@ std::optional<Study> cut_hot_objects(const Study& study, const Location& heart) 
   for (Image& gate : cut.gates)
     for (float& value : gate.values) value = std::min(value, most);
   std::array<char, 160> text{};
-  std::snprintf(
-      text.data(), text.size(),
-      "something in the volume is %.1f times as bright as the heart's wall; for borders and fit it was cut to "
-      "%.0f times",
-      static_cast<double>(peak) / wall, cut_at);
+  std::snprintf(text.data(), text.size(),
+                "something in the volume is %.1f times as bright as the heart's wall; for the edges it was cut to "
+                "%.0f times",
+                static_cast<double>(peak) / wall, cut_at);
   cut.notes.push_back({Severity::info, "study.hot_cut", text.data()});
   return cut;
 }
