@@ -109,8 +109,9 @@ GROUPS = {
 }
 
 
-def fit_rows(root, name, kind, label, first, end, with_coverage):
-    for group, chosen in GROUPS.items():
+def fit_rows(root, name, kind, label, first, end, with_coverage, groups=tuple(GROUPS)):
+    for group in groups:
+        chosen = GROUPS[group]
         some = [p for p in patients(root, name, kind, first, end) if chosen(p)]
         row = [f"{label}, {group}", str(len(some)), mean_and_sd(percent_off([p.edv for p in some])),
                mean_and_sd(percent_off([p.esv for p in some])), mean_and_sd(points_off([p.ef for p in some])),
@@ -129,8 +130,8 @@ RMS = "RMS of EF, fit / edge"
 
 def fit_reporting(root):
     return markdown(FIT_HEADER + ["coverage % of EDV / ESV / EF / wall", RMS],
-                    [*fit_rows(root, "results.txt", "plain", "model", 100, 200, True),
-                     *fit_rows(root, "results.txt", "unlike", "mismatch", 100, 200, True)])
+                    [*fit_rows(root, "results.txt", "plain", "model", 100, 200, True, ["all"]),
+                     *fit_rows(root, "results.txt", "unlike", "mismatch", 100, 200, True, ["all"])])
 
 
 def fit_held_out(root):
