@@ -146,10 +146,29 @@ TEST_F(DicomFolder, WithMissingOrDoubleFilesIsRefused) {
   fs::remove(file);
   EXPECT_THAT(test::refusal_of(folder), HasSubstr("a file is missing or double"));
   test::write_bytes(file, bytes);
-  test::write_bytes(folder / "copy", bytes);
+  test::edit_dicom(file, folder / "copy", [](DcmDataset& d) { put(d, DCM_TriggerTime, "37"); });
   EXPECT_THAT(test::refusal_of(folder), HasSubstr("is there twice"));
   test::edit_dicom(file, folder / "copy", [](DcmDataset& d) { put(d, DCM_SOPInstanceUID, "2.25.5"); });
   EXPECT_THAT(test::refusal_of(folder), HasSubstr("a file is missing or double"));
+}
+
+TEST_F(DicomFolder, WithTheSameFilesTwiceIsReadWithANote) {
+  write_pet(tell_trigger);
+  const fs::path file = some_file();
+  test::write_bytes(folder / "zz_copy", test::read_bytes(file));
+  test::edit_dicom(
+      file, folder / "zz_packed", [](DcmDataset&) {}, EXS_RLELossless);
+  const Study back = read_study(folder);
+  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  ASSERT_EQ(back.notes.size(), 1u);
+  EXPECT_EQ(back.notes[0].code, "dicom.copies");
+  EXPECT_THAT(back.notes[0].message, HasSubstr("2 files"));
+  EXPECT_EQ(files_of_study(folder).size(), 20u);
+  fs::remove_all(folder);
+  fs::create_directories(folder / "export again");
+  write_dicom(truth, folder / "sa.dcm");
+  fs::copy(folder / "sa.dcm", folder / "export again/sa.dcm");
+  test::expect_l_shape(read_study(folder), truth, decimal_tolerance_mm);
 }
 
 TEST_F(DicomFolder, WithAGapBetweenSlicesIsRefused) {

@@ -7,8 +7,10 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/dicom_file.hpp"
 #include "dynasurf/io/detail/dicom_stack.hpp"
+#include "dynasurf/io/detail/digest.hpp"
 #include "dynasurf/io/detail/formats.hpp"
 #include "dynasurf/io/detail/samples.hpp"
+#include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf {
 namespace {
@@ -37,6 +39,39 @@ std::vector<fs::path> files_below(const fs::path& folder) {
   if (error) throw IoError(folder.string() + ": cannot list this folder: " + error.message());
   std::sort(files.begin(), files.end());
   return files;
+}
+
+/// What the pixels of an image are after rescaling, whatever they are packed in.
+Sha256 digest_of_pixels(const DicomImage& image) {
+  Hasher hasher;
+  read_dicom_frames(image, [&](int, std::span<const float> values) { hasher.add(values.data(), values.size_bytes()); });
+  return hasher.finish();
+}
+
+/// Whether two files of one SOP instance hold one image: writers that give every file the same UID exist.
+bool is_copy(const DicomImage& a, const DicomImage& b) {
+  const auto header = [](const DicomImage& d) {
+    return std::tie(d.image_type, d.view, d.study, d.series, d.rows, d.columns, d.frames, d.slice_location,
+                    d.trigger_time, d.temporal_position, d.cycle_percentage, d.instance_number, d.gate_of_frame,
+                    d.slice_of_frame);
+  };
+  return header(a) == header(b) && a.position == b.position && a.orientation == b.orientation &&
+         digest_of_pixels(a) == digest_of_pixels(b);
+}
+
+/// Leaves the first file of every image. Files of one UID that hold different images stay, to be refused by name.
+std::size_t drop_copies(std::vector<DicomImage>& images) {
+  std::map<std::string, std::size_t> first_of;
+  std::vector<DicomImage> kept;
+  for (DicomImage& image : images) {
+    const std::string name =
+        image.sop_instance.empty() ? "bytes " + sha256_of_file(image.path) : "instance " + image.sop_instance;
+    const auto [at, is_new] = first_of.emplace(name, kept.size());
+    if (is_new || !is_copy(kept[at->second], image)) kept.push_back(std::move(image));
+  }
+  const std::size_t dropped = images.size() - kept.size();
+  images = std::move(kept);
+  return dropped;
 }
 
 /// Files that belong to one stack of single frames.
@@ -116,7 +151,11 @@ Plan plan_of_folder(const fs::path& folder) {
   if (plan.images.empty() && !first_reason.empty()) throw InputError(first_reason);
   if (plan.images.empty())
     throw InputError(folder.string() + ": holds no DICOM image; expected the files of one heart study");
+  const std::size_t copies = drop_copies(plan.images);
   plan.stack = chosen_of(plan.images, stacks_of(plan.images), folder);
+  if (copies > 0)
+    plan.stack.notes.push_back({Severity::info, "dicom.copies",
+                                std::to_string(copies) + " files of the folder are copies of others and left out"});
   if (others + unusable > 0)
     plan.stack.notes.push_back({Severity::info, "dicom.skipped_files",
                                 std::to_string(others + unusable) + " files of the folder are not part of the study (" +
