@@ -95,6 +95,11 @@ TEST_F(DicomFolder, OfOneFilePerGateIsJoined) {
       [](DcmDataset& d, int g) { put(d, DCM_SeriesDescription, "SA bin " + std::to_string(g + 1)); },
       [](DcmDataset& d, int g) {
         put(d, DCM_ImageType, "DERIVED\\PRIMARY\\RECON GATED TOMO\\EMISSION");
+        put(d, DCM_TimeSlotVector, std::vector<Uint16>(5, static_cast<Uint16>(g)));  // counted from 0
+        put(d, DCM_NumberOfTimeSlots, std::vector<Uint16>{4});
+      },
+      [](DcmDataset& d, int g) {
+        put(d, DCM_ImageType, "DERIVED\\PRIMARY\\RECON GATED TOMO\\EMISSION");
         put(d, DCM_TimeSlotVector, std::vector<Uint16>(5, static_cast<Uint16>(g + 1)));
         put(d, DCM_NumberOfTimeSlots, std::vector<Uint16>{4});
       }};

@@ -173,6 +173,30 @@ TEST_F(DicomFile, KeepsTheIntervalWithMostAcceptedBeats) {
   EXPECT_THAT(back.notes[0].message, HasSubstr("number 2 is read, with the most accepted beats (700)"));
 }
 
+TEST_F(DicomFile, ReadsVectorsThatCountFromZero) {
+  const auto less_one = [](DcmDataset& d, const DcmTagKey& tag) {
+    auto entries = words_of(d, tag);
+    for (Uint16& entry : entries) --entry;
+    put(d, tag, entries);
+  };
+  for (const bool is_declared : {true, false}) {
+    const Study back = read_study(changed([&](DcmDataset& d) {
+      for (const DcmTagKey& tag : {DCM_RRIntervalVector, DCM_TimeSlotVector, DCM_SliceVector}) less_one(d, tag);
+      if (!is_declared)
+        for (const DcmTagKey& tag : {DCM_NumberOfTimeSlots, DCM_NumberOfSlices, DCM_NumberOfRRIntervals}) drop(d, tag);
+    }));
+    test::expect_l_shape(back, truth, decimal_tolerance_mm);
+    EXPECT_EQ(back.time_ms, truth.time_ms);
+    ASSERT_EQ(back.notes.size(), 3u);
+    EXPECT_THAT(back.notes[2].message, HasSubstr("SliceVector counts from 0"));
+  }
+  // One vector alone may count otherwise than the others.
+  const Study back = read_study(changed([&](DcmDataset& d) { less_one(d, DCM_SliceVector); }));
+  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  ASSERT_EQ(back.notes.size(), 1u);
+  EXPECT_EQ(back.notes[0].code, "dicom.counts_from_zero");
+}
+
 TEST_F(DicomFile, ReadsSignedValuesFewBitsAndRescaling) {
   const std::size_t pixels = truth.grid().size() * 4;
   const auto first_of = [&](const std::function<void(DcmDataset&)>& change) {

@@ -76,6 +76,29 @@ int largest(const std::vector<int>& entries) {
   return entries.empty() ? 0 : *std::max_element(entries.begin(), entries.end());
 }
 
+/// The vectors that say what each frame is, counted from 1.
+struct FrameVectors {
+  std::optional<std::vector<int>> rr, gate, slice;
+};
+
+/// A vector of the file. Some writers count from 0: told by an entry of 0, where one more for each still fits what is
+/// declared.
+std::optional<std::vector<int>> counted_from_one(std::optional<std::vector<int>> entries,
+                                                 const std::optional<int>& declared, const char* name, Notes& notes) {
+  if (!entries || entries->empty() || *std::min_element(entries->begin(), entries->end()) != 0) return entries;
+  if (declared && largest(*entries) >= *declared) return entries;
+  for (int& entry : *entries) ++entry;
+  note(notes, Severity::info, "dicom.counts_from_zero",
+       std::string(name) + " counts from 0; expected from 1: each entry is taken as one more");
+  return entries;
+}
+
+FrameVectors vectors_of(const DicomImage& image, Notes& notes) {
+  return {counted_from_one(image.rr_of_frame, image.rr_count, "RRIntervalVector", notes),
+          counted_from_one(image.gate_of_frame, image.gate_count, "TimeSlotVector", notes),
+          counted_from_one(image.slice_of_frame, image.slice_count, "SliceVector", notes)};
+}
+
 /// Of several intervals between R waves, the one with most accepted beats, counted from 1.
 int chosen_rr(const DicomImage& image, int count, Notes& notes) {
   if (count == 1) return 1;
@@ -205,15 +228,16 @@ DicomStack stack_of_frames(const DicomImage& image, std::size_t file) {
   const int frames = image.frames;
   std::vector<int> gate(static_cast<std::size_t>(frames), 1), slice = gate, rr = gate;
 
-  const int rr_count = image.rr_count.value_or(image.rr_of_frame ? largest(*image.rr_of_frame) : 1);
-  if (image.rr_of_frame)
-    check_entries(rr = *image.rr_of_frame, image, rr_count, "RRIntervalVector");
+  const FrameVectors vectors = vectors_of(image, stack.notes);
+  const int rr_count = image.rr_count.value_or(vectors.rr ? largest(*vectors.rr) : 1);
+  if (vectors.rr)
+    check_entries(rr = *vectors.rr, image, rr_count, "RRIntervalVector");
   else if (rr_count != 1)
     throw InputError(image.where() + ": has " + std::to_string(rr_count) + " R-R intervals but no RRIntervalVector");
 
-  const bool gated = image.kind() == "RECON GATED TOMO" || image.gate_of_frame;
-  int gates = gated ? image.gate_count.value_or(image.gate_of_frame ? largest(*image.gate_of_frame) : 0) : 1;
-  int slices = image.slice_count.value_or(image.slice_of_frame ? largest(*image.slice_of_frame) : 0);
+  const bool gated = image.kind() == "RECON GATED TOMO" || vectors.gate;
+  int gates = gated ? image.gate_count.value_or(vectors.gate ? largest(*vectors.gate) : 0) : 1;
+  int slices = image.slice_count.value_or(vectors.slice ? largest(*vectors.slice) : 0);
   const int per_rr = frames / std::max(rr_count, 1);
   if (slices == 0) slices = gates > 0 ? per_rr / gates : 0;
   if (gates == 0) gates = slices > 0 ? per_rr / slices : 0;
@@ -221,7 +245,7 @@ DicomStack stack_of_frames(const DicomImage& image, std::size_t file) {
     throw InputError(image.where() + ": says neither how many gates nor how many slices its " + std::to_string(frames) +
                      " frames are");
 
-  if (!image.slice_of_frame || (gated && !image.gate_of_frame)) {
+  if (!vectors.slice || (gated && !vectors.gate)) {
     // Without a vector the frames count slices first, then gates.
     if (static_cast<long long>(gates) * slices != frames || rr_count != 1)
       throw InputError(image.where() + ": has no SliceVector or TimeSlotVector, and " + std::to_string(frames) +
@@ -233,13 +257,14 @@ DicomStack stack_of_frames(const DicomImage& image, std::size_t file) {
       slice[static_cast<std::size_t>(f)] = f % slices + 1;
     }
   }
-  if (image.slice_of_frame) check_entries(slice = *image.slice_of_frame, image, slices, "SliceVector");
-  if (image.gate_of_frame)
-    check_entries(gate = *image.gate_of_frame, image, std::max(gates, largest(*image.gate_of_frame)), "TimeSlotVector");
+  if (vectors.slice) check_entries(slice = *vectors.slice, image, slices, "SliceVector");
+  if (vectors.gate)
+    check_entries(gate = *vectors.gate, image, std::max(gates, largest(*vectors.gate)), "TimeSlotVector");
 
   // A file that holds one gate of several numbers its frames by that gate.
-  if (image.gate_of_frame && std::set<int>(gate.begin(), gate.end()).size() == 1 && (gate[0] > 1 || gates > 1)) {
-    stack.only_gate = gate[0];
+  const bool is_one_gate = vectors.gate && std::set<int>(gate.begin(), gate.end()).size() == 1;
+  if (is_one_gate && (image.gate_of_frame->front() != 1 || gates > 1)) {
+    stack.only_gate = image.gate_of_frame->front();
     stack.declared_gates = std::max(gates, gate[0]);
     gates = 1;
     std::fill(gate.begin(), gate.end(), 1);
