@@ -98,6 +98,14 @@ std::string isotope_of(const std::string& code, const std::string& meaning) {
   return "";
 }
 
+double photopeak_kev(const std::string& isotope) {
+  if (isotope.empty() || isotope == "Tc-99m") return 140.5;
+  if (isotope == "Tl-201") return 71;  // x-rays of the daughter, 69 to 80 keV; few photons have 167
+  if (isotope == "I-123") return 159;
+  if (isotope == "I-131") return 364.5;
+  return 511;  // the others decay by positrons
+}
+
 std::string tracer_of(const std::string& name) {
   const std::string words = spaced_words(name);
   if (holds_any(words, {"SESTAMIBI", " MIBI", "CARDIOLITE"})) return "sestamibi";

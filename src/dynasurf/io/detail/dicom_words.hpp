@@ -20,6 +20,8 @@ std::optional<int> gate_in_words(const std::string& description);
 
 /// "Tc-99m" for the codes and names of the isotopes used on hearts; "" for others.
 std::string isotope_of(const std::string& code, const std::string& meaning);
+/// Energy of the photons that images are made of, keV, for a word of `isotope_of`; of Tc-99m when it is empty.
+double photopeak_kev(const std::string& isotope);
 /// "sestamibi" and the like; "" for others.
 std::string tracer_of(const std::string& name);
 /// One of the defined terms of CorrectedImage.
