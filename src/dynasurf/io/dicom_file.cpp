@@ -30,6 +30,7 @@ std::vector<std::uint32_t> wanted_tags() {
                                DCM_SOPInstanceUID,
                                DCM_StudyInstanceUID,
                                DCM_SeriesInstanceUID,
+                               DCM_SeriesNumber,
                                DCM_SeriesType,
                                DCM_Rows,
                                DCM_Columns,
@@ -376,6 +377,8 @@ DicomImage read_dicom_header(const std::filesystem::path& path) {
   image.sop_instance = root.text(DCM_SOPInstanceUID);
   image.study = root.text(DCM_StudyInstanceUID);
   image.series = root.text(DCM_SeriesInstanceUID);
+  image.series_description = root.text(DCM_SeriesDescription);
+  image.series_number = root.soft_whole(DCM_SeriesNumber);
   const auto series_type = root.texts(DCM_SeriesType);
   if (!series_type.empty()) image.series_type = series_type.front();
   image.is_reprojection = series_type.size() > 1 && series_type[1] == "REPROJECTION";

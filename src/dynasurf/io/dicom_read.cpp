@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/detail/dicom_choice.hpp"
 #include "dynasurf/io/detail/dicom_file.hpp"
 #include "dynasurf/io/detail/dicom_stack.hpp"
 #include "dynasurf/io/detail/digest.hpp"
@@ -21,6 +22,7 @@ namespace fs = std::filesystem;
 struct Plan {
   std::vector<DicomImage> images;
   DicomStack stack;
+  std::string series;  // what --series calls it, when the user chose
 };
 
 // Files below a folder that are looked at: a study of one file per slice and gate has some hundred.
@@ -74,22 +76,64 @@ std::size_t drop_copies(std::vector<DicomImage>& images) {
   return dropped;
 }
 
-/// Files that belong to one stack of single frames.
-using SliceGroup = std::tuple<std::string, int, int, std::array<long, 6>>;
-
-SliceGroup group_of(const DicomImage& image) {
+/// Directions of columns and rows, rounded so that they can be compared.
+std::array<long, 6> direction_of(const DicomImage& image) {
   std::array<long, 6> direction{};
   if (image.orientation)
     for (std::size_t n = 0; n < 3; ++n) {
       direction[n] = std::lround(1000 * image.orientation->first[static_cast<Eigen::Index>(n)]);
       direction[n + 3] = std::lround(1000 * image.orientation->second[static_cast<Eigen::Index>(n)]);
     }
-  return {image.series, image.rows, image.columns, direction};
+  return direction;
+}
+
+/// Files that belong to one stack of single frames: those of one key.
+using SliceGroup = std::tuple<std::string, int, int, std::array<long, 6>>;
+using SliceGroups = std::map<SliceGroup, std::vector<std::size_t>>;
+
+SliceGroup group_of(const DicomImage& image) { return {image.series, image.rows, image.columns, direction_of(image)}; }
+
+/// Height along the normal of a group of one place and two or more times; nothing for other groups.
+std::optional<double> height_of_cine(const std::vector<DicomImage>& images, const std::vector<std::size_t>& files) {
+  const DicomImage& first = images[files.front()];
+  if (files.size() < 2 || !first.orientation) return std::nullopt;
+  const Vec3 normal = first.orientation->first.cross(first.orientation->second);
+  for (const std::size_t f : files)
+    if (!images[f].position || (*images[f].position - *first.position).norm() > same_place_mm) return std::nullopt;
+  return normal.dot(*first.position);
+}
+
+/// Cine MR is often stored as a series per slice. Such series of one study, direction, size and number of times whose
+/// places differ become one group. Returns of how many series each grown group is made.
+std::map<SliceGroup, std::size_t> join_cine_slices(const std::vector<DicomImage>& images, SliceGroups& groups) {
+  using Kind = std::tuple<std::string, int, int, std::array<long, 6>, std::pair<double, double>, std::size_t>;
+  std::map<Kind, std::map<long, std::vector<SliceGroups::iterator>>> places;  // kind -> rounded height -> groups
+  for (auto it = groups.begin(); it != groups.end(); ++it)
+    if (const auto height = height_of_cine(images, it->second)) {
+      const DicomImage& d = images[it->second.front()];
+      places[{d.study, d.rows, d.columns, direction_of(d), d.pixel_spacing.value_or(std::pair(0.0, 0.0)),
+              it->second.size()}][std::lround(*height / same_place_mm)]
+          .push_back(it);
+    }
+  std::map<SliceGroup, std::size_t> joined;
+  for (auto& [kind, stack] : places) {
+    const bool is_one_each =
+        std::all_of(stack.begin(), stack.end(), [](const auto& p) { return p.second.size() == 1; });
+    if (stack.size() < 2 || !is_one_each) continue;
+    const auto into = stack.begin()->second.front();
+    for (auto next = std::next(stack.begin()); next != stack.end(); ++next) {
+      const auto from = next->second.front();
+      into->second.insert(into->second.end(), from->second.begin(), from->second.end());
+      groups.erase(from);
+    }
+    joined[into->first] = stack.size();
+  }
+  return joined;
 }
 
 std::vector<DicomStack> stacks_of(const std::vector<DicomImage>& images) {
   std::vector<DicomStack> stacks;
-  std::map<SliceGroup, std::vector<std::size_t>> singles;
+  SliceGroups singles;
   for (std::size_t n = 0; n < images.size(); ++n) {
     // A file of nuclear medicine is a stack by itself, even of one slice, unless its slices come in files of one.
     if (images[n].frames > 1)
@@ -97,32 +141,23 @@ std::vector<DicomStack> stacks_of(const std::vector<DicomImage>& images) {
     else
       singles[group_of(images[n])].push_back(n);
   }
-  for (const auto& [group, files] : singles) stacks.push_back(stack_of_slices(images, files));
+  const auto joined = join_cine_slices(images, singles);
+  for (const auto& [group, files] : singles) {
+    stacks.push_back(stack_of_slices(images, files));
+    if (const auto at = joined.find(group); at != joined.end())
+      stacks.back().notes.push_back({Severity::info, "dicom.joined_series",
+                                     std::to_string(at->second) + " series of one slice each were joined to a stack"});
+  }
   return stacks;
 }
 
-/// The one stack that a folder is meant to hold.
-DicomStack chosen_of(const std::vector<DicomImage>& images, std::vector<DicomStack> stacks, const fs::path& folder) {
-  if (stacks.size() == 1) return std::move(stacks.front());
-  if (auto whole = joined_gates(images, stacks)) return std::move(*whole);
-  const auto is_wanted = [&](const DicomStack& s) {
-    const View view = images[s.first_file()].view;
-    return s.gates > 1 && (view == View::short_axis || view == View::unknown);
-  };
-  const auto wanted = std::count_if(stacks.begin(), stacks.end(), is_wanted);
-  if (wanted == 1) {
-    DicomStack stack = *std::find_if(stacks.begin(), stacks.end(), is_wanted);
-    stack.notes.push_back({Severity::warning, "dicom.several_stacks",
-                           "the folder holds " + std::to_string(stacks.size()) +
-                               " image stacks; the only gated one that is not a long axis or transaxial is read"});
-    return stack;
-  }
-  throw InputError(folder.string() + ": holds " + std::to_string(stacks.size()) + " different image stacks (" +
-                   std::to_string(wanted) +
-                   " of them gated and perhaps short-axis); give the file or folder of one study");
+void choose(Plan& plan, std::vector<DicomStack> stacks, const std::string& series, const fs::path& where) {
+  DicomChoice choice = chosen_stack(plan.images, std::move(stacks), series, where.string());
+  plan.stack = std::move(choice.stack);
+  plan.series = std::move(choice.series);
 }
 
-Plan plan_of_folder(const fs::path& folder) {
+Plan plan_of_folder(const fs::path& folder, const std::string& series) {
   Plan plan;
   std::size_t others = 0, unusable = 0;
   std::string first_reason;
@@ -152,7 +187,7 @@ Plan plan_of_folder(const fs::path& folder) {
   if (plan.images.empty())
     throw InputError(folder.string() + ": holds no DICOM image; expected the files of one heart study");
   const std::size_t copies = drop_copies(plan.images);
-  plan.stack = chosen_of(plan.images, stacks_of(plan.images), folder);
+  choose(plan, with_joined_gates(plan.images, stacks_of(plan.images)), series, folder);
   if (copies > 0)
     plan.stack.notes.push_back({Severity::info, "dicom.copies",
                                 std::to_string(copies) + " files of the folder are copies of others and left out"});
@@ -164,16 +199,16 @@ Plan plan_of_folder(const fs::path& folder) {
   return plan;
 }
 
-Plan plan_of(const fs::path& path) {
+Plan plan_of(const fs::path& path, const std::string& series) {
   std::error_code error;
-  if (fs::is_directory(path, error)) return plan_of_folder(path);
+  if (fs::is_directory(path, error)) return plan_of_folder(path, series);
   Plan plan;
   plan.images.push_back(read_dicom_header(path));
   const DicomImage& image = plan.images.front();
   if (const std::string reason = reason_to_refuse(image); !reason.empty())
     throw InputError(path.string() + ": " + reason);
   const std::size_t only[] = {0};
-  plan.stack = image.modality == "NM" ? stack_of_frames(image, 0) : stack_of_slices(plan.images, only);
+  choose(plan, {image.modality == "NM" ? stack_of_frames(image, 0) : stack_of_slices(plan.images, only)}, series, path);
   return plan;
 }
 
@@ -219,8 +254,8 @@ std::string image_type_of(const DicomImage& image) {
 
 }  // namespace
 
-Study read_dicom(const std::filesystem::path& path) {
-  Plan plan = plan_of(path);
+Study read_dicom(const std::filesystem::path& path, const std::string& series) {
+  Plan plan = plan_of(path, series);
   check_whole(plan);
   const DicomImage& first = plan.images[plan.stack.first_file()];
   Study study;
@@ -232,6 +267,7 @@ Study read_dicom(const std::filesystem::path& path) {
   study.cycle_ms = plan.stack.cycle_ms;
   study.view = first.view;
   study.slice_order = first.slice_order;
+  study.series = plan.series;
   study.notes = plan.stack.notes;
   if (first.view_from_words)
     study.notes.push_back({Severity::info, "dicom.view_in_words",
@@ -240,8 +276,8 @@ Study read_dicom(const std::filesystem::path& path) {
   return study;
 }
 
-std::vector<std::filesystem::path> files_of_dicom(const std::filesystem::path& path) {
-  const Plan plan = plan_of(path);
+std::vector<std::filesystem::path> files_of_dicom(const std::filesystem::path& path, const std::string& series) {
+  const Plan plan = plan_of(path, series);
   std::vector<fs::path> files;
   for (const DicomStack::Frame& frame : plan.stack.frames) files.push_back(plan.images[frame.file].path);
   std::sort(files.begin(), files.end());
@@ -249,8 +285,9 @@ std::vector<std::filesystem::path> files_of_dicom(const std::filesystem::path& p
   return files;
 }
 
-std::vector<std::pair<std::string, std::string>> dicom_facts(const std::filesystem::path& path) {
-  return acquisition_facts_of(files_of_dicom(path).front());
+std::vector<std::pair<std::string, std::string>> dicom_facts(const std::filesystem::path& path,
+                                                             const std::string& series) {
+  return acquisition_facts_of(files_of_dicom(path, series).front());
 }
 
 }  // namespace dynasurf

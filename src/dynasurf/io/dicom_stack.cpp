@@ -218,11 +218,6 @@ const std::vector<Key>& gate_keys() {
   return keys;
 }
 
-bool same_grid(const Grid& a, const Grid& b) {
-  return a.dims == b.dims && (a.spacing - b.spacing).norm() < 1e-3 && (a.origin - b.origin).norm() < same_place_mm &&
-         (a.direction - b.direction).norm() < 1e-3;
-}
-
 /// Times from trigger times in ms or from percentages of the cycle.
 void set_times_from(DicomStack& stack, const std::string& key, const std::vector<double>& values,
                     const DicomImage& image) {
@@ -245,6 +240,11 @@ void set_times_from(DicomStack& stack, const std::string& key, const std::vector
 }
 
 }  // namespace
+
+bool is_same_grid(const Grid& a, const Grid& b) {
+  return a.dims == b.dims && (a.spacing - b.spacing).norm() < 1e-3 && (a.origin - b.origin).norm() < same_place_mm &&
+         (a.direction - b.direction).norm() < 1e-3;
+}
 
 std::string reason_to_refuse(const DicomImage& image) {
   const std::string& kind = image.kind();
@@ -467,7 +467,7 @@ DicomStack stack_of_slices(const std::vector<DicomImage>& images, std::span<cons
 std::optional<DicomStack> joined_gates(const std::vector<DicomImage>& images, std::span<const DicomStack> stacks) {
   const auto image = [&](const DicomStack& s) -> const DicomImage& { return images[s.first_file()]; };
   for (const DicomStack& s : stacks)
-    if (s.gates != 1 || !same_grid(s.grid, stacks.front().grid) || image(s).study != image(stacks.front()).study ||
+    if (s.gates != 1 || !is_same_grid(s.grid, stacks.front().grid) || image(s).study != image(stacks.front()).study ||
         image(s).kind() != image(stacks.front()).kind())
       return std::nullopt;
 

@@ -63,6 +63,21 @@ View view_in_words(const std::string& description) {
   return kinds == 1 ? found : View::unknown;
 }
 
+std::string circumstances_in_words(const std::string& description) {
+  const std::string words = spaced_words(description);
+  std::string found;
+  const auto look_for = [&](const char* word, std::initializer_list<const char*> marks) {
+    if (holds_any(words, marks)) found += (found.empty() ? "" : ", ") + std::string(word);
+  };
+  look_for("rest", {" REST ", " RST ", " RESTING "});
+  look_for("stress", {" STRESS ", " STR ", " STRESSED "});
+  look_for("prone", {" PRONE "});
+  look_for("supine", {" SUPINE "});
+  look_for("attenuation corrected", {" AC ", " IRAC ", " ATTN "});
+  look_for("not attenuation corrected", {" NC ", " NAC ", " IRNC ", " NOAC "});
+  return found;
+}
+
 std::optional<int> gate_in_words(const std::string& description) {
   const std::string words = spaced_words(description);
   for (const char* mark : {" GATE ", " BIN ", " PHASE ", " FRAME ", " GATE", " BIN", " PHASE"}) {

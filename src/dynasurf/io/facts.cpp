@@ -57,7 +57,7 @@ std::string what_follows(const Study& study) {
 
 }  // namespace
 
-StudyFacts facts_of(const std::filesystem::path& path, const Study& study) {
+StudyFacts facts_of(const std::filesystem::path& path, const Study& study, const std::string& series) {
   if (study.gates.empty()) throw InputError(path.string() + ": the study has no volume");
   StudyFacts facts;
   const auto add = [&](const std::string& name, const std::string& value) { facts.rows.emplace_back(name, value); };
@@ -87,7 +87,7 @@ StudyFacts facts_of(const std::filesystem::path& path, const Study& study) {
     add("gates start at", times + " ms");
   }
   if (study.format == "DICOM")
-    for (const auto& row : dicom_facts(path)) facts.rows.push_back(row);
+    for (const auto& row : dicom_facts(path, series)) facts.rows.push_back(row);
 
   double total = 0;
   std::string per_gate;

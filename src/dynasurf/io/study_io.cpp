@@ -46,10 +46,17 @@ Format format_of(const fs::path& path) {
                    "; expected DICOM, NIfTI or NRRD");
 }
 
+void require_dicom(const fs::path& path, Format format, const std::string& series) {
+  if (!series.empty() && format != Format::dicom)
+    throw InputError(path.string() + ": has no series to choose from; expected DICOM");
+}
+
 }  // namespace
 
-Study read_study(const std::filesystem::path& path) {
-  switch (format_of(path)) {
+Study read_study(const std::filesystem::path& path, const std::string& series) {
+  const Format format = format_of(path);
+  require_dicom(path, format, series);
+  switch (format) {
     case Format::nifti:
       return read_nifti(path);
     case Format::nrrd:
@@ -57,13 +64,14 @@ Study read_study(const std::filesystem::path& path) {
     case Format::dicom:
       break;
   }
-  return read_dicom(path);
+  return read_dicom(path, series);
 }
 
-std::vector<std::filesystem::path> files_of_study(const std::filesystem::path& path) {
+std::vector<std::filesystem::path> files_of_study(const std::filesystem::path& path, const std::string& series) {
   std::vector<fs::path> files{path};
   const Format format = format_of(path);
-  if (format == Format::dicom) return files_of_dicom(path);
+  require_dicom(path, format, series);
+  if (format == Format::dicom) return files_of_dicom(path, series);
   for (const fs::path& data : format == Format::nifti ? data_files_of_nifti(path) : data_files_of_nrrd(path))
     files.push_back(data);
   return files;

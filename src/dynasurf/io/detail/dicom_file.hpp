@@ -18,12 +18,14 @@ struct EnergyRange {
 };
 
 /// What one DICOM file says of itself, without its pixels. Absent attributes are absent here too; nothing that
-/// identifies a person is kept, but for the UIDs that tell which files belong together.
+/// identifies a person is kept, but for the UIDs that tell which files belong together and the description of the
+/// series, which is compared with what the user asks for and never shown.
 struct DicomImage {
   std::filesystem::path path;
   std::string modality;
   std::vector<std::string> image_type;
-  std::string sop_class, sop_instance, study, series;
+  std::string sop_class, sop_instance, study, series, series_description;
+  std::optional<int> series_number;
 
   int rows = 0, columns = 0, frames = 1;
   int bits_allocated = 0, bits_stored = 0, high_bit = 0, samples = 1;
