@@ -223,8 +223,8 @@ TEST_F(NrrdFile, IsRefusedWithTheReason) {
   EXPECT_THAT(changed("encoding: raw\n", "encoding: raw\nencoding: raw\n"), HasSubstr("twice"));
   EXPECT_THAT(changed("encoding: raw\n", "encoding: raw\nkinds: vector domain domain\n"), HasSubstr("kinds"));
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_THAT(refusal(with(one_row, "short", "float") + "\n" + raw<float>({1, 2, nan})),
-              HasSubstr("voxel (2,0,0) of gate 1 is not a finite number"));
+  EXPECT_THAT(refusal(with(one_row, "short", "float") + "\n" + raw<float>({1, nan, nan})),
+              HasSubstr("voxel (1,0,0) of gate 1 is not a finite number; expected counts (2 of 3 voxels are not)"));
 }
 
 TEST_F(NrrdFile, SurvivesFlippedBits) {

@@ -11,6 +11,7 @@
 #include "dynasurf/io/detail/digest.hpp"
 #include "dynasurf/io/detail/formats.hpp"
 #include "dynasurf/io/detail/samples.hpp"
+#include "dynasurf/io/detail/study_mend.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf {
@@ -220,7 +221,7 @@ void check_whole(const Plan& plan) {
                    std::to_string(plan.stack.declared_gates) + " only; give the folder with the files of all gates");
 }
 
-std::vector<Image> read_pixels(const Plan& plan) {
+std::vector<Image> read_pixels(const Plan& plan, Notes& notes) {
   const DicomStack& stack = plan.stack;
   require_memory_of_study(stack.grid, stack.gates, plan.images[stack.first_file()].where());
   const auto slices = static_cast<std::size_t>(stack.grid.dims[2]);
@@ -239,8 +240,7 @@ std::vector<Image> read_pixels(const Plan& plan) {
       std::copy(values.begin(), values.end(),
                 gate.values.begin() + static_cast<std::ptrdiff_t>(it->second % slices * pixels));
     });
-  for (std::size_t g = 0; g < gates.size(); ++g)
-    check_finite(gates[g], static_cast<int>(g), plan.images[stack.first_file()].where());
+  fill_outside_field(gates, plan.images[stack.first_file()].where(), notes);
   return gates;
 }
 
@@ -259,7 +259,7 @@ Study read_dicom(const std::filesystem::path& path, const std::string& series) {
   check_whole(plan);
   const DicomImage& first = plan.images[plan.stack.first_file()];
   Study study;
-  study.gates = read_pixels(plan);
+  study.gates = read_pixels(plan, plan.stack.notes);
   study.format = "DICOM";
   study.modality = first.modality;
   study.image_type = image_type_of(first);

@@ -475,7 +475,7 @@ Study read_nrrd(const std::filesystem::path& path) {
   const std::uint64_t bytes =
       std::uint64_t{bytes_of(layout.type)} * grid.size() * static_cast<std::uint64_t>(axes.gates);
   ByteSource source(file, packing, data_offset(header, file, name ? 0 : header.end, bytes, packing));
-  study.gates = read_samples(source, grid, axes.gates, layout, file.string());
+  study.gates = read_samples(source, grid, axes.gates, layout, file.string(), study.notes);
   set_times(study, header, axes.list_axis);
   set_own_keys(study, header);
   return study;

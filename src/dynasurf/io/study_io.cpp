@@ -7,6 +7,7 @@
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/detail/formats.hpp"
 #include "dynasurf/io/detail/nifti_format.hpp"
+#include "dynasurf/io/detail/study_mend.hpp"
 
 namespace dynasurf {
 namespace {
@@ -56,15 +57,12 @@ void require_dicom(const fs::path& path, Format format, const std::string& serie
 Study read_study(const std::filesystem::path& path, const std::string& series) {
   const Format format = format_of(path);
   require_dicom(path, format, series);
-  switch (format) {
-    case Format::nifti:
-      return read_nifti(path);
-    case Format::nrrd:
-      return read_nrrd(path);
-    case Format::dicom:
-      break;
-  }
-  return read_dicom(path, series);
+  Study study = format == Format::nifti  ? read_nifti(path)
+                : format == Format::nrrd ? read_nrrd(path)
+                                         : read_dicom(path, series);
+  mend_hot_voxels(study);
+  fill_empty_gates(study);
+  return study;
 }
 
 std::vector<std::filesystem::path> files_of_study(const std::filesystem::path& path, const std::string& series) {
