@@ -184,15 +184,20 @@ TEST(Study, OfJunkIsRefused) {
 TEST(StudyFacts, TellWhatTheProgramWouldDo) {
   const test::ScratchFolder scratch;
   const auto last_fact = [&](const Study& study) { return facts_of(scratch / "unused.nii", study).rows.back().second; };
-  Study study = test::l_shape_study(test::oblique_grid(true), 4);
+  Grid grid = test::oblique_grid(true);
+  grid.dims = {9, 8, 5};
+  Study study = test::l_shape_study(grid, 4);
   EXPECT_THAT(last_fact(study), HasSubstr("both surfaces of 4 gates, their volumes and the ejection fraction"));
   study.view = View::horizontal_long_axis;
-  EXPECT_THAT(last_fact(study), HasSubstr("refuse: the slices are horizontal long axis"));
+  EXPECT_THAT(last_fact(study), HasSubstr("cutting the horizontal long axis slices anew across the ventricle"));
   study.view = View::unknown;
   study.gates.resize(1);
-  EXPECT_THAT(last_fact(study), HasSubstr("taking the slices as short-axis; no ejection fraction"));
+  EXPECT_THAT(last_fact(study),
+              HasSubstr("no ejection fraction, because the study is not gated, taking the slices as "));
   std::fill(study.gates[0].values.begin(), study.gates[0].values.end(), 3.f);
   EXPECT_THAT(last_fact(study), HasSubstr("same value"));
+  study = test::l_shape_study(test::oblique_grid(), 4);  // 7 x 6 pixels
+  EXPECT_THAT(last_fact(study), HasSubstr("refuse: at least 8 x 8 pixels in 3 slices are needed"));
 }
 
 TEST(StudyFacts, DescribeOrientationInWords) {
