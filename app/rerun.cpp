@@ -199,7 +199,9 @@ fs::path find_study(const Arguments& arguments, const Record& record) {
     return study;
   }
   for (const fs::path& candidate : places_beside(arguments))
-    if ((record.hashes.size() > 1 || fs::is_regular_file(candidate)) && is_study(candidate, record)) return candidate;
+    if ((record.hashes.size() > 1 || !record.series.empty() || fs::is_regular_file(candidate)) &&
+        is_study(candidate, record))
+      return candidate;
   throw_missing(arguments, record.hashes.front(), "--study");
 }
 

@@ -193,7 +193,7 @@ void fill_empty_gates(Study& study) {
     study.notes.push_back({Severity::warning, "study.empty_gate",
                            "gate " + std::to_string(g + 1) + " is empty: the mean of gates " +
                                std::to_string(before + 1) + " and " + std::to_string(after + 1) +
-                               " stands in its place, and its volumes are not measured",
+                               " stands in its place; were it the smallest or largest, the ejection fraction would be higher",
                            static_cast<int>(g)});
   }
 }
