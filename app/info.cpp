@@ -8,18 +8,19 @@
 
 #include "command.hpp"
 #include "console.hpp"
+#include "option_arguments.hpp"
 
 namespace dynasurf::app {
 namespace {
 
 struct Arguments {
-  std::string study;
+  std::string study, series;
   bool json = false;
 };
 
 ExitCode run(const Arguments& arguments) {
-  const Study study = read_study(arguments.study);
-  const StudyFacts facts = facts_of(arguments.study, study);
+  const Study study = read_study(arguments.study, arguments.series);
+  const StudyFacts facts = facts_of(arguments.study, study, arguments.series);
   if (arguments.json) {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();
     for (const auto& [name, value] : facts.rows) json[name] = value;
@@ -42,6 +43,7 @@ void add_info(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = program.add_subcommand("info", "Tell what a study holds, and what would be done with it");
   command->add_option("STUDY", arguments->study, "DICOM file or folder, NIfTI or NRRD file")->required();
+  add_series_argument(*command, arguments->series);
   command->add_flag("--json", arguments->json, "print JSON");
   command->callback([arguments, &chosen] { chosen = [arguments](std::stop_token) { return run(*arguments); }; });
 }

@@ -48,6 +48,11 @@ std::vector<std::string> settings_of(const OptionArguments& a) {
   return settings;
 }
 
+void add_series_argument(CLI::App& command, std::string& series) {
+  command.add_option("--series", series,
+                     "which image series of a DICOM folder: its number, UID, or a part of its description");
+}
+
 void add_option_arguments(CLI::App& command, OptionArguments& a) {
   command.add_option(
       "--preset", a.preset,

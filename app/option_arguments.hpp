@@ -27,6 +27,9 @@ struct OptionArguments {
 /// The volume of --mask, with which the file is named in messages. Throws InputError, IoError.
 Image read_mask(const std::filesystem::path& file);
 
+/// --series, for `read_study`.
+void add_series_argument(CLI::App& command, std::string& series);
+
 void add_option_arguments(CLI::App& command, OptionArguments& arguments);
 
 /// All settings in order; the pipeline and what is said by hand stand as settings of options, so that they are checked,

@@ -32,7 +32,7 @@ Json hash_of(const fs::path& file) { return file.empty() ? Json(nullptr) : Json(
 std::string dicom_time(const Job& job, bool study_is_dicom) {
   if (!job.outputs.dicom_time.empty()) return job.outputs.dicom_time;
   if (!job.timings) {
-    const DicomSubject subject = study_is_dicom ? read_dicom_subject(job.study) : DicomSubject();
+    const DicomSubject subject = study_is_dicom ? read_dicom_subject(job.study, job.series) : DicomSubject();
     const bool is_told = subject.study_date.size() == 8 && subject.study_time.size() >= 6;
     return is_told ? subject.study_date + subject.study_time.substr(0, 6) : "20000101000000";
   }
@@ -57,8 +57,8 @@ DicomResult dicom_context(const Job& job, const Provenance& provenance, bool stu
                                   job.outputs.dicom_time, hash_of(job.mask).dump(), hash_of(job.start_mesh).dump()})
     add(text);
   context.content = hasher.finish();
-  context.subject =
-      study_is_dicom ? read_dicom_subject(job.study) : nameless_subject(context.content, context.date, context.time);
+  context.subject = study_is_dicom ? read_dicom_subject(job.study, job.series)
+                                   : nameless_subject(context.content, context.date, context.time);
   return context;
 }
 
@@ -77,6 +77,7 @@ std::string results_text(const VentricleResult& result, const Provenance& proven
   Json formats = Json::array();
   for (const MeshFormat format : job.mesh_formats) formats.push_back(word_of(format));
   json["provenance"]["given"] = {{"mask_sha256", hash_of(job.mask)}, {"start_mesh_sha256", hash_of(job.start_mesh)}};
+  if (!result.study.series.empty()) json["provenance"]["given"]["series"] = result.study.series;
   json["provenance"]["outputs"] = {{"mesh_formats", formats},
                                    {"keep_stages", outputs.keep_stages},
                                    {"dicom", outputs.dicom},
@@ -96,9 +97,9 @@ std::vector<fs::path> inputs_of(const Job& job) {
 
 }  // namespace
 
-std::vector<std::string> hashes_of_study(const fs::path& study) {
+std::vector<std::string> hashes_of_study(const fs::path& study, const std::string& series) {
   std::vector<std::string> hashes;
-  for (const fs::path& file : files_of_study(study)) hashes.push_back(sha256_of_file(file));
+  for (const fs::path& file : files_of_study(study, series)) hashes.push_back(sha256_of_file(file));
   return hashes;
 }
 
@@ -108,9 +109,12 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   if (job.outputs.pdf) find_browser();  // its absence, too, is told first
   // First, so that a place that cannot be written to costs no time.
   OutputFolder folder(job.out, job.existing, inputs_of(job));
-  const Study study = read_study(job.study);
+  const Study study = read_study(job.study, job.series);
+  // By its number: words that the user chose it by may name a person. A repeated run has them from the first.
+  if (!study.series.empty() && job.command.find(" --series ") == std::string::npos)
+    job.command += " --series " + study.series;
   if (job.outputs.dicom) job.outputs.dicom_time = dicom_time(job, study.format == "DICOM");
-  const Provenance provenance = provenance_of(job, files_of_study(job.study), options_to_text(job.options));
+  const Provenance provenance = provenance_of(job, files_of_study(job.study, job.series), options_to_text(job.options));
   progress.check();
 
   std::optional<TriMesh> start;

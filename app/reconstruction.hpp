@@ -23,6 +23,7 @@ struct Outputs {
 struct Job : ResultJob {
   Job() { mesh_formats = {MeshFormat::ply, MeshFormat::vtp}; }
   std::filesystem::path study;
+  std::string series;                // of a DICOM folder; empty: not asked for
   std::filesystem::path start_mesh;  // for placement.shape file; else empty
   std::filesystem::path mask;        // outside which nothing is looked at; empty: none
   VentricleOptions options;
@@ -39,6 +40,6 @@ struct Outcome {
 Outcome reconstruct_to_folder(const Job& job, const Progress& progress);
 
 /// SHA-256 of every file of a study, in the order of `files_of_study`.
-std::vector<std::string> hashes_of_study(const std::filesystem::path& study);
+std::vector<std::string> hashes_of_study(const std::filesystem::path& study, const std::string& series = {});
 
 }  // namespace dynasurf::app

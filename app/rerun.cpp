@@ -54,6 +54,7 @@ struct Record {
   std::vector<std::string> names, hashes;  // of the inputs
   std::vector<std::uint64_t> bytes;        // likewise; empty where a former version did not tell
   std::string mask_hash, start_hash;       // empty: none was given
+  std::string series;                      // that was chosen; likewise
 };
 
 [[noreturn]] void refuse(const fs::path& result, const std::string& what) {
@@ -95,6 +96,7 @@ Record record_of(const fs::path& result) {
   }
   if (has(provenance, "given")) {
     const JsonNode given = object_in(provenance, "given");
+    if (has(given, "series")) record.series = text_in(given, "series");
     if (has(given, "mask_sha256")) record.mask_hash = text_in(given, "mask_sha256");
     if (has(given, "start_mesh_sha256")) record.start_hash = text_in(given, "start_mesh_sha256");
   }
@@ -156,10 +158,10 @@ bool may_be_input(const fs::path& file, const Record& record) {
 
 bool is_study(const fs::path& path, const Record& record) {
   try {
-    const std::vector<fs::path> files = files_of_study(path);
+    const std::vector<fs::path> files = files_of_study(path, record.series);
     return files.size() == record.hashes.size() &&
            std::all_of(files.begin(), files.end(), [&](const fs::path& file) { return may_be_input(file, record); }) &&
-           hashes_of_study(path) == record.hashes;
+           hashes_of_study(path, record.series) == record.hashes;
   } catch (const std::exception&) {
     return false;  // not a study at all
   }
@@ -191,13 +193,15 @@ fs::path find_study(const Arguments& arguments, const Record& record) {
   if (arguments.inputs.size() > 1) throw OptionError("--input names more than one study");
   if (!arguments.inputs.empty()) {
     const std::string& study = arguments.inputs[0];
-    if (hashes_of_study(study) != record.hashes)
+    if (hashes_of_study(study, record.series) != record.hashes)
       throw InputError(study + ": is not the study the result was made from (SHA-256 " +
                        record.hashes.front().substr(0, 12) + "... expected)");
     return study;
   }
   for (const fs::path& candidate : places_beside(arguments))
-    if ((record.hashes.size() > 1 || fs::is_regular_file(candidate)) && is_study(candidate, record)) return candidate;
+    if ((record.hashes.size() > 1 || !record.series.empty() || fs::is_regular_file(candidate)) &&
+        is_study(candidate, record))
+      return candidate;
   throw_missing(arguments, record.hashes.front(), "--study");
 }
 
@@ -307,6 +311,7 @@ bool repeat_ventricle(const Arguments& arguments, const Record& record, const fs
     return read;
   });
   job.study = find_study(arguments, record);
+  job.series = record.series;
   job.mask = find_given(arguments, record.mask_hash, arguments.mask, "mask");
   job.start_mesh = find_given(arguments, record.start_hash, arguments.start, "start");
   return reconstruct_to_folder(job, progress).result.verdict != Verdict::fail;

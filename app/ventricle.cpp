@@ -11,7 +11,7 @@ namespace dynasurf::app {
 namespace {
 
 struct Arguments {
-  std::string study, start;
+  std::string study, series, start;
   ResultArguments result;
   OptionArguments options;
   bool keep_stages = false, dicom = false, pdf = false, strict = false;
@@ -31,6 +31,7 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   Job job;
   take(arguments.result, recorded_command(arguments), job);
   job.study = arguments.study;
+  job.series = arguments.series;
   job.options = options_of(arguments.options);
   job.options_file = arguments.options.file;
   job.mask = arguments.options.mask;
@@ -54,6 +55,7 @@ void add_ventricle(CLI::App& program, Command& chosen) {
   CLI::App* command = program.add_subcommand(
       "ventricle", "Reconstruct both surfaces of the left ventricle in every gate, with volumes and a report");
   command->add_option("STUDY", a->study, "DICOM file or folder, NIfTI or NRRD file")->required();
+  add_series_argument(*command, a->series);
   add_result_arguments(*command, a->result, "ply, vtp");
   add_option_arguments(*command, a->options);
   command->add_option("--start", a->start, "mesh file that all surfaces start from, fitted to each border's box");

@@ -6,12 +6,12 @@
 namespace dynasurf::fuzz {
 namespace {
 
-bool reads_study(InputFiles& files, const std::filesystem::path& path) {
+bool reads_study(InputFiles& files, const std::filesystem::path& path, const std::string& series = {}) {
   return reads(files.folder(), [&] {
-    const Study study = read_dicom(path);
+    const Study study = read_dicom(path, series);
     require(!study.gates.empty(), "a study has a gate");
     for (const Image& gate : study.gates) require(gate.values.size() == study.grid().size(), "every voxel has a value");
-    dicom_facts(path);
+    dicom_facts(path, series);
   });
 }
 
@@ -32,7 +32,9 @@ bool run_dicom_folder(std::string_view bytes) {
     if (end == std::string_view::npos) break;
     bytes.remove_prefix(end + border.size());
   }
-  return reads_study(files, files.folder());
+  const bool whole = reads_study(files, files.folder());
+  const bool chosen = reads_study(files, files.folder(), "1");
+  return whole || chosen;
 }
 
 }  // namespace dynasurf::fuzz

@@ -22,7 +22,7 @@ class Usage(CliTest):
     def test_help_of_a_command_tells_its_arguments(self):
         done = run("ventricle", "--help")
         self.assertEqual(done.returncode, 0)
-        for word in ("STUDY", "--out", "--preset", "--set", "--mesh-format", "--keep-stages", "--threads"):
+        for word in ("STUDY", "--out", "--preset", "--set", "--mesh-format", "--keep-stages", "--threads", "--series"):
             self.assertIn(word, done.stdout)
 
     def test_usage_lines_begin_with_the_program(self):

@@ -9,6 +9,7 @@ namespace dynasurf {
 namespace {
 
 namespace fs = std::filesystem;
+using test::item_of;
 using test::put;
 using ::testing::HasSubstr;
 
@@ -95,6 +96,11 @@ TEST_F(DicomFolder, OfOneFilePerGateIsJoined) {
       [](DcmDataset& d, int g) { put(d, DCM_SeriesDescription, "SA bin " + std::to_string(g + 1)); },
       [](DcmDataset& d, int g) {
         put(d, DCM_ImageType, "DERIVED\\PRIMARY\\RECON GATED TOMO\\EMISSION");
+        put(d, DCM_TimeSlotVector, std::vector<Uint16>(5, static_cast<Uint16>(g)));  // counted from 0
+        put(d, DCM_NumberOfTimeSlots, std::vector<Uint16>{4});
+      },
+      [](DcmDataset& d, int g) {
+        put(d, DCM_ImageType, "DERIVED\\PRIMARY\\RECON GATED TOMO\\EMISSION");
         put(d, DCM_TimeSlotVector, std::vector<Uint16>(5, static_cast<Uint16>(g + 1)));
         put(d, DCM_NumberOfTimeSlots, std::vector<Uint16>{4});
       }};
@@ -146,10 +152,29 @@ TEST_F(DicomFolder, WithMissingOrDoubleFilesIsRefused) {
   fs::remove(file);
   EXPECT_THAT(test::refusal_of(folder), HasSubstr("a file is missing or double"));
   test::write_bytes(file, bytes);
-  test::write_bytes(folder / "copy", bytes);
+  test::edit_dicom(file, folder / "copy", [](DcmDataset& d) { put(d, DCM_TriggerTime, "37"); });
   EXPECT_THAT(test::refusal_of(folder), HasSubstr("is there twice"));
   test::edit_dicom(file, folder / "copy", [](DcmDataset& d) { put(d, DCM_SOPInstanceUID, "2.25.5"); });
   EXPECT_THAT(test::refusal_of(folder), HasSubstr("a file is missing or double"));
+}
+
+TEST_F(DicomFolder, WithTheSameFilesTwiceIsReadWithANote) {
+  write_pet(tell_trigger);
+  const fs::path file = some_file();
+  test::write_bytes(folder / "zz_copy", test::read_bytes(file));
+  test::edit_dicom(
+      file, folder / "zz_packed", [](DcmDataset&) {}, EXS_RLELossless);
+  const Study back = read_study(folder);
+  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  ASSERT_EQ(back.notes.size(), 1u);
+  EXPECT_EQ(back.notes[0].code, "dicom.copies");
+  EXPECT_THAT(back.notes[0].message, HasSubstr("2 files"));
+  EXPECT_EQ(files_of_study(folder).size(), 20u);
+  fs::remove_all(folder);
+  fs::create_directories(folder / "export again");
+  write_dicom(truth, folder / "sa.dcm");
+  fs::copy(folder / "sa.dcm", folder / "export again/sa.dcm");
+  test::expect_l_shape(read_study(folder), truth, decimal_tolerance_mm);
 }
 
 TEST_F(DicomFolder, WithAGapBetweenSlicesIsRefused) {
@@ -237,6 +262,131 @@ TEST_F(DicomFolder, TakesTheOnlyGatedShortAxisOfSeveralStacksAndSaysSo) {
   EXPECT_EQ(files_of_study(folder), std::vector{folder / "deeper/sa.dcm"});
   write_dicom(test::l_shape_study(test::oblique_grid(true), 4), folder / "second.dcm");
   EXPECT_THAT(test::refusal_of(folder), HasSubstr("holds 4 different image stacks (2 of them"));
+}
+
+TEST_F(DicomFolder, OfRestAndStressIsListedUntilASeriesIsChosen) {
+  fs::create_directories(folder);
+  const Study stress = test::l_shape_study(test::oblique_grid(true), 4);
+  const auto write_series = [&](const Study& study, const char* name, const char* number, const char* words) {
+    write_dicom(study, scratch / "one.dcm");
+    test::edit_dicom(scratch / "one.dcm", folder / name, [&](DcmDataset& d) {
+      put(d, DCM_SeriesInstanceUID, std::string("2.25.9") + number);
+      put(d, DCM_SeriesNumber, number);
+      put(d, DCM_SeriesDescription, words);
+    });
+  };
+  write_series(stress, "a.dcm", "401", "Meier^Hans STRESS gated SA");
+  write_series(truth, "b.dcm", "201", "Meier^Hans REST gated SA");
+  const std::string line = test::refusal_of(folder);
+  EXPECT_THAT(line,
+              HasSubstr("holds 2 different image stacks (2 of them gated and perhaps short-axis); choose one with "
+                        "--series NUMBER: 201 is 4 gates of 7 x 6 x 5, short axis, rest; 401 is 4 gates of 7 x 6 x "
+                        "5, short axis, stress"));
+  EXPECT_EQ(line.find("Meier"), std::string::npos) << "free text may name a person";
+  for (const char* rest : {"201", "2.25.9201", "rest"}) {
+    const Study back = read_study(folder, rest);
+    test::expect_l_shape(back, truth, decimal_tolerance_mm);
+    EXPECT_EQ(back.series, "201");
+    ASSERT_EQ(back.notes.size(), 1u);
+    EXPECT_EQ(back.notes[0].severity, Severity::info);
+    EXPECT_THAT(back.notes[0].message, HasSubstr("number 201, which --series chose, is read"));
+    EXPECT_EQ(files_of_study(folder, rest), std::vector{folder / "b.dcm"});
+  }
+  test::expect_l_shape(read_study(folder, "Stress"), stress, decimal_tolerance_mm);
+  EXPECT_THROW(read_study(folder, "2"), InputError);
+  EXPECT_THROW(read_study(folder, "gated"), InputError);  // both
+  EXPECT_THROW(read_study(folder / "a.dcm", "201"), InputError);
+  EXPECT_EQ(read_study(folder / "a.dcm", "401").gates.size(), 4u);
+  // Numbers that do not tell series apart give way to the places in the list.
+  write_series(stress, "a.dcm", "201", "STRESS");
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("NUMBER: 1 is 4 gates of 7 x 6 x 5, short axis, stress; 2 is"));
+  EXPECT_EQ(read_study(folder, "1").series, "1");
+}
+
+TEST_F(DicomFolder, OfRestAndStressInAFilePerGateIsJoinedAndListed) {
+  write_gates([](DcmDataset& d, int g) { put(d, DCM_SeriesDescription, "REST SA bin " + std::to_string(g + 1)); });
+  fs::rename(folder, scratch / "rest");
+  write_gates([](DcmDataset& d, int g) { put(d, DCM_SeriesDescription, "STRESS SA bin " + std::to_string(g + 1)); });
+  for (const auto& entry : fs::directory_iterator(scratch / "rest"))
+    test::edit_dicom(entry.path(), folder / ("r" + entry.path().filename().string()), [&](DcmDataset& d) {
+      put(d, DCM_SOPInstanceUID, "2.25.77" + entry.path().stem().string().substr(1));
+    });
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("holds 2 different image stacks (2 of them"));
+  test::expect_l_shape(read_study(folder, "rest"), truth, decimal_tolerance_mm);
+}
+
+TEST_F(DicomFolder, OfOneFilePerEnergyWindowIsReadFromThePhotopeak) {
+  fs::create_directories(folder);
+  const auto write_window = [&](const Study& study, const char* name, const char* lower, const char* upper) {
+    write_dicom(study, scratch / "one.dcm");
+    test::edit_dicom(scratch / "one.dcm", folder / name, [&](DcmDataset& d) {
+      put(d, DCM_StudyInstanceUID, "2.25.1");
+      DcmItem& range = item_of(item_of(d, DCM_EnergyWindowInformationSequence), DCM_EnergyWindowRangeSequence);
+      put(range, DCM_EnergyWindowLowerLimit, lower);
+      put(range, DCM_EnergyWindowUpperLimit, upper);
+    });
+  };
+  Study scatter = truth;
+  for (Image& gate : scatter.gates)
+    for (float& v : gate.values) v *= 2;
+  write_window(scatter, "a.dcm", "90", "120");
+  write_window(truth, "b.dcm", "126", "154");
+  const Study back = read_study(folder);
+  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  EXPECT_THAT(back.notes.at(0).message, HasSubstr("photopeak"));
+}
+
+TEST_F(DicomFolder, OfCineWithASeriesPerSliceIsJoined) {
+  const auto write_cine = [&](const std::string& word) {
+    fs::remove_all(folder);
+    write_pet(tell_trigger);
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      const std::string name = entry.path().filename().string();
+      const int n = std::stoi(name.substr(name.find('_') + 1)), slice = n % 5;
+      test::edit_dicom(entry.path(), scratch / "one", [&](DcmDataset& d) {
+        put(d, DCM_SOPClassUID, UID_MRImageStorage);
+        put(d, DCM_Modality, "MR");
+        put(d, DCM_SeriesInstanceUID, "2.25." + std::to_string(90 - slice));
+        put(d, DCM_SeriesNumber, std::to_string(10 + slice));
+        put(d, DCM_SeriesDescription, word);
+        put(d, DCM_TriggerTime, std::to_string(200 * (n / 5) + slice));  // hearts do not beat evenly
+        put(d, DCM_InstanceNumber, std::to_string(n / 5 + 1));
+      });
+      fs::rename(scratch / "one", entry.path());
+    }
+  };
+  for (const char* word : {"", "cine SAX"}) {
+    write_cine(word);
+    const Study back = read_study(folder);
+    test::expect_l_shape(back, truth, decimal_tolerance_mm);
+    EXPECT_EQ(back.modality, "MR");
+    ASSERT_EQ(back.notes.size(), word[0] == 0 ? 1u : 2u);
+    EXPECT_THAT(back.notes[0].message, HasSubstr("5 series of one slice each were joined"));
+  }
+  // A long axis, of another direction, stands beside it in most examinations.
+  Study other = test::l_shape_study(test::oblique_grid(), 4);
+  for (Image& gate : other.gates) {
+    gate.grid.dims[2] = 1;
+    gate.grid.direction.col(1).swap(gate.grid.direction.col(2));
+    gate.values.resize(gate.grid.size());
+  }
+  other.view = View::unknown;
+  test::write_single_frames(other, scratch / "long", tell_trigger);
+  for (const auto& entry : fs::directory_iterator(scratch / "long"))
+    test::edit_dicom(entry.path(), folder / ("long" + entry.path().filename().string()), [&](DcmDataset& d) {
+      put(d, DCM_SeriesInstanceUID, "2.25.50");
+      const std::string name = entry.path().filename().string();
+      put(d, DCM_SOPInstanceUID, "2.25.6" + name.substr(name.find('_') + 1));
+    });
+  const Study back = read_study(folder);
+  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  EXPECT_THAT(back.notes.at(1).message, HasSubstr("the only gated one"));
+  // A slice that is missing is still missed.
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name[0] == 'i' && std::stoi(name.substr(name.find('_') + 1)) % 5 == 2) fs::remove(entry.path());
+  }
+  EXPECT_THAT(test::refusal_of(folder), HasSubstr("a slice is missing"));
 }
 
 TEST_F(DicomFolder, OfProjectionsOnlyIsRefusedWithTheirReason) {

@@ -173,6 +173,87 @@ TEST_F(DicomFile, KeepsTheIntervalWithMostAcceptedBeats) {
   EXPECT_THAT(back.notes[0].message, HasSubstr("number 2 is read, with the most accepted beats (700)"));
 }
 
+TEST_F(DicomFile, ReadsVectorsThatCountFromZero) {
+  const auto less_one = [](DcmDataset& d, const DcmTagKey& tag) {
+    auto entries = words_of(d, tag);
+    for (Uint16& entry : entries) --entry;
+    put(d, tag, entries);
+  };
+  for (const bool is_declared : {true, false}) {
+    const Study back = read_study(changed([&](DcmDataset& d) {
+      for (const DcmTagKey& tag : {DCM_RRIntervalVector, DCM_TimeSlotVector, DCM_SliceVector}) less_one(d, tag);
+      if (!is_declared)
+        for (const DcmTagKey& tag : {DCM_NumberOfTimeSlots, DCM_NumberOfSlices, DCM_NumberOfRRIntervals}) drop(d, tag);
+    }));
+    test::expect_l_shape(back, truth, decimal_tolerance_mm);
+    EXPECT_EQ(back.time_ms, truth.time_ms);
+    ASSERT_EQ(back.notes.size(), 3u);
+    EXPECT_THAT(back.notes[2].message, HasSubstr("SliceVector counts from 0"));
+  }
+  // One vector alone may count otherwise than the others.
+  const Study back = read_study(changed([&](DcmDataset& d) { less_one(d, DCM_SliceVector); }));
+  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  ASSERT_EQ(back.notes.size(), 1u);
+  EXPECT_EQ(back.notes[0].code, "dicom.counts_from_zero");
+}
+
+/// The study of the truth and after it, frame by frame, another energy window with twice the counts or, dim, a quarter.
+void add_energy_window(DcmDataset& d, bool is_dim) {
+  const std::size_t frames = words_of(d, DCM_SliceVector).size();
+  for (const DcmTagKey& tag : {DCM_RRIntervalVector, DCM_TimeSlotVector, DCM_SliceVector}) {
+    auto entries = words_of(d, tag);
+    entries.insert(entries.end(), entries.begin(), entries.begin() + static_cast<std::ptrdiff_t>(frames));
+    put(d, tag, entries);
+  }
+  auto pixels = words_of(d, DCM_PixelData);
+  const std::size_t count = pixels.size();
+  for (std::size_t n = 0; n < count; ++n) pixels.push_back(static_cast<Uint16>(is_dim ? pixels[n] / 4 : 2 * pixels[n]));
+  put(d, DCM_PixelData, pixels);
+  std::vector<Uint16> window(frames, 1);
+  window.resize(2 * frames, 2);
+  put(d, DCM_EnergyWindowVector, window);
+  put(d, DCM_NumberOfFrames, std::to_string(2 * frames));
+}
+
+void put_range(DcmDataset& d, int window, const char* lower, const char* upper) {
+  DcmItem& item = item_of(d, DCM_EnergyWindowInformationSequence, window);
+  DcmItem& range = item_of(item, DCM_EnergyWindowRangeSequence);
+  put(range, DCM_EnergyWindowLowerLimit, lower);
+  put(range, DCM_EnergyWindowUpperLimit, upper);
+}
+
+TEST_F(DicomFile, ReadsThePhotopeakOfSeveralEnergyWindows) {
+  // The scatter window has more counts, and the file says which is which.
+  const Study peak = read_study(changed([](DcmDataset& d) {
+    add_energy_window(d, false);
+    put_range(d, 0, "126.5", "154.5");
+    put_range(d, 1, "92", "125");
+  }));
+  test::expect_l_shape(peak, truth, decimal_tolerance_mm);
+  EXPECT_EQ(peak.time_ms, truth.time_ms);
+  ASSERT_EQ(peak.notes.size(), 1u);
+  EXPECT_EQ(peak.notes[0].code, "dicom.energy_windows");
+  EXPECT_THAT(peak.notes[0].message, HasSubstr("number 1 is read, that of the photopeak (126.5 to 154.5 keV)"));
+  // It does not say.
+  const Study bright = read_study(changed([](DcmDataset& d) { add_energy_window(d, true); }));
+  test::expect_l_shape(bright, truth, decimal_tolerance_mm);
+  EXPECT_THAT(bright.notes.at(0).message, HasSubstr("number 1 is read, with the most counts"));
+  // Thallium is seen at 71 keV, here in the second window, without counts of slices and gates.
+  const Study thallium = read_study(changed([](DcmDataset& d) {
+    add_energy_window(d, false);
+    put_range(d, 0, "150", "185");
+    put_range(d, 1, "61", "82");
+    DcmItem& nuclide = item_of(item_of(d, DCM_RadiopharmaceuticalInformationSequence), DCM_RadionuclideCodeSequence);
+    put(nuclide, DCM_CodeValue, "C-138A9");
+    put(nuclide, DCM_CodingSchemeDesignator, "SRT");
+    put(nuclide, DCM_CodeMeaning, "201^Thallium");
+    for (const DcmTagKey& tag : {DCM_NumberOfTimeSlots, DCM_NumberOfSlices}) drop(d, tag);
+  }));
+  ASSERT_EQ(thallium.gates.size(), 4u);
+  EXPECT_EQ(thallium.gates[1].values[40], 2 * truth.gates[1].values[40]);
+  EXPECT_THAT(thallium.notes.at(0).message, HasSubstr("number 2 is read"));
+}
+
 TEST_F(DicomFile, ReadsSignedValuesFewBitsAndRescaling) {
   const std::size_t pixels = truth.grid().size() * 4;
   const auto first_of = [&](const std::function<void(DcmDataset&)>& change) {

@@ -223,8 +223,54 @@ TEST_F(NrrdFile, IsRefusedWithTheReason) {
   EXPECT_THAT(changed("encoding: raw\n", "encoding: raw\nencoding: raw\n"), HasSubstr("twice"));
   EXPECT_THAT(changed("encoding: raw\n", "encoding: raw\nkinds: vector domain domain\n"), HasSubstr("kinds"));
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_THAT(refusal(with(one_row, "short", "float") + "\n" + raw<float>({1, 2, nan})),
-              HasSubstr("voxel (2,0,0) of gate 1 is not a finite number"));
+  EXPECT_THAT(refusal(with(one_row, "short", "float") + "\n" + raw<float>({1, nan, nan})),
+              HasSubstr("voxel (1,0,0) of gate 1 is not a finite number; expected counts (2 of 3 voxels are not)"));
+}
+
+/// A file as Slicer writes it: 4 x 1 x 1 voxels, the layers of a voxel side by side.
+std::string segmentation(const std::string& layers, const std::string& keys, const std::vector<unsigned char>& voxels) {
+  const bool several = !layers.empty();
+  return std::string("NRRD0004\n# Complete NRRD file format specification at:\ntype: unsigned char\n") +
+         "dimension: " + (several ? "4" : "3") + "\nspace: left-posterior-superior\nsizes: " + layers +
+         " 4 1 1\nspace directions: " + (several ? "none " : "") + "(2,0,0) (0,2,0) (0,0,2)\n" +
+         "kinds: " + (several ? "list " : "") + "domain domain domain\nencoding: raw\nspace origin: (1,2,3)\n" + keys +
+         "Segmentation_ContainedRepresentationNames:=Binary labelmap|\n"
+         "Segmentation_MasterRepresentation:=Binary labelmap\n\n" +
+         raw(voxels);
+}
+
+std::string segment(int number, const std::string& layer, const std::string& value) {
+  const std::string name = "Segment" + std::to_string(number);
+  return name + "_Color:=0.5 0.7 0.1\n" + name + "_Extent:=0 3 0 0 0 0\n" + name + "_ID:=Segment_1\n" +
+         (value.empty() ? "" : name + "_LabelValue:=" + value + "\n") +
+         (layer.empty() ? "" : name + "_Layer:=" + layer + "\n") + name + "_Name:=Meier Hans\n" + name +
+         "_Tags:=TerminologyEntry:Segmentation category and type - 3D Slicer General Anatomy list~SCT^123~|\n";
+}
+
+TEST_F(NrrdFile, OfSlicersSegmentationsIsALabelMap) {
+  using Values = std::vector<float>;
+  const Study one = read(segmentation("", segment(0, "0", "1") + segment(1, "0", "7"), {0, 1, 7, 1}));
+  EXPECT_EQ(one.gates.at(0).values, (Values{0, 1, 7, 1}));
+  ASSERT_EQ(one.notes.size(), 1u);
+  EXPECT_EQ(one.notes[0].code, "nrrd.segmentation");
+  EXPECT_THAT(one.notes[0].message, HasSubstr("a segmentation of 2 segments, a label map"));
+  EXPECT_EQ(one.notes[0].message.find("Meier"), std::string::npos);
+
+  // Two layers, which are no gates of a beat; values of their own are kept, the later segment on top.
+  const Study own = read(segmentation("2", segment(0, "0", "3") + segment(1, "1", "5"), {3, 0, 3, 5, 0, 5, 0, 0}));
+  ASSERT_EQ(own.gates.size(), 1u);
+  EXPECT_EQ(own.gates[0].values, (Values{3, 5, 5, 0}));
+  EXPECT_EQ(own.notes.size(), 1u);
+  const Study same = read(segmentation("2", segment(0, "1", "1") + segment(1, "0", "1"), {1, 1, 0, 1, 1, 0, 0, 0}));
+  EXPECT_EQ(same.gates.at(0).values, (Values{2, 1, 2, 0}));
+  EXPECT_THAT(same.notes.at(0).message, HasSubstr("numbered from 1"));
+  // Before 2020: a layer each, without values.
+  const Study old = read(segmentation("2", segment(0, "", "") + segment(1, "", ""), {1, 0, 1, 1, 0, 1, 0, 0}));
+  EXPECT_EQ(old.gates.at(0).values, (Values{1, 2, 2, 0}));
+
+  EXPECT_THAT(refusal(segmentation("", segment(0, "1", "1"), {0, 1, 7, 1})),
+              HasSubstr("NRRD key Segment0_Layer is \"1\"; expected 0 to 0"));
+  EXPECT_THAT(refusal(segmentation("", segment(0, "0", "one"), {0, 1, 7, 1})), HasSubstr("Segment0_LabelValue"));
 }
 
 TEST_F(NrrdFile, SurvivesFlippedBits) {

@@ -32,6 +32,7 @@ struct Study {
   std::string format;           // "DICOM", "NIfTI", "NRRD", or "synthetic"
   std::string modality;         // DICOM's word: NM, PT, MR, CT; empty when the format has none
   std::string image_type;       // value 3 of DICOM's ImageType, for example RECON GATED TOMO; else empty
+  std::string series;           // the number of the image series, where the user chose one of several; else empty
   View view = View::unknown;
   SliceOrder slice_order = SliceOrder::unknown;
   Notes notes;

@@ -30,6 +30,7 @@ std::vector<std::uint32_t> wanted_tags() {
                                DCM_SOPInstanceUID,
                                DCM_StudyInstanceUID,
                                DCM_SeriesInstanceUID,
+                               DCM_SeriesNumber,
                                DCM_SeriesType,
                                DCM_Rows,
                                DCM_Columns,
@@ -70,7 +71,9 @@ std::vector<std::uint32_t> wanted_tags() {
                                DCM_RadiopharmaceuticalInformationSequence,
                                DCM_CorrectedImage,
                                DCM_AcquisitionNumber,
-                               DCM_ImagesInAcquisition})
+                               DCM_ImagesInAcquisition,
+                               DCM_EnergyWindowVector,
+                               DCM_EnergyWindowInformationSequence})
     tags.push_back(number_of(tag));
   return tags;
 }
@@ -302,6 +305,32 @@ void read_gating(DicomImage& image, const Attributes& root) {
   }
 }
 
+std::string isotope_in(const Attributes& root) {
+  const auto tracer = root.first_item(DCM_RadiopharmaceuticalInformationSequence);
+  const auto nuclide = tracer ? tracer->first_item(DCM_RadionuclideCodeSequence) : std::nullopt;
+  return nuclide ? isotope_of(nuclide->text(DCM_CodeValue), nuclide->text(DCM_CodeMeaning)) : "";
+}
+
+/// Energy windows only inform: what cannot be understood, or fits no frame, is as good as absent.
+void read_energy_windows(DicomImage& image, const Attributes& root) {
+  image.isotope = isotope_in(root);
+  for (const Attributes& window : root.items(DCM_EnergyWindowInformationSequence)) {
+    auto& ranges = image.windows.emplace_back();
+    for (const Attributes& range : window.items(DCM_EnergyWindowRangeSequence)) {
+      const auto lower = range.soft_number(DCM_EnergyWindowLowerLimit);
+      const auto upper = range.soft_number(DCM_EnergyWindowUpperLimit);
+      if (lower && upper) ranges.push_back({*lower, *upper});
+    }
+  }
+  try {
+    image.window_of_frame = root.wholes(DCM_EnergyWindowVector);
+  } catch (const InputError&) {
+    return;
+  }
+  if (image.window_of_frame && image.window_of_frame->size() != static_cast<std::size_t>(image.frames))
+    image.window_of_frame.reset();
+}
+
 void read_view(DicomImage& image, const Attributes& root) {
   const Attributes detector = root.first_item(DCM_DetectorInformationSequence).value_or(root);
   for (const Attributes& holder : {detector, root})
@@ -348,12 +377,15 @@ DicomImage read_dicom_header(const std::filesystem::path& path) {
   image.sop_instance = root.text(DCM_SOPInstanceUID);
   image.study = root.text(DCM_StudyInstanceUID);
   image.series = root.text(DCM_SeriesInstanceUID);
+  image.series_description = root.text(DCM_SeriesDescription);
+  image.series_number = root.soft_whole(DCM_SeriesNumber);
   const auto series_type = root.texts(DCM_SeriesType);
   if (!series_type.empty()) image.series_type = series_type.front();
   image.is_reprojection = series_type.size() > 1 && series_type[1] == "REPROJECTION";
   read_pixel_format(image, root);
   read_geometry(image, root);
   read_gating(image, root);
+  read_energy_windows(image, root);
   read_view(image, root);
   return image;
 }
@@ -363,12 +395,7 @@ std::vector<std::pair<std::string, std::string>> acquisition_facts_of(const std:
   const Attributes root(*file.dataset, path.string());
   std::vector<std::pair<std::string, std::string>> rows;
   if (const auto tracer = root.first_item(DCM_RadiopharmaceuticalInformationSequence)) {
-    std::string isotope, code;
-    if (const auto nuclide = tracer->first_item(DCM_RadionuclideCodeSequence)) {
-      isotope = nuclide->text(DCM_CodeMeaning);
-      code = nuclide->text(DCM_CodeValue);
-    }
-    if (const std::string word = isotope_of(code, isotope); !word.empty()) rows.emplace_back("isotope", word);
+    if (const std::string word = isotope_in(root); !word.empty()) rows.emplace_back("isotope", word);
     if (const std::string word = tracer_of(tracer->text(DCM_Radiopharmaceutical)); !word.empty())
       rows.emplace_back("tracer", word);
   }

@@ -5,10 +5,14 @@
 #include <tuple>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/detail/dicom_choice.hpp"
 #include "dynasurf/io/detail/dicom_file.hpp"
 #include "dynasurf/io/detail/dicom_stack.hpp"
+#include "dynasurf/io/detail/digest.hpp"
 #include "dynasurf/io/detail/formats.hpp"
 #include "dynasurf/io/detail/samples.hpp"
+#include "dynasurf/io/detail/study_mend.hpp"
+#include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf {
 namespace {
@@ -19,6 +23,7 @@ namespace fs = std::filesystem;
 struct Plan {
   std::vector<DicomImage> images;
   DicomStack stack;
+  std::string series;  // what --series calls it, when the user chose
 };
 
 // Files below a folder that are looked at: a study of one file per slice and gate has some hundred.
@@ -39,22 +44,97 @@ std::vector<fs::path> files_below(const fs::path& folder) {
   return files;
 }
 
-/// Files that belong to one stack of single frames.
-using SliceGroup = std::tuple<std::string, int, int, std::array<long, 6>>;
+/// What the pixels of an image are after rescaling, whatever they are packed in.
+Sha256 digest_of_pixels(const DicomImage& image) {
+  Hasher hasher;
+  read_dicom_frames(image, [&](int, std::span<const float> values) { hasher.add(values.data(), values.size_bytes()); });
+  return hasher.finish();
+}
 
-SliceGroup group_of(const DicomImage& image) {
+/// Whether two files of one SOP instance hold one image: writers that give every file the same UID exist.
+bool is_copy(const DicomImage& a, const DicomImage& b) {
+  const auto header = [](const DicomImage& d) {
+    return std::tie(d.image_type, d.view, d.study, d.series, d.rows, d.columns, d.frames, d.slice_location,
+                    d.trigger_time, d.temporal_position, d.cycle_percentage, d.instance_number, d.gate_of_frame,
+                    d.slice_of_frame);
+  };
+  return header(a) == header(b) && a.position == b.position && a.orientation == b.orientation &&
+         digest_of_pixels(a) == digest_of_pixels(b);
+}
+
+/// Leaves the first file of every image. Files of one UID that hold different images stay, to be refused by name.
+std::size_t drop_copies(std::vector<DicomImage>& images) {
+  std::map<std::string, std::size_t> first_of;
+  std::vector<DicomImage> kept;
+  for (DicomImage& image : images) {
+    const std::string name =
+        image.sop_instance.empty() ? "bytes " + sha256_of_file(image.path) : "instance " + image.sop_instance;
+    const auto [at, is_new] = first_of.emplace(name, kept.size());
+    if (is_new || !is_copy(kept[at->second], image)) kept.push_back(std::move(image));
+  }
+  const std::size_t dropped = images.size() - kept.size();
+  images = std::move(kept);
+  return dropped;
+}
+
+/// Directions of columns and rows, rounded so that they can be compared.
+std::array<long, 6> direction_of(const DicomImage& image) {
   std::array<long, 6> direction{};
   if (image.orientation)
     for (std::size_t n = 0; n < 3; ++n) {
       direction[n] = std::lround(1000 * image.orientation->first[static_cast<Eigen::Index>(n)]);
       direction[n + 3] = std::lround(1000 * image.orientation->second[static_cast<Eigen::Index>(n)]);
     }
-  return {image.series, image.rows, image.columns, direction};
+  return direction;
+}
+
+/// Files that belong to one stack of single frames: those of one key.
+using SliceGroup = std::tuple<std::string, int, int, std::array<long, 6>>;
+using SliceGroups = std::map<SliceGroup, std::vector<std::size_t>>;
+
+SliceGroup group_of(const DicomImage& image) { return {image.series, image.rows, image.columns, direction_of(image)}; }
+
+/// Height along the normal of a group of one place and two or more times; nothing for other groups.
+std::optional<double> height_of_cine(const std::vector<DicomImage>& images, const std::vector<std::size_t>& files) {
+  const DicomImage& first = images[files.front()];
+  if (files.size() < 2 || !first.orientation) return std::nullopt;
+  const Vec3 normal = first.orientation->first.cross(first.orientation->second);
+  for (const std::size_t f : files)
+    if (!images[f].position || (*images[f].position - *first.position).norm() > same_place_mm) return std::nullopt;
+  return normal.dot(*first.position);
+}
+
+/// Cine MR is often stored as a series per slice. Such series of one study, direction, size and number of times whose
+/// places differ become one group. Returns of how many series each grown group is made.
+std::map<SliceGroup, std::size_t> join_cine_slices(const std::vector<DicomImage>& images, SliceGroups& groups) {
+  using Kind = std::tuple<std::string, int, int, std::array<long, 6>, std::pair<double, double>, std::size_t>;
+  std::map<Kind, std::map<long, std::vector<SliceGroups::iterator>>> places;  // kind -> rounded height -> groups
+  for (auto it = groups.begin(); it != groups.end(); ++it)
+    if (const auto height = height_of_cine(images, it->second)) {
+      const DicomImage& d = images[it->second.front()];
+      places[{d.study, d.rows, d.columns, direction_of(d), d.pixel_spacing.value_or(std::pair(0.0, 0.0)),
+              it->second.size()}][std::lround(*height / same_place_mm)]
+          .push_back(it);
+    }
+  std::map<SliceGroup, std::size_t> joined;
+  for (auto& [kind, stack] : places) {
+    const bool is_one_each =
+        std::all_of(stack.begin(), stack.end(), [](const auto& p) { return p.second.size() == 1; });
+    if (stack.size() < 2 || !is_one_each) continue;
+    const auto into = stack.begin()->second.front();
+    for (auto next = std::next(stack.begin()); next != stack.end(); ++next) {
+      const auto from = next->second.front();
+      into->second.insert(into->second.end(), from->second.begin(), from->second.end());
+      groups.erase(from);
+    }
+    joined[into->first] = stack.size();
+  }
+  return joined;
 }
 
 std::vector<DicomStack> stacks_of(const std::vector<DicomImage>& images) {
   std::vector<DicomStack> stacks;
-  std::map<SliceGroup, std::vector<std::size_t>> singles;
+  SliceGroups singles;
   for (std::size_t n = 0; n < images.size(); ++n) {
     // A file of nuclear medicine is a stack by itself, even of one slice, unless its slices come in files of one.
     if (images[n].frames > 1)
@@ -62,32 +142,23 @@ std::vector<DicomStack> stacks_of(const std::vector<DicomImage>& images) {
     else
       singles[group_of(images[n])].push_back(n);
   }
-  for (const auto& [group, files] : singles) stacks.push_back(stack_of_slices(images, files));
+  const auto joined = join_cine_slices(images, singles);
+  for (const auto& [group, files] : singles) {
+    stacks.push_back(stack_of_slices(images, files));
+    if (const auto at = joined.find(group); at != joined.end())
+      stacks.back().notes.push_back({Severity::info, "dicom.joined_series",
+                                     std::to_string(at->second) + " series of one slice each were joined to a stack"});
+  }
   return stacks;
 }
 
-/// The one stack that a folder is meant to hold.
-DicomStack chosen_of(const std::vector<DicomImage>& images, std::vector<DicomStack> stacks, const fs::path& folder) {
-  if (stacks.size() == 1) return std::move(stacks.front());
-  if (auto whole = joined_gates(images, stacks)) return std::move(*whole);
-  const auto is_wanted = [&](const DicomStack& s) {
-    const View view = images[s.first_file()].view;
-    return s.gates > 1 && (view == View::short_axis || view == View::unknown);
-  };
-  const auto wanted = std::count_if(stacks.begin(), stacks.end(), is_wanted);
-  if (wanted == 1) {
-    DicomStack stack = *std::find_if(stacks.begin(), stacks.end(), is_wanted);
-    stack.notes.push_back({Severity::warning, "dicom.several_stacks",
-                           "the folder holds " + std::to_string(stacks.size()) +
-                               " image stacks; the only gated one that is not a long axis or transaxial is read"});
-    return stack;
-  }
-  throw InputError(folder.string() + ": holds " + std::to_string(stacks.size()) + " different image stacks (" +
-                   std::to_string(wanted) +
-                   " of them gated and perhaps short-axis); give the file or folder of one study");
+void choose(Plan& plan, std::vector<DicomStack> stacks, const std::string& series, const fs::path& where) {
+  DicomChoice choice = chosen_stack(plan.images, std::move(stacks), series, where.string());
+  plan.stack = std::move(choice.stack);
+  plan.series = std::move(choice.series);
 }
 
-Plan plan_of_folder(const fs::path& folder) {
+Plan plan_of_folder(const fs::path& folder, const std::string& series) {
   Plan plan;
   std::size_t others = 0, unusable = 0;
   std::string first_reason;
@@ -116,7 +187,11 @@ Plan plan_of_folder(const fs::path& folder) {
   if (plan.images.empty() && !first_reason.empty()) throw InputError(first_reason);
   if (plan.images.empty())
     throw InputError(folder.string() + ": holds no DICOM image; expected the files of one heart study");
-  plan.stack = chosen_of(plan.images, stacks_of(plan.images), folder);
+  const std::size_t copies = drop_copies(plan.images);
+  choose(plan, with_joined_gates(plan.images, stacks_of(plan.images)), series, folder);
+  if (copies > 0)
+    plan.stack.notes.push_back({Severity::info, "dicom.copies",
+                                std::to_string(copies) + " files of the folder are copies of others and left out"});
   if (others + unusable > 0)
     plan.stack.notes.push_back({Severity::info, "dicom.skipped_files",
                                 std::to_string(others + unusable) + " files of the folder are not part of the study (" +
@@ -125,16 +200,16 @@ Plan plan_of_folder(const fs::path& folder) {
   return plan;
 }
 
-Plan plan_of(const fs::path& path) {
+Plan plan_of(const fs::path& path, const std::string& series) {
   std::error_code error;
-  if (fs::is_directory(path, error)) return plan_of_folder(path);
+  if (fs::is_directory(path, error)) return plan_of_folder(path, series);
   Plan plan;
   plan.images.push_back(read_dicom_header(path));
   const DicomImage& image = plan.images.front();
   if (const std::string reason = reason_to_refuse(image); !reason.empty())
     throw InputError(path.string() + ": " + reason);
   const std::size_t only[] = {0};
-  plan.stack = image.modality == "NM" ? stack_of_frames(image, 0) : stack_of_slices(plan.images, only);
+  choose(plan, {image.modality == "NM" ? stack_of_frames(image, 0) : stack_of_slices(plan.images, only)}, series, path);
   return plan;
 }
 
@@ -146,7 +221,7 @@ void check_whole(const Plan& plan) {
                    std::to_string(plan.stack.declared_gates) + " only; give the folder with the files of all gates");
 }
 
-std::vector<Image> read_pixels(const Plan& plan) {
+std::vector<Image> read_pixels(const Plan& plan, Notes& notes) {
   const DicomStack& stack = plan.stack;
   require_memory_of_study(stack.grid, stack.gates, plan.images[stack.first_file()].where());
   const auto slices = static_cast<std::size_t>(stack.grid.dims[2]);
@@ -165,8 +240,7 @@ std::vector<Image> read_pixels(const Plan& plan) {
       std::copy(values.begin(), values.end(),
                 gate.values.begin() + static_cast<std::ptrdiff_t>(it->second % slices * pixels));
     });
-  for (std::size_t g = 0; g < gates.size(); ++g)
-    check_finite(gates[g], static_cast<int>(g), plan.images[stack.first_file()].where());
+  fill_outside_field(gates, plan.images[stack.first_file()].where(), notes);
   return gates;
 }
 
@@ -180,12 +254,12 @@ std::string image_type_of(const DicomImage& image) {
 
 }  // namespace
 
-Study read_dicom(const std::filesystem::path& path) {
-  Plan plan = plan_of(path);
+Study read_dicom(const std::filesystem::path& path, const std::string& series) {
+  Plan plan = plan_of(path, series);
   check_whole(plan);
   const DicomImage& first = plan.images[plan.stack.first_file()];
   Study study;
-  study.gates = read_pixels(plan);
+  study.gates = read_pixels(plan, plan.stack.notes);
   study.format = "DICOM";
   study.modality = first.modality;
   study.image_type = image_type_of(first);
@@ -193,6 +267,7 @@ Study read_dicom(const std::filesystem::path& path) {
   study.cycle_ms = plan.stack.cycle_ms;
   study.view = first.view;
   study.slice_order = first.slice_order;
+  study.series = plan.series;
   study.notes = plan.stack.notes;
   if (first.view_from_words)
     study.notes.push_back({Severity::info, "dicom.view_in_words",
@@ -201,8 +276,8 @@ Study read_dicom(const std::filesystem::path& path) {
   return study;
 }
 
-std::vector<std::filesystem::path> files_of_dicom(const std::filesystem::path& path) {
-  const Plan plan = plan_of(path);
+std::vector<std::filesystem::path> files_of_dicom(const std::filesystem::path& path, const std::string& series) {
+  const Plan plan = plan_of(path, series);
   std::vector<fs::path> files;
   for (const DicomStack::Frame& frame : plan.stack.frames) files.push_back(plan.images[frame.file].path);
   std::sort(files.begin(), files.end());
@@ -210,8 +285,9 @@ std::vector<std::filesystem::path> files_of_dicom(const std::filesystem::path& p
   return files;
 }
 
-std::vector<std::pair<std::string, std::string>> dicom_facts(const std::filesystem::path& path) {
-  return acquisition_facts_of(files_of_dicom(path).front());
+std::vector<std::pair<std::string, std::string>> dicom_facts(const std::filesystem::path& path,
+                                                             const std::string& series) {
+  return acquisition_facts_of(files_of_dicom(path, series).front());
 }
 
 }  // namespace dynasurf

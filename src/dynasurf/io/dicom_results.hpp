@@ -31,7 +31,7 @@ struct DicomSubject {
 
 /// The subject of a DICOM study, of the first file for all but `sources`. Throws InputError for files that are no
 /// DICOM.
-DicomSubject read_dicom_subject(const std::filesystem::path& study);
+DicomSubject read_dicom_subject(const std::filesystem::path& study, const std::string& series = {});
 
 /// For studies of formats that name no patient: an id and a study of their own, from the hash of what was read, so that
 /// different studies never become one patient; dated `date` (YYYYMMDD) and `time` (HHMMSS).

@@ -1,7 +1,9 @@
 #include "dynasurf/io/detail/dicom_stack.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <map>
 #include <numeric>
@@ -9,6 +11,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/dicom_whole.hpp"
+#include "dynasurf/io/detail/dicom_words.hpp"
 #include "dynasurf/io/detail/samples.hpp"
 
 namespace dynasurf {
@@ -74,6 +77,79 @@ void check_entries(const std::vector<int>& entries, const DicomImage& image, int
 
 int largest(const std::vector<int>& entries) {
   return entries.empty() ? 0 : *std::max_element(entries.begin(), entries.end());
+}
+
+/// The vectors that say what each frame is, counted from 1.
+struct FrameVectors {
+  std::optional<std::vector<int>> rr, gate, slice;
+};
+
+/// A vector of the file. Some writers count from 0: told by an entry of 0, where one more for each still fits what is
+/// declared.
+std::optional<std::vector<int>> counted_from_one(std::optional<std::vector<int>> entries,
+                                                 const std::optional<int>& declared, const char* name, Notes& notes) {
+  if (!entries || entries->empty() || *std::min_element(entries->begin(), entries->end()) != 0) return entries;
+  if (declared && largest(*entries) >= *declared) return entries;
+  for (int& entry : *entries) ++entry;
+  note(notes, Severity::info, "dicom.counts_from_zero",
+       std::string(name) + " counts from 0; expected from 1: each entry is taken as one more");
+  return entries;
+}
+
+FrameVectors vectors_of(const DicomImage& image, Notes& notes) {
+  return {counted_from_one(image.rr_of_frame, image.rr_count, "RRIntervalVector", notes),
+          counted_from_one(image.gate_of_frame, image.gate_count, "TimeSlotVector", notes),
+          counted_from_one(image.slice_of_frame, image.slice_count, "SliceVector", notes)};
+}
+
+std::string words_of(const EnergyRange& range) {
+  std::array<char, 60> text{};
+  std::snprintf(text.data(), text.size(), "%.4g to %.4g keV", range.lower, range.upper);
+  return text.data();
+}
+
+/// Of several energy windows the one that holds the nuclide's peak; where none or more than one is told to hold it, of
+/// these the one with most counts. `windows` are the numbers the frames bear.
+int photopeak_window(const DicomImage& image, const std::set<int>& windows, Notes& notes) {
+  const double peak = photopeak_kev(image.isotope);
+  const int first = *windows.begin() == 0 ? 0 : 1;  // some writers count from 0
+  const auto ranges_of = [&](int window) -> std::span<const EnergyRange> {
+    const auto at = static_cast<std::size_t>(window - first);
+    return window >= first && at < image.windows.size() ? image.windows[at] : std::span<const EnergyRange>();
+  };
+  std::set<int> holding;
+  for (const int w : windows)
+    for (const EnergyRange& range : ranges_of(w))
+      if (range.lower <= peak && peak <= range.upper) holding.insert(w);
+  std::string why = "that of the photopeak";
+  int best = holding.empty() ? 0 : *holding.begin();
+  if (holding.size() != 1) {
+    std::map<int, double> counts;
+    for (const int w : holding.empty() ? windows : holding) counts[w] = 0;
+    read_dicom_frames(image, [&](int frame, std::span<const float> values) {
+      const auto at = counts.find((*image.window_of_frame)[static_cast<std::size_t>(frame)]);
+      if (at != counts.end()) at->second = std::accumulate(values.begin(), values.end(), at->second);
+    });
+    best = std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
+             return a.second < b.second;
+           })->first;
+    why = "with the most counts";
+  }
+  const auto ranges = ranges_of(best);
+  note(notes, Severity::info, "dicom.energy_windows",
+       "the study has " + std::to_string(windows.size()) + " energy windows; only number " + std::to_string(best) +
+           " is read, " + why + (ranges.empty() ? "" : " (" + words_of(ranges.front()) + ")"));
+  return best;
+}
+
+/// The energy window to read of each frame's; nothing where all frames have one.
+std::optional<int> chosen_window(const DicomImage& image, Notes& notes, int& count) {
+  count = 1;
+  if (!image.window_of_frame) return std::nullopt;
+  const std::set<int> windows(image.window_of_frame->begin(), image.window_of_frame->end());
+  if (windows.size() < 2) return std::nullopt;
+  count = static_cast<int>(windows.size());
+  return photopeak_window(image, windows, notes);
 }
 
 /// Of several intervals between R waves, the one with most accepted beats, counted from 1.
@@ -142,11 +218,6 @@ const std::vector<Key>& gate_keys() {
   return keys;
 }
 
-bool same_grid(const Grid& a, const Grid& b) {
-  return a.dims == b.dims && (a.spacing - b.spacing).norm() < 1e-3 && (a.origin - b.origin).norm() < same_place_mm &&
-         (a.direction - b.direction).norm() < 1e-3;
-}
-
 /// Times from trigger times in ms or from percentages of the cycle.
 void set_times_from(DicomStack& stack, const std::string& key, const std::vector<double>& values,
                     const DicomImage& image) {
@@ -169,6 +240,11 @@ void set_times_from(DicomStack& stack, const std::string& key, const std::vector
 }
 
 }  // namespace
+
+bool is_same_grid(const Grid& a, const Grid& b) {
+  return a.dims == b.dims && (a.spacing - b.spacing).norm() < 1e-3 && (a.origin - b.origin).norm() < same_place_mm &&
+         (a.direction - b.direction).norm() < 1e-3;
+}
 
 std::string reason_to_refuse(const DicomImage& image) {
   const std::string& kind = image.kind();
@@ -205,25 +281,28 @@ DicomStack stack_of_frames(const DicomImage& image, std::size_t file) {
   const int frames = image.frames;
   std::vector<int> gate(static_cast<std::size_t>(frames), 1), slice = gate, rr = gate;
 
-  const int rr_count = image.rr_count.value_or(image.rr_of_frame ? largest(*image.rr_of_frame) : 1);
-  if (image.rr_of_frame)
-    check_entries(rr = *image.rr_of_frame, image, rr_count, "RRIntervalVector");
+  const FrameVectors vectors = vectors_of(image, stack.notes);
+  const int rr_count = image.rr_count.value_or(vectors.rr ? largest(*vectors.rr) : 1);
+  if (vectors.rr)
+    check_entries(rr = *vectors.rr, image, rr_count, "RRIntervalVector");
   else if (rr_count != 1)
     throw InputError(image.where() + ": has " + std::to_string(rr_count) + " R-R intervals but no RRIntervalVector");
 
-  const bool gated = image.kind() == "RECON GATED TOMO" || image.gate_of_frame;
-  int gates = gated ? image.gate_count.value_or(image.gate_of_frame ? largest(*image.gate_of_frame) : 0) : 1;
-  int slices = image.slice_count.value_or(image.slice_of_frame ? largest(*image.slice_of_frame) : 0);
-  const int per_rr = frames / std::max(rr_count, 1);
+  const bool gated = image.kind() == "RECON GATED TOMO" || vectors.gate;
+  int gates = gated ? image.gate_count.value_or(vectors.gate ? largest(*vectors.gate) : 0) : 1;
+  int slices = image.slice_count.value_or(vectors.slice ? largest(*vectors.slice) : 0);
+  int windows = 1;
+  const auto window_kept = chosen_window(image, stack.notes, windows);
+  const int per_rr = frames / std::max(rr_count, 1) / windows;
   if (slices == 0) slices = gates > 0 ? per_rr / gates : 0;
   if (gates == 0) gates = slices > 0 ? per_rr / slices : 0;
   if (slices < 1 || gates < 1)
     throw InputError(image.where() + ": says neither how many gates nor how many slices its " + std::to_string(frames) +
                      " frames are");
 
-  if (!image.slice_of_frame || (gated && !image.gate_of_frame)) {
+  if (!vectors.slice || (gated && !vectors.gate)) {
     // Without a vector the frames count slices first, then gates.
-    if (static_cast<long long>(gates) * slices != frames || rr_count != 1)
+    if (static_cast<long long>(gates) * slices != frames || rr_count != 1 || window_kept)
       throw InputError(image.where() + ": has no SliceVector or TimeSlotVector, and " + std::to_string(frames) +
                        " frames are not " + std::to_string(gates) + " gates of " + std::to_string(slices) + " slices");
     note(stack.notes, Severity::info, "dicom.no_frame_vectors",
@@ -233,13 +312,14 @@ DicomStack stack_of_frames(const DicomImage& image, std::size_t file) {
       slice[static_cast<std::size_t>(f)] = f % slices + 1;
     }
   }
-  if (image.slice_of_frame) check_entries(slice = *image.slice_of_frame, image, slices, "SliceVector");
-  if (image.gate_of_frame)
-    check_entries(gate = *image.gate_of_frame, image, std::max(gates, largest(*image.gate_of_frame)), "TimeSlotVector");
+  if (vectors.slice) check_entries(slice = *vectors.slice, image, slices, "SliceVector");
+  if (vectors.gate)
+    check_entries(gate = *vectors.gate, image, std::max(gates, largest(*vectors.gate)), "TimeSlotVector");
 
   // A file that holds one gate of several numbers its frames by that gate.
-  if (image.gate_of_frame && std::set<int>(gate.begin(), gate.end()).size() == 1 && (gate[0] > 1 || gates > 1)) {
-    stack.only_gate = gate[0];
+  const bool is_one_gate = vectors.gate && std::set<int>(gate.begin(), gate.end()).size() == 1;
+  if (is_one_gate && (image.gate_of_frame->front() != 1 || gates > 1)) {
+    stack.only_gate = image.gate_of_frame->front();
     stack.declared_gates = std::max(gates, gate[0]);
     gates = 1;
     std::fill(gate.begin(), gate.end(), 1);
@@ -258,7 +338,7 @@ DicomStack stack_of_frames(const DicomImage& image, std::size_t file) {
   std::vector<int> frame_at(places, -1);
   for (int f = 0; f < frames; ++f) {
     const auto n = static_cast<std::size_t>(f);
-    if (rr[n] != rr_kept) continue;
+    if (rr[n] != rr_kept || (window_kept && (*image.window_of_frame)[n] != *window_kept)) continue;
     int& at = frame_at[static_cast<std::size_t>(gate[n] - 1) * static_cast<std::size_t>(slices) +
                        static_cast<std::size_t>(slice[n] - 1)];
     if (at >= 0)
@@ -387,7 +467,7 @@ DicomStack stack_of_slices(const std::vector<DicomImage>& images, std::span<cons
 std::optional<DicomStack> joined_gates(const std::vector<DicomImage>& images, std::span<const DicomStack> stacks) {
   const auto image = [&](const DicomStack& s) -> const DicomImage& { return images[s.first_file()]; };
   for (const DicomStack& s : stacks)
-    if (s.gates != 1 || !same_grid(s.grid, stacks.front().grid) || image(s).study != image(stacks.front()).study ||
+    if (s.gates != 1 || !is_same_grid(s.grid, stacks.front().grid) || image(s).study != image(stacks.front()).study ||
         image(s).kind() != image(stacks.front()).kind())
       return std::nullopt;
 

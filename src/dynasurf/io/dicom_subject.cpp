@@ -33,7 +33,7 @@ std::string text_in(DcmItem& item, const DcmTagKey& tag) {
 
 }  // namespace
 
-DicomSubject read_dicom_subject(const fs::path& study) {
+DicomSubject read_dicom_subject(const fs::path& study, const std::string& series) {
   std::vector<std::uint32_t> wanted;
   const auto want = [&](const DcmTagKey& tag) {
     wanted.push_back(std::uint32_t{tag.getGroup()} << 16 | tag.getElement());
@@ -42,7 +42,7 @@ DicomSubject read_dicom_subject(const fs::path& study) {
   for (const DcmTagKey& tag : {DCM_FrameOfReferenceUID, DCM_SOPClassUID, DCM_SOPInstanceUID, DCM_SeriesInstanceUID})
     want(tag);
   DicomSubject subject;
-  for (const fs::path& path : files_of_dicom(study)) {
+  for (const fs::path& path : files_of_dicom(study, series)) {
     const auto dataset = dicom::load_wanted(path, outline_of_dicom(path, wanted));
     DcmDataset& data = *dataset;
     if (subject.sources.empty()) {

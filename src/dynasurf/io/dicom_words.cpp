@@ -63,6 +63,21 @@ View view_in_words(const std::string& description) {
   return kinds == 1 ? found : View::unknown;
 }
 
+std::string circumstances_in_words(const std::string& description) {
+  const std::string words = spaced_words(description);
+  std::string found;
+  const auto look_for = [&](const char* word, std::initializer_list<const char*> marks) {
+    if (holds_any(words, marks)) found += (found.empty() ? "" : ", ") + std::string(word);
+  };
+  look_for("rest", {" REST ", " RST ", " RESTING "});
+  look_for("stress", {" STRESS ", " STR ", " STRESSED "});
+  look_for("prone", {" PRONE "});
+  look_for("supine", {" SUPINE "});
+  look_for("attenuation corrected", {" AC ", " IRAC ", " ATTN "});
+  look_for("not attenuation corrected", {" NC ", " NAC ", " IRNC ", " NOAC "});
+  return found;
+}
+
 std::optional<int> gate_in_words(const std::string& description) {
   const std::string words = spaced_words(description);
   for (const char* mark : {" GATE ", " BIN ", " PHASE ", " FRAME ", " GATE", " BIN", " PHASE"}) {
@@ -96,6 +111,14 @@ std::string isotope_of(const std::string& code, const std::string& meaning) {
       return k.word;
   }
   return "";
+}
+
+double photopeak_kev(const std::string& isotope) {
+  if (isotope.empty() || isotope == "Tc-99m") return 140.5;
+  if (isotope == "Tl-201") return 71;  // x-rays of the daughter, 69 to 80 keV; few photons have 167
+  if (isotope == "I-123") return 159;
+  if (isotope == "I-131") return 364.5;
+  return 511;  // the others decay by positrons
 }
 
 std::string tracer_of(const std::string& name) {

@@ -42,22 +42,36 @@ double sum_of(const Image& image) {
   return sum;
 }
 
+// What the reconstruction works on at least.
+constexpr int least_pixels = 8, least_slices = 3;
+
+bool is_flat(const Study& study) {
+  const float first = study.gates.front().values.front();
+  return std::all_of(study.gates.begin(), study.gates.end(), [&](const Image& gate) {
+    return std::all_of(gate.values.begin(), gate.values.end(), [&](float v) { return v == first; });
+  });
+}
+
 std::string what_follows(const Study& study) {
-  if (study.view != View::short_axis && study.view != View::unknown)
-    return "refuse: the slices are " + words_of(name_of(study.view)) + "; the ventricle needs short-axis slices";
-  const float most = *std::max_element(study.gates.front().values.begin(), study.gates.front().values.end());
-  const float least = *std::min_element(study.gates.front().values.begin(), study.gates.front().values.end());
-  if (!(most > least)) return "refuse: every voxel of the first gate has the same value";
-  const std::string assumed = study.view == View::unknown ? ", taking the slices as short-axis" : "";
+  const Index3& n = study.grid().dims;
+  if (n[0] < least_pixels || n[1] < least_pixels || n[2] < least_slices)
+    return "refuse: at least " + std::to_string(least_pixels) + " x " + std::to_string(least_pixels) + " pixels in " +
+           std::to_string(least_slices) + " slices are needed";
+  if (is_flat(study)) return "find nothing and end with the verdict fail: every voxel has the same value";
+  const bool is_square = study.view == View::short_axis || study.view == View::unknown;
+  const std::string how = study.view == View::unknown ? ", taking the slices as short-axis unless the wall leans"
+                          : is_square                 ? ""
+                                                      : ", cutting the " + words_of(name_of(study.view)) +
+                                            " slices anew across the ventricle; refuse if none is found";
   if (study.gates.size() == 1)
-    return "make both surfaces and their volumes" + assumed + "; no ejection fraction, because the study is not gated";
+    return "make both surfaces and their volumes; no ejection fraction, because the study is not gated" + how;
   return "make both surfaces of " + std::to_string(study.gates.size()) +
-         " gates, their volumes and the ejection fraction" + assumed;
+         " gates, their volumes and the ejection fraction" + how;
 }
 
 }  // namespace
 
-StudyFacts facts_of(const std::filesystem::path& path, const Study& study) {
+StudyFacts facts_of(const std::filesystem::path& path, const Study& study, const std::string& series) {
   if (study.gates.empty()) throw InputError(path.string() + ": the study has no volume");
   StudyFacts facts;
   const auto add = [&](const std::string& name, const std::string& value) { facts.rows.emplace_back(name, value); };
@@ -87,7 +101,7 @@ StudyFacts facts_of(const std::filesystem::path& path, const Study& study) {
     add("gates start at", times + " ms");
   }
   if (study.format == "DICOM")
-    for (const auto& row : dicom_facts(path)) facts.rows.push_back(row);
+    for (const auto& row : dicom_facts(path, series)) facts.rows.push_back(row);
 
   double total = 0;
   std::string per_gate;

@@ -260,12 +260,12 @@ Study read_nifti(const std::filesystem::path& path) {
   const auto start = static_cast<std::uint64_t>(std::max(offset, least));
   if (single) {
     source.skip(start - nifti::header_bytes, "header extension");
-    study.gates = read_samples(source, grid, extents.gates, layout, where);
+    study.gates = read_samples(source, grid, extents.gates, layout, where, study.notes);
   } else {
     const fs::path image = image_file_of(path);
     ByteSource voxels = open_source(image);
     voxels.skip(start, "bytes before the voxels");
-    study.gates = read_samples(voxels, grid, extents.gates, layout, image.string());
+    study.gates = read_samples(voxels, grid, extents.gates, layout, image.string(), study.notes);
   }
   set_times(study, header);
   set_view(study, header);

@@ -395,6 +395,62 @@ void set_own_keys(Study& study, const Header& header) {
     study.cycle_ms = ms;
 }
 
+/// The number of a key that Slicer writes for a segment; `otherwise` where it is absent.
+int number_of_segment(const Header& header, std::size_t segment, const char* name, int otherwise, int most) {
+  const std::string key = "Segment" + std::to_string(segment) + name;
+  const auto it = header.keys.find(key);
+  if (it == header.keys.end()) return otherwise;
+  int value = 0;
+  const auto [rest, error] = std::from_chars(it->second.data(), it->second.data() + it->second.size(), value);
+  if (error != std::errc{} || rest != it->second.data() + it->second.size() || value < 0 || value > most)
+    throw InputError(header.where + ": NRRD key " + key + " is \"" + it->second.substr(0, 40) + "\"; expected 0 to " +
+                     std::to_string(most));
+  return value;
+}
+
+/// A segmentation of Slicer's (.seg.nrrd) becomes one label map. Segments that overlap stand in layers, one volume
+/// each; where two have the same value they are numbered, and the later one covers the earlier.
+void read_segmentation(Study& study, const Header& header) {
+  const auto has_segment = [&](std::size_t n) { return header.keys.count("Segment" + std::to_string(n) + "_ID") > 0; };
+  if (!has_segment(0)) return;
+  const int layers = static_cast<int>(study.gates.size());
+  std::map<std::pair<int, float>, int> segments;  // layer and value -> number from 1
+  std::map<int, int> values;                      // value -> how many segments have it
+  int count = 0;
+  for (std::size_t n = 0; has_segment(n); ++n) {
+    // Files of before 2020 have a layer per segment and tell neither layer nor value.
+    const int usual = layers > 1 ? std::min(static_cast<int>(n), layers - 1) : 0;
+    const int layer = number_of_segment(header, n, "_Layer", usual, layers - 1);
+    const int value = number_of_segment(header, n, "_LabelValue", 1, 65535);
+    segments[{layer, static_cast<float>(value)}] = ++count;
+    ++values[value];
+  }
+  const bool keeps_values =
+      layers == 1 || std::all_of(values.begin(), values.end(), [](const auto& v) { return v.second == 1; });
+  if (layers > 1) {
+    std::vector<int> top(study.grid().size(), 0);  // the last segment of each voxel
+    for (int layer = 0; layer < layers; ++layer) {
+      Image& image = study.gates[static_cast<std::size_t>(layer)];
+      for (std::size_t v = 0; v < top.size(); ++v) {
+        if (image.values[v] == 0) continue;
+        const auto it = segments.find({layer, image.values[v]});
+        if (it == segments.end() || it->second < top[v]) continue;
+        top[v] = it->second;
+        study.gates[0].values[v] = keeps_values ? image.values[v] : static_cast<float>(it->second);
+      }
+    }
+    for (std::size_t v = 0; v < top.size(); ++v)
+      if (top[v] == 0) study.gates[0].values[v] = 0;
+    study.gates.resize(1);
+  }
+  study.notes.push_back(
+      {Severity::info, "nrrd.segmentation",
+       "the file is a segmentation of " + std::to_string(count) + (count == 1 ? " segment" : " segments") +
+           (layers > 1 ? " in " + std::to_string(layers) + " layers, read as one label map" : ", a label map") +
+           (keeps_values ? "" : " with the segments numbered from 1") +
+           ": a mask, or a study of which --label names the muscle"});
+}
+
 /// The data file, which has to be in the folder of the header, also when it is a link.
 fs::path data_file_beside(const fs::path& header, const std::string& name) {
   const fs::path file = header.parent_path() / name;
@@ -475,7 +531,8 @@ Study read_nrrd(const std::filesystem::path& path) {
   const std::uint64_t bytes =
       std::uint64_t{bytes_of(layout.type)} * grid.size() * static_cast<std::uint64_t>(axes.gates);
   ByteSource source(file, packing, data_offset(header, file, name ? 0 : header.end, bytes, packing));
-  study.gates = read_samples(source, grid, axes.gates, layout, file.string());
+  study.gates = read_samples(source, grid, axes.gates, layout, file.string(), study.notes);
+  read_segmentation(study, header);
   set_times(study, header, axes.list_axis);
   set_own_keys(study, header);
   return study;

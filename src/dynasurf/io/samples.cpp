@@ -8,6 +8,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/memory_limit.hpp"
+#include "dynasurf/io/detail/study_mend.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf {
@@ -102,18 +103,8 @@ void require_memory_of_study(const Grid& grid, int gates, const std::string& whe
                      std::to_string(grid.dims[2]) + " voxels x " + std::to_string(gates) + " gates");
 }
 
-void check_finite(const Image& image, int gate, const std::string& where) {
-  const auto bad = std::find_if(image.values.begin(), image.values.end(), [](float v) { return !std::isfinite(v); });
-  if (bad == image.values.end()) return;
-  const auto at = static_cast<std::size_t>(bad - image.values.begin());
-  const auto nx = static_cast<std::size_t>(image.grid.dims[0]), ny = static_cast<std::size_t>(image.grid.dims[1]);
-  throw InputError(where + ": voxel (" + std::to_string(at % nx) + "," + std::to_string(at / nx % ny) + "," +
-                   std::to_string(at / nx / ny) + ") of gate " + std::to_string(gate + 1) +
-                   " is not a finite number; expected counts");
-}
-
 std::vector<Image> read_samples(ByteSource& source, const Grid& grid, int gates, const SampleLayout& layout,
-                                const std::string& where) {
+                                const std::string& where, Notes& notes) {
   const std::size_t sample = bytes_of(layout.type), voxels = grid.size(), count = static_cast<std::size_t>(gates);
   const std::uint64_t declared = std::uint64_t{sample} * voxels * count;
   if (declared > source.most_bytes_left())
@@ -142,7 +133,7 @@ std::vector<Image> read_samples(ByteSource& source, const Grid& grid, int gates,
     }
   }
   source.expect_end();
-  for (std::size_t g = 0; g < count; ++g) check_finite(images[g], static_cast<int>(g), where);
+  fill_outside_field(images, where, notes);
   return images;
 }
 

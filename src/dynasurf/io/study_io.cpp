@@ -7,6 +7,7 @@
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/detail/formats.hpp"
 #include "dynasurf/io/detail/nifti_format.hpp"
+#include "dynasurf/io/detail/study_mend.hpp"
 
 namespace dynasurf {
 namespace {
@@ -46,24 +47,29 @@ Format format_of(const fs::path& path) {
                    "; expected DICOM, NIfTI or NRRD");
 }
 
-}  // namespace
-
-Study read_study(const std::filesystem::path& path) {
-  switch (format_of(path)) {
-    case Format::nifti:
-      return read_nifti(path);
-    case Format::nrrd:
-      return read_nrrd(path);
-    case Format::dicom:
-      break;
-  }
-  return read_dicom(path);
+void require_dicom(const fs::path& path, Format format, const std::string& series) {
+  if (!series.empty() && format != Format::dicom)
+    throw InputError(path.string() + ": has no series to choose from; expected DICOM");
 }
 
-std::vector<std::filesystem::path> files_of_study(const std::filesystem::path& path) {
+}  // namespace
+
+Study read_study(const std::filesystem::path& path, const std::string& series) {
+  const Format format = format_of(path);
+  require_dicom(path, format, series);
+  Study study = format == Format::nifti  ? read_nifti(path)
+                : format == Format::nrrd ? read_nrrd(path)
+                                         : read_dicom(path, series);
+  mend_hot_voxels(study);
+  fill_empty_gates(study);
+  return study;
+}
+
+std::vector<std::filesystem::path> files_of_study(const std::filesystem::path& path, const std::string& series) {
   std::vector<fs::path> files{path};
   const Format format = format_of(path);
-  if (format == Format::dicom) return files_of_dicom(path);
+  require_dicom(path, format, series);
+  if (format == Format::dicom) return files_of_dicom(path, series);
   for (const fs::path& data : format == Format::nifti ? data_files_of_nifti(path) : data_files_of_nrrd(path))
     files.push_back(data);
   return files;

@@ -13,12 +13,14 @@ inline constexpr std::size_t max_study_bytes = std::size_t{2} << 30;
 
 /// Reads a gated or ungated heart study: a DICOM file, a folder of DICOM files, a NIfTI (.nii, .nii.gz) or NRRD
 /// (.nrrd, .nhdr, .nrrd gzip) file. The format is told from the content, not from the name.
+/// `series` chooses among the image series of a DICOM folder: a SeriesInstanceUID, the number that an error lists, or a
+/// part of the SeriesDescription; empty: what the folder is meant to hold. The other functions here take the same.
 /// Throws InputError (one line: file, place, what was expected) for anything truncated, inconsistent, projected, not
 /// supported, or above `max_study_bytes`, before memory is taken for it; IoError when the file cannot be read.
-Study read_study(const std::filesystem::path& path);
+Study read_study(const std::filesystem::path& path, const std::string& series = {});
 
 /// The files `read_study` would read, in a stable order: for provenance.
-std::vector<std::filesystem::path> files_of_study(const std::filesystem::path& path);
+std::vector<std::filesystem::path> files_of_study(const std::filesystem::path& path, const std::string& series = {});
 
 /// Lower-case hexadecimal SHA-256 of a file. Throws IoError.
 std::string sha256_of_file(const std::filesystem::path& path);
@@ -27,7 +29,7 @@ std::string sha256_of_file(const std::filesystem::path& path);
 struct StudyFacts {
   std::vector<std::pair<std::string, std::string>> rows;  // "modality" -> "NM", in print order
 };
-StudyFacts facts_of(const std::filesystem::path& path, const Study& study);
+StudyFacts facts_of(const std::filesystem::path& path, const Study& study, const std::string& series = {});
 
 // Writers. Each file appears whole or not at all.
 

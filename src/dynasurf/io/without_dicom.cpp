@@ -14,12 +14,16 @@ namespace {
 
 }  // namespace
 
-Study read_dicom(const std::filesystem::path& path) { refuse(path); }
-std::vector<std::filesystem::path> files_of_dicom(const std::filesystem::path& path) { refuse(path); }
-std::vector<std::pair<std::string, std::string>> dicom_facts(const std::filesystem::path& path) { refuse(path); }
+Study read_dicom(const std::filesystem::path& path, const std::string&) { refuse(path); }
+std::vector<std::filesystem::path> files_of_dicom(const std::filesystem::path& path, const std::string&) {
+  refuse(path);
+}
+std::vector<std::pair<std::string, std::string>> dicom_facts(const std::filesystem::path& path, const std::string&) {
+  refuse(path);
+}
 
 void write_dicom(const Study&, const std::filesystem::path& path, const DicomWriteOptions&) { refuse(path); }
-DicomSubject read_dicom_subject(const std::filesystem::path& study) { refuse(study); }
+DicomSubject read_dicom_subject(const std::filesystem::path& study, const std::string&) { refuse(study); }
 DicomSubject nameless_subject(const Sha256&, const std::string&, const std::string&) { return {}; }
 DicomInstance instance_of(const DicomResult&, const DicomObject&, const std::string&) { return {}; }
 DicomInstance write_segmentation(const DicomResult&, const DicomObject&, std::span<const DicomSegment>,

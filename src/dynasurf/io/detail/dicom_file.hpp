@@ -12,13 +12,20 @@
 
 namespace dynasurf {
 
+/// Photons of lower to upper energy, keV.
+struct EnergyRange {
+  double lower = 0, upper = 0;
+};
+
 /// What one DICOM file says of itself, without its pixels. Absent attributes are absent here too; nothing that
-/// identifies a person is kept, but for the UIDs that tell which files belong together.
+/// identifies a person is kept, but for the UIDs that tell which files belong together and the description of the
+/// series, which is compared with what the user asks for and never shown.
 struct DicomImage {
   std::filesystem::path path;
   std::string modality;
   std::vector<std::string> image_type;
-  std::string sop_class, sop_instance, study, series;
+  std::string sop_class, sop_instance, study, series, series_description;
+  std::optional<int> series_number;
 
   int rows = 0, columns = 0, frames = 1;
   int bits_allocated = 0, bits_stored = 0, high_bit = 0, samples = 1;
@@ -38,6 +45,9 @@ struct DicomImage {
   std::vector<std::optional<double>> frame_time_of_rr, nominal_interval_of_rr;  // ms
   std::vector<std::vector<double>> slot_times_of_rr;                            // ms
   bool counts_back_from_r = false;
+  std::optional<std::vector<int>> window_of_frame;  // energy window, one entry per frame, counted from 1
+  std::vector<std::vector<EnergyRange>> windows;    // the ranges of each
+  std::string isotope;                              // "Tc-99m"; empty when it is not told or not known
 
   // What tells gates apart when each has files of its own.
   std::optional<double> trigger_time, temporal_position, cycle_percentage, nominal_interval, heart_rate;

@@ -44,6 +44,8 @@ DicomStack stack_of_frames(const DicomImage& image, std::size_t file);
 /// that are fewer than they say (see `require_all_images`).
 DicomStack stack_of_slices(const std::vector<DicomImage>& images, std::span<const std::size_t> files);
 
+bool is_same_grid(const Grid& a, const Grid& b);
+
 /// One stack of several that hold a gate each, ordered by what tells the gates apart; nothing when they are not on
 /// one grid or when no attribute says that they are gates of one beat.
 std::optional<DicomStack> joined_gates(const std::vector<DicomImage>& images, std::span<const DicomStack> stacks);

@@ -15,11 +15,16 @@ View view_of_code(const std::string& code, const std::string& scheme);
 /// View named in a description ("GATED SA", "H Long Ax"); unknown when it names none or more than one.
 View view_in_words(const std::string& description);
 
+/// What a description says of the patient and of corrections: "stress, prone, attenuation corrected"; "" for nothing.
+std::string circumstances_in_words(const std::string& description);
+
 /// The number in "gate 3", "bin 3", "phase 3" or "frame 3" of a description.
 std::optional<int> gate_in_words(const std::string& description);
 
 /// "Tc-99m" for the codes and names of the isotopes used on hearts; "" for others.
 std::string isotope_of(const std::string& code, const std::string& meaning);
+/// Energy of the photons that images are made of, keV, for a word of `isotope_of`; of Tc-99m when it is empty.
+double photopeak_kev(const std::string& isotope);
 /// "sestamibi" and the like; "" for others.
 std::string tracer_of(const std::string& name);
 /// One of the defined terms of CorrectedImage.

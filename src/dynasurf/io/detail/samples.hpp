@@ -31,13 +31,10 @@ std::uint64_t memory_of_study(std::uint64_t voxels, std::uint64_t gates);
 void require_memory_of_study(const Grid& grid, int gates, const std::string& where);
 
 /// Reads `gates` volumes on `grid` and nothing more: the source must end there. Throws InputError for less or more
-/// data than that, for more than the limit of memory allows, or for a value that is not a finite number, naming the
-/// first such voxel.
+/// data than that, for more than the limit of memory allows, or for values that are not finite numbers (see
+/// `fill_outside_field`, which adds to `notes`).
 std::vector<Image> read_samples(ByteSource& source, const Grid& grid, int gates, const SampleLayout& layout,
-                                const std::string& where);
-
-/// Throws InputError naming the first voxel whose value is not a finite number.
-void check_finite(const Image& image, int gate, const std::string& where);
+                                const std::string& where, Notes& notes);
 
 /// A grid from the world vectors (LPS mm) of one step along i, j and k. Throws InputError when they are not finite, of
 /// no length, or sheared by more than rounding explains.

@@ -1,0 +1,201 @@
+#include "dynasurf/io/detail/study_mend.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "dynasurf/core/error.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr double most_outside = 0.5;         // of the voxels of all gates
+constexpr float bright_beside = 0.3f;        // of the brightest voxel: more is heart or gut, not background
+constexpr float times_neighbours = 20;       // a blurred point source is at most a few times its neighbours
+constexpr float times_all_else = 2;          // than which the brightest of other voxels do not lose a study
+constexpr std::size_t least_neighbours = 7;  // of the corner of a volume; in less of one nothing stands alone
+constexpr std::size_t most_hot_voxels = 16;
+
+Index3 place_of(const Grid& grid, std::size_t voxel) {
+  const auto nx = static_cast<std::size_t>(grid.dims[0]), ny = static_cast<std::size_t>(grid.dims[1]);
+  return {static_cast<int>(voxel % nx), static_cast<int>(voxel / nx % ny), static_cast<int>(voxel / nx / ny)};
+}
+
+std::string voxel_text(const Grid& grid, std::size_t voxel, std::size_t gate) {
+  const Index3 p = place_of(grid, voxel);
+  return "voxel (" + std::to_string(p[0]) + "," + std::to_string(p[1]) + "," + std::to_string(p[2]) + ") of gate " +
+         std::to_string(gate + 1);
+}
+
+/// Calls `use(index)` for the six neighbours within the grid.
+template <class Use>
+void each_beside(const Grid& grid, std::size_t voxel, const Use& use) {
+  const Index3 p = place_of(grid, voxel);
+  std::size_t stride = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (p[a] > 0) use(voxel - stride);
+    if (p[a] + 1 < grid.dims[a]) use(voxel + stride);
+    stride *= static_cast<std::size_t>(grid.dims[a]);
+  }
+}
+
+bool is_on_rim(const Grid& grid, std::size_t voxel) {
+  const Index3 p = place_of(grid, voxel);
+  for (std::size_t a = 0; a < 3; ++a)
+    // The two faces across a single slice are no rim: all of it would be one.
+    if (grid.dims[a] > 1 && (p[a] == 0 || p[a] + 1 == grid.dims[a])) return true;
+  return false;
+}
+
+/// What filling one gate did.
+struct Outside {
+  std::size_t count = 0;  // of voxels that became 0
+  float beside = 0;       // the brightest voxel next to them
+};
+
+/// Sets what is joined to the rim to 0.
+Outside fill_from_rim(Image& image) {
+  Outside outside;
+  std::vector<std::size_t> open, filled;
+  const auto take = [&](std::size_t v) {
+    if (std::isfinite(image.values[v])) return;
+    image.values[v] = 0;
+    open.push_back(v);
+    filled.push_back(v);
+  };
+  for (std::size_t v = 0; v < image.values.size(); ++v)
+    if (!std::isfinite(image.values[v]) && is_on_rim(image.grid, v)) take(v);
+  while (!open.empty()) {
+    const std::size_t v = open.back();
+    open.pop_back();
+    each_beside(image.grid, v, take);
+  }
+  for (const std::size_t v : filled)
+    each_beside(image.grid, v, [&](std::size_t n) { outside.beside = std::max(outside.beside, image.values[n]); });
+  outside.count = filled.size();
+  return outside;
+}
+
+struct HotVoxel {
+  std::size_t gate = 0, voxel = 0;
+  float value = 0;
+};
+
+std::vector<float> neighbours_of(const Image& image, std::size_t voxel) {
+  const Index3 p = place_of(image.grid, voxel);
+  std::vector<float> values;
+  for (int k = p[2] - 1; k <= p[2] + 1; ++k)
+    for (int j = p[1] - 1; j <= p[1] + 1; ++j)
+      for (int i = p[0] - 1; i <= p[0] + 1; ++i)
+        if (image.grid.contains(i, j, k) && !(i == p[0] && j == p[1] && k == p[2])) values.push_back(image(i, j, k));
+  return values;
+}
+
+bool is_alone(const Image& image, std::size_t voxel) {
+  const std::vector<float> beside = neighbours_of(image, voxel);
+  if (beside.size() < least_neighbours) return false;
+  const float most = *std::max_element(beside.begin(), beside.end());
+  return image.values[voxel] > times_neighbours * std::max(most, 0.0f);
+}
+
+/// Adds the bright voxels that stand alone, brightest first, and returns the brightest of the others; nothing when
+/// there are too many.
+std::optional<float> find_alone(const Image& image, std::size_t gate, std::vector<HotVoxel>& found) {
+  const std::size_t first = found.size();
+  while (found.size() - first <= most_hot_voxels) {
+    std::optional<std::size_t> brightest;
+    for (std::size_t v = 0; v < image.values.size(); ++v) {
+      if (brightest && image.values[v] <= image.values[*brightest]) continue;
+      const bool is_known = std::any_of(found.begin() + static_cast<std::ptrdiff_t>(first), found.end(),
+                                        [&](const HotVoxel& h) { return h.voxel == v; });
+      if (!is_known) brightest = v;
+    }
+    if (!brightest) return std::nullopt;
+    if (!is_alone(image, *brightest)) return image.values[*brightest];
+    found.push_back({gate, *brightest, image.values[*brightest]});
+  }
+  return std::nullopt;
+}
+
+bool is_empty(const Image& image) {
+  return std::all_of(image.values.begin(), image.values.end(), [&](float v) { return v == image.values.front(); });
+}
+
+}  // namespace
+
+void fill_outside_field(std::vector<Image>& gates, const std::string& where, Notes& notes) {
+  std::size_t count = 0, voxels = 0;
+  std::optional<std::string> first;
+  for (std::size_t g = 0; g < gates.size(); ++g) {
+    const auto& values = gates[g].values;
+    const auto is_bad = [](float v) { return !std::isfinite(v); };
+    if (const auto bad = std::find_if(values.begin(), values.end(), is_bad); bad != values.end() && !first)
+      first = voxel_text(gates[g].grid, static_cast<std::size_t>(bad - values.begin()), g);
+    count += static_cast<std::size_t>(std::count_if(values.begin(), values.end(), is_bad));
+    voxels += values.size();
+  }
+  if (count == 0) return;
+  const std::string reason = " is not a finite number; expected counts";
+  if (static_cast<double>(count) > most_outside * static_cast<double>(voxels))
+    throw InputError(where + ": " + *first + reason + " (" + std::to_string(count) + " of " + std::to_string(voxels) +
+                     " voxels are not)");
+  float beside = 0, brightest = 0;
+  for (std::size_t g = 0; g < gates.size(); ++g) {
+    beside = std::max(beside, fill_from_rim(gates[g]).beside);
+    for (std::size_t v = 0; v < gates[g].values.size(); ++v) {
+      if (!std::isfinite(gates[g].values[v])) throw InputError(where + ": " + voxel_text(gates[g].grid, v, g) + reason);
+      brightest = std::max(brightest, gates[g].values[v]);
+    }
+  }
+  const bool is_cut = beside > bright_beside * brightest;
+  notes.push_back({is_cut ? Severity::warning : Severity::info, "study.not_finite",
+                   std::to_string(count) + " of " + std::to_string(voxels) +
+                       " values are not finite numbers and lie outside the field: taken as 0" +
+                       (is_cut ? "; bright voxels stand beside them, so the field may cut what is looked for" : "")});
+}
+
+void mend_hot_voxels(Study& study) {
+  std::vector<HotVoxel> alone;
+  float most = 0;
+  for (std::size_t g = 0; g < study.gates.size(); ++g) {
+    const auto others = find_alone(study.gates[g], g, alone);
+    if (!others) return;
+    most = std::max(most, *others);
+  }
+  std::erase_if(alone, [&](const HotVoxel& h) { return h.value <= times_all_else * most; });
+  if (alone.empty() || alone.size() > most_hot_voxels || !(most > 0)) return;
+  for (const HotVoxel& hot : alone) {
+    std::vector<float> beside = neighbours_of(study.gates[hot.gate], hot.voxel);
+    const auto middle = beside.begin() + static_cast<std::ptrdiff_t>(beside.size() / 2);
+    std::nth_element(beside.begin(), middle, beside.end());
+    study.gates[hot.gate].values[hot.voxel] = *middle;
+    study.notes.push_back({Severity::info, "study.hot_voxel",
+                           voxel_text(study.grid(), hot.voxel, hot.gate) +
+                               " is brighter than all else and stands alone: its neighbours' median is taken",
+                           static_cast<int>(hot.gate)});
+  }
+}
+
+void fill_empty_gates(Study& study) {
+  const std::size_t gates = study.gates.size();
+  std::vector<std::size_t> empty, whole;
+  for (std::size_t g = 0; g < gates; ++g) (is_empty(study.gates[g]) ? empty : whole).push_back(g);
+  if (empty.empty() || 4 * empty.size() > gates) return;
+  for (const std::size_t g : empty) {
+    const auto next = std::upper_bound(whole.begin(), whole.end(), g);
+    const std::size_t after = next == whole.end() ? whole.front() : *next;
+    const std::size_t before = next == whole.begin() ? whole.back() : *std::prev(next);
+    const auto from_before = static_cast<float>((g + gates - before) % gates);
+    const auto to_after = static_cast<float>((after + gates - g) % gates);
+    const Image &a = study.gates[before], &b = study.gates[after];
+    for (std::size_t v = 0; v < a.values.size(); ++v)
+      study.gates[g].values[v] = (to_after * a.values[v] + from_before * b.values[v]) / (from_before + to_after);
+    study.notes.push_back({Severity::warning, "study.empty_gate",
+                           "gate " + std::to_string(g + 1) + " is empty: the mean of gates " +
+                               std::to_string(before + 1) + " and " + std::to_string(after + 1) +
+                               " stands in its place; were it the smallest or largest, the ejection fraction would be higher",
+                           static_cast<int>(g)});
+  }
+}
+
+}  // namespace dynasurf
