@@ -25,7 +25,9 @@ TEXTS = {".cpp", ".hpp", ".md", ".py", ".ts", ".cmake", ".json", ".html", ".css"
 # The end of a sentence with another one behind it; run-in headings, code, brackets and abbreviations are none.
 NO_SENTENCE = re.compile(r"\*\*.*?\*\*|`[^`]*`|\([^()]*\)|\b(?:eqs?|figs?|app|ch|cf|al)\.")
 TWO_SENTENCES = re.compile(r"[a-z0-9%]{2}[.!?] [A-Z]")
-# All documents together, without the tables that experiments print (experiments/*/results.md).
+# All documents together as they are read: without comments, and the tables that experiments print
+# (experiments/*/results.md).
+COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 LARGEST_BYTES = 180_000
 
 
@@ -130,7 +132,7 @@ def main():
         if path.suffix == ".md":
             documents += 1
             if not is_printed(path):
-                size += path.stat().st_size
+                size += len(COMMENT.sub("", path.read_text()).encode())
                 failures += crowded_lines(path, root)
             failures += broken_links(path, root)
             failures += figures.check(path, root, arguments.update)
