@@ -190,11 +190,12 @@ void fill_empty_gates(Study& study) {
     const Image &a = study.gates[before], &b = study.gates[after];
     for (std::size_t v = 0; v < a.values.size(); ++v)
       study.gates[g].values[v] = (to_after * a.values[v] + from_before * b.values[v]) / (from_before + to_after);
-    study.notes.push_back({Severity::warning, "study.empty_gate",
-                           "gate " + std::to_string(g + 1) + " is empty: the mean of gates " +
-                               std::to_string(before + 1) + " and " + std::to_string(after + 1) +
-                               " stands in its place; were it the smallest or largest, the ejection fraction would be higher",
-                           static_cast<int>(g)});
+    study.notes.push_back(
+        {Severity::warning, "study.empty_gate",
+         "gate " + std::to_string(g + 1) + " is empty: the mean of gates " + std::to_string(before + 1) + " and " +
+             std::to_string(after + 1) +
+             " stands in its place; were it the smallest or largest, the ejection fraction would be higher",
+         static_cast<int>(g)});
   }
 }
 
