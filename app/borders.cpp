@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string study;
+  std::string study, series;
   OutFolder out;
   OptionArguments options;
   std::vector<std::string> vary;  // path=value,value,...
@@ -134,7 +134,7 @@ void sort_by_depth(std::vector<std::string>& settings) {
 void write_matrix(const Arguments& arguments, Drawing what, const Image* mask, const fs::path& folder,
                   const Progress& progress) {
   if (arguments.vary.size() > 2) throw OptionError("--vary was given more than twice; expected columns and rows");
-  Study study = read_study(arguments.study);
+  Study study = read_study(arguments.study, arguments.series);
   const int gates = static_cast<int>(study.gates.size());
   if (arguments.gate > gates)
     throw OptionError("--gate " + std::to_string(arguments.gate) + ": the study has " + std::to_string(gates));
@@ -193,7 +193,8 @@ ExitCode run(const Arguments& arguments, Drawing what, std::stop_token stop) {
     return done;
   }
 
-  const BorderResult result = find_borders(read_study(arguments.study), options, progress, mask ? &*mask : nullptr);
+  const BorderResult result =
+      find_borders(read_study(arguments.study, arguments.series), options, progress, mask ? &*mask : nullptr);
   line.finish();
   write_sheets(result, what, folder.path(), options);
   write_file(folder.path() / "options.json", options_to_text(options));
@@ -214,6 +215,7 @@ void add(CLI::App& program, Command& chosen, Drawing what, const std::string& na
   auto a = std::make_shared<Arguments>();
   CLI::App* command = program.add_subcommand(name, text);
   command->add_option("STUDY", a->study, "DICOM file or folder, NIfTI or NRRD file")->required();
+  add_series_argument(*command, a->series);
   add_out_folder(*command, a->out, "folder for the sheets")->required();
   add_option_arguments(*command, a->options);
   command

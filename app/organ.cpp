@@ -19,6 +19,7 @@
 
 #include "command.hpp"
 #include "console.hpp"
+#include "option_arguments.hpp"
 #include "out_argument.hpp"
 #include "version.hpp"
 
@@ -29,7 +30,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct Arguments {
-  std::string study, preset = "ct";
+  std::string study, series, preset = "ct";
   OutFolder out;
   std::vector<std::string> settings;
   std::optional<int> label;
@@ -82,7 +83,7 @@ Json result_json(const OrganResult& result, const OrganOptions& options, const S
 ExitCode run(const Arguments& a, std::stop_token stop) {
   const ThreadLimit limit(a.threads);
   const OrganOptions options = options_of(a);
-  const Study study = read_study(a.study);
+  const Study study = read_study(a.study, a.series);
   if (a.gate > static_cast<int>(study.gates.size()))
     throw OptionError("--gate " + std::to_string(a.gate) + "; expected 1 to " + std::to_string(study.gates.size()));
   OutputFolder folder(a.out.path, a.out.existing(), {a.study});
@@ -117,6 +118,7 @@ void add_organ(CLI::App& program, Command& chosen) {
   CLI::App* command = program.add_subcommand(
       "organ", "The closed surface of an organ in CT, MR, PET or a label map: no heart is looked for");
   command->add_option("STUDY", a->study, "DICOM, NIfTI or NRRD, file or folder")->required();
+  add_series_argument(*command, a->series);
   add_out_folder(*command, a->out, "folder for results.json, organ.ply, .stl, .vtp and slices.png")->required();
   command->add_option("--preset", a->preset, "ct, mr, pet or labels");
   command->add_option("--label", a->label, "value of the organ in a label map; 0: all above 0")
