@@ -7,6 +7,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
+#include "dynasurf/synthetic/camera_options.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/ventricle/organ.hpp"
@@ -43,6 +44,7 @@ std::vector<OptionRow> rows_of(const Arguments& arguments) {
     throw OptionError("no options are known of '" + arguments.subject +
                       "'; choices: ventricle, cloud, organ, phantom KIND");
   if (arguments.kind == "cloud") return option_table(CloudPhantom{});
+  if (arguments.kind == CameraPhantom::name) return option_table(CameraPhantom{});
   PhantomOptions phantom;
   const ChoiceRef kinds = choice_of(phantom);
   return option_table(kinds.choose(position_of(kinds.methods, arguments.kind, "KIND")));

@@ -18,6 +18,7 @@
 #include "dynasurf/io/tracked_points_io.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/report/measures.hpp"
+#include "dynasurf/synthetic/camera.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 
@@ -130,24 +131,32 @@ float largest_value(const Study& study) {
   return largest;
 }
 
-void write_phantom(const Phantom& phantom, const Arguments& arguments, const fs::path& folder) {
-  DicomWriteOptions dicom;
-  // Counts are stored finely enough that rounding adds nothing to their noise.
-  const float largest = largest_value(phantom.study);
-  dicom.counts_scale = largest > 0 ? 30000 / static_cast<double>(largest) : 1;
-  dicom.series_description = "Dynasurf phantom " + phantom.kind;
-  write_dicom(phantom.study, folder / "study.dcm", dicom);
-  write_nifti(phantom.study, folder / "study.nii.gz");
-  if (arguments.nrrd)
-    write_nrrd(phantom.study, folder / (phantom.study.gates.size() > 1 ? "study.seq.nrrd" : "study.nrrd"));
-  if (phantom.tracked) write_tracked_points(phantom.tracked->points, folder / "points.csv");
-  write_file(folder / "truth.json", json_text(truth_of(phantom)));
+void write_surfaces(const Phantom& phantom, const fs::path& folder) {
   for (std::size_t g = 0; g < phantom.truth.size(); ++g) {
     const std::string ending = (g < 9 ? "_g0" : "_g") + std::to_string(g + 1) + ".ply";
     const TrueGate& gate = phantom.truth[g];
     if (!gate.endo.triangles.empty()) write_mesh(gate.endo, folder / "truth" / ("endo" + ending), MeshFormat::ply);
     if (!gate.epi.triangles.empty()) write_mesh(gate.epi, folder / "truth" / ("epi" + ending), MeshFormat::ply);
   }
+}
+
+/// Counts are stored finely enough that rounding adds nothing to their noise.
+DicomWriteOptions finely_stored(const Study& study, const std::string& description) {
+  const float largest = largest_value(study);
+  DicomWriteOptions dicom;
+  dicom.counts_scale = largest > 0 ? 30000 / static_cast<double>(largest) : 1;
+  dicom.series_description = description;
+  return dicom;
+}
+
+void write_phantom(const Phantom& phantom, const Arguments& arguments, const fs::path& folder) {
+  write_dicom(phantom.study, folder / "study.dcm", finely_stored(phantom.study, "Dynasurf phantom " + phantom.kind));
+  write_nifti(phantom.study, folder / "study.nii.gz");
+  if (arguments.nrrd)
+    write_nrrd(phantom.study, folder / (phantom.study.gates.size() > 1 ? "study.seq.nrrd" : "study.nrrd"));
+  if (phantom.tracked) write_tracked_points(phantom.tracked->points, folder / "points.csv");
+  write_file(folder / "truth.json", json_text(truth_of(phantom)));
+  write_surfaces(phantom, folder);
 }
 
 std::string summary_of(const Phantom& phantom) {
@@ -199,9 +208,55 @@ ExitCode make_scan(const Arguments& arguments, std::stop_token stop) {
   return done;
 }
 
+CameraPhantom camera_options_of(const Arguments& arguments) {
+  CameraPhantom options;
+  for (const std::string& setting : arguments.settings) set_option(options, setting);
+  if (!arguments.seed.empty()) set_option(options, "seed=" + arguments.seed);
+  return options;
+}
+
+/// The truth of the patient, in which the camera's options and what follows of them take the place of the patient's.
+Json truth_of(const CameraStudy& made, const CameraPhantom& options) {
+  const Collimator collimator = collimator_of(options.acquisition);
+  Json json = truth_of(made.truth);
+  json.erase("fwhm_mm");
+  json["camera"] = {{"fwhm_at_100_mm", fwhm_at(response_of(collimator), 100)},
+                    {"sensitivity_cps_per_mbq", sensitivity_cps_per_mbq(collimator)},
+                    {"angle_deg", made.projections.angle_deg},
+                    {"radius_mm", made.projections.radius_mm}};
+  json["options"] = parse_json(options_to_text(options), "the options");
+  return json;
+}
+
+/// A patient before the camera: projections, slices, truth.
+ExitCode make_acquisition(const Arguments& arguments, std::stop_token stop) {
+  const CameraPhantom options = camera_options_of(arguments);
+  OutputFolder folder(arguments.out.path, arguments.out.existing());
+  const CameraStudy made = make_camera_study(options);
+  const fs::path to = folder.path();
+  DicomWriteOptions counts;
+  counts.series_description = "Dynasurf projections";
+  write_projections(made.projections, to / "projections.dcm", counts);
+  write_dicom(made.transaxial, to / "transaxial.dcm", finely_stored(made.transaxial, "Dynasurf transaxial"));
+  write_dicom(made.short_axis, to / "study.dcm", finely_stored(made.short_axis, "Dynasurf short axis"));
+  if (arguments.nrrd)
+    write_nrrd(made.short_axis, to / (made.short_axis.gates.size() > 1 ? "study.seq.nrrd" : "study.nrrd"));
+  Study map;
+  map.gates = {made.attenuation};
+  write_nrrd(map, to / "attenuation.nrrd");
+  write_file(to / "truth.json", json_text(truth_of(made, options)));
+  if (made.truth.tracked) write_tracked_points(made.truth.tracked->points, to / "points.csv");
+  write_surfaces(made.truth, to);
+  if (stop.stop_requested()) throw Cancelled("stopped on request");
+  folder.publish();
+  if (!arguments.quiet) print(summary_of(made.truth) + "phantom: " + arguments.out.path + "\n" + line_of_moved(folder));
+  return done;
+}
+
 ExitCode run(const Arguments& arguments, std::stop_token stop) {
   const ThreadLimit limit(arguments.threads);
   if (arguments.kind == "cloud") return make_scan(arguments, stop);
+  if (arguments.kind == CameraPhantom::name) return make_acquisition(arguments, stop);
   const PhantomOptions options = options_of(arguments);
   OutputFolder folder(arguments.out.path, arguments.out.existing());
   const Phantom phantom = make_phantom(options);
@@ -216,7 +271,7 @@ std::string kinds_text() {
   PhantomOptions phantom;
   std::string text;
   for (const std::string_view kind : choice_of(phantom).methods) text.append(text.empty() ? "" : ", ").append(kind);
-  return text + ", or cloud: points of a scanned body";
+  return text + ", camera: projections of a patient, or cloud: points of a scanned body";
 }
 
 }  // namespace
@@ -225,9 +280,10 @@ void add_phantom(CLI::App& program, Command& chosen) {
   auto a = std::make_shared<Arguments>();
   CLI::App* command = program.add_subcommand("phantom", "Make a synthetic study or scan with known truth");
   command->add_option("KIND", a->kind, kinds_text())->required();
-  add_out_folder(*command, a->out,
-                 "folder for study.dcm, study.nii.gz (cloud: cloud.ply), truth.json, the true surfaces, and points.csv "
-                 "of patients with tags")
+  add_out_folder(
+      *command, a->out,
+      "folder for study.dcm, study.nii.gz (camera: projections.dcm, transaxial.dcm, attenuation.nrrd; cloud: "
+      "cloud.ply), truth.json, the true surfaces, and points.csv of patients with tags")
       ->required();
   command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options)")
       ->take_all()

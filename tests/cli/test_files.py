@@ -111,6 +111,30 @@ class Phantom(CliTest):
                 # A coarse lattice and few counts: within a quarter is in the right place.
                 self.assertAlmostEqual(gate["endo_ml"] / true["endo_ml"], 1, delta=0.25)
 
+    SMALL_CAMERA = ["--seed", 5, "--set", "heart.gates=2", "--set", "acquisition.size=32", "--set", "acquisition.bin_mm=12.8",
+                    "--set", "acquisition.views=16", "--set", "acquisition.million_counts=0.5", "--set", "reorientation.size=32"]
+
+    def test_puts_a_patient_before_a_camera(self):
+        for name, threads in (("one", 1), ("two", 2)):
+            made = run("phantom", "camera", "--threads", threads, "--out", self.folder / name, *self.SMALL_CAMERA)
+            self.assertEqual(made.returncode, 0, made.stderr)
+        self.assertEqual(hashes(self.folder / "one"), hashes(self.folder / "two"))
+        files = {"projections.dcm", "transaxial.dcm", "study.dcm", "attenuation.nrrd", "truth.json", "truth/endo_g02.ply"}
+        self.assertLessEqual(files, set(hashes(self.folder / "one")))
+        truth = self.read_json(self.folder / "one" / "truth.json")
+        self.assertEqual((truth["kind"], len(truth["gates"]), len(truth["camera"]["angle_deg"])), ("camera", 2, 16))
+        for study in ("transaxial.dcm", "study.dcm", "attenuation.nrrd"):
+            self.assertEqual(run("info", self.folder / "one" / study).returncode, 0)
+        self.refuses(2, "info", self.folder / "one" / "projections.dcm", says="TOMO")
+
+    def test_refuses_a_camera_inside_the_patient_and_subsets_that_do_not_divide_its_views(self):
+        out = self.folder / "p"
+        self.refuses(1, "phantom", "camera", "--out", out, "--set", "acquisition.radius_mm=100", says="radius_mm is 100")
+        self.refuses(1, "phantom", "camera", "--out", out, *self.SMALL_CAMERA, "--set", "reconstruction.subsets=5",
+                     says="subsets is 5; expected a divisor")
+        self.refuses(1, "phantom", "camera", "--out", out, "--set", "heart.fwhm_mm=8", says="unknown option")
+        self.assertFalse(out.exists())
+
     def test_refuses_unknown_kinds_options_and_seeds(self):
         out = self.folder / "p"
         self.refuses(1, "phantom", "patiant", "--out", out, says="did you mean 'patient'?")

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/detail/dicom_item.hpp"
@@ -25,28 +26,41 @@ class UidMaker {
     hasher.add(g.origin.data(), 3 * sizeof(double));
     hasher.add(g.direction.data(), 9 * sizeof(double));
     add(study.cycle_ms);
+    finish(hasher, pixels, options);
+  }
+  UidMaker(const Projections& p, const std::vector<Uint16>& pixels, const DicomWriteOptions& options) {
+    Hasher hasher;
+    const auto add = [&](const auto& value) { hasher.add(&value, sizeof value); };
+    add(options.uid_seed), add(p.size), add(p.bin_mm), add(p.cycle_ms);
+    hasher.add(p.angle_deg.data(), p.angle_deg.size() * sizeof(double));
+    hasher.add(p.radius_mm.data(), p.radius_mm.size() * sizeof(double));
+    finish(hasher, pixels, options);
+  }
+  std::string operator()(std::string_view role) const { return uid_of(content_, role); }
+
+ private:
+  void finish(Hasher& hasher, const std::vector<Uint16>& pixels, const DicomWriteOptions& options) {
     hasher.add(options.series_description.data(), options.series_description.size());
     hasher.add(options.patient_id.data(), options.patient_id.size());
     hasher.add(pixels.data(), pixels.size() * sizeof(Uint16));
     content_ = hasher.finish();
   }
-  std::string operator()(std::string_view role) const { return uid_of(content_, role); }
-
- private:
   Sha256 content_;
 };
+
+Uint16 scaled_count(float value, double scale, const std::string& where) {
+  const double count = std::floor(value * scale + 0.5);
+  if (!(count >= 0) || count > 65535)
+    throw OptionError(where + ": the value " + std::to_string(value) + " times counts_scale " + std::to_string(scale) +
+                      " does not fit 16 unsigned bits; expected 0 to 65535");
+  return static_cast<Uint16>(count);
+}
 
 std::vector<Uint16> scaled_counts(const Study& study, double scale, const std::string& where) {
   std::vector<Uint16> counts;
   counts.reserve(study.gates.size() * study.grid().size());
   for (const Image& gate : study.gates)
-    for (const float value : gate.values) {
-      const double count = std::floor(value * scale + 0.5);
-      if (!(count >= 0) || count > 65535)
-        throw OptionError(where + ": the value " + std::to_string(value) + " times counts_scale " +
-                          std::to_string(scale) + " does not fit 16 unsigned bits; expected 0 to 65535");
-      counts.push_back(static_cast<Uint16>(count));
-    }
+    for (const float value : gate.values) counts.push_back(scaled_count(value, scale, where));
   return counts;
 }
 
@@ -74,26 +88,30 @@ void put_identity(Item& root, const UidMaker& uid, const DicomWriteOptions& opti
   root.text(DCM_InstanceNumber, "1");
 }
 
+void put_pixel_format(Item& root, std::size_t frames, int rows, int columns) {
+  root.text(DCM_BodyPartExamined, "HEART");
+  root.number(DCM_SamplesPerPixel, 1);
+  root.text(DCM_PhotometricInterpretation, "MONOCHROME2");
+  root.text(DCM_NumberOfFrames, std::to_string(frames));
+  root.number(DCM_Rows, rows);
+  root.number(DCM_Columns, columns);
+  root.number(DCM_BitsAllocated, 16);
+  root.number(DCM_BitsStored, 16);
+  root.number(DCM_HighBit, 15);
+  root.number(DCM_PixelRepresentation, 0);
+}
+
 void put_image(Item& root, const Study& study) {
   const Grid& g = study.grid();
   const bool gated = study.gates.size() > 1;
   const auto slices = static_cast<std::size_t>(g.dims[2]), gates = study.gates.size();
   root.text(DCM_ImageType,
             gated ? "DERIVED\\PRIMARY\\RECON GATED TOMO\\EMISSION" : "DERIVED\\PRIMARY\\RECON TOMO\\EMISSION");
-  root.text(DCM_BodyPartExamined, "HEART");
-  root.number(DCM_SamplesPerPixel, 1);
-  root.text(DCM_PhotometricInterpretation, "MONOCHROME2");
-  root.text(DCM_NumberOfFrames, std::to_string(gates * slices));
-  root.number(DCM_Rows, g.dims[1]);
-  root.number(DCM_Columns, g.dims[0]);
+  put_pixel_format(root, gates * slices, g.dims[1], g.dims[0]);
   root.text(DCM_PixelSpacing, decimals({g.spacing[1], g.spacing[0]}));
   root.text(DCM_SliceThickness, decimal(g.spacing[2]));
   const Vec3 normal = g.direction.col(0).cross(g.direction.col(1));
   root.text(DCM_SpacingBetweenSlices, decimal(normal.dot(g.direction.col(2)) < 0 ? -g.spacing[2] : g.spacing[2]));
-  root.number(DCM_BitsAllocated, 16);
-  root.number(DCM_BitsStored, 16);
-  root.number(DCM_HighBit, 15);
-  root.number(DCM_PixelRepresentation, 0);
   std::vector<Uint16> ones(gates * slices, 1), slot, slice;
   for (std::size_t n = 0; n < gates * slices; ++n) {
     slot.push_back(static_cast<Uint16>(n / slices + 1));
@@ -143,29 +161,95 @@ void put_detector(Item& root, const Study& study) {
 }
 
 /// What a camera would have noted; empty where the attribute may be, because nothing was measured.
-void put_acquisition(Item& root, const Study& study) {
+void put_acquisition(Item& root) {
   root.number(DCM_NumberOfEnergyWindows, 1);
   root.empty_sequence(DCM_EnergyWindowInformationSequence);
   root.empty_sequence(DCM_RadiopharmaceuticalInformationSequence);
   root.number(DCM_NumberOfRotations, 1);
-  root.empty_sequence(DCM_RotationInformationSequence);
   root.text(DCM_CountsAccumulated, "0");
   root.text(DCM_AcquisitionTerminationCondition, "");
   root.empty_sequence(DCM_PatientOrientationCodeSequence);
   root.empty_sequence(DCM_PatientGantryRelationshipCodeSequence);
-  if (study.gates.size() < 2) return;
-  const auto gates = static_cast<double>(study.gates.size());
-  const double step = study.cycle_ms > 0         ? study.cycle_ms / gates
-                      : study.time_ms.size() > 1 ? study.time_ms[1] - study.time_ms[0]
-                                                 : 0;
+}
+
+void put_gates(Item& root, std::size_t gates, double first_ms, double step_ms, double cycle_ms) {
+  if (gates < 2) return;
   Item gated = root.add(DCM_GatedInformationSequence);
-  gated.text(DCM_TriggerTime, decimal(study.time_ms.empty() ? 0 : study.time_ms.front()));
+  gated.text(DCM_TriggerTime, decimal(first_ms));
   gated.text(DCM_CardiacFramingType, "FORW");
   Item data = gated.add(DCM_DataInformationSequence);
-  if (study.cycle_ms > 0) data.text(DCM_NominalInterval, std::to_string(std::lround(study.cycle_ms)));
-  data.text(DCM_FrameTime, decimal(step));
-  for (std::size_t g = 0; g < study.gates.size(); ++g)
-    data.add(DCM_TimeSlotInformationSequence).text(DCM_TimeSlotTime, decimal(step));
+  if (cycle_ms > 0) data.text(DCM_NominalInterval, std::to_string(std::lround(cycle_ms)));
+  data.text(DCM_FrameTime, decimal(step_ms));
+  for (std::size_t g = 0; g < gates; ++g)
+    data.add(DCM_TimeSlotInformationSequence).text(DCM_TimeSlotTime, decimal(step_ms));
+}
+
+double step_of(const Study& study) {
+  if (study.cycle_ms > 0) return study.cycle_ms / static_cast<double>(study.gates.size());
+  return study.time_ms.size() > 1 ? study.time_ms[1] - study.time_ms[0] : 0;
+}
+
+/// Head first, as rows are stored.
+std::vector<Uint16> pixels_of(const Projections& p, double scale, const std::string& where) {
+  std::vector<Uint16> pixels;
+  const auto size = static_cast<std::size_t>(p.size);
+  for (const std::vector<float>& gate : p.gates)
+    for (std::size_t v = 0; v < p.views(); ++v)
+      for (std::size_t row = size; row-- > 0;)
+        for (std::size_t column = 0; column < size; ++column)
+          pixels.push_back(scaled_count(gate[v * p.bins() + row * size + column], scale, where));
+  return pixels;
+}
+
+void put_views(Item& root, const Projections& p) {
+  const std::size_t views = p.views(), frames = p.gates.size() * views;
+  std::vector<Uint16> ones(frames, 1), slot, view;
+  for (std::size_t n = 0; n < frames; ++n) {
+    slot.push_back(static_cast<Uint16>(n / views + 1));
+    view.push_back(static_cast<Uint16>(n % views + 1));
+  }
+  std::vector<DcmTagKey> order{DCM_EnergyWindowVector, DCM_DetectorVector, DCM_RotationVector};
+  for (const DcmTagKey& tag : order) root.numbers(tag, ones);
+  if (p.gates.size() > 1) {
+    order.insert(order.end(), {DCM_RRIntervalVector, DCM_TimeSlotVector});
+    root.numbers(DCM_RRIntervalVector, ones);
+    root.number(DCM_NumberOfRRIntervals, 1);
+    root.numbers(DCM_TimeSlotVector, slot);
+    root.number(DCM_NumberOfTimeSlots, static_cast<int>(p.gates.size()));
+  }
+  order.push_back(DCM_AngularViewVector);
+  root.numbers(DCM_AngularViewVector, view);
+  root.tags(DCM_FrameIncrementPointer, order);
+}
+
+/// DICOM counts angles from the patient's back towards his left (C.8.4.11): 180 degrees less ours, which fall as ours
+/// rise.
+void put_rotation(Item& root, const Projections& p) {
+  const double step = p.views() > 1 ? p.angle_deg[1] - p.angle_deg[0] : 0;
+  const double start = std::fmod(std::fmod(180 - p.angle_deg[0], 360.0) + 360, 360.0);
+  Item rotation = root.add(DCM_RotationInformationSequence);
+  rotation.text(DCM_StartAngle, decimal(start));
+  rotation.text(DCM_AngularStep, decimal(std::abs(step)));
+  rotation.text(DCM_RotationDirection, step < 0 ? "CC" : "CW");
+  rotation.text(DCM_ScanArc, decimal(std::abs(step) * static_cast<double>(p.views())));
+  rotation.text(DCM_ActualFrameDuration, "1000");
+  std::string radii;
+  for (const double radius : p.radius_mm) radii += (radii.empty() ? "" : "\\") + decimal(radius);
+  rotation.text(DCM_RadialPosition, radii);
+  rotation.number(DCM_NumberOfFramesInRotation, static_cast<int>(p.views()));
+}
+
+/// The camera where it starts: its rows run to the patient's left when it stands in front of him.
+void put_camera(Item& root, const Projections& p) {
+  const double angle = p.angle_deg[0] * (M_PI / 180), half = 0.5 * (p.size - 1) * p.bin_mm;
+  const Vec3 across{own::cos(angle), own::sin(angle), 0}, towards{own::sin(angle), -own::cos(angle), 0};
+  const Vec3 corner = p.centre - half * across + Vec3(0, 0, half) + p.radius_mm[0] * towards;
+  root.number(DCM_NumberOfDetectors, 1);
+  Item detector = root.add(DCM_DetectorInformationSequence);
+  detector.text(DCM_CollimatorType, "PARA");
+  detector.text(DCM_FocalDistance, "0");
+  detector.text(DCM_ImagePositionPatient, decimals({corner[0], corner[1], corner[2]}));
+  detector.text(DCM_ImageOrientationPatient, decimals({across[0], across[1], 0, 0, 0, -1}));
 }
 
 }  // namespace
@@ -184,7 +268,35 @@ void write_dicom(const Study& study, const std::filesystem::path& path, const Di
   put_identity(root, UidMaker(study, pixels, options), options);
   put_image(root, study);
   put_detector(root, study);
-  put_acquisition(root, study);
+  put_acquisition(root);
+  root.empty_sequence(DCM_RotationInformationSequence);
+  put_gates(root, study.gates.size(), study.time_ms.empty() ? 0 : study.time_ms.front(), step_of(study),
+            study.cycle_ms);
+  root.pixels(pixels);
+
+  write_file(path, dicom::bytes_of(file, where));
+}
+
+void write_projections(const Projections& p, const std::filesystem::path& path, const DicomWriteOptions& options) {
+  const std::string where = path.string();
+  if (p.gates.empty() || p.views() == 0) throw InputError(where + ": cannot write projections without a view");
+  if (p.gates.size() * p.views() > 32767)
+    throw InputError(where + ": has more frames than DICOM's frame vectors hold (32767)");
+  const std::vector<Uint16> pixels = pixels_of(p, options.counts_scale, where);
+  const bool is_gated = p.gates.size() > 1;
+
+  DcmFileFormat file;
+  Item root(*file.getDataset());
+  put_identity(root, UidMaker(p, pixels, options), options);
+  root.text(DCM_ImageType, is_gated ? "ORIGINAL\\PRIMARY\\GATED TOMO\\EMISSION" : "ORIGINAL\\PRIMARY\\TOMO\\EMISSION");
+  put_pixel_format(root, p.gates.size() * p.views(), p.size, p.size);
+  root.text(DCM_PixelSpacing, decimals({p.bin_mm, p.bin_mm}));
+  put_views(root, p);
+  put_camera(root, p);
+  put_acquisition(root);
+  put_rotation(root, p);
+  const double step = is_gated ? p.cycle_ms / static_cast<double>(p.gates.size()) : 0;
+  put_gates(root, p.gates.size(), 0, step, p.cycle_ms);
   root.pixels(pixels);
 
   write_file(path, dicom::bytes_of(file, where));

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "dynasurf/core/projections.hpp"
 #include "dynasurf/core/study.hpp"
 
 namespace dynasurf {
@@ -47,5 +48,10 @@ struct DicomWriteOptions {
 };
 /// NM image, RECON GATED TOMO (several gates) or RECON TOMO (one), explicit VR little endian, clean in dciodvfy.
 void write_dicom(const Study& study, const std::filesystem::path& path, const DicomWriteOptions& options = {});
+
+/// NM image, GATED TOMO (several gates) or TOMO (one): gates, then views, each with the head at the top. Radii stand
+/// per view. As `write_dicom` otherwise.
+void write_projections(const Projections& projections, const std::filesystem::path& path,
+                       const DicomWriteOptions& options = {});
 
 }  // namespace dynasurf

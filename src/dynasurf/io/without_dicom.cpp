@@ -23,6 +23,9 @@ std::vector<std::pair<std::string, std::string>> dicom_facts(const std::filesyst
 }
 
 void write_dicom(const Study&, const std::filesystem::path& path, const DicomWriteOptions&) { refuse(path); }
+void write_projections(const Projections&, const std::filesystem::path& path, const DicomWriteOptions&) {
+  refuse(path);
+}
 DicomSubject read_dicom_subject(const std::filesystem::path& study, const std::string&) { refuse(study); }
 DicomSubject nameless_subject(const Sha256&, const std::string&, const std::string&) { return {}; }
 DicomInstance instance_of(const DicomResult&, const DicomObject&, const std::string&) { return {}; }

@@ -23,6 +23,7 @@ Image blurred_on(const Image& image, double from_fwhm, double to_fwhm) {
 }  // namespace
 
 double width_factor(const Irregularity& o, const Vec3& p, double base_z) {
+  if (o.walls == 0) return 1;
   const double u = height_of(p, base_z), angle = own::atan2(p[1], p[0]);
   const double septum = std::max(0.0, -own::cos(angle));  // towards -x
   const double shape = -1.2 * septum * septum * own::sin(M_PI * u) + 0.6 * own::cos(2 * angle - 1) +
@@ -31,6 +32,7 @@ double width_factor(const Irregularity& o, const Vec3& p, double base_z) {
 }
 
 double outer_width_factor(const Irregularity& o, const Vec3& p, double base_z) {
+  if (o.walls == 0) return 1;
   const double u = height_of(p, base_z), angle = own::atan2(p[1], p[0]);
   const double thickness = own::cos(angle + 2) + 0.7 * own::cos(3 * angle - 4 * u) + 0.6 * own::cos(6 * u);
   return width_factor(o, p, base_z) * (1 + 0.025 * o.walls * std::sqrt(u) * thickness);

@@ -1,6 +1,10 @@
 #include "dynasurf/synthetic/detail/torso.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+
+#include "dynasurf/core/detail/elementary.hpp"
 
 namespace dynasurf {
 namespace {
@@ -34,10 +38,22 @@ bool holds(const TrunkPart& organ, const Vec3& p) {
   return (p - organ.middle).cwiseQuotient(organ.half).squaredNorm() <= 1;
 }
 
-bool in_body(const Vec3& p) {
-  const double x = (p[0] + 45) / 175, y = (p[1] - 35) / 125;
-  return x * x + y * y <= 1;
-}
+/// An ellipse that runs along the body, mm.
+struct Trunk {
+  double x = 0, y = 0, half_x = 1, half_y = 1;
+  bool holds(const Vec3& p) const {
+    const double u = (p[0] - x) / half_x, v = (p[1] - y) / half_y;
+    return u * u + v * v <= 1;
+  }
+  /// How far it reaches into a direction from the heart.
+  double reach(double dx, double dy) const {
+    return x * dx + y * dy + std::sqrt(half_x * half_x * dx * dx + half_y * half_y * dy * dy);
+  }
+};
+constexpr Trunk body{-45, 35, 175, 125}, spine{-45, 122, 19, 17};
+constexpr std::array<Trunk, 2> arms{{{-45 + 162, 35, 40, 45}, {-45 - 162, 35, 40, 45}}};
+
+bool in_body(const Vec3& p) { return body.holds(p); }
 
 }  // namespace
 
@@ -46,6 +62,27 @@ double torso_activity(const Torso& torso, double background, const Vec3& from_he
   for (const TrunkPart& organ : organs())
     if (holds(organ, from_heart)) return torso.*organ.activity;
   return background;
+}
+
+double torso_attenuation(bool arms_down, const Vec3& p) {
+  // Of 140 keV: lung of a third of the density of water; vertebrae, marrow and bone together.
+  constexpr double lung = 0.005, bone = 0.020;
+  if (!in_body(p)) {
+    const bool in_arm = arms_down && std::any_of(arms.begin(), arms.end(), [&](const Trunk& a) { return a.holds(p); });
+    return in_arm ? soft_tissue_per_mm : 0;
+  }
+  if (spine.holds(p)) return bone;
+  for (const TrunkPart& organ : organs())
+    if (holds(organ, p)) return organ.activity == &Torso::lung ? lung : soft_tissue_per_mm;
+  return soft_tissue_per_mm;
+}
+
+double torso_reach_mm(bool arms_down, double angle, const Vec3& heart) {
+  const double dx = own::sin(angle), dy = -own::cos(angle);
+  double reach = body.reach(dx, dy);
+  if (arms_down)
+    for (const Trunk& arm : arms) reach = std::max(reach, arm.reach(dx, dy));
+  return reach + heart[0] * dx + heart[1] * dy;
 }
 
 }  // namespace dynasurf

@@ -1,0 +1,268 @@
+#include "dynasurf/synthetic/detail/projector.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/synthetic/detail/render.hpp"
+
+namespace dynasurf {
+namespace {
+
+std::size_t at(int row, int n) { return static_cast<std::size_t>(row) * static_cast<std::size_t>(n); }
+
+/// The four columns around a point of the rotated lattice, and their weights.
+struct Taps {
+  std::array<int, 4> column{-1, -1, -1, -1};
+  std::array<float, 4> weight{};
+};
+
+/// Lies at `a` bins across and depth `b`: p = s (cos, sin) + t (sin, -cos) with t towards the camera.
+Taps taps_at(const ViewModel& view, int a, int b) {
+  const double middle = (view.n - 1) / 2.0, s = a - middle, t = middle - b;
+  const double x = middle + s * view.cos + t * view.sin, y = middle + s * view.sin - t * view.cos;
+  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+  const double fx = x - x0, fy = y - y0;
+  Taps taps;
+  for (int c = 0; c < 4; ++c) {
+    const int cx = x0 + c % 2, cy = y0 + c / 2;
+    if (cx < 0 || cy < 0 || cx >= view.n || cy >= view.n) continue;
+    taps.column[c] = cy * view.n + cx;
+    taps.weight[c] = static_cast<float>((c % 2 ? fx : 1 - fx) * (c / 2 ? fy : 1 - fy));
+  }
+  return taps;
+}
+
+/// One plane of the rotated volume. Returns false when it is empty.
+bool rotate_plane(const ViewModel& view, const Columns& volume, int b, float* plane) {
+  const int n = view.n;
+  bool any = false;
+  for (int a = 0; a < n; ++a) {
+    float* row = plane + at(a, n);
+    std::fill_n(row, n, 0.0F);
+    const Taps taps = taps_at(view, a, b);
+    for (int c = 0; c < 4; ++c) {
+      if (taps.column[c] < 0 || taps.weight[c] == 0) continue;
+      if (!volume.is_empty.empty() && volume.is_empty[taps.column[c]]) continue;
+      const float* column = volume.values.data() + at(taps.column[c], n);
+      const float w = taps.weight[c];
+      for (int z = 0; z < n; ++z) row[z] += w * column[z];
+      any = true;
+    }
+  }
+  return any;
+}
+
+void add_plane(const ViewModel& view, const float* plane, int b, Columns& sum) {
+  const int n = view.n;
+  for (int a = 0; a < n; ++a) {
+    const Taps taps = taps_at(view, a, b);
+    for (int c = 0; c < 4; ++c) {
+      if (taps.column[c] < 0 || taps.weight[c] == 0) continue;
+      float* column = sum.values.data() + at(taps.column[c], n);
+      const float w = taps.weight[c];
+      const float* row = plane + at(a, n);
+      for (int z = 0; z < n; ++z) column[z] += w * row[z];
+    }
+  }
+}
+
+/// (w, 1 - 2w, w) over the rows of a square: its variance is 2 w. What leaves the camera is lost.
+void blur_across(const float* from, float* to, int n, float w) {
+  const float middle = 1 - 2 * w;
+  const std::vector<float> nothing(static_cast<std::size_t>(n), 0.0F);
+  for (int a = 0; a < n; ++a) {
+    const float* here = from + at(a, n);
+    const float* left = a > 0 ? here - n : nothing.data();
+    const float* right = a + 1 < n ? here + n : nothing.data();
+    float* out = to + at(a, n);
+    for (int z = 0; z < n; ++z) out[z] = middle * here[z] + w * (left[z] + right[z]);
+  }
+}
+
+void blur_along(const float* from, float* to, int n, float w) {
+  const float middle = 1 - 2 * w;
+  for (int a = 0; a < n; ++a) {
+    const float* in = from + at(a, n);
+    float* out = to + at(a, n);
+    out[0] = middle * in[0] + w * in[1];
+    for (int z = 1; z + 1 < n; ++z) out[z] = middle * in[z] + w * (in[z - 1] + in[z + 1]);
+    out[n - 1] = middle * in[n - 1] + w * in[n - 2];
+  }
+}
+
+/// Kernels of three bins that are used again and again keep the variance exact and become Gaussian.
+void blur_square(float* square, float* spare, int n, double across, double along) {
+  constexpr double most_at_once = 0.5;
+  const int passes = static_cast<int>(std::ceil(std::max(across, along) / most_at_once));
+  for (int p = 0; p < passes; ++p) {
+    blur_across(square, spare, n, static_cast<float>(across / (2 * passes)));
+    blur_along(spare, square, n, static_cast<float>(along / (2 * passes)));
+  }
+}
+
+/// Convolves lines of `count` values, `stride` apart, with (1 - q) / (1 + q) q^|n|, over `width` neighbouring lines.
+void spread_line(float* line, int count, std::size_t stride, int width, float q) {
+  const float scale = (1 - q) / (1 + q);
+  std::vector<float> before(at(count, width), 0.0F), after(static_cast<std::size_t>(width), 0.0F);
+  for (int i = 1; i < count; ++i)
+    for (int w = 0; w < width; ++w)
+      before[at(i, width) + w] = q * (before[at(i - 1, width) + w] + line[(i - 1) * stride + w]);
+  for (int i = count - 1; i >= 0; --i)
+    for (int w = 0; w < width; ++w) {
+      const float here = line[i * stride + w];
+      line[i * stride + w] = scale * (here + before[at(i, width) + w] + after[w]);
+      after[w] = q * (after[w] + here);
+    }
+}
+
+void spread_scatter(std::vector<float>& square, int n, double share) {
+  const auto q = static_cast<float>(share);
+  spread_line(square.data(), n, static_cast<std::size_t>(n), n, q);
+  for (int a = 0; a < n; ++a) spread_line(square.data() + at(a, n), n, 1, 1, q);
+}
+
+/// (1 - exp(-x)) / x by its series: the mean of exp over a voxel that x attenuates. For x up to 1 within 1e-6. Made of
+/// sums and products, so that it is fast and the same everywhere.
+float mean_transmission(float x) {
+  constexpr float parts[] = {1.0F / 2, 1.0F / 3, 1.0F / 4, 1.0F / 5, 1.0F / 6, 1.0F / 7, 1.0F / 8, 1.0F / 9};
+  float sum = 0;
+  for (int k = 7; k >= 0; --k) sum = (1 + sum) * (-x * parts[k]);
+  return 1 + sum;
+}
+
+void attenuate(ViewModel& view, const ViewSettings& s) {
+  const int n = view.n;
+  const std::size_t plane = at(n, n);
+  view.transmission.resize(plane * static_cast<std::size_t>(n));
+  if (s.scatter > 0) view.buildup.resize(view.transmission.size());
+  std::vector<float> left(plane, 1.0F), path(plane, 0.0F), here(plane);
+  const auto step = static_cast<float>(s.voxel_mm), scatter = static_cast<float>(s.scatter);
+  for (int b = 0; b < n; ++b) {
+    rotate_plane(view, *s.attenuation, b, here.data());
+    float* through = view.transmission.data() + plane * static_cast<std::size_t>(b);
+    for (std::size_t v = 0; v < plane; ++v) {
+      const float x = here[v] * step, mean = mean_transmission(x);
+      through[v] = left[v] * mean;
+      left[v] *= 1 - x * mean;  // exp(-x)
+      if (s.scatter > 0) {
+        view.buildup[plane * static_cast<std::size_t>(b) + v] = scatter * (path[v] + x / 2) * through[v];
+        path[v] += x;
+      }
+    }
+  }
+}
+
+void widen(ViewModel& view, const ViewSettings& s) {
+  const int n = view.n;
+  const auto variance = [&](int b, double taken) {
+    const double t = ((n - 1) / 2.0 - b) * s.voxel_mm, distance = std::max(0.0, s.radius_mm - t);
+    const CameraResponse& r = *s.response;
+    const double aperture = r.aperture_mm + r.growth * distance;
+    const double sigma = sigma_of_fwhm(std::sqrt(r.intrinsic_mm * r.intrinsic_mm + aperture * aperture)) / s.voxel_mm;
+    return std::max(0.0, sigma * sigma - taken);
+  };
+  // Linear interpolation on a rotated lattice has a variance of 1/6 voxel² already, in every direction; at quarter
+  // turns the lattices are one.
+  const double of_rotation = std::abs(view.cos * view.sin) < 1e-9 ? 0 : 1.0 / 6;
+  for (int b = 0; b + 1 < n; ++b) {
+    view.across_steps.push_back(variance(b + 1, of_rotation) - variance(b, of_rotation));
+    view.along_steps.push_back(variance(b + 1, 0) - variance(b, 0));
+  }
+  view.across_steps.insert(view.across_steps.begin(), variance(0, of_rotation));
+  view.along_steps.insert(view.along_steps.begin(), variance(0, 0));
+}
+
+}  // namespace
+
+Columns columns_of(const Image& image) {
+  const int n = image.grid.dims[0];
+  Columns columns(n);
+  columns.is_empty.assign(at(n, n), 1);
+  for (int k = 0; k < n; ++k)
+    for (int c = 0; c < n * n; ++c) {
+      const float value = image.values[at(k, n * n) + static_cast<std::size_t>(c)];
+      columns.values[at(c, n) + static_cast<std::size_t>(k)] = value;
+      if (value != 0) columns.is_empty[c] = 0;
+    }
+  return columns;
+}
+
+Image image_of(const Columns& columns, const Grid& grid) {
+  const int n = columns.n;
+  Image image(grid);
+  for (int k = 0; k < n; ++k)
+    for (int c = 0; c < n * n; ++c)
+      image.values[at(k, n * n) + static_cast<std::size_t>(c)] = columns.values[at(c, n) + static_cast<std::size_t>(k)];
+  return image;
+}
+
+ViewModel make_view(int n, const ViewSettings& settings) {
+  ViewModel view;
+  view.n = n;
+  const double angle = settings.angle_deg * (M_PI / 180);
+  view.cos = own::cos(angle), view.sin = own::sin(angle);
+  if (settings.attenuation != nullptr) attenuate(view, settings);
+  if (settings.response != nullptr) widen(view, settings);
+  view.scatter_share = own::exp(-settings.scatter_slope_per_mm * settings.voxel_mm);
+  return view;
+}
+
+void project_view(const ViewModel& view, const Columns& activity, std::span<float> bins, std::span<float> scattered) {
+  const int n = view.n;
+  const std::size_t square = at(n, n);
+  std::vector<float> sum(square, 0.0F), plane(square), spare(square), aside;
+  if (!view.buildup.empty() && !scattered.empty()) aside.assign(square, 0.0F);
+  bool any = false;
+  for (int b = n - 1; b >= 0; --b) {
+    if (rotate_plane(view, activity, b, plane.data())) {
+      any = true;
+      const float* through =
+          view.transmission.empty() ? nullptr : &view.transmission[square * static_cast<std::size_t>(b)];
+      for (std::size_t v = 0; v < square; ++v) sum[v] += through != nullptr ? through[v] * plane[v] : plane[v];
+      if (!aside.empty()) {
+        const float* buildup = &view.buildup[square * static_cast<std::size_t>(b)];
+        for (std::size_t v = 0; v < square; ++v) aside[v] += buildup[v] * plane[v];
+      }
+    }
+    if (any && !view.across_steps.empty())
+      blur_square(sum.data(), spare.data(), n, view.across_steps[b], view.along_steps[b]);
+  }
+  for (std::size_t v = 0; v < square; ++v) bins[v] += sum[v];
+  if (aside.empty() || !any) return;
+  spread_scatter(aside, n, view.scatter_share);
+  for (std::size_t v = 0; v < square; ++v) scattered[v] += aside[v];
+}
+
+void back_project_view(const ViewModel& view, std::span<const float> bins, Columns& sum) {
+  const int n = view.n;
+  const std::size_t square = at(n, n);
+  std::vector<float> here(bins.begin(), bins.end()), plane(square), spare(square);
+  for (int b = 0; b < n; ++b) {
+    if (!view.across_steps.empty())
+      blur_square(here.data(), spare.data(), n, view.across_steps[b], view.along_steps[b]);
+    if (view.transmission.empty()) {
+      add_plane(view, here.data(), b, sum);
+      continue;
+    }
+    const float* through = &view.transmission[square * static_cast<std::size_t>(b)];
+    for (std::size_t v = 0; v < square; ++v) plane[v] = through[v] * here[v];
+    add_plane(view, plane.data(), b, sum);
+  }
+}
+
+void widen_square(std::span<float> square, int n, double across, double along) {
+  std::vector<float> spare(square.size());
+  blur_square(square.data(), spare.data(), n, across, along);
+}
+
+std::vector<float> transposed(std::span<const float> square, int n) {
+  std::vector<float> result(square.size());
+  for (int a = 0; a < n; ++a)
+    for (int z = 0; z < n; ++z)
+      result[at(z, n) + static_cast<std::size_t>(a)] = square[at(a, n) + static_cast<std::size_t>(z)];
+  return result;
+}
+
+}  // namespace dynasurf
