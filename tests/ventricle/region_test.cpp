@@ -88,8 +88,9 @@ TEST(FindBorders, LooksAtNothingOutsideAMask) {
   const Mask region = region_on(mask, masked.study.grid());
   for (std::size_t n = 0; n < region.values.size(); ++n)
     EXPECT_FALSE(masked.gates[0].edges.edges.values[n] != 0 && region.values[n] == 0);
-  // The neighbour lifts the thresholds above most edges of the wall; under the mask they are its own.
-  EXPECT_LT(endo_voxels(beside), 0.5 * endo_voxels(alone));
+  // Cut to the brightness of a wall, the neighbour lifts the thresholds a little; under the mask they are the wall's
+  // own.
+  EXPECT_GT(endo_voxels(beside), 0.85 * endo_voxels(alone));
   EXPECT_NEAR(endo_voxels(masked), endo_voxels(alone), 0.05 * endo_voxels(alone));
 }
 
