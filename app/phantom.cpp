@@ -25,6 +25,7 @@
 #include "command.hpp"
 #include "console.hpp"
 #include "out_argument.hpp"
+#include "result_job.hpp"
 #include "true_walls.hpp"
 #include "version.hpp"
 
@@ -232,7 +233,9 @@ Json truth_of(const CameraStudy& made, const CameraPhantom& options) {
 ExitCode make_acquisition(const Arguments& arguments, std::stop_token stop) {
   const CameraPhantom options = camera_options_of(arguments);
   OutputFolder folder(arguments.out.path, arguments.out.existing());
-  const CameraStudy made = make_camera_study(options);
+  CameraStudy made;
+  run_with_progress(arguments.quiet, stop,
+                    [&](const Progress& progress) { made = make_camera_study(options, progress); });
   const fs::path to = folder.path();
   DicomWriteOptions counts;
   counts.series_description = "Dynasurf projections";

@@ -148,6 +148,7 @@ def commands():
         "borders": (["borders", big_study() / "study.dcm", "--quiet"], "sheets"),
         "phantom": (["phantom", "patient", "--set", "gates=64", "--quiet"], "phantom"),
         "phantom cloud": (["phantom", "cloud", "--set", "points=3000000", "--quiet"], "phantom"),
+        "phantom camera": (["phantom", "camera", "--quiet"], "phantom"),
         "organ": (["organ", big_study() / "study.dcm"], "organ"),
         "motion": (["motion", many_points(), "--apex", "0,0,-45", "--base", "0,0,45", "--quiet"], "motion"),
         "compare": (["compare", small_result(), small_result()], "both"),

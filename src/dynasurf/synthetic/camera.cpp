@@ -114,19 +114,27 @@ Study study_of(std::vector<Image> gates, const Phantom& patient, View view, Slic
 
 }  // namespace
 
-CameraStudy make_camera_study(const CameraPhantom& options) {
+CameraStudy make_camera_study(const CameraPhantom& options, const Progress& progress) {
+  int stages = 0;
+  const auto next_stage = [&](std::string_view stage) {
+    progress.check();
+    progress(stage, stages++, 3);
+  };
   CameraPhantom o = options;
   check_options(o, std::string(CameraPhantom::name));
   const std::vector<double> radius = radii_of(o);
   const Grid fine = activity_grid(o.acquisition, Vec3(0, 0, heart_place()[2]));
   CameraStudy made;
+  next_stage("patient");
   made.truth = patient_on(o, fine);
   made.truth.kind = CameraPhantom::name;
   const Image map = attenuation_on(o, made.truth, fine);
+  next_stage("views");
   made.projections = acquire(made.truth.study.gates, map, radius, o.acquisition, o.seed);
   made.projections.cycle_ms = made.truth.study.cycle_ms;
   // The mean over the fine voxels of a coarse one is an interpolation at their common corner for 2, else near enough.
   made.attenuation = cut_out(map, transaxial_grid(made.projections));
+  next_stage("slices");
   std::vector<Image> gates = reconstruct_views(made.projections, &made.attenuation, o.reconstruction);
   const Grid cut = short_axis_grid(o.reorientation, made.truth, o.acquisition.bin_mm);
   std::vector<Image> turned;

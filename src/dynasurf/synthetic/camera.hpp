@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "dynasurf/core/progress.hpp"
 #include "dynasurf/core/projections.hpp"
 #include "dynasurf/core/study.hpp"
 #include "dynasurf/synthetic/camera_options.hpp"
@@ -61,7 +62,7 @@ struct CameraStudy {
   Study transaxial, short_axis;  // voxels below 0 are set to 0, as files hold them
 };
 
-/// Makes all of it. The same options give the same bytes for any number of threads. Throws OptionError.
-CameraStudy make_camera_study(const CameraPhantom& options);
+/// Makes all of it. The same options give the same bytes for any number of threads. Throws OptionError, Cancelled.
+CameraStudy make_camera_study(const CameraPhantom& options, const Progress& progress = {});
 
 }  // namespace dynasurf
