@@ -46,7 +46,7 @@ struct DicomWriteOptions {
   double counts_scale = 1;     // stored value = value * counts_scale, rounded; must fit 16 unsigned bits
   std::uint64_t uid_seed = 0;  // UIDs are derived from it and from the content: the same study gives the same bytes
 };
-/// NM image, RECON GATED TOMO (several gates) or RECON TOMO (one), explicit VR little endian, clean in dciodvfy.
+/// NM image, RECON GATED TOMO (several gates) or RECON TOMO (one), explicit VR little endian.
 void write_dicom(const Study& study, const std::filesystem::path& path, const DicomWriteOptions& options = {});
 
 /// NM image, GATED TOMO (several gates) or TOMO (one): gates, then views, each with the head at the top. Radii stand
