@@ -1,48 +1,15 @@
 #include "dynasurf/synthetic/detail/plane_filter.hpp"
 
 #include <cmath>
-#include <utility>
 
 #include "dynasurf/core/detail/elementary.hpp"
 
 namespace dynasurf {
-namespace {
-
-struct Complex {
-  double re = 0, im = 0;
-};
-
-/// The fast Fourier transform of Cooley and Tukey in place; `sign` -1 forwards, 1 backwards, without a factor.
-void transform(const PlaneFilter& f, std::vector<Complex>& line, int sign) {
-  const int n = f.size;
-  for (int i = 1, j = 0; i < n; ++i) {
-    int bit = n >> 1;
-    for (; (j & bit) != 0; bit >>= 1) j ^= bit;
-    j ^= bit;
-    if (i < j) std::swap(line[i], line[j]);
-  }
-  for (int half = 1; half < n; half *= 2)
-    for (int start = 0; start < n; start += 2 * half)
-      for (int k = 0; k < half; ++k) {
-        const double c = f.cosine[k * (n / (2 * half))], s = sign * f.sine[k * (n / (2 * half))];
-        Complex &a = line[start + k], &b = line[start + k + half];
-        const Complex turned{b.re * c - b.im * s, b.re * s + b.im * c};
-        b = {a.re - turned.re, a.im - turned.im};
-        a = {a.re + turned.re, a.im + turned.im};
-      }
-}
-
-}  // namespace
-
 PlaneFilter make_plane_filter(int n, const std::function<double(int k, int l, int size)>& response) {
   PlaneFilter f;
   f.n = n;
-  f.size = 1;
-  while (f.size < 2 * n) f.size *= 2;
-  for (int k = 0; k < f.size; ++k) {
-    f.cosine.push_back(own::cos(2 * M_PI * k / f.size));
-    f.sine.push_back(own::sin(2 * M_PI * k / f.size));
-  }
+  f.size = power_of_two(2 * n);
+  f.table = make_fourier_table(f.size);
   const auto signed_of = [&](int k) { return k < f.size / 2 ? k : k - f.size; };
   for (int k = 0; k < f.size; ++k)
     for (int l = 0; l < f.size; ++l) f.response.push_back(response(signed_of(k), signed_of(l), f.size));
@@ -55,20 +22,20 @@ void filter_planes(const PlaneFilter& f, std::span<float> first, std::span<float
   for (std::size_t a = 0; a < n; ++a) {
     for (std::size_t z = 0; z < n; ++z)
       rows[a][z] = {static_cast<double>(first[a * n + z]), static_cast<double>(second[a * n + z])};
-    transform(f, rows[a], -1);
+    transform(f.table, rows[a], -1);
   }
   std::vector<Complex> line(size);
   for (std::size_t l = 0; l < size; ++l) {
     for (std::size_t a = 0; a < size; ++a) line[a] = a < n ? rows[a][l] : Complex{};
-    transform(f, line, -1);
+    transform(f.table, line, -1);
     for (std::size_t k = 0; k < size; ++k)
       line[k].re *= f.response[k * size + l], line[k].im *= f.response[k * size + l];
-    transform(f, line, 1);
+    transform(f.table, line, 1);
     for (std::size_t a = 0; a < n; ++a) rows[a][l] = line[a];
   }
   const double scale = 1 / static_cast<double>(size * size);
   for (std::size_t a = 0; a < n; ++a) {
-    transform(f, rows[a], 1);
+    transform(f.table, rows[a], 1);
     for (std::size_t z = 0; z < n; ++z) {
       first[a * n + z] = static_cast<float>(rows[a][z].re * scale);
       second[a * n + z] = static_cast<float>(rows[a][z].im * scale);

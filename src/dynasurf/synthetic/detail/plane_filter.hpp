@@ -3,6 +3,8 @@
 #include <span>
 #include <vector>
 
+#include "dynasurf/core/detail/fourier.hpp"
+
 // Filters of images that are given by their frequencies. Internal.
 
 namespace dynasurf {
@@ -10,8 +12,8 @@ namespace dynasurf {
 /// Multiplies the spectrum of an n × n image, padded by zeros to `size`, a power of 2.
 struct PlaneFilter {
   int n = 0, size = 0;
-  std::vector<double> response;      // size × size, first axis slowest; even, so that the filtered image is real
-  std::vector<double> cosine, sine;  // of 2 pi k / size
+  std::vector<double> response;  // size × size, first axis slowest; even, so that the filtered image is real
+  FourierTable table;
 };
 
 /// `response(k, l)` at the frequencies k / size and l / size of the first and the second axis, -size / 2 <= k, l <

@@ -12,6 +12,7 @@
 #include "dynasurf/ventricle/fit/detail/extracardiac_sources.hpp"
 #include "dynasurf/ventricle/fit/detail/fitted_mesh.hpp"
 #include "dynasurf/ventricle/fit/detail/harmonics.hpp"
+#include "dynasurf/ventricle/fit/detail/reconstruction_filter.hpp"
 #include "dynasurf/ventricle/locate.hpp"
 
 namespace dynasurf {
@@ -102,6 +103,58 @@ CellLattice lattice_around(const Box& box, const Pixels& pixels, double sigma_mm
   lattice.edge_mm = 0.5 * lattice.step.maxCoeff();
   if (sigma_mm > 0) lattice.edge_mm = std::min(lattice.edge_mm, 0.5 * sigma_mm);
   return lattice;
+}
+
+/// Width (mm) of the point spread before the reconstruction's filter: of the collimator, the bins and the cut into
+/// slices. Where the whole is given, it is freed of the Gaussian that lets half of the same frequency through.
+double width_before(const ReconstructionFilter& filter, const BlurFit& options) {
+  constexpr double usual_mm = 11;
+  if (!options.fwhm_mm) return usual_mm;
+  const double whole = *options.fwhm_mm;
+  const double half_at = filter.cutoff_per_mm * own::pow(3, 0.5 / filter.order);
+  const double of_filter = sigmas_per_fwhm * std::sqrt(2 * own::log(2)) / (2 * M_PI * half_at);
+  return std::sqrt(std::max(whole * whole - of_filter * of_filter, 0.25 * whole * whole));
+}
+
+/// A study whose reconstruction left a Butterworth filter in it, with a Gaussian one in its place, and how wide the
+/// point spread is then.
+struct Refiltered {
+  Study study;
+  Blur blur;
+  std::string note;
+};
+std::optional<Refiltered> without_lobes(const Study& study, const PlacedStart& start, const Blur& blur,
+                                        const BlurFit& options) {
+  if (blur.fwhm_mm <= 0) return std::nullopt;
+  std::optional<ReconstructionFilter> filter;
+  if (!options.butterworth_per_cm)
+    filter = filter_in_noise(study);
+  else if (*options.butterworth_per_cm > 0)
+    filter = ReconstructionFilter{*options.butterworth_per_cm / 10, options.butterworth_order};
+  if (!filter) return std::nullopt;
+  const double sigma_mm = gaussian_in_place_of(*filter), fwhm_mm = sigmas_per_fwhm * sigma_mm;
+  const Box heart = box_of(start.epi);
+  VoxelBox around;
+  const Grid& grid = study.grid();
+  for (int a = 0; a < 3; ++a) {
+    const double room = 2.5 * fwhm_mm + 10;
+    const auto axis = static_cast<std::size_t>(a);
+    around.first[axis] = std::max(0, static_cast<int>(std::floor((heart.low[a] - room) / grid.spacing[a])));
+    const int last =
+        std::min(grid.dims[axis] - 1, static_cast<int>(std::ceil((heart.high[a] + room) / grid.spacing[a])));
+    around.count[axis] = std::max(1, last - around.first[axis] + 1);
+  }
+  Refiltered refiltered{with_gaussian_filter(study, *filter, sigma_mm, around), blur, {}};
+  refiltered.blur.fwhm_mm = own::hypot(width_before(*filter, options), fwhm_mm);
+  refiltered.blur.uncertainty = options.fwhm_mm ? std::max(blur.uncertainty, 0.07) : 0.15;
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      "%s a Butterworth filter of order %.0f, cutoff %.2f cycles/cm; it was exchanged for a Gaussian of %.1f mm",
+      options.butterworth_per_cm ? "the study was reconstructed with" : "the noise shows", filter->order,
+      10 * filter->cutoff_per_mm, fwhm_mm);
+  refiltered.note = text;
+  return refiltered;
 }
 
 /// The outermost of a wall over the beat, as harmonics of log q.
@@ -234,8 +287,8 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
   return s;
 }
 
-/// Weights that trust pixels beside the heart less where the time's mean of what is left says that something else is
-/// there.
+/// Weights that trust pixels beside the heart less where the time's mean of what is left is large: there is something
+/// else, or noise. Too dark ones are trusted as little as too bright ones, else noise would make the surroundings dark.
 void reweight_outliers(BeatProblem& problem, const std::vector<float>& first_weight, const std::vector<Place>& places,
                        const Objective& objective) {
   for (std::size_t n = 0; n < problem.weight.size(); ++n) {
@@ -244,7 +297,7 @@ void reweight_outliers(BeatProblem& problem, const std::vector<float>& first_wei
     double missing = 0;
     for (const auto& residual : objective.residual)
       missing -= static_cast<double>(residual[n]) / static_cast<double>(objective.residual.size());
-    if (missing > 0) problem.weight[n] /= static_cast<float>(1 + own::pow(missing / usual_rest, 2));
+    problem.weight[n] /= static_cast<float>(1 + own::pow(missing / usual_rest, 2));
   }
 }
 
@@ -308,12 +361,15 @@ double noise_of(const BeatProblem& problem, const Objective& objective) {
 
 }  // namespace
 
-FittedBeat fit_through_blur(const Study& study, const FitStart& start, const BlurFit& requested,
+FittedBeat fit_through_blur(const Study& original, const FitStart& start, const BlurFit& requested,
                             const Progress& progress) {
   BlurFit options = requested;
   check_options(options, "fit");
-  const PlacedStart placed = place_start(start, study.grid());
-  const Blur blur = blur_of(study, options);
+  const PlacedStart placed = place_start(start, original.grid());
+  const Blur as_stored = blur_of(original, options);
+  const std::optional<Refiltered> refiltered = without_lobes(original, placed, as_stored, options);
+  const Study& study = refiltered ? refiltered->study : original;
+  const Blur blur = refiltered ? refiltered->blur : as_stored;
   // Finer harmonics than the blur lets through would only fit noise.
   const double size =
       std::sqrt(placed.frame.scale[0] * placed.frame.scale[2]) / std::max(blur.fwhm_mm / sigmas_per_fwhm, 3.0);
@@ -323,6 +379,7 @@ FittedBeat fit_through_blur(const Study& study, const FitStart& start, const Blu
   BeatProblem& problem = setup.problem;
   Priors beliefs;
   beliefs.width = blur.uncertainty;
+  beliefs.stretch = 0.75 * blur.uncertainty;
 
   const GateLayout layout = make_gate_layout(options.shape_degree, options.wall_degree, options.uptake_degree, 0);
   if (setup.cavity > 0.6) beliefs.cavity_level = setup.cavity, beliefs.cavity = 0.3;
@@ -333,6 +390,7 @@ FittedBeat fit_through_blur(const Study& study, const FitStart& start, const Blu
   problem.layout = make_beat_layout(layout, first, beliefs, unknowns);
   problem.noise = 0.003;
   FittedBeat beat;
+  if (refiltered) beat.notes.push_back({Severity::info, "fit.filter_exchanged", refiltered->note});
   const std::vector<float> first_weight = problem.weight;
   std::vector<bool> beside;
   for (const Place& place : setup.place)
@@ -341,12 +399,13 @@ FittedBeat fit_through_blur(const Study& study, const FitStart& start, const Blu
   std::vector<ExtracardiacSource> blobs;
   solution.unknowns = unknowns;
   // Thick walls in a narrow point spread look much like thin ones in a wide one. Both begin as they are believed to be
-  // and are let go step by step, so that the other numbers settle first.
+  // and are let go step by step, so that the other numbers settle first. Of a filter in the noise the width is known
+  // well enough to be free from the beginning.
   const ThicknessPrior believed = problem.thickness;
   const auto relax_priors = [&](double share) {
     problem.thickness.log_sd = share * believed.log_sd;
     for (const BeatLayout::Term& t : problem.layout.terms[0][static_cast<std::size_t>(layout.width)])
-      problem.layout.spread[t.unknown] = share * beliefs.width;
+      problem.layout.spread[t.unknown] = (refiltered ? 1 : share) * beliefs.width;
     solution.matrix = {};
     solution.damping = 300;
   };

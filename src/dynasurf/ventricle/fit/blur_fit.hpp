@@ -17,6 +17,8 @@ struct BlurFit {
   std::optional<double> fwhm_mm;
   double fwhm_uncertainty = 0.07;
   std::optional<double> filter_fwhm_mm;
+  std::optional<double> butterworth_per_cm;
+  double butterworth_order = 5;
   int shape_degree = 6, wall_degree = 4, uptake_degree = 12;
   double papillary_share = 0.016;
   int most_steps = 60;
@@ -34,6 +36,12 @@ void describe(auto& visit, BlurFit& o) {
             "width of the filter that the reconstruction applied to the voxels, a part of fwhm_mm; it matters where "
             "voxels are coarse; unset: half of the blur",
             "mm", 0, 60});
+  visit("butterworth_per_cm", o.butterworth_per_cm,
+        OptionInfo{"cutoff of the Butterworth filter that the reconstruction applied; 0: there was none; unset: what "
+                   "the noise shows",
+                   "cycles/cm", 0, 5});
+  visit("butterworth_order", o.butterworth_order,
+        OptionInfo{"its order: 1 / sqrt(1 + (f / cutoff)^(2 order)); used where its cutoff is given", "", 0.5, 30});
   visit("shape_degree", o.shape_degree, OptionInfo{"spherical harmonics of the inner wall's shape", "", 2, 12});
   visit("wall_degree", o.wall_degree, OptionInfo{"of the thickness", "", 1, 12});
   visit("uptake_degree", o.uptake_degree, OptionInfo{"of the activity in the wall", "", 0, 12});

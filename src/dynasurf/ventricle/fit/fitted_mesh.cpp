@@ -182,7 +182,7 @@ double unseen_area(const FittedBeat& beat, const TriMesh& endo) {
 /// unseen. That wall is allowed to lie off by some millimetres, and half as much from gate to gate; chosen on the
 /// defects among patients 0 to 144 and 198 to 249 of experiments/unbiased_200.
 void allow_for_unseen_wall(FittedBeat& beat) {
-  constexpr double off_mm = 2.25, beating_mm = off_mm / 2, ml_per_mm3 = 1e-3;
+  constexpr double off_mm = 2.75, beating_mm = off_mm / 2, ml_per_mm3 = 1e-3;
   const auto widen = [](Estimate& e, double by) { e.sd = own::hypot(e.sd, by); };
   const auto unseen = [&](int g) {
     return ml_per_mm3 * unseen_area(beat, beat.gates[static_cast<std::size_t>(g)].endo);

@@ -98,7 +98,7 @@ class WallRays {
 /// the harmonics of all rays that it sees are summed up, so that its line is written once.
 class RayPainter {
  public:
-  RayPainter(const BeatProblem& problem, double sigma_mm, const std::vector<std::size_t>& chosen)
+  RayPainter(const BeatProblem& problem, const Vec3& sigma_mm, const std::vector<std::size_t>& chosen)
       : pixels_(problem.pixels),
         sigma_mm_(sigma_mm),
         edge_mm_(problem.cells.lattice.edge_mm),
@@ -113,8 +113,8 @@ class RayPainter {
     for (std::size_t p = 0; p < seen.size(); ++p) {
       if (ray.by_field[p].isZero(0)) continue;
       for (std::size_t a = 0; a < 3; ++a)
-        seen[p][a] =
-            seen_along(pixels_, static_cast<int>(a), ray.position[p][static_cast<int>(a)], sigma_mm_, edge_mm_);
+        seen[p][a] = seen_along(pixels_, static_cast<int>(a), ray.position[p][static_cast<int>(a)],
+                                sigma_mm_[static_cast<int>(a)], edge_mm_);
       if (!is_seen(seen[p])) continue;
       for (std::size_t a = 0; a < 3; ++a) {
         first[a] = std::min(first[a], seen[p][a].from);
@@ -193,7 +193,8 @@ class RayPainter {
   }
 
   const Pixels& pixels_;
-  double sigma_mm_, edge_mm_;
+  Vec3 sigma_mm_;
+  double edge_mm_;
   std::vector<int> row_of_;           // per pixel; -1: none
   std::vector<Eigen::Vector3f> box_;  // what the pixels around one ray see of it
   std::vector<View> views_;           // in the order of the rays
@@ -210,7 +211,7 @@ struct WholeImage {
 };
 
 std::vector<WholeImage> whole_images(const BeatProblem& problem, const Eigen::VectorXd& gate, const Activity& activity,
-                                     double sigma_mm) {
+                                     const Vec3& sigma_mm) {
   const GateLayout& layout = problem.layout.gate;
   const PsfProjector camera = make_camera(problem.cells.lattice, problem.pixels, sigma_mm, problem.filtered);
   const HeartCells& cells = problem.cells;
@@ -232,7 +233,14 @@ std::vector<WholeImage> whole_images(const BeatProblem& problem, const Eigen::Ve
   add(layout.cavity, [&](std::size_t c) { return activity.below[c] * activity.endo[c]; });
   add(layout.background, [&](std::size_t c) { return -activity.below[c] * activity.epi[c]; });
   for (float& v : images.back().image) v += 1.0F;
-  images.push_back({layout.width, project_wider(camera, activity.cells)});
+  const auto by_widths = project_by_widths(camera, activity.cells);
+  for (int number = 0; number < 3; ++number) {
+    images.push_back({layout.width + number, std::vector<float>(problem.pixels.size(), 0.0F)});
+    for (int axis = 0; axis < 3; ++axis)
+      for (std::size_t n = 0; n < problem.pixels.size(); ++n)
+        images.back().image[n] +=
+            static_cast<float>(log_widths(axis, number)) * by_widths[static_cast<std::size_t>(axis)][n];
+  }
   return images;
 }
 
@@ -262,7 +270,7 @@ detail::AlignedMatrix squares_of_derivatives(const BeatProblem& problem, const E
                                              const Eigen::VectorXd& gate, const Activity& activity,
                                              const std::vector<std::size_t>& chosen) {
   const GateLayout& layout = problem.layout.gate;
-  const double sigma = problem.sigma_mm * own::exp(gate[layout.width]);
+  const Vec3 sigma = point_spread(problem, gate);
   RayPainter painter(problem, sigma, chosen);
   const WallRays walls(problem, gate);
   const double solid_angle = 4 * M_PI / static_cast<double>(rays.direction.size());

@@ -41,8 +41,7 @@ std::vector<Eigen::VectorXd> numbers_of_gates(const BeatLayout& layout, const Ei
 
 /// The width of the point spread is the same in all gates.
 PsfProjector camera_of(const BeatProblem& problem, const std::vector<Eigen::VectorXd>& gates) {
-  return make_camera(problem.cells.lattice, problem.pixels,
-                     problem.sigma_mm * own::exp(gates.front()[problem.layout.gate.width]), problem.filtered);
+  return make_camera(problem.cells.lattice, problem.pixels, point_spread(problem, gates.front()), problem.filtered);
 }
 
 /// Residual times weight over noise.
@@ -109,6 +108,11 @@ Eigen::MatrixXd symmetric(const detail::AlignedMatrix& lower, int count) {
 
 }  // namespace
 
+Vec3 point_spread(const BeatProblem& problem, const Eigen::VectorXd& gate) {
+  const Vec3 logs = log_widths * gate.segment<3>(problem.layout.gate.width);
+  return problem.sigma_mm * Vec3(own::exp(logs[0]), own::exp(logs[1]), own::exp(logs[2]));
+}
+
 Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
   const BeatLayout& layout = problem.layout;
   const auto gates = static_cast<std::size_t>(layout.gates);
@@ -155,7 +159,10 @@ Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::Vect
                            by_wall[static_cast<Eigen::Index>(g)], to_cells, g);
     Eigen::VectorXd& others = to_cells.others[g];
     for (const float w : by_pixel) others[places.background] += static_cast<double>(w);
-    others[places.width] = dot(by_pixel, project_wider(camera, at.activity[g].cells));
+    const auto by_widths = project_by_widths(camera, at.activity[g].cells);
+    others.segment<3>(places.width) =
+        log_widths.transpose() *
+        Vec3(dot(by_pixel, by_widths[0]), dot(by_pixel, by_widths[1]), dot(by_pixel, by_widths[2]));
     for (int b = 0; b < places.blob_count; ++b)
       others[places.blobs + b] = dot(by_pixel, problem.blobs[static_cast<std::size_t>(b)]);
   });

@@ -209,10 +209,10 @@ std::vector<float> join(const Image& image, const Pixels& p) {
   return means;
 }
 
-PsfProjector make_camera(const CellLattice& cells, const Pixels& pixels, double sigma_mm, double filtered) {
+PsfProjector make_camera(const CellLattice& cells, const Pixels& pixels, const Vec3& sigma_mm, double filtered) {
   PsfProjector camera{cells, pixels, {}};
   for (int a = 0; a < 3; ++a)
-    camera.axes[static_cast<std::size_t>(a)] = axis_kernel(cells, pixels, a, sigma_mm, filtered);
+    camera.axes[static_cast<std::size_t>(a)] = axis_kernel(cells, pixels, a, sigma_mm[a], filtered);
   return camera;
 }
 
@@ -226,19 +226,25 @@ std::vector<float> project(const PsfProjector& camera, std::span<const float> ce
   return x;
 }
 
-std::vector<float> project_wider(const PsfProjector& camera, std::span<const float> cells) {
+std::array<std::vector<float>, 3> project_by_widths(const PsfProjector& camera, std::span<const float> cells) {
   const Passes pass{camera.cells.count, camera.pixels.count};
   const auto kernel = [&](std::size_t axis) { return collector(camera.axes[axis], camera.axes[axis].weights); };
-  const auto wider = [&](std::size_t axis) { return collector(camera.axes[axis], camera.axes[axis].by_width); };
-  std::vector<float> z = pass.along_z(), y = pass.along_y(), by_z = z, by_y = y, by_x(camera.pixels.size());
+  const auto by_width = [&](std::size_t axis) { return collector(camera.axes[axis], camera.axes[axis].by_width); };
+  const auto passed_x = [&](const Collector& along_x, const std::vector<float>& in) {
+    std::vector<float> out(camera.pixels.size());
+    pass.x(along_x, in, out);
+    return out;
+  };
+  const auto passed_y = [&](const Collector& along_y, const std::vector<float>& in) {
+    std::vector<float> out = pass.along_y();
+    pass.y(along_y, in, out);
+    return out;
+  };
+  std::vector<float> z = pass.along_z(), by_z = pass.along_z();
   pass.z(kernel(2), cells.data(), z);
-  pass.z(wider(2), cells.data(), by_z);
-  pass.y(kernel(1), z, y);
-  pass.y(kernel(1), by_z, by_y);
-  pass.y(wider(1), z, by_y);
-  pass.x(kernel(0), by_y, by_x);
-  pass.x(wider(0), y, by_x);
-  return by_x;
+  pass.z(by_width(2), cells.data(), by_z);
+  return {passed_x(by_width(0), passed_y(kernel(1), z)), passed_x(kernel(0), passed_y(by_width(1), z)),
+          passed_x(kernel(0), passed_y(kernel(1), by_z))};
 }
 
 std::vector<float> backproject(const PsfProjector& camera, std::span<const float> pixels) {

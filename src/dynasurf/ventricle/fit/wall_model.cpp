@@ -69,7 +69,8 @@ GateLayout make_gate_layout(int endo_degree, int wall_degree, int uptake_degree,
   l.cavity = l.plane + 3;
   l.background = l.cavity + 1;
   l.width = l.background + 1;
-  l.blobs = l.width + 1;
+  l.stretch = l.width + 1;
+  l.blobs = l.stretch + 2;
   l.blob_count = blob_count;
   return l;
 }
@@ -158,6 +159,7 @@ BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::Vec
   build.add(gate.cavity, waves[0], beliefs.cavity_level, beliefs.cavity);
   build.add(gate.background, waves[0], as_it_starts, 1.0);
   if (beliefs.width > 0) build.add(gate.width, waves[0], 0, beliefs.width);
+  for (int n = 0; n < 2 && beliefs.stretch > 0; ++n) build.add(gate.stretch + n, waves[0], 0, beliefs.stretch);
   // Neighbours stay, or move a little with the beat.
   for (int b = 0; b < gate.blob_count; ++b)
     for (const Wave& wave : waves)

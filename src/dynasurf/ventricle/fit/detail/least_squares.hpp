@@ -31,6 +31,9 @@ struct BeatProblem {
   double wall_relative_sd = 0.01;  // relative, by which the muscle's volume may vary over the beat
 };
 
+/// Standard deviations of the point spread along the grid's axes, mm.
+Vec3 point_spread(const BeatProblem& problem, const Eigen::VectorXd& gate);
+
 /// How badly a set of unknowns explains the beat: half the sum of squares of the data, of what was believed, and of the
 /// muscle's volume over the beat, each over its standard deviation.
 struct Objective {

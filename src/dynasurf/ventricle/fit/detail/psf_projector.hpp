@@ -40,20 +40,21 @@ struct AxisKernel {
   std::vector<float> weights, by_width;  // and their derivative by the log of the point spread's deviation
 };
 
-/// From cells to pixels: a point spread of standard deviation `sigma_mm` (the edges of the cells included), at least
-/// the mean over a voxel. Separable. `filtered` of its variance comes from a filter on the voxels, after they were
-/// sampled: where voxels are coarse that leaves images sharper than one Gaussian of the same width.
+/// From cells to pixels: a Gaussian point spread of standard deviation `sigma_mm` along each axis (the edges of the
+/// cells included), at least the mean over a voxel. Separable. `filtered` of its variance comes from a filter on the
+/// voxels, after they were sampled: where voxels are coarse that leaves images sharper than one Gaussian of the same
+/// width.
 struct PsfProjector {
   CellLattice cells;
   Pixels pixels;
   std::array<AxisKernel, 3> axes;
 };
-PsfProjector make_camera(const CellLattice& cells, const Pixels& pixels, double sigma_mm, double filtered = 0);
+PsfProjector make_camera(const CellLattice& cells, const Pixels& pixels, const Vec3& sigma_mm, double filtered = 0);
 
 /// What the camera sees.
 std::vector<float> project(const PsfProjector& camera, std::span<const float> cells);
-/// Its derivative by the log of the point spread's deviation.
-std::vector<float> project_wider(const PsfProjector& camera, std::span<const float> cells);
+/// Its derivatives by the log of the point spread's deviation along each axis.
+std::array<std::vector<float>, 3> project_by_widths(const PsfProjector& camera, std::span<const float> cells);
 /// The transpose of `project`.
 std::vector<float> backproject(const PsfProjector& camera, std::span<const float> pixels);
 

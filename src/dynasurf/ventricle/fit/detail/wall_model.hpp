@@ -29,12 +29,17 @@ struct GateLayout {
   int plane = 0;       // height of the base plane (mm over the centre), and its slopes along x and y
   int cavity = 0;      // activity of the blood
   int background = 0;  // activity around the heart
-  int width = 0;       // log of the point spread's standard deviation over its start
+  int width = 0;       // log of the point spread's standard deviation over its start, the geometric mean of its axes
+  int stretch = 0;     // log of its deviation along the slices' normal over that in the slices; along x over along y
   int blobs = 0;       // amplitudes of neighbours
   int blob_count = 0;
   int count() const { return blobs + blob_count; }
 };
 GateLayout make_gate_layout(int endo_degree, int wall_degree, int uptake_degree, int blob_count);
+
+/// Logs of the point spread's deviations along the grid's axes over their start: a row per axis, a column each for
+/// `width` and the two of `stretch`.
+inline const Mat3 log_widths{{1, -1.0 / 3, 0.5}, {1, -1.0 / 3, -0.5}, {1, 2.0 / 3, 0}};
 
 /// The numbers of all gates as a linear function of the unknowns of the whole beat: shapes and motion are a few waves
 /// in time, activities and slopes are common to all gates.
@@ -70,6 +75,7 @@ struct Priors {
   double cavity = 0.05;        // of the blood's activity around its expectation
   double cavity_level = 0.08;  // its expectation, healthy muscle is 1
   double width = 0;            // relative, of the point spread; 0: known
+  double stretch = 0;          // of the logs of ratios of its widths; 0: the same along all axes
 };
 
 /// `start`: the numbers of each gate to begin with. Low harmonics are believed around them, fine ones around 0.
