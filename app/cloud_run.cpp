@@ -1,15 +1,14 @@
 #include "cloud_run.hpp"
 
-#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
 #include "dynasurf/core/detail/stage_clock.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
-#include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/report/cloud_folder.hpp"
+#include "dynasurf/report/run_record.hpp"
 
 #include "console.hpp"
 
@@ -17,20 +16,11 @@ namespace dynasurf::app {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 /// The most memory that this process has held; 0 where the system does not tell.
 std::size_t peak_bytes() {
   rusage usage{};
   return getrusage(RUSAGE_SELF, &usage) == 0 ? static_cast<std::size_t>(usage.ru_maxrss) * 1024 : 0;
-}
-
-std::string results_text(const CloudRun& run, const Provenance& provenance, const CloudJob& job) {
-  Json json = cloud_results_json(run, provenance, job.timings ? Timings::keep : Timings::omit);
-  Json formats = Json::array();
-  for (const MeshFormat format : job.mesh_formats) formats.push_back(word_of(format));
-  json["provenance"]["outputs"] = {{"mesh_formats", formats}, {"textures", job.textures}};
-  return json_text(json);
 }
 
 }  // namespace
@@ -66,7 +56,8 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
   write_cloud_files(outcome.run, provenance, {job.mesh_formats, job.textures}, folder.path());
   clock.stop();
   outcome.run.peak_bytes = peak_bytes();
-  outcome.json = results_text(outcome.run, provenance, job);
+  outcome.json = cloud_results_text(outcome.run, provenance,
+                                    {job.mesh_formats, job.textures, job.timings ? Timings::keep : Timings::omit});
   write_file(folder.path() / "results.json", outcome.json);
   progress.check();
   folder.publish();

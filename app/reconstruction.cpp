@@ -2,16 +2,14 @@
 
 #include <ctime>
 
-#include <nlohmann/json.hpp>
-
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
-#include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
 #include "dynasurf/report/dicom_folder.hpp"
+#include "dynasurf/report/run_record.hpp"
 #include "dynasurf/report/stages.hpp"
 #include "dynasurf/report/study_folder.hpp"
 
@@ -22,10 +20,12 @@ namespace dynasurf::app {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
-/// The hash of a file that was given beside the study; null when none was.
-Json hash_of(const fs::path& file) { return file.empty() ? Json(nullptr) : Json(sha256_of_file(file)); }
+/// The hash of a file that was given beside the study; absent when none was.
+std::optional<std::string> hash_of(const fs::path& file) {
+  if (file.empty()) return std::nullopt;
+  return sha256_of_file(file);
+}
 
 /// The time DICOM results tell: as an earlier run told it; now; or, where equal runs shall give equal bytes, the
 /// study's.
@@ -52,9 +52,10 @@ DicomResult dicom_context(const Job& job, const Provenance& provenance, bool stu
   context.time = job.outputs.dicom_time.substr(8);
   Hasher hasher;
   const auto add = [&](const std::string& text) { hasher.add(text.data(), text.size() + 1); };
+  const auto in_json = [](const std::optional<std::string>& hash) { return hash ? '"' + *hash + '"' : "null"; };
   for (const InputFile& input : provenance.inputs) add(input.sha256);
   for (const std::string& text : {provenance.options_json, provenance.program_version, provenance.commit,
-                                  job.outputs.dicom_time, hash_of(job.mask).dump(), hash_of(job.start_mesh).dump()})
+                                  job.outputs.dicom_time, in_json(hash_of(job.mask)), in_json(hash_of(job.start_mesh))})
     add(text);
   context.content = hasher.finish();
   context.subject = study_is_dicom ? read_dicom_subject(job.study, job.series)
@@ -73,18 +74,17 @@ void write_for_reading_room(const VentricleResult& result, const Provenance& pro
 
 std::string results_text(const VentricleResult& result, const Provenance& provenance, const Job& job) {
   const Outputs& outputs = job.outputs;
-  Json json = results_json(result, provenance, job.timings ? Timings::keep : Timings::omit);
-  Json formats = Json::array();
-  for (const MeshFormat format : job.mesh_formats) formats.push_back(word_of(format));
-  json["provenance"]["given"] = {{"mask_sha256", hash_of(job.mask)}, {"start_mesh_sha256", hash_of(job.start_mesh)}};
-  if (!result.study.series.empty()) json["provenance"]["given"]["series"] = result.study.series;
-  json["provenance"]["outputs"] = {{"mesh_formats", formats},
-                                   {"keep_stages", outputs.keep_stages},
-                                   {"dicom", outputs.dicom},
-                                   // Without timings it is the study's, which a repeated run reads there again.
-                                   {"dicom_time", outputs.dicom && job.timings ? Json(outputs.dicom_time) : Json()},
-                                   {"pdf", outputs.pdf}};
-  return json_text(json);
+  VentricleRecord record;
+  record.mask_sha256 = hash_of(job.mask);
+  record.start_mesh_sha256 = hash_of(job.start_mesh);
+  record.mesh_formats = job.mesh_formats;
+  record.keep_stages = outputs.keep_stages;
+  record.dicom = outputs.dicom;
+  record.pdf = outputs.pdf;
+  // Without timings it is the study's, which a repeated run reads there again.
+  if (outputs.dicom && job.timings) record.dicom_time = outputs.dicom_time;
+  record.timings = job.timings ? Timings::keep : Timings::omit;
+  return ventricle_results_text(result, provenance, record);
 }
 
 /// Every file the run reads.

@@ -7,9 +7,9 @@
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/study_io.hpp"
+#include "dynasurf/report/run_record.hpp"
 
 #include "console.hpp"
-#include "input_names.hpp"
 #include "utf8.hpp"
 #include "version.hpp"
 

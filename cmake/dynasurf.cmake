@@ -97,6 +97,23 @@ function(dynasurf_module name)
   set(dynasurf_modules ${dynasurf_modules} ${target} PARENT_SCOPE)
 endfunction()
 
+# dynasurf_tell_version(target): app/version.hpp for it. The commit is looked up at every build, and the target is
+# compiled anew only when it changed.
+function(dynasurf_tell_version target)
+  set(source ${PROJECT_BINARY_DIR}/version.cpp)
+  if(NOT TARGET dynasurf_version)
+    add_custom_target(dynasurf_version
+      BYPRODUCTS ${source}
+      COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR} -DOUTPUT=${source} -DVERSION=${PROJECT_VERSION}
+              -P ${PROJECT_SOURCE_DIR}/cmake/version.cmake
+      VERBATIM)
+  endif()
+  add_dependencies(${target} dynasurf_version)
+  set_source_files_properties(${source} PROPERTIES GENERATED TRUE)
+  target_sources(${target} PRIVATE ${source})
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/app)
+endfunction()
+
 # dynasurf_test(name LIBRARIES ...): a GoogleTest program from tests/<name>/*.cpp; every case is one ctest test.
 function(dynasurf_test name)
   cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})

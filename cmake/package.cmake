@@ -1,4 +1,5 @@
-# Debian packages by CPack: `dynasurf`, the program with its manual, and `libdynasurf-dev`, the libraries and headers.
+# Debian packages by CPack: `dynasurf`, the program with its manual, `libdynasurf-dev`, the libraries and headers, and
+# `python3-dynasurf`, the Python module, where it is built.
 # `./dev package` makes them, checks them with lintian and tries them in a bare Debian.
 
 if(NOT TARGET dynasurf OR NOT TARGET manual)
@@ -13,7 +14,11 @@ find_program(GZIP gzip REQUIRED)
 set(documents ${PROJECT_BINARY_DIR}/documents)
 string(TIMESTAMP package_date "%a, %d %b %Y %H:%M:%S +0000" UTC)  # SOURCE_DATE_EPOCH, where that is set
 string(TIMESTAMP package_year "%Y" UTC)
-foreach(package IN ITEMS dynasurf libdynasurf-dev)
+set(packages dynasurf libdynasurf-dev)
+if(DYNASURF_HAS_PYTHON)
+  list(APPEND packages python3-dynasurf)
+endif()
+foreach(package IN LISTS packages)
   set(folder ${documents}/${package})
   file(REMOVE_RECURSE ${folder})
   configure_file(${CMAKE_CURRENT_LIST_DIR}/debian/copyright.in ${folder}/copyright @ONLY)
@@ -23,6 +28,9 @@ foreach(package IN ITEMS dynasurf libdynasurf-dev)
 endforeach()
 install(DIRECTORY ${documents}/dynasurf DESTINATION ${CMAKE_INSTALL_DATADIR}/doc COMPONENT program)
 install(DIRECTORY ${documents}/libdynasurf-dev DESTINATION ${CMAKE_INSTALL_DATADIR}/doc COMPONENT development)
+if(DYNASURF_HAS_PYTHON)
+  install(DIRECTORY ${documents}/python3-dynasurf DESTINATION ${CMAKE_INSTALL_DATADIR}/doc COMPONENT python)
+endif()
 
 # CMake strips programs; Debian wants its static libraries without debug sections and comments too.
 install(CODE "
@@ -81,5 +89,22 @@ This package holds static libraries, headers, a package for CMake's
 find_package and a file for pkg-config.
 .
 Research use only. Not for diagnosis.")
+
+if(DYNASURF_HAS_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  math(EXPR next_python "${Python3_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-dynasurf)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+      "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_python}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, python3-nibabel, python3-pandas, python3-tqdm")
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION "surfaces from heart studies and point clouds: Python module
+The stages of the program dynasurf in Python, with NumPy arrays: images and
+edges, gradient vector flow fields, deformable surfaces, triangle meshes, the
+left ventricle, point clouds, files.
+.
+Research use only. Not for diagnosis.")
+endif()
 
 include(CPack)

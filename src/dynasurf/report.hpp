@@ -11,6 +11,7 @@
 #include "dynasurf/report/normals.hpp"
 #include "dynasurf/report/provenance.hpp"
 #include "dynasurf/report/report.hpp"
+#include "dynasurf/report/run_record.hpp"
 #include "dynasurf/report/sheets.hpp"
 #include "dynasurf/report/stages.hpp"
 #include "dynasurf/report/study_folder.hpp"

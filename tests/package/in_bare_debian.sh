@@ -28,8 +28,18 @@ build/study patient/study.dcm result
 [ -s result/report.html ]
 echo "tried: examples/study.cpp with the installed libraries"
 
+install ./python3-dynasurf_*.deb
+python3 - <<'TEXT'
+import dynasurf
+heart = dynasurf.ventricle.reconstruct(dynasurf.read_study("patient/study.dcm"), fwhm_mm=12)
+heart.save("from_python")
+assert dynasurf.load("from_python").ef.value == heart.ef.value
+TEXT
+[ -s from_python/report.html ]
+echo "tried: import dynasurf"
+
 # Nothing stays behind.
-apt-get purge -y dynasurf libdynasurf-dev >/dev/null
+apt-get purge -y dynasurf libdynasurf-dev python3-dynasurf >/dev/null
 left=$(find /usr /etc -name '*dynasurf*' -not -path '/usr/share/doc/*')
 [ -z "$left" ] || { echo "left behind: $left"; exit 1; }
 echo "tried: removal"

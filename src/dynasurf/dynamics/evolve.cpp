@@ -146,6 +146,7 @@ class Run {
         result_.histories.push_back(history_->count(result_.mesh.vertices, moving_, newly_stopped_));
         newly_stopped_.clear();
       }
+      if (own_.watch) own_.watch(result_.steps, result_.mesh);
       if (moving_.empty()) {
         result_.reason = StopReason::all_stopped;
         break;

@@ -43,6 +43,8 @@ struct Additions {
   OwnStop stop = {};
   /// Drag of every voxel in kg/s, on the field's grid, in place of `Evolution::damping` (see drag_by_intensity).
   std::optional<Image> drag = {};
+  /// Called after every step with the number of steps and the mesh as it stands, from the thread that called.
+  std::function<void(int steps, const TriMesh& mesh)> watch = {};
 };
 
 /// Moves the vertices of `start` (grid frame) under `field`, a `VectorField` or a `BandField`, until they rest on the

@@ -17,10 +17,8 @@ namespace {
 
 using namespace report_detail;
 
-constexpr std::size_t max_page_voxels = 48'000'000;
-
 /// In-plane binning that keeps the page within its bound: 1 for every usual study.
-int bin_of(const Study& study) {
+int bin_of(const Study& study, std::size_t most_voxels) {
   const auto& dims = study.grid().dims;
   int bin = 1;
   const auto voxels = [&] {
@@ -28,7 +26,7 @@ int bin_of(const Study& study) {
     const auto rows = static_cast<std::size_t>((dims[1] + bin - 1) / bin);
     return columns * rows * static_cast<std::size_t>(dims[2]) * study.gates.size();
   };
-  while (voxels() > max_page_voxels && bin < std::max(dims[0], dims[1])) ++bin;
+  while (voxels() > most_voxels && bin < std::max(dims[0], dims[1])) ++bin;
   return bin;
 }
 
@@ -116,10 +114,10 @@ Json marks_json(const Gate& gate) {
           {"local", std::move(local)}};
 }
 
-Json pictures_json(const VentricleResult& result) {
+Json pictures_json(const VentricleResult& result, std::size_t most_voxels) {
   const Study& study = result.study;
   if (study.gates.empty()) return nullptr;
-  const int bin = bin_of(study);
+  const int bin = bin_of(study, most_voxels);
   const Index3 dims = study.grid().dims;
   Json marks = Json::array();
   for (const Gate& gate : result.gates) marks.push_back(marks_json(gate));
@@ -244,10 +242,11 @@ Json polar_json(const VentricleResult& result) {
 
 }  // namespace
 
-std::string report_html(const VentricleResult& result, const Provenance& provenance, Timings timings) {
+std::string report_html(const VentricleResult& result, const Provenance& provenance, Timings timings,
+                        std::size_t most_voxels) {
   Json data = Json::object();
   data["results"] = results_json(result, provenance, timings);
-  data["pictures"] = pictures_json(result);
+  data["pictures"] = pictures_json(result, most_voxels);
   data["surfaces"] = surfaces_json(result);
   data["polar"] = polar_json(result);
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
@@ -21,8 +22,9 @@ std::string results_csv(const VentricleResult& result);
 
 /// report.html as text: one self-contained page that loads nothing (Content-Security-Policy `default-src 'none'`), for
 /// research use only. Also for results without gates in time, without surfaces, or with one wall missing.
-/// Studies above 48 million voxels are shown with their slices binned; the page says so. Throws OptionError as above.
-std::string report_html(const VentricleResult& result, const Provenance& provenance, Timings timings = Timings::keep);
+/// Studies above `most_voxels` are shown with their slices binned; the page says so. Throws OptionError as above.
+std::string report_html(const VentricleResult& result, const Provenance& provenance, Timings timings = Timings::keep,
+                        std::size_t most_voxels = 48'000'000);
 
 /// Writes `report_html` whole or not at all. Throws IoError.
 void write_report(const VentricleResult& result, const Provenance& provenance, const std::filesystem::path& path,

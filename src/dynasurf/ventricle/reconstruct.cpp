@@ -73,12 +73,31 @@ std::string format(const char* pattern, A... values) {
 constexpr Border walls[] = {Border::endo, Border::epi};
 constexpr int room_voxels = 3;  // around a border, for its field
 
+/// The edges of the caller's function, which may have left the image's grid.
+EdgeMap own_edges(const Image& image, const OwnStages& own) {
+  EdgeMap edges = own.edges(image);
+  if (edges.edges.grid.dims != image.grid.dims || edges.gradient.grid.dims != image.grid.dims)
+    throw InputError("stage edges, " + own.edges_name + ": the edges lie on another grid than the image");
+  return edges;
+}
+
+Labels own_labels(const Image& image, const EdgeMap& edges, const OwnStages& own) {
+  Labels labels = own.labels(image, edges);
+  if (labels.borders.grid.dims != image.grid.dims)
+    throw InputError("stage labels, " + own.labels_name + ": the borders lie on another grid than the image");
+  labels.borders.grid = image.grid;
+  labels.local.resize(static_cast<std::size_t>(image.grid.dims[2]));
+  return labels;
+}
+
 void find_labels(GateRun& run, const Image& image, const SliceRange& useful, const std::optional<Mask>& region,
-                 const VentricleOptions& options, StageClock& clock) {
-  run.edges = clock("edges", [&] { return detect_edges(image, options.edges); });
+                 const VentricleOptions& options, const OwnStages& own, StageClock& clock) {
+  run.edges = clock("edges", [&] { return own.edges ? own_edges(image, own) : detect_edges(image, options.edges); });
   clear_outside(run.edges.edges, useful);
   if (region) clear_outside(run.edges.edges, *region);
-  run.labels = clock("labels", [&] { return label_borders(image, run.edges, options.labels); });
+  run.labels = clock("labels", [&] {
+    return own.labels ? own_labels(image, run.edges, own) : label_borders(image, run.edges, options.labels);
+  });
   run.base_slice = run.base_plane
                        ? slice_above(image.grid, *run.base_plane, run.labels.circle.radius_px * image.grid.spacing[0])
                        : find_base_slice(image, run.labels, options.closure.base_level, run.notes);
@@ -269,8 +288,14 @@ std::optional<Location> locate_upright(const Study& study, const LocateHints& hi
   return locate(mean, told);
 }
 
+void note_own_stages(const OwnStages& own, Notes& notes) {
+  if (own.edges) notes.push_back({Severity::info, "stage.replaced", "the edges were found by " + own.edges_name});
+  if (own.labels)
+    notes.push_back({Severity::info, "stage.replaced", "the borders were told apart by " + own.labels_name});
+}
+
 StudyRun run_borders(const Study& whole, const VentricleOptions& requested, const Progress& progress, const Image* mask,
-                     StageClock& clock) {
+                     const OwnStages& own, StageClock& clock) {
   StudyRun run;
   VentricleOptions& options = run.options = requested;
   check_options(options, "");
@@ -291,6 +316,7 @@ StudyRun run_borders(const Study& whole, const VentricleOptions& requested, cons
     image = prepare(std::move(image), options.prepare);
   }
 
+  note_own_stages(own, run.study.notes);
   run.gates.resize(run.study.gates.size());
   options.labels.coarse = circle_around(run.study, run.heart, options.manual, options.labels.coarse);
   if (!options.labels.division.expected_slice)
@@ -306,7 +332,7 @@ StudyRun run_borders(const Study& whole, const VentricleOptions& requested, cons
   parallel_for(run.gates.size(), 1, [&](std::size_t g, std::size_t) {
     progress.check();
     run.gates[g].base_plane = planes[g];
-    find_labels(run.gates[g], run.study.gates[g], useful, region, options, clock);
+    find_labels(run.gates[g], run.study.gates[g], useful, region, options, own, clock);
     borders_found.advance();
   });
   if (const Mlc* mlc = std::get_if<Mlc>(&options.labels.method); mlc == nullptr || !mlc->strict_thesis) {
@@ -325,11 +351,12 @@ StudyRun run_borders(const Study& whole, const VentricleOptions& requested, cons
 std::span<const std::string_view> names_of(Pipeline) { return pipeline_names; }
 
 BorderResult find_borders(const Study& study, const VentricleOptions& options, const Progress& progress,
-                          const Image* mask) {
-  if (options.label > 0) return find_borders(only_label(study, options.label), without_label(options), progress, mask);
+                          const Image* mask, const OwnStages& own) {
+  if (options.label > 0)
+    return find_borders(only_label(study, options.label), without_label(options), progress, mask, own);
   BorderResult result;
   StageClock clock(result.seconds);
-  StudyRun run = run_borders(study, options, progress, mask, clock);
+  StudyRun run = run_borders(study, options, progress, mask, own, clock);
   result.notes = run.study.notes;
   result.study = std::move(run.study);
   result.heart = std::move(run.heart);
@@ -344,14 +371,16 @@ BorderResult find_borders(const Study& study, const VentricleOptions& options, c
 }
 
 VentricleResult reconstruct(const Study& original, const VentricleOptions& requested, const Progress& progress,
-                            const IntermediateSink& keep, const TriMesh* start, const Image* mask) {
+                            const IntermediateSink& keep, const TriMesh* start, const Image* mask,
+                            const OwnStages& own) {
   if (requested.label > 0)
-    return reconstruct(only_label(original, requested.label), without_label(requested), progress, keep, start, mask);
+    return reconstruct(only_label(original, requested.label), without_label(requested), progress, keep, start, mask,
+                       own);
   if (requested.placement.shape == StartShape::file && start == nullptr)
     throw OptionError("option placement.shape is file; expected a mesh to start from, none was given");
   VentricleResult result;
   StageClock clock(result.seconds);
-  StudyRun borders = run_borders(original, requested, progress, mask, clock);
+  StudyRun borders = run_borders(original, requested, progress, mask, own, clock);
   const VentricleOptions& options = borders.options;
   std::vector<GateRun>& runs = borders.gates;
   result.study = std::move(borders.study);

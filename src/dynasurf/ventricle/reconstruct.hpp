@@ -27,6 +27,15 @@ struct Intermediates {
 };
 using IntermediateSink = std::function<void(const Intermediates&)>;
 
+/// Stages that a caller replaces by functions of his own, each with a name that a note of the result tells
+/// ("stage.replaced"). Called from several threads at once. The edges lie on the image's grid; so do the labels'
+/// borders.
+struct OwnStages {
+  std::function<EdgeMap(const Image&)> edges;
+  std::function<Labels(const Image&, const EdgeMap&)> labels;
+  std::string edges_name = "a function of the caller", labels_name = "a function of the caller";
+};
+
 /// The whole way from a study to surfaces and numbers. Hard data never throw: the verdict and the notes say it.
 /// Throws InputError for a study it cannot work on (fewer than 3 slices, NaN, a long-axis or transaxial view in which
 /// no ventricle is found), OptionError, Cancelled. The same bytes for any number of threads.
@@ -34,7 +43,7 @@ using IntermediateSink = std::function<void(const Intermediates&)>;
 /// voxels above 0 is considered (`confine`).
 VentricleResult reconstruct(const Study& study, const VentricleOptions& options, const Progress& progress = {},
                             const IntermediateSink& keep = {}, const TriMesh* start = nullptr,
-                            const Image* mask = nullptr);
+                            const Image* mask = nullptr, const OwnStages& own = {});
 
 /// What one gate has before its surfaces.
 struct GateBorders {
@@ -54,6 +63,6 @@ struct BorderResult {
 
 /// The first half of `reconstruct`: from a study to labelled edges. Throws as it does.
 BorderResult find_borders(const Study& study, const VentricleOptions& options, const Progress& progress = {},
-                          const Image* mask = nullptr);
+                          const Image* mask = nullptr, const OwnStages& own = {});
 
 }  // namespace dynasurf

@@ -1,0 +1,167 @@
+#include "archive.hpp"
+
+#include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/io/options_json.hpp"
+
+#include "pickles.hpp"
+#include "version.hpp"
+
+namespace dynasurf::python {
+
+#define DYNASURF_ARITY(type, n) \
+  template <>                   \
+  inline constexpr int arity<type> = n
+DYNASURF_ARITY(Estimate, 2);
+DYNASURF_ARITY(Note, 5);
+DYNASURF_ARITY(Grid, 4);
+DYNASURF_ARITY(Study, 10);
+DYNASURF_ARITY(TriMesh, 2);
+DYNASURF_ARITY(LvShell, 5);
+DYNASURF_ARITY(Location, 8);
+DYNASURF_ARITY(BasePlane, 5);
+DYNASURF_ARITY(LeadingSurface, 2);
+DYNASURF_ARITY(LeadingSurfaces, 3);
+DYNASURF_ARITY(StackVolumes, 3);
+DYNASURF_ARITY(TriangleQuality, 9);
+DYNASURF_ARITY(SurfaceCheck, 5);
+DYNASURF_ARITY(MoveReport, 3);
+DYNASURF_ARITY(Repair, 3);
+DYNASURF_ARITY(Surface, 14);
+DYNASURF_ARITY(EdgeSurfaces, 4);
+DYNASURF_ARITY(Circle, 3);
+DYNASURF_ARITY(Axis, 4);
+DYNASURF_ARITY(Labels, 8);
+DYNASURF_ARITY(Gate, 7);
+DYNASURF_ARITY(Reading, 8);
+DYNASURF_ARITY(FittedGate, 5);
+DYNASURF_ARITY(FittedBeat, 24);
+DYNASURF_ARITY(GaussianProfile, 2);
+DYNASURF_ARITY(Readings, 3);
+DYNASURF_ARITY(CurvePhases, 3);
+DYNASURF_ARITY(QualityFlag, 4);
+DYNASURF_ARITY(Anterior, 2);
+DYNASURF_ARITY(HeartAxes, 5);
+DYNASURF_ARITY(VertexThickness, 2);
+DYNASURF_ARITY(ThicknessSummary, 8);
+DYNASURF_ARITY(WallThickness, 3);
+DYNASURF_ARITY(PolarGrid, 2);
+DYNASURF_ARITY(WallMap, 8);
+DYNASURF_ARITY(SurfaceMotion, 3);
+DYNASURF_ARITY(GateMeasures, 7);
+DYNASURF_ARITY(PolarMaps, 9);
+DYNASURF_ARITY(SegmentErrors, 9);
+DYNASURF_ARITY(SegmentMeasures, 14);
+DYNASURF_ARITY(PeriodicCurve, 3);
+DYNASURF_ARITY(VolumeCurveFit, 19);
+DYNASURF_ARITY(PhaseSummary, 8);
+DYNASURF_ARITY(Measures, 18);
+DYNASURF_ARITY(VentricleResult, 12);
+DYNASURF_ARITY(InputFile, 3);
+DYNASURF_ARITY(Provenance, 6);
+DYNASURF_ARITY(PointCloud, 4);
+DYNASURF_ARITY(CloudLevel, 5);
+DYNASURF_ARITY(Certificate, 21);
+DYNASURF_ARITY(CloudFacts, 11);
+DYNASURF_ARITY(CloudResult, 4);
+DYNASURF_ARITY(CloudSource, 3);
+DYNASURF_ARITY(CloudRun, 4);
+DYNASURF_ARITY(CloudInput, 3);
+#undef DYNASURF_ARITY
+
+// Found by `archive` of what holds them: by the namespace of their first argument.
+
+template <class A>
+void archive(A& a, UntangleReport& report) {
+  archive(a, static_cast<MoveReport&>(report));
+  archive(a, report.rounds);
+  archive(a, report.found);
+  archive(a, report.left);
+}
+
+/// What only the measuring of a result needs, and measuring is over.
+template <class A>
+void archive(A&, std::shared_ptr<const WallPosterior>&) {}
+
+/// Segments are those of a model, which their names and numbers tell.
+template <class A>
+void archive(A& a, Segment& segment) {
+  std::string name(segment.name);
+  archive(a, name);
+  archive(a, segment.number);
+  if constexpr (!A::writes)
+    for (const SegmentModel model : {SegmentModel::aha17, SegmentModel::segments20})
+      for (const Segment& known : segments_of(model))
+        if (known.name == name && known.number == segment.number) segment = known;
+}
+
+template <class A>
+void archive(A& a, VentricleOptions& options) {
+  std::string text = options_to_text(options);
+  archive(a, text);
+  if constexpr (!A::writes) options_from_text(text, options);
+}
+
+template <class A>
+void archive(A& a, OriginStudy& study) {
+  archive(a, static_cast<Study&>(study));
+  archive(a, study.inputs);
+}
+template <class A>
+void archive(A& a, OriginCloud& cloud) {
+  archive(a, static_cast<CloudInput&>(cloud));
+  archive(a, cloud.inputs);
+}
+template <class A>
+void archive(A& a, Heart& heart) {
+  archive(a, heart.result);
+  archive(a, heart.options);
+  archive(a, heart.provenance);
+  archive(a, heart.mask_sha256);
+  archive(a, heart.start_sha256);
+}
+template <class A>
+void archive(A& a, Lods& lods) {
+  archive(a, lods.run);
+  archive(a, lods.provenance);
+}
+
+namespace {
+
+/// Who reads it back must be the same version: members are told by their order alone.
+std::string written_by() { return std::string("dynasurf ") + app::version() + " " + app::commit(); }
+
+template <class T>
+py::bytes bytes_of(const T& object) {
+  Writer writer;
+  std::string author = written_by();
+  archive(writer, author);
+  archive(writer, const_cast<T&>(object));  // a writer changes nothing
+  return writer.text();
+}
+
+}  // namespace
+
+py::bytes pickled(const OriginStudy& study) { return bytes_of(study); }
+py::bytes pickled(const OriginCloud& cloud) { return bytes_of(cloud); }
+py::bytes pickled(const Heart& heart) { return bytes_of(heart); }
+py::bytes pickled(const Lods& lods) { return bytes_of(lods); }
+
+template <class T>
+std::shared_ptr<T> unpickled(const py::bytes& bytes) {
+  Reader reader{std::string_view(bytes)};
+  std::string author;
+  archive(reader, author);
+  if (author != written_by())
+    throw InputError("the pickled object was written by " + author.substr(0, 80) + "; expected " + written_by() +
+                     " (save and load keep results for other versions)");
+  auto object = std::make_shared<T>();
+  archive(reader, *object);
+  if (!reader.is_at_end()) throw InputError("the pickled object is longer than what it holds");
+  return object;
+}
+template std::shared_ptr<OriginStudy> unpickled(const py::bytes&);
+template std::shared_ptr<OriginCloud> unpickled(const py::bytes&);
+template std::shared_ptr<Heart> unpickled(const py::bytes&);
+template std::shared_ptr<Lods> unpickled(const py::bytes&);
+
+}  // namespace dynasurf::python

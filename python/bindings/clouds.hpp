@@ -1,0 +1,21 @@
+#pragma once
+#include <vector>
+
+#include "dynasurf/io/cloud_io.hpp"
+#include "dynasurf/report/cloud_report.hpp"
+#include "dynasurf/report/provenance.hpp"
+
+namespace dynasurf::python {
+
+/// A cloud that knows the files it was read from.
+struct OriginCloud : CloudInput {
+  std::vector<InputFile> inputs;  // empty for arrays
+};
+
+/// A finished run of the cloud application: the result, and where it comes from.
+struct Lods {
+  CloudRun run;
+  Provenance provenance;
+};
+
+}  // namespace dynasurf::python

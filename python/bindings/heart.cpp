@@ -1,0 +1,69 @@
+#include "heart.hpp"
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/options_json.hpp"
+#include "dynasurf/report/study_folder.hpp"
+#include "dynasurf/ventricle/presets.hpp"
+
+#include "command_line.hpp"
+#include "version.hpp"
+
+namespace dynasurf::python {
+namespace {
+
+/// The command line that gives the same result, without paths. What a person can only do in Python is told by notes.
+std::string command_of(const HeartRun& run) {
+  std::string command = "dynasurf ventricle STUDY --out RESULT --preset " + run.preset;
+  VentricleOptions options = run.options;
+  if (run.start) {
+    command += " --start MESH";
+    options.placement.shape = VentricleOptions{}.placement.shape;  // --start says so
+  }
+  if (run.mask) command += " --mask MASK";
+  for (const std::string& setting : settings_between(ventricle_preset(run.preset), options))
+    command += " --set " + setting;
+  if (!run.study->series.empty()) command += " --series " + run.study->series;
+  return command;
+}
+
+}  // namespace
+
+std::vector<MeshFormat> formats_from(const std::vector<std::string>& words) {
+  std::vector<MeshFormat> formats;
+  for (const std::string& word : words)
+    formats.push_back(static_cast<MeshFormat>(position_of(names_of(MeshFormat{}), word, "mesh_formats")));
+  return formats;
+}
+
+std::shared_ptr<Heart> reconstruct_heart(const HeartRun& run, const Progress& progress) {
+  auto heart = std::make_shared<Heart>();
+  heart->options = run.options;
+  heart->provenance.program_version = app::version();
+  heart->provenance.commit = app::commit();
+  heart->provenance.command = command_of(run);
+  heart->provenance.inputs = run.study->inputs;
+  heart->provenance.options_json = options_to_text(run.options);
+  heart->mask_sha256 = run.mask_sha256;
+  heart->start_sha256 = run.start_sha256;
+  heart->result = reconstruct(*run.study, run.options, progress, {}, run.start.get(), run.mask.get(), run.own);
+  return heart;
+}
+
+void save_heart(const Heart& heart, const std::filesystem::path& out, const std::vector<std::string>& mesh_formats,
+                bool timings, bool replace) {
+  VentricleRecord record;
+  record.mask_sha256 = heart.mask_sha256;
+  record.start_mesh_sha256 = heart.start_sha256;
+  record.mesh_formats = formats_from(mesh_formats);
+  record.timings = timings ? Timings::keep : Timings::omit;
+  OutputFolder folder(out, replace ? Existing::move_aside : Existing::replace);
+  write_study_files(heart.result, heart.provenance,
+                    {record.mesh_formats, heart.options.keyframes, Timings::omit,
+                     ventricle_results_text(heart.result, heart.provenance, record)},
+                    folder.path());
+  folder.publish();
+}
+
+}  // namespace dynasurf::python

@@ -1,0 +1,44 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dynasurf/report/run_record.hpp"
+#include "dynasurf/ventricle/options.hpp"
+#include "dynasurf/ventricle/reconstruct.hpp"
+
+#include "origin.hpp"
+
+namespace dynasurf::python {
+
+/// What `dynasurf ventricle` would be told, and the functions of Python that replace stages.
+struct HeartRun {
+  std::shared_ptr<OriginStudy> study;
+  std::string preset;
+  VentricleOptions options;
+  std::shared_ptr<Image> mask;
+  std::shared_ptr<TriMesh> start;
+  std::optional<std::string> mask_sha256, start_sha256;  // of the files they come from
+  OwnStages own;
+};
+
+/// A finished run: the result, and where it comes from.
+struct Heart {
+  VentricleResult result;
+  VentricleOptions options;
+  Provenance provenance;
+  std::optional<std::string> mask_sha256, start_sha256;
+};
+
+std::shared_ptr<Heart> reconstruct_heart(const HeartRun& run, const Progress& progress);
+
+/// Writes the folder of `dynasurf ventricle`. Throws IoError, OptionError.
+void save_heart(const Heart& heart, const std::filesystem::path& folder, const std::vector<std::string>& mesh_formats,
+                bool timings, bool replace);
+
+/// The formats by their words. Throws OptionError.
+std::vector<MeshFormat> formats_from(const std::vector<std::string>& words);
+
+}  // namespace dynasurf::python

@@ -1,0 +1,94 @@
+#include "dynasurf/mesh/intersections.hpp"
+#include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/mesh/repair.hpp"
+#include "dynasurf/mesh/shapes.hpp"
+#include "dynasurf/mesh/tetrahedra.hpp"
+
+#include "arrays.hpp"
+#include "options.hpp"
+
+namespace dynasurf::python {
+namespace {
+
+using Mesh = std::shared_ptr<TriMesh>;
+using release_lock = py::call_guard<py::gil_scoped_release>;
+
+py::list polygons_of(const Mesh& mesh, const Numbers<double>& point, const Numbers<double>& normal) {
+  py::list polygons;
+  for (const auto& polygon : cross_section(*mesh, vector_from(point, "point"), vector_from(normal, "normal"))) {
+    py::array_t<double> rows({static_cast<py::ssize_t>(polygon.size()), py::ssize_t{3}});
+    for (std::size_t p = 0; p < polygon.size(); ++p)
+      std::copy_n(polygon[p].data(), 3, rows.mutable_data(static_cast<py::ssize_t>(p), 0));
+    polygons.append(rows);
+  }
+  return polygons;
+}
+
+void bind_tetrahedra(py::module_& module) {
+  using T = TetMesh;
+  py::class_<T, std::shared_ptr<T>>(module, "TetMesh", "A solid of tetrahedra with positive volumes; mm.")
+      .def_property_readonly(
+          "vertices", [](const std::shared_ptr<T>& t) { return view_of(t->vertices, t); },
+          "Places, (n, 3) float64, mm: a read-only view.")
+      .def_property_readonly(
+          "tetrahedra", [](const std::shared_ptr<T>& t) { return view_of(t->tetrahedra, t); },
+          "Vertex indices, (m, 4) int32: a read-only view.");
+  module.def(
+      "fill_between",
+      [](const Mesh& inner, const Mesh& outer, int layers) {
+        return std::make_shared<TetMesh>(fill_between(*inner, *outer, layers));
+      },
+      needed("inner"), needed("outer"), py::arg("layers") = 1, release_lock());
+}
+
+void bind_quality(py::module_& module) {
+  py::class_<SurfaceCheck>(module, "SurfaceCheck", "What a published surface must be.")
+      .def_readonly("closed", &SurfaceCheck::closed)
+      .def_readonly("manifold", &SurfaceCheck::manifold)
+      .def_readonly("oriented", &SurfaceCheck::oriented)
+      .def_readonly("self_intersections", &SurfaceCheck::self_intersections)
+      .def_readonly("flat_triangles", &SurfaceCheck::flat_triangles)
+      .def_property_readonly("valid", &SurfaceCheck::valid);
+  module.def(
+      "check_surface", [](const Mesh& mesh) { return check_surface(*mesh); }, needed("mesh"), release_lock());
+  module.def(
+      "volume_mm3", [](const Mesh& mesh) { return volume_mm3(*mesh); }, needed("mesh"), release_lock());
+  module.def(
+      "volume_mm3", [](const std::shared_ptr<TetMesh>& solid) { return volume_mm3(*solid); }, needed("mesh"),
+      release_lock());
+  module.def(
+      "area_mm2", [](const Mesh& mesh) { return area_mm2(*mesh); }, needed("mesh"), release_lock());
+  module.def("cross_section", &polygons_of, needed("mesh"), needed("point"), needed("normal"));
+}
+
+}  // namespace
+
+void bind_mesh(py::module_& module) {
+  module.def(
+      "icosphere", [](int level) { return std::make_shared<TriMesh>(icosphere(level)); }, needed("level"),
+      release_lock());
+  module.def(
+      "start_mesh",
+      [](const std::shared_ptr<Image>& border, int level, const std::string& options, const Mesh& given) {
+        const auto placement = options_from<Placement>(options);
+        const py::gil_scoped_release release;
+        return std::make_shared<TriMesh>(start_mesh(*border, level, placement, given.get()));
+      },
+      needed("border"), needed("level"), needed("placement"), py::arg("given") = Mesh());
+  module.def(
+      "to_world",
+      [](const std::shared_ptr<Grid>& grid, const Mesh& mesh) {
+        return std::make_shared<TriMesh>(to_world(*grid, *mesh));
+      },
+      needed("grid"), needed("mesh"));
+  module.def(
+      "to_grid",
+      [](const std::shared_ptr<Grid>& grid, const Mesh& mesh) {
+        return std::make_shared<TriMesh>(to_grid(*grid, *mesh));
+      },
+      needed("grid"), needed("mesh"));
+  bind_tetrahedra(module);
+  bind_quality(module);
+}
+
+}  // namespace dynasurf::python

@@ -1,0 +1,275 @@
+#include "options.hpp"
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <typeindex>
+
+#include "dynasurf/cloud/lod.hpp"
+#include "dynasurf/cloud/options.hpp"
+#include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/dynamics/options.hpp"
+#include "dynasurf/field/edge_map.hpp"
+#include "dynasurf/field/gvf.hpp"
+#include "dynasurf/image/edges.hpp"
+#include "dynasurf/synthetic/cloud_shapes.hpp"
+#include "dynasurf/synthetic/options.hpp"
+#include "dynasurf/ventricle/options.hpp"
+#include "dynasurf/ventricle/organ.hpp"
+#include "dynasurf/ventricle/presets.hpp"
+
+#include "bindings.hpp"
+
+namespace dynasurf::python {
+namespace {
+
+/// The names that Python gives to the options structs, and what it does with them, type by type.
+class Catalog {
+ public:
+  struct Entry {
+    std::string name;  // "field.SteadyGvf"
+    std::string method;
+    std::string defaults;
+    py::list members;
+    std::function<std::string(const std::string&)> resolve;
+    std::function<std::string(const std::string&, const std::string&)> set;
+  };
+
+  /// Options that hold others come after them.
+  template <Described O>
+  void add(const std::string& name);
+
+  const std::vector<Entry>& entries() const { return entries_; }
+  const Entry& entry(const std::string& name) const {
+    for (const Entry& e : entries_)
+      if (e.name == name) return e;
+    throw OptionError("there are no options called " + name);
+  }
+
+ private:
+  friend struct MemberVisitor;
+  std::vector<Entry> entries_;
+  std::map<std::type_index, std::string> names_;
+};
+
+/// Describes members of options to Python.
+struct MemberVisitor {
+  Catalog& catalog;
+  py::list members;
+
+  template <class T>
+  void operator()(std::string_view name, T& value, const OptionInfo& info) {
+    py::dict member;
+    member["name"] = std::string(name);
+    member["doc"] = std::string(info.doc);
+    member["unit"] = std::string(info.unit);
+    member["min"] = info.min;
+    member["max"] = info.max;
+    tell_type(member, value);
+    members.append(member);
+  }
+
+  template <class O>
+  std::string name_of() {
+    const auto found = catalog.names_.find(typeid(O));
+    if (found == catalog.names_.end())
+      throw std::logic_error(std::string("options without a name: ") + typeid(O).name());
+    return found->second;
+  }
+  template <class... A>
+  py::list names_of_family(const std::variant<A...>&) {
+    py::list names;
+    (names.append(name_of<A>()), ...);
+    return names;
+  }
+
+  template <class T>
+  void tell_type(py::dict& member, T& value) {
+    if constexpr (IsVariant<T>::value) {
+      member["kind"] = "family";
+      member["classes"] = names_of_family(value);
+    } else if constexpr (NamedEnum<T>) {
+      member["kind"] = "word";
+      py::list words;
+      for (const std::string_view word : names_of(value)) words.append(std::string(word));
+      member["words"] = words;
+    } else if constexpr (std::is_same_v<T, bool>) {
+      member["kind"] = "bool";
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      member["kind"] = "str";
+    } else if constexpr (std::is_same_v<T, double>) {
+      member["kind"] = "float";
+    } else if constexpr (std::is_integral_v<T>) {
+      member["kind"] = "int";
+    } else if constexpr (std::is_same_v<T, std::optional<double>>) {
+      member["kind"] = "float | None";
+    } else if constexpr (std::is_same_v<T, std::optional<int>>) {
+      member["kind"] = "int | None";
+    } else {
+      member["kind"] = "group";
+      member["classes"] = py::make_tuple(name_of<T>());
+    }
+  }
+};
+
+template <Described O>
+void Catalog::add(const std::string& name) {
+  Entry entry;
+  entry.name = name;
+  if constexpr (requires { O::name; }) entry.method = std::string(O::name);
+  entry.defaults = options_to_text(O{});
+  MemberVisitor visitor{*this, py::list()};
+  O options;
+  describe(visitor, options);
+  entry.members = visitor.members;
+  entry.resolve = [](const std::string& text) { return options_to_text(options_from<O>(text)); };
+  entry.set = [](const std::string& text, const std::string& assignment) {
+    O changed = options_from<O>(text);
+    set_option(changed, assignment);
+    return options_to_text(changed);
+  };
+  names_[typeid(O)] = name;
+  entries_.push_back(std::move(entry));
+}
+
+void add_stages(Catalog& all) {
+  all.add<Canny>("image.Canny");
+  all.add<CannyRevised>("image.CannyRevised");
+  all.add<GradientEdges>("image.GradientEdges");
+  all.add<SobelEdges>("image.SobelEdges");
+  all.add<Compass>("image.Compass");
+  all.add<ContourCompletion>("image.ContourCompletion");
+  all.add<EdgeMapOptions>("field.EdgeMapOptions");
+  all.add<Gvf>("field.Gvf");
+  all.add<SteadyGvf>("field.SteadyGvf");
+  all.add<SteadyGgvf>("field.SteadyGgvf");
+  all.add<Ggvf>("field.Ggvf");
+  all.add<BandGvf>("field.BandGvf");
+  all.add<BandGgvf>("field.BandGgvf");
+  all.add<Placement>("mesh.Placement");
+  all.add<Smoothing>("mesh.Smoothing");
+  all.add<Tidy>("mesh.Tidy");
+  all.add<Keyframes>("mesh.Keyframes");
+}
+
+void add_dynamics(Catalog& all) {
+  all.add<FieldForce>("dynamics.FieldForce");
+  all.add<StopVoxel>("dynamics.StopVoxel");
+  all.add<StopConv>("dynamics.StopConv");
+  all.add<UniformDrag>("dynamics.UniformDrag");
+  all.add<FieldDrag>("dynamics.FieldDrag");
+  all.add<BorderDrag>("dynamics.BorderDrag");
+  all.add<FreeModel>("dynamics.FreeModel");
+  all.add<SpringModel>("dynamics.SpringModel");
+  all.add<RestrictedSpringModel>("dynamics.RestrictedSpringModel");
+  all.add<PlainModel>("dynamics.PlainModel");
+  all.add<CurvatureModel>("dynamics.CurvatureModel");
+  all.add<Euler>("dynamics.Euler");
+  all.add<Midpoint>("dynamics.Midpoint");
+  all.add<Rk4>("dynamics.Rk4");
+  all.add<StepDoubling>("dynamics.StepDoubling");
+  all.add<Rkf45>("dynamics.Rkf45");
+  all.add<BackwardEuler>("dynamics.BackwardEuler");
+  all.add<AutomaticSolver>("dynamics.AutomaticSolver");
+  all.add<Evolution>("dynamics.Evolution");
+  all.add<DiscreteContour>("dynamics.DiscreteContour");
+}
+
+void add_ventricle(Catalog& all) {
+  all.add<CoarseCircle>("ventricle.CoarseCircle");
+  all.add<AutoCircle>("ventricle.AutoCircle");
+  all.add<DivisionSlice>("ventricle.DivisionSlice");
+  all.add<SliceFlow>("ventricle.SliceFlow");
+  all.add<QuietPoints>("ventricle.QuietPoints");
+  all.add<Mlc>("ventricle.Mlc");
+  all.add<NoLabels>("ventricle.NoLabels");
+  all.add<SignLabels>("ventricle.SignLabels");
+  all.add<GradMagLabels>("ventricle.GradMagLabels");
+  all.add<CaseLabels>("ventricle.CaseLabels");
+  all.add<RadialLabels>("ventricle.RadialLabels");
+  all.add<Labelling>("ventricle.Labelling");
+  all.add<Closure>("ventricle.Closure");
+  all.add<Orientation>("ventricle.Orientation");
+  all.add<UserOverrides>("ventricle.UserOverrides");
+  all.add<Preparation>("image.Preparation");
+  all.add<Settle>("ventricle.Settle");
+  all.add<Tessellation>("mesh.Tessellation");
+  all.add<ContourPipeline>("ventricle.ContourPipeline");
+  all.add<MeasureOptions>("ventricle.MeasureOptions");
+  all.add<BlurFit>("ventricle.BlurFit");
+  all.add<VentricleOptions>("ventricle.Options");
+  all.add<OrganOptions>("ventricle.OrganOptions");
+}
+
+void add_others(Catalog& all) {
+  all.add<CloudOptions>("cloud.Options");
+  all.add<LodRule>("cloud.LodRule");
+  all.add<CloudPhantom>("synthetic.CloudPhantom");
+  all.add<Lattice>("synthetic.Lattice");
+  all.add<Noise>("synthetic.Noise");
+  all.add<Pose>("synthetic.Pose");
+  all.add<CupShape>("synthetic.CupShape");
+  all.add<Hebron>("synthetic.Hebron");
+  all.add<Mayo>("synthetic.Mayo");
+  all.add<Partial>("synthetic.Partial");
+  all.add<TwoSpheres>("synthetic.TwoSpheres");
+  all.add<VoxelSphere>("synthetic.VoxelSphere");
+  all.add<Gap>("synthetic.Gap");
+  all.add<CardiacCycle>("synthetic.CardiacCycle");
+  all.add<Pathology>("synthetic.Pathology");
+  all.add<Torso>("synthetic.Torso");
+  all.add<Irregularity>("synthetic.Irregularity");
+  all.add<Tags>("synthetic.Tags");
+  all.add<VirtualPatient>("synthetic.VirtualPatient");
+  all.add<Organ>("synthetic.Organ");
+}
+
+const Catalog& catalog() {
+  static const Catalog* all = [] {
+    auto* made = new Catalog;  // holds Python objects: never destroyed, Python has ended before
+    add_stages(*made);
+    add_dynamics(*made);
+    add_ventricle(*made);
+    add_others(*made);
+    return made;
+  }();
+  return *all;
+}
+
+py::list described() {
+  py::list all;
+  for (const Catalog::Entry& entry : catalog().entries()) {
+    py::dict one;
+    one["name"] = entry.name;
+    one["method"] = entry.method;
+    one["defaults"] = entry.defaults;
+    one["members"] = entry.members;
+    all.append(one);
+  }
+  return all;
+}
+
+}  // namespace
+
+void bind_options(py::module_& module) {
+  module.def("options_described", &described, "All options structs, those that others hold first.");
+  module.def(
+      "options_resolve",
+      [](const std::string& name, const std::string& text) { return catalog().entry(name).resolve(text); },
+      needed("name"), needed("text"), "JSON of all members: those that `text` names, else their defaults.");
+  module.def(
+      "options_set",
+      [](const std::string& name, const std::string& text, const std::string& assignment) {
+        return catalog().entry(name).set(text, assignment);
+      },
+      needed("name"), needed("text"), needed("assignment"), "The same after one --set of the command line.");
+  module.def(
+      "ventricle_preset", [](const std::string& name) { return options_to_text(ventricle_preset(name)); },
+      needed("name"));
+  module.def(
+      "organ_preset", [](const std::string& name) { return options_to_text(organ_preset(name)); }, needed("name"));
+  module.def(
+      "cloud_preset", [](const std::string& name) { return options_to_text(cloud_preset(name)); }, needed("name"));
+}
+
+}  // namespace dynasurf::python

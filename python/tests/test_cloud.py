@@ -1,0 +1,61 @@
+import dynasurf as ds
+import numpy as np
+import pytest
+
+
+def test_levels_are_watertight_and_as_asked_for(lods):
+    assert [len(level.triangles) for level in lods] == [1280, 320]
+    assert lods.watertight and all(level.certificate.watertight for level in lods)
+    assert lods[-1].certificate.triangles == 320 and len(lods) == 2
+    with pytest.raises(IndexError):
+        lods[2]
+
+
+def test_a_finer_level_lies_nearer(lods):
+    assert lods[0].certificate.cloud_to_mesh_mean < lods[1].certificate.cloud_to_mesh_mean
+
+
+def test_arrays_and_files_give_the_same_bytes(tmp_path, cloud, lods):
+    again = ds.cloud.reconstruct(np.array(cloud.points), triangles=[1280, 320])
+    assert again[0].vertices.tobytes() == lods[0].vertices.tobytes()
+    (tmp_path / "c.xyz").write_text("".join(f"{x!r} {y!r} {z!r}\n" for x, y, z in cloud.points.tolist()))
+    read = ds.cloud.reconstruct(ds.read_cloud(tmp_path / "c.xyz"), triangles="1280,320")
+    assert read[1].vertices.tobytes() == lods[1].vertices.tobytes()
+
+
+def test_a_sphere_has_no_handle_and_a_torus_one():
+    for shape, genus in (("sphere", 0), ("torus", 1)):
+        lods = ds.cloud.reconstruct(ds.synthetic.make_cloud(shape=shape, points=4000), triangles=[640])
+        assert lods[0].certificate.genus == genus
+
+
+def test_the_certificate_alone_is_the_results(cloud, lods):
+    alone = ds.cloud.certify(lods[0].mesh, cloud)
+    assert alone.watertight and alone.genus == lods[0].certificate.genus
+
+
+def test_colours_reach_the_vertices(cloud):
+    colours = np.zeros((len(cloud), 3), "u1")
+    colours[:, 1] = 200
+    level = ds.cloud.reconstruct(np.array(cloud.points), colours=colours, triangles=[320])[0]
+    assert level.colours.shape == (len(level.vertices), 3) and np.array_equal(np.unique(level.colours[:, 1]), [200])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error"),
+    [
+        ({"points": np.zeros((5, 3))}, ds.InputError),
+        ({"points": np.random.default_rng(1).normal(size=(100, 2))}, ds.OptionError),
+        ({"points": np.random.default_rng(1).normal(size=(100, 3)), "normals": np.ones((9, 3))}, ds.OptionError),
+        ({"points": np.random.default_rng(1).normal(size=(100, 3)), "triangles": [320, 1280]}, ds.OptionError),
+        ({"points": np.random.default_rng(1).normal(size=(100, 3)), "genus": "many"}, ds.OptionError),
+        ({"points": np.random.default_rng(1).normal(size=(100, 3)) * [1, 1, 0]}, ds.InputError),
+    ],
+)
+def test_what_is_no_cloud_is_refused(arguments, error):
+    with pytest.raises(error):
+        ds.cloud.reconstruct(**arguments)
+
+
+def test_the_command_is_that_of_the_program(lods):
+    assert lods.command == "dynasurf cloud CLOUD --out RESULT --preset shaped --set triangles=1280,320"
