@@ -1,0 +1,7 @@
+#pragma once
+// Many studies at once, and what they say together: all public headers of this module.
+
+#include "dynasurf/cohort/claims.hpp"
+#include "dynasurf/cohort/job_key.hpp"
+#include "dynasurf/cohort/status.hpp"
+#include "dynasurf/cohort/study_list.hpp"
