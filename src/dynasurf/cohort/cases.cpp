@@ -1,5 +1,7 @@
 #include "dynasurf/cohort/cases.hpp"
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/cohort/detail/schema_columns.hpp"
@@ -47,7 +49,10 @@ void take_result(const Json& results, CohortCase& one) {
   if (!flags || !flags->is_array()) return;
   for (const char* severity : {"failure", "warning", "info"})
     for (const Json& flag : *flags)
-      if (flag.value("severity", "") == severity) one.flags.push_back(flag.value("code", ""));
+      if (const std::string code = flag.value("code", "");
+          flag.value("severity", "") == severity &&
+          std::find(one.flags.begin(), one.flags.end(), code) == one.flags.end())
+        one.flags.push_back(code);
 }
 
 /// The results of a study; null when they cannot be read, which its status then says.

@@ -48,6 +48,12 @@ void add_agreement(const std::string& of, const std::string& against, const std:
     rows.push_back({"icc_absolute", of, against, "", icc->n, icc->left_out, icc->value});
 }
 
+/// "ef_percent" for the column ef_true_percent.
+std::string without_true(std::string column) {
+  const std::size_t at = column.find("_true_");
+  return at == std::string::npos ? std::string() : column.replace(at, 6, "_");
+}
+
 /// The values of a key number in each group of a column, where it has two to six values.
 std::map<std::string, std::vector<double>> by_group(const Cohort& cohort, std::size_t column, std::size_t key) {
   std::map<std::string, std::vector<double>> groups;
@@ -72,12 +78,6 @@ void add_groups(const Cohort& cohort, std::size_t column, std::size_t key, Rows&
       rows.push_back({"hedges_g", number.name, "", both, n, out, difference->hedges_g});
       rows.push_back({"welch_p", number.name, "", both, n, out, {difference->p, {}, {}}});
     }
-}
-
-/// "ef_percent" for the column ef_true_percent.
-std::string without_true(std::string column) {
-  const std::size_t at = column.find("_true_");
-  return at == std::string::npos ? std::string() : column.replace(at, 6, "_");
 }
 
 void add_truth(const Cohort& cohort, Rows& rows) {
@@ -152,7 +152,8 @@ std::vector<StatisticRow> statistics_of(const Cohort& cohort) {
     std::vector<double> values;
     for (const CohortCase& one : cohort.cases) values.push_back(number_of(one, key));
     add_summary(ventricle_key_numbers()[key], "", values, rows);
-    for (std::size_t column = 0; column < cohort.group_columns.size(); ++column) add_groups(cohort, column, key, rows);
+    for (std::size_t column = 0; column < cohort.group_columns.size(); ++column)
+      if (without_true(cohort.group_columns[column]).empty()) add_groups(cohort, column, key, rows);
   }
   add_truth(cohort, rows);
   add_readings(cohort, rows);

@@ -35,6 +35,17 @@ function different(values: string[]): string[] {
   return [...new Set(values)].sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
 }
 
+/** Whether a column holds numbers that are no names of groups: truths, measures. */
+function isMeasured(column: number): boolean {
+  const values = different(cohort.studies.map((s) => s.groups[column] ?? ""));
+  return values.length > 12 && values.every((v) => v === "" || !Number.isNaN(Number(v)));
+}
+
+/** A value of the table of studies with the digits that a reader wants. */
+function shortened(value: string): string {
+  return /^-?\d+\.\d{2,}$/.test(value) ? Number(value).toFixed(1) : value || "–";
+}
+
 function buildFilters(): void {
   const search = html("input", { type: "search", placeholder: "part of an id", "aria-label": "part of an id", size: 12 });
   search.addEventListener("input", show);
@@ -43,7 +54,7 @@ function buildFilters(): void {
   const stateOf = (study: Study) => (study.state === "done" ? study.verdict : study.state);
   addSelect("Verdict", different(cohort.studies.map(stateOf)), (study) => [stateOf(study)]);
   addSelect("Flag", different(cohort.studies.flatMap((s) => s.flags)), (study) => study.flags);
-  cohort.groups.forEach((name, n) => addSelect(name, different(cohort.studies.map((s) => s.groups[n] ?? "")), (study) => [study.groups[n] ?? ""]));
+  cohort.groups.forEach((name, n) => isMeasured(n) || addSelect(name, different(cohort.studies.map((s) => s.groups[n] ?? "")), (study) => [study.groups[n] ?? ""]));
   addSelect("Decision", ["accept", "reject", ""], (study) => [decisionOf(study.id).verdict]);
   const reset = html("button", { type: "button" }, "Show all");
   reset.addEventListener("click", () => {
@@ -160,7 +171,7 @@ function pictureOf(study: Study): HTMLElement {
 }
 
 function wordsOf(study: Study): HTMLElement {
-  const groups = cohort.groups.map((name, n) => `${name} ${study.groups[n] || "–"}`).join(" · ");
+  const groups = cohort.groups.map((name, n) => `${name} ${shortened(study.groups[n] ?? "")}`).join(" · ");
   const numbers = `EF ${figure(study.numbers[0])} %, EDV ${figure(study.numbers[1])} mL, ESV ${figure(study.numbers[2])} mL, muscle ${figure(study.numbers[4])} mL`;
   const said = study.state === "failed" ? study.reason : study.flags.length ? study.flags.join(", ") : "no flags";
   return html("div", {}, html("b", {}, study.id), " ", markOf(study), html("div", {}, study.state === "done" ? numbers : ""), html("div", { class: "words" }, said), html("small", { class: "dim" }, groups));

@@ -52,7 +52,7 @@ export function polarThumb(values: (number | null)[], size: number): HTMLCanvasE
       const half = Math.PI / count;
       context.beginPath();
       context.arc(middle, middle, radius * outer, angle - half, angle + half);
-      context.arc(middle, middle, radius * inner, angle + half, angle - half, true);
+      if (inner > 0) context.arc(middle, middle, radius * inner, angle + half, angle - half, true);
       context.closePath();
       context.fillStyle = value === null || value === undefined ? "#dfe5ea" : colourAt((value - 40) / 60);
       context.fill();
