@@ -49,6 +49,8 @@ export class StudyList {
 
   /** Chooses, and brings into view. */
   mark(study: number): void {
+    this.renew(this.chosen);
+    this.renew(study);
     this.chosen = study;
     const at = this.order.indexOf(study);
     if (at >= 0) {
@@ -56,7 +58,14 @@ export class StudyList {
       if (top < this.view.scrollTop) this.view.scrollTop = top;
       if (top + rowHeight > this.view.scrollTop + this.view.clientHeight) this.view.scrollTop = top + rowHeight - this.view.clientHeight;
     }
-    this.forget();
+    this.draw();
+  }
+
+  /** Takes the row of a study out, to be drawn anew. */
+  private renew(study: number): void {
+    const at = this.order.indexOf(study);
+    this.rows.get(at)?.remove();
+    this.rows.delete(at);
   }
 
   private later(): void {

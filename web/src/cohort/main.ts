@@ -2,13 +2,14 @@
 import { byId, figure, html } from "../dom";
 import { readCohort, type Statistic, type Study } from "./data";
 import { markOf, StudyList } from "./list";
-import { drawAgreement, drawHistogram, drawScatter, meansTable, type Dot } from "./plots";
+import { drawAgreement, drawHistogram, drawScatter, meansTable, type Dot, type Ring } from "./plots";
 import { curveThumb, polarThumb } from "./thumbs";
 import { comment, decide, decisionOf, download } from "./triage";
 
 const cohort = readCohort();
 const list = new StudyList(cohort, (study) => choose(study));
 let shown: number[] = [];
+let rings: Ring[] = [];
 
 // ---- Filters ----
 
@@ -137,8 +138,10 @@ function drawPlots(): void {
     const [a, b] = [compared(n, wanted), study.numbers[wanted]];
     if (a != null && b != null) differences.push({ x: (a + b) / 2, y: first.value === "other" ? a - b : b - a, study: n, ink });
   }
-  drawScatter(byId("scatter"), dots, ["EDV, mL", "EF, %"], list.chosen, choose);
-  byId("agreement-words").textContent = drawAgreement(byId("agreement"), differences, cohort.keys[wanted]![2], list.chosen, choose);
+  const [agreementRing, words] = drawAgreement(byId("agreement"), differences, cohort.keys[wanted]![2], choose);
+  byId("agreement-words").textContent = words;
+  rings = [drawScatter(byId("scatter"), dots, ["EDV, mL", "EF, %"], choose), agreementRing];
+  for (const ring of rings) ring(list.chosen);
 }
 
 function show(): void {
@@ -194,7 +197,7 @@ function choose(index: number): void {
   if (study.report) actions.append(html("a", { href: study.report, target: "_blank", rel: "noopener" }, "Report (Enter)"));
   words.append(actions, note);
   byId("one").replaceChildren(pictureOf(study), html("div", {}, polarThumb(study.perfusion, 112), curveThumb(study.curve, 112, 50)), words);
-  drawPlots();
+  for (const ring of rings) ring(index);
 }
 
 function onKey(event: KeyboardEvent): void {

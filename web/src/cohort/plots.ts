@@ -97,9 +97,20 @@ function drawDots(picture: SVGSVGElement, dots: Dot[], to: Frame): void {
     picture.append(svg("path", { d, stroke: inks[ink % inks.length]!, "stroke-width": dots.length > 2000 ? 3 : 5, "stroke-linecap": "round", "stroke-opacity": dots.length > 2000 ? 0.35 : 0.6, fill: "none" }));
 }
 
-function ring(picture: SVGSVGElement, dots: Dot[], chosen: number, to: Frame): void {
-  const dot = dots.find((d) => d.study === chosen);
-  if (dot) picture.append(svg("circle", { cx: to.x(dot.x), cy: to.y(dot.y), r: 7, fill: "none", stroke: "#111", "stroke-width": 2 }));
+/** Puts a ring around the dot of a study; the other dots stay as they are. */
+export type Ring = (study: number) => void;
+
+function ringOf(picture: SVGSVGElement, dots: Dot[], to: Frame): Ring {
+  const at = new Map(dots.map((dot) => [dot.study, dot]));
+  const circle = svg("circle", { r: 7, fill: "none", stroke: "#111", "stroke-width": 2, visibility: "hidden" });
+  picture.append(circle);
+  return (study) => {
+    const dot = at.get(study);
+    circle.setAttribute("visibility", dot ? "visible" : "hidden");
+    if (!dot) return;
+    circle.setAttribute("cx", String(to.x(dot.x)));
+    circle.setAttribute("cy", String(to.y(dot.y)));
+  };
 }
 
 /** A click chooses the nearest study. */
@@ -118,18 +129,18 @@ function listen(picture: SVGSVGElement, dots: Dot[], to: Frame, choose: (study: 
   };
 }
 
-export function drawScatter(picture: SVGSVGElement, dots: Dot[], names: [string, string], chosen: number, choose: (study: number) => void): void {
+export function drawScatter(picture: SVGSVGElement, dots: Dot[], names: [string, string], choose: (study: number) => void): Ring {
   const to = frameOf(picture, 260, rangeOf(dots.map((d) => d.x), 0.04), rangeOf(dots.map((d) => d.y), 0.06), names);
   drawDots(picture, dots, to);
-  ring(picture, dots, chosen, to);
   listen(picture, dots, to, choose);
+  return ringOf(picture, dots, to);
 }
 
-/** Differences over means (Bland and Altman) with bias and limits of agreement; returns them in words. */
-export function drawAgreement(picture: SVGSVGElement, dots: Dot[], unit: string, chosen: number, choose: (study: number) => void): string {
+/** Differences over means (Bland and Altman) with bias and limits of agreement, which it returns in words too. */
+export function drawAgreement(picture: SVGSVGElement, dots: Dot[], unit: string, choose: (study: number) => void): [Ring, string] {
   if (dots.length < 2) {
     frameOf(picture, 260, [0, 1], [0, 1], ["", ""]);
-    return "Fewer than two studies have both numbers.";
+    return [() => undefined, "Fewer than two studies have both numbers."];
   }
   const mean = dots.reduce((sum, d) => sum + d.y, 0) / dots.length;
   const sd = Math.sqrt(dots.reduce((sum, d) => sum + (d.y - mean) ** 2, 0) / (dots.length - 1));
@@ -140,9 +151,9 @@ export function drawAgreement(picture: SVGSVGElement, dots: Dot[], unit: string,
     picture.append(svg("path", { d: `M${place.left} ${to.y(v).toFixed(1)}H${place.right}`, stroke: "#111", "stroke-dasharray": n === 1 ? "none" : "6 4" }));
     picture.append(svg("text", { x: place.right - 2, y: to.y(v) - 4, "text-anchor": "end" }, figure(v, 1)));
   });
-  ring(picture, dots, chosen, to);
   listen(picture, dots, to, choose);
-  return `Bias ${figure(mean, 2)} ${unit}, limits of agreement ${figure(lines[0], 2)} to ${figure(lines[2], 2)} ${unit}, n = ${dots.length} of the studies shown.`;
+  const words = `Bias ${figure(mean, 2)} ${unit}, limits of agreement ${figure(lines[0], 2)} to ${figure(lines[2], 2)} ${unit}, n = ${dots.length} of the studies shown.`;
+  return [ringOf(picture, dots, to), words];
 }
 
 /** Mean, deviation, median and n of each group. */
