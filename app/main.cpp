@@ -58,6 +58,7 @@ ExitCode run(int argc, char** argv, const std::stop_token& stop) {
   add_organ(program, chosen);
   add_batch(program, chosen);
   add_collect(program, chosen);
+  add_bids(program, chosen);
   std::string memory;
   add_memory_limit(program, memory);
 

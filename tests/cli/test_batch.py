@@ -410,5 +410,31 @@ class Patients(BatchTest):
         self.refuses(1, "phantom", "patient", "--count", 2, "--out", self.folder / "p", says="belong to phantom patients")
 
 
+class Bids(BatchTest):
+    def test_runs_participants_and_the_group(self):
+        dataset, out = self.folder / "bids", self.folder / "derivatives"
+        rows = rows_of(patients() / "patients.tsv")[:2]
+        for n, (row, place) in enumerate(zip(rows, ("sub-01/ses-rest/nm/sub-01_ses-rest", "sub-02/nm/sub-02"))):
+            (dataset / place).parent.mkdir(parents=True)
+            shutil.copy(patients() / row["path"], dataset / f"{place}_nm.dcm")
+        (dataset / "participants.tsv").write_text("participant_id\tsex\nsub-01\tF\nsub-02\tn/a\n")
+        one = run("bids", dataset, out, "participant", "--participant-label", "02", "--", *QUICK, timeout=300)
+        self.assertEqual(one.returncode, 0, one.stderr)
+        self.assertEqual([path.name for path in out.glob("sub-*")], ["sub-02"])
+        self.assertEqual(run("bids", dataset, out, "participant", "--", *QUICK, timeout=300).returncode, 0)
+        stem = out / "sub-01" / "ses-rest" / "nm" / "sub-01_ses-rest_desc-dynasurf"
+        sidecar = self.read_json(f"{stem}_report.json")
+        self.assertEqual(hashes(out / sidecar["ResultFolder"]), serial()[rows[0]["id"]])
+        self.assertTrue(pathlib.Path(f"{stem}_report.html").is_file())
+        description = self.read_json(out / "dataset_description.json")
+        self.assertEqual((description["DatasetType"], description["GeneratedBy"][0]["Name"]), ("derivative", "dynasurf"))
+        group = run("bids", dataset, out, "group")
+        self.assertEqual(group.returncode, 0, group.stderr)
+        table = rows_of(out / "cohort" / "tables" / "studies.tsv")
+        self.assertEqual([(row["participant_id"], row["sex"]) for row in table], [("sub-01", "F"), ("sub-02", "")])
+        self.refuses(2, "bids", self.folder, out, "participant", says="expected a BIDS dataset")
+        self.refuses(1, "bids", dataset, out, "participant", "--participant-label", "03", says="no study of these participants")
+
+
 if __name__ == "__main__":
     unittest.main()
