@@ -371,6 +371,17 @@ class Collect(BatchTest):
             p = stats.ttest_ind(groups["A"], groups["B"], equal_var=False).pvalue
             self.agree(self.statistic("welch_p", "ef_percent", "", "site=A less B")[:1], [p])
 
+    def test_page_works_in_a_browser(self):
+        web = pathlib.Path(__file__).resolve().parents[2] / "web"
+        node = shutil.which("node") or shutil.which("nodejs")
+        if not node or not (web / "node_modules" / "playwright-core").is_dir():
+            self.skipTest("Node.js and the packages of web/ are not there")
+        done = subprocess.run([node, web / "test" / "cohort.test.mjs", self.cohort / "tables" / "cohort.html"],
+                              capture_output=True, text=True, timeout=300)
+        if done.returncode == 77:
+            self.skipTest(done.stdout)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
     def test_compares_two_cohorts(self):
         other = self.folder / "other"
         self.assertEqual(self.batch(patients() / "patients.tsv", "--out", other, "--quiet", "--no-collect", "--", *QUICK, "--set", "edges.sigma_px=1.5").returncode, 0)

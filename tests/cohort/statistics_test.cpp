@@ -28,8 +28,7 @@ TEST(Distributions, ReturnTheProbabilityOfTheirQuantile) {
     for (const double p : {0.001, 0.025, 0.3, 0.5, 0.9, 0.9999}) {
       EXPECT_NEAR(student_t_probability(student_t_quantile(p, degrees), degrees), p, 1e-12) << degrees << " " << p;
       EXPECT_NEAR(f_probability(f_quantile(p, degrees, 6), degrees, 6), p, 1e-12) << degrees << " " << p;
-      EXPECT_NEAR(chi_squared_probability(chi_squared_quantile(p, degrees), degrees), p, 1e-11)
-          << degrees << " " << p;
+      EXPECT_NEAR(chi_squared_probability(chi_squared_quantile(p, degrees), degrees), p, 1e-11) << degrees << " " << p;
     }
 }
 
@@ -69,14 +68,12 @@ TEST(Agreement, IsThatOfBlandAndAltman) {
   EXPECT_NEAR(*limits->high.high - limits->high.value, 2.12 * std::sqrt(3 * 38.8 * 38.8 / 17), 1.5);
 }
 
-TEST(Agreement, NeedsTwoPairs) {
-  EXPECT_FALSE(limits_of_agreement(std::vector<ValuePair>{{1, 2}}));
-}
+TEST(Agreement, NeedsTwoPairs) { EXPECT_FALSE(limits_of_agreement(std::vector<ValuePair>{{1, 2}})); }
 
 // Table 2 of Shrout and Fleiss (1979), four judges of six targets: ICC(2,1) = 0.29; McGraw and Wong's interval of it is
 // 0.019 to 0.761 (package irr of R and others).
 TEST(Icc, IsThatOfShroutAndFleiss) {
-  const std::vector<std::vector<double>> ratings{{9, 2, 5, 8}, {6, 1, 3, 2}, {8, 4, 6, 8},
+  const std::vector<std::vector<double>> ratings{{9, 2, 5, 8}, {6, 1, 3, 2},  {8, 4, 6, 8},
                                                  {7, 1, 2, 6}, {10, 5, 6, 9}, {6, 2, 4, 7}};
   const auto icc = icc_absolute(ratings);
   EXPECT_NEAR(icc->value.value, 0.2897638, 1e-6);

@@ -11,6 +11,7 @@
 #include "dynasurf/cohort/claims.hpp"
 #include "dynasurf/cohort/job_key.hpp"
 #include "dynasurf/core/error.hpp"
+
 #include "support/scratch_folder.hpp"
 
 namespace dynasurf {

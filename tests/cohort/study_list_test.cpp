@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
+
 #include "support/scratch_folder.hpp"
 
 namespace dynasurf {
@@ -33,8 +34,10 @@ class StudyTable : public testing::Test {
 };
 
 TEST_F(StudyTable, ReadsTheSameFromTsvCsvAndJsonLines) {
-  const StudyList tsv = read("a.tsv", "path\tid\tfwhm\tsex\toptions\na.dcm\tp1\t12.5\tF\t--preset edges\nb.dcm\tp2\t\tM\t\n");
-  const StudyList csv = read("a.csv", "path,id,fwhm,sex,options\r\na.dcm,p1,12.5,F,--preset edges\r\n\"b.dcm\",p2,,M,\r\n");
+  const StudyList tsv =
+      read("a.tsv", "path\tid\tfwhm\tsex\toptions\na.dcm\tp1\t12.5\tF\t--preset edges\nb.dcm\tp2\t\tM\t\n");
+  const StudyList csv =
+      read("a.csv", "path,id,fwhm,sex,options\r\na.dcm,p1,12.5,F,--preset edges\r\n\"b.dcm\",p2,,M,\r\n");
   const StudyList json = read("a.jsonl",
                               "{\"path\": \"a.dcm\", \"id\": \"p1\", \"fwhm\": 12.5, \"sex\": \"F\", \"options\": "
                               "\"--preset edges\"}\n{\"path\": \"b.dcm\", \"id\": \"p2\", \"sex\": \"M\"}\n");

@@ -1,3 +1,5 @@
+#include "dynasurf/synthetic/population.hpp"
+
 #include <cmath>
 #include <set>
 #include <vector>
@@ -6,7 +8,6 @@
 
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/synthetic/population.hpp"
 
 namespace dynasurf {
 namespace {
