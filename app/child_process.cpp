@@ -1,5 +1,6 @@
 #include "child_process.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -9,6 +10,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -23,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 
 struct Running {
   std::mutex mutex;
-  pid_t child = 0;  // leader of its group and not waited for yet, so that the number is nobody else's; 0: none
+  std::vector<pid_t> children;  // leaders of their groups and not waited for yet: the numbers are nobody else's
 };
 
 /// Never destroyed: the watcher may ask for it until the very end.
@@ -33,12 +35,18 @@ Running& running() {
 }
 
 /// Between fork and exec other threads' locks may be held for ever: only calls that are safe in signal handlers.
-[[noreturn]] void become(char* const* arguments, char* const* environment, pid_t parent, int report) {
+[[noreturn]] void become(char* const* arguments, char* const* environment, pid_t parent, int report, int errors,
+                         std::uint64_t memory_bytes) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(127);  // it died before the line above
   const int nothing = ::open("/dev/null", O_RDWR);
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(nothing, stream);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO}) ::dup2(nothing, stream);
+  ::dup2(errors >= 0 ? errors : nothing, STDERR_FILENO);
+  if (memory_bytes > 0) {
+    const rlimit limit{memory_bytes, memory_bytes};
+    ::setrlimit(RLIMIT_DATA, &limit);
+  }
   if (nothing > STDERR_FILENO) ::close(nothing);
   ::signal(SIGPIPE, SIG_DFL);
   ::signal(SIGXFSZ, SIG_DFL);
@@ -55,10 +63,14 @@ Running& running() {
   throw IoError("cannot start " + program + ": " + std::strerror(code));
 }
 
-std::vector<std::string> environment_with(const std::filesystem::path& temporary) {
-  std::vector<std::string> variables{"TMPDIR=" + temporary.string()};
+/// `variables`, and those of this process that are not named among them.
+std::vector<std::string> environment_with(std::vector<std::string> variables) {
+  const std::size_t own = variables.size();
+  const auto name_of = [](std::string_view variable) { return variable.substr(0, variable.find('=')); };
   for (char** variable = environ; variable && *variable; ++variable)
-    if (std::strncmp(*variable, "TMPDIR=", 7) != 0) variables.emplace_back(*variable);
+    if (std::none_of(variables.begin(), variables.begin() + static_cast<std::ptrdiff_t>(own),
+                     [&](const std::string& given) { return name_of(given) == name_of(*variable); }))
+      variables.emplace_back(*variable);
   return variables;
 }
 
@@ -71,13 +83,14 @@ std::vector<char*> pointers_to(const std::vector<std::string>& words) {
 }
 
 /// Starts the program; returns when the new process runs it, or throws when it cannot.
-pid_t start(const std::vector<std::string>& words, const std::vector<std::string>& variables) {
+pid_t start(const std::vector<std::string>& words, const std::vector<std::string>& variables, int errors,
+            std::uint64_t memory_bytes) {
   const std::vector<char*> arguments = pointers_to(words), environment = pointers_to(variables);
   std::array<int, 2> report{};  // tells the reason when exec fails; closed by exec when it does not
   if (::pipe2(report.data(), O_CLOEXEC) != 0) fail_to_start(words[0], errno);
   const pid_t parent = ::getpid();
   const pid_t child = ::fork();
-  if (child == 0) become(arguments.data(), environment.data(), parent, report[1]);
+  if (child == 0) become(arguments.data(), environment.data(), parent, report[1], errors, memory_bytes);
   const int fork_error = errno;
   ::close(report[1]);
   int code = 0;
@@ -91,49 +104,100 @@ pid_t start(const std::vector<std::string>& words, const std::vector<std::string
   return child;
 }
 
-/// Whether the child has ended; it is waited for, and no longer killed by anyone.
-bool has_ended(int& status) {
-  const std::lock_guard lock(running().mutex);
-  if (::waitpid(running().child, &status, WNOHANG) == 0) return false;
-  running().child = 0;
-  return true;
-}
-
-/// Kills all of the child's group and waits, not for long, until nobody is left who could write to a file.
-void kill_group(pid_t group) {
-  ::kill(-group, SIGKILL);
-  const auto end = Clock::now() + std::chrono::milliseconds(300);
-  for (int status = 0; !has_ended(status) && Clock::now() < end;)
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  while (::kill(-group, 0) == 0 && Clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+double seconds_of(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
 }  // namespace
 
-std::optional<int> run_quietly(const std::vector<std::string>& words, const std::filesystem::path& temporary,
-                               std::chrono::seconds patience, const std::stop_token& stop) {
-  pid_t child = 0;
+ChildProgram::ChildProgram(const std::vector<std::string>& words, const std::vector<std::string>& variables,
+                           std::uint64_t memory_bytes) {
+  std::array<int, 2> pipe{};
+  if (::pipe2(pipe.data(), O_CLOEXEC) != 0) fail_to_start(words[0], errno);
+  ::fcntl(pipe[0], F_SETFL, O_NONBLOCK);
+  errors_ = pipe[0];
+  try {
+    const std::vector<std::string> environment = environment_with(variables);
+    const std::lock_guard lock(running().mutex);
+    running().children.reserve(running().children.size() + 1);
+    child_ = start(words, environment, pipe[1], memory_bytes);
+    running().children.push_back(child_);
+  } catch (...) {
+    ::close(pipe[0]);
+    ::close(pipe[1]);
+    throw;
+  }
+  ::close(pipe[1]);
+}
+
+ChildProgram::~ChildProgram() {
+  kill();
+  ::close(errors_);
+}
+
+void ChildProgram::listen() {
+  constexpr std::size_t most_kept = 4096;
+  std::array<char, 4096> buffer;
+  for (ssize_t got = 0; (got = ::read(errors_, buffer.data(), buffer.size())) > 0;) {
+    words_.append(buffer.data(), static_cast<std::size_t>(got));
+    if (words_.size() > most_kept) words_.erase(0, words_.size() - most_kept);
+  }
+}
+
+std::optional<ChildEnd> ChildProgram::end() {
+  listen();
+  if (child_ == 0) return std::nullopt;
+  int status = 0;
+  rusage used{};
   {
     const std::lock_guard lock(running().mutex);
-    child = running().child = start(words, environment_with(temporary));
+    if (::wait4(child_, &status, WNOHANG, &used) == 0) return std::nullopt;
+    std::erase(running().children, child_);
   }
-  const auto end = Clock::now() + patience;
-  int status = 0;
-  while (!has_ended(status)) {
-    const bool stopped = stop.stop_requested();
-    if (stopped || Clock::now() > end) {
-      kill_group(child);
-      if (stopped) throw Cancelled("stopped on request");
+  child_ = 0;
+  listen();
+  ChildEnd ended;
+  if (WIFEXITED(status)) ended.code = WEXITSTATUS(status);
+  if (WIFSIGNALED(status)) ended.signal = WTERMSIG(status);
+  ended.cpu_s = seconds_of(used.ru_utime) + seconds_of(used.ru_stime);
+  ended.peak_mb = static_cast<double>(used.ru_maxrss) / 1024;  // the system tells kB
+  return ended;
+}
+
+void ChildProgram::ask_to_stop() const {
+  if (child_ > 0) ::kill(-child_, SIGTERM);
+}
+
+void ChildProgram::kill() {
+  if (child_ == 0) return;
+  const pid_t group = child_;
+  ::kill(-group, SIGKILL);
+  const auto limit = Clock::now() + std::chrono::milliseconds(300);
+  while (!end() && child_ != 0 && Clock::now() < limit) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  while (::kill(-group, 0) == 0 && Clock::now() < limit) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+}
+
+std::optional<int> run_quietly(const std::vector<std::string>& words, const std::filesystem::path& temporary,
+                               std::chrono::seconds patience, const std::stop_token& stop) {
+  ChildProgram child(words, {"TMPDIR=" + temporary.string()}, 0);
+  const auto limit = Clock::now() + patience;
+  while (true) {
+    if (const auto ended = child.end()) return ended->code;
+    if (stop.stop_requested()) {
+      child.kill();
+      throw Cancelled("stopped on request");
+    }
+    if (Clock::now() > limit) {
+      child.kill();
       return std::nullopt;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  return WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt;
 }
 
 void kill_children() noexcept {
   const std::lock_guard lock(running().mutex);
-  if (running().child > 0) ::kill(-running().child, SIGKILL);
+  for (const pid_t child : running().children) ::kill(-child, SIGKILL);
 }
 
 }  // namespace dynasurf::app

@@ -30,6 +30,9 @@ void add_scores(CLI::App& program, Command& chosen);
 void add_solid(CLI::App& program, Command& chosen);
 void add_organ(CLI::App& program, Command& chosen);
 void add_compare(CLI::App& program, Command& chosen);
+void add_batch(CLI::App& program, Command& chosen);
+void add_collect(CLI::App& program, Command& chosen);
+void add_bids(CLI::App& program, Command& chosen);
 void add_motion(CLI::App& program, Command& chosen);
 
 }  // namespace dynasurf::app

@@ -68,6 +68,11 @@ void print_error(std::string_view message) {
   write_all(STDERR_FILENO, line + "\n");
 }
 
+void print_live(std::string_view text, bool terminal) {
+  const std::string line = printable(text);
+  write_all(STDERR_FILENO, terminal ? "\r\033[K" + line : line + "\n");
+}
+
 std::string table(const std::vector<std::vector<std::string>>& rows, const std::vector<std::size_t>& left) {
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {
@@ -109,8 +114,7 @@ ProgressLine::~ProgressLine() { finish(); }
 
 void ProgressLine::operator()(std::string_view stage, int done, int total) {
   if (quiet_) return;
-  const std::string text = printable(stage) + " " + std::to_string(done) + "/" + std::to_string(total);
-  write_all(STDERR_FILENO, terminal_ ? "\r\033[K" + text : text + "\n");
+  print_live(std::string(stage) + " " + std::to_string(done) + "/" + std::to_string(total), terminal_);
   open_ = terminal_;
 }
 

@@ -19,6 +19,10 @@ void print(std::string_view text);
 /// The one line on standard error that every failure ends with, as `printable` text.
 void print_error(std::string_view message);
 
+/// A line on standard error that tells how far something is: written over what stands in it on a terminal, plain
+/// elsewhere.
+void print_live(std::string_view text, bool terminal);
+
 /// Rows of cells as aligned columns; the first row is the head. `left` names the columns that are aligned left.
 std::string table(const std::vector<std::vector<std::string>>& rows, const std::vector<std::size_t>& left = {});
 

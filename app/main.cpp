@@ -14,6 +14,7 @@
 
 #include "command.hpp"
 #include "console.hpp"
+#include "debug_fault.hpp"
 #include "interrupt.hpp"
 #include "last_words.hpp"
 #include "memory_argument.hpp"
@@ -55,6 +56,9 @@ ExitCode run(int argc, char** argv, const std::stop_token& stop) {
   add_compare(program, chosen);
   add_motion(program, chosen);
   add_organ(program, chosen);
+  add_batch(program, chosen);
+  add_collect(program, chosen);
+  add_bids(program, chosen);
   std::string memory;
   add_memory_limit(program, memory);
 
@@ -70,6 +74,7 @@ ExitCode run(int argc, char** argv, const std::stop_token& stop) {
     throw OptionError(std::string(error.what()) + "; see dynasurf --help");
   }
   const MemoryLimit limit(memory.empty() ? default_memory_limit() : memory_from_text(memory));
+  cause_debug_fault();
   return chosen(stop);
 }
 

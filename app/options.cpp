@@ -45,6 +45,7 @@ std::vector<OptionRow> rows_of(const Arguments& arguments) {
                       "'; choices: ventricle, cloud, organ, phantom KIND");
   if (arguments.kind == "cloud") return option_table(CloudPhantom{});
   if (arguments.kind == CameraPhantom::name) return option_table(CameraPhantom{});
+  if (arguments.kind == "patients") return option_table(VirtualPatient{});  // what --set says to each of them
   PhantomOptions phantom;
   const ChoiceRef kinds = choice_of(phantom);
   return option_table(kinds.choose(position_of(kinds.methods, arguments.kind, "KIND")));

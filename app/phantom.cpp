@@ -17,7 +17,6 @@
 #include "dynasurf/io/study_io.hpp"
 #include "dynasurf/io/tracked_points_io.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/report/measures.hpp"
 #include "dynasurf/synthetic/camera.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
@@ -25,8 +24,9 @@
 #include "command.hpp"
 #include "console.hpp"
 #include "out_argument.hpp"
+#include "phantom_patients.hpp"
+#include "phantom_truth.hpp"
 #include "result_job.hpp"
-#include "true_walls.hpp"
 #include "version.hpp"
 
 namespace dynasurf::app {
@@ -40,9 +40,17 @@ struct Arguments {
   OutFolder out;
   std::vector<std::string> settings;
   std::string seed;
-  int threads = 0;
-  bool nrrd = false, quiet = false;
+  int threads = 0, count = 0, repeats = 1;
+  bool nrrd = false, quiet = false, small = false;
 };
+
+ExitCode make_population(const Arguments& a, const std::stop_token& stop) {
+  if (a.nrrd) throw OptionError("--nrrd: patients are written as DICOM alone");
+  if (a.out.replace)
+    throw OptionError("--replace: patients that stand at --out are kept, and those that lack are added");
+  if (a.count < 1) throw OptionError("phantom patients needs --count N, how many patients");
+  return make_patients({a.out.path, a.count, a.repeats, a.seed, a.settings, a.small, a.quiet}, stop);
+}
 
 /// `--seed` is short for the one option of the kind that is called noise.seed, wherever it stands.
 std::string path_of_seed(const OptionNodes& nodes, const std::string& kind) {
@@ -60,78 +68,6 @@ PhantomOptions options_of(const Arguments& arguments) {
   return phantom;
 }
 
-Json options_of(const Phantom& phantom) {
-  PhantomOptions options = phantom.options;
-  const ChoiceRef kinds = choice_of(options);
-  return options_to_json(kinds.choose(kinds.current()));
-}
-
-Json number(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
-
-Json vector_json(const Vec3& v) { return {v[0], v[1], v[2]}; }
-
-Json true_motion(const Phantom& phantom) {
-  if (!phantom.tracked) return nullptr;
-  const TrackedTruth& t = *phantom.tracked;
-  return {{"points", t.points.name.size()},
-          {"apex_mm", vector_json(t.apex)},
-          {"base_mm", vector_json(t.base)},
-          {"twist_deg", t.twist_deg}};
-}
-
-/// What of the wall is true per segment, in the words of results.json; nothing that is read from counts.
-Json true_regions(const Phantom& phantom) {
-  if (!phantom.axis) return nullptr;
-  Json json = measures_json(measure_true_walls(phantom), phantom.study.cycle_ms);
-  for (Json& segment : json["segments"]) {
-    segment.erase("count_thickening_percent"), segment.erase("phase_counts_deg");
-    for (auto at = segment.begin(); at != segment.end();)
-      at = at.key().ends_with("_90") ? segment.erase(at) : std::next(at);
-  }
-  json["phase"].erase("counts");
-  for (Json& phase : json["phase"])
-    if (phase.is_object()) phase.erase("sd_deg_90");  // too few gates have no phase
-  return {{"phase", json["phase"]}, {"segments", json["segments"]}};
-}
-
-Json truth_of(const Phantom& phantom) {
-  Json json = Json::object();
-  json["schema"] = "dynasurf.phantom/1";
-  json["kind"] = phantom.kind;
-  json["edv_ml"] = number(phantom.edv_ml);
-  json["esv_ml"] = number(phantom.esv_ml);
-  json["ef_percent"] = number(phantom.ef_percent);
-  json["beat_edv_ml"] = number(phantom.beat_edv_ml);
-  json["beat_esv_ml"] = number(phantom.beat_esv_ml);
-  json["beat_ef_percent"] = number(phantom.beat_ef_percent);
-  json["fwhm_mm"] = phantom.fwhm_mm;
-  json["missing_fraction"] = phantom.missing_fraction;
-  json["gates"] = Json::array();
-  for (std::size_t g = 0; g < phantom.truth.size(); ++g) {
-    const TrueGate& gate = phantom.truth[g];
-    json["gates"].push_back({{"gate", g + 1},
-                             {"time_ms", phantom.study.time_ms.empty() ? Json() : Json(phantom.study.time_ms[g])},
-                             {"phase", gate.phase},
-                             {"endo_ml", gate.endo_ml},
-                             {"epi_ml", gate.epi_ml},
-                             {"wall_ml", gate.wall_ml()}});
-  }
-  json["regions"] = true_regions(phantom);
-  json["tracked"] = true_motion(phantom);
-  json["notes"] = Json::array();
-  for (const Note& note : phantom.notes) json["notes"].push_back({{"code", note.code}, {"message", note.message}});
-  json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
-  json["options"] = options_of(phantom);
-  return json;
-}
-
-float largest_value(const Study& study) {
-  float largest = 0;
-  for (const Image& gate : study.gates)
-    for (const float value : gate.values) largest = std::max(largest, value);
-  return largest;
-}
-
 void write_surfaces(const Phantom& phantom, const fs::path& folder) {
   for (std::size_t g = 0; g < phantom.truth.size(); ++g) {
     const std::string ending = (g < 9 ? "_g0" : "_g") + std::to_string(g + 1) + ".ply";
@@ -139,15 +75,6 @@ void write_surfaces(const Phantom& phantom, const fs::path& folder) {
     if (!gate.endo.triangles.empty()) write_mesh(gate.endo, folder / "truth" / ("endo" + ending), MeshFormat::ply);
     if (!gate.epi.triangles.empty()) write_mesh(gate.epi, folder / "truth" / ("epi" + ending), MeshFormat::ply);
   }
-}
-
-/// Counts are stored finely enough that rounding adds nothing to their noise.
-DicomWriteOptions finely_stored(const Study& study, const std::string& description) {
-  const float largest = largest_value(study);
-  DicomWriteOptions dicom;
-  dicom.counts_scale = largest > 0 ? 30000 / static_cast<double>(largest) : 1;
-  dicom.series_description = description;
-  return dicom;
 }
 
 void write_phantom(const Phantom& phantom, const Arguments& arguments, const fs::path& folder) {
@@ -217,7 +144,7 @@ CameraPhantom camera_options_of(const Arguments& arguments) {
 }
 
 /// The truth of the patient, in which the camera's options and what follows of them take the place of the patient's.
-Json truth_of(const CameraStudy& made, const CameraPhantom& options) {
+Json truth_of_camera(const CameraStudy& made, const CameraPhantom& options) {
   const Collimator collimator = collimator_of(options.acquisition);
   Json json = truth_of(made.truth);
   json.erase("fwhm_mm");
@@ -247,7 +174,7 @@ ExitCode make_acquisition(const Arguments& arguments, std::stop_token stop) {
   Study map;
   map.gates = {made.attenuation};
   write_nrrd(map, to / "attenuation.nrrd");
-  write_file(to / "truth.json", json_text(truth_of(made, options)));
+  write_file(to / "truth.json", json_text(truth_of_camera(made, options)));
   if (made.truth.tracked) write_tracked_points(made.truth.tracked->points, to / "points.csv");
   write_surfaces(made.truth, to);
   if (stop.stop_requested()) throw Cancelled("stopped on request");
@@ -258,6 +185,9 @@ ExitCode make_acquisition(const Arguments& arguments, std::stop_token stop) {
 
 ExitCode run(const Arguments& arguments, std::stop_token stop) {
   const ThreadLimit limit(arguments.threads);
+  if (arguments.kind == "patients") return make_population(arguments, stop);
+  if (arguments.count > 0 || arguments.small || arguments.repeats > 1)
+    throw OptionError("--count, --repeats and --small belong to phantom patients");
   if (arguments.kind == "cloud") return make_scan(arguments, stop);
   if (arguments.kind == CameraPhantom::name) return make_acquisition(arguments, stop);
   const PhantomOptions options = options_of(arguments);
@@ -274,7 +204,9 @@ std::string kinds_text() {
   PhantomOptions phantom;
   std::string text;
   for (const std::string_view kind : choice_of(phantom).methods) text.append(text.empty() ? "" : ", ").append(kind);
-  return text + ", camera: projections of a patient, or cloud: points of a scanned body";
+  return text +
+         ", patients: many with a table of their truth, camera: projections of a patient, or cloud: points of a "
+         "scanned body";
 }
 
 }  // namespace
@@ -294,6 +226,11 @@ void add_phantom(CLI::App& program, Command& chosen) {
   command->add_option("--seed", a->seed, "seed of the noise; the same seed gives the same bytes");
   command->add_option("--threads", a->threads, "threads at most; the result is the same (0: all)")
       ->check(CLI::Range(0, 1024));
+  command->add_option("--count", a->count, "patients: how many; those that stand at --out are kept")
+      ->check(CLI::Range(1, 1000000));
+  command->add_option("--repeats", a->repeats, "patients: studies of each, with other noise and another pose")
+      ->check(CLI::Range(1, 100));
+  command->add_flag("--small", a->small, "patients: 4 gates of 40 x 40 x 20 voxels, for quick cohorts");
   command->add_flag("--nrrd", a->nrrd, "write the study as NRRD too");
   command->add_flag("--quiet", a->quiet, "print nothing");
   command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });

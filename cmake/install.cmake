@@ -24,7 +24,7 @@ set(pc_libraries "")
 foreach(module IN LISTS dynasurf_modules)
   string(PREPEND pc_libraries "-l${module} ")
 endforeach()
-set(pc_private "-ltbb -lcrypto -lpng -lz -lpthread")
+set(pc_private "-ltbb -lcrypto -lpng -lsqlite3 -lz -lpthread")
 if(DYNASURF_WITH_DICOM)
   # By name: Debian's dcmtk.pc asks for packages that its own package does not bring.
   string(PREPEND pc_private "-ldcmdata -loflog -lofstd ")

@@ -2,7 +2,7 @@
 
 set(web ${PROJECT_SOURCE_DIR}/web)
 set(DYNASURF_PAGES ${PROJECT_BINARY_DIR}/web/pages)
-set(web_pages ${DYNASURF_PAGES}/report.html ${DYNASURF_PAGES}/cloud.html ${DYNASURF_PAGES}/lod.html)
+set(web_pages ${DYNASURF_PAGES}/report.html ${DYNASURF_PAGES}/cloud.html ${DYNASURF_PAGES}/lod.html ${DYNASURF_PAGES}/cohort.html)
 
 if(DYNASURF_WITH_PAGES)
   find_program(DYNASURF_NODE NAMES node nodejs DOC "Node.js, at least 18: bundles the page of the report")

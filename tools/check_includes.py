@@ -22,6 +22,7 @@ LIBRARIES = {
     "OpenSSL": r"openssl/",
     "nlohmann-json": r"nlohmann/",
     "CLI11": r"CLI/",
+    "SQLite": r"sqlite3\.h$",
 }
 OPEN_TO_ALL = {"Eigen"}
 # Headers of the operating system have no place below the floor of files and programs.

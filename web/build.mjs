@@ -36,6 +36,7 @@ const pages = [
   ["report.html", "", "Left ventricle report", "dark light"],
   ["cloud.html", "cloud", "Cloud report", "dark"],
   ["lod.html", "lod", "Levels of detail", "dark"],
+  ["cohort.html", "cohort", "Cohort", "light"],
 ];
 const licence = readFileSync(join(here, "node_modules/three/LICENSE"), "utf8").trim();
 mkdirSync(folder, { recursive: true });
@@ -47,6 +48,7 @@ for (const [name, home, title, scheme] of pages) {
     "default-src 'none'",
     `script-src ${source(script)}`,
     `style-src ${source(style)}`,
+    ...(home === "cohort" ? ["img-src data:"] : []),
     "base-uri 'none'",
     "form-action 'none'",
   ].join("; ");

@@ -12,4 +12,5 @@
 #include "dynasurf/io/solid_io.hpp"
 #include "dynasurf/io/stage_io.hpp"
 #include "dynasurf/io/study_io.hpp"
+#include "dynasurf/io/study_search.hpp"
 #include "dynasurf/io/tracked_points_io.hpp"

@@ -4,4 +4,5 @@
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/options.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/synthetic/population.hpp"
 #include "dynasurf/synthetic/ventricle_shape.hpp"

@@ -92,7 +92,7 @@ COMP_WORDS=(dynasurf "$@"); COMP_CWORD=$#; COMPREPLY=(); _dynasurf; printf '%s\\
         self.assertEqual(self.completed("ventricle", "study.dcm", "--keep"), ["--keep-stages"])
         self.assertIn("thesis", self.completed("ventricle", "--preset", ""))
         self.assertEqual(self.completed("cloud", "a.ply", "--mesh-format", "ply,v"), ["ply,vtp"])
-        self.assertEqual(self.completed("phantom", "pat"), ["pathology", "patient"])
+        self.assertEqual(self.completed("phantom", "pat"), ["pathology", "patient", "patients"])
         self.assertEqual(self.completed("options", "phantom", "heb"), ["hebron"])
         self.assertEqual(self.completed("ventricle", "--threads", ""), [])
 

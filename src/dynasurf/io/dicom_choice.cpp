@@ -9,6 +9,7 @@
 #include "dynasurf/io/detail/dicom_words.hpp"
 
 namespace dynasurf {
+
 namespace {
 
 // Stacks that an error lists. A folder of more is not one that somebody looks at line by line.
@@ -19,10 +20,27 @@ const DicomImage& image_of(const std::vector<DicomImage>& images, const DicomSta
   return images[stack.first_file()];
 }
 
+}  // namespace
+
 bool is_wanted(const DicomImage& image, const DicomStack& stack) {
   return stack.gates > 1 && stack.grid.dims[2] >= least_slices &&
          (image.view == View::short_axis || image.view == View::unknown);
 }
+
+std::string description_of(const DicomImage& image, const DicomStack& stack) {
+  const Index3& n = stack.grid.dims;
+  std::string text = (stack.gates > 1 ? std::to_string(stack.gates) + " gates of " : "ungated ") +
+                     std::to_string(n[0]) + " x " + std::to_string(n[1]) + " x " + std::to_string(n[2]);
+  if (image.view != View::unknown) {
+    std::string view(name_of(image.view));
+    std::replace(view.begin(), view.end(), '_', ' ');
+    text += ", " + view;
+  }
+  const std::string words = circumstances_in_words(image.series_description);
+  return words.empty() ? text : text + ", " + words;
+}
+
+namespace {
 
 /// The numbers by which stacks are chosen: of their series, where they tell them apart; else their places in the list.
 std::vector<std::string> numbers_of(const std::vector<DicomImage>& images, const std::vector<DicomStack>& stacks) {
@@ -35,20 +53,6 @@ std::vector<std::string> numbers_of(const std::vector<DicomImage>& images, const
     places.push_back(std::to_string(places.size() + 1));
   }
   return own.size() == stacks.size() ? own : places;
-}
-
-/// Words and numbers only, none of the file's own text: "8 gates of 64 x 64 x 20, short axis, rest".
-std::string description_of(const DicomImage& image, const DicomStack& stack) {
-  const Index3& n = stack.grid.dims;
-  std::string text = (stack.gates > 1 ? std::to_string(stack.gates) + " gates of " : "ungated ") +
-                     std::to_string(n[0]) + " x " + std::to_string(n[1]) + " x " + std::to_string(n[2]);
-  if (image.view != View::unknown) {
-    std::string view(name_of(image.view));
-    std::replace(view.begin(), view.end(), '_', ' ');
-    text += ", " + view;
-  }
-  const std::string words = circumstances_in_words(image.series_description);
-  return words.empty() ? text : text + ", " + words;
 }
 
 std::string list_of(const std::vector<DicomImage>& images, const std::vector<DicomStack>& stacks,

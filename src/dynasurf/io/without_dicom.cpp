@@ -1,6 +1,7 @@
 // What stands in for DICOM in a build without DCMTK (DYNASURF_WITH_DICOM=OFF).
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/detail/dicom_search.hpp"
 #include "dynasurf/io/detail/formats.hpp"
 #include "dynasurf/io/dicom_results.hpp"
 #include "dynasurf/io/study_io.hpp"
@@ -21,6 +22,7 @@ std::vector<std::filesystem::path> files_of_dicom(const std::filesystem::path& p
 std::vector<std::pair<std::string, std::string>> dicom_facts(const std::filesystem::path& path, const std::string&) {
   refuse(path);
 }
+void search_dicom(const std::vector<std::filesystem::path>&, StudySearch&, const Progress&) {}
 
 void write_dicom(const Study&, const std::filesystem::path& path, const DicomWriteOptions&) { refuse(path); }
 void write_projections(const Projections&, const std::filesystem::path& path, const DicomWriteOptions&) {

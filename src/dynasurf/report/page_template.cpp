@@ -10,6 +10,7 @@
 DYNASURF_EMBED("dynasurf_report_page", DYNASURF_PAGES "/report.html");
 DYNASURF_EMBED("dynasurf_cloud_page", DYNASURF_PAGES "/cloud.html");
 DYNASURF_EMBED("dynasurf_lod_page", DYNASURF_PAGES "/lod.html");
+DYNASURF_EMBED("dynasurf_cohort_page", DYNASURF_PAGES "/cohort.html");
 
 extern "C" {
 extern const char report_page_begin[] asm("dynasurf_report_page_begin");
@@ -18,6 +19,8 @@ extern const char cloud_page_begin[] asm("dynasurf_cloud_page_begin");
 extern const char cloud_page_end[] asm("dynasurf_cloud_page_end");
 extern const char lod_page_begin[] asm("dynasurf_lod_page_begin");
 extern const char lod_page_end[] asm("dynasurf_lod_page_end");
+extern const char cohort_page_begin[] asm("dynasurf_cohort_page_begin");
+extern const char cohort_page_end[] asm("dynasurf_cohort_page_end");
 }
 
 namespace dynasurf {
@@ -29,6 +32,7 @@ std::string_view between(const char* begin, const char* end) { return {begin, st
 
 std::string_view page_template() { return between(report_page_begin, report_page_end); }
 std::string_view cloud_page_template() { return between(cloud_page_begin, cloud_page_end); }
+std::string_view cohort_page_template() { return between(cohort_page_begin, cohort_page_end); }
 std::string_view lod_page_template() { return between(lod_page_begin, lod_page_end); }
 
 }  // namespace dynasurf

@@ -19,6 +19,12 @@ struct DicomChoice {
 /// InputError when a gate is missing.
 std::vector<DicomStack> with_joined_gates(const std::vector<DicomImage>& images, std::vector<DicomStack> stacks);
 
+/// Whether a stack may be a gated short-axis one.
+bool is_wanted(const DicomImage& image, const DicomStack& stack);
+
+/// Words and numbers only, none of the file's own text: "8 gates of 64 x 64 x 20, short axis, rest".
+std::string description_of(const DicomImage& image, const DicomStack& stack);
+
 /// The stack that a folder is meant to hold: the only one; the only gated one that is not a long axis or transaxial and
 /// has at least three slices; of such on one grid that differ in their energy window, that of the photopeak. With
 /// `series`, one of those of which it is the SeriesInstanceUID, the number in the list of an error (SeriesNumber where

@@ -9,5 +9,7 @@ std::string_view page_template();
 std::string_view cloud_page_template();
 /// The page on which many instances of a chain of levels of detail move.
 std::string_view lod_page_template();
+/// The page of a cohort of studies.
+std::string_view cohort_page_template();
 
 }  // namespace dynasurf

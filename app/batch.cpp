@@ -1,0 +1,168 @@
+#include <algorithm>
+#include <charconv>
+#include <memory>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+
+#include "dynasurf/cohort/study_list.hpp"
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/memory_limit.hpp"
+#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/study_search.hpp"
+
+#include "batch_run.hpp"
+#include "cohort_tables.hpp"
+#include "command.hpp"
+#include "console.hpp"
+#include "result_job.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string input, cohort, shard, memory = "2G", again, command = "ventricle";
+  std::vector<std::string> options;
+  int jobs = 0;
+  double time_limit_s = 60;
+  bool quiet = false, no_collect = false;
+};
+
+int part_of_shard(const std::string& text, std::string_view part) {
+  int value = 0;
+  const auto [rest, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+  if (error != std::errc{} || rest != part.data() + part.size() || value < 1)
+    throw OptionError("--shard is " + text + "; expected I/N, such as 3/50");
+  return value;
+}
+
+void take_shard(const std::string& text, BatchJob& job) {
+  if (text.empty()) return;
+  const std::size_t slash = std::min(text.find('/'), text.size());
+  job.shard = part_of_shard(text, std::string_view(text).substr(0, slash));
+  job.shards = slash < text.size() ? part_of_shard(text, std::string_view(text).substr(slash + 1)) : 0;
+  if (job.shard > job.shards) throw OptionError("--shard is " + text + "; expected I/N with I from 1 to N");
+}
+
+/// What a batch says itself to every study.
+void refuse_own_options(const std::vector<std::string>& options) {
+  for (const std::string& option : options)
+    for (const std::string_view own : {"--out", "--replace", "--quiet", "--json", "--threads", "--memory-limit"})
+      if (option == own || option.starts_with(std::string(own) + "="))
+        throw OptionError(std::string(own) + " behind -- : the batch sets it for every study");
+}
+
+std::string left_out_text(const StudySearch& found, const fs::path& folder) {
+  std::string text = "path\treason\n";
+  for (const StudySearch::LeftOut& file : found.left_out) {
+    std::string path = file.file.lexically_relative(folder).string();
+    std::replace_if(
+        path.begin(), path.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
+    text += path + "\t" + file.reason + "\n";
+  }
+  return text;
+}
+
+StudyList search(const Arguments& a, const std::stop_token& stop) {
+  const fs::path folder = fs::weakly_canonical(a.input), cohort = fs::weakly_canonical(a.cohort);
+  if (cohort == folder) throw OptionError("--out " + a.cohort + ": is the folder of the studies; expected another");
+  StudySearch found;
+  run_with_progress(a.quiet, stop, [&](const Progress& progress) { found = search_studies(folder, progress); });
+  // Results may stand below the folder of the studies: they are none.
+  const auto is_own = [&](const fs::path& file) {
+    const fs::path inside = file.lexically_relative(cohort);
+    return !inside.empty() && *inside.begin() != "..";
+  };
+  std::erase_if(found.studies, [&](const auto& study) { return is_own(study.files.front()); });
+  std::erase_if(found.left_out, [&](const auto& file) { return is_own(file.file); });
+  if (found.studies.empty())
+    throw InputError(a.input + ": holds no gated heart study; " + std::to_string(found.left_out.size()) +
+                     " images are of another kind; expected gated short-axis studies");
+  write_file(cohort / "left_out.tsv", left_out_text(found, folder));
+  if (!a.quiet)
+    print(std::to_string(found.studies.size()) + " studies found, " + std::to_string(found.left_out.size()) +
+          " files left out: " + (fs::path(a.cohort) / "left_out.tsv").string() + "\n");
+  return list_of(found, folder, cohort / "inputs");
+}
+
+BatchJob job_of(const Arguments& a) {
+  BatchJob job;
+  job.cohort = a.cohort;
+  take_shard(a.shard, job);
+  refuse_own_options(a.options);
+  job.command = a.command;
+  job.options = a.options;
+  const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  job.jobs = a.jobs > 0 ? a.jobs : processors;
+  job.threads = std::max(1, processors / job.jobs);
+  job.time_limit_s = a.time_limit_s;
+  job.memory_bytes = memory_from_text(a.memory);
+  job.again = {a.again == "failed", a.again == "changed", a.again == "all"};
+  job.quiet = a.quiet;
+  return job;
+}
+
+std::string summary_of(const BatchTally& t, const std::string& cohort) {
+  const auto number = [](std::size_t n) { return std::to_string(n); };
+  std::string text = number(t.done) + " of " + number(t.studies) + " studies done";
+  if (t.to_check + t.not_trustworthy > 0)
+    text += " (" + number(t.to_check) + " to check, " + number(t.not_trustworthy) + " not trustworthy)";
+  text += ", " + number(t.failed) + " failed, " + number(t.run) + " run now\n";
+  if (t.failed > 0) text += "failed: their reasons stand in status.tsv; --again failed runs them anew\n";
+  if (t.changed > 0)
+    text += "changed: " + number(t.changed) +
+            " were done with another input, options or program; --again changed runs them anew\n";
+  return text + "cohort: " + cohort + "\n";
+}
+
+ExitCode run(const Arguments& a, const std::stop_token& stop) {
+  BatchJob job = job_of(a);
+  std::error_code error;
+  job.list = fs::is_directory(a.input, error) ? search(a, stop) : read_study_list(a.input);
+  if (job.list.studies.empty()) throw InputError(a.input + ": lists no study");
+  fs::create_directories(job.cohort, error);
+  if (error) throw IoError(a.cohort + ": cannot make this folder: " + error.message());
+  write_file(job.cohort / "inputs.tsv", study_list_text(job.list));
+  const BatchTally tally = run_batch(job, stop);
+  if (!a.quiet) print(summary_of(tally, a.cohort));
+  if (tally.stopped) {
+    print_error("stopped on request; " + std::to_string(tally.done) + " of " + std::to_string(tally.studies) +
+                " studies are done, and the same command goes on from there");
+    return not_trustworthy;
+  }
+  if (!a.no_collect && job.shards == 1) collect_cohort(job.cohort, job.cohort / "tables", a.quiet);
+  return tally.failed > 0 ? not_trustworthy : done;
+}
+
+}  // namespace
+
+void add_batch(CLI::App& program, Command& chosen) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand(
+      "batch", "Run ventricle or cloud on many studies, a process each; run again, it goes on where it ended");
+  command
+      ->add_option("STUDIES", a->input,
+                   "table of studies (.tsv, .csv, .jsonl with the column path), or a folder that is searched")
+      ->required();
+  command->add_option("OPTIONS", a->options, "behind --, options of ventricle or cloud for every study");
+  command->add_option("--out", a->cohort, "folder of the cohort: results, status.tsv, tables")->required();
+  command->add_option("--command", a->command, "what is run on each: ventricle (the default) or cloud")
+      ->check(CLI::IsMember({"ventricle", "cloud"}));
+  command->add_option("--shard", a->shard, "I/N: run every N-th study from the I-th on, for array jobs");
+  command->add_option("--jobs", a->jobs, "studies at a time (0: as many as the machine has processors)")
+      ->check(CLI::Range(0, 4096));
+  command->add_option("--time-limit", a->time_limit_s, "seconds that a study may take (60; 0: any)")
+      ->check(CLI::Range(0.0, 1e6));
+  command->add_option("--memory-limit", a->memory, "memory that a study may take (2G)");
+  command
+      ->add_option("--again", a->again,
+                   "run these although they have ended: failed, changed (another input, options or program), all")
+      ->check(CLI::IsMember({"failed", "changed", "all"}));
+  command->add_flag("--no-collect", a->no_collect, "do not make the tables when all is done");
+  command->add_flag("--quiet", a->quiet, "print nothing");
+  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+}
+
+}  // namespace dynasurf::app

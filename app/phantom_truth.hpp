@@ -1,0 +1,20 @@
+#pragma once
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/io/study_io.hpp"
+#include "dynasurf/synthetic/phantoms.hpp"
+
+namespace dynasurf::app {
+
+/// What is known of a phantom, as truth.json holds it (schema dynasurf.phantom/1).
+nlohmann::ordered_json truth_of(const Phantom& phantom);
+
+/// The options of its kind that a phantom was made from.
+nlohmann::ordered_json options_of(const Phantom& phantom);
+
+/// How to store a study so finely that rounding adds nothing to the noise of its counts.
+DicomWriteOptions finely_stored(const Study& study, const std::string& description);
+
+}  // namespace dynasurf::app

@@ -1,0 +1,451 @@
+"""Many studies: a row for every one, the same bytes as one by one, nothing lost to kills, nothing done twice."""
+
+import csv
+import functools
+import os
+import pathlib
+import random
+import shutil
+import signal
+import sqlite3
+import subprocess
+import time
+import unittest
+
+try:
+    import numpy
+    from scipy import stats
+except ImportError:
+    stats = None
+
+from cli import PROGRAM, CliTest, hashes, run, shared_folder
+
+# Quick runs: the edges alone, of patients of two gates.
+QUICK = ["--set", "fit.run=false"]
+PATIENTS = ["--small", "--seed", 4, "--set", "gates=2", "--set", "irregular.walls=0"]
+STUDIES = 6
+
+
+@functools.cache
+def patients():
+    folder = shared_folder() / "patients"
+    made = run("phantom", "patients", "--count", STUDIES // 2, "--repeats", 2, "--out", folder, "--quiet", *PATIENTS)
+    assert made.returncode == 0, made.stderr
+    return folder
+
+
+@functools.cache
+def serial():
+    """What each study gives by itself."""
+    folder = shared_folder() / "serial"
+    for row in rows_of(patients() / "patients.tsv"):
+        done = run("ventricle", patients() / row["path"], "--out", folder / row["id"], "--quiet", "--no-timings", *QUICK)
+        assert done.returncode in (0, 3), done.stderr
+    return {row["id"]: hashes(folder / row["id"]) for row in rows_of(patients() / "patients.tsv")}
+
+
+def rows_of(table):
+    with open(table, newline="") as file:
+        return list(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE))
+
+
+def status_of(cohort):
+    """The last row of every study."""
+    return {row["id"]: row for row in rows_of(cohort / "status.tsv")}
+
+
+def result_of(cohort, name):
+    return next((cohort / "studies").glob(f"*/{name}"))
+
+
+class BatchTest(CliTest):
+    def batch(self, *words, **more):
+        more.setdefault("timeout", 500)
+        return run("batch", *words, **more)
+
+    def table(self, rows, name="studies.tsv"):
+        """A table of studies: id and path."""
+        path = self.folder / name
+        path.write_text("id\tpath\n" + "".join(f"{key}\t{value}\n" for key, value in rows.items()))
+        return path
+
+    def equals_serial(self, cohort, ids=None):
+        for name in ids or serial():
+            self.assertEqual(hashes(result_of(cohort, name)), serial()[name], name)
+
+
+class Batch(BatchTest):
+    def test_gives_the_bytes_of_single_runs_and_goes_on_where_it_ended(self):
+        cohort = self.folder / "cohort"
+        done = self.batch(patients() / "patients.tsv", "--out", cohort, "--jobs", 2, "--", *QUICK)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(f"{STUDIES} of {STUDIES} studies done", done.stdout)
+        self.equals_serial(cohort)
+        before = (cohort / "status.tsv").read_bytes()
+        again = self.batch(patients() / "patients.tsv", "--out", cohort, "--", *QUICK)
+        self.assertIn(", 0 run now", again.stdout)
+        self.assertEqual((cohort / "status.tsv").read_bytes(), before)
+
+    def test_tells_what_changed_and_runs_it_when_asked(self):
+        cohort = self.folder / "cohort"
+        one = patients() / rows_of(patients() / "patients.tsv")[0]["path"]
+        study = self.folder / "study.dcm"
+        shutil.copy(one, study)
+        table = self.table({"a": study})
+        words = [table, "--out", cohort, "--no-collect"]
+        self.batch(*words, "--", *QUICK)
+        os.utime(study)  # another time, the same content
+        self.assertNotIn("changed", self.batch(*words, "--", *QUICK).stdout)
+        other = self.batch(*words, "--", *QUICK, "--set", "measures.waves=2")
+        self.assertIn("changed: 1", other.stdout)
+        self.assertIn(", 0 run now", other.stdout)
+        self.assertIn(", 1 run now", self.batch(*words, "--again", "changed", "--", *QUICK, "--set", "measures.waves=2").stdout)
+        shutil.copy(patients() / rows_of(patients() / "patients.tsv")[2]["path"], study)
+        self.assertIn("changed: 1", self.batch(*words, "--", *QUICK, "--set", "measures.waves=2").stdout)
+
+    def test_shards_share_the_list(self):
+        cohort = self.folder / "cohort"
+        for shard in ("1/3", "2/3", "3/3"):
+            done = self.batch(patients() / "patients.tsv", "--out", cohort, "--shard", shard, "--", *QUICK)
+            self.assertIn(f"{STUDIES // 3} of {STUDIES // 3} studies done", done.stdout, done.stderr)
+        self.assertEqual(len(rows_of(cohort / "status.tsv")), STUDIES)
+        self.equals_serial(cohort)
+
+    def test_refuses_what_it_does_not_understand(self):
+        table = patients() / "patients.tsv"
+        out = self.folder / "cohort"
+        self.refuses(1, "batch", table, "--out", out, "--shard", "4/3", says="--shard is 4/3; expected I/N")
+        self.refuses(1, "batch", table, "--out", out, "--shard", "x", says="expected I/N")
+        self.refuses(1, "batch", table, "--out", out, "--", "--out", "x", says="--out behind --")
+        self.refuses(1, "batch", table, "--out", out, "--quiet", "--", "--set", "fit.runs=1", says="did you mean 'fit.run'")
+        self.refuses(2, "batch", self.folder, "--out", out, says="holds no gated heart study")
+        self.refuses(2, "batch", self.folder / "none.tsv", "--out", out, says="none.tsv")
+
+    def test_stops_at_once_and_goes_on(self):
+        cohort = self.folder / "cohort"
+        words = [PROGRAM, "batch", str(patients() / "patients.tsv"), "--out", str(cohort), "--jobs", "1", "--", *QUICK]
+        child = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        wait_until(lambda: (cohort / "status.tsv").exists() and len(rows_of(cohort / "status.tsv")) >= 1)
+        begin = time.monotonic()
+        child.send_signal(signal.SIGINT)
+        out, err = child.communicate(timeout=30)
+        self.assertLess(time.monotonic() - begin, 5)
+        self.assertEqual(child.returncode, 3)
+        self.assertIn("stopped on request; ", err)
+        self.assertEqual(list(cohort.rglob("*.partial-*")), [])
+        self.batch(patients() / "patients.tsv", "--out", cohort, "--", *QUICK)
+        self.equals_serial(cohort)
+
+
+def wait_until(holds, seconds=120):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if holds():
+            return
+        time.sleep(0.02)
+    raise AssertionError("it did not come to it")
+
+
+class Spoiled(BatchTest):
+    def spoiled(self):
+        """Two good studies, and one of every kind that goes wrong."""
+        good = [patients() / row["path"] for row in rows_of(patients() / "patients.tsv")[:2]]
+        cut, empty, nothing = (self.folder / name for name in ("cut.dcm", "empty.dcm", "text.dcm"))
+        cut.write_bytes(good[0].read_bytes()[:20000])
+        empty.write_bytes(b"")
+        nothing.write_text("no study at all\n")
+        self.assertEqual(run("phantom", "organ", "--out", self.folder / "organ", "--quiet").returncode, 0)
+        not_a_number = self.folder / "nan.nii"
+        not_a_number.write_bytes(nan_study())
+        names = [row["id"] for row in rows_of(patients() / "patients.tsv")[:2]]
+        return {names[0]: good[0], "cut": cut, "empty": empty, "text": nothing, "missing": self.folder / "missing.dcm",
+                "nan": not_a_number, "hangs": good[0], "takes-memory": good[0], "crashes": good[0], "is-killed": good[0],
+                "not-a-heart": self.folder / "organ" / "study.dcm", names[1]: good[1]}, names
+
+    def test_studies_have_a_row_with_their_reason_and_cost_no_other(self):
+        studies, good = self.spoiled()
+        cohort = self.folder / "cohort"
+        faults = "hangs=hang,takes-memory=memory,crashes=crash,is-killed=kill"
+        done = self.batch(self.table(studies), "--out", cohort, "--jobs", 3, "--time-limit", 25, "--memory-limit", "700M", "--", *QUICK,
+                          env={**os.environ, "DYNASURF_DEBUG_FAULTS": faults})
+        self.assertEqual(done.returncode, 3, done.stderr)
+        status = status_of(cohort)
+        self.assertEqual(set(status), set(studies))
+        for name, says in {"cut": "cut", "empty": "is empty", "text": "not a heart study", "missing": "missing.dcm",
+                           "nan": "nan.nii", "hangs": "time limit of 25 s", "takes-memory": "the limit is 700 MiB",
+                           "crashes": "crashed, signal 11", "is-killed": "killed from outside, signal 9"}.items():
+            self.assertEqual(status[name]["state"], "failed", name)
+            self.assertIn(says, status[name]["reason"], name)
+        self.assertEqual(status["is-killed"]["attempts"], "2")
+        self.assertEqual(status["crashes"]["attempts"], "1")
+        self.assertIn(status["not-a-heart"]["verdict"], ("check", "fail"))
+        self.equals_serial(cohort, good)
+        self.assertEqual(list(cohort.rglob("*.partial-*")), [])
+        table = {row["id"]: row for row in rows_of(cohort / "tables" / "studies.tsv")}
+        self.assertEqual(set(table), set(studies))
+        self.assertEqual(table["cut"]["reason"], status["cut"]["reason"])
+        # What went wrong by chance comes right when it is asked for again.
+        again = self.batch(self.table(studies), "--out", cohort, "--again", "failed", "--time-limit", 120, "--", *QUICK)
+        for name in ("hangs", "takes-memory", "crashes", "is-killed"):
+            self.assertEqual(status_of(cohort)[name]["state"], "done", again.stderr)
+            self.assertEqual(hashes(result_of(cohort, name)), serial()[good[0]], name)
+
+
+def nan_study():
+    """A gated NIfTI study all of whose voxels are no numbers."""
+    import struct
+    header = bytearray(352)
+    struct.pack_into("<i", header, 0, 348)
+    struct.pack_into("<8h", header, 40, 4, 16, 16, 8, 4, 1, 1, 1)
+    struct.pack_into("<2h", header, 70, 16, 32)
+    struct.pack_into("<8f", header, 76, 1, 4, 4, 4, 100, 1, 1, 1)
+    struct.pack_into("<f", header, 108, 352)
+    header[123] = 2 | 16
+    struct.pack_into("<h", header, 254, 1)
+    for row in range(3):
+        struct.pack_into("<4f", header, 280 + 16 * row, *(4.0 if n == row else 0.0 for n in range(4)))
+    header[344:348] = b"n+1\0"
+    return bytes(header) + struct.pack("<f", float("nan")) * (16 * 16 * 8 * 4)
+
+
+class Workers(BatchTest):
+    def start(self, cohort, table, *words):
+        return subprocess.Popen([PROGRAM, "batch", str(table), "--out", str(cohort), "--quiet", "--no-collect", "--jobs", "2", *words, "--", *QUICK],
+                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+    def test_of_one_cohort_never_do_a_study_twice(self):
+        cohort = self.folder / "cohort"
+        workers = [self.start(cohort, patients() / "patients.tsv") for _ in range(3)]
+        for worker in workers:
+            self.assertEqual(worker.wait(timeout=300), 0, worker.stderr.read())
+            worker.stderr.close()
+        names = [row["id"] for row in rows_of(cohort / "status.tsv")]
+        self.assertEqual(len(names), len(set(names)))
+        self.assertEqual(set(names), set(serial()))
+        self.equals_serial(cohort)
+
+    def test_that_are_killed_lose_nothing(self):
+        cohort, chance = self.folder / "cohort", random.Random(7)
+        kills = int(os.environ.get("DYNASURF_KILLS", "25"))
+        for _ in range(kills):
+            worker = self.start(cohort, patients() / "patients.tsv")
+            time.sleep(chance.uniform(0.02, 1.5))
+            worker.kill()
+            worker.wait()
+            worker.stderr.close()
+            if (cohort / "status.tsv").exists():
+                for row in rows_of(cohort / "status.tsv"):
+                    if None not in row.values():  # an unfinished last line
+                        self.assertEqual(row["state"], "done", row)
+                        self.assertTrue((result_of(cohort, row["id"]) / "results.json").is_file())
+        last = self.start(cohort, patients() / "patients.tsv")
+        self.assertEqual(last.wait(timeout=300), 0, last.stderr.read())
+        last.stderr.close()
+        self.assertEqual({row["state"] for row in status_of(cohort).values()}, {"done"})
+        self.equals_serial(cohort)
+        self.assertEqual([p for p in cohort.rglob("*.partial-*")], [])
+
+
+class Search(BatchTest):
+    def test_finds_the_gated_studies_of_a_tree_and_says_what_it_left_out(self):
+        tree = self.folder / "clinic"
+        for n, row in enumerate(rows_of(patients() / "patients.tsv")[:2]):
+            (tree / f"DOE^JANE {n}").mkdir(parents=True)
+            shutil.copy(patients() / row["path"], tree / f"DOE^JANE {n}" / "IM0001")
+        made = run("phantom", "camera", "--out", self.folder / "camera", "--quiet", "--set", "heart.gates=2",
+                   "--set", "acquisition.views=16", "--set", "reconstruction=fbp")
+        self.assertEqual(made.returncode, 0, made.stderr)
+        for name in ("projections", "transaxial"):
+            shutil.copy(self.folder / "camera" / f"{name}.dcm", tree / name)
+        self.assertEqual(run("phantom", "patient", "--out", self.folder / "static", "--quiet", "--set", "gates=1").returncode, 0)
+        shutil.copy(self.folder / "static" / "study.dcm", tree / "static")
+        (tree / "letter.txt").write_text("no image\n")
+        (tree / "damaged").write_bytes((tree / "DOE^JANE 0" / "IM0001").read_bytes()[:5000])
+        cohort = self.folder / "cohort"
+        done = self.batch(tree, "--out", cohort, "--", *QUICK)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        found = rows_of(cohort / "inputs.tsv")
+        self.assertEqual(sorted(pathlib.Path(row["path"]).name for row in found), ["IM0001", "IM0001", "damaged"])
+        left_out = {row["path"]: row["reason"] for row in rows_of(cohort / "left_out.tsv")}
+        self.assertIn("ungated", left_out["static"])
+        self.assertNotIn("letter.txt", left_out)
+        self.assertIn("projections", left_out["projections"])
+        self.assertIn("transaxial", left_out["transaxial"])
+        by_path = {pathlib.Path(row["path"]).name: row["id"] for row in found}
+        self.assertEqual(status_of(cohort)[by_path["damaged"]]["state"], "failed")
+        # Names of files may name a person: they stand in the table of inputs alone.
+        for path in cohort.rglob("*"):
+            if path.is_file() and path.name != "inputs.tsv" and path.suffix not in (".sqlite", ".glb"):
+                self.assertNotIn(b"DOE^JANE", path.read_bytes(), path)
+
+
+class Collect(BatchTest):
+    @functools.cached_property
+    def cohort(self):
+        cohort = shared_folder() / "collected"
+        if not cohort.exists():
+            done = self.batch(patients() / "patients.tsv", "--out", cohort, "--quiet", "--", *QUICK)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        return cohort
+
+    def test_tables_hold_the_numbers_of_the_results(self):
+        tables = self.cohort / "tables"
+        studies = rows_of(tables / "studies.tsv")
+        self.assertEqual([row["id"] for row in studies], [row["id"] for row in rows_of(patients() / "patients.tsv")])
+        for row in studies:
+            result = self.read_json(result_of(self.cohort, row["id"]) / "results.json")
+            self.assertEqual(float(row["ef_percent"]), result["ef_percent"])
+            self.assertEqual(float(row["readings_edge_edv_ml"]), result["readings"]["edge"]["edv_ml"])
+            self.assertEqual(row["verdict"], result["quality"]["verdict"])
+            self.assertTrue((tables / row["report"]).resolve().is_file())
+        segments = rows_of(tables / "segments.tsv")
+        self.assertEqual(len(segments), 17 * len(studies))
+        self.assertEqual(len(rows_of(tables / "curves.tsv")), 2 * len(studies))
+        described = {(row["table"], row["column"]) for row in rows_of(tables / "dictionary.tsv")}
+        for name in ("studies", "segments", "curves"):
+            for column in rows_of(tables / f"{name}.tsv")[0]:
+                self.assertIn((name, column), described)
+
+    def test_sqlite_holds_the_same(self):
+        tables = self.cohort / "tables"
+        with sqlite3.connect(f"file:{tables / 'cohort.sqlite'}?mode=ro", uri=True) as database:
+            for name in ("studies", "segments", "curves", "dictionary"):
+                rows = rows_of(tables / f"{name}.tsv")
+                cursor = database.execute(f"select * from {name}")
+                self.assertEqual([column[0] for column in cursor.description], list(rows[0]))
+                self.assertEqual(len(cursor.fetchall()), len(rows))
+            ef = [row[0] for row in database.execute("select ef_percent from studies order by rowid")]
+            self.assertEqual(ef, [float(row["ef_percent"]) for row in rows_of(tables / "studies.tsv")])
+            self.assertEqual(database.execute("pragma integrity_check").fetchone()[0], "ok")
+        database.close()
+
+    def test_statistics_are_of_the_trustworthy_studies(self):
+        studies = rows_of(self.cohort / "tables" / "studies.tsv")
+        values = [float(row["ef_percent"]) for row in studies if row["verdict"] != "fail"]
+        mean = next(row for row in rows_of(self.cohort / "tables" / "statistics.tsv")
+                    if (row["statistic"], row["of"], row["group"]) == ("mean", "ef_percent", ""))
+        self.assertEqual(int(mean["n"]), len(values))
+        self.assertEqual(int(mean["left_out"]), len(studies) - len(values))
+        self.assertAlmostEqual(float(mean["value"]), sum(values) / len(values), places=9)
+
+    def statistic(self, *key):
+        """Value and interval of a row by statistic, of, against and group."""
+        return next([float(row[c]) if row[c] else None for c in ("value", "low_95", "high_95")]
+                    for row in rows_of(self.cohort / "tables" / "statistics.tsv")
+                    if (row["statistic"], row["of"], row["against"], row["group"]) == key)
+
+    def agree(self, ours, theirs):
+        for a, b in zip(ours, theirs, strict=True):
+            self.assertAlmostEqual(a, b, delta=1e-8 * max(1, abs(b)))
+
+    @unittest.skipIf(stats is None, "SciPy is not installed (python3-scipy)")
+    def test_statistics_are_those_of_scipy(self):
+        rows = [row for row in rows_of(self.cohort / "tables" / "studies.tsv") if row["verdict"] != "fail"]
+        ef = [float(row["ef_percent"]) for row in rows]
+        self.agree(self.statistic("mean", "ef_percent", "", ""),
+                   [numpy.mean(ef), *stats.t.interval(0.95, len(ef) - 1, numpy.mean(ef), stats.sem(ef))])
+        truth = numpy.array([float(row["ef_true_percent"]) for row in rows])
+        differences = ef - truth
+        n, bias, sd = len(ef), differences.mean(), differences.std(ddof=1)
+        half = stats.t.ppf(0.975, n - 1) * sd * (1 / n + 1.96**2 / (2 * (n - 1))) ** 0.5
+        high = bias + 1.96 * sd
+        self.agree(self.statistic("limit_high", "ef_percent", "ef_true_percent", ""), [high, high - half, high + half])
+        both = numpy.stack([truth, ef], axis=1)
+        ms_cases = 2 * both.mean(axis=1).var(ddof=1)
+        ms_readers = n * both.mean(axis=0).var(ddof=1)
+        ms_error = (both.var(ddof=1) * (2 * n - 1) - ms_cases * (n - 1) - ms_readers) / (n - 1)
+        icc = (ms_cases - ms_error) / (ms_cases + ms_error + 2 * (ms_readers - ms_error) / n)
+        self.agree(self.statistic("icc_absolute", "ef_percent", "ef_true_percent", "")[:1], [icc])
+        by_subject = {}
+        for row in rows:
+            by_subject.setdefault(row["subject"], []).append(float(row["edv_ml"]))
+        repeats = [v for v in by_subject.values() if len(v) > 1]
+        if repeats:
+            squares, degrees = sum(numpy.var(v) * len(v) for v in repeats), sum(len(v) - 1 for v in repeats)
+            self.agree(self.statistic("within_subject_sd", "edv_ml", "", ""),
+                       [(squares / d) ** 0.5 for d in (degrees, stats.chi2.ppf(0.975, degrees), stats.chi2.ppf(0.025, degrees))])
+        groups = {}
+        for row in rows:
+            groups.setdefault(row["site"], []).append(float(row["ef_percent"]))
+        if sorted(map(len, groups.values()))[0] > 1 and len(groups) == 2:
+            p = stats.ttest_ind(groups["A"], groups["B"], equal_var=False).pvalue
+            self.agree(self.statistic("welch_p", "ef_percent", "", "site=A less B")[:1], [p])
+
+    def test_page_works_in_a_browser(self):
+        web = pathlib.Path(__file__).resolve().parents[2] / "web"
+        node = shutil.which("node") or shutil.which("nodejs")
+        if not node or not (web / "node_modules" / "playwright-core").is_dir():
+            self.skipTest("Node.js and the packages of web/ are not there")
+        done = subprocess.run([node, web / "test" / "cohort.test.mjs", self.cohort / "tables" / "cohort.html"],
+                              capture_output=True, text=True, timeout=300)
+        if done.returncode == 77:
+            self.skipTest(done.stdout)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_compares_two_cohorts(self):
+        other = self.folder / "other"
+        self.assertEqual(self.batch(patients() / "patients.tsv", "--out", other, "--quiet", "--no-collect", "--", *QUICK, "--set", "edges.sigma_px=1.5").returncode, 0)
+        done = run("collect", self.cohort, "--out", self.folder / "tables", "--compare", other)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        changes = rows_of(self.folder / "tables" / "comparison.tsv")
+        self.assertEqual(len(changes), STUDIES)
+        self.assertIn("settings", {row["why"] for row in changes})
+        shifts = [abs(float(row["ef_percent_change"])) for row in changes if row["ef_percent_change"]]
+        self.assertEqual(shifts, sorted(shifts, reverse=True))
+        same = run("collect", self.cohort, "--out", self.folder / "same", "--compare", self.cohort)
+        self.assertEqual(same.returncode, 0, same.stderr)
+        self.assertEqual({row["why"] for row in rows_of(self.folder / "same" / "comparison.tsv")}, {""})
+
+    def test_refuses_a_folder_that_is_no_cohort(self):
+        self.refuses(2, "collect", patients(), "--out", self.folder / "t", says="inputs.tsv")
+
+
+class Patients(BatchTest):
+    def test_are_the_same_again_and_kept(self):
+        again = self.folder / "again"
+        words = ["phantom", "patients", "--count", 2, "--repeats", 2, "--out", again, "--quiet", *PATIENTS]
+        self.assertEqual(run(*words).returncode, 0)
+        first = {name: digest for name, digest in hashes(patients()).items() if name in hashes(again) and name != "patients.tsv"}
+        self.assertEqual(len(first), 12)  # study, truth and manifest of four studies
+        self.assertEqual({name: digest for name, digest in hashes(again).items() if name != "patients.tsv"}, first)
+        study = next(again.rglob("study.dcm"))
+        before = study.stat().st_mtime_ns
+        words[3] = 3
+        self.assertEqual(run(*words).returncode, 0)
+        self.assertEqual(study.stat().st_mtime_ns, before)
+        self.assertEqual(len(rows_of(again / "patients.tsv")), 6)
+
+    def test_refuse_a_folder_of_others(self):
+        self.refuses(2, "phantom", "patients", "--count", 1, "--repeats", 2, "--out", patients(), "--seed", 9, "--small", says="other options")
+        self.refuses(1, "phantom", "patients", "--out", self.folder / "p", says="--count")
+        self.refuses(1, "phantom", "patient", "--count", 2, "--out", self.folder / "p", says="belong to phantom patients")
+
+
+class Bids(BatchTest):
+    def test_runs_participants_and_the_group(self):
+        dataset, out = self.folder / "bids", self.folder / "derivatives"
+        rows = rows_of(patients() / "patients.tsv")[:2]
+        for n, (row, place) in enumerate(zip(rows, ("sub-01/ses-rest/nm/sub-01_ses-rest", "sub-02/nm/sub-02"))):
+            (dataset / place).parent.mkdir(parents=True)
+            shutil.copy(patients() / row["path"], dataset / f"{place}_nm.dcm")
+        (dataset / "participants.tsv").write_text("participant_id\tsex\nsub-01\tF\nsub-02\tn/a\n")
+        one = run("bids", dataset, out, "participant", "--participant-label", "02", "--", *QUICK, timeout=300)
+        self.assertEqual(one.returncode, 0, one.stderr)
+        self.assertEqual([path.name for path in out.glob("sub-*")], ["sub-02"])
+        self.assertEqual(run("bids", dataset, out, "participant", "--", *QUICK, timeout=300).returncode, 0)
+        stem = out / "sub-01" / "ses-rest" / "nm" / "sub-01_ses-rest_desc-dynasurf"
+        sidecar = self.read_json(f"{stem}_report.json")
+        self.assertEqual(hashes(out / sidecar["ResultFolder"]), serial()[rows[0]["id"]])
+        self.assertTrue(pathlib.Path(f"{stem}_report.html").is_file())
+        description = self.read_json(out / "dataset_description.json")
+        self.assertEqual((description["DatasetType"], description["GeneratedBy"][0]["Name"]), ("derivative", "dynasurf"))
+        group = run("bids", dataset, out, "group")
+        self.assertEqual(group.returncode, 0, group.stderr)
+        table = rows_of(out / "cohort" / "tables" / "studies.tsv")
+        self.assertEqual([(row["participant_id"], row["sex"]) for row in table], [("sub-01", "F"), ("sub-02", "")])
+        self.refuses(2, "bids", self.folder, out, "participant", says="expected a BIDS dataset")
+        self.refuses(1, "bids", dataset, out, "participant", "--participant-label", "03", says="no study of these participants")
+
+
+if __name__ == "__main__":
+    unittest.main()
