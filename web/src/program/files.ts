@@ -83,6 +83,7 @@ async function entries_in(entry: FileSystemEntry, at: string): Promise<Given[]> 
 
 export async function dropped(transfer: DataTransfer): Promise<Given[]> {
   const entries = [...transfer.items].map((item) => item.webkitGetAsEntry()).filter((entry) => entry !== null);
+  if (entries.length === 0) return picked(transfer.files);
   const found = await Promise.all(entries.map((entry) => entries_in(entry, "")));
   return found.flat();
 }

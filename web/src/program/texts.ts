@@ -40,15 +40,14 @@ const english = {
   empty: "Nothing was given; expected at least one file",
   old_browser: "This browser is too old. Expected Chrome or Edge 95, Firefox 113, Safari 16.4 or later.",
   language: "Language",
-  stage_start: "start",
-  stage_read: "read",
-  stage_borders: "borders",
-  stage_edges: "edges",
-  stage_field: "field",
-  stage_fields: "fields",
-  stage_surfaces: "surfaces",
-  stage_fit: "fit",
-  stage_write: "write",
+  stage_start: "Start",
+  stage_read: "Reading",
+  stage_borders: "Borders",
+  stage_surfaces: "Surfaces",
+  stage_points: "Points",
+  stage_inside: "Inside and outside",
+  stage_levels: "Levels of detail",
+  stage_write: "Writing",
 };
 export type Key = keyof typeof english;
 type Table = Record<Key, string>;
@@ -97,11 +96,10 @@ const german: Table = {
   stage_start: "Start",
   stage_read: "Lesen",
   stage_borders: "Ränder",
-  stage_edges: "Kanten",
-  stage_field: "Feld",
-  stage_fields: "Felder",
   stage_surfaces: "Flächen",
-  stage_fit: "Anpassung",
+  stage_points: "Punkte",
+  stage_inside: "Innen und außen",
+  stage_levels: "Detailstufen",
   stage_write: "Schreiben",
 };
 
