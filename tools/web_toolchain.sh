@@ -19,7 +19,7 @@ fetch_sources() {
   apt-get "${apt[@]}" update
   (cd "$here/download" && apt-get "${apt[@]}" source --download-only "${web_sources[@]}" &&
     # Its patches for Debian may be gone from the mirror when the release is not: the writer of pictures does without.
-    { apt-get "${apt[@]}" source --download-only libpng1.6 || [ -e "$(echo libpng1.6_*.orig.tar.*)" ]; })
+    { apt-get "${apt[@]}" source --download-only libpng1.6 || compgen -G 'libpng1.6_*.orig.tar.*'; })
   rm -rf "$here/lists" "$here/cache"
 }
 
@@ -35,17 +35,20 @@ unpack_sources() {
   (cd "$here/sources" && dpkg-source -x ../download/dcmtk_*.dsc dcmtk && dpkg-source -x ../download/zlib_*.dsc zlib)
 }
 
-# install_headers: what the program includes of the libraries, apart from the system's headers of the same names.
+# install_headers: what the program includes of the libraries, apart from the system's headers of the same names. Their
+# dates are kept, so that nothing is compiled anew for them.
 install_headers() {
   local from=$web_toolchain/sources to=$web_toolchain/prefix part
   mkdir -p $to/include/dcmtk/config $to/lib/cmake/dcmtk
-  cp $from/zlib/{zlib,zconf}.h $from/libpng/{png,pngconf,pnglibconf}.h $to/include
-  for part in ofstd oflog dcmdata; do cp -r $from/dcmtk/$part/include/dcmtk/$part $to/include/dcmtk; done
-  cp /usr/include/dcmtk/config/osconfig.h $to/include/debian_osconfig.h
+  cp -p $from/zlib/{zlib,zconf}.h $from/libpng/{png,pngconf,pnglibconf}.h $to/include
+  for part in ofstd oflog dcmdata; do cp -rp $from/dcmtk/$part/include/dcmtk/$part $to/include/dcmtk; done
+  cp -p /usr/include/dcmtk/config/osconfig.h $to/include/debian_osconfig.h
+  cp -p cmake/wasi/dcmtk/osconfig.h $to/include/dcmtk/config/
+  cp -p cmake/wasi/dcmtk/DCMTKConfig.cmake $to/lib/cmake/dcmtk/
   # A long has 32 bits here.
-  sed 's/\(SIGNED_LONG_DIGITS10\) .*/\1 9/' /usr/include/dcmtk/config/arith.h >$to/include/dcmtk/config/arith.h
-  cp cmake/wasi/dcmtk/osconfig.h $to/include/dcmtk/config/
-  cp cmake/wasi/dcmtk/DCMTKConfig.cmake $to/lib/cmake/dcmtk/
+  part=$to/include/dcmtk/config/arith.h
+  sed 's/\(SIGNED_LONG_DIGITS10\) .*/\1 9/' /usr/include/dcmtk/config/arith.h >$part
+  touch -r /usr/include/dcmtk/config/arith.h $part
 }
 
 # need_web: everything for `cmake --preset web`. What was built is kept until its recipe changes.

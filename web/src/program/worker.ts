@@ -1,5 +1,5 @@
 // The program: a WASI command over files in memory. It can ask for nothing but them, the time and random numbers.
-import { ConsoleStdout, Directory, File, type Inode, OpenFile, PreopenDirectory, WASI } from "@bjorn3/browser_wasi_shim";
+import { ConsoleStdout, Directory, File, type Inode, OpenFile, PreopenDirectory, WASI, wasi as system } from "@bjorn3/browser_wasi_shim";
 import type { Job, Piece, Word } from "./job";
 
 const say = (word: Word, moved: Transferable[] = []) => self.postMessage(word, { transfer: moved });
@@ -50,6 +50,8 @@ function run(job: Job): void {
     const decoder = new TextDecoder();
     const to_output = new ConsoleStdout((bytes: Uint8Array) => void (output += decoder.decode(bytes, { stream: true })));
     const to_page = ConsoleStdout.lineBuffered((text: string) => say({ kind: "line", text, memory: held() }));
+    // No terminal: the program then tells its progress in lines.
+    to_page.fd_fdstat_get = () => ({ ret: 0, fdstat: new system.Fdstat(system.FILETYPE_UNKNOWN, 0) });
     const nothing = new OpenFile(new File([]));
     const wasi = new WASI(["dynasurf", ...command], [], [nothing, to_output, to_page, new PreopenDirectory("/", root)]);
     const instance = new WebAssembly.Instance(job.engine, { wasi_snapshot_preview1: wasi.wasiImport });
