@@ -35,7 +35,7 @@ string(JOIN " " CMAKE_CXX_FLAGS_INIT
 # Eight megabytes of stack, as Linux gives, below everything else: an overflow traps instead of overwriting data.
 string(JOIN " " CMAKE_EXE_LINKER_FLAGS_INIT
   "-nostdlib++ -L${DYNASURF_WASI_PREFIX}/lib -Wl,-z,stack-size=8388608,--stack-first,--max-memory=4294967296"
-  "-Wl,--strip-debug")
+  "-Wl,--strip-all")
 set(CMAKE_CXX_STANDARD_LIBRARIES
     "-lc++ -lc++abi -ldynasurf-wasi -lwasi-emulated-signal -lwasi-emulated-process-clocks -lwasi-emulated-getpid")
 

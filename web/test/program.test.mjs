@@ -258,7 +258,7 @@ await withBrowser(
           await page.close();
         }
         assert.deepEqual(requests, [], "the page asked for something");
-        assert.deepEqual(words, [], "the page wrote to the console");
+        assert.deepEqual(words.slice(0, 3), [], "the page wrote to the console");
       });
   },
   { width: 1280, height: 720, acceptDownloads: true },

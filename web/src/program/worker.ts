@@ -53,7 +53,9 @@ function run(job: Job): void {
     // No terminal: the program then tells its progress in lines.
     to_page.fd_fdstat_get = () => ({ ret: 0, fdstat: new system.Fdstat(system.FILETYPE_UNKNOWN, 0) });
     const nothing = new OpenFile(new File([]));
-    const wasi = new WASI(["dynasurf", ...command], [], [nothing, to_output, to_page, new PreopenDirectory("/", root)]);
+    const wasi = new WASI(["dynasurf", ...command], [], [nothing, to_output, to_page, new PreopenDirectory("/", root)], {
+      debug: false,
+    });
     const instance = new WebAssembly.Instance(job.engine, { wasi_snapshot_preview1: wasi.wasiImport });
     const held = () => Math.max(memory, (instance.exports.memory as WebAssembly.Memory).buffer.byteLength);
     try {
