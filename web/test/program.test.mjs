@@ -165,7 +165,9 @@ const tests = {
     run_native(...words);
     const theirs = results_of("patient/changed");
     for (const key of ["edv_ml", "esv_ml", "ef_percent"]) assert_near(mine.json[key], theirs[key], key);
-    assert.notEqual(mine.json.edv_ml, first.edv_ml, "the option changed nothing");
+    const edge = "/readings/edge/edv_ml"; // the fit goes its own way from any start
+    assert_near(numbers_of(mine.json).get(edge), numbers_of(theirs).get(edge), edge);
+    assert.notEqual(numbers_of(mine.json).get(edge), numbers_of(first).get(edge), "the option changed nothing");
   },
 
   async "stops at once when it is cancelled, and can start anew"(page) {
