@@ -22,7 +22,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   target_compile_options(dynasurf_text_flags INTERFACE -Wno-stringop-overflow -Wno-array-bounds)
 endif()
 # Against mistakes in reading hostile files: stacks, copies, jumps and indices are checked. Sanitizers check more.
-if(NOT DYNASURF_SANITIZE)
+if(NOT DYNASURF_SANITIZE AND NOT CMAKE_SYSTEM_PROCESSOR STREQUAL "wasm32")  # which has a stack of its own for calls
   target_compile_options(dynasurf_flags INTERFACE -fstack-protector-strong -fstack-clash-protection)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|i.86")
     target_compile_options(dynasurf_flags INTERFACE -fcf-protection)
@@ -68,6 +68,17 @@ function(dynasurf_precompile_module target reads_files)
   set_property(GLOBAL PROPERTY dynasurf_precompiled_${reads_files} ${target})
 endfunction()
 
+# dynasurf_choose(list first second wanted): leaves out the second of two sources that do the same where the first is
+# wanted, else the first.
+function(dynasurf_choose list first second wanted)
+  if(wanted)
+    list(FILTER ${list} EXCLUDE REGEX "/${second}\\.cpp$")
+  else()
+    list(FILTER ${list} EXCLUDE REGEX "/${first}\\.cpp$")
+  endif()
+  set(${list} ${${list}} PARENT_SCOPE)
+endfunction()
+
 # dynasurf_module(name [READS_FILES] USES PUBLIC ... PRIVATE ...): a static library from src/dynasurf/<name>.
 function(dynasurf_module name)
   cmake_parse_arguments(ARG "READS_FILES" "" "USES" ${ARGN})
@@ -77,13 +88,20 @@ function(dynasurf_module name)
   else()
     list(FILTER sources EXCLUDE REGEX "/io/dicom_[a-z]*\\.cpp$")
   endif()
+  if(DYNASURF_WITH_DICOM AND NOT DYNASURF_WITH_DICOM_RESULTS)
+    list(FILTER sources EXCLUDE REGEX "/io/dicom_(segmentation|sr)\\.cpp$")
+  else()
+    list(FILTER sources EXCLUDE REGEX "/without_dicom_results\\.cpp$")
+  endif()
+  dynasurf_choose(sources parallel_tbb parallel_serial ${DYNASURF_WITH_THREADS})
+  dynasurf_choose(sources sha256_openssl sha256_portable ${DYNASURF_WITH_OPENSSL})
   set(target dynasurf_${name})
   add_library(${target} STATIC ${sources})
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
   # Flags are for the build alone: users choose their own.
   target_link_libraries(${target} ${ARG_USES} PRIVATE $<BUILD_INTERFACE:dynasurf_flags>)
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ${DYNASURF_WITH_THREADS})
   if(ARG_READS_FILES AND NOT DYNASURF_SANITIZE)
     # Indices of containers are checked where files decide them. The inner loops of the numeric rooms, which get what
     # was checked here, are spared.

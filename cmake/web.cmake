@@ -32,7 +32,7 @@ if(DYNASURF_WITH_PAGES)
   add_custom_command(
     OUTPUT ${web_pages}
     COMMAND ${DYNASURF_NODE} ${web}/build.mjs ${DYNASURF_PAGES}
-    DEPENDS ${web_sources} ${web}/build.mjs ${web_modules}
+    DEPENDS ${web_sources} ${web}/build.mjs ${web}/bundle.mjs ${web_modules}
     COMMENT "Bundling the pages"
     VERBATIM)
   add_custom_target(web DEPENDS ${web_pages})
@@ -50,9 +50,21 @@ endif()
 function(dynasurf_embed_page target)
   set(source ${PROJECT_SOURCE_DIR}/src/dynasurf/report/page_template.cpp)
   set_source_files_properties(${source} PROPERTIES
-    COMPILE_DEFINITIONS "DYNASURF_PAGES=\"${DYNASURF_PAGES}\""
+    COMPILE_DEFINITIONS "DYNASURF_REPORT_PAGE=\"${DYNASURF_PAGES}/report.html\";DYNASURF_CLOUD_PAGE=\"${DYNASURF_PAGES}/cloud.html\";DYNASURF_LOD_PAGE=\"${DYNASURF_PAGES}/lod.html\";DYNASURF_COHORT_PAGE=\"${DYNASURF_PAGES}/cohort.html\""
     OBJECT_DEPENDS "${web_pages}")
   add_dependencies(${target} web)
+endfunction()
+
+# dynasurf_program_page(): the program, compiled for a browser, as one page: dynasurf.html.
+function(dynasurf_program_page)
+  set(page ${PROJECT_BINARY_DIR}/dynasurf.html)
+  add_custom_command(
+    OUTPUT ${page}
+    COMMAND ${DYNASURF_NODE} ${web}/build_program.mjs $<TARGET_FILE:dynasurf> ${DYNASURF_PAGES} ${page}
+    DEPENDS dynasurf ${web_sources} ${web}/build_program.mjs ${web}/bundle.mjs ${web_pages}
+    COMMENT "Making dynasurf.html"
+    VERBATIM)
+  add_custom_target(dynasurf_page DEPENDS ${page})
 endfunction()
 
 # dynasurf_page_tests(): the types of the page, the published schema against real output, the page in Chromium.
@@ -84,4 +96,9 @@ function(dynasurf_page_tests)
   set_tests_properties(web/sample-clouds PROPERTIES FIXTURES_SETUP sample_clouds)
   set_tests_properties(web/cloud-schema web/cloud PROPERTIES FIXTURES_REQUIRED sample_clouds)
   set_tests_properties(web/cloud PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 600)
+
+  # The page that is the program, where ./dev web has made it.
+  add_test(NAME web/program COMMAND ${DYNASURF_NODE} ${web}/test/program.test.mjs
+           ${PROJECT_SOURCE_DIR}/build/web/dynasurf.html $<TARGET_FILE:dynasurf>)
+  set_tests_properties(web/program PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900)
 endfunction()

@@ -1,5 +1,32 @@
 #include "dynasurf/report/detail/page_template.hpp"
 
+#if defined(__wasm__)
+// The assembler of WebAssembly knows no plain section: clang's #embed does it, which GCC has from version 15 on.
+#pragma clang diagnostic ignored "-Wc23-extensions"
+namespace {
+constexpr char report_page[] = {
+#embed DYNASURF_REPORT_PAGE
+};
+constexpr char cloud_page[] = {
+#embed DYNASURF_CLOUD_PAGE
+};
+constexpr char lod_page[] = {
+#embed DYNASURF_LOD_PAGE
+};
+constexpr char cohort_page[] = {
+#embed DYNASURF_COHORT_PAGE
+};
+}  // namespace
+
+namespace dynasurf {
+
+std::string_view page_template() { return {report_page, sizeof report_page}; }
+std::string_view cloud_page_template() { return {cloud_page, sizeof cloud_page}; }
+std::string_view cohort_page_template() { return {cohort_page, sizeof cohort_page}; }
+std::string_view lod_page_template() { return {lod_page, sizeof lod_page}; }
+
+}  // namespace dynasurf
+#else
 // The assembler copies the bundled pages into the library: a C++ array of this length would take the compiler seconds.
 #define DYNASURF_EMBED(name, file)  \
   asm(".section .rodata\n" name     \
@@ -7,10 +34,10 @@
       ".incbin \"" file "\"\n" name \
       "_end:\n"                     \
       ".previous\n")
-DYNASURF_EMBED("dynasurf_report_page", DYNASURF_PAGES "/report.html");
-DYNASURF_EMBED("dynasurf_cloud_page", DYNASURF_PAGES "/cloud.html");
-DYNASURF_EMBED("dynasurf_lod_page", DYNASURF_PAGES "/lod.html");
-DYNASURF_EMBED("dynasurf_cohort_page", DYNASURF_PAGES "/cohort.html");
+DYNASURF_EMBED("dynasurf_report_page", DYNASURF_REPORT_PAGE);
+DYNASURF_EMBED("dynasurf_cloud_page", DYNASURF_CLOUD_PAGE);
+DYNASURF_EMBED("dynasurf_lod_page", DYNASURF_LOD_PAGE);
+DYNASURF_EMBED("dynasurf_cohort_page", DYNASURF_COHORT_PAGE);
 
 extern "C" {
 extern const char report_page_begin[] asm("dynasurf_report_page_begin");
@@ -36,3 +63,4 @@ std::string_view cohort_page_template() { return between(cohort_page_begin, coho
 std::string_view lod_page_template() { return between(lod_page_begin, lod_page_end); }
 
 }  // namespace dynasurf
+#endif

@@ -1,0 +1,42 @@
+// Makes the page that is the program: node build_program.mjs dynasurf.wasm FOLDER-OF-PAGES dynasurf.html
+//
+// Its policy lets it run its own script, the program and the scripts of the reports that the program writes, and fetch
+// nothing at all. The program waits, packed, in an element that no browser runs.
+import { readFileSync, statSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { gzipSync } from "node:zlib";
+import { bundle, filled, here, source } from "./bundle.mjs";
+
+const [program, pages, page] = process.argv.slice(2);
+if (!page) {
+  console.error("usage: node build_program.mjs dynasurf.wasm FOLDER-OF-PAGES dynasurf.html");
+  process.exit(1);
+}
+const hashes = (kind) =>
+  ["report.html", "cloud.html"].map((name) => {
+    const found = new RegExp(`${kind} ('sha256-[^']+')`).exec(readFileSync(join(pages, name), "utf8"));
+    if (!found) throw new Error(`${name}: names no hash for ${kind}`);
+    return found[1];
+  });
+
+const read = (name) => readFileSync(join(here, "src/program", name), "utf8");
+const worker = await bundle("program/worker.ts");
+const script = await bundle("program/main.ts", { WORKER: JSON.stringify(worker) });
+const style = await bundle("program/style.css");
+const policy = [
+  "default-src 'none'",
+  `script-src ${[source(script), ...hashes("script-src")].join(" ")} 'wasm-unsafe-eval'`,
+  `style-src ${[source(style), ...hashes("style-src")].join(" ")}`,
+  "worker-src blob:",
+  "frame-src blob:",
+  "connect-src 'none'",
+  "base-uri 'none'",
+  "form-action 'none'",
+].join("; ");
+const engine = gzipSync(readFileSync(program), { level: 9 }).toString("base64");
+const licence = ["fflate/LICENSE", "@bjorn3/browser_wasi_shim/LICENSE-MIT"]
+  .map((name) => readFileSync(join(here, "node_modules", name), "utf8").trim())
+  .join("\n\n");
+const parts = { LICENCE: licence, POLICY: policy, STYLE: style, BODY: read("body.html").trimEnd(), SCRIPT: script, ENGINE: engine };
+writeFileSync(page, filled(read("frame.html"), parts));
+console.log(`${page}: ${statSync(page).size} bytes`);

@@ -1,0 +1,21 @@
+// What the page and its worker say to each other.
+
+/** A file in memory: its path from the root, with slashes and without a leading one. */
+export interface Piece {
+  path: string;
+  bytes: Uint8Array;
+}
+
+/** Commands of the program, run one after the other over the same files until one fails. */
+export interface Job {
+  engine: WebAssembly.Module;
+  files: Piece[];
+  commands: string[][];
+  /** The folders whose files come back. */
+  wanted: string[];
+}
+
+export type Word =
+  | { kind: "line"; text: string; memory: number }
+  | { kind: "end"; code: number; output: string; files: Piece[]; memory: number; seconds: number }
+  | { kind: "lost"; reason: string; memory: number };

@@ -1,0 +1,262 @@
+// dynasurf.html: takes files, runs the program over them in a worker, shows its report.
+import { dropped, type Given, as_zip, picked, read_given, Refusal, save } from "./files";
+import type { Job, Piece, Word } from "./job";
+import { OptionPanel } from "./options";
+import { type Key, type Language, language, speak, stage_name, text } from "./texts";
+
+declare const WORKER: string; // the script of the worker
+
+const by_id = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
+const views = ["start", "working", "failure", "result"] as const;
+const scans = /\.(ply|xyz|pts|csv|pwn|obj|off|las|stl|txt|asc)$/i;
+
+/** What a run is of. The command line names no path: only the user knows where the files are. */
+interface Task {
+  subject: "ventricle" | "cloud";
+  files: Piece[];
+  make: string[][]; // commands that make the files first
+  inputs: string[];
+  more: string[];
+}
+
+let worker: Worker | null = null;
+let task: Task | null = null;
+let result: Piece[] = [];
+let report_url = "";
+
+function show(view: (typeof views)[number]): void {
+  for (const name of views) by_id(name).hidden = name !== view;
+  document.documentElement.dataset.view = view;
+}
+
+function fail(reason: string): void {
+  by_id("reason").textContent = reason;
+  show("failure");
+  by_id("failure").querySelector("button")?.focus();
+}
+
+// ---- The engine ----
+
+let engine: Promise<WebAssembly.Module> | null = null;
+
+async function unpack_engine(): Promise<WebAssembly.Module> {
+  // The program stands at the end of the page, which may still be on its way from a slow disk.
+  if (document.readyState === "loading") await new Promise((done) => document.addEventListener("DOMContentLoaded", done));
+  const packed = atob(by_id("engine").textContent!.trim());
+  const bytes = Uint8Array.from(packed, (letter) => letter.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return WebAssembly.compile(await new Response(stream).arrayBuffer());
+}
+
+/** Runs commands in a worker of their own; it ends with them, and all its memory with it. */
+async function run(job: Omit<Job, "engine">, on_line: (word: Word & { kind: "line" }) => void): Promise<Word> {
+  engine ??= unpack_engine();
+  const url = URL.createObjectURL(new Blob([WORKER], { type: "text/javascript" }));
+  const mine = new Worker(url);
+  worker?.terminate();
+  worker = mine;
+  const module = await engine;
+  return new Promise((done) => {
+    const end = (word: Word) => {
+      mine.terminate();
+      URL.revokeObjectURL(url);
+      if (worker === mine) worker = null;
+      done(word);
+    };
+    mine.onmessage = (message: MessageEvent<Word>) => (message.data.kind === "line" ? on_line(message.data) : end(message.data));
+    mine.onerror = (event) => {
+      event.preventDefault();
+      end({ kind: "lost", reason: event.message, memory: 0 });
+    };
+    mine.postMessage({ ...job, engine: module } satisfies Job);
+  });
+}
+
+// ---- A run ----
+
+const mb = (bytes: number) => Math.round(bytes / 1e6);
+
+function tell_progress(line: string, memory: number): void {
+  by_id("memory").textContent = text("memory", { mb: mb(memory) });
+  const words = /^(\w+) (\d+)\/(\d+)$/.exec(line);
+  if (!words) return;
+  const [, stage, done, total] = words;
+  const bar = by_id<HTMLProgressElement>("progress");
+  by_id("stage").textContent = `${stage_name(stage!)} ${Number(total) > 1 ? `${done}/${total}` : ""}`;
+  if (Number(total) > 1) bar.value = Number(done) / Number(total);
+  else bar.removeAttribute("value");
+}
+
+const commands_of = (of: Task): string[][] => [
+  ...of.make,
+  [of.subject, ...of.inputs, "--out", "/result", ...of.more, ...panel.settings().flatMap((set) => ["--set", set])],
+];
+
+/** The program's own line, without its name. */
+const line_of_error = (lines: string[]) =>
+  lines.filter((line) => line.includes("error: ")).at(-1)?.replace(/^.*?error: /, "").replaceAll("/in/", "");
+
+async function start(next: Task): Promise<void> {
+  task = next;
+  show("working");
+  tell_progress("start 0/1", 0);
+  by_id("cancel").focus();
+  const lines: string[] = [];
+  let word: Word;
+  try {
+    // A copy: the files stay here for another run.
+    const files = next.files.map(({ path, bytes }) => ({ path, bytes: bytes.slice() }));
+    word = await run({ files, commands: commands_of(next), wanted: ["result"] }, (line) => {
+      lines.push(line.text);
+      tell_progress(line.text, line.memory);
+    });
+  } catch (error) {
+    engine = null;
+    return fail(text("lost", { reason: String(error) }));
+  }
+  if (word.kind === "end" && (word.code === 0 || word.code === 3) && word.files.length > 0) return present(word);
+  const own = line_of_error(lines);
+  if (word.kind === "lost") {
+    const is_memory = /memory|allocation/i.test(word.reason);
+    return fail(is_memory ? text("out_of_memory", { mb: mb(word.memory) }) : text("lost", { reason: word.reason }));
+  }
+  fail(own === "out of memory" ? text("out_of_memory", { mb: mb(word.memory) }) : (own ?? text("failed")));
+}
+
+function present(word: Word & { kind: "end" }): void {
+  result = word.files.map(({ path, bytes }) => ({ path: path.replace(/^result\//, "dynasurf-result/"), bytes }));
+  const report = file_of("report.html");
+  URL.revokeObjectURL(report_url);
+  report_url = URL.createObjectURL(new Blob([report as BlobPart], { type: "text/html" }));
+  by_id<HTMLIFrameElement>("report").src = report_url;
+  const told = { s: word.seconds.toFixed(1), mb: mb(word.memory) };
+  by_id("summary").textContent = text(word.code === 3 ? "done_check" : "done", told);
+  Object.assign(document.documentElement.dataset, { seconds: word.seconds.toFixed(3), memory: String(word.memory) });
+  show("result");
+}
+
+const file_of = (name: string): Uint8Array =>
+  result.find(({ path }) => path === `dynasurf-result/${name}`)?.bytes ?? new Uint8Array();
+
+function cancel(): void {
+  worker?.terminate();
+  worker = null;
+  fail(text("cancelled"));
+}
+
+// ---- What is given ----
+
+async function take(given: Promise<Given[]> | Given[]): Promise<void> {
+  try {
+    const list = await given;
+    if (list.length === 0) return;
+    const files = await read_given(list);
+    const are_scans = files.every(({ path }) => scans.test(path));
+    const all = files.map(({ path }) => `/${path}`);
+    panel.clear();
+    await start({
+      subject: are_scans ? "cloud" : "ventricle",
+      files,
+      make: [],
+      inputs: are_scans || all.length === 1 ? all : ["/in"],
+      more: [],
+    });
+  } catch (error) {
+    if (error instanceof Refusal) fail(text(error.code, { about: error.about }));
+    else fail(text("lost", { reason: String(error) }));
+  }
+}
+
+const patient: Task = {
+  subject: "ventricle",
+  files: [],
+  make: [["phantom", "patient", "--seed", "1", "--out", "/made"]],
+  inputs: ["/made/study.dcm"],
+  more: [],
+};
+const vase: Task = {
+  subject: "cloud",
+  files: [],
+  make: [["phantom", "cloud", "--set", "shape=vase", "--set", "points=30000", "--set", "noise_percent=0.1", "--out", "/made"]],
+  inputs: ["/made/cloud.ply"],
+  more: ["--triangles", "5120,1280,320"],
+};
+
+// ---- Options ----
+
+const panel = new OptionPanel(by_id<HTMLFormElement>("controls"), (changed) => {
+  by_id("changed").textContent = changed > 0 ? text("options_changed", { n: changed }) : "";
+});
+
+async function show_options(): Promise<void> {
+  const aside = by_id("options");
+  aside.hidden = !aside.hidden;
+  by_id("show-options").setAttribute("aria-expanded", String(!aside.hidden));
+  if (aside.hidden || panel.is_described || !task) return;
+  const word = await run({ files: [], commands: [["options", task.subject, "--json"]], wanted: [] }, () => {});
+  if (word.kind === "end") panel.describe(word.output);
+}
+
+function command_line(): string {
+  const quoted = panel.settings().map((set) => `--set ${/^[\w.=,+-]+$/.test(set) ? set : `'${set}'`}`);
+  const input = task?.subject === "cloud" ? "CLOUD" : "STUDY";
+  return ["dynasurf", task?.subject ?? "ventricle", input, "--out RESULT", ...(task?.more ?? []), ...quoted].join(" ");
+}
+
+async function copy(): Promise<void> {
+  const button = by_id("copy");
+  const area = document.createElement("textarea");
+  area.value = command_line();
+  by_id("options").append(area);
+  area.select();
+  // The clipboard's own interface is for pages from the network; a file has this one.
+  document.execCommand("copy");
+  area.remove();
+  button.textContent = text("copied");
+  button.dataset.copied = command_line();
+  setTimeout(() => (button.textContent = text("copy")), 1500);
+}
+
+// ---- The page ----
+
+function connect(): void {
+  const click = (id: string, work: () => unknown) => by_id(id).addEventListener("click", work);
+  click("pick-files", () => by_id("files").click());
+  click("pick-folder", () => by_id("folder").click());
+  for (const id of ["files", "folder"])
+    by_id(id).addEventListener("change", (event) => {
+      const input = event.target as HTMLInputElement;
+      void take(picked(input.files!)).finally(() => (input.value = ""));
+    });
+  click("example-patient", () => (panel.clear(), start(patient)));
+  click("example-vase", () => (panel.clear(), start(vase)));
+  click("cancel", cancel);
+  click("save-report", () => save(file_of("report.html"), "report.html", "text/html"));
+  click("save-zip", () => save(as_zip(result), "dynasurf-result.zip", "application/zip"));
+  click("show-options", show_options);
+  click("again", () => panel.is_valid && task && start(task));
+  click("reset", () => panel.reset());
+  click("copy", copy);
+  click("save-options", () => save(file_of("options.json"), "options.json", "application/json"));
+  by_id("search").addEventListener("input", (event) => panel.show((event.target as HTMLInputElement).value));
+  for (const button of document.querySelectorAll(".other")) button.addEventListener("click", () => show("start"));
+  window.addEventListener("dragover", (event) => {
+    event.preventDefault();
+    document.body.classList.add("over");
+  });
+  window.addEventListener("dragleave", (event) => event.relatedTarget === null && document.body.classList.remove("over"));
+  window.addEventListener("drop", (event) => {
+    event.preventDefault();
+    document.body.classList.remove("over");
+    if (event.dataTransfer && worker === null) void take(dropped(event.dataTransfer));
+  });
+  const choice = by_id<HTMLSelectElement>("language");
+  choice.value = language();
+  choice.addEventListener("change", () => speak(choice.value as Language));
+}
+
+connect();
+speak(language());
+show("start");
+if (typeof DecompressionStream === "undefined" || typeof WebAssembly === "undefined") fail(text("old_browser" satisfies Key));
+document.documentElement.dataset.ready = "true";

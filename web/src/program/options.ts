@@ -1,0 +1,133 @@
+// Every option of the program as a control, made from what `dynasurf options --json` tells.
+import { text } from "./texts";
+
+interface Row {
+  path: string;
+  method: string | null;
+  default: string;
+  unit: string;
+  range: string;
+  choices: string;
+  meaning: string;
+}
+
+const unset = "unset";
+
+/** The options of one subject and what the user made of them. */
+export class OptionPanel {
+  private rows: Row[] = [];
+  private values = new Map<string, string>();
+
+  constructor(
+    private readonly form: HTMLFormElement,
+    private readonly on_change: (changed: number) => void,
+  ) {
+    form.addEventListener("submit", (event) => event.preventDefault());
+  }
+
+  /** Takes another description. What was changed stays where the option still exists. */
+  describe(json: string): void {
+    this.rows = JSON.parse(json) as Row[];
+    this.show("");
+  }
+
+  get is_described(): boolean {
+    return this.rows.length > 0;
+  }
+
+  clear(): void {
+    this.rows = [];
+    this.values.clear();
+    this.form.replaceChildren();
+    this.on_change(0);
+  }
+
+  reset(): void {
+    this.values.clear();
+    this.show("");
+    this.on_change(0);
+  }
+
+  /** As `--set` takes them, in the order of the description: a choice comes before what depends on it. */
+  settings(): string[] {
+    const paths = [...new Set(this.rows.map(({ path }) => path))];
+    return paths.filter((path) => this.values.has(path)).map((path) => `${path}=${this.values.get(path)}`);
+  }
+
+  /** Whether all that was typed can be a value. */
+  get is_valid(): boolean {
+    return this.form.checkValidity();
+  }
+
+  show(wanted: string): void {
+    const words = wanted.toLowerCase().split(/\s+/);
+    const shown = this.rows.filter((row) => this.is_alive(row)).filter((row) => {
+      const hay = `${row.path} ${row.meaning}`.toLowerCase();
+      return words.every((word) => hay.includes(word));
+    });
+    this.form.replaceChildren(...shown.map((row) => this.control(row)));
+  }
+
+  /** An option of a method that is not chosen has no effect and is not offered. */
+  private is_alive(row: Row): boolean {
+    if (row.method === null) return true;
+    const choices = this.rows.filter(
+      (other) => other !== row && other.choices.split(" | ").includes(row.method!) && row.path.startsWith(`${other.path}.`),
+    );
+    const owner = choices.sort((a, b) => b.path.length - a.path.length)[0];
+    return !owner || this.value(owner) === row.method;
+  }
+
+  private value(row: Row): string {
+    return this.values.get(row.path) ?? row.default;
+  }
+
+  private control(row: Row): HTMLElement {
+    const box = document.createElement("div");
+    const label = document.createElement("label");
+    const meaning = document.createElement("p");
+    const field = row.choices ? this.list(row) : this.entry(row);
+    box.className = "control";
+    box.dataset.path = row.path;
+    box.classList.toggle("changed", this.values.has(row.path));
+    field.id = label.htmlFor = `option-${row.path}`;
+    meaning.id = `${field.id}-meaning`;
+    field.setAttribute("aria-describedby", meaning.id);
+    label.textContent = row.path + (row.unit ? ` [${row.unit}]` : "");
+    meaning.textContent = row.meaning + (row.range ? ` (${row.range})` : "");
+    field.addEventListener("change", () => this.take(row, field, box));
+    box.append(label, field, meaning);
+    return box;
+  }
+
+  private list(row: Row): HTMLSelectElement {
+    const field = document.createElement("select");
+    for (const choice of row.choices.split(" | ")) field.add(new Option(choice, choice));
+    field.value = this.value(row);
+    return field;
+  }
+
+  private entry(row: Row): HTMLInputElement {
+    const field = document.createElement("input");
+    const limits = /^(\S+) to (\S+)$/.exec(row.range);
+    const value = this.value(row);
+    const is_number = limits !== null || (row.default !== "" && Number.isFinite(Number(row.default)));
+    if (is_number) Object.assign(field, { type: "number", step: "any" });
+    if (limits) Object.assign(field, { min: limits[1], max: limits[2] });
+    field.placeholder = row.default === unset ? text("unset") : row.default;
+    field.value = value === unset ? "" : value;
+    return field;
+  }
+
+  private take(row: Row, field: HTMLInputElement | HTMLSelectElement, box: HTMLElement): void {
+    const value = field.value === "" ? row.default : field.value;
+    if (value === row.default) this.values.delete(row.path);
+    else this.values.set(row.path, value);
+    box.classList.toggle("changed", this.values.has(row.path));
+    this.on_change(this.values.size);
+    if (row.choices && this.rows.some(({ method }) => method !== null && row.choices.includes(method))) {
+      this.show("");
+      document.getElementById(field.id)?.focus();
+    }
+  }
+}

@@ -1,0 +1,74 @@
+// The program: a WASI command over files in memory. It can ask for nothing but them, the time and random numbers.
+import { ConsoleStdout, Directory, File, type Inode, OpenFile, PreopenDirectory, WASI, wasi as system } from "@bjorn3/browser_wasi_shim";
+import type { Job, Piece, Word } from "./job";
+
+const say = (word: Word, moved: Transferable[] = []) => self.postMessage(word, { transfer: moved });
+
+// A file that has a name has a link; the library tells none, and the program takes such a file for removed.
+for (const kind of [File, Directory]) {
+  const plain = kind.prototype.stat;
+  kind.prototype.stat = function (this: File & Directory) {
+    const facts = plain.call(this);
+    facts.nlink = 1n;
+    return facts;
+  };
+}
+
+function tree_of(files: Piece[]): Map<string, Inode> {
+  const root = new Map<string, Inode>([["tmp", new Directory(new Map())]]);
+  for (const { path, bytes } of files) {
+    const parts = path.split("/");
+    const name = parts.pop()!;
+    let folder = root;
+    for (const part of parts) {
+      let inner = folder.get(part);
+      if (!(inner instanceof Directory)) folder.set(part, (inner = new Directory(new Map())));
+      folder = (inner as Directory).contents;
+    }
+    const file = new File([]);
+    file.data = bytes; // not copied
+    folder.set(name, file);
+  }
+  return root;
+}
+
+function files_in(folder: Map<string, Inode>, at: string, found: Piece[] = []): Piece[] {
+  for (const [name, entry] of folder)
+    if (entry instanceof Directory) files_in(entry.contents, `${at}${name}/`, found);
+    else if (entry instanceof File) found.push({ path: at + name, bytes: entry.data });
+  return found;
+}
+
+function run(job: Job): void {
+  const started = performance.now();
+  const root = tree_of(job.files);
+  let memory = 0;
+  let output = "";
+  let code = 0;
+  for (const command of job.commands) {
+    output = "";
+    const decoder = new TextDecoder();
+    const to_output = new ConsoleStdout((bytes: Uint8Array) => void (output += decoder.decode(bytes, { stream: true })));
+    const to_page = ConsoleStdout.lineBuffered((text: string) => say({ kind: "line", text, memory: held() }));
+    // No terminal: the program then tells its progress in lines.
+    to_page.fd_fdstat_get = () => ({ ret: 0, fdstat: new system.Fdstat(system.FILETYPE_UNKNOWN, 0) });
+    const nothing = new OpenFile(new File([]));
+    const wasi = new WASI(["dynasurf", ...command], [], [nothing, to_output, to_page, new PreopenDirectory("/", root)], {
+      debug: false,
+    });
+    const instance = new WebAssembly.Instance(job.engine, { wasi_snapshot_preview1: wasi.wasiImport });
+    const held = () => Math.max(memory, (instance.exports.memory as WebAssembly.Memory).buffer.byteLength);
+    try {
+      code = wasi.start(instance as Parameters<WASI["start"]>[0]);
+    } catch (error) {
+      return say({ kind: "lost", reason: String(error), memory: held() });
+    }
+    memory = held();
+    if (code === 1 || code === 2) break;
+  }
+  const files = files_in(root, "").filter(({ path }) => job.wanted.some((folder) => path.startsWith(`${folder}/`)));
+  const seconds = (performance.now() - started) / 1000;
+  say({ kind: "end", code, output, files, memory, seconds }, files.map(({ bytes }) => bytes.buffer as ArrayBuffer));
+}
+
+self.onmessage = (message: MessageEvent<Job>) => run(message.data);

@@ -1,0 +1,270 @@
+// node program.test.mjs dynasurf.html dynasurf [SCREENSHOTS]: opens the page that is the program from disk in Chromium,
+// uses it, and holds what it computes against the native program.
+import assert from "node:assert/strict";
+import { execFileSync, spawnSync } from "node:child_process";
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { unzipSync, zipSync } from "fflate";
+import { check, finish, program as chromium, skipped, withBrowser } from "./browser.mjs";
+
+const [page_path, native, screenshots] = process.argv.slice(2).map((path) => resolve(path));
+if (!existsSync(page_path)) {
+  console.log(`SKIPPED: ${page_path} is not there; ./dev web makes it`);
+  process.exit(skipped);
+}
+if (!chromium) {
+  console.log("SKIPPED: no Chromium found (apt-get install chromium, or name one in the variable CHROMIUM)");
+  process.exit(skipped);
+}
+if (screenshots) mkdirSync(screenshots, { recursive: true });
+
+const work = mkdtempSync(join(tmpdir(), "program-page-"));
+const most_wait = 300_000;
+
+/** Runs the native program in one thread; its seconds. */
+function run_native(...words) {
+  const begin = performance.now();
+  execFileSync(native, words, { cwd: work, stdio: ["ignore", "ignore", "pipe"] });
+  return (performance.now() - begin) / 1000;
+}
+const results_of = (folder) => JSON.parse(readFileSync(join(work, folder, "results.json"), "utf8"));
+
+/** All numbers of a result by their place in it, without what tells of the run: times, memory, program. */
+function numbers_of(json, at = "", found = new Map()) {
+  for (const [key, value] of Object.entries(json ?? {})) {
+    if (/^(timings|seconds|peak_bytes|provenance|memory)/.test(key) || key.endsWith("seconds")) continue;
+    if (typeof value === "number") found.set(`${at}/${key}`, value);
+    else if (typeof value === "object") numbers_of(value, `${at}/${key}`, found);
+  }
+  return found;
+}
+
+/** How many numbers differ, and by how much of the larger at most. */
+function difference(mine, theirs) {
+  const a = numbers_of(mine);
+  const b = numbers_of(theirs);
+  assert.deepEqual([...a.keys()], [...b.keys()], "the results hold other numbers");
+  let differing = 0;
+  let [largest, where] = [0, ""];
+  for (const [place, value] of a) {
+    const other = b.get(place);
+    if (value === other) continue;
+    ++differing;
+    const relative = Math.abs(value - other) / Math.max(Math.abs(value), Math.abs(other));
+    if (relative > largest) [largest, where] = [relative, place];
+  }
+  return `${differing} of ${a.size} numbers differ from the native program's, at most by ${largest.toExponential(1)} (${where})`;
+}
+
+function assert_near(mine, theirs, what, most = 1e-6) {
+  assert.ok(Math.abs(mine - theirs) <= most * Math.abs(theirs), `${what}: ${mine}, native ${theirs}`);
+}
+
+const view = (page) => page.evaluate(() => document.documentElement.dataset.view);
+const reason = (page) => page.locator("#reason").innerText();
+const until_view = (page, ...names) =>
+  page.waitForFunction((of) => of.includes(document.documentElement.dataset.view), names, { timeout: most_wait });
+
+/** Waits for a result and reads it as a user would: by saving it. */
+async function saved(page) {
+  await until_view(page, "result", "failure");
+  assert.equal(await view(page), "result", await reason(page));
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save-zip")]);
+  const files = unzipSync(readFileSync(await download.path()));
+  const names = Object.keys(files);
+  const json = JSON.parse(new TextDecoder().decode(files["dynasurf-result/results.json"]));
+  const facts = await page.evaluate(() => ({ ...document.documentElement.dataset }));
+  return { json, names, seconds: Number(facts.seconds), memory: Number(facts.memory) };
+}
+
+const drop = (page, files) =>
+  page.evaluate((list) => {
+    const transfer = new DataTransfer();
+    for (const { name, base64 } of list)
+      transfer.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name));
+    document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, bubbles: true, cancelable: true }));
+  }, files.map(({ name, bytes }) => ({ name, base64: Buffer.from(bytes).toString("base64") })));
+
+const give = (page, name, bytes) =>
+  page.setInputFiles("#files", [{ name, mimeType: "application/octet-stream", buffer: Buffer.from(bytes) }]);
+
+/** The report in the page has drawn itself. */
+async function report_is_drawn(page) {
+  const frame = page.frame({ url: /^blob:/ });
+  assert.ok(frame, "there is no report");
+  await frame.waitForFunction(() => document.documentElement.dataset.ready === "true", null, { timeout: 30_000 });
+  return frame;
+}
+
+const shoot = (page, name) => screenshots && page.screenshot({ path: join(screenshots, `${name}.png`) });
+
+const tests = {
+  async "is at most 4 MB, and tells when its first paint came"(page) {
+    assert.ok(statSync(page_path).size <= 4e6, `${statSync(page_path).size} bytes`);
+    const paint = await page.evaluate(() => performance.getEntriesByName("first-contentful-paint")[0].startTime);
+    console.log(`     ${statSync(page_path).size} bytes, first paint after ${Math.round(paint)} ms`);
+  },
+
+  async "computes the virtual patient as the native program does"(page) {
+    const seconds = run_native("ventricle", "patient/study.dcm", "--out", "patient/native", "--threads", "1");
+    await page.click("#example-patient");
+    const mine = await saved(page);
+    const theirs = results_of("patient/native");
+    for (const key of ["edv_ml", "esv_ml", "ef_percent"]) assert_near(mine.json[key], theirs[key], key);
+    assert.equal(mine.json.verdict, theirs.verdict);
+    console.log(`     ${difference(mine.json, theirs)}`);
+    console.log(`     ${mine.seconds} s (native, one thread: ${seconds.toFixed(1)} s), ${mine.memory / 1e6} MB`);
+    for (const name of ["report.html", "results.csv", "options.json", "cycle.glb", "manifest.txt"])
+      assert.ok(mine.names.includes(`dynasurf-result/${name}`), `${name} is missing`);
+    const frame = await report_is_drawn(page);
+    assert.match(await frame.locator("#numbers").innerText(), /111/);
+    await shoot(page, "patient");
+  },
+
+  async "takes a dropped study, and the same in a zip archive, with equal results"(page) {
+    const bytes = readFileSync(join(work, "patient/study.dcm"));
+    await drop(page, [{ name: "study.dcm", bytes }]);
+    const dropped = await saved(page);
+    const theirs = results_of("patient/native");
+    for (const key of ["edv_ml", "esv_ml", "ef_percent"]) assert_near(dropped.json[key], theirs[key], key);
+    await page.click("#result .other");
+    await give(page, "study.zip", zipSync({ "folder/Bild ä.dcm": new Uint8Array(bytes) }));
+    const zipped = await saved(page);
+    assert.deepEqual(numbers_of(zipped.json), numbers_of(dropped.json));
+    assert.equal(zipped.json.provenance.inputs[0].sha256, theirs.provenance.inputs[0].sha256);
+  },
+
+  async "makes levels of detail of the vase"(page) {
+    run_native("phantom", "cloud", "--set", "shape=vase", "--set", "points=30000", "--set", "noise_percent=0.1", "--out", "vase", "--quiet");
+    const seconds = run_native("cloud", "vase/cloud.ply", "--out", "vase/native", "--triangles", "5120,1280,320", "--threads", "1");
+    await page.click("#example-vase");
+    const mine = await saved(page);
+    console.log(`     ${difference(mine.json, results_of("vase/native"))}`);
+    console.log(`     ${mine.seconds} s (native, one thread: ${seconds.toFixed(1)} s), ${mine.memory / 1e6} MB`);
+    await report_is_drawn(page);
+    await shoot(page, "vase");
+  },
+
+  async "changes an option by its control, and repeats it by the command line it copies"(page) {
+    await page.click("#example-patient");
+    const first = (await saved(page)).json;
+    await page.click("#show-options");
+    await page.waitForSelector(".control", { timeout: most_wait });
+    await page.fill("#search", "sigma");
+    await page.fill('[data-path="edges.sigma_px"] input', "1.4");
+    await page.locator('[data-path="edges.sigma_px"] input').blur();
+    await page.click("#copy");
+    const line = await page.getAttribute("#copy", "data-copied");
+    assert.equal(line, "dynasurf ventricle STUDY --out RESULT --set edges.sigma_px=1.4");
+    await shoot(page, "options");
+    await page.click("#again");
+    await until_view(page, "working", "failure");
+    const mine = await saved(page);
+    const words = line.replace("STUDY", "patient/study.dcm").replace("RESULT", "patient/changed").split(" ").slice(1);
+    run_native(...words);
+    const theirs = results_of("patient/changed");
+    for (const key of ["edv_ml", "esv_ml", "ef_percent"]) assert_near(mine.json[key], theirs[key], key);
+    const edge = "/readings/edge/edv_ml"; // the fit goes its own way from any start
+    assert_near(numbers_of(mine.json).get(edge), numbers_of(theirs).get(edge), edge);
+    assert.notEqual(numbers_of(mine.json).get(edge), numbers_of(first).get(edge), "the option changed nothing");
+  },
+
+  async "stops at once when it is cancelled, and can start anew"(page) {
+    await page.click("#example-patient");
+    await page.waitForFunction(() => /Surfaces|Borders/.test(document.getElementById("stage").textContent), null, { timeout: most_wait });
+    await shoot(page, "working");
+    const begin = performance.now();
+    await page.click("#cancel");
+    await until_view(page, "failure");
+    assert.ok(performance.now() - begin < 1000);
+    assert.match(await reason(page), /Cancelled/);
+    await page.click("#failure .other");
+    assert.equal(await view(page), "start");
+  },
+
+  async "tells what cannot be read in the program's own line, for 50 damaged files"(page) {
+    const whole = readFileSync(join(work, "patient/study.dcm"));
+    let seed = 1;
+    const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647;
+    let refused = 0;
+    for (let n = 0; n < 50; ++n) {
+      const bytes = n % 2 ? whole.subarray(0, Math.floor(random() * whole.length)) : Buffer.from(whole.subarray(0, 4000 + n * 50));
+      if (n % 2 === 0) for (let k = 0; k < 20; ++k) bytes[Math.floor(random() * bytes.length)] = Math.floor(random() * 256);
+      writeFileSync(join(work, "damaged.dcm"), bytes);
+      const judged = spawnSync(native, ["ventricle", "damaged.dcm", "--out", `damaged/${n}`, "--threads", "1"], { cwd: work, encoding: "utf8" });
+      await give(page, "damaged.dcm", bytes);
+      await until_view(page, "result", "failure");
+      if (judged.status === 0 || judged.status === 3) assert.equal(await view(page), "result", await reason(page));
+      else {
+        ++refused;
+        assert.equal(await reason(page), /error: (.*)/.exec(judged.stderr)[1]);
+      }
+      await page.locator(".other:visible").click();
+    }
+    assert.ok(refused > 25, `only ${refused} were refused`);
+    console.log(`     ${refused} of 50 refused, each in the native program's words`);
+  },
+
+  async "refuses a damaged archive and an empty file"(page) {
+    await give(page, "broken.zip", Buffer.from("PK\x03\x04 and nothing that follows"));
+    await until_view(page, "failure");
+    assert.match(await reason(page), /broken\.zip: the zip archive is damaged/);
+    await page.click("#failure .other");
+    await give(page, "empty.dcm", Buffer.alloc(0));
+    await until_view(page, "failure");
+    assert.match(await reason(page), /^empty\.dcm: /);
+    await shoot(page, "failure");
+  },
+
+  async "speaks German, and can be used by keys alone"(page) {
+    await page.selectOption("#language", "de");
+    assert.equal(await page.locator("#drop h1").innerText(), "Studie oder Scan hierher ziehen");
+    const english = await page.evaluate(() => [...document.querySelectorAll("[data-text]")].every((e) => e.textContent.length > 0));
+    assert.ok(english, "a text is empty");
+    await page.focus("#language");
+    const seen = [];
+    for (let n = 0; n < 4; ++n) {
+      await page.keyboard.press("Tab");
+      seen.push(await page.evaluate(() => document.activeElement.id));
+    }
+    assert.deepEqual(seen, ["pick-files", "pick-folder", "example-patient", "example-vase"]);
+    await page.keyboard.press("Enter");
+    await until_view(page, "working");
+    assert.equal(await page.evaluate(() => document.activeElement.id), "cancel");
+    await page.keyboard.press("Enter");
+    await until_view(page, "failure");
+    await shoot(page, "german");
+  },
+};
+
+run_native("phantom", "patient", "--seed", "1", "--out", "patient", "--quiet");
+await withBrowser(
+  async (context) => {
+    for (const [name, test] of Object.entries(tests))
+      await check(name, async () => {
+        const page = await context.newPage();
+        const url = `file://${page_path}`;
+        const requests = [];
+        const words = [];
+        page.on("request", (request) => {
+          const asked = request.url(); // a blob is memory of the page
+          if (asked !== url && !asked.startsWith("blob:")) requests.push(asked);
+        });
+        // What the driver of a graphics card says is not the page's.
+        page.on("console", (message) => message.text().startsWith("[.WebGL-") || words.push(message.text()));
+        page.on("pageerror", (error) => words.push(String(error)));
+        await page.goto(url);
+        try {
+          await test(page);
+        } finally {
+          await page.close();
+        }
+        assert.deepEqual(requests, [], "the page asked for something");
+        assert.deepEqual(words.slice(0, 3), [], "the page wrote to the console");
+      });
+  },
+  { width: 1280, height: 720, acceptDownloads: true },
+);
+rmSync(work, { recursive: true, force: true });
+finish();
