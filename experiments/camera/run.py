@@ -39,7 +39,7 @@ def heart_of(seed):
              "irregular.papillary_mm": round(dice.uniform(2, 4), 1),
              "right_ventricle": round(dice.uniform(0.3, 0.5), 2)}
     if dice.random() < 0.3:
-        heart |= {"defect": dice.choice(["anterior", "inferior", "lateral"]), "defect_severity": round(dice.uniform(0.4, 0.8), 2),
+        heart |= {"defect": dice.choice(["septal", "inferior", "lateral"]), "defect_severity": round(dice.uniform(0.4, 0.8), 2),
                   "defect_extent_deg": round(dice.uniform(40, 90))}
     body = {"torso.liver": round(dice.uniform(0.4, 1), 2), "azimuth_deg": round(dice.uniform(35, 55)),
             "elevation_deg": round(dice.uniform(15, 35))}
