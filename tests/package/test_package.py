@@ -54,7 +54,9 @@ class Package(unittest.TestCase):
         needed = (r"bin/dynasurf", r"lib(/[^/]+)?/libdynasurf_[a-z]+\.a", r"include/dynasurf/.+\.hpp",
                   r"lib(/[^/]+)?/cmake/dynasurf/dynasurf[A-Za-z-]+\.cmake", r"lib(/[^/]+)?/pkgconfig/dynasurf\.pc")
         where_made = (r"share/man/man1/dynasurf(-[a-z]+)?\.1\.gz", r"share/bash-completion/completions/dynasurf",
-                      r"share/zsh/vendor-completions/_dynasurf", r"share/doc/(lib)?dynasurf(-dev)?/[A-Za-z.]+")
+                      r"share/zsh/vendor-completions/_dynasurf",
+                      r"lib/python3/dist-packages/dynasurf/(py\.typed|[a-z_]+\.pyi?|[a-z_]+\.[^/]+\.so)",
+                      r"lib/python3/dist-packages/dynasurf-[0-9.]+\.dist-info/[A-Za-z_]+", r"share/doc/(lib)?dynasurf(-dev)?/[A-Za-z.]+")
         for kind in needed:
             self.assertTrue(any(re.fullmatch(kind, file) for file in files), kind)
         kinds = needed + where_made
