@@ -38,7 +38,7 @@ class ChildProgram {
   std::optional<ChildEnd> end();
   /// Asks it to stop (SIGTERM), which it may clean up after.
   void ask_to_stop() const;
-  /// Kills its group (SIGKILL), and waits, not for long, until nobody is left who could write to a file.
+  /// Kills its group (SIGKILL) and waits briefly until no process of it is left that could write to a file.
   void kill();
   /// The last 4 kB of its standard error.
   const std::string& words() const { return words_; }

@@ -83,7 +83,7 @@ auto members_of(T& s) {
   DYNASURF_MEMBERS(21, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, t, u, v)
   DYNASURF_MEMBERS(24, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, t, u, v, w, x, y)
 #undef DYNASURF_MEMBERS
-  static_assert(arity<T> > 0, "a struct whose number of members is told in archive.cpp");
+  static_assert(arity<T> > 0, "archive.cpp does not give the number of members of this struct");
 }
 
 template <class A, class T>

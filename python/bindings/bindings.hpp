@@ -26,7 +26,7 @@ void bind_walls(py::module_& module);
 /// An argument that may not be None, which pybind11 would hand over as a null pointer.
 inline py::arg needed(const char* name) { return py::arg(name).none(false); }
 
-/// A part of an object, which keeps the whole alive: Python may hold a gate's mesh after it let go of the result.
+/// A reference to a member that keeps its owner alive: a gate's mesh stays valid after Python drops the result.
 template <class Whole, class Part>
 std::shared_ptr<const Part> part_of(const std::shared_ptr<Whole>& whole, const Part& part) {
   return {whole, &part};

@@ -126,11 +126,17 @@ struct Refiltered {
 std::optional<Refiltered> without_lobes(const Study& study, const PlacedStart& start, const Blur& blur,
                                         const BlurFit& options) {
   if (blur.fwhm_mm <= 0) return std::nullopt;
+  // PET has other widths, and the noise of finer voxels was interpolated: its steep end is no filter.
+  constexpr double finest_mm = 2.4, least_per_cm = 0.05;
   std::optional<ReconstructionFilter> filter;
-  if (!options.butterworth_per_cm)
-    filter = filter_in_noise(study);
-  else if (*options.butterworth_per_cm > 0)
+  if (!options.butterworth_per_cm) {
+    if (study.modality != "PT" && study.grid().spacing.minCoeff() >= finest_mm) filter = filter_in_noise(study);
+  } else if (*options.butterworth_per_cm > 0) {
+    if (*options.butterworth_per_cm < least_per_cm)
+      throw OptionError("option fit.butterworth_per_cm is " + std::to_string(*options.butterworth_per_cm) +
+                        "; expected 0 for no filter, or at least 0.05 cycles/cm");
     filter = ReconstructionFilter{*options.butterworth_per_cm / 10, options.butterworth_order};
+  }
   if (!filter) return std::nullopt;
   const double sigma_mm = gaussian_in_place_of(*filter), fwhm_mm = sigmas_per_fwhm * sigma_mm;
   const Box heart = box_of(start.epi);
