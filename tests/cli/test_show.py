@@ -1,7 +1,10 @@
 """`dynasurf show`: pictures of what a study, a result or a mesh passed through."""
 
 import functools
+import json
+import os
 import re
+import shutil
 import unittest
 
 from cli import CliTest, run, shared_folder, small_patient
@@ -72,6 +75,44 @@ class Show(CliTest):
         one = self.draw(staged_result(), "evolution", "--threads", 1).read_bytes()
         (self.folder / "evolution.png").unlink()
         self.assertEqual(one, self.draw(staged_result(), "evolution", "--threads", 3).read_bytes())
+
+    def test_stages_that_were_tampered_with_are_refused(self):
+        folder = self.folder / "result"
+        shutil.copytree(staged_result(), folder)
+        stages = folder / "stages"
+
+        def refused(what, file, says):
+            self.refuses(2, "show", folder, what, "--out", self.folder / "no.png", "--quiet", says=[says])
+            shutil.copy(staged_result() / "stages" / file, stages / file)
+
+        history, border = "g01_history_epi.csv", "g01_border_epi.nrrd"
+        (stages / history).write_text("step,a,b,c,d\n1,2,three,4,5\n")
+        refused("histogram", history, "line 2")
+        (stages / history).write_text("step,a,b,c,d\n1,0,0,0,0\n")
+        refused("histogram", history, "without particles")
+        (stages / history).unlink()
+        os.mkfifo(stages / history)
+        self.refuses(2, "show", folder, "histogram", "--out", self.folder / "no.png", says=[history])
+        (stages / history).unlink()
+        whole = (stages / border).read_bytes()
+        (stages / border).write_bytes(whole[: len(whole) // 2])
+        refused("voxels", border, border)
+        head, _, data = whole.partition(b"\n\n")
+        (stages / border).write_bytes(head + b"\n\n" + bytes(len(data)))
+        refused("voxels", border, "no border voxel")
+        (stages / "g01_edge_map_epi.nrrd").write_bytes((stages / "g01_image.nrrd").read_bytes())
+        self.refuses(2, "show", folder, "slice", "--out", self.folder / "no.png", says=["another grid"])
+        (stages / "g01_edge_map_epi.nrrd").unlink()
+        (stages / "g01_evolved_epi.ply").unlink()
+        (stages / "g01_evolved_epi.ply").write_text(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
+            "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1e300 0 0\n0 1 0\n3 0 1 2\n")
+        refused("scatter", "g01_evolved_epi.ply", "far from")
+        results = json.loads((folder / "results.json").read_text())
+        for value in (1e308, -1e308):
+            results["gates"][0]["endo_ml"] = value
+            (folder / "results.json").write_text(json.dumps(results))
+            self.assertIn(run("show", folder, "curve", "--out", self.folder / f"{value}.png").returncode, (0, 2))
 
     def test_what_makes_no_sense_is_refused(self):
         result = staged_result()

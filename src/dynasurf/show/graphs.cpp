@@ -49,6 +49,7 @@ Canvas draw_history(std::span<const std::array<int, 4>> history, const std::stri
   if (history.empty()) throw InputError("no step to draw");
   Canvas canvas = sheet(title);
   const double all = history[0][2] + history[0][3];
+  if (!(all > 0)) throw InputError("a history without particles");
   const Axes axes{frame, {1, std::max(2.0, static_cast<double>(history.size()))}, {0, all}, "", "step", "particles"};
   // Bands one over the other: nearer than 1, 1 to 2, 2 to 3, farther.
   const Colour colours[] = {viridis(0.05), viridis(0.4), viridis(0.7), viridis(1)};

@@ -39,6 +39,10 @@ Image image_in(const fs::path& file) {
 
 /// A number of particles for each distance, step after step: "1,0,0,0,642" under a head.
 std::vector<std::array<int, 4>> histories_in(const fs::path& file) {
+  constexpr std::size_t most = 1'000'000;
+  constexpr std::uintmax_t most_bytes = 60 * most;
+  if (!fs::is_regular_file(file) || fs::file_size(file) > most_bytes)
+    throw InputError(file.string() + ": expected a file of at most a million lines");
   std::ifstream in(file);
   std::vector<std::array<int, 4>> histories;
   std::string line;
@@ -62,6 +66,16 @@ std::optional<ShownWall> take(const WallStages& stages) {
   return wall;
 }
 
+/// A mesh of a stage, in the frame of a grid. Throws InputError for one that lies far from it.
+TriMesh mesh_near(const fs::path& file, const Grid& grid) {
+  TriMesh mesh = to_grid(grid, read_mesh(file));
+  const Vec3 middle = 0.5 * centre_of(grid, grid.dims);
+  const double reach = 100 * (1 + middle.norm());
+  for (const Vec3& p : mesh.vertices)
+    if (!((p - middle).norm() <= reach)) throw InputError(file.string() + ": a vertex lies far from the border's grid");
+  return mesh;
+}
+
 std::optional<ShownWall> wall_in(const fs::path& folder, const std::string& prefix, Border which) {
   const std::string ending = "_" + std::string(name_of(which));
   const auto file = [&](const std::string& name) { return file_inside(folder, fs::path("stages") / (prefix + name)); };
@@ -72,8 +86,11 @@ std::optional<ShownWall> wall_in(const fs::path& folder, const std::string& pref
   ShownWall wall;
   wall.border = image_in(border);
   wall.map = fs::exists(map) ? image_in(map) : wall.border;
-  if (fs::exists(start)) wall.start = to_grid(wall.border.grid, read_mesh(start));
-  if (fs::exists(evolved)) wall.evolved = to_grid(wall.border.grid, read_mesh(evolved));
+  if (!(wall.map.grid == wall.border.grid)) throw InputError(map.string() + ": lies on another grid than its border");
+  if (std::none_of(wall.border.values.begin(), wall.border.values.end(), [](float v) { return v > 0; }))
+    throw InputError(border.string() + ": holds no border voxel");
+  if (fs::exists(start)) wall.start = mesh_near(start, wall.border.grid);
+  if (fs::exists(evolved)) wall.evolved = mesh_near(evolved, wall.border.grid);
   if (fs::exists(history)) wall.histories = histories_in(history);
   return wall;
 }

@@ -319,6 +319,9 @@ class Show {
     check("--row", at.row_number, gate.image.grid.dims[1]);
     at.slice = at.slice_number - 1 + shift[2];
     at.row = at.row_number - 1 + shift[1];
+    if (!g.contains(0, at.row, at.slice))
+      throw InputError(r_.input.string() + ": the border's grid does not hold slice " +
+                       std::to_string(at.slice_number));
     return at;
   }
 
