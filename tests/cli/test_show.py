@@ -47,7 +47,7 @@ class Show(CliTest):
     def test_and_the_same_from_its_result(self):
         for what in [*GATE, *SURFACE, *BEAT]:
             drawn = self.draw(staged_result(), what, "--gate", 2)
-            if what != "evolution":  # whose start went through the world and back, and is rounded
+            if what not in ("evolution", "scatter"):  # meshes that went through the world and back are rounded
                 self.assertEqual(drawn.read_bytes() == from_study(what).read_bytes(), True, what)
 
     def test_a_result_without_stages_says_what_it_lacks(self):
@@ -100,7 +100,7 @@ class Show(CliTest):
         head, _, data = whole.partition(b"\n\n")
         (stages / border).write_bytes(head + b"\n\n" + bytes(len(data)))
         refused("voxels", border, "no border voxel")
-        (stages / "g01_edge_map_epi.nrrd").write_bytes((stages / "g01_image.nrrd").read_bytes())
+        (stages / "g01_edge_map_epi.nrrd").write_bytes(whole.replace(b"space origin: (", b"space origin: (7"))
         self.refuses(2, "show", folder, "slice", "--out", self.folder / "no.png", says=["another grid"])
         (stages / "g01_edge_map_epi.nrrd").unlink()
         (stages / "g01_evolved_epi.ply").unlink()
