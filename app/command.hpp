@@ -34,5 +34,6 @@ void add_batch(CLI::App& program, Command& chosen);
 void add_collect(CLI::App& program, Command& chosen);
 void add_bids(CLI::App& program, Command& chosen);
 void add_motion(CLI::App& program, Command& chosen);
+void add_show(CLI::App& program, Command& chosen);
 
 }  // namespace dynasurf::app

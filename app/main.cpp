@@ -55,6 +55,7 @@ ExitCode run(int argc, char** argv, const std::stop_token& stop) {
   add_solid(program, chosen);
   add_compare(program, chosen);
   add_motion(program, chosen);
+  add_show(program, chosen);
   add_organ(program, chosen);
   add_batch(program, chosen);
   add_collect(program, chosen);

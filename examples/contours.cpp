@@ -1,10 +1,13 @@
 // Contours and nets in the plane (thesis 3.3.1, 3.3.2): a classical snake stops at the mouth of a U, gradient vector
-// flow takes it in; a topological net splits into one net per object and finds the hole of a ring. Draws snakes.svg and
-// nets.svg.
+// flow takes it in; an active net wraps two objects in one piece, a topological net splits into one net per object and
+// finds the hole of a ring; a discrete contour follows what a user draws where the image shows nothing (3.3.3). Draws
+// snakes.svg, nets.svg and stroke.svg.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <span>
 
+#include "dynasurf/dynamics/contour/discrete.hpp"
 #include "dynasurf/dynamics/contour/net.hpp"
 #include "dynasurf/dynamics/contour/potential.hpp"
 #include "dynasurf/dynamics/contour/snake.hpp"
@@ -95,12 +98,55 @@ bool show_nets() {
       drawing.line({net.nodes[q[0]], net.nodes[q[1]], net.nodes[q[2]], net.nodes[q[3]], net.nodes[q[0]]}, "steelblue");
   }
   drawing.save("nets.svg");
-  return nets.size() == 2 && holes == 1;
+  const NetShape whole = shape_of(fit_net(plane, {}));
+  std::printf("active net: %d part, %d holes\n", whole.parts, whole.holes);
+  return nets.size() == 2 && holes == 1 && whole.parts == 1 && whole.holes == 0;
+}
+
+/// How far a contour strays from a circle, px, in a sector of the plane.
+double stray_of(const Contour& c, const Vec2& centre, double radius, bool in_gap) {
+  double worst = 0;
+  for (const Vec2& p : c.points)
+    if (const Vec2 d = p - centre; (d.x() > std::abs(d.y())) == in_gap)
+      worst = std::max(worst, std::abs(d.norm() - radius));
+  return worst;
+}
+
+bool show_stroke() {
+  // A ring that is dark over a quarter of its way; the user draws along the missing part.
+  const Vec2 centre(31.5, 31.5);
+  constexpr double radius = 18;
+  const Image ring = painted([&](const Vec2& p) {
+    const Vec2 d = p - centre;
+    return std::abs(d.norm() - radius) < 1.5 && d.x() <= std::abs(d.y());
+  });
+  const Image energy = image_potential(ring, {PotentialSource::bright, 1.5});
+  Image helped = energy;
+  Stroke stroke;
+  for (int n = -5; n <= 5; ++n) {
+    const double angle = n * 3.14159265358979 / 20;
+    stroke.points.push_back(centre + radius * Vec2(std::cos(angle), std::sin(angle)));
+  }
+  add_strokes(helped, std::span(&stroke, 1));
+  DiscreteContour options;
+  options.internal = 0.1;
+  const Contour start = circle_contour(centre, 22, 2);
+  const Contour alone = evolve_contour(start, scaled_to_one(force_of(energy)), options).contour;
+  const Contour led = evolve_contour(start, scaled_to_one(force_of(helped)), options).contour;
+  const double without = stray_of(alone, centre, radius, true), with = stray_of(led, centre, radius, true);
+  std::printf("contour in the gap of a ring: %.1f px off; along the user's stroke: %.1f px\n", without, with);
+  Drawing drawing;
+  draw(drawing, start, "gray");
+  draw(drawing, alone, "crimson");
+  draw(drawing, led, "seagreen");
+  drawing.line(stroke.points, "silver");
+  drawing.save("stroke.svg");
+  return with < 1.5 && without > 1.5 * with;
 }
 
 }  // namespace
 
 int main() {
-  const bool snakes = show_snakes(), nets = show_nets();
-  return snakes && nets ? 0 : 1;
+  const bool snakes = show_snakes(), nets = show_nets(), stroke = show_stroke();
+  return snakes && nets && stroke ? 0 : 1;
 }

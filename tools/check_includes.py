@@ -23,6 +23,7 @@ LIBRARIES = {
     "nlohmann-json": r"nlohmann/",
     "CLI11": r"CLI/",
     "SQLite": r"sqlite3\.h$",
+    "cairo": r"cairo(-svg)?\.h$",
 }
 OPEN_TO_ALL = {"Eigen"}
 # Headers of the operating system have no place below the floor of files and programs.

@@ -107,8 +107,8 @@ void print_case(const Case& c) {
   for (const auto& [stage, s] : result.seconds)
     if (stage == "surfaces") seconds += s;
   std::printf("%-16s", c.name.c_str());
-  for (const auto& [surface, true_mesh, true_ml] :
-       {std::tuple(&gate.endo, &truth.endo, truth.endo_ml), std::tuple(&gate.epi, &truth.epi, truth.epi_ml)})
+  for (const auto& [surface, true_mesh, true_ml] : {std::tuple(&gate.edge_surfaces.endo, &truth.endo, truth.endo_ml),
+                                                    std::tuple(&gate.edge_surfaces.epi, &truth.epi, truth.epi_ml)})
     print_surface(*surface ? &(*surface)->mesh : nullptr, *surface ? (*surface)->volume_ml : 0, *true_mesh, true_ml);
   std::printf("  %6.3f  %s", seconds, std::string(word_of(result.verdict)).c_str());
   for (const QualityFlag& flag : result.flags) std::printf(" %s", flag.code.c_str());
@@ -133,7 +133,8 @@ void print_labels(const Case& c) {
   const Phantom phantom = make_phantom(c.made);
   const VentricleResult result = reconstruct(phantom.study, ventricle_preset("edges"));
   const TrueGate& truth = phantom.truth.front();
-  const Gate rough = at_rest(phantom, false).gates.front(), smooth = at_rest(phantom, true).gates.front();
+  const EdgeSurfaces rough = at_rest(phantom, false).gates.front().edge_surfaces,
+                     smooth = at_rest(phantom, true).gates.front().edge_surfaces;
   std::printf("%-16s  %8.3f", c.name.c_str(), f1_of(result, truth.endo, Labels::endo_bit));
   if (rough.epi && smooth.epi)
     std::printf("  %8.3f  %5d to %4d  %5d to %4d\n", f1_of(result, truth.epi, Labels::epi_bit),

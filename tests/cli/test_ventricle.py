@@ -149,9 +149,42 @@ class Result(CliTest):
         run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--keep-stages", *EDGES)
         stages = set(leftovers(self.folder / "r" / "stages"))
         for stage in ("image.nrrd", "edges.nrrd", "labels.nrrd", "border_endo.nrrd", "field_epi.vti", "field_epi.nrrd",
-                      "start_endo.ply"):
+                      "start_endo.ply", "evolved_epi.ply", "settled_endo.ply", "history_epi.csv", "distances_endo.csv"):
             self.assertLessEqual({f"g0{gate}_{stage}" for gate in (1, 2, 3, 4)}, stages)
         self.assertEqual(run("info", self.folder / "r" / "stages" / "g01_image.nrrd").returncode, 0)
+
+        # What the tables say of the particles is what results.json says of them.
+        surface = self.read_json(self.folder / "r" / "results.json")["gates"][1]["edge"]["epi"]
+        history = (self.folder / "r" / "stages" / "g02_history_epi.csv").read_text().split()
+        self.assertEqual(len(history), 1 + surface["steps"])
+        counts = [int(n) for n in history[-1].split(",")]
+        self.assertEqual(counts[0], surface["steps"])
+        self.assertEqual(counts[3] + counts[4], 642)
+        rows = [row.split(",") for row in (self.folder / "r" / "stages" / "g02_distances_epi.csv").read_text().split()[1:]]
+        self.assertEqual(len(rows), 642)
+        within = sum(abs(float(distance)) < 1 for _, distance, _ in rows) / 642
+        self.assertAlmostEqual(within, surface["within_one_voxel"], places=9)
+        stopped = sum(int(stop) for _, _, stop in rows) / 642
+        self.assertAlmostEqual(stopped, surface["stopped_fraction"], places=9)
+
+    def test_keeps_what_other_pipelines_pass_through(self):
+        study, result = small_patient() / "study.dcm", self.folder / "r"
+        run("ventricle", study, "--out", result, "--keep-stages", "--pipeline", "direct", "--set",
+            "evolution.damping=border", *EDGES)
+        stages = set(leftovers(result / "stages"))
+        self.assertLessEqual({"g01_edge_map_endo.nrrd", "g01_edge_map_epi.nrrd", "g01_drag_epi.nrrd"}, stages)
+        shutil.rmtree(result)
+        run("ventricle", study, "--out", result, "--keep-stages", "--pipeline", "contour", *EDGES)
+        stages = set(leftovers(result / "stages"))
+        self.assertNotIn("g01_drag_epi.nrrd", stages)
+        rows = (result / "stages" / "g01_contours_epi.csv").read_text().split()[1:]
+        slices = {row.split(",")[0] for row in rows}
+        self.assertGreater(len(slices), 5)
+        # The mesh's own points, within its box.
+        heights = [float(row.split(",")[4]) for row in rows]
+        mesh = json.loads(run("measure", result / "stages" / "g01_evolved_epi.ply", "--json").stdout)
+        self.assertGreater(mesh["vertices"], 100)
+        self.assertGreater(max(heights) - min(heights), 30)
 
     def test_keeps_the_mesh_that_was_deformed(self):
         start = small_patient() / "truth" / "endo_g01.ply"

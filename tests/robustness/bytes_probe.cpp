@@ -91,13 +91,13 @@ void print_images(const std::string& name, const std::vector<Image>& images) {
 
 void print_stages(const Intermediates& s) {
   const std::string gate = "gate " + std::to_string(s.gate);
-  if (s.border_endo) print_images(gate + " inner border", {*s.border_endo});
-  if (s.border_epi) print_images(gate + " outer border", {*s.border_epi});
-  for (const VectorField* field : {s.field_endo, s.field_epi}) {
+  if (s.endo.border) print_images(gate + " inner border", {*s.endo.border});
+  if (s.epi.border) print_images(gate + " outer border", {*s.epi.border});
+  for (const VectorField* field : {s.endo.field, s.epi.field}) {
     if (!field) continue;
     Hash hash;
     hash << field->x << field->y << field->z;
-    hash.print(gate + (field == s.field_endo ? " inner field" : " outer field"));
+    hash.print(gate + (field == s.endo.field ? " inner field" : " outer field"));
   }
 }
 

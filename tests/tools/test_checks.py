@@ -130,6 +130,7 @@ class CheckThesisMap(Project):
         self.write("src/a.cpp", "")
         self.write("tests/core/a_test.cpp", "TEST(Sum, AddsTwoNumbers) {}\n")
         self.write("docs/thesis-map.md", f"| item | thesis | file | test |\n|---|---|---|---|\n{row}\n")
+        self.write("tools/thesis_items.txt", "SUM\n" if row else "")
         return self.run_tool("check_thesis_map.py", self.root)
 
     def test_accepts_files_and_tests_that_exist(self):
@@ -144,6 +145,12 @@ class CheckThesisMap(Project):
 
     def test_refuses_an_empty_map(self):
         self.assertEqual(self.check("")[0], 1)
+
+    def test_misses_an_item_that_is_not_told(self):
+        row = "| OTHER | 1.2 | `src/a.cpp` | `Sum` |"
+        self.assertIn("no row for SUM", self.check(row)[1])
+        self.assertEqual(self.check(row + "\n\n* SUM: nobody adds\n")[0], 0)
+        self.assertIn("no row for SUM", self.check(row + "\n\n* SUM:\n")[1])
 
 
 class CheckDocs(Project):

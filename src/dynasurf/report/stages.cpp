@@ -1,28 +1,90 @@
 #include "dynasurf/report/stages.hpp"
 
+#include <array>
+#include <cstdio>
 #include <string>
 
+#include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/stage_io.hpp"
+#include "dynasurf/mesh/measures.hpp"
 
 namespace dynasurf {
 namespace {
 
 namespace fs = std::filesystem;
 
-void write_wall(const std::string& prefix, std::string_view wall, const Image* border, const VectorField* field,
-                const TriMesh* start) {
-  if (border == nullptr) return;
-  const std::string ending = "_" + std::string(wall);
-  write_nrrd_volume(*border, prefix + "border" + ending + ".nrrd");
-  if (field != nullptr) {
-    const VectorSpans vectors{field->x, field->y, field->z};
-    const VoxelArray array{"field", vectors};
-    write_vti(field->grid, std::span(&array, 1), prefix + "field" + ending + ".vti");
-    write_nrrd_vectors(field->grid, vectors, prefix + "field" + ending + ".nrrd");
+std::string number(double value) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.9g", value);
+  return text.data();
+}
+
+/// The contours of a wall in the world, a line for each point.
+std::string contour_table(const WallContours& contours, const Grid& grid) {
+  std::string text = "slice,point,x_mm,y_mm,z_mm\n";
+  for (std::size_t k = 0; k < contours.slices.size(); ++k) {
+    if (!contours.slices[k]) continue;
+    const std::vector<Vec2>& points = contours.slices[k]->points;
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      const Vec3 p =
+          to_world(grid, Vec3(points[n][0], points[n][1], static_cast<double>(k)).cwiseProduct(grid.spacing));
+      text += std::to_string(k + 1) + "," + std::to_string(n + 1);
+      for (int c = 0; c < 3; ++c) text += "," + number(p[c]);
+      text += "\n";
+    }
   }
-  if (start == nullptr) return;
-  write_mesh(to_world(border->grid, *start), prefix + "start" + ending + ".ply", MeshFormat::ply);
+  return text;
+}
+
+/// Particles near the border, step after step (MEAS-DIST).
+std::string history_table(const EvolutionResult& evolved) {
+  std::string text = "step,below_1_voxel,below_2_voxels,below_3_voxels,farther\n";
+  for (std::size_t n = 0; n < evolved.histories.size(); ++n) {
+    text += std::to_string(n + 1);
+    for (const int count : evolved.histories[n]) text += "," + std::to_string(count);
+    text += "\n";
+  }
+  return text;
+}
+
+/// Where every particle came to rest: voxels from the nearest centre of a border voxel, negative inside.
+std::string distance_table(const EvolutionResult& evolved, const Image& border) {
+  std::string text = "particle,signed_distance_voxels,stopped\n";
+  const std::vector<double> distances = signed_distances_to_border_voxels(evolved.mesh, border);
+  for (std::size_t n = 0; n < distances.size(); ++n)
+    text += std::to_string(n) + "," + number(distances[n]) + "," + (evolved.stopped[n] != 0 ? "1" : "0") + "\n";
+  return text;
+}
+
+void write_motion(const std::string& prefix, const std::string& ending, const WallStages& wall) {
+  const Grid& grid = wall.border->grid;
+  const EvolutionResult& evolved = *wall.evolved;
+  write_mesh(to_world(grid, evolved.mesh), prefix + "evolved" + ending + ".ply", MeshFormat::ply);
+  if (!evolved.histories.empty()) write_file(prefix + "history" + ending + ".csv", history_table(evolved));
+  if (evolved.stopped.size() == evolved.mesh.vertices.size())
+    write_file(prefix + "distances" + ending + ".csv", distance_table(evolved, *wall.border));
+  if (wall.settled != nullptr)
+    write_mesh(to_world(grid, *wall.settled), prefix + "settled" + ending + ".ply", MeshFormat::ply);
+}
+
+void write_wall(const std::string& prefix, std::string_view name, const WallStages& wall, const Grid& image) {
+  if (wall.border == nullptr) return;
+  const Grid& grid = wall.border->grid;
+  const std::string ending = "_" + std::string(name);
+  write_nrrd_volume(*wall.border, prefix + "border" + ending + ".nrrd");
+  if (wall.edge_map != nullptr) write_nrrd_volume(*wall.edge_map, prefix + "edge_map" + ending + ".nrrd");
+  if (wall.drag != nullptr) write_nrrd_volume(*wall.drag, prefix + "drag" + ending + ".nrrd");
+  if (wall.field != nullptr) {
+    const VectorSpans vectors{wall.field->x, wall.field->y, wall.field->z};
+    const VoxelArray array{"field", vectors};
+    write_vti(wall.field->grid, std::span(&array, 1), prefix + "field" + ending + ".vti");
+    write_nrrd_vectors(wall.field->grid, vectors, prefix + "field" + ending + ".nrrd");
+  }
+  if (wall.start != nullptr)
+    write_mesh(to_world(grid, *wall.start), prefix + "start" + ending + ".ply", MeshFormat::ply);
+  if (wall.contours != nullptr) write_file(prefix + "contours" + ending + ".csv", contour_table(*wall.contours, image));
+  if (wall.evolved != nullptr) write_motion(prefix, ending, wall);
 }
 
 }  // namespace
@@ -34,8 +96,8 @@ void StageWriter::operator()(const Intermediates& stages) const {
   write_nrrd_volume(stages.edges->edges, prefix + "edges.nrrd");
   write_nrrd_volume(stages.edges->gradient, prefix + "gradient.nrrd");
   write_nrrd_volume(stages.labels->borders, prefix + "labels.nrrd");
-  write_wall(prefix, name_of(Border::endo), stages.border_endo, stages.field_endo, stages.start_endo);
-  write_wall(prefix, name_of(Border::epi), stages.border_epi, stages.field_epi, stages.start_epi);
+  write_wall(prefix, name_of(Border::endo), stages.endo, stages.image->grid);
+  write_wall(prefix, name_of(Border::epi), stages.epi, stages.image->grid);
 }
 
 }  // namespace dynasurf

@@ -6,7 +6,9 @@
 namespace dynasurf {
 
 /// Saves what a run passed through, gate by gate, as files that ParaView and 3D Slicer open: the image, the edges, the
-/// labels and the closed borders as NRRD, the fields as VTK images, the meshes that the surfaces start from as PLY.
+/// labels, the closed borders, the edge maps of pipeline direct and the maps of a drag as NRRD, the fields as NRRD and
+/// VTK images, the meshes that surfaces start from, come to rest as and settle to as PLY. Beside them as CSV: the
+/// contours of pipeline contour, how many particles are near their border after every step, and where each one ended.
 class StageWriter {
  public:
   explicit StageWriter(std::filesystem::path folder) : folder_(std::move(folder)) {}

@@ -8,6 +8,7 @@
 #include "dynasurf/core/detail/stage_clock.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/dynamics/detail/damping.hpp"
 #include "dynasurf/image/intensity.hpp"
 #include "dynasurf/ventricle/detail/border_planes.hpp"
 #include "dynasurf/ventricle/detail/canonical.hpp"
@@ -48,7 +49,9 @@ struct WallRun {
   FlowResult flow;
   EvolutionResult evolved;
   std::optional<Surface> surface;
-  std::optional<StackVolumes> stack;  // of pipeline contour
+  std::optional<StackVolumes> stack;     // of pipeline contour
+  std::optional<WallContours> contours;  // likewise
+  std::optional<TriMesh> settled;
   bool exists() const { return !border.values.empty(); }
 };
 
@@ -178,6 +181,7 @@ void find_contours(GateRun& run, const Image& image, const VentricleOptions& opt
       for (Vec3& p : surface->evolved.mesh.vertices) p += shift;
       run.wall(wall).evolved = std::move(surface->evolved);
       run.wall(wall).stack = surface->volumes;
+      run.wall(wall).contours = contours;
     } else {
       run.wall(wall) = {};
       run.notes.insert(run.notes.end(), contours.notes.begin(), contours.notes.end());
@@ -234,16 +238,32 @@ void note_correspondence(VentricleResult& result) {
     }
 }
 
-void hand_over_stages(const IntermediateSink& keep, std::vector<GateRun>& runs, const Study& study) {
+WallStages stages_of(const WallRun& run, const Image* drag) {
+  WallStages stages;
+  if (!run.exists()) return stages;
+  stages.border = &run.border;
+  if (!run.edge_map.values.empty()) stages.edge_map = &run.edge_map;
+  stages.drag = drag;
+  if (!run.flow.field.x.empty()) stages.field = &run.flow.field;
+  if (!run.start.vertices.empty()) stages.start = &run.start;
+  if (!run.evolved.mesh.vertices.empty()) stages.evolved = &run.evolved;
+  if (run.settled) stages.settled = &*run.settled;
+  if (run.contours) stages.contours = &*run.contours;
+  return stages;
+}
+
+void hand_over_stages(const IntermediateSink& keep, std::vector<GateRun>& runs, const Study& study,
+                      const Evolution& evolution) {
   for (std::size_t g = 0; g < runs.size(); ++g) {
     GateRun& run = runs[g];
-    Intermediates stages{static_cast<int>(g), &study.gates[g], &run.edges, &run.labels};
-    if (run.endo.exists()) stages.border_endo = &run.endo.border;
-    if (run.epi.exists()) stages.border_epi = &run.epi.border;
-    if (!run.endo.start.vertices.empty()) stages.start_endo = &run.endo.start;
-    if (!run.epi.start.vertices.empty()) stages.start_epi = &run.epi.start;
-    if (!run.endo.flow.field.x.empty()) stages.field_endo = &run.endo.flow.field;
-    if (!run.epi.flow.field.x.empty()) stages.field_epi = &run.epi.flow.field;
+    Intermediates stages{static_cast<int>(g), &study.gates[g], &run.edges, &run.labels, {}, {}};
+    std::optional<Image> drags[2];
+    for (std::size_t w = 0; w < 2; ++w) {
+      const WallRun& wall = run.wall(walls[w]);
+      if (wall.exists() && !wall.flow.field.x.empty())
+        drags[w] = drag_map(evolution.damping, wall.flow.field, wall.border, evolution.force.drag);
+      (w == 0 ? stages.endo : stages.epi) = stages_of(wall, drags[w] ? &*drags[w] : nullptr);
+    }
     keep(stages);
   }
 }
@@ -381,6 +401,7 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
   VentricleResult result;
   StageClock clock(result.seconds);
   StudyRun borders = run_borders(original, requested, progress, mask, own, clock);
+  borders.options.evolution.histories = borders.options.evolution.histories || keep;
   const VentricleOptions& options = borders.options;
   std::vector<GateRun>& runs = borders.gates;
   result.study = std::move(borders.study);
@@ -426,17 +447,17 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
     WallRun& run = runs[task / 2].wall(walls[task % 2]);
     if (!run.exists()) return;
     const bool settles = options.pipeline != Pipeline::contour && run.evolved.reason != StopReason::diverged;
-    std::optional<TriMesh> moved;
     if (settles && options.settle.rounds > 0)
-      moved = clock("settling",
-                    [&] { return settled(run.evolved.mesh, run.border.grid, result.study.gates[task / 2], options); });
+      run.settled = clock("settling", [&] {
+        return settled(run.evolved.mesh, run.border.grid, result.study.gates[task / 2], options);
+      });
     run.surface = clock("measures", [&] {
       return measure_surface(run.evolved, run.border, runs[task / 2].base_plane, options.tidy,
-                             moved ? &*moved : nullptr);
+                             run.settled ? &*run.settled : nullptr);
     });
   });
 
-  if (keep) hand_over_stages(keep, runs, result.study);
+  if (keep) hand_over_stages(keep, runs, result.study, options.evolution);
   result.notes = result.study.notes;
   for (int g = 0; g < gates; ++g) {
     GateRun& run = runs[static_cast<std::size_t>(g)];

@@ -7,10 +7,23 @@
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/field/vector_field.hpp"
 #include "dynasurf/image/edges.hpp"
+#include "dynasurf/ventricle/contour_pipeline.hpp"
 #include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
 namespace dynasurf {
+
+/// What one wall passed through, in the frame of its border's grid. What there was none of is null.
+struct WallStages {
+  const Image* border = nullptr;             // closed border volume; null where there is no border, then all else is
+  const Image* edge_map = nullptr;           // that the field of pipeline direct is made from
+  const Image* drag = nullptr;               // per voxel, where it is not the same everywhere
+  const VectorField* field = nullptr;        // null for contours
+  const TriMesh* start = nullptr;            // what was deformed; null for contours
+  const EvolutionResult* evolved = nullptr;  // as the particles came to rest, with histories
+  const TriMesh* settled = nullptr;          // moved on to the steepest slope
+  const WallContours* contours = nullptr;    // of pipeline contour: px of the image, per slice
+};
 
 /// What a run passed through, gate by gate, for saving and drawing: called once per gate if given.
 struct Intermediates {
@@ -18,12 +31,7 @@ struct Intermediates {
   const Image* image = nullptr;  // canonical, normalised
   const EdgeMap* edges = nullptr;
   const Labels* labels = nullptr;
-  const Image* border_endo = nullptr;  // closed border volumes; null where there is no border
-  const Image* border_epi = nullptr;
-  const TriMesh* start_endo = nullptr;  // what was deformed, in the frame of its border's grid; null for contours
-  const TriMesh* start_epi = nullptr;
-  const VectorField* field_endo = nullptr;
-  const VectorField* field_epi = nullptr;
+  WallStages endo, epi;
 };
 using IntermediateSink = std::function<void(const Intermediates&)>;
 

@@ -1,0 +1,71 @@
+#include "dynasurf/show/show.hpp"
+
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
+
+#include "command.hpp"
+#include "console.hpp"
+#include "option_arguments.hpp"
+#include "out_argument.hpp"
+#include "result_job.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+struct Arguments {
+  ShowRequest request;
+  std::string input, wall = "epi";
+  OutFile out;
+  OptionArguments options;
+  int threads = 0;
+  bool quiet = false;
+};
+
+ExitCode run(Arguments& a, const std::stop_token& stop) {
+  if (a.wall != "endo" && a.wall != "epi") throw OptionError("--wall " + a.wall + "; expected endo or epi");
+  const DrawingFormat format = drawing_format_of(a.out.path);
+  a.request.input = a.input;
+  a.request.wall = a.wall == "endo" ? Border::endo : Border::epi;
+  a.request.options = options_of(a.options);
+  const ThreadLimit limit(a.threads);
+  OutputFile output(a.out.path, a.out.existing());
+  run_with_progress(a.quiet, stop, [&](const Progress& progress) {
+    write_drawing(draw_picture(a.request, progress), output.path(), format);
+  });
+  output.publish();
+  if (!a.quiet) print("picture: " + a.out.path + "\n" + line_of_moved(output));
+  return done;
+}
+
+}  // namespace
+
+void add_show(CLI::App& program, Command& chosen) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* command =
+      program.add_subcommand("show", "Draw what a study, a result or a mesh passed through as PNG or SVG");
+  std::string words;
+  for (const PictureKind& kind : picture_kinds())
+    words += (words.empty() ? "" : "; ") + std::string(kind.name) + ": " + std::string(kind.says);
+  command->add_option("INPUT", a->input, "study, folder written by dynasurf ventricle, or mesh")->required();
+  command->add_option("WHAT", a->request.what, words)->required();
+  add_out_file(*command, a->out, "picture.png or picture.svg")->required();
+  command->add_option("--gate", a->request.gate, "from 1")->check(CLI::Range(1, 1000));
+  command->add_option("--wall", a->wall, "endo or epi");
+  command->add_option("--slice", a->request.slice, "from 1 at the apex; 0: through the middle of the border")
+      ->check(CLI::Range(0, 10000));
+  command->add_option("--row", a->request.row, "of the profile, from 1; 0: through the middle of the border")
+      ->check(CLI::Range(0, 10000));
+  command->add_option("--steps", a->request.steps, "of the evolution: steps,... (eight of them)")->delimiter(',');
+  add_series_argument(*command, a->request.series);
+  add_option_arguments(*command, a->options);
+  command->add_option("--threads", a->threads, "threads at most; the picture is the same (0: all)")
+      ->check(CLI::Range(0, 1024));
+  command->add_flag("--quiet", a->quiet, "print nothing");
+  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+}
+
+}  // namespace dynasurf::app

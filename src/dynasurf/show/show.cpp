@@ -1,0 +1,410 @@
+#include "dynasurf/show/show.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/dynamics/contour/potential.hpp"
+#include "dynasurf/dynamics/detail/damping.hpp"
+#include "dynasurf/dynamics/evolve.hpp"
+#include "dynasurf/field/gvf.hpp"
+#include "dynasurf/io/mesh_io.hpp"
+#include "dynasurf/io/study_io.hpp"
+#include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/mesh/smooth.hpp"
+#include "dynasurf/show/inputs.hpp"
+#include "dynasurf/show/palette.hpp"
+#include "dynasurf/show/pictures.hpp"
+#include "dynasurf/show/plane.hpp"
+#include "dynasurf/ventricle/closure.hpp"
+#include "dynasurf/ventricle/contour_pipeline.hpp"
+
+namespace dynasurf {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr Border walls[] = {Border::endo, Border::epi};
+
+Colour colour_of(Border wall) { return wall == Border::endo ? ink_of::endo : ink_of::epi; }
+std::string word_for(Border wall) { return wall == Border::endo ? "inner wall" : "outer wall"; }
+
+/// One request with what was read for it.
+class Show {
+ public:
+  Show(const ShowRequest& request, const Progress& progress) : r_(request), progress_(progress) {}
+
+  Canvas slice() const {
+    const ShownGate gate = read_gate();
+    const ShownWall& wall = wall_of(gate);
+    const VectorField field = field_of(wall, gate.options);
+    const Image image = spread_to(gate.image, wall.border.grid);
+    const Place at = place_in(gate, wall);
+    SliceView view{&image, &field, at.slice, at.row, at.slice_number, &wall.border, "", {}};
+    view.title = "Field and image, " + where(at) + ", " + word_for(r_.wall);
+    view.parameters = parameters_of(gate.options, wall);
+    return draw_slice_view(view);
+  }
+
+  Canvas field() const {
+    const ShownGate gate = read_gate();
+    const ShownWall& wall = wall_of(gate);
+    std::vector<NamedField> fields;
+    for (const int iterations : {50, 150})
+      for (const double mu : {0.15, 0.5, 2.0}) {
+        Gvf options{.mu = mu, .iterations = iterations};
+        fields.push_back({"mu " + number_text(mu) + ", " + std::to_string(iterations) + " iterations",
+                          flow_field(wall.map, options, progress_).field});
+      }
+    const Place at = place_in(gate, wall);
+    return draw_field_grid(fields, 3, at.slice, at.row,
+                           "Gradient vector flow by mu and iterations, " + where(at) + ", " + word_for(r_.wall),
+                           &wall.border);
+  }
+
+  Canvas field3d() const {
+    const ShownGate gate = read_gate();
+    const ShownWall& wall = wall_of(gate);
+    return draw_field_3d(field_of(wall, gate.options), wall.border,
+                         "Field of the " + word_for(r_.wall) + ", gate " + std::to_string(r_.gate) +
+                             ": vectors in the middle, and lines that follow it");
+  }
+
+  Canvas voxels() const {
+    const ShownGate gate = read_gate();
+    std::vector<NamedVoxels> sets;
+    for (const Border wall : walls)
+      if (gate.of(wall))
+        sets.push_back({"border of the " + word_for(wall), gate.of(wall)->border, colour_of(wall),
+                        wall == Border::endo ? 1.0 : 0.2});
+    return draw_voxels(sets, "Borders of gate " + std::to_string(r_.gate));
+  }
+
+  Canvas labels() const {
+    const ShownGate gate = read_gate();
+    std::array<Image, 3> bits{Image(gate.labels.grid), Image(gate.labels.grid), Image(gate.labels.grid)};
+    for (std::size_t n = 0; n < gate.labels.values.size(); ++n)
+      if (const auto label = static_cast<int>(gate.labels.values[n]); label >= 1 && label <= 3)
+        bits[static_cast<std::size_t>(label - 1)].values[n] = 1;
+    const NamedVoxels sets[] = {
+        {"inner", bits[0], ink_of::endo, 1}, {"outer", bits[1], ink_of::epi, 0.45}, {"both", bits[2], ink_of::pink, 1}};
+    return draw_voxels(sets, "Labelled edges of gate " + std::to_string(r_.gate));
+  }
+
+  Canvas damping() const {
+    const ShownGate gate = read_gate();
+    const ShownWall& wall = wall_of(gate);
+    const Evolution& evolution = gate.options.evolution;
+    const VectorField field = field_of(wall, gate.options);
+    std::optional<Image> map = drag_map(evolution.damping, field, wall.border, evolution.force.drag);
+    const std::string which = map ? "as the run had it" : "near the border (the run's own is the same everywhere)";
+    if (!map) map = drag_near_border(wall.border, evolution.force.drag);
+    return draw_voxel_map(*map, "Drag of each voxel, " + which, "drag, kg/s");
+  }
+
+  Canvas mesh() const {
+    if (is_mesh()) {
+      const NamedSurface surface{"surface", read_mesh(r_.input), ink_of::endo};
+      return draw_mesh({&surface, 1}, {}, r_.input.filename().string());
+    }
+    const std::vector<NamedSurface> surfaces = surfaces_of(read_beat());
+    std::vector<NamedVoxels> voxels;
+    if (has_stages()) {
+      const ShownGate gate = read_gate();
+      if (gate.of(r_.wall))
+        voxels.push_back({"border of the " + word_for(r_.wall), gate.of(r_.wall)->border, ink_of::light, 0.12});
+    }
+    return draw_mesh(surfaces, voxels, "Surfaces of gate " + std::to_string(r_.gate));
+  }
+
+  Canvas section() const {
+    const std::vector<NamedSurface> surfaces = surfaces_of(read_beat());
+    return draw_sections_of(read_gate().image, surfaces, "Surfaces cut by the slices, gate " + std::to_string(r_.gate));
+  }
+
+  Canvas cycle() const {
+    const ShownBeat beat = read_beat();
+    std::vector<std::vector<NamedSurface>> rows(2);
+    for (std::size_t row = 0; row < 2; ++row) {
+      const std::size_t w = 1 - row;  // the outer wall above
+      for (std::size_t g = 0; g < beat.surfaces[w].size(); ++g)
+        if (beat.surfaces[w][g])
+          rows[row].push_back(
+              {"gate " + std::to_string(g + 1) + ", " + number_text(std::round(10 * beat.volume_ml[w][g]) / 10) + " mL",
+               *beat.surfaces[w][g], colour_of(walls[w])});
+    }
+    return draw_cycle(rows, "Outer and inner wall over the beat, at one scale");
+  }
+
+  Canvas curve() const {
+    const ShownBeat beat = read_beat();
+    std::vector<double> time = beat.time_ms;
+    const bool timed = !time.empty();
+    for (std::size_t g = 0; !timed && g < beat.volume_ml[0].size(); ++g) time.push_back(static_cast<double>(g + 1));
+    std::vector<NamedCurve> curves;
+    for (const std::size_t w : {1u, 0u}) {
+      NamedCurve curve{word_for(walls[w]), beat.volume_ml[w], beat.half_width_ml[w], colour_of(walls[w])};
+      if (std::any_of(curve.half_width.begin(), curve.half_width.end(), [](double v) { return !std::isfinite(v); }))
+        curve.half_width.clear();
+      curves.push_back(std::move(curve));
+    }
+    const bool banded = !curves[0].half_width.empty();
+    return draw_curves(time, timed ? "ms after the R wave" : "gate", curves,
+                       std::string("Volumes over the beat") + (banded ? ", with their 90 % intervals" : ""));
+  }
+
+  Canvas evolution() const {
+    const ShownGate gate = read_gate();
+    const ShownWall& wall = wall_of(gate);
+    VentricleOptions options = gate.options;
+    options.evolution.smooth_after.sweeps = 0;  // who has stopped lies where it is found at the end
+    const Run run = run_again(wall, options, {});
+    std::vector<int> steps = r_.steps;
+    if (steps.empty())
+      for (int n = 0; n < 8; ++n) steps.push_back(static_cast<int>(std::lround(run.result.steps * n * n / 49.0)));
+    for (const int step : steps)
+      if (step < 0 || step > run.result.steps)
+        throw OptionError("--steps " + std::to_string(step) + "; the run has " + std::to_string(run.result.steps));
+    std::vector<EvolutionFrame> frames = run_again(wall, options, steps).frames;
+    const std::vector<Vec3>& last = run.result.mesh.vertices;
+    for (EvolutionFrame& frame : frames)
+      for (std::size_t v = 0; v < frame.stopped.size(); ++v)
+        frame.stopped[v] = run.result.stopped[v] != 0 && (frame.mesh.vertices[v] - last[v]).norm() < 1e-9;
+    return draw_evolution(frames, wall.border,
+                          "The surface on its way, " + word_for(r_.wall) + ", gate " + std::to_string(r_.gate) + ": " +
+                              std::string(name_of(run.result.reason)) + " after " + std::to_string(run.result.steps) +
+                              " steps");
+  }
+
+  Canvas scatter() const {
+    const ShownGate gate = read_gate();
+    const ShownWall& wall = wall_of(gate);
+    return draw_scatter(signed_distances_to_border_voxels(wall.evolved, wall.border),
+                        "Particles at the end, " + word_for(r_.wall) + ", gate " + std::to_string(r_.gate));
+  }
+
+  Canvas histogram() const {
+    const ShownGate gate = read_gate();
+    const ShownWall& wall = wall_of(gate);
+    return draw_history(wall.histories,
+                        "Particles by their distance, " + word_for(r_.wall) + ", gate " + std::to_string(r_.gate));
+  }
+
+  Canvas areas() const { return draw_areas(one_surface(), "Triangles by area and shape"); }
+
+  Canvas smooth() const {
+    const TriMesh before = one_surface();
+    TriMesh after = before;
+    dynasurf::smooth(after, Smoothing{.sweeps = 20}, 2 * triangle_quality(before).d_mean);
+    return draw_smoothing(before, after, "Smoothing, 20 sweeps: angles about a vertex against a full turn");
+  }
+
+  Canvas contour() const {
+    if (is_result() || is_mesh()) throw InputError(r_.input.string() + ": contours are drawn from a study");
+    const Study study = read_study(r_.input, r_.series);
+    check_gate(study);
+    const BorderResult borders = find_borders(study, r_.options, progress_);
+    const Image& image = borders.study.gates[static_cast<std::size_t>(r_.gate - 1)];
+    const GateBorders& gate = borders.gates[static_cast<std::size_t>(r_.gate - 1)];
+    const WallContours outer = propagate_contours(image, gate.labels, Border::epi, gate.base_slice, r_.options.contour);
+    const WallContours inner =
+        propagate_contours(image, gate.labels, Border::endo, gate.base_slice, r_.options.contour, &outer);
+    const WallContours& asked = r_.wall == Border::epi ? outer : inner;
+    const int k = r_.slice > 0 ? r_.slice - 1 : asked.best_slice;
+    if (k < 0 || k >= image.grid.dims[2]) throw OptionError("--slice: no contour there");
+    ContourView view;
+    view.image = &image;
+    view.slice = k;
+    view.start = circle_contour(Vec2(gate.labels.axis.x_at(k), gate.labels.axis.y_at(k)), gate.labels.circle.radius_px,
+                                r_.options.contour.model.edge_px);
+    if (const auto& found = asked.slices[static_cast<std::size_t>(k)]) view.found = *found;
+    const VectorField pull = scaled_to_one(
+        force_of(image_potential(plane_of(image, k), {PotentialSource::gradient, r_.options.contour.sigma_px})));
+    view.field = &pull;
+    view.stacks = {{ink_of::epi, outer.slices}, {ink_of::endo, inner.slices}};
+    view.title = "Discrete contour, slice " + std::to_string(k + 1) + ", " + word_for(r_.wall) + ", gate " +
+                 std::to_string(r_.gate);
+    return draw_contours(view);
+  }
+
+ private:
+  struct Place {
+    int slice = 0, row = 0;  // of the border's grid, which has room around the image
+    int slice_number = 1, row_number = 1;
+  };
+  struct Run {
+    EvolutionResult result;
+    std::vector<EvolutionFrame> frames;
+  };
+
+  bool is_mesh() const {
+    const std::string ending = r_.input.extension().string();
+    return ending == ".ply" || ending == ".stl" || ending == ".obj" || ending == ".off";
+  }
+  bool is_result() const { return fs::is_directory(r_.input) && fs::exists(r_.input / "results.json"); }
+  bool has_stages() const { return !is_result() || fs::exists(r_.input / "stages"); }
+
+  void check_gate(const Study& study) const {
+    if (r_.gate < 1 || static_cast<std::size_t>(r_.gate) > study.gates.size())
+      throw OptionError("--gate " + std::to_string(r_.gate) + "; expected 1 to " + std::to_string(study.gates.size()));
+  }
+
+  ShownGate read_gate() const {
+    if (is_mesh()) throw InputError(r_.input.string() + ": a mesh; expected a study or a result of dynasurf ventricle");
+    if (is_result()) return gate_of_result(r_.input, r_.gate);
+    return gate_of_study(read_study(r_.input, r_.series), r_.options, r_.gate, progress_);
+  }
+
+  ShownBeat read_beat() const {
+    if (is_mesh()) throw InputError(r_.input.string() + ": a mesh; expected a study or a result of dynasurf ventricle");
+    if (is_result()) return beat_of_result(r_.input);
+    return beat_of_study(read_study(r_.input, r_.series), r_.options, progress_);
+  }
+
+  /// Of the gate, the inner one first.
+  std::vector<NamedSurface> surfaces_of(const ShownBeat& beat) const {
+    const std::size_t gates = beat.surfaces[0].size();
+    if (r_.gate < 1 || static_cast<std::size_t>(r_.gate) > gates)
+      throw OptionError("--gate " + std::to_string(r_.gate) + "; expected 1 to " + std::to_string(gates));
+    std::vector<NamedSurface> found;
+    for (std::size_t w = 0; w < 2; ++w)
+      if (const auto& surface = beat.surfaces[w][static_cast<std::size_t>(r_.gate - 1)])
+        found.push_back({word_for(walls[w]), *surface, colour_of(walls[w])});
+    if (found.empty()) throw InputError(r_.input.string() + ": gate " + std::to_string(r_.gate) + " has no surface");
+    return found;
+  }
+
+  TriMesh one_surface() const {
+    if (is_mesh()) return read_mesh(r_.input);
+    for (NamedSurface& surface : surfaces_of(read_beat()))
+      if (surface.name == word_for(r_.wall)) return std::move(surface.mesh);
+    throw InputError(r_.input.string() + ": no surface of the " + word_for(r_.wall));
+  }
+
+  const ShownWall& wall_of(const ShownGate& gate) const {
+    const auto& wall = gate.of(r_.wall);
+    if (!wall) throw InputError(r_.input.string() + ": the " + word_for(r_.wall) + " has no border");
+    return *wall;
+  }
+
+  VectorField field_of(const ShownWall& wall, const VentricleOptions& options) const {
+    return flow_field(wall.map, options.field, progress_).field;
+  }
+
+  std::string where(const Place& at) const {
+    return "gate " + std::to_string(r_.gate) + ", slice " + std::to_string(at.slice_number) + ", row " +
+           std::to_string(at.row_number);
+  }
+
+  /// The slice and the row that were asked for, or those through the middle of the border's voxels.
+  Place place_in(const ShownGate& gate, const ShownWall& wall) const {
+    const Grid& g = wall.border.grid;
+    const Index3 shift = voxel_of(g, to_grid(g, gate.image.grid.origin));
+    Vec3 sum = Vec3::Zero();
+    double count = 0;
+    for (int k = 0; k < g.dims[2]; ++k)
+      for (int j = 0; j < g.dims[1]; ++j)
+        for (int i = 0; i < g.dims[0]; ++i)
+          if (wall.border(i, j, k) > 0) sum += Vec3(i, j, k), ++count;
+    Place at;
+    at.slice_number = r_.slice > 0 ? r_.slice : static_cast<int>(std::lround(sum[2] / count)) - shift[2] + 1;
+    at.row_number = r_.row > 0 ? r_.row : static_cast<int>(std::lround(sum[1] / count)) - shift[1] + 1;
+    const auto check = [](const char* name, int value, int most) {
+      if (value < 1 || value > most)
+        throw OptionError(std::string(name) + " " + std::to_string(value) + "; expected 1 to " + std::to_string(most));
+    };
+    check("--slice", at.slice_number, gate.image.grid.dims[2]);
+    check("--row", at.row_number, gate.image.grid.dims[1]);
+    at.slice = at.slice_number - 1 + shift[2];
+    at.row = at.row_number - 1 + shift[1];
+    if (!g.contains(0, at.row, at.slice))
+      throw InputError(r_.input.string() + ": the border's grid does not hold slice " +
+                       std::to_string(at.slice_number));
+    return at;
+  }
+
+  std::vector<std::pair<std::string, std::string>> parameters_of(const VentricleOptions& options,
+                                                                 const ShownWall& wall) const {
+    const Grid& g = wall.border.grid;
+    std::vector<std::pair<std::string, std::string>> rows{
+        {"field", std::string(std::visit([](const auto& o) { return o.name; }, options.field))},
+        {"grid", std::to_string(g.dims[0]) + " x " + std::to_string(g.dims[1]) + " x " + std::to_string(g.dims[2])},
+        {"voxel",
+         number_text(g.spacing[0]) + " x " + number_text(g.spacing[1]) + " x " + number_text(g.spacing[2]) + " mm"}};
+    if (const Gvf* gvf = std::get_if<Gvf>(&options.field)) {
+      rows.insert(rows.begin() + 1, {"mu", number_text(gvf->mu)});
+      rows.insert(rows.begin() + 2, {"iterations", std::to_string(gvf->iterations)});
+      rows.insert(rows.begin() + 3, {"step", "dx dy dz / (" + number_text(gvf->step_divisor) + " mu)"});
+    }
+    return rows;
+  }
+
+  /// The motion once more, with the mesh after each of the steps. Where the border runs inside its voxels is not kept:
+  /// particles that would meet it there (stop.point subvoxel) stop at the centres.
+  Run run_again(const ShownWall& wall, const VentricleOptions& options, std::span<const int> steps) const {
+    if (wall.start.vertices.empty())
+      throw InputError(r_.input.string() +
+                       ": no mesh was deformed (pipeline contour); expected pipeline surface or direct");
+    Evolution evolution = options.evolution;
+    Run run;
+    const auto keep = [&](int step, const TriMesh& mesh) {
+      if (std::find(steps.begin(), steps.end(), step) != steps.end())
+        run.frames.push_back({step, mesh, std::vector<bool>(mesh.vertices.size())});
+    };
+    keep(0, wall.start);
+    Additions own;
+    own.watch = keep;
+    run.result = evolve(wall.start, field_of(wall, options), wall.border, evolution, progress_, nullptr, own);
+    return run;
+  }
+
+  const ShowRequest& r_;
+  const Progress& progress_;
+};
+
+struct Entry {
+  PictureKind kind;
+  Canvas (Show::*draw)() const;
+};
+
+constexpr std::array<Entry, 16> entries{{
+    {{"slice", "vectors and image of a slice, with a profile along a row"}, &Show::slice},
+    {{"field", "the field under six choices of mu and iterations"}, &Show::field},
+    {{"field3d", "the field in space"}, &Show::field3d},
+    {{"voxels", "the border voxels in space"}, &Show::voxels},
+    {{"labels", "the labelled edges in space"}, &Show::labels},
+    {{"damping", "the drag of each voxel"}, &Show::damping},
+    {{"mesh", "surfaces shaded, as wires, and over their border voxels"}, &Show::mesh},
+    {{"section", "surfaces cut by the slices"}, &Show::section},
+    {{"evolution", "the mesh at several steps, stopped particles red"}, &Show::evolution},
+    {{"scatter", "the signed distance of every particle"}, &Show::scatter},
+    {{"histogram", "particles by their distance, step after step"}, &Show::histogram},
+    {{"areas", "triangles by area and shape"}, &Show::areas},
+    {{"cycle", "the surfaces of all gates"}, &Show::cycle},
+    {{"curve", "volumes over the beat"}, &Show::curve},
+    {{"contour", "a discrete contour, its pull, and the stack of contours"}, &Show::contour},
+    {{"smooth", "a surface before and after smoothing"}, &Show::smooth},
+}};
+
+}  // namespace
+
+std::span<const PictureKind> picture_kinds() {
+  static const std::array<PictureKind, entries.size()> kinds = [] {
+    std::array<PictureKind, entries.size()> all{};
+    for (std::size_t n = 0; n < all.size(); ++n) all[n] = entries[n].kind;
+    return all;
+  }();
+  return kinds;
+}
+
+Canvas draw_picture(const ShowRequest& request, const Progress& progress) {
+  for (const Entry& entry : entries)
+    if (entry.kind.name == request.what) return (Show(request, progress).*entry.draw)();
+  std::string names;
+  for (const Entry& entry : entries) names += (names.empty() ? "" : ", ") + std::string(entry.kind.name);
+  throw OptionError("WHAT " + request.what + "; expected one of " + names);
+}
+
+}  // namespace dynasurf

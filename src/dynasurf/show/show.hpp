@@ -1,0 +1,37 @@
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "dynasurf/core/progress.hpp"
+#include "dynasurf/show/canvas.hpp"
+#include "dynasurf/ventricle/options.hpp"
+
+namespace dynasurf {
+
+/// What is to be drawn, and from what.
+struct ShowRequest {
+  std::filesystem::path input;  // a study, a folder of dynasurf ventricle, or a mesh
+  std::string what;             // a name of `pictures`
+  std::string series;           // of a DICOM folder
+  int gate = 1;                 // from 1
+  Border wall = Border::epi;
+  int slice = 0, row = 0;    // from 1; 0: through the middle of the wall
+  std::vector<int> steps;    // of the evolution; empty: eight, evenly spread
+  VentricleOptions options;  // for a study
+};
+
+/// A picture that can be asked for by name.
+struct PictureKind {
+  std::string_view name, says;
+};
+std::span<const PictureKind> picture_kinds();
+
+/// Throws OptionError for a name that is none, InputError where the input does not hold what the picture needs.
+Canvas draw_picture(const ShowRequest& request, const Progress& progress = {});
+
+}  // namespace dynasurf
