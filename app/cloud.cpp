@@ -88,7 +88,8 @@ void add_cloud(CLI::App& program, Command& chosen) {
       program.add_subcommand("cloud", "Light closed meshes at several levels of detail from scanned points");
   command
       ->add_option("CLOUD", a->clouds,
-                   "PLY, XYZ, PTS, CSV, PWN, OBJ, OFF, LAS file of points, or a surface as STL, PLY, OBJ, OFF; several "
+                   "PLY, XYZ, PTS, CSV, PWN, OBJ, OFF, LAS, PCD, PTX file of points, or a surface as STL, PLY, OBJ, "
+                   "OFF; several "
                    "files are one cloud")
       ->required();
   add_result_arguments(*command, a->result, "ply");

@@ -75,8 +75,12 @@ TEST(Support, AHalfScannedBodyIsMadeUpAndTold) {
   const CloudLevel& level = result.levels[0];
   for (std::size_t v = 0; v < level.mesh.vertices.size(); ++v) {
     const double z = level.mesh.vertices[v].z();
-    if (z > 0.05) EXPECT_EQ(level.confidence[v], 1) << z;
-    if (z < -0.3) EXPECT_LT(level.confidence[v], 0.5) << z;
+    if (z > 0.05) {
+      EXPECT_EQ(level.confidence[v], 1) << z;
+    }
+    if (z < -0.3) {
+      EXPECT_LT(level.confidence[v], 0.5) << z;
+    }
   }
 }
 
@@ -127,6 +131,15 @@ TEST(Outliers, StrayPointsTurnNothingInsideOut) {
     EXPECT_EQ(c.components, 1) << static_cast<int>(shape);
     EXPECT_EQ(c.genus, genus_of(shape)) << static_cast<int>(shape);
   }
+}
+
+TEST(Orientation, GivenDirectionsThatPointInwardsAreTurned) {
+  PointCloud cloud = make_cloud({.shape = CloudShape::blobs, .points = 20000, .normals = true});
+  const double volume = reconstructed(cloud).levels[0].certificate.volume;
+  for (Vec3& n : cloud.normals) n = -n;
+  const CloudResult result = reconstructed(cloud);
+  EXPECT_TRUE(result.levels[0].certificate.watertight());
+  EXPECT_NEAR(result.levels[0].certificate.volume / volume, 1, 1e-6);
 }
 
 // 400 times fewer points on one half than on the other, where nothing is an outlier.

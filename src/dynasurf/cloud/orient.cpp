@@ -291,6 +291,16 @@ void turn_outwards(OrientedPoints& o, const std::vector<std::uint8_t>& known) {
   }
 }
 
+/// Directions that came with the cloud and point into what they enclose are all turned: some programs write them so.
+void turn_given(OrientedPoints& o, const std::vector<std::uint8_t>& known) {
+  constexpr double clear = 0.1;
+  if (std::find(known.begin(), known.end(), 1) == known.end()) return;
+  std::vector<std::uint32_t> all(o.points.size());
+  std::iota(all.begin(), all.end(), 0u);
+  if (enclosing_share(o, all) > -clear) return;
+  for (Vec3& n : o.normals) n = -n;
+}
+
 }  // namespace
 
 PointCloud voxel_downsample(const PointCloud& cloud, double cell) {
@@ -377,6 +387,7 @@ OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t rin
   });
   turn_together(o, around, known);
   turn_outwards(o, known);
+  turn_given(o, known);
   return o;
 }
 

@@ -115,7 +115,7 @@ function worstPlaces(level: Level, results: CloudResults): WorstPlace[] {
   const share = (distance: number) => percent((100 * distance) / diagonal);
   const all = Array.from(level.confidence, (confidence, vertex): WorstPlace => {
     const error = level.errors[vertex]!;
-    if (confidence < 1) return { vertex, badness: 1 / confidence, text: `made up: ${Number((1 / confidence).toPrecision(2))} times as far from the points as they support` };
+    if (confidence < 1) return { vertex, badness: 1 / confidence, text: `made up, ${share(within / confidence)} of the diagonal from the points` };
     return { vertex, badness: error / within, text: `the points lie ${share(error)} of the diagonal off` };
   }).sort((a, b) => b.badness - a.badness);
   const found: WorstPlace[] = [];

@@ -187,7 +187,7 @@ export class Tiles {
     const root = this.roots[0]!;
     const target = place.clone().applyEuler(root.rotation), from = outwards.clone().applyEuler(root.rotation).normalize();
     this.controls.target.copy(target);
-    this.camera.position.copy(target).addScaledVector(from, 1.5 * this.radius);
+    this.camera.position.copy(target).addScaledVector(from, 2.6 * this.radius);
     this.controls.update();
     this.render();
   }
