@@ -20,7 +20,7 @@ struct Arguments {
   std::string triangles, max_error, genus, start;
   bool keep_sharp = false;
   std::vector<std::string> settings;
-  bool textures = false;
+  bool textures = false, strict = false;
 };
 
 /// "0.1%" or "0.1": percent of the diagonal either way.
@@ -76,7 +76,8 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   run_with_progress(arguments.result.quiet, stop,
                     [&](const Progress& progress) { outcome = reconstruct_cloud_to_folder(job, progress); });
   print_result(arguments.result, outcome.json, summary_of(outcome.run), outcome.moved_to);
-  return is_trustworthy(outcome.run.result) ? done : not_trustworthy;
+  const CloudVerdict verdict = verdict_of(outcome.run.result);
+  return verdict == CloudVerdict::fail || (arguments.strict && verdict != CloudVerdict::ok) ? not_trustworthy : done;
 }
 
 }  // namespace
@@ -87,7 +88,8 @@ void add_cloud(CLI::App& program, Command& chosen) {
       program.add_subcommand("cloud", "Light closed meshes at several levels of detail from scanned points");
   command
       ->add_option("CLOUD", a->clouds,
-                   "PLY, XYZ, PTS, CSV, PWN, OBJ, OFF, LAS file of points, or a surface as STL, PLY, OBJ, OFF; several "
+                   "PLY, XYZ, PTS, CSV, PWN, OBJ, OFF, LAS, PCD, PTX file of points, or a surface as STL, PLY, OBJ, "
+                   "OFF; several "
                    "files are one cloud")
       ->required();
   add_result_arguments(*command, a->result, "ply");
@@ -103,6 +105,7 @@ void add_cloud(CLI::App& program, Command& chosen) {
   command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options cloud)")
       ->take_all()
       ->allow_extra_args(false);
+  command->add_flag("--strict", a->strict, "end with exit code 3 for the verdict check too, not for fail alone");
   command->add_flag(
       "--textures", a->textures,
       "write textured.glb too: all levels with normal maps, and colour maps where the points have colours");

@@ -92,10 +92,11 @@ std::string summary_of(const CloudRun& run) {
     if (c.flat_triangles > 0) text += " " + std::to_string(c.flat_triangles) + " flat triangles;";
     text.back() = '\n';
   }
+  text += "verdict: " + std::string(word_of(verdict_of(result))) + "\n";
   std::size_t remarks = 0;
   for (const Note& note : result.notes) {
     if (note.severity == Severity::info) ++remarks;
-    if (note.severity != Severity::info) text += line_of(note) + "\n";
+    if (note.severity != Severity::info) text += "  " + line_of(note) + "\n";
   }
   if (remarks > 0) text += std::to_string(remarks) + " remarks in results.json and report.html\n";
   return text;

@@ -37,7 +37,7 @@ struct Arguments {
   Camera camera;
   LodRule rule;
   int steps = 3, instances = 200;
-  bool json = false, with_names = false;
+  bool json = false, quiet = false, with_names = false;
 };
 
 struct Level {
@@ -213,7 +213,10 @@ ExitCode run(Arguments arguments, std::stop_token stop) {
     folder.publish();
     written = "written: " + arguments.out.path + "\n" + line_of_moved(folder);
   }
-  print(arguments.json ? json : summary_of(levels, plan) + written);
+  if (arguments.json)
+    print(json);
+  else if (!arguments.quiet)
+    print(summary_of(levels, plan) + written);
   return done;
 }
 
@@ -236,6 +239,7 @@ void add_lod(CLI::App& program, Command& chosen) {
   command->add_flag("--with-names,--with-phi", a->with_names,
                     "record the names of mesh files, which may name a person, instead of level1, level2, ...");
   command->add_flag("--json", a->json, "print lod.json instead of the table");
+  command->add_flag("--quiet", a->quiet, "print nothing but --json and errors");
   command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
 }
 

@@ -83,6 +83,32 @@ class Cloud(CliTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(self.read_json(out / "options.json")["start"], "hull")
 
+    def test_judges_what_the_points_say(self):
+        whole = self.read_json(small_result() / "results.json")
+        self.assertEqual((whole["verdict"], whole["support"]["made_up_percent"]), ("ok", 0))
+        data = small_scan().read_bytes().split(b"end_header\n")[1]
+        points = [struct.unpack_from("<3d", data, 24 * n) for n in range(4000)]
+        half = self.folder / "half.xyz"
+        half.write_text("".join(f"{x} {y} {z}\n" for x, y, z in points if x > 0))
+        done = run("cloud", half, "--out", self.folder / "r", "--triangles", "640")
+        self.assertEqual(done.returncode, 0)
+        self.assertIn("verdict: check", done.stdout)
+        self.assertIn("[cloud.holes]", done.stdout)
+        results = self.read_json(self.folder / "r" / "results.json")
+        self.assertEqual(results["verdict"], "check")
+        self.assertTrue(results["watertight"])
+        self.assertGreater(results["support"]["made_up_percent"], 30)
+        self.assertIn("property float confidence", ply_header(self.folder / "r" / "meshes" / "level1.ply"))
+        self.assertIn("_CONFIDENCE", glb_json(self.folder / "r" / "levels.glb")["meshes"][0]["primitives"][0]["attributes"])
+        strict = run("cloud", half, "--out", self.folder / "s", "--triangles", "640", "--strict")
+        self.assertEqual(strict.returncode, 3)
+        self.assertTrue((self.folder / "s" / "results.json").exists())
+
+    def test_lod_can_be_quiet(self):
+        done = run("lod", small_result(), "--quiet")
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+        self.assertEqual(json.loads(run("lod", small_result(), "--quiet", "--json").stdout)["schema"], "dynasurf.lod/1")
+
     def test_quiet_leaves_the_terminal_alone(self):
         out = self.folder / "r"
         done = run("cloud", small_scan(), "--out", out, "--triangles", "160", "--quiet")

@@ -85,12 +85,50 @@ std::string las(bool extended) {
   return out;
 }
 
+/// A PCD file of records, or of columns in LZF, here all literals but for one copy.
+std::string pcd(bool compressed) {
+  std::string out =
+      "FIELDS x rgb y z normal_x normal_y normal_z\nSIZE 8 4 8 8 4 4 4\nTYPE F F F F F F F\nCOUNT 1 1 1 1 1 1 1\n"
+      "WIDTH 2\nHEIGHT 2\nPOINTS 4\nDATA " +
+      std::string(compressed ? "binary_compressed\n" : "binary\n");
+  const auto field = [](std::size_t f, std::size_t n) {
+    std::string bytes;
+    const auto& c = four_colours[n];
+    if (f == 1)
+      append(bytes, static_cast<std::uint32_t>(c[0] << 16 | c[1] << 8 | c[2]));
+    else if (f < 4)
+      append(bytes, four_points[n][f == 0 ? 0 : static_cast<Eigen::Index>(f) - 1]);
+    else
+      append(bytes, static_cast<float>(four_normals[n][static_cast<Eigen::Index>(f) - 4]));
+    return bytes;
+  };
+  std::string values;
+  for (std::size_t a = 0; a < (compressed ? 7u : 4u); ++a)
+    for (std::size_t b = 0; b < (compressed ? 4u : 7u); ++b) values += compressed ? field(a, b) : field(b, a);
+  if (!compressed) return out + values;
+  // The first eight bytes are 0: one as a literal, seven copied from one before.
+  std::string packed{'\0', '\0', static_cast<char>(5 << 5), '\0'};
+  for (std::size_t at = 8; at < values.size(); at += 32) {
+    const std::string run = values.substr(at, 32);
+    packed += static_cast<char>(run.size() - 1) + run;
+  }
+  append(out, static_cast<std::uint32_t>(packed.size()));
+  append(out, static_cast<std::uint32_t>(values.size()));
+  return out + packed;
+}
+
 struct Dialect {
   const char* name;
   const char* file;
   std::string bytes;
   bool normals, colours;
   bool has_counts;  // a shorter file cannot pass for a whole one
+
+  bool is_rows() const {
+    const std::string_view ending = std::string_view(file).substr(1);
+    return ending == ".xyz" || ending == ".txt" || ending == ".asc" || ending == ".pts" || ending == ".pwn" ||
+           ending == ".csv";
+  }
 };
 
 std::vector<Dialect> dialects() {
@@ -128,6 +166,13 @@ std::vector<Dialect> dialects() {
        "CNOFF\n4 0 0\n0 0 0 0 0 1 255 0 0\n2 0.5 0 0 1 0 0 1.0 0\n-2 2 1e-3 -1 0 0 0 0 255 9\n"
        "0 2 4 0.6 0 0.8 10 20 30\n",
        true, true, true},
+      {"ascii PCD", "a.pcd",
+       "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z normal_x normal_y normal_z rgb\nSIZE 8 8 8 4 4 4 4\n"
+       "TYPE F F F F F F U\nCOUNT 1 1 1 1 1 1 1\nWIDTH 4\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4\nDATA ascii\n"
+       "0 0 0 0 0 1 16711680\n2 0.5 0 0 1 0 65280\n-2 2 1e-3 -1 0 0 255\n0 2 4 0.6 0 0.8 660510\n",
+       true, true, true},
+      {"binary PCD", "a.pcd", pcd(false), true, true, true},
+      {"compressed PCD", "a.pcd", pcd(true), true, true, true},
       {"LAS 1.2", "a.las", las(false), false, true, true},
       {"LAS 1.4", "a.las", las(true), false, true, true},
   };
@@ -152,6 +197,12 @@ class ReadCloud : public testing::Test {
     CloudSource source;
     Notes notes;
     return io_detail::decode_cloud({name, bytes}, source, notes);
+  }
+  static bool tells_of_no_end(const std::string& name, std::string_view bytes) {
+    CloudSource source;
+    Notes notes;
+    io_detail::decode_cloud({name, bytes}, source, notes);
+    return std::any_of(notes.begin(), notes.end(), [](const Note& n) { return n.code == "read.no_end"; });
   }
   static std::vector<std::string> codes(const CloudInput& input) {
     std::vector<std::string> codes;
@@ -194,7 +245,13 @@ TEST_F(ReadCloud, RefusesAFileCutAnywhere) {
     for (std::size_t size = 0; size < d.bytes.size(); ++size) {
       // Rows without a count that are cut at the end of a row are a smaller cloud, and nobody can tell.
       if (!d.has_counts && size > 0 && d.bytes[size - 1] == '\n') continue;
-      const std::string reason = refusal(d.file, std::string_view(d.bytes).substr(0, size));
+      const std::string_view cut = std::string_view(d.bytes).substr(0, size);
+      const std::string reason = refusal(d.file, cut);
+      // Many programs end rows with no line break after the last one: a row with all its columns is taken, and told.
+      if (reason.empty() && d.is_rows()) {
+        EXPECT_TRUE(tells_of_no_end(d.file, cut)) << d.name << " cut to " << size << " bytes";
+        continue;
+      }
       EXPECT_THAT(reason, HasSubstr(d.file)) << d.name << " cut to " << size << " bytes";
       EXPECT_EQ(reason.find('\n'), std::string::npos);
     }
@@ -233,7 +290,51 @@ TEST_F(ReadCloud, TellsNormalsFromColoursByTheirValues) {
   EXPECT_THAT(refusal("a.xyz", "1 2 3\n4 5 six\n"), HasSubstr("line 2: 'six' stands for a value"));
   EXPECT_THAT(refusal("a.csv", "x,y,height\n1,2,3\n"), HasSubstr("names no columns x, y and z"));
   EXPECT_THAT(refusal("a.csv", "x,y,z,x\n1,2,3,4\n"), HasSubstr("twice"));
-  EXPECT_THAT(refusal("a.csv", "1,5;2,5;3,5\n"), HasSubstr("'1,5' stands for a value")) << "decimal commas";
+}
+
+TEST_F(ReadCloud, ReadsTablesAsSpreadsheetsWriteThem) {
+  const CloudInput input =
+      read("a.csv", "\xEF\xBB\xBFX;Y;Z;Red;Green;Blue\r\n1,5;-2,25;3;0,5;0;1\r\n4;5,125;6;1;1;0,25");
+  EXPECT_EQ(input.cloud.points, (std::vector<Vec3>{{1.5, -2.25, 3}, {4, 5.125, 6}}));
+  EXPECT_EQ(input.cloud.colours, (Colours{{128, 0, 255}, {255, 255, 64}}));
+  EXPECT_THAT(codes(input), ElementsAre("read.no_end", "read.no_count"));
+  EXPECT_EQ(read("a.csv", "1,5;2,5;3,5\n").cloud.points, (std::vector<Vec3>{{1.5, 2.5, 3.5}}));
+  EXPECT_THAT(refusal("a.csv", "1,5,0;2;3\n"), HasSubstr("'1,5,0' stands for a value"));
+  EXPECT_THAT(refusal("a.csv", "1.5;2,5;3,5,\n"), HasSubstr("'3,5,' stands for a value"));
+}
+
+TEST_F(ReadCloud, ReadsColoursFromZeroToOne) {
+  const CloudInput input = read("a.xyz", "0 0 0 0.5 0.5 0.5\n1 0 0 1 0 0.25\n0 1 0 0 0 0\n");
+  EXPECT_EQ(input.cloud.colours, (Colours{{128, 128, 128}, {255, 0, 64}, {0, 0, 0}}));
+}
+
+TEST_F(ReadCloud, BringsTheScansOfAPtxFileToOneFrame) {
+  const std::string still = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n", unit = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+  // A quarter turn about z, then a step along x.
+  const std::string turned = "0 1 0 0\n-1 0 0 0\n0 0 1 0\n10 0 0 1\n";
+  const std::string file = "2\n1\n" + still + unit + "1 2 3 0.5 255 0 0\n0 0 0 0.5 0 0 0\n" + "1\n2\n" + still +
+                           turned + "1 0 0 0.5 0 255 0\n0 2 0 0.1 10 20 30\n";
+  const CloudInput input = read("a.ptx", file);
+  EXPECT_EQ(input.cloud.points, (std::vector<Vec3>{{1, 2, 3}, {10, 1, 0}, {8, 0, 0}}));
+  EXPECT_EQ(input.cloud.colours, (Colours{{255, 0, 0}, {0, 255, 0}, {10, 20, 30}}));
+  EXPECT_EQ(input.cloud.scans, (std::vector<std::uint32_t>{0, 1, 1}));
+  EXPECT_THAT(codes(input), ElementsAre("read.left_out", "read.scans"));
+  EXPECT_THAT(refusal("a.ptx", file + "3\n1\n"), HasSubstr("the file ends before"));
+}
+
+TEST_F(ReadCloud, RefusesPcdFilesThatLie) {
+  const std::string head = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ";
+  EXPECT_EQ(decode("a.pcd", head + "ascii\n0 0 1\n1 2 3\n").points, (std::vector<Vec3>{{0, 0, 1}, {1, 2, 3}}));
+  EXPECT_THAT(refusal("a.pcd", head + "ascii\n0 0 1\n"), HasSubstr("2 points are declared"));
+  EXPECT_THAT(refusal("a.pcd", head + "ascii\n0 0 1\n1 2\n"), HasSubstr("a row of 2 values; expected 3"));
+  EXPECT_THAT(refusal("a.pcd", head + "binary\n0123"), HasSubstr("2 points are declared; the file has 4 bytes"));
+  EXPECT_THAT(refusal("a.pcd", head + "packed\n0 0 1\n1 2 3\n....................."), HasSubstr("DATA is 'packed'"));
+  std::string compressed = head + "binary_compressed\n";
+  append(compressed, std::uint32_t{3});
+  append(compressed, std::uint32_t{24});
+  EXPECT_THAT(refusal("a.pcd", compressed + "\xE0\xFF\xFF"), HasSubstr("the compressed points are broken"));
+  EXPECT_THAT(refusal("a.pcd", "FIELDS a b c\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 0\nDATA ascii\n"),
+              HasSubstr("names no x, y and z"));
 }
 
 TEST_F(ReadCloud, KeepsPlacesWhereTheScannerSawNothing) {

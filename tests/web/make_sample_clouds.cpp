@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/cloud/detail/transfer.hpp"
+#include "dynasurf/cloud/support.hpp"
 #include "dynasurf/mesh/sample_surface.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/report/cloud_report.hpp"
@@ -25,11 +26,13 @@ TriMesh egg(int level) {
   return mesh;
 }
 
-CloudRun run_of(std::initializer_list<int> levels, bool colours) {
+/// With `half` the side of small x is not scanned.
+CloudRun run_of(std::initializer_list<int> levels, bool colours, bool half = false) {
   CloudRun run;
   const TriMesh fine = egg(5);
   PointCloud& cloud = run.result.used;
   for (const SurfaceSample& p : sample_surface(fine, 6000)) {
+    if (half && position_of(fine, p)[0] < 10) continue;
     cloud.points.push_back(position_of(fine, p));
     if (colours) cloud.colours.push_back({static_cast<std::uint8_t>(cloud.points.back()[0] > 10 ? 220 : 40), 80, 60});
   }
@@ -50,9 +53,14 @@ CloudRun run_of(std::initializer_list<int> levels, bool colours) {
     Comparison comparison = compare(level.mesh, neighbours);
     level.certificate = comparison.certificate;
     level.errors = std::move(comparison.errors);
+    level.confidence = confidences(level.mesh, {cloud.points, neighbours, facts});
     level.colours = colours_at_vertices(level.mesh, cloud, neighbours);
   }
   if (!run.result.levels.empty()) facts.diagonal = run.result.levels[0].certificate.cloud_diagonal;
+  if (!run.result.levels.empty()) {
+    measure_support(run.result.levels[0], {cloud.points, neighbours, facts}, run.result.support);
+    run.result.notes = doubts_of(run.result.support);
+  }
   run.result.notes.push_back({Severity::info, "cloud.noise", "the points are clean"});
   run.seconds = {{"read", 0.01}, {"levels", 0.5}};
   return run;
@@ -96,6 +104,7 @@ int main(int count, char** arguments) {
     const std::filesystem::path folder = arguments[1];
     write_sample(folder / "results" / "ok", run_of({4, 3, 2}, true));
     write_sample(folder / "results" / "one", run_of({3}, false));
+    write_sample(folder / "results" / "half", run_of({4, 3}, false, true));
     CloudRun broken = run_of({3, 2}, false);
     TriMesh& mesh = broken.result.levels[1].mesh;
     mesh.triangles.pop_back();

@@ -61,10 +61,11 @@ const tests = {
   async "is small and shows the certificate of every level"(open) {
     const page = await open("ok");
     assert.ok(statSync(path_of("ok")).size < 3e6);
-    assert.match(await text(page, "#verdict"), /Every level is watertight/);
-    assert.equal(await page.locator("#certificates tbody tr").count(), 3);
+    assert.match(await text(page, "#verdict"), /The points support every level/);
+    assert.ok(await page.locator("#verdict.ok").isVisible());
+    assert.equal(await page.locator("#certificates thead th[data-level]").count(), 3);
     const results = await page.evaluate(() => JSON.parse(document.getElementById("data").textContent).results);
-    const first = await text(page, '#certificates tr[data-level="1"]');
+    const first = (await page.locator("#certificates tbody td:nth-child(2)").allInnerTexts()).join(" ");
     assert.ok(first.includes(results.levels[0].triangles.toLocaleString("en")));
     assert.ok(first.includes(`${results.levels[0].certificate.angles_deg.smallest.toFixed(1)}°`));
     assert.match(await text(page, "#cloud"), /6,000/);
@@ -73,9 +74,32 @@ const tests = {
 
   async "says which level is not watertight, and why"(open) {
     const page = await open("broken");
-    assert.match(await text(page, "#verdict"), /Not every level is watertight[\s\S]*Level 2: not closed/);
+    assert.match(await text(page, "#verdict"), /Do not use it[\s\S]*Level 2 is not watertight: not closed/);
     assert.match(await text(page, "#tiles"), /not watertight/);
     assert.ok((await page.locator("#certificates td.bad").count()) > 0);
+  },
+
+  async "doubts a body that is half made up, draws what is, and flies to the worst places"(open) {
+    const page = await open("half");
+    assert.ok(await page.locator("#verdict.check").isVisible());
+    assert.match(await text(page, "#verdict"), /away from all points/);
+    const shown = await shot(page, "#tiles");
+    await page.keyboard.press("m");
+    assert.equal(await page.locator("#toggle-made_up").getAttribute("aria-pressed"), "false");
+    assert.ok(!shown.equals(await shot(page, "#tiles")), "what is made up is drawn in its own colour");
+    await page.keyboard.press("m");
+    assert.ok((await page.locator("#worst li").count()) > 2);
+    assert.match(await text(page, "#worst li:first-child"), /made up/);
+    const before = await shot(page, "#tiles");
+    await page.locator("#worst li:first-child button").click();
+    assert.ok(!before.equals(await shot(page, "#tiles")), "a click goes there");
+  },
+
+  async "shows all of the certificates on a screen 1300 pixels wide"(open) {
+    const page = await open("ok");
+    await page.setViewportSize({ width: 1300, height: 900 });
+    const { needed, given } = await page.locator("#certificates").evaluate((box) => ({ needed: box.scrollWidth, given: box.clientWidth }));
+    assert.ok(needed <= given, `${needed} in ${given} pixels`);
   },
 
   async "shows a result without a level and one with a single level"(open) {
@@ -243,7 +267,7 @@ await withBrowser(async (context) => {
   await checkAll(context, tests, path_of);
   if (screenshots) {
     mkdirSync(screenshots, { recursive: true });
-    for (const sample of ["ok", "broken", "one", "empty", "instances"]) {
+    for (const sample of ["ok", "broken", "one", "half", "empty", "instances"]) {
       const { page } = await openReport(context, path_of(sample));
       await page.waitForTimeout(600);
       await page.screenshot({ path: join(screenshots, `${sample}.png`), fullPage: sample !== "instances" });
@@ -256,7 +280,7 @@ await withBrowser(
     check("works without WebGL and says so", async () => {
       const { page, requests } = await openReport(context, path_of("ok"));
       assert.match(await text(page, "#tiles"), /3D needs WebGL/);
-      assert.equal(await page.locator("#certificates tbody tr").count(), 3);
+      assert.equal(await page.locator("#certificates thead th[data-level]").count(), 3);
       assert.deepEqual(requests, []);
     }),
   { webgl: false },

@@ -23,6 +23,23 @@ BodyTopology kind_of(const TriMesh& mesh) {
   return {static_cast<int>(parts), static_cast<int>(static_cast<std::ptrdiff_t>(parts) - euler / 2)};
 }
 
+/// The share of surfaces at five levels of the two finest fields that have these parts and handles.
+double firmness_of(std::span<const IndicatorField> fields, std::span<const Vec3> points, double smallest_share,
+                   const BodyTopology& kind) {
+  constexpr std::array<double, 5> levels{0, -0.1, 0.1, -0.2, 0.2};
+  const std::size_t asked = levels.size() * std::min<std::size_t>(fields.size(), 2);
+  const double same = parallel_sum(asked, 1, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t n = begin; n < end; ++n) {
+      const IndicatorField& field = fields[fields.size() - 1 - n / levels.size()];
+      const TriMesh mesh = body_surface(field, levels[n % levels.size()], points, smallest_share);
+      sum += !mesh.triangles.empty() && kind_of(mesh) == kind;
+    }
+    return sum;
+  });
+  return same / static_cast<double>(asked);
+}
+
 }  // namespace
 
 TriMesh body_surface(const IndicatorField& field, double level, std::span<const Vec3> points, double smallest_share) {
@@ -129,6 +146,7 @@ Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> point
     if (as_asked) taken = Body{std::move(mesh), kind.parts, 0, true, std::move(cut)};
   }
   if (!taken) throw InputError("the points of the cloud enclose nothing");
+  taken->firm = firmness_of(fields, points, share, {taken->parts, taken->genus});
   if (!as_asked)
     notes.push_back(
         {Severity::warning, "cloud.handles",

@@ -205,9 +205,29 @@ std::array<Vec3, directions> all_directions() {
 struct Sheet {
   std::vector<std::uint32_t> points;
   double extent = 0;
-  double vote = 0;  // of the outermost points in many directions: positive when they face outwards
+  double vote = 0;  // positive when it faces outwards: by area, or of the outermost points in many directions
   bool is_known = false;
 };
+
+/// What the sheet encloses as it is turned, by the theorem of Gauss, over what its area could: 1 for a ball, near 0 for
+/// an open sheet.
+double enclosing_share(const OrientedPoints& o, const std::vector<std::uint32_t>& sheet) {
+  Vec3 middle = Vec3::Zero();
+  double area = 0;
+  for (const std::uint32_t i : sheet) {
+    middle += o.areas[i] * o.points[i];
+    area += o.areas[i];
+  }
+  if (!(area > 0)) return 0;
+  middle /= area;
+  double through = 0, most = 0;
+  for (const std::uint32_t i : sheet) {
+    const Vec3 off = o.points[i] - middle;
+    through += o.areas[i] * o.normals[i].dot(off);
+    most += o.areas[i] * off.norm();
+  }
+  return most > 0 ? through / most : 0;
+}
 
 std::vector<Sheet> sheets_of(const OrientedPoints& o, const std::vector<std::uint8_t>& known) {
   struct Far {
@@ -231,6 +251,9 @@ std::vector<Sheet> sheets_of(const OrientedPoints& o, const std::vector<std::uin
   for (std::size_t s = 0; s < sheets.size(); ++s) {
     sheets[s].extent = box[s].diagonal().norm();
     for (const Far& f : far[s]) sheets[s].vote += f.along;
+    // A closed sheet encloses something. A single outermost point may be a stray one, all of its area is not.
+    constexpr double clear = 0.1;
+    if (const double share = enclosing_share(o, sheets[s].points); std::abs(share) > clear) sheets[s].vote = share;
   }
   return sheets;
 }
@@ -266,6 +289,16 @@ void turn_outwards(OrientedPoints& o, const std::vector<std::uint8_t>& known) {
     if (within > 0.5 * places ? s->vote > 0 : s->vote < 0)
       for (const std::uint32_t i : s->points) o.normals[i] = -o.normals[i];
   }
+}
+
+/// Directions that came with the cloud and point into what they enclose are all turned: some programs write them so.
+void turn_given(OrientedPoints& o, const std::vector<std::uint8_t>& known) {
+  constexpr double clear = 0.1;
+  if (std::find(known.begin(), known.end(), 1) == known.end()) return;
+  std::vector<std::uint32_t> all(o.points.size());
+  std::iota(all.begin(), all.end(), 0u);
+  if (enclosing_share(o, all) > -clear) return;
+  for (Vec3& n : o.normals) n = -n;
 }
 
 }  // namespace
@@ -354,6 +387,7 @@ OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t rin
   });
   turn_together(o, around, known);
   turn_outwards(o, known);
+  turn_given(o, known);
   return o;
 }
 

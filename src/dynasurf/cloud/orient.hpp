@@ -25,7 +25,8 @@ void project_to_local_planes(PointCloud& cloud, const std::vector<Vec3>& scan, c
 /// Estimates the plane at each point from its `ring` nearest neighbours, and turns neighbours the same way: those that
 /// clearly agree first, then sets of them by what all links between them say in sum (after Hoppe et al. 1992, with the
 /// rule of König and Gumhold 2009 for the two sides of an edge, and Keuper et al. 2015 for the sums). Each sheet is
-/// turned outwards by its outermost points. Normals of the cloud that are not zero are taken as they are.
+/// turned so that it encloses a positive volume, an open one by its outermost points. Normals of the cloud that are not
+/// zero are taken as they are, or all turned where they point into what they enclose.
 OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t ring = 12);
 
 /// Gives each point the mean direction of its `ring` nearest points: single ones that noise has turned go with the

@@ -11,6 +11,7 @@
 #include <Eigen/Cholesky>
 
 #include "dynasurf/cloud/detail/kd_tree.hpp"
+#include "dynasurf/cloud/detail/outliers.hpp"
 #include "dynasurf/core/detail/symmetric_axes.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -89,29 +90,6 @@ double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
-}
-
-/// 0 for points that lie `factor` times farther from their neighbours than those lie from theirs.
-std::vector<std::uint8_t> in_company(const std::vector<Vec3>& points, const KdTree& neighbours, double factor) {
-  std::vector<double> distance(points.size());
-  std::vector<std::array<std::uint32_t, ring>> around(points.size());
-  parallel_for(points.size(), grain, [&](std::size_t begin, std::size_t end) {
-    std::array<KdTree::Found, ring + 1> found;
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::size_t n = neighbours.nearest(points[i], found);
-      for (std::size_t k = 1; k < n; ++k) {
-        distance[i] += std::sqrt(found[k].distance2) / static_cast<double>(n - 1);
-        around[i][k - 1] = found[k].index;
-      }
-    }
-  });
-  std::vector<std::uint8_t> kept(points.size(), 1);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    double usual = 0;
-    for (const std::uint32_t j : around[i]) usual += distance[j] / ring;
-    kept[i] = distance[i] <= factor * usual;
-  }
-  return kept;
 }
 
 /// Root mean square distance of points from the best height function of second degree over their own plane.
@@ -238,7 +216,7 @@ PreparedCloud prepare(PointCloud cloud, const CloudOptions& options, const Progr
   PointCloud& c = p.cloud;
   progress.check();
   if (options.outliers > 0 && c.points.size() > 4 * ring) {
-    kept = in_company(c.points, p.neighbours, options.outliers);
+    kept = parts_of_surfaces(c.points, p.neighbours, options.outliers);
     p.facts.outliers = keep(c, kept);
     if (p.facts.outliers > 0) p.neighbours.keep(kept);
     check_count(c.points);

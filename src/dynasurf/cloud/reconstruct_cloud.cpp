@@ -14,6 +14,7 @@
 #include "dynasurf/cloud/detail/prepare.hpp"
 #include "dynasurf/cloud/detail/thesis_recipe.hpp"
 #include "dynasurf/cloud/detail/transfer.hpp"
+#include "dynasurf/cloud/support.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/intersections.hpp"
@@ -97,6 +98,16 @@ OrientedPoints oriented_points(const PreparedCloud& p, const CloudOptions& optio
   return oriented;
 }
 
+/// The share of the points whose direction is against the field's own.
+double share_turned(const OrientedPoints& points, const IndicatorField& field) {
+  const double turned = parallel_sum(points.points.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i) sum += points.normals[i].dot(outwards(field, points.points[i])) < 0;
+    return sum;
+  });
+  return turned / static_cast<double>(points.points.size());
+}
+
 /// The body, the points that close its holes, and the side of the finest lattice's cells.
 struct FoundBody {
   Body body;
@@ -129,7 +140,10 @@ FoundBody find_body(const PreparedCloud& p, const CloudOptions& options, int tri
     fields = solve_indicator(oriented, {.cells = cells}, progress);
   }
   const std::optional<BodyTopology> expected = fill ? std::optional(fill->kind) : std::nullopt;
+  result.support.cell = side;
+  result.support.turned = share_turned(oriented, fields.back());
   Body body = choose_body(std::move(fields), oriented.points, options, result.notes, expected);
+  result.support.firm = body.firm;
   return {std::move(body), fill ? fill->points : OrientedPoints{}, side};
 }
 
@@ -156,7 +170,9 @@ void add_level(CloudResult& result, const PreparedCloud& p, int asked, TriMesh m
         {Severity::warning, "cloud.triangles",
          "the level of " + std::to_string(asked) + " triangles has " + std::to_string(certificate.triangles)});
   auto colours = colours_at_vertices(mesh, p.cloud, p.neighbours);
-  result.levels.push_back({asked, std::move(mesh), certificate, std::move(errors), std::move(colours)});
+  auto confidence = confidences(mesh, {p.cloud.points, p.neighbours, p.facts});
+  result.levels.push_back(
+      {asked, std::move(mesh), certificate, std::move(errors), std::move(confidence), std::move(colours)});
 }
 
 /// What every level is made from.
@@ -292,51 +308,6 @@ void tell_lost(const Fitting& fitting, double side, Notes& notes) {
                          " of the diagonal from the surface: thin walls or cavities are lost"});
 }
 
-/// Two sides of the surface are nearer to each other than the noise lets them be told apart: what was found there is by
-/// luck, and may have windows or be closed in another scan of the same body.
-void tell_thin(const Fitting& fitting, Notes& notes) {
-  constexpr double least = 4, worth_telling = 0.02;  // of the noise; of the surface
-  constexpr std::size_t samples = 5000;
-  if (!is_noisy(fitting.facts)) return;
-  const TriMesh& mesh = fitting.fine;
-  const auto normal = [&](std::size_t t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    return Vec3((mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]).normalized());
-  };
-  const double thin = least * fitting.facts.noise / fitting.facts.diagonal;
-  const std::size_t step = std::max<std::size_t>(1, mesh.triangles.size() / samples),
-                    asked = mesh.triangles.size() / step;
-  const double near = parallel_sum(asked, 64, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 facing = normal(i * step), &corner = mesh.vertices[mesh.triangles[i * step][0]];
-      // From half way the other side is the nearer one.
-      const auto faces_another = [&](double along) {
-        const SurfacePoint other = fitting.on_fine(corner + along * facing);
-        return other.distance2 < 0.9 * along * along && normal(other.triangle).dot(facing) < -0.5;
-      };
-      sum += faces_another(-0.5 * thin) || faces_another(0.5 * thin);
-    }
-    return sum;
-  });
-  const double share = near / static_cast<double>(asked);
-  if (share > worth_telling)
-    notes.push_back({Severity::warning, "cloud.thin",
-                     percent(share) + " of the surface has another side of it nearer than four times the noise (" +
-                         percent(thin) + " of the diagonal): walls, gaps and cavities there are uncertain"});
-}
-
-/// Surface far from all points: the larger part of a body that was not scanned, or points that were misunderstood.
-void tell_made_up(CloudResult& result) {
-  constexpr double far = 0.1;  // of the diagonal
-  const Certificate& finest = result.levels.front().certificate;
-  if (finest.mesh_to_cloud_largest <= far * finest.cloud_diagonal) return;
-  result.notes.push_back({Severity::warning, "cloud.holes",
-                          "the surface goes as far as " +
-                              percent(finest.mesh_to_cloud_largest / finest.cloud_diagonal) +
-                              " of the diagonal away from all points; it is made up there"});
-}
-
 /// Points without surface nearby: a component too small to keep, or clustered outliers.
 void tell_left_out(std::span<const Vec3> points, CloudResult& result) {
   constexpr double far = 0.05;  // of the diagonal
@@ -387,7 +358,6 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
   });
   const Fitting fitting{fine, *on_fine, {points, normals}, std::span(points).first(scanned), options, p.facts};
   tell_lost(fitting, found.side, result.notes);
-  tell_thin(fitting, result.notes);
   const auto publish = [&](TriMesh mesh, int asked) {
     for (Vec3& v : mesh.vertices) v = frame.out(v);
     add_level(result, p, asked, std::move(mesh));
@@ -422,7 +392,9 @@ CloudResult reconstruct_cloud(PointCloud cloud, const CloudOptions& options, con
   progress("points", 0, 1);
   PreparedCloud prepared = prepare(std::move(cloud), options, progress);
   progress("points", 1, 1);
-  CloudResult result{{}, prepared.facts, {}, prepared.notes};
+  CloudResult result;
+  result.facts = prepared.facts;
+  result.notes = prepared.notes;
   check_surface(prepared.cloud.points, result.notes);
   if (options.method == CloudMethod::thesis) {
     std::vector<TriMesh> meshes =
@@ -432,7 +404,9 @@ CloudResult reconstruct_cloud(PointCloud cloud, const CloudOptions& options, con
     reconstruct_fitted(prepared, options, triangles, result, progress);
   }
   tell_left_out(prepared.cloud.points, result);
-  if (options.method != CloudMethod::thesis) tell_made_up(result);
+  measure_support(result.levels.front(), {prepared.cloud.points, prepared.neighbours, prepared.facts}, result.support);
+  const Notes doubts = doubts_of(result.support);
+  result.notes.insert(result.notes.end(), doubts.begin(), doubts.end());
   result.used = std::move(prepared.cloud);
   return result;
 }

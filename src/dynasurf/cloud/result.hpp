@@ -1,6 +1,8 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "dynasurf/cloud/certificate.hpp"
@@ -16,6 +18,7 @@ struct CloudLevel {
   TriMesh mesh;
   Certificate certificate;                           // against the points that were used
   std::vector<float> errors;                         // at the vertices, see Comparison
+  std::vector<float> confidence;                     // at the vertices, see `confidences`
   std::vector<std::array<std::uint8_t, 3>> colours;  // at the vertices; empty when the cloud has none
 };
 
@@ -32,11 +35,36 @@ struct CloudFacts {
   int genus = 0;                                             // sum over the parts
 };
 
+/// What the points say about the body; shares are from 0 to 1, lengths in the cloud's unit.
+struct CloudSupport {
+  double within = 0;           // surface nearer than this to a point is supported by it
+  double points_off = 0;       // share of the points farther from the finest level than noise and triangles explain
+  double points_left_out = 0;  // share of the points farther than 2 % of the diagonal from it
+  double points_off_mean = 0;  // mean distance of the points from it over what noise and spacing explain
+  double biased = 0;           // share of the points in patches that lie off it to one side
+  double made_up = 0;          // share of its area that no point supports
+  double made_up_largest = 0;  // the largest distance of the surface from all points over the diagonal
+  double turned = 0;           // share of the points whose direction was found against the surface
+  double thin = 0;             // share of its area with the other side nearer than the points or the lattice resolve
+  double firm = 1;             // share of the surfaces at levels and lattices around it with its parts and handles
+  double cell = 0;             // side of the lattice that the body was found on; 0: none
+};
+
+enum class CloudVerdict { ok, check, fail };
+std::span<const std::string_view> names_of(CloudVerdict);
+
 struct CloudResult {
   std::vector<CloudLevel> levels;  // as asked for, finest first
   CloudFacts facts;
+  CloudSupport support;
   PointCloud used;  // the points that the levels were fitted to, near ones together
   Notes notes;      // "cloud.not_finite", "cloud.duplicates", "cloud.outliers", "cloud.left_out", "cloud.handles", …
 };
+
+/// Whether every level may be published as watertight. False without a level.
+bool is_watertight(const CloudResult& result);
+
+/// `fail` where a level is not watertight or a note tells of a failure, else `check` where one warns, else `ok`.
+CloudVerdict verdict_of(const CloudResult& result);
 
 }  // namespace dynasurf

@@ -18,7 +18,7 @@ using namespace io_detail;
 
 constexpr std::size_t most_points = 100'000'000;
 
-enum class Kind { ply, rows, normals, obj, off, stl, las };
+enum class Kind { ply, rows, normals, obj, off, stl, las, pcd, ptx };
 
 struct Format {
   std::string_view ending, name;
@@ -28,7 +28,8 @@ constexpr Format known_formats[] = {
     {".ply", "PLY", Kind::ply},     {".xyz", "XYZ", Kind::rows}, {".txt", "XYZ", Kind::rows},
     {".asc", "XYZ", Kind::rows},    {".pts", "PTS", Kind::rows}, {".csv", "CSV", Kind::rows},
     {".pwn", "PWN", Kind::normals}, {".obj", "OBJ", Kind::obj},  {".off", "OFF", Kind::off},
-    {".stl", "STL", Kind::stl},     {".las", "LAS", Kind::las}};
+    {".stl", "STL", Kind::stl},     {".las", "LAS", Kind::las},  {".pcd", "PCD", Kind::pcd},
+    {".ptx", "PTX", Kind::ptx}};
 
 const Format& format_of(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
@@ -38,9 +39,11 @@ const Format& format_of(const std::filesystem::path& path) {
   if (ending == ".laz")
     throw InputError(path.string() +
                      ": LAZ is compressed; expected LAS, as 'laszip -i in.laz -o out.las' or PDAL make it");
+  if (ending == ".e57")
+    throw InputError(path.string() + ": E57 is not read; expected PLY or LAS, as CloudCompare or PDAL make them");
   throw InputError(path.string() +
                    ": unknown kind of cloud; expected a name that ends in .ply, .xyz, .txt, .asc, .pts, .csv, .pwn, "
-                   ".obj, .off, .stl or .las");
+                   ".obj, .off, .stl, .las, .pcd or .ptx");
 }
 
 TriMesh decode(Kind kind, const MeshFile& file, VertexData& data) {
@@ -56,6 +59,10 @@ TriMesh decode(Kind kind, const MeshFile& file, VertexData& data) {
       return decode_off(file, data);
     case Kind::las:
       return decode_las(file, data);
+    case Kind::pcd:
+      return decode_pcd(file, data);
+    case Kind::ptx:
+      return decode_ptx(file, data);
     case Kind::stl:
       break;
   }
@@ -163,6 +170,9 @@ PointCloud io_detail::decode_cloud(const MeshFile& file, CloudSource& source, No
   TriMesh mesh = decode(format.kind, file, data);
   source.format = format.name;
   if (!data.remark.empty()) tell(notes, Severity::info, "read.left_out", data.remark);
+  if (!data.has_end)
+    tell(notes, Severity::info, "read.no_end",
+         "the last line has no end; it was taken as whole, but may have been cut");
   if (!data.has_count)
     tell(notes, Severity::info, "read.no_count",
          "the file does not tell how much it holds; one that was cut at the end of a line would look alike");

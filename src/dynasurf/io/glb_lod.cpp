@@ -40,7 +40,8 @@ std::vector<std::array<std::uint16_t, 4>> linear(const VertexColours& colours) {
 
 constexpr double roughness = 0.7;
 
-GltfJson plain_primitive(const TriMesh& mesh, const VertexColours& colours, const Vec3& middle, GltfScene& scene) {
+GltfJson plain_primitive(const TriMesh& mesh, const VertexColours& colours, std::span<const VertexScalar> scalars,
+                         const Vec3& middle, GltfScene& scene) {
   Rows3 rows;
   rows.reserve(mesh.vertices.size());
   for (const Vec3& p : mesh.vertices) rows.push_back((p - middle).cast<float>());
@@ -48,6 +49,11 @@ GltfJson plain_primitive(const TriMesh& mesh, const VertexColours& colours, cons
   primitive["attributes"]["POSITION"] = scene.add_rows(rows, true);
   primitive["attributes"]["NORMAL"] = scene.add_rows(io_detail::vertex_normals(mesh), false);
   if (!colours.empty()) primitive["attributes"]["COLOR_0"] = scene.add_colours(linear(colours));
+  for (const VertexScalar& scalar : scalars) {
+    std::string name = "_" + scalar.name;  // glTF asks for the underscore
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::toupper(c); });
+    primitive["attributes"][name] = scene.add_values(scalar.values);
+  }
   primitive["indices"] = scene.add_triangles(mesh);
   return primitive;
 }
@@ -126,7 +132,7 @@ void name_levels(std::span<const LodSurface> levels, GltfJson& document) {
 void write_lod_glb(std::span<const LodSurface> levels, const std::filesystem::path& path) {
   if (levels.empty()) throw InputError("cannot write " + path.string() + ": there is no level");
   for (const LodSurface& level : levels) {
-    io_detail::check_writable(level.mesh, {}, path.string());
+    io_detail::check_writable(level.mesh, level.scalars, path.string());
     io_detail::check_colours(level.mesh, level.colours, path.string());
     if (is_textured(level)) check_textures(level, path.string());
   }
@@ -136,7 +142,7 @@ void write_lod_glb(std::span<const LodSurface> levels, const std::filesystem::pa
   const Vec3 middle = middle_of(levels[0].mesh);
   for (const LodSurface& level : levels) {
     GltfJson primitive = is_textured(level) ? textured_primitive(level.textured, middle, scene)
-                                            : plain_primitive(level.mesh, level.colours, middle, scene);
+                                            : plain_primitive(level.mesh, level.colours, level.scalars, middle, scene);
     primitive["material"] = is_textured(level) ? add_textured_material(level, scene) : plain;
     add_node_at(middle, level.name, std::move(primitive), &level == &levels[0], scene);
   }
@@ -148,13 +154,8 @@ std::string io_detail::encode_glb(const TriMesh& mesh, std::span<const VertexSca
                                   const VertexColours& colours, const std::string& what) {
   GltfScene scene;
   const Vec3 middle = middle_of(mesh);
-  GltfJson primitive = plain_primitive(mesh, colours, middle, scene);
+  GltfJson primitive = plain_primitive(mesh, colours, scalars, middle, scene);
   primitive["material"] = scene.add_material("surface", roughness);
-  for (const VertexScalar& scalar : scalars) {
-    std::string name = "_" + scalar.name;  // glTF asks for the underscore
-    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::toupper(c); });
-    primitive["attributes"][name] = scene.add_values(scalar.values);
-  }
   add_node_at(middle, "surface", std::move(primitive), true, scene);
   return scene.encode(what);
 }

@@ -79,6 +79,7 @@ struct VertexData {
   std::vector<std::array<std::uint8_t, 3>> colours;
   std::vector<std::uint32_t> scans;  // the file's own numbers
   std::string remark;                // what was left out on purpose; empty: nothing
+  bool has_end = true;               // false: the last line has no end, it may be cut
   bool has_count = true;             // false: nothing in the file tells how much it should hold
 };
 
@@ -88,6 +89,8 @@ TriMesh decode_ply(const MeshFile& file, VertexData& data);
 TriMesh decode_obj(const MeshFile& file, VertexData& data);
 TriMesh decode_off(const MeshFile& file, VertexData& data);
 TriMesh decode_las(const MeshFile& file, VertexData& data);
+TriMesh decode_pcd(const MeshFile& file, VertexData& data);
+TriMesh decode_ptx(const MeshFile& file, VertexData& data);
 TriMesh decode_stl(const MeshFile& file, bool as_cloud);
 /// Rows of numbers: XYZ, PTS, PWN, CSV. See `read_cloud` for the columns. With `normals_first` the columns after the
 /// coordinates are normals of any length.

@@ -24,11 +24,21 @@ struct Columns {
   std::array<std::size_t, 3> normal{absent, absent, absent};
   std::array<std::size_t, 3> colour{absent, absent, absent};
   std::size_t scan = absent;
-  char separator = ' ';  // ' ': any blanks
-  bool named = false;    // by a first line
+  double full_colour = 255;  // or 1, of real numbers
+  char separator = ' ';      // ' ': any blanks
+  bool named = false;        // by a first line
 
   bool has(const std::array<std::size_t, 3>& group) const { return group[0] != absent; }
 };
+
+/// "1,5" with a point, as tables of some countries have between semicolons; other cells as they are.
+std::string_view with_point(std::string_view cell, char separator, std::string& room) {
+  const std::size_t comma = separator == ';' ? cell.find(',') : std::string_view::npos;
+  if (comma == std::string_view::npos || cell.find('.') != std::string_view::npos) return cell;
+  room = cell;
+  room[comma] = '.';
+  return room;
+}
 
 bool is_number(std::string_view cell) {
   double value = 0;
@@ -78,13 +88,15 @@ Columns named_columns(const TextReader& text, char separator) {
 
 /// What three columns hold, judged by the first rows.
 struct Guess {
-  bool unit = true, bytes = true;
+  bool unit = true, bytes = true, shares = true;
   void see(double a, double b, double c) {
     const double length = std::sqrt(a * a + b * b + c * c);
     // Normals with three decimals are off by a thousandth; those that are zero or not finite were not known.
     if (std::isfinite(length) && length > 0 && std::abs(length - 1) > 0.02) unit = false;
-    for (const double v : {a, b, c})
+    for (const double v : {a, b, c}) {
+      if (!(v >= 0 && v <= 1)) shares = false;
       if (!(v >= 0 && v <= 255 && v == std::floor(v))) bytes = false;
+    }
   }
 };
 
@@ -102,22 +114,28 @@ Columns guessed_columns(TextReader text, char separator, bool normals_first) {
     if (cells.size() != columns.count || columns.count > most_columns) break;  // told when the rows are read
     for (std::size_t c = 3; c + 2 < cells.size(); ++c) {
       std::array<double, 3> v{};
-      for (std::size_t k = 0; k < 3; ++k)
-        if (is_number(cells[c + k])) v[k] = text.number_of<double>(cells[c + k], "a value");
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::string room;
+        const std::string_view cell = with_point(cells[c + k], separator, room);
+        if (is_number(cell)) v[k] = text.number_of<double>(cell, "a value");
+      }
       guesses[c].see(v[0], v[1], v[2]);
     }
   }
   const auto group = [](std::size_t first) { return std::array<std::size_t, 3>{first, first + 1, first + 2}; };
   const auto place = [&](std::size_t first) {
     const bool unit = guesses[first].unit && !columns.has(columns.normal);
-    if (unit || (normals_first && first == 3))
+    if (unit || (normals_first && first == 3)) {
       columns.normal = group(first);
-    else if (guesses[first].bytes && !columns.has(columns.colour))
+    } else if ((guesses[first].bytes || guesses[first].shares) && !columns.has(columns.colour)) {
       columns.colour = group(first);
-    else
+      columns.full_colour = guesses[first].bytes ? 255 : 1;
+    } else {
       text.fail("columns " + std::to_string(first + 1) + " to " + std::to_string(first + 3) +
-                " are neither unit normals nor colours of 0 to 255; name the columns in a first line (x y z nx ny nz "
+                " are neither unit normals nor colours of 0 to 255 or 0 to 1; name the columns in a first line (x y z "
+                "nx ny nz "
                 "red green blue)");
+    }
   };
   switch (columns.count) {
     case 0:
@@ -147,13 +165,35 @@ Columns guessed_columns(TextReader text, char separator, bool normals_first) {
   return columns;
 }
 
+/// Whether the colours of named columns are real numbers from 0 to 1, from the first rows.
+bool has_shares(TextReader text, const Columns& columns) {
+  bool any_fraction = false;
+  for (std::size_t row = 0; row < rows_to_look_at && next_row(text); ++row) {
+    const auto cells = cells_of(text.rest(), columns.separator);
+    for (const std::size_t column : columns.colour) {
+      std::string room;
+      if (column >= cells.size()) continue;
+      const std::string_view cell = with_point(cells[column], columns.separator, room);
+      if (!is_number(cell)) continue;
+      const double value = text.number_of<double>(cell, "a value");
+      if (!(value >= 0 && value <= 1)) return false;
+      any_fraction = any_fraction || value != std::floor(value);
+    }
+  }
+  return any_fraction;
+}
+
 /// `text` stands at the first row.
 Columns columns_of(const TextReader& text, bool normals_first) {
   const char separator = separator_of(text.rest());
   const auto first = cells_of(text.rest(), separator);
   const bool letters = !first.empty() && !first[0].empty() &&
                        (std::isalpha(static_cast<unsigned char>(first[0][0])) != 0 || first[0][0] == '"');
-  if (letters && !is_number(first[0])) return named_columns(text, separator);
+  if (letters && !is_number(first[0])) {
+    Columns columns = named_columns(text, separator);
+    if (columns.has(columns.colour) && has_shares(text, columns)) columns.full_colour = 1;
+    return columns;
+  }
   TextReader row = text;
   if (first.size() == 1 && !next_row(row)) return guessed_columns(text, ' ', normals_first);
   return guessed_columns(row, separator_of(row.rest()), normals_first);
@@ -198,9 +238,9 @@ class RowReader {
     return in(columns_.position) || in(columns_.normal) || in(columns_.colour) || column == columns_.scan;
   }
   /// An empty cell is a value that was not measured.
-  double number(std::string_view cell) const {
+  double number(std::string_view cell) {
     if (cell.empty() && columns_.separator != ' ') return std::numeric_limits<double>::quiet_NaN();
-    return text_.number_of<double>(cell, "a value");
+    return text_.number_of<double>(with_point(cell, columns_.separator, room_), "a value");
   }
   Vec3 vector(const std::array<std::size_t, 3>& group) const {
     return {values_[group[0]], values_[group[1]], values_[group[2]]};
@@ -209,8 +249,9 @@ class RowReader {
     auto& colour = data_.colours.emplace_back();
     for (std::size_t c = 0; c < 3; ++c) {
       const double light = values_[columns_.colour[c]];
-      if (!(light >= 0 && light <= 255)) text_.fail("a colour is out of range; expected 0 to 255");
-      colour[c] = colour_byte(light, 255);
+      if (!(light >= 0 && light <= columns_.full_colour))
+        text_.fail("a colour is out of range; expected 0 to " + std::to_string(static_cast<int>(columns_.full_colour)));
+      colour[c] = colour_byte(light, columns_.full_colour);
     }
   }
 
@@ -219,13 +260,17 @@ class RowReader {
   TriMesh& mesh_;
   VertexData& data_;
   std::vector<double> values_;
+  std::string room_;
 };
 
 }  // namespace
 
 TriMesh decode_rows(const MeshFile& file, VertexData& data, bool normals_first) {
   require_memory_of(file, count_lines(file.bytes), 0, true);
-  TextReader text(file);
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+  const std::size_t begin = file.bytes.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
+  data.has_end = file.bytes.empty() || file.bytes.back() == '\n';
+  TextReader text(file, begin, 0, true);
   TriMesh mesh;
   if (!next_row(text)) return mesh;
   const Columns columns = columns_of(text, normals_first);

@@ -32,9 +32,11 @@ void write_levels(const CloudResult& result, const CloudFolderOptions& options, 
     if (mesh.triangles.empty()) continue;  // its certificate says so
     const VertexColours& colours = result.levels[n].colours;
     const std::string name = name_of_level(result, n);
+    std::vector<VertexScalar> scalars;
+    if (!result.levels[n].confidence.empty()) scalars.push_back({"confidence", result.levels[n].confidence});
     for (const MeshFormat format : options.mesh_formats)
-      write_mesh(mesh, folder / "meshes" / (name + "." + std::string(word_of(format))), format, {}, colours);
-    levels.push_back({name, mesh, colours, 0, {}});
+      write_mesh(mesh, folder / "meshes" / (name + "." + std::string(word_of(format))), format, scalars, colours);
+    levels.push_back({name, mesh, colours, 0, {}, scalars});
     meshes.push_back(mesh);
   }
   if (levels.empty()) return;

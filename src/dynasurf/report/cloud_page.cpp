@@ -60,6 +60,16 @@ std::string errors_of(const std::vector<float>& errors, double full) {
   return packed(bytes);
 }
 
+/// 16-bit steps of 1; null where nothing is known.
+Json confidence_json(const std::vector<float>& confidence) {
+  if (confidence.empty()) return nullptr;
+  Bytes bytes;
+  // What is made up stays below 1.
+  for (const float c : confidence)
+    append(bytes, static_cast<std::uint16_t>(c >= 1 ? 65535 : std::clamp(std::round(c * 65535), 0.0F, 65534.0F)));
+  return packed(bytes);
+}
+
 Json levels_json(const CloudResult& result, const Box& box, double& full_error) {
   full_error = 0;
   for (const CloudLevel& level : result.levels)
@@ -69,6 +79,7 @@ Json levels_json(const CloudResult& result, const Box& box, double& full_error) 
     json.push_back({{"positions", packed(steps_of(level.mesh.vertices, box))},
                     {"triangles", triangles_of(level.mesh)},
                     {"errors", errors_of(level.errors, full_error)},
+                    {"confidence", confidence_json(level.confidence)},
                     {"colours", colours_json(level.colours)}});
   return json;
 }

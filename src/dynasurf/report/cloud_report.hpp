@@ -20,9 +20,7 @@ struct CloudRun {
   std::size_t peak_bytes = 0;                           // of memory that the program has held; 0: not known
 };
 
-/// Whether every level may be published as watertight. False without a level.
-bool is_watertight(const CloudResult& result);
-/// Whether every level is watertight and no note tells of a failure, such as points that show no surface.
+/// Whether the verdict is not `fail`.
 bool is_trustworthy(const CloudResult& result);
 
 /// Name of a level's files without ending: "level2", or "level2_not_watertight" where its certificate does not hold.

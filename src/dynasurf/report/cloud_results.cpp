@@ -2,6 +2,7 @@
 #include <sstream>
 
 #include "dynasurf/cloud/lod.hpp"
+#include "dynasurf/core/options.hpp"
 #include "dynasurf/report/cloud_report.hpp"
 #include "dynasurf/report/detail/json_parts.hpp"
 
@@ -107,6 +108,22 @@ Json cloud_json(const CloudRun& run) {
   return json;
 }
 
+/// Shares in percent.
+Json support_json(const CloudSupport& s) {
+  Json json = Json::object();
+  json["within"] = number(s.within);
+  json["points_off_percent"] = number(100 * s.points_off);
+  json["points_off_mean_ratio"] = number(s.points_off_mean);
+  json["points_left_out_percent"] = number(100 * s.points_left_out);
+  json["biased_percent"] = number(100 * s.biased);
+  json["made_up_percent"] = number(100 * s.made_up);
+  json["made_up_largest_percent"] = number(100 * s.made_up_largest);
+  json["turned_percent"] = number(100 * s.turned);
+  json["thin_percent"] = number(100 * s.thin);
+  json["firm_percent"] = number(100 * s.firm);
+  return json;
+}
+
 Json notes_json(const Notes& notes) {
   Json json = Json::array();
   for (const Note& note : notes)
@@ -130,15 +147,7 @@ Json memory_json(const CloudRun& run, Timings timings) {
 
 }  // namespace
 
-bool is_watertight(const CloudResult& result) {
-  return !result.levels.empty() && std::all_of(result.levels.begin(), result.levels.end(),
-                                               [](const CloudLevel& level) { return level.certificate.watertight(); });
-}
-
-bool is_trustworthy(const CloudResult& result) {
-  return is_watertight(result) && std::none_of(result.notes.begin(), result.notes.end(),
-                                               [](const Note& note) { return note.severity == Severity::failure; });
-}
+bool is_trustworthy(const CloudResult& result) { return verdict_of(result) != CloudVerdict::fail; }
 
 std::string name_of_level(const CloudResult& result, std::size_t level) {
   return "level" + std::to_string(level + 1) + (result.levels[level].certificate.watertight() ? "" : "_not_watertight");
@@ -147,9 +156,11 @@ std::string name_of_level(const CloudResult& result, std::size_t level) {
 nlohmann::ordered_json cloud_results_json(const CloudRun& run, const Provenance& provenance, Timings timings) {
   Json json = Json::object();
   json["schema"] = "dynasurf.cloud/1";
+  json["verdict"] = word_of(verdict_of(run.result));
   json["watertight"] = is_watertight(run.result);
   json["levels"] = levels_json(run.result);
   json["cloud"] = cloud_json(run);
+  json["support"] = support_json(run.result.support);
   json["notes"] = notes_json(run.result.notes);
   json["provenance"] = provenance_json(provenance);
   json["timings_s"] = timings_json(run, timings);

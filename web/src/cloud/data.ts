@@ -33,6 +33,7 @@ export interface LevelNumbers {
   certificate: Certificate;
 }
 export interface CloudResults extends Pick<Results, "provenance" | "timings_s" | "schema"> {
+  verdict: "ok" | "check" | "fail";
   watertight: boolean;
   levels: LevelNumbers[];
   cloud: {
@@ -52,6 +53,18 @@ export interface CloudResults extends Pick<Results, "provenance" | "timings_s" |
     parts: number;
     genus: number;
   };
+  support: {
+    within: number | null;
+    points_off_percent: number | null;
+    points_off_mean_ratio: number | null;
+    points_left_out_percent: number | null;
+    biased_percent: number | null;
+    made_up_percent: number | null;
+    made_up_largest_percent: number | null;
+    turned_percent: number | null;
+    thin_percent: number | null;
+    firm_percent: number | null;
+  };
   notes: NoteText[];
 }
 
@@ -60,7 +73,7 @@ interface Packed {
   low: number[];
   high: number[];
   cloud: { shown: number; positions: string; colours: string | null };
-  levels: { positions: string; triangles: string; errors: string; colours: string | null }[];
+  levels: { positions: string; triangles: string; errors: string; confidence: string | null; colours: string | null }[];
   full_error: number;
   transitions: (PackedTransition | null)[];
 }
@@ -71,6 +84,7 @@ export interface Level {
   positions: Float32Array;
   triangles: Uint32Array;
   errors: Float32Array; // in the cloud's unit; -1 where nothing can be said
+  confidence: Float32Array; // 1 where the points support the surface, below where it is made up
   colours: Uint8Array | null;
   start: Float32Array | null; // where each vertex stands on the next level
   growing: Level | null; // the level to draw while it grows out of the next: the same shape, cut to begin with that one
@@ -89,8 +103,9 @@ async function stepsOf(text: string): Promise<Uint16Array> {
 
 function grown(level: Level, { cuts, triangles, start }: Transition): Level {
   const positions = withCuts(level.positions, cuts, 3), errors = withCuts(level.errors, cuts, 1);
+  const confidence = withCuts(level.confidence, cuts, 1);
   const colours = level.colours && Uint8Array.from(withCuts(Float32Array.from(level.colours), cuts, 3));
-  return { ...level, positions, triangles, errors, colours, start };
+  return { ...level, positions, triangles, errors, confidence, colours, start };
 }
 
 /** Of the ball around the middle that holds all places. */
@@ -122,6 +137,7 @@ export async function readCloudReport(text: string): Promise<CloudReport> {
         positions: await place(packed.positions),
         triangles: new Uint32Array((await unpack(packed.triangles)).buffer),
         errors,
+        confidence: packed.confidence ? Float32Array.from(await stepsOf(packed.confidence), (c) => c / 65535) : new Float32Array(errors.length).fill(1),
         colours: packed.colours ? await unpack(packed.colours) : null,
         start: null,
         growing: null,

@@ -1,7 +1,9 @@
 // The page of a cloud: reads the data written into it and builds the parts.
+import { Vector3 } from "three";
+
 import { byId, figure, html } from "../dom";
 import { showNotes, showOptions, showProvenance } from "../tables";
-import { readCloudReport, type Certificate, type CloudReport, type CloudResults } from "./data";
+import { readCloudReport, type Certificate, type CloudReport, type CloudResults, type Level, type LevelNumbers } from "./data";
 import { pointsOf, Surface, Tiles, type Colouring, type Look } from "./scene";
 
 /** Four figures, for lengths in any unit. */
@@ -11,24 +13,22 @@ function length(value: number | null): string {
 const percent = (value: number | null) => (value === null ? "–" : `${Number(value.toPrecision(3))} %`);
 const count = (value: number) => value.toLocaleString("en");
 
+const verdicts = {
+  ok: { icon: "✓", title: "The points support every level", text: "Every level is closed, manifold, oriented outwards and free of self-intersections, by exact tests." },
+  check: { icon: "!", title: "Look before you use it", text: "Every level is watertight. But the points leave doubt whether it is the right body:" },
+  fail: { icon: "✕", title: "Do not use it", text: "" },
+};
+
 function showVerdict(place: HTMLElement, results: CloudResults): void {
+  const { icon, title, text } = verdicts[results.verdict];
   const broken = results.levels.filter((level) => !level.certificate.watertight);
-  const good = results.watertight;
-  place.classList.add(good ? "ok" : "fail");
+  const reasons = results.notes.filter((note) => note.severity !== "info").map((note) => note.message);
+  reasons.unshift(...broken.map((level) => `Level ${level.level} is not watertight: ${faultsOf(level.certificate).join(", ")}.`));
+  if (results.levels.length === 0) reasons.unshift("There is no level.");
+  place.classList.add(results.verdict);
   place.replaceChildren(
-    html("span", { class: `icon ${good ? "ok" : "fail"}`, "aria-hidden": "true" }, good ? "✓" : "✕"),
-    html(
-      "div",
-      {},
-      html("h1", {}, good ? "Every level is watertight" : results.levels.length === 0 ? "There is no level" : "Not every level is watertight"),
-      html(
-        "p",
-        {},
-        good
-          ? "Closed, manifold, oriented outwards and free of self-intersections, by exact tests."
-          : broken.map((level) => `Level ${level.level}: ${faultsOf(level.certificate).join(", ")}.`).join(" "),
-      ),
-    ),
+    html("span", { class: `icon ${results.verdict}`, "aria-hidden": "true" }, icon),
+    html("div", {}, html("h1", {}, title), html("p", {}, text), html("ul", {}, ...reasons.map((reason) => html("li", {}, reason)))),
   );
 }
 
@@ -43,42 +43,46 @@ function faultsOf(c: Certificate): string[] {
   ].filter(Boolean);
 }
 
+/** One column per level: a row per level would be wider than a screen. */
 function showCertificates(place: HTMLElement, results: CloudResults): void {
-  const yes = (value: boolean) => html("td", { class: value ? "good" : "bad" }, value ? "yes" : "no");
-  const none = (value: number) => html("td", { class: value === 0 ? "good" : "bad" }, count(value));
-  const heads = [
-    "Level", "Triangles", "Watertight", "Points to mesh, mean", "largest", "Mesh to points, mean", "largest", "Smallest angle", "1 % of angles below", "Parts", "Genus",
-    "Meeting pairs", "Flat", "Closed", "Manifold", "Oriented", "Outwards", "Volume", "Area", "Vertices", "Of a plain tessellation",
+  type Cell = { text: string; state?: "good" | "bad" };
+  const yes = (value: boolean): Cell => ({ text: value ? "yes" : "no", state: value ? "good" : "bad" });
+  const none = (value: number): Cell => ({ text: count(value), state: value === 0 ? "good" : "bad" });
+  const rows: [string, (level: LevelNumbers) => Cell][] = [
+    ["Triangles", (l) => ({ text: count(l.triangles) })],
+    ["Vertices", (l) => ({ text: count(l.vertices) })],
+    ["Of a plain tessellation", (l) => ({ text: percent(l.share_of_plain_tessellation_percent) })],
+    ["Watertight", (l) => yes(l.certificate.watertight)],
+    ["Closed", (l) => yes(l.certificate.closed)],
+    ["Manifold", (l) => yes(l.certificate.manifold)],
+    ["Oriented", (l) => yes(l.certificate.oriented)],
+    ["Outwards", (l) => yes(l.certificate.outward)],
+    ["Meeting pairs", (l) => none(l.certificate.self_intersections)],
+    ["Flat triangles", (l) => none(l.certificate.flat_triangles)],
+    ["Parts", (l) => ({ text: String(l.certificate.components) })],
+    ["Genus", (l) => ({ text: l.certificate.genus === null ? "–" : String(l.certificate.genus) })],
+    ["Points to mesh, mean", (l) => ({ text: percent(l.certificate.distances.cloud_to_mesh.mean_percent) })],
+    ["Points to mesh, largest", (l) => ({ text: percent(l.certificate.distances.cloud_to_mesh.largest_percent) })],
+    ["Mesh to points, mean", (l) => ({ text: percent(l.certificate.distances.mesh_to_cloud.mean_percent) })],
+    ["Mesh to points, largest", (l) => ({ text: percent(l.certificate.distances.mesh_to_cloud.largest_percent) })],
+    ["Smallest angle", (l) => ({ text: `${figure(l.certificate.angles_deg.smallest)}°` })],
+    ["1 % of angles below", (l) => ({ text: `${figure(l.certificate.angles_deg.percentile_1)}°` })],
+    ["Volume", (l) => ({ text: length(l.certificate.volume) })],
+    ["Area", (l) => ({ text: length(l.certificate.area) })],
   ];
-  const rows = results.levels.map((level) => {
-    const c = level.certificate;
-    const { cloud_to_mesh: to, mesh_to_cloud: from } = c.distances;
-    const plain = (...texts: string[]) => texts.map((text) => html("td", {}, text));
-    return html(
-      "tr",
-      { "data-level": level.level },
-      html("th", { scope: "row" }, String(level.level)),
-      ...plain(count(level.triangles)),
-      yes(c.watertight),
-      ...plain(percent(to.mean_percent), percent(to.largest_percent), percent(from.mean_percent), percent(from.largest_percent)),
-      ...plain(`${figure(c.angles_deg.smallest)}°`, `${figure(c.angles_deg.percentile_1)}°`, String(c.components), c.genus === null ? "–" : String(c.genus)),
-      none(c.self_intersections), none(c.flat_triangles), yes(c.closed), yes(c.manifold), yes(c.oriented), yes(c.outward),
-      ...plain(length(c.volume), length(c.area), count(level.vertices), percent(level.share_of_plain_tessellation_percent)),
-    );
+  const heads = results.levels.map((level) => html("th", { scope: "col", "data-level": level.level }, `Level ${level.level}`));
+  const body = rows.map(([name, cell]) => {
+    const cells = results.levels.map(cell);
+    return html("tr", {}, html("th", { scope: "row" }, name), ...cells.map(({ text, state }) => html("td", state ? { class: state } : {}, text)));
   });
   place.replaceChildren(
-    html(
-      "table",
-      { class: "numbers" },
-      html("thead", {}, html("tr", {}, ...heads.map((head) => html("th", { scope: "col" }, head)))),
-      html("tbody", {}, ...rows),
-    ),
+    html("table", { class: "numbers" }, html("thead", {}, html("tr", {}, html("th", {}, ""), ...heads)), html("tbody", {}, ...body)),
     html("p", { class: "faint" }, "Distances in percent of the diagonal of the cloud's box. Over a hole of the cloud the mesh is far from the points however good it is."),
   );
 }
 
 function showCloud(place: HTMLElement, results: CloudResults): void {
-  const c = results.cloud;
+  const { cloud: c, support: s } = results;
   const files = c.files.map((f) => `${f.format}: ${count(f.points)} points${f.triangles ? ` of a surface of ${count(f.triangles)} triangles` : ""}`);
   const rows: [string, string][] = [
     [c.files.length === 1 ? "File" : "Files", files.join("; ")],
@@ -89,9 +93,48 @@ function showCloud(place: HTMLElement, results: CloudResults): void {
     ["Diagonal", length(c.diagonal)],
     ["Spacing", length(c.spacing)],
     ["Noise", length(c.noise)],
-    ["Parts, handles", `${c.parts}, ${c.genus}`],
+    ["Parts, handles", `${c.parts}, ${c.genus}; so at ${percent(s.firm_percent)} of the levels around`],
+    ["Points off the surface", `${percent(s.points_off_percent)}; far off: ${percent(s.points_left_out_percent)}`],
+    ["Surface made up", `${percent(s.made_up_percent)}, up to ${percent(s.made_up_largest_percent)} of the diagonal from the points`],
+    ["Surface too thin to tell", percent(s.thin_percent)],
+    ["Directions in doubt", percent(s.turned_percent)],
   ];
   place.replaceChildren(html("dl", {}, ...rows.flatMap(([name, value]) => [html("dt", {}, name), html("dd", {}, value)])));
+}
+
+interface WorstPlace {
+  vertex: number;
+  badness: number; // in supported distances
+  text: string;
+}
+
+/** The places of a level where most is made up, or the points are farthest off, well apart from each other. */
+function worstPlaces(level: Level, results: CloudResults): WorstPlace[] {
+  const most = 6, within = results.support.within ?? 0, diagonal = results.cloud.diagonal ?? 0;
+  if (!(within > 0 && diagonal > 0)) return [];
+  const share = (distance: number) => percent((100 * distance) / diagonal);
+  const all = Array.from(level.confidence, (confidence, vertex): WorstPlace => {
+    const error = level.errors[vertex]!;
+    if (confidence < 1) return { vertex, badness: 1 / confidence, text: `made up, ${share(within / confidence)} of the diagonal from the points` };
+    return { vertex, badness: error / within, text: `the points lie ${share(error)} of the diagonal off` };
+  }).sort((a, b) => b.badness - a.badness);
+  const found: WorstPlace[] = [];
+  const apart = (a: number, b: number) => Math.hypot(...[0, 1, 2].map((axis) => level.positions[3 * a + axis]! - level.positions[3 * b + axis]!));
+  for (const place of all) {
+    if (found.length === most || !(place.badness > 0)) break;
+    if (found.every((other) => apart(other.vertex, place.vertex) > 0.12 * diagonal)) found.push(place);
+  }
+  return found;
+}
+
+function showWorst(place: HTMLElement, level: Level | undefined, results: CloudResults, fly: (vertex: number) => void): void {
+  const worst = level ? worstPlaces(level, results) : [];
+  const items = worst.map(({ vertex, text }) => {
+    const button = html("button", {}, text);
+    button.addEventListener("click", () => fly(vertex));
+    return html("li", {}, button);
+  });
+  place.replaceChildren(items.length > 0 ? html("ol", {}, ...items) : html("p", { class: "faint" }, "None."));
 }
 
 /** What stands over each tile. */
@@ -160,7 +203,13 @@ function build3d(report: CloudReport): void {
       leading = false;
     });
 
-  const look: Look = { colouring: "error", full: report.full_error, wire: false, flat: false, points: false };
+  const finest = report.levels[0];
+  showWorst(byId("worst"), finest, report.results, (vertex) => {
+    const place = new Vector3().fromArray(finest!.positions, 3 * vertex);
+    tiles.flyTo(place, surfaces[0]!.normalAt(vertex));
+    document.documentElement.dataset.flown = String(vertex);
+  });
+  const look: Look = { colouring: "error", full: report.full_error, wire: false, flat: false, points: false, made_up: true };
   const dress = () => {
     for (const surface of surfaces) surface.dress(look);
     for (const points of over) points.visible = look.points;
@@ -180,7 +229,7 @@ function build3d(report: CloudReport): void {
     dress();
   });
   const keys: Record<string, () => void> = { r: () => tiles.reset() };
-  for (const name of ["wire", "flat", "points"] as const) {
+  for (const name of ["wire", "flat", "points", "made_up"] as const) {
     keys[name[0]!] = () => {
       look[name] = !look[name];
       byId(`toggle-${name}`).setAttribute("aria-pressed", String(look[name]));

@@ -31,10 +31,12 @@ export interface Look {
   wire: boolean;
   flat: boolean;
   points: boolean;
+  made_up: boolean; // draws what no point supports in its own colour
 }
 
 const ramp = [0x5b83e6, 0x25a3b8, 0x7fd068, 0xf2c84b, 0xd8402f].map((hex) => new Color(hex));
 const least_tile_px = 150;
+const made_up = new Color(0xc25be0);
 const unknown = new Color(0x4a5563), plain = new Color(0xb9c6d4);
 
 /** Colour of a distance; grey where nothing can be said. */
@@ -67,6 +69,11 @@ export class Surface {
     this.geometry.computeVertexNormals();
   }
 
+  /** Direction outwards at a vertex. */
+  normalAt(vertex: number): Vector3 {
+    return new Vector3().fromBufferAttribute(this.geometry.getAttribute("normal"), vertex);
+  }
+
   /** Grown by t out of the next level. */
   morph(t: number): void {
     const { start, positions } = this.level;
@@ -79,12 +86,13 @@ export class Surface {
 
   dress(look: Look): void {
     const colours = this.geometry.getAttribute("color");
-    const { errors, colours: own } = this.level;
+    const { errors, confidence, colours: own } = this.level;
     const colour = new Color();
     for (let v = 0; v < errors.length; ++v) {
       if (look.colouring === "error") colour.copy(colourOf(errors[v]!, look.full));
       else if (look.colouring === "own" && own) colour.setRGB(own[3 * v]! / 255, own[3 * v + 1]! / 255, own[3 * v + 2]! / 255, "srgb");
       else colour.copy(plain);
+      if (look.made_up && confidence[v]! < 1) colour.lerp(made_up, Math.min(1, 0.4 + 2 * (1 - confidence[v]!)));
       colours.setXYZ(v, colour.r, colour.g, colour.b);
     }
     colours.needsUpdate = true;
@@ -170,6 +178,16 @@ export class Tiles {
     const distance = (this.radius / Math.sin((this.camera.fov * Math.PI) / 360)) * 1.02;
     this.camera.position.copy(new Vector3(0.55, 0.35, 1).normalize().multiplyScalar(distance));
     this.controls.target.set(0, 0, 0);
+    this.controls.update();
+    this.render();
+  }
+
+  /** Comes near a place of the surface, seen from outside. */
+  flyTo(place: Vector3, outwards: Vector3): void {
+    const root = this.roots[0]!;
+    const target = place.clone().applyEuler(root.rotation), from = outwards.clone().applyEuler(root.rotation).normalize();
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).addScaledVector(from, 2.6 * this.radius);
     this.controls.update();
     this.render();
   }

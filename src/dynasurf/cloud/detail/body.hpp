@@ -31,6 +31,7 @@ struct Body {
   int parts = 0, genus = 0;
   bool handles_cut = false;
   IndicatorField field;  // that it comes from
+  double firm = 1;       // share of the surfaces of the two finest fields, at levels up to 0.2 off, that are the same
 };
 
 /// Chooses among the fields, coarsest first. `automatic`: the finest whose surface keeps its parts and handles when the

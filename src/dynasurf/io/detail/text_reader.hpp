@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string>
@@ -13,12 +14,13 @@ inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c ==
 /// Longest line of a text, bytes. The longest that are known hold some thousand cells.
 inline constexpr std::size_t longest_line = std::size_t{1} << 20;
 
-/// Walks through a text line by line and word by word and knows where it is. A last line without an end is refused:
-/// that is how a file cut in the middle of a number is told from a whole one. So is a line above `longest_line`.
+/// Walks through a text line by line and word by word and knows where it is. A last line without an end is refused
+/// unless `may_lack_end`: that is how a file cut in the middle of a number is told from a whole one. So is a line above
+/// `longest_line`.
 class TextReader {
  public:
-  TextReader(const MeshFile& file, std::size_t begin = 0, std::size_t lines_before = 0)
-      : file_(file), next_(begin), line_number_(lines_before) {}
+  TextReader(const MeshFile& file, std::size_t begin = 0, std::size_t lines_before = 0, bool may_lack_end = false)
+      : file_(file), next_(begin), line_number_(lines_before), may_lack_end_(may_lack_end) {}
 
   /// Goes to the next line; false at the end of the file.
   bool next_line() {
@@ -28,10 +30,10 @@ class TextReader {
     const std::size_t end = line.find('\n');
     if (end == std::string_view::npos && line.size() > longest_line)
       fail("the line is longer than " + std::to_string(longest_line) + " bytes");
-    if (end == std::string_view::npos)
+    if (end == std::string_view::npos && !may_lack_end_)
       fail("the line has no end; expected a line break after the last line of a whole file");
     rest_ = line.substr(0, end);
-    next_ += end + 1;
+    next_ += rest_.size() + 1;
     return true;
   }
 
@@ -64,7 +66,7 @@ class TextReader {
   }
 
   std::size_t position() const { return next_; }
-  std::size_t bytes_left() const { return file_.bytes.size() - next_; }
+  std::size_t bytes_left() const { return file_.bytes.size() - std::min(next_, file_.bytes.size()); }
   std::size_t line_number() const { return line_number_; }
 
   /// The next word as a number; `what` names it in the refusal.
@@ -97,6 +99,7 @@ class TextReader {
  private:
   const MeshFile& file_;
   std::size_t next_, line_number_;
+  bool may_lack_end_;
   std::string_view rest_;
 };
 

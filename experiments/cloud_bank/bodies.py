@@ -1,0 +1,205 @@
+"""Bodies of the bank: functions that are negative inside, about as far from the surface as their value."""
+import numpy
+
+
+def length(p):
+    return numpy.sqrt((p * p).sum(1))
+
+
+def ball(centre, radius):
+    return lambda p: length(p - centre) - radius
+
+
+def box(half, round_by=0.0, centre=(0, 0, 0)):
+    half = numpy.asarray(half) - round_by
+
+    def value(p):
+        q = numpy.abs(p - centre) - half
+        return length(numpy.maximum(q, 0)) + numpy.minimum(q.max(1), 0) - round_by
+    return value
+
+
+def capsule(a, b, radius):
+    a, b = numpy.asarray(a, float), numpy.asarray(b, float)
+
+    def value(p):
+        along = numpy.clip((p - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
+        return length(p - a - along[:, None] * (b - a)) - radius
+    return value
+
+
+def torus(large, small, centre=(0, 0, 0), axis=2):
+    def value(p):
+        q = p - centre
+        flat = numpy.delete(q, axis, 1)
+        return numpy.hypot(length(flat) - large, q[:, axis]) - small
+    return value
+
+
+def pillar(radius, half, centre=(0, 0, 0), axis=2):
+    def value(p):
+        q = p - centre
+        d = numpy.stack([length(numpy.delete(q, axis, 1)) - radius, numpy.abs(q[:, axis]) - half], 1)
+        return numpy.minimum(d.max(1), 0) + length(numpy.maximum(d, 0))
+    return value
+
+
+def union(*parts):
+    return lambda p: numpy.min([part(p) for part in parts], 0)
+
+
+def smooth_union(k, *parts):
+    def value(p):
+        all_values = numpy.array([part(p) for part in parts])
+        least = all_values.min(0)
+        return least - k * numpy.log(numpy.exp((least - all_values) / k).sum(0))
+    return value
+
+
+def minus(a, *holes):
+    return lambda p: numpy.max([a(p)] + [-h(p) for h in holes], 0)
+
+
+def both(a, b):
+    return lambda p: numpy.maximum(a(p), b(p))
+
+
+def shell(a, wall):
+    return lambda p: numpy.abs(a(p) + wall / 2) - wall / 2
+
+
+def bowl(wall):
+    return both(shell(ball((0, 0, 0), 1), wall), box((2, 2, 0.6), centre=(0, 0, -0.6)))
+
+
+def mug(wall):
+    inner = pillar(0.6 - wall, 0.8, (0, 0, wall))
+    return union(minus(pillar(0.6, 0.8), inner), minus(torus(0.4, 0.09, (0.68, 0, 0), 1), pillar(0.57, 2)))
+
+
+def holed_plate(count, thick):
+    holes = [pillar(0.12, 1, (-0.9 + 1.8 * (n + 0.5) / count, 0, 0)) for n in range(count)]
+    return minus(box((1, 0.4, thick), 0.3 * thick), *holes)
+
+
+def lumps(seed):
+    random = numpy.random.default_rng(seed)
+    balls = [ball((0, 0, 0), 0.45)]
+    balls += [ball(0.55 * d / numpy.linalg.norm(d), random.uniform(0.15, 0.35)) for d in random.normal(size=(6, 3))]
+    return smooth_union(0.05, *balls)
+
+
+def tree(seed, radius):
+    random = numpy.random.default_rng(seed)
+    parts = [capsule((0, 0, -1), (0, 0, 0.2), 2 * radius)]
+    for n in range(6):
+        turn = 2 * numpy.pi * (n + 0.3 * random.random()) / 6
+        parts.append(capsule((0, 0, -0.6 + 0.15 * n), (0.8 * numpy.cos(turn), 0.8 * numpy.sin(turn), -0.2 + 0.2 * n), radius))
+    return smooth_union(0.02, *parts)
+
+
+def star(count, radius):
+    turns = 2 * numpy.pi * numpy.arange(count) / count
+    return union(ball((0, 0, 0), 0.35), *[capsule((0, 0, 0), (numpy.cos(t), numpy.sin(t), 0), radius) for t in turns])
+
+
+def stool(leg):
+    legs = [capsule((x, y, -0.9), (0.8 * x, 0.8 * y, 0), leg) for x in (-0.6, 0.6) for y in (-0.6, 0.6)]
+    return union(box((0.8, 0.8, 0.08), 0.03), *legs)
+
+
+def sword(thick):
+    return union(box((0.07, 1.2, thick)), box((0.3, 0.05, 0.05), centre=(0, -0.8, 0)), capsule((0, -1.2, 0), (0, -0.8, 0), 0.05))
+
+
+def chain(count, gap):
+    return union(*[torus(0.35, 0.08, ((0.54 - gap) * (n - (count - 1) / 2), 0, 0), 2 if n % 2 else 1) for n in range(count)])
+
+
+def gear(teeth):
+    turns = 2 * numpy.pi * numpy.arange(teeth) / teeth
+    return minus(union(pillar(0.75, 0.2), *[capsule((0.75 * numpy.cos(t), 0.75 * numpy.sin(t), -0.15),
+                                                     (0.75 * numpy.cos(t), 0.75 * numpy.sin(t), 0.15), 0.09) for t in turns]),
+                 pillar(0.25, 1))
+
+
+def lattice(bar):
+    ends = numpy.array([(x, y, z) for x in (-0.7, 0.7) for y in (-0.7, 0.7) for z in (-0.7, 0.7)])
+    pairs = [(a, b) for a in ends for b in ends if tuple(a) < tuple(b) and (a != b).sum() == 1]
+    return union(*[capsule(a, b, bar) for a, b in pairs])
+
+
+def pipe(wall):
+    return minus(pillar(0.5, 1), pillar(0.5 - wall, 2))
+
+
+def two_balls(gap):
+    return union(ball((-0.5 - gap / 2, 0, 0), 0.5), ball((0.5 + gap / 2, 0, 0), 0.5))
+
+
+def tunnelled(count):
+    turns = numpy.pi * numpy.arange(count) / count
+    ways = [capsule((-2 * numpy.cos(t), -2 * numpy.sin(t), z), (2 * numpy.cos(t), 2 * numpy.sin(t), z), 0.14)
+            for t, z in zip(turns, numpy.linspace(-0.45, 0.45, count))]
+    return minus(ball((0, 0, 0), 1), *ways)
+
+
+
+def solids():
+    """(name, function, parts, handles)"""
+    yield from ((f"rounded box {a}", box((1, a, 0.4 * a), 0.1 * a), 1, 0) for a in (0.9, 0.5, 0.25, 0.12))
+    yield from ((f"bowl {w}", bowl(w), 1, 0) for w in (0.15, 0.08, 0.04, 0.02))
+    yield from ((f"mug {w}", mug(w), 1, 1) for w in (0.15, 0.08, 0.04))
+    yield from ((f"holed plate {n} {t}", holed_plate(n, t), 1, n) for n, t in ((2, 0.1), (3, 0.1), (5, 0.06), (5, 0.03)))
+    yield from ((f"lumps {s}", lumps(s), 1, 0) for s in range(5))
+    yield from ((f"tree {r}", tree(n, r), 1, 0) for n, r in enumerate((0.12, 0.08, 0.05, 0.03)))
+    yield from ((f"star {n} {r}", star(n, r), 1, 0) for n, r in ((5, 0.12), (7, 0.08), (9, 0.04)))
+    yield from ((f"stool {r}", stool(r), 1, 0) for r in (0.1, 0.06, 0.03))
+    yield from ((f"sword {t}", sword(t), 1, 0) for t in (0.05, 0.025, 0.012))
+    yield from ((f"chain {n} {g}", chain(n, g), n, n) for n, g in ((2, 0.05), (3, 0.005), (4, 0.1)))
+    yield from ((f"gear {n}", gear(n), 1, 1) for n in (8, 14, 22))
+    yield from ((f"lattice {b}", lattice(b), 1, 5) for b in (0.16, 0.1, 0.06, 0.03))
+    yield from ((f"pipe {w}", pipe(w), 1, 1) for w in (0.2, 0.1, 0.05, 0.02))
+    yield from ((f"two balls {g}", two_balls(g), 2, 0) for g in (0.001, 0.02, 0.05, 0.2))
+    yield from ((f"tunnelled {n}", tunnelled(n), 1, n) for n in (1, 2, 3))
+    yield from ((f"ring {r}", torus(0.9, r), 1, 1) for r in (0.3, 0.12, 0.05, 0.025))
+
+
+def sheets():
+    """(name, function, which of its points are there): open surfaces, which no closed body is right for."""
+    hills = lambda p: p[:, 2] - 0.12 * numpy.sin(4 * p[:, 0]) * numpy.cos(3 * p[:, 1]) - 0.05 * numpy.sin(9 * p[:, 0] + 4 * p[:, 1])
+    within = lambda p: numpy.abs(p[:, :2]).max(1) < 1
+    yield "terrain", hills, within
+    yield "half shell", ball((0, 0, 0), 1), lambda p: p[:, 2] > 0
+    yield "cap", ball((0, 0, 0), 1), lambda p: p[:, 2] > 0.6
+    yield "open tube", lambda p: length(p[:, :2]) - 0.4, lambda p: numpy.abs(p[:, 2]) < 1
+    yield "wavy wall", lambda p: p[:, 1] - 0.2 * numpy.sin(3 * p[:, 0]), lambda p: numpy.abs(p[:, [0, 2]]).max(1) < 1
+
+
+def points_on(value, count, seed, keep=None, extent=1.45):
+    """Points spread evenly over the area where `value` is 0."""
+    random = numpy.random.default_rng(seed)
+    cells = 56
+    side = 2 * extent / cells
+    axis = -extent + side * (numpy.arange(cells) + 0.5)
+    centres = numpy.stack(numpy.meshgrid(axis, axis, axis, indexing="ij"), -1).reshape(-1, 3)
+    near = centres[numpy.abs(value(centres)) < 1.2 * side]
+    found, have, band = [], 0, 0.25 * side
+    while have < count:
+        p = near[random.integers(len(near), size=count)] + side * (random.random((count, 3)) - 0.5)
+        f = value(p)
+        p = p[numpy.abs(f) < 2 * band]
+        for step in range(3):
+            f = value(p)
+            slope = numpy.stack([(value(p + h) - f) / 1e-6 for h in 1e-6 * numpy.eye(3)], 1)
+            size2 = numpy.maximum((slope ** 2).sum(1), 1e-6)
+            if step == 0:
+                inside = numpy.abs(f) < band * numpy.sqrt(size2)
+                p, f, slope, size2 = p[inside], f[inside], slope[inside], size2[inside]
+            p = p - (f / size2)[:, None] * slope
+        p = p[numpy.abs(value(p)) < 1e-3]
+        if keep is not None:
+            p = p[keep(p)]
+        found.append(p)
+        have += len(p)
+    return numpy.concatenate(found)[:count]

@@ -1,0 +1,240 @@
+#include "dynasurf/cloud/support.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/closest_point.hpp"
+#include "dynasurf/mesh/sample_surface.hpp"
+
+namespace dynasurf {
+namespace {
+
+constexpr std::size_t samples = 20000, grain = 256;
+
+// What right results of the bank (experiments/cloud_bank) stay within.
+constexpr double most_made_up = 0.01, farthest_made_up = 0.05, most_points_off = 0.02, most_left_out = 0.001,
+                 most_turned = 0.01, most_thin = 0.02, most_biased = 0.02, least_firm = 0.8;
+
+/// How many times farther apart than usual the points are around one of them, from 1 to 4.
+double sparseness(const KdTree& cloud, const Vec3& point, double spacing) {
+  constexpr std::size_t ring = 13;
+  constexpr double most = 4;
+  std::array<KdTree::Found, ring> found;
+  const std::size_t n = cloud.nearest(point, found);
+  if (n < 2 || !(spacing > 0)) return 1;
+  const double side = std::sqrt(std::numbers::pi * found[n - 1].distance2 / static_cast<double>(n - 1));
+  return std::clamp(side / spacing, 1.0, most);
+}
+
+double confidence_of(const Vec3& place, const SupportingPoints& of, double& distance) {
+  const KdTree::Found nearest = of.tree.nearest(place);
+  distance = std::sqrt(nearest.distance2);
+  const double usual = supported_within(of.facts);
+  if (distance <= usual) return 1;
+  const double within = usual * sparseness(of.tree, of.points[nearest.index], of.facts.spacing);
+  return std::min(1.0, within / distance);
+}
+
+Vec3 normal_of(const TriMesh& mesh, std::size_t t) {
+  const auto& [a, b, c] = mesh.triangles[t];
+  return (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]).normalized();
+}
+
+void measure_area(const TriMesh& mesh, const SupportingPoints& of, CloudSupport& support) {
+  const std::vector<SurfaceSample> places = sample_surface(mesh, samples);
+  if (places.empty()) return;
+  std::vector<double> confidence(places.size()), distance(places.size());
+  parallel_for(places.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      confidence[i] = confidence_of(position_of(mesh, places[i]), of, distance[i]);
+  });
+  const auto count = static_cast<double>(places.size());
+  support.made_up =
+      static_cast<double>(std::count_if(confidence.begin(), confidence.end(), [](double c) { return c < 1; })) / count;
+  if (of.facts.diagonal > 0)
+    support.made_up_largest = *std::max_element(distance.begin(), distance.end()) / of.facts.diagonal;
+}
+
+/// What the finest triangles themselves may leave out between a curved surface and its chords.
+double chord_of(const TriMesh& mesh, double area) {
+  constexpr double of_edge = 0.1;
+  return of_edge * std::sqrt(area / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size())));
+}
+
+void measure_points(const CloudLevel& level, const SupportingPoints& of, const ClosestPoint& closest,
+                    CloudSupport& support) {
+  constexpr double left_out = 0.02;  // of the diagonal
+  const std::size_t step = std::max<std::size_t>(1, of.points.size() / samples), asked = of.points.size() / step;
+  const CloudFacts& f = of.facts;
+  const double chord = chord_of(level.mesh, level.certificate.area);
+  const double explained = 3 * f.noise + 0.5 * f.spacing + 2 * chord;
+  std::vector<double> off(asked);
+  parallel_for(asked, grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) off[i] = std::sqrt(closest(of.points[i * step]).distance2);
+  });
+  const auto share_beyond = [&](double limit) {
+    return static_cast<double>(std::count_if(off.begin(), off.end(), [&](double d) { return d > limit; })) /
+           static_cast<double>(asked);
+  };
+  support.points_off = share_beyond(explained);
+  support.points_left_out = share_beyond(std::max(left_out * f.diagonal, explained));
+  double sum = 0;
+  for (const double d : off) sum += d;
+  support.points_off_mean =
+      sum / static_cast<double>(asked) / std::max(0.8 * f.noise + 0.1 * f.spacing + chord, 1e-300);
+}
+
+/// A point off the surface, in the patch of the surface that it is nearest to.
+struct Off {
+  std::uint64_t patch;
+  double distance;  // positive outside
+};
+
+/// Patches are what lies in a cube of the place's lattice and faces the same way.
+std::uint64_t patch_of(const Vec3& place, const Vec3& normal, double side) {
+  std::uint64_t key = 0;
+  for (int a = 0; a < 3; ++a)
+    key = key * 4096 + (static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(place[a] / side))) & 4095);
+  Eigen::Index axis = 0;
+  normal.cwiseAbs().maxCoeff(&axis);
+  return key * 6 + 2 * static_cast<std::uint64_t>(axis) + (normal[axis] < 0);
+}
+
+/// Noise lies on both sides of the surface; a wall or cavity that was lost on one.
+void measure_bias(const CloudLevel& level, const SupportingPoints& of, const ClosestPoint& closest,
+                  CloudSupport& support) {
+  constexpr double of_diagonal = 0.003, side = 0.08, sure = 3;
+  constexpr std::size_t fewest = 6;
+  const TriMesh& mesh = level.mesh;
+  const std::size_t step = std::max<std::size_t>(1, of.points.size() / samples), asked = of.points.size() / step;
+  std::vector<Off> off(asked);
+  parallel_for(asked, grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3& p = of.points[i * step];
+      const SurfacePoint found = closest(p);
+      const auto& [a, b, c] = mesh.triangles[found.triangle];
+      const Vec3 foot = found.weights[0] * mesh.vertices[a] + found.weights[1] * mesh.vertices[b] +
+                        found.weights[2] * mesh.vertices[c];
+      const Vec3 normal = normal_of(mesh, found.triangle);
+      const double distance = std::sqrt(found.distance2);
+      off[i] = {patch_of(foot, normal, side * of.facts.diagonal), (p - foot).dot(normal) < 0 ? -distance : distance};
+    }
+  });
+  std::stable_sort(off.begin(), off.end(), [](const Off& a, const Off& b) { return a.patch < b.patch; });
+  std::size_t biased = 0;
+  for (std::size_t first = 0, last = 0; first < off.size(); first = last) {
+    double sum = 0, squares = 0;
+    for (last = first; last < off.size() && off[last].patch == off[first].patch; ++last) {
+      sum += off[last].distance;
+      squares += off[last].distance * off[last].distance;
+    }
+    const auto count = static_cast<double>(last - first);
+    const double mean = sum / count, spread = std::sqrt(std::max(0.0, squares / count - mean * mean));
+    if (last - first >= fewest && std::abs(mean) > of_diagonal * of.facts.diagonal + sure * spread / std::sqrt(count))
+      biased += last - first;
+  }
+  support.biased = static_cast<double>(biased) / static_cast<double>(asked);
+}
+
+/// The other side of the surface lies nearer than the points, their noise or the lattice tell apart.
+void measure_thin(const CloudLevel& level, const SupportingPoints& of, const ClosestPoint& closest,
+                  CloudSupport& support) {
+  constexpr double of_noise = 4, of_spacing = 1.5, of_cell = 1.5;
+  const TriMesh& mesh = level.mesh;
+  const double thin = std::max({of_noise * of.facts.noise, of_spacing * of.facts.spacing, of_cell * support.cell});
+  const std::vector<SurfaceSample> places = sample_surface(mesh, samples / 4);
+  if (places.empty()) return;
+  const double near = parallel_sum(places.size(), grain, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3 facing = normal_of(mesh, places[i].triangle), place = position_of(mesh, places[i]);
+      const auto faces_another = [&](double along) {  // from half way the other side is the nearer one
+        const SurfacePoint other = closest(place + along * facing);
+        return other.distance2 < 0.9 * along * along && normal_of(mesh, other.triangle).dot(facing) < -0.5;
+      };
+      sum += faces_another(-0.5 * thin) || faces_another(0.5 * thin);
+    }
+    return sum;
+  });
+  support.thin = near / static_cast<double>(places.size());
+}
+
+std::string percent(double share) {
+  std::string text = std::to_string(100 * share);
+  return text.substr(0, text.find('.') + 2) + " %";
+}
+
+}  // namespace
+
+std::span<const std::string_view> names_of(CloudVerdict) {
+  static constexpr std::array<std::string_view, 3> names{"ok", "check", "fail"};
+  return names;
+}
+
+double supported_within(const CloudFacts& facts) { return 3 * facts.spacing + 3 * facts.noise; }
+
+std::vector<float> confidences(const TriMesh& mesh, const SupportingPoints& cloud) {
+  std::vector<float> values(mesh.vertices.size());
+  parallel_for(values.size(), grain, [&](std::size_t begin, std::size_t end) {
+    double distance = 0;
+    for (std::size_t v = begin; v < end; ++v)
+      values[v] = static_cast<float>(confidence_of(mesh.vertices[v], cloud, distance));
+  });
+  return values;
+}
+
+void measure_support(const CloudLevel& finest, const SupportingPoints& cloud, CloudSupport& support) {
+  support.within = supported_within(cloud.facts);
+  if (finest.mesh.triangles.empty() || cloud.points.empty()) return;
+  const ClosestPoint closest(finest.mesh);
+  measure_area(finest.mesh, cloud, support);
+  measure_points(finest, cloud, closest, support);
+  measure_bias(finest, cloud, closest, support);
+  measure_thin(finest, cloud, closest, support);
+}
+
+bool is_watertight(const CloudResult& result) {
+  return !result.levels.empty() && std::all_of(result.levels.begin(), result.levels.end(),
+                                               [](const CloudLevel& level) { return level.certificate.watertight(); });
+}
+
+CloudVerdict verdict_of(const CloudResult& result) {
+  const auto has = [&](Severity severity) {
+    return std::any_of(result.notes.begin(), result.notes.end(), [&](const Note& n) { return n.severity == severity; });
+  };
+  if (!is_watertight(result) || has(Severity::failure)) return CloudVerdict::fail;
+  return has(Severity::warning) ? CloudVerdict::check : CloudVerdict::ok;
+}
+
+Notes doubts_of(const CloudSupport& s) {
+  Notes notes;
+  const auto warn = [&](bool is_doubtful, const char* code, const std::string& message) {
+    if (is_doubtful) notes.push_back({Severity::warning, code, message});
+  };
+  warn(s.made_up > most_made_up || s.made_up_largest > farthest_made_up, "cloud.holes",
+       "the surface goes as far as " + percent(s.made_up_largest) + " of the diagonal away from all points; " +
+           percent(s.made_up) + " of it has none nearby and is made up");
+  warn(s.points_off > most_points_off, "cloud.points_off",
+       percent(s.points_off) + " of the points lie farther from the surface than noise and triangles explain");
+  warn(s.points_left_out > most_left_out, "cloud.left_out",
+       percent(s.points_left_out) +
+           " of the points lie farther than 2.0 % of the diagonal from the surface, which "
+           "leaves them out");
+  warn(s.biased > most_biased, "cloud.biased",
+       percent(s.biased) + " of the points lie together on one side of the surface: walls or cavities are lost");
+  warn(s.turned > most_turned, "cloud.directions",
+       "the surface runs against the direction found for " + percent(s.turned) + " of the points");
+  warn(s.thin > most_thin, "cloud.thin",
+       percent(s.thin) +
+           " of the surface has its other side nearer than the points tell apart: walls, gaps and "
+           "cavities there are uncertain");
+  warn(s.firm < least_firm, "cloud.handles",
+       "only " + percent(s.firm) + " of the surfaces around the chosen one have its parts and handles");
+  return notes;
+}
+
+}  // namespace dynasurf

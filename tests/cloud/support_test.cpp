@@ -1,0 +1,155 @@
+#include "dynasurf/cloud/support.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "dynasurf/cloud/detail/outliers.hpp"
+#include "dynasurf/cloud/reconstruct_cloud.hpp"
+#include "dynasurf/mesh/shapes.hpp"
+#include "dynasurf/synthetic/cloud_shapes.hpp"
+#include "dynasurf/synthetic/detail/random.hpp"
+
+namespace dynasurf {
+namespace {
+
+CloudResult reconstructed(const PointCloud& cloud) {
+  CloudOptions options;
+  options.triangles = "1280";
+  return reconstruct_cloud(cloud, options);
+}
+
+bool warns(const CloudResult& result, const std::string& code) {
+  return std::any_of(result.notes.begin(), result.notes.end(),
+                     [&](const Note& n) { return n.code == code && n.severity == Severity::warning; });
+}
+
+/// A share of points anywhere in the box of the others.
+PointCloud with_stray_points(PointCloud cloud, double share) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : cloud.points) box.extend(p);
+  Random random(5);
+  const auto count = static_cast<std::size_t>(share * static_cast<double>(cloud.points.size()));
+  for (std::size_t n = 0; n < count; ++n) {
+    Vec3 p;
+    for (int a = 0; a < 3; ++a) p[a] = box.min()[a] + random.uniform() * box.sizes()[a];
+    cloud.points.push_back(p);
+  }
+  return cloud;
+}
+
+// A lattice of step 1, whose points stand for squares of side 1: surface is supported within 3.
+TEST(Support, ConfidenceFallsAsTheDistanceGrowsBeyondWhatPointsSupport) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 30; ++i)
+    for (int j = 0; j < 30; ++j) points.emplace_back(i, j, 0);
+  CloudFacts facts;
+  facts.spacing = 1;
+  TriMesh mesh{{Vec3(15, 15, 2.9), Vec3(15, 15, -12), Vec3(15, 15, 24)}, {{0, 1, 2}}};
+  const KdTree tree(points);
+  const std::vector<float> confidence = confidences(mesh, {points, tree, facts});
+  ASSERT_EQ(confidence.size(), 3u);
+  EXPECT_EQ(confidence[0], 1);
+  // The circle around 12 neighbours of a lattice has radius 2: squares of side 1.02.
+  EXPECT_NEAR(confidence[1], 3.0 / 12, 0.01);
+  EXPECT_NEAR(confidence[2], 3.0 / 24, 0.01);
+}
+
+TEST(Support, AWholeScanIsOk) {
+  for (const CloudShape shape : {CloudShape::sphere, CloudShape::torus, CloudShape::two_torus, CloudShape::blobs}) {
+    const CloudResult result = reconstructed(make_cloud({.shape = shape, .points = 20000}));
+    EXPECT_EQ(verdict_of(result), CloudVerdict::ok) << static_cast<int>(shape);
+    EXPECT_EQ(result.support.made_up, 0) << static_cast<int>(shape);
+    EXPECT_EQ(*std::min_element(result.levels[0].confidence.begin(), result.levels[0].confidence.end()), 1);
+  }
+}
+
+TEST(Support, AHalfScannedBodyIsMadeUpAndTold) {
+  PointCloud cloud = make_cloud({.points = 20000});
+  std::erase_if(cloud.points, [](const Vec3& p) { return p.z() < 0; });
+  const CloudResult result = reconstructed(cloud);
+  EXPECT_EQ(verdict_of(result), CloudVerdict::check);
+  EXPECT_TRUE(warns(result, "cloud.holes"));
+  EXPECT_NEAR(result.support.made_up, 0.5, 0.1);
+  const CloudLevel& level = result.levels[0];
+  for (std::size_t v = 0; v < level.mesh.vertices.size(); ++v) {
+    const double z = level.mesh.vertices[v].z();
+    if (z > 0.05) {
+      EXPECT_EQ(level.confidence[v], 1) << z;
+    }
+    if (z < -0.3) {
+      EXPECT_LT(level.confidence[v], 0.5) << z;
+    }
+  }
+}
+
+TEST(Support, AnOpenSheetIsNeverOk) {
+  PointCloud terrain;
+  Random random(3);
+  for (int n = 0; n < 20000; ++n) {
+    const double x = 2 * random.uniform() - 1, y = 2 * random.uniform() - 1;
+    terrain.points.emplace_back(x, y, 0.12 * std::sin(4 * x) * std::cos(3 * y) + 0.05 * std::sin(9 * x + 4 * y));
+  }
+  EXPECT_NE(verdict_of(reconstructed(terrain)), CloudVerdict::ok);
+}
+
+// One of two balls that touch was lost, and every level watertight.
+TEST(Support, TwoBallsThatTouchAreBothThereOrTold) {
+  PointCloud cloud = make_cloud({.points = 10000}), other = cloud;
+  for (Vec3& p : other.points) cloud.points.push_back(p + Vec3(2.002, 0, 0));
+  const CloudResult result = reconstructed(cloud);
+  const Certificate& c = result.levels[0].certificate;
+  const bool both = c.components == 2 && std::abs(c.volume / (8.0 / 3 * 3.14159265) - 1) < 0.03;
+  EXPECT_TRUE(both || verdict_of(result) != CloudVerdict::ok);
+}
+
+TEST(Outliers, StrayPointsInTheBoxAreDropped) {
+  for (const CloudShape shape : {CloudShape::sphere, CloudShape::two_torus, CloudShape::spring}) {
+    const PointCloud clean = make_cloud({.shape = shape, .points = 20000}), cloud = with_stray_points(clean, 0.01);
+    const std::vector<std::uint8_t> kept = parts_of_surfaces(cloud.points, KdTree(cloud.points), 6);
+    // Those near the surface cannot be told from it.
+    const KdTree surface(clean.points);
+    std::size_t lost = 0, far = 0, left = 0;
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+      if (i < clean.points.size()) lost += !kept[i];
+      if (std::sqrt(surface.nearest(cloud.points[i]).distance2) < 0.1) continue;
+      ++far;
+      left += kept[i];
+    }
+    EXPECT_GT(far, 50u);
+    EXPECT_EQ(left, 0u) << static_cast<int>(shape);
+    EXPECT_LT(lost, 20u) << static_cast<int>(shape);
+  }
+}
+
+TEST(Outliers, StrayPointsTurnNothingInsideOut) {
+  for (const CloudShape shape : {CloudShape::two_torus, CloudShape::spring, CloudShape::vase}) {
+    const CloudResult result = reconstructed(with_stray_points(make_cloud({.shape = shape, .points = 20000}), 0.01));
+    const Certificate& c = result.levels[0].certificate;
+    EXPECT_TRUE(c.watertight()) << static_cast<int>(shape);
+    EXPECT_EQ(c.components, 1) << static_cast<int>(shape);
+    EXPECT_EQ(c.genus, genus_of(shape)) << static_cast<int>(shape);
+  }
+}
+
+TEST(Orientation, GivenDirectionsThatPointInwardsAreTurned) {
+  PointCloud cloud = make_cloud({.shape = CloudShape::blobs, .points = 20000, .normals = true});
+  const double volume = reconstructed(cloud).levels[0].certificate.volume;
+  for (Vec3& n : cloud.normals) n = -n;
+  const CloudResult result = reconstructed(cloud);
+  EXPECT_TRUE(result.levels[0].certificate.watertight());
+  EXPECT_NEAR(result.levels[0].certificate.volume / volume, 1, 1e-6);
+}
+
+// 400 times fewer points on one half than on the other, where nothing is an outlier.
+TEST(Outliers, ThinlyScannedSurfaceStays) {
+  PointCloud cloud = make_cloud({.points = 100000}), thin;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    if (cloud.points[i].x() > 0 || i % 400 == 0) thin.points.push_back(cloud.points[i]);
+  const std::vector<std::uint8_t> kept = parts_of_surfaces(thin.points, KdTree(thin.points), 6);
+  EXPECT_LT(std::count(kept.begin(), kept.end(), 0), 25);
+}
+
+}  // namespace
+}  // namespace dynasurf
