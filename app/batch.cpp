@@ -12,6 +12,7 @@
 #include "dynasurf/io/study_search.hpp"
 
 #include "batch_run.hpp"
+#include "cloud_search.hpp"
 #include "cohort_tables.hpp"
 #include "command.hpp"
 #include "console.hpp"
@@ -68,8 +69,11 @@ std::string left_out_text(const StudySearch& found, const fs::path& folder) {
 StudyList search(const Arguments& a, const std::stop_token& stop) {
   const fs::path folder = fs::weakly_canonical(a.input), cohort = fs::weakly_canonical(a.cohort);
   if (cohort == folder) throw OptionError("--out " + a.cohort + ": is the folder of the studies; expected another");
+  const bool clouds = a.command == "cloud";
   StudySearch found;
-  run_with_progress(a.quiet, stop, [&](const Progress& progress) { found = search_studies(folder, progress); });
+  run_with_progress(a.quiet, stop, [&](const Progress& progress) {
+    found = clouds ? search_clouds(folder, progress) : search_studies(folder, progress);
+  });
   // Results may stand below the folder of the studies: they are none.
   const auto is_own = [&](const fs::path& file) {
     const fs::path inside = file.lexically_relative(cohort);
@@ -78,8 +82,9 @@ StudyList search(const Arguments& a, const std::stop_token& stop) {
   std::erase_if(found.studies, [&](const auto& study) { return is_own(study.files.front()); });
   std::erase_if(found.left_out, [&](const auto& file) { return is_own(file.file); });
   if (found.studies.empty())
-    throw InputError(a.input + ": holds no gated heart study; " + std::to_string(found.left_out.size()) +
-                     " images are of another kind; expected gated short-axis studies");
+    throw InputError(clouds ? a.input + ": holds no cloud; expected files such as .ply, .xyz, .las or .stl"
+                            : a.input + ": holds no gated heart study; " + std::to_string(found.left_out.size()) +
+                                  " images are of another kind; expected gated short-axis studies");
   write_file(cohort / "left_out.tsv", left_out_text(found, folder));
   if (!a.quiet)
     print(std::to_string(found.studies.size()) + " studies found, " + std::to_string(found.left_out.size()) +

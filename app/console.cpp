@@ -16,6 +16,7 @@
 
 #include "dynasurf/core/error.hpp"
 
+#include "slicer.hpp"
 #include "utf8.hpp"
 
 namespace dynasurf::app {
@@ -113,6 +114,7 @@ ProgressLine::ProgressLine(bool quiet) : quiet_(quiet), terminal_(::isatty(STDER
 ProgressLine::~ProgressLine() { finish(); }
 
 void ProgressLine::operator()(std::string_view stage, int done, int total) {
+  tell_slicer(stage, done, total);
   if (quiet_) return;
   print_live(std::string(stage) + " " + std::to_string(done) + "/" + std::to_string(total), terminal_);
   open_ = terminal_;

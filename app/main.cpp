@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -5,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -18,6 +20,7 @@
 #include "interrupt.hpp"
 #include "last_words.hpp"
 #include "memory_argument.hpp"
+#include "slicer.hpp"
 #include "version.hpp"
 
 namespace dynasurf::app {
@@ -63,8 +66,15 @@ ExitCode run(int argc, char** argv, const std::stop_token& stop) {
   std::string memory;
   add_memory_limit(program, memory);
 
+  std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  if (asks_for_slicer_description(words)) {
+    print(slicer_description(*program.get_subcommand(words[0])));
+    return done;
+  }
+  const SlicerCall slicer(words);
   try {
-    program.parse(argc, argv);
+    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    program.parse(words);
   } catch (const CLI::CallForHelp&) {
     print(program.help());  // of the command, where one was given
     return done;
@@ -76,7 +86,9 @@ ExitCode run(int argc, char** argv, const std::stop_token& stop) {
   }
   const MemoryLimit limit(memory.empty() ? default_memory_limit() : memory_from_text(memory));
   cause_debug_fault();
-  return chosen(stop);
+  const ExitCode code = chosen(stop);
+  slicer.write_returned(program);
+  return code;
 }
 
 /// InputError and IoError tell everything themselves; what the standard library throws does not.

@@ -18,6 +18,23 @@ docs_options() {
   done
 }
 
+# The pages of the Python module and its notebooks with their results, where the module was built.
+docs_python() {
+  local package=$PWD/build/release/python
+  if [ ! -d $package/dynasurf ]; then
+    say "no Python module in $package: its pages are left out"
+    return
+  fi
+  PYTHONPATH=$package /usr/bin/python3 tools/python_pages.py $docs_pages
+}
+docs_notebooks() {
+  if /usr/bin/python3 -c "import nbclient, nbconvert, ipykernel, matplotlib" 2>/dev/null && [ -f $docs_pages/python-api.md ]; then
+    PYTHONPATH=$PWD/build/release/python /usr/bin/python3 tools/notebook_pages.py build/docs/notebooks
+  else
+    say "the notebooks are not shown: python3-nbclient, python3-nbconvert, python3-ipykernel or python3-matplotlib is missing"
+  fi
+}
+
 do_docs() {
   # The program only prints the manual of options: DYNASURF_PROGRAM names one that is already built.
   local program_of_docs=${DYNASURF_PROGRAM:-$program}
@@ -30,8 +47,10 @@ do_docs() {
   docs_options "$program_of_docs" >$docs_pages/manual-of-options.md
   python3 tools/schema_page.py docs/results.schema.json >$docs_pages/results-schema.md
   python3 tools/schema_page.py docs/cloud-results.schema.json >$docs_pages/cloud-results-schema.md
+  docs_python || fail "the pages of the Python module were not made"
   DYNASURF_VERSION=$("$program_of_docs" --version | grep -o '[0-9.]*' | head -n 1) doxygen docs/Doxyfile ||
     fail "doxygen failed; build/docs-warnings.log tells more"
+  docs_notebooks || fail "a notebook did not run"
   say "$(wc -l <build/docs-warnings.log) warnings in build/docs-warnings.log"
   say "open $PWD/build/docs/index.html"
 }

@@ -70,6 +70,8 @@ def core():
             lines.append(f"{told[0]}{property_type(owner, told[1])}: ...")
         elif line.startswith("    def from_nibabel("):
             lines += ["    @staticmethod", signature("from_nibabel", owner.from_nibabel, "    ")]
+        elif line.startswith("    def to_fill("):
+            lines += ["    @staticmethod", "    def to_fill(shape: Any, spacing: Any = ..., affine: Any = ...) -> Tuple[Any, numpy.ndarray]: ..."]
         elif added:
             method = inspect.getattr_static(owner, added[1])
             names = [*inspect.signature(method).parameters]

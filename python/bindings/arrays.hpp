@@ -20,12 +20,18 @@ namespace dynasurf::python {
 template <class T>
 using Numbers = py::array_t<T, py::array::c_style | py::array::forcecast>;
 
-/// A read-only NumPy view of memory that `owner` keeps alive.
+/// A NumPy array of memory that `owner` keeps alive.
 template <class T, class Owner>
-py::array view_of(const T* data, std::vector<py::ssize_t> shape, std::shared_ptr<Owner> owner) {
+py::array writable_view_of(const T* data, std::vector<py::ssize_t> shape, std::shared_ptr<Owner> owner) {
   using Kept = std::shared_ptr<const void>;
   const py::capsule base(new Kept(std::move(owner)), [](void* kept) { delete static_cast<Kept*>(kept); });
-  py::array_t<T> view(std::move(shape), data, base);
+  return py::array_t<T>(std::move(shape), data, base);
+}
+
+/// The same, read-only.
+template <class T, class Owner>
+py::array view_of(const T* data, std::vector<py::ssize_t> shape, std::shared_ptr<Owner> owner) {
+  py::array view = writable_view_of(data, std::move(shape), std::move(owner));
   view.attr("flags").attr("writeable") = false;
   return view;
 }

@@ -20,6 +20,8 @@ void bind_ventricle(py::module_& module);
 void bind_cloud(py::module_& module);
 void bind_io(py::module_& module);
 void bind_synthetic(py::module_& module);
+/// The rotating camera of the same room.
+void bind_camera(py::module_& module);
 /// The last stages of the ventricle: fitting and measuring walls.
 void bind_walls(py::module_& module);
 

@@ -111,11 +111,24 @@ std::shared_ptr<Volume<T>> volume_from(const Numbers<T>& array, const py::object
   return volume;
 }
 
+/// A volume of zeros and the one array through which it can be written.
+template <class T>
+py::tuple volume_to_fill(Index3 shape, const py::object& spacing, const py::object& affine) {
+  for (const int side : shape)
+    if (side < 1) throw OptionError("shape has a side below 1; expected (z, y, x)");
+  auto volume = std::make_shared<Volume<T>>(grid_from({shape[2], shape[1], shape[0]}, spacing, affine));
+  return py::make_tuple(volume, writable_view_of(volume->values.data(), {shape[0], shape[1], shape[2]}, volume));
+}
+
 template <class T>
 void bind_volume(py::module_& module, const char* name, const char* doc) {
   using V = Volume<T>;
   py::class_<V, std::shared_ptr<V>>(module, name, doc)
       .def(py::init(&volume_from<T>), needed("array"), py::arg("spacing") = py::none(), py::arg("affine") = py::none())
+      .def_static("to_fill", &volume_to_fill<T>, needed("shape"), py::arg("spacing") = py::none(),
+                  py::arg("affine") = py::none(),
+                  "A volume of zeros and a writable array (z, y, x) of its own memory, for work without a copy. Write "
+                  "before others use it.")
       .def_property_readonly(
           "array", [](const std::shared_ptr<V>& v) { return view_of_volume(*v, v); },
           "Values, (z, y, x): a read-only view of the volume's own memory.")

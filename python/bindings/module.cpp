@@ -15,6 +15,7 @@ PYBIND11_MODULE(_core, module) {
   bind_dynamics(module);
   bind_io(module);
   bind_synthetic(module);
+  bind_camera(module);
   bind_ventricle(module);
   bind_cloud(module);
   module.def("wait_for_abandoned", &wait_for_abandoned, "Waits for work that was asked to stop and has not ended.");

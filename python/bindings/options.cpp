@@ -12,6 +12,7 @@
 #include "dynasurf/field/edge_map.hpp"
 #include "dynasurf/field/gvf.hpp"
 #include "dynasurf/image/edges.hpp"
+#include "dynasurf/synthetic/camera_options.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/options.hpp"
 #include "dynasurf/ventricle/options.hpp"
@@ -222,6 +223,13 @@ void add_others(Catalog& all) {
   all.add<Tags>("synthetic.Tags");
   all.add<VirtualPatient>("synthetic.VirtualPatient");
   all.add<Organ>("synthetic.Organ");
+  all.add<Collimator>("synthetic.Collimator");
+  all.add<Acquisition>("synthetic.Acquisition");
+  all.add<Fbp>("synthetic.Fbp");
+  all.add<Osem>("synthetic.Osem");
+  all.add<Reorientation>("synthetic.Reorientation");
+  all.add<CameraHeart>("synthetic.CameraHeart");
+  all.add<CameraPhantom>("synthetic.CameraPhantom");
 }
 
 const Catalog& catalog() {

@@ -1,10 +1,20 @@
 """Phantoms: studies and clouds with known truth, made by code."""
 
 from . import _core
-from ._core import Phantom, TrueGate
+from ._core import CameraStudy, Phantom, Projections, TrueGate
 from ._options import classes_of, text_of, text_of_method
+from ._progress import progress_of
 
-__all__ = ["Phantom", "TrueGate", "make_cloud", "make_phantom", *(_found := classes_of("synthetic"))]
+__all__ = [
+    "CameraStudy",
+    "Phantom",
+    "Projections",
+    "TrueGate",
+    "make_camera_study",
+    "make_cloud",
+    "make_phantom",
+    *(_found := classes_of("synthetic")),
+]
 globals().update(_found)
 
 _KINDS = tuple(
@@ -39,6 +49,35 @@ def make_phantom(options, *, threads=0):
     dynasurf/synthetic/phantoms.hpp
     """
     return _core.make_phantom(text_of_method(options, "synthetic.VirtualPatient", _KINDS), threads)
+
+
+def make_camera_study(options=None, *, progress=None, threads=0, **members):
+    """A virtual patient seen by a rotating gamma camera: projections, reconstructed, cut along the heart's axes.
+
+    Parameters
+    ----------
+    options : CameraPhantom, optional
+    progress, threads
+        As of `dynasurf.ventricle.reconstruct`.
+    **members
+        Members of CameraPhantom by name: ``reconstruction="fbp", seed=3``.
+
+    Returns
+    -------
+    CameraStudy
+
+    Raises
+    ------
+    OptionError
+        For an option out of range.
+
+    See Also
+    --------
+    dynasurf/synthetic/camera.hpp
+    """
+    text = text_of(options, "synthetic.CameraPhantom", members)
+    with progress_of(progress) as tell:
+        return _core.make_camera_study(text, tell, threads)
 
 
 def make_cloud(options=None, **members):

@@ -4,8 +4,11 @@ from typing import Any, Callable, Dict, List, Literal, Optional, Tuple, Union
 from . import synthetic as _synthetic
 from ._options import Options as _Options
 from ._core import PointCloud as PointCloud
+from ._core import CameraStudy as CameraStudy
 from ._core import Phantom as Phantom
+from ._core import Projections as Projections
 from ._core import TrueGate as TrueGate
+def make_camera_study(options: Any = ..., *, progress: Any = ..., threads: Any = ..., **members: Any) -> CameraStudy: ...
 def make_cloud(options: Any = ..., **members: Any) -> PointCloud: ...
 def make_phantom(options: Any, *, threads: Any = ...) -> Phantom: ...
 
@@ -184,3 +187,94 @@ class Organ(_Options):
     lattice: _synthetic.Lattice
     noise: _synthetic.Noise
     def __init__(self, *, shape: Literal['liver', 'prostate'] = ..., volume_ml: float = ..., values: Literal['grey', 'labels'] = ..., inside: float = ..., outside: float = ..., neighbour: float = ..., fwhm_mm: float = ..., pose: _synthetic.Pose = ..., lattice: _synthetic.Lattice = ..., noise: _synthetic.Noise = ...) -> None: ...
+
+class Collimator(_Options):
+    hole_mm: float
+    septum_mm: float
+    length_mm: float
+    intrinsic_mm: float
+    def __init__(self, *, hole_mm: float = ..., septum_mm: float = ..., length_mm: float = ..., intrinsic_mm: float = ...) -> None: ...
+
+class Acquisition(_Options):
+    collimator: Literal['lehr', 'legp', 'czt', 'own']
+    own_collimator: _synthetic.Collimator
+    views: int
+    start_deg: float
+    arc_deg: float
+    orbit: Literal['circular', 'body_contour']
+    radius_mm: float
+    gap_mm: float
+    size: int
+    bin_mm: float
+    oversampling: int
+    attenuation: bool
+    scatter: float
+    scatter_slope_per_cm: float
+    million_counts: float
+    is_noisy: bool
+    rejected_percent: float
+    breathing_mm: float
+    move_x_mm: float
+    move_y_mm: float
+    move_z_mm: float
+    move_at: float
+    def __init__(self, *, collimator: Literal['lehr', 'legp', 'czt', 'own'] = ..., own_collimator: _synthetic.Collimator = ..., views: int = ..., start_deg: float = ..., arc_deg: float = ..., orbit: Literal['circular', 'body_contour'] = ..., radius_mm: float = ..., gap_mm: float = ..., size: int = ..., bin_mm: float = ..., oversampling: int = ..., attenuation: bool = ..., scatter: float = ..., scatter_slope_per_cm: float = ..., million_counts: float = ..., is_noisy: bool = ..., rejected_percent: float = ..., breathing_mm: float = ..., move_x_mm: float = ..., move_y_mm: float = ..., move_z_mm: float = ..., move_at: float = ...) -> None: ...
+
+class Fbp(_Options):
+    window: Literal['ramp', 'butterworth', 'hann']
+    cutoff_per_cm: float
+    order: float
+    def __init__(self, *, window: Literal['ramp', 'butterworth', 'hann'] = ..., cutoff_per_cm: float = ..., order: float = ...) -> None: ...
+
+class Osem(_Options):
+    iterations: int
+    subsets: int
+    attenuation: bool
+    scatter: bool
+    resolution: bool
+    filter_fwhm_mm: float
+    def __init__(self, *, iterations: int = ..., subsets: int = ..., attenuation: bool = ..., scatter: bool = ..., resolution: bool = ..., filter_fwhm_mm: float = ...) -> None: ...
+
+class Reorientation(_Options):
+    size: int
+    slices: int
+    axis_error_deg: float
+    axis_error_towards_deg: float
+    def __init__(self, *, size: int = ..., slices: int = ..., axis_error_deg: float = ..., axis_error_towards_deg: float = ...) -> None: ...
+
+class CameraHeart(_Options):
+    edv_ml: float
+    ef_percent: float
+    wall_ml: float
+    length_to_width: float
+    base_excursion_mm: float
+    gates: int
+    heart_rate_bpm: float
+    cavity: float
+    background: float
+    defect: Literal['none', 'inferior', 'lateral', 'apical', 'anteroapical', 'septal']
+    defect_extent_deg: float
+    defect_severity: float
+    late_wall: Literal['none', 'inferior', 'lateral', 'apical', 'anteroapical', 'septal']
+    late_extent_deg: float
+    delay_percent: float
+    gut_amplitude: float
+    gut_gap_mm: float
+    gut_radius_mm: float
+    gut_position: float
+    right_ventricle: float
+    irregular: _synthetic.Irregularity
+    tags: _synthetic.Tags
+    torso: _synthetic.Torso
+    azimuth_deg: float
+    elevation_deg: float
+    def __init__(self, *, edv_ml: float = ..., ef_percent: float = ..., wall_ml: float = ..., length_to_width: float = ..., base_excursion_mm: float = ..., gates: int = ..., heart_rate_bpm: float = ..., cavity: float = ..., background: float = ..., defect: Literal['none', 'inferior', 'lateral', 'apical', 'anteroapical', 'septal'] = ..., defect_extent_deg: float = ..., defect_severity: float = ..., late_wall: Literal['none', 'inferior', 'lateral', 'apical', 'anteroapical', 'septal'] = ..., late_extent_deg: float = ..., delay_percent: float = ..., gut_amplitude: float = ..., gut_gap_mm: float = ..., gut_radius_mm: float = ..., gut_position: float = ..., right_ventricle: float = ..., irregular: _synthetic.Irregularity = ..., tags: _synthetic.Tags = ..., torso: _synthetic.Torso = ..., azimuth_deg: float = ..., elevation_deg: float = ...) -> None: ...
+
+class CameraPhantom(_Options):
+    heart: _synthetic.CameraHeart
+    arms_down: bool
+    acquisition: _synthetic.Acquisition
+    reconstruction: Union[_synthetic.Fbp, _synthetic.Osem, str]
+    reorientation: _synthetic.Reorientation
+    seed: int
+    def __init__(self, *, heart: _synthetic.CameraHeart = ..., arms_down: bool = ..., acquisition: _synthetic.Acquisition = ..., reconstruction: Union[_synthetic.Fbp, _synthetic.Osem, str] = ..., reorientation: _synthetic.Reorientation = ..., seed: int = ...) -> None: ...

@@ -18,6 +18,36 @@ def test_a_volume_is_seen_where_it_lies():
     assert image.array[1, 2, 3] == 23
 
 
+def test_a_volume_is_filled_without_a_copy(ball):
+    """The array that was written is the memory that stages read and results show."""
+    image, array = ds.Image.to_fill(ball.array.shape, affine=ball.affine)
+    assert address(array) == address(image.array) and array.dtype == np.float32 and not array.any()
+    array[...] = ball.array
+    assert np.array_equal(image.array, ball.array) and not image.array.flags.writeable
+    found = ds.image.detect_edges(image).edges.array
+    assert found.any() and np.array_equal(found, ds.image.detect_edges(ball).edges.array)
+
+
+def test_an_array_to_fill_outlives_its_volume():
+    array = ds.Mask.to_fill((3, 40, 50), spacing=(1, 1, 1))[1]
+    gc.collect()
+    array[...] = 7
+    assert array.sum() == 7 * array.size
+
+
+@pytest.mark.parametrize("shape", [(0, 4, 5), (3, -1, 5)])
+def test_a_volume_to_fill_has_voxels(shape):
+    with pytest.raises(ds.OptionError, match="expected"):
+        ds.Image.to_fill(shape, spacing=(1, 1, 1))
+
+
+def test_arrays_go_through_a_stage_and_a_friend_without_a_copy(ball):
+    nibabel = pytest.importorskip("nibabel")
+    assert address(np.asanyarray(ball.to_nibabel().dataobj)) == address(ball.array) and nibabel
+    mesh = ds.mesh.start_mesh(ball, 1)
+    assert address(mesh.vertices) == address(np.asarray(mesh.vertices, dtype="f8"))
+
+
 def test_mesh_arrays_are_views_of_the_mesh():
     mesh = ds.mesh.icosphere(2)
     assert address(mesh.vertices) == address(mesh.vertices) and address(mesh.triangles) == address(mesh.triangles)

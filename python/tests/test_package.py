@@ -79,3 +79,14 @@ def test_the_module_has_no_name_of_the_libraries_outside():
 
     names = subprocess.run(["nm", "-D", "--defined-only", _core.__file__], capture_output=True, text=True).stdout
     assert "PyInit__core" in names and "reconstruct" not in names
+
+
+def test_every_public_name_has_its_place_on_a_page(tmp_path):
+    tool = pathlib.Path(os.environ.get("DYNASURF_SOURCE", "."), "tools/python_pages.py")
+    if not tool.is_file():
+        pytest.skip("the sources are not there")
+    subprocess.run([sys.executable, tool, tmp_path], check=True, cwd=tool.parents[1])
+    for room in ROOMS:
+        text = (tmp_path / f"python-{room}.md").read_text()
+        for name in set(getattr(ds, room).__all__) - set(ds.__all__):
+            assert f"\n## {name}" in text, f"{room}.{name}"

@@ -279,6 +279,46 @@ class Search(BatchTest):
                 self.assertNotIn(b"DOE^JANE", path.read_bytes(), path)
 
 
+class Clouds(BatchTest):
+    def setUp(self):
+        super().setUp()
+        self.scans = self.folder / "scans"
+        (self.scans / "second").mkdir(parents=True)
+        for shape, place in (("vase", "vase.ply"), ("sphere", "second/SPHERE.PLY")):
+            made = run("phantom", "cloud", "--out", self.folder / shape, "--quiet", "--set", f"shape={shape}", "--set", "points=3000")
+            self.assertEqual(made.returncode, 0, made.stderr)
+            shutil.copy(self.folder / shape / "cloud.ply", self.scans / place)
+        (self.scans / "bad.xyz").write_text("no points\n")
+        (self.scans / "letter.txt").write_text("no points either\n")
+        (self.scans / "photo.jpg").write_bytes(b"\xff\xd8")
+
+    def test_a_folder_of_clouds_becomes_a_cohort(self):
+        cohort = self.folder / "cohort"
+        done = self.batch(self.scans, "--out", cohort, "--command", "cloud", "--", "--triangles", "320")
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("3 studies found, 1 files left out", done.stdout)
+        self.assertEqual([row["path"] for row in rows_of(cohort / "left_out.tsv")], ["letter.txt"])
+        by_name = {pathlib.Path(row["path"]).name: row["id"] for row in rows_of(cohort / "inputs.tsv")}
+        self.assertEqual(sorted(by_name), ["SPHERE.PLY", "bad.xyz", "vase.ply"])
+        self.assertIn("bad.xyz: line 1", status_of(cohort)[by_name["bad.xyz"]]["reason"])
+        rows = {row["id"]: row for row in rows_of(cohort / "tables" / "studies.tsv")}
+        for name in ("SPHERE.PLY", "vase.ply"):
+            path = next(p for p in (self.scans / name, self.scans / "second" / name) if p.exists())
+            alone = self.folder / f"alone-{name}"
+            self.assertEqual(run("cloud", path, "--out", alone, "--quiet", "--no-timings", "--triangles", "320").returncode, 0)
+            theirs, ours = (self.read_json(f / "results.json") for f in (result_of(cohort, by_name[name]), alone))
+            self.assertEqual(theirs["levels"], ours["levels"])
+            self.assertEqual((rows[by_name[name]]["state"], rows[by_name[name]]["watertight"]), ("done", "1"))
+        again = self.batch(self.scans, "--out", cohort, "--command", "cloud", "--", "--triangles", "320")
+        self.assertIn("0 run now", again.stdout)
+
+    def test_a_folder_without_clouds_is_told(self):
+        empty = self.folder / "empty"
+        empty.mkdir()
+        done = self.batch(empty, "--out", self.folder / "none", "--command", "cloud")
+        self.assertEqual((done.returncode, "holds no cloud; expected files" in done.stderr), (2, True), done.stderr)
+
+
 class Collect(BatchTest):
     @functools.cached_property
     def cohort(self):

@@ -1,0 +1,52 @@
+#include "cloud_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
+
+#include "dynasurf/core/error.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_files = 1'000'000;
+
+bool ends_as_one_of(const fs::path& file, std::initializer_list<std::string_view> endings) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+
+std::vector<fs::path> files_below(const fs::path& folder, const Progress& progress) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  fs::recursive_directory_iterator entry(folder, error);
+  for (const fs::recursive_directory_iterator end; !error && entry != end; entry.increment(error)) {
+    progress.check();
+    std::error_code unreadable;
+    if (entry->is_regular_file(unreadable)) files.push_back(entry->path());
+    if (files.size() > most_files)
+      throw InputError(folder.string() + ": holds more than a million files; expected fewer, or a table of clouds");
+  }
+  if (error) throw IoError(folder.string() + ": cannot be listed: " + error.message());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+StudySearch search_clouds(const fs::path& folder, const Progress& progress) {
+  StudySearch found;
+  for (const fs::path& file : files_below(folder, progress)) {
+    if (ends_as_one_of(file, {".ply", ".xyz", ".asc", ".pts", ".pwn", ".obj", ".off", ".las", ".stl"}))
+      found.studies.push_back({{file}});
+    else if (ends_as_one_of(file, {".txt", ".csv"}))
+      found.left_out.push_back({file, "may be any text; a table of clouds names those that are points"});
+  }
+  return found;
+}
+
+}  // namespace dynasurf::app
