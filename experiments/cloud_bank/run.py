@@ -24,6 +24,8 @@ CONDITIONS = {"clean": (20000, 0, 0, 0), "sparse": (4000, 0, 0, 0), "noise": (20
 MEASURES = {"points_off_percent": 1, "points_off_mean_ratio": 1, "points_left_out_percent": 1, "biased_percent": 1, "made_up_percent": 1,
             "made_up_largest_percent": 1, "turned_percent": 1, "thin_percent": 1, "firm_percent": -1}
 REFERENCE = 80000
+# The bodies whose scans were looked at when the limits of the program were set.
+CHOSEN_ON = ("phantom ", "rounded box ", "bowl 0.15")
 
 
 def read_ply(path):
@@ -151,18 +153,17 @@ def share(count, of):
     return f"{count} of {of} ({100 * count / max(of, 1):.0f} %)"
 
 
-def summary(rows, names):
-    half = {name: n % 2 for n, name in enumerate(names)}
+def summary(rows):
     lines = ["| | scans | wrong | of them not ok | right | of them flagged |", "|---|---|---|---|---|---|"]
     tell = lambda label, some: lines.append(
         f"| {label} | {len(some)} | {sum(map(bool, wrongs(some)))} | " +
         share(sum(w and r["verdict"] != "ok" for w, r in zip(wrongs(some), some)), sum(map(bool, wrongs(some)))) +
         f" | {sum(not w for w in wrongs(some))} | " +
         share(sum(not w and r["verdict"] != "ok" for w, r in zip(wrongs(some), some)), sum(not w for w in wrongs(some))) + " |")
-    tell("bodies the limits were chosen on", [r for r in rows if half[r["body"]] == 0])
-    tell("the others", [r for r in rows if half[r["body"]] == 1])
+    tell("bodies the limits were chosen on", [r for r in rows if r["body"].startswith(CHOSEN_ON)])
+    tell("the others", [r for r in rows if not r["body"].startswith(CHOSEN_ON)])
     for condition in CONDITIONS:
-        tell(f"the others, {condition}", [r for r in rows if half[r["body"]] == 1 and r["condition"] == condition])
+        tell(f"the others, {condition}", [r for r in rows if not r["body"].startswith(CHOSEN_ON) and r["condition"] == condition])
     return lines
 
 
@@ -170,10 +171,9 @@ def wrongs(rows):
     return [bool(r.get("wrong", ["refused"])) for r in rows]
 
 
-def limits(rows, names):
+def limits(rows):
     """Of each measure, on the bodies to choose on: what 99 % of the right scans stay within, and how many wrong ones do not."""
-    half = {name: n % 2 for n, name in enumerate(names)}
-    chosen = [r for r in rows if half[r["body"]] == 0 and "support" in r]
+    chosen = [r for r in rows if r["body"].startswith(CHOSEN_ON) and "support" in r]
     right, wrong = [r for r in chosen if not r["wrong"]], [r for r in chosen if r["wrong"]]
     lines = []
     for measure, sign in MEASURES.items():
@@ -197,7 +197,7 @@ def main():
     parser.add_argument("--limits", action="store_true", help="tell what limits the bodies to choose on ask for")
     parser.add_argument("--out", type=pathlib.Path, help="write the table here")
     arguments = parser.parse_args()
-    version = subprocess.run([arguments.program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
+    version = subprocess.run([arguments.program, "--version"], capture_output=True, text=True, check=True).stdout.splitlines()[0]
     source = b"".join((HERE / name).read_bytes() for name in ("bodies.py", "run.py"))
     stamp = f"{version}, bank {hashlib.sha256(source).hexdigest()[:12]}"
     rows = [json.loads(line) for line in arguments.rows.read_text().splitlines()] if arguments.rows.exists() else []
@@ -205,7 +205,6 @@ def main():
         sys.exit(f"{arguments.rows}: holds rows of another program or bank; expected those of {stamp}")
     # Mixed, so that a run that was stopped early has bodies of all kinds.
     everything = sorted(all_bodies(arguments), key=lambda body: hashlib.sha256(body[0].encode()).hexdigest())
-    names = [name for name, _, _ in everything]
     done = {(row["body"], row["condition"]) for row in rows}
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool, arguments.rows.open("a") as file:
         asked = []
@@ -219,9 +218,9 @@ def main():
                 file.write(json.dumps(row) + "\n")
             file.flush()
             print(f"{len(rows)} scans", file=sys.stderr)
-    text = "\n".join([stamp, f"{len({r['body'] for r in rows})} bodies, {len(rows)} scans", ""] + summary(rows, names))
+    text = "\n".join([stamp, f"{len({r['body'] for r in rows})} bodies, {len(rows)} scans", ""] + summary(rows))
     if arguments.limits:
-        text += "\n\n" + "\n".join(limits(rows, names))
+        text += "\n\n" + "\n".join(limits(rows))
     print(text)
     if arguments.out:
         arguments.out.write_text(text + "\n")

@@ -97,7 +97,8 @@ class Cloud(CliTest):
         results = self.read_json(self.folder / "r" / "results.json")
         self.assertEqual(results["verdict"], "check")
         self.assertTrue(results["watertight"])
-        self.assertGreater(results["support"]["made_up_percent"], 30)
+        # What closes half of an ellipsoid comes back flat: about its middle section.
+        self.assertGreater(results["support"]["made_up_percent"], 10)
         self.assertIn("property float confidence", ply_header(self.folder / "r" / "meshes" / "level1.ply"))
         self.assertIn("_CONFIDENCE", glb_json(self.folder / "r" / "levels.glb")["meshes"][0]["primitives"][0]["attributes"])
         strict = run("cloud", half, "--out", self.folder / "s", "--triangles", "640", "--strict")
@@ -122,7 +123,8 @@ class Cloud(CliTest):
                              "stl,obj,off,vtp,glb").returncode, 0)
         self.assertEqual(sorted(path.name for path in (out / "meshes").iterdir()),
                          ["level1.glb", "level1.obj", "level1.off", "level1.stl", "level1.vtp"])
-        self.assertEqual(glb_json(out / "meshes" / "level1.glb")["accessors"][2]["count"], 3 * 160)
+        gltf = glb_json(out / "meshes" / "level1.glb")
+        self.assertEqual(gltf["accessors"][gltf["meshes"][0]["primitives"][0]["indices"]]["count"], 3 * 160)
 
     def test_carries_the_colours_of_the_points_to_the_meshes(self):
         rows = run("phantom", "cloud", "--out", self.folder / "scan", "--set", "points=1000")
@@ -212,7 +214,7 @@ class Cloud(CliTest):
         for name, text, says in (("few.xyz", "0 0 0\n1 0 0\n0 1 0\n", "few.xyz"),
                                  ("flat.xyz", "".join(f"{x} {y} 0\n" for x in range(9) for y in range(9)), "plane"),
                                  ("cut.ply", small_scan().read_bytes()[:5000], "cut.ply"),
-                                 ("words.xyz", "1 2 3\none two three\n", "line 2"), ("scan.e57", "x", "unknown kind")):
+                                 ("words.xyz", "1 2 3\none two three\n", "line 2"), ("scan.e57", "x", "E57 is not read"), ("scan.bin", "x", "unknown kind")):
             path = self.folder / name
             path.write_bytes(text if isinstance(text, bytes) else text.encode())
             self.refuses(2, "cloud", path, "--out", out, "--quiet", says=says)

@@ -77,11 +77,14 @@ INSTANTIATE_TEST_SUITE_P(Shapes, OrientOf,
                          [](const auto& one) { return std::string(word_of(one.param)); });
 
 TEST(Orient, TakesNormalsThatAreGiven) {
-  PointCloud inward = scan(CloudShape::sphere);
-  for (Vec3& n : inward.normals) n *= -2;
-  const OrientedPoints o = orient(inward, true);
-  for (std::size_t i = 0; i < o.points.size(); ++i) EXPECT_LT(o.normals[i].dot(o.points[i]), 0);
-  EXPECT_GT(orient(inward, false).normals[0].dot(inward.points[0]), 0);
+  PointCloud given = scan(CloudShape::sphere);
+  for (Vec3& n : given.normals) n = 2 * (n + 0.5 * n.cross(Vec3::UnitZ()));
+  const OrientedPoints o = orient(given, true);
+  for (std::size_t i = 0; i < o.points.size(); ++i)
+    EXPECT_LT((o.normals[i] - given.normals[i].normalized()).norm(), 1e-12);
+  for (Vec3& n : given.normals) n = -n;
+  const OrientedPoints turned = orient(given, true);  // they pointed into what they enclose
+  for (std::size_t i = 0; i < o.points.size(); ++i) EXPECT_EQ(turned.normals[i], o.normals[i]);
 }
 
 /// The lower half of the vase: a pot whose two sides hang together nowhere.

@@ -148,7 +148,8 @@ TEST(Outliers, ThinlyScannedSurfaceStays) {
   for (std::size_t i = 0; i < cloud.points.size(); ++i)
     if (cloud.points[i].x() > 0 || i % 400 == 0) thin.points.push_back(cloud.points[i]);
   const std::vector<std::uint8_t> kept = parts_of_surfaces(thin.points, KdTree(thin.points), 6);
-  EXPECT_LT(std::count(kept.begin(), kept.end(), 0), 25);
+  // Some 125 points see that half. Those at its rim have neighbours of the other alone, and a few of them go.
+  EXPECT_LT(std::count(kept.begin(), kept.end(), 0), 40);
 }
 
 }  // namespace

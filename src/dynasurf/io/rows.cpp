@@ -34,7 +34,9 @@ struct Columns {
 /// "1,5" with a point, as tables of some countries have between semicolons; other cells as they are.
 std::string_view with_point(std::string_view cell, char separator, std::string& room) {
   const std::size_t comma = separator == ';' ? cell.find(',') : std::string_view::npos;
-  if (comma == std::string_view::npos || cell.find('.') != std::string_view::npos) return cell;
+  if (comma == std::string_view::npos || cell.find_first_of(".,", comma + 1) != std::string_view::npos ||
+      cell.find('.') != std::string_view::npos)
+    return cell;
   room = cell;
   room[comma] = '.';
   return room;
