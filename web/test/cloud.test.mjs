@@ -111,6 +111,7 @@ const tests = {
 
   async "draws the cloud and the levels, and turns them together"(open) {
     const page = await open("ok");
+    await page.setViewportSize({ width: 1400, height: 1900 });  // both views without scrolling
     assert.equal(await page.locator(".tile-label").count(), 4);
     const [tiles, morph] = [await shot(page, "#tiles"), await shot(page, "#morph-view")];
     const box = await page.locator("#tiles").boundingBox();
