@@ -66,7 +66,7 @@ struct LodSurface {
   double smallest_coverage = 0;  // part of the screen's height that the object takes when the next level takes over
   /// Written instead of `mesh` and `colours` when it has corners, with its textures as PNG.
   TexturedMesh textured;
-  std::vector<VertexScalar> scalars;  // as the attributes _NAME; not written with textures
+  std::vector<VertexScalar> scalars = {};  // as the attributes _NAME; not written with textures
 };
 /// Levels of detail, finest first, as one binary glTF: a node and mesh per level. The scene shows the finest; its node
 /// names the others by the extension MSFT_lod with their screen coverage, which viewers that do not know it leave
