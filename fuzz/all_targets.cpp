@@ -18,6 +18,8 @@ std::span<const Target> all_targets() {
       Target{"obj", run_obj},
       Target{"off", run_off},
       Target{"las", run_las},
+      Target{"pcd", run_pcd},
+      Target{"ptx", run_ptx},
       Target{"rows", run_rows},
       Target{"tracks", run_tracks},
       Target{"glb", run_glb},

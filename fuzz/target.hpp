@@ -29,6 +29,8 @@ bool run_stl(std::string_view bytes);
 bool run_obj(std::string_view bytes);
 bool run_off(std::string_view bytes);
 bool run_las(std::string_view bytes);
+bool run_pcd(std::string_view bytes);
+bool run_ptx(std::string_view bytes);
 bool run_rows(std::string_view bytes);
 bool run_tracks(std::string_view bytes);
 bool run_glb(std::string_view bytes);

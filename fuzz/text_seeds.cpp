@@ -56,6 +56,24 @@ std::string big_endian_ply() {
   return out + std::string("\3\0\0\0\0\0\0\0\1\0\0\0\2", 13);
 }
 
+/// PCD with two points of every kind of field; `data` is the word after DATA.
+std::string pcd(const std::string& data) {
+  const std::string header =
+      "# .PCD v.7\nVERSION .7\nFIELDS x y z rgb normal_x normal_y normal_z ring\nSIZE 4 4 4 4 4 4 4 2\n"
+      "TYPE F F F F F F F U\nCOUNT 1 1 1 1 1 1 1 2\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA " +
+      data + "\n";
+  if (data == "ascii") return header + "0 0 0 4.2e-39 0 0 1 3 4\n2 0.5 nan 0 0 1 0 5 6\n";
+  const std::string points(2 * 32, '\1');
+  if (data == "binary") return header + points;
+  std::string packed;  // a literal, then copies of it
+  packed += '\3' + points.substr(0, 4);
+  packed += std::string("\xe0\x33\3", 3);
+  std::string sizes;
+  append(sizes, static_cast<std::uint32_t>(packed.size()));
+  append(sizes, static_cast<std::uint32_t>(points.size()));
+  return header + sizes + packed;
+}
+
 /// Options by their path, as --set takes them.
 void add_settings(SeedFolder& seeds, char kind, const OptionNodes& nodes) {
   std::string lines(1, kind);
@@ -104,6 +122,11 @@ void write_mesh_seeds(const fs::path& all) {
   off.add(
       "CNOFF 4 1 0\n# corners\n0 0 0 0 0 1 255 0 0\n2 0.5 0 0 1 0 0 1.0 0\n-2 2 1e-3 -1 0 0 0 0 255 9\n"
       "0 2 4 0.6 0 0.8 10 20 30\n4 0 3 2 1 0.5 0.5 0.5\n");
+  SeedFolder pcd_seeds(all, "pcd"), ptx(all, "ptx");
+  for (const char* data : {"ascii", "binary", "binary_compressed"}) pcd_seeds.add(pcd(data));
+  const std::string pose = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n5 6 7 1\n";
+  ptx.add("2\n1\n" + pose + "1 2 3 0.5 255 0 9\n0 0 0 0.5 0 0 0\n");
+  ptx.add("1\n2\n" + pose + "1 2 3 0.5\n-1 2e-3 3 0.5\n1\n1\n" + pose + "4 5 6 0.1\n");
   for (int format = 0; format <= 10; ++format) las_seeds.add(las(format));
   std::vector<LodSurface> levels(1);
   levels[0].name = "level1";

@@ -1,0 +1,23 @@
+#include "targets/meshes.hpp"
+
+namespace dynasurf::fuzz {
+namespace {
+
+bool decodes(std::string_view bytes, const char* name,
+             TriMesh (*cloud)(const io_detail::MeshFile&, io_detail::VertexData&)) {
+  const io_detail::MeshFile file{name, bytes};
+  return reads(file.name, [&] {
+    io_detail::VertexData data;
+    const TriMesh mesh = cloud(file, data);
+    check_mesh(mesh, false);
+    for (const std::size_t size : {data.normals.size(), data.colours.size(), data.scans.size()})
+      require(size == 0 || size == mesh.vertices.size(), "each list is empty or has one entry per point");
+  });
+}
+
+}  // namespace
+
+bool run_pcd(std::string_view bytes) { return decodes(bytes, "a.pcd", io_detail::decode_pcd); }
+bool run_ptx(std::string_view bytes) { return decodes(bytes, "a.ptx", io_detail::decode_ptx); }
+
+}  // namespace dynasurf::fuzz
