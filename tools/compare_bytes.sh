@@ -17,9 +17,6 @@ wanted=("$@")
 [ ${#wanted[@]} -gt 0 ] || wanted=(gcc-fast gcc-plain clang arm)
 mkdir -p "$work"
 
-# The rules by which Eigen computes are those of the build: CMakeLists.txt.
-mapfile -t eigen < <(grep -o 'EIGEN_[A-Z0-9_]*\(=[0-9]*\)\?' "$root/CMakeLists.txt" | sort -u | sed 's/^/-D/')
-
 # oneTBB for 64-bit ARM, from Debian, unpacked beside the build.
 arm_libraries() {
   local at=$work/arm64 lists
@@ -41,7 +38,7 @@ build() {
   link=("$@")
   local at=$work/$name
   mkdir -p "$at"
-  compile+=(-std=c++20 -DNDEBUG -ffp-contract=off "${eigen[@]}" "-I$root/src" -isystem /usr/include/eigen3)
+  compile+=(-std=c++20 -DNDEBUG -ffp-contract=off "-I$root/src" -isystem /usr/include/eigen3)
   {
     echo "probe: $(for file in $(sources); do object_of "$file"; done | tr '\n' ' ')"
     echo "	${compile[*]} \$^ ${link[*]} -o probe"
