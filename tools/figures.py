@@ -82,10 +82,9 @@ class Patient:
         self.cycle, self.distance, self.edge_edv, self.edge_ef, self.seconds = numbers[16:21]
 
 
-def patients(root, name, kind, first, end):
-    lines = text_of(root, f"unbiased_200/{name}").splitlines()
-    some = [p for p in map(Patient, lines) if p.kind == kind and first <= p.number < end]
-    return [p for p in some if p.edv[1] > 0]
+def held_out(root, kind):
+    rows = map(Patient, text_of(root, "unbiased_200/results.txt").splitlines())
+    return [p for p in rows if p.kind == kind and p.edv[1] > 0]
 
 
 def percent_off(readings):
@@ -109,41 +108,27 @@ GROUPS = {
 }
 
 
-def fit_rows(root, name, kind, label, first, end, with_coverage, groups=tuple(GROUPS)):
-    for group in groups:
-        chosen = GROUPS[group]
-        some = [p for p in patients(root, name, kind, first, end) if chosen(p)]
-        row = [f"{label}, {group}", str(len(some)), mean_and_sd(percent_off([p.edv for p in some])),
+def fit_rows(root, kind, label):
+    for group, chosen in GROUPS.items():
+        some = [p for p in held_out(root, kind) if chosen(p)]
+        yield [f"{label}, {group}", str(len(some)), mean_and_sd(percent_off([p.edv for p in some])),
                mean_and_sd(percent_off([p.esv for p in some])), mean_and_sd(points_off([p.ef for p in some])),
-               mean_and_sd(percent_off([p.wall for p in some])), f"{statistics.mean(p.distance for p in some):.2f}"]
-        if with_coverage:
-            row.append(" / ".join(covered([getattr(p, what) for p in some]) for what in ("edv", "esv", "ef", "wall")))
-        else:
-            row.append(mean_and_sd([100 * (p.edge_edv / p.edv[0] - 1) for p in some]))
-        edge_ef = [p.edge_ef - p.ef[0] for p in some]
-        yield row + [f"{rms(points_off([p.ef for p in some]))} / {rms(edge_ef)}"]
-
-
-FIT_HEADER = ["patients", "n", "EDV %", "ESV %", "EF points", "wall %", "distance mm"]
-RMS = "RMS of EF, fit / edge"
-
-
-def fit_reporting(root):
-    return markdown(FIT_HEADER + ["coverage % of EDV / ESV / EF / wall", RMS],
-                    [*fit_rows(root, "results.txt", "plain", "model", 100, 200, True, ["all"]),
-                     *fit_rows(root, "results.txt", "unlike", "mismatch", 100, 200, True, ["all"])])
+               mean_and_sd(percent_off([p.wall for p in some])), f"{statistics.mean(p.distance for p in some):.2f}",
+               " / ".join(covered([getattr(p, what) for p in some]) for what in ("edv", "esv", "ef", "wall")),
+               mean_and_sd([100 * (p.edge_edv / p.edv[0] - 1) for p in some]),
+               f"{rms(points_off([p.ef for p in some]))} / {rms([p.edge_ef - p.ef[0] for p in some])}"]
 
 
 def fit_held_out(root):
-    return markdown(FIT_HEADER + ["edge EDV %", RMS], [*fit_rows(root, "fresh_250.txt", "plain", "model", 250, 300, False),
-                                              *fit_rows(root, "fresh_250.txt", "unlike", "mismatch", 250, 300, False)])
+    return markdown(["patients", "n", "EDV %", "ESV %", "EF points", "wall %", "distance mm", "coverage % of EDV / ESV / EF / wall",
+                     "edge EDV %", "RMS of EF, fit / edge"], [*fit_rows(root, "plain", "model"), *fit_rows(root, "unlike", "mismatch")])
 
 
 def point_spread(root):
     rows = []
-    for kind, label, first in (("plain", "model, width given exactly", 100), ("unlike", "mismatch, width given 10 % wrong", 100),
-                               ("untold", "model, width not given", 0)):
-        some = [p for p in patients(root, "results.txt", kind, first, 200) if 8 <= p.fwhm[0] < 16]
+    for kind, label in (("plain", "model, width given exactly"), ("unlike", "mismatch, width given 10 % wrong"),
+                        ("untold", "model, width not given")):
+        some = held_out(root, kind)
         rows.append([label, str(len(some)), mean_and_sd(percent_off([p.fwhm for p in some])), covered([p.fwhm for p in some])])
     return markdown(["patients", "n", "estimated width, error %", "coverage %"], rows)
 
@@ -246,7 +231,7 @@ def missing_data(root):
     return markdown(["empty", "published"] + [", ".join(column) for column in order], rows)
 
 
-TABLES = [clouds, division_slice, edge_bias, fit_held_out, fit_reporting, located, missing_data, modalities, point_spread,
+TABLES = [clouds, division_slice, edge_bias, fit_held_out, located, missing_data, modalities, point_spread,
           segments]
 
 
