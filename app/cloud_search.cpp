@@ -41,7 +41,7 @@ std::vector<fs::path> files_below(const fs::path& folder, const Progress& progre
 StudySearch search_clouds(const fs::path& folder, const Progress& progress) {
   StudySearch found;
   for (const fs::path& file : files_below(folder, progress)) {
-    if (ends_as_one_of(file, {".ply", ".xyz", ".asc", ".pts", ".pwn", ".obj", ".off", ".las", ".stl"}))
+    if (ends_as_one_of(file, {".ply", ".xyz", ".asc", ".pts", ".pwn", ".obj", ".off", ".las", ".pcd", ".ptx", ".stl"}))
       found.studies.push_back({{file}});
     else if (ends_as_one_of(file, {".txt", ".csv"}))
       found.left_out.push_back({file, "may be any text; a table of clouds names those that are points"});

@@ -289,6 +289,7 @@ class Clouds(BatchTest):
             self.assertEqual(made.returncode, 0, made.stderr)
             shutil.copy(self.folder / shape / "cloud.ply", self.scans / place)
         (self.scans / "bad.xyz").write_text("no points\n")
+        (self.scans / "bad.PCD").write_text("no points\n")
         (self.scans / "letter.txt").write_text("no points either\n")
         (self.scans / "photo.jpg").write_bytes(b"\xff\xd8")
 
@@ -296,10 +297,10 @@ class Clouds(BatchTest):
         cohort = self.folder / "cohort"
         done = self.batch(self.scans, "--out", cohort, "--command", "cloud", "--", "--triangles", "320")
         self.assertEqual(done.returncode, 3, done.stderr)
-        self.assertIn("3 studies found, 1 files left out", done.stdout)
+        self.assertIn("4 studies found, 1 files left out", done.stdout)
         self.assertEqual([row["path"] for row in rows_of(cohort / "left_out.tsv")], ["letter.txt"])
         by_name = {pathlib.Path(row["path"]).name: row["id"] for row in rows_of(cohort / "inputs.tsv")}
-        self.assertEqual(sorted(by_name), ["SPHERE.PLY", "bad.xyz", "vase.ply"])
+        self.assertEqual(sorted(by_name), ["SPHERE.PLY", "bad.PCD", "bad.xyz", "vase.ply"])
         self.assertIn("bad.xyz: line 1", status_of(cohort)[by_name["bad.xyz"]]["reason"])
         rows = {row["id"]: row for row in rows_of(cohort / "tables" / "studies.tsv")}
         for name in ("SPHERE.PLY", "vase.ply"):
