@@ -113,8 +113,10 @@ bool is_unfinished(const fs::path& manifest) {
          unfinished_manifest_text().starts_with(std::string_view(begin.data(), static_cast<std::size_t>(size)));
 }
 
-/// Whether a folder is one that this program staged or published: nothing in it is anyone else's.
-bool is_ours(const fs::path& folder) { return is_unfinished(folder / manifest_name) || !first_foreign_file(folder); }
+/// What in a folder is not from this program, which staged or published the rest.
+std::optional<ForeignFile> foreign_file_of(const fs::path& folder) {
+  return is_unfinished(folder / manifest_name) ? std::nullopt : first_foreign_file(folder);
+}
 
 void sweep_file(const fs::path& path) {
   const Descriptor file(::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
@@ -126,10 +128,11 @@ void sweep_folder(const fs::path& path, const fs::path& destination) {
   const Descriptor lock(::open((path / manifest_name).c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   if (lock.fd >= 0 && try_lock(lock.fd) != Lock::taken) return;
   if (lock.fd < 0 && errno != ENOENT) return;
-  if (is_ours(path))
-    remove_place(path);
-  else
-    move_aside(path, destination);
+  const std::optional<ForeignFile> foreign = foreign_file_of(path);
+  if (!foreign) return remove_place(path);
+  // What vanishes under our eyes is a former result that the run which replaced it takes away.
+  std::error_code ignored;
+  if (fs::exists(fs::symlink_status(path / foreign->name, ignored))) move_aside(path, destination);
 }
 
 void note(Place& folder, const fs::path& file, std::uint64_t bytes, std::string sha256) {
