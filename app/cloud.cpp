@@ -89,8 +89,7 @@ void add_cloud(CLI::App& program, Command& chosen) {
   command
       ->add_option("CLOUD", a->clouds,
                    "PLY, XYZ, PTS, CSV, PWN, OBJ, OFF, LAS, PCD, PTX file of points, or a surface as STL, PLY, OBJ, "
-                   "OFF; several "
-                   "files are one cloud")
+                   "OFF; several files are one cloud")
       ->required();
   add_result_arguments(*command, a->result, "ply");
   command->add_option("--preset", a->preset,

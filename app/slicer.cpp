@@ -11,6 +11,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
+#include "dynasurf/io/detail/vtk_xml.hpp"
 
 #include "console.hpp"
 #include "version.hpp"
@@ -22,23 +23,8 @@ bool slicer_calls = false;
 
 bool is_described(const std::string& command) { return command == "ventricle" || command == "cloud"; }
 
-std::string in_xml(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else
-      out += c;
-  }
-  return out;
-}
-
 std::string element(const std::string& name, const std::string& text) {
-  return "<" + name + ">" + in_xml(text) + "</" + name + ">\n";
+  return "<" + name + ">" + io_detail::xml_text(text) + "</" + name + ">\n";
 }
 
 /// The longest name of an argument without its dashes; of a positional one its own.

@@ -14,8 +14,8 @@ bool asks_for_slicer_description(const std::vector<std::string>& words);
 /// a default are texts there, so that empty means not given; arguments of several numbers are left out.
 std::string slicer_description(const CLI::App& command);
 
-/// A call by Slicer, which is known by `--returnparameterfile FILE`. Takes what is Slicer's own out of `words`: that
-/// argument, and names of arguments with an empty value. From then on progress is told by tags on standard output.
+/// A call by Slicer, recognised by `--returnparameterfile FILE`. Removes that argument from `words`, and every argument
+/// whose value is empty, which is how Slicer leaves one out. Progress is then printed as XML tags on standard output.
 class SlicerCall {
  public:
   explicit SlicerCall(std::vector<std::string>& words);

@@ -14,9 +14,8 @@ inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c ==
 /// Longest line of a text, bytes. The longest that are known hold some thousand cells.
 inline constexpr std::size_t longest_line = std::size_t{1} << 20;
 
-/// Walks through a text line by line and word by word and knows where it is. A last line without an end is refused
-/// unless `may_lack_end`: that is how a file cut in the middle of a number is told from a whole one. So is a line above
-/// `longest_line`.
+/// Walks through a text line by line and word by word and knows where it is. Refuses a line longer than `longest_line`.
+/// Refuses a last line without a line break too, since the file may be cut within a number; `may_lack_end` accepts it.
 class TextReader {
  public:
   TextReader(const MeshFile& file, std::size_t begin = 0, std::size_t lines_before = 0, bool may_lack_end = false)
