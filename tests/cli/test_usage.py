@@ -52,7 +52,7 @@ class Options(CliTest):
         for row in rows:
             self.assertTrue(row["meaning"], row["path"])
         settings = [part for row in rows for part in ("--set", f"{row['path']}={row['default']}")
-                    if row["method"] in (None, "canny", "gvf", "mlc", "automatic")]
+                    if row["method"] in (None, "canny", "steady", "mlc", "automatic")]
         # All of them are understood: what is wrong is the study, not the usage.
         self.refuses(2, "ventricle", self.folder / "missing.dcm", "--out", self.folder / "r", *settings)
 

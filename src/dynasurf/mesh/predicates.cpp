@@ -83,6 +83,9 @@ int orient3d_exactly(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
 
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 u = a - d, v = b - d, w = c - d;
+  // Points of one plane across an axis, such as those of a lid, are many: no digit can be lost there.
+  for (int i = 0; i < 3; ++i)
+    if (u[i] == 0 && v[i] == 0 && w[i] == 0) return 0;
   const double vw = v[0] * w[1], wv = w[0] * v[1], wu = w[0] * u[1], uw = u[0] * w[1], uv = u[0] * v[1],
                vu = v[0] * u[1];
   const double det = u[2] * (vw - wv) + v[2] * (wu - uw) + w[2] * (uv - vu);

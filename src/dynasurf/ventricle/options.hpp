@@ -47,7 +47,7 @@ struct VentricleOptions {
   Labelling labels;
   Closure closure;
   EdgeMapOptions edge_map;
-  FieldOptions field = Gvf{};
+  FieldOptions field = SteadyGvf{};
   int mesh_level = 3;
   Placement placement;
   Evolution evolution = subvoxel_evolution();

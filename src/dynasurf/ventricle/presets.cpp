@@ -17,8 +17,8 @@ VentricleOptions edge_options() {
 }
 
 /// The run over a cardiac cycle of thesis 6.3 (CARD-CYCLE): Canny's parameters of 6.1.4, the labels decided by the
-/// largest gap alone, particles that stop at the faces of border voxels, drag of 1 %, a step of 0.1 s, straight
-/// lines between the gates, surfaces that end at a slice.
+/// largest gap alone, explicit fields, particles that stop at the faces of border voxels, drag of 1 %, a step of 0.1 s,
+/// straight lines between the gates, surfaces that end at a slice.
 VentricleOptions thesis_options() {
   VentricleOptions o = edge_options();
   o.orientation.method = OrientationMethod::header;
@@ -27,6 +27,7 @@ VentricleOptions thesis_options() {
   o.labels.bright = ImageContrast::wall;
   o.labels.circle = {.min_component_px = 8, .centroid_tolerance_px = 1, .robust_fit = false};
   o.labels.method = Mlc{.strict_thesis = true, .box_margin_px = 0};
+  o.field = Gvf{};
   o.evolution.stop.point = StopPoint::entry;
   o.settle.rounds = 0;
   o.evolution.force.drag = 0.01;
@@ -44,11 +45,9 @@ VentricleOptions pet_options() {
   return o;
 }
 
-/// MR and CT, as grey images of the muscle and as masks of it, are sharp. Their voxels are many, and the field at rest
-/// is solved for in a sixth of the time.
+/// MR and CT, as grey images of the muscle and as masks of it, are sharp.
 VentricleOptions sharp_options() {
   VentricleOptions o;
-  o.field = SteadyGvf{};
   o.fit.fwhm_mm = 0;
   return o;
 }

@@ -411,15 +411,20 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   // Thick walls in a narrow point spread look much like thin ones in a wide one. Both begin as they are believed to be
   // and are let go step by step, so that the other numbers settle first. Of a filter in the noise the width is known
   // well enough to be free from the beginning.
+  constexpr double tightest = 0.2;
   const ThicknessPrior believed = problem.thickness;
   const auto relax_priors = [&](double share) {
     problem.thickness.log_sd = share * believed.log_sd;
     for (const BeatLayout::Term& t : problem.layout.terms[0][static_cast<std::size_t>(layout.width)])
       problem.layout.spread[t.unknown] = (refiltered ? 1 : share) * beliefs.width;
-    solution.matrix = {};
-    solution.damping = 300;
+    // On the way half of the pixels show well enough where to go, and their matrix serves the next round too.
+    const bool is_last = share >= 1;
+    const bool is_kept = !is_last && solution.matrix.data.rows() == solution.unknowns.size();
+    solution.every = is_last ? 1 : 2;
+    solution.matrix.priors = is_kept ? prior_matrix(problem, solution.unknowns, solution.objective) : Eigen::MatrixXd();
+    solution.damping = share > tightest ? 10 : 300;
   };
-  relax_priors(0.2);
+  relax_priors(tightest);
   minimise(problem, solution, 10, 1e-2, progress);
   // Of a sharp image nothing beside the heart spills over the wall: what is left there is doubted, not modelled.
   if (blur.fwhm_mm > 0) blobs = find_extracardiac_sources(problem, solution.objective, beside, least_spot, most_spots);
@@ -438,7 +443,7 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
     solution.unknowns = wider_unknowns;
   }
   for (int round = 0; round < 2; ++round) {
-    relax_priors(round == 0 ? 0.2 : 0.4);
+    relax_priors(round == 0 ? tightest : 0.4);
     reweight_outliers(problem, first_weight, setup.place, solution.objective);
     problem.noise = noise_of(problem, solution.objective);
     minimise(problem, solution, 8, 1e-2, progress);

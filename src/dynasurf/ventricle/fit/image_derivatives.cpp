@@ -25,14 +25,14 @@ struct Seen {
   std::vector<float> weight;
 };
 
-Seen seen_along(const Pixels& pixels, int axis, double position, double sigma_mm, double edge_mm) {
+void look_along(const Pixels& pixels, int axis, double position, double sigma_mm, double edge_mm, Seen& seen) {
   const double spacing = pixels.spacing[axis], joined = pixels.joined[axis];
   double variance = sigma_mm * sigma_mm;
   const double voxel = spacing * spacing / 12;
   if (variance < voxel) variance = voxel + edge_mm * edge_mm;
   const double reach = 2.9 * std::sqrt(variance) + 0.5 * spacing * (joined - 1);
   const double pitch = spacing * joined, start = pixels.centre(axis, 0);
-  Seen seen;
+  seen.weight.clear();
   seen.from = std::max(0, static_cast<int>(std::ceil((position - reach - start) / pitch)));
   const int to = std::min(pixels.count[axis] - 1, static_cast<int>(std::floor((position + reach - start) / pitch)));
   for (int n = seen.from; n <= to; ++n) {
@@ -43,7 +43,6 @@ Seen seen_along(const Pixels& pixels, int axis, double position, double sigma_mm
     }
     seen.weight.push_back(static_cast<float>(sum / joined / std::sqrt(2 * M_PI * variance)));
   }
-  return seen;
 }
 
 class WallRays {
@@ -108,13 +107,14 @@ class RayPainter {
   }
 
   void paint(const WallRay& ray, std::size_t number) {
-    std::array<std::array<Seen, 3>, WallRay::points> seen;
+    auto& seen = seen_;
     Index3 first = pixels_.count, end{0, 0, 0};
     for (std::size_t p = 0; p < seen.size(); ++p) {
+      for (std::size_t a = 0; a < 3; ++a) seen[p][a].weight.clear();
       if (ray.by_field[p].isZero(0)) continue;
       for (std::size_t a = 0; a < 3; ++a)
-        seen[p][a] = seen_along(pixels_, static_cast<int>(a), ray.position[p][static_cast<int>(a)],
-                                sigma_mm_[static_cast<int>(a)], edge_mm_);
+        look_along(pixels_, static_cast<int>(a), ray.position[p][static_cast<int>(a)], sigma_mm_[static_cast<int>(a)],
+                   edge_mm_, seen[p][a]);
       if (!is_seen(seen[p])) continue;
       for (std::size_t a = 0; a < 3; ++a) {
         first[a] = std::min(first[a], seen[p][a].from);
@@ -195,11 +195,12 @@ class RayPainter {
   const Pixels& pixels_;
   Vec3 sigma_mm_;
   double edge_mm_;
-  std::vector<int> row_of_;           // per pixel; -1: none
-  std::vector<Eigen::Vector3f> box_;  // what the pixels around one ray see of it
-  std::vector<View> views_;           // in the order of the rays
-  std::vector<std::size_t> seen_by_;  // views of each row
-  std::vector<std::size_t> end_;      // of those of each row, once they are sorted
+  std::vector<int> row_of_;                                // per pixel; -1: none
+  std::array<std::array<Seen, 3>, WallRay::points> seen_;  // [point][axis] of one ray
+  std::vector<Eigen::Vector3f> box_;                       // what the pixels around one ray see of it
+  std::vector<View> views_;                                // in the order of the rays
+  std::vector<std::size_t> seen_by_;                       // views of each row
+  std::vector<std::size_t> end_;                           // of those of each row, once they are sorted
   std::vector<const float*> harmonics_;
   std::array<std::vector<float>, 3> factor_;
 };

@@ -183,36 +183,50 @@ Objective objective(const BeatProblem& problem, const Eigen::VectorXd& unknowns)
   return result;
 }
 
-NormalMatrix normal_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at) {
+Eigen::MatrixXd data_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at,
+                            int every) {
   const BeatLayout& layout = problem.layout;
+  const Index3& count = problem.pixels.count;
   const auto gates = static_cast<std::size_t>(layout.gates);
   std::vector<std::size_t> chosen;
-  for (std::size_t n = 0; n < problem.weight.size(); ++n)
-    if (problem.weight[n] > 0) chosen.push_back(n);
+  std::size_t n = 0;
+  for (int k = 0; k < count[2]; ++k)
+    for (int j = 0; j < count[1]; ++j)
+      for (int i = 0; i < count[0]; ++i, ++n)
+        if (problem.weight[n] > 0 && (i + j + k) % every == 0) chosen.push_back(n);
   const EvenRays rays = even_rays(problem);
   std::vector<Eigen::MatrixXd> of_gate(gates);
-  std::vector<Eigen::VectorXd> of_wall(gates);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
     const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), unknowns);
     of_gate[g] = symmetric(squares_of_derivatives(problem, rays, numbers, at.activity[g], chosen), layout.gate.count());
+  });
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(layout.unknowns, layout.unknowns);
+  layout.add_hessian(of_gate, matrix);
+  return every * matrix;
+}
+
+Eigen::MatrixXd prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at) {
+  const BeatLayout& layout = problem.layout;
+  const auto gates = static_cast<std::size_t>(layout.gates);
+  std::vector<Eigen::VectorXd> of_wall(gates);
+  parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
+    const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), unknowns);
     of_wall[g] = backpropagate(problem.cells, layout.gate, numbers, at.activity[g], {}, 0, 1);
   });
-  NormalMatrix matrix{Eigen::MatrixXd::Zero(layout.unknowns, layout.unknowns),
-                      layout.spread.cwiseAbs2().cwiseInverse().asDiagonal()};
+  Eigen::MatrixXd matrix = layout.spread.cwiseAbs2().cwiseInverse().asDiagonal();
   Eigen::MatrixXd walls = Eigen::MatrixXd::Zero(layout.unknowns, layout.gates);
-  layout.add_hessian(of_gate, matrix.data);
   for (std::size_t g = 0; g < gates; ++g) {
     Eigen::VectorXd column = Eigen::VectorXd::Zero(layout.unknowns);
     layout.add_gradient(static_cast<int>(g), of_wall[g], column);
     walls.col(static_cast<Eigen::Index>(g)) = column;
   }
   const Eigen::MatrixXd deviations = walls * wall_cycle(problem, at.activity).by_volume.transpose();
-  matrix.rest += deviations * deviations.transpose();
+  matrix += deviations * deviations.transpose();
   if (problem.thickness.harmonics.rows() > 0) {
     const int g = problem.thickness.gate;
     Eigen::VectorXd thickness = Eigen::VectorXd::Zero(layout.unknowns);
     layout.add_gradient(g, look_at_thickness(problem, layout.at_gate(g, unknowns)).by_number, thickness);
-    matrix.rest += thickness * thickness.transpose();
+    matrix += thickness * thickness.transpose();
   }
   return matrix;
 }
@@ -226,10 +240,11 @@ void minimise(const BeatProblem& problem, Solution& solution, int most_steps, do
   solution.converged = false;
   RowMatrix whole;
   const auto renew = [&] {
-    solution.matrix = normal_matrix(problem, solution.unknowns, solution.objective);
+    solution.matrix = {data_matrix(problem, solution.unknowns, solution.objective, solution.every),
+                       prior_matrix(problem, solution.unknowns, solution.objective)};
     whole = solution.matrix.whole(problem.noise);
   };
-  if (solution.matrix.rest.rows() != solution.unknowns.size())
+  if (solution.matrix.priors.rows() != solution.unknowns.size())
     renew();
   else
     whole = solution.matrix.whole(problem.noise);

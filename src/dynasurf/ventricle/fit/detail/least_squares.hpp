@@ -47,19 +47,23 @@ Objective objective(const BeatProblem& problem, const Eigen::VectorXd& unknowns)
 Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unknowns);
 Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at);
 
-/// Gauss-Newton matrix of the misfit at some unknowns, in parts: the derivatives of the image are those of point
-/// sources on the walls. The first part is that of a noise of 1.
+/// Gauss-Newton matrix of the objective at some unknowns, in parts. That of the data is for a noise of 1; its
+/// derivatives of the image are those of point sources on the walls.
 struct NormalMatrix {
-  Eigen::MatrixXd data, rest;
+  Eigen::MatrixXd data, priors;
   int age = 0;  // steps taken since
-  Eigen::MatrixXd whole(double noise) const { return data / noise + rest; }
+  Eigen::MatrixXd whole(double noise) const { return data / noise + priors; }
 };
-NormalMatrix normal_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at);
+/// From one in `every` pixels, which stand for the others.
+Eigen::MatrixXd data_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at,
+                            int every = 1);
+Eigen::MatrixXd prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at);
 
 struct Solution {
   Eigen::VectorXd unknowns;
   Objective objective;
   NormalMatrix matrix;   // of a step at or before the last
+  int every = 1;         // pixel that a new matrix looks at
   double damping = 300;  // of the next step, in units of what is believed
   int steps = 0;
   bool converged = false;
