@@ -1,7 +1,9 @@
 #include "dynasurf/mesh/intersections.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <random>
 
@@ -73,6 +75,33 @@ TEST(Orient3d, ChangesItsSignWithEachExchange) {
     EXPECT_EQ(orient3d(p[3], p[1], p[2], p[0]), -sign);
     EXPECT_EQ(orient3d(p[1], p[2], p[0], p[3]), sign);
   }
+}
+
+TEST(Orient3d, AgreesWithWholeNumbersNearAndInAPlane) {
+  std::mt19937 random(11);
+  const auto whole = [&](int most) { return static_cast<int>(random() % (2 * static_cast<unsigned>(most))) - most; };
+  int in_plane = 0;
+  for (int n = 0; n < 20000; ++n) {
+    std::array<std::array<std::int64_t, 3>, 4> p;
+    for (auto& point : p)
+      for (auto& x : point) x = whole(1 << 25);
+    const int along = whole(4), across = whole(4);
+    for (std::size_t i = 0; i < 3; ++i)
+      p[3][i] = p[0][i] + along * (p[1][i] - p[0][i]) + across * (p[2][i] - p[0][i]) + (n % 3 == 0 ? 0 : whole(2));
+    __extension__ using Wide = __int128;
+    std::array<std::array<Wide, 3>, 3> u;
+    for (std::size_t r = 0; r < 3; ++r)
+      for (std::size_t i = 0; i < 3; ++i) u[r][i] = p[r][i] - p[3][i];
+    const auto& [a, b, c] = u;
+    const Wide det =
+        a[2] * (b[0] * c[1] - c[0] * b[1]) + b[2] * (c[0] * a[1] - a[0] * c[1]) + c[2] * (a[0] * b[1] - b[0] * a[1]);
+    std::array<Vec3, 4> x;
+    for (std::size_t r = 0; r < 4; ++r)
+      x[r] = {static_cast<double>(p[r][0]), static_cast<double>(p[r][1]), static_cast<double>(p[r][2])};
+    ASSERT_EQ(orient3d(x[0], x[1], x[2], x[3]), (det > 0) - (det < 0)) << n;
+    in_plane += det == 0;
+  }
+  EXPECT_GT(in_plane, 5000);
 }
 
 TEST(SelfIntersections, ABallHasNone) {

@@ -21,9 +21,15 @@ constexpr double side_mm = 14;  // beside the wall: beyond its half thickness an
 /// Unit vector square to the axis at the angle `phi`.
 Vec3 outwards(const ShellBasis& a, double phi) { return own::cos(phi) * a.u + own::sin(phi) * a.v; }
 
+/// The height of a row of points: theta from the apex.
+struct Row {
+  double sine, cosine;
+};
+Row row_at(double theta) { return {own::sin(theta), own::cos(theta)}; }
+
 /// The point of the ellipsoid on the side of `out`.
-ShellPoint on_cup(const LvShell& cup, const Vec3& out, double theta) {
-  const double s = own::sin(theta), c = own::cos(theta);
+ShellPoint on_cup(const LvShell& cup, const Vec3& out, const Row& row) {
+  const auto [s, c] = row;
   const Vec3 position = cup.centre + cup.radius_mm * s * out - cup.half_length_mm * c * cup.axis;
   const Vec3 normal = (s / cup.radius_mm * out - c / cup.half_length_mm * cup.axis).normalized();
   return {position, normal};
@@ -69,7 +75,7 @@ ShellBasis across(const Vec3& axis) {
 }
 
 ShellPoint on_cup(const LvShell& cup, const ShellBasis& a, double theta, double phi) {
-  return on_cup(cup, outwards(a, phi), theta);
+  return on_cup(cup, outwards(a, phi), row_at(theta));
 }
 
 double base_angle(const LvShell& cup) { return own::acos(std::clamp(-cup.base_mm / cup.half_length_mm, -0.98, 0.98)); }
@@ -104,17 +110,19 @@ CupScore score(const Image& image, const LvShell& cup) {
   std::size_t n = 0;
   std::array<Vec3, around> sides;  // the same for every row: worked out once
   for (int d = 0; d < around; ++d) sides[static_cast<std::size_t>(d)] = outwards(a, 2 * pi * d / around);
-  const auto look = [&](double theta, const Vec3& out) {
-    const ShellPoint at = on_cup(cup, out, theta);
-    const double inwards = std::min(side_mm, 0.9 * cup.radius_mm);
+  const double inwards = std::min(side_mm, 0.9 * cup.radius_mm);
+  const auto look = [&](const Row& row, const Vec3& out) {
+    const ShellPoint at = on_cup(cup, out, row);
     const double in = sample_linear(image, at.position - inwards * at.normal);
     const double outside = sample_linear(image, at.position + side_mm * at.normal);
     wall[n] = sample_linear(image, at.position);
     side[n++] = 0.75 * std::max(in, outside) + 0.25 * std::min(in, outside);
   };
-  look(0, sides[0]);
-  for (int r = 1; r <= rows; ++r)
-    for (const Vec3& out : sides) look(top * (r - 0.25) / rows, out);
+  look(row_at(0), sides[0]);
+  for (int r = 1; r <= rows; ++r) {
+    const Row row = row_at(top * (r - 0.25) / rows);
+    for (const Vec3& out : sides) look(row, out);
+  }
 
   CupScore result;
   result.brightness = median({wall.begin(), wall.end()});
@@ -125,8 +133,8 @@ CupScore score(const Image& image, const LvShell& cup) {
 
   // Over the base there is no wall: neither where it would go on nor in the middle.
   double over = sample_linear(image, cup.base() + 8 * cup.axis);
-  for (const Vec3& out : sides)
-    over += sample_linear(image, on_cup(cup, out, std::min(top, 2.6)).position + 14 * cup.axis);
+  const Row rim = row_at(std::min(top, 2.6));
+  for (const Vec3& out : sides) over += sample_linear(image, on_cup(cup, out, rim).position + 14 * cup.axis);
   const double open = result.brightness - std::min(over / (around + 1), most);
   result.contrast = 0.75 * result.contrast + 0.25 * open;
   return result;
@@ -186,7 +194,7 @@ std::vector<RidgePoint> find_ridge(const Image& image, const LvShell& cup, int r
   std::vector<RidgePoint> ridge;
   std::vector<double> profile(static_cast<std::size_t>(2 * steps + 1));
   const auto look = [&](double theta, double phi) {
-    const ShellPoint at = on_cup(cup, outwards(a, phi), theta);
+    const ShellPoint at = on_cup(cup, outwards(a, phi), row_at(theta));
     for (int s = -steps; s <= steps; ++s)
       profile[static_cast<std::size_t>(s + steps)] = sample_linear(image, at.position + s * step_mm * at.normal);
     int best = -1;
