@@ -6,6 +6,7 @@
 #include <numeric>
 #include <span>
 
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/detail/symmetric_axes.hpp"
 #include "dynasurf/core/parallel.hpp"
 
@@ -55,12 +56,6 @@ std::vector<std::uint32_t> sets_of(const std::vector<Ring>& around) {
   return first;
 }
 
-double middle_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// How thick the neighbourhoods of some points are, seen among these points alone: 0 in a plane, 1/3 at most.
 double thickness_of(const std::vector<Vec3>& points) {
   constexpr std::size_t neighbourhood = 13, asked = 200;
@@ -80,7 +75,7 @@ double thickness_of(const std::vector<Vec3>& points) {
     const Vec3 axes = symmetric_axes(spread).values;
     thickness.push_back(axes.sum() > 0 ? axes[0] / axes.sum() : 0);
   }
-  return middle_of(std::move(thickness));
+  return upper_median(std::move(thickness));
 }
 
 /// Whether the points `some` of one set are too few or fill space.
@@ -95,7 +90,7 @@ bool is_scattered(const std::vector<Vec3>& points, const Company& c, std::span<c
     places.push_back(points[i]);
     distances.push_back(c.distance[i]);
   }
-  return middle_of(std::move(distances)) > limit && thickness_of(places) > thick;
+  return upper_median(std::move(distances)) > limit && thickness_of(places) > thick;
 }
 
 /// Drops the sparse points of sets that are no surface.
@@ -112,7 +107,7 @@ void drop_scattered(const std::vector<Vec3>& points, const Company& c, double fa
     else if (size[set[i]] < large_share * static_cast<double>(points.size()))
       small.push_back(i);
   }
-  const double limit = factor * middle_of(std::move(usual));
+  const double limit = factor * upper_median(std::move(usual));
   std::sort(small.begin(), small.end(),
             [&](std::uint32_t a, std::uint32_t b) { return set[a] != set[b] ? set[a] < set[b] : a < b; });
   for (std::size_t begin = 0; begin < small.size(); begin += size[set[small[begin]]]) {

@@ -12,6 +12,7 @@
 
 #include "dynasurf/cloud/detail/kd_tree.hpp"
 #include "dynasurf/cloud/detail/outliers.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/detail/symmetric_axes.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -85,13 +86,6 @@ std::vector<std::uint8_t> firsts(const std::vector<Vec3>& points) {
   return kept;
 }
 
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Root mean square distance of points from the best height function of second degree over their own plane.
 double off_quadric(const std::vector<Vec3>& points, std::span<const KdTree::Found> found) {
   const auto n = static_cast<double>(found.size());
@@ -127,7 +121,7 @@ double median_off_quadric(const std::vector<Vec3>& points, const KdTree& neighbo
       off[i] = off_quadric(points, found);
     }
   });
-  return median_of(std::move(off));
+  return upper_median(std::move(off));
 }
 
 /// Side of the square that a point stands for, from the circle that holds its neighbours.
@@ -142,7 +136,7 @@ double median_spacing(const std::vector<Vec3>& points, const KdTree& neighbours)
       side[i] = std::sqrt(std::numbers::pi * found[n - 1].distance2 / static_cast<double>(n - 1));
     }
   });
-  return median_of(std::move(side));
+  return upper_median(std::move(side));
 }
 
 /// Standard deviation of the points off the surface, after what `count` neighbours leave over of a parabola. Those of a

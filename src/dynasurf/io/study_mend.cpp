@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 
 namespace dynasurf {
@@ -165,10 +166,7 @@ void mend_hot_voxels(Study& study) {
   std::erase_if(alone, [&](const HotVoxel& h) { return h.value <= times_all_else * most; });
   if (alone.empty() || alone.size() > most_hot_voxels || !(most > 0)) return;
   for (const HotVoxel& hot : alone) {
-    std::vector<float> beside = neighbours_of(study.gates[hot.gate], hot.voxel);
-    const auto middle = beside.begin() + static_cast<std::ptrdiff_t>(beside.size() / 2);
-    std::nth_element(beside.begin(), middle, beside.end());
-    study.gates[hot.gate].values[hot.voxel] = *middle;
+    study.gates[hot.gate].values[hot.voxel] = upper_median(neighbours_of(study.gates[hot.gate], hot.voxel));
     study.notes.push_back({Severity::info, "study.hot_voxel",
                            voxel_text(study.grid(), hot.voxel, hot.gate) +
                                " is brighter than all else and stands alone: its neighbours' median is taken",

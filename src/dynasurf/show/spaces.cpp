@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 #include "dynasurf/show/chart.hpp"
@@ -56,10 +57,7 @@ Canvas draw_field_3d(const VectorField& field, const Image& border, const std::s
   std::vector<double> lengths(g.size());
   for (std::size_t n = 0; n < lengths.size(); ++n) lengths[n] = Vec3(field.x[n], field.y[n], field.z[n]).norm();
   // The largest vectors are few: colours end where one of fifty is longer.
-  std::vector<double> sorted = lengths;
-  const auto high = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 49 / 50);
-  std::nth_element(sorted.begin(), high, sorted.end());
-  const double longest = std::max(*high, 1e-12);
+  const double longest = std::max(of_rank(lengths, lengths.size() * 49 / 50), 1e-12);
   Scene3d scene;
   scene.add_voxels(
       border, [](float v) { return above_zero(v, ink_of::light); }, 0.35);

@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/ventricle/detail/smooth_cycle.hpp"
 
@@ -16,10 +17,9 @@ namespace {
 constexpr int meridians = 32;
 constexpr double step_mm = 1.5;
 
-double quantile(std::vector<double> v, double share) {
-  const auto at = v.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(v.size() - 1));
-  std::nth_element(v.begin(), at, v.end());
-  return *at;
+std::vector<double> first_of(std::vector<double> values, std::size_t count) {
+  values.resize(std::min(count, values.size()));
+  return values;
 }
 
 /// Distance of the wall's middle from the axis. Over the widest place walls run on more steeply than an ellipsoid.
@@ -73,8 +73,7 @@ std::optional<double> end_of_wall(const Meridian& m, double from, double backgro
                                   double level_share) {
   const auto first = static_cast<std::size_t>(std::max(0.0, (from - m.low) / step_mm));
   if (first + 2 >= m.brightness.size()) return std::nullopt;
-  const double plateau =
-      quantile({m.brightness.begin(), m.brightness.begin() + static_cast<std::ptrdiff_t>(first) + 1}, 0.7);
+  const double plateau = quantile(first_of(m.brightness, first + 1), 0.7);
   if (plateau - background < 0.5 * (typical - background)) return std::nullopt;
   const double level = background + level_share * (plateau - background);
   if (m.brightness[first] < level) return std::nullopt;
@@ -146,8 +145,7 @@ Walls walk_all(const Image& image, const LvShell& cup) {
     const double angle = 2 * std::numbers::pi * d / meridians;
     walls.all.push_back(walk(image, cup, own::cos(angle) * a.u + own::sin(angle) * a.v, low, high));
     const auto& brightness = walls.all.back().brightness;
-    const auto to = static_cast<std::ptrdiff_t>(-low / step_mm);
-    middle.push_back(quantile({brightness.begin(), brightness.begin() + to + 1}, 0.7));
+    middle.push_back(quantile(first_of(brightness, static_cast<std::size_t>(-low / step_mm) + 1), 0.7));
   }
   walls.typical = quantile(middle, 0.6);
   walls.background = std::min(surroundings(image, cup, a), 0.5 * walls.typical);

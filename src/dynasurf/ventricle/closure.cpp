@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
 
 namespace dynasurf {
 namespace {
@@ -104,10 +105,8 @@ int find_base_slice(const Image& image, const Labels& labels, double base_level,
 
   std::vector<double> brightness(static_cast<std::size_t>(slices));
   for (int k = 0; k < slices; ++k) brightness[static_cast<std::size_t>(k)] = wall_brightness(image, labels.circle, k);
-  std::vector<double> labelled(brightness.begin() + lowest, brightness.begin() + highest + 1);
-  std::nth_element(labelled.begin(), labelled.begin() + static_cast<std::ptrdiff_t>(labelled.size() / 2),
-                   labelled.end());
-  const double needed = base_level * labelled[labelled.size() / 2];
+  const double needed =
+      base_level * upper_median(std::vector<double>(brightness.begin() + lowest, brightness.begin() + highest + 1));
 
   int k = (lowest + highest) / 2;
   while (k + 1 < slices && brightness[static_cast<std::size_t>(k + 1)] >= needed) ++k;

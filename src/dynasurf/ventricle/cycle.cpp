@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <string>
 
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/resample.hpp"
@@ -38,9 +39,8 @@ BasePlane level_plane(const Grid& grid, double height_mm) {
 
 /// Brightness of the relaxed wall: that of a dim gate, and not the dimmest, which may lack counts.
 double relaxed_level(std::vector<double> walls) {
-  const auto at = walls.begin() + static_cast<std::ptrdiff_t>(walls.size() / 4);
-  std::nth_element(walls.begin(), at, walls.end());
-  return *at;
+  const std::size_t quarter = walls.size() / 4;
+  return of_rank(std::move(walls), quarter);
 }
 
 std::string list_of(const std::vector<bool>& marked) {

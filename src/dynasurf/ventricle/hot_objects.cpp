@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <vector>
 
+#include "dynasurf/core/detail/statistics.hpp"
+
 namespace dynasurf {
 namespace {
 
@@ -17,9 +19,8 @@ double bright_wall(const Image& mean, const LvShell& cup) {
   constexpr double share = 0.8, reach_mm = 8;
   std::vector<double> values;
   for (const RidgePoint& p : find_ridge(mean, cup, 6, 16, reach_mm)) values.push_back(p.brightness);
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+  const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size()));
+  return of_rank(std::move(values), rank);
 }
 
 }  // namespace

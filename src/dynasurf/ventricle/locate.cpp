@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/ventricle/base_plane.hpp"
@@ -157,12 +158,7 @@ Candidate best_cup(const Image& image, const Place& place, const std::vector<Vec
   return best;
 }
 
-double bright_level(const Image& image) {
-  std::vector<float> values = image.values;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
+double bright_level(const Image& image) { return quantile(image.values, 0.995); }
 
 /// The cup grown about its apex.
 LvShell grown(LvShell cup, double by) {
@@ -198,12 +194,6 @@ LvShell exchanged(const LvShell& cup) {
   other.axis = -cup.axis;
   other.centre = cup.middle() + (cup.middle() - cup.centre);
   return other;
-}
-
-double middle_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Share of a dense set of directions in which the wall is a ridge near the cup.
@@ -275,7 +265,7 @@ double worth_of(const Scene& scene, const LvShell& cup) {
   std::vector<double> away;
   const double share = share_of_ridge(scene.image, cup, s.brightness, &away);
   if (away.empty()) return 0;
-  const double spread = middle_of(away) / 5;
+  const double spread = upper_median(away) / 5;
   return s.contrast * share * own::exp(-spread * spread) * own::pow(explained_share(scene, cup), 4);
 }
 
@@ -320,7 +310,7 @@ void describe_fit(const Image& image, Location& found) {
   found.contrast = s.relative();
   std::vector<double> away;
   found.ridge_share = share_of_ridge(image, found.cup, s.brightness, &away);
-  if (!away.empty()) found.spread_mm = middle_of(away);
+  if (!away.empty()) found.spread_mm = upper_median(away);
 }
 
 std::optional<Location> look_for(const Image& mean, const LocateHints& hints) {

@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/image/resample.hpp"
 
 namespace dynasurf {
@@ -33,12 +34,6 @@ ShellPoint on_cup(const LvShell& cup, const Vec3& out, const Row& row) {
   const Vec3 position = cup.centre + cup.radius_mm * s * out - cup.half_length_mm * c * cup.axis;
   const Vec3 normal = (s / cup.radius_mm * out - c / cup.half_length_mm * cup.axis).normalized();
   return {position, normal};
-}
-
-double median(std::vector<double> v) {
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
 }
 
 Vec3 turned(const Vec3& axis, const Vec3& towards, double angle) {
@@ -125,7 +120,7 @@ CupScore score(const Image& image, const LvShell& cup) {
   }
 
   CupScore result;
-  result.brightness = median({wall.begin(), wall.end()});
+  result.brightness = upper_median(std::vector<double>(wall.begin(), wall.end()));
   const double most = 1.15 * result.brightness;
   double sum = 0;
   for (std::size_t p = 0; p < n; ++p) sum += std::clamp(std::min(wall[p], most) - side[p], -0.5 * most, most);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/ventricle/detail/smooth_cycle.hpp"
 #include "dynasurf/ventricle/result.hpp"
@@ -24,15 +25,6 @@ void for_each_direction(const LvShell& cup, F&& look) {
   for (int r = 0; r < rows; ++r)
     for (int d = 0; d < around; ++d) look(on_cup(cup, a, top * (r + 0.5) / rows, 2 * std::numbers::pi * d / around), r);
 }
-
-double quantile(std::vector<double> v, double share) {
-  if (v.empty()) return 0;
-  const auto at = v.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(v.size() - 1));
-  std::nth_element(v.begin(), at, v.end());
-  return *at;
-}
-
-double median(std::vector<double> v) { return quantile(std::move(v), 0.5); }
 
 /// The image along a normal of the wall, from well inside to well outside.
 constexpr double step_mm = 1.5;
@@ -143,7 +135,7 @@ double largest_move(const VentricleResult& result, const LvShell& cup) {
     u.push_back(d.dot(a.u)), v.push_back(d.dot(a.v)), along.push_back(d.dot(cup.axis));
   }
   double largest = result.gates.size() < 4 ? 0 : largest_residual(along);
-  const double mean_u = median(u), mean_v = median(v);
+  const double mean_u = quantile(u, 0.5), mean_v = quantile(v, 0.5);
   for (std::size_t n = 0; n < u.size(); ++n) largest = std::max(largest, own::hypot(u[n] - mean_u, v[n] - mean_v));
   return largest;
 }
@@ -158,7 +150,7 @@ void look_at_image(const VentricleResult& result, const LvShell& world, QualityM
   }
   if (result.study.gates.size() < 2) return;
   const std::vector<double> counts = counts_of(result.study.gates, cup);
-  const double usual = median(counts);
+  const double usual = quantile(counts, 0.5);
   if (!(usual > 0)) return;
   clues.least_counts = *std::min_element(counts.begin(), counts.end()) / usual;
   clues.most_counts = *std::max_element(counts.begin(), counts.end()) / usual;
@@ -246,8 +238,8 @@ double noise_of_wall(std::span<const Image> gates, const LvShell& cup) {
     for (std::size_t g = 0; g < gates.size(); ++g) sum += own::pow(*course[g] - smooth.values[g], 2);
     squares.push_back(sum / static_cast<double>(gates.size() >= 12 ? gates.size() - 7 : gates.size() - 5));
   });
-  const double typical = median(brightness);
-  return typical > 0 ? std::sqrt(median(squares)) / typical : 0;
+  const double typical = quantile(brightness, 0.5);
+  return typical > 0 ? std::sqrt(quantile(squares, 0.5)) / typical : 0;
 }
 
 QualityMetrics quality_metrics(const VentricleResult& result) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/ventricle/detail/smooth_cycle.hpp"
 
 namespace dynasurf {
@@ -105,16 +106,15 @@ void share_division_slice(std::span<Labels* const> gates) {
     else if (gate->division_slice >= 0)
       seen.push_back(gate->division_slice);
   if (guessing.empty() || seen.empty() || 3 * seen.size() < gates.size()) return;
-  const auto middle = seen.begin() + static_cast<std::ptrdiff_t>(seen.size() / 2);
-  std::nth_element(seen.begin(), middle, seen.end());
+  const int middle = upper_median(std::move(seen));
   for (Labels* gate : guessing) {
-    if (gate->division_slice <= *middle) continue;
-    gate->division_slice = *middle;
+    if (gate->division_slice <= middle) continue;
+    gate->division_slice = middle;
     std::erase_if(gate->notes, is_guess);
     gate->notes.push_back({Severity::info, "slice_find.shared",
                            "The end of the cavity is not seen in this gate; that of the others, slice " +
-                               std::to_string(*middle + 1) + ", was taken.",
-                           -1, *middle});
+                               std::to_string(middle + 1) + ", was taken.",
+                           -1, middle});
   }
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/mesh/ray_bvh.hpp"
 #include "dynasurf/mesh/smooth.hpp"
@@ -98,10 +99,7 @@ std::vector<std::optional<double>> offsets_of(const Profiles& profiles, const st
     if (peaks[v]) slopes.push_back(peaks[v]->slope);
   }
   std::vector<std::optional<double>> offsets(on_lid.size());
-  if (slopes.empty()) return offsets;
-  const auto median = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
-  std::nth_element(slopes.begin(), median, slopes.end());
-  const double least = std::max(least_slope, weak_slope * *median);
+  const double least = std::max(least_slope, weak_slope * upper_median(std::move(slopes)));
   for (std::size_t v = 0; v < on_lid.size(); ++v)
     if (peaks[v] && peaks[v]->slope > least) offsets[v] = peaks[v]->offset_mm;
   return offsets;
@@ -111,10 +109,7 @@ double median_of(const std::vector<std::optional<double>>& offsets) {
   std::vector<double> known;
   for (const auto& offset : offsets)
     if (offset) known.push_back(*offset);
-  if (known.empty()) return 0;
-  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-  std::nth_element(known.begin(), middle, known.end());
-  return *middle;
+  return upper_median(std::move(known));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/image/detail/ridges.hpp"
 #include "dynasurf/image/edges.hpp"
 
@@ -44,10 +45,7 @@ float quantile_of_nonzero(const std::vector<Work>& work, double q) {
   for (const Work& w : work)
     std::copy_if(w.ridges.values.begin(), w.ridges.values.end(), std::back_inserter(values),
                  [](float v) { return v != 0; });
-  if (values.empty()) return 0;
-  const auto rank = static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[static_cast<std::size_t>(rank)];
+  return quantile(std::move(values), q);
 }
 
 Thresholds common_thresholds(const std::vector<Work>& work, const Image& gradient, const Canny& o) {

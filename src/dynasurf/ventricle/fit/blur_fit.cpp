@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
@@ -178,13 +179,6 @@ Eigen::VectorXd outermost(const PlacedStart& start, int degree) {
     volume = v;
   }
   return most;
-}
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 /// Where a pixel lies against the wall at the start.

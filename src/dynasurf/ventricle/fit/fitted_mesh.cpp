@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/ventricle/fit/detail/harmonics.hpp"
@@ -160,19 +161,23 @@ void allow_for_model(Estimate& e, double least, double papillary = 0) {
   e.sd = own::hypot(factor * e.sd, least, papillary);
 }
 
+/// Of the vertices below the base.
+std::vector<double> uptake_of_wall(const FittedBeat& beat) {
+  return {beat.uptake.begin(), beat.uptake.begin() + 1 + wall_rings * around};
+}
+
 /// Area of the inner wall that is not seen, mm2: each triangle by what its activity lacks of the faintest healthy
 /// muscle's.
 double unseen_area(const FittedBeat& beat, const TriMesh& endo) {
   constexpr double healthy_share = 0.8;  // quantile: most of a wall may be missing
   constexpr double uneven = 0.75;        // what healthy walls have at least
-  std::vector<double> wall(beat.uptake.begin(), beat.uptake.begin() + 1 + wall_rings * around);
-  const auto at = wall.begin() + static_cast<std::ptrdiff_t>(healthy_share * static_cast<double>(wall.size() - 1));
-  std::nth_element(wall.begin(), at, wall.end());
+  const std::vector<double> wall = uptake_of_wall(beat);
+  const double healthy = quantile(wall, healthy_share);
   double area = 0;
   for (const auto& t : endo.triangles) {
     if (std::max({t[0], t[1], t[2]}) >= wall.size()) continue;
     const Vec3 across = (endo.vertices[t[1]] - endo.vertices[t[0]]).cross(endo.vertices[t[2]] - endo.vertices[t[0]]);
-    const double seen = (beat.uptake[t[0]] + beat.uptake[t[1]] + beat.uptake[t[2]]) / (3 * uneven * *at);
+    const double seen = (beat.uptake[t[0]] + beat.uptake[t[1]] + beat.uptake[t[2]]) / (3 * uneven * healthy);
     area += 0.5 * across.norm() * std::max(0.0, 1 - seen);
   }
   return area;
@@ -280,10 +285,7 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
   beat.fwhm_mm.sd = spread_of(by_width, factor);  // of its log, until the width is known
   const Eigen::VectorXd first = layout.at_gate(0, solution.unknowns);
   // Activities are told in units of the mean of the healthy half of the wall.
-  std::vector<double> activity(beat.uptake.begin(), beat.uptake.begin() + 1 + wall_rings * around);
-  std::nth_element(activity.begin(), activity.begin() + static_cast<std::ptrdiff_t>(activity.size() / 2),
-                   activity.end());
-  const double healthy = std::max(1e-9, activity[activity.size() / 2]);
+  const double healthy = std::max(1e-9, upper_median(uptake_of_wall(beat)));
   for (double& u : beat.uptake) u /= healthy;
   beat.cavity = first[layout.gate.cavity] / healthy, beat.background = first[layout.gate.background] / healthy;
   // Standard deviation of the papillary muscles' volume over what is believed of it. Hearts differ in it by 2 % of the

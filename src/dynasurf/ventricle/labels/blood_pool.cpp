@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
 
 namespace dynasurf {
 namespace {
@@ -38,9 +39,7 @@ double filling(const Image& image, const std::vector<std::optional<Circle>>& loc
     if (const auto& c = local[k])
       shares.push_back(filling_of(image, c->x_px, c->y_px, c->radius_px, static_cast<int>(k)));
   if (shares.size() < least_circles) return 0;
-  const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
-  std::nth_element(shares.begin(), middle, shares.end());
-  return *middle;
+  return upper_median(std::move(shares));
 }
 
 double inner_share(const SidedEdges& edges) {

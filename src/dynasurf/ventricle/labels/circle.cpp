@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
 
 namespace dynasurf {
 namespace {
@@ -77,13 +78,6 @@ PixelMean intensity_centroid(const Image& image) {
         sum += w, x += w * i, y += w * j;
       }
   return sum > 0 ? PixelMean{x / sum, y / sum} : middle_of(image.grid);
-}
-
-/// Mean of the two middle values for an even count, so that mirrored values give the mirrored median.
-double median(std::vector<double> v) {
-  std::sort(v.begin(), v.end());
-  const std::size_t n = v.size();
-  return n % 2 ? v[n / 2] : (v[n / 2 - 1] + v[n / 2]) / 2;
 }
 
 struct Line {

@@ -7,18 +7,13 @@
 #include <optional>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf {
 namespace {
 
 constexpr int neighbour_slices = 3;
-
-double median(std::vector<double> v) {
-  std::sort(v.begin(), v.end());
-  const std::size_t n = v.size();
-  return n % 2 ? v[n / 2] : (v[n / 2 - 1] + v[n / 2]) / 2;
-}
 
 void paint(Mask& borders, const Component& edge, std::uint8_t bit) {
   for (const Pixel& p : edge.pixels) borders(p.i, p.j, edge.slice) |= bit;
@@ -184,9 +179,8 @@ std::optional<double> quantile_near(const Rays& border, std::size_t k, const Ray
     for (const Ray& r : border[n])
       if (r.cosine * ray.cosine + r.sine * ray.sine > window_cosine) near.push_back(r.distance);
   if (near.size() < least_rays) return std::nullopt;
-  const auto rank = near.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(near.size()));
-  std::nth_element(near.begin(), rank, near.end());
-  return *rank;
+  const auto rank = static_cast<std::size_t>(q * static_cast<double>(near.size()));
+  return of_rank(std::move(near), rank);
 }
 
 /// Typical distance of the outer border in all directions; a blob in one direction does not move it.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/point_spline.hpp"
@@ -160,9 +161,7 @@ double spacing_of(const std::vector<Vec3>& points) {
   for (std::size_t a = 0; a < points.size(); ++a)
     for (std::size_t b = 0; b < points.size(); ++b)
       if (a != b) nearest[a] = std::min(nearest[a], (points[a] - points[b]).norm());
-  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
-  std::nth_element(nearest.begin(), middle, nearest.end());
-  return *middle;
+  return upper_median(std::move(nearest));
 }
 
 }  // namespace
