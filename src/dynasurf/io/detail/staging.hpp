@@ -37,9 +37,9 @@ struct Descriptor {
 /// was locked. Throws IoError.
 Descriptor make_locked_file(const fs::path& path);
 
-/// Opens and locks a folder, so that no other run sweeps it or exchanges it for a result. Without a descriptor, and errno
-/// set, when it cannot be opened; EWOULDBLOCK says that another run holds it. Not locked where a file system knows no
-/// locks of folders (NFS), which then knows no exchange either.
+/// Opens and locks a folder, so that no other run sweeps it or exchanges it for a result. Without a descriptor, and
+/// errno set, when it cannot be opened; EWOULDBLOCK says that another run holds it. Not locked where a file system
+/// knows no locks of folders (NFS), which then knows no exchange either.
 Descriptor lock_folder(const fs::path& path) noexcept;
 
 /// A place to write to that nobody else uses. Folders hold their manifest from the start: it carries the lock.
