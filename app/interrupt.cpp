@@ -1,7 +1,5 @@
 #include "interrupt.hpp"
 
-#include <cerrno>
-#include <cstring>
 #include <ctime>
 #include <system_error>
 
@@ -57,13 +55,13 @@ Interrupt::Interrupt() {
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   try {
     watcher_ = std::thread([this, set] { watch(set); });
-  } catch (const std::system_error& error) {
-    throw IoError(std::string("cannot start the thread that waits for Ctrl-C: ") + std::strerror(error.code().value()) +
-                  " (limits on processes or memory, ulimit -u and -v)");
+  } catch (const std::system_error&) {  // no thread to be had: the signals end the program, and the next run tidies up
+    pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
   }
 }
 
 Interrupt::~Interrupt() {
+  if (!watcher_.joinable()) return;
   while (ends_.test_and_set()) pause();  // the watcher is about to end the process
   pthread_kill(watcher_.native_handle(), end_of_watch);
   watcher_.join();

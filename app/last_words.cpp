@@ -30,7 +30,10 @@ void say(std::string_view text) {
   while (is_ending.test_and_set()) ::pause();
   try {
     if (std::current_exception()) throw;
-    say("dynasurf: error: a thread of the program was lost\n");
+    // An exception that a library's own promise of none stops on its way cannot be asked for its name: it is the want
+    // of memory in the walk of the standard library through folders.
+    say(std::uncaught_exceptions() > 0 ? "dynasurf: error: out of memory, or another failure within a library\n"
+                                       : "dynasurf: error: a thread of the program was lost\n");
   } catch (const std::bad_alloc&) {
     tell_out_of_memory();
   } catch (const std::exception& error) {

@@ -2,12 +2,12 @@
 
 #include <array>
 #include <iomanip>
-#include <sstream>
 
 #include <CLI/CLI.hpp>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
@@ -28,7 +28,7 @@ std::vector<std::string> settings_of(const OptionArguments& a) {
   if (!a.pipeline.empty()) settings.push_back("pipeline=" + a.pipeline);
   settings.insert(settings.end(), a.settings.begin(), a.settings.end());
   const auto set = [&](const std::string& name, double value) {
-    std::ostringstream text;
+    TextOutput text;
     text << "manual." << name << '=' << std::setprecision(12) << value;
     settings.push_back(text.str());
   };
@@ -41,7 +41,7 @@ std::vector<std::string> settings_of(const OptionArguments& a) {
   if (a.base_plane_mm) set("base_plane_mm", *a.base_plane_mm);
   if (a.label) settings.push_back("label=" + std::to_string(*a.label));
   if (a.fwhm_mm) {
-    std::ostringstream text;
+    TextOutput text;
     text << "fit.fwhm_mm=" << std::setprecision(12) << *a.fwhm_mm;
     settings.push_back(text.str());
   }

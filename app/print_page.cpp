@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +15,7 @@
 #include <unistd.h>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 
@@ -116,7 +116,7 @@ void take_dates_out(std::string& pdf) {
 fs::path find_browser() {
   const char* path = std::getenv("PATH");
   for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) {
-    std::istringstream folders(path ? path : "");
+    TextInput folders(path ? path : "");
     for (std::string folder; std::getline(folders, folder, ':');)
       if (const fs::path file = fs::path(folder) / name; access(file.c_str(), X_OK) == 0) return file;
   }

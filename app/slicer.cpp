@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <mutex>
-#include <sstream>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/detail/vtk_xml.hpp"
@@ -132,7 +132,7 @@ void tell_slicer(std::string_view stage, int done, int total) {
     last = stage;
   }
   if (!stage.empty()) {
-    std::ostringstream part;
+    TextOutput part;
     part << static_cast<double>(done) / std::max(total, 1);
     text += "<filter-progress>" + part.str() + "</filter-progress>\n";
   }

@@ -51,16 +51,30 @@ check_quickly() {
   step "format" check_format
   step "include rules" python3 tools/check_includes.py
   step "same bytes" python3 tools/check_same_bytes.py
+  step "streams" python3 tools/check_streams.py
   step "thesis map" python3 tools/check_thesis_map.py
   step "figures" python3 tools/figures.py
   end_of_checks
 }
 
+# 10,000 kills at random moments, then every call and allocation of four commands fails: most of a day. Shorter with
+# DYNASURF_KILLS, DYNASURF_KILL_SECONDS (for each command) and DYNASURF_FAULTS (for each command and kind) in the environment.
+check_campaign() {
+  need
+  configure release -DDYNASURF_WERROR="$(warnings)"
+  compile release dynasurf fault_shim
+  cd tests/robustness
+  DYNASURF_PROGRAM=$OLDPWD/$program DYNASURF_FAULT_SHIM=$(find "$OLDPWD/$build" -name libfault_shim.so) \
+    DYNASURF_KILLS=${DYNASURF_KILLS:-10000} DYNASURF_FAULTS=${DYNASURF_FAULTS:-all} PYTHONDONTWRITEBYTECODE=1 \
+    PYTHONPATH=../cli exec nice python3 -m unittest -v test_kill test_faults
+}
+
 do_check() {
   case "${1:-}" in
     --quick) check_quickly; return ;;
+    --campaign) check_campaign; return ;;
     "") ;;
-    *) fail "check: unknown option '$1'; expected --quick or nothing" ;;
+    *) fail "check: unknown option '$1'; expected --quick, --campaign or nothing" ;;
   esac
   need clang-format:clang-format clang-tidy:clang-tidy clang++:clang valgrind:valgrind
   step "format" check_format

@@ -2,6 +2,7 @@
 """Breaks the sources one operator at a time and tells which of the breaks the tests notice.
 
     tools/mutate.py --test test_field --count 20 --seed 1 src/dynasurf/field/gvf.cpp src/dynasurf/field/sample.cpp
+    tools/mutate.py --test test_io --filter 'Manifest*:OutputFolder*' src/dynasurf/io/manifest.cpp
 
 Works in a copy of the repository at --build, never in the working tree. A mutant is killed when the tests of the room
 fail, crash or take ten times as long; it survives when they pass. Those that do not compile do not count. Some that
@@ -104,9 +105,10 @@ def chosen(paths, count, seed, root=ROOT):
 class Workshop:
     """A copy of the sources with a build folder of its own."""
 
-    def __init__(self, tree, test, options):
+    def __init__(self, tree, test, options, only):
         # As in the repository, so that a cache of compilers knows all but the broken sources.
         self.tree, self.build, self.test = tree, tree / "build" / "release", test
+        self.only = only
         listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "-z"], cwd=ROOT, check=True,
                                 capture_output=True, text=True)
         for name in filter(None, listed.stdout.split("\0")):
@@ -134,7 +136,8 @@ class Workshop:
 
     def passes(self, limit):
         try:
-            return subprocess.run([self.build / "bin" / self.test, "--gtest_fail_fast", "--gtest_brief=1"],
+            return subprocess.run([self.build / "bin" / self.test, "--gtest_fail_fast", "--gtest_brief=1",
+                                   f"--gtest_filter={self.only}"],
                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=limit,
                                   check=False).returncode == 0
         except subprocess.TimeoutExpired:
@@ -156,6 +159,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("sources", nargs="+", help="paths below the repository")
     parser.add_argument("--test", required=True, help="the test program of the room, such as test_field")
+    parser.add_argument("--filter", default="*", help="the tests that are asked, as --gtest_filter takes them")
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "mutants")
@@ -167,7 +171,7 @@ def main():
     if arguments.list:
         print("\n".join(f"{m.path}:{m.line}: {m.kind}" for m in mutants))
         return
-    workshop = Workshop(arguments.build.resolve(), arguments.test, arguments.option)
+    workshop = Workshop(arguments.build.resolve(), arguments.test, arguments.option, arguments.filter)
     counts = collections.Counter()
     for mutant in mutants:
         verdict = workshop.judge(mutant)

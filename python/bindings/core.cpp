@@ -1,10 +1,10 @@
 #include <cmath>
-#include <sstream>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/core/point_cloud.hpp"
 #include "dynasurf/core/study.hpp"
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/io/study_io.hpp"
 
@@ -138,7 +138,7 @@ void bind_volume(py::module_& module, const char* name, const char* doc) {
           "affine", [](const V& v) { return affine_of(v.grid); },
           "Voxel (i, j, k) to the world (LPS, mm), (4, 4) float64.")
       .def("__repr__", [name = std::string(name)](const V& v) {
-        std::ostringstream text;
+        TextOutput text;
         text << "<dynasurf." << name << " of " << v.grid.dims[0] << " x " << v.grid.dims[1] << " x " << v.grid.dims[2]
              << " voxels>";
         return text.str();
@@ -233,7 +233,7 @@ void bind_study(py::module_& module) {
       .def(by_pickle<S>())
       .def("__len__", [](const S& s) { return s.gates.size(); })
       .def("__repr__", [](const S& s) {
-        std::ostringstream text;
+        TextOutput text;
         const Index3& d = s.grid().dims;
         text << "<dynasurf.Study of " << s.gates.size() << " gates of " << d[0] << " x " << d[1] << " x " << d[2]
              << " voxels, " << s.format << '>';

@@ -19,6 +19,9 @@ KINDS = "hebron, mayo, partial, spheres, sphere, gap, cycle, pathology, patient,
 # Small and quick, yet a heart: 4 gates on a coarse lattice.
 SMALL_PATIENT = ["--set", "gates=4", "--set", "lattice.nx=40", "--set", "lattice.ny=40", "--set", "lattice.dx_mm=4",
                  "--set", "lattice.dy_mm=4", "--set", "fwhm_mm=10"]
+# For campaigns, which run it thousands of times.
+TINY_PATIENT = ["--set", "gates=4", "--set", "lattice.nx=20", "--set", "lattice.ny=20", "--set", "lattice.dx_mm=8",
+                "--set", "lattice.dy_mm=8", "--set", "fwhm_mm=12"]
 # For tests that any result will do for: without the fit it comes in half the time.
 EDGES = ["--preset", "edges"]
 

@@ -14,14 +14,12 @@ import tempfile
 import threading
 import unittest
 
-from cli import EDGES, PROGRAM, hashes, run, shared_folder
+from cli import EDGES, PROGRAM, TINY_PATIENT, hashes, run, shared_folder
 
 SHIM = os.environ["DYNASURF_FAULT_SHIM"]
 # Runs per test; "all" makes a campaign of it, in which every call fails in every way.
 RUNS = os.environ.get("DYNASURF_FAULTS", "24")
 WORKERS = os.cpu_count()
-TINY_PATIENT = ["--set", "gates=4", "--set", "lattice.nx=20", "--set", "lattice.ny=20", "--set", "lattice.dx_mm=8",
-                "--set", "lattice.dy_mm=8", "--set", "fwhm_mm=12"]
 # What a run may say whose result stands there all the same: only its last words, or the certainty that the result
 # outlasts a power cut, were lost.
 AFTER_THE_RESULT = ("stands there", "cannot write to standard output", "out of memory")
@@ -96,11 +94,11 @@ class Job:
             shutil.copytree(self.folder / "former", out)
         return self.local.place
 
-    def run(self, place, threads=(), **fault):
+    def run(self, place, threads=(), limit=300, **fault):
         variables = {"DYNASURF_FAULT_" + name.upper(): str(value) for name, value in fault.items()}
         return subprocess.run([PROGRAM, *self.arguments[1], *threads, "--out", place / "result"],
                               stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                              errors="replace", timeout=300, env={**os.environ, **variables, "LD_PRELOAD": SHIM})
+                              errors="replace", timeout=limit, env={**os.environ, **variables, "LD_PRELOAD": SHIM})
 
     def count(self, kind, threads=()):
         report = self.folder / f"count-{kind}"
@@ -110,7 +108,7 @@ class Job:
     def sites(self, threads):
         """The numbers of the allocations that come by a new chain of callers."""
         sites = self.folder / "sites"
-        assert self.run(self.place(), threads, kind="memory", sites=sites).returncode == 0
+        assert self.run(self.place(), threads, 3000, kind="memory", sites=sites).returncode == 0
         return [int(line) for line in sites.read_text().splitlines()]
 
     def disturb(self, fault, threads=()):

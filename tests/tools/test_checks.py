@@ -58,6 +58,16 @@ class CheckNames(Project):
             self.assertEqual(code, 0, text)
 
 
+class CheckStreams(Project):
+    def test_refuses_streams_that_swallow_the_want_of_memory(self):
+        for line, refused in (("std::ostringstream text;", True), ("std::ifstream file(path);", True),
+                              ("TextOutput text;  // not std::ostringstream", False)):
+            self.write("src/dynasurf/mesh/a.cpp", line + "\n")
+            code, text = self.run_tool("check_streams.py", self.root)
+            self.assertEqual(code, int(refused), text)
+            self.assertEqual("src/dynasurf/mesh/a.cpp:1: " in text, refused)
+
+
 class CheckSameBytes(Project):
     def check(self, line, path="src/dynasurf/mesh/a.cpp"):
         self.write(path, line + "\n")

@@ -1,4 +1,9 @@
 #include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <latch>
+#include <system_error>
+#include <thread>
 #include <vector>
 
 #include <oneapi/tbb/global_control.h>
@@ -8,7 +13,6 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
-#include <thread>
 #endif
 
 #include "dynasurf/core/detail/run_pieces.hpp"
@@ -35,7 +39,11 @@ void detail::run_pieces(std::size_t pieces, const std::function<void(std::size_t
   };
   {
     std::vector<std::jthread> others;
-    for (std::size_t t = 1; t < std::min(pieces, most_threads); ++t) others.emplace_back(work);
+    for (std::size_t t = 1; t < std::min(pieces, most_threads); ++t) try {
+        others.emplace_back(work);
+      } catch (const std::system_error&) {  // those that started do it
+        break;
+      }
     work();
   }
   if (failure) std::rethrow_exception(failure);
@@ -46,6 +54,52 @@ void detail::run_pieces(std::size_t pieces, const std::function<void(std::size_t
 }
 #endif
 
+namespace {
+
+std::ptrdiff_t threads_of_process() {
+  std::error_code error;
+  const std::filesystem::directory_iterator tasks("/proc/self/task", error);
+  return error ? 0 : std::distance(begin(tasks), end(tasks));
+}
+
+/// How many of `wanted` more threads the system lets this process start.
+int startable(int wanted) {
+  using namespace std::chrono_literals;
+  const std::ptrdiff_t before = threads_of_process();
+  std::size_t count = 0;
+  {
+    std::latch counted(1);
+    std::vector<std::jthread> started;
+    try {
+      while (started.size() < static_cast<std::size_t>(wanted)) started.emplace_back([&] { counted.wait(); });
+    } catch (const std::system_error&) {
+    } catch (...) {
+      counted.count_down();
+      throw;
+    }
+    count = started.size();
+    counted.count_down();
+  }
+  // The system counts a thread that was joined a moment longer, and would refuse the next one in its place.
+  for (int n = 0; count < static_cast<std::size_t>(wanted) && threads_of_process() > before && n < 1000; ++n)
+    std::this_thread::sleep_for(1ms);
+  return static_cast<int>(count);
+}
+
+/// Where the system refuses some of the threads, oneTBB shall not ask for them: neither now nor when a limit ends, so
+/// this one never does.
+void keep_to_threads_to_be_had(int asked) {
+  constexpr int most = 256;
+  const int wanted = std::clamp(std::max(asked, static_cast<int>(std::thread::hardware_concurrency())), 1, most);
+  const int have = 1 + startable(wanted - 1);
+  if (have >= wanted) return;
+  using oneapi::tbb::global_control;
+  static const global_control* kept = nullptr;  // the first is the strictest that is needed
+  if (!kept) kept = new global_control(global_control::max_allowed_parallelism, static_cast<std::size_t>(have));
+}
+
+}  // namespace
+
 struct ThreadLimit::State {
   oneapi::tbb::global_control control;
 };
@@ -55,6 +109,7 @@ ThreadLimit::ThreadLimit(int threads)
                                                                  static_cast<std::size_t>(threads))}
                          : nullptr) {
   try {
+    keep_to_threads_to_be_had(threads);
     // oneTBB loads a library first, and the loader of the system does not survive the want of memory everywhere.
     { const std::vector<char> library(std::size_t{8} << 20); }
     parallel_for(2, 1, [](std::size_t, std::size_t) {});

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <sstream>
 
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/dynamics/detail/border_stop.hpp"
 #include "dynasurf/dynamics/detail/coupled_motion.hpp"
 #include "dynasurf/dynamics/detail/distance_history.hpp"
@@ -333,12 +333,12 @@ class Run {
   /// What the largest stable step comes from.
   std::string limit_in_words() {
     if (coupled_) return limit_in_words(coupled_->limit(drag_.least).modes);
-    std::ostringstream text;
+    TextOutput text;
     text << "the drag of " << drag_.most << " kg/s on particles of " << plan_.mass_kg << " kg";
     return text.str();
   }
   static std::string limit_in_words(const Fastest& modes) {
-    std::ostringstream text;
+    TextOutput text;
     if (modes.stiffness > 0) text << "the stiffest motion (" << std::sqrt(modes.stiffness) << " rad/s) and ";
     text << "the strongest damping (" << modes.damping << " 1/s)";
     return text.str();
@@ -364,7 +364,7 @@ class Run {
 
   template <class Write>
   void note(Severity severity, const char* code, Write write) {
-    std::ostringstream text;
+    TextOutput text;
     write(text);
     result_.notes.push_back({severity, code, text.str()});
   }

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
+
+#include "dynasurf/core/text_stream.hpp"
 
 namespace dynasurf {
 namespace {
@@ -76,7 +77,7 @@ double speed_unit(double least_drag, double particle_kg) { return std::max(1.0, 
 double longest_stable_s(double limit_s) { return kShareOfLimit * limit_s; }
 
 std::string explain_step(const StepPlan& plan, bool is_given, const std::string& limit_in_words) {
-  std::ostringstream text;
+  TextOutput text;
   const bool is_bounded = std::isfinite(plan.limit_s);
   if (is_given) {
     text << "given";

@@ -3,11 +3,11 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <sstream>
 #include <string>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/field/detail/gradient.hpp"
 #include "dynasurf/field/detail/simd.hpp"
 
@@ -233,7 +233,7 @@ double choose_step(const Diffusion& d, double largest_b, const Scheme& o, Notes&
   const double printed = d.cell / (o.step_divisor * o.mu);
   const double safe = 1.9 / stiffness(largest_b, d);  // 5 % below the bound of 2
   if (!o.safe_step || printed <= safe) return printed;
-  std::ostringstream text;
+  TextOutput text;
   text << "the time step " << printed << " of divisor " << o.step_divisor << " is above the stability bound; " << safe
        << " was used";
   notes.push_back({Severity::info, "gvf.step_limited", text.str()});
@@ -248,7 +248,7 @@ void iterate(Sweep& s, const Scheme& o, double limit, FlowResult& r, const Progr
     const auto [value, change] = step(s, pieces);
     if (!(value <= limit)) {
       r.diverged = true;
-      std::ostringstream text;
+      TextOutput text;
       text << "the field blew up in iteration " << r.iterations + 1 << " with a time step of " << r.step
            << "; a larger step divisor or mu, or safe_step, is needed";
       r.notes.push_back({Severity::failure, "gvf.diverged", text.str()});

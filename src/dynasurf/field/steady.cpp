@@ -5,9 +5,9 @@
 #include <cmath>
 #include <optional>
 #include <span>
-#include <sstream>
 #include <utility>
 
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/field/detail/gradient.hpp"
 #include "dynasurf/field/multigrid/detail/hierarchy.hpp"
 
@@ -122,7 +122,7 @@ bool iterate(Hierarchy& h, Estimate estimate, double tolerance, int most_cycles,
   }
   r.error = error;
   if (error < tolerance) return true;
-  std::ostringstream text;
+  TextOutput text;
   text << "the steady field was left at an estimated relative error of " << error << " after " << r.iterations
        << " cycles; asked for was " << tolerance;
   r.notes.push_back({Severity::warning, "steady.tolerance_missed", text.str()});

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/image/detail/slice.hpp"
 
 namespace dynasurf {
@@ -32,7 +32,7 @@ Image normalise(Image image, Notes& notes) {
 
 Image suppress_noise(Image image, double fraction) {
   if (!(fraction >= 0 && fraction <= 1)) {
-    std::ostringstream text;
+    TextOutput text;
     text << "option noise_fraction is " << fraction << "; expected a number >= 0 and <= 1";
     throw OptionError(text.str());
   }

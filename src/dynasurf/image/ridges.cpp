@@ -1,10 +1,10 @@
 #include "dynasurf/image/detail/ridges.hpp"
 
 #include <cmath>
-#include <sstream>
 #include <utility>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/text_stream.hpp"
 
 namespace dynasurf {
 namespace {
@@ -81,7 +81,7 @@ void require_finite(const Image& image) {
 
 void require_order(double low, double high, const char* method) {
   if (high >= low) return;
-  std::ostringstream text;
+  TextOutput text;
   text << "option " << method << ".high is " << high << "; expected at least " << method << ".low (" << low << ")";
   throw OptionError(text.str());
 }

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <exception>
+#include <mutex>
 #include <string>
 #include <system_error>
 #include <thread>
@@ -246,29 +248,57 @@ void write_manifest(Place& place) {
   std::swap(place.lock, file);
 }
 
-/// Why what came to the staged folder's place by an exchange must go back; empty when it is a former result.
-std::string reason_to_keep(const fs::path& staged, const fs::path& destination) {
-  std::error_code error;
-  if (!fs::is_directory(fs::symlink_status(staged, error)))
-    return destination.string() + ": appeared while the result was made, and was kept";
-  const auto foreign = first_foreign_file(staged);
-  return foreign ? refusal_of(destination, *foreign) : std::string();
+/// The folders of an exchange, locked until it is decided which of them stays: meanwhile no other run sweeps or
+/// replaces either.
+struct ExchangedFolders {
+  Descriptor staged, former;
+};
+
+/// Waits for a run that is exchanging something at the same destination. What is no folder is not locked, and errno
+/// says why.
+ExchangedFolders lock_folders(const fs::path& staged, const fs::path& destination,
+                              std::unique_lock<std::mutex>& publishing) {
+  for (;;) {
+    ExchangedFolders both{staging::lock_folder(staged), {}};
+    if (both.staged.fd >= 0) both.former = staging::lock_folder(destination);
+    if (both.former.fd >= 0 || errno != EWOULDBLOCK) return both;
+    publishing.unlock();  // an end on request has its turn
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    publishing = staging::begin_to_publish();
+  }
+}
+
+bool is_at(const fs::path& path, const Descriptor& folder) {
+  struct stat there {
+  }, opened{};
+  return ::lstat(path.c_str(), &there) == 0 && ::fstat(folder.fd, &opened) == 0 && there.st_dev == opened.st_dev &&
+         there.st_ino == opened.st_ino;
+}
+
+std::string appeared(const fs::path& destination) {
+  return destination.string() + ": appeared while the result was made, and was kept";
 }
 
 /// Exchanges the staged folder with the former result, which then stands at the staged folder's place. What turns out
 /// to be no former result is put back. `published` says at every moment which of the two stands at the destination.
-void exchange_with_former(const fs::path& staged, const fs::path& destination, bool& published) {
-  if (!exchange(staged, destination)) fail(destination, "exchange this with the new result", errno);
+void exchange_with_former(const fs::path& staged, const fs::path& destination, const ExchangedFolders& both,
+                          bool& published) {
+  if (both.former.fd < 0 && (errno == ENOTDIR || errno == ELOOP)) throw IoError(appeared(destination));
+  if (both.former.fd < 0 || !exchange(staged, destination))
+    fail(destination, "exchange this with the new result", errno);
   published = true;
   const auto put_back = [&] {
-    if (exchange(staged, destination))
+    if (is_at(destination, both.staged) && exchange(staged, destination))
       published = false;
     else
       staging::move_aside(staged, destination);
   };
   std::string reason;
   try {
-    reason = reason_to_keep(staged, destination);
+    if (!is_at(staged, both.former))
+      reason = appeared(destination);
+    else if (const auto foreign = first_foreign_file(staged))
+      reason = refusal_of(destination, *foreign);
   } catch (...) {  // out of memory
     put_back();
     throw;
@@ -399,15 +429,17 @@ void OutputFolder::publish() {
   write_manifest(*place_);
   sync_tree(path_, tree);
   const bool is_outermost = !staging::place_of(destination_);
-  const auto publishing = staging::begin_to_publish();
+  auto publishing = staging::begin_to_publish();
+  ExchangedFolders both;
   // A plain rename takes the place of nothing but an empty folder.
   if (::rename(path_.c_str(), destination_.c_str()) != 0) {
     if (existing_ == Existing::refuse || (errno != ENOTEMPTY && errno != EEXIST && errno != ENOTDIR))
       fail(destination_, "put the result in its place", errno);
+    both = lock_folders(path_, destination_, publishing);
     if (existing_ == Existing::move_aside)
       moved_to_ = put_beside_former(path_, destination_);
     else
-      exchange_with_former(path_, destination_, published_);
+      exchange_with_former(path_, destination_, both, published_);
   }
   published_ = true;
   if (is_outermost) staging::note_published();

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <new>
 
 #include <dcmtk/dcmdata/dcostrmb.h>
 
@@ -23,6 +24,26 @@ std::string digits_of(std::array<unsigned char, 16> number) {
     digits.insert(digits.begin(), static_cast<char>('0' + rest));
   }
   return digits.empty() ? "0" : digits;
+}
+
+bool has_value(DcmElement& element) {
+  char* text = nullptr;
+  Uint8* bytes = nullptr;
+  Uint32 number = 0;
+  switch (element.ident()) {
+    case EVR_UL:
+      return element.getUint32(number).good() && number > 0;
+    case EVR_OB:
+      return element.getUint8Array(bytes).good() && bytes != nullptr;
+    default:
+      return element.getString(text).good() && text != nullptr && *text != '\0';
+  }
+}
+
+/// DCMTK fills the head of a file while it writes, and does not look whether the values found memory.
+void require_values(DcmMetaInfo& head) {
+  for (unsigned long n = 0; n < head.card(); ++n)
+    if (!has_value(*head.getElement(n))) throw std::bad_alloc();
 }
 
 }  // namespace
@@ -71,6 +92,7 @@ std::string bytes_of(DcmFileFormat& file, const std::string& where) {
   }
   file.transferEnd();
   if (status.bad()) throw IoError(where + ": cannot write: " + status.text());
+  require_values(*file.getMetaInfo());
   return bytes;
 }
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <sstream>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/io/detail/formats.hpp"
 #include "dynasurf/io/detail/samples.hpp"
 
@@ -124,7 +124,7 @@ T number(const Header& header, const std::string& field, std::string_view text) 
 }
 
 std::vector<std::string> words(const std::string& text) {
-  std::istringstream in(text);
+  TextInput in(text);
   std::vector<std::string> found;
   for (std::string word; in >> word;) found.push_back(word);
   return found;

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
-#include <optional>
 #include <system_error>
 
 #include <fcntl.h>
@@ -113,10 +112,8 @@ bool is_unfinished(const fs::path& manifest) {
          unfinished_manifest_text().starts_with(std::string_view(begin.data(), static_cast<std::size_t>(size)));
 }
 
-/// What in a folder is not from this program, which staged or published the rest.
-std::optional<ForeignFile> foreign_file_of(const fs::path& folder) {
-  return is_unfinished(folder / manifest_name) ? std::nullopt : first_foreign_file(folder);
-}
+/// Whether a folder is one that this program staged or published: nothing in it is anyone else's.
+bool is_ours(const fs::path& folder) { return is_unfinished(folder / manifest_name) || !first_foreign_file(folder); }
 
 void sweep_file(const fs::path& path) {
   const Descriptor file(::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
@@ -125,14 +122,16 @@ void sweep_file(const fs::path& path) {
 
 void sweep_folder(const fs::path& path, const fs::path& destination) {
   if (::rmdir(path.c_str()) == 0) return;  // died before it wrote anything
-  const Descriptor lock(::open((path / manifest_name).c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  const Descriptor folder = lock_folder(path);
+  if (folder.fd < 0) return;
+  // The manifest of this very folder, whatever an exchange puts at the path meanwhile.
+  const Descriptor lock(::openat(folder.fd, manifest_name, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   if (lock.fd >= 0 && try_lock(lock.fd) != Lock::taken) return;
   if (lock.fd < 0 && errno != ENOENT) return;
-  const std::optional<ForeignFile> foreign = foreign_file_of(path);
-  if (!foreign) return remove_place(path);
-  // What vanishes under our eyes is a former result that the run which replaced it takes away.
-  std::error_code ignored;
-  if (fs::exists(fs::symlink_status(path / foreign->name, ignored))) move_aside(path, destination);
+  if (is_ours(path))
+    remove_place(path);
+  else
+    move_aside(path, destination);
 }
 
 void note(Place& folder, const fs::path& file, std::uint64_t bytes, std::string sha256) {
@@ -164,6 +163,13 @@ Descriptor make_locked_file(const fs::path& path) {
   }
   if (try_lock(file.fd) == Lock::held_by_another || !is_still_there(file.fd)) return {};
   return file;
+}
+
+Descriptor lock_folder(const fs::path& path) noexcept {
+  Descriptor folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+  if (folder.fd < 0 || try_lock(folder.fd) != Lock::held_by_another) return folder;
+  errno = EWOULDBLOCK;
+  return {};
 }
 
 std::shared_ptr<Place> make_place(const fs::path& destination, bool folder) {

@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <sstream>
 
 #include "dynasurf/cloud/lod.hpp"
 #include "dynasurf/core/options.hpp"
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/report/cloud_report.hpp"
 #include "dynasurf/report/detail/json_parts.hpp"
 
@@ -169,8 +169,7 @@ nlohmann::ordered_json cloud_results_json(const CloudRun& run, const Provenance&
 }
 
 std::string cloud_results_csv(const CloudResult& result) {
-  std::ostringstream csv;
-  csv.exceptions(std::ios::badbit);  // else a stream swallows that memory runs out, and the table is cut short
+  TextOutput csv;
   csv.precision(9);
   csv << "level,triangles_asked,triangles,vertices,watertight,components,genus,self_intersections,smallest_angle_deg,"
          "cloud_to_mesh_mean,cloud_to_mesh_largest,mesh_to_cloud_mean,mesh_to_cloud_largest,volume,area\n";

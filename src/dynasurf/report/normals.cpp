@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <charconv>
-#include <sstream>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/detail/folder_file.hpp"
 #include "dynasurf/io/detail/json_node.hpp"
@@ -85,7 +85,7 @@ Perfusion perfusion_of_result(const std::filesystem::path& folder) {
 }
 
 /// The next line that may stand in a table of so many samples.
-bool next_line(std::istringstream& text, std::string& line, std::size_t samples, const std::filesystem::path& csv) {
+bool next_line(TextInput& text, std::string& line, std::size_t samples, const std::filesystem::path& csv) {
   if (!std::getline(text, line)) return false;
   if (samples == PolarGrid{}.size())
     throw InputError(csv.string() + ": has more samples than the " + std::to_string(samples) + " expected");
@@ -96,7 +96,7 @@ bool next_line(std::istringstream& text, std::string& line, std::size_t samples,
 
 PolarTable read_polar(const std::filesystem::path& result) {
   const std::filesystem::path csv = file_inside(result, std::filesystem::path("measures") / "polar.csv");
-  std::istringstream text(text_of_file(csv));
+  TextInput text(text_of_file(csv));
   std::string line;
   std::getline(text, line);
   const std::vector<std::string> names = fields_of(line, csv.string() + ", line 1");

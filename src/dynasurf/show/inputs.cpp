@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <limits>
 
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/text_stream.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/detail/folder_file.hpp"
 #include "dynasurf/io/detail/json_node.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
@@ -43,7 +44,7 @@ std::vector<std::array<int, 4>> histories_in(const fs::path& file) {
   constexpr std::uintmax_t most_bytes = 60 * most;
   if (!fs::is_regular_file(file) || fs::file_size(file) > most_bytes)
     throw InputError(file.string() + ": expected a file of at most a million lines");
-  std::ifstream in(file);
+  TextInput in(text_of_file(file));
   std::vector<std::array<int, 4>> histories;
   std::string line;
   std::getline(in, line);

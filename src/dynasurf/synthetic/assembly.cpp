@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/synthetic/detail/noise.hpp"
 
 namespace dynasurf {
@@ -94,7 +94,7 @@ double fwhm_before_filter(double fwhm_mm, const Noise& noise) {
 
 Noise limit_filter(Noise noise, double fwhm_mm, Notes& notes) {
   if (noise.peak_counts <= 0 || noise.filter_fwhm_mm <= fwhm_mm) return noise;
-  std::ostringstream text;
+  TextOutput text;
   text << "the filter of " << noise.filter_fwhm_mm << " mm is wider than the point spread of " << fwhm_mm
        << " mm that it is part of; it was narrowed to that";
   notes.push_back({Severity::warning, "phantom.filter_narrowed", text.str()});

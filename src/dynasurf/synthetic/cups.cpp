@@ -2,10 +2,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/image/intensity.hpp"
 #include "dynasurf/synthetic/detail/assembly.hpp"
 #include "dynasurf/synthetic/detail/solids.hpp"
@@ -23,7 +23,7 @@ struct Cups {
 
 Cups cups_of(const CupShape& s, const std::string& path) {
   if (s.inner_radius_mm >= s.outer_radius_mm) {
-    std::ostringstream text;
+    TextOutput text;
     text << "option " << path << ".inner_radius_mm is " << s.inner_radius_mm
          << "; expected a number < outer_radius_mm (" << s.outer_radius_mm << ")";
     throw OptionError(text.str());
@@ -145,7 +145,7 @@ std::function<bool(const Vec3&)> emptied(const Partial& o, const Cups& cups) {
   const double low = patch ? height / 4 : -cups.outer.radius_mm, high = patch ? 3 * height / 4 : height;
   const double band = wall_below(cups, high) - wall_below(cups, low);
   if (gone > band) {
-    std::ostringstream text;
+    TextOutput text;
     text << "option partial.fraction is " << o.fraction << "; expected a number <= " << band / whole_wall(cups)
          << " for a patch, which reaches over the middle half of the cylinder only";
     throw OptionError(text.str());

@@ -1,5 +1,4 @@
-#include <sstream>
-
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/synthetic/detail/assembly.hpp"
 #include "dynasurf/synthetic/detail/solids.hpp"
 
@@ -37,7 +36,7 @@ Phantom make_phantom(const TwoSpheres& options) {
   TwoSpheres o = options;
   check_options(o, std::string(TwoSpheres::name));
   if (o.inner_radius_voxels >= o.outer_radius_voxels) {
-    std::ostringstream text;
+    TextOutput text;
     text << "option spheres.inner_radius_voxels is " << o.inner_radius_voxels
          << "; expected a number < outer_radius_voxels (" << o.outer_radius_voxels << ")";
     throw OptionError(text.str());

@@ -2,10 +2,10 @@
 
 #include <array>
 #include <cmath>
-#include <sstream>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/synthetic/detail/solids.hpp"
 
 namespace dynasurf {
@@ -54,7 +54,7 @@ VentricleShape with_wall(double wall_ml, double thickest, const ShapeOf& shape_o
     return epi_ml(s) - endo_ml(s) - wall_ml;
   };
   if (excess(thickest) < 0) {
-    std::ostringstream text;
+    TextOutput text;
     text << "option patient.wall_ml is " << wall_ml << "; expected a muscle volume that fits around the cavity";
     throw OptionError(text.str());
   }

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <vector>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/text_stream.hpp"
 
 namespace dynasurf {
 namespace {
@@ -43,7 +43,7 @@ void require_workable(const Study& study) {
   if (study.gates.empty()) throw InputError("the study holds no volume; expected at least one gate");
   const Grid& grid = study.grid();
   if (grid.dims[2] < least_slices || grid.dims[0] < least_pixels || grid.dims[1] < least_pixels) {
-    std::ostringstream text;
+    TextOutput text;
     text << "the volume has " << grid.dims[0] << " x " << grid.dims[1] << " pixels in " << grid.dims[2]
          << " slices; expected at least " << least_pixels << " x " << least_pixels << " in " << least_slices;
     throw InputError(text.str());

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <sstream>
 #include <string>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/field/band/detail/bricks.hpp"
 #include "dynasurf/field/detail/gradient.hpp"
 
@@ -184,7 +184,7 @@ BandResult solve(const Grid& grid, std::vector<BrickData> data, const BandGvf& o
   result.cycles = outcome.cycles;
   result.error = outcome.error;
   if (outcome.error >= o.tolerance) {
-    std::ostringstream text;
+    TextOutput text;
     text << "the field of the band was left at an estimated relative error of " << outcome.error << " after "
          << outcome.cycles << " cycles; asked for was " << o.tolerance;
     result.notes.push_back({Severity::warning, "band.tolerance_missed", text.str()});

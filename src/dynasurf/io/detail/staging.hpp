@@ -14,7 +14,8 @@
 /// Where results are written before they are published: files and folders named `.NAME.partial-` and 16 hex digits
 /// beside their destination. Whoever writes one holds a lock (flock) on it, on the manifest of a folder, which the
 /// system drops when the process ends, however it ends and whichever process numbers or hosts see the place. What is
-/// not locked belongs to nobody and is swept.
+/// not locked belongs to nobody and is swept. Whoever exchanges a former result for a new one locks both folders until
+/// it is decided which of them stays.
 namespace dynasurf::staging {
 
 namespace fs = std::filesystem;
@@ -35,6 +36,11 @@ struct Descriptor {
 /// Opens and locks a new file. Without a descriptor when the name is taken, or a sweeper took the file away before it
 /// was locked. Throws IoError.
 Descriptor make_locked_file(const fs::path& path);
+
+/// Opens and locks a folder, so that no other run sweeps it or exchanges it for a result. Without a descriptor, and
+/// errno set, when it cannot be opened; EWOULDBLOCK says that another run holds it. Not locked where a file system
+/// knows no locks of folders (NFS), which then knows no exchange either.
+Descriptor lock_folder(const fs::path& path) noexcept;
 
 /// A place to write to that nobody else uses. Folders hold their manifest from the start: it carries the lock.
 struct Place {

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
+
+#include "dynasurf/core/text_stream.hpp"
 
 namespace dynasurf {
 
@@ -36,7 +37,7 @@ int find_division_slice(const std::vector<double>& profile, const std::vector<bo
   int best = -1;
   for (int k = top - 1; k >= 0; --k)
     if (bright(k) && rise_into(k) > 0 && (best < 0 || rise_into(k) > rise_into(best))) best = k;
-  std::ostringstream text;
+  TextOutput text;
   if (best >= 0) {
     text << "The centre of the ventricle never brightens by more than " << o.jump
          << " from one slice to the next below; the largest rise (" << rise_into(best) << ", into slice " << best + 1
@@ -111,7 +112,7 @@ constexpr std::array<Row, 9> table{{
 RefinedDivision refine_division_slice(int c, int slices, const std::function<int(int)>& borders, Notes& notes) {
   const auto seen = [&](int k) { return k >= 0 && k < slices ? borders(k) : 0; };
   const int n_c = seen(c), n_b = seen(c + 1), n_a = seen(c + 2);
-  std::ostringstream text;
+  TextOutput text;
   text << "Borders seen from slice " << c + 3 << " down to the division slice " << c + 1 << ": " << n_a << ", " << n_b
        << ", " << n_c;
   if (c < 0 || std::min({n_a, n_b, n_c}) < 1) {
