@@ -23,6 +23,7 @@
 
 #include "command.hpp"
 #include "console.hpp"
+#include "label_arguments.hpp"
 #include "out_argument.hpp"
 #include "phantom_patients.hpp"
 #include "phantom_truth.hpp"
@@ -42,6 +43,7 @@ struct Arguments {
   std::string seed;
   int threads = 0, count = 0, repeats = 1;
   bool nrrd = false, quiet = false, small = false;
+  LabelOutput labels;
 };
 
 ExitCode make_population(const Arguments& a, const std::stop_token& stop) {
@@ -49,7 +51,7 @@ ExitCode make_population(const Arguments& a, const std::stop_token& stop) {
   if (a.out.replace)
     throw OptionError("--replace: patients that stand at --out are kept, and those that lack are added");
   if (a.count < 1) throw OptionError("phantom patients needs --count N, how many patients");
-  return make_patients({a.out.path, a.count, a.repeats, a.seed, a.settings, a.small, a.quiet}, stop);
+  return make_patients({a.out.path, a.count, a.repeats, a.seed, a.settings, a.small, a.quiet, a.labels}, stop);
 }
 
 /// `--seed` is short for the one option of the kind that is called noise.seed, wherever it stands.
@@ -85,6 +87,7 @@ void write_phantom(const Phantom& phantom, const Arguments& arguments, const fs:
   if (phantom.tracked) write_tracked_points(phantom.tracked->points, folder / "points.csv");
   write_file(folder / "truth.json", json_text(truth_of(phantom)));
   write_surfaces(phantom, folder);
+  write_true_labels(phantom, arguments.labels, folder / "labels");
 }
 
 std::string summary_of(const Phantom& phantom) {
@@ -185,9 +188,12 @@ ExitCode make_acquisition(const Arguments& arguments, std::stop_token stop) {
 
 ExitCode run(const Arguments& arguments, std::stop_token stop) {
   const ThreadLimit limit(arguments.threads);
+  check_labels(arguments.labels, "--labels");
   if (arguments.kind == "patients") return make_population(arguments, stop);
   if (arguments.count > 0 || arguments.small || arguments.repeats > 1)
     throw OptionError("--count, --repeats and --small belong to phantom patients");
+  if (!arguments.labels.ending.empty() && (arguments.kind == "cloud" || arguments.kind == CameraPhantom::name))
+    throw OptionError("--labels: the phantom '" + arguments.kind + "' has no walls on the grid of its study");
   if (arguments.kind == "cloud") return make_scan(arguments, stop);
   if (arguments.kind == CameraPhantom::name) return make_acquisition(arguments, stop);
   const PhantomOptions options = options_of(arguments);
@@ -231,6 +237,7 @@ void add_phantom(CLI::App& program, Command& chosen) {
   command->add_option("--repeats", a->repeats, "patients: studies of each, with other noise and another pose")
       ->check(CLI::Range(1, 100));
   command->add_flag("--small", a->small, "patients: 4 gates of 40 x 40 x 20 voxels, for quick cohorts");
+  add_label_arguments(*command, a->labels);
   command->add_flag("--nrrd", a->nrrd, "write the study as NRRD too");
   command->add_flag("--quiet", a->quiet, "print nothing");
   command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });

@@ -78,8 +78,15 @@ Json former_truth(const fs::path& folder, const Planned& planned) {
   return truth;
 }
 
-Json make_patient(const fs::path& folder, const Planned& planned) {
-  if (Json truth = former_truth(folder, planned); !truth.is_null()) return truth;
+/// Whether a patient that stands there has what is asked for beside the study.
+bool has_labels(const fs::path& folder, const LabelOutput& labels) {
+  const fs::path place = folder / "labels";
+  return labels.ending.empty() || (fs::exists(place / ("walls." + labels.ending)) &&
+                                   (!labels.partial_volumes || fs::exists(place / ("part_wall." + labels.ending))));
+}
+
+Json make_patient(const fs::path& folder, const Planned& planned, const LabelOutput& labels) {
+  if (Json truth = former_truth(folder, planned); !truth.is_null() && has_labels(folder, labels)) return truth;
   const Phantom phantom = make_phantom(PhantomOptions(planned.patient.options));
   Json truth = truth_of(phantom);
   OutputFolder output(folder);
@@ -87,6 +94,8 @@ Json make_patient(const fs::path& folder, const Planned& planned) {
   dicom.patient_name = "PHANTOM^" + planned.subject;
   dicom.patient_id = planned.subject;
   write_dicom(phantom.study, output.path() / "study.dcm", dicom);
+  if (!labels.ending.empty()) write_nifti(phantom.study, output.path() / ("study." + labels.ending));
+  write_true_labels(phantom, labels, output.path() / "labels");
   write_file(output.path() / "truth.json", json_text(truth));
   output.publish();
   return truth;
@@ -117,7 +126,7 @@ std::string make_rows(const PatientsJob& job, std::uint64_t seed, const Progress
     for (std::size_t n = begin; n < end; ++n) {
       progress.check();
       const Planned planned = plan(job, seed, static_cast<int>(n));
-      rows[n] = row_of(planned, make_patient(job.out / planned.folder, planned));
+      rows[n] = row_of(planned, make_patient(job.out / planned.folder, planned, job.labels));
       const std::lock_guard lock(telling);
       progress("patients", ++made, studies);
     }

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "dynasurf/report/label_volumes.hpp"
+
 #include "command.hpp"
 
 namespace dynasurf::app {
@@ -15,6 +17,7 @@ struct PatientsJob {
   std::string seed;                   // empty: 1
   std::vector<std::string> settings;  // of every patient, over what is drawn
   bool small = false, quiet = false;
+  LabelOutput labels;  // of the true walls, beside study.nii.gz
 };
 
 /// Several patients at a time. Patients that stand there from an earlier call with the same options are kept. Throws

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/report/measures.hpp"
@@ -86,6 +87,17 @@ Json truth_of(const Phantom& phantom) {
   json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
   json["options"] = options_of(phantom);
   return json;
+}
+
+void write_true_labels(const Phantom& phantom, const LabelOutput& labels, const std::filesystem::path& folder) {
+  if (labels.ending.empty()) return;
+  std::vector<GateWalls> walls;
+  for (const TrueGate& gate : phantom.truth) {
+    if (gate.endo.triangles.empty() || gate.epi.triangles.empty())
+      throw OptionError("--labels: the phantom '" + phantom.kind + "' has not both walls");
+    walls.push_back({&gate.endo, &gate.epi});
+  }
+  write_wall_labels(walls, phantom.study, labels, folder);
 }
 
 DicomWriteOptions finely_stored(const Study& study, const std::string& description) {

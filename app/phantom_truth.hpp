@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/io/study_io.hpp"
+#include "dynasurf/report/label_volumes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 
 namespace dynasurf::app {
@@ -13,6 +14,9 @@ nlohmann::ordered_json truth_of(const Phantom& phantom);
 
 /// The options of its kind that a phantom was made from.
 nlohmann::ordered_json options_of(const Phantom& phantom);
+
+/// The voxels of the true walls, into `folder`, if labels are asked for. Throws OptionError unless there are two walls.
+void write_true_labels(const Phantom& phantom, const LabelOutput& labels, const std::filesystem::path& folder);
 
 /// How to store a study so finely that rounding adds nothing to the noise of its counts.
 DicomWriteOptions finely_stored(const Study& study, const std::string& description);

@@ -81,6 +81,7 @@ std::string results_text(const VentricleResult& result, const Provenance& proven
   record.keep_stages = outputs.keep_stages;
   record.dicom = outputs.dicom;
   record.pdf = outputs.pdf;
+  record.labels = outputs.labels;
   // Without timings it is the study's, which a repeated run reads there again.
   if (outputs.dicom && job.timings) record.dicom_time = outputs.dicom_time;
   record.timings = job.timings ? Timings::keep : Timings::omit;
@@ -107,6 +108,7 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   Job job = asked;
   const ThreadLimit limit(job.threads);
   if (job.outputs.pdf) find_browser();  // its absence, too, is told first
+  check_labels(job.outputs.labels, "--labels");
   // First, so that a place that cannot be written to costs no time.
   OutputFolder folder(job.out, job.existing, inputs_of(job));
   const Study study = read_study(job.study, job.series);
@@ -136,6 +138,8 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   outcome.json = results_text(outcome.result, provenance, job);
   write_study_files(outcome.result, provenance, {job.mesh_formats, job.options.keyframes, Timings::omit, outcome.json},
                     folder.path());
+  if (!job.outputs.labels.ending.empty())
+    write_label_volumes(outcome.result, study, job.outputs.labels, folder.path() / "labels");
   write_for_reading_room(outcome.result, provenance, job, folder.path(), progress.stop);
   progress.check();
   folder.publish();

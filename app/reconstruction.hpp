@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "dynasurf/report/label_volumes.hpp"
 #include "dynasurf/report/report.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
@@ -17,6 +18,7 @@ struct Outputs {
   bool dicom = false;      // the folder dicom: results as objects of the patient's study
   std::string dicom_time;  // YYYYMMDDHHMMSS that they tell; empty: now, without timings the study's
   bool pdf = false;        // report.pdf, printed by Chromium
+  LabelOutput labels;      // the folder labels: voxels of walls and borders
 };
 
 /// One run of the ventricle pipeline, from a study on disk to a result folder.

@@ -308,6 +308,8 @@ bool repeat_ventricle(const Arguments& arguments, const Record& record, const fs
     if (read.outputs.dicom && record.timings)  // else the study tells it
       read.outputs.dicom_time = dicom_time_in(outputs);
     read.outputs.pdf = has(outputs, "pdf") && flag_in(outputs, "pdf");
+    if (has(outputs, "labels")) read.outputs.labels = {text_in(outputs, "labels"), flag_in(outputs, "partial_volumes")};
+    check_labels(read.outputs.labels, "outputs.labels");
     return read;
   });
   job.study = find_study(arguments, record);

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "command.hpp"
+#include "label_arguments.hpp"
 #include "option_arguments.hpp"
 #include "reconstruction.hpp"
 #include "summary.hpp"
@@ -14,6 +15,7 @@ struct Arguments {
   std::string study, series, start;
   ResultArguments result;
   OptionArguments options;
+  LabelOutput labels;
   bool keep_stages = false, dicom = false, pdf = false, strict = false;
 };
 
@@ -39,7 +41,7 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
     job.start_mesh = arguments.start;
     job.options.placement.shape = StartShape::file;
   }
-  job.outputs = {arguments.keep_stages, arguments.dicom, "", arguments.pdf};
+  job.outputs = {arguments.keep_stages, arguments.dicom, "", arguments.pdf, arguments.labels};
   Outcome outcome;
   run_with_progress(arguments.result.quiet, stop,
                     [&](const Progress& progress) { outcome = reconstruct_to_folder(job, progress); });
@@ -60,6 +62,7 @@ void add_ventricle(CLI::App& program, Command& chosen) {
   add_option_arguments(*command, a->options);
   command->add_option("--start", a->start, "mesh file that all surfaces start from, fitted to each border's box");
   command->add_flag("--keep-stages", a->keep_stages, "write every intermediate step to RESULT/stages");
+  add_label_arguments(*command, a->labels);
   command->add_flag("--strict", a->strict, "end with exit code 3 for the verdict check too, not for fail alone");
   command->add_flag("--pdf", a->pdf, "print the report to report.pdf, two A4 pages (needs Chromium)");
   command->add_flag("--dicom", a->dicom,

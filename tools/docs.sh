@@ -27,6 +27,11 @@ docs_python() {
   fi
   PYTHONPATH=$package /usr/bin/python3 tools/python_pages.py $docs_pages
 }
+# A page for ParaView and one for Blender, with pictures, where they are installed.
+docs_viewers() {
+  DYNASURF_PROGRAM=$1 /usr/bin/python3 tools/viewers/viewer_pages.py - $docs_pages paraview blender ||
+    { [ $? -eq 77 ] && say "ParaView and Blender are missing: their pages are left out"; }
+}
 docs_notebooks() {
   if /usr/bin/python3 -c "import nbclient, nbconvert, ipykernel, matplotlib" 2>/dev/null && [ -f $docs_pages/python-api.md ]; then
     PYTHONPATH=$PWD/build/release/python /usr/bin/python3 tools/notebook_pages.py build/docs/notebooks
@@ -48,6 +53,7 @@ do_docs() {
   python3 tools/schema_page.py docs/results.schema.json >$docs_pages/results-schema.md
   python3 tools/schema_page.py docs/cloud-results.schema.json >$docs_pages/cloud-results-schema.md
   docs_python || fail "the pages of the Python module were not made"
+  docs_viewers "$program_of_docs" || fail "ParaView or Blender did not open a result"
   DYNASURF_VERSION=$("$program_of_docs" --version | grep -o '[0-9.]*' | head -n 1) doxygen docs/Doxyfile ||
     fail "doxygen failed; build/docs-warnings.log tells more"
   docs_notebooks || fail "a notebook did not run"

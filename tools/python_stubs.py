@@ -53,6 +53,14 @@ def property_type(owner, name):
     return re.sub(r"\[(int|float)\[\d\]\]", r"[\1]", told)
 
 
+def to_fill(owner):
+    """The static method that gives an object and arrays of its own memory."""
+    of_mesh = "vertices: int, triangles: Any) -> Tuple[TriMesh, numpy.ndarray]"
+    of_study = "shape: Any, spacing: Any = ..., affine: Any = ..., **facts: Any) -> Tuple[Study, List[numpy.ndarray]]"
+    of_volume = f"shape: Any, spacing: Any = ..., affine: Any = ...) -> Tuple[{owner}, numpy.ndarray]"
+    return f"    def to_fill({ {'TriMesh': of_mesh, 'Study': of_study}.get(owner, of_volume) }: ..."
+
+
 def core():
     """The C++ module, by stubgen; methods that Python adds get the signatures they have."""
     with tempfile.TemporaryDirectory() as folder:
@@ -71,7 +79,7 @@ def core():
         elif line.startswith("    def from_nibabel("):
             lines += ["    @staticmethod", signature("from_nibabel", owner.from_nibabel, "    ")]
         elif line.startswith("    def to_fill("):
-            lines += ["    @staticmethod", "    def to_fill(shape: Any, spacing: Any = ..., affine: Any = ...) -> Tuple[Any, numpy.ndarray]: ..."]
+            lines += ["    @staticmethod", to_fill(owner.__name__)]
         elif added:
             method = inspect.getattr_static(owner, added[1])
             names = [*inspect.signature(method).parameters]

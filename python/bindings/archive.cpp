@@ -119,6 +119,8 @@ void archive(A& a, Heart& heart) {
   archive(a, heart.provenance);
   archive(a, heart.mask_sha256);
   archive(a, heart.start_sha256);
+  if constexpr (!A::writes) heart.study = std::make_shared<OriginStudy>();
+  archive(a, *heart.study);
 }
 template <class A>
 void archive(A& a, Lods& lods) {

@@ -124,7 +124,8 @@ template <class T>
 void bind_volume(py::module_& module, const char* name, const char* doc) {
   using V = Volume<T>;
   py::class_<V, std::shared_ptr<V>>(module, name, doc)
-      .def(py::init(&volume_from<T>), needed("array"), py::arg("spacing") = py::none(), py::arg("affine") = py::none())
+      .def(py::init(&volume_from<T>), needed("array"), py::arg("spacing") = py::none(), py::arg("affine") = py::none(),
+           "Values are copied once, as the library owns what it works on; `to_fill` needs no copy.")
       .def_static("to_fill", &volume_to_fill<T>, needed("shape"), py::arg("spacing") = py::none(),
                   py::arg("affine") = py::none(),
                   "A volume of zeros and a writable array (z, y, x) of its own memory, for work without a copy. Write "
@@ -158,6 +159,28 @@ SliceOrder slice_order_from(const std::string& word) {
   throw OptionError("slice_order is '" + word + "'; expected unknown, apex_to_base or base_to_apex");
 }
 
+/// A study of gates on one grid that have no values yet. Throws OptionError.
+std::shared_ptr<OriginStudy> described_study(Index3 dims, std::size_t gates, const py::object& spacing,
+                                             const py::object& affine, std::vector<double> time_ms, double cycle_ms,
+                                             const std::string& modality, const std::string& view,
+                                             const std::string& slice_order) {
+  if (!time_ms.empty() && time_ms.size() != gates)
+    throw OptionError("time_ms has " + std::to_string(time_ms.size()) + " numbers; expected one for each of the " +
+                      std::to_string(gates) + " gates");
+  if (!(cycle_ms >= 0) || !std::isfinite(cycle_ms)) throw OptionError("cycle_ms is negative; expected ms, 0: unknown");
+  auto study = std::make_shared<OriginStudy>();
+  study->gates.resize(gates);
+  const Grid grid = grid_from(dims, spacing, affine);
+  for (Image& gate : study->gates) gate.grid = grid;
+  study->time_ms = std::move(time_ms);
+  study->cycle_ms = cycle_ms;
+  study->format = "array";
+  study->modality = modality;
+  study->view = view_from(view);
+  study->slice_order = slice_order_from(slice_order);
+  return study;
+}
+
 std::shared_ptr<OriginStudy> study_from(const Numbers<float>& array, const py::object& spacing,
                                         const py::object& affine, std::vector<double> time_ms, double cycle_ms,
                                         const std::string& modality, const std::string& view,
@@ -167,26 +190,31 @@ std::shared_ptr<OriginStudy> study_from(const Numbers<float>& array, const py::o
     throw OptionError("array has the shape " + shape_text(array) + "; expected (gate, z, y, x) or (z, y, x)");
   const auto side = [&](py::ssize_t from_end) { return static_cast<int>(array.shape(n - from_end)); };
   const std::size_t gates = n == 4 ? static_cast<std::size_t>(array.shape(0)) : 1;
-  if (!time_ms.empty() && time_ms.size() != gates)
-    throw OptionError("time_ms has " + std::to_string(time_ms.size()) + " numbers; expected one for each of the " +
-                      std::to_string(gates) + " gates");
-  if (!(cycle_ms >= 0) || !std::isfinite(cycle_ms)) throw OptionError("cycle_ms is negative; expected ms, 0: unknown");
-  auto study = std::make_shared<OriginStudy>();
-  const Grid grid = grid_from({side(1), side(2), side(3)}, spacing, affine);
-  for (std::size_t g = 0; g < gates; ++g) {
-    Image image;
-    image.grid = grid;
-    const float* first = array.data() + g * grid.size();
-    image.values.assign(first, first + grid.size());
-    study->gates.push_back(std::move(image));
+  auto study = described_study({side(1), side(2), side(3)}, gates, spacing, affine, std::move(time_ms), cycle_ms,
+                               modality, view, slice_order);
+  const float* first = array.data();
+  for (Image& gate : study->gates) {
+    gate.values.assign(first, first + gate.grid.size());
+    first += gate.grid.size();
   }
-  study->time_ms = std::move(time_ms);
-  study->cycle_ms = cycle_ms;
-  study->format = "array";
-  study->modality = modality;
-  study->view = view_from(view);
-  study->slice_order = slice_order_from(slice_order);
   return study;
+}
+
+/// A study of zeros and the arrays through which its gates can be written.
+py::tuple study_to_fill(std::array<int, 4> shape, const py::object& spacing, const py::object& affine,
+                        std::vector<double> time_ms, double cycle_ms, const std::string& modality,
+                        const std::string& view, const std::string& slice_order) {
+  for (const int side : shape)
+    if (side < 1) throw OptionError("shape has a side below 1; expected (gate, z, y, x)");
+  const auto& [gates, z, y, x] = shape;
+  auto study = described_study({x, y, z}, static_cast<std::size_t>(gates), spacing, affine, std::move(time_ms),
+                               cycle_ms, modality, view, slice_order);
+  py::list arrays;
+  for (Image& gate : study->gates) {
+    gate = Image(gate.grid);
+    arrays.append(writable_view_of(gate.values.data(), {z, y, x}, study));
+  }
+  return py::make_tuple(study, arrays);
 }
 
 /// All gates as one new array: they stand apart in memory.
@@ -204,7 +232,13 @@ void bind_study(py::module_& module) {
                                     py::dynamic_attr())
       .def(py::init(&study_from), needed("array"), py::arg("spacing") = py::none(), py::arg("affine") = py::none(),
            py::arg("time_ms") = std::vector<double>(), py::arg("cycle_ms") = 0.0, py::arg("modality") = "",
-           py::arg("view") = "unknown", py::arg("slice_order") = "unknown")
+           py::arg("view") = "unknown", py::arg("slice_order") = "unknown",
+           "Values are copied once, as the library owns what it works on; `to_fill` needs no copy.")
+      .def_static("to_fill", &study_to_fill, needed("shape"), py::arg("spacing") = py::none(),
+                  py::arg("affine") = py::none(), py::arg("time_ms") = std::vector<double>(), py::arg("cycle_ms") = 0.0,
+                  py::arg("modality") = "", py::arg("view") = "unknown", py::arg("slice_order") = "unknown",
+                  "A study of zeros, and for each gate the writable array (z, y, x) of its own memory, for work "
+                  "without a copy. `shape` is (gate, z, y, x). Write before others use it.")
       .def_property_readonly(
           "gates",
           [](const std::shared_ptr<S>& s) {
@@ -265,7 +299,21 @@ void bind_mesh_and_cloud(py::module_& module) {
              mesh->triangles = triangles_from(triangles, mesh->vertices.size());
              return mesh;
            }),
-           needed("vertices"), needed("triangles"))
+           needed("vertices"), needed("triangles"),
+           "Both are copied: the library owns what it works on, and indices that were checked must not change. "
+           "`to_fill` gives vertices without a copy.")
+      .def_static(
+          "to_fill",
+          [](std::size_t vertices, const Numbers<std::int64_t>& triangles) {
+            auto mesh = std::make_shared<M>();
+            mesh->vertices.assign(vertices, Vec3::Zero());
+            mesh->triangles = triangles_from(triangles, vertices);
+            return py::make_tuple(mesh, writable_view_of(reinterpret_cast<double*>(mesh->vertices.data()),
+                                                         {static_cast<py::ssize_t>(vertices), 3}, mesh));
+          },
+          needed("vertices"), needed("triangles"),
+          "A mesh of so many vertices at the origin and the writable array (vertices, 3) of their own memory, for work "
+          "without a copy. Write before others use it.")
       .def_property_readonly(
           "vertices", [](const std::shared_ptr<M>& m) { return view_of(m->vertices, m); },
           "Places, (n, 3) float64, mm: a read-only view.")

@@ -45,24 +45,28 @@ std::shared_ptr<Heart> reconstruct_heart(const HeartRun& run, const Progress& pr
   heart->provenance.command = command_of(run);
   heart->provenance.inputs = run.study->inputs;
   heart->provenance.options_json = options_to_text(run.options);
+  heart->study = run.study;
   heart->mask_sha256 = run.mask_sha256;
   heart->start_sha256 = run.start_sha256;
   heart->result = reconstruct(*run.study, run.options, progress, {}, run.start.get(), run.mask.get(), run.own);
   return heart;
 }
 
-void save_heart(const Heart& heart, const std::filesystem::path& out, const std::vector<std::string>& mesh_formats,
-                bool timings, bool replace) {
+void save_heart(const Heart& heart, const std::filesystem::path& out, const HeartOutputs& outputs) {
+  check_labels(outputs.labels, "labels");
   VentricleRecord record;
   record.mask_sha256 = heart.mask_sha256;
   record.start_mesh_sha256 = heart.start_sha256;
-  record.mesh_formats = formats_from(mesh_formats);
-  record.timings = timings ? Timings::keep : Timings::omit;
-  OutputFolder folder(out, replace ? Existing::move_aside : Existing::replace);
+  record.mesh_formats = formats_from(outputs.mesh_formats);
+  record.labels = outputs.labels;
+  record.timings = outputs.timings ? Timings::keep : Timings::omit;
+  OutputFolder folder(out, outputs.replace ? Existing::move_aside : Existing::replace);
   write_study_files(heart.result, heart.provenance,
                     {record.mesh_formats, heart.options.keyframes, Timings::omit,
                      ventricle_results_text(heart.result, heart.provenance, record)},
                     folder.path());
+  if (!outputs.labels.ending.empty())
+    write_label_volumes(heart.result, *heart.study, outputs.labels, folder.path() / "labels");
   folder.publish();
 }
 

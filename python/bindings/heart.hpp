@@ -30,13 +30,20 @@ struct Heart {
   VentricleOptions options;
   Provenance provenance;
   std::optional<std::string> mask_sha256, start_sha256;
+  std::shared_ptr<OriginStudy> study;  // as given: labels lie on its grid
+};
+
+/// What goes into the folder of a heart, by the words of the command line.
+struct HeartOutputs {
+  std::vector<std::string> mesh_formats;
+  bool timings = true, replace = false;
+  LabelOutput labels;
 };
 
 std::shared_ptr<Heart> reconstruct_heart(const HeartRun& run, const Progress& progress);
 
 /// Writes the folder of `dynasurf ventricle`. Throws IoError, OptionError.
-void save_heart(const Heart& heart, const std::filesystem::path& folder, const std::vector<std::string>& mesh_formats,
-                bool timings, bool replace);
+void save_heart(const Heart& heart, const std::filesystem::path& folder, const HeartOutputs& outputs);
 
 /// The formats by their words. Throws OptionError.
 std::vector<MeshFormat> formats_from(const std::vector<std::string>& words);

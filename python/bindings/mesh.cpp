@@ -3,6 +3,7 @@
 #include "dynasurf/mesh/repair.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/mesh/tetrahedra.hpp"
+#include "dynasurf/mesh/voxel_parts.hpp"
 
 #include "arrays.hpp"
 #include "options.hpp"
@@ -87,6 +88,13 @@ void bind_mesh(py::module_& module) {
         return std::make_shared<TriMesh>(to_grid(*grid, *mesh));
       },
       needed("grid"), needed("mesh"));
+  module.def(
+      "voxel_parts",
+      [](const std::shared_ptr<Grid>& grid, const Mesh& mesh) {
+        return std::make_shared<Image>(voxel_parts(*grid, *mesh));
+      },
+      needed("grid"), needed("mesh"), release_lock(),
+      "Part of each voxel (0 to 1) inside a closed mesh given in the grid frame, exact but for rounding.");
   bind_tetrahedra(module);
   bind_quality(module);
 }

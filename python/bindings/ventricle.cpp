@@ -219,8 +219,14 @@ void bind_result(py::module_& module) {
             return report_html(h.result, h.provenance, Timings::omit, most_voxels);
           },
           py::arg("most_voxels") = 48'000'000, py::call_guard<py::gil_scoped_release>())
-      .def("_save", &save_heart, needed("folder"), needed("mesh_formats"), needed("timings"), needed("replace"),
-           py::call_guard<py::gil_scoped_release>());
+      .def(
+          "_save",
+          [](const Heart& h, const std::filesystem::path& folder, const std::vector<std::string>& mesh_formats,
+             bool timings, bool replace, const std::string& labels, bool partial_volumes) {
+            save_heart(h, folder, {mesh_formats, timings, replace, {labels, partial_volumes}});
+          },
+          needed("folder"), needed("mesh_formats"), needed("timings"), needed("replace"), needed("labels"),
+          needed("partial_volumes"), py::call_guard<py::gil_scoped_release>());
 }
 
 /// What a function of Python gave, which must be of this class.

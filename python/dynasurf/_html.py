@@ -78,8 +78,12 @@ def _take_walls(data):
     return walls
 
 
-def framed(page, title, height=900):
-    """A page of the program in a sandboxed frame, packed."""
+def framed(page, title, height):
+    """A page of the program in a sandboxed frame, packed.
+
+    Browsers draw nothing in such a frame before it is scrolled to: a picture of a whole notebook shows it empty, unless
+    it was seen before.
+    """
     import base64
     import gzip
     import html
@@ -98,9 +102,9 @@ def framed(page, title, height=900):
 
 def of_heart(heart):
     """The beating heart, the curve and the verdict."""
-    return framed(heart.report_html(_MOST_VOXELS), "Report of the left ventricle")
+    return framed(heart.report_html(_MOST_VOXELS), "Report of the left ventricle", 1150)  # down to the end of its surfaces
 
 
 def of_cloud(lods):
     """The levels of detail side by side, and their certificates."""
-    return framed(lods.report_html(), "Levels of detail")
+    return framed(lods.report_html(), "Levels of detail", 900)

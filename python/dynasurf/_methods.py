@@ -60,7 +60,8 @@ def _options(name):
     return options
 
 
-def _save_heart(heart, folder, *, mesh_formats=("ply", "vtp"), timings=True, replace=False):
+def _save_heart(heart, folder, *, mesh_formats=("ply", "vtp"), timings=True, replace=False, labels=None,
+                partial_volumes=False):  # fmt: skip
     """Write the folder of ``dynasurf ventricle``.
 
     Parameters
@@ -73,12 +74,16 @@ def _save_heart(heart, folder, *, mesh_formats=("ply", "vtp"), timings=True, rep
         False: without times, so that equal runs give equal bytes (``--no-timings``).
     replace : bool
         Move aside what else stands there.
+    labels : str, optional
+        "nii.gz" or "nii": write walls and borders as voxels of the study, too.
+    partial_volumes : bool
+        With labels: the exact part of each voxel that is cavity and wall, too.
 
     Raises
     ------
     IoError, OptionError
     """
-    heart._save(os.fspath(folder), list(mesh_formats), timings, replace)
+    heart._save(os.fspath(folder), list(mesh_formats), timings, replace, labels or "", partial_volumes)
 
 
 def _save_cloud(lods, folder, *, mesh_formats=("ply",), textures=False, timings=True, replace=False):

@@ -13,6 +13,7 @@ from ._core import (
     to_grid,
     to_world,
     volume_mm3,
+    voxel_parts,
 )
 from ._options import classes_of, text_of
 
@@ -29,6 +30,7 @@ __all__ = [
     "to_grid",
     "to_world",
     "volume_mm3",
+    "voxel_parts",
     *(_found := classes_of("mesh")),
 ]
 globals().update(_found)

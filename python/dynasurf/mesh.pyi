@@ -14,6 +14,7 @@ def start_mesh(border: Any, level: Any = ..., placement: Any = ..., given: Any =
 from ._core import to_grid as to_grid
 from ._core import to_world as to_world
 from ._core import volume_mm3 as volume_mm3
+from ._core import voxel_parts as voxel_parts
 
 class Placement(_Options):
     shape: Literal['ellipsoid', 'sphere', 'cube', 'hull', 'marching_cubes', 'file']

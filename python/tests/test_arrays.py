@@ -28,6 +28,41 @@ def test_a_volume_is_filled_without_a_copy(ball):
     assert found.any() and np.array_equal(found, ds.image.detect_edges(ball).edges.array)
 
 
+def test_a_study_is_filled_without_a_copy(study):
+    """What is written is what the gates show, at the same address, and gives the same result."""
+    filled, arrays = ds.Study.to_fill(study.array.shape, affine=study.affine, time_ms=study.time_ms,
+                                      cycle_ms=study.cycle_ms, view=study.view, slice_order=study.slice_order)  # fmt: skip
+    assert [address(a) for a in arrays] == [address(g.array) for g in filled.gates] and not filled.array.any()
+    for array, gate in zip(arrays, study.gates, strict=True):
+        array[...] = gate.array
+    assert np.array_equal(filled.array, study.array) and not filled.gates[0].array.flags.writeable
+    copied = ds.Study(study.array, affine=study.affine, view=study.view, slice_order=study.slice_order)
+    a, b = (ds.ventricle.reconstruct(s, preset="edges").gates[0].endo.vertices for s in (filled, copied))
+    assert np.array_equal(a, b)
+
+
+@pytest.mark.parametrize("shape", [(0, 2, 4, 5), (2, 3, 0, 5)])
+def test_a_study_to_fill_has_gates_and_voxels(shape):
+    with pytest.raises(ds.OptionError, match="shape"):
+        ds.Study.to_fill(shape, spacing=(1, 1, 1))
+
+
+def test_the_vertices_of_a_mesh_are_filled_without_a_copy():
+    ball = ds.mesh.icosphere(2)
+    mesh, vertices = ds.TriMesh.to_fill(len(ball.vertices), ball.triangles)
+    assert address(vertices) == address(mesh.vertices) and ds.mesh.volume_mm3(mesh) == 0
+    vertices[...] = ball.vertices
+    assert ds.mesh.volume_mm3(mesh) == ds.mesh.volume_mm3(ball) and not mesh.vertices.flags.writeable
+    del mesh
+    gc.collect()
+    assert np.array_equal(vertices, ball.vertices)
+
+
+def test_a_mesh_to_fill_has_the_vertices_of_its_triangles():
+    with pytest.raises(ds.InputError, match="expected 0 to 2 less 1"):
+        ds.TriMesh.to_fill(2, [[0, 1, 2]])
+
+
 def test_an_array_to_fill_outlives_its_volume():
     array = ds.Mask.to_fill((3, 40, 50), spacing=(1, 1, 1))[1]
     gc.collect()

@@ -27,6 +27,29 @@ def test_meshio_gets_every_vertex_and_triangle(heart):
     assert np.array_equal(mesh.points, surface.vertices) and np.array_equal(mesh.cells[0].data, surface.triangles)
 
 
+def test_trimesh_gets_the_same_body(heart):
+    pytest.importorskip("trimesh")
+    surface = heart.gates[0].endo
+    body = surface.to_trimesh()
+    assert body.is_watertight and np.array_equal(body.vertices, surface.vertices)
+    assert body.volume / 1000 == pytest.approx(surface.volume_ml.value, rel=1e-9)
+
+
+def test_pyvista_gets_the_same_body(heart):
+    pytest.importorskip("pyvista")
+    surface = heart.gates[0].endo
+    body = surface.to_pyvista()
+    assert body.n_points == len(surface.vertices) and body.n_cells == len(surface.triangles) and body.n_open_edges == 0
+    assert body.volume / 1000 == pytest.approx(surface.volume_ml.value, rel=1e-4)  # VTK sums columns
+
+
+def test_meshio_writes_what_the_program_reads(heart, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    surface = heart.gates[0].epi
+    meshio.write(tmp_path / "epi.ply", surface.to_meshio())
+    assert np.array_equal(ds.io.read_mesh(tmp_path / "epi.ply").vertices, surface.vertices)
+
+
 def test_meshio_gets_a_solid():
     pytest.importorskip("meshio")
     inner = ds.mesh.icosphere(1)
@@ -108,7 +131,7 @@ BROWSE = """
 const {{ chromium }} = require("playwright-core");
 (async () => {{
   const browser = await chromium.launch({{executablePath: {browser!r}, args: ["--no-sandbox", "--enable-unsafe-swiftshader"]}});
-  const page = await browser.newPage();
+  const page = await browser.newPage({{viewport: {{width: 1000, height: 1200}}}});
   const asked = [];
   page.on("request", request => asked.push(request.url()));
   await page.goto({address!r});
@@ -117,7 +140,15 @@ const {{ chromium }} = require("playwright-core");
     await page.waitForTimeout(200);
     text = await page.frames()[1].evaluate(() => document.body.innerText).catch(() => "");
   }}
-  console.log(JSON.stringify({{asked: asked.length, text}}));
+  await page.mouse.wheel(0, 3000);
+  for (let tries = 0; tries < 150; ++tries) {{
+    await page.waitForTimeout(200);
+    if (await page.frames()[1].evaluate(() => document.documentElement.dataset.ready).catch(() => "")) break;
+  }}
+  await page.waitForTimeout(3000);
+  await page.screenshot({{path: {picture!r}}});
+  const canvas = await page.frames()[1].locator("canvas").first().boundingBox();
+  console.log(JSON.stringify({{asked: asked.length, text, canvas}}));
   await browser.close();
 }})();
 """
@@ -125,6 +156,8 @@ const {{ chromium }} = require("playwright-core");
 
 @pytest.mark.parametrize(("what", "word"), [("heart", "Ejection fraction"), ("lods", "triangles")])
 def test_the_page_is_drawn_in_a_browser_that_asks_for_nothing_else(what, word, request, tmp_path):
+    """Below the first screen, as in a notebook; scrolled to, its surfaces stand on their dark ground."""
+    image = pytest.importorskip("matplotlib.image")
     browser, node = shutil.which("chromium"), shutil.which("node")
     modules = pathlib.Path(os.environ.get("DYNASURF_SOURCE", "."), "web/node_modules")
     if not (browser and node and (modules / "playwright-core").is_dir()):
@@ -132,12 +165,17 @@ def test_the_page_is_drawn_in_a_browser_that_asks_for_nothing_else(what, word, r
     frame = request.getfixturevalue(what)._repr_html_()
     if "has no interactive page" in parts_of(frame)["head"]:
         pytest.skip("this build has no interactive page")
-    (tmp_path / "page.html").write_text("<!doctype html>" + frame)
-    script = BROWSE.format(browser=browser, address=f"file://{tmp_path}/page.html", word=word)
+    (tmp_path / "page.html").write_text("<!doctype html><div style='height:3000px'></div>" + frame)
+    script = BROWSE.format(browser=browser, address=f"file://{tmp_path}/page.html", word=word,
+                           picture=str(tmp_path / "page.png"))  # fmt: skip
     done = subprocess.run([node, "-e", script], capture_output=True, text=True, timeout=240,
                           env={**os.environ, "NODE_PATH": str(modules)})  # fmt: skip
     told = json.loads(done.stdout)
     assert told["asked"] == 1 and word in told["text"]
+    box = {side: int(length) for side, length in told["canvas"].items()}
+    x, y = box["x"] + box["width"] // 4, box["y"] + box["height"] // 4
+    middle = image.imread(tmp_path / "page.png")[y : y + box["height"] // 2, x : x + box["width"] // 2, :3]
+    assert (middle.max(axis=2) > 0.35).mean() > 0.3 and middle.std() > 0.05
 
 
 def test_text_tells_the_numbers(heart, lods):

@@ -4,6 +4,7 @@
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/io/dicom_results.hpp"
+#include "dynasurf/io/label_io.hpp"
 #include "dynasurf/io/manifest.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/io/mesh_io.hpp"

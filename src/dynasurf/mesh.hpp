@@ -22,3 +22,4 @@
 #include "dynasurf/mesh/surface_motion.hpp"
 #include "dynasurf/mesh/tetrahedra.hpp"
 #include "dynasurf/mesh/textured_mesh.hpp"
+#include "dynasurf/mesh/voxel_parts.hpp"

@@ -5,6 +5,7 @@
 #include "dynasurf/report/cloud_report.hpp"
 #include "dynasurf/report/comparison_page.hpp"
 #include "dynasurf/report/dicom_folder.hpp"
+#include "dynasurf/report/label_volumes.hpp"
 #include "dynasurf/report/lod_page.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/motion_results.hpp"

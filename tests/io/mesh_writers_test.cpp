@@ -35,7 +35,7 @@ TriMesh through_a_file(const TriMesh& mesh, MeshFormat format) {
 
 TEST(WriteMesh, WritesAnObjOneCanReadAloud) {
   EXPECT_EQ(io_detail::encode_obj(one_triangle),
-            "# dynasurf, patient coordinates (LPS, mm) or those of the scan\n# Vertices: 3\n# Faces: 1\n"
+            "# SPACE=LPS\n# dynasurf, patient coordinates (LPS, mm) or those of the scan\n# Vertices: 3\n# Faces: 1\n"
             "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nf 1//1 2//2 3//3\n");
 }
 

@@ -49,6 +49,20 @@ for ending, reader in readers.items():
         assert near(bounds[i], float(expected[key]), 1e-6), (ending, key, bounds[i])
     print(f"ball.{ending}: {mesh.GetNumberOfPoints()} points, {mass.GetVolume():.3f} mm3")
 
+# The space, where 3D Slicer looks for it: its vtkMRMLModelStorageNode asks VTK's readers for these.
+def comments_of(ply):
+    return [ply.GetComments().GetValue(n) for n in range(ply.GetComments().GetNumberOfValues())]
+
+
+asked = {"ply": (vtk.vtkPLYReader(), comments_of), "stl": (vtk.vtkSTLReader(), lambda stl: [stl.GetHeader()]),
+         "obj": (vtk.vtkOBJReader(), lambda obj: [obj.GetComment()])}
+for ending, (reader, texts_of) in asked.items():
+    read(reader, "ball." + ending)
+    assert any("SPACE=LPS" in text for text in texts_of(reader)), (ending, texts_of(reader))
+space = read(vtk.vtkXMLPolyDataReader(), "ball.vtp").GetFieldData().GetAbstractArray("SPACE")
+assert space.GetClassName() == "vtkStringArray" and space.GetValue(0) == "LPS"
+print("SPACE is LPS in PLY, STL, OBJ and VTP")
+
 mesh = read(vtk.vtkXMLPolyDataReader(), "ball.vtp")
 normals = mesh.GetPointData().GetNormals()
 assert normals is not None and normals.GetNumberOfComponents() == 3

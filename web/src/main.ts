@@ -303,6 +303,8 @@ async function start(): Promise<void> {
   showReadings(byId("readings"), results);
   if (isCorrected(results)) byId("gates-title").textContent = "Gates, edge surfaces";
   const markGate = showGates(byId("gates"), results);
+  // Without a graphics card a browser takes seconds to start WebGL: it shows the numbers before.
+  if (location.hash !== "#print") await new Promise((done) => setTimeout(done, 50));
 
   const walls = surfaces ? wall_names.map((name) => new Wall(name, surfaces)).filter((wall) => wall.present) : [];
   const painter = pictures && new Painter(pictures, walls, polar);

@@ -6,6 +6,7 @@
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/detail/gzip.hpp"
 #include "dynasurf/io/detail/nifti_format.hpp"
+#include "dynasurf/io/label_io.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf {
@@ -25,9 +26,13 @@ double gate_step_ms(const Study& study) {
   return study.time_ms.size() > 1 ? study.time_ms[1] - study.time_ms[0] : 0;
 }
 
-}  // namespace
+/// How the numbers are stored, and what they are.
+struct Stored {
+  int type, bits, intent;
+};
 
-void write_nifti(const Study& study, const std::filesystem::path& path) {
+/// The header of a study's volumes, with the place where they begin.
+std::string header_of(const Study& study, const Stored& stored, const std::filesystem::path& path) {
   if (study.gates.empty()) throw InputError(path.string() + ": cannot write a study without a volume");
   const Grid& grid = study.grid();
   for (const int extent : grid.dims)
@@ -38,8 +43,9 @@ void write_nifti(const Study& study, const std::filesystem::path& path) {
   const int gates = static_cast<int>(study.gates.size());
   const int dims[8] = {gates > 1 ? 4 : 3, grid.dims[0], grid.dims[1], grid.dims[2], gates, 1, 1, 1};
   for (std::size_t d = 0; d < 8; ++d) put_small(bytes, nifti::dim + 2 * d, dims[d]);
-  put_small(bytes, nifti::datatype, nifti::type_float32);
-  put_small(bytes, nifti::bitpix, 32);
+  put_small(bytes, nifti::intent_code, stored.intent);
+  put_small(bytes, nifti::datatype, stored.type);
+  put_small(bytes, nifti::bitpix, stored.bits);
 
   const Vec3 to_ras(-1, -1, 1);
   Mat3 rotation = to_ras.asDiagonal() * grid.direction;
@@ -74,10 +80,27 @@ void write_nifti(const Study& study, const std::filesystem::path& path) {
   put_real(bytes, nifti::quatern + 4, q.y());
   put_real(bytes, nifti::quatern + 8, q.z());
   std::memcpy(bytes.data() + nifti::magic, "n+1", 4);
+  return bytes;
+}
 
-  for (const Image& image : study.gates)
-    bytes.append(reinterpret_cast<const char*>(image.values.data()), image.values.size() * sizeof(float));
+template <class T>
+void write_volumes(std::string bytes, std::span<const Volume<T>> gates, const std::filesystem::path& path) {
+  for (const Volume<T>& gate : gates)
+    bytes.append(reinterpret_cast<const char*>(gate.values.data()), gate.values.size() * sizeof(T));
   write_file(path, path.extension() == ".gz" ? gzip(bytes) : bytes);
+}
+
+}  // namespace
+
+void write_nifti(const Study& study, const std::filesystem::path& path) {
+  write_volumes<float>(header_of(study, {nifti::type_float32, 32, 0}, path), study.gates, path);
+}
+
+void write_label_nifti(std::span<const Mask> gates, const Study& frame, const std::filesystem::path& path) {
+  if (gates.size() != frame.gates.size())
+    throw InputError(path.string() + ": " + std::to_string(gates.size()) + " volumes of labels; expected " +
+                     std::to_string(frame.gates.size()) + ", one per gate");
+  write_volumes<std::uint8_t>(header_of(frame, {nifti::type_uint8, 8, nifti::intent_label}, path), gates, path);
 }
 
 }  // namespace dynasurf

@@ -11,7 +11,7 @@ namespace dynasurf::io_detail {
 
 std::string encode_obj(const TriMesh& mesh, const VertexColours& colours) {
   // The counts tell a whole file from one that was cut at the end of a line.
-  std::string out = "# dynasurf, patient coordinates (LPS, mm) or those of the scan\n# Vertices: " +
+  std::string out = "# SPACE=LPS\n# dynasurf, patient coordinates (LPS, mm) or those of the scan\n# Vertices: " +
                     std::to_string(mesh.vertices.size()) + "\n# Faces: " + std::to_string(mesh.triangles.size()) + "\n";
   const auto add_row = [&](const char* keyword, const auto& row) {
     out += keyword;

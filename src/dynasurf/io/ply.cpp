@@ -13,7 +13,8 @@ namespace dynasurf::io_detail {
 std::string encode_ply(const TriMesh& mesh, std::span<const VertexScalar> scalars, const VertexColours& colours) {
   // Positions are doubles: a mesh read back has the very volume that was reported for it.
   std::string out =
-      "ply\nformat binary_little_endian 1.0\ncomment dynasurf, patient coordinates (LPS, mm) or those of the scan\n";
+      "ply\nformat binary_little_endian 1.0\ncomment SPACE=LPS\n"
+      "comment dynasurf, patient coordinates (LPS, mm) or those of the scan\n";
   out += "element vertex " + std::to_string(mesh.vertices.size()) + "\n";
   for (const auto* axis : {"x", "y", "z"}) out += std::string("property double ") + axis + "\n";
   for (const auto* axis : {"nx", "ny", "nz"}) out += std::string("property float ") + axis + "\n";

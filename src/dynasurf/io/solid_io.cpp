@@ -28,7 +28,8 @@ std::string vtu(const TetMesh& solid, std::span<const VertexScalar> scalars) {
   }
   const std::vector<std::uint8_t> types(solid.tetrahedra.size(), tetrahedron);
   io_detail::VtkXml xml;
-  std::string body = "<!-- dynasurf, world coordinates, LPS, mm -->\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"" +
+  std::string body = "<!-- dynasurf, world coordinates, LPS, mm -->\n<UnstructuredGrid>\n" +
+                     std::string(io_detail::lps_field) + "<Piece NumberOfPoints=\"" +
                      std::to_string(solid.vertices.size()) + "\" NumberOfCells=\"" +
                      std::to_string(solid.tetrahedra.size()) + "\">\n<PointData>\n";
   for (const VertexScalar& s : scalars) body += xml.array<float>(s.name, 1, s.values);

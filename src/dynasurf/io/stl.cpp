@@ -134,7 +134,7 @@ TriMesh decode_ascii(const MeshFile& file, bool as_cloud) {
 }  // namespace
 
 std::string encode_stl(const TriMesh& mesh) {
-  std::string out = "Dynasurf binary STL, patient coordinates (LPS, mm) or those of the scan";
+  std::string out = "Dynasurf binary STL, SPACE=LPS, patient coordinates, mm, or those of the scan";
   out.resize(title_bytes, ' ');
   out.reserve(head_bytes + triangle_bytes * mesh.triangles.size());
   append(out, static_cast<std::uint32_t>(mesh.triangles.size()));

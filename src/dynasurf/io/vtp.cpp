@@ -18,10 +18,10 @@ std::string encode_vtp(const TriMesh& mesh, std::span<const VertexScalar> scalar
   }
 
   VtkXml xml;
-  std::string body =
-      "<!-- dynasurf, patient coordinates (LPS, mm) or those of the scan -->\n<PolyData>\n<Piece NumberOfPoints=\"" +
-      std::to_string(mesh.vertices.size()) + "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" " +
-      "NumberOfStrips=\"0\" NumberOfPolys=\"" + std::to_string(mesh.triangles.size()) + "\">\n";
+  std::string body = "<!-- dynasurf, patient coordinates (LPS, mm) or those of the scan -->\n<PolyData>\n" +
+                     std::string(lps_field) + "<Piece NumberOfPoints=\"" + std::to_string(mesh.vertices.size()) +
+                     "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" " + "NumberOfStrips=\"0\" NumberOfPolys=\"" +
+                     std::to_string(mesh.triangles.size()) + "\">\n";
   body += "<PointData Normals=\"Normals\">\n" + xml.array<float>("Normals", 3, normals);
   for (const VertexScalar& s : scalars) body += xml.array<float>(s.name, 1, s.values);
   body += "</PointData>\n<Points>\n" + xml.array<double>("Points", 3, points) + "</Points>\n";

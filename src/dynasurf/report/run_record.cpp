@@ -45,6 +45,10 @@ std::string ventricle_results_text(const VentricleResult& result, const Provenan
                     {"dicom", record.dicom},
                     {"dicom_time", text_or_null(record.dicom_time)},
                     {"pdf", record.pdf}};
+  if (!record.labels.ending.empty()) {
+    run["outputs"]["labels"] = record.labels.ending;
+    run["outputs"]["partial_volumes"] = record.labels.partial_volumes;
+  }
   return json_text(json);
 }
 

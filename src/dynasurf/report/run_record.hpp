@@ -6,6 +6,7 @@
 
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/report/cloud_report.hpp"
+#include "dynasurf/report/label_volumes.hpp"
 #include "dynasurf/report/provenance.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
@@ -20,6 +21,7 @@ struct VentricleRecord {
   std::optional<std::string> mask_sha256, start_mesh_sha256;
   std::vector<MeshFormat> mesh_formats{MeshFormat::ply, MeshFormat::vtp};
   bool keep_stages = false, dicom = false, pdf = false;
+  LabelOutput labels;
   std::optional<std::string> dicom_time;  // that DICOM results tell; absent: not to be repeated
   Timings timings = Timings::keep;
 };

@@ -11,6 +11,6 @@ inline constexpr std::size_t dim = 40, intent_code = 68, datatype = 70, bitpix =
 
 inline constexpr int unit_metre = 1, unit_millimetre = 2, unit_micrometre = 3;
 inline constexpr int unit_second = 8, unit_millisecond = 16, unit_microsecond = 24;
-inline constexpr int type_float32 = 16;
+inline constexpr int type_uint8 = 2, type_float32 = 16, intent_label = 1002;
 
 }  // namespace dynasurf::nifti

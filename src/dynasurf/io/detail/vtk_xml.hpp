@@ -8,6 +8,11 @@ namespace dynasurf::io_detail {
 /// Text that may stand inside an attribute or element of XML.
 std::string xml_text(std::string_view text);
 
+/// The field by which 3D Slicer is told in which space a mesh lies: the text LPS, one number a character.
+inline constexpr std::string_view lps_field =
+    "<FieldData>\n<Array type=\"String\" Name=\"SPACE\" NumberOfTuples=\"1\" format=\"ascii\">76 80 83 0</Array>\n"
+    "</FieldData>\n";
+
 /// A VTK XML file whose numbers follow the markup as raw little-endian bytes. The markup is built by the caller with
 /// the elements that `array` gives back; `file` puts both together.
 class VtkXml {
