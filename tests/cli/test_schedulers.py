@@ -86,6 +86,21 @@ grep -h -o 'requeue.*' ctld.log | sort -u | head -3
             self.assertEqual(hashes(result_of(cohort, name)), hashes(alone), name)
         self.assertEqual(len(rows_of(cohort / "tables" / "studies.tsv")), studies)
 
+    @unittest.skipUnless(shutil.which("snakemake"), "Snakemake is not installed (snakemake)")
+    def test_runs_the_shards_of_snakemake(self):
+        serial()
+        cohort, folder = self.folder / "cohort", self.folder / "slurm"
+        folder.mkdir()
+        words = ["snakemake", "--snakefile", EXAMPLES / "snakemake" / "Snakefile", "--cluster", "sbatch --cpus-per-task={threads}", "--jobs", "4",
+                 "--latency-wait", "30", "--config", f"studies={patients() / 'patients.tsv'}", f"cohort={cohort}", "shards=3",
+                 f"program={PROGRAM}", f"options={' '.join(QUICK)}"]
+        done = subprocess.run(["unshare", "-n", "-m", pathlib.Path(__file__).with_name("slurm_cluster.sh"), folder, *words],
+                              cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=600)
+        if done.returncode == 77:
+            self.skipTest("Slurm did not come up in a network of its own")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.is_whole(cohort)
+
     def table_of(self, studies):
         """Every patient, and images of nothing between them."""
         hearts = {row["id"]: patients() / row["path"] for row in rows_of(patients() / "patients.tsv")}
