@@ -35,7 +35,7 @@ with_podman() {
   fits "$(podman image inspect -f '{{.Size}}' $image)"
   # Limits that a machine may not raise are lowered; crun wants other control groups than some have.
   for runtime in crun runc; do
-    run=(podman --runtime $runtime run --rm --ulimit nofile=1024:1024 --ulimit nproc=1024:1024 "${network[@]}")
+    run=(podman --runtime "$runtime" run --rm --ulimit nofile=1024:1024 --ulimit nproc=1024:1024 "${network[@]}")
     [ "$("${run[@]}" --entrypoint id $image -un 2>/dev/null)" = nobody ] || continue
     [ "$("${run[@]}" $image --version)" = "$("${run[@]}" --entrypoint /usr/bin/dynasurf $image --version)" ] || exit 1
     "${run[@]}" -v "$here:/first:ro" --entrypoint bash $image /first/first_use.sh /usr/bin/dynasurf || exit 1
