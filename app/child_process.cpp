@@ -146,7 +146,7 @@ void ChildProgram::listen() {
 
 std::optional<ChildEnd> ChildProgram::end() {
   listen();
-  if (child_ == 0) return std::nullopt;
+  if (ended_) return ended_;
   int status = 0;
   rusage used{};
   {
@@ -161,7 +161,7 @@ std::optional<ChildEnd> ChildProgram::end() {
   if (WIFSIGNALED(status)) ended.signal = WTERMSIG(status);
   ended.cpu_s = seconds_of(used.ru_utime) + seconds_of(used.ru_stime);
   ended.peak_mb = static_cast<double>(used.ru_maxrss) / 1024;  // the system tells kB
-  return ended;
+  return ended_ = ended;
 }
 
 void ChildProgram::ask_to_stop() const {

@@ -34,7 +34,7 @@ class ChildProgram {
   ChildProgram(const ChildProgram&) = delete;
   ChildProgram& operator=(const ChildProgram&) = delete;
 
-  /// Its end, once; nothing while it runs.
+  /// Its end, from then on; nothing while it runs.
   std::optional<ChildEnd> end();
   /// Asks it to stop (SIGTERM), which it may clean up after.
   void ask_to_stop() const;
@@ -49,6 +49,7 @@ class ChildProgram {
   void listen();
   pid_t child_ = 0;
   int errors_ = -1;
+  std::optional<ChildEnd> ended_;
   std::string words_;
 };
 

@@ -21,8 +21,10 @@ void cause_debug_fault() {
   const char* value = std::getenv("DYNASURF_DEBUG_FAULT");
   if (!value) return;
   const std::string_view fault = value;
-  if (fault == "hang")
+  if (fault == "hang") {
+    std::signal(SIGTERM, SIG_IGN);  // what hangs does not answer
     while (true) ::pause();
+  }
   if (fault == "memory") take_all_memory();
   if (fault == "crash") std::raise(SIGSEGV);
   if (fault == "kill") std::raise(SIGKILL);

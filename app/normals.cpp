@@ -10,9 +10,11 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
+#include "dynasurf/report/normal_groups.hpp"
 
 #include "command.hpp"
 #include "console.hpp"
+#include "normal_studies.hpp"
 #include "out_argument.hpp"
 
 namespace dynasurf::app {
@@ -21,52 +23,93 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+struct Building {
+  std::string folder;
+  std::vector<std::string> by, where;
+  int least = 20;  // the standard deviation is then known within -24 and +46 % (95 %, chi squared)
+  OutFile out;
+};
+
+/// "sex=F" as a column and its value.
+ColumnValues column_values(const std::vector<std::string>& texts, const std::string& option) {
+  ColumnValues values;
+  for (const std::string& text : texts) {
+    const std::size_t sign = text.find('=');
+    if (sign == std::string::npos || sign == 0 || sign + 1 == text.size())
+      throw OptionError(option + " is " + text + "; expected COLUMN=VALUE, such as sex=F");
+    values.emplace_back(text.substr(0, sign), text.substr(sign + 1));
+  }
+  return values;
+}
+
 /// The results in a folder, by name.
-std::vector<fs::path> results_in(const fs::path& folder) {
+NormalStudies results_in(const fs::path& folder) {
   std::error_code error;
   fs::directory_iterator entries(folder, error);
   if (error) throw IoError("cannot read the folder " + folder.string());
-  std::vector<fs::path> results;
+  NormalStudies found;
   for (const auto& entry : entries)
-    if (fs::exists(entry.path() / "measures" / "polar.csv")) results.push_back(entry.path());
-  std::sort(results.begin(), results.end());
-  return results;
+    if (fs::exists(entry.path() / "measures" / "polar.csv")) found.results.push_back(entry.path());
+  std::sort(found.results.begin(), found.results.end());
+  found.values.resize(found.results.size());
+  return found;
 }
 
-ExitCode build(const std::string& folder, const OutFile& out) {
-  OutputFile output(out.path, out.existing());
-  const std::vector<fs::path> results = results_in(folder);
-  std::vector<PolarValues> maps;
+NormalStudies studies_of(const Building& a) {
+  if (is_cohort(a.folder)) return normal_studies_of(a.folder, a.by, column_values(a.where, "--where"));
+  if (!a.by.empty() || !a.where.empty())
+    throw OptionError(a.folder + ": is no cohort, whose table has columns; expected a folder of dynasurf batch");
+  return results_in(a.folder);
+}
+
+std::string groups_text(const NormalGroups& normals, int left_out) {
+  std::vector<std::vector<std::string>> rows{normals.columns};
+  rows.front().insert(rows.front().end(), {"studies", "map"});
+  for (const NormalGroups::Group& group : normals.groups) {
+    rows.push_back(group.values);
+    rows.back().insert(rows.back().end(), {std::to_string(group.studies), group.map ? "yes" : "that of all studies"});
+  }
+  std::string text = normals.groups.empty() ? "" : table(rows);
+  if (left_out > 0) text += std::to_string(left_out) + " studies left out: no trustworthy result, or other values\n";
+  return text;
+}
+
+ExitCode build(const Building& a) {
+  OutputFile output(a.out.path, a.out.existing());
+  const NormalStudies studies = studies_of(a);
+  std::vector<GroupedMap> maps;
   Perfusion kind = Perfusion::none;
-  for (const fs::path& result : results) {
-    const PolarTable polar = read_polar(result);
+  for (std::size_t n = 0; n < studies.results.size(); ++n) {
+    const PolarTable polar = read_polar(studies.results[n]);
     if (maps.empty()) kind = polar.perfusion_is;
-    require_same_perfusion(kind, results.front().string(), polar.perfusion_is, result.string());
-    maps.push_back(polar.maps.perfusion_percent);
+    require_same_perfusion(kind, studies.results.front().string(), polar.perfusion_is, studies.results[n].string());
+    maps.push_back({studies.values[n], polar.maps.perfusion_percent});
   }
   if (maps.size() < 3)
-    throw InputError(folder + " holds " + std::to_string(maps.size()) +
+    throw InputError(a.folder + " holds " + std::to_string(maps.size()) +
                      " results with polar maps; expected at least 3");
-  NormalMap normal = build_normal_map(maps, PolarGrid{});
-  normal.perfusion_is = kind;
-  write_file(output.path(), normals_text(normal));
+  const NormalGroups normals = build_normal_groups(std::move(maps), a.by, a.least, kind);
+  write_file(output.path(), a.by.empty() ? normals_text(normals.all) : normal_groups_text(normals));
   output.publish();
-  print("normal map of " + std::to_string(maps.size()) + " studies: " + out.path + "\n" + line_of_moved(output));
+  print(groups_text(normals, studies.left_out) + "normal map of " + std::to_string(normals.all.studies) +
+        " studies: " + a.out.path + "\n" + line_of_moved(output));
   return done;
 }
 
 struct Scoring {
   std::string result, normals, edit, segments = "aha17";
+  std::vector<std::string> group;
   OutFile out;
   bool json = false;
 };
 
 Json scores_json(const SegmentScores& scores, SegmentModel model, const std::optional<DefectMeasures>& defect,
-                 int studies) {
+                 const ChosenNormals& normals) {
   Json json = Json::object();
   json["schema"] = "dynasurf.scores/1";
   json["use"] = "Research use only. Not for diagnosis.";
-  json["normal_studies"] = studies > 0 ? Json(studies) : Json();
+  json["normal_studies"] = normals.map ? Json(normals.map->studies) : Json();
+  json["normals_are_of"] = normals.map ? Json(normals.of) : Json();
   json["summed_score"] = scores.sum;
   json["summed_percent"] = scores.percent();
   json["extent_percent"] = defect ? Json(defect->extent_percent) : Json();
@@ -88,15 +131,21 @@ ExitCode score(const Scoring& a) {
       std::find(names_of(SegmentModel{}).begin(), names_of(SegmentModel{}).end(), a.segments) -
       names_of(SegmentModel{}).begin());
   const PolarTable polar = read_polar(a.result);
-  std::optional<NormalMap> normal;
-  if (!a.normals.empty()) normal = read_normals(a.normals);
+  NormalGroups read;
+  ChosenNormals chosen;
+  if (!a.normals.empty()) {
+    read = read_normal_groups(a.normals);
+    chosen = normals_for(read, column_values(a.group, "--group"), a.normals);
+  } else if (!a.group.empty()) {
+    throw OptionError("--group belongs to --normals");
+  }
+  const NormalMap* normal = chosen.map;
   require_same_perfusion(polar.perfusion_is, a.result, normal ? normal->perfusion_is : polar.perfusion_is, a.normals);
-  SegmentScores scores =
-      score_segments(model, polar.grid, polar.maps.perfusion_percent, polar.area_mm2, normal ? &*normal : nullptr);
+  SegmentScores scores = score_segments(model, polar.grid, polar.maps.perfusion_percent, polar.area_mm2, normal);
   if (!a.edit.empty()) read_scores(a.edit, scores);
   std::optional<DefectMeasures> defect;
   if (normal) defect = measure_defect(polar.maps.perfusion_percent, polar.area_mm2, *normal);
-  const std::string json = json_text(scores_json(scores, model, defect, normal ? normal->studies : 0));
+  const std::string json = json_text(scores_json(scores, model, defect, chosen));
   std::string moved;
   if (!a.out.path.empty()) {
     OutputFile output(a.out.path, a.out.existing());
@@ -120,6 +169,7 @@ ExitCode score(const Scoring& a) {
   if (defect)
     text += "defect: extent " + fixed(defect->extent_percent, 1) + " % of the wall, severity " +
             fixed(defect->severity_sd, 1) + " SD, deficit " + fixed(defect->deficit_percent, 1) + " %\n";
+  if (normal) text += "normals: " + chosen.of + "\n";
   print(text + moved + "Research use only. Not for diagnosis.\n");
   return done;
 }
@@ -127,17 +177,23 @@ ExitCode score(const Scoring& a) {
 }  // namespace
 
 void add_normals(CLI::App& program, Command& chosen) {
-  struct Arguments {
-    std::string folder;
-    OutFile out;
-  };
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<Building>();
   CLI::App* command =
       program.add_subcommand("normals", "Build a normal map of perfusion from the results of normal studies");
-  command->add_option("FOLDER", a->folder, "folder of results, each a folder written by dynasurf ventricle")
+  command
+      ->add_option("FOLDER", a->folder,
+                   "folder of results, each a folder written by dynasurf ventricle, or a cohort of dynasurf batch")
       ->required();
+  command
+      ->add_option("--by", a->by, "columns of the cohort, such as sex,tracer: a map for each of their groups as well")
+      ->delimiter(',');
+  command->add_option("--where", a->where, "studies of the cohort with this value alone: COLUMN=VALUE; may be repeated")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--least", a->least, "studies that a group needs for a map of its own (20)")
+      ->check(CLI::Range(3, 1000000));
   add_out_file(*command, a->out, "file of the normal map (JSON)")->required();
-  command->callback([a, &chosen] { chosen = [a](std::stop_token) { return build(a->folder, a->out); }; });
+  command->callback([a, &chosen] { chosen = [a](std::stop_token) { return build(*a); }; });
 }
 
 void add_scores(CLI::App& program, Command& chosen) {
@@ -146,6 +202,10 @@ void add_scores(CLI::App& program, Command& chosen) {
       "scores", "Score the segments of a result from 0 (normal) to 4 (no uptake), with extent and severity of defects");
   command->add_option("RESULT", a->result, "folder written by dynasurf ventricle")->required();
   command->add_option("--normals", a->normals, "normal map written by dynasurf normals; without one, by uptake alone");
+  command
+      ->add_option("--group", a->group, "group of the study in a normal map --by groups: COLUMN=VALUE; may be repeated")
+      ->take_all()
+      ->allow_extra_args(false);
   command->add_option("--edit", a->edit, "a person's scores, JSON: {\"17\": 2, \"4\": 0}");
   command->add_option("--segments", a->segments, "aha17 or segments20")->check(CLI::IsMember({"aha17", "segments20"}));
   add_out_file(*command, a->out, "write the scores to this file (JSON)");

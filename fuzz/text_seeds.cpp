@@ -7,6 +7,7 @@
 #include "dynasurf/io/manifest.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/options_json.hpp"
+#include "dynasurf/report/normal_groups.hpp"
 #include "dynasurf/report/normals.hpp"
 #include "dynasurf/synthetic/options.hpp"
 
@@ -168,6 +169,7 @@ void write_text_seeds(const fs::path& all) {
   std::string polar = "\2{\"measures\": {\"perfusion_is\": \"counts\"}}----\narea_mm2,perfusion_percent\n2.5,90\n";
   for (std::size_t n = 1; n < map.grid.size(); ++n) polar += ",\n";
   normals.add(polar);
+  normals.add('\0' + normal_groups_text({{"sex"}, 3, {{{"F"}, 3, map}, {{"M"}, 1, std::nullopt}}, map}));
 }
 
 void write_manifest_seeds(const fs::path& all) {

@@ -41,6 +41,16 @@ try_unpacked() {
   [ "${PIPESTATUS[0]}" = 0 ] || fail "the unpacked program does not work"
 }
 
+try_container() {
+  local log=build/container.log code=0
+  bash tests/package/container.sh . >$log 2>&1 || code=$?
+  case $code in
+    0) sed -n 's/^tried: /dev: in a container: /p' $log ;;
+    77) say "warning: no base of a container can be had here ($log tells why)" >&2 ;;
+    *) tail -n 20 $log >&2; fail "the container does not work; all of it is in $log" ;;
+  esac
+}
+
 do_package() {
   need lintian:lintian mmdebstrap:mmdebstrap dpkg-shlibdeps:dpkg-dev file:file
   make_packages
@@ -49,6 +59,8 @@ do_package() {
   lintian --fail-on error --suppress-tags initial-upload-closes-no-bugs $packages/*.deb || fail "lintian found errors"
   say "the packages in a bare Debian 12"
   try_in_bare_debian
+  say "the program in a container"
+  try_container
   ls $packages/*.deb
 }
 

@@ -1,3 +1,4 @@
+#include "dynasurf/report/normal_groups.hpp"
 #include "dynasurf/report/normals.hpp"
 
 #include "input_files.hpp"
@@ -5,8 +6,8 @@
 
 namespace dynasurf::fuzz {
 
-/// Files of a user that are JSON: by its first byte a normal map, the scores of a reader, or the two files of a result
-/// that tell its polar map, with a line "----" between them.
+/// Files of a user that are JSON: by its first byte a normal map or those of groups, the scores of a reader, or the two
+/// files of a result that tell its polar map, with a line "----" between them.
 bool run_normals(std::string_view bytes) {
   if (bytes.empty()) return false;
   const int kind = static_cast<unsigned char>(bytes[0]) % 3;
@@ -15,7 +16,7 @@ bool run_normals(std::string_view bytes) {
   if (kind == 0) {
     const auto path = files.add("normals.json", bytes);
     return reads(path.string(), [&] {
-      const NormalMap map = read_normals(path);
+      const NormalMap map = read_normal_groups(path).all;
       require(map.mean.size() == map.grid.size() && map.sd.size() == map.grid.size(), "a map has all its samples");
     });
   }

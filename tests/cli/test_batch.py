@@ -441,6 +441,40 @@ class Collect(BatchTest):
         self.refuses(2, "collect", patients(), "--out", self.folder / "t", says="inputs.tsv")
 
 
+class NormalLimits(BatchTest):
+    def test_of_a_cohort_s_groups_are_used_by_scores(self):
+        rows = rows_of(patients() / "patients.tsv")
+        serial()
+        verdicts = [self.read_json(shared_folder() / "serial" / row["id"] / "results.json")["quality"]["verdict"] for row in rows]
+        trusted = [n for n, verdict in enumerate(verdicts) if verdict != "fail"]
+        tracers = ["y" if n == trusted[-1] else "" if n == 0 and n not in trusted else "x" for n in range(STUDIES)]
+        table = self.folder / "studies.tsv"
+        table.write_text("id\tpath\ttracer\n" + "".join(f"{row['id']}\t{patients() / row['path']}\t{tracer}\n"
+                                                        for row, tracer in zip(rows, tracers, strict=True)))
+        cohort, out = self.folder / "cohort", self.folder / "normals.json"
+        self.assertEqual(self.batch(table, "--out", cohort, "--no-collect", "--", *QUICK).returncode, 0)
+        made = run("normals", cohort, "--by", "tracer", "--least", 3, "--out", out)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        normals = self.read_json(out)
+        self.assertEqual(normals["all"]["studies"], len(trusted))
+        of = {group["values"][0]: group for group in normals["groups"]}
+        for tracer in "xy":
+            count = sum(tracers[n] == tracer for n in trusted)
+            self.assertEqual((of[tracer]["studies"], of[tracer]["map"] is not None), (count, tracer == "x"))
+        self.assertNotIn("", of)
+        result = result_of(cohort, rows[trusted[0]]["id"])
+        for group, words in (("x", f"{of['x']['studies']} studies of tracer=x"),
+                             ("y", f"all {len(trusted)} studies, for there are only 1 of tracer=y")):
+            scored = run("scores", result, "--normals", out, "--group", f"tracer={group}")
+            self.assertIn(f"normals: {words}\n", scored.stdout, scored.stderr)
+        self.refuses(2, "scores", result, "--normals", out, "--group", "tracer=z", says="no group tracer=z; expected one of: tracer=x; tracer=y")
+        self.refuses(1, "scores", result, "--group", "tracer=x", says="--group belongs to --normals")
+        self.refuses(1, "scores", result, "--normals", out, "--group", "x", says="expected COLUMN=VALUE")
+        self.refuses(1, "normals", cohort, "--by", "sex", "--out", self.folder / "n", says="no column sex; expected one of: tracer")
+        self.refuses(2, "normals", cohort, "--where", "tracer=y", "--out", self.folder / "n", says="holds 1 results with polar maps; expected at least 3")
+        self.refuses(1, "normals", cohort / "studies", "--by", "tracer", "--out", self.folder / "n", says="is no cohort")
+
+
 class Patients(BatchTest):
     def test_are_the_same_again_and_kept(self):
         again = self.folder / "again"

@@ -6,8 +6,9 @@ import shutil
 import subprocess
 import unittest
 
-from cli import PROGRAM
-from test_batch import QUICK, BatchTest, patients, rows_of, serial, status_of
+from cli import PROGRAM, hashes, run
+from test_batch import QUICK, BatchTest, patients, result_of, rows_of, serial, status_of
+from test_ventricle import empty_study
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
 ENVIRONMENT = {**os.environ, "DYNASURF": PROGRAM}
@@ -47,28 +48,63 @@ class Snakemake(Scheduled):
 @unittest.skipUnless(shutil.which("slurmctld") and shutil.which("munged") and os.geteuid() == 0,
                      "Slurm is not installed (slurmctld, slurmd, slurm-client, munge), or the test does not run as root")
 class Slurm(Scheduled):
-    def test_runs_an_array_and_finishes_what_was_killed(self):
+    def test_runs_an_array_on_two_nodes_and_finishes_what_a_dead_node_leaves(self):
         cohort, folder = self.folder / "cohort", self.folder / "slurm"
         folder.mkdir()
-        serial()
-        # One shard is killed and requeued as soon as a study is done; the array is waited for, then collected.
+        studies = int(os.environ.get("DYNASURF_SLURM_STUDIES", "60"))
+        empty_study(self.folder / "nothing.nii", (8, 8, 6, 2))
+        table, nothings = self.table_of(studies)
+        tasks = min(50, studies // 10)
+        # When a tenth of the studies is done, node2 dies with all that runs there. Its tasks are requeued: Slurm notices
+        # the death, and makes them wait two minutes unless it is told not to.
         script = f"""set -eu
 cd {folder}
-job=$(sbatch --parsable --array=1-3 {EXAMPLES}/slurm/cohort.sbatch {patients()}/patients.tsv {cohort} {' '.join(QUICK)})
-while ! grep -q done {cohort}/status.tsv 2>/dev/null; do sleep 0.1; done
-task=$(squeue -h -t R -o %A -j $job | head -1)
-if test -n "$task"; then scontrol requeue $task && echo requeued; fi
-# Slurm makes a requeued task wait two minutes, unless it is told not to.
-while squeue -h -j $job 2>/dev/null | grep -q .; do scontrol update jobid=$task starttime=now 2>/dev/null || true; sleep 0.5; done
+job=$(sbatch --parsable --array=1-{tasks} {EXAMPLES}/slurm/cohort.sbatch {table} {cohort} {' '.join(QUICK)})
+until test "$(grep -c done {cohort}/status.tsv 2>/dev/null)" -ge {studies // 10} && squeue -h -t R -w node2 | grep -q .; do sleep 0.05; done
+squeue -h -t R -w node2 -o 'killed with node2: task %K'
+kill -9 $(pgrep -P $(cat node2.init))
+while squeue -h -j $job 2>/dev/null | grep -q .; do scontrol update jobid=$job starttime=now 2>/dev/null || true; sleep 0.5; done
+grep -h -o 'requeue.*' ctld.log | sort -u
 {PROGRAM} collect {cohort} --out {cohort}/tables --quiet
 """
         done = subprocess.run(["unshare", "-n", "-m", pathlib.Path(__file__).with_name("slurm_cluster.sh"), folder, "bash", "-c", script],
-                              env=ENVIRONMENT, capture_output=True, text=True, timeout=500)
+                              env=ENVIRONMENT, capture_output=True, text=True, timeout=900)
         if done.returncode == 77:
             self.skipTest("Slurm did not come up in a network of its own")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertIn("requeued", done.stdout)
+        self.assertIn("killed with node2: task", done.stdout)
+        self.assertIn("due to failure of node node2", done.stdout)
+        status = rows_of(cohort / "status.tsv")
+        self.assertEqual(len(status), studies)
+        self.assertEqual(len({row["id"] for row in status}), studies)
+        self.assertEqual({row["state"] for row in status}, {"done"})
+        self.equals_serial(cohort)
+        alone = self.folder / "alone"
+        self.assertEqual(run("ventricle", self.folder / "nothing.nii", "--out", alone, "--quiet", "--no-timings", *QUICK).returncode, 3)
+        for name in nothings:
+            self.assertEqual(hashes(result_of(cohort, name)), hashes(alone), name)
+        self.assertEqual(len(rows_of(cohort / "tables" / "studies.tsv")), studies)
+
+    @unittest.skipUnless(shutil.which("snakemake"), "Snakemake is not installed (snakemake)")
+    def test_runs_the_shards_of_snakemake(self):
+        serial()
+        cohort, folder = self.folder / "cohort", self.folder / "slurm"
+        folder.mkdir()
+        words = ["snakemake", "--snakefile", EXAMPLES / "snakemake" / "Snakefile", "--cluster", "sbatch --cpus-per-task={threads}", "--jobs", "4",
+                 "--latency-wait", "30", "--config", f"studies={patients() / 'patients.tsv'}", f"cohort={cohort}", "shards=3",
+                 f"program={PROGRAM}", f"options={' '.join(QUICK)}"]
+        done = subprocess.run(["unshare", "-n", "-m", pathlib.Path(__file__).with_name("slurm_cluster.sh"), folder, *words],
+                              cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=600)
+        if done.returncode == 77:
+            self.skipTest("Slurm did not come up in a network of its own")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.is_whole(cohort)
+
+    def table_of(self, studies):
+        """Every patient, and images of nothing between them."""
+        hearts = {row["id"]: patients() / row["path"] for row in rows_of(patients() / "patients.tsv")}
+        nothings = [f"nothing-{n:04d}" for n in range(studies - len(hearts))]
+        return self.table({**hearts, **{name: self.folder / "nothing.nii" for name in nothings}}), nothings
 
 
 if __name__ == "__main__":

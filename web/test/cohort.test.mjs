@@ -1,4 +1,4 @@
-// node cohort.test.mjs PAGE: opens the page of a cohort from disk in Chromium, as it is and with ten thousand studies.
+// node cohort.test.mjs PAGE [PICTURE]: opens the page of a cohort from disk in Chromium, as it is and with ten thousand studies.
 import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { dirname, join, resolve } from "node:path";
@@ -28,6 +28,34 @@ async function open(context, file) {
   return [page, bad];
 }
 
+/** Milliseconds until the page is painted, of the work that a filter makes, and of the frames while the list is dragged. */
+function timesOf(page) {
+  return page.evaluate(async () => {
+    const frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
+    const search = document.querySelector('input[type="search"]');
+    const filter = async (text) => {
+      const begin = performance.now();
+      search.value = text;
+      search.dispatchEvent(new Event("input", { bubbles: true }));
+      await frame();
+      document.body.getBoundingClientRect();
+      return performance.now() - begin;
+    };
+    const filters = [await filter("n99"), await filter("n9"), await filter("")];
+    const list = document.getElementById("list");
+    const frames = [];
+    for (let step = 0, last = await frame(); step < 60; ++step) {
+      list.scrollTop = (list.scrollHeight * ((step * 37) % 60)) / 60;
+      const now = await frame();
+      frames.push(now - last);
+      last = now;
+    }
+    frames.sort((a, b) => a - b);
+    const painted = performance.getEntriesByName("first-contentful-paint")[0].startTime;
+    return { painted, filter: Math.max(...filters), frame: frames[30], slowest: frames[59] };
+  });
+}
+
 await withBrowser(
   async (context) => {
     const [page, bad] = await open(context, path);
@@ -51,6 +79,9 @@ await withBrowser(
     const table = readFileSync(await download.path(), "utf8");
     assert.equal(download.suggestedFilename(), "triage.tsv");
     assert.deepEqual(table.split("\n").filter(Boolean).sort(), ["id\tdecision\tcomment", `${first.id}\taccept\t`, `${second}\t\tlow base`].sort());
+    // A click on a study that has a result leads to its report.
+    await page.fill('input[type="search"]', data.studies.find((study) => study.report).id);
+    await page.click(".row");
     const report = await page.getAttribute("#one a", "href");
     assert.ok(readFileSync(join(dirname(path), decodeURI(report)), "utf8").includes("<html"), "the link leads to a report");
     assert.deepEqual(bad, []);
@@ -64,6 +95,11 @@ await withBrowser(
     await big.keyboard.press("End");
     assert.ok((await big.locator(".row").count()) < 60, "only rows in view are in the page");
     assert.match(await big.textContent(".row.chosen b"), /^n\d+$/);
+    // Wide limits: the machine may have other work. A smooth page has about 16 ms a frame.
+    const times = await timesOf(big);
+    console.log(`${many.length} studies: ${Object.entries(times).map(([name, ms]) => `${name} ${Math.round(ms)} ms`).join(", ")}`);
+    assert.ok(times.painted < 20000 && times.filter < 2000 && times.frame < 200, "ten thousand studies stay smooth");
+    if (process.argv[3]) await big.screenshot({ path: process.argv[3] });
     assert.deepEqual(worse, []);
   },
   { webgl: false },

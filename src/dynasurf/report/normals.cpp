@@ -10,6 +10,7 @@
 #include "dynasurf/io/detail/json_node.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/report/detail/normals_json.hpp"
 #include "dynasurf/report/detail/numbers.hpp"
 #include "dynasurf/report/measures.hpp"
 
@@ -129,7 +130,9 @@ void require_same_perfusion(Perfusion a, const std::string& name_a, Perfusion b,
                      std::string(word_of(b)) + "; expected one kind: reconstruct both with the same preset");
 }
 
-std::string normals_text(const NormalMap& normal) {
+namespace report_detail {
+
+Json normals_json(const NormalMap& normal) {
   Json json = Json::object();
   json["schema"] = "dynasurf.normals/1";
   json["use"] = "Research use only. Not for diagnosis.";
@@ -139,14 +142,12 @@ std::string normals_text(const NormalMap& normal) {
   json["sectors"] = normal.grid.sectors;
   json["mean"] = list_of(normal.mean);
   json["sd"] = list_of(normal.sd);
-  return json_text(json, -1);
+  return json;
 }
 
-NormalMap read_normals(const std::filesystem::path& path) {
-  const Json json = read_json(path);
-  const JsonNode map = root_of(json, path.string());
+NormalMap normals_in(const JsonNode& map) {
   if (!has(map, "schema") || text_in(map, "schema") != "dynasurf.normals/1")
-    throw InputError(path.string() + ": no normal map; expected schema dynasurf.normals/1");
+    throw InputError(map.file + ": no normal map; expected schema dynasurf.normals/1");
   NormalMap normal;
   normal.studies = static_cast<int>(whole_in(map, "studies", 1, 1000000));
   normal.perfusion_is = perfusion_in(map);
@@ -156,8 +157,17 @@ NormalMap read_normals(const std::filesystem::path& path) {
   normal.sd = values_in(map, "sd", normal.grid.size());
   for (std::size_t n = 0; n < normal.grid.size(); ++n)
     if (normal.mean[n].has_value() != normal.sd[n].has_value() || (normal.sd[n] && !(*normal.sd[n] > 0)))
-      throw InputError(path.string() + ": sample " + std::to_string(n + 1) + " has no positive sd beside its mean");
+      throw InputError(map.file + ": sample " + std::to_string(n + 1) + " has no positive sd beside its mean");
   return normal;
+}
+
+}  // namespace report_detail
+
+std::string normals_text(const NormalMap& normal) { return json_text(report_detail::normals_json(normal), -1); }
+
+NormalMap read_normals(const std::filesystem::path& path) {
+  const Json json = read_json(path);
+  return report_detail::normals_in(root_of(json, path.string()));
 }
 
 void read_scores(const std::filesystem::path& path, SegmentScores& scores) {

@@ -1,0 +1,126 @@
+#include "dynasurf/report/normal_groups.hpp"
+
+#include <algorithm>
+
+#include "dynasurf/core/error.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
+#include "dynasurf/report/detail/normals_json.hpp"
+#include "dynasurf/report/normals.hpp"
+
+namespace dynasurf {
+namespace {
+
+using report_detail::Json;
+
+/// "sex=F tracer=MIBI"
+std::string name_of_group(const std::vector<std::string>& columns, const std::vector<std::string>& values) {
+  std::string name;
+  for (std::size_t n = 0; n < columns.size(); ++n) name += (n > 0 ? " " : "") + columns[n] + "=" + values[n];
+  return name;
+}
+
+std::vector<std::string> texts_in(const JsonNode& object, const char* key, std::size_t most) {
+  const JsonNode list = list_in(object, key);
+  if (size_of(list) > most) refuse_value(list, "a list of at most " + std::to_string(most));
+  std::vector<std::string> texts;
+  for (std::size_t n = 0; n < size_of(list); ++n) texts.push_back(text_of(item_of(list, n)));
+  return texts;
+}
+
+std::string studies_text(int studies) { return std::to_string(studies) + (studies == 1 ? " study" : " studies"); }
+
+}  // namespace
+
+NormalGroups build_normal_groups(std::vector<GroupedMap> studies, const std::vector<std::string>& columns, int least,
+                                 Perfusion perfusion_is) {
+  // Those of a group side by side; the order of the studies is kept within it.
+  std::stable_sort(studies.begin(), studies.end(),
+                   [](const GroupedMap& a, const GroupedMap& b) { return a.values < b.values; });
+  std::vector<PolarValues> maps;
+  for (GroupedMap& study : studies) maps.push_back(std::move(study.perfusion));
+  const auto map_of = [&](std::size_t from, std::size_t count) {
+    NormalMap map = build_normal_map(std::span(maps).subspan(from, count), PolarGrid{});
+    map.perfusion_is = perfusion_is;
+    return map;
+  };
+  NormalGroups normals;
+  normals.columns = columns, normals.least = least;
+  normals.all = map_of(0, maps.size());
+  for (std::size_t from = 0, to = 0; !columns.empty() && from < studies.size(); from = to) {
+    const std::vector<std::string>& values = studies[from].values;
+    while (to < studies.size() && studies[to].values == values) ++to;
+    if (std::find(values.begin(), values.end(), "") != values.end()) continue;
+    NormalGroups::Group group{values, static_cast<int>(to - from), std::nullopt};
+    if (group.studies >= least) group.map = map_of(from, to - from);
+    normals.groups.push_back(std::move(group));
+  }
+  return normals;
+}
+
+std::string normal_groups_text(const NormalGroups& normals) {
+  Json json = Json::object();
+  json["schema"] = "dynasurf.normal_groups/1";
+  json["use"] = "Research use only. Not for diagnosis.";
+  json["columns"] = normals.columns;
+  json["least"] = normals.least;
+  json["all"] = report_detail::normals_json(normals.all);
+  json["groups"] = Json::array();
+  for (const NormalGroups::Group& group : normals.groups)
+    json["groups"].push_back({{"values", group.values},
+                              {"studies", group.studies},
+                              {"map", group.map ? report_detail::normals_json(*group.map) : Json()}});
+  return json_text(json, -1);
+}
+
+NormalGroups read_normal_groups(const std::filesystem::path& path) {
+  const Json json = read_json(path);
+  const JsonNode file = root_of(json, path.string());
+  NormalGroups normals;
+  if (!has(file, "schema") || text_in(file, "schema") != "dynasurf.normal_groups/1") {
+    normals.all = read_normals(path);
+    return normals;
+  }
+  constexpr std::size_t most_columns = 16;
+  normals.columns = texts_in(file, "columns", most_columns);
+  normals.least = static_cast<int>(whole_in(file, "least", 3, 1000000));
+  normals.all = report_detail::normals_in(object_in(file, "all"));
+  const JsonNode groups = list_in(file, "groups");
+  for (std::size_t n = 0; n < size_of(groups); ++n) {
+    const JsonNode one = object_of(groups, n);
+    NormalGroups::Group group;
+    group.values = texts_in(one, "values", most_columns);
+    if (group.values.size() != normals.columns.size())
+      refuse_value(list_in(one, "values"), "a list of " + std::to_string(normals.columns.size()));
+    group.studies = static_cast<int>(whole_in(one, "studies", 1, 1000000));
+    if (has(one, "map")) group.map = report_detail::normals_in(object_in(one, "map"));
+    normals.groups.push_back(std::move(group));
+  }
+  return normals;
+}
+
+ChosenNormals normals_for(const NormalGroups& normals, const std::vector<std::pair<std::string, std::string>>& wanted,
+                          const std::string& name) {
+  if (wanted.empty()) return {&normals.all, studies_text(normals.all.studies)};
+  std::vector<std::string> values(normals.columns.size());
+  for (const auto& [column, value] : wanted) {
+    const auto at = std::find(normals.columns.begin(), normals.columns.end(), column);
+    if (at == normals.columns.end()) throw InputError(name + ": has no groups by " + column);
+    values[static_cast<std::size_t>(at - normals.columns.begin())] = value;
+  }
+  for (std::size_t n = 0; n < values.size(); ++n)
+    if (values[n].empty()) throw InputError(name + ": has groups by " + normals.columns[n] + " too; expected a value");
+  const auto group = std::find_if(normals.groups.begin(), normals.groups.end(),
+                                  [&](const NormalGroups::Group& one) { return one.values == values; });
+  const std::string wanted_name = name_of_group(normals.columns, values);
+  if (group == normals.groups.end()) {
+    std::string known;
+    for (const NormalGroups::Group& one : normals.groups)
+      known += (known.empty() ? "" : "; ") + name_of_group(normals.columns, one.values);
+    throw InputError(name + ": has no group " + wanted_name + "; expected one of: " + known);
+  }
+  if (group->map) return {&*group->map, studies_text(group->studies) + " of " + wanted_name};
+  return {&normals.all, "all " + studies_text(normals.all.studies) + ", for there are only " +
+                            std::to_string(group->studies) + " of " + wanted_name};
+}
+
+}  // namespace dynasurf
