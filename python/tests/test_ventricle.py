@@ -47,10 +47,10 @@ def test_polar_maps_have_one_grid(heart):
 
 
 def test_keyword_options_are_those_of_the_result(study):
-    heart = ds.ventricle.reconstruct(study, preset="edges", mesh_level=2, field=ds.field.SteadyGvf(mu=0.15))
-    assert heart.options.mesh_level == 2 and heart.options.field.mu == 0.15
-    assert heart.command == ("dynasurf ventricle STUDY --out RESULT --preset edges --set field=steady "
-                             "--set field.mu=0.15 --set mesh_level=2")  # fmt: skip
+    heart = ds.ventricle.reconstruct(study, preset="edges", mesh_level=2, field=ds.field.Gvf(mu=0.5))
+    assert heart.options.mesh_level == 2 and heart.options.field.mu == 0.5
+    assert heart.command == ("dynasurf ventricle STUDY --out RESULT --preset edges --set field=gvf "
+                             "--set field.mu=0.5 --set mesh_level=2")  # fmt: skip
     assert len(heart.gates[0].edge_endo.vertices) == 162
 
 

@@ -60,9 +60,13 @@ class Slurm(Scheduled):
         script = f"""set -eu
 cd {folder}
 job=$(sbatch --parsable --array=1-{tasks} {EXAMPLES}/slurm/cohort.sbatch {table} {cohort} {' '.join(QUICK)})
-until test "$(grep -c done {cohort}/status.tsv 2>/dev/null)" -ge {studies // 10} && squeue -h -t R -w node2 | grep -q .; do sleep 0.05; done
-squeue -h -t R -w node2 -o 'killed with node2: task %K'
-kill -9 $(pgrep -P $(cat node2.init))
+node2=$(pgrep -P $(cat node2.init))
+until test "$(grep -c done {cohort}/status.tsv 2>/dev/null)" -ge {studies // 10} && pgrep --ns $node2 --nslist pid -f 'dynasurf batch' >tasks; do
+  test $SECONDS -lt 240 || {{ echo node2 runs nothing; squeue; exit 9; }}
+  sleep 0.02
+done
+kill -9 $node2
+echo killed with node2: $(wc -l <tasks)
 while squeue -h -j $job 2>/dev/null | grep -q .; do scontrol update jobid=$job starttime=now 2>/dev/null || true; sleep 0.5; done
 grep -h -o 'requeue.*' ctld.log | sort -u
 {PROGRAM} collect {cohort} --out {cohort}/tables --quiet
@@ -72,7 +76,7 @@ grep -h -o 'requeue.*' ctld.log | sort -u
         if done.returncode == 77:
             self.skipTest("Slurm did not come up in a network of its own")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertIn("killed with node2: task", done.stdout)
+        self.assertRegex(done.stdout, "killed with node2: [1-9]")
         self.assertIn("due to failure of node node2", done.stdout)
         status = rows_of(cohort / "status.tsv")
         self.assertEqual(len(status), studies)

@@ -17,7 +17,7 @@ import unittest
 from cli import EDGES, PROGRAM, SMALL_PATIENT, CliTest, hashes, run, small_patient, small_result, write_mask
 
 # A run that takes long, so that it can be disturbed.
-SLOW = ["--set", "mesh_level=4", "--set", "field.iterations=200000"]
+SLOW = ["--set", "mesh_level=4", "--set", "field=gvf", "--set", "field.iterations=200000"]
 
 
 def leftovers(folder):

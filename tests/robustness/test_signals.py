@@ -133,7 +133,7 @@ def many_points():
 
 # "surfaces 2/8"
 PROGRESS = re.compile(r"[a-z_ ]+ \d+/\d+\n")
-SLOW_FIT = ["--set", "mesh_level=4", "--set", "field.iterations=200000", "--quiet"]
+SLOW_FIT = ["--set", "mesh_level=4", "--set", "field=gvf", "--set", "field.iterations=200000", "--quiet"]
 
 
 def commands():
