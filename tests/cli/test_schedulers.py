@@ -51,17 +51,17 @@ class Slurm(Scheduled):
     def test_runs_an_array_on_two_nodes_and_finishes_what_a_dead_node_leaves(self):
         cohort, folder = self.folder / "cohort", self.folder / "slurm"
         folder.mkdir()
-        studies = int(os.environ.get("DYNASURF_SLURM_STUDIES", "60"))
+        studies = int(os.environ.get("DYNASURF_SLURM_STUDIES", "120"))
         empty_study(self.folder / "nothing.nii", (8, 8, 6, 2))
         table, nothings = self.table_of(studies)
         tasks = min(50, studies // 10)
-        # When a tenth of the studies is done, node2 dies with all that runs there. Its tasks are requeued: Slurm notices
+        # Once a study is done, node2 dies with all that runs there. Its tasks are requeued: Slurm notices
         # the death, and makes them wait two minutes unless it is told not to.
         script = f"""set -eu
 cd {folder}
 job=$(sbatch --parsable --array=1-{tasks} {EXAMPLES}/slurm/cohort.sbatch {table} {cohort} {' '.join(QUICK)})
 node2=$(pgrep -P $(cat node2.init))
-until test "$(grep -c done {cohort}/status.tsv 2>/dev/null)" -ge {studies // 10} && pgrep --ns $node2 --nslist pid -f 'dynasurf batch' >tasks; do
+until grep -qs done {cohort}/status.tsv && pgrep --ns $node2 --nslist pid -f 'dynasurf batch' >tasks; do
   test $SECONDS -lt 240 || {{ echo node2 runs nothing; squeue; exit 9; }}
   sleep 0.02
 done
