@@ -4,13 +4,13 @@
 
 namespace dynasurf {
 
-/// The string stream of the library swallows std::bad_alloc: it sets a flag that nobody asks for, and the text ends
-/// there. This one passes it on, so that no half of a text is ever published.
+/// A string stream that throws when memory runs out. std::ostringstream catches std::bad_alloc, sets badbit, and ends
+/// the text there, so that half of it could be published.
 struct TextOutput : std::ostringstream {
   TextOutput() { exceptions(std::ios::badbit); }
 };
 
-/// The same for a text that is read: a line that found no memory is not taken for the end.
+/// The same for reading: std::istringstream would end the text at a line that found no memory.
 struct TextInput : std::istringstream {
   explicit TextInput(std::string text) : std::istringstream(std::move(text)) { exceptions(std::ios::badbit); }
 };

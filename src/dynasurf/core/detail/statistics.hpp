@@ -6,7 +6,7 @@
 
 namespace dynasurf {
 
-/// The value with `rank` smaller ones before it, in no more than linear time; T() where there are not so many.
+/// The value at `rank`, from 0, in ascending order, in linear time on average; T() where there are not so many.
 template <class T>
 T of_rank(std::vector<T> values, std::size_t rank) {
   if (rank >= values.size()) return T();
@@ -15,8 +15,7 @@ T of_rank(std::vector<T> values, std::size_t rank) {
   return *at;
 }
 
-/// The value that a share of the others, 0 to 1, lies below: of n the one of rank share (n - 1), rounded down. T() for
-/// no values.
+/// The quantile of a share, 0 to 1: of n values the one at rank share (n - 1), rounded down. T() for no values.
 template <class T>
 T quantile(std::vector<T> values, double share) {
   if (values.empty()) return T();
@@ -24,7 +23,8 @@ T quantile(std::vector<T> values, double share) {
   return of_rank(std::move(values), rank);
 }
 
-/// The middle value, or the mean of the two: mirrored values have the mirrored median. 0 for no values.
+/// The middle value, or the mean of the two middle ones, so that mirrored values have the mirrored median. 0 for no
+/// values.
 inline double median(std::vector<double> values) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());

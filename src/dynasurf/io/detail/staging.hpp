@@ -14,8 +14,8 @@
 /// Where results are written before they are published: files and folders named `.NAME.partial-` and 16 hex digits
 /// beside their destination. Whoever writes one holds a lock (flock) on it, on the manifest of a folder, which the
 /// system drops when the process ends, however it ends and whichever process numbers or hosts see the place. What is
-/// not locked belongs to nobody and is swept. Whoever exchanges a former result for a new one locks both folders until
-/// it is decided which of them stays.
+/// not locked is left over from a run that ended, and is swept. A run that exchanges a former result for a new one
+/// locks both folders until it has decided which of them stays.
 namespace dynasurf::staging {
 
 namespace fs = std::filesystem;

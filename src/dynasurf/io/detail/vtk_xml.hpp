@@ -8,7 +8,7 @@ namespace dynasurf::io_detail {
 /// Text that may stand inside an attribute or element of XML.
 std::string xml_text(std::string_view text);
 
-/// The field by which 3D Slicer is told in which space a mesh lies: the text LPS, one number a character.
+/// Field data that name the space of a mesh, as 3D Slicer reads them: SPACE = LPS, written as character codes.
 inline constexpr std::string_view lps_field =
     "<FieldData>\n<Array type=\"String\" Name=\"SPACE\" NumberOfTuples=\"1\" format=\"ascii\">76 80 83 0</Array>\n"
     "</FieldData>\n";

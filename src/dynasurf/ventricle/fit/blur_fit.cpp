@@ -411,7 +411,7 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
     problem.thickness.log_sd = share * believed.log_sd;
     for (const BeatLayout::Term& t : problem.layout.terms[0][static_cast<std::size_t>(layout.width)])
       problem.layout.spread[t.unknown] = (refiltered ? 1 : share) * beliefs.width;
-    // On the way half of the pixels show well enough where to go, and their matrix serves the next round too.
+    // Before the last round a matrix of every other pixel is good enough for the steps, and serves the next round too.
     const bool is_last = share >= 1;
     const bool is_kept = !is_last && solution.matrix.data.rows() == solution.unknowns.size();
     solution.every = is_last ? 1 : 2;

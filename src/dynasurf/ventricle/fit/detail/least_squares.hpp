@@ -54,16 +54,16 @@ struct NormalMatrix {
   int age = 0;  // steps taken since
   Eigen::MatrixXd whole(double noise) const { return data / noise + priors; }
 };
-/// From one in `every` pixels, which stand for the others.
+/// The part of the data from every n-th pixel, n = `every`, scaled up to all pixels.
 Eigen::MatrixXd data_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at,
-                            int every = 1);
+                            int every);
 Eigen::MatrixXd prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at);
 
 struct Solution {
   Eigen::VectorXd unknowns;
   Objective objective;
   NormalMatrix matrix;   // of a step at or before the last
-  int every = 1;         // pixel that a new matrix looks at
+  int every = 1;         // a new matrix takes every n-th pixel
   double damping = 300;  // of the next step, in units of what is believed
   int steps = 0;
   bool converged = false;
