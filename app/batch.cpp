@@ -55,9 +55,9 @@ void refuse_own_options(const std::vector<std::string>& options) {
         throw OptionError(std::string(own) + " behind -- : the batch sets it for every study");
 }
 
-std::string left_out_text(const StudySearch& found, const fs::path& folder) {
+std::string left_out_text(const io::StudySearch& found, const fs::path& folder) {
   std::string text = "path\treason\n";
-  for (const StudySearch::LeftOut& file : found.left_out) {
+  for (const io::StudySearch::LeftOut& file : found.left_out) {
     std::string path = file.file.lexically_relative(folder).string();
     std::replace_if(
         path.begin(), path.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
@@ -66,13 +66,13 @@ std::string left_out_text(const StudySearch& found, const fs::path& folder) {
   return text;
 }
 
-StudyList search(const Arguments& a, const std::stop_token& stop) {
+cohort::StudyList search(const Arguments& a, const std::stop_token& stop) {
   const fs::path folder = fs::weakly_canonical(a.input), cohort = fs::weakly_canonical(a.cohort);
   if (cohort == folder) throw OptionError("--out " + a.cohort + ": is the folder of the studies; expected another");
   const bool clouds = a.command == "cloud";
-  StudySearch found;
+  io::StudySearch found;
   run_with_progress(a.quiet, stop, [&](const Progress& progress) {
-    found = clouds ? search_clouds(folder, progress) : search_studies(folder, progress);
+    found = clouds ? search_clouds(folder, progress) : io::search_studies(folder, progress);
   });
   // Results may stand below the folder of the studies: they are none.
   const auto is_own = [&](const fs::path& file) {
@@ -85,11 +85,11 @@ StudyList search(const Arguments& a, const std::stop_token& stop) {
     throw InputError(clouds ? a.input + ": holds no cloud; expected files such as .ply, .xyz, .las or .stl"
                             : a.input + ": holds no gated heart study; " + std::to_string(found.left_out.size()) +
                                   " images are of another kind; expected gated short-axis studies");
-  write_file(cohort / "left_out.tsv", left_out_text(found, folder));
+  io::write_file(cohort / "left_out.tsv", left_out_text(found, folder));
   if (!a.quiet)
     print(std::to_string(found.studies.size()) + " studies found, " + std::to_string(found.left_out.size()) +
           " files left out: " + (fs::path(a.cohort) / "left_out.tsv").string() + "\n");
-  return list_of(found, folder, cohort / "inputs");
+  return cohort::list_of(found, folder, cohort / "inputs");
 }
 
 BatchJob job_of(const Arguments& a) {
@@ -125,11 +125,11 @@ std::string summary_of(const BatchTally& t, const std::string& cohort) {
 ExitCode run(const Arguments& a, const std::stop_token& stop) {
   BatchJob job = job_of(a);
   std::error_code error;
-  job.list = fs::is_directory(a.input, error) ? search(a, stop) : read_study_list(a.input);
+  job.list = fs::is_directory(a.input, error) ? search(a, stop) : cohort::read_study_list(a.input);
   if (job.list.studies.empty()) throw InputError(a.input + ": lists no study");
   fs::create_directories(job.cohort, error);
   if (error) throw IoError(a.cohort + ": cannot make this folder: " + error.message());
-  write_file(job.cohort / "inputs.tsv", study_list_text(job.list));
+  io::write_file(job.cohort / "inputs.tsv", cohort::study_list_text(job.list));
   const BatchTally tally = run_batch(job, stop);
   if (!a.quiet) print(summary_of(tally, a.cohort));
   if (tally.stopped) {

@@ -14,13 +14,13 @@ std::string duration_text(double seconds) {
 BatchProgress::BatchProgress(bool quiet, std::size_t studies)
     : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1), studies_(studies) {}
 
-void BatchProgress::tell(const std::function<const StudyStatus*(const std::string&)>& row_of,
-                         const std::vector<std::size_t>& mine, const StudyList& list, std::size_t run) {
+void BatchProgress::tell(const std::function<const cohort::StudyStatus*(const std::string&)>& row_of,
+                         const std::vector<std::size_t>& mine, const cohort::StudyList& list, std::size_t run) {
   if (quiet_ || Clock::now() < next_) return;
   next_ = Clock::now() + (terminal_ ? std::chrono::milliseconds(500) : std::chrono::milliseconds(10000));
   std::size_t done = 0, failed = 0, to_check = 0;
   for (const std::size_t n : mine) {
-    const StudyStatus* row = row_of(list.studies[n].id);
+    const cohort::StudyStatus* row = row_of(list.studies[n].id);
     if (!row) continue;
     ++(row->done ? done : failed);
     to_check += row->verdict == "check";

@@ -16,8 +16,8 @@ class BatchProgress {
   BatchProgress(bool quiet, std::size_t studies);
 
   /// `run` studies were begun by this process; rows are counted anew, which costs time only when a line is due.
-  void tell(const std::function<const StudyStatus*(const std::string&)>& row_of, const std::vector<std::size_t>& mine,
-            const StudyList& list, std::size_t run);
+  void tell(const std::function<const cohort::StudyStatus*(const std::string&)>& row_of,
+            const std::vector<std::size_t>& mine, const cohort::StudyList& list, std::size_t run);
   void finish();
 
  private:

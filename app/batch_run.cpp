@@ -67,10 +67,10 @@ std::string last_words_of(const std::string& text) {
 
 std::string verdict_of(const fs::path& result) {
   const fs::path file = result / "results.json";
-  const nlohmann::ordered_json json = read_json(file);
-  const JsonNode root = root_of(json, file.string());
-  if (has(root, "quality")) return text_in(object_in(root, "quality"), "verdict");
-  return flag_in(root, "watertight") ? "ok" : "fail";  // a cloud
+  const nlohmann::ordered_json json = io::read_json(file);
+  const io::JsonNode root = io::root_of(json, file.string());
+  if (io::has(root, "quality")) return io::text_in(io::object_in(root, "quality"), "verdict");
+  return io::flag_in(root, "watertight") ? "ok" : "fail";  // a cloud
 }
 
 bool is_from_outside(int signal) {
@@ -81,7 +81,7 @@ enum class Need { none, run, someone_else };
 
 struct Running {
   std::size_t study = 0;
-  StudyStatus row;
+  cohort::StudyStatus row;
   Clock::time_point begin;
   std::unique_ptr<ChildProgram> child;
   std::optional<Clock::time_point> asked_to_stop;  // since when
@@ -100,25 +100,25 @@ class Worker {
   BatchTally run();
 
  private:
-  const CohortStudy& study(std::size_t n) const { return job_.list.studies[n]; }
-  std::vector<std::string> words_of(const CohortStudy& study) const;
-  std::string settings_of(const CohortStudy& study);
-  bool is_unchanged(const CohortStudy& study, const StudyStatus& row);
-  bool has_to_run(const CohortStudy& study);
+  const cohort::CohortStudy& study(std::size_t n) const { return job_.list.studies[n]; }
+  std::vector<std::string> words_of(const cohort::CohortStudy& study) const;
+  std::string settings_of(const cohort::CohortStudy& study);
+  bool is_unchanged(const cohort::CohortStudy& study, const cohort::StudyStatus& row);
+  bool has_to_run(const cohort::CohortStudy& study);
   Need claim(std::size_t n);
   void start_some();
   void begin(std::size_t n, int attempt);
   void watch();
   bool take_end(Running& running);
-  void record(const CohortStudy& study, const StudyStatus& row);
-  void judge(const Running& running, const ChildEnd& end, StudyStatus& row) const;
+  void record(const cohort::CohortStudy& study, const cohort::StudyStatus& row);
+  void judge(const Running& running, const ChildEnd& end, cohort::StudyStatus& row) const;
   void stop_all();
   BatchTally tally();
 
   const BatchJob& job_;
   const std::stop_token& stop_;
-  Claims claims_;
-  StatusFile status_;
+  cohort::Claims claims_;
+  cohort::StatusFile status_;
   std::string host_;
   std::list<std::size_t> waiting_;  // in the order of the list
   std::vector<std::size_t> mine_;   // all of the shard
@@ -130,7 +130,7 @@ class Worker {
 };
 
 /// What the study is run with, but for what leaves the result as it is.
-std::vector<std::string> Worker::words_of(const CohortStudy& study) const {
+std::vector<std::string> Worker::words_of(const cohort::CohortStudy& study) const {
   std::vector<std::string> words{job_.command};
   if (!study.series.empty()) words.insert(words.end(), {"--series", study.series});
   if (study.fwhm_mm) words.insert(words.end(), {"--fwhm", nlohmann::json(*study.fwhm_mm).dump()});
@@ -139,28 +139,28 @@ std::vector<std::string> Worker::words_of(const CohortStudy& study) const {
   return words;
 }
 
-std::string Worker::settings_of(const CohortStudy& study) {
+std::string Worker::settings_of(const cohort::CohortStudy& study) {
   const std::vector<std::string> words = words_of(study);
   std::string key;
   for (const std::string& word : words) key += word + '\n';
   const auto [at, is_new] = settings_.emplace(key, "");
-  if (is_new) at->second = settings_hash(words, std::string(version()) + " " + commit());
+  if (is_new) at->second = cohort::settings_hash(words, std::string(version()) + " " + commit());
   return at->second;
 }
 
 /// An input with another time of change is read: copying a cohort leaves it unchanged.
-bool Worker::is_unchanged(const CohortStudy& study, const StudyStatus& row) {
+bool Worker::is_unchanged(const cohort::CohortStudy& study, const cohort::StudyStatus& row) {
   if (row.settings != settings_of(study)) return false;
-  if (row.input_stamp == input_stamp(study.path)) return true;
+  if (row.input_stamp == cohort::input_stamp(study.path)) return true;
   try {
-    return input_hash(study.path) == row.input_sha256;
+    return cohort::input_hash(study.path) == row.input_sha256;
   } catch (const IoError&) {
     return false;
   }
 }
 
-bool Worker::has_to_run(const CohortStudy& study) {
-  const StudyStatus* row = status_.find(study.id);
+bool Worker::has_to_run(const cohort::CohortStudy& study) {
+  const cohort::StudyStatus* row = status_.find(study.id);
   if (!row) return true;
   // A row that came since this process began answers --again.
   const auto before = started_before_.find(study.id);
@@ -171,7 +171,7 @@ bool Worker::has_to_run(const CohortStudy& study) {
 
 /// Takes a study, unless another process works on it or has finished it meanwhile.
 Need Worker::claim(std::size_t n) {
-  const CohortStudy& wanted = study(n);
+  const cohort::CohortStudy& wanted = study(n);
   if (!has_to_run(wanted)) return Need::none;
   if (!claims_.take(wanted.id)) return Need::someone_else;
   status_.read_on();
@@ -196,16 +196,16 @@ void Worker::start_some() {
 }
 
 void Worker::begin(std::size_t n, int attempt) {
-  const CohortStudy& wanted = study(n);
+  const cohort::CohortStudy& wanted = study(n);
   run_here_.insert(wanted.id);
   Running running;
   running.study = n;
-  StudyStatus& row = running.row;
+  cohort::StudyStatus& row = running.row;
   row.id = wanted.id, row.attempts = attempt, row.started = time_text(), row.host = host_;
   row.settings = settings_of(wanted);
   try {
-    row.input_stamp = input_stamp(wanted.path);
-    row.input_sha256 = input_hash(wanted.path);
+    row.input_stamp = cohort::input_stamp(wanted.path);
+    row.input_sha256 = cohort::input_hash(wanted.path);
   } catch (const std::runtime_error& error) {
     row.reason = error.what();
     record(wanted, row);
@@ -214,8 +214,8 @@ void Worker::begin(std::size_t n, int attempt) {
   std::vector<std::string> words = words_of(wanted);
   words[0] = "/proc/self/exe";
   words.insert(words.begin() + 1,
-               {job_.command, wanted.path.string(), "--out", result_folder(job_.cohort, wanted.id).string(), "--quiet",
-                "--no-timings", "--threads", std::to_string(job_.threads)});
+               {job_.command, wanted.path.string(), "--out", cohort::result_folder(job_.cohort, wanted.id).string(),
+                "--quiet", "--no-timings", "--threads", std::to_string(job_.threads)});
   if (job_.memory_bytes > 0) words.insert(words.end(), {"--memory-limit", std::to_string(job_.memory_bytes)});
   std::vector<std::string> variables;
   if (const std::string fault = debug_fault_of(wanted.id); !fault.empty()) variables.push_back(fault);
@@ -224,20 +224,20 @@ void Worker::begin(std::size_t n, int attempt) {
   running_.push_back(std::move(running));
 }
 
-void Worker::record(const CohortStudy& of, const StudyStatus& row) {
+void Worker::record(const cohort::CohortStudy& of, const cohort::StudyStatus& row) {
   status_.append(row);
   claims_.release(of.id);
 }
 
 /// What the end of a child says of its study.
-void Worker::judge(const Running& running, const ChildEnd& end, StudyStatus& row) const {
+void Worker::judge(const Running& running, const ChildEnd& end, cohort::StudyStatus& row) const {
   const std::string words = last_words_of(running.child->words());
-  const CohortStudy& of = study(running.study);
+  const cohort::CohortStudy& of = study(running.study);
   if (running.asked_to_stop) {
     row.reason = "took longer than the time limit of " + fixed(job_.time_limit_s, 0) + " s";
   } else if (end.code == done || (end.code == not_trustworthy && words.empty())) {
     try {
-      row.verdict = verdict_of(result_folder(job_.cohort, of.id));
+      row.verdict = verdict_of(cohort::result_folder(job_.cohort, of.id));
       row.done = true;
     } catch (const std::runtime_error& error) {
       row.reason = error.what();
@@ -255,17 +255,17 @@ void Worker::judge(const Running& running, const ChildEnd& end, StudyStatus& row
 bool Worker::take_end(Running& running) {
   const auto end = running.child->end();
   if (!end) return false;
-  StudyStatus& row = running.row;
+  cohort::StudyStatus& row = running.row;
   row.wall_s = seconds_since(running.begin), row.cpu_s = end->cpu_s, row.peak_mb = end->peak_mb;
   judge(running, *end, row);
-  const CohortStudy& of = study(running.study);
+  const cohort::CohortStudy& of = study(running.study);
   const bool was_stopped = end->code == not_trustworthy && !row.done;  // it cleaned up after a signal
   const bool was_killed = !end->code && is_from_outside(end->signal);
   if (!running.asked_to_stop && (was_killed || was_stopped) && row.attempts < most_attempts) {
     begin(running.study, row.attempts + 1);
     return true;
   }
-  if (!row.done) staging::sweep(result_folder(job_.cohort, of.id));
+  if (!row.done) io::staging::sweep(cohort::result_folder(job_.cohort, of.id));
   if (end->code == bad_usage && of.options.empty()) {
     claims_.release(of.id);
     throw OptionError(row.reason);
@@ -308,7 +308,7 @@ BatchTally Worker::tally() {
   tally.studies = mine_.size();
   tally.run = run_here_.size();
   for (const std::size_t n : mine_) {
-    const StudyStatus* row = status_.find(study(n).id);
+    const cohort::StudyStatus* row = status_.find(study(n).id);
     if (!row) continue;
     ++(row->done ? tally.done : tally.failed);
     tally.to_check += row->verdict == "check";

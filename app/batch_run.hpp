@@ -19,7 +19,7 @@ struct Again {
 /// Studies that one process runs, each in a child process.
 struct BatchJob {
   std::filesystem::path cohort;
-  StudyList list;                     // all of the cohort's
+  cohort::StudyList list;             // all of the cohort's
   int shard = 1, shards = 1;          // of the list, study n belongs to shard n modulo shards
   std::string command = "ventricle";  // or cloud
   std::vector<std::string> options;   // of that command, for every study

@@ -38,7 +38,7 @@ struct Arguments {
 
 /// A study of the dataset: sub-01/[ses-x/]nm/sub-01[_ses-x][_...]_nm.nii.gz and the like.
 struct BidsStudy {
-  CohortStudy study;
+  cohort::CohortStudy study;
   std::string participant;  // "sub-01"
   fs::path folder;          // below the dataset: sub-01/ses-x/nm
 };
@@ -96,12 +96,12 @@ bool is_group_column(const std::string& name) {
 }
 
 /// The columns of participants.tsv become groups of the studies; "n/a" is not known.
-StudyList joined(const fs::path& dataset, std::vector<BidsStudy>& studies) {
-  StudyList list;
+cohort::StudyList joined(const fs::path& dataset, std::vector<BidsStudy>& studies) {
+  cohort::StudyList list;
   const fs::path file = dataset / "participants.tsv";
   std::map<std::string, std::vector<std::string>> groups_of;
   if (fs::exists(file)) {
-    const auto table = cohort_detail::parse_tsv(text_of_file(file), file.string());
+    const auto table = cohort::detail::parse_tsv(io::text_of_file(file), file.string());
     if (table.head.empty() || table.head.front() != "participant_id")
       throw InputError(file.string() + ": line 1: expected participant_id as the first column");
     std::vector<std::size_t> columns;
@@ -137,21 +137,21 @@ void describe(const fs::path& out) {
   json["DatasetType"] = "derivative";
   json["GeneratedBy"] = Json::array(
       {{{"Name", "dynasurf"}, {"Version", version()}, {"Description", "Surfaces and volumes of the left ventricle"}}});
-  write_file(out / "dataset_description.json", json_text(json));
-  write_file(out / ".bidsignore", "**/nm/\nsub-*/nm/\ncohort/\n");
+  io::write_file(out / "dataset_description.json", io::json_text(json));
+  io::write_file(out / ".bidsignore", "**/nm/\nsub-*/nm/\ncohort/\n");
 }
 
 /// What a reader of derivatives looks for, beside the whole results in the cohort: the report and the numbers.
 void publish(const fs::path& out, const BidsStudy& one) {
-  const fs::path result = result_folder(out / "cohort", one.study.id);
+  const fs::path result = cohort::result_folder(out / "cohort", one.study.id);
   const fs::path stem = out / one.folder / (one.study.id + "_desc-dynasurf");
-  write_file(stem.string() + "_report.html", text_of_file(result / "report.html"));
-  write_file(stem.string() + "_results.json", text_of_file(result / "results.json"));
+  io::write_file(stem.string() + "_report.html", io::text_of_file(result / "report.html"));
+  io::write_file(stem.string() + "_results.json", io::text_of_file(result / "results.json"));
   Json sidecar = Json::object();
   sidecar["Description"] = "Report of dynasurf ventricle; the whole result is in the folder ResultFolder";
   sidecar["Sources"] = Json::array({"bids:raw:" + (one.folder / one.study.path.filename()).generic_string()});
   sidecar["ResultFolder"] = result.lexically_relative(out).generic_string();
-  write_file(stem.string() + "_report.json", json_text(sidecar));
+  io::write_file(stem.string() + "_report.json", io::json_text(sidecar));
 }
 
 ExitCode run_participants(const Arguments& a, const std::stop_token& stop) {
@@ -159,12 +159,12 @@ ExitCode run_participants(const Arguments& a, const std::stop_token& stop) {
   const fs::path out = a.out;
   BatchJob job;
   job.cohort = out / "cohort";
-  const StudyList all = joined(a.dataset, studies);
+  const cohort::StudyList all = joined(a.dataset, studies);
   std::erase_if(studies, [&](const BidsStudy& one) { return !is_asked_for(one, a.labels); });
   if (studies.empty()) throw OptionError("--participant-label: the dataset holds no study of these participants");
   describe(out);
   // All of the dataset's: calls for single participants, which may run at once, share one cohort.
-  write_file(job.cohort / "inputs.tsv", study_list_text(all));
+  io::write_file(job.cohort / "inputs.tsv", cohort::study_list_text(all));
   job.list.group_columns = all.group_columns;
   for (const BidsStudy& one : studies) job.list.studies.push_back(one.study);
   const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -176,7 +176,7 @@ ExitCode run_participants(const Arguments& a, const std::stop_token& stop) {
   job.quiet = a.quiet;
   const BatchTally tally = run_batch(job, stop);
   if (tally.stopped) throw Cancelled("stopped on request");
-  const auto status = read_status(job.cohort / "status.tsv");
+  const auto status = cohort::read_status(job.cohort / "status.tsv");
   for (const BidsStudy& one : studies)
     if (const auto row = status.find(one.study.id); row != status.end() && row->second.done) publish(out, one);
   if (!a.quiet)

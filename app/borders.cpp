@@ -44,7 +44,7 @@ int count_slices(const Mask& mask, int bits) {
   return slices;
 }
 
-std::string table_of_edges(const BorderResult& result) {
+std::string table_of_edges(const ventricle::BorderResult& result) {
   std::vector<std::vector<std::string>> rows{{"gate", "edge pixels", "slices with edges"}};
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
     const Mask& edges = result.gates[g].edges.edges;
@@ -54,15 +54,15 @@ std::string table_of_edges(const BorderResult& result) {
   return table(rows);
 }
 
-std::string table_of_borders(const BorderResult& result) {
+std::string table_of_borders(const ventricle::BorderResult& result) {
   std::vector<std::vector<std::string>> rows{
       {"gate", "circle, px", "division slice", "big slice", "slices with endo", "slices with epi"}};
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    const Labels& labels = result.gates[g].labels;
+    const ventricle::Labels& labels = result.gates[g].labels;
     const auto slice = [](int k) { return k < 0 ? std::string("-") : std::to_string(k + 1); };
     rows.push_back({std::to_string(g + 1), fixed(labels.circle.radius_px, 1), slice(labels.division_slice),
-                    slice(labels.big_slice), std::to_string(count_slices(labels.borders, Labels::endo_bit)),
-                    std::to_string(count_slices(labels.borders, Labels::epi_bit))});
+                    slice(labels.big_slice), std::to_string(count_slices(labels.borders, ventricle::Labels::endo_bit)),
+                    std::to_string(count_slices(labels.borders, ventricle::Labels::epi_bit))});
   }
   return table(rows);
 }
@@ -85,24 +85,27 @@ std::string words_of(const nlohmann::ordered_json& options) {
   return text;
 }
 
-std::string title_of(const std::string& subject, const VentricleOptions& options, Drawing what) {
-  const auto json = parse_json(options_to_text(options), "the options");
+std::string title_of(const std::string& subject, const ventricle::VentricleOptions& options, Drawing what) {
+  const auto json = io::parse_json(io::options_to_text(options), "the options");
   return subject + ":  " + words_of(what == Drawing::edges ? json.at("edges") : json.at("labels").at("method"));
 }
 
-void write_sheets(const BorderResult& result, Drawing what, const fs::path& folder, const VentricleOptions& options) {
-  const RadialLabels* asked = std::get_if<RadialLabels>(&options.labels.method);
+void write_sheets(const ventricle::BorderResult& result, Drawing what, const fs::path& folder,
+                  const ventricle::VentricleOptions& options) {
+  const ventricle::RadialLabels* asked = std::get_if<ventricle::RadialLabels>(&options.labels.method);
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    const GateBorders& gate = result.gates[g];
+    const ventricle::GateBorders& gate = result.gates[g];
     const Image& image = result.study.gates[g];
     const std::string prefix = (folder / ((g < 9 ? "g0" : "g") + std::to_string(g + 1))).string();
     const std::string subject = "gate " + std::to_string(g + 1) + " of " + std::to_string(result.gates.size());
-    write_png(draw_edges(image, gate.edges, title_of(subject, options, Drawing::edges)), prefix + "_edges.png");
+    io::write_png(report::draw_edges(image, gate.edges, title_of(subject, options, Drawing::edges)),
+                  prefix + "_edges.png");
     if (what == Drawing::edges) continue;
-    write_png(draw_labels(image, gate, result.coarse, title_of(subject, options, Drawing::borders)),
-              prefix + "_labels.png");
-    write_png(draw_rings(image, gate, asked ? *asked : RadialLabels{}, subject + ":  edge pixels by distance"),
-              prefix + "_rings.png");
+    io::write_png(report::draw_labels(image, gate, result.coarse, title_of(subject, options, Drawing::borders)),
+                  prefix + "_labels.png");
+    io::write_png(report::draw_rings(image, gate, asked ? *asked : ventricle::RadialLabels{},
+                                     subject + ":  edge pixels by distance"),
+                  prefix + "_rings.png");
   }
 }
 
@@ -134,7 +137,7 @@ void sort_by_depth(std::vector<std::string>& settings) {
 void write_matrix(const Arguments& arguments, Drawing what, const Image* mask, const fs::path& folder,
                   const Progress& progress) {
   if (arguments.vary.size() > 2) throw OptionError("--vary was given more than twice; expected columns and rows");
-  Study study = read_study(arguments.study, arguments.series);
+  Study study = io::read_study(arguments.study, arguments.series);
   const int gates = static_cast<int>(study.gates.size());
   if (arguments.gate > gates)
     throw OptionError("--gate " + std::to_string(arguments.gate) + ": the study has " + std::to_string(gates));
@@ -144,7 +147,7 @@ void write_matrix(const Arguments& arguments, Drawing what, const Image* mask, c
   const std::vector<std::string> across = values_of(arguments.vary[0]), down = arguments.vary.size() > 1
                                                                                    ? values_of(arguments.vary[1])
                                                                                    : std::vector<std::string>{""};
-  std::vector<std::vector<MatrixCell>> rows;
+  std::vector<std::vector<report::MatrixCell>> rows;
   int done = 0;
   for (const std::string& row : down) {
     rows.emplace_back();
@@ -155,11 +158,11 @@ void write_matrix(const Arguments& arguments, Drawing what, const Image* mask, c
       sort_by_depth(with.settings);
       const std::string name =
           column.substr(column.find('=') + 1) + (row.empty() ? "" : " " + row.substr(row.find('=') + 1));
-      rows.back().push_back({name, find_borders(study, options_of(with), {{}, progress.stop}, mask)});
+      rows.back().push_back({name, ventricle::find_borders(study, options_of(with), {{}, progress.stop}, mask)});
       progress("choices", ++done, static_cast<int>(across.size() * down.size()));
     }
   }
-  const BorderResult& first = rows[0][0].borders;
+  const ventricle::BorderResult& first = rows[0][0].borders;
   const int slice = arguments.slice > 0 ? arguments.slice - 1
                                         : (first.gates[0].labels.division_slice + first.gates[0].base_slice + 1) / 2;
   if (slice >= first.study.grid().dims[2])
@@ -168,8 +171,10 @@ void write_matrix(const Arguments& arguments, Drawing what, const Image* mask, c
   std::string title = "gate " + std::to_string(arguments.gate) + "  slice " + std::to_string(slice + 1) + ":  " +
                       arguments.vary[0].substr(0, arguments.vary[0].find('='));
   if (arguments.vary.size() > 1) title += "  by  " + arguments.vary[1].substr(0, arguments.vary[1].find('='));
-  write_png(draw_matrix(rows, slice, what == Drawing::edges ? MatrixDrawing::edges : MatrixDrawing::labels, title),
-            folder / "matrix.png");
+  io::write_png(
+      report::draw_matrix(rows, slice,
+                          what == Drawing::edges ? report::MatrixDrawing::edges : report::MatrixDrawing::labels, title),
+      folder / "matrix.png");
 }
 
 ExitCode run(const Arguments& arguments, Drawing what, std::stop_token stop) {
@@ -177,8 +182,8 @@ ExitCode run(const Arguments& arguments, Drawing what, std::stop_token stop) {
   std::vector<fs::path> inputs{arguments.study};
   for (const std::string& given : {arguments.options.mask, arguments.options.file})
     if (!given.empty()) inputs.emplace_back(given);
-  OutputFolder folder(out, arguments.out.existing(), inputs);
-  const VentricleOptions options = options_of(arguments.options);
+  io::OutputFolder folder(out, arguments.out.existing(), inputs);
+  const ventricle::VentricleOptions options = options_of(arguments.options);
   const ThreadLimit limit(arguments.threads);
   ProgressLine line(arguments.quiet);
   const Progress progress{[&](std::string_view stage, int done, int total) { line(stage, done, total); }, stop};
@@ -187,17 +192,17 @@ ExitCode run(const Arguments& arguments, Drawing what, std::stop_token stop) {
   if (!arguments.vary.empty()) {
     write_matrix(arguments, what, mask ? &*mask : nullptr, folder.path(), progress);
     line.finish();
-    write_file(folder.path() / "options.json", options_to_text(options));
+    io::write_file(folder.path() / "options.json", io::options_to_text(options));
     folder.publish();
     print("matrix: " + (out / "matrix.png").string() + "\n" + line_of_moved(folder));
     return done;
   }
 
-  const BorderResult result =
-      find_borders(read_study(arguments.study, arguments.series), options, progress, mask ? &*mask : nullptr);
+  const ventricle::BorderResult result = ventricle::find_borders(io::read_study(arguments.study, arguments.series),
+                                                                 options, progress, mask ? &*mask : nullptr);
   line.finish();
   write_sheets(result, what, folder.path(), options);
-  write_file(folder.path() / "options.json", options_to_text(options));
+  io::write_file(folder.path() / "options.json", io::options_to_text(options));
   folder.publish();
 
   std::string text = what == Drawing::edges ? table_of_edges(result) : table_of_borders(result);

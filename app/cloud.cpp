@@ -41,17 +41,17 @@ std::vector<std::string> settings_of(const Arguments& a) {
   return settings;
 }
 
-CloudOptions options_of(const Arguments& a) {
-  CloudOptions options = cloud_preset(a.preset);
+cloud::CloudOptions options_of(const Arguments& a) {
+  cloud::CloudOptions options = cloud::cloud_preset(a.preset);
   if (!a.file.empty()) {
     try {
-      options_from_text(text_of_file(a.file), options);
+      io::options_from_text(io::text_of_file(a.file), options);
     } catch (const OptionError& error) {
       throw OptionError(a.file + ": " + error.what());
     }
   }
   for (const std::string& setting : settings_of(a)) set_option(options, setting);
-  parse_triangles(options.triangles);  // refused before any work is done
+  cloud::parse_triangles(options.triangles);  // refused before any work is done
   return options;
 }
 
@@ -76,8 +76,10 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   run_with_progress(arguments.result.quiet, stop,
                     [&](const Progress& progress) { outcome = reconstruct_cloud_to_folder(job, progress); });
   print_result(arguments.result, outcome.json, summary_of(outcome.run), outcome.moved_to);
-  const CloudVerdict verdict = verdict_of(outcome.run.result);
-  return verdict == CloudVerdict::fail || (arguments.strict && verdict != CloudVerdict::ok) ? not_trustworthy : done;
+  const cloud::CloudVerdict verdict = cloud::verdict_of(outcome.run.result);
+  return verdict == cloud::CloudVerdict::fail || (arguments.strict && verdict != cloud::CloudVerdict::ok)
+             ? not_trustworthy
+             : done;
 }
 
 }  // namespace

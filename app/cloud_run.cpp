@@ -29,7 +29,7 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
   const ThreadLimit limit(job.threads);
   std::vector<fs::path> inputs = job.clouds;
   if (!job.options_file.empty()) inputs.push_back(job.options_file);
-  OutputFolder folder(job.out, job.existing, inputs);  // first: a place that cannot be written to costs no time
+  io::OutputFolder folder(job.out, job.existing, inputs);  // first: a place that cannot be written to costs no time
   CloudOutcome outcome;
   StageClock clock(outcome.run.seconds);
   const Progress timed{[&](std::string_view stage, int done, int total) {
@@ -38,13 +38,13 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
                        },
                        progress.stop};
   timed("read", 0, 1);
-  CloudInput input = read_cloud(job.clouds);
-  const Provenance provenance = provenance_of(job, job.clouds, options_to_text(job.options));
+  io::CloudInput input = io::read_cloud(job.clouds);
+  const report::Provenance provenance = provenance_of(job, job.clouds, io::options_to_text(job.options));
   progress.check();
 
   outcome.run.sources = std::move(input.sources);
   try {
-    outcome.run.result = reconstruct_cloud(std::move(input.cloud), job.options, timed);
+    outcome.run.result = cloud::reconstruct_cloud(std::move(input.cloud), job.options, timed);
   } catch (const InputError& error) {  // the library knows the points, not the file they came from
     throw InputError(job.clouds.front().string() + ": " + error.what());
   }
@@ -53,24 +53,25 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
   progress.check();
 
   timed("write", 0, 1);
-  write_cloud_files(outcome.run, provenance, {job.mesh_formats, job.textures}, folder.path());
+  report::write_cloud_files(outcome.run, provenance, {job.mesh_formats, job.textures}, folder.path());
   clock.stop();
   outcome.run.peak_bytes = peak_bytes();
-  outcome.json = cloud_results_text(outcome.run, provenance,
-                                    {job.mesh_formats, job.textures, job.timings ? Timings::keep : Timings::omit});
-  write_file(folder.path() / "results.json", outcome.json);
+  outcome.json = report::cloud_results_text(
+      outcome.run, provenance,
+      {job.mesh_formats, job.textures, job.timings ? report::Timings::keep : report::Timings::omit});
+  io::write_file(folder.path() / "results.json", outcome.json);
   progress.check();
   folder.publish();
   outcome.moved_to = folder.moved_to();
   return outcome;
 }
 
-std::string summary_of(const CloudRun& run) {
-  const CloudResult& result = run.result;
+std::string summary_of(const report::CloudRun& run) {
+  const cloud::CloudResult& result = run.result;
   std::vector<std::vector<std::string>> rows{
       {"level", "triangles", "watertight", "parts", "genus", "smallest angle", "mean distance", "largest"}};
   for (std::size_t n = 0; n < result.levels.size(); ++n) {
-    const Certificate& c = result.levels[n].certificate;
+    const cloud::Certificate& c = result.levels[n].certificate;
     const auto share = [&](double length) {
       return c.cloud_diagonal > 0 ? fixed(100 * length / c.cloud_diagonal, 3) + " %" : std::string("-");
     };
@@ -81,7 +82,7 @@ std::string summary_of(const CloudRun& run) {
   }
   std::string text = table(rows);
   for (std::size_t n = 0; n < result.levels.size(); ++n) {
-    const Certificate& c = result.levels[n].certificate;
+    const cloud::Certificate& c = result.levels[n].certificate;
     if (c.watertight()) continue;
     text += "level " + std::to_string(n + 1) + " is not watertight:";
     if (!c.closed) text += " not closed;";
@@ -92,7 +93,7 @@ std::string summary_of(const CloudRun& run) {
     if (c.flat_triangles > 0) text += " " + std::to_string(c.flat_triangles) + " flat triangles;";
     text.back() = '\n';
   }
-  text += "verdict: " + std::string(word_of(verdict_of(result))) + "\n";
+  text += "verdict: " + std::string(word_of(cloud::verdict_of(result))) + "\n";
   std::size_t remarks = 0;
   for (const Note& note : result.notes) {
     if (note.severity == Severity::info) ++remarks;

@@ -13,14 +13,14 @@ namespace dynasurf::app {
 
 /// One run of the cloud application, from files on disk to a result folder.
 struct CloudJob : ResultJob {
-  CloudJob() { mesh_formats = {MeshFormat::ply}; }
+  CloudJob() { mesh_formats = {io::MeshFormat::ply}; }
   std::vector<std::filesystem::path> clouds;
-  CloudOptions options;
+  cloud::CloudOptions options;
   bool textures = false;  // textured.glb
 };
 
 struct CloudOutcome {
-  CloudRun run;
+  report::CloudRun run;
   std::string json;                               // results.json
   std::optional<std::filesystem::path> moved_to;  // where what stood at `job.out` was moved
 };
@@ -29,6 +29,6 @@ struct CloudOutcome {
 CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& progress);
 
 /// The short table on the terminal: a row per level, then what is doubtful.
-std::string summary_of(const CloudRun& run);
+std::string summary_of(const report::CloudRun& run);
 
 }  // namespace dynasurf::app

@@ -38,8 +38,8 @@ std::vector<fs::path> files_below(const fs::path& folder, const Progress& progre
 
 }  // namespace
 
-StudySearch search_clouds(const fs::path& folder, const Progress& progress) {
-  StudySearch found;
+io::StudySearch search_clouds(const fs::path& folder, const Progress& progress) {
+  io::StudySearch found;
   for (const fs::path& file : files_below(folder, progress)) {
     if (ends_as_one_of(file, {".ply", ".xyz", ".asc", ".pts", ".pwn", ".obj", ".off", ".las", ".pcd", ".ptx", ".stl"}))
       found.studies.push_back({{file}});

@@ -9,6 +9,6 @@ namespace dynasurf::app {
 /// The clouds and surfaces below `folder`, told by the endings of their names, in the order of their paths. Texts and
 /// tables that may be anything (.txt, .csv) are left out with that reason; other files are passed over. Throws IoError
 /// when a folder cannot be listed, InputError above a million files, Cancelled.
-StudySearch search_clouds(const std::filesystem::path& folder, const Progress& progress = {});
+io::StudySearch search_clouds(const std::filesystem::path& folder, const Progress& progress = {});
 
 }  // namespace dynasurf::app

@@ -20,7 +20,7 @@ struct Arguments {
   bool quiet = false;
 };
 
-std::string summary_of(const CollectTally& tally, const fs::path& out) {
+std::string summary_of(const cohort::CollectTally& tally, const fs::path& out) {
   const auto number = [](std::size_t n) { return std::to_string(n); };
   std::string text = "tables of " + number(tally.studies) + " studies: " + number(tally.done) + " with a result, " +
                      number(tally.failed) + " failed";
@@ -32,7 +32,7 @@ std::string summary_of(const CollectTally& tally, const fs::path& out) {
 
 ExitCode run(const Arguments& a) {
   const std::optional<fs::path> other = a.compare.empty() ? std::nullopt : std::optional<fs::path>(a.compare);
-  const CollectTally tally = collect(a.cohort, a.out.path, other, a.out.replace);
+  const cohort::CollectTally tally = cohort::collect(a.cohort, a.out.path, other, a.out.replace);
   if (!a.quiet) print(summary_of(tally, a.out.path));
   return done;
 }
@@ -40,7 +40,7 @@ ExitCode run(const Arguments& a) {
 }  // namespace
 
 void collect_cohort(const std::filesystem::path& cohort, const std::filesystem::path& out, bool quiet) {
-  const CollectTally tally = collect(cohort, out);
+  const cohort::CollectTally tally = cohort::collect(cohort, out);
   if (!quiet) print(summary_of(tally, out));
 }
 

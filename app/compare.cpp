@@ -39,7 +39,7 @@ std::optional<double> value_in(const Json& json, const char* key) {
 }
 
 /// The reading that leads in both studies, so that like is compared with like; else the edge's, which both have.
-std::string common_reading(const ComparedStudy& rest, const ComparedStudy& stress) {
+std::string common_reading(const report::ComparedStudy& rest, const report::ComparedStudy& stress) {
   const std::string leading = rest.results.at("reading").get<std::string>();
   return stress.results.at("reading") == leading ? leading : "edge";
 }
@@ -59,64 +59,67 @@ std::optional<double> mean_cavity(const Json& results, const std::string& kind) 
 }
 
 /// Throws InputError unless each of these is there, a number or null.
-void check_numbers(const JsonNode& object, std::initializer_list<const char*> keys) {
+void check_numbers(const io::JsonNode& object, std::initializer_list<const char*> keys) {
   for (const char* key : keys)
-    if (!object.json->contains(key) || has(object, key)) number_in(object, key);
+    if (!object.json->contains(key) || io::has(object, key)) io::number_in(object, key);
 }
 
 /// Each gate has a volume in the reading that leads and one of the edges.
-void check_gates(const JsonNode& results) {
-  const JsonNode gates = list_in(results, "gates");
-  if (size_of(gates) == 0) refuse_value(gates, "a gate at least");
-  for (std::size_t n = 0; n < size_of(gates); ++n) {
-    check_numbers(object_of(gates, n), {"endo_ml"});
-    check_numbers(object_in(object_of(gates, n), "edge"), {"endo_ml"});
+void check_gates(const io::JsonNode& results) {
+  const io::JsonNode gates = io::list_in(results, "gates");
+  if (io::size_of(gates) == 0) io::refuse_value(gates, "a gate at least");
+  for (std::size_t n = 0; n < io::size_of(gates); ++n) {
+    check_numbers(io::object_of(gates, n), {"endo_ml"});
+    check_numbers(io::object_in(io::object_of(gates, n), "edge"), {"endo_ml"});
   }
 }
 
 /// The numbers of the beat, and the ends of their 90 % intervals, which the page shows.
-void check_reading(const JsonNode& reading) {
+void check_reading(const io::JsonNode& reading) {
   check_numbers(reading, {"edv_ml", "esv_ml", "ef_percent"});
   for (const char* key : {"edv_ml_90", "esv_ml_90", "ef_percent_90"})
-    if (has(reading, key) && numbers_in(reading, key).size() != 2) refuse_value(list_in(reading, key), "a list of 2");
+    if (io::has(reading, key) && io::numbers_in(reading, key).size() != 2)
+      io::refuse_value(io::list_in(reading, key), "a list of 2");
 }
 
 /// The waves of the volume curve, which the page draws.
-void check_curve(const JsonNode& results) {
+void check_curve(const io::JsonNode& results) {
   constexpr std::size_t most_waves = 100;
-  if (!has(results, "measures") || !has(object_in(results, "measures"), "function")) return;
-  const JsonNode function = object_in(object_in(results, "measures"), "function");
-  if (!has(function, "mean_ml")) return;
-  const std::size_t waves = numbers_in(function, "cosine_ml").size();
-  if (waves > most_waves || numbers_in(function, "sine_ml").size() != waves)
-    refuse_value(list_in(function, "sine_ml"), "as many waves as cosine_ml, at most " + std::to_string(most_waves));
+  if (!io::has(results, "measures") || !io::has(io::object_in(results, "measures"), "function")) return;
+  const io::JsonNode function = io::object_in(io::object_in(results, "measures"), "function");
+  if (!io::has(function, "mean_ml")) return;
+  const std::size_t waves = io::numbers_in(function, "cosine_ml").size();
+  if (waves > most_waves || io::numbers_in(function, "sine_ml").size() != waves)
+    io::refuse_value(io::list_in(function, "sine_ml"),
+                     "as many waves as cosine_ml, at most " + std::to_string(most_waves));
 }
 
 /// Throws InputError unless all is there that is compared and shown.
-void check_results(const JsonNode& results) {
-  if (text_in(results, "schema") != "dynasurf.ventricle/3")
+void check_results(const io::JsonNode& results) {
+  if (io::text_in(results, "schema") != "dynasurf.ventricle/3")
     throw InputError(results.file + ": expected the schema dynasurf.ventricle/3");
-  const std::string leading = text_in(results, "reading");
+  const std::string leading = io::text_in(results, "reading");
   if (leading != "psf_corrected" && leading != "edge")
     throw InputError(results.file + ": reading: expected psf_corrected or edge");
-  const JsonNode readings = object_in(results, "readings");
-  check_reading(object_in(readings, "edge"));
-  check_reading(object_in(readings, leading.c_str()));
+  const io::JsonNode readings = io::object_in(results, "readings");
+  check_reading(io::object_in(readings, "edge"));
+  check_reading(io::object_in(readings, leading.c_str()));
   check_reading(results);
   check_gates(results);
   check_curve(results);
-  const JsonNode quality = object_in(results, "quality");
-  text_in(quality, "verdict");
-  const JsonNode flags = list_in(quality, "flags");
-  for (std::size_t n = 0; n < size_of(flags); ++n) text_in(object_of(flags, n), "message");
+  const io::JsonNode quality = io::object_in(results, "quality");
+  io::text_in(quality, "verdict");
+  const io::JsonNode flags = io::list_in(quality, "flags");
+  for (std::size_t n = 0; n < io::size_of(flags); ++n) io::text_in(io::object_of(flags, n), "message");
 }
 
-ComparedStudy read_study_of(const fs::path& folder) {
-  const fs::path path = file_inside(folder, "results.json");
-  Json json = read_json(path);
-  check_results(root_of(json, path.string()));
-  const fs::path splash = file_inside(folder, fs::path("measures") / "splash.png");
-  return {std::move(json), read_polar(folder), "", fs::exists(splash) ? text_of_file(splash) : std::string()};
+report::ComparedStudy read_study_of(const fs::path& folder) {
+  const fs::path path = io::file_inside(folder, "results.json");
+  Json json = io::read_json(path);
+  check_results(io::root_of(json, path.string()));
+  const fs::path splash = io::file_inside(folder, fs::path("measures") / "splash.png");
+  return {std::move(json), report::read_polar(folder), "",
+          fs::exists(splash) ? io::text_of_file(splash) : std::string()};
 }
 
 /// The address of a study's report from the folder of the comparison; empty where there is none.
@@ -130,24 +133,29 @@ std::optional<double> ratio(const std::optional<double>& a, const std::optional<
 }
 
 /// Rest less stress: positive where uptake is lost under stress.
-Measures difference_of(const ComparedStudy& rest, const ComparedStudy& stress) {
-  Measures m;
+ventricle::Measures difference_of(const report::ComparedStudy& rest, const report::ComparedStudy& stress) {
+  ventricle::Measures m;
   m.grid = rest.polar.grid;
   m.area_mm2 = rest.polar.area_mm2;
-  m.maps.perfusion_percent = lost_under_stress(rest.polar.maps.perfusion_percent, stress.polar.maps.perfusion_percent);
+  m.maps.perfusion_percent =
+      report::lost_under_stress(rest.polar.maps.perfusion_percent, stress.polar.maps.perfusion_percent);
   return m;
 }
 
-Json comparison(const ComparedStudy& rest, const ComparedStudy& stress, const Measures& difference) {
+Json comparison(const report::ComparedStudy& rest, const report::ComparedStudy& stress,
+                const ventricle::Measures& difference) {
   const auto number = [](const std::optional<double>& v) { return v ? Json(*v) : Json(); };
-  const SegmentModel model = SegmentModel::aha17;
-  const auto scores = [&](const ComparedStudy& side) {
-    return score_segments(model, side.polar.grid, side.polar.maps.perfusion_percent, side.polar.area_mm2, nullptr);
+  const ventricle::SegmentModel model = ventricle::SegmentModel::aha17;
+  const auto scores = [&](const report::ComparedStudy& side) {
+    return ventricle::score_segments(model, side.polar.grid, side.polar.maps.perfusion_percent, side.polar.area_mm2,
+                                     nullptr);
   };
-  const SegmentScores at_rest = scores(rest), under_stress = scores(stress);
-  const auto sum_of = [](const SegmentScores& scored) { return scored.most > 0 ? Json(scored.sum) : Json(); };
-  const PolarValues lost =
-      segment_means(model, difference.grid, difference.maps.perfusion_percent, difference.area_mm2);
+  const ventricle::SegmentScores at_rest = scores(rest), under_stress = scores(stress);
+  const auto sum_of = [](const ventricle::SegmentScores& scored) {
+    return scored.most > 0 ? Json(scored.sum) : Json();
+  };
+  const ventricle::PolarValues lost =
+      ventricle::segment_means(model, difference.grid, difference.maps.perfusion_percent, difference.area_mm2);
   const std::string kind = common_reading(rest, stress);
   const Json &a = reading_of(rest.results, kind), &b = reading_of(stress.results, kind);
   Json json = Json::object();
@@ -164,9 +172,9 @@ Json comparison(const ComparedStudy& rest, const ComparedStudy& stress, const Me
   json["summed_difference_score"] =
       at_rest.most > 0 && under_stress.most > 0 ? Json(under_stress.sum - at_rest.sum) : Json();
   json["segments"] = Json::array();
-  for (const Segment& s : segments_of(model)) {
+  for (const ventricle::Segment& s : ventricle::segments_of(model)) {
     const auto n = static_cast<std::size_t>(s.number - 1);
-    const auto score = [&](const SegmentScores& of) { return of.score[n] ? Json(*of.score[n]) : Json(); };
+    const auto score = [&](const ventricle::SegmentScores& of) { return of.score[n] ? Json(*of.score[n]) : Json(); };
     json["segments"].push_back({{"number", s.number},
                                 {"name", s.name},
                                 {"rest_score", score(at_rest)},
@@ -179,32 +187,33 @@ Json comparison(const ComparedStudy& rest, const ComparedStudy& stress, const Me
 ExitCode run(const Arguments& a, const std::stop_token& stop) {
   if (a.pdf && !a.out.is_asked()) throw OptionError("--pdf needs a folder to print to; expected --out");
   if (a.pdf) find_browser();  // before anything is computed
-  ComparedStudy rest = read_study_of(a.rest), stress = read_study_of(a.stress);
+  report::ComparedStudy rest = read_study_of(a.rest), stress = read_study_of(a.stress);
   // Two blood pools are compared by their volumes alone.
   if (rest.polar.perfusion_is != stress.polar.perfusion_is)
-    require_same_perfusion(rest.polar.perfusion_is, a.rest, stress.polar.perfusion_is, a.stress);
-  const Measures difference = difference_of(rest, stress);
+    report::require_same_perfusion(rest.polar.perfusion_is, a.rest, stress.polar.perfusion_is, a.stress);
+  const ventricle::Measures difference = difference_of(rest, stress);
   const Json json = comparison(rest, stress, difference);
   std::string moved;
   if (a.out.is_asked()) {
-    OutputFolder folder(a.out.path, a.out.existing(), {a.rest, a.stress});
-    const PolarKind kind{
-        "difference", "Perfusion, rest less stress", "points", &PolarMaps::perfusion_percent, -40, 40, false, true};
+    io::OutputFolder folder(a.out.path, a.out.existing(), {a.rest, a.stress});
+    const report::PolarKind kind{
+        "difference", "Perfusion, rest less stress", "points", &ventricle::PolarMaps::perfusion_percent, -40, 40, false,
+        true};
     if (a.with_names) {
       rest.report = report_from(a.rest, a.out.path);
       stress.report = report_from(a.stress, a.out.path);
     }
-    write_file(folder.path() / "comparison.json", json_text(json));
-    write_file(folder.path() / "comparison.html", comparison_html(rest, stress, json));
-    if (rest.polar.perfusion_is != Perfusion::none)
-      write_file(folder.path() / "polar_difference.svg", polar_svg(difference, kind));
+    io::write_file(folder.path() / "comparison.json", io::json_text(json));
+    io::write_file(folder.path() / "comparison.html", report::comparison_html(rest, stress, json));
+    if (rest.polar.perfusion_is != ventricle::Perfusion::none)
+      io::write_file(folder.path() / "polar_difference.svg", report::polar_svg(difference, kind));
     if (a.pdf) print_page(folder.path() / "comparison.html", folder.path() / "comparison.pdf", stop, PageKind::plain);
     if (stop.stop_requested()) throw Cancelled("stopped on request");
     folder.publish();
     moved = line_of_moved(folder);
   }
   if (a.json) {
-    print(json_text(json));
+    print(io::json_text(json));
     return done;
   }
   const auto text = [&](const char* key) {

@@ -19,14 +19,14 @@ struct Arguments {
 };
 
 ExitCode run(const Arguments& arguments) {
-  const Study study = read_study(arguments.study, arguments.series);
-  const StudyFacts facts = facts_of(arguments.study, study, arguments.series);
+  const Study study = io::read_study(arguments.study, arguments.series);
+  const io::StudyFacts facts = io::facts_of(arguments.study, study, arguments.series);
   if (arguments.json) {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();
     for (const auto& [name, value] : facts.rows) json[name] = value;
     json["notes"] = nlohmann::ordered_json::array();
     for (const Note& note : study.notes) json["notes"].push_back({{"code", note.code}, {"message", note.message}});
-    print(json_text(json));
+    print(io::json_text(json));
     return done;
   }
   std::vector<std::vector<std::string>> rows;

@@ -46,8 +46,8 @@ int next_signal(const sigset_t& set, int wait_ms) {
 bool is_taken_back() { return taken_back; }
 
 std::string words_of_stop() {
-  return state_of_outputs() == OutputState::published ? "stopped on request; the result had been written before"
-                                                      : "stopped on request; nothing was written";
+  return io::state_of_outputs() == io::OutputState::published ? "stopped on request; the result had been written before"
+                                                              : "stopped on request; nothing was written";
 }
 
 Interrupt::Interrupt() {
@@ -73,7 +73,7 @@ void Interrupt::watch(const sigset_t& set) {
   }
   if (signal == end_of_watch) return;
   source_.request_stop();
-  const bool writes = state_of_outputs() != OutputState::none;
+  const bool writes = io::state_of_outputs() != io::OutputState::none;
   if (!comes_back(set, writes ? patience_with_writers_ms : patience_with_readers_ms)) end_process(set);
 }
 
@@ -91,9 +91,9 @@ bool Interrupt::comes_back(const sigset_t& set, int patience_ms) const {
 void Interrupt::end_process(const sigset_t& set) {
   taken_back = true;
   kill_children();
-  discard_unpublished();
+  io::discard_unpublished();
   // Now it is settled whether there is a result. Where there is one, only the last words are missing: let it tell them.
-  if (state_of_outputs() == OutputState::published && comes_back(set, patience_with_finished_ms)) return;
+  if (io::state_of_outputs() == io::OutputState::published && comes_back(set, patience_with_finished_ms)) return;
   if (ends_.test_and_set()) return;  // it came back after all
   remove_what_goes_at_end();
   print_error(words_of_stop());

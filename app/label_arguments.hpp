@@ -6,7 +6,7 @@
 namespace dynasurf::app {
 
 /// `--labels` and `--partial-volumes`, of studies and of phantoms.
-inline void add_label_arguments(CLI::App& command, LabelOutput& labels) {
+inline void add_label_arguments(CLI::App& command, report::LabelOutput& labels) {
   command.add_option("--labels", labels.ending, "write walls and borders as voxels too, in this format: nii.gz, nii");
   command.add_flag("--partial-volumes", labels.partial_volumes,
                    "with --labels: the part of each voxel that is cavity and wall too");

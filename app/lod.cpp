@@ -34,8 +34,8 @@ struct Arguments {
   std::vector<std::string> levels;
   std::string screen = "1920x1080", mesh_format = "ply";
   OutFolder out;
-  Camera camera;
-  LodRule rule;
+  cloud::Camera camera;
+  cloud::LodRule rule;
   int steps = 3, instances = 200;
   bool json = false, quiet = false, with_names = false;
 };
@@ -46,7 +46,7 @@ struct Level {
 };
 
 /// "1920x1080".
-void read_screen(const std::string& text, Camera& camera) {
+void read_screen(const std::string& text, cloud::Camera& camera) {
   const char* const end = text.data() + text.size();
   const auto [x, first_error] = std::from_chars(text.data(), end, camera.width_px);
   const bool has_x = first_error == std::errc{} && x != end && *x == 'x';
@@ -59,19 +59,20 @@ void read_screen(const std::string& text, Camera& camera) {
 /// The names of the levels that results.json tells, each the name of a file in meshes/.
 std::vector<std::string> level_names_of(const fs::path& folder) {
   constexpr std::size_t most_levels = 1000;
-  const fs::path file = file_inside(folder, "results.json");
-  const Json json = read_json(file);
-  const JsonNode results = root_of(json, file.string());
-  if (text_in(results, "schema") != "dynasurf.cloud/1")
+  const fs::path file = io::file_inside(folder, "results.json");
+  const Json json = io::read_json(file);
+  const io::JsonNode results = io::root_of(json, file.string());
+  if (io::text_in(results, "schema") != "dynasurf.cloud/1")
     throw InputError(file.string() + ": expected the schema dynasurf.cloud/1");
-  const JsonNode levels = list_in(results, "levels");
-  if (size_of(levels) == 0 || size_of(levels) > most_levels)
-    refuse_value(levels, "a list of 1 to " + std::to_string(most_levels));
+  const io::JsonNode levels = io::list_in(results, "levels");
+  if (io::size_of(levels) == 0 || io::size_of(levels) > most_levels)
+    io::refuse_value(levels, "a list of 1 to " + std::to_string(most_levels));
   std::vector<std::string> names;
-  for (std::size_t n = 0; n < size_of(levels); ++n) {
-    const JsonNode level = object_of(levels, n);
-    names.push_back(text_in(level, "name"));
-    if (!is_plain_file_name(names.back()) || std::find(names.begin(), names.end() - 1, names.back()) != names.end() - 1)
+  for (std::size_t n = 0; n < io::size_of(levels); ++n) {
+    const io::JsonNode level = io::object_of(levels, n);
+    names.push_back(io::text_in(level, "name"));
+    if (!io::is_plain_file_name(names.back()) ||
+        std::find(names.begin(), names.end() - 1, names.back()) != names.end() - 1)
       throw InputError(level.file + ": " + level.path + ".name: expected the name of a file, each level its own");
   }
   return names;
@@ -85,13 +86,13 @@ std::vector<Level> levels_of_result(const fs::path& folder) {
   for (const std::string& name : names) {
     fs::path mesh;
     for (const char* ending : {".ply", ".obj", ".off", ".stl"})
-      if (const fs::path file = file_inside(folder, fs::path("meshes") / (name + ending));
+      if (const fs::path file = io::file_inside(folder, fs::path("meshes") / (name + ending));
           mesh.empty() && fs::exists(file))
         mesh = file;
-    if (!mesh.empty()) levels.push_back({name, read_mesh(mesh)});
+    if (!mesh.empty()) levels.push_back({name, io::read_mesh(mesh)});
   }
   if (levels.empty())
-    for (LodSurface& level : read_lod_glb(file_inside(folder, "levels.glb")))
+    for (io::LodSurface& level : io::read_lod_glb(io::file_inside(folder, "levels.glb")))
       levels.push_back({std::move(level.name), std::move(level.mesh)});
   if (levels.size() != names.size())
     throw InputError(folder.string() + ": " + std::to_string(levels.size()) + " levels have a mesh; expected the " +
@@ -105,7 +106,7 @@ std::vector<Level> levels_of(const Arguments& arguments) {
   std::vector<Level> levels;
   for (const fs::path path : arguments.levels) {
     const std::string neutral = "level" + std::to_string(levels.size() + 1);
-    levels.push_back({arguments.with_names ? valid_utf8(path.stem().string()) : neutral, read_mesh(path)});
+    levels.push_back({arguments.with_names ? valid_utf8(path.stem().string()) : neutral, io::read_mesh(path)});
   }
   for (std::size_t n = 1; n < levels.size(); ++n)
     if (levels[n].mesh.triangles.size() > levels[n - 1].mesh.triangles.size())
@@ -114,17 +115,17 @@ std::vector<Level> levels_of(const Arguments& arguments) {
 }
 
 struct Plan {
-  LodChain chain;
-  std::vector<double> from;                // distance from which each level serves
-  std::vector<LodTransition> transitions;  // level n out of level n + 1
+  cloud::LodChain chain;
+  std::vector<double> from;                       // distance from which each level serves
+  std::vector<cloud::LodTransition> transitions;  // level n out of level n + 1
 };
 
 Plan plan_of(const std::vector<TriMesh>& meshes, const Arguments& arguments) {
   Plan plan;
-  plan.chain = lod_chain(meshes, arguments.rule);
-  plan.from = switch_distances(plan.chain, arguments.camera);
+  plan.chain = cloud::lod_chain(meshes, arguments.rule);
+  plan.from = cloud::switch_distances(plan.chain, arguments.camera);
   for (std::size_t n = 0; n + 1 < meshes.size(); ++n)
-    plan.transitions.push_back(lod_transition(meshes[n + 1], meshes[n]));
+    plan.transitions.push_back(cloud::lod_transition(meshes[n + 1], meshes[n]));
   return plan;
 }
 
@@ -160,13 +161,13 @@ Json json_of(const std::vector<Level>& levels, const Plan& plan, const Arguments
 
 /// t runs over (0, 1) in equal steps; its ends are the levels themselves.
 void write_transitions(const Plan& plan, const Arguments& arguments, const fs::path& folder) {
-  const MeshFormat format = mesh_formats_of({arguments.mesh_format}, "--mesh-format").front();
+  const io::MeshFormat format = mesh_formats_of({arguments.mesh_format}, "--mesh-format").front();
   for (std::size_t n = 0; n < plan.transitions.size(); ++n)
     for (int step = 0; step <= arguments.steps + 1; ++step) {
       const double t = static_cast<double>(step) / (arguments.steps + 1);
       const std::string name = "level" + std::to_string(n + 2) + "_to_level" + std::to_string(n + 1) + "_" +
                                std::to_string(step) + "." + std::string(word_of(format));
-      write_mesh(at_transition(plan.transitions[n], t), folder / "transitions" / name, format);
+      io::write_mesh(cloud::at_transition(plan.transitions[n], t), folder / "transitions" / name, format);
     }
 }
 
@@ -182,7 +183,7 @@ std::string summary_of(const std::vector<Level>& levels, const Plan& plan) {
   }
   std::string text = table(rows) + "diagonal: " + fixed(plan.chain.diagonal, 4) + "\n";
   for (std::size_t n = 0; n < plan.transitions.size(); ++n) {
-    const LodTransition& t = plan.transitions[n];
+    const cloud::LodTransition& t = plan.transitions[n];
     const auto share = [&](double length) { return fixed(100 * length / plan.chain.diagonal, 3) + " %"; };
     text += "level " + std::to_string(n + 2) + " to " + std::to_string(n + 1) +
             (t.exact ? ": starts from the very shape\n"
@@ -200,15 +201,15 @@ ExitCode run(Arguments arguments, std::stop_token stop) {
   meshes.reserve(levels.size());
   for (const Level& level : levels) meshes.push_back(level.mesh);
   const Plan plan = plan_of(meshes, arguments);
-  const std::string json = json_text(json_of(levels, plan, arguments));
+  const std::string json = io::json_text(json_of(levels, plan, arguments));
   std::string written;
   if (arguments.out.is_asked()) {
-    OutputFolder folder(arguments.out.path, arguments.out.existing(),
-                        {arguments.levels.begin(), arguments.levels.end()});
-    write_file(folder.path() / "lod.json", json);
+    io::OutputFolder folder(arguments.out.path, arguments.out.existing(),
+                            {arguments.levels.begin(), arguments.levels.end()});
+    io::write_file(folder.path() / "lod.json", json);
     write_transitions(plan, arguments, folder.path());
-    write_lod_page(meshes, plan.transitions, {arguments.camera, arguments.rule, arguments.instances},
-                   folder.path() / "instances.html");
+    report::write_lod_page(meshes, plan.transitions, {arguments.camera, arguments.rule, arguments.instances},
+                           folder.path() / "instances.html");
     if (stop.stop_requested()) throw Cancelled("stopped on request");
     folder.publish();
     written = "written: " + arguments.out.path + "\n" + line_of_moved(folder);

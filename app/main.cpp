@@ -84,7 +84,7 @@ ExitCode run(int argc, char** argv, const std::stop_token& stop) {
   } catch (const CLI::ParseError& error) {
     throw OptionError(std::string(error.what()) + "; see dynasurf --help");
   }
-  const MemoryLimit limit(memory.empty() ? default_memory_limit() : memory_from_text(memory));
+  const MemoryLimit limit(memory.empty() ? io::default_memory_limit() : memory_from_text(memory));
   cause_debug_fault();
   const ExitCode code = chosen(stop);
   slicer.write_returned(program);

@@ -22,9 +22,9 @@ struct Arguments {
 };
 
 Json measures_of(const TriMesh& mesh) {
-  const Topology surface = topology(mesh);
-  const SurfaceCheck check = check_surface(mesh);
-  const TriangleQuality quality = triangle_quality(mesh);
+  const mesh::Topology surface = mesh::topology(mesh);
+  const mesh::SurfaceCheck check = mesh::check_surface(mesh);
+  const mesh::TriangleQuality quality = mesh::triangle_quality(mesh);
   Json json = Json::object();
   json["vertices"] = surface.vertices;
   json["edges"] = surface.edges;
@@ -40,8 +40,8 @@ Json measures_of(const TriMesh& mesh) {
   json["self_intersections"] = check.self_intersections;
   json["flat_triangles"] = check.flat_triangles;
   // Only a closed, oriented surface bounds something.
-  json["volume_ml"] = surface.closed() && surface.oriented() ? Json(volume_mm3(mesh) / 1000) : Json();
-  json["area_mm2"] = area_mm2(mesh);
+  json["volume_ml"] = surface.closed() && surface.oriented() ? Json(mesh::volume_mm3(mesh) / 1000) : Json();
+  json["area_mm2"] = mesh::area_mm2(mesh);
   json["triangle_area_min_mm2"] = quality.area_min;
   json["triangle_area_mean_mm2"] = quality.area_mean;
   json["triangle_area_max_mm2"] = quality.area_max;
@@ -52,9 +52,9 @@ Json measures_of(const TriMesh& mesh) {
 }
 
 ExitCode run(const Arguments& arguments) {
-  const Json json = measures_of(read_mesh(arguments.mesh));
+  const Json json = measures_of(io::read_mesh(arguments.mesh));
   if (arguments.json) {
-    print(json_text(json));
+    print(io::json_text(json));
     return done;
   }
   std::vector<std::vector<std::string>> rows;

@@ -32,7 +32,7 @@ struct Arguments {
 };
 
 /// Where the long axis lies: as told, or as a result found it.
-LongAxis axis_of(const Arguments& a, const std::optional<ResultWalls>& walls) {
+ventricle::LongAxis axis_of(const Arguments& a, const std::optional<ResultWalls>& walls) {
   if (!a.apex.empty()) return {{a.apex[0], a.apex[1], a.apex[2]}, {a.base[0], a.base[1], a.base[2]}, 0};
   if (!walls) throw OptionError("where the long axis lies is not told; expected --result, or --apex and --base");
   if (!walls->axes) throw InputError(a.result + ": the axis does not leave both surfaces");
@@ -40,26 +40,26 @@ LongAxis axis_of(const Arguments& a, const std::optional<ResultWalls>& walls) {
   return {walls->axes->apex, walls->axes->base(), length_sd_mm};
 }
 
-void write_moved(const TriMesh& rest, const SplineMotion& motion, const std::string& name, const fs::path& folder,
-                 const std::vector<MeshFormat>& formats, std::vector<double>& volumes_ml) {
+void write_moved(const TriMesh& rest, const mesh::SplineMotion& motion, const std::string& name, const fs::path& folder,
+                 const std::vector<io::MeshFormat>& formats, std::vector<double>& volumes_ml) {
   TriMesh now = rest;
   for (Vec3& p : now.vertices) p = motion.at(p);
-  volumes_ml.push_back(volume_mm3(now) / 1000);
-  const SurfaceMotion moved = surface_motion(rest, now);
+  volumes_ml.push_back(mesh::volume_mm3(now) / 1000);
+  const mesh::SurfaceMotion moved = mesh::surface_motion(rest, now);
   const auto floats = [](const std::vector<double>& v) { return std::vector<float>(v.begin(), v.end()); };
-  const std::vector<VertexScalar> scalars{{"displacement_mm", floats(moved.displacement_mm)},
-                                          {"inward_mm", floats(moved.inward_mm)},
-                                          {"area_strain_percent", floats(moved.area_strain_percent)}};
-  for (const MeshFormat format : formats)
-    write_mesh(now, folder / (name + "." + std::string(word_of(format))), format, scalars);
+  const std::vector<io::VertexScalar> scalars{{"displacement_mm", floats(moved.displacement_mm)},
+                                              {"inward_mm", floats(moved.inward_mm)},
+                                              {"area_strain_percent", floats(moved.area_strain_percent)}};
+  for (const io::MeshFormat format : formats)
+    io::write_mesh(now, folder / (name + "." + std::string(word_of(format))), format, scalars);
 }
 
 /// The surfaces of the gate at rest in all gates, carried along by the points.
 void carry_surfaces(const TrackedPoints& points, const ResultWalls& walls, int rest_gate, const fs::path& folder,
-                    const std::vector<MeshFormat>& formats, MotionRun& run) {
-  const PointSpline spline(points.gates[static_cast<std::size_t>(rest_gate)]);
+                    const std::vector<io::MeshFormat>& formats, report::MotionRun& run) {
+  const mesh::PointSpline spline(points.gates[static_cast<std::size_t>(rest_gate)]);
   for (std::size_t g = 0; g < points.gates.size(); ++g) {
-    const SplineMotion motion = spline.motion_to(points.gates[g]);
+    const mesh::SplineMotion motion = spline.motion_to(points.gates[g]);
     const std::string gate = (g < 9 ? "_g0" : "_g") + std::to_string(g + 1);
     write_moved(walls.endo, motion, "endo" + gate, folder, formats, run.cavity_ml);
     write_moved(walls.epi, motion, "epi" + gate, folder, formats, run.outer_ml);
@@ -67,7 +67,7 @@ void carry_surfaces(const TrackedPoints& points, const ResultWalls& walls, int r
 }
 
 /// A wall is 8 mm and more thick: how much it thickens is not seen by points that lie nearly as far apart.
-void note_spacing(MotionRun& run) {
+void note_spacing(report::MotionRun& run) {
   constexpr double farthest_mm = 3;
   if (run.motion.spacing_mm > farthest_mm)
     run.notes.push_back({Severity::info, "motion.radial_strain_low",
@@ -78,11 +78,11 @@ void note_spacing(MotionRun& run) {
 /// Without a sign where it rounds to nothing.
 std::string unsigned_zero(double value) { return fixed(std::abs(value) < 0.05 ? 0 : value, 1); }
 
-std::string summary_of(const MotionRun& run) {
+std::string summary_of(const report::MotionRun& run) {
   std::vector<std::vector<std::string>> rows{
       {"gate", "apex deg", "mid deg", "base deg", "twist deg", "deg/cm", "radial %", "circumf. %", "longit. %"}};
   for (std::size_t g = 0; g < run.motion.gates.size(); ++g) {
-    const GateMotion& gate = run.motion.gates[g];
+    const ventricle::GateMotion& gate = run.motion.gates[g];
     std::vector<std::string> row{std::to_string(g + 1)};
     for (const auto& level : gate.levels) row.push_back(level ? unsigned_zero(level->rotation_deg) : "-");
     for (const double value : {gate.twist_deg, gate.torsion_deg_per_cm, gate.strains.radial_percent,
@@ -90,7 +90,7 @@ std::string summary_of(const MotionRun& run) {
       row.push_back(unsigned_zero(value));
     rows.push_back(row);
   }
-  const GateMotion& peak = run.motion.gates[static_cast<std::size_t>(run.motion.peak_gate)];
+  const ventricle::GateMotion& peak = run.motion.gates[static_cast<std::size_t>(run.motion.peak_gate)];
   std::string text = table(rows) + "largest twist " + fixed(peak.twist_deg, 1) +
                      " deg (90 %: " + fixed(peak.twist_deg - 1.645 * peak.twist_sd_deg, 1) + " to " +
                      fixed(peak.twist_deg + 1.645 * peak.twist_sd_deg, 1) + ") in gate " +
@@ -103,24 +103,24 @@ ExitCode run(const Arguments& a, std::stop_token stop) {
   const ThreadLimit limit(a.output.threads);
   if (a.apex.empty() != a.base.empty()) throw OptionError("--apex and --base belong together; one is missing");
   ResultJob job;
-  job.mesh_formats = {MeshFormat::ply, MeshFormat::vtp};
+  job.mesh_formats = {io::MeshFormat::ply, io::MeshFormat::vtp};
   take(a.output, "dynasurf motion", job);
-  TrackedFile tracked = read_tracked_points(a.points);
+  io::TrackedFile tracked = io::read_tracked_points(a.points);
   std::vector<fs::path> inputs{a.points};
   if (!a.result.empty()) inputs.push_back(fs::path(a.result) / "results.json");
-  OutputFolder folder(job.out, job.existing, inputs);
+  io::OutputFolder folder(job.out, job.existing, inputs);
   std::optional<ResultWalls> walls;
   if (!a.result.empty()) walls = read_result_walls(a.result, a.rest_gate);
-  MotionRun run;
+  report::MotionRun run;
   run.axis = axis_of(a, walls);
   run.points = static_cast<int>(tracked.points.name.size());
   run.notes = std::move(tracked.notes);
-  run.motion = measure_motion(tracked.points, run.axis, a.rest_gate - 1);
+  run.motion = ventricle::measure_motion(tracked.points, run.axis, a.rest_gate - 1);
   note_spacing(run);
   if (walls) carry_surfaces(tracked.points, *walls, a.rest_gate - 1, folder.path() / "meshes", job.mesh_formats, run);
-  const std::string json = json_text(motion_json(run, provenance_of(job, inputs, "")));
-  write_file(folder.path() / "results.json", json);
-  write_file(folder.path() / "motion.svg", motion_svg(run.motion));
+  const std::string json = io::json_text(report::motion_json(run, provenance_of(job, inputs, "")));
+  io::write_file(folder.path() / "results.json", json);
+  io::write_file(folder.path() / "motion.svg", report::motion_svg(run.motion));
   if (stop.stop_requested()) throw Cancelled("stopped on request");
   folder.publish();
   print_result(a.output, json, summary_of(run), folder.moved_to());

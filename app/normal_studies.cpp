@@ -10,7 +10,7 @@
 namespace dynasurf::app {
 namespace {
 
-std::size_t column_of(const StudyList& list, const std::string& name) {
+std::size_t column_of(const cohort::StudyList& list, const std::string& name) {
   const auto at = std::find(list.group_columns.begin(), list.group_columns.end(), name);
   if (at != list.group_columns.end()) return static_cast<std::size_t>(at - list.group_columns.begin());
   std::string known;
@@ -28,17 +28,17 @@ bool is_cohort(const std::filesystem::path& folder) {
 
 NormalStudies normal_studies_of(const std::filesystem::path& cohort, const std::vector<std::string>& columns,
                                 const ColumnValues& where) {
-  const StudyList list = read_study_list(cohort / "inputs.tsv");
-  const auto status = read_status(cohort / "status.tsv");
+  const cohort::StudyList list = cohort::read_study_list(cohort / "inputs.tsv");
+  const auto status = cohort::read_status(cohort / "status.tsv");
   std::vector<std::size_t> places;
   for (const std::string& column : columns) places.push_back(column_of(list, column));
   NormalStudies normal;
-  for (const CohortStudy& study : list.studies) {
+  for (const cohort::CohortStudy& study : list.studies) {
     const bool is_wanted = std::all_of(where.begin(), where.end(), [&](const auto& wanted) {
       return study.groups[column_of(list, wanted.first)] == wanted.second;
     });
     const auto row = status.find(study.id);
-    const std::filesystem::path result = result_folder(cohort, study.id);
+    const std::filesystem::path result = cohort::result_folder(cohort, study.id);
     if (!is_wanted || row == status.end() || !row->second.done || row->second.verdict == "fail" ||
         !std::filesystem::exists(result / "measures" / "polar.csv")) {
       ++normal.left_out;

@@ -62,10 +62,10 @@ NormalStudies studies_of(const Building& a) {
   return results_in(a.folder);
 }
 
-std::string groups_text(const NormalGroups& normals, int left_out) {
+std::string groups_text(const report::NormalGroups& normals, int left_out) {
   std::vector<std::vector<std::string>> rows{normals.columns};
   rows.front().insert(rows.front().end(), {"studies", "map"});
-  for (const NormalGroups::Group& group : normals.groups) {
+  for (const report::NormalGroups::Group& group : normals.groups) {
     rows.push_back(group.values);
     rows.back().insert(rows.back().end(), {std::to_string(group.studies), group.map ? "yes" : "that of all studies"});
   }
@@ -75,21 +75,22 @@ std::string groups_text(const NormalGroups& normals, int left_out) {
 }
 
 ExitCode build(const Building& a) {
-  OutputFile output(a.out.path, a.out.existing());
+  io::OutputFile output(a.out.path, a.out.existing());
   const NormalStudies studies = studies_of(a);
-  std::vector<GroupedMap> maps;
-  Perfusion kind = Perfusion::none;
+  std::vector<report::GroupedMap> maps;
+  ventricle::Perfusion kind = ventricle::Perfusion::none;
   for (std::size_t n = 0; n < studies.results.size(); ++n) {
-    const PolarTable polar = read_polar(studies.results[n]);
+    const report::PolarTable polar = report::read_polar(studies.results[n]);
     if (maps.empty()) kind = polar.perfusion_is;
-    require_same_perfusion(kind, studies.results.front().string(), polar.perfusion_is, studies.results[n].string());
+    report::require_same_perfusion(kind, studies.results.front().string(), polar.perfusion_is,
+                                   studies.results[n].string());
     maps.push_back({studies.values[n], polar.maps.perfusion_percent});
   }
   if (maps.size() < 3)
     throw InputError(a.folder + " holds " + std::to_string(maps.size()) +
                      " results with polar maps; expected at least 3");
-  const NormalGroups normals = build_normal_groups(std::move(maps), a.by, a.least, kind);
-  write_file(output.path(), a.by.empty() ? normals_text(normals.all) : normal_groups_text(normals));
+  const report::NormalGroups normals = report::build_normal_groups(std::move(maps), a.by, a.least, kind);
+  io::write_file(output.path(), a.by.empty() ? report::normals_text(normals.all) : report::normal_groups_text(normals));
   output.publish();
   print(groups_text(normals, studies.left_out) + "normal map of " + std::to_string(normals.all.studies) +
         " studies: " + a.out.path + "\n" + line_of_moved(output));
@@ -103,8 +104,8 @@ struct Scoring {
   bool json = false;
 };
 
-Json scores_json(const SegmentScores& scores, SegmentModel model, const std::optional<DefectMeasures>& defect,
-                 const ChosenNormals& normals) {
+Json scores_json(const ventricle::SegmentScores& scores, ventricle::SegmentModel model,
+                 const std::optional<ventricle::DefectMeasures>& defect, const report::ChosenNormals& normals) {
   Json json = Json::object();
   json["schema"] = "dynasurf.scores/1";
   json["use"] = "Research use only. Not for diagnosis.";
@@ -116,7 +117,7 @@ Json scores_json(const SegmentScores& scores, SegmentModel model, const std::opt
   json["severity_sd"] = defect ? Json(defect->severity_sd) : Json();
   json["deficit_percent"] = defect ? Json(defect->deficit_percent) : Json();
   json["segments"] = Json::array();
-  for (const Segment& s : segments_of(model)) {
+  for (const ventricle::Segment& s : ventricle::segments_of(model)) {
     const auto n = static_cast<std::size_t>(s.number - 1);
     json["segments"].push_back({{"number", s.number},
                                 {"name", s.name},
@@ -127,29 +128,32 @@ Json scores_json(const SegmentScores& scores, SegmentModel model, const std::opt
 }
 
 ExitCode score(const Scoring& a) {
-  const auto model = static_cast<SegmentModel>(
-      std::find(names_of(SegmentModel{}).begin(), names_of(SegmentModel{}).end(), a.segments) -
-      names_of(SegmentModel{}).begin());
-  const PolarTable polar = read_polar(a.result);
-  NormalGroups read;
-  ChosenNormals chosen;
+  const auto model =
+      static_cast<ventricle::SegmentModel>(std::find(ventricle::names_of(ventricle::SegmentModel{}).begin(),
+                                                     ventricle::names_of(ventricle::SegmentModel{}).end(), a.segments) -
+                                           ventricle::names_of(ventricle::SegmentModel{}).begin());
+  const report::PolarTable polar = report::read_polar(a.result);
+  report::NormalGroups read;
+  report::ChosenNormals chosen;
   if (!a.normals.empty()) {
-    read = read_normal_groups(a.normals);
-    chosen = normals_for(read, column_values(a.group, "--group"), a.normals);
+    read = report::read_normal_groups(a.normals);
+    chosen = report::normals_for(read, column_values(a.group, "--group"), a.normals);
   } else if (!a.group.empty()) {
     throw OptionError("--group belongs to --normals");
   }
-  const NormalMap* normal = chosen.map;
-  require_same_perfusion(polar.perfusion_is, a.result, normal ? normal->perfusion_is : polar.perfusion_is, a.normals);
-  SegmentScores scores = score_segments(model, polar.grid, polar.maps.perfusion_percent, polar.area_mm2, normal);
-  if (!a.edit.empty()) read_scores(a.edit, scores);
-  std::optional<DefectMeasures> defect;
-  if (normal) defect = measure_defect(polar.maps.perfusion_percent, polar.area_mm2, *normal);
-  const std::string json = json_text(scores_json(scores, model, defect, chosen));
+  const ventricle::NormalMap* normal = chosen.map;
+  report::require_same_perfusion(polar.perfusion_is, a.result, normal ? normal->perfusion_is : polar.perfusion_is,
+                                 a.normals);
+  ventricle::SegmentScores scores =
+      ventricle::score_segments(model, polar.grid, polar.maps.perfusion_percent, polar.area_mm2, normal);
+  if (!a.edit.empty()) report::read_scores(a.edit, scores);
+  std::optional<ventricle::DefectMeasures> defect;
+  if (normal) defect = ventricle::measure_defect(polar.maps.perfusion_percent, polar.area_mm2, *normal);
+  const std::string json = io::json_text(scores_json(scores, model, defect, chosen));
   std::string moved;
   if (!a.out.path.empty()) {
-    OutputFile output(a.out.path, a.out.existing());
-    write_file(output.path(), json);
+    io::OutputFile output(a.out.path, a.out.existing());
+    io::write_file(output.path(), json);
     output.publish();
     moved = line_of_moved(output);
   }
@@ -158,7 +162,7 @@ ExitCode score(const Scoring& a) {
     return done;
   }
   std::vector<std::vector<std::string>> rows{{"segment", "name", "score"}};
-  for (const Segment& s : segments_of(model)) {
+  for (const ventricle::Segment& s : ventricle::segments_of(model)) {
     const auto n = static_cast<std::size_t>(s.number - 1);
     rows.push_back({std::to_string(s.number), std::string(s.name),
                     (scores.score[n] ? std::to_string(*scores.score[n]) : std::string("-")) +

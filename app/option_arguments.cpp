@@ -16,7 +16,7 @@
 namespace dynasurf::app {
 
 Image read_mask(const std::filesystem::path& file) {
-  Study study = read_study(file);
+  Study study = io::read_study(file);
   if (study.gates.size() != 1)
     throw InputError(file.string() + ": holds " + std::to_string(study.gates.size()) +
                      " volumes; expected a mask of one");
@@ -83,12 +83,12 @@ void add_option_arguments(CLI::App& command, OptionArguments& a) {
                      "study is looked at");
 }
 
-VentricleOptions options_of(const OptionArguments& arguments) {
-  VentricleOptions options = ventricle_preset(arguments.preset);
+ventricle::VentricleOptions options_of(const OptionArguments& arguments) {
+  ventricle::VentricleOptions options = ventricle::ventricle_preset(arguments.preset);
   if (!arguments.file.empty()) {
-    const std::string text = text_of_file(arguments.file);
+    const std::string text = io::text_of_file(arguments.file);
     try {
-      options_from_text(text, options);
+      io::options_from_text(text, options);
     } catch (const OptionError& error) {
       throw OptionError(arguments.file + ": " + error.what());
     }

@@ -37,6 +37,6 @@ void add_option_arguments(CLI::App& command, OptionArguments& arguments);
 std::vector<std::string> settings_of(const OptionArguments& arguments);
 
 /// Throws OptionError, IoError.
-VentricleOptions options_of(const OptionArguments& arguments);
+ventricle::VentricleOptions options_of(const OptionArguments& arguments);
 
 }  // namespace dynasurf::app

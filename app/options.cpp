@@ -30,23 +30,24 @@ std::vector<OptionRow> rows_of(const Arguments& arguments) {
   const auto preset_or = [&](const char* usual) { return arguments.preset.empty() ? usual : arguments.preset; };
   if (arguments.subject == "ventricle") {
     if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'ventricle'; expected nothing");
-    return option_table(ventricle_preset(preset_or("psf_corrected")));
+    return option_table(ventricle::ventricle_preset(preset_or("psf_corrected")));
   }
   if (arguments.subject == "cloud") {
     if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'cloud'; expected nothing");
-    return option_table(cloud_preset(preset_or("shaped")));
+    return option_table(cloud::cloud_preset(preset_or("shaped")));
   }
   if (arguments.subject == "organ") {
     if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'organ'; expected nothing");
-    return option_table(organ_preset(preset_or("ct")));
+    return option_table(ventricle::organ_preset(preset_or("ct")));
   }
   if (arguments.subject != "phantom")
     throw OptionError("no options are known of '" + arguments.subject +
                       "'; choices: ventricle, cloud, organ, phantom KIND");
-  if (arguments.kind == "cloud") return option_table(CloudPhantom{});
-  if (arguments.kind == CameraPhantom::name) return option_table(CameraPhantom{});
-  if (arguments.kind == "patients") return option_table(VirtualPatient{});  // what --set says to each of them
-  PhantomOptions phantom;
+  if (arguments.kind == "cloud") return option_table(synthetic::CloudPhantom{});
+  if (arguments.kind == synthetic::CameraPhantom::name) return option_table(synthetic::CameraPhantom{});
+  if (arguments.kind == "patients")
+    return option_table(synthetic::VirtualPatient{});  // what --set says to each of them
+  synthetic::PhantomOptions phantom;
   const ChoiceRef kinds = choice_of(phantom);
   return option_table(kinds.choose(position_of(kinds.methods, arguments.kind, "KIND")));
 }
@@ -86,7 +87,7 @@ std::string as_json(const std::vector<OptionRow>& rows) {
                     {"range", row.range},
                     {"choices", row.choices},
                     {"meaning", row.doc}});
-  return json_text(json);
+  return io::json_text(json);
 }
 
 ExitCode run(const Arguments& arguments) {

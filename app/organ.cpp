@@ -38,20 +38,20 @@ struct Arguments {
   bool quiet = false;
 };
 
-OrganOptions options_of(const Arguments& a) {
-  OrganOptions options = organ_preset(a.preset);
+ventricle::OrganOptions options_of(const Arguments& a) {
+  ventricle::OrganOptions options = ventricle::organ_preset(a.preset);
   for (const std::string& setting : a.settings) set_option(options, setting);
-  if (a.label) options.source = OrganSource::labels, options.label = *a.label;
+  if (a.label) options.source = ventricle::OrganSource::labels, options.label = *a.label;
   return options;
 }
 
-Json surface_json(const std::optional<Surface>& surface) {
+Json surface_json(const std::optional<ventricle::Surface>& surface) {
   if (!surface) return nullptr;
-  const Repair& repair = surface->repair;
+  const mesh::Repair& repair = surface->repair;
   return {{"volume_ml", surface->volume_ml},
-          {"area_mm2", area_mm2(surface->mesh)},
+          {"area_mm2", mesh::area_mm2(surface->mesh)},
           {"vertices", surface->mesh.vertices.size()},
-          {"stop_reason", std::string(name_of(surface->stop_reason))},
+          {"stop_reason", std::string(dynamics::name_of(surface->stop_reason))},
           {"border_reached", surface->border_reached},
           {"shape_min", surface->quality.shape_min},
           {"closed", repair.check.closed},
@@ -59,12 +59,12 @@ Json surface_json(const std::optional<Surface>& surface) {
           {"self_intersections", repair.check.self_intersections}};
 }
 
-bool is_trustworthy(const OrganResult& result) {
-  return result.surface && result.surface->stop_reason != StopReason::diverged && result.surface->repair.check.closed &&
-         result.surface->repair.check.self_intersections == 0;
+bool is_trustworthy(const ventricle::OrganResult& result) {
+  return result.surface && result.surface->stop_reason != dynamics::StopReason::diverged &&
+         result.surface->repair.check.closed && result.surface->repair.check.self_intersections == 0;
 }
 
-Json result_json(const OrganResult& result, const OrganOptions& options, const Study& study) {
+Json result_json(const ventricle::OrganResult& result, const ventricle::OrganOptions& options, const Study& study) {
   Json json = Json::object();
   json["schema"] = "dynasurf.organ/1";
   json["use"] = "Research use only. Not for diagnosis.";
@@ -76,33 +76,34 @@ Json result_json(const OrganResult& result, const OrganOptions& options, const S
     json["notes"].push_back({{"severity", name_of(note.severity)}, {"code", note.code}, {"message", note.message}});
   json["study"] = {{"format", study.format}, {"modality", study.modality}, {"dims", study.grid().dims}};
   json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
-  json["options"] = parse_json(options_to_text(options), "the options");
+  json["options"] = io::parse_json(io::options_to_text(options), "the options");
   return json;
 }
 
 ExitCode run(const Arguments& a, std::stop_token stop) {
   const ThreadLimit limit(a.threads);
-  const OrganOptions options = options_of(a);
-  const Study study = read_study(a.study, a.series);
+  const ventricle::OrganOptions options = options_of(a);
+  const Study study = io::read_study(a.study, a.series);
   if (a.gate > static_cast<int>(study.gates.size()))
     throw OptionError("--gate " + std::to_string(a.gate) + "; expected 1 to " + std::to_string(study.gates.size()));
-  OutputFolder folder(a.out.path, a.out.existing(), {a.study});
-  const OrganResult result = reconstruct_organ(study.gates[static_cast<std::size_t>(a.gate - 1)], options, {{}, stop});
-  write_file(folder.path() / "results.json", json_text(result_json(result, options, study)));
+  io::OutputFolder folder(a.out.path, a.out.existing(), {a.study});
+  const ventricle::OrganResult result =
+      ventricle::reconstruct_organ(study.gates[static_cast<std::size_t>(a.gate - 1)], options, {{}, stop});
+  io::write_file(folder.path() / "results.json", io::json_text(result_json(result, options, study)));
   if (result.surface)
-    for (const MeshFormat format : {MeshFormat::ply, MeshFormat::stl, MeshFormat::vtp})
-      write_mesh(result.surface->mesh, folder.path() / ("organ." + std::string(word_of(format))), format);
+    for (const io::MeshFormat format : {io::MeshFormat::ply, io::MeshFormat::stl, io::MeshFormat::vtp})
+      io::write_mesh(result.surface->mesh, folder.path() / ("organ." + std::string(word_of(format))), format);
   if (result.surface)
-    write_png(draw_sections(study.gates[static_cast<std::size_t>(a.gate - 1)], result.surface->mesh,
-                            "organ:  " + fixed(result.surface->volume_ml, 1) + " mL"),
-              folder.path() / "slices.png");
+    io::write_png(report::draw_sections(study.gates[static_cast<std::size_t>(a.gate - 1)], result.surface->mesh,
+                                        "organ:  " + fixed(result.surface->volume_ml, 1) + " mL"),
+                  folder.path() / "slices.png");
   folder.publish();
   if (!a.quiet) {
     std::string text;
     if (result.surface)
       text = table({{"volume_ml", fixed(result.surface->volume_ml, 2)},
                     {"voxels_ml", fixed(result.voxels_ml, 2)},
-                    {"area_mm2", fixed(area_mm2(result.surface->mesh), 0)},
+                    {"area_mm2", fixed(mesh::area_mm2(result.surface->mesh), 0)},
                     {"vertices", std::to_string(result.surface->mesh.vertices.size())}},
                    {0});
     for (const Note& note : result.notes) text += line_of(note) + "\n";

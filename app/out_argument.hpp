@@ -17,7 +17,7 @@ struct OutFolder {
   bool replace = false;
 
   bool is_asked() const { return !path.empty(); }
-  Existing existing() const { return replace ? Existing::move_aside : Existing::replace; }
+  io::Existing existing() const { return replace ? io::Existing::move_aside : io::Existing::replace; }
 };
 
 /// `what` says what the folder is for.
@@ -28,7 +28,7 @@ struct OutFile {
   std::string path;
   bool replace = false;
 
-  Existing existing() const { return replace ? Existing::move_aside : Existing::refuse; }
+  io::Existing existing() const { return replace ? io::Existing::move_aside : io::Existing::refuse; }
 };
 
 CLI::Option* add_out_file(CLI::App& command, OutFile& out, const std::string& what);

@@ -43,7 +43,7 @@ struct Arguments {
   std::string seed;
   int threads = 0, count = 0, repeats = 1;
   bool nrrd = false, quiet = false, small = false;
-  LabelOutput labels;
+  report::LabelOutput labels;
 };
 
 ExitCode make_population(const Arguments& a, const std::stop_token& stop) {
@@ -61,8 +61,8 @@ std::string path_of_seed(const OptionNodes& nodes, const std::string& kind) {
   throw OptionError("--seed: the phantom '" + kind + "' draws no random numbers");
 }
 
-PhantomOptions options_of(const Arguments& arguments) {
-  PhantomOptions phantom;
+synthetic::PhantomOptions options_of(const Arguments& arguments) {
+  synthetic::PhantomOptions phantom;
   const ChoiceRef kinds = choice_of(phantom);
   const OptionNodes nodes = kinds.choose(position_of(kinds.methods, arguments.kind, "KIND"));
   for (const std::string& setting : arguments.settings) set_option(nodes, setting);
@@ -70,30 +70,32 @@ PhantomOptions options_of(const Arguments& arguments) {
   return phantom;
 }
 
-void write_surfaces(const Phantom& phantom, const fs::path& folder) {
+void write_surfaces(const synthetic::Phantom& phantom, const fs::path& folder) {
   for (std::size_t g = 0; g < phantom.truth.size(); ++g) {
     const std::string ending = (g < 9 ? "_g0" : "_g") + std::to_string(g + 1) + ".ply";
-    const TrueGate& gate = phantom.truth[g];
-    if (!gate.endo.triangles.empty()) write_mesh(gate.endo, folder / "truth" / ("endo" + ending), MeshFormat::ply);
-    if (!gate.epi.triangles.empty()) write_mesh(gate.epi, folder / "truth" / ("epi" + ending), MeshFormat::ply);
+    const synthetic::TrueGate& gate = phantom.truth[g];
+    if (!gate.endo.triangles.empty())
+      io::write_mesh(gate.endo, folder / "truth" / ("endo" + ending), io::MeshFormat::ply);
+    if (!gate.epi.triangles.empty()) io::write_mesh(gate.epi, folder / "truth" / ("epi" + ending), io::MeshFormat::ply);
   }
 }
 
-void write_phantom(const Phantom& phantom, const Arguments& arguments, const fs::path& folder) {
-  write_dicom(phantom.study, folder / "study.dcm", finely_stored(phantom.study, "Dynasurf phantom " + phantom.kind));
-  write_nifti(phantom.study, folder / "study.nii.gz");
+void write_phantom(const synthetic::Phantom& phantom, const Arguments& arguments, const fs::path& folder) {
+  io::write_dicom(phantom.study, folder / "study.dcm",
+                  finely_stored(phantom.study, "Dynasurf phantom " + phantom.kind));
+  io::write_nifti(phantom.study, folder / "study.nii.gz");
   if (arguments.nrrd)
-    write_nrrd(phantom.study, folder / (phantom.study.gates.size() > 1 ? "study.seq.nrrd" : "study.nrrd"));
-  if (phantom.tracked) write_tracked_points(phantom.tracked->points, folder / "points.csv");
-  write_file(folder / "truth.json", json_text(truth_of(phantom)));
+    io::write_nrrd(phantom.study, folder / (phantom.study.gates.size() > 1 ? "study.seq.nrrd" : "study.nrrd"));
+  if (phantom.tracked) io::write_tracked_points(phantom.tracked->points, folder / "points.csv");
+  io::write_file(folder / "truth.json", io::json_text(truth_of(phantom)));
   write_surfaces(phantom, folder);
   write_true_labels(phantom, arguments.labels, folder / "labels");
 }
 
-std::string summary_of(const Phantom& phantom) {
+std::string summary_of(const synthetic::Phantom& phantom) {
   std::vector<std::vector<std::string>> rows{{"gate", "endo_ml", "epi_ml", "wall_ml"}};
   for (std::size_t g = 0; g < phantom.truth.size(); ++g) {
-    const TrueGate& gate = phantom.truth[g];
+    const synthetic::TrueGate& gate = phantom.truth[g];
     rows.push_back({std::to_string(g + 1), fixed(gate.endo_ml, 1), fixed(gate.epi_ml, 1), fixed(gate.wall_ml(), 1)});
   }
   std::string text = table(rows);
@@ -104,8 +106,8 @@ std::string summary_of(const Phantom& phantom) {
   return text;
 }
 
-CloudPhantom cloud_options_of(const Arguments& arguments) {
-  CloudPhantom options;
+synthetic::CloudPhantom cloud_options_of(const Arguments& arguments) {
+  synthetic::CloudPhantom options;
   for (const std::string& setting : arguments.settings) set_option(options, setting);
   if (!arguments.seed.empty()) set_option(options, "seed=" + arguments.seed);
   return options;
@@ -114,71 +116,72 @@ CloudPhantom cloud_options_of(const Arguments& arguments) {
 /// A scan with its truth: the points, and the surface they were taken from.
 ExitCode make_scan(const Arguments& arguments, std::stop_token stop) {
   if (arguments.nrrd) throw OptionError("--nrrd: the phantom 'cloud' is no volume");
-  const CloudPhantom options = cloud_options_of(arguments);
-  OutputFolder folder(arguments.out.path, arguments.out.existing());
-  const TriMesh reference = cloud_reference(options.shape);
-  const PointCloud cloud = make_cloud(options);
-  write_cloud(cloud, folder.path() / "cloud.ply");
-  write_mesh(reference, folder.path() / "truth" / "surface.ply", MeshFormat::ply);
+  const synthetic::CloudPhantom options = cloud_options_of(arguments);
+  io::OutputFolder folder(arguments.out.path, arguments.out.existing());
+  const TriMesh reference = synthetic::cloud_reference(options.shape);
+  const PointCloud cloud = synthetic::make_cloud(options);
+  io::write_cloud(cloud, folder.path() / "cloud.ply");
+  io::write_mesh(reference, folder.path() / "truth" / "surface.ply", io::MeshFormat::ply);
   Json json = Json::object();
   json["schema"] = "dynasurf.phantom/1";
   json["kind"] = "cloud";
   json["points"] = cloud.points.size();
-  json["genus"] = genus_of(options.shape);
-  json["volume"] = volume_mm3(reference);
-  json["area"] = area_mm2(reference);
+  json["genus"] = synthetic::genus_of(options.shape);
+  json["volume"] = mesh::volume_mm3(reference);
+  json["area"] = mesh::area_mm2(reference);
   json["triangles"] = reference.triangles.size();
   json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
-  json["options"] = parse_json(options_to_text(options), "the options");
-  write_file(folder.path() / "truth.json", json_text(json));
+  json["options"] = io::parse_json(io::options_to_text(options), "the options");
+  io::write_file(folder.path() / "truth.json", io::json_text(json));
   if (stop.stop_requested()) throw Cancelled("stopped on request");
   folder.publish();
   if (!arguments.quiet)
     print(std::string(word_of(options.shape)) + ": " + std::to_string(cloud.points.size()) + " points, genus " +
-          std::to_string(genus_of(options.shape)) + "\nphantom: " + arguments.out.path + "\n" + line_of_moved(folder));
+          std::to_string(synthetic::genus_of(options.shape)) + "\nphantom: " + arguments.out.path + "\n" +
+          line_of_moved(folder));
   return done;
 }
 
-CameraPhantom camera_options_of(const Arguments& arguments) {
-  CameraPhantom options;
+synthetic::CameraPhantom camera_options_of(const Arguments& arguments) {
+  synthetic::CameraPhantom options;
   for (const std::string& setting : arguments.settings) set_option(options, setting);
   if (!arguments.seed.empty()) set_option(options, "seed=" + arguments.seed);
   return options;
 }
 
 /// The truth of the patient, in which the camera's options and what follows of them take the place of the patient's.
-Json truth_of_camera(const CameraStudy& made, const CameraPhantom& options) {
-  const Collimator collimator = collimator_of(options.acquisition);
+Json truth_of_camera(const synthetic::CameraStudy& made, const synthetic::CameraPhantom& options) {
+  const synthetic::Collimator collimator = synthetic::collimator_of(options.acquisition);
   Json json = truth_of(made.truth);
   json.erase("fwhm_mm");
-  json["camera"] = {{"fwhm_at_100_mm", fwhm_at(response_of(collimator), 100)},
-                    {"sensitivity_cps_per_mbq", sensitivity_cps_per_mbq(collimator)},
+  json["camera"] = {{"fwhm_at_100_mm", synthetic::fwhm_at(synthetic::response_of(collimator), 100)},
+                    {"sensitivity_cps_per_mbq", synthetic::sensitivity_cps_per_mbq(collimator)},
                     {"angle_deg", made.projections.angle_deg},
                     {"radius_mm", made.projections.radius_mm}};
-  json["options"] = parse_json(options_to_text(options), "the options");
+  json["options"] = io::parse_json(io::options_to_text(options), "the options");
   return json;
 }
 
 /// A patient before the camera: projections, slices, truth.
 ExitCode make_acquisition(const Arguments& arguments, std::stop_token stop) {
-  const CameraPhantom options = camera_options_of(arguments);
-  OutputFolder folder(arguments.out.path, arguments.out.existing());
-  CameraStudy made;
+  const synthetic::CameraPhantom options = camera_options_of(arguments);
+  io::OutputFolder folder(arguments.out.path, arguments.out.existing());
+  synthetic::CameraStudy made;
   run_with_progress(arguments.quiet, stop,
-                    [&](const Progress& progress) { made = make_camera_study(options, progress); });
+                    [&](const Progress& progress) { made = synthetic::make_camera_study(options, progress); });
   const fs::path to = folder.path();
-  DicomWriteOptions counts;
+  io::DicomWriteOptions counts;
   counts.series_description = "Dynasurf projections";
-  write_projections(made.projections, to / "projections.dcm", counts);
-  write_dicom(made.transaxial, to / "transaxial.dcm", finely_stored(made.transaxial, "Dynasurf transaxial"));
-  write_dicom(made.short_axis, to / "study.dcm", finely_stored(made.short_axis, "Dynasurf short axis"));
+  io::write_projections(made.projections, to / "projections.dcm", counts);
+  io::write_dicom(made.transaxial, to / "transaxial.dcm", finely_stored(made.transaxial, "Dynasurf transaxial"));
+  io::write_dicom(made.short_axis, to / "study.dcm", finely_stored(made.short_axis, "Dynasurf short axis"));
   if (arguments.nrrd)
-    write_nrrd(made.short_axis, to / (made.short_axis.gates.size() > 1 ? "study.seq.nrrd" : "study.nrrd"));
+    io::write_nrrd(made.short_axis, to / (made.short_axis.gates.size() > 1 ? "study.seq.nrrd" : "study.nrrd"));
   Study map;
   map.gates = {made.attenuation};
-  write_nrrd(map, to / "attenuation.nrrd");
-  write_file(to / "truth.json", json_text(truth_of_camera(made, options)));
-  if (made.truth.tracked) write_tracked_points(made.truth.tracked->points, to / "points.csv");
+  io::write_nrrd(map, to / "attenuation.nrrd");
+  io::write_file(to / "truth.json", io::json_text(truth_of_camera(made, options)));
+  if (made.truth.tracked) io::write_tracked_points(made.truth.tracked->points, to / "points.csv");
   write_surfaces(made.truth, to);
   if (stop.stop_requested()) throw Cancelled("stopped on request");
   folder.publish();
@@ -188,17 +191,18 @@ ExitCode make_acquisition(const Arguments& arguments, std::stop_token stop) {
 
 ExitCode run(const Arguments& arguments, std::stop_token stop) {
   const ThreadLimit limit(arguments.threads);
-  check_labels(arguments.labels, "--labels");
+  report::check_labels(arguments.labels, "--labels");
   if (arguments.kind == "patients") return make_population(arguments, stop);
   if (arguments.count > 0 || arguments.small || arguments.repeats > 1)
     throw OptionError("--count, --repeats and --small belong to phantom patients");
-  if (!arguments.labels.ending.empty() && (arguments.kind == "cloud" || arguments.kind == CameraPhantom::name))
+  if (!arguments.labels.ending.empty() &&
+      (arguments.kind == "cloud" || arguments.kind == synthetic::CameraPhantom::name))
     throw OptionError("--labels: the phantom '" + arguments.kind + "' has no walls on the grid of its study");
   if (arguments.kind == "cloud") return make_scan(arguments, stop);
-  if (arguments.kind == CameraPhantom::name) return make_acquisition(arguments, stop);
-  const PhantomOptions options = options_of(arguments);
-  OutputFolder folder(arguments.out.path, arguments.out.existing());
-  const Phantom phantom = make_phantom(options);
+  if (arguments.kind == synthetic::CameraPhantom::name) return make_acquisition(arguments, stop);
+  const synthetic::PhantomOptions options = options_of(arguments);
+  io::OutputFolder folder(arguments.out.path, arguments.out.existing());
+  const synthetic::Phantom phantom = synthetic::make_phantom(options);
   write_phantom(phantom, arguments, folder.path());
   if (stop.stop_requested()) throw Cancelled("stopped on request");
   folder.publish();
@@ -207,7 +211,7 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
 }
 
 std::string kinds_text() {
-  PhantomOptions phantom;
+  synthetic::PhantomOptions phantom;
   std::string text;
   for (const std::string_view kind : choice_of(phantom).methods) text.append(text.empty() ? "" : ", ").append(kind);
   return text +

@@ -46,7 +46,7 @@ std::uint64_t seed_of(const std::string& text) {
 struct Planned {
   std::string id, subject;
   fs::path folder;  // below the job's
-  DrawnPatient patient;
+  synthetic::DrawnPatient patient;
 };
 
 Planned plan(const PatientsJob& job, std::uint64_t seed, int study) {
@@ -55,9 +55,9 @@ Planned plan(const PatientsJob& job, std::uint64_t seed, int study) {
   planned.subject = "p" + digits(number + 1, 6);
   planned.id = planned.subject + (job.repeats > 1 ? "-" + digits(repeat + 1, 2) : "");
   planned.folder = fs::path(digits(number / patients_per_folder, 4)) / planned.id;
-  planned.patient = draw_patient(seed, static_cast<std::uint64_t>(number), repeat);
+  planned.patient = synthetic::draw_patient(seed, static_cast<std::uint64_t>(number), repeat);
   if (job.small) {
-    planned.patient.options.lattice = small_lattice();
+    planned.patient.options.lattice = synthetic::small_lattice();
     planned.patient.options.gates = 4;
   }
   for (const std::string& setting : job.settings) set_option(planned.patient.options, setting);
@@ -68,10 +68,10 @@ Planned plan(const PatientsJob& job, std::uint64_t seed, int study) {
 Json former_truth(const fs::path& folder, const Planned& planned) {
   const fs::path file = folder / "truth.json";
   if (!fs::exists(file)) return nullptr;
-  Json truth = read_json(file);
-  const JsonNode root = root_of(truth, file.string());
-  VirtualPatient options = planned.patient.options;
-  if (*object_in(root, "options").json != options_to_json(nodes_of(options)))
+  Json truth = io::read_json(file);
+  const io::JsonNode root = io::root_of(truth, file.string());
+  synthetic::VirtualPatient options = planned.patient.options;
+  if (*io::object_in(root, "options").json != io::options_to_json(nodes_of(options)))
     throw IoError(folder.string() +
                   ": is a patient of other options; expected another --out, or the --seed, --set and "
                   "--repeats it was made with");
@@ -79,24 +79,24 @@ Json former_truth(const fs::path& folder, const Planned& planned) {
 }
 
 /// Whether a patient that stands there has what is asked for beside the study.
-bool has_labels(const fs::path& folder, const LabelOutput& labels) {
+bool has_labels(const fs::path& folder, const report::LabelOutput& labels) {
   const fs::path place = folder / "labels";
   return labels.ending.empty() || (fs::exists(place / ("walls." + labels.ending)) &&
                                    (!labels.partial_volumes || fs::exists(place / ("part_wall." + labels.ending))));
 }
 
-Json make_patient(const fs::path& folder, const Planned& planned, const LabelOutput& labels) {
+Json make_patient(const fs::path& folder, const Planned& planned, const report::LabelOutput& labels) {
   if (Json truth = former_truth(folder, planned); !truth.is_null() && has_labels(folder, labels)) return truth;
-  const Phantom phantom = make_phantom(PhantomOptions(planned.patient.options));
+  const synthetic::Phantom phantom = synthetic::make_phantom(synthetic::PhantomOptions(planned.patient.options));
   Json truth = truth_of(phantom);
-  OutputFolder output(folder);
-  DicomWriteOptions dicom = finely_stored(phantom.study, "Dynasurf phantom patient");
+  io::OutputFolder output(folder);
+  io::DicomWriteOptions dicom = finely_stored(phantom.study, "Dynasurf phantom patient");
   dicom.patient_name = "PHANTOM^" + planned.subject;
   dicom.patient_id = planned.subject;
-  write_dicom(phantom.study, output.path() / "study.dcm", dicom);
-  if (!labels.ending.empty()) write_nifti(phantom.study, output.path() / ("study." + labels.ending));
+  io::write_dicom(phantom.study, output.path() / "study.dcm", dicom);
+  if (!labels.ending.empty()) io::write_nifti(phantom.study, output.path() / ("study." + labels.ending));
   write_true_labels(phantom, labels, output.path() / "labels");
-  write_file(output.path() / "truth.json", json_text(truth));
+  io::write_file(output.path() / "truth.json", io::json_text(truth));
   output.publish();
   return truth;
 }
@@ -109,12 +109,12 @@ std::string row_of(const Planned& planned, const Json& truth) {
   const auto cell = [&](const char* key) {
     return "\t" + (truth.contains(key) ? truth.at(key).dump() : std::string());
   };
-  const DrawnPatient& p = planned.patient;
+  const synthetic::DrawnPatient& p = planned.patient;
   return planned.id + "\t" + (planned.folder / "study.dcm").string() + "\t" + planned.subject + "\t" +
          std::string(p.sex) + "\t" + std::to_string(p.age_years) + "\t" + std::string(p.site) + "\t" +
-         std::string(names_of(Defect{})[static_cast<std::size_t>(p.options.defect)]) + cell("fwhm_mm") +
-         cell("edv_ml") + cell("esv_ml") + cell("ef_percent") + "\t" + truth.at("gates").at(0).at("wall_ml").dump() +
-         "\n";
+         std::string(synthetic::names_of(synthetic::Defect{})[static_cast<std::size_t>(p.options.defect)]) +
+         cell("fwhm_mm") + cell("edv_ml") + cell("esv_ml") + cell("ef_percent") + "\t" +
+         truth.at("gates").at(0).at("wall_ml").dump() + "\n";
 }
 
 std::string make_rows(const PatientsJob& job, std::uint64_t seed, const Progress& progress) {
@@ -142,7 +142,7 @@ ExitCode make_patients(const PatientsJob& job, const std::stop_token& stop) {
   const std::uint64_t seed = seed_of(job.seed);
   plan(job, seed, 0);  // a wrong setting is told before anything is made
   run_with_progress(job.quiet, stop, [&](const Progress& progress) {
-    write_file(job.out / "patients.tsv", make_rows(job, seed, progress));
+    io::write_file(job.out / "patients.tsv", make_rows(job, seed, progress));
   });
   if (!job.quiet)
     print(std::to_string(job.count * job.repeats) + " studies of " + std::to_string(job.count) +

@@ -17,7 +17,7 @@ struct PatientsJob {
   std::string seed;                   // empty: 1
   std::vector<std::string> settings;  // of every patient, over what is drawn
   bool small = false, quiet = false;
-  LabelOutput labels;  // of the true walls, beside study.nii.gz
+  report::LabelOutput labels;  // of the true walls, beside study.nii.gz
 };
 
 /// Several patients at a time. Patients that stand there from an earlier call with the same options are kept. Throws

@@ -19,9 +19,9 @@ Json number(const std::optional<double>& value) { return value ? Json(*value) : 
 
 Json vector_json(const Vec3& v) { return {v[0], v[1], v[2]}; }
 
-Json true_motion(const Phantom& phantom) {
+Json true_motion(const synthetic::Phantom& phantom) {
   if (!phantom.tracked) return nullptr;
-  const TrackedTruth& t = *phantom.tracked;
+  const synthetic::TrackedTruth& t = *phantom.tracked;
   return {{"points", t.points.name.size()},
           {"apex_mm", vector_json(t.apex)},
           {"base_mm", vector_json(t.base)},
@@ -29,9 +29,9 @@ Json true_motion(const Phantom& phantom) {
 }
 
 /// What of the wall is true per segment, in the words of results.json; nothing that is read from counts.
-Json true_regions(const Phantom& phantom) {
+Json true_regions(const synthetic::Phantom& phantom) {
   if (!phantom.axis) return nullptr;
-  Json json = measures_json(measure_true_walls(phantom), phantom.study.cycle_ms);
+  Json json = report::measures_json(measure_true_walls(phantom), phantom.study.cycle_ms);
   for (Json& segment : json["segments"]) {
     segment.erase("count_thickening_percent"), segment.erase("phase_counts_deg");
     for (auto at = segment.begin(); at != segment.end();)
@@ -52,13 +52,13 @@ float largest_value(const Study& study) {
 
 }  // namespace
 
-Json options_of(const Phantom& phantom) {
-  PhantomOptions options = phantom.options;
+Json options_of(const synthetic::Phantom& phantom) {
+  synthetic::PhantomOptions options = phantom.options;
   const ChoiceRef kinds = choice_of(options);
-  return options_to_json(kinds.choose(kinds.current()));
+  return io::options_to_json(kinds.choose(kinds.current()));
 }
 
-Json truth_of(const Phantom& phantom) {
+Json truth_of(const synthetic::Phantom& phantom) {
   Json json = Json::object();
   json["schema"] = "dynasurf.phantom/1";
   json["kind"] = phantom.kind;
@@ -72,7 +72,7 @@ Json truth_of(const Phantom& phantom) {
   json["missing_fraction"] = phantom.missing_fraction;
   json["gates"] = Json::array();
   for (std::size_t g = 0; g < phantom.truth.size(); ++g) {
-    const TrueGate& gate = phantom.truth[g];
+    const synthetic::TrueGate& gate = phantom.truth[g];
     json["gates"].push_back({{"gate", g + 1},
                              {"time_ms", phantom.study.time_ms.empty() ? Json() : Json(phantom.study.time_ms[g])},
                              {"phase", gate.phase},
@@ -89,20 +89,21 @@ Json truth_of(const Phantom& phantom) {
   return json;
 }
 
-void write_true_labels(const Phantom& phantom, const LabelOutput& labels, const std::filesystem::path& folder) {
+void write_true_labels(const synthetic::Phantom& phantom, const report::LabelOutput& labels,
+                       const std::filesystem::path& folder) {
   if (labels.ending.empty()) return;
-  std::vector<GateWalls> walls;
-  for (const TrueGate& gate : phantom.truth) {
+  std::vector<report::GateWalls> walls;
+  for (const synthetic::TrueGate& gate : phantom.truth) {
     if (gate.endo.triangles.empty() || gate.epi.triangles.empty())
       throw OptionError("--labels: the phantom '" + phantom.kind + "' has not both walls");
     walls.push_back({&gate.endo, &gate.epi});
   }
-  write_wall_labels(walls, phantom.study, labels, folder);
+  report::write_wall_labels(walls, phantom.study, labels, folder);
 }
 
-DicomWriteOptions finely_stored(const Study& study, const std::string& description) {
+io::DicomWriteOptions finely_stored(const Study& study, const std::string& description) {
   const float largest = largest_value(study);
-  DicomWriteOptions dicom;
+  io::DicomWriteOptions dicom;
   dicom.counts_scale = largest > 0 ? 30000 / static_cast<double>(largest) : 1;
   dicom.series_description = description;
   return dicom;

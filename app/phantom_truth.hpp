@@ -10,15 +10,16 @@
 namespace dynasurf::app {
 
 /// What is known of a phantom, as truth.json holds it (schema dynasurf.phantom/1).
-nlohmann::ordered_json truth_of(const Phantom& phantom);
+nlohmann::ordered_json truth_of(const synthetic::Phantom& phantom);
 
 /// The options of its kind that a phantom was made from.
-nlohmann::ordered_json options_of(const Phantom& phantom);
+nlohmann::ordered_json options_of(const synthetic::Phantom& phantom);
 
 /// The voxels of the true walls, into `folder`, if labels are asked for. Throws OptionError unless there are two walls.
-void write_true_labels(const Phantom& phantom, const LabelOutput& labels, const std::filesystem::path& folder);
+void write_true_labels(const synthetic::Phantom& phantom, const report::LabelOutput& labels,
+                       const std::filesystem::path& folder);
 
 /// How to store a study so finely that rounding adds nothing to the noise of its counts.
-DicomWriteOptions finely_stored(const Study& study, const std::string& description);
+io::DicomWriteOptions finely_stored(const Study& study, const std::string& description);
 
 }  // namespace dynasurf::app

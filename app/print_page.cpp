@@ -144,10 +144,10 @@ void print_page(const fs::path& html, const fs::path& pdf, const std::stop_token
     const std::optional<int> code = run_quietly(words, profile.path(), patience, stop);
     if (code != 0 || !fs::exists(printed) || fs::file_size(printed) == 0)
       throw IoError(pdf.string() + ": " + words[0] + (code ? " could not print the report" : " did not finish"));
-    std::string bytes = text_of_file(printed);
+    std::string bytes = io::text_of_file(printed);
     if (kind == PageKind::drawn && !is_complete(bytes)) continue;
     take_dates_out(bytes);
-    return write_file(pdf, bytes);
+    return io::write_file(pdf, bytes);
   }
   throw IoError(pdf.string() + ": " + words[0] + " printed the report before it was drawn, three times");
 }

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 /// The hash of a file that was given beside the study; absent when none was.
 std::optional<std::string> hash_of(const fs::path& file) {
   if (file.empty()) return std::nullopt;
-  return sha256_of_file(file);
+  return io::sha256_of_file(file);
 }
 
 /// The time DICOM results tell: as an earlier run told it; now; or, where equal runs shall give equal bytes, the
@@ -32,7 +32,8 @@ std::optional<std::string> hash_of(const fs::path& file) {
 std::string dicom_time(const Job& job, bool study_is_dicom) {
   if (!job.outputs.dicom_time.empty()) return job.outputs.dicom_time;
   if (!job.timings) {
-    const DicomSubject subject = study_is_dicom ? read_dicom_subject(job.study, job.series) : DicomSubject();
+    const io::DicomSubject subject =
+        study_is_dicom ? io::read_dicom_subject(job.study, job.series) : io::DicomSubject();
     const bool is_told = subject.study_date.size() == 8 && subject.study_time.size() >= 6;
     return is_told ? subject.study_date + subject.study_time.substr(0, 6) : "20000101000000";
   }
@@ -45,36 +46,38 @@ std::string dicom_time(const Job& job, bool study_is_dicom) {
 }
 
 /// Whose DICOM results these are, and what their UIDs are made from: the inputs, the options, the program, the time.
-DicomResult dicom_context(const Job& job, const Provenance& provenance, bool study_is_dicom) {
-  DicomResult context;
+io::DicomResult dicom_context(const Job& job, const report::Provenance& provenance, bool study_is_dicom) {
+  io::DicomResult context;
   context.program_version = provenance.program_version;
   context.date = job.outputs.dicom_time.substr(0, 8);
   context.time = job.outputs.dicom_time.substr(8);
-  Hasher hasher;
+  io::Hasher hasher;
   const auto add = [&](const std::string& text) { hasher.add(text.data(), text.size() + 1); };
   const auto in_json = [](const std::optional<std::string>& hash) { return hash ? '"' + *hash + '"' : "null"; };
-  for (const InputFile& input : provenance.inputs) add(input.sha256);
+  for (const report::InputFile& input : provenance.inputs) add(input.sha256);
   for (const std::string& text : {provenance.options_json, provenance.program_version, provenance.commit,
                                   job.outputs.dicom_time, in_json(hash_of(job.mask)), in_json(hash_of(job.start_mesh))})
     add(text);
   context.content = hasher.finish();
-  context.subject = study_is_dicom ? read_dicom_subject(job.study, job.series)
-                                   : nameless_subject(context.content, context.date, context.time);
+  context.subject = study_is_dicom ? io::read_dicom_subject(job.study, job.series)
+                                   : io::nameless_subject(context.content, context.date, context.time);
   return context;
 }
 
 /// What is made from the finished report and result: the printed pages, and the DICOM objects, which hold them.
-void write_for_reading_room(const VentricleResult& result, const Provenance& provenance, const Job& job,
-                            const fs::path& folder, const std::stop_token& stop) {
+void write_for_reading_room(const ventricle::VentricleResult& result, const report::Provenance& provenance,
+                            const Job& job, const fs::path& folder, const std::stop_token& stop) {
   if (job.outputs.pdf) print_page(folder / "report.html", folder / "report.pdf", stop);
   if (!job.outputs.dicom) return;
-  write_dicom_folder(result, dicom_context(job, provenance, result.study.format == "DICOM"),
-                     job.outputs.pdf ? text_of_file(folder / "report.pdf") : std::string(), folder / "dicom");
+  report::write_dicom_folder(result, dicom_context(job, provenance, result.study.format == "DICOM"),
+                             job.outputs.pdf ? io::text_of_file(folder / "report.pdf") : std::string(),
+                             folder / "dicom");
 }
 
-std::string results_text(const VentricleResult& result, const Provenance& provenance, const Job& job) {
+std::string results_text(const ventricle::VentricleResult& result, const report::Provenance& provenance,
+                         const Job& job) {
   const Outputs& outputs = job.outputs;
-  VentricleRecord record;
+  report::VentricleRecord record;
   record.mask_sha256 = hash_of(job.mask);
   record.start_mesh_sha256 = hash_of(job.start_mesh);
   record.mesh_formats = job.mesh_formats;
@@ -84,8 +87,8 @@ std::string results_text(const VentricleResult& result, const Provenance& proven
   record.labels = outputs.labels;
   // Without timings it is the study's, which a repeated run reads there again.
   if (outputs.dicom && job.timings) record.dicom_time = outputs.dicom_time;
-  record.timings = job.timings ? Timings::keep : Timings::omit;
-  return ventricle_results_text(result, provenance, record);
+  record.timings = job.timings ? report::Timings::keep : report::Timings::omit;
+  return report::ventricle_results_text(result, provenance, record);
 }
 
 /// Every file the run reads.
@@ -100,7 +103,7 @@ std::vector<fs::path> inputs_of(const Job& job) {
 
 std::vector<std::string> hashes_of_study(const fs::path& study, const std::string& series) {
   std::vector<std::string> hashes;
-  for (const fs::path& file : files_of_study(study, series)) hashes.push_back(sha256_of_file(file));
+  for (const fs::path& file : io::files_of_study(study, series)) hashes.push_back(io::sha256_of_file(file));
   return hashes;
 }
 
@@ -108,38 +111,41 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   Job job = asked;
   const ThreadLimit limit(job.threads);
   if (job.outputs.pdf) find_browser();  // its absence, too, is told first
-  check_labels(job.outputs.labels, "--labels");
+  report::check_labels(job.outputs.labels, "--labels");
   // First, so that a place that cannot be written to costs no time.
-  OutputFolder folder(job.out, job.existing, inputs_of(job));
-  const Study study = read_study(job.study, job.series);
+  io::OutputFolder folder(job.out, job.existing, inputs_of(job));
+  const Study study = io::read_study(job.study, job.series);
   // By its number: words that the user chose it by may name a person. A repeated run has them from the first.
   if (!study.series.empty() && job.command.find(" --series ") == std::string::npos)
     job.command += " --series " + study.series;
   if (job.outputs.dicom) job.outputs.dicom_time = dicom_time(job, study.format == "DICOM");
-  const Provenance provenance = provenance_of(job, files_of_study(job.study, job.series), options_to_text(job.options));
+  const report::Provenance provenance =
+      provenance_of(job, io::files_of_study(job.study, job.series), io::options_to_text(job.options));
   progress.check();
 
   std::optional<TriMesh> start;
-  if (!job.start_mesh.empty()) start = read_mesh(job.start_mesh);
+  if (!job.start_mesh.empty()) start = io::read_mesh(job.start_mesh);
   std::optional<Image> mask;
   if (!job.mask.empty()) mask = read_mask(job.mask);
 
-  const StageWriter stages(folder.path() / "stages");
+  const report::StageWriter stages(folder.path() / "stages");
   Outcome outcome;
-  const IntermediateSink keep =
-      job.outputs.keep_stages ? IntermediateSink([&](const Intermediates& s) { stages(s); }) : IntermediateSink();
+  const ventricle::IntermediateSink keep =
+      job.outputs.keep_stages ? ventricle::IntermediateSink([&](const ventricle::Intermediates& s) { stages(s); })
+                              : ventricle::IntermediateSink();
   try {
     outcome.result =
-        reconstruct(study, job.options, progress, keep, start ? &*start : nullptr, mask ? &*mask : nullptr);
+        ventricle::reconstruct(study, job.options, progress, keep, start ? &*start : nullptr, mask ? &*mask : nullptr);
   } catch (const InputError& error) {  // the library knows the study, not the file it came from
     throw InputError(job.study.string() + ": " + error.what());
   }
   progress.check();
   outcome.json = results_text(outcome.result, provenance, job);
-  write_study_files(outcome.result, provenance, {job.mesh_formats, job.options.keyframes, Timings::omit, outcome.json},
-                    folder.path());
+  report::write_study_files(outcome.result, provenance,
+                            {job.mesh_formats, job.options.keyframes, report::Timings::omit, outcome.json},
+                            folder.path());
   if (!job.outputs.labels.ending.empty())
-    write_label_volumes(outcome.result, study, job.outputs.labels, folder.path() / "labels");
+    report::write_label_volumes(outcome.result, study, job.outputs.labels, folder.path() / "labels");
   write_for_reading_room(outcome.result, provenance, job, folder.path(), progress.stop);
   progress.check();
   folder.publish();

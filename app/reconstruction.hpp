@@ -15,25 +15,25 @@ namespace dynasurf::app {
 /// What is written beside numbers and meshes. Kept in results.json (provenance.outputs), so that a run can be repeated.
 struct Outputs {
   bool keep_stages = false;
-  bool dicom = false;      // the folder dicom: results as objects of the patient's study
-  std::string dicom_time;  // YYYYMMDDHHMMSS that they tell; empty: now, without timings the study's
-  bool pdf = false;        // report.pdf, printed by Chromium
-  LabelOutput labels;      // the folder labels: voxels of walls and borders
+  bool dicom = false;          // the folder dicom: results as objects of the patient's study
+  std::string dicom_time;      // YYYYMMDDHHMMSS that they tell; empty: now, without timings the study's
+  bool pdf = false;            // report.pdf, printed by Chromium
+  report::LabelOutput labels;  // the folder labels: voxels of walls and borders
 };
 
 /// One run of the ventricle pipeline, from a study on disk to a result folder.
 struct Job : ResultJob {
-  Job() { mesh_formats = {MeshFormat::ply, MeshFormat::vtp}; }
+  Job() { mesh_formats = {io::MeshFormat::ply, io::MeshFormat::vtp}; }
   std::filesystem::path study;
   std::string series;                // of a DICOM folder; empty: not asked for
   std::filesystem::path start_mesh;  // for placement.shape file; else empty
   std::filesystem::path mask;        // outside which nothing is looked at; empty: none
-  VentricleOptions options;
+  ventricle::VentricleOptions options;
   Outputs outputs;
 };
 
 struct Outcome {
-  VentricleResult result;
+  ventricle::VentricleResult result;
   std::string json;                               // results.json
   std::optional<std::filesystem::path> moved_to;  // where what stood at `job.out` was moved
 };

@@ -62,63 +62,63 @@ struct Record {
 }
 
 /// A word that is printed as it stands, such as a version.
-std::string plain_word_in(const JsonNode& object, const char* key) {
+std::string plain_word_in(const io::JsonNode& object, const char* key) {
   constexpr std::size_t most = 100;
-  std::string word = text_in(object, key);
+  std::string word = io::text_in(object, key);
   if (word.size() > most || !std::all_of(word.begin(), word.end(), [](char c) { return c >= ' ' && c <= '~'; }))
     throw InputError(object.file + ": " + object.path + "." + key + ": expected a plain word");
   return word;
 }
 
 Record record_of(const fs::path& result) {
-  const fs::path file = file_inside(result, "results.json");
-  const Json json = read_json(file);
-  const JsonNode results = root_of(json, file.string());
+  const fs::path file = io::file_inside(result, "results.json");
+  const Json json = io::read_json(file);
+  const io::JsonNode results = io::root_of(json, file.string());
   Record record;
-  record.schema = text_in(results, "schema");
+  record.schema = io::text_in(results, "schema");
   if (record.schema != "dynasurf.ventricle/3" && record.schema != "dynasurf.cloud/1")
     refuse(result, "expected the schema dynasurf.ventricle/3 or dynasurf.cloud/1");
-  const JsonNode provenance = object_in(results, "provenance");
+  const io::JsonNode provenance = io::object_in(results, "provenance");
   record.version = plain_word_in(provenance, "version");
   record.commit = plain_word_in(provenance, "commit");
-  record.command = text_in(provenance, "command");
-  record.options = *object_in(provenance, "options").json;
-  record.outputs = *object_in(provenance, "outputs").json;
-  record.timings = has(results, "timings_s");
-  const JsonNode inputs = list_in(provenance, "inputs");
-  for (std::size_t n = 0; n < size_of(inputs); ++n) {
-    const JsonNode input = object_of(inputs, n);
-    record.hashes.push_back(text_in(input, "sha256"));
-    record.names.push_back(text_in(input, "file"));
-    if (has(input, "bytes"))
+  record.command = io::text_in(provenance, "command");
+  record.options = *io::object_in(provenance, "options").json;
+  record.outputs = *io::object_in(provenance, "outputs").json;
+  record.timings = io::has(results, "timings_s");
+  const io::JsonNode inputs = io::list_in(provenance, "inputs");
+  for (std::size_t n = 0; n < io::size_of(inputs); ++n) {
+    const io::JsonNode input = io::object_of(inputs, n);
+    record.hashes.push_back(io::text_in(input, "sha256"));
+    record.names.push_back(io::text_in(input, "file"));
+    if (io::has(input, "bytes"))
       record.bytes.push_back(
-          static_cast<std::uint64_t>(whole_in(input, "bytes", 0, std::numeric_limits<std::int64_t>::max())));
+          static_cast<std::uint64_t>(io::whole_in(input, "bytes", 0, std::numeric_limits<std::int64_t>::max())));
   }
-  if (has(provenance, "given")) {
-    const JsonNode given = object_in(provenance, "given");
-    if (has(given, "series")) record.series = text_in(given, "series");
-    if (has(given, "mask_sha256")) record.mask_hash = text_in(given, "mask_sha256");
-    if (has(given, "start_mesh_sha256")) record.start_hash = text_in(given, "start_mesh_sha256");
+  if (io::has(provenance, "given")) {
+    const io::JsonNode given = io::object_in(provenance, "given");
+    if (io::has(given, "series")) record.series = io::text_in(given, "series");
+    if (io::has(given, "mask_sha256")) record.mask_hash = io::text_in(given, "mask_sha256");
+    if (io::has(given, "start_mesh_sha256")) record.start_hash = io::text_in(given, "start_mesh_sha256");
   }
   if (record.hashes.empty()) refuse(result, "names no input");
   return record;
 }
 
 /// What was written beside numbers and meshes, to be looked at.
-JsonNode outputs_of(const Arguments& arguments, const Record& record) {
+io::JsonNode outputs_of(const Arguments& arguments, const Record& record) {
   return {&record.outputs, (fs::path(arguments.result) / "results.json").string(), "provenance.outputs"};
 }
 
-std::vector<std::string> words_in(const JsonNode& object, const char* key) {
-  const JsonNode list = list_in(object, key);
+std::vector<std::string> words_in(const io::JsonNode& object, const char* key) {
+  const io::JsonNode list = io::list_in(object, key);
   std::vector<std::string> words;
-  for (std::size_t n = 0; n < size_of(list); ++n) words.push_back(text_of(item_of(list, n)));
+  for (std::size_t n = 0; n < io::size_of(list); ++n) words.push_back(io::text_of(io::item_of(list, n)));
   return words;
 }
 
 /// YYYYMMDDHHMMSS.
-std::string dicom_time_in(const JsonNode& outputs) {
-  const std::string time = text_in(outputs, "dicom_time");
+std::string dicom_time_in(const io::JsonNode& outputs) {
+  const std::string time = io::text_in(outputs, "dicom_time");
   if (time.size() != 14 || !std::all_of(time.begin(), time.end(), [](char c) { return c >= '0' && c <= '9'; }))
     throw InputError(outputs.file + ": " + outputs.path + ".dicom_time: expected 14 digits, YYYYMMDDHHMMSS");
   return time;
@@ -158,7 +158,7 @@ bool may_be_input(const fs::path& file, const Record& record) {
 
 bool is_study(const fs::path& path, const Record& record) {
   try {
-    const std::vector<fs::path> files = files_of_study(path, record.series);
+    const std::vector<fs::path> files = io::files_of_study(path, record.series);
     return files.size() == record.hashes.size() &&
            std::all_of(files.begin(), files.end(), [&](const fs::path& file) { return may_be_input(file, record); }) &&
            hashes_of_study(path, record.series) == record.hashes;
@@ -213,7 +213,7 @@ std::vector<fs::path> find_clouds(const Arguments& arguments, const Record& reco
       if (fs::is_regular_file(path) && may_be_input(path, record)) candidates.push_back(path);
   std::map<std::string, fs::path> by_hash;
   for (const fs::path& path : candidates) try {
-      by_hash.emplace(sha256_of_file(path), path);
+      by_hash.emplace(io::sha256_of_file(path), path);
     } catch (const IoError&) {
       if (!arguments.inputs.empty()) throw;  // what the user names must be readable
     }
@@ -231,14 +231,15 @@ fs::path find_given(const Arguments& arguments, const std::string& hash, const s
                     const std::string& what) {
   if (hash.empty()) return {};
   if (!named.empty()) {
-    if (sha256_of_file(named) != hash)
+    if (io::sha256_of_file(named) != hash)
       throw InputError(named + ": is not the " + what + " the result was made with (SHA-256 " + hash.substr(0, 12) +
                        "... expected)");
     return named;
   }
   for (const fs::path& candidate : places_beside(arguments))
     if (std::error_code error; fs::is_regular_file(candidate, error) &&
-                               fs::file_size(candidate, error) <= largest_input && sha256_of_file(candidate) == hash)
+                               fs::file_size(candidate, error) <= largest_input &&
+                               io::sha256_of_file(candidate) == hash)
       return candidate;
   throw InputError(arguments.result + ": its " + what + " (SHA-256 " + hash.substr(0, 12) +
                    "...) is neither beside it nor in the working folder; name it with --" + what);
@@ -247,8 +248,8 @@ fs::path find_given(const Arguments& arguments, const std::string& hash, const s
 /// What a result holds: what its manifest lists, but for what has gone. Everything where there is no manifest.
 std::set<std::string> files_in(const fs::path& folder) {
   std::set<std::string> files;
-  if (fs::exists(folder / manifest_name)) {
-    for (const ManifestEntry& file : read_manifest(folder))
+  if (fs::exists(folder / io::manifest_name)) {
+    for (const io::ManifestEntry& file : io::read_manifest(folder))
       if (fs::exists(folder / file.name)) files.insert(file.name);
     return files;
   }
@@ -259,8 +260,8 @@ std::set<std::string> files_in(const fs::path& folder) {
 
 /// A line for a result that is not as it was written.
 std::string alteration_of(const fs::path& result) {
-  if (!fs::exists(result / manifest_name)) return {};
-  const auto foreign = first_foreign_file(result);
+  if (!fs::exists(result / io::manifest_name)) return {};
+  const auto foreign = io::first_foreign_file(result);
   return foreign ? foreign->name + " in it " + foreign->why + "\n" : std::string();
 }
 
@@ -272,8 +273,8 @@ bool same(const fs::path& a, const fs::path& b, const std::string& file) {
   const std::string new_bytes = bytes_of(b);
   if (old_bytes == new_bytes) return true;
   if (file != "results.json") return false;
-  Json old_json = parse_json(old_bytes, a.string());
-  Json new_json = parse_json(new_bytes, b.string());
+  Json old_json = io::parse_json(old_bytes, a.string());
+  Json new_json = io::parse_json(new_bytes, b.string());
   for (const char* key : {"timings_s", "memory"}) {
     old_json.erase(key);
     new_json.erase(key);
@@ -299,43 +300,45 @@ std::vector<std::string> differences(const fs::path& before, const fs::path& aft
 bool repeat_ventricle(const Arguments& arguments, const Record& record, const fs::path& out, const Progress& progress) {
   Job job = read_record(arguments.result, [&] {
     Job read;
-    options_from_json(record.options, read.options);
+    io::options_from_json(record.options, read.options);
     recall(arguments, record, out, read);
-    const JsonNode outputs = outputs_of(arguments, record);
-    read.outputs.keep_stages = flag_in(outputs, "keep_stages");
+    const io::JsonNode outputs = outputs_of(arguments, record);
+    read.outputs.keep_stages = io::flag_in(outputs, "keep_stages");
     // Results of former versions say nothing of these.
-    read.outputs.dicom = has(outputs, "dicom") && flag_in(outputs, "dicom");
+    read.outputs.dicom = io::has(outputs, "dicom") && io::flag_in(outputs, "dicom");
     if (read.outputs.dicom && record.timings)  // else the study tells it
       read.outputs.dicom_time = dicom_time_in(outputs);
-    read.outputs.pdf = has(outputs, "pdf") && flag_in(outputs, "pdf");
-    if (has(outputs, "labels")) read.outputs.labels = {text_in(outputs, "labels"), flag_in(outputs, "partial_volumes")};
-    check_labels(read.outputs.labels, "outputs.labels");
+    read.outputs.pdf = io::has(outputs, "pdf") && io::flag_in(outputs, "pdf");
+    if (io::has(outputs, "labels"))
+      read.outputs.labels = {io::text_in(outputs, "labels"), io::flag_in(outputs, "partial_volumes")};
+    report::check_labels(read.outputs.labels, "outputs.labels");
     return read;
   });
   job.study = find_study(arguments, record);
   job.series = record.series;
   job.mask = find_given(arguments, record.mask_hash, arguments.mask, "mask");
   job.start_mesh = find_given(arguments, record.start_hash, arguments.start, "start");
-  return reconstruct_to_folder(job, progress).result.verdict != Verdict::fail;
+  return reconstruct_to_folder(job, progress).result.verdict != ventricle::Verdict::fail;
 }
 
 bool repeat_cloud(const Arguments& arguments, const Record& record, const fs::path& out, const Progress& progress) {
   CloudJob job = read_record(arguments.result, [&] {
     CloudJob read;
-    options_from_json(record.options, read.options);
+    io::options_from_json(record.options, read.options);
     recall(arguments, record, out, read);
-    read.textures = flag_in(outputs_of(arguments, record), "textures");
+    read.textures = io::flag_in(outputs_of(arguments, record), "textures");
     return read;
   });
   job.clouds = find_clouds(arguments, record);
-  return is_trustworthy(reconstruct_cloud_to_folder(job, progress).run.result);
+  return report::is_trustworthy(reconstruct_cloud_to_folder(job, progress).run.result);
 }
 
 ExitCode run(const Arguments& arguments, std::stop_token stop) {
   const Record record = record_of(arguments.result);
   // A folder beside the result that is never published, and so goes away again.
   const fs::path result = fs::weakly_canonical(arguments.result);
-  const OutputFolder scratch(result.parent_path() / (result.filename().string() + ".rerun"), Existing::move_aside);
+  const io::OutputFolder scratch(result.parent_path() / (result.filename().string() + ".rerun"),
+                                 io::Existing::move_aside);
   const fs::path out = arguments.out.is_asked() ? fs::path(arguments.out.path) : scratch.path() / "again";
 
   bool trusted = false;

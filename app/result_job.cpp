@@ -30,10 +30,10 @@ void add_result_arguments(CLI::App& command, ResultArguments& a, const std::stri
                    "record the names of the input files, which may name a person");
 }
 
-std::vector<MeshFormat> mesh_formats_of(const std::vector<std::string>& words, const std::string& where) {
-  std::vector<MeshFormat> formats;
+std::vector<io::MeshFormat> mesh_formats_of(const std::vector<std::string>& words, const std::string& where) {
+  std::vector<io::MeshFormat> formats;
   for (const std::string& word : words) {
-    const auto format = static_cast<MeshFormat>(position_of(names_of(MeshFormat{}), word, where));
+    const auto format = static_cast<io::MeshFormat>(position_of(io::names_of(io::MeshFormat{}), word, where));
     if (std::find(formats.begin(), formats.end(), format) == formats.end()) formats.push_back(format);
   }
   return formats;
@@ -41,7 +41,8 @@ std::vector<MeshFormat> mesh_formats_of(const std::vector<std::string>& words, c
 
 std::string mesh_format_choices() {
   std::string text;
-  for (const std::string_view word : names_of(MeshFormat{})) text += (text.empty() ? "" : ", ") + std::string(word);
+  for (const std::string_view word : io::names_of(io::MeshFormat{}))
+    text += (text.empty() ? "" : ", ") + std::string(word);
   return text;
 }
 
@@ -55,9 +56,9 @@ void take(const ResultArguments& arguments, const std::string& command, ResultJo
   job.threads = arguments.threads;
 }
 
-Provenance provenance_of(const ResultJob& job, const std::vector<std::filesystem::path>& inputs,
-                         std::string options_json) {
-  Provenance provenance;
+report::Provenance provenance_of(const ResultJob& job, const std::vector<std::filesystem::path>& inputs,
+                                 std::string options_json) {
+  report::Provenance provenance;
   provenance.program_version = version();
   provenance.commit = commit();
   provenance.command = job.command;
@@ -65,8 +66,8 @@ Provenance provenance_of(const ResultJob& job, const std::vector<std::filesystem
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const std::string name = i < job.recorded_names.size() ? job.recorded_names[i]
                              : job.file_names              ? valid_utf8(inputs[i].filename().string())
-                                                           : neutral_name(inputs[i], i);
-    provenance.inputs.push_back({name, sha256_of_file(inputs[i]), std::filesystem::file_size(inputs[i])});
+                                                           : report::neutral_name(inputs[i], i);
+    provenance.inputs.push_back({name, io::sha256_of_file(inputs[i]), std::filesystem::file_size(inputs[i])});
   }
   return provenance;
 }

@@ -22,9 +22,9 @@ namespace dynasurf::app {
 /// What every run that leaves a result folder shares, whatever it makes.
 struct ResultJob {
   std::filesystem::path out;
-  Existing existing = Existing::replace;  // at `out`
-  std::filesystem::path options_file;     // read before the run; empty: none
-  std::vector<MeshFormat> mesh_formats;
+  io::Existing existing = io::Existing::replace;  // at `out`
+  std::filesystem::path options_file;             // read before the run; empty: none
+  std::vector<io::MeshFormat> mesh_formats;
   bool timings = true;                      // in results.json
   std::string command;                      // for the provenance
   bool file_names = false;                  // record the names of the input files, which may name a person
@@ -44,7 +44,7 @@ struct ResultArguments {
 void add_result_arguments(CLI::App& command, ResultArguments& arguments, const std::string& formats);
 
 /// Formats by their words, each once. `where` stands in the OptionError for a word that is none.
-std::vector<MeshFormat> mesh_formats_of(const std::vector<std::string>& words, const std::string& where);
+std::vector<io::MeshFormat> mesh_formats_of(const std::vector<std::string>& words, const std::string& where);
 /// The words of --mesh-format for a help text: "ply, stl, ...".
 std::string mesh_format_choices();
 
@@ -52,8 +52,8 @@ std::string mesh_format_choices();
 void take(const ResultArguments& arguments, const std::string& command, ResultJob& job);
 
 /// Program, command, options, and the name and hash of every input.
-Provenance provenance_of(const ResultJob& job, const std::vector<std::filesystem::path>& inputs,
-                         std::string options_json);
+report::Provenance provenance_of(const ResultJob& job, const std::vector<std::filesystem::path>& inputs,
+                                 std::string options_json);
 
 /// Runs `work` while telling its stages on standard error, unless --quiet.
 void run_with_progress(bool quiet, const std::stop_token& stop, const std::function<void(const Progress&)>& work);

@@ -9,8 +9,8 @@ namespace dynasurf::app {
 /// Both surfaces of one gate of a result of `dynasurf ventricle`, read from its folder.
 struct ResultWalls {
   TriMesh endo, epi;
-  std::optional<HeartAxes> axes;  // absent when the axis does not leave both surfaces
-  bool is_fitted = false;         // PSF-corrected
+  std::optional<ventricle::HeartAxes> axes;  // absent when the axis does not leave both surfaces
+  bool is_fitted = false;                    // PSF-corrected
 };
 
 /// `gate` from 1. The surfaces of the reading that leads, or those of the edges when `edges` asks for them. Throws

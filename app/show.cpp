@@ -17,7 +17,7 @@ namespace dynasurf::app {
 namespace {
 
 struct Arguments {
-  ShowRequest request;
+  show::ShowRequest request;
   std::string input, wall = "epi";
   OutFile out;
   OptionArguments options;
@@ -27,14 +27,14 @@ struct Arguments {
 
 ExitCode run(Arguments& a, const std::stop_token& stop) {
   if (a.wall != "endo" && a.wall != "epi") throw OptionError("--wall " + a.wall + "; expected endo or epi");
-  const DrawingFormat format = drawing_format_of(a.out.path);
+  const show::DrawingFormat format = show::drawing_format_of(a.out.path);
   a.request.input = a.input;
-  a.request.wall = a.wall == "endo" ? Border::endo : Border::epi;
+  a.request.wall = a.wall == "endo" ? ventricle::Border::endo : ventricle::Border::epi;
   a.request.options = options_of(a.options);
   const ThreadLimit limit(a.threads);
-  OutputFile output(a.out.path, a.out.existing());
+  io::OutputFile output(a.out.path, a.out.existing());
   run_with_progress(a.quiet, stop, [&](const Progress& progress) {
-    write_drawing(draw_picture(a.request, progress), output.path(), format);
+    show::write_drawing(show::draw_picture(a.request, progress), output.path(), format);
   });
   output.publish();
   if (!a.quiet) print("picture: " + a.out.path + "\n" + line_of_moved(output));
@@ -48,7 +48,7 @@ void add_show(CLI::App& program, Command& chosen) {
   CLI::App* command =
       program.add_subcommand("show", "Draw what a study, a result or a mesh passed through as PNG or SVG");
   std::string words;
-  for (const PictureKind& kind : picture_kinds())
+  for (const show::PictureKind& kind : show::picture_kinds())
     words += (words.empty() ? "" : "; ") + std::string(kind.name) + ": " + std::string(kind.says);
   command->add_option("INPUT", a->input, "study, folder written by dynasurf ventricle, or mesh")->required();
   command->add_option("WHAT", a->request.what, words)->required();

@@ -24,7 +24,7 @@ bool slicer_calls = false;
 bool is_described(const std::string& command) { return command == "ventricle" || command == "cloud"; }
 
 std::string element(const std::string& name, const std::string& text) {
-  return "<" + name + ">" + io_detail::xml_text(text) + "</" + name + ">\n";
+  return "<" + name + ">" + io::detail::xml_text(text) + "</" + name + ">\n";
 }
 
 /// The longest name of an argument without its dashes; of a positional one its own.
@@ -115,7 +115,7 @@ void SlicerCall::write_returned(const CLI::App& program) const {
   const CLI::App& command = *program.get_subcommands().front();
   const std::filesystem::path results =
       std::filesystem::path(command.get_option("--out")->as<std::string>()) / "results.json";
-  write_file(file_, returned_text(read_json(results)));
+  io::write_file(file_, returned_text(io::read_json(results)));
 }
 
 void tell_slicer(std::string_view stage, int done, int total) {

@@ -22,27 +22,27 @@ struct Arguments {
   OutFile out;
   int gate = 1;
   bool edges = false;
-  WallSolidSize size;
+  ventricle::WallSolidSize size;
 };
 
-SolidFormat format_of(const fs::path& path) {
+io::SolidFormat format_of(const fs::path& path) {
   const std::string ending = path.extension().string();
-  for (std::size_t n = 0; n < names_of(SolidFormat{}).size(); ++n)
-    if (ending == "." + std::string(names_of(SolidFormat{})[n])) return static_cast<SolidFormat>(n);
+  for (std::size_t n = 0; n < io::names_of(io::SolidFormat{}).size(); ++n)
+    if (ending == "." + std::string(io::names_of(io::SolidFormat{})[n])) return static_cast<io::SolidFormat>(n);
   throw OptionError("--out " + path.string() + ": expected a name that ends with .vtu, .msh or .inp");
 }
 
 ExitCode run(const Arguments& a) {
-  const SolidFormat format = format_of(a.out.path);
-  OutputFile output(a.out.path, a.out.existing());
+  const io::SolidFormat format = format_of(a.out.path);
+  io::OutputFile output(a.out.path, a.out.existing());
   const auto [endo, epi, axes, is_fitted] = read_result_walls(a.result, a.gate, a.edges);
-  const auto solid = axes ? wall_solid(endo, epi, *axes, a.size) : std::nullopt;
+  const auto solid = axes ? ventricle::wall_solid(endo, epi, *axes, a.size) : std::nullopt;
   if (!solid)
     throw InputError("the wall of gate " + std::to_string(a.gate) +
                      " cannot be filled: its surfaces cross, or are not seen from the axis");
-  const std::vector<VertexScalar> scalars{{"ring", {solid->ring.begin(), solid->ring.end()}},
-                                          {"layer", {solid->layer.begin(), solid->layer.end()}}};
-  write_solid(solid->mesh, output.path(), format, scalars);
+  const std::vector<io::VertexScalar> scalars{{"ring", {solid->ring.begin(), solid->ring.end()}},
+                                              {"layer", {solid->layer.begin(), solid->layer.end()}}};
+  io::write_solid(solid->mesh, output.path(), format, scalars);
   output.publish();
   print(table({{"surfaces", is_fitted ? "PSF-corrected" : "edge"},
                {"tetrahedra", std::to_string(solid->quality.count)},

@@ -15,7 +15,7 @@ struct Arguments {
   std::string study, series, start;
   ResultArguments result;
   OptionArguments options;
-  LabelOutput labels;
+  report::LabelOutput labels;
   bool keep_stages = false, dicom = false, pdf = false, strict = false;
 };
 
@@ -39,15 +39,17 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   job.mask = arguments.options.mask;
   if (!arguments.start.empty()) {
     job.start_mesh = arguments.start;
-    job.options.placement.shape = StartShape::file;
+    job.options.placement.shape = mesh::StartShape::file;
   }
   job.outputs = {arguments.keep_stages, arguments.dicom, "", arguments.pdf, arguments.labels};
   Outcome outcome;
   run_with_progress(arguments.result.quiet, stop,
                     [&](const Progress& progress) { outcome = reconstruct_to_folder(job, progress); });
   print_result(arguments.result, outcome.json, summary_of(outcome.result), outcome.moved_to);
-  const Verdict verdict = outcome.result.verdict;
-  return verdict == Verdict::fail || (arguments.strict && verdict != Verdict::ok) ? not_trustworthy : done;
+  const ventricle::Verdict verdict = outcome.result.verdict;
+  return verdict == ventricle::Verdict::fail || (arguments.strict && verdict != ventricle::Verdict::ok)
+             ? not_trustworthy
+             : done;
 }
 
 }  // namespace

@@ -22,9 +22,9 @@ namespace dynasurf {
 namespace {
 
 struct Scene {
-  Image border = external_border(make_phantom(Hebron{}).study.gates.front(), 0.2, 35);
-  VectorField field = flow_field(border, SteadyGvf{}).field;
-  VectorField thesis_field = flow_field(border, Gvf{}).field;
+  Image border = synthetic::external_border(synthetic::make_phantom(synthetic::Hebron{}).study.gates.front(), 0.2, 35);
+  field::VectorField field = field::flow_field(border, field::SteadyGvf{}).field;
+  field::VectorField thesis_field = field::flow_field(border, field::Gvf{}).field;
 };
 const Scene& scene() {
   static const Scene s;
@@ -33,43 +33,43 @@ const Scene& scene() {
 
 struct Named {
   const char* name;
-  Evolution model;
+  dynamics::Evolution model;
 };
 std::array<Named, 5> models() {
-  return {{{"free", free_model()},
-           {"spring", spring_model()},
-           {"restricted", restricted_spring_model()},
-           {"plain", plain_model()},
-           {"curvature", curvature_model()}}};
+  return {{{"free", dynamics::free_model()},
+           {"spring", dynamics::spring_model()},
+           {"restricted", dynamics::restricted_spring_model()},
+           {"plain", dynamics::plain_model()},
+           {"curvature", dynamics::curvature_model()}}};
 }
 
 struct NamedSolver {
   const char* name;
-  SolverOptions solver;
+  dynamics::SolverOptions solver;
 };
 std::array<NamedSolver, 6> solvers() {
-  return {{{"euler", Euler{}},
-           {"midpoint", Midpoint{}},
-           {"rk4", Rk4{}},
-           {"step_doubling", StepDoubling{}},
-           {"rkf45", Rkf45{}},
-           {"backward_euler", BackwardEuler{}}}};
+  return {{{"euler", dynamics::Euler{}},
+           {"midpoint", dynamics::Midpoint{}},
+           {"rk4", dynamics::Rk4{}},
+           {"step_doubling", dynamics::StepDoubling{}},
+           {"rkf45", dynamics::Rkf45{}},
+           {"backward_euler", dynamics::BackwardEuler{}}}};
 }
 
-int vertices_of(int level) { return static_cast<int>(icosphere(level).vertices.size()); }
+int vertices_of(int level) { return static_cast<int>(mesh::icosphere(level).vertices.size()); }
 
-void run(benchmark::State& state, const VectorField& field, const Evolution& how, int level) {
+void run(benchmark::State& state, const field::VectorField& field, const dynamics::Evolution& how, int level) {
   const ThreadLimit limit(1);
-  const TriMesh start = place(icosphere(level), scene().border, {});
-  EvolutionResult r;
-  for (auto _ : state) r = evolve(start, field, scene().border, how);
-  const std::vector<double> away = distances_to_border_voxels(r.mesh, scene().border);
+  const TriMesh start = mesh::place(mesh::icosphere(level), scene().border, {});
+  dynamics::EvolutionResult r;
+  for (auto _ : state) r = dynamics::evolve(start, field, scene().border, how);
+  const std::vector<double> away = mesh::distances_to_border_voxels(r.mesh, scene().border);
   const auto near = std::count_if(away.begin(), away.end(), [](double d) { return d < 1; });
   state.counters["steps"] = r.steps;
   state.counters["within"] = static_cast<double>(near) / static_cast<double>(away.size());
   state.counters["step_us"] = benchmark::Counter(
       static_cast<double>(r.steps) * 1e-6, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
-  state.SetLabel(std::string(name_of(r.reason)));
+  state.SetLabel(std::string(dynamics::name_of(r.reason)));
 }
 
 /// Fifty steps in which nobody arrives; the setting up of a run is in them.
@@ -77,7 +77,7 @@ void add_steps() {
   for (const Named& m : models())
     for (const NamedSolver& s : solvers())
       for (const int level : {2, 3, 4, 5}) {
-        Evolution how = m.model;
+        dynamics::Evolution how = m.model;
         how.solver = s.solver;
         how.stop.enabled = false;
         how.smooth_after.sweeps = 0;
@@ -92,7 +92,7 @@ void add_steps() {
       }
 }
 
-void add_run(const std::string& name, const Evolution& how, int level) {
+void add_run(const std::string& name, const dynamics::Evolution& how, int level) {
   benchmark::RegisterBenchmark(("to_rest/" + name + "/" + std::to_string(vertices_of(level))).c_str(),
                                [how, level](benchmark::State& state) { run(state, scene().field, how, level); })
       ->Unit(benchmark::kMillisecond);
@@ -104,14 +104,14 @@ void add_runs() {
   for (const Named& m : models())
     for (const NamedSolver& s : solvers())
       for (const int level : {2, 3, 4, 5}) {
-        Evolution how = m.model;
+        dynamics::Evolution how = m.model;
         how.solver = s.solver;
         add_run(std::string(m.name) + "/" + s.name, how, level);
       }
   benchmark::RegisterBenchmark("to_rest/free_thesis_field/642", [](benchmark::State& state) {
-    run(state, scene().thesis_field, free_model(), 3);
+    run(state, scene().thesis_field, dynamics::free_model(), 3);
   })->Unit(benchmark::kMillisecond);
-  Evolution plain = plain_model();
+  dynamics::Evolution plain = dynamics::plain_model();
   plain.step_s = 0.05;
   add_run("plain_dt_0.05", plain, 3);
 }

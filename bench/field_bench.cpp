@@ -69,10 +69,10 @@ void steady(benchmark::State& state) {
   const int size = static_cast<int>(state.range(0));
   const Image map = border_map(size);
   const ThreadLimit limit(static_cast<int>(state.range(1)));
-  const SteadyGvf options{.mu = mu_of(size), .tolerance = std::pow(10.0, -static_cast<double>(state.range(2)))};
-  SteadyWorkspace workspace;
-  FlowResult result;
-  for (auto _ : state) flow_field(map, options, workspace, result);
+  const field::SteadyGvf options{.mu = mu_of(size), .tolerance = std::pow(10.0, -static_cast<double>(state.range(2)))};
+  field::SteadyWorkspace workspace;
+  field::FlowResult result;
+  for (auto _ : state) field::flow_field(map, options, workspace, result);
   state.counters["cycles"] = result.iterations;
   state.counters["error"] = *result.error;
   state.counters["bytes_per_voxel"] = per_voxel(workspace.bytes(), map.grid) + 16;  // map and result are 16
@@ -91,11 +91,11 @@ void steady_in_vectors(benchmark::State& state) {
   const int size = static_cast<int>(state.range(0));
   const Image map = border_map(size);
   const ThreadLimit limit(1);
-  SteadyWorkspace workspace;
-  FlowResult result;
-  detail::widest_vectors = static_cast<int>(state.range(1));
-  for (auto _ : state) flow_field(map, SteadyGvf{.mu = mu_of(size)}, workspace, result);
-  detail::widest_vectors = 16;
+  field::SteadyWorkspace workspace;
+  field::FlowResult result;
+  field::detail::widest_vectors = static_cast<int>(state.range(1));
+  for (auto _ : state) field::flow_field(map, field::SteadyGvf{.mu = mu_of(size)}, workspace, result);
+  field::detail::widest_vectors = 16;
 }
 BENCHMARK(steady_in_vectors)
     ->ArgsProduct({{64, 62, 128}, {4, 8, 16}})
@@ -114,10 +114,10 @@ void band(benchmark::State& state) {
       for (int i = 0; i < map.grid.dims[0]; ++i)
         if (map(i, j, k) == 1) border.push_back({i, j, k});
   const ThreadLimit limit(static_cast<int>(state.range(1)));
-  const BandGvf options{.mu = mu_of(size), .reach_voxels = static_cast<int>(state.range(2))};
+  const field::BandGvf options{.mu = mu_of(size), .reach_voxels = static_cast<int>(state.range(2))};
   double share = 0, bytes = 0;
   for (auto _ : state) {
-    const BandResult r = band_field(map.grid, border, options);
+    const field::BandResult r = field::band_field(map.grid, border, options);
     share = static_cast<double>(r.field.voxels_in_band()) / static_cast<double>(map.grid.size());
     bytes = per_voxel(r.field.bytes(), map.grid);
     state.counters["cycles"] = r.cycles;
@@ -139,7 +139,8 @@ void explicit_steps(benchmark::State& state) {
   const Image map = border_map(size);
   const ThreadLimit limit(static_cast<int>(state.range(1)));
   for (auto _ : state)
-    benchmark::DoNotOptimize(flow_field(map, Gvf{.mu = mu_of(size), .iterations = steps, .scheme = GvfScheme::metric}));
+    benchmark::DoNotOptimize(
+        field::flow_field(map, field::Gvf{.mu = mu_of(size), .iterations = steps, .scheme = field::GvfScheme::metric}));
   state.counters["steps"] = steps;
 }
 BENCHMARK(explicit_steps)
@@ -153,7 +154,7 @@ BENCHMARK(explicit_steps)
 void stream_once(benchmark::State& state) {
   const Image map = border_map(static_cast<int>(state.range(0)));
   const std::size_t n = map.grid.size();
-  VectorField field(map.grid);
+  field::VectorField field(map.grid);
   for (auto _ : state) {
     for (std::size_t v = 0; v < n; ++v) field.x[v] = field.y[v] = field.z[v] = map.values[v];
     benchmark::ClobberMemory();
@@ -173,10 +174,10 @@ BENCHMARK(stream_once)
 void sixteen_fields(benchmark::State& state) {
   const Image map = border_map(64);
   const ThreadLimit limit(static_cast<int>(state.range(0)));
-  std::vector<FlowResult> results(16);
+  std::vector<field::FlowResult> results(16);
   for (auto _ : state)
     parallel_for(16, 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) results[i] = flow_field(map, SteadyGvf{.mu = 0.15});
+      for (std::size_t i = begin; i < end; ++i) results[i] = field::flow_field(map, field::SteadyGvf{.mu = 0.15});
     });
 }
 BENCHMARK(sixteen_fields)

@@ -13,17 +13,17 @@
 namespace dynasurf {
 namespace {
 
-void study(benchmark::State& state, const FieldOptions& field) {
-  static const Study cycle = make_phantom(CardiacCycle{}).study;
+void study(benchmark::State& state, const field::FieldOptions& field) {
+  static const Study cycle = synthetic::make_phantom(synthetic::CardiacCycle{}).study;
   const ThreadLimit limit(static_cast<int>(state.range(0)));
-  VentricleOptions options = ventricle_preset("edges");
+  ventricle::VentricleOptions options = ventricle::ventricle_preset("edges");
   options.field = field;
-  VentricleResult result;
-  for (auto _ : state) result = reconstruct(cycle, options);
+  ventricle::VentricleResult result;
+  for (auto _ : state) result = ventricle::reconstruct(cycle, options);
   for (const auto& [stage, seconds] : result.seconds) state.counters[stage] = seconds;
 }
-void steady_fields(benchmark::State& state) { study(state, SteadyGvf{}); }
-void thesis_fields(benchmark::State& state) { study(state, Gvf{}); }
+void steady_fields(benchmark::State& state) { study(state, field::SteadyGvf{}); }
+void thesis_fields(benchmark::State& state) { study(state, field::Gvf{}); }
 BENCHMARK(steady_fields)->Arg(1)->Arg(2)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(thesis_fields)->Arg(1)->Arg(2)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
 

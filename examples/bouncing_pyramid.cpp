@@ -12,27 +12,29 @@ using namespace dynasurf;
 
 int main() {
   std::vector<Vec3> corners{{-30, -30, 200}, {30, -30, 200}, {30, 30, 200}, {-30, 30, 200}, {0, 0, 250}};
-  std::vector<Spring> springs;
+  std::vector<dynamics::Spring> springs;
   for (std::uint32_t a = 0; a < 5; ++a)
     for (std::uint32_t b = a + 1; b < 5; ++b) springs.push_back({a, b, (corners[a] - corners[b]).norm()});
-  ParticleSystem pyramid = particles_at(corners, 0.1);
-  const Force floor{"floor", [](const ParticleState& s, std::span<Vec3> forces) {
-                      for (std::size_t p = 0; p < forces.size(); ++p)
-                        if (s.positions[p][2] < 0) forces[p][2] -= 1e5 * s.positions[p][2];
-                    }};
-  pyramid.forces = {spring_force(springs, {.stiffness = 2000, .damping = 0.5}), gravity_force(pyramid.masses), floor};
+  dynamics::ParticleSystem pyramid = dynamics::particles_at(corners, 0.1);
+  const dynamics::Force floor{"floor", [](const dynamics::ParticleState& s, std::span<Vec3> forces) {
+                                for (std::size_t p = 0; p < forces.size(); ++p)
+                                  if (s.positions[p][2] < 0) forces[p][2] -= 1e5 * s.positions[p][2];
+                              }};
+  pyramid.forces = {dynamics::spring_force(springs, {.stiffness = 2000, .damping = 0.5}),
+                    dynamics::gravity_force(pyramid.masses), floor};
 
   // y: all places, then all speeds. Tolerances: 0.01 mm for a place, 1 mm/s for a speed.
-  std::vector<double> y(30, 0.0), tolerance(30, 0.01), scratch(30 * kSolverScratch);
+  std::vector<double> y(30, 0.0), tolerance(30, 0.01), scratch(30 * dynamics::kSolverScratch);
   for (std::size_t i = 0; i < 15; ++i) y[i] = corners[i / 3][static_cast<Eigen::Index>(i % 3)];
   std::fill(tolerance.begin() + 15, tolerance.end(), 1.0);
-  const Derivative motion = motion_of(pyramid);
+  const dynamics::Derivative motion = dynamics::motion_of(pyramid);
 
   std::vector<Eigen::Vector2d> height, steps;
   double in_the_air = 0, touching = 1, step = 0.04;
   int count = 0, rejected = 0;
   for (double t = 0; t < 1; ++count) {
-    const AdaptiveStep done = advance_once(StepDoubling{}, y, std::min(step, 0.04), tolerance, motion, scratch);
+    const dynamics::AdaptiveStep done =
+        dynamics::advance_once(dynamics::StepDoubling{}, y, std::min(step, 0.04), tolerance, motion, scratch);
     t += done.taken;
     step = done.next;
     rejected += done.rejected;

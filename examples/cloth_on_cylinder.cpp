@@ -36,26 +36,28 @@ Vec3 outwards(const Vec3& p) { return {p[0], 0, p[2]}; }
 
 int main() {
   TriMesh cloth = sheet(20, 4);
-  ParticleSystem system = particles_at(cloth.vertices, 0.01);
-  Force contact{"cylinder"};
-  contact.accumulate = [](const ParticleState& s, std::span<Vec3> forces) {
+  dynamics::ParticleSystem system = dynamics::particles_at(cloth.vertices, 0.01);
+  dynamics::Force contact{"cylinder"};
+  contact.accumulate = [](const dynamics::ParticleState& s, std::span<Vec3> forces) {
     for (std::size_t p = 0; p < forces.size(); ++p) {
       const Vec3 out = outwards(s.positions[p]);
       const double depth = kRadius - out.norm();
       if (depth > 0) forces[p] += kHardness * depth * out.normalized() - kFriction * s.velocities[p];
     }
   };
-  contact.jacobian = [](const ParticleState& s, ForceJacobian& jacobian) {
+  contact.jacobian = [](const dynamics::ParticleState& s, dynamics::ForceJacobian& jacobian) {
     for (std::uint32_t p = 0; p < s.positions.size(); ++p) {
       const Vec3 out = outwards(s.positions[p]), normal = out.normalized();
       if (out.norm() < kRadius)
         jacobian.add(p, p, -kHardness * normal * normal.transpose(), -kFriction * Mat3::Identity());
     }
   };
-  system.forces = {stretch_force(cloth, {.stiffness = 1000, .damping = 5}), shear_force(cloth, {.stiffness = 50}),
-                   bend_force(cloth, {.stiffness = 0.05, .damping = 0.001}), gravity_force(system.masses), contact};
+  system.forces = {dynamics::stretch_force(cloth, {.stiffness = 1000, .damping = 5}),
+                   dynamics::shear_force(cloth, {.stiffness = 50}),
+                   dynamics::bend_force(cloth, {.stiffness = 0.05, .damping = 0.001}),
+                   dynamics::gravity_force(system.masses), contact};
 
-  ParticleSolver solver(BackwardEuler{});
+  dynamics::ParticleSolver solver(dynamics::BackwardEuler{});
   Drawing drawing;
   for (int step = 0; step < 200; ++step) {
     solver.step(system, 0.002);
@@ -63,7 +65,7 @@ int main() {
     cloth.vertices = system.positions;
     char name[32];
     std::snprintf(name, sizeof name, "cloth_%03d.ply", step);
-    write_mesh(cloth, name, MeshFormat::ply);
+    io::write_mesh(cloth, name, io::MeshFormat::ply);
     if (step % 80 == 20) drawing.mesh(cloth.vertices, cloth.triangles, "teal", Vec3(0.0, 0.0, -0.9 * step));
   }
   drawing.save("cloth.svg");

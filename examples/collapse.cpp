@@ -15,13 +15,13 @@ int main() {
   for (int j = -5; j <= 5; ++j)
     for (int i = -5; i <= 5; ++i) places.emplace_back(4 * i + 3, 4 * j, 30);
   const auto count = static_cast<double>(places.size());
-  ParticleSystem sheet = particles_at(places, count);  // 1 kg each
-  const Force inwards{"inwards", [](const ParticleState& s, std::span<Vec3> forces) {
-                        for (std::size_t p = 0; p < forces.size(); ++p) forces[p] -= s.positions[p];
-                      }};
-  sheet.forces = {inwards, drag_force(0.5)};
+  dynamics::ParticleSystem sheet = dynamics::particles_at(places, count);  // 1 kg each
+  const dynamics::Force inwards{"inwards", [](const dynamics::ParticleState& s, std::span<Vec3> forces) {
+                                  for (std::size_t p = 0; p < forces.size(); ++p) forces[p] -= s.positions[p];
+                                }};
+  sheet.forces = {inwards, dynamics::drag_force(0.5)};
 
-  ParticleSolver solver(Rk4{});
+  dynamics::ParticleSolver solver(dynamics::Rk4{});
   std::vector<std::vector<Eigen::Vector2d>> paths((places.size() + 9) / 10);
   for (int step = 0; step < 600; ++step) {
     solver.step(sheet, 0.05);

@@ -48,18 +48,19 @@ bool show_snakes() {
   const Image u = painted([](const Vec2& p) {
     return p.x() >= 14 && p.x() < 50 && p.y() >= 14 && p.y() < 48 && !(p.x() >= 25 && p.x() < 39 && p.y() >= 24);
   });
-  Image edges = snake_energy(u, SnakeEnergy::gradient);
+  Image edges = dynamics::snake_energy(u, dynamics::SnakeEnergy::gradient);
   for (float& v : edges.values) v = std::min(1.0F, -4 * v);
-  const VectorField gradient = scaled_to_one(force_of(snake_energy(u, SnakeEnergy::smoothed_gradient, 2)));
-  VectorField flow = flow_field(edges, SteadyGvf{}).field;
+  const field::VectorField gradient = dynamics::scaled_to_one(
+      dynamics::force_of(dynamics::snake_energy(u, dynamics::SnakeEnergy::smoothed_gradient, 2)));
+  field::VectorField flow = field::flow_field(edges, field::SteadyGvf{}).field;
   for (std::size_t n = 0; n < flow.x.size(); ++n)  // directions alone: the flow is weak far from the border
     if (const float length = std::hypot(flow.x[n], flow.y[n]); length > 0) flow.x[n] /= length, flow.y[n] /= length;
 
   const Contour start = circle_contour({31.5, 31}, 27, 1.5);
-  Snake options;
+  dynamics::Snake options;
   options.alpha = 0.1;
-  const Contour classic = evolve_snake(start, gradient, options).contour;
-  const Contour led = evolve_snake(start, flow, options).contour;
+  const Contour classic = dynamics::evolve_snake(start, gradient, options).contour;
+  const Contour led = dynamics::evolve_snake(start, flow, options).contour;
   std::printf(
       "snake by image energy: mouth entered down to %.1f px; by gradient vector flow: %.1f px (floor at 23.5)\n",
       depth_of(classic), depth_of(led));
@@ -86,19 +87,19 @@ bool show_nets() {
     const double ring = (p - Vec2(20, 40)).norm();
     return (ring < 16 && ring > 7) || (p - Vec2(48, 16)).norm() < 9;
   });
-  const std::vector<Net> nets = fit_topological_nets(plane, {});
+  const std::vector<dynamics::Net> nets = dynamics::fit_topological_nets(plane, {});
   Drawing drawing;
   drawing.line({{0, 0}, {63, 0}, {63, 63}, {0, 63}, {0, 0}}, "silver");
   int holes = 0;
-  for (const Net& net : nets) {
-    const NetShape shape = shape_of(net);
+  for (const dynamics::Net& net : nets) {
+    const dynamics::NetShape shape = dynamics::shape_of(net);
     holes += shape.holes;
     std::printf("net of %zu nodes: %d broken links, %d holes\n", net.nodes.size(), net.broken_links, shape.holes);
     for (const auto& q : net.quads)
       drawing.line({net.nodes[q[0]], net.nodes[q[1]], net.nodes[q[2]], net.nodes[q[3]], net.nodes[q[0]]}, "steelblue");
   }
   drawing.save("nets.svg");
-  const NetShape whole = shape_of(fit_net(plane, {}));
+  const dynamics::NetShape whole = dynamics::shape_of(dynamics::fit_net(plane, {}));
   std::printf("active net: %d part, %d holes\n", whole.parts, whole.holes);
   return nets.size() == 2 && holes == 1 && whole.parts == 1 && whole.holes == 0;
 }
@@ -120,19 +121,21 @@ bool show_stroke() {
     const Vec2 d = p - centre;
     return std::abs(d.norm() - radius) < 1.5 && d.x() <= std::abs(d.y());
   });
-  const Image energy = image_potential(ring, {PotentialSource::bright, 1.5});
+  const Image energy = dynamics::image_potential(ring, {dynamics::PotentialSource::bright, 1.5});
   Image helped = energy;
-  Stroke stroke;
+  dynamics::Stroke stroke;
   for (int n = -5; n <= 5; ++n) {
     const double angle = n * 3.14159265358979 / 20;
     stroke.points.push_back(centre + radius * Vec2(std::cos(angle), std::sin(angle)));
   }
-  add_strokes(helped, std::span(&stroke, 1));
-  DiscreteContour options;
+  dynamics::add_strokes(helped, std::span(&stroke, 1));
+  dynamics::DiscreteContour options;
   options.internal = 0.1;
   const Contour start = circle_contour(centre, 22, 2);
-  const Contour alone = evolve_contour(start, scaled_to_one(force_of(energy)), options).contour;
-  const Contour led = evolve_contour(start, scaled_to_one(force_of(helped)), options).contour;
+  const Contour alone =
+      dynamics::evolve_contour(start, dynamics::scaled_to_one(dynamics::force_of(energy)), options).contour;
+  const Contour led =
+      dynamics::evolve_contour(start, dynamics::scaled_to_one(dynamics::force_of(helped)), options).contour;
   const double without = stray_of(alone, centre, radius, true), with = stray_of(led, centre, radius, true);
   std::printf("contour in the gap of a ring: %.1f px off; along the user's stroke: %.1f px\n", without, with);
   Drawing drawing;

@@ -32,16 +32,17 @@ int main() {
   for (const double stiffness : {10.0, 20.0, 40.0}) {
     TriMesh m = cube(50);
     std::vector<Vec3> places = m.vertices;
-    std::vector<Spring> springs = springs_of(m);
+    std::vector<dynamics::Spring> springs = dynamics::springs_of(m);
     for (std::uint32_t corner = 0; corner < 8; ++corner) {  // each corner hangs from a point 30 mm above it
       places.push_back(m.vertices[corner] + Vec3(0, 0, 30));
       springs.push_back({corner, corner + 8, 30});
     }
-    ParticleSystem system = particles_at(places, 16 * mass_kg);
+    dynamics::ParticleSystem system = dynamics::particles_at(places, 16 * mass_kg);
     system.pinned = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
-    system.forces = {spring_force(springs, {.stiffness = stiffness, .damping = 0.1}), gravity_force(system.masses)};
+    system.forces = {dynamics::spring_force(springs, {.stiffness = stiffness, .damping = 0.1}),
+                     dynamics::gravity_force(system.masses)};
 
-    ParticleSolver solver(Rk4{});
+    dynamics::ParticleSolver solver(dynamics::Rk4{});
     double lowest = 0;
     for (int step = 0; step < 20000; ++step) {
       solver.step(system, 5e-4);
@@ -52,7 +53,7 @@ int main() {
                 sag, weight / stiffness);
     as_expected = as_expected && std::abs(sag - weight / stiffness) < 0.01;
     m.vertices.assign(system.positions.begin(), system.positions.begin() + 8);
-    write_mesh(m, "cube_" + std::to_string(static_cast<int>(stiffness)) + ".ply", MeshFormat::ply);
+    io::write_mesh(m, "cube_" + std::to_string(static_cast<int>(stiffness)) + ".ply", io::MeshFormat::ply);
     aside += Vec3(75, 50, 0);
     drawing.mesh(m.vertices, m.triangles, "teal", aside);
   }

@@ -21,8 +21,8 @@ double extent_after(double theta, double h, int steps) {
     y[n] = std::sin(angle);
   }
   for (int step = 0; step < steps; ++step) {
-    advance_chain({.stiffness = 1, .closed = true}, x, h, theta);
-    advance_chain({.stiffness = 1, .closed = true}, y, h, theta);
+    dynamics::advance_chain({.stiffness = 1, .closed = true}, x, h, theta);
+    dynamics::advance_chain({.stiffness = 1, .closed = true}, y, h, theta);
   }
   double farthest = 0;
   for (std::size_t n = 0; n < points; ++n) farthest = std::max(farthest, std::hypot(x[n], y[n]));

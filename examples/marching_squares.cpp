@@ -12,7 +12,7 @@ using namespace dynasurf;
 
 namespace {
 
-std::string path_of(const IsoLine& line, double left, const char* colour) {
+std::string path_of(const mesh::IsoLine& line, double left, const char* colour) {
   std::string d;
   for (const auto& p : line)
     d += (d.empty() ? "M" : "L") + std::to_string(left + 40 * p[0]) + " " + std::to_string(200 - 40 * p[1]) + " ";
@@ -31,12 +31,12 @@ int main() {
   std::ofstream drawing("marching_squares.svg");
   drawing << "<svg xmlns='http://www.w3.org/2000/svg' width='600' height='220'>\n";
   std::size_t lines[3] = {};
-  for (const Saddle saddle : {Saddle::joined, Saddle::separated, Saddle::asymptotic}) {
+  for (const mesh::Saddle saddle : {mesh::Saddle::joined, mesh::Saddle::separated, mesh::Saddle::asymptotic}) {
     const auto n = static_cast<std::size_t>(saddle);
-    const auto found = marching_squares(image, 0, 0.4, saddle);
+    const auto found = mesh::marching_squares(image, 0, 0.4, saddle);
     lines[n] = found.size();
     std::printf("%-10s %zu closed lines\n", word_of(saddle).data(), found.size());
-    for (const IsoLine& line : found) drawing << path_of(line, 20 + 190 * static_cast<double>(n), "#a03028");
+    for (const mesh::IsoLine& line : found) drawing << path_of(line, 20 + 190 * static_cast<double>(n), "#a03028");
   }
   drawing << "</svg>\n";
   // 0.6 * 0.4 > 0.3 * 0.3: the saddle lies above the level, so the decider joins.

@@ -15,7 +15,7 @@ int main() {
 
   // A field: one vector per voxel. Here, towards the sphere of 15 mm about the middle.
   const Vec3 middle(30, 30, 30);
-  VectorField field(grid);
+  field::VectorField field(grid);
   for (int k = 0; k < 60; ++k)
     for (int j = 0; j < 60; ++j)
       for (int i = 0; i < 60; ++i) {
@@ -28,9 +28,9 @@ int main() {
         field.z[voxel] = static_cast<float>(pull[2]);
       }
 
-  Additions own;
+  dynamics::Additions own;
   // A force: a name and a function that adds to the force on every particle.
-  own.forces.push_back({"wind", [](const ParticleState& s, std::span<Vec3> forces) {
+  own.forces.push_back({"wind", [](const dynamics::ParticleState& s, std::span<Vec3> forces) {
                           for (std::size_t p = 0; p < forces.size(); ++p)
                             if (s.positions[p][0] > 30) forces[p] += Vec3(0.15, 0, 0);
                         }});
@@ -40,19 +40,19 @@ int main() {
     return Vec3(from + (20 - from[2]) / (to[2] - from[2]) * (to - from));
   };
 
-  TriMesh start = icosphere(3);
+  TriMesh start = mesh::icosphere(3);
   for (Vec3& p : start.vertices) p = middle + 24 * p;
-  Evolution options = spring_model();
-  options.model = SpringModel{.stiffness = 0.1, .damping = 0.01, .rest_scale = 15.0 / 24};
+  dynamics::Evolution options = dynamics::spring_model();
+  options.model = dynamics::SpringModel{.stiffness = 0.1, .damping = 0.01, .rest_scale = 15.0 / 24};
   options.end.max_steps = 500;
-  const EvolutionResult result = evolve(start, field, Image(grid), options, {}, nullptr, own);
+  const dynamics::EvolutionResult result = dynamics::evolve(start, field, Image(grid), options, {}, nullptr, own);
 
   Vec3 low = middle, high = middle;
   for (const Vec3& p : result.mesh.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
   std::printf("%d steps of %.4f s; x from %.1f to %.1f, z from %.1f to %.1f\n", result.steps, result.step_s, low[0],
               high[0], low[2], high[2]);
   for (const Note& note : result.notes) std::printf("%s: %s\n", note.code.c_str(), note.message.c_str());
-  write_mesh(result.mesh, "own_force.ply", MeshFormat::ply);
+  io::write_mesh(result.mesh, "own_force.ply", io::MeshFormat::ply);
   // The wind carries the lee side farther out; the plane holds what comes from below.
   return high[0] - 30 > 30 - low[0] + 0.1 && result.stopped_fraction > 0.1 ? 0 : 1;
 }

@@ -11,9 +11,10 @@
 int main(int argc, char** argv) {
   if (argc != 3) return 1;
   const std::array<std::filesystem::path, 1> files{argv[1]};
-  const auto result = dynasurf::reconstruct_cloud(dynasurf::read_cloud(files).cloud, dynasurf::cloud_preset("shaped"));
+  const auto result = dynasurf::cloud::reconstruct_cloud(dynasurf::io::read_cloud(files).cloud,
+                                                         dynasurf::cloud::cloud_preset("shaped"));
   for (const auto& level : result.levels)
     std::printf("%zu triangles, %s\n", level.mesh.triangles.size(),
                 level.certificate.watertight() ? "watertight" : "open");
-  dynasurf::write_cloud_folder(result, argv[2]);
+  dynasurf::report::write_cloud_folder(result, argv[2]);
 }

@@ -88,7 +88,8 @@ double area_of(const std::vector<Eigen::Vector2d>& polygon) {
 
 int main(int count, char** arguments) {
   try {
-    const TriMesh model = count > 2 ? read_mesh(arguments[2]) : cloud_reference(CloudShape::vase);
+    const TriMesh model =
+        count > 2 ? io::read_mesh(arguments[2]) : synthetic::cloud_reference(synthetic::CloudShape::vase);
     const std::string stream = count > 1 ? arguments[1] : "poses.csv";
     if (count < 2) record_poses(stream, model, 240);
 
@@ -100,7 +101,7 @@ int main(int count, char** arguments) {
     for (std::size_t n = 0; n < poses.size(); ++n) {
       const Pose& pose = poses[n];
       const Vec3 normal = pose.turn * Vec3::UnitZ();
-      const auto polygons = cross_section(model, pose.place, normal);
+      const auto polygons = mesh::cross_section(model, pose.place, normal);
       double area = 0;
       for (const auto& polygon : polygons) {
         auto flat = seen_by(pose, polygon);
@@ -113,7 +114,7 @@ int main(int count, char** arguments) {
     drawing.save("sections.svg");
     if (count > 1) return 0;
     // Cavalieri: the areas along the way add up to the volume.
-    const double volume = volume_mm3(model);
+    const double volume = mesh::volume_mm3(model);
     std::printf("%zu poses; the sections sweep a volume of %.4f, the model has %.4f\n", poses.size(), swept, volume);
     return std::abs(swept - volume) < 0.01 * volume ? 0 : 1;
   } catch (const std::exception& error) {

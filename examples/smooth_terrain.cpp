@@ -34,7 +34,7 @@ TriMesh terrain() {
 }
 
 int count_peaks(const TriMesh& m) {
-  const auto deficits = angle_deficits(m);
+  const auto deficits = mesh::angle_deficits(m);
   return static_cast<int>(std::count_if(deficits.begin(), deficits.end(), [](double d) { return std::abs(d) > 0.2; }));
 }
 
@@ -48,17 +48,17 @@ double farthest_from_hills(const TriMesh& m) {
 
 int main() {
   TriMesh m = terrain();
-  write_mesh(m, "terrain_before.ply", MeshFormat::ply);
+  io::write_mesh(m, "terrain_before.ply", io::MeshFormat::ply);
   Drawing drawing;
   drawing.mesh(m.vertices, m.triangles, "grey", Vec3(0, 0, 45));
   const int before = count_peaks(m);
   std::printf("before: %d peaks, up to %.2f mm off the hills\n", before, farthest_from_hills(m));
   for (int sweep = 1; sweep <= 10; ++sweep) {
-    smooth(m, {}, 1.0);
+    mesh::smooth(m, {}, 1.0);
     if (sweep == 1 || sweep == 3 || sweep == 10)
       std::printf("after %2d sweeps: %d peaks, up to %.2f mm off\n", sweep, count_peaks(m), farthest_from_hills(m));
   }
-  write_mesh(m, "terrain_after.ply", MeshFormat::ply);
+  io::write_mesh(m, "terrain_after.ply", io::MeshFormat::ply);
   drawing.mesh(m.vertices, m.triangles, "teal");
   drawing.save("terrain.svg");
   return count_peaks(m) < before / 10 && farthest_from_hills(m) < 1.5 ? 0 : 1;

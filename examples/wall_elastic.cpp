@@ -15,7 +15,7 @@ namespace {
 using namespace dynasurf;
 
 /// The outer vertex nearest to a place.
-std::uint32_t nearest_outside(const WallSolid& wall, int layers, const Vec3& place) {
+std::uint32_t nearest_outside(const ventricle::WallSolid& wall, int layers, const Vec3& place) {
   std::uint32_t best = 0;
   double least = 1e300;
   for (std::uint32_t v = 0; v < wall.mesh.vertices.size(); ++v)
@@ -25,20 +25,20 @@ std::uint32_t nearest_outside(const WallSolid& wall, int layers, const Vec3& pla
 }
 
 bool press(double volume_ml) {
-  const VentricleShape shape = shape_at({110, 44, 120, 1.65, 12}, volume_ml);
-  const TriMesh endo = endo_surface(shape), epi = epi_surface(shape);
-  const auto axes = axes_of(endo, epi, {0, 0, shape.centre_z}, {0, 0, 1}, {0, -1, 0}, std::nullopt);
-  const WallSolidSize size{16, 48, 2};
-  const auto wall = axes ? wall_solid(endo, epi, *axes, size) : std::nullopt;
+  const synthetic::VentricleShape shape = synthetic::shape_at({110, 44, 120, 1.65, 12}, volume_ml);
+  const TriMesh endo = synthetic::endo_surface(shape), epi = synthetic::epi_surface(shape);
+  const auto axes = ventricle::axes_of(endo, epi, {0, 0, shape.centre_z}, {0, 0, 1}, {0, -1, 0}, std::nullopt);
+  const ventricle::WallSolidSize size{16, 48, 2};
+  const auto wall = axes ? ventricle::wall_solid(endo, epi, *axes, size) : std::nullopt;
   if (!wall || wall->quality.not_positive > 0) return false;
 
-  std::vector<HeldVertex> held;
+  std::vector<mesh::HeldVertex> held;
   for (std::uint32_t v = 0; v < wall->mesh.vertices.size(); ++v)
     if (wall->ring[v] == size.rings) held.push_back({v, Vec3::Zero()});
   // In the middle of the lateral wall, on a sector's border, so that the wall is symmetric about it.
   const std::uint32_t point = nearest_outside(*wall, size.layers, {shape.epi_radius, 0, shape.centre_z});
-  const std::vector<VertexForce> forces{{point, {-0.05, 0, 0}}};
-  const std::vector<Vec3> moved = solve_elastic(wall->mesh, {}, held, forces);
+  const std::vector<mesh::VertexForce> forces{{point, {-0.05, 0, 0}}};
+  const std::vector<Vec3> moved = mesh::solve_elastic(wall->mesh, {}, held, forces);
 
   double most = 0, far_away = 0, lean = 0;
   std::vector<float> lengths;
@@ -53,7 +53,8 @@ bool press(double volume_ml) {
       "cavity %3.0f mL: %zu tetrahedra, %.2f of %.2f mL; pressed by %.2f mm, the far side by %.2f mm, sideways %.3f "
       "mm\n",
       volume_ml, wall->quality.count, wall->volume_ml, wall->surfaces_ml, most, far_away, lean);
-  write_solid(wall->mesh, "wall.vtu", SolidFormat::vtu, std::vector<VertexScalar>{{"displacement_mm", lengths}});
+  io::write_solid(wall->mesh, "wall.vtu", io::SolidFormat::vtu,
+                  std::vector<io::VertexScalar>{{"displacement_mm", lengths}});
   // The cut into tetrahedra is not symmetric, so its answer is so only nearly.
   return most == moved[point].norm() && moved[point][0] < 0 && far_away < 0.5 * most && lean < 0.03 * most;
 }

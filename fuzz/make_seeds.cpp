@@ -28,7 +28,7 @@ Study small_study(int gates, Index3 dims = {3, 2, 2}) {
 std::string as_dicom(const Study& study, const std::function<void(DcmDataset&)>& change,
                      E_TransferSyntax syntax = EXS_LittleEndianExplicit, E_FileWriteMode mode = EWM_fileformat) {
   const test::ScratchFolder scratch;
-  write_dicom(study, scratch / "plain.dcm");
+  io::write_dicom(study, scratch / "plain.dcm");
   test::edit_dicom(scratch / "plain.dcm", scratch / "changed.dcm", change, syntax, mode);
   return read_bytes(scratch / "changed.dcm");
 }
@@ -97,10 +97,10 @@ void set(std::string& bytes, std::size_t offset, T value) {
 
 std::string as_nifti(const Study& study, int type, int bits, std::size_t bytes_per_voxel) {
   const test::ScratchFolder scratch;
-  write_nifti(study, scratch / "a.nii");
+  io::write_nifti(study, scratch / "a.nii");
   std::string bytes = read_bytes(scratch / "a.nii");
-  set(bytes, nifti::datatype, static_cast<std::int16_t>(type));
-  set(bytes, nifti::bitpix, static_cast<std::int16_t>(bits));
+  set(bytes, io::nifti::datatype, static_cast<std::int16_t>(type));
+  set(bytes, io::nifti::bitpix, static_cast<std::int16_t>(bits));
   bytes.resize(352);
   bytes.append(study.gates.size() * study.grid().size() * bytes_per_voxel, '\1');
   return bytes;
@@ -113,17 +113,17 @@ void write_nifti_seeds(const fs::path& all) {
   for (const auto& [type, bits] : types) {
     std::string bytes = as_nifti(small_study(2), type, bits, static_cast<std::size_t>(bits) / 8);
     single.add(bytes);
-    set(bytes, nifti::sform_code, std::int16_t{0});
+    set(bytes, io::nifti::sform_code, std::int16_t{0});
     single.add(bytes);
-    set(bytes, nifti::qform_code, std::int16_t{0});
-    set(bytes, nifti::scl_slope, 0.5F);
+    set(bytes, io::nifti::qform_code, std::int16_t{0});
+    set(bytes, io::nifti::scl_slope, 0.5F);
     packed.add(bytes);
-    set(bytes, nifti::vox_offset, 0.0F);
-    set(bytes, nifti::magic, std::array<char, 4>{'n', 'i', '1', 0});
+    set(bytes, io::nifti::vox_offset, 0.0F);
+    set(bytes, io::nifti::magic, std::array<char, 4>{'n', 'i', '1', 0});
     bytes.erase(348, 4);
     pair.add(bytes);
   }
-  write_nifti(small_study(2), scratch / "a.nii.gz");
+  io::write_nifti(small_study(2), scratch / "a.nii.gz");
   packed.add(read_bytes(scratch / "a.nii.gz"));
 }
 
@@ -131,7 +131,7 @@ void write_nrrd_seeds(const fs::path& all) {
   const test::ScratchFolder scratch;
   SeedFolder attached(all, "nrrd"), detached(all, "nhdr");
   for (const int gates : {1, 2}) {
-    write_nrrd(small_study(gates), scratch / "a.nrrd");
+    io::write_nrrd(small_study(gates), scratch / "a.nrrd");
     attached.add(read_bytes(scratch / "a.nrrd"));
   }
   const std::string sizes[] = {"dimension: 3\nsizes: 2 1 2\n", "dimension: 4\nsizes: 2 1 2 1\n"};

@@ -15,12 +15,12 @@ inline std::string stored_gzip(std::string_view bytes) {
   bytes = bytes.substr(0, 0xffff);
   const auto length = static_cast<std::uint16_t>(bytes.size());
   std::string out("\x1f\x8b\x08\0\0\0\0\0\0\xff\x01", 11);
-  io_detail::append(out, length);
-  io_detail::append(out, static_cast<std::uint16_t>(~length));
+  io::detail::append(out, length);
+  io::detail::append(out, static_cast<std::uint16_t>(~length));
   out += bytes;
-  io_detail::append(out, static_cast<std::uint32_t>(
-                             crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size()))));
-  io_detail::append(out, std::uint32_t{length});
+  io::detail::append(out, static_cast<std::uint32_t>(
+                              crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size()))));
+  io::detail::append(out, std::uint32_t{length});
   return out;
 }
 

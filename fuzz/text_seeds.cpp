@@ -19,7 +19,7 @@ namespace dynasurf::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
-using io_detail::append;
+using io::detail::append;
 using test::read_bytes;
 
 TriMesh tetrahedron() {
@@ -93,14 +93,15 @@ void add_settings(SeedFolder& seeds, char kind, const OptionNodes& nodes) {
 void write_mesh_seeds(const fs::path& all) {
   const test::ScratchFolder scratch;
   const TriMesh mesh = tetrahedron();
-  const VertexColours colours(4, {200, 100, 50});
-  const auto written = [&](MeshFormat format, std::span<const VertexScalar> scalars = {}, const VertexColours& c = {}) {
-    write_mesh(mesh, scratch / "mesh", format, scalars, c);
+  const io::VertexColours colours(4, {200, 100, 50});
+  const auto written = [&](io::MeshFormat format, std::span<const io::VertexScalar> scalars = {},
+                           const io::VertexColours& c = {}) {
+    io::write_mesh(mesh, scratch / "mesh", format, scalars, c);
     return read_bytes(scratch / "mesh");
   };
   SeedFolder ply(all, "ply"), stl(all, "stl"), obj(all, "obj"), off(all, "off"), las_seeds(all, "las"), glb(all, "glb");
-  ply.add(written(MeshFormat::ply));
-  ply.add(written(MeshFormat::ply, std::vector<VertexScalar>{{"thickness", {1, 2, 3, 4}}}, colours));
+  ply.add(written(io::MeshFormat::ply));
+  ply.add(written(io::MeshFormat::ply, std::vector<io::VertexScalar>{{"thickness", {1, 2, 3, 4}}}, colours));
   ply.add(big_endian_ply());
   ply.add(
       "ply\nformat ascii 1.0\ncomment by hand\nobj_info none\nelement vertex 3\nproperty float x\n"
@@ -108,18 +109,18 @@ void write_mesh_seeds(const fs::path& all) {
       "property uint scan\nelement face 1\nproperty list uchar int vertex_index\nelement edge 1\n"
       "property int vertex1\nproperty int vertex2\nend_header\n0 0 0 0 0 1 0\n1 0 0 0 0 1 0\n0 1 0 0 0 1 1\n"
       "3 0 1 2\n0 1\n");
-  stl.add(written(MeshFormat::stl));
+  stl.add(written(io::MeshFormat::stl));
   stl.add(
       "solid by hand\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 1e0 0\n"
       "  endloop\n endfacet\nfacet normal nan nan nan\nouter loop\nvertex 1 0 0\nvertex 1 1 0\nvertex -0.0 1 0\n"
       "endloop\nendfacet\nendsolid by hand\n");
-  obj.add(written(MeshFormat::obj));
-  obj.add(written(MeshFormat::obj, {}, colours));
+  obj.add(written(io::MeshFormat::obj));
+  obj.add(written(io::MeshFormat::obj, {}, colours));
   obj.add(
       "# by hand\nmtllib none.mtl\no one\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0 1.0\nv 1 1 3 0.1 0.2 0.3\nvt 0 0\n"
       "vn 0 0 1\ns off\nf 1 4 3 2\nf 1/1 2/1 5/1\nf -4//-1 -3//1 -1//1\nf 3/1/1 4/-1/-1 5/1/1\nl 1 2\np 1\n");
-  off.add(written(MeshFormat::off));
-  off.add(written(MeshFormat::off, {}, colours));
+  off.add(written(io::MeshFormat::off));
+  off.add(written(io::MeshFormat::off, {}, colours));
   off.add(
       "CNOFF 4 1 0\n# corners\n0 0 0 0 0 1 255 0 0\n2 0.5 0 0 1 0 0 1.0 0\n-2 2 1e-3 -1 0 0 0 0 255 9\n"
       "0 2 4 0.6 0 0.8 10 20 30\n4 0 3 2 1 0.5 0.5 0.5\n");
@@ -129,15 +130,15 @@ void write_mesh_seeds(const fs::path& all) {
   ptx.add("2\n1\n" + pose + "1 2 3 0.5 255 0 9\n0 0 0 0.5 0 0 0\n");
   ptx.add("1\n2\n" + pose + "1 2 3 0.5\n-1 2e-3 3 0.5\n1\n1\n" + pose + "4 5 6 0.1\n");
   for (int format = 0; format <= 10; ++format) las_seeds.add(las(format));
-  std::vector<LodSurface> levels(1);
+  std::vector<io::LodSurface> levels(1);
   levels[0].name = "level1";
   levels[0].mesh = mesh;
-  write_lod_glb(levels, scratch / "one.glb");
+  io::write_lod_glb(levels, scratch / "one.glb");
   glb.add(read_bytes(scratch / "one.glb"));
   levels[0].colours = colours;
   levels.emplace_back().name = "level2";
   levels[1].mesh = {mesh.vertices, {mesh.triangles[0]}};
-  write_lod_glb(levels, scratch / "two.glb");
+  io::write_lod_glb(levels, scratch / "two.glb");
   glb.add(read_bytes(scratch / "two.glb"));
 }
 
@@ -158,38 +159,38 @@ void write_text_seeds(const fs::path& all) {
         "{\"a\\u00e9\\ud83d\\ude00\\n\\\\\\/\\b\\f\\t\": {\"b\": [[], {}, [{}]]}, \"\": \"\xc3\xa9\xf0\x9f\x98\x80\"}",
         "7", "\"text\""})
     json.add(text);
-  NormalMap map;
+  ventricle::NormalMap map;
   map.studies = 3;
-  map.perfusion_is = Perfusion::counts;
+  map.perfusion_is = ventricle::Perfusion::counts;
   map.mean.resize(map.grid.size());
   map.sd.resize(map.grid.size());
   map.mean[0] = 90.5, map.sd[0] = 7.25;
-  normals.add('\0' + normals_text(map));
+  normals.add('\0' + report::normals_text(map));
   normals.add("\1{\"1\": 0, \"7\": 4, \"17\": 2}");
   std::string polar = "\2{\"measures\": {\"perfusion_is\": \"counts\"}}----\narea_mm2,perfusion_percent\n2.5,90\n";
   for (std::size_t n = 1; n < map.grid.size(); ++n) polar += ",\n";
   normals.add(polar);
-  normals.add('\0' + normal_groups_text({{"sex"}, 3, {{{"F"}, 3, map}, {{"M"}, 1, std::nullopt}}, map}));
+  normals.add('\0' + report::normal_groups_text({{"sex"}, 3, {{{"F"}, 3, map}, {{"M"}, 1, std::nullopt}}, map}));
 }
 
 void write_manifest_seeds(const fs::path& all) {
   SeedFolder seeds(all, "manifest");
   const std::string hash(64, 'a');
-  seeds.add(manifest_text({}));
-  seeds.add(unfinished_manifest_text());
-  seeds.add(manifest_text({{"results.json", 12345, hash}, {"meshes/a b\xc3\xa9.ply", 0, hash}}));
+  seeds.add(io::manifest_text({}));
+  seeds.add(io::unfinished_manifest_text());
+  seeds.add(io::manifest_text({{"results.json", 12345, hash}, {"meshes/a b\xc3\xa9.ply", 0, hash}}));
 }
 
 void write_option_seeds(const fs::path& all) {
   SeedFolder options(all, "options"), settings(all, "settings");
   test::Toy toy;
-  PhantomOptions phantom;
+  synthetic::PhantomOptions phantom;
   const ChoiceRef kinds = choice_of(phantom);
   for (std::size_t kind = 0; kind <= kinds.methods.size(); ++kind) {
     const bool is_toy = kind == kinds.methods.size();
     const OptionNodes nodes = is_toy ? nodes_of(toy) : kinds.choose(kind);
     const char byte = is_toy ? '\0' : static_cast<char>(2 * kind + 1);
-    options.add(byte + options_to_text(nodes));
+    options.add(byte + io::options_to_text(nodes));
     add_settings(settings, byte, nodes);
   }
   options.add('\0' +

@@ -16,7 +16,7 @@ namespace {
 
 /// Some dice of the planted thing's own.
 double dice(int number, int salt, double low, double high) {
-  Random random(777, static_cast<std::uint64_t>(number * 100 + salt));
+  synthetic::Random random(777, static_cast<std::uint64_t>(number * 100 + salt));
   return low + (high - low) * random.uniform();
 }
 
@@ -24,9 +24,9 @@ double dice(int number, int salt, double low, double high) {
 Patient plain_patient(int number) {
   Patient p = draw_patient(3 * number + 1);
   p.number = number;
-  VirtualPatient& o = p.options;
+  synthetic::VirtualPatient& o = p.options;
   p.has_defect = p.has_gut = false;
-  o.defect = Defect::none, o.gut_amplitude = 0, o.right_ventricle = std::min(o.right_ventricle, 0.3);
+  o.defect = synthetic::Defect::none, o.gut_amplitude = 0, o.right_ventricle = std::min(o.right_ventricle, 0.3);
   o.edv_ml = std::clamp(o.edv_ml, 60.0, 220.0);
   o.wall_ml = 70 + 0.35 * o.edv_ml;
   o.ef_percent = std::clamp(o.ef_percent, 30.0, 75.0);
@@ -49,7 +49,7 @@ Image cropped(const Image& image, int axis, int first, int last) {
 }
 
 /// Cuts the field of view so that `part` of the heart's extent along a grid axis is lost, from the end in `direction`.
-void cut(Phantom& phantom, int axis, double part, const Vec3& direction) {
+void cut(synthetic::Phantom& phantom, int axis, double part, const Vec3& direction) {
   const Grid grid = phantom.study.grid();
   double low = 1e9, high = -1e9;
   for (const Vec3& p : phantom.truth.front().epi.vertices) {
@@ -64,7 +64,7 @@ void cut(Phantom& phantom, int axis, double part, const Vec3& direction) {
     image = upper ? cropped(image, axis, 0, slice) : cropped(image, axis, slice, last);
 }
 
-Vec3 axis_of(const Phantom& phantom) {
+Vec3 axis_of(const synthetic::Phantom& phantom) {
   const TriMesh& epi = phantom.truth.front().epi;
   return (epi.vertices.back() - epi.vertices.front()).normalized();
 }
@@ -79,7 +79,7 @@ void scale_spacing(Study& study, const Vec3& by) {
 }
 
 /// Half of the gates were taken after the patient had moved.
-void move_half(Phantom& phantom, double way_mm) {
+void move_half(synthetic::Phantom& phantom, double way_mm) {
   const Grid& grid = phantom.study.grid();
   const int steps = std::max(1, static_cast<int>(std::lround(way_mm / grid.spacing[0])));
   const std::size_t gates = phantom.study.gates.size();
@@ -96,21 +96,21 @@ void move_half(Phantom& phantom, double way_mm) {
 }
 
 /// Every third gate next: the order of a file that was sorted by name.
-void shuffle(Phantom& phantom) {
+void shuffle(synthetic::Phantom& phantom) {
   const std::size_t n = phantom.study.gates.size();
-  const Phantom old = phantom;
+  const synthetic::Phantom old = phantom;
   for (std::size_t g = 0; g < n; ++g)
     phantom.study.gates[g] = old.study.gates[3 * g % n], phantom.truth[g] = old.truth[3 * g % n];
 }
 
-void fill_all(Phantom& phantom, const std::function<double(const Vec3&)>& activity, std::uint64_t seed) {
+void fill_all(synthetic::Phantom& phantom, const std::function<double(const Vec3&)>& activity, std::uint64_t seed) {
   for (std::size_t g = 0; g < phantom.study.gates.size(); ++g) {
     Image& image = phantom.study.gates[g];
     for (int k = 0; k < image.grid.dims[2]; ++k)
       for (int j = 0; j < image.grid.dims[1]; ++j)
         for (int i = 0; i < image.grid.dims[0]; ++i)
           image(i, j, k) = static_cast<float>(100 * activity(to_world(image.grid, centre_of(image.grid, {i, j, k}))));
-    image = blur(draw_counts(blur(image, 9), seed, g), 8);
+    image = synthetic::blur(synthetic::draw_counts(synthetic::blur(image, 9), seed, g), 8);
   }
 }
 
@@ -119,14 +119,14 @@ struct Kind {
   std::function<Planted(int)> make;
 };
 
-Planted changed_patient(int n, const std::function<void(VirtualPatient&)>& change) {
+Planted changed_patient(int n, const std::function<void(synthetic::VirtualPatient&)>& change) {
   Planted p{plain_patient(n), {}};
   change(p.patient.options);
   p.phantom = scan(p.patient);
   return p;
 }
 
-Planted changed_study(int n, const std::function<void(Phantom&)>& change) {
+Planted changed_study(int n, const std::function<void(synthetic::Phantom&)>& change) {
   Planted p{plain_patient(n), {}};
   p.phantom = scan(p.patient);
   change(p.phantom);
@@ -134,14 +134,14 @@ Planted changed_study(int n, const std::function<void(Phantom&)>& change) {
 }
 
 Planted no_heart(int n, const std::function<double(const Vec3&)>& activity) {
-  Planted p = changed_study(n, [&](Phantom& f) { fill_all(f, activity, static_cast<std::uint64_t>(n)); });
+  Planted p = changed_study(n, [&](synthetic::Phantom& f) { fill_all(f, activity, static_cast<std::uint64_t>(n)); });
   p.is_heart = false;
   return p;
 }
 
-void look_at_trunk(VirtualPatient& o, int number) {
+void look_at_trunk(synthetic::VirtualPatient& o, int number) {
   o.torso.present = true;
-  o.cut = Cut::transaxial;
+  o.cut = synthetic::Cut::transaxial;
   o.pose.tilt_deg = 0;
   const double voxel = dice(number, 1, 5, 7);
   o.lattice = {
@@ -156,50 +156,52 @@ void look_at_trunk(VirtualPatient& o, int number) {
 
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> all{
-      {"cut_base", [](int n) { return changed_study(n, [](Phantom& f) { cut(f, 2, 0.35, axis_of(f)); }); }},
-      {"cut_apex", [](int n) { return changed_study(n, [](Phantom& f) { cut(f, 2, 0.3, -axis_of(f)); }); }},
+      {"cut_base", [](int n) { return changed_study(n, [](synthetic::Phantom& f) { cut(f, 2, 0.35, axis_of(f)); }); }},
+      {"cut_apex", [](int n) { return changed_study(n, [](synthetic::Phantom& f) { cut(f, 2, 0.3, -axis_of(f)); }); }},
       {"cut_side",
-       [](int n) { return changed_study(n, [](Phantom& f) { cut(f, 0, 0.4, f.study.grid().direction.col(0)); }); }},
+       [](int n) {
+         return changed_study(n, [](synthetic::Phantom& f) { cut(f, 0, 0.4, f.study.grid().direction.col(0)); });
+       }},
       {"hot_gut_touches",
        [](int n) {
-         return changed_patient(n, [n](VirtualPatient& o) {
+         return changed_patient(n, [n](synthetic::VirtualPatient& o) {
            o.gut_amplitude = dice(n, 1, 1.5, 3), o.gut_gap_mm = dice(n, 2, -5, 1), o.gut_radius_mm = 20;
            o.gut_position = dice(n, 3, 0.2, 0.7);
          });
        }},
       {"hot_gut_apex",
        [](int n) {
-         return changed_patient(n, [n](VirtualPatient& o) {
+         return changed_patient(n, [n](synthetic::VirtualPatient& o) {
            o.gut_amplitude = dice(n, 1, 2, 4), o.gut_gap_mm = dice(n, 2, 0, 4), o.gut_radius_mm = 16;
            o.gut_position = dice(n, 3, -0.2, 0.1);
          });
        }},
       {"missing_gate",
        [](int n) {
-         return changed_study(n, [n](Phantom& f) {
+         return changed_study(n, [n](synthetic::Phantom& f) {
            Image& gate = f.study.gates[static_cast<std::size_t>(n % 8)];
            std::fill(gate.values.begin(), gate.values.end(), 0.0F);
          });
        }},
       {"weak_gate",
        [](int n) {
-         return changed_study(n, [n](Phantom& f) {
+         return changed_study(n, [n](synthetic::Phantom& f) {
            Image& gate = f.study.gates[static_cast<std::size_t>(n % 8)];
            for (float& v : gate.values) v *= 1.0F / 3;
-           gate = blur(draw_counts(gate, 5, 0), 4);
+           gate = synthetic::blur(synthetic::draw_counts(gate, 5, 0), 4);
          });
        }},
       {"shuffled_gates", [](int n) { return changed_study(n, shuffle); }},
       {"same_gates",
        [](int n) {
-         return changed_study(n, [](Phantom& f) {
-           const Image mean = mean_image(f.study.gates);
+         return changed_study(n, [](synthetic::Phantom& f) {
+           const Image mean = ventricle::mean_image(f.study.gates);
            for (Image& gate : f.study.gates) gate = mean;
          });
        }},
       {"extreme_noise",
        [](int n) {
-         return changed_patient(n, [n](VirtualPatient& o) {
+         return changed_patient(n, [n](synthetic::VirtualPatient& o) {
            o.noise.peak_counts = dice(n, 1, 0.5, 4), o.noise.filter_fwhm_mm = dice(n, 2, 3, 6);
          });
        }},
@@ -216,47 +218,51 @@ const std::vector<Kind>& kinds() {
          return p;
        }},
       {"pixels_too_large",
-       [](int n) { return changed_study(n, [](Phantom& f) {
+       [](int n) { return changed_study(n, [](synthetic::Phantom& f) {
                      scale_spacing(f.study, {1.6, 1.6, 1.6});
                    }); }},
       {"pixels_too_small",
-       [](int n) { return changed_study(n, [](Phantom& f) {
+       [](int n) { return changed_study(n, [](synthetic::Phantom& f) {
                      scale_spacing(f.study, {0.6, 0.6, 0.6});
                    }); }},
       {"slices_too_thick",
-       [](int n) { return changed_study(n, [](Phantom& f) {
+       [](int n) { return changed_study(n, [](synthetic::Phantom& f) {
                      scale_spacing(f.study, {1, 1, 1.8});
                    }); }},
       {"slices_too_thin",
-       [](int n) { return changed_study(n, [](Phantom& f) {
+       [](int n) { return changed_study(n, [](synthetic::Phantom& f) {
                      scale_spacing(f.study, {1, 1, 0.55});
                    }); }},
       {"cavity_blurred_away",
        [](int n) {
-         return changed_patient(n, [n](VirtualPatient& o) {
+         return changed_patient(n, [n](synthetic::VirtualPatient& o) {
            o.edv_ml = dice(n, 1, 28, 42), o.wall_ml = 70 + 0.35 * o.edv_ml;
            o.ef_percent = dice(n, 2, 60, 78), o.base_excursion_mm = 0.16 * o.ef_percent;
            o.fwhm_mm = dice(n, 3, 14, 16);
          });
        }},
       {"bright_right_ventricle",
-       [](int n) { return changed_patient(n, [n](VirtualPatient& o) { o.right_ventricle = dice(n, 1, 1.1, 1.8); }); }},
+       [](int n) {
+         return changed_patient(n, [n](synthetic::VirtualPatient& o) { o.right_ventricle = dice(n, 1, 1.1, 1.8); });
+       }},
       {"no_apex",
        [](int n) {
-         return changed_patient(n, [n](VirtualPatient& o) {
-           o.defect = Defect::apical, o.defect_extent_deg = dice(n, 1, 130, 180), o.defect_severity = 1;
+         return changed_patient(n, [n](synthetic::VirtualPatient& o) {
+           o.defect = synthetic::Defect::apical, o.defect_extent_deg = dice(n, 1, 130, 180), o.defect_severity = 1;
          });
        }},
       {"half_the_wall",
        [](int n) {
-         return changed_patient(n, [n](VirtualPatient& o) {
-           o.defect = n % 2 ? Defect::lateral : Defect::inferior, o.defect_extent_deg = 200, o.defect_severity = 1;
+         return changed_patient(n, [n](synthetic::VirtualPatient& o) {
+           o.defect = n % 2 ? synthetic::Defect::lateral : synthetic::Defect::inferior, o.defect_extent_deg = 200,
+           o.defect_severity = 1;
          });
        }},
-      {"patient_moves", [](int n) { return changed_study(n, [n](Phantom& f) { move_half(f, dice(n, 1, 10, 20)); }); }},
+      {"patient_moves",
+       [](int n) { return changed_study(n, [n](synthetic::Phantom& f) { move_half(f, dice(n, 1, 10, 20)); }); }},
       {"upside_down",
        [](int n) {
-         return changed_study(n, [](Phantom& f) {
+         return changed_study(n, [](synthetic::Phantom& f) {
            const bool along = f.study.grid().direction.col(2).dot(axis_of(f)) > 0;
            f.study.slice_order = along ? SliceOrder::base_to_apex : SliceOrder::apex_to_base;
          });
@@ -289,7 +295,7 @@ std::span<const std::string_view> field_kinds() {
 
 Planted place_in_field(std::string_view kind, int number) {
   Planted p{plain_patient(number), {}};
-  VirtualPatient& o = p.patient.options;
+  synthetic::VirtualPatient& o = p.patient.options;
   o.fwhm_mm = std::min(o.fwhm_mm, 14.0);
   look_at_trunk(o, number);
   if (kind == "hot_liver") o.torso.liver = dice(number, 9, 1, 1.5);

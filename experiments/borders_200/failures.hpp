@@ -9,7 +9,7 @@ namespace dynasurf {
 /// A virtual patient with something planted that may spoil the result.
 struct Planted {
   Patient patient;
-  Phantom phantom;
+  synthetic::Phantom phantom;
   bool is_heart = true;  // there is a ventricle to be found
 };
 

@@ -17,7 +17,7 @@ namespace dynasurf {
 namespace {
 
 void print_line(const Outcome& o) {
-  const VirtualPatient& p = o.patient.options;
+  const synthetic::VirtualPatient& p = o.patient.options;
   std::printf(
       "%3d %s%s def=%-12s gut=%d rv=%.1f edv=%3.0f ef=%2.0f fwhm=%4.1f px=%.1f sl=%.1f g=%2d n=%3.0f | %s %s ef%+6.1f "
       "(90: %.1f) edv x%.2f axis %5.1f centre %5.1f across %4.1f base %5.1f div %4.1f border %4.1f/%4.1f | %s | %s\n",

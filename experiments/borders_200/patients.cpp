@@ -20,7 +20,7 @@ class Dice {
   }
 
  private:
-  Random random_;
+  synthetic::Random random_;
 };
 
 int voxels_for(double field_mm, double spacing_mm) { return static_cast<int>(std::ceil(field_mm / spacing_mm)); }
@@ -31,7 +31,7 @@ Patient draw_patient(int number) {
   Dice dice(number);
   Patient p;
   p.number = number;
-  VirtualPatient& o = p.options;
+  synthetic::VirtualPatient& o = p.options;
   // Kinds go round, so that a third is a third in every part of the series.
   p.oblique = number % 3 == 0;
   p.has_defect = (number / 3) % 3 == 0;
@@ -47,8 +47,8 @@ Patient draw_patient(int number) {
   o.cavity = dice.between(0.04, 0.15);
   o.background = dice.between(0.03, 0.12);
   if (p.has_defect) {
-    o.defect =
-        dice.any(std::array{Defect::inferior, Defect::lateral, Defect::apical, Defect::anteroapical, Defect::septal});
+    o.defect = dice.any(std::array{synthetic::Defect::inferior, synthetic::Defect::lateral, synthetic::Defect::apical,
+                                   synthetic::Defect::anteroapical, synthetic::Defect::septal});
     o.defect_extent_deg = dice.between(50, 100);
     o.defect_severity = dice.between(0.5, 0.9);
   }
@@ -80,10 +80,10 @@ Patient draw_patient(int number) {
   return p;
 }
 
-Phantom scan(const Patient& patient) {
-  Phantom phantom = make_phantom(patient.options);
+synthetic::Phantom scan(const Patient& patient) {
+  synthetic::Phantom phantom = synthetic::make_phantom(patient.options);
   Study& study = phantom.study;
-  const bool is_transaxial = patient.oblique || patient.options.cut == Cut::transaxial;
+  const bool is_transaxial = patient.oblique || patient.options.cut == synthetic::Cut::transaxial;
   study.view = is_transaxial ? View::transaxial : View::short_axis;
   // Half of the headers do not tell apex from base.
   if (is_transaxial || patient.number % 2) study.slice_order = SliceOrder::unknown;

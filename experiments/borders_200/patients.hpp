@@ -8,7 +8,7 @@ namespace dynasurf {
 /// A virtual patient of the experiment and what was planted in it.
 struct Patient {
   int number = 0;
-  VirtualPatient options;
+  synthetic::VirtualPatient options;
   bool oblique = false;  // the slices do not cut square to the long axis; the file says so
   bool has_defect = false, has_gut = false;
 };
@@ -17,6 +17,6 @@ struct Patient {
 Patient draw_patient(int number);
 
 /// The study as a file would bring it (views and slice order as a header has them), and its truth.
-Phantom scan(const Patient& patient);
+synthetic::Phantom scan(const Patient& patient);
 
 }  // namespace dynasurf

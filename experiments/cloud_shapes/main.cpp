@@ -53,8 +53,8 @@ struct Arguments {
 void ask_judge(const Arguments& a, const TriMesh& mesh, const TriMesh& truth) {
   const auto folder = std::filesystem::temp_directory_path();
   const auto ours = folder / "cloud_shapes_mesh.off", reference = folder / "cloud_shapes_truth.off";
-  write_mesh(mesh, ours, MeshFormat::off);
-  write_mesh(truth, reference, MeshFormat::off);
+  io::write_mesh(mesh, ours, io::MeshFormat::off);
+  io::write_mesh(truth, reference, io::MeshFormat::off);
   std::fflush(stdout);
   const std::string command = a.assess.string() + " " + ours.string() + " --ref " + reference.string();
   if (std::system(command.c_str()) != 0) std::printf("the judge failed\n");
@@ -75,17 +75,17 @@ void run(const Arguments& a, const std::vector<Subject>& subjects, const std::st
   std::map<int, std::vector<Row>, std::greater<>> all;
   for (const Subject& s : subjects)
     for (int seed = 1; seed <= a.seeds; ++seed) {
-      const PointCloud cloud = scan_surface(s.surface, {.points = a.points,
-                                                        .noise_percent = condition.noise_percent,
-                                                        .missing_percent = condition.missing_percent,
-                                                        .seed = static_cast<std::uint64_t>(seed)});
-      CloudOptions options = cloud_preset(preset);
+      const PointCloud cloud = synthetic::scan_surface(s.surface, {.points = a.points,
+                                                                   .noise_percent = condition.noise_percent,
+                                                                   .missing_percent = condition.missing_percent,
+                                                                   .seed = static_cast<std::uint64_t>(seed)});
+      cloud::CloudOptions options = cloud::cloud_preset(preset);
       options.triangles = a.triangles;
       const std::clock_t start = std::clock();
-      const CloudResult result = reconstruct_cloud(cloud, options);
+      const cloud::CloudResult result = cloud::reconstruct_cloud(cloud, options);
       const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-      for (const CloudLevel& level : result.levels) {
-        const Certificate& c = level.certificate;
+      for (const cloud::CloudLevel& level : result.levels) {
+        const cloud::Certificate& c = level.certificate;
         const bool is_valid = c.watertight() && c.components == 1 && c.genus == s.genus;
         const double distance = two_sided_percent(level.mesh, s.surface);
         all[level.triangles_asked].push_back({is_valid, distance, c.smallest_angle_deg});
@@ -118,13 +118,13 @@ void run(const Arguments& a, const std::vector<Subject>& subjects, const std::st
 
 std::vector<Subject> subjects_of(const Arguments& a) {
   std::vector<Subject> subjects;
-  for (const auto& path : a.meshes) subjects.push_back({path.stem().string(), read_mesh(path), a.handles});
+  for (const auto& path : a.meshes) subjects.push_back({path.stem().string(), io::read_mesh(path), a.handles});
   if (!subjects.empty()) return subjects;
-  for (std::size_t i = 0; i < names_of(CloudShape{}).size(); ++i) {
-    const auto shape = static_cast<CloudShape>(i);
+  for (std::size_t i = 0; i < synthetic::names_of(synthetic::CloudShape{}).size(); ++i) {
+    const auto shape = static_cast<synthetic::CloudShape>(i);
     const std::string name(word_of(shape));
     if (a.shapes.empty() || std::find(a.shapes.begin(), a.shapes.end(), name) != a.shapes.end())
-      subjects.push_back({name, cloud_reference(shape), genus_of(shape)});
+      subjects.push_back({name, synthetic::cloud_reference(shape), synthetic::genus_of(shape)});
   }
   return subjects;
 }

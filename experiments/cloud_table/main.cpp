@@ -19,17 +19,17 @@ namespace {
 void print_row(const std::string& name, const TriMesh& surface, const std::string& preset, int triangles) {
   PointCloud cloud;
   cloud.points = surface.vertices;
-  CloudOptions options = cloud_preset(preset);
+  cloud::CloudOptions options = cloud::cloud_preset(preset);
   options.triangles = std::to_string(triangles);
   const std::clock_t start = std::clock();
-  const CloudResult result = reconstruct_cloud(cloud, options);
+  const cloud::CloudResult result = cloud::reconstruct_cloud(cloud, options);
   const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-  const CloudLevel& level = result.levels.at(0);
-  const Certificate& c = level.certificate;
+  const cloud::CloudLevel& level = result.levels.at(0);
+  const cloud::Certificate& c = level.certificate;
   std::printf(
       "| %s | %zu | %s | %zu | %.2f | %.2f | %s | %s | %zu | %.3f | %.3f | %.1f |\n", name.c_str(), cloud.points.size(),
-      preset.c_str(), c.triangles, share_of_plain_tessellation_percent(c.triangles, cloud.points.size()), seconds,
-      c.watertight() ? "yes" : "no", c.genus ? std::to_string(*c.genus).c_str() : "-", c.self_intersections,
+      preset.c_str(), c.triangles, cloud::share_of_plain_tessellation_percent(c.triangles, cloud.points.size()),
+      seconds, c.watertight() ? "yes" : "no", c.genus ? std::to_string(*c.genus).c_str() : "-", c.self_intersections,
       two_sided_percent(level.mesh, surface), 100 * c.cloud_to_mesh_largest / c.cloud_diagonal, c.smallest_angle_deg);
   std::fflush(stdout);
 }
@@ -46,7 +46,7 @@ int main(int argc, char** argv) try {
       "largest %% | angle |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (int i = 1; i < argc; ++i) {
     const std::filesystem::path path = argv[i];
-    const TriMesh surface = read_mesh(path);
+    const TriMesh surface = io::read_mesh(path);
     for (const char* preset : {"thesis", "shaped", "faithful"})
       for (const int triangles : {320, 1280, 5120}) print_row(path.stem().string(), surface, preset, triangles);
   }

@@ -37,20 +37,20 @@ int true_slice(const TriMesh& endo, const Vec3& axis, const Grid& grid) {
 }
 
 /// The slice under the lowest one that shows both borders; -1 where none does.
-int under_inner_border(const Labels& labels) {
+int under_inner_border(const ventricle::Labels& labels) {
   for (int k = 0; k < labels.borders.grid.dims[2]; ++k)
-    if (count_borders(labels.borders, k, labels.axis, ring_deg) == 2) return k - 1;
+    if (ventricle::count_borders(labels.borders, k, labels.axis, ring_deg) == 2) return k - 1;
   return -1;
 }
 
 void examine(int number, Errors& errors) {
   Patient patient = draw_patient(number);
   patient.options.gates = 2;  // the relaxed and the emptied heart
-  const Phantom phantom = scan(patient);
+  const synthetic::Phantom phantom = scan(patient);
   const Vec3 axis = axis_of(patient, phantom.study.grid());
-  const BorderResult result = find_borders(phantom.study, {});
+  const ventricle::BorderResult result = ventricle::find_borders(phantom.study, {});
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    const Labels& labels = result.gates[g].labels;
+    const ventricle::Labels& labels = result.gates[g].labels;
     const int truth = true_slice(phantom.truth[g].endo, axis, result.study.grid());
     errors.add(under_inner_border(labels) - truth, labels.division_slice - truth);
   }
@@ -75,8 +75,8 @@ int main() {
   std::vector<Errors> each(200);
   for (int n = 0; n < 200; ++n) examine(n, each[static_cast<std::size_t>(n)]);
   for (int n = 0; n < 200; ++n) {
-    const Defect defect = draw_patient(n).options.defect;
-    const bool apical = defect == Defect::apical || defect == Defect::anteroapical;
+    const synthetic::Defect defect = draw_patient(n).options.defect;
+    const bool apical = defect == synthetic::Defect::apical || defect == synthetic::Defect::anteroapical;
     Errors& group = groups[(n >= 100 ? 2U : 0U) + (apical ? 1U : 0U)];
     const Errors& one = each[static_cast<std::size_t>(n)];
     for (std::size_t g = 0; g < one.division_slice.size(); ++g) group.add(one.inner_border[g], one.division_slice[g]);

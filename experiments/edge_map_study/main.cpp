@@ -14,13 +14,13 @@ namespace {
 
 struct Trial {
   const char* name;
-  EdgeMapOptions map;
+  field::EdgeMapOptions map;
   double mu;
   int iterations;
 };
 
 /// The share of the voxels outside the wall, where the field is not negligible, at which it leads nearer to the border.
-double share_towards(const VectorField& field, const Mask& solid, const BorderDistance& border) {
+double share_towards(const field::VectorField& field, const Mask& solid, const mesh::BorderDistance& border) {
   double longest = 0;
   const auto at = [&](std::size_t v) { return Vec3(field.x[v], field.y[v], field.z[v]); };
   for (std::size_t v = 0; v < field.x.size(); ++v) longest = std::max(longest, at(v).norm());
@@ -42,11 +42,11 @@ double share_towards(const VectorField& field, const Mask& solid, const BorderDi
 }  // namespace
 
 int main() {
-  const Image image = make_phantom(Hebron{}).study.gates.front();
-  const Mask solid = filled_solid(image);
-  const BorderDistance border(surface_voxels(solid));
-  const EdgeMapOptions slope{.of = EdgeOperator::gradient}, square{}, grey{.of = EdgeOperator::intensity},
-      down{.of = EdgeOperator::intensity, .reversed = true};
+  const Image image = synthetic::make_phantom(synthetic::Hebron{}).study.gates.front();
+  const Mask solid = synthetic::filled_solid(image);
+  const mesh::BorderDistance border(synthetic::surface_voxels(solid));
+  const field::EdgeMapOptions slope{.of = field::EdgeOperator::gradient}, square{},
+      grey{.of = field::EdgeOperator::intensity}, down{.of = field::EdgeOperator::intensity, .reversed = true};
   const Trial trials[] = {{"1: gradient", slope, 0.4, 200},
                           {"2: gradient", slope, 0.2, 100},
                           {"3: gradient", slope, 0.2, 200},
@@ -56,10 +56,10 @@ int main() {
                           {"squared gradient", square, 0.2, 200}};
   std::printf("# Results\n\n| test | mu | iterations | share that points to the wall |\n|---|---|---|---|\n");
   for (const Trial& t : trials) {
-    Gvf gvf;
+    field::Gvf gvf;
     gvf.mu = t.mu;
     gvf.iterations = t.iterations;
     std::printf("| %s | %.1f | %d | %.3f |\n", t.name, t.mu, t.iterations,
-                share_towards(flow_field(edge_map_of(image, t.map), gvf).field, solid, border));
+                share_towards(field::flow_field(field::edge_map_of(image, t.map), gvf).field, solid, border));
   }
 }

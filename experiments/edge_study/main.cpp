@@ -19,11 +19,11 @@ constexpr int patients = 3;
 std::vector<Scene> hearts(double spacing_mm, int pixels) {
   std::vector<Scene> scenes;
   for (int n = 0; n < patients; ++n) {
-    VirtualPatient o;
+    synthetic::VirtualPatient o;
     o.gates = 1, o.edv_ml = 90 + 30 * n, o.wall_ml = 110 + 15 * n, o.fwhm_mm = 10 + n;
     o.lattice = {pixels, pixels, 24, spacing_mm, spacing_mm, 5.74};
     o.noise = {120, 8, 0, static_cast<std::uint64_t>(n + 1)};
-    scenes.push_back(scene_of(make_phantom(o)));
+    scenes.push_back(scene_of(synthetic::make_phantom(o)));
   }
   return scenes;
 }
@@ -49,18 +49,18 @@ struct Row {
 };
 
 /// Every pixel is held against the border that is nearer to it.
-Row measure(const std::vector<Scene>& scenes, const EdgeOptions& options) {
+Row measure(const std::vector<Scene>& scenes, const image::EdgeOptions& options) {
   Row row;
   double slices = 0;
   for (const Scene& s : scenes) {
-    const Mask edges = detect_edges(s.image, options).edges;
+    const Mask edges = image::detect_edges(s.image, options).edges;
     for (int k = s.division_slice + 1; k < edges.grid.dims[2]; ++k) {
       const auto &endo = s.endo[static_cast<std::size_t>(k)], &epi = s.epi[static_cast<std::size_t>(k)];
       if (endo.empty() || epi.empty()) continue;
-      std::vector<Pixel> inner, outer;
-      const auto components = components_of_slice(edges, k);
-      for (const Component& c : components)
-        for (const Pixel& p : c.pixels)
+      std::vector<image::Pixel> inner, outer;
+      const auto components = image::components_of_slice(edges, k);
+      for (const image::Component& c : components)
+        for (const image::Pixel& p : c.pixels)
           (distance_px(endo, p.i, p.j) < distance_px(epi, p.i, p.j) ? inner : outer).push_back(p);
       row.endo += score_slice(inner, endo, tolerance_px);
       row.epi += score_slice(outer, epi, tolerance_px);
@@ -95,43 +95,44 @@ std::string name_of(const char* method, double sigma, double low, double high) {
 void study(double spacing_mm, int pixels) {
   const std::vector<Scene> scenes = hearts(spacing_mm, pixels);
   std::printf("\n==== hearts %.0f px wide (%.2f mm) ====\n", width_of(scenes), spacing_mm);
-  const auto canny = [&](double s, double low, double high, CannyThreshold how, const char* name) {
+  const auto canny = [&](double s, double low, double high, image::CannyThreshold how, const char* name) {
     print(name_of(name, s, low, high),
-          measure(scenes, Canny{.sigma_px = s, .low = low, .high = high, .threshold = how}));
+          measure(scenes, image::Canny{.sigma_px = s, .low = low, .high = high, .threshold = how}));
   };
   const auto compass = [&](double s, double low, double high) {
-    print(name_of("compass", s, low, high), measure(scenes, Compass{.sigma_px = s, .low = low, .high = high}));
+    print(name_of("compass", s, low, high), measure(scenes, image::Compass{.sigma_px = s, .low = low, .high = high}));
   };
 
   head("Sobel and Canny (figure 2.8): inner border | outer border");
   for (const double t : {0.1, 0.2, 0.3, 0.5, 0.7}) {
     char name[40];
     std::snprintf(name, sizeof name, "sobel %.1f", t);
-    print(name, measure(scenes, SobelEdges{.threshold = t}));
+    print(name, measure(scenes, image::SobelEdges{.threshold = t}));
     std::snprintf(name, sizeof name, "sobel %.1f, thinned", t);
-    print(name, measure(scenes, SobelEdges{.threshold = t, .thin = true}));
+    print(name, measure(scenes, image::SobelEdges{.threshold = t, .thin = true}));
   }
-  canny(1.8, 0.3, 0.8, CannyThreshold::max_fraction, "canny");
-  canny(1.8, 0.3, 0.7, CannyThreshold::max_fraction, "canny");
-  canny(1.0, 0.15, 0.3, CannyThreshold::max_fraction, "canny (our default)");
-  canny(1.0, 0.3, 0.8, CannyThreshold::percentile, "canny percentile");
-  print("revised canny (our default)", measure(scenes, CannyRevised{}));
-  print("gradient squared 0.2, thinned", measure(scenes, GradientEdges{.thin = true}));
+  canny(1.8, 0.3, 0.8, image::CannyThreshold::max_fraction, "canny");
+  canny(1.8, 0.3, 0.7, image::CannyThreshold::max_fraction, "canny");
+  canny(1.0, 0.15, 0.3, image::CannyThreshold::max_fraction, "canny (our default)");
+  canny(1.0, 0.3, 0.8, image::CannyThreshold::percentile, "canny percentile");
+  print("revised canny (our default)", measure(scenes, image::CannyRevised{}));
+  print("gradient squared 0.2, thinned", measure(scenes, image::GradientEdges{.thin = true}));
   print("roberts 0.3, thinned",
-        measure(scenes, GradientEdges{.measure = GradientMeasure::roberts, .threshold = 0.3, .thin = true}));
-  print("acc, then canny (our default)", measure(scenes, ContourCompletion{}));
-  print("acc completing canny", measure(scenes, ContourCompletion{.complete = true}));
+        measure(scenes,
+                image::GradientEdges{.measure = image::GradientMeasure::roberts, .threshold = 0.3, .thin = true}));
+  print("acc, then canny (our default)", measure(scenes, image::ContourCompletion{}));
+  print("acc completing canny", measure(scenes, image::ContourCompletion{.complete = true}));
 
   head("Widths at 0.05/0.10 (figures 2.9, 2.11): inner border | outer border");
   constexpr double widths[] = {0.2, 0.6, 1.0, 1.4, 1.8, 2.2, 2.6, 3.0, 4.0, 5.0};
-  for (const double s : widths) canny(s, 0.05, 0.1, CannyThreshold::max_fraction, "canny");
-  for (const double s : widths) canny(s, 0.05, 0.1, CannyThreshold::percentile, "canny percentile");
+  for (const double s : widths) canny(s, 0.05, 0.1, image::CannyThreshold::max_fraction, "canny");
+  for (const double s : widths) canny(s, 0.05, 0.1, image::CannyThreshold::percentile, "canny percentile");
   for (const double s : widths) compass(s, 0.05, 0.1);
 
   head("Thresholds at sigma 2.2 (figures 2.10, 2.12): inner border | outer border");
   constexpr double pairs[][2] = {{0.1, 0.7}, {0.3, 0.6}, {0.3, 0.7}};
-  for (const auto& p : pairs) canny(2.2, p[0], p[1], CannyThreshold::max_fraction, "canny");
-  for (const auto& p : pairs) canny(2.2, p[0], p[1], CannyThreshold::percentile, "canny percentile");
+  for (const auto& p : pairs) canny(2.2, p[0], p[1], image::CannyThreshold::max_fraction, "canny");
+  for (const auto& p : pairs) canny(2.2, p[0], p[1], image::CannyThreshold::percentile, "canny percentile");
   for (const auto& p : pairs) compass(2.2, p[0], p[1]);
   for (const auto& p : pairs) compass(1.0, p[0], p[1]);
 }

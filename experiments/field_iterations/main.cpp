@@ -13,10 +13,10 @@ using namespace dynasurf::experiments;
 
 namespace {
 
-double length(const VectorField& f, std::size_t v) { return std::hypot(f.x[v], f.y[v], f.z[v]); }
+double length(const field::VectorField& f, std::size_t v) { return std::hypot(f.x[v], f.y[v], f.z[v]); }
 
 /// The thesis's "averaged relative error" (E56): the sum of the differences of the lengths, of the sum of the lengths.
-double error_percent(const VectorField& field, const VectorField& of) {
+double error_percent(const field::VectorField& field, const field::VectorField& of) {
   double difference = 0, sum = 0;
   for (std::size_t v = 0; v < field.x.size(); ++v) {
     difference += std::abs(length(field, v) - length(of, v));
@@ -36,18 +36,20 @@ void print(const RunFile& file) {
       "| iterations | outer border, %% | inner border, %% | CPU, ms | published, %%; s | outer, %% of the field at "
       "rest "
       "|\n|---|---|---|---|---|---|\n");
-  const std::vector<Row<Gvf>> rows = rows_of<Gvf>(file, "Table 6.12");
+  const std::vector<Row<field::Gvf>> rows = rows_of<field::Gvf>(file, "Table 6.12");
   if (rows.empty()) return;
-  const auto field_of = [](const Image& border, const Gvf& options) { return flow_field(border, options).field; };
+  const auto field_of = [](const Image& border, const field::Gvf& options) {
+    return field::flow_field(border, options).field;
+  };
   // The first row is what the others are held against, as in the thesis.
-  const VectorField outer = field_of(outer_border(), rows[0].options),
-                    inner = field_of(inner_border(), rows[0].options);
-  Gvf long_enough = rows[0].options;
+  const field::VectorField outer = field_of(outer_border(), rows[0].options),
+                           inner = field_of(inner_border(), rows[0].options);
+  field::Gvf long_enough = rows[0].options;
   long_enough.iterations = 20000;
-  const VectorField rest = field_of(outer_border(), long_enough);
-  for (const Row<Gvf>& row : rows) {
+  const field::VectorField rest = field_of(outer_border(), long_enough);
+  for (const Row<field::Gvf>& row : rows) {
     const double begin = cpu_s();
-    const VectorField field = field_of(outer_border(), row.options);
+    const field::VectorField field = field_of(outer_border(), row.options);
     const double ms = 1e3 * (cpu_s() - begin);
     std::printf("| %s | %.1f | %.1f | %.1f | %s | %.1f |\n", row.name.c_str(), error_percent(field, outer),
                 error_percent(field_of(inner_border(), row.options), inner), ms, row.published.c_str(),

@@ -65,7 +65,7 @@ void draw_curves(const std::vector<Curve>& curves, const std::filesystem::path& 
       "<text x='%.0f' y='%.0f'>Mean F1 of both borders. Blue: choosing half, orange: reporting half; the large "
       "dot is the default.</text>\n</svg>\n",
       left, height - 8);
-  write_file(file, text);
+  io::write_file(file, text);
 }
 
 }  // namespace dynasurf::experiments

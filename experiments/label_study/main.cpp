@@ -18,24 +18,24 @@ using namespace dynasurf::experiments;
 constexpr double tolerance_px = 2;  // blur moves edges by one to one and a half
 constexpr int seeds = 3;
 
-VirtualPatient heart(int seed) {
-  VirtualPatient o;
+synthetic::VirtualPatient heart(int seed) {
+  synthetic::VirtualPatient o;
   o.gates = 1, o.noise.seed = static_cast<std::uint64_t>(seed);
   return o;
 }
 
 struct Case {
   std::string name;
-  std::function<PhantomOptions(int seed)> make;
+  std::function<synthetic::PhantomOptions(int seed)> make;
   std::function<void(Image&)> spoil = [](Image&) {};
   bool has_outer_border = true;
 };
 
-Case patient(const std::string& name, const std::function<void(VirtualPatient&)>& change) {
+Case patient(const std::string& name, const std::function<void(synthetic::VirtualPatient&)>& change) {
   return {name, [change](int seed) {
-            VirtualPatient o = heart(seed);
+            synthetic::VirtualPatient o = heart(seed);
             change(o);
-            return PhantomOptions{o};
+            return synthetic::PhantomOptions{o};
           }};
 }
 
@@ -52,30 +52,32 @@ void add_noise_contour(Image& image) {
 }
 
 std::vector<Case> cases() {
-  const auto defect = [](Defect where, double extent) {
-    return [=](VirtualPatient& o) { o.defect = where, o.defect_extent_deg = extent; };
+  const auto defect = [](synthetic::Defect where, double extent) {
+    return [=](synthetic::VirtualPatient& o) { o.defect = where, o.defect_extent_deg = extent; };
   };
   std::vector<Case> all{
-      patient("full phantom", [](VirtualPatient&) {}),
-      patient("small region",
-              [](VirtualPatient& o) { o.lattice = {32, 32, 24, 6, 6, 5.74}, o.edv_ml = 70, o.wall_ml = 100; }),
-      patient("off centre", [](VirtualPatient& o) { o.pose.offset_x_mm = 20, o.pose.offset_y_mm = -12; }),
-      patient("tilted 15 deg", [](VirtualPatient& o) { o.pose.tilt_deg = 15, o.pose.tilt_towards_deg = 60; }),
-      patient("ischaemic 60", defect(Defect::inferior, 60)),
-      patient("ischaemic 90", defect(Defect::inferior, 90)),
-      patient("ischaemic 120", defect(Defect::inferior, 120)),
-      patient("apical", defect(Defect::apical, 80)),
-      patient("anteroapical", defect(Defect::anteroapical, 80)),
-      patient("noise contour", [](VirtualPatient&) {}),
-      patient("gut", [](VirtualPatient& o) { o.gut_amplitude = 1.1; }),
-      patient("right ventricle", [](VirtualPatient& o) { o.right_ventricle = 0.4; }),
-      patient("low counts", [](VirtualPatient& o) { o.noise.peak_counts = 25; }),
+      patient("full phantom", [](synthetic::VirtualPatient&) {}),
+      patient(
+          "small region",
+          [](synthetic::VirtualPatient& o) { o.lattice = {32, 32, 24, 6, 6, 5.74}, o.edv_ml = 70, o.wall_ml = 100; }),
+      patient("off centre", [](synthetic::VirtualPatient& o) { o.pose.offset_x_mm = 20, o.pose.offset_y_mm = -12; }),
+      patient("tilted 15 deg",
+              [](synthetic::VirtualPatient& o) { o.pose.tilt_deg = 15, o.pose.tilt_towards_deg = 60; }),
+      patient("ischaemic 60", defect(synthetic::Defect::inferior, 60)),
+      patient("ischaemic 90", defect(synthetic::Defect::inferior, 90)),
+      patient("ischaemic 120", defect(synthetic::Defect::inferior, 120)),
+      patient("apical", defect(synthetic::Defect::apical, 80)),
+      patient("anteroapical", defect(synthetic::Defect::anteroapical, 80)),
+      patient("noise contour", [](synthetic::VirtualPatient&) {}),
+      patient("gut", [](synthetic::VirtualPatient& o) { o.gut_amplitude = 1.1; }),
+      patient("right ventricle", [](synthetic::VirtualPatient& o) { o.right_ventricle = 0.4; }),
+      patient("low counts", [](synthetic::VirtualPatient& o) { o.noise.peak_counts = 25; }),
       {"blood pool",
        [](int seed) {
-         Pathology o;
-         o.disease = Disease::muga, o.base.sigma_mm = 5;
+         synthetic::Pathology o;
+         o.disease = synthetic::Disease::muga, o.base.sigma_mm = 5;
          o.base.noise = {120, 8, 0, static_cast<std::uint64_t>(seed)};
-         return PhantomOptions{o};
+         return synthetic::PhantomOptions{o};
        },
        [](Image&) {}, false},
   };
@@ -85,17 +87,17 @@ std::vector<Case> cases() {
 
 struct Method {
   std::string name;
-  LabelOptions options;
+  ventricle::LabelOptions options;
 };
 
-const std::vector<Method> methods{{"none", NoLabels{}},
-                                  {"sign", SignLabels{}},
-                                  {"gradmag", GradMagLabels{}},
-                                  {"case", CaseLabels{}},
-                                  {"radial", RadialLabels{}},
-                                  {"mlc strict", Mlc{.strict_thesis = true, .box_margin_px = 0}},
-                                  {"mlc by gap", Mlc{.use_gradient = false}},
-                                  {"mlc", Mlc{}}};
+const std::vector<Method> methods{{"none", ventricle::NoLabels{}},
+                                  {"sign", ventricle::SignLabels{}},
+                                  {"gradmag", ventricle::GradMagLabels{}},
+                                  {"case", ventricle::CaseLabels{}},
+                                  {"radial", ventricle::RadialLabels{}},
+                                  {"mlc strict", ventricle::Mlc{.strict_thesis = true, .box_margin_px = 0}},
+                                  {"mlc by gap", ventricle::Mlc{.use_gradient = false}},
+                                  {"mlc", ventricle::Mlc{}}};
 
 struct Result {
   Score endo, epi;
@@ -103,29 +105,30 @@ struct Result {
   double mean_f1(bool has_outer_border) const { return has_outer_border ? (endo.f1() + epi.f1()) / 2 : endo.f1(); }
 };
 
-std::vector<Pixel> pixels_with(const Mask& m, int k, std::uint8_t bit) {
-  std::vector<Pixel> pixels;
+std::vector<image::Pixel> pixels_with(const Mask& m, int k, std::uint8_t bit) {
+  std::vector<image::Pixel> pixels;
   for (int j = 0; j < m.grid.dims[1]; ++j)
     for (int i = 0; i < m.grid.dims[0]; ++i)
       if (m(i, j, k) & bit) pixels.push_back({i, j});
   return pixels;
 }
 
-Result measure(const std::vector<Scene>& scenes, const std::vector<EdgeMap>& edges, const LabelOptions& method) {
+Result measure(const std::vector<Scene>& scenes, const std::vector<image::EdgeMap>& edges,
+               const ventricle::LabelOptions& method) {
   Result r;
-  Labelling o;
+  ventricle::Labelling o;
   o.method = method;
   for (std::size_t n = 0; n < scenes.size(); ++n) {
     const Scene& s = scenes[n];
     const std::clock_t start = std::clock();
-    const Labels labels = label_borders(s.image, edges[n], o);
+    const ventricle::Labels labels = ventricle::label_borders(s.image, edges[n], o);
     r.milliseconds += 1000.0 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     r.division += std::abs(labels.division_slice - s.division_slice);
     for (int k = 0; k < s.image.grid.dims[2]; ++k) {
-      r.endo += score_slice(pixels_with(labels.borders, k, Labels::endo_bit), s.endo[static_cast<std::size_t>(k)],
-                            tolerance_px);
-      r.epi += score_slice(pixels_with(labels.borders, k, Labels::epi_bit), s.epi[static_cast<std::size_t>(k)],
-                           tolerance_px);
+      r.endo += score_slice(pixels_with(labels.borders, k, ventricle::Labels::endo_bit),
+                            s.endo[static_cast<std::size_t>(k)], tolerance_px);
+      r.epi += score_slice(pixels_with(labels.borders, k, ventricle::Labels::epi_bit),
+                           s.epi[static_cast<std::size_t>(k)], tolerance_px);
     }
   }
   r.division /= static_cast<double>(scenes.size()), r.milliseconds /= static_cast<double>(scenes.size());
@@ -144,13 +147,13 @@ int main() {
   const auto all = cases();
   for (const Case& c : all) {
     std::vector<Scene> scenes;
-    std::vector<EdgeMap> edges;
+    std::vector<image::EdgeMap> edges;
     for (int seed = 1; seed <= seeds; ++seed) {
-      scenes.push_back(scene_of(make_phantom(c.make(seed))));
+      scenes.push_back(scene_of(synthetic::make_phantom(c.make(seed))));
       c.spoil(scenes.back().image);
       Notes notes;
-      scenes.back().image = normalise(std::move(scenes.back().image), notes);
-      edges.push_back(detect_edges(scenes.back().image, Canny{}));
+      scenes.back().image = image::normalise(std::move(scenes.back().image), notes);
+      edges.push_back(image::detect_edges(scenes.back().image, image::Canny{}));
     }
     std::printf("\n%-16s | endo prec  rec   F1 | epi prec  rec   F1 | division |  ms\n", c.name.c_str());
     for (std::size_t m = 0; m < methods.size(); ++m) {

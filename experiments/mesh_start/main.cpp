@@ -30,14 +30,14 @@ void head(const char* title, const char* first) {
 }
 
 void print_row(const std::string& name, const TriMesh& mesh, const Image& border) {
-  const TriangleQuality q = triangle_quality(mesh);
+  const mesh::TriangleQuality q = mesh::triangle_quality(mesh);
   std::printf("| %s | %zu | %zu | %.2f / %.2f | %.2f / %.2f | %.4f / %.4f | %.3f | %.1f %% | %.1f |\n", name.c_str(),
               mesh.vertices.size(), mesh.triangles.size(), q.area_mean, q.d_mean, q.area_max, q.d_max, q.area_min,
-              q.d_min, q.shape_min, near_percent(mesh, border), volume_mm3(mesh) / 1000);
+              q.d_min, q.shape_min, near_percent(mesh, border), mesh::volume_mm3(mesh) / 1000);
 }
 
 TriMesh evolved(const MeshRun& run, const Image& border) {
-  return evolve(start_of(run, border), field_of(border), border, run.evolution).mesh;
+  return dynamics::evolve(start_of(run, border), field_of(border), border, run.evolution).mesh;
 }
 
 void before_and_after(const RunFile& file) {
@@ -46,7 +46,7 @@ void before_and_after(const RunFile& file) {
     print_row(row.name + " before", start_of(row.options, outer_border()), outer_border());
     TriMesh mesh = evolved(row.options, outer_border());
     print_row(row.name + " after", mesh, outer_border());
-    tidy(mesh, {});
+    mesh::tidy(mesh, {});
     print_row(row.name + " after and tidied", mesh, outer_border());
   }
 }
@@ -62,7 +62,8 @@ void by_direction(const RunFile& file) {
   head("Table 5.5: outwards and inwards, free model, inner wall", "direction");
   for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Table 5.5"))
     print_row(row.name, evolved(row.options, inner_border()), inner_border());
-  std::printf("\nThe cavity of the data holds %.1f mL.\n", voxel_volume_ml(enclosed_cavity(hebron())));
+  std::printf("\nThe cavity of the data holds %.1f mL.\n",
+              synthetic::voxel_volume_ml(synthetic::enclosed_cavity(hebron())));
 }
 
 void by_start(const RunFile& file) {
@@ -77,25 +78,25 @@ void by_start(const RunFile& file) {
       "volume mL |\n|---|---|---|---|---|\n");
   const float max = *std::max_element(hebron().values.begin(), hebron().values.end());
   for (const double level : {0.2, 0.4, 0.5}) {
-    const TriMesh mesh = marching_cubes(hebron(), level * max);
-    const Topology t = topology(mesh);
+    const TriMesh mesh = mesh::marching_cubes(hebron(), level * max);
+    const mesh::Topology t = mesh::topology(mesh);
     std::printf("| %.0f %% | %d | %ld | %zu | %.1f |\n", 100 * level, t.components, t.euler, t.triangles,
-                volume_mm3(mesh) / 1000);
+                mesh::volume_mm3(mesh) / 1000);
   }
 }
 
 void across_a_gap(const RunFile& file) {
-  static const Image image = make_phantom(Gap{}).study.gates.front();
-  static const Image border = external_border(image, 0.2, 35);
+  static const Image image = synthetic::make_phantom(synthetic::Gap{}).study.gates.front();
+  static const Image border = synthetic::external_border(image, 0.2, 35);
   const float max = *std::max_element(image.values.begin(), image.values.end());
-  const Topology cubes = topology(marching_cubes(image, 0.5 * max));
+  const mesh::Topology cubes = mesh::topology(mesh::marching_cubes(image, 0.5 * max));
   for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Fig 5.8")) {
     const TriMesh ours = evolved(row.options, border);
     std::printf(
         "\n## Fig 5.8: a phantom without its middle third\n\nMarching cubes gives %d components. The deformable "
         "surface (%s) is %d, of %.1f mL; of the whole phantom it is %.1f mL.\n",
-        cubes.components, row.name.c_str(), topology(ours).components, volume_mm3(ours) / 1000,
-        volume_mm3(evolved(row.options, outer_border())) / 1000);
+        cubes.components, row.name.c_str(), mesh::topology(ours).components, mesh::volume_mm3(ours) / 1000,
+        mesh::volume_mm3(evolved(row.options, outer_border())) / 1000);
   }
 }
 

@@ -18,27 +18,28 @@ namespace {
 constexpr double fractions[] = {0, 0.10, 0.32, 0.53};
 constexpr double published_percent[] = {100, 94.5, 70.9, 60.2};  // table 6.14
 
-VentricleResult reconstruct_partial(double fraction, Missing missing, std::string_view preset) {
-  Partial partial;
+ventricle::VentricleResult reconstruct_partial(double fraction, synthetic::Missing missing, std::string_view preset) {
+  synthetic::Partial partial;
   partial.fraction = fraction;
   partial.missing = missing;
-  const Phantom phantom = make_phantom(partial);
-  return reconstruct(phantom.study, ventricle_preset(preset));
+  const synthetic::Phantom phantom = synthetic::make_phantom(partial);
+  return ventricle::reconstruct(phantom.study, ventricle::ventricle_preset(preset));
 }
 
-std::optional<double> outer_ml(const VentricleResult& result) {
+std::optional<double> outer_ml(const ventricle::VentricleResult& result) {
   if (result.readings.psf_corrected) return result.readings.psf_corrected->gates.front().epi_ml.value;
   const auto& epi = result.gates.front().edge_surfaces.epi;
   return epi ? std::optional(epi->volume_ml) : std::nullopt;
 }
 
-void print_rows(Missing missing, std::string_view preset) {
+void print_rows(synthetic::Missing missing, std::string_view preset) {
   std::printf("\nempty: %s, preset %s\n  p %%   V_p mL  V_p/V_0 %%   m %%  |m-p|/p  published V_p/V_0 %%  verdict\n",
-              std::string(names_of(missing)[static_cast<std::size_t>(missing)]).c_str(), std::string(preset).c_str());
+              std::string(synthetic::names_of(missing)[static_cast<std::size_t>(missing)]).c_str(),
+              std::string(preset).c_str());
   std::optional<double> whole;
   for (std::size_t n = 0; n < std::size(fractions); ++n) {
     const double p = fractions[n];
-    const VentricleResult result = reconstruct_partial(p, missing, preset);
+    const ventricle::VentricleResult result = reconstruct_partial(p, missing, preset);
     const auto volume = outer_ml(result);
     if (n == 0) whole = volume;
     const std::string verdict(word_of(result.verdict));
@@ -58,8 +59,8 @@ void print_rows(Missing missing, std::string_view preset) {
 }
 
 /// One slice as a panel: border voxels as squares, cuts through both surfaces as lines.
-std::string panel(const VentricleResult& result, const std::string& title, double left) {
-  const Gate& gate = result.gates.front();
+std::string panel(const ventricle::VentricleResult& result, const std::string& title, double left) {
+  const ventricle::Gate& gate = result.gates.front();
   const Grid& grid = result.study.grid();
   const int slice = gate.labels.big_slice >= 0 ? gate.labels.big_slice : grid.dims[2] / 2;
   constexpr double scale = 1.6, side = 230;  // pixels per mm, width of a panel
@@ -72,12 +73,13 @@ std::string panel(const VentricleResult& result, const std::string& title, doubl
       const auto bits = gate.labels.borders(i, j, slice);
       if (bits == 0) continue;
       svg += "<rect x=\"" + x(i * grid.spacing[0] - 1.2) + "\" y=\"" + y(j * grid.spacing[1] - 1.2) +
-             "\" width=\"3.8\" height=\"3.8\" fill=\"" + (bits & Labels::epi_bit ? "#d55e00" : "#0072b2") + "\"/>\n";
+             "\" width=\"3.8\" height=\"3.8\" fill=\"" + (bits & ventricle::Labels::epi_bit ? "#d55e00" : "#0072b2") +
+             "\"/>\n";
     }
   for (const auto* surface : {&gate.edge_surfaces.endo, &gate.edge_surfaces.epi}) {
     if (!*surface) continue;
     const TriMesh mesh = to_grid(grid, (*surface)->mesh);
-    for (const auto& polygon : cross_section(mesh, Vec3(0, 0, (slice + 1e-3) * grid.spacing[2]), Vec3(0, 0, 1))) {
+    for (const auto& polygon : mesh::cross_section(mesh, Vec3(0, 0, (slice + 1e-3) * grid.spacing[2]), Vec3(0, 0, 1))) {
       svg += "<polyline fill=\"none\" stroke-width=\"1.6\" stroke=\"" +
              std::string(surface == &gate.edge_surfaces.epi ? "#b34700" : "#004f7c") + "\" points=\"";
       for (const Vec3& p : polygon) svg += x(p[0]) + "," + y(p[1]) + " ";
@@ -92,7 +94,7 @@ void draw(const char* path) {
   file << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 920 255\" width=\"920\">\n"
           "<style>text{font:12px sans-serif}</style><rect width=\"920\" height=\"255\" fill=\"#fff\"/>\n";
   for (std::size_t n = 0; n < std::size(fractions); ++n)
-    file << panel(reconstruct_partial(fractions[n], Missing::sector, "edges"),
+    file << panel(reconstruct_partial(fractions[n], synthetic::Missing::sector, "edges"),
                   std::to_string(std::lround(100 * fractions[n])) + " % empty", 230.0 * static_cast<double>(n));
   file << "</svg>\n";
 }
@@ -102,6 +104,7 @@ void draw(const char* path) {
 int main(int count, char** arguments) {
   std::printf("Phantom Mayo, 265.5 mL: outer volume V_p with the part p of the wall empty; m = 1 - V_p / V_0\n");
   for (const std::string_view preset : {"psf_corrected", "edges", "thesis"})
-    for (const Missing missing : {Missing::sector, Missing::apex}) print_rows(missing, preset);
+    for (const synthetic::Missing missing : {synthetic::Missing::sector, synthetic::Missing::apex})
+      print_rows(missing, preset);
   if (count > 1) draw(arguments[1]);
 }

@@ -25,13 +25,13 @@ enum class Drawn { grey, mask, labels };
 struct Kind {
   const char* name;
   const char* preset;
-  Lattice lattice;
+  synthetic::Lattice lattice;
   double fwhm_mm = 0, cavity = 0.1, background = 0.1, noise_percent = 0, counts = 0, filter_mm = 0, right_ventricle = 0;
   Drawn drawn = Drawn::grey;
 };
 
 std::vector<Kind> kinds() {
-  const Lattice mr{80, 80, 15, 1.8, 1.8, 8}, ct{96, 96, 70, 1.5, 1.5, 1.8}, pet{48, 48, 40, 3.3, 3.3, 3.3};
+  const synthetic::Lattice mr{80, 80, 15, 1.8, 1.8, 8}, ct{96, 96, 70, 1.5, 1.5, 1.8}, pet{48, 48, 40, 3.3, 3.3, 3.3};
   return {
       {.name = "PET, 6 mm", .preset = "pet", .lattice = pet, .fwhm_mm = 6, .counts = 80, .filter_mm = 4},
       {.name = "PET, 7.5 mm", .preset = "pet", .lattice = pet, .fwhm_mm = 7.5, .counts = 80, .filter_mm = 5},
@@ -45,8 +45,8 @@ std::vector<Kind> kinds() {
   };
 }
 
-VirtualPatient patient_of(const Heart& heart, const Kind& kind) {
-  VirtualPatient p;
+synthetic::VirtualPatient patient_of(const Heart& heart, const Kind& kind) {
+  synthetic::VirtualPatient p;
   p.edv_ml = heart.edv_ml, p.ef_percent = heart.ef_percent, p.wall_ml = heart.wall_ml;
   p.fwhm_mm = kind.fwhm_mm, p.lattice = kind.lattice;
   p.cavity = kind.cavity, p.background = kind.background, p.right_ventricle = kind.right_ventricle;
@@ -56,14 +56,14 @@ VirtualPatient patient_of(const Heart& heart, const Kind& kind) {
   return p;
 }
 
-Study draw(const Heart& heart, const Kind& kind, Phantom& phantom) {
-  const VirtualPatient patient = patient_of(heart, kind);
-  phantom = make_phantom(PhantomOptions{patient});
+Study draw(const Heart& heart, const Kind& kind, synthetic::Phantom& phantom) {
+  const synthetic::VirtualPatient patient = patient_of(heart, kind);
+  phantom = synthetic::make_phantom(synthetic::PhantomOptions{patient});
   Study study = phantom.study;
   if (kind.drawn == Drawn::grey) return study;
-  VirtualPatient filled = patient;
+  synthetic::VirtualPatient filled = patient;
   filled.cavity = 1;
-  const Study solid = make_phantom(PhantomOptions{filled}).study;
+  const Study solid = synthetic::make_phantom(synthetic::PhantomOptions{filled}).study;
   for (std::size_t g = 0; g < study.gates.size(); ++g) {
     const auto largest = [](const Image& image) { return *std::max_element(image.values.begin(), image.values.end()); };
     const float half = largest(study.gates[g]) / 2, half_solid = largest(solid.gates[g]) / 2;
@@ -95,27 +95,27 @@ void print_errors(const Numbers& n, const Numbers& truth) {
 }
 
 void print_row(const Heart& heart, const Kind& kind) {
-  Phantom phantom;
+  synthetic::Phantom phantom;
   const Study study = draw(heart, kind, phantom);
   Numbers truth{0, 1e9, 0, 0};
-  for (const TrueGate& gate : phantom.truth) {
+  for (const synthetic::TrueGate& gate : phantom.truth) {
     truth.edv = std::max(truth.edv, gate.endo_ml), truth.esv = std::min(truth.esv, gate.endo_ml);
     truth.wall += gate.wall_ml() / static_cast<double>(phantom.truth.size());
   }
   truth.ef = 100 * (1 - truth.esv / truth.edv);
-  VentricleOptions options = ventricle_preset(kind.preset);
+  ventricle::VentricleOptions options = ventricle::ventricle_preset(kind.preset);
   if (kind.drawn == Drawn::labels) options.label = 1;
-  const VentricleResult result = reconstruct(study, options);
+  const ventricle::VentricleResult result = ventricle::reconstruct(study, options);
   Numbers fit, edge;
   int held = 0;
   if (result.readings.psf_corrected && result.readings.psf_corrected->ef_percent) {
-    const FittedBeat& f = *result.readings.psf_corrected;
+    const ventricle::FittedBeat& f = *result.readings.psf_corrected;
     fit = {f.edv_ml.value, f.esv_ml.value, f.ef_percent->value, f.wall_ml.value};
-    const auto holds = [](const Estimate& e, double t) { return e.low() <= t && t <= e.high(); };
+    const auto holds = [](const ventricle::Estimate& e, double t) { return e.low() <= t && t <= e.high(); };
     held = holds(f.edv_ml, truth.edv) + holds(f.esv_ml, truth.esv) + holds(*f.ef_percent, truth.ef) +
            holds(f.wall_ml, truth.wall);
   }
-  if (const Reading& r = result.readings.edge; r.ef_percent)
+  if (const ventricle::Reading& r = result.readings.edge; r.ef_percent)
     edge = {r.edv_ml->value, r.esv_ml->value, r.ef_percent->value, NAN};
   double seconds = 0;
   for (const auto& [stage, s] : result.seconds) seconds += s;
@@ -124,7 +124,7 @@ void print_row(const Heart& heart, const Kind& kind) {
   std::printf("   %d of 4", held);
   print_errors(edge, truth);
   std::printf("  %5.1f  %s", seconds, std::string(word_of(result.verdict)).c_str());
-  for (const QualityFlag& flag : result.flags) std::printf(" %s", flag.code.c_str());
+  for (const ventricle::QualityFlag& flag : result.flags) std::printf(" %s", flag.code.c_str());
   for (const Note& note : result.notes)
     if (note.code.starts_with("fit.")) std::printf(" %s", note.code.c_str());
   std::printf("\n");

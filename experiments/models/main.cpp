@@ -17,7 +17,7 @@ namespace {
 /// Root mean square distance to the border, voxels.
 double rms_voxels(const TriMesh& mesh) {
   double sum = 0;
-  const std::vector<double> away = distances_to_border_voxels(mesh, outer_border());
+  const std::vector<double> away = mesh::distances_to_border_voxels(mesh, outer_border());
   for (const double d : away) sum += d * d;
   return std::sqrt(sum / static_cast<double>(away.size()));
 }
@@ -33,16 +33,16 @@ struct Late {
 Late late(const MeshRun& run) {
   // A force that only looks: it is asked at every stage of every step.
   std::vector<double> speeds;
-  Additions look;
-  look.forces.push_back({"look", [&speeds](const ParticleState& s, std::span<Vec3>) {
+  dynamics::Additions look;
+  look.forces.push_back({"look", [&speeds](const dynamics::ParticleState& s, std::span<Vec3>) {
                            double sum = 0;
                            for (const Vec3& v : s.velocities) sum += v.norm();
                            speeds.push_back(sum / static_cast<double>(s.velocities.size()));
                          }});
-  Evolution evolution = run.evolution;
+  dynamics::Evolution evolution = run.evolution;
   evolution.histories = true;
-  const EvolutionResult r =
-      evolve(start_of(run, outer_border()), field_of(outer_border()), outer_border(), evolution, {}, nullptr, look);
+  const dynamics::EvolutionResult r = dynamics::evolve(start_of(run, outer_border()), field_of(outer_border()),
+                                                       outer_border(), evolution, {}, nullptr, look);
   Late result;
   result.steps = r.steps;
   result.rms_voxels = rms_voxels(r.mesh);
@@ -77,9 +77,9 @@ void smoothing(const RunFile& file) {
       "## Table 4.3\n\nSmoothing on the way, 162 vertices, dt 0.1.\n\n| solver | steps until at rest | volume, mL "
       "|\n|---|---|---|\n");
   for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Table 4.3")) {
-    const EvolutionResult r =
-        evolve(start_of(row.options, outer_border()), field_of(outer_border()), outer_border(), row.options.evolution);
-    std::printf("| %s | %d | %.1f |\n", row.name.c_str(), r.steps, volume_mm3(r.mesh) / 1000);
+    const dynamics::EvolutionResult r = dynamics::evolve(
+        start_of(row.options, outer_border()), field_of(outer_border()), outer_border(), row.options.evolution);
+    std::printf("| %s | %d | %.1f |\n", row.name.c_str(), r.steps, mesh::volume_mm3(r.mesh) / 1000);
   }
 }
 

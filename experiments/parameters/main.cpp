@@ -27,9 +27,9 @@ void springs(const RunFile& file) {
       "strength | < 1 voxel, %% | published |\n|---|---|---|\n");
   // The start is near: in half a second nobody arrives from 1.5 times the data.
   for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Table 6.5")) {
-    const TriMesh mesh =
-        evolve(start_of(row.options, outer_border()), field_of(outer_border()), outer_border(), row.options.evolution)
-            .mesh;
+    const TriMesh mesh = dynamics::evolve(start_of(row.options, outer_border()), field_of(outer_border()),
+                                          outer_border(), row.options.evolution)
+                             .mesh;
     std::printf("| %s | %.1f | %s |\n", row.name.c_str(), near_percent(mesh, outer_border()), row.published.c_str());
   }
 }
@@ -40,19 +40,19 @@ void free_model_rows(const RunFile& file) {
       "step of 0.1 s is above their limit.\n\n| row: drag, strength, dt, steps | taken | stopped, %% | < 1 voxel, %% | "
       "published |\n|---|---|---|---|---|\n");
   for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Table 6.6")) {
-    const EvolutionResult run =
-        evolve(start_of(row.options, outer_border()), field_of(outer_border()), outer_border(), row.options.evolution);
+    const dynamics::EvolutionResult run = dynamics::evolve(
+        start_of(row.options, outer_border()), field_of(outer_border()), outer_border(), row.options.evolution);
     std::printf("| %s | %d | %.1f | %.1f | %s |\n", row.name.c_str(), run.steps, 100 * run.stopped_fraction,
                 near_percent(run.mesh, outer_border()), row.published.c_str());
   }
 }
 
-void quality_row(const std::string& name, const TriMesh& start, const Image& border, const Evolution& how,
+void quality_row(const std::string& name, const TriMesh& start, const Image& border, const dynamics::Evolution& how,
                  const std::string& published) {
   const double begin = cpu_s();
-  const EvolutionResult r = evolve(start, field_of(border), border, how);
+  const dynamics::EvolutionResult r = dynamics::evolve(start, field_of(border), border, how);
   const double took = cpu_s() - begin;
-  const TriangleQuality q = triangle_quality(r.mesh);
+  const mesh::TriangleQuality q = mesh::triangle_quality(r.mesh);
   std::printf("| %s | %zu | %d | %.2f / %.2f | %.2f / %.2f | %.4f / %.4f | %.2f | %.1f | %s |\n", name.c_str(),
               start.vertices.size(), r.steps, q.area_mean, q.d_mean, q.area_max, q.d_max, q.area_min, q.d_min, took,
               near_percent(r.mesh, border), published.c_str());
@@ -64,13 +64,13 @@ void qualities(const RunFile& file) {
       "voxel, "
       "%% | published: mean; max; min; CPU; < 1 voxel |\n|---|---|---|---|---|---|---|---|---|\n");
   // Marching cubes over the doubled binary phantom of the Mayo Clinic.
-  const Image doubled = double_resolution(make_phantom(Mayo{}).study.gates.front());
+  const Image doubled = image::double_resolution(synthetic::make_phantom(synthetic::Mayo{}).study.gates.front());
   static const Image mayo =
-      threshold_at(doubled, 0.2 * *std::max_element(doubled.values.begin(), doubled.values.end()));
-  static const Image border = external_border(mayo, 0.5);
-  const TriMesh cubes = marching_cubes(mayo, 0.5);
+      image::threshold_at(doubled, 0.2 * *std::max_element(doubled.values.begin(), doubled.values.end()));
+  static const Image border = synthetic::external_border(mayo, 0.5);
+  const TriMesh cubes = mesh::marching_cubes(mayo, 0.5);
   std::printf("| marching cubes before | %zu | 0 | %.2f | | | | %.1f | 10.50/1.46; 20.5/2.70; 0.25/0.33; -; 52.8 |\n",
-              cubes.vertices.size(), triangle_quality(cubes).area_mean, near_percent(cubes, border));
+              cubes.vertices.size(), mesh::triangle_quality(cubes).area_mean, near_percent(cubes, border));
   for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Table 6.7, marching cubes"))
     quality_row(row.name, cubes, border, row.options.evolution, row.published);
   for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Table 6.7, spheres"))

@@ -25,32 +25,32 @@ namespace {
 
 struct Case {
   std::string name;
-  Pathology made;
+  synthetic::Pathology made;
 };
 
 std::vector<Case> cases() {
-  const auto ill = [](Disease disease, double amplitude = 0.8) {
-    Pathology p;
+  const auto ill = [](synthetic::Disease disease, double amplitude = 0.8) {
+    synthetic::Pathology p;
     p.disease = disease;
     p.amplitude = amplitude;
     return p;
   };
-  Pathology healthy = ill(Disease::inferior);
+  synthetic::Pathology healthy = ill(synthetic::Disease::inferior);
   healthy.uptake = 1;
   return {{"healthy", healthy},
-          {"inferior", ill(Disease::inferior)},
-          {"apical", ill(Disease::apical)},
-          {"lateral", ill(Disease::lateral)},
-          {"anteroapical", ill(Disease::anteroapical)},
-          {"digestive, 0.5", ill(Disease::digestive, 0.5)},
-          {"digestive, 1.0", ill(Disease::digestive, 1.0)},
-          {"right ventricle", ill(Disease::right_ventricle, 0.4)},
-          {"blood pool", ill(Disease::muga)}};
+          {"inferior", ill(synthetic::Disease::inferior)},
+          {"apical", ill(synthetic::Disease::apical)},
+          {"lateral", ill(synthetic::Disease::lateral)},
+          {"anteroapical", ill(synthetic::Disease::anteroapical)},
+          {"digestive, 0.5", ill(synthetic::Disease::digestive, 0.5)},
+          {"digestive, 1.0", ill(synthetic::Disease::digestive, 1.0)},
+          {"right ventricle", ill(synthetic::Disease::right_ventricle, 0.4)},
+          {"blood pool", ill(synthetic::Disease::muga)}};
 }
 
 /// Mean distance of the true surface's vertices to a surface, mm: what is missing of it counts too.
 double mean_distance_mm(const TriMesh& truth, const TriMesh& mesh) {
-  const ClosestPoint nearest(mesh);
+  const mesh::ClosestPoint nearest(mesh);
   double sum = 0;
   for (const Vec3& p : truth.vertices) sum += std::sqrt(nearest(p).distance2);
   return sum / static_cast<double>(truth.vertices.size());
@@ -63,46 +63,47 @@ void print_surface(const TriMesh* mesh, double volume_ml, const TriMesh& truth, 
     std::printf("  %7.1f  %+6.1f  %8.2f", volume_ml, 100 * (volume_ml / truth_ml - 1), mean_distance_mm(truth, *mesh));
 }
 
-VentricleResult reconstructed(const Phantom& phantom) {
-  return reconstruct(phantom.study, ventricle_preset("psf_corrected"));
+ventricle::VentricleResult reconstructed(const synthetic::Phantom& phantom) {
+  return ventricle::reconstruct(phantom.study, ventricle::ventricle_preset("psf_corrected"));
 }
 
 /// How well the border voxels of one wall lie on its true border and cover it (F1 of both, within 2 pixels).
-double f1_of(const VentricleResult& result, const TriMesh& truth, int bit) {
+double f1_of(const ventricle::VentricleResult& result, const TriMesh& truth, int bit) {
   const Grid& grid = result.study.grid();
   const TrueLines lines = true_lines(truth, grid);
   Score score;
   for (int k = 0; k < grid.dims[2]; ++k)
-    score += score_slice(pixels_of(result.gates.front().labels.borders, k, bit), lines[static_cast<std::size_t>(k)], 2);
+    score += score_slice(ventricle::pixels_of(result.gates.front().labels.borders, k, bit),
+                         lines[static_cast<std::size_t>(k)], 2);
   return score.f1();
 }
 
 /// Vertices whose angles miss a plane's by more than the smoothing tolerates, below the lid and its rim.
-int peaks_of(const std::optional<Surface>& surface, const TriMesh& truth) {
+int peaks_of(const std::optional<ventricle::Surface>& surface, const TriMesh& truth) {
   if (!surface) return -1;
   constexpr double rim_mm = 12;
   double top = -1e9;
   for (const Vec3& p : truth.vertices) top = std::max(top, p[2]);
-  const std::vector<double> deficits = angle_deficits(surface->mesh);
+  const std::vector<double> deficits = mesh::angle_deficits(surface->mesh);
   int peaks = 0;
   for (std::size_t v = 0; v < deficits.size(); ++v)
-    peaks += surface->mesh.vertices[v][2] < top - rim_mm && std::abs(deficits[v]) > Smoothing{}.tolerance_rad;
+    peaks += surface->mesh.vertices[v][2] < top - rim_mm && std::abs(deficits[v]) > mesh::Smoothing{}.tolerance_rad;
   return peaks;
 }
 
 /// The surfaces as they came to rest, with and without the smoothing of the thesis (5.5), before anything else.
-VentricleResult at_rest(const Phantom& phantom, bool is_smoothed) {
-  VentricleOptions options = ventricle_preset("edges");
+ventricle::VentricleResult at_rest(const synthetic::Phantom& phantom, bool is_smoothed) {
+  ventricle::VentricleOptions options = ventricle::ventricle_preset("edges");
   options.settle.rounds = 0, options.tidy = {.shape = 0, .untangle_rounds = 0};
   if (!is_smoothed) options.evolution.smooth_every = 0, options.evolution.smooth_after.sweeps = 0;
-  return reconstruct(phantom.study, options);
+  return ventricle::reconstruct(phantom.study, options);
 }
 
 void print_case(const Case& c) {
-  const Phantom phantom = make_phantom(c.made);
-  const VentricleResult result = reconstructed(phantom);
-  const Gate& gate = result.gates.front();
-  const TrueGate& truth = phantom.truth.front();
+  const synthetic::Phantom phantom = synthetic::make_phantom(c.made);
+  const ventricle::VentricleResult result = reconstructed(phantom);
+  const ventricle::Gate& gate = result.gates.front();
+  const synthetic::TrueGate& truth = phantom.truth.front();
   double seconds = 0;
   for (const auto& [stage, s] : result.seconds)
     if (stage == "surfaces") seconds += s;
@@ -111,33 +112,35 @@ void print_case(const Case& c) {
                                                     std::tuple(&gate.edge_surfaces.epi, &truth.epi, truth.epi_ml)})
     print_surface(*surface ? &(*surface)->mesh : nullptr, *surface ? (*surface)->volume_ml : 0, *true_mesh, true_ml);
   std::printf("  %6.3f  %s", seconds, std::string(word_of(result.verdict)).c_str());
-  for (const QualityFlag& flag : result.flags) std::printf(" %s", flag.code.c_str());
+  for (const ventricle::QualityFlag& flag : result.flags) std::printf(" %s", flag.code.c_str());
   std::printf("\n");
 }
 
 /// The walls that were fitted through the blur.
 void print_fit(const Case& c) {
-  const Phantom phantom = make_phantom(c.made);
-  const VentricleResult result = reconstructed(phantom);
+  const synthetic::Phantom phantom = synthetic::make_phantom(c.made);
+  const ventricle::VentricleResult result = reconstructed(phantom);
   if (!result.readings.psf_corrected) return;
-  const FittedGate& gate = result.readings.psf_corrected->gates.front();
-  const TrueGate& truth = phantom.truth.front();
+  const ventricle::FittedGate& gate = result.readings.psf_corrected->gates.front();
+  const synthetic::TrueGate& truth = phantom.truth.front();
   std::printf("%-16s", c.name.c_str());
   print_surface(&gate.endo, gate.endo_ml.value, truth.endo, truth.endo_ml);
   print_surface(&gate.epi, gate.epi_ml.value, truth.epi, truth.epi_ml);
-  const auto holds = [](const Estimate& e, double ml) { return e.low() <= ml && ml <= e.high() ? "yes" : "no"; };
+  const auto holds = [](const ventricle::Estimate& e, double ml) {
+    return e.low() <= ml && ml <= e.high() ? "yes" : "no";
+  };
   std::printf("  %5.1f to %5.1f  %s\n", gate.endo_ml.low(), gate.endo_ml.high(), holds(gate.endo_ml, truth.endo_ml));
 }
 
 void print_labels(const Case& c) {
-  const Phantom phantom = make_phantom(c.made);
-  const VentricleResult result = reconstruct(phantom.study, ventricle_preset("edges"));
-  const TrueGate& truth = phantom.truth.front();
-  const EdgeSurfaces rough = at_rest(phantom, false).gates.front().edge_surfaces,
-                     smooth = at_rest(phantom, true).gates.front().edge_surfaces;
-  std::printf("%-16s  %8.3f", c.name.c_str(), f1_of(result, truth.endo, Labels::endo_bit));
+  const synthetic::Phantom phantom = synthetic::make_phantom(c.made);
+  const ventricle::VentricleResult result = ventricle::reconstruct(phantom.study, ventricle::ventricle_preset("edges"));
+  const synthetic::TrueGate& truth = phantom.truth.front();
+  const ventricle::EdgeSurfaces rough = at_rest(phantom, false).gates.front().edge_surfaces,
+                                smooth = at_rest(phantom, true).gates.front().edge_surfaces;
+  std::printf("%-16s  %8.3f", c.name.c_str(), f1_of(result, truth.endo, ventricle::Labels::endo_bit));
   if (rough.epi && smooth.epi)
-    std::printf("  %8.3f  %5d to %4d  %5d to %4d\n", f1_of(result, truth.epi, Labels::epi_bit),
+    std::printf("  %8.3f  %5d to %4d  %5d to %4d\n", f1_of(result, truth.epi, ventricle::Labels::epi_bit),
                 peaks_of(rough.endo, truth.endo), peaks_of(smooth.endo, truth.endo), peaks_of(rough.epi, truth.epi),
                 peaks_of(smooth.epi, truth.epi));
   else
@@ -147,8 +150,8 @@ void print_labels(const Case& c) {
 
 /// One slice as a panel: border voxels as squares, cuts through both surfaces as lines.
 std::string panel(const Case& c, double left, double top) {
-  const VentricleResult result = reconstructed(make_phantom(c.made));
-  const Gate& gate = result.gates.front();
+  const ventricle::VentricleResult result = reconstructed(synthetic::make_phantom(c.made));
+  const ventricle::Gate& gate = result.gates.front();
   const Grid& grid = result.study.grid();
   constexpr double scale = 1.35, side = 200;  // pixels per mm, width of a panel
   const int column = grid.dims[0] / 2;        // along the heart, through its middle
@@ -162,12 +165,14 @@ std::string panel(const Case& c, double left, double top) {
       const auto bits = gate.labels.borders(column, j, k);
       if (bits == 0) continue;
       svg += "<rect x=\"" + x(j * grid.spacing[1] - 1.2) + "\" y=\"" + y(k * grid.spacing[2] + 1.2) +
-             "\" width=\"3.2\" height=\"3.2\" fill=\"" + (bits & Labels::epi_bit ? "#d55e00" : "#0072b2") + "\"/>\n";
+             "\" width=\"3.2\" height=\"3.2\" fill=\"" + (bits & ventricle::Labels::epi_bit ? "#d55e00" : "#0072b2") +
+             "\"/>\n";
     }
   for (const auto* surface : {&gate.edge_surfaces.endo, &gate.edge_surfaces.epi}) {
     if (!*surface) continue;
     const TriMesh mesh = to_grid(grid, (*surface)->mesh);
-    for (const auto& polygon : cross_section(mesh, Vec3((column + 1e-3) * grid.spacing[0], 0, 0), Vec3(1, 0, 0))) {
+    for (const auto& polygon :
+         mesh::cross_section(mesh, Vec3((column + 1e-3) * grid.spacing[0], 0, 0), Vec3(1, 0, 0))) {
       svg += "<polyline fill=\"none\" stroke-width=\"1.6\" stroke=\"" +
              std::string(surface == &gate.edge_surfaces.epi ? "#b34700" : "#004f7c") + "\" points=\"";
       for (const Vec3& p : polygon) svg += x(p[1]) + "," + y(p[2]) + " ";

@@ -18,24 +18,24 @@ namespace {
 
 struct Case {
   std::string name;
-  VirtualPatient options;
+  synthetic::VirtualPatient options;
 };
 
 /// The patient of a number: kinds go round, sizes, blur and noise change with every round.
 Case case_of(int number) {
   constexpr int kinds = 10;
   const int round = number / kinds;
-  VirtualPatient o;
+  synthetic::VirtualPatient o;
   o.edv_ml = 95 + 30 * (round % 3), o.ef_percent = 60 - 7 * (round % 2), o.wall_ml = 70 + 0.4 * o.edv_ml;
   o.fwhm_mm = 10 + 2 * (round % 2);
   o.gates = round % 2 ? 16 : 8;
   o.pose.tilt_deg = 4, o.pose.tilt_towards_deg = 40.0 * (number % 9);
   o.lattice = {40, 40, 32, 4.3, 4.3, 4.3};
   o.noise.seed = 500 + static_cast<std::uint64_t>(number);
-  const auto defect = [&](Defect place, double severity) {
+  const auto defect = [&](synthetic::Defect place, double severity) {
     o.defect = place, o.defect_severity = severity, o.defect_extent_deg = 70 + 10 * (round % 3);
   };
-  const auto late = [&](Defect place, double percent) {
+  const auto late = [&](synthetic::Defect place, double percent) {
     o.late_wall = place, o.delay_percent = percent, o.late_extent_deg = 120;
   };
   std::string name;
@@ -44,25 +44,25 @@ Case case_of(int number) {
       name = "healthy";
       break;
     case 1:
-      name = "inferior 40 %", defect(Defect::inferior, 0.4);
+      name = "inferior 40 %", defect(synthetic::Defect::inferior, 0.4);
       break;
     case 2:
-      name = "lateral 85 %", defect(Defect::lateral, 0.85);
+      name = "lateral 85 %", defect(synthetic::Defect::lateral, 0.85);
       break;
     case 3:
-      name = "apical 40 %", defect(Defect::apical, 0.4);
+      name = "apical 40 %", defect(synthetic::Defect::apical, 0.4);
       break;
     case 4:
-      name = "anteroapical 85 %", defect(Defect::anteroapical, 0.85);
+      name = "anteroapical 85 %", defect(synthetic::Defect::anteroapical, 0.85);
       break;
     case 5:
-      name = "septal 60 %", defect(Defect::septal, 0.6);
+      name = "septal 60 %", defect(synthetic::Defect::septal, 0.6);
       break;
     case 6:
-      name = "lateral late 10 %", late(Defect::lateral, 10);
+      name = "lateral late 10 %", late(synthetic::Defect::lateral, 10);
       break;
     case 7:
-      name = "septal late 20 %", late(Defect::septal, 20);
+      name = "septal late 20 %", late(synthetic::Defect::septal, 20);
       break;
     case 8:
       name = "uneven walls", o.irregular.walls = 1;
@@ -82,18 +82,20 @@ struct Quantity {
   double least;                              // errors up to this much are right whatever the truth is: one bin
   bool cyclic = false;
 };
-using S = SegmentMeasures;
+using S = ventricle::SegmentMeasures;
 const std::vector<Quantity> quantities{
-    {"perfusion, %", &S::perfusion_percent, &S::perfusion_percent, &SegmentErrors::perfusion_percent, 10},
-    {"thickness ED, mm", &S::thickness_ed_mm, &S::thickness_ed_mm, &SegmentErrors::thickness_ed_mm, 1},
-    {"thickness ES, mm", &S::thickness_es_mm, &S::thickness_es_mm, &SegmentErrors::thickness_es_mm, 1},
-    {"thickening, %", &S::thickening_percent, &S::thickening_percent, &SegmentErrors::thickening_percent, 10},
+    {"perfusion, %", &S::perfusion_percent, &S::perfusion_percent, &ventricle::SegmentErrors::perfusion_percent, 10},
+    {"thickness ED, mm", &S::thickness_ed_mm, &S::thickness_ed_mm, &ventricle::SegmentErrors::thickness_ed_mm, 1},
+    {"thickness ES, mm", &S::thickness_es_mm, &S::thickness_es_mm, &ventricle::SegmentErrors::thickness_es_mm, 1},
+    {"thickening, %", &S::thickening_percent, &S::thickening_percent, &ventricle::SegmentErrors::thickening_percent,
+     10},
     {"thickening by counts, %", &S::count_thickening_percent, &S::thickening_percent, nullptr, 10},
-    {"inward motion, mm", &S::motion_mm, &S::motion_mm, &SegmentErrors::motion_mm, 1},
+    {"inward motion, mm", &S::motion_mm, &S::motion_mm, &ventricle::SegmentErrors::motion_mm, 1},
     {"onset by counts, deg", &S::phase_counts_deg, &S::phase_thickness_deg, nullptr, 6, true},
-    {"onset by thickness, deg", &S::phase_thickness_deg, &S::phase_thickness_deg, &SegmentErrors::phase_thickness_deg,
-     6, true},
-    {"onset by motion, deg", &S::phase_motion_deg, &S::phase_motion_deg, &SegmentErrors::phase_motion_deg, 6, true},
+    {"onset by thickness, deg", &S::phase_thickness_deg, &S::phase_thickness_deg,
+     &ventricle::SegmentErrors::phase_thickness_deg, 6, true},
+    {"onset by motion, deg", &S::phase_motion_deg, &S::phase_motion_deg, &ventricle::SegmentErrors::phase_motion_deg, 6,
+     true},
 };
 
 struct Sums {
@@ -114,7 +116,8 @@ bool is_right(double error, double truth, double least) {
   return std::abs(error) <= std::max(least, 0.1 * std::abs(truth));
 }
 
-void compare(const Measures& read, const Measures& truth, const std::string& reading, Table& table) {
+void compare(const ventricle::Measures& read, const ventricle::Measures& truth, const std::string& reading,
+             Table& table) {
   for (std::size_t s = 0; s < truth.segments.size() && s < read.segments.size(); ++s)
     for (const Quantity& q : quantities) {
       const auto &value = read.segments[s].*q.read, &expected = truth.segments[s].*q.truth;
@@ -123,8 +126,8 @@ void compare(const Measures& read, const Measures& truth, const std::string& rea
       table[q.name][reading].add(error, is_right(error, q.cyclic ? 0 : *expected, q.least),
                                  q.sd ? read.segments[s].sd.*q.sd : std::nullopt);
     }
-  const auto spread = [&](const char* name, const std::optional<PhaseSummary>& value,
-                          const std::optional<PhaseSummary>& expected) {
+  const auto spread = [&](const char* name, const std::optional<ventricle::PhaseSummary>& value,
+                          const std::optional<ventricle::PhaseSummary>& expected) {
     if (!value || !expected) return;
     const double error = value->sd_deg - expected->sd_deg;
     table[name][reading].add(error, is_right(error, expected->sd_deg, 6), value->sd_error_deg);
@@ -164,16 +167,16 @@ void run(int first, int end) {
   std::map<std::string, Table> of_kind;
   for (int number = first; number < end; ++number) {
     const Case one = case_of(number);
-    const Phantom phantom = make_phantom(one.options);
-    const Measures truth = measure_true_walls(phantom);
+    const synthetic::Phantom phantom = synthetic::make_phantom(one.options);
+    const ventricle::Measures truth = measure_true_walls(phantom);
     for (const char* preset : {"edges", "psf_corrected"}) {
-      VentricleOptions options = ventricle_preset(preset);
+      ventricle::VentricleOptions options = ventricle::ventricle_preset(preset);
       options.fit.fwhm_mm = one.options.fwhm_mm;
       options.fit.filter_fwhm_mm = one.options.noise.filter_fwhm_mm;
-      const VentricleResult result = reconstruct(phantom.study, options);
+      const ventricle::VentricleResult result = ventricle::reconstruct(phantom.study, options);
       const bool is_fit = result.readings.psf_corrected.has_value();
       std::printf("%d %s %s EF %.1f (true %.1f)\n", number, one.name.c_str(), is_fit ? "psf_corrected" : "edge",
-                  result.leading.ef_percent.value_or(Estimate{}).value, *phantom.ef_percent);
+                  result.leading.ef_percent.value_or(ventricle::Estimate{}).value, *phantom.ef_percent);
       if (is_fit)
         std::printf("  thickness from data %.2f, width from data %.2f\n",
                     result.readings.psf_corrected->thickness_from_data, result.readings.psf_corrected->width_from_data);

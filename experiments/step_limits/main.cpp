@@ -18,31 +18,32 @@ using namespace dynasurf::experiments;
 namespace {
 
 /// A mesh whose particles are given small speeds at random, held by drag and by dampers along the edges.
-ParticleSystem shaken(const MeshRun& run, double damping) {
+dynamics::ParticleSystem shaken(const MeshRun& run, double damping) {
   const TriMesh mesh = start_of(run, inner_border());
-  ParticleSystem system = particles_at(mesh.vertices, run.evolution.mass_kg);
+  dynamics::ParticleSystem system = dynamics::particles_at(mesh.vertices, run.evolution.mass_kg);
   std::mt19937 random(1);
   const auto number = [&] { return 1e-6 * (random() / 2147483648.0 - 1); };
   for (Vec3& v : system.velocities) v = Vec3(number(), number(), number());
-  system.forces.push_back(drag_force(run.evolution.force.drag));
-  if (damping > 0) system.forces.push_back(spring_force(springs_of(mesh), {.stiffness = 0, .damping = damping}));
+  system.forces.push_back(dynamics::drag_force(run.evolution.force.drag));
+  if (damping > 0)
+    system.forces.push_back(dynamics::spring_force(dynamics::springs_of(mesh), {.stiffness = 0, .damping = damping}));
   return system;
 }
 
 /// Whether the motion dies out. Rates are bounded away from each other, so 300 steps tell growth from decay to 1e-4.
-bool is_stable(const ParticleSystem& start, const SolverOptions& solver, double h) {
-  ParticleSystem system = start;
-  ParticleSolver stepper(solver);
-  const double before = kinetic_energy(system);
+bool is_stable(const dynamics::ParticleSystem& start, const dynamics::SolverOptions& solver, double h) {
+  dynamics::ParticleSystem system = start;
+  dynamics::ParticleSolver stepper(solver);
+  const double before = dynamics::kinetic_energy(system);
   for (int n = 0; n < 300; ++n) {
     stepper.step(system, h);
-    const double now = kinetic_energy(system);
+    const double now = dynamics::kinetic_energy(system);
     if (!(now < 1e6 * before)) return false;
   }
-  return kinetic_energy(system) <= before;
+  return dynamics::kinetic_energy(system) <= before;
 }
 
-double limit(const ParticleSystem& start, const SolverOptions& solver, double above) {
+double limit(const dynamics::ParticleSystem& start, const dynamics::SolverOptions& solver, double above) {
   double good = 0, bad = above;
   for (int n = 0; n < 16; ++n) {
     const double h = (good + bad) / 2;
@@ -62,13 +63,13 @@ void limits(const RunFile& file) {
       "## Largest stable steps, s\n\n| solver | vertices | published | 2 or 2.785 m/k | found, drag alone | found, "
       "with the dampers | dampers: said beforehand |\n|---|---|---|---|---|---|---|\n");
   for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Table 4.2, steps")) {
-    const Evolution& how = row.options.evolution;
-    const ParticleSystem with = shaken(row.options, 1);
-    const Fastest modes = fastest_modes(with);
+    const dynamics::Evolution& how = row.options.evolution;
+    const dynamics::ParticleSystem with = shaken(row.options, 1);
+    const dynamics::Fastest modes = dynamics::fastest_modes(with);
     std::printf("| %s | %zu | %g | %.4f | %.4f | %.6f | %.6f |\n", row.name.c_str(), with.size(), how.step_s,
-                step_limit_s(how.solver, how.mass_kg, with.size(), how.force.drag),
+                dynamics::step_limit_s(how.solver, how.mass_kg, with.size(), how.force.drag),
                 limit(shaken(row.options, 0), how.solver, 0.5), limit(with, how.solver, 0.05),
-                oscillator_limit_s(how.solver, 0, modes.damping));
+                dynamics::oscillator_limit_s(how.solver, 0, modes.damping));
   }
 }
 
@@ -78,13 +79,14 @@ void runs(const RunFile& file) {
       "volume, mm3 | published CPU, s; volume |\n|---|---|---|---|---|---|---|\n");
   for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Table 4.2, runs")) {
     const TriMesh start = start_of(row.options, inner_border());
-    const VectorField& field = field_of(inner_border());
+    const field::VectorField& field = field_of(inner_border());
     const double begin = cpu_ms();
-    const EvolutionResult r = evolve(start, field, inner_border(), row.options.evolution);
+    const dynamics::EvolutionResult r = dynamics::evolve(start, field, inner_border(), row.options.evolution);
     std::printf("| %s | %zu | %g | %d | %.1f | %.0f | %s |\n", row.name.c_str(), start.vertices.size(), r.step_s,
-                r.steps, cpu_ms() - begin, volume_mm3(r.mesh), row.published.c_str());
+                r.steps, cpu_ms() - begin, mesh::volume_mm3(r.mesh), row.published.c_str());
   }
-  std::printf("\nThe cavity of the data holds %.0f mm3.\n", 1000 * voxel_volume_ml(enclosed_cavity(hebron())));
+  std::printf("\nThe cavity of the data holds %.0f mm3.\n",
+              1000 * synthetic::voxel_volume_ml(synthetic::enclosed_cavity(hebron())));
 }
 
 void print(const RunFile& file) {

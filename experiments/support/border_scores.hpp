@@ -26,7 +26,7 @@ inline TrueLines true_lines(const TriMesh& surface, const Grid& grid) {
   if (surface.vertices.empty()) return lines;
   for (int k = 0; k < grid.dims[2]; ++k) {
     const Vec3 middle = to_world(grid, centre_of(grid, {0, 0, k}));
-    for (const auto& polygon : cross_section(surface, middle, grid.direction.col(2)))
+    for (const auto& polygon : mesh::cross_section(surface, middle, grid.direction.col(2)))
       for (std::size_t n = 1; n < polygon.size(); ++n) {
         const Vec3 a = to_grid(grid, polygon[n - 1]).cwiseQuotient(grid.spacing),
                    b = to_grid(grid, polygon[n]).cwiseQuotient(grid.spacing);
@@ -73,7 +73,8 @@ struct Score {
 };
 
 /// One slice. Offsets are measured away from the middle of the line.
-inline Score score_slice(const std::vector<Pixel>& pixels, const std::vector<TruePoint>& line, double tolerance_px) {
+inline Score score_slice(const std::vector<image::Pixel>& pixels, const std::vector<TruePoint>& line,
+                         double tolerance_px) {
   Score s;
   s.marked = static_cast<double>(pixels.size());
   s.wanted = static_cast<double>(line.size());
@@ -81,7 +82,7 @@ inline Score score_slice(const std::vector<Pixel>& pixels, const std::vector<Tru
   double cx = 0, cy = 0;
   for (const TruePoint& p : line) cx += p.x / s.wanted, cy += p.y / s.wanted;
   s.drawn = static_cast<double>(drawn_length(line));
-  for (const Pixel& p : pixels) {
+  for (const image::Pixel& p : pixels) {
     double least = 1e9;
     TruePoint nearest{};
     for (const TruePoint& q : line) {
@@ -95,7 +96,7 @@ inline Score score_slice(const std::vector<Pixel>& pixels, const std::vector<Tru
   }
   for (const TruePoint& q : line)
     s.found += std::any_of(pixels.begin(), pixels.end(),
-                           [&](const Pixel& p) { return std::hypot(q.x - p.i, q.y - p.j) <= tolerance_px; });
+                           [&](const image::Pixel& p) { return std::hypot(q.x - p.i, q.y - p.j) <= tolerance_px; });
   return s;
 }
 
@@ -106,10 +107,10 @@ struct Scene {
   int division_slice = -1;  // the highest slice below the cavity
 };
 
-inline Scene scene_of(const Phantom& phantom) {
+inline Scene scene_of(const synthetic::Phantom& phantom) {
   Notes notes;
   Scene scene;
-  scene.image = normalise(phantom.study.gates.front(), notes);
+  scene.image = image::normalise(phantom.study.gates.front(), notes);
   const Grid& grid = scene.image.grid;
   scene.endo = true_lines(phantom.truth.front().endo, grid);
   scene.epi = true_lines(phantom.truth.front().epi, grid);

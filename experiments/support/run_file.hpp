@@ -22,8 +22,8 @@ namespace dynasurf::experiments {
 /// One evolution of a sphere of a level (or of what `start` says) onto a border.
 struct MeshRun {
   int level = 3;
-  Placement start;
-  Evolution evolution;
+  mesh::Placement start;
+  dynamics::Evolution evolution;
 };
 void describe(auto& visit, MeshRun& o) {
   visit("level", o.level, OptionInfo{"2, 3, 4: 162, 642, 2562 vertices", "", 0, 6});
@@ -48,14 +48,16 @@ std::vector<Row<Options>> rows_of(const RunFile& file, const std::string& table)
       if (key != "name" && key != "published" && key != "options")
         throw InputError("run file: a row of '" + table + "' has '" + key + "'; expected name, published or options");
     Options options;
-    if (file.at(table).contains("common")) options_from_json(file.at(table).at("common"), options, table);
-    if (row.contains("options")) options_from_json(row.at("options"), options, table);
+    if (file.at(table).contains("common")) io::options_from_json(file.at(table).at("common"), options, table);
+    if (row.contains("options")) io::options_from_json(row.at("options"), options, table);
     rows.push_back({row.at("name"), row.value("published", ""), options});
   }
   return rows;
 }
 
-inline TriMesh start_of(const MeshRun& run, const Image& border) { return start_mesh(border, run.level, run.start); }
+inline TriMesh start_of(const MeshRun& run, const Image& border) {
+  return mesh::start_mesh(border, run.level, run.start);
+}
 
 /// Reads the file named on the command line and hands it to `print`. Errors go to the user in one line.
 template <class Print>

@@ -9,9 +9,9 @@ namespace dynasurf {
 /// Mean distance in % of the diagonal of `truth`, of 50,000 points spread over one surface to the other, both ways.
 inline double two_sided_percent(const TriMesh& mesh, const TriMesh& truth) {
   const auto one_way = [](const TriMesh& from, const TriMesh& to) {
-    const ClosestPoint closest(to);
+    const mesh::ClosestPoint closest(to);
     double sum = 0;
-    const PointCloud spread = scan_surface(from, {.points = 50000});
+    const PointCloud spread = synthetic::scan_surface(from, {.points = 50000});
     for (const Vec3& p : spread.points) sum += std::sqrt(closest(p).distance2) / 50000;
     return sum;
   };

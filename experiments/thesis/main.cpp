@@ -27,23 +27,23 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 
 Image normalised(const Image& image) {
   Notes notes;
-  return normalise(image, notes);
+  return image::normalise(image, notes);
 }
 
 double largest_gradient(const Image& f) {
-  const VectorField none = flow_field(f, Gvf{.mu = 1e-6, .iterations = 1}).field;
-  return FieldView(none).largest();
+  const field::VectorField none = field::flow_field(f, field::Gvf{.mu = 1e-6, .iterations = 1}).field;
+  return field::FieldView(none).largest();
 }
 
 /// Whether explicit flow ends finite and below 1.5 times the steepest gradient; the thesis looked at its vectors.
 bool converges(const Image& f, double mu, double divisor, int iterations) {
-  const FlowResult r =
-      flow_field(f, Gvf{.mu = mu, .iterations = iterations, .step_divisor = divisor, .safe_step = false});
-  return !r.diverged && FieldView(r.field).largest() <= 1.5 * largest_gradient(f);
+  const field::FlowResult r =
+      field::flow_field(f, field::Gvf{.mu = mu, .iterations = iterations, .step_divisor = divisor, .safe_step = false});
+  return !r.diverged && field::FieldView(r.field).largest() <= 1.5 * largest_gradient(f);
 }
 
 /// The relative difference of two fields' lengths, as table 6.12 has it: a ratio of sums, per cent.
-double difference(const VectorField& a, const VectorField& reference) {
+double difference(const field::VectorField& a, const field::VectorField& reference) {
   double sum = 0, all = 0;
   for (std::size_t n = 0; n < a.x.size(); ++n) {
     const double ours = Vec3(a.x[n], a.y[n], a.z[n]).norm();
@@ -60,12 +60,12 @@ void table_6_1() {
       "data no better and no worse.\n\n| data | iterations | stable | change until twice as many, %% "
       "|\n|---|---|---|---|\n");
   const Image grey = normalised(hebron());
-  const Image doubled = normalised(double_resolution(hebron()));
+  const Image doubled = normalised(image::double_resolution(hebron()));
   for (const auto& [name, data] : {std::pair<const char*, const Image&>{"as acquired", grey}, {"doubled", doubled}})
     for (const int iterations : {25, 50, 100}) {
-      const Gvf options{.mu = 0.15, .iterations = iterations};
-      const FlowResult now = flow_field(data, options);
-      const FlowResult later = flow_field(data, Gvf{.mu = 0.15, .iterations = 2 * iterations});
+      const field::Gvf options{.mu = 0.15, .iterations = iterations};
+      const field::FlowResult now = field::flow_field(data, options);
+      const field::FlowResult later = field::flow_field(data, field::Gvf{.mu = 0.15, .iterations = 2 * iterations});
       std::printf("| %s | %d | %s | %.1f |\n", name, iterations, now.diverged ? "no" : "yes",
                   difference(now.field, later.field));
     }
@@ -80,7 +80,7 @@ void tables_6_2_and_6_3() {
     for (const double mu : {0.01, 0.15, 0.5, 0.9})
       std::printf("| Hebron | 100 | %.0f | %.2f | %s | %s |\n", divisor, mu,
                   converges(grey, mu, divisor, 100) ? "converges" : "diverges", mu < 0.1 ? "diverges" : "converges");
-  const Image mayo = normalised(make_phantom(Mayo{}).study.gates.front());
+  const Image mayo = normalised(synthetic::make_phantom(synthetic::Mayo{}).study.gates.front());
   for (const double divisor : {8.0, 16.0})
     std::printf("| Mayo | 50 | %.0f | 0.15 | %s | %s |\n", divisor,
                 converges(mayo, 0.15, divisor, 50) ? "converges" : "diverges", divisor < 10 ? "diverges" : "converges");
@@ -91,22 +91,22 @@ struct Fit {
   int steps = 0;
 };
 
-Fit fit(const Image& border, const VectorField& field, int level, const Placement& placement, double step_s,
-        const SolverOptions& solver, bool smoothed = true) {
-  Evolution evolution = free_model();
+Fit fit(const Image& border, const field::VectorField& field, int level, const mesh::Placement& placement,
+        double step_s, const dynamics::SolverOptions& solver, bool smoothed = true) {
+  dynamics::Evolution evolution = dynamics::free_model();
   if (!smoothed) evolution.smooth_every = 0, evolution.smooth_after.sweeps = 0;
   evolution.solver = solver;
   evolution.step_s = step_s;
-  const TriMesh start = start_mesh(border, level, placement);
+  const TriMesh start = mesh::start_mesh(border, level, placement);
   const auto begin = Clock::now();
-  const EvolutionResult r = evolve(start, field, border, evolution);
+  const dynamics::EvolutionResult r = dynamics::evolve(start, field, border, evolution);
   const double seconds = seconds_since(begin);
-  return {volume_mm3(r.mesh), seconds, share_of_border_reached(r.mesh, border), r.steps};
+  return {mesh::volume_mm3(r.mesh), seconds, mesh::share_of_border_reached(r.mesh, border), r.steps};
 }
 
 /// Closed by a cover, the volume of the voxels that the outer border encloses.
 double covered_ml(const Image& border) {
-  const Image solid = enclosed_solid(border);
+  const Image solid = mesh::enclosed_solid(border);
   return static_cast<double>(std::count(solid.values.begin(), solid.values.end(), 1.f)) *
          border.grid.voxel_volume_mm3() / 1000;
 }
@@ -118,8 +118,9 @@ void table_6_8() {
       "(published 368782).\n\n| solver | vertices | dt, s | steps | CPU, s | volume, mm3 | of the data, %% | published "
       "|\n|---|---|---|---|---|---|---|---|\n",
       data);
-  const VectorField& field = field_of(outer_border());
-  const auto row = [&](const char* name, const SolverOptions& solver, int level, double dt, const char* published) {
+  const field::VectorField& field = field_of(outer_border());
+  const auto row = [&](const char* name, const dynamics::SolverOptions& solver, int level, double dt,
+                       const char* published) {
     const Fit f = fit(outer_border(), field, level, {}, dt, solver);
     std::printf("| %s | %d | %g | %d | %.4f | %.0f | %+.2f | %s |\n", name,
                 level == 2   ? 162
@@ -127,44 +128,44 @@ void table_6_8() {
                              : 2562,
                 dt, f.steps, f.seconds, f.volume_mm3, 100 * (f.volume_mm3 / data - 1), published);
   };
-  row("Euler", Euler{}, 2, 0.1, "363467, -1.44 %; 0.322 s");
-  row("midpoint", Midpoint{}, 2, 0.12, "366253, -0.68 %; 0.14 s");
-  row("RK4", Rk4{}, 2, 0.17, "363134, -1.53 %; 0.111 s");
-  row("RK4", Rk4{}, 3, 0.04, "");
-  row("RK4", Rk4{}, 4, 0.01, "");
+  row("Euler", dynamics::Euler{}, 2, 0.1, "363467, -1.44 %; 0.322 s");
+  row("midpoint", dynamics::Midpoint{}, 2, 0.12, "366253, -0.68 %; 0.14 s");
+  row("RK4", dynamics::Rk4{}, 2, 0.17, "363134, -1.53 %; 0.111 s");
+  row("RK4", dynamics::Rk4{}, 3, 0.04, "");
+  row("RK4", dynamics::Rk4{}, 4, 0.01, "");
 }
 
 void table_6_9() {
-  static const Image mayo = make_phantom(Mayo{}).study.gates.front();
-  static const Image border = external_border(mayo, 0.2, 33.55);
+  static const Image mayo = synthetic::make_phantom(synthetic::Mayo{}).study.gates.front();
+  static const Image border = synthetic::external_border(mayo, 0.2, 33.55);
   const double data = 1000 * covered_ml(border);
   std::printf(
       "\n## Table 6.9\n\nMayo, outer wall, free model, dt 0.01, 162 vertices. The data hold %.0f mm3.\n\n| smoothing | "
       "steps | volume, mm3 | of the data, %% | published |\n|---|---|---|---|---|\n",
       data);
   for (const bool smoothed : {true, false}) {
-    const Fit f = fit(border, field_of(border), 2, {}, 0.01, Rk4{}, smoothed);
+    const Fit f = fit(border, field_of(border), 2, {}, 0.01, dynamics::Rk4{}, smoothed);
     std::printf("| %s | %d | %.0f | %+.2f | errors of 1.82 and 4.36 %% |\n", smoothed ? "on" : "off", f.steps,
                 f.volume_mm3, 100 * (f.volume_mm3 / data - 1));
   }
 }
 
 void table_6_10() {
-  const double data = 1000 * voxel_volume_ml(enclosed_cavity(hebron()));
+  const double data = 1000 * synthetic::voxel_volume_ml(synthetic::enclosed_cavity(hebron()));
   std::printf(
       "\n## Table 6.10\n\nHebron, inner wall, free model. The data hold %.0f mm3 (published 42835.5).\n\n| direction | "
       "vertices | start | volume, mm3 | of the data, %% | border reached, %% | published "
       "|\n|---|---|---|---|---|---|---|\n",
       data);
-  const auto row = [&](const char* direction, int level, double size, const Placement& placement,
+  const auto row = [&](const char* direction, int level, double size, const mesh::Placement& placement,
                        const char* published) {
-    const Fit f = fit(inner_border(), field_of(inner_border()), level, placement, 0.01, Rk4{});
+    const Fit f = fit(inner_border(), field_of(inner_border()), level, placement, 0.01, dynamics::Rk4{});
     std::printf("| %s | %d | %g | %.0f | %+.1f | %.0f | %s |\n", direction, level == 2 ? 162 : 642, size, f.volume_mm3,
                 100 * (f.volume_mm3 / data - 1), 100 * f.reached, published);
   };
   for (const int level : {2, 3})
     for (const double size : {0.3, 0.6, 0.9})
-      row("from inside", level, size, {.direction = Direction::in_to_out, .inside_scale = size},
+      row("from inside", level, size, {.direction = mesh::Direction::in_to_out, .inside_scale = size},
           "39251.8, -8.36 %; 43259.9, +1.0 %");
   row("from outside", 3, 1.5, {}, "");
 }
@@ -174,14 +175,14 @@ void table_6_11(bool quick) {
       "\n## Table 6.11\n\nExplicit flow, mu 0.15, 200 iterations.\n\n| grid | CPU, s | published, s "
       "|\n|---|---|---|\n");
   const Image grey = normalised(hebron());
-  const Image doubled = normalised(double_resolution(hebron()));
+  const Image doubled = normalised(image::double_resolution(hebron()));
   double times[2] = {};
   int row = 0;
   for (const Image* data : {&grey, &doubled}) {
     double best = 1e300;
     for (int n = 0; n < (quick ? 1 : 3); ++n) {
       const auto begin = Clock::now();
-      flow_field(*data, Gvf{.mu = 0.15, .iterations = 200});
+      field::flow_field(*data, field::Gvf{.mu = 0.15, .iterations = 200});
       best = std::min(best, seconds_since(begin));
     }
     times[row] = best;

@@ -21,7 +21,7 @@ namespace {
 /// A patient whose heart, camera and noise differ from what is fitted, and whose point spread is told 10 % too wide or
 /// too narrow.
 double make_unlike(Patient& patient) {
-  Random dice(20041, static_cast<std::uint64_t>(patient.number));
+  synthetic::Random dice(20041, static_cast<std::uint64_t>(patient.number));
   const auto between = [&](double low, double high) { return low + (high - low) * dice.uniform(); };
   patient.options.irregular = {between(0.5, 1.2), between(2.5, 5), between(0, 0.15), between(0, 0.15)};
   patient.options.noise.texture = between(0.2, 0.7);
@@ -29,9 +29,9 @@ double make_unlike(Patient& patient) {
 }
 
 /// Mean distance of the fitted wall's vertices below the base from the true wall.
-double distance_mm(const TriMesh& fitted, const TriMesh& truth, const BasePlane& base) {
+double distance_mm(const TriMesh& fitted, const TriMesh& truth, const ventricle::BasePlane& base) {
   constexpr double lid_mm = 3;
-  const ClosestPoint closest(truth);
+  const mesh::ClosestPoint closest(truth);
   double sum = 0, count = 0;
   for (const Vec3& p : fitted.vertices)
     if (base.height(p) < -lid_mm) sum += std::sqrt(closest(p).distance2), count += 1;
@@ -41,32 +41,34 @@ double distance_mm(const TriMesh& fitted, const TriMesh& truth, const BasePlane&
 void examine(const std::string& generator, int number) {
   Patient patient = draw_patient(number);
   const double told = generator == "unlike" ? make_unlike(patient) : 1;
-  const Phantom phantom = scan(patient);
-  const VirtualPatient& p = patient.options;
-  VentricleOptions options = ventricle_preset("psf_corrected");
+  const synthetic::Phantom phantom = scan(patient);
+  const synthetic::VirtualPatient& p = patient.options;
+  ventricle::VentricleOptions options = ventricle::ventricle_preset("psf_corrected");
   const bool is_told = generator != "untold";
   if (is_told) options.fit.fwhm_mm = told * p.fwhm_mm, options.fit.filter_fwhm_mm = p.noise.filter_fwhm_mm;
   const auto begin = std::chrono::steady_clock::now();
-  const VentricleResult result = reconstruct(phantom.study, options);
+  const ventricle::VentricleResult result = ventricle::reconstruct(phantom.study, options);
   Row row;
   row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   row.generator = generator, row.number = number;
-  row.has_defect = p.defect != Defect::none, row.has_gut = p.gut_amplitude > 0;
+  row.has_defect = p.defect != synthetic::Defect::none, row.has_gut = p.gut_amplitude > 0;
   row.fwhm.truth = p.fwhm_mm, row.told_mm = is_told ? told * p.fwhm_mm : 0;
   row.edv = {*phantom.edv_ml, 0, 0}, row.esv = {*phantom.esv_ml, 0, 0}, row.ef = {*phantom.ef_percent, 0, 0};
-  for (const TrueGate& gate : phantom.truth)
+  for (const synthetic::TrueGate& gate : phantom.truth)
     row.wall.truth += gate.wall_ml() / static_cast<double>(phantom.truth.size());
-  row.edge_edv = result.readings.edge.edv_ml.value_or(Estimate{}).value;
-  row.edge_ef = result.readings.edge.ef_percent.value_or(Estimate{}).value;
+  row.edge_edv = result.readings.edge.edv_ml.value_or(ventricle::Estimate{}).value;
+  row.edge_ef = result.readings.edge.ef_percent.value_or(ventricle::Estimate{}).value;
   if (result.readings.psf_corrected) {
-    const FittedBeat& fit = *result.readings.psf_corrected;
-    const auto take = [](Measured& reading, const Estimate& e) { reading.value = e.value, reading.sd = e.sd; };
+    const ventricle::FittedBeat& fit = *result.readings.psf_corrected;
+    const auto take = [](Measured& reading, const ventricle::Estimate& e) {
+      reading.value = e.value, reading.sd = e.sd;
+    };
     take(row.fwhm, fit.fwhm_mm), take(row.edv, fit.edv_ml), take(row.esv, fit.esv_ml), take(row.wall, fit.wall_ml);
     if (fit.ef_percent) take(row.ef, *fit.ef_percent);
     row.wall_variation = 100 * fit.wall_variation;
     for (const int g : {fit.ed_gate, fit.es_gate}) {
-      const FittedGate& gate = fit.gates[static_cast<std::size_t>(g)];
-      const TrueGate& truth = phantom.truth[static_cast<std::size_t>(g)];
+      const ventricle::FittedGate& gate = fit.gates[static_cast<std::size_t>(g)];
+      const synthetic::TrueGate& truth = phantom.truth[static_cast<std::size_t>(g)];
       row.distance_mm +=
           (distance_mm(gate.endo, truth.endo, gate.base) + distance_mm(gate.epi, truth.epi, gate.base)) / 4;
     }

@@ -100,12 +100,12 @@ void print_held_of_both(const std::vector<Row>& all, bool reporting) {
 }
 
 /// The differences of one number, grouped by what was planted in the patients.
-void draw_agreement(const std::vector<Row>& rows, const Measured Row::*reading, const AgreementPlot& plot,
+void draw_agreement(const std::vector<Row>& rows, const Measured Row::*reading, const report::AgreementPlot& plot,
                     const std::string& file) {
-  std::vector<ReadingGroup> groups{{"neither", {}}, {"gut beside", {}}, {"defect", {}}};
+  std::vector<report::ReadingGroup> groups{{"neither", {}}, {"gut beside", {}}, {"defect", {}}};
   for (const Row& row : rows)
     groups[row.has_defect ? 2 : row.has_gut ? 1 : 0].readings.push_back({(row.*reading).truth, (row.*reading).value});
-  std::ofstream(file) << bland_altman_svg(groups, plot);
+  std::ofstream(file) << report::bland_altman_svg(groups, plot);
 }
 
 }  // namespace

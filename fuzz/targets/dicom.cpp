@@ -8,10 +8,10 @@ namespace {
 
 bool reads_study(InputFiles& files, const std::filesystem::path& path, const std::string& series = {}) {
   return reads(files.folder(), [&] {
-    const Study study = read_dicom(path, series);
+    const Study study = io::read_dicom(path, series);
     require(!study.gates.empty(), "a study has a gate");
     for (const Image& gate : study.gates) require(gate.values.size() == study.grid().size(), "every voxel has a value");
-    dicom_facts(path, series);
+    io::dicom_facts(path, series);
   });
 }
 

@@ -6,7 +6,7 @@
 
 bool dynasurf::fuzz::run_json(std::string_view bytes) {
   return reads("a.json", [&] {
-    const nlohmann::ordered_json json = parse_json(bytes, "a.json");
-    require(parse_json(json_text(json), "again") == json, "what is written is what was read");
+    const nlohmann::ordered_json json = io::parse_json(bytes, "a.json");
+    require(io::parse_json(io::json_text(json), "again") == json, "what is written is what was read");
   });
 }

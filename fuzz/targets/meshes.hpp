@@ -14,12 +14,12 @@ inline void check_mesh(const TriMesh& mesh, bool finite) {
 }
 
 /// A decoder of surfaces, then the one of clouds of the same format.
-inline bool decodes_both(std::string_view bytes, const char* name, TriMesh (*surface)(const io_detail::MeshFile&),
-                         TriMesh (*cloud)(const io_detail::MeshFile&, io_detail::VertexData&)) {
-  const io_detail::MeshFile file{name, bytes};
+inline bool decodes_both(std::string_view bytes, const char* name, TriMesh (*surface)(const io::detail::MeshFile&),
+                         TriMesh (*cloud)(const io::detail::MeshFile&, io::detail::VertexData&)) {
+  const io::detail::MeshFile file{name, bytes};
   const bool is_surface = reads(name, [&] { check_mesh(surface(file), true); });
   const bool is_cloud = reads(name, [&] {
-    io_detail::VertexData data;
+    io::detail::VertexData data;
     const TriMesh mesh = cloud(file, data);
     check_mesh(mesh, false);
     for (const std::size_t size : {data.normals.size(), data.colours.size(), data.scans.size()})

@@ -17,22 +17,22 @@ bool run_normals(std::string_view bytes) {
   if (kind == 0) {
     const auto path = files.add("normals.json", bytes);
     return reads(path.string(), [&] {
-      const NormalMap map = read_normal_groups(path).all;
+      const ventricle::NormalMap map = report::read_normal_groups(path).all;
       require(map.mean.size() == map.grid.size() && map.sd.size() == map.grid.size(), "a map has all its samples");
     });
   }
   if (kind == 1) {
     const auto path = files.add("scores.json", bytes);
     return reads(path.string(), [&] {
-      SegmentScores scores{std::vector<std::optional<int>>(17), std::vector<bool>(17)};
-      read_scores(path, scores);
+      ventricle::SegmentScores scores{std::vector<std::optional<int>>(17), std::vector<bool>(17)};
+      report::read_scores(path, scores);
     });
   }
   constexpr std::string_view border = "----\n";
   const std::size_t end = bytes.find(border);
   files.add("results.json", bytes.substr(0, end));
   files.add("measures/polar.csv", end == std::string_view::npos ? "" : bytes.substr(end + border.size()));
-  return reads(files.folder(), [&] { read_polar(files.folder()); });
+  return reads(files.folder(), [&] { report::read_polar(files.folder()); });
 }
 
 }  // namespace dynasurf::fuzz

@@ -9,7 +9,7 @@ namespace {
 
 bool reads_study(InputFiles& files, const std::filesystem::path& path) {
   return reads(files.folder(), [&] {
-    const Study study = read_nrrd(path);
+    const Study study = io::read_nrrd(path);
     require(!study.gates.empty(), "a study has a gate");
     for (const Image& gate : study.gates) require(gate.values.size() == study.grid().size(), "every voxel has a value");
   });

@@ -11,7 +11,7 @@ namespace {
 /// Options of a kind and the members they are seen by.
 struct Subject {
   test::Toy toy;  // has a member of every kind
-  PhantomOptions phantom;
+  synthetic::PhantomOptions phantom;
   OptionNodes nodes;
 };
 
@@ -27,11 +27,11 @@ void choose(Subject& subject, unsigned char byte) {
 
 /// What was taken can be written, and what is written is taken and means the same.
 void check_round_trip(const Subject& subject, unsigned char byte) {
-  const std::string text = options_to_text(subject.nodes);
+  const std::string text = io::options_to_text(subject.nodes);
   Subject again;
   choose(again, byte);
-  options_from_text(text, again.nodes, "");
-  require(options_to_text(again.nodes) == text, "options are read as they were written");
+  io::options_from_text(text, again.nodes, "");
+  require(io::options_to_text(again.nodes) == text, "options are read as they were written");
 }
 
 }  // namespace
@@ -42,7 +42,7 @@ bool run_options(std::string_view bytes) {
   const auto kind = static_cast<unsigned char>(bytes[0]);
   Subject subject;
   choose(subject, kind);
-  const bool taken = reads("", [&] { options_from_text(bytes.substr(1), subject.nodes, ""); });
+  const bool taken = reads("", [&] { io::options_from_text(bytes.substr(1), subject.nodes, ""); });
   if (taken) check_round_trip(subject, kind);
   return taken;
 }

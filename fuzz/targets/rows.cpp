@@ -6,11 +6,11 @@
 bool dynasurf::fuzz::run_rows(std::string_view bytes) {
   constexpr std::array<const char*, 4> names{"a.xyz", "a.csv", "a.pts", "a.pwn"};
   if (bytes.empty()) return false;
-  const io_detail::MeshFile file{names[static_cast<unsigned char>(bytes[0]) % names.size()], bytes.substr(1)};
+  const io::detail::MeshFile file{names[static_cast<unsigned char>(bytes[0]) % names.size()], bytes.substr(1)};
   return reads(file.name, [&] {
-    CloudSource source;
+    io::CloudSource source;
     Notes notes;
-    const PointCloud cloud = io_detail::decode_cloud(file, source, notes);
+    const PointCloud cloud = io::detail::decode_cloud(file, source, notes);
     for (const std::size_t size : {cloud.normals.size(), cloud.colours.size(), cloud.scans.size()})
       require(size == 0 || size == cloud.points.size(), "each list is empty or has one entry per point");
   });

@@ -4,10 +4,10 @@ namespace dynasurf::fuzz {
 namespace {
 
 bool decodes(std::string_view bytes, const char* name,
-             TriMesh (*cloud)(const io_detail::MeshFile&, io_detail::VertexData&)) {
-  const io_detail::MeshFile file{name, bytes};
+             TriMesh (*cloud)(const io::detail::MeshFile&, io::detail::VertexData&)) {
+  const io::detail::MeshFile file{name, bytes};
   return reads(file.name, [&] {
-    io_detail::VertexData data;
+    io::detail::VertexData data;
     const TriMesh mesh = cloud(file, data);
     check_mesh(mesh, false);
     for (const std::size_t size : {data.normals.size(), data.colours.size(), data.scans.size()})
@@ -17,7 +17,7 @@ bool decodes(std::string_view bytes, const char* name,
 
 }  // namespace
 
-bool run_pcd(std::string_view bytes) { return decodes(bytes, "a.pcd", io_detail::decode_pcd); }
-bool run_ptx(std::string_view bytes) { return decodes(bytes, "a.ptx", io_detail::decode_ptx); }
+bool run_pcd(std::string_view bytes) { return decodes(bytes, "a.pcd", io::detail::decode_pcd); }
+bool run_ptx(std::string_view bytes) { return decodes(bytes, "a.ptx", io::detail::decode_ptx); }
 
 }  // namespace dynasurf::fuzz

@@ -72,8 +72,8 @@ DYNASURF_ARITY(CloudInput, 3);
 // Found by `archive` of what holds them: by the namespace of their first argument.
 
 template <class A>
-void archive(A& a, UntangleReport& report) {
-  archive(a, static_cast<MoveReport&>(report));
+void archive(A& a, mesh::UntangleReport& report) {
+  archive(a, static_cast<mesh::MoveReport&>(report));
   archive(a, report.rounds);
   archive(a, report.found);
   archive(a, report.left);
@@ -81,25 +81,25 @@ void archive(A& a, UntangleReport& report) {
 
 /// What only the measuring of a result needs, and measuring is over.
 template <class A>
-void archive(A&, std::shared_ptr<const WallPosterior>&) {}
+void archive(A&, std::shared_ptr<const ventricle::WallPosterior>&) {}
 
 /// Segments are those of a model, which their names and numbers tell.
 template <class A>
-void archive(A& a, Segment& segment) {
+void archive(A& a, ventricle::Segment& segment) {
   std::string name(segment.name);
   archive(a, name);
   archive(a, segment.number);
   if constexpr (!A::writes)
-    for (const SegmentModel model : {SegmentModel::aha17, SegmentModel::segments20})
-      for (const Segment& known : segments_of(model))
+    for (const ventricle::SegmentModel model : {ventricle::SegmentModel::aha17, ventricle::SegmentModel::segments20})
+      for (const ventricle::Segment& known : ventricle::segments_of(model))
         if (known.name == name && known.number == segment.number) segment = known;
 }
 
 template <class A>
-void archive(A& a, VentricleOptions& options) {
-  std::string text = options_to_text(options);
+void archive(A& a, ventricle::VentricleOptions& options) {
+  std::string text = io::options_to_text(options);
   archive(a, text);
-  if constexpr (!A::writes) options_from_text(text, options);
+  if constexpr (!A::writes) io::options_from_text(text, options);
 }
 
 template <class A>
@@ -109,7 +109,7 @@ void archive(A& a, OriginStudy& study) {
 }
 template <class A>
 void archive(A& a, OriginCloud& cloud) {
-  archive(a, static_cast<CloudInput&>(cloud));
+  archive(a, static_cast<io::CloudInput&>(cloud));
   archive(a, cloud.inputs);
 }
 template <class A>

@@ -41,7 +41,7 @@ std::shared_ptr<OriginStudy> copy_of(const Study& study) {
 }
 
 void bind_study(py::module_& module) {
-  using S = CameraStudy;
+  using S = synthetic::CameraStudy;
   py::class_<S, std::shared_ptr<S>>(module, "CameraStudy", "A patient, what the camera counted, what was made of it.")
       .def_property_readonly(
           "truth", [](const std::shared_ptr<S>& s) { return held(part_of(s, s->truth)); },
@@ -65,9 +65,9 @@ void bind_camera(py::module_& module) {
   module.def(
       "make_camera_study",
       [](const std::string& options, py::object progress, int threads) {
-        const auto how = options_from<CameraPhantom>(options);
+        const auto how = options_from<synthetic::CameraPhantom>(options);
         return run_long_for({std::move(progress), threads}, [how](const Progress& told) {
-          return std::make_shared<CameraStudy>(make_camera_study(how, told));
+          return std::make_shared<synthetic::CameraStudy>(synthetic::make_camera_study(how, told));
         });
       },
       needed("options"), py::arg("progress") = py::none(), py::arg("threads") = 0);

@@ -51,31 +51,32 @@ CloudPtr cloud_from(const Numbers<double>& points, const py::object& normals, co
   return cloud;
 }
 
-std::string command_of(const OriginCloud& cloud, const CloudOptions& options, const std::string& preset) {
+std::string command_of(const OriginCloud& cloud, const cloud::CloudOptions& options, const std::string& preset) {
   std::string command = "dynasurf cloud";
   for (std::size_t n = 0; n < std::max<std::size_t>(cloud.sources.size(), 1); ++n) command += " CLOUD";
   command += " --out RESULT --preset " + preset;
-  for (const std::string& setting : settings_between(cloud_preset(preset), options)) command += " --set " + setting;
+  for (const std::string& setting : settings_between(cloud::cloud_preset(preset), options))
+    command += " --set " + setting;
   return command;
 }
 
-LodsPtr reconstruct_lods(const OriginCloud& cloud, const CloudOptions& options, const std::string& preset,
+LodsPtr reconstruct_lods(const OriginCloud& cloud, const cloud::CloudOptions& options, const std::string& preset,
                          const Progress& progress) {
-  parse_triangles(options.triangles);  // refused before any work is done
+  cloud::parse_triangles(options.triangles);  // refused before any work is done
   auto lods = std::make_shared<Lods>();
   lods->provenance.program_version = app::version();
   lods->provenance.commit = app::commit();
   lods->provenance.command = command_of(cloud, options, preset);
   lods->provenance.inputs = cloud.inputs;
-  lods->provenance.options_json = options_to_text(options);
+  lods->provenance.options_json = io::options_to_text(options);
   lods->run.sources = cloud.sources;
   StageClock clock(lods->run.seconds);
-  lods->run.result = reconstruct_cloud(cloud.cloud, options,
-                                       {[&](std::string_view stage, int done, int total) {
-                                          clock.enter(stage);
-                                          progress(stage, done, total);
-                                        },
-                                        progress.stop});
+  lods->run.result = cloud::reconstruct_cloud(cloud.cloud, options,
+                                              {[&](std::string_view stage, int done, int total) {
+                                                 clock.enter(stage);
+                                                 progress(stage, done, total);
+                                               },
+                                               progress.stop});
   clock.stop();
   Notes& notes = lods->run.result.notes;
   notes.insert(notes.begin(), cloud.notes.begin(), cloud.notes.end());
@@ -84,21 +85,22 @@ LodsPtr reconstruct_lods(const OriginCloud& cloud, const CloudOptions& options, 
 
 void save(const Lods& lods, const std::filesystem::path& out, const std::vector<std::string>& mesh_formats,
           bool textures, bool timings, bool replace) {
-  const CloudRecord record{formats_from(mesh_formats), textures, timings ? Timings::keep : Timings::omit};
-  OutputFolder folder(out, replace ? Existing::move_aside : Existing::replace);
-  CloudRun run = lods.run;
+  const report::CloudRecord record{formats_from(mesh_formats), textures,
+                                   timings ? report::Timings::keep : report::Timings::omit};
+  io::OutputFolder folder(out, replace ? io::Existing::move_aside : io::Existing::replace);
+  report::CloudRun run = lods.run;
   StageClock clock(run.seconds);
   clock.enter("write");
-  write_cloud_files(run, lods.provenance, {record.mesh_formats, textures}, folder.path());
+  report::write_cloud_files(run, lods.provenance, {record.mesh_formats, textures}, folder.path());
   clock.stop();
   rusage usage{};
   if (getrusage(RUSAGE_SELF, &usage) == 0) run.peak_bytes = static_cast<std::size_t>(usage.ru_maxrss) * 1024;
-  write_file(folder.path() / "results.json", cloud_results_text(run, lods.provenance, record));
+  io::write_file(folder.path() / "results.json", report::cloud_results_text(run, lods.provenance, record));
   folder.publish();
 }
 
 void bind_certificate(py::module_& module) {
-  using C = Certificate;
+  using C = cloud::Certificate;
   py::class_<C>(module, "Certificate", "What a mesh is, without tolerances, and how far it lies from its cloud.")
       .def_property_readonly("watertight", &C::watertight, "May it be published as watertight?")
       .def_readonly("vertices", &C::vertices)
@@ -126,12 +128,12 @@ void bind_certificate(py::module_& module) {
       });
   module.def(
       "certify",
-      [](const std::shared_ptr<TriMesh>& mesh, const CloudPtr& cloud) { return certify(*mesh, cloud->cloud); },
+      [](const std::shared_ptr<TriMesh>& mesh, const CloudPtr& cloud) { return cloud::certify(*mesh, cloud->cloud); },
       needed("mesh"), needed("cloud"), py::call_guard<py::gil_scoped_release>());
 }
 
 void bind_levels(py::module_& module) {
-  using L = CloudLevel;
+  using L = cloud::CloudLevel;
   py::class_<L, std::shared_ptr<L>>(module, "CloudLevel", "One mesh, fitted to the cloud, in the cloud's unit.")
       .def_readonly("certificate", &L::certificate)
       .def_readonly("triangles_asked", &L::triangles_asked)
@@ -155,18 +157,18 @@ void bind_levels(py::module_& module) {
 }
 
 void bind_result(py::module_& module) {
-  py::class_<CloudFacts>(module, "CloudFacts", "What was found in the cloud; lengths in its unit.")
-      .def_readonly("points", &CloudFacts::points)
-      .def_readonly("not_finite", &CloudFacts::not_finite)
-      .def_readonly("duplicates", &CloudFacts::duplicates)
-      .def_readonly("outliers", &CloudFacts::outliers)
-      .def_readonly("points_used", &CloudFacts::points_used)
-      .def_readonly("diagonal", &CloudFacts::diagonal)
-      .def_readonly("spacing", &CloudFacts::spacing)
-      .def_readonly("noise", &CloudFacts::noise)
-      .def_readonly("cells", &CloudFacts::cells)
-      .def_readonly("parts", &CloudFacts::parts)
-      .def_readonly("genus", &CloudFacts::genus);
+  py::class_<cloud::CloudFacts>(module, "CloudFacts", "What was found in the cloud; lengths in its unit.")
+      .def_readonly("points", &cloud::CloudFacts::points)
+      .def_readonly("not_finite", &cloud::CloudFacts::not_finite)
+      .def_readonly("duplicates", &cloud::CloudFacts::duplicates)
+      .def_readonly("outliers", &cloud::CloudFacts::outliers)
+      .def_readonly("points_used", &cloud::CloudFacts::points_used)
+      .def_readonly("diagonal", &cloud::CloudFacts::diagonal)
+      .def_readonly("spacing", &cloud::CloudFacts::spacing)
+      .def_readonly("noise", &cloud::CloudFacts::noise)
+      .def_readonly("cells", &cloud::CloudFacts::cells)
+      .def_readonly("parts", &cloud::CloudFacts::parts)
+      .def_readonly("genus", &cloud::CloudFacts::genus);
   py::class_<Lods, LodsPtr>(module, "CloudResult", "Closed meshes of a cloud, finest first.", py::dynamic_attr())
       .def(by_pickle<Lods>())
       .def("__len__", [](const Lods& l) { return l.run.result.levels.size(); })
@@ -179,18 +181,20 @@ void bind_result(py::module_& module) {
            })
       .def_property_readonly("facts", [](const Lods& l) { return l.run.result.facts; })
       .def_property_readonly("notes", [](const Lods& l) { return l.run.result.notes; })
-      .def_property_readonly("watertight", [](const Lods& l) { return is_watertight(l.run.result); })
-      .def_property_readonly("trustworthy", [](const Lods& l) { return is_trustworthy(l.run.result); })
+      .def_property_readonly("watertight", [](const Lods& l) { return cloud::is_watertight(l.run.result); })
+      .def_property_readonly("trustworthy", [](const Lods& l) { return report::is_trustworthy(l.run.result); })
       .def_property_readonly("command", [](const Lods& l) { return l.provenance.command; })
       .def(
           "results_text",
           [](const Lods& l, bool timings) {
-            return cloud_results_text(l.run, l.provenance,
-                                      {{MeshFormat::ply}, false, timings ? Timings::keep : Timings::omit});
+            return report::cloud_results_text(
+                l.run, l.provenance,
+                {{io::MeshFormat::ply}, false, timings ? report::Timings::keep : report::Timings::omit});
           },
           py::arg("timings") = true, py::call_guard<py::gil_scoped_release>())
       .def(
-          "report_html", [](const Lods& l) { return cloud_report_html(l.run, l.provenance, Timings::omit); },
+          "report_html",
+          [](const Lods& l) { return report::cloud_report_html(l.run, l.provenance, report::Timings::omit); },
           py::call_guard<py::gil_scoped_release>())
       .def("_options_text", [](const Lods& l) { return l.provenance.options_json; })
       .def("_save", &save, needed("folder"), needed("mesh_formats"), needed("textures"), needed("timings"),
@@ -217,7 +221,7 @@ void bind_cloud(py::module_& module) {
       "reconstruct_cloud",
       [](const CloudPtr& cloud, const std::string& options, const std::string& preset, py::object progress,
          int threads) {
-        const auto how = options_from<CloudOptions>(options);
+        const auto how = options_from<cloud::CloudOptions>(options);
         return run_long_for({std::move(progress), threads},
                             [=](const Progress& told) { return reconstruct_lods(*cloud, how, preset, told); });
       },

@@ -8,14 +8,14 @@
 namespace dynasurf::python {
 
 /// A cloud that knows the files it was read from.
-struct OriginCloud : CloudInput {
-  std::vector<InputFile> inputs;  // empty for arrays
+struct OriginCloud : io::CloudInput {
+  std::vector<report::InputFile> inputs;  // empty for arrays
 };
 
 /// A finished run of the cloud application: the result, and where it comes from.
 struct Lods {
-  CloudRun run;
-  Provenance provenance;
+  report::CloudRun run;
+  report::Provenance provenance;
 };
 
 }  // namespace dynasurf::python

@@ -19,9 +19,9 @@ std::string first_difference(const nlohmann::ordered_json& from, const nlohmann:
 template <Described O>
 std::vector<std::string> settings_between(O from, O to) {
   std::vector<std::string> settings;
-  const auto wanted = options_to_json(nodes_of(to));
+  const auto wanted = io::options_to_json(nodes_of(to));
   while (true) {
-    std::string next = first_difference(options_to_json(nodes_of(from)), wanted);
+    std::string next = first_difference(io::options_to_json(nodes_of(from)), wanted);
     if (next.empty()) return settings;
     set_option(from, next);
     settings.push_back(std::move(next));

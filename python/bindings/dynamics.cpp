@@ -20,9 +20,9 @@ py::array copy_of(std::span<const Vec3> rows) {
 }
 
 /// A function of (positions, velocities) that returns the force on every particle.
-Force force_from(const std::string& name, py::object function) {
+dynamics::Force force_from(const std::string& name, py::object function) {
   const SharedFunction called = shared_function(std::move(function));
-  return {name, [name, called](const ParticleState& state, std::span<Vec3> forces) {
+  return {name, [name, called](const dynamics::ParticleState& state, std::span<Vec3> forces) {
             const py::gil_scoped_acquire acquire;
             const py::object told = (*called)(copy_of(state.positions), copy_of(state.velocities));
             const std::vector<Vec3> added = points_from(py::cast<Numbers<double>>(told), "the forces of " + name);
@@ -33,7 +33,7 @@ Force force_from(const std::string& name, py::object function) {
           }};
 }
 
-OwnStop stop_from(py::object function) {
+dynamics::OwnStop stop_from(py::object function) {
   const SharedFunction called = shared_function(std::move(function));
   return [called](const Vec3& from, const Vec3& to) -> std::optional<Vec3> {
     const py::gil_scoped_acquire acquire;
@@ -43,8 +43,8 @@ OwnStop stop_from(py::object function) {
   };
 }
 
-Additions additions_from(const py::dict& forces, const py::object& stop, const std::shared_ptr<Image>& drag) {
-  Additions own;
+dynamics::Additions additions_from(const py::dict& forces, const py::object& stop, const std::shared_ptr<Image>& drag) {
+  dynamics::Additions own;
   for (const auto& [name, function] : forces)
     own.forces.push_back(force_from(py::cast<std::string>(name), py::reinterpret_borrow<py::object>(function)));
   if (!stop.is_none()) own.stop = stop_from(stop);
@@ -52,10 +52,10 @@ Additions additions_from(const py::dict& forces, const py::object& stop, const s
   return own;
 }
 
-std::string reason_of(const EvolutionResult& result) { return std::string(name_of(result.reason)); }
+std::string reason_of(const dynamics::EvolutionResult& result) { return std::string(dynamics::name_of(result.reason)); }
 
 void bind_result(py::module_& module) {
-  using R = EvolutionResult;
+  using R = dynamics::EvolutionResult;
   py::class_<R, std::shared_ptr<R>>(module, "EvolutionResult", "A mesh that was moved, and how its motion ended.")
       .def_property_readonly(
           "mesh", [](const std::shared_ptr<R>& r) { return held(part_of(r, r->mesh)); }, "In the field's grid frame.")
@@ -90,34 +90,35 @@ void bind_stepper(py::module_& module) {
 }  // namespace
 
 void bind_dynamics(py::module_& module) {
-  using Planes = BorderPlanes;
+  using Planes = dynamics::BorderPlanes;
   py::class_<Planes, std::shared_ptr<Planes>>(module, "BorderPlanes", "Where a border runs inside its voxels.");
   bind_result(module);
   bind_stepper(module);
   module.def(
       "evolve",
-      [](const std::shared_ptr<TriMesh>& start, const std::shared_ptr<VectorField>& field,
+      [](const std::shared_ptr<TriMesh>& start, const std::shared_ptr<field::VectorField>& field,
          const std::shared_ptr<Image>& border, const std::string& options, const std::shared_ptr<Planes>& planes,
          const py::dict& forces, const py::object& stop, const std::shared_ptr<Image>& drag, py::object progress,
          int threads) {
-        const auto how = options_from<Evolution>(options);
-        return run_long_for(
-            {std::move(progress), threads}, [=, own = additions_from(forces, stop, drag)](const Progress& told) {
-              return std::make_shared<EvolutionResult>(evolve(*start, *field, *border, how, told, planes.get(), own));
-            });
+        const auto how = options_from<dynamics::Evolution>(options);
+        return run_long_for({std::move(progress), threads},
+                            [=, own = additions_from(forces, stop, drag)](const Progress& told) {
+                              return std::make_shared<dynamics::EvolutionResult>(
+                                  dynamics::evolve(*start, *field, *border, how, told, planes.get(), own));
+                            });
       },
       needed("start"), needed("field"), needed("border"), needed("options"),
       py::arg("planes") = std::shared_ptr<Planes>(), py::arg("forces") = py::dict(), py::arg("stop") = py::none(),
       py::arg("drag") = std::shared_ptr<Image>(), py::arg("progress") = py::none(), py::arg("threads") = 0);
   module.def(
       "evolve_steps",
-      [](const std::shared_ptr<TriMesh>& start, const std::shared_ptr<VectorField>& field,
+      [](const std::shared_ptr<TriMesh>& start, const std::shared_ptr<field::VectorField>& field,
          const std::shared_ptr<Image>& border, const std::string& options, const std::shared_ptr<Planes>& planes,
          const py::dict& forces, const py::object& stop, const std::shared_ptr<Image>& drag, int every) {
         if (every < 1) throw OptionError("every is " + std::to_string(every) + "; expected 1 or more steps");
-        return std::make_shared<Stepper>(
-            Motion{start, field, border, options_from<Evolution>(options), planes, additions_from(forces, stop, drag)},
-            every);
+        return std::make_shared<Stepper>(Motion{start, field, border, options_from<dynamics::Evolution>(options),
+                                                planes, additions_from(forces, stop, drag)},
+                                         every);
       },
       needed("start"), needed("field"), needed("border"), needed("options"),
       py::arg("planes") = std::shared_ptr<Planes>(), py::arg("forces") = py::dict(), py::arg("stop") = py::none(),

@@ -9,13 +9,13 @@ namespace dynasurf::python {
 namespace {
 
 /// The components stand apart in memory: a tuple of views.
-py::tuple components(const std::shared_ptr<VectorField>& f) {
+py::tuple components(const std::shared_ptr<field::VectorField>& f) {
   const auto& [x, y, z] = f->grid.dims;
   const std::vector<py::ssize_t> shape{z, y, x};
   return py::make_tuple(view_of(f->x.data(), shape, f), view_of(f->y.data(), shape, f), view_of(f->z.data(), shape, f));
 }
 
-py::array stacked(const VectorField& f) {
+py::array stacked(const field::VectorField& f) {
   const auto& [x, y, z] = f.grid.dims;
   py::array_t<float> array({3, z, y, x});
   float* to = array.mutable_data();
@@ -23,11 +23,11 @@ py::array stacked(const VectorField& f) {
   return array;
 }
 
-std::shared_ptr<VectorField> field_from(const Numbers<float>& array, const Grid& grid) {
+std::shared_ptr<field::VectorField> field_from(const Numbers<float>& array, const Grid& grid) {
   const auto& [x, y, z] = grid.dims;
   if (array.ndim() != 4 || array.shape(0) != 3 || array.shape(1) != z || array.shape(2) != y || array.shape(3) != x)
     throw OptionError("array has the shape " + shape_text(array) + "; expected (3, z, y, x) of the grid");
-  auto field = std::make_shared<VectorField>();
+  auto field = std::make_shared<field::VectorField>();
   field->grid = grid;
   const float* from = array.data();
   for (auto* part : {&field->x, &field->y, &field->z}) {
@@ -38,7 +38,7 @@ std::shared_ptr<VectorField> field_from(const Numbers<float>& array, const Grid&
 }
 
 void bind_result(py::module_& module) {
-  using F = FlowResult;
+  using F = field::FlowResult;
   py::class_<F, std::shared_ptr<F>>(module, "FlowResult", "A field and how it was reached.")
       .def_property_readonly(
           "field", [](const std::shared_ptr<F>& r) { return held(part_of(r, r->field)); }, "The VectorField.")
@@ -53,7 +53,7 @@ void bind_result(py::module_& module) {
 }  // namespace
 
 void bind_field(py::module_& module) {
-  using V = VectorField;
+  using V = field::VectorField;
   py::class_<V, std::shared_ptr<V>>(module, "VectorField", "One vector per voxel, along the axes of its grid, 1/mm.")
       .def(py::init(
                [](const Numbers<float>& array, const std::shared_ptr<Grid>& grid) { return field_from(array, *grid); }),
@@ -66,18 +66,18 @@ void bind_field(py::module_& module) {
   module.def(
       "flow_field",
       [](const std::shared_ptr<Image>& map, const std::string& options, py::object progress, int threads) {
-        const auto method = family_from<FieldOptions>(options);
+        const auto method = family_from<field::FieldOptions>(options);
         return run_long_for({std::move(progress), threads}, [map, method](const Progress& told) {
-          return std::make_shared<FlowResult>(flow_field(*map, method, told));
+          return std::make_shared<field::FlowResult>(field::flow_field(*map, method, told));
         });
       },
       needed("edge_map"), needed("options"), py::arg("progress") = py::none(), py::arg("threads") = 0);
   module.def(
       "edge_map_of",
       [](const std::shared_ptr<Image>& image, const std::string& options) {
-        const auto method = options_from<EdgeMapOptions>(options);
+        const auto method = options_from<field::EdgeMapOptions>(options);
         const py::gil_scoped_release release;
-        return std::make_shared<Image>(edge_map_of(*image, method));
+        return std::make_shared<Image>(field::edge_map_of(*image, method));
       },
       needed("image"), needed("options"));
 }

@@ -16,13 +16,13 @@ namespace {
 /// The command line that gives the same result, without paths. What a person can only do in Python is told by notes.
 std::string command_of(const HeartRun& run) {
   std::string command = "dynasurf ventricle STUDY --out RESULT --preset " + run.preset;
-  VentricleOptions options = run.options;
+  ventricle::VentricleOptions options = run.options;
   if (run.start) {
     command += " --start MESH";
-    options.placement.shape = VentricleOptions{}.placement.shape;  // --start says so
+    options.placement.shape = ventricle::VentricleOptions{}.placement.shape;  // --start says so
   }
   if (run.mask) command += " --mask MASK";
-  for (const std::string& setting : settings_between(ventricle_preset(run.preset), options))
+  for (const std::string& setting : settings_between(ventricle::ventricle_preset(run.preset), options))
     command += " --set " + setting;
   if (!run.study->series.empty()) command += " --series " + run.study->series;
   return command;
@@ -30,10 +30,10 @@ std::string command_of(const HeartRun& run) {
 
 }  // namespace
 
-std::vector<MeshFormat> formats_from(const std::vector<std::string>& words) {
-  std::vector<MeshFormat> formats;
+std::vector<io::MeshFormat> formats_from(const std::vector<std::string>& words) {
+  std::vector<io::MeshFormat> formats;
   for (const std::string& word : words)
-    formats.push_back(static_cast<MeshFormat>(position_of(names_of(MeshFormat{}), word, "mesh_formats")));
+    formats.push_back(static_cast<io::MeshFormat>(position_of(io::names_of(io::MeshFormat{}), word, "mesh_formats")));
   return formats;
 }
 
@@ -44,29 +44,30 @@ std::shared_ptr<Heart> reconstruct_heart(const HeartRun& run, const Progress& pr
   heart->provenance.commit = app::commit();
   heart->provenance.command = command_of(run);
   heart->provenance.inputs = run.study->inputs;
-  heart->provenance.options_json = options_to_text(run.options);
+  heart->provenance.options_json = io::options_to_text(run.options);
   heart->study = run.study;
   heart->mask_sha256 = run.mask_sha256;
   heart->start_sha256 = run.start_sha256;
-  heart->result = reconstruct(*run.study, run.options, progress, {}, run.start.get(), run.mask.get(), run.own);
+  heart->result =
+      ventricle::reconstruct(*run.study, run.options, progress, {}, run.start.get(), run.mask.get(), run.own);
   return heart;
 }
 
 void save_heart(const Heart& heart, const std::filesystem::path& out, const HeartOutputs& outputs) {
-  check_labels(outputs.labels, "labels");
-  VentricleRecord record;
+  report::check_labels(outputs.labels, "labels");
+  report::VentricleRecord record;
   record.mask_sha256 = heart.mask_sha256;
   record.start_mesh_sha256 = heart.start_sha256;
   record.mesh_formats = formats_from(outputs.mesh_formats);
   record.labels = outputs.labels;
-  record.timings = outputs.timings ? Timings::keep : Timings::omit;
-  OutputFolder folder(out, outputs.replace ? Existing::move_aside : Existing::replace);
-  write_study_files(heart.result, heart.provenance,
-                    {record.mesh_formats, heart.options.keyframes, Timings::omit,
-                     ventricle_results_text(heart.result, heart.provenance, record)},
-                    folder.path());
+  record.timings = outputs.timings ? report::Timings::keep : report::Timings::omit;
+  io::OutputFolder folder(out, outputs.replace ? io::Existing::move_aside : io::Existing::replace);
+  report::write_study_files(heart.result, heart.provenance,
+                            {record.mesh_formats, heart.options.keyframes, report::Timings::omit,
+                             report::ventricle_results_text(heart.result, heart.provenance, record)},
+                            folder.path());
   if (!outputs.labels.ending.empty())
-    write_label_volumes(heart.result, *heart.study, outputs.labels, folder.path() / "labels");
+    report::write_label_volumes(heart.result, *heart.study, outputs.labels, folder.path() / "labels");
   folder.publish();
 }
 

@@ -17,18 +17,18 @@ namespace dynasurf::python {
 struct HeartRun {
   std::shared_ptr<OriginStudy> study;
   std::string preset;
-  VentricleOptions options;
+  ventricle::VentricleOptions options;
   std::shared_ptr<Image> mask;
   std::shared_ptr<TriMesh> start;
   std::optional<std::string> mask_sha256, start_sha256;  // of the files they come from
-  OwnStages own;
+  ventricle::OwnStages own;
 };
 
 /// A finished run: the result, and where it comes from.
 struct Heart {
-  VentricleResult result;
-  VentricleOptions options;
-  Provenance provenance;
+  ventricle::VentricleResult result;
+  ventricle::VentricleOptions options;
+  report::Provenance provenance;
   std::optional<std::string> mask_sha256, start_sha256;
   std::shared_ptr<OriginStudy> study;  // as given: labels lie on its grid
 };
@@ -37,7 +37,7 @@ struct Heart {
 struct HeartOutputs {
   std::vector<std::string> mesh_formats;
   bool timings = true, replace = false;
-  LabelOutput labels;
+  report::LabelOutput labels;
 };
 
 std::shared_ptr<Heart> reconstruct_heart(const HeartRun& run, const Progress& progress);
@@ -46,6 +46,6 @@ std::shared_ptr<Heart> reconstruct_heart(const HeartRun& run, const Progress& pr
 void save_heart(const Heart& heart, const std::filesystem::path& folder, const HeartOutputs& outputs);
 
 /// The formats by their words. Throws OptionError.
-std::vector<MeshFormat> formats_from(const std::vector<std::string>& words);
+std::vector<io::MeshFormat> formats_from(const std::vector<std::string>& words);
 
 }  // namespace dynasurf::python

@@ -11,17 +11,18 @@
 namespace dynasurf::python {
 namespace {
 
-std::shared_ptr<EdgeMap> detect(const std::shared_ptr<Image>& image, const std::string& options,
-                                const RunArguments& run) {
-  const auto method = family_from<EdgeOptions>(options);
-  return run_long_for(
-      run, [image, method](const Progress&) { return std::make_shared<EdgeMap>(detect_edges(*image, method)); });
+std::shared_ptr<image::EdgeMap> detect(const std::shared_ptr<Image>& image, const std::string& options,
+                                       const RunArguments& run) {
+  const auto method = family_from<image::EdgeOptions>(options);
+  return run_long_for(run, [image, method](const Progress&) {
+    return std::make_shared<image::EdgeMap>(image::detect_edges(*image, method));
+  });
 }
 
 }  // namespace
 
-std::shared_ptr<EdgeMap> edges_from(const std::shared_ptr<Mask>& edges, const std::shared_ptr<Image>& gradient) {
-  auto map = std::make_shared<EdgeMap>();
+std::shared_ptr<image::EdgeMap> edges_from(const std::shared_ptr<Mask>& edges, const std::shared_ptr<Image>& gradient) {
+  auto map = std::make_shared<image::EdgeMap>();
   map->edges = *edges;
   map->gradient = gradient ? *gradient : Image(edges->grid);
   if (map->gradient.grid.dims != edges->grid.dims)
@@ -30,7 +31,7 @@ std::shared_ptr<EdgeMap> edges_from(const std::shared_ptr<Mask>& edges, const st
 }
 
 void bind_image(py::module_& module) {
-  using E = EdgeMap;
+  using E = image::EdgeMap;
   py::class_<E, std::shared_ptr<E>>(module, "EdgeMap", "Edges of every slice.")
       .def(py::init(&edges_from), needed("edges"), py::arg("gradient") = std::shared_ptr<Image>())
       .def_property_readonly(

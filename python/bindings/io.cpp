@@ -17,14 +17,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-InputFile input_of(const fs::path& file, std::size_t position) {
-  return {neutral_name(file, position), sha256_of_file(file), fs::file_size(file)};
+report::InputFile input_of(const fs::path& file, std::size_t position) {
+  return {report::neutral_name(file, position), io::sha256_of_file(file), fs::file_size(file)};
 }
 
 std::shared_ptr<OriginStudy> read(const fs::path& path, const std::string& series) {
   const py::gil_scoped_release release;
-  auto study = std::make_shared<OriginStudy>(read_study(path, series));
-  for (const fs::path& file : files_of_study(path, series))
+  auto study = std::make_shared<OriginStudy>(io::read_study(path, series));
+  for (const fs::path& file : io::files_of_study(path, series))
     study->inputs.push_back(input_of(file, study->inputs.size()));
   return study;
 }
@@ -32,19 +32,19 @@ std::shared_ptr<OriginStudy> read(const fs::path& path, const std::string& serie
 std::shared_ptr<OriginCloud> read_points(const std::vector<fs::path>& files) {
   const py::gil_scoped_release release;
   auto cloud = std::make_shared<OriginCloud>();
-  static_cast<CloudInput&>(*cloud) = read_cloud(files);
+  static_cast<io::CloudInput&>(*cloud) = io::read_cloud(files);
   for (const fs::path& file : files) cloud->inputs.push_back(input_of(file, cloud->inputs.size()));
   return cloud;
 }
 
-MeshFormat format_of(const fs::path& path) {
+io::MeshFormat format_of(const fs::path& path) {
   std::string ending = path.extension().string();
   if (!ending.empty()) ending.erase(0, 1);
-  const auto names = names_of(MeshFormat{});
+  const auto names = io::names_of(io::MeshFormat{});
   const auto found = std::find(names.begin(), names.end(), ending);
   if (found == names.end())
     throw OptionError(path.string() + " ends in '." + ending + "'; expected .ply, .stl, .obj, .off, .vtp or .glb");
-  return static_cast<MeshFormat>(found - names.begin());
+  return static_cast<io::MeshFormat>(found - names.begin());
 }
 
 }  // namespace
@@ -52,27 +52,29 @@ MeshFormat format_of(const fs::path& path) {
 void bind_io(py::module_& module) {
   using release_lock = py::call_guard<py::gil_scoped_release>;
   module.def("read_study", &read, needed("path"), py::arg("series") = "");
-  module.def("sha256_of_file", &sha256_of_file, needed("path"), release_lock());
+  module.def("sha256_of_file", &io::sha256_of_file, needed("path"), release_lock());
   module.def("read_cloud", &read_points, needed("files"));
   module.def(
-      "read_mesh", [](const fs::path& path) { return std::make_shared<TriMesh>(read_mesh(path)); }, needed("path"),
+      "read_mesh", [](const fs::path& path) { return std::make_shared<TriMesh>(io::read_mesh(path)); }, needed("path"),
       release_lock());
   module.def(
       "write_mesh",
-      [](const std::shared_ptr<TriMesh>& mesh, const fs::path& path) { write_mesh(*mesh, path, format_of(path)); },
+      [](const std::shared_ptr<TriMesh>& mesh, const fs::path& path) { io::write_mesh(*mesh, path, format_of(path)); },
       needed("mesh"), needed("path"), release_lock());
   module.def(
-      "write_nifti", [](const std::shared_ptr<OriginStudy>& study, const fs::path& path) { write_nifti(*study, path); },
+      "write_nifti",
+      [](const std::shared_ptr<OriginStudy>& study, const fs::path& path) { io::write_nifti(*study, path); },
       needed("study"), needed("path"), release_lock());
   module.def(
-      "write_nrrd", [](const std::shared_ptr<OriginStudy>& study, const fs::path& path) { write_nrrd(*study, path); },
+      "write_nrrd",
+      [](const std::shared_ptr<OriginStudy>& study, const fs::path& path) { io::write_nrrd(*study, path); },
       needed("study"), needed("path"), release_lock());
   module.def(
       "write_dicom",
       [](const std::shared_ptr<OriginStudy>& study, const fs::path& path, double counts_scale) {
-        DicomWriteOptions options;
+        io::DicomWriteOptions options;
         options.counts_scale = counts_scale;
-        write_dicom(*study, path, options);
+        io::write_dicom(*study, path, options);
       },
       needed("study"), needed("path"), py::arg("counts_scale") = 1.0, release_lock());
 }

@@ -16,7 +16,7 @@ using release_lock = py::call_guard<py::gil_scoped_release>;
 
 py::list polygons_of(const Mesh& mesh, const Numbers<double>& point, const Numbers<double>& normal) {
   py::list polygons;
-  for (const auto& polygon : cross_section(*mesh, vector_from(point, "point"), vector_from(normal, "normal"))) {
+  for (const auto& polygon : mesh::cross_section(*mesh, vector_from(point, "point"), vector_from(normal, "normal"))) {
     py::array_t<double> rows({static_cast<py::ssize_t>(polygon.size()), py::ssize_t{3}});
     for (std::size_t p = 0; p < polygon.size(); ++p)
       std::copy_n(polygon[p].data(), 3, rows.mutable_data(static_cast<py::ssize_t>(p), 0));
@@ -26,7 +26,7 @@ py::list polygons_of(const Mesh& mesh, const Numbers<double>& point, const Numbe
 }
 
 void bind_tetrahedra(py::module_& module) {
-  using T = TetMesh;
+  using T = mesh::TetMesh;
   py::class_<T, std::shared_ptr<T>>(module, "TetMesh", "A solid of tetrahedra with positive volumes; mm.")
       .def_property_readonly(
           "vertices", [](const std::shared_ptr<T>& t) { return view_of(t->vertices, t); },
@@ -37,28 +37,28 @@ void bind_tetrahedra(py::module_& module) {
   module.def(
       "fill_between",
       [](const Mesh& inner, const Mesh& outer, int layers) {
-        return std::make_shared<TetMesh>(fill_between(*inner, *outer, layers));
+        return std::make_shared<mesh::TetMesh>(mesh::fill_between(*inner, *outer, layers));
       },
       needed("inner"), needed("outer"), py::arg("layers") = 1, release_lock());
 }
 
 void bind_quality(py::module_& module) {
-  py::class_<SurfaceCheck>(module, "SurfaceCheck", "What a published surface must be.")
-      .def_readonly("closed", &SurfaceCheck::closed)
-      .def_readonly("manifold", &SurfaceCheck::manifold)
-      .def_readonly("oriented", &SurfaceCheck::oriented)
-      .def_readonly("self_intersections", &SurfaceCheck::self_intersections)
-      .def_readonly("flat_triangles", &SurfaceCheck::flat_triangles)
-      .def_property_readonly("valid", &SurfaceCheck::valid);
+  py::class_<mesh::SurfaceCheck>(module, "SurfaceCheck", "What a published surface must be.")
+      .def_readonly("closed", &mesh::SurfaceCheck::closed)
+      .def_readonly("manifold", &mesh::SurfaceCheck::manifold)
+      .def_readonly("oriented", &mesh::SurfaceCheck::oriented)
+      .def_readonly("self_intersections", &mesh::SurfaceCheck::self_intersections)
+      .def_readonly("flat_triangles", &mesh::SurfaceCheck::flat_triangles)
+      .def_property_readonly("valid", &mesh::SurfaceCheck::valid);
   module.def(
-      "check_surface", [](const Mesh& mesh) { return check_surface(*mesh); }, needed("mesh"), release_lock());
+      "check_surface", [](const Mesh& mesh) { return mesh::check_surface(*mesh); }, needed("mesh"), release_lock());
   module.def(
-      "volume_mm3", [](const Mesh& mesh) { return volume_mm3(*mesh); }, needed("mesh"), release_lock());
+      "volume_mm3", [](const Mesh& mesh) { return mesh::volume_mm3(*mesh); }, needed("mesh"), release_lock());
   module.def(
-      "volume_mm3", [](const std::shared_ptr<TetMesh>& solid) { return volume_mm3(*solid); }, needed("mesh"),
-      release_lock());
+      "volume_mm3", [](const std::shared_ptr<mesh::TetMesh>& solid) { return mesh::volume_mm3(*solid); },
+      needed("mesh"), release_lock());
   module.def(
-      "area_mm2", [](const Mesh& mesh) { return area_mm2(*mesh); }, needed("mesh"), release_lock());
+      "area_mm2", [](const Mesh& mesh) { return mesh::area_mm2(*mesh); }, needed("mesh"), release_lock());
   module.def("cross_section", &polygons_of, needed("mesh"), needed("point"), needed("normal"));
 }
 
@@ -66,14 +66,14 @@ void bind_quality(py::module_& module) {
 
 void bind_mesh(py::module_& module) {
   module.def(
-      "icosphere", [](int level) { return std::make_shared<TriMesh>(icosphere(level)); }, needed("level"),
+      "icosphere", [](int level) { return std::make_shared<TriMesh>(mesh::icosphere(level)); }, needed("level"),
       release_lock());
   module.def(
       "start_mesh",
       [](const std::shared_ptr<Image>& border, int level, const std::string& options, const Mesh& given) {
-        const auto placement = options_from<Placement>(options);
+        const auto placement = options_from<mesh::Placement>(options);
         const py::gil_scoped_release release;
-        return std::make_shared<TriMesh>(start_mesh(*border, level, placement, given.get()));
+        return std::make_shared<TriMesh>(mesh::start_mesh(*border, level, placement, given.get()));
       },
       needed("border"), needed("level"), needed("placement"), py::arg("given") = Mesh());
   module.def(
@@ -91,7 +91,7 @@ void bind_mesh(py::module_& module) {
   module.def(
       "voxel_parts",
       [](const std::shared_ptr<Grid>& grid, const Mesh& mesh) {
-        return std::make_shared<Image>(voxel_parts(*grid, *mesh));
+        return std::make_shared<Image>(mesh::voxel_parts(*grid, *mesh));
       },
       needed("grid"), needed("mesh"), release_lock(),
       "Part of each voxel (0 to 1) inside a closed mesh given in the grid frame, exact but for rounding.");

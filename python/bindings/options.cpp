@@ -118,118 +118,118 @@ void Catalog::add(const std::string& name) {
   Entry entry;
   entry.name = name;
   if constexpr (requires { O::name; }) entry.method = std::string(O::name);
-  entry.defaults = options_to_text(O{});
+  entry.defaults = io::options_to_text(O{});
   MemberVisitor visitor{*this, py::list()};
   O options;
   describe(visitor, options);
   entry.members = visitor.members;
-  entry.resolve = [](const std::string& text) { return options_to_text(options_from<O>(text)); };
+  entry.resolve = [](const std::string& text) { return io::options_to_text(options_from<O>(text)); };
   entry.set = [](const std::string& text, const std::string& assignment) {
     O changed = options_from<O>(text);
     set_option(changed, assignment);
-    return options_to_text(changed);
+    return io::options_to_text(changed);
   };
   names_[typeid(O)] = name;
   entries_.push_back(std::move(entry));
 }
 
 void add_stages(Catalog& all) {
-  all.add<Canny>("image.Canny");
-  all.add<CannyRevised>("image.CannyRevised");
-  all.add<GradientEdges>("image.GradientEdges");
-  all.add<SobelEdges>("image.SobelEdges");
-  all.add<Compass>("image.Compass");
-  all.add<ContourCompletion>("image.ContourCompletion");
-  all.add<EdgeMapOptions>("field.EdgeMapOptions");
-  all.add<Gvf>("field.Gvf");
-  all.add<SteadyGvf>("field.SteadyGvf");
-  all.add<SteadyGgvf>("field.SteadyGgvf");
-  all.add<Ggvf>("field.Ggvf");
-  all.add<BandGvf>("field.BandGvf");
-  all.add<BandGgvf>("field.BandGgvf");
-  all.add<Placement>("mesh.Placement");
-  all.add<Smoothing>("mesh.Smoothing");
-  all.add<Tidy>("mesh.Tidy");
-  all.add<Keyframes>("mesh.Keyframes");
+  all.add<image::Canny>("image.Canny");
+  all.add<image::CannyRevised>("image.CannyRevised");
+  all.add<image::GradientEdges>("image.GradientEdges");
+  all.add<image::SobelEdges>("image.SobelEdges");
+  all.add<image::Compass>("image.Compass");
+  all.add<image::ContourCompletion>("image.ContourCompletion");
+  all.add<field::EdgeMapOptions>("field.EdgeMapOptions");
+  all.add<field::Gvf>("field.Gvf");
+  all.add<field::SteadyGvf>("field.SteadyGvf");
+  all.add<field::SteadyGgvf>("field.SteadyGgvf");
+  all.add<field::Ggvf>("field.Ggvf");
+  all.add<field::BandGvf>("field.BandGvf");
+  all.add<field::BandGgvf>("field.BandGgvf");
+  all.add<mesh::Placement>("mesh.Placement");
+  all.add<mesh::Smoothing>("mesh.Smoothing");
+  all.add<mesh::Tidy>("mesh.Tidy");
+  all.add<mesh::Keyframes>("mesh.Keyframes");
 }
 
 void add_dynamics(Catalog& all) {
-  all.add<FieldForce>("dynamics.FieldForce");
-  all.add<StopVoxel>("dynamics.StopVoxel");
-  all.add<StopConv>("dynamics.StopConv");
-  all.add<UniformDrag>("dynamics.UniformDrag");
-  all.add<FieldDrag>("dynamics.FieldDrag");
-  all.add<BorderDrag>("dynamics.BorderDrag");
-  all.add<FreeModel>("dynamics.FreeModel");
-  all.add<SpringModel>("dynamics.SpringModel");
-  all.add<RestrictedSpringModel>("dynamics.RestrictedSpringModel");
-  all.add<PlainModel>("dynamics.PlainModel");
-  all.add<CurvatureModel>("dynamics.CurvatureModel");
-  all.add<Euler>("dynamics.Euler");
-  all.add<Midpoint>("dynamics.Midpoint");
-  all.add<Rk4>("dynamics.Rk4");
-  all.add<StepDoubling>("dynamics.StepDoubling");
-  all.add<Rkf45>("dynamics.Rkf45");
-  all.add<BackwardEuler>("dynamics.BackwardEuler");
-  all.add<AutomaticSolver>("dynamics.AutomaticSolver");
-  all.add<Evolution>("dynamics.Evolution");
-  all.add<DiscreteContour>("dynamics.DiscreteContour");
+  all.add<dynamics::FieldForce>("dynamics.FieldForce");
+  all.add<dynamics::StopVoxel>("dynamics.StopVoxel");
+  all.add<dynamics::StopConv>("dynamics.StopConv");
+  all.add<dynamics::UniformDrag>("dynamics.UniformDrag");
+  all.add<dynamics::FieldDrag>("dynamics.FieldDrag");
+  all.add<dynamics::BorderDrag>("dynamics.BorderDrag");
+  all.add<dynamics::FreeModel>("dynamics.FreeModel");
+  all.add<dynamics::SpringModel>("dynamics.SpringModel");
+  all.add<dynamics::RestrictedSpringModel>("dynamics.RestrictedSpringModel");
+  all.add<dynamics::PlainModel>("dynamics.PlainModel");
+  all.add<dynamics::CurvatureModel>("dynamics.CurvatureModel");
+  all.add<dynamics::Euler>("dynamics.Euler");
+  all.add<dynamics::Midpoint>("dynamics.Midpoint");
+  all.add<dynamics::Rk4>("dynamics.Rk4");
+  all.add<dynamics::StepDoubling>("dynamics.StepDoubling");
+  all.add<dynamics::Rkf45>("dynamics.Rkf45");
+  all.add<dynamics::BackwardEuler>("dynamics.BackwardEuler");
+  all.add<dynamics::AutomaticSolver>("dynamics.AutomaticSolver");
+  all.add<dynamics::Evolution>("dynamics.Evolution");
+  all.add<dynamics::DiscreteContour>("dynamics.DiscreteContour");
 }
 
 void add_ventricle(Catalog& all) {
-  all.add<CoarseCircle>("ventricle.CoarseCircle");
-  all.add<AutoCircle>("ventricle.AutoCircle");
-  all.add<DivisionSlice>("ventricle.DivisionSlice");
-  all.add<SliceFlow>("ventricle.SliceFlow");
-  all.add<QuietPoints>("ventricle.QuietPoints");
-  all.add<Mlc>("ventricle.Mlc");
-  all.add<NoLabels>("ventricle.NoLabels");
-  all.add<SignLabels>("ventricle.SignLabels");
-  all.add<GradMagLabels>("ventricle.GradMagLabels");
-  all.add<CaseLabels>("ventricle.CaseLabels");
-  all.add<RadialLabels>("ventricle.RadialLabels");
-  all.add<Labelling>("ventricle.Labelling");
-  all.add<Closure>("ventricle.Closure");
-  all.add<Orientation>("ventricle.Orientation");
-  all.add<UserOverrides>("ventricle.UserOverrides");
-  all.add<Preparation>("image.Preparation");
-  all.add<Settle>("ventricle.Settle");
-  all.add<Tessellation>("mesh.Tessellation");
-  all.add<ContourPipeline>("ventricle.ContourPipeline");
-  all.add<MeasureOptions>("ventricle.MeasureOptions");
-  all.add<BlurFit>("ventricle.BlurFit");
-  all.add<VentricleOptions>("ventricle.Options");
-  all.add<OrganOptions>("ventricle.OrganOptions");
+  all.add<ventricle::CoarseCircle>("ventricle.CoarseCircle");
+  all.add<ventricle::AutoCircle>("ventricle.AutoCircle");
+  all.add<ventricle::DivisionSlice>("ventricle.DivisionSlice");
+  all.add<ventricle::SliceFlow>("ventricle.SliceFlow");
+  all.add<ventricle::QuietPoints>("ventricle.QuietPoints");
+  all.add<ventricle::Mlc>("ventricle.Mlc");
+  all.add<ventricle::NoLabels>("ventricle.NoLabels");
+  all.add<ventricle::SignLabels>("ventricle.SignLabels");
+  all.add<ventricle::GradMagLabels>("ventricle.GradMagLabels");
+  all.add<ventricle::CaseLabels>("ventricle.CaseLabels");
+  all.add<ventricle::RadialLabels>("ventricle.RadialLabels");
+  all.add<ventricle::Labelling>("ventricle.Labelling");
+  all.add<ventricle::Closure>("ventricle.Closure");
+  all.add<ventricle::Orientation>("ventricle.Orientation");
+  all.add<ventricle::UserOverrides>("ventricle.UserOverrides");
+  all.add<image::Preparation>("image.Preparation");
+  all.add<ventricle::Settle>("ventricle.Settle");
+  all.add<mesh::Tessellation>("mesh.Tessellation");
+  all.add<ventricle::ContourPipeline>("ventricle.ContourPipeline");
+  all.add<ventricle::MeasureOptions>("ventricle.MeasureOptions");
+  all.add<ventricle::BlurFit>("ventricle.BlurFit");
+  all.add<ventricle::VentricleOptions>("ventricle.Options");
+  all.add<ventricle::OrganOptions>("ventricle.OrganOptions");
 }
 
 void add_others(Catalog& all) {
-  all.add<CloudOptions>("cloud.Options");
-  all.add<LodRule>("cloud.LodRule");
-  all.add<CloudPhantom>("synthetic.CloudPhantom");
-  all.add<Lattice>("synthetic.Lattice");
-  all.add<Noise>("synthetic.Noise");
-  all.add<Pose>("synthetic.Pose");
-  all.add<CupShape>("synthetic.CupShape");
-  all.add<Hebron>("synthetic.Hebron");
-  all.add<Mayo>("synthetic.Mayo");
-  all.add<Partial>("synthetic.Partial");
-  all.add<TwoSpheres>("synthetic.TwoSpheres");
-  all.add<VoxelSphere>("synthetic.VoxelSphere");
-  all.add<Gap>("synthetic.Gap");
-  all.add<CardiacCycle>("synthetic.CardiacCycle");
-  all.add<Pathology>("synthetic.Pathology");
-  all.add<Torso>("synthetic.Torso");
-  all.add<Irregularity>("synthetic.Irregularity");
-  all.add<Tags>("synthetic.Tags");
-  all.add<VirtualPatient>("synthetic.VirtualPatient");
-  all.add<Organ>("synthetic.Organ");
-  all.add<Collimator>("synthetic.Collimator");
-  all.add<Acquisition>("synthetic.Acquisition");
-  all.add<Fbp>("synthetic.Fbp");
-  all.add<Osem>("synthetic.Osem");
-  all.add<Reorientation>("synthetic.Reorientation");
-  all.add<CameraHeart>("synthetic.CameraHeart");
-  all.add<CameraPhantom>("synthetic.CameraPhantom");
+  all.add<cloud::CloudOptions>("cloud.Options");
+  all.add<cloud::LodRule>("cloud.LodRule");
+  all.add<synthetic::CloudPhantom>("synthetic.CloudPhantom");
+  all.add<synthetic::Lattice>("synthetic.Lattice");
+  all.add<synthetic::Noise>("synthetic.Noise");
+  all.add<synthetic::Pose>("synthetic.Pose");
+  all.add<synthetic::CupShape>("synthetic.CupShape");
+  all.add<synthetic::Hebron>("synthetic.Hebron");
+  all.add<synthetic::Mayo>("synthetic.Mayo");
+  all.add<synthetic::Partial>("synthetic.Partial");
+  all.add<synthetic::TwoSpheres>("synthetic.TwoSpheres");
+  all.add<synthetic::VoxelSphere>("synthetic.VoxelSphere");
+  all.add<synthetic::Gap>("synthetic.Gap");
+  all.add<synthetic::CardiacCycle>("synthetic.CardiacCycle");
+  all.add<synthetic::Pathology>("synthetic.Pathology");
+  all.add<synthetic::Torso>("synthetic.Torso");
+  all.add<synthetic::Irregularity>("synthetic.Irregularity");
+  all.add<synthetic::Tags>("synthetic.Tags");
+  all.add<synthetic::VirtualPatient>("synthetic.VirtualPatient");
+  all.add<synthetic::Organ>("synthetic.Organ");
+  all.add<synthetic::Collimator>("synthetic.Collimator");
+  all.add<synthetic::Acquisition>("synthetic.Acquisition");
+  all.add<synthetic::Fbp>("synthetic.Fbp");
+  all.add<synthetic::Osem>("synthetic.Osem");
+  all.add<synthetic::Reorientation>("synthetic.Reorientation");
+  all.add<synthetic::CameraHeart>("synthetic.CameraHeart");
+  all.add<synthetic::CameraPhantom>("synthetic.CameraPhantom");
 }
 
 const Catalog& catalog() {
@@ -272,12 +272,14 @@ void bind_options(py::module_& module) {
       },
       needed("name"), needed("text"), needed("assignment"), "The same after one --set of the command line.");
   module.def(
-      "ventricle_preset", [](const std::string& name) { return options_to_text(ventricle_preset(name)); },
+      "ventricle_preset",
+      [](const std::string& name) { return io::options_to_text(ventricle::ventricle_preset(name)); }, needed("name"));
+  module.def(
+      "organ_preset", [](const std::string& name) { return io::options_to_text(ventricle::organ_preset(name)); },
       needed("name"));
   module.def(
-      "organ_preset", [](const std::string& name) { return options_to_text(organ_preset(name)); }, needed("name"));
-  module.def(
-      "cloud_preset", [](const std::string& name) { return options_to_text(cloud_preset(name)); }, needed("name"));
+      "cloud_preset", [](const std::string& name) { return io::options_to_text(cloud::cloud_preset(name)); },
+      needed("name"));
 }
 
 }  // namespace dynasurf::python

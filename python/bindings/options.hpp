@@ -9,7 +9,7 @@ namespace dynasurf::python {
 template <Described O>
 O options_from(const std::string& text) {
   O options;
-  if (!text.empty()) options_from_text(text, options);
+  if (!text.empty()) io::options_from_text(text, options);
   return options;
 }
 

@@ -8,7 +8,7 @@ namespace dynasurf::python {
 
 /// A study that knows the files it was read from, for the provenance of what is made of it.
 struct OriginStudy : Study {
-  std::vector<InputFile> inputs;  // empty for arrays
+  std::vector<report::InputFile> inputs;  // empty for arrays
 
   OriginStudy() = default;
   explicit OriginStudy(Study study) : Study(std::move(study)) {}

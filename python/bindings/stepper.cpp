@@ -22,10 +22,11 @@ Stepper::~Stepper() { close(); }
 
 void Stepper::run() {
   std::exception_ptr failure;
-  std::shared_ptr<EvolutionResult> result;
+  std::shared_ptr<dynamics::EvolutionResult> result;
   try {
-    result = std::make_shared<EvolutionResult>(evolve(*motion_.start, *motion_.field, *motion_.border, motion_.options,
-                                                      {{}, stop_.get_token()}, motion_.planes.get(), motion_.own));
+    result = std::make_shared<dynamics::EvolutionResult>(
+        dynamics::evolve(*motion_.start, *motion_.field, *motion_.border, motion_.options, {{}, stop_.get_token()},
+                         motion_.planes.get(), motion_.own));
   } catch (const Cancelled&) {  // by close()
   } catch (...) {
     failure = std::current_exception();
@@ -80,7 +81,7 @@ void Stepper::close() {
   ready_.reset();
 }
 
-std::shared_ptr<EvolutionResult> Stepper::result() {
+std::shared_ptr<dynamics::EvolutionResult> Stepper::result() {
   const std::lock_guard lock(mutex_);
   return result_;
 }

@@ -14,11 +14,11 @@ namespace dynasurf::python {
 /// What a motion needs, kept for as long as it runs.
 struct Motion {
   std::shared_ptr<TriMesh> start;
-  std::shared_ptr<VectorField> field;
+  std::shared_ptr<field::VectorField> field;
   std::shared_ptr<Image> border;
-  Evolution options;
-  std::shared_ptr<BorderPlanes> planes;
-  Additions own;
+  dynamics::Evolution options;
+  std::shared_ptr<dynamics::BorderPlanes> planes;
+  dynamics::Additions own;
 };
 
 /// A motion on a thread of its own that waits after every so many steps until it is asked for the next ones.
@@ -40,7 +40,7 @@ class Stepper {
   /// Ends the motion where it stands.
   void close();
   /// Null before the end.
-  std::shared_ptr<EvolutionResult> result();
+  std::shared_ptr<dynamics::EvolutionResult> result();
 
  private:
   void run();
@@ -52,7 +52,7 @@ class Stepper {
   std::condition_variable changed_;
   bool asked_ = false, is_done_ = false;
   std::optional<State> ready_;
-  std::shared_ptr<EvolutionResult> result_;
+  std::shared_ptr<dynamics::EvolutionResult> result_;
   std::exception_ptr failure_;
   std::stop_source stop_;
   std::thread thread_;

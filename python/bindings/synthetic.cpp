@@ -10,7 +10,7 @@
 namespace dynasurf::python {
 
 void bind_synthetic(py::module_& module) {
-  using G = TrueGate;
+  using G = synthetic::TrueGate;
   py::class_<G, std::shared_ptr<G>>(module, "TrueGate", "The surfaces that a gate of a phantom was filled between.")
       .def_property_readonly(
           "endo", [](const std::shared_ptr<G>& g) { return held(part_of(g, g->endo)); }, "TriMesh, world (LPS), mm.")
@@ -19,7 +19,7 @@ void bind_synthetic(py::module_& module) {
       .def_readonly("endo_ml", &G::endo_ml)
       .def_readonly("epi_ml", &G::epi_ml)
       .def_readonly("phase", &G::phase);
-  using P = Phantom;
+  using P = synthetic::Phantom;
   py::class_<P, std::shared_ptr<P>>(module, "Phantom", "A study together with its truth.")
       .def_property_readonly(
           "study",
@@ -32,7 +32,7 @@ void bind_synthetic(py::module_& module) {
           "truth",
           [](const std::shared_ptr<P>& p) {
             py::list gates;
-            for (const TrueGate& gate : p->truth) gates.append(held(part_of(p, gate)));
+            for (const synthetic::TrueGate& gate : p->truth) gates.append(held(part_of(p, gate)));
             return gates;
           },
           "One TrueGate per gate.")
@@ -45,18 +45,19 @@ void bind_synthetic(py::module_& module) {
   module.def(
       "make_phantom",
       [](const std::string& options, int threads) {
-        const auto how = family_from<PhantomOptions>(options);
-        return run_long_for({py::none(), threads},
-                            [how](const Progress&) { return std::make_shared<Phantom>(make_phantom(how)); });
+        const auto how = family_from<synthetic::PhantomOptions>(options);
+        return run_long_for({py::none(), threads}, [how](const Progress&) {
+          return std::make_shared<synthetic::Phantom>(synthetic::make_phantom(how));
+        });
       },
       needed("options"), py::arg("threads") = 0);
   module.def(
       "make_cloud",
       [](const std::string& options) {
-        const auto how = options_from<CloudPhantom>(options);
+        const auto how = options_from<synthetic::CloudPhantom>(options);
         const py::gil_scoped_release release;
         auto cloud = std::make_shared<OriginCloud>();
-        cloud->cloud = make_cloud(how);
+        cloud->cloud = synthetic::make_cloud(how);
         cloud->sources = {{"synthetic", cloud->cloud.points.size(), 0}};
         return cloud;
       },

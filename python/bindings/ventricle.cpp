@@ -19,21 +19,22 @@ namespace {
 using HeartPtr = std::shared_ptr<Heart>;
 
 void bind_estimates(py::module_& module) {
-  py::class_<Estimate>(module, "Estimate", "A number and how sure it is.")
+  py::class_<ventricle::Estimate>(module, "Estimate", "A number and how sure it is.")
       .def(py::init([](double value, double sd) {
-             return Estimate{value, sd};
+             return ventricle::Estimate{value, sd};
            }),
            needed("value"), py::arg("sd") = 0.0)
-      .def_readonly("value", &Estimate::value)
-      .def_readonly("sd", &Estimate::sd, "One standard deviation; 0: not known.")
-      .def_property_readonly("low", &Estimate::low, "Lower end of the 90 % interval.")
-      .def_property_readonly("high", &Estimate::high, "Upper end of the 90 % interval.")
-      .def("__float__", [](const Estimate& e) { return e.value; })
+      .def_readonly("value", &ventricle::Estimate::value)
+      .def_readonly("sd", &ventricle::Estimate::sd, "One standard deviation; 0: not known.")
+      .def_property_readonly("low", &ventricle::Estimate::low, "Lower end of the 90 % interval.")
+      .def_property_readonly("high", &ventricle::Estimate::high, "Upper end of the 90 % interval.")
+      .def("__float__", [](const ventricle::Estimate& e) { return e.value; })
       .def(
-          "__eq__", [](const Estimate& a, const Estimate& b) { return a.value == b.value && a.sd == b.sd; },
+          "__eq__",
+          [](const ventricle::Estimate& a, const ventricle::Estimate& b) { return a.value == b.value && a.sd == b.sd; },
           py::is_operator())
       .def("__repr__",
-           [](const Estimate& e) {
+           [](const ventricle::Estimate& e) {
              std::array<char, 96> text{};
              if (e.has_interval())
                std::snprintf(text.data(), text.size(), "%.1f (%.1f to %.1f)", e.value, e.low(), e.high());
@@ -41,16 +42,17 @@ void bind_estimates(py::module_& module) {
                std::snprintf(text.data(), text.size(), "%.1f", e.value);
              return std::string(text.data());
            })
-      .def(py::pickle([](const Estimate& e) { return py::make_tuple(e.value, e.sd); },
+      .def(py::pickle([](const ventricle::Estimate& e) { return py::make_tuple(e.value, e.sd); },
                       [](const py::tuple& state) {
-                        return Estimate{py::cast<double>(state[0]), py::cast<double>(state[1])};
+                        return ventricle::Estimate{py::cast<double>(state[0]), py::cast<double>(state[1])};
                       }));
-  py::class_<QualityFlag>(module, "QualityFlag", "One reason to distrust a result.")
-      .def_readonly("code", &QualityFlag::code)
-      .def_property_readonly("severity", [](const QualityFlag& f) { return std::string(name_of(f.severity)); })
-      .def_readonly("message", &QualityFlag::message)
-      .def_readonly("value", &QualityFlag::value)
-      .def("__repr__", [](const QualityFlag& f) {
+  py::class_<ventricle::QualityFlag>(module, "QualityFlag", "One reason to distrust a result.")
+      .def_readonly("code", &ventricle::QualityFlag::code)
+      .def_property_readonly("severity",
+                             [](const ventricle::QualityFlag& f) { return std::string(name_of(f.severity)); })
+      .def_readonly("message", &ventricle::QualityFlag::message)
+      .def_readonly("value", &ventricle::QualityFlag::value)
+      .def("__repr__", [](const ventricle::QualityFlag& f) {
         return "<" + std::string(name_of(f.severity)) + " " + f.code + ": " + f.message + ">";
       });
 }
@@ -71,26 +73,27 @@ auto surface_class(py::module_& module, const char* name, const char* doc) {
 }
 
 void bind_surfaces(py::module_& module) {
-  surface_class<LeadingSurface>(module, "LeadingSurface", "A wall in the reading that leads.");
-  surface_class<Surface>(module, "Surface", "A wall as it was deformed onto the edges.")
-      .def_readonly("steps", &Surface::steps)
-      .def_readonly("step_s", &Surface::step_s, "Time step of its motion, s.")
-      .def_property_readonly("stop_reason", [](const Surface& s) { return std::string(name_of(s.stop_reason)); })
-      .def_readonly("stopped_fraction", &Surface::stopped_fraction)
-      .def_readonly("border_reached", &Surface::border_reached)
-      .def_readonly("mean_distance_mm", &Surface::mean_distance_mm)
-      .def_readonly("notes", &Surface::notes);
+  surface_class<ventricle::LeadingSurface>(module, "LeadingSurface", "A wall in the reading that leads.");
+  surface_class<ventricle::Surface>(module, "Surface", "A wall as it was deformed onto the edges.")
+      .def_readonly("steps", &ventricle::Surface::steps)
+      .def_readonly("step_s", &ventricle::Surface::step_s, "Time step of its motion, s.")
+      .def_property_readonly("stop_reason",
+                             [](const ventricle::Surface& s) { return std::string(dynamics::name_of(s.stop_reason)); })
+      .def_readonly("stopped_fraction", &ventricle::Surface::stopped_fraction)
+      .def_readonly("border_reached", &ventricle::Surface::border_reached)
+      .def_readonly("mean_distance_mm", &ventricle::Surface::mean_distance_mm)
+      .def_readonly("notes", &ventricle::Surface::notes);
 }
 
-Border border_from(const std::string& wall) {
-  if (wall == "endo") return Border::endo;
-  if (wall == "epi") return Border::epi;
+ventricle::Border border_from(const std::string& wall) {
+  if (wall == "endo") return ventricle::Border::endo;
+  if (wall == "epi") return ventricle::Border::epi;
   throw OptionError("wall is '" + wall + "'; expected endo or epi");
 }
 
-std::shared_ptr<Labels> labels_from(const std::shared_ptr<Mask>& borders, double x_px, double y_px, double radius_px,
-                                    int big_slice, int division_slice) {
-  auto labels = std::make_shared<Labels>();
+std::shared_ptr<ventricle::Labels> labels_from(const std::shared_ptr<Mask>& borders, double x_px, double y_px,
+                                               double radius_px, int big_slice, int division_slice) {
+  auto labels = std::make_shared<ventricle::Labels>();
   labels->borders = *borders;
   labels->circle = {x_px, y_px, radius_px};
   labels->axis = {x_px, y_px, 0, 0};
@@ -101,7 +104,7 @@ std::shared_ptr<Labels> labels_from(const std::shared_ptr<Mask>& borders, double
 }
 
 void bind_labels(py::module_& module) {
-  using L = Labels;
+  using L = ventricle::Labels;
   py::class_<L, std::shared_ptr<L>>(module, "Labels", "Where the two borders lie in one gate, slices apex first.")
       .def(py::init(&labels_from), needed("borders"), needed("x_px"), needed("y_px"), needed("radius_px"),
            py::arg("big_slice") = -1, py::arg("division_slice") = -1)
@@ -120,7 +123,7 @@ void bind_labels(py::module_& module) {
 }
 
 void bind_gate(py::module_& module) {
-  using G = Gate;
+  using G = ventricle::Gate;
   py::class_<G, std::shared_ptr<G>>(module, "Gate", "One instant of the beat.")
       .def_readonly("gate", &G::gate, "From 0.")
       .def_readonly("time_ms", &G::time_ms, "After the R wave; None: not known.")
@@ -144,23 +147,23 @@ void bind_gate(py::module_& module) {
 }
 
 std::string results_text(const Heart& heart, bool timings) {
-  VentricleRecord record;
+  report::VentricleRecord record;
   record.mask_sha256 = heart.mask_sha256;
   record.start_mesh_sha256 = heart.start_sha256;
-  record.timings = timings ? Timings::keep : Timings::omit;
-  return ventricle_results_text(heart.result, heart.provenance, record);
+  record.timings = timings ? report::Timings::keep : report::Timings::omit;
+  return report::ventricle_results_text(heart.result, heart.provenance, record);
 }
 
 void bind_result_numbers(py::class_<Heart, HeartPtr>& heart) {
-  const auto leading = [&](const char* name, std::optional<Estimate> Reading::*number, const char* doc) {
+  const auto leading = [&](const char* name, std::optional<ventricle::Estimate> Reading::*number, const char* doc) {
     heart.def_property_readonly(
         name, [number](const Heart& h) { return h.result.leading.*number; }, doc);
   };
-  leading("edv", &Reading::edv_ml, "End-diastolic volume, mL; None: not gated or a surface is missing.");
-  leading("esv", &Reading::esv_ml, "End-systolic volume, mL.");
-  leading("sv", &Reading::sv_ml, "Stroke volume, mL.");
-  leading("ef", &Reading::ef_percent, "Ejection fraction, %.");
-  leading("wall", &Reading::wall_ml, "Volume of the muscle, mean of the gates, mL.");
+  leading("edv", &ventricle::Reading::edv_ml, "End-diastolic volume, mL; None: not gated or a surface is missing.");
+  leading("esv", &ventricle::Reading::esv_ml, "End-systolic volume, mL.");
+  leading("sv", &ventricle::Reading::sv_ml, "Stroke volume, mL.");
+  leading("ef", &ventricle::Reading::ef_percent, "Ejection fraction, %.");
+  leading("wall", &ventricle::Reading::wall_ml, "Volume of the muscle, mean of the gates, mL.");
   heart
       .def_property_readonly(
           "reading", [](const Heart& h) { return std::string(word_of(h.result.leading.kind)); },
@@ -194,7 +197,7 @@ void bind_result(py::module_& module) {
           "gates",
           [](const HeartPtr& h) {
             py::list gates;
-            for (const Gate& gate : h->result.gates) gates.append(held(part_of(h, gate)));
+            for (const ventricle::Gate& gate : h->result.gates) gates.append(held(part_of(h, gate)));
             return gates;
           },
           "One Gate per gate.")
@@ -216,7 +219,7 @@ void bind_result(py::module_& module) {
       .def(
           "report_html",
           [](const Heart& h, std::size_t most_voxels) {
-            return report_html(h.result, h.provenance, Timings::omit, most_voxels);
+            return report::report_html(h.result, h.provenance, report::Timings::omit, most_voxels);
           },
           py::arg("most_voxels") = 48'000'000, py::call_guard<py::gil_scoped_release>())
       .def(
@@ -238,21 +241,23 @@ T given(const py::object& object, const std::string& function, const char* expec
 }
 
 /// Functions of Python in the place of stages.
-OwnStages own_stages(const py::object& edges, const std::string& edges_name, const py::object& labels,
-                     const std::string& labels_name) {
-  OwnStages own;
+ventricle::OwnStages own_stages(const py::object& edges, const std::string& edges_name, const py::object& labels,
+                                const std::string& labels_name) {
+  ventricle::OwnStages own;
   if (!edges.is_none()) {
     own.edges_name = edges_name;
     own.edges = [called = shared_function(edges), name = edges_name](const Image& image) {
       const py::gil_scoped_acquire acquire;
-      return given<EdgeMap>((*called)(std::make_shared<Image>(image)), name, "an EdgeMap or a Mask");
+      return given<image::EdgeMap>((*called)(std::make_shared<Image>(image)), name, "an EdgeMap or a Mask");
     };
   }
   if (!labels.is_none()) {
     own.labels_name = labels_name;
-    own.labels = [called = shared_function(labels), name = labels_name](const Image& image, const EdgeMap& found) {
+    own.labels = [called = shared_function(labels), name = labels_name](const Image& image,
+                                                                        const image::EdgeMap& found) {
       const py::gil_scoped_acquire acquire;
-      return given<Labels>((*called)(std::make_shared<Image>(image), std::make_shared<EdgeMap>(found)), name, "Labels");
+      return given<ventricle::Labels>(
+          (*called)(std::make_shared<Image>(image), std::make_shared<image::EdgeMap>(found)), name, "Labels");
     };
   }
   return own;
@@ -264,7 +269,7 @@ HeartPtr reconstruct_from_python(const std::shared_ptr<OriginStudy>& study, cons
                                  const std::optional<std::string>& start_sha256, const py::object& edges,
                                  const std::string& edges_name, const py::object& labels,
                                  const std::string& labels_name, py::object progress, int threads) {
-  HeartRun run{study,       preset,       options_from<VentricleOptions>(options),           mask, start,
+  HeartRun run{study,       preset,       options_from<ventricle::VentricleOptions>(options), mask, start,
                mask_sha256, start_sha256, own_stages(edges, edges_name, labels, labels_name)};
   return run_long_for({std::move(progress), threads},
                       [run = std::move(run)](const Progress& told) { return reconstruct_heart(run, told); });
@@ -274,52 +279,55 @@ void bind_stages(py::module_& module) {
   using release_lock = py::call_guard<py::gil_scoped_release>;
   module.def(
       "label_borders",
-      [](const std::shared_ptr<Image>& image, const std::shared_ptr<EdgeMap>& edges, const std::string& options) {
-        const auto how = options_from<Labelling>(options);
+      [](const std::shared_ptr<Image>& image, const std::shared_ptr<image::EdgeMap>& edges,
+         const std::string& options) {
+        const auto how = options_from<ventricle::Labelling>(options);
         const py::gil_scoped_release release;
-        return std::make_shared<Labels>(label_borders(*image, *edges, how));
+        return std::make_shared<ventricle::Labels>(ventricle::label_borders(*image, *edges, how));
       },
       needed("image"), needed("edges"), needed("options"));
   module.def(
       "border_volume",
-      [](const std::shared_ptr<Labels>& labels, const std::string& wall) {
-        return std::make_shared<Image>(border_volume(*labels, border_from(wall)));
+      [](const std::shared_ptr<ventricle::Labels>& labels, const std::string& wall) {
+        return std::make_shared<Image>(ventricle::border_volume(*labels, border_from(wall)));
       },
       needed("labels"), needed("wall"), release_lock());
   module.def(
       "close_border",
       [](const std::shared_ptr<Image>& border, int base_slice) {
-        return std::make_shared<Image>(close_border(*border, base_slice));
+        return std::make_shared<Image>(ventricle::close_border(*border, base_slice));
       },
       needed("border"), needed("base_slice"), release_lock());
   module.def(
       "with_room",
       [](const std::shared_ptr<Image>& border, int voxels) {
-        return std::make_shared<Image>(with_room(*border, voxels));
+        return std::make_shared<Image>(ventricle::with_room(*border, voxels));
       },
       needed("border"), py::arg("voxels") = 3, release_lock());
   module.def(
       "border_planes",
-      [](const std::shared_ptr<Image>& border, const std::string& wall, const std::shared_ptr<Labels>& labels,
-         const std::shared_ptr<EdgeMap>& edges, int base_slice) {
-        return std::make_shared<BorderPlanes>(border_planes(*border, border_from(wall), *labels, *edges, base_slice));
+      [](const std::shared_ptr<Image>& border, const std::string& wall,
+         const std::shared_ptr<ventricle::Labels>& labels, const std::shared_ptr<image::EdgeMap>& edges,
+         int base_slice) {
+        return std::make_shared<dynamics::BorderPlanes>(
+            ventricle::border_planes(*border, border_from(wall), *labels, *edges, base_slice));
       },
       needed("border"), needed("wall"), needed("labels"), needed("edges"), needed("base_slice"), release_lock());
   module.def(
       "find_base_slice",
-      [](const std::shared_ptr<Image>& image, const std::shared_ptr<Labels>& labels, double base_level) {
+      [](const std::shared_ptr<Image>& image, const std::shared_ptr<ventricle::Labels>& labels, double base_level) {
         Notes notes;
-        return find_base_slice(*image, *labels, base_level, notes);
+        return ventricle::find_base_slice(*image, *labels, base_level, notes);
       },
       needed("image"), needed("labels"), py::arg("base_level") = 0.5, release_lock());
   module.def(
       "settle_on_slope",
       [](const std::shared_ptr<TriMesh>& mesh, const std::shared_ptr<Image>& image, const Numbers<double>& base,
          const std::string& options) {
-        const auto how = options_from<Settle>(options);
+        const auto how = options_from<ventricle::Settle>(options);
         const Vec3 direction = vector_from(base, "base");
         const py::gil_scoped_release release;
-        return std::make_shared<TriMesh>(settle_on_slope(*mesh, *image, direction, how));
+        return std::make_shared<TriMesh>(ventricle::settle_on_slope(*mesh, *image, direction, how));
       },
       needed("mesh"), needed("image"), needed("base"), needed("options"));
 }

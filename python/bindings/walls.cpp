@@ -17,7 +17,7 @@ using Meshes = std::vector<std::shared_ptr<TriMesh>>;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-py::array array_of(const PolarValues& values, const PolarGrid& grid) {
+py::array array_of(const ventricle::PolarValues& values, const ventricle::PolarGrid& grid) {
   if (values.empty()) return py::array_t<double>(0);
   py::array_t<double> array({grid.rings, grid.sectors});
   std::transform(values.begin(), values.end(), array.mutable_data(),
@@ -26,9 +26,9 @@ py::array array_of(const PolarValues& values, const PolarGrid& grid) {
 }
 
 /// Rows of the table of segments, in the order of `segment_columns` of the Python package.
-py::list segment_rows(const Measures& measures) {
+py::list segment_rows(const ventricle::Measures& measures) {
   py::list rows;
-  for (const SegmentMeasures& s : measures.segments) {
+  for (const ventricle::SegmentMeasures& s : measures.segments) {
     const auto number = [](const std::optional<double>& v) { return v.value_or(nan); };
     rows.append(py::make_tuple(
         s.segment.number, std::string(s.segment.name), std::string(s.segment.territory), s.wall_share_percent,
@@ -43,19 +43,19 @@ py::list segment_rows(const Measures& measures) {
   return rows;
 }
 
-py::dict polar_maps(const Measures& measures) {
+py::dict polar_maps(const ventricle::Measures& measures) {
   py::dict maps;
-  for (const PolarKind& kind : polar_kinds())
-    if (const PolarValues& values = measures.maps.*kind.values; !values.empty())
+  for (const report::PolarKind& kind : report::polar_kinds())
+    if (const ventricle::PolarValues& values = measures.maps.*kind.values; !values.empty())
       maps[py::str(std::string(kind.name))] = array_of(values, measures.grid);
   return maps;
 }
 
 /// (phase, volume in mL, rate in EDV per beat) of the periodic fit; None where there is no curve.
-py::object curve_of(const Measures& measures, int instants) {
+py::object curve_of(const ventricle::Measures& measures, int instants) {
   if (!measures.function) return py::none();
   if (instants < 1) throw OptionError("instants is " + std::to_string(instants) + "; expected 1 or more");
-  const VolumeCurveFit& fit = *measures.function;
+  const ventricle::VolumeCurveFit& fit = *measures.function;
   py::array_t<double> table({3, instants});
   for (int n = 0; n < instants; ++n) {
     const double phase = static_cast<double>(n) / instants;
@@ -67,7 +67,7 @@ py::object curve_of(const Measures& measures, int instants) {
 }
 
 void bind_measures(py::module_& module) {
-  using M = Measures;
+  using M = ventricle::Measures;
   py::class_<M, std::shared_ptr<M>>(module, "Measures", "Every number a reader expects, from the walls of each gate.")
       .def("_segment_rows", &segment_rows)
       .def_property_readonly("polar", &polar_maps, "Polar maps by name, (rings, sectors) float64, NaN: no value.")
@@ -81,25 +81,25 @@ void bind_measures(py::module_& module) {
           "volumes_ml",
           [](const M& m) {
             std::vector<std::pair<double, double>> volumes;
-            for (const GateMeasures& gate : m.gates) volumes.emplace_back(gate.endo_ml, gate.epi_ml);
+            for (const ventricle::GateMeasures& gate : m.gates) volumes.emplace_back(gate.endo_ml, gate.epi_ml);
             return volumes;
           },
           "(inner, outer) per gate, mL.");
 }
 
 void bind_fit(py::module_& module) {
-  using F = FittedGate;
+  using F = ventricle::FittedGate;
   py::class_<F, std::shared_ptr<F>>(module, "FittedGate", "One gate as fitted through the blur; world (LPS), mm.")
       .def_property_readonly("endo", [](const std::shared_ptr<F>& g) { return held(part_of(g, g->endo)); })
       .def_property_readonly("epi", [](const std::shared_ptr<F>& g) { return held(part_of(g, g->epi)); })
       .def_readonly("endo_ml", &F::endo_ml)
       .def_readonly("epi_ml", &F::epi_ml);
-  using B = FittedBeat;
+  using B = ventricle::FittedBeat;
   py::class_<B, std::shared_ptr<B>>(module, "FittedBeat", "The walls of all gates, fitted together.")
       .def_property_readonly("gates",
                              [](const std::shared_ptr<B>& b) {
                                py::list gates;
-                               for (const FittedGate& gate : b->gates) gates.append(held(part_of(b, gate)));
+                               for (const ventricle::FittedGate& gate : b->gates) gates.append(held(part_of(b, gate)));
                                return gates;
                              })
       .def_readonly("edv", &B::edv_ml)
@@ -117,14 +117,15 @@ void bind_fit(py::module_& module) {
       .def_readonly("notes", &B::notes);
 }
 
-std::shared_ptr<FittedBeat> fit(const std::shared_ptr<OriginStudy>& study, const Meshes& endo, const Meshes& epi,
-                                const Numbers<double>& axis, const Numbers<double>& lateral, const std::string& options,
-                                py::object progress, int threads) {
+std::shared_ptr<ventricle::FittedBeat> fit(const std::shared_ptr<OriginStudy>& study, const Meshes& endo,
+                                           const Meshes& epi, const Numbers<double>& axis,
+                                           const Numbers<double>& lateral, const std::string& options,
+                                           py::object progress, int threads) {
   const std::size_t gates = study->gates.size();
   if (endo.size() != gates || epi.size() != gates)
     throw OptionError("fit: " + std::to_string(endo.size()) + " inner and " + std::to_string(epi.size()) +
                       " outer walls; expected one of each for the " + std::to_string(gates) + " gates");
-  FitStart start;
+  ventricle::FitStart start;
   for (std::size_t g = 0; g < gates; ++g) {
     if (!endo[g] || !epi[g] || endo[g]->triangles.empty() || epi[g]->triangles.empty())
       throw OptionError("fit: gate " + std::to_string(g) + " has not both walls");
@@ -135,18 +136,19 @@ std::shared_ptr<FittedBeat> fit(const std::shared_ptr<OriginStudy>& study, const
   start.axis = vector_from(axis, "axis");
   start.lateral = vector_from(lateral, "lateral");
   if (!(start.axis.cross(start.lateral).norm() > 1e-6)) throw OptionError("axis and lateral lie along one line");
-  const auto how = options_from<BlurFit>(options);
+  const auto how = options_from<ventricle::BlurFit>(options);
   return run_long_for({std::move(progress), threads}, [=](const Progress& told) {
-    return std::make_shared<FittedBeat>(fit_through_blur(*study, start, how, told));
+    return std::make_shared<ventricle::FittedBeat>(ventricle::fit_through_blur(*study, start, how, told));
   });
 }
 
-std::shared_ptr<Measures> measure(const std::shared_ptr<OriginStudy>& study, const Meshes& endo, const Meshes& epi,
-                                  const Numbers<double>& axis, bool from_edges, const std::string& options) {
+std::shared_ptr<ventricle::Measures> measure(const std::shared_ptr<OriginStudy>& study, const Meshes& endo,
+                                             const Meshes& epi, const Numbers<double>& axis, bool from_edges,
+                                             const std::string& options) {
   if (endo.size() != study->gates.size() || epi.size() != study->gates.size())
     throw OptionError("measure: expected one inner and one outer wall, or None, for each of the " +
                       std::to_string(study->gates.size()) + " gates");
-  MeasureInput input;
+  ventricle::MeasureInput input;
   for (std::size_t g = 0; g < study->gates.size(); ++g)
     input.gates.push_back({{endo[g].get(), nullptr}, {epi[g].get(), nullptr}, &study->gates[g], {}});
   input.axis = vector_from(axis, "axis");
@@ -154,9 +156,9 @@ std::shared_ptr<Measures> measure(const std::shared_ptr<OriginStudy>& study, con
   input.axis.normalize();
   input.cycle_ms = study->cycle_ms;
   input.from_edges = from_edges;
-  const auto how = options_from<MeasureOptions>(options);
+  const auto how = options_from<ventricle::MeasureOptions>(options);
   const py::gil_scoped_release release;
-  return std::make_shared<Measures>(measure_walls(input, how));
+  return std::make_shared<ventricle::Measures>(ventricle::measure_walls(input, how));
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include "dynasurf/mesh/sample_surface.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 /// A direction that no coarse mesh has by itself: ripples over the sphere.
@@ -19,9 +19,9 @@ Vec3 rippled(const Vec3& p) {
 
 PointCloud ripples(std::size_t count) {
   PointCloud cloud;
-  const TriMesh fine = icosphere(5);
-  for (const SurfaceSample& s : sample_surface(fine, count)) {
-    const Vec3 p = position_of(fine, s).normalized();
+  const TriMesh fine = mesh::icosphere(5);
+  for (const mesh::SurfaceSample& s : mesh::sample_surface(fine, count)) {
+    const Vec3 p = mesh::position_of(fine, s).normalized();
     cloud.points.push_back(p);
     cloud.normals.push_back(3 * rippled(p));  // any length
     cloud.colours.push_back({static_cast<std::uint8_t>(std::lround(100 + 90 * p[0])), 50, 200});
@@ -30,11 +30,11 @@ PointCloud ripples(std::size_t count) {
 }
 
 /// What a viewer shows at a place of a triangle, as glTF says it: the texel, turned by the interpolated frame.
-Vec3 shown(const TexturedMesh& mesh, std::size_t triangle, const Vec3& weight) {
+Vec3 shown(const mesh::TexturedMesh& mesh, std::size_t triangle, const Vec3& weight) {
   Eigen::Vector2f uv(0, 0);
   Vec3 normal(0, 0, 0), tangent(0, 0, 0);
   for (std::size_t i = 0; i < 3; ++i) {
-    const TexturedMesh::Corner& c = mesh.corners[3 * triangle + i];
+    const mesh::TexturedMesh::Corner& c = mesh.corners[3 * triangle + i];
     const double w = weight[static_cast<Eigen::Index>(i)];
     uv += static_cast<float>(w) * c.uv;
     normal += w * c.normal.cast<double>();
@@ -50,8 +50,8 @@ Vec3 shown(const TexturedMesh& mesh, std::size_t triangle, const Vec3& weight) {
 }
 
 TEST(BakeTextures, ShowTheDirectionsOfThePointsOnACoarseMesh) {
-  const TriMesh coarse = icosphere(2);
-  const TexturedMesh baked = bake_textures(coarse, ripples(60000));
+  const TriMesh coarse = mesh::icosphere(2);
+  const mesh::TexturedMesh baked = bake_textures(coarse, ripples(60000));
   double worst = 1, plain_worst = 1, mean = 0;
   std::size_t count = 0;
   for (std::size_t t = 0; t < coarse.triangles.size(); ++t)
@@ -73,8 +73,8 @@ TEST(BakeTextures, ShowTheDirectionsOfThePointsOnACoarseMesh) {
 }
 
 TEST(BakeTextures, GiveEveryTriangleAPlaceOfItsOwn) {
-  const TriMesh mesh = icosphere(1);
-  const TexturedMesh baked = bake_textures(mesh, ripples(5000));
+  const TriMesh mesh = mesh::icosphere(1);
+  const mesh::TexturedMesh baked = bake_textures(mesh, ripples(5000));
   ASSERT_EQ(baked.corners.size(), 3 * mesh.triangles.size());
   double area = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -87,7 +87,7 @@ TEST(BakeTextures, GiveEveryTriangleAPlaceOfItsOwn) {
     EXPECT_GT(twice, 0) << "none is mirrored, or its bitangent would be wrong";
     area += twice / 2;
     for (std::size_t i = 0; i < 3; ++i) {
-      const TexturedMesh::Corner& corner = baked.corners[3 * t + i];
+      const mesh::TexturedMesh::Corner& corner = baked.corners[3 * t + i];
       EXPECT_EQ(corner.position, mesh.vertices[mesh.triangles[t][i]]);
       EXPECT_NEAR(corner.tangent.norm(), 1, 1e-6);
       EXPECT_NEAR(corner.tangent.dot(corner.normal), 0, 1e-6);
@@ -98,9 +98,9 @@ TEST(BakeTextures, GiveEveryTriangleAPlaceOfItsOwn) {
 }
 
 TEST(BakeTextures, CarryTheColours) {
-  const TriMesh coarse = icosphere(2);
+  const TriMesh coarse = mesh::icosphere(2);
   const PointCloud cloud = ripples(60000);
-  const TexturedMesh baked = bake_textures(coarse, cloud);
+  const mesh::TexturedMesh baked = bake_textures(coarse, cloud);
   ASSERT_EQ(baked.colours.texels.size(), baked.normals.texels.size());
   for (std::size_t t = 0; t < coarse.triangles.size(); t += 7) {
     Eigen::Vector2f uv(0, 0);
@@ -122,9 +122,9 @@ TEST(BakeTextures, CarryTheColours) {
 }
 
 TEST(BakeTextures, AreTheSameForAnyNumberOfThreads) {
-  const TriMesh mesh = icosphere(2);
+  const TriMesh mesh = mesh::icosphere(2);
   const PointCloud cloud = ripples(5000);
-  const TexturedMesh many = bake_textures(mesh, cloud);
+  const mesh::TexturedMesh many = bake_textures(mesh, cloud);
   const ThreadLimit one(1);
   EXPECT_EQ(bake_textures(mesh, cloud).normals.texels, many.normals.texels);
 }
@@ -133,8 +133,8 @@ TEST(BakeTextures, RefuseWhatHasNoDirections) {
   PointCloud cloud = ripples(100);
   EXPECT_THROW(bake_textures({}, cloud), InputError);
   cloud.normals.pop_back();
-  EXPECT_THROW(bake_textures(icosphere(1), cloud), InputError);
+  EXPECT_THROW(bake_textures(mesh::icosphere(1), cloud), InputError);
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

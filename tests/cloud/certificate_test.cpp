@@ -12,7 +12,7 @@
 
 #include "support/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 using namespace test_shapes;
@@ -20,7 +20,7 @@ using namespace test_shapes;
 PointCloud vertices_of(const TriMesh& mesh) { return {mesh.vertices, {}, {}, {}}; }
 
 TEST(Certificate, KnowsASphereThatPassesThroughItsPoints) {
-  const TriMesh ball = icosphere(3);
+  const TriMesh ball = mesh::icosphere(3);
   const Certificate c = certify(ball, vertices_of(ball));
   EXPECT_TRUE(c.watertight());
   EXPECT_EQ(c.components, 1);
@@ -33,9 +33,9 @@ TEST(Certificate, KnowsASphereThatPassesThroughItsPoints) {
 }
 
 TEST(Certificate, TellsTheDistanceOfConcentricSpheres) {
-  TriMesh outer = icosphere(4);
+  TriMesh outer = mesh::icosphere(4);
   for (Vec3& p : outer.vertices) p *= 1.1;
-  const Certificate c = certify(outer, vertices_of(icosphere(4)));
+  const Certificate c = certify(outer, vertices_of(mesh::icosphere(4)));
   // The faces of a level 4 sphere lie up to 0.0024 inside it.
   EXPECT_NEAR(c.cloud_to_mesh_mean, 0.1, 0.003);
   EXPECT_NEAR(c.cloud_to_mesh_largest, 0.1, 0.003);
@@ -48,7 +48,7 @@ TEST(Certificate, CountsHandlesAndParts) {
   TriMesh both = torus(10, 3, 20, 10);
   EXPECT_EQ(certify(both, {}).genus, 1);
   const auto first = static_cast<std::uint32_t>(both.vertices.size());
-  const TriMesh ball = icosphere(1);
+  const TriMesh ball = mesh::icosphere(1);
   for (const Vec3& p : ball.vertices) both.vertices.push_back(Vec3(p + Vec3(50, 0, 0)));
   for (const auto& t : ball.triangles) both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   const Certificate c = certify(both, {});
@@ -57,7 +57,7 @@ TEST(Certificate, CountsHandlesAndParts) {
 }
 
 TEST(Certificate, HasNoGenusForAnOpenSurface) {
-  TriMesh open = icosphere(2);
+  TriMesh open = mesh::icosphere(2);
   open.triangles.pop_back();
   const Certificate c = certify(open, {});
   EXPECT_FALSE(c.closed);
@@ -66,14 +66,14 @@ TEST(Certificate, HasNoGenusForAnOpenSurface) {
 }
 
 TEST(Certificate, DoesNotPassASurfaceTurnedInsideOut) {
-  TriMesh ball = icosphere(2);
+  TriMesh ball = mesh::icosphere(2);
   for (auto& t : ball.triangles) std::swap(t[1], t[2]);
   EXPECT_TRUE(certify(ball, {}).oriented);
   EXPECT_FALSE(certify(ball, {}).watertight());
 }
 
 TEST(Certificate, DoesNotPassASurfaceThatMeetsItself) {
-  TriMesh ball = icosphere(3);
+  TriMesh ball = mesh::icosphere(3);
   ball.vertices[0] *= -1.5;
   EXPECT_GT(certify(ball, {}).self_intersections, 0u);
   EXPECT_FALSE(certify(ball, {}).watertight());
@@ -81,19 +81,20 @@ TEST(Certificate, DoesNotPassASurfaceThatMeetsItself) {
 
 TEST(Certificate, RefusesPointsThatAreNotFinite) {
   const PointCloud cloud{{Vec3(0, 0, std::numeric_limits<double>::quiet_NaN())}, {}, {}, {}};
-  EXPECT_THROW(certify(icosphere(1), cloud), InputError);
+  EXPECT_THROW(certify(mesh::icosphere(1), cloud), InputError);
 }
 
 /// Points on the unit sphere.
 std::vector<Vec3> on_sphere(std::size_t count) {
   std::vector<Vec3> points;
-  const TriMesh fine = icosphere(5);
-  for (const SurfaceSample& p : sample_surface(fine, count)) points.push_back(position_of(fine, p).normalized());
+  const TriMesh fine = mesh::icosphere(5);
+  for (const mesh::SurfaceSample& p : mesh::sample_surface(fine, count))
+    points.push_back(mesh::position_of(fine, p).normalized());
   return points;
 }
 
 TEST(ErrorsAtVertices, MeasureHowFarThePointsAre) {
-  TriMesh mesh = icosphere(4);
+  TriMesh mesh = mesh::icosphere(4);
   for (Vec3& p : mesh.vertices) p *= p[0] > 0 ? 1.0 : 0.9;
   const auto errors = compare(mesh, KdTree(on_sphere(20000))).errors;
   ASSERT_EQ(errors.size(), mesh.vertices.size());
@@ -112,7 +113,7 @@ TEST(ErrorsAtVertices, MeasureHowFarThePointsAre) {
 TEST(ErrorsAtVertices, SayNothingWhereThereIsNoPoint) {
   std::vector<Vec3> right = on_sphere(5000);
   std::erase_if(right, [](const Vec3& p) { return p[0] <= 0; });
-  const TriMesh mesh = icosphere(3);
+  const TriMesh mesh = mesh::icosphere(3);
   const auto errors = compare(mesh, KdTree(right)).errors;
   for (std::size_t v = 0; v < errors.size(); ++v) {
     if (mesh.vertices[v][0] < -0.3) {
@@ -125,7 +126,7 @@ TEST(ErrorsAtVertices, SayNothingWhereThereIsNoPoint) {
 }
 
 TEST(Compare, GivesTheSameForAnyNumberOfThreads) {
-  const TriMesh mesh = icosphere(4);
+  const TriMesh mesh = mesh::icosphere(4);
   const std::vector<Vec3> points = on_sphere(100000);  // more than are worked on at once
   const Comparison all = compare(mesh, KdTree(points));
   const ThreadLimit one(1);
@@ -135,4 +136,4 @@ TEST(Compare, GivesTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

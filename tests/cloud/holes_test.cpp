@@ -13,7 +13,7 @@
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 using std::numbers::pi;
@@ -70,11 +70,11 @@ double largest_off(const Patch& patch, const Off& off) {
 }
 
 TEST(LoopsOf, GoAroundEveryHoleOnce) {
-  const TriMesh open = part_of(icosphere(3), [](const Vec3& p) { return std::abs(p[2]) < 0.8; });
+  const TriMesh open = part_of(mesh::icosphere(3), [](const Vec3& p) { return std::abs(p[2]) < 0.8; });
   const std::vector<Loop> loops = loops_of(open);
   ASSERT_EQ(loops.size(), 2u);
-  EXPECT_EQ(loops[0].size() + loops[1].size(), topology(open).boundary_edges);
-  EXPECT_TRUE(loops_of(icosphere(2)).empty());
+  EXPECT_EQ(loops[0].size() + loops[1].size(), mesh::topology(open).boundary_edges);
+  EXPECT_TRUE(loops_of(mesh::icosphere(2)).empty());
 }
 
 TEST(RimsOf, AimAlongATubeAndNowhereInAPlane) {
@@ -84,19 +84,20 @@ TEST(RimsOf, AimAlongATubeAndNowhereInAPlane) {
   EXPECT_LT((ends[0].aim - Vec3(0, -1, 0)).norm(), 0.05);  // backwards from angle 0
   EXPECT_LT((ends[0].middle - Vec3(large, 0, 0)).norm(), 0.05);
   EXPECT_NEAR(ends[0].length, 2 * pi * small, 0.02);
-  const TriMesh wall = part_of(cube_surface(20), [](const Vec3& p) { return p[2] < 0.9 || p.head<2>().norm() > 0.4; });
+  const TriMesh wall =
+      part_of(mesh::cube_surface(20), [](const Vec3& p) { return p[2] < 0.9 || p.head<2>().norm() > 0.4; });
   EXPECT_LT(rims_of(wall, loops_of(wall)).at(0).aim.norm(), 0.05);
 }
 
 TEST(MakePatch, GivesASphereItsCapBack) {
-  const TriMesh open = part_of(icosphere(4), [](const Vec3& p) { return p[2] < 0.5; });
+  const TriMesh open = part_of(mesh::icosphere(4), [](const Vec3& p) { return p[2] < 0.5; });
   const std::vector<Loop> loops = loops_of(open);
   const Patch cap = make_patch(open, loops, 0);
   // A flat lid would be 0.5 off in its middle.
   EXPECT_LT(largest_off(cap, [](const Vec3& p) { return std::abs(p.norm() - 1); }), 0.05);
   // The squared mean curvature, 1, over the cap's area of pi.
   EXPECT_NEAR(cap.bending, pi, 0.1 * pi);
-  const Topology whole = topology(cap.surface.mesh());
+  const mesh::Topology whole = mesh::topology(cap.surface.mesh());
   EXPECT_TRUE(whole.closed() && whole.oriented());
   EXPECT_EQ(whole.euler, 2);
 }
@@ -107,16 +108,17 @@ TEST(MakePatch, JoinsTheEndsOfATornRing) {
   const Patch tube = make_patch(open, loops, 0, 1);
   // Half of the radius: the gap is more than two diameters long, and nothing in it tells how wide the tube is.
   EXPECT_LT(largest_off(tube, off_torus), 0.5 * small);
-  EXPECT_EQ(topology(tube.surface.mesh()).euler, 0);
+  EXPECT_EQ(mesh::topology(tube.surface.mesh()).euler, 0);
   // Two ends bend as much as a ball at least: 4 pi, less what the rims have turned already.
   const double ends = make_patch(open, loops, 0).bending + make_patch(open, loops, 1).bending;
   EXPECT_GT(ends, 3 * pi);
   EXPECT_LT(tube.bending, 0.6 * ends);
 }
 
-HoleFill filled(CloudShape shape, bool may_join, int points = 20000, int cells = 72, std::uint64_t seed = 1) {
+HoleFill filled(synthetic::CloudShape shape, bool may_join, int points = 20000, int cells = 72,
+                std::uint64_t seed = 1) {
   const PointCloud cloud =
-      make_cloud({.shape = shape, .points = points, .missing_percent = 20, .normals = true, .seed = seed});
+      synthetic::make_cloud({.shape = shape, .points = points, .missing_percent = 20, .normals = true, .seed = seed});
   const OrientedPoints oriented = orient(cloud, true);
   const IndicatorField field = solve_indicator(oriented, {.cells = cells}).back();
   Eigen::AlignedBox3d box;
@@ -129,7 +131,7 @@ HoleFill filled(CloudShape shape, bool may_join, int points = 20000, int cells =
 }
 
 TEST(FillHoles, JoinsWhatWasOneRing) {
-  const HoleFill fill = filled(CloudShape::torus, true);
+  const HoleFill fill = filled(synthetic::CloudShape::torus, true);
   EXPECT_EQ(fill.joined, 1);
   EXPECT_EQ(fill.holes, 0);
   EXPECT_EQ(fill.kind, (BodyTopology{1, 1}));
@@ -138,21 +140,21 @@ TEST(FillHoles, JoinsWhatWasOneRing) {
 // The hole takes two turns apart: five ends, of which only two pairs may be joined, or the wire goes round in a ring.
 TEST(FillHoles, JoinsThePiecesOfASpringInOneLine) {
   for (const std::uint64_t seed : {2u, 3u}) {
-    const HoleFill fill = filled(CloudShape::spring, true, 50000, 86, seed);
+    const HoleFill fill = filled(synthetic::CloudShape::spring, true, 50000, 86, seed);
     EXPECT_EQ(fill.joined, 2) << seed;
     EXPECT_EQ(fill.kind, (BodyTopology{1, 0})) << seed;
   }
 }
 
 TEST(FillHoles, MakesNoHandleWhereNoneMayBe) {
-  const HoleFill fill = filled(CloudShape::torus, false);
+  const HoleFill fill = filled(synthetic::CloudShape::torus, false);
   EXPECT_EQ(fill.joined, 0);
   EXPECT_EQ(fill.holes, 2);
   EXPECT_EQ(fill.kind, (BodyTopology{1, 0}));
 }
 
 TEST(FillHoles, MendsBothSidesOfAWallApart) {
-  const HoleFill fill = filled(CloudShape::vase, true, 40000, 100);
+  const HoleFill fill = filled(synthetic::CloudShape::vase, true, 40000, 100);
   EXPECT_EQ(fill.joined, 0);
   EXPECT_EQ(fill.holes, 2);
 }
@@ -160,7 +162,7 @@ TEST(FillHoles, MendsBothSidesOfAWallApart) {
 // Both sides of the wall come to an end in one height, and no tube can join them: closed apart, the inner one would be
 // a bubble within the other.
 TEST(FillHoles, LeavesTheRimOfAPotWhoseUpperHalfIsMissing) {
-  PointCloud cloud = make_cloud({.shape = CloudShape::vase, .points = 50000});
+  PointCloud cloud = synthetic::make_cloud({.shape = synthetic::CloudShape::vase, .points = 50000});
   std::erase_if(cloud.points, [](const Vec3& p) { return p[2] > 0.1; });
   CloudOptions options;
   options.triangles = "1280";
@@ -172,28 +174,29 @@ TEST(FillHoles, LeavesTheRimOfAPotWhoseUpperHalfIsMissing) {
 }
 
 TEST(FillHoles, LeavesAWholeSphereAlone) {
-  const PointCloud cloud = make_cloud({.shape = CloudShape::sphere, .points = 6000, .normals = true});
+  const PointCloud cloud =
+      synthetic::make_cloud({.shape = synthetic::CloudShape::sphere, .points = 6000, .normals = true});
   const OrientedPoints oriented = orient(cloud, true);
   EXPECT_FALSE(fill_holes(solve_indicator(oriented, {.cells = 32}).back(), oriented, {.reach = 0.15, .spacing = 0.05}));
 }
 
-class TornScan : public testing::TestWithParam<CloudShape> {};
+class TornScan : public testing::TestWithParam<synthetic::CloudShape> {};
 
 TEST_P(TornScan, KeepsItsHandlesAndParts) {
-  const PointCloud cloud = make_cloud({.shape = GetParam(), .points = 40000, .missing_percent = 20});
+  const PointCloud cloud = synthetic::make_cloud({.shape = GetParam(), .points = 40000, .missing_percent = 20});
   CloudOptions options;
   options.triangles = "1280";
   const CloudResult result = reconstruct_cloud(cloud, options);
   const Certificate& c = result.levels.at(0).certificate;
   EXPECT_TRUE(c.watertight());
   EXPECT_EQ(c.components, 1);
-  EXPECT_EQ(c.genus, genus_of(GetParam()));
+  EXPECT_EQ(c.genus, synthetic::genus_of(GetParam()));
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, TornScan,
-                         testing::Values(CloudShape::torus, CloudShape::two_torus, CloudShape::vase,
-                                         CloudShape::spring),
+                         testing::Values(synthetic::CloudShape::torus, synthetic::CloudShape::two_torus,
+                                         synthetic::CloudShape::vase, synthetic::CloudShape::spring),
                          [](const auto& shape) { return std::string(word_of(shape.param)); });
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -13,15 +13,15 @@
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
-PointCloud scan(CloudShape shape, double noise_percent = 0, double missing_percent = 0, int points = 6000) {
-  return make_cloud({.shape = shape,
-                     .points = points,
-                     .noise_percent = noise_percent,
-                     .missing_percent = missing_percent,
-                     .normals = true});
+PointCloud scan(synthetic::CloudShape shape, double noise_percent = 0, double missing_percent = 0, int points = 6000) {
+  return synthetic::make_cloud({.shape = shape,
+                                .points = points,
+                                .noise_percent = noise_percent,
+                                .missing_percent = missing_percent,
+                                .normals = true});
 }
 
 PointCloud without_normals(PointCloud cloud) {
@@ -31,27 +31,27 @@ PointCloud without_normals(PointCloud cloud) {
 
 TEST(Prepare, EstimatesTheNoiseOfASphere) {
   // Fits of 100 points to a sphere whose neighbourhoods are ten times as wide as the noise; the median of 1500.
-  const PreparedCloud p = prepare(without_normals(scan(CloudShape::sphere, 0.5)), {});
+  const PreparedCloud p = prepare(without_normals(scan(synthetic::CloudShape::sphere, 0.5)), {});
   EXPECT_NEAR(100 * p.facts.noise / p.facts.diagonal, 0.5, 0.1);
-  const PreparedCloud clean = prepare(without_normals(scan(CloudShape::sphere)), {});
+  const PreparedCloud clean = prepare(without_normals(scan(synthetic::CloudShape::sphere)), {});
   EXPECT_LT(100 * clean.facts.noise / clean.facts.diagonal, 0.01);
 }
 
 // Its wall is 2.4 % of the diagonal thick: a hundred neighbours reach its other side and made the noise 0.88 %.
 TEST(Prepare, DoesNotTakeAThinWallForNoise) {
-  const PreparedCloud p =
-      prepare(make_cloud({.shape = CloudShape::vase, .points = 50000, .noise_percent = 0.5}), {}, {});
+  const PreparedCloud p = prepare(
+      synthetic::make_cloud({.shape = synthetic::CloudShape::vase, .points = 50000, .noise_percent = 0.5}), {}, {});
   EXPECT_NEAR(100 * p.facts.noise / p.facts.diagonal, 0.5, 0.06);
 }
 
 TEST(Prepare, TellsTheSpacingOfASphere) {
-  const PreparedCloud p = prepare(scan(CloudShape::sphere), {});
+  const PreparedCloud p = prepare(scan(synthetic::CloudShape::sphere), {});
   // 6,000 points share an area of 4 pi.
   EXPECT_NEAR(p.facts.spacing, std::sqrt(4 * 3.14159 / 6000), 0.1 * p.facts.spacing);
 }
 
 TEST(Prepare, ForgetsOnePointAtTheEndOfTheWorld) {
-  PointCloud cloud = scan(CloudShape::sphere);
+  PointCloud cloud = scan(synthetic::CloudShape::sphere);
   cloud.normals.clear();
   cloud.points.push_back({1e12, 0, 0});
   const PreparedCloud p = prepare(cloud, {});
@@ -59,7 +59,7 @@ TEST(Prepare, ForgetsOnePointAtTheEndOfTheWorld) {
   EXPECT_NEAR(p.facts.diagonal, 2 * std::sqrt(3.0), 0.01);
 }
 
-class OrientOf : public testing::TestWithParam<CloudShape> {};
+class OrientOf : public testing::TestWithParam<synthetic::CloudShape> {};
 
 TEST_P(OrientOf, FindsTheNormalsThatWereNotGiven) {
   // The wall of the vase is about three spacings of 20,000 points thick.
@@ -72,12 +72,13 @@ TEST_P(OrientOf, FindsTheNormalsThatWereNotGiven) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, OrientOf,
-                         testing::Values(CloudShape::sphere, CloudShape::two_torus, CloudShape::cube, CloudShape::plate,
-                                         CloudShape::spring, CloudShape::vase),
+                         testing::Values(synthetic::CloudShape::sphere, synthetic::CloudShape::two_torus,
+                                         synthetic::CloudShape::cube, synthetic::CloudShape::plate,
+                                         synthetic::CloudShape::spring, synthetic::CloudShape::vase),
                          [](const auto& one) { return std::string(word_of(one.param)); });
 
 TEST(Orient, TakesNormalsThatAreGiven) {
-  PointCloud given = scan(CloudShape::sphere);
+  PointCloud given = scan(synthetic::CloudShape::sphere);
   for (Vec3& n : given.normals) n = 2 * (n + 0.5 * n.cross(Vec3::UnitZ()));
   const OrientedPoints o = orient(given, true);
   for (std::size_t i = 0; i < o.points.size(); ++i)
@@ -89,7 +90,7 @@ TEST(Orient, TakesNormalsThatAreGiven) {
 
 /// The lower half of the vase: a pot whose two sides hang together nowhere.
 PointCloud pot(int points) {
-  PointCloud cloud = make_cloud({.shape = CloudShape::vase, .points = points, .normals = true});
+  PointCloud cloud = synthetic::make_cloud({.shape = synthetic::CloudShape::vase, .points = points, .normals = true});
   std::size_t n = 0;
   for (std::size_t i = 0; i < cloud.points.size(); ++i)
     if (cloud.points[i][2] < 0.1) {
@@ -111,7 +112,7 @@ TEST(Orient, TurnsTheInnerSideOfAWallInwardsWhereItsRimIsMissing) {
 }
 
 TEST(Orient, TurnsBodiesThatStandApartOutwardsEach) {
-  PointCloud cloud = scan(CloudShape::sphere);
+  PointCloud cloud = scan(synthetic::CloudShape::sphere);
   const std::size_t one = cloud.points.size();
   for (std::size_t i = 0; i < one; ++i) cloud.points.push_back(cloud.points[i] + Vec3(2.2, 0, 0));
   const OrientedPoints o = orient(without_normals(cloud), true);
@@ -129,7 +130,7 @@ TEST(ThinOut, LeavesOnePointPerCellInTheMiddleOfItsOwn) {
 }
 
 TEST(FindInside, IsAHalfInsideAndMinusAHalfOutsideASphere) {
-  const IndicatorField field = solve_indicator(orient(scan(CloudShape::sphere), true), {.cells = 32}).back();
+  const IndicatorField field = solve_indicator(orient(scan(synthetic::CloudShape::sphere), true), {.cells = 32}).back();
   const Grid& g = field.value.grid;
   for (int i = 0; i < g.dims[0]; ++i) {
     const Vec3 at = field.origin + field.side * Vec3(i, (g.dims[1] - 1) / 2.0, (g.dims[2] - 1) / 2.0);
@@ -142,27 +143,27 @@ TEST(FindInside, IsAHalfInsideAndMinusAHalfOutsideASphere) {
 }
 
 TEST(FindInside, PutsTheSurfaceOnThePoints) {
-  const PointCloud cloud = scan(CloudShape::ellipsoid);
+  const PointCloud cloud = scan(synthetic::CloudShape::ellipsoid);
   const TriMesh mesh = body_surface(solve_indicator(orient(cloud, true), {.cells = 48}).back(), 0, cloud.points, 0.02);
-  EXPECT_EQ(topology(mesh).euler, 2);
+  EXPECT_EQ(mesh::topology(mesh).euler, 2);
   // Half axes 1, 0.6, 0.35: within a twentieth of a step of 2/48 on average, so of the volume to half a percent.
-  EXPECT_NEAR(volume_mm3(mesh), 4.0 / 3 * 3.14159 * 0.6 * 0.35, 0.005);
+  EXPECT_NEAR(mesh::volume_mm3(mesh), 4.0 / 3 * 3.14159 * 0.6 * 0.35, 0.005);
 }
 
 TEST(BodySurface, DropsPartsThatFewPointsSpeakFor) {
-  PointCloud cloud = scan(CloudShape::sphere);
-  const PointCloud small = make_cloud({.points = 150, .normals = true});
+  PointCloud cloud = scan(synthetic::CloudShape::sphere);
+  const PointCloud small = synthetic::make_cloud({.points = 150, .normals = true});
   for (std::size_t i = 0; i < small.points.size(); ++i) {
     cloud.points.push_back(Vec3(2, 0, 0) + 0.3 * small.points[i]);
     cloud.normals.push_back(small.normals[i]);
   }
   const IndicatorField field = solve_indicator(orient(cloud, true), {.cells = 48}).back();
-  EXPECT_EQ(topology(body_surface(field, 0, cloud.points, 0)).components, 2);
-  EXPECT_EQ(topology(body_surface(field, 0, cloud.points, 0.05)).components, 1);
+  EXPECT_EQ(mesh::topology(body_surface(field, 0, cloud.points, 0)).components, 2);
+  EXPECT_EQ(mesh::topology(body_surface(field, 0, cloud.points, 0.05)).components, 1);
 }
 
 TEST(ChooseBody, GivesHandlesByRule) {
-  const PointCloud cloud = scan(CloudShape::two_torus);
+  const PointCloud cloud = scan(synthetic::CloudShape::two_torus);
   const auto fields = solve_indicator(orient(cloud, true), {.cells = 48});
   const auto genus_by = [&](GenusRule rule) {
     CloudOptions options;
@@ -170,8 +171,8 @@ TEST(ChooseBody, GivesHandlesByRule) {
     Notes notes;
     const Body body = choose_body(fields, cloud.points, options, notes);
     EXPECT_TRUE(notes.empty());
-    EXPECT_TRUE(check_surface(body.mesh).valid());
-    EXPECT_EQ(topology(body.mesh).euler, 2 - 2 * body.genus);
+    EXPECT_TRUE(mesh::check_surface(body.mesh).valid());
+    EXPECT_EQ(mesh::topology(body.mesh).euler, 2 - 2 * body.genus);
     return body.genus;
   };
   EXPECT_EQ(genus_by(GenusRule::automatic), 2);
@@ -180,7 +181,7 @@ TEST(ChooseBody, GivesHandlesByRule) {
 }
 
 TEST(WithoutHandles, CutsATorusOnceAndTakesLittle) {
-  const auto fields = solve_indicator(orient(scan(CloudShape::torus), true), {.cells = 48});
+  const auto fields = solve_indicator(orient(scan(synthetic::CloudShape::torus), true), {.cells = 48});
   const IndicatorField cut = without_handles(fields.back());
   std::size_t before = 0, after = 0;
   for (std::size_t i = 0; i < cut.value.values.size(); ++i) {
@@ -194,25 +195,25 @@ TEST(WithoutHandles, CutsATorusOnceAndTakesLittle) {
 }
 
 TEST(Fit, BringsACoarseSphereNearerToItsPoints) {
-  const PointCloud cloud = scan(CloudShape::sphere);
-  SurfaceEditor s(icosphere(2));
+  const PointCloud cloud = scan(synthetic::CloudShape::sphere);
+  mesh::SurfaceEditor s(mesh::icosphere(2));
   const double before = mean_distance(s, cloud.points);
   fit(s, {cloud.points, cloud.normals}, {.rounds = 4});
   // Faces that cut the sphere are on average a quarter to a half as far from it as faces below it.
   EXPECT_LT(mean_distance(s, cloud.points), 0.5 * before);
-  EXPECT_TRUE(check_surface(s.mesh()).valid());
+  EXPECT_TRUE(mesh::check_surface(s.mesh()).valid());
 }
 
 TEST(Fit, IsNotDrawnToPointsThatLookTheOtherWay) {
-  PointCloud cloud = scan(CloudShape::sphere);
+  PointCloud cloud = scan(synthetic::CloudShape::sphere);
   for (Vec3& p : cloud.points) p *= 0.8;
   for (Vec3& n : cloud.normals) n *= -1;
-  SurfaceEditor s(icosphere(2));
-  const double volume = volume_mm3(s.mesh());
+  mesh::SurfaceEditor s(mesh::icosphere(2));
+  const double volume = mesh::volume_mm3(s.mesh());
   fit(s, {cloud.points, cloud.normals}, {.rounds = 2, .smoothness = 0});
-  EXPECT_NEAR(volume_mm3(s.mesh()), volume, 1e-6);
+  EXPECT_NEAR(mesh::volume_mm3(s.mesh()), volume, 1e-6);
   fit(s, {cloud.points, {}}, {.rounds = 4});
-  EXPECT_LT(volume_mm3(s.mesh()), 0.6 * volume);
+  EXPECT_LT(mesh::volume_mm3(s.mesh()), 0.6 * volume);
 }
 
 TEST(Voxelise, PutsTheCloudInTheMiddleOfItsGrid) {
@@ -224,4 +225,4 @@ TEST(Voxelise, PutsTheCloudInTheMiddleOfItsGrid) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

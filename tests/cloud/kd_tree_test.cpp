@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 std::vector<Vec3> points(int count) {
@@ -81,4 +81,4 @@ TEST(KdTree, AreNumberedInTheOrderOfTheTree) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -11,14 +11,14 @@
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 /// Icospheres stretched to an egg with a bump, finest first: 1280, 320, 80 triangles.
 std::vector<TriMesh> eggs() {
   std::vector<TriMesh> levels;
   for (const int level : {3, 2, 1}) {
-    TriMesh mesh = icosphere(level);
+    TriMesh mesh = mesh::icosphere(level);
     for (Vec3& p : mesh.vertices) p = Vec3(p[0], 1.5 * p[1], 0.8 * p[2]) * (1 + 0.3 * std::exp(3 * (p[0] - 1)));
     levels.push_back(std::move(mesh));
   }
@@ -142,12 +142,12 @@ void expect_whole(const LodTransition& transition, const TriMesh& coarse, const 
   // All places are sums of weighted vertices near 1: rounding only.
   EXPECT_LT(transition.largest_start_distance, 1e-9);
   const TriMesh begin = at_transition(transition, 0), end = at_transition(transition, 1);
-  EXPECT_NEAR(volume_mm3(begin), volume_mm3(coarse), 1e-12 * volume_mm3(coarse));
-  EXPECT_NEAR(volume_mm3(end), volume_mm3(fine), 1e-12 * volume_mm3(fine));
-  EXPECT_NEAR(area_mm2(end), area_mm2(fine), 1e-12 * area_mm2(fine));
+  EXPECT_NEAR(mesh::volume_mm3(begin), mesh::volume_mm3(coarse), 1e-12 * mesh::volume_mm3(coarse));
+  EXPECT_NEAR(mesh::volume_mm3(end), mesh::volume_mm3(fine), 1e-12 * mesh::volume_mm3(fine));
+  EXPECT_NEAR(mesh::area_mm2(end), mesh::area_mm2(fine), 1e-12 * mesh::area_mm2(fine));
   ASSERT_GE(end.vertices.size(), fine.vertices.size());
   for (std::size_t v = 0; v < fine.vertices.size(); ++v) EXPECT_EQ(end.vertices[v], fine.vertices[v]);
-  EXPECT_TRUE(topology(end).closed());
+  EXPECT_TRUE(mesh::topology(end).closed());
 }
 
 TEST(LodTransition, FindsTheParentsOfASubdivisionAndStartsAtTheVeryShape) {
@@ -159,8 +159,8 @@ TEST(LodTransition, FindsTheParentsOfASubdivisionAndStartsAtTheVeryShape) {
     const TriMesh begin = at_transition(transition, 0), end = at_transition(transition, 1);
     EXPECT_EQ(end.vertices, fine.vertices);
     // The coarse shape with its triangles cut in four: same volume and area, old vertices in place.
-    EXPECT_NEAR(volume_mm3(begin), volume_mm3(coarse), 1e-12);
-    EXPECT_NEAR(area_mm2(begin), area_mm2(coarse), 1e-12);
+    EXPECT_NEAR(mesh::volume_mm3(begin), mesh::volume_mm3(coarse), 1e-12);
+    EXPECT_NEAR(mesh::area_mm2(begin), mesh::area_mm2(coarse), 1e-12);
     for (std::size_t v = 0; v < coarse.vertices.size(); ++v) EXPECT_EQ(begin.vertices[v], coarse.vertices[v]);
     for (std::size_t v = coarse.vertices.size(); v < fine.vertices.size(); ++v) {
       const Vec3 half = at_transition(transition, 0.5).vertices[v];
@@ -184,7 +184,7 @@ struct Pair {
   TriMesh coarse, fine;
 };
 Pair turned_spheres() {
-  Pair pair{icosphere(2), icosphere(4)};
+  Pair pair{mesh::icosphere(2), mesh::icosphere(4)};
   const Mat3 turn = Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   for (Vec3& p : pair.fine.vertices) p = turn * p;
   return pair;
@@ -195,33 +195,33 @@ TEST(LodTransition, IsTheCoarseSurfaceAtItsStartForAnyOtherMesh) {
   expect_whole(lod_transition(coarse, fine), coarse, fine);
 }
 
-void expect_whole_levels(CloudShape shape, const std::string& triangles) {
+void expect_whole_levels(synthetic::CloudShape shape, const std::string& triangles) {
   CloudOptions options;
   options.triangles = triangles;
-  const auto levels = reconstruct_cloud(make_cloud({.shape = shape, .points = 20000}), options).levels;
+  const auto levels = reconstruct_cloud(synthetic::make_cloud({.shape = shape, .points = 20000}), options).levels;
   for (std::size_t n = 0; n + 1 < levels.size(); ++n)
     expect_whole(lod_transition(levels[n + 1].mesh, levels[n].mesh), levels[n + 1].mesh, levels[n].mesh);
 }
 
 TEST(LodTransition, IsTheCoarseSurfaceAtItsStartForLevelsOfACloud) {
-  expect_whole_levels(CloudShape::blobs, "1280,320,80");
-  expect_whole_levels(CloudShape::torus, "1280,320,80");
+  expect_whole_levels(synthetic::CloudShape::blobs, "1280,320,80");
+  expect_whole_levels(synthetic::CloudShape::torus, "1280,320,80");
 }
 
 TEST(LodTransition, IsTheCoarseSurfaceAtItsStartWhereSheetsNearlyTouch) {
   // Near the vase's thin rim and between the turns of a wire the nearest place jumps from one sheet to the other.
-  expect_whole_levels(CloudShape::vase, "1280,320");
-  expect_whole_levels(CloudShape::spring, "1280,320");
-  expect_whole_levels(CloudShape::two_torus, "1280,320,80");
+  expect_whole_levels(synthetic::CloudShape::vase, "1280,320");
+  expect_whole_levels(synthetic::CloudShape::spring, "1280,320");
+  expect_whole_levels(synthetic::CloudShape::two_torus, "1280,320,80");
 }
 
 TEST(LodTransition, ChangesTheVolumeContinuouslyFromOneLevelToTheOther) {
   for (const Pair& pair : {turned_spheres(), Pair{eggs()[1], eggs()[0]}}) {
     const LodTransition transition = lod_transition(pair.coarse, pair.fine);
-    const double begin = volume_mm3(at_transition(transition, 0)), end = volume_mm3(pair.fine);
+    const double begin = mesh::volume_mm3(at_transition(transition, 0)), end = mesh::volume_mm3(pair.fine);
     double before = begin;
     for (int step = 1; step <= 100; ++step) {
-      const double now = volume_mm3(at_transition(transition, step / 100.0));
+      const double now = mesh::volume_mm3(at_transition(transition, step / 100.0));
       EXPECT_NEAR(now, before, 0.03 * std::abs(end - begin)) << "no step is larger than three of a hundred";
       before = now;
     }
@@ -231,7 +231,7 @@ TEST(LodTransition, ChangesTheVolumeContinuouslyFromOneLevelToTheOther) {
 
 TEST(LodTransition, StaysOnItsOwnSideOfAThinPlate) {
   // A coarse plate of which the fine one's bottom is nearer to the coarse top than to the coarse bottom.
-  TriMesh coarse = cube_surface(2), fine = cube_surface(8);
+  TriMesh coarse = mesh::cube_surface(2), fine = mesh::cube_surface(8);
   for (Vec3& p : coarse.vertices) p[2] = 0.01 * p[2] - 0.03;  // from -0.04 to -0.02
   for (Vec3& p : fine.vertices) p[2] *= 0.02;                 // from -0.02 to 0.02
   const LodTransition transition = lod_transition(coarse, fine);
@@ -242,8 +242,8 @@ TEST(LodTransition, StaysOnItsOwnSideOfAThinPlate) {
 }
 
 TEST(LodTransition, RefusesMeshesWithoutTriangles) {
-  EXPECT_THROW(lod_transition({}, icosphere(1)), InputError);
-  EXPECT_THROW(lod_transition(icosphere(1), {}), InputError);
+  EXPECT_THROW(lod_transition({}, mesh::icosphere(1)), InputError);
+  EXPECT_THROW(lod_transition(mesh::icosphere(1), {}), InputError);
 }
 
 TEST(Tessellation, ComparesWithTwoTrianglesForEachPoint) {
@@ -254,4 +254,4 @@ TEST(Tessellation, ComparesWithTwoTrianglesForEachPoint) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

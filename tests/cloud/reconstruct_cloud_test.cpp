@@ -14,11 +14,11 @@
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 PointCloud ball() {
-  PointCloud cloud{icosphere(5).vertices, {}, {}, {}};
+  PointCloud cloud{mesh::icosphere(5).vertices, {}, {}, {}};
   for (Vec3& p : cloud.points) p = Vec3(7, -3, 100) + 0.02 * p;
   return cloud;
 }
@@ -56,7 +56,7 @@ TEST(ReconstructCloud, TheThesisRecipeMakesIcospheresOnly) {
 }
 
 /// A torus of radii 0.75 and 0.25, seen by 5,000 points.
-PointCloud ring() { return make_cloud({.shape = CloudShape::torus, .points = 5000}); }
+PointCloud ring() { return synthetic::make_cloud({.shape = synthetic::CloudShape::torus, .points = 5000}); }
 
 class EveryStart : public testing::TestWithParam<CloudStart> {};
 
@@ -64,7 +64,7 @@ TEST_P(EveryStart, BecomesABodyWithDents) {
   CloudOptions options;
   options.triangles = "1000";
   options.start = GetParam();
-  const PointCloud cloud = make_cloud({.shape = CloudShape::blobs, .points = 8000});
+  const PointCloud cloud = synthetic::make_cloud({.shape = synthetic::CloudShape::blobs, .points = 8000});
   const CloudResult result = reconstruct_cloud(cloud, options);
   const Certificate& c = result.levels.at(0).certificate;
   EXPECT_TRUE(c.watertight());
@@ -90,7 +90,8 @@ TEST(ReconstructCloud, StartsWithoutHandlesCloseThemAndSaySo) {
   CloudOptions options;
   options.triangles = "1000";
   options.start = CloudStart::hull;
-  const CloudResult result = reconstruct_cloud(make_cloud({.shape = CloudShape::torus, .points = 5000}), options);
+  const CloudResult result =
+      reconstruct_cloud(synthetic::make_cloud({.shape = synthetic::CloudShape::torus, .points = 5000}), options);
   EXPECT_EQ(result.levels.at(0).certificate.genus, 0);
   EXPECT_TRUE(result.levels.at(0).certificate.watertight());
   EXPECT_TRUE(std::any_of(result.notes.begin(), result.notes.end(),
@@ -125,17 +126,17 @@ INSTANTIATE_TEST_SUITE_P(Methods, EveryFittedMethod, testing::Values(CloudMethod
                          [](const auto& one) { return std::string(word_of(one.param)); });
 
 TEST(CloudStart, TellsWhenADeepCavityWasNotReached) {
-  const auto is_told = [](CloudShape shape) {
+  const auto is_told = [](synthetic::CloudShape shape) {
     CloudOptions options;
     options.triangles = "640";
     options.start = CloudStart::hull;
-    const CloudResult result = reconstruct_cloud(make_cloud({.shape = shape, .points = 8000}), options);
+    const CloudResult result = reconstruct_cloud(synthetic::make_cloud({.shape = shape, .points = 8000}), options);
     return std::any_of(result.notes.begin(), result.notes.end(), [](const Note& note) {
       return note.code == "cloud.start" && note.message.find("did not reach") != std::string::npos;
     });
   };
-  EXPECT_TRUE(is_told(CloudShape::vase));
-  EXPECT_FALSE(is_told(CloudShape::ellipsoid));
+  EXPECT_TRUE(is_told(synthetic::CloudShape::vase));
+  EXPECT_FALSE(is_told(synthetic::CloudShape::ellipsoid));
 }
 
 TEST(ReconstructCloud, GivesTheSameBytesForAnyNumberOfThreads) {
@@ -191,7 +192,7 @@ TEST(ReconstructCloud, WarnsOfSurfaceThatNoPointIsNear) {
     });
     return found == notes.end() ? std::string() : found->message;
   };
-  PointCloud cloud = make_cloud({.points = 5000});
+  PointCloud cloud = synthetic::make_cloud({.points = 5000});
   EXPECT_EQ(warning(cloud), "");
   std::erase_if(cloud.points, [](const Vec3& p) { return p.z() < 0; });
   const std::string message = warning(cloud), begin = "the surface goes as far as ";
@@ -206,8 +207,9 @@ CloudResult noisy_vase(int points, double noise_percent, std::optional<double> t
   CloudOptions options;
   options.triangles = "1280";
   options.noise_percent = told;
-  return reconstruct_cloud(make_cloud({.shape = CloudShape::vase, .points = points, .noise_percent = noise_percent}),
-                           options);
+  return reconstruct_cloud(
+      synthetic::make_cloud({.shape = synthetic::CloudShape::vase, .points = points, .noise_percent = noise_percent}),
+      options);
 }
 
 bool tells_of_loss(const CloudResult& result) {
@@ -249,7 +251,7 @@ TEST(ReconstructCloud, RefusesWhatIsNoBody) {
 }
 
 TEST(ReconstructCloud, FindsTheFewestTrianglesWithinAnError) {
-  const PointCloud few = make_cloud({.shape = CloudShape::torus, .points = 2000});
+  const PointCloud few = synthetic::make_cloud({.shape = synthetic::CloudShape::torus, .points = 2000});
   CloudOptions options;
   options.max_error_percent = 0.5;
   const CloudResult result = reconstruct_cloud(few, options);
@@ -274,14 +276,14 @@ TriMesh column() {
   mesh.vertices.push_back({0, 0, 1});
   for (std::uint32_t i = 0; i < 6; ++i) {
     const std::uint32_t j = (i + 1) % 6;
-    for (const auto& t : {SurfaceEditor::Corners{i, j, 6 + j}, {i, 6 + j, 6 + i}, {12, j, i}, {13, 6 + i, 6 + j}})
+    for (const auto& t : {mesh::SurfaceEditor::Corners{i, j, 6 + j}, {i, 6 + j, 6 + i}, {12, j, i}, {13, 6 + i, 6 + j}})
       mesh.triangles.push_back(t);
   }
   return mesh;
 }
 
 TEST(ReconstructCloud, KeepsSharpEdgesWhereAsked) {
-  const PointCloud scan = scan_surface(column(), {.points = 30000});
+  const PointCloud scan = synthetic::scan_surface(column(), {.points = 30000});
   CloudOptions options;
   options.triangles = "640,320,200";  // one level alone may lie well on the edges by chance
   const auto distance = [&] {
@@ -298,7 +300,8 @@ TEST(ReconstructCloud, KeepsSharpEdgesWhereAsked) {
 TEST(ReconstructCloud, KeepsTheCornersOfACubeWithFewTriangles) {
   CloudOptions options;
   options.triangles = "1280,320";
-  const CloudResult result = reconstruct_cloud(make_cloud({.shape = CloudShape::cube, .points = 50000}), options);
+  const CloudResult result =
+      reconstruct_cloud(synthetic::make_cloud({.shape = synthetic::CloudShape::cube, .points = 50000}), options);
   const Certificate& c = result.levels.back().certificate;
   EXPECT_TRUE(c.watertight());
   EXPECT_GT(c.smallest_angle_deg, 28);
@@ -322,4 +325,4 @@ TEST(ReconstructCloud, StopsWhenAsked) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

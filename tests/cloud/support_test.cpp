@@ -11,7 +11,7 @@
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/detail/random.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 CloudResult reconstructed(const PointCloud& cloud) {
@@ -29,7 +29,7 @@ bool warns(const CloudResult& result, const std::string& code) {
 PointCloud with_stray_points(PointCloud cloud, double share) {
   Eigen::AlignedBox3d box;
   for (const Vec3& p : cloud.points) box.extend(p);
-  Random random(5);
+  synthetic::Random random(5);
   const auto count = static_cast<std::size_t>(share * static_cast<double>(cloud.points.size()));
   for (std::size_t n = 0; n < count; ++n) {
     Vec3 p;
@@ -57,8 +57,9 @@ TEST(Support, ConfidenceFallsAsTheDistanceGrowsBeyondWhatPointsSupport) {
 }
 
 TEST(Support, AWholeScanIsOk) {
-  for (const CloudShape shape : {CloudShape::sphere, CloudShape::torus, CloudShape::two_torus, CloudShape::blobs}) {
-    const CloudResult result = reconstructed(make_cloud({.shape = shape, .points = 20000}));
+  for (const synthetic::CloudShape shape : {synthetic::CloudShape::sphere, synthetic::CloudShape::torus,
+                                            synthetic::CloudShape::two_torus, synthetic::CloudShape::blobs}) {
+    const CloudResult result = reconstructed(synthetic::make_cloud({.shape = shape, .points = 20000}));
     EXPECT_EQ(verdict_of(result), CloudVerdict::ok) << static_cast<int>(shape);
     EXPECT_EQ(result.support.made_up, 0) << static_cast<int>(shape);
     EXPECT_EQ(*std::min_element(result.levels[0].confidence.begin(), result.levels[0].confidence.end()), 1);
@@ -66,7 +67,7 @@ TEST(Support, AWholeScanIsOk) {
 }
 
 TEST(Support, AHalfScannedBodyIsMadeUpAndTold) {
-  PointCloud cloud = make_cloud({.points = 20000});
+  PointCloud cloud = synthetic::make_cloud({.points = 20000});
   std::erase_if(cloud.points, [](const Vec3& p) { return p.z() < 0; });
   const CloudResult result = reconstructed(cloud);
   EXPECT_EQ(verdict_of(result), CloudVerdict::check);
@@ -86,7 +87,7 @@ TEST(Support, AHalfScannedBodyIsMadeUpAndTold) {
 
 TEST(Support, AnOpenSheetIsNeverOk) {
   PointCloud terrain;
-  Random random(3);
+  synthetic::Random random(3);
   for (int n = 0; n < 20000; ++n) {
     const double x = 2 * random.uniform() - 1, y = 2 * random.uniform() - 1;
     terrain.points.emplace_back(x, y, 0.12 * std::sin(4 * x) * std::cos(3 * y) + 0.05 * std::sin(9 * x + 4 * y));
@@ -96,7 +97,7 @@ TEST(Support, AnOpenSheetIsNeverOk) {
 
 // One of two balls that touch was lost, and every level watertight.
 TEST(Support, TwoBallsThatTouchAreBothThereOrTold) {
-  PointCloud cloud = make_cloud({.points = 10000}), other = cloud;
+  PointCloud cloud = synthetic::make_cloud({.points = 10000}), other = cloud;
   for (Vec3& p : other.points) cloud.points.push_back(p + Vec3(2.002, 0, 0));
   const CloudResult result = reconstructed(cloud);
   const Certificate& c = result.levels[0].certificate;
@@ -105,8 +106,10 @@ TEST(Support, TwoBallsThatTouchAreBothThereOrTold) {
 }
 
 TEST(Outliers, StrayPointsInTheBoxAreDropped) {
-  for (const CloudShape shape : {CloudShape::sphere, CloudShape::two_torus, CloudShape::spring}) {
-    const PointCloud clean = make_cloud({.shape = shape, .points = 20000}), cloud = with_stray_points(clean, 0.01);
+  for (const synthetic::CloudShape shape :
+       {synthetic::CloudShape::sphere, synthetic::CloudShape::two_torus, synthetic::CloudShape::spring}) {
+    const PointCloud clean = synthetic::make_cloud({.shape = shape, .points = 20000}),
+                     cloud = with_stray_points(clean, 0.01);
     const std::vector<std::uint8_t> kept = parts_of_surfaces(cloud.points, KdTree(cloud.points), 6);
     // Those near the surface cannot be told from it.
     const KdTree surface(clean.points);
@@ -124,17 +127,19 @@ TEST(Outliers, StrayPointsInTheBoxAreDropped) {
 }
 
 TEST(Outliers, StrayPointsTurnNothingInsideOut) {
-  for (const CloudShape shape : {CloudShape::two_torus, CloudShape::spring, CloudShape::vase}) {
-    const CloudResult result = reconstructed(with_stray_points(make_cloud({.shape = shape, .points = 20000}), 0.01));
+  for (const synthetic::CloudShape shape :
+       {synthetic::CloudShape::two_torus, synthetic::CloudShape::spring, synthetic::CloudShape::vase}) {
+    const CloudResult result =
+        reconstructed(with_stray_points(synthetic::make_cloud({.shape = shape, .points = 20000}), 0.01));
     const Certificate& c = result.levels[0].certificate;
     EXPECT_TRUE(c.watertight()) << static_cast<int>(shape);
     EXPECT_EQ(c.components, 1) << static_cast<int>(shape);
-    EXPECT_EQ(c.genus, genus_of(shape)) << static_cast<int>(shape);
+    EXPECT_EQ(c.genus, synthetic::genus_of(shape)) << static_cast<int>(shape);
   }
 }
 
 TEST(Orientation, GivenDirectionsThatPointInwardsAreTurned) {
-  PointCloud cloud = make_cloud({.shape = CloudShape::blobs, .points = 20000, .normals = true});
+  PointCloud cloud = synthetic::make_cloud({.shape = synthetic::CloudShape::blobs, .points = 20000, .normals = true});
   const double volume = reconstructed(cloud).levels[0].certificate.volume;
   for (Vec3& n : cloud.normals) n = -n;
   const CloudResult result = reconstructed(cloud);
@@ -144,7 +149,7 @@ TEST(Orientation, GivenDirectionsThatPointInwardsAreTurned) {
 
 // 400 times fewer points on one half than on the other, where nothing is an outlier.
 TEST(Outliers, ThinlyScannedSurfaceStays) {
-  PointCloud cloud = make_cloud({.points = 100000}), thin;
+  PointCloud cloud = synthetic::make_cloud({.points = 100000}), thin;
   for (std::size_t i = 0; i < cloud.points.size(); ++i)
     if (cloud.points[i].x() > 0 || i % 400 == 0) thin.points.push_back(cloud.points[i]);
   const std::vector<std::uint8_t> kept = parts_of_surfaces(thin.points, KdTree(thin.points), 6);
@@ -153,4 +158,4 @@ TEST(Outliers, ThinlyScannedSurfaceStays) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

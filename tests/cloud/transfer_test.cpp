@@ -8,15 +8,15 @@
 #include "dynasurf/mesh/sample_surface.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 /// Points on the unit sphere, red on the right, blue on the left.
 PointCloud two_coloured(std::size_t count) {
   PointCloud cloud;
-  const TriMesh fine = icosphere(5);
-  for (const SurfaceSample& p : sample_surface(fine, count)) {
-    cloud.points.push_back(position_of(fine, p).normalized());
+  const TriMesh fine = mesh::icosphere(5);
+  for (const mesh::SurfaceSample& p : mesh::sample_surface(fine, count)) {
+    cloud.points.push_back(mesh::position_of(fine, p).normalized());
     const bool right = cloud.points.back()[0] > 0;
     cloud.colours.push_back(
         {static_cast<std::uint8_t>(right ? 200 : 0), 30, static_cast<std::uint8_t>(right ? 0 : 90)});
@@ -29,7 +29,7 @@ auto colours_of(const TriMesh& mesh, const PointCloud& cloud) {
 }
 
 TEST(ColoursAtVertices, AreThoseOfThePointsAround) {
-  const TriMesh mesh = icosphere(3);
+  const TriMesh mesh = mesh::icosphere(3);
   const auto colours = colours_of(mesh, two_coloured(20000));
   ASSERT_EQ(colours.size(), mesh.vertices.size());
   for (std::size_t v = 0; v < colours.size(); ++v) {
@@ -44,7 +44,7 @@ TEST(ColoursAtVertices, AreThoseOfThePointsAround) {
 }
 
 TEST(ColoursAtVertices, MixInLinearLight) {
-  const TriMesh mesh = icosphere(0);
+  const TriMesh mesh = mesh::icosphere(0);
   PointCloud cloud;
   // Two points at every vertex, one black and one white: half the light is 188 in sRGB, not 128.
   for (const Vec3& p : mesh.vertices)
@@ -58,12 +58,12 @@ TEST(ColoursAtVertices, MixInLinearLight) {
 TEST(ColoursAtVertices, AreAbsentWithoutColours) {
   PointCloud cloud = two_coloured(100);
   cloud.colours.clear();
-  EXPECT_TRUE(colours_of(icosphere(1), cloud).empty());
+  EXPECT_TRUE(colours_of(mesh::icosphere(1), cloud).empty());
   EXPECT_TRUE(colours_of({}, two_coloured(100)).empty());
 }
 
 TEST(ColoursAtVertices, GivesTheSameForAnyNumberOfThreads) {
-  const TriMesh mesh = icosphere(4);
+  const TriMesh mesh = mesh::icosphere(4);
   const PointCloud cloud = two_coloured(30000);
   const auto colours = colours_of(mesh, cloud);
   const ThreadLimit one(1);
@@ -71,4 +71,4 @@ TEST(ColoursAtVertices, GivesTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

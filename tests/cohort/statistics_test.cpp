@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 namespace {
 
 // Student's quantiles of one and two degrees are closed forms, tan(pi (p - 1/2)) and (2p - 1) / sqrt(2p (1 - p)); the
@@ -114,4 +114,4 @@ TEST(Groups, ThatDoNotVaryAreNotCompared) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

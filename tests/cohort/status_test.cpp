@@ -14,7 +14,7 @@
 
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 namespace {
 
 StudyStatus row_of(const std::string& id) {
@@ -151,4 +151,4 @@ TEST_F(JobKey, SpreadsResultsOverFolders) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

@@ -10,7 +10,7 @@
 
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 namespace {
 
 using testing::ElementsAre;
@@ -104,4 +104,4 @@ TEST_F(StudyTable, IsRefusedInOneLineThatNamesThePlace) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

@@ -6,7 +6,7 @@
 
 #include "support/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 using namespace test_shapes;
@@ -114,4 +114,4 @@ TEST(BorderPath, SplitInPiecesMeetsTheSameVoxel) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

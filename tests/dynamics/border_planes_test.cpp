@@ -8,7 +8,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 Grid grid_of(int n) {
@@ -84,7 +84,7 @@ SphereBorder sphere_border(double radius_mm) {
 double mean_error_mm(const SphereBorder& border, double radius_mm, StopPoint point, const BorderPlanes* planes) {
   const Grid& grid = border.voxels.grid;
   const Vec3 middle = centre_of(grid, {15, 15, 15});
-  VectorField inwards(grid);
+  field::VectorField inwards(grid);
   for (int k = 0; k < 31; ++k)
     for (int j = 0; j < 31; ++j)
       for (int i = 0; i < 31; ++i) {
@@ -96,7 +96,8 @@ double mean_error_mm(const SphereBorder& border, double radius_mm, StopPoint poi
   Evolution options;
   options.stop.point = point;
   options.smooth_after.sweeps = 0;
-  const EvolutionResult r = evolve(place(icosphere(3), border.voxels, {}), inwards, border.voxels, options, {}, planes);
+  const EvolutionResult r =
+      evolve(mesh::place(mesh::icosphere(3), border.voxels, {}), inwards, border.voxels, options, {}, planes);
   double sum = 0;
   for (const Vec3& p : r.mesh.vertices) sum += std::abs((p - middle).norm() - radius_mm);
   return sum / static_cast<double>(r.mesh.vertices.size());
@@ -117,10 +118,10 @@ TEST(Evolve, StopsOnTheSurfaceInsideTheVoxelsWhenItIsTold) {
 TEST(Evolve, RefusesPlanesOfAnotherGrid) {
   const SphereBorder border = sphere_border(20);
   const BorderPlanes other(grid_of(5));
-  EXPECT_THROW(
-      evolve(place(icosphere(1), border.voxels, {}), VectorField(border.voxels.grid), border.voxels, {}, {}, &other),
-      InputError);
+  EXPECT_THROW(evolve(mesh::place(mesh::icosphere(1), border.voxels, {}), field::VectorField(border.voxels.grid),
+                      border.voxels, {}, {}, &other),
+               InputError);
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -14,7 +14,7 @@
 
 #include "support/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 using namespace test_shapes;
@@ -30,8 +30,8 @@ Grid hebron_grid() {
 }
 
 /// A field that pulls to the sphere of radius r around the centre from both sides, as strong as a GVF.
-VectorField pull_to_sphere(const Grid& grid, const Vec3& centre, double r) {
-  VectorField f(grid);
+field::VectorField pull_to_sphere(const Grid& grid, const Vec3& centre, double r) {
+  field::VectorField f(grid);
   for (int k = 0; k < grid.dims[2]; ++k)
     for (int j = 0; j < grid.dims[1]; ++j)
       for (int i = 0; i < grid.dims[0]; ++i) {
@@ -47,7 +47,7 @@ VectorField pull_to_sphere(const Grid& grid, const Vec3& centre, double r) {
 
 struct Scene {
   Image solid, border;
-  VectorField field;
+  field::VectorField field;
   TriMesh start;
   double data_volume_mm3() const { return static_cast<double>(count_non_zero(solid)) * solid.grid.voxel_volume_mm3(); }
 };
@@ -57,7 +57,7 @@ Scene sphere_scene(int level, double radius = 35) {
   s.solid = filled(hebron_grid(), [&](const Vec3& p) { return (p - kCentre).norm() <= radius; });
   s.border = border_of(s.solid);
   s.field = pull_to_sphere(hebron_grid(), kCentre, radius - 1.5);
-  s.start = place(icosphere(level), s.border, {});
+  s.start = mesh::place(mesh::icosphere(level), s.border, {});
   return s;
 }
 
@@ -65,8 +65,8 @@ Scene gvf_scene(int level, const Inside& inside) {
   Scene s;
   s.solid = filled(hebron_grid(), inside);
   s.border = border_of(s.solid);
-  s.field = flow_field(s.border, Gvf{}).field;
-  s.start = place(icosphere(level), s.border, {});
+  s.field = field::flow_field(s.border, field::Gvf{}).field;
+  s.start = mesh::place(mesh::icosphere(level), s.border, {});
   return s;
 }
 
@@ -80,7 +80,7 @@ Inside cup(double r, double height) {
 }
 
 double share_within_one_voxel(const TriMesh& mesh, const Image& border) {
-  const auto d = distances_to_border_voxels(mesh, border);
+  const auto d = mesh::distances_to_border_voxels(mesh, border);
   return static_cast<double>(std::count_if(d.begin(), d.end(), [](double x) { return x < 1; })) /
          static_cast<double>(d.size());
 }
@@ -100,10 +100,10 @@ bool same_bytes(const TriMesh& a, const TriMesh& b) {
 // --- known answers
 
 TEST(FreeMotion, FollowsFieldAndDrag) {
-  VectorField f(hebron_grid());
+  field::VectorField f(hebron_grid());
   std::fill(f.x.begin(), f.x.end(), 0.5F);
   std::fill(f.z.begin(), f.z.end(), -0.25F);
-  for (const Sampling how : {Sampling::nearest, Sampling::trilinear, Sampling::neighbour}) {
+  for (const field::Sampling how : {field::Sampling::nearest, field::Sampling::trilinear, field::Sampling::neighbour}) {
     const Derivative motion = free_motion(f, {.strength = 10, .drag = 0.1, .sampling = how}, 0.5);
     const std::vector<double> y{50, 60, 70, 1, 2, 3};
     std::vector<double> dydt(6);
@@ -114,15 +114,15 @@ TEST(FreeMotion, FollowsFieldAndDrag) {
 }
 
 TEST(FreeMotion, ReadsTheFieldAsTheSamplingDoes) {
-  const VectorField f = pull_to_sphere(hebron_grid(), kCentre, 30);
-  for (const Sampling how : {Sampling::nearest, Sampling::trilinear, Sampling::neighbour}) {
+  const field::VectorField f = pull_to_sphere(hebron_grid(), kCentre, 30);
+  for (const field::Sampling how : {field::Sampling::nearest, field::Sampling::trilinear, field::Sampling::neighbour}) {
     const Derivative motion = free_motion(f, {.strength = 1, .drag = 0, .sampling = how}, 1);
     for (int n = 0; n < 500; ++n) {
       const Vec3 p(-30 + 0.51 * n, 200 - 0.37 * n, -20 + 0.33 * n), v(n % 3 - 1, n % 5 - 2, n % 7 - 3);
       const std::vector<double> y{p[0], p[1], p[2], v[0], v[1], v[2]};
       std::vector<double> dydt(6);
       motion(y, dydt);
-      EXPECT_EQ(Vec3(dydt[3], dydt[4], dydt[5]), sample(f, p, how, v));
+      EXPECT_EQ(Vec3(dydt[3], dydt[4], dydt[5]), field::sample(f, p, how, v));
     }
   }
 }
@@ -131,7 +131,7 @@ TEST(Evolve, ReachesTheSteadySpeedOfFieldAndDrag) {
   // One particle in a constant field: x(t) = v t - v m/k (1 - e^{-kt/m}), v = K V / k.
   Grid g;
   g.dims = {100, 3, 3};
-  VectorField f(g);
+  field::VectorField f(g);
   std::fill(f.x.begin(), f.x.end(), 0.1F);
   const TriMesh one{{{5, 1, 1}}, {}};
   Evolution o = without_smoothing();
@@ -150,7 +150,7 @@ TEST(Evolve, StopsAtEntryCentreOrTheLastPointBefore) {
   Grid g;
   g.dims = {40, 3, 3};
   g.spacing = {2, 2, 2};
-  VectorField f(g);
+  field::VectorField f(g);
   std::fill(f.x.begin(), f.x.end(), 0.1F);
   Image border(g);
   border(20, 1, 1) = 1;
@@ -182,22 +182,22 @@ TEST(Evolve, WrapsSphereEllipsoidAndCupWithinTheBoundsOfThePhantom) {
       const Scene s = gvf_scene(level, inside);
       const EvolutionResult r = evolve(s.start, s.field, s.border, {});
       EXPECT_TRUE(r.reason == StopReason::at_rest || r.reason == StopReason::all_stopped) << name_of(r.reason);
-      EXPECT_NEAR(volume_mm3(r.mesh) / s.data_volume_mm3(), 1, 0.02) << name << " level " << level;
+      EXPECT_NEAR(mesh::volume_mm3(r.mesh) / s.data_volume_mm3(), 1, 0.02) << name << " level " << level;
       EXPECT_GE(share_within_one_voxel(r.mesh, s.border), 0.97) << name << " level " << level;
       EXPECT_TRUE(r.notes.empty());
     }
   const Scene cavity = gvf_scene(3, cup(18.5, 53));
   const EvolutionResult r = evolve(cavity.start, cavity.field, cavity.border, {});
-  EXPECT_NEAR(volume_mm3(r.mesh) / cavity.data_volume_mm3(), 1, 0.05);
+  EXPECT_NEAR(mesh::volume_mm3(r.mesh) / cavity.data_volume_mm3(), 1, 0.05);
 }
 
 TEST(Evolve, GrowsFromInsideAsWell) {
   Scene s = sphere_scene(3);
-  s.start = place(icosphere(3), s.border, {.scale = 0.3});
+  s.start = mesh::place(mesh::icosphere(3), s.border, {.scale = 0.3});
   const EvolutionResult r = evolve(s.start, s.field, s.border, without_smoothing());
   EXPECT_GE(r.stopped_fraction, 0.99);
   // From inside the faces towards the centre are met: one voxel less all around than from outside.
-  EXPECT_LT(volume_mm3(r.mesh), s.data_volume_mm3());
+  EXPECT_LT(mesh::volume_mm3(r.mesh), s.data_volume_mm3());
   EXPECT_GE(share_within_one_voxel(r.mesh, s.border), 0.97);
 }
 
@@ -271,7 +271,7 @@ TEST(Evolve, StopsAParticleThatSmoothingWouldPullThroughTheBorder) {
   spike.vertices[40][2] = 20;
   Evolution o;
   o.smooth_after.sweeps = 0;
-  const EvolutionResult r = evolve(spike, VectorField(g), border, o);
+  const EvolutionResult r = evolve(spike, field::VectorField(g), border, o);
   EXPECT_EQ(r.stopped[40], 1);
   EXPECT_NEAR(r.mesh.vertices[40][2], 15, 1e-9);
 }
@@ -282,8 +282,8 @@ TEST(Evolve, IsUnorderedWithoutStopAndSmoothing) {
   Evolution free = without_smoothing();
   free.stop.enabled = false;
   free.end.max_steps = 2000;
-  const TriangleQuality loose = triangle_quality(evolve(s.start, s.field, s.border, free).mesh);
-  const TriangleQuality held = triangle_quality(evolve(s.start, s.field, s.border, {}).mesh);
+  const mesh::TriangleQuality loose = mesh::triangle_quality(evolve(s.start, s.field, s.border, free).mesh);
+  const mesh::TriangleQuality held = mesh::triangle_quality(evolve(s.start, s.field, s.border, {}).mesh);
   EXPECT_LT(loose.shape_mean, 0.8 * held.shape_mean);
 }
 
@@ -300,7 +300,7 @@ TEST(Evolve, CountsParticlesNearTheBorderPerStep) {
     EXPECT_EQ(h[2] + h[3], 162);
   }
   EXPECT_LT(r.histories.front()[2], 20);
-  const auto d = distances_to_border_voxels(r.mesh, s.border);
+  const auto d = mesh::distances_to_border_voxels(r.mesh, s.border);
   for (int n = 0; n < 3; ++n)
     EXPECT_EQ(r.histories.back()[static_cast<std::size_t>(n)],
               std::count_if(d.begin(), d.end(), [&](double x) { return x < n + 1; }));
@@ -363,11 +363,11 @@ TEST(Evolve, CountsParticlesThatTrembleAsAtRest) {
 TEST(Evolve, GoesByABandAsByTheFieldOfEveryVoxel) {
   // Starts outside the band, reads coarser cells there, and the nearest voxel outside the grid.
   const Scene s = gvf_scene(3, [](const Vec3& p) { return (p - kCentre).norm() <= 35; });
-  const BandField band = band_field(s.border, BandGvf{}).field;
-  const VectorField dense = dense_field(band);
+  const field::BandField band = field::band_field(s.border, field::BandGvf{}).field;
+  const field::VectorField dense = field::dense_field(band);
   TriMesh start = s.start;
   for (Vec3& p : start.vertices) p = kCentre + 2.5 * (p - kCentre);
-  for (const Sampling sampling : {Sampling::nearest, Sampling::trilinear})
+  for (const field::Sampling sampling : {field::Sampling::nearest, field::Sampling::trilinear})
     for (const ModelOptions& model : {ModelOptions(FreeModel{}), ModelOptions(RestrictedSpringModel{})}) {
       Evolution o;
       o.model = model;
@@ -398,19 +398,19 @@ TEST(Evolve, ClosesASurfaceInABigVolumeThroughABandAlone) {
         border(i, j, k) = 1;
         voxels.push_back({i, j, k});
       }
-  const BandField band = band_field(grid, voxels, BandGvf{}).field;
+  const field::BandField band = field::band_field(grid, voxels, field::BandGvf{}).field;
   EXPECT_LT(band.bytes(), grid.size() * 12 / 5) << "a fifth of the field of every voxel";
   Evolution o;
   o.force.strength = 25;
-  const EvolutionResult r = evolve(place(icosphere(3), border, {}), band, border, o);
+  const EvolutionResult r = evolve(mesh::place(mesh::icosphere(3), border, {}), band, border, o);
   EXPECT_TRUE(r.reason == StopReason::all_stopped || r.reason == StopReason::at_rest) << name_of(r.reason);
   EXPECT_GT(r.stopped_fraction, 0.99);
-  EXPECT_NEAR(volume_mm3(r.mesh) / (4.0 / 3 * std::numbers::pi * 50 * 50 * 50), 1, 0.03);  // 642 vertices: -0.9 %
+  EXPECT_NEAR(mesh::volume_mm3(r.mesh) / (4.0 / 3 * std::numbers::pi * 50 * 50 * 50), 1, 0.03);  // 642 vertices: -0.9 %
 }
 
 TEST(Evolve, EndsSoonInAFieldOfZeros) {
   Scene s = sphere_scene(2);
-  s.field = VectorField(hebron_grid());
+  s.field = field::VectorField(hebron_grid());
   const EvolutionResult r = evolve(s.start, s.field, s.border, without_smoothing());
   EXPECT_EQ(r.reason, StopReason::at_rest);
   EXPECT_EQ(r.steps, 10);
@@ -468,7 +468,7 @@ TEST(Evolve, LetsParticlesInFromOutsideTheGridAndNoneOut) {
                                      [](double m, const Vec3& p) { return std::min(m, p[2]); });
   ASSERT_LT(low, -6);
   EXPECT_EQ(evolve(s.start, s.field, s.border, without_smoothing()).stopped_fraction, 1);
-  VectorField outwards(hebron_grid());
+  field::VectorField outwards(hebron_grid());
   std::fill(outwards.x.begin(), outwards.x.end(), 0.2F);
   const EvolutionResult r = evolve(sphere_scene(2).start, outwards, Image(hebron_grid()), without_smoothing());
   EXPECT_EQ(r.reason, StopReason::at_rest);
@@ -479,7 +479,7 @@ TEST(Evolve, LeavesNoSpeedToAParticleAtTheWall) {
   // Else it would stay there until a force had eaten up what it gained on the way.
   Grid g;
   g.dims = {10, 3, 3};
-  VectorField f(g);
+  field::VectorField f(g);
   std::fill(f.x.begin(), f.x.end(), 0.1F);
   Evolution o = without_smoothing();
   o.step_s = 0.05;
@@ -496,7 +496,7 @@ TEST(Evolve, LeavesNoSpeedToAParticleAtTheWall) {
 TEST(Evolve, StartsInsideTheBorderStoppedWhereItIs) {
   Scene s = sphere_scene(2);
   std::fill(s.border.values.begin(), s.border.values.end(), 1.0F);
-  s.start = place(icosphere(2), s.border, {.scale = 0.5});
+  s.start = mesh::place(mesh::icosphere(2), s.border, {.scale = 0.5});
   const EvolutionResult r = evolve(s.start, s.field, s.border, without_smoothing());
   EXPECT_EQ(r.reason, StopReason::all_stopped);
   EXPECT_EQ(r.steps, 1);
@@ -511,7 +511,7 @@ TEST(Evolve, RefusesWhatCannotMove) {
   Grid other = hebron_grid();
   other.dims[2] = 24;
   EXPECT_THROW(evolve(s.start, s.field, Image(other), {}), InputError);
-  EXPECT_THROW(evolve(s.start, VectorField{}, Image(), {}), InputError);
+  EXPECT_THROW(evolve(s.start, field::VectorField{}, Image(), {}), InputError);
   Scene broken = s;
   broken.start.vertices[3][1] = std::nan("");
   EXPECT_THROW(evolve(broken.start, s.field, s.border, {}), InputError);
@@ -534,4 +534,4 @@ TEST(Evolve, StopsOnRequest) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

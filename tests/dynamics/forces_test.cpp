@@ -10,7 +10,7 @@
 
 #include "support/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 using namespace test_shapes;
@@ -275,7 +275,7 @@ TEST(InternalForces, RestInTheShapeTheyStartFrom) {
 
 TEST(InternalForces, StayFiniteOnDegenerateTriangles) {
   // At rest and in motion: a doubled vertex, three in a line, everything in one point.
-  const TriMesh good = icosphere(1);
+  const TriMesh good = mesh::icosphere(1);
   TriMesh doubled = good, line = good, point = good;
   doubled.vertices[1] = doubled.vertices[0];
   for (Vec3& p : line.vertices) p = Vec3(p[0], 0, 0);
@@ -356,9 +356,9 @@ TEST(Bend, LeavesOpenEdgesAlone) {
 }
 
 TEST(Springs, AreTheEdgesOfTheMeshOnce) {
-  const auto springs = springs_of(icosphere(2), 0.5);
+  const auto springs = springs_of(mesh::icosphere(2), 0.5);
   EXPECT_EQ(springs.size(), 480U);
-  const TriMesh m = icosphere(2);
+  const TriMesh m = mesh::icosphere(2);
   for (const Spring& s : springs) EXPECT_DOUBLE_EQ(s.rest_mm, 0.5 * (m.vertices[s.a] - m.vertices[s.b]).norm());
 }
 
@@ -384,7 +384,7 @@ TEST(Springs, SwingWithThePeriodOfTwoMasses) {
 
 TEST(Springs, KeepMomentumAndLoseEnergy) {
   Random random;
-  const TriMesh m = icosphere(2);
+  const TriMesh m = mesh::icosphere(2);
   const State s = shaken(m, random);
   ParticleSystem system = particles_at(s.x, 1);
   system.velocities = s.v;
@@ -409,7 +409,7 @@ TEST(Springs, KeepMomentumAndLoseEnergy) {
 TEST(RestrictedSprings, LeaveTheDirectionOfTheFieldToTheField) {
   Grid g;
   g.dims = {8, 8, 8};
-  VectorField field(g);
+  field::VectorField field(g);
   std::fill(field.z.begin(), field.z.end(), 0.2F);
   // In the plane i = 6 the field is weaker than the threshold: springs are free there.
   for (int k = 0; k < 8; ++k)
@@ -434,7 +434,7 @@ TEST(OuterForces, AreWhatTheySay) {
   g.spacing = {2, 2, 2};
   Image drag(g, 0.5F);
   drag(3, 0, 0) = 7;
-  VectorField field(g);
+  field::VectorField field(g);
   std::fill(field.y.begin(), field.y.end(), 0.25F);
   const State s{{{0, 0, 0}, {5.1, -3, 0.9}}, {{1, 2, 3}, {1, 0, -1}}};
   EXPECT_EQ(force_at(drag_force(0.5), s), (std::vector<Vec3>{{-0.5, -1, -1.5}, {-0.5, 0, 0.5}}));
@@ -458,4 +458,4 @@ TEST(OuterForces, ReadTheNearestVoxelHoweverFarTheParticle) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -14,7 +14,7 @@
 
 #include "support/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 using namespace test_shapes;
@@ -146,7 +146,7 @@ TEST(ConjugateGradients, SeeThatASystemIsNotDefinite) {
 // --- backward Euler (ODE-BEULER)
 
 ParticleSystem shaken_sphere(int level, double mass_kg) {
-  const TriMesh m = mapped(icosphere(level), [](const Vec3& p) { return Vec3(20 * p); });
+  const TriMesh m = mapped(mesh::icosphere(level), [](const Vec3& p) { return Vec3(20 * p); });
   std::mt19937 random(21);
   const auto number = [&] { return random() / 2147483648.0 - 1; };
   ParticleSystem system = particles_at(m.vertices, mass_kg);
@@ -322,4 +322,4 @@ TEST(FastestModes, AreFoundAgainFromAFormerSearchWhenTheSystemHasMoved) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -18,7 +18,7 @@
 
 #include "support/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 using namespace test_shapes;
@@ -27,7 +27,7 @@ const Vec3 kCentre(60, 58, 55);
 
 struct Scene {
   Image solid, border;
-  VectorField field;
+  field::VectorField field;
   TriMesh start;
 };
 
@@ -40,15 +40,15 @@ const Scene& ball() {
     Scene s;
     s.solid = filled(g, [](const Vec3& p) { return (p - kCentre).norm() <= 25; });
     s.border = border_of(s.solid);
-    s.field = flow_field(s.border, Gvf{}).field;
-    s.start = place(icosphere(2), s.border, {});
+    s.field = field::flow_field(s.border, field::Gvf{}).field;
+    s.start = mesh::place(mesh::icosphere(2), s.border, {});
     return s;
   }();
   return scene;
 }
 
 double within_one_voxel(const TriMesh& mesh) {
-  const auto d = distances_to_border_voxels(mesh, ball().border);
+  const auto d = mesh::distances_to_border_voxels(mesh, ball().border);
   return static_cast<double>(std::count_if(d.begin(), d.end(), [](double x) { return x < 1; })) /
          static_cast<double>(d.size());
 }
@@ -94,7 +94,7 @@ TEST(Models, StayWhereNothingPulls) {
         o.model);
     o.end.max_steps = 50;
     o.smooth_after.sweeps = 0;
-    const EvolutionResult r = evolve(s.start, VectorField(s.field.grid), Image(s.field.grid), o);
+    const EvolutionResult r = evolve(s.start, field::VectorField(s.field.grid), Image(s.field.grid), o);
     for (std::size_t v = 0; v < r.mesh.vertices.size(); ++v)
       ASSERT_LT((r.mesh.vertices[v] - s.start.vertices[v]).norm(), 1e-9) << name_of_model(o);
   }
@@ -102,14 +102,14 @@ TEST(Models, StayWhereNothingPulls) {
 
 TEST(Models, RestAtTheShareOfTheStartThatTheyName) {
   const Scene& s = ball();
-  const VectorField nothing(s.field.grid);
+  const field::VectorField nothing(s.field.grid);
   std::vector<Vec3> smaller = s.start.vertices;
   for (Vec3& p : smaller) p = kCentre + 0.67 * (p - kCentre);
   const std::vector<Vec3> still(smaller.size(), Vec3::Zero());
   const auto strongest = [&](const ModelOptions& model, std::span<const Vec3> places) {
     double most = 0;
     std::vector<Vec3> sum(places.size(), Vec3::Zero());
-    for (const Force& f : internal_forces(model, s.start, nothing, Sampling::nearest))
+    for (const Force& f : internal_forces(model, s.start, nothing, field::Sampling::nearest))
       f.accumulate({places, still}, sum);
     for (const Vec3& f : sum) most = std::max(most, f.norm());
     return most;
@@ -247,7 +247,7 @@ TEST(Models, RestrictedSpringsGoWithTheFieldFasterThanSprings) {
   spring.model = SpringModel{.rest_scale = 1};
   restricted.model = RestrictedSpringModel{.rest_scale = 1};
   spring.end.max_steps = restricted.end.max_steps = 1500;
-  EXPECT_LT(volume_mm3(run(restricted).mesh), 0.8 * volume_mm3(run(spring).mesh));
+  EXPECT_LT(mesh::volume_mm3(run(restricted).mesh), 0.8 * mesh::volume_mm3(run(spring).mesh));
 }
 
 // --- the step
@@ -308,7 +308,7 @@ TEST(AutomaticStep, IsRefusedWhereEveryStepGrows) {
 
 TEST(AutomaticStep, HoldsForSpringsByTrying) {
   // The limit that the forces' slopes give, against the step at which a shaken sphere really begins to swing up.
-  const TriMesh m = mapped(icosphere(2), [](const Vec3& p) { return Vec3(30 * p); });
+  const TriMesh m = mapped(mesh::icosphere(2), [](const Vec3& p) { return Vec3(30 * p); });
   for (const SolverOptions& solver : {SolverOptions(Midpoint{}), SolverOptions(Rk4{})})
     for (const auto& [stiffness, damping] : {std::pair{0.0, 1.0}, {100.0, 0.0}}) {
       const std::vector<Force> forces{spring_force(springs_of(m), {stiffness, damping}), drag_force(0.1)};
@@ -362,7 +362,7 @@ TEST(DragMaps, SoftenTheOscillationAndOnlyTheStopEndsIt) {
   Image plane(g);
   for (int k = 0; k < 5; ++k)
     for (int j = 0; j < 5; ++j) plane(30, j, k) = 1;
-  const VectorField field = flow_field(plane, Gvf{}).field;
+  const field::VectorField field = field::flow_field(plane, field::Gvf{}).field;
   const auto late_amplitude = [&](const DampingOptions& damping, bool stops, const Additions& own) {
     Evolution o;
     o.force.drag = 0.02;
@@ -437,7 +437,7 @@ TEST(OwnStop, HoldsParticlesAtAPlaneOfTheCaller) {
   };
   Grid g;
   g.dims = {20, 20, 60};
-  VectorField down(g);
+  field::VectorField down(g);
   std::fill(down.z.begin(), down.z.end(), -0.2F);
   Image border(g);
   border(5, 5, 45) = 1;  // the border comes first for a particle above it
@@ -462,4 +462,4 @@ TEST(Additions, AreRefusedWhenTheyCannotBeUsed) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -11,7 +11,7 @@
 
 #include "support/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 using namespace test_shapes;
@@ -40,7 +40,7 @@ struct HebronSolids {
 };
 
 HebronSolids hebron_solids() {
-  const Phantom phantom = make_phantom(Hebron{});
+  const synthetic::Phantom phantom = synthetic::make_phantom(synthetic::Hebron{});
   Image wall = phantom.study.gates.front();
   const float cut = 0.2F * *std::max_element(wall.values.begin(), wall.values.end());
   for (float& v : wall.values) v = v >= cut ? 1.0F : 0.0F;
@@ -57,15 +57,15 @@ struct Outcome {
 
 Outcome reconstruct(const Image& solid, double truth_mm3, int level, const SolverOptions& solver) {
   const Image border = border_of(solid);
-  const VectorField field = flow_field(border, Gvf{}).field;
+  const field::VectorField field = field::flow_field(border, field::Gvf{}).field;
   Evolution options;
   options.solver = solver;
-  const EvolutionResult r = evolve(place(icosphere(level), border, {}), field, border, options);
+  const EvolutionResult r = evolve(mesh::place(mesh::icosphere(level), border, {}), field, border, options);
   EXPECT_TRUE(r.reason == StopReason::all_stopped || r.reason == StopReason::at_rest) << name_of(r.reason);
   EXPECT_TRUE(r.notes.empty());
-  const double volume = volume_mm3(r.mesh);
+  const double volume = mesh::volume_mm3(r.mesh);
   const double data = static_cast<double>(count_non_zero(solid)) * solid.grid.voxel_volume_mm3();
-  const auto d = distances_to_border_voxels(r.mesh, border);
+  const auto d = mesh::distances_to_border_voxels(r.mesh, border);
   const auto near = std::count_if(d.begin(), d.end(), [](double x) { return x < 1; });
   const Outcome outcome{volume / data - 1, volume / truth_mm3 - 1,
                         static_cast<double>(near) / static_cast<double>(d.size())};
@@ -98,4 +98,4 @@ TEST(HebronPhantom, HasItsCavityWithinFivePercentOfTheData) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

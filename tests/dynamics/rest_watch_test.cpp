@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 /// The first of `steps` steps after which a particle that moves along `path` is at rest; -1: none.
@@ -43,4 +43,4 @@ TEST(RestWatch, TakesWhoGetsNowhereForRestingTheLaterTheWiderItStrays) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

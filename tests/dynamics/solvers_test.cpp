@@ -7,7 +7,7 @@
 
 #include "dynasurf/dynamics/solvers/solver.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 const SolverOptions kSolvers[] = {Euler{}, Midpoint{}, Rk4{}};
@@ -326,4 +326,4 @@ TEST(OscillatorLimit, IsZeroForEulerWithoutDampingAndAboutTheRootOf8ForRk4) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

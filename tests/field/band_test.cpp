@@ -12,7 +12,7 @@
 
 #include "support/edge_maps.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 namespace {
 
 using test::border_of;
@@ -218,4 +218,4 @@ TEST(BandGvf, StopsOnRequest) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::field

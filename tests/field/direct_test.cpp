@@ -12,7 +12,7 @@
 
 #include "support/edge_maps.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 namespace {
 
 using test::box;
@@ -92,4 +92,4 @@ TEST(DirectSolution, AgreesOnABinaryBorderAndForGgvf) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::field

@@ -8,7 +8,7 @@
 
 #include "support/edge_maps.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 namespace {
 
 using namespace test;
@@ -53,4 +53,4 @@ TEST(EdgeMap, OfAConstantImageIsZeroAndBadInputIsRefused) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::field

@@ -8,7 +8,7 @@
 
 #include "support/edge_maps.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 namespace {
 
 using test::border_of;
@@ -168,4 +168,4 @@ TEST(Ggvf, RefusesBadInput) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::field

@@ -12,7 +12,7 @@
 
 #include "support/edge_maps.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 namespace {
 
 using test::border_of;
@@ -421,4 +421,4 @@ TEST(Gvf, StopsOnRequestAndTellsWhereItStands) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::field

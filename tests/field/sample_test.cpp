@@ -6,7 +6,7 @@
 
 #include "support/edge_maps.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 namespace {
 
 const Vec3 spacing{2, 3, 5};
@@ -74,4 +74,4 @@ TEST(Sample, WorksOnASingleVoxel) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::field

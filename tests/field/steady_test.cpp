@@ -13,7 +13,7 @@
 
 #include "support/edge_maps.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 namespace {
 
 using test::border_of;
@@ -536,4 +536,4 @@ TEST(SteadyGvf, StopsOnRequest) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::field

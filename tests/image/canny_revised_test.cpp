@@ -6,7 +6,7 @@
 #include "support/blurred_heart.hpp"
 #include "support/edge_images.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 using test::count_set;
@@ -54,4 +54,4 @@ TEST(CannyRevised, AddsNothingToAStraightStep) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -11,7 +11,7 @@
 #include "support/blurred_heart.hpp"
 #include "support/edge_images.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 using test::quarter_turn;
@@ -148,4 +148,4 @@ TEST(Canny, IsReachedThroughTheRegistry) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -14,7 +14,7 @@
 #include "support/blurred_heart.hpp"
 #include "support/edge_images.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 using test::image_of;
@@ -198,4 +198,4 @@ TEST(Compass, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 Mask drawing(const std::vector<std::string>& rows) {
@@ -44,4 +44,4 @@ TEST(MeanOf, IsTheCentreOfThePixels) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -12,7 +12,7 @@
 #include "support/blurred_heart.hpp"
 #include "support/edge_images.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 using test::image_of;
@@ -122,4 +122,4 @@ TEST(ContourCompletion, RefusesAStepThatMayBlowUp) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::image

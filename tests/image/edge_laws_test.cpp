@@ -12,7 +12,7 @@
 #include "support/blurred_heart.hpp"
 #include "support/edge_images.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 using test::count_set;
@@ -185,4 +185,4 @@ TYPED_TEST(EdgeLaws, RefuseValuesThatAreNotFinite) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::image

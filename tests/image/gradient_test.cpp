@@ -7,7 +7,7 @@
 
 #include "support/edge_images.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 using test::count_set;
@@ -87,4 +87,4 @@ TEST(SobelEdges, ThinToOneLine) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::image

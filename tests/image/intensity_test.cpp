@@ -11,7 +11,7 @@
 
 #include "support/edge_images.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 Image line(std::vector<float> values) {
@@ -157,4 +157,4 @@ TEST(Prepare, CutsThenDoublesThenThresholds) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 Grid small_grid() {
@@ -72,4 +72,4 @@ TEST(SmoothGaussian, HasTheVarianceAskedForAndKeepsTheSum) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::image

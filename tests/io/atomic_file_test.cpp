@@ -23,7 +23,7 @@
 #include "support/mutations.hpp"
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -569,4 +569,4 @@ TEST(Sha256, OfAFileIsThePublishedOne) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -10,7 +10,7 @@
 
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using test::ScratchFolder;
@@ -37,4 +37,4 @@ TEST(TextOfFile, NamesTheFileThatIsMissingOrTooLarge) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -16,10 +16,10 @@
 #include "support/sample_meshes.hpp"
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
-using io_detail::append;
+using detail::append;
 using test::ScratchFolder;
 using test::write_bytes;
 using ::testing::ElementsAre;
@@ -196,12 +196,12 @@ class ReadCloud : public testing::Test {
   static PointCloud decode(const std::string& name, std::string_view bytes) {
     CloudSource source;
     Notes notes;
-    return io_detail::decode_cloud({name, bytes}, source, notes);
+    return detail::decode_cloud({name, bytes}, source, notes);
   }
   static bool tells_of_no_end(const std::string& name, std::string_view bytes) {
     CloudSource source;
     Notes notes;
-    io_detail::decode_cloud({name, bytes}, source, notes);
+    detail::decode_cloud({name, bytes}, source, notes);
     return std::any_of(notes.begin(), notes.end(), [](const Note& n) { return n.code == "read.no_end"; });
   }
   static std::vector<std::string> codes(const CloudInput& input) {
@@ -510,4 +510,4 @@ TEST_F(ReadCloud, ReadsBackWhatWasWritten) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -15,7 +15,7 @@
 #include "support/sample_meshes.hpp"
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using test::ScratchFolder;
@@ -74,13 +74,12 @@ struct Glb {
     const Json& a = json.at("accessors").at(accessor);
     const Json& view = json.at("bufferViews").at(a.at("bufferView").get<std::size_t>());
     const std::size_t components = a.at("type") == "SCALAR" ? 1 : a.at("type") == "VEC3" ? 3 : 4;
-    return io_detail::load<T>(buffer.data() + view.value("byteOffset", 0u) +
-                              (row * components + component) * sizeof(T));
+    return detail::load<T>(buffer.data() + view.value("byteOffset", 0u) + (row * components + component) * sizeof(T));
   }
 };
 Glb read_glb(const std::filesystem::path& path) {
   const std::string bytes = test::read_bytes(path);
-  const auto length = io_detail::load<std::uint32_t>(bytes.data() + 12);
+  const auto length = detail::load<std::uint32_t>(bytes.data() + 12);
   return {Json::parse(bytes.substr(20, length)), bytes.substr(20 + length + 8)};
 }
 
@@ -255,4 +254,4 @@ TEST(WriteLodGlb, RefusesWhatCannotBeShown) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

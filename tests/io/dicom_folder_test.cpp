@@ -5,7 +5,7 @@
 #include "support/l_shape.hpp"
 #include "support/mutations.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -410,4 +410,4 @@ TEST_F(DicomFolder, OneSingleFrameFileAloneIsOneSlice) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -10,7 +10,7 @@
 #include "support/l_shape.hpp"
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 bool is_installed(const std::string& command) {
@@ -109,4 +109,4 @@ print('%.3f %.3f %.3f' % (-p[0], -p[1], p[2]))
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -9,7 +9,7 @@
 #include "support/l_shape.hpp"
 #include "support/mutations.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using ::testing::HasSubstr;
@@ -139,4 +139,4 @@ TEST_F(Outline, OfAHugeFileTakesNoTime) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -5,7 +5,7 @@
 #include "support/l_shape.hpp"
 #include "support/mutations.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using test::drop;
@@ -564,4 +564,4 @@ TEST_F(DicomFile, NestedDeeplyIsReadOrRefusedButNeverOverflowsTheStack) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -6,7 +6,7 @@
 
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -51,4 +51,4 @@ TEST(FileInside, FollowsALinkToTheFolderItself) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -17,12 +17,12 @@
 #include "support/sample_meshes.hpp"
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
-using io_detail::append;
-using io_detail::decode_lod_glb;
-using io_detail::load;
+using detail::append;
+using detail::decode_lod_glb;
+using detail::load;
 using nlohmann::json;
 using testing::HasSubstr;
 using testing::StartsWith;
@@ -246,4 +246,4 @@ TEST(ReadGlb, ReadsOrRefusesDamagedFiles) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

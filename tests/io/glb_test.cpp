@@ -10,10 +10,10 @@
 #include "support/sample_meshes.hpp"
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
-using io_detail::load;
+using detail::load;
 using nlohmann::json;
 using test::beating_ball;
 using test::lopsided_ball;
@@ -79,7 +79,7 @@ TEST(Glb, SetsThePatientUprightInMetresWithoutMirroring) {
 }
 
 TEST(Glb, NormalsPointOutOfTheSurface) {
-  const Glb glb = written({{"ball", red, {icosphere(2)}}});
+  const Glb glb = written({{"ball", red, {mesh::icosphere(2)}}});
   const json& attributes = glb.document["meshes"][0]["primitives"][0]["attributes"];
   const auto p = glb.floats(attributes["POSITION"].get<std::size_t>());
   const auto n = glb.floats(attributes["NORMAL"].get<std::size_t>());
@@ -162,4 +162,4 @@ TEST(Glb, WritesSamplesForTheValidator) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

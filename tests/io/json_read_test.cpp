@@ -15,7 +15,7 @@
 #include "support/damage.hpp"
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using nlohmann::ordered_json;
@@ -234,4 +234,4 @@ TEST(JsonNode, KeepsWholeNumbersInTheirRange) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 TEST(MachineMemory, IsHalfOfItAtMost) {
@@ -13,4 +13,4 @@ TEST(MachineMemory, IsHalfOfItAtMost) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -7,7 +7,7 @@
 
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 const std::string hash_a(64, 'a'), hash_b(64, 'b');
@@ -74,4 +74,4 @@ TEST(FirstForeignFile, IsNoneInAnEmptyFolderAndTheFirstByNameElsewhere) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

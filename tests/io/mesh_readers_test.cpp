@@ -14,11 +14,11 @@
 #include "support/sample_meshes.hpp"
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
-using io_detail::append;
-using io_detail::MeshFile;
+using detail::append;
+using detail::MeshFile;
 using test::ScratchFolder;
 using test::write_bytes;
 using ::testing::HasSubstr;
@@ -128,7 +128,7 @@ std::vector<Dialect> dialects() {
 
 TEST(ReadMesh, ReadsTheSamePyramidFromEveryDialect) {
   for (const Dialect& d : dialects()) {
-    if (d.decoder == static_cast<Decoder>(io_detail::decode_stl)) continue;
+    if (d.decoder == static_cast<Decoder>(detail::decode_stl)) continue;
     const TriMesh mesh = decode(d.decoder, d.bytes);
     EXPECT_EQ(mesh.vertices, pyramid_vertices) << d.name;
     EXPECT_EQ(mesh.triangles, pyramid_triangles) << d.name;
@@ -137,7 +137,7 @@ TEST(ReadMesh, ReadsTheSamePyramidFromEveryDialect) {
 
 TEST(ReadMesh, WeldsTheCornersOfAnStlInTheOrderTheyAreSeen) {
   for (const std::string& bytes : {triangle_stl_ascii, two_triangles_stl_binary()}) {
-    const TriMesh mesh = decode(io_detail::decode_stl, bytes);
+    const TriMesh mesh = decode(detail::decode_stl, bytes);
     EXPECT_EQ(mesh.vertices, (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}));
     EXPECT_EQ(mesh.triangles, (Triangles{{0, 1, 2}, {1, 3, 2}}));
   }
@@ -146,7 +146,7 @@ TEST(ReadMesh, WeldsTheCornersOfAnStlInTheOrderTheyAreSeen) {
 TEST(ReadMesh, ReadsSeveralSolidsAndCapitalLetters) {
   std::string capitals = triangle_stl_ascii;
   for (char& c : capitals) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  const TriMesh mesh = decode(io_detail::decode_stl, capitals + triangle_stl_ascii);
+  const TriMesh mesh = decode(detail::decode_stl, capitals + triangle_stl_ascii);
   EXPECT_EQ(mesh.triangles.size(), 4u);
   EXPECT_EQ(mesh.vertices.size(), 4u);
 }
@@ -174,23 +174,23 @@ TEST(ReadMesh, RefusesAFileCutAnywhere) {
 }
 
 TEST(ReadMesh, RefusesAnObjCutAnywhereWhenItsCommentsTellTheCounts) {
-  const std::string whole = io_detail::encode_obj(decode(io_detail::decode_obj, pyramid_obj));
-  ASSERT_EQ(refusal(io_detail::decode_obj, whole), "");
+  const std::string whole = detail::encode_obj(decode(detail::decode_obj, pyramid_obj));
+  ASSERT_EQ(refusal(detail::decode_obj, whole), "");
   const std::size_t first_row = whole.find("\nv ") + 1;  // a cut before it leaves no mesh at all
   for (std::size_t size = first_row; size < whole.size(); ++size)
-    EXPECT_NE(refusal(io_detail::decode_obj, std::string_view(whole).substr(0, size)), "") << size;
+    EXPECT_NE(refusal(detail::decode_obj, std::string_view(whole).substr(0, size)), "") << size;
   for (const char* comment : {"# 6 vertices, 5 faces\n", "#number of vertices = 6\n", "# Points: 6\n", "# FACES 99\n"})
-    EXPECT_THAT(refusal(io_detail::decode_obj, comment + pyramid_obj), HasSubstr("its first lines tell of")) << comment;
+    EXPECT_THAT(refusal(detail::decode_obj, comment + pyramid_obj), HasSubstr("its first lines tell of")) << comment;
   for (const char* comment :
        {"# 4 vertices\n", "# 99 vertices were removed\n", "# 99 vertex normals\n", "# vertices\n"})
-    EXPECT_EQ(refusal(io_detail::decode_obj, comment + pyramid_obj), "") << comment;
+    EXPECT_EQ(refusal(detail::decode_obj, comment + pyramid_obj), "") << comment;
 }
 
 TEST(ReadMesh, OfAnAsciiStlWithSeveralSolidsMissesOnlyACutBetweenThem) {
   const std::string two = triangle_stl_ascii + triangle_stl_ascii;
   std::vector<std::size_t> accepted;
   for (std::size_t size = 1; size < two.size(); ++size)
-    if (refusal(io_detail::decode_stl, std::string_view(two).substr(0, size)).empty()) accepted.push_back(size);
+    if (refusal(detail::decode_stl, std::string_view(two).substr(0, size)).empty()) accepted.push_back(size);
   EXPECT_EQ(accepted, std::vector{triangle_stl_ascii.size()});
 }
 
@@ -202,27 +202,27 @@ TEST(ReadMesh, RefusesHeadersAndLinesAboveTheirLimits) {
     for (int n = 0; n < count - 3; ++n) ply += "property float p" + std::to_string(n) + "\n";
     return ply + "end_header\n";
   };
-  EXPECT_EQ(refusal(io_detail::decode_ply, with_properties(1024)), "");
-  EXPECT_THAT(refusal(io_detail::decode_ply, with_properties(1025)), HasSubstr("more than 1024 properties"));
+  EXPECT_EQ(refusal(detail::decode_ply, with_properties(1024)), "");
+  EXPECT_THAT(refusal(detail::decode_ply, with_properties(1025)), HasSubstr("more than 1024 properties"));
   std::string elements = "ply\nformat ascii 1.0\n";
   for (int n = 0; n < 257; ++n) elements += "element e" + std::to_string(n) + " 0\n";
-  EXPECT_THAT(refusal(io_detail::decode_ply, elements), HasSubstr("more than 256 elements"));
+  EXPECT_THAT(refusal(detail::decode_ply, elements), HasSubstr("more than 256 elements"));
   const std::string line(std::size_t{1} << 20, ' ');
-  EXPECT_EQ(refusal(io_detail::decode_off, line + "\n" + pyramid_off), "");
-  EXPECT_THAT(refusal(io_detail::decode_off, line + " \n" + pyramid_off), HasSubstr("longer than 1048576 bytes"));
+  EXPECT_EQ(refusal(detail::decode_off, line + "\n" + pyramid_off), "");
+  EXPECT_THAT(refusal(detail::decode_off, line + " \n" + pyramid_off), HasSubstr("longer than 1048576 bytes"));
 }
 
 TEST(ReadMesh, RefusesWhatNeedsMoreMemoryThanTheLimit) {
   std::string stl(80, ' ');
   append(stl, std::uint32_t{1'000'000});
   stl.resize(84 + 50'000'000, '\0');
-  ASSERT_EQ(refusal(io_detail::decode_stl, stl), "");
+  ASSERT_EQ(refusal(detail::decode_stl, stl), "");
   const MemoryLimit limit(std::uint64_t{200} << 20);
-  EXPECT_THAT(refusal(io_detail::decode_stl, stl), HasSubstr("1000000 triangles; the limit is 200 MiB"));
+  EXPECT_THAT(refusal(detail::decode_stl, stl), HasSubstr("1000000 triangles; the limit is 200 MiB"));
   std::string obj = "v 0 0 0\nf";
   for (int n = 0; n < 500'000; ++n) obj += " 1";  // a fan of so many triangles
   for (int n = 0; n < 4; ++n) obj += "\n" + obj.substr(obj.find('f'));
-  EXPECT_THAT(refusal(io_detail::decode_obj, obj + "\n"), HasSubstr("the limit is 200 MiB"));
+  EXPECT_THAT(refusal(detail::decode_obj, obj + "\n"), HasSubstr("the limit is 200 MiB"));
 }
 
 TEST(ReadMesh, RefusesWhatFollowsTheEnd) {
@@ -343,7 +343,7 @@ TEST(ReadMesh, RefusesHeadersItDoesNotUnderstand) {
 }
 
 TEST(ReadMesh, NeverLetsAFileWriteControlCharactersToTheTerminal) {
-  const std::string reason = refusal(io_detail::decode_obj, "\x1b[31mred\n");
+  const std::string reason = refusal(detail::decode_obj, "\x1b[31mred\n");
   EXPECT_THAT(reason, HasSubstr("'?[31mred' is not supported"));
 }
 
@@ -372,4 +372,4 @@ TEST(ReadMesh, NamesTheFileThatCannotBeRead) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -11,7 +11,7 @@
 #include "support/sample_meshes.hpp"
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using test::lopsided_ball;
@@ -34,27 +34,27 @@ TriMesh through_a_file(const TriMesh& mesh, MeshFormat format) {
 }
 
 TEST(WriteMesh, WritesAnObjOneCanReadAloud) {
-  EXPECT_EQ(io_detail::encode_obj(one_triangle),
+  EXPECT_EQ(detail::encode_obj(one_triangle),
             "# SPACE=LPS\n# dynasurf, patient coordinates (LPS, mm) or those of the scan\n# Vertices: 3\n# Faces: 1\n"
             "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nf 1//1 2//2 3//3\n");
 }
 
 TEST(WriteMesh, WritesAnOffOneCanReadAloud) {
   EXPECT_EQ(
-      io_detail::encode_off(one_triangle),
+      detail::encode_off(one_triangle),
       "OFF\n# dynasurf, patient coordinates (LPS, mm) or those of the scan\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
 }
 
 TEST(WriteMesh, WritesAPlyOfTheDeclaredSize) {
   const std::vector<VertexScalar> scalars{{"thickness_mm", {1, 2, 3}}};
-  const std::string bytes = io_detail::encode_ply(one_triangle, scalars);
+  const std::string bytes = detail::encode_ply(one_triangle, scalars);
   EXPECT_NE(bytes.find("property float thickness_mm\nelement face 1\n"), std::string::npos);
   const std::size_t body = bytes.size() - bytes.find("end_header\n") - 11;
   EXPECT_EQ(body, 3 * (3 * 8 + 3 * 4 + 4) + 1 * (1 + 3 * 4));
 }
 
 TEST(WriteMesh, NeverBeginsABinaryStlWithTheWordSolid) {
-  const std::string bytes = io_detail::encode_stl(one_triangle);
+  const std::string bytes = detail::encode_stl(one_triangle);
   EXPECT_EQ(bytes.size(), 84u + 50u);
   EXPECT_NE(bytes.substr(0, 5), "solid");
 }
@@ -70,18 +70,19 @@ TEST(WriteMesh, KeepsVerticesAndTrianglesExactlyWhereTheFormatCan) {
 
 TEST(WriteMesh, KeepsVolumeTopologyAndHandednessInEveryFormat) {
   const TriMesh mesh = lopsided_ball(3);
-  const Topology before = topology(mesh);
+  const mesh::Topology before = mesh::topology(mesh);
   ASSERT_TRUE(before.closed() && before.oriented());
-  ASSERT_GT(volume_mm3(mesh), 0);
+  ASSERT_GT(mesh::volume_mm3(mesh), 0);
   for (const auto format : readable) {
     const TriMesh back = through_a_file(mesh, format);
-    const Topology after = topology(back);
+    const mesh::Topology after = mesh::topology(back);
     EXPECT_EQ(after.vertices, before.vertices) << word_of(format);
     EXPECT_EQ(after.triangles, before.triangles) << word_of(format);
     EXPECT_EQ(after.euler, 2) << word_of(format);
     EXPECT_TRUE(after.closed() && after.oriented()) << word_of(format);
     // Single precision at 100 mm is 4e-6 mm; on 3e5 mm3 of a body of 60 mm that is well below 1e-6 of the volume.
-    EXPECT_NEAR(volume_mm3(back) / volume_mm3(mesh), 1, format == MeshFormat::stl ? 1e-6 : 1e-15) << word_of(format);
+    EXPECT_NEAR(mesh::volume_mm3(back) / mesh::volume_mm3(mesh), 1, format == MeshFormat::stl ? 1e-6 : 1e-15)
+        << word_of(format);
   }
 }
 
@@ -105,8 +106,8 @@ TEST(WriteMesh, GivesTheSameBytesEveryTime) {
 }
 
 TEST(VertexNormals, PointOutwardsAndHaveUnitLength) {
-  const TriMesh ball = icosphere(3);
-  const auto normals = io_detail::vertex_normals(ball);
+  const TriMesh ball = mesh::icosphere(3);
+  const auto normals = detail::vertex_normals(ball);
   for (std::size_t v = 0; v < normals.size(); ++v) {
     EXPECT_NEAR(normals[v].norm(), 1, 1e-6);
     // The mean of the faces around a vertex of a fine ball leans from its radius by less than its mesh's half angle.
@@ -119,7 +120,7 @@ TEST(VertexNormals, StandUprightWhereTheSurfaceHasNoDirection) {
   mesh.vertices.push_back({5, 5, 5});                           // used by no triangle
   mesh.vertices.insert(mesh.vertices.end(), 3, Vec3(9, 9, 9));  // a triangle of no area
   mesh.triangles.push_back({4, 5, 6});
-  for (const auto& n : io_detail::vertex_normals(mesh)) EXPECT_EQ(n, Eigen::Vector3f(0, 0, 1));
+  for (const auto& n : detail::vertex_normals(mesh)) EXPECT_EQ(n, Eigen::Vector3f(0, 0, 1));
 }
 
 TEST(WriteMesh, RefusesAMeshThatIsNone) {
@@ -165,9 +166,9 @@ TEST(WriteMesh, WritesSamplesForVtk) {
   std::ofstream expected(std::filesystem::path(folder) / "expected.txt");
   expected.precision(17);
   expected << "vertices=" << mesh.vertices.size() << "\ntriangles=" << mesh.triangles.size()
-           << "\nvolume_mm3=" << volume_mm3(mesh) << "\nxmin=" << low[0] << "\nxmax=" << high[0] << "\nymin=" << low[1]
-           << "\nymax=" << high[1] << "\nzmin=" << low[2] << "\nzmax=" << high[2] << "\n";
+           << "\nvolume_mm3=" << mesh::volume_mm3(mesh) << "\nxmin=" << low[0] << "\nxmax=" << high[0]
+           << "\nymin=" << low[1] << "\nymax=" << high[1] << "\nzmin=" << low[2] << "\nzmax=" << high[2] << "\n";
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

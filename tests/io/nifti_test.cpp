@@ -14,7 +14,7 @@
 #include "support/mutations.hpp"
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using test::read_bytes;
@@ -291,4 +291,4 @@ TEST_F(NiftiFile, SurvivesFlippedBits) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -10,7 +10,7 @@
 #include "support/mutations.hpp"
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using test::write_bytes;
@@ -281,4 +281,4 @@ TEST_F(NrrdFile, SurvivesFlippedBits) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

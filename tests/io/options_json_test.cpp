@@ -8,7 +8,7 @@
 
 #include "support/toy_options.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using nlohmann::ordered_json;
@@ -127,4 +127,4 @@ TEST(OptionsJson, StartsPathsWithThePrefixOfTheCaller) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

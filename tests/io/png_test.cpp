@@ -8,7 +8,7 @@
 
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 TEST(Png, KeepsEveryPixel) {
@@ -34,4 +34,4 @@ TEST(Png, RefusesWhatIsNoPicture) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -29,7 +29,7 @@ extern "C" int renameat2(int from, const char* path, int to, const char* other, 
   return result;
 }
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -202,4 +202,4 @@ TEST_F(PublishRace, NeverExchangesWhatIsNoFolder) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -10,7 +10,7 @@
 #include "support/mutations.hpp"
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -76,4 +76,4 @@ TEST_F(RealFile, CutAnywhereInItsHeaderOrPixelsIsRefused) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

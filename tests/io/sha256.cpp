@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 std::string portable_sha256(std::string_view text, std::size_t piece = 1000) {
@@ -36,4 +36,4 @@ TEST(PortableSha256, AgreesWithTheProgramsOwnForEveryLengthAndPiece) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -11,10 +11,10 @@
 
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
-using io_detail::load;
+using detail::load;
 using test::read_bytes;
 using test::ScratchFolder;
 using ::testing::HasSubstr;
@@ -131,4 +131,4 @@ TEST(WriteVti, WritesSamplesForVtk) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

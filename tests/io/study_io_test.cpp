@@ -13,7 +13,7 @@
 #include "support/mutations.hpp"
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using ::testing::HasSubstr;
@@ -220,4 +220,4 @@ TEST(StudyFacts, DescribeOrientationInWords) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

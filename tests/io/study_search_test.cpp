@@ -10,7 +10,7 @@
 #include "support/dicom_edit.hpp"
 #include "support/l_shape.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -174,4 +174,4 @@ TEST_F(StudySearchOf, ProjectionsTellsNothingOfTheirOwnText) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -5,7 +5,7 @@
 
 #include "../support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using test::ScratchFolder;
@@ -103,4 +103,4 @@ TEST(TrackedPoints, OfADamagedFileAreRefusedWithTheLine) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -7,7 +7,7 @@
 
 #include "support/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using namespace test_shapes;
@@ -66,4 +66,4 @@ TEST(ClosestPoint, FindsNothingBeyondTheLimitOrOnAnEmptyMesh) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

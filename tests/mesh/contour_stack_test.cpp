@@ -8,7 +8,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/measures.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 /// Circles of these radii, `gap` mm apart. Fine polygons: the 64 points of the mesh decide what is measured.
@@ -104,4 +104,4 @@ TEST(Tessellate, RefusesWhatIsNoStack) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

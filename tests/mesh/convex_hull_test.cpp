@@ -13,7 +13,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 /// The promises of the header, by exact predicates.
@@ -106,4 +106,4 @@ TEST(EvenHull, HasTheTrianglesAskedForOnTheHullItself) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -14,7 +14,7 @@
 #include "dynasurf/mesh/detail/predicates.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using Pairs = std::vector<std::array<std::uint32_t, 2>>;
@@ -290,4 +290,4 @@ TEST(SelfIntersections, RefusesAMeshThatIsNone) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

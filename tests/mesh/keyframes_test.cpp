@@ -7,7 +7,7 @@
 
 #include "support/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using namespace test_shapes;
@@ -109,4 +109,4 @@ TEST(AtPhase, RefusesMeshesOfDifferentTriangles) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -12,7 +12,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/repair.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 Image image_of(const Index3& dims, const Vec3& spacing, const auto& value) {
@@ -166,4 +166,4 @@ TEST(MarchingSquares, RefusesASliceThatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -7,7 +7,7 @@
 
 #include "support/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using namespace test_shapes;
@@ -274,4 +274,4 @@ TEST(CrossSection, OfAnOpenMeshIsAnOpenLineAndOfAMissIsNothing) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -6,7 +6,7 @@
 
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 /// Fixed directions of all kinds, along axes too.
@@ -86,4 +86,4 @@ TEST(NormalsOfVertices, PointOutOfASphere) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -11,7 +11,7 @@
 
 #include "support/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using namespace test_shapes;
@@ -191,4 +191,4 @@ TEST(Untangle, RefusesVerticesThatAreNotFinite) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -5,7 +5,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 TEST(SampleSurface, GivesEachTriangleItsShareOfTheArea) {
@@ -46,4 +46,4 @@ TEST(SampleSurface, GivesNothingForASurfaceWithoutArea) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -8,7 +8,7 @@
 
 #include "support/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using namespace test_shapes;
@@ -121,4 +121,4 @@ TEST(Place, RefusesDataWithoutAVoxelAndBadOptions) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

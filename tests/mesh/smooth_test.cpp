@@ -9,7 +9,7 @@
 
 #include "support/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using namespace test_shapes;
@@ -228,4 +228,4 @@ TEST(Smooth, RefusesOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

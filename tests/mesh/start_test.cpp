@@ -11,7 +11,7 @@
 
 #include "support/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using namespace test_shapes;
@@ -146,4 +146,4 @@ TEST(OrderAround, NeedsAllFourQuadrantsAndPutsWhatLiesOnTheNormalLast) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 TEST(Submesh, NumbersTheVerticesInUseAsTheTrianglesNameThem) {
@@ -18,4 +18,4 @@ TEST(Submesh, NumbersTheVerticesInUseAsTheTrianglesNameThem) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -15,7 +15,7 @@
 
 #include "support/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using namespace test_shapes;
@@ -203,4 +203,4 @@ TEST(TakeBackCrossings, UndoesOnlyWhatCrosses) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

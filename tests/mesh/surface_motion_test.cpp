@@ -8,7 +8,7 @@
 #include "dynasurf/mesh/keyframes.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 TriMesh heart() {
@@ -136,4 +136,4 @@ TEST(TimeInterpolation, PassesThroughTheGatesUnlessItSmooths) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -10,7 +10,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 TriMesh scaled(TriMesh mesh, const Vec3& factors, const Vec3& shift = Vec3::Zero()) {
@@ -140,4 +140,4 @@ TEST(ElasticSolid, RefusesWhatHasNoAnswer) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -9,7 +9,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 Grid grid_of(const Index3& dims, const Vec3& spacing) {
@@ -100,4 +100,4 @@ TEST(VoxelParts, NeedAClosedSurfaceThatFacesOneWay) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -76,8 +76,8 @@ TEST(ItkOracle, CannyFindsTheSameLines) {
   for (std::size_t n = 0; n < all.size(); ++n) {
     if (n == 1) continue;  // white noise: its ridges are everywhere, so being near proves nothing
     const Image& m = all[n];
-    const Canny o{.sigma_px = 1.4, .low = 0.2, .high = 0.4};
-    const EdgeMap ours = detect_edges(m, o);
+    const image::Canny o{.sigma_px = 1.4, .low = 0.2, .high = 0.4};
+    const image::EdgeMap ours = image::detect_edges(m, o);
     const float max = *std::max_element(ours.gradient.values.begin(), ours.gradient.values.end());
     auto filter = itk::CannyEdgeDetectionImageFilter<ItkImage, ItkImage>::New();
     filter->SetInput(to_itk(m, 0));

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
 std::size_t count_of(const std::string& text, const std::string& what) {
@@ -60,4 +60,4 @@ TEST(BlandAltmanPlot, ShowsAFrameForNoReadingAndForOne) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::report

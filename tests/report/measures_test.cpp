@@ -8,11 +8,11 @@
 
 #include "support/sample_result.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
-const VentricleResult& sample() {
-  static const VentricleResult result = test::sample_result();
+const ventricle::VentricleResult& sample() {
+  static const ventricle::VentricleResult result = test::sample_result();
   return result;
 }
 
@@ -45,7 +45,7 @@ TEST(MeasuresJson, HoldsEverySegmentAndIsNullWithoutSurfaces) {
 }
 
 TEST(MeasuresTables, HaveOneLinePerSegmentAndPerSample) {
-  const Measures& m = *sample().measures;
+  const ventricle::Measures& m = *sample().measures;
   const auto segments = lines_of(segments_csv(m)), polar = lines_of(polar_csv(m)),
              curve = lines_of(curve_csv(*m.function));
   ASSERT_EQ(segments.size(), 18u);
@@ -57,10 +57,10 @@ TEST(MeasuresTables, HaveOneLinePerSegmentAndPerSample) {
 }
 
 TEST(PolarPicture, ShowsEverySampleAndEverySegment) {
-  const Measures& m = *sample().measures;
+  const ventricle::Measures& m = *sample().measures;
   for (const PolarKind& kind : polar_kinds()) {
     const std::string svg = polar_svg(m, kind);
-    const PolarValues& values = m.maps.*kind.values;
+    const ventricle::PolarValues& values = m.maps.*kind.values;
     const auto present = static_cast<std::size_t>(
         std::count_if(values.begin(), values.end(), [](const auto& v) { return v.has_value(); }));
     EXPECT_EQ(count_of(svg, "data-segment="), 17u) << kind.name;
@@ -72,8 +72,8 @@ TEST(PolarPicture, ShowsEverySampleAndEverySegment) {
 }
 
 TEST(PolarPicture, IsEmptyWithoutABeat) {
-  const VentricleResult result = test::sample_ungated();
-  const Measures& m = *result.measures;
+  const ventricle::VentricleResult result = test::sample_ungated();
+  const ventricle::Measures& m = *result.measures;
   EXPECT_TRUE(m.maps.motion_mm.empty());
   EXPECT_EQ(phase_histogram_svg(m), "");
   EXPECT_EQ(count_of(polar_svg(m, polar_kinds()[5]), "<path"), 17u);
@@ -86,4 +86,4 @@ TEST(PhasePicture, ShowsBothHistograms) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::report

@@ -30,7 +30,7 @@ thread_local long left = -1;
 [[gnu::noinline]] void operator delete(void* block) noexcept { std::free(block); }
 [[gnu::noinline]] void operator delete(void* block, std::size_t) noexcept { std::free(block); }
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
 enum class End { done, told, other };
@@ -71,23 +71,23 @@ Provenance provenance() {
 // A null value of nlohmann::json that becomes an object or an array by its first member holds no memory for it when
 // that fails, and its end then reads through a null pointer. Whoever fills one starts from an empty object or array.
 TEST(Memory, MayFailAnywhereInTheResults) {
-  const VentricleResult result = test::sample_result({.gates = 2, .dims = {8, 8, 8}, .mesh_level = 1});
+  const ventricle::VentricleResult result = test::sample_result({.gates = 2, .dims = {8, 8, 8}, .mesh_level = 1});
   EXPECT_GT(failures_of([&] { results_json(result, provenance()); }), 500);
 }
 
 TEST(Memory, MayFailAnywhereInThePage) {
-  const VentricleResult result = test::sample_result({.gates = 2, .dims = {8, 8, 8}, .mesh_level = 1});
+  const ventricle::VentricleResult result = test::sample_result({.gates = 2, .dims = {8, 8, 8}, .mesh_level = 1});
   EXPECT_GT(failures_of([&] { report_html(result, provenance()); }, 7), 1000);
 }
 
 TEST(Memory, MayFailAnywhereInABinaryGltfFile) {
   const test::ScratchFolder folder;
-  const std::vector<AnimatedSurface> beating{{"endo", {1, 0, 0, 0.5F}, test::beating_ball(1, 3)}};
-  EXPECT_GT(failures_of([&] { write_glb(beating, 1, folder / "a.glb"); }), 100);
-  std::vector<LodSurface> levels(2);
-  for (LodSurface& level : levels) level.name = "level", level.mesh = test::lopsided_ball(1);
-  EXPECT_GT(failures_of([&] { write_lod_glb(levels, folder / "b.glb"); }), 100);
+  const std::vector<io::AnimatedSurface> beating{{"endo", {1, 0, 0, 0.5F}, test::beating_ball(1, 3)}};
+  EXPECT_GT(failures_of([&] { io::write_glb(beating, 1, folder / "a.glb"); }), 100);
+  std::vector<io::LodSurface> levels(2);
+  for (io::LodSurface& level : levels) level.name = "level", level.mesh = test::lopsided_ball(1);
+  EXPECT_GT(failures_of([&] { io::write_lod_glb(levels, folder / "b.glb"); }), 100);
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::report

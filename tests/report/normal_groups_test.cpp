@@ -10,14 +10,14 @@
 
 #include "support/scratch_folder.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 GroupedMap study(const std::string& sex, const std::string& tracer, double value) {
-  return {{sex, tracer}, PolarValues(PolarGrid{}.size(), value)};
+  return {{sex, tracer}, ventricle::PolarValues(ventricle::PolarGrid{}.size(), value)};
 }
 
 /// Five women by tracer x, two by y, three men by x, and one of unknown sex.
@@ -27,7 +27,7 @@ NormalGroups normals() {
   for (int n = 0; n < 3; ++n) studies.insert(studies.begin(), study("M", "x", 60.0 + 10 * n));
   for (int n = 0; n < 2; ++n) studies.push_back(study("F", "y", 50));
   studies.push_back(study("", "x", 30));
-  return build_normal_groups(std::move(studies), {"sex", "tracer"}, 4, Perfusion::uptake);
+  return build_normal_groups(std::move(studies), {"sex", "tracer"}, 4, ventricle::Perfusion::uptake);
 }
 
 TEST(NormalGroups, HaveAMapOfTheirOwnWhereThereAreEnoughStudies) {
@@ -40,7 +40,7 @@ TEST(NormalGroups, HaveAMapOfTheirOwnWhereThereAreEnoughStudies) {
   EXPECT_EQ(found.groups[0].map->studies, 5);
   EXPECT_DOUBLE_EQ(*found.groups[0].map->mean[7], 80);
   EXPECT_DOUBLE_EQ(*found.groups[0].map->sd[7], std::sqrt(1000.0 / 4));
-  EXPECT_EQ(found.groups[0].map->perfusion_is, Perfusion::uptake);
+  EXPECT_EQ(found.groups[0].map->perfusion_is, ventricle::Perfusion::uptake);
   EXPECT_EQ(found.groups[1].studies, 2);
   EXPECT_FALSE(found.groups[1].map);
   EXPECT_EQ(found.groups[2].studies, 3);
@@ -89,9 +89,10 @@ TEST(NormalGroups, StandInAFileAsInMemory) {
 }
 
 TEST(NormalGroups, NeedThreeStudiesInAll) {
-  EXPECT_THROW(build_normal_groups({study("F", "x", 60), study("M", "x", 60)}, {"sex", "tracer"}, 3, Perfusion::counts),
+  EXPECT_THROW(build_normal_groups({study("F", "x", 60), study("M", "x", 60)}, {"sex", "tracer"}, 3,
+                                   ventricle::Perfusion::counts),
                InputError);
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::report

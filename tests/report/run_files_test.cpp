@@ -14,7 +14,7 @@ const std::filesystem::path folder = DYNASURF_EXPERIMENTS;
 
 std::size_t read_rows(const RunFile& file, const std::string& table) {
   return file.at(table).at("rows").at(0).value("/options/iterations"_json_pointer, 0) > 0
-             ? rows_of<Gvf>(file, table).size()
+             ? rows_of<field::Gvf>(file, table).size()
              : rows_of<MeshRun>(file, table).size();
 }
 

@@ -46,7 +46,7 @@ class Hash {
     return *this;
   }
   Hash& operator<<(const TriMesh& mesh) { return *this << mesh.vertices << mesh.triangles; }
-  Hash& operator<<(const Estimate& e) { return *this << e.value << e.sd; }
+  Hash& operator<<(const ventricle::Estimate& e) { return *this << e.value << e.sd; }
   template <class T>
   Hash& operator<<(const std::optional<T>& value) {
     return value ? *this << true << *value : *this << false;
@@ -61,7 +61,7 @@ class Hash {
 };
 
 void functions() {
-  Random random(1, 1);
+  synthetic::Random random(1, 1);
   Hash hash;
   for (int n = 0; n < 20000; ++n) {
     const double x = 40 * (random.uniform() - 0.5), u = random.uniform();
@@ -75,8 +75,8 @@ void functions() {
   draws.print("draws");
 }
 
-VirtualPatient patient_options() {
-  VirtualPatient o;
+synthetic::VirtualPatient patient_options() {
+  synthetic::VirtualPatient o;
   o.gates = 4;
   o.gut_amplitude = 0.8;
   o.noise.seed = 3;
@@ -89,11 +89,11 @@ void print_images(const std::string& name, const std::vector<Image>& images) {
   hash.print(name);
 }
 
-void print_stages(const Intermediates& s) {
+void print_stages(const ventricle::Intermediates& s) {
   const std::string gate = "gate " + std::to_string(s.gate);
   if (s.endo.border) print_images(gate + " inner border", {*s.endo.border});
   if (s.epi.border) print_images(gate + " outer border", {*s.epi.border});
-  for (const VectorField* field : {s.endo.field, s.epi.field}) {
+  for (const field::VectorField* field : {s.endo.field, s.epi.field}) {
     if (!field) continue;
     Hash hash;
     hash << field->x << field->y << field->z;
@@ -101,18 +101,20 @@ void print_stages(const Intermediates& s) {
   }
 }
 
-void print_ventricle(const std::string& name, const Study& study, const VentricleOptions& options) {
-  const VentricleResult r = reconstruct(study, options, {}, print_stages);
+void print_ventricle(const std::string& name, const Study& study, const ventricle::VentricleOptions& options) {
+  const ventricle::VentricleResult r = ventricle::reconstruct(study, options, {}, print_stages);
   Hash edges, surfaces, numbers;
-  for (const Gate& g : r.gates) {
+  for (const ventricle::Gate& g : r.gates) {
     edges << g.edges.values << g.base_slice;
-    const EdgeSurfaces& edge = g.edge_surfaces;
+    const ventricle::EdgeSurfaces& edge = g.edge_surfaces;
     if (edge.endo) surfaces << edge.endo->mesh << edge.endo->steps;
     if (edge.epi) surfaces << edge.epi->mesh << edge.epi->steps;
     numbers << edge.wall_ml;
   }
-  const auto value = [](const std::optional<Estimate>& e) { return e ? std::optional(e->value) : std::nullopt; };
-  const Reading& edge = r.readings.edge;
+  const auto value = [](const std::optional<ventricle::Estimate>& e) {
+    return e ? std::optional(e->value) : std::nullopt;
+  };
+  const ventricle::Reading& edge = r.readings.edge;
   numbers << value(edge.edv_ml) << value(edge.esv_ml) << value(edge.ef_percent) << r.wall_variation;
   if (r.measures) {
     numbers << r.measures->area_mm2 << r.measures->muscle_g;
@@ -123,8 +125,8 @@ void print_ventricle(const std::string& name, const Study& study, const Ventricl
   numbers.print(name + " numbers");
   if (!r.readings.psf_corrected) return;
   Hash fit;
-  const FittedBeat& beat = *r.readings.psf_corrected;
-  for (const FittedGate& g : beat.gates) fit << g.endo << g.epi;
+  const ventricle::FittedBeat& beat = *r.readings.psf_corrected;
+  for (const ventricle::FittedGate& g : beat.gates) fit << g.endo << g.epi;
   fit.print(name + " fit");
   Hash estimates;
   estimates << beat.uptake << beat.wall_ml << beat.edv_ml << beat.esv_ml << beat.ef_percent << beat.thickness_mm
@@ -133,19 +135,20 @@ void print_ventricle(const std::string& name, const Study& study, const Ventricl
 }
 
 void ventricles() {
-  const Phantom phantom = make_phantom(patient_options());
+  const synthetic::Phantom phantom = synthetic::make_phantom(patient_options());
   Hash truth;
-  for (const TrueGate& g : phantom.truth) truth << g.endo << g.epi << g.endo_ml << g.epi_ml;
+  for (const synthetic::TrueGate& g : phantom.truth) truth << g.endo << g.epi << g.endo_ml << g.epi_ml;
   truth.print("patient truth");
   print_images("patient images", phantom.study.gates);
-  print_ventricle("thesis", phantom.study, ventricle_preset("thesis"));
-  print_ventricle("psf_corrected", phantom.study, ventricle_preset("psf_corrected"));
+  print_ventricle("thesis", phantom.study, ventricle::ventricle_preset("thesis"));
+  print_ventricle("psf_corrected", phantom.study, ventricle::ventricle_preset("psf_corrected"));
 }
 
 void organs() {
-  const Phantom phantom = make_phantom(Organ{});
+  const synthetic::Phantom phantom = synthetic::make_phantom(synthetic::Organ{});
   print_images("organ images", phantom.study.gates);
-  const OrganResult r = reconstruct_organ(phantom.study.gates.front(), organ_preset("ct"));
+  const ventricle::OrganResult r =
+      ventricle::reconstruct_organ(phantom.study.gates.front(), ventricle::organ_preset("ct"));
   Hash hash;
   if (r.surface) hash << r.surface->mesh;
   hash << r.voxels_ml << r.threshold;
@@ -154,31 +157,32 @@ void organs() {
 
 void clouds() {
   struct Task {
-    CloudShape shape;
+    synthetic::CloudShape shape;
     double noise, missing;
     bool normals;
     const char* preset;
   };
-  for (const Task& t :
-       {Task{CloudShape::vase, 0.5, 0, false, "shaped"}, Task{CloudShape::blobs, 0.3, 5, true, "faithful"},
-        Task{CloudShape::cube, 0, 0, false, "shaped"}}) {
-    CloudPhantom o;
+  for (const Task& t : {Task{synthetic::CloudShape::vase, 0.5, 0, false, "shaped"},
+                        Task{synthetic::CloudShape::blobs, 0.3, 5, true, "faithful"},
+                        Task{synthetic::CloudShape::cube, 0, 0, false, "shaped"}}) {
+    synthetic::CloudPhantom o;
     o.shape = t.shape;
     o.points = 12000;
     o.noise_percent = t.noise;
     o.missing_percent = t.missing;
     o.normals = t.normals;
-    const PointCloud cloud = make_cloud(o);
-    const std::string name = std::string(names_of(CloudShape{})[static_cast<std::size_t>(t.shape)]);
+    const PointCloud cloud = synthetic::make_cloud(o);
+    const std::string name =
+        std::string(synthetic::names_of(synthetic::CloudShape{})[static_cast<std::size_t>(t.shape)]);
     Hash points;
     points << cloud.points << cloud.normals;
     points.print(name + " points");
-    CloudOptions options = cloud_preset(t.preset);
+    cloud::CloudOptions options = cloud::cloud_preset(t.preset);
     options.triangles = "1280,320";
-    const CloudResult r = reconstruct_cloud(cloud, options);
+    const cloud::CloudResult r = cloud::reconstruct_cloud(cloud, options);
     Hash used, levels;
     used << r.used.points << r.facts.spacing << r.facts.noise << r.facts.cells;
-    for (const CloudLevel& l : r.levels) levels << l.mesh << l.errors;
+    for (const cloud::CloudLevel& l : r.levels) levels << l.mesh << l.errors;
     used.print(name + " facts");
     levels.print(name + " levels");
   }
@@ -189,7 +193,7 @@ void clouds() {
 
 // bytes_probe [widest vectors, in floats [threads]]
 int main(int count, char** words) {
-  if (count > 1) dynasurf::detail::widest_vectors = std::atoi(words[1]);
+  if (count > 1) dynasurf::ventricle::detail::widest_vectors = std::atoi(words[1]);
   const dynasurf::ThreadLimit limit(count > 2 ? std::atoi(words[2]) : 0);
   dynasurf::functions();
   dynasurf::organs();

@@ -17,10 +17,10 @@ int main(int count, char** words) {
   const std::string kind = arguments[1];
   const std::filesystem::path path = arguments[2];
   try {
-    if (kind == "study") read_study(path);
-    if (kind == "mesh") read_mesh(path);
-    if (kind == "cloud") read_cloud(std::span(&path, 1));
-    if (kind == "points") read_tracked_points(path);
+    if (kind == "study") io::read_study(path);
+    if (kind == "mesh") io::read_mesh(path);
+    if (kind == "cloud") io::read_cloud(std::span(&path, 1));
+    if (kind == "points") io::read_tracked_points(path);
   } catch (const InputError& error) {
     std::cout << error.what() << '\n';
     return 2;

@@ -8,7 +8,7 @@
 
 #include "pixels.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 namespace {
 
 TEST(Canvas, FillsWhatIsAskedFor) {
@@ -35,7 +35,7 @@ TEST(Canvas, KeepsToItsClip) {
 }
 
 TEST(Canvas, SpreadsAPictureWithoutBlendingIt) {
-  Picture picture(2, 1);
+  io::Picture picture(2, 1);
   picture(0, 0) = ink_of::endo;
   picture(1, 0) = ink_of::epi;
   Canvas canvas(40, 20);
@@ -71,7 +71,7 @@ TEST(Canvas, RefusesSizesThatAreNone) {
 }
 
 TEST(Palette, GrowsBrighterAllTheWay) {
-  const auto light = [](const Colour& c) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; };
+  const auto light = [](const io::Colour& c) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; };
   for (int n = 1; n <= 20; ++n) EXPECT_GT(light(viridis(n / 20.0)), light(viridis((n - 1) / 20.0))) << n;
   EXPECT_EQ(viridis(-1), viridis(0));
   EXPECT_EQ(viridis(7), viridis(1));
@@ -100,4 +100,4 @@ TEST(Chart, PlotsWhereTheScalesSay) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::show

@@ -12,7 +12,7 @@
 
 #include "pixels.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 namespace {
 
 Grid cube_of(int side, double mm = 1) {
@@ -23,14 +23,14 @@ Grid cube_of(int side, double mm = 1) {
 }
 
 TriMesh ball(double radius, const Vec3& centre = Vec3::Zero()) {
-  TriMesh mesh = icosphere(4);
+  TriMesh mesh = mesh::icosphere(4);
   for (Vec3& p : mesh.vertices) p = centre + radius * p;
   return mesh;
 }
 
 /// Vectors along i towards the plane i = `at`, as long as their distance from it.
-VectorField towards(const Grid& g, double at) {
-  VectorField field(g);
+field::VectorField towards(const Grid& g, double at) {
+  field::VectorField field(g);
   for (int k = 0; k < g.dims[2]; ++k)
     for (int j = 0; j < g.dims[1]; ++j)
       for (int i = 0; i < g.dims[0]; ++i) field.x[g.index(i, j, k)] = static_cast<float>(at - i);
@@ -44,7 +44,7 @@ TEST(Scene3d, DrawsABallAsADiscOfItsSize) {
   canvas.rectangle({0, 0, 300, 300}, ink_of::endo);  // the ball is what hides it
   const double mm = scene.draw(canvas, {0, 0, 300, 300}, {}, 0.25);
   EXPECT_EQ(mm, 0.25);
-  const Picture picture = canvas.pixels();
+  const io::Picture picture = canvas.pixels();
   const double hidden = 300 * 300 - spot_of(picture, ink_of::endo, {}, 2).count;
   const double disc = std::numbers::pi * 100 * 100;  // 25 mm at a quarter of a mm to a point
   EXPECT_NEAR(hidden, disc, 0.03 * disc);
@@ -78,7 +78,7 @@ TEST(Scene3d, PatientStandsUprightWithHisLeftToTheRight) {
   scene.add_point({0, 0, 40}, ink_of::epi, 3);
   Canvas canvas(100, 100);
   scene.draw(canvas, {0, 0, 100, 100}, {0, 0}, 1);
-  const Picture p = canvas.pixels();
+  const io::Picture p = canvas.pixels();
   EXPECT_GT(spot_of(p, ink_of::endo).x, spot_of(p, ink_of::quiet).x + 35);
   EXPECT_LT(spot_of(p, ink_of::epi).y, spot_of(p, ink_of::quiet).y - 35);
 }
@@ -89,7 +89,7 @@ TEST(Scene3d, DrawsTheOuterFacesOfVoxelsAlone) {
     for (int j = 2; j < 3; ++j)
       for (int i = 1; i < 5; ++i) image(i, j, k) = 1;  // 4 x 1 x 3
   Scene3d scene;
-  scene.add_voxels(image, [](float v) { return v > 0 ? std::optional(Colour{255, 255, 255}) : std::nullopt; });
+  scene.add_voxels(image, [](float v) { return v > 0 ? std::optional(io::Colour{255, 255, 255}) : std::nullopt; });
   Canvas canvas(200, 200);
   canvas.rectangle({0, 0, 200, 200}, ink_of::endo);
   scene.draw(canvas, {0, 0, 200, 200}, {0, 0}, 0.1);
@@ -118,9 +118,9 @@ TEST(SliceView, MarksWhereVectorsMeet) {
   const Grid g = cube_of(20);
   Image image(g);
   image(6, 9, 3) = 1;
-  const VectorField field = towards(g, 6.5);
+  const field::VectorField field = towards(g, 6.5);
   SliceView view{&image, &field, 3, 9, 4, nullptr, "a plane that attracts", {}};
-  const Picture picture = draw_slice_view(view).pixels();
+  const io::Picture picture = draw_slice_view(view).pixels();
   // The graph of the sign spans 19 mm in x = 530 to 930: 6.5 mm lies at 666.8.
   const Spot mark = spot_of(picture, ink_of::warm, Panel{530, 340, 400, 250});
   EXPECT_GT(mark.count, 20);
@@ -140,14 +140,14 @@ TEST(SliceView, MarksWhereVectorsMeet) {
 TEST(SliceView, RefusesASliceThatIsNotThere) {
   const Grid g = cube_of(5);
   Image image(g, 1.f);
-  const VectorField field = towards(g, 2);
+  const field::VectorField field = towards(g, 2);
   EXPECT_THROW(draw_slice_view({&image, &field, 5, 0, 1, nullptr, "", {}}), OptionError);
 }
 
 TEST(FieldGrid, DrawsEveryField) {
   const Grid g = cube_of(12);
   const std::vector<NamedField> fields{{"one", towards(g, 3)}, {"two", towards(g, 8)}};
-  const Picture picture = draw_field_grid(fields, 2, 4, 5, "two").pixels();
+  const io::Picture picture = draw_field_grid(fields, 2, 4, 5, "two").pixels();
   // The length along the row is 0 at the plane: the blue line touches the axis there. Panels from x = 56 and 390.
   for (const auto& [left, at] : {std::pair{56.0, 3.0}, {390.0, 8.0}}) {
     const Spot foot = spot_of(picture, ink_of::endo, Panel{left, 56 + 250 + 22 + 66, 250, 4}, 60);
@@ -161,7 +161,7 @@ TEST(Sections, CutABallInCircles) {
   g.origin = Vec3::Constant(-20);
   const Image image(g, 0.1f);
   const NamedSurface surface{"ball", ball(14), ink_of::epi};
-  const Picture picture = draw_sections_of(image, {&surface, 1}, "ball").pixels();
+  const io::Picture picture = draw_sections_of(image, {&surface, 1}, "ball").pixels();
   // Twelve of the 29 slices; windows of 37 voxels in 210 points. The seventh lies one below the middle or on it.
   const double point = 210.0 / 37;
   const Spot ring = spot_of(picture, ink_of::epi, Panel{24 + 222 * 2, 80 + 240, 210, 210}, 60);
@@ -174,7 +174,7 @@ TEST(Sections, CutABallInCircles) {
 
 TEST(Scatter, PutsParticlesAtTheirDistance) {
   const std::vector<double> distances{-2, -2, -2, 0.5, 0.5, 3};
-  const Picture picture = draw_scatter(distances, "").pixels();
+  const io::Picture picture = draw_scatter(distances, "").pixels();
   // y from -2.1 to 3.1 in 330 points from 386 upwards; x from 0 to 6 in 640.
   const auto y_of = [](double d) { return 386 - (d + 2.1) / 5.2 * 330; };
   for (int n = 0; n < 6; ++n) {
@@ -189,7 +189,7 @@ TEST(History, StacksParticlesByDistance) {
   // All far in the first step; half of them near in the last.
   std::vector<std::array<int, 4>> history;
   for (int n = 0; n <= 100; ++n) history.push_back({n / 2, n / 2, n / 2, 100 - n / 2});
-  const Picture picture = draw_history(history, "").pixels();
+  const io::Picture picture = draw_history(history, "").pixels();
   const Panel right{700, 56, 3, 330}, left{70, 56, 3, 330};
   EXPECT_NEAR(spot_of(picture, viridis(0.05), right).height(), 165, 6);
   EXPECT_LT(spot_of(picture, viridis(0.05), left).height(), 12);
@@ -197,10 +197,10 @@ TEST(History, StacksParticlesByDistance) {
 }
 
 TEST(Areas, ColoursTrianglesByShape) {
-  const Picture even = draw_areas(icosphere(1), "even").pixels();
-  TriMesh flat = icosphere(1);
+  const io::Picture even = draw_areas(mesh::icosphere(1), "even").pixels();
+  TriMesh flat = mesh::icosphere(1);
   for (Vec3& p : flat.vertices) p[0] *= 0.05;
-  const Picture thin = draw_areas(flat, "flat").pixels();
+  const io::Picture thin = draw_areas(flat, "flat").pixels();
   const Panel mesh{650, 50, 430, 500};
   EXPECT_GT(spot_of(even, viridis(1), mesh, 40).count, 20000);
   EXPECT_LT(spot_of(thin, viridis(1), mesh, 40).count, spot_of(even, viridis(1), mesh, 40).count / 4);
@@ -209,7 +209,7 @@ TEST(Areas, ColoursTrianglesByShape) {
 TEST(Cycle, ShowsGatesAtOneScale) {
   const std::vector<std::vector<NamedSurface>> walls{
       {{"large", ball(30), {255, 0, 255}}, {"small", ball(15), {255, 0, 255}}}};
-  const Picture picture = draw_cycle(walls, "").pixels();
+  const io::Picture picture = draw_cycle(walls, "").pixels();
   const auto disc = [&](double left) {
     int count = 0;
     for (int y = 56; y < 190; ++y)
@@ -222,19 +222,19 @@ TEST(Cycle, ShowsGatesAtOneScale) {
 TEST(Curves, HaveABandAsWideAsTheInterval) {
   const std::vector<double> time{0, 100, 200};
   const NamedCurve curve{"volume", {50, 50, 50}, {10, 10, 10}, ink_of::endo};
-  const Picture picture = draw_curves(time, "ms", {&curve, 1}, "").pixels();
+  const io::Picture picture = draw_curves(time, "ms", {&curve, 1}, "").pixels();
   // 0 to 63 mL in 330 points: 20 mL are 105.
-  const Colour band{204, 227, 240};
+  const io::Colour band{204, 227, 240};
   EXPECT_NEAR(spot_of(picture, band, Panel{180, 56, 40, 330}, 8).height(), 20 / 63.0 * 330, 3);
   EXPECT_NEAR(spot_of(picture, ink_of::endo, Panel{180, 56, 40, 330}).y + 0.5, 386 - 50 / 63.0 * 330, 1.2);
 }
 
 TEST(Evolution, ParticlesThatStoppedAreRed) {
-  EvolutionFrame frame{3, icosphere(2), std::vector<bool>(162)};
+  EvolutionFrame frame{3, mesh::icosphere(2), std::vector<bool>(162)};
   for (Vec3& p : frame.mesh.vertices) p = Vec3::Constant(10) + 8 * p;
   for (std::size_t v = 0; v < 162; ++v) frame.stopped[v] = frame.mesh.vertices[v][2] > 10.5;
   Image border(cube_of(21));
-  const Picture picture = draw_evolution({&frame, 1}, border, "").pixels();
+  const io::Picture picture = draw_evolution({&frame, 1}, border, "").pixels();
   const Panel panel{24, 64, 290, 270};
   const Spot red = spot_of(picture, ink_of::epi, panel, 30), blue = spot_of(picture, ink_of::endo, panel, 30);
   EXPECT_GT(red.count, 100);
@@ -252,7 +252,7 @@ TEST(Contours, AreDrawnOverTheirPixels) {
   std::vector<std::optional<Contour>> stack(40);
   for (std::size_t k = 10; k < 30; ++k) stack[k] = view.found;
   view.stacks = {{ink_of::pink, stack}};
-  const Picture picture = draw_contours(view).pixels();
+  const io::Picture picture = draw_contours(view).pixels();
   // The window holds 15 pixels about (20, 20) and 5 more; 510 points are its height.
   const Spot start = spot_of(picture, ink_of::light, Panel{24, 62, 560, 510}, 40);
   const Spot found = spot_of(picture, ink_of::epi, Panel{24, 62, 560, 510}, 40);
@@ -270,12 +270,12 @@ TEST(Voxels, AreColouredByTheirSet) {
   for (int k = 0; k < 8; ++k)
     for (int i = 0; i < 8; ++i) (i < 4 ? one : other)(i, 0, k) = 1;
   const NamedVoxels sets[] = {{"left", one, {255, 0, 255}, 1}, {"right", other, {0, 255, 0}, 1}};
-  const Picture picture = draw_voxels(sets, "").pixels();
+  const io::Picture picture = draw_voxels(sets, "").pixels();
   double left = 0, right = 0;
   int lefts = 0, rights = 0;
   for (int y = 60; y < 680; ++y)
     for (int x = 0; x < picture.width; ++x) {
-      const Colour& c = picture(x, y);
+      const io::Colour& c = picture(x, y);
       if (c[1] < 10 && c[0] > 90) left += x, ++lefts;
       if (c[0] < 10 && c[1] > 90) right += x, ++rights;
     }
@@ -285,9 +285,9 @@ TEST(Voxels, AreColouredByTheirSet) {
 }
 
 TEST(Smoothing, ShowsWhichMeshIsSmoother) {
-  TriMesh rough = icosphere(3);
+  TriMesh rough = mesh::icosphere(3);
   for (std::size_t v = 0; v < rough.vertices.size(); v += 7) rough.vertices[v] *= 1.06;
-  const Picture picture = draw_smoothing(rough, icosphere(3), "").pixels();
+  const io::Picture picture = draw_smoothing(rough, mesh::icosphere(3), "").pixels();
   const auto bright = [&](double left) { return spot_of(picture, viridis(0.6), Panel{left, 60, 460, 460}, 60).count; };
   EXPECT_GT(bright(24), 10 * (bright(494) + 1));
 }
@@ -295,7 +295,7 @@ TEST(Smoothing, ShowsWhichMeshIsSmoother) {
 TEST(Field3d, LinesRunToTheBorder) {
   const Grid g = cube_of(21);
   Image border(g);
-  VectorField field(g);
+  field::VectorField field(g);
   for (int k = 0; k < 21; ++k)
     for (int j = 0; j < 21; ++j)
       for (int i = 0; i < 21; ++i) {
@@ -306,11 +306,11 @@ TEST(Field3d, LinesRunToTheBorder) {
         field.z[n] = static_cast<float>(pull[2]);
         border(i, j, k) = std::abs(way.norm() - 5) < 0.5 ? 1.f : 0.f;
       }
-  const Picture picture = draw_field_3d(field, border, "").pixels();
+  const io::Picture picture = draw_field_3d(field, border, "").pixels();
   EXPECT_GT(spot_of(picture, viridis(0.9), Panel{24, 60, 770, 600}, 60).count, 100) << "long vectors outside";
   EXPECT_GT(spot_of(picture, viridis(0.1), Panel{24, 60, 770, 600}, 60).count, 100) << "short ones at the border";
   EXPECT_THROW(draw_field_3d(field, Image(g), ""), InputError);
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::show

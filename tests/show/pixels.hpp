@@ -7,7 +7,7 @@
 
 #include "dynasurf/show/canvas.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 
 /// The pixels of a drawing (one to a point) whose colour is near another.
 struct Spot {
@@ -18,14 +18,15 @@ struct Spot {
   double height() const { return bottom - top + 1; }
 };
 
-inline bool is_near(const Colour& a, const Colour& b, int within) {
+inline bool is_near(const io::Colour& a, const io::Colour& b, int within) {
   for (std::size_t c = 0; c < 3; ++c)
     if (std::abs(int{a[c]} - int{b[c]}) > within) return false;
   return true;
 }
 
 /// Inside `where`, or everywhere.
-inline Spot spot_of(const Picture& picture, const Colour& colour, std::optional<Panel> where = {}, int within = 12) {
+inline Spot spot_of(const io::Picture& picture, const io::Colour& colour, std::optional<Panel> where = {},
+                    int within = 12) {
   Spot s;
   const Panel box = where.value_or(Panel{0, 0, double(picture.width), double(picture.height)});
   for (int y = std::max(0, int(box.y)); y < std::min<double>(picture.height, box.bottom()); ++y)
@@ -40,4 +41,4 @@ inline Spot spot_of(const Picture& picture, const Colour& colour, std::optional<
   return s;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

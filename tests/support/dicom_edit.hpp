@@ -77,7 +77,7 @@ inline void reorder_frames(DcmDataset& dataset, const std::vector<std::size_t>& 
 inline void write_single_frames(const Study& study, const std::filesystem::path& folder,
                                 const std::function<void(DcmDataset&, int gate)>& tell_gate) {
   std::filesystem::create_directories(folder);
-  write_dicom(study, folder / "whole");
+  io::write_dicom(study, folder / "whole");
   DcmFileFormat whole;
   check(whole.loadFile((folder / "whole").c_str()));
   check(whole.loadAllDataIntoMemory());

@@ -16,7 +16,7 @@ namespace dynasurf::test {
 /// one that does not start with a path is a failure.
 inline std::string refusal_of(const std::filesystem::path& path) {
   try {
-    read_study(path);
+    io::read_study(path);
   } catch (const InputError& error) {
     const std::string text = error.what();
     EXPECT_EQ(text.find('\n'), std::string::npos) << text;

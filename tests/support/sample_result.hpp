@@ -48,28 +48,28 @@ struct Ellipsoid {
   bool below_base(const Vec3& p) const { return p[2] - centre[2] <= base_mm; }
 };
 
-inline Ellipsoid sample_wall(const Grid& grid, Border wall, double phase) {
+inline Ellipsoid sample_wall(const Grid& grid, ventricle::Border wall, double phase) {
   const double squeeze = 0.5 - 0.5 * std::cos(2 * std::numbers::pi * std::pow(phase, 0.8));  // 0: end diastole
   Ellipsoid e;
   e.centre = centre_of(grid, {grid.dims[0] / 2 + 2, grid.dims[1] / 2 - 1, grid.dims[2] / 2 + 2});
   e.base_mm = 20 - 7 * squeeze;
-  e.across_mm = wall == Border::endo ? 25 - 7.5 * squeeze : 35 - 4.0 * squeeze;
-  e.along_mm = wall == Border::endo ? 43 - 7.0 * squeeze : 52 - 4.0 * squeeze;
+  e.across_mm = wall == ventricle::Border::endo ? 25 - 7.5 * squeeze : 35 - 4.0 * squeeze;
+  e.along_mm = wall == ventricle::Border::endo ? 43 - 7.0 * squeeze : 52 - 4.0 * squeeze;
   return e;
 }
 
-inline Surface sample_surface(const Grid& grid, const TriMesh& sphere, const Ellipsoid& shape) {
-  Surface surface;
+inline ventricle::Surface sample_surface(const Grid& grid, const TriMesh& sphere, const Ellipsoid& shape) {
+  ventricle::Surface surface;
   TriMesh mesh = sphere;
   for (Vec3& p : mesh.vertices) {
     p = shape.centre + Vec3(p[0] * shape.across_mm, p[1] * shape.across_mm, p[2] * shape.along_mm);
     p[2] = std::min(p[2], shape.centre[2] + shape.base_mm);
   }
   surface.mesh = to_world(grid, std::move(mesh));
-  surface.volume_ml = volume_mm3(surface.mesh) / 1000;
-  surface.quality = triangle_quality(surface.mesh);
+  surface.volume_ml = mesh::volume_mm3(surface.mesh) / 1000;
+  surface.quality = mesh::triangle_quality(surface.mesh);
   surface.repair.check = {true, true, true, 0, 0};
-  surface.stop_reason = StopReason::all_stopped;
+  surface.stop_reason = dynamics::StopReason::all_stopped;
   surface.steps = 412;
   surface.stopped_fraction = 0.991;
   surface.within_one_voxel = 0.984;
@@ -80,7 +80,8 @@ inline Surface sample_surface(const Grid& grid, const TriMesh& sphere, const Ell
 
 /// Bright muscle, blurred, on a faint background with noise from a fixed sequence.
 inline Image sample_image(const Grid& grid, double phase) {
-  const Ellipsoid endo = sample_wall(grid, Border::endo, phase), epi = sample_wall(grid, Border::epi, phase);
+  const Ellipsoid endo = sample_wall(grid, ventricle::Border::endo, phase),
+                  epi = sample_wall(grid, ventricle::Border::epi, phase);
   Image image(grid);
   std::uint32_t noise = 12345;
   for (int k = 0; k < grid.dims[2]; ++k)
@@ -100,10 +101,10 @@ inline Image sample_image(const Grid& grid, double phase) {
 }
 
 /// A voxel is of a border when the surface passes between it and a neighbour in the slice.
-inline Labels sample_labels(const Grid& grid, double phase) {
-  Labels labels;
+inline ventricle::Labels sample_labels(const Grid& grid, double phase) {
+  ventricle::Labels labels;
   labels.borders = Mask(grid);
-  for (const Border wall : {Border::endo, Border::epi}) {
+  for (const ventricle::Border wall : {ventricle::Border::endo, ventricle::Border::epi}) {
     const Ellipsoid shape = sample_wall(grid, wall, phase);
     const auto inside = [&](int i, int j, int k) { return shape.level(centre_of(grid, {i, j, k})) < 1; };
     for (int k = 0; k < grid.dims[2]; ++k)
@@ -111,9 +112,10 @@ inline Labels sample_labels(const Grid& grid, double phase) {
         for (int i = 1; i + 1 < grid.dims[0]; ++i)
           if (inside(i, j, k) && shape.below_base(centre_of(grid, {i, j, k})) &&
               !(inside(i - 1, j, k) && inside(i + 1, j, k) && inside(i, j - 1, k) && inside(i, j + 1, k)))
-            labels.borders(i, j, k) |= wall == Border::endo ? Labels::endo_bit : Labels::epi_bit;
+            labels.borders(i, j, k) |=
+                wall == ventricle::Border::endo ? ventricle::Labels::endo_bit : ventricle::Labels::epi_bit;
   }
-  const Ellipsoid epi = sample_wall(grid, Border::epi, 0);
+  const Ellipsoid epi = sample_wall(grid, ventricle::Border::epi, 0);
   labels.circle = {epi.centre[0] / grid.spacing[0], epi.centre[1] / grid.spacing[1],
                    epi.across_mm / grid.spacing[0] + 2};
   labels.big_slice = grid.dims[2] / 2 + 2;
@@ -123,21 +125,21 @@ inline Labels sample_labels(const Grid& grid, double phase) {
 }
 
 /// The numbers over the beat, from the surfaces that are there.
-inline void measure_sample(VentricleResult& result) {
-  for (Gate& gate : result.gates) {
-    EdgeSurfaces& edge = gate.edge_surfaces;
+inline void measure_sample(ventricle::VentricleResult& result) {
+  for (ventricle::Gate& gate : result.gates) {
+    ventricle::EdgeSurfaces& edge = gate.edge_surfaces;
     edge.wall_ml = edge.endo && edge.epi ? std::optional(edge.epi->volume_ml - edge.endo->volume_ml) : std::nullopt;
   }
   result.phases = std::nullopt;
-  measure_cycle(result);
-  choose_leading(result);
-  result.measures = measure_study(result, {});
+  ventricle::measure_cycle(result);
+  ventricle::choose_leading(result);
+  result.measures = ventricle::measure_study(result, {});
 }
 
-inline VentricleResult sample_result(const SampleStudy& study = {}) {
-  VentricleResult result;
+inline ventricle::VentricleResult sample_result(const SampleStudy& study = {}) {
+  ventricle::VentricleResult result;
   const Grid grid = sample_grid(study.dims);
-  const TriMesh sphere = icosphere(study.mesh_level);
+  const TriMesh sphere = mesh::icosphere(study.mesh_level);
   result.study.format = "DICOM";
   result.study.modality = "NM";
   result.study.view = View::short_axis;
@@ -146,7 +148,7 @@ inline VentricleResult sample_result(const SampleStudy& study = {}) {
   result.study.cycle_ms = study.gates > 1 ? 880 : 0;
   for (int g = 0; g < study.gates; ++g) {
     const double phase = static_cast<double>(g) / study.gates;
-    Gate gate;
+    ventricle::Gate gate;
     gate.gate = g;
     if (study.gates > 1) {
       gate.time_ms = phase * result.study.cycle_ms;
@@ -158,24 +160,24 @@ inline VentricleResult sample_result(const SampleStudy& study = {}) {
     for (std::size_t v = 0; v < gate.edges.values.size(); ++v)
       gate.edges.values[v] = gate.labels.borders.values[v] != 0 ? 2 : v % 397 == 0 ? 1 : 0;
     gate.base_slice = 17;
-    gate.edge_surfaces.endo = sample_surface(grid, sphere, sample_wall(grid, Border::endo, phase));
-    gate.edge_surfaces.epi = sample_surface(grid, sphere, sample_wall(grid, Border::epi, phase));
+    gate.edge_surfaces.endo = sample_surface(grid, sphere, sample_wall(grid, ventricle::Border::endo, phase));
+    gate.edge_surfaces.epi = sample_surface(grid, sphere, sample_wall(grid, ventricle::Border::epi, phase));
     result.gates.push_back(std::move(gate));
   }
   measure_sample(result);
   result.wall_variation = 0.06;
-  result.verdict = Verdict::ok;
+  result.verdict = ventricle::Verdict::ok;
   result.notes = {{Severity::info, "slice_refine.case_3", "the division slice was moved from 5 to 4", 0, 4}};
   result.seconds = {{"edges", 0.052}, {"labels", 0.019}, {"field", 0.611}, {"surfaces", 0.744}, {"measures", 0.031}};
   return result;
 }
 
 /// The same heart with walls fitted through the blur: a little wider than the edges, with error bars.
-inline VentricleResult sample_fitted() {
-  VentricleResult result = sample_result();
-  FittedBeat fit;
-  for (const Gate& gate : result.gates) {
-    FittedGate fitted;
+inline ventricle::VentricleResult sample_fitted() {
+  ventricle::VentricleResult result = sample_result();
+  ventricle::FittedBeat fit;
+  for (const ventricle::Gate& gate : result.gates) {
+    ventricle::FittedGate fitted;
     fitted.endo = gate.edge_surfaces.endo->mesh, fitted.epi = gate.edge_surfaces.epi->mesh;
     fitted.endo_ml = {1.2 * gate.edge_surfaces.endo->volume_ml, 3};
     fitted.epi_ml = {1.1 * gate.edge_surfaces.epi->volume_ml, 5};
@@ -183,23 +185,23 @@ inline VentricleResult sample_fitted() {
   }
   const double edv = 1.2 * result.leading.edv_ml->value, esv = 1.2 * result.leading.esv_ml->value;
   fit.edv_ml = {edv, 4}, fit.esv_ml = {esv, 2}, fit.sv_ml = {edv - esv, 3};
-  fit.ef_percent = Estimate{100 * (edv - esv) / edv, 1.5};
+  fit.ef_percent = ventricle::Estimate{100 * (edv - esv) / edv, 1.5};
   fit.wall_ml = {130, 6}, fit.thickness_mm = {9.5, 0.5}, fit.fwhm_mm = {12, 0.4};
   fit.ed_gate = *result.leading.ed_gate, fit.es_gate = *result.leading.es_gate;
   fit.uptake.assign(fit.gates[0].endo.vertices.size(), 1.0);
   fit.steps = 9, fit.converged = true;
   result.readings.psf_corrected = std::move(fit);
-  choose_leading(result);
+  ventricle::choose_leading(result);
   return result;
 }
 
 /// Surfaces that one should look at twice.
-inline VentricleResult sample_to_check() {
-  VentricleResult result = sample_result();
-  result.verdict = Verdict::check;
+inline ventricle::VentricleResult sample_to_check() {
+  ventricle::VentricleResult result = sample_result();
+  result.verdict = ventricle::Verdict::check;
   result.wall_variation = 0.24;
   result.gates[3].edge_surfaces.endo->stopped_fraction = 0.83;
-  result.gates[3].edge_surfaces.endo->stop_reason = StopReason::max_steps;
+  result.gates[3].edge_surfaces.endo->stop_reason = dynamics::StopReason::max_steps;
   result.flags = {
       {"surface_incomplete", Severity::warning,
        "fewer than 90 % of the particles of the endocardial surface reached the border in gate 4", 1},
@@ -211,9 +213,9 @@ inline VentricleResult sample_to_check() {
 }
 
 /// No border could be told apart: slices and edges are all there is.
-inline VentricleResult sample_failed() {
-  VentricleResult result = sample_result();
-  for (Gate& gate : result.gates) {
+inline ventricle::VentricleResult sample_failed() {
+  ventricle::VentricleResult result = sample_result();
+  for (ventricle::Gate& gate : result.gates) {
     gate.edge_surfaces = {};
     gate.labels.borders = Mask(result.study.grid());
     gate.labels.circle = {};
@@ -223,7 +225,7 @@ inline VentricleResult sample_failed() {
   }
   measure_sample(result);
   result.wall_variation = std::nullopt;
-  result.verdict = Verdict::fail;
+  result.verdict = ventricle::Verdict::fail;
   result.flags = {
       {"surface_missing", Severity::failure, "no endocardial border was found in gates 1, 2, 3, 4, 5, 6, 7, 8", 8},
       {"surface_missing", Severity::failure, "no epicardial border was found in gates 1, 2, 3, 4, 5, 6, 7, 8", 8}};
@@ -231,30 +233,30 @@ inline VentricleResult sample_failed() {
 }
 
 /// One volume: surfaces and their volumes, but no curve and no ejection fraction.
-inline VentricleResult sample_ungated() {
-  VentricleResult result = sample_result({.gates = 1});
+inline ventricle::VentricleResult sample_ungated() {
+  ventricle::VentricleResult result = sample_result({.gates = 1});
   result.wall_variation = std::nullopt;
   return result;
 }
 
-inline VentricleResult sample_without_endo() {
-  VentricleResult result = sample_result();
-  for (Gate& gate : result.gates) gate.edge_surfaces.endo = std::nullopt;
+inline ventricle::VentricleResult sample_without_endo() {
+  ventricle::VentricleResult result = sample_result();
+  for (ventricle::Gate& gate : result.gates) gate.edge_surfaces.endo = std::nullopt;
   measure_sample(result);
   result.wall_variation = std::nullopt;
-  result.verdict = Verdict::fail;
+  result.verdict = ventricle::Verdict::fail;
   result.flags = {
       {"surface_missing", Severity::failure, "no endocardial border was found in gates 1, 2, 3, 4, 5, 6, 7, 8", 8}};
   return result;
 }
 
 /// An image of the blood pool: the cavity alone.
-inline VentricleResult sample_blood_pool() {
-  VentricleResult result = sample_result();
-  for (Gate& gate : result.gates) gate.edge_surfaces.epi = std::nullopt;
+inline ventricle::VentricleResult sample_blood_pool() {
+  ventricle::VentricleResult result = sample_result();
+  for (ventricle::Gate& gate : result.gates) gate.edge_surfaces.epi = std::nullopt;
   measure_sample(result);
   result.wall_variation = std::nullopt;
-  result.verdict = Verdict::check;
+  result.verdict = ventricle::Verdict::check;
   result.flags = {{"blood_pool", Severity::warning, "the cavity is bright and no wall is seen", 1}};
   for (int n = 1; n <= 8; ++n)  // a page must have room for them
     result.flags.push_back({"flag_" + std::to_string(n), Severity::warning,
@@ -262,8 +264,8 @@ inline VentricleResult sample_blood_pool() {
   return result;
 }
 
-inline Provenance sample_provenance() {
-  Provenance provenance;
+inline report::Provenance sample_provenance() {
+  report::Provenance provenance;
   provenance.program_version = "0.1.0";
   provenance.commit = "0123456789abcdef0123456789abcdef01234567";
   provenance.command = "dynasurf ventricle patient.dcm --out result";

@@ -66,7 +66,7 @@ inline TriMesh moved(const TriMesh& m, const Vec3& by) {
   return mapped(m, [&](const Vec3& p) { return Vec3(p + by); });
 }
 inline TriMesh ellipsoid(int level, const Vec3& half_axes) {
-  return mapped(icosphere(level), [&](const Vec3& p) { return Vec3(p.cwiseProduct(half_axes)); });
+  return mapped(mesh::icosphere(level), [&](const Vec3& p) { return Vec3(p.cwiseProduct(half_axes)); });
 }
 
 struct NamedMesh {
@@ -81,11 +81,11 @@ inline std::vector<NamedMesh> closed_meshes() {
   };
   return {{"tetrahedron", tetrahedron()},
           {"cube", cube()},
-          {"icosphere 0", icosphere(0)},
-          {"icosphere 3", icosphere(3)},
+          {"icosphere 0", mesh::icosphere(0)},
+          {"icosphere 3", mesh::icosphere(3)},
           {"ellipsoid", moved(ellipsoid(3, {53.5, 56.6, 70}), {90, 91, 60})},
           {"flat ellipsoid", ellipsoid(2, {40, 30, 0.5})},
-          {"bumpy sphere", mapped(icosphere(4), bumpy)},
+          {"bumpy sphere", mapped(mesh::icosphere(4), bumpy)},
           {"torus", moved(torus(30, 10, 40, 20), {5, -70, 12})}};
 }
 

@@ -10,7 +10,7 @@
 #include "dynasurf/synthetic/detail/random.hpp"
 #include "dynasurf/synthetic/detail/render.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 Grid cube(int n, double voxel_mm) {
@@ -392,4 +392,4 @@ TEST(CutOut, InterpolatesAPlaneExactlyAndIsZeroOutside) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

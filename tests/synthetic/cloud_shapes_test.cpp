@@ -8,7 +8,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/repair.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 class EveryCloudShape : public testing::TestWithParam<int> {
@@ -18,11 +18,11 @@ class EveryCloudShape : public testing::TestWithParam<int> {
 
 TEST_P(EveryCloudShape, IsAValidSurfaceWithItsHandles) {
   const TriMesh mesh = cloud_reference(shape);
-  EXPECT_TRUE(check_surface(mesh).valid());
-  const Topology t = topology(mesh);
+  EXPECT_TRUE(mesh::check_surface(mesh).valid());
+  const mesh::Topology t = mesh::topology(mesh);
   EXPECT_EQ(t.components, 1);
   EXPECT_EQ(t.euler, 2 - 2 * genus_of(shape));
-  EXPECT_GT(volume_mm3(mesh), 0);
+  EXPECT_GT(mesh::volume_mm3(mesh), 0);
   EXPECT_GT(mesh.triangles.size(), 10000u);
   EXPECT_LT(mesh.triangles.size(), 200000u);
 }
@@ -79,4 +79,4 @@ TEST(CloudPhantom, RefusesOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -8,7 +8,7 @@
 
 #include "mesh_checks.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 double sum_of(const Image& image) {
@@ -42,10 +42,10 @@ TEST(Hebron, GivesTheVoxelCountsOfTheCalibration) {
 
 TEST(Hebron, TakesTheCoverOfTheThesis) {
   const Mask solid = filled_solid(make_phantom(Hebron{}).study.gates[0]);
-  const Mask disc = cover_disc(solid, 33.66);
+  const Mask disc = image::cover_disc(solid, 33.66);
   EXPECT_EQ(count_voxels(disc), 432u);  // 20425 mm3 of the thesis
   EXPECT_NEAR(1000 * voxel_volume_ml(disc), 20425, 1);
-  EXPECT_EQ(count_voxels(unite(solid, disc)), count_voxels(solid) + 432);
+  EXPECT_EQ(count_voxels(image::unite(solid, disc)), count_voxels(solid) + 432);
 }
 
 TEST(Hebron, ConvergesToItsAnalyticVolumeOnFinerGrids) {
@@ -149,7 +149,7 @@ TEST(Borders, OfNothingAreEmpty) {
   const Image nothing(grid);
   EXPECT_EQ(count_voxels(filled_solid(nothing)), 0u);
   EXPECT_EQ(sum_of(external_border(nothing, 0.2, 3)), 0);
-  EXPECT_EQ(count_voxels(cover_disc(Mask(grid, 1), 2)), 0u) << "no slice above the highest";
+  EXPECT_EQ(count_voxels(image::cover_disc(Mask(grid, 1), 2)), 0u) << "no slice above the highest";
 }
 
 TEST(Mayo, HasThePublishedVolumeOnItsCoarseVoxels) {
@@ -334,4 +334,4 @@ TEST(Phantoms, OfTheVariantAreMadeByName) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

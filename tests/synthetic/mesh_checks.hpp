@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 /// Volume by tetrahedra to the origin: the tests' own, so that the generator is not judged by the program's measures.
 inline double signed_volume_ml(const TriMesh& mesh) {
@@ -40,4 +40,4 @@ inline bool closed_and_oriented(const TriMesh& mesh) {
   return !edges.empty();
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -7,7 +7,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/synthetic/detail/render.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 Image even_image(float value) {
@@ -91,4 +91,4 @@ TEST(AddGaussianNoise, IsTheSameForAnyThreadCount) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

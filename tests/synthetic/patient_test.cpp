@@ -12,7 +12,7 @@
 
 #include "mesh_checks.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 VirtualPatient clean_patient() {
@@ -92,8 +92,8 @@ TEST(VirtualPatient, FillsTheVoxelsWithTheVolumeOfItsMeshes) {
     EXPECT_NEAR(filled_ml, p.truth[g].wall_ml(), 0.005 * 120);
     // And voxel by voxel, by the other way of filling.
     const Index3 sub{5, 5, 5};
-    const Image epi = fill_mesh(image.grid, to_grid(image.grid, p.truth[g].epi), sub);
-    const Image endo = fill_mesh(image.grid, to_grid(image.grid, p.truth[g].endo), sub);
+    const Image epi = mesh::fill_mesh(image.grid, to_grid(image.grid, p.truth[g].epi), sub);
+    const Image endo = mesh::fill_mesh(image.grid, to_grid(image.grid, p.truth[g].endo), sub);
     EXPECT_NEAR((sum_of(epi) - sum_of(endo)) * image.grid.voxel_volume_mm3() / 1000, 120, 0.005 * 120);
     double difference = 0;
     for (std::size_t v = 0; v < image.values.size(); ++v)
@@ -482,4 +482,4 @@ TEST(NoiseTexture, TakesTheSlowWavesOutOfTheNoise) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

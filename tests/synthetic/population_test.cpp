@@ -9,7 +9,7 @@
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 /// All options as text, so that any difference shows.
@@ -72,4 +72,4 @@ TEST(Population, MakesPhantomsWithTheVolumesThatWereDrawn) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 struct Moments {
@@ -107,4 +107,4 @@ INSTANTIATE_TEST_SUITE_P(Means, PoissonMean, ::testing::Values(0.3, 4.0, 9.9, 10
 TEST(Random, DrawsNothingFromAMeanOfZero) { EXPECT_EQ(Random(1).poisson(0), 0); }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

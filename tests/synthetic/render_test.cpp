@@ -12,7 +12,7 @@
 
 #include "mesh_checks.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 Grid spect_grid(int n = 40, int slices = 23) {
@@ -122,7 +122,7 @@ TEST(FillMesh, FillsABoxExactly) {
   box.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   ASSERT_TRUE(closed_and_oriented(box));
-  const Image image = fill_mesh(grid, box, {4, 4, 4});
+  const Image image = mesh::fill_mesh(grid, box, {4, 4, 4});
   EXPECT_FLOAT_EQ(image(2, 2, 1), 0.75f);  // cell from 1 to 3, filled from 1.5
   EXPECT_FLOAT_EQ(image(2, 2, 2), 0.5f);   // cell from 3 to 5, filled to 4
   EXPECT_FLOAT_EQ(image(0, 2, 1), 0.0f);
@@ -135,7 +135,7 @@ TEST(FillMesh, KeepsTheVolumeOfClosedMeshesWithinOnePerMille) {
   TriMesh cup = surface(CylinderCup{30, 40});
   for (Vec3& p : cup.vertices) p += centre_of(grid, {20, 20, 11}) + Vec3(0, 0, -5);
   const double truth = signed_volume_ml(cup);
-  EXPECT_NEAR(sum_of(fill_mesh(grid, cup, {5, 5, 5})) * grid.voxel_volume_mm3() / 1000, truth, 0.001 * truth);
+  EXPECT_NEAR(sum_of(mesh::fill_mesh(grid, cup, {5, 5, 5})) * grid.voxel_volume_mm3() / 1000, truth, 0.001 * truth);
 }
 
 TEST(FillMesh, AgreesWithTheAnalyticSolidVoxelByVoxel) {
@@ -144,7 +144,7 @@ TEST(FillMesh, AgreesWithTheAnalyticSolidVoxelByVoxel) {
   const Vec3 shift = centre_of(grid, {20, 20, 11}) + Vec3(0, 0, -5);
   TriMesh mesh = surface(cup);
   for (Vec3& p : mesh.vertices) p += shift;
-  const Image from_mesh = fill_mesh(grid, mesh, {8, 8, 8});
+  const Image from_mesh = mesh::fill_mesh(grid, mesh, {8, 8, 8});
   const Image from_solid = render(grid, [&](const Vec3& p) { return cup.contains(p - shift) ? 1.0 : 0.0; },
                                   {{0, 0, -60}, {200, 200, 200}}, 0, {8, 8, 8});
   double worst = 0;
@@ -160,7 +160,7 @@ TEST(FillMesh, RefusesAnOpenMesh) {
     return std::all_of(t.begin(), t.end(), [&](auto v) { return open.vertices[v][2] == 40; });
   });
   for (Vec3& p : open.vertices) p += Vec3(57, 57, 60);
-  EXPECT_THROW(fill_mesh(spect_grid(), open, {2, 2, 2}), InputError);
+  EXPECT_THROW(mesh::fill_mesh(spect_grid(), open, {2, 2, 2}), InputError);
 }
 
 TEST(Blur, SpreadsAPointByTheWidthAskedForWhateverTheVoxels) {
@@ -191,4 +191,4 @@ TEST(Blur, LeavesConstantsAndZeroWidthAlone) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

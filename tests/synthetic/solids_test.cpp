@@ -6,7 +6,7 @@
 
 #include "mesh_checks.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 TEST(CylinderCup, HasTheVolumesOfThePhantom) {
@@ -39,4 +39,4 @@ TEST(Surfaces, AreFineClosedOrientedAndHoldTheVolumeOfTheirSolid) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -8,7 +8,7 @@
 
 #include "mesh_checks.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 const VentricleMotion normal{110, 44, 120, 1.65, 12};
@@ -84,4 +84,4 @@ TEST(Filling, FallsInSystoleRisesFastThenSlowlyThenWithTheAtria) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

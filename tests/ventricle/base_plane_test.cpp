@@ -8,7 +8,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 const LvShell heart{{60, 60, 62}, {0, 0, 1}, 30, 48, 26};
@@ -101,18 +101,18 @@ TEST(PlaneCycle, FillsAGateWithoutAPlaneButNotHalfOfThem) {
 TEST(FlattenAbove, LeavesTheVolumeBelowThePlaneClosed) {
   // Of a sphere of radius 1 a plane at height h leaves pi (2 + 3h - h^3) / 3.
   const double h = 0.3;
-  const TriMesh cut = flatten_above(icosphere(5), {{0, 0, h}, Vec3::UnitZ()});
-  EXPECT_TRUE(topology(cut).closed());
-  EXPECT_TRUE(topology(cut).oriented());
+  const TriMesh cut = flatten_above(mesh::icosphere(5), {{0, 0, h}, Vec3::UnitZ()});
+  EXPECT_TRUE(mesh::topology(cut).closed());
+  EXPECT_TRUE(mesh::topology(cut).oriented());
   const double expected = std::numbers::pi * (2 + 3 * h - h * h * h) / 3;
-  EXPECT_NEAR(volume_mm3(cut), expected, 0.005 * expected) << "what the corners of the triangles leave";
+  EXPECT_NEAR(mesh::volume_mm3(cut), expected, 0.005 * expected) << "what the corners of the triangles leave";
   for (const Vec3& p : cut.vertices) EXPECT_LE(p[2], h + 1e-12);
 }
 
 TEST(FlattenAbove, DoesNothingToASurfaceBelowThePlane) {
-  const TriMesh sphere = icosphere(2);
+  const TriMesh sphere = mesh::icosphere(2);
   EXPECT_EQ(flatten_above(sphere, {{0, 0, 2}, Vec3::UnitZ()}).vertices, sphere.vertices);
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

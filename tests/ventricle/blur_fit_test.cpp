@@ -17,12 +17,12 @@
 #include "dynasurf/ventricle/fit/gaussian_profile.hpp"
 #include "dynasurf/ventricle/locate.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// A small heart of four gates on coarse voxels: seen in well under a second.
-Phantom small_study(double fwhm_mm, double right_ventricle = 0) {
-  VirtualPatient o;
+synthetic::Phantom small_study(double fwhm_mm, double right_ventricle = 0) {
+  synthetic::VirtualPatient o;
   o.edv_ml = 90, o.ef_percent = 50, o.wall_ml = 100;
   o.gates = 4;
   o.fwhm_mm = fwhm_mm;
@@ -30,11 +30,11 @@ Phantom small_study(double fwhm_mm, double right_ventricle = 0) {
   o.right_ventricle = right_ventricle;
   o.pose.tilt_deg = 12;
   o.lattice = {28, 28, 24, 4.8, 4.8, 4.8};
-  return make_phantom(o);
+  return synthetic::make_phantom(o);
 }
 
 /// Surfaces as edges of a blurred image give them: the cavity too small, the whole too large.
-FitStart biased_start(const Phantom& phantom) {
+FitStart biased_start(const synthetic::Phantom& phantom) {
   FitStart start;
   const auto scaled = [](TriMesh mesh, double factor) {
     Vec3 middle = Vec3::Zero();
@@ -42,7 +42,7 @@ FitStart biased_start(const Phantom& phantom) {
     for (Vec3& p : mesh.vertices) p = middle + factor * (p - middle);
     return mesh;
   };
-  for (const TrueGate& gate : phantom.truth) {
+  for (const synthetic::TrueGate& gate : phantom.truth) {
     start.endo.push_back(scaled(gate.endo, 0.9));
     start.epi.push_back(scaled(gate.epi, 1.05));
     // From the apex, the first vertex, to the lid's middle, the last.
@@ -92,7 +92,7 @@ PsfProjector small_camera(const Vec3& sigma_mm, double filtered = 0) {
 
 std::vector<float> noise(std::size_t count, std::uint64_t seed) {
   std::vector<float> values;
-  Random random(seed, 1);
+  synthetic::Random random(seed, 1);
   for (std::size_t n = 0; n < count; ++n) values.push_back(static_cast<float>(random.uniform() - 0.5));
   return values;
 }
@@ -241,7 +241,7 @@ TEST(Objective, GradientIsThatOfFiniteDifferences) {
 }
 
 TEST(BlurFit, NeedsNoEdgesWhereTheHeartWasLocated) {
-  const Phantom phantom = small_study(12);
+  const synthetic::Phantom phantom = small_study(12);
   FitStart start = biased_start(phantom);
   const auto location = locate(mean_image(phantom.study.gates));
   ASSERT_TRUE(location);
@@ -288,7 +288,7 @@ void filter(Study& study, double cutoff_per_mm, double order) {
 }
 
 TEST(BlurFit, ReadsTheVolumesBehindAButterworthFilter) {
-  Phantom phantom = small_study(12);
+  synthetic::Phantom phantom = small_study(12);
   filter(phantom.study, 0.036, 5);
   BlurFit options;
   const auto edv_error = [&](double cutoff_per_cm) {
@@ -300,14 +300,14 @@ TEST(BlurFit, ReadsTheVolumesBehindAButterworthFilter) {
 }
 
 TEST(BlurFit, RefusesACutoffThatLetsNothingThrough) {
-  const Phantom phantom = small_study(12);
+  const synthetic::Phantom phantom = small_study(12);
   BlurFit options;
   options.butterworth_per_cm = 0.001;
   EXPECT_THROW(fit_through_blur(phantom.study, biased_start(phantom), options), OptionError);
 }
 
 TEST(BlurFit, FindsTheVolumesThatTheBlurHides) {
-  const Phantom phantom = small_study(12);
+  const synthetic::Phantom phantom = small_study(12);
   const FittedBeat beat = fit_through_blur(phantom.study, biased_start(phantom), known_blur(12));
   // Measured without noise: all within 2 %.
   EXPECT_NEAR(beat.edv_ml.value / *phantom.edv_ml, 1, 0.03);
@@ -318,17 +318,17 @@ TEST(BlurFit, FindsTheVolumesThatTheBlurHides) {
 }
 
 /// Eight noisy gates of a small heart whose apex and anterior wall take up 12 %: as much as blood and surroundings.
-Phantom heart_without_apex(double severity) {
-  VirtualPatient o;
+synthetic::Phantom heart_without_apex(double severity) {
+  synthetic::VirtualPatient o;
   o.edv_ml = 48.2, o.ef_percent = 44.17, o.wall_ml = 81.2, o.length_to_width = 1.61, o.base_excursion_mm = 8.27;
   o.gates = 8, o.fwhm_mm = 9.75, o.cavity = 0.095, o.background = 0.0765;
-  o.defect = Defect::anteroapical, o.defect_extent_deg = 80.8, o.defect_severity = severity;
+  o.defect = synthetic::Defect::anteroapical, o.defect_extent_deg = 80.8, o.defect_severity = severity;
   o.lattice = {34, 34, 28, 4.8, 4.8, 4.8};
   o.noise.peak_counts = 204, o.noise.filter_fwhm_mm = 7.8, o.noise.seed = 1208;
-  return make_phantom(o);
+  return synthetic::make_phantom(o);
 }
 
-FitStart located_start(const Phantom& phantom) {
+FitStart located_start(const synthetic::Phantom& phantom) {
   FitStart start = biased_start(phantom);
   start.cup = locate(mean_image(phantom.study.gates))->cup;
   return start;
@@ -337,7 +337,7 @@ FitStart located_start(const Phantom& phantom) {
 TEST(FitStart, SeesADefectAsAbsentUptake) {
   constexpr int degree = 8;
   const auto log_uptake = [](double severity, const Vec3& direction) {
-    const Phantom phantom = heart_without_apex(severity);
+    const synthetic::Phantom phantom = heart_without_apex(severity);
     const Image mean = mean_image(phantom.study.gates);
     const PlacedStart placed = place_start(located_start(phantom), mean.grid);
     const float brightest = *std::max_element(mean.values.begin(), mean.values.end());
@@ -354,7 +354,7 @@ TEST(FitStart, SeesADefectAsAbsentUptake) {
 }
 
 TEST(BlurFit, SpansTheGapOfALargeDefect) {
-  const Phantom phantom = heart_without_apex(0.885);
+  const synthetic::Phantom phantom = heart_without_apex(0.885);
   BlurFit options;
   options.fwhm_mm = 9.75, options.filter_fwhm_mm = 7.8;
   const FittedBeat beat = fit_through_blur(phantom.study, located_start(phantom), options);
@@ -368,7 +368,7 @@ TEST(BlurFit, SpansTheGapOfALargeDefect) {
 
 TEST(BlurFit, IsLessSureOfAWallThatItDoesNotSee) {
   const auto relative_sd = [](double severity) {
-    const Phantom phantom = heart_without_apex(severity);
+    const synthetic::Phantom phantom = heart_without_apex(severity);
     BlurFit options;
     options.fwhm_mm = 9.75, options.filter_fwhm_mm = 7.8;
     const FittedBeat beat = fit_through_blur(phantom.study, located_start(phantom), options);
@@ -380,7 +380,7 @@ TEST(BlurFit, IsLessSureOfAWallThatItDoesNotSee) {
 }
 
 TEST(BlurFit, IsNotPulledByTheRightVentricle) {
-  const Phantom phantom = small_study(12, 0.45);
+  const synthetic::Phantom phantom = small_study(12, 0.45);
   BlurFit options = known_blur(12);
   options.fwhm_uncertainty = 0.07;
   const FittedBeat beat = fit_through_blur(phantom.study, biased_start(phantom), options);
@@ -390,7 +390,7 @@ TEST(BlurFit, IsNotPulledByTheRightVentricle) {
 }
 
 TEST(BlurFit, CountsPapillaryMusclesAsCavity) {
-  const Phantom phantom = small_study(12);
+  const synthetic::Phantom phantom = small_study(12);
   BlurFit options = known_blur(12);
   const FittedBeat without = fit_through_blur(phantom.study, biased_start(phantom), options);
   options.papillary_share = 0.05;
@@ -407,30 +407,30 @@ TEST(BlurFit, CountsPapillaryMusclesAsCavity) {
 }
 
 TEST(BlurFit, ReadsSharpImagesToo) {
-  const Phantom phantom = small_study(0);
+  const synthetic::Phantom phantom = small_study(0);
   const FittedBeat beat = fit_through_blur(phantom.study, biased_start(phantom), known_blur(0));
   EXPECT_NEAR(beat.edv_ml.value / *phantom.edv_ml, 1, 0.03);
   EXPECT_NEAR(beat.esv_ml.value / *phantom.esv_ml, 1, 0.05);
 }
 
 TEST(BlurFit, GivesClosedSurfacesOfOneTopologyOneInsideTheOther) {
-  const Phantom phantom = small_study(12);
+  const synthetic::Phantom phantom = small_study(12);
   const FittedBeat beat = fit_through_blur(phantom.study, biased_start(phantom), known_blur(12));
   ASSERT_EQ(beat.gates.size(), 4u);
   for (const FittedGate& gate : beat.gates) {
     EXPECT_EQ(gate.endo.triangles, beat.gates[0].endo.triangles);
     EXPECT_EQ(gate.epi.triangles, beat.gates[0].endo.triangles);
-    const Topology t = topology(gate.endo);
+    const mesh::Topology t = mesh::topology(gate.endo);
     EXPECT_TRUE(t.closed() && t.oriented());
     EXPECT_EQ(t.euler, 2);
-    EXPECT_GT(volume_mm3(gate.endo), 0);
+    EXPECT_GT(mesh::volume_mm3(gate.endo), 0);
     EXPECT_LT(gate.endo_ml.value, gate.epi_ml.value);
   }
   EXPECT_EQ(beat.uptake.size(), beat.gates[0].endo.vertices.size());
 }
 
 TEST(BlurFit, IsTheSameForAnyNumberOfThreads) {
-  const Phantom phantom = small_study(12);
+  const synthetic::Phantom phantom = small_study(12);
   const FitStart start = biased_start(phantom);
   BlurFit options = known_blur(12);
   options.most_steps = 3;
@@ -447,13 +447,13 @@ TEST(BlurFit, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(BlurFit, RefusesABlurThatNoCameraHas) {
-  const Phantom phantom = small_study(12);
+  const synthetic::Phantom phantom = small_study(12);
   BlurFit options = known_blur(-1);
   EXPECT_THROW(fit_through_blur(phantom.study, biased_start(phantom), options), OptionError);
 }
 
 TEST(GaussianProfile, KeepsTheMuscleAndReadsVolumesLow) {
-  const Phantom phantom = small_study(12);
+  const synthetic::Phantom phantom = small_study(12);
   const auto reading = read_gaussian_profile(phantom.study, biased_start(phantom));
   ASSERT_TRUE(reading);
   for (const double wall : reading->wall_ml) EXPECT_NEAR(wall, reading->wall_ml[0], 0.01 * wall);
@@ -466,4 +466,4 @@ TEST(GaussianProfile, KeepsTheMuscleAndReadsVolumesLow) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

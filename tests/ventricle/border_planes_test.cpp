@@ -6,7 +6,7 @@
 
 #include "dynasurf/ventricle/closure.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double middle = 20.3, radius_px = 9.4;  // nothing lies on a pixel
@@ -26,14 +26,14 @@ Image blurred_disc() {
 }
 
 struct Case {
-  EdgeMap edges;
+  image::EdgeMap edges;
   Labels labels;
   Image border;
 };
 
 Case disc_case() {
   Case c;
-  c.edges = detect_edges(blurred_disc(), Canny{});
+  c.edges = image::detect_edges(blurred_disc(), image::Canny{});
   c.labels.borders = c.edges.edges;
   for (auto& v : c.labels.borders.values) v = v != 0 ? Labels::epi_bit : std::uint8_t{0};
   c.labels.axis = {middle, middle, 0, 0};
@@ -41,14 +41,14 @@ Case disc_case() {
   return c;
 }
 
-Vec3 vector_at(const VectorField& f, const Index3& v) {
+Vec3 vector_at(const field::VectorField& f, const Index3& v) {
   const std::size_t n = f.grid.index(v[0], v[1], v[2]);
   return {f.x[n], f.y[n], f.z[n]};
 }
 
 TEST(BorderPlanes, FindTheEdgeInsideItsPixels) {
   const Case c = disc_case();
-  const BorderPlanes planes = border_planes(c.border, Border::epi, c.labels, c.edges, 4);
+  const dynamics::BorderPlanes planes = border_planes(c.border, Border::epi, c.labels, c.edges, 4);
   double with = 0, without = 0;
   int count = 0;
   for (int j = 0; j < 41; ++j)
@@ -66,7 +66,7 @@ TEST(BorderPlanes, FindTheEdgeInsideItsPixels) {
 
 TEST(BorderPlanes, StandSquareToTheRayOnEdgesAndToTheSlicesOnTheClosingDiscs) {
   const Case c = disc_case();
-  const BorderPlanes planes = border_planes(c.border, Border::epi, c.labels, c.edges, 4);
+  const dynamics::BorderPlanes planes = border_planes(c.border, Border::epi, c.labels, c.edges, 4);
   const Index3 inside{20, 20, 4}, bottom{20, 20, 0};
   EXPECT_EQ(vector_at(planes.offset, inside), Vec3(0, 0, 2));
   EXPECT_EQ(vector_at(planes.offset, bottom), Vec3(0, 0, -2));
@@ -82,8 +82,8 @@ TEST(BorderPlanes, FollowTheBorderOntoALargerGrid) {
   const Case c = disc_case();
   const Image roomy = with_room(c.border, 3);
   ASSERT_EQ(roomy.grid.dims[2], 11);
-  const BorderPlanes small = border_planes(c.border, Border::epi, c.labels, c.edges, 4);
-  const BorderPlanes large = border_planes(roomy, Border::epi, c.labels, c.edges, 4);
+  const dynamics::BorderPlanes small = border_planes(c.border, Border::epi, c.labels, c.edges, 4);
+  const dynamics::BorderPlanes large = border_planes(roomy, Border::epi, c.labels, c.edges, 4);
   for (int k = 0; k < 5; ++k)
     for (int j = 0; j < 41; ++j)
       for (int i = 0; i < 41; ++i)
@@ -91,4 +91,4 @@ TEST(BorderPlanes, FollowTheBorderOntoALargerGrid) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr std::uint8_t endo = Labels::endo_bit, epi = Labels::epi_bit;
@@ -113,4 +113,4 @@ TEST(Boxes, TakeAnEmptyVolume) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// A cup of bright wall, closed at low k and open at high k, on an oblique grid.
@@ -113,4 +113,4 @@ TEST(CanonicalStudy, RefusesWhatItCannotWorkOn) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

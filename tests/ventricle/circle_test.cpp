@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// Pixels whose centres lie within half a pixel of an arc.
-Component arc(double x, double y, double radius, double from_deg = 0, double to_deg = 360, int slice = 0) {
-  Component c{slice, {}};
+image::Component arc(double x, double y, double radius, double from_deg = 0, double to_deg = 360, int slice = 0) {
+  image::Component c{slice, {}};
   for (int j = 0; j < 64; ++j)
     for (int i = 0; i < 64; ++i) {
       double angle = std::atan2(j - y, i - x) * 180 / std::numbers::pi;
@@ -26,9 +26,9 @@ Image black(int slices) {
   return Image(g);
 }
 
-SliceEdges stack(const std::vector<Component>& edges, int slices) {
+SliceEdges stack(const std::vector<image::Component>& edges, int slices) {
   SliceEdges all(static_cast<std::size_t>(slices));
-  for (const Component& e : edges) all[static_cast<std::size_t>(e.slice)].push_back(e);
+  for (const image::Component& e : edges) all[static_cast<std::size_t>(e.slice)].push_back(e);
   return all;
 }
 
@@ -46,7 +46,7 @@ TEST(FitCircle, PassesThroughThreePixels) {
 
 TEST(FitCircle, IsNotPulledByAnOpenArc) {
   // Half of the ring is missing. The centroid of what is left lies 7 px off; the fit stays within a pixel's fraction.
-  const Component half = arc(30.3, 28.7, 11, 0, 200);
+  const image::Component half = arc(30.3, 28.7, 11, 0, 200);
   const auto c = fit_circle(half.pixels);
   ASSERT_TRUE(c);
   EXPECT_NEAR(c->x_px, 30.3, 0.2);
@@ -113,7 +113,7 @@ TEST_P(FindCentre, IsExactForCirclesWithOneCentre) {
 
 TEST_P(FindCentre, IsHardlyMovedByAFarCircle) {
   Notes notes;
-  std::vector<Component> edges;
+  std::vector<image::Component> edges;
   for (int k = 0; k < 10; ++k) edges.push_back(arc(33, 30, 10, 0, 360, k));
   edges.push_back(arc(8, 52, 6, 0, 360, 10));
   const Centre c = find_centre(stack(edges, 11), black(11), AutoCircle{.robust_fit = GetParam()}, notes);
@@ -188,4 +188,4 @@ TEST(FindWidestEdge, SaysWhenThereIsNone) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

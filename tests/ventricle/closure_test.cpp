@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double ring_radius = 7;
@@ -104,4 +104,4 @@ TEST(FindBaseSlice, WarnsWhenTheBaseLiesOutsideTheVolume) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

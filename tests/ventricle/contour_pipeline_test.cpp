@@ -11,7 +11,7 @@
 #include "dynasurf/ventricle/presets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double pixel_mm = 3, slice_mm = 6;
@@ -126,7 +126,7 @@ TEST(ContourSurface, IsClosedAndEnclosesItsContours) {
     options.ends = ends;
     const auto surface = contour_surface(epi, image.grid, options);
     ASSERT_TRUE(surface);
-    const Topology t = topology(surface->evolved.mesh);
+    const mesh::Topology t = mesh::topology(surface->evolved.mesh);
     EXPECT_TRUE(t.closed() && t.oriented());
     EXPECT_EQ(t.euler, 2);
     double truth = 0;  // trapezoids of the true areas
@@ -135,12 +135,12 @@ TEST(ContourSurface, IsClosedAndEnclosesItsContours) {
     if (ends == StackEnds::slice_face) truth += slice_mm / 2 * (area(base) + area(2) / 2);
     EXPECT_NEAR(surface->volumes.trapezoid, truth, 0.04 * truth);  // a fifth of a pixel in the radius
     EXPECT_NEAR(surface->volumes.gauss, surface->volumes.triangle_exact, 1e-9 * truth);
-    EXPECT_DOUBLE_EQ(surface->volumes.gauss, volume_mm3(surface->evolved.mesh));
+    EXPECT_DOUBLE_EQ(surface->volumes.gauss, mesh::volume_mm3(surface->evolved.mesh));
   }
 }
 
 TEST(ContourPipeline, ReconstructsACycleFromOneOption) {
-  const Phantom phantom = make_phantom(CardiacCycle{});
+  const synthetic::Phantom phantom = synthetic::make_phantom(synthetic::CardiacCycle{});
   VentricleOptions options = ventricle_preset("edges");
   options.pipeline = Pipeline::contour;
   const VentricleResult result = reconstruct(phantom.study, options);
@@ -150,11 +150,11 @@ TEST(ContourPipeline, ReconstructsACycleFromOneOption) {
     ASSERT_TRUE(gate.edge_surfaces.endo->stack && gate.edge_surfaces.epi->stack);
     EXPECT_LT(gate.edge_surfaces.endo->volume_ml, gate.edge_surfaces.epi->volume_ml);
     EXPECT_NEAR(gate.edge_surfaces.epi->stack->gauss, gate.edge_surfaces.epi->stack->triangle_exact, 1);
-    EXPECT_TRUE(topology(gate.edge_surfaces.endo->mesh).closed());
+    EXPECT_TRUE(mesh::topology(gate.edge_surfaces.endo->mesh).closed());
   }
   EXPECT_EQ(result.readings.edge.ed_gate, 7);
   EXPECT_EQ(result.readings.edge.es_gate, 3);
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -9,7 +9,7 @@
 #include "dynasurf/ventricle/presets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 Study stack() {
@@ -68,9 +68,9 @@ TEST(UsefulSlices, LeaveNoEdgeOutsideThem) {
 
 TEST(WarmStart, TakesFewerStepsToTheSameVolumes) {
   // Within 2 %: a surface that starts near its border rests on other voxels of its thickness than one from afar.
-  VirtualPatient patient;
+  synthetic::VirtualPatient patient;
   patient.gates = 4;
-  const Study study = make_phantom(patient).study;
+  const Study study = synthetic::make_phantom(patient).study;
   VentricleOptions options = ventricle_preset("edges");
   const VentricleResult cold = reconstruct(study, options);
   options.warm_start = true;
@@ -88,4 +88,4 @@ TEST(WarmStart, TakesFewerStepsToTheSameVolumes) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -8,14 +8,14 @@
 #include "dynasurf/ventricle/presets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
-const Phantom& patient() {
-  static const Phantom phantom = [] {
-    VirtualPatient options;
+const synthetic::Phantom& patient() {
+  static const synthetic::Phantom phantom = [] {
+    synthetic::VirtualPatient options;
     options.gates = 1;
-    return make_phantom(options);
+    return synthetic::make_phantom(options);
   }();
   return phantom;
 }
@@ -48,7 +48,7 @@ TEST(Direct, FindsTheOuterWallAsTheStandardPipelineDoesAndTheInnerOneFromInside)
   EXPECT_LT(direct.gates[0].edge_surfaces.endo->volume_ml, 0.8 * standard.gates[0].edge_surfaces.endo->volume_ml);
   EXPECT_GT(direct.gates[0].edge_surfaces.endo->volume_ml, 0.5 * standard.gates[0].edge_surfaces.endo->volume_ml);
 
-  options.placement.shape = StartShape::marching_cubes;
+  options.placement.shape = mesh::StartShape::marching_cubes;
   const VentricleResult cubes = reconstruct(patient().study, options);
   expect_both_walls(cubes);
   EXPECT_NEAR(cubes.gates[0].edge_surfaces.endo->volume_ml, standard.gates[0].edge_surfaces.endo->volume_ml,
@@ -57,12 +57,12 @@ TEST(Direct, FindsTheOuterWallAsTheStandardPipelineDoesAndTheInnerOneFromInside)
 }
 
 TEST(Starts, OfEveryShapeEndOnTheSameBorders) {
-  const TriMesh given = cube_surface(6);
+  const TriMesh given = mesh::cube_surface(6);
   VentricleOptions options = ventricle_preset("edges");
-  options.field = SteadyGvf{};  // reaches as far as the sphere around a long heart
+  options.field = field::SteadyGvf{};  // reaches as far as the sphere around a long heart
   const VentricleResult standard = reconstruct(patient().study, options);
-  for (const StartShape shape :
-       {StartShape::sphere, StartShape::cube, StartShape::hull, StartShape::marching_cubes, StartShape::file}) {
+  for (const mesh::StartShape shape : {mesh::StartShape::sphere, mesh::StartShape::cube, mesh::StartShape::hull,
+                                       mesh::StartShape::marching_cubes, mesh::StartShape::file}) {
     options.placement.shape = shape;
     SCOPED_TRACE(word_of(shape));
     const VentricleResult result = reconstruct(patient().study, options, {}, {}, &given);
@@ -70,7 +70,7 @@ TEST(Starts, OfEveryShapeEndOnTheSameBorders) {
     EXPECT_NE(result.gates[0].edge_surfaces.epi->mesh.vertices, standard.gates[0].edge_surfaces.epi->mesh.vertices)
         << "the shape was not heard";
     // The given cube has 218 vertices, and a coarse mesh reads low by its chords.
-    const double tolerance = shape == StartShape::file ? 0.12 : 0.05;
+    const double tolerance = shape == mesh::StartShape::file ? 0.12 : 0.05;
     for (const auto wall : {Border::endo, Border::epi}) {
       const double volume = standard.gates[0].edge_surfaces.of(wall)->volume_ml;
       EXPECT_NEAR(result.gates[0].edge_surfaces.of(wall)->volume_ml, volume, tolerance * volume);
@@ -80,14 +80,14 @@ TEST(Starts, OfEveryShapeEndOnTheSameBorders) {
 
 TEST(Starts, FromAFileNeedAMesh) {
   VentricleOptions file = ventricle_preset("edges");
-  file.placement.shape = StartShape::file;
+  file.placement.shape = mesh::StartShape::file;
   EXPECT_THROW(reconstruct(patient().study, file), OptionError);
 }
 
 TEST(Starts, FromInsideReadLow) {
   // Table 5.5: the top is poorly resolved when a surface grows from inside.
   VentricleOptions options = ventricle_preset("edges");
-  options.placement.direction = Direction::in_to_out;
+  options.placement.direction = mesh::Direction::in_to_out;
   const VentricleResult inside = reconstruct(patient().study, options),
                         outside = reconstruct(patient().study, ventricle_preset("edges"));
   expect_both_walls(inside);
@@ -99,15 +99,15 @@ TEST(Starts, FromInsideReadLow) {
 }
 
 TEST(Starts, SayWhenGatesHaveTrianglesOfTheirOwn) {
-  VirtualPatient two;
+  synthetic::VirtualPatient two;
   two.gates = 2;
   VentricleOptions options = ventricle_preset("edges");
-  options.placement.shape = StartShape::marching_cubes;
-  const VentricleResult result = reconstruct(make_phantom(two).study, options);
+  options.placement.shape = mesh::StartShape::marching_cubes;
+  const VentricleResult result = reconstruct(synthetic::make_phantom(two).study, options);
   const auto said = std::count_if(result.notes.begin(), result.notes.end(),
                                   [](const Note& n) { return n.code == "surface.no_correspondence"; });
   EXPECT_EQ(said, 1);
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 const std::vector<bool> edges_everywhere(8, true);
@@ -140,4 +140,4 @@ TEST(RefineDivisionSlice, KeepsWhatTheTableDoesNotCover) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

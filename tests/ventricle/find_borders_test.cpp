@@ -10,7 +10,7 @@
 
 #include "support/blurred_heart.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 Study study_of(const Image& image) {
@@ -34,9 +34,9 @@ TEST(FindBorders, FindsWhatReconstructFinds) {
 
 TEST(FindBorders, TakesTheEndOfATubeFromTheOrderOfItsSlices) {
   // A third of the wall is missing from the apex: the base could be at either end.
-  Partial tube;
-  tube.missing = Missing::apex;
-  const Study study = make_phantom(PhantomOptions{tube}).study;
+  synthetic::Partial tube;
+  tube.missing = synthetic::Missing::apex;
+  const Study study = synthetic::make_phantom(synthetic::PhantomOptions{tube}).study;
   ASSERT_EQ(study.slice_order, SliceOrder::apex_to_base);
   const BorderResult borders = find_borders(study, {});
   ASSERT_TRUE(borders.heart);
@@ -48,16 +48,16 @@ TEST(FindBorders, TakesTheEndOfATubeFromTheOrderOfItsSlices) {
 TEST(FindBorders, PreparesTheValuesWhenAsked) {
   const Study study = study_of(test::blurred_heart({}));
   VentricleOptions o = ventricle_preset("edges");
-  o.prepare.doubling = Preparation::Doubling::three;
+  o.prepare.doubling = image::Preparation::Doubling::three;
   const BorderResult borders = find_borders(study, o);
   EXPECT_EQ(borders.study.grid().dims, (Index3{128, 128, 46}));
   EXPECT_TRUE(borders.gates[0].labels.has(Border::epi));
 }
 
 TEST(BloodPoolStudy, HasACavityAndAnEjectionFractionButNoWall) {
-  VirtualPatient o;
+  synthetic::VirtualPatient o;
   o.cavity = 8, o.background = 0.5;  // the wall is 1
-  const Phantom phantom = make_phantom(o);
+  const synthetic::Phantom phantom = synthetic::make_phantom(o);
   const VentricleResult result = reconstruct(phantom.study, {});
   EXPECT_EQ(result.verdict, Verdict::check);
   ASSERT_EQ(std::count_if(result.flags.begin(), result.flags.end(),
@@ -133,4 +133,4 @@ TEST(ManualAxis, IsWhatSlicesAreCutSquareTo) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

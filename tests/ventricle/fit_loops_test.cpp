@@ -12,7 +12,7 @@
 #include "dynasurf/ventricle/fit/detail/lane_math.hpp"
 #include "dynasurf/ventricle/fit/detail/matrix_loops.hpp"
 
-namespace dynasurf::detail {
+namespace dynasurf::ventricle::detail {
 namespace {
 
 // What the header promises.
@@ -168,4 +168,4 @@ TEST(FitLoops, SolveDefiniteMatricesOfAnySize) {
 }
 
 }  // namespace
-}  // namespace dynasurf::detail
+}  // namespace dynasurf::ventricle::detail

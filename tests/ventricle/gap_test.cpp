@@ -10,25 +10,28 @@
 #include "dynasurf/synthetic/detail/voxel_truth.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 TriMesh outer_surface(const Image& image) {
-  const Image border = external_border(image, 0.2, 35);
-  return evolve(place(icosphere(3), border, {}), flow_field(border, Gvf{}).field, border, {}).mesh;
+  const Image border = synthetic::external_border(image, 0.2, 35);
+  return dynamics::evolve(mesh::place(mesh::icosphere(3), border, {}), field::flow_field(border, field::Gvf{}).field,
+                          border, {})
+      .mesh;
 }
 
 TEST(GapInTheWall, IsBridgedByTheSurfaceAndCutsMarchingCubesInTwo) {
   // Fig 5.8: the middle third of the phantom is missing.
-  const Image gap = make_phantom(Gap{}).study.gates.front(), whole = make_phantom(Hebron{}).study.gates.front();
+  const Image gap = synthetic::make_phantom(synthetic::Gap{}).study.gates.front(),
+              whole = synthetic::make_phantom(synthetic::Hebron{}).study.gates.front();
   const float max = *std::max_element(gap.values.begin(), gap.values.end());
-  EXPECT_EQ(topology(marching_cubes(gap, 0.5 * max)).components, 2);
-  EXPECT_EQ(topology(marching_cubes(whole, 0.5 * max)).components, 1);
+  EXPECT_EQ(mesh::topology(mesh::marching_cubes(gap, 0.5 * max)).components, 2);
+  EXPECT_EQ(mesh::topology(mesh::marching_cubes(whole, 0.5 * max)).components, 1);
   const TriMesh bridged = outer_surface(gap);
-  EXPECT_EQ(topology(bridged).components, 1);
-  const double volume = volume_mm3(outer_surface(whole));
-  EXPECT_NEAR(volume_mm3(bridged), volume, 0.2 * volume);
+  EXPECT_EQ(mesh::topology(bridged).components, 1);
+  const double volume = mesh::volume_mm3(outer_surface(whole));
+  EXPECT_NEAR(mesh::volume_mm3(bridged), volume, 0.2 * volume);
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

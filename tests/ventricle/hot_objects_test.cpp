@@ -6,11 +6,11 @@
 
 #include "dynasurf/synthetic/phantoms.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
-VirtualPatient patient_with_gut(double amplitude) {
-  VirtualPatient patient;
+synthetic::VirtualPatient patient_with_gut(double amplitude) {
+  synthetic::VirtualPatient patient;
   patient.gates = 2;
   patient.lattice = {40, 40, 24, 5, 5, 5};
   patient.gut_amplitude = amplitude, patient.gut_gap_mm = 10;
@@ -26,7 +26,7 @@ float peak_of(const Study& study) {
 }
 
 TEST(HotObjects, AreCutToTwiceTheWall) {
-  const Study study = make_phantom(patient_with_gut(6)).study;
+  const Study study = synthetic::make_phantom(patient_with_gut(6)).study;
   const auto heart = locate(mean_image(study.gates));
   ASSERT_TRUE(heart);
   const std::optional<Study> cut = cut_hot_objects(study, *heart);
@@ -45,13 +45,13 @@ TEST(HotObjects, AreCutToTwiceTheWall) {
 }
 
 TEST(HotObjects, AreLookedForOnlyBesideAWall) {
-  const Study study = make_phantom(patient_with_gut(0)).study;
+  const Study study = synthetic::make_phantom(patient_with_gut(0)).study;
   Location heart = *locate(mean_image(study.gates));
   EXPECT_FALSE(cut_hot_objects(study, heart)) << "nothing is hotter than the wall";
-  const Study hot = make_phantom(patient_with_gut(6)).study;
+  const Study hot = synthetic::make_phantom(patient_with_gut(6)).study;
   heart.contrast = 0.1;
   EXPECT_FALSE(cut_hot_objects(hot, heart)) << "a wall that is not clear tells no brightness";
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -15,14 +15,14 @@
 
 #include "support/blurred_heart.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 using test::HeartShape;
 
 Labels labels_of(const Image& image, Labelling o, const CoarseCircle& coarse = {}) {
   o.coarse = coarse;
-  return label_borders(image, detect_edges(image, Canny{}), o);
+  return label_borders(image, image::detect_edges(image, image::Canny{}), o);
 }
 
 Labelling with(const LabelOptions& method) {
@@ -99,7 +99,7 @@ TYPED_TEST(LabelLaws, IgnoreTheContrastThatNormalisingTakesAway) {
   Image counts = image;
   for (float& v : counts.values) v *= 713;
   Notes notes;
-  counts = normalise(std::move(counts), notes);
+  counts = image::normalise(std::move(counts), notes);
   for (const Labelling& o : this->variants())
     EXPECT_EQ(labels_of(counts, o).borders.values, labels_of(image, o).borders.values);
 }
@@ -203,8 +203,8 @@ TEST(CaseLabels, AreRightOnAFullPhantomAndWrongOnASickOne) {
   EXPECT_TRUE(has_code(open.notes, "case.unknown"));
 }
 
-std::vector<Component> circles(const std::vector<double>& radii, double x = 31.5) {
-  Component c{0, {}};
+std::vector<image::Component> circles(const std::vector<double>& radii, double x = 31.5) {
+  image::Component c{0, {}};
   for (int j = 0; j < 64; ++j)
     for (int i = 0; i < 64; ++i)
       for (const double r : radii)
@@ -260,7 +260,7 @@ double share_led_outwards(const HeartShape& h) {
     Image slice(one);
     std::copy_n(image.values.begin() + static_cast<std::ptrdiff_t>(image.grid.index(0, 0, k)), one.size(),
                 slice.values.begin());
-    const VectorField f = flow_field(slice, Gvf{.mu = 0.2, .iterations = 100}).field;
+    const field::VectorField f = field::flow_field(slice, field::Gvf{.mu = 0.2, .iterations = 100}).field;
     for (int j = 0; j < one.dims[1]; ++j)
       for (int i = 0; i < one.dims[0]; ++i) {
         const double dx = i - test::centre_x(h, k), dy = j - test::centre_y(h, k), d = std::hypot(dx, dy);
@@ -281,4 +281,4 @@ TEST(NoLabels, LeadOutwardsOnlyInLargeCavities) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

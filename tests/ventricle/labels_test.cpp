@@ -11,13 +11,13 @@
 
 #include "support/blurred_heart.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 using test::HeartShape;
 
-Labels labels_of(const Image& image, const Labelling& options = {}, const Canny& edges = {}) {
-  return label_borders(image, detect_edges(image, edges), options);
+Labels labels_of(const Image& image, const Labelling& options = {}, const image::Canny& edges = {}) {
+  return label_borders(image, image::detect_edges(image, edges), options);
 }
 
 bool has_code(const Notes& notes, const std::string& code) {
@@ -185,7 +185,7 @@ TEST(Labels, FollowTheCavityDownPastABrightTip) {
   // The centre brightens where the cavity is still seen as a ring: both its borders are kept there.
   HeartShape h;
   const Image image = test::blurred_heart(h);
-  const EdgeMap edges = detect_edges(image, Canny{});
+  const image::EdgeMap edges = image::detect_edges(image, image::Canny{});
   Labelling late;
   late.division.jump = 0.04;  // any rise will do: the profile alone ends the cavity early
   late.division.floor = 0;
@@ -261,7 +261,7 @@ TEST(Labels, AreNotMisledByContoursOfNoise) {
 TEST(Labels, NeverInventAMissingBorder) {
   HeartShape h;
   const Image image = test::blurred_heart(h);
-  EdgeMap edges = detect_edges(image, Canny{});
+  image::EdgeMap edges = image::detect_edges(image, image::Canny{});
   const int hole = 13;
   for (int j = 0; j < 64; ++j)
     for (int i = 0; i < 64; ++i)
@@ -305,7 +305,7 @@ TEST(Labels, RefuseOptionsAndEdgesThatDoNotFit) {
   Grid g;
   g.dims = {8, 8, 2};
   const Image image(g);
-  const EdgeMap edges = detect_edges(image, Canny{});
+  const image::EdgeMap edges = image::detect_edges(image, image::Canny{});
   Labelling o;
   o.division.jump = 2;
   EXPECT_THROW(label_borders(image, edges, o), OptionError);
@@ -409,4 +409,4 @@ TEST(BloodPool, IsReadByEveryMethodThatHasALoneBorder) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -7,14 +7,14 @@
 
 #include "dynasurf/synthetic/phantoms.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
 /// An ungated heart in a cubic field of view, leaning by `tilt_deg`.
-VirtualPatient tilted_patient(double tilt_deg, double towards_deg = 30) {
-  VirtualPatient p;
+synthetic::VirtualPatient tilted_patient(double tilt_deg, double towards_deg = 30) {
+  synthetic::VirtualPatient p;
   p.gates = 1;
   p.lattice = {52, 52, 46, 4.5, 4.5, 4.5};
   p.pose.tilt_deg = tilt_deg;
@@ -22,13 +22,13 @@ VirtualPatient tilted_patient(double tilt_deg, double towards_deg = 30) {
   return p;
 }
 
-Vec3 true_axis(const Phantom& phantom, const Pose& pose) {
+Vec3 true_axis(const synthetic::Phantom& phantom, const synthetic::Pose& pose) {
   const double t = pose.tilt_deg * degree, a = pose.tilt_towards_deg * degree;
   return phantom.study.grid().direction * Vec3(std::sin(t) * std::cos(a), std::sin(t) * std::sin(a), std::cos(t));
 }
 
 /// Mean of the vertices of the inner surface: on the axis, within the heart.
-Vec3 middle_of_cavity(const Phantom& phantom) {
+Vec3 middle_of_cavity(const synthetic::Phantom& phantom) {
   Vec3 sum = Vec3::Zero();
   for (const Vec3& p : phantom.truth.front().endo.vertices)
     sum += p / static_cast<double>(phantom.truth.front().endo.vertices.size());
@@ -45,8 +45,8 @@ double angle_deg(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(a.d
 class Locate : public testing::TestWithParam<double> {};
 
 TEST_P(Locate, FindsAxisAndPlaceOfAHeartThatLiesAnyWay) {
-  const VirtualPatient patient = tilted_patient(GetParam());
-  const Phantom phantom = make_phantom(patient);
+  const synthetic::VirtualPatient patient = tilted_patient(GetParam());
+  const synthetic::Phantom phantom = synthetic::make_phantom(patient);
   const auto found = locate(mean_image(phantom.study.gates));
   ASSERT_TRUE(found);
   // Noise and the coarse voxels leave one or two degrees.
@@ -58,7 +58,7 @@ TEST_P(Locate, FindsAxisAndPlaceOfAHeartThatLiesAnyWay) {
 INSTANTIATE_TEST_SUITE_P(Tilts, Locate, testing::Values(0.0, 40.0, 90.0, 135.0, 180.0));
 
 TEST(LocateCup, TurnsWithTheVolume) {
-  const Phantom phantom = make_phantom(tilted_patient(35));
+  const synthetic::Phantom phantom = synthetic::make_phantom(tilted_patient(35));
   const Image image = mean_image(phantom.study.gates);
   // The same voxels with columns and slices exchanged, each still in its place in the world.
   Grid grid = image.grid;
@@ -77,10 +77,10 @@ TEST(LocateCup, TurnsWithTheVolume) {
 }
 
 TEST(LocateCup, IsNotMisledByHotGutOrAScale) {
-  VirtualPatient patient = tilted_patient(60);
+  synthetic::VirtualPatient patient = tilted_patient(60);
   patient.gut_amplitude = 1.3;
   patient.right_ventricle = 0.4;
-  const Phantom phantom = make_phantom(patient);
+  const synthetic::Phantom phantom = synthetic::make_phantom(patient);
   Image image = mean_image(phantom.study.gates);
   const auto found = locate(image);
   ASSERT_TRUE(found);
@@ -95,16 +95,16 @@ TEST(LocateCup, IsNotMisledByHotGutOrAScale) {
 /// A small heart that has lost its apex and the wall in front: what is left is a gutter, and a cup that leans into it
 /// is brighter than the one that spans the gap.
 TEST(LocateCup, SpansTheGapOfALargeDefect) {
-  VirtualPatient patient;
+  synthetic::VirtualPatient patient;
   patient.edv_ml = 48.2, patient.ef_percent = 44.17, patient.wall_ml = 81.2, patient.length_to_width = 1.61;
   patient.base_excursion_mm = 8.27, patient.gates = 8, patient.fwhm_mm = 9.75;
   patient.cavity = 0.095, patient.background = 0.0765;
-  patient.defect = Defect::anteroapical, patient.defect_extent_deg = 80.8, patient.defect_severity = 0.885;
+  patient.defect = synthetic::Defect::anteroapical, patient.defect_extent_deg = 80.8, patient.defect_severity = 0.885;
   patient.lattice = {45, 45, 32, 4.8, 4.8, 4.8};
   patient.pose.offset_x_mm = -7.87, patient.pose.offset_y_mm = 10.75, patient.pose.offset_z_mm = 4.33;
   patient.pose.tilt_deg = 2.17, patient.pose.tilt_towards_deg = 124;
   patient.noise.peak_counts = 204, patient.noise.filter_fwhm_mm = 7.8, patient.noise.seed = 1208;
-  const Phantom phantom = make_phantom(patient);
+  const synthetic::Phantom phantom = synthetic::make_phantom(patient);
   const auto found = locate(mean_image(phantom.study.gates));
   ASSERT_TRUE(found);
   // The axis of a heart half of which is not seen; the leaning cup is 137 degrees off.
@@ -113,8 +113,8 @@ TEST(LocateCup, SpansTheGapOfALargeDefect) {
 }
 
 TEST(LocateCup, KeepsWhatAPersonSays) {
-  const VirtualPatient patient = tilted_patient(60);
-  const Phantom phantom = make_phantom(patient);
+  const synthetic::VirtualPatient patient = tilted_patient(60);
+  const synthetic::Phantom phantom = synthetic::make_phantom(patient);
   LocateHints hints;
   hints.centre_mm = middle_of_cavity(phantom) + Vec3(3, -2, 1);
   hints.axis = -3 * true_axis(phantom, patient.pose);  // even if it is wrong: apex and base exchanged
@@ -133,13 +133,13 @@ TEST(LocateCup, FindsNothingInAnEmptyVolume) {
 }
 
 TEST(LocateCup, FindsBothEndsOfALongWideHeart) {
-  VirtualPatient patient = tilted_patient(3);
+  synthetic::VirtualPatient patient = tilted_patient(3);
   patient.edv_ml = 300, patient.wall_ml = 170, patient.length_to_width = 1.75;
-  const Phantom phantom = make_phantom(patient);
+  const synthetic::Phantom phantom = synthetic::make_phantom(patient);
   const auto found = locate(mean_image(phantom.study.gates));
   ASSERT_TRUE(found);
   // True surfaces begin with the apex and end with the middle of the base.
-  const TrueGate& truth = phantom.truth.front();
+  const synthetic::TrueGate& truth = phantom.truth.front();
   const Vec3 apex = (truth.endo.vertices.front() + truth.epi.vertices.front()) / 2, base = truth.epi.vertices.back();
   EXPECT_LT((found->cup.middle() - (apex + base) / 2).norm(), 3);
   EXPECT_LT((found->cup.base() - base).norm(), 5);
@@ -148,12 +148,12 @@ TEST(LocateCup, FindsBothEndsOfALongWideHeart) {
 
 TEST(LocateCup, FindsAHeartBesideAGutManyTimesAsHot) {
   for (const double position : {0.0, 0.3}) {
-    VirtualPatient patient;
+    synthetic::VirtualPatient patient;
     patient.gates = 1;
     patient.lattice = {40, 40, 24, 5, 5, 5};
     patient.gut_amplitude = 5, patient.gut_gap_mm = 5, patient.gut_radius_mm = 16, patient.gut_position = position;
     patient.noise.peak_counts = 300;
-    const Phantom phantom = make_phantom(patient);
+    const synthetic::Phantom phantom = synthetic::make_phantom(patient);
     const auto found = locate(mean_image(phantom.study.gates));
     ASSERT_TRUE(found);
     EXPECT_TRUE(found->is_clear());
@@ -163,15 +163,15 @@ TEST(LocateCup, FindsAHeartBesideAGutManyTimesAsHot) {
 }
 
 TEST(LocateCup, FindsTheHeartAmongTheOrgansOfAChest) {
-  VirtualPatient patient;
+  synthetic::VirtualPatient patient;
   patient.gates = 1;
-  patient.cut = Cut::transaxial;
+  patient.cut = synthetic::Cut::transaxial;
   patient.torso.present = true;
   patient.torso.liver = 0.9;
   patient.right_ventricle = 0.4;
   patient.lattice = {62, 50, 46, 6.5, 6.5, 6.5};
   patient.pose.offset_x_mm = 40, patient.pose.offset_y_mm = -30, patient.pose.offset_z_mm = 30;
-  const Phantom phantom = make_phantom(patient);
+  const synthetic::Phantom phantom = synthetic::make_phantom(patient);
   const auto found = locate(mean_image(phantom.study.gates));
   ASSERT_TRUE(found);
   const TriMesh& epi = phantom.truth.front().epi;
@@ -190,4 +190,4 @@ TEST(LocateCup, TellsHowMuchOfTheWallTheVolumeDoesNotHold) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 // Table 6.16 of the thesis, mL.
@@ -74,4 +74,4 @@ TEST(CycleRoughness, IsNothingForWavesAndLargeForOneGateThatJumps) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -9,12 +9,12 @@
 
 #include "dynasurf/synthetic/phantoms.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// A virtual patient without noise on coarse voxels: quick to draw, oblique as in a scanner.
-VirtualPatient quick_patient() {
-  VirtualPatient patient;
+synthetic::VirtualPatient quick_patient() {
+  synthetic::VirtualPatient patient;
   patient.noise = {};
   patient.fwhm_mm = 8;
   patient.lattice = {32, 32, 26, 5, 5, 5};
@@ -23,7 +23,7 @@ VirtualPatient quick_patient() {
   return patient;
 }
 
-Vec3 axis_of(const Phantom& phantom) {
+Vec3 axis_of(const synthetic::Phantom& phantom) {
   // Truth has the valve's lid on top: its normal is the axis. The vertex farthest from the lid is the apex.
   const TriMesh& epi = phantom.truth.front().epi;
   const Vec3 k = phantom.study.grid().direction.col(2);
@@ -36,7 +36,7 @@ Vec3 axis_of(const Phantom& phantom) {
 }
 
 /// Measures on the true surfaces, so that what is tested is the measuring.
-Measures measure_truth(const Phantom& phantom, const MeasureOptions& options = {}) {
+Measures measure_truth(const synthetic::Phantom& phantom, const MeasureOptions& options = {}) {
   MeasureInput input;
   input.axis = axis_of(phantom);
   input.cycle_ms = phantom.study.cycle_ms;
@@ -46,12 +46,12 @@ Measures measure_truth(const Phantom& phantom, const MeasureOptions& options = {
   return measure_walls(input, options);
 }
 
-Measures measure_truth_with_uptake(const Phantom& phantom) {
+Measures measure_truth_with_uptake(const synthetic::Phantom& phantom) {
   MeasureInput input;
   input.axis = phantom.axis.value();
   input.from_edges = false;
   for (std::size_t g = 0; g < phantom.truth.size(); ++g) {
-    const TrueGate& gate = phantom.truth[g];
+    const synthetic::TrueGate& gate = phantom.truth[g];
     input.gates.push_back(
         {{&gate.endo, &gate.endo_uptake}, {&gate.epi, &gate.epi_uptake}, &phantom.study.gates[g], std::nullopt});
   }
@@ -69,14 +69,15 @@ std::set<int> coldest(const Measures& m, std::size_t count) {
 }
 
 TEST(Measures, FindAPlantedDefectInItsSegments) {
-  const std::map<Defect, std::set<int>> expected{
-      {Defect::inferior, {4, 10}}, {Defect::lateral, {5, 6, 11, 12}}, {Defect::septal, {2, 3, 8, 9}}};
+  const std::map<synthetic::Defect, std::set<int>> expected{{synthetic::Defect::inferior, {4, 10}},
+                                                            {synthetic::Defect::lateral, {5, 6, 11, 12}},
+                                                            {synthetic::Defect::septal, {2, 3, 8, 9}}};
   for (const auto& [defect, numbers] : expected) {
-    VirtualPatient patient = quick_patient();
+    synthetic::VirtualPatient patient = quick_patient();
     patient.gates = 1;
     patient.defect = defect;
     patient.defect_extent_deg = 60.0 * static_cast<double>(numbers.size()) / 2;
-    const Measures m = measure_truth(make_phantom(PhantomOptions{patient}));
+    const Measures m = measure_truth(synthetic::make_phantom(synthetic::PhantomOptions{patient}));
     ASSERT_EQ(m.segments.size(), 17u);
     EXPECT_EQ(m.anterior.rule, AnteriorRule::patient);
     EXPECT_EQ(coldest(m, numbers.size()), numbers) << static_cast<int>(defect);
@@ -85,21 +86,21 @@ TEST(Measures, FindAPlantedDefectInItsSegments) {
 }
 
 TEST(Measures, FindAnApicalDefectInTheApex) {
-  VirtualPatient patient = quick_patient();
+  synthetic::VirtualPatient patient = quick_patient();
   patient.gates = 1;
-  patient.defect = Defect::apical;
-  const Measures m = measure_truth(make_phantom(PhantomOptions{patient}));
+  patient.defect = synthetic::Defect::apical;
+  const Measures m = measure_truth(synthetic::make_phantom(synthetic::PhantomOptions{patient}));
   EXPECT_EQ(coldest(m, 1), std::set<int>{17});
 }
 
 TEST(Measures, FindTheDefectInAStackWhoseRowsAreUpsideDown) {
   // The same voxels in files whose rows run from inferior to anterior and whose slices run from base to apex: the
   // place in the world decides.
-  VirtualPatient patient = quick_patient();
+  synthetic::VirtualPatient patient = quick_patient();
   patient.gates = 1;
-  patient.defect = Defect::inferior;
+  patient.defect = synthetic::Defect::inferior;
   patient.defect_extent_deg = 60;
-  Phantom phantom = make_phantom(PhantomOptions{patient});
+  synthetic::Phantom phantom = synthetic::make_phantom(synthetic::PhantomOptions{patient});
   Image& image = phantom.study.gates.front();
   const Image original = image;
   const Vec3 axis = axis_of(phantom);
@@ -117,15 +118,15 @@ TEST(Measures, FindTheDefectInAStackWhoseRowsAreUpsideDown) {
 }
 
 TEST(Measures, OfAHealthyBeatAreThoseOfItsShapes) {
-  VirtualPatient patient = quick_patient();
+  synthetic::VirtualPatient patient = quick_patient();
   patient.pose = {};
-  const Phantom phantom = make_phantom(PhantomOptions{patient});
+  const synthetic::Phantom phantom = synthetic::make_phantom(synthetic::PhantomOptions{patient});
   const Measures m = measure_truth(phantom);
   ASSERT_TRUE(m.function && m.muscle_ml);
   EXPECT_NEAR(*m.muscle_ml, 120, 0.3);  // facets
   EXPECT_NEAR(*m.muscle_g, 1.05 * *m.muscle_ml, 1e-9);
   std::vector<double> cavity;
-  for (const TrueGate& gate : phantom.truth) cavity.push_back(gate.endo_ml);
+  for (const synthetic::TrueGate& gate : phantom.truth) cavity.push_back(gate.endo_ml);
   EXPECT_NEAR(m.function->ef_percent.value(), fit_volume_curve(cavity)->ef_percent.value(), 0.1);  // facets
   // The wall between true surfaces thickens, and every segment moves inwards.
   double shares = 0;
@@ -149,9 +150,9 @@ TEST(Measures, OfAHealthyBeatAreThoseOfItsShapes) {
 }
 
 TEST(Measures, TellWhereEveryVertexWentAndHowItsAreaChanged) {
-  VirtualPatient patient = quick_patient();
+  synthetic::VirtualPatient patient = quick_patient();
   patient.pose = {};
-  const Phantom phantom = make_phantom(PhantomOptions{patient});
+  const synthetic::Phantom phantom = synthetic::make_phantom(synthetic::PhantomOptions{patient});
   // All shrinks to four fifths about a point on the axis and back: areas to 16/25, lengths by a fifth.
   const TriMesh &endo = phantom.truth[0].endo, &epi = phantom.truth[0].epi;
   Vec3 middle = Vec3::Zero();
@@ -189,13 +190,13 @@ TEST(Measures, TellWhereEveryVertexWentAndHowItsAreaChanged) {
 }
 
 TEST(Measures, TakePerfusionFromTheUptakeWhereItIsKnown) {
-  VirtualPatient patient = quick_patient();
+  synthetic::VirtualPatient patient = quick_patient();
   patient.gates = 1;
   patient.fwhm_mm = 14;
-  patient.defect = Defect::lateral;
+  patient.defect = synthetic::Defect::lateral;
   patient.defect_severity = 0.7;
   patient.defect_extent_deg = 130;
-  const Phantom phantom = make_phantom(PhantomOptions{patient});
+  const synthetic::Phantom phantom = synthetic::make_phantom(synthetic::PhantomOptions{patient});
   EXPECT_NEAR(phantom.axis.value().dot(axis_of(phantom)), 1, 1e-9);
   const Measures known = measure_truth_with_uptake(phantom), seen = measure_truth(phantom);
   EXPECT_EQ(known.perfusion_is, Perfusion::uptake);
@@ -209,11 +210,11 @@ TEST(Measures, TakePerfusionFromTheUptakeWhereItIsKnown) {
 }
 
 TEST(Measures, TellNoOnsetWhereTheWallIsNotSeen) {
-  VirtualPatient patient = quick_patient();
-  patient.defect = Defect::lateral;
+  synthetic::VirtualPatient patient = quick_patient();
+  patient.defect = synthetic::Defect::lateral;
   patient.defect_severity = 0.9;
   patient.defect_extent_deg = 130;
-  const Phantom phantom = make_phantom(PhantomOptions{patient});
+  const synthetic::Phantom phantom = synthetic::make_phantom(synthetic::PhantomOptions{patient});
   const Measures known = measure_truth_with_uptake(phantom), edges = measure_truth(phantom);
   ASSERT_TRUE(known.phase_motion && edges.phase_motion);
   EXPECT_LT(known.phase_motion->wall_share, 0.9 * edges.phase_motion->wall_share);
@@ -225,9 +226,9 @@ TEST(Measures, TellNoOnsetWhereTheWallIsNotSeen) {
 }
 
 TEST(Measures, KeepCountsFreeOfTheMovingValvePlane) {
-  VirtualPatient patient = quick_patient();
+  synthetic::VirtualPatient patient = quick_patient();
   patient.fwhm_mm = 12;
-  const Measures m = measure_truth(make_phantom(PhantomOptions{patient}));
+  const Measures m = measure_truth(synthetic::make_phantom(synthetic::PhantomOptions{patient}));
   // All contract together. Counts next to the plane, which comes and goes, would spread to 20 degrees and more.
   EXPECT_LT(m.phase_counts.value().sd_deg, 6);
   for (const SegmentMeasures& s : m.segments)
@@ -237,12 +238,12 @@ TEST(Measures, KeepCountsFreeOfTheMovingValvePlane) {
 }
 
 TEST(Measures, SeeAWallThatContractsLate) {
-  VirtualPatient patient = quick_patient();
+  synthetic::VirtualPatient patient = quick_patient();
   patient.pose = {};
-  patient.late_wall = Defect::lateral;
+  patient.late_wall = synthetic::Defect::lateral;
   patient.late_extent_deg = 120;
   patient.delay_percent = 15;
-  const Measures m = measure_truth(make_phantom(PhantomOptions{patient}));
+  const Measures m = measure_truth(synthetic::make_phantom(synthetic::PhantomOptions{patient}));
   ASSERT_TRUE(m.phase_motion && m.phase_counts);
   const auto later = [&](auto phase, int late, int early) {
     return std::remainder((m.segments[static_cast<std::size_t>(late - 1)].*phase).value() -
@@ -259,12 +260,12 @@ TEST(Measures, SeeAWallThatContractsLate) {
 }
 
 TEST(Measures, TellOfABloodPoolWhatItsCavityTells) {
-  VirtualPatient patient = quick_patient();
+  synthetic::VirtualPatient patient = quick_patient();
   patient.pose = {};
-  patient.late_wall = Defect::lateral;
+  patient.late_wall = synthetic::Defect::lateral;
   patient.late_extent_deg = 120;
   patient.delay_percent = 15;
-  const Phantom phantom = make_phantom(PhantomOptions{patient});
+  const synthetic::Phantom phantom = synthetic::make_phantom(synthetic::PhantomOptions{patient});
   MeasureInput input;
   input.axis = axis_of(phantom);
   input.cycle_ms = phantom.study.cycle_ms;
@@ -295,9 +296,9 @@ TEST(Measures, TellOfABloodPoolWhatItsCavityTells) {
 }
 
 TEST(Measures, DoWithOneGateAndWithMissingSurfaces) {
-  VirtualPatient patient = quick_patient();
+  synthetic::VirtualPatient patient = quick_patient();
   patient.gates = 1;
-  const Phantom phantom = make_phantom(PhantomOptions{patient});
+  const synthetic::Phantom phantom = synthetic::make_phantom(synthetic::PhantomOptions{patient});
   const Measures m = measure_truth(phantom);
   EXPECT_FALSE(m.function);
   EXPECT_FALSE(m.phase_counts);
@@ -314,12 +315,13 @@ TEST(Measures, DoWithOneGateAndWithMissingSurfaces) {
 }
 
 TEST(Measures, AreTheSameForAnyNumberOfSegments) {
-  VirtualPatient patient = quick_patient();
+  synthetic::VirtualPatient patient = quick_patient();
   patient.gates = 1;
-  const Measures m = measure_truth(make_phantom(PhantomOptions{patient}), {.segments = SegmentModel::segments20});
+  const Measures m = measure_truth(synthetic::make_phantom(synthetic::PhantomOptions{patient}),
+                                   {.segments = SegmentModel::segments20});
   ASSERT_EQ(m.segments.size(), 20u);
   for (const SegmentMeasures& s : m.segments) EXPECT_GT(s.perfusion_percent.value(), 40) << s.segment.number;
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -6,7 +6,7 @@
 
 #include "support/blurred_heart.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr std::uint8_t endo = Labels::endo_bit, epi = Labels::epi_bit;
@@ -18,8 +18,8 @@ Grid grid_of(int slices) {
   return g;
 }
 
-Component arc(double radius, int slice, double from_deg = -180, double to_deg = 180) {
-  Component c{slice, {}};
+image::Component arc(double radius, int slice, double from_deg = -180, double to_deg = 180) {
+  image::Component c{slice, {}};
   for (int j = 0; j < 64; ++j)
     for (int i = 0; i < 64; ++i) {
       const double angle = std::atan2(j - 31.5, i - 31.5) * 180 / std::numbers::pi;
@@ -29,23 +29,23 @@ Component arc(double radius, int slice, double from_deg = -180, double to_deg = 
   return c;
 }
 
-SliceEdges stack(const std::vector<Component>& edges, int slices) {
+SliceEdges stack(const std::vector<image::Component>& edges, int slices) {
   SliceEdges all(static_cast<std::size_t>(slices));
-  for (const Component& e : edges) all[static_cast<std::size_t>(e.slice)].push_back(e);
+  for (const image::Component& e : edges) all[static_cast<std::size_t>(e.slice)].push_back(e);
   return all;
 }
 
 /// The bits of an edge; 255 when its pixels do not agree.
-int bits(const Mask& m, const Component& c) {
+int bits(const Mask& m, const image::Component& c) {
   const int first = m(c.pixels[0].i, c.pixels[0].j, c.slice);
-  for (const Pixel& p : c.pixels)
+  for (const image::Pixel& p : c.pixels)
     if (m(p.i, p.j, c.slice) != first) return 255;
   return first;
 }
 
 TEST(ClassifyByGap, PutsTheFrontierIntoTheLargestGap) {
-  const std::vector<Component> edges{arc(7, 0, -180, 0), arc(8, 0, 10, 170), arc(14, 0, -170, 0),
-                                     arc(15.5, 0, 10, 170)};
+  const std::vector<image::Component> edges{arc(7, 0, -180, 0), arc(8, 0, 10, 170), arc(14, 0, -170, 0),
+                                            arc(15.5, 0, 10, 170)};
   const Mask m = classify_by_gap(stack(edges, 1), grid_of(1), middle, -1, Mlc{});
   EXPECT_EQ(bits(m, edges[0]), endo);
   EXPECT_EQ(bits(m, edges[1]), endo);
@@ -54,14 +54,14 @@ TEST(ClassifyByGap, PutsTheFrontierIntoTheLargestGap) {
 }
 
 TEST(ClassifyByGap, CallsEverythingOuterUpToTheDivisionSlice) {
-  const std::vector<Component> edges{arc(4, 0), arc(10, 0), arc(4, 1), arc(10, 1)};
+  const std::vector<image::Component> edges{arc(4, 0), arc(10, 0), arc(4, 1), arc(10, 1)};
   const Mask m = classify_by_gap(stack(edges, 2), grid_of(2), middle, 0, Mlc{});
   EXPECT_EQ(bits(m, edges[0]), epi);
   EXPECT_EQ(bits(m, edges[2]), endo);
 }
 
 TEST(ClassifyByGap, AsksTheNeighboursAboutALoneEdge) {
-  const std::vector<Component> edges{arc(7, 0), arc(14, 0), arc(7.4, 1), arc(7, 2), arc(14, 2), arc(13.7, 3)};
+  const std::vector<image::Component> edges{arc(7, 0), arc(14, 0), arc(7.4, 1), arc(7, 2), arc(14, 2), arc(13.7, 3)};
   const Mask m = classify_by_gap(stack(edges, 4), grid_of(4), middle, -1, Mlc{});
   EXPECT_EQ(bits(m, edges[2]), endo);
   EXPECT_EQ(bits(m, edges[5]), epi);
@@ -70,7 +70,7 @@ TEST(ClassifyByGap, AsksTheNeighboursAboutALoneEdge) {
 }
 
 TEST(ClassifyByGap, KeepsFragmentsOfOneBorderTogether) {
-  const std::vector<Component> edges{arc(7, 0), arc(14, 0), arc(13.2, 1, -170, -10), arc(14.6, 1, 10, 170)};
+  const std::vector<image::Component> edges{arc(7, 0), arc(14, 0), arc(13.2, 1, -170, -10), arc(14.6, 1, 10, 170)};
   const Mask m = classify_by_gap(stack(edges, 2), grid_of(2), middle, -1, Mlc{});
   EXPECT_EQ(bits(m, edges[2]), epi);
   EXPECT_EQ(bits(m, edges[3]), epi);
@@ -79,7 +79,7 @@ TEST(ClassifyByGap, KeepsFragmentsOfOneBorderTogether) {
 }
 
 TEST(ClassifyByGap, CallsALoneEdgeWithoutNeighboursOuter) {
-  const Component lone = arc(9, 1);
+  const image::Component lone = arc(9, 1);
   EXPECT_EQ(bits(classify_by_gap(stack({lone}, 3), grid_of(3), middle, -1, Mlc{}), lone), epi);
 }
 
@@ -97,8 +97,8 @@ Image ring(double inner, double outer, int slices) {
 
 TEST(SplitByGradient, CutsAnEdgeThatRunsAroundAnOpenWall) {
   // The two borders and the ends of a horseshoe are one component.
-  Component horseshoe{0, {}};
-  for (const Component& part : {arc(8, 0, -120, 120), arc(14, 0, -120, 120)})
+  image::Component horseshoe{0, {}};
+  for (const image::Component& part : {arc(8, 0, -120, 120), arc(14, 0, -120, 120)})
     horseshoe.pixels.insert(horseshoe.pixels.end(), part.pixels.begin(), part.pixels.end());
   const SidedEdges sided = split_by_gradient(stack({horseshoe}, 1), ring(8, 14, 1), middle, 8);
   ASSERT_EQ(sided.endo[0].size(), 1U);
@@ -110,8 +110,8 @@ TEST(SplitByGradient, CutsAnEdgeThatRunsAroundAnOpenWall) {
 
 TEST(ClassifyByGradient, DropsInnerSidesOutsideTheHeart) {
   // Beside the heart lies a bright blob: the side of it that faces the heart brightens outwards, as the cavity does.
-  const Component inner = arc(8, 0), outer = arc(14, 0), blob_near = arc(19, 0, -20, 20),
-                  blob_far = arc(25, 0, -20, 20);
+  const image::Component inner = arc(8, 0), outer = arc(14, 0), blob_near = arc(19, 0, -20, 20),
+                         blob_far = arc(25, 0, -20, 20);
   Notes notes;
   const SidedEdges sided{stack({inner, blob_near}, 1), stack({outer, blob_far}, 1)};
   const Mask m = classify_by_gradient(sided, grid_of(1), middle, 4, notes);
@@ -125,7 +125,7 @@ TEST(ClassifyByGradient, DropsInnerSidesOutsideTheHeart) {
 
 TEST(ClassifyByGradient, DropsOuterSidesInsideTheCavity) {
   // Noise in the cavity: a small bright arc has a side that darkens outwards.
-  const Component inner = arc(10, 0), outer = arc(16, 0), noise = arc(5, 0, 0, 90);
+  const image::Component inner = arc(10, 0), outer = arc(16, 0), noise = arc(5, 0, 0, 90);
   Notes notes;
   const Mask m = classify_by_gradient({stack({inner}, 1), stack({outer, noise}, 1)}, grid_of(1), middle, 4, notes);
   EXPECT_EQ(bits(m, outer), epi);
@@ -134,8 +134,8 @@ TEST(ClassifyByGradient, DropsOuterSidesInsideTheCavity) {
 
 TEST(CountBorders, WantsTheInnerBorderToBeARing) {
   Mask m(grid_of(2));
-  for (const Pixel& p : arc(6, 0, -60, 60).pixels) m(p.i, p.j, 0) = endo;
-  for (const Pixel& p : arc(12, 0).pixels) m(p.i, p.j, 0) = epi;
+  for (const image::Pixel& p : arc(6, 0, -60, 60).pixels) m(p.i, p.j, 0) = endo;
+  for (const image::Pixel& p : arc(12, 0).pixels) m(p.i, p.j, 0) = epi;
   EXPECT_EQ(count_borders(m, 0, middle, 180), 1);
   EXPECT_EQ(count_borders(m, 0, middle, 0), 2);
   EXPECT_EQ(count_borders(m, 1, middle, 0), 0);
@@ -143,4 +143,4 @@ TEST(CountBorders, WantsTheInnerBorderToBeARing) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 const PolarGrid grid;
@@ -85,4 +85,4 @@ TEST(Scores, CanBeSetByHand) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -8,90 +8,93 @@
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
-Organ small_liver() {
-  Organ o;
+synthetic::Organ small_liver() {
+  synthetic::Organ o;
   o.lattice = {48, 40, 32, 6, 6, 7};
   return o;
 }
-Organ prostate() {
-  Organ o;
-  o.shape = OrganShape::prostate;
+synthetic::Organ prostate() {
+  synthetic::Organ o;
+  o.shape = synthetic::OrganShape::prostate;
   o.lattice = {56, 56, 26, 1.4, 1.4, 3};
   return o;
 }
 
 double mean_distance_mm(const TriMesh& mesh, const TriMesh& truth) {
-  const ClosestPoint closest(truth);
+  const mesh::ClosestPoint closest(truth);
   double sum = 0;
   for (const Vec3& p : mesh.vertices) sum += std::sqrt(closest(p).distance2);
   return sum / static_cast<double>(mesh.vertices.size());
 }
 
-void expect_near_truth(const Phantom& phantom, const OrganOptions& options, double percent, double mm) {
+void expect_near_truth(const synthetic::Phantom& phantom, const OrganOptions& options, double percent, double mm) {
   const OrganResult result = reconstruct_organ(phantom.study.gates.front(), options);
   ASSERT_TRUE(result.surface);
   EXPECT_TRUE(result.surface->repair.check.closed);
   EXPECT_EQ(result.surface->repair.check.self_intersections, 0);
-  const TrueGate& truth = phantom.truth.front();
+  const synthetic::TrueGate& truth = phantom.truth.front();
   EXPECT_NEAR(100 * result.surface->volume_ml / truth.epi_ml, 100, percent);
   EXPECT_LT(mean_distance_mm(result.surface->mesh, truth.epi), mm);
 }
 
 TEST(Organ, PhantomsHaveTheVolumeThatIsAskedFor) {
-  for (Organ o : {small_liver(), prostate()}) {
+  for (synthetic::Organ o : {small_liver(), prostate()}) {
     o.volume_ml = 200;
-    EXPECT_NEAR(make_phantom(PhantomOptions{o}).truth.front().epi_ml, 200, 1e-9);
+    EXPECT_NEAR(synthetic::make_phantom(synthetic::PhantomOptions{o}).truth.front().epi_ml, 200, 1e-9);
   }
 }
 
 // Measured: -0.4 and -0.6 %, on voxels of 6 x 6 x 7 and 1.4 x 1.4 x 3 mm; label maps -1.0 %, PET -0.7 %.
 TEST(Organ, OfCtAndMrKeepsItsVolume) {
   for (const char* preset : {"ct", "mr"}) {
-    expect_near_truth(make_phantom(PhantomOptions{small_liver()}), organ_preset(preset), 2, 1.5);
-    expect_near_truth(make_phantom(PhantomOptions{prostate()}), organ_preset(preset), 2, 0.4);
+    expect_near_truth(synthetic::make_phantom(synthetic::PhantomOptions{small_liver()}), organ_preset(preset), 2, 1.5);
+    expect_near_truth(synthetic::make_phantom(synthetic::PhantomOptions{prostate()}), organ_preset(preset), 2, 0.4);
   }
 }
 
 TEST(Organ, DarkerThanItsSurroundingsIsFoundToo) {
-  Organ o = prostate();
+  synthetic::Organ o = prostate();
   o.inside = 0.4, o.outside = 1, o.neighbour = 0.4;
   OrganOptions options = organ_preset("mr");
   options.dark = true;
   // What lies around reaches the edge, but the largest dark body is the organ.
-  expect_near_truth(make_phantom(PhantomOptions{o}), options, 2, 0.4);
+  expect_near_truth(synthetic::make_phantom(synthetic::PhantomOptions{o}), options, 2, 0.4);
 }
 
 TEST(Organ, OfALabelMapIsTheOneThatIsNamed) {
-  Organ o = small_liver();
-  o.values = OrganValues::labels;
+  synthetic::Organ o = small_liver();
+  o.values = synthetic::OrganValues::labels;
   OrganOptions options = organ_preset("labels");
   options.label = 1;
-  expect_near_truth(make_phantom(PhantomOptions{o}), options, 2, 1.5);
+  expect_near_truth(synthetic::make_phantom(synthetic::PhantomOptions{o}), options, 2, 1.5);
   options.label = 2;
-  const OrganResult ball = reconstruct_organ(make_phantom(PhantomOptions{o}).study.gates.front(), options);
+  const OrganResult ball =
+      reconstruct_organ(synthetic::make_phantom(synthetic::PhantomOptions{o}).study.gates.front(), options);
   ASSERT_TRUE(ball.surface);
-  EXPECT_LT(ball.surface->volume_ml, 0.2 * make_phantom(PhantomOptions{o}).truth.front().epi_ml);
+  EXPECT_LT(ball.surface->volume_ml, 0.2 * synthetic::make_phantom(synthetic::PhantomOptions{o}).truth.front().epi_ml);
   options.label = 7;
-  const OrganResult none = reconstruct_organ(make_phantom(PhantomOptions{o}).study.gates.front(), options);
+  const OrganResult none =
+      reconstruct_organ(synthetic::make_phantom(synthetic::PhantomOptions{o}).study.gates.front(), options);
   EXPECT_FALSE(none.surface);
   EXPECT_EQ(none.notes.back().code, "organ.none");
 }
 
 TEST(Organ, OfPetIsOutlinedThroughBlurAndNoise) {
-  Organ o = small_liver();
+  synthetic::Organ o = small_liver();
   o.fwhm_mm = 7, o.outside = 0.05, o.neighbour = 0.05;
   o.noise = {200, 5, 0, 3};
   // The outline at 42 % of the brightest voxel, settled on the steepest slope.
-  expect_near_truth(make_phantom(PhantomOptions{o}), organ_preset("pet"), 4, 2);
+  expect_near_truth(synthetic::make_phantom(synthetic::PhantomOptions{o}), organ_preset("pet"), 4, 2);
 }
 
 TEST(Organ, ThatReachesTheEdgeOfTheImageSaysSo) {
-  Organ o = small_liver();
+  synthetic::Organ o = small_liver();
   o.pose.offset_x_mm = 90;
-  const OrganResult result = reconstruct_organ(make_phantom(PhantomOptions{o}).study.gates.front(), organ_preset("ct"));
+  const OrganResult result =
+      reconstruct_organ(synthetic::make_phantom(synthetic::PhantomOptions{o}).study.gates.front(), organ_preset("ct"));
   ASSERT_FALSE(result.notes.empty());
   EXPECT_EQ(result.notes.front().code, "organ.cut_off");
 }
@@ -129,4 +132,4 @@ TEST(Organ, RefusesWhatIsNoImageOrNoPreset) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

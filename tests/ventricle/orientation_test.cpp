@@ -9,16 +9,16 @@
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
-Phantom patient_with_tilt(double tilt_deg) {
-  VirtualPatient p;
+synthetic::Phantom patient_with_tilt(double tilt_deg) {
+  synthetic::VirtualPatient p;
   p.gates = 1;
   p.lattice = {52, 52, 46, 4.5, 4.5, 4.5};
   p.pose.tilt_deg = tilt_deg;
   p.pose.tilt_towards_deg = -60;
-  return make_phantom(p);
+  return synthetic::make_phantom(p);
 }
 
 const LvShell cup_at_an_angle{{10, -20, 30}, Vec3(-0.6, 0.64, 0.48), 30, 50, 25};
@@ -60,7 +60,7 @@ TEST(Reorient, KeepsEveryPlaceInTheWorld) {
 }
 
 TEST(Orient, KeepsAShortAxisStackAndCutsOthersAnew) {
-  Phantom straight = patient_with_tilt(5);
+  synthetic::Phantom straight = patient_with_tilt(5);
   const auto heart = locate(mean_image(straight.study.gates));
   ASSERT_TRUE(heart);
   const Study kept = orient(straight.study, heart, {});
@@ -75,7 +75,7 @@ TEST(Orient, KeepsAShortAxisStackAndCutsOthersAnew) {
 }
 
 TEST(Orient, ContradictsAHeaderOnlyWhenTheWallIsClear) {
-  const Phantom leaning = patient_with_tilt(60);
+  const synthetic::Phantom leaning = patient_with_tilt(60);
   auto heart = locate(mean_image(leaning.study.gates));
   ASSERT_TRUE(heart);
   const Study cut = orient(leaning.study, heart, {});
@@ -89,14 +89,14 @@ TEST(Orient, ContradictsAHeaderOnlyWhenTheWallIsClear) {
 }
 
 TEST(Orient, TellsApexFromBaseWhereTheFileDoesNot) {
-  Phantom upside_down = patient_with_tilt(180);
+  synthetic::Phantom upside_down = patient_with_tilt(180);
   upside_down.study.slice_order = SliceOrder::unknown;
   const auto heart = locate(mean_image(upside_down.study.gates));
   EXPECT_EQ(orient(upside_down.study, heart, {}).slice_order, SliceOrder::base_to_apex);
 }
 
 TEST(FinerPixels, KeepPlacesAndSlicesAndCoverTheHeart) {
-  const Phantom phantom = patient_with_tilt(0);
+  const synthetic::Phantom phantom = patient_with_tilt(0);
   const auto heart = locate(mean_image(phantom.study.gates));
   ASSERT_TRUE(heart);
   const Study fine = with_finer_pixels(phantom.study, heart->cup, 3);
@@ -105,8 +105,8 @@ TEST(FinerPixels, KeepPlacesAndSlicesAndCoverTheHeart) {
   EXPECT_EQ(fine.grid().dims[2], phantom.study.grid().dims[2]);
   // The same function of the world, but for what interpolation adds.
   const Vec3 place = heart->cup.centre + 25 * fine.grid().direction.col(0);
-  EXPECT_NEAR(sample_linear(fine.gates[0], to_grid(fine.grid(), place)),
-              sample_cubic(phantom.study.gates[0], to_grid(phantom.study.grid(), place)), 40);
+  EXPECT_NEAR(image::sample_linear(fine.gates[0], to_grid(fine.grid(), place)),
+              image::sample_cubic(phantom.study.gates[0], to_grid(phantom.study.grid(), place)), 40);
   for (const Vec3& p : {heart->cup.apex(), heart->cup.base()}) {
     const Vec3 at = to_grid(fine.grid(), p);
     for (int a = 0; a < 2; ++a) {
@@ -118,7 +118,7 @@ TEST(FinerPixels, KeepPlacesAndSlicesAndCoverTheHeart) {
 }
 
 TEST(Orient, RefusesWhatItMayNotOrCannotCut) {
-  Phantom phantom = patient_with_tilt(0);
+  synthetic::Phantom phantom = patient_with_tilt(0);
   phantom.study.view = View::vertical_long_axis;
   EXPECT_THROW(orient(phantom.study, std::nullopt, {}), InputError);
   EXPECT_THROW(orient(phantom.study, locate(mean_image(phantom.study.gates)),
@@ -138,4 +138,4 @@ TEST(Hints, NeedWholeVectors) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 std::vector<double> wave(int gates, double onset_deg, double amplitude) {
@@ -95,4 +95,4 @@ TEST(PhaseSummary, CountsWhatHasNoPhase) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -6,7 +6,7 @@
 
 #include "dynasurf/synthetic/detail/noise.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 const LvShell cup{{60, 60, 60}, {0, 0, 1}, 28, 45, 24};
@@ -47,7 +47,7 @@ TEST(HotNeighbour, DoesNotCountWhatIsDimOrApart) {
 TEST(NoiseOfWall, IsTheSpreadFromGateToGate) {
   const Image wall = wall_and_ball(0, Vec3::Zero());
   std::vector<Image> gates;
-  for (std::uint64_t g = 0; g < 16; ++g) gates.push_back(add_gaussian_noise(wall, 0.1, 3, g));
+  for (std::uint64_t g = 0; g < 16; ++g) gates.push_back(synthetic::add_gaussian_noise(wall, 0.1, 3, g));
   // Linear interpolation between voxels averages the noise of 8 of them: 0.3 to 1 of it is left.
   EXPECT_GT(noise_of_wall(gates, cup), 0.03);
   EXPECT_LT(noise_of_wall(gates, cup), 0.1);
@@ -56,4 +56,4 @@ TEST(NoiseOfWall, IsTheSpreadFromGateToGate) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

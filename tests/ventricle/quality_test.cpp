@@ -8,7 +8,7 @@
 
 #include "dynasurf/ventricle/reconstruct.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 VentricleResult good_result() {
@@ -20,7 +20,7 @@ VentricleResult good_result() {
     gate.edge_surfaces.epi.emplace();
     gate.edge_surfaces.endo->within_one_voxel = gate.edge_surfaces.epi->within_one_voxel = 1;
     gate.edge_surfaces.endo->border_reached = gate.edge_surfaces.epi->border_reached = 1;
-    gate.edge_surfaces.endo->stop_reason = gate.edge_surfaces.epi->stop_reason = StopReason::all_stopped;
+    gate.edge_surfaces.endo->stop_reason = gate.edge_surfaces.epi->stop_reason = dynamics::StopReason::all_stopped;
     gate.edge_surfaces.endo->repair.check = gate.edge_surfaces.epi->repair.check = {true, true, true, 0, 0};
     gate.edge_surfaces.wall_ml = 120;
     result.gates.push_back(gate);
@@ -104,7 +104,7 @@ TEST(Judge, JudgesTheNumbersThatLead) {
 TEST(Judge, FailsWhenTheWallsCrossOrASurfaceDiverged) {
   VentricleResult result = good_result();
   result.gates[3].edge_surfaces.wall_ml = -2;
-  result.gates[4].edge_surfaces.epi->stop_reason = StopReason::diverged;
+  result.gates[4].edge_surfaces.epi->stop_reason = dynamics::StopReason::diverged;
   EXPECT_EQ(codes_of(result), (Codes{"surface_diverged", "walls_cross"}));
   EXPECT_EQ(verdict_of(assess(result)), Verdict::fail);
 }
@@ -290,4 +290,4 @@ TEST(Judge, DoesNotMissTheOuterBorderOfABloodPool) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -9,7 +9,7 @@
 #include "dynasurf/core/detail/fourier.hpp"
 #include "dynasurf/synthetic/detail/random.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr Index3 dims{64, 64, 32};
@@ -30,7 +30,7 @@ Study reconstructed_noise(const std::function<double(double)>& filter, std::uint
   const std::array<FourierTable, 3> tables{make_fourier_table(dims[0]), make_fourier_table(dims[1]),
                                            make_fourier_table(dims[2])};
   Study study;
-  Random random(seed);
+  synthetic::Random random(seed);
   for (int gate = 0; gate < 8; ++gate) {
     std::vector<Complex> values(static_cast<std::size_t>(dims[0] * dims[1] * dims[2]));
     for (Complex& v : values) v = {random.normal(), 0};
@@ -115,4 +115,4 @@ TEST(ReconstructionFilter, AGaussianTakesItsPlaceExactly) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

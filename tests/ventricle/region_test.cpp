@@ -10,7 +10,7 @@
 
 #include "support/blurred_heart.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 Grid grid_of(const Index3& dims, const Vec3& spacing, const Vec3& origin) {
@@ -102,4 +102,4 @@ TEST(FindBorders, FindsTheSameUnderAMaskOfEverything) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

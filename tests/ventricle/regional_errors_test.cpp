@@ -10,7 +10,7 @@
 #include "dynasurf/ventricle/presets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// Four gates of a wall that is neither round nor even.
@@ -94,14 +94,14 @@ TEST(WallPosterior, KnowsHowNumbersOfTheWallsDependOnTheUnknowns) {
 }
 
 VentricleResult fit_patient(double peak_counts) {
-  VirtualPatient o;
+  synthetic::VirtualPatient o;
   o.edv_ml = 90, o.ef_percent = 50, o.wall_ml = 100;
   o.gates = 4;
   o.lattice = {28, 28, 24, 4.8, 4.8, 4.8};
   o.noise = {peak_counts, 6, 0, 3};
   VentricleOptions options = ventricle_preset("psf_corrected");
   options.fit.fwhm_mm = 12;
-  return reconstruct(make_phantom(o).study, options);
+  return reconstruct(synthetic::make_phantom(o).study, options);
 }
 
 TEST(RegionalErrors, AreWithEverySegmentOfAFitAndGrowWithTheNoise) {
@@ -128,7 +128,7 @@ TEST(RegionalErrors, AreWithEverySegmentOfAFitAndGrowWithTheNoise) {
 }
 
 TEST(RegionalErrors, SayThatAThinWallIsNotTold) {
-  VirtualPatient o;
+  synthetic::VirtualPatient o;
   o.edv_ml = 220, o.ef_percent = 25, o.wall_ml = 80;
   o.gates = 4, o.fwhm_mm = 15;
   o.lattice = {28, 28, 24, 6, 6, 6};
@@ -139,19 +139,19 @@ TEST(RegionalErrors, SayThatAThinWallIsNotTold) {
       return note.code == "fit.thin_wall" && note.severity == severity;
     });
   };
-  EXPECT_TRUE(says(reconstruct(make_phantom(o).study, options), Severity::warning));
+  EXPECT_TRUE(says(reconstruct(synthetic::make_phantom(o).study, options), Severity::warning));
   o.edv_ml = 110, o.ef_percent = 60, o.wall_ml = 120;  // 8.7 mm
-  EXPECT_TRUE(says(reconstruct(make_phantom(o).study, options), Severity::info));
+  EXPECT_TRUE(says(reconstruct(synthetic::make_phantom(o).study, options), Severity::info));
   const VentricleResult healthy = fit_patient(400);  // 9 mm at 12 mm
   EXPECT_FALSE(says(healthy, Severity::warning) || says(healthy, Severity::info));
 }
 
 TEST(Presets, OfMrReadSharpImagesRight) {
-  VirtualPatient o;
+  synthetic::VirtualPatient o;
   o.edv_ml = 90, o.ef_percent = 50, o.wall_ml = 100;
   o.gates = 4, o.fwhm_mm = 0, o.noise = {};
   o.lattice = {40, 40, 36, 3.2, 3.2, 3.2};
-  const Phantom phantom = make_phantom(o);
+  const synthetic::Phantom phantom = synthetic::make_phantom(o);
   const VentricleResult result = reconstruct(phantom.study, ventricle_preset("mr"));
   ASSERT_TRUE(result.readings.psf_corrected);
   // Measured +0.4 and +0.7 %; papillary muscles, which this heart has not, may count as 1 mL of cavity.
@@ -173,11 +173,11 @@ TEST(Presets, FitThroughTheBlurUnlessEdgesAreAskedFor) {
 }
 
 TEST(Fit, TakesADrawingOfTheMuscleAsSharp) {
-  VirtualPatient o;
+  synthetic::VirtualPatient o;
   o.edv_ml = 90, o.ef_percent = 50, o.wall_ml = 100;
   o.gates = 1, o.fwhm_mm = 0, o.noise = {}, o.cavity = 0, o.background = 0;
   o.lattice = {40, 40, 36, 3.2, 3.2, 3.2};
-  Phantom phantom = make_phantom(o);
+  synthetic::Phantom phantom = synthetic::make_phantom(o);
   std::vector<float>& values = phantom.study.gates[0].values;
   const float half = *std::max_element(values.begin(), values.end()) / 2;
   for (float& v : values) v = v > half ? 1.0F : 0.0F;
@@ -196,14 +196,14 @@ TEST(Fit, TakesADrawingOfTheMuscleAsSharp) {
 }
 
 TEST(RegionalErrors, AreNotThereForEdges) {
-  VirtualPatient o;
+  synthetic::VirtualPatient o;
   o.gates = 4;
   o.lattice = {28, 28, 24, 4.8, 4.8, 4.8};
-  const VentricleResult edges = reconstruct(make_phantom(o).study, ventricle_preset("edges"));
+  const VentricleResult edges = reconstruct(synthetic::make_phantom(o).study, ventricle_preset("edges"));
   ASSERT_TRUE(edges.measures);
   EXPECT_FALSE(edges.measures->segments[0].sd.thickness_ed_mm);
   EXPECT_EQ(edges.measures->perfusion_is, Perfusion::counts);
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr int gates = 8, slices = 4, side = 48;
@@ -127,4 +127,4 @@ TEST(DivisionSlice, IsNotSharedWhenFewSawIt) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

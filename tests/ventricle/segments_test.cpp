@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 HeartAxes leaning_axes() {
@@ -96,4 +96,4 @@ TEST(Segments, OfVerticesLeaveTheLidOut) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -8,7 +8,7 @@
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/synthetic/detail/noise.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double radius_mm = 25, sigma_mm = 5;
@@ -29,7 +29,7 @@ Image soft_ball(double inside, double outside, double slice_mm = 3) {
 
 /// A sphere about the ball, off by some mm and by as much again from vertex to vertex.
 TriMesh sphere(double off_mm, double rough_mm = 0) {
-  TriMesh mesh = icosphere(3);
+  TriMesh mesh = mesh::icosphere(3);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     mesh.vertices[v] = middle + (radius_mm + off_mm + (v % 2 == 0 ? rough_mm : -rough_mm)) * mesh.vertices[v];
   return mesh;
@@ -122,7 +122,7 @@ TEST(Settle, DoesNotFollowTheRimOfADefectIntoTheCavity) {
 }
 
 TEST(Settle, AveragesNoiseAway) {
-  const Image ball = add_gaussian_noise(soft_ball(100, 0), 1, 7, 0);
+  const Image ball = synthetic::add_gaussian_noise(soft_ball(100, 0), 1, 7, 0);
   const TriMesh end = settle_on_slope(sphere(2), ball, no_base, {});
   double sum = 0;
   for (const Vec3& p : end.vertices) sum += off_mm(p) * off_mm(p);
@@ -136,4 +136,4 @@ TEST(Settle, StaysInAnImageWithoutSlopes) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 std::vector<std::optional<double>> wave(int gates) {
@@ -45,4 +45,4 @@ TEST(SmoothCycle, OfFewGatesIsTheirMean) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -12,7 +12,7 @@
 #include "dynasurf/ventricle/presets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double voxel_mm = 2.87;
@@ -22,7 +22,8 @@ Vec3 gradient_at(const Image& image, const Vec3& p) {
   constexpr double h = 0.7;
   Vec3 g;
   for (int a = 0; a < 3; ++a)
-    g[a] = (sample_cubic(image, p + h * Vec3::Unit(a)) - sample_cubic(image, p - h * Vec3::Unit(a))) / (2 * h);
+    g[a] = (image::sample_cubic(image, p + h * Vec3::Unit(a)) - image::sample_cubic(image, p - h * Vec3::Unit(a))) /
+           (2 * h);
   return g;
 }
 
@@ -49,7 +50,7 @@ template <class Options>
 Image fine_image(Options options) {
   options.lattice = {128, 128, 46, voxel_mm / 2, voxel_mm / 2, slice_mm / 2};
   options.noise = {0, 0, 0, 1};
-  return make_phantom(options).study.gates.front();
+  return synthetic::make_phantom(options).study.gates.front();
 }
 
 struct Error {
@@ -75,11 +76,11 @@ Error error_of(const Surface& surface, const Gate& gate, const Image& fine) {
 
 /// Mean error of both surfaces in voxels, with particles that stop at one point of their voxels or another, and with or
 /// without the last way to the steepest slope.
-Error error_with(StopPoint point, int rounds, const Study& study, const Image& fine, const char* name) {
+Error error_with(dynamics::StopPoint point, int rounds, const Study& study, const Image& fine, const char* name) {
   VentricleOptions options = ventricle_preset("edges");
   options.evolution.stop.point = point;
   options.settle.rounds = rounds;
-  options.field = SteadyGvf{};
+  options.field = field::SteadyGvf{};
   const VentricleResult result = reconstruct(study, options);
   const Gate& gate = result.gates.front();
   Error both;
@@ -95,9 +96,9 @@ Error error_with(StopPoint point, int rounds, const Study& study, const Image& f
 }
 
 void expect_subvoxel(const Study& study, const Image& fine, const char* name) {
-  const Error entry = error_with(StopPoint::entry, 0, study, fine, name);
-  const Error subvoxel = error_with(StopPoint::subvoxel, 0, study, fine, name);
-  const Error settled = error_with(StopPoint::subvoxel, Settle{}.rounds, study, fine, name);
+  const Error entry = error_with(dynamics::StopPoint::entry, 0, study, fine, name);
+  const Error subvoxel = error_with(dynamics::StopPoint::subvoxel, 0, study, fine, name);
+  const Error settled = error_with(dynamics::StopPoint::subvoxel, Settle{}.rounds, study, fine, name);
   for (const Error& error : {entry, subvoxel, settled}) ASSERT_GT(error.vertices, 500);
   EXPECT_GT(entry.mean_voxels, 0.35) << name;  // about half a voxel: the near face of a voxel round the border
   // The stop alone: the edge detector's own blur (1 pixel) moves edges of curved walls inwards.
@@ -107,22 +108,22 @@ void expect_subvoxel(const Study& study, const Image& fine, const char* name) {
 }
 
 TEST(SubvoxelStop, PutsTheSurfacesOfTheHebronPhantomOnTheSteepestSlope) {
-  expect_subvoxel(make_phantom(Hebron{}).study, fine_image(Hebron{}), "hebron");
+  expect_subvoxel(synthetic::make_phantom(synthetic::Hebron{}).study, fine_image(synthetic::Hebron{}), "hebron");
 }
 
 TEST(SubvoxelStop, PutsTheSurfacesOfVirtualPatientsOnTheSteepestSlope) {
   for (const double edv_ml : {110.0, 200.0}) {
-    VirtualPatient patient;
+    synthetic::VirtualPatient patient;
     patient.gates = 1;
     patient.edv_ml = edv_ml;
     for (const bool noisy : {false, true}) {
-      patient.noise = noisy ? Noise{120, 8, 0, 3} : Noise{0, 0, 0, 1};
+      patient.noise = noisy ? synthetic::Noise{120, 8, 0, 3} : synthetic::Noise{0, 0, 0, 1};
       const std::string name =
           "patient of " + std::to_string(static_cast<int>(edv_ml)) + (noisy ? " mL, noisy" : " mL, without noise");
-      expect_subvoxel(make_phantom(patient).study, fine_image(patient), name.c_str());
+      expect_subvoxel(synthetic::make_phantom(patient).study, fine_image(patient), name.c_str());
     }
   }
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -11,15 +11,15 @@
 #include "dynasurf/ventricle/presets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// A ball of 30 mm as if it had come to rest, and voxels around it.
-EvolutionResult ball_at_rest() {
-  EvolutionResult evolved;
-  evolved.mesh = icosphere(3);
+dynamics::EvolutionResult ball_at_rest() {
+  dynamics::EvolutionResult evolved;
+  evolved.mesh = mesh::icosphere(3);
   for (Vec3& p : evolved.mesh.vertices) p = 30 * p + Vec3(40, 40, 40);
-  evolved.reason = StopReason::all_stopped;
+  evolved.reason = dynamics::StopReason::all_stopped;
   evolved.stopped_fraction = 1;
   return evolved;
 }
@@ -40,7 +40,7 @@ TEST(MeasureSurface, SaysThatAGoodSurfaceIsOne) {
 }
 
 TEST(MeasureSurface, FreesASurfaceThatCutsItselfAndTells) {
-  EvolutionResult evolved = ball_at_rest();
+  dynamics::EvolutionResult evolved = ball_at_rest();
   evolved.mesh.vertices[0] -= Vec3(2.4 * (evolved.mesh.vertices[0] - Vec3(40, 40, 40)));
   const Surface s = measure_surface(evolved, voxels(), std::nullopt, {.shape = 0});
   EXPECT_TRUE(s.repair.check.valid());
@@ -66,10 +66,10 @@ TEST(MeasureSurface, CutAtAPlaneIsStillFitToPublish) {
 class VirtualPatients : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(VirtualPatients, HaveValidSurfacesWithSoundTrianglesOfTheSameVolume) {
-  VirtualPatient patient;
+  synthetic::VirtualPatient patient;
   patient.gates = 3;
   patient.noise.seed = GetParam();
-  const Study study = make_phantom(patient).study;
+  const Study study = synthetic::make_phantom(patient).study;
   VentricleOptions raw = ventricle_preset("edges");
   raw.tidy = {.shape = 0, .untangle_rounds = 0};
   const VentricleResult with = reconstruct(study, ventricle_preset("edges")), without = reconstruct(study, raw);
@@ -95,14 +95,16 @@ TEST(VirtualPatientsAtRandom, HaveSurfacesThatAreValidOrSaidNotToBe) {
   // Small and large, with defects, gut and noise. The mesh is looked at again, not only its certificate.
   int surfaces = 0;
   for (const std::uint64_t seed : {11, 12, 13, 14, 15, 16}) {
-    VirtualPatient patient;
+    synthetic::VirtualPatient patient;
     patient.gates = 2;
     patient.edv_ml = 45 + 35.0 * static_cast<double>(seed - 11);
     patient.ef_percent = seed % 2 == 0 ? 70 : 35;
-    patient.defect = seed % 3 == 0 ? Defect::apical : seed % 3 == 1 ? Defect::none : Defect::lateral;
+    patient.defect = seed % 3 == 0   ? synthetic::Defect::apical
+                     : seed % 3 == 1 ? synthetic::Defect::none
+                                     : synthetic::Defect::lateral;
     patient.gut_amplitude = seed % 2 == 0 ? 0.8 : 0;
     patient.noise = {60, 8, 0, seed};
-    const VentricleResult result = reconstruct(make_phantom(patient).study, ventricle_preset("edges"));
+    const VentricleResult result = reconstruct(synthetic::make_phantom(patient).study, ventricle_preset("edges"));
     const bool is_told = std::any_of(result.flags.begin(), result.flags.end(),
                                      [](const QualityFlag& f) { return f.code == "surface_invalid"; });
     for (const Gate& gate : result.gates)
@@ -110,16 +112,16 @@ TEST(VirtualPatientsAtRandom, HaveSurfacesThatAreValidOrSaidNotToBe) {
         if (!*wall) continue;
         ++surfaces;
         const TriMesh& mesh = (*wall)->mesh;
-        const Topology t = topology(mesh);
+        const mesh::Topology t = mesh::topology(mesh);
         const bool is_valid =
-            t.closed() && t.oriented() && t.components == 1 && t.euler == 2 && self_intersections(mesh).free();
+            t.closed() && t.oriented() && t.components == 1 && t.euler == 2 && mesh::self_intersections(mesh).free();
         EXPECT_EQ(is_valid, (*wall)->repair.check.valid()) << "seed " << seed;
         EXPECT_TRUE(is_valid || is_told) << "seed " << seed;
-        EXPECT_GT(volume_mm3(mesh), 0);  // right side out
+        EXPECT_GT(mesh::volume_mm3(mesh), 0);  // right side out
       }
   }
   EXPECT_GE(surfaces, 20);  // of 24
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -11,7 +11,7 @@
 #include "dynasurf/synthetic/ventricle_shape.hpp"
 #include "dynasurf/ventricle/lv_volumes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
@@ -28,7 +28,7 @@ std::vector<double> averaged_heart(int gates, double edv, double esv, double lat
   std::vector<double> values;
   for (int g = 0; g < gates; ++g) {
     double sum = 0;
-    for (int s = 0; s < steps; ++s) sum += filling_at((g + late + (s + 0.5) / steps) / gates);
+    for (int s = 0; s < steps; ++s) sum += synthetic::filling_at((g + late + (s + 0.5) / steps) / gates);
     values.push_back(esv + (edv - esv) * sum / steps);
   }
   return values;
@@ -138,4 +138,4 @@ TEST(VolumeCurveFit, HasRatesPerSecondOnlyWhenTheIntervalIsKnown) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -7,11 +7,11 @@
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 TriMesh ellipsoid(const Vec3& half, const Vec3& centre, int level = 4) {
-  TriMesh mesh = icosphere(level);
+  TriMesh mesh = mesh::icosphere(level);
   for (Vec3& p : mesh.vertices) p = centre + p.cwiseProduct(half);
   return mesh;
 }
@@ -43,7 +43,7 @@ TEST(WallThickness, IsThatOfAnEllipsoidalShellAlongItsAxes) {
   // Normals at the six ends of the axes run along the axes, so the thickness there is the difference of the half axes.
   const WallThickness wall =
       wall_thickness(ellipsoid({20, 25, 40}, Vec3::Zero()), ellipsoid({28, 36, 45}, Vec3::Zero()), open_axes());
-  const TriMesh sphere = icosphere(4);
+  const TriMesh sphere = mesh::icosphere(4);
   int ends = 0;
   for (std::size_t v = 0; v < sphere.vertices.size(); ++v)
     for (int axis = 0; axis < 3; ++axis)
@@ -59,8 +59,8 @@ TEST(WallThickness, IsThatOfAnEllipsoidalShellAlongItsAxes) {
 }
 
 TEST(WallThickness, OfTheHebronPhantomIs15Millimetres) {
-  const Phantom hebron = make_phantom(PhantomOptions{Hebron{}});
-  const TrueGate& truth = hebron.truth.front();
+  const synthetic::Phantom hebron = synthetic::make_phantom(synthetic::PhantomOptions{synthetic::Hebron{}});
+  const synthetic::TrueGate& truth = hebron.truth.front();
   ASSERT_FALSE(truth.endo.vertices.empty());
   const auto axes = axes_of(truth.endo, truth.epi, Vec3(0, 0, 0), Vec3(0, 0, 1), Vec3(0, -1, 0), std::nullopt);
   ASSERT_TRUE(axes);
@@ -100,4 +100,4 @@ TEST(WallThickness, LeavesTheLidOut) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -20,54 +20,54 @@ using namespace dynasurf;
 
 /// An egg that looks different from every side, as a surface of any fineness.
 TriMesh egg(int level) {
-  TriMesh mesh = icosphere(level);
+  TriMesh mesh = mesh::icosphere(level);
   for (Vec3& p : mesh.vertices)
     p = Vec3(p[0], 1.4 * p[1], 0.8 * p[2]) * (1 + 0.25 * std::exp(3 * (p[0] - 1))) + Vec3(10, 20, 30);
   return mesh;
 }
 
 /// With `half` the side of small x is not scanned.
-CloudRun run_of(std::initializer_list<int> levels, bool colours, bool half = false) {
-  CloudRun run;
+report::CloudRun run_of(std::initializer_list<int> levels, bool colours, bool half = false) {
+  report::CloudRun run;
   const TriMesh fine = egg(5);
   PointCloud& cloud = run.result.used;
-  for (const SurfaceSample& p : sample_surface(fine, 6000)) {
-    if (half && position_of(fine, p)[0] < 10) continue;
-    cloud.points.push_back(position_of(fine, p));
+  for (const mesh::SurfaceSample& p : mesh::sample_surface(fine, 6000)) {
+    if (half && mesh::position_of(fine, p)[0] < 10) continue;
+    cloud.points.push_back(mesh::position_of(fine, p));
     if (colours) cloud.colours.push_back({static_cast<std::uint8_t>(cloud.points.back()[0] > 10 ? 220 : 40), 80, 60});
   }
   run.sources.push_back({"PLY", cloud.points.size(), 0});
-  CloudFacts& facts = run.result.facts;
+  cloud::CloudFacts& facts = run.result.facts;
   facts.points = facts.points_used = cloud.points.size();
   facts.spacing = 0.05;
   facts.cells = 64;
   facts.parts = 1;
   for (const int level : levels) {
-    CloudLevel made;
+    cloud::CloudLevel made;
     made.mesh = egg(level);
     made.triangles_asked = static_cast<int>(made.mesh.triangles.size());
     run.result.levels.push_back(std::move(made));
   }
-  const KdTree neighbours(cloud.points);
-  for (CloudLevel& level : run.result.levels) {
-    Comparison comparison = compare(level.mesh, neighbours);
+  const cloud::KdTree neighbours(cloud.points);
+  for (cloud::CloudLevel& level : run.result.levels) {
+    cloud::Comparison comparison = cloud::compare(level.mesh, neighbours);
     level.certificate = comparison.certificate;
     level.errors = std::move(comparison.errors);
-    level.confidence = confidences(level.mesh, {cloud.points, neighbours, facts});
-    level.colours = colours_at_vertices(level.mesh, cloud, neighbours);
+    level.confidence = cloud::confidences(level.mesh, {cloud.points, neighbours, facts});
+    level.colours = cloud::colours_at_vertices(level.mesh, cloud, neighbours);
   }
   if (!run.result.levels.empty()) facts.diagonal = run.result.levels[0].certificate.cloud_diagonal;
   if (!run.result.levels.empty()) {
-    measure_support(run.result.levels[0], {cloud.points, neighbours, facts}, run.result.support);
-    run.result.notes = doubts_of(run.result.support);
+    cloud::measure_support(run.result.levels[0], {cloud.points, neighbours, facts}, run.result.support);
+    run.result.notes = cloud::doubts_of(run.result.support);
   }
   run.result.notes.push_back({Severity::info, "cloud.noise", "the points are clean"});
   run.seconds = {{"read", 0.01}, {"levels", 0.5}};
   return run;
 }
 
-Provenance provenance() {
-  Provenance p;
+report::Provenance provenance() {
+  report::Provenance p;
   p.program_version = "0.1.0";
   p.commit = "0123456789ab";
   p.command = "dynasurf cloud CLOUD --out RESULT --preset shaped";
@@ -76,21 +76,21 @@ Provenance provenance() {
   return p;
 }
 
-void write_sample(const std::filesystem::path& folder, const CloudRun& run) {
+void write_sample(const std::filesystem::path& folder, const report::CloudRun& run) {
   std::filesystem::create_directories(folder);
   std::ofstream file(folder / "results.json", std::ios::binary);
-  file << cloud_results_json(run, provenance()).dump(2) << "\n";
+  file << report::cloud_results_json(run, provenance()).dump(2) << "\n";
   if (!file.flush()) throw std::runtime_error("cannot write " + folder.string());
-  write_cloud_report(run, provenance(), folder / "report.html");
+  report::write_cloud_report(run, provenance(), folder / "report.html");
 }
 
 void write_instances(int count, const std::filesystem::path& path) {
   const std::vector<TriMesh> levels{egg(4), egg(3), egg(2)};
-  const std::vector<LodTransition> transitions{lod_transition(levels[1], levels[0]),
-                                               lod_transition(levels[2], levels[1])};
-  LodPage options;
+  const std::vector<cloud::LodTransition> transitions{cloud::lod_transition(levels[1], levels[0]),
+                                                      cloud::lod_transition(levels[2], levels[1])};
+  report::LodPage options;
   options.instances = count;
-  write_lod_page(levels, transitions, options, path);
+  report::write_lod_page(levels, transitions, options, path);
 }
 
 }  // namespace
@@ -105,10 +105,10 @@ int main(int count, char** arguments) {
     write_sample(folder / "results" / "ok", run_of({4, 3, 2}, true));
     write_sample(folder / "results" / "one", run_of({3}, false));
     write_sample(folder / "results" / "half", run_of({4, 3}, false, true));
-    CloudRun broken = run_of({3, 2}, false);
+    report::CloudRun broken = run_of({3, 2}, false);
     TriMesh& mesh = broken.result.levels[1].mesh;
     mesh.triangles.pop_back();
-    broken.result.levels[1].certificate = certify(mesh, broken.result.used);
+    broken.result.levels[1].certificate = cloud::certify(mesh, broken.result.used);
     write_sample(folder / "results" / "broken", broken);
     write_sample(folder / "results" / "empty", run_of({}, false));
     write_instances(200, folder / "instances.html");

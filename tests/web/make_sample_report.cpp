@@ -18,12 +18,12 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
   if (!file.flush()) throw IoError("cannot write " + path.string());
 }
 
-void write_sample(const std::filesystem::path& folder, const VentricleResult& result) {
-  const Provenance provenance = test::sample_provenance();
+void write_sample(const std::filesystem::path& folder, const ventricle::VentricleResult& result) {
+  const report::Provenance provenance = test::sample_provenance();
   std::filesystem::create_directories(folder);
-  write_text(folder / "results.json", results_json(result, provenance).dump(2) + "\n");
-  write_text(folder / "results.csv", results_csv(result));
-  write_report(result, provenance, folder / "report.html");
+  write_text(folder / "results.json", report::results_json(result, provenance).dump(2) + "\n");
+  write_text(folder / "results.csv", report::results_csv(result));
+  report::write_report(result, provenance, folder / "report.html");
 }
 
 }  // namespace

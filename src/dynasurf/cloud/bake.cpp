@@ -8,7 +8,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr std::size_t points_per_texel = 6;
@@ -76,9 +76,9 @@ Vec3 tangent_to(const Vec3& normal, const Vec3& along) {
   return tangent.stableNorm() > 1e-9 * along.stableNorm() ? Vec3(tangent.stableNormalized()) : normal.unitOrthogonal();
 }
 
-std::vector<TexturedMesh::Corner> corners_of(const TriMesh& mesh, const Atlas& atlas) {
+std::vector<mesh::TexturedMesh::Corner> corners_of(const TriMesh& mesh, const Atlas& atlas) {
   const std::vector<Vec3> normals = vertex_normals(mesh);
-  std::vector<TexturedMesh::Corner> corners;
+  std::vector<mesh::TexturedMesh::Corner> corners;
   corners.reserve(3 * mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& triangle = mesh.triangles[t];
@@ -142,13 +142,13 @@ class Baker {
 
 }  // namespace
 
-TexturedMesh bake_textures(const TriMesh& mesh, const PointCloud& cloud) {
+mesh::TexturedMesh bake_textures(const TriMesh& mesh, const PointCloud& cloud) {
   if (mesh.triangles.empty()) throw InputError("textures for a mesh without triangles");
   if (cloud.points.empty() || cloud.normals.size() != cloud.points.size())
     throw InputError("textures from a cloud without a normal for each point");
   const Atlas atlas = atlas_for(mesh.triangles.size(), cloud.points.size());
   const auto width = static_cast<int>(atlas.width()), height = static_cast<int>(atlas.height());
-  TexturedMesh out;
+  mesh::TexturedMesh out;
   out.corners = corners_of(mesh, atlas);
   out.normals = {width, height, {}};
   // Flat where no triangle is.
@@ -165,7 +165,7 @@ TexturedMesh bake_textures(const TriMesh& mesh, const PointCloud& cloud) {
         if (triangle >= mesh.triangles.size()) continue;
         Vec3 place(0, 0, 0), normal(0, 0, 0), along(0, 0, 0);
         for (std::size_t i = 0; i < 3; ++i) {
-          const TexturedMesh::Corner& corner = out.corners[3 * triangle + i];
+          const mesh::TexturedMesh::Corner& corner = out.corners[3 * triangle + i];
           const double w = weight[static_cast<Eigen::Index>(i)];
           place += w * corner.position;
           normal += w * corner.normal.cast<double>();
@@ -180,4 +180,4 @@ TexturedMesh bake_textures(const TriMesh& mesh, const PointCloud& cloud) {
   return out;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -3,7 +3,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/mesh/textured_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// What a coarse level lacks, as textures: the directions of the points' normals, and their colours where they have
 /// any. Every triangle has half a square of its own, with room around it for filtering, as large as the points on it
@@ -11,6 +11,6 @@ namespace dynasurf {
 /// away from the surface there; without any, the normal of the surface. The points' normals must be oriented, one for
 /// each; `orient` finds them. The same for any number of threads. Throws InputError for a mesh without triangles or a
 /// cloud without normals.
-TexturedMesh bake_textures(const TriMesh& mesh, const PointCloud& cloud);
+mesh::TexturedMesh bake_textures(const TriMesh& mesh, const PointCloud& cloud);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -11,13 +11,13 @@
 #include "dynasurf/mesh/marching.hpp"
 #include "dynasurf/mesh/measures.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 /// Of a surface from marching cubes: closed, manifold, all vertices in use.
 BodyTopology kind_of(const TriMesh& mesh) {
   std::uint32_t parts = 0;
-  components_of(mesh, parts);
+  mesh::components_of(mesh, parts);
   const auto euler =
       static_cast<std::ptrdiff_t>(mesh.vertices.size()) - static_cast<std::ptrdiff_t>(mesh.triangles.size() / 2);
   return {static_cast<int>(parts), static_cast<int>(static_cast<std::ptrdiff_t>(parts) - euler / 2)};
@@ -43,15 +43,15 @@ double firmness_of(std::span<const IndicatorField> fields, std::span<const Vec3>
 }  // namespace
 
 TriMesh body_surface(const IndicatorField& field, double level, std::span<const Vec3> points, double smallest_share) {
-  TriMesh mesh = marching_cubes(field.value, level);
+  TriMesh mesh = mesh::marching_cubes(field.value, level);
   for (Vec3& p : mesh.vertices) p = field.origin + field.side * p;
   std::uint32_t count = 0;
-  const std::vector<std::uint32_t> part = components_of(mesh, count);
+  const std::vector<std::uint32_t> part = mesh::components_of(mesh, count);
   if (count <= 1) return mesh;
   constexpr std::size_t samples = 4000;
   const std::size_t step = std::max<std::size_t>(1, points.size() / samples);
   std::vector<std::uint32_t> nearest((points.size() + step - 1) / step);
-  const ClosestPoint closest(mesh);
+  const mesh::ClosestPoint closest(mesh);
   parallel_for(nearest.size(), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) nearest[i] = part[closest(points[i * step]).triangle];
   });
@@ -65,7 +65,7 @@ TriMesh body_surface(const IndicatorField& field, double level, std::span<const 
   kept[static_cast<std::size_t>(most)] = 1;
   std::vector<std::uint8_t> marks(part.size());
   for (std::size_t t = 0; t < part.size(); ++t) marks[t] = kept[part[t]];
-  return submesh(mesh, marks);
+  return mesh::submesh(mesh, marks);
 }
 
 Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> points, const CloudOptions& options,
@@ -154,4 +154,4 @@ Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> point
   return std::move(*taken);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -12,7 +12,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/repair.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr std::size_t samples_of_mesh = 50000;
@@ -72,12 +72,12 @@ struct Spread {
 template <class Visit>
 void visit_nearest(const TriMesh& mesh, std::span<const KdTree::Place> points, const Visit& visit) {
   constexpr std::size_t block = std::size_t{1} << 16;  // bounds the memory
-  const ClosestPoint closest(mesh);
-  std::vector<SurfacePoint> found(std::min(block, points.size()));
+  const mesh::ClosestPoint closest(mesh);
+  std::vector<mesh::SurfacePoint> found(std::min(block, points.size()));
   for (std::size_t done = 0; done < points.size(); done += block) {
     const std::size_t count = std::min(block, points.size() - done);
     parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
-      std::uint32_t guess = SurfacePoint::none;  // near points lie near the same triangle
+      std::uint32_t guess = mesh::SurfacePoint::none;  // near points lie near the same triangle
       for (std::size_t i = begin; i < end; ++i) {
         found[i] = closest.from_guess(points[done + i].point, guess);
         guess = found[i].triangle;
@@ -91,7 +91,7 @@ void visit_nearest(const TriMesh& mesh, std::span<const KdTree::Place> points, c
 Spread spread_of_cloud(const TriMesh& mesh, std::span<const KdTree::Place> points, std::vector<float>& errors) {
   Spread spread;
   std::vector<double> sum(mesh.vertices.size(), 0), weight(mesh.vertices.size(), 0);
-  visit_nearest(mesh, points, [&](const SurfacePoint& p) {
+  visit_nearest(mesh, points, [&](const mesh::SurfacePoint& p) {
     const double distance = std::sqrt(p.distance2);
     spread.add(distance, points.size());
     for (std::size_t corner = 0; corner < 3; ++corner) {
@@ -120,8 +120,8 @@ Spread spread_of_mesh(const std::vector<Vec3>& points, const KdTree& cloud) {
 Comparison compare(const TriMesh& mesh, const KdTree& cloud) {
   Comparison result;
   Certificate& c = result.certificate;
-  const SurfaceCheck check = check_surface(mesh);
-  const Topology top = topology(mesh);
+  const mesh::SurfaceCheck check = mesh::check_surface(mesh);
+  const mesh::Topology top = mesh::topology(mesh);
   c.vertices = mesh.vertices.size();
   c.triangles = mesh.triangles.size();
   c.closed = check.closed;
@@ -132,8 +132,8 @@ Comparison compare(const TriMesh& mesh, const KdTree& cloud) {
   c.components = top.components;
   if (c.closed && c.manifold && c.oriented) c.genus = top.components - static_cast<int>(top.euler / 2);
   measure_angles(mesh, c);
-  c.volume = volume_mm3(mesh);
-  c.area = area_mm2(mesh);
+  c.volume = mesh::volume_mm3(mesh);
+  c.area = mesh::area_mm2(mesh);
   c.outward = c.volume > 0;
   result.errors.assign(mesh.vertices.size(), -1);
   if (cloud.places().empty() || mesh.triangles.empty()) return result;
@@ -155,4 +155,4 @@ Certificate certify(const TriMesh& mesh, const PointCloud& cloud) {
   return compare(mesh, KdTree(cloud.points)).certificate;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -7,7 +7,7 @@
 #include "dynasurf/core/point_cloud.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// What a mesh is, computed from its triangles alone and without tolerances, and how far it lies from a cloud. Lengths
 /// are in the cloud's unit.
@@ -53,4 +53,4 @@ struct Comparison {
 /// The certificate against points whose tree is at hand, and what their distances say at each vertex.
 Comparison compare(const TriMesh& mesh, const KdTree& cloud);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

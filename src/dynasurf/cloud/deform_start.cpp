@@ -11,26 +11,27 @@
 #include "dynasurf/mesh/sample_surface.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 /// What draws particles: the border voxels of a surface, and the field that leads to them.
 struct Pull {
   CloudVoxels voxels;
-  VectorField field;
+  field::VectorField field;
 };
 
 Pull pull_of(const TriMesh& target, const Progress& progress) {
   constexpr std::size_t samples = 60000;  // several for each voxel that the surface passes
   std::vector<Vec3> points;
-  for (const SurfaceSample& s : sample_surface(target, samples)) points.push_back(position_of(target, s));
+  for (const mesh::SurfaceSample& s : mesh::sample_surface(target, samples))
+    points.push_back(mesh::position_of(target, s));
   Pull pull{voxelise(points), {}};
-  pull.field = flow_field(pull.voxels.border, SteadyGvf{}, progress).field;
+  pull.field = field::flow_field(pull.voxels.border, field::SteadyGvf{}, progress).field;
   return pull;
 }
 
 /// One step of all particles that have not met the border.
-void follow(SurfaceEditor& surface, const Pull& pull) {
+void follow(mesh::SurfaceEditor& surface, const Pull& pull) {
   constexpr double step = 0.4;  // voxels: a border of one voxel is not stepped over
   const Image& border = pull.voxels.border;
   const std::vector<Vec3> safe(surface.positions().begin(), surface.positions().end());
@@ -40,29 +41,29 @@ void follow(SurfaceEditor& surface, const Pull& pull) {
     Index3 at = voxel_of(border.grid, p);
     for (std::size_t a = 0; a < 3; ++a) at[a] = std::clamp(at[a], 0, border.grid.dims[a] - 1);
     if (border(at[0], at[1], at[2]) != 0) continue;
-    const Vec3 way = sample(pull.field, p, Sampling::trilinear);
+    const Vec3 way = field::sample(pull.field, p, field::Sampling::trilinear);
     if (way.norm() > 0) p += step * way.normalized();
   }
-  revert_self_intersections(surface, safe);
+  mesh::revert_self_intersections(surface, safe);
 }
 
 /// Triangles of even size and shape on the surface as it stands.
-void even_out(SurfaceEditor& surface, std::size_t triangles) {
-  refine(surface, triangles + triangles / 2);
-  simplify(surface, {.triangles = triangles, .evenness = 0.05});
-  flip_to_larger_angles(surface, 30);
+void even_out(mesh::SurfaceEditor& surface, std::size_t triangles) {
+  mesh::refine(surface, triangles + triangles / 2);
+  mesh::simplify(surface, {.triangles = triangles, .evenness = 0.05});
+  mesh::flip_to_larger_angles(surface, 30);
   const std::vector<Vec3> safe(surface.positions().begin(), surface.positions().end());
   const TriMesh shape = surface.mesh();
-  const ClosestPoint on_shape(shape);
-  relax(surface, std::vector<double>(surface.vertex_slots(), 1), on_shape, shape, 2, 30);
-  revert_self_intersections(surface, safe);
+  const mesh::ClosestPoint on_shape(shape);
+  mesh::relax(surface, std::vector<double>(surface.vertex_slots(), 1), on_shape, shape, 2, 30);
+  mesh::revert_self_intersections(surface, safe);
 }
 
 TriMesh deform_part(const TriMesh& target, CloudStart start, const Progress& progress) {
   constexpr struct { int level, steps; } passes[] = {{3, 100}, {4, 40}};
   constexpr int evened_every = 10;
   const Pull pull = pull_of(target, {{}, progress.stop});
-  SurfaceEditor surface(start_mesh(pull.voxels.border, passes[0].level, placement_of(start)));
+  mesh::SurfaceEditor surface(mesh::start_mesh(pull.voxels.border, passes[0].level, placement_of(start)));
   std::vector<TriMesh> states;
   for (const auto& [level, steps] : passes) {
     const std::size_t triangles = std::size_t{20} << 2 * level;
@@ -81,7 +82,7 @@ TriMesh deform_part(const TriMesh& target, CloudStart start, const Progress& pro
     TriMesh mesh = std::move(states.back());
     states.pop_back();
     for (Vec3& p : mesh.vertices) p = pull.voxels.origin + pull.voxels.side * p;
-    if (states.empty() || self_intersections(mesh).free()) return mesh;
+    if (states.empty() || mesh::self_intersections(mesh).free()) return mesh;
   }
 }
 
@@ -89,12 +90,12 @@ TriMesh deform_part(const TriMesh& target, CloudStart start, const Progress& pro
 
 TriMesh deform_start(const TriMesh& target, CloudStart start, const Progress& progress) {
   std::uint32_t count = 0;
-  const std::vector<std::uint32_t> part = components_of(target, count);
+  const std::vector<std::uint32_t> part = mesh::components_of(target, count);
   TriMesh all;
   std::vector<std::uint8_t> marks(part.size());
   for (std::uint32_t n = 0; n < count; ++n) {
     std::transform(part.begin(), part.end(), marks.begin(), [n](std::uint32_t p) { return p == n; });
-    const TriMesh mesh = deform_part(submesh(target, marks), start, progress);
+    const TriMesh mesh = deform_part(mesh::submesh(target, marks), start, progress);
     const auto first = static_cast<std::uint32_t>(all.vertices.size());
     all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
     for (const auto& [a, b, c] : mesh.triangles) all.triangles.push_back({first + a, first + b, first + c});
@@ -102,4 +103,4 @@ TriMesh deform_start(const TriMesh& target, CloudStart start, const Progress& pr
   return all;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

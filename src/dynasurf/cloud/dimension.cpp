@@ -8,7 +8,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr int scales = 14;
@@ -56,4 +56,4 @@ double smallest_dimension(std::span<const Vec3> points) {
   return counts[2] >= few ? smallest : 0;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

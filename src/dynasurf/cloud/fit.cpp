@@ -16,7 +16,7 @@
 #include "dynasurf/mesh/relax.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr std::size_t grain = 1024;
@@ -95,8 +95,8 @@ class Fit {
   /// move far, and are asked all.
   double find_nearest() {
     constexpr std::size_t few = 1000;
-    std::optional<ClosestPoint> closest;
-    const bool is_first = on_.front().triangle == SurfacePoint::none;
+    std::optional<mesh::ClosestPoint> closest;
+    const bool is_first = on_.front().triangle == mesh::SurfacePoint::none;
     if (is_first || mesh_.triangles.size() <= few) closest.emplace(mesh_);
     return parallel_sum(on_.size(), grain,
                         [&](std::size_t begin, std::size_t end) {
@@ -112,20 +112,20 @@ class Fit {
            static_cast<double>(on_.size());
   }
 
-  SurfacePoint nearest_in(const Vec3& p, std::uint32_t t) const {
+  mesh::SurfacePoint nearest_in(const Vec3& p, std::uint32_t t) const {
     const auto& [a, b, c] = mesh_.triangles[t];
-    return closest_on_triangle(p, mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c], t);
+    return mesh::closest_on_triangle(p, mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c], t);
   }
 
   /// The nearest place from triangle to triangle, starting in one, until none around is nearer.
-  SurfacePoint follow(const Vec3& p, std::uint32_t triangle) const {
-    SurfacePoint best = nearest_in(p, triangle);
+  mesh::SurfacePoint follow(const Vec3& p, std::uint32_t triangle) const {
+    mesh::SurfacePoint best = nearest_in(p, triangle);
     for (bool any = true; any && *std::min_element(best.weights.begin(), best.weights.end()) <= 0;) {
       any = false;
       const auto corner = std::max_element(best.weights.begin(), best.weights.end()) - best.weights.begin();
       const std::uint32_t v = mesh_.triangles[best.triangle][static_cast<std::size_t>(corner)];
       for (std::uint32_t i = rows_.first[v]; i < rows_.first[v + 1]; ++i) {
-        const SurfacePoint other = nearest_in(p, rows_.triangle[i]);
+        const mesh::SurfacePoint other = nearest_in(p, rows_.triangle[i]);
         if (other.distance2 < best.distance2) best = other, any = true;
       }
     }
@@ -135,7 +135,7 @@ class Fit {
   void gather(double mean) {
     // Points in the order of their triangles, so that triangles can be worked on apart.
     std::vector<std::uint32_t> first(mesh_.triangles.size() + 1, 0), order(on_.size());
-    for (const SurfacePoint& s : on_) ++first[s.triangle + 1];
+    for (const mesh::SurfacePoint& s : on_) ++first[s.triangle + 1];
     for (std::size_t t = 0; t + 1 < first.size(); ++t) first[t + 1] += first[t];
     std::vector<std::uint32_t> at(first.begin(), first.end() - 1);
     for (std::uint32_t i = 0; i < on_.size(); ++i) order[at[on_[i].triangle]++] = i;
@@ -157,7 +157,7 @@ class Fit {
   void add_point(Pull& pull, std::uint32_t i, const Vec3& facing, double share, double soft) const {
     constexpr double along = 0.02;  // the share of the pull along the surface
     if (!to_.normals.empty() && to_.normals[i].dot(facing) < -0.2) return;
-    const SurfacePoint& s = on_[i];
+    const mesh::SurfacePoint& s = on_[i];
     const auto& t = mesh_.triangles[s.triangle];
     const Vec3 place =
         s.weights[0] * mesh_.vertices[t[0]] + s.weights[1] * mesh_.vertices[t[1]] + s.weights[2] * mesh_.vertices[t[2]];
@@ -256,9 +256,9 @@ class Fit {
         const Vec3 &a = before[t[0]], &b = before[t[1]], &c = before[t[2]];
         const Vec3 &x = mesh_.vertices[t[0]], &y = mesh_.vertices[t[1]], &z = mesh_.vertices[t[2]];
         const Vec3 old = (b - a).cross(c - a), now = (y - x).cross(z - x);
-        const double sine = sine_of_smallest_angle(x, y, z);
+        const double sine = mesh::sine_of_smallest_angle(x, y, z);
         const bool turned = old.dot(now) < turn * old.norm() * now.norm();
-        if (!turned && (sine >= least || sine >= sine_of_smallest_angle(a, b, c))) continue;
+        if (!turned && (sine >= least || sine >= mesh::sine_of_smallest_angle(a, b, c))) continue;
         any = true;
         for (const std::uint32_t v : t) is_bad[v] = 1;
       }
@@ -274,13 +274,13 @@ class Fit {
   const FitPoints& to_;
   const FitOptions& o_;
   Rows rows_;
-  std::vector<SurfacePoint> on_;
+  std::vector<mesh::SurfacePoint> on_;
   std::vector<Pull> pulls_;
 };
 
 }  // namespace
 
-double fit(SurfaceEditor& surface, const FitPoints& to, const FitOptions& options) {
+double fit(mesh::SurfaceEditor& surface, const FitPoints& to, const FitOptions& options) {
   if (to.points.empty()) return 0;
   std::vector<std::uint32_t> slots;
   const TriMesh start = surface.mesh(&slots);
@@ -299,20 +299,20 @@ double fit(SurfaceEditor& surface, const FitPoints& to, const FitOptions& option
     return mean;
   };
   const double mean = rounds([](const TriMesh&) {});
-  if (self_intersections(surface.mesh()).free()) return mean;
+  if (mesh::self_intersections(surface.mesh()).free()) return mean;
   take_over(start);
   // Seldom so: then each round answers for itself.
   return rounds([&](TriMesh& mesh) {
     const std::vector<Vec3> safe(surface.positions().begin(), surface.positions().end());
     take_over(mesh);
-    if (revert_self_intersections(surface, safe) > 0)
+    if (mesh::revert_self_intersections(surface, safe) > 0)
       for (std::size_t v = 0; v < slots.size(); ++v) mesh.vertices[v] = surface.position(slots[v]);
   });
 }
 
-double mean_distance(const SurfaceEditor& surface, std::span<const Vec3> points) {
+double mean_distance(const mesh::SurfaceEditor& surface, std::span<const Vec3> points) {
   const TriMesh mesh = surface.mesh();
-  const ClosestPoint closest(mesh);
+  const mesh::ClosestPoint closest(mesh);
   return parallel_sum(points.size(), grain,
                       [&](std::size_t begin, std::size_t end) {
                         double sum = 0;
@@ -322,4 +322,4 @@ double mean_distance(const SurfaceEditor& surface, std::span<const Vec3> points)
          static_cast<double>(std::max<std::size_t>(1, points.size()));
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -14,7 +14,7 @@
 #include "dynasurf/mesh/detail/submesh.hpp"
 #include "dynasurf/mesh/measures.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -225,7 +225,7 @@ Marks held_by_points(const TriMesh& mesh, const Scan& scan, double reach) {
 
 /// Euler's number of an open surface whose loops are closed by a disc each.
 long euler_when_closed(const TriMesh& open, const std::vector<Loop>& loops) {
-  return topology(open).euler + static_cast<long>(loops.size());
+  return mesh::topology(open).euler + static_cast<long>(loops.size());
 }
 
 /// A surface, lighter, and what of it the points hold.
@@ -237,12 +237,12 @@ struct Held {
 
 Held held_part(const TriMesh& surface, const Scan& scan, double reach) {
   constexpr std::size_t light = 16000;
-  SurfaceEditor lighter(surface);
+  mesh::SurfaceEditor lighter(surface);
   if (lighter.triangles() > light) make_lighter(lighter, light);
   Held held{lighter.mesh(), {}, 0};
   held.kept = held_by_points(held.whole, scan, reach);
-  const TriMesh open = submesh(held.whole, held.kept);
-  const Topology top = topology(open);
+  const TriMesh open = mesh::submesh(held.whole, held.kept);
+  const mesh::Topology top = mesh::topology(open);
   held.handles = top.components - static_cast<int>(euler_when_closed(open, loops_of(open)) / 2);
   return held;
 }
@@ -343,7 +343,7 @@ struct Torn {
 
 Torn tear(const TriMesh& whole, const Marks& kept) {
   constexpr double most = 3;  // pieces of the scan are more often one body than two
-  Torn torn{submesh(whole, kept), {}, {}, {}, {}};
+  Torn torn{mesh::submesh(whole, kept), {}, {}, {}, {}};
   const TriMesh& open = torn.open;
   torn.loops = loops_of(open);
   const std::vector<Rim> rims = rims_of(open, torn.loops);
@@ -444,4 +444,4 @@ std::optional<HoleFill> fill_holes(const IndicatorField& field, const OrientedPo
   return fill;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr float outside = -0.5f;
@@ -443,4 +443,4 @@ std::vector<IndicatorField> solve_indicator(const OrientedPoints& points, const 
   return fields;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

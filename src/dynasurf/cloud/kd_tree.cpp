@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr std::size_t leaf_size = 8;
@@ -117,4 +117,4 @@ void KdTree::keep(std::span<const std::uint8_t> kept) {
   places_.resize(at);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -8,7 +8,7 @@
 #include "dynasurf/mesh/relax.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 std::vector<Vec3> every(std::span<const Vec3> points, std::size_t step) {
@@ -19,24 +19,24 @@ std::vector<Vec3> every(std::span<const Vec3> points, std::size_t step) {
 
 /// Watching every collapse is slow where there are many, and seldom needed there: a surface that turns out to meet
 /// itself is made again under watch.
-void simplify_safely(SurfaceEditor& surface, const Simplify& options) {
+void simplify_safely(mesh::SurfaceEditor& surface, const mesh::Simplify& options) {
   constexpr std::size_t many = 12000;
   if (surface.triangles() <= options.triangles) return;
   if (surface.triangles() <= many) {
-    simplify(surface, options);
+    mesh::simplify(surface, options);
     return;
   }
-  SurfaceEditor unwatched = surface;
-  Simplify quick = options;
+  mesh::SurfaceEditor unwatched = surface;
+  mesh::Simplify quick = options;
   quick.exact = false;
-  simplify(unwatched, quick);
-  if (self_intersections(unwatched.mesh()).free())
+  mesh::simplify(unwatched, quick);
+  if (mesh::self_intersections(unwatched.mesh()).free())
     surface = std::move(unwatched);
   else
-    simplify(surface, options);
+    mesh::simplify(surface, options);
 }
 
-void collapse(SurfaceEditor& surface, std::size_t triangles, const LevelPlan& plan) {
+void collapse(mesh::SurfaceEditor& surface, std::size_t triangles, const LevelPlan& plan) {
   simplify_safely(surface,
                   {.triangles = triangles, .evenness = plan.evenness, .smallest_angle_deg = plan.collapse_angle_deg});
 }
@@ -46,7 +46,7 @@ constexpr std::size_t few = 640;
 
 }  // namespace
 
-void make_lighter(SurfaceEditor& surface, std::size_t triangles) {
+void make_lighter(mesh::SurfaceEditor& surface, std::size_t triangles) {
   simplify_safely(surface, {.triangles = triangles, .evenness = 1e-3});
 }
 
@@ -71,15 +71,15 @@ std::size_t step_of_fit(const LevelPlan& plan, std::size_t points, std::size_t t
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(static_cast<double>(points) / wanted)));
 }
 
-void lighten_for_level(SurfaceEditor& surface, std::size_t triangles, const LevelPlan& plan) {
+void lighten_for_level(mesh::SurfaceEditor& surface, std::size_t triangles, const LevelPlan& plan) {
   if (triangles > few) collapse(surface, triangles, plan);
 }
 
-std::size_t make_level(SurfaceEditor& surface, std::size_t triangles, const TriMesh& fine, const ClosestPoint& on_fine,
-                       const FitPoints& points, const LevelPlan& plan) {
+std::size_t make_level(mesh::SurfaceEditor& surface, std::size_t triangles, const TriMesh& fine,
+                       const mesh::ClosestPoint& on_fine, const FitPoints& points, const LevelPlan& plan) {
   if (triangles <= few && surface.triangles() > 3 * triangles)
     make_level(surface, 2 * triangles, fine, on_fine, points, plan);
-  if (surface.triangles() < triangles) refine(surface, triangles + triangles / 2);
+  if (surface.triangles() < triangles) mesh::refine(surface, triangles + triangles / 2);
   collapse(surface, triangles, plan);
   const std::size_t step = step_of_fit(plan, points.points.size(), triangles);
   const std::vector<Vec3> some = every(points.points, step), normals = every(points.normals, step);
@@ -90,20 +90,20 @@ std::size_t make_level(SurfaceEditor& surface, std::size_t triangles, const TriM
                      .noise = plan.noise};
   for (int round = 0; round < plan.rounds; ++round) {
     const bool is_last = round == plan.rounds - 1;
-    flip_to_larger_angles(surface, plan.largest_bend_deg);
+    mesh::flip_to_larger_angles(surface, plan.largest_bend_deg);
     if (plan.sweeps > 0) {
       const std::vector<Vec3> safe(surface.positions().begin(), surface.positions().end());
-      relax(surface, local_sizes(surface, 2), on_fine, fine, plan.sweeps, plan.raise_deg, plan.sharp_deg);
-      revert_self_intersections(surface, safe);
+      mesh::relax(surface, mesh::local_sizes(surface, 2), on_fine, fine, plan.sweeps, plan.raise_deg, plan.sharp_deg);
+      mesh::revert_self_intersections(surface, safe);
     }
     if (is_last) {
-      improve_smallest_angle(surface, plan.raise_deg, 8, plan.sharp_deg);
+      mesh::improve_smallest_angle(surface, plan.raise_deg, 8, plan.sharp_deg);
       fitting.rounds = plan.last_fits;
     }
     fit(surface, {some, normals}, fitting);
   }
-  improve_smallest_angle(surface, plan.smallest_angle_deg, 10, plan.sharp_deg);
+  mesh::improve_smallest_angle(surface, plan.smallest_angle_deg, 10, plan.sharp_deg);
   return surface.triangles();
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -7,7 +7,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -109,4 +109,4 @@ double share_of_plain_tessellation_percent(std::size_t triangles, std::size_t po
   return 100 * static_cast<double>(triangles) / (2 * static_cast<double>(points));
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

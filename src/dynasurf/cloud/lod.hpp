@@ -9,7 +9,7 @@
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 // Levels of detail (thesis 6.2.1; GEN-LOD, GEN-MIP, GEN-MIPINTERP, GEN-TESS). A chain of levels runs from the finest
 // mesh, level 0, to the coarsest.
@@ -113,4 +113,4 @@ LodBlend blend_for_size(const LodChain& chain, double diagonal_px);
 /// 6.2.3).
 double share_of_plain_tessellation_percent(std::size_t triangles, std::size_t points);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

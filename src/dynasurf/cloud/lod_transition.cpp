@@ -10,7 +10,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
@@ -68,13 +68,13 @@ Vec3 normal_of(const TriMesh& mesh, std::size_t triangle) {
 
 /// The nearest point of the surface whose triangle faces along `normal`: on thin parts the nearest of all may lie on
 /// the other side. Asked for the few vertices where it does.
-SurfacePoint nearest_that_faces(const TriMesh& mesh, const Vec3& p, const Vec3& normal) {
-  SurfacePoint best;
+mesh::SurfacePoint nearest_that_faces(const TriMesh& mesh, const Vec3& p, const Vec3& normal) {
+  mesh::SurfacePoint best;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!(normal_of(mesh, t).dot(normal) > 0)) continue;
     const auto& [a, b, c] = mesh.triangles[t];
-    const SurfacePoint found =
-        closest_on_triangle(p, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c], static_cast<std::uint32_t>(t));
+    const mesh::SurfacePoint found = mesh::closest_on_triangle(p, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c],
+                                                               static_cast<std::uint32_t>(t));
     if (found.distance2 < best.distance2) best = found;
   }
   return best;
@@ -147,10 +147,10 @@ class Cutting {
   /// triangle of the fine mesh needs to have its edges exactly where the coarse ones are.
   Image image_of(const Vec3& place, const Vec3& normal) const {
     constexpr double drawn = 0.22;  // below a third, so that one weight at least is left
-    SurfacePoint on = closest_(place);
+    mesh::SurfacePoint on = closest_(place);
     if (normal_of(coarse_, on.triangle).dot(normal) < 0) {
-      const SurfacePoint facing = nearest_that_faces(coarse_, place, normal);
-      if (facing.triangle != SurfacePoint::none) on = facing;
+      const mesh::SurfacePoint facing = nearest_that_faces(coarse_, place, normal);
+      if (facing.triangle != mesh::SurfacePoint::none) on = facing;
     }
     Image image{coarse_.triangles[on.triangle], {}, Vec3::Zero()};
     for (std::size_t c = 0; c < 3; ++c) image.nearest += on.weights[c] * coarse_.vertices[image.corners[c]];
@@ -261,11 +261,11 @@ class Cutting {
   void cut(Corners t, std::vector<Corners>& into) const {
     const auto middle = [&](std::size_t i) {
       const auto found = marked_.find(edge_of(t[i % 3], t[(i + 1) % 3]));
-      return found == marked_.end() ? SurfacePoint::none : found->second;
+      return found == marked_.end() ? mesh::SurfacePoint::none : found->second;
     };
     for (std::size_t i = 0; i < 3; ++i) {  // at the first edge that is cut: two triangles, which may be cut again
       const std::uint32_t m = middle(i);
-      if (m == SurfacePoint::none) continue;
+      if (m == mesh::SurfacePoint::none) continue;
       cut({m, t[(i + 2) % 3], t[i]}, into);
       cut({m, t[(i + 1) % 3], t[(i + 2) % 3]}, into);
       return;
@@ -274,7 +274,7 @@ class Cutting {
   }
 
   const TriMesh& coarse_;
-  ClosestPoint closest_;
+  mesh::ClosestPoint closest_;
   TriMesh mesh_;
   std::vector<Vec3> normals_;
   std::vector<Image> images_;
@@ -285,7 +285,7 @@ class Cutting {
 };
 
 /// Squared distances from the vertices and the middles of the edges and the triangle to a surface.
-std::array<double, 7> distances2(const TriMesh& from, std::size_t triangle, const ClosestPoint& closest) {
+std::array<double, 7> distances2(const TriMesh& from, std::size_t triangle, const mesh::ClosestPoint& closest) {
   const auto& [a, b, c] = from.triangles[triangle];
   const Vec3 &p = from.vertices[a], &q = from.vertices[b], &r = from.vertices[c];
   const std::array<Vec3, 7> points{p, q, r, (p + q) / 2, (q + r) / 2, (r + p) / 2, (p + q + r) / 3};
@@ -298,7 +298,7 @@ struct Distance {
   double mean, largest;
 };
 Distance distance_between(const TriMesh& from, const TriMesh& to) {
-  const ClosestPoint closest(to);
+  const mesh::ClosestPoint closest(to);
   std::vector<std::array<double, 7>> found(from.triangles.size());
   parallel_for(found.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) found[t] = distances2(from, t, closest);
@@ -344,4 +344,4 @@ TriMesh at_transition(const LodTransition& transition, double t) {
   return mesh;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -6,7 +6,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr std::array<std::string_view, 3> methods{"shaped", "faithful", "thesis"};
@@ -48,4 +48,4 @@ std::vector<int> parse_triangles(const std::string& triangles) {
   }
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

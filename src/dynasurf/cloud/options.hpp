@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/options.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// How the surface is made. `shaped`: well-shaped triangles. `faithful`: triangles that follow the curvature, for the
 /// smallest distance. `thesis`: 62^3 voxels, an icosphere, gradient vector flow and the free model (thesis 6.2).
@@ -80,4 +80,4 @@ CloudOptions cloud_preset(std::string_view name);
 /// The numbers in `triangles`, in their order. Throws OptionError unless they are even, from 20 to 2,000,000, and fall.
 std::vector<int> parse_triangles(const std::string& triangles);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -14,7 +14,7 @@
 #include "dynasurf/core/detail/symmetric_axes.hpp"
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr std::size_t links = 8;  // neighbours that pass the direction on
@@ -391,4 +391,4 @@ OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t rin
   return o;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

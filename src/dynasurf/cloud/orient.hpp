@@ -5,7 +5,7 @@
 #include "dynasurf/cloud/detail/kd_tree.hpp"
 #include "dynasurf/core/point_cloud.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// Points with the direction outwards and the area that each one stands for.
 struct OrientedPoints {
@@ -33,4 +33,4 @@ OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t rin
 /// rest.
 void smooth_normals(OrientedPoints& points, std::size_t ring = 14);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

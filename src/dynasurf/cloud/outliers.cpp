@@ -10,7 +10,7 @@
 #include "dynasurf/core/detail/symmetric_axes.hpp"
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr std::size_t ring = 8;  // neighbours that tell whether a point stands alone
@@ -132,4 +132,4 @@ std::vector<std::uint8_t> parts_of_surfaces(const std::vector<Vec3>& points, con
   return kept;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -11,7 +11,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr std::uint32_t fixed = 0xffffffff;
@@ -185,7 +185,7 @@ void add_tube(TriMesh& mesh, const Loop& a, Loop b, const Rim& rim_a, const Rim&
   }
 }
 
-std::vector<std::uint32_t> ring_of(const SurfaceEditor& s, std::uint32_t v) {
+std::vector<std::uint32_t> ring_of(const mesh::SurfaceEditor& s, std::uint32_t v) {
   std::vector<std::uint32_t> ring;
   std::uint32_t h = s.leaving(v);
   do {
@@ -199,7 +199,7 @@ bool is_inner(const Patch& p, std::uint32_t h) {
   return h / 3 >= p.first_triangle && p.surface.twin(h) / 3 >= p.first_triangle;
 }
 
-double edge_length(const SurfaceEditor& s, std::uint32_t h) {
+double edge_length(const mesh::SurfaceEditor& s, std::uint32_t h) {
   return (s.position(s.from(h)) - s.position(s.to(h))).norm();
 }
 
@@ -211,16 +211,17 @@ void split_long(Patch& p, double length) {
 }
 
 void flip_to_larger_angles(Patch& p) {
-  SurfaceEditor& s = p.surface;
+  mesh::SurfaceEditor& s = p.surface;
   const auto half_edges = static_cast<std::uint32_t>(3 * s.triangle_slots());
   for (int sweep = 0; sweep < 3; ++sweep)
     for (std::uint32_t h = 3 * p.first_triangle; h < half_edges; ++h) {
       const std::uint32_t o = s.twin(h);
       if (!is_inner(p, h) || h > o || !s.can_flip(h)) continue;
       const Vec3 &a = s.position(s.from(h)), &b = s.position(s.to(h));
-      const Vec3 &c = s.position(s.to(SurfaceEditor::next(h))), &d = s.position(s.to(SurfaceEditor::next(o)));
-      const double now = std::min(sine_of_smallest_angle(a, b, c), sine_of_smallest_angle(b, a, d));
-      const double then = std::min(sine_of_smallest_angle(a, d, c), sine_of_smallest_angle(d, b, c));
+      const Vec3 &c = s.position(s.to(mesh::SurfaceEditor::next(h))),
+                 &d = s.position(s.to(mesh::SurfaceEditor::next(o)));
+      const double now = std::min(mesh::sine_of_smallest_angle(a, b, c), mesh::sine_of_smallest_angle(b, a, d));
+      const double then = std::min(mesh::sine_of_smallest_angle(a, d, c), mesh::sine_of_smallest_angle(d, b, c));
       if (then > now + 1e-6 && (d - a).cross(c - a).dot((b - d).cross(c - d)) > 0) s.flip(h);
     }
 }
@@ -288,7 +289,7 @@ struct Around {
   double curvature() const { return drop > 0 ? off_mean.dot(normal) / drop : 0; }
 };
 
-Around around(const SurfaceEditor& s, std::uint32_t v) {
+Around around(const mesh::SurfaceEditor& s, std::uint32_t v) {
   Around a;
   a.ring = ring_of(s, v);
   const auto share = 1 / static_cast<double>(a.ring.size());
@@ -308,7 +309,7 @@ Around around(const SurfaceEditor& s, std::uint32_t v) {
 /// Mean curvature of the vertices that the patch does not touch, evened out a little; 0 elsewhere. What bends more than
 /// `largest` is smaller than the hole and does not go on through it.
 std::vector<double> curvature_behind(const Patch& p, double largest) {
-  const SurfaceEditor& s = p.surface;
+  const mesh::SurfaceEditor& s = p.surface;
   std::vector<std::uint8_t> touched(s.vertex_slots(), 0);
   for (std::uint32_t v = p.first_vertex; v < touched.size(); ++v) touched[v] = 1;
   for (const std::uint32_t v : p.rim) touched[v] = 1;
@@ -407,7 +408,7 @@ void make_fair(Patch& p, double rim) {
   const std::vector<double> behind = curvature_behind(p, 2 * std::numbers::pi / rim);
   p.bending = bending_of(p);
   for (int k = 0; k < steps; ++k) {
-    const SurfaceEditor safe = p.surface;
+    const mesh::SurfaceEditor safe = p.surface;
     const bool is_solved = bend_evenly(p, behind);
     flip_to_larger_angles(p);
     const double bending = bending_of(p);
@@ -484,10 +485,10 @@ Patch make_patch(const TriMesh& open, std::span<const Loop> loops, std::size_t a
   } else {
     add_disc(closed, loops[a], Edges(open));
   }
-  Patch p{SurfaceEditor(closed), first_vertex, first_triangle, rim, 0};
+  Patch p{mesh::SurfaceEditor(closed), first_vertex, first_triangle, rim, 0};
   if (!b) fill_evenly(p, edge);
   make_fair(p, rims[a].length);
   return p;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -17,7 +17,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr std::size_t fewest_points = 10;
@@ -231,4 +231,4 @@ PreparedCloud prepare(PointCloud cloud, const CloudOptions& options, const Progr
   return p;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -19,7 +19,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/intersections.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr int most_triangles_within_error = 40960, fewest_triangles = 20;
@@ -178,13 +178,13 @@ void add_level(CloudResult& result, const PreparedCloud& p, int asked, TriMesh m
 /// What every level is made from.
 struct Fitting {
   const TriMesh& fine;
-  const ClosestPoint& on_fine;
+  const mesh::ClosestPoint& on_fine;
   FitPoints points;               // of the scan and in its holes
   std::span<const Vec3> scanned;  // of the scan alone
   const CloudOptions& options;
   const CloudFacts& facts;
 
-  void make(SurfaceEditor& surface, int triangles) const {
+  void make(mesh::SurfaceEditor& surface, int triangles) const {
     const auto count = static_cast<std::size_t>(triangles);
     make_level(surface, count, fine, on_fine, points, plan_of(options, facts, count));
   }
@@ -193,7 +193,7 @@ struct Fitting {
 /// Leaves in `surface` the level with the fewest triangles whose points are near enough, and returns their number. The
 /// error falls about as the number grows, so each try starts where the line through the last two, on logarithmic
 /// scales, meets the error asked for.
-int fewest_within(SurfaceEditor& surface, const Fitting& fitting, double error, Notes& notes,
+int fewest_within(mesh::SurfaceEditor& surface, const Fitting& fitting, double error, Notes& notes,
                   const Progress& progress) {
   constexpr int first_try = 1280;
   constexpr double step = 1.1, as_good = 0.999;
@@ -203,13 +203,13 @@ int fewest_within(SurfaceEditor& surface, const Fitting& fitting, double error, 
   };
   // What the lattice could not see, more triangles cannot add.
   const int most = std::clamp(static_cast<int>(surface.triangles()) / 2 * 2, 1000, most_triangles_within_error);
-  const SurfaceEditor finest = std::move(surface);
+  const mesh::SurfaceEditor finest = std::move(surface);
   std::optional<Try> near, far, last;
-  SurfaceEditor nearest = finest;
+  mesh::SurfaceEditor nearest = finest;
   int count = std::min(first_try, most);
   for (;;) {
     progress.check();
-    SurfaceEditor tried = near ? nearest : finest;
+    mesh::SurfaceEditor tried = near ? nearest : finest;
     fitting.make(tried, count);
     const bool is_made = tried.triangles() == static_cast<std::size_t>(count);
     const Try now{count, mean_distance(tried, fitting.scanned)};
@@ -252,7 +252,7 @@ TriMesh started(const TriMesh& fine, int genus, CloudStart start, Notes& notes, 
                      "the points show " + number(genus, "handle", "handles") + ", and a start of shape " +
                          std::string(word_of(start)) + " has none"});
   TriMesh mesh = deform_start(fine, start, progress);
-  if (self_intersections(mesh).free()) return mesh;
+  if (mesh::self_intersections(mesh).free()) return mesh;
   notes.push_back({Severity::warning, "cloud.start",
                    "the starts around the parts of the body run into each other; the field's surface was taken"});
   return fine;
@@ -262,7 +262,7 @@ TriMesh started(const TriMesh& fine, int genus, CloudStart start, Notes& notes, 
 /// the field's surface.
 void tell_unreached(const TriMesh& mesh, const Fitting& fitting, Notes& notes) {
   constexpr double far = 0.01, worth_telling = 0.002;  // of the diagonal; of the points
-  const ClosestPoint closest(mesh);
+  const mesh::ClosestPoint closest(mesh);
   const std::span<const Vec3> points = fitting.scanned;
   const double count = parallel_sum(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
     double sum = 0;
@@ -314,7 +314,7 @@ void tell_left_out(std::span<const Vec3> points, CloudResult& result) {
   const CloudLevel& finest = result.levels.front();
   const double limit = far * finest.certificate.cloud_diagonal;
   if (finest.certificate.cloud_to_mesh_largest <= limit) return;
-  const ClosestPoint closest(finest.mesh);
+  const mesh::ClosestPoint closest(finest.mesh);
   const double count = parallel_sum(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
     double sum = 0;
     for (std::size_t i = begin; i < end; ++i) sum += closest(points[i]).distance2 > limit * limit;
@@ -338,9 +338,9 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
   const std::size_t scanned = (p.cloud.points.size() + step - 1) / step;
   TriMesh fine = body.mesh;
   for (Vec3& v : fine.vertices) v = frame.in(v);
-  SurfaceEditor surface(started(fine, body.genus, options.start, result.notes, progress));
+  mesh::SurfaceEditor surface(started(fine, body.genus, options.start, result.notes, progress));
   std::vector<Vec3> points(scanned + found.fill.points.size()), normals(points.size());
-  std::optional<ClosestPoint> on_fine;
+  std::optional<mesh::ClosestPoint> on_fine;
   // One processor collapses edges, while the others prepare what the fit asks for.
   parallel_for(2, 1, [&](std::size_t task, std::size_t) {
     if (task == 0) {
@@ -411,4 +411,4 @@ CloudResult reconstruct_cloud(PointCloud cloud, const CloudOptions& options, con
   return result;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

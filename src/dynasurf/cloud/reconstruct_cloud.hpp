@@ -3,7 +3,7 @@
 #include "dynasurf/cloud/result.hpp"
 #include "dynasurf/core/progress.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// Closed surfaces from points (thesis 6.2; GEN-*). Every level is fitted to the points themselves. A level that is not
 /// watertight says so in its certificate, and a note of severity failure stands in the result, as it does
@@ -12,4 +12,4 @@ namespace dynasurf {
 /// of range, InputError for fewer than 10 usable points, or points that all lie in one plane.
 CloudResult reconstruct_cloud(PointCloud cloud, const CloudOptions& options, const Progress& progress = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

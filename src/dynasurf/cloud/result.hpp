@@ -10,7 +10,7 @@
 #include "dynasurf/core/point_cloud.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// One mesh, fitted to the cloud, in the cloud's own frame and unit.
 struct CloudLevel {
@@ -67,4 +67,4 @@ bool is_watertight(const CloudResult& result);
 /// `fail` where a level is not watertight or a note tells of a failure, else `check` where one warns, else `ok`.
 CloudVerdict verdict_of(const CloudResult& result);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

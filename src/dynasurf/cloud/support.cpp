@@ -10,7 +10,7 @@
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/sample_surface.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr std::size_t samples = 20000, grain = 256;
@@ -45,12 +45,12 @@ Vec3 normal_of(const TriMesh& mesh, std::size_t t) {
 }
 
 void measure_area(const TriMesh& mesh, const SupportingPoints& of, CloudSupport& support) {
-  const std::vector<SurfaceSample> places = sample_surface(mesh, samples);
+  const std::vector<mesh::SurfaceSample> places = mesh::sample_surface(mesh, samples);
   if (places.empty()) return;
   std::vector<double> confidence(places.size()), distance(places.size());
   parallel_for(places.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      confidence[i] = confidence_of(position_of(mesh, places[i]), of, distance[i]);
+      confidence[i] = confidence_of(mesh::position_of(mesh, places[i]), of, distance[i]);
   });
   const auto count = static_cast<double>(places.size());
   support.made_up =
@@ -65,7 +65,7 @@ double chord_of(const TriMesh& mesh, double area) {
   return of_edge * std::sqrt(area / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size())));
 }
 
-void measure_points(const CloudLevel& level, const SupportingPoints& of, const ClosestPoint& closest,
+void measure_points(const CloudLevel& level, const SupportingPoints& of, const mesh::ClosestPoint& closest,
                     CloudSupport& support) {
   constexpr double left_out = 0.02;  // of the diagonal
   const std::size_t step = std::max<std::size_t>(1, of.points.size() / samples), asked = of.points.size() / step;
@@ -105,7 +105,7 @@ std::uint64_t patch_of(const Vec3& place, const Vec3& normal, double side) {
 }
 
 /// Noise lies on both sides of the surface; a wall or cavity that was lost on one.
-void measure_bias(const CloudLevel& level, const SupportingPoints& of, const ClosestPoint& closest,
+void measure_bias(const CloudLevel& level, const SupportingPoints& of, const mesh::ClosestPoint& closest,
                   CloudSupport& support) {
   constexpr double of_diagonal = 0.003, side = 0.08, sure = 3;
   constexpr std::size_t fewest = 6;
@@ -115,7 +115,7 @@ void measure_bias(const CloudLevel& level, const SupportingPoints& of, const Clo
   parallel_for(asked, grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3& p = of.points[i * step];
-      const SurfacePoint found = closest(p);
+      const mesh::SurfacePoint found = closest(p);
       const auto& [a, b, c] = mesh.triangles[found.triangle];
       const Vec3 foot = found.weights[0] * mesh.vertices[a] + found.weights[1] * mesh.vertices[b] +
                         found.weights[2] * mesh.vertices[c];
@@ -141,19 +141,19 @@ void measure_bias(const CloudLevel& level, const SupportingPoints& of, const Clo
 }
 
 /// The other side of the surface lies nearer than the points, their noise or the lattice tell apart.
-void measure_thin(const CloudLevel& level, const SupportingPoints& of, const ClosestPoint& closest,
+void measure_thin(const CloudLevel& level, const SupportingPoints& of, const mesh::ClosestPoint& closest,
                   CloudSupport& support) {
   constexpr double of_noise = 4, of_spacing = 1.5, of_cell = 1.5;
   const TriMesh& mesh = level.mesh;
   const double thin = std::max({of_noise * of.facts.noise, of_spacing * of.facts.spacing, of_cell * support.cell});
-  const std::vector<SurfaceSample> places = sample_surface(mesh, samples / 4);
+  const std::vector<mesh::SurfaceSample> places = mesh::sample_surface(mesh, samples / 4);
   if (places.empty()) return;
   const double near = parallel_sum(places.size(), grain, [&](std::size_t begin, std::size_t end) {
     double sum = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 facing = normal_of(mesh, places[i].triangle), place = position_of(mesh, places[i]);
+      const Vec3 facing = normal_of(mesh, places[i].triangle), place = mesh::position_of(mesh, places[i]);
       const auto faces_another = [&](double along) {  // from half way the other side is the nearer one
-        const SurfacePoint other = closest(place + along * facing);
+        const mesh::SurfacePoint other = closest(place + along * facing);
         return other.distance2 < 0.9 * along * along && normal_of(mesh, other.triangle).dot(facing) < -0.5;
       };
       sum += faces_another(-0.5 * thin) || faces_another(0.5 * thin);
@@ -190,7 +190,7 @@ std::vector<float> confidences(const TriMesh& mesh, const SupportingPoints& clou
 void measure_support(const CloudLevel& finest, const SupportingPoints& cloud, CloudSupport& support) {
   support.within = supported_within(cloud.facts);
   if (finest.mesh.triangles.empty() || cloud.points.empty()) return;
-  const ClosestPoint closest(finest.mesh);
+  const mesh::ClosestPoint closest(finest.mesh);
   measure_area(finest.mesh, cloud, support);
   measure_points(finest, cloud, closest, support);
   measure_bias(finest, cloud, closest, support);
@@ -237,4 +237,4 @@ Notes doubts_of(const CloudSupport& s) {
   return notes;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -5,7 +5,7 @@
 #include "dynasurf/cloud/detail/kd_tree.hpp"
 #include "dynasurf/cloud/result.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// The points that were used, their tree, and what is known of them.
 struct SupportingPoints {
@@ -29,4 +29,4 @@ void measure_support(const CloudLevel& finest, const SupportingPoints& cloud, Cl
 /// The notes of severity warning and failure that the measures give reason for.
 Notes doubts_of(const CloudSupport& support);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

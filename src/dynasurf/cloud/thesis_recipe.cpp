@@ -7,7 +7,7 @@
 #include "dynasurf/dynamics/evolve.hpp"
 #include "dynasurf/field/gvf.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 int level_of(int triangles) {
@@ -17,8 +17,8 @@ int level_of(int triangles) {
                     std::to_string(triangles));
 }
 
-Evolution recipe() {
-  Evolution o = free_model();
+dynamics::Evolution recipe() {
+  dynamics::Evolution o = dynamics::free_model();
   o.force.strength = 0.1;
   o.force.drag = 0;
   o.step_s = 0.001;
@@ -28,7 +28,7 @@ Evolution recipe() {
   return o;
 }
 
-void note_arrival(const EvolutionResult& evolved, int triangles, Notes& notes) {
+void note_arrival(const dynamics::EvolutionResult& evolved, int triangles, Notes& notes) {
   const auto left = std::count(evolved.stopped.begin(), evolved.stopped.end(), std::uint8_t{0});
   if (left > 0)
     notes.push_back({Severity::warning, "cloud.not_arrived",
@@ -55,11 +55,11 @@ CloudVoxels voxelise(std::span<const Vec3> points, int cells, int margin) {
   return v;
 }
 
-Placement placement_of(CloudStart start) {
-  Placement place{.scale = 1.15};
-  if (start == CloudStart::sphere) place.shape = StartShape::sphere;
-  if (start == CloudStart::field) place.shape = StartShape::marching_cubes;
-  if (start == CloudStart::hull) place = {.shape = StartShape::hull, .scale = 1.02};
+mesh::Placement placement_of(CloudStart start) {
+  mesh::Placement place{.scale = 1.15};
+  if (start == CloudStart::sphere) place.shape = mesh::StartShape::sphere;
+  if (start == CloudStart::field) place.shape = mesh::StartShape::marching_cubes;
+  if (start == CloudStart::hull) place = {.shape = mesh::StartShape::hull, .scale = 1.02};
   return place;
 }
 
@@ -70,14 +70,14 @@ std::vector<TriMesh> thesis_meshes(std::span<const Vec3> points, std::span<const
   for (const int count : triangles) levels.push_back(level_of(count));
   const CloudVoxels voxels = voxelise(points);
   progress("inside", 0, 1);
-  const FlowResult flow = flow_field(voxels.border, Gvf{.mu = 2, .iterations = 200}, quiet);
+  const field::FlowResult flow = field::flow_field(voxels.border, field::Gvf{.mu = 2, .iterations = 200}, quiet);
   progress("inside", 1, 1);
   notes.insert(notes.end(), flow.notes.begin(), flow.notes.end());
   std::vector<TriMesh> meshes;
   for (std::size_t i = 0; i < levels.size(); ++i) {
     progress("levels", static_cast<int>(i), static_cast<int>(levels.size()));
-    const EvolutionResult evolved =
-        evolve(start_mesh(voxels.border, levels[i], placement_of(start)), flow.field, voxels.border, recipe(), quiet);
+    const dynamics::EvolutionResult evolved = dynamics::evolve(
+        mesh::start_mesh(voxels.border, levels[i], placement_of(start)), flow.field, voxels.border, recipe(), quiet);
     note_arrival(evolved, triangles[i], notes);
     meshes.push_back(evolved.mesh);
     for (Vec3& p : meshes.back().vertices) p = voxels.origin + voxels.side * p;
@@ -86,4 +86,4 @@ std::vector<TriMesh> thesis_meshes(std::span<const Vec3> points, std::span<const
   return meshes;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

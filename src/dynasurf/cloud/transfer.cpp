@@ -5,7 +5,7 @@
 #include "dynasurf/cloud/detail/light.hpp"
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 constexpr std::size_t grain = 1024, most_points_per_vertex = 64;
@@ -34,4 +34,4 @@ std::vector<std::array<std::uint8_t, 3>> colours_at_vertices(const TriMesh& mesh
   return colours;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -4,7 +4,7 @@
 
 #include "dynasurf/cloud/detail/body.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 namespace {
 
 /// The 27 nodes around a node: 1 inside. Number 13 is the node itself.
@@ -96,4 +96,4 @@ IndicatorField without_handles(const IndicatorField& field) {
   return ball;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

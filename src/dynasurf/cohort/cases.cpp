@@ -9,12 +9,12 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 namespace {
 
 namespace fs = std::filesystem;
-using cohort_detail::Json;
-using cohort_detail::value_at;
+using detail::Json;
+using detail::value_at;
 
 std::optional<double> number_at(const Json& results, const std::vector<std::string>& path) {
   const Json* value = value_at(results, path);
@@ -58,7 +58,7 @@ void take_result(const Json& results, CohortCase& one) {
 /// The results of a study; null when they cannot be read, which its status then says.
 std::optional<Json> results_of(const fs::path& cohort, CohortCase& one) {
   try {
-    Json results = read_json(result_folder(cohort, one.study.id) / "results.json");
+    Json results = io::read_json(result_folder(cohort, one.study.id) / "results.json");
     take_result(results, one);
     return results;
   } catch (const std::runtime_error& error) {
@@ -116,4 +116,4 @@ Cohort read_cohort(const std::filesystem::path& folder,
   return cohort;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

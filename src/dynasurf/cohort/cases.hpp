@@ -11,7 +11,7 @@
 #include "dynasurf/cohort/status.hpp"
 #include "dynasurf/cohort/study_list.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 
 /// A number by which studies are compared.
 struct KeyNumber {
@@ -48,4 +48,4 @@ struct Cohort {
 Cohort read_cohort(const std::filesystem::path& folder,
                    const std::function<void(const CohortCase&, const nlohmann::ordered_json*)>& use);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

@@ -9,7 +9,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/digest.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 namespace {
 
 /// Locks of the open file, not of the process: they do not vanish when another descriptor of the file is closed.
@@ -23,9 +23,9 @@ struct flock lock_of(short type, off_t start, off_t length) {
 }
 
 off_t place_of_claim(std::string_view name) {
-  Hasher hasher;
+  io::Hasher hasher;
   hasher.add(name.data(), name.size());
-  const Sha256 hash = hasher.finish();
+  const io::Sha256 hash = hasher.finish();
   std::uint64_t place = 0;
   for (std::size_t n = 0; n < 8; ++n) place = place << 8 | hash[n];
   return static_cast<off_t>(place >> 2);  // far from where offsets end
@@ -40,7 +40,7 @@ off_t place_of_claim(std::string_view name) {
 
 Claims::Claims(const std::filesystem::path& file)
     : path_(file), file_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666)) {
-  if (file_.fd < 0) staging::fail(file, "open this file", errno);
+  if (file_.fd < 0) io::staging::fail(file, "open this file", errno);
 }
 
 bool Claims::take(std::string_view name) {
@@ -66,4 +66,4 @@ FileLock::~FileLock() {
   ::fcntl(descriptor_, F_OFD_SETLK, &lock);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

@@ -6,7 +6,7 @@
 
 #include "dynasurf/io/detail/staging.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 
 /// Which studies somebody works on at this moment, over all processes and machines that share a folder. A claim is a
 /// lock on one byte of one file, at the place that the hash of its name says: the system drops it when the process
@@ -24,7 +24,7 @@ class Claims {
 
  private:
   std::filesystem::path path_;
-  staging::Descriptor file_;
+  io::staging::Descriptor file_;
 };
 
 /// Holds a lock on a whole open file until its end; waits for it. Throws IoError.
@@ -39,4 +39,4 @@ class FileLock {
   int descriptor_;
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

@@ -12,7 +12,7 @@
 #include "dynasurf/report/detail/page_parts.hpp"
 #include "dynasurf/report/detail/page_template.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 namespace {
 
 namespace fs = std::filesystem;
@@ -42,8 +42,8 @@ int concern_of(const CohortCase& one) {
 }
 
 /// Half as wide and high, each pixel the mean of four.
-Picture halved(const Picture& picture) {
-  Picture half(picture.width / 2, picture.height / 2);
+io::Picture halved(const io::Picture& picture) {
+  io::Picture half(picture.width / 2, picture.height / 2);
   for (int y = 0; y < half.height; ++y)
     for (int x = 0; x < half.width; ++x)
       for (std::size_t c = 0; c < 3; ++c) {
@@ -58,10 +58,10 @@ Picture halved(const Picture& picture) {
 Json picture_of(const Cohort& cohort, const CohortCase& one) {
   if (!one.has_result()) return nullptr;
   try {
-    const Picture picture = read_png(result_folder(cohort.folder, one.study.id) / "measures" / "splash.png");
+    const io::Picture picture = io::read_png(result_folder(cohort.folder, one.study.id) / "measures" / "splash.png");
     if (picture.width < 2 || picture.height < 2 || picture.width > 4000 || picture.height > 4000) return nullptr;
-    const std::string png = encode_png(halved(picture));
-    return report_detail::base64({png.begin(), png.end()});
+    const std::string png = io::encode_png(halved(picture));
+    return report::detail::base64({png.begin(), png.end()});
   } catch (const std::runtime_error&) {
     return nullptr;
   }
@@ -156,7 +156,7 @@ void write_cohort_page(const Cohort& cohort, const std::vector<StatisticRow>& st
   data["statistics"] = Json::array();
   for (const StatisticRow& row : statistics) data["statistics"].push_back(statistic_json(row));
   data["second"] = second ? second_json(cohort, *second) : Json();
-  write_file(path, report_detail::filled_page(cohort_page_template(), data));
+  io::write_file(path, report::detail::filled_page(report::cohort_page_template(), data));
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

@@ -6,7 +6,7 @@
 #include "dynasurf/cohort/cases.hpp"
 #include "dynasurf/cohort/cohort_statistics.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 
 /// The page of a cohort, one file that loads nothing: distributions, scatter and agreement plots, all studies with the
 /// worst first, keyboard triage, links to the reports. The slices of the 200 worst are in it as pictures; polar maps
@@ -19,4 +19,4 @@ void write_cohort_page(const Cohort& cohort, const std::vector<StatisticRow>& st
 std::string report_link(const std::filesystem::path& tables, const std::filesystem::path& cohort,
                         const std::string& id);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

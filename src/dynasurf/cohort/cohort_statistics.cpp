@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 namespace {
 
 constexpr std::size_t most_groups = 6;
@@ -222,4 +222,4 @@ std::string changes_text(const Cohort& first, const Cohort& second) {
   return text;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

@@ -5,7 +5,7 @@
 #include "dynasurf/cohort/cases.hpp"
 #include "dynasurf/cohort/statistics.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 
 /// A line of statistics.tsv: what was computed, of which numbers, in whom, from how many.
 struct StatisticRow {
@@ -34,4 +34,4 @@ std::string statistics_text(const std::vector<StatisticRow>& rows);
 /// "same bytes in, other numbers out"; the largest change of EF first.
 std::string changes_text(const Cohort& first, const Cohort& second);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

@@ -11,7 +11,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 namespace {
 
 namespace fs = std::filesystem;
@@ -165,7 +165,7 @@ void Tables::finish(const std::vector<std::string>& groups, const std::vector<St
   if (segment_table_) segment_table_->finish();
   if (curve_table_) curve_table_->finish();
   write_dictionary();
-  write_file(folder_ / "statistics.tsv", statistics_text(statistics));
+  io::write_file(folder_ / "statistics.tsv", statistics_text(statistics));
   database_.finish();
 }
 
@@ -187,7 +187,7 @@ std::vector<std::string> groups_of(const fs::path& cohort) {
 CollectTally collect(const std::filesystem::path& cohort, const std::filesystem::path& out,
                      const std::optional<std::filesystem::path>& other, bool replace) {
   const std::vector<std::string> groups = groups_of(cohort);
-  OutputFolder folder(out, replace ? Existing::move_aside : Existing::replace);
+  io::OutputFolder folder(out, replace ? io::Existing::move_aside : io::Existing::replace);
   Tables tables(folder.path(), out, cohort);
   const Cohort read =
       read_cohort(cohort, [&](const CohortCase& one, const Json* results) { tables.add(one, groups, results); });
@@ -196,7 +196,7 @@ CollectTally collect(const std::filesystem::path& cohort, const std::filesystem:
     const Cohort second = read_cohort(*other, [](const CohortCase&, const Json*) {});
     const std::vector<StatisticRow> compared = comparison_of(read, second);
     statistics.insert(statistics.end(), compared.begin(), compared.end());
-    write_file(folder.path() / "comparison.tsv", changes_text(read, second));
+    io::write_file(folder.path() / "comparison.tsv", changes_text(read, second));
     write_cohort_page(read, statistics, &second, out, folder.path() / "cohort.html");
   } else {
     write_cohort_page(read, statistics, nullptr, out, folder.path() / "cohort.html");
@@ -208,4 +208,4 @@ CollectTally collect(const std::filesystem::path& cohort, const std::filesystem:
   return tally;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 
 /// How many studies went into the tables.
 struct CollectTally {
@@ -19,4 +19,4 @@ struct CollectTally {
 CollectTally collect(const std::filesystem::path& cohort, const std::filesystem::path& out,
                      const std::optional<std::filesystem::path>& other = {}, bool replace = false);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

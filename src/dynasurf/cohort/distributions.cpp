@@ -5,7 +5,7 @@
 #include "dynasurf/cohort/statistics.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 namespace {
 
 constexpr double smallest = 1e-300, accuracy = 1e-15;
@@ -111,4 +111,4 @@ double chi_squared_quantile(double p, double degrees) {
   return where_reached(p, 0, [&](double x) { return chi_squared_probability(x, degrees); });
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

@@ -8,7 +8,7 @@
 #include "dynasurf/io/detail/digest.hpp"
 #include "dynasurf/io/study_io.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 namespace {
 
 namespace fs = std::filesystem;
@@ -32,7 +32,7 @@ std::vector<fs::path> files_of_input(const fs::path& study) {
   return files;
 }
 
-void add(Hasher& hasher, std::string_view text) {
+void add(io::Hasher& hasher, std::string_view text) {
   const std::string size = std::to_string(text.size()) + ":";
   hasher.add(size.data(), size.size());
   hasher.add(text.data(), text.size());
@@ -51,17 +51,17 @@ fs::path file_in(const std::string& word) {
 
 std::string input_hash(const std::filesystem::path& study) {
   std::error_code error;
-  if (!fs::is_directory(study, error)) return sha256_of_file(study);
-  Hasher hasher;
+  if (!fs::is_directory(study, error)) return io::sha256_of_file(study);
+  io::Hasher hasher;
   for (const fs::path& file : files_of_input(study)) {
     add(hasher, file.lexically_relative(study).string());
-    add(hasher, sha256_of_file(file));
+    add(hasher, io::sha256_of_file(file));
   }
-  return hexadecimal(hasher.finish());
+  return io::hexadecimal(hasher.finish());
 }
 
 std::string input_stamp(const std::filesystem::path& study) {
-  Hasher hasher;
+  io::Hasher hasher;
   for (const fs::path& file : files_of_input(study)) {
     struct stat status {};
     if (::stat(file.c_str(), &status) != 0) return {};
@@ -71,21 +71,21 @@ std::string input_stamp(const std::filesystem::path& study) {
           static_cast<long long>(status.st_mtim.tv_nsec)})
       add(hasher, std::to_string(number));
   }
-  return hexadecimal(hasher.finish()).substr(0, 16);
+  return io::hexadecimal(hasher.finish()).substr(0, 16);
 }
 
 std::string settings_hash(const std::vector<std::string>& words, std::string_view program) {
-  Hasher hasher;
+  io::Hasher hasher;
   add(hasher, program);
   for (const std::string& word : words) {
     add(hasher, word);
-    if (const fs::path file = file_in(word); !file.empty()) add(hasher, sha256_of_file(file));
+    if (const fs::path file = file_in(word); !file.empty()) add(hasher, io::sha256_of_file(file));
   }
-  return hexadecimal(hasher.finish()).substr(0, 16);
+  return io::hexadecimal(hasher.finish()).substr(0, 16);
 }
 
 std::filesystem::path result_folder(const std::filesystem::path& cohort, const std::string& id) {
-  return cohort / "studies" / sha256_of(id).substr(0, 2) / id;
+  return cohort / "studies" / io::sha256_of(id).substr(0, 2) / id;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

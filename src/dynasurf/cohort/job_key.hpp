@@ -6,7 +6,7 @@
 
 #include "dynasurf/cohort/study_list.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 
 /// SHA-256 over the content of a study: of a file, or of every file below a folder with its place there. Throws IoError
 /// when one cannot be read or there are more than 100,000.
@@ -23,4 +23,4 @@ std::string settings_hash(const std::vector<std::string>& words, std::string_vie
 /// Where the result of a study stands in a cohort: fanned out by the hash of the id, so that no folder is long.
 std::filesystem::path result_folder(const std::filesystem::path& cohort, const std::string& id);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

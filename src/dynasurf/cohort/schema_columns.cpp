@@ -24,13 +24,13 @@ extern const char cloud_schema_begin[] asm("dynasurf_cloud_schema_begin");
 extern const char cloud_schema_end[] asm("dynasurf_cloud_schema_end");
 }
 
-namespace dynasurf::cohort_detail {
+namespace dynasurf::cohort::detail {
 namespace {
 
 constexpr std::array kept_apart{"schema", "use", "options", "timings_s", "memory"};
 
 Json parse(const char* begin, const char* end, const char* name) {
-  return parse_json({begin, static_cast<std::size_t>(end - begin)}, name);
+  return io::parse_json({begin, static_cast<std::size_t>(end - begin)}, name);
 }
 
 /// A node without references and without "or null"; what the place says of it goes before what the definition says.
@@ -182,4 +182,4 @@ std::string unit_in(const std::string& name) {
   return "";
 }
 
-}  // namespace dynasurf::cohort_detail
+}  // namespace dynasurf::cohort::detail

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 namespace {
 
 constexpr double certainty = 0.975;  // each side of a 95 % interval
@@ -151,4 +151,4 @@ std::optional<GroupDifference> compare_groups(std::span<const double> first, std
   return result;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 
 /// A number that was estimated from `n` cases, with its 95 % confidence interval; the interval is absent where too few
 /// cases say anything about it.
@@ -77,4 +77,4 @@ double f_quantile(double p, double degrees1, double degrees2);
 double chi_squared_probability(double x, double degrees);
 double chi_squared_quantile(double p, double degrees);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

@@ -15,7 +15,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 namespace {
 
 namespace fs = std::filesystem;
@@ -32,12 +32,11 @@ std::string number_text(double value) {
 }
 
 std::string line_of(const StudyStatus& row) {
-  const std::string reason = cohort_detail::tsv_cell(row.reason).substr(0, 2000);
+  const std::string reason = detail::tsv_cell(row.reason).substr(0, 2000);
   std::string line = row.id + "\t" + (row.done ? "done" : "failed") + "\t" + row.verdict + "\t" + reason + "\t" +
                      std::to_string(row.attempts) + "\t" + row.started + "\t" + number_text(row.wall_s) + "\t" +
                      number_text(row.cpu_s) + "\t" + number_text(row.peak_mb) + "\t" + row.input_sha256 + "\t" +
-                     row.input_stamp + "\t" + row.settings + "\t" + cohort_detail::tsv_cell(row.host).substr(0, 200) +
-                     "\n";
+                     row.input_stamp + "\t" + row.settings + "\t" + detail::tsv_cell(row.host).substr(0, 200) + "\n";
   if (line.size() > longest_row) throw IoError("a row of status.tsv is too long");
   return line;
 }
@@ -101,15 +100,15 @@ void write_at_end(int fd, std::string_view text, const fs::path& path) {
   const ssize_t written = end < 0 ? -1 : ::write(fd, text.data(), text.size());
   if (written == static_cast<ssize_t>(text.size())) return;
   const int code = written < 0 ? errno : ENOSPC;
-  if (end >= 0 && ::ftruncate(fd, end) != 0) staging::fail(path, "take back half a row", errno);
-  staging::fail(path, "write a row", code);
+  if (end >= 0 && ::ftruncate(fd, end) != 0) io::staging::fail(path, "take back half a row", errno);
+  io::staging::fail(path, "write a row", code);
 }
 
 }  // namespace
 
 StatusFile::StatusFile(const std::filesystem::path& path)
     : path_(path), file_(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666)) {
-  if (file_.fd < 0) staging::fail(path, "open this file", errno);
+  if (file_.fd < 0) io::staging::fail(path, "open this file", errno);
   const FileLock lock(file_.fd, path_);
   read_locked();
   if (lines_ == 0) {
@@ -121,18 +120,18 @@ StatusFile::StatusFile(const std::filesystem::path& path)
 /// Under the lock nobody is writing: what follows the last line break was never finished.
 void StatusFile::read_locked() {
   struct stat status {};
-  if (::fstat(file_.fd, &status) != 0) staging::fail(path_, "look at this file", errno);
+  if (::fstat(file_.fd, &status) != 0) io::staging::fail(path_, "look at this file", errno);
   const auto size = static_cast<std::uint64_t>(status.st_size);
   std::string text(size > read_bytes_ ? size - read_bytes_ : 0, '\0');
   for (std::size_t got = 0; got < text.size();) {
     const ssize_t part = ::pread(file_.fd, text.data() + got, text.size() - got, static_cast<off_t>(read_bytes_ + got));
     if (part < 0 && errno == EINTR) continue;
-    if (part <= 0) staging::fail(path_, "read this file", part < 0 ? errno : EIO);
+    if (part <= 0) io::staging::fail(path_, "read this file", part < 0 ? errno : EIO);
     got += static_cast<std::size_t>(part);
   }
   read_bytes_ += take_lines(text, path_, lines_, rows_);
   if (read_bytes_ < size && ::ftruncate(file_.fd, static_cast<off_t>(read_bytes_)) != 0)
-    staging::fail(path_, "cut off an unfinished row", errno);
+    io::staging::fail(path_, "cut off an unfinished row", errno);
 }
 
 void StatusFile::read_on() {
@@ -156,8 +155,8 @@ void StatusFile::append(const StudyStatus& row) {
 std::map<std::string, StudyStatus> read_status(const std::filesystem::path& path) {
   std::map<std::string, StudyStatus> rows;
   std::size_t lines = 0;
-  take_lines(text_of_file(path), path, lines, rows);
+  take_lines(io::text_of_file(path), path, lines, rows);
   return rows;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

@@ -6,7 +6,7 @@
 
 #include "dynasurf/io/detail/staging.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 
 /// How the last run of a study ended.
 struct StudyStatus {
@@ -45,7 +45,7 @@ class StatusFile {
  private:
   void read_locked();
   std::filesystem::path path_;
-  staging::Descriptor file_;
+  io::staging::Descriptor file_;
   std::uint64_t read_bytes_ = 0;
   std::size_t lines_ = 0;
   std::map<std::string, StudyStatus> rows_;
@@ -54,4 +54,4 @@ class StatusFile {
 /// The table as it stands, without being opened for writing. An unfinished last row is passed over.
 std::map<std::string, StudyStatus> read_status(const std::filesystem::path& path);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

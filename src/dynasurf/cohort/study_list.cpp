@@ -11,11 +11,11 @@
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/detail/digest.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 namespace {
 
 namespace fs = std::filesystem;
-using cohort_detail::TextTable;
+using detail::TextTable;
 
 [[noreturn]] void refuse(const std::string& name, std::size_t line, const std::string& what) {
   throw InputError(name + ": line " + std::to_string(line) + ": " + what);
@@ -100,10 +100,10 @@ TextTable table_of(const fs::path& file) {
   const std::string name = file.string(), ending = file.extension().string();
   if (ending != ".tsv" && ending != ".csv" && ending != ".jsonl")
     throw InputError(name + ": is no table of studies; expected a folder, or a name that ends in .tsv, .csv or .jsonl");
-  const std::string text = text_of_file(file);
-  return ending == ".tsv"   ? cohort_detail::parse_tsv(text, name)
-         : ending == ".csv" ? cohort_detail::parse_csv(text, name)
-                            : cohort_detail::parse_json_lines(text, name);
+  const std::string text = io::text_of_file(file);
+  return ending == ".tsv"   ? detail::parse_tsv(text, name)
+         : ending == ".csv" ? detail::parse_csv(text, name)
+                            : detail::parse_json_lines(text, name);
 }
 
 /// Whether a folder holds these files and nothing else.
@@ -131,7 +131,7 @@ fs::path linked(const std::vector<fs::path>& files, const fs::path& folder) {
 
 }  // namespace
 
-std::string short_hash(std::string_view text) { return sha256_of(text).substr(0, 12); }
+std::string short_hash(std::string_view text) { return io::sha256_of(text).substr(0, 12); }
 
 StudyList read_study_list(const std::filesystem::path& file) {
   const std::string name = file.string();
@@ -161,7 +161,7 @@ std::string study_list_text(const StudyList& list) {
   text += "\n";
   for (const CohortStudy& study : list.studies) {
     const std::string path = fs::absolute(study.path).lexically_normal().string();
-    if (cohort_detail::tsv_cell(path) != path)
+    if (detail::tsv_cell(path) != path)
       throw InputError(path + ": holds a control character, which no table can; expected another name");
     std::string fwhm(32, '\0');
     fwhm.resize(study.fwhm_mm
@@ -178,9 +178,10 @@ std::string study_list_text(const StudyList& list) {
   return text;
 }
 
-StudyList list_of(const StudySearch& found, const std::filesystem::path& folder, const std::filesystem::path& links) {
+StudyList list_of(const io::StudySearch& found, const std::filesystem::path& folder,
+                  const std::filesystem::path& links) {
   StudyList list;
-  for (const StudySearch::Found& study : found.studies) {
+  for (const io::StudySearch::Found& study : found.studies) {
     CohortStudy row;
     row.id = short_hash(study.files.front().lexically_relative(folder).string());
     std::vector<fs::path> files = study.files;
@@ -192,4 +193,4 @@ StudyList list_of(const StudySearch& found, const std::filesystem::path& folder,
   return list;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

@@ -7,7 +7,7 @@
 
 #include "dynasurf/io/study_search.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cohort {
 
 /// A study of a cohort, and what is known of it beforehand.
 struct CohortStudy {
@@ -38,9 +38,10 @@ std::string study_list_text(const StudyList& list);
 /// What was found below `folder` as a list, without groups. The id is made from the path below the folder, and tells
 /// nothing of it. A study of several files is the folder that holds them, where it holds nothing else; else links to
 /// the files are made in `links`/ID. Throws IoError.
-StudyList list_of(const StudySearch& found, const std::filesystem::path& folder, const std::filesystem::path& links);
+StudyList list_of(const io::StudySearch& found, const std::filesystem::path& folder,
+                  const std::filesystem::path& links);
 
 /// 12 hexadecimal digits that tell texts apart.
 std::string short_hash(std::string_view text);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cohort

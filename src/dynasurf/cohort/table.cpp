@@ -9,7 +9,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 
-namespace dynasurf::cohort_detail {
+namespace dynasurf::cohort::detail {
 namespace {
 
 [[noreturn]] void refuse(const std::string& name, std::size_t line, const std::string& what) {
@@ -131,7 +131,7 @@ TextTable parse_json_lines(std::string_view text, const std::string& name) {
   TextTable table;
   std::map<std::string, std::size_t> columns;
   each_line(text, [&](std::string_view line, std::size_t number) {
-    const nlohmann::ordered_json object = parse_json(line, name + ": line " + std::to_string(number));
+    const nlohmann::ordered_json object = io::parse_json(line, name + ": line " + std::to_string(number));
     if (!object.is_object()) refuse(name, number, "is no object; expected {\"path\": ...}");
     TextTable::Row row;
     row.line = number;
@@ -156,4 +156,4 @@ std::string tsv_cell(std::string_view text) {
   return cell;
 }
 
-}  // namespace dynasurf::cohort_detail
+}  // namespace dynasurf::cohort::detail

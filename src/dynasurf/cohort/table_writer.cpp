@@ -7,7 +7,7 @@
 #include "dynasurf/cohort/detail/table.hpp"
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf::cohort_detail {
+namespace dynasurf::cohort::detail {
 namespace {
 
 std::string quoted(const std::string& name) {
@@ -103,4 +103,4 @@ void TableWriter::finish() {
   if (!file_) throw IoError(path_.string() + ": cannot be written; is the disk full?");
 }
 
-}  // namespace dynasurf::cohort_detail
+}  // namespace dynasurf::cohort::detail

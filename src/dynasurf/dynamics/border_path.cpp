@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 /// floor() of a number that fits an int; the library's call is slow on machines without a rounding instruction.
@@ -61,4 +61,4 @@ std::optional<BorderHit> BorderPath::first_hit(const Vec3& from_mm, const Vec3& 
   return std::nullopt;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

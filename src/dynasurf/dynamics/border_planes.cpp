@@ -4,12 +4,14 @@
 #include <cmath>
 #include <limits>
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 constexpr double least_cosine = 0.25;  // between path and normal; flatter paths would slide far along the plane
 
-Vec3 vector_at(const VectorField& field, std::size_t voxel) { return {field.x[voxel], field.y[voxel], field.z[voxel]}; }
+Vec3 vector_at(const field::VectorField& field, std::size_t voxel) {
+  return {field.x[voxel], field.y[voxel], field.z[voxel]};
+}
 
 /// Length of the path inside the voxel.
 double way_to_exit(const Grid& grid, const BorderHit& hit, const Vec3& unit) {
@@ -40,4 +42,4 @@ Vec3 meeting_point(const Grid& grid, const BorderPlanes* planes, const BorderHit
   return hit.entry + std::clamp(way, 0.0, way_to_exit(grid, hit, unit)) * unit;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

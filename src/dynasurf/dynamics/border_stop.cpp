@@ -1,6 +1,6 @@
 #include "dynasurf/dynamics/detail/border_stop.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 std::optional<Vec3> BorderStop::on_path(const Vec3& step_begin, const Vec3& from, const Vec3& to) const {
   std::optional<Vec3> stop;
@@ -25,4 +25,4 @@ Vec3 BorderStop::point_in(const BorderHit& hit, const Vec3& step_begin, const Ve
   return hit.entry;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -4,7 +4,7 @@
 
 #include "dynasurf/dynamics/detail/step_plan.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 CoupledMotion::CoupledMotion(const TriMesh& start, double mass_kg, std::vector<Force> forces,
                              const SolverOptions& solver, double least_drag)
@@ -42,4 +42,4 @@ CoupledMotion::Limit CoupledMotion::limit(double least_drag) {
   return {step, modes};
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -7,7 +7,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/border_distance.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
@@ -26,11 +26,11 @@ Image raised(const Grid& grid, double drag, double ratio, Share share) {
   return map;
 }
 
-std::optional<Image> map_of(const UniformDrag&, FieldView, const Image&, double) { return std::nullopt; }
-std::optional<Image> map_of(const FieldDrag& o, FieldView field, const Image&, double drag) {
+std::optional<Image> map_of(const UniformDrag&, field::FieldView, const Image&, double) { return std::nullopt; }
+std::optional<Image> map_of(const FieldDrag& o, field::FieldView field, const Image&, double drag) {
   return drag_by_field(field, drag, o.ratio);
 }
-std::optional<Image> map_of(const BorderDrag& o, FieldView, const Image& border, double drag) {
+std::optional<Image> map_of(const BorderDrag& o, field::FieldView, const Image& border, double drag) {
   return drag_near_border(border, drag, o.ratio, o.reach_voxels);
 }
 
@@ -43,14 +43,14 @@ Image drag_by_intensity(const Image& image, double drag, double ratio) {
                 [&](const Index3& at) { return most > 0 ? std::max(0.0, image(at[0], at[1], at[2]) / most) : 0.0; });
 }
 
-Image drag_by_field(FieldView field, double drag, double ratio) {
+Image drag_by_field(field::FieldView field, double drag, double ratio) {
   const double most = field.largest();
   return raised(field.grid(), drag, ratio,
                 [&](const Index3& at) { return most > 0 ? field.at(at[0], at[1], at[2]).norm() / most : 0.0; });
 }
 
 Image drag_near_border(const Image& border, double drag, double ratio, double reach_voxels) {
-  const BorderDistance distance(border);
+  const mesh::BorderDistance distance(border);
   const Grid& g = border.grid;
   return raised(g, drag, ratio, [&](const Index3& at) {
     // Beyond 30 reaches nothing is left in a float.
@@ -58,8 +58,8 @@ Image drag_near_border(const Image& border, double drag, double ratio, double re
   });
 }
 
-std::optional<Image> drag_map(const DampingOptions& options, FieldView field, const Image& border, double drag) {
+std::optional<Image> drag_map(const DampingOptions& options, field::FieldView field, const Image& border, double drag) {
   return std::visit([&](const auto& o) { return map_of(o, field, border, drag); }, options);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -1,6 +1,6 @@
 #include "dynasurf/dynamics/detail/distance_history.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 void DistanceHistory::look_at(std::span<const std::uint32_t> which, std::span<const Vec3> vertices) {
   for (const std::uint32_t v : which) {
@@ -19,4 +19,4 @@ std::array<int, 4> DistanceHistory::count(std::span<const Vec3> vertices, std::s
   return {count[0], count[0] + count[1], count[0] + count[1] + count[2], count[3]};
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

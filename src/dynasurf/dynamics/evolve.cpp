@@ -17,7 +17,7 @@
 #include "dynasurf/dynamics/forces/forces.hpp"
 #include "dynasurf/dynamics/solvers/solver.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 constexpr std::array<std::string_view, 4> kStopPoints{"entry", "centre", "backtrack", "subvoxel"};
@@ -30,7 +30,7 @@ constexpr double kFarthestVoxel = 1e6;   // where a start may lie
 constexpr int kStepsBetweenChecks = 64;  // for a request to stop
 constexpr int kStepsBetweenLimits = 16;  // of a coupled run: its forces stiffen as the mesh shrinks
 
-void check_inputs(const TriMesh& start, FieldView field, const Image& border) {
+void check_inputs(const TriMesh& start, field::FieldView field, const Image& border) {
   if (start.vertices.empty()) throw InputError("evolve: the start mesh has no vertices; expected at least one");
   if (field.grid().size() == 0) throw InputError("evolve: the field has no voxels; expected a field to move in");
   if (field.grid().dims != border.grid.dims || field.grid().spacing != border.grid.spacing)
@@ -40,7 +40,7 @@ void check_inputs(const TriMesh& start, FieldView field, const Image& border) {
       throw InputError("evolve: a start vertex is not finite or farther than a million voxels from the grid");
 }
 
-void check_additions(const Additions& own, FieldView field) {
+void check_additions(const Additions& own, field::FieldView field) {
   for (const Force& force : own.forces)
     if (!force.accumulate) throw InputError("evolve: the force '" + force.name + "' has no function; expected one");
   if (!own.drag) return;
@@ -56,7 +56,7 @@ struct Drag {
   double least = 0, most = 0;
 };
 
-Drag drag_of(FieldView field, const Image& border, const Evolution& o, const Additions& own) {
+Drag drag_of(field::FieldView field, const Image& border, const Evolution& o, const Additions& own) {
   Drag drag{own.drag ? own.drag : drag_map(o.damping, field, border, o.force.drag), o.force.drag, o.force.drag};
   if (drag.map) {
     const auto [least, most] = std::minmax_element(drag.map->values.begin(), drag.map->values.end());
@@ -72,7 +72,7 @@ bool needs_coupling(const Evolution& o, const Additions& own) {
 }
 
 /// All forces on particles that are not advanced one by one. `drag` and `field` must outlive them.
-std::vector<Force> all_forces(const TriMesh& start, FieldView field, const Drag& drag, const Evolution& o,
+std::vector<Force> all_forces(const TriMesh& start, field::FieldView field, const Drag& drag, const Evolution& o,
                               const Additions& own) {
   std::vector<Force> forces = internal_forces(o.model, start, field, o.force.sampling);
   forces.push_back(field_pull(field, o.force.strength, o.force.sampling));
@@ -91,8 +91,8 @@ struct StepReport {
 /// A run of any model. Particles that still move are kept packed: with the free model, a stopped one costs nothing.
 class Run {
  public:
-  Run(const TriMesh& start, FieldView field, const Image& border, const Evolution& options, const BorderPlanes* planes,
-      const Additions& own)
+  Run(const TriMesh& start, field::FieldView field, const Image& border, const Evolution& options,
+      const BorderPlanes* planes, const Additions& own)
       : options_(options),
         own_(own),
         grid_(field.grid()),
@@ -104,7 +104,7 @@ class Run {
         plan_(plan_steps(options, start.vertices.size(), pace(start.vertices.size()), room_, smallest_spacing_)),
         motion_(free_motion(field, options.force, plan_.mass_kg, drag_.map ? &*drag_.map : nullptr)),
         stop_(border, options.stop, planes, own.stop),
-        rings_(vertex_rings(start)),
+        rings_(mesh::vertex_rings(start)),
         rest_(start.vertices) {
     const std::size_t n = start.vertices.size();
     result_.mesh = start;
@@ -138,7 +138,7 @@ class Run {
       ++result_.steps;
       retire_stopped();
       if (options_.smooth_every > 0 && result_.steps % options_.smooth_every == 0) {
-        smooth(result_.mesh.vertices, rings_, moving_, options_.smooth_during, smallest_spacing_);
+        mesh::smooth(result_.mesh.vertices, rings_, moving_, options_.smooth_during, smallest_spacing_);
         follow_smoothing();
         retire_stopped();
       }
@@ -164,13 +164,13 @@ class Run {
   }
 
  private:
-  static double checked_pull(FieldView field) {
+  static double checked_pull(field::FieldView field) {
     const double pull = field.largest();
     if (!std::isfinite(pull)) throw InputError("evolve: the field has a vector that is not finite");
     return pull;
   }
 
-  std::optional<CoupledMotion> couple(const TriMesh& start, FieldView field) const {
+  std::optional<CoupledMotion> couple(const TriMesh& start, field::FieldView field) const {
     if (!needs_coupling(options_, own_)) return std::nullopt;
     return CoupledMotion(start, options_.mass_kg, all_forces(start, field, drag_, options_, own_), options_.solver,
                          drag_.least);
@@ -313,7 +313,7 @@ class Run {
         text << "the motion blew up after " << result_.steps << " steps; a shorter step is needed";
       });
     } else {
-      smooth(result_.mesh, options_.smooth_after, smallest_spacing_);
+      mesh::smooth(result_.mesh, options_.smooth_after, smallest_spacing_);
     }
     return std::move(result_);
   }
@@ -380,7 +380,7 @@ class Run {
   StepPlan plan_;
   const Derivative motion_;
   const BorderStop stop_;
-  const VertexRings rings_;
+  const mesh::VertexRings rings_;
   RestWatch rest_;
   std::optional<DistanceHistory> history_;
   EvolutionResult result_;
@@ -402,7 +402,7 @@ class Run {
 std::span<const std::string_view> names_of(StopPoint) { return kStopPoints; }
 std::string_view name_of(StopReason reason) { return kStopReasons[static_cast<std::size_t>(reason)]; }
 
-EvolutionResult evolve(const TriMesh& start, FieldView field, const Image& border, const Evolution& options,
+EvolutionResult evolve(const TriMesh& start, field::FieldView field, const Image& border, const Evolution& options,
                        const Progress& progress, const BorderPlanes* planes, const Additions& own) {
   Evolution checked = options;
   check_options(checked, "evolve");
@@ -415,4 +415,4 @@ EvolutionResult evolve(const TriMesh& start, FieldView field, const Image& borde
   return Run(start, field, border, checked, planes, own)(progress);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

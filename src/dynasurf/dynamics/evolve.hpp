@@ -21,7 +21,7 @@
 #include "dynasurf/field/field_view.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 struct EvolutionResult {
   TriMesh mesh;  // grid frame
@@ -54,7 +54,7 @@ struct Additions {
 /// Throws InputError for an empty or far start, a field that is not finite, or a border on another grid. `planes`, on
 /// the grid of `border`, tells StopPoint::subvoxel where in its voxels the border runs; without it the voxels' centres
 /// are taken.
-EvolutionResult evolve(const TriMesh& start, FieldView field, const Image& border, const Evolution& options,
+EvolutionResult evolve(const TriMesh& start, field::FieldView field, const Image& border, const Evolution& options,
                        const Progress& progress = {}, const BorderPlanes* planes = nullptr, const Additions& own = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

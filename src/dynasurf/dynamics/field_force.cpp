@@ -2,13 +2,13 @@
 
 #include "dynasurf/dynamics/forces/forces.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 /// The hot loop of every run: four of these per step and particle with RK4.
 class NearestMotion {
  public:
-  NearestMotion(const VectorField& field, double pull_per_mass, double drag_per_mass)
+  NearestMotion(const field::VectorField& field, double pull_per_mass, double drag_per_mass)
       : x_(field.x.data()),
         y_(field.y.data()),
         z_(field.z.data()),
@@ -47,7 +47,8 @@ class NearestMotion {
 
 }  // namespace
 
-Derivative free_motion(FieldView field, const FieldForce& force, double particle_mass_kg, const Image* drag_map) {
+Derivative free_motion(field::FieldView field, const FieldForce& force, double particle_mass_kg,
+                       const Image* drag_map) {
   const double pull = force.strength / particle_mass_kg;
   const auto general = [field, how = force.sampling, pull](auto drag_per_mass_at) -> Derivative {
     return [field, how, pull, drag_per_mass_at](std::span<const double> y, std::span<double> dydt) {
@@ -65,8 +66,9 @@ Derivative free_motion(FieldView field, const FieldForce& force, double particle
   if (drag_map != nullptr)
     return general([drag_map, particle_mass_kg](const Vec3& p) { return drag_at(*drag_map, p) / particle_mass_kg; });
   const double drag = force.drag / particle_mass_kg;
-  if (force.sampling == Sampling::nearest && field.dense() != nullptr) return NearestMotion(*field.dense(), pull, drag);
+  if (force.sampling == field::Sampling::nearest && field.dense() != nullptr)
+    return NearestMotion(*field.dense(), pull, drag);
   return general([drag](const Vec3&) { return drag; });
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -20,13 +20,13 @@
 #include "dynasurf/field/field_view.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// The field's pull and the drag on each particle: F = strength * V(x) - drag * v (thesis 3.4).
 struct FieldForce {
   double strength = 10;
   double drag = 0.1;
-  Sampling sampling = Sampling::nearest;
+  field::Sampling sampling = field::Sampling::nearest;
 };
 void describe(auto& visit, FieldForce& o) {
   visit("strength", o.strength, OptionInfo{"K_GVF: pull of the field", "N mm", 0, 1e9});
@@ -85,8 +85,8 @@ struct Evolution {
   StopVoxel stop;
   StopConv end;
   int smooth_every = 1;
-  Smoothing smooth_during;
-  Smoothing smooth_after;
+  mesh::Smoothing smooth_during;
+  mesh::Smoothing smooth_after;
   bool histories = false;
 };
 void describe(auto& visit, Evolution& o) {
@@ -122,4 +122,4 @@ Evolution restricted_spring_model();
 Evolution plain_model();
 Evolution curvature_model();
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

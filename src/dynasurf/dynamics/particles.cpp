@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 void ForceJacobian::add(std::uint32_t row, std::uint32_t column, const Mat3& dfdx, const Mat3& dfdv) {
   Row& r = rows_[row];
@@ -53,4 +53,4 @@ double kinetic_energy(const ParticleSystem& system) {
   return energy;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

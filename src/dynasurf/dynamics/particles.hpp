@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/geometry.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// Where particles are and how they move: mm and mm/s, one entry per particle. Forces on pinned particles are ignored.
 struct ParticleState {
@@ -80,4 +80,4 @@ void total_force(std::span<const Force> forces, const ParticleState& state, std:
 double potential_energy(const ParticleSystem& system);
 double kinetic_energy(const ParticleSystem& system);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

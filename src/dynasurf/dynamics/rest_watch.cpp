@@ -1,6 +1,6 @@
 #include "dynasurf/dynamics/detail/rest_watch.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 bool RestWatch::gets_nowhere(Anchors& anchors, const Vec3& position, int step, const StepPlan& plan) {
   bool is_held = false;
@@ -27,4 +27,4 @@ std::size_t RestWatch::count(std::span<const std::uint32_t> moving, std::span<co
   return count;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

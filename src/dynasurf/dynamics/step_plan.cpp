@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/text_stream.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 constexpr double kShareOfLimit = 0.8;   // of the largest stable step
@@ -94,4 +94,4 @@ std::string explain_step(const StepPlan& plan, bool is_given, const std::string&
   return text.str();
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -9,7 +9,7 @@
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/field/flow_result.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 
 /// Gradient vector flow at rest near the borders alone. Voxels near a border are solved for; beyond, the field is
 /// smooth, and coarser and coarser cells stand for it. Time and memory follow the area of the border, where those of
@@ -99,4 +99,4 @@ BandResult band_field(const Grid& grid, std::span<const Index3> border, const Ba
 FlowResult flow_field(const Image& edge_map, const BandGvf& options, const Progress& progress = {});
 FlowResult flow_field(const Image& edge_map, const BandGgvf& options, const Progress& progress = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::field

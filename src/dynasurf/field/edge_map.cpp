@@ -9,7 +9,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/detail/gradient.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 namespace {
 
 constexpr std::array<std::string_view, 3> kOperators{"gradient_squared", "gradient", "intensity"};
@@ -78,4 +78,4 @@ Image edge_map_of(const Image& image, const EdgeMapOptions& options) {
   return map;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::field

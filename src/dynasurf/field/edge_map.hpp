@@ -5,7 +5,7 @@
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 
 /// What of an image a field is made from.
 enum class EdgeOperator { gradient_squared, gradient, intensity };
@@ -32,4 +32,4 @@ void describe(auto& visit, EdgeMapOptions& o) {
 /// not finite.
 Image edge_map_of(const Image& image, const EdgeMapOptions& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::field

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace dynasurf {
+namespace dynasurf::field {
 
 Vec3 FieldView::at(int i, int j, int k) const {
   if (dense_ == nullptr) return band_->at(i, j, k);
@@ -26,4 +26,4 @@ double FieldView::largest() const {
   return std::sqrt(largest);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::field

@@ -2,7 +2,7 @@
 #include "dynasurf/field/band.hpp"
 #include "dynasurf/field/vector_field.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 
 /// A field as particles read it, wherever its numbers are kept: of every voxel, or near borders alone. Made from either
 /// without a cast; what it is made from must outlive it.
@@ -25,4 +25,4 @@ class FieldView {
   const BandField* band_ = nullptr;
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::field

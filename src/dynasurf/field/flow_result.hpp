@@ -6,7 +6,7 @@
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/field/vector_field.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 
 /// `thesis` divides the diffusion by the voxel's volume whatever the axis (eq. 4.50); `metric` by the squared spacing
 /// of each axis, so that the field spreads equally in mm (E59).
@@ -23,4 +23,4 @@ struct FlowResult {
   Notes notes;                  // "gvf.step_limited", "gvf.diverged", "steady.tolerance_missed"
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::field

@@ -7,7 +7,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf::detail {
+namespace dynasurf::field::detail {
 
 double largest_gradient_squared(const Image& f) {
   const Index3& n = f.grid.dims;
@@ -37,4 +37,4 @@ void check_edge_map(const Image& f) {
     throw InputError("edge map: its gradient is too steep for single precision; scale the map to a maximum of 1");
 }
 
-}  // namespace dynasurf::detail
+}  // namespace dynasurf::field::detail

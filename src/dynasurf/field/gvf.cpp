@@ -11,7 +11,7 @@
 #include "dynasurf/field/detail/gradient.hpp"
 #include "dynasurf/field/detail/simd.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 
 namespace {
 
@@ -312,4 +312,4 @@ FlowResult flow_field(const Image& edge_map, const FieldOptions& options, const 
   return std::visit([&](const auto& method) { return flow_field(edge_map, method, progress); }, options);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::field

@@ -8,7 +8,7 @@
 #include "dynasurf/field/flow_result.hpp"
 #include "dynasurf/field/steady.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 
 /// Explicit gradient vector flow (FLD-GVF, thesis 3.3.4 and 4.5).
 struct Gvf {
@@ -75,4 +75,4 @@ double stable_step(const Image& edge_map, const Gvf& options);
 /// The same with h, which is below 1, in the place of |grad f|^2 and mu 1.
 double stable_step(const Image& edge_map, const Ggvf& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::field

@@ -11,7 +11,7 @@
 #include "dynasurf/field/detail/gradient.hpp"
 #include "dynasurf/field/multigrid/detail/hierarchy.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 
 using multigrid::Hierarchy;
 using multigrid::Level;
@@ -229,4 +229,4 @@ FlowResult flow_field(const Image& edge_map, const SteadyGgvf& options, const Pr
   return flow_field_in_kept_memory(edge_map, options, progress);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::field

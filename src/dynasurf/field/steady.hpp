@@ -5,7 +5,7 @@
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/field/flow_result.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 
 /// Gradient vector flow at rest: the field that the explicit scheme reaches after tens of thousands of steps, solved
 /// for directly. Per component (b - mu lap) u = b f_x with b = |grad f|^2 and Neumann borders (thesis 3.36).
@@ -68,4 +68,4 @@ void flow_field(const Image& edge_map, const SteadyGvf& options, SteadyWorkspace
 void flow_field(const Image& edge_map, const SteadyGgvf& options, SteadyWorkspace& workspace, FlowResult& result,
                 const Progress& progress = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::field

@@ -5,7 +5,7 @@
 
 #include "dynasurf/field/band.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 
 namespace {
 
@@ -87,4 +87,4 @@ Vec3 sample(const BandField& field, const Vec3& grid_mm, Sampling how, const Vec
   return sample_any(field, grid_mm, how, velocity);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::field

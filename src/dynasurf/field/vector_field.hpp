@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 
 /// One vector per voxel, in components, 1/mm, along the axes of the grid frame.
 struct VectorField {
@@ -24,4 +24,4 @@ std::span<const std::string_view> names_of(Sampling);
 /// (thesis); the other two ignore it.
 Vec3 sample(const VectorField& field, const Vec3& grid_mm, Sampling how, const Vec3& velocity = Vec3::Zero());
 
-}  // namespace dynasurf
+}  // namespace dynasurf::field

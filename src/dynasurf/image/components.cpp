@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 /// Takes everything connected to `seed` out of `open` (one flag per pixel of a slice of `width` columns).
@@ -45,4 +45,4 @@ std::vector<Component> components_of_slice(const Mask& mask, int k) {
   return components;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -3,7 +3,7 @@
 
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 
 /// Column and row of a pixel of a slice.
 struct Pixel {
@@ -28,4 +28,4 @@ PixelMean mean_of(const std::vector<Pixel>& pixels);
 /// Needs 0 <= k < mask.grid.dims[2].
 std::vector<Component> components_of_slice(const Mask& mask, int k);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -1,6 +1,6 @@
 #include "dynasurf/image/cover.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 
 Mask cover_disc(const Mask& solid, double radius_mm) {
   const Grid& g = solid.grid;
@@ -27,4 +27,4 @@ Mask unite(Mask a, const Mask& b) {
   return a;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

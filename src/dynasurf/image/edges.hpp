@@ -8,7 +8,7 @@
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 
 /// What the two thresholds of Canny's hysteresis mean (the thesis does not say, O2).
 enum class CannyThreshold {
@@ -166,4 +166,4 @@ EdgeMap detect_edges(const Image& image, const Compass& options);
 EdgeMap detect_edges(const Image& image, const ContourCompletion& options);
 EdgeMap detect_edges(const Image& image, const EdgeOptions& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -9,7 +9,7 @@
 #include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/image/detail/slice.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 float largest(const Image& image) {
@@ -116,4 +116,4 @@ Image prepare(Image image, const Preparation& o) {
   return image;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -8,7 +8,7 @@
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 
 /// Divides by the largest value of the volume (VOL-NORM, thesis 6.1): the maximum becomes exactly 1. Negative values
 /// stay. A volume without a positive value is returned as it is, with a note "normalise.empty".
@@ -73,4 +73,4 @@ void describe(auto& visit, Preparation& o) {
 /// Cuts, then doubles, then thresholds a normalised volume, as far as asked for. Pixels are those of `image`.
 Image prepare(Image image, const Preparation& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -6,7 +6,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 /// A point's place between voxels along one axis.
@@ -135,4 +135,4 @@ Image smooth_gaussian(const Image& image, double sigma_mm) {
   return from;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

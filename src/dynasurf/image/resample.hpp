@@ -1,7 +1,7 @@
 #pragma once
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 
 /// Value at a point of the grid frame (mm) by linear interpolation. Outside the grid the nearest value inside stands.
 double sample_linear(const Image& image, const Vec3& grid_mm);
@@ -17,4 +17,4 @@ Image resample(const Image& image, const Grid& grid);
 /// Gaussian of standard deviation `sigma_mm` along every axis, borders replicated; 0 returns the image.
 Image smooth_gaussian(const Image& image, double sigma_mm);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

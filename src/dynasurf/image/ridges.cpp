@@ -6,7 +6,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/text_stream.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 /// Strength one pixel along (x, y), interpolated between the two pixels of the 3x3 ring on either side of it; exactly
@@ -102,4 +102,4 @@ void put_offsets(const Slice& strength, const SliceVectors& across, EdgeMap& map
     }
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -5,7 +5,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 
 Slice slice_of(const Image& image, int k) {
   Slice slice(image.grid.dims[0], image.grid.dims[1]);
@@ -93,4 +93,4 @@ Slice lengths_of(const SliceVectors& v) {
   return lengths;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

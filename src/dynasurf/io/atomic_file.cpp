@@ -18,7 +18,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/staging.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -451,4 +451,4 @@ void OutputFolder::publish() {
 void discard_unpublished() noexcept { staging::discard_all(); }
 OutputState state_of_outputs() noexcept { return staging::state(); }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

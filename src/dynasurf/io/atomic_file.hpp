@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 namespace staging {
 struct Place;
@@ -99,4 +99,4 @@ void discard_unpublished() noexcept;
 enum class OutputState { none, begun, published };
 OutputState state_of_outputs() noexcept;
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -11,7 +11,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/sample_surface.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using namespace io_detail;
@@ -107,7 +107,7 @@ PointCloud sampled(const TriMesh& mesh, const VertexData& data) {
       used[v] = true;
     }
   const bool coloured = !data.colours.empty();
-  const bool oriented = topology(mesh).oriented();
+  const bool oriented = mesh::topology(mesh).oriented();
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (!used[v]) continue;
     cloud.points.push_back(mesh.vertices[v]);
@@ -115,8 +115,8 @@ PointCloud sampled(const TriMesh& mesh, const VertexData& data) {
     if (oriented) cloud.normals.push_back(area[v]);
   }
   if (cloud.points.size() >= points_of_a_surface) return cloud;
-  for (const SurfaceSample& p : sample_surface(mesh, points_of_a_surface - cloud.points.size())) {
-    cloud.points.push_back(position_of(mesh, p));
+  for (const mesh::SurfaceSample& p : mesh::sample_surface(mesh, points_of_a_surface - cloud.points.size())) {
+    cloud.points.push_back(mesh::position_of(mesh, p));
     if (oriented) cloud.normals.push_back(normal_of(mesh, p.triangle));
     if (!coloured) continue;
     auto& colour = cloud.colours.emplace_back();
@@ -163,7 +163,7 @@ PointCloud read_one(const std::filesystem::path& path, CloudSource& source, Note
 
 }  // namespace
 
-PointCloud io_detail::decode_cloud(const MeshFile& file, CloudSource& source, Notes& notes) {
+PointCloud detail::decode_cloud(const MeshFile& file, CloudSource& source, Notes& notes) {
   const std::filesystem::path path = file.name;
   const Format& format = format_of(path);
   VertexData data;
@@ -260,4 +260,4 @@ void write_cloud(const PointCloud& cloud, const std::filesystem::path& path) {
   write_file(path, out);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -7,7 +7,7 @@
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/point_cloud.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 /// What a file of a cloud was.
 struct CloudSource {
@@ -56,4 +56,4 @@ CloudInput read_cloud(std::span<const std::filesystem::path> files);
 /// the cloud has. Whole or not at all. Throws InputError for an empty cloud or arrays of different lengths, IoError.
 void write_cloud(const PointCloud& cloud, const std::filesystem::path& path);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

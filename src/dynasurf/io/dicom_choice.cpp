@@ -8,7 +8,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/dicom_words.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 namespace {
 
@@ -179,4 +179,4 @@ DicomChoice chosen_stack(const std::vector<DicomImage>& images, std::vector<Dico
   return choice;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

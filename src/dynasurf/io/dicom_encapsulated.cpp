@@ -1,7 +1,7 @@
 #include "dynasurf/io/detail/dicom_result_parts.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using dicom::Item;
@@ -34,7 +34,7 @@ DicomInstance save_document(DcmFileFormat& file, const DicomResult& result, cons
 
 DicomInstance write_encapsulated_stl(const DicomResult& result, const DicomObject& object, const TriMesh& mesh,
                                      const std::filesystem::path& path) {
-  io_detail::check_writable(mesh, {}, path.string());
+  detail::check_writable(mesh, {}, path.string());
   DcmFileFormat file;
   DcmDataset& data = *file.getDataset();
   Item root(data);
@@ -43,7 +43,7 @@ DicomInstance write_encapsulated_stl(const DicomResult& result, const DicomObjec
   root.text(DCM_FrameOfReferenceUID, result.subject.frame_of_reference);
   root.text(DCM_PositionReferenceIndicator, "");
   root.code(DCM_MeasurementUnitsCodeSequence, "mm", "mm", "UCUM");
-  put_document(data, io_detail::encode_stl(mesh), "model/stl", object.description);
+  put_document(data, detail::encode_stl(mesh), "model/stl", object.description);
   return save_document(file, result, object, UID_EncapsulatedSTLStorage, path);
 }
 
@@ -59,4 +59,4 @@ DicomInstance write_encapsulated_pdf(const DicomResult& result, const DicomObjec
   return save_document(file, result, object, UID_EncapsulatedPDFStorage, path);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -14,7 +14,7 @@
 #include "dynasurf/io/detail/samples.hpp"
 #include "dynasurf/io/study_io.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -418,4 +418,4 @@ std::vector<std::pair<std::string, std::string>> acquisition_facts_of(const std:
   return rows;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

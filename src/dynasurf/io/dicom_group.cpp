@@ -9,7 +9,7 @@
 #include "dynasurf/io/detail/digest.hpp"
 #include "dynasurf/io/study_io.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 /// What the pixels of an image are after rescaling, whatever they are packed in.
@@ -121,4 +121,4 @@ std::vector<DicomStack> stacks_of(const std::vector<DicomImage>& images) {
   return stacks;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -8,7 +8,7 @@
 
 #include <dcmtk/dcmdata/dcostrmb.h>
 
-namespace dynasurf::dicom {
+namespace dynasurf::io::dicom {
 namespace {
 
 /// Decimal digits of a 128-bit number.
@@ -96,4 +96,4 @@ std::string bytes_of(DcmFileFormat& file, const std::string& where) {
   return bytes;
 }
 
-}  // namespace dynasurf::dicom
+}  // namespace dynasurf::io::dicom

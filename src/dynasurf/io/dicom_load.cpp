@@ -8,7 +8,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 
-namespace dynasurf::dicom {
+namespace dynasurf::io::dicom {
 namespace {
 
 void require_dictionary() {
@@ -62,4 +62,4 @@ bool is_sequence(std::uint32_t tag) {
   return DcmTag(static_cast<Uint16>(tag >> 16), static_cast<Uint16>(tag & 0xffff)).getEVR() == EVR_SQ;
 }
 
-}  // namespace dynasurf::dicom
+}  // namespace dynasurf::io::dicom

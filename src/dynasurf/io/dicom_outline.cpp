@@ -10,7 +10,7 @@
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/detail/dicom_load.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 constexpr std::uint32_t undefined_length = 0xffffffff;
@@ -310,4 +310,4 @@ DicomOutline outline_of_dicom(const std::filesystem::path& path, std::span<const
   return outline;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -6,7 +6,7 @@
 #include "dynasurf/io/detail/dicom_file.hpp"
 #include "dynasurf/io/detail/dicom_outline.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 std::uint64_t bytes_of_frame(const DicomImage& image) {
@@ -126,4 +126,4 @@ void read_dicom_frames(const DicomImage& image, const std::function<void(int, st
   }
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -15,7 +15,7 @@
 #include "dynasurf/io/detail/study_mend.hpp"
 #include "dynasurf/io/study_io.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -183,4 +183,4 @@ std::vector<std::pair<std::string, std::string>> dicom_facts(const std::filesyst
   return acquisition_facts_of(files_of_dicom(path, series).front());
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -13,7 +13,7 @@
 #include "dynasurf/core/volume.hpp"
 #include "dynasurf/io/detail/digest.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 /// One object that others refer to.
 struct DicomInstance {
@@ -105,4 +105,4 @@ DicomInstance write_encapsulated_stl(const DicomResult& result, const DicomObjec
 DicomInstance write_encapsulated_pdf(const DicomResult& result, const DicomObject& object, std::string_view document,
                                      const std::filesystem::path& path);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

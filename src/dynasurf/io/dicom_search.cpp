@@ -8,7 +8,7 @@
 #include "dynasurf/io/detail/dicom_file.hpp"
 #include "dynasurf/io/detail/dicom_group.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -128,4 +128,4 @@ void search_dicom(const std::vector<fs::path>& files, StudySearch& found, const 
   }
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -12,7 +12,7 @@
 #include <dcmtk/dcmseg/segdoc.h>
 #include <dcmtk/dcmseg/segment.h>
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using dicom::decimal, dicom::must;
@@ -171,4 +171,4 @@ DicomInstance write_segmentation(const DicomResult& result, const DicomObject& o
   return instance;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

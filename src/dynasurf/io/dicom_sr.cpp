@@ -5,7 +5,7 @@
 #include <dcmtk/dcmsr/cmr/tid1500.h>
 #include <dcmtk/dcmsr/dsrdoc.h>
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using dicom::decimal, dicom::must;
@@ -114,4 +114,4 @@ DicomInstance write_measurement_report(const DicomResult& result, const DicomObj
   return instance;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -14,7 +14,7 @@
 #include "dynasurf/io/detail/dicom_words.hpp"
 #include "dynasurf/io/detail/samples.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 void note(Notes& notes, Severity severity, const std::string& code, const std::string& message) {
@@ -520,4 +520,4 @@ std::optional<DicomStack> joined_gates(const std::vector<DicomImage>& images, st
   return std::nullopt;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -6,7 +6,7 @@
 #include "dynasurf/io/detail/dicom_result_parts.hpp"
 #include "dynasurf/io/detail/formats.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -100,4 +100,4 @@ void put_context(DcmItem& dataset, const DicomResult& result, const DicomObject&
 void save(DcmFileFormat& file, const fs::path& path) { write_file(path, bytes_of(file, path.string())); }
 
 }  // namespace dicom
-}  // namespace dynasurf
+}  // namespace dynasurf::io

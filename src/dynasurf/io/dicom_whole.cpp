@@ -8,7 +8,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/dicom_stack.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 std::string mm(double value) {
@@ -81,4 +81,4 @@ void require_all_images(const std::vector<DicomImage>& images, std::span<const s
                          " on; whether there were others before " + "is not known"});
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

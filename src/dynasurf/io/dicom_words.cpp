@@ -4,7 +4,7 @@
 #include <array>
 #include <cctype>
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 /// Upper-case words with single spaces around each: " GATED SA ".
@@ -140,4 +140,4 @@ bool is_correction(const std::string& term) {
   return std::find(terms.begin(), terms.end(), term) != terms.end();
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

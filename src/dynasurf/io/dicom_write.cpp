@@ -8,7 +8,7 @@
 #include "dynasurf/io/detail/dicom_item.hpp"
 #include "dynasurf/io/study_io.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using dicom::decimal, dicom::decimals, dicom::Item, dicom::uid_of;
@@ -302,4 +302,4 @@ void write_projections(const Projections& p, const std::filesystem::path& path, 
   write_file(path, dicom::bytes_of(file, where));
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -9,7 +9,7 @@
 #include "dynasurf/io/detail/formats.hpp"
 #include "dynasurf/io/study_io.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 std::string number(double value, int digits = 6) {
@@ -121,4 +121,4 @@ StudyFacts facts_of(const std::filesystem::path& path, const Study& study, const
   return facts;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 namespace fs = std::filesystem;
 
@@ -29,4 +29,4 @@ std::filesystem::path file_inside(const fs::path& folder, const fs::path& file) 
   return path;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -3,12 +3,12 @@
 #include "dynasurf/io/detail/gltf_scene.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
-using io_detail::GltfJson;
-using io_detail::GltfScene;
-using io_detail::Rows3;
+using detail::GltfJson;
+using detail::GltfScene;
+using detail::Rows3;
 
 /// LPS to glTF's axes: x left, y up (superior), z to the front (anterior).
 Vec3 to_gltf_axes(const Vec3& lps) { return {lps[0], lps[2], -lps[1]}; }
@@ -27,7 +27,7 @@ void check_surfaces(std::span<const AnimatedSurface> surfaces, double cycle_s, c
       if (!(c >= 0 && c <= 1))
         throw OptionError("cannot write " + what + ": colour of " + s.name + " is not in 0 to 1");
     for (const TriMesh& mesh : s.cycle) {
-      io_detail::check_writable(mesh, {}, what);
+      detail::check_writable(mesh, {}, what);
       if (mesh.triangles != s.cycle[0].triangles || mesh.vertices.size() != s.cycle[0].vertices.size())
         fail(s, "has meshes with different triangles; a cycle shares them");
     }
@@ -42,7 +42,7 @@ Rows3 positions_m(const TriMesh& mesh) {
 }
 
 Rows3 normals(const TriMesh& mesh) {
-  Rows3 rows = io_detail::vertex_normals(mesh);
+  Rows3 rows = detail::vertex_normals(mesh);
   for (auto& n : rows) n = to_gltf_axes(n.cast<double>()).cast<float>();
   return rows;
 }
@@ -124,4 +124,4 @@ void write_glb(std::span<const AnimatedSurface> surfaces, double cycle_s, const 
   write_file(path, scene.encode(path.string()));
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

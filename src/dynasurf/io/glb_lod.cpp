@@ -9,12 +9,12 @@
 #include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/io/png.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
-using io_detail::GltfJson;
-using io_detail::GltfScene;
-using io_detail::Rows3;
+using detail::GltfJson;
+using detail::GltfScene;
+using detail::Rows3;
 
 Vec3 middle_of(const TriMesh& mesh) {
   Eigen::AlignedBox3d box;
@@ -47,7 +47,7 @@ GltfJson plain_primitive(const TriMesh& mesh, const VertexColours& colours, std:
   for (const Vec3& p : mesh.vertices) rows.push_back((p - middle).cast<float>());
   GltfJson primitive = {{"attributes", GltfJson::object()}};
   primitive["attributes"]["POSITION"] = scene.add_rows(rows, true);
-  primitive["attributes"]["NORMAL"] = scene.add_rows(io_detail::vertex_normals(mesh), false);
+  primitive["attributes"]["NORMAL"] = scene.add_rows(detail::vertex_normals(mesh), false);
   if (!colours.empty()) primitive["attributes"]["COLOR_0"] = scene.add_colours(linear(colours));
   for (const VertexScalar& scalar : scalars) {
     std::string name = "_" + scalar.name;  // glTF asks for the underscore
@@ -64,11 +64,11 @@ void add_node_at(const Vec3& middle, const std::string& name, GltfJson primitive
   scene.document["nodes"].back()["translation"] = {middle[0], middle[1], middle[2]};
 }
 
-GltfJson textured_primitive(const TexturedMesh& mesh, const Vec3& middle, GltfScene& scene) {
+GltfJson textured_primitive(const mesh::TexturedMesh& mesh, const Vec3& middle, GltfScene& scene) {
   Rows3 places, normals;
   std::vector<std::array<float, 4>> tangents;
   std::vector<Eigen::Vector2f> uvs;
-  for (const TexturedMesh::Corner& c : mesh.corners) {
+  for (const mesh::TexturedMesh::Corner& c : mesh.corners) {
     places.push_back((c.position - middle).cast<float>());
     normals.push_back(c.normal);
     tangents.push_back({c.tangent[0], c.tangent[1], c.tangent[2], 1.0F});
@@ -82,7 +82,7 @@ GltfJson textured_primitive(const TexturedMesh& mesh, const Vec3& middle, GltfSc
   return primitive;
 }
 
-std::string png_of(const Texture& texture) {
+std::string png_of(const mesh::Texture& texture) {
   Picture picture;
   picture.width = texture.width;
   picture.height = texture.height;
@@ -104,11 +104,11 @@ int add_textured_material(const LodSurface& level, GltfScene& scene) {
 bool is_textured(const LodSurface& level) { return !level.textured.corners.empty(); }
 
 void check_textures(const LodSurface& level, const std::string& what) {
-  const auto fits = [](const Texture& t) {
+  const auto fits = [](const mesh::Texture& t) {
     return t.width > 0 && t.height > 0 &&
            t.texels.size() == static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height);
   };
-  const TexturedMesh& mesh = level.textured;
+  const mesh::TexturedMesh& mesh = level.textured;
   if (mesh.corners.size() % 3 != 0 || !fits(mesh.normals) || (!mesh.colours.texels.empty() && !fits(mesh.colours)))
     throw InputError("cannot write " + what + ": the textures of " + level.name + " do not fit their corners");
 }
@@ -132,8 +132,8 @@ void name_levels(std::span<const LodSurface> levels, GltfJson& document) {
 void write_lod_glb(std::span<const LodSurface> levels, const std::filesystem::path& path) {
   if (levels.empty()) throw InputError("cannot write " + path.string() + ": there is no level");
   for (const LodSurface& level : levels) {
-    io_detail::check_writable(level.mesh, level.scalars, path.string());
-    io_detail::check_colours(level.mesh, level.colours, path.string());
+    detail::check_writable(level.mesh, level.scalars, path.string());
+    detail::check_colours(level.mesh, level.colours, path.string());
     if (is_textured(level)) check_textures(level, path.string());
   }
   GltfScene scene;
@@ -150,8 +150,8 @@ void write_lod_glb(std::span<const LodSurface> levels, const std::filesystem::pa
   write_file(path, scene.encode(path.string()));
 }
 
-std::string io_detail::encode_glb(const TriMesh& mesh, std::span<const VertexScalar> scalars,
-                                  const VertexColours& colours, const std::string& what) {
+std::string detail::encode_glb(const TriMesh& mesh, std::span<const VertexScalar> scalars, const VertexColours& colours,
+                               const std::string& what) {
   GltfScene scene;
   const Vec3 middle = middle_of(mesh);
   GltfJson primitive = plain_primitive(mesh, colours, scalars, middle, scene);
@@ -160,4 +160,4 @@ std::string io_detail::encode_glb(const TriMesh& mesh, std::span<const VertexSca
   return scene.encode(what);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -10,8 +10,8 @@
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
-namespace dynasurf {
-namespace io_detail {
+namespace dynasurf::io {
+namespace detail {
 namespace {
 
 /// The format counts bytes in 32 bits. Sums and products of two such numbers do not leave 64.
@@ -187,11 +187,11 @@ std::vector<LodSurface> decode_lod_glb(const MeshFile& file) {
   return levels;
 }
 
-}  // namespace io_detail
+}  // namespace detail
 
 std::vector<LodSurface> read_lod_glb(const std::filesystem::path& path) {
-  const std::string bytes = io_detail::read_whole(path, "levels of detail");
-  return io_detail::decode_lod_glb({path.string(), bytes});
+  const std::string bytes = detail::read_whole(path, "levels of detail");
+  return detail::decode_lod_glb({path.string(), bytes});
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

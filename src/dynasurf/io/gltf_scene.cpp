@@ -5,7 +5,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/bytes.hpp"
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 namespace {
 
 /// glTF counts bytes in 32 bits, and many readers take them for signed.
@@ -166,4 +166,4 @@ void GltfScene::set_bounds(int accessor, const Bounds& low, const Bounds& high) 
   a["max"] = doubles_of(high);
 }
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

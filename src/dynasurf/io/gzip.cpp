@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 std::string gzip(std::string_view content) {
   z_stream packer{};
@@ -30,4 +30,4 @@ std::string gzip(std::string_view content) {
   return packed;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

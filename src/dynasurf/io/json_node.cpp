@@ -7,7 +7,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -118,4 +118,4 @@ std::int64_t whole_of(const JsonNode& node, std::int64_t low, std::int64_t high)
   return value;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

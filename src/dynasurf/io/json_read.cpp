@@ -10,7 +10,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -189,4 +189,4 @@ std::string json_text(const nlohmann::ordered_json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

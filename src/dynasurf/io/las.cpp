@@ -5,7 +5,7 @@
 
 // LAS 1.0 to 1.4 (ASPRS), uncompressed: a header, records of other kinds that are skipped, and points of equal length.
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 namespace {
 
 constexpr std::size_t shortest_header = 227, header_14 = 375;
@@ -123,4 +123,4 @@ TriMesh decode_las(const MeshFile& file, VertexData& data) {
   return mesh;
 }
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

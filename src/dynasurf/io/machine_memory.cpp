@@ -8,7 +8,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
@@ -68,4 +68,4 @@ std::uint64_t default_memory_limit() {
   return half;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -7,7 +7,7 @@
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/study_io.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -142,4 +142,4 @@ std::optional<ForeignFile> first_foreign_file(const fs::path& folder) {
   return first;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

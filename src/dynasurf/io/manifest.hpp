@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 /// Every result folder holds this file. It lists all others, so that a result can be told from a folder of the user's
 /// and an untouched result from an edited one.
@@ -44,4 +44,4 @@ struct ForeignFile {
 /// Symbolic links are foreign and never followed.
 std::optional<ForeignFile> first_foreign_file(const std::filesystem::path& folder);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -12,7 +12,7 @@
 
 // The doors between mesh_io.cpp and the mesh formats, one source each. A format turns a mesh into bytes and bytes into
 // a mesh; files, names and the checks that all formats share stay in mesh_io.cpp.
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 
 /// The whole content of a file and the name to blame.
 struct MeshFile {
@@ -118,4 +118,4 @@ std::vector<Eigen::Vector3f> vertex_normals(const TriMesh& mesh);
 /// Cuts a face of three or more corners into a fan of triangles around its first corner.
 void add_fan(TriMesh& mesh, std::span<const std::uint32_t> corners);
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

@@ -10,7 +10,7 @@
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using namespace io_detail;
@@ -66,7 +66,7 @@ TriMesh read_mesh(const std::filesystem::path& path) {
   return mesh;
 }
 
-namespace io_detail {
+namespace detail {
 
 void refuse(const MeshFile& file, std::string_view unit, std::size_t place, const std::string& reason) {
   std::string text = file.name + ": ";
@@ -163,5 +163,5 @@ void add_fan(TriMesh& mesh, std::span<const std::uint32_t> corners) {
   for (std::size_t i = 2; i < corners.size(); ++i) mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
 }
 
-}  // namespace io_detail
-}  // namespace dynasurf
+}  // namespace detail
+}  // namespace dynasurf::io

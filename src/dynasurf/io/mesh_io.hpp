@@ -10,7 +10,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/mesh/textured_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 enum class MeshFormat { ply, stl, obj, off, vtp, glb };
 std::span<const std::string_view> names_of(MeshFormat);
@@ -65,7 +65,7 @@ struct LodSurface {
   VertexColours colours;
   double smallest_coverage = 0;  // part of the screen's height that the object takes when the next level takes over
   /// Written instead of `mesh` and `colours` when it has corners, with its textures as PNG.
-  TexturedMesh textured;
+  mesh::TexturedMesh textured;
   std::vector<VertexScalar> scalars = {};  // as the attributes _NAME; not written with textures
 };
 /// Levels of detail, finest first, as one binary glTF: a node and mesh per level. The scene shows the finest; its node
@@ -90,4 +90,4 @@ struct PvdEntry {
 };
 void write_pvd(std::span<const PvdEntry> entries, const std::filesystem::path& path);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -9,7 +9,7 @@
 #include "dynasurf/io/detail/nifti_format.hpp"
 #include "dynasurf/io/detail/samples.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -272,4 +272,4 @@ Study read_nifti(const std::filesystem::path& path) {
   return study;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -9,7 +9,7 @@
 #include "dynasurf/io/label_io.hpp"
 #include "dynasurf/io/study_io.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 template <class T>
@@ -103,4 +103,4 @@ void write_label_nifti(std::span<const Mask> gates, const Study& frame, const st
   write_volumes<std::uint8_t>(header_of(frame, {nifti::type_uint8, 8, nifti::intent_label}, path), gates, path);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

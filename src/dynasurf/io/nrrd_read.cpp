@@ -9,7 +9,7 @@
 #include "dynasurf/io/detail/formats.hpp"
 #include "dynasurf/io/detail/samples.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -538,4 +538,4 @@ Study read_nrrd(const std::filesystem::path& path) {
   return study;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -7,7 +7,7 @@
 #include "dynasurf/io/detail/gzip.hpp"
 #include "dynasurf/io/study_io.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 /// Shortest text that reads back as the same number.
@@ -61,4 +61,4 @@ void write_nrrd(const Study& study, const std::filesystem::path& path) {
   write_file(path, header_of(study) + gzip(voxels));
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

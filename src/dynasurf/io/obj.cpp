@@ -7,7 +7,7 @@
 #include "dynasurf/io/detail/told_counts.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 
 std::string encode_obj(const TriMesh& mesh, const VertexColours& colours) {
   // The counts tell a whole file from one that was cut at the end of a line.
@@ -189,4 +189,4 @@ TriMesh decode(const MeshFile& file, VertexData* data) {
 TriMesh decode_obj(const MeshFile& file) { return decode(file, nullptr); }
 TriMesh decode_obj(const MeshFile& file, VertexData& data) { return decode(file, &data); }
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

@@ -4,7 +4,7 @@
 #include "dynasurf/io/detail/text_reader.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 
 std::string encode_off(const TriMesh& mesh, const VertexColours& colours) {
   std::string out = std::string(colours.empty() ? "OFF" : "COFF") +
@@ -126,4 +126,4 @@ TriMesh decode(const MeshFile& file, VertexData* data) {
 TriMesh decode_off(const MeshFile& file) { return decode(file, nullptr); }
 TriMesh decode_off(const MeshFile& file, VertexData& data) { return decode(file, &data); }
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

@@ -5,7 +5,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -139,4 +139,4 @@ void options_from_text(std::string_view text, const OptionNodes& nodes, const st
   options_from_json(json, nodes, path);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/option_tree.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 // Options as JSON. A group is an object; a method of a family is an object with "method": name beside its options; an
 // enumerator is its word; an unset optional number is null. Keys stand in the order of `describe`.
@@ -44,4 +44,4 @@ void options_from_text(std::string_view text, O& options, const std::string& pat
   options = std::move(changed);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -12,7 +12,7 @@
 // PCD 0.5 to 0.7, the format of the Point Cloud Library: a header of lines, then points as text, as records, or as
 // columns that LZF has compressed.
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 namespace {
 
 constexpr std::size_t most_fields = 256;
@@ -243,4 +243,4 @@ TriMesh decode_pcd(const MeshFile& file, VertexData& data) {
   return mesh;
 }
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

@@ -8,7 +8,7 @@
 #include "dynasurf/io/detail/text_reader.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 
 std::string encode_ply(const TriMesh& mesh, std::span<const VertexScalar> scalars, const VertexColours& colours) {
   // Positions are doubles: a mesh read back has the very volume that was reported for it.
@@ -406,4 +406,4 @@ TriMesh decode(const MeshFile& file, VertexData* data) {
 TriMesh decode_ply(const MeshFile& file) { return decode(file, nullptr); }
 TriMesh decode_ply(const MeshFile& file, VertexData& data) { return decode(file, &data); }
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

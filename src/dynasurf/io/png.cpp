@@ -8,7 +8,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 /// libpng's simplified interface, which frees what it took.
@@ -61,4 +61,4 @@ Picture read_png(const std::filesystem::path& path) {
   return picture;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 /// Red, green, blue.
 using Colour = std::array<std::uint8_t, 3>;
@@ -36,4 +36,4 @@ void write_png(const Picture& picture, const std::filesystem::path& path);
 /// Reads what `write_png` wrote, or any PNG as 8-bit colours. Throws InputError, IoError.
 Picture read_png(const std::filesystem::path& path);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -5,7 +5,7 @@
 
 // PTX (Leica): scans one after the other, each a grid of points in the scanner's frame with the way to a common one.
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 namespace {
 
 /// The transformation of a scan: p becomes the row vector (p, 1) times this.
@@ -74,4 +74,4 @@ TriMesh decode_ptx(const MeshFile& file, VertexData& data) {
   return mesh;
 }
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

@@ -11,7 +11,7 @@
 
 // Clouds as rows of numbers: XYZ, PTS, PWN, CSV. Such files name their columns in a first line or not at all.
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 namespace {
 
 constexpr std::size_t absent = static_cast<std::size_t>(-1);
@@ -308,4 +308,4 @@ TriMesh decode_rows(const MeshFile& file, VertexData& data, bool normals_first) 
   return mesh;
 }
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

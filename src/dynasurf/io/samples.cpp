@@ -11,7 +11,7 @@
 #include "dynasurf/io/detail/study_mend.hpp"
 #include "dynasurf/io/study_io.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "the readers swap bytes for a little-endian machine");
@@ -165,4 +165,4 @@ Grid grid_from_steps(const Index3& dims, const Mat3& steps, const Vec3& origin, 
   return grid;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -7,7 +7,7 @@
 #include "dynasurf/io/detail/digest.hpp"
 #include "dynasurf/io/study_io.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 std::string hexadecimal(const Sha256& digest) {
   constexpr char digits[] = "0123456789abcdef";
@@ -37,4 +37,4 @@ std::string sha256_of_file(const std::filesystem::path& path) {
   return hexadecimal(hasher.finish());
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

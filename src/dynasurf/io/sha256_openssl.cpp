@@ -7,7 +7,7 @@
 
 #include "dynasurf/io/detail/digest.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 struct Hasher::State {
   SHA256_CTX context;
@@ -24,4 +24,4 @@ Sha256 Hasher::finish() {
   return digest;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -7,7 +7,7 @@
 
 #include "dynasurf/io/detail/digest.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 using Words = std::array<std::uint32_t, 8>;
@@ -87,4 +87,4 @@ Sha256 Hasher::finish() {
   return digest;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

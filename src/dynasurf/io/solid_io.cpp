@@ -7,7 +7,7 @@
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/detail/vtk_xml.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 constexpr std::array<std::string_view, 3> format_names{"vtu", "msh", "inp"};
@@ -17,7 +17,7 @@ std::string text_of(double value) {
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
-std::string vtu(const TetMesh& solid, std::span<const VertexScalar> scalars) {
+std::string vtu(const mesh::TetMesh& solid, std::span<const VertexScalar> scalars) {
   constexpr std::uint8_t tetrahedron = 10;  // VTK's number of the cell type
   std::vector<double> points;
   for (const Vec3& p : solid.vertices) points.insert(points.end(), p.begin(), p.end());
@@ -27,9 +27,9 @@ std::string vtu(const TetMesh& solid, std::span<const VertexScalar> scalars) {
     ends.push_back(static_cast<std::int64_t>(corners.size()));
   }
   const std::vector<std::uint8_t> types(solid.tetrahedra.size(), tetrahedron);
-  io_detail::VtkXml xml;
+  detail::VtkXml xml;
   std::string body = "<!-- dynasurf, world coordinates, LPS, mm -->\n<UnstructuredGrid>\n" +
-                     std::string(io_detail::lps_field) + "<Piece NumberOfPoints=\"" +
+                     std::string(detail::lps_field) + "<Piece NumberOfPoints=\"" +
                      std::to_string(solid.vertices.size()) + "\" NumberOfCells=\"" +
                      std::to_string(solid.tetrahedra.size()) + "\">\n<PointData>\n";
   for (const VertexScalar& s : scalars) body += xml.array<float>(s.name, 1, s.values);
@@ -39,7 +39,7 @@ std::string vtu(const TetMesh& solid, std::span<const VertexScalar> scalars) {
   return xml.file("UnstructuredGrid", body);
 }
 
-std::string msh(const TetMesh& solid) {
+std::string msh(const mesh::TetMesh& solid) {
   std::string text =
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"wall\"\n$EndPhysicalNames\n$Nodes\n" +
       std::to_string(solid.vertices.size()) + "\n";
@@ -57,7 +57,7 @@ std::string msh(const TetMesh& solid) {
   return text + "$EndElements\n";
 }
 
-std::string inp(const TetMesh& solid) {
+std::string inp(const mesh::TetMesh& solid) {
   std::string text = "*HEADING\ndynasurf, world coordinates LPS, mm\n*NODE\n";
   for (std::size_t v = 0; v < solid.vertices.size(); ++v) {
     text += std::to_string(v + 1);
@@ -73,7 +73,7 @@ std::string inp(const TetMesh& solid) {
   return text;
 }
 
-void check(const TetMesh& solid, std::span<const VertexScalar> scalars) {
+void check(const mesh::TetMesh& solid, std::span<const VertexScalar> scalars) {
   if (solid.tetrahedra.empty()) throw InputError("write_solid: there is no tetrahedron");
   for (const auto& t : solid.tetrahedra)
     for (const std::uint32_t v : t)
@@ -88,7 +88,7 @@ void check(const TetMesh& solid, std::span<const VertexScalar> scalars) {
 
 std::span<const std::string_view> names_of(SolidFormat) { return format_names; }
 
-void write_solid(const TetMesh& solid, const std::filesystem::path& path, SolidFormat format,
+void write_solid(const mesh::TetMesh& solid, const std::filesystem::path& path, SolidFormat format,
                  std::span<const VertexScalar> scalars) {
   check(solid, scalars);
   switch (format) {
@@ -101,4 +101,4 @@ void write_solid(const TetMesh& solid, const std::filesystem::path& path, SolidF
   }
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

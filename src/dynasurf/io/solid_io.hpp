@@ -6,7 +6,7 @@
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/mesh/tetrahedra.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 enum class SolidFormat { vtu, msh, inp };
 std::span<const std::string_view> names_of(SolidFormat);
@@ -15,7 +15,7 @@ std::span<const std::string_view> names_of(SolidFormat);
 /// file with nodes and C3D4 elements in the set WALL. Named values per vertex stand in the VTK file only.
 /// Whole or not at all. Throws InputError for a solid without tetrahedra or with an index out of range, OptionError for
 /// values of another length, IoError.
-void write_solid(const TetMesh& solid, const std::filesystem::path& path, SolidFormat format,
+void write_solid(const mesh::TetMesh& solid, const std::filesystem::path& path, SolidFormat format,
                  std::span<const VertexScalar> scalars = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

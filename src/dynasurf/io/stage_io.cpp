@@ -9,10 +9,10 @@
 #include "dynasurf/io/detail/bytes.hpp"
 #include "dynasurf/io/detail/vtk_xml.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
-using io_detail::append_text;
+using detail::append_text;
 
 void check_size(const Grid& grid, std::size_t values, const std::filesystem::path& path) {
   if (grid.dims[0] < 1 || grid.dims[1] < 1 || grid.dims[2] < 1)
@@ -47,7 +47,7 @@ std::string joined(const Numbers& numbers, std::string_view separator) {
   return out;
 }
 
-std::string array_of(io_detail::VtkXml& xml, const Grid& grid, const VoxelArray& array) {
+std::string array_of(detail::VtkXml& xml, const Grid& grid, const VoxelArray& array) {
   return std::visit(
       [&](const auto& values) {
         using Values = std::decay_t<decltype(values)>;
@@ -88,7 +88,7 @@ void write_vti(const Grid& grid, std::span<const VoxelArray> arrays, const std::
         },
         array.values);
 
-  io_detail::VtkXml xml;
+  detail::VtkXml xml;
   std::string data;
   for (const VoxelArray& array : arrays) data += array_of(xml, grid, array);
   const auto& d = grid.dims;
@@ -117,4 +117,4 @@ void write_nrrd_vectors(const Grid& grid, const VectorSpans& vectors, const std:
   write_nrrd_bytes<float>(grid, in_world(grid, vectors), true, path);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

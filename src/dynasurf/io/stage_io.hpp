@@ -8,7 +8,7 @@
 
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 // What a run passed through, as files that ParaView (.vti) and 3D Slicer (.nrrd) open. Both stand in the world, LPS mm,
 // with the grid's direction, so that meshes written by `write_mesh` lie where they belong. Each file appears whole or
@@ -33,4 +33,4 @@ void write_nrrd_volume(const Image& volume, const std::filesystem::path& path);
 void write_nrrd_volume(const Mask& volume, const std::filesystem::path& path);
 void write_nrrd_vectors(const Grid& grid, const VectorSpans& vectors, const std::filesystem::path& path);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -17,7 +17,7 @@
 #include "dynasurf/io/detail/digest.hpp"
 #include "dynasurf/io/study_io.hpp"
 
-namespace dynasurf::staging {
+namespace dynasurf::io::staging {
 namespace {
 
 constexpr std::size_t name_digits = 16;
@@ -288,4 +288,4 @@ void discard_all() noexcept try {
 OutputState state() noexcept { return registry().state; }
 void note_published() noexcept { registry().state = OutputState::published; }
 
-}  // namespace dynasurf::staging
+}  // namespace dynasurf::io::staging

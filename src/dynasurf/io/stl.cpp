@@ -9,7 +9,7 @@
 #include "dynasurf/io/detail/text_reader.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 namespace {
 
 constexpr std::size_t title_bytes = 80, head_bytes = 84, triangle_bytes = 50;
@@ -168,4 +168,4 @@ TriMesh decode_stl(const MeshFile& file, bool as_cloud) {
 
 TriMesh decode_stl(const MeshFile& file) { return decode_stl(file, false); }
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

@@ -9,7 +9,7 @@
 #include "dynasurf/io/detail/nifti_format.hpp"
 #include "dynasurf/io/detail/study_mend.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -75,4 +75,4 @@ std::vector<std::filesystem::path> files_of_study(const std::filesystem::path& p
   return files;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -7,7 +7,7 @@
 #include "dynasurf/core/projections.hpp"
 #include "dynasurf/core/study.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 /// Largest volume of data a study may declare, bytes of float values over all gates.
 inline constexpr std::size_t max_study_bytes = std::size_t{2} << 30;
@@ -54,4 +54,4 @@ void write_dicom(const Study& study, const std::filesystem::path& path, const Di
 void write_projections(const Projections& projections, const std::filesystem::path& path,
                        const DicomWriteOptions& options = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -7,7 +7,7 @@
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 constexpr double most_outside = 0.5;         // of the voxels of all gates
@@ -197,4 +197,4 @@ void fill_empty_gates(Study& study) {
   }
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -6,7 +6,7 @@
 #include "dynasurf/io/detail/dicom_search.hpp"
 #include "dynasurf/io/detail/formats.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -68,4 +68,4 @@ StudySearch search_studies(const std::filesystem::path& folder, const Progress& 
   return found;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/progress.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 /// What a tree of folders holds of gated heart studies.
 struct StudySearch {
@@ -29,4 +29,4 @@ struct StudySearch {
 /// Throws IoError when a folder cannot be listed, InputError above a million files, Cancelled.
 StudySearch search_studies(const std::filesystem::path& folder, const Progress& progress = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -5,7 +5,7 @@
 
 #include "dynasurf/io/detail/text_cells.hpp"
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 namespace {
 
 constexpr std::size_t longest_comment = 200;  // that can be a count
@@ -72,4 +72,4 @@ void require_told(const MeshFile& file, const std::optional<std::size_t>& told, 
                std::to_string(*told));
 }
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

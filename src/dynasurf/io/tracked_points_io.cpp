@@ -10,10 +10,10 @@
 #include "dynasurf/io/detail/text_cells.hpp"
 #include "dynasurf/io/detail/told_counts.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
-using io_detail::TextReader;
+using detail::TextReader;
 
 constexpr std::size_t absent = static_cast<std::size_t>(-1);
 constexpr std::size_t most_points = 2000, most_gates = 1000, longest_name = 40;
@@ -29,14 +29,14 @@ Columns columns_of(const TextReader& text) {
   constexpr std::array<std::array<std::string_view, 2>, 5> known{
       {{"point", "point"}, {"gate", "gate"}, {"x_mm", "x"}, {"y_mm", "y"}, {"z_mm", "z"}}};
   Columns columns;
-  columns.separator = io_detail::separator_of(text.rest());
-  const auto names = io_detail::cells_of(text.rest(), columns.separator);
+  columns.separator = detail::separator_of(text.rest());
+  const auto names = detail::cells_of(text.rest(), columns.separator);
   columns.count = names.size();
   for (std::size_t n = 0; n < names.size(); ++n)
     for (std::size_t k = 0; k < known.size(); ++k) {
-      const std::string name = io_detail::lower_case(names[n]);
+      const std::string name = detail::lower_case(names[n]);
       if (name != known[k][0] && name != known[k][1]) continue;
-      if (columns.at[k] != absent) text.fail("column " + io_detail::quoted(names[n]) + " is there twice");
+      if (columns.at[k] != absent) text.fail("column " + detail::quoted(names[n]) + " is there twice");
       columns.at[k] = n;
     }
   for (std::size_t k = 0; k < known.size(); ++k)
@@ -55,12 +55,12 @@ struct Table {
 };
 
 void read_row(const TextReader& text, const Columns& columns, Table& table) {
-  const auto cells = io_detail::cells_of(text.rest(), columns.separator);
+  const auto cells = detail::cells_of(text.rest(), columns.separator);
   if (cells.size() != columns.count)
     text.fail("a row of " + std::to_string(cells.size()) + " cells; expected " + std::to_string(columns.count));
   const std::string name(cells[columns.at[0]]);
   if (name.empty() || name.size() > longest_name)
-    text.fail("the name of a point is " + io_detail::quoted(name) + "; expected 1 to " + std::to_string(longest_name) +
+    text.fail("the name of a point is " + detail::quoted(name) + "; expected 1 to " + std::to_string(longest_name) +
               " bytes");
   const int gate = text.number_of<int>(cells[columns.at[1]], "a gate");
   if (gate < 1 || gate > static_cast<int>(most_gates))
@@ -79,7 +79,7 @@ void read_row(const TextReader& text, const Columns& columns, Table& table) {
   auto& places = table.places[entry->second];
   const auto at = static_cast<std::size_t>(gate - 1);
   if (places.size() <= at) places.resize(at + 1);
-  if (places[at]) text.fail("point " + io_detail::quoted(name) + " is there twice in gate " + std::to_string(gate));
+  if (places[at]) text.fail("point " + detail::quoted(name) + " is there twice in gate " + std::to_string(gate));
   places[at] = place;
   table.gates = std::max(table.gates, at + 1);
 }
@@ -101,16 +101,16 @@ std::string text_of(double value) {
 }  // namespace
 
 TrackedFile read_tracked_points(const std::filesystem::path& path) {
-  const std::string bytes = io_detail::read_whole(path, "a table of points");
-  const io_detail::MeshFile file{path.string(), bytes};
+  const std::string bytes = detail::read_whole(path, "a table of points");
+  const detail::MeshFile file{path.string(), bytes};
   TextReader text(file);
-  if (!io_detail::next_row(text)) throw InputError(path.string() + ": no rows; expected a table of points");
+  if (!detail::next_row(text)) throw InputError(path.string() + ": no rows; expected a table of points");
   const Columns columns = columns_of(text);
   Table table;
   std::size_t rows = 0;
-  for (; io_detail::next_row(text); ++rows) read_row(text, columns, table);
-  const io_detail::ToldCounts told = io_detail::told_counts(file);
-  io_detail::require_told(file, told.rows, rows, "rows");
+  for (; detail::next_row(text); ++rows) read_row(text, columns, table);
+  const detail::ToldCounts told = detail::told_counts(file);
+  detail::require_told(file, told.rows, rows, "rows");
   if (table.name.empty()) throw InputError(path.string() + ": no points below the names of the columns");
   require_gates(table, path.string());
 
@@ -146,4 +146,4 @@ void write_tracked_points(const TrackedPoints& points, const std::filesystem::pa
   write_file(file, text);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -4,7 +4,7 @@
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/tracked_points.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 /// Tracked points of a file and what there is to say about them.
 struct TrackedFile {
@@ -25,4 +25,4 @@ TrackedFile read_tracked_points(const std::filesystem::path& file);
 /// Writes such a table with the number of its rows in front, whole or not at all. Throws IoError.
 void write_tracked_points(const TrackedPoints& points, const std::filesystem::path& file);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -5,7 +5,7 @@
 
 #include "dynasurf/io/detail/bytes.hpp"
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 
 std::string xml_text(std::string_view text) {
   std::string out;
@@ -52,4 +52,4 @@ std::string VtkXml::file(std::string_view type, std::string_view body) const {
   return out;
 }
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

@@ -3,8 +3,8 @@
 #include "dynasurf/io/detail/vtk_xml.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 
-namespace dynasurf {
-namespace io_detail {
+namespace dynasurf::io {
+namespace detail {
 
 std::string encode_vtp(const TriMesh& mesh, std::span<const VertexScalar> scalars) {
   std::vector<double> points;
@@ -31,7 +31,7 @@ std::string encode_vtp(const TriMesh& mesh, std::span<const VertexScalar> scalar
   return xml.file("PolyData", body);
 }
 
-}  // namespace io_detail
+}  // namespace detail
 
 void write_pvd(std::span<const PvdEntry> entries, const std::filesystem::path& path) {
   std::string out =
@@ -39,10 +39,10 @@ void write_pvd(std::span<const PvdEntry> entries, const std::filesystem::path& p
       "<Collection>\n";
   for (const PvdEntry& e : entries) {
     out += "<DataSet timestep=\"";
-    io_detail::append_text(out, e.time);
-    out += "\" part=\"" + std::to_string(e.part) + "\" file=\"" + io_detail::xml_text(e.file) + "\"/>\n";
+    detail::append_text(out, e.time);
+    out += "\" part=\"" + std::to_string(e.part) + "\" file=\"" + detail::xml_text(e.file) + "\"/>\n";
   }
   write_file(path, out + "</Collection>\n</VTKFile>\n");
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -6,7 +6,7 @@
 #include "dynasurf/io/dicom_results.hpp"
 #include "dynasurf/io/study_io.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 [[noreturn]] void refuse(const std::filesystem::path& path) {
@@ -49,4 +49,4 @@ DicomInstance write_encapsulated_pdf(const DicomResult&, const DicomObject&, std
   refuse(path);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

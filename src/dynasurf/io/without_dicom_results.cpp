@@ -4,7 +4,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/dicom_results.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 namespace {
 
 [[noreturn]] void refuse(const std::filesystem::path& path) {
@@ -23,4 +23,4 @@ DicomInstance write_measurement_report(const DicomResult&, const DicomObject&, s
   refuse(path);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

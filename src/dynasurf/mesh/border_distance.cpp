@@ -7,7 +7,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 /// Voxel nearest to a coordinate given in voxels, inside the grid.
@@ -140,4 +140,4 @@ std::vector<double> distances_to_border_mm(const TriMesh& mesh, const Image& bor
   return for_all_vertices(mesh, [&](const Vec3& p) { return to_border.mm(p); });
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

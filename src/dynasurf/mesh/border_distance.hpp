@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// Answers how far a point is from the nearest centre of a non-zero voxel: exact, for any point inside or outside the
 /// grid. Building it is one pass over the volume; a question costs the rows of voxels nearer than the answer.
@@ -31,4 +31,4 @@ class BorderDistance {
   std::vector<std::int32_t> before_, after_;
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

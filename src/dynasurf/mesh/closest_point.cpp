@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 constexpr std::uint32_t leaf_size = 4;
@@ -180,4 +180,4 @@ SurfacePoint ClosestPoint::operator()(const Vec3& p, double limit2) const {
   return best;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// A point of a mesh: the corners of its triangle weighted, and the squared distance to the point that was asked for.
 struct SurfacePoint {
@@ -54,4 +54,4 @@ class ClosestPoint {
   std::vector<Face> faces_;
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -8,7 +8,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/measures.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 constexpr std::array<std::string_view, 2> strip_names{"even", "greedy"};
@@ -148,4 +148,4 @@ StackVolumes volumes_of(const ContourStack& stack, const Tessellation& requested
   return v;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -7,7 +7,7 @@
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// Closed contours, one above the other: columns and rows of the points in mm, heights in mm, rising.
 struct ContourStack {
@@ -51,4 +51,4 @@ struct StackVolumes {
 };
 StackVolumes volumes_of(const ContourStack& stack, const Tessellation& options, const CapHeights& caps = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

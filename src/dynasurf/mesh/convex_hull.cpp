@@ -12,7 +12,7 @@
 #include "dynasurf/mesh/relax.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
@@ -184,4 +184,4 @@ TriMesh even_hull(std::span<const Vec3> points, std::size_t triangles) {
   return surface.mesh();
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -3,7 +3,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// The smallest convex surface around points (quickhull: Barber, Dobkin and Huhdanpaa 1996), decided by exact
 /// predicates: closed, manifold, oriented outwards, of genus 0, without flat triangles, and no point lies outside it.
@@ -16,4 +16,4 @@ TriMesh convex_hull(std::span<const Vec3> points);
 /// `convex_hull`.
 TriMesh even_hull(std::span<const Vec3> points, std::size_t triangles);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -2,7 +2,7 @@
 
 #include "dynasurf/mesh/measures.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 /// The piece of a cut triangle: it runs from one cut side to another. Following the pieces from side to side gives the
@@ -92,4 +92,4 @@ std::vector<std::vector<Vec3>> cross_section(const TriMesh& mesh, const Vec3& po
   return polygons;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

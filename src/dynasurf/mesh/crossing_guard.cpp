@@ -5,7 +5,7 @@
 #include "dynasurf/mesh/detail/surface_editor.hpp"
 #include "dynasurf/mesh/intersections.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using Corners = SurfaceEditor::Corners;
@@ -115,4 +115,4 @@ bool CrossingGuard::would_cross(std::span<const Corners> added, std::span<const 
   return false;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -8,7 +8,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 std::vector<std::uint32_t> order_around(const Vec3& vertex, const Vec3& normal, std::span<const Vec3> neighbours) {
   constexpr double on_normal = 1e-12;  // of the way to a neighbour
@@ -34,4 +34,4 @@ std::vector<std::uint32_t> order_around(const Vec3& vertex, const Vec3& normal, 
   return order;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

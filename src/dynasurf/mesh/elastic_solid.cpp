@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using Block = Eigen::Matrix<double, 12, 12>;
@@ -105,4 +105,4 @@ std::vector<Vec3> solve_elastic(const TetMesh& solid, const Elasticity& material
   return moved;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -4,7 +4,7 @@
 
 #include "dynasurf/mesh/tetrahedra.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// An isotropic material for small deformations. Units: mm, N, MPa (N/mm2). Muscle is far from linear; these defaults
 /// are of the order of passive myocardium and nearly incompressible, as far as linear tetrahedra bear it.
@@ -31,4 +31,4 @@ struct VertexForce {
 std::vector<Vec3> solve_elastic(const TetMesh& solid, const Elasticity& material, std::span<const HeldVertex> held,
                                 std::span<const VertexForce> forces);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

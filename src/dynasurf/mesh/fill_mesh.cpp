@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 struct Crossing {
@@ -109,4 +109,4 @@ Image fill_mesh(const Grid& grid, const TriMesh& mesh, const Index3& sub_samples
   return image;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -6,7 +6,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 constexpr int kFinestLevel = 9;  // 2.6 million vertices
@@ -59,4 +59,4 @@ TriMesh icosphere(int level) {
   return mesh;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

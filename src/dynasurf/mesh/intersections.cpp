@@ -9,7 +9,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/detail/predicates.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
@@ -221,4 +221,4 @@ SelfIntersections self_intersections(const TriMesh& mesh) {
   return found;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// Where a surface meets itself.
 struct SelfIntersections {
@@ -30,4 +30,4 @@ bool triangles_meet(std::span<const Vec3> vertices, const std::array<std::uint32
 /// Do three points lie exactly on one line?
 bool is_flat(const Vec3& a, const Vec3& b, const Vec3& c);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

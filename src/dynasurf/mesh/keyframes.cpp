@@ -6,7 +6,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 constexpr std::array<std::string_view, 4> kNames{"linear", "periodic_cubic", "catmull_rom", "b_spline"};
@@ -108,4 +108,4 @@ TriMesh at_phase(std::span<const TriMesh> cycle, double phase, TimeInterpolation
   return mesh;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -6,7 +6,7 @@
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// linear: C0. catmull_rom: C1, each gate's velocity is that between its neighbours. periodic_cubic: C2 through the
 /// gates. b_spline: C2 and never outside the gates' hull, but smoothed: it passes near the gates, not through them.
@@ -31,4 +31,4 @@ void describe(auto& visit, Keyframes& o) {
 /// Throws InputError unless all meshes share their triangles.
 TriMesh at_phase(std::span<const TriMesh> cycle, double phase, TimeInterpolation how);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -7,7 +7,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// What lies beyond the grid: nothing, so that every surface is closed half a voxel outside, or the unknown, so that
 /// surfaces end at the outermost voxel centres.
@@ -34,4 +34,4 @@ using IsoLine = std::vector<Eigen::Vector2d>;
 /// not finite.
 std::vector<IsoLine> marching_squares(const Image& image, int k, double level, Saddle saddle = Saddle::asymptotic);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

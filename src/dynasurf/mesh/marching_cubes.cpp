@@ -8,7 +8,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/marching.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -220,4 +220,4 @@ TriMesh marching_cubes(const Image& image, double level, GridEdge edge) {
   return Marching(image, level, edge)();
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -7,7 +7,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/marching.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 constexpr double kKeepAway = 1e-3;  // of vertices from pixel centres, share of an edge
@@ -109,4 +109,4 @@ std::vector<IsoLine> marching_squares(const Image& image, int k, double level, S
   return Squares(image, k, level, saddle)();
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 struct Corners {
@@ -91,4 +91,4 @@ TriangleQuality triangle_quality(const TriMesh& mesh) {
   return q;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -4,7 +4,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// Signed volume in mm3 by Gauss's theorem as a sum of tetrahedra (GEO-VOLUME, thesis 5.6). Positive when the
 /// triangles of a closed mesh are counter-clockwise seen from outside; independent of the origin for closed meshes.
@@ -53,4 +53,4 @@ double share_of_border_reached(const TriMesh& mesh, const Image& border, double 
 /// counter-clockwise seen from the tip of the normal. A vertex on the plane counts as above it.
 std::vector<std::vector<Vec3>> cross_section(const TriMesh& mesh, const Vec3& point, const Vec3& normal);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

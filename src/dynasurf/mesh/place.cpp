@@ -1,7 +1,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 struct Extent {
@@ -49,4 +49,4 @@ TriMesh place(const TriMesh& unit, const Image& data, const Placement& options) 
   return mesh;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

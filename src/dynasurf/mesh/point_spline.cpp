@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 void require_finite(std::span<const Vec3> points) {
@@ -73,4 +73,4 @@ Mat3 SplineMotion::gradient(const Vec3& p) const {
   return gradient;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

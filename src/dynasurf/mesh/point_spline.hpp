@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/grid.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// A motion of all of space: a linear map and radial functions |r| around points.
 class SplineMotion {
@@ -42,4 +42,4 @@ class PointSpline {
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

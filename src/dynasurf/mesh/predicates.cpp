@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/detail/twofold.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 /// A number as a sum of doubles of growing size that do not overlap: no digit is lost. Only the rare undecided cases
@@ -136,4 +136,4 @@ int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int left_out) {
   return (Exact(a[x], c[x]) * Exact(b[y], c[y]) - Exact(a[y], c[y]) * Exact(b[x], c[x])).sign();
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 constexpr std::uint32_t leaf_size = 4;
@@ -112,4 +112,4 @@ std::vector<Vec3> normals_of_vertices(const TriMesh& mesh, const std::vector<boo
   return normals;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

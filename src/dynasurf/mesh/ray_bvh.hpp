@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// Where a ray meets a triangle.
 struct RayHit {
@@ -53,4 +53,4 @@ class RayBvh {
 /// of triangles that cancel each other, has a zero vector.
 std::vector<Vec3> normals_of_vertices(const TriMesh& mesh, const std::vector<bool>& counts = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -10,7 +10,7 @@
 #include "dynasurf/mesh/intersections.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using Corners = SurfaceEditor::Corners;
@@ -379,4 +379,4 @@ std::size_t revert_self_intersections(SurfaceEditor& s, std::span<const Vec3> sa
   }
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -5,7 +5,7 @@
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/detail/surface_editor.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// Flips edges while the smallest angle of their two triangles grows and the surface keeps its shape: neither pair of
 /// triangles is bent by more than `largest_bend_deg`, or the new pair is bent less than the old one. Refuses flips
@@ -33,4 +33,4 @@ double improve_smallest_angle(SurfaceEditor& surface, double wanted_deg, int rou
 /// triangles that meet first, then their neighbours. Returns how many went back.
 std::size_t revert_self_intersections(SurfaceEditor& surface, std::span<const Vec3> safe);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -9,7 +9,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using Ring = std::span<const std::uint32_t>;
@@ -221,4 +221,4 @@ Repair repair_surface(TriMesh& mesh, const Tidy& options) {
   return repair;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -5,7 +5,7 @@
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// What a published surface must be.
 struct SurfaceCheck {
@@ -75,4 +75,4 @@ struct Repair {
 /// `tidy`, `untangle`, `check_surface`, at the cost of one search for intersections where there are none.
 Repair repair_surface(TriMesh& mesh, const Tidy& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

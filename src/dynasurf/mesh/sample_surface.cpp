@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 double area_of(const TriMesh& mesh, const std::array<std::uint32_t, 3>& t) {
@@ -41,4 +41,4 @@ std::vector<SurfaceSample> sample_surface(const TriMesh& mesh, std::size_t count
   return points;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

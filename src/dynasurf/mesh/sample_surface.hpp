@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// A point of a surface: `weight[i]` of each corner of the triangle; the weights are positive and sum to 1.
 struct SurfaceSample {
@@ -22,4 +22,4 @@ inline Vec3 position_of(const TriMesh& mesh, const SurfaceSample& p) {
   return p.weight[0] * mesh.vertices[a] + p.weight[1] * mesh.vertices[b] + p.weight[2] * mesh.vertices[c];
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

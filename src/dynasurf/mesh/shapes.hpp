@@ -6,7 +6,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// Unit icosphere: 10*4^level+2 vertices, 20*4^level triangles; level 2, 3, 4 are the thesis's 162, 642, 2562
 /// (GEO-SPHERE, thesis 5.2). The vertices of level n are the first ones of level n+1. Throws OptionError unless the
@@ -65,4 +65,4 @@ TriMesh start_mesh(const Image& border, int level, const Placement& options, con
 /// that a hole in a wall does not empty the whole; else 0.
 Image enclosed_solid(const Image& border);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -13,7 +13,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 using Corners = SurfaceEditor::Corners;
@@ -230,4 +230,4 @@ void refine(SurfaceEditor& s, std::size_t triangles) {
 
 std::size_t simplify(SurfaceEditor& surface, const Simplify& options) { return Simplifier(surface, options).run(); }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -3,7 +3,7 @@
 
 #include "dynasurf/mesh/detail/surface_editor.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// Sine of the triangle's smallest angle; 0 for a flat one.
 double sine_of_smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c);
@@ -24,4 +24,4 @@ std::size_t simplify(SurfaceEditor& surface, const Simplify& options);
 /// Splits edges in their middle, the longest first, until there are `triangles` (or one more, where that is odd).
 void refine(SurfaceEditor& surface, std::size_t triangles);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 constexpr double kFullTurn = 2 * std::numbers::pi;
@@ -185,4 +185,4 @@ SmoothReport smooth(TriMesh& mesh, const Smoothing& options, double smallest_spa
   return smooth(mesh.vertices, vertex_rings(mesh), movable, options, smallest_spacing_mm);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

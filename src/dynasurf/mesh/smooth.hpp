@@ -6,7 +6,7 @@
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// The thesis's smoothing by angle deficit (GEO-SMOOTH, thesis 5.5).
 struct Smoothing {
@@ -56,4 +56,4 @@ SmoothReport smooth(std::span<Vec3> vertices, const VertexRings& rings, std::spa
 /// saddle, 0 for vertices without a ring.
 std::vector<double> angle_deficits(const TriMesh& mesh);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -11,7 +11,7 @@
 #include "dynasurf/mesh/marching.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 constexpr std::array<std::string_view, 6> kShapes{"ellipsoid", "sphere", "cube", "hull", "marching_cubes", "file"};
@@ -141,4 +141,4 @@ TriMesh start_mesh(const Image& border, int level, const Placement& options, con
   return place(icosphere(level), border, options);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

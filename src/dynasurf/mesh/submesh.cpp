@@ -4,7 +4,7 @@
 #include <numeric>
 #include <vector>
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 TriMesh submesh(const TriMesh& mesh, std::span<const std::uint8_t> kept) {
   constexpr std::uint32_t none = 0xffffffff;
@@ -48,4 +48,4 @@ std::vector<std::uint32_t> components_of(const TriMesh& mesh, std::uint32_t& cou
   return component;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

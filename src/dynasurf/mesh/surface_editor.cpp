@@ -5,7 +5,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/repair.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 SurfaceEditor::SurfaceEditor(const TriMesh& mesh)
     : positions_(mesh.vertices),
       out_(mesh.vertices.size(), none),
@@ -149,4 +149,4 @@ TriMesh SurfaceEditor::mesh(std::vector<std::uint32_t>* old_vertex) const {
   return m;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -7,7 +7,7 @@
 #include "dynasurf/mesh/point_spline.hpp"
 #include "dynasurf/mesh/ray_bvh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 std::vector<double> areas_around(const TriMesh& mesh) {
@@ -54,4 +54,4 @@ double rotation_deg(std::span<const Vec3> rest, std::span<const Vec3> now, const
   return own::atan2(sine, cosine) * 180 / M_PI;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// How a surface differs from itself at rest: per vertex of two meshes with the same triangles.
 struct SurfaceMotion {
@@ -27,4 +27,4 @@ TriMesh move_with_points(TriMesh mesh, std::span<const Vec3> rest, std::span<con
 double rotation_deg(std::span<const Vec3> rest, std::span<const Vec3> now, const Vec3& on_axis, const Vec3& axis,
                     double low, double high);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

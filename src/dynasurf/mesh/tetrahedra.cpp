@@ -9,7 +9,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 double six_volumes(const TetMesh& solid, const std::array<std::uint32_t, 4>& t) {
@@ -82,4 +82,4 @@ TetQuality tet_quality(const TetMesh& solid) {
   return q;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// A solid: vertices (mm) and tetrahedra whose first three corners run counter-clockwise seen from the fourth: the
 /// determinant (b - a, c - a, d - a) is positive (VTK's, gmsh's and Abaqus's order).
@@ -32,4 +32,4 @@ struct TetQuality {
 };
 TetQuality tet_quality(const TetMesh& solid);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

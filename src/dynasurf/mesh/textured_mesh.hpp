@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/geometry.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// A picture whose rows run from the top.
 struct Texture {
@@ -26,4 +26,4 @@ struct TexturedMesh {
   Texture colours;  // sRGB; without texels when there are none
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -4,7 +4,7 @@
 
 #include "dynasurf/mesh/measures.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 /// One side of a triangle, named by its ends in ascending order.
@@ -67,4 +67,4 @@ Topology topology(const TriMesh& mesh) {
   return result;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

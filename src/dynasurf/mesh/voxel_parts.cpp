@@ -8,7 +8,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/measures.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 namespace {
 
 /// A convex piece of a triangle, in units of voxels: voxel n of an axis reaches from n to n + 1. Six cuts of a triangle
@@ -139,4 +139,4 @@ Image voxel_parts(const Grid& grid, const TriMesh& mesh) {
   return parts;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

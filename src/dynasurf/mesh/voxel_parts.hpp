@@ -2,7 +2,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// Part of each voxel (0..1) inside a closed, oriented mesh given in the grid frame: exact but for rounding, whatever
 /// the size of triangles and voxels, so the parts of a mesh inside the grid add up to its volume. Where the mesh cuts
@@ -10,4 +10,4 @@ namespace dynasurf {
 /// or its triangles do not all face the same way.
 Image voxel_parts(const Grid& grid, const TriMesh& mesh);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

@@ -7,10 +7,10 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/report/detail/numbers.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
-using report_detail::text_of;
+using detail::text_of;
 
 struct Dot {
   double truth = 0, difference = 0;
@@ -176,4 +176,4 @@ std::string bland_altman_svg(std::span<const ReadingGroup> groups, const Agreeme
   return svg + "</svg>\n";
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

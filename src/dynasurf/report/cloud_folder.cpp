@@ -9,7 +9,7 @@
 #include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -17,37 +17,37 @@ namespace fs = std::filesystem;
 /// Part of the screen's height down to which each level serves, for pictures 1080 pixels high.
 std::vector<double> coverages_of(const std::vector<TriMesh>& meshes) {
   constexpr double screen_px = 1080;
-  const LodChain chain = lod_chain(meshes);
+  const cloud::LodChain chain = cloud::lod_chain(meshes);
   std::vector<double> coverages;
   for (std::size_t n = 1; n < meshes.size(); ++n) coverages.push_back(chain.largest_px[n] / screen_px);
   coverages.push_back(0);
   return coverages;
 }
 
-void write_levels(const CloudResult& result, const CloudFolderOptions& options, const fs::path& folder) {
-  std::vector<LodSurface> levels;
+void write_levels(const cloud::CloudResult& result, const CloudFolderOptions& options, const fs::path& folder) {
+  std::vector<io::LodSurface> levels;
   std::vector<TriMesh> meshes;
   for (std::size_t n = 0; n < result.levels.size(); ++n) {
     const TriMesh& mesh = result.levels[n].mesh;
     if (mesh.triangles.empty()) continue;  // its certificate says so
-    const VertexColours& colours = result.levels[n].colours;
+    const io::VertexColours& colours = result.levels[n].colours;
     const std::string name = name_of_level(result, n);
-    std::vector<VertexScalar> scalars;
+    std::vector<io::VertexScalar> scalars;
     if (!result.levels[n].confidence.empty()) scalars.push_back({"confidence", result.levels[n].confidence});
-    for (const MeshFormat format : options.mesh_formats)
-      write_mesh(mesh, folder / "meshes" / (name + "." + std::string(word_of(format))), format, scalars, colours);
+    for (const io::MeshFormat format : options.mesh_formats)
+      io::write_mesh(mesh, folder / "meshes" / (name + "." + std::string(word_of(format))), format, scalars, colours);
     levels.push_back({name, mesh, colours, 0, {}, scalars});
     meshes.push_back(mesh);
   }
   if (levels.empty()) return;
   const std::vector<double> coverages = coverages_of(meshes);
   for (std::size_t n = 0; n < levels.size(); ++n) levels[n].smallest_coverage = coverages[n];
-  write_lod_glb(levels, folder / "levels.glb");
+  io::write_lod_glb(levels, folder / "levels.glb");
   if (!options.textures) return;
   PointCloud points = result.used;
-  points.normals = orient(result.used, true).normals;
-  for (LodSurface& level : levels) level.textured = bake_textures(level.mesh, points);
-  write_lod_glb(levels, folder / "textured.glb");
+  points.normals = cloud::orient(result.used, true).normals;
+  for (io::LodSurface& level : levels) level.textured = cloud::bake_textures(level.mesh, points);
+  io::write_lod_glb(levels, folder / "textured.glb");
 }
 
 }  // namespace
@@ -59,18 +59,18 @@ void write_cloud_files(const CloudRun& run, const Provenance& provenance, const 
     // The page tells no times, so that equal runs give equal pages.
     if (task == 1) write_cloud_report(run, provenance, folder / "report.html", Timings::omit);
   });
-  if (!provenance.options_json.empty()) write_file(folder / "options.json", provenance.options_json);
-  write_file(folder / "results.csv", cloud_results_csv(run.result));
+  if (!provenance.options_json.empty()) io::write_file(folder / "options.json", provenance.options_json);
+  io::write_file(folder / "results.csv", cloud_results_csv(run.result));
 }
 
-void write_cloud_folder(const CloudResult& result, const fs::path& out, const Provenance& provenance,
+void write_cloud_folder(const cloud::CloudResult& result, const fs::path& out, const Provenance& provenance,
                         const CloudFolderOptions& options) {
-  OutputFolder folder(out);
+  io::OutputFolder folder(out);
   CloudRun run;
   run.result = result;
   write_cloud_files(run, provenance, options, folder.path());
-  write_file(folder.path() / "results.json", json_text(cloud_results_json(run, provenance, Timings::omit)));
+  io::write_file(folder.path() / "results.json", io::json_text(cloud_results_json(run, provenance, Timings::omit)));
   folder.publish();
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

@@ -6,11 +6,11 @@
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/report/cloud_report.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 
 /// What goes into the folder of a cloud's result, beside what always does.
 struct CloudFolderOptions {
-  std::vector<MeshFormat> mesh_formats{MeshFormat::ply};
+  std::vector<io::MeshFormat> mesh_formats{io::MeshFormat::ply};
   bool textures = false;  // textured.glb: colours and normals of the points baked into images
 };
 
@@ -21,7 +21,7 @@ void write_cloud_files(const CloudRun& run, const Provenance& provenance, const 
 
 /// The same and results.json as a new folder `out`, which appears whole or not at all. An untouched former result there
 /// is replaced. Throws IoError where anything else stands there.
-void write_cloud_folder(const CloudResult& result, const std::filesystem::path& out, const Provenance& provenance = {},
-                        const CloudFolderOptions& options = {});
+void write_cloud_folder(const cloud::CloudResult& result, const std::filesystem::path& out,
+                        const Provenance& provenance = {}, const CloudFolderOptions& options = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

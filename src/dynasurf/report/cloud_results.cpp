@@ -6,12 +6,12 @@
 #include "dynasurf/report/cloud_report.hpp"
 #include "dynasurf/report/detail/json_parts.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
 using namespace report_detail;
 
-Json angles_json(const Certificate& c) {
+Json angles_json(const cloud::Certificate& c) {
   return {{"smallest", number(c.smallest_angle_deg)},
           {"percentile_1", number(c.angle_percentile_1_deg)},
           {"percentile_5", number(c.angle_percentile_5_deg)},
@@ -19,7 +19,7 @@ Json angles_json(const Certificate& c) {
 }
 
 /// Distances in the cloud's unit and in percent of its diagonal.
-Json distances_json(const Certificate& c) {
+Json distances_json(const cloud::Certificate& c) {
   const auto share = [&](double length) {
     return c.cloud_diagonal > 0 ? number(100 * length / c.cloud_diagonal) : Json(nullptr);
   };
@@ -33,7 +33,7 @@ Json distances_json(const Certificate& c) {
           {"mesh_to_cloud", pair(c.mesh_to_cloud_mean, c.mesh_to_cloud_largest)}};
 }
 
-Json certificate_json(const Certificate& c) {
+Json certificate_json(const cloud::Certificate& c) {
   Json json = Json::object();
   json["watertight"] = c.watertight();
   json["closed"] = c.closed;
@@ -52,20 +52,20 @@ Json certificate_json(const Certificate& c) {
 }
 
 /// Largest size on the screen of each level; nothing where a level has no triangle to measure.
-std::vector<double> largest_sizes(const CloudResult& result) {
+std::vector<double> largest_sizes(const cloud::CloudResult& result) {
   std::vector<TriMesh> meshes;
-  for (const CloudLevel& level : result.levels) {
+  for (const cloud::CloudLevel& level : result.levels) {
     if (level.mesh.triangles.empty()) return {};
     meshes.push_back(level.mesh);
   }
-  return meshes.empty() ? std::vector<double>{} : lod_chain(meshes).largest_px;
+  return meshes.empty() ? std::vector<double>{} : cloud::lod_chain(meshes).largest_px;
 }
 
-Json levels_json(const CloudResult& result) {
+Json levels_json(const cloud::CloudResult& result) {
   const std::vector<double> sizes = largest_sizes(result);
   Json levels = Json::array();
   for (std::size_t n = 0; n < result.levels.size(); ++n) {
-    const CloudLevel& level = result.levels[n];
+    const cloud::CloudLevel& level = result.levels[n];
     Json json = Json::object();
     json["level"] = n + 1;
     json["name"] = name_of_level(result, n);
@@ -73,7 +73,7 @@ Json levels_json(const CloudResult& result) {
     json["triangles"] = level.mesh.triangles.size();
     json["vertices"] = level.mesh.vertices.size();
     json["share_of_plain_tessellation_percent"] =
-        number(share_of_plain_tessellation_percent(level.mesh.triangles.size(), result.facts.points_used));
+        number(cloud::share_of_plain_tessellation_percent(level.mesh.triangles.size(), result.facts.points_used));
     json["largest_screen_px"] = n < sizes.size() ? number(sizes[n]) : Json(nullptr);
     json["certificate"] = certificate_json(level.certificate);
     levels.push_back(std::move(json));
@@ -82,10 +82,10 @@ Json levels_json(const CloudResult& result) {
 }
 
 Json cloud_json(const CloudRun& run) {
-  const CloudFacts& f = run.result.facts;
+  const cloud::CloudFacts& f = run.result.facts;
   const PointCloud& used = run.result.used;
   Json sources = Json::array();
-  for (const CloudSource& source : run.sources)
+  for (const io::CloudSource& source : run.sources)
     sources.push_back({{"format", source.format}, {"points", source.points}, {"triangles", source.triangles}});
   std::uint32_t scans = 0;
   for (const std::uint32_t scan : used.scans) scans = std::max(scans, scan);
@@ -109,7 +109,7 @@ Json cloud_json(const CloudRun& run) {
 }
 
 /// Shares in percent.
-Json support_json(const CloudSupport& s) {
+Json support_json(const cloud::CloudSupport& s) {
   Json json = Json::object();
   json["within"] = number(s.within);
   json["points_off_percent"] = number(100 * s.points_off);
@@ -147,17 +147,17 @@ Json memory_json(const CloudRun& run, Timings timings) {
 
 }  // namespace
 
-bool is_trustworthy(const CloudResult& result) { return verdict_of(result) != CloudVerdict::fail; }
+bool is_trustworthy(const cloud::CloudResult& result) { return cloud::verdict_of(result) != cloud::CloudVerdict::fail; }
 
-std::string name_of_level(const CloudResult& result, std::size_t level) {
+std::string name_of_level(const cloud::CloudResult& result, std::size_t level) {
   return "level" + std::to_string(level + 1) + (result.levels[level].certificate.watertight() ? "" : "_not_watertight");
 }
 
 nlohmann::ordered_json cloud_results_json(const CloudRun& run, const Provenance& provenance, Timings timings) {
   Json json = Json::object();
   json["schema"] = "dynasurf.cloud/1";
-  json["verdict"] = word_of(verdict_of(run.result));
-  json["watertight"] = is_watertight(run.result);
+  json["verdict"] = word_of(cloud::verdict_of(run.result));
+  json["watertight"] = cloud::is_watertight(run.result);
   json["levels"] = levels_json(run.result);
   json["cloud"] = cloud_json(run);
   json["support"] = support_json(run.result.support);
@@ -168,14 +168,14 @@ nlohmann::ordered_json cloud_results_json(const CloudRun& run, const Provenance&
   return json;
 }
 
-std::string cloud_results_csv(const CloudResult& result) {
+std::string cloud_results_csv(const cloud::CloudResult& result) {
   TextOutput csv;
   csv.precision(9);
   csv << "level,triangles_asked,triangles,vertices,watertight,components,genus,self_intersections,smallest_angle_deg,"
          "cloud_to_mesh_mean,cloud_to_mesh_largest,mesh_to_cloud_mean,mesh_to_cloud_largest,volume,area\n";
   for (std::size_t n = 0; n < result.levels.size(); ++n) {
-    const CloudLevel& level = result.levels[n];
-    const Certificate& c = level.certificate;
+    const cloud::CloudLevel& level = result.levels[n];
+    const cloud::Certificate& c = level.certificate;
     csv << n + 1 << ',' << level.triangles_asked << ',' << c.triangles << ',' << c.vertices << ',' << c.watertight()
         << ',' << c.components << ',';
     if (c.genus) csv << *c.genus;
@@ -186,4 +186,4 @@ std::string cloud_results_csv(const CloudResult& result) {
   return csv.str();
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

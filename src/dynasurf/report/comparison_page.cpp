@@ -8,11 +8,11 @@
 #include "dynasurf/report/detail/numbers.hpp"
 #include "dynasurf/report/measures.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
-using report_detail::Json;
-using report_detail::text_of;
+using detail::Json;
+using detail::text_of;
 
 constexpr std::string_view style = R"(
 :root { color: #10161d; background: #fff; font: 13px/1.4 system-ui, sans-serif; }
@@ -161,11 +161,11 @@ std::string number_rows(const Json& rest, const Json& stress) {
 }
 
 /// The periodic fit of a result, if it has one.
-std::optional<PeriodicCurve> curve_of(const Json& results) {
+std::optional<ventricle::PeriodicCurve> curve_of(const Json& results) {
   const auto mean = number_at(results, {"measures", "function", "mean_ml"});
   if (!mean) return std::nullopt;
-  PeriodicCurve curve{*mean, numbers_at(results, {"measures", "function", "cosine_ml"}),
-                      numbers_at(results, {"measures", "function", "sine_ml"})};
+  ventricle::PeriodicCurve curve{*mean, numbers_at(results, {"measures", "function", "cosine_ml"}),
+                                 numbers_at(results, {"measures", "function", "sine_ml"})};
   return curve.cosine.size() == curve.sine.size() ? std::optional(std::move(curve)) : std::nullopt;
 }
 
@@ -174,7 +174,7 @@ std::string curves_svg(const ComparedStudy& rest, const ComparedStudy& stress) {
   constexpr double width = 640, height = 190;
   double top = 1;
   std::string lines;
-  std::vector<std::pair<PeriodicCurve, const char*>> curves;
+  std::vector<std::pair<ventricle::PeriodicCurve, const char*>> curves;
   for (const auto& [study, look] :
        {std::pair(&rest, "stroke=\"#0072b2\""), std::pair(&stress, "stroke=\"#d55e00\" stroke-dasharray=\"7 4\"")})
     if (const auto curve = curve_of(study->results)) curves.emplace_back(*curve, look);
@@ -203,8 +203,8 @@ std::string curves_svg(const ComparedStudy& rest, const ComparedStudy& stress) {
 }
 
 /// A map of a table as `polar_svg` wants it.
-Measures measures_of(const PolarTable& polar, const Json& results) {
-  Measures m;
+ventricle::Measures measures_of(const PolarTable& polar, const Json& results) {
+  ventricle::Measures m;
   m.grid = polar.grid;
   m.area_mm2 = polar.area_mm2;
   m.maps = polar.maps;
@@ -213,12 +213,12 @@ Measures measures_of(const PolarTable& polar, const Json& results) {
   return m;
 }
 
-bool is_blank(const PolarValues& map) {
+bool is_blank(const ventricle::PolarValues& map) {
   return std::none_of(map.begin(), map.end(), [](const auto& value) { return value.has_value(); });
 }
 
 std::string map_rows(const ComparedStudy& rest, const ComparedStudy& stress) {
-  const Measures a = measures_of(rest.polar, rest.results), b = measures_of(stress.polar, stress.results);
+  const ventricle::Measures a = measures_of(rest.polar, rest.results), b = measures_of(stress.polar, stress.results);
   std::string html;
   for (const auto& [name, title, reach] : {std::tuple("perfusion_percent", "Perfusion, rest less stress", 40.0),
                                            std::tuple("thickening_percent", "Thickening, rest less stress", 40.0),
@@ -226,13 +226,13 @@ std::string map_rows(const ComparedStudy& rest, const ComparedStudy& stress) {
     const auto kind =
         std::find_if(polar_kinds().begin(), polar_kinds().end(),
                      [&, wanted = std::string_view(name)](const PolarKind& k) { return k.name == wanted; });
-    const PolarValues &at_rest = a.maps.*kind->values, &stressed = b.maps.*kind->values;
+    const ventricle::PolarValues &at_rest = a.maps.*kind->values, &stressed = b.maps.*kind->values;
     if (is_blank(at_rest) || is_blank(stressed)) continue;
-    Measures difference = a;
+    ventricle::Measures difference = a;
     difference.maps.*kind->values = lost_under_stress(at_rest, stressed);
     PolarKind lost = *kind;
     lost.name = "difference", lost.title = title, lost.low = -reach, lost.high = reach, lost.is_difference = true;
-    const auto map_of = [&](const Measures& m, const char* study) {
+    const auto map_of = [&](const ventricle::Measures& m, const char* study) {
       PolarKind named = *kind;
       const std::string whole = study + std::string(": ") + std::string(kind->title);
       named.title = whole;
@@ -245,10 +245,11 @@ std::string map_rows(const ComparedStudy& rest, const ComparedStudy& stress) {
 }
 
 std::string segment_rows(const ComparedStudy& rest, const ComparedStudy& stress, const Json& comparison) {
-  const SegmentModel model = SegmentModel::aha17;
-  const PolarValues a = segment_means(model, rest.polar.grid, rest.polar.maps.perfusion_percent, rest.polar.area_mm2);
-  const PolarValues b =
-      segment_means(model, stress.polar.grid, stress.polar.maps.perfusion_percent, stress.polar.area_mm2);
+  const ventricle::SegmentModel model = ventricle::SegmentModel::aha17;
+  const ventricle::PolarValues a =
+      ventricle::segment_means(model, rest.polar.grid, rest.polar.maps.perfusion_percent, rest.polar.area_mm2);
+  const ventricle::PolarValues b =
+      ventricle::segment_means(model, stress.polar.grid, stress.polar.maps.perfusion_percent, stress.polar.area_mm2);
   std::string html;
   for (std::size_t n = 0; n < a.size(); ++n) {
     const Json& s = comparison.at("segments").at(n);
@@ -274,8 +275,8 @@ std::string link(const char* name, const ComparedStudy& study) {
 
 }  // namespace
 
-PolarValues lost_under_stress(const PolarValues& rest, const PolarValues& stress) {
-  PolarValues lost(rest.size());
+ventricle::PolarValues lost_under_stress(const ventricle::PolarValues& rest, const ventricle::PolarValues& stress) {
+  ventricle::PolarValues lost(rest.size());
   for (std::size_t n = 0; n < lost.size() && n < stress.size(); ++n)
     if (rest[n] && stress[n]) lost[n] = *rest[n] - *stress[n];
   return lost;
@@ -310,7 +311,7 @@ std::string comparison_html(const ComparedStudy& rest, const ComparedStudy& stre
       "<p>Seen from the apex, anterior wall on top, septum left. Each map lies in the frame of its own heart: apex, "
       "valve plane, long axis and anterior wall register one with the other.</p>\n" +
       map_rows(rest, stress);
-  if (rest.polar.perfusion_is != Perfusion::none)
+  if (rest.polar.perfusion_is != ventricle::Perfusion::none)
     html +=
         "<h2>Segments: perfusion in percent of the bright wall, scores 0 to 4</h2><table><thead><tr><th></th>"
         "<th>Rest</th><th>Stress</th><th>Lost</th><th>Score at rest</th><th>Score under stress</th></tr></thead>\n" +
@@ -318,4 +319,4 @@ std::string comparison_html(const ComparedStudy& rest, const ComparedStudy& stre
   return html + "</section></body></html>\n";
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

@@ -5,7 +5,7 @@
 
 #include "dynasurf/report/normals.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 
 /// One of two studies that are shown side by side.
 struct ComparedStudy {
@@ -17,7 +17,7 @@ struct ComparedStudy {
 
 /// Rest less stress of two polar maps: positive where something is lost under stress. Both are laid out by the frame of
 /// their own heart, which is what registers them. Absent where either is.
-PolarValues lost_under_stress(const PolarValues& rest, const PolarValues& stress);
+ventricle::PolarValues lost_under_stress(const ventricle::PolarValues& rest, const ventricle::PolarValues& stress);
 
 /// Rest and stress on one page, for the screen and for two A4 pages: the readings of both with their intervals, the
 /// numbers of `comparison` (schema dynasurf.comparison/1), both volume curves, the slices of both, the polar maps with
@@ -25,4 +25,4 @@ PolarValues lost_under_stress(const PolarValues& rest, const PolarValues& stress
 std::string comparison_html(const ComparedStudy& rest, const ComparedStudy& stress,
                             const nlohmann::ordered_json& comparison);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

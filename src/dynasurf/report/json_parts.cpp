@@ -3,13 +3,13 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 
-namespace dynasurf::report_detail {
+namespace dynasurf::report::detail {
 namespace {
 
 Json options_json(const std::string& text) {
   if (text.empty()) return nullptr;
   try {
-    return parse_json(text, "the resolved options");
+    return io::parse_json(text, "the resolved options");
   } catch (const InputError& error) {
     throw OptionError(error.what());
   }
@@ -32,4 +32,4 @@ Json provenance_json(const Provenance& provenance) {
   return json;
 }
 
-}  // namespace dynasurf::report_detail
+}  // namespace dynasurf::report::detail

@@ -8,7 +8,7 @@
 #include "dynasurf/io/study_io.hpp"
 #include "dynasurf/mesh/voxel_parts.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
 constexpr std::uint8_t cavity_label = 1, wall_label = 2;
@@ -20,8 +20,8 @@ struct Parts {
 Parts parts_of(const GateWalls& walls, const Grid& grid) {
   Parts parts{Image(grid), Image(grid)};
   if (walls.endo == nullptr || walls.epi == nullptr) return parts;
-  parts.cavity = voxel_parts(grid, to_grid(grid, *walls.endo));
-  parts.wall = voxel_parts(grid, to_grid(grid, *walls.epi));
+  parts.cavity = mesh::voxel_parts(grid, to_grid(grid, *walls.endo));
+  parts.wall = mesh::voxel_parts(grid, to_grid(grid, *walls.epi));
   for (std::size_t v = 0; v < grid.size(); ++v)
     parts.wall.values[v] = std::max(0.0F, parts.wall.values[v] - parts.cavity.values[v]);
   return parts;
@@ -77,23 +77,23 @@ void write_wall_labels(std::span<const GateWalls> gates, const Study& frame, con
       cavity[g] = std::move(parts.cavity), wall[g] = std::move(parts.wall);
     }
   });
-  write_label_nifti(walls, frame, folder / ("walls." + labels.ending));
+  io::write_label_nifti(walls, frame, folder / ("walls." + labels.ending));
   if (!labels.partial_volumes) return;
-  write_nifti(placed_as(frame, std::move(cavity)), folder / ("part_cavity." + labels.ending));
-  write_nifti(placed_as(frame, std::move(wall)), folder / ("part_wall." + labels.ending));
+  io::write_nifti(placed_as(frame, std::move(cavity)), folder / ("part_cavity." + labels.ending));
+  io::write_nifti(placed_as(frame, std::move(wall)), folder / ("part_wall." + labels.ending));
 }
 
-void write_label_volumes(const VentricleResult& result, const Study& frame, const LabelOutput& labels,
+void write_label_volumes(const ventricle::VentricleResult& result, const Study& frame, const LabelOutput& labels,
                          const std::filesystem::path& folder) {
   std::vector<GateWalls> walls;
   std::vector<Mask> borders;
-  for (const Gate& gate : result.gates) {
+  for (const ventricle::Gate& gate : result.gates) {
     const auto& [endo, epi, base] = gate.surfaces;
     walls.push_back({endo ? &endo->mesh : nullptr, epi ? &epi->mesh : nullptr});
     borders.push_back(on_grid(gate.labels.borders, frame.grid()));
   }
   write_wall_labels(walls, frame, labels, folder);
-  write_label_nifti(borders, frame, folder / ("borders." + labels.ending));
+  io::write_label_nifti(borders, frame, folder / ("borders." + labels.ending));
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

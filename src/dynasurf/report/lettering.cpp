@@ -3,7 +3,7 @@
 #include <cctype>
 #include <string>
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
 struct Glyph {
@@ -28,7 +28,7 @@ int rows_of(char c) {
 
 }  // namespace
 
-void draw_text(Picture& picture, std::string_view text, int x, int y, Colour colour) {
+void draw_text(io::Picture& picture, std::string_view text, int x, int y, io::Colour colour) {
   if (y < 0 || y + letter_height > picture.height) return;
   for (const char c : text) {
     if (x < 0 || x + letter_width > picture.width) return;
@@ -40,4 +40,4 @@ void draw_text(Picture& picture, std::string_view text, int x, int y, Colour col
   }
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

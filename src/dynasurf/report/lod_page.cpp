@@ -5,15 +5,15 @@
 #include "dynasurf/report/detail/page_parts.hpp"
 #include "dynasurf/report/detail/page_template.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 
 using namespace report_detail;
 
-void write_lod_page(std::span<const TriMesh> levels, std::span<const LodTransition> transitions, const LodPage& options,
-                    const std::filesystem::path& path) {
+void write_lod_page(std::span<const TriMesh> levels, std::span<const cloud::LodTransition> transitions,
+                    const LodPage& options, const std::filesystem::path& path) {
   if (levels.empty() || transitions.size() + 1 != levels.size())
     throw InputError("a page of levels of detail needs levels and a transition between each two of them");
-  const LodChain chain = lod_chain(levels, options.rule);
+  const cloud::LodChain chain = cloud::lod_chain(levels, options.rule);
   Box box;
   for (const TriMesh& level : levels)
     for (const Vec3& p : level.vertices) {
@@ -33,8 +33,9 @@ void write_lod_page(std::span<const TriMesh> levels, std::span<const LodTransiti
     data["levels"].push_back({{"positions", packed(steps_of(levels[n].vertices, box))},
                               {"triangles", triangles_of(levels[n])},
                               {"mean_edge", options.rule.edge_px * chain.diagonal / chain.largest_px[n]}});
-  for (const LodTransition& transition : transitions) data["transitions"].push_back(transition_json(transition, box));
-  write_file(path, filled_page(lod_page_template(), data));
+  for (const cloud::LodTransition& transition : transitions)
+    data["transitions"].push_back(transition_json(transition, box));
+  io::write_file(path, filled_page(lod_page_template(), data));
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

@@ -3,16 +3,16 @@
 #include "dynasurf/report/detail/numbers.hpp"
 #include "dynasurf/ventricle/fit/blur_fit.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
-using report_detail::Json;
-using report_detail::number;
-using report_detail::text_of;
+using detail::Json;
+using detail::number;
+using detail::text_of;
 
 Json vector_json(const Vec3& v) { return {number(v[0]), number(v[1]), number(v[2])}; }
 
-Json function_json(const std::optional<VolumeCurveFit>& f, double cycle_ms) {
+Json function_json(const std::optional<ventricle::VolumeCurveFit>& f, double cycle_ms) {
   if (!f) return nullptr;
   const auto in_ms = [&](double beats) { return cycle_ms > 0 ? number(beats * cycle_ms) : Json(nullptr); };
   Json json = Json::object();
@@ -27,12 +27,12 @@ Json function_json(const std::optional<VolumeCurveFit>& f, double cycle_ms) {
   json["end_rapid_filling_time"] = number(f->end_rapid_filling);
   json["peak_emptying_edv_per_beat"] = number(f->peak_emptying);
   json["peak_filling_edv_per_beat"] = number(f->peak_filling);
-  json["peak_emptying_edv_per_s"] = number(per_second(f->peak_emptying, cycle_ms));
-  json["peak_filling_edv_per_s"] = number(per_second(f->peak_filling, cycle_ms));
+  json["peak_emptying_edv_per_s"] = number(ventricle::per_second(f->peak_emptying, cycle_ms));
+  json["peak_filling_edv_per_s"] = number(ventricle::per_second(f->peak_filling, cycle_ms));
   json["time_to_peak_filling"] = number(f->time_to_peak_filling);
   json["time_to_peak_filling_ms"] = in_ms(f->time_to_peak_filling);
   json["first_third_filling"] = number(f->first_third_filling);
-  json["first_third_rate_edv_per_s"] = number(per_second(f->first_third_rate, cycle_ms));
+  json["first_third_rate_edv_per_s"] = number(ventricle::per_second(f->first_third_rate, cycle_ms));
   json["instants"] = {{"edv_ml", number(f->instant_edv_ml)},
                       {"esv_ml", number(f->instant_esv_ml)},
                       {"ef_percent", number(f->instant_ef_percent)}};
@@ -42,7 +42,7 @@ Json function_json(const std::optional<VolumeCurveFit>& f, double cycle_ms) {
   return json;
 }
 
-Json thickness_json(const Measures& m) {
+Json thickness_json(const ventricle::Measures& m) {
   Json gates = Json::array();
   for (std::size_t g = 0; g < m.gates.size(); ++g) {
     const auto& s = m.gates[g].thickness.summary;
@@ -66,11 +66,11 @@ Json thickness_json(const Measures& m) {
 /// 90 % interval of a number with a standard deviation; null where one is missing.
 Json interval_json(const std::optional<double>& value, const std::optional<double>& sd) {
   if (!value || !sd) return nullptr;
-  const Estimate e{*value, *sd};
+  const ventricle::Estimate e{*value, *sd};
   return {number(e.low()), number(e.high())};
 }
 
-Json phase_json(const std::optional<PhaseSummary>& s) {
+Json phase_json(const std::optional<ventricle::PhaseSummary>& s) {
   if (!s) return nullptr;
   return {{"mean_deg", number(s->mean_deg)},
           {"sd_deg", number(s->sd_deg)},
@@ -88,20 +88,23 @@ struct Column {
   std::optional<double> SegmentErrors::*sd = nullptr;  // null: never known
 };
 constexpr std::array<Column, 11> columns{{
-    {"perfusion_percent", &SegmentMeasures::perfusion_percent, &SegmentErrors::perfusion_percent},
-    {"thickness_ed_mm", &SegmentMeasures::thickness_ed_mm, &SegmentErrors::thickness_ed_mm},
-    {"thickness_es_mm", &SegmentMeasures::thickness_es_mm, &SegmentErrors::thickness_es_mm},
-    {"thickening_percent", &SegmentMeasures::thickening_percent, &SegmentErrors::thickening_percent},
-    {"count_thickening_percent", &SegmentMeasures::count_thickening_percent},
-    {"motion_mm", &SegmentMeasures::motion_mm, &SegmentErrors::motion_mm},
-    {"displacement_mm", &SegmentMeasures::displacement_mm, &SegmentErrors::displacement_mm},
-    {"area_strain_percent", &SegmentMeasures::area_strain_percent, &SegmentErrors::area_strain_percent},
-    {"phase_counts_deg", &SegmentMeasures::phase_counts_deg},
-    {"phase_motion_deg", &SegmentMeasures::phase_motion_deg, &SegmentErrors::phase_motion_deg},
-    {"phase_thickness_deg", &SegmentMeasures::phase_thickness_deg, &SegmentErrors::phase_thickness_deg},
+    {"perfusion_percent", &ventricle::SegmentMeasures::perfusion_percent, &ventricle::SegmentErrors::perfusion_percent},
+    {"thickness_ed_mm", &ventricle::SegmentMeasures::thickness_ed_mm, &ventricle::SegmentErrors::thickness_ed_mm},
+    {"thickness_es_mm", &ventricle::SegmentMeasures::thickness_es_mm, &ventricle::SegmentErrors::thickness_es_mm},
+    {"thickening_percent", &ventricle::SegmentMeasures::thickening_percent,
+     &ventricle::SegmentErrors::thickening_percent},
+    {"count_thickening_percent", &ventricle::SegmentMeasures::count_thickening_percent},
+    {"motion_mm", &ventricle::SegmentMeasures::motion_mm, &ventricle::SegmentErrors::motion_mm},
+    {"displacement_mm", &ventricle::SegmentMeasures::displacement_mm, &ventricle::SegmentErrors::displacement_mm},
+    {"area_strain_percent", &ventricle::SegmentMeasures::area_strain_percent,
+     &ventricle::SegmentErrors::area_strain_percent},
+    {"phase_counts_deg", &ventricle::SegmentMeasures::phase_counts_deg},
+    {"phase_motion_deg", &ventricle::SegmentMeasures::phase_motion_deg, &ventricle::SegmentErrors::phase_motion_deg},
+    {"phase_thickness_deg", &ventricle::SegmentMeasures::phase_thickness_deg,
+     &ventricle::SegmentErrors::phase_thickness_deg},
 }};
 
-Json segment_json(const SegmentMeasures& s) {
+Json segment_json(const ventricle::SegmentMeasures& s) {
   Json json = Json::object();
   json["number"] = s.segment.number;
   json["name"] = s.segment.name;
@@ -115,29 +118,31 @@ Json segment_json(const SegmentMeasures& s) {
 }
 
 constexpr std::array<PolarKind, 9> kinds{{
-    {"perfusion_percent", "Perfusion", "%", &PolarMaps::perfusion_percent, 0, 100},
-    {"thickness_ed_mm", "Thickness, end diastole", "mm", &PolarMaps::thickness_ed_mm, std::nullopt, std::nullopt},
-    {"thickness_es_mm", "Thickness, end systole", "mm", &PolarMaps::thickness_es_mm, std::nullopt, std::nullopt},
-    {"thickening_percent", "Thickening", "%", &PolarMaps::thickening_percent, 0, 80},
-    {"count_thickening_percent", "Thickening by counts", "%", &PolarMaps::count_thickening_percent, 0, 80},
-    {"motion_mm", "Inward motion", "mm", &PolarMaps::motion_mm, 0, 12},
-    {"phase_counts_deg", "Onset by counts", "deg", &PolarMaps::phase_counts_deg, 0, 360, true},
-    {"phase_motion_deg", "Onset by motion", "deg", &PolarMaps::phase_motion_deg, 0, 360, true},
-    {"phase_thickness_deg", "Onset by thickness", "deg", &PolarMaps::phase_thickness_deg, 0, 360, true},
+    {"perfusion_percent", "Perfusion", "%", &ventricle::PolarMaps::perfusion_percent, 0, 100},
+    {"thickness_ed_mm", "Thickness, end diastole", "mm", &ventricle::PolarMaps::thickness_ed_mm, std::nullopt,
+     std::nullopt},
+    {"thickness_es_mm", "Thickness, end systole", "mm", &ventricle::PolarMaps::thickness_es_mm, std::nullopt,
+     std::nullopt},
+    {"thickening_percent", "Thickening", "%", &ventricle::PolarMaps::thickening_percent, 0, 80},
+    {"count_thickening_percent", "Thickening by counts", "%", &ventricle::PolarMaps::count_thickening_percent, 0, 80},
+    {"motion_mm", "Inward motion", "mm", &ventricle::PolarMaps::motion_mm, 0, 12},
+    {"phase_counts_deg", "Onset by counts", "deg", &ventricle::PolarMaps::phase_counts_deg, 0, 360, true},
+    {"phase_motion_deg", "Onset by motion", "deg", &ventricle::PolarMaps::phase_motion_deg, 0, 360, true},
+    {"phase_thickness_deg", "Onset by thickness", "deg", &ventricle::PolarMaps::phase_thickness_deg, 0, 360, true},
 }};
 
 }  // namespace
 
 std::span<const PolarKind> polar_kinds() { return kinds; }
 
-Json measures_json(const std::optional<Measures>& measures, double cycle_ms) {
+Json measures_json(const std::optional<ventricle::Measures>& measures, double cycle_ms) {
   if (!measures) return nullptr;
-  const Measures& m = *measures;
+  const ventricle::Measures& m = *measures;
   Json segments = Json::array();
-  for (const SegmentMeasures& s : m.segments) segments.push_back(segment_json(s));
+  for (const ventricle::SegmentMeasures& s : m.segments) segments.push_back(segment_json(s));
   Json json = Json::object();
   json["thickness_is"] = m.cavity_alone ? Json(nullptr) : Json(m.from_edges ? "apparent" : "model");
-  json["perfusion_is"] = m.perfusion_is == Perfusion::none ? Json(nullptr) : Json(word_of(m.perfusion_is));
+  json["perfusion_is"] = m.perfusion_is == ventricle::Perfusion::none ? Json(nullptr) : Json(word_of(m.perfusion_is));
   json["anterior"] = {{"rule", word_of(m.anterior.rule)}, {"direction", vector_json(m.anterior.direction)}};
   json["muscle_ml"] = number(m.muscle_ml);
   json["muscle_g"] = number(m.muscle_g);
@@ -151,13 +156,13 @@ Json measures_json(const std::optional<Measures>& measures, double cycle_ms) {
   return json;
 }
 
-std::string segments_csv(const Measures& m) {
+std::string segments_csv(const ventricle::Measures& m) {
   std::string csv = "number,name,territory,wall_share_percent";
   for (const Column& column : columns) csv += "," + std::string(column.name);
   for (const Column& column : columns)
     if (column.sd) csv += "," + std::string(column.name) + "_sd";
   csv += '\n';
-  for (const SegmentMeasures& s : m.segments) {
+  for (const ventricle::SegmentMeasures& s : m.segments) {
     csv += std::to_string(s.segment.number) + "," + std::string(s.segment.name) + "," +
            std::string(s.segment.territory) + "," + text_of(std::optional(s.wall_share_percent));
     for (const Column& column : columns) csv += "," + text_of(s.*column.value);
@@ -168,18 +173,18 @@ std::string segments_csv(const Measures& m) {
   return csv;
 }
 
-std::string polar_csv(const Measures& m) {
+std::string polar_csv(const ventricle::Measures& m) {
   std::string csv = "ring,sector,rho,angle_deg,segment,area_mm2";
   for (const PolarKind& kind : kinds) csv += "," + std::string(kind.name);
   csv += '\n';
   for (std::size_t n = 0; n < m.grid.size(); ++n) {
-    const PolarPoint at = m.grid.point(n);
+    const ventricle::PolarPoint at = m.grid.point(n);
     const auto sectors = static_cast<std::size_t>(m.grid.sectors);
     csv += std::to_string(n / sectors + 1) + "," + std::to_string(n % sectors + 1) + "," + text_of(at.rho, 5) + "," +
-           text_of(at.angle_deg, 3) + "," + std::to_string(segment_at(m.model, at)) + "," +
+           text_of(at.angle_deg, 3) + "," + std::to_string(ventricle::segment_at(m.model, at)) + "," +
            (n < m.area_mm2.size() ? text_of(m.area_mm2[n], 3) : "");
     for (const PolarKind& kind : kinds) {
-      const PolarValues& values = m.maps.*kind.values;
+      const ventricle::PolarValues& values = m.maps.*kind.values;
       csv += "," + (n < values.size() && values[n] ? text_of(*values[n], 3) : std::string());
     }
     csv += '\n';
@@ -187,7 +192,7 @@ std::string polar_csv(const Measures& m) {
   return csv;
 }
 
-std::string curve_csv(const VolumeCurveFit& function) {
+std::string curve_csv(const ventricle::VolumeCurveFit& function) {
   constexpr int instants = 64;
   std::string csv = "phase,volume_ml,rate_edv_per_beat\n";
   for (int n = 0; n < instants; ++n) {
@@ -198,4 +203,4 @@ std::string curve_csv(const VolumeCurveFit& function) {
   return csv;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

@@ -6,23 +6,23 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/report/detail/json_parts.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
-using report_detail::Json;
-using report_detail::number;
-using report_detail::text_of;
+using detail::Json;
+using detail::number;
+using detail::text_of;
 
 Json vector_json(const Vec3& v) { return {v[0], v[1], v[2]}; }
 
-void put(Json& json, const Strains& s) {
+void put(Json& json, const ventricle::Strains& s) {
   json["radial_percent"] = number(s.radial_percent);
   json["circumferential_percent"] = number(s.circumferential_percent);
   json["longitudinal_percent"] = number(s.longitudinal_percent);
 }
 
 Json gate_json(const MotionRun& run, std::size_t g) {
-  const GateMotion& gate = run.motion.gates[g];
+  const ventricle::GateMotion& gate = run.motion.gates[g];
   Json json = Json::object();
   json["gate"] = g + 1;
   json["twist_deg"] = number(gate.twist_deg);
@@ -33,9 +33,9 @@ Json gate_json(const MotionRun& run, std::size_t g) {
   json["levels"] = Json::array();
   for (std::size_t n = 0; n < gate.levels.size(); ++n) {
     if (!gate.levels[n]) continue;
-    const LevelMotion& level = *gate.levels[n];
+    const ventricle::LevelMotion& level = *gate.levels[n];
     Json of = Json::object();
-    of["level"] = names_of(WallLevel{})[n];
+    of["level"] = ventricle::names_of(ventricle::WallLevel{})[n];
     of["points"] = level.points;
     of["height_mm"] = number(level.height_mm);
     of["rotation_deg"] = number(level.rotation_deg);
@@ -103,9 +103,9 @@ std::string chart(const std::string& title, const std::vector<Curve>& curves, do
 }
 
 template <class F>
-std::vector<std::optional<double>> over_gates(const TrackedMotion& motion, const F& value_of) {
+std::vector<std::optional<double>> over_gates(const ventricle::TrackedMotion& motion, const F& value_of) {
   std::vector<std::optional<double>> values;
-  for (const GateMotion& gate : motion.gates) values.push_back(value_of(gate));
+  for (const ventricle::GateMotion& gate : motion.gates) values.push_back(value_of(gate));
   return values;
 }
 
@@ -128,19 +128,19 @@ Json motion_json(const MotionRun& run, const Provenance& provenance) {
   json["notes"] = Json::array();
   for (const Note& note : run.notes)
     json["notes"].push_back({{"severity", name_of(note.severity)}, {"code", note.code}, {"message", note.message}});
-  json["provenance"] = report_detail::provenance_json(provenance);
+  json["provenance"] = detail::provenance_json(provenance);
   return json;
 }
 
-std::string motion_svg(const TrackedMotion& motion) {
-  const auto rotation = [&](WallLevel level) {
-    return over_gates(motion, [&](const GateMotion& gate) {
+std::string motion_svg(const ventricle::TrackedMotion& motion) {
+  const auto rotation = [&](ventricle::WallLevel level) {
+    return over_gates(motion, [&](const ventricle::GateMotion& gate) {
       const auto& of = gate.levels[static_cast<std::size_t>(level)];
       return of ? std::optional(of->rotation_deg) : std::nullopt;
     });
   };
   const auto strain = [&](double Strains::*which) {
-    return over_gates(motion, [&](const GateMotion& gate) { return std::optional(gate.strains.*which); });
+    return over_gates(motion, [&](const ventricle::GateMotion& gate) { return std::optional(gate.strains.*which); });
   };
   const std::string thin = "fill=\"none\" stroke-width=\"1.6\" stroke=";
   std::string svg =
@@ -148,19 +148,20 @@ std::string motion_svg(const TrackedMotion& motion) {
       "<style>text{font:12px sans-serif;fill:#333}.head{font-weight:600;fill:#111}.end{text-anchor:end}"
       ".middle{text-anchor:middle}</style>\n<rect width=\"780\" height=\"276\" fill=\"#fff\"/>\n";
   svg += chart("Rotation seen from the apex, degrees, by gate",
-               {{"apex", thin + "\"#0072b2\"", rotation(WallLevel::apex)},
-                {"mid", thin + "\"#009e73\" stroke-dasharray=\"6 3\"", rotation(WallLevel::mid)},
-                {"base", thin + "\"#d55e00\" stroke-dasharray=\"2 3\"", rotation(WallLevel::base)},
+               {{"apex", thin + "\"#0072b2\"", rotation(ventricle::WallLevel::apex)},
+                {"mid", thin + "\"#009e73\" stroke-dasharray=\"6 3\"", rotation(ventricle::WallLevel::mid)},
+                {"base", thin + "\"#d55e00\" stroke-dasharray=\"2 3\"", rotation(ventricle::WallLevel::base)},
                 {"twist", "fill=\"none\" stroke-width=\"3\" stroke=\"#111\"",
-                 over_gates(motion, [](const GateMotion& gate) { return std::optional(gate.twist_deg); })}},
+                 over_gates(motion, [](const ventricle::GateMotion& gate) { return std::optional(gate.twist_deg); })}},
                42);
-  svg += chart(
-      "Strain, percent, by gate",
-      {{"radial", thin + "\"#0072b2\"", strain(&Strains::radial_percent)},
-       {"circumferential", thin + "\"#009e73\" stroke-dasharray=\"6 3\"", strain(&Strains::circumferential_percent)},
-       {"longitudinal", thin + "\"#d55e00\" stroke-dasharray=\"2 3\"", strain(&Strains::longitudinal_percent)}},
-      432);
+  svg += chart("Strain, percent, by gate",
+               {{"radial", thin + "\"#0072b2\"", strain(&ventricle::Strains::radial_percent)},
+                {"circumferential", thin + "\"#009e73\" stroke-dasharray=\"6 3\"",
+                 strain(&ventricle::Strains::circumferential_percent)},
+                {"longitudinal", thin + "\"#d55e00\" stroke-dasharray=\"2 3\"",
+                 strain(&ventricle::Strains::longitudinal_percent)}},
+               432);
   return svg + "</svg>\n";
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

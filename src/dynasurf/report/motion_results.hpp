@@ -7,12 +7,12 @@
 #include "dynasurf/report/provenance.hpp"
 #include "dynasurf/ventricle/measures/tracked_motion.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 
 /// What tracked points say of a beat, and where it comes from.
 struct MotionRun {
-  TrackedMotion motion;
-  LongAxis axis;
+  ventricle::TrackedMotion motion;
+  ventricle::LongAxis axis;
   int points = 0;
   std::vector<double> cavity_ml, outer_ml;  // of surfaces moved along with the points, per gate; empty without any
   Notes notes;
@@ -22,6 +22,6 @@ struct MotionRun {
 nlohmann::ordered_json motion_json(const MotionRun& run, const Provenance& provenance);
 
 /// Rotation of the three levels and twist over the beat, and the strains beside them.
-std::string motion_svg(const TrackedMotion& motion);
+std::string motion_svg(const ventricle::TrackedMotion& motion);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

@@ -7,10 +7,10 @@
 #include "dynasurf/report/detail/normals_json.hpp"
 #include "dynasurf/report/normals.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
-using report_detail::Json;
+using detail::Json;
 
 /// "sex=F tracer=MIBI"
 std::string name_of_group(const std::vector<std::string>& columns, const std::vector<std::string>& values) {
@@ -19,11 +19,11 @@ std::string name_of_group(const std::vector<std::string>& columns, const std::ve
   return name;
 }
 
-std::vector<std::string> texts_in(const JsonNode& object, const char* key, std::size_t most) {
-  const JsonNode list = list_in(object, key);
-  if (size_of(list) > most) refuse_value(list, "a list of at most " + std::to_string(most));
+std::vector<std::string> texts_in(const io::JsonNode& object, const char* key, std::size_t most) {
+  const io::JsonNode list = io::list_in(object, key);
+  if (io::size_of(list) > most) io::refuse_value(list, "a list of at most " + std::to_string(most));
   std::vector<std::string> texts;
-  for (std::size_t n = 0; n < size_of(list); ++n) texts.push_back(text_of(item_of(list, n)));
+  for (std::size_t n = 0; n < io::size_of(list); ++n) texts.push_back(io::text_of(io::item_of(list, n)));
   return texts;
 }
 
@@ -32,14 +32,15 @@ std::string studies_text(int studies) { return std::to_string(studies) + (studie
 }  // namespace
 
 NormalGroups build_normal_groups(std::vector<GroupedMap> studies, const std::vector<std::string>& columns, int least,
-                                 Perfusion perfusion_is) {
+                                 ventricle::Perfusion perfusion_is) {
   // Those of a group side by side; the order of the studies is kept within it.
   std::stable_sort(studies.begin(), studies.end(),
                    [](const GroupedMap& a, const GroupedMap& b) { return a.values < b.values; });
-  std::vector<PolarValues> maps;
+  std::vector<ventricle::PolarValues> maps;
   for (GroupedMap& study : studies) maps.push_back(std::move(study.perfusion));
   const auto map_of = [&](std::size_t from, std::size_t count) {
-    NormalMap map = build_normal_map(std::span(maps).subspan(from, count), PolarGrid{});
+    ventricle::NormalMap map =
+        ventricle::build_normal_map(std::span(maps).subspan(from, count), ventricle::PolarGrid{});
     map.perfusion_is = perfusion_is;
     return map;
   };
@@ -63,36 +64,36 @@ std::string normal_groups_text(const NormalGroups& normals) {
   json["use"] = "Research use only. Not for diagnosis.";
   json["columns"] = normals.columns;
   json["least"] = normals.least;
-  json["all"] = report_detail::normals_json(normals.all);
+  json["all"] = detail::normals_json(normals.all);
   json["groups"] = Json::array();
   for (const NormalGroups::Group& group : normals.groups)
     json["groups"].push_back({{"values", group.values},
                               {"studies", group.studies},
-                              {"map", group.map ? report_detail::normals_json(*group.map) : Json()}});
-  return json_text(json, -1);
+                              {"map", group.map ? detail::normals_json(*group.map) : Json()}});
+  return io::json_text(json, -1);
 }
 
 NormalGroups read_normal_groups(const std::filesystem::path& path) {
-  const Json json = read_json(path);
-  const JsonNode file = root_of(json, path.string());
+  const Json json = io::read_json(path);
+  const io::JsonNode file = io::root_of(json, path.string());
   NormalGroups normals;
-  if (!has(file, "schema") || text_in(file, "schema") != "dynasurf.normal_groups/1") {
+  if (!io::has(file, "schema") || io::text_in(file, "schema") != "dynasurf.normal_groups/1") {
     normals.all = read_normals(path);
     return normals;
   }
   constexpr std::size_t most_columns = 16;
   normals.columns = texts_in(file, "columns", most_columns);
-  normals.least = static_cast<int>(whole_in(file, "least", 3, 1000000));
-  normals.all = report_detail::normals_in(object_in(file, "all"));
-  const JsonNode groups = list_in(file, "groups");
-  for (std::size_t n = 0; n < size_of(groups); ++n) {
-    const JsonNode one = object_of(groups, n);
+  normals.least = static_cast<int>(io::whole_in(file, "least", 3, 1000000));
+  normals.all = detail::normals_in(io::object_in(file, "all"));
+  const io::JsonNode groups = io::list_in(file, "groups");
+  for (std::size_t n = 0; n < io::size_of(groups); ++n) {
+    const io::JsonNode one = io::object_of(groups, n);
     NormalGroups::Group group;
     group.values = texts_in(one, "values", most_columns);
     if (group.values.size() != normals.columns.size())
-      refuse_value(list_in(one, "values"), "a list of " + std::to_string(normals.columns.size()));
-    group.studies = static_cast<int>(whole_in(one, "studies", 1, 1000000));
-    if (has(one, "map")) group.map = report_detail::normals_in(object_in(one, "map"));
+      io::refuse_value(io::list_in(one, "values"), "a list of " + std::to_string(normals.columns.size()));
+    group.studies = static_cast<int>(io::whole_in(one, "studies", 1, 1000000));
+    if (io::has(one, "map")) group.map = detail::normals_in(io::object_in(one, "map"));
     normals.groups.push_back(std::move(group));
   }
   return normals;
@@ -123,4 +124,4 @@ ChosenNormals normals_for(const NormalGroups& normals, const std::vector<std::pa
                             std::to_string(group->studies) + " of " + wanted_name};
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

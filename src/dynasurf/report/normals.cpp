@@ -14,11 +14,11 @@
 #include "dynasurf/report/detail/numbers.hpp"
 #include "dynasurf/report/measures.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
-using report_detail::Json;
-using report_detail::number;
+using detail::Json;
+using detail::number;
 
 /// More than any table of ours has; a line of commas alone must not cost a thousand times its size.
 constexpr std::size_t most_columns = 64;
@@ -48,47 +48,47 @@ std::optional<double> value_of(const std::string& field, const std::string& wher
   double value = 0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
   if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value))
-    throw InputError(where + ": " + io_detail::quoted(field) + " is not a number");
+    throw InputError(where + ": " + io::detail::quoted(field) + " is not a number");
   return value;
 }
 
 /// One number, or null, for each sample of the grid.
-PolarValues values_in(const JsonNode& object, const char* key, std::size_t size) {
-  const JsonNode list = list_in(object, key);
-  if (size_of(list) != size) refuse_value(list, "a list of " + std::to_string(size));
-  PolarValues values(size);
+ventricle::PolarValues values_in(const io::JsonNode& object, const char* key, std::size_t size) {
+  const io::JsonNode list = io::list_in(object, key);
+  if (io::size_of(list) != size) io::refuse_value(list, "a list of " + std::to_string(size));
+  ventricle::PolarValues values(size);
   for (std::size_t n = 0; n < size; ++n)
-    if (const JsonNode value = item_of(list, n); !value.json->is_null()) values[n] = number_of(value);
+    if (const io::JsonNode value = io::item_of(list, n); !value.json->is_null()) values[n] = io::number_of(value);
   return values;
 }
 
-Json list_of(const PolarValues& values) {
+Json list_of(const ventricle::PolarValues& values) {
   Json list = Json::array();
   for (const auto& v : values) list.push_back(number(v));
   return list;
 }
 
 /// Of a result's measures, or of a normal map.
-Perfusion perfusion_in(const JsonNode& object) {
+ventricle::Perfusion perfusion_in(const io::JsonNode& object) {
   if (!object.json->contains("perfusion_is"))
     throw InputError(object.file + ": does not tell what its perfusion is made of (perfusion_is)");
-  if (!has(object, "perfusion_is")) return Perfusion::none;
-  const std::string word = text_in(object, "perfusion_is");
-  for (const Perfusion kind : {Perfusion::counts, Perfusion::uptake})
+  if (!io::has(object, "perfusion_is")) return ventricle::Perfusion::none;
+  const std::string word = io::text_in(object, "perfusion_is");
+  for (const ventricle::Perfusion kind : {ventricle::Perfusion::counts, ventricle::Perfusion::uptake})
     if (word == word_of(kind)) return kind;
-  throw InputError(object.file + ": perfusion_is " + io_detail::quoted(word) + "; expected counts or uptake");
+  throw InputError(object.file + ": perfusion_is " + io::detail::quoted(word) + "; expected counts or uptake");
 }
 
-Perfusion perfusion_of_result(const std::filesystem::path& folder) {
-  const std::filesystem::path path = file_inside(folder, "results.json");
-  const Json json = read_json(path);
-  return perfusion_in(object_in(root_of(json, path.string()), "measures"));
+ventricle::Perfusion perfusion_of_result(const std::filesystem::path& folder) {
+  const std::filesystem::path path = io::file_inside(folder, "results.json");
+  const Json json = io::read_json(path);
+  return perfusion_in(io::object_in(io::root_of(json, path.string()), "measures"));
 }
 
 /// The next line that may stand in a table of so many samples.
 bool next_line(TextInput& text, std::string& line, std::size_t samples, const std::filesystem::path& csv) {
   if (!std::getline(text, line)) return false;
-  if (samples == PolarGrid{}.size())
+  if (samples == ventricle::PolarGrid{}.size())
     throw InputError(csv.string() + ": has more samples than the " + std::to_string(samples) + " expected");
   return true;
 }
@@ -96,8 +96,8 @@ bool next_line(TextInput& text, std::string& line, std::size_t samples, const st
 }  // namespace
 
 PolarTable read_polar(const std::filesystem::path& result) {
-  const std::filesystem::path csv = file_inside(result, std::filesystem::path("measures") / "polar.csv");
-  TextInput text(text_of_file(csv));
+  const std::filesystem::path csv = io::file_inside(result, std::filesystem::path("measures") / "polar.csv");
+  TextInput text(io::text_of_file(csv));
   std::string line;
   std::getline(text, line);
   const std::vector<std::string> names = fields_of(line, csv.string() + ", line 1");
@@ -122,17 +122,18 @@ PolarTable read_polar(const std::filesystem::path& result) {
   return table;
 }
 
-void require_same_perfusion(Perfusion a, const std::string& name_a, Perfusion b, const std::string& name_b) {
+void require_same_perfusion(ventricle::Perfusion a, const std::string& name_a, ventricle::Perfusion b,
+                            const std::string& name_b) {
   for (const auto& [kind, name] : {std::pair(a, name_a), std::pair(b, name_b)})
-    if (kind == Perfusion::none) throw InputError(name + " has no perfusion");
+    if (kind == ventricle::Perfusion::none) throw InputError(name + " has no perfusion");
   if (a != b)
     throw InputError(name_a + " has perfusion from " + std::string(word_of(a)) + ", " + name_b + " from " +
                      std::string(word_of(b)) + "; expected one kind: reconstruct both with the same preset");
 }
 
-namespace report_detail {
+namespace detail {
 
-Json normals_json(const NormalMap& normal) {
+Json normals_json(const ventricle::NormalMap& normal) {
   Json json = Json::object();
   json["schema"] = "dynasurf.normals/1";
   json["use"] = "Research use only. Not for diagnosis.";
@@ -145,14 +146,14 @@ Json normals_json(const NormalMap& normal) {
   return json;
 }
 
-NormalMap normals_in(const JsonNode& map) {
-  if (!has(map, "schema") || text_in(map, "schema") != "dynasurf.normals/1")
+ventricle::NormalMap normals_in(const io::JsonNode& map) {
+  if (!io::has(map, "schema") || io::text_in(map, "schema") != "dynasurf.normals/1")
     throw InputError(map.file + ": no normal map; expected schema dynasurf.normals/1");
-  NormalMap normal;
-  normal.studies = static_cast<int>(whole_in(map, "studies", 1, 1000000));
+  ventricle::NormalMap normal;
+  normal.studies = static_cast<int>(io::whole_in(map, "studies", 1, 1000000));
   normal.perfusion_is = perfusion_in(map);
-  whole_in(map, "rings", normal.grid.rings, normal.grid.rings);  // there is one grid
-  whole_in(map, "sectors", normal.grid.sectors, normal.grid.sectors);
+  io::whole_in(map, "rings", normal.grid.rings, normal.grid.rings);  // there is one grid
+  io::whole_in(map, "sectors", normal.grid.sectors, normal.grid.sectors);
   normal.mean = values_in(map, "mean", normal.grid.size());
   normal.sd = values_in(map, "sd", normal.grid.size());
   for (std::size_t n = 0; n < normal.grid.size(); ++n)
@@ -161,29 +162,29 @@ NormalMap normals_in(const JsonNode& map) {
   return normal;
 }
 
-}  // namespace report_detail
+}  // namespace detail
 
-std::string normals_text(const NormalMap& normal) { return json_text(report_detail::normals_json(normal), -1); }
+std::string normals_text(const ventricle::NormalMap& normal) { return io::json_text(detail::normals_json(normal), -1); }
 
-NormalMap read_normals(const std::filesystem::path& path) {
-  const Json json = read_json(path);
-  return report_detail::normals_in(root_of(json, path.string()));
+ventricle::NormalMap read_normals(const std::filesystem::path& path) {
+  const Json json = io::read_json(path);
+  return detail::normals_in(io::root_of(json, path.string()));
 }
 
-void read_scores(const std::filesystem::path& path, SegmentScores& scores) {
-  const Json json = read_json(path);
-  root_of(json, path.string());  // an object
+void read_scores(const std::filesystem::path& path, ventricle::SegmentScores& scores) {
+  const Json json = io::read_json(path);
+  io::root_of(json, path.string());  // an object
   for (const auto& [segment, score] : json.items()) {
     const std::optional<double> number = value_of(segment, path.string());
     if (!number || *number != std::floor(*number) || std::abs(*number) > 1000)
-      throw InputError(path.string() + ": " + io_detail::quoted(segment) + "; expected the number of a segment");
-    const auto value = whole_of({&score, path.string(), segment}, 0, 4);
+      throw InputError(path.string() + ": " + io::detail::quoted(segment) + "; expected the number of a segment");
+    const auto value = io::whole_of({&score, path.string(), segment}, 0, 4);
     try {
-      set_score(scores, static_cast<int>(*number), static_cast<int>(value));
+      ventricle::set_score(scores, static_cast<int>(*number), static_cast<int>(value));
     } catch (const InputError& error) {
       throw InputError(path.string() + ": " + error.what());
     }
   }
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

@@ -12,7 +12,7 @@
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/report.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
 using namespace report_detail;
@@ -66,11 +66,11 @@ Bytes image_bytes(const Study& study, int bin) {
 }
 
 /// Borders and edges of all gates, a byte per voxel: 1 endo, 2 epi, 4 minor edge, 8 major edge.
-Bytes mark_bytes(const VentricleResult& result, int bin) {
+Bytes mark_bytes(const ventricle::VentricleResult& result, int bin) {
   const Index3 dims = result.study.grid().dims;
   const std::size_t voxels = result.study.grid().size();
   Bytes bytes;
-  for (const Gate& gate : result.gates) {
+  for (const ventricle::Gate& gate : result.gates) {
     const auto& borders = gate.labels.borders.values;
     const auto& edges = gate.edges.values;
     const auto marks_at = [&](std::size_t v) -> unsigned {
@@ -98,13 +98,13 @@ Json grid_json(const Grid& grid) {
           {"direction", std::move(direction)}};
 }
 
-Json circle_json(const Circle& circle) {
+Json circle_json(const ventricle::Circle& circle) {
   if (!(circle.radius_px > 0)) return nullptr;
   return {circle.x_px, circle.y_px, circle.radius_px};
 }
 
 /// What the slices show beside the pixels: circles in voxels, slices counted from 0.
-Json marks_json(const Gate& gate) {
+Json marks_json(const ventricle::Gate& gate) {
   Json local = Json::array();
   for (const auto& circle : gate.labels.local) local.push_back(circle ? circle_json(*circle) : Json(nullptr));
   return {{"circle", circle_json(gate.labels.circle)},
@@ -114,13 +114,13 @@ Json marks_json(const Gate& gate) {
           {"local", std::move(local)}};
 }
 
-Json pictures_json(const VentricleResult& result, std::size_t most_voxels) {
+Json pictures_json(const ventricle::VentricleResult& result, std::size_t most_voxels) {
   const Study& study = result.study;
   if (study.gates.empty()) return nullptr;
   const int bin = bin_of(study, most_voxels);
   const Index3 dims = study.grid().dims;
   Json marks = Json::array();
-  for (const Gate& gate : result.gates) marks.push_back(marks_json(gate));
+  for (const ventricle::Gate& gate : result.gates) marks.push_back(marks_json(gate));
   Json json = Json::object();
   json["grid"] = grid_json(study.grid());
   json["bin"] = bin;
@@ -141,9 +141,9 @@ Json pictures_json(const VentricleResult& result, std::size_t most_voxels) {
   return json;
 }
 
-Box box_of(const std::vector<Gate>& gates) {
+Box box_of(const std::vector<ventricle::Gate>& gates) {
   Box box;
-  for (const Gate& gate : gates)
+  for (const ventricle::Gate& gate : gates)
     for (const auto* surface : {&gate.surfaces.endo, &gate.surfaces.epi})
       if (*surface)
         for (const Vec3& p : (*surface)->mesh.vertices) {
@@ -154,7 +154,7 @@ Box box_of(const std::vector<Gate>& gates) {
 }
 
 /// One entry per gate: its vertices, and the number of its triangles in the list that all surfaces share.
-Json surfaces_json(const VentricleResult& result) {
+Json surfaces_json(const ventricle::VentricleResult& result) {
   const Box box = box_of(result.gates);
   std::vector<const TriMesh*> topologies;
   const auto topology_of = [&](const TriMesh& mesh) {
@@ -164,13 +164,13 @@ Json surfaces_json(const VentricleResult& result) {
     if (at == topologies.end()) topologies.push_back(&mesh);
     return number;
   };
-  const auto surface_json = [&](const std::optional<LeadingSurface>& surface) -> Json {
+  const auto surface_json = [&](const std::optional<ventricle::LeadingSurface>& surface) -> Json {
     if (!surface || surface->mesh.vertices.empty()) return nullptr;
     return {{"triangles", topology_of(surface->mesh)}, {"positions", base64(steps_of(surface->mesh.vertices, box))}};
   };
   Json json = Json::object();
   json["endo"] = json["epi"] = json["samples"] = Json::array();
-  for (const Gate& gate : result.gates) {
+  for (const ventricle::Gate& gate : result.gates) {
     json["endo"].push_back(surface_json(gate.surfaces.endo));
     json["epi"].push_back(surface_json(gate.surfaces.epi));
   }
@@ -183,10 +183,11 @@ Json surfaces_json(const VentricleResult& result) {
 }
 
 /// The sample of the polar maps at every vertex, two bytes each, the low one first; 65535: on the lid.
-std::string samples_of_vertices(const PolarGrid& grid, const HeartAxes& axes, const std::vector<Vec3>& vertices) {
+std::string samples_of_vertices(const ventricle::PolarGrid& grid, const ventricle::HeartAxes& axes,
+                                const std::vector<Vec3>& vertices) {
   Bytes bytes;
   for (const Vec3& p : vertices) {
-    const PolarPoint at = axes.polar(p);
+    const ventricle::PolarPoint at = axes.polar(p);
     const int ring = std::min(grid.rings - 1, static_cast<int>(at.rho * grid.rings));
     const int sector = std::min(grid.sectors - 1, static_cast<int>(at.angle_deg * grid.sectors / 360));
     const std::size_t sample = axes.above_base(p) > -0.1 ? 65535 : grid.index(ring, sector);
@@ -197,15 +198,15 @@ std::string samples_of_vertices(const PolarGrid& grid, const HeartAxes& axes, co
 }
 
 /// The polar maps, and the segment of every vertex as one byte, gate by gate; of the endocardium also the samples.
-Json polar_json(const VentricleResult& result) {
+Json polar_json(const ventricle::VentricleResult& result) {
   if (!result.measures || result.measures->segments.empty()) return nullptr;
-  const Measures& m = *result.measures;
+  const ventricle::Measures& m = *result.measures;
   Json json = Json::object();
   json["rings"] = m.grid.rings;
   json["sectors"] = m.grid.sectors;
   json["maps"] = Json::array();
   for (const PolarKind& kind : polar_kinds()) {
-    const PolarValues& values = m.maps.*kind.values;
+    const ventricle::PolarValues& values = m.maps.*kind.values;
     if (values.empty()) continue;
     Json samples = Json::array();
     for (const auto& v : values) samples.push_back(v ? Json(std::round(*v * 10) / 10) : Json(nullptr));
@@ -218,22 +219,23 @@ Json polar_json(const VentricleResult& result) {
                             {"values", std::move(samples)}});
   }
   json["places"] = Json::array();
-  for (const Segment& s : segments_of(m.model))
+  for (const ventricle::Segment& s : ventricle::segments_of(m.model))
     json["places"].push_back(
         {{"rho_low", s.rho_low}, {"rho_high", s.rho_high}, {"middle_deg", s.middle_deg}, {"width_deg", s.width_deg}});
   json["endo"] = json["epi"] = Json::array();
   for (std::size_t g = 0; g < m.gates.size(); ++g) {
-    for (const Border wall : {Border::endo, Border::epi}) {
-      const std::string name(name_of(wall));
+    for (const ventricle::Border wall : {ventricle::Border::endo, ventricle::Border::epi}) {
+      const std::string name(ventricle::name_of(wall));
       const auto& surface = result.gates[g].surfaces.of(wall);
       if (!m.gates[g].axes || !surface) {
         json[name].push_back(nullptr);
-        if (wall == Border::endo) json["samples"].push_back(nullptr);
+        if (wall == ventricle::Border::endo) json["samples"].push_back(nullptr);
         continue;
       }
       const std::vector<Vec3>& vertices = surface->mesh.vertices;
-      if (wall == Border::endo) json["samples"].push_back(samples_of_vertices(m.grid, *m.gates[g].axes, vertices));
-      const std::vector<int> segments = segments_of_vertices(m.model, *m.gates[g].axes, vertices);
+      if (wall == ventricle::Border::endo)
+        json["samples"].push_back(samples_of_vertices(m.grid, *m.gates[g].axes, vertices));
+      const std::vector<int> segments = ventricle::segments_of_vertices(m.model, *m.gates[g].axes, vertices);
       json[name].push_back(base64(Bytes(segments.begin(), segments.end())));
     }
   }
@@ -242,7 +244,7 @@ Json polar_json(const VentricleResult& result) {
 
 }  // namespace
 
-std::string report_html(const VentricleResult& result, const Provenance& provenance, Timings timings,
+std::string report_html(const ventricle::VentricleResult& result, const Provenance& provenance, Timings timings,
                         std::size_t most_voxels) {
   Json data = Json::object();
   data["results"] = results_json(result, provenance, timings);
@@ -253,9 +255,9 @@ std::string report_html(const VentricleResult& result, const Provenance& provena
   return filled_page(page_template(), data);
 }
 
-void write_report(const VentricleResult& result, const Provenance& provenance, const std::filesystem::path& path,
-                  Timings timings) {
-  write_file(path, report_html(result, provenance, timings));
+void write_report(const ventricle::VentricleResult& result, const Provenance& provenance,
+                  const std::filesystem::path& path, Timings timings) {
+  io::write_file(path, report_html(result, provenance, timings));
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

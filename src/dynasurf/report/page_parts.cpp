@@ -8,7 +8,7 @@
 #include "dynasurf/cloud/lod.hpp"
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf::report_detail {
+namespace dynasurf::report::detail {
 namespace {
 
 constexpr double position_steps = 65535;
@@ -68,7 +68,7 @@ std::string triangles_of(const TriMesh& mesh) {
   return packed(bytes);
 }
 
-Json transition_json(const LodTransition& transition, const Box& box) {
+Json transition_json(const cloud::LodTransition& transition, const Box& box) {
   Bytes cuts;
   for (const auto& cut : transition.cuts)
     for (const std::uint32_t vertex : cut) append(cuts, vertex);
@@ -87,4 +87,4 @@ std::string filled_page(std::string_view page, const Json& data) {
   return html;
 }
 
-}  // namespace dynasurf::report_detail
+}  // namespace dynasurf::report::detail

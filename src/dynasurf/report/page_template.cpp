@@ -18,14 +18,14 @@ constexpr char cohort_page[] = {
 };
 }  // namespace
 
-namespace dynasurf {
+namespace dynasurf::report {
 
 std::string_view page_template() { return {report_page, sizeof report_page}; }
 std::string_view cloud_page_template() { return {cloud_page, sizeof cloud_page}; }
 std::string_view cohort_page_template() { return {cohort_page, sizeof cohort_page}; }
 std::string_view lod_page_template() { return {lod_page, sizeof lod_page}; }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report
 #else
 // The assembler copies the bundled pages into the library: a C++ array of this length would take the compiler seconds.
 #define DYNASURF_EMBED(name, file)  \
@@ -50,7 +50,7 @@ extern const char cohort_page_begin[] asm("dynasurf_cohort_page_begin");
 extern const char cohort_page_end[] asm("dynasurf_cohort_page_end");
 }
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
 std::string_view between(const char* begin, const char* end) { return {begin, static_cast<std::size_t>(end - begin)}; }
@@ -62,5 +62,5 @@ std::string_view cloud_page_template() { return between(cloud_page_begin, cloud_
 std::string_view cohort_page_template() { return between(cohort_page_begin, cohort_page_end); }
 std::string_view lod_page_template() { return between(lod_page_begin, lod_page_end); }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report
 #endif

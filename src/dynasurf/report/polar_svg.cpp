@@ -6,10 +6,10 @@
 #include "dynasurf/report/detail/numbers.hpp"
 #include "dynasurf/report/measures.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
-using report_detail::text_of;
+using detail::text_of;
 
 constexpr double degrees = M_PI / 180;
 constexpr double radius = 100;  // of the map in the picture
@@ -84,7 +84,7 @@ struct Scale {
   double share(double value) const { return high > low ? (value - low) / (high - low) : 0.5; }
 };
 
-Scale scale_of(const PolarKind& kind, const PolarValues& values) {
+Scale scale_of(const PolarKind& kind, const ventricle::PolarValues& values) {
   Scale scale{kind.low.value_or(0), kind.high.value_or(1)};
   bool is_first = true;
   for (const auto& v : values) {
@@ -96,7 +96,8 @@ Scale scale_of(const PolarKind& kind, const PolarValues& values) {
   return scale;
 }
 
-std::string cells(const PolarGrid& grid, const PolarValues& values, const Scale& scale, const PolarKind& kind) {
+std::string cells(const ventricle::PolarGrid& grid, const ventricle::PolarValues& values, const Scale& scale,
+                  const PolarKind& kind) {
   std::string svg;
   const double width = 360.0 / grid.sectors;
   for (int ring = 0; ring < grid.rings; ++ring)
@@ -113,11 +114,11 @@ std::string cells(const PolarGrid& grid, const PolarValues& values, const Scale&
 }
 
 /// Mean of what a segment's samples show: along the circle for angles.
-std::optional<double> mean_in(const Measures& m, const PolarKind& kind, int number) {
-  const PolarValues& values = m.maps.*kind.values;
+std::optional<double> mean_in(const ventricle::Measures& m, const PolarKind& kind, int number) {
+  const ventricle::PolarValues& values = m.maps.*kind.values;
   double sum = 0, c = 0, s = 0, weight = 0;
   for (std::size_t n = 0; n < values.size(); ++n) {
-    if (!values[n] || segment_at(m.model, m.grid.point(n)) != number) continue;
+    if (!values[n] || ventricle::segment_at(m.model, m.grid.point(n)) != number) continue;
     const double w = m.area_mm2[n];
     sum += w * *values[n], weight += w;
     c += w * own::cos(*values[n] * degrees), s += w * own::sin(*values[n] * degrees);
@@ -128,9 +129,9 @@ std::optional<double> mean_in(const Measures& m, const PolarKind& kind, int numb
   return angle < 0 ? angle + 360 : angle;
 }
 
-std::string segments(const Measures& m, const PolarKind& kind, const Scale& scale) {
+std::string segments(const ventricle::Measures& m, const PolarKind& kind, const Scale& scale) {
   std::string svg;
-  for (const Segment& s : segments_of(m.model)) {
+  for (const ventricle::Segment& s : ventricle::segments_of(m.model)) {
     svg += "<path d=\"" + piece(s.rho_low, s.rho_high, s.middle_deg - s.width_deg / 2, s.width_deg) +
            "\" fill=\"none\" stroke=\"" + (kind.is_difference ? "#888" : "#fff") +
            "\" stroke-width=\"0.8\" data-segment=\"" + std::to_string(s.number) + "\"><title>" +
@@ -164,7 +165,7 @@ constexpr std::string_view style =
     "<style>.polar text{font:8px sans-serif;text-anchor:middle}.polar .side{text-anchor:start;fill:#444}"
     ".polar .head{font-size:10px;font-weight:600;fill:#111}.polar .wall{fill:#444}</style>\n";
 
-std::string histogram(const PhaseSummary& s, std::string_view title, double top) {
+std::string histogram(const ventricle::PhaseSummary& s, std::string_view title, double top) {
   const double highest = *std::max_element(s.histogram_percent.begin(), s.histogram_percent.end());
   std::string svg = "<text class=\"head\" x=\"180\" y=\"" + text_of(top + 12, 1) + "\">" + std::string(title) +
                     ": mean " + text_of(s.mean_deg, 0) + ", SD " + text_of(s.sd_deg, 1) + ", bandwidth " +
@@ -188,8 +189,8 @@ std::string histogram(const PhaseSummary& s, std::string_view title, double top)
 
 }  // namespace
 
-std::string polar_svg(const Measures& m, const PolarKind& kind) {
-  const PolarValues& values = m.maps.*kind.values;
+std::string polar_svg(const ventricle::Measures& m, const PolarKind& kind) {
+  const ventricle::PolarValues& values = m.maps.*kind.values;
   const Scale scale = scale_of(kind, values);
   std::string svg =
       "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"polar\" viewBox=\"-125 -130 285 255\" width=\"570\" "
@@ -208,7 +209,7 @@ std::string polar_svg(const Measures& m, const PolarKind& kind) {
   return svg + colour_bar(scale, kind) + "</svg>\n";
 }
 
-std::string phase_histogram_svg(const Measures& m) {
+std::string phase_histogram_svg(const ventricle::Measures& m) {
   if (!m.phase_counts && !m.phase_motion) return "";
   const double height = m.phase_counts && m.phase_motion ? 250 : 125;
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"polar\" viewBox=\"-15 -5 390 " +
@@ -219,4 +220,4 @@ std::string phase_histogram_svg(const Measures& m) {
   return svg + "</svg>\n";
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

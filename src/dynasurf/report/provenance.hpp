@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace dynasurf {
+namespace dynasurf::report {
 
 /// A file that was read.
 struct InputFile {
@@ -26,4 +26,4 @@ struct Provenance {
 /// `timings_s` and `memory` (of clouds) are null and the same input and options give the same bytes.
 enum class Timings { keep, omit };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

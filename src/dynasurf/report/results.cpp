@@ -9,7 +9,7 @@
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/report.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
 using namespace report_detail;
@@ -37,7 +37,7 @@ Json study_json(const Study& study) {
   return json;
 }
 
-Json triangles_json(const TriMesh& mesh, const TriangleQuality& q) {
+Json triangles_json(const TriMesh& mesh, const mesh::TriangleQuality& q) {
   Json json = Json::object();
   json["count"] = mesh.triangles.size();
   json["area_mean_mm2"] = number(q.area_mean);
@@ -52,7 +52,7 @@ Json triangles_json(const TriMesh& mesh, const TriangleQuality& q) {
   return json;
 }
 
-Json validity_json(const Repair& repair) {
+Json validity_json(const mesh::Repair& repair) {
   Json json = Json::object();
   json["closed"] = repair.check.closed;
   json["manifold"] = repair.check.manifold;
@@ -66,19 +66,19 @@ Json validity_json(const Repair& repair) {
 }
 
 /// The volume of a surface that was joined from contours, in three ways, mL.
-Json stack_json(const std::optional<StackVolumes>& stack) {
+Json stack_json(const std::optional<mesh::StackVolumes>& stack) {
   if (!stack) return nullptr;
   return {{"trapezoid_ml", number(stack->trapezoid / 1000)},
           {"gauss_ml", number(stack->gauss / 1000)},
           {"triangle_exact_ml", number(stack->triangle_exact / 1000)}};
 }
 
-Json surface_json(const std::optional<Surface>& surface) {
+Json surface_json(const std::optional<ventricle::Surface>& surface) {
   if (!surface) return nullptr;
   Json json = Json::object();
   json["volume_ml"] = number(surface->volume_ml);
   json["vertices"] = surface->mesh.vertices.size();
-  json["stop_reason"] = name_of(surface->stop_reason);
+  json["stop_reason"] = dynamics::name_of(surface->stop_reason);
   json["steps"] = surface->steps;
   json["step_s"] = number(surface->step_s);
   json["step_explained"] = surface->step_explained;
@@ -92,7 +92,7 @@ Json surface_json(const std::optional<Surface>& surface) {
   return json;
 }
 
-Json heart_json(const std::optional<Location>& heart) {
+Json heart_json(const std::optional<ventricle::Location>& heart) {
   if (!heart) return nullptr;
   Json json = Json::object();
   json["center_mm"] = vector_json(heart->cup.middle());
@@ -106,7 +106,7 @@ Json heart_json(const std::optional<Location>& heart) {
   return json;
 }
 
-Json plane_json(const std::optional<BasePlane>& plane) {
+Json plane_json(const std::optional<ventricle::BasePlane>& plane) {
   if (!plane) return nullptr;
   Json json = Json::object();
   json["point_mm"] = vector_json(plane->point);
@@ -116,19 +116,19 @@ Json plane_json(const std::optional<BasePlane>& plane) {
   return json;
 }
 
-Json interval_json(const Estimate& e) {
+Json interval_json(const ventricle::Estimate& e) {
   return e.has_interval() ? Json{number(e.low()), number(e.high())} : Json(nullptr);
 }
 
 /// A number with its 90 % interval, null where none is known.
-void put_estimate(Json& json, const std::string& name, const std::optional<Estimate>& e) {
+void put_estimate(Json& json, const std::string& name, const std::optional<ventricle::Estimate>& e) {
   json[name] = e ? number(e->value) : Json(nullptr);
   json[name + "_90"] = e ? interval_json(*e) : Json(nullptr);
 }
 
 /// The worse of the two surfaces, so that one number per gate cannot hide a bad one.
 template <class Member, class Worse>
-Json worst(const EdgeSurfaces& surfaces, Member member, Worse worse) {
+Json worst(const ventricle::EdgeSurfaces& surfaces, Member member, Worse worse) {
   std::optional<double> value;
   for (const auto* surface : {&surfaces.endo, &surfaces.epi})
     if (*surface) value = value ? worse(*value, member(**surface)) : member(**surface);
@@ -136,7 +136,7 @@ Json worst(const EdgeSurfaces& surfaces, Member member, Worse worse) {
 }
 
 /// The edge surfaces of a gate: how they were found, and what they enclose.
-Json edge_json(const EdgeSurfaces& surfaces) {
+Json edge_json(const ventricle::EdgeSurfaces& surfaces) {
   const auto least = [](double a, double b) { return std::min(a, b); };
   const auto most = [](double a, double b) { return std::max(a, b); };
   Json json = Json::object();
@@ -144,23 +144,23 @@ Json edge_json(const EdgeSurfaces& surfaces) {
   json["epi_ml"] = surfaces.epi ? number(surfaces.epi->volume_ml) : Json(nullptr);
   json["wall_ml"] = number(surfaces.wall_ml);
   json["stopped_fraction"] = worst(
-      surfaces, [](const Surface& s) { return s.stopped_fraction; }, least);
+      surfaces, [](const ventricle::Surface& s) { return s.stopped_fraction; }, least);
   json["mean_distance_mm"] = worst(
-      surfaces, [](const Surface& s) { return s.mean_distance_mm; }, most);
+      surfaces, [](const ventricle::Surface& s) { return s.mean_distance_mm; }, most);
   json["triangle_shape_min"] = worst(
-      surfaces, [](const Surface& s) { return s.quality.shape_min; }, least);
+      surfaces, [](const ventricle::Surface& s) { return s.quality.shape_min; }, least);
   json["base_plane"] = plane_json(surfaces.base_plane);
   json["endo"] = surface_json(surfaces.endo);
   json["epi"] = surface_json(surfaces.epi);
   return json;
 }
 
-std::optional<Estimate> volume_of(const std::optional<LeadingSurface>& surface) {
+std::optional<ventricle::Estimate> volume_of(const std::optional<ventricle::LeadingSurface>& surface) {
   return surface ? std::optional(surface->volume_ml) : std::nullopt;
 }
 
-Json gate_json(const Gate& gate) {
-  const std::optional<Estimate> endo = volume_of(gate.surfaces.endo), epi = volume_of(gate.surfaces.epi);
+Json gate_json(const ventricle::Gate& gate) {
+  const std::optional<ventricle::Estimate> endo = volume_of(gate.surfaces.endo), epi = volume_of(gate.surfaces.epi);
   Json json = Json::object();
   json["gate"] = one_based(gate.gate);
   json["time_ms"] = number(gate.time_ms);
@@ -174,7 +174,7 @@ Json gate_json(const Gate& gate) {
   return json;
 }
 
-Notes all_notes(const VentricleResult& result) {
+Notes all_notes(const ventricle::VentricleResult& result) {
   Notes notes = result.notes;
   const auto add = [&notes](Note note, int gate) {
     if (note.gate < 0) note.gate = gate;
@@ -186,7 +186,7 @@ Notes all_notes(const VentricleResult& result) {
     if (!known) notes.push_back(std::move(note));
   };
   for (const Note& note : result.study.notes) add(note, -1);
-  for (const Gate& gate : result.gates)
+  for (const ventricle::Gate& gate : result.gates)
     for (const Note& note : gate.labels.notes) add(note, gate.gate);
   return notes;
 }
@@ -202,9 +202,9 @@ Json notes_json(const Notes& notes) {
   return json;
 }
 
-Json quality_json(const VentricleResult& result) {
+Json quality_json(const ventricle::VentricleResult& result) {
   Json flags = Json::array();
-  for (const QualityFlag& flag : result.flags)
+  for (const ventricle::QualityFlag& flag : result.flags)
     flags.push_back({{"severity", name_of(flag.severity)},
                      {"code", flag.code},
                      {"message", flag.message},
@@ -214,7 +214,7 @@ Json quality_json(const VentricleResult& result) {
           {"flags", std::move(flags)}};
 }
 
-Json phases_json(const std::optional<CurvePhases>& phases) {
+Json phases_json(const std::optional<ventricle::CurvePhases>& phases) {
   if (!phases) return nullptr;
   return {{"end_diastole", one_based(phases->end_diastole)},
           {"end_systole", one_based(phases->end_systole)},
@@ -222,7 +222,7 @@ Json phases_json(const std::optional<CurvePhases>& phases) {
 }
 
 /// The numbers that every reading has.
-void put_reading(Json& json, const Reading& reading) {
+void put_reading(Json& json, const ventricle::Reading& reading) {
   put_estimate(json, "edv_ml", reading.edv_ml);
   put_estimate(json, "esv_ml", reading.esv_ml);
   put_estimate(json, "sv_ml", reading.sv_ml);
@@ -232,16 +232,18 @@ void put_reading(Json& json, const Reading& reading) {
   json["es_gate"] = one_based(reading.es_gate);
 }
 
-Json reading_json(const Reading& reading) {
+Json reading_json(const ventricle::Reading& reading) {
   Json json = Json::object();
   put_reading(json, reading);
   return json;
 }
 
-Json fit_json(const std::optional<FittedBeat>& fit) {
+Json fit_json(const std::optional<ventricle::FittedBeat>& fit) {
   if (!fit) return nullptr;
-  Json json = reading_json(reading_of(*fit));
-  put_estimate(json, "wall_g", Estimate{muscle_density * fit->wall_ml.value, muscle_density * fit->wall_ml.sd});
+  Json json = reading_json(ventricle::reading_of(*fit));
+  put_estimate(
+      json, "wall_g",
+      ventricle::Estimate{ventricle::muscle_density * fit->wall_ml.value, ventricle::muscle_density * fit->wall_ml.sd});
   put_estimate(json, "thickness_mm", fit->thickness_mm);
   put_estimate(json, "fwhm_mm", fit->fwhm_mm);
   json["wall_variation"] = number(fit->wall_variation);
@@ -255,16 +257,16 @@ Json fit_json(const std::optional<FittedBeat>& fit) {
   return json;
 }
 
-Json readings_json(const Readings& readings) {
+Json readings_json(const ventricle::Readings& readings) {
   Json json = Json::object();
   json["psf_corrected"] = fit_json(readings.psf_corrected);
   json["edge"] = reading_json(readings.edge);
   json["gaussian_profile"] =
-      readings.gaussian_profile ? reading_json(reading_of(*readings.gaussian_profile)) : Json(nullptr);
+      readings.gaussian_profile ? reading_json(ventricle::reading_of(*readings.gaussian_profile)) : Json(nullptr);
   return json;
 }
 
-Json timings_json(const VentricleResult& result, Timings timings) {
+Json timings_json(const ventricle::VentricleResult& result, Timings timings) {
   if (timings == Timings::omit) return nullptr;
   Json json = Json::object();
   for (const auto& [stage, seconds] : result.seconds) json[stage] = number(seconds);
@@ -273,9 +275,9 @@ Json timings_json(const VentricleResult& result, Timings timings) {
 
 }  // namespace
 
-Json results_json(const VentricleResult& result, const Provenance& provenance, Timings timings) {
+Json results_json(const ventricle::VentricleResult& result, const Provenance& provenance, Timings timings) {
   Json gates = Json::array();
-  for (const Gate& gate : result.gates) gates.push_back(gate_json(gate));
+  for (const ventricle::Gate& gate : result.gates) gates.push_back(gate_json(gate));
 
   Json json = Json::object();
   json["schema"] = "dynasurf.ventricle/3";
@@ -295,4 +297,4 @@ Json results_json(const VentricleResult& result, const Provenance& provenance, T
   return json;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

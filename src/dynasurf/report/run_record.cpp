@@ -9,14 +9,14 @@
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/report/report.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json words_of(const std::vector<MeshFormat>& formats) {
+Json words_of(const std::vector<io::MeshFormat>& formats) {
   Json words = Json::array();
-  for (const MeshFormat format : formats) words.push_back(word_of(format));
+  for (const io::MeshFormat format : formats) words.push_back(word_of(format));
   return words;
 }
 
@@ -33,7 +33,7 @@ std::string neutral_name(const std::filesystem::path& file, std::size_t position
   return "input-" + std::to_string(position + 1) + (is_known ? ending : "");
 }
 
-std::string ventricle_results_text(const VentricleResult& result, const Provenance& provenance,
+std::string ventricle_results_text(const ventricle::VentricleResult& result, const Provenance& provenance,
                                    const VentricleRecord& record) {
   Json json = results_json(result, provenance, record.timings);
   Json& run = json["provenance"];
@@ -49,13 +49,13 @@ std::string ventricle_results_text(const VentricleResult& result, const Provenan
     run["outputs"]["labels"] = record.labels.ending;
     run["outputs"]["partial_volumes"] = record.labels.partial_volumes;
   }
-  return json_text(json);
+  return io::json_text(json);
 }
 
 std::string cloud_results_text(const CloudRun& run, const Provenance& provenance, const CloudRecord& record) {
   Json json = cloud_results_json(run, provenance, record.timings);
   json["provenance"]["outputs"] = {{"mesh_formats", words_of(record.mesh_formats)}, {"textures", record.textures}};
-  return json_text(json);
+  return io::json_text(json);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

@@ -10,7 +10,7 @@
 #include "dynasurf/report/provenance.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 
 /// A file as provenance tells it: its place among the inputs and its ending, "input-1.dcm". Its own name may name a
 /// person.
@@ -19,7 +19,7 @@ std::string neutral_name(const std::filesystem::path& file, std::size_t position
 /// What a ventricle run was given beside its study, and what it writes beside numbers and meshes.
 struct VentricleRecord {
   std::optional<std::string> mask_sha256, start_mesh_sha256;
-  std::vector<MeshFormat> mesh_formats{MeshFormat::ply, MeshFormat::vtp};
+  std::vector<io::MeshFormat> mesh_formats{io::MeshFormat::ply, io::MeshFormat::vtp};
   bool keep_stages = false, dicom = false, pdf = false;
   LabelOutput labels;
   std::optional<std::string> dicom_time;  // that DICOM results tell; absent: not to be repeated
@@ -28,15 +28,15 @@ struct VentricleRecord {
 
 /// results.json of a run that can be repeated: `results_json` with the keys `given` and `outputs` of its provenance.
 /// Throws as it does.
-std::string ventricle_results_text(const VentricleResult& result, const Provenance& provenance,
+std::string ventricle_results_text(const ventricle::VentricleResult& result, const Provenance& provenance,
                                    const VentricleRecord& record);
 
 /// The same of a cloud.
 struct CloudRecord {
-  std::vector<MeshFormat> mesh_formats{MeshFormat::ply};
+  std::vector<io::MeshFormat> mesh_formats{io::MeshFormat::ply};
   bool textures = false;
   Timings timings = Timings::keep;
 };
 std::string cloud_results_text(const CloudRun& run, const Provenance& provenance, const CloudRecord& record);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

@@ -12,10 +12,10 @@
 #include "dynasurf/ventricle/labels/detail/mlc.hpp"
 #include "dynasurf/ventricle/labels/detail/radial.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
-constexpr Colour white{255, 255, 255}, grey{90, 90, 90}, yellow{255, 220, 0}, orange{255, 130, 0}, red{255, 40, 40},
+constexpr io::Colour white{255, 255, 255}, grey{90, 90, 90}, yellow{255, 220, 0}, orange{255, 130, 0}, red{255, 40, 40},
     blue{60, 110, 255}, violet{220, 60, 220}, green{0, 230, 90}, dim_yellow{120, 110, 30}, dim_red{130, 20, 20},
     dim_blue{30, 55, 130}, light_grey{170, 170, 170}, background{30, 30, 30};
 constexpr int gap = 4, tile_pixels = 192, line_height = 16;
@@ -29,49 +29,49 @@ struct Window {
 /// pixel. What lies outside the window is not drawn.
 class Tile {
  public:
-  Tile(Picture& picture, int left, int top, int scale, const Window& window)
+  Tile(io::Picture& picture, int left, int top, int scale, const Window& window)
       : picture_(picture), left_(left), top_(top), scale_(scale), window_(window) {}
 
-  void paint(int i, int j, Colour colour) {
+  void paint(int i, int j, io::Colour colour) {
     for (int n = 0; n < scale_ * scale_; ++n)
       set((i - window_.i) * scale_ + n % scale_, (j - window_.j) * scale_ + n / scale_, colour);
   }
-  void dot(double i, double j, Colour colour) {
+  void dot(double i, double j, io::Colour colour) {
     set(static_cast<int>(std::floor((i - window_.i + 0.5) * scale_)),
         static_cast<int>(std::floor((j - window_.j + 0.5) * scale_)), colour);
   }
-  void line(double i0, double j0, double i1, double j1, Colour colour) {
+  void line(double i0, double j0, double i1, double j1, io::Colour colour) {
     const int steps = 1 + static_cast<int>(own::hypot(i1 - i0, j1 - j0) * scale_ * 1.5);
     for (int n = 0; n <= steps; ++n) dot(i0 + (i1 - i0) * n / steps, j0 + (j1 - j0) * n / steps, colour);
   }
-  void circle(double i, double j, double radius, Colour colour) {
+  void circle(double i, double j, double radius, io::Colour colour) {
     const int steps = 8 + static_cast<int>(radius * scale_ * 8);
     for (int n = 0; n < steps; ++n) {
       const double a = 2 * std::numbers::pi * n / steps;
       dot(i + radius * own::cos(a), j + radius * own::sin(a), colour);
     }
   }
-  void cross(double i, double j, double arm, Colour colour) {
+  void cross(double i, double j, double arm, io::Colour colour) {
     line(i - arm, j, i + arm, j, colour);
     line(i, j - arm, i, j + arm, colour);
   }
-  void box(double i0, double j0, double i1, double j1, Colour colour) {
+  void box(double i0, double j0, double i1, double j1, io::Colour colour) {
     line(i0, j0, i1, j0, colour), line(i1, j0, i1, j1, colour), line(i1, j1, i0, j1, colour),
         line(i0, j1, i0, j0, colour);
   }
   void text(const std::string& text) { draw_text(picture_, text, left_ + 3, top_ + 3, white); }
-  void frame(Colour colour) {
+  void frame(io::Colour colour) {
     box(window_.i - 0.45, window_.j - 0.45, window_.i + window_.width - 0.55, window_.j + window_.height - 0.55,
         colour);
   }
   const Window& window() const { return window_; }
 
  private:
-  void set(int x, int y, Colour colour) {
+  void set(int x, int y, io::Colour colour) {
     if (x >= 0 && y >= 0 && x < window_.width * scale_ && y < window_.height * scale_)
       picture_(left_ + x, top_ + y) = colour;
   }
-  Picture& picture_;
+  io::Picture& picture_;
   int left_, top_, scale_;
   Window window_;
 };
@@ -103,7 +103,7 @@ GreyScale up_to_brightest(const Image& image) {
 
 /// What a colour means.
 struct Key {
-  Colour colour;
+  io::Colour colour;
   std::string meaning;
 };
 using Legend = std::vector<Key>;
@@ -130,7 +130,7 @@ int head_height(const Legend& legend, int width) {
   return lines * line_height + gap;
 }
 
-void draw_head(Picture& picture, const std::string& title, const Legend& legend) {
+void draw_head(io::Picture& picture, const std::string& title, const Legend& legend) {
   draw_text(picture, title, gap, gap, white);
   int x = gap, y = gap + line_height;
   for (const Key& key : legend) {
@@ -159,8 +159,8 @@ Shown all_of(const Image& image, int extra = 0) {
 }
 
 /// A sheet with a place for every slice.
-Picture draw_sheet(const Image& image, const Shown& shown, const std::string& title, const Legend& legend,
-                   const std::function<void(Picture&, Tile&, int k, int x, int y)>& draw) {
+io::Picture draw_sheet(const Image& image, const Shown& shown, const std::string& title, const Legend& legend,
+                       const std::function<void(io::Picture&, Tile&, int k, int x, int y)>& draw) {
   const Window& window = shown.window;
   const int count = static_cast<int>(shown.slices.size());
   const int scale = std::max(1, tile_pixels / std::max(window.width, window.height));
@@ -168,7 +168,7 @@ Picture draw_sheet(const Image& image, const Shown& shown, const std::string& ti
   const int columns = std::max(1, static_cast<int>(std::ceil(std::sqrt(count * 1.5 * height / width))));
   const int rows = (count + columns - 1) / columns;
   const int head = head_height(legend, columns * width + gap);
-  Picture picture(columns * width + gap, head + std::max(1, rows) * height + gap, background);
+  io::Picture picture(columns * width + gap, head + std::max(1, rows) * height + gap, background);
   draw_head(picture, title, legend);
   for (int n = 0; n < count; ++n) {
     const int k = shown.slices[static_cast<std::size_t>(n)];
@@ -219,14 +219,14 @@ Shown around(const Image& image, const TriMesh& mesh) {
 }
 
 /// A surface (grid frame) where slice k cuts it.
-void draw_cut(Tile& tile, const TriMesh& mesh, int k, const Vec3& spacing, Colour colour) {
-  for (const auto& polygon : cross_section(mesh, Vec3(0, 0, k * spacing[2]), Vec3(0, 0, 1)))
+void draw_cut(Tile& tile, const TriMesh& mesh, int k, const Vec3& spacing, io::Colour colour) {
+  for (const auto& polygon : mesh::cross_section(mesh, Vec3(0, 0, k * spacing[2]), Vec3(0, 0, 1)))
     for (std::size_t n = 1; n < polygon.size(); ++n)
       tile.line(polygon[n - 1][0] / spacing[0], polygon[n - 1][1] / spacing[1], polygon[n][0] / spacing[0],
                 polygon[n][1] / spacing[1], colour);
 }
 
-void draw_box(Tile& tile, const std::vector<Pixel>& pixels, Colour colour) {
+void draw_box(Tile& tile, const std::vector<image::Pixel>& pixels, io::Colour colour) {
   if (pixels.empty()) return;
   const auto [i0, i1] = std::minmax_element(pixels.begin(), pixels.end(), [](auto a, auto b) { return a.i < b.i; });
   const auto [j0, j1] = std::minmax_element(pixels.begin(), pixels.end(), [](auto a, auto b) { return a.j < b.j; });
@@ -234,8 +234,8 @@ void draw_box(Tile& tile, const std::vector<Pixel>& pixels, Colour colour) {
 }
 
 /// Bars of the counts of a slice, bottom up, in a strip of the picture.
-void draw_bars(Picture& p, const RadialProfile& profile, double ring_px, int x0, int y0, int width, int height,
-               double reach_px) {
+void draw_bars(io::Picture& p, const ventricle::RadialProfile& profile, double ring_px, int x0, int y0, int width,
+               int height, double reach_px) {
   const int most = profile.counts.empty() ? 0 : *std::max_element(profile.counts.begin(), profile.counts.end());
   for (int x = 0; x < width; ++x) {
     p(x0 + x, y0 + height - 1) = grey;
@@ -249,21 +249,24 @@ void draw_bars(Picture& p, const RadialProfile& profile, double ring_px, int x0,
   }
 }
 
-void draw_edge_pixels(Tile& tile, const EdgeMap& edges, int k) {
+void draw_edge_pixels(Tile& tile, const image::EdgeMap& edges, int k) {
   for (int j = 0; j < edges.edges.grid.dims[1]; ++j)
     for (int i = 0; i < edges.edges.grid.dims[0]; ++i)
       if (const int edge = edges.edges(i, j, k)) tile.paint(i, j, edge == 1 ? orange : yellow);
 }
 
-void draw_label_marks(Tile& tile, const GateBorders& gate, const Circle& coarse, int k) {
-  const Labels& labels = gate.labels;
+void draw_label_marks(Tile& tile, const ventricle::GateBorders& gate, const ventricle::Circle& coarse, int k) {
+  const ventricle::Labels& labels = gate.labels;
   draw_edge_pixels(tile, gate.edges, k);
   for (int j = 0; j < labels.borders.grid.dims[1]; ++j)
     for (int i = 0; i < labels.borders.grid.dims[0]; ++i)
       if (const int bits = labels.borders(i, j, k))
-        tile.paint(i, j, bits == Labels::endo_bit ? blue : bits == Labels::epi_bit ? red : violet);
-  draw_box(tile, pixels_of(labels.borders, k, Labels::epi_bit), dim_red);
-  draw_box(tile, pixels_of(labels.borders, k, Labels::endo_bit), dim_blue);
+        tile.paint(i, j,
+                   bits == ventricle::Labels::endo_bit  ? blue
+                   : bits == ventricle::Labels::epi_bit ? red
+                                                        : violet);
+  draw_box(tile, ventricle::pixels_of(labels.borders, k, ventricle::Labels::epi_bit), dim_red);
+  draw_box(tile, ventricle::pixels_of(labels.borders, k, ventricle::Labels::endo_bit), dim_blue);
   tile.circle(coarse.x_px, coarse.y_px, coarse.radius_px, dim_yellow);
   tile.circle(labels.axis.x_at(k), labels.axis.y_at(k), labels.circle.radius_px, white);
   if (const auto& local = labels.local[static_cast<std::size_t>(k)]) tile.cross(local->x_px, local->y_px, 1, green);
@@ -273,52 +276,57 @@ void draw_label_marks(Tile& tile, const GateBorders& gate, const Circle& coarse,
 
 }  // namespace
 
-Picture draw_edges(const Image& image, const EdgeMap& edges, const std::string& title) {
+io::Picture draw_edges(const Image& image, const image::EdgeMap& edges, const std::string& title) {
   return draw_sheet(image, all_of(image), title, edge_legend,
-                    [&](Picture&, Tile& tile, int k, int, int) { draw_edge_pixels(tile, edges, k); });
+                    [&](io::Picture&, Tile& tile, int k, int, int) { draw_edge_pixels(tile, edges, k); });
 }
 
-Picture draw_labels(const Image& image, const GateBorders& gate, const Circle& coarse, const std::string& title) {
+io::Picture draw_labels(const Image& image, const ventricle::GateBorders& gate, const ventricle::Circle& coarse,
+                        const std::string& title) {
   return draw_sheet(image, all_of(image), title, label_legend,
-                    [&](Picture&, Tile& tile, int k, int, int) { draw_label_marks(tile, gate, coarse, k); });
+                    [&](io::Picture&, Tile& tile, int k, int, int) { draw_label_marks(tile, gate, coarse, k); });
 }
 
-Picture draw_rings(const Image& image, const GateBorders& gate, const RadialLabels& options, const std::string& title) {
+io::Picture draw_rings(const Image& image, const ventricle::GateBorders& gate, const ventricle::RadialLabels& options,
+                       const std::string& title) {
   constexpr int graph_width = 96;
-  const Labels& labels = gate.labels;
-  const SliceEdges edges = find_components(clip(gate.edges.edges, labels.axis, labels.circle.radius_px), 1);
+  const ventricle::Labels& labels = gate.labels;
+  const ventricle::SliceEdges edges =
+      ventricle::find_components(ventricle::clip(gate.edges.edges, labels.axis, labels.circle.radius_px), 1);
   return draw_sheet(
-      image, all_of(image, graph_width), title, ring_legend, [&](Picture& picture, Tile& tile, int k, int x, int y) {
+      image, all_of(image, graph_width), title, ring_legend,
+      [&](io::Picture& picture, Tile& tile, int k, int x, int y) {
         const auto& slice = edges[static_cast<std::size_t>(k)];
-        for (const Component& edge : slice)
-          for (const Pixel& p : edge.pixels) tile.paint(p.i, p.j, yellow);
-        RadialLabels o = options;
-        for (const double radius : radial_profile(slice, labels.axis, labels.circle.radius_px, o).peaks_px)
+        for (const image::Component& edge : slice)
+          for (const image::Pixel& p : edge.pixels) tile.paint(p.i, p.j, yellow);
+        ventricle::RadialLabels o = options;
+        for (const double radius : ventricle::radial_profile(slice, labels.axis, labels.circle.radius_px, o).peaks_px)
           tile.circle(labels.axis.x_at(k), labels.axis.y_at(k), radius, red);
         tile.circle(labels.axis.x_at(k), labels.axis.y_at(k), labels.circle.radius_px, white);
         const int scale = std::max(1, tile_pixels / std::max(image.grid.dims[0], image.grid.dims[1]));
         const int height = image.grid.dims[1] * scale / 3;
         for (int n = 0; n < 3; ++n) {
           o.ring_px = n + 1;
-          draw_bars(picture, radial_profile(slice, labels.axis, labels.circle.radius_px, o), o.ring_px, x + 4,
-                    y + n * height, graph_width - 8, height, labels.circle.radius_px);
+          draw_bars(picture, ventricle::radial_profile(slice, labels.axis, labels.circle.radius_px, o), o.ring_px,
+                    x + 4, y + n * height, graph_width - 8, height, labels.circle.radius_px);
         }
       });
 }
 
-Picture draw_sections(const Image& image, const TriMesh& surface, const std::string& title) {
+io::Picture draw_sections(const Image& image, const TriMesh& surface, const std::string& title) {
   const TriMesh mesh = to_grid(image.grid, surface);
-  return draw_sheet(image, around(image, mesh), title, section_legend,
-                    [&](Picture&, Tile& tile, int k, int, int) { draw_cut(tile, mesh, k, image.grid.spacing, red); });
+  return draw_sheet(image, around(image, mesh), title, section_legend, [&](io::Picture&, Tile& tile, int k, int, int) {
+    draw_cut(tile, mesh, k, image.grid.spacing, red);
+  });
 }
 
-Picture draw_splash(const std::vector<SplashRow>& rows) {
+io::Picture draw_splash(const std::vector<SplashRow>& rows) {
   constexpr int columns = 8, cell_pixels = 110;
   const Image& first = *rows.front().image;
   const Shown shown = around(first, to_grid(first.grid, rows.front().epi ? *rows.front().epi : *rows.front().endo));
   const int scale = std::max(1, cell_pixels / std::max(shown.window.width, shown.window.height));
   const int width = shown.window.width * scale + gap, height = shown.window.height * scale + line_height + gap;
-  Picture picture(columns * width + gap, static_cast<int>(rows.size()) * height + gap, background);
+  io::Picture picture(columns * width + gap, static_cast<int>(rows.size()) * height + gap, background);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const SplashRow& row = rows[r];
     const int top = gap + static_cast<int>(r) * height;
@@ -336,10 +344,10 @@ Picture draw_splash(const std::vector<SplashRow>& rows) {
   return picture;
 }
 
-Picture draw_matrix(const std::vector<std::vector<MatrixCell>>& rows, int slice, MatrixDrawing what,
-                    const std::string& title) {
+io::Picture draw_matrix(const std::vector<std::vector<MatrixCell>>& rows, int slice, MatrixDrawing what,
+                        const std::string& title) {
   constexpr int cell_pixels = 180, margin_px = 4, least_picture = 480;
-  const Circle& around = rows.front().front().borders.coarse;
+  const ventricle::Circle& around = rows.front().front().borders.coarse;
   const int half = static_cast<int>(std::ceil(around.radius_px)) + margin_px;
   const Window window{static_cast<int>(std::lround(around.x_px)) - half,
                       static_cast<int>(std::lround(around.y_px)) - half, 2 * half + 1, 2 * half + 1};
@@ -348,7 +356,7 @@ Picture draw_matrix(const std::vector<std::vector<MatrixCell>>& rows, int slice,
   const Legend& legend = what == MatrixDrawing::edges ? edge_legend : label_legend;
   const int all = std::max(least_picture, static_cast<int>(rows.front().size()) * width + gap);
   const int head = head_height(legend, all);
-  Picture picture(all, head + static_cast<int>(rows.size()) * height + gap, background);
+  io::Picture picture(all, head + static_cast<int>(rows.size()) * height + gap, background);
   draw_head(picture, title, legend);
   for (std::size_t r = 0; r < rows.size(); ++r)
     for (std::size_t c = 0; c < rows[r].size(); ++c) {
@@ -368,4 +376,4 @@ Picture draw_matrix(const std::vector<std::vector<MatrixCell>>& rows, int slice,
   return picture;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

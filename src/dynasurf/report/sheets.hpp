@@ -5,26 +5,28 @@
 #include "dynasurf/io/png.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 
 // All slices of one gate on one sheet, from the apex on, row by row, each with its number (from 1), under a title and
 // a legend of the colours.
 
 /// The edges over the slices (VIS-EDGES): major edges yellow, minor ones orange.
-Picture draw_edges(const Image& image, const EdgeMap& edges, const std::string& title);
+io::Picture draw_edges(const Image& image, const image::EdgeMap& edges, const std::string& title);
 
 /// What the labelling found (VIS-LABEL): edges left over yellow, outer border red, inner blue, both or not told apart
 /// violet; coarse circle dim yellow, automatic circle white; boxes of the borders in their colours, dim; the centre of
 /// the best circle of a slice green, the axis a red cross. The division slice has a white frame.
-Picture draw_labels(const Image& image, const GateBorders& gate, const Circle& coarse, const std::string& title);
+io::Picture draw_labels(const Image& image, const ventricle::GateBorders& gate, const ventricle::Circle& coarse,
+                        const std::string& title);
 
 /// Edge pixels counted in rings around the axis (VIS-RADIAL): beside each slice with the circles of its peaks, three
 /// graphs for rings of 1, 2 and 3 pixels, their peaks in red.
-Picture draw_rings(const Image& image, const GateBorders& gate, const RadialLabels& options, const std::string& title);
+io::Picture draw_rings(const Image& image, const ventricle::GateBorders& gate, const ventricle::RadialLabels& options,
+                       const std::string& title);
 
 /// A closed surface (world frame) cut by the slices that it meets, at most 36 of them evenly spaced, over the image
 /// around it.
-Picture draw_sections(const Image& image, const TriMesh& surface, const std::string& title);
+io::Picture draw_sections(const Image& image, const TriMesh& surface, const std::string& title);
 
 /// An instant of the beat with its walls in the world frame; a wall that is not there is null.
 struct SplashRow {
@@ -34,19 +36,19 @@ struct SplashRow {
 };
 /// The same eight slices of the heart at several instants, a row each, from the apex on: the inner wall blue, the outer
 /// one orange. `rows` are not empty, and the first has a wall.
-Picture draw_splash(const std::vector<SplashRow>& rows);
+io::Picture draw_splash(const std::vector<SplashRow>& rows);
 
 /// One choice of options and what came of it.
 struct MatrixCell {
   std::string name;
-  BorderResult borders;  // of one gate
+  ventricle::BorderResult borders;  // of one gate
 };
 enum class MatrixDrawing { edges, labels };
 
 /// One slice of the first gate under many choices (VIS-EDGES: the matrices of the thesis), rows as given, cut to the
 /// surroundings of the coarse circle. `slice` counts from 0; a choice whose stack does not reach it stays empty.
 /// `rows` are not empty and equally long.
-Picture draw_matrix(const std::vector<std::vector<MatrixCell>>& rows, int slice, MatrixDrawing what,
-                    const std::string& title);
+io::Picture draw_matrix(const std::vector<std::vector<MatrixCell>>& rows, int slice, MatrixDrawing what,
+                        const std::string& title);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

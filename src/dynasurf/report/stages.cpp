@@ -9,7 +9,7 @@
 #include "dynasurf/io/stage_io.hpp"
 #include "dynasurf/mesh/measures.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -21,7 +21,7 @@ std::string number(double value) {
 }
 
 /// The contours of a wall in the world, a line for each point.
-std::string contour_table(const WallContours& contours, const Grid& grid) {
+std::string contour_table(const ventricle::WallContours& contours, const Grid& grid) {
   std::string text = "slice,point,x_mm,y_mm,z_mm\n";
   for (std::size_t k = 0; k < contours.slices.size(); ++k) {
     if (!contours.slices[k]) continue;
@@ -38,7 +38,7 @@ std::string contour_table(const WallContours& contours, const Grid& grid) {
 }
 
 /// Particles near the border, step after step (MEAS-DIST).
-std::string history_table(const EvolutionResult& evolved) {
+std::string history_table(const dynamics::EvolutionResult& evolved) {
   std::string text = "step,below_1_voxel,below_2_voxels,below_3_voxels,farther\n";
   for (std::size_t n = 0; n < evolved.histories.size(); ++n) {
     text += std::to_string(n + 1);
@@ -49,55 +49,57 @@ std::string history_table(const EvolutionResult& evolved) {
 }
 
 /// Where every particle came to rest: voxels from the nearest centre of a border voxel, negative inside.
-std::string distance_table(const EvolutionResult& evolved, const Image& border) {
+std::string distance_table(const dynamics::EvolutionResult& evolved, const Image& border) {
   std::string text = "particle,signed_distance_voxels,stopped\n";
-  const std::vector<double> distances = signed_distances_to_border_voxels(evolved.mesh, border);
+  const std::vector<double> distances = mesh::signed_distances_to_border_voxels(evolved.mesh, border);
   for (std::size_t n = 0; n < distances.size(); ++n)
     text += std::to_string(n) + "," + number(distances[n]) + "," + (evolved.stopped[n] != 0 ? "1" : "0") + "\n";
   return text;
 }
 
-void write_motion(const std::string& prefix, const std::string& ending, const WallStages& wall) {
+void write_motion(const std::string& prefix, const std::string& ending, const ventricle::WallStages& wall) {
   const Grid& grid = wall.border->grid;
-  const EvolutionResult& evolved = *wall.evolved;
-  write_mesh(to_world(grid, evolved.mesh), prefix + "evolved" + ending + ".ply", MeshFormat::ply);
-  if (!evolved.histories.empty()) write_file(prefix + "history" + ending + ".csv", history_table(evolved));
+  const dynamics::EvolutionResult& evolved = *wall.evolved;
+  io::write_mesh(to_world(grid, evolved.mesh), prefix + "evolved" + ending + ".ply", io::MeshFormat::ply);
+  if (!evolved.histories.empty()) io::write_file(prefix + "history" + ending + ".csv", history_table(evolved));
   if (evolved.stopped.size() == evolved.mesh.vertices.size())
-    write_file(prefix + "distances" + ending + ".csv", distance_table(evolved, *wall.border));
+    io::write_file(prefix + "distances" + ending + ".csv", distance_table(evolved, *wall.border));
   if (wall.settled != nullptr)
-    write_mesh(to_world(grid, *wall.settled), prefix + "settled" + ending + ".ply", MeshFormat::ply);
+    io::write_mesh(to_world(grid, *wall.settled), prefix + "settled" + ending + ".ply", io::MeshFormat::ply);
 }
 
-void write_wall(const std::string& prefix, std::string_view name, const WallStages& wall, const Grid& image) {
+void write_wall(const std::string& prefix, std::string_view name, const ventricle::WallStages& wall,
+                const Grid& image) {
   if (wall.border == nullptr) return;
   const Grid& grid = wall.border->grid;
   const std::string ending = "_" + std::string(name);
-  write_nrrd_volume(*wall.border, prefix + "border" + ending + ".nrrd");
-  if (wall.edge_map != nullptr) write_nrrd_volume(*wall.edge_map, prefix + "edge_map" + ending + ".nrrd");
-  if (wall.drag != nullptr) write_nrrd_volume(*wall.drag, prefix + "drag" + ending + ".nrrd");
+  io::write_nrrd_volume(*wall.border, prefix + "border" + ending + ".nrrd");
+  if (wall.edge_map != nullptr) io::write_nrrd_volume(*wall.edge_map, prefix + "edge_map" + ending + ".nrrd");
+  if (wall.drag != nullptr) io::write_nrrd_volume(*wall.drag, prefix + "drag" + ending + ".nrrd");
   if (wall.field != nullptr) {
-    const VectorSpans vectors{wall.field->x, wall.field->y, wall.field->z};
-    const VoxelArray array{"field", vectors};
-    write_vti(wall.field->grid, std::span(&array, 1), prefix + "field" + ending + ".vti");
-    write_nrrd_vectors(wall.field->grid, vectors, prefix + "field" + ending + ".nrrd");
+    const io::VectorSpans vectors{wall.field->x, wall.field->y, wall.field->z};
+    const io::VoxelArray array{"field", vectors};
+    io::write_vti(wall.field->grid, std::span(&array, 1), prefix + "field" + ending + ".vti");
+    io::write_nrrd_vectors(wall.field->grid, vectors, prefix + "field" + ending + ".nrrd");
   }
   if (wall.start != nullptr)
-    write_mesh(to_world(grid, *wall.start), prefix + "start" + ending + ".ply", MeshFormat::ply);
-  if (wall.contours != nullptr) write_file(prefix + "contours" + ending + ".csv", contour_table(*wall.contours, image));
+    io::write_mesh(to_world(grid, *wall.start), prefix + "start" + ending + ".ply", io::MeshFormat::ply);
+  if (wall.contours != nullptr)
+    io::write_file(prefix + "contours" + ending + ".csv", contour_table(*wall.contours, image));
   if (wall.evolved != nullptr) write_motion(prefix, ending, wall);
 }
 
 }  // namespace
 
-void StageWriter::operator()(const Intermediates& stages) const {
+void StageWriter::operator()(const ventricle::Intermediates& stages) const {
   const std::string gate = (stages.gate < 9 ? "g0" : "g") + std::to_string(stages.gate + 1);
   const std::string prefix = (folder_ / gate).string() + "_";
-  write_nrrd_volume(*stages.image, prefix + "image.nrrd");
-  write_nrrd_volume(stages.edges->edges, prefix + "edges.nrrd");
-  write_nrrd_volume(stages.edges->gradient, prefix + "gradient.nrrd");
-  write_nrrd_volume(stages.labels->borders, prefix + "labels.nrrd");
-  write_wall(prefix, name_of(Border::endo), stages.endo, stages.image->grid);
-  write_wall(prefix, name_of(Border::epi), stages.epi, stages.image->grid);
+  io::write_nrrd_volume(*stages.image, prefix + "image.nrrd");
+  io::write_nrrd_volume(stages.edges->edges, prefix + "edges.nrrd");
+  io::write_nrrd_volume(stages.edges->gradient, prefix + "gradient.nrrd");
+  io::write_nrrd_volume(stages.labels->borders, prefix + "labels.nrrd");
+  write_wall(prefix, ventricle::name_of(ventricle::Border::endo), stages.endo, stages.image->grid);
+  write_wall(prefix, ventricle::name_of(ventricle::Border::epi), stages.epi, stages.image->grid);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

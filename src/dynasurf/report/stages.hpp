@@ -3,7 +3,7 @@
 
 #include "dynasurf/ventricle/reconstruct.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 
 /// Saves what a run passed through, gate by gate, as files that ParaView and 3D Slicer open: the image, the edges, the
 /// labels, the closed borders, the edge maps of pipeline direct and the maps of a drag as NRRD, the fields as NRRD and
@@ -12,10 +12,10 @@ namespace dynasurf {
 class StageWriter {
  public:
   explicit StageWriter(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  void operator()(const Intermediates& stages) const;
+  void operator()(const ventricle::Intermediates& stages) const;
 
  private:
   std::filesystem::path folder_;
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

@@ -1,45 +1,45 @@
 #include "dynasurf/report/detail/numbers.hpp"
 #include "dynasurf/report/report.hpp"
 
-namespace dynasurf {
+namespace dynasurf::report {
 namespace {
 
-using report_detail::text_of;
+using detail::text_of;
 
 struct Column {
   const char* name;
-  std::string (*text)(const Surface&);
+  std::string (*text)(const ventricle::Surface&);
 };
 
 constexpr Column surface_columns[] = {
-    {"stop_reason", [](const Surface& s) { return std::string(name_of(s.stop_reason)); }},
-    {"steps", [](const Surface& s) { return std::to_string(s.steps); }},
-    {"stopped_fraction", [](const Surface& s) { return text_of(s.stopped_fraction); }},
-    {"within_one_voxel", [](const Surface& s) { return text_of(s.within_one_voxel); }},
-    {"border_reached", [](const Surface& s) { return text_of(s.border_reached); }},
-    {"mean_distance_mm", [](const Surface& s) { return text_of(s.mean_distance_mm); }},
-    {"area_mean_mm2", [](const Surface& s) { return text_of(s.quality.area_mean); }},
-    {"area_min_mm2", [](const Surface& s) { return text_of(s.quality.area_min); }},
-    {"area_max_mm2", [](const Surface& s) { return text_of(s.quality.area_max); }},
-    {"shape_mean", [](const Surface& s) { return text_of(s.quality.shape_mean); }},
-    {"shape_min", [](const Surface& s) { return text_of(s.quality.shape_min); }},
-    {"smallest_angle_deg", [](const Surface& s) { return text_of(s.quality.smallest_angle_deg); }},
+    {"stop_reason", [](const ventricle::Surface& s) { return std::string(dynamics::name_of(s.stop_reason)); }},
+    {"steps", [](const ventricle::Surface& s) { return std::to_string(s.steps); }},
+    {"stopped_fraction", [](const ventricle::Surface& s) { return text_of(s.stopped_fraction); }},
+    {"within_one_voxel", [](const ventricle::Surface& s) { return text_of(s.within_one_voxel); }},
+    {"border_reached", [](const ventricle::Surface& s) { return text_of(s.border_reached); }},
+    {"mean_distance_mm", [](const ventricle::Surface& s) { return text_of(s.mean_distance_mm); }},
+    {"area_mean_mm2", [](const ventricle::Surface& s) { return text_of(s.quality.area_mean); }},
+    {"area_min_mm2", [](const ventricle::Surface& s) { return text_of(s.quality.area_min); }},
+    {"area_max_mm2", [](const ventricle::Surface& s) { return text_of(s.quality.area_max); }},
+    {"shape_mean", [](const ventricle::Surface& s) { return text_of(s.quality.shape_mean); }},
+    {"shape_min", [](const ventricle::Surface& s) { return text_of(s.quality.shape_min); }},
+    {"smallest_angle_deg", [](const ventricle::Surface& s) { return text_of(s.quality.smallest_angle_deg); }},
 };
 
-std::string volume_cells(const std::optional<LeadingSurface>& surface) {
+std::string volume_cells(const std::optional<ventricle::LeadingSurface>& surface) {
   if (!surface) return ",,";
-  const Estimate& ml = surface->volume_ml;
+  const ventricle::Estimate& ml = surface->volume_ml;
   const auto end = [&](double value) { return ml.has_interval() ? text_of(value) : std::string(); };
   return text_of(ml.value) + ',' + end(ml.low()) + ',' + end(ml.high());
 }
 
-std::string volume_cell(const std::optional<Surface>& surface) {
+std::string volume_cell(const std::optional<ventricle::Surface>& surface) {
   return surface ? text_of(surface->volume_ml) : std::string();
 }
 
 }  // namespace
 
-std::string results_csv(const VentricleResult& result) {
+std::string results_csv(const ventricle::VentricleResult& result) {
   std::string csv = "gate,time_ms";
   for (const char* wall : {"endo_ml", "epi_ml"})
     for (const char* part : {"", "_low", "_high"}) csv += std::string(",") + wall + part;
@@ -47,8 +47,8 @@ std::string results_csv(const VentricleResult& result) {
   for (const char* wall : {"endo", "epi"})
     for (const Column& column : surface_columns) csv += std::string(",edge_") + wall + "_" + column.name;
   csv += '\n';
-  for (const Gate& gate : result.gates) {
-    const EdgeSurfaces& edge = gate.edge_surfaces;
+  for (const ventricle::Gate& gate : result.gates) {
+    const ventricle::EdgeSurfaces& edge = gate.edge_surfaces;
     csv += std::to_string(gate.gate + 1) + ',' + text_of(gate.time_ms) + ',' + volume_cells(gate.surfaces.endo) + ',' +
            volume_cells(gate.surfaces.epi) + ',' + volume_cell(edge.endo) + ',' + volume_cell(edge.epi) + ',' +
            text_of(edge.wall_ml);
@@ -59,4 +59,4 @@ std::string results_csv(const VentricleResult& result) {
   return csv;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

@@ -12,7 +12,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/atomic_file.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 namespace {
 
 struct Destroy {
@@ -27,7 +27,7 @@ void check(cairo_status_t status) {
   if (status != CAIRO_STATUS_SUCCESS) throw IoError(std::string("cairo: ") + cairo_status_to_string(status));
 }
 
-void ink(cairo_t* c, const Colour& colour, double opacity) {
+void ink(cairo_t* c, const io::Colour& colour, double opacity) {
   cairo_set_source_rgba(c, colour[0] / 255.0, colour[1] / 255.0, colour[2] / 255.0, opacity);
 }
 
@@ -75,7 +75,7 @@ void Canvas::line(std::span<const Vec2> points, const Pen& pen) {
   cairo_stroke(c);
 }
 
-void Canvas::polygon(std::span<const Vec2> points, const Colour& fill, double opacity) {
+void Canvas::polygon(std::span<const Vec2> points, const io::Colour& fill, double opacity) {
   cairo_t* c = state_->context.get();
   path(c, points);
   cairo_close_path(c);
@@ -83,7 +83,7 @@ void Canvas::polygon(std::span<const Vec2> points, const Colour& fill, double op
   cairo_fill(c);
 }
 
-void Canvas::rectangle(const Panel& b, const Colour& fill, double opacity) {
+void Canvas::rectangle(const Panel& b, const io::Colour& fill, double opacity) {
   cairo_t* c = state_->context.get();
   cairo_rectangle(c, b.x, b.y, b.width, b.height);
   ink(c, fill, opacity);
@@ -95,7 +95,7 @@ void Canvas::frame(const Panel& b, const Pen& pen) {
   line(corners, pen);
 }
 
-void Canvas::disc(const Vec2& centre, double radius, const Colour& fill) {
+void Canvas::disc(const Vec2& centre, double radius, const io::Colour& fill) {
   cairo_t* c = state_->context.get();
   cairo_new_path(c);
   cairo_arc(c, centre[0], centre[1], radius, 0, 2 * std::numbers::pi);
@@ -136,7 +136,7 @@ void Canvas::text(const Vec2& at, const std::string& words, const Lettering& let
   check(cairo_status(c));
 }
 
-void Canvas::raster(const Picture& picture, const Panel& box, bool blended) {
+void Canvas::raster(const io::Picture& picture, const Panel& box, bool blended) {
   if (picture.width <= 0 || picture.height <= 0) return;
   cairo_t* c = state_->context.get();
   const Surface2d image(cairo_image_surface_create(CAIRO_FORMAT_RGB24, picture.width, picture.height));
@@ -145,7 +145,7 @@ void Canvas::raster(const Picture& picture, const Panel& box, bool blended) {
   const int stride = cairo_image_surface_get_stride(image.get());
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
-      const Colour& p = picture(x, y);
+      const io::Colour& p = picture(x, y);
       const std::uint32_t word = (std::uint32_t{p[0]} << 16) | (std::uint32_t{p[1]} << 8) | p[2];
       std::memcpy(bytes + static_cast<std::ptrdiff_t>(y) * stride + 4 * static_cast<std::ptrdiff_t>(x), &word, 4);
     }
@@ -170,7 +170,7 @@ void Canvas::clip(const Panel& box) {
 
 void Canvas::unclip() { cairo_restore(state_->context.get()); }
 
-Picture Canvas::pixels(double scale) const {
+io::Picture Canvas::pixels(double scale) const {
   const int w = std::max(1, static_cast<int>(std::lround(width_ * scale)));
   const int h = std::max(1, static_cast<int>(std::lround(height_ * scale)));
   const Surface2d image(cairo_image_surface_create(CAIRO_FORMAT_RGB24, w, h));
@@ -182,7 +182,7 @@ Picture Canvas::pixels(double scale) const {
   cairo_surface_flush(image.get());
   const unsigned char* bytes = cairo_image_surface_get_data(image.get());
   const int stride = cairo_image_surface_get_stride(image.get());
-  Picture picture(w, h);
+  io::Picture picture(w, h);
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
       std::uint32_t word = 0;
@@ -219,9 +219,9 @@ DrawingFormat drawing_format_of(const std::filesystem::path& path) {
 
 void write_drawing(const Canvas& canvas, const std::filesystem::path& path, DrawingFormat format) {
   if (format == DrawingFormat::png)
-    write_png(canvas.pixels(2), path);
+    io::write_png(canvas.pixels(2), path);
   else
-    write_file(path, canvas.svg());
+    io::write_file(path, canvas.svg());
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

@@ -8,7 +8,7 @@
 #include "dynasurf/core/contour.hpp"
 #include "dynasurf/io/png.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 
 /// A rectangle of a drawing, in points from the upper left corner; y runs downwards.
 struct Panel {
@@ -19,7 +19,7 @@ struct Panel {
 };
 
 struct Pen {
-  Colour colour{0, 0, 0};
+  io::Colour colour{0, 0, 0};
   double width = 1;
   double opacity = 1;
 };
@@ -28,7 +28,7 @@ enum class Anchor { start, middle, end };
 struct Lettering {
   double size = 11;
   Anchor anchor = Anchor::start;
-  Colour colour{34, 34, 34};
+  io::Colour colour{34, 34, 34};
   bool bold = false;
   bool upwards = false;  // turned to the left by a quarter
 };
@@ -46,23 +46,23 @@ class Canvas {
   double height() const { return height_; }
 
   void line(std::span<const Vec2> points, const Pen& pen);
-  void polygon(std::span<const Vec2> points, const Colour& fill, double opacity = 1);
-  void rectangle(const Panel& box, const Colour& fill, double opacity = 1);
+  void polygon(std::span<const Vec2> points, const io::Colour& fill, double opacity = 1);
+  void rectangle(const Panel& box, const io::Colour& fill, double opacity = 1);
   void frame(const Panel& box, const Pen& pen);
-  void disc(const Vec2& centre, double radius, const Colour& fill);
+  void disc(const Vec2& centre, double radius, const io::Colour& fill);
   /// A line with a head at `to`; shorter than its head: the head alone, smaller.
   void arrow(const Vec2& from, const Vec2& to, const Pen& pen);
   /// `at` is on the line that the letters stand on. UTF-8.
   void text(const Vec2& at, const std::string& words, const Lettering& lettering = {});
   double width_of(const std::string& words, const Lettering& lettering) const;
   /// A picture spread over a box: its pixels as squares, or blended.
-  void raster(const Picture& picture, const Panel& box, bool blended = false);
+  void raster(const io::Picture& picture, const Panel& box, bool blended = false);
   /// What is drawn until `unclip` shows inside the box alone.
   void clip(const Panel& box);
   void unclip();
 
   /// The drawing as pixels, `scale` of them to a point.
-  Picture pixels(double scale = 1) const;
+  io::Picture pixels(double scale = 1) const;
   /// The drawing as the text of an SVG file.
   std::string svg() const;
 
@@ -78,4 +78,4 @@ DrawingFormat drawing_format_of(const std::filesystem::path& path);
 /// Writes PNG, two pixels to a point, or SVG. The file appears whole or not at all. Throws IoError.
 void write_drawing(const Canvas& canvas, const std::filesystem::path& path, DrawingFormat format);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

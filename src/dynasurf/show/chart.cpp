@@ -7,7 +7,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/show/palette.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 
 Interval interval_of(std::span<const double> values) {
   bool any = false;
@@ -90,9 +90,9 @@ void draw_legend_row(Canvas& canvas, const Vec2& at, std::span<const LegendEntry
 }
 
 void draw_colour_bar(Canvas& canvas, const Panel& box, const Interval& values, const std::string& label,
-                     const std::function<Colour(double)>& colour) {
+                     const std::function<io::Colour(double)>& colour) {
   constexpr int steps = 64;
-  Picture bar(1, steps);
+  io::Picture bar(1, steps);
   for (int n = 0; n < steps; ++n) bar(0, n) = colour(1 - (n + 0.5) / steps);
   canvas.raster(bar, box, true);
   canvas.frame(box, {ink_of::text, 0.6});
@@ -105,4 +105,4 @@ void draw_colour_bar(Canvas& canvas, const Panel& box, const Interval& values, c
   canvas.text({box.right() + 40, box.y + box.height / 2}, label, {10, Anchor::middle, ink_of::text, false, true});
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

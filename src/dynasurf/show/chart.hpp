@@ -6,7 +6,7 @@
 
 #include "dynasurf/show/canvas.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 
 struct Interval {
   double low = 0, high = 1;
@@ -36,7 +36,7 @@ void plot(Canvas& canvas, const Axes& axes, std::span<const Vec2> points, const 
 
 struct LegendEntry {
   std::string words;
-  Colour colour;
+  io::Colour colour;
 };
 /// Entries one below the other, from `at` on.
 void draw_legend(Canvas& canvas, const Vec2& at, std::span<const LegendEntry> entries);
@@ -44,6 +44,6 @@ void draw_legend(Canvas& canvas, const Vec2& at, std::span<const LegendEntry> en
 void draw_legend_row(Canvas& canvas, const Vec2& at, std::span<const LegendEntry> entries);
 /// An upright scale of colours with its ends and its label at the right.
 void draw_colour_bar(Canvas& canvas, const Panel& box, const Interval& values, const std::string& label,
-                     const std::function<Colour(double)>& colour);
+                     const std::function<io::Colour(double)>& colour);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

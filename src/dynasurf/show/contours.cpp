@@ -6,7 +6,7 @@
 #include "dynasurf/show/pictures.hpp"
 #include "dynasurf/show/plane.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 namespace {
 
 std::vector<Vec2> drawn(const SliceMap& map, const Contour& contour) {
@@ -46,7 +46,7 @@ Canvas draw_contours(const ContourView& view) {
       const Vec2 at = map.at(p[0], p[1]);
       canvas.disc(at, 2.2, contour == &view.start ? ink_of::light : ink_of::epi);
       if (view.field == nullptr) continue;
-      const Vec2 pull = 2 * force_at(*view.field, p);  // the strongest is two pixels long
+      const Vec2 pull = 2 * dynamics::force_at(*view.field, p);  // the strongest is two pixels long
       canvas.arrow(at, map.at(p[0] + pull[0], p[1] + pull[1]), {ink_of::warm, 1});
     }
   canvas.unclip();
@@ -65,4 +65,4 @@ Canvas draw_contours(const ContourView& view) {
   return canvas;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

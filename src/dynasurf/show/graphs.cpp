@@ -7,7 +7,7 @@
 #include "dynasurf/show/palette.hpp"
 #include "dynasurf/show/pictures.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 namespace {
 
 constexpr Panel frame{64, 56, 640, 330};
@@ -52,7 +52,7 @@ Canvas draw_history(std::span<const std::array<int, 4>> history, const std::stri
   if (!(all > 0)) throw InputError("a history without particles");
   const Axes axes{frame, {1, std::max(2.0, static_cast<double>(history.size()))}, {0, all}, "", "step", "particles"};
   // Bands one over the other: nearer than 1, 1 to 2, 2 to 3, farther.
-  const Colour colours[] = {viridis(0.05), viridis(0.4), viridis(0.7), viridis(1)};
+  const io::Colour colours[] = {viridis(0.05), viridis(0.4), viridis(0.7), viridis(1)};
   for (int band = 3; band >= 0; --band) {
     std::vector<Vec2> area{axes.at(1, 0)};
     for (std::size_t n = 0; n < history.size(); ++n)
@@ -101,7 +101,7 @@ Canvas draw_curves(std::span<const double> time, const std::string& time_label, 
 Canvas draw_areas(const TriMesh& mesh, const std::string& title) {
   if (mesh.triangles.empty()) throw InputError("no triangle to draw");
   std::vector<double> area, d, shape;
-  std::vector<Colour> colours;
+  std::vector<io::Colour> colours;
   for (const auto& t : mesh.triangles) {
     const Vec3 a = mesh.vertices[t[1]] - mesh.vertices[t[0]], b = mesh.vertices[t[2]] - mesh.vertices[t[1]],
                c = mesh.vertices[t[0]] - mesh.vertices[t[2]];
@@ -114,7 +114,7 @@ Canvas draw_areas(const TriMesh& mesh, const std::string& title) {
   }
   Canvas canvas(1180, 620);
   canvas.text({24, 26}, title, {14, Anchor::start, ink_of::text, true});
-  const auto graph = [&](double y, const std::vector<double>& values, const Colour& colour, const std::string& name,
+  const auto graph = [&](double y, const std::vector<double>& values, const io::Colour& colour, const std::string& name,
                          const std::string& label) {
     const Axes axes{{64, y, 560, 210},
                     {0, static_cast<double>(values.size())},
@@ -135,4 +135,4 @@ Canvas draw_areas(const TriMesh& mesh, const std::string& title) {
   return canvas;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

@@ -16,14 +16,14 @@
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-constexpr Border walls[] = {Border::endo, Border::epi};
+constexpr ventricle::Border walls[] = {ventricle::Border::endo, ventricle::Border::epi};
 
 void check_gate(int gate, std::size_t gates) {
   if (gate < 1 || static_cast<std::size_t>(gate) > gates)
@@ -33,7 +33,7 @@ void check_gate(int gate, std::size_t gates) {
 std::string gate_name(std::size_t gate) { return (gate < 9 ? "g0" : "g") + std::to_string(gate + 1); }
 
 Image image_in(const fs::path& file) {
-  Study study = read_study(file);
+  Study study = io::read_study(file);
   if (study.gates.size() != 1) throw InputError(file.string() + ": expected one volume");
   return std::move(study.gates[0]);
 }
@@ -44,7 +44,7 @@ std::vector<std::array<int, 4>> histories_in(const fs::path& file) {
   constexpr std::uintmax_t most_bytes = 60 * most;
   if (!fs::is_regular_file(file) || fs::file_size(file) > most_bytes)
     throw InputError(file.string() + ": expected a file of at most a million lines");
-  TextInput in(text_of_file(file));
+  TextInput in(io::text_of_file(file));
   std::vector<std::array<int, 4>> histories;
   std::string line;
   std::getline(in, line);
@@ -59,7 +59,7 @@ std::vector<std::array<int, 4>> histories_in(const fs::path& file) {
   return histories;
 }
 
-std::optional<ShownWall> take(const WallStages& stages) {
+std::optional<ShownWall> take(const ventricle::WallStages& stages) {
   if (stages.border == nullptr) return std::nullopt;
   ShownWall wall{*stages.border, stages.edge_map != nullptr ? *stages.edge_map : *stages.border, {}, {}, {}};
   if (stages.start != nullptr) wall.start = *stages.start;
@@ -69,7 +69,7 @@ std::optional<ShownWall> take(const WallStages& stages) {
 
 /// A mesh of a stage, in the frame of a grid. Throws InputError for one that lies far from it.
 TriMesh mesh_near(const fs::path& file, const Grid& grid) {
-  TriMesh mesh = to_grid(grid, read_mesh(file));
+  TriMesh mesh = to_grid(grid, io::read_mesh(file));
   const Vec3 middle = 0.5 * centre_of(grid, grid.dims);
   const double reach = 100 * (1 + middle.norm());
   for (const Vec3& p : mesh.vertices)
@@ -77,9 +77,11 @@ TriMesh mesh_near(const fs::path& file, const Grid& grid) {
   return mesh;
 }
 
-std::optional<ShownWall> wall_in(const fs::path& folder, const std::string& prefix, Border which) {
-  const std::string ending = "_" + std::string(name_of(which));
-  const auto file = [&](const std::string& name) { return file_inside(folder, fs::path("stages") / (prefix + name)); };
+std::optional<ShownWall> wall_in(const fs::path& folder, const std::string& prefix, ventricle::Border which) {
+  const std::string ending = "_" + std::string(ventricle::name_of(which));
+  const auto file = [&](const std::string& name) {
+    return io::file_inside(folder, fs::path("stages") / (prefix + name));
+  };
   const fs::path border = file("_border" + ending + ".nrrd"), map = file("_edge_map" + ending + ".nrrd"),
                  start = file("_start" + ending + ".ply"), evolved = file("_evolved" + ending + ".ply"),
                  history = file("_history" + ending + ".csv");
@@ -97,50 +99,50 @@ std::optional<ShownWall> wall_in(const fs::path& folder, const std::string& pref
 }
 
 /// The schema of the result, and its gates.
-JsonNode gates_in(const JsonNode& results) {
-  if (text_in(results, "schema") != "dynasurf.ventricle/3")
+io::JsonNode gates_in(const io::JsonNode& results) {
+  if (io::text_in(results, "schema") != "dynasurf.ventricle/3")
     throw InputError(results.file + ": expected a result of dynasurf ventricle (schema dynasurf.ventricle/3)");
-  return list_in(results, "gates");
+  return io::list_in(results, "gates");
 }
 
-std::optional<TriMesh> surface_in(const fs::path& folder, std::size_t gate, Border wall) {
-  const std::string name = std::string(name_of(wall)) + "_" + gate_name(gate);
+std::optional<TriMesh> surface_in(const fs::path& folder, std::size_t gate, ventricle::Border wall) {
+  const std::string name = std::string(ventricle::name_of(wall)) + "_" + gate_name(gate);
   for (const char* ending : {".ply", ".obj", ".off", ".stl"})
-    if (const fs::path path = file_inside(folder, fs::path("meshes") / (name + ending)); fs::exists(path))
-      return read_mesh(path);
+    if (const fs::path path = io::file_inside(folder, fs::path("meshes") / (name + ending)); fs::exists(path))
+      return io::read_mesh(path);
   return std::nullopt;
 }
 
 }  // namespace
 
 ShownGate gate_of_result(const fs::path& folder, int gate) {
-  const fs::path file = file_inside(folder, "results.json");
-  const Json json = read_json(file);
-  const JsonNode results = root_of(json, file.string());
-  check_gate(gate, size_of(gates_in(results)));
+  const fs::path file = io::file_inside(folder, "results.json");
+  const Json json = io::read_json(file);
+  const io::JsonNode results = io::root_of(json, file.string());
+  check_gate(gate, io::size_of(gates_in(results)));
   const std::string prefix = gate_name(static_cast<std::size_t>(gate - 1));
-  const fs::path image = file_inside(folder, fs::path("stages") / (prefix + "_image.nrrd"));
+  const fs::path image = io::file_inside(folder, fs::path("stages") / (prefix + "_image.nrrd"));
   if (!fs::exists(image))
     throw InputError(image.string() + ": is not there; expected a result of dynasurf ventricle --keep-stages");
   ShownGate shown;
   shown.gate = gate - 1;
   try {
-    options_from_json(*object_in(object_in(results, "provenance"), "options").json, shown.options);
+    io::options_from_json(*io::object_in(io::object_in(results, "provenance"), "options").json, shown.options);
   } catch (const OptionError& error) {
     throw InputError(file.string() + ": " + error.what());
   }
   shown.image = image_in(image);
-  shown.labels = image_in(file_inside(folder, fs::path("stages") / (prefix + "_labels.nrrd")));
-  shown.endo = wall_in(folder, prefix, Border::endo);
-  shown.epi = wall_in(folder, prefix, Border::epi);
+  shown.labels = image_in(io::file_inside(folder, fs::path("stages") / (prefix + "_labels.nrrd")));
+  shown.endo = wall_in(folder, prefix, ventricle::Border::endo);
+  shown.epi = wall_in(folder, prefix, ventricle::Border::epi);
   return shown;
 }
 
-ShownGate gate_of_study(const Study& study, VentricleOptions options, int gate, const Progress& progress) {
+ShownGate gate_of_study(const Study& study, ventricle::VentricleOptions options, int gate, const Progress& progress) {
   check_gate(gate, study.gates.size());
   options.fit.run = false;
   ShownGate shown;
-  const auto keep = [&](const Intermediates& stages) {
+  const auto keep = [&](const ventricle::Intermediates& stages) {
     if (stages.gate != gate - 1) return;
     shown.image = *stages.image;
     shown.labels = Image(stages.labels->borders.grid);
@@ -148,41 +150,41 @@ ShownGate gate_of_study(const Study& study, VentricleOptions options, int gate, 
     shown.endo = take(stages.endo);
     shown.epi = take(stages.epi);
   };
-  reconstruct(study, options, progress, keep);
+  ventricle::reconstruct(study, options, progress, keep);
   shown.gate = gate - 1;
   shown.options = std::move(options);
   return shown;
 }
 
 ShownBeat beat_of_result(const fs::path& folder) {
-  const fs::path file = file_inside(folder, "results.json");
-  const Json json = read_json(file);
-  const JsonNode results = root_of(json, file.string());
-  const JsonNode gates = gates_in(results);
+  const fs::path file = io::file_inside(folder, "results.json");
+  const Json json = io::read_json(file);
+  const io::JsonNode results = io::root_of(json, file.string());
+  const io::JsonNode gates = gates_in(results);
   ShownBeat beat;
-  for (std::size_t g = 0; g < size_of(gates); ++g) {
-    const JsonNode gate = object_of(gates, g);
-    if (has(gate, "time_ms")) beat.time_ms.push_back(number_in(gate, "time_ms"));
+  for (std::size_t g = 0; g < io::size_of(gates); ++g) {
+    const io::JsonNode gate = io::object_of(gates, g);
+    if (io::has(gate, "time_ms")) beat.time_ms.push_back(io::number_in(gate, "time_ms"));
     for (std::size_t w = 0; w < 2; ++w) {
-      const std::string key = std::string(name_of(walls[w])) + "_ml";
+      const std::string key = std::string(ventricle::name_of(walls[w])) + "_ml";
       beat.surfaces[w].push_back(surface_in(folder, g, walls[w]));
-      beat.volume_ml[w].push_back(has(gate, key) ? number_in(gate, key) : nothing);
+      beat.volume_ml[w].push_back(io::has(gate, key) ? io::number_in(gate, key) : nothing);
       double half = nothing;
-      if (has(gate, key + "_90"))
-        if (const std::vector<double> ends = numbers_in(gate, key + "_90"); ends.size() == 2)
+      if (io::has(gate, key + "_90"))
+        if (const std::vector<double> ends = io::numbers_in(gate, key + "_90"); ends.size() == 2)
           half = (ends[1] - ends[0]) / 2;
       beat.half_width_ml[w].push_back(half);
     }
   }
-  if (beat.time_ms.size() != size_of(gates)) beat.time_ms.clear();
+  if (beat.time_ms.size() != io::size_of(gates)) beat.time_ms.clear();
   return beat;
 }
 
-ShownBeat beat_of_study(const Study& study, const VentricleOptions& options, const Progress& progress) {
-  VentricleResult result = reconstruct(study, options, progress);
+ShownBeat beat_of_study(const Study& study, const ventricle::VentricleOptions& options, const Progress& progress) {
+  ventricle::VentricleResult result = ventricle::reconstruct(study, options, progress);
   ShownBeat beat;
   beat.time_ms = result.study.time_ms;
-  for (Gate& gate : result.gates)
+  for (ventricle::Gate& gate : result.gates)
     for (std::size_t w = 0; w < 2; ++w) {
       const auto& surface = gate.surfaces.of(walls[w]);
       beat.surfaces[w].push_back(surface ? std::optional(surface->mesh) : std::nullopt);
@@ -193,4 +195,4 @@ ShownBeat beat_of_study(const Study& study, const VentricleOptions& options, con
   return beat;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

@@ -8,7 +8,7 @@
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 
 /// One wall of one gate on its way from a border to a surface, in the frame of the border's grid.
 struct ShownWall {
@@ -25,8 +25,10 @@ struct ShownGate {
   Image image;
   Image labels;  // bits as in Labels, as numbers
   std::optional<ShownWall> endo, epi;
-  VentricleOptions options;
-  const std::optional<ShownWall>& of(Border wall) const { return wall == Border::endo ? endo : epi; }
+  ventricle::VentricleOptions options;
+  const std::optional<ShownWall>& of(ventricle::Border wall) const {
+    return wall == ventricle::Border::endo ? endo : epi;
+  }
 };
 
 /// Surfaces (world frame) and volumes of every gate. What is absent is empty or not finite.
@@ -40,9 +42,9 @@ struct ShownBeat {
 /// whole, OptionError for a gate that the result has not.
 ShownGate gate_of_result(const std::filesystem::path& folder, int gate);
 /// From a study, by the pipeline itself without the fit. Throws as `reconstruct`.
-ShownGate gate_of_study(const Study& study, VentricleOptions options, int gate, const Progress& progress);
+ShownGate gate_of_study(const Study& study, ventricle::VentricleOptions options, int gate, const Progress& progress);
 
 ShownBeat beat_of_result(const std::filesystem::path& folder);
-ShownBeat beat_of_study(const Study& study, const VentricleOptions& options, const Progress& progress);
+ShownBeat beat_of_study(const Study& study, const ventricle::VentricleOptions& options, const Progress& progress);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

@@ -13,7 +13,7 @@
 #include "dynasurf/show/canvas.hpp"
 #include "dynasurf/show/scene.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 
 // The pictures of the thesis (VIS-*), each from plain data. Slices are drawn as stored: columns to the right, rows
 // downwards; they are counted from 1 at the apex in what is written, from 0 in the arguments.
@@ -22,7 +22,7 @@ namespace dynasurf {
 struct NamedSurface {
   std::string name;
   TriMesh mesh;
-  Colour colour;
+  io::Colour colour;
 };
 
 /// VIS-SLICEVIEW: the vectors of a slice and the image under them, both with the line along a row of voxels; beside
@@ -30,7 +30,7 @@ struct NamedSurface {
 /// mark at each change of sign from + to -: there vectors from both sides meet. The image lies on the field's grid.
 struct SliceView {
   const Image* image = nullptr;
-  const VectorField* field = nullptr;
+  const field::VectorField* field = nullptr;
   int slice = 0, row = 0;
   int slice_number = 1;           // as it is written
   const Image* border = nullptr;  // where it is given, its surroundings alone are shown
@@ -43,20 +43,20 @@ Canvas draw_slice_view(const SliceView& view);
 /// row. All fields lie on one grid; `across` of them stand side by side.
 struct NamedField {
   std::string name;
-  VectorField field;
+  field::VectorField field;
 };
 Canvas draw_field_grid(std::span<const NamedField> fields, int across, int slice, int row, const std::string& title,
                        const Image* border = nullptr);
 
 /// VIS-GVF3D: the voxels of a border, vectors of the field as short lines, and lines that follow it, both coloured by
 /// its length.
-Canvas draw_field_3d(const VectorField& field, const Image& border, const std::string& title);
+Canvas draw_field_3d(const field::VectorField& field, const Image& border, const std::string& title);
 
 /// VIS-VOX3D: voxels in space. `values` above 0 are drawn: each in the colour of its set.
 struct NamedVoxels {
   std::string name;
   Image values;
-  Colour colour;
+  io::Colour colour;
   double opacity = 1;
 };
 Canvas draw_voxels(std::span<const NamedVoxels> sets, const std::string& title);
@@ -95,7 +95,7 @@ Canvas draw_areas(const TriMesh& mesh, const std::string& title);
 struct NamedCurve {
   std::string name;
   std::vector<double> value, half_width;
-  Colour colour;
+  io::Colour colour;
 };
 Canvas draw_curves(std::span<const double> time, const std::string& time_label, std::span<const NamedCurve> curves,
                    const std::string& title);
@@ -109,10 +109,10 @@ struct ContourView {
   const Image* image = nullptr;
   int slice = 0;
   Contour start, found;
-  const VectorField* field = nullptr;                                          // of the plane, px
-  std::vector<std::pair<Colour, std::vector<std::optional<Contour>>>> stacks;  // per wall: px per slice
+  const field::VectorField* field = nullptr;                                       // of the plane, px
+  std::vector<std::pair<io::Colour, std::vector<std::optional<Contour>>>> stacks;  // per wall: px per slice
   std::string title;
 };
 Canvas draw_contours(const ContourView& view);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

@@ -6,7 +6,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/show/palette.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 
 Cutout window_around(const Image& values, int margin) {
   const Grid& g = values.grid;
@@ -34,13 +34,13 @@ SliceMap map_of(const Grid& grid, const Cutout& window, const Panel& box) {
 
 void draw_slice(Canvas& canvas, const SliceMap& map, const Image& image, int k, double most) {
   const Cutout& w = map.window;
-  Picture picture(w.columns, w.rows);
+  io::Picture picture(w.columns, w.rows);
   for (int j = 0; j < w.rows; ++j)
     for (int i = 0; i < w.columns; ++i) picture(i, j) = grey(most > 0 ? image.clamped(w.i + i, w.j + j, k) / most : 0);
   canvas.raster(picture, map.box);
 }
 
-double longest_in(const VectorField& field, const Cutout& w, int k) {
+double longest_in(const field::VectorField& field, const Cutout& w, int k) {
   double most = 0;
   for (int j = w.j; j < w.j + w.rows; ++j)
     for (int i = w.i; i < w.i + w.columns; ++i) {
@@ -50,7 +50,7 @@ double longest_in(const VectorField& field, const Cutout& w, int k) {
   return std::max(most, 1e-12);
 }
 
-void draw_vectors(Canvas& canvas, const SliceMap& map, const VectorField& field, int k, double longest) {
+void draw_vectors(Canvas& canvas, const SliceMap& map, const field::VectorField& field, int k, double longest) {
   const Cutout& w = map.window;
   canvas.rectangle(map.box, {250, 250, 250});
   canvas.clip(map.box);
@@ -68,4 +68,4 @@ void draw_vectors(Canvas& canvas, const SliceMap& map, const VectorField& field,
   canvas.frame(map.box, {ink_of::text, 0.6});
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

@@ -2,7 +2,7 @@
 #include "dynasurf/field/vector_field.hpp"
 #include "dynasurf/show/chart.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 
 /// The part of a slice that is shown, voxels.
 struct Cutout {
@@ -28,8 +28,8 @@ SliceMap map_of(const Grid& grid, const Cutout& window, const Panel& box);
 void draw_slice(Canvas& canvas, const SliceMap& map, const Image& image, int k, double most);
 /// An arrow for every voxel, its colour by the vector's length: yellow at `longest`. Those below a thousandth of it are
 /// left out.
-void draw_vectors(Canvas& canvas, const SliceMap& map, const VectorField& field, int k, double longest);
+void draw_vectors(Canvas& canvas, const SliceMap& map, const field::VectorField& field, int k, double longest);
 /// The largest length in a window of slice k; 1e-12 at least.
-double longest_in(const VectorField& field, const Cutout& window, int k);
+double longest_in(const field::VectorField& field, const Cutout& window, int k);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

@@ -9,7 +9,7 @@
 #include "dynasurf/show/chart.hpp"
 #include "dynasurf/show/palette.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 namespace {
 
 /// Rows: to the right, upwards, away from the observer.
@@ -44,7 +44,7 @@ void draw_length(Canvas& canvas, const Panel& box, double mm_per_point) {
 
 }  // namespace
 
-void Scene3d::add(const TriMesh& mesh, const Colour& colour, double opacity, Look look) {
+void Scene3d::add(const TriMesh& mesh, const io::Colour& colour, double opacity, Look look) {
   for (const auto& t : mesh.triangles)
     pieces_.push_back({{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]},
                        colour,
@@ -55,7 +55,7 @@ void Scene3d::add(const TriMesh& mesh, const Colour& colour, double opacity, Loo
                        look != Look::wires});
 }
 
-void Scene3d::add(const TriMesh& mesh, std::span<const Colour> colours) {
+void Scene3d::add(const TriMesh& mesh, std::span<const io::Colour> colours) {
   for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
     const auto& t = mesh.triangles[n];
     pieces_.push_back(
@@ -63,8 +63,8 @@ void Scene3d::add(const TriMesh& mesh, std::span<const Colour> colours) {
   }
 }
 
-void Scene3d::add_voxels(const Image& image, const std::function<std::optional<Colour>(float)>& colour, double opacity,
-                         bool in_world) {
+void Scene3d::add_voxels(const Image& image, const std::function<std::optional<io::Colour>(float)>& colour,
+                         double opacity, bool in_world) {
   const Grid& g = image.grid;
   for (int k = 0; k < g.dims[2]; ++k)
     for (int j = 0; j < g.dims[1]; ++j)
@@ -89,11 +89,11 @@ void Scene3d::add_voxels(const Image& image, const std::function<std::optional<C
       }
 }
 
-void Scene3d::add_line(std::span<const Vec3> points, const Colour& colour, double width) {
+void Scene3d::add_line(std::span<const Vec3> points, const io::Colour& colour, double width) {
   for (std::size_t n = 1; n < points.size(); ++n) pieces_.push_back({{points[n - 1], points[n]}, colour, 1, width});
 }
 
-void Scene3d::add_point(const Vec3& at, const Colour& colour, double radius) {
+void Scene3d::add_point(const Vec3& at, const io::Colour& colour, double radius) {
   pieces_.push_back({{at}, colour, 1, radius});
 }
 
@@ -141,7 +141,7 @@ double Scene3d::draw(Canvas& canvas, const Panel& box, const Outlook& outlook, d
       canvas.line(flat, {piece.colour, piece.size});
       continue;
     }
-    const Colour shade = piece.shaded ? lit(piece.colour, brightness_of(seen[n])) : piece.colour;
+    const io::Colour shade = piece.shaded ? lit(piece.colour, brightness_of(seen[n])) : piece.colour;
     if (piece.filled) {
       canvas.polygon(flat, shade, piece.opacity);
       flat.push_back(flat.front());
@@ -157,4 +157,4 @@ double Scene3d::draw(Canvas& canvas, const Panel& box, const Outlook& outlook, d
   return scale;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

@@ -8,7 +8,7 @@
 #include "dynasurf/core/volume.hpp"
 #include "dynasurf/show/canvas.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 
 /// From where a scene is seen, parallel rays: turned about the upright axis and then tipped, in degrees. At 0, 0 the
 /// observer looks along +y: x runs to the right, z upwards.
@@ -21,14 +21,14 @@ class Scene3d {
  public:
   enum class Look { shaded, wires, both };
 
-  void add(const TriMesh& mesh, const Colour& colour, double opacity = 1, Look look = Look::shaded);
+  void add(const TriMesh& mesh, const io::Colour& colour, double opacity = 1, Look look = Look::shaded);
   /// A colour for every triangle.
-  void add(const TriMesh& mesh, std::span<const Colour> colours);
+  void add(const TriMesh& mesh, std::span<const io::Colour> colours);
   /// The outer faces of the voxels that have a colour, placed in the world or in the grid frame.
-  void add_voxels(const Image& image, const std::function<std::optional<Colour>(float)>& colour, double opacity = 1,
+  void add_voxels(const Image& image, const std::function<std::optional<io::Colour>(float)>& colour, double opacity = 1,
                   bool in_world = false);
-  void add_line(std::span<const Vec3> points, const Colour& colour, double width = 1);
-  void add_point(const Vec3& at, const Colour& colour, double radius = 2);
+  void add_line(std::span<const Vec3> points, const io::Colour& colour, double width = 1);
+  void add_point(const Vec3& at, const io::Colour& colour, double radius = 2);
 
   bool empty() const { return pieces_.empty(); }
   /// Everything fitted into the box, with a scale of a round number of mm in its lower left corner. `mm_per_point`,
@@ -40,11 +40,11 @@ class Scene3d {
  private:
   struct Piece {
     std::vector<Vec3> points;  // 1: a point; 2: a line; else a face
-    Colour colour;
+    io::Colour colour;
     double opacity = 1, size = 0;  // size: width of a line or radius of a point
     bool shaded = false, outlined = false, filled = true;
   };
   std::vector<Piece> pieces_;
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

@@ -21,15 +21,15 @@
 #include "dynasurf/ventricle/closure.hpp"
 #include "dynasurf/ventricle/contour_pipeline.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Border walls[] = {Border::endo, Border::epi};
+constexpr ventricle::Border walls[] = {ventricle::Border::endo, ventricle::Border::epi};
 
-Colour colour_of(Border wall) { return wall == Border::endo ? ink_of::endo : ink_of::epi; }
-std::string word_for(Border wall) { return wall == Border::endo ? "inner wall" : "outer wall"; }
+io::Colour colour_of(ventricle::Border wall) { return wall == ventricle::Border::endo ? ink_of::endo : ink_of::epi; }
+std::string word_for(ventricle::Border wall) { return wall == ventricle::Border::endo ? "inner wall" : "outer wall"; }
 
 /// One request with what was read for it.
 class Show {
@@ -39,8 +39,8 @@ class Show {
   Canvas slice() const {
     const ShownGate gate = read_gate();
     const ShownWall& wall = wall_of(gate);
-    const VectorField field = field_of(wall, gate.options);
-    const Image image = spread_to(gate.image, wall.border.grid);
+    const field::VectorField field = field_of(wall, gate.options);
+    const Image image = ventricle::spread_to(gate.image, wall.border.grid);
     const Place at = place_in(gate, wall);
     SliceView view{&image, &field, at.slice, at.row, at.slice_number, &wall.border, "", {}};
     view.title = "Field and image, " + where(at) + ", " + word_for(r_.wall);
@@ -54,9 +54,9 @@ class Show {
     std::vector<NamedField> fields;
     for (const int iterations : {50, 150})
       for (const double mu : {0.15, 0.5, 2.0}) {
-        Gvf options{.mu = mu, .iterations = iterations};
+        field::Gvf options{.mu = mu, .iterations = iterations};
         fields.push_back({"mu " + number_text(mu) + ", " + std::to_string(iterations) + " iterations",
-                          flow_field(wall.map, options, progress_).field});
+                          field::flow_field(wall.map, options, progress_).field});
       }
     const Place at = place_in(gate, wall);
     return draw_field_grid(fields, 3, at.slice, at.row,
@@ -75,10 +75,10 @@ class Show {
   Canvas voxels() const {
     const ShownGate gate = read_gate();
     std::vector<NamedVoxels> sets;
-    for (const Border wall : walls)
+    for (const ventricle::Border wall : walls)
       if (gate.of(wall))
         sets.push_back({"border of the " + word_for(wall), gate.of(wall)->border, colour_of(wall),
-                        wall == Border::endo ? 1.0 : 0.2});
+                        wall == ventricle::Border::endo ? 1.0 : 0.2});
     return draw_voxels(sets, "Borders of gate " + std::to_string(r_.gate));
   }
 
@@ -96,17 +96,17 @@ class Show {
   Canvas damping() const {
     const ShownGate gate = read_gate();
     const ShownWall& wall = wall_of(gate);
-    const Evolution& evolution = gate.options.evolution;
-    const VectorField field = field_of(wall, gate.options);
-    std::optional<Image> map = drag_map(evolution.damping, field, wall.border, evolution.force.drag);
+    const dynamics::Evolution& evolution = gate.options.evolution;
+    const field::VectorField field = field_of(wall, gate.options);
+    std::optional<Image> map = dynamics::drag_map(evolution.damping, field, wall.border, evolution.force.drag);
     const std::string which = map ? "as the run had it" : "near the border (the run's own is the same everywhere)";
-    if (!map) map = drag_near_border(wall.border, evolution.force.drag);
+    if (!map) map = dynamics::drag_near_border(wall.border, evolution.force.drag);
     return draw_voxel_map(*map, "Drag of each voxel, " + which, "drag, kg/s");
   }
 
   Canvas mesh() const {
     if (is_mesh()) {
-      const NamedSurface surface{"surface", read_mesh(r_.input), ink_of::endo};
+      const NamedSurface surface{"surface", io::read_mesh(r_.input), ink_of::endo};
       return draw_mesh({&surface, 1}, {}, r_.input.filename().string());
     }
     const std::vector<NamedSurface> surfaces = surfaces_of(read_beat());
@@ -158,7 +158,7 @@ class Show {
   Canvas evolution() const {
     const ShownGate gate = read_gate();
     const ShownWall& wall = wall_of(gate);
-    VentricleOptions options = gate.options;
+    ventricle::VentricleOptions options = gate.options;
     options.evolution.smooth_after.sweeps = 0;  // who has stopped lies where it is found at the end
     const Run run = run_again(wall, options, {});
     std::vector<int> steps = r_.steps;
@@ -174,14 +174,14 @@ class Show {
         frame.stopped[v] = run.result.stopped[v] != 0 && (frame.mesh.vertices[v] - last[v]).norm() < 1e-9;
     return draw_evolution(frames, wall.border,
                           "The surface on its way, " + word_for(r_.wall) + ", gate " + std::to_string(r_.gate) + ": " +
-                              std::string(name_of(run.result.reason)) + " after " + std::to_string(run.result.steps) +
-                              " steps");
+                              std::string(dynamics::name_of(run.result.reason)) + " after " +
+                              std::to_string(run.result.steps) + " steps");
   }
 
   Canvas scatter() const {
     const ShownGate gate = read_gate();
     const ShownWall& wall = wall_of(gate);
-    return draw_scatter(signed_distances_to_border_voxels(wall.evolved, wall.border),
+    return draw_scatter(mesh::signed_distances_to_border_voxels(wall.evolved, wall.border),
                         "Particles at the end, " + word_for(r_.wall) + ", gate " + std::to_string(r_.gate));
   }
 
@@ -197,21 +197,22 @@ class Show {
   Canvas smooth() const {
     const TriMesh before = one_surface();
     TriMesh after = before;
-    dynasurf::smooth(after, Smoothing{.sweeps = 20}, 2 * triangle_quality(before).d_mean);
+    dynasurf::mesh::smooth(after, mesh::Smoothing{.sweeps = 20}, 2 * mesh::triangle_quality(before).d_mean);
     return draw_smoothing(before, after, "Smoothing, 20 sweeps: angles about a vertex against a full turn");
   }
 
   Canvas contour() const {
     if (is_result() || is_mesh()) throw InputError(r_.input.string() + ": contours are drawn from a study");
-    const Study study = read_study(r_.input, r_.series);
+    const Study study = io::read_study(r_.input, r_.series);
     check_gate(study);
-    const BorderResult borders = find_borders(study, r_.options, progress_);
+    const ventricle::BorderResult borders = ventricle::find_borders(study, r_.options, progress_);
     const Image& image = borders.study.gates[static_cast<std::size_t>(r_.gate - 1)];
-    const GateBorders& gate = borders.gates[static_cast<std::size_t>(r_.gate - 1)];
-    const WallContours outer = propagate_contours(image, gate.labels, Border::epi, gate.base_slice, r_.options.contour);
-    const WallContours inner =
-        propagate_contours(image, gate.labels, Border::endo, gate.base_slice, r_.options.contour, &outer);
-    const WallContours& asked = r_.wall == Border::epi ? outer : inner;
+    const ventricle::GateBorders& gate = borders.gates[static_cast<std::size_t>(r_.gate - 1)];
+    const ventricle::WallContours outer =
+        ventricle::propagate_contours(image, gate.labels, ventricle::Border::epi, gate.base_slice, r_.options.contour);
+    const ventricle::WallContours inner = ventricle::propagate_contours(image, gate.labels, ventricle::Border::endo,
+                                                                        gate.base_slice, r_.options.contour, &outer);
+    const ventricle::WallContours& asked = r_.wall == ventricle::Border::epi ? outer : inner;
     const int k = r_.slice > 0 ? r_.slice - 1 : asked.best_slice;
     if (k < 0 || k >= image.grid.dims[2]) throw OptionError("--slice: no contour there");
     ContourView view;
@@ -220,8 +221,8 @@ class Show {
     view.start = circle_contour(Vec2(gate.labels.axis.x_at(k), gate.labels.axis.y_at(k)), gate.labels.circle.radius_px,
                                 r_.options.contour.model.edge_px);
     if (const auto& found = asked.slices[static_cast<std::size_t>(k)]) view.found = *found;
-    const VectorField pull = scaled_to_one(
-        force_of(image_potential(plane_of(image, k), {PotentialSource::gradient, r_.options.contour.sigma_px})));
+    const field::VectorField pull = dynamics::scaled_to_one(dynamics::force_of(dynamics::image_potential(
+        dynamics::plane_of(image, k), {dynamics::PotentialSource::gradient, r_.options.contour.sigma_px})));
     view.field = &pull;
     view.stacks = {{ink_of::epi, outer.slices}, {ink_of::endo, inner.slices}};
     view.title = "Discrete contour, slice " + std::to_string(k + 1) + ", " + word_for(r_.wall) + ", gate " +
@@ -235,7 +236,7 @@ class Show {
     int slice_number = 1, row_number = 1;
   };
   struct Run {
-    EvolutionResult result;
+    dynamics::EvolutionResult result;
     std::vector<EvolutionFrame> frames;
   };
 
@@ -254,13 +255,13 @@ class Show {
   ShownGate read_gate() const {
     if (is_mesh()) throw InputError(r_.input.string() + ": a mesh; expected a study or a result of dynasurf ventricle");
     if (is_result()) return gate_of_result(r_.input, r_.gate);
-    return gate_of_study(read_study(r_.input, r_.series), r_.options, r_.gate, progress_);
+    return gate_of_study(io::read_study(r_.input, r_.series), r_.options, r_.gate, progress_);
   }
 
   ShownBeat read_beat() const {
     if (is_mesh()) throw InputError(r_.input.string() + ": a mesh; expected a study or a result of dynasurf ventricle");
     if (is_result()) return beat_of_result(r_.input);
-    return beat_of_study(read_study(r_.input, r_.series), r_.options, progress_);
+    return beat_of_study(io::read_study(r_.input, r_.series), r_.options, progress_);
   }
 
   /// Of the gate, the inner one first.
@@ -277,7 +278,7 @@ class Show {
   }
 
   TriMesh one_surface() const {
-    if (is_mesh()) return read_mesh(r_.input);
+    if (is_mesh()) return io::read_mesh(r_.input);
     for (NamedSurface& surface : surfaces_of(read_beat()))
       if (surface.name == word_for(r_.wall)) return std::move(surface.mesh);
     throw InputError(r_.input.string() + ": no surface of the " + word_for(r_.wall));
@@ -289,8 +290,8 @@ class Show {
     return *wall;
   }
 
-  VectorField field_of(const ShownWall& wall, const VentricleOptions& options) const {
-    return flow_field(wall.map, options.field, progress_).field;
+  field::VectorField field_of(const ShownWall& wall, const ventricle::VentricleOptions& options) const {
+    return field::flow_field(wall.map, options.field, progress_).field;
   }
 
   std::string where(const Place& at) const {
@@ -325,7 +326,7 @@ class Show {
     return at;
   }
 
-  std::vector<std::pair<std::string, std::string>> parameters_of(const VentricleOptions& options,
+  std::vector<std::pair<std::string, std::string>> parameters_of(const ventricle::VentricleOptions& options,
                                                                  const ShownWall& wall) const {
     const Grid& g = wall.border.grid;
     std::vector<std::pair<std::string, std::string>> rows{
@@ -333,7 +334,7 @@ class Show {
         {"grid", std::to_string(g.dims[0]) + " x " + std::to_string(g.dims[1]) + " x " + std::to_string(g.dims[2])},
         {"voxel",
          number_text(g.spacing[0]) + " x " + number_text(g.spacing[1]) + " x " + number_text(g.spacing[2]) + " mm"}};
-    if (const Gvf* gvf = std::get_if<Gvf>(&options.field)) {
+    if (const field::Gvf* gvf = std::get_if<field::Gvf>(&options.field)) {
       rows.insert(rows.begin() + 1, {"mu", number_text(gvf->mu)});
       rows.insert(rows.begin() + 2, {"iterations", std::to_string(gvf->iterations)});
       rows.insert(rows.begin() + 3, {"step", "dx dy dz / (" + number_text(gvf->step_divisor) + " mu)"});
@@ -343,20 +344,20 @@ class Show {
 
   /// The motion once more, with the mesh after each of the steps. Where the border runs inside its voxels is not kept:
   /// particles that would meet it there (stop.point subvoxel) stop at the centres.
-  Run run_again(const ShownWall& wall, const VentricleOptions& options, std::span<const int> steps) const {
+  Run run_again(const ShownWall& wall, const ventricle::VentricleOptions& options, std::span<const int> steps) const {
     if (wall.start.vertices.empty())
       throw InputError(r_.input.string() +
                        ": no mesh was deformed (pipeline contour); expected pipeline surface or direct");
-    Evolution evolution = options.evolution;
+    dynamics::Evolution evolution = options.evolution;
     Run run;
     const auto keep = [&](int step, const TriMesh& mesh) {
       if (std::find(steps.begin(), steps.end(), step) != steps.end())
         run.frames.push_back({step, mesh, std::vector<bool>(mesh.vertices.size())});
     };
     keep(0, wall.start);
-    Additions own;
+    dynamics::Additions own;
     own.watch = keep;
-    run.result = evolve(wall.start, field_of(wall, options), wall.border, evolution, progress_, nullptr, own);
+    run.result = dynamics::evolve(wall.start, field_of(wall, options), wall.border, evolution, progress_, nullptr, own);
     return run;
   }
 
@@ -407,4 +408,4 @@ Canvas draw_picture(const ShowRequest& request, const Progress& progress) {
   throw OptionError("WHAT " + request.what + "; expected one of " + names);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

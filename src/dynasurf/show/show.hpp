@@ -11,7 +11,7 @@
 #include "dynasurf/show/canvas.hpp"
 #include "dynasurf/ventricle/options.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 
 /// What is to be drawn, and from what.
 struct ShowRequest {
@@ -19,10 +19,10 @@ struct ShowRequest {
   std::string what;             // a name of `pictures`
   std::string series;           // of a DICOM folder
   int gate = 1;                 // from 1
-  Border wall = Border::epi;
-  int slice = 0, row = 0;    // from 1; 0: through the middle of the wall
-  std::vector<int> steps;    // of the evolution; empty: eight, evenly spread
-  VentricleOptions options;  // for a study
+  ventricle::Border wall = ventricle::Border::epi;
+  int slice = 0, row = 0;               // from 1; 0: through the middle of the wall
+  std::vector<int> steps;               // of the evolution; empty: eight, evenly spread
+  ventricle::VentricleOptions options;  // for a study
 };
 
 /// A picture that can be asked for by name.
@@ -34,4 +34,4 @@ std::span<const PictureKind> picture_kinds();
 /// Throws OptionError for a name that is none, InputError where the input does not hold what the picture needs.
 Canvas draw_picture(const ShowRequest& request, const Progress& progress = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

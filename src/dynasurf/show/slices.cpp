@@ -7,7 +7,7 @@
 #include "dynasurf/show/pictures.hpp"
 #include "dynasurf/show/plane.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 namespace {
 
 /// What a field has along a row of a slice.
@@ -16,7 +16,7 @@ struct Profile {
   std::vector<double> meetings;            // where `along` changes from + to -, mm
 };
 
-Profile profile_of(const VectorField& field, const Image* image, const Cutout& w, int row, int k) {
+Profile profile_of(const field::VectorField& field, const Image* image, const Cutout& w, int row, int k) {
   Profile p;
   const double step = field.grid.spacing[0];
   for (int i = w.i; i < w.i + w.columns; ++i) {
@@ -136,7 +136,7 @@ Canvas draw_field_grid(std::span<const NamedField> fields, int across, int slice
   const Grid& g = fields[0].field.grid;
   const Cutout shown = shown_of(g, border, row);
   for (std::size_t n = 0; n < fields.size(); ++n) {
-    const VectorField& field = fields[n].field;
+    const field::VectorField& field = fields[n].field;
     const double x = 56 + static_cast<double>(n % static_cast<std::size_t>(across)) * (side + gap_x);
     const double y = head + static_cast<double>(n / static_cast<std::size_t>(across)) * (side + graph + gap_y);
     canvas.text({x, y - 6}, fields[n].name, {11, Anchor::start, ink_of::text, true});
@@ -171,7 +171,7 @@ Canvas draw_sections_of(const Image& image, std::span<const NamedSurface> surfac
   std::vector<int> met;
   for (int k = 0; k < g.dims[2]; ++k)
     if (std::any_of(in_grid.begin(), in_grid.end(), [&](const TriMesh& mesh) {
-          return !cross_section(mesh, Vec3(0, 0, k * g.spacing[2]), Vec3(0, 0, 1)).empty();
+          return !mesh::cross_section(mesh, Vec3(0, 0, k * g.spacing[2]), Vec3(0, 0, 1)).empty();
         }))
       met.push_back(k);
   if (met.empty()) throw InputError("no surface meets the image");
@@ -193,7 +193,7 @@ Canvas draw_sections_of(const Image& image, std::span<const NamedSurface> surfac
     draw_slice(canvas, map, image, k, most);
     canvas.clip(map.box);
     for (std::size_t s = 0; s < surfaces.size(); ++s)
-      for (const auto& polygon : cross_section(in_grid[s], Vec3(0, 0, k * g.spacing[2]), Vec3(0, 0, 1))) {
+      for (const auto& polygon : mesh::cross_section(in_grid[s], Vec3(0, 0, k * g.spacing[2]), Vec3(0, 0, 1))) {
         std::vector<Vec2> line;
         for (const Vec3& p : polygon) line.push_back(map.at(p[0] / g.spacing[0], p[1] / g.spacing[1]));
         canvas.line(line, {surfaces[s].colour, 1.8});
@@ -209,4 +209,4 @@ Canvas draw_sections_of(const Image& image, std::span<const NamedSurface> surfac
   return canvas;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

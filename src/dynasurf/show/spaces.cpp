@@ -10,10 +10,10 @@
 #include "dynasurf/show/palette.hpp"
 #include "dynasurf/show/pictures.hpp"
 
-namespace dynasurf {
+namespace dynasurf::show {
 namespace {
 
-std::optional<Colour> above_zero(float value, const Colour& colour) {
+std::optional<io::Colour> above_zero(float value, const io::Colour& colour) {
   return value > 0 ? std::optional(colour) : std::nullopt;
 }
 
@@ -31,13 +31,13 @@ Vec3 place_of(const Grid& g, std::size_t n) {
 }
 
 /// A line that follows the field in steps of half a voxel until it turns back: it has reached a border.
-std::vector<Vec3> follow(const VectorField& field, Vec3 at) {
+std::vector<Vec3> follow(const field::VectorField& field, Vec3 at) {
   constexpr int most = 120;
   std::vector<Vec3> line{at};
   const double step = 0.5 * field.grid.spacing.minCoeff();
   Vec3 before = Vec3::Zero();
   for (int n = 0; n < most; ++n) {
-    const Vec3 v = sample(field, at, Sampling::trilinear);
+    const Vec3 v = field::sample(field, at, field::Sampling::trilinear);
     if (v.norm() < 1e-12) break;
     const Vec3 way = v.normalized();
     if (way.dot(before) < 0) break;
@@ -50,7 +50,7 @@ std::vector<Vec3> follow(const VectorField& field, Vec3 at) {
 
 }  // namespace
 
-Canvas draw_field_3d(const VectorField& field, const Image& border, const std::string& title) {
+Canvas draw_field_3d(const field::VectorField& field, const Image& border, const std::string& title) {
   const std::vector<std::size_t> voxels = non_zero(border);
   if (voxels.empty()) throw InputError("no border to draw the field around");
   const Grid& g = field.grid;
@@ -82,7 +82,7 @@ Canvas draw_field_3d(const VectorField& field, const Image& border, const std::s
       const double a = 2 * std::numbers::pi * n / 24;
       const Vec3 start = middle + Vec3(half[0] * own::cos(a), half[1] * own::sin(a), 0.45 * ring * half[2]);
       for (const std::vector<Vec3> line = follow(field, start); const Vec3& p : line) {
-        const double length = sample(field, p, Sampling::trilinear).norm();
+        const double length = field::sample(field, p, field::Sampling::trilinear).norm();
         if (&p != line.data()) {
           const Vec3 piece[] = {*(&p - 1), p};
           scene.add_line(piece, viridis(length / longest), 1.3);
@@ -230,8 +230,8 @@ Canvas draw_smoothing(const TriMesh& before, const TriMesh& after, const std::st
   canvas.text({24, 26}, title, {14, Anchor::start, ink_of::text, true});
   constexpr double most = 0.5;
   const auto half = [&](const TriMesh& mesh, double x, const std::string& name) {
-    const std::vector<double> deficits = angle_deficits(mesh);
-    std::vector<Colour> colours;
+    const std::vector<double> deficits = mesh::angle_deficits(mesh);
+    std::vector<io::Colour> colours;
     double mean = 0;
     for (const double d : deficits) mean += std::abs(d) / static_cast<double>(deficits.size());
     for (const auto& t : mesh.triangles)
@@ -248,4 +248,4 @@ Canvas draw_smoothing(const TriMesh& before, const TriMesh& after, const std::st
   return canvas;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::show

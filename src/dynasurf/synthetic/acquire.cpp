@@ -9,7 +9,7 @@
 #include "dynasurf/synthetic/detail/random.hpp"
 #include "dynasurf/synthetic/detail/render.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 /// Two windows of 5.6 keV beside a peak of 28 keV hold this part of the peak's scatter.
@@ -290,4 +290,4 @@ Projections acquire(const std::vector<Image>& activity, const Image& attenuation
   return p;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

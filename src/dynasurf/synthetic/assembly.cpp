@@ -8,7 +8,7 @@
 #include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/synthetic/detail/noise.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 constexpr double degrees = M_PI / 180;
@@ -164,4 +164,4 @@ void summarise(Phantom& phantom) {
   if (most->endo_ml > 0) phantom.ef_percent = 100 * (most->endo_ml - least->endo_ml) / most->endo_ml;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

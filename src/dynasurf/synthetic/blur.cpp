@@ -5,7 +5,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/synthetic/detail/render.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 /// Half of the discrete Gaussian exp(-t) I_n(t), n = 0, 1, ..., scaled to sum 1 over both sides. Computed by the
@@ -65,4 +65,4 @@ Image blur(const Image& image, double fwhm_mm) {
   return result;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -9,7 +9,7 @@
 #include "dynasurf/synthetic/detail/assembly.hpp"
 #include "dynasurf/synthetic/detail/torso.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 constexpr double degrees = M_PI / 180;
@@ -144,4 +144,4 @@ CameraStudy make_camera_study(const CameraPhantom& options, const Progress& prog
   return made;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -7,7 +7,7 @@
 #include "dynasurf/synthetic/camera_options.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 /// The collimator that the options name.
 Collimator collimator_of(const Acquisition& acquisition);
@@ -65,4 +65,4 @@ struct CameraStudy {
 /// Makes all of it. The same options give the same bytes for any number of threads. Throws OptionError, Cancelled.
 CameraStudy make_camera_study(const CameraPhantom& options, const Progress& progress = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

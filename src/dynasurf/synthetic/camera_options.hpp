@@ -7,7 +7,7 @@
 
 #include "dynasurf/synthetic/options.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 enum class CollimatorModel { lehr, legp, czt, own };
 inline std::span<const std::string_view> names_of(CollimatorModel) {
@@ -174,4 +174,4 @@ void describe(auto& visit, CameraPhantom& o) {
   visit("seed", o.seed, OptionInfo{"the same seed gives the same bytes"});
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -12,7 +12,7 @@
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/synthetic/detail/solids.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 using std::numbers::pi;
@@ -120,7 +120,7 @@ TriMesh level_surface(const Level& level, double extent) {
   for (int k = 0; k < cells; ++k)
     for (int j = 0; j < cells; ++j)
       for (int i = 0; i < cells; ++i) image(i, j, k) = static_cast<float>(level(place(Vec3(i, j, k))));
-  TriMesh mesh = marching_cubes(image, 0);
+  TriMesh mesh = mesh::marching_cubes(image, 0);
   for (Vec3& p : mesh.vertices) {
     p = place(p);
     for (int n = 0; n < 3; ++n) {
@@ -166,17 +166,17 @@ std::span<const std::string_view> names_of(CloudShape) { return names; }
 TriMesh cloud_reference(CloudShape shape) {
   switch (shape) {
     case CloudShape::sphere:
-      return icosphere(6);
+      return mesh::icosphere(6);
     case CloudShape::ellipsoid:
-      return stretched(icosphere(6), {1, 0.6, 0.35});
+      return stretched(mesh::icosphere(6), {1, 0.6, 0.35});
     case CloudShape::torus:
       return torus(0.75, 0.25);
     case CloudShape::two_torus:
       return level_surface(two_torus, 1.3);
     case CloudShape::cube:
-      return cube_surface(50);
+      return mesh::cube_surface(50);
     case CloudShape::plate:
-      return stretched(cube_surface(50), {1, 0.7, 0.03});
+      return stretched(mesh::cube_surface(50), {1, 0.7, 0.03});
     case CloudShape::spring:
       return spring();
     case CloudShape::vase:
@@ -189,4 +189,4 @@ TriMesh cloud_reference(CloudShape shape) {
 
 int genus_of(CloudShape shape) { return shape == CloudShape::torus ? 1 : shape == CloudShape::two_torus ? 2 : 0; }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -7,7 +7,7 @@
 #include "dynasurf/core/point_cloud.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 /// Bodies that try what a reconstruction of clouds can do: round, with one and two handles, with sharp edges, thin,
 /// winding, with a deep cavity, of many curvatures.
@@ -45,4 +45,4 @@ void describe(auto& visit, CloudPhantom& o) {
 PointCloud scan_surface(const TriMesh& surface, const CloudPhantom& options);
 PointCloud make_cloud(const CloudPhantom& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -12,7 +12,7 @@
 
 // The phantoms made of "cylinder on half sphere" walls.
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 constexpr Index3 sub_samples{5, 5, 5};
@@ -89,13 +89,13 @@ Phantom take(std::string_view kind, const Cups& cups, const Scene& scene, const 
 Image make_binary(Image image, double level) {
   const double hottest = *std::max_element(image.values.begin(), image.values.end());
   // Nothing is set in an empty image.
-  return threshold_at(std::move(image), std::max(level * hottest, std::numeric_limits<double>::min()));
+  return image::threshold_at(std::move(image), std::max(level * hottest, std::numeric_limits<double>::min()));
 }
 
 /// Doubling and thresholding, as `o` asks for them.
 void finish_values(Phantom& phantom, const Hebron& o) {
   for (Image& image : phantom.study.gates) {
-    if (o.doubled) image = double_resolution(image);
+    if (o.doubled) image = image::double_resolution(image);
     if (o.values == Values::binary) image = make_binary(std::move(image), o.binary_level);
   }
 }
@@ -309,4 +309,4 @@ Phantom make_phantom(const CardiacCycle& options) {
   return phantom;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -6,7 +6,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/synthetic/detail/render.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 /// Tails reach this many times as far as the rest of the point spread.
@@ -74,4 +74,4 @@ Image see_unevenly(const Irregularity& o, const Image& narrow, double narrow_fwh
   return image;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -5,7 +5,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/synthetic/detail/random.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 constexpr std::size_t voxels_per_piece = 4096;
@@ -35,4 +35,4 @@ Image add_gaussian_noise(Image image, double sd, std::uint64_t seed, std::uint64
                 [sd](Random& random, double value) { return value + sd * random.normal(); });
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

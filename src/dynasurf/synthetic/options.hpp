@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/options.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 /// The voxels a phantom is imaged with; the default is the thesis's acquisition.
 struct Lattice {
@@ -420,4 +420,4 @@ void describe(auto& visit, Organ& o) {
 using PhantomOptions =
     std::variant<Hebron, Mayo, Partial, TwoSpheres, VoxelSphere, Gap, CardiacCycle, Pathology, VirtualPatient, Organ>;
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

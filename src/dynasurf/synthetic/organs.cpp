@@ -6,7 +6,7 @@
 #include "dynasurf/synthetic/detail/assembly.hpp"
 #include "dynasurf/synthetic/detail/solids.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 /// A part of a surface that stands out of the rest, or lies deeper.
@@ -52,7 +52,7 @@ TriMesh surface_of(const Body& body) {
 /// The body with the volume that is asked for.
 Body sized(Body body, double volume_ml) {
   const double wanted = volume_ml > 0 ? volume_ml : body.usual_ml;
-  body.half *= own::cbrt(1000 * wanted / volume_mm3(surface_of(body)));
+  body.half *= own::cbrt(1000 * wanted / mesh::volume_mm3(surface_of(body)));
   return body;
 }
 
@@ -93,7 +93,7 @@ Phantom make_phantom(const Organ& options) {
   }
   const TriMesh surface = surface_of(body);
   TrueGate truth;
-  truth.epi_ml = volume_mm3(surface) / 1000;
+  truth.epi_ml = mesh::volume_mm3(surface) / 1000;
   truth.epi = place_in_world(grid, frame, surface);
   phantom.truth.push_back(std::move(truth));
   phantom.study = make_study({std::move(image)}, 0);
@@ -102,4 +102,4 @@ Phantom make_phantom(const Organ& options) {
   return phantom;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -10,7 +10,7 @@
 #include "dynasurf/synthetic/detail/torso.hpp"
 #include "dynasurf/synthetic/ventricle_shape.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 constexpr double degrees = M_PI / 180;
@@ -299,8 +299,8 @@ Phantom make_phantom(const VirtualPatient& options) {
       const TriMesh epi = made_uneven(o, with_late_sector(o, epi_surface(now.shape), epi_surface(now.late)),
                                       now.shape.base_z, outer_width_factor);
       const bool is_one = o.late_wall == Defect::none && o.irregular.walls == 0;
-      truth.endo_ml = is_one ? endo_ml(now.shape) : volume_mm3(endo) / 1000;
-      truth.epi_ml = is_one ? epi_ml(now.shape) : volume_mm3(epi) / 1000;
+      truth.endo_ml = is_one ? endo_ml(now.shape) : mesh::volume_mm3(endo) / 1000;
+      truth.epi_ml = is_one ? epi_ml(now.shape) : mesh::volume_mm3(epi) / 1000;
       truth.endo_uptake = uptake_at(o, now, endo), truth.epi_uptake = uptake_at(o, now, epi);
       truth.endo = place_in_world(grid, frame, endo);
       truth.epi = place_in_world(grid, frame, epi);
@@ -336,4 +336,4 @@ Phantom make_phantom(const VirtualPatient& options) {
   return phantom;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

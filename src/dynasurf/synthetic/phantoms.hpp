@@ -8,7 +8,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/synthetic/options.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 /// What is known of a synthetic gate: the surfaces that were filled, closed at the base, in the world frame. All
 /// gates of a phantom have the same triangles.
@@ -63,4 +63,4 @@ Phantom make_phantom(const Pathology& options);
 Phantom make_phantom(const VirtualPatient& options);
 Phantom make_phantom(const Organ& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

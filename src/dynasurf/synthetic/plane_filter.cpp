@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 PlaneFilter make_plane_filter(int n, const std::function<double(int k, int l, int size)>& response) {
   PlaneFilter f;
   f.n = n;
@@ -54,4 +54,4 @@ std::vector<double> ramp_spectrum(int size) {
   return spectrum;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -6,7 +6,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/synthetic/detail/random.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 // What is drawn of a heart, and what of each of its acquisitions, comes from streams of its own.
@@ -79,4 +79,4 @@ DrawnPatient draw_patient(std::uint64_t seed, std::uint64_t number, int repeat) 
 
 Lattice small_lattice() { return {40, 40, 20, 4.5, 4.5, 6}; }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -4,7 +4,7 @@
 
 #include "dynasurf/synthetic/options.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 /// One study of a made-up clinic: who was imaged, where, and what the phantom is made from.
 struct DrawnPatient {
@@ -24,4 +24,4 @@ DrawnPatient draw_patient(std::uint64_t seed, std::uint64_t number, int repeat =
 /// Voxels of which a study takes about a third of the time of a usual one: 40 x 40 x 20 of 4.5 x 4.5 x 6 mm.
 Lattice small_lattice();
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

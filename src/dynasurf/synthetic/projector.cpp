@@ -7,7 +7,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/synthetic/detail/render.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 std::size_t at(int row, int n) { return static_cast<std::size_t>(row) * static_cast<std::size_t>(n); }
@@ -265,4 +265,4 @@ std::vector<float> transposed(std::span<const float> square, int n) {
   return result;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

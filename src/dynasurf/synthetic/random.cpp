@@ -5,7 +5,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 std::uint64_t scramble(std::uint64_t z) {
@@ -77,4 +77,4 @@ double Random::poisson(double mean) {
   return mean < 10 ? poisson_by_multiplication(*this, mean) : poisson_by_rejection(*this, mean);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

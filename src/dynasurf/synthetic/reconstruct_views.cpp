@@ -11,7 +11,7 @@
 #include "dynasurf/synthetic/detail/projector.hpp"
 #include "dynasurf/synthetic/detail/render.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 /// The window at a frequency in cycles per cm.
@@ -183,4 +183,4 @@ Image cut_out(const Image& image, const Grid& grid) {
   return result;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -7,7 +7,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 /// Sub-samples along one axis and what each voxel collects of them.
@@ -137,4 +137,4 @@ Image render(const Grid& grid, const Density& density, const Box& support, doubl
   return image;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -6,7 +6,7 @@
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/detail/random.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 enum Stream : std::uint64_t { places, noise, hole };
@@ -72,4 +72,4 @@ PointCloud scan_surface(const TriMesh& surface, const CloudPhantom& options) {
 
 PointCloud make_cloud(const CloudPhantom& options) { return scan_surface(cloud_reference(options.shape), options); }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

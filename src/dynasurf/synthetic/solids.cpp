@@ -5,7 +5,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 constexpr int segments = 96, steps = 108;
@@ -66,4 +66,4 @@ TriMesh sphere_surface(double radius_mm) {
   return revolve(profile, segments);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -2,7 +2,7 @@
 #include "dynasurf/synthetic/detail/assembly.hpp"
 #include "dynasurf/synthetic/detail/solids.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 double ball_ml(double radius_mm) { return 4.0 / 3.0 * M_PI * radius_mm * radius_mm * radius_mm / 1000; }
@@ -58,4 +58,4 @@ Phantom make_phantom(const PhantomOptions& options) {
   return std::visit([](const auto& o) { return make_phantom(o); }, options);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

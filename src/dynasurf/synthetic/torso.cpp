@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 /// Middle and half axes, mm, against the middle of the heart: x to the left, y to the back, z to the head.
@@ -85,4 +85,4 @@ double torso_reach_mm(bool arms_down, double angle, const Vec3& heart) {
   return reach + heart[0] * dx + heart[1] * dy;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -8,7 +8,7 @@
 #include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/synthetic/detail/solids.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 // The base plane lies above the widest place by this part of the cavity's half length: hearts narrow to the base.
@@ -126,4 +126,4 @@ double filling_at(double phase) {
   return a.filling + (b.filling - a.filling) * smooth_step((phase - a.phase) / (b.phase - a.phase));
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -3,7 +3,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 /// A left ventricle at one instant: two ellipsoids of revolution with a common centre, cut by the base plane.
 /// Frame of the heart: z along the axis from the apex (outer surface at z = 0) to the base, +x towards the lateral
@@ -51,4 +51,4 @@ VentricleShape shape_at(const VentricleMotion& motion, double volume_ml);
 /// Smooth (one continuous derivative) and periodic.
 double filling_at(double phase);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

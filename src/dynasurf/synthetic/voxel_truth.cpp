@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 namespace {
 
 Mask reach_level(const Image& image, double fraction) {
@@ -46,7 +46,7 @@ Mask enclosed_cavity(const Image& image, double fraction) {
 }
 
 Mask filled_solid(const Image& image, double fraction) {
-  return unite(reach_level(image, fraction), enclosed_cavity(image, fraction));
+  return image::unite(reach_level(image, fraction), enclosed_cavity(image, fraction));
 }
 
 Image surface_voxels(const Mask& solid) {
@@ -64,7 +64,7 @@ Image surface_voxels(const Mask& solid) {
 
 Image external_border(const Image& image, double fraction, double cover_radius_mm) {
   Mask solid = filled_solid(image, fraction);
-  if (cover_radius_mm > 0) solid = unite(solid, cover_disc(solid, cover_radius_mm));
+  if (cover_radius_mm > 0) solid = image::unite(solid, image::cover_disc(solid, cover_radius_mm));
   return surface_voxels(solid);
 }
 
@@ -78,4 +78,4 @@ double voxel_volume_ml(const Mask& mask) {
   return static_cast<double>(count_voxels(mask)) * mask.grid.voxel_volume_mm3() / 1000;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

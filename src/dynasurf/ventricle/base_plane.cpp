@@ -11,7 +11,7 @@
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/ventricle/detail/smooth_cycle.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr int meridians = 32;
@@ -49,7 +49,8 @@ Meridian walk(const Image& image, const LvShell& cup, const Vec3& out, double lo
     }
     double brightest = 0;
     for (double s = -reach_mm; s <= reach_mm; s += 1.75)
-      brightest = std::max(brightest, sample_linear(image, cup.centre + z * cup.axis + std::max(0.0, r + s) * out));
+      brightest =
+          std::max(brightest, image::sample_linear(image, cup.centre + z * cup.axis + std::max(0.0, r + s) * out));
     m.brightness.push_back(brightest);
   }
   return m;
@@ -63,7 +64,7 @@ double surroundings(const Image& image, const LvShell& cup, const ShellBasis& a)
     const Vec3 out = own::cos(angle) * a.u + own::sin(angle) * a.v;
     for (const double z : {-0.3, 0.0, 0.3})
       values.push_back(
-          sample_linear(image, cup.centre + z * cup.half_length_mm * cup.axis + (cup.radius_mm + 24) * out));
+          image::sample_linear(image, cup.centre + z * cup.half_length_mm * cup.axis + (cup.radius_mm + 24) * out));
   }
   return quantile(values, 0.25);
 }
@@ -226,4 +227,4 @@ TriMesh flatten_above(TriMesh mesh, const BasePlane& plane) {
   return mesh;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

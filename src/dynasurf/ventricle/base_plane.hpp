@@ -7,7 +7,7 @@
 #include "dynasurf/core/volume.hpp"
 #include "dynasurf/ventricle/lv_shell.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// The plane of the mitral valve, where the ventricle ends. Frame: that of what it was made from.
 struct BasePlane {
@@ -45,4 +45,4 @@ std::optional<PlaneCycle> smooth_over_cycle(std::span<const std::optional<BasePl
 /// triangles, still closed; right for surfaces whose part above the plane stands over their cut, as hearts do.
 TriMesh flatten_above(TriMesh mesh, const BasePlane& plane);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

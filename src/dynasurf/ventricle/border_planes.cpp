@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// Bilinear value in slice k, replicated outside.
@@ -38,7 +38,7 @@ Plane plane_of_edge(const Image& strength, const Axis& axis, const Index3& v) {
   return {{shift_px * ux * mm[0], shift_px * uy * mm[1], 0}, {ux / mm[0], uy / mm[1], 0}};
 }
 
-void set(VectorField& field, std::size_t voxel, const Vec3& v) {
+void set(field::VectorField& field, std::size_t voxel, const Vec3& v) {
   field.x[voxel] = static_cast<float>(v[0]);
   field.y[voxel] = static_cast<float>(v[1]);
   field.z[voxel] = static_cast<float>(v[2]);
@@ -46,9 +46,9 @@ void set(VectorField& field, std::size_t voxel, const Vec3& v) {
 
 }  // namespace
 
-BorderPlanes border_planes(const Image& border, Border wall, const Labels& labels, const EdgeMap& edges,
-                           int base_slice) {
-  BorderPlanes planes(border.grid);
+dynamics::BorderPlanes border_planes(const Image& border, Border wall, const Labels& labels,
+                                     const image::EdgeMap& edges, int base_slice) {
+  dynamics::BorderPlanes planes(border.grid);
   const Grid& grid = labels.borders.grid;
   // The border's grid is the labels' grown by whole voxels.
   const Index3 shift = voxel_of(border.grid, to_grid(border.grid, grid.origin));
@@ -69,4 +69,4 @@ BorderPlanes border_planes(const Image& border, Border wall, const Labels& label
   return planes;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -7,7 +7,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/text_stream.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr int least_slices = 3;
@@ -136,4 +136,4 @@ Study canonical_study(const Study& original) {
   return study;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

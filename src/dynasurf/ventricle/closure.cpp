@@ -10,7 +10,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr int directions = 64;
@@ -180,4 +180,4 @@ Image spread_to(const Image& image, const Grid& grid) {
   return spread;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

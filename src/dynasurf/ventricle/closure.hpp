@@ -5,7 +5,7 @@
 #include "dynasurf/ventricle/base_plane.hpp"
 #include "dynasurf/ventricle/labels.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// How the open ends of the two borders are closed (VOL-COVER, thesis 6.1.2.1).
 struct Closure {
@@ -48,4 +48,4 @@ Image with_room(Image border, int voxels);
 /// The image on a larger grid of the same lattice (see `with_room`), its outermost voxels repeated.
 Image spread_to(const Image& image, const Grid& grid);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

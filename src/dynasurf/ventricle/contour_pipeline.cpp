@@ -8,7 +8,7 @@
 #include "dynasurf/dynamics/contour/potential.hpp"
 #include "dynasurf/field/gvf.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr std::array<std::string_view, 3> force_names{"potential", "flow", "both"};
@@ -29,8 +29,8 @@ struct Search {
 
 /// Slope of the image along the ray from the axis, of the sign that the wall has, from 0 to 1.
 Image border_strength(const Search& s, int k) {
-  const Image plane = smoothed_plane(plane_of(s.image, k), s.options.sigma_px);
-  const VectorField slope = force_of(plane, s.wall == Border::epi ? 1 : -1);
+  const Image plane = dynamics::smoothed_plane(dynamics::plane_of(s.image, k), s.options.sigma_px);
+  const field::VectorField slope = dynamics::force_of(plane, s.wall == Border::epi ? 1 : -1);
   const Contour* bound = nullptr;
   if (s.outer && s.outer->slices[static_cast<std::size_t>(k)]) bound = &*s.outer->slices[static_cast<std::size_t>(k)];
   Image strength(plane.grid);
@@ -51,15 +51,16 @@ Image border_strength(const Search& s, int k) {
   return strength;
 }
 
-ContourResult contour_in_slice(const Search& s, int k, const Contour& start) {
+dynamics::ContourResult contour_in_slice(const Search& s, int k, const Contour& start) {
   const Image strength = border_strength(s, k);
-  ContourResult r{start, StopReason::at_rest, 0};
+  dynamics::ContourResult r{start, dynamics::StopReason::at_rest, 0};
   if (s.options.force != ContourForce::potential)
-    r = evolve_contour(start, scaled_to_one(flow_field(strength, SteadyGvf{.mu = s.options.mu}).field),
-                       s.options.model);
-  if (s.options.force == ContourForce::flow || r.reason == StopReason::diverged) return r;
+    r = dynamics::evolve_contour(
+        start, dynamics::scaled_to_one(field::flow_field(strength, field::SteadyGvf{.mu = s.options.mu}).field),
+        s.options.model);
+  if (s.options.force == ContourForce::flow || r.reason == dynamics::StopReason::diverged) return r;
   const int before = r.steps;
-  r = evolve_contour(r.contour, scaled_to_one(force_of(strength, -1)), s.options.model);
+  r = dynamics::evolve_contour(r.contour, dynamics::scaled_to_one(dynamics::force_of(strength, -1)), s.options.model);
   r.steps += before;
   return r;
 }
@@ -68,10 +69,10 @@ double area_of(const Contour& c) { return std::abs(signed_area(c)); }
 
 /// Mean slope of the smoothed image along a contour: how clearly the slice shows the wall.
 double clarity(const Search& s, int k, const Contour& c) {
-  const Image plane = smoothed_plane(plane_of(s.image, k), s.options.sigma_px);
-  const VectorField slope = force_of(plane);
+  const Image plane = dynamics::smoothed_plane(dynamics::plane_of(s.image, k), s.options.sigma_px);
+  const field::VectorField slope = dynamics::force_of(plane);
   double sum = 0;
-  for (const Vec2& p : c.points) sum += force_at(slope, p).norm();
+  for (const Vec2& p : c.points) sum += dynamics::force_at(slope, p).norm();
   return sum / static_cast<double>(c.size());
 }
 
@@ -80,19 +81,19 @@ Contour automatic_start(const Search& s, int k) {
   return circle_contour(s.centre(k), share * s.labels.circle.radius_px, s.options.model.edge_px);
 }
 
-bool usable(const ContourResult& r, const ContourPipeline& o) {
-  return r.reason != StopReason::diverged && area_of(r.contour) >= o.least_area_px2;
+bool usable(const dynamics::ContourResult& r, const ContourPipeline& o) {
+  return r.reason != dynamics::StopReason::diverged && area_of(r.contour) >= o.least_area_px2;
 }
 
-void keep(WallContours& all, int k, const ContourResult& r) {
+void keep(WallContours& all, int k, const dynamics::ContourResult& r) {
   all.slices[static_cast<std::size_t>(k)] = r.contour;
   all.steps += r.steps;
   ++all.found;
-  if (r.reason == StopReason::at_rest) ++all.at_rest;
+  if (r.reason == dynamics::StopReason::at_rest) ++all.at_rest;
 }
 
 /// The slice asked for, or the clearest of all slices in the middle half, each with a contour of its own.
-std::optional<ContourResult> begin(const Search& s, int first, int last, WallContours& all) {
+std::optional<dynamics::ContourResult> begin(const Search& s, int first, int last, WallContours& all) {
   if (s.options.best_slice) {
     const int asked = *s.options.best_slice - 1;
     all.best_slice = std::clamp(asked, first, last);
@@ -104,10 +105,10 @@ std::optional<ContourResult> begin(const Search& s, int first, int last, WallCon
     return contour_in_slice(s, all.best_slice, automatic_start(s, all.best_slice));
   }
   const int margin = (last - first) / 4;
-  std::optional<ContourResult> best;
+  std::optional<dynamics::ContourResult> best;
   double clearest = -1;
   for (int k = first + margin; k <= last - margin; ++k) {
-    ContourResult r = contour_in_slice(s, k, automatic_start(s, k));
+    dynamics::ContourResult r = contour_in_slice(s, k, automatic_start(s, k));
     if (!usable(r, s.options)) continue;
     if (const double c = clarity(s, k, r.contour); c > clearest) clearest = c, best = std::move(r), all.best_slice = k;
   }
@@ -125,19 +126,19 @@ void sweep(const Search& s, int to, int direction, WallContours& all) {
   const auto slice = [&](int k) -> std::optional<Contour>& { return all.slices[static_cast<std::size_t>(k)]; };
   for (int k = all.best_slice + direction; direction * k <= direction * to; k += direction) {
     const Contour& former = *slice(k - direction);
-    ContourResult r = contour_in_slice(s, k, former);
+    dynamics::ContourResult r = contour_in_slice(s, k, former);
     std::optional<double> before_that;
     if (k - 2 * direction >= 0 && k - 2 * direction < static_cast<int>(all.slices.size()) && slice(k - 2 * direction))
       before_that = area_of(*slice(k - 2 * direction));
     const double area = area_of(r.contour), former_area = area_of(former);
-    if (r.reason == StopReason::diverged || is_jump(area, former_area, before_that, s.options.jump)) {
+    if (r.reason == dynamics::StopReason::diverged || is_jump(area, former_area, before_that, s.options.jump)) {
       all.notes.push_back({Severity::info, "contour.jump",
                            "the " + std::string(name_of(s.wall)) + "cardial contour jumped from " +
                                std::to_string(std::lround(former_area)) + " to " + std::to_string(std::lround(area)) +
                                " px2; the neighbour's is used",
                            -1, k});
       r.contour = former;
-      r.reason = StopReason::max_steps;
+      r.reason = dynamics::StopReason::max_steps;
     } else if (area < s.options.least_area_px2) {
       return;
     }
@@ -174,7 +175,7 @@ WallContours propagate_contours(const Image& image, const Labels& labels, Border
   all.slices.resize(static_cast<std::size_t>(slices));
   const Search search{image, labels, wall, options, outer};
   const auto [first, last] = range_of(labels, wall, base_slice);
-  std::optional<ContourResult> start;
+  std::optional<dynamics::ContourResult> start;
   if (first <= last && labels.circle.radius_px > 0) start = begin(search, first, last, all);
   if (!start || !usable(*start, options)) {
     all.notes.push_back({Severity::warning, "contour.none",
@@ -194,7 +195,7 @@ std::optional<ContourSurface> contour_surface(const WallContours& contours, cons
   check_options(options, "contour");
   const Vec2 pixel(grid.spacing.x(), grid.spacing.y());
   const double thickness = grid.spacing.z();
-  ContourStack stack;
+  mesh::ContourStack stack;
   for (std::size_t k = 0; k < contours.slices.size(); ++k) {
     if (!contours.slices[k]) continue;
     Contour c = *contours.slices[k];
@@ -203,21 +204,22 @@ std::optional<ContourSurface> contour_surface(const WallContours& contours, cons
     stack.z_mm.push_back(static_cast<double>(k) * thickness);
   }
   if (stack.contours.size() < 2) return std::nullopt;
-  CapHeights caps;
+  mesh::CapHeights caps;
   if (options.ends == StackEnds::slice_face) {
     caps.below_mm = thickness / 2;
     stack.contours.push_back(stack.contours.back());
     stack.z_mm.push_back(stack.z_mm.back() + thickness / 2);
   }
   ContourSurface surface;
-  surface.volumes = volumes_of(stack, options.tessellation, caps);
-  surface.evolved.mesh = tessellate(stack, options.tessellation, caps);
-  if (options.smooth.sweeps > 0) smooth(surface.evolved.mesh, options.smooth, grid.spacing.minCoeff());
+  surface.volumes = mesh::volumes_of(stack, options.tessellation, caps);
+  surface.evolved.mesh = mesh::tessellate(stack, options.tessellation, caps);
+  if (options.smooth.sweeps > 0) mesh::smooth(surface.evolved.mesh, options.smooth, grid.spacing.minCoeff());
   surface.evolved.steps = contours.steps;
   surface.evolved.stopped_fraction = static_cast<double>(contours.at_rest) / contours.found;
-  surface.evolved.reason = contours.at_rest == contours.found ? StopReason::at_rest : StopReason::max_steps;
+  surface.evolved.reason =
+      contours.at_rest == contours.found ? dynamics::StopReason::at_rest : dynamics::StopReason::max_steps;
   surface.evolved.notes = contours.notes;
   return surface;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -13,7 +13,7 @@
 #include "dynasurf/mesh/smooth.hpp"
 #include "dynasurf/ventricle/labels.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// What pulls the contours: the gradient of the border strength (FLD-POT); its gradient vector flow in the plane, which
 /// reaches farther but is drawn towards the inside of a bend; or first the flow and then the gradient.
@@ -30,13 +30,13 @@ struct ContourPipeline {
   double sigma_px = 1;
   ContourForce force = ContourForce::both;
   double mu = 0.02;
-  DiscreteContour model;
+  dynamics::DiscreteContour model;
   std::optional<int> best_slice;
   double jump = 0.3;
   double least_area_px2 = 3;
-  Tessellation tessellation;
+  mesh::Tessellation tessellation;
   StackEnds ends = StackEnds::slice_centre;
-  Smoothing smooth{.sweeps = 0};
+  mesh::Smoothing smooth{.sweeps = 0};
 };
 void describe(auto& visit, ContourPipeline& o) {
   visit("sigma_px", o.sigma_px, OptionInfo{"Gaussian before the gradient", "px", 0, 20});
@@ -79,10 +79,10 @@ WallContours propagate_contours(const Image& image, const Labels& labels, Border
 
 /// C3D-TESS, C3D-CAP, C3D-SMOOTH, C3D-VOL. The mesh is in the grid frame. Empty for fewer than two contours.
 struct ContourSurface {
-  EvolutionResult evolved;  // the mesh; the share of contours at rest as `stopped_fraction`
-  StackVolumes volumes;     // before smoothing, mm3
+  dynamics::EvolutionResult evolved;  // the mesh; the share of contours at rest as `stopped_fraction`
+  mesh::StackVolumes volumes;         // before smoothing, mm3
 };
 std::optional<ContourSurface> contour_surface(const WallContours& contours, const Grid& grid,
                                               const ContourPipeline& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

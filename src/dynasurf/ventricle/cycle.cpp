@@ -11,7 +11,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/resample.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double room_mm = 22;  // from the middle of the wall to the coarse circle: half a thick wall and the blur
@@ -114,7 +114,7 @@ std::vector<std::optional<BasePlane>> valve_planes(const Study& study, const std
   std::vector<Image> smooth(planes.size());
   std::vector<double> wall(planes.size());
   parallel_for(planes.size(), 1, [&](std::size_t g, std::size_t) {
-    smooth[g] = smooth_gaussian(study.gates[g], plane_smoothing_mm);
+    smooth[g] = image::smooth_gaussian(study.gates[g], plane_smoothing_mm);
     wall[g] = wall_over_surroundings(smooth[g], cup);
   });
   const double relaxed = relaxed_level(wall);
@@ -166,4 +166,4 @@ void clear_outside(Mask& edges, const SliceRange& range) {
   }
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// A number and how sure it is: one standard deviation, 0 where none is known.
 struct Estimate {
@@ -10,4 +10,4 @@ struct Estimate {
   double high() const { return value + 1.645 * sd; }
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

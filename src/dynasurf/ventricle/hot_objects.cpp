@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/detail/statistics.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// Of the bright part of the wall in the mean of the gates. The brightest voxel of a wall at end-systole, with its
@@ -46,4 +46,4 @@ std::optional<Study> cut_hot_objects(const Study& study, const Location& heart) 
   return cut;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

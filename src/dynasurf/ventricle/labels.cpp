@@ -12,7 +12,7 @@
 #include "dynasurf/ventricle/labels/detail/method.hpp"
 #include "dynasurf/ventricle/labels/detail/mlc.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// A border in a third of the directions is evidence of a cavity (a defect may hide the rest); in three quarters of
@@ -173,7 +173,7 @@ void note_missing(Labels& labels) {
   }
 }
 
-void require_same_grid(const Image& image, const EdgeMap& edges) {
+void require_same_grid(const Image& image, const image::EdgeMap& edges) {
   if (edges.edges.grid.dims != image.grid.dims)
     throw InputError("edge map and image have different sizes; expected the edges of this image");
 }
@@ -220,7 +220,7 @@ bool Labels::has(Border w) const {
   return std::any_of(borders.values.begin(), borders.values.end(), [&](std::uint8_t v) { return v & bit; });
 }
 
-Labels label_borders(const Image& image, const EdgeMap& edges, const Labelling& options) {
+Labels label_borders(const Image& image, const image::EdgeMap& edges, const Labelling& options) {
   Labelling o = options;
   check_options(o, "labels");
   require_same_grid(image, edges);
@@ -255,4 +255,4 @@ Image border_volume(const Labels& labels, Border wall) {
   return border;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -12,7 +12,7 @@
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/ventricle/base_plane.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double coarse_mm = 7;    // voxels of the search
@@ -41,13 +41,13 @@ Image coarsened(const Image& image) {
     grid.dims[a] = std::max(2, static_cast<int>(std::ceil(length / coarse_mm)) + 1);
     grid.spacing[axis] = coarse_mm;
   }
-  const Image smooth = smooth_gaussian(image, smooth_mm);
+  const Image smooth = image::smooth_gaussian(image, smooth_mm);
   Image result(grid);
   parallel_for(static_cast<std::size_t>(grid.dims[2]), 1, [&](std::size_t begin, std::size_t end) {
     for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
       for (int j = 0; j < grid.dims[1]; ++j)
         for (int i = 0; i < grid.dims[0]; ++i)
-          result(i, j, k) = static_cast<float>(sample_linear(smooth, centre_of(grid, {i, j, k})));
+          result(i, j, k) = static_cast<float>(image::sample_linear(smooth, centre_of(grid, {i, j, k})));
   });
   return result;
 }
@@ -230,7 +230,7 @@ double explained_share(const Scene& scene, const LvShell& cup) {
   const auto look = [&](const Vec3& p) {
     const Index3 voxel = voxel_of(scene.image.grid, p);
     if (!scene.image.grid.contains(voxel[0], voxel[1], voxel[2])) return;
-    const double value = std::min(sample_linear(scene.image, p), scene.brightest);
+    const double value = std::min(image::sample_linear(scene.image, p), scene.brightest);
     const Vec3 d = p - cup.centre;
     const double height = d.dot(cup.axis), away = signed_distance(cup, p) / half_wall_mm;
     const double below = 1 / (1 + own::exp((height - cup.base_mm) / rim_mm)), ridge = own::exp(-0.5 * away * away);
@@ -341,7 +341,7 @@ std::optional<Location> look_for(const Image& mean, const LocateHints& hints) {
   std::stable_sort(found.begin(), found.end(),
                    [](const Candidate& a, const Candidate& b) { return a.worth > b.worth; });
 
-  const Image smooth = smooth_gaussian(mean, smooth_mm);
+  const Image smooth = image::smooth_gaussian(mean, smooth_mm);
   Location result;
   const LvShell& first = found.front().cup;
   const Scene scene{smooth, first.middle(), 2 * first.radius_mm + 25, 1.2 * typical};
@@ -399,4 +399,4 @@ std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
   return best;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

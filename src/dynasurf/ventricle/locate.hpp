@@ -6,7 +6,7 @@
 #include "dynasurf/core/volume.hpp"
 #include "dynasurf/ventricle/lv_shell.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// What is known of a heart beforehand, for example by hand. World frame (LPS, mm).
 struct LocateHints {
@@ -40,4 +40,4 @@ Image mean_image(std::span<const Image> gates);
 /// is given is kept as it is; a radius says where to start.
 std::optional<Location> locate(const Image& mean, const LocateHints& hints = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

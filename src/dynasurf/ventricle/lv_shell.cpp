@@ -11,7 +11,7 @@
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/image/resample.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -108,9 +108,9 @@ CupScore score(const Image& image, const LvShell& cup) {
   const double inwards = std::min(side_mm, 0.9 * cup.radius_mm);
   const auto look = [&](const Row& row, const Vec3& out) {
     const ShellPoint at = on_cup(cup, out, row);
-    const double in = sample_linear(image, at.position - inwards * at.normal);
-    const double outside = sample_linear(image, at.position + side_mm * at.normal);
-    wall[n] = sample_linear(image, at.position);
+    const double in = image::sample_linear(image, at.position - inwards * at.normal);
+    const double outside = image::sample_linear(image, at.position + side_mm * at.normal);
+    wall[n] = image::sample_linear(image, at.position);
     side[n++] = 0.75 * std::max(in, outside) + 0.25 * std::min(in, outside);
   };
   look(row_at(0), sides[0]);
@@ -127,9 +127,9 @@ CupScore score(const Image& image, const LvShell& cup) {
   result.contrast = sum / static_cast<double>(n);
 
   // Over the base there is no wall: neither where it would go on nor in the middle.
-  double over = sample_linear(image, cup.base() + 8 * cup.axis);
+  double over = image::sample_linear(image, cup.base() + 8 * cup.axis);
   const Row rim = row_at(std::min(top, 2.6));
-  for (const Vec3& out : sides) over += sample_linear(image, on_cup(cup, out, rim).position + 14 * cup.axis);
+  for (const Vec3& out : sides) over += image::sample_linear(image, on_cup(cup, out, rim).position + 14 * cup.axis);
   const double open = result.brightness - std::min(over / (around + 1), most);
   result.contrast = 0.75 * result.contrast + 0.25 * open;
   return result;
@@ -191,7 +191,7 @@ std::vector<RidgePoint> find_ridge(const Image& image, const LvShell& cup, int r
   const auto look = [&](double theta, double phi) {
     const ShellPoint at = on_cup(cup, outwards(a, phi), row_at(theta));
     for (int s = -steps; s <= steps; ++s)
-      profile[static_cast<std::size_t>(s + steps)] = sample_linear(image, at.position + s * step_mm * at.normal);
+      profile[static_cast<std::size_t>(s + steps)] = image::sample_linear(image, at.position + s * step_mm * at.normal);
     int best = -1;
     double worth = 0;
     for (int s = 1; s < 2 * steps; ++s) {
@@ -278,4 +278,4 @@ std::optional<LvShell> fit_cup(const std::vector<RidgePoint>& ridge, const LvShe
   return cup;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// The middle of the ventricle's wall as an ellipsoid of revolution, open at the base: what is left of a heart when
 /// everything but its place, its axis and its size is forgotten. Frame and unit: mm, that of the image it is used with.
@@ -75,4 +75,4 @@ std::vector<RidgePoint> find_ridge(const Image& image, const LvShell& cup, int r
 /// the base stays. Absent when fewer than 12 points or no solution.
 std::optional<LvShell> fit_cup(const std::vector<RidgePoint>& ridge, const LvShell& start);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

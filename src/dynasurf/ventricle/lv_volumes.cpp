@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 std::optional<LvVolumes> lv_volumes(std::span<const double> cavity_ml) {
   if (cavity_ml.size() < 2) return std::nullopt;
@@ -77,4 +77,4 @@ double coefficient_of_variation(std::span<const double> values) {
   return mean != 0 ? std::sqrt(squares / (n - 1)) / std::abs(mean) : 0;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Volumes of the cavity over the beat (CARD-VOL, CARD-EF, thesis appendix C).
 struct LvVolumes {
@@ -33,4 +33,4 @@ double cycle_roughness(std::span<const double> values);
 /// does. 0 for fewer than two values.
 double coefficient_of_variation(std::span<const double> values);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

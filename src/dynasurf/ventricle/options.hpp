@@ -18,13 +18,13 @@
 #include "dynasurf/ventricle/orientation.hpp"
 #include "dynasurf/ventricle/settle.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// The free model whose particles stop where the border runs inside its voxels. The thesis stops them at the voxels'
 /// outer faces, half a voxel from the edge, which widens small cavities most and lowers their ejection fraction.
-inline Evolution subvoxel_evolution() {
-  Evolution e;
-  e.stop.point = StopPoint::subvoxel;
+inline dynamics::Evolution subvoxel_evolution() {
+  dynamics::Evolution e;
+  e.stop.point = dynamics::StopPoint::subvoxel;
   return e;
 }
 
@@ -42,20 +42,20 @@ struct VentricleOptions {
   Orientation orientation;
   UserOverrides manual;
   double noise_fraction = 0;
-  Preparation prepare;
-  EdgeOptions edges = Canny{};
+  image::Preparation prepare;
+  image::EdgeOptions edges = image::Canny{};
   Labelling labels;
   Closure closure;
-  EdgeMapOptions edge_map;
-  FieldOptions field = SteadyGvf{};
+  field::EdgeMapOptions edge_map;
+  field::FieldOptions field = field::SteadyGvf{};
   int mesh_level = 3;
-  Placement placement;
-  Evolution evolution = subvoxel_evolution();
+  mesh::Placement placement;
+  dynamics::Evolution evolution = subvoxel_evolution();
   Settle settle;
-  Tidy tidy;
+  mesh::Tidy tidy;
   ContourPipeline contour;
   bool warm_start = false;
-  Keyframes keyframes;
+  mesh::Keyframes keyframes;
   MeasureOptions measures;
   BlurFit fit;
 };
@@ -91,4 +91,4 @@ void describe(auto& visit, VentricleOptions& o) {
   visit("fit", o.fit, OptionInfo{"surfaces of all gates fitted through the point spread: PSF-corrected volumes"});
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

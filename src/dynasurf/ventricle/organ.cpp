@@ -11,7 +11,7 @@
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/ventricle/closure.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr std::array<std::string_view, 4> presets{"ct", "mr", "pet", "labels"};
@@ -181,21 +181,21 @@ OrganResult reconstruct_organ(const Image& image, const OrganOptions& requested,
 
   const Image border = border_of(body);
   progress.check();
-  const FlowResult flow = flow_field(border, options.field, progress);
-  const EvolutionResult evolved = evolve(start_mesh(border, options.mesh_level, options.placement), flow.field, border,
-                                         options.evolution, progress);
+  const field::FlowResult flow = field::flow_field(border, options.field, progress);
+  const dynamics::EvolutionResult evolved = dynamics::evolve(
+      mesh::start_mesh(border, options.mesh_level, options.placement), flow.field, border, options.evolution, progress);
   // A label map has steps between its voxels; an image of many parts shows other slopes than this body's.
   const bool is_map = options.source == OrganSource::labels;
   const Image& seen = is_map ? body : image;
   const Image smooth =
-      smooth_gaussian(spread_to(seen, border.grid),
-                      std::max(options.smooth_voxels, is_map ? 0.7 : 0.0) * image.grid.spacing.minCoeff());
+      image::smooth_gaussian(spread_to(seen, border.grid),
+                             std::max(options.smooth_voxels, is_map ? 0.7 : 0.0) * image.grid.spacing.minCoeff());
   const TriMesh settled = settle_on_slope(evolved.mesh, smooth, Vec3::Zero(), options.settle);
   result.surface = measure_surface(evolved, border, std::nullopt, options.tidy,
-                                   evolved.reason == StopReason::diverged ? nullptr : &settled);
+                                   evolved.reason == dynamics::StopReason::diverged ? nullptr : &settled);
   for (const Notes* notes : std::initializer_list<const Notes*>{&flow.notes, &evolved.notes, &result.surface->notes})
     result.notes.insert(result.notes.end(), notes->begin(), notes->end());
   return result;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

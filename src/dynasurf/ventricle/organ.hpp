@@ -11,7 +11,7 @@
 #include "dynasurf/ventricle/settle.hpp"
 #include "dynasurf/ventricle/surface.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Where an organ is, other than a heart: liver, prostate, tumour (FUT-MODALITY). No circle, no division slice, no
 /// base: one closed surface around the largest connected body.
@@ -28,11 +28,11 @@ struct OrganOptions {
   int label = 0;
   double smooth_voxels = 0;
   int mesh_level = 4;
-  Placement placement{.scale = 1.2};
-  FieldOptions field = SteadyGvf{};
-  Evolution evolution;
+  mesh::Placement placement{.scale = 1.2};
+  field::FieldOptions field = field::SteadyGvf{};
+  dynamics::Evolution evolution;
   Settle settle{4, 1.5};
-  Tidy tidy;
+  mesh::Tidy tidy;
 };
 void describe(auto& visit, OrganOptions& o) {
   visit("source", o.source,
@@ -70,4 +70,4 @@ struct OrganResult {
 /// threads.
 OrganResult reconstruct_organ(const Image& image, const OrganOptions& options, const Progress& progress = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

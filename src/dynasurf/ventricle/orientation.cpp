@@ -9,7 +9,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/image/resample.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double widest_voxel_mm = 4;
@@ -120,7 +120,7 @@ Grid short_axis_grid(const LvShell& heart, double voxel_mm) {
 Study reorient(const Study& study, const LvShell& heart, double voxel_mm) {
   Study result = study;
   const Grid grid = short_axis_grid(heart, voxel_mm);
-  for (Image& image : result.gates) image = resample(image, grid);
+  for (Image& image : result.gates) image = image::resample(image, grid);
   result.view = View::short_axis;
   result.slice_order = SliceOrder::apex_to_base;
   return result;
@@ -150,7 +150,7 @@ Study with_finer_pixels(const Study& study, const LvShell& heart, double widest_
   if (!is_finer) return study;
   grid.origin = to_world(old, corner);
   Study result = study;
-  for (Image& image : result.gates) image = resample(image, grid);
+  for (Image& image : result.gates) image = image::resample(image, grid);
   result.notes.push_back({Severity::info, "orientation.refined",
                           format("pixels of %.2f mm were divided into pixels of %.2f mm around the heart",
                                  old.spacing[0], grid.spacing[0])});
@@ -183,4 +183,4 @@ Study orient(const Study& study, const std::optional<Location>& heart, const Ori
   return result;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -8,7 +8,7 @@
 #include "dynasurf/core/study.hpp"
 #include "dynasurf/ventricle/locate.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Who says which way the heart lies in the volume.
 enum class OrientationMethod { header, data, automatic };
@@ -86,4 +86,4 @@ Study with_finer_pixels(const Study& study, const LvShell& heart, double widest_
 /// do not tell how to cut it.
 Study orient(const Study& study, const std::optional<Location>& heart, const Orientation& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

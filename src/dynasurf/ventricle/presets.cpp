@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/option_tree.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr std::array<std::string_view, 6> names{"psf_corrected", "edges", "thesis", "pet", "mr", "ct"};
@@ -23,17 +23,17 @@ VentricleOptions thesis_options() {
   VentricleOptions o = edge_options();
   o.orientation.method = OrientationMethod::header;
   o.closure.valve_plane = false;
-  o.edges = Canny{.sigma_px = 1.8, .low = 0.3, .high = 0.7};
+  o.edges = image::Canny{.sigma_px = 1.8, .low = 0.3, .high = 0.7};
   o.labels.bright = ImageContrast::wall;
   o.labels.circle = {.min_component_px = 8, .centroid_tolerance_px = 1, .robust_fit = false};
   o.labels.method = Mlc{.strict_thesis = true, .box_margin_px = 0};
-  o.field = Gvf{};
-  o.evolution.stop.point = StopPoint::entry;
+  o.field = field::Gvf{};
+  o.evolution.stop.point = dynamics::StopPoint::entry;
   o.settle.rounds = 0;
   o.evolution.force.drag = 0.01;
   o.evolution.step_s = 0.1;
   o.evolution.end.still_radius = 0;
-  o.keyframes.interpolation = TimeInterpolation::linear;
+  o.keyframes.interpolation = mesh::TimeInterpolation::linear;
   return o;
 }
 
@@ -72,4 +72,4 @@ VentricleOptions ventricle_preset(std::string_view name) {
   }
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -4,7 +4,7 @@
 
 #include "dynasurf/ventricle/options.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Named sets of options: "psf_corrected", the default: surfaces on the largest gradient, then the fit through the
 /// camera's blur; "edges" for the first alone; "thesis" for the pipeline exactly as it was published, where ours
@@ -15,4 +15,4 @@ std::span<const std::string_view> preset_names();
 /// Throws OptionError with the choices for an unknown name.
 VentricleOptions ventricle_preset(std::string_view name);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -9,7 +9,7 @@
 #include "dynasurf/ventricle/detail/quality_metrics.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 // Limits of what is believed without a second look. The wall of edge-derived surfaces beats by the blur alone
@@ -86,7 +86,7 @@ void flag_surfaces(const VentricleResult& result, std::vector<QualityFlag>& flag
     flag_gates(result, flags, "surface_missing", Severity::failure, "no " + name + "cardial border was found",
                [&](const Gate& g) { return !surface(g); });
     flag_gates(result, flags, "surface_diverged", Severity::failure, "the " + name + "cardial surface diverged",
-               [&](const Gate& g) { return surface(g) && surface(g)->stop_reason == StopReason::diverged; });
+               [&](const Gate& g) { return surface(g) && surface(g)->stop_reason == dynamics::StopReason::diverged; });
     flag_gates(result, flags, "surface_incomplete", Severity::warning,
                format("fewer than %.0f %% of the ", 100 * least_arrived) + name +
                    "cardial surface lie within a voxel of its border",
@@ -319,4 +319,4 @@ Verdict verdict_of(std::span<const QualityFlag> flags) {
   return verdict;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/note.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 struct Gate;
 struct VentricleResult;
@@ -30,4 +30,4 @@ std::vector<QualityFlag> assess(const VentricleResult& result);
 /// The worst of the flags: none is `ok`, a warning is `check`, a failure is `fail`.
 Verdict verdict_of(std::span<const QualityFlag> flags);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -13,7 +13,7 @@
 #include "dynasurf/ventricle/detail/smooth_cycle.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr int rows = 8, around = 24;
@@ -32,7 +32,7 @@ constexpr int wall_from = -4, wall_to = 5, out_to = 22;  // in steps
 std::vector<double> profile_of(const Image& image, const ShellPoint& at) {
   std::vector<double> values;
   for (int s = wall_from; s <= out_to; ++s)
-    values.push_back(sample_linear(image, at.position + s * step_mm * at.normal));
+    values.push_back(image::sample_linear(image, at.position + s * step_mm * at.normal));
   return values;
 }
 
@@ -229,7 +229,7 @@ double noise_of_wall(std::span<const Image> gates, const LvShell& cup) {
   for_each_direction(cup, [&](const ShellPoint& at, int) {
     double mean = 0;
     for (std::size_t g = 0; g < gates.size(); ++g) {
-      course[g] = sample_linear(gates[g], at.position);
+      course[g] = image::sample_linear(gates[g], at.position);
       mean += *course[g] / static_cast<double>(gates.size());
     }
     brightness.push_back(mean);
@@ -252,4 +252,4 @@ QualityMetrics quality_metrics(const VentricleResult& result) {
   return clues;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

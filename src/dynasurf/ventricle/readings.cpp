@@ -7,7 +7,7 @@
 #include "dynasurf/ventricle/fit/detail/wall_posterior.hpp"
 #include "dynasurf/ventricle/measures/detail/regional_errors.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr std::array<std::string_view, 3> kind_names{"psf_corrected", "edge", "gaussian_profile"};
@@ -174,4 +174,4 @@ std::optional<Measures> measure_study(const VentricleResult& result, const Measu
   return measures;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -19,7 +19,7 @@
 #include "dynasurf/ventricle/detail/relabel.hpp"
 #include "dynasurf/ventricle/labels/detail/circle.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// Counts finished pieces of work from several threads and tells the user, one call at a time.
@@ -42,22 +42,22 @@ class StageCounter {
 /// What one wall of one gate passes through on its way from a border to a surface.
 struct WallRun {
   Image border;
-  BorderPlanes planes;
+  dynamics::BorderPlanes planes;
   Image edge_map;  // of pipeline direct
-  Placement placement;
+  mesh::Placement placement;
   TriMesh start;  // grid frame; empty for pipeline contour
-  FlowResult flow;
-  EvolutionResult evolved;
+  field::FlowResult flow;
+  dynamics::EvolutionResult evolved;
   std::optional<Surface> surface;
-  std::optional<StackVolumes> stack;     // of pipeline contour
-  std::optional<WallContours> contours;  // likewise
+  std::optional<mesh::StackVolumes> stack;  // of pipeline contour
+  std::optional<WallContours> contours;     // likewise
   std::optional<TriMesh> settled;
   bool exists() const { return !border.values.empty(); }
 };
 
 /// What one gate passes through.
 struct GateRun {
-  EdgeMap edges;
+  image::EdgeMap edges;
   Labels labels;
   int base_slice = -1;
   std::optional<BasePlane> base_plane;
@@ -77,14 +77,14 @@ constexpr Border walls[] = {Border::endo, Border::epi};
 constexpr int room_voxels = 3;  // around a border, for its field
 
 /// The edges of the caller's function, which may have left the image's grid.
-EdgeMap own_edges(const Image& image, const OwnStages& own) {
-  EdgeMap edges = own.edges(image);
+image::EdgeMap own_edges(const Image& image, const OwnStages& own) {
+  image::EdgeMap edges = own.edges(image);
   if (edges.edges.grid.dims != image.grid.dims || edges.gradient.grid.dims != image.grid.dims)
     throw InputError("stage edges, " + own.edges_name + ": the edges lie on another grid than the image");
   return edges;
 }
 
-Labels own_labels(const Image& image, const EdgeMap& edges, const OwnStages& own) {
+Labels own_labels(const Image& image, const image::EdgeMap& edges, const OwnStages& own) {
   Labels labels = own.labels(image, edges);
   if (labels.borders.grid.dims != image.grid.dims)
     throw InputError("stage labels, " + own.labels_name + ": the borders lie on another grid than the image");
@@ -95,7 +95,8 @@ Labels own_labels(const Image& image, const EdgeMap& edges, const OwnStages& own
 
 void find_labels(GateRun& run, const Image& image, const SliceRange& useful, const std::optional<Mask>& region,
                  const VentricleOptions& options, const OwnStages& own, StageClock& clock) {
-  run.edges = clock("edges", [&] { return own.edges ? own_edges(image, own) : detect_edges(image, options.edges); });
+  run.edges =
+      clock("edges", [&] { return own.edges ? own_edges(image, own) : image::detect_edges(image, options.edges); });
   clear_outside(run.edges.edges, useful);
   if (region) clear_outside(run.edges.edges, *region);
   run.labels = clock("labels", [&] {
@@ -141,8 +142,8 @@ void make_borders(GateRun& run, const Image& image, const VentricleOptions& opti
     run.wall(wall).placement = options.placement;
     if (options.pipeline != Pipeline::direct) continue;
     // One field for both walls: who comes from outside would be held by the outer one.
-    if (wall == Border::endo) run.wall(wall).placement.direction = Direction::in_to_out;
-    run.wall(wall).edge_map = edge_map_of(spread_to(image, run.wall(wall).border.grid), options.edge_map);
+    if (wall == Border::endo) run.wall(wall).placement.direction = mesh::Direction::in_to_out;
+    run.wall(wall).edge_map = field::edge_map_of(spread_to(image, run.wall(wall).border.grid), options.edge_map);
   }
 }
 
@@ -160,9 +161,10 @@ void find_surface(WallRun& run, const TriMesh& start, const VentricleOptions& op
                   StageClock& clock) {
   const Image& map = options.pipeline == Pipeline::direct ? run.edge_map : run.border;
   run.start = start;
-  run.flow = clock("field", [&] { return flow_field(map, options.field, quiet); });
-  run.evolved = clock("surfaces",
-                      [&] { return evolve(start, run.flow.field, run.border, options.evolution, quiet, &run.planes); });
+  run.flow = clock("field", [&] { return field::flow_field(map, options.field, quiet); });
+  run.evolved = clock("surfaces", [&] {
+    return dynamics::evolve(start, run.flow.field, run.border, options.evolution, quiet, &run.planes);
+  });
 }
 
 /// The outer wall first: it bounds the search for the inner one. A wall without contours keeps no border and no mesh.
@@ -192,8 +194,8 @@ void find_contours(GateRun& run, const Image& image, const VentricleOptions& opt
 
 /// The former surface, a little enlarged about its centre, so that the next one is reached from outside
 /// (FUT-WARMSTART); or shrunk, for surfaces that grow.
-TriMesh resized(TriMesh mesh, Direction direction) {
-  const double growth = direction == Direction::out_to_in ? 1.15 : 1 / 1.15;
+TriMesh resized(TriMesh mesh, mesh::Direction direction) {
+  const double growth = direction == mesh::Direction::out_to_in ? 1.15 : 1 / 1.15;
   Vec3 centre = Vec3::Zero();
   for (const Vec3& p : mesh.vertices) centre += p / static_cast<double>(mesh.vertices.size());
   for (Vec3& p : mesh.vertices) p = centre + growth * (p - centre);
@@ -253,7 +255,7 @@ WallStages stages_of(const WallRun& run, const Image* drag) {
 }
 
 void hand_over_stages(const IntermediateSink& keep, std::vector<GateRun>& runs, const Study& study,
-                      const Evolution& evolution) {
+                      const dynamics::Evolution& evolution) {
   for (std::size_t g = 0; g < runs.size(); ++g) {
     GateRun& run = runs[g];
     Intermediates stages{static_cast<int>(g), &study.gates[g], &run.edges, &run.labels, {}, {}};
@@ -261,7 +263,7 @@ void hand_over_stages(const IntermediateSink& keep, std::vector<GateRun>& runs, 
     for (std::size_t w = 0; w < 2; ++w) {
       const WallRun& wall = run.wall(walls[w]);
       if (wall.exists() && !wall.flow.field.x.empty())
-        drags[w] = drag_map(evolution.damping, wall.flow.field, wall.border, evolution.force.drag);
+        drags[w] = dynamics::drag_map(evolution.damping, wall.flow.field, wall.border, evolution.force.drag);
       (w == 0 ? stages.endo : stages.epi) = stages_of(wall, drags[w] ? &*drags[w] : nullptr);
     }
     keep(stages);
@@ -290,8 +292,8 @@ ImageContrast detect_contrast(const Study& study, const std::optional<Location>&
   if (options.labels.bright != ImageContrast::automatic) return options.labels.bright;
   if (heart && heart->is_clear()) return ImageContrast::wall;
   Notes notes;
-  const Image mean = normalise(mean_image(study.gates), notes);
-  return label_borders(mean, detect_edges(mean, options.edges), options.labels).bright;
+  const Image mean = image::normalise(mean_image(study.gates), notes);
+  return label_borders(mean, image::detect_edges(mean, options.edges), options.labels).bright;
 }
 
 /// The heart in the mean of the gates. Where its two ends look alike, as those of a tube without an apex, the order of
@@ -332,8 +334,8 @@ StudyRun run_borders(const Study& whole, const VentricleOptions& requested, cons
   run.study = canonical_study(orient(cut ? *cut : original, run.heart, options.orientation));
   require_inside(options.manual, original, run.study);
   for (Image& image : run.study.gates) {
-    if (options.noise_fraction > 0) image = suppress_noise(std::move(image), options.noise_fraction);
-    image = prepare(std::move(image), options.prepare);
+    if (options.noise_fraction > 0) image = image::suppress_noise(std::move(image), options.noise_fraction);
+    image = image::prepare(std::move(image), options.prepare);
   }
 
   note_own_stages(own, run.study.notes);
@@ -396,7 +398,7 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
   if (requested.label > 0)
     return reconstruct(only_label(original, requested.label), without_label(requested), progress, keep, start, mask,
                        own);
-  if (requested.placement.shape == StartShape::file && start == nullptr)
+  if (requested.placement.shape == mesh::StartShape::file && start == nullptr)
     throw OptionError("option placement.shape is file; expected a mesh to start from, none was given");
   VentricleResult result;
   StageClock clock(result.seconds);
@@ -413,7 +415,7 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
   const auto surface_from_start = [&](WallRun& run) {
     progress.check();
     if (run.exists())
-      find_surface(run, start_mesh(run.border, options.mesh_level, run.placement, start), options, quiet, clock);
+      find_surface(run, mesh::start_mesh(run.border, options.mesh_level, run.placement, start), options, quiet, clock);
     surfaces_found.advance();
   };
   if (options.pipeline == Pipeline::contour) {
@@ -446,7 +448,7 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
   parallel_for(2 * runs.size(), 1, [&](std::size_t task, std::size_t) {
     WallRun& run = runs[task / 2].wall(walls[task % 2]);
     if (!run.exists()) return;
-    const bool settles = options.pipeline != Pipeline::contour && run.evolved.reason != StopReason::diverged;
+    const bool settles = options.pipeline != Pipeline::contour && run.evolved.reason != dynamics::StopReason::diverged;
     if (settles && options.settle.rounds > 0)
       run.settled = clock("settling", [&] {
         return settled(run.evolved.mesh, run.border.grid, result.study.gates[task / 2], options);
@@ -478,4 +480,4 @@ VentricleResult reconstruct(const Study& original, const VentricleOptions& reque
   return result;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -11,25 +11,25 @@
 #include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// What one wall passed through, in the frame of its border's grid. What there was none of is null.
 struct WallStages {
-  const Image* border = nullptr;             // closed border volume; null where there is no border, then all else is
-  const Image* edge_map = nullptr;           // that the field of pipeline direct is made from
-  const Image* drag = nullptr;               // per voxel, where it is not the same everywhere
-  const VectorField* field = nullptr;        // null for contours
-  const TriMesh* start = nullptr;            // what was deformed; null for contours
-  const EvolutionResult* evolved = nullptr;  // as the particles came to rest, with histories
-  const TriMesh* settled = nullptr;          // moved on to the steepest slope
-  const WallContours* contours = nullptr;    // of pipeline contour: px of the image, per slice
+  const Image* border = nullptr;              // closed border volume; null where there is no border, then all else is
+  const Image* edge_map = nullptr;            // that the field of pipeline direct is made from
+  const Image* drag = nullptr;                // per voxel, where it is not the same everywhere
+  const field::VectorField* field = nullptr;  // null for contours
+  const TriMesh* start = nullptr;             // what was deformed; null for contours
+  const dynamics::EvolutionResult* evolved = nullptr;  // as the particles came to rest, with histories
+  const TriMesh* settled = nullptr;                    // moved on to the steepest slope
+  const WallContours* contours = nullptr;              // of pipeline contour: px of the image, per slice
 };
 
 /// What a run passed through, gate by gate, for saving and drawing: called once per gate if given.
 struct Intermediates {
   int gate = 0;
   const Image* image = nullptr;  // canonical, normalised
-  const EdgeMap* edges = nullptr;
+  const image::EdgeMap* edges = nullptr;
   const Labels* labels = nullptr;
   WallStages endo, epi;
 };
@@ -39,8 +39,8 @@ using IntermediateSink = std::function<void(const Intermediates&)>;
 /// ("stage.replaced"). Called from several threads at once. The edges lie on the image's grid; so do the labels'
 /// borders.
 struct OwnStages {
-  std::function<EdgeMap(const Image&)> edges;
-  std::function<Labels(const Image&, const EdgeMap&)> labels;
+  std::function<image::EdgeMap(const Image&)> edges;
+  std::function<Labels(const Image&, const image::EdgeMap&)> labels;
   std::string edges_name = "a function of the caller", labels_name = "a function of the caller";
 };
 
@@ -55,7 +55,7 @@ VentricleResult reconstruct(const Study& study, const VentricleOptions& options,
 
 /// What one gate has before its surfaces.
 struct GateBorders {
-  EdgeMap edges;
+  image::EdgeMap edges;
   Labels labels;
   int base_slice = -1;  // highest slice of the ventricle, -1: unknown
 };
@@ -73,4 +73,4 @@ struct BorderResult {
 BorderResult find_borders(const Study& study, const VentricleOptions& options, const Progress& progress = {},
                           const Image* mask = nullptr, const OwnStages& own = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -7,7 +7,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// The voxels outside a region in layers from its rim outwards, each touching the layer before by a face.
@@ -106,4 +106,4 @@ void clear_outside(Mask& edges, const Mask& region) {
     if (region.values[n] == 0) edges.values[n] = 0;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -7,7 +7,7 @@
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/ventricle/detail/smooth_cycle.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double most_stray_mm = 4;  // gates that lie farther do not bend the smooth course either
@@ -118,4 +118,4 @@ void share_division_slice(std::span<Labels* const> gates) {
   }
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -16,7 +16,7 @@
 #include "dynasurf/ventricle/quality.hpp"
 #include "dynasurf/ventricle/surface.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// How the ventricle's borders were read. `psf_corrected`: surfaces of all gates fitted through the point spread.
 /// `edge`: where the blurred image is steepest. `gaussian_profile`: as programs of the QGS family read them.
@@ -86,4 +86,4 @@ struct VentricleResult {
   std::vector<std::pair<std::string, double>> seconds;  // per stage, in order, summed over gates
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -11,7 +11,7 @@
 #include "dynasurf/mesh/ray_bvh.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr int samples_per_voxel = 3;
@@ -38,7 +38,8 @@ Profiles profiles_of(const TriMesh& mesh, const std::vector<Vec3>& normals, cons
   std::vector<double> values(p.width + 2);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     for (std::size_t s = 0; s < values.size(); ++s)
-      values[s] = sample_cubic(image, mesh.vertices[v] + (static_cast<double>(s) - reach - 1) * p.step_mm * normals[v]);
+      values[s] =
+          image::sample_cubic(image, mesh.vertices[v] + (static_cast<double>(s) - reach - 1) * p.step_mm * normals[v]);
     const std::span<double> row = p.of(v);
     for (std::size_t s = 0; s < row.size(); ++s) row[s] = (values[s + 2] - values[s]) / (2 * p.step_mm);
   }
@@ -56,7 +57,7 @@ void turn_upwards(Profiles& p, const std::vector<bool>& on_lid) {
 }
 
 /// Half a vertex's own slopes, half the mean of its neighbours'.
-Profiles averaged(const Profiles& p, const VertexRings& rings, const std::vector<bool>& on_lid) {
+Profiles averaged(const Profiles& p, const mesh::VertexRings& rings, const std::vector<bool>& on_lid) {
   Profiles result = p;
   for (std::uint32_t v = 0; v < on_lid.size(); ++v) {
     const std::span<double> row = result.of(v);
@@ -115,13 +116,13 @@ double median_of(const std::vector<std::optional<double>>& offsets) {
 }  // namespace
 
 TriMesh settle_on_slope(TriMesh mesh, const Image& image, const Vec3& base, const Settle& options) {
-  const VertexRings rings = vertex_rings(mesh);
+  const mesh::VertexRings rings = mesh::vertex_rings(mesh);
   float largest = 0;
   for (const float value : image.values) largest = std::max(largest, std::abs(value));
   std::vector<bool> on_lid;
-  for (const Vec3& n : normals_of_vertices(mesh)) on_lid.push_back(n.dot(base) > lid_cosine);
+  for (const Vec3& n : mesh::normals_of_vertices(mesh)) on_lid.push_back(n.dot(base) > lid_cosine);
   for (int round = 0; round < options.rounds; ++round) {
-    const std::vector<Vec3> normals = normals_of_vertices(mesh);
+    const std::vector<Vec3> normals = mesh::normals_of_vertices(mesh);
     Profiles profiles = profiles_of(mesh, normals, image, options.reach_voxels);
     turn_upwards(profiles, on_lid);
     const std::vector<std::optional<double>> offsets =
@@ -134,4 +135,4 @@ TriMesh settle_on_slope(TriMesh mesh, const Image& image, const Vec3& base, cons
   return mesh;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -3,7 +3,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Moves a surface from where its particles stopped onto the steepest slope of the image. An edge detector blurs the
 /// image once more, which moves the edges of curved walls inwards, and sees one slice at a time; reading the image
@@ -29,4 +29,4 @@ void describe(auto& visit, Settle& o) {
 /// `base` (unit; zero: none do) within 60 degrees stay: there a surface is closed by a lid that no image shows.
 TriMesh settle_on_slope(TriMesh mesh, const Image& image, const Vec3& base, const Settle& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -8,7 +8,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 Eigen::MatrixXd waves_over(Eigen::Index gates, Eigen::Index most) {
@@ -54,4 +54,4 @@ SmoothCycle smooth_over_cycle(std::span<const std::optional<double>> values, dou
   return cycle;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <numeric>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
-void note_repair(const Repair& repair, Notes& notes) {
+void note_repair(const mesh::Repair& repair, Notes& notes) {
   std::array<char, 200> text{};
   if (repair.untangled.left > 0) {
     std::snprintf(text.data(), text.size(), "the surface cuts itself in %zu places that smoothing did not free",
@@ -23,25 +23,25 @@ void note_repair(const Repair& repair, Notes& notes) {
   }
 }
 
-MoveReport sum_of(const MoveReport& a, const MoveReport& b) {
+mesh::MoveReport sum_of(const mesh::MoveReport& a, const mesh::MoveReport& b) {
   return {a.vertices_moved + b.vertices_moved, std::max(a.largest_move_mm, b.largest_move_mm),
           a.volume_change_mm3 + b.volume_change_mm3};
 }
 
 void measure_distances(const TriMesh& mesh, const Image& border, Surface& s) {
   const auto count = static_cast<double>(mesh.vertices.size());
-  const std::vector<double> voxels = distances_to_border_voxels(mesh, border);
+  const std::vector<double> voxels = mesh::distances_to_border_voxels(mesh, border);
   s.within_one_voxel =
       static_cast<double>(std::count_if(voxels.begin(), voxels.end(), [](double d) { return d < 1; })) / count;
-  s.border_reached = share_of_border_reached(mesh, border);
-  const std::vector<double> mm = distances_to_border_mm(mesh, border);
+  s.border_reached = mesh::share_of_border_reached(mesh, border);
+  const std::vector<double> mm = mesh::distances_to_border_mm(mesh, border);
   s.mean_distance_mm = std::accumulate(mm.begin(), mm.end(), 0.0) / count;
 }
 
 }  // namespace
 
-Surface measure_surface(const EvolutionResult& evolved, const Image& border, const std::optional<BasePlane>& base_plane,
-                        const Tidy& options, const TriMesh* settled) {
+Surface measure_surface(const dynamics::EvolutionResult& evolved, const Image& border,
+                        const std::optional<BasePlane>& base_plane, const mesh::Tidy& options, const TriMesh* settled) {
   Surface s;
   s.stop_reason = evolved.reason;
   s.steps = evolved.steps;
@@ -50,19 +50,19 @@ Surface measure_surface(const EvolutionResult& evolved, const Image& border, con
   s.stopped_fraction = evolved.stopped_fraction;
   measure_distances(evolved.mesh, border, s);
   TriMesh mesh = settled != nullptr ? *settled : evolved.mesh;
-  MoveReport before_cut;
+  mesh::MoveReport before_cut;
   if (base_plane) {
-    before_cut = tidy(mesh, options);
+    before_cut = mesh::tidy(mesh, options);
     mesh = flatten_above(std::move(mesh), to_grid(border.grid, *base_plane));
   }
   // Repaired and certified as it is published: rounding on the way to the world may make triangles meet.
   s.mesh = to_world(border.grid, std::move(mesh));
-  s.repair = repair_surface(s.mesh, options);
+  s.repair = mesh::repair_surface(s.mesh, options);
   s.repair.tidied = sum_of(before_cut, s.repair.tidied);
   note_repair(s.repair, s.notes);
-  s.volume_ml = volume_mm3(s.mesh) / 1000;
-  s.quality = triangle_quality(s.mesh);
+  s.volume_ml = mesh::volume_mm3(s.mesh) / 1000;
+  s.quality = mesh::triangle_quality(s.mesh);
   return s;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

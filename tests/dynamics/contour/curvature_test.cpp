@@ -8,7 +8,7 @@
 
 #include "dynasurf/dynamics/contour/discrete.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 std::vector<Vec2> force_on(const Contour& c, CurvatureFilter filter = CurvatureFilter::fixed) {
@@ -169,4 +169,4 @@ TEST(DiscreteContour, ShortensAndWidensAHalfCircleCap) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -10,7 +10,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/dynamics/contour/potential.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 /// A plane whose pixels are the share of a shape that covers them, sampled 8 x 8 times.
@@ -28,7 +28,7 @@ Image painted(int side, Inside inside) {
   return plane;
 }
 
-VectorField pull_of(const Image& plane) { return scaled_to_one(force_of(image_potential(plane, {}))); }
+field::VectorField pull_of(const Image& plane) { return scaled_to_one(force_of(image_potential(plane, {}))); }
 
 double mean_radial_error(const Contour& c, const Vec2& centre, double radius) {
   double sum = 0;
@@ -109,7 +109,7 @@ TEST(DiscreteContour, BridgesAGapInARingSmoothly) {
     return d.norm() > 12 && d.norm() < 16 && !gap;
   });
   // Bright lines are valleys here: the ring itself is wanted.
-  const VectorField pull = scaled_to_one(force_of(image_potential(ring, {PotentialSource::bright, 1.5})));
+  const field::VectorField pull = scaled_to_one(force_of(image_potential(ring, {PotentialSource::bright, 1.5})));
   const ContourResult r = evolve_contour(circle_contour(centre, 16, 2), pull, {});
   for (const Vec2& p : r.contour.points) EXPECT_NEAR((p - centre).norm(), 14, 1.5);
 }
@@ -128,7 +128,7 @@ TEST(DiscreteContour, DoesNotSlideAlongAnUnevenValleyWhenForcesAreRadial) {
   DiscreteContour o;
   o.resample_every = 0;
   o.max_steps = 400;
-  const VectorField pull = scaled_to_one(force_of(energy));
+  const field::VectorField pull = scaled_to_one(force_of(energy));
   const auto evenness = [&](bool radial) {
     o.radial_only = radial;
     const auto [low, high] = edge_range(evolve_contour(line, pull, o).contour);
@@ -221,4 +221,4 @@ TEST(Strokes, AreGaussiansOfTheDistance) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -8,7 +8,7 @@
 
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 template <class Inside>
@@ -96,4 +96,4 @@ TEST(ActiveNet, RefusesPlanesThatAreTooSmallOrNotFinite) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

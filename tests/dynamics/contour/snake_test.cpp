@@ -10,7 +10,7 @@
 #include "dynasurf/dynamics/contour/potential.hpp"
 #include "dynasurf/field/gvf.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 /// A U whose arms stand up: outside 36 x 34 px, the mouth from x = 25 to 39 and down to y = 24. Black line on white is
@@ -84,14 +84,14 @@ TEST(Snake, WithTheFourEnergiesStopsAtTheMouthOfAU) {
   for (const SnakeEnergy kind : {SnakeEnergy::gradient, SnakeEnergy::smoothed_gradient, SnakeEnergy::intensity,
                                  SnakeEnergy::smoothed_intensity}) {
     const bool of_lines = kind == SnakeEnergy::intensity || kind == SnakeEnergy::smoothed_intensity;
-    const VectorField pull = scaled_to_one(force_of(snake_energy(of_lines ? lines : u, kind, 2)));
+    const field::VectorField pull = scaled_to_one(force_of(snake_energy(of_lines ? lines : u, kind, 2)));
     const ContourResult r = evolve_snake(around(), pull, {});
     EXPECT_GT(depth_reached(r.contour), 40) << word_of(kind);  // the floor of the U lies at 23.5
   }
 }
 
 TEST(Snake, WithGradientVectorFlowEntersTheU) {
-  VectorField flow = flow_field(border_of_u(), SteadyGvf{.mu = 0.2}).field;
+  field::VectorField flow = field::flow_field(border_of_u(), field::SteadyGvf{.mu = 0.2}).field;
   // Directions alone, as in the paper of Xu and Prince: far from the border the flow is weak.
   for (std::size_t n = 0; n < flow.x.size(); ++n)
     if (const float length = std::hypot(flow.x[n], flow.y[n]); length > 0) flow.x[n] /= length, flow.y[n] /= length;
@@ -110,4 +110,4 @@ TEST(Snake, RefusesWhatItCannotMove) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

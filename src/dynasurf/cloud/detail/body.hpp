@@ -8,7 +8,7 @@
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// The surface of a field at `level`, in the cloud's frame, without components supported by less than `smallest_share`
 /// of the points: those nearest to fewer.
@@ -43,4 +43,4 @@ struct Body {
 Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> points, const CloudOptions& options,
                  Notes& notes, const std::optional<BodyTopology>& expected = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -5,7 +5,7 @@
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// A sphere, ellipsoid or hull around every part of a closed surface, drawn onto it: its particles follow the steady
 /// gradient vector flow of the part's voxels until they meet one (thesis 6.2), coarse first, with triangles evened out
@@ -14,4 +14,4 @@ namespace dynasurf {
 /// Precondition: `start` is one of the three. Throws Cancelled.
 TriMesh deform_start(const TriMesh& target, CloudStart start, const Progress& progress = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -3,7 +3,7 @@
 
 #include "dynasurf/core/geometry.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// How fast the number of points within a distance of a point grows with the distance, as a power: near 1 along a
 /// curve, near 2 on a surface, near 3 where points fill space (correlation dimension, Grassberger and Procaccia 1983).
@@ -11,4 +11,4 @@ namespace dynasurf {
 /// space only nearby, and two sides of a wall only where it is thin. 0 where there are too few points to tell.
 double smallest_dimension(std::span<const Vec3> points);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -3,7 +3,7 @@
 
 #include "dynasurf/mesh/detail/surface_editor.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// What a surface is fitted to. `normals` is empty or has one unit normal per point; a point is then not drawn to a
 /// side of the surface that faces away from it.
@@ -26,9 +26,9 @@ struct FitOptions {
 /// towards distances (which makes it robust), is solved for all vertices at once. Moves that would spoil a triangle are
 /// shortened, and those that would make the surface meet itself are taken back. The surface must be free of
 /// self-intersections. Returns the mean distance of the points before the last round.
-double fit(SurfaceEditor& surface, const FitPoints& to, const FitOptions& options);
+double fit(mesh::SurfaceEditor& surface, const FitPoints& to, const FitOptions& options);
 
 /// The mean distance of points to a surface.
-double mean_distance(const SurfaceEditor& surface, std::span<const Vec3> points);
+double mean_distance(const mesh::SurfaceEditor& surface, std::span<const Vec3> points);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -5,7 +5,7 @@
 #include "dynasurf/cloud/orient.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// How holes are found and filled; lengths are in the unit of the points.
 struct Holes {
@@ -30,4 +30,4 @@ struct HoleFill {
 /// higher or lower does not have are accidents. Nothing where there are no holes.
 std::optional<HoleFill> fill_holes(const IndicatorField& field, const OrientedPoints& points, const Holes& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -3,7 +3,7 @@
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// A function that is positive inside the body and negative outside: 0.5 and -0.5 far from the surface. Its grid frame
 /// is in steps of `side`: cloud = origin + side * grid frame.
@@ -29,4 +29,4 @@ struct InsideOptions {
 std::vector<IndicatorField> solve_indicator(const OrientedPoints& points, const InsideOptions& options,
                                             const Progress& progress = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/geometry.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// Answers which points are nearest: exact, by a balanced tree that halves the points at medians. Equally near points
 /// are told apart by their index, so answers are the same everywhere.
@@ -56,4 +56,4 @@ class KdTree {
   std::vector<Place> places_;
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -5,7 +5,7 @@
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/detail/surface_editor.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// How a level of detail is made from a finer surface. Lengths are in units of the cloud's diagonal.
 struct LevelPlan {
@@ -33,16 +33,16 @@ LevelPlan faithful_plan();
 std::size_t step_of_fit(const LevelPlan& plan, std::size_t points, std::size_t triangles);
 
 /// Collapses edges to `triangles` with well-shaped ones, never letting the surface meet itself.
-void make_lighter(SurfaceEditor& surface, std::size_t triangles);
+void make_lighter(mesh::SurfaceEditor& surface, std::size_t triangles);
 
 /// What `make_level` does first where it makes many triangles, and needs no points for: collapses. Done before, they
 /// are not done again.
-void lighten_for_level(SurfaceEditor& surface, std::size_t triangles, const LevelPlan& plan);
+void lighten_for_level(mesh::SurfaceEditor& surface, std::size_t triangles, const LevelPlan& plan);
 
 /// Takes `surface` (free of self-intersections) down to `triangles`, with triangles as the plan asks for, fitted to the
 /// points. `fine` is the surface that vertices slide on. Closed, manifold, of the same genus, and free of
 /// self-intersections at the end. Returns the number of triangles, which is larger than asked for where no edge may go.
-std::size_t make_level(SurfaceEditor& surface, std::size_t triangles, const TriMesh& fine, const ClosestPoint& on_fine,
-                       const FitPoints& points, const LevelPlan& plan);
+std::size_t make_level(mesh::SurfaceEditor& surface, std::size_t triangles, const TriMesh& fine,
+                       const mesh::ClosestPoint& on_fine, const FitPoints& points, const LevelPlan& plan);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 // sRGB (IEC 61966-2-1) and the light it stands for, 0 to 1. Means of colours are means of light.
 
@@ -25,4 +25,4 @@ inline std::uint8_t srgb_byte(double light) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(c, 0.0, 1.0) * 255));
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

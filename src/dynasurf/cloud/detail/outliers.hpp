@@ -4,7 +4,7 @@
 
 #include "dynasurf/cloud/detail/kd_tree.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// 0 for the points that are no part of a surface: those `factor` times farther from their neighbours than those are
 /// from theirs, and those half as far, measured in the usual spacing of the largest sheet, that hang together with too
@@ -13,4 +13,4 @@ namespace dynasurf {
 /// points. The same for any number of threads.
 std::vector<std::uint8_t> parts_of_surfaces(const std::vector<Vec3>& points, const KdTree& neighbours, double factor);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -6,7 +6,7 @@
 
 #include "dynasurf/mesh/detail/surface_editor.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// The vertices around a hole of an open surface, in the direction of the surface's own triangles.
 using Loop = std::vector<std::uint32_t>;
@@ -27,7 +27,7 @@ std::vector<Rim> rims_of(const TriMesh& open, std::span<const Loop> loops);
 
 /// A new piece of surface over one hole, or between two.
 struct Patch {
-  SurfaceEditor surface;             // closed; other holes are covered by fans of triangles
+  mesh::SurfaceEditor surface;       // closed; other holes are covered by fans of triangles
   std::uint32_t first_vertex = 0;    // slots from here on are the patch's own
   std::uint32_t first_triangle = 0;  // slots from here on are the patch
   std::vector<std::uint32_t> rim;    // vertices where the patch meets the surface
@@ -40,4 +40,4 @@ struct Patch {
 /// and Kobbelt, Geometric fairing of irregular meshes, 2001). It may cross the rest of the surface.
 Patch make_patch(const TriMesh& open, std::span<const Loop> loops, std::size_t a, std::optional<std::size_t> b = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

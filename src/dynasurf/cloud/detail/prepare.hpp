@@ -6,7 +6,7 @@
 #include "dynasurf/core/point_cloud.hpp"
 #include "dynasurf/core/progress.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// What is left of a cloud to work on. Points stand in the order of the tree, near ones together, and the other arrays
 /// with them.
@@ -21,4 +21,4 @@ struct PreparedCloud {
 /// than 10 points left, points in one plane, and arrays of the wrong length.
 PreparedCloud prepare(PointCloud cloud, const CloudOptions& options, const Progress& progress = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

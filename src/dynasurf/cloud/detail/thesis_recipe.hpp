@@ -10,7 +10,7 @@
 #include "dynasurf/core/volume.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 
 /// A cloud as border voxels of side 1, with the way back: cloud = origin + side * grid frame.
 struct CloudVoxels {
@@ -26,7 +26,7 @@ CloudVoxels voxelise(std::span<const Vec3> points, int cells = 62, int margin = 
 
 /// Where a mesh stands that is to be drawn onto the border voxels of a cloud: half axes 1.15 times those of their box,
 /// a hull 1.02 times its own size.
-Placement placement_of(CloudStart start);
+mesh::Placement placement_of(CloudStart start);
 
 /// GEN-GVF and GEN-FIT (thesis 6.2): gradient vector flow with mu 2 and 200 iterations, then for each of `triangles` an
 /// icosphere stretched around the voxels, or another `start`, that moves inwards as a free model (RK4, K 0.1, no drag,
@@ -36,4 +36,4 @@ Placement placement_of(CloudStart start);
 std::vector<TriMesh> thesis_meshes(std::span<const Vec3> points, std::span<const int> triangles, CloudStart start,
                                    Notes& notes, const Progress& progress = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::cloud

@@ -6,7 +6,7 @@
 
 // The columns of the tables of a cohort follow from the published schemas of results: every scalar has one, with what
 // the schema says of it, whether a study has a value or not.
-namespace dynasurf::cohort_detail {
+namespace dynasurf::cohort::detail {
 
 using Json = nlohmann::ordered_json;
 
@@ -38,4 +38,4 @@ const Json* value_at(const Json& object, const std::vector<std::string>& path);
 /// "mL" for edv_ml, "mm" for radius_mm, ...; empty where the name tells none.
 std::string unit_in(const std::string& name);
 
-}  // namespace dynasurf::cohort_detail
+}  // namespace dynasurf::cohort::detail

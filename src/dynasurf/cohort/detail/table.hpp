@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-namespace dynasurf::cohort_detail {
+namespace dynasurf::cohort::detail {
 
 /// A table with a head, as it stands in a file.
 struct TextTable {
@@ -25,4 +25,4 @@ TextTable parse_json_lines(std::string_view text, const std::string& name);
 /// The text with every tab, line break and control character as a blank: what a cell of TSV may hold.
 std::string tsv_cell(std::string_view text);
 
-}  // namespace dynasurf::cohort_detail
+}  // namespace dynasurf::cohort::detail

@@ -10,7 +10,7 @@
 struct sqlite3;
 struct sqlite3_stmt;
 
-namespace dynasurf::cohort_detail {
+namespace dynasurf::cohort::detail {
 
 /// A new SQLite file that is filled in one transaction. Throws IoError.
 class SqliteFile {
@@ -53,4 +53,4 @@ class TableWriter {
   std::vector<CellType> types_;
 };
 
-}  // namespace dynasurf::cohort_detail
+}  // namespace dynasurf::cohort::detail

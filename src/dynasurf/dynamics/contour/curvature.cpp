@@ -3,7 +3,7 @@
 #include <array>
 #include <optional>
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 constexpr std::array<std::string_view, 2> filter_names{"fixed", "adaptive"};
@@ -122,4 +122,4 @@ std::vector<Vec2> curvature_force(const Contour& c, const CurvatureFrame& frame,
   return force;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -7,7 +7,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/dynamics/contour/potential.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 constexpr double shortest = 0.5, longest = 1.5;  // of the wanted edge; a half of `longest` is above `shortest`
@@ -57,7 +57,7 @@ bool split_long_edges(Contour& c, std::vector<Vec2>& carried, double limit) {
   return changed;
 }
 
-std::vector<Vec2> forces(const Contour& c, const VectorField& field, const DiscreteContour& o) {
+std::vector<Vec2> forces(const Contour& c, const field::VectorField& field, const DiscreteContour& o) {
   const CurvatureFrame frame = curvature_frame(c);
   std::vector<Vec2> f = curvature_force(c, frame, o.filter);
   for (std::size_t i = 0; i < f.size(); ++i) {
@@ -85,7 +85,7 @@ void resample(Contour& contour, double edge_px) {
   resample(contour, edge_px, none);
 }
 
-ContourResult evolve_contour(const Contour& start, const VectorField& field, const DiscreteContour& requested) {
+ContourResult evolve_contour(const Contour& start, const field::VectorField& field, const DiscreteContour& requested) {
   DiscreteContour o = requested;
   check_options(o, "contour");
   if (start.size() < 3 || !all_finite(start))
@@ -129,4 +129,4 @@ ContourResult evolve_contour(const Contour& start, const VectorField& field, con
   return r;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

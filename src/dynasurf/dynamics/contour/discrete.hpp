@@ -9,7 +9,7 @@
 #include "dynasurf/dynamics/options.hpp"
 #include "dynasurf/field/vector_field.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// The discrete contour of Lobregt and Viergever (MOD-CONTOUR, thesis 3.4.1, eqs 3.43-3.49). The thesis publishes no
 /// parameters; these are ours (O19).
@@ -56,7 +56,7 @@ struct ContourResult {
 /// Moves a contour under a field of its plane (see potential.hpp) until velocity and acceleration vanish. An empty
 /// field (no values) stands for no external force. Throws InputError for fewer than 3 points or points that are not
 /// finite, OptionError.
-ContourResult evolve_contour(const Contour& start, const VectorField& field, const DiscreteContour& options);
+ContourResult evolve_contour(const Contour& start, const field::VectorField& field, const DiscreteContour& options);
 
 /// One resampling (A.6): edges shorter than half of `edge_px` are replaced by their middle, then edges longer than
 /// 1.5 `edge_px` are halved, again and again until none is left (at most 10 rounds). At least 3 points stay.
@@ -64,4 +64,4 @@ ContourResult evolve_contour(const Contour& start, const VectorField& field, con
 void resample(Contour& contour, double edge_px, std::vector<Vec2>& carried);
 void resample(Contour& contour, double edge_px);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

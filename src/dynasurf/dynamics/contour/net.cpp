@@ -11,7 +11,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/dynamics/contour/potential.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 constexpr float strong_gradient = 0.5F;  // of the largest
@@ -353,4 +353,4 @@ std::vector<Net> fit_topological_nets(const Image& plane, const ActiveNet& reque
   return nets;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

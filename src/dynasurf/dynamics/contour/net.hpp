@@ -7,7 +7,7 @@
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// Active nets and topological active nets (NET-ACTIVE, NET-TOPO, thesis 3.3.2, eqs 3.26-3.30), after Bro-Nielsen and
 /// Ansia. The thesis compares them on paper only and gives no weights; these are ours (O26).
@@ -74,4 +74,4 @@ Net fit_net(const Image& plane, const ActiveNet& options);
 /// a plane below 8 x 8 px or with values that are not finite.
 std::vector<Net> fit_topological_nets(const Image& plane, const ActiveNet& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -8,7 +8,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/field/detail/gradient.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 constexpr std::array<std::string_view, 4> energy_names{"gradient", "smoothed_gradient", "intensity",
@@ -89,7 +89,8 @@ Image snake_energy(const Image& plane, SnakeEnergy kind, double sigma_px) {
   const bool smooth = kind == SnakeEnergy::smoothed_gradient || kind == SnakeEnergy::smoothed_intensity;
   Image image = smooth ? smoothed_plane(plane, sigma_px) : plane;
   if (kind == SnakeEnergy::intensity || kind == SnakeEnergy::smoothed_intensity) return image;
-  return each_pixel(image.grid, [&](int i, int j) { return -detail::gradient_at(image, i, j, 0).squaredNorm(); });
+  return each_pixel(image.grid,
+                    [&](int i, int j) { return -field::detail::gradient_at(image, i, j, 0).squaredNorm(); });
 }
 
 Image image_potential(const Image& plane, const Potential& requested) {
@@ -97,7 +98,7 @@ Image image_potential(const Image& plane, const Potential& requested) {
   check_options(options, "potential");
   Image image = smoothed_plane(plane, options.sigma_px);
   if (options.source == PotentialSource::gradient)
-    image = each_pixel(image.grid, [&](int i, int j) { return detail::gradient_at(image, i, j, 0).norm(); });
+    image = each_pixel(image.grid, [&](int i, int j) { return field::detail::gradient_at(image, i, j, 0).norm(); });
   const auto [low, high] = std::minmax_element(image.values.begin(), image.values.end());
   const double bottom = options.source == PotentialSource::gradient ? 0 : static_cast<double>(*low);
   const double top = static_cast<double>(*high), range = top - bottom;
@@ -120,11 +121,11 @@ void add_strokes(Image& energy, std::span<const Stroke> strokes) {
   }
 }
 
-VectorField force_of(const Image& energy, double scale) {
-  VectorField field(energy.grid);
+field::VectorField force_of(const Image& energy, double scale) {
+  field::VectorField field(energy.grid);
   for (int j = 0; j < energy.grid.dims[1]; ++j)
     for (int i = 0; i < energy.grid.dims[0]; ++i) {
-      const Vec3 g = -scale * detail::gradient_at(energy, i, j, 0);
+      const Vec3 g = -scale * field::detail::gradient_at(energy, i, j, 0);
       const std::size_t at = energy.grid.index(i, j, 0);
       field.x[at] = static_cast<float>(g.x());
       field.y[at] = static_cast<float>(g.y());
@@ -132,7 +133,7 @@ VectorField force_of(const Image& energy, double scale) {
   return field;
 }
 
-VectorField scaled_to_one(VectorField field) {
+field::VectorField scaled_to_one(field::VectorField field) {
   float largest = 0;
   for (std::size_t n = 0; n < field.x.size(); ++n)
     largest = std::max(largest, static_cast<float>(own::hypot(field.x[n], field.y[n])));
@@ -141,9 +142,10 @@ VectorField scaled_to_one(VectorField field) {
   return field;
 }
 
-Vec2 force_at(const VectorField& field, const Vec2& p) {
-  return sample(field, Vec3(p.x() * field.grid.spacing.x(), p.y() * field.grid.spacing.y(), 0), Sampling::trilinear)
+Vec2 force_at(const field::VectorField& field, const Vec2& p) {
+  return field::sample(field, Vec3(p.x() * field.grid.spacing.x(), p.y() * field.grid.spacing.y(), 0),
+                       field::Sampling::trilinear)
       .head<2>();
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

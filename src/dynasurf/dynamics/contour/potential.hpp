@@ -8,7 +8,7 @@
 #include "dynasurf/core/volume.hpp"
 #include "dynasurf/field/vector_field.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 // Planes are volumes of one slice whose pixels have the side 1, so that positions are columns and rows in px.
 
@@ -53,11 +53,11 @@ struct Stroke {
 void add_strokes(Image& energy, std::span<const Stroke> strokes);
 
 /// -grad E, scaled by `scale`.
-VectorField force_of(const Image& energy, double scale = 1);
+field::VectorField force_of(const Image& energy, double scale = 1);
 /// The field divided by its largest length; a zero field stays.
-VectorField scaled_to_one(VectorField field);
+field::VectorField scaled_to_one(field::VectorField field);
 
 /// The field at a point of the plane, between pixels bilinear, outside as on the border.
-Vec2 force_at(const VectorField& field, const Vec2& point);
+Vec2 force_at(const field::VectorField& field, const Vec2& point);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

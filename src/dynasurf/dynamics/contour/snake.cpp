@@ -10,7 +10,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/dynamics/contour/potential.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 /// The symmetric pentadiagonal band without corners, factored as L D L'.
@@ -84,7 +84,7 @@ std::vector<Vec2> solve_cyclic_pentadiagonal(double main, double next, double se
   return y;
 }
 
-ContourResult evolve_snake(const Contour& start, const VectorField& field, const Snake& requested) {
+ContourResult evolve_snake(const Contour& start, const field::VectorField& field, const Snake& requested) {
   Snake o = requested;
   check_options(o, "snake");
   const bool finite =
@@ -119,4 +119,4 @@ ContourResult evolve_snake(const Contour& start, const VectorField& field, const
   return r;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

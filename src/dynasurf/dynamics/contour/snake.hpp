@@ -1,7 +1,7 @@
 #pragma once
 #include "dynasurf/dynamics/contour/discrete.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// The classical snake (SNK-CLASSIC, thesis 3.3.1, eqs 3.20, 3.25, 3.37).
 struct Snake {
@@ -30,10 +30,10 @@ void describe(auto& visit, Snake& o) {
 /// (I + dt A) x_new = x + dt V(x) with A cyclic and pentadiagonal. Stable for any step as far as the internal part
 /// goes. `field` is -grad E of a snake energy, or a gradient vector flow. Closed contours only; an empty field stands
 /// for none. Throws InputError and OptionError like `evolve_contour`.
-ContourResult evolve_snake(const Contour& start, const VectorField& field, const Snake& options);
+ContourResult evolve_snake(const Contour& start, const field::VectorField& field, const Snake& options);
 
 /// Solves (I + dt A) x = b for a ring of n unknowns, n >= 5, in O(n): the band is factored with its corners
 /// eliminated by a small dense system.
 std::vector<Vec2> solve_cyclic_pentadiagonal(double main, double next, double second, const std::vector<Vec2>& b);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

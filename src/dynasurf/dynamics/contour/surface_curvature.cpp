@@ -5,7 +5,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 /// Means over triangles weighted by the angle at the vertex: they do not depend on how a flat ring is cut.
@@ -26,14 +26,14 @@ std::vector<Vec3> vertex_normals(const TriMesh& mesh) {
 
 /// Mean over the ring of a vertex of what a neighbour gives; 0 without a ring.
 template <class F>
-double ring_mean(const VertexRings& rings, std::uint32_t v, F value) {
+double ring_mean(const mesh::VertexRings& rings, std::uint32_t v, F value) {
   const auto ring = rings.of(v);
   double sum = 0;
   for (const std::uint32_t j : ring) sum += value(j);
   return ring.empty() ? 0 : sum / static_cast<double>(ring.size());
 }
 
-std::vector<double> curvatures(const TriMesh& mesh, const VertexRings& rings, const std::vector<Vec3>& normals) {
+std::vector<double> curvatures(const TriMesh& mesh, const mesh::VertexRings& rings, const std::vector<Vec3>& normals) {
   std::vector<double> k(mesh.vertices.size(), 0.0);
   for (std::uint32_t v = 0; v < k.size(); ++v)
     k[v] = ring_mean(rings, v, [&](std::uint32_t j) {
@@ -47,12 +47,12 @@ std::vector<double> curvatures(const TriMesh& mesh, const VertexRings& rings, co
 }  // namespace
 
 std::vector<double> vertex_curvatures(const TriMesh& mesh) {
-  return curvatures(mesh, vertex_rings(mesh), vertex_normals(mesh));
+  return curvatures(mesh, mesh::vertex_rings(mesh), vertex_normals(mesh));
 }
 
 namespace {
 
-std::vector<Vec3> force_on(const TriMesh& mesh, const VertexRings& rings) {
+std::vector<Vec3> force_on(const TriMesh& mesh, const mesh::VertexRings& rings) {
   const std::vector<Vec3> normals = vertex_normals(mesh);
   const std::vector<double> k = curvatures(mesh, rings, normals);
   std::vector<Vec3> force(mesh.vertices.size(), Vec3::Zero());
@@ -75,17 +75,19 @@ std::vector<Vec3> force_on(const TriMesh& mesh, const VertexRings& rings) {
 
 }  // namespace
 
-std::vector<Vec3> surface_curvature_force(const TriMesh& mesh) { return force_on(mesh, vertex_rings(mesh)); }
+std::vector<Vec3> surface_curvature_force(const TriMesh& mesh) { return force_on(mesh, mesh::vertex_rings(mesh)); }
 
 Force surface_curvature_force(const TriMesh& mesh, double strength) {
-  const auto add = [mesh, strength, rings = vertex_rings(mesh)](const ParticleState& state, std::span<Vec3> forces) {
+  const auto add = [mesh, strength, rings = mesh::vertex_rings(mesh)](const ParticleState& state,
+                                                                      std::span<Vec3> forces) {
     const TriMesh now{{state.positions.begin(), state.positions.end()}, mesh.triangles};
     const std::vector<Vec3> force = force_on(now, rings);
     for (std::size_t v = 0; v < forces.size(); ++v) forces[v] += strength * force[v];
   };
   // The force takes differences twice. What that can stiffen at most stands on the diagonal, along the normals: it
   // bounds the step of explicit solvers, and makes implicit ones stable, though slower to follow.
-  const auto bound = [mesh, strength, rings = vertex_rings(mesh)](const ParticleState& state, ForceJacobian& jacobian) {
+  const auto bound = [mesh, strength, rings = mesh::vertex_rings(mesh)](const ParticleState& state,
+                                                                        ForceJacobian& jacobian) {
     const TriMesh now{{state.positions.begin(), state.positions.end()}, mesh.triangles};
     const std::vector<Vec3> normals = vertex_normals(now);
     const auto count = static_cast<std::uint32_t>(now.vertices.size());
@@ -105,4 +107,4 @@ Force surface_curvature_force(const TriMesh& mesh, double strength) {
   return {"surface_curvature", add, bound};
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

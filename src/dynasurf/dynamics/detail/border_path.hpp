@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// Where a straight path first meets a border voxel.
 struct BorderHit {
@@ -33,4 +33,4 @@ class BorderPath {
   std::vector<std::uint8_t> is_border_;
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

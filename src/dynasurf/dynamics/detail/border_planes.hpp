@@ -2,13 +2,13 @@
 #include "dynasurf/dynamics/detail/border_path.hpp"
 #include "dynasurf/field/vector_field.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// Where the border runs inside its voxels, on the grid of the border volume: in each border voxel the plane through
 /// the point `offset` (mm from the voxel's centre) with the normal `normal` (any length; zero where it is unknown).
 /// Other voxels hold zeros.
 struct BorderPlanes {
-  VectorField offset, normal;
+  field::VectorField offset, normal;
 
   BorderPlanes() = default;
   explicit BorderPlanes(const Grid& grid) : offset(grid), normal(grid) {}
@@ -20,4 +20,4 @@ struct BorderPlanes {
 /// `direction` need not have unit length; a zero direction gives the entry.
 Vec3 meeting_point(const Grid& grid, const BorderPlanes* planes, const BorderHit& hit, const Vec3& direction);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -3,7 +3,7 @@
 #include "dynasurf/dynamics/detail/border_planes.hpp"
 #include "dynasurf/dynamics/options.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// Where particles stop for good: in border voxels (STOP-VOXEL, FUT-STOPCONTOUR) and where the caller says. `planes`
 /// and the caller's stop must outlive it.
@@ -26,4 +26,4 @@ class BorderStop {
   const OwnStop& own_;
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -2,7 +2,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/dynamics/solvers/detail/particle_solver.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// The motion of particles that act on each other, or that forces of the caller act on: what `evolve` uses wherever
 /// particles cannot be advanced one by one.
@@ -36,4 +36,4 @@ class CoupledMotion {
   int unsolved_steps_ = 0;
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -7,7 +7,7 @@
 #include "dynasurf/core/volume.hpp"
 #include "dynasurf/field/field_view.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 // Maps of the drag (VOL-DAMP, thesis 3.4.2 and 6.1.2.3): kg/s per voxel, larger where the border is likely, so that
 // particles brake there. They soften the oscillation about a border; only STOP-VOXEL ends it.
@@ -16,7 +16,7 @@ namespace dynasurf {
 Image drag_by_intensity(const Image& image, double drag, double ratio = 10);
 /// (b) by the length of the field's vectors (STOP-DAMP): drag * (1 + ratio * |v| / max |v|). It brakes on the flanks of
 /// the border, where the field is strong, not on it.
-Image drag_by_field(FieldView field, double drag, double ratio = 10);
+Image drag_by_field(field::FieldView field, double drag, double ratio = 10);
 /// (c) near border voxels (STOP-HARDEN): drag * (1 + ratio * exp(-d / reach)), d the distance to the nearest non-zero
 /// voxel's centre in voxels.
 Image drag_near_border(const Image& border, double drag, double ratio = 10, double reach_voxels = 1);
@@ -45,6 +45,6 @@ void describe(auto& visit, BorderDrag& o) {
 using DampingOptions = std::variant<UniformDrag, FieldDrag, BorderDrag>;
 
 /// The map that the options describe; none for a uniform drag.
-std::optional<Image> drag_map(const DampingOptions& options, FieldView field, const Image& border, double drag);
+std::optional<Image> drag_map(const DampingOptions& options, field::FieldView field, const Image& border, double drag);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -6,7 +6,7 @@
 
 #include "dynasurf/mesh/border_distance.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// How many particles are near the border, step after step (MEAS-DIST, thesis figs 4.12, 5.9).
 class DistanceHistory {
@@ -21,8 +21,8 @@ class DistanceHistory {
  private:
   void look_at(std::span<const std::uint32_t> which, std::span<const Vec3> vertices);
 
-  BorderDistance border_;
+  mesh::BorderDistance border_;
   std::vector<std::uint8_t> bucket_;  // whole voxels from the border, at most 3; per vertex
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

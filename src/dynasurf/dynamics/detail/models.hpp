@@ -9,7 +9,7 @@
 #include "dynasurf/dynamics/solvers/detail/solver_options.hpp"
 #include "dynasurf/field/field_view.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 // Deformable models (thesis 3.4): what the particles of a mesh know of each other. The field, drag, stop and smoothing
 // are common to all.
@@ -96,7 +96,7 @@ using ModelOptions = std::variant<FreeModel, SpringModel, RestrictedSpringModel,
 SolverOptions solver_for(const ModelOptions& model, const SolverOptions& asked);
 
 /// The internal forces of a model at rest in `start`; none for the free one. `field` must outlive them.
-std::vector<Force> internal_forces(const ModelOptions& model, const TriMesh& start, FieldView field,
-                                   Sampling sampling = Sampling::nearest);
+std::vector<Force> internal_forces(const ModelOptions& model, const TriMesh& start, field::FieldView field,
+                                   field::Sampling sampling = field::Sampling::nearest);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -7,7 +7,7 @@
 #include "dynasurf/core/grid.hpp"
 #include "dynasurf/dynamics/detail/step_plan.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// Who is at rest (STOP-CONV, O16): who moves little in a step, and who gets nowhere for long. The second rule is ours:
 /// field, smoothing and neighbours may pull a particle to and fro for ever. Who has stayed in a ball of the radius
@@ -38,4 +38,4 @@ class RestWatch {
   std::vector<Anchors> anchors_;  // per vertex
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

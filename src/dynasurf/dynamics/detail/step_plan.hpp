@@ -5,7 +5,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/dynamics/options.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// The room of the particles: the cells of the grid and the box of the start. Who starts outside the grid may come in
 /// from there, but nobody can leave.
@@ -55,4 +55,4 @@ double longest_stable_s(double limit_s);
 /// What set the step, in words. `limit_in_words` tells what the stable step comes from.
 std::string explain_step(const StepPlan& plan, bool is_given, const std::string& limit_in_words);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

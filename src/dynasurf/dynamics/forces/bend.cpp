@@ -7,7 +7,7 @@
 #include "dynasurf/dynamics/forces/detail/condition.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 using namespace conditions;
@@ -124,4 +124,4 @@ Force bend_force(const TriMesh& rest, const BendForce& o) {
                     });
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -1,6 +1,6 @@
 #include "dynasurf/dynamics/forces/forces.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 std::size_t nearest(double mm, double spacing_mm, int count) {
@@ -40,4 +40,4 @@ Force drag_force(const Image& drag_kg_s) {
   return make_drag([&drag_kg_s](const Vec3& p) { return drag_at(drag_kg_s, p); });
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -4,7 +4,7 @@
 #include "dynasurf/dynamics/particles.hpp"
 #include "dynasurf/field/field_view.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 // The forces of the thesis (chapter 3), each in its own source beside this header. All of them keep what they need by
 // value, except fields and volumes, which must outlive them. On degenerate triangles and edges (zero area or length)
@@ -56,12 +56,13 @@ Force spring_force(std::vector<Spring> springs, const SpringForce& options);
 struct RestrictedSpringForce {
   double stiffness = 10, damping = 1;
   double threshold = 1e-3;  // of the longest vector of the field
-  Sampling sampling = Sampling::nearest;
+  field::Sampling sampling = field::Sampling::nearest;
 };
-Force restricted_spring_force(std::vector<Spring> springs, FieldView field, const RestrictedSpringForce& options);
+Force restricted_spring_force(std::vector<Spring> springs, field::FieldView field,
+                              const RestrictedSpringForce& options);
 
 /// The pull of a field: F = strength * V(x) (thesis 3.4). Implicit solvers take it as constant within a step.
-Force field_pull(FieldView field, double strength, Sampling sampling = Sampling::nearest);
+Force field_pull(field::FieldView field, double strength, field::Sampling sampling = field::Sampling::nearest);
 
 /// F = -drag * v, and with a volume F = -drag(x) * v, read at the nearest voxel (VOL-DAMP).
 Force drag_force(double drag_kg_s);
@@ -73,4 +74,4 @@ double drag_at(const Image& drag_kg_s, const Vec3& grid_mm);
 /// F = m g; `masses` as in the system. g in mm/s2, 9810 downwards on earth.
 Force gravity_force(std::vector<double> masses, const Vec3& g_mm_s2 = {0, 0, -9810});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

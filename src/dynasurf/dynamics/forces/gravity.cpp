@@ -2,7 +2,7 @@
 
 #include "dynasurf/dynamics/forces/forces.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 Force gravity_force(std::vector<double> masses, const Vec3& g) {
   const auto shared = std::make_shared<const std::vector<double>>(std::move(masses));
@@ -18,4 +18,4 @@ Force gravity_force(std::vector<double> masses, const Vec3& g) {
           }};
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace dynasurf::conditions {
+namespace dynasurf::dynamics::conditions {
 
 std::vector<MaterialTriangle> material_triangles(const TriMesh& rest, double area_unit_mm2) {
   std::vector<MaterialTriangle> list;
@@ -22,4 +22,4 @@ std::vector<MaterialTriangle> material_triangles(const TriMesh& rest, double are
   return list;
 }
 
-}  // namespace dynasurf::conditions
+}  // namespace dynasurf::dynamics::conditions

@@ -4,12 +4,12 @@
 #include "dynasurf/dynamics/forces/detail/spring.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 struct Restriction {
-  FieldView field;
-  Sampling sampling;
+  field::FieldView field;
+  field::Sampling sampling;
   double threshold;  // 1/mm
 
   /// What is left of space when the direction of the field is taken away.
@@ -23,7 +23,7 @@ struct Restriction {
 
 }  // namespace
 
-Force restricted_spring_force(std::vector<Spring> springs, FieldView field, const RestrictedSpringForce& o) {
+Force restricted_spring_force(std::vector<Spring> springs, field::FieldView field, const RestrictedSpringForce& o) {
   const auto list = std::make_shared<const std::vector<Spring>>(std::move(springs));
   const Restriction restrict {field, o.sampling, o.threshold * field.largest()};
   Force force{"restricted_spring"};
@@ -53,4 +53,4 @@ Force restricted_spring_force(std::vector<Spring> springs, FieldView field, cons
   return force;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -2,7 +2,7 @@
 #include "dynasurf/dynamics/forces/detail/material.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 using namespace conditions;
 
@@ -21,4 +21,4 @@ Force shear_force(const TriMesh& rest, const ShearForce& o) {
                     });
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

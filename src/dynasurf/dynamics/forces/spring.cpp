@@ -5,7 +5,7 @@
 
 #include "dynasurf/dynamics/forces/forces.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 std::vector<Spring> springs_of(const TriMesh& mesh, double rest_scale) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
@@ -52,4 +52,4 @@ Force spring_force(std::vector<Spring> springs, const SpringForce& o) {
   return force;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -2,7 +2,7 @@
 #include "dynasurf/dynamics/forces/detail/material.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 using namespace conditions;
@@ -36,4 +36,4 @@ Force stretch_force(const TriMesh& rest, const StretchForce& o) {
                     });
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

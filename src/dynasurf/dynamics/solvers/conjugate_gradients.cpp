@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 constexpr std::size_t kGrain = 2048;
@@ -60,4 +60,4 @@ CgResult conjugate_gradients(const std::function<void(std::span<const Vec3>, std
   return result;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

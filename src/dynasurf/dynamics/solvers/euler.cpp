@@ -1,6 +1,6 @@
 #include "dynasurf/dynamics/solvers/solver.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 // Thesis 4.6-4.10: y += h f(y).
 void advance(const Euler&, std::span<double> y, double h, const Derivative& f, std::span<double> scratch) {
@@ -10,4 +10,4 @@ void advance(const Euler&, std::span<double> y, double h, const Derivative& f, s
   for (std::size_t i = 0; i < n; ++i) y[i] += h * slope[i];
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

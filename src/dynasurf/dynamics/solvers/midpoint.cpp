@@ -1,6 +1,6 @@
 #include "dynasurf/dynamics/solvers/solver.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 // Thesis 4.11-4.19: y += h f(y + h/2 f(y)).
 void advance(const Midpoint&, std::span<double> y, double h, const Derivative& f, std::span<double> scratch) {
@@ -12,4 +12,4 @@ void advance(const Midpoint&, std::span<double> y, double h, const Derivative& f
   for (std::size_t i = 0; i < n; ++i) y[i] += h * slope[i];
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -8,7 +8,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/dynamics/solvers/detail/conjugate_gradients.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 constexpr std::size_t kGrain = 512;  // rows of one parallel piece
@@ -194,4 +194,4 @@ Fastest fastest_modes(const ParticleSystem& system, ModeSearch* former) {
       largest(search.most_damped, [](const ForceJacobian::Row& r, std::size_t c) -> const Mat3& { return r.dfdv[c]; })};
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -1,6 +1,6 @@
 #include "dynasurf/dynamics/solvers/solver.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 // Thesis 4.20-4.24, with slopes k/h: y += h (k1 + 2 k2 + 2 k3 + k4) / 6.
 void advance(const Rk4&, std::span<double> y, double h, const Derivative& f, std::span<double> scratch) {
@@ -23,4 +23,4 @@ void advance(const Rk4&, std::span<double> y, double h, const Derivative& f, std
   for (std::size_t i = 0; i < n; ++i) y[i] += h / 6 * (sum[i] + slope[i]);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -2,7 +2,7 @@
 
 #include "dynasurf/dynamics/solvers/detail/error_control.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 constexpr std::size_t kStages = 6;
@@ -48,4 +48,4 @@ void advance(const Rkf45& o, std::span<double> y, double h, const Derivative& f,
   error_control::cover(o, y, h, f, scratch);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -11,7 +11,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/dynamics/solvers/detail/error_control.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 constexpr std::array<std::string_view, 3> kBaseMethods{"euler", "midpoint", "rk4"};
@@ -91,4 +91,4 @@ double step_limit_s(const SolverOptions& solver, double mass_kg, std::size_t par
   return stability_interval(solver) * mass_kg / (static_cast<double>(particles) * drag);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -5,7 +5,7 @@
 
 #include "dynasurf/dynamics/solvers/detail/solver_options.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// A system of ordinary differential equations y' = f(y) (ODE-IFACE, thesis 4.1): writes f(y) to `dydt`, of the same
 /// length. A solver knows nothing of forces; particles are laid out as the system likes.
@@ -52,4 +52,4 @@ double stability_interval(const SolverOptions& solver);
 /// oscillator allows. Zero when every step grows, which Euler's does without damping.
 double oscillator_limit_s(const SolverOptions& solver, double stiffness, double damping);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -1,7 +1,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/dynamics/solvers/detail/error_control.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 namespace {
 
 /// Order of the global error.
@@ -40,4 +40,4 @@ void advance(const StepDoubling& o, std::span<double> y, double h, const Derivat
   error_control::cover(o, y, h, f, scratch);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

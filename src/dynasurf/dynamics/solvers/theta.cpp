@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 void solve_tridiagonal(std::span<const double> lower, std::span<const double> diagonal, std::span<const double> upper,
                        std::span<double> x) {
@@ -54,4 +54,4 @@ void advance_chain(const Chain& chain, std::span<double> y, double h, double the
   for (std::size_t i = 0; i < n; ++i) y[i] += step[i];
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

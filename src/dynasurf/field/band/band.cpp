@@ -12,7 +12,7 @@
 #include "dynasurf/field/band/detail/bricks.hpp"
 #include "dynasurf/field/detail/gradient.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 
 struct BandField::Levels {
   Grid grid;
@@ -366,4 +366,4 @@ FlowResult flow_field(const Image& edge_map, const BandGgvf& options, const Prog
   return dense_result(band_field(edge_map, options, progress));
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::field

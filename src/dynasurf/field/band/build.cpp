@@ -3,7 +3,7 @@
 
 #include "dynasurf/field/band/detail/bricks.hpp"
 
-namespace dynasurf::band {
+namespace dynasurf::field::band {
 
 namespace {
 
@@ -262,4 +262,4 @@ std::vector<Level> build(const Grid& grid, const std::array<double, 3>& rates, s
   return levels;
 }
 
-}  // namespace dynasurf::band
+}  // namespace dynasurf::field::band

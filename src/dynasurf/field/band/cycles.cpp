@@ -5,7 +5,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/band/detail/bricks.hpp"
 
-namespace dynasurf::band {
+namespace dynasurf::field::band {
 
 namespace {
 
@@ -438,4 +438,4 @@ Outcome solve(std::vector<Level>& levels, double tolerance, int most_cycles, con
   return out;
 }
 
-}  // namespace dynasurf::band
+}  // namespace dynasurf::field::band

@@ -1,7 +1,7 @@
 #pragma once
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf::detail {
+namespace dynasurf::field::detail {
 
 /// Throws InputError unless the map has voxels, a value for each, and a spacing.
 void check_grid(const Image& edge_map);
@@ -28,4 +28,4 @@ inline Vec3 gradient_at(const Image& f, int i, int j, int k) {
 /// Largest squared length of the gradient, per mm squared.
 double largest_gradient_squared(const Image& edge_map);
 
-}  // namespace dynasurf::detail
+}  // namespace dynasurf::field::detail

@@ -9,7 +9,7 @@
 #include <immintrin.h>
 #endif
 
-namespace dynasurf::detail {
+namespace dynasurf::field::detail {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define DYNASURF_SANITIZED 1
@@ -107,4 +107,4 @@ class FlushDenormals {
   FlushDenormals& operator=(const FlushDenormals&) = delete;
 };
 
-}  // namespace dynasurf::detail
+}  // namespace dynasurf::field::detail

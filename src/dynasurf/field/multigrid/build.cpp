@@ -8,7 +8,7 @@
 #include "dynasurf/field/detail/gradient.hpp"
 #include "dynasurf/field/multigrid/detail/view.hpp"
 
-namespace dynasurf::multigrid {
+namespace dynasurf::field::multigrid {
 
 namespace {
 
@@ -537,4 +537,4 @@ DataStrength build(std::vector<Level>& levels, const Image& map, const Vec3& rat
   return {all.largest_b, all.sum_b / static_cast<double>(levels[0].cells())};
 }
 
-}  // namespace dynasurf::multigrid
+}  // namespace dynasurf::field::multigrid

@@ -8,7 +8,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/detail/simd.hpp"
 
-namespace dynasurf::multigrid {
+namespace dynasurf::field::multigrid {
 
 namespace {
 
@@ -273,4 +273,4 @@ bool Hierarchy::start_voxels() {
   return true;
 }
 
-}  // namespace dynasurf::multigrid
+}  // namespace dynasurf::field::multigrid

@@ -2,7 +2,7 @@
 
 #include "dynasurf/field/multigrid/detail/view.hpp"
 
-namespace dynasurf::multigrid {
+namespace dynasurf::field::multigrid {
 
 namespace {
 
@@ -250,4 +250,4 @@ void add_operator(Level& coarse, float stretch, int k0, int k1, int j0, int j1) 
       [&]<int native>() DYNASURF_INLINE_LAMBDA { add_operator_with<Floats<native>>(coarse, stretch, k0, k1, j0, j1); });
 }
 
-}  // namespace dynasurf::multigrid
+}  // namespace dynasurf::field::multigrid

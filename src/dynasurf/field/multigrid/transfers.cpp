@@ -3,7 +3,7 @@
 
 #include "dynasurf/field/multigrid/detail/view.hpp"
 
-namespace dynasurf::multigrid {
+namespace dynasurf::field::multigrid {
 
 namespace {
 
@@ -404,4 +404,4 @@ void copy_out(const Level& l, int k, int j0, int j1, std::array<float*, 3> out) 
 #endif
 }
 
-}  // namespace dynasurf::multigrid
+}  // namespace dynasurf::field::multigrid

@@ -6,7 +6,7 @@
 
 // From a strength per pixel to lines of one pixel: the later half of the detectors that thin their edges.
 
-namespace dynasurf {
+namespace dynasurf::image {
 
 constexpr std::uint8_t minor_edge = 1, major_edge = 2;
 
@@ -47,4 +47,4 @@ void note_flat(EdgeMap& map);
 /// Fills `map.offsets` for the edge pixels of slice k from their ridges; `map.offsets` is there and 0.
 void put_offsets(const Slice& strength, const SliceVectors& across, EdgeMap& map, int k);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -7,7 +7,7 @@
 
 // One slice at a time: what the edge detectors share.
 
-namespace dynasurf {
+namespace dynasurf::image {
 
 /// One slice of floats with replicated borders, row by row.
 struct Slice {
@@ -46,4 +46,4 @@ SliceVectors central_gradient(const Slice& slice);
 /// Length of every vector.
 Slice lengths_of(const SliceVectors& vectors);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

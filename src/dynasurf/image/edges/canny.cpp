@@ -7,7 +7,7 @@
 #include "dynasurf/image/detail/ridges.hpp"
 #include "dynasurf/image/edges.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 
 std::span<const std::string_view> names_of(CannyThreshold) {
   static constexpr std::array<std::string_view, 3> names{"max_fraction", "max_fraction_slice", "percentile"};
@@ -182,4 +182,4 @@ EdgeMap detect_edges(const Image& image, const Canny& options) { return detect(i
 
 EdgeMap detect_edges(const Image& image, const CannyRevised& options) { return detect(image, options.canny, true); }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -12,7 +12,7 @@
 // All masses and values are whole numbers, so that their sums are exact: the map of a turned image is the turned map,
 // and half windows can be summed up wedge by wedge.
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 constexpr int most_clusters = 10, most_wedges = 12;  // see `describe`
@@ -401,4 +401,4 @@ EdgeMap detect_edges(const Image& image, const Compass& options) {
   return map;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -5,7 +5,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/image/detail/ridges.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 using Values = std::vector<double>;
@@ -169,4 +169,4 @@ EdgeMap detect_edges(const Image& image, const ContourCompletion& options) {
   return detect_edges(diffused, o.canny);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -4,7 +4,7 @@
 #include "dynasurf/image/detail/ridges.hpp"
 #include "dynasurf/image/edges.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 
 std::span<const std::string_view> names_of(GradientMeasure) {
   static constexpr std::array<std::string_view, 4> names{"squared", "magnitude", "laplacian", "roberts"};
@@ -136,4 +136,4 @@ EdgeMap detect_edges(const Image& image, const GradientEdges& options) {
   return map;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

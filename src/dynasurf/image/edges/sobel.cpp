@@ -1,7 +1,7 @@
 #include "dynasurf/image/detail/ridges.hpp"
 #include "dynasurf/image/edges.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 /// Eqs 2.2 and 2.3. The thesis has y upwards in sy; here it grows with the row, as everywhere: only a sign.
@@ -43,4 +43,4 @@ EdgeMap detect_edges(const Image& image, const SobelEdges& options) {
   return map;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

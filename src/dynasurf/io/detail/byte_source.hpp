@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 /// Bytes of a file from an offset on, plain or unpacked from gzip on the fly, read strictly in order. Holds one small
 /// buffer, whatever the file declares. Errors name the file: IoError when it cannot be opened or read, InputError when
@@ -64,4 +64,4 @@ std::string first_bytes(const std::filesystem::path& path, std::size_t count);
 /// All of a text file. Throws IoError when it cannot be read, InputError when it is larger than 64 MiB.
 std::string text_of_file(const std::filesystem::path& path);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 
 // Every binary format here is little-endian on disk, and so is every machine the program is built for; only the
 // readers of foreign files turn bytes round.
@@ -40,4 +40,4 @@ requires std::is_arithmetic_v<T> T load(const char* bytes, bool big_endian = fal
   return value;
 }
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

@@ -4,7 +4,7 @@
 
 #include "dynasurf/io/detail/dicom_stack.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 // Which of the stacks that a folder holds is the study.
 
@@ -33,4 +33,4 @@ std::string description_of(const DicomImage& image, const DicomStack& stack);
 DicomChoice chosen_stack(const std::vector<DicomImage>& images, std::vector<DicomStack> stacks,
                          const std::string& series, const std::string& where);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -10,7 +10,7 @@
 
 #include "dynasurf/core/study.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 /// Photons of lower to upper energy, keV.
 struct EnergyRange {
@@ -81,4 +81,4 @@ void read_dicom_frames(const DicomImage& image, const std::function<void(int, st
 /// Isotope, tracer, corrections, beats: words from fixed lists and numbers only.
 std::vector<std::pair<std::string, std::string>> acquisition_facts_of(const std::filesystem::path& path);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -4,7 +4,7 @@
 
 #include "dynasurf/io/detail/dicom_stack.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 // How the files of a folder become stacks.
 
@@ -16,4 +16,4 @@ std::size_t drop_copies(std::vector<DicomImage>& images);
 /// Throws InputError for gaps, doubles and missing files.
 std::vector<DicomStack> stacks_of(const std::vector<DicomImage>& images);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -13,7 +13,7 @@
 #include "dynasurf/io/detail/digest.hpp"
 
 // How DICOM objects are filled. For the sources of this module: it brings DCMTK with it.
-namespace dynasurf::dicom {
+namespace dynasurf::io::dicom {
 
 inline void must(const OFCondition& status, const std::string& doing) {
   if (status.bad()) throw IoError("cannot " + doing + ": " + status.text());
@@ -76,4 +76,4 @@ std::string uid_of(const Sha256& content, std::string_view role);
 /// A DICOM file as it stands on disk: little endian, explicit lengths. `where` is what errors call it.
 std::string bytes_of(DcmFileFormat& file, const std::string& where);
 
-}  // namespace dynasurf::dicom
+}  // namespace dynasurf::io::dicom

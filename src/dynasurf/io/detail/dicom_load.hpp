@@ -9,7 +9,7 @@
 #include "dynasurf/io/detail/dicom_outline.hpp"
 
 // How DICOM objects are read. For the sources of this module: it brings DCMTK with it.
-namespace dynasurf::dicom {
+namespace dynasurf::io::dicom {
 
 /// From here on DCMTK does not print: a library does not, and an error is one line. Its dictionary is loaded. Throws
 /// std::bad_alloc where that does not fit.
@@ -22,4 +22,4 @@ std::unique_ptr<DcmDataset> load_wanted(const std::filesystem::path& path, const
 /// Whether DCMTK's dictionary knows this tag as a sequence. Throws IoError when there is no dictionary.
 bool is_sequence(std::uint32_t tag);
 
-}  // namespace dynasurf::dicom
+}  // namespace dynasurf::io::dicom

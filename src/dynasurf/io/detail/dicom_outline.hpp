@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 /// Bytes [begin, end) of a file.
 struct FilePiece {
@@ -39,4 +39,4 @@ inline constexpr std::uint64_t longest_dicom_value = std::uint64_t{2} << 20;  //
 /// that is wanted stands there, because tags ascend and the pixels are the last to be read.
 DicomOutline outline_of_dicom(const std::filesystem::path& path, std::span<const std::uint32_t> wanted);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

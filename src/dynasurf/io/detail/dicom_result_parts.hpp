@@ -3,7 +3,7 @@
 #include "dynasurf/io/dicom_results.hpp"
 
 // What the writers of DICOM results share.
-namespace dynasurf::dicom {
+namespace dynasurf::io::dicom {
 
 /// Patient, study, series, equipment, dates and UIDs of an object: over what stands there.
 void put_context(DcmItem& dataset, const DicomResult& result, const DicomObject& object, const DicomInstance& instance);
@@ -11,4 +11,4 @@ void put_context(DcmItem& dataset, const DicomResult& result, const DicomObject&
 /// Saves whole or not at all.
 void save(DcmFileFormat& file, const std::filesystem::path& path);
 
-}  // namespace dynasurf::dicom
+}  // namespace dynasurf::io::dicom

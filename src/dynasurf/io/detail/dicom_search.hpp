@@ -4,9 +4,9 @@
 
 #include "dynasurf/io/study_search.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 /// The DICOM part of `search_studies`: adds to `found` what these files hold. Files that are no DICOM are passed over.
 void search_dicom(const std::vector<std::filesystem::path>& files, StudySearch& found, const Progress& progress);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -7,7 +7,7 @@
 
 #include "dynasurf/io/detail/dicom_file.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 /// Positions are written with a few decimals; slices of hearts are millimetres apart.
 inline constexpr double same_place_mm = 0.05;
@@ -50,4 +50,4 @@ bool is_same_grid(const Grid& a, const Grid& b);
 /// one grid or when no attribute says that they are gates of one beat.
 std::optional<DicomStack> joined_gates(const std::vector<DicomImage>& images, std::span<const DicomStack> stacks);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -5,7 +5,7 @@
 
 #include "dynasurf/io/detail/dicom_file.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 // Whether a stack of single-frame files lacks some of them: what a transfer that was cut short leaves behind.
 
@@ -20,4 +20,4 @@ void require_even_slices(std::span<const double> heights, const std::string& fol
 void require_all_images(const std::vector<DicomImage>& images, std::span<const std::size_t> files, std::size_t slices,
                         std::size_t gates, Notes& notes);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/study.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 // What the words and codes of a DICOM header mean. Answers come from fixed lists, so that no free text of a file (a
 // name typed into the wrong field) ever reaches an output.
@@ -30,4 +30,4 @@ std::string tracer_of(const std::string& name);
 /// One of the defined terms of CorrectedImage.
 bool is_correction(const std::string& term);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 using Sha256 = std::array<unsigned char, 32>;
 
@@ -29,4 +29,4 @@ class Hasher {
 std::string hexadecimal(const Sha256& digest);
 std::string sha256_of(std::string_view bytes);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <string_view>
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 /// Whether a name that a file tells can be the name of a file in the folder that it means: 1 to 200 bytes, no slash, no
 /// control character, not "." or "..".
@@ -13,4 +13,4 @@ bool is_plain_file_name(std::string_view name);
 /// there.
 std::filesystem::path file_inside(const std::filesystem::path& folder, const std::filesystem::path& file);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

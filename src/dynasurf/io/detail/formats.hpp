@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/study.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 // The readers behind `read_study`, one per format. Each throws InputError or IoError like it.
 
@@ -28,4 +28,4 @@ std::vector<std::pair<std::string, std::string>> dicom_facts(const std::filesyst
 /// Times of gates that are `step_ms` apart, if that makes a believable heart cycle; else none and a note.
 void set_uniform_times(Study& study, double first_ms, double step_ms, const std::string& code);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -8,7 +8,7 @@
 
 #include "dynasurf/io/detail/json_node.hpp"
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 
 /// A binary glTF that was taken apart. Nothing but its own bytes is ever read: a buffer or a picture that names a file
 /// is refused, whatever the name.
@@ -31,4 +31,4 @@ std::vector<std::uint32_t> indices_of(GlbFile& glb, std::int64_t accessor);
 /// The item of a list of the document. Throws InputError for a list that is not there, or not that long.
 JsonNode item_of_document(const GlbFile& glb, std::string_view list, std::int64_t n);
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

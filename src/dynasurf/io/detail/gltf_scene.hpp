@@ -9,7 +9,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 
 // The numbers that glTF 2.0 gives to the kinds of things that we write and read.
-namespace dynasurf::io_detail::gltf {
+namespace dynasurf::io::detail::gltf {
 
 inline constexpr int unsigned_short = 5123, unsigned_int = 5125, float_32 = 5126;
 inline constexpr int array_buffer = 34962, element_array_buffer = 34963;
@@ -18,9 +18,9 @@ inline constexpr int triangles = 4;
 inline constexpr std::uint32_t glb_magic = 0x46546c67, glb_version = 2;
 inline constexpr std::uint32_t json_chunk = 0x4e4f534a, binary_chunk = 0x004e4942;
 
-}  // namespace dynasurf::io_detail::gltf
+}  // namespace dynasurf::io::detail::gltf
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 
 using Rows3 = std::vector<Eigen::Vector3f>;
 /// Keys stand in alphabetical order.
@@ -67,4 +67,4 @@ class GltfScene {
   void set_bounds(int accessor, const Bounds& low, const Bounds& high);
 };
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 // How a value of JSON that was read is looked at: never by `operator[]` of a key that may be absent, which is
 // undefined, but by functions that refuse what is not there or not of the kind, and say where: InputError
@@ -50,4 +50,4 @@ std::string text_of(const JsonNode& node);
 double number_of(const JsonNode& node);
 std::int64_t whole_of(const JsonNode& node, std::int64_t low, std::int64_t high);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

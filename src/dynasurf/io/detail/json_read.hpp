@@ -6,7 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 // The one door for JSON: results, options, scores, normal maps and the document of a GLB all come through it, and any
 // of them may have been made by somebody who wishes us ill.
@@ -30,4 +30,4 @@ nlohmann::ordered_json read_json(const std::filesystem::path& path);
 /// line.
 std::string json_text(const nlohmann::ordered_json& json, int indent = 2);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

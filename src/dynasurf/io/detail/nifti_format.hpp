@@ -1,7 +1,7 @@
 #pragma once
 #include <cstddef>
 
-namespace dynasurf::nifti {
+namespace dynasurf::io::nifti {
 
 // Byte offsets of the NIfTI-1 header fields in use, from the published header file nifti1.h.
 inline constexpr std::size_t header_bytes = 348;
@@ -13,4 +13,4 @@ inline constexpr int unit_metre = 1, unit_millimetre = 2, unit_micrometre = 3;
 inline constexpr int unit_second = 8, unit_millisecond = 16, unit_microsecond = 24;
 inline constexpr int type_uint8 = 2, type_float32 = 16, intent_label = 1002;
 
-}  // namespace dynasurf::nifti
+}  // namespace dynasurf::io::nifti

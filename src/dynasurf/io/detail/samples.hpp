@@ -8,7 +8,7 @@
 #include "dynasurf/core/study.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 enum class SampleType { uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32, float64 };
 std::size_t bytes_of(SampleType type);
@@ -40,4 +40,4 @@ std::vector<Image> read_samples(ByteSource& source, const Grid& grid, int gates,
 /// no length, or sheared by more than rounding explains.
 Grid grid_from_steps(const Index3& dims, const Mat3& steps, const Vec3& origin, const std::string& where);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

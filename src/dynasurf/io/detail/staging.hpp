@@ -16,7 +16,7 @@
 /// system drops when the process ends, however it ends and whichever process numbers or hosts see the place. What is
 /// not locked is left over from a run that ended, and is swept. A run that exchanges a former result for a new one
 /// locks both folders until it has decided which of them stays.
-namespace dynasurf::staging {
+namespace dynasurf::io::staging {
 
 namespace fs = std::filesystem;
 
@@ -82,4 +82,4 @@ void discard_all() noexcept;
 OutputState state() noexcept;
 void note_published() noexcept;
 
-}  // namespace dynasurf::staging
+}  // namespace dynasurf::io::staging

@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/study.hpp"
 
-namespace dynasurf {
+namespace dynasurf::io {
 
 // Faults of the data that a person would overlook, and so does the program: each with a note.
 
@@ -21,4 +21,4 @@ void mend_hot_voxels(Study& study);
 /// so that neither the largest nor the smallest volume is theirs. The note is a warning.
 void fill_empty_gates(Study& study);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::io

@@ -8,7 +8,7 @@
 #include "dynasurf/io/detail/text_reader.hpp"
 
 // Rows of cells in text files: what clouds and tables of points share.
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 
 /// The cells of a line.
 class Cells {
@@ -75,4 +75,4 @@ inline std::string lower_case(std::string_view name) {
   return out;
 }
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

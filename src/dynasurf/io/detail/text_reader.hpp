@@ -7,7 +7,7 @@
 
 #include "dynasurf/io/mesh_formats.hpp"
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 
 inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v'; }
 
@@ -102,4 +102,4 @@ class TextReader {
   std::string_view rest_;
 };
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

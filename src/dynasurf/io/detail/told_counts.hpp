@@ -4,7 +4,7 @@
 
 #include "dynasurf/io/mesh_formats.hpp"
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 
 /// What the comments in front of the first row of a text tell of how much follows. Formats without counts of their own
 /// (OBJ, XYZ, tables) can be told from a file that was cut at the end of a line by nothing else.
@@ -19,4 +19,4 @@ ToldCounts told_counts(const MeshFile& file);
 /// Throws InputError when there are fewer than were told. More are no sign of a cut.
 void require_told(const MeshFile& file, const std::optional<std::size_t>& told, std::size_t found, const char* what);
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-namespace dynasurf::io_detail {
+namespace dynasurf::io::detail {
 
 /// Text that may stand inside an attribute or element of XML.
 std::string xml_text(std::string_view text);
@@ -29,4 +29,4 @@ class VtkXml {
   std::string appended_;
 };
 
-}  // namespace dynasurf::io_detail
+}  // namespace dynasurf::io::detail

@@ -1,7 +1,7 @@
 #pragma once
 #include "dynasurf/core/geometry.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 // On which side a point lies, decided exactly: the sign is that of the true determinant of the coordinates as they are
 // stored, whatever their rounding. A filter decides the clear cases at the cost of the plain formula; the others are
@@ -17,4 +17,4 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 /// 1: z, x; 2: x, y), -1 clockwise, 0 on one line there.
 int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int left_out);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

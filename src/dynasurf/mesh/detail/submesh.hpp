@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// The triangles whose mark is not 0, in their order, as a mesh of their own; its vertices are those in use, numbered
 /// as the triangles first name them. Precondition: one mark per triangle.
@@ -15,4 +15,4 @@ TriMesh submesh(const TriMesh& mesh, std::span<const std::uint8_t> kept);
 /// triangles first name them; `count` becomes their number. Indices must be in range.
 std::vector<std::uint32_t> components_of(const TriMesh& mesh, std::uint32_t& count);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

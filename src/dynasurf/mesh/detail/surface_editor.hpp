@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::mesh {
 
 /// A closed surface under change: edges collapse, flip and split, and it stays closed, manifold, oriented and of the
 /// same genus. Half-edge h = 3 t + c runs from corner c of triangle t to the next corner.
@@ -93,4 +93,4 @@ class CrossingGuard {
   std::size_t entries_ = 0, entries_at_fill_ = 0;
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::mesh

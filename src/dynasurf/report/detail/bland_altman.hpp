@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace dynasurf {
+namespace dynasurf::report {
 
 /// A number that was measured, and what it should have been.
 struct PairedReading {
@@ -39,4 +39,4 @@ struct AgreementPlot {
 /// frame says so. The truth stands on the x axis, not the mean of both as where neither is known.
 std::string bland_altman_svg(std::span<const ReadingGroup> groups, const AgreementPlot& plot);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

@@ -3,10 +3,10 @@
 #include "dynasurf/report/detail/numbers.hpp"
 #include "dynasurf/ventricle/measures/normal_limits.hpp"
 
-namespace dynasurf::report_detail {
+namespace dynasurf::report::detail {
 
 /// A normal map as an object of schema dynasurf.normals/1, and back. Throws InputError naming the file and the key.
-Json normals_json(const NormalMap& normal);
-NormalMap normals_in(const JsonNode& map);
+Json normals_json(const ventricle::NormalMap& normal);
+ventricle::NormalMap normals_in(const io::JsonNode& map);
 
-}  // namespace dynasurf::report_detail
+}  // namespace dynasurf::report::detail

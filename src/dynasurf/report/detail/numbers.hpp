@@ -8,7 +8,7 @@
 
 // How numbers stand in the files of a result.
 
-namespace dynasurf::report_detail {
+namespace dynasurf::report::detail {
 
 using Json = nlohmann::ordered_json;
 
@@ -28,4 +28,4 @@ inline std::string text_of(double value, int decimals) {
   return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr};
 }
 
-}  // namespace dynasurf::report_detail
+}  // namespace dynasurf::report::detail

@@ -8,12 +8,12 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::cloud {
 struct LodTransition;
 }
 
 // How data get into a page: bytes as text, meshes as bytes.
-namespace dynasurf::report_detail {
+namespace dynasurf::report::detail {
 
 using Json = nlohmann::ordered_json;
 using Bytes = std::vector<std::uint8_t>;
@@ -40,9 +40,9 @@ Bytes steps_of(const std::vector<Vec3>& points, const Box& box);
 std::string triangles_of(const TriMesh& mesh);
 
 /// How a level grows out of the next: where its vertices start, and how its triangles are cut for that.
-Json transition_json(const LodTransition& transition, const Box& box);
+Json transition_json(const cloud::LodTransition& transition, const Box& box);
 
 /// The page with its one {{DATA}} replaced by the JSON, which cannot end the element it stands in.
 std::string filled_page(std::string_view page, const Json& data);
 
-}  // namespace dynasurf::report_detail
+}  // namespace dynasurf::report::detail

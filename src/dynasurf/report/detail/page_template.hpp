@@ -1,7 +1,7 @@
 #pragma once
 #include <string_view>
 
-namespace dynasurf {
+namespace dynasurf::report {
 
 /// The page of web/ as bundled when building. Its one `{{DATA}}` is where the JSON of a result belongs.
 std::string_view page_template();
@@ -12,4 +12,4 @@ std::string_view lod_page_template();
 /// The page of a cohort of studies.
 std::string_view cohort_page_template();
 
-}  // namespace dynasurf
+}  // namespace dynasurf::report

@@ -7,7 +7,7 @@
 
 // What all phantoms share: placing an object in a grid, seeing it through the camera, counting. Internal.
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 /// A frame of an object within the grid frame: p_grid = origin + rotation * p_object.
 struct Frame {
@@ -73,4 +73,4 @@ Study make_study(std::vector<Image> gates, double cycle_ms);
 /// Fills edv_ml, esv_ml and ef_percent from the truth of the gates when there are several.
 void summarise(Phantom& phantom);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

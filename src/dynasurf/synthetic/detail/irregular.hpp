@@ -6,7 +6,7 @@
 
 // What real hearts and cameras have and the plain virtual patient has not. Internal.
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 /// Factor by which a point of a smooth wall lies farther from the long axis: a septum that is flat, a bulge that winds
 /// around, ridges. 1 on the axis at the apex. Frame of the heart.
@@ -27,4 +27,4 @@ Image see_unevenly(const Irregularity& o, const Image& narrow, double narrow_fwh
 /// The width to render with before `see_unevenly`.
 double narrow_fwhm(const Irregularity& o, double fwhm_mm);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

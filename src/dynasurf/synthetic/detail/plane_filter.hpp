@@ -7,7 +7,7 @@
 
 // Filters of images that are given by their frequencies. Internal.
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 /// Multiplies the spectrum of an n × n image, padded by zeros to `size`, a power of 2.
 struct PlaneFilter {
@@ -27,4 +27,4 @@ void filter_planes(const PlaneFilter& filter, std::span<float> first, std::span<
 /// Lakshminarayanan 1971), for lines of n values padded to `size`.
 std::vector<double> ramp_spectrum(int size);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -7,7 +7,7 @@
 
 // One view of a camera with parallel holes as a linear operator and its adjoint. Internal.
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 /// An n × n × n volume as columns along the patient: value (x, y, z) at (y n + x) n + z, so that what a view does to a
 /// column is done to all its voxels at once.
@@ -51,4 +51,4 @@ void widen_square(std::span<float> square, int n, double across, double along);
 /// Bins as `project_view` has them, from and to rows along the patient with columns fastest.
 std::vector<float> transposed(std::span<const float> square, int n);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

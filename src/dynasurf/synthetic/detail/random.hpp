@@ -1,7 +1,7 @@
 #pragma once
 #include <cstdint>
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 /// A stream of random numbers that is fully fixed by `seed`, `stream` and `position`, on every machine and for any
 /// thread count: give each voxel its own `position` and voxels can be drawn in any order. The generator is SplitMix64;
@@ -23,4 +23,4 @@ class Random {
   std::uint64_t state_;
 };
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

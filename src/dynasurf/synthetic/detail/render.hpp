@@ -4,7 +4,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 /// Activity per unit volume at a point of the grid frame (mm). Must be callable from several threads.
 using Density = std::function<double(const Vec3&)>;
@@ -32,4 +32,4 @@ Image blur(const Image& image, double fwhm_mm);
 inline double sigma_of_fwhm(double fwhm) { return fwhm / 2.3548200450309493; }
 inline double fwhm_of_sigma(double sigma) { return sigma * 2.3548200450309493; }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

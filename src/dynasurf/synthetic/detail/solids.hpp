@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 /// Radius and height of a point of a profile, mm.
 using ProfilePoint = std::array<double, 2>;
@@ -33,4 +33,4 @@ TriMesh surface(const CylinderCup& cup);
 /// Surface of a sphere around the origin; more than 10,000 vertices.
 TriMesh sphere_surface(double radius_mm);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

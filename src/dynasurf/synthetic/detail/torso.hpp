@@ -2,7 +2,7 @@
 #include "dynasurf/core/geometry.hpp"
 #include "dynasurf/synthetic/options.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 /// Activity of the trunk at a point given in the world (LPS, mm) against the middle of the heart: organs as ellipsoids
 /// where they usually lie, `background` between them, 0 outside the skin. The heart itself is not in it. Internal.
@@ -17,4 +17,4 @@ double torso_attenuation(bool arms_down, const Vec3& from_heart);
 /// the patient's left), where the heart lies at `heart`.
 double torso_reach_mm(bool arms_down, double angle, const Vec3& heart);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

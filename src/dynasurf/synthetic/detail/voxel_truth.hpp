@@ -4,7 +4,7 @@
 #include "dynasurf/core/volume.hpp"
 #include "dynasurf/image/cover.hpp"
 
-namespace dynasurf {
+namespace dynasurf::synthetic {
 
 // What the *voxels* of a phantom hold, as opposed to its analytic shape: the thesis measures its reconstructions
 // against these (6.1.2.5), because blur and the 20 % cut make the data larger than the phantom.
@@ -28,4 +28,4 @@ std::size_t count_voxels(const Mask& mask);
 /// Voxels times the volume of one.
 double voxel_volume_ml(const Mask& mask);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::synthetic

@@ -3,7 +3,7 @@
 
 #include "dynasurf/core/study.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Throws InputError for a study without gates, fewer than 3 slices, fewer than 8 pixels along a side, a value that is
 /// not finite, or gates on different grids.
@@ -23,4 +23,4 @@ Study reverse_slices(Study study);
 /// dark inside a bright ring. `unknown` when the two ends look alike.
 SliceOrder guess_slice_order(std::span<const Image> gates);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -8,7 +8,7 @@
 #include "dynasurf/ventricle/locate.hpp"
 #include "dynasurf/ventricle/orientation.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Throws OptionError when what a person says cannot be of this study: a centre outside the volume as it was stored
 /// (`original`), slices or a valve plane outside the short-axis stack (`study`), a last slice before the first.
@@ -41,4 +41,4 @@ SliceRange useful_slices(const Study& study, const std::optional<Location>& hear
 /// Edges of slices outside the range are no border of the ventricle.
 void clear_outside(Mask& edges, const SliceRange& range);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

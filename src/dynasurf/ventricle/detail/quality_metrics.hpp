@@ -4,7 +4,7 @@
 #include "dynasurf/core/volume.hpp"
 #include "dynasurf/ventricle/lv_shell.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 struct VentricleResult;
 
@@ -38,4 +38,4 @@ double hot_neighbour_share(const Image& image, const LvShell& cup);
 /// 0 for fewer than 8 gates.
 double noise_of_wall(std::span<const Image> gates, const LvShell& cup);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -2,7 +2,7 @@
 #include "dynasurf/core/detail/stage_clock.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Volumes and ejection fraction of the edge surfaces, where all gates have them: `readings.edge`.
 void measure_cycle(VentricleResult& result);
@@ -19,4 +19,4 @@ void choose_leading(VentricleResult& result);
 /// stack. Absent without any surface.
 std::optional<Measures> measure_study(const VentricleResult& result, const MeasureOptions& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

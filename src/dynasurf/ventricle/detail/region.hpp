@@ -2,7 +2,7 @@
 #include "dynasurf/core/study.hpp"
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Which voxels of `grid` a mask covers: those whose nearest voxel of `mask`, in the world, is above 0. A voxel outside
 /// the mask's grid is not covered.
@@ -19,4 +19,4 @@ Study only_label(Study study, int label);
 /// Edges outside the region are no border of the ventricle.
 void clear_outside(Mask& edges, const Mask& region);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

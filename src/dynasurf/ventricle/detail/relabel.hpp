@@ -5,7 +5,7 @@
 
 #include "dynasurf/ventricle/labels.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// How far the borders of every gate lie from where the whole beat would have them: the mean distance of a border from
 /// the axis against its smooth course (`smooth_over_cycle`), mm, the larger of the two walls. Absent for a gate that
@@ -35,4 +35,4 @@ std::vector<Helpers> gates_to_help(std::span<const std::optional<double>> strays
 /// and say so ("slice_find.shared"). Borders stay as they are. All lie on one grid.
 void share_division_slice(std::span<Labels* const> gates);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// One number per gate as a heart changes it: smoothly, and the same after a beat.
 struct SmoothCycle {
@@ -17,4 +17,4 @@ struct SmoothCycle {
 /// All values are 0 where no gate has a number.
 SmoothCycle smooth_over_cycle(std::span<const std::optional<double>> values, double cut, int most_waves = 3);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

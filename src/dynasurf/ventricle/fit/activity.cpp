@@ -10,7 +10,7 @@
 #include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 #include "dynasurf/ventricle/fit/detail/lane_math.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 using detail::AlignedMatrix, detail::Step, detail::normal_cdf;
@@ -297,4 +297,4 @@ Eigen::VectorXd backpropagate(const HeartCells& cells, const GateLayout& layout,
   return gather(cells, layout, gradients).front();
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

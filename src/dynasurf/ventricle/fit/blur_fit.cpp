@@ -16,7 +16,7 @@
 #include "dynasurf/ventricle/fit/detail/reconstruction_filter.hpp"
 #include "dynasurf/ventricle/locate.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double sigmas_per_fwhm = 2.3548200450309493;
@@ -173,7 +173,7 @@ Eigen::VectorXd outermost(const PlacedStart& start, int degree) {
   Eigen::VectorXd most;
   double volume = 0;
   for (std::size_t g = 0; g < start.epi.size(); ++g) {
-    const double v = volume_mm3(start.epi[g]);
+    const double v = mesh::volume_mm3(start.epi[g]);
     if (most.size() > 0 && v <= volume) continue;
     most = harmonics_of_surface(start.epi[g], start.frame, start.base[g], degree);
     volume = v;
@@ -201,7 +201,7 @@ ThicknessPrior believe_in_thickness(const PlacedStart& start, int degree) {
   ThicknessPrior belief;
   double largest = 0;
   for (std::size_t g = 0; g < start.endo.size(); ++g) {
-    const double volume = volume_mm3(start.endo[g]);
+    const double volume = mesh::volume_mm3(start.endo[g]);
     if (volume > largest) largest = volume, belief.gate = static_cast<int>(g);
   }
   const double base = start.frame.to_heart(start.base[static_cast<std::size_t>(belief.gate)].point)[2];
@@ -460,4 +460,4 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   return beat;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -9,7 +9,7 @@
 #include "dynasurf/ventricle/estimate.hpp"
 #include "dynasurf/ventricle/fit/detail/start.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// How the surfaces are fitted through the camera's blur.
 struct BlurFit {
@@ -92,4 +92,4 @@ struct FittedBeat {
 FittedBeat fit_through_blur(const Study& study, const FitStart& start, const BlurFit& options,
                             const Progress& progress = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -8,7 +8,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/ventricle/fit/detail/matrix_loops.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 Eigen::VectorXd solve_definite(const RowMatrix& a, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& b) {
   constexpr Eigen::Index block = 64;
@@ -51,4 +51,4 @@ Eigen::VectorXd solve_definite(const RowMatrix& a, const Eigen::VectorXd& diagon
   return x;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double own_sigma_mm = 3;  // of a spot before the blur
@@ -110,4 +110,4 @@ std::vector<ExtracardiacSource> find_extracardiac_sources(const BeatProblem& pro
   return blobs;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -12,7 +12,7 @@
 #include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 #include "dynasurf/ventricle/fit/detail/wall_posterior.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr int wall_rings = 24, lid_rings = 6, around = 48;
@@ -145,7 +145,7 @@ double open_area(const TriMesh& mesh) {
   TriMesh open = mesh;
   const std::uint32_t rim_end = 1 + wall_rings * around;
   std::erase_if(open.triangles, [rim_end](const auto& t) { return std::max({t[0], t[1], t[2]}) >= rim_end; });
-  return area_mm2(open);
+  return mesh::area_mm2(open);
 }
 
 double spread_of(const Eigen::VectorXd& gradient, const Eigen::LLT<Eigen::MatrixXd>& factor) {
@@ -233,8 +233,8 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
     FittedGate& gate = beat.gates[g];
     gate.endo = wall_mesh(walls, false, grid, g == 0 ? &beat.uptake : nullptr);
     gate.epi = wall_mesh(walls, true, grid, nullptr);
-    gate.endo_ml.value = volume_mm3(gate.endo) / 1000;
-    gate.epi_ml.value = volume_mm3(gate.epi) / 1000;
+    gate.endo_ml.value = mesh::volume_mm3(gate.endo) / 1000;
+    gate.epi_ml.value = mesh::volume_mm3(gate.epi) / 1000;
     const HeartFrame& frame = walls.frame();
     const Vec3 normal = Vec3(-numbers[layout.gate.plane + 1], -numbers[layout.gate.plane + 2], 1).normalized();
     gate.base.point = to_world(grid, frame.from_heart({0, 0, numbers[layout.gate.plane]}));
@@ -297,4 +297,4 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
   beat.posterior = std::make_shared<const WallPosterior>(problem, solution.unknowns, grid, factor);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -7,7 +7,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr int ray_count = 600, degree = 6;
@@ -177,4 +177,4 @@ std::optional<GaussianProfile> read_gaussian_profile(const Study& study, const F
   return reading;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -4,7 +4,7 @@
 
 #include "dynasurf/ventricle/fit/detail/start.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Volumes as programs of the QGS family read them, so that old numbers can be compared with new ones.
 struct GaussianProfile {
@@ -18,4 +18,4 @@ struct GaussianProfile {
 /// `start` needs both surfaces in all gates; it says where to look. Absent when the walls cannot be seen.
 std::optional<GaussianProfile> read_gaussian_profile(const Study& study, const FitStart& start);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 int degree_of_harmonic(int k) {
   int degree = 0;
@@ -43,4 +43,4 @@ Vec3 fibonacci_direction(int n, int count) {
   return {r * own::cos(golden * n), r * own::sin(golden * n), z};
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -8,7 +8,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// What the wall along one direction adds to the image when the numbers of the gate change: points on its two sides and
@@ -301,4 +301,4 @@ detail::AlignedMatrix squares_of_derivatives(const BeatProblem& problem, const E
   return squares;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -9,7 +9,7 @@
 #include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 #include "dynasurf/ventricle/fit/detail/image_derivatives.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 std::vector<float> picture(const BeatProblem& problem, const Eigen::VectorXd& gate, const Activity& activity,
@@ -287,4 +287,4 @@ void minimise(const BeatProblem& problem, Solution& solution, int most_steps, do
   }
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -5,7 +5,7 @@
 #include "dynasurf/field/detail/lanes.hpp"
 #include "dynasurf/field/detail/simd.hpp"
 
-namespace dynasurf::detail {
+namespace dynasurf::ventricle::detail {
 namespace {
 
 using namespace simd;
@@ -149,4 +149,4 @@ void gemm_t(const AlignedMatrix& from, std::size_t lines, const AlignedMatrix& f
   });
 }
 
-}  // namespace dynasurf::detail
+}  // namespace dynasurf::ventricle::detail

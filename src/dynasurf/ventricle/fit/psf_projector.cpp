@@ -6,7 +6,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/ventricle/fit/detail/matrix_loops.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double reach_sigmas = 3.7;
@@ -258,4 +258,4 @@ std::vector<float> backproject(const PsfProjector& camera, std::span<const float
   return x;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -11,7 +11,7 @@
 #include "dynasurf/core/detail/fourier.hpp"
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 using Tables = std::array<FourierTable, 3>;
@@ -224,4 +224,4 @@ Study with_gaussian_filter(const Study& study, const ReconstructionFilter& filte
   return refiltered;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -10,7 +10,7 @@
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 Vec3 middle_of(const TriMesh& mesh) {
@@ -31,7 +31,7 @@ double highest(const TriMesh& mesh, const Vec3& axis) { return -lowest(mesh, -ax
 TriMesh shell_of(const LvShell& cup, double outside_mm) {
   constexpr int level = 3;
   const ShellBasis a = across(cup.axis);
-  TriMesh mesh = icosphere(level);
+  TriMesh mesh = mesh::icosphere(level);
   for (Vec3& p : mesh.vertices)
     p = cup.centre + (cup.radius_mm + outside_mm) * (p[0] * a.u + p[1] * a.v) +
         (cup.half_length_mm + outside_mm) * p[2] * cup.axis;
@@ -159,8 +159,8 @@ Eigen::VectorXd uptake_seen(const Image& mean, const PlacedStart& start, double 
     double most = 0;
     for (int step = -2; step <= 10; ++step) {  // from a quarter of the wall's thickness inside it to as much outside
       const double q = inner + (outer - inner) * step / 8;
-      most =
-          std::max(most, sample_linear(mean, start.frame.from_heart((q * direction).cwiseProduct(start.frame.scale))));
+      most = std::max(
+          most, image::sample_linear(mean, start.frame.from_heart((q * direction).cwiseProduct(start.frame.scale))));
     }
     const double seen = own::log(std::clamp(most / healthy, faintest, brightest));
     rows.row(used) = at.head(rows.cols()).transpose();
@@ -204,4 +204,4 @@ std::vector<Eigen::VectorXd> first_numbers(const PlacedStart& start, const GateL
   return numbers;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -7,7 +7,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 struct Wave {
@@ -171,4 +171,4 @@ BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::Vec
   return layout;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

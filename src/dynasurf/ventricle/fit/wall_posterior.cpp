@@ -8,7 +8,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// The walls along the rays through some points; rows of absent points are 0.
@@ -174,4 +174,4 @@ void tell_belief_from_data(const BeatProblem& problem, const Solution& solution,
                     share)});
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

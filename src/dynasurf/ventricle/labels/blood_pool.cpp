@@ -6,7 +6,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double middle_px = 1.5;  // up to here it is the middle, then rings of a pixel begin
@@ -46,7 +46,7 @@ double inner_share(const SidedEdges& edges) {
   const auto pixels = [](const SliceEdges& slices) {
     std::size_t count = 0;
     for (const auto& slice : slices)
-      for (const Component& c : slice) count += c.pixels.size();
+      for (const image::Component& c : slice) count += c.pixels.size();
     return static_cast<double>(count);
   };
   const double inner = pixels(edges.endo), outer = pixels(edges.epi);
@@ -71,4 +71,4 @@ int division_slice_of_pool(const std::vector<double>& profile) {
   return k;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

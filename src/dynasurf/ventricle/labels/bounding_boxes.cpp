@@ -7,7 +7,7 @@
 
 #include "dynasurf/ventricle/labels/detail/mlc.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// A box in pixels from the axis. The default one holds everything.
@@ -29,7 +29,7 @@ struct Filter {
   std::size_t removed = 0;
 
   void remove_outside(const Box& box, int k, std::uint8_t bit) {
-    for (const Pixel& p : pixels_of(borders, k, bit))
+    for (const image::Pixel& p : pixels_of(borders, k, bit))
       if (!box.holds(p.i - axis.x_at(k), p.j - axis.y_at(k))) {
         borders(p.i, p.j, k) = static_cast<std::uint8_t>(borders(p.i, p.j, k) & ~bit);
         ++removed;
@@ -84,4 +84,4 @@ Mask filter_by_boxes(Mask borders, int big_slice, int division_slice, const Axis
   return borders;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

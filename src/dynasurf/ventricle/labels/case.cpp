@@ -7,7 +7,7 @@
 #include "dynasurf/ventricle/labels/detail/mlc.hpp"
 #include "dynasurf/ventricle/labels/detail/slice_flow.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// Quiet points inside the coarse circle where vectors meet; those where they part lie in the middle of the wall.
@@ -24,7 +24,7 @@ std::vector<std::size_t> crossings(const FieldLine& line, double longest, const 
 
 Mask label(const LabelScene& scene, const CaseLabels& method, Labels& labels) {
   const Image& image = scene.image;
-  const VectorField field = slice_flow(image, method.quiet.flow);
+  const field::VectorField field = slice_flow(image, method.quiet.flow);
   constexpr std::array<std::uint8_t, 4> four{Labels::epi_bit, Labels::endo_bit, Labels::endo_bit, Labels::epi_bit};
   Mask borders(image.grid);
   int unknown = 0;
@@ -34,7 +34,7 @@ Mask label(const LabelScene& scene, const CaseLabels& method, Labels& labels) {
       unknown += points.size() != 0 && points.size() != 2 && points.size() != 4;
       if (points.size() != 2 && points.size() != 4) return;
       for (std::size_t n = 0; n < points.size(); ++n) {
-        const Pixel p = line.pixels[points[n]];
+        const image::Pixel p = line.pixels[points[n]];
         borders(p.i, p.j, k) |= points.size() == 4 ? four[n] : Labels::epi_bit;
       }
     });
@@ -47,4 +47,4 @@ Mask label(const LabelScene& scene, const CaseLabels& method, Labels& labels) {
   return borders;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

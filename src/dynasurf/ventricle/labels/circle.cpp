@@ -10,7 +10,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double half_turn_deg = 180;
@@ -20,10 +20,10 @@ struct Ring {
   double radius_px, share;  // mean distance, and the share of pixels within the tolerance of it
 };
 
-Ring ring_around(const std::vector<Pixel>& pixels, double x, double y, double tolerance) {
+Ring ring_around(const std::vector<image::Pixel>& pixels, double x, double y, double tolerance) {
   std::vector<double> distances;
   double sum = 0;
-  for (const Pixel& p : pixels) {
+  for (const image::Pixel& p : pixels) {
     distances.push_back(std::sqrt((p.i - x) * (p.i - x) + (p.j - y) * (p.j - y)));
     sum += distances.back();
   }
@@ -34,19 +34,19 @@ Ring ring_around(const std::vector<Pixel>& pixels, double x, double y, double to
   return {radius, static_cast<double>(on_ring) / count};
 }
 
-PixelMean middle_of(const Grid& grid) { return {(grid.dims[0] - 1) / 2.0, (grid.dims[1] - 1) / 2.0}; }
+image::PixelMean middle_of(const Grid& grid) { return {(grid.dims[0] - 1) / 2.0, (grid.dims[1] - 1) / 2.0}; }
 
 /// 1 in the middle of the image, falling with the distance from it.
 double nearness(const Grid& grid, double x, double y, double width_share) {
-  const PixelMean m = middle_of(grid);
+  const image::PixelMean m = middle_of(grid);
   const double width = width_share * grid.dims[0];
   const double dx = x - m.x_px, dy = y - m.y_px;
   return own::exp(-(dx * dx + dy * dy) / (2 * width * width));
 }
 
 /// The edge as a circle around its own centre, if it is circular.
-std::optional<Circle> as_circle(const Component& edge, const AutoCircle& o) {
-  const PixelMean mean = mean_of(edge.pixels);
+std::optional<Circle> as_circle(const image::Component& edge, const AutoCircle& o) {
+  const image::PixelMean mean = image::mean_of(edge.pixels);
   Circle c{mean.x_px, mean.y_px, 0};
   if (o.robust_fit) {
     const auto fit = fit_circle(edge.pixels);
@@ -58,10 +58,10 @@ std::optional<Circle> as_circle(const Component& edge, const AutoCircle& o) {
   return Circle{c.x_px, c.y_px, ring.radius_px};
 }
 
-std::optional<Circle> largest_circle(const std::vector<Component>& edges, const AutoCircle& o) {
+std::optional<Circle> largest_circle(const std::vector<image::Component>& edges, const AutoCircle& o) {
   std::optional<Circle> best;
   std::size_t most = 0;
-  for (const Component& edge : edges) {
+  for (const image::Component& edge : edges) {
     if (edge.pixels.size() <= most) continue;
     if (const auto circle = as_circle(edge, o)) best = circle, most = edge.pixels.size();
   }
@@ -69,7 +69,7 @@ std::optional<Circle> largest_circle(const std::vector<Component>& edges, const 
 }
 
 /// Middle of the intensities; of an image without any, its middle.
-PixelMean intensity_centroid(const Image& image) {
+image::PixelMean intensity_centroid(const Image& image) {
   double sum = 0, x = 0, y = 0;
   for (int k = 0; k < image.grid.dims[2]; ++k)
     for (int j = 0; j < image.grid.dims[1]; ++j)
@@ -77,7 +77,7 @@ PixelMean intensity_centroid(const Image& image) {
         const double w = std::max(0.0F, image(i, j, k));
         sum += w, x += w * i, y += w * j;
       }
-  return sum > 0 ? PixelMean{x / sum, y / sum} : middle_of(image.grid);
+  return sum > 0 ? image::PixelMean{x / sum, y / sum} : middle_of(image.grid);
 }
 
 struct Line {
@@ -100,8 +100,8 @@ SliceEdges find_components(const Mask& edges, int min_px) {
   SliceEdges found(static_cast<std::size_t>(std::max(0, edges.grid.dims[2])));
   for (int k = 0; k < edges.grid.dims[2]; ++k) {
     auto& slice = found[static_cast<std::size_t>(k)];
-    slice = components_of_slice(edges, k);
-    std::erase_if(slice, [&](const Component& c) { return static_cast<int>(c.pixels.size()) < min_px; });
+    slice = image::components_of_slice(edges, k);
+    std::erase_if(slice, [&](const image::Component& c) { return static_cast<int>(c.pixels.size()) < min_px; });
   }
   return found;
 }
@@ -109,13 +109,13 @@ SliceEdges find_components(const Mask& edges, int min_px) {
 Mask to_mask(const SliceEdges& edges, const Grid& grid) {
   Mask mask(grid);
   for (const auto& slice : edges)
-    for (const Component& c : slice)
-      for (const Pixel& p : c.pixels) mask(p.i, p.j, c.slice) = 1;
+    for (const image::Component& c : slice)
+      for (const image::Pixel& p : c.pixels) mask(p.i, p.j, c.slice) = 1;
   return mask;
 }
 
 Circle coarse_circle(const Grid& grid, const CoarseCircle& o) {
-  const PixelMean m = middle_of(grid);
+  const image::PixelMean m = middle_of(grid);
   return {o.x_px.value_or(m.x_px), o.y_px.value_or(m.y_px),
           o.radius_px.value_or(0.5 * std::min(grid.dims[0], grid.dims[1]))};
 }
@@ -130,12 +130,12 @@ Mask clip(Mask edges, const Axis& axis, double radius_px) {
   return edges;
 }
 
-std::optional<Circle> fit_circle(const std::vector<Pixel>& pixels) {
+std::optional<Circle> fit_circle(const std::vector<image::Pixel>& pixels) {
   if (pixels.size() < 3) return std::nullopt;
-  const PixelMean mean = mean_of(pixels);
+  const image::PixelMean mean = image::mean_of(pixels);
   // |q|^2 = 2 c.q + (r^2 - |c|^2) is linear in the centre c; coordinates from the mean keep it well conditioned.
   double xx = 0, xy = 0, yy = 0, xs = 0, ys = 0, ss = 0;
-  for (const Pixel& p : pixels) {
+  for (const image::Pixel& p : pixels) {
     const double x = p.i - mean.x_px, y = p.j - mean.y_px, s = x * x + y * y;
     xx += x * x, xy += x * y, yy += y * y, xs += x * s, ys += y * s, ss += s;
   }
@@ -146,10 +146,10 @@ std::optional<Circle> fit_circle(const std::vector<Pixel>& pixels) {
   return Circle{mean.x_px + x, mean.y_px + y, std::sqrt(mean_square + x * x + y * y)};
 }
 
-double coverage_deg(const std::vector<Pixel>& pixels, double x_px, double y_px) {
+double coverage_deg(const std::vector<image::Pixel>& pixels, double x_px, double y_px) {
   if (pixels.size() < 2) return 0;
   std::vector<double> angles;
-  for (const Pixel& p : pixels) angles.push_back(own::atan2(p.j - y_px, p.i - x_px));
+  for (const image::Pixel& p : pixels) angles.push_back(own::atan2(p.j - y_px, p.i - x_px));
   std::sort(angles.begin(), angles.end());
   double widest = angles.front() + 2 * std::numbers::pi - angles.back();
   for (std::size_t n = 1; n < angles.size(); ++n) widest = std::max(widest, angles[n] - angles[n - 1]);
@@ -170,7 +170,7 @@ Centre find_centre(const SliceEdges& edges, const Image& image, const AutoCircle
     centre.x_px = x / sum, centre.y_px = y / sum;
     return centre;
   }
-  const PixelMean mean = intensity_centroid(image);
+  const image::PixelMean mean = intensity_centroid(image);
   centre.x_px = mean.x_px, centre.y_px = mean.y_px;
   notes.push_back({Severity::warning, "circle.no_circular_edge",
                    "No slice has a circular edge; the centre of the intensities (column " + std::to_string(mean.x_px) +
@@ -196,13 +196,13 @@ WidestEdge find_widest_edge(const SliceEdges& edges, const Grid& grid, const Axi
   double best = 0;
   const auto least_px = static_cast<std::size_t>(2 * o.min_component_px);
   for (const auto& slice : edges)
-    for (const Component& edge : slice) {
+    for (const image::Component& edge : slice) {
       const double x = axis.x_at(edge.slice), y = axis.y_at(edge.slice);
       if (edge.pixels.size() <= least_px) continue;
       if (o.robust_fit && coverage_deg(edge.pixels, x, y) < half_turn_deg) continue;
       const Ring ring = ring_around(edge.pixels, x, y, o.radius_tolerance_px);
       if (!(ring.share > o.radius_share)) continue;
-      const PixelMean mean = mean_of(edge.pixels);
+      const image::PixelMean mean = image::mean_of(edge.pixels);
       const double score = ring.radius_px * nearness(grid, mean.x_px, mean.y_px, o.centre_width);
       if (score > best) best = score, widest = {ring.radius_px, edge.slice};
     }
@@ -213,4 +213,4 @@ WidestEdge find_widest_edge(const SliceEdges& edges, const Grid& grid, const Axi
   return widest;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

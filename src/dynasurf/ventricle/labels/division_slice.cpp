@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/text_stream.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 std::vector<double> centre_profile(const Image& image, const Axis& axis) {
   std::vector<double> profile;
@@ -131,4 +131,4 @@ RefinedDivision refine_division_slice(int c, int slices, const std::function<int
   return {c + row.moves, number, row.verified};
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -10,13 +10,13 @@
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr int neighbour_slices = 3;
 
-void paint(Mask& borders, const Component& edge, std::uint8_t bit) {
-  for (const Pixel& p : edge.pixels) borders(p.i, p.j, edge.slice) |= bit;
+void paint(Mask& borders, const image::Component& edge, std::uint8_t bit) {
+  for (const image::Pixel& p : edge.pixels) borders(p.i, p.j, edge.slice) |= bit;
 }
 
 /// The edges of one slice by growing distance, and where the largest gap between two of them lies.
@@ -27,11 +27,11 @@ struct Sorted {
   double gap = 0;
 };
 
-Sorted sort_by_distance(const std::vector<Component>& edges, const Axis& axis) {
+Sorted sort_by_distance(const std::vector<image::Component>& edges, const Axis& axis) {
   std::vector<double> mean;
-  for (const Component& e : edges) {
+  for (const image::Component& e : edges) {
     double sum = 0;
-    for (const Pixel& p : e.pixels) sum += own::hypot(p.i - axis.x_at(e.slice), p.j - axis.y_at(e.slice));
+    for (const image::Pixel& p : e.pixels) sum += own::hypot(p.i - axis.x_at(e.slice), p.j - axis.y_at(e.slice));
     mean.push_back(sum / static_cast<double>(e.pixels.size()));
   }
   Sorted s;
@@ -105,17 +105,17 @@ Gradient sobel(const Image& m, int i, int j, int k) {
 }
 
 /// The side of every pixel of an edge: +1 brighter outwards, -1 darker outwards, 0 neither.
-std::vector<int> sides_of(const Component& edge, const Image& image, const Axis& axis) {
+std::vector<int> sides_of(const image::Component& edge, const Image& image, const Axis& axis) {
   const double x = axis.x_at(edge.slice), y = axis.y_at(edge.slice);
   std::vector<double> outwards, strength;
-  for (const Pixel& p : edge.pixels) {
+  for (const image::Pixel& p : edge.pixels) {
     const Gradient g = sobel(image, p.i, p.j, edge.slice);
     const double dx = p.i - x, dy = p.j - y, d = std::sqrt(dx * dx + dy * dy);
     outwards.push_back(d > 0 ? (g.x * dx + g.y * dy) / d : 0);
     strength.push_back(std::sqrt(g.x * g.x + g.y * g.y));
   }
   std::vector<int> sides;
-  for (const Pixel& p : edge.pixels) {
+  for (const image::Pixel& p : edge.pixels) {
     double sum = 0, all = 0;
     for (std::size_t n = 0; n < edge.pixels.size(); ++n) {
       if (std::abs(edge.pixels[n].i - p.i) > 1 || std::abs(edge.pixels[n].j - p.j) > 1) continue;
@@ -131,7 +131,7 @@ std::vector<int> sides_of(const Component& edge, const Image& image, const Axis&
 SidedEdges split_by_gradient(const SliceEdges& edges, const Image& image, const Axis& axis, int min_px) {
   Mask endo(image.grid), epi(image.grid);
   for (const auto& slice : edges)
-    for (const Component& edge : slice) {
+    for (const image::Component& edge : slice) {
       const std::vector<int> sides = sides_of(edge, image, axis);
       for (std::size_t n = 0; n < sides.size(); ++n)
         if (sides[n] != 0) (sides[n] > 0 ? endo : epi)(edge.pixels[n].i, edge.pixels[n].j, edge.slice) = 1;
@@ -149,7 +149,7 @@ namespace {
 
 /// A border pixel seen from the axis.
 struct Ray {
-  Pixel pixel;
+  image::Pixel pixel;
   double cosine, sine, distance;
 };
 using Rays = std::vector<std::vector<Ray>>;  // per slice
@@ -157,8 +157,8 @@ using Rays = std::vector<std::vector<Ray>>;  // per slice
 Rays rays_of(const SliceEdges& edges, const Axis& axis) {
   Rays rays(edges.size());
   for (const auto& slice : edges)
-    for (const Component& edge : slice)
-      for (const Pixel& p : edge.pixels) {
+    for (const image::Component& edge : slice)
+      for (const image::Pixel& p : edge.pixels) {
         const double dx = p.i - axis.x_at(edge.slice), dy = p.j - axis.y_at(edge.slice),
                      d = std::sqrt(dx * dx + dy * dy);
         rays[static_cast<std::size_t>(edge.slice)].push_back({p, d > 0 ? dx / d : 1, d > 0 ? dy / d : 0, d});
@@ -242,14 +242,14 @@ Mask classify_by_gradient(const SidedEdges& edges, const Grid& grid, const Axis&
 
   Mask borders(grid);
   for (const auto& slice : find_components(inner, min_px))
-    for (const Component& c : slice) paint(borders, c, Labels::endo_bit);
+    for (const image::Component& c : slice) paint(borders, c, Labels::endo_bit);
   for (const auto& slice : find_components(outer, min_px))
-    for (const Component& c : slice) paint(borders, c, Labels::epi_bit);
+    for (const image::Component& c : slice) paint(borders, c, Labels::epi_bit);
   return borders;
 }
 
-std::vector<Pixel> pixels_of(const Mask& borders, int k, std::uint8_t bit) {
-  std::vector<Pixel> pixels;
+std::vector<image::Pixel> pixels_of(const Mask& borders, int k, std::uint8_t bit) {
+  std::vector<image::Pixel> pixels;
   for (int j = 0; j < borders.grid.dims[1]; ++j)
     for (int i = 0; i < borders.grid.dims[0]; ++i)
       if (borders(i, j, k) & bit) pixels.push_back({i, j});
@@ -262,4 +262,4 @@ int count_borders(const Mask& borders, int k, const Axis& axis, double least_cov
   return static_cast<int>(has_endo) + static_cast<int>(!epi.empty());
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -1,6 +1,6 @@
 #include "dynasurf/ventricle/labels/detail/method.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 Mask label(const LabelScene& scene, const NoLabels&, Labels& labels) {
   Mask borders = to_mask(scene.inside, scene.image.grid);
@@ -9,4 +9,4 @@ Mask label(const LabelScene& scene, const NoLabels&, Labels& labels) {
   return borders;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

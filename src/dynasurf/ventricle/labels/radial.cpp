@@ -6,10 +6,10 @@
 
 #include "dynasurf/ventricle/labels/detail/method.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
-double distance_of(const Pixel& p, int k, const Axis& axis) {
+double distance_of(const image::Pixel& p, int k, const Axis& axis) {
   const double dx = p.i - axis.x_at(k), dy = p.j - axis.y_at(k);
   return std::sqrt(dx * dx + dy * dy);
 }
@@ -27,13 +27,13 @@ int slice_of_change(const std::vector<RadialProfile>& profiles) {
 
 }  // namespace
 
-RadialProfile radial_profile(const std::vector<Component>& edges, const Axis& axis, double circle_radius_px,
+RadialProfile radial_profile(const std::vector<image::Component>& edges, const Axis& axis, double circle_radius_px,
                              const RadialLabels& o) {
   RadialProfile profile;
   std::vector<double> sums;
   int all = 0;
-  for (const Component& edge : edges)
-    for (const Pixel& p : edge.pixels) {
+  for (const image::Component& edge : edges)
+    for (const image::Pixel& p : edge.pixels) {
       const double d = distance_of(p, edge.slice, axis);
       const auto ring = static_cast<std::size_t>(d / o.ring_px);
       if (ring >= profile.counts.size()) profile.counts.resize(ring + 1, 0), sums.resize(ring + 1, 0);
@@ -80,8 +80,8 @@ Mask label(const LabelScene& scene, const RadialLabels& method, Labels& labels) 
                               std::to_string(peaks.size()) + " rings of slice " + std::to_string(k + 1) +
                                   " look like a border; the innermost and the outermost were taken.",
                               -1, static_cast<int>(k)});
-    for (const Component& edge : scene.inside[k])
-      for (const Pixel& p : edge.pixels) {
+    for (const image::Component& edge : scene.inside[k])
+      for (const image::Pixel& p : edge.pixels) {
         const double d = distance_of(p, edge.slice, scene.axis);
         const bool inner = two && std::abs(d - peaks.front()) < std::abs(d - peaks.back());
         borders(p.i, p.j, edge.slice) = inner ? Labels::endo_bit : Labels::epi_bit;
@@ -90,4 +90,4 @@ Mask label(const LabelScene& scene, const RadialLabels& method, Labels& labels) 
   return borders;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -1,11 +1,11 @@
 #include "dynasurf/ventricle/labels/detail/method.hpp"
 #include "dynasurf/ventricle/labels/detail/slice_flow.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 Mask label(const LabelScene& scene, const SignLabels& method, Labels& labels) {
   const Image& image = scene.image;
-  const VectorField field = slice_flow(image, method.flow);
+  const field::VectorField field = slice_flow(image, method.flow);
   Mask borders(image.grid);
   for (int k = 0; k < image.grid.dims[2]; ++k)
     for_each_line(image, field, k, [&](const FieldLine& line, double longest) {
@@ -16,4 +16,4 @@ Mask label(const LabelScene& scene, const SignLabels& method, Labels& labels) {
   return clip(std::move(borders), {scene.coarse.x_px, scene.coarse.y_px, 0, 0}, scene.coarse.radius_px);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -5,12 +5,12 @@
 
 #include "dynasurf/core/parallel.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
-VectorField slice_flow(const Image& image, const SliceFlow& options) {
-  Image strength = detect_edges(image, GradientEdges{}).gradient;
+field::VectorField slice_flow(const Image& image, const SliceFlow& options) {
+  Image strength = image::detect_edges(image, image::GradientEdges{}).gradient;
   const float max = strength.values.empty() ? 0 : *std::max_element(strength.values.begin(), strength.values.end());
-  VectorField field(image.grid);
+  field::VectorField field(image.grid);
   if (!(max > 0)) return field;
   for (float& v : strength.values) v /= max;
 
@@ -21,14 +21,15 @@ VectorField slice_flow(const Image& image, const SliceFlow& options) {
     Image slice(one);
     const std::ptrdiff_t begin = area * static_cast<std::ptrdiff_t>(k);
     std::copy_n(strength.values.begin() + begin, area, slice.values.begin());
-    const FlowResult flow = flow_field(slice, Gvf{.mu = options.mu, .iterations = options.iterations});
+    const field::FlowResult flow =
+        field::flow_field(slice, field::Gvf{.mu = options.mu, .iterations = options.iterations});
     std::copy_n(flow.field.x.begin(), area, field.x.begin() + begin);
     std::copy_n(flow.field.y.begin(), area, field.y.begin() + begin);
   });
   return field;
 }
 
-void for_each_line(const Image& image, const VectorField& field, int k,
+void for_each_line(const Image& image, const field::VectorField& field, int k,
                    const std::function<void(const FieldLine&, double)>& read) {
   const int width = image.grid.dims[0], height = image.grid.dims[1];
   const auto length_at = [&](std::size_t n) {
@@ -90,4 +91,4 @@ std::vector<std::size_t> quiet_points(const FieldLine& line, double longest, con
   return points;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

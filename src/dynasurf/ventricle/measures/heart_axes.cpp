@@ -7,7 +7,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/mesh/ray_bvh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double degrees = M_PI / 180;
@@ -71,7 +71,7 @@ WallRay HeartAxes::ray(const PolarPoint& at, double radius_mm) const {
 
 std::optional<HeartAxes> axes_of(const TriMesh& endo, const TriMesh& epi, const Vec3& on_axis, const Vec3& axis,
                                  const Vec3& anterior, const std::optional<BasePlane>& plane) {
-  const auto inner = RayBvh(endo).first_hit(on_axis, -axis), outer = RayBvh(epi).first_hit(on_axis, -axis);
+  const auto inner = mesh::RayBvh(endo).first_hit(on_axis, -axis), outer = mesh::RayBvh(epi).first_hit(on_axis, -axis);
   if (!inner || !outer) return std::nullopt;
   HeartAxes axes;
   axes.axis = axis;
@@ -88,4 +88,4 @@ std::optional<HeartAxes> axes_of(const TriMesh& endo, const TriMesh& epi, const 
   return axes;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -9,7 +9,7 @@
 #include "dynasurf/core/volume.hpp"
 #include "dynasurf/ventricle/base_plane.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Who says where the anterior wall is.
 enum class AnteriorRule { automatic, patient, rows };
@@ -68,4 +68,4 @@ struct HeartAxes {
 std::optional<HeartAxes> axes_of(const TriMesh& endo, const TriMesh& epi, const Vec3& on_axis, const Vec3& axis,
                                  const Vec3& anterior, const std::optional<BasePlane>& plane);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

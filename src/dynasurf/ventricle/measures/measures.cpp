@@ -9,7 +9,7 @@
 #include "dynasurf/ventricle/lv_volumes.hpp"
 #include "dynasurf/ventricle/measures/detail/reference.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// Both surfaces, or the inner one where no outer one is looked for.
@@ -214,10 +214,10 @@ std::vector<double> areas_of_vertices(const TriMesh& mesh) {
 /// How far every vertex of every gate is from where it was at end diastole, and what that means for the segments.
 void measure_motion(Measures& m, const MeasureInput& input) {
   const WallGate& rest = input.gates[static_cast<std::size_t>(m.ed_gate)];
-  const auto motion_of = [](const TriMesh* from, const TriMesh* to) -> std::optional<SurfaceMotion> {
+  const auto motion_of = [](const TriMesh* from, const TriMesh* to) -> std::optional<mesh::SurfaceMotion> {
     if (!from || !to || from->vertices.size() != to->vertices.size() || from->triangles != to->triangles)
       return std::nullopt;
-    return surface_motion(*from, *to);
+    return mesh::surface_motion(*from, *to);
   };
   for (std::size_t g = 0; g < m.gates.size(); ++g) {
     m.gates[g].endo_motion = motion_of(rest.endo.mesh, input.gates[g].endo.mesh);
@@ -301,9 +301,9 @@ Measures measure_walls(const MeasureInput& input, const MeasureOptions& requeste
     GateMeasures& measured = m.gates[g];
     const TriMesh& endo = *gate.endo.mesh;
     const TriMesh& outermost = m.cavity_alone ? endo : *gate.epi.mesh;
-    measured.endo_ml = volume_mm3(endo) / 1000;
+    measured.endo_ml = mesh::volume_mm3(endo) / 1000;
     measured.axes = axes_of(endo, outermost, middle, input.axis, m.anterior.direction, gate.base_plane);
-    if (!m.cavity_alone) measured.epi_ml = volume_mm3(outermost) / 1000;
+    if (!m.cavity_alone) measured.epi_ml = mesh::volume_mm3(outermost) / 1000;
     if (!measured.axes) return;
     if (m.cavity_alone) {
       measured.map = map_cavity(endo, *measured.axes, m.grid);
@@ -337,4 +337,4 @@ Measures measure_walls(const MeasureInput& input, const MeasureOptions& requeste
   return m;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

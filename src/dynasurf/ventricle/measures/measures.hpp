@@ -14,7 +14,7 @@
 #include "dynasurf/ventricle/measures/wall_map.hpp"
 #include "dynasurf/ventricle/measures/wall_thickness.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 struct MeasureOptions {
   SegmentModel segments = SegmentModel::aha17;
@@ -54,7 +54,7 @@ struct GateMeasures {
   WallThickness thickness;
   WallMap map;
   // From the surfaces of end diastole; absent where the triangles are not the same.
-  std::optional<SurfaceMotion> endo_motion, epi_motion;
+  std::optional<mesh::SurfaceMotion> endo_motion, epi_motion;
 };
 
 /// The maps of a study; absent samples where any gate that is needed lacks the wall.
@@ -111,4 +111,4 @@ struct Measures {
 /// Maps without any value are empty.
 Measures measure_walls(const MeasureInput& input, const MeasureOptions& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/error.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double segment_limit_sd = 2.5;
@@ -108,4 +108,4 @@ void set_score(SegmentScores& scores, int segment, int score) {
   add_up(scores);
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

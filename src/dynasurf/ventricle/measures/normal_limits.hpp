@@ -5,7 +5,7 @@
 
 #include "dynasurf/ventricle/measures/wall_map.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Perfusion of normal hearts, sample by sample, as `PolarMaps::perfusion_percent`.
 struct NormalMap {
@@ -48,4 +48,4 @@ SegmentScores score_segments(SegmentModel model, const PolarGrid& grid, const Po
 /// A person's score in place of the computed one. Throws InputError unless the segment exists and the score is 0 to 4.
 void set_score(SegmentScores& scores, int segment, int score);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -6,7 +6,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/ventricle/measures/volume_curve.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double degrees = M_PI / 180;
@@ -84,4 +84,4 @@ std::optional<PhaseSummary> summarise_phases(std::span<const std::optional<doubl
   return summary;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

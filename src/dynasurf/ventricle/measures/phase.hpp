@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Onset of contraction from the first wave of a regional curve that rises in systole (counts, inward motion): where
 /// the wave crosses its mean upwards, degrees of the beat after the R wave in [0, 360). Values at the middles of the
@@ -26,4 +26,4 @@ struct PhaseSummary {
 std::optional<PhaseSummary> summarise_phases(std::span<const std::optional<double>> phase_deg,
                                              std::span<const double> weight);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

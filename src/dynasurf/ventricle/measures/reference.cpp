@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 std::vector<std::size_t> reference_samples(const PolarValues& values, bool is_uptake) {
   std::vector<std::size_t> order;
@@ -16,4 +16,4 @@ std::vector<std::size_t> reference_samples(const PolarValues& values, bool is_up
   return {order.begin() + first, order.begin() + std::max(first + 1, last)};
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

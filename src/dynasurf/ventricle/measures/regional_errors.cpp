@@ -6,7 +6,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/ventricle/measures/detail/reference.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double degrees = M_PI / 180;
@@ -228,4 +228,4 @@ void add_error_bars(Measures& m, const WallPosterior& posterior) {
         {&PolarMaps::phase_thickness_deg, &Measures::phase_thickness, &SegmentErrors::phase_thickness_deg, false});
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

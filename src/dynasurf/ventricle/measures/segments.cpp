@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 // Cerqueira et al., Circulation 105:539 (2002): numbers, names and territories.
@@ -70,4 +70,4 @@ std::vector<int> segments_of_vertices(SegmentModel model, const HeartAxes& axes,
   return segments;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

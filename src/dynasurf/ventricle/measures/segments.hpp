@@ -8,7 +8,7 @@
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/ventricle/measures/heart_axes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// How the wall is divided. `aha17`: six basal, six mid, four apical segments and the apex (Cerqueira 2002).
 /// `segments20`: six distal, six mid, six basal, an anterior and an inferior half of the apex.
@@ -34,4 +34,4 @@ int segment_at(SegmentModel model, const PolarPoint& at);
 std::vector<int> segments_of_vertices(SegmentModel model, const HeartAxes& axes, std::span<const Vec3> vertices,
                                       double slack_mm = 0.1);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -11,7 +11,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/point_spline.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double degrees = M_PI / 180;
@@ -98,7 +98,7 @@ Line line_of(const std::vector<double>& height, const std::vector<double>& angle
   return line;
 }
 
-std::optional<Strains> strains_at(const Frame& f, const Vec3& p, const SplineMotion& motion) {
+std::optional<Strains> strains_at(const Frame& f, const Vec3& p, const mesh::SplineMotion& motion) {
   const Vec3 from = p - f.apex;
   const Vec3 out = from - from.dot(f.up) * f.up;
   if (out.norm() < nearest_mm) return std::nullopt;
@@ -123,7 +123,7 @@ Strains mean_of(const std::vector<std::optional<Strains>>& strains, const std::v
 }
 
 GateMotion measure_gate(const Frame& f, const std::vector<Vec3>& rest, const std::vector<Vec3>& now,
-                        const SplineMotion& motion) {
+                        const mesh::SplineMotion& motion) {
   std::vector<std::optional<Strains>> strains;
   std::vector<std::size_t> all;
   for (std::size_t n = 0; n < rest.size(); ++n) strains.push_back(strains_at(f, rest[n], motion)), all.push_back(n);
@@ -174,7 +174,7 @@ TrackedMotion measure_motion(const TrackedPoints& points, const LongAxis& axis, 
   if (rest.size() < least_points)
     throw InputError(std::to_string(rest.size()) + " tracked points that are known in every gate; expected at least " +
                      std::to_string(least_points));
-  const PointSpline spline(rest);
+  const mesh::PointSpline spline(rest);
   const Frame frame = frame_of(rest, axis);
   if (std::count_if(frame.in_level.begin(), frame.in_level.end(),
                     [](const auto& level) { return level.size() >= least_in_level; }) < 2)
@@ -194,4 +194,4 @@ TrackedMotion measure_motion(const TrackedPoints& points, const LongAxis& axis, 
   return result;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/tracked_points.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// The ventricle's long axis at rest, world, mm: its end at the apex and its end at the valve plane, and how well the
 /// distance between them is known (a standard deviation).
@@ -62,4 +62,4 @@ struct TrackedMotion {
 /// does not exist.
 TrackedMotion measure_motion(const TrackedPoints& points, const LongAxis& axis, int rest_gate = 0);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
@@ -137,4 +137,4 @@ std::optional<double> per_second(double rate_per_beat, double cycle_ms) {
   return cycle_ms > 0 ? std::optional(rate_per_beat * 1000 / cycle_ms) : std::nullopt;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

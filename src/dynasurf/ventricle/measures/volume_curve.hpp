@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// A value over the beat as a mean and a few waves. `phase` is the part of the beat after the R wave, 0 to 1.
 struct PeriodicCurve {
@@ -51,4 +51,4 @@ std::optional<VolumeCurveFit> fit_volume_curve(std::span<const double> cavity_ml
 /// Rates of `fit_volume_curve` in EDV/s; absent when the R-R interval is unknown (0).
 std::optional<double> per_second(double rate_per_beat, double cycle_ms);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

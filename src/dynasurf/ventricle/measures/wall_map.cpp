@@ -8,13 +8,13 @@
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/mesh/ray_bvh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr double degrees = M_PI / 180;
 
 /// Thickness at a hit from the triangle's corners; corners without a ray are left out.
-std::optional<double> thickness_at(const RayHit& hit, const TriMesh& mesh, const VertexThickness& thickness) {
+std::optional<double> thickness_at(const mesh::RayHit& hit, const TriMesh& mesh, const VertexThickness& thickness) {
   const auto& t = mesh.triangles[hit.triangle];
   const double share[] = {1 - hit.u - hit.v, hit.u, hit.v};
   double sum = 0, weight = 0;
@@ -28,7 +28,7 @@ std::optional<double> thickness_at(const RayHit& hit, const TriMesh& mesh, const
 }
 
 /// Uptake at a hit, from the triangle's corners.
-double uptake_at(const RayHit& hit, const WallSide& side) {
+double uptake_at(const mesh::RayHit& hit, const WallSide& side) {
   const auto& t = side.mesh->triangles[hit.triangle];
   const std::vector<double>& uptake = *side.uptake;
   return (1 - hit.u - hit.v) * uptake[t[0]] + hit.u * uptake[t[1]] + hit.v * uptake[t[2]];
@@ -41,7 +41,7 @@ double brightest(const Image& image, const Vec3& origin, const Vec3& direction, 
   const int steps = std::max(1, static_cast<int>(std::ceil((to - from) / step_mm)));
   double best = -std::numeric_limits<double>::infinity();
   for (int n = 0; n <= steps; ++n)
-    best = std::max(best, sample_cubic(image, start + (from + (to - from) * n / steps) * way));
+    best = std::max(best, image::sample_cubic(image, start + (from + (to - from) * n / steps) * way));
   return best;
 }
 
@@ -65,7 +65,7 @@ double area_of(const PolarGrid& grid, const PolarPoint& at, double radius_mm, co
 }
 
 /// Mean distance of the wall from the axis where it is seen square to it: for valve planes that lean.
-double usual_radius(const RayBvh& endo, const RayBvh& epi, const HeartAxes& axes, const PolarGrid& grid) {
+double usual_radius(const mesh::RayBvh& endo, const mesh::RayBvh& epi, const HeartAxes& axes, const PolarGrid& grid) {
   double sum = 0;
   int count = 0;
   for (int s = 0; s < grid.sectors; ++s) {
@@ -91,7 +91,7 @@ WallMap empty_map(const PolarGrid& grid) {
 
 WallMap map_wall(const WallSide& endo, const WallSide& epi, const WallThickness& thickness, const HeartAxes& axes,
                  const Image& image, const PolarGrid& grid) {
-  const RayBvh endo_tree(*endo.mesh), epi_tree(*epi.mesh);
+  const mesh::RayBvh endo_tree(*endo.mesh), epi_tree(*epi.mesh);
   const double radius = usual_radius(endo_tree, epi_tree, axes, grid);
   WallMap map = empty_map(grid);
   parallel_for(grid.size(), static_cast<std::size_t>(grid.sectors), [&](std::size_t begin, std::size_t end) {
@@ -121,7 +121,7 @@ WallMap map_wall(const WallSide& endo, const WallSide& epi, const WallThickness&
 }
 
 WallMap map_cavity(const TriMesh& endo, const HeartAxes& axes, const PolarGrid& grid) {
-  const RayBvh tree(endo);
+  const mesh::RayBvh tree(endo);
   const double radius = usual_radius(tree, tree, axes, grid);
   WallMap map = empty_map(grid);
   for (std::size_t n = 0; n < grid.size(); ++n) {
@@ -174,4 +174,4 @@ PolarValues on_vertices(const PolarGrid& grid, const PolarValues& values, const 
   return result;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

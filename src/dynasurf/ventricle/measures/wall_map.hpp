@@ -10,7 +10,7 @@
 #include "dynasurf/ventricle/measures/segments.hpp"
 #include "dynasurf/ventricle/measures/wall_thickness.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Where a polar map is sampled: `rings` from apex to base, `sectors` counter-clockwise from the lateral wall, sample
 /// (ring, sector) in the middle of its cell. Ring and sector borders fall on all borders of segments.
@@ -72,4 +72,4 @@ PolarValues segment_means(SegmentModel model, const PolarGrid& grid, const Polar
 PolarValues on_vertices(const PolarGrid& grid, const PolarValues& values, const HeartAxes& axes,
                         const std::vector<Vec3>& vertices);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -8,7 +8,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/ray_bvh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 /// Triangles of a cap: a fan around vertex 0 (the apex), then rings. Counter-clockwise seen from outside, where angles
@@ -60,7 +60,7 @@ double volume_below_base(const TriMesh& mesh, const HeartAxes& axes) {
 
 /// Absent where a ray misses a surface, the wall turns inside out, or its rim is not that of a wall: surfaces that end
 /// below the valve plane are met there by their lids' dents only.
-std::optional<Sheets> meet(const RayBvh (&trees)[2], const HeartAxes& axes, const WallSolidSize& size) {
+std::optional<Sheets> meet(const mesh::RayBvh (&trees)[2], const HeartAxes& axes, const WallSolidSize& size) {
   // A ray in the valve plane runs along the lid: it looks a little below, and its point is moved back onto the plane.
   constexpr double far_mm = 300;
   constexpr double below_lid = 1e-4;  // of rho: some hundredths of a millimetre
@@ -125,7 +125,7 @@ std::optional<WallSolid> wall_solid(const TriMesh& endo, const TriMesh& epi, con
                                     const WallSolidSize& size) {
   if (size.rings < 2 || size.sectors < 3 || size.layers < 1)
     throw OptionError("wall_solid: expected at least 2 rings, 3 sectors and 1 layer");
-  const RayBvh trees[] = {RayBvh(endo), RayBvh(epi)};
+  const mesh::RayBvh trees[] = {mesh::RayBvh(endo), mesh::RayBvh(epi)};
   constexpr double step_mm = 0.5, lowest_mm = 12, most_moved_mm = 1;
   HeartAxes lowered = axes;
   WallSolid solid;
@@ -145,10 +145,10 @@ std::optional<WallSolid> wall_solid(const TriMesh& endo, const TriMesh& epi, con
     solid.moved_mm = std::max(solid.moved_mm, std::abs(way));
     sides[side] = moved(*sheets, side, way, lowered);
   }
-  solid.mesh = fill_between(sides[0], sides[1], size.layers);
-  solid.volume_ml = volume_mm3(solid.mesh) / 1000;
+  solid.mesh = mesh::fill_between(sides[0], sides[1], size.layers);
+  solid.volume_ml = mesh::volume_mm3(solid.mesh) / 1000;
   solid.surfaces_ml = (held_mm3[1] - held_mm3[0]) / 1000;
-  solid.quality = tet_quality(solid.mesh);
+  solid.quality = mesh::tet_quality(solid.mesh);
   for (int layer = 0; layer <= size.layers; ++layer) {
     solid.ring.insert(solid.ring.end(), sheets->ring.begin(), sheets->ring.end());
     solid.layer.insert(solid.layer.end(), sheets->ring.size(), layer);
@@ -156,4 +156,4 @@ std::optional<WallSolid> wall_solid(const TriMesh& endo, const TriMesh& epi, con
   return solid;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -4,7 +4,7 @@
 #include "dynasurf/mesh/tetrahedra.hpp"
 #include "dynasurf/ventricle/measures/heart_axes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// How finely a wall is filled.
 struct WallSolidSize {
@@ -15,12 +15,12 @@ struct WallSolidSize {
 
 /// The wall of one gate as tetrahedra (FUT-TETRA, thesis 5.2 and 6.1.6.2).
 struct WallSolid {
-  TetMesh mesh;            // world, mm; the same tetrahedra for every gate and study of one size
+  mesh::TetMesh mesh;      // world, mm; the same tetrahedra for every gate and study of one size
   double volume_ml = 0;    // of the tetrahedra, each larger than 0 unless `quality.not_positive` says so
   double surfaces_ml = 0;  // between the closed surfaces they fill, as far as they lie below the valve plane
   double moved_mm = 0;     // how far its surfaces were moved along the rays to hold the volumes of those they sample
   double lowered_mm = 0;   // how far below the valve plane it ends, because the surfaces do
-  TetQuality quality;
+  mesh::TetQuality quality;
   std::vector<int> ring;   // of every vertex: 0 apex to `rings` base
   std::vector<int> layer;  // of every vertex: 0 endocardium to `layers` epicardium
 };
@@ -34,4 +34,4 @@ struct WallSolid {
 std::optional<WallSolid> wall_solid(const TriMesh& endo, const TriMesh& epi, const HeartAxes& axes,
                                     const WallSolidSize& size = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -8,7 +8,7 @@
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/ray_bvh.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 namespace {
 
 constexpr std::size_t grain = 128;
@@ -40,8 +40,8 @@ std::vector<double> areas_of_vertices(const TriMesh& mesh, const std::vector<boo
 struct Side {
   const TriMesh& mesh;
   std::vector<bool> is_wall;
-  RayBvh rays;
-  ClosestPoint nearest;
+  mesh::RayBvh rays;
+  mesh::ClosestPoint nearest;
 
   Side(const TriMesh& surface, const HeartAxes& axes)
       : mesh(surface), is_wall(wall_triangles(surface, axes)), rays(surface), nearest(surface) {}
@@ -51,7 +51,7 @@ struct Side {
 VertexThickness thickness_from(const Side& side, const Side& other, const HeartAxes& axes, double outwards,
                                double lid_mm, double reach_mm) {
   const TriMesh& mesh = side.mesh;
-  const std::vector<Vec3> normals = normals_of_vertices(mesh, side.is_wall);
+  const std::vector<Vec3> normals = mesh::normals_of_vertices(mesh, side.is_wall);
   const std::size_t count = mesh.vertices.size();
   VertexThickness result{std::vector<double>(count, 0.0), std::vector<ThicknessSource>(count, ThicknessSource::lid)};
   parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
@@ -120,4 +120,4 @@ WallThickness wall_thickness(const TriMesh& endo, const TriMesh& epi, const Hear
   return wall;
 }
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

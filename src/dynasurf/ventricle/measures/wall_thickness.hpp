@@ -6,7 +6,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/ventricle/measures/heart_axes.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// How a vertex came to its thickness.
 enum class ThicknessSource : std::uint8_t {
@@ -41,4 +41,4 @@ struct WallThickness {
 WallThickness wall_thickness(const TriMesh& endo, const TriMesh& epi, const HeartAxes& axes, double lid_mm = 2,
                              double reach_mm = 30);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/contour.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// The local frame of a contour (INT-CURV, thesis 3.2.4, eqs 3.10-3.17), per point.
 struct CurvatureFrame {
@@ -27,4 +27,4 @@ std::span<const std::string_view> names_of(CurvatureFilter);
 std::vector<Vec2> curvature_force(const Contour& contour, const CurvatureFrame& frame,
                                   CurvatureFilter filter = CurvatureFilter::fixed);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -4,7 +4,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/dynamics/particles.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// The discrete contour's internal force carried to surfaces (FUT-3DCONTOUR, thesis 7.3): the vertex curvature minus
 /// its mean over the ring of neighbours, along the vertex normal, so that a surface of constant curvature feels
@@ -23,4 +23,4 @@ Force surface_curvature_force(const TriMesh& mesh, double strength);
 /// Mean curvature per vertex as above, 1/mm, positive where convex.
 std::vector<double> vertex_curvatures(const TriMesh& mesh);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -12,7 +12,7 @@
 //     E = k/2 C^2     f_i = -k (dC/dx_i) C     d_i = -k_d (dC/dx_i) C'     C' = sum_j (dC/dx_j) . v_j
 //
 // The sign of the damping is Baraff and Witkin's; the printed one would push.
-namespace dynasurf::conditions {
+namespace dynasurf::dynamics::conditions {
 
 /// Which derivatives are asked for: second ones are dear, and a definite system can use none but positive ones.
 enum class Want { gradient, positive_hessian, hessian };
@@ -97,4 +97,4 @@ Force make_force(std::string name, std::vector<Element> elements, Stiffness s, E
   return force;
 }
 
-}  // namespace dynasurf::conditions
+}  // namespace dynasurf::dynamics::conditions

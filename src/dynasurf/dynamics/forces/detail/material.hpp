@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 
-namespace dynasurf::conditions {
+namespace dynasurf::dynamics::conditions {
 
 /// A triangle with its material coordinates (thesis 3.4-3.7): dx/du = sum p_m x_m, dx/dv = sum q_m x_m.
 struct MaterialTriangle {
@@ -24,4 +24,4 @@ inline Vec3 tangent(const MaterialTriangle& t, const std::array<double, 3>& weig
          weights[2] * positions[t.particles[2]];
 }
 
-}  // namespace dynasurf::conditions
+}  // namespace dynasurf::dynamics::conditions

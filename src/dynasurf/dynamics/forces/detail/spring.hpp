@@ -2,7 +2,7 @@
 #include "dynasurf/dynamics/forces/forces.hpp"
 
 // What springs and restricted springs share.
-namespace dynasurf::springs {
+namespace dynasurf::dynamics::springs {
 
 /// Nobody asks for the force of a spring between two pinned particles.
 inline bool is_held(const Spring& s, const ParticleState& state) {
@@ -40,4 +40,4 @@ inline Slopes slopes_on_a(const Spring& s, double stiffness, double damping, con
   return slopes;
 }
 
-}  // namespace dynasurf::springs
+}  // namespace dynasurf::dynamics::springs

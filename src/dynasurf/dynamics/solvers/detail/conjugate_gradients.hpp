@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/geometry.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 struct CgResult {
   int iterations = 0;
@@ -21,4 +21,4 @@ CgResult conjugate_gradients(const std::function<void(std::span<const Vec3>, std
                              std::span<const Mat3> inverse_diagonal, std::span<const Vec3> b, std::span<Vec3> x,
                              double tolerance, int max_iterations);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -9,7 +9,7 @@
 #include "dynasurf/dynamics/solvers/solver.hpp"
 
 // What the solvers that control their error share.
-namespace dynasurf::error_control {
+namespace dynasurf::dynamics::error_control {
 
 inline constexpr double kSafety = 0.9, kShrink = 0.1, kGrow = 5, kErrorFloor = 1e-12, kShortest = 1e-12;
 
@@ -63,4 +63,4 @@ int cover(const Method& method, std::span<double> y, double h, const Derivative&
   return attempts;
 }
 
-}  // namespace dynasurf::error_control
+}  // namespace dynasurf::dynamics::error_control

@@ -5,7 +5,7 @@
 #include "dynasurf/dynamics/particles.hpp"
 #include "dynasurf/dynamics/solvers/solver.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// What a step had to do.
 struct SolverWork {
@@ -57,4 +57,4 @@ struct ModeSearch {
 /// With `former`, begins there, needs a fifth of the work, and leaves its own end there.
 Fastest fastest_modes(const ParticleSystem& system, ModeSearch* former = nullptr);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

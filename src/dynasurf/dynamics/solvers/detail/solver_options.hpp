@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/options.hpp"
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 // Solvers (thesis chapter 4). Each advances y' = f(y) by one step.
 struct Euler {
@@ -86,4 +86,4 @@ using SolverOptions = std::variant<Euler, Midpoint, Rk4, StepDoubling, Rkf45, Ba
 /// m = mass / n (ODE-LIMIT, thesis table 4.2). Infinity without drag, and for the other solvers.
 double step_limit_s(const SolverOptions& solver, double mass_kg, std::size_t particles, double drag);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

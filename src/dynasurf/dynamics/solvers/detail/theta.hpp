@@ -1,7 +1,7 @@
 #pragma once
 #include <span>
 
-namespace dynasurf {
+namespace dynasurf::dynamics {
 
 /// Solves a tridiagonal system by elimination without pivots (Thomas): row i reads lower[i] x[i-1] + diagonal[i] x[i] +
 /// upper[i] x[i+1] = x[i] on entry; lower[0] and upper[n-1] are ignored. `x` holds the right side and then the
@@ -27,4 +27,4 @@ struct Chain {
 /// one number per point, or none. Needs at least 2 points, 3 when closed.
 void advance_chain(const Chain& chain, std::span<double> y, double h, double theta, std::span<const double> pull = {});
 
-}  // namespace dynasurf
+}  // namespace dynasurf::dynamics

@@ -6,7 +6,7 @@
 #include "dynasurf/field/band.hpp"
 #include "dynasurf/field/detail/simd.hpp"
 
-namespace dynasurf::band {
+namespace dynasurf::field::band {
 
 constexpr int side = 8;  // cells of a brick along an axis
 constexpr std::size_t brick_cells = 512;
@@ -98,4 +98,4 @@ struct Outcome {
 };
 Outcome solve(std::vector<Level>& levels, double tolerance, int most_cycles, const Progress& progress);
 
-}  // namespace dynasurf::band
+}  // namespace dynasurf::field::band

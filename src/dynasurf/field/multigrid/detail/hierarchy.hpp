@@ -7,7 +7,7 @@
 
 #include "dynasurf/field/multigrid/detail/level.hpp"
 
-namespace dynasurf::multigrid {
+namespace dynasurf::field::multigrid {
 
 /// What can be done to all cells of a level, in the order of need: each reads what the one before wrote up to one slice
 /// further.
@@ -60,4 +60,4 @@ bool joins_all_axes(const Level& level);
 /// From a field that was improved to the next residual.
 inline constexpr Stage resume[] = {Stage::red, Stage::black, Stage::restrict_residual};
 
-}  // namespace dynasurf::multigrid
+}  // namespace dynasurf::field::multigrid

@@ -8,7 +8,7 @@
 #include "dynasurf/field/detail/lanes.hpp"
 #include "dynasurf/field/detail/simd.hpp"
 
-namespace dynasurf::multigrid {
+namespace dynasurf::field::multigrid {
 
 using namespace simd;
 
@@ -125,4 +125,4 @@ void start_black(Level& fine, const Level& coarse, int k0, int k1, int j0, int j
 /// Writes u of the rows [j0, j1) of slice k in the natural order of voxels.
 void copy_out(const Level& level, int k, int j0, int j1, std::array<float*, 3> out);
 
-}  // namespace dynasurf::multigrid
+}  // namespace dynasurf::field::multigrid

@@ -5,7 +5,7 @@
 #include "dynasurf/field/multigrid/detail/level.hpp"
 
 /// How the loops over a level see it: for the sources of the solver alone.
-namespace dynasurf::multigrid {
+namespace dynasurf::field::multigrid {
 
 /// What a loop needs of a level, copied: the compiler must believe that writing `u` may change a level itself, and
 /// would read its members again after every vector.
@@ -191,4 +191,4 @@ DYNASURF_INLINE V inflow(const Around<V>& n, V x, const Rates& k) {
   return x * n.far + ((k.yp * n.yp + k.ym * n.ym) + (k.zp * n.zp + k.zm * n.zm));
 }
 
-}  // namespace dynasurf::multigrid
+}  // namespace dynasurf::field::multigrid

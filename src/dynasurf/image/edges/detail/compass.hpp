@@ -3,7 +3,7 @@
 
 #include "dynasurf/image/edges.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 
 /// Everything the Compass operator tells of a pixel (Ruzon and Tomasi).
 struct CompassMaps {
@@ -24,4 +24,4 @@ CompassMaps compass_maps(const Image& image, const Compass& options);
 /// result is per unit of mass.
 double sweep_distance(std::span<const double> mass_a, std::span<const double> mass_b, std::span<const double> distance);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

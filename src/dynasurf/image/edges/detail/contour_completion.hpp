@@ -2,7 +2,7 @@
 #include "dynasurf/image/detail/slice.hpp"
 #include "dynasurf/image/edges.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 
 /// Heat that flows along contours only: u_t = div(D grad u), D = c xi xi^T, where xi is the common tangent of the
 /// contours around a pixel and c how much they agree (EDGE-ACC). The tangents are those of the image itself, or of
@@ -16,4 +16,4 @@ Slice diffuse_along_contours(const Slice& image, const ContourCompletion& option
 /// they extend beyond its ends.
 Slice complete_contour(const Slice& contour, const ContourCompletion& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::image

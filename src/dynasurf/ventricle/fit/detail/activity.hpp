@@ -8,7 +8,7 @@
 #include "dynasurf/ventricle/fit/detail/psf_projector.hpp"
 #include "dynasurf/ventricle/fit/detail/wall_model.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// The cells of a lattice that a heart may fill, and where they lie in its frame.
 struct HeartCells {
@@ -65,4 +65,4 @@ Eigen::VectorXd backpropagate(const HeartCells& cells, const GateLayout& layout,
                               const Activity& activity, std::span<const float> by_cell, double by_cavity,
                               double by_wall);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

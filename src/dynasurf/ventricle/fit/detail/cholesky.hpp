@@ -1,7 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Rows that lie together.
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -10,4 +10,4 @@ using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 /// of columns, from several threads, the same bytes for any number of them.
 Eigen::VectorXd solve_definite(const RowMatrix& a, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& b);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

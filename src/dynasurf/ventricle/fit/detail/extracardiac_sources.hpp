@@ -3,7 +3,7 @@
 
 #include "dynasurf/ventricle/fit/detail/least_squares.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// A hot spot beside the heart.
 struct ExtracardiacSource {
@@ -18,4 +18,4 @@ std::vector<ExtracardiacSource> find_extracardiac_sources(const BeatProblem& pro
 /// Such a spot of amplitude 1 as the camera sees it.
 std::vector<float> blob_image(const BeatProblem& problem, const ExtracardiacSource& blob);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

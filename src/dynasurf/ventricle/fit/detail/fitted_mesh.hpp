@@ -2,11 +2,11 @@
 #include "dynasurf/ventricle/fit/blur_fit.hpp"
 #include "dynasurf/ventricle/fit/detail/least_squares.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Turns a solution into surfaces, volumes and their error bars. `papillary_share` of the muscle along every ray counts
 /// as cavity. Internal.
 void describe_beat(const BeatProblem& problem, const Solution& solution, const Grid& grid, double papillary_share,
                    FittedBeat& beat);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

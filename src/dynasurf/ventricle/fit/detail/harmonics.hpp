@@ -3,7 +3,7 @@
 
 #include "dynasurf/core/geometry.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Number of real spherical harmonics up to a degree.
 constexpr int harmonics_up_to(int degree) { return (degree + 1) * (degree + 1); }
@@ -19,4 +19,4 @@ void real_spherical_harmonics(const Vec3& unit, int degree, std::span<double> ou
 /// solid angle 4 pi / count.
 Vec3 fibonacci_direction(int n, int count);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -6,7 +6,7 @@
 #include "dynasurf/ventricle/fit/detail/least_squares.hpp"
 #include "dynasurf/ventricle/fit/detail/matrix_loops.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Directions that cover the heart as densely as the blur asks for, and their harmonics, a column each and a line each.
 /// The same for all gates.
@@ -23,4 +23,4 @@ detail::AlignedMatrix squares_of_derivatives(const BeatProblem& problem, const E
                                              const Eigen::VectorXd& gate, const Activity& activity,
                                              const std::vector<std::size_t>& chosen);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

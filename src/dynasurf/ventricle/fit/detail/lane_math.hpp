@@ -5,7 +5,7 @@
 
 #include "dynasurf/field/detail/simd.hpp"
 
-namespace dynasurf::detail {
+namespace dynasurf::ventricle::detail {
 
 // Functions of one float without branches or calls, so that loops over them are done many values at a time. Relative
 // errors stay below 3e-7.
@@ -61,4 +61,4 @@ DYNASURF_INLINE Step normal_cdf(float s) {
   return {s < 0 ? rest : 1 - rest, t < beyond ? slope : 0};
 }
 
-}  // namespace dynasurf::detail
+}  // namespace dynasurf::ventricle::detail

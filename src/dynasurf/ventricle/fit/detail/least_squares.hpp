@@ -6,7 +6,7 @@
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/ventricle/fit/detail/activity.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// What is believed of the wall's thickness in one gate: the mean of its log over directions below the base.
 struct ThicknessPrior {
@@ -73,4 +73,4 @@ struct Solution {
 void minimise(const BeatProblem& problem, Solution& solution, int most_steps, double tolerance,
               const Progress& progress);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

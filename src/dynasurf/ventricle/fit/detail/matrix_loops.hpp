@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace dynasurf::detail {
+namespace dynasurf::ventricle::detail {
 
 // The loops over many numbers that a fit spends its time in, for any instruction set (field/simd.hpp): every copy
 // returns the same bytes. Sums are in single precision, over pieces in a fixed order.
@@ -45,4 +45,4 @@ void gemm(const AlignedMatrix& from, std::size_t lines, const float* factor, std
 void gemm_t(const AlignedMatrix& from, std::size_t lines, const AlignedMatrix& fields, std::size_t begin,
             std::size_t end, float* to);
 
-}  // namespace dynasurf::detail
+}  // namespace dynasurf::ventricle::detail

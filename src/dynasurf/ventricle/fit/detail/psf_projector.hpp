@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/volume.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// A box of voxels of a study, several of them joined to one where they are finer than the blur needs. Grid frame, mm.
 struct Pixels {
@@ -58,4 +58,4 @@ std::array<std::vector<float>, 3> project_by_widths(const PsfProjector& camera, 
 /// The transpose of `project`.
 std::vector<float> backproject(const PsfProjector& camera, std::span<const float> pixels);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -3,7 +3,7 @@
 
 #include "dynasurf/core/study.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// A Butterworth filter, 1 / sqrt(1 + (f / cutoff)^(2 order)): what filtered backprojection leaves of every frequency.
 /// Its edge is so steep that a wall gets a dark ring, which no Gaussian explains.
@@ -33,4 +33,4 @@ struct VoxelBox {
 Study with_gaussian_filter(const Study& study, const ReconstructionFilter& filter, double sigma_mm,
                            const VoxelBox& box);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

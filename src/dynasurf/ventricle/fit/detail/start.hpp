@@ -8,7 +8,7 @@
 #include "dynasurf/ventricle/fit/detail/least_squares.hpp"
 #include "dynasurf/ventricle/lv_shell.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// What a fit begins with: both surfaces of every gate, where the ventricle ends, and its long axis. World frame.
 /// With a `cup`, the middle of the wall as it was located, walls of even thickness around it take the place of the
@@ -46,4 +46,4 @@ Eigen::VectorXd uptake_seen(const Image& mean, const PlacedStart& start, double 
 std::vector<Eigen::VectorXd> first_numbers(const PlacedStart& start, const GateLayout& layout, double background,
                                            double cavity);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

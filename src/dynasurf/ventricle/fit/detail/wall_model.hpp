@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/geometry.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Where the model of a ventricle lies: mm of the grid frame of the fitted study.
 ///
@@ -82,4 +82,4 @@ struct Priors {
 BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::VectorXd>& start, const Priors& beliefs,
                             Eigen::VectorXd& unknowns);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

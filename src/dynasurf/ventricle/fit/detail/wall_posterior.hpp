@@ -8,7 +8,7 @@
 #include "dynasurf/ventricle/fit/blur_fit.hpp"
 #include "dynasurf/ventricle/fit/detail/least_squares.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Places on the two walls of one gate, world frame; absent ones take no part.
 struct WallPoints {
@@ -49,4 +49,4 @@ class WallPosterior {
 void tell_belief_from_data(const BeatProblem& problem, const Solution& solution,
                            const Eigen::LLT<Eigen::MatrixXd>& factor, FittedBeat& beat);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

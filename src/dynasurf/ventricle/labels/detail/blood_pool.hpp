@@ -5,7 +5,7 @@
 #include "dynasurf/ventricle/labels/detail/circle.hpp"
 #include "dynasurf/ventricle/labels/detail/mlc.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// How full the ventricle looks: in each slice with a circular edge, brightness of its middle over that of the
 /// brightest ring inside, and of these the median. A wall around a dark cavity has 0.1 to 0.9, a cavity that is bright
@@ -27,4 +27,4 @@ Mask borders_of_pool(Mask borders);
 /// on the axis. -1 when the cavity reaches the lowest slice, or there is none.
 int division_slice_of_pool(const std::vector<double>& centre_profile);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -1,7 +1,7 @@
 #pragma once
 #include "dynasurf/ventricle/labels.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// BBOX-FILTER (thesis 2.6): vertical coherence. The slices of a ventricle nest: above the big slice no border may
 /// leave the box of the big slice, and going down no slice may leave the boxes of the slices above it. Border voxels
@@ -13,4 +13,4 @@ namespace dynasurf {
 Mask filter_by_boxes(Mask borders, int big_slice, int division_slice, const Axis& axis, double margin_px,
                      double least_coverage_deg, Notes& notes);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

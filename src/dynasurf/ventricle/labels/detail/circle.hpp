@@ -5,10 +5,10 @@
 #include "dynasurf/image/components.hpp"
 #include "dynasurf/ventricle/labels.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// The edges of every slice: `edges[k]` are the components of slice k.
-using SliceEdges = std::vector<std::vector<Component>>;
+using SliceEdges = std::vector<std::vector<image::Component>>;
 
 /// LAB-COMP (thesis 2.3.6): the 8-connected edges of every slice but those with fewer than `min_px` pixels.
 SliceEdges find_components(const Mask& edges, int min_px);
@@ -23,10 +23,10 @@ Circle coarse_circle(const Grid& grid, const CoarseCircle& options);
 Mask clip(Mask edges, const Axis& axis, double radius_px);
 
 /// Least-squares circle through pixels (Kasa: algebraic distance). Empty for fewer than three or collinear pixels.
-std::optional<Circle> fit_circle(const std::vector<Pixel>& pixels);
+std::optional<Circle> fit_circle(const std::vector<image::Pixel>& pixels);
 
 /// Angle seen from (x, y) that the pixels cover: 360 less the widest empty sector; 0 for fewer than two pixels.
-double coverage_deg(const std::vector<Pixel>& pixels, double x_px, double y_px);
+double coverage_deg(const std::vector<image::Pixel>& pixels, double x_px, double y_px);
 
 /// CIRC-CENTROID (thesis 2.4.1).
 struct Centre {
@@ -56,4 +56,4 @@ struct WidestEdge {
 WidestEdge find_widest_edge(const SliceEdges& edges, const Grid& grid, const Axis& axis, const AutoCircle& options,
                             Notes& notes);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -5,7 +5,7 @@
 
 #include "dynasurf/ventricle/labels.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// Mean of the 3x3 pixels around the axis in every slice (thesis 2.5). `image` is normalised; near its sides fewer
 /// pixels are averaged, and outside it the value is 0.
@@ -47,4 +47,4 @@ struct RefinedDivision {
 RefinedDivision refine_division_slice(int division_slice, int slices, const std::function<int(int)>& borders,
                                       Notes& notes);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

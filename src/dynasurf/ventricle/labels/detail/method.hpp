@@ -3,7 +3,7 @@
 
 // What every labelling method gets, and where each has its own source.
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 struct LabelScene {
   const Image& image;
@@ -27,4 +27,4 @@ constexpr std::uint8_t either_wall = Labels::endo_bit | Labels::epi_bit;
 /// Adds "labels.not_told_apart".
 void note_not_told_apart(Notes& notes);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

@@ -1,7 +1,7 @@
 #pragma once
 #include "dynasurf/ventricle/labels/detail/circle.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// One pass of LAB-MLC (thesis 2.3.6) over the edges inside the automatic circle; returns Labels' bits per voxel.
 /// Up to `division_slice` every edge is the outer border. Above it the edges of a slice are sorted by their mean
@@ -32,10 +32,10 @@ SliceEdges join(const SidedEdges& edges);
 Mask classify_by_gradient(const SidedEdges& edges, const Grid& grid, const Axis& axis, int min_px, Notes& notes);
 
 /// Pixels of slice k that carry `bit`.
-std::vector<Pixel> pixels_of(const Mask& borders, int k, std::uint8_t bit);
+std::vector<image::Pixel> pixels_of(const Mask& borders, int k, std::uint8_t bit);
 
 /// Number of borders in slice k: 0, 1 or 2. The inner one counts when it covers at least `least_coverage_deg` around
 /// the axis.
 int count_borders(const Mask& borders, int k, const Axis& axis, double least_coverage_deg);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle

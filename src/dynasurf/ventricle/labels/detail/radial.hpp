@@ -3,7 +3,7 @@
 
 #include "dynasurf/ventricle/labels/detail/circle.hpp"
 
-namespace dynasurf {
+namespace dynasurf::ventricle {
 
 /// LAB-RADIAL (thesis 2.3.5) for one slice. `counts[m]` is the number of edge pixels whose distance from the axis is at
 /// least m and less than m + 1 rings. A peak is a ring that holds more than `least_share` of the slice's edge pixels
@@ -12,7 +12,7 @@ struct RadialProfile {
   std::vector<int> counts;
   std::vector<double> peaks_px;  // mean distance of the pixels of each peak's ring, growing
 };
-RadialProfile radial_profile(const std::vector<Component>& edges, const Axis& axis, double circle_radius_px,
+RadialProfile radial_profile(const std::vector<image::Component>& edges, const Axis& axis, double circle_radius_px,
                              const RadialLabels& options);
 
-}  // namespace dynasurf
+}  // namespace dynasurf::ventricle
