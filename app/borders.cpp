@@ -85,13 +85,13 @@ std::string words_of(const nlohmann::ordered_json& options) {
   return text;
 }
 
-std::string title_of(const std::string& subject, const ventricle::VentricleOptions& options, Drawing what) {
+std::string title_of(const std::string& subject, const ventricle::Options& options, Drawing what) {
   const auto json = io::parse_json(io::options_to_text(options), "the options");
   return subject + ":  " + words_of(what == Drawing::edges ? json.at("edges") : json.at("labels").at("method"));
 }
 
 void write_sheets(const ventricle::BorderResult& result, Drawing what, const fs::path& folder,
-                  const ventricle::VentricleOptions& options) {
+                  const ventricle::Options& options) {
   const ventricle::RadialLabels* asked = std::get_if<ventricle::RadialLabels>(&options.labels.method);
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
     const ventricle::GateBorders& gate = result.gates[g];
@@ -183,7 +183,7 @@ ExitCode run(const Arguments& arguments, Drawing what, std::stop_token stop) {
   for (const std::string& given : {arguments.options.mask, arguments.options.file})
     if (!given.empty()) inputs.emplace_back(given);
   io::OutputFolder folder(out, arguments.out.existing(), inputs);
-  const ventricle::VentricleOptions options = options_of(arguments.options);
+  const ventricle::Options options = options_of(arguments.options);
   const ThreadLimit limit(arguments.threads);
   ProgressLine line(arguments.quiet);
   const Progress progress{[&](std::string_view stage, int done, int total) { line(stage, done, total); }, stop};

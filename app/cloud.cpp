@@ -41,8 +41,8 @@ std::vector<std::string> settings_of(const Arguments& a) {
   return settings;
 }
 
-cloud::CloudOptions options_of(const Arguments& a) {
-  cloud::CloudOptions options = cloud::cloud_preset(a.preset);
+cloud::Options options_of(const Arguments& a) {
+  cloud::Options options = cloud::preset(a.preset);
   if (!a.file.empty()) {
     try {
       io::options_from_text(io::text_of_file(a.file), options);
@@ -76,10 +76,9 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
   run_with_progress(arguments.result.quiet, stop,
                     [&](const Progress& progress) { outcome = reconstruct_cloud_to_folder(job, progress); });
   print_result(arguments.result, outcome.json, summary_of(outcome.run), outcome.moved_to);
-  const cloud::CloudVerdict verdict = cloud::verdict_of(outcome.run.result);
-  return verdict == cloud::CloudVerdict::fail || (arguments.strict && verdict != cloud::CloudVerdict::ok)
-             ? not_trustworthy
-             : done;
+  const cloud::Verdict verdict = cloud::verdict_of(outcome.run.result);
+  return verdict == cloud::Verdict::fail || (arguments.strict && verdict != cloud::Verdict::ok) ? not_trustworthy
+                                                                                                : done;
 }
 
 }  // namespace

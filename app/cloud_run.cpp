@@ -44,7 +44,7 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
 
   outcome.run.sources = std::move(input.sources);
   try {
-    outcome.run.result = cloud::reconstruct_cloud(std::move(input.cloud), job.options, timed);
+    outcome.run.result = cloud::reconstruct(std::move(input.cloud), job.options, timed);
   } catch (const InputError& error) {  // the library knows the points, not the file they came from
     throw InputError(job.clouds.front().string() + ": " + error.what());
   }
@@ -67,7 +67,7 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
 }
 
 std::string summary_of(const report::CloudRun& run) {
-  const cloud::CloudResult& result = run.result;
+  const cloud::Result& result = run.result;
   std::vector<std::vector<std::string>> rows{
       {"level", "triangles", "watertight", "parts", "genus", "smallest angle", "mean distance", "largest"}};
   for (std::size_t n = 0; n < result.levels.size(); ++n) {

@@ -15,7 +15,7 @@ namespace dynasurf::app {
 struct CloudJob : ResultJob {
   CloudJob() { mesh_formats = {io::MeshFormat::ply}; }
   std::vector<std::filesystem::path> clouds;
-  cloud::CloudOptions options;
+  cloud::Options options;
   bool textures = false;  // textured.glb
 };
 

@@ -83,8 +83,8 @@ void add_option_arguments(CLI::App& command, OptionArguments& a) {
                      "study is looked at");
 }
 
-ventricle::VentricleOptions options_of(const OptionArguments& arguments) {
-  ventricle::VentricleOptions options = ventricle::ventricle_preset(arguments.preset);
+ventricle::Options options_of(const OptionArguments& arguments) {
+  ventricle::Options options = ventricle::preset(arguments.preset);
   if (!arguments.file.empty()) {
     const std::string text = io::text_of_file(arguments.file);
     try {

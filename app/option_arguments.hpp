@@ -37,6 +37,6 @@ void add_option_arguments(CLI::App& command, OptionArguments& arguments);
 std::vector<std::string> settings_of(const OptionArguments& arguments);
 
 /// Throws OptionError, IoError.
-ventricle::VentricleOptions options_of(const OptionArguments& arguments);
+ventricle::Options options_of(const OptionArguments& arguments);
 
 }  // namespace dynasurf::app

@@ -30,11 +30,11 @@ std::vector<OptionRow> rows_of(const Arguments& arguments) {
   const auto preset_or = [&](const char* usual) { return arguments.preset.empty() ? usual : arguments.preset; };
   if (arguments.subject == "ventricle") {
     if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'ventricle'; expected nothing");
-    return option_table(ventricle::ventricle_preset(preset_or("psf_corrected")));
+    return option_table(ventricle::preset(preset_or("psf_corrected")));
   }
   if (arguments.subject == "cloud") {
     if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'cloud'; expected nothing");
-    return option_table(cloud::cloud_preset(preset_or("shaped")));
+    return option_table(cloud::preset(preset_or("shaped")));
   }
   if (arguments.subject == "organ") {
     if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'organ'; expected nothing");

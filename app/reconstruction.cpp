@@ -65,8 +65,8 @@ io::DicomResult dicom_context(const Job& job, const report::Provenance& provenan
 }
 
 /// What is made from the finished report and result: the printed pages, and the DICOM objects, which hold them.
-void write_for_reading_room(const ventricle::VentricleResult& result, const report::Provenance& provenance,
-                            const Job& job, const fs::path& folder, const std::stop_token& stop) {
+void write_for_reading_room(const ventricle::Result& result, const report::Provenance& provenance, const Job& job,
+                            const fs::path& folder, const std::stop_token& stop) {
   if (job.outputs.pdf) print_page(folder / "report.html", folder / "report.pdf", stop);
   if (!job.outputs.dicom) return;
   report::write_dicom_folder(result, dicom_context(job, provenance, result.study.format == "DICOM"),
@@ -74,8 +74,7 @@ void write_for_reading_room(const ventricle::VentricleResult& result, const repo
                              folder / "dicom");
 }
 
-std::string results_text(const ventricle::VentricleResult& result, const report::Provenance& provenance,
-                         const Job& job) {
+std::string results_text(const ventricle::Result& result, const report::Provenance& provenance, const Job& job) {
   const Outputs& outputs = job.outputs;
   report::VentricleRecord record;
   record.mask_sha256 = hash_of(job.mask);

@@ -28,12 +28,12 @@ struct Job : ResultJob {
   std::string series;                // of a DICOM folder; empty: not asked for
   std::filesystem::path start_mesh;  // for placement.shape file; else empty
   std::filesystem::path mask;        // outside which nothing is looked at; empty: none
-  ventricle::VentricleOptions options;
+  ventricle::Options options;
   Outputs outputs;
 };
 
 struct Outcome {
-  ventricle::VentricleResult result;
+  ventricle::Result result;
   std::string json;                               // results.json
   std::optional<std::filesystem::path> moved_to;  // where what stood at `job.out` was moved
 };

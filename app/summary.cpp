@@ -18,7 +18,7 @@ std::string cell_of(const std::optional<ventricle::Estimate>& e) {
 }
 
 /// "EDV 111.0 mL (gate 1)  ESV ...": what the result says, in one line; empty where the study is not gated.
-std::string leading_of(const ventricle::VentricleResult& result) {
+std::string leading_of(const ventricle::Result& result) {
   const ventricle::Reading& r = result.leading;
   if (!r.ef_percent) return "";
   const auto gate = [](const std::optional<int>& g) {
@@ -43,7 +43,7 @@ std::string readings_of(const ventricle::Readings& readings) {
 }
 
 /// Volumes gate by gate: of the leading surfaces, and beside them of the edges where another reading leads.
-std::string gates_of(const ventricle::VentricleResult& result) {
+std::string gates_of(const ventricle::Result& result) {
   const bool edge_leads = result.leading.kind == ventricle::ReadingKind::edge;
   Rows rows{{"gate", "time_ms", "endo_ml", "epi_ml", "wall_ml"}};
   if (!edge_leads) rows[0].insert(rows[0].end(), {"edge endo_ml", "edge epi_ml", "edge wall_ml"});
@@ -75,7 +75,7 @@ std::string gates_of(const ventricle::VentricleResult& result) {
 
 }  // namespace
 
-std::string summary_of(const ventricle::VentricleResult& result) {
+std::string summary_of(const ventricle::Result& result) {
   const auto number = [](const auto& value, int decimals) {
     return value ? fixed(static_cast<double>(*value), decimals) : std::string("-");
   };

@@ -16,9 +16,9 @@ namespace {
 void study(benchmark::State& state, const field::FieldOptions& field) {
   static const Study cycle = synthetic::make_phantom(synthetic::CardiacCycle{}).study;
   const ThreadLimit limit(static_cast<int>(state.range(0)));
-  ventricle::VentricleOptions options = ventricle::ventricle_preset("edges");
+  ventricle::Options options = ventricle::preset("edges");
   options.field = field;
-  ventricle::VentricleResult result;
+  ventricle::Result result;
   for (auto _ : state) result = ventricle::reconstruct(cycle, options);
   for (const auto& [stage, seconds] : result.seconds) state.counters[stage] = seconds;
 }

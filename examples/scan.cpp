@@ -11,8 +11,8 @@
 int main(int argc, char** argv) {
   if (argc != 3) return 1;
   const std::array<std::filesystem::path, 1> files{argv[1]};
-  const auto result = dynasurf::cloud::reconstruct_cloud(dynasurf::io::read_cloud(files).cloud,
-                                                         dynasurf::cloud::cloud_preset("shaped"));
+  const auto result =
+      dynasurf::cloud::reconstruct(dynasurf::io::read_cloud(files).cloud, dynasurf::cloud::preset("shaped"));
   for (const auto& level : result.levels)
     std::printf("%zu triangles, %s\n", level.mesh.triangles.size(),
                 level.certificate.watertight() ? "watertight" : "open");

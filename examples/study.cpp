@@ -11,7 +11,7 @@
 int main(int argc, char** argv) {
   if (argc != 3) return 1;
   const dynasurf::Study study = dynasurf::io::read_study(argv[1]);
-  const auto result = dynasurf::ventricle::reconstruct(study, dynasurf::ventricle::ventricle_preset("psf_corrected"));
+  const auto result = dynasurf::ventricle::reconstruct(study, dynasurf::ventricle::preset("psf_corrected"));
   if (const auto& ef = result.leading.ef_percent)
     std::printf("EF %.0f %% (%.0f-%.0f)\n", ef->value, ef->low(), ef->high());
   dynasurf::report::write_study_folder(result, argv[2]);

@@ -24,11 +24,11 @@ double processor_seconds() {
 int main(int count, char** words) {
   if (count != 2) return 1;
   const dynasurf::Study study = dynasurf::io::read_study(words[1]);
-  const dynasurf::ventricle::VentricleOptions options = dynasurf::ventricle::ventricle_preset("psf_corrected");
+  const dynasurf::ventricle::Options options = dynasurf::ventricle::preset("psf_corrected");
   const dynasurf::ThreadLimit one(1);
   for (std::string line; std::getline(std::cin, line);) {
     const double begin = processor_seconds();
-    const dynasurf::ventricle::VentricleResult result = dynasurf::ventricle::reconstruct(study, options);
+    const dynasurf::ventricle::Result result = dynasurf::ventricle::reconstruct(study, options);
     std::printf("%.6f %.6f\n", processor_seconds() - begin, result.leading.ef_percent->value);
     std::fflush(stdout);
   }

@@ -49,14 +49,14 @@ double mean_distance(const TriMesh& from, const TriMesh& to) {
   return sum / static_cast<double>(from.vertices.size());
 }
 
-double on(const ventricle::VentricleResult& r, ventricle::Border wall) {
+double on(const ventricle::Result& r, ventricle::Border wall) {
   double sum = 0;
   for (const ventricle::Gate& g : r.gates)
     if (const auto& s = g.edge_surfaces.of(wall)) sum += s->within_one_voxel / static_cast<double>(r.gates.size());
   return sum;
 }
 
-std::string text_of(const ventricle::VentricleResult& r) {
+std::string text_of(const ventricle::Result& r) {
   const ventricle::QualityMetrics c = ventricle::quality_metrics(r);
   std::array<char, 500> text{};
   std::snprintf(
@@ -74,7 +74,7 @@ std::string text_of(const ventricle::VentricleResult& r) {
   return text.data();
 }
 
-void compare_place(const ventricle::VentricleResult& result, const Truth& truth, Outcome& o) {
+void compare_place(const ventricle::Result& result, const Truth& truth, Outcome& o) {
   if (!result.heart) return;
   const ventricle::LvShell& cup = result.heart->cup;
   o.axis_deg = std::acos(std::clamp(cup.axis.dot(truth.axis), -1.0, 1.0)) * 180 / M_PI;
@@ -83,7 +83,7 @@ void compare_place(const ventricle::VentricleResult& result, const Truth& truth,
   o.across_mm = (off - off.dot(truth.axis) * truth.axis).norm();
 }
 
-void compare_slices(const ventricle::VentricleResult& result, const Truth& truth, Outcome& o) {
+void compare_slices(const ventricle::Result& result, const Truth& truth, Outcome& o) {
   double base = 0, division = 0;
   int planes = 0;
   const Grid& grid = result.study.grid();
@@ -102,7 +102,7 @@ void compare_slices(const ventricle::VentricleResult& result, const Truth& truth
 }
 
 /// Borders at end-diastole and end-systole: the ejection fraction stands on these.
-void compare_borders(const ventricle::VentricleResult& result, const synthetic::Phantom& phantom, Outcome& o) {
+void compare_borders(const ventricle::Result& result, const synthetic::Phantom& phantom, Outcome& o) {
   const auto [least, most] = std::minmax_element(
       phantom.truth.begin(), phantom.truth.end(),
       [](const synthetic::TrueGate& a, const synthetic::TrueGate& b) { return a.endo_ml < b.endo_ml; });
@@ -123,9 +123,9 @@ Outcome examine(const Patient& patient, const synthetic::Phantom& phantom, std::
   // The steepest place of a blurred wall lies off its border: up to a quarter of the width of the blur.
   const synthetic::VirtualPatient& p = patient.options;
   o.allowed_mm = Vec3(p.lattice.dx_mm, p.lattice.dy_mm, p.lattice.dz_mm).norm() + 0.25 * phantom.fwhm_mm;
-  ventricle::VentricleResult result;
+  ventricle::Result result;
   try {
-    result = ventricle::reconstruct(phantom.study, ventricle::ventricle_preset(preset));
+    result = ventricle::reconstruct(phantom.study, ventricle::preset(preset));
   } catch (const InputError& e) {
     o.flags = e.what();
     return o;

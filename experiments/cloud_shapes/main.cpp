@@ -79,12 +79,12 @@ void run(const Arguments& a, const std::vector<Subject>& subjects, const std::st
                                                                    .noise_percent = condition.noise_percent,
                                                                    .missing_percent = condition.missing_percent,
                                                                    .seed = static_cast<std::uint64_t>(seed)});
-      cloud::CloudOptions options = cloud::cloud_preset(preset);
+      cloud::Options options = cloud::preset(preset);
       options.triangles = a.triangles;
       const std::clock_t start = std::clock();
-      const cloud::CloudResult result = cloud::reconstruct_cloud(cloud, options);
+      const cloud::Result result = cloud::reconstruct(cloud, options);
       const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-      for (const cloud::CloudLevel& level : result.levels) {
+      for (const cloud::Level& level : result.levels) {
         const cloud::Certificate& c = level.certificate;
         const bool is_valid = c.watertight() && c.components == 1 && c.genus == s.genus;
         const double distance = two_sided_percent(level.mesh, s.surface);

@@ -19,12 +19,12 @@ namespace {
 void print_row(const std::string& name, const TriMesh& surface, const std::string& preset, int triangles) {
   PointCloud cloud;
   cloud.points = surface.vertices;
-  cloud::CloudOptions options = cloud::cloud_preset(preset);
+  cloud::Options options = cloud::preset(preset);
   options.triangles = std::to_string(triangles);
   const std::clock_t start = std::clock();
-  const cloud::CloudResult result = cloud::reconstruct_cloud(cloud, options);
+  const cloud::Result result = cloud::reconstruct(cloud, options);
   const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-  const cloud::CloudLevel& level = result.levels.at(0);
+  const cloud::Level& level = result.levels.at(0);
   const cloud::Certificate& c = level.certificate;
   std::printf(
       "| %s | %zu | %s | %zu | %.2f | %.2f | %s | %s | %zu | %.3f | %.3f | %.1f |\n", name.c_str(), cloud.points.size(),

@@ -18,15 +18,15 @@ namespace {
 constexpr double fractions[] = {0, 0.10, 0.32, 0.53};
 constexpr double published_percent[] = {100, 94.5, 70.9, 60.2};  // table 6.14
 
-ventricle::VentricleResult reconstruct_partial(double fraction, synthetic::Missing missing, std::string_view preset) {
+ventricle::Result reconstruct_partial(double fraction, synthetic::Missing missing, std::string_view preset) {
   synthetic::Partial partial;
   partial.fraction = fraction;
   partial.missing = missing;
   const synthetic::Phantom phantom = synthetic::make_phantom(partial);
-  return ventricle::reconstruct(phantom.study, ventricle::ventricle_preset(preset));
+  return ventricle::reconstruct(phantom.study, ventricle::preset(preset));
 }
 
-std::optional<double> outer_ml(const ventricle::VentricleResult& result) {
+std::optional<double> outer_ml(const ventricle::Result& result) {
   if (result.readings.psf_corrected) return result.readings.psf_corrected->gates.front().epi_ml.value;
   const auto& epi = result.gates.front().edge_surfaces.epi;
   return epi ? std::optional(epi->volume_ml) : std::nullopt;
@@ -39,7 +39,7 @@ void print_rows(synthetic::Missing missing, std::string_view preset) {
   std::optional<double> whole;
   for (std::size_t n = 0; n < std::size(fractions); ++n) {
     const double p = fractions[n];
-    const ventricle::VentricleResult result = reconstruct_partial(p, missing, preset);
+    const ventricle::Result result = reconstruct_partial(p, missing, preset);
     const auto volume = outer_ml(result);
     if (n == 0) whole = volume;
     const std::string verdict(word_of(result.verdict));
@@ -59,7 +59,7 @@ void print_rows(synthetic::Missing missing, std::string_view preset) {
 }
 
 /// One slice as a panel: border voxels as squares, cuts through both surfaces as lines.
-std::string panel(const ventricle::VentricleResult& result, const std::string& title, double left) {
+std::string panel(const ventricle::Result& result, const std::string& title, double left) {
   const ventricle::Gate& gate = result.gates.front();
   const Grid& grid = result.study.grid();
   const int slice = gate.labels.big_slice >= 0 ? gate.labels.big_slice : grid.dims[2] / 2;

@@ -103,9 +103,9 @@ void print_row(const Heart& heart, const Kind& kind) {
     truth.wall += gate.wall_ml() / static_cast<double>(phantom.truth.size());
   }
   truth.ef = 100 * (1 - truth.esv / truth.edv);
-  ventricle::VentricleOptions options = ventricle::ventricle_preset(kind.preset);
+  ventricle::Options options = ventricle::preset(kind.preset);
   if (kind.drawn == Drawn::labels) options.label = 1;
-  const ventricle::VentricleResult result = ventricle::reconstruct(study, options);
+  const ventricle::Result result = ventricle::reconstruct(study, options);
   Numbers fit, edge;
   int held = 0;
   if (result.readings.psf_corrected && result.readings.psf_corrected->ef_percent) {

@@ -63,12 +63,12 @@ void print_surface(const TriMesh* mesh, double volume_ml, const TriMesh& truth, 
     std::printf("  %7.1f  %+6.1f  %8.2f", volume_ml, 100 * (volume_ml / truth_ml - 1), mean_distance_mm(truth, *mesh));
 }
 
-ventricle::VentricleResult reconstructed(const synthetic::Phantom& phantom) {
-  return ventricle::reconstruct(phantom.study, ventricle::ventricle_preset("psf_corrected"));
+ventricle::Result reconstructed(const synthetic::Phantom& phantom) {
+  return ventricle::reconstruct(phantom.study, ventricle::preset("psf_corrected"));
 }
 
 /// How well the border voxels of one wall lie on its true border and cover it (F1 of both, within 2 pixels).
-double f1_of(const ventricle::VentricleResult& result, const TriMesh& truth, int bit) {
+double f1_of(const ventricle::Result& result, const TriMesh& truth, int bit) {
   const Grid& grid = result.study.grid();
   const TrueLines lines = true_lines(truth, grid);
   Score score;
@@ -92,8 +92,8 @@ int peaks_of(const std::optional<ventricle::Surface>& surface, const TriMesh& tr
 }
 
 /// The surfaces as they came to rest, with and without the smoothing of the thesis (5.5), before anything else.
-ventricle::VentricleResult at_rest(const synthetic::Phantom& phantom, bool is_smoothed) {
-  ventricle::VentricleOptions options = ventricle::ventricle_preset("edges");
+ventricle::Result at_rest(const synthetic::Phantom& phantom, bool is_smoothed) {
+  ventricle::Options options = ventricle::preset("edges");
   options.settle.rounds = 0, options.tidy = {.shape = 0, .untangle_rounds = 0};
   if (!is_smoothed) options.evolution.smooth_every = 0, options.evolution.smooth_after.sweeps = 0;
   return ventricle::reconstruct(phantom.study, options);
@@ -101,7 +101,7 @@ ventricle::VentricleResult at_rest(const synthetic::Phantom& phantom, bool is_sm
 
 void print_case(const Case& c) {
   const synthetic::Phantom phantom = synthetic::make_phantom(c.made);
-  const ventricle::VentricleResult result = reconstructed(phantom);
+  const ventricle::Result result = reconstructed(phantom);
   const ventricle::Gate& gate = result.gates.front();
   const synthetic::TrueGate& truth = phantom.truth.front();
   double seconds = 0;
@@ -119,7 +119,7 @@ void print_case(const Case& c) {
 /// The walls that were fitted through the blur.
 void print_fit(const Case& c) {
   const synthetic::Phantom phantom = synthetic::make_phantom(c.made);
-  const ventricle::VentricleResult result = reconstructed(phantom);
+  const ventricle::Result result = reconstructed(phantom);
   if (!result.readings.psf_corrected) return;
   const ventricle::FittedGate& gate = result.readings.psf_corrected->gates.front();
   const synthetic::TrueGate& truth = phantom.truth.front();
@@ -134,7 +134,7 @@ void print_fit(const Case& c) {
 
 void print_labels(const Case& c) {
   const synthetic::Phantom phantom = synthetic::make_phantom(c.made);
-  const ventricle::VentricleResult result = ventricle::reconstruct(phantom.study, ventricle::ventricle_preset("edges"));
+  const ventricle::Result result = ventricle::reconstruct(phantom.study, ventricle::preset("edges"));
   const synthetic::TrueGate& truth = phantom.truth.front();
   const ventricle::EdgeSurfaces rough = at_rest(phantom, false).gates.front().edge_surfaces,
                                 smooth = at_rest(phantom, true).gates.front().edge_surfaces;
@@ -150,7 +150,7 @@ void print_labels(const Case& c) {
 
 /// One slice as a panel: border voxels as squares, cuts through both surfaces as lines.
 std::string panel(const Case& c, double left, double top) {
-  const ventricle::VentricleResult result = reconstructed(synthetic::make_phantom(c.made));
+  const ventricle::Result result = reconstructed(synthetic::make_phantom(c.made));
   const ventricle::Gate& gate = result.gates.front();
   const Grid& grid = result.study.grid();
   constexpr double scale = 1.35, side = 200;  // pixels per mm, width of a panel

@@ -170,10 +170,10 @@ void run(int first, int end) {
     const synthetic::Phantom phantom = synthetic::make_phantom(one.options);
     const ventricle::Measures truth = measure_true_walls(phantom);
     for (const char* preset : {"edges", "psf_corrected"}) {
-      ventricle::VentricleOptions options = ventricle::ventricle_preset(preset);
+      ventricle::Options options = ventricle::preset(preset);
       options.fit.fwhm_mm = one.options.fwhm_mm;
       options.fit.filter_fwhm_mm = one.options.noise.filter_fwhm_mm;
-      const ventricle::VentricleResult result = ventricle::reconstruct(phantom.study, options);
+      const ventricle::Result result = ventricle::reconstruct(phantom.study, options);
       const bool is_fit = result.readings.psf_corrected.has_value();
       std::printf("%d %s %s EF %.1f (true %.1f)\n", number, one.name.c_str(), is_fit ? "psf_corrected" : "edge",
                   result.leading.ef_percent.value_or(ventricle::Estimate{}).value, *phantom.ef_percent);

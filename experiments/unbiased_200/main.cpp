@@ -43,11 +43,11 @@ void examine(const std::string& generator, int number) {
   const double told = generator == "unlike" ? make_unlike(patient) : 1;
   const synthetic::Phantom phantom = scan(patient);
   const synthetic::VirtualPatient& p = patient.options;
-  ventricle::VentricleOptions options = ventricle::ventricle_preset("psf_corrected");
+  ventricle::Options options = ventricle::preset("psf_corrected");
   const bool is_told = generator != "untold";
   if (is_told) options.fit.fwhm_mm = told * p.fwhm_mm, options.fit.filter_fwhm_mm = p.noise.filter_fwhm_mm;
   const auto begin = std::chrono::steady_clock::now();
-  const ventricle::VentricleResult result = ventricle::reconstruct(phantom.study, options);
+  const ventricle::Result result = ventricle::reconstruct(phantom.study, options);
   Row row;
   row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   row.generator = generator, row.number = number;

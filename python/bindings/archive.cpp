@@ -55,15 +55,15 @@ DYNASURF_ARITY(PeriodicCurve, 3);
 DYNASURF_ARITY(VolumeCurveFit, 19);
 DYNASURF_ARITY(PhaseSummary, 8);
 DYNASURF_ARITY(Measures, 18);
-DYNASURF_ARITY(VentricleResult, 12);
+DYNASURF_ARITY(ventricle::Result, 12);
 DYNASURF_ARITY(InputFile, 3);
 DYNASURF_ARITY(Provenance, 6);
 DYNASURF_ARITY(PointCloud, 4);
-DYNASURF_ARITY(CloudLevel, 6);
+DYNASURF_ARITY(cloud::Level, 6);
 DYNASURF_ARITY(Certificate, 21);
-DYNASURF_ARITY(CloudFacts, 11);
+DYNASURF_ARITY(cloud::Facts, 11);
 DYNASURF_ARITY(CloudSupport, 11);
-DYNASURF_ARITY(CloudResult, 5);
+DYNASURF_ARITY(cloud::Result, 5);
 DYNASURF_ARITY(CloudSource, 3);
 DYNASURF_ARITY(CloudRun, 4);
 DYNASURF_ARITY(CloudInput, 3);
@@ -96,7 +96,7 @@ void archive(A& a, ventricle::Segment& segment) {
 }
 
 template <class A>
-void archive(A& a, ventricle::VentricleOptions& options) {
+void archive(A& a, ventricle::Options& options) {
   std::string text = io::options_to_text(options);
   archive(a, text);
   if constexpr (!A::writes) io::options_from_text(text, options);

@@ -51,16 +51,15 @@ CloudPtr cloud_from(const Numbers<double>& points, const py::object& normals, co
   return cloud;
 }
 
-std::string command_of(const OriginCloud& cloud, const cloud::CloudOptions& options, const std::string& preset) {
+std::string command_of(const OriginCloud& cloud, const cloud::Options& options, const std::string& preset) {
   std::string command = "dynasurf cloud";
   for (std::size_t n = 0; n < std::max<std::size_t>(cloud.sources.size(), 1); ++n) command += " CLOUD";
   command += " --out RESULT --preset " + preset;
-  for (const std::string& setting : settings_between(cloud::cloud_preset(preset), options))
-    command += " --set " + setting;
+  for (const std::string& setting : settings_between(cloud::preset(preset), options)) command += " --set " + setting;
   return command;
 }
 
-LodsPtr reconstruct_lods(const OriginCloud& cloud, const cloud::CloudOptions& options, const std::string& preset,
+LodsPtr reconstruct_lods(const OriginCloud& cloud, const cloud::Options& options, const std::string& preset,
                          const Progress& progress) {
   cloud::parse_triangles(options.triangles);  // refused before any work is done
   auto lods = std::make_shared<Lods>();
@@ -71,12 +70,12 @@ LodsPtr reconstruct_lods(const OriginCloud& cloud, const cloud::CloudOptions& op
   lods->provenance.options_json = io::options_to_text(options);
   lods->run.sources = cloud.sources;
   StageClock clock(lods->run.seconds);
-  lods->run.result = cloud::reconstruct_cloud(cloud.cloud, options,
-                                              {[&](std::string_view stage, int done, int total) {
-                                                 clock.enter(stage);
-                                                 progress(stage, done, total);
-                                               },
-                                               progress.stop});
+  lods->run.result = cloud::reconstruct(cloud.cloud, options,
+                                        {[&](std::string_view stage, int done, int total) {
+                                           clock.enter(stage);
+                                           progress(stage, done, total);
+                                         },
+                                         progress.stop});
   clock.stop();
   Notes& notes = lods->run.result.notes;
   notes.insert(notes.begin(), cloud.notes.begin(), cloud.notes.end());
@@ -133,7 +132,7 @@ void bind_certificate(py::module_& module) {
 }
 
 void bind_levels(py::module_& module) {
-  using L = cloud::CloudLevel;
+  using L = cloud::Level;
   py::class_<L, std::shared_ptr<L>>(module, "CloudLevel", "One mesh, fitted to the cloud, in the cloud's unit.")
       .def_readonly("certificate", &L::certificate)
       .def_readonly("triangles_asked", &L::triangles_asked)
@@ -157,18 +156,18 @@ void bind_levels(py::module_& module) {
 }
 
 void bind_result(py::module_& module) {
-  py::class_<cloud::CloudFacts>(module, "CloudFacts", "What was found in the cloud; lengths in its unit.")
-      .def_readonly("points", &cloud::CloudFacts::points)
-      .def_readonly("not_finite", &cloud::CloudFacts::not_finite)
-      .def_readonly("duplicates", &cloud::CloudFacts::duplicates)
-      .def_readonly("outliers", &cloud::CloudFacts::outliers)
-      .def_readonly("points_used", &cloud::CloudFacts::points_used)
-      .def_readonly("diagonal", &cloud::CloudFacts::diagonal)
-      .def_readonly("spacing", &cloud::CloudFacts::spacing)
-      .def_readonly("noise", &cloud::CloudFacts::noise)
-      .def_readonly("cells", &cloud::CloudFacts::cells)
-      .def_readonly("parts", &cloud::CloudFacts::parts)
-      .def_readonly("genus", &cloud::CloudFacts::genus);
+  py::class_<cloud::Facts>(module, "CloudFacts", "What was found in the cloud; lengths in its unit.")
+      .def_readonly("points", &cloud::Facts::points)
+      .def_readonly("not_finite", &cloud::Facts::not_finite)
+      .def_readonly("duplicates", &cloud::Facts::duplicates)
+      .def_readonly("outliers", &cloud::Facts::outliers)
+      .def_readonly("points_used", &cloud::Facts::points_used)
+      .def_readonly("diagonal", &cloud::Facts::diagonal)
+      .def_readonly("spacing", &cloud::Facts::spacing)
+      .def_readonly("noise", &cloud::Facts::noise)
+      .def_readonly("cells", &cloud::Facts::cells)
+      .def_readonly("parts", &cloud::Facts::parts)
+      .def_readonly("genus", &cloud::Facts::genus);
   py::class_<Lods, LodsPtr>(module, "CloudResult", "Closed meshes of a cloud, finest first.", py::dynamic_attr())
       .def(by_pickle<Lods>())
       .def("__len__", [](const Lods& l) { return l.run.result.levels.size(); })
@@ -221,7 +220,7 @@ void bind_cloud(py::module_& module) {
       "reconstruct_cloud",
       [](const CloudPtr& cloud, const std::string& options, const std::string& preset, py::object progress,
          int threads) {
-        const auto how = options_from<cloud::CloudOptions>(options);
+        const auto how = options_from<cloud::Options>(options);
         return run_long_for({std::move(progress), threads},
                             [=](const Progress& told) { return reconstruct_lods(*cloud, how, preset, told); });
       },

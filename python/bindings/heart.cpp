@@ -16,13 +16,13 @@ namespace {
 /// The command line that gives the same result, without paths. What a person can only do in Python is told by notes.
 std::string command_of(const HeartRun& run) {
   std::string command = "dynasurf ventricle STUDY --out RESULT --preset " + run.preset;
-  ventricle::VentricleOptions options = run.options;
+  ventricle::Options options = run.options;
   if (run.start) {
     command += " --start MESH";
-    options.placement.shape = ventricle::VentricleOptions{}.placement.shape;  // --start says so
+    options.placement.shape = ventricle::Options{}.placement.shape;  // --start says so
   }
   if (run.mask) command += " --mask MASK";
-  for (const std::string& setting : settings_between(ventricle::ventricle_preset(run.preset), options))
+  for (const std::string& setting : settings_between(ventricle::preset(run.preset), options))
     command += " --set " + setting;
   if (!run.study->series.empty()) command += " --series " + run.study->series;
   return command;

@@ -17,7 +17,7 @@ namespace dynasurf::python {
 struct HeartRun {
   std::shared_ptr<OriginStudy> study;
   std::string preset;
-  ventricle::VentricleOptions options;
+  ventricle::Options options;
   std::shared_ptr<Image> mask;
   std::shared_ptr<TriMesh> start;
   std::optional<std::string> mask_sha256, start_sha256;  // of the files they come from
@@ -26,8 +26,8 @@ struct HeartRun {
 
 /// A finished run: the result, and where it comes from.
 struct Heart {
-  ventricle::VentricleResult result;
-  ventricle::VentricleOptions options;
+  ventricle::Result result;
+  ventricle::Options options;
   report::Provenance provenance;
   std::optional<std::string> mask_sha256, start_sha256;
   std::shared_ptr<OriginStudy> study;  // as given: labels lie on its grid

@@ -198,12 +198,12 @@ void add_ventricle(Catalog& all) {
   all.add<ventricle::ContourPipeline>("ventricle.ContourPipeline");
   all.add<ventricle::MeasureOptions>("ventricle.MeasureOptions");
   all.add<ventricle::BlurFit>("ventricle.BlurFit");
-  all.add<ventricle::VentricleOptions>("ventricle.Options");
+  all.add<ventricle::Options>("ventricle.Options");
   all.add<ventricle::OrganOptions>("ventricle.OrganOptions");
 }
 
 void add_others(Catalog& all) {
-  all.add<cloud::CloudOptions>("cloud.Options");
+  all.add<cloud::Options>("cloud.Options");
   all.add<cloud::LodRule>("cloud.LodRule");
   all.add<synthetic::CloudPhantom>("synthetic.CloudPhantom");
   all.add<synthetic::Lattice>("synthetic.Lattice");
@@ -272,14 +272,13 @@ void bind_options(py::module_& module) {
       },
       needed("name"), needed("text"), needed("assignment"), "The same after one --set of the command line.");
   module.def(
-      "ventricle_preset",
-      [](const std::string& name) { return io::options_to_text(ventricle::ventricle_preset(name)); }, needed("name"));
+      "ventricle_preset", [](const std::string& name) { return io::options_to_text(ventricle::preset(name)); },
+      needed("name"));
   module.def(
       "organ_preset", [](const std::string& name) { return io::options_to_text(ventricle::organ_preset(name)); },
       needed("name"));
   module.def(
-      "cloud_preset", [](const std::string& name) { return io::options_to_text(cloud::cloud_preset(name)); },
-      needed("name"));
+      "cloud_preset", [](const std::string& name) { return io::options_to_text(cloud::preset(name)); }, needed("name"));
 }
 
 }  // namespace dynasurf::python

@@ -269,7 +269,7 @@ HeartPtr reconstruct_from_python(const std::shared_ptr<OriginStudy>& study, cons
                                  const std::optional<std::string>& start_sha256, const py::object& edges,
                                  const std::string& edges_name, const py::object& labels,
                                  const std::string& labels_name, py::object progress, int threads) {
-  HeartRun run{study,       preset,       options_from<ventricle::VentricleOptions>(options), mask, start,
+  HeartRun run{study,       preset,       options_from<ventricle::Options>(options),         mask, start,
                mask_sha256, start_sha256, own_stages(edges, edges_name, labels, labels_name)};
   return run_long_for({std::move(progress), threads},
                       [run = std::move(run)](const Progress& told) { return reconstruct_heart(run, told); });

@@ -50,17 +50,17 @@ TEST(SmallestDimension, SeesTheSurfaceBehindStrongNoise) {
 
 TEST(SmallestDimension, DoesNotTellFromAFewPoints) { EXPECT_EQ(smallest_dimension(fog(99, true).points), 0); }
 
-bool fails(const CloudResult& result) {
+bool fails(const Result& result) {
   return std::any_of(result.notes.begin(), result.notes.end(), [](const Note& note) {
     return note.code == "cloud.no_surface" && note.severity == Severity::failure;
   });
 }
 
 TEST(ReconstructCloud, FailsOnFogAndNotOnANoisyTornBody) {
-  CloudOptions options;
+  Options options;
   options.triangles = "320";
-  EXPECT_TRUE(fails(reconstruct_cloud(fog(3000, false), options)));
-  EXPECT_FALSE(fails(reconstruct_cloud(
+  EXPECT_TRUE(fails(reconstruct(fog(3000, false), options)));
+  EXPECT_FALSE(fails(reconstruct(
       synthetic::make_cloud(
           {.shape = synthetic::CloudShape::vase, .points = 10000, .noise_percent = 0.5, .missing_percent = 20}),
       options)));

@@ -164,9 +164,9 @@ TEST(FillHoles, MendsBothSidesOfAWallApart) {
 TEST(FillHoles, LeavesTheRimOfAPotWhoseUpperHalfIsMissing) {
   PointCloud cloud = synthetic::make_cloud({.shape = synthetic::CloudShape::vase, .points = 50000});
   std::erase_if(cloud.points, [](const Vec3& p) { return p[2] > 0.1; });
-  CloudOptions options;
+  Options options;
   options.triangles = "1280";
-  const CloudResult result = reconstruct_cloud(cloud, options);
+  const Result result = reconstruct(cloud, options);
   const Certificate& c = result.levels.at(0).certificate;
   EXPECT_TRUE(c.watertight());
   EXPECT_EQ(c.components, 1);
@@ -184,9 +184,9 @@ class TornScan : public testing::TestWithParam<synthetic::CloudShape> {};
 
 TEST_P(TornScan, KeepsItsHandlesAndParts) {
   const PointCloud cloud = synthetic::make_cloud({.shape = GetParam(), .points = 40000, .missing_percent = 20});
-  CloudOptions options;
+  Options options;
   options.triangles = "1280";
-  const CloudResult result = reconstruct_cloud(cloud, options);
+  const Result result = reconstruct(cloud, options);
   const Certificate& c = result.levels.at(0).certificate;
   EXPECT_TRUE(c.watertight());
   EXPECT_EQ(c.components, 1);

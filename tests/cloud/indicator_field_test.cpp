@@ -166,7 +166,7 @@ TEST(ChooseBody, GivesHandlesByRule) {
   const PointCloud cloud = scan(synthetic::CloudShape::two_torus);
   const auto fields = solve_indicator(orient(cloud, true), {.cells = 48});
   const auto genus_by = [&](GenusRule rule) {
-    CloudOptions options;
+    Options options;
     options.genus = rule;
     Notes notes;
     const Body body = choose_body(fields, cloud.points, options, notes);

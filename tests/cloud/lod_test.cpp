@@ -196,9 +196,9 @@ TEST(LodTransition, IsTheCoarseSurfaceAtItsStartForAnyOtherMesh) {
 }
 
 void expect_whole_levels(synthetic::CloudShape shape, const std::string& triangles) {
-  CloudOptions options;
+  Options options;
   options.triangles = triangles;
-  const auto levels = reconstruct_cloud(synthetic::make_cloud({.shape = shape, .points = 20000}), options).levels;
+  const auto levels = reconstruct(synthetic::make_cloud({.shape = shape, .points = 20000}), options).levels;
   for (std::size_t n = 0; n + 1 < levels.size(); ++n)
     expect_whole(lod_transition(levels[n + 1].mesh, levels[n].mesh), levels[n + 1].mesh, levels[n].mesh);
 }

@@ -23,25 +23,25 @@ PointCloud ball() {
   return cloud;
 }
 
-TEST(CloudOptions, ListsOfTrianglesAreReadStrictly) {
+TEST(Options, ListsOfTrianglesAreReadStrictly) {
   EXPECT_EQ(parse_triangles("5120,1280,320"), (std::vector<int>{5120, 1280, 320}));
   EXPECT_EQ(parse_triangles("20"), (std::vector<int>{20}));
   for (const char* bad : {"", ",", "320,", "320,1280", "321", "18", "320 ,20", "320,320", "2000002", "-320", "1e3"})
     EXPECT_THROW(parse_triangles(bad), OptionError) << bad;
 }
 
-TEST(CloudOptions, PresetsAreNamedAsTheirMethods) {
-  EXPECT_EQ(cloud_preset("shaped").method, CloudMethod::shaped);
-  EXPECT_EQ(cloud_preset("thesis").method, CloudMethod::thesis);
-  EXPECT_THROW(cloud_preset("best"), OptionError);
+TEST(Options, PresetsAreNamedAsTheirMethods) {
+  EXPECT_EQ(preset("shaped").method, CloudMethod::shaped);
+  EXPECT_EQ(preset("thesis").method, CloudMethod::thesis);
+  EXPECT_THROW(preset("best"), OptionError);
 }
 
 TEST(ReconstructCloud, TheThesisRecipeWrapsASphereWithinAVoxel) {
-  CloudOptions options = cloud_preset("thesis");
+  Options options = preset("thesis");
   options.triangles = "1280,320";
-  const CloudResult result = reconstruct_cloud(ball(), options);
+  const Result result = reconstruct(ball(), options);
   ASSERT_EQ(result.levels.size(), 2u);
-  for (const CloudLevel& level : result.levels) {
+  for (const Level& level : result.levels) {
     EXPECT_EQ(level.mesh.triangles.size(), static_cast<std::size_t>(level.triangles_asked));
     EXPECT_TRUE(level.certificate.closed && level.certificate.manifold && level.certificate.oriented);
     // Particles stop where they enter the voxel of a point: sides are 1/54 of the diameter.
@@ -50,9 +50,9 @@ TEST(ReconstructCloud, TheThesisRecipeWrapsASphereWithinAVoxel) {
 }
 
 TEST(ReconstructCloud, TheThesisRecipeMakesIcospheresOnly) {
-  CloudOptions options = cloud_preset("thesis");
+  Options options = preset("thesis");
   options.triangles = "1000";
-  EXPECT_THROW(reconstruct_cloud(ball(), options), OptionError);
+  EXPECT_THROW(reconstruct(ball(), options), OptionError);
 }
 
 /// A torus of radii 0.75 and 0.25, seen by 5,000 points.
@@ -61,11 +61,11 @@ PointCloud ring() { return synthetic::make_cloud({.shape = synthetic::CloudShape
 class EveryStart : public testing::TestWithParam<CloudStart> {};
 
 TEST_P(EveryStart, BecomesABodyWithDents) {
-  CloudOptions options;
+  Options options;
   options.triangles = "1000";
   options.start = GetParam();
   const PointCloud cloud = synthetic::make_cloud({.shape = synthetic::CloudShape::blobs, .points = 8000});
-  const CloudResult result = reconstruct_cloud(cloud, options);
+  const Result result = reconstruct(cloud, options);
   const Certificate& c = result.levels.at(0).certificate;
   EXPECT_TRUE(c.watertight());
   EXPECT_EQ(c.genus, 0);
@@ -75,10 +75,10 @@ TEST_P(EveryStart, BecomesABodyWithDents) {
 }
 
 TEST_P(EveryStart, CanBeDeformedByTheThesisRecipeToo) {
-  CloudOptions options = cloud_preset("thesis");
+  Options options = preset("thesis");
   options.triangles = "1280";
   options.start = GetParam();
-  const CloudLevel level = reconstruct_cloud(ball(), options).levels.at(0);
+  const Level level = reconstruct(ball(), options).levels.at(0);
   EXPECT_TRUE(level.certificate.closed && level.certificate.manifold && level.certificate.oriented);
   EXPECT_LT(level.certificate.cloud_to_mesh_mean, 1.5 * 0.04 / 54);
 }
@@ -87,11 +87,11 @@ INSTANTIATE_TEST_SUITE_P(All, EveryStart, testing::Values(CloudStart::sphere, Cl
                          [](const auto& one) { return std::string(word_of(one.param)); });
 
 TEST(ReconstructCloud, StartsWithoutHandlesCloseThemAndSaySo) {
-  CloudOptions options;
+  Options options;
   options.triangles = "1000";
   options.start = CloudStart::hull;
-  const CloudResult result =
-      reconstruct_cloud(synthetic::make_cloud({.shape = synthetic::CloudShape::torus, .points = 5000}), options);
+  const Result result =
+      reconstruct(synthetic::make_cloud({.shape = synthetic::CloudShape::torus, .points = 5000}), options);
   EXPECT_EQ(result.levels.at(0).certificate.genus, 0);
   EXPECT_TRUE(result.levels.at(0).certificate.watertight());
   EXPECT_TRUE(std::any_of(result.notes.begin(), result.notes.end(),
@@ -101,15 +101,15 @@ TEST(ReconstructCloud, StartsWithoutHandlesCloseThemAndSaySo) {
 class EveryFittedMethod : public testing::TestWithParam<CloudMethod> {};
 
 TEST_P(EveryFittedMethod, ClosesATorusAtEveryLevel) {
-  CloudOptions options;
+  Options options;
   options.method = GetParam();
   options.triangles = "1000,400,120";
-  const CloudResult result = reconstruct_cloud(ring(), options);
+  const Result result = reconstruct(ring(), options);
   EXPECT_EQ(result.facts.parts, 1);
   EXPECT_EQ(result.facts.genus, 1);
   ASSERT_EQ(result.levels.size(), 3u);
   double before = 0;
-  for (const CloudLevel& level : result.levels) {
+  for (const Level& level : result.levels) {
     const Certificate& c = level.certificate;
     EXPECT_TRUE(c.watertight()) << level.triangles_asked;
     EXPECT_EQ(c.genus, 1);
@@ -127,10 +127,10 @@ INSTANTIATE_TEST_SUITE_P(Methods, EveryFittedMethod, testing::Values(CloudMethod
 
 TEST(CloudStart, TellsWhenADeepCavityWasNotReached) {
   const auto is_told = [](synthetic::CloudShape shape) {
-    CloudOptions options;
+    Options options;
     options.triangles = "640";
     options.start = CloudStart::hull;
-    const CloudResult result = reconstruct_cloud(synthetic::make_cloud({.shape = shape, .points = 8000}), options);
+    const Result result = reconstruct(synthetic::make_cloud({.shape = shape, .points = 8000}), options);
     return std::any_of(result.notes.begin(), result.notes.end(), [](const Note& note) {
       return note.code == "cloud.start" && note.message.find("did not reach") != std::string::npos;
     });
@@ -140,11 +140,11 @@ TEST(CloudStart, TellsWhenADeepCavityWasNotReached) {
 }
 
 TEST(ReconstructCloud, GivesTheSameBytesForAnyNumberOfThreads) {
-  CloudOptions options;
+  Options options;
   options.triangles = "500";
   const auto run = [&](int threads) {
     const ThreadLimit limit(threads);
-    return reconstruct_cloud(ring(), options).levels.front().mesh;
+    return reconstruct(ring(), options).levels.front().mesh;
   };
   const TriMesh one = run(1), two = run(2);
   EXPECT_EQ(one.vertices, two.vertices);
@@ -156,9 +156,9 @@ TEST(ReconstructCloud, DropsWhatIsNoSurfaceAndSaysSo) {
   cloud.points.push_back(Vec3(0, 0, 3));
   cloud.points.push_back(cloud.points.front());
   cloud.points.push_back(Vec3(0, std::numeric_limits<double>::infinity(), 0));
-  CloudOptions options;
+  Options options;
   options.triangles = "500";
-  const CloudResult result = reconstruct_cloud(cloud, options);
+  const Result result = reconstruct(cloud, options);
   EXPECT_EQ(result.facts.not_finite, 1u);
   EXPECT_EQ(result.facts.duplicates, 1u);
   EXPECT_EQ(result.facts.outliers, 1u);
@@ -169,9 +169,9 @@ TEST(ReconstructCloud, DropsWhatIsNoSurfaceAndSaysSo) {
 
 TEST(ReconstructCloud, TellsOfOutliersThatKeepEachOtherCompany) {
   const auto is_told = [](const PointCloud& cloud) {
-    CloudOptions options;
+    Options options;
     options.triangles = "500";
-    const Notes notes = reconstruct_cloud(cloud, options).notes;
+    const Notes notes = reconstruct(cloud, options).notes;
     return std::any_of(notes.begin(), notes.end(), [](const Note& n) {
       return n.code == "cloud.left_out" && n.message.starts_with("20 points lie farther than 5.0 %");
     });
@@ -184,9 +184,9 @@ TEST(ReconstructCloud, TellsOfOutliersThatKeepEachOtherCompany) {
 
 TEST(ReconstructCloud, WarnsOfSurfaceThatNoPointIsNear) {
   const auto warning = [](const PointCloud& cloud) {
-    CloudOptions options;
+    Options options;
     options.triangles = "500";
-    const Notes notes = reconstruct_cloud(cloud, options).notes;
+    const Notes notes = reconstruct(cloud, options).notes;
     const auto found = std::find_if(notes.begin(), notes.end(), [](const Note& n) {
       return n.code == "cloud.holes" && n.severity == Severity::warning;
     });
@@ -203,16 +203,16 @@ TEST(ReconstructCloud, WarnsOfSurfaceThatNoPointIsNear) {
 }
 
 /// Of a scan of the vase, whose wall is 2.4 % of the diagonal thick.
-CloudResult noisy_vase(int points, double noise_percent, std::optional<double> told = {}) {
-  CloudOptions options;
+Result noisy_vase(int points, double noise_percent, std::optional<double> told = {}) {
+  Options options;
   options.triangles = "1280";
   options.noise_percent = told;
-  return reconstruct_cloud(
+  return reconstruct(
       synthetic::make_cloud({.shape = synthetic::CloudShape::vase, .points = points, .noise_percent = noise_percent}),
       options);
 }
 
-bool tells_of_loss(const CloudResult& result) {
+bool tells_of_loss(const Result& result) {
   return std::any_of(result.notes.begin(), result.notes.end(), [](const Note& n) {
     return n.code == "cloud.left_out" && n.message.ends_with("thin walls or cavities are lost");
   });
@@ -220,7 +220,7 @@ bool tells_of_loss(const CloudResult& result) {
 
 // The mean distance of points with this noise is 0.37 %; with the cavity filled it was 1.13 %.
 TEST(ReconstructCloud, KeepsTheCavityOfANoisyVase) {
-  const CloudResult result = noisy_vase(30000, 0.5);
+  const Result result = noisy_vase(30000, 0.5);
   const Certificate& c = result.levels.front().certificate;
   EXPECT_TRUE(c.watertight());
   EXPECT_EQ(c.components, 1);
@@ -232,7 +232,7 @@ TEST(ReconstructCloud, KeepsTheCavityOfANoisyVase) {
 // The wall is 6 times the smaller noise thick, and 2.4 times the larger. At 4.8 times, beside the limit of 4, every
 // second scan of this body is told.
 TEST(ReconstructCloud, TellsWhenWallsAreThinAgainstTheNoise) {
-  const auto is_told = [](const CloudResult& result) {
+  const auto is_told = [](const Result& result) {
     return std::any_of(result.notes.begin(), result.notes.end(), [](const Note& n) { return n.code == "cloud.thin"; });
   };
   EXPECT_FALSE(is_told(noisy_vase(60000, 0.4)));
@@ -246,21 +246,20 @@ TEST(ReconstructCloud, RefusesWhatIsNoBody) {
   for (int i = 0; i < 9; ++i) few.points.push_back(Vec3(i, i * i, i * i * i));
   for (int i = 0; i < 100; ++i) flat.points.push_back(Vec3(i % 10, i / 10, 5));
   short_normals.normals.resize(7, Vec3::UnitX());
-  for (const PointCloud& bad : {PointCloud{}, few, flat, short_normals})
-    EXPECT_THROW(reconstruct_cloud(bad, {}), InputError);
+  for (const PointCloud& bad : {PointCloud{}, few, flat, short_normals}) EXPECT_THROW(reconstruct(bad, {}), InputError);
 }
 
 TEST(ReconstructCloud, FindsTheFewestTrianglesWithinAnError) {
   const PointCloud few = synthetic::make_cloud({.shape = synthetic::CloudShape::torus, .points = 2000});
-  CloudOptions options;
+  Options options;
   options.max_error_percent = 0.5;
-  const CloudResult result = reconstruct_cloud(few, options);
+  const Result result = reconstruct(few, options);
   ASSERT_EQ(result.levels.size(), 1u);
   const Certificate& c = result.levels.front().certificate;
   EXPECT_LE(c.cloud_to_mesh_mean, 0.005 * c.cloud_diagonal);
   options.max_error_percent.reset();
   options.triangles = std::to_string(static_cast<int>(0.7 * static_cast<double>(c.triangles)) / 2 * 2);
-  const Certificate fewer = reconstruct_cloud(few, options).levels.front().certificate;
+  const Certificate fewer = reconstruct(few, options).levels.front().certificate;
   EXPECT_GT(fewer.cloud_to_mesh_mean, 0.005 * fewer.cloud_diagonal);
 }
 
@@ -284,11 +283,11 @@ TriMesh column() {
 
 TEST(ReconstructCloud, KeepsSharpEdgesWhereAsked) {
   const PointCloud scan = synthetic::scan_surface(column(), {.points = 30000});
-  CloudOptions options;
+  Options options;
   options.triangles = "640,320,200";  // one level alone may lie well on the edges by chance
   const auto distance = [&] {
     double sum = 0;
-    for (const CloudLevel& level : reconstruct_cloud(scan, options).levels) sum += level.certificate.cloud_to_mesh_mean;
+    for (const Level& level : reconstruct(scan, options).levels) sum += level.certificate.cloud_to_mesh_mean;
     return sum;
   };
   const double rounded = distance();
@@ -298,10 +297,10 @@ TEST(ReconstructCloud, KeepsSharpEdgesWhereAsked) {
 
 // With corners that slid along the edges, or collapsed into their middles, it was 0.12 %.
 TEST(ReconstructCloud, KeepsTheCornersOfACubeWithFewTriangles) {
-  CloudOptions options;
+  Options options;
   options.triangles = "1280,320";
-  const CloudResult result =
-      reconstruct_cloud(synthetic::make_cloud({.shape = synthetic::CloudShape::cube, .points = 50000}), options);
+  const Result result =
+      reconstruct(synthetic::make_cloud({.shape = synthetic::CloudShape::cube, .points = 50000}), options);
   const Certificate& c = result.levels.back().certificate;
   EXPECT_TRUE(c.watertight());
   EXPECT_GT(c.smallest_angle_deg, 28);
@@ -309,10 +308,10 @@ TEST(ReconstructCloud, KeepsTheCornersOfACubeWithFewTriangles) {
 }
 
 TEST(ReconstructCloud, MakesATorusASphereWhereAsked) {
-  CloudOptions options;
+  Options options;
   options.triangles = "1000";
   options.genus = GenusRule::zero;
-  const CloudResult result = reconstruct_cloud(ring(), options);
+  const Result result = reconstruct(ring(), options);
   EXPECT_EQ(result.facts.genus, 0);
   EXPECT_EQ(result.levels.front().certificate.genus, 0);
   EXPECT_TRUE(result.levels.front().certificate.watertight());
@@ -321,7 +320,7 @@ TEST(ReconstructCloud, MakesATorusASphereWhereAsked) {
 TEST(ReconstructCloud, StopsWhenAsked) {
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_THROW(reconstruct_cloud(ring(), {}, Progress{{}, stop.get_token()}), Cancelled);
+  EXPECT_THROW(reconstruct(ring(), {}, Progress{{}, stop.get_token()}), Cancelled);
 }
 
 }  // namespace

@@ -14,13 +14,13 @@
 namespace dynasurf::cloud {
 namespace {
 
-CloudResult reconstructed(const PointCloud& cloud) {
-  CloudOptions options;
+Result reconstructed(const PointCloud& cloud) {
+  Options options;
   options.triangles = "1280";
-  return reconstruct_cloud(cloud, options);
+  return reconstruct(cloud, options);
 }
 
-bool warns(const CloudResult& result, const std::string& code) {
+bool warns(const Result& result, const std::string& code) {
   return std::any_of(result.notes.begin(), result.notes.end(),
                      [&](const Note& n) { return n.code == code && n.severity == Severity::warning; });
 }
@@ -44,7 +44,7 @@ TEST(Support, ConfidenceFallsAsTheDistanceGrowsBeyondWhatPointsSupport) {
   std::vector<Vec3> points;
   for (int i = 0; i < 30; ++i)
     for (int j = 0; j < 30; ++j) points.emplace_back(i, j, 0);
-  CloudFacts facts;
+  Facts facts;
   facts.spacing = 1;
   TriMesh mesh{{Vec3(15, 15, 2.9), Vec3(15, 15, -12), Vec3(15, 15, 24)}, {{0, 1, 2}}};
   const KdTree tree(points);
@@ -59,8 +59,8 @@ TEST(Support, ConfidenceFallsAsTheDistanceGrowsBeyondWhatPointsSupport) {
 TEST(Support, AWholeScanIsOk) {
   for (const synthetic::CloudShape shape : {synthetic::CloudShape::sphere, synthetic::CloudShape::torus,
                                             synthetic::CloudShape::two_torus, synthetic::CloudShape::blobs}) {
-    const CloudResult result = reconstructed(synthetic::make_cloud({.shape = shape, .points = 20000}));
-    EXPECT_EQ(verdict_of(result), CloudVerdict::ok) << static_cast<int>(shape);
+    const Result result = reconstructed(synthetic::make_cloud({.shape = shape, .points = 20000}));
+    EXPECT_EQ(verdict_of(result), Verdict::ok) << static_cast<int>(shape);
     EXPECT_EQ(result.support.made_up, 0) << static_cast<int>(shape);
     EXPECT_EQ(*std::min_element(result.levels[0].confidence.begin(), result.levels[0].confidence.end()), 1);
   }
@@ -69,11 +69,11 @@ TEST(Support, AWholeScanIsOk) {
 TEST(Support, AHalfScannedBodyIsMadeUpAndTold) {
   PointCloud cloud = synthetic::make_cloud({.points = 20000});
   std::erase_if(cloud.points, [](const Vec3& p) { return p.z() < 0; });
-  const CloudResult result = reconstructed(cloud);
-  EXPECT_EQ(verdict_of(result), CloudVerdict::check);
+  const Result result = reconstructed(cloud);
+  EXPECT_EQ(verdict_of(result), Verdict::check);
   EXPECT_TRUE(warns(result, "cloud.holes"));
   EXPECT_NEAR(result.support.made_up, 0.5, 0.1);
-  const CloudLevel& level = result.levels[0];
+  const Level& level = result.levels[0];
   for (std::size_t v = 0; v < level.mesh.vertices.size(); ++v) {
     const double z = level.mesh.vertices[v].z();
     if (z > 0.05) {
@@ -92,17 +92,17 @@ TEST(Support, AnOpenSheetIsNeverOk) {
     const double x = 2 * random.uniform() - 1, y = 2 * random.uniform() - 1;
     terrain.points.emplace_back(x, y, 0.12 * std::sin(4 * x) * std::cos(3 * y) + 0.05 * std::sin(9 * x + 4 * y));
   }
-  EXPECT_NE(verdict_of(reconstructed(terrain)), CloudVerdict::ok);
+  EXPECT_NE(verdict_of(reconstructed(terrain)), Verdict::ok);
 }
 
 // One of two balls that touch was lost, and every level watertight.
 TEST(Support, TwoBallsThatTouchAreBothThereOrTold) {
   PointCloud cloud = synthetic::make_cloud({.points = 10000}), other = cloud;
   for (Vec3& p : other.points) cloud.points.push_back(p + Vec3(2.002, 0, 0));
-  const CloudResult result = reconstructed(cloud);
+  const Result result = reconstructed(cloud);
   const Certificate& c = result.levels[0].certificate;
   const bool both = c.components == 2 && std::abs(c.volume / (8.0 / 3 * 3.14159265) - 1) < 0.03;
-  EXPECT_TRUE(both || verdict_of(result) != CloudVerdict::ok);
+  EXPECT_TRUE(both || verdict_of(result) != Verdict::ok);
 }
 
 TEST(Outliers, StrayPointsInTheBoxAreDropped) {
@@ -129,7 +129,7 @@ TEST(Outliers, StrayPointsInTheBoxAreDropped) {
 TEST(Outliers, StrayPointsTurnNothingInsideOut) {
   for (const synthetic::CloudShape shape :
        {synthetic::CloudShape::two_torus, synthetic::CloudShape::spring, synthetic::CloudShape::vase}) {
-    const CloudResult result =
+    const Result result =
         reconstructed(with_stray_points(synthetic::make_cloud({.shape = shape, .points = 20000}), 0.01));
     const Certificate& c = result.levels[0].certificate;
     EXPECT_TRUE(c.watertight()) << static_cast<int>(shape);
@@ -142,7 +142,7 @@ TEST(Orientation, GivenDirectionsThatPointInwardsAreTurned) {
   PointCloud cloud = synthetic::make_cloud({.shape = synthetic::CloudShape::blobs, .points = 20000, .normals = true});
   const double volume = reconstructed(cloud).levels[0].certificate.volume;
   for (Vec3& n : cloud.normals) n = -n;
-  const CloudResult result = reconstructed(cloud);
+  const Result result = reconstructed(cloud);
   EXPECT_TRUE(result.levels[0].certificate.watertight());
   EXPECT_NEAR(result.levels[0].certificate.volume / volume, 1, 1e-6);
 }

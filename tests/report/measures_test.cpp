@@ -11,8 +11,8 @@
 namespace dynasurf::report {
 namespace {
 
-const ventricle::VentricleResult& sample() {
-  static const ventricle::VentricleResult result = test::sample_result();
+const ventricle::Result& sample() {
+  static const ventricle::Result result = test::sample_result();
   return result;
 }
 
@@ -72,7 +72,7 @@ TEST(PolarPicture, ShowsEverySampleAndEverySegment) {
 }
 
 TEST(PolarPicture, IsEmptyWithoutABeat) {
-  const ventricle::VentricleResult result = test::sample_ungated();
+  const ventricle::Result result = test::sample_ungated();
   const ventricle::Measures& m = *result.measures;
   EXPECT_TRUE(m.maps.motion_mm.empty());
   EXPECT_EQ(phase_histogram_svg(m), "");

@@ -71,12 +71,12 @@ Provenance provenance() {
 // A null value of nlohmann::json that becomes an object or an array by its first member holds no memory for it when
 // that fails, and its end then reads through a null pointer. Whoever fills one starts from an empty object or array.
 TEST(Memory, MayFailAnywhereInTheResults) {
-  const ventricle::VentricleResult result = test::sample_result({.gates = 2, .dims = {8, 8, 8}, .mesh_level = 1});
+  const ventricle::Result result = test::sample_result({.gates = 2, .dims = {8, 8, 8}, .mesh_level = 1});
   EXPECT_GT(failures_of([&] { results_json(result, provenance()); }), 500);
 }
 
 TEST(Memory, MayFailAnywhereInThePage) {
-  const ventricle::VentricleResult result = test::sample_result({.gates = 2, .dims = {8, 8, 8}, .mesh_level = 1});
+  const ventricle::Result result = test::sample_result({.gates = 2, .dims = {8, 8, 8}, .mesh_level = 1});
   EXPECT_GT(failures_of([&] { report_html(result, provenance()); }, 7), 1000);
 }
 

@@ -20,8 +20,8 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-const ventricle::VentricleResult& ok_result() {
-  static const ventricle::VentricleResult result = test::sample_result();
+const ventricle::Result& ok_result() {
+  static const ventricle::Result result = test::sample_result();
   return result;
 }
 
@@ -61,7 +61,7 @@ TEST(Results, HoldTheNumbersOfTheResult) {
 }
 
 TEST(Results, SayTheNumberOfTheLeadingReadingAtTheTop) {
-  const ventricle::VentricleResult fitted = test::sample_fitted();
+  const ventricle::Result fitted = test::sample_fitted();
   const ordered_json json = results_json(fitted, {});
   EXPECT_EQ(json["reading"], "psf_corrected");
   for (const char* key :
@@ -86,7 +86,7 @@ TEST(Results, CountGatesAndSlicesFromOne) {
 }
 
 TEST(Results, GiveTheWorseOfTheTwoSurfacesAsTheNumberOfTheGate) {
-  ventricle::VentricleResult result = ok_result();
+  ventricle::Result result = ok_result();
   result.gates[0].edge_surfaces.endo->stopped_fraction = 0.5;
   result.gates[0].edge_surfaces.epi->mean_distance_mm = 9;
   const ordered_json gate = results_json(result, {})["gates"][0]["edge"];
@@ -95,7 +95,7 @@ TEST(Results, GiveTheWorseOfTheTwoSurfacesAsTheNumberOfTheGate) {
 }
 
 TEST(Results, AreNullWhereSomethingIsAbsentOrNotANumber) {
-  ventricle::VentricleResult result = test::sample_without_endo();
+  ventricle::Result result = test::sample_without_endo();
   result.gates[1].edge_surfaces.epi->mean_distance_mm = std::numeric_limits<double>::infinity();
   result.gates[1].edge_surfaces.epi->quality.shape_min = std::numeric_limits<double>::quiet_NaN();
   const ordered_json json = results_json(result, {});
@@ -110,7 +110,7 @@ TEST(Results, AreNullWhereSomethingIsAbsentOrNotANumber) {
 }
 
 TEST(Results, LoseNoNoteOfStudyOrLabelsAndDoubleNone) {
-  ventricle::VentricleResult result = test::sample_failed();
+  ventricle::Result result = test::sample_failed();
   result.study.notes = {{Severity::warning, "dicom.time", "the R-R interval is not given"}};
   result.notes.push_back(result.study.notes[0]);
   const ordered_json notes = results_json(result, {})["notes"];
@@ -133,7 +133,7 @@ TEST(Results, CarryTheirProvenanceWithTheOptionsAsJson) {
 }
 
 TEST(Results, DifferBetweenRunsInTheirTimingsOnly) {
-  ventricle::VentricleResult slower = ok_result();
+  ventricle::Result slower = ok_result();
   for (auto& [stage, seconds] : slower.seconds) seconds *= 2;
   const Provenance provenance = test::sample_provenance();
   EXPECT_NE(results_json(ok_result(), provenance).dump(), results_json(slower, provenance).dump());
@@ -205,7 +205,7 @@ TEST(Page, CarriesTheResultsAndASurfacePerGateAndWall) {
 }
 
 TEST(Page, KeepsTextFromFilesOutOfItsMarkup) {
-  ventricle::VentricleResult result = ok_result();
+  ventricle::Result result = ok_result();
   result.notes[0].message = "</script><script>alert(1)</script><!--";
   const std::string page = report_html(result, test::sample_provenance());
   EXPECT_THAT(page, Not(HasSubstr("<script>alert")));
@@ -213,7 +213,7 @@ TEST(Page, KeepsTextFromFilesOutOfItsMarkup) {
 }
 
 TEST(Page, SurvivesTextThatIsNotUtf8) {
-  ventricle::VentricleResult result = ok_result();
+  ventricle::Result result = ok_result();
   result.notes[0].message = "caf\xe9";
   EXPECT_THAT(report_html(result, test::sample_provenance()), HasSubstr("caf"));
 }
@@ -226,7 +226,7 @@ TEST(Page, ShowsAFailedStudyWithItsImagesAndWithoutSurfaces) {
 }
 
 TEST(Page, ShowsTheEdgesThatExplainAFailure) {
-  ventricle::VentricleResult result = test::sample_failed();
+  ventricle::Result result = test::sample_failed();
   const ordered_json with = data_of(report_html(result, {}))["pictures"]["marks"];
   for (ventricle::Gate& gate : result.gates) gate.edges = {};
   EXPECT_NE(with, data_of(report_html(result, {}))["pictures"]["marks"]);
@@ -240,7 +240,7 @@ TEST(Page, ShowsAStudyThatIsNotGated) {
 }
 
 TEST(Page, BinsTheSlicesOfAStudyThatWouldNotFit) {
-  ventricle::VentricleResult result;
+  ventricle::Result result;
   Grid grid;
   grid.dims = {400, 400, 301};  // 48.2 million voxels
   result.study.gates.emplace_back(grid, 0.5f);
@@ -250,7 +250,7 @@ TEST(Page, BinsTheSlicesOfAStudyThatWouldNotFit) {
 }
 
 TEST(Page, IsWrittenForAResultWithoutAnyImage) {
-  const ordered_json data = data_of(report_html(ventricle::VentricleResult{}, {}));
+  const ordered_json data = data_of(report_html(ventricle::Result{}, {}));
   EXPECT_TRUE(data["pictures"].is_null());
   EXPECT_TRUE(data["results"]["study"]["dims"].is_null());
   EXPECT_EQ(data["results"]["quality"]["verdict"], "fail");

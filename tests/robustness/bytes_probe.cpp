@@ -101,8 +101,8 @@ void print_stages(const ventricle::Intermediates& s) {
   }
 }
 
-void print_ventricle(const std::string& name, const Study& study, const ventricle::VentricleOptions& options) {
-  const ventricle::VentricleResult r = ventricle::reconstruct(study, options, {}, print_stages);
+void print_ventricle(const std::string& name, const Study& study, const ventricle::Options& options) {
+  const ventricle::Result r = ventricle::reconstruct(study, options, {}, print_stages);
   Hash edges, surfaces, numbers;
   for (const ventricle::Gate& g : r.gates) {
     edges << g.edges.values << g.base_slice;
@@ -140,8 +140,8 @@ void ventricles() {
   for (const synthetic::TrueGate& g : phantom.truth) truth << g.endo << g.epi << g.endo_ml << g.epi_ml;
   truth.print("patient truth");
   print_images("patient images", phantom.study.gates);
-  print_ventricle("thesis", phantom.study, ventricle::ventricle_preset("thesis"));
-  print_ventricle("psf_corrected", phantom.study, ventricle::ventricle_preset("psf_corrected"));
+  print_ventricle("thesis", phantom.study, ventricle::preset("thesis"));
+  print_ventricle("psf_corrected", phantom.study, ventricle::preset("psf_corrected"));
 }
 
 void organs() {
@@ -177,12 +177,12 @@ void clouds() {
     Hash points;
     points << cloud.points << cloud.normals;
     points.print(name + " points");
-    cloud::CloudOptions options = cloud::cloud_preset(t.preset);
+    cloud::Options options = cloud::preset(t.preset);
     options.triangles = "1280,320";
-    const cloud::CloudResult r = cloud::reconstruct_cloud(cloud, options);
+    const cloud::Result r = cloud::reconstruct(cloud, options);
     Hash used, levels;
     used << r.used.points << r.facts.spacing << r.facts.noise << r.facts.cells;
-    for (const cloud::CloudLevel& l : r.levels) levels << l.mesh << l.errors;
+    for (const cloud::Level& l : r.levels) levels << l.mesh << l.errors;
     used.print(name + " facts");
     levels.print(name + " levels");
   }

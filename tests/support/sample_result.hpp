@@ -125,7 +125,7 @@ inline ventricle::Labels sample_labels(const Grid& grid, double phase) {
 }
 
 /// The numbers over the beat, from the surfaces that are there.
-inline void measure_sample(ventricle::VentricleResult& result) {
+inline void measure_sample(ventricle::Result& result) {
   for (ventricle::Gate& gate : result.gates) {
     ventricle::EdgeSurfaces& edge = gate.edge_surfaces;
     edge.wall_ml = edge.endo && edge.epi ? std::optional(edge.epi->volume_ml - edge.endo->volume_ml) : std::nullopt;
@@ -136,8 +136,8 @@ inline void measure_sample(ventricle::VentricleResult& result) {
   result.measures = ventricle::measure_study(result, {});
 }
 
-inline ventricle::VentricleResult sample_result(const SampleStudy& study = {}) {
-  ventricle::VentricleResult result;
+inline ventricle::Result sample_result(const SampleStudy& study = {}) {
+  ventricle::Result result;
   const Grid grid = sample_grid(study.dims);
   const TriMesh sphere = mesh::icosphere(study.mesh_level);
   result.study.format = "DICOM";
@@ -173,8 +173,8 @@ inline ventricle::VentricleResult sample_result(const SampleStudy& study = {}) {
 }
 
 /// The same heart with walls fitted through the blur: a little wider than the edges, with error bars.
-inline ventricle::VentricleResult sample_fitted() {
-  ventricle::VentricleResult result = sample_result();
+inline ventricle::Result sample_fitted() {
+  ventricle::Result result = sample_result();
   ventricle::FittedBeat fit;
   for (const ventricle::Gate& gate : result.gates) {
     ventricle::FittedGate fitted;
@@ -196,8 +196,8 @@ inline ventricle::VentricleResult sample_fitted() {
 }
 
 /// Surfaces that one should look at twice.
-inline ventricle::VentricleResult sample_to_check() {
-  ventricle::VentricleResult result = sample_result();
+inline ventricle::Result sample_to_check() {
+  ventricle::Result result = sample_result();
   result.verdict = ventricle::Verdict::check;
   result.wall_variation = 0.24;
   result.gates[3].edge_surfaces.endo->stopped_fraction = 0.83;
@@ -213,8 +213,8 @@ inline ventricle::VentricleResult sample_to_check() {
 }
 
 /// No border could be told apart: slices and edges are all there is.
-inline ventricle::VentricleResult sample_failed() {
-  ventricle::VentricleResult result = sample_result();
+inline ventricle::Result sample_failed() {
+  ventricle::Result result = sample_result();
   for (ventricle::Gate& gate : result.gates) {
     gate.edge_surfaces = {};
     gate.labels.borders = Mask(result.study.grid());
@@ -233,14 +233,14 @@ inline ventricle::VentricleResult sample_failed() {
 }
 
 /// One volume: surfaces and their volumes, but no curve and no ejection fraction.
-inline ventricle::VentricleResult sample_ungated() {
-  ventricle::VentricleResult result = sample_result({.gates = 1});
+inline ventricle::Result sample_ungated() {
+  ventricle::Result result = sample_result({.gates = 1});
   result.wall_variation = std::nullopt;
   return result;
 }
 
-inline ventricle::VentricleResult sample_without_endo() {
-  ventricle::VentricleResult result = sample_result();
+inline ventricle::Result sample_without_endo() {
+  ventricle::Result result = sample_result();
   for (ventricle::Gate& gate : result.gates) gate.edge_surfaces.endo = std::nullopt;
   measure_sample(result);
   result.wall_variation = std::nullopt;
@@ -251,8 +251,8 @@ inline ventricle::VentricleResult sample_without_endo() {
 }
 
 /// An image of the blood pool: the cavity alone.
-inline ventricle::VentricleResult sample_blood_pool() {
-  ventricle::VentricleResult result = sample_result();
+inline ventricle::Result sample_blood_pool() {
+  ventricle::Result result = sample_result();
   for (ventricle::Gate& gate : result.gates) gate.edge_surfaces.epi = std::nullopt;
   measure_sample(result);
   result.wall_variation = std::nullopt;

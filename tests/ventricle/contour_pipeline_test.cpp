@@ -141,9 +141,9 @@ TEST(ContourSurface, IsClosedAndEnclosesItsContours) {
 
 TEST(ContourPipeline, ReconstructsACycleFromOneOption) {
   const synthetic::Phantom phantom = synthetic::make_phantom(synthetic::CardiacCycle{});
-  VentricleOptions options = ventricle_preset("edges");
+  Options options = preset("edges");
   options.pipeline = Pipeline::contour;
-  const VentricleResult result = reconstruct(phantom.study, options);
+  const Result result = reconstruct(phantom.study, options);
   ASSERT_EQ(result.gates.size(), phantom.truth.size());
   for (const Gate& gate : result.gates) {
     ASSERT_TRUE(gate.edge_surfaces.endo && gate.edge_surfaces.epi);

@@ -71,10 +71,10 @@ TEST(WarmStart, TakesFewerStepsToTheSameVolumes) {
   synthetic::VirtualPatient patient;
   patient.gates = 4;
   const Study study = synthetic::make_phantom(patient).study;
-  VentricleOptions options = ventricle_preset("edges");
-  const VentricleResult cold = reconstruct(study, options);
+  Options options = preset("edges");
+  const Result cold = reconstruct(study, options);
   options.warm_start = true;
-  const VentricleResult warm = reconstruct(study, options);
+  const Result warm = reconstruct(study, options);
   int cold_steps = 0, warm_steps = 0;
   for (std::size_t g = 1; g < 4; ++g)
     for (const Border wall : {Border::endo, Border::epi}) {

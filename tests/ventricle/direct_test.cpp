@@ -20,7 +20,7 @@ const synthetic::Phantom& patient() {
   return phantom;
 }
 
-void expect_both_walls(const VentricleResult& result) {
+void expect_both_walls(const Result& result) {
   ASSERT_TRUE(result.gates[0].edge_surfaces.endo && result.gates[0].edge_surfaces.epi);
   for (const Surface* s : {&*result.gates[0].edge_surfaces.endo, &*result.gates[0].edge_surfaces.epi}) {
     EXPECT_TRUE(s->repair.check.valid());
@@ -30,10 +30,9 @@ void expect_both_walls(const VentricleResult& result) {
 }
 
 TEST(Direct, FindsTheOuterWallAsTheStandardPipelineDoesAndTheInnerOneFromInside) {
-  VentricleOptions options = ventricle_preset("edges");
+  Options options = preset("edges");
   options.pipeline = Pipeline::direct;
-  const VentricleResult direct = reconstruct(patient().study, options),
-                        standard = reconstruct(patient().study, ventricle_preset("edges"));
+  const Result direct = reconstruct(patient().study, options), standard = reconstruct(patient().study, preset("edges"));
   expect_both_walls(direct);
   EXPECT_NEAR(direct.gates[0].edge_surfaces.epi->volume_ml, standard.gates[0].edge_surfaces.epi->volume_ml,
               0.02 * standard.gates[0].edge_surfaces.epi->volume_ml);
@@ -49,7 +48,7 @@ TEST(Direct, FindsTheOuterWallAsTheStandardPipelineDoesAndTheInnerOneFromInside)
   EXPECT_GT(direct.gates[0].edge_surfaces.endo->volume_ml, 0.5 * standard.gates[0].edge_surfaces.endo->volume_ml);
 
   options.placement.shape = mesh::StartShape::marching_cubes;
-  const VentricleResult cubes = reconstruct(patient().study, options);
+  const Result cubes = reconstruct(patient().study, options);
   expect_both_walls(cubes);
   EXPECT_NEAR(cubes.gates[0].edge_surfaces.endo->volume_ml, standard.gates[0].edge_surfaces.endo->volume_ml,
               0.05 * standard.gates[0].edge_surfaces.endo->volume_ml);
@@ -58,14 +57,14 @@ TEST(Direct, FindsTheOuterWallAsTheStandardPipelineDoesAndTheInnerOneFromInside)
 
 TEST(Starts, OfEveryShapeEndOnTheSameBorders) {
   const TriMesh given = mesh::cube_surface(6);
-  VentricleOptions options = ventricle_preset("edges");
+  Options options = preset("edges");
   options.field = field::SteadyGvf{};  // reaches as far as the sphere around a long heart
-  const VentricleResult standard = reconstruct(patient().study, options);
+  const Result standard = reconstruct(patient().study, options);
   for (const mesh::StartShape shape : {mesh::StartShape::sphere, mesh::StartShape::cube, mesh::StartShape::hull,
                                        mesh::StartShape::marching_cubes, mesh::StartShape::file}) {
     options.placement.shape = shape;
     SCOPED_TRACE(word_of(shape));
-    const VentricleResult result = reconstruct(patient().study, options, {}, {}, &given);
+    const Result result = reconstruct(patient().study, options, {}, {}, &given);
     expect_both_walls(result);
     EXPECT_NE(result.gates[0].edge_surfaces.epi->mesh.vertices, standard.gates[0].edge_surfaces.epi->mesh.vertices)
         << "the shape was not heard";
@@ -79,17 +78,16 @@ TEST(Starts, OfEveryShapeEndOnTheSameBorders) {
 }
 
 TEST(Starts, FromAFileNeedAMesh) {
-  VentricleOptions file = ventricle_preset("edges");
+  Options file = preset("edges");
   file.placement.shape = mesh::StartShape::file;
   EXPECT_THROW(reconstruct(patient().study, file), OptionError);
 }
 
 TEST(Starts, FromInsideReadLow) {
   // Table 5.5: the top is poorly resolved when a surface grows from inside.
-  VentricleOptions options = ventricle_preset("edges");
+  Options options = preset("edges");
   options.placement.direction = mesh::Direction::in_to_out;
-  const VentricleResult inside = reconstruct(patient().study, options),
-                        outside = reconstruct(patient().study, ventricle_preset("edges"));
+  const Result inside = reconstruct(patient().study, options), outside = reconstruct(patient().study, preset("edges"));
   expect_both_walls(inside);
   for (const auto wall : {Border::endo, Border::epi}) {
     EXPECT_LT(inside.gates[0].edge_surfaces.of(wall)->volume_ml, outside.gates[0].edge_surfaces.of(wall)->volume_ml);
@@ -101,9 +99,9 @@ TEST(Starts, FromInsideReadLow) {
 TEST(Starts, SayWhenGatesHaveTrianglesOfTheirOwn) {
   synthetic::VirtualPatient two;
   two.gates = 2;
-  VentricleOptions options = ventricle_preset("edges");
+  Options options = preset("edges");
   options.placement.shape = mesh::StartShape::marching_cubes;
-  const VentricleResult result = reconstruct(synthetic::make_phantom(two).study, options);
+  const Result result = reconstruct(synthetic::make_phantom(two).study, options);
   const auto said = std::count_if(result.notes.begin(), result.notes.end(),
                                   [](const Note& n) { return n.code == "surface.no_correspondence"; });
   EXPECT_EQ(said, 1);

@@ -24,7 +24,7 @@ TEST(FindBorders, FindsWhatReconstructFinds) {
   h.noise = 0.03;
   const Study study = study_of(test::blurred_heart(h));
   const BorderResult borders = find_borders(study, {});
-  const VentricleResult whole = reconstruct(study, ventricle_preset("edges"));
+  const Result whole = reconstruct(study, preset("edges"));
   ASSERT_EQ(borders.gates.size(), 1U);
   EXPECT_TRUE(borders.gates[0].labels.has(Border::endo));
   EXPECT_EQ(borders.gates[0].labels.borders.values, whole.gates[0].labels.borders.values);
@@ -47,7 +47,7 @@ TEST(FindBorders, TakesTheEndOfATubeFromTheOrderOfItsSlices) {
 
 TEST(FindBorders, PreparesTheValuesWhenAsked) {
   const Study study = study_of(test::blurred_heart({}));
-  VentricleOptions o = ventricle_preset("edges");
+  Options o = preset("edges");
   o.prepare.doubling = image::Preparation::Doubling::three;
   const BorderResult borders = find_borders(study, o);
   EXPECT_EQ(borders.study.grid().dims, (Index3{128, 128, 46}));
@@ -58,7 +58,7 @@ TEST(BloodPoolStudy, HasACavityAndAnEjectionFractionButNoWall) {
   synthetic::VirtualPatient o;
   o.cavity = 8, o.background = 0.5;  // the wall is 1
   const synthetic::Phantom phantom = synthetic::make_phantom(o);
-  const VentricleResult result = reconstruct(phantom.study, {});
+  const Result result = reconstruct(phantom.study, {});
   EXPECT_EQ(result.verdict, Verdict::check);
   ASSERT_EQ(std::count_if(result.flags.begin(), result.flags.end(),
                           [](const QualityFlag& f) { return f.code == "blood_pool"; }),
@@ -93,7 +93,7 @@ TEST(ExpectedCavityEnd, LiesUnderTheApexOfAHeartThatWasClearlySeen) {
 TEST(ManualPlaces, MustBeOfTheStudy) {
   const Study study = study_of(test::blurred_heart({}));  // 64 x 64 x 23 voxels of 2.87 x 2.87 x 5.74 mm, from 0
   const auto refuses = [&](const auto& set, const char* says) {
-    VentricleOptions o = ventricle_preset("edges");
+    Options o = preset("edges");
     set(o.manual);
     try {
       find_borders(study, o);
@@ -113,7 +113,7 @@ TEST(ManualPlaces, MustBeOfTheStudy) {
 
 TEST(ManualPlaces, AtTheEdgesOfTheStudyAreFollowed) {
   const Study study = study_of(test::blurred_heart({}));
-  VentricleOptions o = ventricle_preset("edges");
+  Options o = preset("edges");
   o.manual.first_slice = 8, o.manual.last_slice = 23;
   const BorderResult result = find_borders(study, o);
   const Mask& edges = result.gates[0].edges.edges;
@@ -125,7 +125,7 @@ TEST(ManualPlaces, AtTheEdgesOfTheStudyAreFollowed) {
 TEST(ManualAxis, IsWhatSlicesAreCutSquareTo) {
   const Study study = study_of(test::blurred_heart({}));
   const Vec3 axis = study.grid().direction * Vec3(0.1, 0, 1).normalized();  // 6 degrees off: the stack would be kept
-  VentricleOptions o = ventricle_preset("edges");
+  Options o = preset("edges");
   o.manual.axis_x = axis[0], o.manual.axis_y = axis[1], o.manual.axis_z = axis[2];
   const BorderResult result = find_borders(study, o);
   EXPECT_LT((result.study.grid().direction.col(2) - axis).norm(), 1e-9);

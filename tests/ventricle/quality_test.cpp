@@ -11,8 +11,8 @@
 namespace dynasurf::ventricle {
 namespace {
 
-VentricleResult good_result() {
-  VentricleResult result;
+Result good_result() {
+  Result result;
   for (int g = 0; g < 8; ++g) {
     Gate gate;
     gate.gate = g;
@@ -34,7 +34,7 @@ VentricleResult good_result() {
   return result;
 }
 
-std::vector<std::string> codes_of(const VentricleResult& result) {
+std::vector<std::string> codes_of(const Result& result) {
   std::vector<std::string> codes;
   for (const QualityFlag& flag : assess(result)) codes.push_back(flag.code);
   return codes;
@@ -47,7 +47,7 @@ TEST(Judge, FindsNothingInAGoodResult) {
 }
 
 TEST(Judge, FailsWhenASurfaceIsMissingAndNamesTheGates) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.gates[2].edge_surfaces.endo.reset();
   result.gates[5].edge_surfaces.endo.reset();
   const std::vector<QualityFlag> flags = assess(result);
@@ -59,7 +59,7 @@ TEST(Judge, FailsWhenASurfaceIsMissingAndNamesTheGates) {
 }
 
 TEST(Judge, TellsAMissingSurfaceOnce) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.gates[2].edge_surfaces.endo.reset();
   result.notes.push_back({Severity::failure, "labels.no_endo", "The endo border was found in no slice.", 2});
   EXPECT_EQ(codes_of(result), Codes{"surface_missing"});
@@ -67,14 +67,14 @@ TEST(Judge, TellsAMissingSurfaceOnce) {
 
 TEST(Judge, AsksToCheckASurfaceThatLiesOnAPartOfItsBorderOnly) {
   // All particles lie on the border, but the open base of a cavity that was grown from inside was never reached.
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.gates[3].edge_surfaces.endo->border_reached = 0.6;
   EXPECT_EQ(codes_of(result), Codes{"border_unreached"});
   EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
 }
 
 TEST(Judge, AsksToCheckWhatAHeartDoesNotDo) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.wall_variation = 0.3;
   result.leading.ef_percent = Estimate{90};
   result.leading.edv_ml = Estimate{900};
@@ -85,7 +85,7 @@ TEST(Judge, AsksToCheckWhatAHeartDoesNotDo) {
 }
 
 TEST(Judge, FailsForNumbersThatNoHeartHas) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.leading.ef_percent = Estimate{99.8};
   EXPECT_EQ(codes_of(result), Codes{"ejection_fraction_implausible"});
   EXPECT_EQ(verdict_of(assess(result)), Verdict::fail);
@@ -96,13 +96,13 @@ TEST(Judge, FailsForNumbersThatNoHeartHas) {
 }
 
 TEST(Judge, JudgesTheNumbersThatLead) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.readings.edge.ef_percent = Estimate{99}, result.readings.edge.edv_ml = Estimate{9};
   EXPECT_EQ(codes_of(result), Codes{}) << "blur does this to the edges of a small heart";
 }
 
 TEST(Judge, FailsWhenTheWallsCrossOrASurfaceDiverged) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.gates[3].edge_surfaces.wall_ml = -2;
   result.gates[4].edge_surfaces.epi->stop_reason = dynamics::StopReason::diverged;
   EXPECT_EQ(codes_of(result), (Codes{"surface_diverged", "walls_cross"}));
@@ -110,7 +110,7 @@ TEST(Judge, FailsWhenTheWallsCrossOrASurfaceDiverged) {
 }
 
 TEST(Judge, AsksToCheckASurfaceThatIsNotFitToPublish) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.gates[1].edge_surfaces.epi->repair.check.self_intersections = 3;
   result.gates[6].edge_surfaces.endo->repair.check.closed = false;
   const std::vector<QualityFlag> flags = assess(result);
@@ -121,7 +121,7 @@ TEST(Judge, AsksToCheckASurfaceThatIsNotFitToPublish) {
 }
 
 TEST(Judge, TurnsWarningsOfTheStagesIntoOneFlagPerCode) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.notes.push_back({Severity::info, "gvf.step_limited", "the step was shortened", 0});
   result.notes.push_back({Severity::warning, "slice_refine.case_4", "the slices disagree", 1});
   result.notes.push_back({Severity::warning, "slice_refine.case_4", "the slices disagree", 3});
@@ -133,7 +133,7 @@ TEST(Judge, TurnsWarningsOfTheStagesIntoOneFlagPerCode) {
 }
 
 TEST(Judge, AsksToCheckWhereTheHeartWasHardlySeen) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.heart->contrast = 0.1;
   result.heart->other_end = 0.99;
   EXPECT_EQ(codes_of(result), (Codes{"heart_uncertain", "ends_uncertain"}));
@@ -143,7 +143,7 @@ TEST(Judge, AsksToCheckWhereTheHeartWasHardlySeen) {
 }
 
 TEST(Judge, AsksToCheckASurfaceThatLiesBesideTheHeart) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   for (Gate& gate : result.gates) gate.edge_surfaces.epi->mesh.vertices = {{0, 0, -12}, {2, 0, -8}};
   EXPECT_EQ(codes_of(result), Codes{}) << "the heart's middle is at (0, 0, -10)";
   result.gates[6].edge_surfaces.epi->mesh.vertices = {{30, 0, -10}};
@@ -151,7 +151,7 @@ TEST(Judge, AsksToCheckASurfaceThatLiesBesideTheHeart) {
 }
 
 TEST(Judge, AsksToCheckAHeartThatIsNotAllInTheVolumeOrTooLong) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.heart->outside = 0.2;
   result.heart->cup.half_length_mm = 90;
   EXPECT_EQ(codes_of(result), (Codes{"heart_cut_off", "shape_implausible"}));
@@ -160,7 +160,7 @@ TEST(Judge, AsksToCheckAHeartThatIsNotAllInTheVolumeOrTooLong) {
 }
 
 TEST(Judge, AsksToCheckGatesInTheWrongOrder) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.readings.edge.ed_gate = 0, result.readings.edge.es_gate = 3;
   EXPECT_EQ(codes_of(result), Codes{});
   result.readings.edge.es_gate = 6;
@@ -168,7 +168,7 @@ TEST(Judge, AsksToCheckGatesInTheWrongOrder) {
 }
 
 TEST(Judge, AsksToCheckABaseThatWasHardlySeen) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   for (Gate& gate : result.gates) gate.edge_surfaces.base_plane = BasePlane{{0, 0, 25}, {0, 0, 1}, 1.0, 0.9};
   EXPECT_EQ(codes_of(result), Codes{});
   for (Gate& gate : result.gates) gate.edge_surfaces.base_plane->spread_mm = 9;
@@ -179,7 +179,7 @@ TEST(Judge, AsksToCheckABaseThatWasHardlySeen) {
 }
 
 TEST(Judge, AsksToCheckGatesThatDoNotFitTogether) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   Grid grid;
   grid.dims = {2, 2, 2};
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
@@ -190,14 +190,14 @@ TEST(Judge, AsksToCheckGatesThatDoNotFitTogether) {
 }
 
 TEST(Judge, ListsUncertainDivisionSlicesWithoutDoubtingTheResult) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.notes.push_back({Severity::warning, "slice_refine.case_2", "unlikely", 0, 3});
   EXPECT_EQ(codes_of(result), Codes{"slice_refine.case_2"});
   EXPECT_EQ(verdict_of(assess(result)), Verdict::ok);
 }
 
 TEST(Judge, AsksToCheckABorderThatIsMissingInManySlices) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   for (int g = 0; g < 8; ++g)
     for (int k = 0; k < 3; ++k) result.notes.push_back({Severity::warning, "labels.endo_missing", "absent", g, k});
   EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
@@ -205,7 +205,7 @@ TEST(Judge, AsksToCheckABorderThatIsMissingInManySlices) {
 }
 
 /// Both surfaces of every gate as points on spheroids around the heart's axis, with the volumes of these.
-void give_shape(VentricleResult& result, double epi_radius, double epi_half_length, double endo_radius) {
+void give_shape(Result& result, double epi_radius, double epi_half_length, double endo_radius) {
   for (Gate& gate : result.gates) {
     const auto spheroid = [](Surface& surface, double radius, double half_length) {
       for (int n = 0; n < 400; ++n) {
@@ -221,7 +221,7 @@ void give_shape(VentricleResult& result, double epi_radius, double epi_half_leng
 }
 
 TEST(Judge, AsksToCheckAHeartThatThickSlicesStretched) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.heart->cup = {{0, 0, 0}, {0, 0, 1}, 30, 40, 25};
   give_shape(result, 35, 45, 23);
   EXPECT_EQ(codes_of(result), Codes{});
@@ -238,13 +238,13 @@ TEST(Judge, AsksToCheckAHeartThatThickSlicesStretched) {
   EXPECT_NEAR(found->value, 1.8 * 45 / 35, 0.05) << "the outermost points lie a little inside the ends";
 }
 
-bool is_flagged(const VentricleResult& result, const std::string& code) {
+bool is_flagged(const Result& result, const std::string& code) {
   const Codes codes = codes_of(result);
   return std::find(codes.begin(), codes.end(), code) != codes.end();
 }
 
 TEST(Judge, AsksToCheckWhatTwoReadingsDisagreeAbout) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.readings.gaussian_profile = {{110, 95, 70, 44, 55, 75, 90, 105}, {}};
   EXPECT_FALSE(is_flagged(result, "readings_disagree"));
   result.readings.gaussian_profile->cavity_ml[3] = 44 - 0.21 * 110;  // 21 points more
@@ -252,7 +252,7 @@ TEST(Judge, AsksToCheckWhatTwoReadingsDisagreeAbout) {
 }
 
 TEST(Judge, AsksToCheckASmallHeartOfWhichMuchOfTheWallIsNotSeen) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.heart->cup = {{0, 0, 0}, {0, 0, 1}, 30, 40, 25};
   give_shape(result, 35, 45, 23);  // a wall of some 13 mm around a cavity of the volume of a ball of 25 mm
   result.heart->ridge_share = 0.9;
@@ -265,7 +265,7 @@ TEST(Judge, AsksToCheckASmallHeartOfWhichMuchOfTheWallIsNotSeen) {
 }
 
 TEST(Judge, BelievesAFitThatIsSureOfWhatEdgesCannotTell) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   result.heart->cup = {{0, 0, 0}, {0, 0, 1}, 30, 40, 25};
   give_shape(result, 35, 45, 23);
   result.heart->ridge_share = 0.8;
@@ -280,7 +280,7 @@ TEST(Judge, BelievesAFitThatIsSureOfWhatEdgesCannotTell) {
 }
 
 TEST(Judge, DoesNotMissTheOuterBorderOfABloodPool) {
-  VentricleResult result = good_result();
+  Result result = good_result();
   for (Gate& gate : result.gates)
     gate.edge_surfaces.epi.reset(), gate.edge_surfaces.wall_ml.reset(), gate.labels.bright = ImageContrast::cavity;
   result.heart.reset(), result.wall_variation.reset();

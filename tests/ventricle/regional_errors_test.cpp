@@ -93,19 +93,19 @@ TEST(WallPosterior, KnowsHowNumbersOfTheWallsDependOnTheUnknowns) {
   EXPECT_NEAR(posterior.sd(gradient)[0] / std::sqrt(squares), 1, 1e-7);  // central differences
 }
 
-VentricleResult fit_patient(double peak_counts) {
+Result fit_patient(double peak_counts) {
   synthetic::VirtualPatient o;
   o.edv_ml = 90, o.ef_percent = 50, o.wall_ml = 100;
   o.gates = 4;
   o.lattice = {28, 28, 24, 4.8, 4.8, 4.8};
   o.noise = {peak_counts, 6, 0, 3};
-  VentricleOptions options = ventricle_preset("psf_corrected");
+  Options options = preset("psf_corrected");
   options.fit.fwhm_mm = 12;
   return reconstruct(synthetic::make_phantom(o).study, options);
 }
 
 TEST(RegionalErrors, AreWithEverySegmentOfAFitAndGrowWithTheNoise) {
-  const VentricleResult calm = fit_patient(400), noisy = fit_patient(25);
+  const Result calm = fit_patient(400), noisy = fit_patient(25);
   ASSERT_TRUE(calm.measures && noisy.measures);
   EXPECT_EQ(calm.measures->perfusion_is, Perfusion::uptake);
   int number = 0;
@@ -132,9 +132,9 @@ TEST(RegionalErrors, SayThatAThinWallIsNotTold) {
   o.edv_ml = 220, o.ef_percent = 25, o.wall_ml = 80;
   o.gates = 4, o.fwhm_mm = 15;
   o.lattice = {28, 28, 24, 6, 6, 6};
-  VentricleOptions options = ventricle_preset("psf_corrected");
+  Options options = preset("psf_corrected");
   options.fit.fwhm_mm = 15;
-  const auto says = [](const VentricleResult& result, Severity severity) {
+  const auto says = [](const Result& result, Severity severity) {
     return std::any_of(result.notes.begin(), result.notes.end(), [severity](const Note& note) {
       return note.code == "fit.thin_wall" && note.severity == severity;
     });
@@ -142,7 +142,7 @@ TEST(RegionalErrors, SayThatAThinWallIsNotTold) {
   EXPECT_TRUE(says(reconstruct(synthetic::make_phantom(o).study, options), Severity::warning));
   o.edv_ml = 110, o.ef_percent = 60, o.wall_ml = 120;  // 8.7 mm
   EXPECT_TRUE(says(reconstruct(synthetic::make_phantom(o).study, options), Severity::info));
-  const VentricleResult healthy = fit_patient(400);  // 9 mm at 12 mm
+  const Result healthy = fit_patient(400);  // 9 mm at 12 mm
   EXPECT_FALSE(says(healthy, Severity::warning) || says(healthy, Severity::info));
 }
 
@@ -152,7 +152,7 @@ TEST(Presets, OfMrReadSharpImagesRight) {
   o.gates = 4, o.fwhm_mm = 0, o.noise = {};
   o.lattice = {40, 40, 36, 3.2, 3.2, 3.2};
   const synthetic::Phantom phantom = synthetic::make_phantom(o);
-  const VentricleResult result = reconstruct(phantom.study, ventricle_preset("mr"));
+  const Result result = reconstruct(phantom.study, preset("mr"));
   ASSERT_TRUE(result.readings.psf_corrected);
   // Measured +0.4 and +0.7 %; papillary muscles, which this heart has not, may count as 1 mL of cavity.
   EXPECT_NEAR(result.readings.psf_corrected->edv_ml.value / *phantom.edv_ml, 1, 0.03);
@@ -165,10 +165,10 @@ TEST(Presets, OfMrReadSharpImagesRight) {
 }
 
 TEST(Presets, FitThroughTheBlurUnlessEdgesAreAskedFor) {
-  EXPECT_TRUE(VentricleOptions{}.fit.run);
+  EXPECT_TRUE(Options{}.fit.run);
   for (const std::string_view name : preset_names()) {
     const bool reads_edges = name == "edges" || name == "thesis";
-    EXPECT_EQ(ventricle_preset(name).fit.run, !reads_edges) << name;
+    EXPECT_EQ(preset(name).fit.run, !reads_edges) << name;
   }
 }
 
@@ -181,7 +181,7 @@ TEST(Fit, TakesADrawingOfTheMuscleAsSharp) {
   std::vector<float>& values = phantom.study.gates[0].values;
   const float half = *std::max_element(values.begin(), values.end()) / 2;
   for (float& v : values) v = v > half ? 1.0F : 0.0F;
-  const VentricleResult drawn = reconstruct(phantom.study, {});
+  const Result drawn = reconstruct(phantom.study, {});
   ASSERT_TRUE(drawn.readings.psf_corrected);
   EXPECT_EQ(drawn.readings.psf_corrected->fwhm_mm.value, 0);
   double drawn_ml = 0;
@@ -190,7 +190,7 @@ TEST(Fit, TakesADrawingOfTheMuscleAsSharp) {
   EXPECT_NEAR(drawn.readings.psf_corrected->wall_ml.value / drawn_ml, 1, 0.05);
   EXPECT_FALSE(drawn.readings.psf_corrected->ef_percent);
   values[0] = 0.5F;  // a grey voxel: an image, which a camera may have seen
-  const VentricleResult grey = reconstruct(phantom.study, {});
+  const Result grey = reconstruct(phantom.study, {});
   ASSERT_TRUE(grey.readings.psf_corrected);
   EXPECT_GT(grey.readings.psf_corrected->fwhm_mm.value, 0);
 }
@@ -199,7 +199,7 @@ TEST(RegionalErrors, AreNotThereForEdges) {
   synthetic::VirtualPatient o;
   o.gates = 4;
   o.lattice = {28, 28, 24, 4.8, 4.8, 4.8};
-  const VentricleResult edges = reconstruct(synthetic::make_phantom(o).study, ventricle_preset("edges"));
+  const Result edges = reconstruct(synthetic::make_phantom(o).study, preset("edges"));
   ASSERT_TRUE(edges.measures);
   EXPECT_FALSE(edges.measures->segments[0].sd.thickness_ed_mm);
   EXPECT_EQ(edges.measures->perfusion_is, Perfusion::counts);

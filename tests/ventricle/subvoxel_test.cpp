@@ -77,11 +77,11 @@ Error error_of(const Surface& surface, const Gate& gate, const Image& fine) {
 /// Mean error of both surfaces in voxels, with particles that stop at one point of their voxels or another, and with or
 /// without the last way to the steepest slope.
 Error error_with(dynamics::StopPoint point, int rounds, const Study& study, const Image& fine, const char* name) {
-  VentricleOptions options = ventricle_preset("edges");
+  Options options = preset("edges");
   options.evolution.stop.point = point;
   options.settle.rounds = rounds;
   options.field = field::SteadyGvf{};
-  const VentricleResult result = reconstruct(study, options);
+  const Result result = reconstruct(study, options);
   const Gate& gate = result.gates.front();
   Error both;
   if (!gate.edge_surfaces.endo || !gate.edge_surfaces.epi) return both;

@@ -70,9 +70,9 @@ TEST_P(VirtualPatients, HaveValidSurfacesWithSoundTrianglesOfTheSameVolume) {
   patient.gates = 3;
   patient.noise.seed = GetParam();
   const Study study = synthetic::make_phantom(patient).study;
-  VentricleOptions raw = ventricle_preset("edges");
+  Options raw = preset("edges");
   raw.tidy = {.shape = 0, .untangle_rounds = 0};
-  const VentricleResult with = reconstruct(study, ventricle_preset("edges")), without = reconstruct(study, raw);
+  const Result with = reconstruct(study, preset("edges")), without = reconstruct(study, raw);
   double worst_before = 1, worst_after = 1;
   for (std::size_t g = 0; g < with.gates.size(); ++g)
     for (const auto wall : {Border::endo, Border::epi}) {
@@ -104,7 +104,7 @@ TEST(VirtualPatientsAtRandom, HaveSurfacesThatAreValidOrSaidNotToBe) {
                                      : synthetic::Defect::lateral;
     patient.gut_amplitude = seed % 2 == 0 ? 0.8 : 0;
     patient.noise = {60, 8, 0, seed};
-    const VentricleResult result = reconstruct(synthetic::make_phantom(patient).study, ventricle_preset("edges"));
+    const Result result = reconstruct(synthetic::make_phantom(patient).study, preset("edges"));
     const bool is_told = std::any_of(result.flags.begin(), result.flags.end(),
                                      [](const QualityFlag& f) { return f.code == "surface_invalid"; });
     for (const Gate& gate : result.gates)

@@ -37,19 +37,19 @@ report::CloudRun run_of(std::initializer_list<int> levels, bool colours, bool ha
     if (colours) cloud.colours.push_back({static_cast<std::uint8_t>(cloud.points.back()[0] > 10 ? 220 : 40), 80, 60});
   }
   run.sources.push_back({"PLY", cloud.points.size(), 0});
-  cloud::CloudFacts& facts = run.result.facts;
+  cloud::Facts& facts = run.result.facts;
   facts.points = facts.points_used = cloud.points.size();
   facts.spacing = 0.05;
   facts.cells = 64;
   facts.parts = 1;
   for (const int level : levels) {
-    cloud::CloudLevel made;
+    cloud::Level made;
     made.mesh = egg(level);
     made.triangles_asked = static_cast<int>(made.mesh.triangles.size());
     run.result.levels.push_back(std::move(made));
   }
   const cloud::KdTree neighbours(cloud.points);
-  for (cloud::CloudLevel& level : run.result.levels) {
+  for (cloud::Level& level : run.result.levels) {
     cloud::Comparison comparison = cloud::compare(level.mesh, neighbours);
     level.certificate = comparison.certificate;
     level.errors = std::move(comparison.errors);

@@ -18,7 +18,7 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
   if (!file.flush()) throw IoError("cannot write " + path.string());
 }
 
-void write_sample(const std::filesystem::path& folder, const ventricle::VentricleResult& result) {
+void write_sample(const std::filesystem::path& folder, const ventricle::Result& result) {
   const report::Provenance provenance = test::sample_provenance();
   std::filesystem::create_directories(folder);
   write_text(folder / "results.json", report::results_json(result, provenance).dump(2) + "\n");

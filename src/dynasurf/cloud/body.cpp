@@ -68,8 +68,8 @@ TriMesh body_surface(const IndicatorField& field, double level, std::span<const 
   return mesh::submesh(mesh, marks);
 }
 
-Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> points, const CloudOptions& options,
-                 Notes& notes, const std::optional<BodyTopology>& expected) {
+Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> points, const Options& options, Notes& notes,
+                 const std::optional<BodyTopology>& expected) {
   constexpr double nudge = 0.1;  // the field runs from -0.5 to 0.5
   const double share = options.smallest_part_percent / 100;
   const auto surface = [&](const IndicatorField& f, double level) { return body_surface(f, level, points, share); };

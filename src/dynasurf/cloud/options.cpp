@@ -25,10 +25,10 @@ constexpr int fewest_triangles = 20, most_triangles = 2'000'000;
 std::span<const std::string_view> names_of(CloudMethod) { return methods; }
 std::span<const std::string_view> names_of(GenusRule) { return genus_rules; }
 std::span<const std::string_view> names_of(CloudStart) { return starts; }
-std::span<const std::string_view> cloud_preset_names() { return methods; }
+std::span<const std::string_view> preset_names() { return methods; }
 
-CloudOptions cloud_preset(std::string_view name) {
-  CloudOptions o;
+Options preset(std::string_view name) {
+  Options o;
   o.method = static_cast<CloudMethod>(position_of(methods, name, "preset"));
   return o;
 }

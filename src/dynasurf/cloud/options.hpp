@@ -26,7 +26,7 @@ enum class CloudStart { automatic, field, sphere, ellipsoid, hull };
 std::span<const std::string_view> names_of(CloudStart);
 
 /// From a cloud to light closed meshes.
-struct CloudOptions {
+struct Options {
   CloudMethod method = CloudMethod::shaped;
   std::string triangles = "5120,1280,320";
   std::optional<double> max_error_percent;
@@ -39,7 +39,7 @@ struct CloudOptions {
   bool use_normals = true;
   double smallest_part_percent = 2;
 };
-void describe(auto& visit, CloudOptions& o) {
+void describe(auto& visit, Options& o) {
   visit(
       "method", o.method,
       OptionInfo{"shaped: well-shaped triangles; faithful: the smallest distance, slender triangles where the surface "
@@ -73,9 +73,9 @@ void describe(auto& visit, CloudOptions& o) {
 }
 
 /// "shaped", "faithful", "thesis".
-std::span<const std::string_view> cloud_preset_names();
+std::span<const std::string_view> preset_names();
 /// Throws OptionError with the choices for an unknown name.
-CloudOptions cloud_preset(std::string_view name);
+Options preset(std::string_view name);
 
 /// The numbers in `triangles`, in their order. Throws OptionError unless they are even, from 20 to 2,000,000, and fall.
 std::vector<int> parse_triangles(const std::string& triangles);

@@ -194,9 +194,9 @@ void note(Notes& notes, std::size_t count, const char* code, const std::string& 
 
 }  // namespace
 
-PreparedCloud prepare(PointCloud cloud, const CloudOptions& options, const Progress& progress) {
+PreparedCloud prepare(PointCloud cloud, const Options& options, const Progress& progress) {
   check_shape(cloud);
-  CloudFacts facts;
+  Facts facts;
   facts.points = cloud.points.size();
   std::vector<std::uint8_t> kept(cloud.points.size());
   for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = cloud.points[i].allFinite();

@@ -48,10 +48,10 @@ void check_surface(std::span<const Vec3> points, Notes& notes) {
                          ") instead of lying on a surface (2); the meshes are made up"});
 }
 
-bool is_noisy(const CloudFacts& f) { return f.noise > 0.3 * f.spacing; }
+bool is_noisy(const Facts& f) { return f.noise > 0.3 * f.spacing; }
 
 /// As fine as the points allow and the triangles ask for.
-int cells_for(const CloudFacts& facts, const std::vector<Vec3>& points, const CloudOptions& options, int triangles) {
+int cells_for(const Facts& facts, const std::vector<Vec3>& points, const Options& options, int triangles) {
   if (options.cells) return *options.cells;
   Eigen::AlignedBox3d box;
   for (const Vec3& p : points) box.extend(p);
@@ -85,7 +85,7 @@ void append(OrientedPoints& to, const OrientedPoints& more) {
 
 /// What the inside is found from. Noise is taken off first: within four times its size most of the points around are of
 /// the same side of a wall, and many enough to tell a plane.
-OrientedPoints oriented_points(const PreparedCloud& p, const CloudOptions& options, double cell) {
+OrientedPoints oriented_points(const PreparedCloud& p, const Options& options, double cell) {
   constexpr double wide = 4;
   constexpr std::size_t fewest = 16, most = 100;
   PointCloud thin = voxel_downsample(p.cloud, cell);
@@ -115,7 +115,7 @@ struct FoundBody {
   double side;
 };
 
-FoundBody find_body(const PreparedCloud& p, const CloudOptions& options, int triangles, CloudResult& result,
+FoundBody find_body(const PreparedCloud& p, const Options& options, int triangles, Result& result,
                     const Progress& progress) {
   const int cells = cells_for(p.facts, p.cloud.points, options, triangles);
   Eigen::AlignedBox3d box;
@@ -147,7 +147,7 @@ FoundBody find_body(const PreparedCloud& p, const CloudOptions& options, int tri
   return {std::move(body), fill ? fill->points : OrientedPoints{}, side};
 }
 
-LevelPlan plan_of(const CloudOptions& options, const CloudFacts& facts, std::size_t triangles) {
+LevelPlan plan_of(const Options& options, const Facts& facts, std::size_t triangles) {
   LevelPlan plan = options.method == CloudMethod::faithful ? faithful_plan() : shaped_plan();
   plan.sharp_deg = options.keep_sharp ? 40 : 60;
   if (is_noisy(facts)) {
@@ -160,7 +160,7 @@ LevelPlan plan_of(const CloudOptions& options, const CloudFacts& facts, std::siz
   return plan;
 }
 
-void add_level(CloudResult& result, const PreparedCloud& p, int asked, TriMesh mesh) {
+void add_level(Result& result, const PreparedCloud& p, int asked, TriMesh mesh) {
   auto [certificate, errors] = compare(mesh, p.neighbours);
   if (!certificate.watertight())
     result.notes.push_back({Severity::failure, "cloud.not_watertight",
@@ -181,8 +181,8 @@ struct Fitting {
   const mesh::ClosestPoint& on_fine;
   FitPoints points;               // of the scan and in its holes
   std::span<const Vec3> scanned;  // of the scan alone
-  const CloudOptions& options;
-  const CloudFacts& facts;
+  const Options& options;
+  const Facts& facts;
 
   void make(mesh::SurfaceEditor& surface, int triangles) const {
     const auto count = static_cast<std::size_t>(triangles);
@@ -309,9 +309,9 @@ void tell_lost(const Fitting& fitting, double side, Notes& notes) {
 }
 
 /// Points without surface nearby: a component too small to keep, or clustered outliers.
-void tell_left_out(std::span<const Vec3> points, CloudResult& result) {
+void tell_left_out(std::span<const Vec3> points, Result& result) {
   constexpr double far = 0.05;  // of the diagonal
-  const CloudLevel& finest = result.levels.front();
+  const Level& finest = result.levels.front();
   const double limit = far * finest.certificate.cloud_diagonal;
   if (finest.certificate.cloud_to_mesh_largest <= limit) return;
   const mesh::ClosestPoint closest(finest.mesh);
@@ -325,8 +325,8 @@ void tell_left_out(std::span<const Vec3> points, CloudResult& result) {
                               percent(far) + " of the diagonal from the surface, which leaves them out"});
 }
 
-void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, const std::vector<int>& triangles,
-                        CloudResult& result, const Progress& progress) {
+void reconstruct_fitted(const PreparedCloud& p, const Options& options, const std::vector<int>& triangles,
+                        Result& result, const Progress& progress) {
   const FoundBody found = find_body(p, options, triangles.front(), result, progress);
   const Body& body = found.body;
   result.facts.parts = body.parts;
@@ -385,14 +385,14 @@ void reconstruct_fitted(const PreparedCloud& p, const CloudOptions& options, con
 
 }  // namespace
 
-CloudResult reconstruct_cloud(PointCloud cloud, const CloudOptions& options, const Progress& progress) {
-  CloudOptions checked = options;
+Result reconstruct(PointCloud cloud, const Options& options, const Progress& progress) {
+  Options checked = options;
   check_options(checked, "cloud");
   const std::vector<int> triangles = parse_triangles(options.triangles);
   progress("points", 0, 1);
   PreparedCloud prepared = prepare(std::move(cloud), options, progress);
   progress("points", 1, 1);
-  CloudResult result;
+  Result result;
   result.facts = prepared.facts;
   result.notes = prepared.notes;
   check_surface(prepared.cloud.points, result.notes);

@@ -10,6 +10,6 @@ namespace dynasurf::cloud {
 /// ("cloud.no_surface") where the points fill space instead of lying on a surface. The same bytes for any
 /// number of threads. Progress stages: "points", "inside", "surface", "levels". Throws OptionError for an option out
 /// of range, InputError for fewer than 10 usable points, or points that all lie in one plane.
-CloudResult reconstruct_cloud(PointCloud cloud, const CloudOptions& options, const Progress& progress = {});
+Result reconstruct(PointCloud cloud, const Options& options, const Progress& progress = {});
 
 }  // namespace dynasurf::cloud

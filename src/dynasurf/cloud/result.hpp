@@ -13,7 +13,7 @@
 namespace dynasurf::cloud {
 
 /// One mesh, fitted to the cloud, in the cloud's own frame and unit.
-struct CloudLevel {
+struct Level {
   int triangles_asked = 0;
   TriMesh mesh;
   Certificate certificate;                           // against the points that were used
@@ -23,7 +23,7 @@ struct CloudLevel {
 };
 
 /// What was found in the cloud; lengths in its unit.
-struct CloudFacts {
+struct Facts {
   std::size_t points = 0;                                    // read
   std::size_t not_finite = 0, duplicates = 0, outliers = 0;  // dropped
   std::size_t points_used = 0;                               // what is left
@@ -50,21 +50,21 @@ struct CloudSupport {
   double cell = 0;             // side of the lattice that the body was found on; 0: none
 };
 
-enum class CloudVerdict { ok, check, fail };
-std::span<const std::string_view> names_of(CloudVerdict);
+enum class Verdict { ok, check, fail };
+std::span<const std::string_view> names_of(Verdict);
 
-struct CloudResult {
-  std::vector<CloudLevel> levels;  // as asked for, finest first
-  CloudFacts facts;
+struct Result {
+  std::vector<Level> levels;  // as asked for, finest first
+  Facts facts;
   CloudSupport support;
   PointCloud used;  // the points that the levels were fitted to, near ones together
   Notes notes;      // "cloud.not_finite", "cloud.duplicates", "cloud.outliers", "cloud.left_out", "cloud.handles", …
 };
 
 /// Whether every level may be published as watertight. False without a level.
-bool is_watertight(const CloudResult& result);
+bool is_watertight(const Result& result);
 
 /// `fail` where a level is not watertight or a note tells of a failure, else `check` where one warns, else `ok`.
-CloudVerdict verdict_of(const CloudResult& result);
+Verdict verdict_of(const Result& result);
 
 }  // namespace dynasurf::cloud

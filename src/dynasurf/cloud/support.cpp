@@ -65,11 +65,11 @@ double chord_of(const TriMesh& mesh, double area) {
   return of_edge * std::sqrt(area / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size())));
 }
 
-void measure_points(const CloudLevel& level, const SupportingPoints& of, const mesh::ClosestPoint& closest,
+void measure_points(const Level& level, const SupportingPoints& of, const mesh::ClosestPoint& closest,
                     CloudSupport& support) {
   constexpr double left_out = 0.02;  // of the diagonal
   const std::size_t step = std::max<std::size_t>(1, of.points.size() / samples), asked = of.points.size() / step;
-  const CloudFacts& f = of.facts;
+  const Facts& f = of.facts;
   const double chord = chord_of(level.mesh, level.certificate.area);
   const double explained = 3 * f.noise + 0.5 * f.spacing + 2 * chord;
   std::vector<double> off(asked);
@@ -105,7 +105,7 @@ std::uint64_t patch_of(const Vec3& place, const Vec3& normal, double side) {
 }
 
 /// Noise lies on both sides of the surface; a wall or cavity that was lost on one.
-void measure_bias(const CloudLevel& level, const SupportingPoints& of, const mesh::ClosestPoint& closest,
+void measure_bias(const Level& level, const SupportingPoints& of, const mesh::ClosestPoint& closest,
                   CloudSupport& support) {
   constexpr double of_diagonal = 0.003, side = 0.08, sure = 3;
   constexpr std::size_t fewest = 6;
@@ -141,7 +141,7 @@ void measure_bias(const CloudLevel& level, const SupportingPoints& of, const mes
 }
 
 /// The other side of the surface lies nearer than the points, their noise or the lattice tell apart.
-void measure_thin(const CloudLevel& level, const SupportingPoints& of, const mesh::ClosestPoint& closest,
+void measure_thin(const Level& level, const SupportingPoints& of, const mesh::ClosestPoint& closest,
                   CloudSupport& support) {
   constexpr double of_noise = 4, of_spacing = 1.5, of_cell = 1.5;
   const TriMesh& mesh = level.mesh;
@@ -170,12 +170,12 @@ std::string percent(double share) {
 
 }  // namespace
 
-std::span<const std::string_view> names_of(CloudVerdict) {
+std::span<const std::string_view> names_of(Verdict) {
   static constexpr std::array<std::string_view, 3> names{"ok", "check", "fail"};
   return names;
 }
 
-double supported_within(const CloudFacts& facts) { return 3 * facts.spacing + 3 * facts.noise; }
+double supported_within(const Facts& facts) { return 3 * facts.spacing + 3 * facts.noise; }
 
 std::vector<float> confidences(const TriMesh& mesh, const SupportingPoints& cloud) {
   std::vector<float> values(mesh.vertices.size());
@@ -187,7 +187,7 @@ std::vector<float> confidences(const TriMesh& mesh, const SupportingPoints& clou
   return values;
 }
 
-void measure_support(const CloudLevel& finest, const SupportingPoints& cloud, CloudSupport& support) {
+void measure_support(const Level& finest, const SupportingPoints& cloud, CloudSupport& support) {
   support.within = supported_within(cloud.facts);
   if (finest.mesh.triangles.empty() || cloud.points.empty()) return;
   const mesh::ClosestPoint closest(finest.mesh);
@@ -197,17 +197,17 @@ void measure_support(const CloudLevel& finest, const SupportingPoints& cloud, Cl
   measure_thin(finest, cloud, closest, support);
 }
 
-bool is_watertight(const CloudResult& result) {
+bool is_watertight(const Result& result) {
   return !result.levels.empty() && std::all_of(result.levels.begin(), result.levels.end(),
-                                               [](const CloudLevel& level) { return level.certificate.watertight(); });
+                                               [](const Level& level) { return level.certificate.watertight(); });
 }
 
-CloudVerdict verdict_of(const CloudResult& result) {
+Verdict verdict_of(const Result& result) {
   const auto has = [&](Severity severity) {
     return std::any_of(result.notes.begin(), result.notes.end(), [&](const Note& n) { return n.severity == severity; });
   };
-  if (!is_watertight(result) || has(Severity::failure)) return CloudVerdict::fail;
-  return has(Severity::warning) ? CloudVerdict::check : CloudVerdict::ok;
+  if (!is_watertight(result) || has(Severity::failure)) return Verdict::fail;
+  return has(Severity::warning) ? Verdict::check : Verdict::ok;
 }
 
 Notes doubts_of(const CloudSupport& s) {

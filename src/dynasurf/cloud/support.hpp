@@ -11,11 +11,11 @@ namespace dynasurf::cloud {
 struct SupportingPoints {
   std::span<const Vec3> points;
   const KdTree& tree;  // of these points, which bear their numbers in it
-  const CloudFacts& facts;
+  const Facts& facts;
 };
 
 /// Surface nearer than this to a point is supported by it: three times the spacing, wider by three times the noise.
-double supported_within(const CloudFacts& facts);
+double supported_within(const Facts& facts);
 
 /// How well the points support the surface at each vertex: 1 within the supported distance of one, else that distance
 /// over the distance to the nearest point, which falls to 0. Where the points themselves lie farther apart than usual,
@@ -24,7 +24,7 @@ std::vector<float> confidences(const TriMesh& mesh, const SupportingPoints& clou
 
 /// Measures what the points say about the finest level: all of `support` but `cell`, `turned` and `firm`, which are
 /// known from the search for the body. The same for any number of threads.
-void measure_support(const CloudLevel& finest, const SupportingPoints& cloud, CloudSupport& support);
+void measure_support(const Level& finest, const SupportingPoints& cloud, CloudSupport& support);
 
 /// The notes of severity warning and failure that the measures give reason for.
 Notes doubts_of(const CloudSupport& support);

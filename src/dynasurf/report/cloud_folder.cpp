@@ -24,7 +24,7 @@ std::vector<double> coverages_of(const std::vector<TriMesh>& meshes) {
   return coverages;
 }
 
-void write_levels(const cloud::CloudResult& result, const CloudFolderOptions& options, const fs::path& folder) {
+void write_levels(const cloud::Result& result, const CloudFolderOptions& options, const fs::path& folder) {
   std::vector<io::LodSurface> levels;
   std::vector<TriMesh> meshes;
   for (std::size_t n = 0; n < result.levels.size(); ++n) {
@@ -63,7 +63,7 @@ void write_cloud_files(const CloudRun& run, const Provenance& provenance, const 
   io::write_file(folder / "results.csv", cloud_results_csv(run.result));
 }
 
-void write_cloud_folder(const cloud::CloudResult& result, const fs::path& out, const Provenance& provenance,
+void write_cloud_folder(const cloud::Result& result, const fs::path& out, const Provenance& provenance,
                         const CloudFolderOptions& options) {
   io::OutputFolder folder(out);
   CloudRun run;

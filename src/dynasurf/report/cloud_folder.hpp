@@ -21,7 +21,7 @@ void write_cloud_files(const CloudRun& run, const Provenance& provenance, const 
 
 /// The same and results.json as a new folder `out`, which appears whole or not at all. An untouched former result there
 /// is replaced. Throws IoError where anything else stands there.
-void write_cloud_folder(const cloud::CloudResult& result, const std::filesystem::path& out,
+void write_cloud_folder(const cloud::Result& result, const std::filesystem::path& out,
                         const Provenance& provenance = {}, const CloudFolderOptions& options = {});
 
 }  // namespace dynasurf::report

@@ -15,7 +15,7 @@ using namespace report_detail;
 
 constexpr std::size_t most_points = 50'000;
 
-Box box_of(const cloud::CloudResult& result) {
+Box box_of(const cloud::Result& result) {
   Box box;
   const auto extend = [&](const std::vector<Vec3>& points) {
     for (const Vec3& p : points) {
@@ -24,7 +24,7 @@ Box box_of(const cloud::CloudResult& result) {
     }
   };
   extend(result.used.points);
-  for (const cloud::CloudLevel& level : result.levels) extend(level.mesh.vertices);
+  for (const cloud::Level& level : result.levels) extend(level.mesh.vertices);
   return box;
 }
 
@@ -70,12 +70,12 @@ Json confidence_json(const std::vector<float>& confidence) {
   return packed(bytes);
 }
 
-Json levels_json(const cloud::CloudResult& result, const Box& box, double& full_error) {
+Json levels_json(const cloud::Result& result, const Box& box, double& full_error) {
   full_error = 0;
-  for (const cloud::CloudLevel& level : result.levels)
+  for (const cloud::Level& level : result.levels)
     for (const float error : level.errors) full_error = std::max(full_error, static_cast<double>(error));
   Json json = Json::array();
-  for (const cloud::CloudLevel& level : result.levels)
+  for (const cloud::Level& level : result.levels)
     json.push_back({{"positions", packed(steps_of(level.mesh.vertices, box))},
                     {"triangles", triangles_of(level.mesh)},
                     {"errors", errors_of(level.errors, full_error)},
@@ -85,7 +85,7 @@ Json levels_json(const cloud::CloudResult& result, const Box& box, double& full_
 }
 
 /// How level n grows out of level n + 1.
-Json growth_json(const cloud::CloudResult& result, const Box& box, std::size_t n) {
+Json growth_json(const cloud::Result& result, const Box& box, std::size_t n) {
   const TriMesh &fine = result.levels[n].mesh, &coarse = result.levels[n + 1].mesh;
   if (fine.triangles.empty() || coarse.triangles.empty()) return nullptr;
   return transition_json(cloud::lod_transition(coarse, fine), box);
@@ -94,7 +94,7 @@ Json growth_json(const cloud::CloudResult& result, const Box& box, std::size_t n
 }  // namespace
 
 std::string cloud_report_html(const CloudRun& run, const Provenance& provenance, Timings timings) {
-  const cloud::CloudResult& result = run.result;
+  const cloud::Result& result = run.result;
   const Box box = box_of(result);
   double full_error = 0;
   Json points, levels;

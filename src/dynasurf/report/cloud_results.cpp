@@ -52,20 +52,20 @@ Json certificate_json(const cloud::Certificate& c) {
 }
 
 /// Largest size on the screen of each level; nothing where a level has no triangle to measure.
-std::vector<double> largest_sizes(const cloud::CloudResult& result) {
+std::vector<double> largest_sizes(const cloud::Result& result) {
   std::vector<TriMesh> meshes;
-  for (const cloud::CloudLevel& level : result.levels) {
+  for (const cloud::Level& level : result.levels) {
     if (level.mesh.triangles.empty()) return {};
     meshes.push_back(level.mesh);
   }
   return meshes.empty() ? std::vector<double>{} : cloud::lod_chain(meshes).largest_px;
 }
 
-Json levels_json(const cloud::CloudResult& result) {
+Json levels_json(const cloud::Result& result) {
   const std::vector<double> sizes = largest_sizes(result);
   Json levels = Json::array();
   for (std::size_t n = 0; n < result.levels.size(); ++n) {
-    const cloud::CloudLevel& level = result.levels[n];
+    const cloud::Level& level = result.levels[n];
     Json json = Json::object();
     json["level"] = n + 1;
     json["name"] = name_of_level(result, n);
@@ -82,7 +82,7 @@ Json levels_json(const cloud::CloudResult& result) {
 }
 
 Json cloud_json(const CloudRun& run) {
-  const cloud::CloudFacts& f = run.result.facts;
+  const cloud::Facts& f = run.result.facts;
   const PointCloud& used = run.result.used;
   Json sources = Json::array();
   for (const io::CloudSource& source : run.sources)
@@ -147,9 +147,9 @@ Json memory_json(const CloudRun& run, Timings timings) {
 
 }  // namespace
 
-bool is_trustworthy(const cloud::CloudResult& result) { return cloud::verdict_of(result) != cloud::CloudVerdict::fail; }
+bool is_trustworthy(const cloud::Result& result) { return cloud::verdict_of(result) != cloud::Verdict::fail; }
 
-std::string name_of_level(const cloud::CloudResult& result, std::size_t level) {
+std::string name_of_level(const cloud::Result& result, std::size_t level) {
   return "level" + std::to_string(level + 1) + (result.levels[level].certificate.watertight() ? "" : "_not_watertight");
 }
 
@@ -168,13 +168,13 @@ nlohmann::ordered_json cloud_results_json(const CloudRun& run, const Provenance&
   return json;
 }
 
-std::string cloud_results_csv(const cloud::CloudResult& result) {
+std::string cloud_results_csv(const cloud::Result& result) {
   TextOutput csv;
   csv.precision(9);
   csv << "level,triangles_asked,triangles,vertices,watertight,components,genus,self_intersections,smallest_angle_deg,"
          "cloud_to_mesh_mean,cloud_to_mesh_largest,mesh_to_cloud_mean,mesh_to_cloud_largest,volume,area\n";
   for (std::size_t n = 0; n < result.levels.size(); ++n) {
-    const cloud::CloudLevel& level = result.levels[n];
+    const cloud::Level& level = result.levels[n];
     const cloud::Certificate& c = level.certificate;
     csv << n + 1 << ',' << level.triangles_asked << ',' << c.triangles << ',' << c.vertices << ',' << c.watertight()
         << ',' << c.components << ',';

@@ -135,7 +135,7 @@ void add_measures(Groups& groups, const ventricle::Measures& m, double cycle_ms)
   }
 }
 
-Groups readings_of(const ventricle::VentricleResult& result) {
+Groups readings_of(const ventricle::Result& result) {
   Groups groups;
   const ventricle::Readings& readings = result.readings;
   if (readings.psf_corrected) groups.push_back(group_of(ventricle::reading_of(*readings.psf_corrected)));
@@ -172,7 +172,7 @@ std::vector<io::DicomSegment> segments_of_gate(const Grid& grid, const ventricle
 }
 
 /// Writes the segmentation of a gate and adds the volumes of its parts.
-void add_gate(const ventricle::VentricleResult& result, const io::DicomResult& context, std::size_t g, Groups& groups,
+void add_gate(const ventricle::Result& result, const io::DicomResult& context, std::size_t g, Groups& groups,
               const std::filesystem::path& folder) {
   const ventricle::LeadingSurfaces& walls = result.gates[g].surfaces;
   const std::vector<io::DicomSegment> segments = segments_of_gate(result.study.grid(), walls);
@@ -194,7 +194,7 @@ void add_gate(const ventricle::VentricleResult& result, const io::DicomResult& c
   region("Wall", myocardium, 2, walls.epi->volume_ml.value - walls.endo->volume_ml.value);
 }
 
-void write_surfaces(const ventricle::VentricleResult& result, const io::DicomResult& context,
+void write_surfaces(const ventricle::Result& result, const io::DicomResult& context,
                     const std::filesystem::path& folder) {
   int number = 0;
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
@@ -209,7 +209,7 @@ void write_surfaces(const ventricle::VentricleResult& result, const io::DicomRes
   }
 }
 
-Remarks remarks_of(const ventricle::VentricleResult& result) {
+Remarks remarks_of(const ventricle::Result& result) {
   Remarks remarks{{own("USE", "Use"), "Research use only. Not for diagnosis."},
                   {own("VERDICT", "Verdict"), std::string(word_of(result.verdict))}};
   for (const ventricle::QualityFlag& flag : result.flags)
@@ -219,7 +219,7 @@ Remarks remarks_of(const ventricle::VentricleResult& result) {
 
 }  // namespace
 
-void write_dicom_folder(const ventricle::VentricleResult& result, io::DicomResult context, std::string_view pdf,
+void write_dicom_folder(const ventricle::Result& result, io::DicomResult context, std::string_view pdf,
                         const std::filesystem::path& folder) {
   // Images without a frame of reference get one: surfaces and segmentations must share it.
   if (context.subject.frame_of_reference.empty())

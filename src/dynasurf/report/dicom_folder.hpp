@@ -14,7 +14,7 @@ namespace dynasurf::report {
 /// STL), and, where `pdf` is not empty, `report.dcm` (encapsulated PDF). Surfaces and masks are those of the fit
 /// through the blur where there is one, else those of the edges. Gates without both surfaces have no segmentation. The
 /// same result, content and time give the same bytes. Throws IoError.
-void write_dicom_folder(const ventricle::VentricleResult& result, io::DicomResult context, std::string_view pdf,
+void write_dicom_folder(const ventricle::Result& result, io::DicomResult context, std::string_view pdf,
                         const std::filesystem::path& folder);
 
 }  // namespace dynasurf::report

@@ -83,7 +83,7 @@ void write_wall_labels(std::span<const GateWalls> gates, const Study& frame, con
   io::write_nifti(placed_as(frame, std::move(wall)), folder / ("part_wall." + labels.ending));
 }
 
-void write_label_volumes(const ventricle::VentricleResult& result, const Study& frame, const LabelOutput& labels,
+void write_label_volumes(const ventricle::Result& result, const Study& frame, const LabelOutput& labels,
                          const std::filesystem::path& folder) {
   std::vector<GateWalls> walls;
   std::vector<Mask> borders;

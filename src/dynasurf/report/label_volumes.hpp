@@ -33,7 +33,7 @@ void write_wall_labels(std::span<const GateWalls> gates, const Study& frame, con
 /// The same of a result, of the surfaces that lead, and the voxels of its labelled borders as `borders.ENDING`: 1 endo,
 /// 2 epi, 3 both. `frame` is the study as it was read; borders that were found on another grid are those of the nearest
 /// voxel.
-void write_label_volumes(const ventricle::VentricleResult& result, const Study& frame, const LabelOutput& labels,
+void write_label_volumes(const ventricle::Result& result, const Study& frame, const LabelOutput& labels,
                          const std::filesystem::path& folder);
 
 }  // namespace dynasurf::report

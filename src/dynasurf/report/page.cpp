@@ -66,7 +66,7 @@ Bytes image_bytes(const Study& study, int bin) {
 }
 
 /// Borders and edges of all gates, a byte per voxel: 1 endo, 2 epi, 4 minor edge, 8 major edge.
-Bytes mark_bytes(const ventricle::VentricleResult& result, int bin) {
+Bytes mark_bytes(const ventricle::Result& result, int bin) {
   const Index3 dims = result.study.grid().dims;
   const std::size_t voxels = result.study.grid().size();
   Bytes bytes;
@@ -114,7 +114,7 @@ Json marks_json(const ventricle::Gate& gate) {
           {"local", std::move(local)}};
 }
 
-Json pictures_json(const ventricle::VentricleResult& result, std::size_t most_voxels) {
+Json pictures_json(const ventricle::Result& result, std::size_t most_voxels) {
   const Study& study = result.study;
   if (study.gates.empty()) return nullptr;
   const int bin = bin_of(study, most_voxels);
@@ -154,7 +154,7 @@ Box box_of(const std::vector<ventricle::Gate>& gates) {
 }
 
 /// One entry per gate: its vertices, and the number of its triangles in the list that all surfaces share.
-Json surfaces_json(const ventricle::VentricleResult& result) {
+Json surfaces_json(const ventricle::Result& result) {
   const Box box = box_of(result.gates);
   std::vector<const TriMesh*> topologies;
   const auto topology_of = [&](const TriMesh& mesh) {
@@ -198,7 +198,7 @@ std::string samples_of_vertices(const ventricle::PolarGrid& grid, const ventricl
 }
 
 /// The polar maps, and the segment of every vertex as one byte, gate by gate; of the endocardium also the samples.
-Json polar_json(const ventricle::VentricleResult& result) {
+Json polar_json(const ventricle::Result& result) {
   if (!result.measures || result.measures->segments.empty()) return nullptr;
   const ventricle::Measures& m = *result.measures;
   Json json = Json::object();
@@ -244,7 +244,7 @@ Json polar_json(const ventricle::VentricleResult& result) {
 
 }  // namespace
 
-std::string report_html(const ventricle::VentricleResult& result, const Provenance& provenance, Timings timings,
+std::string report_html(const ventricle::Result& result, const Provenance& provenance, Timings timings,
                         std::size_t most_voxels) {
   Json data = Json::object();
   data["results"] = results_json(result, provenance, timings);
@@ -255,8 +255,8 @@ std::string report_html(const ventricle::VentricleResult& result, const Provenan
   return filled_page(page_template(), data);
 }
 
-void write_report(const ventricle::VentricleResult& result, const Provenance& provenance,
-                  const std::filesystem::path& path, Timings timings) {
+void write_report(const ventricle::Result& result, const Provenance& provenance, const std::filesystem::path& path,
+                  Timings timings) {
   io::write_file(path, report_html(result, provenance, timings));
 }
 

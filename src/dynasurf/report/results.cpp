@@ -174,7 +174,7 @@ Json gate_json(const ventricle::Gate& gate) {
   return json;
 }
 
-Notes all_notes(const ventricle::VentricleResult& result) {
+Notes all_notes(const ventricle::Result& result) {
   Notes notes = result.notes;
   const auto add = [&notes](Note note, int gate) {
     if (note.gate < 0) note.gate = gate;
@@ -202,7 +202,7 @@ Json notes_json(const Notes& notes) {
   return json;
 }
 
-Json quality_json(const ventricle::VentricleResult& result) {
+Json quality_json(const ventricle::Result& result) {
   Json flags = Json::array();
   for (const ventricle::QualityFlag& flag : result.flags)
     flags.push_back({{"severity", name_of(flag.severity)},
@@ -266,7 +266,7 @@ Json readings_json(const ventricle::Readings& readings) {
   return json;
 }
 
-Json timings_json(const ventricle::VentricleResult& result, Timings timings) {
+Json timings_json(const ventricle::Result& result, Timings timings) {
   if (timings == Timings::omit) return nullptr;
   Json json = Json::object();
   for (const auto& [stage, seconds] : result.seconds) json[stage] = number(seconds);
@@ -275,7 +275,7 @@ Json timings_json(const ventricle::VentricleResult& result, Timings timings) {
 
 }  // namespace
 
-Json results_json(const ventricle::VentricleResult& result, const Provenance& provenance, Timings timings) {
+Json results_json(const ventricle::Result& result, const Provenance& provenance, Timings timings) {
   Json gates = Json::array();
   for (const ventricle::Gate& gate : result.gates) gates.push_back(gate_json(gate));
 

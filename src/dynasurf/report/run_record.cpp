@@ -33,7 +33,7 @@ std::string neutral_name(const std::filesystem::path& file, std::size_t position
   return "input-" + std::to_string(position + 1) + (is_known ? ending : "");
 }
 
-std::string ventricle_results_text(const ventricle::VentricleResult& result, const Provenance& provenance,
+std::string ventricle_results_text(const ventricle::Result& result, const Provenance& provenance,
                                    const VentricleRecord& record) {
   Json json = results_json(result, provenance, record.timings);
   Json& run = json["provenance"];

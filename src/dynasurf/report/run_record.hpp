@@ -28,7 +28,7 @@ struct VentricleRecord {
 
 /// results.json of a run that can be repeated: `results_json` with the keys `given` and `outputs` of its provenance.
 /// Throws as it does.
-std::string ventricle_results_text(const ventricle::VentricleResult& result, const Provenance& provenance,
+std::string ventricle_results_text(const ventricle::Result& result, const Provenance& provenance,
                                    const VentricleRecord& record);
 
 /// The same of a cloud.

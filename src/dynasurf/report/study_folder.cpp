@@ -45,8 +45,8 @@ std::vector<float> thickening_of(const ventricle::Measures& m, const ventricle::
 }
 
 /// What is known of every vertex of a measured surface: its thickness, its segment, its way since end diastole.
-std::vector<io::VertexScalar> scalars_of(const ventricle::VentricleResult& result, std::size_t gate,
-                                         ventricle::Border wall, const TriMesh& mesh) {
+std::vector<io::VertexScalar> scalars_of(const ventricle::Result& result, std::size_t gate, ventricle::Border wall,
+                                         const TriMesh& mesh) {
   if (!result.measures || !result.measures->gates[gate].axes) return {};
   const ventricle::GateMeasures& measured = result.measures->gates[gate];
   const ventricle::VertexThickness& thickness =
@@ -67,7 +67,7 @@ std::vector<io::VertexScalar> scalars_of(const ventricle::VentricleResult& resul
 }
 
 /// The slices of end-diastole and end-systole with the walls that lead, for the page of two studies.
-void write_splash(const ventricle::VentricleResult& result, const fs::path& folder) {
+void write_splash(const ventricle::Result& result, const fs::path& folder) {
   const int ed = result.leading.ed_gate.value_or(0);
   const int es = result.leading.es_gate.value_or(ed);
   std::vector<SplashRow> rows;
@@ -81,7 +81,7 @@ void write_splash(const ventricle::VentricleResult& result, const fs::path& fold
   if (!rows.empty()) io::write_png(draw_splash(rows), folder / "measures" / "splash.png");
 }
 
-void write_measures(const ventricle::VentricleResult& result, const fs::path& folder) {
+void write_measures(const ventricle::Result& result, const fs::path& folder) {
   if (!result.measures || result.measures->segments.empty()) return;
   const ventricle::Measures& m = *result.measures;
   io::write_file(folder / "measures" / "segments.csv", segments_csv(m));
@@ -95,8 +95,7 @@ void write_measures(const ventricle::VentricleResult& result, const fs::path& fo
   write_splash(result, folder);
 }
 
-void write_surfaces(const ventricle::VentricleResult& result, const StudyFolderOptions& options,
-                    const fs::path& folder) {
+void write_surfaces(const ventricle::Result& result, const StudyFolderOptions& options, const fs::path& folder) {
   std::vector<io::PvdEntry> series;
   const auto& beat = result.readings.psf_corrected;
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
@@ -122,7 +121,7 @@ void write_surfaces(const ventricle::VentricleResult& result, const StudyFolderO
 }
 
 /// Walls that are missing in a gate have no cycle to show.
-void write_cycle(const ventricle::VentricleResult& result, const fs::path& folder) {
+void write_cycle(const ventricle::Result& result, const fs::path& folder) {
   std::vector<io::AnimatedSurface> surfaces;
   const auto add = [&](ventricle::Border wall, std::array<float, 4> colour) {
     io::AnimatedSurface surface{std::string(ventricle::name_of(wall)), colour, {}};
@@ -136,8 +135,7 @@ void write_cycle(const ventricle::VentricleResult& result, const fs::path& folde
 }
 
 /// The meshes between the gates that `keyframes.frames_between` asks for, all walls that are complete.
-void write_keyframes(const ventricle::VentricleResult& result, const StudyFolderOptions& options,
-                     const fs::path& folder) {
+void write_keyframes(const ventricle::Result& result, const StudyFolderOptions& options, const fs::path& folder) {
   const mesh::Keyframes& keyframes = options.keyframes;
   if (keyframes.frames_between == 0 || result.gates.size() < 2) return;
   const std::size_t steps = static_cast<std::size_t>(keyframes.frames_between) + 1;
@@ -164,8 +162,8 @@ void write_keyframes(const ventricle::VentricleResult& result, const StudyFolder
 
 }  // namespace
 
-void write_study_files(const ventricle::VentricleResult& result, const Provenance& provenance,
-                       const StudyFolderOptions& options, const fs::path& folder) {
+void write_study_files(const ventricle::Result& result, const Provenance& provenance, const StudyFolderOptions& options,
+                       const fs::path& folder) {
   // They know nothing of each other: the page takes as long as all others together.
   const std::function<void()> writers[] = {
       [&] { write_report(result, provenance, folder / "report.html", Timings::omit); },
@@ -183,7 +181,7 @@ void write_study_files(const ventricle::VentricleResult& result, const Provenanc
   parallel_for(std::size(writers), 1, [&](std::size_t n, std::size_t) { writers[n](); });
 }
 
-void write_study_folder(const ventricle::VentricleResult& result, const fs::path& out, const Provenance& provenance,
+void write_study_folder(const ventricle::Result& result, const fs::path& out, const Provenance& provenance,
                         const StudyFolderOptions& options) {
   io::OutputFolder folder(out);
   write_study_files(result, provenance, options, folder.path());

@@ -22,12 +22,12 @@ struct StudyFolderOptions {
 /// meshes/, cycle.pvd, cycle.glb, measures/, and keyframes/ where asked for. Surfaces are those of the reading that
 /// leads; where that is not the edge's, those of the edges stand beside them as `meshes/edge_*`.
 /// Throws IoError, and OptionError when `provenance.options_json` is not JSON.
-void write_study_files(const ventricle::VentricleResult& result, const Provenance& provenance,
-                       const StudyFolderOptions& options, const std::filesystem::path& folder);
+void write_study_files(const ventricle::Result& result, const Provenance& provenance, const StudyFolderOptions& options,
+                       const std::filesystem::path& folder);
 
 /// The same as a new folder `out`, which appears whole or not at all. An untouched former result there is replaced.
 /// Throws IoError where anything else stands there.
-void write_study_folder(const ventricle::VentricleResult& result, const std::filesystem::path& out,
+void write_study_folder(const ventricle::Result& result, const std::filesystem::path& out,
                         const Provenance& provenance = {}, const StudyFolderOptions& options = {});
 
 }  // namespace dynasurf::report

@@ -39,7 +39,7 @@ std::string volume_cell(const std::optional<ventricle::Surface>& surface) {
 
 }  // namespace
 
-std::string results_csv(const ventricle::VentricleResult& result) {
+std::string results_csv(const ventricle::Result& result) {
   std::string csv = "gate,time_ms";
   for (const char* wall : {"endo_ml", "epi_ml"})
     for (const char* part : {"", "_low", "_high"}) csv += std::string(",") + wall + part;

@@ -138,7 +138,7 @@ ShownGate gate_of_result(const fs::path& folder, int gate) {
   return shown;
 }
 
-ShownGate gate_of_study(const Study& study, ventricle::VentricleOptions options, int gate, const Progress& progress) {
+ShownGate gate_of_study(const Study& study, ventricle::Options options, int gate, const Progress& progress) {
   check_gate(gate, study.gates.size());
   options.fit.run = false;
   ShownGate shown;
@@ -180,8 +180,8 @@ ShownBeat beat_of_result(const fs::path& folder) {
   return beat;
 }
 
-ShownBeat beat_of_study(const Study& study, const ventricle::VentricleOptions& options, const Progress& progress) {
-  ventricle::VentricleResult result = ventricle::reconstruct(study, options, progress);
+ShownBeat beat_of_study(const Study& study, const ventricle::Options& options, const Progress& progress) {
+  ventricle::Result result = ventricle::reconstruct(study, options, progress);
   ShownBeat beat;
   beat.time_ms = result.study.time_ms;
   for (ventricle::Gate& gate : result.gates)

@@ -25,7 +25,7 @@ struct ShownGate {
   Image image;
   Image labels;  // bits as in Labels, as numbers
   std::optional<ShownWall> endo, epi;
-  ventricle::VentricleOptions options;
+  ventricle::Options options;
   const std::optional<ShownWall>& of(ventricle::Border wall) const {
     return wall == ventricle::Border::endo ? endo : epi;
   }
@@ -42,9 +42,9 @@ struct ShownBeat {
 /// whole, OptionError for a gate that the result has not.
 ShownGate gate_of_result(const std::filesystem::path& folder, int gate);
 /// From a study, by the pipeline itself without the fit. Throws as `reconstruct`.
-ShownGate gate_of_study(const Study& study, ventricle::VentricleOptions options, int gate, const Progress& progress);
+ShownGate gate_of_study(const Study& study, ventricle::Options options, int gate, const Progress& progress);
 
 ShownBeat beat_of_result(const std::filesystem::path& folder);
-ShownBeat beat_of_study(const Study& study, const ventricle::VentricleOptions& options, const Progress& progress);
+ShownBeat beat_of_study(const Study& study, const ventricle::Options& options, const Progress& progress);
 
 }  // namespace dynasurf::show

@@ -158,7 +158,7 @@ class Show {
   Canvas evolution() const {
     const ShownGate gate = read_gate();
     const ShownWall& wall = wall_of(gate);
-    ventricle::VentricleOptions options = gate.options;
+    ventricle::Options options = gate.options;
     options.evolution.smooth_after.sweeps = 0;  // who has stopped lies where it is found at the end
     const Run run = run_again(wall, options, {});
     std::vector<int> steps = r_.steps;
@@ -290,7 +290,7 @@ class Show {
     return *wall;
   }
 
-  field::VectorField field_of(const ShownWall& wall, const ventricle::VentricleOptions& options) const {
+  field::VectorField field_of(const ShownWall& wall, const ventricle::Options& options) const {
     return field::flow_field(wall.map, options.field, progress_).field;
   }
 
@@ -326,7 +326,7 @@ class Show {
     return at;
   }
 
-  std::vector<std::pair<std::string, std::string>> parameters_of(const ventricle::VentricleOptions& options,
+  std::vector<std::pair<std::string, std::string>> parameters_of(const ventricle::Options& options,
                                                                  const ShownWall& wall) const {
     const Grid& g = wall.border.grid;
     std::vector<std::pair<std::string, std::string>> rows{
@@ -344,7 +344,7 @@ class Show {
 
   /// The motion once more, with the mesh after each of the steps. Where the border runs inside its voxels is not kept:
   /// particles that would meet it there (stop.point subvoxel) stop at the centres.
-  Run run_again(const ShownWall& wall, const ventricle::VentricleOptions& options, std::span<const int> steps) const {
+  Run run_again(const ShownWall& wall, const ventricle::Options& options, std::span<const int> steps) const {
     if (wall.start.vertices.empty())
       throw InputError(r_.input.string() +
                        ": no mesh was deformed (pipeline contour); expected pipeline surface or direct");

@@ -20,9 +20,9 @@ struct ShowRequest {
   std::string series;           // of a DICOM folder
   int gate = 1;                 // from 1
   ventricle::Border wall = ventricle::Border::epi;
-  int slice = 0, row = 0;               // from 1; 0: through the middle of the wall
-  std::vector<int> steps;               // of the evolution; empty: eight, evenly spread
-  ventricle::VentricleOptions options;  // for a study
+  int slice = 0, row = 0;      // from 1; 0: through the middle of the wall
+  std::vector<int> steps;      // of the evolution; empty: eight, evenly spread
+  ventricle::Options options;  // for a study
 };
 
 /// A picture that can be asked for by name.

@@ -36,7 +36,7 @@ enum class Pipeline { surface, contour, direct };
 std::span<const std::string_view> names_of(Pipeline);
 
 /// Everything that steers the ventricle pipeline (PIPE-2, thesis 7.1 and appendix A.8 of the specification).
-struct VentricleOptions {
+struct Options {
   Pipeline pipeline = Pipeline::surface;
   int label = 0;
   Orientation orientation;
@@ -59,7 +59,7 @@ struct VentricleOptions {
   MeasureOptions measures;
   BlurFit fit;
 };
-void describe(auto& visit, VentricleOptions& o) {
+void describe(auto& visit, Options& o) {
   visit("pipeline", o.pipeline,
         OptionInfo{
             "surface: deforming meshes, a field for each wall; contour: a contour in every slice (thesis 6.1.6.1); "

@@ -10,8 +10,8 @@ namespace {
 constexpr std::array<std::string_view, 6> names{"psf_corrected", "edges", "thesis", "pet", "mr", "ct"};
 
 /// Surfaces on the largest gradient alone.
-VentricleOptions edge_options() {
-  VentricleOptions o;
+Options edge_options() {
+  Options o;
   o.fit.run = false;
   return o;
 }
@@ -19,8 +19,8 @@ VentricleOptions edge_options() {
 /// The run over a cardiac cycle of thesis 6.3 (CARD-CYCLE): Canny's parameters of 6.1.4, the labels decided by the
 /// largest gap alone, explicit fields, particles that stop at the faces of border voxels, drag of 1 %, a step of 0.1 s,
 /// straight lines between the gates, surfaces that end at a slice.
-VentricleOptions thesis_options() {
-  VentricleOptions o = edge_options();
+Options thesis_options() {
+  Options o = edge_options();
   o.orientation.method = OrientationMethod::header;
   o.closure.valve_plane = false;
   o.edges = image::Canny{.sigma_px = 1.8, .low = 0.3, .high = 0.7};
@@ -38,16 +38,16 @@ VentricleOptions thesis_options() {
 }
 
 /// PET is sharper than SPECT, how much depends on scanner and filter: the data decide.
-VentricleOptions pet_options() {
-  VentricleOptions o;
+Options pet_options() {
+  Options o;
   o.fit.fwhm_mm = 6;
   o.fit.fwhm_uncertainty = 0.25;
   return o;
 }
 
 /// MR and CT, as grey images of the muscle and as masks of it, are sharp.
-VentricleOptions sharp_options() {
-  VentricleOptions o;
+Options sharp_options() {
+  Options o;
   o.fit.fwhm_mm = 0;
   return o;
 }
@@ -56,7 +56,7 @@ VentricleOptions sharp_options() {
 
 std::span<const std::string_view> preset_names() { return names; }
 
-VentricleOptions ventricle_preset(std::string_view name) {
+Options preset(std::string_view name) {
   switch (position_of(names, name, "preset")) {
     case 1:
       return edge_options();

@@ -13,6 +13,6 @@ namespace dynasurf::ventricle {
 std::span<const std::string_view> preset_names();
 
 /// Throws OptionError with the choices for an unknown name.
-VentricleOptions ventricle_preset(std::string_view name);
+Options preset(std::string_view name);
 
 }  // namespace dynasurf::ventricle

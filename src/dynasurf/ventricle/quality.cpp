@@ -57,7 +57,7 @@ std::string gate_list(const std::vector<int>& gates) {
 
 /// Gates of which `says_so` holds become one flag.
 template <class Predicate>
-void flag_gates(const VentricleResult& result, std::vector<QualityFlag>& flags, std::string code, Severity severity,
+void flag_gates(const Result& result, std::vector<QualityFlag>& flags, std::string code, Severity severity,
                 const std::string& what, Predicate says_so) {
   std::vector<int> gates;
   for (const Gate& gate : result.gates)
@@ -68,17 +68,17 @@ void flag_gates(const VentricleResult& result, std::vector<QualityFlag>& flags, 
 
 /// What blur or a defect does to edges does not make the ejection fraction doubtful where a fit through the blur is
 /// sure of it: its error bar knows of unseen wall. It is listed without changing the verdict.
-Severity doubt_of_edges(const VentricleResult& result) {
+Severity doubt_of_edges(const Result& result) {
   const auto& ef = result.leading.ef_percent;
   if (!ef || !ef->has_interval()) return Severity::warning;
   return ef->high() - ef->low() > 2 * most_ef_90 ? Severity::warning : Severity::info;
 }
 
-bool is_blood_pool(const VentricleResult& result) {
+bool is_blood_pool(const Result& result) {
   return !result.gates.empty() && result.gates.front().labels.bright == ImageContrast::cavity;
 }
 
-void flag_surfaces(const VentricleResult& result, std::vector<QualityFlag>& flags) {
+void flag_surfaces(const Result& result, std::vector<QualityFlag>& flags) {
   for (const Border wall : {Border::endo, Border::epi}) {
     if (wall == Border::epi && is_blood_pool(result)) continue;
     const auto surface = [wall](const Gate& g) -> const std::optional<Surface>& { return g.edge_surfaces.of(wall); };
@@ -106,7 +106,7 @@ void flag_surfaces(const VentricleResult& result, std::vector<QualityFlag>& flag
              [](const Gate& g) { return g.edge_surfaces.wall_ml && *g.edge_surfaces.wall_ml <= 0; });
 }
 
-void flag_numbers(const VentricleResult& result, const QualityMetrics& clues, std::vector<QualityFlag>& flags) {
+void flag_numbers(const Result& result, const QualityMetrics& clues, std::vector<QualityFlag>& flags) {
   if (result.wall_variation && *result.wall_variation > most_wall_variation)
     flags.push_back(
         {"wall_volume_varies", Severity::warning,
@@ -137,7 +137,7 @@ void flag_numbers(const VentricleResult& result, const QualityMetrics& clues, st
 bool is_told_by_a_surface(const Note& note) { return note.code == "labels.no_endo" || note.code == "labels.no_epi"; }
 
 /// Where the heart was found, and whether the surfaces are there.
-void flag_place(const VentricleResult& result, std::vector<QualityFlag>& flags) {
+void flag_place(const Result& result, std::vector<QualityFlag>& flags) {
   if (is_blood_pool(result)) {
     flags.push_back({"blood_pool", Severity::warning,
                      "the cavity is bright and no wall is seen: taken for an image of the blood pool, with the inner "
@@ -205,7 +205,7 @@ void flag_base(const QualityMetrics& c, std::vector<QualityFlag>& flags) {
 }
 
 /// What lies around the heart and what the heart looks like.
-void flag_looks(const VentricleResult& result, const QualityMetrics& c, std::vector<QualityFlag>& flags) {
+void flag_looks(const Result& result, const QualityMetrics& c, std::vector<QualityFlag>& flags) {
   if (!result.heart) return;
   const LvShell& cup = result.heart->cup;
   const std::array limits{
@@ -243,7 +243,7 @@ void flag_cycle(const QualityMetrics& c, std::vector<QualityFlag>& flags) {
   flag_limits(limits, flags);
 }
 
-void flag_missing_slices(const VentricleResult& result, std::vector<QualityFlag>& flags) {
+void flag_missing_slices(const Result& result, std::vector<QualityFlag>& flags) {
   if (result.gates.empty()) return;
   for (const Border wall : {Border::endo, Border::epi}) {
     const std::string code = "labels." + std::string(name_of(wall)) + "_missing";
@@ -267,7 +267,7 @@ bool is_remark(const std::string& code) {
 }
 
 /// One flag per code of the stages' warnings, with how often it came.
-void flag_notes(const VentricleResult& result, std::vector<QualityFlag>& flags) {
+void flag_notes(const Result& result, std::vector<QualityFlag>& flags) {
   std::vector<std::string> order;
   std::map<std::string, std::vector<const Note*>> by_code;
   for (const Note& note : result.notes)
@@ -296,7 +296,7 @@ std::span<const std::string_view> names_of(Verdict) {
   return names;
 }
 
-std::vector<QualityFlag> assess(const VentricleResult& result) {
+std::vector<QualityFlag> assess(const Result& result) {
   std::vector<QualityFlag> flags;
   flag_surfaces(result, flags);
   flag_place(result, flags);

@@ -9,7 +9,7 @@
 namespace dynasurf::ventricle {
 
 struct Gate;
-struct VentricleResult;
+struct Result;
 
 enum class Verdict { ok, check, fail };
 std::span<const std::string_view> names_of(Verdict);
@@ -25,7 +25,7 @@ struct QualityFlag {
 /// Every reason to distrust a finished result (CARD-SANITY and the diagnostics of labelling, field and motion):
 /// a surface that is missing or did not reach its border, walls that cross, a wall volume that beats, volumes or an
 /// ejection fraction that no heart has, warnings of the stages.
-std::vector<QualityFlag> assess(const VentricleResult& result);
+std::vector<QualityFlag> assess(const Result& result);
 
 /// The worst of the flags: none is `ok`, a warning is `check`, a failure is `fail`.
 Verdict verdict_of(std::span<const QualityFlag> flags);

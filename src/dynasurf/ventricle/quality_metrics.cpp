@@ -122,7 +122,7 @@ double largest_residual(const std::vector<std::optional<double>>& values) {
 }
 
 /// A heart narrows about its axis: across the axis its middle stays, along it moves smoothly.
-double largest_move(const VentricleResult& result, const LvShell& cup) {
+double largest_move(const Result& result, const LvShell& cup) {
   const ShellBasis a = across(cup.axis);
   std::vector<double> u, v;
   std::vector<std::optional<double>> along;
@@ -140,7 +140,7 @@ double largest_move(const VentricleResult& result, const LvShell& cup) {
   return largest;
 }
 
-void look_at_image(const VentricleResult& result, const LvShell& world, QualityMetrics& clues) {
+void look_at_image(const Result& result, const LvShell& world, QualityMetrics& clues) {
   if (result.study.gates.empty()) return;
   const Image mean = mean_image(result.study.gates);
   const LvShell cup = to_grid(mean.grid, world);
@@ -156,7 +156,7 @@ void look_at_image(const VentricleResult& result, const LvShell& world, QualityM
   clues.most_counts = *std::max_element(counts.begin(), counts.end()) / usual;
 }
 
-void look_at_surfaces(const VentricleResult& result, const LvShell& cup, QualityMetrics& clues) {
+void look_at_surfaces(const Result& result, const LvShell& cup, QualityMetrics& clues) {
   double thickness = 0, slimness = 0;
   int outer = 0, both = 0;
   double most_ml = 0;
@@ -179,7 +179,7 @@ void look_at_surfaces(const VentricleResult& result, const LvShell& cup, Quality
   clues.moves_mm = largest_move(result, cup);
 }
 
-void look_at_curves(const VentricleResult& result, QualityMetrics& clues) {
+void look_at_curves(const Result& result, QualityMetrics& clues) {
   std::vector<double> endo, epi;
   for (const Gate& gate : result.gates) {
     if (gate.edge_surfaces.endo) endo.push_back(gate.edge_surfaces.endo->volume_ml);
@@ -196,7 +196,7 @@ void look_at_curves(const VentricleResult& result, QualityMetrics& clues) {
     clues.end_systole = (static_cast<double>(*edge.es_gate) + 0.5) / static_cast<double>(gates);
 }
 
-void look_at_base(const VentricleResult& result, QualityMetrics& clues) {
+void look_at_base(const Result& result, QualityMetrics& clues) {
   double seen = 0, spread = 0, cut = 0;
   int planes = 0;
   for (const Gate& gate : result.gates)
@@ -242,7 +242,7 @@ double noise_of_wall(std::span<const Image> gates, const LvShell& cup) {
   return typical > 0 ? std::sqrt(quantile(squares, 0.5)) / typical : 0;
 }
 
-QualityMetrics quality_metrics(const VentricleResult& result) {
+QualityMetrics quality_metrics(const Result& result) {
   QualityMetrics clues;
   look_at_curves(result, clues);
   look_at_base(result, clues);

@@ -53,7 +53,7 @@ bool is_plausible(const GaussianProfile& profile, const std::vector<Gate>& gates
 }
 
 /// What a fit begins with; absent, with a note where one was asked for, unless all gates have both surfaces.
-std::optional<FitStart> fit_start_of(VentricleResult& result, bool is_asked_for) {
+std::optional<FitStart> fit_start_of(Result& result, bool is_asked_for) {
   FitStart start;
   for (const Gate& gate : result.gates) {
     const EdgeSurfaces& edge = gate.edge_surfaces;
@@ -106,7 +106,7 @@ Reading reading_of(const GaussianProfile& profile) {
   return reading_of_volumes(ReadingKind::gaussian_profile, profile.cavity_ml, profile.wall_ml);
 }
 
-void measure_cycle(VentricleResult& result) {
+void measure_cycle(Result& result) {
   std::vector<double> cavity, wall;
   for (const Gate& gate : result.gates) {
     if (gate.edge_surfaces.endo) cavity.push_back(gate.edge_surfaces.endo->volume_ml);
@@ -119,7 +119,7 @@ void measure_cycle(VentricleResult& result) {
 }
 
 void read_otherwise(const Study& original, const BlurFit& options, const Progress& progress, StageClock& clock,
-                    VentricleResult& result) {
+                    Result& result) {
   const std::optional<FitStart> start = fit_start_of(result, options.run);
   if (!start) return;
   auto& profile = result.readings.gaussian_profile;
@@ -139,7 +139,7 @@ void read_otherwise(const Study& original, const BlurFit& options, const Progres
                           "no PSF-corrected volumes: the fit diverged from the edge surfaces and was discarded"});
 }
 
-void choose_leading(VentricleResult& result) {
+void choose_leading(Result& result) {
   const auto& beat = result.readings.psf_corrected;
   result.leading = beat ? reading_of(*beat) : result.readings.edge;
   std::vector<double> cavity_ml;
@@ -151,7 +151,7 @@ void choose_leading(VentricleResult& result) {
   if (cavity_ml.size() == result.gates.size()) result.phases = phases_of_curve(cavity_ml);
 }
 
-std::optional<Measures> measure_study(const VentricleResult& result, const MeasureOptions& options) {
+std::optional<Measures> measure_study(const Result& result, const MeasureOptions& options) {
   const auto& beat = result.readings.psf_corrected;
   MeasureInput input;
   input.cycle_ms = result.study.cycle_ms;

@@ -94,7 +94,7 @@ Labels own_labels(const Image& image, const image::EdgeMap& edges, const OwnStag
 }
 
 void find_labels(GateRun& run, const Image& image, const SliceRange& useful, const std::optional<Mask>& region,
-                 const VentricleOptions& options, const OwnStages& own, StageClock& clock) {
+                 const Options& options, const OwnStages& own, StageClock& clock) {
   run.edges =
       clock("edges", [&] { return own.edges ? own_edges(image, own) : image::detect_edges(image, options.edges); });
   clear_outside(run.edges.edges, useful);
@@ -131,7 +131,7 @@ bool is_empty(const Image& border) {
   return std::all_of(border.values.begin(), border.values.end(), [](float v) { return v == 0; });
 }
 
-void make_borders(GateRun& run, const Image& image, const VentricleOptions& options) {
+void make_borders(GateRun& run, const Image& image, const Options& options) {
   for (const Border wall : walls) {
     if (!run.labels.has(wall)) continue;
     Image border = border_volume(run.labels, wall);
@@ -148,7 +148,7 @@ void make_borders(GateRun& run, const Image& image, const VentricleOptions& opti
 }
 
 /// The surface on the steepest slope of the image; the border lies on a grid with room around it.
-TriMesh settled(TriMesh mesh, const Grid& border, const Image& image, const VentricleOptions& options) {
+TriMesh settled(TriMesh mesh, const Grid& border, const Image& image, const Options& options) {
   const Vec3 shift = to_grid(border, image.grid.origin);
   for (Vec3& p : mesh.vertices) p -= shift;
   const Vec3 base{0, 0, options.closure.cover ? 1.0 : 0.0};
@@ -157,7 +157,7 @@ TriMesh settled(TriMesh mesh, const Grid& border, const Image& image, const Vent
   return mesh;
 }
 
-void find_surface(WallRun& run, const TriMesh& start, const VentricleOptions& options, const Progress& quiet,
+void find_surface(WallRun& run, const TriMesh& start, const Options& options, const Progress& quiet,
                   StageClock& clock) {
   const Image& map = options.pipeline == Pipeline::direct ? run.edge_map : run.border;
   run.start = start;
@@ -168,7 +168,7 @@ void find_surface(WallRun& run, const TriMesh& start, const VentricleOptions& op
 }
 
 /// The outer wall first: it bounds the search for the inner one. A wall without contours keeps no border and no mesh.
-void find_contours(GateRun& run, const Image& image, const VentricleOptions& options, StageClock& clock) {
+void find_contours(GateRun& run, const Image& image, const Options& options, StageClock& clock) {
   WallContours outer;
   for (const Border wall : {Border::epi, Border::endo}) {
     if (!run.wall(wall).exists()) continue;
@@ -209,7 +209,7 @@ void add_notes(Notes& all, const Notes& some, int gate) {
   }
 }
 
-Gate finish_gate(GateRun& run, int g, const VentricleResult& result) {
+Gate finish_gate(GateRun& run, int g, const Result& result) {
   Gate gate;
   gate.gate = g;
   if (!result.study.time_ms.empty()) gate.time_ms = result.study.time_ms[static_cast<std::size_t>(g)];
@@ -227,7 +227,7 @@ Gate finish_gate(GateRun& run, int g, const VentricleResult& result) {
 }
 
 /// Surfaces that started from the data themselves have triangles of their own in every gate.
-void note_correspondence(VentricleResult& result) {
+void note_correspondence(Result& result) {
   for (const Border wall : walls)
     for (const Gate& gate : result.gates) {
       const auto &first = result.gates[0].surfaces.of(wall), &here = gate.surfaces.of(wall);
@@ -270,7 +270,7 @@ void hand_over_stages(const IntermediateSink& keep, std::vector<GateRun>& runs, 
   }
 }
 
-VentricleOptions without_label(VentricleOptions options) {
+Options without_label(Options options) {
   options.label = 0;
   return options;
 }
@@ -279,7 +279,7 @@ constexpr std::array<std::string_view, 3> pipeline_names{"surface", "contour", "
 
 /// A study on its way to its surfaces: the gates with their borders.
 struct StudyRun {
-  VentricleOptions options;  // with the coarse circle that was found
+  Options options;  // with the coarse circle that was found
   Study study;
   std::optional<Location> heart;
   std::vector<GateRun> gates;
@@ -287,8 +287,7 @@ struct StudyRun {
 
 /// What is bright in a study: a wall, where one was clearly seen, else what the labels of the mean say. One answer for
 /// all gates: the cavity of a small heart at end-systole may look filled.
-ImageContrast detect_contrast(const Study& study, const std::optional<Location>& heart,
-                              const VentricleOptions& options) {
+ImageContrast detect_contrast(const Study& study, const std::optional<Location>& heart, const Options& options) {
   if (options.labels.bright != ImageContrast::automatic) return options.labels.bright;
   if (heart && heart->is_clear()) return ImageContrast::wall;
   Notes notes;
@@ -316,10 +315,10 @@ void note_own_stages(const OwnStages& own, Notes& notes) {
     notes.push_back({Severity::info, "stage.replaced", "the borders were told apart by " + own.labels_name});
 }
 
-StudyRun run_borders(const Study& whole, const VentricleOptions& requested, const Progress& progress, const Image* mask,
+StudyRun run_borders(const Study& whole, const Options& requested, const Progress& progress, const Image* mask,
                      const OwnStages& own, StageClock& clock) {
   StudyRun run;
-  VentricleOptions& options = run.options = requested;
+  Options& options = run.options = requested;
   check_options(options, "");
   require_workable(whole);
   std::optional<Study> confined;
@@ -372,8 +371,8 @@ StudyRun run_borders(const Study& whole, const VentricleOptions& requested, cons
 
 std::span<const std::string_view> names_of(Pipeline) { return pipeline_names; }
 
-BorderResult find_borders(const Study& study, const VentricleOptions& options, const Progress& progress,
-                          const Image* mask, const OwnStages& own) {
+BorderResult find_borders(const Study& study, const Options& options, const Progress& progress, const Image* mask,
+                          const OwnStages& own) {
   if (options.label > 0)
     return find_borders(only_label(study, options.label), without_label(options), progress, mask, own);
   BorderResult result;
@@ -392,19 +391,18 @@ BorderResult find_borders(const Study& study, const VentricleOptions& options, c
   return result;
 }
 
-VentricleResult reconstruct(const Study& original, const VentricleOptions& requested, const Progress& progress,
-                            const IntermediateSink& keep, const TriMesh* start, const Image* mask,
-                            const OwnStages& own) {
+Result reconstruct(const Study& original, const Options& requested, const Progress& progress,
+                   const IntermediateSink& keep, const TriMesh* start, const Image* mask, const OwnStages& own) {
   if (requested.label > 0)
     return reconstruct(only_label(original, requested.label), without_label(requested), progress, keep, start, mask,
                        own);
   if (requested.placement.shape == mesh::StartShape::file && start == nullptr)
     throw OptionError("option placement.shape is file; expected a mesh to start from, none was given");
-  VentricleResult result;
+  Result result;
   StageClock clock(result.seconds);
   StudyRun borders = run_borders(original, requested, progress, mask, own, clock);
   borders.options.evolution.histories = borders.options.evolution.histories || keep;
-  const VentricleOptions& options = borders.options;
+  const Options& options = borders.options;
   std::vector<GateRun>& runs = borders.gates;
   result.study = std::move(borders.study);
   result.heart = std::move(borders.heart);

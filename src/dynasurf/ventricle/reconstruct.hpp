@@ -49,9 +49,9 @@ struct OwnStages {
 /// no ventricle is found), OptionError, Cancelled. The same bytes for any number of threads.
 /// `start` is the mesh of placement.shape file. With a `mask`, placed in the world like the study, nothing outside its
 /// voxels above 0 is considered (`confine`).
-VentricleResult reconstruct(const Study& study, const VentricleOptions& options, const Progress& progress = {},
-                            const IntermediateSink& keep = {}, const TriMesh* start = nullptr,
-                            const Image* mask = nullptr, const OwnStages& own = {});
+Result reconstruct(const Study& study, const Options& options, const Progress& progress = {},
+                   const IntermediateSink& keep = {}, const TriMesh* start = nullptr, const Image* mask = nullptr,
+                   const OwnStages& own = {});
 
 /// What one gate has before its surfaces.
 struct GateBorders {
@@ -70,7 +70,7 @@ struct BorderResult {
 };
 
 /// The first half of `reconstruct`: from a study to labelled edges. Throws as it does.
-BorderResult find_borders(const Study& study, const VentricleOptions& options, const Progress& progress = {},
+BorderResult find_borders(const Study& study, const Options& options, const Progress& progress = {},
                           const Image* mask = nullptr, const OwnStages& own = {});
 
 }  // namespace dynasurf::ventricle

@@ -71,7 +71,7 @@ struct Gate {
   Mask edges;           // all edges as in EdgeMap, for drawing: they show why a border was not found
 };
 
-struct VentricleResult {
+struct Result {
   Study study;                    // canonical: slices apex first, values normalised
   std::optional<Location> heart;  // where the ventricle was found in the volume, world frame
   std::vector<Gate> gates;

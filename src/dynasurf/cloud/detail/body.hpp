@@ -40,7 +40,7 @@ struct Body {
 /// at a level a little higher or lower. `expected` is what the surface should be after holes were filled; fields that
 /// show it come first. Where no field does, "cloud.handles" tells which was taken instead. Throws
 /// InputError when there is no surface at all.
-Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> points, const CloudOptions& options,
-                 Notes& notes, const std::optional<BodyTopology>& expected = {});
+Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> points, const Options& options, Notes& notes,
+                 const std::optional<BodyTopology>& expected = {});
 
 }  // namespace dynasurf::cloud

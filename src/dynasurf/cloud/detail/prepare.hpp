@@ -13,12 +13,12 @@ namespace dynasurf::cloud {
 struct PreparedCloud {
   PointCloud cloud;
   KdTree neighbours;  // of the cloud's points
-  CloudFacts facts;   // up to `noise`
+  Facts facts;        // up to `noise`
   Notes notes;
 };
 
 /// Drops points that are not finite, repeated, or outliers, and measures spacing and noise. Throws InputError for fewer
 /// than 10 points left, points in one plane, and arrays of the wrong length.
-PreparedCloud prepare(PointCloud cloud, const CloudOptions& options, const Progress& progress = {});
+PreparedCloud prepare(PointCloud cloud, const Options& options, const Progress& progress = {});
 
 }  // namespace dynasurf::cloud

@@ -6,7 +6,7 @@
 
 namespace dynasurf::ventricle {
 
-struct VentricleResult;
+struct Result;
 
 /// Numbers of a finished study that tell right results from wrong ones; `assess` compares them with limits. A number
 /// whose data are missing has the value of a good result.
@@ -28,7 +28,7 @@ struct QualityMetrics {
   double end_systole = 0.4;      // part of the beat that has passed
   double base_seen = 1, base_spread_mm = 0, base_cut = 0;
 };
-QualityMetrics quality_metrics(const VentricleResult& result);
+QualityMetrics quality_metrics(const Result& result);
 
 /// Share of the directions in which the image, beyond the wall of the cup, gets as bright as the wall without having
 /// fallen much in between. Grid frame.

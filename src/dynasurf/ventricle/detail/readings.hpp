@@ -5,18 +5,18 @@
 namespace dynasurf::ventricle {
 
 /// Volumes and ejection fraction of the edge surfaces, where all gates have them: `readings.edge`.
-void measure_cycle(VentricleResult& result);
+void measure_cycle(Result& result);
 
 /// Readings beside the edge's, `gaussian_profile` and, where `options` ask for it, `psf_corrected`, with their notes.
 /// Both need both surfaces in all gates; implausible ones are left out, with a note. `original`: the study as stored.
 void read_otherwise(const Study& original, const BlurFit& options, const Progress& progress, StageClock& clock,
-                    VentricleResult& result);
+                    Result& result);
 
 /// Sets the reading that leads, its surfaces and its phases.
-void choose_leading(VentricleResult& result);
+void choose_leading(Result& result);
 
 /// What is measured on the leading surfaces: along the heart's axis where it was found, else along the
 /// stack. Absent without any surface.
-std::optional<Measures> measure_study(const VentricleResult& result, const MeasureOptions& options);
+std::optional<Measures> measure_study(const Result& result, const MeasureOptions& options);
 
 }  // namespace dynasurf::ventricle
