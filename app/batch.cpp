@@ -6,9 +6,9 @@
 #include <CLI/CLI.hpp>
 
 #include "dynasurf/cohort/study_list.hpp"
+#include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/memory_limit.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/study_search.hpp"
 
 #include "batch_run.hpp"

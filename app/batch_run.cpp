@@ -14,11 +14,11 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include "dynasurf/cohort/claims.hpp"
-#include "dynasurf/cohort/job_key.hpp"
+#include "dynasurf/cohort/detail/claims.hpp"
+#include "dynasurf/cohort/detail/job_key.hpp"
 #include "dynasurf/cohort/status.hpp"
+#include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/memory_limit.hpp"
 #include "dynasurf/io/detail/json_node.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/detail/staging.hpp"

@@ -6,13 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/cohort/detail/job_key.hpp"
 #include "dynasurf/cohort/detail/table.hpp"
-#include "dynasurf/cohort/job_key.hpp"
 #include "dynasurf/cohort/status.hpp"
 #include "dynasurf/cohort/study_list.hpp"
+#include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/memory_limit.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 

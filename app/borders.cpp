@@ -6,11 +6,11 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/report/sheets.hpp"
+#include "dynasurf/report/detail/sheets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "command.hpp"

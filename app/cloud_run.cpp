@@ -5,10 +5,10 @@
 #include "dynasurf/core/detail/stage_clock.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/report/cloud_folder.hpp"
-#include "dynasurf/report/run_record.hpp"
+#include "dynasurf/report/detail/run_record.hpp"
 
 #include "console.hpp"
 

@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/detail/folder_file.hpp"
 #include "dynasurf/io/detail/json_node.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
-#include "dynasurf/report/comparison_page.hpp"
+#include "dynasurf/report/detail/comparison_page.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/normals.hpp"
 

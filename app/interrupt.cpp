@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 
 #include "child_process.hpp"
 #include "command.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 #include <CLI/CLI.hpp>
 
-#include "dynasurf/report/label_volumes.hpp"
+#include "dynasurf/report/detail/label_volumes.hpp"
 
 namespace dynasurf::app {
 

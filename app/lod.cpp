@@ -10,12 +10,12 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/folder_file.hpp"
 #include "dynasurf/io/detail/json_node.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/mesh_io.hpp"
-#include "dynasurf/report/lod_page.hpp"
+#include "dynasurf/report/detail/lod_page.hpp"
 
 #include "command.hpp"
 #include "console.hpp"

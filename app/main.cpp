@@ -10,8 +10,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/memory_limit.hpp"
 #include "dynasurf/io/detail/machine_memory.hpp"
 
 #include "command.hpp"

@@ -6,13 +6,13 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/tracked_points_io.hpp"
+#include "dynasurf/mesh/detail/point_spline.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/mesh/point_spline.hpp"
 #include "dynasurf/mesh/surface_motion.hpp"
-#include "dynasurf/report/motion_results.hpp"
+#include "dynasurf/report/detail/motion_results.hpp"
 
 #include "command.hpp"
 #include "console.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "dynasurf/cohort/job_key.hpp"
+#include "dynasurf/cohort/detail/job_key.hpp"
 #include "dynasurf/cohort/status.hpp"
 #include "dynasurf/cohort/study_list.hpp"
 #include "dynasurf/core/error.hpp"

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
-#include "dynasurf/report/normal_groups.hpp"
+#include "dynasurf/report/detail/normal_groups.hpp"
 
 #include "command.hpp"
 #include "console.hpp"

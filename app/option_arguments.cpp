@@ -5,9 +5,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
-#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"

@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <string>
 
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 
 namespace CLI {
 class App;

@@ -9,7 +9,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/json_node.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/options_json.hpp"

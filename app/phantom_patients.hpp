@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "dynasurf/report/label_volumes.hpp"
+#include "dynasurf/report/detail/label_volumes.hpp"
 
 #include "command.hpp"
 

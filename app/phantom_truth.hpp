@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/report/label_volumes.hpp"
+#include "dynasurf/report/detail/label_volumes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 
 namespace dynasurf::app {

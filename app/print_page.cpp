@@ -14,9 +14,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/text_stream.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 
 #include "child_process.hpp"

@@ -4,13 +4,13 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/report/dicom_folder.hpp"
-#include "dynasurf/report/run_record.hpp"
-#include "dynasurf/report/stages.hpp"
+#include "dynasurf/report/detail/dicom_folder.hpp"
+#include "dynasurf/report/detail/run_record.hpp"
+#include "dynasurf/report/detail/stages.hpp"
 #include "dynasurf/report/study_folder.hpp"
 
 #include "option_arguments.hpp"

@@ -11,11 +11,11 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/folder_file.hpp"
 #include "dynasurf/io/detail/json_node.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
-#include "dynasurf/io/manifest.hpp"
+#include "dynasurf/io/detail/manifest.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
 

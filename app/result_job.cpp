@@ -5,9 +5,9 @@
 #include <CLI/CLI.hpp>
 
 #include "dynasurf/core/option_tree.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/report/run_record.hpp"
+#include "dynasurf/report/detail/run_record.hpp"
 
 #include "console.hpp"
 #include "utf8.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "dynasurf/core/progress.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/report/provenance.hpp"
 

@@ -7,9 +7,9 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/text_stream.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/detail/vtk_xml.hpp"
 

@@ -4,10 +4,10 @@
 #include <cstring>
 
 #include "dynasurf/io/detail/bytes.hpp"
-#include "dynasurf/io/manifest.hpp"
+#include "dynasurf/io/detail/manifest.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/options_json.hpp"
-#include "dynasurf/report/normal_groups.hpp"
+#include "dynasurf/report/detail/normal_groups.hpp"
 #include "dynasurf/report/normals.hpp"
 #include "dynasurf/synthetic/options.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "dynasurf/field/edge_map.hpp"
 #include "dynasurf/field/gvf.hpp"
-#include "dynasurf/mesh/border_distance.hpp"
+#include "dynasurf/mesh/detail/border_distance.hpp"
 #include "dynasurf/synthetic/detail/voxel_truth.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 

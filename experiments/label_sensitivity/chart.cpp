@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdio>
 
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 
 namespace dynasurf::experiments {
 namespace {

@@ -1,6 +1,6 @@
 #include "dynasurf/report/normals.hpp"
 
-#include "dynasurf/report/normal_groups.hpp"
+#include "dynasurf/report/detail/normal_groups.hpp"
 
 #include "input_files.hpp"
 #include "target.hpp"

@@ -1,10 +1,10 @@
 #include <cmath>
 
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/core/point_cloud.hpp"
 #include "dynasurf/core/study.hpp"
-#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/io/study_io.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/report/study_folder.hpp"
 #include "dynasurf/ventricle/presets.hpp"

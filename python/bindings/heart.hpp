@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "dynasurf/report/run_record.hpp"
+#include "dynasurf/report/detail/run_record.hpp"
 #include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 

@@ -5,7 +5,7 @@
 #include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/report/run_record.hpp"
+#include "dynasurf/report/detail/run_record.hpp"
 
 #include "arrays.hpp"
 #include "clouds.hpp"

@@ -1,10 +1,8 @@
 #pragma once
 // From points to closed meshes at any number of triangles: all public headers of this module.
 
-#include "dynasurf/cloud/bake.hpp"
 #include "dynasurf/cloud/certificate.hpp"
 #include "dynasurf/cloud/lod.hpp"
 #include "dynasurf/cloud/options.hpp"
-#include "dynasurf/cloud/orient.hpp"
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/cloud/result.hpp"

@@ -5,7 +5,6 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/geometry.hpp"
 #include "dynasurf/core/grid.hpp"
-#include "dynasurf/core/memory_limit.hpp"
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/core/options.hpp"

@@ -2,7 +2,6 @@
 // Intensities, edge detectors, resampling: all public headers of this module.
 
 #include "dynasurf/image/components.hpp"
-#include "dynasurf/image/cover.hpp"
 #include "dynasurf/image/edges.hpp"
 #include "dynasurf/image/intensity.hpp"
 #include "dynasurf/image/resample.hpp"

@@ -1,17 +1,12 @@
 #pragma once
 // Files of studies, meshes, clouds, pictures and options: all public headers of this module.
 
-#include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/cloud_io.hpp"
-#include "dynasurf/io/dicom_results.hpp"
-#include "dynasurf/io/label_io.hpp"
-#include "dynasurf/io/manifest.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/png.hpp"
 #include "dynasurf/io/solid_io.hpp"
-#include "dynasurf/io/stage_io.hpp"
 #include "dynasurf/io/study_io.hpp"
 #include "dynasurf/io/study_search.hpp"
 #include "dynasurf/io/tracked_points_io.hpp"

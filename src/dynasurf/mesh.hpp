@@ -1,19 +1,13 @@
 #pragma once
 // Triangle meshes: shapes, measures, repair, simplification, smoothing, motion: all public headers of this module.
 
-#include "dynasurf/mesh/border_distance.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/contour_stack.hpp"
-#include "dynasurf/mesh/convex_hull.hpp"
 #include "dynasurf/mesh/elastic_solid.hpp"
-#include "dynasurf/mesh/fill_mesh.hpp"
 #include "dynasurf/mesh/intersections.hpp"
 #include "dynasurf/mesh/keyframes.hpp"
 #include "dynasurf/mesh/marching.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/mesh/point_spline.hpp"
-#include "dynasurf/mesh/ray_bvh.hpp"
-#include "dynasurf/mesh/relax.hpp"
 #include "dynasurf/mesh/repair.hpp"
 #include "dynasurf/mesh/sample_surface.hpp"
 #include "dynasurf/mesh/shapes.hpp"

@@ -2,10 +2,6 @@
 // Pictures of what a run passed through: all public headers of this module.
 
 #include "dynasurf/show/canvas.hpp"
-#include "dynasurf/show/chart.hpp"
-#include "dynasurf/show/inputs.hpp"
-#include "dynasurf/show/palette.hpp"
 #include "dynasurf/show/pictures.hpp"
-#include "dynasurf/show/plane.hpp"
 #include "dynasurf/show/scene.hpp"
 #include "dynasurf/show/show.hpp"

@@ -1,4 +1,4 @@
-#include "dynasurf/cloud/bake.hpp"
+#include "dynasurf/cloud/detail/bake.hpp"
 
 #include <cmath>
 

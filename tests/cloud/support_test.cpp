@@ -1,4 +1,4 @@
-#include "dynasurf/cloud/support.hpp"
+#include "dynasurf/cloud/detail/support.hpp"
 
 #include <algorithm>
 #include <cmath>

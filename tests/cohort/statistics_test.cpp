@@ -1,4 +1,4 @@
-#include "dynasurf/cohort/statistics.hpp"
+#include "dynasurf/cohort/detail/statistics.hpp"
 
 #include <cmath>
 #include <limits>

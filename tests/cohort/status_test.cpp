@@ -8,8 +8,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "dynasurf/cohort/claims.hpp"
-#include "dynasurf/cohort/job_key.hpp"
+#include "dynasurf/cohort/detail/claims.hpp"
+#include "dynasurf/cohort/detail/job_key.hpp"
 #include "dynasurf/core/error.hpp"
 
 #include "support/scratch_folder.hpp"

@@ -1,4 +1,4 @@
-#include "dynasurf/core/text_stream.hpp"
+#include "dynasurf/core/detail/text_stream.hpp"
 
 #include <new>
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/image/cover.hpp"
+#include "dynasurf/image/detail/cover.hpp"
 
 #include "support/edge_images.hpp"
 

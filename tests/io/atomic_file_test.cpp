@@ -1,4 +1,4 @@
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 
 #include <functional>
 #include <set>
@@ -17,7 +17,7 @@
 #include <unistd.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/manifest.hpp"
+#include "dynasurf/io/detail/manifest.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 #include "support/mutations.hpp"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 
 #include "support/scratch_folder.hpp"
 

@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/memory_limit.hpp"
 #include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/io/detail/bytes.hpp"
 #include "dynasurf/io/mesh_formats.hpp"

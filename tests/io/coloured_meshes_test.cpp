@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
 #include "dynasurf/io/cloud_io.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/detail/bytes.hpp"
 #include "dynasurf/io/mesh_io.hpp"

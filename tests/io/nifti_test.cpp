@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/memory_limit.hpp"
 #include "dynasurf/io/detail/gzip.hpp"
 #include "dynasurf/io/detail/nifti_format.hpp"
 #include "dynasurf/io/study_io.hpp"

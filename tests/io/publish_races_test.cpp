@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 
 #include "support/scratch_folder.hpp"
 

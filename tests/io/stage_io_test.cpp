@@ -1,4 +1,4 @@
-#include "dynasurf/io/stage_io.hpp"
+#include "dynasurf/io/detail/stage_io.hpp"
 
 #include <cstdlib>
 

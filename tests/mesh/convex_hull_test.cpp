@@ -1,4 +1,4 @@
-#include "dynasurf/mesh/convex_hull.hpp"
+#include "dynasurf/mesh/detail/convex_hull.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "dynasurf/mesh/ray_bvh.hpp"
+#include "dynasurf/mesh/detail/ray_bvh.hpp"
 
 #include <cmath>
 

@@ -7,9 +7,9 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
+#include "dynasurf/mesh/detail/relax.hpp"
 #include "dynasurf/mesh/intersections.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/mesh/relax.hpp"
 #include "dynasurf/mesh/repair.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/mesh/fill_mesh.hpp"
+#include "dynasurf/mesh/detail/fill_mesh.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 

@@ -1,4 +1,4 @@
-#include "dynasurf/report/normal_groups.hpp"
+#include "dynasurf/report/detail/normal_groups.hpp"
 
 #include <fstream>
 

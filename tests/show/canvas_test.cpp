@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/show/chart.hpp"
-#include "dynasurf/show/palette.hpp"
+#include "dynasurf/show/detail/chart.hpp"
+#include "dynasurf/show/detail/palette.hpp"
 
 #include "pixels.hpp"
 

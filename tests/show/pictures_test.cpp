@@ -7,8 +7,8 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/shapes.hpp"
-#include "dynasurf/show/palette.hpp"
-#include "dynasurf/show/plane.hpp"
+#include "dynasurf/show/detail/palette.hpp"
+#include "dynasurf/show/detail/plane.hpp"
 
 #include "pixels.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/mesh/fill_mesh.hpp"
+#include "dynasurf/mesh/detail/fill_mesh.hpp"
 #include "dynasurf/synthetic/detail/render.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/mesh/fill_mesh.hpp"
+#include "dynasurf/mesh/detail/fill_mesh.hpp"
 #include "dynasurf/synthetic/detail/solids.hpp"
 
 #include "mesh_checks.hpp"

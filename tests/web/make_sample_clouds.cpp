@@ -7,12 +7,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/cloud/detail/support.hpp"
 #include "dynasurf/cloud/detail/transfer.hpp"
-#include "dynasurf/cloud/support.hpp"
 #include "dynasurf/mesh/sample_surface.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/report/cloud_report.hpp"
-#include "dynasurf/report/lod_page.hpp"
+#include "dynasurf/report/detail/lod_page.hpp"
 
 namespace {
 

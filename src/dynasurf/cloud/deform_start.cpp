@@ -5,9 +5,9 @@
 #include "dynasurf/cloud/detail/thesis_recipe.hpp"
 #include "dynasurf/field/steady.hpp"
 #include "dynasurf/field/vector_field.hpp"
+#include "dynasurf/mesh/detail/relax.hpp"
 #include "dynasurf/mesh/detail/submesh.hpp"
 #include "dynasurf/mesh/intersections.hpp"
-#include "dynasurf/mesh/relax.hpp"
 #include "dynasurf/mesh/sample_surface.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 

@@ -12,8 +12,8 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
+#include "dynasurf/mesh/detail/relax.hpp"
 #include "dynasurf/mesh/intersections.hpp"
-#include "dynasurf/mesh/relax.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
 namespace dynasurf::cloud {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "dynasurf/mesh/detail/relax.hpp"
 #include "dynasurf/mesh/intersections.hpp"
-#include "dynasurf/mesh/relax.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
 namespace dynasurf::cloud {

@@ -1,4 +1,4 @@
-#include "dynasurf/cloud/orient.hpp"
+#include "dynasurf/cloud/detail/orient.hpp"
 
 #include <algorithm>
 #include <array>

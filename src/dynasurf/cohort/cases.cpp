@@ -1,11 +1,11 @@
-#include "dynasurf/cohort/cases.hpp"
+#include "dynasurf/cohort/detail/cases.hpp"
 
 #include <algorithm>
 
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/cohort/detail/job_key.hpp"
 #include "dynasurf/cohort/detail/schema_columns.hpp"
-#include "dynasurf/cohort/job_key.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 

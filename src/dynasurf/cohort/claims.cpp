@@ -1,4 +1,4 @@
-#include "dynasurf/cohort/claims.hpp"
+#include "dynasurf/cohort/detail/claims.hpp"
 
 #include <cerrno>
 #include <cstring>

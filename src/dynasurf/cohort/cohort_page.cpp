@@ -1,4 +1,4 @@
-#include "dynasurf/cohort/cohort_page.hpp"
+#include "dynasurf/cohort/detail/cohort_page.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "dynasurf/cohort/job_key.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/cohort/detail/job_key.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/png.hpp"
 #include "dynasurf/report/detail/page_parts.hpp"
 #include "dynasurf/report/detail/page_template.hpp"

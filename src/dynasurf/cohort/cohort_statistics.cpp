@@ -1,4 +1,4 @@
-#include "dynasurf/cohort/cohort_statistics.hpp"
+#include "dynasurf/cohort/detail/cohort_statistics.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -4,12 +4,12 @@
 #include <charconv>
 #include <memory>
 
-#include "dynasurf/cohort/cohort_page.hpp"
-#include "dynasurf/cohort/cohort_statistics.hpp"
+#include "dynasurf/cohort/detail/cohort_page.hpp"
+#include "dynasurf/cohort/detail/cohort_statistics.hpp"
+#include "dynasurf/cohort/detail/job_key.hpp"
 #include "dynasurf/cohort/detail/table_writer.hpp"
-#include "dynasurf/cohort/job_key.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 
 namespace dynasurf::cohort {
 namespace {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "dynasurf/cohort/statistics.hpp"
+#include "dynasurf/cohort/detail/statistics.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 
 namespace dynasurf::cohort {

@@ -1,4 +1,4 @@
-#include "dynasurf/cohort/job_key.hpp"
+#include "dynasurf/cohort/detail/job_key.hpp"
 
 #include <algorithm>
 

@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "dynasurf/cohort/claims.hpp"
+#include "dynasurf/cohort/detail/claims.hpp"
 #include "dynasurf/cohort/detail/table.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"

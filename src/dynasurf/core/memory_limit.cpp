@@ -1,4 +1,4 @@
-#include "dynasurf/core/memory_limit.hpp"
+#include "dynasurf/core/detail/memory_limit.hpp"
 
 #include <atomic>
 #include <charconv>

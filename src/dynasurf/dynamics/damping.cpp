@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/mesh/border_distance.hpp"
+#include "dynasurf/mesh/detail/border_distance.hpp"
 
 namespace dynasurf::dynamics {
 namespace {

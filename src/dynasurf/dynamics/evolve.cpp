@@ -6,8 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/dynamics/detail/border_stop.hpp"
 #include "dynasurf/dynamics/detail/coupled_motion.hpp"
 #include "dynasurf/dynamics/detail/distance_history.hpp"

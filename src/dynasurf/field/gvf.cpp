@@ -6,8 +6,8 @@
 #include <string>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/field/detail/gradient.hpp"
 #include "dynasurf/field/detail/simd.hpp"
 

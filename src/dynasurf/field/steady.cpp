@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "dynasurf/core/text_stream.hpp"
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/field/detail/gradient.hpp"
 #include "dynasurf/field/multigrid/detail/hierarchy.hpp"
 

@@ -1,4 +1,4 @@
-#include "dynasurf/image/cover.hpp"
+#include "dynasurf/image/detail/cover.hpp"
 
 namespace dynasurf::image {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/image/detail/slice.hpp"
 
 namespace dynasurf::image {

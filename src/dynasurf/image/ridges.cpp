@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/text_stream.hpp"
 
 namespace dynasurf::image {
 namespace {

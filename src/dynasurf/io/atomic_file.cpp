@@ -1,4 +1,4 @@
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 
 #include <algorithm>
 #include <array>

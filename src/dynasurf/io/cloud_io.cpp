@@ -5,7 +5,7 @@
 #include <map>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/bytes.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/mesh/measures.hpp"

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
 
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/dicom_load.hpp"
 #include "dynasurf/io/detail/dicom_result_parts.hpp"
 #include "dynasurf/io/detail/formats.hpp"

@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/dicom_item.hpp"
 #include "dynasurf/io/study_io.hpp"
 

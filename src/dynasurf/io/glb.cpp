@@ -1,5 +1,5 @@
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/gltf_scene.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 

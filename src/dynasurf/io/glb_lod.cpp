@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/gltf_scene.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/io/png.hpp"

@@ -1,4 +1,4 @@
-#include "dynasurf/io/manifest.hpp"
+#include "dynasurf/io/detail/manifest.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -4,9 +4,9 @@
 #include <cctype>
 #include <set>
 
+#include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/memory_limit.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/mesh_formats.hpp"
 

@@ -3,10 +3,10 @@
 #include <string>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/gzip.hpp"
+#include "dynasurf/io/detail/label_io.hpp"
 #include "dynasurf/io/detail/nifti_format.hpp"
-#include "dynasurf/io/label_io.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf::io {

@@ -4,8 +4,8 @@
 #include <map>
 #include <optional>
 
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/io/detail/formats.hpp"
 #include "dynasurf/io/detail/samples.hpp"
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/gzip.hpp"
 #include "dynasurf/io/study_io.hpp"
 

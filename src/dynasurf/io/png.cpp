@@ -6,7 +6,7 @@
 #include <png.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 
 namespace dynasurf::io {
 namespace {

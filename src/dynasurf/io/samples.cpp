@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/memory_limit.hpp"
 #include "dynasurf/io/detail/study_mend.hpp"
 #include "dynasurf/io/study_io.hpp"
 

@@ -4,7 +4,7 @@
 #include <charconv>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/vtk_xml.hpp"
 
 namespace dynasurf::io {

@@ -1,11 +1,11 @@
-#include "dynasurf/io/stage_io.hpp"
+#include "dynasurf/io/detail/stage_io.hpp"
 
 #include <string_view>
 #include <type_traits>
 #include <vector>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/bytes.hpp"
 #include "dynasurf/io/detail/vtk_xml.hpp"
 

@@ -6,7 +6,7 @@
 #include <unordered_map>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/text_cells.hpp"
 #include "dynasurf/io/detail/told_counts.hpp"
 

@@ -1,4 +1,4 @@
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/bytes.hpp"
 #include "dynasurf/io/detail/vtk_xml.hpp"
 #include "dynasurf/io/mesh_formats.hpp"

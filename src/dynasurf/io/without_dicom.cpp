@@ -1,9 +1,9 @@
 // What stands in for DICOM in a build without DCMTK (DYNASURF_WITH_DICOM=OFF).
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/detail/dicom_results.hpp"
 #include "dynasurf/io/detail/dicom_search.hpp"
 #include "dynasurf/io/detail/formats.hpp"
-#include "dynasurf/io/dicom_results.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf::io {

@@ -2,7 +2,7 @@
 // (DYNASURF_WITH_DICOM_RESULTS=OFF).
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/dicom_results.hpp"
+#include "dynasurf/io/detail/dicom_results.hpp"
 
 namespace dynasurf::io {
 namespace {

@@ -1,4 +1,4 @@
-#include "dynasurf/mesh/border_distance.hpp"
+#include "dynasurf/mesh/detail/border_distance.hpp"
 
 #include <algorithm>
 #include <cmath>

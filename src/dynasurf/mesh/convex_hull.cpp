@@ -1,4 +1,4 @@
-#include "dynasurf/mesh/convex_hull.hpp"
+#include "dynasurf/mesh/detail/convex_hull.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/detail/predicates.hpp"
+#include "dynasurf/mesh/detail/relax.hpp"
 #include "dynasurf/mesh/intersections.hpp"
-#include "dynasurf/mesh/relax.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
 namespace dynasurf::mesh {

@@ -1,4 +1,4 @@
-#include "dynasurf/mesh/fill_mesh.hpp"
+#include "dynasurf/mesh/detail/fill_mesh.hpp"
 
 #include <algorithm>
 #include <cmath>

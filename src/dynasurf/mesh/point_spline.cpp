@@ -1,4 +1,4 @@
-#include "dynasurf/mesh/point_spline.hpp"
+#include "dynasurf/mesh/detail/point_spline.hpp"
 
 #include <string>
 

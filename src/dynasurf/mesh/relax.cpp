@@ -1,4 +1,4 @@
-#include "dynasurf/mesh/relax.hpp"
+#include "dynasurf/mesh/detail/relax.hpp"
 
 #include <algorithm>
 #include <array>

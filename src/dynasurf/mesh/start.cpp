@@ -7,7 +7,7 @@
 #include <string>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/mesh/convex_hull.hpp"
+#include "dynasurf/mesh/detail/convex_hull.hpp"
 #include "dynasurf/mesh/marching.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 

@@ -4,8 +4,8 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/mesh/point_spline.hpp"
-#include "dynasurf/mesh/ray_bvh.hpp"
+#include "dynasurf/mesh/detail/point_spline.hpp"
+#include "dynasurf/mesh/detail/ray_bvh.hpp"
 
 namespace dynasurf::mesh {
 namespace {

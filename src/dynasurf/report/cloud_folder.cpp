@@ -2,11 +2,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "dynasurf/cloud/bake.hpp"
+#include "dynasurf/cloud/detail/bake.hpp"
+#include "dynasurf/cloud/detail/orient.hpp"
 #include "dynasurf/cloud/lod.hpp"
-#include "dynasurf/cloud/orient.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 
 namespace dynasurf::report {

@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "dynasurf/cloud/lod.hpp"
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/options.hpp"
-#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/report/cloud_report.hpp"
 #include "dynasurf/report/detail/json_parts.hpp"
 

@@ -1,4 +1,4 @@
-#include "dynasurf/report/comparison_page.hpp"
+#include "dynasurf/report/detail/comparison_page.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
-#include "dynasurf/report/dicom_folder.hpp"
+#include "dynasurf/report/detail/dicom_folder.hpp"
 
 #include <algorithm>
 #include <array>
 
-#include "dynasurf/mesh/fill_mesh.hpp"
+#include "dynasurf/mesh/detail/fill_mesh.hpp"
 #include "dynasurf/report/detail/numbers.hpp"
 
 namespace dynasurf::report {

@@ -1,10 +1,10 @@
-#include "dynasurf/report/label_volumes.hpp"
+#include "dynasurf/report/detail/label_volumes.hpp"
 
 #include <algorithm>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/io/label_io.hpp"
+#include "dynasurf/io/detail/label_io.hpp"
 #include "dynasurf/io/study_io.hpp"
 #include "dynasurf/mesh/voxel_parts.hpp"
 

@@ -1,7 +1,7 @@
-#include "dynasurf/report/lod_page.hpp"
+#include "dynasurf/report/detail/lod_page.hpp"
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/report/detail/page_parts.hpp"
 #include "dynasurf/report/detail/page_template.hpp"
 

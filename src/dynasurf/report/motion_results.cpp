@@ -1,4 +1,4 @@
-#include "dynasurf/report/motion_results.hpp"
+#include "dynasurf/report/detail/motion_results.hpp"
 
 #include <algorithm>
 #include <cmath>

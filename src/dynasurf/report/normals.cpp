@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/detail/folder_file.hpp"
 #include "dynasurf/io/detail/json_node.hpp"

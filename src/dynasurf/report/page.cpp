@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/report/detail/page_parts.hpp"
 #include "dynasurf/report/detail/page_template.hpp"
 #include "dynasurf/report/measures.hpp"

@@ -1,4 +1,4 @@
-#include "dynasurf/report/run_record.hpp"
+#include "dynasurf/report/detail/run_record.hpp"
 
 #include <algorithm>
 #include <iterator>

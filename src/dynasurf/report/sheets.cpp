@@ -1,4 +1,4 @@
-#include "dynasurf/report/sheets.hpp"
+#include "dynasurf/report/detail/sheets.hpp"
 
 #include <algorithm>
 #include <array>

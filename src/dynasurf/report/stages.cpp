@@ -1,12 +1,12 @@
-#include "dynasurf/report/stages.hpp"
+#include "dynasurf/report/detail/stages.hpp"
 
 #include <array>
 #include <cstdio>
 #include <string>
 
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
+#include "dynasurf/io/detail/stage_io.hpp"
 #include "dynasurf/io/mesh_io.hpp"
-#include "dynasurf/io/stage_io.hpp"
 #include "dynasurf/mesh/measures.hpp"
 
 namespace dynasurf::report {

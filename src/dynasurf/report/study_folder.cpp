@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
+#include "dynasurf/report/detail/sheets.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/report.hpp"
-#include "dynasurf/report/sheets.hpp"
 
 namespace dynasurf::report {
 namespace {

@@ -10,7 +10,7 @@
 #include <cairo.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/atomic_file.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
 
 namespace dynasurf::show {
 namespace {

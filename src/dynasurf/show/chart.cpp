@@ -1,11 +1,11 @@
-#include "dynasurf/show/chart.hpp"
+#include "dynasurf/show/detail/chart.hpp"
 
 #include <array>
 #include <cmath>
 #include <cstdio>
 
 #include "dynasurf/core/detail/elementary.hpp"
-#include "dynasurf/show/palette.hpp"
+#include "dynasurf/show/detail/palette.hpp"
 
 namespace dynasurf::show {
 

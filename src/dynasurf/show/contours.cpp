@@ -2,9 +2,9 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/dynamics/contour/potential.hpp"
-#include "dynasurf/show/palette.hpp"
+#include "dynasurf/show/detail/palette.hpp"
+#include "dynasurf/show/detail/plane.hpp"
 #include "dynasurf/show/pictures.hpp"
-#include "dynasurf/show/plane.hpp"
 
 namespace dynasurf::show {
 namespace {

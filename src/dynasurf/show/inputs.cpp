@@ -1,4 +1,4 @@
-#include "dynasurf/show/inputs.hpp"
+#include "dynasurf/show/detail/inputs.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/detail/folder_file.hpp"
 #include "dynasurf/io/detail/json_node.hpp"

@@ -1,4 +1,4 @@
-#include "dynasurf/show/palette.hpp"
+#include "dynasurf/show/detail/palette.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "dynasurf/show/plane.hpp"
+#include "dynasurf/show/detail/plane.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
-#include "dynasurf/show/palette.hpp"
+#include "dynasurf/show/detail/palette.hpp"
 
 namespace dynasurf::show {
 

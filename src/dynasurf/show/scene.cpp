@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "dynasurf/core/detail/elementary.hpp"
-#include "dynasurf/show/chart.hpp"
-#include "dynasurf/show/palette.hpp"
+#include "dynasurf/show/detail/chart.hpp"
+#include "dynasurf/show/detail/palette.hpp"
 
 namespace dynasurf::show {
 namespace {

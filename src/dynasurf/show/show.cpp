@@ -14,10 +14,10 @@
 #include "dynasurf/io/study_io.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/smooth.hpp"
-#include "dynasurf/show/inputs.hpp"
-#include "dynasurf/show/palette.hpp"
+#include "dynasurf/show/detail/inputs.hpp"
+#include "dynasurf/show/detail/palette.hpp"
+#include "dynasurf/show/detail/plane.hpp"
 #include "dynasurf/show/pictures.hpp"
-#include "dynasurf/show/plane.hpp"
 #include "dynasurf/ventricle/closure.hpp"
 #include "dynasurf/ventricle/contour_pipeline.hpp"
 

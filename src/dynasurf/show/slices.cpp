@@ -3,9 +3,9 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/show/palette.hpp"
+#include "dynasurf/show/detail/palette.hpp"
+#include "dynasurf/show/detail/plane.hpp"
 #include "dynasurf/show/pictures.hpp"
-#include "dynasurf/show/plane.hpp"
 
 namespace dynasurf::show {
 namespace {

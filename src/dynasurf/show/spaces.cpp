@@ -6,8 +6,8 @@
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/smooth.hpp"
-#include "dynasurf/show/chart.hpp"
-#include "dynasurf/show/palette.hpp"
+#include "dynasurf/show/detail/chart.hpp"
+#include "dynasurf/show/detail/palette.hpp"
 #include "dynasurf/show/pictures.hpp"
 
 namespace dynasurf::show {

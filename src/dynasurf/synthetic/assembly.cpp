@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "dynasurf/core/detail/elementary.hpp"
-#include "dynasurf/core/text_stream.hpp"
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/synthetic/detail/noise.hpp"
 
 namespace dynasurf::synthetic {

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/image/intensity.hpp"
 #include "dynasurf/synthetic/detail/assembly.hpp"
 #include "dynasurf/synthetic/detail/solids.hpp"

@@ -1,4 +1,4 @@
-#include "dynasurf/core/text_stream.hpp"
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/synthetic/detail/assembly.hpp"
 #include "dynasurf/synthetic/detail/solids.hpp"
 

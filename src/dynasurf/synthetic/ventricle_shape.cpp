@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/synthetic/detail/solids.hpp"
 
 namespace dynasurf::synthetic {

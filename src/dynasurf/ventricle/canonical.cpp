@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/text_stream.hpp"
 
 namespace dynasurf::ventricle {
 namespace {

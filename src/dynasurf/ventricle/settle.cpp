@@ -8,7 +8,7 @@
 
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/image/resample.hpp"
-#include "dynasurf/mesh/ray_bvh.hpp"
+#include "dynasurf/mesh/detail/ray_bvh.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
 namespace dynasurf::ventricle {

@@ -1,7 +1,7 @@
 // A volume, with what the sources give as a part of another project.
 #include <cstdio>
 
-#include <dynasurf/core/memory_limit.hpp>
+#include <dynasurf/core/detail/memory_limit.hpp>
 #include <dynasurf/core/volume.hpp>
 
 int main() {

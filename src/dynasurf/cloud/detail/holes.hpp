@@ -2,7 +2,7 @@
 #include <optional>
 
 #include "dynasurf/cloud/detail/body.hpp"
-#include "dynasurf/cloud/orient.hpp"
+#include "dynasurf/cloud/detail/orient.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
 namespace dynasurf::cloud {

@@ -1,5 +1,5 @@
 #pragma once
-#include "dynasurf/cloud/orient.hpp"
+#include "dynasurf/cloud/detail/orient.hpp"
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/core/volume.hpp"
 

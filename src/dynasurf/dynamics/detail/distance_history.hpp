@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "dynasurf/mesh/border_distance.hpp"
+#include "dynasurf/mesh/detail/border_distance.hpp"
 
 namespace dynasurf::dynamics {
 

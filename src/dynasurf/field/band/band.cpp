@@ -6,9 +6,9 @@
 #include <string>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/core/text_stream.hpp"
 #include "dynasurf/field/band/detail/bricks.hpp"
 #include "dynasurf/field/detail/gradient.hpp"
 

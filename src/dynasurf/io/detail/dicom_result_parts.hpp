@@ -1,6 +1,6 @@
 #pragma once
 #include "dynasurf/io/detail/dicom_item.hpp"
-#include "dynasurf/io/dicom_results.hpp"
+#include "dynasurf/io/detail/dicom_results.hpp"
 
 // What the writers of DICOM results share.
 namespace dynasurf::io::dicom {

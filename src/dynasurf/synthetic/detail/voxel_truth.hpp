@@ -2,7 +2,7 @@
 #include <cstddef>
 
 #include "dynasurf/core/volume.hpp"
-#include "dynasurf/image/cover.hpp"
+#include "dynasurf/image/detail/cover.hpp"
 
 namespace dynasurf::synthetic {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "dynasurf/core/text_stream.hpp"
+#include "dynasurf/core/detail/text_stream.hpp"
 
 namespace dynasurf::ventricle {
 

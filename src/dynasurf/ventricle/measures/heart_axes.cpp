@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "dynasurf/core/detail/elementary.hpp"
-#include "dynasurf/mesh/ray_bvh.hpp"
+#include "dynasurf/mesh/detail/ray_bvh.hpp"
 
 namespace dynasurf::ventricle {
 namespace {

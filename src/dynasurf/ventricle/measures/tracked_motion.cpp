@@ -9,7 +9,7 @@
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/mesh/point_spline.hpp"
+#include "dynasurf/mesh/detail/point_spline.hpp"
 
 namespace dynasurf::ventricle {
 namespace {

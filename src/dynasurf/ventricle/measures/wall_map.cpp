@@ -6,7 +6,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/resample.hpp"
-#include "dynasurf/mesh/ray_bvh.hpp"
+#include "dynasurf/mesh/detail/ray_bvh.hpp"
 
 namespace dynasurf::ventricle {
 namespace {

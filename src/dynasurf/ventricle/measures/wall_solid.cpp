@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/mesh/detail/ray_bvh.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/mesh/ray_bvh.hpp"
 
 namespace dynasurf::ventricle {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
-#include "dynasurf/mesh/ray_bvh.hpp"
+#include "dynasurf/mesh/detail/ray_bvh.hpp"
 
 namespace dynasurf::ventricle {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "dynasurf/io/dicom_results.hpp"
+#include "dynasurf/io/detail/dicom_results.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
 namespace dynasurf::report {

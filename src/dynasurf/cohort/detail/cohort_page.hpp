@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "dynasurf/cohort/cases.hpp"
-#include "dynasurf/cohort/cohort_statistics.hpp"
+#include "dynasurf/cohort/detail/cases.hpp"
+#include "dynasurf/cohort/detail/cohort_statistics.hpp"
 
 namespace dynasurf::cohort {
 

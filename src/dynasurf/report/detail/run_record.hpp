@@ -6,7 +6,7 @@
 
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/report/cloud_report.hpp"
-#include "dynasurf/report/label_volumes.hpp"
+#include "dynasurf/report/detail/label_volumes.hpp"
 #include "dynasurf/report/provenance.hpp"
 #include "dynasurf/ventricle/result.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 #include "dynasurf/field/vector_field.hpp"
-#include "dynasurf/show/chart.hpp"
+#include "dynasurf/show/detail/chart.hpp"
 
 namespace dynasurf::show {
 

@@ -2,8 +2,8 @@
 #include <string>
 #include <vector>
 
-#include "dynasurf/cohort/cases.hpp"
-#include "dynasurf/cohort/statistics.hpp"
+#include "dynasurf/cohort/detail/cases.hpp"
+#include "dynasurf/cohort/detail/statistics.hpp"
 
 namespace dynasurf::cohort {
 
