@@ -1,12 +1,11 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
 
-#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/formats.hpp"
+#include "dynasurf/io/detail/nrrd_header.hpp"
 #include "dynasurf/io/detail/samples.hpp"
 
 namespace dynasurf::io {
@@ -14,135 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t longest_header = std::size_t{1} << 20;
-
-struct Header {
-  std::string where;
-  std::map<std::string, std::string> fields;  // "field: value", names in lower case without spaces
-  std::map<std::string, std::string> keys;    // "key:=value"
-  std::uint64_t end = 0;                      // offset of the first byte after the blank line
-  bool has_blank_line = false;
-  bool data_file_is_last = false;  // of the lines so far
-
-  std::optional<std::string> find(const std::string& name) const {
-    const auto it = fields.find(name);
-    return it == fields.end() ? std::nullopt : std::optional(it->second);
-  }
-  std::string need(const std::string& name) const {
-    const auto value = find(name);
-    if (!value) throw InputError(where + ": NRRD header has no field \"" + name + "\"");
-    return *value;
-  }
-  [[noreturn]] void refuse(const std::string& name, const std::string& expected) const {
-    throw InputError(where + ": NRRD field \"" + name + "\" is \"" + find(name).value_or("").substr(0, 80) +
-                     "\"; expected " + expected);
-  }
-};
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-void read_line(Header& header, const std::string& line) {
-  if (line[0] == '#') return;
-  const auto colon = line.find(':');
-  if (colon == std::string::npos)
-    throw InputError(header.where + ": NRRD header line \"" + line.substr(0, 60) + "\" has no colon");
-  const bool is_key = colon + 1 < line.size() && line[colon + 1] == '=';
-  std::string name = line.substr(0, colon);
-  if (!is_key) {
-    name = lower(name);
-    std::erase(name, ' ');
-  }
-  header.data_file_is_last = !is_key && name == "datafile";
-  auto& table = is_key ? header.keys : header.fields;
-  if (!table.emplace(name, trimmed(line.substr(colon + (is_key ? 2 : 1)))).second)
-    throw InputError(header.where + ": NRRD header gives \"" + name.substr(0, 60) + "\" twice");
-}
-
-/// A header that lost its last lines must not pass for a whole one. It is whole up to an empty line; and up to the name
-/// of its data file, which the programs that leave the empty line out write last. `line` is what follows the last line
-/// break.
-void require_end(const Header& header, const std::string& line) {
-  if (header.has_blank_line) return;
-  if (!line.empty())
-    throw InputError(header.where + ": is cut off: the last line of the NRRD header, \"" + line.substr(0, 60) +
-                     "\", has no end");
-  if (!header.data_file_is_last)
-    throw InputError(header.where +
-                     ": may be cut off: the NRRD header ends without a blank line; end it with one, or " +
-                     "with the line \"data file\"");
-}
-
-Header read_header(const fs::path& path) {
-  Header header;
-  header.where = path.string();
-  ByteSource source(path, ByteSource::Packing::plain);
-  const std::uint64_t size = source.most_bytes_left();
-  std::string line;
-  bool first = true;
-  for (; header.end < size && !header.has_blank_line;) {
-    if (header.end >= longest_header) throw InputError(header.where + ": NRRD header is longer than 1 MiB");
-    std::byte byte{};
-    source.read({&byte, 1}, "header");
-    ++header.end;
-    const char c = static_cast<char>(byte);
-    if (c != '\n') {
-      line += c;
-      continue;
-    }
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (first) {
-      if (line.size() != 8 || line.compare(0, 7, "NRRD000") != 0 || line[7] < '1' || line[7] > '5')
-        throw InputError(header.where + ": is not a NRRD file of version 1 to 5");
-      first = false;
-    } else if (line.empty()) {
-      header.has_blank_line = true;
-    } else {
-      read_line(header, line);
-    }
-    line.clear();
-  }
-  require_end(header, line);
-  return header;
-}
-
-template <class T>
-T number(const Header& header, const std::string& field, std::string_view text) {
-  T value{};
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || rest != text.data() + text.size()) header.refuse(field, "numbers");
-  return value;
-}
-
-std::vector<std::string> words(const std::string& text) {
-  TextInput in(text);
-  std::vector<std::string> found;
-  for (std::string word; in >> word;) found.push_back(word);
-  return found;
-}
-
-/// The entries of a list of quoted words: "mm" "mm" "".
-std::vector<std::string> quoted(const std::string& text) {
-  std::vector<std::string> found;
-  for (auto at = text.find('"'); at != std::string::npos; at = text.find('"', at)) {
-    const auto end = text.find('"', at + 1);
-    if (end == std::string::npos) break;
-    found.push_back(text.substr(at + 1, end - at - 1));
-    at = end + 1;
-  }
-  return found;
-}
-
-SampleType sample_type(const Header& header) {
+SampleType sample_type(const NrrdHeader& header) {
   static const std::map<std::string, SampleType> types = {{"signedchar", SampleType::int8},
                                                           {"int8", SampleType::int8},
                                                           {"int8_t", SampleType::int8},
@@ -184,7 +55,7 @@ SampleType sample_type(const Header& header) {
   return it->second;
 }
 
-SampleLayout layout_of(const Header& header) {
+SampleLayout layout_of(const NrrdHeader& header) {
   SampleLayout layout;
   layout.type = sample_type(header);
   if (bytes_of(layout.type) > 1) {
@@ -195,7 +66,7 @@ SampleLayout layout_of(const Header& header) {
   return layout;
 }
 
-ByteSource::Packing packing_of(const Header& header) {
+ByteSource::Packing packing_of(const NrrdHeader& header) {
   const std::string encoding = lower(header.need("encoding"));
   if (encoding == "raw") return ByteSource::Packing::plain;
   if (encoding != "gzip" && encoding != "gz")
@@ -222,22 +93,22 @@ std::vector<std::string> direction_words(const std::string& text) {
   return words(packed);
 }
 
-Vec3 vector_of(const Header& header, const std::string& field, const std::string& word) {
+Vec3 vector_of(const NrrdHeader& header, const std::string& field, const std::string& word) {
   if (word.size() < 2 || word.front() != '(' || word.back() != ')') header.refuse(field, "vectors like (1,0,0)");
   Vec3 v;
   std::string_view rest = std::string_view(word).substr(1, word.size() - 2);
   for (int n = 0; n < 3; ++n) {
     const auto comma = rest.find(',');
     if ((comma == std::string_view::npos) != (n == 2)) header.refuse(field, "vectors of three numbers");
-    v[n] = number<double>(header, field, rest.substr(0, comma));
+    v[n] = number_of<double>(header, field, rest.substr(0, comma));
     if (n < 2) rest.remove_prefix(comma + 1);
   }
   return v;
 }
 
-Axes axes_of(const Header& header) {
+Axes axes_of(const NrrdHeader& header) {
   const auto sizes = words(header.need("sizes"));
-  const auto rank = number<std::uint64_t>(header, "dimension", header.need("dimension"));
+  const auto rank = number_of<std::uint64_t>(header, "dimension", header.need("dimension"));
   if (rank != 3 && rank != 4) header.refuse("dimension", "3 (one volume) or 4 (gates)");
   if (sizes.size() != rank) header.refuse("sizes", std::to_string(rank) + " numbers");
   Axes axes;
@@ -254,7 +125,7 @@ Axes axes_of(const Header& header) {
   std::uint64_t extent[4] = {1, 1, 1, 1};
   std::size_t next = 0;
   for (std::size_t a = 0; a < rank; ++a) {
-    const auto n = number<std::uint64_t>(header, "sizes", sizes[a]);
+    const auto n = number_of<std::uint64_t>(header, "sizes", sizes[a]);
     (static_cast<int>(a) == axes.list_axis ? extent[3] : extent[next++]) = n;
   }
   check_study_size(extent[0], extent[1], extent[2], extent[3], header.where);
@@ -274,7 +145,7 @@ Axes axes_of(const Header& header) {
   return axes;
 }
 
-Vec3 to_lps_of(const Header& header) {
+Vec3 to_lps_of(const NrrdHeader& header) {
   const std::string space = lower(header.need("space"));
   if (space == "left-posterior-superior" || space == "lps") return {1, 1, 1};
   if (space == "right-anterior-superior" || space == "ras") return {-1, -1, 1};
@@ -282,7 +153,7 @@ Vec3 to_lps_of(const Header& header) {
   header.refuse("space", "left-posterior-superior, right-anterior-superior or left-anterior-superior");
 }
 
-double millimetres_per_unit(const Header& header) {
+double millimetres_per_unit(const NrrdHeader& header) {
   const auto units = header.find("spaceunits");
   if (!units) return 1;
   const auto names = quoted(*units);
@@ -298,13 +169,13 @@ double millimetres_per_unit(const Header& header) {
 }
 
 /// A header without a space: voxel sizes at best, but nothing of where left and right are.
-Grid unplaced_grid(const Header& header, const Axes& axes, Notes& notes) {
+Grid unplaced_grid(const NrrdHeader& header, const Axes& axes, Notes& notes) {
   Mat3 steps = Mat3::Identity();
   const auto spacings = words(header.need("spacings"));
   int next = 0;
   for (std::size_t a = 0; a < spacings.size(); ++a)
     if (static_cast<int>(a) != axes.list_axis && next < 3) {
-      steps(next, next) = number<double>(header, "spacings", spacings[a]);
+      steps(next, next) = number_of<double>(header, "spacings", spacings[a]);
       ++next;
     }
   if (next != 3) header.refuse("spacings", "one number per axis");
@@ -313,7 +184,7 @@ Grid unplaced_grid(const Header& header, const Axes& axes, Notes& notes) {
   return grid_from_steps(axes.dims, steps, Vec3::Zero(), header.where);
 }
 
-Grid grid_of(const Header& header, const Axes& axes, Notes& notes) {
+Grid grid_of(const NrrdHeader& header, const Axes& axes, Notes& notes) {
   if (!header.find("spacedirections")) return unplaced_grid(header, axes, notes);
   const Vec3 to_lps = to_lps_of(header) * millimetres_per_unit(header);
   const auto vectors = direction_words(header.need("spacedirections"));
@@ -340,7 +211,7 @@ Grid grid_of(const Header& header, const Axes& axes, Notes& notes) {
 }
 
 /// The unit of the gate axis in ms, 0 when the file does not say.
-double gate_unit_ms(const Header& header, int list_axis) {
+double gate_unit_ms(const NrrdHeader& header, int list_axis) {
   const auto units = header.find("units");
   if (!units) return 0;
   const auto names = quoted(*units);
@@ -350,7 +221,7 @@ double gate_unit_ms(const Header& header, int list_axis) {
 }
 
 /// Times of the gates from Slicer's sequence keys.
-void set_times(Study& study, const Header& header, int list_axis) {
+void set_times(Study& study, const NrrdHeader& header, int list_axis) {
   if (study.gates.size() < 2) return;
   const std::string key = "axis " + std::to_string(list_axis) + " index values";
   const double unit_ms = gate_unit_ms(header, list_axis);
@@ -379,7 +250,7 @@ void set_times(Study& study, const Header& header, int list_axis) {
 }
 
 /// What our own writer adds beside the standard.
-void set_own_keys(Study& study, const Header& header) {
+void set_own_keys(Study& study, const NrrdHeader& header) {
   const auto value = [&](const char* key) {
     const auto it = header.keys.find(key);
     return it == header.keys.end() ? std::string() : it->second;
@@ -396,7 +267,7 @@ void set_own_keys(Study& study, const Header& header) {
 }
 
 /// The number of a key that Slicer writes for a segment; `otherwise` where it is absent.
-int number_of_segment(const Header& header, std::size_t segment, const char* name, int otherwise, int most) {
+int number_of_segment(const NrrdHeader& header, std::size_t segment, const char* name, int otherwise, int most) {
   const std::string key = "Segment" + std::to_string(segment) + name;
   const auto it = header.keys.find(key);
   if (it == header.keys.end()) return otherwise;
@@ -410,7 +281,7 @@ int number_of_segment(const Header& header, std::size_t segment, const char* nam
 
 /// A segmentation of Slicer's (.seg.nrrd) becomes one label map. Segments that overlap stand in layers, one volume
 /// each; where two have the same value they are numbered, and the later one covers the earlier.
-void read_segmentation(Study& study, const Header& header) {
+void read_segmentation(Study& study, const NrrdHeader& header) {
   const auto has_segment = [&](std::size_t n) { return header.keys.count("Segment" + std::to_string(n) + "_ID") > 0; };
   if (!has_segment(0)) return;
   const int layers = static_cast<int>(study.gates.size());
@@ -464,7 +335,7 @@ fs::path data_file_beside(const fs::path& header, const std::string& name) {
   return file;
 }
 
-std::optional<std::string> data_file_name(const Header& header) {
+std::optional<std::string> data_file_name(const NrrdHeader& header) {
   const auto long_name = header.find("datafile");
   if (!long_name) return std::nullopt;
   const std::string& name = *long_name;
@@ -477,10 +348,10 @@ std::optional<std::string> data_file_name(const Header& header) {
 }
 
 /// Offset of the voxels in the file that holds them.
-std::uint64_t data_offset(const Header& header, const fs::path& file, std::uint64_t start, std::uint64_t bytes,
+std::uint64_t data_offset(const NrrdHeader& header, const fs::path& file, std::uint64_t start, std::uint64_t bytes,
                           ByteSource::Packing packing) {
-  const auto lines = number<std::int64_t>(header, "lineskip", header.find("lineskip").value_or("0"));
-  const auto skip = number<std::int64_t>(header, "byteskip", header.find("byteskip").value_or("0"));
+  const auto lines = number_of<std::int64_t>(header, "lineskip", header.find("lineskip").value_or("0"));
+  const auto skip = number_of<std::int64_t>(header, "byteskip", header.find("byteskip").value_or("0"));
   if (lines < 0 || skip < -1)
     header.refuse(lines < 0 ? "lineskip" : "byteskip", "a number of lines or bytes to leave out");
   if (lines == 0 && skip == 0) return start;
@@ -509,13 +380,13 @@ std::uint64_t data_offset(const Header& header, const fs::path& file, std::uint6
 }  // namespace
 
 std::vector<std::filesystem::path> data_files_of_nrrd(const std::filesystem::path& path) {
-  const auto name = data_file_name(read_header(path));
+  const auto name = data_file_name(read_nrrd_header(path));
   if (!name) return {};
   return {data_file_beside(path, *name)};
 }
 
 Study read_nrrd(const std::filesystem::path& path) {
-  const Header header = read_header(path);
+  const NrrdHeader header = read_nrrd_header(path);
   const Axes axes = axes_of(header);
   SampleLayout layout = layout_of(header);
   layout.gate_fastest = axes.list_axis == 0;

@@ -102,14 +102,12 @@ struct Guess {
   }
 };
 
-/// The columns of rows without names, from the first rows. Throws when they can mean several things.
-Columns guessed_columns(TextReader text, char separator, bool normals_first) {
-  Columns columns;
-  columns.separator = separator;
+/// What the three numbers from each column on look like in the first rows; sets how many columns there are.
+std::vector<Guess> guesses_of(TextReader text, Columns& columns) {
   std::vector<Guess> guesses(most_columns);
   bool any = false;
   for (std::size_t row = 0; row < rows_to_look_at && (row == 0 || next_row(text)); ++row) {
-    const auto cells = cells_of(text.rest(), separator);
+    const auto cells = cells_of(text.rest(), columns.separator);
     if (cells.size() == 1) continue;  // the number of points that follow
     if (!any) columns.count = cells.size();
     any = true;
@@ -118,12 +116,20 @@ Columns guessed_columns(TextReader text, char separator, bool normals_first) {
       std::array<double, 3> v{};
       for (std::size_t k = 0; k < 3; ++k) {
         std::string room;
-        const std::string_view cell = with_point(cells[c + k], separator, room);
+        const std::string_view cell = with_point(cells[c + k], columns.separator, room);
         if (is_number(cell)) v[k] = text.number_of<double>(cell, "a value");
       }
       guesses[c].see(v[0], v[1], v[2]);
     }
   }
+  return guesses;
+}
+
+/// The columns of rows without names, from the first rows. Throws when they can mean several things.
+Columns guessed_columns(const TextReader& text, char separator, bool normals_first) {
+  Columns columns;
+  columns.separator = separator;
+  const std::vector<Guess> guesses = guesses_of(text, columns);
   const auto group = [](std::size_t first) { return std::array<std::size_t, 3>{first, first + 1, first + 2}; };
   const auto place = [&](std::size_t first) {
     const bool unit = guesses[first].unit && !columns.has(columns.normal);
