@@ -68,90 +68,127 @@ TriMesh body_surface(const IndicatorField& field, double level, std::span<const 
   return mesh::submesh(mesh, marks);
 }
 
-Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> points, const Options& options, Notes& notes,
-                 const std::optional<BodyTopology>& expected) {
-  constexpr double nudge = 0.1;  // the field runs from -0.5 to 0.5
-  const double share = options.smallest_part_percent / 100;
-  const auto surface = [&](const IndicatorField& f, double level) { return body_surface(f, level, points, share); };
+namespace {
+
+constexpr double nudge = 0.1;  // the field runs from -0.5 to 0.5
+
+/// Looks for the body in fields from coarse to fine. Each `take_` says whether it found one; the last one stands.
+class BodySearch {
+ public:
+  BodySearch(const std::vector<IndicatorField>& fields, std::span<const Vec3> points, const Options& options)
+      : fields_(fields), points_(points), rule_(options.genus), share_(options.smallest_part_percent / 100) {}
+
   std::optional<Body> taken;
-  std::size_t taken_from = 0;
-  const auto take = [&](std::size_t i, TriMesh mesh, const BodyTopology& kind) {
-    taken = Body{std::move(mesh), kind.parts, kind.genus, false, fields[i]};
-    taken_from = i;
-  };
-  const auto is_firm = [&](std::size_t i, const BodyTopology& kind, double level, double width) {
-    std::array<std::uint8_t, 2> is_same{};
-    parallel_for(2, 1, [&](std::size_t n, std::size_t) {
-      is_same[n] = kind_of(surface(fields[i], n == 0 ? level + width : level - width)) == kind;
-    });
-    return is_same[0] && is_same[1];
-  };
-  // Takes the finest that is as asked for, else the simplest: coarse fields hold fewer handles, true or not.
-  const auto take_finest = [&](const std::optional<BodyTopology>& wanted) {
-    for (std::size_t i = fields.size(); i-- > 0;) {
-      TriMesh mesh = surface(fields[i], 0);
+
+  /// The finest that is as asked for, else the simplest: coarse fields hold fewer handles, true or not.
+  bool take_finest(const std::optional<BodyTopology>& wanted) {
+    for (std::size_t i = fields_.size(); i-- > 0;) {
+      TriMesh mesh = surface(fields_[i], 0);
       if (mesh.triangles.empty()) continue;
       const BodyTopology kind = kind_of(mesh);
-      const bool suits =
-          options.genus == GenusRule::keep || (options.genus == GenusRule::zero && kind.genus == 0) ||
-          (options.genus == GenusRule::automatic && (!wanted || kind == *wanted) && is_firm(i, kind, 0, nudge));
+      const bool suits = rule_ == GenusRule::keep || (rule_ == GenusRule::zero && kind.genus == 0) ||
+                         (rule_ == GenusRule::automatic && (!wanted || kind == *wanted) && is_firm(i, kind, 0, nudge));
       if (suits || !taken || kind.genus < taken->genus || (kind.genus == taken->genus && kind.parts < taken->parts))
         take(i, std::move(mesh), kind);
       if (suits) return true;
     }
     return false;
-  };
-  // Takes the finest from `first` on that is of this kind at a level a little higher or lower.
-  const auto take_near = [&](const BodyTopology& kind, std::size_t first) {
-    for (std::size_t i = fields.size(); i-- > first;)
+  }
+
+  /// The finest from field `first` on that is of this kind at a level a little higher or lower.
+  bool take_near(const BodyTopology& kind, std::size_t first) {
+    for (std::size_t i = fields_.size(); i-- > first;)
       for (const double level : {0.0, -nudge, nudge, -2 * nudge, 2 * nudge}) {
-        TriMesh mesh = surface(fields[i], level);
+        TriMesh mesh = surface(fields_[i], level);
         if (mesh.triangles.empty() || kind_of(mesh) != kind) continue;
         take(i, std::move(mesh), kind);
         return true;
       }
     return false;
-  };
-  // Takes the finest whose surface is firm at another level, the nearest one: noise breaks a thin wall in many places,
-  // but a little farther out it is whole.
-  const auto take_firm = [&] {
+  }
+
+  /// The finest whose surface is firm at another level, the nearest one: noise breaks a thin wall in many places, but a
+  /// little farther out it is whole.
+  bool take_firm() {
     constexpr double step = 0.5 * nudge;
-    for (std::size_t i = fields.size(); i-- > 0;)
+    for (std::size_t i = fields_.size(); i-- > 0;)
       for (int steps = 1; steps <= 6; ++steps)
         for (const double level : {-step * steps, step * steps}) {
-          TriMesh mesh = surface(fields[i], level);
+          TriMesh mesh = surface(fields_[i], level);
           const BodyTopology kind = kind_of(mesh);
           if (mesh.triangles.empty() || !is_firm(i, kind, level, step)) continue;
           take(i, std::move(mesh), kind);
           return true;
         }
     return false;
-  };
-  bool as_asked = take_finest(expected);
-  if (!as_asked && expected && options.genus == GenusRule::automatic) {
-    as_asked = take_near(*expected, 0);
-    if (!as_asked) {
-      taken.reset();
-      as_asked = take_finest({});
-    }
   }
-  if (!as_asked && options.genus == GenusRule::automatic) as_asked = take_firm();
-  if (taken) take_near({taken->parts, taken->genus}, taken_from + 1);
-  if (taken && !as_asked && options.genus == GenusRule::zero) {
-    // Cut on a coarser lattice, where the two sides of a cut stand well apart.
-    IndicatorField cut = without_handles(fields.size() > 1 ? fields[fields.size() - 2] : taken->field);
+
+  /// The kind of the body that is expected, else whichever is firm.
+  bool take_as_asked(const std::optional<BodyTopology>& expected) {
+    if (take_finest(expected)) return true;
+    if (rule_ != GenusRule::automatic) return false;
+    if (expected) {
+      if (take_near(*expected, 0)) return true;
+      taken.reset();
+      if (take_finest({})) return true;
+    }
+    return take_firm();
+  }
+
+  /// A finer field may hold the same kind at another level.
+  void refine() {
+    if (taken) take_near({taken->parts, taken->genus}, from_ + 1);
+  }
+
+  /// Cut on a coarser lattice, where the two sides of a cut stand well apart.
+  bool cut_handles() {
+    IndicatorField cut = without_handles(fields_.size() > 1 ? fields_[fields_.size() - 2] : taken->field);
     TriMesh mesh = surface(cut, 0);
     const BodyTopology kind = kind_of(mesh);
-    as_asked = kind.genus == 0;
-    if (as_asked) taken = Body{std::move(mesh), kind.parts, 0, true, std::move(cut)};
+    if (kind.genus != 0) return false;
+    taken = Body{std::move(mesh), kind.parts, 0, true, std::move(cut)};
+    return true;
   }
-  if (!taken) throw InputError("the points of the cloud enclose nothing");
-  taken->firm = firmness_of(fields, points, share, {taken->parts, taken->genus});
+
+ private:
+  TriMesh surface(const IndicatorField& field, double level) const {
+    return body_surface(field, level, points_, share_);
+  }
+  void take(std::size_t i, TriMesh mesh, const BodyTopology& kind) {
+    taken = Body{std::move(mesh), kind.parts, kind.genus, false, fields_[i]};
+    from_ = i;
+  }
+  bool is_firm(std::size_t i, const BodyTopology& kind, double level, double width) const {
+    std::array<std::uint8_t, 2> is_same{};
+    parallel_for(2, 1, [&](std::size_t n, std::size_t) {
+      is_same[n] = kind_of(surface(fields_[i], n == 0 ? level + width : level - width)) == kind;
+    });
+    return is_same[0] && is_same[1];
+  }
+
+  const std::vector<IndicatorField>& fields_;
+  std::span<const Vec3> points_;
+  GenusRule rule_;
+  double share_;
+  std::size_t from_ = 0;  // which field `taken` comes from
+};
+
+}  // namespace
+
+Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> points, const Options& options, Notes& notes,
+                 const std::optional<BodyTopology>& expected) {
+  BodySearch search(fields, points, options);
+  bool as_asked = search.take_as_asked(expected);
+  search.refine();
+  if (search.taken && !as_asked && options.genus == GenusRule::zero) as_asked = search.cut_handles();
+  if (!search.taken) throw InputError("the points of the cloud enclose nothing");
+  Body body = std::move(*search.taken);
+  body.firm = firmness_of(fields, points, options.smallest_part_percent / 100, {body.parts, body.genus});
   if (!as_asked)
     notes.push_back(
         {Severity::warning, "cloud.handles",
-         "the points do not tell how many handles the surface has; it was given " + std::to_string(taken->genus)});
-  return std::move(*taken);
+         "the points do not tell how many handles the surface has; it was given " + std::to_string(body.genus)});
+  return body;
 }
 
 }  // namespace dynasurf::cloud
