@@ -264,6 +264,62 @@ Image with_base_first(const Image& image) {
   return result;
 }
 
+/// The walls of the beating heart at one instant, in the world, with their volumes and uptake.
+TrueGate true_gate(const VirtualPatient& o, const Setting& s, const Instant& now, double phase) {
+  TrueGate truth;
+  truth.phase = phase;
+  const TriMesh endo = made_uneven(o, with_late_sector(o, endo_surface(now.shape), endo_surface(now.late)),
+                                   now.shape.base_z, width_factor);
+  const TriMesh epi = made_uneven(o, with_late_sector(o, epi_surface(now.shape), epi_surface(now.late)),
+                                  now.shape.base_z, outer_width_factor);
+  const bool is_one = o.late_wall == Defect::none && o.irregular.walls == 0;
+  truth.endo_ml = is_one ? endo_ml(now.shape) : mesh::volume_mm3(endo) / 1000;
+  truth.epi_ml = is_one ? epi_ml(now.shape) : mesh::volume_mm3(epi) / 1000;
+  truth.endo_uptake = uptake_at(o, now, endo), truth.epi_uptake = uptake_at(o, now, epi);
+  truth.endo = place_in_world(s.grid, s.heart, endo);
+  truth.epi = place_in_world(s.grid, s.heart, epi);
+  return truth;
+}
+
+/// Every gate as the camera sees it, without noise; fills `truth`, one for each gate.
+std::vector<Image> see_beat(const VirtualPatient& o, const VentricleMotion& motion, const Setting& setting,
+                            const VentricleShape& relaxed, std::vector<TrueGate>& truth) {
+  constexpr double sub_step_mm = 1.2;
+  const Index3 sub_samples = sub_samples_for(setting.grid, sub_step_mm);
+  const double fwhm = fwhm_before_filter(o.fwhm_mm, o.noise), narrow = narrow_fwhm(o.irregular, fwhm);
+  Image at_rest(setting.grid);
+  if (o.torso.present) at_rest = render_torso(o, setting, relaxed, fwhm);
+
+  std::vector<Image> images(truth.size());
+  parallel_for(images.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t g = begin; g < end; ++g) {
+      const double phase = o.gates > 1 ? (static_cast<double>(g) + 0.5) / o.gates : 0;
+      const Instant now = instant_at(o, motion, phase);
+      truth[g] = true_gate(o, setting, now, phase);
+      const Image seen = render_scene(setting.grid, setting.heart, scene_of(o, now, relaxed), narrow, sub_samples);
+      images[g] = see_unevenly(o.irregular, seen, narrow, fwhm);
+      for (std::size_t v = 0; v < at_rest.values.size(); ++v) {
+        const double sum = static_cast<double>(images[g].values[v]) + static_cast<double>(at_rest.values[v]);
+        images[g].values[v] = static_cast<float>(std::max(0.0, sum + o.background));
+      }
+    }
+  });
+  return images;
+}
+
+/// In the order and with the words that were asked for.
+Study study_of(const VirtualPatient& o, std::vector<Image> images) {
+  if (o.base_first)
+    for (Image& image : images) image = with_base_first(image);
+  Study study = make_study(std::move(images), 60000 / o.heart_rate_bpm);
+  if (o.base_first) study.slice_order = SliceOrder::base_to_apex;
+  if (o.cut == Cut::transaxial) {
+    study.view = View::transaxial;
+    study.slice_order = SliceOrder::unknown;
+  }
+  return study;
+}
+
 }  // namespace
 
 Phantom make_phantom(const VirtualPatient& options) {
@@ -272,58 +328,16 @@ Phantom make_phantom(const VirtualPatient& options) {
   if (o.late_wall == Defect::apical || o.late_wall == Defect::anteroapical)
     throw OptionError("option patient.late_wall is " + std::string(word_of(o.late_wall)) +
                       "; expected none, inferior, lateral or septal");
-  constexpr double sub_step_mm = 1.2;
   Phantom phantom;
   phantom.kind = VirtualPatient::name;
   o.noise = limit_filter(o.noise, o.fwhm_mm, phantom.notes);
   const VentricleMotion motion = motion_of(o);
   const VentricleShape relaxed = shape_at(motion, motion.edv_ml);
   const Setting setting = setting_of(o, {0, 0, relaxed.base_z / 2});
-  const Grid& grid = setting.grid;
-  const Frame& frame = setting.heart;
-  const Index3 sub_samples = sub_samples_for(grid, sub_step_mm);
-  const double fwhm = fwhm_before_filter(o.fwhm_mm, o.noise);
 
-  Image at_rest(grid);
-  if (o.torso.present) at_rest = render_torso(o, setting, relaxed, fwhm);
-
-  std::vector<Image> images(static_cast<std::size_t>(o.gates));
-  phantom.truth.resize(images.size());
-  parallel_for(images.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t g = begin; g < end; ++g) {
-      TrueGate& truth = phantom.truth[g];
-      truth.phase = o.gates > 1 ? (static_cast<double>(g) + 0.5) / o.gates : 0;
-      const Instant now = instant_at(o, motion, truth.phase);
-      const TriMesh endo = made_uneven(o, with_late_sector(o, endo_surface(now.shape), endo_surface(now.late)),
-                                       now.shape.base_z, width_factor);
-      const TriMesh epi = made_uneven(o, with_late_sector(o, epi_surface(now.shape), epi_surface(now.late)),
-                                      now.shape.base_z, outer_width_factor);
-      const bool is_one = o.late_wall == Defect::none && o.irregular.walls == 0;
-      truth.endo_ml = is_one ? endo_ml(now.shape) : mesh::volume_mm3(endo) / 1000;
-      truth.epi_ml = is_one ? epi_ml(now.shape) : mesh::volume_mm3(epi) / 1000;
-      truth.endo_uptake = uptake_at(o, now, endo), truth.epi_uptake = uptake_at(o, now, epi);
-      truth.endo = place_in_world(grid, frame, endo);
-      truth.epi = place_in_world(grid, frame, epi);
-      const double narrow = narrow_fwhm(o.irregular, fwhm);
-      images[g] = see_unevenly(o.irregular, render_scene(grid, frame, scene_of(o, now, relaxed), narrow, sub_samples),
-                               narrow, fwhm);
-      for (std::size_t v = 0; v < at_rest.values.size(); ++v) {
-        const double sum = static_cast<double>(images[g].values[v]) + static_cast<double>(at_rest.values[v]);
-        images[g].values[v] = static_cast<float>(std::max(0.0, sum + o.background));
-      }
-    }
-  });
-
-  images = expose(std::move(images), o.noise);
-  if (o.base_first)
-    for (Image& image : images) image = with_base_first(image);
-  phantom.study = make_study(std::move(images), 60000 / o.heart_rate_bpm);
-  if (o.base_first) phantom.study.slice_order = SliceOrder::base_to_apex;
-  if (o.cut == Cut::transaxial) {
-    phantom.study.view = View::transaxial;
-    phantom.study.slice_order = SliceOrder::unknown;
-  }
-  phantom.axis = grid.direction * frame.rotation.col(2);
+  phantom.truth.resize(static_cast<std::size_t>(o.gates));
+  phantom.study = study_of(o, expose(see_beat(o, motion, setting, relaxed, phantom.truth), o.noise));
+  phantom.axis = setting.grid.direction * setting.heart.rotation.col(2);
   if (o.tags.points > 0) phantom.tracked = track(o, motion, setting, phantom.truth);
   phantom.fwhm_mm = o.fwhm_mm;
   phantom.options = o;
