@@ -13,6 +13,7 @@
 #include "dynasurf/ventricle/detail/border_planes.hpp"
 #include "dynasurf/ventricle/detail/canonical.hpp"
 #include "dynasurf/ventricle/detail/cycle.hpp"
+#include "dynasurf/ventricle/detail/gate_run.hpp"
 #include "dynasurf/ventricle/detail/hot_objects.hpp"
 #include "dynasurf/ventricle/detail/readings.hpp"
 #include "dynasurf/ventricle/detail/region.hpp"
@@ -21,50 +22,6 @@
 
 namespace dynasurf::ventricle {
 namespace {
-
-/// Counts finished pieces of work from several threads and tells the user, one call at a time.
-class StageCounter {
- public:
-  StageCounter(const Progress& progress, std::string_view stage, int total)
-      : progress_(progress), stage_(stage), total_(total) {}
-  void advance() {
-    const std::lock_guard lock(mutex_);
-    progress_(stage_, ++done_, total_);
-  }
-
- private:
-  const Progress& progress_;
-  std::string_view stage_;
-  int total_, done_ = 0;
-  std::mutex mutex_;
-};
-
-/// What one wall of one gate passes through on its way from a border to a surface.
-struct WallRun {
-  Image border;
-  dynamics::BorderPlanes planes;
-  Image edge_map;  // of pipeline direct
-  mesh::Placement placement;
-  TriMesh start;  // grid frame; empty for pipeline contour
-  field::FlowResult flow;
-  dynamics::EvolutionResult evolved;
-  std::optional<Surface> surface;
-  std::optional<mesh::StackVolumes> stack;  // of pipeline contour
-  std::optional<WallContours> contours;     // likewise
-  std::optional<TriMesh> settled;
-  bool exists() const { return !border.values.empty(); }
-};
-
-/// What one gate passes through.
-struct GateRun {
-  image::EdgeMap edges;
-  Labels labels;
-  int base_slice = -1;
-  std::optional<BasePlane> base_plane;
-  WallRun endo, epi;
-  Notes notes;
-  WallRun& wall(Border w) { return w == Border::endo ? endo : epi; }
-};
 
 template <class... A>
 std::string format(const char* pattern, A... values) {
@@ -145,61 +102,6 @@ void make_borders(GateRun& run, const Image& image, const Options& options) {
     if (wall == Border::endo) run.wall(wall).placement.direction = mesh::Direction::in_to_out;
     run.wall(wall).edge_map = field::edge_map_of(spread_to(image, run.wall(wall).border.grid), options.edge_map);
   }
-}
-
-/// The surface on the steepest slope of the image; the border lies on a grid with room around it.
-TriMesh settled(TriMesh mesh, const Grid& border, const Image& image, const Options& options) {
-  const Vec3 shift = to_grid(border, image.grid.origin);
-  for (Vec3& p : mesh.vertices) p -= shift;
-  const Vec3 base{0, 0, options.closure.cover ? 1.0 : 0.0};
-  mesh = settle_on_slope(std::move(mesh), image, base, options.settle);
-  for (Vec3& p : mesh.vertices) p += shift;
-  return mesh;
-}
-
-void find_surface(WallRun& run, const TriMesh& start, const Options& options, const Progress& quiet,
-                  StageClock& clock) {
-  const Image& map = options.pipeline == Pipeline::direct ? run.edge_map : run.border;
-  run.start = start;
-  run.flow = clock("field", [&] { return field::flow_field(map, options.field, quiet); });
-  run.evolved = clock("surfaces", [&] {
-    return dynamics::evolve(start, run.flow.field, run.border, options.evolution, quiet, &run.planes);
-  });
-}
-
-/// The outer wall first: it bounds the search for the inner one. A wall without contours keeps no border and no mesh.
-void find_contours(GateRun& run, const Image& image, const Options& options, StageClock& clock) {
-  WallContours outer;
-  for (const Border wall : {Border::epi, Border::endo}) {
-    if (!run.wall(wall).exists()) continue;
-    WallContours contours = clock("contours", [&] {
-      return propagate_contours(image, run.labels, wall, run.base_slice, options.contour,
-                                outer.found > 0 ? &outer : nullptr);
-    });
-    auto surface = contour_surface(contours, image.grid, options.contour);
-    if (surface) {
-      // The border lies on a grid with room around it.
-      const Vec3 shift = to_grid(run.wall(wall).border.grid, image.grid.origin);
-      for (Vec3& p : surface->evolved.mesh.vertices) p += shift;
-      run.wall(wall).evolved = std::move(surface->evolved);
-      run.wall(wall).stack = surface->volumes;
-      run.wall(wall).contours = contours;
-    } else {
-      run.wall(wall) = {};
-      run.notes.insert(run.notes.end(), contours.notes.begin(), contours.notes.end());
-    }
-    if (wall == Border::epi) outer = std::move(contours);
-  }
-}
-
-/// The former surface, a little enlarged about its centre, so that the next one is reached from outside
-/// (FUT-WARMSTART); or shrunk, for surfaces that grow.
-TriMesh resized(TriMesh mesh, mesh::Direction direction) {
-  const double growth = direction == mesh::Direction::out_to_in ? 1.15 : 1 / 1.15;
-  Vec3 centre = Vec3::Zero();
-  for (const Vec3& p : mesh.vertices) centre += p / static_cast<double>(mesh.vertices.size());
-  for (Vec3& p : mesh.vertices) p = centre + growth * (p - centre);
-  return mesh;
 }
 
 void add_notes(Notes& all, const Notes& some, int gate) {
@@ -367,6 +269,21 @@ StudyRun run_borders(const Study& whole, const Options& requested, const Progres
   return run;
 }
 
+/// Gates and notes of the result, from what was found of each gate.
+void finish_gates(std::vector<GateRun>& runs, Result& result) {
+  result.notes = result.study.notes;
+  for (std::size_t n = 0; n < runs.size(); ++n) {
+    GateRun& run = runs[n];
+    const int g = static_cast<int>(n);
+    for (const Notes* notes : {&run.edges.notes, &run.labels.notes, &run.notes, &run.endo.flow.notes,
+                               &run.endo.evolved.notes, &run.epi.flow.notes, &run.epi.evolved.notes})
+      add_notes(result.notes, *notes, g);
+    for (const Border wall : walls)
+      if (run.wall(wall).surface) add_notes(result.notes, run.wall(wall).surface->notes, g);
+    result.gates.push_back(finish_gate(run, g, result));
+  }
+}
+
 }  // namespace
 
 std::span<const std::string_view> names_of(Pipeline) { return pipeline_names; }
@@ -400,79 +317,20 @@ Result reconstruct(const Study& original, const Options& requested, const Progre
     throw OptionError("option placement.shape is file; expected a mesh to start from, none was given");
   Result result;
   StageClock clock(result.seconds);
-  StudyRun borders = run_borders(original, requested, progress, mask, own, clock);
-  borders.options.evolution.histories = borders.options.evolution.histories || keep;
-  const Options& options = borders.options;
-  std::vector<GateRun>& runs = borders.gates;
-  result.study = std::move(borders.study);
-  result.heart = std::move(borders.heart);
-  const int gates = static_cast<int>(runs.size());
+  StudyRun run = run_borders(original, requested, progress, mask, own, clock);
+  run.options.evolution.histories = run.options.evolution.histories || keep;
+  result.study = std::move(run.study);
+  result.heart = std::move(run.heart);
 
-  const Progress quiet{{}, progress.stop};
-  StageCounter surfaces_found(progress, "surfaces", 2 * gates);
-  const auto surface_from_start = [&](WallRun& run) {
-    progress.check();
-    if (run.exists())
-      find_surface(run, mesh::start_mesh(run.border, options.mesh_level, run.placement, start), options, quiet, clock);
-    surfaces_found.advance();
-  };
-  if (options.pipeline == Pipeline::contour) {
-    parallel_for(runs.size(), 1, [&](std::size_t g, std::size_t) {
-      progress.check();
-      find_contours(runs[g], result.study.gates[g], options, clock);
-      surfaces_found.advance();
-      surfaces_found.advance();
-    });
-  } else if (options.warm_start) {
-    parallel_for(2, 1, [&](std::size_t w, std::size_t) {
-      const WallRun* former = nullptr;
-      for (GateRun& gate : runs) {
-        WallRun& run = gate.wall(walls[w]);
-        if (former == nullptr || !run.exists()) {
-          surface_from_start(run);
-        } else {
-          progress.check();
-          find_surface(run, resized(former->evolved.mesh, run.placement.direction), options, quiet, clock);
-          surfaces_found.advance();
-        }
-        if (run.exists()) former = &run;
-      }
-    });
-  } else {
-    parallel_for(2 * runs.size(), 1,
-                 [&](std::size_t task, std::size_t) { surface_from_start(runs[task / 2].wall(walls[task % 2])); });
-  }
-
-  parallel_for(2 * runs.size(), 1, [&](std::size_t task, std::size_t) {
-    WallRun& run = runs[task / 2].wall(walls[task % 2]);
-    if (!run.exists()) return;
-    const bool settles = options.pipeline != Pipeline::contour && run.evolved.reason != dynamics::StopReason::diverged;
-    if (settles && options.settle.rounds > 0)
-      run.settled = clock("settling", [&] {
-        return settled(run.evolved.mesh, run.border.grid, result.study.gates[task / 2], options);
-      });
-    run.surface = clock("measures", [&] {
-      return measure_surface(run.evolved, run.border, runs[task / 2].base_plane, options.tidy,
-                             run.settled ? &*run.settled : nullptr);
-    });
-  });
-
-  if (keep) hand_over_stages(keep, runs, result.study, options.evolution);
-  result.notes = result.study.notes;
-  for (int g = 0; g < gates; ++g) {
-    GateRun& run = runs[static_cast<std::size_t>(g)];
-    for (const Notes* notes : {&run.edges.notes, &run.labels.notes, &run.notes, &run.endo.flow.notes,
-                               &run.endo.evolved.notes, &run.epi.flow.notes, &run.epi.evolved.notes})
-      add_notes(result.notes, *notes, g);
-    for (const Border wall : walls)
-      if (run.wall(wall).surface) add_notes(result.notes, run.wall(wall).surface->notes, g);
-    result.gates.push_back(finish_gate(run, g, result));
-  }
+  find_surfaces(run.gates, result.study, run.options, start, progress, clock);
+  measure_surfaces(run.gates, result.study, run.options, clock);
+  if (keep) hand_over_stages(keep, run.gates, result.study, run.options.evolution);
+  finish_gates(run.gates, result);
   measure_cycle(result);
-  read_otherwise(original, options.fit, progress, clock, result);
+  read_otherwise(original, run.options.fit, progress, clock, result);
   choose_leading(result);
   note_correspondence(result);
-  result.measures = clock("measures", [&] { return measure_study(result, options.measures); });
+  result.measures = clock("measures", [&] { return measure_study(result, run.options.measures); });
   result.flags = assess(result);
   result.verdict = verdict_of(result.flags);
   return result;
