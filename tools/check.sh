@@ -50,6 +50,7 @@ check_quickly() {
   need clang-format:clang-format
   step "format" check_format
   step "include rules" python3 tools/check_includes.py
+  step "sources" python3 tools/check_sources.py
   step "same bytes" python3 tools/check_same_bytes.py
   step "streams" python3 tools/check_streams.py
   step "thesis map" python3 tools/check_thesis_map.py

@@ -58,6 +58,44 @@ class CheckNames(Project):
             self.assertEqual(code, 0, text)
 
 
+
+class CheckSources(Project):
+    """The rules of one header of module mesh, and of one source."""
+
+    def check(self, text, path="src/dynasurf/mesh/a.hpp"):
+        self.write(path, text)
+        return self.run_tool("check_sources.py", self.root)
+
+    def in_mesh(self, text):
+        return "namespace dynasurf::mesh {\n\n" + text + "\n\n}  // namespace dynasurf::mesh\n"
+
+    def test_finds_a_namespace_of_another_module(self):
+        code, text = self.check("namespace dynasurf::cloud {\n\n/// A.\nint f();\n\n}  // namespace dynasurf::cloud\n")
+        self.assertEqual(code, 1)
+        self.assertIn("src/dynasurf/mesh/a.hpp:1: namespace dynasurf::cloud; expected dynasurf::mesh", text)
+
+    def test_lets_another_module_be_declared_forward(self):
+        self.assertEqual(self.check("namespace dynasurf::cloud {\nstruct A;\n}\n" + self.in_mesh("/// B.\nint f(A);"))[0], 0)
+
+    def test_finds_a_public_name_without_a_sentence(self):
+        for name in ("struct A {\n};", "int f(int n);", "using A = int;", "enum class A { a };", "template <class T>\nint f(T);"):
+            code, text = self.check(self.in_mesh(name))
+            self.assertEqual(code, 1, name)
+            self.assertIn("has no sentence", text)
+            self.assertEqual(self.check(self.in_mesh("/// Says what.\n" + name))[0], 0, name)
+
+    def test_asks_for_no_sentence_where_nobody_reads_it(self):
+        self.assertEqual(self.check(self.in_mesh("int f(int n);"), "src/dynasurf/mesh/detail/b.hpp")[0], 0)
+
+    def test_finds_functions_and_files_that_are_too_long(self):
+        for lines, expected in ((58, 0), (59, 1)):
+            code, text = self.check(self.in_mesh("int f(int a,\n      int b) {\n" + "  step();\n" * (lines - 1) + "}"),
+                                    "src/dynasurf/mesh/b.cpp")
+            self.assertEqual(code, expected, text)
+        self.assertIn("this function has 61 lines", text)
+        self.assertIn("has 506 lines", self.check(self.in_mesh("// a\n" * 501), "src/dynasurf/mesh/b.cpp")[1])
+
+
 class CheckStreams(Project):
     def test_refuses_streams_that_swallow_the_want_of_memory(self):
         for line, refused in (("std::ostringstream text;", True), ("std::ifstream file(path);", True),

@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""Holds the sources of src/ and app/ to what CONTRIBUTING.md asks of them.
+
+A source of a module lies in the module's namespace (`dynasurf` for core, `dynasurf::mesh` for mesh, ...); a file has at
+most 500 lines and a function 60; every name that a public header shows has a sentence. Formatted sources are expected:
+what stands at namespace scope begins its line.
+"""
+
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+LONGEST_FILE, LONGEST_FUNCTION = 500, 60
+TABLES = re.compile(r"_tables\.hpp$")  # numbers, written by a script
+
+OPEN = re.compile(r"(?:inline )?namespace dynasurf((?:::\w+)*) \{")
+NO_FUNCTION = re.compile(r"(namespace|struct|class|union|enum|extern|using|template|inline namespace|//|#|\}|\s|$)")
+DECLARATION = re.compile(r"(struct|class|union|enum|inline|constexpr|template|using|concept|[A-Za-z_][\w:]*[<&* ])")
+# Words of an enumeration, descriptions of options and forward declarations say nothing new.
+PLAIN = re.compile(
+    r"(inline )?std::(span<const std::string_view> names_of|string_view name_of)\(|void describe\(|(struct|class) \w+;|using namespace |\};?|"
+    r"template <.*>$|struct Is\w+"
+)
+
+
+def namespace_failures(name, module, lines):
+    """Namespaces of a module's source that are not the module's."""
+    expected = "" if module == "core" else f"::{module}"
+    for number, line in enumerate(lines, 1):
+        match = OPEN.match(line)
+        if match and not (match[1] + "::").startswith(expected + "::") and not forward_only(lines, number):
+            yield f"{name}:{number}: namespace dynasurf{match[1]}; expected dynasurf{expected}"
+
+
+def forward_only(lines, number):
+    """Whether the namespace that opens in a line holds forward declarations alone."""
+    for line in lines[number:]:
+        if line.startswith("}"):
+            return True
+        if line.strip() and not re.match(r"(struct|class) \w+;", line):
+            return False
+    return False
+
+
+def functions(lines):
+    """First line (from 1) and length of every function at namespace scope."""
+    start = None
+    for number, line in enumerate(lines):
+        if start is None and not NO_FUNCTION.match(line) and "(" in line:
+            for later in lines[number : number + 8]:
+                if later.rstrip().endswith(("{", ";", "}")):
+                    if later.rstrip().endswith("{"):
+                        start = number
+                    break
+        elif start is not None and line.startswith("}"):
+            yield start + 1, number - start + 1
+            start = None
+
+
+def size_failures(name, lines):
+    if len(lines) > LONGEST_FILE:
+        yield f"{name}: has {len(lines)} lines; expected at most {LONGEST_FILE}"
+    for start, length in functions(lines):
+        if length > LONGEST_FUNCTION:
+            yield f"{name}:{start}: this function has {length} lines; expected at most {LONGEST_FUNCTION}"
+
+
+def is_documented(lines, at):
+    """Whether a declaration, or the group that it ends, has a comment."""
+    if "//" in lines[at]:
+        return True
+    for line in reversed(lines[:at]):
+        if line.lstrip().startswith("//"):
+            return True
+        if not line.strip() or line.startswith("}"):
+            return False
+    return False
+
+
+def sentence_failures(name, lines):
+    for number, line in enumerate(lines):
+        if line.startswith("// -----"):  # definitions of what is declared above
+            return
+        if DECLARATION.match(line) and not line.startswith("namespace") and not PLAIN.match(line):
+            if not is_documented(lines, number):
+                yield f"{name}:{number + 1}: '{line.strip()[:60]}' has no sentence"
+
+
+def check(root):
+    files = sorted([*root.glob("src/dynasurf/**/*.?pp"), *root.glob("app/*.?pp")])
+    failures = []
+    for file in files:
+        name = str(file.relative_to(root))
+        parts = file.relative_to(root).parts
+        lines = file.read_text().splitlines()
+        if not TABLES.search(name):
+            failures += size_failures(name, lines)
+        if parts[0] == "src" and len(parts) > 3:
+            failures += namespace_failures(name, parts[2], lines)
+            if file.suffix == ".hpp" and "detail" not in parts:
+                failures += sentence_failures(name, lines)
+    return files, failures
+
+
+def main():
+    files, failures = check(pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT)
+    print("\n".join(failures) if failures else f"{len(files)} sources are in order")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
