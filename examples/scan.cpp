@@ -8,13 +8,14 @@
 #include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/report/cloud_folder.hpp"
 
+namespace ds = dynasurf;
+
 int main(int argc, char** argv) {
   if (argc != 3) return 1;
   const std::array<std::filesystem::path, 1> files{argv[1]};
-  const auto result =
-      dynasurf::cloud::reconstruct(dynasurf::io::read_cloud(files).cloud, dynasurf::cloud::preset("shaped"));
+  const auto result = ds::cloud::reconstruct(ds::io::read_cloud(files).cloud, ds::cloud::preset("shaped"));
   for (const auto& level : result.levels)
     std::printf("%zu triangles, %s\n", level.mesh.triangles.size(),
                 level.certificate.watertight() ? "watertight" : "open");
-  dynasurf::report::write_cloud_folder(result, argv[2]);
+  ds::report::write_cloud_folder(result, argv[2]);
 }

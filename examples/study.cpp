@@ -8,11 +8,13 @@
 #include "dynasurf/ventricle/presets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
+namespace ds = dynasurf;
+
 int main(int argc, char** argv) {
   if (argc != 3) return 1;
-  const dynasurf::Study study = dynasurf::io::read_study(argv[1]);
-  const auto result = dynasurf::ventricle::reconstruct(study, dynasurf::ventricle::preset("psf_corrected"));
+  const ds::Study study = ds::io::read_study(argv[1]);
+  const auto result = ds::ventricle::reconstruct(study, ds::ventricle::preset("psf_corrected"));
   if (const auto& ef = result.leading.ef_percent)
     std::printf("EF %.0f %% (%.0f-%.0f)\n", ef->value, ef->low(), ef->high());
-  dynasurf::report::write_study_folder(result, argv[2]);
+  ds::report::write_study_folder(result, argv[2]);
 }

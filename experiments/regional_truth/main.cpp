@@ -77,9 +77,9 @@ Case case_of(int number) {
 /// One number of a segment, how large an error still counts as right, and how its error is told.
 struct Quantity {
   std::string name;
-  std::optional<double> SegmentMeasures::*read, SegmentMeasures::*truth;
-  std::optional<double> SegmentErrors::*sd;  // null: never told
-  double least;                              // errors up to this much are right whatever the truth is: one bin
+  std::optional<double> ventricle::SegmentMeasures::*read, ventricle::SegmentMeasures::*truth;
+  std::optional<double> ventricle::SegmentErrors::*sd;  // null: never told
+  double least;  // errors up to this much are right whatever the truth is: one bin
   bool cyclic = false;
 };
 using S = ventricle::SegmentMeasures;

@@ -155,7 +155,8 @@ std::string results_text(const Heart& heart, bool timings) {
 }
 
 void bind_result_numbers(py::class_<Heart, HeartPtr>& heart) {
-  const auto leading = [&](const char* name, std::optional<ventricle::Estimate> Reading::*number, const char* doc) {
+  const auto leading = [&](const char* name, std::optional<ventricle::Estimate> ventricle::Reading::*number,
+                           const char* doc) {
     heart.def_property_readonly(
         name, [number](const Heart& h) { return h.result.leading.*number; }, doc);
   };

@@ -116,7 +116,7 @@ struct Dialect {
 };
 
 std::vector<Dialect> dialects() {
-  using namespace io_detail;
+  using namespace detail;
   return {{"ascii PLY", decode_ply, pyramid_ply_ascii, true},
           {"little-endian PLY", decode_ply, pyramid_ply_binary(false), true},
           {"big-endian PLY", decode_ply, pyramid_ply_binary(true), true},
@@ -252,7 +252,7 @@ TEST(ReadMesh, SurvivesThousandsOfDamagedFiles) {
 }
 
 TEST(ReadMesh, RefusesAnIndexOutOfRangeAndNamesTheLine) {
-  using namespace io_detail;
+  using namespace detail;
   EXPECT_THAT(refusal(decode_obj, replaced(pyramid_obj, "f 1/1 2/1 5/1", "f 1/1 2/1 6/1")),
               HasSubstr("line 13: index 6 is out of range; the file has 5 vertices"));
   EXPECT_THAT(refusal(decode_obj, replaced(pyramid_obj, "f 1/1 2/1 5/1", "f 1/2 2/1 5/1")),
@@ -270,7 +270,7 @@ TEST(ReadMesh, RefusesAnIndexOutOfRangeAndNamesTheLine) {
 }
 
 TEST(ReadMesh, RefusesCoordinatesThatAreNoFiniteNumbers) {
-  using namespace io_detail;
+  using namespace detail;
   for (const char* bad : {"nan", "inf", "-inf", "NaN", "1e999", "1.5.2", "0x10", "one"}) {
     EXPECT_NE(refusal(decode_obj, replaced(pyramid_obj, "v 2 0 0", std::string("v 2 ") + bad + " 0")), "") << bad;
     EXPECT_NE(refusal(decode_off, replaced(pyramid_off, "\n2 0 0", std::string("\n2 0 ") + bad)), "") << bad;
@@ -287,7 +287,7 @@ TEST(ReadMesh, RefusesCoordinatesThatAreNoFiniteNumbers) {
 }
 
 TEST(ReadMesh, RefusesCountsThatTheFileCannotHold) {
-  using namespace io_detail;
+  using namespace detail;
   // Memory for 4294967295 vertices would be 100 GB: the refusal must come first, or this test dies.
   EXPECT_THAT(refusal(decode_ply, replaced(pyramid_ply_ascii, "vertex 5", "vertex 4294967295")), HasSubstr("line 5"));
   EXPECT_THAT(refusal(decode_ply, replaced(pyramid_ply_ascii, "face 5", "face 4294967295")), HasSubstr("element face"));
@@ -309,7 +309,7 @@ TEST(ReadMesh, RefusesCountsThatTheFileCannotHold) {
 }
 
 TEST(ReadMesh, RefusesFacesThatAreNone) {
-  using namespace io_detail;
+  using namespace detail;
   EXPECT_THAT(refusal(decode_obj, replaced(pyramid_obj, "f 4 1 5 ", "f 4 1 ")), HasSubstr("a face of 2 corners"));
   EXPECT_THAT(refusal(decode_off, replaced(pyramid_off, "3 3 0 4", "2 3 0")), HasSubstr("a face of 2 corners"));
   EXPECT_THAT(refusal(decode_ply, replaced(pyramid_ply_ascii, "7 3 3 0 4", "7 2 3 0")),
@@ -319,7 +319,7 @@ TEST(ReadMesh, RefusesFacesThatAreNone) {
 }
 
 TEST(ReadMesh, RefusesHeadersItDoesNotUnderstand) {
-  using namespace io_detail;
+  using namespace detail;
   for (const auto& [from, to] :
        std::vector<std::pair<const char*, const char*>>{{"ply\n", "plx\n"},
                                                         {"ascii 1.0", "ascii 2.0"},

@@ -42,6 +42,7 @@ struct Certificate {
 /// point that is not finite, or a triangle's corner out of range.
 Certificate certify(const TriMesh& mesh, const PointCloud& cloud);
 
+/// What a mesh is as a surface, how far it is from a cloud, and where.
 struct Comparison {
   Certificate certificate;
   /// Distance of every point to the mesh, gathered at the corners of the nearest triangle: per vertex the mean over the

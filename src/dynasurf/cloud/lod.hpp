@@ -107,6 +107,7 @@ struct LodBlend {
   std::size_t level = 0;
   double t = 1;
 };
+/// The blend for a body whose bounding box has a diagonal of so many pixels on the screen.
 LodBlend blend_for_size(const LodChain& chain, double diagonal_px);
 
 /// GEN-TESS: triangles of a mesh in percent of a plain tessellation of the points, which has two for each (thesis

@@ -50,9 +50,11 @@ struct CloudSupport {
   double cell = 0;             // side of the lattice that the body was found on; 0: none
 };
 
+/// Whether a result can be trusted: yes; after a look at what the flags say; no.
 enum class Verdict { ok, check, fail };
 std::span<const std::string_view> names_of(Verdict);
 
+/// What `reconstruct` made of a cloud.
 struct Result {
   std::vector<Level> levels;  // as asked for, finest first
   Facts facts;

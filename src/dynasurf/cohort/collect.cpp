@@ -15,7 +15,7 @@ namespace dynasurf::cohort {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace cohort_detail;
+using namespace detail;
 
 Column column(const std::string& name, CellType type, const std::string& meaning) {
   Column made;

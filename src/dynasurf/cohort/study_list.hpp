@@ -19,6 +19,7 @@ struct CohortStudy {
   std::vector<std::string> groups;   // values of the list's group columns; empty: not known
 };
 
+/// The studies of a cohort, in the order of their list.
 struct StudyList {
   std::vector<std::string> group_columns;  // names: letters, digits and _
   std::vector<CohortStudy> studies;

@@ -7,6 +7,7 @@
 
 namespace dynasurf {
 
+/// A point or vector of a plane.
 using Vec2 = Eigen::Vector2d;
 
 /// A polygon in an image plane: points in the order in which they are joined, columns and rows in px unless said

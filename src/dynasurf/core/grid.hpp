@@ -48,6 +48,7 @@ inline Index3 voxel_of(const Grid& g, const Vec3& p) {
           static_cast<int>(std::floor(p[2] / g.spacing[2] + 0.5))};
 }
 
+/// Both ways between the grid frame and the world (LPS), mm.
 inline Vec3 to_world(const Grid& g, const Vec3& grid_mm) { return g.origin + g.direction * grid_mm; }
 inline Vec3 to_grid(const Grid& g, const Vec3& world_mm) { return g.direction.transpose() * (world_mm - g.origin); }
 

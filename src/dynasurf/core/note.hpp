@@ -6,8 +6,10 @@
 
 namespace dynasurf {
 
+/// How much a note matters: worth knowing; a reason to look; a reason not to trust the result.
 enum class Severity { info, warning, failure };
 
+/// The word for it, as it stands in files.
 inline std::string_view name_of(Severity s) {
   return s == Severity::info ? "info" : s == Severity::warning ? "warning" : "failure";
 }
@@ -22,6 +24,7 @@ struct Note {
   int slice = -1;       // 0-based in the canonical (apex first) order, -1: not about one slice
 };
 
+/// All that there is to tell, in the order it came up.
 using Notes = std::vector<Note>;
 
 }  // namespace dynasurf

@@ -17,6 +17,7 @@ namespace dynasurf {
 // into this tree once per struct, and everything that speaks of options (JSON, --set, manual tables) works on the tree.
 
 struct OptionNode;
+/// The members of an options struct, in the order of `describe`.
 using OptionNodes = std::vector<OptionNode>;
 
 /// An enumerator, by its position among its words.
@@ -35,10 +36,12 @@ struct ChoiceRef {
   std::function<OptionNodes(std::size_t)> choose;
 };
 
+/// A struct within a struct.
 struct GroupRef {
   OptionNodes members;
 };
 
+/// Where the value of an option lies, by its type.
 using OptionRef = std::variant<double*, int*, std::uint64_t*, bool*, std::string*, std::optional<double>*,
                                std::optional<int>*, WordRef, ChoiceRef, GroupRef>;
 
@@ -49,7 +52,7 @@ struct OptionNode {
   OptionRef ref;
 };
 
-/// The members of a described struct, in the order of its `describe`.
+/// The members of a described struct, which must outlive them, in the order of its `describe`.
 template <Described O>
 OptionNodes nodes_of(O& options);
 
@@ -128,6 +131,7 @@ inline constexpr bool is_plain_option =
     std::is_same_v<T, bool> || std::is_same_v<T, std::string> || std::is_same_v<T, std::optional<double>> ||
     std::is_same_v<T, std::optional<int>>;
 
+/// Visits the members of a described struct and keeps where they lie.
 struct NodeCollector {
   OptionNodes nodes;
 

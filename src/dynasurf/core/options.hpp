@@ -20,7 +20,7 @@ struct OptionInfo {
 
 // An options struct O has public members with defaults, and beside it
 //
-//     void describe(auto& visit, O& o) { visit("mu", o.mu, Field{"balance of smoothing and data", "", 0}); ... }
+//     void describe(auto& visit, O& o) { visit("mu", o.mu, OptionInfo{"balance of smoothing and data", "", 0}); ... }
 //
 // Members may be double, int, bool, std::string, an enum with `std::span<const std::string_view> names_of(E)`,
 // another described struct, std::optional<double|int>, or a std::variant of described structs. Each alternative of a
@@ -28,17 +28,20 @@ struct OptionInfo {
 // JSON, --set, the manual's tables, the report and the law tests all read this one description.
 
 namespace detail {
+/// Stands for whatever visits the members of a described struct.
 struct AnyVisitor {
   template <class T>
   void operator()(std::string_view, T&, const OptionInfo&) {}
 };
 }  // namespace detail
 
+/// A struct with a `describe` beside it.
 template <class O>
 concept Described = requires(detail::AnyVisitor& v, O& o) {
   describe(v, o);
 };
 
+/// An enumeration whose enumerators have words.
 template <class E>
 concept NamedEnum = std::is_enum_v<E> && requires(E e) {
   { names_of(e) } -> std::convertible_to<std::span<const std::string_view>>;
@@ -50,6 +53,7 @@ std::string_view word_of(E e) {
   return names_of(e)[static_cast<std::size_t>(e)];
 }
 
+/// Whether a type is a std::variant, and likewise a std::optional.
 template <class T>
 struct IsVariant : std::false_type {};
 template <class... A>

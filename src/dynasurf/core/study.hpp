@@ -13,6 +13,7 @@ enum class View { unknown, short_axis, horizontal_long_axis, vertical_long_axis,
 /// Which end of the ventricle comes first in a short-axis stack.
 enum class SliceOrder { unknown, apex_to_base, base_to_apex };
 
+/// The word for it, as it stands in files; likewise for the order of slices.
 inline std::string_view name_of(View v) {
   constexpr std::string_view names[] = {"unknown", "short_axis", "horizontal_long_axis", "vertical_long_axis",
                                         "transaxial"};

@@ -26,6 +26,7 @@ struct Volume {
   }
 };
 
+/// Voxels with values; and voxels that are in (1) or out (0).
 using Image = Volume<float>;
 using Mask = Volume<std::uint8_t>;
 

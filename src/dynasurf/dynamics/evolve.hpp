@@ -23,6 +23,7 @@
 
 namespace dynasurf::dynamics {
 
+/// Where a deformable model came to rest, and how it came there.
 struct EvolutionResult {
   TriMesh mesh;  // grid frame
   StopReason reason = StopReason::max_steps;

@@ -38,6 +38,7 @@ void describe(auto& visit, FieldForce& o) {
 enum class StopPoint { entry, centre, backtrack, subvoxel };
 std::span<const std::string_view> names_of(StopPoint);
 
+/// Whether and where particles stop at their border.
 struct StopVoxel {
   bool enabled = true;
   StopPoint point = StopPoint::entry;
@@ -107,7 +108,10 @@ void describe(auto& visit, Evolution& o) {
   visit("smooth_after", o.smooth_after, OptionInfo{"smoothing of the final mesh; stopped particles move too"});
 }
 
+/// Why an evolution ended: every particle reached a border voxel; none moves any more; no steps left; a position
+/// became infinite.
 enum class StopReason { all_stopped, at_rest, max_steps, diverged };
+/// The word for it, as it stands in files.
 std::string_view name_of(StopReason);
 
 /// Where a particle on its way between two points (grid frame) stops for good; nothing: it goes on. Asked before the

@@ -74,6 +74,7 @@ Vec3 sample(const BandField& field, const Vec3& grid_mm, Sampling how, const Vec
 /// The field on every voxel: time and memory of the box.
 VectorField dense_field(const BandField& field);
 
+/// A field near borders, and how it was reached.
 struct BandResult {
   BandField field;
   int cycles = 0;

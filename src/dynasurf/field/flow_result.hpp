@@ -13,6 +13,7 @@ namespace dynasurf::field {
 enum class GvfScheme { thesis, metric };
 std::span<const std::string_view> names_of(GvfScheme);
 
+/// A field on every voxel, and how it was reached.
 struct FlowResult {
   VectorField field;
   int iterations = 0;     // explicit steps, or multigrid cycles on the voxels

@@ -57,6 +57,7 @@ void describe(auto& visit, Ggvf& o) {
   visit("safe_step", o.safe_step, OptionInfo{"shorten a step that the stability bound forbids, with a note"});
 }
 
+/// The methods that make a field of an edge map.
 using FieldOptions = std::variant<Gvf, SteadyGvf, SteadyGgvf, Ggvf, BandGvf, BandGgvf>;
 
 /// Gradient vector flow of an edge map that is high on borders: vectors point towards borders from both sides.

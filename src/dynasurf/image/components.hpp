@@ -22,6 +22,7 @@ struct Component {
 struct PixelMean {
   double x_px = 0, y_px = 0;
 };
+/// The centre of a component.
 PixelMean mean_of(const std::vector<Pixel>& pixels);
 
 /// The components of slice `k` in the order of their first pixels; their union is the set of non-zero pixels.

@@ -139,6 +139,7 @@ void describe(auto& visit, ContourCompletion& o) {
   visit("canny", o.canny, OptionInfo{"the detector that finds the edges"});
 }
 
+/// The edge detectors.
 using EdgeOptions = std::variant<Canny, CannyRevised, GradientEdges, SobelEdges, Compass, ContourCompletion>;
 
 /// Where the edge lies, px from the centre of its pixel along i and j, at most one half; 0 where there is no edge.

@@ -14,7 +14,7 @@
 namespace dynasurf::io {
 namespace {
 
-using namespace io_detail;
+using namespace detail;
 
 constexpr std::size_t most_points = 100'000'000;
 

@@ -13,7 +13,7 @@
 namespace dynasurf::io {
 namespace {
 
-using namespace io_detail;
+using namespace detail;
 
 /// Larger files are refused before memory is taken for them: 40 million triangles fit.
 constexpr std::uint64_t max_mesh_bytes = std::uint64_t{2} << 30;

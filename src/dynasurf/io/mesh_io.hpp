@@ -12,6 +12,7 @@
 
 namespace dynasurf::io {
 
+/// The formats of triangle meshes that are written.
 enum class MeshFormat { ply, stl, obj, off, vtp, glb };
 std::span<const std::string_view> names_of(MeshFormat);
 
@@ -44,6 +45,7 @@ void write_mesh(const TriMesh& mesh, const std::filesystem::path& path, MeshForm
 /// fit the limit of memory. Throws InputError naming the file and the line or byte, IoError when it cannot be read.
 TriMesh read_mesh(const std::filesystem::path& path);
 
+/// A surface that moves through the gates of a beat.
 struct AnimatedSurface {
   std::string name;
   std::array<float, 4> colour{1, 1, 1, 1};  // RGBA, linear, 0 to 1; alpha below 1: translucent, seen from both sides
@@ -88,6 +90,7 @@ struct PvdEntry {
   std::string file;
   int part = 0;
 };
+/// Writes the series; the file appears whole or not at all. Throws IoError.
 void write_pvd(std::span<const PvdEntry> entries, const std::filesystem::path& path);
 
 }  // namespace dynasurf::io

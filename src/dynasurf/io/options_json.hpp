@@ -12,6 +12,7 @@ namespace dynasurf::io {
 // enumerator is its word; an unset optional number is null. Keys stand in the order of `describe`.
 // The text functions do not need nlohmann's full header in the caller.
 
+/// The values of all options as a JSON object.
 nlohmann::ordered_json options_to_json(const OptionNodes& nodes);
 /// The same as text, indented by two spaces, with a line break at the end.
 std::string options_to_text(const OptionNodes& nodes);
@@ -23,6 +24,7 @@ std::string options_to_text(const OptionNodes& nodes);
 void options_from_json(const nlohmann::ordered_json& json, const OptionNodes& nodes, const std::string& path);
 void options_from_text(std::string_view text, const OptionNodes& nodes, const std::string& path);
 
+/// The same of a whole options struct.
 template <Described O>
 std::string options_to_text(O options) {
   return options_to_text(nodes_of(options));

@@ -8,6 +8,7 @@
 
 namespace dynasurf::io {
 
+/// The formats of solids: VTK XML, Gmsh 4.1, Abaqus.
 enum class SolidFormat { vtu, msh, inp };
 std::span<const std::string_view> names_of(SolidFormat);
 

@@ -30,6 +30,7 @@ std::string sha256_of_file(const std::filesystem::path& path);
 struct StudyFacts {
   std::vector<std::pair<std::string, std::string>> rows;  // "modality" -> "NM", in print order
 };
+/// The facts of a study that was read from `path`.
 StudyFacts facts_of(const std::filesystem::path& path, const Study& study, const std::string& series = {});
 
 // Writers. Each file appears whole or not at all.
@@ -39,6 +40,7 @@ void write_nifti(const Study& study, const std::filesystem::path& path);
 /// NRRD with LPS space; 4-D studies as Slicer sequences (.seq.nrrd: fourth axis of kind list). gzip encoding.
 void write_nrrd(const Study& study, const std::filesystem::path& path);
 
+/// What a written DICOM file says beside the voxels.
 struct DicomWriteOptions {
   std::string series_description = "Dynasurf";
   std::string patient_name = "PHANTOM^DYNASURF";

@@ -49,6 +49,7 @@ struct StackVolumes {
   double gauss = 0;           // Gauss's theorem on the closed mesh
   double triangle_exact = 0;  // as the thesis, but each triangle at its mean height: equals gauss
 };
+/// The volumes of the mesh that `tessellate` makes of the stack.
 StackVolumes volumes_of(const ContourStack& stack, const Tessellation& options, const CapHeights& caps = {});
 
 }  // namespace dynasurf::mesh

@@ -21,6 +21,7 @@ struct TriangleQuality {
   double shape_mean = 0, shape_min = 0;
   double smallest_angle_deg = 0;
 };
+/// How well shaped the triangles of a mesh are.
 TriangleQuality triangle_quality(const TriMesh& mesh);
 
 /// What a mesh is as a surface. A vertex of no triangle is a component of its own.
@@ -32,6 +33,7 @@ struct Topology {
   bool closed() const { return boundary_edges == 0 && non_manifold_edges == 0; }
   bool oriented() const { return misoriented_edges == 0; }
 };
+/// Counts edges, components and holes of a mesh.
 Topology topology(const TriMesh& mesh);
 
 /// Distance of every vertex (grid frame) to the nearest centre of a non-zero voxel of `border`, in voxels: differences

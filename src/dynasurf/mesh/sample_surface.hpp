@@ -7,6 +7,7 @@
 namespace dynasurf::mesh {
 
 /// A point of a surface: `weight[i]` of each corner of the triangle; the weights are positive and sum to 1.
+/// A place on a surface: a triangle, and the weights of its corners, which sum to 1.
 struct SurfaceSample {
   std::uint32_t triangle = 0;
   Vec3 weight;
@@ -17,6 +18,7 @@ struct SurfaceSample {
 /// the same mesh gives the same points. Empty when the mesh has no area. The vertices must be finite.
 std::vector<SurfaceSample> sample_surface(const TriMesh& mesh, std::size_t count);
 
+/// Where a sample lies.
 inline Vec3 position_of(const TriMesh& mesh, const SurfaceSample& p) {
   const auto& [a, b, c] = mesh.triangles[p.triangle];
   return p.weight[0] * mesh.vertices[a] + p.weight[1] * mesh.vertices[b] + p.weight[2] * mesh.vertices[c];

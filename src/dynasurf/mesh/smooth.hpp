@@ -25,6 +25,7 @@ void describe(auto& visit, Smoothing& o) {
   visit("sweeps", o.sweeps, OptionInfo{"passes over the vertices; 0 does nothing", "", 0, 10000});
 }
 
+/// What smoothing did in its last sweep.
 struct SmoothReport {
   int moved = 0;        // vertices moved in the last sweep
   int at_centroid = 0;  // of them, those that ended in the centroid with a peak left
@@ -45,6 +46,7 @@ struct VertexRings {
     return std::span(neighbours).subspan(first[vertex], first[vertex + 1] - first[vertex]);
   }
 };
+/// Finds the rings of all vertices.
 VertexRings vertex_rings(const TriMesh& mesh);
 
 /// The same smoothing with rings found before; visits only `movable`, in its order. Allocates nothing. The options

@@ -24,12 +24,14 @@ TetMesh fill_between(const TriMesh& inner, const TriMesh& outer, int layers = 1)
 /// Sum of signed volumes, mm3.
 double volume_mm3(const TetMesh& solid);
 
+/// How well shaped tetrahedra are.
 struct TetQuality {
   std::size_t count = 0, not_positive = 0;
   double volume_min = 0, volume_max = 0, volume_mean = 0;  // mm3
   double shape_min = 0,
          shape_mean = 0;  // mean ratio 12 (3 V)^(2/3) / sum of squared edges: 1 regular, 0 flat or inverted
 };
+/// Measures all tetrahedra of a solid.
 TetQuality tet_quality(const TetMesh& solid);
 
 }  // namespace dynasurf::mesh

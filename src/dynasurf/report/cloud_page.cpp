@@ -11,7 +11,7 @@
 namespace dynasurf::report {
 namespace {
 
-using namespace report_detail;
+using namespace detail;
 
 constexpr std::size_t most_points = 50'000;
 

@@ -9,7 +9,7 @@
 namespace dynasurf::report {
 namespace {
 
-using namespace report_detail;
+using namespace detail;
 
 Json angles_json(const cloud::Certificate& c) {
   return {{"smallest", number(c.smallest_angle_deg)},

@@ -7,7 +7,7 @@
 
 namespace dynasurf::report {
 
-using namespace report_detail;
+using namespace detail;
 
 void write_lod_page(std::span<const TriMesh> levels, std::span<const cloud::LodTransition> transitions,
                     const LodPage& options, const std::filesystem::path& path) {

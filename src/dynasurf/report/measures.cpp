@@ -84,8 +84,8 @@ Json phase_json(const std::optional<ventricle::PhaseSummary>& s) {
 
 struct Column {
   std::string_view name;
-  std::optional<double> SegmentMeasures::*value;
-  std::optional<double> SegmentErrors::*sd = nullptr;  // null: never known
+  std::optional<double> ventricle::SegmentMeasures::*value;
+  std::optional<double> ventricle::SegmentErrors::*sd = nullptr;  // null: never known
 };
 constexpr std::array<Column, 11> columns{{
     {"perfusion_percent", &ventricle::SegmentMeasures::perfusion_percent, &ventricle::SegmentErrors::perfusion_percent},

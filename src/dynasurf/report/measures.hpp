@@ -17,11 +17,12 @@ nlohmann::ordered_json measures_json(const std::optional<ventricle::Measures>& m
 /// One kind of polar map: how it is called in files, what it shows, and where its colours end.
 struct PolarKind {
   std::string_view name, title, unit;
-  ventricle::PolarValues PolarMaps::*values;
+  ventricle::PolarValues ventricle::PolarMaps::*values;
   std::optional<double> low, high;  // absent: the smallest and the largest value of the segments
   bool is_cyclic = false;           // an angle: colours close
   bool is_difference = false;       // colours run both ways from a pale middle
 };
+/// All kinds, in the order of the report.
 std::span<const PolarKind> polar_kinds();
 
 /// segments.csv: a line of names, then one line per segment.

@@ -139,7 +139,7 @@ std::string motion_svg(const ventricle::TrackedMotion& motion) {
       return of ? std::optional(of->rotation_deg) : std::nullopt;
     });
   };
-  const auto strain = [&](double Strains::*which) {
+  const auto strain = [&](double ventricle::Strains::*which) {
     return over_gates(motion, [&](const ventricle::GateMotion& gate) { return std::optional(gate.strains.*which); });
   };
   const std::string thin = "fill=\"none\" stroke-width=\"1.6\" stroke=";

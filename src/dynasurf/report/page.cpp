@@ -15,7 +15,7 @@
 namespace dynasurf::report {
 namespace {
 
-using namespace report_detail;
+using namespace detail;
 
 /// In-plane binning that keeps the page within its bound: 1 for every usual study.
 int bin_of(const Study& study, std::size_t most_voxels) {

@@ -12,7 +12,7 @@
 namespace dynasurf::report {
 namespace {
 
-using namespace report_detail;
+using namespace detail;
 
 /// Files count gates and slices from 1; -1 inside means none.
 Json one_based(int index) { return index >= 0 ? Json(index + 1) : Json(nullptr); }

@@ -18,13 +18,16 @@ struct Panel {
   Panel shrunk(double by) const { return {x + by, y + by, width - 2 * by, height - 2 * by}; }
 };
 
+/// How a line is drawn; its width in points.
 struct Pen {
   io::Colour colour{0, 0, 0};
   double width = 1;
   double opacity = 1;
 };
 
+/// Which end of a text lies at its point.
 enum class Anchor { start, middle, end };
+/// How a text is written; its size in points.
 struct Lettering {
   double size = 11;
   Anchor anchor = Anchor::start;
@@ -72,6 +75,7 @@ class Canvas {
   double width_, height_;
 };
 
+/// The formats of drawings.
 enum class DrawingFormat { png, svg };
 /// By the name's ending. Throws OptionError for another one.
 DrawingFormat drawing_format_of(const std::filesystem::path& path);

@@ -37,6 +37,7 @@ struct SliceView {
   std::string title;
   std::vector<std::pair<std::string, std::string>> parameters;
 };
+/// Draws it.
 Canvas draw_slice_view(const SliceView& view);
 
 /// VIS-GVFGRID: the same slice of several fields, arrows coloured by their length, and below each the length along a
@@ -45,6 +46,7 @@ struct NamedField {
   std::string name;
   field::VectorField field;
 };
+/// Draws them; `border`, where it is given, restricts the view to its surroundings.
 Canvas draw_field_grid(std::span<const NamedField> fields, int across, int slice, int row, const std::string& title,
                        const Image* border = nullptr);
 
@@ -59,6 +61,7 @@ struct NamedVoxels {
   io::Colour colour;
   double opacity = 1;
 };
+/// Draws all sets in one space.
 Canvas draw_voxels(std::span<const NamedVoxels> sets, const std::string& title);
 /// The same for a map such as a drag: voxels of at least a quarter of the largest value, cut open at the middle column,
 /// coloured by value.
@@ -79,6 +82,7 @@ struct EvolutionFrame {
   TriMesh mesh;
   std::vector<bool> stopped;  // per vertex
 };
+/// Draws the steps side by side, with the voxels of the border.
 Canvas draw_evolution(std::span<const EvolutionFrame> frames, const Image& border, const std::string& title);
 
 /// VIS-SCATTER: the signed distance of every particle, voxels, with the zero line.
@@ -97,6 +101,7 @@ struct NamedCurve {
   std::vector<double> value, half_width;
   io::Colour colour;
 };
+/// Draws all curves over one axis of time.
 Canvas draw_curves(std::span<const double> time, const std::string& time_label, std::span<const NamedCurve> curves,
                    const std::string& title);
 
@@ -113,6 +118,7 @@ struct ContourView {
   std::vector<std::pair<io::Colour, std::vector<std::optional<Contour>>>> stacks;  // per wall: px per slice
   std::string title;
 };
+/// Draws it.
 Canvas draw_contours(const ContourView& view);
 
 }  // namespace dynasurf::show

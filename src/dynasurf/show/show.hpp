@@ -29,6 +29,7 @@ struct ShowRequest {
 struct PictureKind {
   std::string_view name, says;
 };
+/// All pictures that `draw_picture` knows.
 std::span<const PictureKind> picture_kinds();
 
 /// Throws OptionError for a name that is none, InputError where the input does not hold what the picture needs.

@@ -9,6 +9,7 @@
 
 namespace dynasurf::synthetic {
 
+/// Low energy high resolution, low energy general purpose, a cardiac CZT camera's, or one's own numbers.
 enum class CollimatorModel { lehr, legp, czt, own };
 inline std::span<const std::string_view> names_of(CollimatorModel) {
   static constexpr std::array<std::string_view, 4> names{"lehr", "legp", "czt", "own"};
@@ -26,6 +27,7 @@ void describe(auto& visit, Collimator& o) {
   visit("intrinsic_mm", o.intrinsic_mm, OptionInfo{"full width at half maximum of the crystal by itself", "mm", 0, 20});
 }
 
+/// The path of the detector: a circle, or as near to the body as it gets.
 enum class Orbit { circular, body_contour };
 inline std::span<const std::string_view> names_of(Orbit) {
   static constexpr std::array<std::string_view, 2> names{"circular", "body_contour"};
@@ -86,6 +88,7 @@ void describe(auto& visit, Acquisition& o) {
   visit("move_at", o.move_at, OptionInfo{"part of the views before he moves", "", 0, 1});
 }
 
+/// What the ramp filter is multiplied by.
 enum class Window { ramp, butterworth, hann };
 inline std::span<const std::string_view> names_of(Window) {
   static constexpr std::array<std::string_view, 3> names{"ramp", "butterworth", "hann"};
@@ -121,6 +124,7 @@ void describe(auto& visit, Osem& o) {
   visit("filter_fwhm_mm", o.filter_fwhm_mm, OptionInfo{"Gaussian filter after it; 0: none", "mm", 0, 100});
 }
 
+/// The ways from projections to slices.
 using Reconstruction = std::variant<Fbp, Osem>;
 
 /// The short-axis stack that is cut from the transaxial one, by trilinear interpolation.

@@ -74,6 +74,7 @@ void describe(auto& visit, CupShape& o) {
   visit("height_mm", o.height_mm, OptionInfo{"H of thesis app. D, length of the cylinder", "mm", 0, 1000});
 }
 
+/// Bright walls on a dark ground, or 1 inside and 0 outside.
 enum class Values { grey, binary };
 inline std::span<const std::string_view> names_of(Values) {
   static constexpr std::array<std::string_view, 2> names{"grey", "binary"};
@@ -127,6 +128,7 @@ void describe(auto& visit, Mayo& o) {
   visit("noise", o.noise, OptionInfo{"counts and noise"});
 }
 
+/// What is cut out of a wall.
 enum class Missing { sector, patch, apex };
 inline std::span<const std::string_view> names_of(Missing) {
   static constexpr std::array<std::string_view, 3> names{"sector", "patch", "apex"};
@@ -190,6 +192,7 @@ void describe(auto& visit, Gap& o) {
   visit("base", o.base, OptionInfo{"the phantom that loses the band"});
 }
 
+/// A wall of one volume through the beat, or the volumes that the thesis prints.
 enum class WallVolume { constant, published };
 inline std::span<const std::string_view> names_of(WallVolume) {
   static constexpr std::array<std::string_view, 2> names{"constant", "published"};
@@ -219,6 +222,7 @@ void describe(auto& visit, CardiacCycle& o) {
   visit("noise", o.noise, OptionInfo{"counts and noise"});
 }
 
+/// Which of the thesis's pathologies is shown.
 enum class Disease { inferior, apical, lateral, anteroapical, digestive, right_ventricle, muga };
 inline std::span<const std::string_view> names_of(Disease) {
   static constexpr std::array<std::string_view, 7> names{"inferior",  "apical",          "lateral", "anteroapical",
@@ -244,6 +248,7 @@ void describe(auto& visit, Pathology& o) {
   visit("base", o.base, OptionInfo{"the phantom that falls ill"});
 }
 
+/// The part of the wall with less uptake.
 enum class Defect { none, inferior, lateral, apical, anteroapical, septal };
 inline std::span<const std::string_view> names_of(Defect) {
   static constexpr std::array<std::string_view, 6> names{"none",   "inferior",     "lateral",
@@ -380,11 +385,13 @@ void describe(auto& visit, VirtualPatient& o) {
   visit("noise", o.noise, OptionInfo{"counts and noise"});
 }
 
+/// Which organ is shown.
 enum class OrganShape { liver, prostate };
 inline std::span<const std::string_view> names_of(OrganShape) {
   static constexpr std::array<std::string_view, 2> names{"liver", "prostate"};
   return names;
 }
+/// An image with noise, or a label map.
 enum class OrganValues { grey, labels };
 inline std::span<const std::string_view> names_of(OrganValues) {
   static constexpr std::array<std::string_view, 2> names{"grey", "labels"};
@@ -417,6 +424,7 @@ void describe(auto& visit, Organ& o) {
   visit("noise", o.noise, OptionInfo{"counts and noise"});
 }
 
+/// All phantoms.
 using PhantomOptions =
     std::variant<Hebron, Mayo, Partial, TwoSpheres, VoxelSphere, Gap, CardiacCycle, Pathology, VirtualPatient, Organ>;
 

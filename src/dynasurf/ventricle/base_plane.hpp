@@ -20,6 +20,7 @@ struct BasePlane {
   double height(const Vec3& p) const { return (p - point).dot(normal); }
 };
 
+/// The same plane in another frame.
 BasePlane to_world(const Grid& grid, BasePlane plane);
 BasePlane to_grid(const Grid& grid, BasePlane plane);
 
@@ -39,6 +40,7 @@ struct PlaneCycle {
   std::vector<BasePlane> planes;
   std::vector<bool> outlier;
 };
+/// Smooths the planes of all gates; `axis` is the long axis, a unit vector out of the base.
 std::optional<PlaneCycle> smooth_over_cycle(std::span<const std::optional<BasePlane>> planes, const Vec3& axis);
 
 /// The part of a closed surface below the plane, closed by the plane: what sticks out is laid flat on it. The same

@@ -82,6 +82,7 @@ struct ContourSurface {
   dynamics::EvolutionResult evolved;  // the mesh; the share of contours at rest as `stopped_fraction`
   mesh::StackVolumes volumes;         // before smoothing, mm3
 };
+/// Makes a surface of the contours of one wall.
 std::optional<ContourSurface> contour_surface(const WallContours& contours, const Grid& grid,
                                               const ContourPipeline& options);
 

@@ -14,6 +14,7 @@ namespace dynasurf::ventricle {
 enum class Border { endo, epi };
 inline std::string_view name_of(Border w) { return w == Border::endo ? "endo" : "epi"; }
 
+/// A circle in the plane of a slice.
 struct Circle {
   double x_px = 0, y_px = 0, radius_px = 0;
 };
@@ -169,6 +170,7 @@ void describe(auto& visit, RadialLabels& o) {
         OptionInfo{"a border has at least this share of a slice's edge pixels in its ring", "", 0, 1});
 }
 
+/// The methods that tell the inner border from the outer one.
 using LabelOptions = std::variant<Mlc, NoLabels, SignLabels, GradMagLabels, CaseLabels, RadialLabels>;
 
 /// What the image shows brightly: the muscle of the wall (perfusion), or the blood in the cavity (a blood pool).

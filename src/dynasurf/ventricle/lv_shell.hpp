@@ -25,12 +25,14 @@ struct LvShell {
 struct ShellBasis {
   Vec3 u, v;
 };
+/// Two directions square to an axis and to each other, the same for the same axis.
 ShellBasis across(const Vec3& axis);
 
 /// A point of the ellipsoid at polar angle `theta` from the apex and `phi` around the axis, and its outward normal.
 struct ShellPoint {
   Vec3 position, normal;
 };
+/// The point of a cup at two angles, rad.
 ShellPoint on_cup(const LvShell& cup, const ShellBasis& a, double theta, double phi);
 
 /// Polar angle at which the cup reaches its base plane.

@@ -21,6 +21,7 @@ inline std::span<const std::string_view> names_of(OrganSource) {
   return names;
 }
 
+/// Everything that `reconstruct_organ` can be told.
 struct OrganOptions {
   OrganSource source = OrganSource::between;
   double level = 0.5;
@@ -58,6 +59,7 @@ void describe(auto& visit, OrganOptions& o) {
 std::span<const std::string_view> organ_preset_names();
 OrganOptions organ_preset(std::string_view name);
 
+/// The surface of an organ.
 struct OrganResult {
   std::optional<Surface> surface;  // world frame; absent when there is nothing to surround
   double voxels_ml = 0;            // of the body's voxels

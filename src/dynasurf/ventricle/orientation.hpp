@@ -17,6 +17,7 @@ inline std::span<const std::string_view> names_of(OrientationMethod) {
   return names;
 }
 
+/// How the way that the heart lies is found.
 struct Orientation {
   OrientationMethod method = OrientationMethod::automatic;
   double most_tilt_deg = 20;

@@ -11,6 +11,7 @@ namespace dynasurf::ventricle {
 struct Gate;
 struct Result;
 
+/// Whether a result can be trusted: yes; after a look at what the flags say; no.
 enum class Verdict { ok, check, fail };
 std::span<const std::string_view> names_of(Verdict);
 

@@ -33,6 +33,7 @@ struct Intermediates {
   const Labels* labels = nullptr;
   WallStages endo, epi;
 };
+/// Receives the intermediates of one gate.
 using IntermediateSink = std::function<void(const Intermediates&)>;
 
 /// Stages that a caller replaces by functions of his own, each with a name that a note of the result tells
@@ -60,6 +61,7 @@ struct GateBorders {
   int base_slice = -1;  // highest slice of the ventricle, -1: unknown
 };
 
+/// What `find_borders` found in all gates.
 struct BorderResult {
   Study study;                    // canonical: slices apex first, values normalised and prepared
   std::optional<Location> heart;  // world frame

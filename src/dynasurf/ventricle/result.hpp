@@ -37,6 +37,7 @@ struct Readings {
   Reading edge;
   std::optional<GaussianProfile> gaussian_profile;
 };
+/// A fitted beat, or a profile, as one of the readings.
 Reading reading_of(const FittedBeat& beat);
 Reading reading_of(const GaussianProfile& profile);
 
@@ -61,6 +62,7 @@ struct EdgeSurfaces {
   const std::optional<Surface>& of(Border wall) const { return wall == Border::endo ? endo : epi; }
 };
 
+/// What was found in one gate.
 struct Gate {
   int gate = 0;  // 0-based
   std::optional<double> time_ms;
@@ -71,6 +73,7 @@ struct Gate {
   Mask edges;           // all edges as in EdgeMap, for drawing: they show why a border was not found
 };
 
+/// What `reconstruct` made of a study.
 struct Result {
   Study study;                    // canonical: slices apex first, values normalised
   std::optional<Location> heart;  // where the ventricle was found in the volume, world frame

@@ -46,6 +46,7 @@ void describe(auto& visit, DiscreteContour& o) {
   visit("max_steps", o.max_steps, OptionInfo{"the run ends here in any case", "", 1, 100000000});
 }
 
+/// Where a contour came to rest.
 struct ContourResult {
   Contour contour;
   StopReason reason = StopReason::max_steps;  // at_rest, max_steps, or diverged: shrunk to nothing or flown

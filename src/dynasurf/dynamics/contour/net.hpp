@@ -62,6 +62,7 @@ struct Net {
 struct NetShape {
   int parts = 0, holes = 0;
 };
+/// Counts the parts and holes of a net.
 NetShape shape_of(const Net& net);
 
 /// NET-ACTIVE: a net over the whole plane that shrinks onto the objects, by greedy moves of one pixel per node until

@@ -26,6 +26,7 @@ enum class SnakeEnergy {
   smoothed_intensity,  // E4 = G * I
 };
 std::span<const std::string_view> names_of(SnakeEnergy);
+/// The energy at every pixel of a plane, low where the snake is drawn to.
 Image snake_energy(const Image& plane, SnakeEnergy kind, double sigma_px = 1);
 
 /// FLD-POT (thesis 3.3.3): paths that are wanted become valleys of depth 1.

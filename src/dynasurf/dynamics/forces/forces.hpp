@@ -19,6 +19,7 @@ struct StretchForce {
   /// force grows with the cube of the triangles' sides, and no published stiffness lets a sphere follow a field.
   double area_unit_mm2 = 0;
 };
+/// The force of stretching on the vertices of a mesh like `rest`.
 Force stretch_force(const TriMesh& rest, const StretchForce& options);
 
 /// Resists shearing of each triangle (INT-SHEAR, thesis 3.8): C = a Wu . Wv.
@@ -26,6 +27,7 @@ struct ShearForce {
   double stiffness = 1, damping = 0.1;
   double area_unit_mm2 = 0;  // as in StretchForce
 };
+/// The force of shearing, likewise.
 Force shear_force(const TriMesh& rest, const ShearForce& options);
 
 /// Keeps the angle between the normals of two triangles at their common edge (INT-BEND, thesis 3.9): C = theta - rest,
@@ -36,6 +38,7 @@ struct BendForce {
   BendRest rest = BendRest::initial;  // initial: the angle in `rest`; flat: none; zone: free inside the interval
   double zone_low_rad = 0, zone_high_rad = 0;  // of `zone`
 };
+/// The force of bending, likewise.
 Force bend_force(const TriMesh& rest, const BendForce& options);
 
 /// A spring between two particles (INT-SPRING, thesis 3.56).
@@ -46,9 +49,11 @@ struct Spring {
 /// The edges of a mesh, each once, with `rest_scale` times their length as length at rest.
 std::vector<Spring> springs_of(const TriMesh& mesh, double rest_scale = 1);
 
+/// How stiff and how damped springs are, kg/s2 and kg/s.
 struct SpringForce {
   double stiffness = 10, damping = 1;
 };
+/// The force of springs on their ends (eq. 3.56).
 Force spring_force(std::vector<Spring> springs, const SpringForce& options);
 
 /// Springs that leave the direction of the field to the field (INT-RSPRING, thesis 3.4.4, eqs 5.4-5.5; E43): at each
@@ -58,6 +63,7 @@ struct RestrictedSpringForce {
   double threshold = 1e-3;  // of the longest vector of the field
   field::Sampling sampling = field::Sampling::nearest;
 };
+/// The force of such springs; the field must outlive it.
 Force restricted_spring_force(std::vector<Spring> springs, field::FieldView field,
                               const RestrictedSpringForce& options);
 

@@ -8,7 +8,7 @@
 
 #include "dynasurf/field/detail/simd.hpp"
 
-namespace dynasurf::simd {
+namespace dynasurf::field::simd {
 
 // Every function that takes or returns lanes is inlined, so that no calling convention is touched.
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -309,4 +309,4 @@ DYNASURF_INLINE bool any(Pack<std::int32_t, count, native> v) {
   return any(v.low | v.high);
 }
 
-}  // namespace dynasurf::simd
+}  // namespace dynasurf::field::simd

@@ -63,6 +63,7 @@ struct FittedGate {
 
 class WallPosterior;
 
+/// The walls of all gates that explain the image through the point spread, with their errors.
 struct FittedBeat {
   std::vector<FittedGate> gates;
   int rings = 0, segments = 0;

@@ -8,7 +8,7 @@
 namespace dynasurf::ventricle::detail {
 namespace {
 
-using namespace simd;
+using namespace field::simd;
 
 // A tile that stays in registers: numbers, and native vectors of numbers.
 constexpr std::size_t tall = 4, wide = 2;
@@ -98,7 +98,7 @@ void add_lines(float* to, std::size_t length, const float* const* from, const fl
 
 void syrk(const AlignedMatrix& lines, std::size_t count, AlignedMatrix& squares) {
   const std::size_t pitch = lines.pitch();
-  with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
+  field::detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
     for (std::size_t n = 0; n < count; n += lines_at_once)
       for (std::size_t across = 0; across < pitch; across += wide * native)
         for (std::size_t at = across; at < pitch; at += tall)
@@ -109,7 +109,7 @@ void syrk(const AlignedMatrix& lines, std::size_t count, AlignedMatrix& squares)
 
 void syrk_downdate(const double* from, std::size_t lines, std::size_t pitch, std::size_t first, std::size_t begin,
                    std::size_t end, double* to) {
-  with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
+  field::detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
     for (std::size_t across = first; across < end; across += wide * native / 2)
       for (std::size_t at = std::max(begin, across); at < end; at += tall)
         add_tile<Vector<double, native / 2>, true>(from, pitch, lines, at, across, to + at * pitch + across);
@@ -119,9 +119,9 @@ void syrk_downdate(const double* from, std::size_t lines, std::size_t pitch, std
 void gemm(const AlignedMatrix& from, std::size_t lines, const float* factor, std::size_t begin, std::size_t end,
           AlignedMatrix& to) {
   const std::size_t gates = to.count, pitch = from.pitch();
-  with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
+  field::detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
     using V = Floats<native>;
-    for (std::size_t i = begin; i < end; i += wide * simd::lanes) {
+    for (std::size_t i = begin; i < end; i += wide * field::simd::lanes) {
       const float* at = from.values.data() + i;
       float* sums = to.values.data() + i;
       std::size_t g = 0;
@@ -134,7 +134,7 @@ void gemm(const AlignedMatrix& from, std::size_t lines, const float* factor, std
 void gemm_t(const AlignedMatrix& from, std::size_t lines, const AlignedMatrix& fields, std::size_t begin,
             std::size_t end, float* to) {
   const std::size_t gates = fields.count, pitch = from.pitch();
-  with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
+  field::detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
     using V = Floats<native>;
     for (std::size_t n = 0; n < lines; n += 2) {
       const float* one = from.values.data() + n * pitch;

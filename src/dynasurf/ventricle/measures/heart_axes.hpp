@@ -27,6 +27,7 @@ struct Anterior {
   Vec3 direction{0, 0, 1};
   AnteriorRule rule = AnteriorRule::rows;
 };
+/// Looks for it by a rule.
 Anterior find_anterior(const Vec3& axis, const Grid& grid, AnteriorRule rule);
 
 /// Place on the wall as on a polar map: `rho` 0 at the apex, 1 at the valve plane; `angle_deg` seen from the apex,
@@ -35,6 +36,7 @@ struct PolarPoint {
   double rho = 0, angle_deg = 0;
 };
 
+/// A ray across the wall.
 struct WallRay {
   Vec3 origin{0, 0, 0}, direction{0, 0, 1};
 };

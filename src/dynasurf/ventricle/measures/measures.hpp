@@ -16,6 +16,7 @@
 
 namespace dynasurf::ventricle {
 
+/// How the numbers of a beat are taken.
 struct MeasureOptions {
   SegmentModel segments = SegmentModel::aha17;
   AnteriorRule anterior = AnteriorRule::automatic;
@@ -40,6 +41,7 @@ struct WallGate {
   const Image* image = nullptr;
   std::optional<BasePlane> base_plane;
 };
+/// What the numbers of a beat are taken from.
 struct MeasureInput {
   std::vector<WallGate> gates;  // in the order of the beat
   Vec3 axis{0, 0, 1};           // unit, from apex to base

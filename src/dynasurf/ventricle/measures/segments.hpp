@@ -24,6 +24,7 @@ struct Segment {
   std::string_view name, territory;  // territory: LAD, RCA or LCX, the coronary artery that usually feeds it
   double rho_low = 0, rho_high = 1, middle_deg = 0, width_deg = 360;
 };
+/// All segments of a model, by their numbers.
 std::span<const Segment> segments_of(SegmentModel model);
 
 /// Number of the segment at a polar point, from 1. A point on a common border belongs to the outer ring and to the

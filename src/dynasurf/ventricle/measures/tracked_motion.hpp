@@ -36,6 +36,7 @@ struct LevelMotion {
   Strains strains;
 };
 
+/// How the heart moved from rest to a gate.
 struct GateMotion {
   std::array<std::optional<LevelMotion>, 3> levels;  // by WallLevel; absent where a level has fewer than 3 points
   double twist_deg = 0, twist_sd_deg = 0;
@@ -43,6 +44,7 @@ struct GateMotion {
   Strains strains;  // of all points
 };
 
+/// How the heart moved through the beat.
 struct TrackedMotion {
   std::vector<GateMotion> gates;
   int rest_gate = 0;      // 0-based

@@ -16,6 +16,7 @@ enum class ThicknessSource : std::uint8_t {
   lid        // not wall: on the lid that closes the surface at the base, or within `lid_mm` of it; thickness 0
 };
 
+/// The thickness at every vertex of a surface, and where it comes from.
 struct VertexThickness {
   std::vector<double> mm;
   std::vector<ThicknessSource> source;
@@ -28,6 +29,7 @@ struct ThicknessSummary {
   int nearest = 0, crossing = 0;             // flagged vertices of both surfaces
 };
 
+/// The thickness at all vertices of both surfaces.
 struct WallThickness {
   VertexThickness endo, epi;
   std::optional<ThicknessSummary> summary;  // absent when no ray met the other surface
