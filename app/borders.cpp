@@ -13,25 +13,14 @@
 #include "dynasurf/report/detail/sheets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
+#include "borders_matrix.hpp"
 #include "command.hpp"
 #include "console.hpp"
-#include "option_arguments.hpp"
-#include "out_argument.hpp"
 
 namespace dynasurf::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Arguments {
-  std::string study, series;
-  OutFolder out;
-  OptionArguments options;
-  std::vector<std::string> vary;  // path=value,value,...
-  int gate = 1, slice = 0;        // from 1; slice 0: the middle of the heart
-  int threads = 0;
-  bool quiet = false;
-};
 
 int count_slices(const Mask& mask, int bits) {
   int slices = 0;
@@ -66,8 +55,6 @@ std::string table_of_borders(const ventricle::BorderResult& result) {
   }
   return table(rows);
 }
-
-enum class Drawing { edges, borders };
 
 /// "canny sigma_px 1.0 low 0.15 ..." for the title of a sheet.
 std::string words_of(const nlohmann::ordered_json& options) {
@@ -109,75 +96,7 @@ void write_sheets(const ventricle::BorderResult& result, Drawing what, const fs:
   }
 }
 
-/// "edges.sigma_px=1,2" as "edges.sigma_px=1" and "edges.sigma_px=2".
-std::vector<std::string> values_of(const std::string& vary) {
-  const auto equal = vary.find('=');
-  if (equal == std::string::npos || equal == 0 || equal + 1 == vary.size())
-    throw OptionError("--vary " + vary + ": expected path=value,value,...");
-  std::vector<std::string> all;
-  for (std::size_t from = equal + 1; from <= vary.size();) {
-    const std::size_t to = std::min(vary.find(',', from), vary.size());
-    if (to == from) throw OptionError("--vary " + vary + ": a value is empty");
-    all.push_back(vary.substr(0, equal + 1) + vary.substr(from, to - from));
-    from = to + 1;
-  }
-  return all;
-}
-
-/// A whole is set before its parts, so that `edges=compass` does not undo `edges.low=0.1`.
-void sort_by_depth(std::vector<std::string>& settings) {
-  const auto depth = [](const std::string& s) { return std::count(s.begin(), s.begin() + s.find('='), '.'); };
-  for (const std::string& s : settings)
-    if (s.find('=') == std::string::npos) throw OptionError("--set " + s + ": expected path=value");
-  std::stable_sort(settings.begin(), settings.end(),
-                   [&](const std::string& a, const std::string& b) { return depth(a) < depth(b); });
-}
-
-/// One gate under every pair of choices: columns by the first --vary, rows by the second.
-void write_matrix(const Arguments& arguments, Drawing what, const Image* mask, const fs::path& folder,
-                  const Progress& progress) {
-  if (arguments.vary.size() > 2) throw OptionError("--vary was given more than twice; expected columns and rows");
-  Study study = io::read_study(arguments.study, arguments.series);
-  const int gates = static_cast<int>(study.gates.size());
-  if (arguments.gate > gates)
-    throw OptionError("--gate " + std::to_string(arguments.gate) + ": the study has " + std::to_string(gates));
-  study.gates = {std::move(study.gates[static_cast<std::size_t>(arguments.gate - 1)])};
-  study.time_ms.clear();
-
-  const std::vector<std::string> across = values_of(arguments.vary[0]), down = arguments.vary.size() > 1
-                                                                                   ? values_of(arguments.vary[1])
-                                                                                   : std::vector<std::string>{""};
-  std::vector<std::vector<report::MatrixCell>> rows;
-  int done = 0;
-  for (const std::string& row : down) {
-    rows.emplace_back();
-    for (const std::string& column : across) {
-      OptionArguments with = arguments.options;
-      with.settings.push_back(column);
-      if (!row.empty()) with.settings.push_back(row);
-      sort_by_depth(with.settings);
-      const std::string name =
-          column.substr(column.find('=') + 1) + (row.empty() ? "" : " " + row.substr(row.find('=') + 1));
-      rows.back().push_back({name, ventricle::find_borders(study, options_of(with), {{}, progress.stop}, mask)});
-      progress("choices", ++done, static_cast<int>(across.size() * down.size()));
-    }
-  }
-  const ventricle::BorderResult& first = rows[0][0].borders;
-  const int slice = arguments.slice > 0 ? arguments.slice - 1
-                                        : (first.gates[0].labels.division_slice + first.gates[0].base_slice + 1) / 2;
-  if (slice >= first.study.grid().dims[2])
-    throw OptionError("--slice " + std::to_string(slice + 1) + ": the stack has " +
-                      std::to_string(first.study.grid().dims[2]));
-  std::string title = "gate " + std::to_string(arguments.gate) + "  slice " + std::to_string(slice + 1) + ":  " +
-                      arguments.vary[0].substr(0, arguments.vary[0].find('='));
-  if (arguments.vary.size() > 1) title += "  by  " + arguments.vary[1].substr(0, arguments.vary[1].find('='));
-  io::write_png(
-      report::draw_matrix(rows, slice,
-                          what == Drawing::edges ? report::MatrixDrawing::edges : report::MatrixDrawing::labels, title),
-      folder / "matrix.png");
-}
-
-ExitCode run(const Arguments& arguments, Drawing what, std::stop_token stop) {
+ExitCode run(const BordersArguments& arguments, Drawing what, std::stop_token stop) {
   const fs::path out = arguments.out.path;
   std::vector<fs::path> inputs{arguments.study};
   for (const std::string& given : {arguments.options.mask, arguments.options.file})
@@ -217,7 +136,7 @@ ExitCode run(const Arguments& arguments, Drawing what, std::stop_token stop) {
 }
 
 void add(CLI::App& program, Command& chosen, Drawing what, const std::string& name, const std::string& text) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<BordersArguments>();
   CLI::App* command = program.add_subcommand(name, text);
   command->add_option("STUDY", a->study, "DICOM file or folder, NIfTI or NRRD file")->required();
   add_series_argument(*command, a->series);

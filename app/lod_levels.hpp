@@ -1,0 +1,33 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/cloud/lod.hpp"
+
+// What `dynasurf lod` works on.
+namespace dynasurf::app {
+
+struct NamedLevel {
+  std::string name;
+  TriMesh mesh;
+};
+
+/// The meshes of a result folder of `cloud`, or of files, finest first. `with_names`: files keep their names, else they
+/// are level1, level2, ... Throws InputError, IoError.
+std::vector<NamedLevel> levels_of(const std::vector<std::string>& paths, bool with_names);
+
+struct LodPlan {
+  cloud::LodChain chain;
+  std::vector<double> from;                       // distance from which each level serves
+  std::vector<cloud::LodTransition> transitions;  // level n out of level n + 1
+};
+
+LodPlan plan_of(const std::vector<TriMesh>& meshes, const cloud::LodRule& rule, const cloud::Camera& camera);
+
+/// The content of lod.json.
+nlohmann::ordered_json json_of(const std::vector<NamedLevel>& levels, const LodPlan& plan, const cloud::LodRule& rule,
+                               const cloud::Camera& camera);
+
+}  // namespace dynasurf::app
