@@ -15,6 +15,9 @@ struct NormalStudies {
 
 using ColumnValues = std::vector<std::pair<std::string, std::string>>;
 
+/// "sex=F" as a column and its value. Throws OptionError, naming the option.
+ColumnValues column_values(const std::vector<std::string>& texts, const std::string& option);
+
 bool is_cohort(const std::filesystem::path& folder);
 
 /// The studies of a cohort that are done and do not have the verdict `fail`, whose columns have the values `where`.

@@ -1,0 +1,58 @@
+#include <nlohmann/json.hpp>
+
+#include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/io/cloud_io.hpp"
+#include "dynasurf/io/detail/atomic_file.hpp"
+#include "dynasurf/io/detail/json_read.hpp"
+#include "dynasurf/io/mesh_io.hpp"
+#include "dynasurf/io/options_json.hpp"
+#include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/synthetic/cloud_shapes.hpp"
+
+#include "console.hpp"
+#include "phantom_parts.hpp"
+#include "version.hpp"
+
+namespace dynasurf::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+synthetic::CloudPhantom cloud_options_of(const PhantomArguments& arguments) {
+  synthetic::CloudPhantom options;
+  for (const std::string& setting : arguments.settings) set_option(options, setting);
+  if (!arguments.seed.empty()) set_option(options, "seed=" + arguments.seed);
+  return options;
+}
+
+}  // namespace
+
+ExitCode make_scan(const PhantomArguments& arguments, std::stop_token stop) {
+  if (arguments.nrrd) throw OptionError("--nrrd: the phantom 'cloud' is no volume");
+  const synthetic::CloudPhantom options = cloud_options_of(arguments);
+  io::OutputFolder folder(arguments.out.path, arguments.out.existing());
+  const TriMesh reference = synthetic::cloud_reference(options.shape);
+  const PointCloud cloud = synthetic::make_cloud(options);
+  io::write_cloud(cloud, folder.path() / "cloud.ply");
+  io::write_mesh(reference, folder.path() / "truth" / "surface.ply", io::MeshFormat::ply);
+  Json json = Json::object();
+  json["schema"] = "dynasurf.phantom/1";
+  json["kind"] = "cloud";
+  json["points"] = cloud.points.size();
+  json["genus"] = synthetic::genus_of(options.shape);
+  json["volume"] = mesh::volume_mm3(reference);
+  json["area"] = mesh::area_mm2(reference);
+  json["triangles"] = reference.triangles.size();
+  json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
+  json["options"] = io::parse_json(io::options_to_text(options), "the options");
+  io::write_file(folder.path() / "truth.json", io::json_text(json));
+  if (stop.stop_requested()) throw Cancelled("stopped on request");
+  folder.publish();
+  if (!arguments.quiet)
+    print(std::string(word_of(options.shape)) + ": " + std::to_string(cloud.points.size()) + " points, genus " +
+          std::to_string(synthetic::genus_of(options.shape)) + "\nphantom: " + arguments.out.path + "\n" +
+          line_of_moved(folder));
+  return done;
+}
+
+}  // namespace dynasurf::app
