@@ -9,7 +9,7 @@
 
 #include "support/edge_maps.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 namespace {
 
 using test::box;
@@ -23,7 +23,7 @@ class HypreOracle : public testing::Test {
 test::MpiSession* HypreOracle::session = nullptr;
 
 /// |u - u*| / |u*| against hypre's field. Its residual says little of the error, so it iterates to the last digits.
-double error_of(const field::VectorField& field, const Image& map, double mu) {
+double error_of(const VectorField& field, const Image& map, double mu) {
   test::HypreGvf assess(map, mu * map.grid.spacing.cwiseAbs2().cwiseInverse(), 1e-12);
   double apart = 0, size = 0;
   const std::array<const std::vector<float>*, 3> u{&field.x, &field.y, &field.z};
@@ -52,9 +52,9 @@ TEST_F(HypreOracle, SolvesForTheSameFieldWithinTheEstimatedError) {
 
 TEST_F(HypreOracle, SolvesForTheSameFieldOfAGreyMap) {
   const Image map = test::blurred(test::noise(box(33, 30, 28, {1, 2, 1}), 5), 1.5);
-  const field::FlowResult r = flow_field(map, SteadyGvf{.mu = 0.5, .tolerance = 1e-4});
+  const FlowResult r = flow_field(map, SteadyGvf{.mu = 0.5, .tolerance = 1e-4});
   EXPECT_LT(error_of(r.field, map, 0.5), *r.error);
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::field

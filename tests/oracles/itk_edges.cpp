@@ -12,7 +12,7 @@
 #include "support/blurred_heart.hpp"
 #include "support/edge_images.hpp"
 
-namespace dynasurf {
+namespace dynasurf::image {
 namespace {
 
 using ItkImage = itk::Image<float, 2>;
@@ -76,8 +76,8 @@ TEST(ItkOracle, CannyFindsTheSameLines) {
   for (std::size_t n = 0; n < all.size(); ++n) {
     if (n == 1) continue;  // white noise: its ridges are everywhere, so being near proves nothing
     const Image& m = all[n];
-    const image::Canny o{.sigma_px = 1.4, .low = 0.2, .high = 0.4};
-    const image::EdgeMap ours = image::detect_edges(m, o);
+    const Canny o{.sigma_px = 1.4, .low = 0.2, .high = 0.4};
+    const EdgeMap ours = detect_edges(m, o);
     const float max = *std::max_element(ours.gradient.values.begin(), ours.gradient.values.end());
     auto filter = itk::CannyEdgeDetectionImageFilter<ItkImage, ItkImage>::New();
     filter->SetInput(to_itk(m, 0));
@@ -94,4 +94,4 @@ TEST(ItkOracle, CannyFindsTheSameLines) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::image

@@ -9,7 +9,7 @@
 
 #include "support/edge_maps.hpp"
 
-namespace dynasurf {
+namespace dynasurf::field {
 namespace {
 
 using ItkVector = itk::CovariantVector<float, 3>;
@@ -61,4 +61,4 @@ TEST(ItkOracle, ExplicitFlowIsTheSameStepForStepWhereVoxelsAreCubes) {
 }
 
 }  // namespace
-}  // namespace dynasurf
+}  // namespace dynasurf::field

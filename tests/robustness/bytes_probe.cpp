@@ -193,7 +193,7 @@ void clouds() {
 
 // bytes_probe [widest vectors, in floats [threads]]
 int main(int count, char** words) {
-  if (count > 1) dynasurf::ventricle::detail::widest_vectors = std::atoi(words[1]);
+  if (count > 1) dynasurf::field::detail::widest_vectors = std::atoi(words[1]);
   const dynasurf::ThreadLimit limit(count > 2 ? std::atoi(words[2]) : 0);
   dynasurf::functions();
   dynasurf::organs();

@@ -128,7 +128,7 @@ TEST(FitLoops, HaveTheSameBytesWithVectorsOfAnyWidth) {
   constexpr std::size_t count = 129, length = 96, gates = 6;
   const AlignedMatrix lines = some_lines(count, length, 5), factors = some_lines(1, count * gates, 6);
   const auto all_sums = [&](int widest) {
-    widest_vectors = widest;
+    field::detail::widest_vectors = widest;
     AlignedMatrix squares = no_squares(length), blended(gates, length);
     syrk(lines, count, squares);
     gemm(lines, count, factors.values.data(), 0, lines.pitch(), blended);
@@ -137,7 +137,7 @@ TEST(FitLoops, HaveTheSameBytesWithVectorsOfAnyWidth) {
     const std::vector<double> from(lines.values.begin(), lines.values.end());
     std::vector<double> rest(length * length);
     syrk_downdate(from.data(), count, length, 0, 0, length, rest.data());
-    widest_vectors = 16;
+    field::detail::widest_vectors = 16;
     std::vector<double> sums(back.begin(), back.end());
     sums.insert(sums.end(), blended.values.begin(), blended.values.end());
     for (std::size_t i = 0; i < length; ++i)
