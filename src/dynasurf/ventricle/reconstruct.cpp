@@ -30,7 +30,6 @@ std::string format(const char* pattern, A... values) {
   return text.data();
 }
 
-constexpr Border walls[] = {Border::endo, Border::epi};
 constexpr int room_voxels = 3;  // around a border, for its field
 
 /// The edges of the caller's function, which may have left the image's grid.

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <mutex>
 #include <optional>
 #include <vector>
@@ -9,6 +10,8 @@
 
 // What the stages of `reconstruct` hand on from one to the next.
 namespace dynasurf::ventricle {
+
+inline constexpr std::array<Border, 2> walls{Border::endo, Border::epi};
 
 /// Counts finished pieces of work from several threads and tells the user, one call at a time.
 class StageCounter {
