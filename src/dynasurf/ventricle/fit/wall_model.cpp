@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -58,6 +59,45 @@ struct Builder {
 
 constexpr double as_it_starts = std::numeric_limits<double>::quiet_NaN();
 
+// Low harmonics carry the beat and get as many waves as eight gates can show; fine ones follow slowly.
+constexpr int low_degree = 2, low_waves = 5, fine_waves = 2;
+
+void add_cavity(Builder& build, const GateLayout& gate, std::span<const Wave> waves, const Priors& beliefs) {
+  for (int k = 0; k < harmonics_up_to(gate.endo_degree); ++k) {
+    const int l = degree_of_harmonic(k);
+    const bool low = l <= low_degree;
+    for (const Wave& wave : waves) {
+      const double n = wave.number;
+      if (!low && wave.number > fine_waves) continue;
+      if (wave.number == 0) {
+        const double spread = l == 0 ? beliefs.size
+                              : low  ? beliefs.shape / l
+                                     : beliefs.fine_shape * own::pow(2.0 / l, 2.5);
+        build.add(gate.endo + k, wave, low ? as_it_starts : 0, spread);
+      } else {
+        const double spread = l == 0 ? beliefs.beating
+                              : low  ? beliefs.motion
+                                     : beliefs.fine_motion * own::pow(2.0 / l, 2);
+        build.add(gate.endo + k, wave, 0, spread / (n * std::sqrt(n)));
+      }
+    }
+  }
+}
+
+void add_wall(Builder& build, const GateLayout& gate, std::span<const Wave> waves, const Priors& beliefs) {
+  for (int k = 0; k < harmonics_up_to(gate.wall_degree); ++k) {
+    const int l = degree_of_harmonic(k);
+    for (const Wave& wave : waves) {
+      const double n = wave.number;
+      if (wave.number > (l <= low_degree ? low_waves : fine_waves)) continue;
+      if (wave.number == 0)
+        build.add(gate.wall + k, wave, as_it_starts, l == 0 ? 1.5 : beliefs.wall_shape / l);
+      else
+        build.add(gate.wall + k, wave, 0, beliefs.wall_motion / (std::max(1, l) * n));
+    }
+  }
+}
+
 }  // namespace
 
 GateLayout make_gate_layout(int endo_degree, int wall_degree, int uptake_degree, int blob_count) {
@@ -113,40 +153,9 @@ BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::Vec
   layout.gates = static_cast<int>(start.size());
   layout.terms.assign(start.size(), std::vector<std::vector<BeatLayout::Term>>(static_cast<std::size_t>(gate.count())));
   Builder build{layout, start, {}, {}, {}};
-  // Low harmonics carry the beat and get as many waves as eight gates can show; fine ones follow slowly.
-  constexpr int low_degree = 2, low_waves = 5, fine_waves = 2;
   const std::vector<Wave> waves = waves_up_to(low_waves, layout.gates);
-
-  for (int k = 0; k < harmonics_up_to(gate.endo_degree); ++k) {
-    const int l = degree_of_harmonic(k);
-    const bool low = l <= low_degree;
-    for (const Wave& wave : waves) {
-      const double n = wave.number;
-      if (!low && wave.number > fine_waves) continue;
-      if (wave.number == 0) {
-        const double spread = l == 0 ? beliefs.size
-                              : low  ? beliefs.shape / l
-                                     : beliefs.fine_shape * own::pow(2.0 / l, 2.5);
-        build.add(gate.endo + k, wave, low ? as_it_starts : 0, spread);
-      } else {
-        const double spread = l == 0 ? beliefs.beating
-                              : low  ? beliefs.motion
-                                     : beliefs.fine_motion * own::pow(2.0 / l, 2);
-        build.add(gate.endo + k, wave, 0, spread / (n * std::sqrt(n)));
-      }
-    }
-  }
-  for (int k = 0; k < harmonics_up_to(gate.wall_degree); ++k) {
-    const int l = degree_of_harmonic(k);
-    for (const Wave& wave : waves) {
-      const double n = wave.number;
-      if (wave.number > (l <= low_degree ? low_waves : fine_waves)) continue;
-      if (wave.number == 0)
-        build.add(gate.wall + k, wave, as_it_starts, l == 0 ? 1.5 : beliefs.wall_shape / l);
-      else
-        build.add(gate.wall + k, wave, 0, beliefs.wall_motion / (std::max(1, l) * n));
-    }
-  }
+  add_cavity(build, gate, waves, beliefs);
+  add_wall(build, gate, waves, beliefs);
   for (int k = 0; k < harmonics_up_to(gate.uptake_degree); ++k) {
     const int l = degree_of_harmonic(k);
     build.add(gate.uptake + k, waves[0], as_it_starts, l == 0 ? 1.0 : beliefs.uptake / l);
