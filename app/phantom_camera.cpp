@@ -12,6 +12,7 @@
 #include "console.hpp"
 #include "phantom_parts.hpp"
 #include "phantom_truth.hpp"
+#include "result_job.hpp"
 
 namespace dynasurf::app {
 namespace {
