@@ -28,6 +28,18 @@ async function open(context, file) {
   return [page, bad];
 }
 
+/** Pixels of the colours of the two walls in the thumbnails of the rows in view, a list per row. */
+function wallsIn(page) {
+  return page.evaluate(() =>
+    [...document.querySelectorAll(".row")].map((row) => {
+      const canvas = row.querySelector("canvas.slice");
+      const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      const count = (test) => data.reduce((sum, red, n) => sum + (n % 4 === 0 && test(red, data[n + 2]) ? 1 : 0), 0);
+      return { id: row.querySelector("b").textContent, inner: count((red, blue) => blue > red + 50), outer: count((red, blue) => red > blue + 50) };
+    }),
+  );
+}
+
 /** Milliseconds until the page is painted, of the work that a filter makes, and of the frames while the list is dragged. */
 function timesOf(page) {
   return page.evaluate(async () => {
@@ -64,6 +76,15 @@ await withBrowser(
     const worst = Math.max(...data.studies.map((study) => study.concern));
     const first = data.studies.find((study) => study.concern === worst);
     assert.equal(await page.textContent(".row.chosen b"), first.id);
+    // The slice of each study that has pictures shows both walls, and no other row shows a slice.
+    await page.waitForFunction(() => document.querySelector(".row"));
+    await page.waitForTimeout(500);
+    const walls = await wallsIn(page);
+    assert.ok(walls.some(({ id }) => data.pictures[id]), "the worst studies have pictures");
+    for (const { id, inner, outer } of walls)
+      if (!data.pictures[id]) assert.equal(inner + outer, 0, `${id} has no picture`);
+    assert.ok(walls.some(({ inner, outer }) => inner > 20 && outer > 20), "a slice shows both walls");
+    assert.ok(Object.keys(data.pictures).length <= 200, "the page stays small");
     await page.fill('input[type="search"]', data.studies[1].id);
     assert.match(await page.textContent("#shown"), /^1 of /);
     await page.click("text=Show all");

@@ -1,7 +1,7 @@
 // The list of studies: only the rows in view are in the page, so that ten thousand scroll smoothly.
 import { byId, figure, html } from "../dom";
 import type { Cohort, Study } from "./data";
-import { curveThumb, polarThumb } from "./thumbs";
+import { curveThumb, polarThumb, sliceThumb } from "./thumbs";
 import { decisionOf } from "./triage";
 
 const rowHeight = 72;
@@ -102,6 +102,7 @@ export class StudyList {
       { class: index === this.chosen ? "row chosen" : "row", role: "option", "aria-selected": String(index === this.chosen) },
       html("div", {}, html("b", { title: study.id }, study.id), markOf(study), html("span", { class: "decision" }, decision.verdict ? ` ${decision.verdict}ed` : "")),
       html("div", {}, html("span", { class: "big" }, `${figure(study.numbers[0], 0)} %`), html("br"), html("small", {}, `${figure(study.numbers[1], 0)} / ${figure(study.numbers[2], 0)} mL`)),
+      sliceThumb(this.cohort.pictures[study.id], 58),
       polarThumb(study.perfusion, 58),
       curveThumb(study.curve, 96, 52),
       html("div", { class: "words" }, study.state === "failed" ? study.reason : study.flags.join(", ")),

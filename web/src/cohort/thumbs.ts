@@ -1,4 +1,4 @@
-// Small pictures of a study: the polar map of its perfusion and its volume curve, on canvases.
+// Small pictures of a study: a slice with both walls, the polar map of its perfusion, its volume curve, on canvases.
 
 const scale: [number, number, number][] = [
   [68, 1, 84],
@@ -35,6 +35,25 @@ function canvasOf(width: number, height: number, name: string): [HTMLCanvasEleme
   const context = canvas.getContext("2d")!;
   context.scale(ratio, ratio);
   return [canvas, context];
+}
+
+// The slices of a study as draw_splash lays them out, at half size: rows of eight square cells, end diastole first.
+const cells = { across: 8, middle: 4, gap: 2, title: 8 };
+
+/** The slice of end diastole in the middle of the heart, cut out of a PNG in base64; grey without one. */
+export function sliceThumb(png: string | undefined, size: number): HTMLCanvasElement {
+  const [canvas, context] = canvasOf(size, size, "slice");
+  context.fillStyle = "#eef2f5";
+  context.fillRect(0, 0, size, size);
+  if (!png) return canvas;
+  const picture = new Image();
+  picture.onload = () => {
+    const step = (picture.naturalWidth - cells.gap) / cells.across;
+    const side = step - cells.gap;
+    context.drawImage(picture, cells.gap + cells.middle * step, cells.gap + cells.title, side, side, 0, 0, size, size);
+  };
+  picture.src = `data:image/png;base64,${png}`;
+  return canvas;
 }
 
 /** Perfusion in 17 segments, 40 to 100 % of the bright wall; grey where there is none. Anterior wall on top, septum left. */
