@@ -89,20 +89,29 @@ grep -h -o 'requeue.*' ctld.log | sort -u
             self.assertEqual(hashes(result_of(cohort, name)), hashes(alone), name)
         self.assertEqual(len(rows_of(cohort / "tables" / "studies.tsv")), studies)
 
-    @unittest.skipUnless(shutil.which("snakemake"), "Snakemake is not installed (snakemake)")
-    def test_runs_the_shards_of_snakemake(self):
+    def snakemake_with(self, *profile):
+        """The shards of Snakemake as jobs of Slurm, which keeps no accounts here."""
         serial()
         cohort, folder = self.folder / "cohort", self.folder / "slurm"
         folder.mkdir()
-        words = ["snakemake", "--snakefile", EXAMPLES / "snakemake" / "Snakefile", "--cluster", "sbatch --cpus-per-task={threads}", "--jobs", "4",
+        words = ["snakemake", "--snakefile", EXAMPLES / "snakemake" / "Snakefile", *profile, "--jobs", "4",
                  "--latency-wait", "30", "--config", f"studies={patients() / 'patients.tsv'}", f"cohort={cohort}", "shards=3",
                  f"program={PROGRAM}", f"options={' '.join(QUICK)}"]
         done = subprocess.run(["unshare", "-n", "-m", pathlib.Path(__file__).with_name("slurm_cluster.sh"), folder, *words],
-                              cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=600)
+                              cwd=folder, env={**ENVIRONMENT, "USER": "root"}, capture_output=True, text=True, timeout=600)
         if done.returncode == 77:
             self.skipTest("Slurm did not come up in a network of its own")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual((folder / "ctld.log").read_text().count("sched: Allocate"), 4, "three shards and the tables are jobs")
         self.is_whole(cohort)
+
+    @unittest.skipUnless(shutil.which("snakemake"), "Snakemake is not installed (snakemake)")
+    def test_runs_the_shards_of_snakemake(self):
+        self.snakemake_with("--slurm", "--max-status-checks-per-second", "1")
+
+    @unittest.skipUnless(shutil.which("snakemake"), "Snakemake is not installed (snakemake)")
+    def test_runs_the_shards_of_snakemake_by_a_command(self):
+        self.snakemake_with("--cluster", "sbatch --cpus-per-task={threads} --mem={resources.mem_mb}")
 
     def table_of(self, studies):
         """Every patient, and images of nothing between them."""
