@@ -118,6 +118,13 @@ await withBrowser(
     assert.match(await big.textContent(".row.chosen b"), /^n\d+$/);
     // Wide limits: the machine may have other work. A smooth page has about 16 ms a frame.
     const times = await timesOf(big);
+    // The middle 95 % of all as the normal range, from the numbers themselves.
+    await big.selectOption("#normal", "all");
+    const values = many.filter((s) => s.state === "done" && s.verdict !== "fail" && s.numbers[0] !== null).map((s) => s.numbers[0]).sort((a, b) => a - b);
+    const said = (await big.textContent("#normal-words")).match(/([\d.]+) to ([\d.]+) %, n = (\d+)/);
+    assert.equal(Number(said[3]), values.length);
+    [0.025, 0.975].forEach((share, n) => assert.ok(Math.abs(Number(said[n + 1]) - values[Math.round(share * (values.length - 1))]) < 0.1, said[0]));
+    assert.equal(await big.locator("#histogram .normal").count(), 1);
     console.log(`${many.length} studies: ${Object.entries(times).map(([name, ms]) => `${name} ${Math.round(ms)} ms`).join(", ")}`);
     assert.ok(times.painted < 20000 && times.filter < 2000 && times.frame < 200, "ten thousand studies stay smooth");
     if (process.argv[3]) await big.screenshot({ path: process.argv[3] });

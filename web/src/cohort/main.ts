@@ -2,7 +2,7 @@
 import { byId, figure, html } from "../dom";
 import { readCohort, type Statistic, type Study } from "./data";
 import { markOf, StudyList } from "./list";
-import { drawAgreement, drawHistogram, drawScatter, meansTable, type Dot, type Ring } from "./plots";
+import { drawAgreement, drawHistogram, drawScatter, meansTable, normalRange, type Dot, type Ring } from "./plots";
 import { curveThumb, polarThumb } from "./thumbs";
 import { comment, decide, decisionOf, download } from "./triage";
 
@@ -82,6 +82,9 @@ const order = fillSelect("order", [["concern", "worst first"], ["id", "id"], ...
 const number = fillSelect("number", titles);
 const few = cohort.groups.map((_, n) => n).filter((n) => different(cohort.studies.map((s) => s.groups[n] ?? "")).length <= 6);
 const by = fillSelect("by", [["", "nothing"], ["verdict", "verdict"], ...few.map((n): [string, string] => [String(n), cohort.groups[n]!])]);
+// Which studies are normal only the reader knows: those of a group, or all.
+const normals = few.flatMap((n) => different(cohort.studies.map((s) => s.groups[n] ?? "")).map((value): [number, string] => [n, value]));
+const normal = fillSelect("normal", [["", "not known"], ["all", "all studies"], ...normals.map(([n, value], at): [string, string] => [String(at), `${cohort.groups[n]} ${value || "(not known)"}`])]);
 // Truths of the table of studies, and the same number in another cohort, can be compared with too.
 const truths = cohort.groups.map((name, n): [string, string] => [`group ${n}`, name]).filter(([, name]) => name.includes("_true_"));
 const others: [string, string][] = cohort.second ? [["other", "the same in the other cohort"]] : [];
@@ -112,6 +115,18 @@ function sorted(indices: number[]): number[] {
   return indices.sort((a, b) => Number(at(a) === null) - Number(at(b) === null) || down * ((at(b) ?? 0) - (at(a) ?? 0)) || a - b);
 }
 
+/** The normal range of a number, which it says in words too. */
+function showNormals(key: number): [number, number] | undefined {
+  const chosen = normals[Number(normal.value)];
+  const isNormal = (s: Study) => normal.value === "all" || (normal.value !== "" && s.groups[chosen![0]] === chosen![1]);
+  const values = cohort.studies.filter((s) => s.state === "done" && s.verdict !== "fail" && isNormal(s)).map((s) => s.numbers[key]);
+  const known = values.filter((v): v is number => v !== null && v !== undefined);
+  const range = normalRange(known);
+  const words = range ? `Green: their middle 95 %, ${figure(range[0])} to ${figure(range[1])} ${cohort.keys[key]![2]}, n = ${known.length}.` : `A range needs 20 of them; n = ${known.length}.`;
+  byId("normal-words").textContent = normal.value === "" ? "" : words;
+  return range;
+}
+
 function drawPlots(): void {
   const key = Number(number.value);
   const unit = (n: number) => (cohort.keys[n]![2] ? `, ${cohort.keys[n]![2]}` : "");
@@ -125,7 +140,7 @@ function drawPlots(): void {
   }
   const inOrder = new Map([...groups].sort(([a], [b]) => a.localeCompare(b)));
   const inkOf = new Map([...inOrder.keys()].map((name, n) => [name, n]));
-  drawHistogram(byId("histogram"), inOrder, cohort.keys[key]![1] + unit(key));
+  drawHistogram(byId("histogram"), inOrder, cohort.keys[key]![1] + unit(key), showNormals(key));
   byId("means").replaceChildren(...meansTable(inOrder));
   const dots: Dot[] = [];
   const differences: Dot[] = [];

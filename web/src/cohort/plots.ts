@@ -62,8 +62,20 @@ function rangeOf(values: number[], margin: number): [number, number] {
   return [low - wide, high + wide];
 }
 
-/** Columns of a distribution, a colour a group, on top of each other. */
-export function drawHistogram(picture: SVGSVGElement, groups: Map<string, number[]>, name: string): void {
+/** The normal range of a number: the middle 95 % of the values of normal studies; none of fewer than 20, too few for its ends. */
+export function normalRange(values: number[]): [number, number] | undefined {
+  if (values.length < 20) return undefined;
+  const sorted = [...values].sort((a, b) => a - b);
+  const at = (share: number) => {
+    const place = share * (sorted.length - 1);
+    const low = Math.floor(place);
+    return sorted[low]! + (place - low) * (sorted[Math.min(low + 1, sorted.length - 1)]! - sorted[low]!);
+  };
+  return [at(0.025), at(0.975)];
+}
+
+/** Columns of a distribution, a colour a group, on top of each other, before the normal range. */
+export function drawHistogram(picture: SVGSVGElement, groups: Map<string, number[]>, name: string, normal: [number, number] | undefined): void {
   const all = [...groups.values()].flat();
   const [low, high] = rangeOf(all, 0.02);
   const count = Math.max(8, Math.min(40, Math.round(2 * Math.cbrt(all.length)) * 2));
@@ -74,6 +86,10 @@ export function drawHistogram(picture: SVGSVGElement, groups: Map<string, number
   });
   const sums = Array.from({ length: count }, (_, n) => bins.reduce((sum, bin) => sum + bin[n]!, 0));
   const to = frameOf(picture, 210, [low, high], [0, Math.max(1, ...sums) * 1.08], [name, "studies"]);
+  if (normal) {
+    const [from, end] = normal.map((v) => Math.min(Math.max(to.x(v), place.left), place.right)) as [number, number];
+    picture.append(svg("rect", { class: "normal", x: from, width: end - from, y: place.top, height: 210 - 34 - place.top }));
+  }
   for (let n = 0; n < count; ++n) {
     let from = 0;
     bins.forEach((bin, g) => {
