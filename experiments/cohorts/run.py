@@ -33,7 +33,7 @@ def main():
     elif given.which == "many":
         many(bench, given.many)
     else:
-        schedulers(bench)
+        schedulers(bench, given.rounds)
     (HERE / f"results-{given.which}.txt").write_text("\n".join(bench.lines) + "\n")
 
 

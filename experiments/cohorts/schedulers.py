@@ -7,59 +7,54 @@ import time
 
 from cohort import QUICK, ROOT, nifti, write_table
 
-FEW, MANY, ROUNDS = 10, 60, 3
+FEW, MANY = 5, 40
 EXAMPLES = ROOT / "examples"
 
-# Slurm's own end of an array: `sbatch --wait` would look every ten seconds at best, and accounts count whole seconds.
+# Slurm's own word that a task is over: `sbatch --wait` looks every ten seconds at best, and squeue costs what it measures.
 ARRAY = """
-round() {
-  begin=$(date +%s.%N)
-  job=$(sbatch --parsable --output=/dev/null --array=1-$1 "${@:2}")
-  while test -n "$(squeue --noheader --jobs="$job" 2>/dev/null)"; do sleep 0.05; done
-  echo "$1 $begin $(date +%s.%N)"
-}
+over() { grep -c '_job_complete: .* done' ctld.log || true; }
+before=$(over)
+sbatch --parsable --output=/dev/null --array=1-$1 "${@:2}" >job
+until test $(over) -ge $((before + $1)); do sleep 0.2; done
 """
 
 
-def seconds_of(words, **options):
-    begin = time.monotonic()
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, stdin=subprocess.DEVNULL, **options)
+def cost_of(words, **options):
+    """Seconds that a command takes, and processor seconds of all that it starts: the first process of a namespace
+    inherits what loses its parent, and all ends with it."""
+    before, begin = os.times(), time.monotonic()
+    done = subprocess.run(["unshare", "--pid", "--fork", "--mount-proc", *map(str, words)], capture_output=True, text=True,
+                          stdin=subprocess.DEVNULL, **options)
     if done.returncode != 0:
         raise SystemExit(f"{words[0]}: {done.stdout[-500:]}{done.stderr[-1000:]}")
-    return time.monotonic() - begin, done.stdout
+    after = os.times()
+    return time.monotonic() - begin, after.children_user + after.children_system - before.children_user - before.children_system
 
 
-def by_slurm(bench, table, cohort):
-    """Seconds from handing in an array to its end, in a Slurm of this machine: {tasks: one of each round}."""
+def by_slurm(bench, table, cohort, tasks):
+    """The cost of an array of tasks in a Slurm of this machine, with that of its daemons."""
     folder = bench.work / "schedulers" / "slurm"
+    shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
-    words = f"{EXAMPLES}/slurm/cohort.sbatch {table} {cohort} {' '.join(QUICK)}"
-    script = f"cd {folder}{ARRAY}" + "".join(f"round {tasks} {words}\n" for _ in range(ROUNDS) for tasks in (1, FEW, MANY))
-    _, out = seconds_of(["unshare", "-n", "-m", ROOT / "tests" / "cli" / "slurm_cluster.sh", folder, "bash", "-c", script],
-                        env={**os.environ, "DYNASURF": bench.program})
-    seconds = {}
-    for line in out.splitlines():
-        tasks, begin, end = line.split()
-        seconds.setdefault(int(tasks), []).append(float(end) - float(begin))
-    return seconds
+    return cost_of(["unshare", "-n", "-m", ROOT / "tests" / "cli" / "slurm_cluster.sh", folder, "bash", "-c", f"set -e; cd {folder}{ARRAY}", "array",
+                    tasks, f"{EXAMPLES}/slurm/cohort.sbatch", table, cohort, *QUICK], env={**os.environ, "DYNASURF": bench.program})
 
 
 def engines(bench, table, cohort):
-    """Name of each engine, and the seconds of each round for so many tasks."""
+    """Name of each engine, and the cost of so many tasks."""
     snakemake = ["snakemake", "--snakefile", EXAMPLES / "snakemake" / "Snakefile", "--cores", "2", "--forceall", "--config",
                  f"studies={table}", f"cohort={cohort}", f"program={bench.program}", f"options={' '.join(QUICK)}"]
     environment = {**os.environ, "DYNASURF": bench.program}
-    shard = lambda n, tasks: [bench.program, "batch", table, "--out", cohort, "--shard", f"{n}/{tasks}", "--quiet", "--no-collect", "--", *QUICK]
-    rounds = lambda run: {tasks: [run(tasks) for _ in range(ROUNDS)] for tasks in (1, FEW, MANY)}
+    one_by_one = f'for n in $(seq $1); do {bench.program} batch {table} --out {cohort} --shard $n/$1 --quiet --no-collect -- {" ".join(QUICK)}; done'
     return {
-        "bare, one after the other": lambda: rounds(lambda tasks: sum(seconds_of(shard(n + 1, tasks))[0] for n in range(tasks))),
-        "GNU parallel": lambda: rounds(lambda tasks: seconds_of([EXAMPLES / "parallel" / "run.sh", table, cohort, tasks, *QUICK], env=environment)[0]),
-        "Snakemake": lambda: rounds(lambda tasks: seconds_of([*snakemake, f"shards={tasks}"], cwd=bench.work / "schedulers")[0]),
-        "Slurm": lambda: by_slurm(bench, table, cohort),
+        "none": lambda tasks: cost_of(["bash", "-c", one_by_one, "tasks", tasks]),
+        "GNU parallel": lambda tasks: cost_of([EXAMPLES / "parallel" / "run.sh", table, cohort, tasks, *QUICK], env=environment),
+        "Snakemake": lambda tasks: cost_of([*snakemake, f"shards={tasks}"], cwd=bench.work / "schedulers"),
+        "Slurm": lambda tasks: by_slurm(bench, table, cohort, tasks),
     }
 
 
-def schedulers(bench):
+def schedulers(bench, rounds):
     folder = bench.work / "schedulers"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
@@ -68,6 +63,7 @@ def schedulers(bench):
     cohort = folder / "cohort"
     bench.must("batch", folder / "studies.tsv", "--out", cohort, "--quiet", "--", *QUICK)
     for name, run in engines(bench, folder / "studies.tsv", cohort).items():
-        best = {tasks: min(seconds) for tasks, seconds in run().items()}
-        bench.say(f"{name}: " + ", ".join(f"{tasks} task{'s' * (tasks > 1)} {seconds:.2f} s" for tasks, seconds in best.items())
-                  + f": {(best[MANY] - best[FEW]) / (MANY - FEW):.3f} s a task")
+        few, many = ([run(tasks) for _ in range(rounds)] for tasks in (FEW, MANY))
+        (wall, cpu), (walls, cpus) = ([min(kind) for kind in zip(*costs)] for costs in (few, many))
+        bench.say(f"{name}: {FEW} tasks {wall:.2f} s, {MANY} tasks {walls:.2f} s; a task {(walls - wall) / (MANY - FEW):.3f} s, "
+                  f"of a processor {(cpus - cpu) / (MANY - FEW):.3f} s")
