@@ -6,6 +6,7 @@
 Needs nbclient, nbconvert and ipykernel (on Debian: python3-nbclient, python3-nbconvert, python3-ipykernel).
 """
 
+import os
 import pathlib
 import sys
 import tempfile
@@ -16,6 +17,7 @@ import nbformat
 from jupyter_client.kernelspec import KernelSpec
 from nbconvert import HTMLExporter
 
+os.environ["PYDEVD_DISABLE_FILE_VALIDATION"] = "1"  # else every kernel prints a warning of its debugger
 NOTEBOOKS = pathlib.Path(__file__).resolve().parents[1] / "python/notebooks"
 
 

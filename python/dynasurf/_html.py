@@ -102,7 +102,7 @@ def framed(page, title, height):
 
 def of_heart(heart):
     """The beating heart, the curve and the verdict."""
-    return framed(heart.report_html(_MOST_VOXELS), "Report of the left ventricle", 1150)  # down to the end of its surfaces
+    return framed(heart.report_html(_MOST_VOXELS), "Report of the left ventricle", 1290)  # down to the end of its surfaces
 
 
 def of_cloud(lods):
