@@ -120,6 +120,20 @@ TEST(OptionTable, TellsDefaultUnitRangeAndChoices) {
   EXPECT_EQ(rows[8].default_value, "blur");
 }
 
+struct ToyLimits {
+  double share = 0.5, count = 1e6;
+};
+void describe(auto& visit, ToyLimits& o) {
+  visit("share", o.share, OptionInfo{"a fraction", "", 0.25, 0.75});
+  visit("count", o.count, OptionInfo{"large", "", 100000, 1e10});
+}
+
+TEST(OptionTable, WritesLimitsShort) {
+  const auto rows = option_table(ToyLimits{});
+  EXPECT_EQ(rows[0].range, "0.25 to 0.75");
+  EXPECT_EQ(rows[1].range, "100000 to 1e+10");
+}
+
 TEST(OptionTable, ShowsThePresentValuesOfTheCurrentMethod) {
   Toy toy;
   toy.step = ToyEdge{9};

@@ -302,6 +302,30 @@ class Mutate(Project):
         self.assertEqual(drawn[0], drawn[1])
         self.assertEqual({mutant.kind for mutant in drawn[2]}, {"+ to -", "< to <=", "statement deleted"})
 
+    def test_knows_the_sources_of_every_room(self):
+        for name, room in mutate.ROOMS.items():
+            for pattern in room.sources:
+                self.assertTrue(list((mutate.ROOT / "src/dynasurf").glob(pattern)), f"{name}: {pattern}")
+
+    def test_asks_quick_tests_first_and_every_test_once(self):
+        times = {"A.a": "9s", "A.b": "0.5s", "B.c": "0.1s", "B.d": "0.4s"}
+        suites = [{"name": suite, "testsuite": [{"name": name[2:], "time": time, "status": "RUN"}
+                                                for name, time in times.items() if name[0] == suite]} for suite in "AB"]
+        suites[0]["testsuite"].append({"name": "off", "time": "0s", "status": "NOTRUN"})
+        self.assertEqual(mutate.in_courses({"testsuites": suites}), ["B.c:B.d:A.b", "A.a"])
+
+    def test_counts_the_last_verdict_of_each_mutant_and_lists_survivors(self):
+        def line(verdict, begin, room="core"):
+            return {"room": room, "verdict": verdict, "path": "a.cpp", "line": begin, "begin": begin, "text": "-",
+                    "kind": "+ to -", "source": "a + b"}
+        lines = [line("survived", 1), line("killed", 2), line("survived", 3, "mesh"), line("not compiling", 4), line("killed", 1)]
+        self.write("log", "\n".join(map(json.dumps, lines)))
+        self.assertEqual(list(mutate.table(mutate.judged(self.root / "log").values())), [
+            "core         2 mutants,    2 killed (100.0 %),   0 survived; 1 more did not compile",
+            "mesh         1 mutants,    0 killed (0.0 %),   1 survived; 0 more did not compile",
+            "all          3 mutants,    2 killed (66.7 %),   1 survived; 1 more did not compile",
+            "survived: a.cpp:3: + to -: a + b"])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -40,13 +40,12 @@ bool has_value(DcmElement& element) {
   }
 }
 
-/// DCMTK fills the head of a file while it writes, and does not look whether the values found memory.
+}  // namespace
+
 void require_values(DcmMetaInfo& head) {
   for (unsigned long n = 0; n < head.card(); ++n)
     if (!has_value(*head.getElement(n))) throw std::bad_alloc();
 }
-
-}  // namespace
 
 std::string decimal(double value) {
   if (std::abs(value) < 1e-12) return "0";

@@ -73,6 +73,10 @@ std::string decimals(std::initializer_list<double> values);
 /// one, so that the same content gives the same UIDs.
 std::string uid_of(const Sha256& content, std::string_view role);
 
+/// DCMTK fills the head of a file while it writes, and does not look whether the values found memory. Throws
+/// std::bad_alloc where one has none.
+void require_values(DcmMetaInfo& head);
+
 /// A DICOM file as it stands on disk: little endian, explicit lengths. `where` is what errors call it.
 std::string bytes_of(DcmFileFormat& file, const std::string& where);
 
