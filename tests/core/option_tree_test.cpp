@@ -100,6 +100,30 @@ TEST(SetOption, RefusesWhatIsNoSetting) {
     EXPECT_THAT(error_of(path + std::string("=3")), testing::HasSubstr("expected path=value"));
 }
 
+TEST(CheckOptions, NamesThePathTheValueAndTheRange) {
+  const auto error_of = [](const auto& change) -> std::string {
+    Toy toy;
+    change(toy);
+    try {
+      check_options(toy, "toy");
+    } catch (const OptionError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(error_of([](Toy& t) { t.width_mm = 20; }), "");
+  EXPECT_EQ(error_of([](Toy& t) { t.width_mm = 20.5; }),
+            "option toy.width_mm is 20.5; expected a number >= 0 and <= 20");
+  EXPECT_EQ(error_of([](Toy& t) { t.width_mm = std::numeric_limits<double>::quiet_NaN(); }),
+            "option toy.width_mm is nan; expected a number >= 0 and <= 20");
+  EXPECT_EQ(error_of([](Toy& t) { t.rounds = 0; }), "option toy.rounds is 0; expected a number >= 1");
+  EXPECT_EQ(error_of([](Toy& t) { t.limit = -1; }), "option toy.limit is -1; expected a number >= 0 and <= 100");
+  EXPECT_EQ(error_of([](Toy& t) { t.inner.depth = 6; }),
+            "option toy.inner.depth is 6; expected a number >= -5 and <= 5");
+  EXPECT_EQ(error_of([](Toy& t) { t.step = ToyBlur{11}; }),
+            "option toy.step.sigma is 11; expected a number >= 0 and <= 10");
+}
+
 TEST(OptionTable, HasARowForEveryLeafOfEveryMethod) {
   std::vector<std::string> paths;
   for (const OptionRow& row : option_table(Toy{}))

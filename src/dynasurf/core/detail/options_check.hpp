@@ -1,7 +1,7 @@
 #pragma once
 #include <cmath>
-#include <sstream>
 
+#include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/options.hpp"
 
@@ -23,7 +23,7 @@ struct RangeCheck {
     } else if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
       const auto number = static_cast<double>(value);
       if (std::isfinite(number) && number >= field.min && number <= field.max) return;
-      std::ostringstream text;
+      TextOutput text;
       text << "option " << here << " is " << number << "; expected a number";
       if (std::isfinite(field.min)) text << " >= " << field.min;
       if (std::isfinite(field.min) && std::isfinite(field.max)) text << " and";
