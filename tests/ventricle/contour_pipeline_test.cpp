@@ -154,6 +154,7 @@ TEST(ContourPipeline, ReconstructsACycleFromOneOption) {
   }
   EXPECT_EQ(result.readings.edge.ed_gate, 7);
   EXPECT_EQ(result.readings.edge.es_gate, 3);
+  EXPECT_NEAR(result.readings.edge.ef_percent->value, *phantom.ef_percent, 3);
 }
 
 }  // namespace

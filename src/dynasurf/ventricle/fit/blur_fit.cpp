@@ -319,7 +319,9 @@ std::vector<std::vector<float>> fast_part(const std::vector<std::vector<float>>&
   return fast;
 }
 
-/// Variance of a pixel of weight 1 times the number of pixels that share their noise, from what the fit leaves.
+/// Variance of a pixel of weight 1 times the number of pixels that share their noise, from what the fit leaves. Noise
+/// is shared as far as filters reach, which are a part of the point spread: what reaches farther is misfit, and taken
+/// for noise it would make the priors win.
 double noise_of(const BeatProblem& problem, const Objective& objective) {
   const std::vector<std::vector<float>> noise = fast_part(objective.residual);
   const Index3 dims = problem.pixels.count;
@@ -355,7 +357,9 @@ double noise_of(const BeatProblem& problem, const Objective& objective) {
       if (correlation < 0.05) break;
       of_axis += 2 * correlation;
     }
-    shared *= of_axis;
+    const double pixel_mm = problem.pixels.spacing[axis] * problem.pixels.joined[static_cast<std::size_t>(axis)];
+    const double within_blur = 2 * std::sqrt(M_PI) * problem.sigma_mm / pixel_mm;
+    shared *= problem.sigma_mm > 0 ? std::min(of_axis, std::max(1.0, within_blur)) : of_axis;
   }
   constexpr double least = 1e-5;  // of the square of healthy muscle: no model is better than that
   // What the model leaves out stands still: no number of gates averages it away.

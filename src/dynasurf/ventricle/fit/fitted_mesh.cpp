@@ -10,6 +10,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/ventricle/fit/detail/harmonics.hpp"
+#include "dynasurf/ventricle/fit/detail/papillary_share.hpp"
 #include "dynasurf/ventricle/fit/detail/wall_posterior.hpp"
 
 namespace dynasurf::ventricle {
@@ -218,18 +219,19 @@ void allow_for_model(FittedBeat& beat, double papillary_ml) {
 
 }  // namespace
 
-void describe_beat(const BeatProblem& problem, const Solution& solution, const Grid& grid, double papillary_share,
+void describe_beat(const BeatProblem& problem, const Solution& solution, const Grid& grid, double usual_share,
                    FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
   beat.rings = wall_rings, beat.segments = around;
   const Eigen::MatrixXd matrix = solution.matrix.whole(problem.noise);
   const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
+  const double papillary = papillary_share(problem, solution, factor, usual_share);
   const auto gates = static_cast<std::size_t>(layout.gates);
   std::vector<Eigen::VectorXd> by_cavity(gates), by_wall(gates);
   beat.gates.resize(gates);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
     const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), solution.unknowns);
-    Walls walls(problem, numbers, papillary_share);
+    Walls walls(problem, numbers, papillary);
     FittedGate& gate = beat.gates[g];
     gate.endo = wall_mesh(walls, false, grid, g == 0 ? &beat.uptake : nullptr);
     gate.epi = wall_mesh(walls, true, grid, nullptr);
@@ -247,8 +249,8 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
                           gradient);
       return gradient;
     };
-    by_cavity[g] = of_beat(1, papillary_share);
-    by_wall[g] = of_beat(0, 1 - papillary_share);
+    by_cavity[g] = of_beat(1, papillary);
+    by_wall[g] = of_beat(0, 1 - papillary);
     gate.endo_ml.sd = spread_of(by_cavity[g], factor);
     gate.epi_ml.sd = spread_of(by_cavity[g] + by_wall[g], factor);
   });
@@ -289,9 +291,9 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const G
   for (double& u : beat.uptake) u /= healthy;
   beat.cavity = first[layout.gate.cavity] / healthy, beat.background = first[layout.gate.background] / healthy;
   // Standard deviation of the papillary muscles' volume over what is believed of it. Hearts differ in it by 2 % of the
-  // muscle (1.8 to 2.6 %: Gommans et al., Neth Heart J 24:326, 2016), and no blurred image tells which heart this is.
+  // muscle (1.8 to 2.6 %: Gommans et al., Neth Heart J 24:326, 2016).
   constexpr double papillary_doubt = 1.25;
-  allow_for_model(beat, papillary_doubt * papillary_share / (1 - papillary_share) * beat.wall_ml.value);
+  allow_for_model(beat, papillary_doubt * papillary / (1 - papillary) * beat.wall_ml.value);
   allow_for_unseen_wall(beat);
   tell_belief_from_data(problem, solution, factor, beat);
   beat.posterior = std::make_shared<const WallPosterior>(problem, solution.unknowns, grid, factor);

@@ -4,9 +4,9 @@
 
 namespace dynasurf::ventricle {
 
-/// Turns a solution into surfaces, volumes and their error bars. `papillary_share` of the muscle along every ray counts
-/// as cavity. Internal.
-void describe_beat(const BeatProblem& problem, const Solution& solution, const Grid& grid, double papillary_share,
+/// Turns a solution into surfaces, volumes and their error bars. `usual_share` of the muscle along every ray, or less
+/// (papillary_share.hpp), counts as cavity. Internal.
+void describe_beat(const BeatProblem& problem, const Solution& solution, const Grid& grid, double usual_share,
                    FittedBeat& beat);
 
 }  // namespace dynasurf::ventricle
