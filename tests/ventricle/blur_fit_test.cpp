@@ -14,6 +14,7 @@
 #include "dynasurf/synthetic/detail/random.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/ventricle/fit/detail/harmonics.hpp"
+#include "dynasurf/ventricle/fit/detail/reconstruction_filter.hpp"
 #include "dynasurf/ventricle/fit/gaussian_profile.hpp"
 #include "dynasurf/ventricle/locate.hpp"
 
@@ -298,6 +299,22 @@ TEST(BlurFit, ReadsTheVolumesBehindAButterworthFilter) {
   };
   EXPECT_LT(std::abs(edv_error(0.36)), 0.08);
   EXPECT_LT(edv_error(0), -0.1);  // a Gaussian alone
+}
+
+TEST(BlurFit, BelievesInNoFilterThatIsWiderThanThePointSpread) {
+  // Few counts and a fast beat: the noise looks like that behind a filter of 18 mm.
+  synthetic::VirtualPatient o;
+  o.edv_ml = 54.1263, o.ef_percent = 79.6727, o.wall_ml = 79.9284, o.length_to_width = 1.78352;
+  o.base_excursion_mm = 12.5572, o.fwhm_mm = 13.0056, o.cavity = 0.108832, o.background = 0.079206;
+  o.defect = synthetic::Defect::septal, o.defect_extent_deg = 91.4808, o.defect_severity = 0.602136;
+  o.lattice = {72, 72, 54, 3.3, 3.3, 3.3};
+  o.noise.peak_counts = 71.7638, o.noise.filter_fwhm_mm = 8, o.noise.seed = 1333;
+  const synthetic::Phantom phantom = synthetic::make_phantom(o);
+  ASSERT_TRUE(filter_in_noise(phantom.study));
+  BlurFit options = known_blur(o.fwhm_mm);
+  options.most_steps = 1;
+  for (const Note& note : fit_through_blur(phantom.study, biased_start(phantom), options).notes)
+    EXPECT_NE(note.code, "fit.filter_exchanged");
 }
 
 TEST(BlurFit, RefusesACutoffThatLetsNothingThrough) {

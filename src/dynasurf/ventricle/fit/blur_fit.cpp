@@ -110,15 +110,27 @@ CellLattice lattice_around(const Box& box, const Pixels& pixels, double sigma_mm
   return lattice;
 }
 
+/// Width (mm) of the Gaussian that lets half of the same frequency through.
+double width_of(const ReconstructionFilter& filter) {
+  const double half_at = filter.cutoff_per_mm * own::pow(3, 0.5 / filter.order);
+  return sigmas_per_fwhm * std::sqrt(2 * own::log(2)) / (2 * M_PI * half_at);
+}
+
 /// Width (mm) of the point spread before the reconstruction's filter: of the collimator, the bins and the cut into
-/// slices. Where the whole is given, it is freed of the Gaussian that lets half of the same frequency through.
+/// slices. Where the whole is given, it is freed of the filter's.
 double width_before(const ReconstructionFilter& filter, const BlurFit& options) {
   constexpr double usual_mm = 11;
   if (!options.fwhm_mm) return usual_mm;
-  const double whole = *options.fwhm_mm;
-  const double half_at = filter.cutoff_per_mm * own::pow(3, 0.5 / filter.order);
-  const double of_filter = sigmas_per_fwhm * std::sqrt(2 * own::log(2)) / (2 * M_PI * half_at);
+  const double whole = *options.fwhm_mm, of_filter = width_of(filter);
   return std::sqrt(std::max(whole * whole - of_filter * of_filter, 0.25 * whole * whole));
+}
+
+/// The filter in the noise of a study. None where it alone would be wider than all of the point spread: few counts and
+/// a fast beat look like that.
+std::optional<ReconstructionFilter> filter_seen(const Study& study, const Blur& blur) {
+  const std::optional<ReconstructionFilter> filter = filter_in_noise(study);
+  if (filter && width_of(*filter) > (1 + 2 * blur.uncertainty) * blur.fwhm_mm) return std::nullopt;
+  return filter;
 }
 
 /// A study whose reconstruction left a Butterworth filter in it, with a Gaussian one in its place, and how wide the
@@ -135,7 +147,7 @@ std::optional<Refiltered> without_lobes(const Study& study, const PlacedStart& s
   constexpr double finest_mm = 2.4, least_per_cm = 0.05;
   std::optional<ReconstructionFilter> filter;
   if (!options.butterworth_per_cm) {
-    if (study.modality != "PT" && study.grid().spacing.minCoeff() >= finest_mm) filter = filter_in_noise(study);
+    if (study.modality != "PT" && study.grid().spacing.minCoeff() >= finest_mm) filter = filter_seen(study, blur);
   } else if (*options.butterworth_per_cm > 0) {
     if (*options.butterworth_per_cm < least_per_cm)
       throw OptionError("option fit.butterworth_per_cm is " + std::to_string(*options.butterworth_per_cm) +
