@@ -331,10 +331,15 @@ std::vector<std::vector<float>> fast_part(const std::vector<std::vector<float>>&
   return fast;
 }
 
-/// Variance of a pixel of weight 1 times the number of pixels that share their noise, from what the fit leaves. Noise
-/// is shared as far as filters reach, which are a part of the point spread: what reaches farther is misfit, and taken
-/// for noise it would make the priors win.
-double noise_of(const BeatProblem& problem, const Objective& objective) {
+/// Variances of a pixel of weight 1 times the number of pixels that share their noise.
+struct PixelNoise {
+  double within_blur = 0;  // shared no farther than the point spread reaches
+  double seen = 0;         // shared as far as what the fit leaves
+};
+
+/// The noise that the fit leaves. Filters share it, and they are a part of the point spread: what reaches farther is
+/// misfit, and taken for noise it would make the priors win. It is in the errors all the same.
+PixelNoise noise_of(const BeatProblem& problem, const Objective& objective) {
   const std::vector<std::vector<float>> noise = fast_part(objective.residual);
   const Index3 dims = problem.pixels.count;
   const std::size_t stride[3] = {1, static_cast<std::size_t>(dims[0]),
@@ -351,7 +356,7 @@ double noise_of(const BeatProblem& problem, const Objective& objective) {
   const auto most = static_cast<float>(3 * std::sqrt(variance));
   for (auto& values : scaled)
     for (float& v : values) v = std::clamp(v, -most, most);
-  double shared = 1;
+  double shared = 1, shared_within_blur = 1;
   for (int axis = 0; axis < 3; ++axis) {
     double of_axis = 1;
     for (int lag = 1; lag < 8 && lag < dims[static_cast<std::size_t>(axis)]; ++lag) {
@@ -371,12 +376,14 @@ double noise_of(const BeatProblem& problem, const Objective& objective) {
     }
     const double pixel_mm = problem.pixels.spacing[axis] * problem.pixels.joined[static_cast<std::size_t>(axis)];
     const double within_blur = 2 * std::sqrt(M_PI) * problem.sigma_mm / pixel_mm;
-    shared *= problem.sigma_mm > 0 ? std::min(of_axis, std::max(1.0, within_blur)) : of_axis;
+    shared *= of_axis;
+    shared_within_blur *= problem.sigma_mm > 0 ? std::min(of_axis, std::max(1.0, within_blur)) : of_axis;
   }
   constexpr double least = 1e-5;  // of the square of healthy muscle: no model is better than that
   // What the model leaves out stands still: no number of gates averages it away.
   constexpr double model = 0.01;  // of healthy muscle
-  return (std::max(variance, least) + model * model * static_cast<double>(objective.residual.size())) * shared;
+  const double alone = std::max(variance, least) + model * model * static_cast<double>(objective.residual.size());
+  return {alone * shared_within_blur, alone * shared};
 }
 
 }  // namespace
@@ -455,11 +462,12 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   for (int round = 0; round < 2; ++round) {
     relax_priors(round == 0 ? tightest : 0.4);
     reweight_outliers(problem, first_weight, setup.place, solution.objective);
-    problem.noise = noise_of(problem, solution.objective);
+    problem.noise = noise_of(problem, solution.objective).within_blur;
     minimise(problem, solution, 8, 1e-2, progress);
   }
   reweight_outliers(problem, first_weight, setup.place, solution.objective);
-  problem.noise = noise_of(problem, solution.objective);
+  const PixelNoise noise = noise_of(problem, solution.objective);
+  problem.noise = noise.within_blur;
   relax_priors(1);
   minimise(problem, solution, std::max(1, options.most_steps - solution.steps), 1e-3, progress);
   beat.steps = solution.steps;
@@ -467,7 +475,7 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   beat.extracardiac_sources = static_cast<int>(blobs.size());
   beat.converged = solution.converged;
   // Sharp images show papillary muscles as they are.
-  describe_beat(problem, solution, study.grid(), blur.fwhm_mm > 0 ? options.papillary_share : 0, beat);
+  describe_beat(problem, solution, noise.seen, study.grid(), blur.fwhm_mm > 0 ? options.papillary_share : 0, beat);
   beat.fwhm_mm.value = blur.fwhm_mm * own::exp(problem.layout.at_gate(0, solution.unknowns)[layout.width]);
   if (refiltered && beat.ef_percent) beat.ef_percent->sd = own::hypot(beat.ef_percent->sd, unmodelled_ef);
   // Of its log until here. Cameras differ from one Gaussian: so widened, the interval holds the truth in 90 % of the

@@ -219,13 +219,13 @@ void allow_for_model(FittedBeat& beat, double papillary_ml) {
 
 }  // namespace
 
-void describe_beat(const BeatProblem& problem, const Solution& solution, const Grid& grid, double usual_share,
-                   FittedBeat& beat) {
+void describe_beat(const BeatProblem& problem, const Solution& solution, double noise, const Grid& grid,
+                   double usual_share, FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
   beat.rings = wall_rings, beat.segments = around;
-  const Eigen::MatrixXd matrix = solution.matrix.whole(problem.noise);
-  const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
-  const double papillary = papillary_share(problem, solution, factor, usual_share);
+  const Eigen::LLT<Eigen::MatrixXd> known(solution.matrix.whole(problem.noise));
+  const double papillary = papillary_share(problem, solution, known, usual_share);
+  const Eigen::LLT<Eigen::MatrixXd> factor(solution.matrix.whole(noise));
   const auto gates = static_cast<std::size_t>(layout.gates);
   std::vector<Eigen::VectorXd> by_cavity(gates), by_wall(gates);
   beat.gates.resize(gates);

@@ -5,8 +5,8 @@
 namespace dynasurf::ventricle {
 
 /// Turns a solution into surfaces, volumes and their error bars. `usual_share` of the muscle along every ray, or less
-/// (papillary_share.hpp), counts as cavity. Internal.
-void describe_beat(const BeatProblem& problem, const Solution& solution, const Grid& grid, double usual_share,
-                   FittedBeat& beat);
+/// (papillary_share.hpp), counts as cavity. `noise`: as in BeatProblem, of the errors alone. Internal.
+void describe_beat(const BeatProblem& problem, const Solution& solution, double noise, const Grid& grid,
+                   double usual_share, FittedBeat& beat);
 
 }  // namespace dynasurf::ventricle
