@@ -14,12 +14,11 @@
 #include "dynasurf/ventricle/fit/detail/fitted_mesh.hpp"
 #include "dynasurf/ventricle/fit/detail/harmonics.hpp"
 #include "dynasurf/ventricle/fit/detail/reconstruction_filter.hpp"
+#include "dynasurf/ventricle/fit/detail/setup.hpp"
 #include "dynasurf/ventricle/locate.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
-
-constexpr double sigmas_per_fwhm = 2.3548200450309493;
 
 // Of healthy muscle. The time's mean of what a fit leaves beside the heart is doubted from `usual_rest` on: a right
 // ventricle that is left over would be explained by a wider point spread and a thinner wall.
@@ -30,10 +29,6 @@ constexpr int most_spots = 70;
 // over seeds 1 to 30 of experiments/camera. No part of the model explains it.
 constexpr double unmodelled_ef = 3.2;
 
-struct Blur {
-  double fwhm_mm = 0, uncertainty = 0;
-  double filtered = 0.5;  // share of its variance that a filter on the voxels makes
-};
 /// True where every voxel is either nothing or one value: a drawing of the muscle, which no camera has seen.
 bool is_mask(const Study& study) {
   float full = 0;
@@ -54,60 +49,6 @@ Blur blur_of(const Study& study, const BlurFit& options) {
   if (options.filter_fwhm_mm && blur.fwhm_mm > 0)
     blur.filtered = std::min(0.9, own::pow(*options.filter_fwhm_mm / blur.fwhm_mm, 2));
   return blur;
-}
-
-struct Box {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = -low;
-};
-
-Box box_of(const std::vector<TriMesh>& meshes) {
-  Box box;
-  for (const TriMesh& mesh : meshes)
-    for (const Vec3& p : mesh.vertices) box.low = box.low.cwiseMin(p), box.high = box.high.cwiseMax(p);
-  return box;
-}
-
-Pixels pixels_around(const Box& box, const Grid& grid, double sigma_mm, double margin_mm) {
-  Pixels pixels;
-  pixels.spacing = grid.spacing;
-  for (int a = 0; a < 3; ++a) {
-    // Sharp voxels of 2 mm and less are joined: their edges are known better than a wall is smooth.
-    const double wanted = sigma_mm > 0 ? std::max(1.4 * sigma_mm, 3.0) : 4.0;
-    const int joined = std::max(1, static_cast<int>(std::lround(wanted / grid.spacing[a])));
-    const int from = std::max(0, static_cast<int>(std::floor((box.low[a] - margin_mm) / grid.spacing[a])));
-    const int to = std::min(grid.dims[a] - 1, static_cast<int>(std::ceil((box.high[a] + margin_mm) / grid.spacing[a])));
-    pixels.joined[static_cast<std::size_t>(a)] = joined;
-    pixels.first[static_cast<std::size_t>(a)] = from;
-    pixels.count[static_cast<std::size_t>(a)] = std::max(0, (to - from + 1) / joined);
-  }
-  return pixels;
-}
-
-CellLattice lattice_around(const Box& box, const Pixels& pixels, double sigma_mm, double margin_mm) {
-  CellLattice lattice;
-  double pitch[3], finest = 1e9;
-  for (int a = 0; a < 3; ++a) {
-    pitch[a] = pixels.spacing[a] * pixels.joined[static_cast<std::size_t>(a)];
-    finest = std::min(finest, pitch[a]);
-  }
-  const double wanted = std::max(0.7 * sigma_mm, std::min(0.5 * finest, 2.0));
-  for (int a = 0; a < 3; ++a) {
-    const auto axis = static_cast<std::size_t>(a);
-    // Sharp images want whole cells in every voxel, two in a joined one.
-    constexpr double sharp_mm = 2.3;
-    lattice.step[a] = 0.7 * sigma_mm > std::min(0.5 * finest, 2.0)
-                          ? wanted
-                          : pitch[a] / std::ceil(pitch[a] / (sigma_mm > 0 ? wanted : sharp_mm) - 1e-9);
-    const double edge = pixels.centre(a, 0) - pitch[a] / 2;
-    const double from = std::floor((box.low[a] - margin_mm - edge) / lattice.step[a]);
-    const double to = std::ceil((box.high[a] + margin_mm - edge) / lattice.step[a]);
-    lattice.start[a] = edge + (from + 0.5) * lattice.step[a];
-    lattice.count[axis] = std::max(1, static_cast<int>(to - from));
-  }
-  lattice.edge_mm = 0.5 * lattice.step.maxCoeff();
-  if (sigma_mm > 0) lattice.edge_mm = std::min(lattice.edge_mm, 0.5 * sigma_mm);
-  return lattice;
 }
 
 /// Width (mm) of the Gaussian that lets half of the same frequency through.
@@ -156,7 +97,7 @@ std::optional<Refiltered> without_lobes(const Study& study, const PlacedStart& s
   }
   if (!filter) return std::nullopt;
   const double sigma_mm = gaussian_in_place_of(*filter), fwhm_mm = sigmas_per_fwhm * sigma_mm;
-  const Box heart = box_of(start.epi);
+  const Bounds heart = bounds_of(start.epi);
   VoxelBox around;
   const Grid& grid = study.grid();
   for (int a = 0; a < 3; ++a) {
@@ -178,129 +119,6 @@ std::optional<Refiltered> without_lobes(const Study& study, const PlacedStart& s
       10 * filter->cutoff_per_mm, fwhm_mm);
   refiltered.note = text;
   return refiltered;
-}
-
-/// The outermost of a wall over the beat, as harmonics of log q.
-Eigen::VectorXd outermost(const PlacedStart& start, int degree) {
-  Eigen::VectorXd most;
-  double volume = 0;
-  for (std::size_t g = 0; g < start.epi.size(); ++g) {
-    const double v = mesh::volume_mm3(start.epi[g]);
-    if (most.size() > 0 && v <= volume) continue;
-    most = harmonics_of_surface(start.epi[g], start.frame, start.base[g], degree);
-    volume = v;
-  }
-  return most;
-}
-
-/// Where a pixel lies against the wall at the start.
-struct Place {
-  double outside_mm = 0, above_mm = 0, depth = 0;  // depth: q over that of the outer wall
-};
-
-struct Setup {
-  BeatProblem problem;
-  std::vector<Place> place;
-  double unit = 1;     // image value of activity 1
-  double healthy = 1;  // of muscle in the blurred image
-  double background = 0, cavity = 0;
-  double highest_mm = 0;
-};
-
-/// Of the gate whose cavity is the largest at the start.
-ThicknessPrior believe_in_thickness(const PlacedStart& start, int degree) {
-  constexpr int directions = 120;
-  ThicknessPrior belief;
-  double largest = 0;
-  for (std::size_t g = 0; g < start.endo.size(); ++g) {
-    const double volume = mesh::volume_mm3(start.endo[g]);
-    if (volume > largest) largest = volume, belief.gate = static_cast<int>(g);
-  }
-  const double base = start.frame.to_heart(start.base[static_cast<std::size_t>(belief.gate)].point)[2];
-  std::vector<double> mm, harmonics(static_cast<std::size_t>(harmonics_up_to(degree)));
-  std::vector<std::vector<double>> rows;
-  for (int n = 0; n < directions; ++n) {
-    const Vec3 direction = fibonacci_direction(n, directions);
-    if (direction[2] * start.frame.scale[2] > 0.8 * base) continue;
-    real_spherical_harmonics(direction, degree, harmonics);
-    rows.push_back(harmonics);
-    mm.push_back(1 / direction.cwiseQuotient(start.frame.scale).norm());
-  }
-  belief.harmonics.resize(static_cast<Eigen::Index>(rows.size()), harmonics_up_to(degree));
-  for (std::size_t n = 0; n < rows.size(); ++n)
-    belief.harmonics.row(static_cast<Eigen::Index>(n)) =
-        Eigen::Map<Eigen::RowVectorXd>(rows[n].data(), harmonics_up_to(degree));
-  belief.mm_per_q = Eigen::Map<Eigen::VectorXd>(mm.data(), static_cast<Eigen::Index>(mm.size()));
-  return belief;
-}
-
-Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, const BlurFit& options) {
-  Setup s;
-  BeatProblem& p = s.problem;
-  const Grid& grid = study.grid();
-  p.sigma_mm = blur.fwhm_mm / sigmas_per_fwhm;
-  // Where voxels are finer than the blur, it does not matter whether it came before or after them.
-  p.filtered = grid.spacing.maxCoeff() > 1.2 * p.sigma_mm ? blur.filtered : 0;
-  constexpr double room = 9;  // mm, for an outer wall that lies farther out than at the start
-  const double margin = std::max(0.8 * blur.fwhm_mm, 1.5 * grid.spacing.maxCoeff()) + room / 2;
-  const Box box = box_of(start.epi);
-  p.pixels = pixels_around(box, grid, p.sigma_mm, margin);
-  const CellLattice lattice = lattice_around(box, p.pixels, p.sigma_mm, room);
-  constexpr int outer_degree = 4;
-  const Eigen::VectorXd outer = outermost(start, outer_degree);
-  for (const BasePlane& base : start.base) s.highest_mm = std::max(s.highest_mm, start.frame.to_heart(base.point)[2]);
-  const int degree = std::max({options.shape_degree, options.wall_degree, options.uptake_degree});
-  p.cells = select_cells(lattice, start.frame, degree, s.highest_mm + 10, outer, outer_degree, room);
-
-  const Index3 dims = p.pixels.count;
-  s.place.resize(p.pixels.size());
-  parallel_for(static_cast<std::size_t>(dims[2]), 1, [&](std::size_t k, std::size_t) {
-    std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(outer_degree)));
-    Place* place = s.place.data() + k * static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]);
-    for (int j = 0; j < dims[1]; ++j)
-      for (int i = 0; i < dims[0]; ++i, ++place) {
-        const Vec3 heart = start.frame.to_heart(
-            {p.pixels.centre(0, i), p.pixels.centre(1, j), p.pixels.centre(2, static_cast<int>(k))});
-        const Vec3 scaled = heart.cwiseQuotient(start.frame.scale);
-        const double q = std::max(1e-6, scaled.norm());
-        real_spherical_harmonics(scaled / q, outer_degree, harmonics);
-        double wall = 0;
-        for (int h = 0; h < harmonics_up_to(outer_degree); ++h)
-          wall += outer[h] * harmonics[static_cast<std::size_t>(h)];
-        place->outside_mm = (q - own::exp(wall)) / (scaled / q).cwiseQuotient(start.frame.scale).norm();
-        place->above_mm = heart[2] - s.highest_mm;
-        place->depth = q / own::exp(wall);
-      }
-  });
-  std::vector<double> mean(p.pixels.size(), 0.0);
-  for (const Image& gate : study.gates) {
-    p.values.push_back(join(gate, p.pixels));
-    for (std::size_t n = 0; n < mean.size(); ++n)
-      mean[n] += static_cast<double>(p.values.back()[n]) / static_cast<double>(study.gates.size());
-  }
-  std::vector<double> wall, around, inside;
-  for (std::size_t n = 0; n < mean.size(); ++n) {
-    const Place& place = s.place[n];
-    if (place.above_mm < 0 && place.outside_mm < 0 && place.depth > 0.5) wall.push_back(mean[n]);
-    if (place.above_mm < 0 && place.outside_mm > 0.5 * margin && place.outside_mm < margin) around.push_back(mean[n]);
-    if (place.above_mm < -5 && place.depth < 0.3) inside.push_back(mean[n]);
-  }
-  s.healthy = std::max(1e-12, quantile(wall, 0.9));
-  s.unit = 1.1 * s.healthy;
-  s.background = quantile(around, 0.25) / s.unit;
-  s.cavity = quantile(inside, 0.5) / s.unit;
-  for (auto& values : p.values)
-    for (float& v : values) v = static_cast<float>(static_cast<double>(v) / s.unit);
-  s.problem.thickness = believe_in_thickness(start, degree);
-  p.weight.resize(mean.size());
-  for (std::size_t n = 0; n < mean.size(); ++n) {
-    const Place& place = s.place[n];
-    const bool looked_at = place.outside_mm < margin && place.above_mm < margin;
-    // Counts are as uncertain as they are many; the noise of sharp images, MR and CT, is the same everywhere.
-    const double variance = blur.fwhm_mm > 0 ? std::max(mean[n] / s.unit, 0.1) : 1;
-    p.weight[n] = looked_at ? static_cast<float>(1 / variance) : 0.0F;
-  }
-  return s;
 }
 
 /// Weights that trust pixels beside the heart less where the time's mean of what is left is large: there is something
@@ -386,6 +204,96 @@ PixelNoise noise_of(const BeatProblem& problem, const Objective& objective) {
   return {alone * shared_within_blur, alone * shared};
 }
 
+/// A fit on its way.
+struct Fitting {
+  Setup setup;
+  std::vector<Eigen::VectorXd> first;  // the numbers of every gate at the start
+  Priors beliefs;
+  ThicknessPrior thickness;         // as it is believed
+  std::vector<float> first_weight;  // of the pixels, before outliers lost theirs
+  bool is_width_known = false;      // well enough to be free from the beginning
+  PixelNoise noise;
+  Solution solution;
+};
+
+// Thick walls in a narrow point spread look much like thin ones in a wide one. Both begin as they are believed to be
+// and are let go step by step, so that the other numbers settle first. Of a filter in the noise the width is known
+// well enough to be free from the beginning.
+constexpr double tightest = 0.2;
+
+/// Finer harmonics than the blur lets through would only fit noise.
+void limit_degrees(BlurFit& options, const HeartFrame& frame, double fwhm_mm) {
+  const double size = std::sqrt(frame.scale[0] * frame.scale[2]) / std::max(fwhm_mm / sigmas_per_fwhm, 3.0);
+  options.uptake_degree = std::min(options.uptake_degree, std::max(3, static_cast<int>(std::lround(1.6 * size))));
+  options.shape_degree = std::min(options.shape_degree, std::max(4, static_cast<int>(std::lround(size))));
+}
+
+Fitting begin_fit(const Study& study, const PlacedStart& placed, const Blur& blur, const BlurFit& options) {
+  Fitting fit;
+  fit.setup = set_up(study, placed, blur, options);
+  BeatProblem& problem = fit.setup.problem;
+  fit.beliefs.width = blur.uncertainty;
+  fit.beliefs.stretch = 0.75 * blur.uncertainty;
+  if (fit.setup.cavity > 0.6) fit.beliefs.cavity_level = fit.setup.cavity, fit.beliefs.cavity = 0.3;
+  const GateLayout layout = make_gate_layout(options.shape_degree, options.wall_degree, options.uptake_degree, 0);
+  fit.first = first_numbers(placed, layout, fit.setup.background, fit.beliefs.cavity_level);
+  const Eigen::VectorXd uptake = uptake_seen(mean_image(study.gates), placed, fit.setup.healthy, options.uptake_degree);
+  for (Eigen::VectorXd& gate : fit.first) gate.segment(layout.uptake, uptake.size()) = uptake;
+  problem.layout = make_beat_layout(layout, fit.first, fit.beliefs, fit.solution.unknowns);
+  problem.noise = 0.003;
+  fit.thickness = problem.thickness;
+  fit.first_weight = problem.weight;
+  return fit;
+}
+
+void relax_priors(Fitting& fit, double share) {
+  BeatProblem& problem = fit.setup.problem;
+  Solution& solution = fit.solution;
+  problem.thickness.log_sd = share * fit.thickness.log_sd;
+  for (const BeatLayout::Term& t : problem.layout.terms[0][static_cast<std::size_t>(problem.layout.gate.width)])
+    problem.layout.spread[t.unknown] = (fit.is_width_known ? 1 : share) * fit.beliefs.width;
+  // Before the last round a matrix of every other pixel is good enough for the steps, and serves the next round too.
+  const bool is_last = share >= 1;
+  const bool is_kept = !is_last && solution.matrix.data.rows() == solution.unknowns.size();
+  solution.every = is_last ? 1 : 2;
+  solution.matrix.priors = is_kept ? prior_matrix(problem, solution.unknowns, solution.objective) : Eigen::MatrixXd();
+  solution.damping = share > tightest ? 10 : 300;
+}
+
+/// Outliers lose their weight; the noise is what the others leave.
+void weigh_again(Fitting& fit) {
+  reweight_outliers(fit.setup.problem, fit.first_weight, fit.setup.place, fit.solution.objective);
+  fit.noise = noise_of(fit.setup.problem, fit.solution.objective);
+  fit.setup.problem.noise = fit.noise.within_blur;
+}
+
+/// Looks for hot spots beside the heart and lets the fit explain them. Returns how many there are.
+int add_extracardiac_sources(Fitting& fit, double fwhm_mm, const BlurFit& options) {
+  // Of a sharp image nothing beside the heart spills over the wall: what is left there is doubted, not modelled.
+  if (!(fwhm_mm > 0)) return 0;
+  BeatProblem& problem = fit.setup.problem;
+  Solution& solution = fit.solution;
+  std::vector<bool> beside;
+  for (const Place& place : fit.setup.place)
+    beside.push_back(place.outside_mm > 0.25 * fwhm_mm && place.above_mm < fwhm_mm);
+  const std::vector<ExtracardiacSource> blobs =
+      find_extracardiac_sources(problem, solution.objective, beside, least_spot, most_spots);
+  if (blobs.empty()) return 0;
+  for (const ExtracardiacSource& blob : blobs) problem.blobs.push_back(blob_image(problem, blob));
+  const GateLayout wider = make_gate_layout(options.shape_degree, options.wall_degree, options.uptake_degree,
+                                            static_cast<int>(blobs.size()));
+  std::vector<Eigen::VectorXd> first;
+  for (const Eigen::VectorXd& numbers : fit.first) {
+    first.push_back(Eigen::VectorXd::Zero(wider.count()));
+    first.back().head(numbers.size()) = numbers;
+  }
+  Eigen::VectorXd unknowns;
+  problem.layout = make_beat_layout(wider, first, fit.beliefs, unknowns);
+  unknowns.head(solution.unknowns.size()) = solution.unknowns;
+  solution.unknowns = unknowns;
+  return static_cast<int>(blobs.size());
+}
+
 }  // namespace
 
 FittedBeat fit_through_blur(const Study& original, const FitStart& start, const BlurFit& requested,
@@ -397,86 +305,32 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   const std::optional<Refiltered> refiltered = without_lobes(original, placed, as_stored, options);
   const Study& study = refiltered ? refiltered->study : original;
   const Blur blur = refiltered ? refiltered->blur : as_stored;
-  // Finer harmonics than the blur lets through would only fit noise.
-  const double size =
-      std::sqrt(placed.frame.scale[0] * placed.frame.scale[2]) / std::max(blur.fwhm_mm / sigmas_per_fwhm, 3.0);
-  options.uptake_degree = std::min(options.uptake_degree, std::max(3, static_cast<int>(std::lround(1.6 * size))));
-  options.shape_degree = std::min(options.shape_degree, std::max(4, static_cast<int>(std::lround(size))));
-  Setup setup = set_up(study, placed, blur, options);
-  BeatProblem& problem = setup.problem;
-  Priors beliefs;
-  beliefs.width = blur.uncertainty;
-  beliefs.stretch = 0.75 * blur.uncertainty;
+  limit_degrees(options, placed.frame, blur.fwhm_mm);
+  Fitting fit = begin_fit(study, placed, blur, options);
+  fit.is_width_known = refiltered.has_value();
+  BeatProblem& problem = fit.setup.problem;
+  Solution& solution = fit.solution;
 
-  const GateLayout layout = make_gate_layout(options.shape_degree, options.wall_degree, options.uptake_degree, 0);
-  if (setup.cavity > 0.6) beliefs.cavity_level = setup.cavity, beliefs.cavity = 0.3;
-  Eigen::VectorXd unknowns;
-  std::vector<Eigen::VectorXd> first = first_numbers(placed, layout, setup.background, beliefs.cavity_level);
-  const Eigen::VectorXd uptake = uptake_seen(mean_image(study.gates), placed, setup.healthy, options.uptake_degree);
-  for (Eigen::VectorXd& gate : first) gate.segment(layout.uptake, uptake.size()) = uptake;
-  problem.layout = make_beat_layout(layout, first, beliefs, unknowns);
-  problem.noise = 0.003;
   FittedBeat beat;
-  if (refiltered) beat.notes.push_back({Severity::info, "fit.filter_exchanged", refiltered->note});
-  const std::vector<float> first_weight = problem.weight;
-  std::vector<bool> beside;
-  for (const Place& place : setup.place)
-    beside.push_back(place.outside_mm > 0.25 * blur.fwhm_mm && place.above_mm < blur.fwhm_mm);
-  Solution solution;
-  std::vector<ExtracardiacSource> blobs;
-  solution.unknowns = unknowns;
-  // Thick walls in a narrow point spread look much like thin ones in a wide one. Both begin as they are believed to be
-  // and are let go step by step, so that the other numbers settle first. Of a filter in the noise the width is known
-  // well enough to be free from the beginning.
-  constexpr double tightest = 0.2;
-  const ThicknessPrior believed = problem.thickness;
-  const auto relax_priors = [&](double share) {
-    problem.thickness.log_sd = share * believed.log_sd;
-    for (const BeatLayout::Term& t : problem.layout.terms[0][static_cast<std::size_t>(layout.width)])
-      problem.layout.spread[t.unknown] = (refiltered ? 1 : share) * beliefs.width;
-    // Before the last round a matrix of every other pixel is good enough for the steps, and serves the next round too.
-    const bool is_last = share >= 1;
-    const bool is_kept = !is_last && solution.matrix.data.rows() == solution.unknowns.size();
-    solution.every = is_last ? 1 : 2;
-    solution.matrix.priors = is_kept ? prior_matrix(problem, solution.unknowns, solution.objective) : Eigen::MatrixXd();
-    solution.damping = share > tightest ? 10 : 300;
-  };
-  relax_priors(tightest);
+  relax_priors(fit, tightest);
   minimise(problem, solution, 10, 1e-2, progress);
-  // Of a sharp image nothing beside the heart spills over the wall: what is left there is doubted, not modelled.
-  if (blur.fwhm_mm > 0) blobs = find_extracardiac_sources(problem, solution.objective, beside, least_spot, most_spots);
-  if (!blobs.empty()) {
-    for (const ExtracardiacSource& blob : blobs) problem.blobs.push_back(blob_image(problem, blob));
-    const GateLayout wider = make_gate_layout(options.shape_degree, options.wall_degree, options.uptake_degree,
-                                              static_cast<int>(blobs.size()));
-    std::vector<Eigen::VectorXd> wider_first;
-    for (const Eigen::VectorXd& numbers : first) {
-      wider_first.push_back(Eigen::VectorXd::Zero(wider.count()));
-      wider_first.back().head(numbers.size()) = numbers;
-    }
-    Eigen::VectorXd wider_unknowns;
-    problem.layout = make_beat_layout(wider, wider_first, beliefs, wider_unknowns);
-    wider_unknowns.head(solution.unknowns.size()) = solution.unknowns;
-    solution.unknowns = wider_unknowns;
-  }
-  for (int round = 0; round < 2; ++round) {
-    relax_priors(round == 0 ? tightest : 0.4);
-    reweight_outliers(problem, first_weight, setup.place, solution.objective);
-    problem.noise = noise_of(problem, solution.objective).within_blur;
+  beat.extracardiac_sources = add_extracardiac_sources(fit, blur.fwhm_mm, options);
+  for (const double share : {tightest, 0.4}) {
+    relax_priors(fit, share);
+    weigh_again(fit);
     minimise(problem, solution, 8, 1e-2, progress);
   }
-  reweight_outliers(problem, first_weight, setup.place, solution.objective);
-  const PixelNoise noise = noise_of(problem, solution.objective);
-  problem.noise = noise.within_blur;
-  relax_priors(1);
+  weigh_again(fit);
+  relax_priors(fit, 1);
   minimise(problem, solution, std::max(1, options.most_steps - solution.steps), 1e-3, progress);
+
+  if (refiltered) beat.notes.push_back({Severity::info, "fit.filter_exchanged", refiltered->note});
   beat.steps = solution.steps;
   beat.objective = solution.objective.value;
-  beat.extracardiac_sources = static_cast<int>(blobs.size());
   beat.converged = solution.converged;
   // Sharp images show papillary muscles as they are.
-  describe_beat(problem, solution, noise.seen, study.grid(), blur.fwhm_mm > 0 ? options.papillary_share : 0, beat);
-  beat.fwhm_mm.value = blur.fwhm_mm * own::exp(problem.layout.at_gate(0, solution.unknowns)[layout.width]);
+  describe_beat(problem, solution, fit.noise.seen, study.grid(), blur.fwhm_mm > 0 ? options.papillary_share : 0, beat);
+  beat.fwhm_mm.value = blur.fwhm_mm * own::exp(problem.layout.at_gate(0, solution.unknowns)[problem.layout.gate.width]);
   if (refiltered && beat.ef_percent) beat.ef_percent->sd = own::hypot(beat.ef_percent->sd, unmodelled_ef);
   // Of its log until here. Cameras differ from one Gaussian: so widened, the interval holds the truth in 90 % of the
   // choosing patients of experiments/unbiased_200.

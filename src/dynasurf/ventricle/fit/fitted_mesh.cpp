@@ -217,49 +217,50 @@ void allow_for_model(FittedBeat& beat, double papillary_ml) {
   share(beat.wall_ml, of_wall, papillary_ml), share(beat.thickness_mm, of_wall, 0);
 }
 
-}  // namespace
+/// Derivatives of the volumes of every gate, mL, by all unknowns.
+struct VolumeGradients {
+  std::vector<Eigen::VectorXd> cavity, wall;
+};
 
-void describe_beat(const BeatProblem& problem, const Solution& solution, double noise, const Grid& grid,
-                   double usual_share, FittedBeat& beat) {
+/// Surfaces, valve plane and volumes of one gate.
+void describe_gate(const BeatProblem& problem, const Solution& solution, const Grid& grid,
+                   const Eigen::LLT<Eigen::MatrixXd>& factor, double papillary, std::size_t g, VolumeGradients& by,
+                   FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
-  beat.rings = wall_rings, beat.segments = around;
-  const Eigen::LLT<Eigen::MatrixXd> known(solution.matrix.whole(problem.noise));
-  const double papillary = papillary_share(problem, solution, known, usual_share);
-  const Eigen::LLT<Eigen::MatrixXd> factor(solution.matrix.whole(noise));
-  const auto gates = static_cast<std::size_t>(layout.gates);
-  std::vector<Eigen::VectorXd> by_cavity(gates), by_wall(gates);
-  beat.gates.resize(gates);
-  parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
-    const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), solution.unknowns);
-    Walls walls(problem, numbers, papillary);
-    FittedGate& gate = beat.gates[g];
-    gate.endo = wall_mesh(walls, false, grid, g == 0 ? &beat.uptake : nullptr);
-    gate.epi = wall_mesh(walls, true, grid, nullptr);
-    gate.endo_ml.value = mesh::volume_mm3(gate.endo) / 1000;
-    gate.epi_ml.value = mesh::volume_mm3(gate.epi) / 1000;
-    const HeartFrame& frame = walls.frame();
-    const Vec3 normal = Vec3(-numbers[layout.gate.plane + 1], -numbers[layout.gate.plane + 2], 1).normalized();
-    gate.base.point = to_world(grid, frame.from_heart({0, 0, numbers[layout.gate.plane]}));
-    gate.base.normal = grid.direction * (frame.axes * normal);
-    const Activity& activity = solution.objective.activity[g];
-    const auto of_beat = [&](double cavity, double muscle) {
-      Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout.unknowns);
-      layout.add_gradient(static_cast<int>(g),
-                          backpropagate(problem.cells, layout.gate, numbers, activity, {}, cavity, muscle) / 1000,
-                          gradient);
-      return gradient;
-    };
-    by_cavity[g] = of_beat(1, papillary);
-    by_wall[g] = of_beat(0, 1 - papillary);
-    gate.endo_ml.sd = spread_of(by_cavity[g], factor);
-    gate.epi_ml.sd = spread_of(by_cavity[g] + by_wall[g], factor);
-  });
+  const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), solution.unknowns);
+  Walls walls(problem, numbers, papillary);
+  FittedGate& gate = beat.gates[g];
+  gate.endo = wall_mesh(walls, false, grid, g == 0 ? &beat.uptake : nullptr);
+  gate.epi = wall_mesh(walls, true, grid, nullptr);
+  gate.endo_ml.value = mesh::volume_mm3(gate.endo) / 1000;
+  gate.epi_ml.value = mesh::volume_mm3(gate.epi) / 1000;
+  const HeartFrame& frame = walls.frame();
+  const Vec3 normal = Vec3(-numbers[layout.gate.plane + 1], -numbers[layout.gate.plane + 2], 1).normalized();
+  gate.base.point = to_world(grid, frame.from_heart({0, 0, numbers[layout.gate.plane]}));
+  gate.base.normal = grid.direction * (frame.axes * normal);
+  const Activity& activity = solution.objective.activity[g];
+  const auto of_beat = [&](double cavity, double muscle) {
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout.unknowns);
+    layout.add_gradient(static_cast<int>(g),
+                        backpropagate(problem.cells, layout.gate, numbers, activity, {}, cavity, muscle) / 1000,
+                        gradient);
+    return gradient;
+  };
+  by.cavity[g] = of_beat(1, papillary);
+  by.wall[g] = of_beat(0, 1 - papillary);
+  gate.endo_ml.sd = spread_of(by.cavity[g], factor);
+  gate.epi_ml.sd = spread_of(by.cavity[g] + by.wall[g], factor);
+}
+
+/// Volumes of the beat: of its largest and its smallest gate, and of the wall.
+void describe_volumes(const VolumeGradients& by, const Eigen::LLT<Eigen::MatrixXd>& factor, FittedBeat& beat) {
+  const std::size_t gates = beat.gates.size();
   std::vector<double> wall;
   for (const FittedGate& gate : beat.gates) wall.push_back(gate.epi_ml.value - gate.endo_ml.value);
-  Eigen::VectorXd mean_wall = Eigen::VectorXd::Zero(layout.unknowns);
+  Eigen::VectorXd mean_wall = Eigen::VectorXd::Zero(by.wall[0].size());
   for (std::size_t g = 0; g < gates; ++g) {
     beat.wall_ml.value += wall[g] / static_cast<double>(gates);
-    mean_wall += by_wall[g] / static_cast<double>(gates);
+    mean_wall += by.wall[g] / static_cast<double>(gates);
     if (beat.gates[g].endo_ml.value > beat.gates[static_cast<std::size_t>(beat.ed_gate)].endo_ml.value)
       beat.ed_gate = static_cast<int>(g);
     if (beat.gates[g].endo_ml.value < beat.gates[static_cast<std::size_t>(beat.es_gate)].endo_ml.value)
@@ -271,25 +272,50 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, double 
   beat.wall_variation = std::sqrt(variance) / std::max(1e-9, beat.wall_ml.value);
   const auto ed = static_cast<std::size_t>(beat.ed_gate), es = static_cast<std::size_t>(beat.es_gate);
   beat.edv_ml = beat.gates[ed].endo_ml, beat.esv_ml = beat.gates[es].endo_ml;
-  beat.sv_ml = {beat.edv_ml.value - beat.esv_ml.value, spread_of(by_cavity[ed] - by_cavity[es], factor)};
+  beat.sv_ml = {beat.edv_ml.value - beat.esv_ml.value, spread_of(by.cavity[ed] - by.cavity[es], factor)};
   if (gates > 1 && beat.edv_ml.value > 0) {
     const double edv = beat.edv_ml.value, esv = beat.esv_ml.value;
-    const Eigen::VectorXd by_ef = 100 * (esv / (edv * edv) * by_cavity[ed] - by_cavity[es] / edv);
+    const Eigen::VectorXd by_ef = 100 * (esv / (edv * edv) * by.cavity[ed] - by.cavity[es] / edv);
     beat.ef_percent = Estimate{100 * (edv - esv) / edv, spread_of(by_ef, factor)};
   }
-  const FittedGate& relaxed = beat.gates[ed];
+}
+
+/// Thickness of the wall, width of the point spread (of its log, until the width is known), levels of activity.
+void describe_levels(const BeatProblem& problem, const Solution& solution, const Eigen::LLT<Eigen::MatrixXd>& factor,
+                     FittedBeat& beat) {
+  const BeatLayout& layout = problem.layout;
+  const FittedGate& relaxed = beat.gates[static_cast<std::size_t>(beat.ed_gate)];
   const double area = 0.5 * (open_area(relaxed.endo) + open_area(relaxed.epi));
   beat.thickness_mm.value = 1000 * (relaxed.epi_ml.value - relaxed.endo_ml.value) / std::max(1.0, area);
   beat.thickness_mm.sd = beat.thickness_mm.value * beat.wall_ml.sd / std::max(1e-9, beat.wall_ml.value);
   Eigen::VectorXd by_width = Eigen::VectorXd::Zero(layout.unknowns);
   for (const BeatLayout::Term& t : layout.terms[0][static_cast<std::size_t>(layout.gate.width)])
     by_width[t.unknown] = t.factor;
-  beat.fwhm_mm.sd = spread_of(by_width, factor);  // of its log, until the width is known
+  beat.fwhm_mm.sd = spread_of(by_width, factor);
   const Eigen::VectorXd first = layout.at_gate(0, solution.unknowns);
   // Activities are told in units of the mean of the healthy half of the wall.
   const double healthy = std::max(1e-9, upper_median(uptake_of_wall(beat)));
   for (double& u : beat.uptake) u /= healthy;
   beat.cavity = first[layout.gate.cavity] / healthy, beat.background = first[layout.gate.background] / healthy;
+}
+
+}  // namespace
+
+void describe_beat(const BeatProblem& problem, const Solution& solution, double noise, const Grid& grid,
+                   double usual_share, FittedBeat& beat) {
+  const BeatLayout& layout = problem.layout;
+  beat.rings = wall_rings, beat.segments = around;
+  const Eigen::LLT<Eigen::MatrixXd> known(solution.matrix.whole(problem.noise));
+  const double papillary = papillary_share(problem, solution, known, usual_share);
+  const Eigen::LLT<Eigen::MatrixXd> factor(solution.matrix.whole(noise));
+  const auto gates = static_cast<std::size_t>(layout.gates);
+  VolumeGradients by{std::vector<Eigen::VectorXd>(gates), std::vector<Eigen::VectorXd>(gates)};
+  beat.gates.resize(gates);
+  parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
+    describe_gate(problem, solution, grid, factor, papillary, g, by, beat);
+  });
+  describe_volumes(by, factor, beat);
+  describe_levels(problem, solution, factor, beat);
   // Standard deviation of the papillary muscles' volume over what is believed of it. Hearts differ in it by 2 % of the
   // muscle (1.8 to 2.6 %: Gommans et al., Neth Heart J 24:326, 2016).
   constexpr double papillary_doubt = 1.25;
