@@ -45,11 +45,12 @@ void describe(auto& visit, BlurFit& o) {
   visit("shape_degree", o.shape_degree, OptionInfo{"spherical harmonics of the inner wall's shape", "", 2, 12});
   visit("wall_degree", o.wall_degree, OptionInfo{"of the thickness", "", 1, 12});
   visit("uptake_degree", o.uptake_degree, OptionInfo{"of the activity in the wall", "", 0, 12});
-  visit("papillary_share", o.papillary_share,
-        OptionInfo{
-            "part of the muscle that stands in the cavity as papillary muscles and counts as cavity; the blur hides "
-            "it, so the error bars hold anything from none to three times as much",
-            "", 0, 0.2});
+  visit(
+      "papillary_share", o.papillary_share,
+      OptionInfo{
+          "largest part of the muscle that counts as papillary muscles in the cavity; less where the inner wall shows "
+          "no trace of them, and the error bars hold anything from none to three times as much",
+          "", 0, 0.2});
   visit("most_steps", o.most_steps, OptionInfo{"steps of the optimiser at most", "", 1, 1000});
 }
 
