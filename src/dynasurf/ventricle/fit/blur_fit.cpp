@@ -149,14 +149,14 @@ std::vector<std::vector<float>> fast_part(const std::vector<std::vector<float>>&
   return fast;
 }
 
-/// Variances of a pixel of weight 1 times the number of pixels that share their noise.
+/// Variances of a pixel of weight 1 times the number of pixels that share it.
 struct PixelNoise {
-  double within_blur = 0;  // shared no farther than the point spread reaches
-  double seen = 0;         // shared as far as what the fit leaves
+  double of_steps = 0;   // noise, shared as far as it is seen; what the model leaves out, no farther than the blur
+  double of_errors = 0;  // both shared as far as it is seen
 };
 
-/// The noise that the fit leaves. Filters share it, and they are a part of the point spread: what reaches farther is
-/// misfit, and taken for noise it would make the priors win. It is in the errors all the same.
+/// What the fit leaves. Misfit reaches farther than noise; counted so on the way it would make the priors win, but it
+/// is in the errors.
 PixelNoise noise_of(const BeatProblem& problem, const Objective& objective) {
   const std::vector<std::vector<float>> noise = fast_part(objective.residual);
   const Index3 dims = problem.pixels.count;
@@ -198,10 +198,11 @@ PixelNoise noise_of(const BeatProblem& problem, const Objective& objective) {
     shared_within_blur *= problem.sigma_mm > 0 ? std::min(of_axis, std::max(1.0, within_blur)) : of_axis;
   }
   constexpr double least = 1e-5;  // of the square of healthy muscle: no model is better than that
+  const double alone = std::max(variance, least);
   // What the model leaves out stands still: no number of gates averages it away.
   constexpr double model = 0.01;  // of healthy muscle
-  const double alone = std::max(variance, least) + model * model * static_cast<double>(objective.residual.size());
-  return {alone * shared_within_blur, alone * shared};
+  const double misfit = model * model * static_cast<double>(objective.residual.size());
+  return {alone * shared + misfit * shared_within_blur, (alone + misfit) * shared};
 }
 
 /// A fit on its way.
@@ -264,7 +265,7 @@ void relax_priors(Fitting& fit, double share) {
 void weigh_again(Fitting& fit) {
   reweight_outliers(fit.setup.problem, fit.first_weight, fit.setup.place, fit.solution.objective);
   fit.noise = noise_of(fit.setup.problem, fit.solution.objective);
-  fit.setup.problem.noise = fit.noise.within_blur;
+  fit.setup.problem.noise = fit.noise.of_steps;
 }
 
 /// Looks for hot spots beside the heart and lets the fit explain them. Returns how many there are.
@@ -329,7 +330,8 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   beat.objective = solution.objective.value;
   beat.converged = solution.converged;
   // Sharp images show papillary muscles as they are.
-  describe_beat(problem, solution, fit.noise.seen, study.grid(), blur.fwhm_mm > 0 ? options.papillary_share : 0, beat);
+  describe_beat(problem, solution, fit.noise.of_errors, study.grid(), blur.fwhm_mm > 0 ? options.papillary_share : 0,
+                beat);
   beat.fwhm_mm.value = blur.fwhm_mm * own::exp(problem.layout.at_gate(0, solution.unknowns)[problem.layout.gate.width]);
   if (refiltered && beat.ef_percent) beat.ef_percent->sd = own::hypot(beat.ef_percent->sd, unmodelled_ef);
   // Of its log until here. Cameras differ from one Gaussian: so widened, the interval holds the truth in 90 % of the
