@@ -1,6 +1,5 @@
 #include <nlohmann/json.hpp>
 
-#include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/options_json.hpp"
@@ -20,13 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-synthetic::CameraPhantom camera_options_of(const PhantomArguments& arguments) {
-  synthetic::CameraPhantom options;
-  for (const std::string& setting : arguments.settings) set_option(options, setting);
-  if (!arguments.seed.empty()) set_option(options, "seed=" + arguments.seed);
-  return options;
-}
-
 /// The truth of the patient, in which the camera's options and what follows of them take the place of the patient's.
 Json truth_of_camera(const synthetic::CameraStudy& made, const synthetic::CameraPhantom& options) {
   const synthetic::Collimator collimator = synthetic::collimator_of(options.acquisition);
@@ -43,7 +35,7 @@ Json truth_of_camera(const synthetic::CameraStudy& made, const synthetic::Camera
 }  // namespace
 
 ExitCode make_acquisition(const PhantomArguments& arguments, std::stop_token stop) {
-  const synthetic::CameraPhantom options = camera_options_of(arguments);
+  const synthetic::CameraPhantom options = options_from<synthetic::CameraPhantom>(arguments);
   io::OutputFolder folder(arguments.out.path, arguments.out.existing());
   synthetic::CameraStudy made;
   run_with_progress(arguments.quiet, stop,

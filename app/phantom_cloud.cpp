@@ -1,6 +1,5 @@
 #include <nlohmann/json.hpp>
 
-#include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
@@ -14,22 +13,12 @@
 #include "version.hpp"
 
 namespace dynasurf::app {
-namespace {
 
 using Json = nlohmann::ordered_json;
 
-synthetic::CloudPhantom cloud_options_of(const PhantomArguments& arguments) {
-  synthetic::CloudPhantom options;
-  for (const std::string& setting : arguments.settings) set_option(options, setting);
-  if (!arguments.seed.empty()) set_option(options, "seed=" + arguments.seed);
-  return options;
-}
-
-}  // namespace
-
 ExitCode make_scan(const PhantomArguments& arguments, std::stop_token stop) {
   if (arguments.nrrd) throw OptionError("--nrrd: the phantom 'cloud' is no volume");
-  const synthetic::CloudPhantom options = cloud_options_of(arguments);
+  const synthetic::CloudPhantom options = options_from<synthetic::CloudPhantom>(arguments);
   io::OutputFolder folder(arguments.out.path, arguments.out.existing());
   const TriMesh reference = synthetic::cloud_reference(options.shape);
   const PointCloud cloud = synthetic::make_cloud(options);

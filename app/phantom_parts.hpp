@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/report/detail/label_volumes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 
@@ -22,6 +23,15 @@ struct PhantomArguments {
   bool nrrd = false, quiet = false, small = false;
   report::LabelOutput labels;
 };
+
+/// The options of a kind that is made by itself, with --set and --seed.
+template <Described O>
+O options_from(const PhantomArguments& arguments) {
+  O options;
+  for (const std::string& setting : arguments.settings) set_option(options, setting);
+  if (!arguments.seed.empty()) set_option(options, "seed=" + arguments.seed);
+  return options;
+}
 
 /// A scan with its truth: the points, and the surface they were taken from.
 ExitCode make_scan(const PhantomArguments& arguments, std::stop_token stop);
