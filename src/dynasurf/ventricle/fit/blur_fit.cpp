@@ -155,8 +155,8 @@ struct PixelNoise {
   double of_errors = 0;  // both shared as far as it is seen
 };
 
-/// What the fit leaves. Misfit reaches farther than noise; counted so on the way it would make the priors win, but it
-/// is in the errors.
+/// From the residuals of the fit. Misfit is correlated over longer distances than noise. Counted in full during the
+/// steps it would let the priors win; the error bars count it in full.
 PixelNoise noise_of(const BeatProblem& problem, const Objective& objective) {
   const std::vector<std::vector<float>> noise = fast_part(objective.residual);
   const Index3 dims = problem.pixels.count;

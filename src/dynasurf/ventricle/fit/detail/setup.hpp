@@ -11,7 +11,7 @@ namespace dynasurf::ventricle {
 
 inline constexpr double sigmas_per_fwhm = 2.3548200450309493;
 
-/// The point spread that the study is believed to have.
+/// The assumed point spread: width (mm, FWHM) and its relative standard deviation.
 struct Blur {
   double fwhm_mm = 0, uncertainty = 0;
   double filtered = 0.5;  // share of its variance that a filter on the voxels makes
