@@ -84,7 +84,7 @@ cohort::StudyList search(const Arguments& a, const std::stop_token& stop) {
   if (found.studies.empty())
     throw InputError(clouds ? a.input + ": holds no cloud; expected files such as .ply, .xyz, .las or .stl"
                             : a.input + ": holds no gated heart study; " + std::to_string(found.left_out.size()) +
-                                  " images are of another kind; expected gated short-axis studies");
+                                  " files are of another kind; expected gated short-axis studies");
   io::write_file(cohort / "left_out.tsv", left_out_text(found, folder));
   if (!a.quiet)
     print(std::to_string(found.studies.size()) + " studies found, " + std::to_string(found.left_out.size()) +

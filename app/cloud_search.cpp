@@ -45,6 +45,8 @@ io::StudySearch search_clouds(const fs::path& folder, const Progress& progress) 
       found.studies.push_back({{file}});
     else if (ends_as_one_of(file, {".txt", ".csv"}))
       found.left_out.push_back({file, "may be any text; a table of clouds names those that are points"});
+    else
+      found.left_out.push_back({file, "its name has no ending of a point cloud"});
   }
   return found;
 }

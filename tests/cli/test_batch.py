@@ -268,7 +268,7 @@ class Search(BatchTest):
         self.assertEqual(sorted(pathlib.Path(row["path"]).name for row in found), ["IM0001", "IM0001", "damaged"])
         left_out = {row["path"]: row["reason"] for row in rows_of(cohort / "left_out.tsv")}
         self.assertIn("ungated", left_out["static"])
-        self.assertNotIn("letter.txt", left_out)
+        self.assertEqual(left_out["letter.txt"], "no DICOM, NIfTI or NRRD file")
         self.assertIn("projections", left_out["projections"])
         self.assertIn("transaxial", left_out["transaxial"])
         by_path = {pathlib.Path(row["path"]).name: row["id"] for row in found}
@@ -297,8 +297,8 @@ class Clouds(BatchTest):
         cohort = self.folder / "cohort"
         done = self.batch(self.scans, "--out", cohort, "--command", "cloud", "--", "--triangles", "320")
         self.assertEqual(done.returncode, 3, done.stderr)
-        self.assertIn("4 studies found, 1 files left out", done.stdout)
-        self.assertEqual([row["path"] for row in rows_of(cohort / "left_out.tsv")], ["letter.txt"])
+        self.assertIn("4 studies found, 2 files left out", done.stdout)
+        self.assertEqual([row["path"] for row in rows_of(cohort / "left_out.tsv")], ["letter.txt", "photo.jpg"])
         by_name = {pathlib.Path(row["path"]).name: row["id"] for row in rows_of(cohort / "inputs.tsv")}
         self.assertEqual(sorted(by_name), ["SPHERE.PLY", "bad.PCD", "bad.xyz", "vase.ply"])
         self.assertIn("bad.xyz: line 1", status_of(cohort)[by_name["bad.xyz"]]["reason"])

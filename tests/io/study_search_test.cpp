@@ -136,7 +136,8 @@ TEST_F(StudySearchOf, AnExaminationOfMixedSeriesFindsTheGatedShortAxisAndSaysWha
   EXPECT_THAT(reasons.at("dir/IM4"), HasSubstr("ungated"));
   EXPECT_EQ(reasons.at("dir/IM5"), "no image");
   EXPECT_EQ(reasons.at("dir/IM6"), "a copy of another file");
-  EXPECT_EQ(reasons.size(), 5u);
+  EXPECT_EQ(reasons.at("dir/letter.txt"), "no DICOM, NIfTI or NRRD file");
+  EXPECT_EQ(reasons.size(), 6u);
 }
 
 TEST_F(StudySearchOf, RestAndStressOfOneExaminationAreTwoStudies) {

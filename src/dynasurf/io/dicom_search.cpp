@@ -14,6 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 using Images = std::vector<DicomImage>;
 
+constexpr const char* no_format = "no DICOM, NIfTI or NRRD file";
+
 /// Why a message of a reader says that a file is refused, without the name of the file in front.
 std::string without_name(const std::string& message, const fs::path& file) {
   const std::string name = file.string() + ": ";
@@ -23,11 +25,12 @@ std::string without_name(const std::string& message, const fs::path& file) {
 /// Files of one examination, by its UID; those without one belong together by their folder.
 void sort_in(const fs::path& file, std::map<std::string, Images>& examinations, StudySearch& found) {
   const DicomLook look = dicom_look_of(file);
-  if (look == DicomLook::none) return;
+  const auto leave_out = [&](const std::string& reason) { found.left_out.push_back({file, reason}); };
+  if (look == DicomLook::none) return leave_out(no_format);
   try {
     DicomImage image = read_dicom_header(file);
     if (const std::string reason = reason_to_refuse(image); !reason.empty()) {
-      found.left_out.push_back({file, without_name(reason, file)});
+      leave_out(without_name(reason, file));
       return;
     }
     const std::string key = image.study.empty() ? "in " + file.parent_path().string() : image.study;
@@ -35,9 +38,11 @@ void sort_in(const fs::path& file, std::map<std::string, Images>& examinations, 
   } catch (const InputError& error) {
     const std::string reason = without_name(error.what(), file);
     if (reason.starts_with("holds no pixel data"))
-      found.left_out.push_back({file, "no image"});
+      leave_out("no image");
     else if (look == DicomLook::preamble)
       found.studies.push_back({{file}});
+    else
+      leave_out(no_format);
   }
 }
 

@@ -25,7 +25,7 @@ struct StudySearch {
 /// become stacks as `read_study` makes them, and gated ones that may be short-axis are found; projections, static and
 /// reoriented images, reports and copies are left out with their reason. NIfTI and NRRD files are found where they hold
 /// more than one gate. A damaged file that begins as a study counts as one, so that reading it tells what is wrong.
-/// Files that are no image of these formats are passed over. Time is linear in the files, their headers are kept.
+/// Every other file is left out. Time is linear in the files, their headers are kept.
 /// Throws IoError when a folder cannot be listed, InputError above a million files, Cancelled.
 StudySearch search_studies(const std::filesystem::path& folder, const Progress& progress = {});
 

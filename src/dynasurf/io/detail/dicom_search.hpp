@@ -6,7 +6,7 @@
 
 namespace dynasurf::io {
 
-/// The DICOM part of `search_studies`: adds to `found` what these files hold. Files that are no DICOM are passed over.
+/// The DICOM part of `search_studies`: adds to `found` what these files hold. Files that are no DICOM are left out.
 void search_dicom(const std::vector<std::filesystem::path>& files, StudySearch& found, const Progress& progress);
 
 }  // namespace dynasurf::io
