@@ -24,10 +24,12 @@
 #include "dynasurf/io/detail/staging.hpp"
 
 #include "batch_progress.hpp"
+#include "batch_reason.hpp"
 #include "child_process.hpp"
 #include "command.hpp"
 #include "console.hpp"
 #include "debug_fault.hpp"
+#include "utf8.hpp"
 #include "version.hpp"
 
 namespace dynasurf::app {
@@ -54,15 +56,6 @@ std::string time_text() {
 std::string host_name() {
   char name[256] = {};
   return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
-}
-
-/// The last "dynasurf: error: ..." that a child said.
-std::string last_words_of(const std::string& text) {
-  constexpr std::string_view sign = "dynasurf: error: ";
-  const std::size_t at = text.rfind(sign);
-  if (at == std::string::npos) return {};
-  const std::string rest = text.substr(at + sign.size());
-  return rest.substr(0, rest.find('\n'));
 }
 
 std::string verdict_of(const fs::path& result) {
@@ -207,7 +200,7 @@ void Worker::begin(std::size_t n, int attempt) {
     row.input_stamp = cohort::input_stamp(wanted.path);
     row.input_sha256 = cohort::input_hash(wanted.path);
   } catch (const std::runtime_error& error) {
-    row.reason = error.what();
+    row.reason = without_names(printable(error.what()), wanted.path);
     record(wanted, row);
     return;
   }
@@ -231,8 +224,8 @@ void Worker::record(const cohort::CohortStudy& of, const cohort::StudyStatus& ro
 
 /// What the end of a child says of its study.
 void Worker::judge(const Running& running, const ChildEnd& end, cohort::StudyStatus& row) const {
-  const std::string words = last_words_of(running.child->words());
   const cohort::CohortStudy& of = study(running.study);
+  const std::string words = reason_in(running.child->words(), of.path);
   if (running.asked_to_stop) {
     row.reason = "took longer than the time limit of " + fixed(job_.time_limit_s, 0) + " s";
   } else if (end.code == done || (end.code == not_trustworthy && words.empty())) {

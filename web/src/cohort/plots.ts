@@ -58,7 +58,8 @@ function rangeOf(values: number[], margin: number): [number, number] {
     high = Math.max(high, v);
   }
   if (!(low <= high)) return [0, 1];
-  const wide = Math.max(high - low, 1e-6) * margin;
+  if (high - low < 1e-6) return [low - 1, high + 1]; // all the same
+  const wide = (high - low) * margin;
   return [low - wide, high + wide];
 }
 
