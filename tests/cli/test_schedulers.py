@@ -51,7 +51,7 @@ class Slurm(Scheduled):
     def test_runs_an_array_on_two_nodes_and_finishes_what_a_dead_node_leaves(self):
         cohort, folder = self.folder / "cohort", self.folder / "slurm"
         folder.mkdir()
-        studies = int(os.environ.get("DYNASURF_SLURM_STUDIES", "120"))
+        studies = int(os.environ.get("DYNASURF_SLURM_STUDIES", "1000"))
         empty_study(self.folder / "nothing.nii", (8, 8, 6, 2))
         table, nothings = self.table_of(studies)
         tasks = min(50, studies // 10)
