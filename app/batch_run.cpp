@@ -1,41 +1,29 @@
 #include "batch_run.hpp"
 
-#include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <ctime>
 #include <list>
-#include <map>
 #include <memory>
 #include <optional>
-#include <set>
 
-#include <nlohmann/json.hpp>
 #include <poll.h>
 #include <unistd.h>
 
-#include "dynasurf/cohort/detail/claims.hpp"
 #include "dynasurf/cohort/detail/job_key.hpp"
-#include "dynasurf/cohort/status.hpp"
-#include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/detail/json_node.hpp"
-#include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/detail/staging.hpp"
 
+#include "batch_end.hpp"
 #include "batch_progress.hpp"
-#include "batch_reason.hpp"
+#include "batch_queue.hpp"
 #include "child_process.hpp"
 #include "command.hpp"
-#include "console.hpp"
 #include "debug_fault.hpp"
 #include "utf8.hpp"
-#include "version.hpp"
 
 namespace dynasurf::app {
 namespace {
 
-namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr int most_attempts = 2;
@@ -58,20 +46,6 @@ std::string host_name() {
   return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
-std::string verdict_of(const fs::path& result) {
-  const fs::path file = result / "results.json";
-  const nlohmann::ordered_json json = io::read_json(file);
-  const io::JsonNode root = io::root_of(json, file.string());
-  if (io::has(root, "quality")) return io::text_in(io::object_in(root, "quality"), "verdict");
-  return io::flag_in(root, "watertight") ? "ok" : "fail";  // a cloud
-}
-
-bool is_from_outside(int signal) {
-  return signal != SIGSEGV && signal != SIGABRT && signal != SIGBUS && signal != SIGFPE && signal != SIGILL;
-}
-
-enum class Need { none, run, someone_else };
-
 struct Running {
   std::size_t study = 0;
   cohort::StudyStatus row;
@@ -82,129 +56,56 @@ struct Running {
 
 class Worker {
  public:
-  Worker(const BatchJob& job, const std::stop_token& stop)
-      : job_(job), stop_(stop), claims_(job.cohort / "claims"), status_(job.cohort / "status.tsv"), host_(host_name()) {
-    for (std::size_t n = 0; n < job.list.studies.size(); ++n)
-      if (static_cast<int>(n % static_cast<std::size_t>(job.shards)) == job.shard - 1) waiting_.push_back(n);
-    mine_ = {waiting_.begin(), waiting_.end()};
-    for (const auto& [id, row] : status_.all()) started_before_[id] = row.started;
-  }
+  Worker(const BatchJob& job, const std::stop_token& stop) : job_(job), stop_(stop), queue_(job), host_(host_name()) {}
 
   BatchTally run();
 
  private:
-  const cohort::CohortStudy& study(std::size_t n) const { return job_.list.studies[n]; }
-  std::vector<std::string> words_of(const cohort::CohortStudy& study) const;
-  std::string settings_of(const cohort::CohortStudy& study);
-  bool is_unchanged(const cohort::CohortStudy& study, const cohort::StudyStatus& row);
-  bool has_to_run(const cohort::CohortStudy& study);
-  Need claim(std::size_t n);
   void start_some();
   void begin(std::size_t n, int attempt);
   void watch();
   bool take_end(Running& running);
-  void record(const cohort::CohortStudy& study, const cohort::StudyStatus& row);
-  void judge(const Running& running, const ChildEnd& end, cohort::StudyStatus& row) const;
   void stop_all();
-  BatchTally tally();
 
   const BatchJob& job_;
   const std::stop_token& stop_;
-  cohort::Claims claims_;
-  cohort::StatusFile status_;
+  StudyQueue queue_;
   std::string host_;
-  std::list<std::size_t> waiting_;  // in the order of the list
-  std::vector<std::size_t> mine_;   // all of the shard
   std::list<Running> running_;
-  std::set<std::string> run_here_;                     // ids
-  std::map<std::string, std::string> started_before_;  // of the rows that stood when this process began, by id
-  std::map<std::string, std::string> settings_;
   Clock::time_point next_look_;
 };
 
-/// What the study is run with, but for what leaves the result as it is.
-std::vector<std::string> Worker::words_of(const cohort::CohortStudy& study) const {
-  std::vector<std::string> words{job_.command};
-  if (!study.series.empty()) words.insert(words.end(), {"--series", study.series});
-  if (study.fwhm_mm) words.insert(words.end(), {"--fwhm", nlohmann::json(*study.fwhm_mm).dump()});
-  words.insert(words.end(), job_.options.begin(), job_.options.end());
-  words.insert(words.end(), study.options.begin(), study.options.end());
-  return words;
-}
-
-std::string Worker::settings_of(const cohort::CohortStudy& study) {
-  const std::vector<std::string> words = words_of(study);
-  std::string key;
-  for (const std::string& word : words) key += word + '\n';
-  const auto [at, is_new] = settings_.emplace(key, "");
-  if (is_new) at->second = cohort::settings_hash(words, std::string(version()) + " " + commit());
-  return at->second;
-}
-
-/// An input with another time of change is read: copying a cohort leaves it unchanged.
-bool Worker::is_unchanged(const cohort::CohortStudy& study, const cohort::StudyStatus& row) {
-  if (row.settings != settings_of(study)) return false;
-  if (row.input_stamp == cohort::input_stamp(study.path)) return true;
-  try {
-    return cohort::input_hash(study.path) == row.input_sha256;
-  } catch (const IoError&) {
-    return false;
-  }
-}
-
-bool Worker::has_to_run(const cohort::CohortStudy& study) {
-  const cohort::StudyStatus* row = status_.find(study.id);
-  if (!row) return true;
-  // A row that came since this process began answers --again.
-  const auto before = started_before_.find(study.id);
-  if (before == started_before_.end() || before->second != row->started) return false;
-  if (job_.again.all || (job_.again.failed && !row->done)) return true;
-  return job_.again.changed && !is_unchanged(study, *row);
-}
-
-/// Takes a study, unless another process works on it or has finished it meanwhile.
-Need Worker::claim(std::size_t n) {
-  const cohort::CohortStudy& wanted = study(n);
-  if (!has_to_run(wanted)) return Need::none;
-  if (!claims_.take(wanted.id)) return Need::someone_else;
-  status_.read_on();
-  if (has_to_run(wanted)) return Need::run;
-  claims_.release(wanted.id);
-  return Need::none;
-}
-
 void Worker::start_some() {
   if (Clock::now() < next_look_) return;
-  for (auto at = waiting_.begin();
-       at != waiting_.end() && static_cast<int>(running_.size()) < job_.jobs && !stop_.stop_requested();) {
-    const Need need = claim(*at);
-    if (need == Need::run) begin(*at, 1);
-    at = need == Need::someone_else ? std::next(at) : waiting_.erase(at);
+  const auto has_room = [&] { return static_cast<int>(running_.size()) < job_.jobs; };
+  while (has_room() && !stop_.stop_requested()) {
+    const std::optional<std::size_t> n = queue_.take();
+    if (!n) break;
+    begin(*n, 1);
   }
   // What is left is done by others: they are looked at now and then.
-  if (static_cast<int>(running_.size()) < job_.jobs && !waiting_.empty()) {
+  if (has_room() && !queue_.is_empty()) {
     next_look_ = Clock::now() + look_again;
-    status_.read_on();
+    queue_.read_on();
   }
 }
 
 void Worker::begin(std::size_t n, int attempt) {
-  const cohort::CohortStudy& wanted = study(n);
-  run_here_.insert(wanted.id);
+  const cohort::CohortStudy& wanted = queue_.study(n);
   Running running;
   running.study = n;
   cohort::StudyStatus& row = running.row;
   row.id = wanted.id, row.attempts = attempt, row.started = time_text(), row.host = host_;
-  row.settings = settings_of(wanted);
+  row.settings = queue_.settings_of(wanted);
   try {
     row.input_stamp = cohort::input_stamp(wanted.path);
     row.input_sha256 = cohort::input_hash(wanted.path);
   } catch (const std::runtime_error& error) {
     row.reason = without_names(printable(error.what()), wanted.path);
-    record(wanted, row);
+    queue_.record(row);
     return;
   }
-  std::vector<std::string> words = words_of(wanted);
+  std::vector<std::string> words = queue_.words_of(wanted);
   words[0] = "/proc/self/exe";
   words.insert(words.begin() + 1,
                {job_.command, wanted.path.string(), "--out", cohort::result_folder(job_.cohort, wanted.id).string(),
@@ -217,53 +118,25 @@ void Worker::begin(std::size_t n, int attempt) {
   running_.push_back(std::move(running));
 }
 
-void Worker::record(const cohort::CohortStudy& of, const cohort::StudyStatus& row) {
-  status_.append(row);
-  claims_.release(of.id);
-}
-
-/// What the end of a child says of its study.
-void Worker::judge(const Running& running, const ChildEnd& end, cohort::StudyStatus& row) const {
-  const cohort::CohortStudy& of = study(running.study);
-  const std::string words = reason_in(running.child->words(), of.path);
-  if (running.asked_to_stop) {
-    row.reason = "took longer than the time limit of " + fixed(job_.time_limit_s, 0) + " s";
-  } else if (end.code == done || (end.code == not_trustworthy && words.empty())) {
-    try {
-      row.verdict = verdict_of(cohort::result_folder(job_.cohort, of.id));
-      row.done = true;
-    } catch (const std::runtime_error& error) {
-      row.reason = error.what();
-    }
-  } else if (end.code) {
-    row.reason = words.empty() ? "ended with exit code " + std::to_string(*end.code) : words;
-    if (words == "out of memory") row.reason += "; the limit is " + memory_text(job_.memory_bytes);
-  } else {
-    row.reason = (is_from_outside(end.signal) ? "killed from outside, signal " : "crashed, signal ") +
-                 std::to_string(end.signal);
-  }
-}
-
 /// Whether a child has ended; then its study is recorded, or begun once more.
 bool Worker::take_end(Running& running) {
   const auto end = running.child->end();
   if (!end) return false;
   cohort::StudyStatus& row = running.row;
   row.wall_s = seconds_since(running.begin), row.cpu_s = end->cpu_s, row.peak_mb = end->peak_mb;
-  judge(running, *end, row);
-  const cohort::CohortStudy& of = study(running.study);
+  const cohort::CohortStudy& of = queue_.study(running.study);
+  judge({*end, running.child->words(), running.asked_to_stop.has_value()}, of, job_, row);
   const bool was_stopped = end->code == not_trustworthy && !row.done;  // it cleaned up after a signal
-  const bool was_killed = !end->code && is_from_outside(end->signal);
-  if (!running.asked_to_stop && (was_killed || was_stopped) && row.attempts < most_attempts) {
+  if (!running.asked_to_stop && (is_from_outside(*end) || was_stopped) && row.attempts < most_attempts) {
     begin(running.study, row.attempts + 1);
     return true;
   }
   if (!row.done) io::staging::sweep(cohort::result_folder(job_.cohort, of.id));
   if (end->code == bad_usage && of.options.empty()) {
-    claims_.release(of.id);
+    queue_.give_back(of.id);
     throw OptionError(row.reason);
   }
-  record(of, row);
+  queue_.record(row);
   return true;
 }
 
@@ -296,29 +169,14 @@ void Worker::stop_all() {
   running_.clear();  // kills what is left
 }
 
-BatchTally Worker::tally() {
-  BatchTally tally;
-  tally.studies = mine_.size();
-  tally.run = run_here_.size();
-  for (const std::size_t n : mine_) {
-    const cohort::StudyStatus* row = status_.find(study(n).id);
-    if (!row) continue;
-    ++(row->done ? tally.done : tally.failed);
-    tally.to_check += row->verdict == "check";
-    tally.not_trustworthy += row->verdict == "fail";
-    if (row->done && !run_here_.contains(row->id) && !is_unchanged(study(n), *row)) ++tally.changed;
-  }
-  return tally;
-}
-
 BatchTally Worker::run() {
-  BatchProgress progress(job_.quiet, mine_.size());
+  BatchProgress progress(job_.quiet, queue_.mine().size());
   try {
     while (!stop_.stop_requested()) {
       start_some();
-      if (running_.empty() && waiting_.empty()) break;
+      if (running_.empty() && queue_.is_empty()) break;
       watch();
-      progress.tell([&](const std::string& id) { return status_.find(id); }, mine_, job_.list, run_here_.size());
+      progress.tell([&](const std::string& id) { return queue_.row_of(id); }, queue_.mine(), job_.list, queue_.taken());
     }
   } catch (...) {
     stop_all();
@@ -326,8 +184,8 @@ BatchTally Worker::run() {
   }
   stop_all();
   progress.finish();
-  status_.read_on();
-  BatchTally result = tally();
+  queue_.read_on();
+  BatchTally result = queue_.tally();
   result.stopped = stop_.stop_requested();
   return result;
 }
