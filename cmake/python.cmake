@@ -2,7 +2,8 @@
 # configuring only with DYNASURF_WITH_PYTHON=REQUIRED.
 
 set(DYNASURF_HAS_PYTHON FALSE)
-if(DYNASURF_WITH_PYTHON AND NOT DYNASURF_SANITIZE)  # an interpreter would have to be started with the sanitizer
+# With sanitizers only where it is asked for: the interpreter must load them first, as tools/python_sanitized.sh does.
+if(DYNASURF_WITH_PYTHON STREQUAL "REQUIRED" OR (DYNASURF_WITH_PYTHON AND NOT DYNASURF_SANITIZE))
   find_package(Python3 QUIET COMPONENTS Interpreter OPTIONAL_COMPONENTS Development.Module)
   # Its headers are all that is needed; its own package looks for another Python than the one above.
   find_path(DYNASURF_PYBIND11 pybind11/pybind11.h DOC "Folder of the headers of pybind11")
