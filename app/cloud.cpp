@@ -51,7 +51,7 @@ cloud::Options options_of(const Arguments& a) {
     }
   }
   for (const std::string& setting : settings_of(a)) set_option(options, setting);
-  cloud::parse_triangles(options.triangles);  // refused before any work is done
+  cloud::check(options);  // refused before any work is done
   return options;
 }
 

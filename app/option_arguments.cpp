@@ -1,6 +1,5 @@
 #include "option_arguments.hpp"
 
-#include <array>
 #include <iomanip>
 
 #include <CLI/CLI.hpp>
@@ -32,9 +31,14 @@ std::vector<std::string> settings_of(const OptionArguments& a) {
     text << "manual." << name << '=' << std::setprecision(12) << value;
     settings.push_back(text.str());
   };
-  const std::array<std::string, 3> letters{"x", "y", "z"};
-  for (std::size_t n = 0; n < a.center.size(); ++n) set("center_" + letters.at(n) + "_mm", a.center[n]);
-  for (std::size_t n = 0; n < a.axis.size(); ++n) set("axis_" + letters.at(n), a.axis[n]);
+  const auto set_place = [&](const std::string& name, const std::vector<double>& numbers) {
+    if (numbers.empty()) return;
+    TextOutput text;
+    text << "manual." << name << '=' << std::setprecision(12) << numbers[0] << ',' << numbers[1] << ',' << numbers[2];
+    settings.push_back(text.str());
+  };
+  set_place("center_mm", a.center);
+  set_place("axis", a.axis);
   if (a.radius_mm) set("radius_mm", *a.radius_mm);
   if (a.first_slice) set("first_slice", *a.first_slice);
   if (a.last_slice) set("last_slice", *a.last_slice);

@@ -14,6 +14,7 @@
 
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 
@@ -80,7 +81,7 @@ void run(const Arguments& a, const std::vector<Subject>& subjects, const std::st
                                                                    .missing_percent = condition.missing_percent,
                                                                    .seed = static_cast<std::uint64_t>(seed)});
       cloud::Options options = cloud::preset(preset);
-      options.triangles = a.triangles;
+      set_option(options, "triangles=" + a.triangles);
       const std::clock_t start = std::clock();
       const cloud::Result result = cloud::reconstruct(cloud, options);
       const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;

@@ -20,7 +20,7 @@ void print_row(const std::string& name, const TriMesh& surface, const std::strin
   PointCloud cloud;
   cloud.points = surface.vertices;
   cloud::Options options = cloud::preset(preset);
-  options.triangles = std::to_string(triangles);
+  options.triangles = {triangles};
   const std::clock_t start = std::clock();
   const cloud::Result result = cloud::reconstruct(cloud, options);
   const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;

@@ -61,7 +61,7 @@ std::string command_of(const OriginCloud& cloud, const cloud::Options& options, 
 
 LodsPtr reconstruct_lods(const OriginCloud& cloud, const cloud::Options& options, const std::string& preset,
                          const Progress& progress) {
-  cloud::parse_triangles(options.triangles);  // refused before any work is done
+  cloud::check(options);  // refused before any work is done
   auto lods = std::make_shared<Lods>();
   lods->provenance.program_version = app::version();
   lods->provenance.commit = app::commit();

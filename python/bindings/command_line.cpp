@@ -8,10 +8,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// As a person writes it: 12, not 12.0.
+/// As a person writes it: 12, not 12.0; a list without brackets.
 std::string text_of(const Json& value) {
   if (value.is_null()) return "unset";
   if (value.is_string()) return value.get<std::string>();
+  if (value.is_array()) {
+    std::string list;
+    for (const Json& one : value) list.append(list.empty() ? "" : ",").append(text_of(one));
+    return list;
+  }
   if (!value.is_number_float()) return value.dump();
   std::array<char, 40> text{};
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value.get<double>()).ptr;

@@ -106,6 +106,10 @@ struct MemberVisitor {
       member["kind"] = "float | None";
     } else if constexpr (std::is_same_v<T, std::optional<int>>) {
       member["kind"] = "int | None";
+    } else if constexpr (std::is_same_v<T, std::vector<int>>) {
+      member["kind"] = "list of int";
+    } else if constexpr (std::is_same_v<T, std::optional<std::array<double, 3>>>) {
+      member["kind"] = "list of 3 float | None";
     } else {
       member["kind"] = "group";
       member["classes"] = py::make_tuple(name_of<T>());

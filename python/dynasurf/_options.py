@@ -18,7 +18,9 @@ def _plain(value):
         return value._as_method()
     if hasattr(value, "item") and getattr(value, "ndim", 1) == 0:
         return value.item()
-    return value
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return [_plain(one) for one in value] if isinstance(value, (list, tuple, range)) else value
 
 
 class _Option:

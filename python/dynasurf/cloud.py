@@ -47,7 +47,7 @@ def reconstruct(
         In any unit.
     options : Options, optional
         In the place of those of `preset`.
-    triangles : list of int or str, optional
+    triangles : list of int, optional
         Of each level, falling.
     preset : str
         See `dynasurf.cloud.preset`.
@@ -80,7 +80,7 @@ def reconstruct(
     """
     cloud = points if isinstance(points, PointCloud) else PointCloud(points, normals, colours)
     if triangles is not None:
-        members["triangles"] = triangles if isinstance(triangles, str) else ",".join(str(n) for n in triangles)
+        members["triangles"] = triangles
     chosen = globals()["preset"](preset) if options is None else options
     with progress_of(progress) as tell:
         return _core.reconstruct_cloud(cloud, text_of(chosen, "cloud.Options", members), preset, tell, threads)

@@ -13,7 +13,7 @@ def reconstruct(points: Any, options: Any = ..., *, triangles: Any = ..., preset
 
 class Options(_Options):
     method: Literal['shaped', 'faithful', 'thesis']
-    triangles: str
+    triangles: List[int]
     max_error_percent: Optional[float]
     genus: Literal['auto', '0', 'keep']
     start: Literal['auto', 'field', 'sphere', 'ellipsoid', 'hull']
@@ -23,7 +23,7 @@ class Options(_Options):
     outliers: float
     use_normals: bool
     smallest_part_percent: float
-    def __init__(self, *, method: Literal['shaped', 'faithful', 'thesis'] = ..., triangles: str = ..., max_error_percent: Optional[float] = ..., genus: Literal['auto', '0', 'keep'] = ..., start: Literal['auto', 'field', 'sphere', 'ellipsoid', 'hull'] = ..., keep_sharp: bool = ..., cells: Optional[int] = ..., noise_percent: Optional[float] = ..., outliers: float = ..., use_normals: bool = ..., smallest_part_percent: float = ...) -> None: ...
+    def __init__(self, *, method: Literal['shaped', 'faithful', 'thesis'] = ..., triangles: List[int] = ..., max_error_percent: Optional[float] = ..., genus: Literal['auto', '0', 'keep'] = ..., start: Literal['auto', 'field', 'sphere', 'ellipsoid', 'hull'] = ..., keep_sharp: bool = ..., cells: Optional[int] = ..., noise_percent: Optional[float] = ..., outliers: float = ..., use_normals: bool = ..., smallest_part_percent: float = ...) -> None: ...
 
 class LodRule(_Options):
     edge_px: float

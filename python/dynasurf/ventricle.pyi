@@ -114,17 +114,13 @@ class Orientation(_Options):
     def __init__(self, *, method: Literal['header', 'data', 'auto'] = ..., most_tilt_deg: float = ..., least_contrast: float = ..., widest_pixel_mm: float = ..., voxel_mm: Optional[float] = ...) -> None: ...
 
 class UserOverrides(_Options):
-    center_x_mm: Optional[float]
-    center_y_mm: Optional[float]
-    center_z_mm: Optional[float]
-    axis_x: Optional[float]
-    axis_y: Optional[float]
-    axis_z: Optional[float]
+    center_mm: Optional[List[float]]
+    axis: Optional[List[float]]
     radius_mm: Optional[float]
     first_slice: Optional[int]
     last_slice: Optional[int]
     base_plane_mm: Optional[float]
-    def __init__(self, *, center_x_mm: Optional[float] = ..., center_y_mm: Optional[float] = ..., center_z_mm: Optional[float] = ..., axis_x: Optional[float] = ..., axis_y: Optional[float] = ..., axis_z: Optional[float] = ..., radius_mm: Optional[float] = ..., first_slice: Optional[int] = ..., last_slice: Optional[int] = ..., base_plane_mm: Optional[float] = ...) -> None: ...
+    def __init__(self, *, center_mm: Optional[List[float]] = ..., axis: Optional[List[float]] = ..., radius_mm: Optional[float] = ..., first_slice: Optional[int] = ..., last_slice: Optional[int] = ..., base_plane_mm: Optional[float] = ...) -> None: ...
 
 class Settle(_Options):
     rounds: int

@@ -195,7 +195,7 @@ class Cloud(CliTest):
         self.assertNotEqual(done.stdout, run("options", "cloud", "--preset", "faithful").stdout)
         self.assertIn("shape", run("options", "phantom", "cloud").stdout)
         options = self.read_json(small_result() / "options.json")
-        self.assertEqual(options["triangles"], "640,160")
+        self.assertEqual(options["triangles"], [640, 160])
         out = self.folder / "r"
         self.assertEqual(run("cloud", small_scan(), "--out", out, "--options", small_result() / "options.json").returncode, 0)
         self.assertEqual(self.read_json(out / "options.json"), options)

@@ -58,7 +58,7 @@ bool fails(const Result& result) {
 
 TEST(ReconstructCloud, FailsOnFogAndNotOnANoisyTornBody) {
   Options options;
-  options.triangles = "320";
+  options.triangles = {320};
   EXPECT_TRUE(fails(reconstruct(fog(3000, false), options)));
   EXPECT_FALSE(fails(reconstruct(
       synthetic::make_cloud(

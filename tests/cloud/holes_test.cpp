@@ -165,7 +165,7 @@ TEST(FillHoles, LeavesTheRimOfAPotWhoseUpperHalfIsMissing) {
   PointCloud cloud = synthetic::make_cloud({.shape = synthetic::CloudShape::vase, .points = 50000});
   std::erase_if(cloud.points, [](const Vec3& p) { return p[2] > 0.1; });
   Options options;
-  options.triangles = "1280";
+  options.triangles = {1280};
   const Result result = reconstruct(cloud, options);
   const Certificate& c = result.levels.at(0).certificate;
   EXPECT_TRUE(c.watertight());
@@ -185,7 +185,7 @@ class TornScan : public testing::TestWithParam<synthetic::CloudShape> {};
 TEST_P(TornScan, KeepsItsHandlesAndParts) {
   const PointCloud cloud = synthetic::make_cloud({.shape = GetParam(), .points = 40000, .missing_percent = 20});
   Options options;
-  options.triangles = "1280";
+  options.triangles = {1280};
   const Result result = reconstruct(cloud, options);
   const Certificate& c = result.levels.at(0).certificate;
   EXPECT_TRUE(c.watertight());

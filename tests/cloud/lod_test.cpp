@@ -195,7 +195,7 @@ TEST(LodTransition, IsTheCoarseSurfaceAtItsStartForAnyOtherMesh) {
   expect_whole(lod_transition(coarse, fine), coarse, fine);
 }
 
-void expect_whole_levels(synthetic::CloudShape shape, const std::string& triangles) {
+void expect_whole_levels(synthetic::CloudShape shape, const std::vector<int>& triangles) {
   Options options;
   options.triangles = triangles;
   const auto levels = reconstruct(synthetic::make_cloud({.shape = shape, .points = 20000}), options).levels;
@@ -204,15 +204,15 @@ void expect_whole_levels(synthetic::CloudShape shape, const std::string& triangl
 }
 
 TEST(LodTransition, IsTheCoarseSurfaceAtItsStartForLevelsOfACloud) {
-  expect_whole_levels(synthetic::CloudShape::blobs, "1280,320,80");
-  expect_whole_levels(synthetic::CloudShape::torus, "1280,320,80");
+  expect_whole_levels(synthetic::CloudShape::blobs, {1280, 320, 80});
+  expect_whole_levels(synthetic::CloudShape::torus, {1280, 320, 80});
 }
 
 TEST(LodTransition, IsTheCoarseSurfaceAtItsStartWhereSheetsNearlyTouch) {
   // Near the vase's thin rim and between the turns of a wire the nearest place jumps from one sheet to the other.
-  expect_whole_levels(synthetic::CloudShape::vase, "1280,320");
-  expect_whole_levels(synthetic::CloudShape::spring, "1280,320");
-  expect_whole_levels(synthetic::CloudShape::two_torus, "1280,320,80");
+  expect_whole_levels(synthetic::CloudShape::vase, {1280, 320});
+  expect_whole_levels(synthetic::CloudShape::spring, {1280, 320});
+  expect_whole_levels(synthetic::CloudShape::two_torus, {1280, 320, 80});
 }
 
 TEST(LodTransition, ChangesTheVolumeContinuouslyFromOneLevelToTheOther) {

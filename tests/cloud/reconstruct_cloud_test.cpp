@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/detail/surface_editor.hpp"
 #include "dynasurf/mesh/shapes.hpp"
@@ -24,10 +25,18 @@ PointCloud ball() {
 }
 
 TEST(Options, ListsOfTrianglesAreReadStrictly) {
-  EXPECT_EQ(parse_triangles("5120,1280,320"), (std::vector<int>{5120, 1280, 320}));
-  EXPECT_EQ(parse_triangles("20"), (std::vector<int>{20}));
-  for (const char* bad : {"", ",", "320,", "320,1280", "321", "18", "320 ,20", "320,320", "2000002", "-320", "1e3"})
-    EXPECT_THROW(parse_triangles(bad), OptionError) << bad;
+  const auto read = [](const std::string& list) {
+    Options options;
+    set_option(options, "triangles=" + list);
+    check(options);
+    return options.triangles;
+  };
+  EXPECT_EQ(read("5120,1280,320"), (std::vector<int>{5120, 1280, 320}));
+  EXPECT_EQ(read("[1280, 320]"), (std::vector<int>{1280, 320}));
+  EXPECT_EQ(read("20"), (std::vector<int>{20}));
+  for (const char* bad :
+       {"", ",", "[]", "[320", "320]", "320,", "320,1280", "321", "18", "320 ,20", "320,320", "2000002", "-320", "1e3"})
+    EXPECT_THROW(read(bad), OptionError) << bad;
 }
 
 TEST(Options, PresetsAreNamedAsTheirMethods) {
@@ -38,7 +47,7 @@ TEST(Options, PresetsAreNamedAsTheirMethods) {
 
 TEST(ReconstructCloud, TheThesisRecipeWrapsASphereWithinAVoxel) {
   Options options = preset("thesis");
-  options.triangles = "1280,320";
+  options.triangles = {1280, 320};
   const Result result = reconstruct(ball(), options);
   ASSERT_EQ(result.levels.size(), 2u);
   for (const Level& level : result.levels) {
@@ -51,7 +60,7 @@ TEST(ReconstructCloud, TheThesisRecipeWrapsASphereWithinAVoxel) {
 
 TEST(ReconstructCloud, TheThesisRecipeMakesIcospheresOnly) {
   Options options = preset("thesis");
-  options.triangles = "1000";
+  options.triangles = {1000};
   EXPECT_THROW(reconstruct(ball(), options), OptionError);
 }
 
@@ -62,7 +71,7 @@ class EveryStart : public testing::TestWithParam<CloudStart> {};
 
 TEST_P(EveryStart, BecomesABodyWithDents) {
   Options options;
-  options.triangles = "1000";
+  options.triangles = {1000};
   options.start = GetParam();
   const PointCloud cloud = synthetic::make_cloud({.shape = synthetic::CloudShape::blobs, .points = 8000});
   const Result result = reconstruct(cloud, options);
@@ -76,7 +85,7 @@ TEST_P(EveryStart, BecomesABodyWithDents) {
 
 TEST_P(EveryStart, CanBeDeformedByTheThesisRecipeToo) {
   Options options = preset("thesis");
-  options.triangles = "1280";
+  options.triangles = {1280};
   options.start = GetParam();
   const Level level = reconstruct(ball(), options).levels.at(0);
   EXPECT_TRUE(level.certificate.closed && level.certificate.manifold && level.certificate.oriented);
@@ -88,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(All, EveryStart, testing::Values(CloudStart::sphere, Cl
 
 TEST(ReconstructCloud, StartsWithoutHandlesCloseThemAndSaySo) {
   Options options;
-  options.triangles = "1000";
+  options.triangles = {1000};
   options.start = CloudStart::hull;
   const Result result =
       reconstruct(synthetic::make_cloud({.shape = synthetic::CloudShape::torus, .points = 5000}), options);
@@ -103,7 +112,7 @@ class EveryFittedMethod : public testing::TestWithParam<CloudMethod> {};
 TEST_P(EveryFittedMethod, ClosesATorusAtEveryLevel) {
   Options options;
   options.method = GetParam();
-  options.triangles = "1000,400,120";
+  options.triangles = {1000, 400, 120};
   const Result result = reconstruct(ring(), options);
   EXPECT_EQ(result.facts.parts, 1);
   EXPECT_EQ(result.facts.genus, 1);
@@ -128,7 +137,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, EveryFittedMethod, testing::Values(CloudMethod
 TEST(CloudStart, TellsWhenADeepCavityWasNotReached) {
   const auto is_told = [](synthetic::CloudShape shape) {
     Options options;
-    options.triangles = "640";
+    options.triangles = {640};
     options.start = CloudStart::hull;
     const Result result = reconstruct(synthetic::make_cloud({.shape = shape, .points = 8000}), options);
     return std::any_of(result.notes.begin(), result.notes.end(), [](const Note& note) {
@@ -141,7 +150,7 @@ TEST(CloudStart, TellsWhenADeepCavityWasNotReached) {
 
 TEST(ReconstructCloud, GivesTheSameBytesForAnyNumberOfThreads) {
   Options options;
-  options.triangles = "500";
+  options.triangles = {500};
   const auto run = [&](int threads) {
     const ThreadLimit limit(threads);
     return reconstruct(ring(), options).levels.front().mesh;
@@ -157,7 +166,7 @@ TEST(ReconstructCloud, DropsWhatIsNoSurfaceAndSaysSo) {
   cloud.points.push_back(cloud.points.front());
   cloud.points.push_back(Vec3(0, std::numeric_limits<double>::infinity(), 0));
   Options options;
-  options.triangles = "500";
+  options.triangles = {500};
   const Result result = reconstruct(cloud, options);
   EXPECT_EQ(result.facts.not_finite, 1u);
   EXPECT_EQ(result.facts.duplicates, 1u);
@@ -170,7 +179,7 @@ TEST(ReconstructCloud, DropsWhatIsNoSurfaceAndSaysSo) {
 TEST(ReconstructCloud, TellsOfOutliersThatKeepEachOtherCompany) {
   const auto is_told = [](const PointCloud& cloud) {
     Options options;
-    options.triangles = "500";
+    options.triangles = {500};
     const Notes notes = reconstruct(cloud, options).notes;
     return std::any_of(notes.begin(), notes.end(), [](const Note& n) {
       return n.code == "cloud.left_out" && n.message.starts_with("20 points lie farther than 5.0 %");
@@ -185,7 +194,7 @@ TEST(ReconstructCloud, TellsOfOutliersThatKeepEachOtherCompany) {
 TEST(ReconstructCloud, WarnsOfSurfaceThatNoPointIsNear) {
   const auto warning = [](const PointCloud& cloud) {
     Options options;
-    options.triangles = "500";
+    options.triangles = {500};
     const Notes notes = reconstruct(cloud, options).notes;
     const auto found = std::find_if(notes.begin(), notes.end(), [](const Note& n) {
       return n.code == "cloud.holes" && n.severity == Severity::warning;
@@ -205,7 +214,7 @@ TEST(ReconstructCloud, WarnsOfSurfaceThatNoPointIsNear) {
 /// Of a scan of the vase, whose wall is 2.4 % of the diagonal thick.
 Result noisy_vase(int points, double noise_percent, std::optional<double> told = {}) {
   Options options;
-  options.triangles = "1280";
+  options.triangles = {1280};
   options.noise_percent = told;
   return reconstruct(
       synthetic::make_cloud({.shape = synthetic::CloudShape::vase, .points = points, .noise_percent = noise_percent}),
@@ -258,7 +267,7 @@ TEST(ReconstructCloud, FindsTheFewestTrianglesWithinAnError) {
   const Certificate& c = result.levels.front().certificate;
   EXPECT_LE(c.cloud_to_mesh_mean, 0.005 * c.cloud_diagonal);
   options.max_error_percent.reset();
-  options.triangles = std::to_string(static_cast<int>(0.7 * static_cast<double>(c.triangles)) / 2 * 2);
+  options.triangles = {static_cast<int>(0.7 * static_cast<double>(c.triangles)) / 2 * 2};
   const Certificate fewer = reconstruct(few, options).levels.front().certificate;
   EXPECT_GT(fewer.cloud_to_mesh_mean, 0.005 * fewer.cloud_diagonal);
 }
@@ -284,7 +293,7 @@ TriMesh column() {
 TEST(ReconstructCloud, KeepsSharpEdgesWhereAsked) {
   const PointCloud scan = synthetic::scan_surface(column(), {.points = 30000});
   Options options;
-  options.triangles = "640,320,200";  // one level alone may lie well on the edges by chance
+  options.triangles = {640, 320, 200};  // one level alone may lie well on the edges by chance
   const auto distance = [&] {
     double sum = 0;
     for (const Level& level : reconstruct(scan, options).levels) sum += level.certificate.cloud_to_mesh_mean;
@@ -298,7 +307,7 @@ TEST(ReconstructCloud, KeepsSharpEdgesWhereAsked) {
 // With corners that slid along the edges, or collapsed into their middles, it was 0.12 %.
 TEST(ReconstructCloud, KeepsTheCornersOfACubeWithFewTriangles) {
   Options options;
-  options.triangles = "1280,320";
+  options.triangles = {1280, 320};
   const Result result =
       reconstruct(synthetic::make_cloud({.shape = synthetic::CloudShape::cube, .points = 50000}), options);
   const Certificate& c = result.levels.back().certificate;
@@ -309,7 +318,7 @@ TEST(ReconstructCloud, KeepsTheCornersOfACubeWithFewTriangles) {
 
 TEST(ReconstructCloud, MakesATorusASphereWhereAsked) {
   Options options;
-  options.triangles = "1000";
+  options.triangles = {1000};
   options.genus = GenusRule::zero;
   const Result result = reconstruct(ring(), options);
   EXPECT_EQ(result.facts.genus, 0);

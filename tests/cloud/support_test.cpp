@@ -16,7 +16,7 @@ namespace {
 
 Result reconstructed(const PointCloud& cloud) {
   Options options;
-  options.triangles = "1280";
+  options.triangles = {1280};
   return reconstruct(cloud, options);
 }
 

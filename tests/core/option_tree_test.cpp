@@ -48,6 +48,21 @@ TEST(SetOption, SetsEveryKindOfMember) {
   EXPECT_FALSE(toy.limit.has_value());
 }
 
+TEST(SetOption, ReadsListsWithBracketsOrWithout) {
+  Toy toy;
+  set_option(toy, "counts=[7, 8]");
+  EXPECT_THAT(toy.counts, testing::ElementsAre(7, 8));
+  set_option(toy, "counts=9");
+  EXPECT_THAT(toy.counts, testing::ElementsAre(9));
+  set_option(toy, "place_mm=1.5,-2,3e1");
+  EXPECT_THAT(*toy.place_mm, testing::ElementsAre(1.5, -2, 30));
+  set_option(toy, "place_mm=unset");
+  EXPECT_FALSE(toy.place_mm.has_value());
+  for (const char* bad :
+       {"counts=", "counts=1,", "counts=[1", "counts=1,10", "counts=1.5", "place_mm=1,2", "place_mm=1,2,nan"})
+    EXPECT_THAT(error_of(bad), testing::HasSubstr("; expected ")) << bad;
+}
+
 TEST(SetOption, ReachesIntoTheMethodThatIsCurrent) {
   Toy toy;
   set_option(toy, "step.sigma=4");
@@ -79,7 +94,7 @@ TEST(SetOption, OffersTheChoicesAndTheNearestWord) {
   EXPECT_EQ(
       error_of("width_m=2"),
       "unknown option 'width_m'; did you mean 'width_mm'? choices: width_mm, rounds, seed, title, strict, colour, "
-      "limit, inner, step");
+      "limit, counts, place_mm, inner, step");
   EXPECT_EQ(error_of("step.sgima=2"), "unknown option 'step.sgima'; did you mean 'step.sigma'? choices: method, sigma");
   EXPECT_THAT(error_of("wid=2"), testing::HasSubstr("did you mean 'width_mm'?"));
   EXPECT_EQ(error_of("colour=gren"), "option colour is 'gren'; did you mean 'green'? choices: red, green, blue");
@@ -128,8 +143,8 @@ TEST(OptionTable, HasARowForEveryLeafOfEveryMethod) {
   std::vector<std::string> paths;
   for (const OptionRow& row : option_table(Toy{}))
     paths.push_back(row.path + (row.method.empty() ? "" : "@") + row.method);
-  EXPECT_THAT(paths, testing::ElementsAre("width_mm", "rounds", "seed", "title", "strict", "colour", "limit",
-                                          "inner.depth", "step", "step.sigma@blur", "step.gain@edge"));
+  EXPECT_THAT(paths, testing::ElementsAre("width_mm", "rounds", "seed", "title", "strict", "colour", "limit", "counts",
+                                          "place_mm", "inner.depth", "step", "step.sigma@blur", "step.gain@edge"));
 }
 
 TEST(OptionTable, TellsDefaultUnitRangeAndChoices) {
@@ -140,8 +155,10 @@ TEST(OptionTable, TellsDefaultUnitRangeAndChoices) {
   EXPECT_EQ(rows[1].range, ">= 1");
   EXPECT_EQ(rows[5].choices, "red | green | blue");
   EXPECT_EQ(rows[6].default_value, "unset");
-  EXPECT_EQ(rows[8].choices, "blur | edge");
-  EXPECT_EQ(rows[8].default_value, "blur");
+  EXPECT_EQ(rows[7].default_value, "3,2");
+  EXPECT_EQ(rows[8].default_value, "unset");
+  EXPECT_EQ(rows[10].choices, "blur | edge");
+  EXPECT_EQ(rows[10].default_value, "blur");
 }
 
 struct ToyLimits {
@@ -162,8 +179,8 @@ TEST(OptionTable, ShowsThePresentValuesOfTheCurrentMethod) {
   Toy toy;
   toy.step = ToyEdge{9};
   const auto rows = option_table(toy);
-  EXPECT_EQ(rows[9].path, "step.gain");
-  EXPECT_EQ(rows[9].default_value, "9");
+  EXPECT_EQ(rows[11].path, "step.gain");
+  EXPECT_EQ(rows[11].default_value, "9");
 }
 
 TEST(OptionTable, HoldsDefaultsThatCanBeSetAgain) {

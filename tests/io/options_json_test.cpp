@@ -27,9 +27,10 @@ std::string error_of(std::string_view text) {
 
 TEST(OptionsJson, WritesEveryMemberInOrder) {
   Toy toy;
-  EXPECT_EQ(options_to_json(nodes_of(toy)).dump(),
-            R"({"width_mm":1.25,"rounds":10,"seed":1,"title":"toy","strict":false,"colour":"green","limit":null,)"
-            R"("inner":{"depth":2},"step":{"method":"blur","sigma":1.0}})");
+  EXPECT_EQ(
+      options_to_json(nodes_of(toy)).dump(),
+      R"({"width_mm":1.25,"rounds":10,"seed":1,"title":"toy","strict":false,"colour":"green","limit":null,"counts":[3,2],"place_mm":null,)"
+      R"("inner":{"depth":2},"step":{"method":"blur","sigma":1.0}})");
 }
 
 TEST(OptionsJson, ReadsBackWhatItWrote) {
@@ -87,6 +88,20 @@ TEST(OptionsJson, RefusesWrongTypes) {
   EXPECT_EQ(error_of(R"({"inner": 1})"), "option inner is 1; expected an object {...}");
   EXPECT_EQ(error_of(R"({"step": {"method": 1}})"), "option step.method is 1; expected one of the methods blur, edge");
   EXPECT_EQ(error_of("[]"), "the options are []; expected an object {...}");
+}
+
+TEST(OptionsJson, ReadsLists) {
+  test::Toy toy;
+  options_from_text(R"({"counts": [4, 5], "place_mm": [1, 2.5, 3]})", toy);
+  EXPECT_THAT(toy.counts, testing::ElementsAre(4, 5));
+  EXPECT_THAT(*toy.place_mm, testing::ElementsAre(1, 2.5, 3));
+  options_from_text(R"({"counts": "6,7", "place_mm": null})", toy);  // a text, as earlier versions wrote
+  EXPECT_THAT(toy.counts, testing::ElementsAre(6, 7));
+  EXPECT_FALSE(toy.place_mm.has_value());
+  EXPECT_EQ(error_of(R"({"counts": [1, 2.5]})"),
+            "option counts is [1,2.5]; expected a list of whole numbers >= 0 and <= 9");
+  EXPECT_EQ(error_of(R"({"place_mm": [1, 2]})"),
+            "option place_mm is [1,2]; expected unset or a list of three numbers (mm)");
 }
 
 TEST(OptionsJson, RefusesValuesOutOfRange) {

@@ -178,7 +178,7 @@ void clouds() {
     points << cloud.points << cloud.normals;
     points.print(name + " points");
     cloud::Options options = cloud::preset(t.preset);
-    options.triangles = "1280,320";
+    options.triangles = {1280, 320};
     const cloud::Result r = cloud::reconstruct(cloud, options);
     Hash used, levels;
     used << r.used.points << r.facts.spacing << r.facts.noise << r.facts.cells;

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "dynasurf/core/options.hpp"
 
@@ -44,6 +45,8 @@ struct Toy {
   bool strict = false;
   Colour colour = Colour::green;
   std::optional<int> limit;
+  std::vector<int> counts{3, 2};
+  std::optional<std::array<double, 3>> place_mm;
   ToyInner inner;
   std::variant<ToyBlur, ToyEdge> step;
 };
@@ -55,6 +58,8 @@ void describe(auto& visit, Toy& o) {
   visit("strict", o.strict, OptionInfo{"no mercy"});
   visit("colour", o.colour, OptionInfo{"a word"});
   visit("limit", o.limit, OptionInfo{"may be unset", "", 0, 100});
+  visit("counts", o.counts, OptionInfo{"a list", "", 0, 9});
+  visit("place_mm", o.place_mm, OptionInfo{"three numbers", "mm"});
   visit("inner", o.inner, OptionInfo{"a group"});
   visit("step", o.step, OptionInfo{"a family"});
 }

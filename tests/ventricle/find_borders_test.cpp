@@ -102,7 +102,7 @@ TEST(ManualPlaces, MustBeOfTheStudy) {
       EXPECT_NE(std::string(e.what()).find(says), std::string::npos) << e.what();
     }
   };
-  refuses([](UserOverrides& m) { m.center_x_mm = 90, m.center_y_mm = 90, m.center_z_mm = 500; }, "inside the volume");
+  refuses([](UserOverrides& m) { m.center_mm = {90, 90, 500}; }, "inside the volume");
   refuses([](UserOverrides& m) { m.first_slice = 24; },
           "first_slice is 24; expected a slice of the short-axis stack, 1 to 23");
   refuses([](UserOverrides& m) { m.last_slice = 24; }, "manual.last_slice is 24");
@@ -126,7 +126,7 @@ TEST(ManualAxis, IsWhatSlicesAreCutSquareTo) {
   const Study study = study_of(test::blurred_heart({}));
   const Vec3 axis = study.grid().direction * Vec3(0.1, 0, 1).normalized();  // 6 degrees off: the stack would be kept
   Options o = preset("edges");
-  o.manual.axis_x = axis[0], o.manual.axis_y = axis[1], o.manual.axis_z = axis[2];
+  o.manual.axis = {axis[0], axis[1], axis[2]};
   const BorderResult result = find_borders(study, o);
   EXPECT_LT((result.study.grid().direction.col(2) - axis).norm(), 1e-9);
   EXPECT_TRUE(result.gates[0].labels.has(Border::endo));

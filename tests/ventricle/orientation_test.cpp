@@ -126,14 +126,12 @@ TEST(Orient, RefusesWhatItMayNotOrCannotCut) {
                InputError);
 }
 
-TEST(Hints, NeedWholeVectors) {
+TEST(Hints, NeedAnAxisWithALength) {
   UserOverrides manual;
   EXPECT_FALSE(hints_of(manual).axis);
-  manual.axis_x = 0;
-  EXPECT_THROW(hints_of(manual), OptionError);
-  manual.axis_y = manual.axis_z = 0;
+  manual.axis = {0, 0, 0};
   EXPECT_THROW(hints_of(manual), OptionError) << "no length";
-  manual.axis_z = 2;
+  manual.axis = {0, 0, 2};
   EXPECT_EQ(*hints_of(manual).axis, Vec3(0, 0, 2));
 }
 

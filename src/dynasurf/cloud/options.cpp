@@ -1,7 +1,8 @@
 #include "dynasurf/cloud/options.hpp"
 
+#include <algorithm>
 #include <array>
-#include <charconv>
+#include <functional>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
@@ -12,13 +13,6 @@ namespace {
 constexpr std::array<std::string_view, 3> methods{"shaped", "faithful", "thesis"};
 constexpr std::array<std::string_view, 3> genus_rules{"auto", "0", "keep"};
 constexpr std::array<std::string_view, 5> starts{"auto", "field", "sphere", "ellipsoid", "hull"};
-constexpr int fewest_triangles = 20, most_triangles = 2'000'000;
-
-[[noreturn]] void refuse(const std::string& triangles) {
-  throw OptionError("option triangles is '" + triangles + "'; expected even numbers from " +
-                    std::to_string(fewest_triangles) + " to " + std::to_string(most_triangles) +
-                    ", falling, with commas between them");
-}
 
 }  // namespace
 
@@ -33,19 +27,15 @@ Options preset(std::string_view name) {
   return o;
 }
 
-std::vector<int> parse_triangles(const std::string& triangles) {
-  std::vector<int> counts;
-  const char *at = triangles.data(), *end = at + triangles.size();
-  for (;;) {
-    int count = 0;
-    const auto [next, error] = std::from_chars(at, end, count);
-    const bool in_range = count >= fewest_triangles && count <= most_triangles && count % 2 == 0;
-    if (error != std::errc{} || !in_range || (!counts.empty() && count >= counts.back())) refuse(triangles);
-    counts.push_back(count);
-    if (next == end) return counts;
-    if (*next != ',') refuse(triangles);
-    at = next + 1;
-  }
+void check(const Options& options) {
+  Options checked = options;
+  check_options(checked, "");
+  const std::vector<int>& levels = options.triangles;
+  const bool are_even = std::all_of(levels.begin(), levels.end(), [](int n) { return n % 2 == 0; });
+  if (!levels.empty() && are_even && std::is_sorted(levels.rbegin(), levels.rend(), std::less_equal<>{})) return;
+  std::string text;
+  for (const int n : levels) text.append(text.empty() ? "" : ",").append(std::to_string(n));
+  throw OptionError("option triangles is [" + text + "]; expected even numbers that fall");
 }
 
 }  // namespace dynasurf::cloud

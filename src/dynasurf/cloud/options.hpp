@@ -28,7 +28,7 @@ std::span<const std::string_view> names_of(CloudStart);
 /// From a cloud to light closed meshes.
 struct Options {
   CloudMethod method = CloudMethod::shaped;
-  std::string triangles = "5120,1280,320";
+  std::vector<int> triangles{5120, 1280, 320};
   std::optional<double> max_error_percent;
   GenusRule genus = GenusRule::automatic;
   CloudStart start = CloudStart::automatic;
@@ -45,7 +45,7 @@ void describe(auto& visit, Options& o) {
       OptionInfo{"shaped: well-shaped triangles; faithful: the smallest distance, slender triangles where the surface "
                  "asks for them; thesis: the voxels, icosphere and free model of thesis 6.2"});
   visit("triangles", o.triangles,
-        OptionInfo{"triangles of each level, falling, with commas between them; thesis: 20 times a power of 4"});
+        OptionInfo{"triangles of each level, even and falling; thesis: 20 times a power of 4", "", 20, 2e6});
   visit(
       "max_error_percent", o.max_error_percent,
       OptionInfo{"one level with the fewest triangles, in steps of a tenth, whose mean distance to the points is below "
@@ -77,7 +77,7 @@ std::span<const std::string_view> preset_names();
 /// Throws OptionError with the choices for an unknown name.
 Options preset(std::string_view name);
 
-/// The numbers in `triangles`, in their order. Throws OptionError unless they are even, from 20 to 2,000,000, and fall.
-std::vector<int> parse_triangles(const std::string& triangles);
+/// Throws OptionError for any option out of its range, and unless `triangles` holds even numbers that fall.
+void check(const Options& options);
 
 }  // namespace dynasurf::cloud

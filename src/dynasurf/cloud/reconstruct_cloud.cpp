@@ -386,9 +386,8 @@ void reconstruct_fitted(const PreparedCloud& p, const Options& options, const st
 }  // namespace
 
 Result reconstruct(PointCloud cloud, const Options& options, const Progress& progress) {
-  Options checked = options;
-  check_options(checked, "cloud");
-  const std::vector<int> triangles = parse_triangles(options.triangles);
+  check(options);
+  const std::vector<int>& triangles = options.triangles;
   progress("points", 0, 1);
   PreparedCloud prepared = prepare(std::move(cloud), options, progress);
   progress("points", 1, 1);

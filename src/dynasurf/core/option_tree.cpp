@@ -41,6 +41,32 @@ std::optional<Number> number_in(std::string_view text) {
   return value;
 }
 
+template <class List>
+std::string list_text(const List& numbers) {
+  std::string text;
+  for (const auto number : numbers) text.append(text.empty() ? "" : ",").append(text_of(number));
+  return text;
+}
+
+/// "1280,320" or "[1280, 320]"; nothing for anything else.
+template <class Number>
+std::optional<std::vector<Number>> numbers_in(std::string_view text) {
+  if (text.starts_with('[') != text.ends_with(']')) return std::nullopt;
+  if (text.starts_with('[')) text = text.substr(1, text.size() - 2);
+  std::vector<Number> numbers;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', at), text.size());
+    std::string_view word = text.substr(at, comma - at);
+    if (const std::size_t first = word.find_first_not_of(' '); first != std::string_view::npos)
+      word.remove_prefix(first);
+    const auto number = number_in<Number>(word);
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+    at = comma + 1;
+  }
+  return numbers;
+}
+
 /// Levenshtein's distance: how many letters must change.
 std::size_t typing_errors(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -98,40 +124,6 @@ std::string number_words(std::string noun, const OptionInfo& field) {
   return noun;
 }
 
-void assign(const OptionNode& node, const std::string& path, std::string_view text) {
-  const auto wrong = [&] { throw_wrong_value(node, path, "'" + std::string(text) + "'"); };
-  const auto number = [&]<class Number>(Number& target) {
-    const auto value = number_in<Number>(text);
-    if (!value || !in_range(node.field, static_cast<double>(*value))) wrong();
-    target = *value;
-  };
-  const auto optional = [&]<class Number>(std::optional<Number>& target) {
-    if (text == "unset") {
-      target.reset();
-      return;
-    }
-    Number value{};
-    number(value);
-    target = value;
-  };
-  std::visit(
-      Overload{[&](double* v) { number(*v); }, [&](int* v) { number(*v); }, [&](std::uint64_t* v) { number(*v); },
-               [&](bool* v) {
-                 if (text != "true" && text != "false") wrong();
-                 *v = text == "true";
-               },
-               [&](std::string* v) { *v = text; }, [&](std::optional<double>* v) { optional(*v); },
-               [&](std::optional<int>* v) { optional(*v); },
-               [&](const WordRef& word) { word.set(position_of(word.words, text, path)); },
-               [&](const ChoiceRef& choice) { choice.choose(position_of(choice.methods, text, path)); },
-               [&](const GroupRef& group) {
-                 std::vector<std::string> members;
-                 collect_names(group.members, path, members);
-                 throw OptionError("option " + path + " is a group; set one of its members: " + joined(members, ", "));
-               }},
-      node.ref);
-}
-
 /// Names of the leaves below, for messages.
 void collect_names(const OptionNodes& nodes, const std::string& path, std::vector<std::string>& paths) {
   for (const OptionNode& node : nodes) {
@@ -151,10 +143,10 @@ void set_below(const OptionNodes& nodes, const std::string& path, std::string_vi
 
 /// The part of the path that follows `node` is `rest`; empty: the node itself is meant.
 void set_in(const OptionNode& node, const std::string& path, std::string_view rest, std::string_view text) {
-  if (rest.empty()) return assign(node, path, text);
+  if (rest.empty()) return assign_text(node, path, text);
   if (const auto* group = std::get_if<GroupRef>(&node.ref)) return set_below(group->members, path, rest, text, nullptr);
   if (const auto* choice = std::get_if<ChoiceRef>(&node.ref)) {
-    if (rest == "method") return assign(node, path + ".method", text);
+    if (rest == "method") return assign_text(node, path + ".method", text);
     return set_below(choice->choose(choice->current()), path, rest, text, choice);
   }
   throw OptionError("option " + path + " has no members; it is " + expected_of(node));
@@ -189,6 +181,10 @@ void add_rows(const OptionNodes& nodes, const std::string& path, const std::stri
                         [&](const std::string* v) { row.default_value = *v; },
                         [&](const std::optional<double>* v) { row.default_value = optional_text(*v); },
                         [&](const std::optional<int>* v) { row.default_value = optional_text(*v); },
+                        [&](const std::vector<int>* v) { row.default_value = list_text(*v); },
+                        [&](const std::optional<std::array<double, 3>>* v) {
+                          row.default_value = *v ? list_text(**v) : "unset";
+                        },
                         [&](const WordRef& word) {
                           row.default_value = word.words[word.get()];
                           row.choices = joined(word.words, " | ");
@@ -230,9 +226,58 @@ std::string expected_of(const OptionNode& node) {
                [](const std::string*) { return std::string("a text"); },
                [&](const std::optional<double>*) { return number("unset or a number"); },
                [&](const std::optional<int>*) { return number("unset or a whole number"); },
+               [&](const std::vector<int>*) { return number("a list of whole numbers"); },
+               [&](const std::optional<std::array<double, 3>>*) { return number("unset or a list of three numbers"); },
                [](const WordRef& word) { return "one of " + joined(word.words, ", "); },
                [](const ChoiceRef& choice) { return "one of the methods " + joined(choice.methods, ", "); },
                [](const GroupRef&) { return std::string("a group of options"); }},
+      node.ref);
+}
+
+void assign_text(const OptionNode& node, const std::string& path, std::string_view text) {
+  const auto wrong = [&] { throw_wrong_value(node, path, "'" + std::string(text) + "'"); };
+  const auto number = [&]<class Number>(Number& target) {
+    const auto value = number_in<Number>(text);
+    if (!value || !in_range(node.field, static_cast<double>(*value))) wrong();
+    target = *value;
+  };
+  const auto list = [&]<class Number>(std::vector<Number>& target) {
+    const auto numbers = numbers_in<Number>(text);
+    const auto fits = [&](Number value) { return in_range(node.field, static_cast<double>(value)); };
+    if (!numbers || !std::all_of(numbers->begin(), numbers->end(), fits)) wrong();
+    target = *numbers;
+  };
+  const auto optional = [&]<class Number>(std::optional<Number>& target) {
+    if (text == "unset") {
+      target.reset();
+      return;
+    }
+    Number value{};
+    number(value);
+    target = value;
+  };
+  std::visit(
+      Overload{[&](double* v) { number(*v); }, [&](int* v) { number(*v); }, [&](std::uint64_t* v) { number(*v); },
+               [&](bool* v) {
+                 if (text != "true" && text != "false") wrong();
+                 *v = text == "true";
+               },
+               [&](std::string* v) { *v = text; }, [&](std::optional<double>* v) { optional(*v); },
+               [&](std::optional<int>* v) { optional(*v); }, [&](std::vector<int>* v) { list(*v); },
+               [&](std::optional<std::array<double, 3>>* v) {
+                 if (text == "unset") return v->reset();
+                 std::vector<double> three;
+                 list(three);
+                 if (three.size() != 3) wrong();
+                 *v = {three[0], three[1], three[2]};
+               },
+               [&](const WordRef& word) { word.set(position_of(word.words, text, path)); },
+               [&](const ChoiceRef& choice) { choice.choose(position_of(choice.methods, text, path)); },
+               [&](const GroupRef& group) {
+                 std::vector<std::string> members;
+                 collect_names(group.members, path, members);
+                 throw OptionError("option " + path + " is a group; set one of its members: " + joined(members, ", "));
+               }},
       node.ref);
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -42,8 +43,9 @@ struct GroupRef {
 };
 
 /// Where the value of an option lies, by its type.
-using OptionRef = std::variant<double*, int*, std::uint64_t*, bool*, std::string*, std::optional<double>*,
-                               std::optional<int>*, WordRef, ChoiceRef, GroupRef>;
+using OptionRef =
+    std::variant<double*, int*, std::uint64_t*, bool*, std::string*, std::optional<double>*, std::optional<int>*,
+                 std::vector<int>*, std::optional<std::array<double, 3>>*, WordRef, ChoiceRef, GroupRef>;
 
 /// One member of an options struct. It points into the struct, which must outlive it.
 struct OptionNode {
@@ -61,7 +63,8 @@ template <class... A>
 ChoiceRef choice_of(std::variant<A...>& family);
 
 /// Sets one option from text: "edges.sigma_px=1.8", "field=gvf" or "field.method=gvf" (a method that is current already
-/// keeps its options), "labels.coarse.x_px=unset" (an optional number). Throws OptionError, in one line with the full
+/// keeps its options), "labels.coarse.x_px=unset" (an optional number), "triangles=[1280,320]" or "triangles=1280,320"
+/// (a list). Throws OptionError, in one line with the full
 /// path and the choices, for an unknown path, a wrong type, an unknown word, or a value out of range; the options
 /// are unchanged then.
 void set_option(const OptionNodes& nodes, std::string_view assignment);
@@ -101,6 +104,8 @@ std::string expected_of(const OptionNode& node);
                                        bool in_family);
 /// The position of `word` in `words`, or OptionError with the choices and the nearest word.
 std::size_t position_of(std::span<const std::string_view> words, std::string_view word, const std::string& path);
+/// Assigns to an option what stands in a text, as `set_option` does.
+void assign_text(const OptionNode& node, const std::string& path, std::string_view text);
 /// Whether a number may be assigned: finite, in range.
 bool in_range(const OptionInfo& field, double value);
 std::string join_path(const std::string& path, std::string_view name);
@@ -129,7 +134,8 @@ template <class T>
 inline constexpr bool is_plain_option =
     std::is_same_v<T, double> || std::is_same_v<T, int> || std::is_same_v<T, std::uint64_t> ||
     std::is_same_v<T, bool> || std::is_same_v<T, std::string> || std::is_same_v<T, std::optional<double>> ||
-    std::is_same_v<T, std::optional<int>>;
+    std::is_same_v<T, std::optional<int>> || std::is_same_v<T, std::vector<int>> ||
+    std::is_same_v<T, std::optional<std::array<double, 3>>>;
 
 /// Visits the members of a described struct and keeps where they lie.
 struct NodeCollector {
@@ -150,7 +156,8 @@ struct NodeCollector {
     } else if constexpr (IsVariant<T>::value) {
       return choice_of(value);
     } else {
-      static_assert(Described<T>, "an option is a number, bool, text, named enum, described struct or variant of them");
+      static_assert(Described<T>,
+                    "an option is a number, bool, text, list, named enum, described struct or variant of them");
       return GroupRef{nodes_of(value)};
     }
   }

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <concepts>
 #include <limits>
 #include <optional>
@@ -7,6 +8,7 @@
 #include <string_view>
 #include <type_traits>
 #include <variant>
+#include <vector>
 
 namespace dynasurf {
 
@@ -22,10 +24,11 @@ struct OptionInfo {
 //
 //     void describe(auto& visit, O& o) { visit("mu", o.mu, OptionInfo{"balance of smoothing and data", "", 0}); ... }
 //
-// Members may be double, int, bool, std::string, an enum with `std::span<const std::string_view> names_of(E)`,
-// another described struct, std::optional<double|int>, or a std::variant of described structs. Each alternative of a
-// variant has a `static constexpr std::string_view name`; in JSON it is an object with "method": name.
-// JSON, --set, the manual's tables, the report and the law tests all read this one description.
+// Members may be double, int, bool, std::string, std::vector<int>, an enum with `std::span<const std::string_view>
+// names_of(E)`, another described struct, std::optional<double|int|std::array<double, 3>>, or a std::variant of
+// described structs. Each alternative of a variant has a `static constexpr std::string_view name`; in JSON it is an
+// object with "method": name. JSON, --set, the manual's tables, the report and the law tests all read this one
+// description.
 
 namespace detail {
 /// Stands for whatever visits the members of a described struct.
@@ -63,6 +66,14 @@ template <class T>
 struct IsOptional : std::false_type {};
 template <class T>
 struct IsOptional<std::optional<T>> : std::true_type {};
+
+/// Whether a type is a list of numbers.
+template <class T>
+struct IsNumberList : std::false_type {};
+template <>
+struct IsNumberList<std::vector<int>> : std::true_type {};
+template <>
+struct IsNumberList<std::array<double, 3>> : std::true_type {};
 
 /// Throws OptionError unless every number of `options` (and of what it holds) lies in its range and is finite.
 /// Call it at the public door of a stage: `check_options(options, "gvf")`.

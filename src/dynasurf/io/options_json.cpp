@@ -28,6 +28,7 @@ Json value_of(const OptionNode& node) {
   return std::visit(Overload{[](const auto* value) { return Json(*value); },
                              [](const std::optional<double>* v) { return *v ? Json(**v) : Json(); },
                              [](const std::optional<int>* v) { return *v ? Json(**v) : Json(); },
+                             [](const std::optional<std::array<double, 3>>* v) { return *v ? Json(**v) : Json(); },
                              [](const WordRef& word) { return Json(word.words[word.get()]); },
                              [](const ChoiceRef& choice) {
                                const std::size_t current = choice.current();
@@ -63,16 +64,16 @@ void assign_method(const Json& json, const ChoiceRef& choice, const OptionNode& 
 
 void assign(const Json& json, const OptionNode& node, const std::string& path) {
   const auto wrong = [&] { throw_wrong_value(node, path, short_text(json)); };
-  const auto number = [&]<class Number>(Number& target) {
+  const auto number = [&]<class Number>(Number& target, const Json& value) {
     // Whole numbers must be written as such: 2.0 for a count is more often a slip than meant.
-    const bool right_type = std::is_floating_point_v<Number> ? json.is_number() : json.is_number_integer();
-    if (!right_type || !in_range(node.field, json.get<double>())) wrong();
+    const bool right_type = std::is_floating_point_v<Number> ? value.is_number() : value.is_number_integer();
+    if (!right_type || !in_range(node.field, value.get<double>())) wrong();
     if constexpr (std::is_integral_v<Number>) {
-      const bool fits = json.is_number_unsigned() ? std::in_range<Number>(json.get<std::uint64_t>())
-                                                  : std::in_range<Number>(json.get<std::int64_t>());
+      const bool fits = value.is_number_unsigned() ? std::in_range<Number>(value.get<std::uint64_t>())
+                                                   : std::in_range<Number>(value.get<std::int64_t>());
       if (!fits) wrong();
     }
-    target = json.get<Number>();
+    target = value.get<Number>();
   };
   const auto optional = [&]<class Number>(std::optional<Number>& target) {
     if (json.is_null()) {
@@ -80,27 +81,45 @@ void assign(const Json& json, const OptionNode& node, const std::string& path) {
       return;
     }
     Number value{};
-    number(value);
+    number(value, json);
     target = value;
   };
-  std::visit(
-      Overload{[&](bool* v) {
-                 if (!json.is_boolean()) wrong();
-                 *v = json.get<bool>();
-               },
-               [&](std::string* v) {
-                 if (!json.is_string()) wrong();
-                 *v = json.get<std::string>();
-               },
-               [&](double* v) { number(*v); }, [&](int* v) { number(*v); }, [&](std::uint64_t* v) { number(*v); },
-               [&](std::optional<double>* v) { optional(*v); }, [&](std::optional<int>* v) { optional(*v); },
-               [&](const WordRef& word) {
-                 if (!json.is_string()) wrong();
-                 word.set(position_of(word.words, json.get_ref<const std::string&>(), path));
-               },
-               [&](const ChoiceRef& choice) { assign_method(json, choice, node, path); },
-               [&](const GroupRef& group) { assign_members(json, group.members, path, false); }},
-      node.ref);
+  const auto list = [&]<class Number>(std::vector<Number>& target) {
+    if (!json.is_array()) wrong();
+    std::vector<Number> numbers(json.size());
+    for (std::size_t n = 0; n < numbers.size(); ++n) number(numbers[n], json[n]);
+    target = numbers;
+  };
+  std::visit(Overload{[&](bool* v) {
+                        if (!json.is_boolean()) wrong();
+                        *v = json.get<bool>();
+                      },
+                      [&](std::string* v) {
+                        if (!json.is_string()) wrong();
+                        *v = json.get<std::string>();
+                      },
+                      [&](double* v) { number(*v, json); }, [&](int* v) { number(*v, json); },
+                      [&](std::uint64_t* v) { number(*v, json); }, [&](std::optional<double>* v) { optional(*v); },
+                      [&](std::optional<int>* v) { optional(*v); },
+                      [&](std::vector<int>* v) {
+                        // Options of earlier versions hold a text.
+                        if (json.is_string()) return assign_text(node, path, json.get_ref<const std::string&>());
+                        list(*v);
+                      },
+                      [&](std::optional<std::array<double, 3>>* v) {
+                        if (json.is_null()) return v->reset();
+                        std::vector<double> three;
+                        list(three);
+                        if (three.size() != 3) wrong();
+                        *v = {three[0], three[1], three[2]};
+                      },
+                      [&](const WordRef& word) {
+                        if (!json.is_string()) wrong();
+                        word.set(position_of(word.words, json.get_ref<const std::string&>(), path));
+                      },
+                      [&](const ChoiceRef& choice) { assign_method(json, choice, node, path); },
+                      [&](const GroupRef& group) { assign_members(json, group.members, path, false); }},
+             node.ref);
 }
 
 void assign_members(const Json& json, const OptionNodes& nodes, const std::string& path, bool in_family) {

@@ -56,8 +56,8 @@ void require_inside(const UserOverrides& manual, const Study& original, const St
   if (const std::optional<Vec3> centre = hints_of(manual).centre_mm) {
     const Index3 v = voxel_of(original.grid(), to_grid(original.grid(), *centre));
     if (!original.grid().contains(v[0], v[1], v[2]))
-      throw OptionError(format("option manual.center is (%g, %g, %g); expected a place inside the volume", (*centre)[0],
-                               (*centre)[1], (*centre)[2]));
+      throw OptionError(format("option manual.center_mm is (%g, %g, %g); expected a place inside the volume",
+                               (*centre)[0], (*centre)[1], (*centre)[2]));
   }
   const int slices = study.grid().dims[2];
   const auto require_slice = [&](const char* name, const std::optional<int>& slice) {

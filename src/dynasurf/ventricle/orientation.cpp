@@ -26,13 +26,6 @@ std::string format(const char* pattern, A... values) {
   return text.data();
 }
 
-std::optional<Vec3> whole_vector(const std::optional<double>& x, const std::optional<double>& y,
-                                 const std::optional<double>& z, const char* name) {
-  if (!x && !y && !z) return std::nullopt;
-  if (!x || !y || !z) throw OptionError(std::string("option manual.") + name + " is set in part; expected x, y and z");
-  return Vec3(*x, *y, *z);
-}
-
 /// Angle between the stack's normal and the axis, whichever end comes first.
 double tilt_of(const Study& study, const LvShell& heart) {
   const double angle = degrees_between(study.grid().direction.col(2), heart.axis);
@@ -91,8 +84,8 @@ Study keep_unless_contradicted(const Study& study, const Location& heart, const 
 
 LocateHints hints_of(const UserOverrides& m) {
   LocateHints hints;
-  hints.centre_mm = whole_vector(m.center_x_mm, m.center_y_mm, m.center_z_mm, "center");
-  hints.axis = whole_vector(m.axis_x, m.axis_y, m.axis_z, "axis");
+  if (m.center_mm) hints.centre_mm = Vec3(m.center_mm->data());
+  if (m.axis) hints.axis = Vec3(m.axis->data());
   if (hints.axis && !(hints.axis->norm() > 0))
     throw OptionError("option manual.axis has no length; expected a direction");
   return hints;
@@ -167,7 +160,7 @@ Study orient(const Study& study, const std::optional<Location>& heart, const Ori
   if (!heart) {
     if (!is_square)
       throw InputError("the slices are " + std::string(name_of(study.view)) +
-                       " ones and no ventricle was found in them; expected a short-axis stack, or manual.center and "
+                       " ones and no ventricle was found in them; expected a short-axis stack, or manual.center_mm and "
                        "manual.axis");
     return study;
   }

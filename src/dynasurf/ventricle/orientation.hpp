@@ -45,19 +45,14 @@ void describe(auto& visit, Orientation& o) {
 
 /// Where the heart lies, as far as a person says so. World frame: DICOM's LPS. Each value replaces what would be found.
 struct UserOverrides {
-  std::optional<double> center_x_mm, center_y_mm, center_z_mm;
-  std::optional<double> axis_x, axis_y, axis_z;
+  std::optional<std::array<double, 3>> center_mm, axis;
   std::optional<double> radius_mm;
   std::optional<int> first_slice, last_slice;
   std::optional<double> base_plane_mm;
 };
 void describe(auto& visit, UserOverrides& o) {
-  visit("center_x_mm", o.center_x_mm, OptionInfo{"middle of the heart, world (LPS); set all three or none", "mm"});
-  visit("center_y_mm", o.center_y_mm, OptionInfo{"the same, y", "mm"});
-  visit("center_z_mm", o.center_z_mm, OptionInfo{"the same, z", "mm"});
-  visit("axis_x", o.axis_x, OptionInfo{"long axis from apex to base, world (LPS), any length; set all three or none"});
-  visit("axis_y", o.axis_y, OptionInfo{"the same, y"});
-  visit("axis_z", o.axis_z, OptionInfo{"the same, z"});
+  visit("center_mm", o.center_mm, OptionInfo{"middle of the heart x,y,z, world (LPS)", "mm"});
+  visit("axis", o.axis, OptionInfo{"long axis x,y,z from apex to base, world (LPS), any length"});
   visit("radius_mm", o.radius_mm, OptionInfo{"radius of the circle around the ventricle", "mm", 5, 200});
   visit("first_slice", o.first_slice, OptionInfo{"first slice of the ventricle, from 1 at the apex", "", 1, 10000});
   visit("last_slice", o.last_slice, OptionInfo{"last slice of the ventricle, from 1 at the apex", "", 1, 10000});
@@ -66,8 +61,7 @@ void describe(auto& visit, UserOverrides& o) {
                    "mm"});
 }
 
-/// The hints that a person's values give. Throws OptionError when only a part of a vector is set or an axis has no
-/// length.
+/// The hints that a person's values give. Throws OptionError when an axis has no length.
 LocateHints hints_of(const UserOverrides& manual);
 
 /// The grid of a short-axis stack around a heart, slices from apex to base, its columns horizontal in the world (so

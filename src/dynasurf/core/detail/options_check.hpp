@@ -20,6 +20,8 @@ struct RangeCheck {
       std::visit([&](auto& alternative) { check_options(alternative, here); }, value);
     } else if constexpr (IsOptional<T>::value) {
       if (value) (*this)(name, *value, field);
+    } else if constexpr (IsNumberList<T>::value) {
+      for (const auto number : value) (*this)(name, number, field);
     } else if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
       const auto number = static_cast<double>(value);
       if (std::isfinite(number) && number >= field.min && number <= field.max) return;
