@@ -48,12 +48,13 @@ def patient_jobs():
     yield "borders", ["borders", study, "--out", "borders", "--vary", "labels.method=none,sign,gradmag,case,radial,mlc"]
     yield "ventricle with all files", ["ventricle", study, "--out", "fit", "--keep-stages", "--dicom", "--with-phi",
                                        "--mesh-format", "ply,stl,obj,off,vtp,glb"]
+    yield "rerun", ["rerun", "fit", "--study", study, "--out", "again"]
+    yield "rerun again", ["rerun", "fit", "--study", study, "--out", "third"]
     yield "normals", ["normals", ".", "--out", "normals.json"]
     yield "ventricle of edges", ["ventricle", "patient/study.nii.gz", "--out", "classic", "--preset", "edges",
                                  "--mask", "mask.nii", "--start", "fit/meshes/epi_g01.ply"]
     yield "ventricle of contours", ["ventricle", "patient/study.seq.nrrd", "--out", "contour", "--pipeline", "contour"]
     yield "ventricle by the thesis", ["ventricle", study, "--out", "thesis", "--preset", "thesis", "--threads", "1"]
-    yield "rerun", ["rerun", "fit", "--study", study, "--out", "again"]
     yield "scores", ["scores", "fit", "--edit", "edit.json", "--out", "scores.json"]
     yield "compare", ["compare", "fit", "again", "--out", "compared"]
     yield "solid", ["solid", "fit", "--gate", "1", "--out", "wall.vtu"]
