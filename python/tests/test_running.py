@@ -56,6 +56,7 @@ def test_ctrl_c_stops_within_a_fifth_of_a_second(work):
         import os, signal, threading, time
         import numpy as np
         import dynasurf as ds
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background ignores it
         study = ds.synthetic.make_phantom(ds.synthetic.VirtualPatient(gates=16)).study
         big = ds.Image(np.random.default_rng(1).random((40, 80, 80)), spacing=(1, 1, 1))
         points = ds.synthetic.make_cloud(shape="blobs", points=200000)

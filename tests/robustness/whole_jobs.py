@@ -25,6 +25,7 @@ PHANTOMS = ("hebron", "mayo", "partial", "spheres", "sphere", "gap", "cycle", "p
 COMPLAINTS = ("Sanitizer", "runtime error:", "== Invalid", "== Conditional jump", "== Use of uninitialised",
               "== Syscall param", "lost in loss record", "still reachable in loss")
 SANITIZERS = {
+    "LSAN_OPTIONS": f"suppressions={pathlib.Path(__file__).with_name('leaks.supp').resolve()}:print_suppressions=0",
     "ASAN_OPTIONS": "exitcode=99:detect_leaks=1:detect_stack_use_after_return=1:strict_string_checks=1",
     "UBSAN_OPTIONS": "halt_on_error=1:print_stacktrace=1:exitcode=99",
     "TSAN_OPTIONS": "exitcode=99:second_deadlock_stack=1",
@@ -76,7 +77,21 @@ def cloud_jobs():
     yield "rerun of a cloud", ["rerun", "levels", "--study", "scan/cloud.ply"]
 
 
+def cohort_jobs():
+    """Sanitizers take address space without bounds: the limit of a study is above it."""
+    yield "phantom patients", ["phantom", "patients", "--count", "2", "--seed", "5", "--small", "--out", "patients", *sets(
+        "gates=2", "lattice.nx=28", "lattice.ny=28", "lattice.nz=16")]
+    yield "batch", ["batch", "patients/patients.tsv", "--out", "cohort", "--memory-limit", "100T", "--time-limit", "0", "--",
+                    "--preset", "edges", *sets("mesh_level=1")]
+    yield "collect", ["collect", "cohort", "--out", "tables", "--compare", "cohort"]
+    yield "bids", ["bids", "dataset", "derivatives", "participant", "--memory-limit", "100T", "--", "--preset", "edges"]
+    yield "bids of the group", ["bids", "dataset", "derivatives", "group"]
+
+
 def other_jobs():
+    yield "phantom camera", ["phantom", "camera", "--out", "camera", *sets("heart.gates=2", "acquisition.views=16")]
+    yield "show of a study", ["show", "patient/study.dcm", "slice", "--out", "study.png"]
+    yield "show of a result", ["show", "classic", "cycle", "--out", "result.svg"]
     for kind in PHANTOMS:
         yield f"phantom {kind}", ["phantom", kind, "--out", f"phantom-{kind}"]
     yield "phantom organ", ["phantom", "organ", "--out", "organ-scan", *sets(
@@ -100,6 +115,9 @@ def write_inputs(folder):
     (folder / "points.xyz").write_text("\n".join(rows) + "\n")
     packed = folder / "patient" / "study.nii.gz"
     if packed.exists():
+        images = folder / "dataset" / "sub-01" / "nm"
+        images.mkdir(parents=True, exist_ok=True)
+        (images / "sub-01_nm.nii.gz").write_bytes(packed.read_bytes())
         volume = bytearray(gzip.decompress(packed.read_bytes()))
         nx, ny, nz = struct.unpack_from("<3h", volume, 42)
         struct.pack_into("<2h", volume, 40, 3, nx)
@@ -142,7 +160,7 @@ def main():
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="dynasurf-jobs-") as folder:
         jobs = Jobs(str(arguments.program.resolve()), shlex.split(arguments.wrapper), pathlib.Path(folder), arguments.limit)
-        for name, words in [*patient_jobs(), *cloud_jobs(), *other_jobs()]:
+        for name, words in [*patient_jobs(), *cloud_jobs(), *cohort_jobs(), *other_jobs()]:
             if arguments.only not in name and not name.startswith("phantom"):
                 continue
             jobs.run(name, words)
