@@ -1,8 +1,10 @@
 // The page of a result: reads the data written into it, builds the parts, and moves them with one clock.
 import { Wall } from "./cycle";
+import { Cursor, placeInHeart, placeOnMap, sampleNear, toWorld } from "./cursor";
 import { Curve } from "./curve";
-import { isCorrected, readReport, walls as wall_names, type Report, type Results } from "./data";
+import { isCorrected, readReport, toVoxels, walls as wall_names, type Report, type Results } from "./data";
 import { byId, colour, figure, html, svg } from "./dom";
+import { buildLayouts } from "./layouts";
 import { Painter, type Overlay } from "./painter";
 import { buildPaper } from "./paper";
 import { Player } from "./player";
@@ -96,13 +98,13 @@ function buildCurve(results: Results, walls: Wall[], player: Player): void {
   new Curve(place, results, walls, player);
 }
 
-function buildSlices(painter: Painter | null, fitted: boolean, player: Player, point: (segment: number) => void): Slices | null {
+function buildSlices(painter: Painter | null, cursor: Cursor | null, fitted: boolean, player: Player, point: (segment: number) => void): Slices | null {
   const place = byId("slices");
-  if (!painter) {
+  if (!painter || !cursor) {
     message(place, "No images", "The result holds no image data.");
     return null;
   }
-  const slices = new Slices(place, painter, point);
+  const slices = new Slices(place, painter, cursor, point);
   const bin = painter.pictures.bin;
   byId("slice-legend").replaceChildren(
     legendItem("endo border", colour.endo, "square"),
@@ -171,6 +173,8 @@ function buildHelp(): () => void {
     ["E", "all edges the detector found"],
     ["F", "whole field of view or the heart"],
     ["W", "triangles of the surfaces"],
+    ["1 to 6", "what is shown: everything, surfaces, slices, both, polar map, curve"],
+    ["X", "full screen"],
     ["Shift + arrows", "turn the surfaces"],
     ["?", "this list"],
   ];
@@ -179,7 +183,7 @@ function buildHelp(): () => void {
   dialog.replaceChildren(
     html("h2", { id: "keys-title" }, "Keys"),
     html("dl", {}, ...rows.flatMap(([key, what]) => [html("dt", {}, html("kbd", {}, key)), html("dd", {}, what)])),
-    html("p", {}, "Drag the surfaces to turn them, click in a slice to move the cuts along the heart, drag the cursor of the curve to a moment of the beat. Slice 1 is the apex. Letters on the slices are directions of the patient: left, right, anterior, posterior, superior, inferior."),
+    html("p", {}, "Drag the surfaces to turn them. Click on them, on the polar map or in a slice to move the cross that all of them mark: the three planes go through it. Drag the cursor of the curve to a moment of the beat. Slice 1 is the apex. Letters on the slices are directions of the patient: left, right, anterior, posterior, superior, inferior."),
     close,
   );
   const toggle = () => (dialog.open ? dialog.close() : dialog.showModal());
@@ -235,7 +239,7 @@ function buildTransport(results: Results): Player {
   return player;
 }
 
-function buildPolar(report: Report, scene: SurfaceScene | null, point: (segment: number) => void): PolarView | null {
+function buildPolar(report: Report, scene: SurfaceScene | null, player: Player, cursor: Cursor | null, point: (segment: number) => void): PolarView | null {
   const { polar, results } = report;
   if (!polar || !results.measures) {
     byId("polar-panel").remove();
@@ -250,7 +254,41 @@ function buildPolar(report: Report, scene: SurfaceScene | null, point: (segment:
         ? "Thickness between edges of a blurred image is apparent: mostly the camera’s."
         : "±: half of the 90 % interval. Numbers read from counts have none.";
   if (!scene) byId("polar-paint").closest("label")!.style.display = "none";
-  return new PolarView(polar, results.measures, point, (map) => scene?.paintMap(map));
+  const endo = () => ({ mesh: report.surfaces?.endo[player.gate], samples: polar.samples[player.gate] });
+  const go = (rho: number, deg: number) => {
+    const { mesh, samples } = endo();
+    const at = mesh && samples && placeInHeart(polar, samples, mesh, rho, deg);
+    if (at) cursor?.move(at);
+  };
+  return new PolarView(polar, results.measures, point, go, (map) => scene?.paintMap(map));
+}
+
+/** The cursor starts in the middle of the heart, in the slice with the widest border. */
+function cursorOf(painter: Painter): Cursor {
+  const { grid, pictures, middle } = painter;
+  const widest = pictures.labels[0]?.big_slice ?? -1;
+  return new Cursor(grid.dims, [...middle, widest >= 0 ? widest : Math.floor(grid.dims[2] / 2)]);
+}
+
+/** Lets the surfaces and the polar map mark the cursor of the slices, and move it. */
+function linkCursor(cursor: Cursor, report: Report, painter: Painter, player: Player, scene: SurfaceScene | null, view: PolarView | null): void {
+  const { grid } = painter;
+  scene?.followClicks((world) => cursor.move(toVoxels(grid, new Float32Array(world))));
+  cursor.listen((at) => scene?.markCursor(toWorld(grid, at)));
+  const { polar, surfaces } = report;
+  if (!view || !polar || !surfaces) return;
+  let marked = "";
+  const mark = () => {
+    const now = [...cursor.at, player.gate].join(" ");
+    if (now === marked) return;
+    marked = now;
+    const [mesh, samples] = [surfaces.endo[player.gate], polar.samples[player.gate]];
+    const near = mesh && samples && painter.segmentNear(cursor.at, player.gate) > 0;
+    const sample = near ? sampleNear(samples, mesh, grid, cursor.at) : -1;
+    view.markCursor(sample < 0 ? null : placeOnMap(polar, sample));
+  };
+  cursor.listen(mark);
+  player.listen(mark);
 }
 
 /** The moments of the beat that stand for it: relaxed and contracted, or the only one. */
@@ -320,14 +358,16 @@ async function start(): Promise<void> {
     lit = segment;
     for (const light of lights) light(segment);
   };
-  const view = buildPolar(report, scene, point);
+  const cursor = painter && cursorOf(painter);
+  const view = buildPolar(report, scene, player, cursor, point);
   if (view) scene?.followPointer(point);
   buildCurve(results, walls, player);
   const splash = buildSplash(painter, results, point);
-  const slices = buildSlices(painter, isCorrected(results), player, point);
+  const slices = buildSlices(painter, cursor, isCorrected(results), player, point);
+  if (cursor && painter) linkCursor(cursor, report, painter, player, scene, view);
   for (const part of [view, scene, splash, slices]) if (part) lights.push((segment) => part.light(segment));
 
-  const toggles = buildToggles(painter, slices, scene);
+  const toggles = { ...buildToggles(painter, slices, scene), ...buildLayouts() };
   buildKeys(player, slices, scene, toggles, buildHelp());
   // Two panels with nothing in them must not push the slices off the screen.
   document.querySelector("main")!.classList.toggle("bare", walls.length === 0);

@@ -326,10 +326,8 @@ export class Painter {
     context.lineWidth = width;
     context.setLineDash([4 * width, 4 * width]);
     context.beginPath();
-    if (plane.axis === 2) {
-      context.moveTo(at[0]!, -0.5);
-      context.lineTo(at[0]!, dims[1] - 0.5);
-    }
+    context.moveTo(at[plane.x]!, -0.5);
+    context.lineTo(at[plane.x]!, dims[plane.y]! - 0.5);
     context.moveTo(-0.5, at[plane.y]!);
     context.lineTo(dims[plane.x]! - 0.5, at[plane.y]!);
     context.stroke();

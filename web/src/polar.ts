@@ -110,12 +110,14 @@ export class PolarView {
   private outlines: SVGElement[] = [];
   private map: PolarMap;
   private lit = 0;
+  private readonly cross = svg("path", { class: "cross", d: "M-6 0H6M0 -6V6" });
 
-  /** `point` is told the number of the segment that is pointed at, 0: none. */
+  /** `point` is told the number of the segment that is pointed at, 0: none; `go` the place that is clicked on. */
   constructor(
     private readonly polar: Polar,
     private readonly measures: MeasureNumbers,
     private readonly point: (segment: number) => void,
+    private readonly go: (rho: number, deg: number) => void,
     private readonly painted: (map: PolarMap | null) => void,
   ) {
     this.map = polar.maps[0]!;
@@ -127,6 +129,10 @@ export class PolarView {
     });
     byId<HTMLInputElement>("polar-paint").addEventListener("change", () => this.paint());
     byId("polar").replaceChildren(this.picture, this.caption);
+    this.picture.addEventListener("click", (event) => {
+      const { x, y } = new DOMPoint(event.clientX, event.clientY).matrixTransform(this.picture.getScreenCTM()!.inverse());
+      if (Math.hypot(x, y) <= radius) this.go(Math.hypot(x, y) / radius, (Math.atan2(-y, x) * 180) / Math.PI);
+    });
     const table = segmentTable(measures);
     this.rows = [...table.tBodies[0]!.rows];
     this.rows.forEach((row, n) => {
@@ -148,6 +154,12 @@ export class PolarView {
     this.mark();
   }
 
+  /** Marks where the cursor is, null: away from the wall. */
+  markCursor(place: { rho: number; deg: number } | null): void {
+    this.cross.style.display = place ? "" : "none";
+    if (place) this.cross.setAttribute("transform", `translate(${point(place.rho, place.deg)})`);
+  }
+
   private mark(): void {
     this.rows.forEach((row, n) => row.toggleAttribute("aria-current", n + 1 === this.lit));
     this.outlines.forEach((path, n) => path.classList.toggle("lit", n + 1 === this.lit));
@@ -165,6 +177,7 @@ export class PolarView {
     this.outlines = drawPolar(this.picture, this.polar, this.map, this.titleOf(this.map));
     this.outlines.forEach((path, n) => path.addEventListener("pointerenter", () => this.point(n + 1)));
     this.picture.onpointerleave = () => this.point(0);
+    this.picture.append(this.cross);
     this.mark();
     this.paint();
   }

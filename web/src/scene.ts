@@ -23,6 +23,7 @@ import {
   Vector2,
   Vector3,
   WebGLRenderer,
+  type Intersection,
   type Material,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
@@ -56,6 +57,7 @@ export class SurfaceScene {
   private readonly bounds: Sphere;
   /** Turned so that its long axis points upwards in the scene. */
   private readonly heart = new Group();
+  private readonly cross: LineSegments;
   private waiting = false;
   private lit = 0;
   private map: PolarMap | null = null;
@@ -82,6 +84,8 @@ export class SurfaceScene {
     this.scene.add(this.heart);
     this.shown = walls.map((wall) => this.addWall(wall));
     this.bounds = boundsOf(walls, this.heart.quaternion);
+    this.cross = crossOf(grid);
+    this.heart.add(this.cross);
     this.addLights();
 
     this.controls = new OrbitControls(this.camera, canvas);
@@ -185,22 +189,43 @@ export class SurfaceScene {
     this.render();
   }
 
+  private hitBy(event: PointerEvent): Intersection | undefined {
+    const box = this.renderer.domElement.getBoundingClientRect();
+    const at = new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
+    const ray = new Raycaster();
+    ray.setFromCamera(at, this.camera);
+    return ray.intersectObjects(this.shown.filter((s) => s.group.visible).map((s) => s.group.children[0]!), false)[0];
+  }
+
   /** Tells `point` the segment under the pointer, 0 when it leaves the heart. */
   followPointer(point: (segment: number) => void): void {
     const canvas = this.renderer.domElement;
-    const ray = new Raycaster();
     canvas.addEventListener("pointermove", (event) => {
       if (event.buttons) return;
-      const box = canvas.getBoundingClientRect();
-      const at = new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
-      ray.setFromCamera(at, this.camera);
-      const targets = this.shown.filter((s) => s.group.visible).map((s) => s.group.children[0]!);
-      const hit = ray.intersectObjects(targets, false)[0];
+      const hit = this.hitBy(event);
       const shown = hit && this.shown.find((s) => s.group.children[0] === hit.object);
       const segments = shown && this.segmentsOf(shown.wall);
       point((hit?.face && segments?.[hit.face.a]) || 0);
     });
     canvas.addEventListener("pointerleave", () => point(0));
+  }
+
+  /** Tells `go` the place in the world (LPS, mm) on a surface that is clicked on. Dragging turns and is no click. */
+  followClicks(go: (world: [number, number, number]) => void): void {
+    const canvas = this.renderer.domElement;
+    let pressed: PointerEvent | null = null;
+    canvas.addEventListener("pointerdown", (event) => (pressed = event));
+    canvas.addEventListener("pointerup", (event) => {
+      if (!pressed || Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) > 4) return;
+      const hit = this.hitBy(event);
+      if (hit) go(this.heart.worldToLocal(hit.point.clone()).toArray());
+    });
+  }
+
+  /** Marks a place in the world (LPS, mm), seen through the surfaces. */
+  markCursor(world: [number, number, number]): void {
+    this.cross.position.set(...world);
+    this.render();
   }
 
   private segmentsOf(wall: Wall): Uint8Array | null {
@@ -383,6 +408,18 @@ function glass(material: MeshPhongMaterial): MeshPhongMaterial {
     );
   };
   return material;
+}
+
+/** Three short lines along the axes of the stack. */
+function crossOf({ direction }: Grid): LineSegments {
+  const arm_mm = 7;
+  const ends = [0, 1, 2].flatMap((axis) =>
+    [-arm_mm, arm_mm].flatMap((length) => [0, 1, 2].map((row) => length * direction[3 * row + axis]!)),
+  );
+  const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(ends), 3));
+  const lines = new LineSegments(geometry, new LineBasicMaterial({ color: 0xffffff, depthTest: false, transparent: true }));
+  lines.renderOrder = 5;
+  return lines;
 }
 
 function boundsOf(walls: Wall[], turn: Quaternion): Sphere {

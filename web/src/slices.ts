@@ -1,13 +1,12 @@
 // Every slice of the gate that the beat is at, with what was found on it: all short-axis slices as tiles, one of them
-// large, and two cuts along the heart.
+// large, and two cuts along the heart. All three planes go through the cursor.
+import type { Cursor, Voxel } from "./cursor";
 import { html } from "./dom";
 import { Painter, Plane } from "./painter";
 
 export class Slices {
-  slice: number;
   gate = 0;
   private lit = 0;
-  private readonly centre: [number, number];
   private readonly tiles: { button: HTMLButtonElement; canvas: HTMLCanvasElement }[] = [];
   private readonly sheet = html("div", { class: "tiles", role: "group", "aria-label": "All slices, apex first" });
   private readonly large = html("canvas", { class: "large", role: "img" });
@@ -20,12 +19,10 @@ export class Slices {
   constructor(
     place: HTMLElement,
     private readonly painter: Painter,
+    private readonly cursor: Cursor,
     private readonly point: (segment: number) => void,
   ) {
     const { dims } = painter.grid;
-    this.centre = painter.middle;
-    const labels = painter.pictures.labels[0];
-    this.slice = labels && labels.big_slice >= 0 ? labels.big_slice : Math.floor(dims[2] / 2);
     this.slider = html("input", { type: "range", min: 1, max: dims[2], step: 1, "aria-label": "Slice, 1 is the apex" });
     this.slider.addEventListener("input", () => this.choose(this.slider.valueAsNumber - 1));
     this.cuts = ([1, 0] as const).map((axis) => ({
@@ -34,11 +31,15 @@ export class Slices {
     }));
     this.build(place);
     new ResizeObserver(() => this.layOut()).observe(this.large);
+    cursor.listen(() => this.draw());
+  }
+
+  get slice(): number {
+    return this.cursor.at[2];
   }
 
   choose(slice: number): void {
-    this.slice = Math.min(Math.max(slice, 0), this.painter.grid.dims[2] - 1);
-    this.draw();
+    this.cursor.move([this.cursor.at[0], this.cursor.at[1], slice]);
   }
 
   private build(place: HTMLElement): void {
@@ -53,20 +54,20 @@ export class Slices {
     const canvases = [
       ...this.tiles.map(({ canvas }, k) => ({ canvas, plane: short, at: () => k })),
       { canvas: this.large, plane: short, at: () => this.slice },
-      ...this.cuts.map(({ canvas, plane }) => ({ canvas, plane, at: () => this.cutAt(plane) })),
+      ...this.cuts.map(({ canvas, plane }) => ({ canvas, plane, at: () => this.cursor.at[plane.axis] })),
     ];
     for (const { canvas, plane, at } of canvases) {
-      canvas.addEventListener("pointermove", (event) => this.pointAt(canvas, plane, at(), event));
+      canvas.addEventListener("pointermove", (event) => this.point(this.painter.segmentNear(this.voxelAt(canvas, plane, at(), event), this.gate)));
       canvas.addEventListener("pointerleave", () => this.point(0));
     }
-    this.large.addEventListener("pointerdown", (event) => {
-      const at = this.painter.voxelAt(new Plane(2), this.large, event);
-      this.centre[0] = at[0];
-      this.centre[1] = at[1];
-      this.draw();
-    });
-    for (const { plane, canvas } of this.cuts)
-      canvas.addEventListener("pointerdown", (event) => this.choose(this.painter.voxelAt(plane, canvas, event)[1]));
+    for (const { canvas, plane, at } of canvases.slice(this.tiles.length)) {
+      const follow = (event: PointerEvent) => this.cursor.move(this.voxelAt(canvas, plane, at(), event));
+      canvas.addEventListener("pointerdown", (event) => {
+        canvas.setPointerCapture(event.pointerId);
+        follow(event);
+      });
+      canvas.addEventListener("pointermove", (event) => event.buttons & 1 && follow(event));
+    }
     this.long.append(...this.cuts.map(({ canvas }) => canvas));
     place.replaceChildren(
       html("div", { class: "short" }, this.large, html("div", { class: "under" }, this.slider, this.caption)),
@@ -75,17 +76,13 @@ export class Slices {
     );
   }
 
-  private cutAt(plane: Plane): number {
-    return this.centre[plane.axis === 1 ? 1 : 0];
-  }
-
-  private pointAt(canvas: HTMLCanvasElement, plane: Plane, at: number, event: PointerEvent): void {
+  private voxelAt(canvas: HTMLCanvasElement, plane: Plane, at: number, event: PointerEvent): Voxel {
     const [x, y] = this.painter.voxelAt(plane, canvas, event);
-    const voxel: [number, number, number] = [0, 0, 0];
+    const voxel: Voxel = [0, 0, 0];
     voxel[plane.axis] = at;
     voxel[plane.x] = x;
     voxel[plane.y] = y;
-    this.point(this.painter.segmentNear(voxel, this.gate));
+    return voxel;
   }
 
   /** Lights a segment, 0: none. */
@@ -130,7 +127,7 @@ export class Slices {
       segment: this.lit,
       width: rich ? 1.8 : 1.1,
       letters: rich,
-      cross: rich ? [...this.centre, this.slice] : null,
+      cross: rich ? this.cursor.at : null,
     });
   }
 
@@ -151,8 +148,10 @@ export class Slices {
     this.paint(this.large, short, this.slice, true);
     this.large.setAttribute("aria-label", `Short-axis slice ${this.slice + 1}, gate ${this.gate + 1}`);
     for (const { plane, canvas } of this.cuts) {
-      this.paint(canvas, plane, this.cutAt(plane), true);
-      canvas.setAttribute("aria-label", `Cut along the heart, gate ${this.gate + 1}, slice ${this.slice + 1} marked`);
+      const at = this.cursor.at[plane.axis];
+      this.paint(canvas, plane, at, true);
+      const name = plane.axis === 1 ? `row ${at + 1}` : `column ${at + 1}`;
+      canvas.setAttribute("aria-label", `Cut along the heart through ${name}, gate ${this.gate + 1}, slice ${this.slice + 1} marked`);
     }
     this.slider.value = String(this.slice + 1);
     const count = this.painter.grid.dims[2];

@@ -94,6 +94,64 @@ const tests = {
     assert.equal(await page.locator(".tile").count(), 23);
   },
 
+  async "marks one place in three planes, on the surfaces and on the polar map"(open) {
+    const page = await open("ok");
+    // All of it in one view: scrolling would move the pointer to another place.
+    await page.setViewportSize({ width: 1400, height: 3200 });
+    await pause(page);
+    const shot = () => page.locator("#scene canvas").screenshot();
+    const marked = async () => {
+      const at = await page.locator(".polar .cross").getAttribute("transform");
+      return at.match(/-?[\d.]+/g).map(Number);
+    };
+    const click = async (selector, x, y) => {
+      const box = await page.locator(selector).first().boundingBox();
+      await page.mouse.click(box.x + box.width * x, box.y + box.height * y);
+    };
+    const [plain, cut] = [await shot(), await picture(page, ".cut")];
+    await click(".large", 0.7, 0.5);
+    assert.notEqual(await picture(page, ".cut"), cut, "the cut along the heart did not move");
+    await until(async () => !plain.equals(await shot()), "the surfaces mark nothing");
+    await click(".cut", 0.5, 0.5);
+    assert.match(await text(page, ".caption"), /^Slice 1[12] of 23/, "a cut chooses the slice");
+    // The map has its middle at 122 of 276 units across and half of its height, and a radius of 100.
+    const box = await page.locator(".polar").boundingBox();
+    const unit = Math.min(box.width / 276, box.height / 244);
+    const middle = [box.x + box.width / 2 - 16 * unit, box.y + box.height / 2];
+    const large = await picture(page, ".large");
+    for (const [x, y] of [[-60, 0], [0, -80], [50, 50]]) {
+      await page.mouse.click(middle[0] + x * unit, middle[1] + y * unit);
+      const [mx, my] = await marked();
+      assert.ok(Math.hypot(mx - x, my - y) < 25, `clicked at ${x} ${y}, marked at ${mx} ${my}`);
+    }
+    assert.notEqual(await picture(page, ".large"), large, "the polar map does not move the planes");
+    const before = await marked();
+    await click("#scene canvas", 0.45, 0.6);
+    await until(async () => String(await marked()) !== String(before), "a click on the surfaces does not move the mark");
+  },
+
+  async "shows the panels of each layout, and everything again"(open) {
+    const page = await open("ok");
+    await pause(page);
+    const shown = async () =>
+      (await page.locator("main > .panel:visible").evaluateAll((panels) => panels.map((p) => p.querySelector("h2").id.replace("-title", "")))).join(" ");
+    const all = await shown();
+    for (const [key, panels] of [["2", "scene"], ["3", "slices"], ["4", "scene slices"], ["5", "scene polar segments"], ["6", "curve gates"]]) {
+      await page.keyboard.press(key);
+      assert.equal(await shown(), panels);
+      assert.equal(await page.locator("#layout").inputValue(), key);
+      assert.ok(await page.locator("#play").isVisible());
+    }
+    for (const layout of ["2", "3", "4", "5", "6"])
+      for (const [width, height] of [[1920, 1080], [1280, 720], [390, 800]]) {
+        await page.setViewportSize({ width, height });
+        await page.selectOption("#layout", layout);
+        assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `layout ${layout} is too wide at ${width}`);
+      }
+    await page.selectOption("#layout", "1");
+    assert.equal(await shown(), all);
+  },
+
   async "fits all slices on one screen"(open) {
     const page = await open("ok");
     for (const [width, height] of [[1920, 1080], [1400, 1000], [1000, 1100]]) {
