@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,11 @@ struct Picture {
 
 /// A PNG file as bytes, 8 bits per colour. Throws InputError for a picture without pixels, IoError.
 std::string encode_png(const Picture& picture);
+
+/// An animated PNG that repeats: each picture stands for `milliseconds`. What knows no animations shows the first one.
+/// Throws InputError unless there are pictures, all of one size, OptionError for a time of less than 1 or more than
+/// 60000 ms, IoError.
+std::string encode_animation(std::span<const Picture> pictures, int milliseconds);
 
 /// PNG, 8 bits per colour. The same picture gives the same bytes. The file appears whole or not at all.
 /// Throws InputError for a picture without pixels, IoError.
