@@ -10,7 +10,7 @@
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/report/detail/sheets.hpp"
+#include "dynasurf/show/detail/sheets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "borders_matrix.hpp"
@@ -60,7 +60,7 @@ std::string table_of_borders(const ventricle::BorderResult& result) {
 std::string words_of(const nlohmann::ordered_json& options) {
   std::string text;
   for (const auto& [key, value] : options.items()) {
-    if (!text.empty()) text += "  ";
+    if (!text.empty()) text += ", ";
     if (key == "method")
       text += value.get<std::string>();
     else
@@ -74,7 +74,7 @@ std::string words_of(const nlohmann::ordered_json& options) {
 
 std::string title_of(const std::string& subject, const ventricle::Options& options, Drawing what) {
   const auto json = io::parse_json(io::options_to_text(options), "the options");
-  return subject + ":  " + words_of(what == Drawing::edges ? json.at("edges") : json.at("labels").at("method"));
+  return subject + ": " + words_of(what == Drawing::edges ? json.at("edges") : json.at("labels").at("method"));
 }
 
 void write_sheets(const ventricle::BorderResult& result, Drawing what, const fs::path& folder,
@@ -85,14 +85,15 @@ void write_sheets(const ventricle::BorderResult& result, Drawing what, const fs:
     const Image& image = result.study.gates[g];
     const std::string prefix = (folder / ((g < 9 ? "g0" : "g") + std::to_string(g + 1))).string();
     const std::string subject = "gate " + std::to_string(g + 1) + " of " + std::to_string(result.gates.size());
-    io::write_png(report::draw_edges(image, gate.edges, title_of(subject, options, Drawing::edges)),
-                  prefix + "_edges.png");
+    const auto write = [&](const show::Canvas& sheet, const char* kind) {
+      show::write_drawing(sheet, prefix + "_" + kind + ".png", show::DrawingFormat::png);
+    };
+    write(show::draw_edges(image, gate.edges, title_of(subject, options, Drawing::edges)), "edges");
     if (what == Drawing::edges) continue;
-    io::write_png(report::draw_labels(image, gate, result.coarse, title_of(subject, options, Drawing::borders)),
-                  prefix + "_labels.png");
-    io::write_png(report::draw_rings(image, gate, asked ? *asked : ventricle::RadialLabels{},
-                                     subject + ":  edge pixels by distance"),
-                  prefix + "_rings.png");
+    write(show::draw_labels(image, gate, result.coarse, title_of(subject, options, Drawing::borders)), "labels");
+    write(show::draw_rings(image, gate, asked ? *asked : ventricle::RadialLabels{},
+                           subject + ": edge voxels by distance"),
+          "rings");
   }
 }
 

@@ -4,7 +4,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/report/detail/sheets.hpp"
+#include "dynasurf/show/detail/sheets.hpp"
 
 namespace dynasurf::app {
 namespace {
@@ -50,7 +50,7 @@ void write_matrix(const BordersArguments& arguments, Drawing what, const Image* 
   const std::vector<std::string> across = values_of(arguments.vary[0]), down = arguments.vary.size() > 1
                                                                                    ? values_of(arguments.vary[1])
                                                                                    : std::vector<std::string>{""};
-  std::vector<std::vector<report::MatrixCell>> rows;
+  std::vector<std::vector<show::MatrixCell>> rows;
   int done = 0;
   for (const std::string& row : down) {
     rows.emplace_back();
@@ -71,13 +71,13 @@ void write_matrix(const BordersArguments& arguments, Drawing what, const Image* 
   if (slice >= first.study.grid().dims[2])
     throw OptionError("--slice " + std::to_string(slice + 1) + ": the stack has " +
                       std::to_string(first.study.grid().dims[2]));
-  std::string title = "gate " + std::to_string(arguments.gate) + "  slice " + std::to_string(slice + 1) + ":  " +
+  std::string title = "gate " + std::to_string(arguments.gate) + ", slice " + std::to_string(slice + 1) + ": " +
                       arguments.vary[0].substr(0, arguments.vary[0].find('='));
-  if (arguments.vary.size() > 1) title += "  by  " + arguments.vary[1].substr(0, arguments.vary[1].find('='));
-  io::write_png(
-      report::draw_matrix(rows, slice,
-                          what == Drawing::edges ? report::MatrixDrawing::edges : report::MatrixDrawing::labels, title),
-      folder / "matrix.png");
+  if (arguments.vary.size() > 1) title += " by " + arguments.vary[1].substr(0, arguments.vary[1].find('='));
+  show::write_drawing(
+      show::draw_matrix(rows, slice, what == Drawing::edges ? show::MatrixDrawing::edges : show::MatrixDrawing::labels,
+                        title),
+      folder / "matrix.png", show::DrawingFormat::png);
 }
 
 }  // namespace dynasurf::app

@@ -15,12 +15,12 @@
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/report/detail/sheets.hpp"
 
 #include "command.hpp"
 #include "console.hpp"
 #include "option_arguments.hpp"
 #include "out_argument.hpp"
+#include "section_sheet.hpp"
 #include "version.hpp"
 
 namespace dynasurf::app {
@@ -94,9 +94,8 @@ ExitCode run(const Arguments& a, std::stop_token stop) {
     for (const io::MeshFormat format : {io::MeshFormat::ply, io::MeshFormat::stl, io::MeshFormat::vtp})
       io::write_mesh(result.surface->mesh, folder.path() / ("organ." + std::string(word_of(format))), format);
   if (result.surface)
-    io::write_png(report::draw_sections(study.gates[static_cast<std::size_t>(a.gate - 1)], result.surface->mesh,
-                                        "organ:  " + fixed(result.surface->volume_ml, 1) + " mL"),
-                  folder.path() / "slices.png");
+    write_section_sheet(study.gates[static_cast<std::size_t>(a.gate - 1)], result.surface->mesh,
+                        "Organ: " + fixed(result.surface->volume_ml, 1) + " mL", folder.path() / "slices.png");
   folder.publish();
   if (!a.quiet) {
     std::string text;

@@ -9,6 +9,7 @@
 
 #include "command.hpp"
 #include "console.hpp"
+#include "lod_levels.hpp"
 #include "option_arguments.hpp"
 #include "out_argument.hpp"
 #include "result_job.hpp"
@@ -31,10 +32,18 @@ ExitCode run(Arguments& a, const std::stop_token& stop) {
   a.request.input = a.input;
   a.request.wall = a.wall == "endo" ? ventricle::Border::endo : ventricle::Border::epi;
   a.request.options = options_of(a.options);
+  const bool is_film = show::is_film(a.request.what);
+  if (is_film && format != show::DrawingFormat::png)
+    throw OptionError("--out " + a.out.path + ": expected a name that ends with .png for " + a.request.what);
+  if (a.request.what == "instances" && std::filesystem::is_directory(a.input))
+    for (NamedLevel& level : levels_of({a.input}, false)) a.request.levels.push_back(std::move(level.mesh));
   const ThreadLimit limit(a.threads);
   io::OutputFile output(a.out.path, a.out.existing());
   run_with_progress(a.quiet, stop, [&](const Progress& progress) {
-    show::write_drawing(show::draw_picture(a.request, progress), output.path(), format);
+    if (is_film)
+      show::write_film(show::draw_film(a.request, progress), output.path());
+    else
+      show::write_drawing(show::draw_picture(a.request, progress), output.path(), format);
   });
   output.publish();
   if (!a.quiet) print("picture: " + a.out.path + "\n" + line_of_moved(output));
@@ -50,7 +59,7 @@ void add_show(CLI::App& program, Command& chosen) {
   std::string words;
   for (const show::PictureKind& kind : show::picture_kinds())
     words += (words.empty() ? "" : "; ") + std::string(kind.name) + ": " + std::string(kind.says);
-  command->add_option("INPUT", a->input, "study, folder written by dynasurf ventricle, or mesh")->required();
+  command->add_option("INPUT", a->input, "study, folder written by dynasurf ventricle or cloud, or mesh")->required();
   command->add_option("WHAT", a->request.what, words)->required();
   add_out_file(*command, a->out, "picture.png or picture.svg")->required();
   command->add_option("--gate", a->request.gate, "from 1")->check(CLI::Range(1, 1000));
@@ -59,7 +68,8 @@ void add_show(CLI::App& program, Command& chosen) {
       ->check(CLI::Range(0, 10000));
   command->add_option("--row", a->request.row, "of the profile, from 1; 0: through the middle of the border")
       ->check(CLI::Range(0, 10000));
-  command->add_option("--steps", a->request.steps, "of the evolution: steps,... (eight of them)")->delimiter(',');
+  command->add_option("--steps", a->request.steps, "of the evolution: steps,... (eight of them, 32 in its film)")
+      ->delimiter(',');
   add_series_argument(*command, a->request.series);
   add_option_arguments(*command, a->options);
   command->add_option("--threads", a->threads, "threads at most; the picture is the same (0: all)")

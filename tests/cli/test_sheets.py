@@ -1,7 +1,9 @@
 """`dynasurf edges` and `dynasurf borders`: pictures of all slices of every gate."""
 
 import json
+import re
 import struct
+import zlib
 import unittest
 
 from cli import CliTest, hashes, run, shared_folder, small_patient
@@ -11,6 +13,34 @@ def size_of_png(path):
     head = path.read_bytes()[:24]
     assert head[:8] == b"\x89PNG\r\n\x1a\n" and head[12:16] == b"IHDR", path
     return struct.unpack(">II", head[16:24])
+
+
+def decoded(path):
+    """The rows of an 8-bit RGB PNG as lists of (red, green, blue), by the PNG specification."""
+    data, at, packed = path.read_bytes(), 8, b""
+    width, height = size_of_png(path)
+    while at < len(data):
+        length, name = struct.unpack(">I4s", data[at:at + 8])
+        if name == b"IDAT":
+            packed += data[at + 8:at + 8 + length]
+        at += 12 + length
+    raw, stride, before, rows = zlib.decompress(packed), 3 * width, bytearray(3 * width), []
+    for y in range(height):
+        kind, line = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
+        for x in range(stride):
+            a, b, c = line[x - 3] if x >= 3 else 0, before[x], before[x - 3] if x >= 3 else 0
+            if kind == 1:
+                line[x] = (line[x] + a) & 255
+            elif kind == 2:
+                line[x] = (line[x] + b) & 255
+            elif kind == 3:
+                line[x] = (line[x] + (a + b) // 2) & 255
+            elif kind == 4:
+                p = a + b - c
+                line[x] = (line[x] + min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]) & 255
+        rows.append(list(zip(line[0::3], line[1::3], line[2::3])))
+        before = line
+    return rows
 
 
 class Sheets(CliTest):
@@ -24,10 +54,18 @@ class Sheets(CliTest):
         folder, text = self.sheets("edges", "edges")
         names = {path.name for path in folder.iterdir()}
         self.assertEqual(names, {f"g0{g}_edges.png" for g in range(1, 5)} | {"manifest.txt", "options.json"})
-        width, height = size_of_png(folder / "g01_edges.png")
-        self.assertGreater(width, 500)
-        self.assertGreater(height, 500)
         self.assertIn("edge pixels", text)
+
+    def test_a_sheet_shows_as_many_edge_pixels_as_the_table_tells(self):
+        """Yellow and orange squares on all sheets against the counts that are printed; a voxel is whole pixels wide."""
+        folder, text = self.sheets("edges", "counted", "--set", "edges=canny")
+        counts = [int(row.split()[1]) for row in text.splitlines() if re.match(r" *\d+ +\d+ +\d+$", row)]
+        self.assertEqual(len(counts), 4, text)
+        pixels = decoded(folder / "g01_edges.png")
+        head = 110  # two pixels a point: title and legend end 55 points below the top
+        shown = sum(row.count((240, 228, 66)) + row.count((230, 159, 0)) for row in pixels[head:])
+        side = max(s for s in range(1, 40) if shown % (s * s) == 0 and shown // (s * s) == counts[0]) if counts[0] else 1
+        self.assertGreaterEqual(side, 2)
 
     def test_borders_draws_edges_labels_and_rings(self):
         folder, text = self.sheets("borders", "borders")

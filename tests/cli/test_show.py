@@ -47,8 +47,24 @@ class Show(CliTest):
     def test_and_the_same_from_its_result(self):
         for what in [*GATE, *SURFACE, *BEAT]:
             drawn = self.draw(staged_result(), what, "--gate", 2)
-            if what not in ("evolution", "scatter"):  # meshes that went through the world and back are rounded
+            if what not in ("evolution", "scatter", "smooth"):  # meshes that went through the world and back are rounded
                 self.assertEqual(drawn.read_bytes() == from_study(what).read_bytes(), True, what)
+
+    def test_films_are_animated_pictures(self):
+        for what, least in (("evolution-film", 25), ("beat-film", 40)):
+            data = self.draw(staged_result(), what, "--gate", 2).read_bytes()
+            self.assertEqual(data.count(b"acTL"), 1, what)
+            self.assertGreaterEqual(data.count(b"fcTL"), least, what)
+            self.refuses(1, "show", staged_result(), what, "--out", self.folder / "no.svg", says=[".png"])
+
+    def test_a_cloud_is_shown_200_times(self):
+        folder = self.folder / "cloud"
+        run("phantom", "cloud", "--out", self.folder / "scan", "--set", "points=4000", "--quiet")
+        made = run("cloud", self.folder / "scan" / "cloud.ply", "--out", folder, "--triangles", "1280,320", "--quiet")
+        self.assertIn(made.returncode, (0, 3), made.stderr)
+        text = self.draw(folder, "instances", ending="svg").read_text()
+        self.assertGreater(text.count("<path"), 200 * 100)  # half of 320 triangles at least, 200 times
+        self.refuses(2, "show", staged_result(), "instances", "--out", self.folder / "no.png", says=["dynasurf.cloud/1"])
 
     def test_a_result_without_stages_says_what_it_lacks(self):
         folder = shared_folder() / "bare"

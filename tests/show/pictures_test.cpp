@@ -137,6 +137,24 @@ TEST(SliceView, MarksWhereVectorsMeet) {
   EXPECT_TRUE(is_near(picture(static_cast<int>(column) - 17, static_cast<int>(row) - 5), {0, 0, 0}, 3));
 }
 
+TEST(SliceView, DrawsTheWaysOfParticles) {
+  const Grid g = cube_of(20);
+  const Image image(g);
+  const field::VectorField field = towards(g, 6.5);
+  SliceView view{&image, &field, 3, 9, 4, nullptr, "", {}, {{{2, 4}, {15, 4}}, {{10, 12}, {10, 17}}}};
+  const io::Picture picture = draw_slice_view(view).pixels();
+  // 20 voxels in 340 points from (34, 428).
+  const auto at = [](double i, double j) { return Vec2(34 + (i + 0.5) * 17, 428 + (j + 0.5) * 17); };
+  const Vec2 from = at(2, 4), to = at(15, 4), end = at(10, 17);
+  const Spot way = spot_of(picture, ink_of::light, Panel{34, 428, 340, 120}, 60);
+  EXPECT_NEAR(way.left, from[0], 2);
+  EXPECT_NEAR(way.right, to[0], 4);  // the dot at its end hides the rest
+  EXPECT_NEAR(way.y + 0.5, from[1], 1);
+  const Spot rest = spot_of(picture, ink_of::epi, Panel{end[0] - 5, end[1] - 5, 10, 10}, 30);
+  EXPECT_GT(rest.count, 5);
+  EXPECT_NEAR(rest.x + 0.5, end[0], 1);
+}
+
 TEST(SliceView, RefusesASliceThatIsNotThere) {
   const Grid g = cube_of(5);
   Image image(g, 1.f);
@@ -242,6 +260,101 @@ TEST(Evolution, ParticlesThatStoppedAreRed) {
   EXPECT_LT(red.y, blue.y - 40);
 }
 
+TEST(Film, OfTheEvolutionKeepsItsScale) {
+  std::vector<EvolutionFrame> frames;
+  for (const double radius : {20.0, 10.0})
+    frames.push_back({static_cast<int>(radius), ball(radius), std::vector<bool>(2562)});
+  frames[1].stopped.assign(2562, true);
+  const Film film = film_of_evolution(frames, Image(cube_of(5)), "");
+  ASSERT_EQ(film.frames.size(), 12u) << "the last frame stays for ten more";
+  const Panel below{24, 70, 512, 470};
+  const Spot first = spot_of(film.frames[0].pixels(), ink_of::endo, below, 40);
+  const Spot last = spot_of(film.frames[1].pixels(), ink_of::epi, below, 40);
+  EXPECT_NEAR(first.width() / last.width(), 2, 0.05);
+  EXPECT_NEAR(first.x, last.x, 2) << "and its place";
+  EXPECT_NEAR(first.y, last.y, 6);
+  EXPECT_EQ(spot_of(film.frames[11].pixels(), ink_of::epi, below, 40).count, last.count);
+}
+
+TEST(Film, OfABeatGoesThroughItsGates) {
+  // Two gates, 30 and 20 mm: the first picture shows the large one, the 21st the small one.
+  const std::vector<std::vector<TriMesh>> walls{{ball(20), ball(30)}};
+  const io::Colour colours[] = {{255, 0, 255}};
+  const Film film = film_of_beat(walls, colours, 1000, "");
+  ASSERT_EQ(film.frames.size(), 40u);
+  const auto width = [&](std::size_t n) {
+    int least = 1000, most = 0;
+    const io::Picture picture = film.frames[n].pixels();
+    for (int y = 80; y < 540; ++y)
+      for (int x = 24; x < 536; ++x)
+        if (picture(x, y)[1] < 40 && picture(x, y)[0] > 80) least = std::min(least, x), most = std::max(most, x);
+    return most - least;
+  };
+  EXPECT_NEAR(width(20) / double(width(0)), 1.5, 0.03);
+  EXPECT_GT(width(10), width(0) + 5);
+  EXPECT_THROW(film_of_beat({}, {}, 0, ""), InputError);
+}
+
+TEST(Scene3d, SmoothSurfacesHaveNoEdges) {
+  // A coarse ball: flat faces are few colours in large areas, smooth ones run into each other.
+  TriMesh coarse = mesh::icosphere(1);
+  for (Vec3& p : coarse.vertices) p *= 25;
+  const auto colours_of = [&](Scene3d::Look look) {
+    Scene3d scene;
+    scene.add(coarse, {200, 100, 50}, 1, look);
+    Canvas canvas(200, 200);
+    scene.draw(canvas, {0, 0, 200, 200}, {}, 0.3);
+    const io::Picture picture = canvas.pixels();
+    int steps = 0;  // neighbours that differ by much
+    for (int y = 40; y < 160; ++y)
+      for (int x = 41; x < 160; ++x) {
+        const double r = std::hypot(x - 100, y - 100);
+        if (r < 55) steps += std::abs(picture(x, y)[0] - picture(x - 1, y)[0]) > 6;
+      }
+    return steps;
+  };
+  EXPECT_GT(colours_of(Scene3d::Look::shaded), 200);
+  EXPECT_LT(colours_of(Scene3d::Look::smooth), 20);
+}
+
+TEST(Instances, FarOnesAreCoarser) {
+  std::vector<TriMesh> levels;
+  for (const int level : {4, 3, 2, 1}) levels.push_back(mesh::icosphere(level));
+  const io::Picture picture = draw_instances(levels, "").pixels();
+  // The nearest row is below, the farthest above: the coarsest level has the brightest colour.
+  const auto brightness = [&](double from, double to) {
+    double sum = 0;
+    int count = 0;
+    for (int y = int(from); y < int(to); ++y)
+      for (int x = 300; x < 1000; ++x) {
+        const io::Colour& c = picture(x, y);
+        if (c[0] > 245 && c[1] > 245 && c[2] > 245) continue;
+        sum += c[0], ++count;  // red: from 59 in the finest to 200 and more in the coarsest
+      }
+    return count > 0 ? sum / count : 0;
+  };
+  EXPECT_GT(brightness(180, 215), brightness(560, 700) + 40);
+  EXPECT_THROW(draw_instances({}, ""), InputError);
+}
+
+TEST(Contours, ShowWhatResamplingDoes) {
+  Image image(cube_of(40), 0.2f);
+  ContourView view;
+  view.image = &image;
+  view.slice = 20;
+  view.start = circle_contour({20, 20}, 15, 2);
+  view.found = circle_contour({20, 20}, 10, 2);
+  view.unsampled = circle_contour({20, 20}, 10, 8);
+  view.resampled = view.found;
+  const io::Picture picture = draw_contours(view).pixels();
+  // In the middle panel: 8 points of the one, 31 of the other, on one circle.
+  const Panel middle{554, 72, 450, 500};
+  const Spot few = spot_of(picture, ink_of::light, middle, 40), many = spot_of(picture, ink_of::epi, middle, 40);
+  EXPECT_GT(few.count, 8 * 20);
+  EXPECT_GT(many.count, 31 * 8);
+  EXPECT_NEAR(few.width(), many.width(), 6);
+}
+
 TEST(Contours, AreDrawnOverTheirPixels) {
   Image image(cube_of(40), 0.2f);
   ContourView view;
@@ -253,14 +366,14 @@ TEST(Contours, AreDrawnOverTheirPixels) {
   for (std::size_t k = 10; k < 30; ++k) stack[k] = view.found;
   view.stacks = {{ink_of::pink, stack}};
   const io::Picture picture = draw_contours(view).pixels();
-  // The window holds 15 pixels about (20, 20) and 5 more; 510 points are its height.
-  const Spot start = spot_of(picture, ink_of::light, Panel{24, 62, 560, 510}, 40);
-  const Spot found = spot_of(picture, ink_of::epi, Panel{24, 62, 560, 510}, 40);
+  // The window holds 15 pixels about (20, 20) and 5 more; 500 points are its height.
+  const Spot start = spot_of(picture, ink_of::light, Panel{24, 72, 500, 500}, 40);
+  const Spot found = spot_of(picture, ink_of::epi, Panel{24, 72, 500, 500}, 40);
   EXPECT_NEAR(start.width() / found.width(), 1.5, 0.05);
   EXPECT_NEAR(start.x, found.x, 2);
   EXPECT_NEAR(start.y, found.y, 2);
   // 20 mm across and 19 mm high, seen from the side.
-  const Spot tube = spot_of(picture, ink_of::pink, Panel{610, 62, 530, 510}, 30);
+  const Spot tube = spot_of(picture, ink_of::pink, Panel{560, 72, 490, 500}, 30);
   EXPECT_GT(tube.height(), 200);
   EXPECT_NEAR(tube.width() / tube.height(), 20 / (19 * std::cos(0.349) + 20 * std::sin(0.349)), 0.06);
 }

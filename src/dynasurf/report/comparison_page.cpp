@@ -76,7 +76,10 @@ std::string slices(const ComparedStudy& rest, const ComparedStudy& stress) {
     html += std::string("<figure><figcaption>") + name + "</figcaption><img alt=\"Slices of the " + name +
             " study\" src=\"data:image/png;base64," + base64(study->splash_png) + "\"></figure>\n";
   }
-  return html.empty() ? html : "<h2>Slices from apex to base, inner wall blue, outer wall orange</h2>\n" + html;
+  return html.empty() ? html
+                      : "<h2>Slices from apex to base, inner wall blue, outer wall orange; end diastole above, end "
+                        "systole below</h2>\n" +
+                            html;
 }
 
 /// The value at a path of keys; null where any of them is absent.

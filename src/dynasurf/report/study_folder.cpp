@@ -8,7 +8,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
-#include "dynasurf/report/detail/sheets.hpp"
+#include "dynasurf/report/detail/splash.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/report.hpp"
 
@@ -71,12 +71,11 @@ void write_splash(const ventricle::Result& result, const fs::path& folder) {
   const int ed = result.leading.ed_gate.value_or(0);
   const int es = result.leading.es_gate.value_or(ed);
   std::vector<SplashRow> rows;
-  for (const auto& [name, gate] : {std::pair("end diastole", ed), std::pair("end systole", es)}) {
+  for (const int gate : {ed, es}) {
     if (!rows.empty() && es == ed) break;
     const auto g = static_cast<std::size_t>(gate);
     const auto& [endo, epi, base] = result.gates[g].surfaces;
-    if (endo || epi)
-      rows.push_back({name, &result.study.gates[g], endo ? &endo->mesh : nullptr, epi ? &epi->mesh : nullptr});
+    if (endo || epi) rows.push_back({&result.study.gates[g], endo ? &endo->mesh : nullptr, epi ? &epi->mesh : nullptr});
   }
   if (!rows.empty()) io::write_png(draw_splash(rows), folder / "measures" / "splash.png");
 }

@@ -50,10 +50,10 @@ struct Canvas::State {
 };
 
 Canvas::Canvas(double width, double height) : state_(std::make_unique<State>()), width_(width), height_(height) {
-  constexpr double most = 20000;
+  constexpr double most = 32000;
   if (!(width > 0 && width <= most && height > 0 && height <= most))
     throw InputError("a drawing of " + std::to_string(width) + " x " + std::to_string(height) +
-                     " points; expected sides above 0 and up to 20000");
+                     " points; expected sides above 0 and up to 32000");
   const cairo_rectangle_t extent{0, 0, width, height};
   state_->surface.reset(cairo_recording_surface_create(CAIRO_CONTENT_COLOR_ALPHA, &extent));
   state_->context.reset(cairo_create(state_->surface.get()));
@@ -81,6 +81,28 @@ void Canvas::polygon(std::span<const Vec2> points, const io::Colour& fill, doubl
   cairo_close_path(c);
   ink(c, fill, opacity);
   cairo_fill(c);
+}
+
+void Canvas::shade(std::span<const Shaded> triangles) {
+  if (triangles.empty()) return;
+  struct Destroy {
+    void operator()(cairo_pattern_t* p) const { cairo_pattern_destroy(p); }
+  };
+  const std::unique_ptr<cairo_pattern_t, Destroy> pattern(cairo_pattern_create_mesh());
+  cairo_pattern_t* p = pattern.get();
+  for (const auto& [corners, colours] : triangles) {
+    cairo_mesh_pattern_begin_patch(p);
+    cairo_mesh_pattern_move_to(p, corners[0][0], corners[0][1]);
+    for (const std::size_t n : {1u, 2u}) cairo_mesh_pattern_line_to(p, corners[n][0], corners[n][1]);
+    for (unsigned n = 0; n < 3; ++n)
+      cairo_mesh_pattern_set_corner_color_rgb(p, n, colours[n][0] / 255.0, colours[n][1] / 255.0,
+                                              colours[n][2] / 255.0);
+    cairo_mesh_pattern_end_patch(p);
+  }
+  check(cairo_pattern_status(p));
+  cairo_set_source(state_->context.get(), p);
+  cairo_paint(state_->context.get());
+  check(cairo_status(state_->context.get()));
 }
 
 void Canvas::rectangle(const Panel& b, const io::Colour& fill, double opacity) {
@@ -219,9 +241,15 @@ DrawingFormat drawing_format_of(const std::filesystem::path& path) {
 
 void write_drawing(const Canvas& canvas, const std::filesystem::path& path, DrawingFormat format) {
   if (format == DrawingFormat::png)
-    io::write_png(canvas.pixels(2), path);
+    io::write_png(canvas.pixels(std::max(canvas.width(), canvas.height()) > 6000 ? 1 : 2), path);
   else
     io::write_file(path, canvas.svg());
+}
+
+void write_film(const Film& film, const std::filesystem::path& path) {
+  std::vector<io::Picture> pictures;
+  for (const Canvas& frame : film.frames) pictures.push_back(frame.pixels());
+  io::write_file(path, io::encode_animation(pictures, film.milliseconds));
 }
 
 }  // namespace dynasurf::show

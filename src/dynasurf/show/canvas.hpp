@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -39,7 +40,7 @@ struct Lettering {
 /// A drawing on white, kept as lines, areas and letters until it is written. Lengths are points.
 class Canvas {
  public:
-  /// Throws InputError unless both sides are positive and at most 20000.
+  /// Throws InputError unless both sides are positive and at most 32000.
   Canvas(double width, double height);
   ~Canvas();
   Canvas(Canvas&&) noexcept;
@@ -50,6 +51,12 @@ class Canvas {
 
   void line(std::span<const Vec2> points, const Pen& pen);
   void polygon(std::span<const Vec2> points, const io::Colour& fill, double opacity = 1);
+  /// Triangles whose corners have colours that run into each other (Gouraud), later ones over earlier ones.
+  struct Shaded {
+    std::array<Vec2, 3> corners;
+    std::array<io::Colour, 3> colours;
+  };
+  void shade(std::span<const Shaded> triangles);
   void rectangle(const Panel& box, const io::Colour& fill, double opacity = 1);
   void frame(const Panel& box, const Pen& pen);
   void disc(const Vec2& centre, double radius, const io::Colour& fill);
@@ -79,7 +86,16 @@ class Canvas {
 enum class DrawingFormat { png, svg };
 /// By the name's ending. Throws OptionError for another one.
 DrawingFormat drawing_format_of(const std::filesystem::path& path);
-/// Writes PNG, two pixels to a point, or SVG. The file appears whole or not at all. Throws IoError.
+/// Writes PNG, two pixels to a point (one in drawings of more than 6000 points), or SVG. The file appears whole or not
+/// at all. Throws IoError.
 void write_drawing(const Canvas& canvas, const std::filesystem::path& path, DrawingFormat format);
+
+/// Drawings of one size that follow each other.
+struct Film {
+  std::vector<Canvas> frames;
+  int milliseconds = 80;  // each
+};
+/// Writes an animated PNG that repeats, a pixel to a point. The file appears whole or not at all. Throws IoError.
+void write_film(const Film& film, const std::filesystem::path& path);
 
 }  // namespace dynasurf::show

@@ -27,7 +27,8 @@ struct NamedSurface {
 
 /// VIS-SLICEVIEW: the vectors of a slice and the image under them, both with the line along a row of voxels; beside
 /// them the length of the vectors along the line with the image in the same frame, and their part along the line with a
-/// mark at each change of sign from + to -: there vectors from both sides meet. The image lies on the field's grid.
+/// mark at each change of sign from + to -: there vectors from both sides meet. Paths of particles lie over the image,
+/// which is on the field's grid.
 struct SliceView {
   const Image* image = nullptr;
   const field::VectorField* field = nullptr;
@@ -36,6 +37,7 @@ struct SliceView {
   const Image* border = nullptr;  // where it is given, its surroundings alone are shown
   std::string title;
   std::vector<std::pair<std::string, std::string>> parameters;
+  std::vector<std::vector<Vec2>> paths = {};  // of particles that end in the slice, voxels, start first
 };
 /// Draws it.
 Canvas draw_slice_view(const SliceView& view);
@@ -67,7 +69,7 @@ Canvas draw_voxels(std::span<const NamedVoxels> sets, const std::string& title);
 /// coloured by value.
 Canvas draw_voxel_map(const Image& map, const std::string& title, const std::string& unit);
 
-/// VIS-MESH: surfaces shaded, as wires and translucent with the voxels of their borders.
+/// VIS-MESH: surfaces flat, smooth (Gouraud), as wires, and as wires over the voxels of their borders.
 Canvas draw_mesh(std::span<const NamedSurface> surfaces, std::span<const NamedVoxels> voxels, const std::string& title);
 
 /// VIS-SECTION: surfaces (world frame) cut by twelve slices at most, over the image.
@@ -84,6 +86,19 @@ struct EvolutionFrame {
 };
 /// Draws the steps side by side, with the voxels of the border.
 Canvas draw_evolution(std::span<const EvolutionFrame> frames, const Image& border, const std::string& title);
+
+/// The same as a film, whose last step stays for a while.
+Film film_of_evolution(std::span<const EvolutionFrame> frames, const Image& border, const std::string& title);
+
+/// VIS-CYCLE: a beat in forty meshes interpolated between the gates, the first wall smooth, the second as wires around
+/// it. `beat_ms` above 0 tells the length of the beat. Throws InputError unless the meshes of a wall share their
+/// triangles.
+Film film_of_beat(std::span<const std::vector<TriMesh>> walls, std::span<const io::Colour> colours, double beat_ms,
+                  const std::string& title);
+
+/// VIS-MIP: 200 instances of a body, ever farther from the observer, each at the level of detail that its size on the
+/// screen asks for, coloured by level. Levels finest first.
+Canvas draw_instances(std::span<const TriMesh> levels, const std::string& title);
 
 /// VIS-SCATTER: the signed distance of every particle, voxels, with the zero line.
 Canvas draw_scatter(std::span<const double> distances, const std::string& title);
@@ -108,12 +123,13 @@ Canvas draw_curves(std::span<const double> time, const std::string& time_label, 
 /// VIS-SMOOTH: a mesh before and after, each coloured by how far the angles about a vertex miss a full turn.
 Canvas draw_smoothing(const TriMesh& before, const TriMesh& after, const std::string& title);
 
-/// VIS-CONTOUR: a contour on its slice before and after its motion, with the pull of the field on its points, and the
-/// stack of contours in space.
+/// VIS-CONTOUR: a contour on its slice before and after its motion, with the pull of the field on its points and its
+/// own bending force; what resampling does on the way; and the stack of contours in space.
 struct ContourView {
   const Image* image = nullptr;
   int slice = 0;
   Contour start, found;
+  Contour unsampled, resampled;  // from a start with long edges, without resampling and with; empty: not shown
   const field::VectorField* field = nullptr;                                       // of the plane, px
   std::vector<std::pair<io::Colour, std::vector<std::optional<Contour>>>> stacks;  // per wall: px per slice
   std::string title;

@@ -24,8 +24,7 @@ Mat3 axes_of(const Outlook& outlook) {
 }
 
 /// Light from above the observer's left shoulder; a face seen from behind is lit as from the front.
-double brightness_of(std::span<const Vec3> face) {
-  const Vec3 normal = (face[1] - face[0]).cross(face[2] - face[0]);
+double brightness_of(const Vec3& normal) {
   const double length = normal.norm();
   if (length <= 0) return 1;
   static const Vec3 light = Vec3(-0.35, 0.5, -0.8).normalized();
@@ -45,6 +44,19 @@ void draw_length(Canvas& canvas, const Panel& box, double mm_per_point) {
 }  // namespace
 
 void Scene3d::add(const TriMesh& mesh, const io::Colour& colour, double opacity, Look look) {
+  if (look == Look::smooth) {
+    std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
+    for (const auto& t : mesh.triangles) {
+      const Vec3 normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+      for (const std::uint32_t v : t) normals[v] += normal;
+    }
+    for (const auto& t : mesh.triangles) {
+      Piece piece{{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}, colour};
+      piece.normals = {normals[t[0]], normals[t[1]], normals[t[2]]};
+      pieces_.push_back(std::move(piece));
+    }
+    return;
+  }
   for (const auto& t : mesh.triangles)
     pieces_.push_back({{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]},
                        colour,
@@ -52,14 +64,15 @@ void Scene3d::add(const TriMesh& mesh, const io::Colour& colour, double opacity,
                        0,
                        true,
                        look != Look::shaded,
-                       look != Look::wires});
+                       look != Look::wires,
+                       {}});
 }
 
 void Scene3d::add(const TriMesh& mesh, std::span<const io::Colour> colours) {
   for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
     const auto& t = mesh.triangles[n];
     pieces_.push_back(
-        {{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}, colours[n], 1, 0, false, true, true});
+        {{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}, colours[n], 1, 0, false, true, true, {}});
   }
 }
 
@@ -76,7 +89,7 @@ void Scene3d::add_voxels(const Image& image, const std::function<std::optional<i
             Index3 next{i, j, k};
             next[static_cast<std::size_t>(axis)] += side;
             if (g.contains(next[0], next[1], next[2]) && colour(image(next[0], next[1], next[2]))) continue;
-            Piece face{{}, *own, opacity, 0, true, true, true};
+            Piece face{{}, *own, opacity, 0, true, true, true, {}};
             const int u = (axis + 1) % 3, v = (axis + 2) % 3;
             for (const auto& [a, b] : {std::pair{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}) {
               Vec3 p(i, j, k);
@@ -97,64 +110,103 @@ void Scene3d::add_point(const Vec3& at, const io::Colour& colour, double radius)
   pieces_.push_back({{at}, colour, 1, radius});
 }
 
-double Scene3d::fitting_scale(const Panel& box, const Outlook& outlook) const {
-  const Mat3 axes = axes_of(outlook);
-  Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
+Scene3d::Extent Scene3d::extent_in(const Mat3& axes) const {
+  Extent e{Vec3::Constant(1e300), Vec3::Constant(-1e300)};
+  const auto hold = [&](const Vec3& p) { e.low = e.low.cwiseMin(axes * p), e.high = e.high.cwiseMax(axes * p); };
   for (const Piece& piece : pieces_)
-    for (const Vec3& p : piece.points) low = low.cwiseMin(axes * p), high = high.cwiseMax(axes * p);
-  const Vec3 size = pieces_.empty() ? Vec3(1, 1, 1) : Vec3(high - low);
-  const double room = 0.92;
-  return std::max({size[0] / (room * box.width), size[1] / (room * box.height), 1e-9});
+    for (const Vec3& p : piece.points) hold(p);
+  for (std::size_t n = 0; n + 1 < room_.size(); n += 2)
+    for (int corner = 0; corner < 8; ++corner) {
+      Vec3 p = room_[n];
+      for (int axis = 0; axis < 3; ++axis)
+        if (corner >> axis & 1) p[axis] = room_[n + 1][axis];
+      hold(p);
+    }
+  if (pieces_.empty() && room_.empty()) e = {Vec3::Zero(), Vec3::Ones()};
+  return e;
 }
 
-double Scene3d::draw(Canvas& canvas, const Panel& box, const Outlook& outlook, double mm_per_point) const {
+double Scene3d::fitting_scale(const Panel& box, const Outlook& outlook) const {
+  const Extent e = extent_in(axes_of(outlook));
+  const double room = 0.92;
+  return std::max({(e.high[0] - e.low[0]) / (room * box.width), (e.high[1] - e.low[1]) / (room * box.height), 1e-9});
+}
+
+void Scene3d::shade(Canvas& canvas, const Panel& box, const Mat3& axes, const Vec3& middle, double scale,
+                    std::span<const std::size_t> order) const {
+  std::vector<Canvas::Shaded> triangles;
+  for (const std::size_t n : order) {
+    const Piece& piece = pieces_[n];
+    Canvas::Shaded triangle;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Vec3 p = (axes * piece.points[c] - middle) / scale;
+      triangle.corners[c] = {box.x + box.width / 2 + p[0], box.y + box.height / 2 - p[1]};
+      triangle.colours[c] = lit(piece.colour, brightness_of(axes * piece.normals[c]));
+    }
+    triangles.push_back(triangle);
+  }
+  canvas.shade(triangles);
+}
+
+double Scene3d::draw(Canvas& canvas, const Panel& box, const Outlook& outlook, double mm_per_point,
+                     bool with_length) const {
   if (pieces_.empty()) return 0;
   const Mat3 axes = axes_of(outlook);
   const double scale = mm_per_point > 0 ? mm_per_point : fitting_scale(box, outlook);
-  std::vector<std::vector<Vec3>> seen(pieces_.size());
+  const Extent extent = extent_in(axes);
+  const Vec3 middle = 0.5 * (extent.low + extent.high);
   std::vector<double> depth(pieces_.size());
-  Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
-  for (std::size_t n = 0; n < pieces_.size(); ++n) {
-    for (const Vec3& p : pieces_[n].points) {
-      seen[n].push_back(axes * p);
-      low = low.cwiseMin(seen[n].back()), high = high.cwiseMax(seen[n].back());
-      depth[n] += seen[n].back()[2] / static_cast<double>(pieces_[n].points.size());
-    }
-  }
-  const Vec3 middle = 0.5 * (low + high);
+  for (std::size_t n = 0; n < pieces_.size(); ++n)
+    for (const Vec3& p : pieces_[n].points)
+      depth[n] += axes.row(2).dot(p) / static_cast<double>(pieces_[n].points.size());
   std::vector<std::size_t> order(pieces_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return depth[a] > depth[b]; });
 
   canvas.clip(box);
-  for (const std::size_t n : order) {
-    const Piece& piece = pieces_[n];
+  for (std::size_t from = 0; from < order.size();) {
+    std::size_t to = from;
+    while (to < order.size() && !pieces_[order[to]].normals.empty()) ++to;
+    if (to > from) {  // what is smooth in one go: seams would show between triangles
+      shade(canvas, box, axes, middle, scale, std::span(order).subspan(from, to - from));
+      from = to;
+      continue;
+    }
+    const Piece& piece = pieces_[order[from++]];
+    std::vector<Vec3> seen;
     std::vector<Vec2> flat;
-    for (const Vec3& p : seen[n])
-      flat.emplace_back(box.x + box.width / 2 + (p[0] - middle[0]) / scale,
-                        box.y + box.height / 2 - (p[1] - middle[1]) / scale);
-    if (flat.size() == 1) {
-      canvas.disc(flat[0], piece.size, piece.colour);
-      continue;
+    for (const Vec3& p : piece.points) {
+      seen.push_back(axes * p);
+      flat.emplace_back(box.x + box.width / 2 + (seen.back()[0] - middle[0]) / scale,
+                        box.y + box.height / 2 - (seen.back()[1] - middle[1]) / scale);
     }
-    if (flat.size() == 2) {
-      canvas.line(flat, {piece.colour, piece.size});
-      continue;
-    }
-    const io::Colour shade = piece.shaded ? lit(piece.colour, brightness_of(seen[n])) : piece.colour;
-    if (piece.filled) {
-      canvas.polygon(flat, shade, piece.opacity);
-      flat.push_back(flat.front());
-      // A seam of the same colour hides what antialiasing leaves between neighbours.
-      if (piece.opacity == 1) canvas.line(flat, {piece.outlined ? lit(shade, 0.6) : shade, 0.4});
-    } else {
-      flat.push_back(flat.front());
-      canvas.line(flat, {piece.colour, 0.4, piece.opacity});
-    }
+    draw_piece(canvas, piece, seen, flat);
   }
   canvas.unclip();
-  draw_length(canvas, box, scale);
+  if (with_length) draw_length(canvas, box, scale);
   return scale;
+}
+
+void Scene3d::draw_piece(Canvas& canvas, const Piece& piece, std::span<const Vec3> seen, std::vector<Vec2>& flat) {
+  if (flat.size() == 1) {
+    canvas.disc(flat[0], piece.size, piece.colour);
+    return;
+  }
+  if (flat.size() == 2) {
+    canvas.line(flat, {piece.colour, piece.size});
+    return;
+  }
+  const Vec3 normal = (seen[1] - seen[0]).cross(seen[2] - seen[0]);
+  const io::Colour shade = piece.shaded ? lit(piece.colour, brightness_of(normal)) : piece.colour;
+  if (piece.filled) {
+    canvas.polygon(flat, shade, piece.opacity);
+    flat.push_back(flat.front());
+    // A seam of the same colour hides what antialiasing leaves between neighbours.
+    if (piece.opacity == 1) canvas.line(flat, {piece.outlined ? lit(shade, 0.6) : shade, 0.4});
+  } else {
+    flat.push_back(flat.front());
+    canvas.line(flat, {piece.colour, 0.4, piece.opacity});
+  }
 }
 
 }  // namespace dynasurf::show

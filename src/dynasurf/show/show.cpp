@@ -4,17 +4,19 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/dynamics/contour/discrete.hpp"
 #include "dynasurf/dynamics/contour/potential.hpp"
 #include "dynasurf/dynamics/detail/damping.hpp"
-#include "dynasurf/dynamics/evolve.hpp"
 #include "dynasurf/field/gvf.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/study_io.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 #include "dynasurf/show/detail/inputs.hpp"
+#include "dynasurf/show/detail/motion.hpp"
 #include "dynasurf/show/detail/palette.hpp"
 #include "dynasurf/show/detail/plane.hpp"
 #include "dynasurf/show/pictures.hpp"
@@ -45,6 +47,7 @@ class Show {
     SliceView view{&image, &field, at.slice, at.row, at.slice_number, &wall.border, "", {}};
     view.title = "Field and image, " + where(at) + ", " + word_for(r_.wall);
     view.parameters = parameters_of(gate.options, wall);
+    if (!wall.start.vertices.empty()) view.paths = paths_in(wall, field, gate.options.evolution, at.slice, progress_);
     return draw_slice_view(view);
   }
 
@@ -158,24 +161,39 @@ class Show {
   Canvas evolution() const {
     const ShownGate gate = read_gate();
     const ShownWall& wall = wall_of(gate);
-    ventricle::Options options = gate.options;
-    options.evolution.smooth_after.sweeps = 0;  // who has stopped lies where it is found at the end
-    const Run run = run_again(wall, options, {});
-    std::vector<int> steps = r_.steps;
-    if (steps.empty())
-      for (int n = 0; n < 8; ++n) steps.push_back(static_cast<int>(std::lround(run.result.steps * n * n / 49.0)));
-    for (const int step : steps)
-      if (step < 0 || step > run.result.steps)
-        throw OptionError("--steps " + std::to_string(step) + "; the run has " + std::to_string(run.result.steps));
-    std::vector<EvolutionFrame> frames = run_again(wall, options, steps).frames;
-    const std::vector<Vec3>& last = run.result.mesh.vertices;
-    for (EvolutionFrame& frame : frames)
-      for (std::size_t v = 0; v < frame.stopped.size(); ++v)
-        frame.stopped[v] = run.result.stopped[v] != 0 && (frame.mesh.vertices[v] - last[v]).norm() < 1e-9;
-    return draw_evolution(frames, wall.border,
-                          "The surface on its way, " + word_for(r_.wall) + ", gate " + std::to_string(r_.gate) + ": " +
-                              std::string(dynamics::name_of(run.result.reason)) + " after " +
-                              std::to_string(run.result.steps) + " steps");
+    const Motion run = motion_of(wall, gate.options, 8);
+    return draw_evolution(run.frames, wall.border, title_of(run.result));
+  }
+
+  Film evolution_film() const {
+    const ShownGate gate = read_gate();
+    const ShownWall& wall = wall_of(gate);
+    const Motion run = motion_of(wall, gate.options, 32);
+    return film_of_evolution(run.frames, wall.border, title_of(run.result));
+  }
+
+  Film beat_film() const {
+    const ShownBeat beat = read_beat();
+    std::array<std::vector<TriMesh>, 2> meshes;
+    for (std::size_t w = 0; w < 2; ++w)
+      for (const auto& surface : beat.surfaces[w])
+        if (surface) meshes[w].push_back(*surface);
+    for (auto& wall : meshes)
+      if (wall.size() != beat.surfaces[0].size()) wall.clear();  // a gate without surface: no beat of this wall
+    const std::size_t gates = beat.time_ms.size();
+    const double length = gates > 1 ? (beat.time_ms.back() - beat.time_ms[0]) * static_cast<double>(gates) /
+                                          static_cast<double>(gates - 1)
+                                    : 0;
+    const io::Colour colours[] = {colour_of(walls[0]), colour_of(walls[1])};
+    return film_of_beat(meshes, colours, length, "A beat, interpolated between the gates");
+  }
+
+  Canvas instances() const {
+    std::vector<TriMesh> levels = r_.levels;
+    if (levels.empty() && is_mesh()) levels.push_back(io::read_mesh(r_.input));
+    if (levels.empty())
+      throw InputError(r_.input.string() + ": has no levels of detail; expected a result of dynasurf cloud");
+    return draw_instances(levels, "200 instances, each at the level of detail that its size asks for");
   }
 
   Canvas scatter() const {
@@ -195,7 +213,7 @@ class Show {
   Canvas areas() const { return draw_areas(one_surface(), "Triangles by area and shape"); }
 
   Canvas smooth() const {
-    const TriMesh before = one_surface();
+    const TriMesh before = unsettled_surface();
     TriMesh after = before;
     dynasurf::mesh::smooth(after, mesh::Smoothing{.sweeps = 20}, 2 * mesh::triangle_quality(before).d_mean);
     return draw_smoothing(before, after, "Smoothing, 20 sweeps: angles about a vertex against a full turn");
@@ -225,19 +243,27 @@ class Show {
         dynamics::plane_of(image, k), {dynamics::PotentialSource::gradient, r_.options.contour.sigma_px})));
     view.field = &pull;
     view.stacks = {{ink_of::epi, outer.slices}, {ink_of::endo, inner.slices}};
+    show_resampling(view, pull);
     view.title = "Discrete contour, slice " + std::to_string(k + 1) + ", " + word_for(r_.wall) + ", gate " +
                  std::to_string(r_.gate);
     return draw_contours(view);
   }
 
  private:
+  /// The same from a start with long edges, without resampling and with it.
+  void show_resampling(ContourView& view, const field::VectorField& pull) const {
+    dynamics::DiscreteContour model = r_.options.contour.model;
+    if (view.found.points.empty() || model.resample_every == 0) return;
+    const Contour coarse = circle_contour(
+        centroid_of(view.start), std::sqrt(std::abs(signed_area(view.start)) / std::numbers::pi), 3.5 * model.edge_px);
+    view.resampled = dynamics::evolve_contour(coarse, pull, model).contour;
+    model.resample_every = 0;
+    view.unsampled = dynamics::evolve_contour(coarse, pull, model).contour;
+  }
+
   struct Place {
     int slice = 0, row = 0;  // of the border's grid, which has room around the image
     int slice_number = 1, row_number = 1;
-  };
-  struct Run {
-    dynamics::EvolutionResult result;
-    std::vector<EvolutionFrame> frames;
   };
 
   bool is_mesh() const {
@@ -275,6 +301,19 @@ class Show {
         found.push_back({word_for(walls[w]), *surface, colour_of(walls[w])});
     if (found.empty()) throw InputError(r_.input.string() + ": gate " + std::to_string(r_.gate) + " has no surface");
     return found;
+  }
+
+  /// As it came to rest, without any smoothing; the finished surface where the stages are not at hand.
+  TriMesh unsettled_surface() const {
+    if (is_mesh() || !has_stages()) return one_surface();
+    const ShownGate gate = read_gate();
+    const ShownWall& wall = wall_of(gate);
+    if (wall.start.vertices.empty()) return one_surface();
+    dynamics::Evolution evolution = gate.options.evolution;
+    evolution.smooth_every = 0;
+    evolution.smooth_after.sweeps = 0;
+    return to_world(wall.border.grid,
+                    move_again(wall, field_of(wall, gate.options), evolution, {}, progress_).result.mesh);
   }
 
   TriMesh one_surface() const {
@@ -326,6 +365,18 @@ class Show {
     return at;
   }
 
+  Motion motion_of(const ShownWall& wall, const ventricle::Options& options, int count) const {
+    if (wall.start.vertices.empty())
+      throw InputError(r_.input.string() +
+                       ": no mesh was deformed (pipeline contour); expected pipeline surface or direct");
+    return move_in_frames(wall, field_of(wall, options), options.evolution, r_.steps, count, progress_);
+  }
+
+  std::string title_of(const dynamics::EvolutionResult& result) const {
+    return "The surface on its way, " + word_for(r_.wall) + ", gate " + std::to_string(r_.gate) + ": " +
+           std::string(dynamics::name_of(result.reason)) + " after " + std::to_string(result.steps) + " steps";
+  }
+
   std::vector<std::pair<std::string, std::string>> parameters_of(const ventricle::Options& options,
                                                                  const ShownWall& wall) const {
     const Grid& g = wall.border.grid;
@@ -342,25 +393,6 @@ class Show {
     return rows;
   }
 
-  /// The motion once more, with the mesh after each of the steps. Where the border runs inside its voxels is not kept:
-  /// particles that would meet it there (stop.point subvoxel) stop at the centres.
-  Run run_again(const ShownWall& wall, const ventricle::Options& options, std::span<const int> steps) const {
-    if (wall.start.vertices.empty())
-      throw InputError(r_.input.string() +
-                       ": no mesh was deformed (pipeline contour); expected pipeline surface or direct");
-    dynamics::Evolution evolution = options.evolution;
-    Run run;
-    const auto keep = [&](int step, const TriMesh& mesh) {
-      if (std::find(steps.begin(), steps.end(), step) != steps.end())
-        run.frames.push_back({step, mesh, std::vector<bool>(mesh.vertices.size())});
-    };
-    keep(0, wall.start);
-    dynamics::Additions own;
-    own.watch = keep;
-    run.result = dynamics::evolve(wall.start, field_of(wall, options), wall.border, evolution, progress_, nullptr, own);
-    return run;
-  }
-
   const ShowRequest& r_;
   const Progress& progress_;
 };
@@ -370,7 +402,12 @@ struct Entry {
   Canvas (Show::*draw)() const;
 };
 
-constexpr std::array<Entry, 16> entries{{
+struct FilmEntry {
+  PictureKind kind;
+  Film (Show::*draw)() const;
+};
+
+constexpr std::array<Entry, 17> entries{{
     {{"slice", "vectors and image of a slice, with a profile along a row"}, &Show::slice},
     {{"field", "the field under six choices of mu and iterations"}, &Show::field},
     {{"field3d", "the field in space"}, &Show::field3d},
@@ -386,15 +423,23 @@ constexpr std::array<Entry, 16> entries{{
     {{"cycle", "the surfaces of all gates"}, &Show::cycle},
     {{"curve", "volumes over the beat"}, &Show::curve},
     {{"contour", "a discrete contour, its pull, and the stack of contours"}, &Show::contour},
-    {{"smooth", "a surface before and after smoothing"}, &Show::smooth},
+    {{"smooth", "a surface as it came to rest, and smoothed"}, &Show::smooth},
+    {{"instances", "200 instances of a cloud's result or of a mesh, each at the level that its distance asks for"},
+     &Show::instances},
+}};
+
+constexpr std::array<FilmEntry, 2> films{{
+    {{"evolution-film", "evolution as an animated PNG"}, &Show::evolution_film},
+    {{"beat-film", "the surfaces of a beat, interpolated, as an animated PNG"}, &Show::beat_film},
 }};
 
 }  // namespace
 
 std::span<const PictureKind> picture_kinds() {
-  static const std::array<PictureKind, entries.size()> kinds = [] {
-    std::array<PictureKind, entries.size()> all{};
-    for (std::size_t n = 0; n < all.size(); ++n) all[n] = entries[n].kind;
+  static const std::array<PictureKind, entries.size() + films.size()> kinds = [] {
+    std::array<PictureKind, entries.size() + films.size()> all{};
+    for (std::size_t n = 0; n < entries.size(); ++n) all[n] = entries[n].kind;
+    for (std::size_t n = 0; n < films.size(); ++n) all[entries.size() + n] = films[n].kind;
     return all;
   }();
   return kinds;
@@ -404,8 +449,18 @@ Canvas draw_picture(const ShowRequest& request, const Progress& progress) {
   for (const Entry& entry : entries)
     if (entry.kind.name == request.what) return (Show(request, progress).*entry.draw)();
   std::string names;
-  for (const Entry& entry : entries) names += (names.empty() ? "" : ", ") + std::string(entry.kind.name);
+  for (const PictureKind& kind : picture_kinds()) names += (names.empty() ? "" : ", ") + std::string(kind.name);
   throw OptionError("WHAT " + request.what + "; expected one of " + names);
+}
+
+bool is_film(std::string_view what) {
+  return std::any_of(films.begin(), films.end(), [&](const FilmEntry& film) { return film.kind.name == what; });
+}
+
+Film draw_film(const ShowRequest& request, const Progress& progress) {
+  for (const FilmEntry& film : films)
+    if (film.kind.name == request.what) return (Show(request, progress).*film.draw)();
+  throw OptionError("WHAT " + request.what + " is not a film");
 }
 
 }  // namespace dynasurf::show

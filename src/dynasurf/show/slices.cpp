@@ -57,6 +57,18 @@ void draw_row(Canvas& canvas, const SliceMap& map, int row) {
   canvas.line(ends, {ink_of::pink, 1.6});
 }
 
+/// Each way with a dot at its end.
+void draw_paths(Canvas& canvas, const SliceMap& map, std::span<const std::vector<Vec2>> paths) {
+  canvas.clip(map.box);
+  for (const std::vector<Vec2>& path : paths) {
+    std::vector<Vec2> way;
+    for (const Vec2& p : path) way.push_back(map.at(p[0], p[1]));
+    canvas.line(way, {ink_of::light, 1});
+    if (!way.empty()) canvas.disc(way.back(), 2, ink_of::epi);
+  }
+  canvas.unclip();
+}
+
 void draw_profiles(Canvas& canvas, const Panel& box, const Profile& p) {
   const Interval mm{p.length.front()[0], p.length.back()[0]};
   const double high = (box.height - 120) / 2;
@@ -110,9 +122,13 @@ Canvas draw_slice_view(const SliceView& view) {
   draw_colour_bar(canvas, {top.box.right() + 10, top.box.y + 20, 12, 200}, {0, longest}, "length in the slice, 1/mm",
                   viridis);
   const double brightest = *std::max_element(view.image->values.begin(), view.image->values.end());
-  canvas.text({24, 420}, "Image, white: the largest value of the stack", {11, Anchor::start, ink_of::text, true});
+  canvas.text({24, 420},
+              view.paths.empty() ? "Image, white: the largest value of the stack"
+                                 : "Image; ways of the particles that end in the slice",
+              {11, Anchor::start, ink_of::text, true});
   const SliceMap below = map_of(g, shown, {24, 428, 360, 340});
   draw_slice(canvas, below, *view.image, view.slice, brightest);
+  draw_paths(canvas, below, view.paths);
   canvas.frame(below.box, {ink_of::text, 0.6});
   draw_row(canvas, below, view.row);
   draw_profiles(canvas, {530, 50, 400, 540}, profile_of(*view.field, view.image, shown, view.row, view.slice));

@@ -5,6 +5,8 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/mesh/keyframes.hpp"
+#include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 #include "dynasurf/show/detail/chart.hpp"
 #include "dynasurf/show/detail/palette.hpp"
@@ -139,30 +141,41 @@ Canvas draw_voxel_map(const Image& map, const std::string& title, const std::str
 
 Canvas draw_mesh(std::span<const NamedSurface> surfaces, std::span<const NamedVoxels> voxels,
                  const std::string& title) {
-  Canvas canvas(voxels.empty() ? 940 : 1380, 560);
+  constexpr double side = 440, gap = 20;
+  const bool over_voxels = !voxels.empty();
+  Canvas canvas(48 + (over_voxels ? 2 : 3) * (side + gap) - gap, 64 + (over_voxels ? 2 : 1) * (side + gap));
   canvas.text({24, 26}, title, {14, Anchor::start, ink_of::text, true});
   std::vector<LegendEntry> entries;
   for (const NamedSurface& s : surfaces) entries.push_back({s.name, s.colour});
   for (const NamedVoxels& v : voxels) entries.push_back({v.name, v.colour});
   draw_legend_row(canvas, {24, 46}, entries);
-  // The first surface is the innermost: what lies around it is translucent.
-  const auto with_all = [&](Scene3d::Look look, double outer) {
+  // The first surface is the innermost: what lies around it is translucent, or left to its wires.
+  const auto with_all = [&](Scene3d::Look first, Scene3d::Look around, double outer) {
     Scene3d scene;
     for (std::size_t n = 0; n < surfaces.size(); ++n)
-      scene.add(surfaces[n].mesh, surfaces[n].colour, n == 0 ? 1 : outer, look);
+      scene.add(surfaces[n].mesh, surfaces[n].colour, n == 0 ? 1 : outer, n == 0 ? first : around);
     return scene;
   };
-  const Scene3d shaded = with_all(Scene3d::Look::shaded, 0.35), wires = with_all(Scene3d::Look::wires, 0.7);
-  Scene3d both;
-  for (const NamedVoxels& v : voxels)
-    both.add_voxels(
-        v.values, [&](float x) { return above_zero(x, v.colour); }, v.opacity, true);
-  for (const NamedSurface& s : surfaces) both.add(s.mesh, s.colour, 1, Scene3d::Look::wires);
-  const Panel first{24, 64, 440, 480};
-  const double scale = (voxels.empty() ? shaded : both).fitting_scale(first);
-  shaded.draw(canvas, first, {}, scale);
-  wires.draw(canvas, {474, 64, 440, 480}, {}, scale);
-  if (!voxels.empty()) both.draw(canvas, {924, 64, 440, 480}, {}, scale);
+  using Look = Scene3d::Look;
+  std::vector<std::pair<std::string, Scene3d>> panels{{"flat faces", with_all(Look::both, Look::shaded, 0.3)},
+                                                      {"smooth", with_all(Look::smooth, Look::wires, 0.5)},
+                                                      {"wires", with_all(Look::wires, Look::wires, 0.7)}};
+  if (over_voxels) {
+    Scene3d both;
+    for (const NamedVoxels& v : voxels)
+      both.add_voxels(
+          v.values, [&](float x) { return above_zero(x, v.colour); }, v.opacity, true);
+    for (const NamedSurface& s : surfaces) both.add(s.mesh, s.colour, 1, Look::wires);
+    panels.emplace_back("wires over the border's voxels", std::move(both));
+  }
+  const double scale = panels.back().second.fitting_scale({0, 0, side, side});
+  const std::size_t across = over_voxels ? 2 : 3;
+  for (std::size_t n = 0; n < panels.size(); ++n) {
+    const double x = 24 + static_cast<double>(n % across) * (side + gap);
+    const double y = 64 + static_cast<double>(n / across) * (side + gap);
+    canvas.text({x, y + 10}, panels[n].first, {11, Anchor::start, ink_of::text, true});
+    panels[n].second.draw(canvas, {x, y, side, side}, {}, scale);
+  }
   return canvas;
 }
 
@@ -192,6 +205,39 @@ Canvas draw_cycle(std::span<const std::vector<NamedSurface>> walls, const std::s
   return canvas;
 }
 
+namespace {
+
+/// A mesh on its way in a box, at a scale and in a place that all frames share.
+void draw_frame(Canvas& canvas, const Panel& box, const EvolutionFrame& frame, const EvolutionFrame& first,
+                const Image& border) {
+  Scene3d scene;
+  scene.add_voxels(
+      border, [](float v) { return above_zero(v, ink_of::light); }, 0.15);
+  Vec3 low = first.mesh.vertices[0], high = low;
+  for (const Vec3& p : first.mesh.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  scene.make_room(low, high);
+  scene.add(frame.mesh, ink_of::quiet, 0.9, Scene3d::Look::wires);
+  for (std::size_t v = 0; v < frame.mesh.vertices.size(); ++v)
+    scene.add_point(frame.mesh.vertices[v], frame.stopped[v] ? ink_of::epi : ink_of::endo, 1.7);
+  scene.draw(canvas, box);
+  const auto stopped = std::count(frame.stopped.begin(), frame.stopped.end(), true);
+  canvas.text({box.x + box.width / 2, box.y + 4},
+              "step " + std::to_string(frame.step) + ": " + std::to_string(stopped) + " of " +
+                  std::to_string(frame.stopped.size()) + " stopped",
+              {10, Anchor::middle});
+}
+
+void draw_evolution_head(Canvas& canvas, const std::string& title) {
+  Lettering letters{14, Anchor::start, ink_of::text, true};
+  const double room = canvas.width() - 48;
+  if (const double width = canvas.width_of(title, letters); width > room) letters.size *= room / width;
+  canvas.text({24, 26}, title, letters);
+  const LegendEntry entries[] = {{"moving", ink_of::endo}, {"stopped", ink_of::epi}, {"border", ink_of::light}};
+  draw_legend_row(canvas, {24, 46}, entries);
+}
+
+}  // namespace
+
 Canvas draw_evolution(std::span<const EvolutionFrame> frames, const Image& border, const std::string& title) {
   if (frames.empty()) throw InputError("no step to draw");
   constexpr double side = 290;
@@ -199,30 +245,59 @@ Canvas draw_evolution(std::span<const EvolutionFrame> frames, const Image& borde
   const std::size_t down = (frames.size() + across - 1) / across;
   Canvas canvas(48 + static_cast<double>(std::min(across, frames.size())) * side,
                 64 + static_cast<double>(down) * (side + 16));
-  canvas.text({24, 26}, title, {14, Anchor::start, ink_of::text, true});
-  const LegendEntry entries[] = {{"moving", ink_of::endo}, {"stopped", ink_of::epi}, {"border", ink_of::light}};
-  draw_legend_row(canvas, {24, 46}, entries);
-  double scale = 0;
-  for (std::size_t n = 0; n < frames.size(); ++n) {
-    const EvolutionFrame& frame = frames[n];
-    Scene3d scene;
-    scene.add_voxels(
-        border, [](float v) { return above_zero(v, ink_of::light); }, 0.15);
-    scene.add(frame.mesh, ink_of::quiet, 0.9, Scene3d::Look::wires);
-    for (std::size_t v = 0; v < frame.mesh.vertices.size(); ++v)
-      scene.add_point(frame.mesh.vertices[v], frame.stopped[v] ? ink_of::epi : ink_of::endo, 1.7);
-    const double x = 24 + static_cast<double>(n % across) * side;
-    const double y = 64 + static_cast<double>(n / across) * (side + 16);
-    const Panel box{x, y, side, side};
-    if (n == 0) scale = scene.fitting_scale(box);
-    scene.draw(canvas, box, {}, scale);
-    const auto stopped = std::count(frame.stopped.begin(), frame.stopped.end(), true);
-    canvas.text({x + side / 2, y + 4},
-                "step " + std::to_string(frame.step) + ": " + std::to_string(stopped) + " of " +
-                    std::to_string(frame.stopped.size()) + " stopped",
-                {10, Anchor::middle});
-  }
+  draw_evolution_head(canvas, title);
+  for (std::size_t n = 0; n < frames.size(); ++n)
+    draw_frame(
+        canvas,
+        {24 + static_cast<double>(n % across) * side, 64 + static_cast<double>(n / across) * (side + 16), side, side},
+        frames[n], frames[0], border);
   return canvas;
+}
+
+Film film_of_evolution(std::span<const EvolutionFrame> frames, const Image& border, const std::string& title) {
+  if (frames.empty()) throw InputError("no step to draw");
+  constexpr int rest = 10;  // frames that the last one stays
+  Film film;
+  for (std::size_t n = 0; n < frames.size() + rest; ++n) {
+    Canvas canvas(560, 580);
+    draw_evolution_head(canvas, title);
+    draw_frame(canvas, {24, 64, 512, 500}, frames[std::min(n, frames.size() - 1)], frames[0], border);
+    film.frames.push_back(std::move(canvas));
+  }
+  return film;
+}
+
+Film film_of_beat(std::span<const std::vector<TriMesh>> walls, std::span<const io::Colour> colours, double beat_ms,
+                  const std::string& title) {
+  constexpr int frames = 40;
+  Film film{{}, 50};
+  Vec3 low = Vec3::Constant(1e300), high = -low;
+  for (const auto& wall : walls)
+    for (const TriMesh& mesh : wall)
+      for (const Vec3& p : mesh.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  for (int n = 0; n < frames; ++n) {
+    const double phase = static_cast<double>(n) / frames;
+    Scene3d scene;
+    scene.make_room(low, high);
+    std::vector<LegendEntry> entries;
+    for (std::size_t w = 0; w < walls.size(); ++w) {
+      if (walls[w].empty()) continue;
+      const TriMesh mesh = mesh::at_phase(walls[w], phase, mesh::TimeInterpolation::periodic_cubic);
+      scene.add(mesh, colours[w], 0.5, w == 0 ? Scene3d::Look::smooth : Scene3d::Look::wires);
+      const double ml = std::round(mesh::volume_mm3(mesh) / 100) / 10;
+      entries.push_back({std::string(w == 0 ? "inner wall " : "outer wall ") + number_text(ml) + " mL", colours[w]});
+    }
+    if (scene.empty()) throw InputError("no surface to draw");
+    Canvas canvas(560, 580);
+    canvas.text({24, 26}, title, {14, Anchor::start, ink_of::text, true});
+    draw_legend_row(canvas, {24, 46}, entries);
+    const std::string when = beat_ms > 0 ? number_text(std::round(phase * beat_ms)) + " ms"
+                                         : number_text(std::round(100 * phase)) + " % of the beat";
+    canvas.text({536, 46}, when, {10, Anchor::end});
+    scene.draw(canvas, {24, 64, 512, 500});
+    film.frames.push_back(std::move(canvas));
+  }
+  return film;
 }
 
 Canvas draw_smoothing(const TriMesh& before, const TriMesh& after, const std::string& title) {
