@@ -46,7 +46,7 @@ def three_volumes(result):
     lines = ["| gate | wall | trapezoid mL | gauss mL | triangle-exact mL | trapezoid - gauss |", "|---|---|---|---|---|---|"]
     for gate in result["gates"]:
         for wall in ("endo", "epi"):
-            v = gate[wall]["contour_volumes"]
+            v = gate["edge"][wall]["contour_volumes"]
             excess = 100 * (v["trapezoid_ml"] / v["gauss_ml"] - 1)
             lines.append(f"| {gate['gate']} | {wall} | {v['trapezoid_ml']:.2f} | {v['gauss_ml']:.2f} | "
                          f"{v['triangle_exact_ml']:.2f} | {excess:+.2f} % |")

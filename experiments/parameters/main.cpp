@@ -73,6 +73,8 @@ void qualities(const RunFile& file) {
               cubes.vertices.size(), mesh::triangle_quality(cubes).area_mean, near_percent(cubes, border));
   for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Table 6.7, marching cubes"))
     quality_row(row.name, cubes, border, row.options.evolution, row.published);
+  for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Table 6.7, a sphere around the same"))
+    quality_row(row.name, start_of(row.options, border), border, row.options.evolution, row.published);
   for (const Row<MeshRun>& row : rows_of<MeshRun>(file, "Table 6.7, spheres"))
     quality_row(row.name, start_of(row.options, outer_border()), outer_border(), row.options.evolution, row.published);
 }

@@ -76,8 +76,11 @@ class Page:
         self.text.append(f"\n{name}: {title}\n\n{markdown}\n\n{says}")
 
     def figure(self, title, picture, command):
+        """A PNG, moving or not, or an SVG, and how to make it."""
         data = base64.b64encode(picture.read_bytes()).decode()
-        self.parts.append(f'<figure><img alt="{html.escape(title)}" src="data:image/png;base64,{data}">'
+        kind = "svg+xml" if picture.suffix == ".svg" else "png"
+        self.text.append(f"\nFigure: {title}. {command}")
+        self.parts.append(f'<figure><img alt="{html.escape(title)}" src="data:image/{kind};base64,{data}">'
                           f"<figcaption>{html.escape(title)}. <code>{html.escape(command)}</code></figcaption></figure>")
 
     def html(self):
