@@ -17,12 +17,12 @@ from ._core import volume_mm3 as volume_mm3
 from ._core import voxel_parts as voxel_parts
 
 class Placement(_Options):
-    shape: Literal['ellipsoid', 'sphere', 'cube', 'hull', 'marching_cubes', 'file']
+    shape: Literal['ellipsoid', 'sphere', 'cube', 'hull', 'marching_cubes', 'discretised_cubes', 'radial', 'file']
     direction: Literal['out_to_in', 'in_to_out']
     scale: float
     inside_scale: float
     centre_of_mass: bool
-    def __init__(self, *, shape: Literal['ellipsoid', 'sphere', 'cube', 'hull', 'marching_cubes', 'file'] = ..., direction: Literal['out_to_in', 'in_to_out'] = ..., scale: float = ..., inside_scale: float = ..., centre_of_mass: bool = ...) -> None: ...
+    def __init__(self, *, shape: Literal['ellipsoid', 'sphere', 'cube', 'hull', 'marching_cubes', 'discretised_cubes', 'radial', 'file'] = ..., direction: Literal['out_to_in', 'in_to_out'] = ..., scale: float = ..., inside_scale: float = ..., centre_of_mass: bool = ...) -> None: ...
 
 class Smoothing(_Options):
     tolerance_rad: float

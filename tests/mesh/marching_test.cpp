@@ -122,6 +122,74 @@ TEST(MarchingCubes, RefusesValuesThatAreNotFinite) {
   EXPECT_THROW(marching_cubes(image, 0), InputError);
 }
 
+/// Whether a triangle's normal has components of one size and zeros only, on the lattice itself.
+bool is_in_a_plain_plane(const TriMesh& mesh, const std::array<std::uint32_t, 3>& t, const Vec3& spacing) {
+  const auto at = [&](std::size_t c) { return Vec3(mesh.vertices[t[c]].cwiseQuotient(spacing)); };
+  const Vec3 n = (at(1) - at(0)).cross(at(2) - at(0)).cwiseAbs();
+  for (int a = 0; a < 3; ++a)
+    if (n[a] > 1e-9 && n[a] < n.maxCoeff() - 1e-9) return false;
+  return true;
+}
+
+double share_in_plain_planes(const TriMesh& mesh, const Vec3& spacing) {
+  const auto plain = std::count_if(mesh.triangles.begin(), mesh.triangles.end(),
+                                   [&](const auto& t) { return is_in_a_plain_plane(mesh, t, spacing); });
+  return static_cast<double>(plain) / static_cast<double>(mesh.triangles.size());
+}
+
+TEST(DiscretisedMarchingCubes, OfABoxIsABevelledBoxOfTwentySixFacets) {
+  Image box(image_of({12, 10, 9}, {1, 2, 3}, [](const Vec3&) { return 0; }));
+  for (int k = 1; k < 8; ++k)
+    for (int j = 1; j < 9; ++j)
+      for (int i = 1; i < 11; ++i) box(i, j, k) = 7;
+  const TriMesh merged = discretised_marching_cubes(box, 1),
+                whole = discretised_marching_cubes(box, 1, Facets::as_found);
+  EXPECT_EQ(merged.vertices.size(), 24u);
+  EXPECT_EQ(merged.triangles.size(), 44u);
+  EXPECT_GT(whole.triangles.size(), 600u);
+  EXPECT_TRUE(check_surface(merged).valid());
+  EXPECT_EQ(share_in_plain_planes(merged, box.grid.spacing), 1);
+}
+
+TEST(DiscretisedMarchingCubes, HasTheTopologyOfMarchingCubesForAnyValues) {
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    const Image image = noise({7, 6, 5}, seed, seed % 2 == 0 ? 1000 : 5);
+    const double level = seed % 2 == 0 ? 500 : 2;
+    const TriMesh merged = discretised_marching_cubes(image, level),
+                  whole = discretised_marching_cubes(image, level, Facets::as_found);
+    const Topology reference = topology(marching_cubes(image, level));
+    for (const TriMesh* mesh : {&merged, &whole}) {
+      const SurfaceCheck check = check_surface(*mesh);
+      EXPECT_TRUE(check.closed && check.manifold && check.oriented) << seed;
+      EXPECT_EQ(check.flat_triangles, 0u) << seed;
+      EXPECT_EQ(check.self_intersections, 0u) << seed;
+      EXPECT_EQ(topology(*mesh).components, reference.components) << seed;
+      EXPECT_EQ(topology(*mesh).euler, reference.euler) << seed;
+      EXPECT_GT(share_in_plain_planes(*mesh, image.grid.spacing), 0.9) << seed;
+    }
+    EXPECT_LT(merged.triangles.size(), whole.triangles.size()) << seed;
+  }
+}
+
+TEST(DiscretisedMarchingCubes, MergesFacetsWithoutMovingTheSurface) {
+  for (const Image& image : {ball(21), noise({9, 8, 7}, 3, 1000)}) {
+    const double level = image.grid.dims[0] == 21 ? 0 : 500;
+    const TriMesh merged = discretised_marching_cubes(image, level),
+                  whole = discretised_marching_cubes(image, level, Facets::as_found);
+    EXPECT_NEAR(volume_mm3(merged) / volume_mm3(whole), 1, 1e-12);
+    EXPECT_NEAR(area_mm2(merged) / area_mm2(whole), 1, 1e-12);
+  }
+  const TriMesh merged = discretised_marching_cubes(ball(41), 0), cubes = marching_cubes(ball(41), 0);
+  EXPECT_LT(static_cast<double>(merged.triangles.size()), 0.7 * static_cast<double>(cubes.triangles.size()));
+  EXPECT_NEAR(volume_mm3(merged) / volume_mm3(cubes), 1, 0.01);
+  EXPECT_EQ(share_in_plain_planes(merged, Vec3::Constant(26.0 / 40)), 1);
+}
+
+TEST(DiscretisedMarchingCubes, OfNothingIsEmptyAndRefusesWhatIsNotFinite) {
+  EXPECT_TRUE(discretised_marching_cubes(ball(8), 100).triangles.empty());
+  EXPECT_THROW(discretised_marching_cubes(ball(8), std::numeric_limits<double>::quiet_NaN()), InputError);
+}
+
 double area_of(const IsoLine& line) {
   double area = 0;
   for (std::size_t n = 0; n + 1 < line.size(); ++n)

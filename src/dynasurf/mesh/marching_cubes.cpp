@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/mesh/detail/marching_loops.hpp"
 #include "dynasurf/mesh/marching.hpp"
 
 namespace dynasurf::mesh {
@@ -87,11 +88,14 @@ bool fan_stays_inside(const Loop& loop, std::size_t from) {
   return true;
 }
 
+/// Where vertices lie on the edges of a cell: where the values say, or in the middle (discretised marching cubes).
+enum class Places { interpolated, middles };
+
 /// Walks all cells of a grid, layer by layer, and keeps the vertices of two layers at hand.
 class Marching {
  public:
-  Marching(const Image& image, double level, GridEdge edge)
-      : image_(image), level_(level), low_(edge == GridEdge::closed ? -1 : 0) {
+  Marching(const Image& image, double level, GridEdge edge, Places places = Places::interpolated)
+      : image_(image), level_(level), places_(places), low_(edge == GridEdge::closed ? -1 : 0) {
     for (std::size_t a = 0; a < 3; ++a) high_[a] = image.grid.dims[a] - (edge == GridEdge::closed ? 0 : 1);
     width_ = static_cast<std::size_t>(image.grid.dims[0] + 2);
     const std::size_t layer = width_ * static_cast<std::size_t>(image.grid.dims[1] + 2);
@@ -157,14 +161,35 @@ class Marching {
     for (int c = 0; c < 8; ++c)
       cell[static_cast<std::size_t>(c)] = above_level(at[0] + (c & 1), at[1] + ((c >> 1) & 1), at[2] + ((c >> 2) & 1));
     std::array<int, kEdges> next = follow_faces(cell);
+    bool is_middle_taken = false;
     for (int start = 0; start < kEdges; ++start) {
       Loop loop;
       for (int e = start; next[static_cast<std::size_t>(e)] >= 0;) {
         loop.edge[loop.size++] = e;
         e = std::exchange(next[static_cast<std::size_t>(e)], -1);
       }
-      if (loop.size > 0) fill(loop, at, cell);
+      if (loop.size == 0) continue;
+      if (places_ == Places::middles)
+        is_middle_taken = fill_flat(loop, at, cell, !is_middle_taken) || is_middle_taken;
+      else
+        fill(loop, at, cell);
     }
+  }
+
+  /// Fills a loop with triangles in the few planes that discretised marching cubes knows. Whether it took the middle of
+  /// the cell, which one loop of a cell may.
+  bool fill_flat(const Loop& loop, const Index3& at, const Cell& cell, bool may_use_middle) {
+    std::array<std::uint32_t, kEdges> v{};
+    for (std::size_t n = 0; n < loop.size; ++n) v[n] = vertex_on(loop.edge[n], at, cell);
+    const FlatFilling filling = flat_filling(std::span(loop.edge).first(loop.size), may_use_middle);
+    if (!filling.fan_from_middle) {
+      for (const auto& t : filling.triangles) mesh_.triangles.push_back({v[t[0]], v[t[1]], v[t[2]]});
+      return false;
+    }
+    const auto middle = static_cast<std::uint32_t>(mesh_.vertices.size());
+    mesh_.vertices.push_back((Vec3(at[0], at[1], at[2]) + Vec3::Constant(0.5)).cwiseProduct(image_.grid.spacing));
+    for (std::size_t n = 0; n < loop.size; ++n) mesh_.triangles.push_back({middle, v[n], v[(n + 1) % loop.size]});
+    return true;
   }
 
   void fill(const Loop& loop, const Index3& at, const Cell& cell) {
@@ -192,7 +217,9 @@ class Marching {
                   : in_layer_[static_cast<std::size_t>(from[2] - at[2])][2 * place + static_cast<std::size_t>(axis)];
     if (vertex != kNone) return vertex;
     const double a = cell[static_cast<std::size_t>(low)], b = cell[static_cast<std::size_t>(low | (1 << axis))];
-    const double share = std::isinf(a) || std::isinf(b) ? 0.5 : std::clamp(a / (a - b), kKeepAway, 1 - kKeepAway);
+    const double share = places_ == Places::middles || std::isinf(a) || std::isinf(b)
+                             ? 0.5
+                             : std::clamp(a / (a - b), kKeepAway, 1 - kKeepAway);
     Vec3 p(from[0], from[1], from[2]);
     p[axis] += share;
     vertex = static_cast<std::uint32_t>(mesh_.vertices.size());
@@ -202,6 +229,7 @@ class Marching {
 
   const Image& image_;
   const double level_;
+  const Places places_;
   const int low_;
   Index3 high_{};
   std::size_t width_ = 0, words_ = 0;  // of a row of nodes, and of its bits
@@ -211,13 +239,23 @@ class Marching {
   TriMesh mesh_;
 };
 
-}  // namespace
-
-TriMesh marching_cubes(const Image& image, double level, GridEdge edge) {
+void require_finite(const Image& image, double level) {
   if (!std::isfinite(level)) throw InputError("marching cubes: the level is not finite");
   for (const float v : image.values)
     if (!std::isfinite(v)) throw InputError("marching cubes: a value of the image is not finite");
+}
+
+}  // namespace
+
+TriMesh marching_cubes(const Image& image, double level, GridEdge edge) {
+  require_finite(image, level);
   return Marching(image, level, edge)();
+}
+
+TriMesh discretised_marching_cubes(const Image& image, double level, Facets facets) {
+  require_finite(image, level);
+  TriMesh mesh = Marching(image, level, GridEdge::closed, Places::middles)();
+  return facets == Facets::merged ? merged_facets(std::move(mesh), image.grid.spacing) : mesh;
 }
 
 }  // namespace dynasurf::mesh

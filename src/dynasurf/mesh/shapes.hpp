@@ -18,7 +18,7 @@ TriMesh icosphere(int level);
 TriMesh cube_surface(int cells);
 
 /// What surfaces start from.
-enum class StartShape { ellipsoid, sphere, cube, hull, marching_cubes, file };
+enum class StartShape { ellipsoid, sphere, cube, hull, marching_cubes, discretised_cubes, radial, file };
 std::span<const std::string_view> names_of(StartShape);
 
 /// Which way surfaces evolve (GEO-OUTIN, thesis 5.3).
@@ -37,14 +37,13 @@ void describe(auto& visit, Placement& o) {
   visit(
       "shape", o.shape,
       OptionInfo{"ellipsoid or cube fitted to the data's box, sphere around it, the data's convex hull, the data's own "
-                 "surface "
-                 "by marching cubes, or a mesh that is given, fitted to the box"});
+                 "surface by marching cubes or by discretised marching cubes, radial: as far in every direction as the "
+                 "border lies, or a mesh that is given, fitted to the box"});
   visit("direction", o.direction, OptionInfo{"from outside onto the border (thesis's choice, 5.3), or from inside"});
   visit("scale", o.scale,
         OptionInfo{
             "half axes of the start, in half sides of the data's bounding box; 1.74 holds the whole box; of a hull, "
-            "in its "
-            "own size",
+            "in its own size; of a radial one, in its distances",
             "", 0.05, 10});
   visit("inside_scale", o.inside_scale, OptionInfo{"the same for starts that grow from inside", "", 0.01, 1});
   visit("centre_of_mass", o.centre_of_mass, OptionInfo{"centre on the data's centre of mass instead of the box"});
@@ -57,8 +56,9 @@ TriMesh place(const TriMesh& unit, const Image& data, const Placement& options);
 
 /// The start that `options` ask for. Spheres, cubes and hulls have about 10 * 4^level vertices. Marching cubes runs
 /// around the solid that the border encloses, so the number of its triangles follows the data, and direction and scales
-/// do not apply. `given` is the mesh of StartShape::file, any size and place: its bounding box is fitted. Throws like
-/// `place`, and OptionError when no mesh was given or it has no extent.
+/// do not apply; discretised marching cubes likewise. A radial start has the vertices of a sphere, each moved along its
+/// ray from the middle of the box to the border, times the scale. `given` is the mesh of StartShape::file, any size and
+/// place: its bounding box is fitted. Throws like `place`, and OptionError when no mesh was given or it has no extent.
 TriMesh start_mesh(const Image& border, int level, const Placement& options, const TriMesh* given = nullptr);
 
 /// 1 in the non-zero voxels of a border and where they close a ring around a voxel in its slice across any axis, so

@@ -14,7 +14,8 @@
 namespace dynasurf::mesh {
 namespace {
 
-constexpr std::array<std::string_view, 6> kShapes{"ellipsoid", "sphere", "cube", "hull", "marching_cubes", "file"};
+constexpr std::array<std::string_view, 8> kShapes{"ellipsoid",         "sphere", "cube", "hull", "marching_cubes",
+                                                  "discretised_cubes", "radial", "file"};
 constexpr std::array<std::string_view, 2> kDirections{"out_to_in", "in_to_out"};
 
 /// The mesh moved and stretched so that its bounding box is [-1, 1]^3.
@@ -75,6 +76,33 @@ std::vector<Vec3> voxel_corners(const Image& border) {
   return places;
 }
 
+/// How far a ray from `centre` runs within the solid, in steps of a fifth of the smallest voxel side.
+double way_within(const Image& solid, const Vec3& centre, const Vec3& direction) {
+  const double step = solid.grid.spacing.minCoeff() / 5;
+  double way = 0;
+  for (;; way += step) {
+    const Index3 v = voxel_of(solid.grid, centre + (way + step) * direction);
+    if (!solid.grid.contains(v[0], v[1], v[2]) || solid(v[0], v[1], v[2]) == 0) return way;
+  }
+}
+
+/// A sphere whose vertices lie on their rays where the solid that the border encloses ends, times the scale. Where the
+/// middle of the box is not in the solid, its rays are short, so the box's ellipsoid is taken for them.
+TriMesh radial_start(const Image& border, int level, const Placement& options) {
+  const TriMesh unit = icosphere(level), box = place(unit, border, {.scale = 1});
+  const double scale = options.direction == Direction::in_to_out ? options.inside_scale : options.scale;
+  const Image solid = enclosed_solid(border);
+  Vec3 centre = Vec3::Zero();
+  for (const Vec3& p : box.vertices) centre += p / static_cast<double>(box.vertices.size());
+  TriMesh start = box;
+  for (Vec3& p : start.vertices) {
+    const Vec3 ray = p - centre;
+    const double within = way_within(solid, centre, ray.normalized());
+    p = centre + scale * (within > 0 ? Vec3(within * ray.normalized()) : ray);
+  }
+  return start;
+}
+
 /// As many squares as give a cube about the vertices of the icosphere.
 int cells_of_level(int level) { return std::max(1, static_cast<int>(std::lround(1.25 * (1 << level)))); }
 
@@ -129,6 +157,10 @@ TriMesh start_mesh(const Image& border, int level, const Placement& options, con
       return place(cube_surface(cells_of_level(level)), border, options);
     case StartShape::marching_cubes:
       return marching_cubes(enclosed_solid(border), 0.5);
+    case StartShape::discretised_cubes:
+      return discretised_marching_cubes(enclosed_solid(border), 0.5);
+    case StartShape::radial:
+      return radial_start(border, level, options);
     case StartShape::hull:
       return place(boxed(even_hull(voxel_corners(border), std::size_t{20} << 2 * level)), border, options);
     case StartShape::file:
