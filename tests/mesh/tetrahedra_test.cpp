@@ -127,6 +127,103 @@ TEST(ElasticSolid, AnswersAForceAsItWouldBeAnswered) {
   EXPECT_GT(solve_elastic(solid, {0.02, 0.45}, held, at_a)[a].dot(d), 0);  // and gives way
 }
 
+/// How often each face occurs; in a solid without gaps once on its surface and twice inside.
+std::map<std::array<std::uint32_t, 3>, int> faces_of(const TetMesh& solid) {
+  std::map<std::array<std::uint32_t, 3>, int> faces;
+  for (const auto& t : solid.tetrahedra)
+    for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+      std::array<std::uint32_t, 3> face{};
+      for (std::size_t c = 0, n = 0; c < 4; ++c)
+        if (c != left_out) face[n++] = t[c];
+      std::sort(face.begin(), face.end());
+      ++faces[face];
+    }
+  return faces;
+}
+
+double area_of_surface(const TetMesh& solid) {
+  double area = 0;
+  for (const auto& [f, count] : faces_of(solid)) {
+    EXPECT_LE(count, 2);
+    const Vec3 &a = solid.vertices[f[0]], &b = solid.vertices[f[1]], &c = solid.vertices[f[2]];
+    if (count == 1) area += (b - a).cross(c - a).norm() / 2;
+  }
+  return area;
+}
+
+TEST(Refined, KeepsTheSolidWithoutGapsAndIsFinerOnlyThere) {
+  const TetMesh coarse = shell();
+  TetMesh solid = coarse;
+  const Vec3 place = solid.vertices[60];
+  for (int round = 0; round < 4; ++round) {
+    std::vector<std::uint32_t> marked;
+    for (std::uint32_t n = 0; n < solid.tetrahedra.size(); ++n)
+      for (const std::uint32_t v : solid.tetrahedra[n])
+        if (solid.vertices[v] == place) marked.push_back(n);
+    solid = refined(solid, marked);
+    EXPECT_EQ(tet_quality(solid).not_positive, 0u);
+    EXPECT_NEAR(volume_mm3(solid) / volume_mm3(coarse), 1, 1e-12);
+    // Were an edge cut on one side of a face only, faces would be left without a partner inside, and add area.
+    EXPECT_NEAR(area_of_surface(solid) / area_of_surface(coarse), 1, 1e-12);
+  }
+  EXPECT_GT(solid.tetrahedra.size(), coarse.tetrahedra.size());
+  EXPECT_LT(solid.tetrahedra.size(), 5 * coarse.tetrahedra.size());
+  for (std::uint32_t v = 0; v < coarse.vertices.size(); ++v) EXPECT_EQ(solid.vertices[v], coarse.vertices[v]);
+  const auto smallest = [](const TetMesh& mesh, const Vec3& p) {
+    double least = 1e300;
+    for (const auto& t : mesh.tetrahedra)
+      for (const std::uint32_t v : t)
+        if (mesh.vertices[v] == p)
+          for (const std::uint32_t w : t)
+            if (w != v) least = std::min(least, (mesh.vertices[w] - p).norm());
+    return least;
+  };
+  EXPECT_LT(smallest(solid, place), 0.6 * smallest(coarse, place));
+  EXPECT_TRUE(tet_quality(solid).shape_min > 0.2 * tet_quality(coarse).shape_min);
+  const std::vector<std::uint32_t> beyond{100000};
+  EXPECT_THROW(refined(coarse, beyond), InputError);
+  EXPECT_EQ(refined(coarse, {}).tetrahedra, coarse.tetrahedra);
+}
+
+TEST(Refined, GivesWayMoreWhereAForceActs) {
+  // Energy falls with every finer space of functions: the point that is pressed gives way more, never less.
+  TetMesh solid = shell();
+  const std::vector<HeldVertex> held{{0, Vec3::Zero()}, {1, Vec3::Zero()}, {2, Vec3::Zero()}, {3, Vec3::Zero()}};
+  const std::vector<VertexForce> force{{60, {0.1, 0.2, -0.1}}};
+  double before = solve_elastic(solid, {}, held, force)[60].dot(force[0].force);
+  for (int round = 0; round < 3; ++round) {
+    std::vector<std::uint32_t> marked;
+    for (std::uint32_t n = 0; n < solid.tetrahedra.size(); ++n)
+      if (std::find(solid.tetrahedra[n].begin(), solid.tetrahedra[n].end(), 60u) != solid.tetrahedra[n].end())
+        marked.push_back(n);
+    solid = refined(solid, marked);
+    const double now = solve_elastic(solid, {}, held, force)[60].dot(force[0].force);
+    EXPECT_GT(now, before);
+    before = now;
+  }
+}
+
+TEST(Carried, MovesPlacesLinearlyWithTheCageAndBeyondIt) {
+  const TetMesh cage = shell();
+  Mat3 strain;
+  strain << 0.01, 0.004, -0.002, 0.003, -0.02, 0.005, 0.001, -0.003, 0.015;
+  std::vector<Vec3> moved, places;
+  for (const Vec3& p : cage.vertices) moved.push_back(strain * p + Vec3(1, 2, 3)), places.push_back(1.02 * p);
+  for (const auto& t : cage.tetrahedra)
+    places.push_back((cage.vertices[t[0]] + cage.vertices[t[1]] + cage.vertices[t[2]] + cage.vertices[t[3]]) / 4);
+  const std::vector<Vec3> found = carried(cage, moved, places);
+  for (std::size_t n = 0; n < places.size(); ++n)
+    EXPECT_LT((found[n] - strain * places[n] - Vec3(1, 2, 3)).norm(), 1e-9) << n;
+  // A vertex of the cage goes with it, whatever the others do.
+  moved.assign(moved.size(), Vec3::Zero());
+  moved[60] = Vec3(0, 0, 5);
+  const std::vector<Vec3> one{cage.vertices[60], cage.vertices[61]};
+  EXPECT_LT((carried(cage, moved, one)[0] - moved[60]).norm(), 1e-9);
+  EXPECT_LT(carried(cage, moved, one)[1].norm(), 1e-9);
+  EXPECT_THROW(carried(cage, std::vector<Vec3>(3), places), InputError);
+  EXPECT_THROW(carried({}, {}, places), InputError);
+}
+
 TEST(ElasticSolid, RefusesWhatHasNoAnswer) {
   const TetMesh solid = shell();
   EXPECT_THROW(solve_elastic(solid, {0, 0.3}, {}, {}), InputError);

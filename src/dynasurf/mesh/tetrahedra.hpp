@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "dynasurf/core/tri_mesh.hpp"
@@ -33,5 +34,17 @@ struct TetQuality {
 };
 /// Measures all tetrahedra of a solid.
 TetQuality tet_quality(const TetMesh& solid);
+
+/// The same solid with smaller tetrahedra where `marked` (numbers of tetrahedra) asks for them (FUT-VOLMODEL): each of
+/// them is cut at its longest edge, and so are neighbours as far as it takes that no vertex lies in the middle of an
+/// edge or face of another tetrahedron and that nobody is cut at a shorter edge before its longest (after Rivara 1984).
+/// Vertices keep their numbers, new ones follow; the volume stays. Throws InputError for a number out of range.
+TetMesh refined(const TetMesh& solid, std::span<const std::uint32_t> marked);
+
+/// How places move with a coarse solid around them, the cage: linearly within each tetrahedron, beyond the solid as the
+/// nearest one goes on (FUT-VOLMODEL: a coarse model drives a fine wall). `moved` is the displacement of each vertex of
+/// the cage. A linear motion is met exactly. Throws InputError for a cage without tetrahedra or another number of
+/// moves.
+std::vector<Vec3> carried(const TetMesh& cage, std::span<const Vec3> moved, std::span<const Vec3> places);
 
 }  // namespace dynasurf::mesh
