@@ -90,26 +90,116 @@ bool is_open(const Mask& edges) {
   return false;
 }
 
-TEST(ContourCompletion, ClosesAnOpenContour) {
+/// A disc of radius 11.5 whose rim fades over `gap` degrees towards +i: there the surroundings are nearly as bright.
+Image faded_disc(double gap_deg) {
+  return image_of(61, 61, 1, [&](int i, int j, int) {
+    const double r = std::hypot(i - 30, j - 30), a = std::abs(angle_deg(i - 30, j - 30));
+    const double contrast = std::clamp(0.28 + (a - gap_deg / 2) / 60, 0.05, 1.0);
+    return 1 - contrast * std::clamp(r - 11.5, 0.0, 1.0);
+  });
+}
+
+TEST(ContourCompletion, ClosesAnOpenContourOnItsRing) {
   for (const double gap : {30.0, 45.0, 60.0}) {
-    // Towards +i the surroundings are nearly as bright as the disc: over `gap` degrees its rim is below the threshold.
-    const Image disc = image_of(61, 61, 1, [&](int i, int j, int) {
-      const double r = std::hypot(i - 30, j - 30), a = std::abs(angle_deg(i - 30, j - 30));
-      const double contrast = std::clamp(0.28 + (a - gap / 2) / 60, 0.05, 1.0);
-      return 1 - contrast * std::clamp(r - 11.5, 0.0, 1.0);
-    });
-    const Canny canny{.low = 0.28, .high = 0.5};
-    const Mask open = detect_edges(disc, canny).edges;
-    const Mask closed = detect_edges(disc, ContourCompletion{.steps = 600, .complete = true, .canny = canny}).edges;
+    const Canny canny{.low = 0.28, .high = 0.5, .subpixel = true};
+    const Mask open = detect_edges(faded_disc(gap), canny).edges;
+    const EdgeMap map =
+        detect_edges(faded_disc(gap), ContourCompletion{.steps = 600, .complete = true, .canny = canny});
+    const Mask& closed = map.edges;
     EXPECT_TRUE(is_open(open)) << gap;
     EXPECT_FALSE(is_open(closed)) << gap;
-    // The bridge goes straight on from the ends before it bends, so it lies outside the arc: by 2 to 6 pixels.
+    int added = 0;
     for (int j = 0; j < 61; ++j)
       for (int i = 0; i < 61; ++i)
         if (closed(i, j, 0) && !open(i, j, 0)) {
-          EXPECT_NEAR(std::hypot(i - 30, j - 30), 12, 6.5) << gap;
+          const double x = i + map.offsets->x_px(i, j, 0) - 30, y = j + map.offsets->y_px(i, j, 0) - 30;
+          EXPECT_NEAR(std::hypot(x, y), 12, 1) << gap << ": " << i << " " << j;
+          ++added;
         }
+    EXPECT_GT(added, 12 * gap * std::numbers::pi / 180 / 2) << gap;
   }
+}
+
+TEST(ContourCompletion, FollowsAnEllipseByItsPriorAndNotWithout) {
+  // The blunt end of an ellipse of 18 x 10 px is lost: 75 degrees of its curve, where it turns most.
+  const auto place = [](double angle) { return std::pair{30 + 18 * std::cos(angle), 30 + 10 * std::sin(angle)}; };
+  const auto worst_px = [&](const Mask& edges) {
+    double worst = 0;
+    for (int n = -40; n <= 40; ++n) {
+      const auto [x, y] = place(n * std::numbers::pi / 180);
+      double nearest = 100;
+      for (int j = 0; j < 61; ++j)
+        for (int i = 0; i < 61; ++i)
+          if (edges(i, j, 0)) nearest = std::min(nearest, std::hypot(i - x, j - y));
+      worst = std::max(worst, nearest);
+    }
+    return worst;
+  };
+  const Image torn = image_of(61, 61, 1, [&](int i, int j, int) {
+    const double level = std::hypot((i - 30) / 18.0, (j - 30) / 10.0),
+                 angle = std::atan2((j - 30) / 10.0, (i - 30) / 18.0);
+    const double contrast = std::clamp(0.28 + (std::abs(angle) * 180 / std::numbers::pi - 37) / 40, 0.05, 1.0);
+    return 1 - contrast * std::clamp(12 * (level - 1) + 0.5, 0.0, 1.0);
+  });
+  ContourCompletion o{.steps = 2500, .complete = true, .canny = {.low = 0.28, .high = 0.5}};
+  const double without = worst_px(detect_edges(torn, o).edges);
+  o.prior = ContourPrior::ellipse;
+  const double with = worst_px(detect_edges(torn, o).edges);
+  EXPECT_LT(with, 2.1);
+  EXPECT_GT(without, 5);
+}
+
+TEST(ContourCompletion, WithACircleFillsAGapThatTheImageAloneLeavesOpen) {
+  for (const double gap : {30.0, 60.0}) {
+    const Slice before = slice_of_image(open_ring(gap));
+    ContourCompletion o{.steps = 400, .prior_weight = 1};
+    const Conic circle{1, 0, 1, -50, -50};  // about (25, 25)
+    const Slice alone = diffuse_along_contours(before, o), led = diffuse_along_contours(before, o, circle);
+    EXPECT_LT(alone(37, 25), 0.1) << gap;
+    EXPECT_GT(led(37, 25), 0.4) << gap;
+    EXPECT_LT(led(34, 25), 0.6 * led(37, 25)) << "inside the arc, " << gap;
+    EXPECT_LT(led(40, 25), 0.6 * led(37, 25)) << "outside the arc, " << gap;
+  }
+}
+
+Component arc(double x, double y, double a, double b, double turn, double from_deg, double to_deg) {
+  Component c;
+  for (double t = from_deg; t <= to_deg; t += 2) {
+    const double u = a * std::cos(t * std::numbers::pi / 180), v = b * std::sin(t * std::numbers::pi / 180);
+    c.pixels.push_back({static_cast<int>(std::lround(x + u * std::cos(turn) - v * std::sin(turn))),
+                        static_cast<int>(std::lround(y + u * std::sin(turn) + v * std::cos(turn)))});
+  }
+  return c;
+}
+
+TEST(FitConics, FindsTheMiddleOfTornCirclesOfTwoWalls) {
+  const std::vector<Component> walls{arc(31.5, 28, 9, 9, 0, -30, 180), arc(31.5, 28, 17, 17, 0, -60, 150)};
+  const auto circle = fit_conics(walls, {.prior = ContourPrior::circle});
+  ASSERT_TRUE(circle);
+  EXPECT_NEAR(circle->middle()[0], 31.5, 0.3);  // pixels are rounded
+  EXPECT_NEAR(circle->middle()[1], 28, 0.3);
+  const auto fixed = fit_conics(walls, {.prior = ContourPrior::circle, .prior_x_px = 3, .prior_y_px = 4});
+  EXPECT_EQ(fixed->middle(), Eigen::Vector2d(3, 4));
+}
+
+TEST(FitConics, FindsTheAxesOfAnEllipse) {
+  const double turn = 0.4;
+  const auto q =
+      fit_conics(std::vector<Component>{arc(40, 30, 24, 12, turn, -100, 170)}, {.prior = ContourPrior::ellipse});
+  ASSERT_TRUE(q);
+  EXPECT_NEAR(q->middle()[0], 40, 0.5);
+  EXPECT_NEAR(q->middle()[1], 30, 0.5);
+  EXPECT_NEAR(0.5 * std::atan2(q->b, q->a - q->c), turn - std::numbers::pi / 2, 0.05);  // of the steeper axis
+  const double half = (q->a + q->c) / 2, difference = std::hypot((q->a - q->c) / 2, q->b / 2);
+  EXPECT_NEAR(std::sqrt((half + difference) / (half - difference)), 2, 0.1);
+}
+
+TEST(FitConics, GiveNothingForALineOrTooLittle) {
+  const ContourCompletion ellipse{.prior = ContourPrior::ellipse};
+  EXPECT_FALSE(fit_conics({}, ellipse));
+  Component line;
+  for (int i = 0; i < 30; ++i) line.pixels.push_back({i, 7});
+  EXPECT_FALSE(fit_conics(std::vector{line}, ellipse));
 }
 
 TEST(ContourCompletion, WithoutStepsIsCanny) {
@@ -119,6 +209,7 @@ TEST(ContourCompletion, WithoutStepsIsCanny) {
 
 TEST(ContourCompletion, RefusesAStepThatMayBlowUp) {
   EXPECT_THROW(detect_edges(test::noise_image(8, 8, 1), ContourCompletion{.step = 0.3}), OptionError);
+  EXPECT_THROW(detect_edges(test::noise_image(8, 8, 1), ContourCompletion{.prior_x_px = 3}), OptionError);
 }
 
 }  // namespace

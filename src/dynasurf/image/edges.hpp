@@ -113,6 +113,10 @@ void describe(auto& visit, Compass& o) {
   visit("subpixel", o.subpixel, OptionInfo{"tell where in its pixel each edge lies"});
 }
 
+/// What contours are expected to be like (FUT-ACC, thesis ch. 8).
+enum class ContourPrior { none, circle, ellipse };
+std::span<const std::string_view> names_of(ContourPrior);
+
 /// Heat that flows along contours only, then Canny (EDGE-ACC, anisotropic contour completion, thesis 6.1.6).
 struct ContourCompletion {
   static constexpr std::string_view name = "acc";
@@ -123,6 +127,9 @@ struct ContourCompletion {
   int refresh = 0;
   bool complete = false;
   double complete_level = 0.25;
+  ContourPrior prior = ContourPrior::none;
+  double prior_weight = 0.5;
+  std::optional<double> prior_x_px = {}, prior_y_px = {};
   Canny canny{};
 };
 void describe(auto& visit, ContourCompletion& o) {
@@ -136,6 +143,13 @@ void describe(auto& visit, ContourCompletion& o) {
         OptionInfo{
             "diffuse the contours that Canny finds instead of the image, and add what bridges them as minor edges"});
   visit("complete_level", o.complete_level, OptionInfo{"heat that makes a bridge, 1 on the contour", "", 0.001, 1});
+  visit(
+      "prior", o.prior,
+      OptionInfo{"circle, ellipse: heat also flows along circles or ellipses about one middle, fitted to the edges of "
+                 "the slice that Canny finds"});
+  visit("prior_weight", o.prior_weight, OptionInfo{"1: along these alone, 0: along what is seen alone", "", 0, 1});
+  visit("prior_x_px", o.prior_x_px, OptionInfo{"their middle, column; unset: fitted", "px"});
+  visit("prior_y_px", o.prior_y_px, OptionInfo{"their middle, row; unset: fitted", "px"});
   visit("canny", o.canny, OptionInfo{"the detector that finds the edges"});
 }
 
