@@ -10,6 +10,7 @@
 #include "dynasurf/synthetic/camera_options.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
+#include "dynasurf/synthetic/terrain.hpp"
 #include "dynasurf/ventricle/organ.hpp"
 #include "dynasurf/ventricle/presets.hpp"
 
@@ -44,6 +45,7 @@ std::vector<OptionRow> rows_of(const Arguments& arguments) {
     throw OptionError("no options are known of '" + arguments.subject +
                       "'; choices: ventricle, cloud, organ, phantom KIND");
   if (arguments.kind == "cloud") return option_table(synthetic::CloudPhantom{});
+  if (arguments.kind == "terrain") return option_table(synthetic::Terrain{});
   if (arguments.kind == synthetic::CameraPhantom::name) return option_table(synthetic::CameraPhantom{});
   if (arguments.kind == "patients")
     return option_table(synthetic::VirtualPatient{});  // what --set says to each of them

@@ -93,9 +93,10 @@ ExitCode run(const PhantomArguments& arguments, std::stop_token stop) {
   if (arguments.count > 0 || arguments.small || arguments.repeats > 1)
     throw OptionError("--count, --repeats and --small belong to phantom patients");
   if (!arguments.labels.ending.empty() &&
-      (arguments.kind == "cloud" || arguments.kind == synthetic::CameraPhantom::name))
+      (arguments.kind == "cloud" || arguments.kind == "terrain" || arguments.kind == synthetic::CameraPhantom::name))
     throw OptionError("--labels: the phantom '" + arguments.kind + "' has no walls on the grid of its study");
   if (arguments.kind == "cloud") return make_scan(arguments, stop);
+  if (arguments.kind == "terrain") return make_terrain(arguments, stop);
   if (arguments.kind == synthetic::CameraPhantom::name) return make_acquisition(arguments, stop);
   const synthetic::PhantomOptions options = options_of(arguments);
   io::OutputFolder folder(arguments.out.path, arguments.out.existing());
@@ -112,8 +113,8 @@ std::string kinds_text() {
   std::string text;
   for (const std::string_view kind : choice_of(phantom).methods) text.append(text.empty() ? "" : ", ").append(kind);
   return text +
-         ", patients: many with a table of their truth, camera: projections of a patient, or cloud: points of a "
-         "scanned body";
+         ", patients: many with a table of their truth, camera: projections of a patient, cloud: points of a "
+         "scanned body, or terrain: hills with spikes to smooth";
 }
 
 }  // namespace
@@ -125,7 +126,7 @@ void add_phantom(CLI::App& program, Command& chosen) {
   add_out_folder(
       *command, a->out,
       "folder for study.dcm, study.nii.gz (camera: projections.dcm, transaxial.dcm, attenuation.nrrd; cloud: "
-      "cloud.ply), truth.json, the true surfaces, and points.csv of patients with tags")
+      "cloud.ply, terrain: terrain.ply), truth.json, the true surfaces, and points.csv of patients with tags")
       ->required();
   command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options)")
       ->take_all()

@@ -7,6 +7,7 @@
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
+#include "dynasurf/synthetic/terrain.hpp"
 
 #include "console.hpp"
 #include "phantom_parts.hpp"
@@ -41,6 +42,35 @@ ExitCode make_scan(const PhantomArguments& arguments, std::stop_token stop) {
     print(std::string(word_of(options.shape)) + ": " + std::to_string(cloud.points.size()) + " points, genus " +
           std::to_string(synthetic::genus_of(options.shape)) + "\nphantom: " + arguments.out.path + "\n" +
           line_of_moved(folder));
+  return done;
+}
+
+ExitCode make_terrain(const PhantomArguments& arguments, std::stop_token stop) {
+  if (arguments.nrrd) throw OptionError("--nrrd: the phantom 'terrain' is no volume");
+  if (!arguments.seed.empty()) throw OptionError("--seed: the phantom 'terrain' draws no random numbers");
+  synthetic::Terrain options = options_from<synthetic::Terrain>(arguments);
+  synthetic::Terrain hills = options;
+  hills.spike_every = 0;
+  io::OutputFolder folder(arguments.out.path, arguments.out.existing());
+  const TriMesh terrain = synthetic::make_terrain(options), truth = synthetic::make_terrain(hills);
+  io::write_mesh(terrain, folder.path() / "terrain.ply", io::MeshFormat::ply);
+  io::write_mesh(truth, folder.path() / "truth" / "surface.ply", io::MeshFormat::ply);
+  std::size_t spikes = 0;
+  for (std::size_t v = 0; v < truth.vertices.size(); ++v) spikes += terrain.vertices[v] != truth.vertices[v] ? 1 : 0;
+  Json json = Json::object();
+  json["schema"] = "dynasurf.phantom/1";
+  json["kind"] = "terrain";
+  json["vertices"] = truth.vertices.size();
+  json["triangles"] = truth.triangles.size();
+  json["spikes"] = spikes;
+  json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
+  json["options"] = io::parse_json(io::options_to_text(options), "the options");
+  io::write_file(folder.path() / "truth.json", io::json_text(json));
+  if (stop.stop_requested()) throw Cancelled("stopped on request");
+  folder.publish();
+  if (!arguments.quiet)
+    print("terrain: " + std::to_string(truth.vertices.size()) + " vertices, " + std::to_string(spikes) +
+          " spikes\nphantom: " + arguments.out.path + "\n" + line_of_moved(folder));
   return done;
 }
 

@@ -36,6 +36,9 @@ O options_from(const PhantomArguments& arguments) {
 /// A scan with its truth: the points, and the surface they were taken from.
 ExitCode make_scan(const PhantomArguments& arguments, std::stop_token stop);
 
+/// A height field with spikes, and without them as its truth.
+ExitCode make_terrain(const PhantomArguments& arguments, std::stop_token stop);
+
 /// A patient before the camera: projections, slices, truth.
 ExitCode make_acquisition(const PhantomArguments& arguments, std::stop_token stop);
 

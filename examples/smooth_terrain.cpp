@@ -6,6 +6,7 @@
 
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/mesh/smooth.hpp"
+#include "dynasurf/synthetic/terrain.hpp"
 
 #include "svg.hpp"
 
@@ -13,25 +14,7 @@ using namespace dynasurf;
 
 namespace {
 
-constexpr std::uint32_t kCells = 40;
-
-double hill(double x, double y) { return 4 * std::sin(x / 7) * std::cos(y / 9); }
-
-TriMesh terrain() {
-  TriMesh m;
-  for (std::uint32_t j = 0; j <= kCells; ++j)
-    for (std::uint32_t i = 0; i <= kCells; ++i) {
-      const bool spike = (7 * i + 13 * j) % 61 == 0 && i % kCells != 0 && j % kCells != 0;
-      m.vertices.emplace_back(i, j, hill(i, j) + (spike ? 5 : 0));
-    }
-  for (std::uint32_t j = 0; j < kCells; ++j)
-    for (std::uint32_t i = 0; i < kCells; ++i) {
-      const std::uint32_t a = j * (kCells + 1) + i, b = a + 1, c = a + kCells + 1, d = c + 1;
-      m.triangles.push_back({a, b, d});
-      m.triangles.push_back({a, d, c});
-    }
-  return m;
-}
+const synthetic::Terrain kTerrain;
 
 int count_peaks(const TriMesh& m) {
   const auto deficits = mesh::angle_deficits(m);
@@ -40,14 +23,15 @@ int count_peaks(const TriMesh& m) {
 
 double farthest_from_hills(const TriMesh& m) {
   double farthest = 0;
-  for (const Vec3& p : m.vertices) farthest = std::max(farthest, std::abs(p[2] - hill(p[0], p[1])));
+  for (const Vec3& p : m.vertices)
+    farthest = std::max(farthest, std::abs(p[2] - synthetic::hill_height_mm(kTerrain, p[0], p[1])));
   return farthest;
 }
 
 }  // namespace
 
 int main() {
-  TriMesh m = terrain();
+  TriMesh m = synthetic::make_terrain(kTerrain);
   io::write_mesh(m, "terrain_before.ply", io::MeshFormat::ply);
   Drawing drawing;
   drawing.mesh(m.vertices, m.triangles, "grey", Vec3(0, 0, 45));

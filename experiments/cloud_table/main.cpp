@@ -8,6 +8,7 @@
 #include "dynasurf/cloud/lod.hpp"
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/io/mesh_io.hpp"
+#include "dynasurf/synthetic/cloud_shapes.hpp"
 
 #include "../support/surface_distance.hpp"
 
@@ -16,9 +17,8 @@ using namespace dynasurf;
 namespace {
 
 /// One level by itself, as the thesis timed it.
-void print_row(const std::string& name, const TriMesh& surface, const std::string& preset, int triangles) {
-  PointCloud cloud;
-  cloud.points = surface.vertices;
+void print_row(const std::string& name, const PointCloud& cloud, const TriMesh& surface, const std::string& preset,
+               int triangles) {
   cloud::Options options = cloud::preset(preset);
   options.triangles = {triangles};
   const std::clock_t start = std::clock();
@@ -34,21 +34,33 @@ void print_row(const std::string& name, const TriMesh& surface, const std::strin
   std::fflush(stdout);
 }
 
+void print_rows(const std::string& name, const PointCloud& cloud, const TriMesh& surface) {
+  for (const char* preset : {"thesis", "shaped", "faithful"})
+    for (const int triangles : {320, 1280, 5120}) print_row(name, cloud, surface, preset, triangles);
+}
+
+/// Bodies built like the thesis's, with its counts of points.
+void print_thesis_bodies() {
+  using enum synthetic::CloudShape;
+  for (const synthetic::CloudShape shape : {rabbit, screwdriver, vase, venus, moai, squirrel}) {
+    PointCloud cloud = synthetic::make_cloud({.shape = shape, .points = 0});
+    print_rows(std::string(word_of(shape)), cloud, synthetic::cloud_reference(shape));
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
-  if (argc < 2) {
-    std::fprintf(stderr, "usage: experiment_cloud_table SURFACE...\n");
-    return 1;
-  }
   std::printf(
       "| model | points | preset | triangles | of plain %% | cpu s | watertight | genus | crossings | distance %% | "
       "largest %% | angle |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  if (argc < 2) print_thesis_bodies();
   for (int i = 1; i < argc; ++i) {
     const std::filesystem::path path = argv[i];
     const TriMesh surface = io::read_mesh(path);
-    for (const char* preset : {"thesis", "shaped", "faithful"})
-      for (const int triangles : {320, 1280, 5120}) print_row(path.stem().string(), surface, preset, triangles);
+    PointCloud cloud;
+    cloud.points = surface.vertices;
+    print_rows(path.stem().string(), cloud, surface);
   }
   return 0;
 } catch (const std::exception& e) {

@@ -13,13 +13,13 @@ def make_cloud(options: Any = ..., **members: Any) -> PointCloud: ...
 def make_phantom(options: Any, *, threads: Any = ...) -> Phantom: ...
 
 class CloudPhantom(_Options):
-    shape: Literal['sphere', 'ellipsoid', 'torus', 'two_torus', 'cube', 'plate', 'spring', 'vase', 'blobs']
+    shape: Literal['sphere', 'ellipsoid', 'torus', 'two_torus', 'cube', 'plate', 'spring', 'vase', 'blobs', 'rabbit', 'screwdriver', 'venus', 'moai', 'squirrel']
     points: int
     noise_percent: float
     missing_percent: float
     normals: bool
     seed: int
-    def __init__(self, *, shape: Literal['sphere', 'ellipsoid', 'torus', 'two_torus', 'cube', 'plate', 'spring', 'vase', 'blobs'] = ..., points: int = ..., noise_percent: float = ..., missing_percent: float = ..., normals: bool = ..., seed: int = ...) -> None: ...
+    def __init__(self, *, shape: Literal['sphere', 'ellipsoid', 'torus', 'two_torus', 'cube', 'plate', 'spring', 'vase', 'blobs', 'rabbit', 'screwdriver', 'venus', 'moai', 'squirrel'] = ..., points: int = ..., noise_percent: float = ..., missing_percent: float = ..., normals: bool = ..., seed: int = ...) -> None: ...
 
 class Lattice(_Options):
     nx: int

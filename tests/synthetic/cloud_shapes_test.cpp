@@ -72,6 +72,44 @@ TEST(CloudPhantom, TheSameSeedGivesTheSamePoints) {
   EXPECT_NE(make_cloud(o).points, make_cloud(other).points);
 }
 
+TEST(CloudPhantom, HasTheThesissCountOfPointsOfItsSixBodies) {
+  const std::pair<CloudShape, std::size_t> published[] = {{CloudShape::rabbit, 67038}, {CloudShape::screwdriver, 27152},
+                                                          {CloudShape::vase, 68097},   {CloudShape::venus, 134345},
+                                                          {CloudShape::moai, 10002},   {CloudShape::squirrel, 9996}};
+  for (const auto& [shape, count] : published) {
+    EXPECT_EQ(make_cloud({.shape = shape, .points = 0}).points.size(), count) << word_of(shape);
+    EXPECT_EQ(genus_of(shape), 0) << word_of(shape);
+  }
+  EXPECT_EQ(make_cloud({.points = 0}).points.size(), 100000u);
+}
+
+/// How many separate curves a horizontal plane cuts out of a body.
+std::size_t curves_at(CloudShape shape, double z) {
+  return mesh::cross_section(cloud_reference(shape), Vec3(0, 0, z), Vec3(0, 0, 1)).size();
+}
+
+TEST(CloudPhantom, ShowsTheFeaturesOfTheThesissBodies) {
+  EXPECT_EQ(curves_at(CloudShape::rabbit, 0.9), 2u) << "two ears";
+  EXPECT_EQ(curves_at(CloudShape::squirrel, 0.95), 1u) << "the tip of the tail above the ears";
+  EXPECT_EQ(curves_at(CloudShape::squirrel, 0.1), 2u) << "the tail beside the back";
+  EXPECT_EQ(curves_at(CloudShape::moai, 0.0), 1u);
+  EXPECT_EQ(curves_at(CloudShape::venus, 0.0), 1u) << "the neck";
+  // Eight flutes: the section of the handle turns in between them.
+  const auto handle = mesh::cross_section(cloud_reference(CloudShape::screwdriver), Vec3(-0.75, 0, 0), Vec3(1, 0, 0));
+  ASSERT_EQ(handle.size(), 1u);
+  int crests = 0;
+  const auto radius = [&](std::size_t n) {
+    const Vec3& p = handle[0][n % (handle[0].size() - 1)];
+    return std::hypot(p[1], p[2]);
+  };
+  bool is_high = radius(0) > 0.2;
+  for (std::size_t n = 1; n < handle[0].size(); ++n) {
+    if (!is_high && radius(n) > 0.212) is_high = true, ++crests;
+    if (is_high && radius(n) < 0.188) is_high = false;
+  }
+  EXPECT_NEAR(crests, 8, 1);
+}
+
 TEST(CloudPhantom, RefusesOptionsOutOfRange) {
   EXPECT_THROW(make_cloud({.points = 5}), OptionError);
   EXPECT_THROW(make_cloud({.missing_percent = 95}), OptionError);

@@ -10,6 +10,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/marching.hpp"
 #include "dynasurf/mesh/shapes.hpp"
+#include "dynasurf/synthetic/detail/level_bodies.hpp"
 #include "dynasurf/synthetic/detail/solids.hpp"
 
 namespace dynasurf::synthetic {
@@ -18,8 +19,9 @@ namespace {
 using std::numbers::pi;
 using Level = std::function<double(const Vec3&)>;  // positive inside
 
-constexpr std::array<std::string_view, 9> names{"sphere", "ellipsoid", "torus", "two_torus", "cube",
-                                                "plate",  "spring",    "vase",  "blobs"};
+constexpr std::array<std::string_view, 14> names{"sphere",      "ellipsoid", "torus", "two_torus", "cube",
+                                                 "plate",       "spring",    "vase",  "blobs",     "rabbit",
+                                                 "screwdriver", "venus",     "moai",  "squirrel"};
 
 TriMesh stretched(TriMesh mesh, const Vec3& half_axes) {
   for (Vec3& p : mesh.vertices) p = p.cwiseProduct(half_axes);
@@ -183,8 +185,37 @@ TriMesh cloud_reference(CloudShape shape) {
       return vase();
     case CloudShape::blobs:
       return level_surface(blobs, 1.3);
+    case CloudShape::rabbit:
+      return level_surface(rabbit_level, 1.3);
+    case CloudShape::screwdriver:
+      return level_surface(screwdriver_level, 1.3);
+    case CloudShape::venus:
+      return level_surface(venus_level, 1.3);
+    case CloudShape::moai:
+      return level_surface(moai_level, 1.3);
+    case CloudShape::squirrel:
+      return level_surface(squirrel_level, 1.3);
   }
   return {};
+}
+
+int thesis_points(CloudShape shape) {
+  switch (shape) {
+    case CloudShape::rabbit:
+      return 67038;
+    case CloudShape::screwdriver:
+      return 27152;
+    case CloudShape::vase:
+      return 68097;
+    case CloudShape::venus:
+      return 134345;
+    case CloudShape::moai:
+      return 10002;
+    case CloudShape::squirrel:
+      return 9996;
+    default:
+      return 0;
+  }
 }
 
 int genus_of(CloudShape shape) { return shape == CloudShape::torus ? 1 : shape == CloudShape::two_torus ? 2 : 0; }

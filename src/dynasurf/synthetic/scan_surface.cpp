@@ -43,11 +43,17 @@ void tear_hole(PointCloud& cloud, double share, Random random) {
   if (!cloud.normals.empty()) cloud.normals.resize(order.size());
 }
 
+constexpr int usual_points = 100000, least_points = 10;
+
 }  // namespace
 
 PointCloud scan_surface(const TriMesh& surface, const CloudPhantom& options) {
   CloudPhantom o = options;
   check_options(o, "cloud");
+  if (o.points == 0) o.points = thesis_points(o.shape) > 0 ? thesis_points(o.shape) : usual_points;
+  if (o.points < least_points)
+    throw OptionError("option cloud.points is " + std::to_string(o.points) + "; expected 0 or at least " +
+                      std::to_string(least_points));
   const std::vector<double> sums = areas_up_to(surface);
   Eigen::AlignedBox3d box;
   for (const Vec3& p : surface.vertices) box.extend(p);
