@@ -1,6 +1,7 @@
 #include <charconv>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include <CLI/CLI.hpp>
 
@@ -27,6 +28,9 @@ struct Arguments {
   OutFolder out;
   cloud::Camera camera;
   cloud::LodRule rule;
+  std::vector<double> from;
+  std::optional<double> distance;
+  int current = 0;  // 1-based; 0: none
   int steps = 3, instances = 200;
   bool json = false, quiet = false, with_names = false;
 };
@@ -76,6 +80,19 @@ std::string summary_of(const std::vector<NamedLevel>& levels, const LodPlan& pla
   return text;
 }
 
+/// Which level to draw at a distance (GEN-MIP (a)), when another one may stand there now.
+std::string choice_at(const Arguments& arguments, const LodPlan& plan) {
+  if (!(*arguments.distance >= 0)) throw OptionError("--distance: expected a number from 0 on");
+  if (arguments.current > static_cast<int>(plan.from.size()))
+    throw OptionError("--current is " + std::to_string(arguments.current) + "; there are " +
+                      std::to_string(plan.from.size()) + " levels");
+  std::optional<std::size_t> current;
+  if (arguments.current > 0) current = static_cast<std::size_t>(arguments.current - 1);
+  const std::size_t level =
+      cloud::level_for_distance(plan.from, *arguments.distance, current, arguments.rule.hysteresis_percent);
+  return "at " + fixed(*arguments.distance, 4) + ": level " + std::to_string(level + 1) + "\n";
+}
+
 ExitCode run(Arguments arguments, std::stop_token stop) {
   read_screen(arguments.screen, arguments.camera);
   check_options(arguments.camera, "camera");
@@ -83,7 +100,8 @@ ExitCode run(Arguments arguments, std::stop_token stop) {
   std::vector<TriMesh> meshes;
   meshes.reserve(levels.size());
   for (const NamedLevel& level : levels) meshes.push_back(level.mesh);
-  const LodPlan plan = plan_of(meshes, arguments.rule, arguments.camera);
+  const LodPlan plan = plan_of(meshes, arguments.rule, arguments.camera, arguments.from);
+  const std::string choice = arguments.distance ? choice_at(arguments, plan) : "";
   const std::string json = io::json_text(json_of(levels, plan, arguments.rule, arguments.camera));
   std::string written;
   if (arguments.out.is_asked()) {
@@ -91,7 +109,8 @@ ExitCode run(Arguments arguments, std::stop_token stop) {
                             {arguments.levels.begin(), arguments.levels.end()});
     io::write_file(folder.path() / "lod.json", json);
     write_transitions(plan, arguments, folder.path());
-    report::write_lod_page(meshes, plan.transitions, {arguments.camera, arguments.rule, arguments.instances},
+    report::write_lod_page(meshes, plan.transitions,
+                           {arguments.camera, arguments.rule, arguments.instances, plan.chain.largest_px},
                            folder.path() / "instances.html");
     if (stop.stop_requested()) throw Cancelled("stopped on request");
     folder.publish();
@@ -100,7 +119,7 @@ ExitCode run(Arguments arguments, std::stop_token stop) {
   if (arguments.json)
     print(json);
   else if (!arguments.quiet)
-    print(summary_of(levels, plan) + written);
+    print(summary_of(levels, plan) + choice + written);
   return done;
 }
 
@@ -117,6 +136,16 @@ void add_lod(CLI::App& program, Command& chosen) {
   command->add_option("--fov", a->camera.fov_deg, "vertical field of view, degrees (40)");
   command->add_option("--edge-px", a->rule.edge_px, "a level serves while its mean edge is no longer than this (8)");
   command->add_option("--hysteresis", a->rule.hysteresis_percent, "percent by which a limit must be passed (10)");
+  command
+      ->add_option(
+          "--from", a->from,
+          "distances from which the levels serve, finest first, such as 0,2.5,10, in place of those by --edge-px")
+      ->delimiter(',');
+  command->add_option("--distance", a->distance, "also tell which level serves at this distance");
+  command
+      ->add_option("--current", a->current,
+                   "with --distance: the level that stands there now, which --hysteresis keeps")
+      ->check(CLI::Range(1, 1000));
   command->add_option("--steps", a->steps, "meshes between two levels (3)")->check(CLI::Range(0, 1000));
   command->add_option("--instances", a->instances, "instances on the page (200)")->check(CLI::Range(1, 1000));
   command->add_option("--mesh-format", a->mesh_format, mesh_format_choices() + ", of the transitions (ply)");

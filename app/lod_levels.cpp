@@ -78,10 +78,27 @@ std::vector<NamedLevel> levels_of(const std::vector<std::string>& paths, bool wi
   return levels;
 }
 
-LodPlan plan_of(const std::vector<TriMesh>& meshes, const cloud::LodRule& rule, const cloud::Camera& camera) {
+namespace {
+
+/// The distances of --from, which take the place of those that the levels' edges ask for: what serves from a distance
+/// on serves up to the size that the body has there.
+void set_intervals(LodPlan& plan, const std::vector<double>& from, const cloud::Camera& camera) {
+  if (from.size() != plan.from.size() || from.front() != 0 || !std::is_sorted(from.begin(), from.end()))
+    throw OptionError("--from: expected " + std::to_string(plan.from.size()) +
+                      " distances, one for each level, that begin with 0 and rise");
+  plan.from = from;
+  for (std::size_t n = 1; n < from.size(); ++n)
+    plan.chain.largest_px[n] = plan.chain.diagonal * cloud::focal_px(camera) / from[n];
+}
+
+}  // namespace
+
+LodPlan plan_of(const std::vector<TriMesh>& meshes, const cloud::LodRule& rule, const cloud::Camera& camera,
+                const std::vector<double>& from) {
   LodPlan plan;
   plan.chain = cloud::lod_chain(meshes, rule);
   plan.from = cloud::switch_distances(plan.chain, camera);
+  if (!from.empty()) set_intervals(plan, from, camera);
   for (std::size_t n = 0; n + 1 < meshes.size(); ++n)
     plan.transitions.push_back(cloud::lod_transition(meshes[n + 1], meshes[n]));
   return plan;

@@ -24,7 +24,9 @@ struct LodPlan {
   std::vector<cloud::LodTransition> transitions;  // level n out of level n + 1
 };
 
-LodPlan plan_of(const std::vector<TriMesh>& meshes, const cloud::LodRule& rule, const cloud::Camera& camera);
+/// `from`: distances that the user sets, one for each level, in place of those by the size on the screen; may be empty.
+LodPlan plan_of(const std::vector<TriMesh>& meshes, const cloud::LodRule& rule, const cloud::Camera& camera,
+                const std::vector<double>& from = {});
 
 /// The content of lod.json.
 nlohmann::ordered_json json_of(const std::vector<NamedLevel>& levels, const LodPlan& plan, const cloud::LodRule& rule,

@@ -41,6 +41,8 @@ Json measures_of(const TriMesh& mesh) {
   json["flat_triangles"] = check.flat_triangles;
   // Only a closed, oriented surface bounds something.
   json["volume_ml"] = surface.closed() && surface.oriented() ? Json(mesh::volume_mm3(mesh) / 1000) : Json();
+  json["volume_by_quadrature_ml"] =
+      surface.closed() && surface.oriented() ? Json(mesh::volume_mm3_quadrature(mesh) / 1000) : Json();
   json["area_mm2"] = mesh::area_mm2(mesh);
   json["triangle_area_min_mm2"] = quality.area_min;
   json["triangle_area_mean_mm2"] = quality.area_mean;

@@ -300,7 +300,28 @@ class Lod(CliTest):
         self.assertIn("level 2 to 1", done.stdout)
         self.refuses(2, "lod", meshes / "level2.ply", meshes / "level1.ply", says="finest first")
 
+    def test_serves_by_the_distances_of_the_user(self):
+        lod = json.loads(run("lod", small_result(), "--from", "0,12.5", "--json").stdout)
+        self.assertEqual([level["from_distance"] for level in lod["levels"]], [0, 12.5])
+        # Twice as far is half as large: what the page compares with follows the distances.
+        twice = json.loads(run("lod", small_result(), "--from", "0,25", "--json").stdout)
+        self.assertAlmostEqual(lod["levels"][1]["largest_screen_px"] / twice["levels"][1]["largest_screen_px"], 2, 9)
+        out = self.folder / "lod"
+        self.assertEqual(run("lod", small_result(), "--from", "0,12.5", "--out", out, "--steps", "0").returncode, 0)
+        self.assertEqual(self.read_json(out / "lod.json"), lod)
+
+        def level_at(distance, *more):
+            text = run("lod", small_result(), "--from", "0,12.5", "--distance", distance, *more).stdout
+            return int(text.partition(": level ")[2].split()[0])
+        self.assertEqual([level_at(12.4), level_at(12.6)], [1, 2])
+        # Within 10 % of its limit a level stays that stands there.
+        self.assertEqual([level_at(13, "--current", 1), level_at(13.9, "--current", 1), level_at(12, "--current", 2)], [1, 2, 2])
+
     def test_refuses_wrong_usage(self):
+        for wrong in ("0", "0,3,2", "1,2", "0,5,6", "5,0"):
+            self.refuses(1, "lod", small_result(), "--from", wrong, says="--from")
+        self.refuses(1, "lod", small_result(), "--distance", "-1", says="--distance")
+        self.refuses(1, "lod", small_result(), "--distance", "3", "--current", "9", says="--current")
         self.refuses(1, "lod", small_result(), "--screen", "1920", says="WIDTHxHEIGHT")
         self.refuses(1, "lod", small_result(), "--screen", "0x10", says="width_px")
         self.refuses(1, "lod", small_result(), "--fov", "180", says="fov_deg")
@@ -309,6 +330,20 @@ class Lod(CliTest):
 
 
 class Phantom(CliTest):
+    def test_makes_a_terrain_with_spikes(self):
+        out = self.folder / "terrain"
+        made = run("phantom", "terrain", "--out", out, "--set", "cells=20", "--set", "spike_mm=3")
+        self.assertEqual(made.returncode, 0, made.stderr)
+        truth = self.read_json(out / "truth.json")
+        self.assertEqual((truth["vertices"], truth["triangles"]), (441, 800))
+        self.assertGreater(truth["spikes"], 3)
+        self.assertIn(f"{truth['spikes']} spikes", made.stdout)
+        area = [json.loads(run("measure", path, "--json").stdout)["area_mm2"]
+                for path in (out / "terrain.ply", out / "truth" / "surface.ply")]
+        self.assertGreater(area[0], area[1] + 5 * truth["spikes"])
+        self.assertIn("spike_every", run("options", "phantom", "terrain").stdout)
+        self.refuses(1, "phantom", "terrain", "--out", out, "--seed", "2", says="no random numbers")
+
     def test_makes_a_scan_with_its_truth(self):
         out = self.folder / "p"
         done = run("phantom", "cloud", "--out", out, "--set", "shape=torus", "--set", "points=3000", "--set",

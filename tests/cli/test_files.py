@@ -161,6 +161,7 @@ class Measure(CliTest):
         cube.write_text(CUBE)
         measured = json.loads(run("measure", cube, "--json").stdout)
         self.assertAlmostEqual(measured["volume_ml"], 1.0, places=12)
+        self.assertAlmostEqual(measured["volume_by_quadrature_ml"], 1.0, places=12)
         self.assertAlmostEqual(measured["area_mm2"], 600.0, places=9)
         self.assertEqual((measured["vertices"], measured["edges"], measured["triangles"], measured["euler"]), (8, 18, 12, 2))
         self.assertTrue(measured["closed"] and measured["oriented"] and measured["manifold"])

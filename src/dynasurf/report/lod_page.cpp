@@ -13,7 +13,8 @@ void write_lod_page(std::span<const TriMesh> levels, std::span<const cloud::LodT
                     const LodPage& options, const std::filesystem::path& path) {
   if (levels.empty() || transitions.size() + 1 != levels.size())
     throw InputError("a page of levels of detail needs levels and a transition between each two of them");
-  const cloud::LodChain chain = cloud::lod_chain(levels, options.rule);
+  cloud::LodChain chain = cloud::lod_chain(levels, options.rule);
+  if (!options.largest_px.empty()) chain.largest_px = options.largest_px;
   Box box;
   for (const TriMesh& level : levels)
     for (const Vec3& p : level.vertices) {

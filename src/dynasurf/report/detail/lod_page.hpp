@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <span>
+#include <vector>
 
 #include "dynasurf/cloud/lod.hpp"
 
@@ -10,6 +11,7 @@ struct LodPage {
   cloud::Camera camera;
   cloud::LodRule rule;
   int instances = 200;
+  std::vector<double> largest_px = {};  // as LodChain's, in place of those of the rule; empty: those
 };
 
 /// A self-contained page on which many instances of a chain of levels move, each at the level that its size on the
