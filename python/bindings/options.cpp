@@ -162,6 +162,7 @@ void add_dynamics(Catalog& all) {
   all.add<dynamics::StopVoxel>("dynamics.StopVoxel");
   all.add<dynamics::StopConv>("dynamics.StopConv");
   all.add<dynamics::UniformDrag>("dynamics.UniformDrag");
+  all.add<dynamics::IntensityDrag>("dynamics.IntensityDrag");
   all.add<dynamics::FieldDrag>("dynamics.FieldDrag");
   all.add<dynamics::BorderDrag>("dynamics.BorderDrag");
   all.add<dynamics::FreeModel>("dynamics.FreeModel");

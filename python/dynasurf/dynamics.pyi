@@ -36,6 +36,10 @@ class StopConv(_Options):
 class UniformDrag(_Options):
     def __init__(self) -> None: ...
 
+class IntensityDrag(_Options):
+    ratio: float
+    def __init__(self, *, ratio: float = ...) -> None: ...
+
 class FieldDrag(_Options):
     ratio: float
     def __init__(self, *, ratio: float = ...) -> None: ...
@@ -110,13 +114,14 @@ class Evolution(_Options):
     step_s: float
     mass_kg: float
     force: _dynamics.FieldForce
-    damping: Union[_dynamics.UniformDrag, _dynamics.FieldDrag, _dynamics.BorderDrag, str]
+    damping: Union[_dynamics.UniformDrag, _dynamics.IntensityDrag, _dynamics.FieldDrag, _dynamics.BorderDrag, str]
     stop: _dynamics.StopVoxel
     end: _dynamics.StopConv
     smooth_every: int
     smooth_during: _mesh.Smoothing
     smooth_after: _mesh.Smoothing
-    def __init__(self, *, model: Union[_dynamics.FreeModel, _dynamics.SpringModel, _dynamics.RestrictedSpringModel, _dynamics.PlainModel, _dynamics.CurvatureModel, str] = ..., solver: Union[_dynamics.Euler, _dynamics.Midpoint, _dynamics.Rk4, _dynamics.StepDoubling, _dynamics.Rkf45, _dynamics.BackwardEuler, _dynamics.AutomaticSolver, str] = ..., step_s: float = ..., mass_kg: float = ..., force: _dynamics.FieldForce = ..., damping: Union[_dynamics.UniformDrag, _dynamics.FieldDrag, _dynamics.BorderDrag, str] = ..., stop: _dynamics.StopVoxel = ..., end: _dynamics.StopConv = ..., smooth_every: int = ..., smooth_during: _mesh.Smoothing = ..., smooth_after: _mesh.Smoothing = ...) -> None: ...
+    trajectory_every: int
+    def __init__(self, *, model: Union[_dynamics.FreeModel, _dynamics.SpringModel, _dynamics.RestrictedSpringModel, _dynamics.PlainModel, _dynamics.CurvatureModel, str] = ..., solver: Union[_dynamics.Euler, _dynamics.Midpoint, _dynamics.Rk4, _dynamics.StepDoubling, _dynamics.Rkf45, _dynamics.BackwardEuler, _dynamics.AutomaticSolver, str] = ..., step_s: float = ..., mass_kg: float = ..., force: _dynamics.FieldForce = ..., damping: Union[_dynamics.UniformDrag, _dynamics.IntensityDrag, _dynamics.FieldDrag, _dynamics.BorderDrag, str] = ..., stop: _dynamics.StopVoxel = ..., end: _dynamics.StopConv = ..., smooth_every: int = ..., smooth_during: _mesh.Smoothing = ..., smooth_after: _mesh.Smoothing = ..., trajectory_every: int = ...) -> None: ...
 
 class DiscreteContour(_Options):
     external: float

@@ -51,14 +51,19 @@ class ContourCompletion(_Options):
     refresh: int
     complete: bool
     complete_level: float
+    prior: Literal['none', 'circle', 'ellipse']
+    prior_weight: float
+    prior_x_px: Optional[float]
+    prior_y_px: Optional[float]
     canny: _image.Canny
-    def __init__(self, *, gradient_sigma_px: float = ..., tensor_sigma_px: float = ..., step: float = ..., steps: int = ..., refresh: int = ..., complete: bool = ..., complete_level: float = ..., canny: _image.Canny = ...) -> None: ...
+    def __init__(self, *, gradient_sigma_px: float = ..., tensor_sigma_px: float = ..., step: float = ..., steps: int = ..., refresh: int = ..., complete: bool = ..., complete_level: float = ..., prior: Literal['none', 'circle', 'ellipse'] = ..., prior_weight: float = ..., prior_x_px: Optional[float] = ..., prior_y_px: Optional[float] = ..., canny: _image.Canny = ...) -> None: ...
 
 class Preparation(_Options):
+    from_least: bool
     doubling: Literal['none', 'three', 'single']
     threshold: Optional[float]
     cut_radius_px: Optional[float]
     cut_x_px: Optional[float]
     cut_y_px: Optional[float]
     soft_cut: bool
-    def __init__(self, *, doubling: Literal['none', 'three', 'single'] = ..., threshold: Optional[float] = ..., cut_radius_px: Optional[float] = ..., cut_x_px: Optional[float] = ..., cut_y_px: Optional[float] = ..., soft_cut: bool = ...) -> None: ...
+    def __init__(self, *, from_least: bool = ..., doubling: Literal['none', 'three', 'single'] = ..., threshold: Optional[float] = ..., cut_radius_px: Optional[float] = ..., cut_x_px: Optional[float] = ..., cut_y_px: Optional[float] = ..., soft_cut: bool = ...) -> None: ...

@@ -165,6 +165,7 @@ class Options(_Options):
     label: int
     orientation: _ventricle.Orientation
     manual: _ventricle.UserOverrides
+    useful_slices: Literal['heart', 'score']
     noise_fraction: float
     prepare: _image.Preparation
     edges: Union[_image.Canny, _image.CannyRevised, _image.GradientEdges, _image.SobelEdges, _image.Compass, _image.ContourCompletion, str]
@@ -179,10 +180,11 @@ class Options(_Options):
     tidy: _mesh.Tidy
     contour: _ventricle.ContourPipeline
     warm_start: bool
+    warm_backward: bool
     keyframes: _mesh.Keyframes
     measures: _ventricle.MeasureOptions
     fit: _ventricle.BlurFit
-    def __init__(self, *, pipeline: Literal['surface', 'contour', 'direct'] = ..., label: int = ..., orientation: _ventricle.Orientation = ..., manual: _ventricle.UserOverrides = ..., noise_fraction: float = ..., prepare: _image.Preparation = ..., edges: Union[_image.Canny, _image.CannyRevised, _image.GradientEdges, _image.SobelEdges, _image.Compass, _image.ContourCompletion, str] = ..., labels: _ventricle.Labelling = ..., closure: _ventricle.Closure = ..., edge_map: _field.EdgeMapOptions = ..., field: Union[_field.Gvf, _field.SteadyGvf, _field.SteadyGgvf, _field.Ggvf, _field.BandGvf, _field.BandGgvf, str] = ..., mesh_level: int = ..., placement: _mesh.Placement = ..., evolution: _dynamics.Evolution = ..., settle: _ventricle.Settle = ..., tidy: _mesh.Tidy = ..., contour: _ventricle.ContourPipeline = ..., warm_start: bool = ..., keyframes: _mesh.Keyframes = ..., measures: _ventricle.MeasureOptions = ..., fit: _ventricle.BlurFit = ...) -> None: ...
+    def __init__(self, *, pipeline: Literal['surface', 'contour', 'direct'] = ..., label: int = ..., orientation: _ventricle.Orientation = ..., manual: _ventricle.UserOverrides = ..., useful_slices: Literal['heart', 'score'] = ..., noise_fraction: float = ..., prepare: _image.Preparation = ..., edges: Union[_image.Canny, _image.CannyRevised, _image.GradientEdges, _image.SobelEdges, _image.Compass, _image.ContourCompletion, str] = ..., labels: _ventricle.Labelling = ..., closure: _ventricle.Closure = ..., edge_map: _field.EdgeMapOptions = ..., field: Union[_field.Gvf, _field.SteadyGvf, _field.SteadyGgvf, _field.Ggvf, _field.BandGvf, _field.BandGgvf, str] = ..., mesh_level: int = ..., placement: _mesh.Placement = ..., evolution: _dynamics.Evolution = ..., settle: _ventricle.Settle = ..., tidy: _mesh.Tidy = ..., contour: _ventricle.ContourPipeline = ..., warm_start: bool = ..., warm_backward: bool = ..., keyframes: _mesh.Keyframes = ..., measures: _ventricle.MeasureOptions = ..., fit: _ventricle.BlurFit = ...) -> None: ...
 
 class OrganOptions(_Options):
     source: Literal['between', 'of_maximum', 'labels']

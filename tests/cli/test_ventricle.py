@@ -167,6 +167,22 @@ class Result(CliTest):
         stopped = sum(int(stop) for _, _, stop in rows) / 642
         self.assertAlmostEqual(stopped, surface["stopped_fraction"], places=9)
 
+    def test_keeps_trajectories_and_forces_on_request(self):
+        run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--keep-stages",
+            "--set", "evolution.trajectory_every=25", *EDGES)
+        stages = self.folder / "r" / "stages"
+        rows = [row.split(",") for row in (stages / "g01_trajectories_epi.csv").read_text().split()]
+        self.assertEqual(rows[0], ["step", "particle", "x_mm", "y_mm", "z_mm", "pull_x_n", "pull_y_n", "pull_z_n"])
+        surface = self.read_json(self.folder / "r" / "results.json")["gates"][0]["edge"]["epi"]
+        steps = sorted({int(row[0]) for row in rows[1:]})
+        self.assertEqual((steps[:2], steps[-1]), ([0, 25], surface["steps"]))
+        self.assertEqual(len(rows) - 1, 642 * len(steps))
+        # The first step's places are the start mesh's, in its order.
+        start = (stages / "g01_start_epi.ply").read_bytes().split(b"end_header\n")[1]
+        first = struct.unpack_from("<3d", start)
+        for here, there in zip(rows[1][2:5], first):
+            self.assertAlmostEqual(float(here), there, places=5)
+
     def test_keeps_what_other_pipelines_pass_through(self):
         study, result = small_patient() / "study.dcm", self.folder / "r"
         run("ventricle", study, "--out", result, "--keep-stages", "--pipeline", "direct", "--set",

@@ -306,6 +306,24 @@ TEST(Evolve, CountsParticlesNearTheBorderPerStep) {
               std::count_if(d.begin(), d.end(), [&](double x) { return x < n + 1; }));
 }
 
+TEST(Evolve, KeepsWhereParticlesWereAndHowTheyWerePulled) {
+  const Scene s = sphere_scene(2);
+  Evolution o = without_smoothing();
+  o.trajectory_every = 7;
+  const EvolutionResult r = evolve(s.start, s.field, s.border, o);
+  ASSERT_GT(r.trajectory.size(), 3u);
+  EXPECT_EQ(r.trajectory.front().places, s.start.vertices);
+  EXPECT_EQ(r.trajectory.back().step, r.steps);
+  EXPECT_EQ(r.trajectory.back().places, r.mesh.vertices);
+  for (std::size_t n = 0; n + 1 < r.trajectory.size(); ++n) EXPECT_EQ(r.trajectory[n].step, static_cast<int>(7 * n));
+  double longest = 0;
+  for (const Vec3& pull : r.trajectory.front().pulls) longest = std::max(longest, pull.norm());
+  EXPECT_NEAR(longest, o.force.strength * 0.15, 0.01);  // the scene's field
+  for (std::size_t v = 0; v < r.stopped.size(); ++v)
+    EXPECT_TRUE(r.stopped[v] == 0 || r.trajectory.back().pulls[v].isZero()) << v;
+  EXPECT_TRUE(evolve(s.start, s.field, s.border, without_smoothing()).trajectory.empty());
+}
+
 TEST(Evolve, ChoosesAStepBelowTheLimitAndBelowHalfAVoxel) {
   for (const SolverOptions& solver : kSolvers)
     for (const int level : {2, 3}) {

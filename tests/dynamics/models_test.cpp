@@ -350,6 +350,8 @@ TEST(DragMaps, RaiseTheDragWhereTheySay) {
   const Image from_one = drag_near_border(grey, 0.1, 10, 2);  // (3, 3, 3), (4, 4, 4) and (5, 5, 5)
   EXPECT_FLOAT_EQ(from_one(5, 5, 11), static_cast<float>(0.1 * (1 + 10 * std::exp(-3.0))));
   EXPECT_FALSE(drag_map(UniformDrag{}, s.field, s.border, 0.1));
+  EXPECT_EQ(drag_map(IntensityDrag{}, s.field, s.border, 0.1, [&] { return grey; })->values, by_intensity.values);
+  EXPECT_THROW(drag_map(IntensityDrag{}, s.field, s.border, 0.1), OptionError);
   EXPECT_EQ(drag_map(BorderDrag{}, s.field, s.border, 0.1)->values, hard.values);
 }
 

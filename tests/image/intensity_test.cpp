@@ -39,6 +39,30 @@ TEST(Normalise, LeavesAVolumeWithoutPositiveValuesAndSaysSo) {
   }
 }
 
+TEST(StretchToRange, MakesTheLeastOfAllImagesZeroAndTheLargestOne) {
+  Notes notes;
+  std::vector<Image> gates{line({3, -1}), line({7, 1})};
+  stretch_to_range(gates, notes);
+  EXPECT_THAT(gates[0].values, testing::ElementsAre(0.5F, 0.0F));
+  EXPECT_THAT(gates[1].values, testing::ElementsAre(1.0F, 0.25F));
+  const std::vector<Image> once = gates;
+  stretch_to_range(gates, notes);
+  EXPECT_EQ(gates[0].values, once[0].values);  // idempotent
+  EXPECT_EQ(gates[1].values, once[1].values);
+  EXPECT_TRUE(notes.empty());
+}
+
+TEST(StretchToRange, LeavesDataOfOneValueAndSaysSo) {
+  for (std::vector<Image> flat : {std::vector<Image>{line({2, 2}), line({2})}, std::vector<Image>{}}) {
+    Notes notes;
+    const std::vector<Image> before = flat;
+    stretch_to_range(flat, notes);
+    for (std::size_t g = 0; g < flat.size(); ++g) EXPECT_EQ(flat[g].values, before[g].values);
+    ASSERT_EQ(notes.size(), 1U);
+    EXPECT_EQ(notes[0].code, "normalise.flat");
+  }
+}
+
 TEST(SuppressNoise, ZeroesWhatLiesBelowAShareOfTheMaximum) {
   EXPECT_THAT(suppress_noise(line({10, 1.9F, 2, -3}), 0.2).values, testing::ElementsAre(10, 0, 2, 0));
   EXPECT_THAT(suppress_noise(line({10, -3}), 0).values, testing::ElementsAre(10, -3));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/detail/border_distance.hpp"
 
@@ -26,13 +27,22 @@ Image raised(const Grid& grid, double drag, double ratio, Share share) {
   return map;
 }
 
-std::optional<Image> map_of(const UniformDrag&, field::FieldView, const Image&, double) { return std::nullopt; }
-std::optional<Image> map_of(const FieldDrag& o, field::FieldView field, const Image&, double drag) {
-  return drag_by_field(field, drag, o.ratio);
-}
-std::optional<Image> map_of(const BorderDrag& o, field::FieldView, const Image& border, double drag) {
-  return drag_near_border(border, drag, o.ratio, o.reach_voxels);
-}
+struct MapMaker {
+  field::FieldView field;
+  const Image& border;
+  double drag;
+  const ImageOfDrag& image;
+
+  std::optional<Image> operator()(const UniformDrag&) const { return std::nullopt; }
+  std::optional<Image> operator()(const IntensityDrag& o) const {
+    if (!image) throw OptionError("option damping is intensity; expected an image beside the border, none was given");
+    return drag_by_intensity(image(), drag, o.ratio);
+  }
+  std::optional<Image> operator()(const FieldDrag& o) const { return drag_by_field(field, drag, o.ratio); }
+  std::optional<Image> operator()(const BorderDrag& o) const {
+    return drag_near_border(border, drag, o.ratio, o.reach_voxels);
+  }
+};
 
 }  // namespace
 
@@ -58,8 +68,9 @@ Image drag_near_border(const Image& border, double drag, double ratio, double re
   });
 }
 
-std::optional<Image> drag_map(const DampingOptions& options, field::FieldView field, const Image& border, double drag) {
-  return std::visit([&](const auto& o) { return map_of(o, field, border, drag); }, options);
+std::optional<Image> drag_map(const DampingOptions& options, field::FieldView field, const Image& border, double drag,
+                              const ImageOfDrag& image) {
+  return std::visit(MapMaker{field, border, drag, image}, options);
 }
 
 }  // namespace dynasurf::dynamics

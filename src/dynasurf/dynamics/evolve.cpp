@@ -95,6 +95,7 @@ class Run {
       const BorderPlanes* planes, const Additions& own)
       : options_(options),
         own_(own),
+        field_(field),
         grid_(field.grid()),
         smallest_spacing_(field.grid().spacing.minCoeff()),
         room_(room_of(field.grid(), start)),
@@ -126,6 +127,7 @@ class Run {
   EvolutionResult operator()(const Progress& progress) {
     note_step();
     result_.reason = StopReason::max_steps;
+    keep_trajectory(options_.trajectory_every > 0);
     int rested_steps = 0;
     bool begun = false;
     while (result_.steps < options_.end.max_steps && solver_steps_ < most_solver_steps()) {
@@ -146,6 +148,7 @@ class Run {
         result_.histories.push_back(history_->count(result_.mesh.vertices, moving_, newly_stopped_));
         newly_stopped_.clear();
       }
+      keep_trajectory(options_.trajectory_every > 0 && result_.steps % options_.trajectory_every == 0);
       if (own_.watch) own_.watch(result_.steps, result_.mesh);
       if (moving_.empty()) {
         result_.reason = StopReason::all_stopped;
@@ -298,7 +301,18 @@ class Run {
            rest_.count(moving_, result_.mesh.vertices, before_, result_.steps, plan_);
   }
 
+  void keep_trajectory(bool now) {
+    if (!now) return;
+    TrajectoryStep kept{result_.steps, result_.mesh.vertices, std::vector<Vec3>(result_.mesh.vertices.size())};
+    for (std::size_t v = 0; v < kept.places.size(); ++v)
+      kept.pulls[v] = result_.stopped[v] != 0
+                          ? Vec3(Vec3::Zero())
+                          : Vec3(options_.force.strength * field_.at_point(kept.places[v], options_.force.sampling));
+    result_.trajectory.push_back(std::move(kept));
+  }
+
   EvolutionResult finish() {
+    keep_trajectory(options_.trajectory_every > 0 && result_.steps % options_.trajectory_every != 0);
     const auto stopped = std::count(result_.stopped.begin(), result_.stopped.end(), std::uint8_t{1});
     result_.stopped_fraction = static_cast<double>(stopped) / static_cast<double>(result_.stopped.size());
     note_fast_particle();
@@ -371,6 +385,7 @@ class Run {
 
   const Evolution& options_;
   const Additions& own_;
+  const field::FieldView field_;
   const Grid grid_;
   const double smallest_spacing_;
   const Room room_;

@@ -23,6 +23,12 @@
 
 namespace dynasurf::dynamics {
 
+/// Where the particles were after a step, and the field's force on each there, N (0 once it stopped).
+struct TrajectoryStep {
+  int step = 0;
+  std::vector<Vec3> places, pulls;  // grid frame
+};
+
 /// Where a deformable model came to rest, and how it came there.
 struct EvolutionResult {
   TriMesh mesh;  // grid frame
@@ -33,6 +39,7 @@ struct EvolutionResult {
   std::vector<std::uint8_t> stopped;  // per vertex: reached a border voxel
   double stopped_fraction = 0;
   std::vector<std::array<int, 4>> histories;  // per step: particles < 1, < 2, < 3 (each with the former), >= 3 voxels
+  std::vector<TrajectoryStep> trajectory;     // with `trajectory_every`: the start, every so many steps, and the last
   Notes notes;  // "evolve.step_chosen", ".step_above_limit", ".fast_particle", ".unsolved_steps", ".max_steps",
                 // ".diverged"
 };

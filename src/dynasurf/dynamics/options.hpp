@@ -89,6 +89,7 @@ struct Evolution {
   mesh::Smoothing smooth_during;
   mesh::Smoothing smooth_after;
   bool histories = false;
+  int trajectory_every = 0;
 };
 void describe(auto& visit, Evolution& o) {
   visit("model", o.model, OptionInfo{"what the particles know of each other"});
@@ -106,6 +107,10 @@ void describe(auto& visit, Evolution& o) {
         OptionInfo{"smooth moving particles every so many steps; 0 never", "steps", 0, 1000000});
   visit("smooth_during", o.smooth_during, OptionInfo{"smoothing while moving"});
   visit("smooth_after", o.smooth_after, OptionInfo{"smoothing of the final mesh; stopped particles move too"});
+  visit("trajectory_every", o.trajectory_every,
+        OptionInfo{
+            "with the stages kept: where every particle is and how the field pulls it, every so many steps; 0: not",
+            "steps", 0, 1000000});
 }
 
 /// Why an evolution ended: every particle reached a border voxel; none moves any more; no steps left; a position

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/text_stream.hpp"
@@ -28,6 +29,18 @@ Image normalise(Image image, Notes& notes) {
   }
   for (float& v : image.values) v /= max;
   return image;
+}
+
+void stretch_to_range(std::span<Image> images, Notes& notes) {
+  float least = std::numeric_limits<float>::infinity(), most = -least;
+  for (const Image& image : images)
+    for (const float v : image.values) least = std::min(least, v), most = std::max(most, v);
+  if (!(most > least)) {
+    notes.push_back({Severity::warning, "normalise.flat", "The data hold one value only, so it was left as it is."});
+    return;
+  }
+  for (Image& image : images)
+    for (float& v : image.values) v = (v - least) / (most - least);
 }
 
 Image suppress_noise(Image image, double fraction) {

@@ -14,6 +14,11 @@ namespace dynasurf::image {
 /// stay. A volume without a positive value is returned as it is, with a note "normalise.empty".
 Image normalise(Image image, Notes& notes);
 
+/// The other reading of VOL-NORM: (I - min) / (max - min) over all the images together, so that the least value of the
+/// data becomes exactly 0 and the largest exactly 1. Images that hold one value only stay, with a note
+/// "normalise.flat".
+void stretch_to_range(std::span<Image> images, Notes& notes);
+
 /// Sets values below `fraction` of the maximum to 0 (VOL-NOISE20, thesis 6.1.2.5); 0 keeps all. Throws OptionError
 /// unless 0 <= fraction <= 1.
 Image suppress_noise(Image image, double fraction);
@@ -49,6 +54,7 @@ Image cut_property(Image image, const PropertyCut& cut);
 /// What the thesis tried on the values before it looked for edges, and gave up. Nothing of it is done by default.
 struct Preparation {
   enum class Doubling { none, three, single };
+  bool from_least = false;
   Doubling doubling = Doubling::none;
   std::optional<double> threshold;
   std::optional<double> cut_radius_px, cut_x_px, cut_y_px;
@@ -59,6 +65,8 @@ inline std::span<const std::string_view> names_of(Preparation::Doubling) {
   return names;
 }
 void describe(auto& visit, Preparation& o) {
+  visit("from_least", o.from_least,
+        OptionInfo{"normalise by (I - min) / (max - min) over all gates in place of I / max (VOL-NORM)"});
   visit("doubling", o.doubling,
         OptionInfo{"double the resolution (VOL-DOUBLE); three or single: where the mask's weight of 1.5 lies"});
   visit("threshold", o.threshold,
@@ -70,7 +78,8 @@ void describe(auto& visit, Preparation& o) {
   visit("soft_cut", o.soft_cut, OptionInfo{"smooth along the circle"});
 }
 
-/// Cuts, then doubles, then thresholds a normalised volume, as far as asked for. Pixels are those of `image`.
+/// Cuts, then doubles, then thresholds a normalised volume, as far as asked for. Pixels are those of `image`. What
+/// concerns all gates at once, `from_least`, is not done here: see `stretch_to_range`.
 Image prepare(Image image, const Preparation& options);
 
 }  // namespace dynasurf::image

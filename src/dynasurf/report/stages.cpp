@@ -57,11 +57,27 @@ std::string distance_table(const dynamics::EvolutionResult& evolved, const Image
   return text;
 }
 
+/// Where every particle was on its way, in the world, and the field's force on it, N.
+std::string trajectory_table(const dynamics::EvolutionResult& evolved, const Grid& grid) {
+  std::string text = "step,particle,x_mm,y_mm,z_mm,pull_x_n,pull_y_n,pull_z_n\n";
+  for (const dynamics::TrajectoryStep& kept : evolved.trajectory)
+    for (std::size_t n = 0; n < kept.places.size(); ++n) {
+      text += std::to_string(kept.step) + "," + std::to_string(n);
+      const Vec3 place = to_world(grid, kept.places[n]), pull = grid.direction * kept.pulls[n];
+      for (const Vec3* v : {&place, &pull})
+        for (int c = 0; c < 3; ++c) text += "," + number((*v)[c]);
+      text += "\n";
+    }
+  return text;
+}
+
 void write_motion(const std::string& prefix, const std::string& ending, const ventricle::WallStages& wall) {
   const Grid& grid = wall.border->grid;
   const dynamics::EvolutionResult& evolved = *wall.evolved;
   io::write_mesh(to_world(grid, evolved.mesh), prefix + "evolved" + ending + ".ply", io::MeshFormat::ply);
   if (!evolved.histories.empty()) io::write_file(prefix + "history" + ending + ".csv", history_table(evolved));
+  if (!evolved.trajectory.empty())
+    io::write_file(prefix + "trajectories" + ending + ".csv", trajectory_table(evolved, grid));
   if (evolved.stopped.size() == evolved.mesh.vertices.size())
     io::write_file(prefix + "distances" + ending + ".csv", distance_table(evolved, *wall.border));
   if (wall.settled != nullptr)

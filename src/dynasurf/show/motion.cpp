@@ -11,6 +11,7 @@ Motion move_again(const ShownWall& wall, const field::VectorField& field, const 
                   std::span<const int> steps, const Progress& progress) {
   Motion motion;
   dynamics::Additions own;
+  own.drag = wall.drag;
   own.watch = [&](int step, const TriMesh& mesh) {
     if (std::find(steps.begin(), steps.end(), step) != steps.end())
       motion.frames.push_back({step, mesh, std::vector<bool>(mesh.vertices.size())});
@@ -44,6 +45,7 @@ std::vector<std::vector<Vec2>> paths_in(const ShownWall& wall, const field::Vect
   const Vec3& spacing = wall.border.grid.spacing;
   std::vector<std::vector<Vec3>> ways(wall.start.vertices.size());
   dynamics::Additions own;
+  own.drag = wall.drag;
   own.watch = [&](int, const TriMesh& mesh) {
     for (std::size_t v = 0; v < ways.size(); ++v) {
       const Vec3 at = mesh.vertices[v].cwiseQuotient(spacing);

@@ -101,7 +101,8 @@ class Show {
     const ShownWall& wall = wall_of(gate);
     const dynamics::Evolution& evolution = gate.options.evolution;
     const field::VectorField field = field_of(wall, gate.options);
-    std::optional<Image> map = dynamics::drag_map(evolution.damping, field, wall.border, evolution.force.drag);
+    std::optional<Image> map = wall.drag;
+    if (!map) map = dynamics::drag_map(evolution.damping, field, wall.border, evolution.force.drag);
     const std::string which = map ? "as the run had it" : "near the border (the run's own is the same everywhere)";
     if (!map) map = dynamics::drag_near_border(wall.border, evolution.force.drag);
     return draw_voxel_map(*map, "Drag of each voxel, " + which, "drag, kg/s");
@@ -280,8 +281,15 @@ class Show {
 
   ShownGate read_gate() const {
     if (is_mesh()) throw InputError(r_.input.string() + ": a mesh; expected a study or a result of dynasurf ventricle");
-    if (is_result()) return gate_of_result(r_.input, r_.gate);
-    return gate_of_study(io::read_study(r_.input, r_.series), r_.options, r_.gate, progress_);
+    ShownGate gate = is_result() ? gate_of_result(r_.input, r_.gate)
+                                 : gate_of_study(io::read_study(r_.input, r_.series), r_.options, r_.gate, progress_);
+    const dynamics::Evolution& evolution = gate.options.evolution;
+    if (const auto* by_intensity = std::get_if<dynamics::IntensityDrag>(&evolution.damping))
+      for (auto* wall : {&gate.endo, &gate.epi})
+        if (*wall)
+          (*wall)->drag = dynamics::drag_by_intensity(ventricle::spread_to(gate.image, (*wall)->border.grid),
+                                                      evolution.force.drag, by_intensity->ratio);
+    return gate;
   }
 
   ShownBeat read_beat() const {

@@ -4,12 +4,16 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <string>
 
+#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/image/intensity.hpp"
 #include "dynasurf/image/resample.hpp"
+#include "dynasurf/ventricle/labels/detail/circle.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
@@ -50,7 +54,82 @@ std::string list_of(const std::vector<bool>& marked) {
   return text;
 }
 
+/// The range with what a person says about it.
+SliceRange as_set(SliceRange range, const UserOverrides& manual, int slices) {
+  if (manual.first_slice) range.first = std::min(*manual.first_slice - 1, slices - 1);
+  if (manual.last_slice) range.last = std::min(*manual.last_slice - 1, slices - 1);
+  return range;
+}
+
+/// What a slice shows around a centre: how far out its outermost edges lie, and how bright it gets, by direction.
+struct RingLook {
+  double seen = 0;  // share of the directions with an edge
+  double radius = 0, spread = 0;
+  double brightness = 0;
+};
+
+RingLook look_around(const Image& image, const Mask& edges, const Circle& circle, int k) {
+  constexpr int directions = 32;
+  RingLook look;
+  std::vector<double> radii;
+  for (int d = 0; d < directions; ++d) {
+    const double angle = 2 * std::numbers::pi * d / directions;
+    double outermost = 0;
+    float brightest = 0;
+    for (double r = 1; r <= circle.radius_px; r += 0.5) {
+      const int i = static_cast<int>(std::lround(circle.x_px + r * own::cos(angle)));
+      const int j = static_cast<int>(std::lround(circle.y_px + r * own::sin(angle)));
+      if (!image.grid.contains(i, j, k)) break;
+      brightest = std::max(brightest, image(i, j, k));
+      if (edges(i, j, k) != 0) outermost = r;
+    }
+    look.brightness += static_cast<double>(brightest) / directions;
+    if (outermost > 0) radii.push_back(outermost);
+  }
+  look.seen = static_cast<double>(radii.size()) / directions;
+  for (const double r : radii) look.radius += r / static_cast<double>(radii.size());
+  for (const double r : radii) look.spread += (r - look.radius) * (r - look.radius) / static_cast<double>(radii.size());
+  look.spread = std::sqrt(look.spread);
+  return look;
+}
+
 }  // namespace
+
+std::vector<double> slice_scores(const Image& image, const Mask& edges, const CoarseCircle& coarse) {
+  const Circle circle = coarse_circle(image.grid, coarse);
+  std::vector<RingLook> looks;
+  double best = 0;
+  for (int k = 0; k < image.grid.dims[2]; ++k) {
+    looks.push_back(look_around(image, edges, circle, k));
+    best = std::max(best, looks.back().brightness);
+  }
+  std::vector<double> scores;
+  for (const RingLook& look : looks) {
+    const double round = look.radius > 0 ? std::max(0.0, 1 - 2 * look.spread / look.radius) : 0;
+    scores.push_back(best > 0 ? look.seen * round * std::min(1.0, look.brightness / (0.5 * best)) : 0);
+  }
+  return scores;
+}
+
+std::optional<SliceRange> longest_run(std::span<const double> scores, double least) {
+  std::optional<SliceRange> longest;
+  const int count = static_cast<int>(scores.size());
+  for (int k = 0; k < count; ++k) {
+    const int first = k;
+    while (k < count && scores[static_cast<std::size_t>(k)] >= least) ++k;
+    if (k > first && (!longest || k - first > longest->last - longest->first + 1)) longest = SliceRange{first, k - 1};
+  }
+  return longest;
+}
+
+SliceRange scored_slices(const Study& study, const image::EdgeOptions& edges, const CoarseCircle& coarse,
+                         const UserOverrides& manual) {
+  Notes notes;
+  const Image mean = image::normalise(mean_image(study.gates), notes);
+  const std::vector<double> scores = slice_scores(mean, image::detect_edges(mean, edges).edges, coarse);
+  const int slices = mean.grid.dims[2];
+  return as_set(longest_run(scores).value_or(SliceRange{0, slices - 1}), manual, slices);
+}
 
 void require_inside(const UserOverrides& manual, const Study& original, const Study& study) {
   if (const std::optional<Vec3> centre = hints_of(manual).centre_mm) {
@@ -153,9 +232,7 @@ SliceRange useful_slices(const Study& study, const std::optional<Location>& hear
       if (plane) top = std::max(top, to_grid(grid, *plane).point[2] + outer_apex_mm);
     range.last = slice_at(top);
   }
-  if (manual.first_slice) range.first = std::min(*manual.first_slice - 1, grid.dims[2] - 1);
-  if (manual.last_slice) range.last = std::min(*manual.last_slice - 1, grid.dims[2] - 1);
-  return range;
+  return as_set(range, manual, grid.dims[2]);
 }
 
 void clear_outside(Mask& edges, const SliceRange& range) {

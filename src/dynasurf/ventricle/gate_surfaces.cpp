@@ -1,8 +1,15 @@
+#include <algorithm>
+
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/dynamics/detail/damping.hpp"
+#include "dynasurf/mesh/detail/ray_bvh.hpp"
+#include "dynasurf/ventricle/closure.hpp"
 #include "dynasurf/ventricle/detail/gate_run.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
+
+constexpr double least_growth = 1.05;  // of a surface before it becomes the start of a neighbour's
 
 /// The surface on the steepest slope of the image; the border lies on a grid with room around it.
 TriMesh settled(TriMesh mesh, const Grid& border, const Image& image, const Options& options) {
@@ -14,13 +21,23 @@ TriMesh settled(TriMesh mesh, const Grid& border, const Image& image, const Opti
   return mesh;
 }
 
-void find_surface(WallRun& run, const TriMesh& start, const Options& options, const Progress& quiet,
+/// What the image adds to the options: the drag by intensity (VOL-DAMP (a)).
+dynamics::Additions additions_of(const WallRun& run, const Image& image, const dynamics::Evolution& evolution) {
+  dynamics::Additions own;
+  if (std::holds_alternative<dynamics::IntensityDrag>(evolution.damping))
+    own.drag = dynamics::drag_map(evolution.damping, run.flow.field, run.border, evolution.force.drag,
+                                  [&] { return spread_to(image, run.border.grid); });
+  return own;
+}
+
+void find_surface(WallRun& run, const Image& image, const TriMesh& start, const Options& options, const Progress& quiet,
                   StageClock& clock) {
   const Image& map = options.pipeline == Pipeline::direct ? run.edge_map : run.border;
   run.start = start;
   run.flow = clock("field", [&] { return field::flow_field(map, options.field, quiet); });
   run.evolved = clock("surfaces", [&] {
-    return dynamics::evolve(start, run.flow.field, run.border, options.evolution, quiet, &run.planes);
+    return dynamics::evolve(start, run.flow.field, run.border, options.evolution, quiet, &run.planes,
+                            additions_of(run, image, options.evolution));
   });
 }
 
@@ -49,14 +66,47 @@ void find_contours(GateRun& run, const Image& image, const Options& options, Sta
   }
 }
 
-/// The former surface, a little enlarged about its centre, so that the next one is reached from outside
-/// (FUT-WARMSTART); or shrunk, for surfaces that grow.
-TriMesh resized(TriMesh mesh, mesh::Direction direction) {
-  const double growth = direction == mesh::Direction::out_to_in ? 1.15 : 1 / 1.15;
+/// A surface in the frame of another grid: borders have as much room around them as they need.
+TriMesh on_grid(TriMesh mesh, const Grid& from, const Grid& to) {
+  return from.origin == to.origin ? mesh : to_grid(to, to_world(from, std::move(mesh)));
+}
+
+/// An ordinary start drawn onto a neighbour's surface: each vertex stays on its ray from the middle of that surface, so
+/// that vertices do not crowd from gate to gate, and lies as much farther out that the whole border is inside and is
+/// reached from outside, also where the heart has grown (FUT-WARMSTART); or as much farther in that all of it is
+/// outside, for surfaces that grow. Absent where the surface cannot be seen whole from its middle, or would have to
+/// change as far as an ordinary start.
+std::optional<TriMesh> drawn_onto(TriMesh start, const TriMesh& former, const Image& border,
+                                  const mesh::Placement& placement) {
+  const bool grows = placement.direction == mesh::Direction::in_to_out;
+  const mesh::RayBvh surface(former);
   Vec3 centre = Vec3::Zero();
-  for (const Vec3& p : mesh.vertices) centre += p / static_cast<double>(mesh.vertices.size());
-  for (Vec3& p : mesh.vertices) p = centre + growth * (p - centre);
-  return mesh;
+  for (const Vec3& p : former.vertices) centre += p / static_cast<double>(former.vertices.size());
+  const auto radius_along = [&](const Vec3& way) -> double {
+    const auto hit = surface.first_hit(centre, way.normalized());
+    return hit && hit->from_behind ? hit->distance : 0;
+  };
+  const Grid& grid = border.grid;
+  const double half_voxel = grid.spacing.norm() / 2;
+  double factor = grows ? 1 / least_growth : least_growth;
+  for (int k = 0; k < grid.dims[2]; ++k)
+    for (int j = 0; j < grid.dims[1]; ++j)
+      for (int i = 0; i < grid.dims[0]; ++i) {
+        if (border(i, j, k) == 0) continue;
+        const Vec3 way = centre_of(grid, {i, j, k}) - centre;
+        const double distance = way.norm(), radius = distance > half_voxel ? radius_along(way) : 0;
+        if (!(radius > 0)) return std::nullopt;
+        factor = grows ? std::min(factor, (distance - half_voxel) / radius)
+                       : std::max(factor, (distance + half_voxel) / radius);
+      }
+  if (factor > placement.scale || factor < placement.inside_scale) return std::nullopt;
+  for (Vec3& p : start.vertices) {
+    const Vec3 way = p - centre;
+    const double radius = way.norm() > 0 ? radius_along(way) : 0;
+    if (!(radius > 0)) return std::nullopt;
+    p = centre + factor * radius * way.normalized();
+  }
+  return start;
 }
 
 /// The surface of one wall from a start of its own, and from the surface of the gate before.
@@ -71,16 +121,26 @@ class SurfaceSearch {
         found_(progress, "surfaces", 2 * static_cast<int>(gates)),
         clock_(clock) {}
 
-  void from_start(WallRun& run) {
+  void from_start(WallRun& run, const Image& image) {
     progress_.check();
     if (run.exists())
-      find_surface(run, mesh::start_mesh(run.border, options_.mesh_level, run.placement, start_), options_, quiet_,
-                   clock_);
+      find_surface(run, image, mesh::start_mesh(run.border, options_.mesh_level, run.placement, start_), options_,
+                   quiet_, clock_);
     found_.advance();
   }
-  void from_former(WallRun& run, const TriMesh& former) {
+  /// From the surface of a neighbouring gate, where there is one that can be put around the border.
+  void from_former(WallRun& run, const Image& image, const WallRun* former) {
+    using enum mesh::StartShape;
+    const mesh::StartShape shape = run.placement.shape;
+    std::optional<TriMesh> start;
+    if (run.exists() && former != nullptr && former->evolved.reason != dynamics::StopReason::diverged &&
+        shape != marching_cubes && shape != discretised_cubes)
+      start =
+          drawn_onto(mesh::start_mesh(run.border, options_.mesh_level, run.placement, start_),
+                     on_grid(former->evolved.mesh, former->border.grid, run.border.grid), run.border, run.placement);
+    if (!start) return from_start(run, image);
     progress_.check();
-    find_surface(run, resized(former, run.placement.direction), options_, quiet_, clock_);
+    find_surface(run, image, *start, options_, quiet_, clock_);
     found_.advance();
   }
   void from_contours(GateRun& run, const Image& image) {
@@ -98,15 +158,14 @@ class SurfaceSearch {
   StageClock& clock_;
 };
 
-/// Each gate's surface starts from that of the gate before (FUT-WARMSTART).
-void follow_beat(std::vector<GateRun>& runs, Border wall, SurfaceSearch& search) {
+/// Each gate's surface starts from that of the gate before, or with `backward` from that of the gate after it
+/// (FUT-WARMSTART).
+void follow_beat(std::vector<GateRun>& runs, const Study& study, Border wall, bool backward, SurfaceSearch& search) {
   const WallRun* former = nullptr;
-  for (GateRun& gate : runs) {
-    WallRun& run = gate.wall(wall);
-    if (former == nullptr || !run.exists())
-      search.from_start(run);
-    else
-      search.from_former(run, former->evolved.mesh);
+  for (std::size_t n = 0; n < runs.size(); ++n) {
+    const std::size_t g = backward ? runs.size() - 1 - n : n;
+    WallRun& run = runs[g].wall(wall);
+    search.from_former(run, study.gates[g], former);
     if (run.exists()) former = &run;
   }
 }
@@ -119,10 +178,13 @@ void find_surfaces(std::vector<GateRun>& runs, const Study& study, const Options
   if (options.pipeline == Pipeline::contour)
     parallel_for(runs.size(), 1, [&](std::size_t g, std::size_t) { search.from_contours(runs[g], study.gates[g]); });
   else if (options.warm_start)
-    parallel_for(walls.size(), 1, [&](std::size_t w, std::size_t) { follow_beat(runs, walls[w], search); });
+    parallel_for(walls.size(), 1, [&](std::size_t w, std::size_t) {
+      follow_beat(runs, study, walls[w], options.warm_backward, search);
+    });
   else
-    parallel_for(2 * runs.size(), 1,
-                 [&](std::size_t task, std::size_t) { search.from_start(runs[task / 2].wall(walls[task % 2])); });
+    parallel_for(2 * runs.size(), 1, [&](std::size_t task, std::size_t) {
+      search.from_start(runs[task / 2].wall(walls[task % 2]), study.gates[task / 2]);
+    });
 }
 
 void measure_surfaces(std::vector<GateRun>& runs, const Study& study, const Options& options, StageClock& clock) {

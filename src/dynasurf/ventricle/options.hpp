@@ -35,12 +35,19 @@ inline dynamics::Evolution subvoxel_evolution() {
 enum class Pipeline { surface, contour, direct };
 std::span<const std::string_view> names_of(Pipeline);
 
+/// How the first and the last slice with borders are found (FUT-USEFULSLICES): `heart`: from the apex and the valve
+/// plane of the heart that was found; `score`: each slice by itself is scored by its edges, and the longest run of good
+/// ones is taken.
+enum class UsefulSlices { heart, score };
+std::span<const std::string_view> names_of(UsefulSlices);
+
 /// Everything that steers the ventricle pipeline (PIPE-2, thesis 7.1 and appendix A.8 of the specification).
 struct Options {
   Pipeline pipeline = Pipeline::surface;
   int label = 0;
   Orientation orientation;
   UserOverrides manual;
+  UsefulSlices useful_slices = UsefulSlices::heart;
   double noise_fraction = 0;
   image::Preparation prepare;
   image::EdgeOptions edges = image::Canny{};
@@ -55,6 +62,7 @@ struct Options {
   mesh::Tidy tidy;
   ContourPipeline contour;
   bool warm_start = false;
+  bool warm_backward = false;
   mesh::Keyframes keyframes;
   MeasureOptions measures;
   BlurFit fit;
@@ -68,6 +76,10 @@ void describe(auto& visit, Options& o) {
         OptionInfo{"the muscle's value in a label map, all else is nothing; 0: the study is an image", "", 0, 1e6});
   visit("orientation", o.orientation, OptionInfo{"which way the heart lies in the volume"});
   visit("manual", o.manual, OptionInfo{"what a person says in place of what would be found"});
+  visit(
+      "useful_slices", o.useful_slices,
+      OptionInfo{"first and last slice: where the heart that was found has its apex and its valves, or the longest run "
+                 "of slices whose edges close a ring of a wall"});
   visit("noise_fraction", o.noise_fraction,
         OptionInfo{"values below this share of the maximum are set to 0 first; 0 keeps all (thesis 6.1.2.5)",
                    "of the maximum", 0, 1});
@@ -85,7 +97,9 @@ void describe(auto& visit, Options& o) {
   visit("tidy", o.tidy, OptionInfo{"better triangles on the finished surfaces, and none that cut each other"});
   visit("contour", o.contour, OptionInfo{"the contours of pipeline contour"});
   visit("warm_start", o.warm_start,
-        OptionInfo{"start each gate from the surface of the gate before, a little enlarged"});
+        OptionInfo{"start each gate from the surface of the gate before, enlarged until it lies around the border"});
+  visit("warm_backward", o.warm_backward,
+        OptionInfo{"with warm_start: through the beat from its last gate to its first"});
   visit("keyframes", o.keyframes, OptionInfo{"surfaces between the gates"});
   visit("measures", o.measures, OptionInfo{"what is measured on the surfaces"});
   visit("fit", o.fit, OptionInfo{"surfaces of all gates fitted through the point spread: PSF-corrected volumes"});

@@ -8,6 +8,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/dynamics/detail/damping.hpp"
 #include "dynasurf/image/resample.hpp"
 #include "dynasurf/ventricle/closure.hpp"
 
@@ -182,8 +183,12 @@ OrganResult reconstruct_organ(const Image& image, const OrganOptions& requested,
   const Image border = border_of(body);
   progress.check();
   const field::FlowResult flow = field::flow_field(border, options.field, progress);
-  const dynamics::EvolutionResult evolved = dynamics::evolve(
-      mesh::start_mesh(border, options.mesh_level, options.placement), flow.field, border, options.evolution, progress);
+  dynamics::Additions own;
+  own.drag = dynamics::drag_map(options.evolution.damping, flow.field, border, options.evolution.force.drag,
+                                [&] { return spread_to(image, border.grid); });
+  const dynamics::EvolutionResult evolved =
+      dynamics::evolve(mesh::start_mesh(border, options.mesh_level, options.placement), flow.field, border,
+                       options.evolution, progress, nullptr, own);
   // A label map has steps between its voxels; an image of many parts shows other slopes than this body's.
   const bool is_map = options.source == OrganSource::labels;
   const Image& seen = is_map ? body : image;

@@ -30,7 +30,8 @@ std::string format(const char* pattern, A... values) {
   return text.data();
 }
 
-constexpr int room_voxels = 3;  // around a border, for its field
+constexpr double near_border = 0.9;  // of the way to it
+constexpr int room_voxels = 3;       // around a border, for its field
 
 /// The edges of the caller's function, which may have left the image's grid.
 image::EdgeMap own_edges(const Image& image, const OwnStages& own) {
@@ -87,19 +88,45 @@ bool is_empty(const Image& border) {
   return std::all_of(border.values.begin(), border.values.end(), [](float v) { return v == 0; });
 }
 
+/// The covers of a border are edges too, as strong as the border itself is in the mean: the thesis put its cover into
+/// the data before it made a field of them (VOL-COVER, 6.1.2.1). Without, nothing leads to the open end of a wall.
+void put_covers(const Image& border, const Image& closed, Image& edge_map) {
+  const Index3 shift = voxel_of(edge_map.grid, to_grid(edge_map.grid, border.grid.origin));
+  const Index3& dims = border.grid.dims;
+  double sum = 0, count = 0;
+  std::vector<std::size_t> covers;
+  for (int k = 0; k < dims[2]; ++k)
+    for (int j = 0; j < dims[1]; ++j)
+      for (int i = 0; i < dims[0]; ++i) {
+        const std::size_t voxel = edge_map.grid.index(i + shift[0], j + shift[1], k + shift[2]);
+        if (border(i, j, k) > 0) sum += static_cast<double>(edge_map.values[voxel]), count += 1;
+        if (closed(i, j, k) > 0 && !(border(i, j, k) > 0)) covers.push_back(voxel);
+      }
+  const float strength = static_cast<float>(count > 0 ? sum / count : 0);
+  for (const std::size_t voxel : covers) edge_map.values[voxel] = std::max(edge_map.values[voxel], strength);
+}
+
 void make_borders(GateRun& run, const Image& image, const Options& options) {
   for (const Border wall : walls) {
     if (!run.labels.has(wall)) continue;
-    Image border = border_volume(run.labels, wall);
-    if (options.closure.cover) border = close_border(border, run.base_slice);
+    const Image found = border_volume(run.labels, wall);
+    const Image border = options.closure.cover ? close_border(found, run.base_slice) : found;
     if (is_empty(border)) continue;  // all of it lay above the base
-    run.wall(wall).border = with_room(std::move(border), room_voxels);
+    run.wall(wall).border = with_room(border, room_voxels);
     run.wall(wall).planes = border_planes(run.wall(wall).border, wall, run.labels, run.edges, run.base_slice);
     run.wall(wall).placement = options.placement;
     if (options.pipeline != Pipeline::direct) continue;
-    // One field for both walls: who comes from outside would be held by the outer one.
-    if (wall == Border::endo) run.wall(wall).placement.direction = mesh::Direction::in_to_out;
+    // One field for both walls: who comes from outside would be held by the outer one. In a cavity longer than wide all
+    // vectors lead to the nearest wall, so a surface that grows starts near the border in every direction, unless the
+    // options name a shape.
+    if (wall == Border::endo) {
+      mesh::Placement& placement = run.wall(wall).placement;
+      placement.direction = mesh::Direction::in_to_out;
+      if (placement.shape == mesh::StartShape::ellipsoid)
+        placement.shape = mesh::StartShape::radial, placement.inside_scale = near_border;
+    }
     run.wall(wall).edge_map = field::edge_map_of(spread_to(image, run.wall(wall).border.grid), options.edge_map);
+    put_covers(found, border, run.wall(wall).edge_map);
   }
 }
 
@@ -164,7 +191,8 @@ void hand_over_stages(const IntermediateSink& keep, std::vector<GateRun>& runs, 
     for (std::size_t w = 0; w < 2; ++w) {
       const WallRun& wall = run.wall(walls[w]);
       if (wall.exists() && !wall.flow.field.x.empty())
-        drags[w] = dynamics::drag_map(evolution.damping, wall.flow.field, wall.border, evolution.force.drag);
+        drags[w] = dynamics::drag_map(evolution.damping, wall.flow.field, wall.border, evolution.force.drag,
+                                      [&] { return spread_to(study.gates[g], wall.border.grid); });
       (w == 0 ? stages.endo : stages.epi) = stages_of(wall, drags[w] ? &*drags[w] : nullptr);
     }
     keep(stages);
@@ -176,6 +204,7 @@ Options without_label(Options options) {
   return options;
 }
 
+constexpr std::array<std::string_view, 2> useful_slices_names{"heart", "score"};
 constexpr std::array<std::string_view, 3> pipeline_names{"surface", "contour", "direct"};
 
 /// A study on its way to its surfaces: the gates with their borders.
@@ -233,6 +262,7 @@ StudyRun run_borders(const Study& whole, const Options& requested, const Progres
   const std::optional<Study> cut = run.heart ? cut_hot_objects(original, *run.heart) : std::nullopt;
   run.study = canonical_study(orient(cut ? *cut : original, run.heart, options.orientation));
   require_inside(options.manual, original, run.study);
+  if (options.prepare.from_least) image::stretch_to_range(run.study.gates, run.study.notes);
   for (Image& image : run.study.gates) {
     if (options.noise_fraction > 0) image = image::suppress_noise(std::move(image), options.noise_fraction);
     image = image::prepare(std::move(image), options.prepare);
@@ -246,7 +276,9 @@ StudyRun run_borders(const Study& whole, const Options& requested, const Progres
   std::vector<std::optional<BasePlane>> planes(run.gates.size());
   if (options.closure.valve_plane)
     planes = clock("valve plane", [&] { return valve_planes(run.study, run.heart, options.manual, run.study.notes); });
-  const SliceRange useful = useful_slices(run.study, run.heart, planes, options.manual);
+  const SliceRange useful = options.useful_slices == UsefulSlices::score
+                                ? scored_slices(run.study, options.edges, options.labels.coarse, options.manual)
+                                : useful_slices(run.study, run.heart, planes, options.manual);
   std::optional<Mask> region;
   if (mask != nullptr) region = region_on(*mask, run.study.grid());
 
@@ -286,6 +318,7 @@ void finish_gates(std::vector<GateRun>& runs, Result& result) {
 }  // namespace
 
 std::span<const std::string_view> names_of(Pipeline) { return pipeline_names; }
+std::span<const std::string_view> names_of(UsefulSlices) { return useful_slices_names; }
 
 BorderResult find_borders(const Study& study, const Options& options, const Progress& progress, const Image* mask,
                           const OwnStages& own) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <optional>
 #include <string_view>
 #include <variant>
@@ -25,6 +26,10 @@ Image drag_near_border(const Image& border, double drag, double ratio = 10, doub
 struct UniformDrag {
   static constexpr std::string_view name = "uniform";
 };
+struct IntensityDrag {
+  static constexpr std::string_view name = "intensity";
+  double ratio = 10;
+};
 struct FieldDrag {
   static constexpr std::string_view name = "field";
   double ratio = 10;
@@ -35,6 +40,10 @@ struct BorderDrag {
   double reach_voxels = 1;
 };
 void describe(auto&, UniformDrag&) {}
+void describe(auto& visit, IntensityDrag& o) {
+  visit("ratio", o.ratio,
+        OptionInfo{"drag added where the image is brightest and tissue most likely, in units of the drag", "", 0, 1e6});
+}
 void describe(auto& visit, FieldDrag& o) {
   visit("ratio", o.ratio, OptionInfo{"drag added where the field is strongest, in units of the drag", "", 0, 1e6});
 }
@@ -42,9 +51,13 @@ void describe(auto& visit, BorderDrag& o) {
   visit("ratio", o.ratio, OptionInfo{"drag added on the border, in units of the drag", "", 0, 1e6});
   visit("reach_voxels", o.reach_voxels, OptionInfo{"distance in which it falls to 1/e", "voxels", 0.01, 1000});
 }
-using DampingOptions = std::variant<UniformDrag, FieldDrag, BorderDrag>;
+using DampingOptions = std::variant<UniformDrag, IntensityDrag, FieldDrag, BorderDrag>;
 
-/// The map that the options describe; none for a uniform drag.
-std::optional<Image> drag_map(const DampingOptions& options, field::FieldView field, const Image& border, double drag);
+/// The image on the field's grid, for IntensityDrag: made only where it is asked for.
+using ImageOfDrag = std::function<Image()>;
+
+/// The map that the options describe; none for a uniform drag. Throws OptionError for IntensityDrag without an image.
+std::optional<Image> drag_map(const DampingOptions& options, field::FieldView field, const Image& border, double drag,
+                              const ImageOfDrag& image = {});
 
 }  // namespace dynasurf::dynamics

@@ -17,6 +17,7 @@ struct ShownWall {
   TriMesh start;    // without triangles for pipeline contour
   TriMesh evolved;  // as its particles came to rest
   std::vector<std::array<int, 4>> histories;  // as of EvolutionResult
+  std::optional<Image> drag = {};             // of each voxel, where it follows the image
 };
 
 /// What pictures of one gate are drawn from.

@@ -1,8 +1,10 @@
 #pragma once
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "dynasurf/core/study.hpp"
+#include "dynasurf/image/edges.hpp"
 #include "dynasurf/ventricle/base_plane.hpp"
 #include "dynasurf/ventricle/labels.hpp"
 #include "dynasurf/ventricle/locate.hpp"
@@ -37,6 +39,19 @@ struct SliceRange {
 };
 SliceRange useful_slices(const Study& study, const std::optional<Location>& heart,
                          const std::vector<std::optional<BasePlane>>& planes, const UserOverrides& manual);
+
+/// How well a slice shows a wall, 0 to 1: the share of directions around the circle's centre with an edge inside the
+/// circle, times the roundness of the outermost edges, times the brightness of the wall against half that of the best
+/// slice (at most 1).
+std::vector<double> slice_scores(const Image& image, const Mask& edges, const CoarseCircle& coarse);
+
+/// The longest run of slices whose score reaches `least`; the first of equal ones. Absent where none does.
+std::optional<SliceRange> longest_run(std::span<const double> scores, double least = 0.35);
+
+/// First and last slice by `slice_scores` of the mean of the gates, or what a person has set; the whole stack where no
+/// slice is good.
+SliceRange scored_slices(const Study& study, const image::EdgeOptions& edges, const CoarseCircle& coarse,
+                         const UserOverrides& manual);
 
 /// Edges of slices outside the range are no border of the ventricle.
 void clear_outside(Mask& edges, const SliceRange& range);
