@@ -380,6 +380,15 @@ class Collect(BatchTest):
         for a, b in zip(ours, theirs, strict=True):
             self.assertAlmostEqual(a, b, delta=1e-8 * max(1, abs(b)))
 
+    def test_outcomes_have_intervals(self):
+        outcomes = {row["of"]: row for row in rows_of(self.cohort / "tables" / "statistics.tsv")
+                    if row["statistic"] == "share" and row["group"] == ""}
+        self.assertEqual(set(outcomes), {"verdict=ok", "verdict=check", "verdict=fail", "verdict=no result"})
+        self.assertAlmostEqual(sum(float(row["value"]) for row in outcomes.values()), 1, 12)
+        for row in outcomes.values():
+            self.assertTrue(0 <= float(row["low_95"]) <= float(row["value"]) <= float(row["high_95"]) <= 1, row)
+            self.assertLess(float(row["low_95"]), float(row["high_95"]))
+
     @unittest.skipIf(stats is None, "SciPy is not installed (python3-scipy)")
     def test_statistics_are_those_of_scipy(self):
         rows = [row for row in rows_of(self.cohort / "tables" / "studies.tsv") if row["verdict"] != "fail"]

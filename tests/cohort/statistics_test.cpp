@@ -32,6 +32,21 @@ TEST(Distributions, ReturnTheProbabilityOfTheirQuantile) {
     }
 }
 
+TEST(ShareOfCases, HasWilsonsInterval) {
+  // Newcombe 1998, table I, method 3: 81 of 263, 15 of 148, 0 of 20, 1 of 29.
+  const auto expect = [](std::size_t successes, std::size_t n, double low, double high) {
+    const ConfidentValue share = share_of_cases(successes, n);
+    EXPECT_DOUBLE_EQ(share.value, static_cast<double>(successes) / static_cast<double>(n));
+    EXPECT_NEAR(*share.low, low, 5e-5) << successes;
+    EXPECT_NEAR(*share.high, high, 5e-5) << successes;
+  };
+  expect(81, 263, 0.2553, 0.3662);
+  expect(15, 148, 0.0624, 0.1605);
+  expect(0, 20, 0, 0.1611);
+  expect(1, 29, 0.0061, 0.1718);
+  EXPECT_EQ(share_of_cases(5, 5).high, 1);
+}
+
 TEST(Summary, IsMeanAndSampleDeviationOfWhatIsFinite) {
   const std::vector<double> values{1, 2, 3, 4, std::numeric_limits<double>::quiet_NaN()};
   const SampleSummary summary = summarize(values);

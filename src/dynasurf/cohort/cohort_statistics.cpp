@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <set>
@@ -52,6 +53,38 @@ void add_agreement(const std::string& of, const std::string& against, const std:
 std::string without_true(std::string column) {
   const std::size_t at = column.find("_true_");
   return at == std::string::npos ? std::string() : column.replace(at, 6, "_");
+}
+
+/// The share of each verdict, and of runs without a result, among the studies that were run; in all and in each group
+/// of a column of two to six values.
+void add_outcomes(const Cohort& cohort, Rows& rows) {
+  const auto add = [&](const std::string& group, const std::function<bool(const CohortCase&)>& belongs) {
+    std::map<std::string, std::size_t> outcomes{{"ok", 0}, {"check", 0}, {"fail", 0}, {"no result", 0}};
+    std::size_t n = 0, left_out = 0;
+    for (const CohortCase& one : cohort.cases) {
+      if (!belongs(one)) continue;
+      if (!one.status) {
+        ++left_out;
+        continue;
+      }
+      ++n;
+      ++outcomes[one.status->done ? one.status->verdict : "no result"];
+    }
+    if (n == 0) return;
+    for (const auto& [outcome, cases] : outcomes)
+      rows.push_back({"share", "verdict=" + outcome, "", group, n, left_out, share_of_cases(cases, n)});
+  };
+  add("", [](const CohortCase&) { return true; });
+  for (std::size_t column = 0; column < cohort.group_columns.size(); ++column) {
+    std::set<std::string> values;
+    for (const CohortCase& one : cohort.cases) values.insert(one.study.groups[column]);
+    values.erase("");
+    if (values.size() < 2 || values.size() > most_groups || !without_true(cohort.group_columns[column]).empty())
+      continue;
+    for (const std::string& value : values)
+      add(cohort.group_columns[column] + "=" + value,
+          [&](const CohortCase& one) { return one.study.groups[column] == value; });
+  }
 }
 
 /// The values of a key number in each group of a column, where it has two to six values.
@@ -155,6 +188,7 @@ std::vector<StatisticRow> statistics_of(const Cohort& cohort) {
     for (std::size_t column = 0; column < cohort.group_columns.size(); ++column)
       if (without_true(cohort.group_columns[column]).empty()) add_groups(cohort, column, key, rows);
   }
+  add_outcomes(cohort, rows);
   add_truth(cohort, rows);
   add_readings(cohort, rows);
   add_repeats(cohort, rows);

@@ -133,6 +133,14 @@ std::optional<Repeatability> repeatability(std::span<const std::vector<double>> 
   return result;
 }
 
+ConfidentValue share_of_cases(std::size_t successes, std::size_t n) {
+  const double cases = count(n), share = count(successes) / cases, z = normal_quantile, z2 = z * z / cases;
+  const double middle = (share + z2 / 2) / (1 + z2);
+  const double half = z / (1 + z2) * std::sqrt(share * (1 - share) / cases + z2 / (4 * cases));
+  // At 0 and n of n the limit is exact; rounding would put it beside the share.
+  return {share, successes == 0 ? 0 : middle - half, successes == n ? 1 : middle + half};
+}
+
 std::optional<GroupDifference> compare_groups(std::span<const double> first, std::span<const double> second) {
   const SampleSummary a = summarize(first), b = summarize(second);
   if (!a.sd || !b.sd || (*a.sd == 0 && *b.sd == 0)) return std::nullopt;

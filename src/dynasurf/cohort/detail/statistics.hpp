@@ -66,6 +66,10 @@ struct GroupDifference {
 };
 std::optional<GroupDifference> compare_groups(std::span<const double> first, std::span<const double> second);
 
+/// A share of cases, with Wilson's interval (1927), which stays within 0 and 1 and holds for few cases, too.
+/// Precondition: 0 < n, successes <= n.
+ConfidentValue share_of_cases(std::size_t successes, std::size_t n);
+
 // Distributions, by continued fractions of the incomplete beta and gamma functions and by bisection. Preconditions:
 // degrees of freedom above 0, p strictly between 0 and 1.
 
