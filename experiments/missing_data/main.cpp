@@ -7,30 +7,13 @@
 #include <vector>
 
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/ventricle/presets.hpp"
-#include "dynasurf/ventricle/reconstruct.hpp"
+
+#include "study.hpp"
 
 using namespace dynasurf;
+using namespace dynasurf::experiments::missing_data;
 
 namespace {
-
-constexpr double fractions[] = {0, 0.10, 0.32, 0.53};
-constexpr double published_percent[] = {100, 94.5, 70.9, 60.2};  // table 6.14
-
-ventricle::Result reconstruct_partial(double fraction, synthetic::Missing missing, std::string_view preset) {
-  synthetic::Partial partial;
-  partial.fraction = fraction;
-  partial.missing = missing;
-  const synthetic::Phantom phantom = synthetic::make_phantom(partial);
-  return ventricle::reconstruct(phantom.study, ventricle::preset(preset));
-}
-
-std::optional<double> outer_ml(const ventricle::Result& result) {
-  if (result.readings.psf_corrected) return result.readings.psf_corrected->gates.front().epi_ml.value;
-  const auto& epi = result.gates.front().edge_surfaces.epi;
-  return epi ? std::optional(epi->volume_ml) : std::nullopt;
-}
 
 void print_rows(synthetic::Missing missing, std::string_view preset) {
   std::printf("\nempty: %s, preset %s\n  p %%   V_p mL  V_p/V_0 %%   m %%  |m-p|/p  published V_p/V_0 %%  verdict\n",

@@ -1,102 +1,24 @@
 // Prints the table of README.md: both surfaces of a phantom in seven states of illness, and by its blood pool. With an
 // argument it draws the labelled voxels of one slice and the cuts through the surfaces into that file (SVG).
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <string>
 #include <tuple>
-#include <vector>
 
-#include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/mesh/smooth.hpp"
-#include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/ventricle/labels/detail/mlc.hpp"
-#include "dynasurf/ventricle/presets.hpp"
-#include "dynasurf/ventricle/reconstruct.hpp"
 
-#include "../support/border_scores.hpp"
+#include "study.hpp"
 
 using namespace dynasurf;
-using namespace dynasurf::experiments;
+using namespace dynasurf::experiments::pathologies;
 
 namespace {
-
-struct Case {
-  std::string name;
-  synthetic::Pathology made;
-};
-
-std::vector<Case> cases() {
-  const auto ill = [](synthetic::Disease disease, double amplitude = 0.8) {
-    synthetic::Pathology p;
-    p.disease = disease;
-    p.amplitude = amplitude;
-    return p;
-  };
-  synthetic::Pathology healthy = ill(synthetic::Disease::inferior);
-  healthy.uptake = 1;
-  return {{"healthy", healthy},
-          {"inferior", ill(synthetic::Disease::inferior)},
-          {"apical", ill(synthetic::Disease::apical)},
-          {"lateral", ill(synthetic::Disease::lateral)},
-          {"anteroapical", ill(synthetic::Disease::anteroapical)},
-          {"digestive, 0.5", ill(synthetic::Disease::digestive, 0.5)},
-          {"digestive, 1.0", ill(synthetic::Disease::digestive, 1.0)},
-          {"right ventricle", ill(synthetic::Disease::right_ventricle, 0.4)},
-          {"blood pool", ill(synthetic::Disease::muga)}};
-}
-
-/// Mean distance of the true surface's vertices to a surface, mm: what is missing of it counts too.
-double mean_distance_mm(const TriMesh& truth, const TriMesh& mesh) {
-  const mesh::ClosestPoint nearest(mesh);
-  double sum = 0;
-  for (const Vec3& p : truth.vertices) sum += std::sqrt(nearest(p).distance2);
-  return sum / static_cast<double>(truth.vertices.size());
-}
 
 void print_surface(const TriMesh* mesh, double volume_ml, const TriMesh& truth, double truth_ml) {
   if (mesh == nullptr)
     std::printf("        -       -         -");
   else
     std::printf("  %7.1f  %+6.1f  %8.2f", volume_ml, 100 * (volume_ml / truth_ml - 1), mean_distance_mm(truth, *mesh));
-}
-
-ventricle::Result reconstructed(const synthetic::Phantom& phantom) {
-  return ventricle::reconstruct(phantom.study, ventricle::preset("psf_corrected"));
-}
-
-/// How well the border voxels of one wall lie on its true border and cover it (F1 of both, within 2 pixels).
-double f1_of(const ventricle::Result& result, const TriMesh& truth, int bit) {
-  const Grid& grid = result.study.grid();
-  const TrueLines lines = true_lines(truth, grid);
-  Score score;
-  for (int k = 0; k < grid.dims[2]; ++k)
-    score += score_slice(ventricle::pixels_of(result.gates.front().labels.borders, k, bit),
-                         lines[static_cast<std::size_t>(k)], 2);
-  return score.f1();
-}
-
-/// Vertices whose angles miss a plane's by more than the smoothing tolerates, below the lid and its rim.
-int peaks_of(const std::optional<ventricle::Surface>& surface, const TriMesh& truth) {
-  if (!surface) return -1;
-  constexpr double rim_mm = 12;
-  double top = -1e9;
-  for (const Vec3& p : truth.vertices) top = std::max(top, p[2]);
-  const std::vector<double> deficits = mesh::angle_deficits(surface->mesh);
-  int peaks = 0;
-  for (std::size_t v = 0; v < deficits.size(); ++v)
-    peaks += surface->mesh.vertices[v][2] < top - rim_mm && std::abs(deficits[v]) > mesh::Smoothing{}.tolerance_rad;
-  return peaks;
-}
-
-/// The surfaces as they came to rest, with and without the smoothing of the thesis (5.5), before anything else.
-ventricle::Result at_rest(const synthetic::Phantom& phantom, bool is_smoothed) {
-  ventricle::Options options = ventricle::preset("edges");
-  options.settle.rounds = 0, options.tidy = {.shape = 0, .untangle_rounds = 0};
-  if (!is_smoothed) options.evolution.smooth_every = 0, options.evolution.smooth_after.sweeps = 0;
-  return ventricle::reconstruct(phantom.study, options);
 }
 
 void print_case(const Case& c) {

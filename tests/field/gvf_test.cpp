@@ -9,6 +9,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/synthetic/phantoms.hpp"
 
 #include "support/edge_maps.hpp"
 
@@ -418,6 +419,27 @@ TEST(Gvf, StopsOnRequestAndTellsWhereItStands) {
   };
   flow_field(f, Gvf{.iterations = 50}, listen);
   EXPECT_EQ(last, 50);
+}
+
+TEST(VoxelSphere, BoundsTheStepAsFigure414DoesAndAsTheThirdDimensionAsks) {
+  // PH-SPHERE, fig. 4.14: the printed bound dx dy dz / (4 mu) is that of the plane. In space each voxel has six
+  // neighbours, and without the data's own term explicit steps need a divisor of 6 or more.
+  const Image ball = synthetic::make_phantom(synthetic::VoxelSphere{}).study.gates.front();
+  for (const double mu : {0.5, 2.0}) {
+    for (const double divisor : {4.0, 5.0})
+      EXPECT_TRUE(
+          flow_field(ball, Gvf{.mu = mu, .iterations = 300, .step_divisor = divisor, .safe_step = false}).diverged)
+          << mu << " " << divisor;
+    for (const double divisor : {8.0, 16.0}) {
+      const FlowResult r =
+          flow_field(ball, Gvf{.mu = mu, .iterations = 300, .step_divisor = divisor, .safe_step = false});
+      EXPECT_FALSE(r.diverged) << mu << " " << divisor;
+      // What the figure shows: vectors around the ball point to it.
+      const Index3 middle{ball.grid.dims[0] / 2, ball.grid.dims[1] / 2, ball.grid.dims[2] / 2};
+      const std::size_t beside = ball.grid.index(2, middle[1], middle[2]);
+      EXPECT_GT(r.field.x[beside], 0) << mu << " " << divisor;
+    }
+  }
 }
 
 }  // namespace
