@@ -9,7 +9,7 @@
 #include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
-#include "dynasurf/io/study_search.hpp"
+#include "dynasurf/io/study_io.hpp"
 
 #include "batch_run.hpp"
 #include "cloud_search.hpp"

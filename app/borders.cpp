@@ -119,7 +119,7 @@ ExitCode run(const BordersArguments& arguments, Drawing what, std::stop_token st
   }
 
   const ventricle::BorderResult result = ventricle::find_borders(io::read_study(arguments.study, arguments.series),
-                                                                 options, progress, mask ? &*mask : nullptr);
+                                                                 options, progress, {.mask = mask ? &*mask : nullptr});
   line.finish();
   write_sheets(result, what, folder.path(), options);
   io::write_file(folder.path() / "options.json", io::options_to_text(options));

@@ -61,7 +61,8 @@ void write_matrix(const BordersArguments& arguments, Drawing what, const Image* 
       sort_by_depth(with.settings);
       const std::string name =
           column.substr(column.find('=') + 1) + (row.empty() ? "" : " " + row.substr(row.find('=') + 1));
-      rows.back().push_back({name, ventricle::find_borders(study, options_of(with), {{}, progress.stop}, mask)});
+      rows.back().push_back(
+          {name, ventricle::find_borders(study, options_of(with), {{}, progress.stop}, {.mask = mask})});
       progress("choices", ++done, static_cast<int>(across.size() * down.size()));
     }
   }

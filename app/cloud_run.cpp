@@ -7,8 +7,8 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/options_json.hpp"
-#include "dynasurf/report/cloud_folder.hpp"
 #include "dynasurf/report/detail/run_record.hpp"
+#include "dynasurf/report/result_folders.hpp"
 
 #include "console.hpp"
 

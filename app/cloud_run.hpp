@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
-#include "dynasurf/report/cloud_report.hpp"
+#include "dynasurf/report/report.hpp"
 
 #include "result_job.hpp"
 

@@ -1,3 +1,5 @@
+#include "dynasurf/mesh/motion.hpp"
+
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -6,12 +8,11 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
-#include "dynasurf/io/tracked_points_io.hpp"
 #include "dynasurf/mesh/detail/point_spline.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/mesh/surface_motion.hpp"
 #include "dynasurf/report/detail/motion_results.hpp"
 
 #include "command.hpp"

@@ -10,7 +10,7 @@
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/options.hpp"
 
 namespace dynasurf::app {
 

@@ -1,3 +1,5 @@
+#include "dynasurf/ventricle/options.hpp"
+
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -7,12 +9,11 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
-#include "dynasurf/synthetic/camera_options.hpp"
+#include "dynasurf/organ/organ.hpp"
+#include "dynasurf/synthetic/camera.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/synthetic/terrain.hpp"
-#include "dynasurf/ventricle/organ.hpp"
-#include "dynasurf/ventricle/presets.hpp"
 
 #include "command.hpp"
 #include "console.hpp"
@@ -39,7 +40,7 @@ std::vector<OptionRow> rows_of(const Arguments& arguments) {
   }
   if (arguments.subject == "organ") {
     if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'organ'; expected nothing");
-    return option_table(ventricle::organ_preset(preset_or("ct")));
+    return option_table(organ::preset(preset_or("ct")));
   }
   if (arguments.subject != "phantom")
     throw OptionError("no options are known of '" + arguments.subject +

@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/organ.hpp"
+#include "dynasurf/organ/organ.hpp"
 
 #include <filesystem>
 #include <memory>
@@ -38,10 +38,10 @@ struct Arguments {
   bool quiet = false;
 };
 
-ventricle::OrganOptions options_of(const Arguments& a) {
-  ventricle::OrganOptions options = ventricle::organ_preset(a.preset);
+organ::Options options_of(const Arguments& a) {
+  organ::Options options = organ::preset(a.preset);
   for (const std::string& setting : a.settings) set_option(options, setting);
-  if (a.label) options.source = ventricle::OrganSource::labels, options.label = *a.label;
+  if (a.label) options.source = organ::Source::labels, options.label = *a.label;
   return options;
 }
 
@@ -59,12 +59,12 @@ Json surface_json(const std::optional<ventricle::Surface>& surface) {
           {"self_intersections", repair.check.self_intersections}};
 }
 
-bool is_trustworthy(const ventricle::OrganResult& result) {
+bool is_trustworthy(const organ::Result& result) {
   return result.surface && result.surface->stop_reason != dynamics::StopReason::diverged &&
          result.surface->repair.check.closed && result.surface->repair.check.self_intersections == 0;
 }
 
-Json result_json(const ventricle::OrganResult& result, const ventricle::OrganOptions& options, const Study& study) {
+Json result_json(const organ::Result& result, const organ::Options& options, const Study& study) {
   Json json = Json::object();
   json["schema"] = "dynasurf.organ/1";
   json["use"] = "Research use only. Not for diagnosis.";
@@ -82,13 +82,13 @@ Json result_json(const ventricle::OrganResult& result, const ventricle::OrganOpt
 
 ExitCode run(const Arguments& a, std::stop_token stop) {
   const ThreadLimit limit(a.threads);
-  const ventricle::OrganOptions options = options_of(a);
+  const organ::Options options = options_of(a);
   const Study study = io::read_study(a.study, a.series);
   if (a.gate > static_cast<int>(study.gates.size()))
     throw OptionError("--gate " + std::to_string(a.gate) + "; expected 1 to " + std::to_string(study.gates.size()));
   io::OutputFolder folder(a.out.path, a.out.existing(), {a.study});
-  const ventricle::OrganResult result =
-      ventricle::reconstruct_organ(study.gates[static_cast<std::size_t>(a.gate - 1)], options, {{}, stop});
+  const organ::Result result =
+      organ::reconstruct(study.gates[static_cast<std::size_t>(a.gate - 1)], options, {{}, stop});
   io::write_file(folder.path() / "results.json", io::json_text(result_json(result, options, study)));
   if (result.surface)
     for (const io::MeshFormat format : {io::MeshFormat::ply, io::MeshFormat::stl, io::MeshFormat::vtp})

@@ -1,12 +1,11 @@
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/io/tracked_points_io.hpp"
 #include "dynasurf/synthetic/camera.hpp"
-#include "dynasurf/synthetic/camera_options.hpp"
 
 #include "console.hpp"
 #include "phantom_parts.hpp"

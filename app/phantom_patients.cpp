@@ -14,7 +14,6 @@
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/synthetic/population.hpp"
 
 #include "console.hpp"
 #include "phantom_truth.hpp"

@@ -11,7 +11,7 @@
 #include "dynasurf/report/detail/dicom_folder.hpp"
 #include "dynasurf/report/detail/run_record.hpp"
 #include "dynasurf/report/detail/stages.hpp"
-#include "dynasurf/report/study_folder.hpp"
+#include "dynasurf/report/result_folders.hpp"
 
 #include "option_arguments.hpp"
 #include "print_page.hpp"
@@ -134,7 +134,8 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
                               : ventricle::IntermediateSink();
   try {
     outcome.result =
-        ventricle::reconstruct(study, job.options, progress, keep, start ? &*start : nullptr, mask ? &*mask : nullptr);
+        ventricle::reconstruct(study, job.options, progress,
+                               {.keep = keep, .start = start ? &*start : nullptr, .mask = mask ? &*mask : nullptr});
   } catch (const InputError& error) {  // the library knows the study, not the file it came from
     throw InputError(job.study.string() + ": " + error.what());
   }

@@ -78,7 +78,7 @@ ResultWalls read_result_walls(const fs::path& folder, int gate, bool edges) {
   const io::JsonNode of_gate = walls.is_fitted ? leading : io::object_in(leading, "edge");
   const std::string prefix = has_fit && edges ? "edge_" : "";
   walls.endo = surface_of(folder, gate, prefix + "endo"), walls.epi = surface_of(folder, gate, prefix + "epi");
-  std::optional<ventricle::BasePlane> plane;
+  std::optional<heart::BasePlane> plane;
   if (io::has(of_gate, "base_plane")) {
     const io::JsonNode base = io::object_in(of_gate, "base_plane");
     plane.emplace();

@@ -2,7 +2,7 @@
 #include <filesystem>
 
 #include "dynasurf/core/tri_mesh.hpp"
-#include "dynasurf/ventricle/measures/heart_axes.hpp"
+#include "dynasurf/ventricle/measures/measures.hpp"
 
 namespace dynasurf::app {
 

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/solid_io.hpp"
+#include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/ventricle/measures/wall_solid.hpp"
 
 #include "command.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "dynasurf/ventricle/measures/volume_curve.hpp"
+#include "dynasurf/ventricle/measures/measures.hpp"
 
 #include "console.hpp"
 
@@ -12,7 +12,7 @@ namespace {
 using Rows = std::vector<std::vector<std::string>>;
 
 /// "111.0 +- 4.2", or "111.0" where no interval is known.
-std::string cell_of(const std::optional<ventricle::Estimate>& e) {
+std::string cell_of(const std::optional<heart::Estimate>& e) {
   if (!e) return "-";
   return fixed(e->value, 1) + (e->has_interval() ? " +- " + fixed(e->high() - e->value, 1) : "");
 }

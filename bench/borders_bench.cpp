@@ -11,7 +11,7 @@
 #include "dynasurf/image/edges.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/ventricle/detail/canonical.hpp"
-#include "dynasurf/ventricle/labels.hpp"
+#include "dynasurf/ventricle/label_borders.hpp"
 
 namespace dynasurf {
 namespace {

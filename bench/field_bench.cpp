@@ -11,9 +11,9 @@
 
 #include <benchmark/benchmark.h>
 
+#include "dynasurf/core/detail/simd.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/band.hpp"
-#include "dynasurf/field/detail/simd.hpp"
 #include "dynasurf/field/gvf.hpp"
 
 #if DYNASURF_BENCH_HYPRE

@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "dynasurf/dynamics/forces/forces.hpp"
-#include "dynasurf/dynamics/solvers/detail/particle_solver.hpp"
+#include "dynasurf/dynamics/solvers/solver.hpp"
 
 #include "svg.hpp"
 

@@ -2,15 +2,13 @@
 // flow takes it in; an active net wraps two objects in one piece, a topological net splits into one net per object and
 // finds the hole of a ring; a discrete contour follows what a user draws where the image shows nothing (3.3.3). Draws
 // snakes.svg, nets.svg and stroke.svg.
+#include "dynasurf/dynamics/contour/contours.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <span>
 
-#include "dynasurf/dynamics/contour/discrete.hpp"
-#include "dynasurf/dynamics/contour/net.hpp"
-#include "dynasurf/dynamics/contour/potential.hpp"
-#include "dynasurf/dynamics/contour/snake.hpp"
 #include "dynasurf/field/gvf.hpp"
 
 #include "svg.hpp"

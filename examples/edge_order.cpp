@@ -1,7 +1,7 @@
 // How bent a surface is at each vertex, told by its edges alone (thesis 5.5.3, eqs 5.1 and 5.2): the neighbours are put
 // in order around the vertex, and the angles between them are added up. For points joined by edges whose triangles are
 // not at hand. usage: example_edge_order
-#include "dynasurf/mesh/detail/edge_order.hpp"
+#include "dynasurf/mesh/edge_order.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "dynasurf/dynamics/solvers/detail/theta.hpp"
+#include "dynasurf/dynamics/solvers/solver.hpp"
 
 using namespace dynasurf;
 

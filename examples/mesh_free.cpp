@@ -13,7 +13,7 @@
 #include <Eigen/Sparse>
 #include <Eigen/SparseCholesky>
 
-#include "dynasurf/mesh/elastic_solid.hpp"
+#include "dynasurf/mesh/tetrahedra.hpp"
 
 namespace {
 

@@ -45,7 +45,7 @@ int main() {
   dynamics::Evolution options = dynamics::spring_model();
   options.model = dynamics::SpringModel{.stiffness = 0.1, .damping = 0.01, .rest_scale = 15.0 / 24};
   options.end.max_steps = 500;
-  const dynamics::EvolutionResult result = dynamics::evolve(start, field, Image(grid), options, {}, nullptr, own);
+  const dynamics::EvolutionResult result = dynamics::evolve(start, field, Image(grid), options, {}, own);
 
   Vec3 low = middle, high = middle;
   for (const Vec3& p : result.mesh.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);

@@ -6,7 +6,7 @@
 
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/io/cloud_io.hpp"
-#include "dynasurf/report/cloud_folder.hpp"
+#include "dynasurf/report/result_folders.hpp"
 
 namespace ds = dynasurf;
 

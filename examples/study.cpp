@@ -4,8 +4,8 @@
 #include <cstdio>
 
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/report/study_folder.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/report/result_folders.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace ds = dynasurf;

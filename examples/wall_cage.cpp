@@ -7,7 +7,7 @@
 #include <exception>
 #include <optional>
 
-#include "dynasurf/mesh/elastic_solid.hpp"
+#include "dynasurf/mesh/tetrahedra.hpp"
 #include "dynasurf/synthetic/ventricle_shape.hpp"
 #include "dynasurf/ventricle/measures/wall_solid.hpp"
 

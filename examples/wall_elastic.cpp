@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <exception>
 
-#include "dynasurf/io/solid_io.hpp"
-#include "dynasurf/mesh/elastic_solid.hpp"
+#include "dynasurf/io/mesh_io.hpp"
+#include "dynasurf/mesh/tetrahedra.hpp"
 #include "dynasurf/synthetic/ventricle_shape.hpp"
 #include "dynasurf/ventricle/measures/wall_solid.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf {
@@ -68,7 +68,7 @@ std::string text_of(const ventricle::Result& r) {
       r.heart ? r.heart->other_end : 0, r.heart ? r.heart->outside : 0, c.hot_neighbour, c.noise, c.bridged, c.unround,
       c.moves_mm, c.thickness_mm, c.least_counts, c.most_counts, c.endo_roughness, c.epi_roughness, c.end_systole,
       c.base_seen, c.base_spread_mm, c.base_cut, r.wall_variation.value_or(-1),
-      r.readings.edge.edv_ml.value_or(ventricle::Estimate{-1}).value, c.length_to_width,
+      r.readings.edge.edv_ml.value_or(heart::Estimate{-1}).value, c.length_to_width,
       r.heart ? r.heart->cup.half_length_mm / r.heart->cup.radius_mm : 0, c.readings_apart,
       on(r, ventricle::Border::endo), on(r, ventricle::Border::epi));
   return text.data();
@@ -76,7 +76,7 @@ std::string text_of(const ventricle::Result& r) {
 
 void compare_place(const ventricle::Result& result, const Truth& truth, Outcome& o) {
   if (!result.heart) return;
-  const ventricle::LvShell& cup = result.heart->cup;
+  const heart::LvShell& cup = result.heart->cup;
   o.axis_deg = std::acos(std::clamp(cup.axis.dot(truth.axis), -1.0, 1.0)) * 180 / M_PI;
   const Vec3 off = cup.middle() - truth.centre;
   o.centre_mm = off.norm();

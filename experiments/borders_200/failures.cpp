@@ -6,10 +6,10 @@
 #include <functional>
 #include <vector>
 
+#include "dynasurf/heart/locate.hpp"
 #include "dynasurf/synthetic/detail/noise.hpp"
 #include "dynasurf/synthetic/detail/random.hpp"
 #include "dynasurf/synthetic/detail/render.hpp"
-#include "dynasurf/ventricle/locate.hpp"
 
 namespace dynasurf {
 namespace {
@@ -195,7 +195,7 @@ const std::vector<Kind>& kinds() {
       {"same_gates",
        [](int n) {
          return changed_study(n, [](synthetic::Phantom& f) {
-           const Image mean = ventricle::mean_image(f.study.gates);
+           const Image mean = heart::mean_image(f.study.gates);
            for (Image& gate : f.study.gates) gate = mean;
          });
        }},

@@ -9,6 +9,7 @@
 #include "dynasurf/image/edges.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/synthetic/detail/random.hpp"
+#include "dynasurf/ventricle/label_borders.hpp"
 
 #include "../support/border_scores.hpp"
 #include "chart.hpp"

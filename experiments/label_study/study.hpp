@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "dynasurf/image/edges.hpp"
+#include "dynasurf/ventricle/label_borders.hpp"
 
 #include "../support/border_scores.hpp"
 

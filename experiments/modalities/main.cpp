@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 using namespace dynasurf;
@@ -109,9 +109,9 @@ void print_row(const Heart& heart, const Kind& kind) {
   Numbers fit, edge;
   int held = 0;
   if (result.readings.psf_corrected && result.readings.psf_corrected->ef_percent) {
-    const ventricle::FittedBeat& f = *result.readings.psf_corrected;
+    const psf_fit::FittedBeat& f = *result.readings.psf_corrected;
     fit = {f.edv_ml.value, f.esv_ml.value, f.ef_percent->value, f.wall_ml.value};
-    const auto holds = [](const ventricle::Estimate& e, double t) { return e.low() <= t && t <= e.high(); };
+    const auto holds = [](const heart::Estimate& e, double t) { return e.low() <= t && t <= e.high(); };
     held = holds(f.edv_ml, truth.edv) + holds(f.esv_ml, truth.esv) + holds(*f.ef_percent, truth.ef) +
            holds(f.wall_ml, truth.wall);
   }

@@ -41,8 +41,8 @@ Late late(const MeshRun& run) {
                          }});
   dynamics::Evolution evolution = run.evolution;
   evolution.histories = true;
-  const dynamics::EvolutionResult r = dynamics::evolve(start_of(run, outer_border()), field_of(outer_border()),
-                                                       outer_border(), evolution, {}, nullptr, look);
+  const dynamics::EvolutionResult r =
+      dynamics::evolve(start_of(run, outer_border()), field_of(outer_border()), outer_border(), evolution, {}, look);
   Late result;
   result.steps = r.steps;
   result.rms_voxels = rms_voxels(r.mesh);

@@ -43,14 +43,12 @@ void print_fit(const Case& c) {
   const synthetic::Phantom phantom = synthetic::make_phantom(c.made);
   const ventricle::Result result = reconstructed(phantom);
   if (!result.readings.psf_corrected) return;
-  const ventricle::FittedGate& gate = result.readings.psf_corrected->gates.front();
+  const psf_fit::FittedGate& gate = result.readings.psf_corrected->gates.front();
   const synthetic::TrueGate& truth = phantom.truth.front();
   std::printf("%-16s", c.name.c_str());
   print_surface(&gate.endo, gate.endo_ml.value, truth.endo, truth.endo_ml);
   print_surface(&gate.epi, gate.epi_ml.value, truth.epi, truth.epi_ml);
-  const auto holds = [](const ventricle::Estimate& e, double ml) {
-    return e.low() <= ml && ml <= e.high() ? "yes" : "no";
-  };
+  const auto holds = [](const heart::Estimate& e, double ml) { return e.low() <= ml && ml <= e.high() ? "yes" : "no"; };
   std::printf("  %5.1f to %5.1f  %s\n", gate.endo_ml.low(), gate.endo_ml.high(), holds(gate.endo_ml, truth.endo_ml));
 }
 

@@ -10,7 +10,7 @@
 #include "dynasurf/mesh/smooth.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/ventricle/labels/detail/mlc.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "../support/border_scores.hpp"

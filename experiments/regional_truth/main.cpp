@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "../../app/true_walls.hpp"
@@ -176,7 +176,7 @@ void run(int first, int end) {
       const ventricle::Result result = ventricle::reconstruct(phantom.study, options);
       const bool is_fit = result.readings.psf_corrected.has_value();
       std::printf("%d %s %s EF %.1f (true %.1f)\n", number, one.name.c_str(), is_fit ? "psf_corrected" : "edge",
-                  result.leading.ef_percent.value_or(ventricle::Estimate{}).value, *phantom.ef_percent);
+                  result.leading.ef_percent.value_or(heart::Estimate{}).value, *phantom.ef_percent);
       if (is_fit)
         std::printf("  thickness from data %.2f, width from data %.2f\n",
                     result.readings.psf_corrected->thickness_from_data, result.readings.psf_corrected->width_from_data);

@@ -6,7 +6,7 @@
 
 #include "dynasurf/dynamics/evolve.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
-#include "dynasurf/dynamics/solvers/detail/particle_solver.hpp"
+#include "dynasurf/dynamics/solvers/solver.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
 #include "../support/hebron.hpp"

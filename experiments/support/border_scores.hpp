@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "dynasurf/core/grid.hpp"
-#include "dynasurf/image/components.hpp"
+#include "dynasurf/image/detail/components.hpp"
 #include "dynasurf/image/intensity.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"

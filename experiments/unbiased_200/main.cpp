@@ -9,7 +9,7 @@
 
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/synthetic/detail/random.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "../borders_200/patients.hpp"
@@ -29,7 +29,7 @@ double make_unlike(Patient& patient) {
 }
 
 /// Mean distance of the fitted wall's vertices below the base from the true wall.
-double distance_mm(const TriMesh& fitted, const TriMesh& truth, const ventricle::BasePlane& base) {
+double distance_mm(const TriMesh& fitted, const TriMesh& truth, const heart::BasePlane& base) {
   constexpr double lid_mm = 3;
   const mesh::ClosestPoint closest(truth);
   double sum = 0, count = 0;
@@ -56,18 +56,16 @@ void examine(const std::string& generator, int number) {
   row.edv = {*phantom.edv_ml, 0, 0}, row.esv = {*phantom.esv_ml, 0, 0}, row.ef = {*phantom.ef_percent, 0, 0};
   for (const synthetic::TrueGate& gate : phantom.truth)
     row.wall.truth += gate.wall_ml() / static_cast<double>(phantom.truth.size());
-  row.edge_edv = result.readings.edge.edv_ml.value_or(ventricle::Estimate{}).value;
-  row.edge_ef = result.readings.edge.ef_percent.value_or(ventricle::Estimate{}).value;
+  row.edge_edv = result.readings.edge.edv_ml.value_or(heart::Estimate{}).value;
+  row.edge_ef = result.readings.edge.ef_percent.value_or(heart::Estimate{}).value;
   if (result.readings.psf_corrected) {
-    const ventricle::FittedBeat& fit = *result.readings.psf_corrected;
-    const auto take = [](Measured& reading, const ventricle::Estimate& e) {
-      reading.value = e.value, reading.sd = e.sd;
-    };
+    const psf_fit::FittedBeat& fit = *result.readings.psf_corrected;
+    const auto take = [](Measured& reading, const heart::Estimate& e) { reading.value = e.value, reading.sd = e.sd; };
     take(row.fwhm, fit.fwhm_mm), take(row.edv, fit.edv_ml), take(row.esv, fit.esv_ml), take(row.wall, fit.wall_ml);
     if (fit.ef_percent) take(row.ef, *fit.ef_percent);
     row.wall_variation = 100 * fit.wall_variation;
     for (const int g : {fit.ed_gate, fit.es_gate}) {
-      const ventricle::FittedGate& gate = fit.gates[static_cast<std::size_t>(g)];
+      const psf_fit::FittedGate& gate = fit.gates[static_cast<std::size_t>(g)];
       const synthetic::TrueGate& truth = phantom.truth[static_cast<std::size_t>(g)];
       row.distance_mm +=
           (distance_mm(gate.endo, truth.endo, gate.base) + distance_mm(gate.epi, truth.epi, gate.base)) / 4;

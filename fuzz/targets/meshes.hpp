@@ -1,5 +1,5 @@
 #pragma once
-#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
 
 #include "target.hpp"
 

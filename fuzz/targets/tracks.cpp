@@ -1,4 +1,4 @@
-#include "dynasurf/io/tracked_points_io.hpp"
+#include "dynasurf/io/cloud_io.hpp"
 
 #include "input_files.hpp"
 #include "target.hpp"

@@ -11,14 +11,14 @@ namespace dynasurf::python {
 #define DYNASURF_ARITY(type, n) \
   template <>                   \
   inline constexpr int arity<type> = n
-DYNASURF_ARITY(ventricle::Estimate, 2);
+DYNASURF_ARITY(heart::Estimate, 2);
 DYNASURF_ARITY(Note, 5);
 DYNASURF_ARITY(Grid, 4);
 DYNASURF_ARITY(Study, 10);
 DYNASURF_ARITY(TriMesh, 2);
-DYNASURF_ARITY(ventricle::LvShell, 5);
-DYNASURF_ARITY(ventricle::Location, 8);
-DYNASURF_ARITY(ventricle::BasePlane, 5);
+DYNASURF_ARITY(heart::LvShell, 5);
+DYNASURF_ARITY(heart::Location, 8);
+DYNASURF_ARITY(heart::BasePlane, 5);
 DYNASURF_ARITY(ventricle::LeadingSurface, 2);
 DYNASURF_ARITY(ventricle::LeadingSurfaces, 3);
 DYNASURF_ARITY(mesh::StackVolumes, 3);
@@ -33,11 +33,11 @@ DYNASURF_ARITY(ventricle::Axis, 4);
 DYNASURF_ARITY(ventricle::Labels, 8);
 DYNASURF_ARITY(ventricle::Gate, 7);
 DYNASURF_ARITY(ventricle::Reading, 8);
-DYNASURF_ARITY(ventricle::FittedGate, 5);
-DYNASURF_ARITY(ventricle::FittedBeat, 24);
-DYNASURF_ARITY(ventricle::GaussianProfile, 2);
+DYNASURF_ARITY(psf_fit::FittedGate, 5);
+DYNASURF_ARITY(psf_fit::FittedBeat, 24);
+DYNASURF_ARITY(psf_fit::GaussianProfile, 2);
 DYNASURF_ARITY(ventricle::Readings, 3);
-DYNASURF_ARITY(ventricle::CurvePhases, 3);
+DYNASURF_ARITY(heart::CurvePhases, 3);
 DYNASURF_ARITY(ventricle::QualityFlag, 4);
 DYNASURF_ARITY(ventricle::Anterior, 2);
 DYNASURF_ARITY(ventricle::HeartAxes, 5);
@@ -81,7 +81,7 @@ void archive(A& a, mesh::UntangleReport& report) {
 
 /// What only the measuring of a result needs, and measuring is over.
 template <class A>
-void archive(A&, std::shared_ptr<const ventricle::WallPosterior>&) {}
+void archive(A&, std::shared_ptr<const psf_fit::WallPosterior>&) {}
 
 /// Segments are those of a model, which their names and numbers tell.
 template <class A>

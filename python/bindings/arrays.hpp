@@ -9,7 +9,7 @@
 #include <pybind11/numpy.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/geometry.hpp"
+#include "dynasurf/core/grid.hpp"
 #include "dynasurf/core/volume.hpp"
 
 #include "bindings.hpp"

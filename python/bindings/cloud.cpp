@@ -6,8 +6,8 @@
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/core/detail/stage_clock.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
-#include "dynasurf/report/cloud_folder.hpp"
 #include "dynasurf/report/detail/run_record.hpp"
+#include "dynasurf/report/result_folders.hpp"
 
 #include "arrays.hpp"
 #include "clouds.hpp"

@@ -2,8 +2,8 @@
 #include <vector>
 
 #include "dynasurf/io/cloud_io.hpp"
-#include "dynasurf/report/cloud_report.hpp"
 #include "dynasurf/report/provenance.hpp"
+#include "dynasurf/report/report.hpp"
 
 namespace dynasurf::python {
 

@@ -101,11 +101,11 @@ void bind_dynamics(py::module_& module) {
          const py::dict& forces, const py::object& stop, const std::shared_ptr<Image>& drag, py::object progress,
          int threads) {
         const auto how = options_from<dynamics::Evolution>(options);
-        return run_long_for({std::move(progress), threads},
-                            [=, own = additions_from(forces, stop, drag)](const Progress& told) {
-                              return std::make_shared<dynamics::EvolutionResult>(
-                                  dynamics::evolve(*start, *field, *border, how, told, planes.get(), own));
-                            });
+        dynamics::Additions own = additions_from(forces, stop, drag);
+        own.planes = planes.get();
+        return run_long_for({std::move(progress), threads}, [=](const Progress& told) {
+          return std::make_shared<dynamics::EvolutionResult>(dynamics::evolve(*start, *field, *border, how, told, own));
+        });
       },
       needed("start"), needed("field"), needed("border"), needed("options"),
       py::arg("planes") = std::shared_ptr<Planes>(), py::arg("forces") = py::dict(), py::arg("stop") = py::none(),

@@ -4,8 +4,8 @@
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/options_json.hpp"
-#include "dynasurf/report/study_folder.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/report/result_folders.hpp"
+#include "dynasurf/ventricle/options.hpp"
 
 #include "command_line.hpp"
 #include "version.hpp"
@@ -48,8 +48,8 @@ std::shared_ptr<Heart> reconstruct_heart(const HeartRun& run, const Progress& pr
   heart->study = run.study;
   heart->mask_sha256 = run.mask_sha256;
   heart->start_sha256 = run.start_sha256;
-  heart->result =
-      ventricle::reconstruct(*run.study, run.options, progress, {}, run.start.get(), run.mask.get(), run.own);
+  heart->result = ventricle::reconstruct(*run.study, run.options, progress,
+                                         {.start = run.start.get(), .mask = run.mask.get(), .stages = run.own});
   return heart;
 }
 

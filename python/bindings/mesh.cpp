@@ -1,9 +1,9 @@
 #include "dynasurf/mesh/intersections.hpp"
+#include "dynasurf/mesh/marching.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/repair.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/mesh/tetrahedra.hpp"
-#include "dynasurf/mesh/voxel_parts.hpp"
 
 #include "arrays.hpp"
 #include "options.hpp"

@@ -12,12 +12,11 @@
 #include "dynasurf/field/edge_map.hpp"
 #include "dynasurf/field/gvf.hpp"
 #include "dynasurf/image/edges.hpp"
-#include "dynasurf/synthetic/camera_options.hpp"
+#include "dynasurf/organ/organ.hpp"
+#include "dynasurf/synthetic/camera.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/options.hpp"
 #include "dynasurf/ventricle/options.hpp"
-#include "dynasurf/ventricle/organ.hpp"
-#include "dynasurf/ventricle/presets.hpp"
 
 #include "bindings.hpp"
 
@@ -202,9 +201,9 @@ void add_ventricle(Catalog& all) {
   all.add<mesh::Tessellation>("mesh.Tessellation");
   all.add<ventricle::ContourPipeline>("ventricle.ContourPipeline");
   all.add<ventricle::MeasureOptions>("ventricle.MeasureOptions");
-  all.add<ventricle::BlurFit>("ventricle.BlurFit");
+  all.add<psf_fit::BlurFit>("ventricle.BlurFit");
   all.add<ventricle::Options>("ventricle.Options");
-  all.add<ventricle::OrganOptions>("ventricle.OrganOptions");
+  all.add<organ::Options>("ventricle.OrganOptions");
 }
 
 void add_others(Catalog& all) {
@@ -280,8 +279,7 @@ void bind_options(py::module_& module) {
       "ventricle_preset", [](const std::string& name) { return io::options_to_text(ventricle::preset(name)); },
       needed("name"));
   module.def(
-      "organ_preset", [](const std::string& name) { return io::options_to_text(ventricle::organ_preset(name)); },
-      needed("name"));
+      "organ_preset", [](const std::string& name) { return io::options_to_text(organ::preset(name)); }, needed("name"));
   module.def(
       "cloud_preset", [](const std::string& name) { return io::options_to_text(cloud::preset(name)); }, needed("name"));
 }

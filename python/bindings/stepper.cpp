@@ -13,6 +13,7 @@ namespace py = pybind11;
 using namespace std::chrono_literals;
 
 Stepper::Stepper(Motion motion, int every) : motion_(std::move(motion)), every_(every) {
+  motion_.own.planes = motion_.planes.get();
   motion_.own.watch = [this](int steps, const TriMesh& mesh) {
     if (steps % every_ == 0) hand_over(steps, mesh);
   };
@@ -24,9 +25,8 @@ void Stepper::run() {
   std::exception_ptr failure;
   std::shared_ptr<dynamics::EvolutionResult> result;
   try {
-    result = std::make_shared<dynamics::EvolutionResult>(
-        dynamics::evolve(*motion_.start, *motion_.field, *motion_.border, motion_.options, {{}, stop_.get_token()},
-                         motion_.planes.get(), motion_.own));
+    result = std::make_shared<dynamics::EvolutionResult>(dynamics::evolve(
+        *motion_.start, *motion_.field, *motion_.border, motion_.options, {{}, stop_.get_token()}, motion_.own));
   } catch (const Cancelled&) {  // by close()
   } catch (...) {
     failure = std::current_exception();

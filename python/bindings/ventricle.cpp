@@ -3,8 +3,9 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "dynasurf/report/report.hpp"
-#include "dynasurf/ventricle/closure.hpp"
 #include "dynasurf/ventricle/detail/border_planes.hpp"
+#include "dynasurf/ventricle/detail/closure.hpp"
+#include "dynasurf/ventricle/label_borders.hpp"
 
 #include "arrays.hpp"
 #include "heart.hpp"
@@ -19,22 +20,22 @@ namespace {
 using HeartPtr = std::shared_ptr<Heart>;
 
 void bind_estimates(py::module_& module) {
-  py::class_<ventricle::Estimate>(module, "Estimate", "A number and how sure it is.")
+  py::class_<heart::Estimate>(module, "Estimate", "A number and how sure it is.")
       .def(py::init([](double value, double sd) {
-             return ventricle::Estimate{value, sd};
+             return heart::Estimate{value, sd};
            }),
            needed("value"), py::arg("sd") = 0.0)
-      .def_readonly("value", &ventricle::Estimate::value)
-      .def_readonly("sd", &ventricle::Estimate::sd, "One standard deviation; 0: not known.")
-      .def_property_readonly("low", &ventricle::Estimate::low, "Lower end of the 90 % interval.")
-      .def_property_readonly("high", &ventricle::Estimate::high, "Upper end of the 90 % interval.")
-      .def("__float__", [](const ventricle::Estimate& e) { return e.value; })
+      .def_readonly("value", &heart::Estimate::value)
+      .def_readonly("sd", &heart::Estimate::sd, "One standard deviation; 0: not known.")
+      .def_property_readonly("low", &heart::Estimate::low, "Lower end of the 90 % interval.")
+      .def_property_readonly("high", &heart::Estimate::high, "Upper end of the 90 % interval.")
+      .def("__float__", [](const heart::Estimate& e) { return e.value; })
       .def(
           "__eq__",
-          [](const ventricle::Estimate& a, const ventricle::Estimate& b) { return a.value == b.value && a.sd == b.sd; },
+          [](const heart::Estimate& a, const heart::Estimate& b) { return a.value == b.value && a.sd == b.sd; },
           py::is_operator())
       .def("__repr__",
-           [](const ventricle::Estimate& e) {
+           [](const heart::Estimate& e) {
              std::array<char, 96> text{};
              if (e.has_interval())
                std::snprintf(text.data(), text.size(), "%.1f (%.1f to %.1f)", e.value, e.low(), e.high());
@@ -42,9 +43,9 @@ void bind_estimates(py::module_& module) {
                std::snprintf(text.data(), text.size(), "%.1f", e.value);
              return std::string(text.data());
            })
-      .def(py::pickle([](const ventricle::Estimate& e) { return py::make_tuple(e.value, e.sd); },
+      .def(py::pickle([](const heart::Estimate& e) { return py::make_tuple(e.value, e.sd); },
                       [](const py::tuple& state) {
-                        return ventricle::Estimate{py::cast<double>(state[0]), py::cast<double>(state[1])};
+                        return heart::Estimate{py::cast<double>(state[0]), py::cast<double>(state[1])};
                       }));
   py::class_<ventricle::QualityFlag>(module, "QualityFlag", "One reason to distrust a result.")
       .def_readonly("code", &ventricle::QualityFlag::code)
@@ -155,7 +156,7 @@ std::string results_text(const Heart& heart, bool timings) {
 }
 
 void bind_result_numbers(py::class_<Heart, HeartPtr>& heart) {
-  const auto leading = [&](const char* name, std::optional<ventricle::Estimate> ventricle::Reading::*number,
+  const auto leading = [&](const char* name, std::optional<heart::Estimate> ventricle::Reading::*number,
                            const char* doc) {
     heart.def_property_readonly(
         name, [number](const Heart& h) { return h.result.leading.*number; }, doc);

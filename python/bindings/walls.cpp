@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "dynasurf/psf_fit/blur_fit.hpp"
 #include "dynasurf/report/measures.hpp"
-#include "dynasurf/ventricle/fit/blur_fit.hpp"
 #include "dynasurf/ventricle/measures/measures.hpp"
 
 #include "arrays.hpp"
@@ -88,18 +88,18 @@ void bind_measures(py::module_& module) {
 }
 
 void bind_fit(py::module_& module) {
-  using F = ventricle::FittedGate;
+  using F = psf_fit::FittedGate;
   py::class_<F, std::shared_ptr<F>>(module, "FittedGate", "One gate as fitted through the blur; world (LPS), mm.")
       .def_property_readonly("endo", [](const std::shared_ptr<F>& g) { return held(part_of(g, g->endo)); })
       .def_property_readonly("epi", [](const std::shared_ptr<F>& g) { return held(part_of(g, g->epi)); })
       .def_readonly("endo_ml", &F::endo_ml)
       .def_readonly("epi_ml", &F::epi_ml);
-  using B = ventricle::FittedBeat;
+  using B = psf_fit::FittedBeat;
   py::class_<B, std::shared_ptr<B>>(module, "FittedBeat", "The walls of all gates, fitted together.")
       .def_property_readonly("gates",
                              [](const std::shared_ptr<B>& b) {
                                py::list gates;
-                               for (const ventricle::FittedGate& gate : b->gates) gates.append(held(part_of(b, gate)));
+                               for (const psf_fit::FittedGate& gate : b->gates) gates.append(held(part_of(b, gate)));
                                return gates;
                              })
       .def_readonly("edv", &B::edv_ml)
@@ -117,15 +117,14 @@ void bind_fit(py::module_& module) {
       .def_readonly("notes", &B::notes);
 }
 
-std::shared_ptr<ventricle::FittedBeat> fit(const std::shared_ptr<OriginStudy>& study, const Meshes& endo,
-                                           const Meshes& epi, const Numbers<double>& axis,
-                                           const Numbers<double>& lateral, const std::string& options,
-                                           py::object progress, int threads) {
+std::shared_ptr<psf_fit::FittedBeat> fit(const std::shared_ptr<OriginStudy>& study, const Meshes& endo,
+                                         const Meshes& epi, const Numbers<double>& axis, const Numbers<double>& lateral,
+                                         const std::string& options, py::object progress, int threads) {
   const std::size_t gates = study->gates.size();
   if (endo.size() != gates || epi.size() != gates)
     throw OptionError("fit: " + std::to_string(endo.size()) + " inner and " + std::to_string(epi.size()) +
                       " outer walls; expected one of each for the " + std::to_string(gates) + " gates");
-  ventricle::FitStart start;
+  psf_fit::FitStart start;
   for (std::size_t g = 0; g < gates; ++g) {
     if (!endo[g] || !epi[g] || endo[g]->triangles.empty() || epi[g]->triangles.empty())
       throw OptionError("fit: gate " + std::to_string(g) + " has not both walls");
@@ -136,9 +135,9 @@ std::shared_ptr<ventricle::FittedBeat> fit(const std::shared_ptr<OriginStudy>& s
   start.axis = vector_from(axis, "axis");
   start.lateral = vector_from(lateral, "lateral");
   if (!(start.axis.cross(start.lateral).norm() > 1e-6)) throw OptionError("axis and lateral lie along one line");
-  const auto how = options_from<ventricle::BlurFit>(options);
+  const auto how = options_from<psf_fit::BlurFit>(options);
   return run_long_for({std::move(progress), threads}, [=](const Progress& told) {
-    return std::make_shared<ventricle::FittedBeat>(ventricle::fit_through_blur(*study, start, how, told));
+    return std::make_shared<psf_fit::FittedBeat>(psf_fit::fit_through_blur(*study, start, how, told));
   });
 }
 

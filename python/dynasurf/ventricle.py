@@ -225,7 +225,7 @@ def settle(mesh, image, base=(0, 0, 0), options=None, **members):
 
     See Also
     --------
-    dynasurf/ventricle/settle.hpp
+    dynasurf/ventricle/detail/settle.hpp
     """
     return _core.settle_on_slope(mesh, image, base, text_of(options, "ventricle.Settle", members))
 
@@ -259,7 +259,7 @@ def fit(study, endo, epi, *, axis, lateral, options=None, progress=None, threads
 
     See Also
     --------
-    dynasurf/ventricle/fit/blur_fit.hpp
+    dynasurf/psf_fit/blur_fit.hpp
     """
     text = text_of(options, "ventricle.BlurFit", members)
     with progress_of(progress) as tell:

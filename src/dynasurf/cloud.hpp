@@ -1,7 +1,6 @@
 #pragma once
 // From points to closed meshes at any number of triangles: all public headers of this module.
 
-#include "dynasurf/cloud/certificate.hpp"
 #include "dynasurf/cloud/lod.hpp"
 #include "dynasurf/cloud/options.hpp"
 #include "dynasurf/cloud/reconstruct_cloud.hpp"

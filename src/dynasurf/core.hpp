@@ -3,7 +3,6 @@
 
 #include "dynasurf/core/contour.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/geometry.hpp"
 #include "dynasurf/core/grid.hpp"
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/option_tree.hpp"
@@ -12,6 +11,5 @@
 #include "dynasurf/core/point_cloud.hpp"
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/core/study.hpp"
-#include "dynasurf/core/tracked_points.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/core/volume.hpp"

@@ -1,10 +1,7 @@
 #pragma once
 // Deformable models: particles, forces, solvers, contours: all public headers of this module.
 
-#include "dynasurf/dynamics/contour/discrete.hpp"
-#include "dynasurf/dynamics/contour/net.hpp"
-#include "dynasurf/dynamics/contour/potential.hpp"
-#include "dynasurf/dynamics/contour/snake.hpp"
+#include "dynasurf/dynamics/contour/contours.hpp"
 #include "dynasurf/dynamics/evolve.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
 #include "dynasurf/dynamics/options.hpp"

@@ -3,8 +3,6 @@
 
 #include "dynasurf/field/band.hpp"
 #include "dynasurf/field/edge_map.hpp"
-#include "dynasurf/field/field_view.hpp"
-#include "dynasurf/field/flow_result.hpp"
 #include "dynasurf/field/gvf.hpp"
 #include "dynasurf/field/steady.hpp"
 #include "dynasurf/field/vector_field.hpp"

@@ -2,11 +2,6 @@
 // Files of studies, meshes, clouds, pictures and options: all public headers of this module.
 
 #include "dynasurf/io/cloud_io.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/options_json.hpp"
-#include "dynasurf/io/png.hpp"
-#include "dynasurf/io/solid_io.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/io/study_search.hpp"
-#include "dynasurf/io/tracked_points_io.hpp"

@@ -1,4 +1,4 @@
-#include "dynasurf/cloud/certificate.hpp"
+#include "dynasurf/cloud/detail/certificate.hpp"
 
 #include <cmath>
 #include <limits>
@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/mesh/sample_surface.hpp"
+#include "dynasurf/mesh/detail/sample_surface.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
 #include "support/shapes.hpp"

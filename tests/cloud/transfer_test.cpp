@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/mesh/sample_surface.hpp"
+#include "dynasurf/mesh/detail/sample_surface.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
 namespace dynasurf::cloud {

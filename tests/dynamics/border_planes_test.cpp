@@ -96,8 +96,8 @@ double mean_error_mm(const SphereBorder& border, double radius_mm, StopPoint poi
   Evolution options;
   options.stop.point = point;
   options.smooth_after.sweeps = 0;
-  const EvolutionResult r =
-      evolve(mesh::place(mesh::icosphere(3), border.voxels, {}), inwards, border.voxels, options, {}, planes);
+  const EvolutionResult r = evolve(mesh::place(mesh::icosphere(3), border.voxels, {}), inwards, border.voxels, options,
+                                   {}, {.planes = planes});
   double sum = 0;
   for (const Vec3& p : r.mesh.vertices) sum += std::abs((p - middle).norm() - radius_mm);
   return sum / static_cast<double>(r.mesh.vertices.size());
@@ -119,7 +119,7 @@ TEST(Evolve, RefusesPlanesOfAnotherGrid) {
   const SphereBorder border = sphere_border(20);
   const BorderPlanes other(grid_of(5));
   EXPECT_THROW(evolve(mesh::place(mesh::icosphere(1), border.voxels, {}), field::VectorField(border.voxels.grid),
-                      border.voxels, {}, {}, &other),
+                      border.voxels, {}, {}, {.planes = &other}),
                InputError);
 }
 

@@ -506,7 +506,7 @@ TEST(Evolve, LeavesNoSpeedToAParticleAtTheWall) {
   double speed = 0;
   Additions own;
   own.forces.push_back({"watch", [&](const ParticleState& state, std::span<Vec3>) { speed = state.velocities[0][0]; }});
-  const EvolutionResult r = evolve({{{5, 1, 1}}, {}}, f, Image(g), o, {}, nullptr, own);
+  const EvolutionResult r = evolve({{{5, 1, 1}}, {}}, f, Image(g), o, {}, own);
   EXPECT_DOUBLE_EQ(r.mesh.vertices[0][0], 9.5);
   EXPECT_LT(speed, 10 * 0.1 * 0.05 * 1.01);  // what the last step gave
 }

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "dynasurf/dynamics/solvers/detail/particle_solver.hpp"
+#include "dynasurf/dynamics/solvers/solver.hpp"
 
 #include "support/shapes.hpp"
 

@@ -9,8 +9,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
 #include "dynasurf/dynamics/solvers/detail/conjugate_gradients.hpp"
-#include "dynasurf/dynamics/solvers/detail/particle_solver.hpp"
-#include "dynasurf/dynamics/solvers/detail/theta.hpp"
+#include "dynasurf/dynamics/solvers/solver.hpp"
 
 #include "support/shapes.hpp"
 

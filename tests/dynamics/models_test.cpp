@@ -55,7 +55,7 @@ double within_one_voxel(const TriMesh& mesh) {
 
 EvolutionResult run(const Evolution& o, const Additions& own = {}) {
   const Scene& s = ball();
-  return evolve(s.start, s.field, s.border, o, {}, nullptr, own);
+  return evolve(s.start, s.field, s.border, o, {}, own);
 }
 
 std::vector<Evolution> all_models() {
@@ -374,7 +374,7 @@ TEST(DragMaps, SoftenTheOscillationAndOnlyTheStopEndsIt) {
     o.end = {.still_share = 1, .still_move = 0, .still_radius = 0, .max_steps = 0};
     double largest = 0;
     for (o.end.max_steps = 600; o.end.max_steps < 1000; o.end.max_steps += 10) {
-      const EvolutionResult r = evolve({{{48, 4, 4}}, {}}, field, plane, o, {}, nullptr, own);
+      const EvolutionResult r = evolve({{{48, 4, 4}}, {}}, field, plane, o, {}, own);
       largest = std::max(largest, std::abs(r.mesh.vertices[0][0] - 60));
     }
     return largest;
@@ -444,7 +444,7 @@ TEST(OwnStop, HoldsParticlesAtAPlaneOfTheCaller) {
   Image border(g);
   border(5, 5, 45) = 1;  // the border comes first for a particle above it
   const TriMesh three{{{5, 5, 55}, {9, 9, 50}, {12, 3, 30}}, {}};
-  const EvolutionResult r = evolve(three, down, border, {}, {}, nullptr, own);
+  const EvolutionResult r = evolve(three, down, border, {}, {}, own);
   EXPECT_NEAR(r.mesh.vertices[0][2], 45.5, 1e-9);
   EXPECT_NEAR(r.mesh.vertices[1][2], 40, 1e-9);
   EXPECT_LT(r.mesh.vertices[2][2], 0);

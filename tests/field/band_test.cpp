@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/field/field_view.hpp"
+#include "dynasurf/field/detail/field_view.hpp"
 #include "dynasurf/field/gvf.hpp"
 
 #include "support/edge_maps.hpp"

@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "dynasurf/core/detail/simd.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/field/detail/simd.hpp"
 #include "dynasurf/field/gvf.hpp"
 
 #include "support/edge_maps.hpp"

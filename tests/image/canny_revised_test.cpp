@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "dynasurf/image/components.hpp"
+#include "dynasurf/image/detail/components.hpp"
 #include "dynasurf/image/edges.hpp"
 
 #include "support/blurred_heart.hpp"

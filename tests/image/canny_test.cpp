@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/image/components.hpp"
+#include "dynasurf/image/detail/components.hpp"
 #include "dynasurf/image/edges.hpp"
 
 #include "support/blurred_heart.hpp"

@@ -1,4 +1,4 @@
-#include "dynasurf/image/components.hpp"
+#include "dynasurf/image/detail/components.hpp"
 
 #include <string>
 

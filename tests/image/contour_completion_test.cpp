@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/image/components.hpp"
+#include "dynasurf/image/detail/components.hpp"
 
 #include "support/blurred_heart.hpp"
 #include "support/edge_images.hpp"

@@ -1,9 +1,9 @@
-#include "dynasurf/image/resample.hpp"
-
 #include <cmath>
 #include <numeric>
 
 #include <gtest/gtest.h>
+
+#include "dynasurf/image/intensity.hpp"
 
 namespace dynasurf::image {
 namespace {

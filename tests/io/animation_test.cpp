@@ -2,7 +2,7 @@
 #include <zlib.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/png.hpp"
+#include "dynasurf/io/detail/png.hpp"
 
 namespace dynasurf::io {
 namespace {

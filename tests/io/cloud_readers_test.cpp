@@ -9,7 +9,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/io/detail/bytes.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 
 #include "support/damage.hpp"

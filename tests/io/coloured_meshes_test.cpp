@@ -9,8 +9,8 @@
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/detail/bytes.hpp"
+#include "dynasurf/io/detail/png.hpp"
 #include "dynasurf/io/mesh_io.hpp"
-#include "dynasurf/io/png.hpp"
 
 #include "support/sample_meshes.hpp"
 #include "support/scratch_folder.hpp"

@@ -11,7 +11,8 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/bytes.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
+#include "dynasurf/io/mesh_io.hpp"
 
 #include "support/damage.hpp"
 #include "support/sample_meshes.hpp"

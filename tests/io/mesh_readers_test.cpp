@@ -7,7 +7,7 @@
 #include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/bytes.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 
 #include "support/damage.hpp"

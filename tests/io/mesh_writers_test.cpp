@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/mesh/measures.hpp"
 

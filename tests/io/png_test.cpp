@@ -1,4 +1,4 @@
-#include "dynasurf/io/png.hpp"
+#include "dynasurf/io/detail/png.hpp"
 
 #include <fstream>
 

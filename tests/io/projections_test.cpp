@@ -1,5 +1,3 @@
-#include "dynasurf/core/projections.hpp"
-
 #include <cstdlib>
 #include <sstream>
 
@@ -7,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/study.hpp"
 
 #include "support/dicom_edit.hpp"
 

@@ -1,11 +1,11 @@
-#include "dynasurf/io/study_search.hpp"
-
 #include <algorithm>
 #include <fstream>
 #include <map>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "dynasurf/io/study_io.hpp"
 
 #include "support/dicom_edit.hpp"
 #include "support/l_shape.hpp"

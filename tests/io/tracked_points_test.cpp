@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/io/tracked_points_io.hpp"
+#include "dynasurf/io/cloud_io.hpp"
 
 #include "../support/scratch_folder.hpp"
 

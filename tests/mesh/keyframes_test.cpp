@@ -1,9 +1,8 @@
-#include "dynasurf/mesh/keyframes.hpp"
-
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/mesh/motion.hpp"
 
 #include "support/shapes.hpp"
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/mesh/detail/edge_order.hpp"
+#include "dynasurf/mesh/edge_order.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/repair.hpp"
 #include "dynasurf/mesh/shapes.hpp"

@@ -1,11 +1,9 @@
-#include "dynasurf/mesh/surface_motion.hpp"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/mesh/keyframes.hpp"
+#include "dynasurf/mesh/motion.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
 namespace dynasurf::mesh {

@@ -1,11 +1,10 @@
-#include "dynasurf/mesh/voxel_parts.hpp"
-
 #include <numeric>
 
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/detail/fill_mesh.hpp"
+#include "dynasurf/mesh/marching.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 

@@ -51,7 +51,7 @@ class Package(unittest.TestCase):
 
     def test_installs_what_a_user_needs_and_no_more(self):
         files = {str(path.relative_to(self.prefix)) for path in self.prefix.rglob("*") if path.is_file()}
-        needed = (r"bin/dynasurf", r"lib(/[^/]+)?/libdynasurf_[a-z]+\.a", r"include/dynasurf/.+\.hpp",
+        needed = (r"bin/dynasurf", r"lib(/[^/]+)?/libdynasurf_[a-z_]+\.a", r"include/dynasurf/.+\.hpp",
                   r"lib(/[^/]+)?/cmake/dynasurf/dynasurf[A-Za-z-]+\.cmake", r"lib(/[^/]+)?/pkgconfig/dynasurf\.pc")
         where_made = (r"share/man/man1/dynasurf(-[a-z]+)?\.1\.gz", r"share/bash-completion/completions/dynasurf",
                       r"share/zsh/vendor-completions/_dynasurf",

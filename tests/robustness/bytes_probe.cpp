@@ -11,13 +11,13 @@
 
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/simd.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/field/detail/simd.hpp"
+#include "dynasurf/organ/organ.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/detail/random.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/ventricle/organ.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf {
@@ -46,7 +46,7 @@ class Hash {
     return *this;
   }
   Hash& operator<<(const TriMesh& mesh) { return *this << mesh.vertices << mesh.triangles; }
-  Hash& operator<<(const ventricle::Estimate& e) { return *this << e.value << e.sd; }
+  Hash& operator<<(const heart::Estimate& e) { return *this << e.value << e.sd; }
   template <class T>
   Hash& operator<<(const std::optional<T>& value) {
     return value ? *this << true << *value : *this << false;
@@ -102,7 +102,7 @@ void print_stages(const ventricle::Intermediates& s) {
 }
 
 void print_ventricle(const std::string& name, const Study& study, const ventricle::Options& options) {
-  const ventricle::Result r = ventricle::reconstruct(study, options, {}, print_stages);
+  const ventricle::Result r = ventricle::reconstruct(study, options, {}, {.keep = print_stages});
   Hash edges, surfaces, numbers;
   for (const ventricle::Gate& g : r.gates) {
     edges << g.edges.values << g.base_slice;
@@ -111,9 +111,7 @@ void print_ventricle(const std::string& name, const Study& study, const ventricl
     if (edge.epi) surfaces << edge.epi->mesh << edge.epi->steps;
     numbers << edge.wall_ml;
   }
-  const auto value = [](const std::optional<ventricle::Estimate>& e) {
-    return e ? std::optional(e->value) : std::nullopt;
-  };
+  const auto value = [](const std::optional<heart::Estimate>& e) { return e ? std::optional(e->value) : std::nullopt; };
   const ventricle::Reading& edge = r.readings.edge;
   numbers << value(edge.edv_ml) << value(edge.esv_ml) << value(edge.ef_percent) << r.wall_variation;
   if (r.measures) {
@@ -125,8 +123,8 @@ void print_ventricle(const std::string& name, const Study& study, const ventricl
   numbers.print(name + " numbers");
   if (!r.readings.psf_corrected) return;
   Hash fit;
-  const ventricle::FittedBeat& beat = *r.readings.psf_corrected;
-  for (const ventricle::FittedGate& g : beat.gates) fit << g.endo << g.epi;
+  const psf_fit::FittedBeat& beat = *r.readings.psf_corrected;
+  for (const psf_fit::FittedGate& g : beat.gates) fit << g.endo << g.epi;
   fit.print(name + " fit");
   Hash estimates;
   estimates << beat.uptake << beat.wall_ml << beat.edv_ml << beat.esv_ml << beat.ef_percent << beat.thickness_mm
@@ -147,8 +145,7 @@ void ventricles() {
 void organs() {
   const synthetic::Phantom phantom = synthetic::make_phantom(synthetic::Organ{});
   print_images("organ images", phantom.study.gates);
-  const ventricle::OrganResult r =
-      ventricle::reconstruct_organ(phantom.study.gates.front(), ventricle::organ_preset("ct"));
+  const organ::Result r = organ::reconstruct(phantom.study.gates.front(), organ::preset("ct"));
   Hash hash;
   if (r.surface) hash << r.surface->mesh;
   hash << r.voxels_ml << r.threshold;

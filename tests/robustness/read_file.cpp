@@ -6,7 +6,6 @@
 #include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/io/tracked_points_io.hpp"
 
 // Reads one file and does nothing else, so that what a reader costs can be counted.
 

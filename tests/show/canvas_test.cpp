@@ -1,4 +1,4 @@
-#include "dynasurf/show/canvas.hpp"
+#include "dynasurf/show/detail/canvas.hpp"
 
 #include <gtest/gtest.h>
 

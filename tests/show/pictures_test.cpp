@@ -1,4 +1,4 @@
-#include "dynasurf/show/pictures.hpp"
+#include "dynasurf/show/detail/pictures.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "dynasurf/show/canvas.hpp"
+#include "dynasurf/show/detail/canvas.hpp"
 
 namespace dynasurf::show {
 

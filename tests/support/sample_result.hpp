@@ -5,11 +5,11 @@
 #include <string>
 
 #include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/heart/lv_volumes.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/report/report.hpp"
 #include "dynasurf/ventricle/detail/readings.hpp"
-#include "dynasurf/ventricle/lv_volumes.hpp"
 
 namespace dynasurf::test {
 
@@ -175,9 +175,9 @@ inline ventricle::Result sample_result(const SampleStudy& study = {}) {
 /// The same heart with walls fitted through the blur: a little wider than the edges, with error bars.
 inline ventricle::Result sample_fitted() {
   ventricle::Result result = sample_result();
-  ventricle::FittedBeat fit;
+  psf_fit::FittedBeat fit;
   for (const ventricle::Gate& gate : result.gates) {
-    ventricle::FittedGate fitted;
+    psf_fit::FittedGate fitted;
     fitted.endo = gate.edge_surfaces.endo->mesh, fitted.epi = gate.edge_surfaces.epi->mesh;
     fitted.endo_ml = {1.2 * gate.edge_surfaces.endo->volume_ml, 3};
     fitted.epi_ml = {1.1 * gate.edge_surfaces.epi->volume_ml, 5};
@@ -185,7 +185,7 @@ inline ventricle::Result sample_fitted() {
   }
   const double edv = 1.2 * result.leading.edv_ml->value, esv = 1.2 * result.leading.esv_ml->value;
   fit.edv_ml = {edv, 4}, fit.esv_ml = {esv, 2}, fit.sv_ml = {edv - esv, 3};
-  fit.ef_percent = ventricle::Estimate{100 * (edv - esv) / edv, 1.5};
+  fit.ef_percent = heart::Estimate{100 * (edv - esv) / edv, 1.5};
   fit.wall_ml = {130, 6}, fit.thickness_mm = {9.5, 0.5}, fit.fwhm_mm = {12, 0.4};
   fit.ed_gate = *result.leading.ed_gate, fit.es_gate = *result.leading.es_gate;
   fit.uptake.assign(fit.gates[0].endo.vertices.size(), 1.0);

@@ -1,5 +1,3 @@
-#include "dynasurf/synthetic/population.hpp"
-
 #include <cmath>
 #include <set>
 #include <vector>

@@ -4,7 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "dynasurf/ventricle/closure.hpp"
+#include "dynasurf/ventricle/detail/closure.hpp"
+#include "dynasurf/ventricle/label_borders.hpp"
 
 namespace dynasurf::ventricle {
 namespace {

@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/closure.hpp"
+#include "dynasurf/ventricle/detail/closure.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/contour_pipeline.hpp"
+#include "dynasurf/ventricle/detail/contour_pipeline.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -8,7 +8,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf::ventricle {

@@ -10,7 +10,7 @@
 
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf::ventricle {
@@ -26,8 +26,8 @@ Study stack() {
 }
 
 /// A heart on the axis of the stack, its outer apex at 30 mm and its base at 100 mm.
-Location heart_in_the_stack() {
-  Location heart;
+heart::Location heart_in_the_stack() {
+  heart::Location heart;
   heart.cup.axis = Vec3(0, 0, 1);
   heart.cup.centre = Vec3(62, 62, 60);
   heart.cup.radius_mm = 30, heart.cup.half_length_mm = 30, heart.cup.base_mm = 40;
@@ -41,7 +41,7 @@ TEST(UsefulSlices, AreAllWithoutAHeart) {
 }
 
 TEST(UsefulSlices, ReachFromTheApexToBeyondTheBase) {
-  const Location heart = heart_in_the_stack();
+  const heart::Location heart = heart_in_the_stack();
   const SliceRange range = useful_slices(stack(), heart, {std::nullopt}, {});
   EXPECT_LE(5.0 * range.first, heart.cup.apex()[2]);
   EXPECT_GE(5.0 * (range.first + 3), heart.cup.apex()[2] - 10);
@@ -50,9 +50,9 @@ TEST(UsefulSlices, ReachFromTheApexToBeyondTheBase) {
 }
 
 TEST(UsefulSlices, FollowTheValvePlaneAndThePerson) {
-  const Location heart = heart_in_the_stack();
+  const heart::Location heart = heart_in_the_stack();
   const SliceRange without = useful_slices(stack(), heart, {std::nullopt}, {});
-  BasePlane high;
+  heart::BasePlane high;
   high.point = heart.cup.base() + Vec3(0, 0, 30);
   high.normal = Vec3(0, 0, 1);
   EXPECT_GT(useful_slices(stack(), heart, {high}, {}).last, without.last);

@@ -5,7 +5,8 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/label_borders.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf::ventricle {
@@ -65,7 +66,7 @@ TEST(Starts, OfEveryShapeEndOnTheSameBorders) {
         mesh::StartShape::discretised_cubes, mesh::StartShape::radial, mesh::StartShape::file}) {
     options.placement.shape = shape;
     SCOPED_TRACE(word_of(shape));
-    const Result result = reconstruct(patient().study, options, {}, {}, &given);
+    const Result result = reconstruct(patient().study, options, {}, {.start = &given});
     expect_both_walls(result);
     EXPECT_NE(result.gates[0].edge_surfaces.epi->mesh.vertices, standard.gates[0].edge_surfaces.epi->mesh.vertices)
         << "the shape was not heard";
@@ -126,8 +127,8 @@ TEST(Pair, EachWallSeesTheFieldOfItsOwnBorderAlone) {
   both.labels = [&](const Image& image, const image::EdgeMap& edges) {
     return label_borders(image, edges, options.labels);
   };
-  const Result alone = reconstruct(patient().study, options, {}, {}, nullptr, nullptr, without_outer),
-               paired = reconstruct(patient().study, options, {}, {}, nullptr, nullptr, both);
+  const Result alone = reconstruct(patient().study, options, {}, {.stages = without_outer}),
+               paired = reconstruct(patient().study, options, {}, {.stages = both});
   ASSERT_TRUE(alone.gates[0].edge_surfaces.endo && paired.gates[0].edge_surfaces.endo);
   EXPECT_FALSE(alone.gates[0].edge_surfaces.epi);
   EXPECT_TRUE(paired.gates[0].edge_surfaces.epi);
@@ -139,11 +140,12 @@ TEST(Drag, MayFollowTheIntensityAndIsHandedOverWithTheStages) {
   Options options = preset("edges");
   options.evolution.damping = dynamics::IntensityDrag{.ratio = 4};
   float least = 1e9F, most = 0;
-  const Result braked = reconstruct(patient().study, options, {}, [&](const Intermediates& stages) {
+  const IntermediateSink keep = [&](const Intermediates& stages) {
     ASSERT_NE(stages.endo.drag, nullptr);
     const auto [low, high] = std::minmax_element(stages.endo.drag->values.begin(), stages.endo.drag->values.end());
     least = *low, most = *high;
-  });
+  };
+  const Result braked = reconstruct(patient().study, options, {}, {.keep = keep});
   const double drag = options.evolution.force.drag;
   EXPECT_NEAR(most, 5 * drag, 1e-6);
   EXPECT_LT(least, 1.5 * drag);

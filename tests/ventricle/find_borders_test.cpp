@@ -5,7 +5,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/ventricle/detail/cycle.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "support/blurred_heart.hpp"
@@ -79,7 +79,7 @@ TEST(BloodPoolStudy, HasACavityAndAnEjectionFractionButNoWall) {
 
 TEST(ExpectedCavityEnd, LiesUnderTheApexOfAHeartThatWasClearlySeen) {
   Study study = study_of(test::blurred_heart({}));  // slices of 5.74 mm
-  Location heart;
+  heart::Location heart;
   heart.cup = {{90, 90, 70}, {0, 0, 1}, 30, 45, 25};
   heart.contrast = 0.6, heart.ridge_share = 0.9;
   EXPECT_NEAR(*expected_cavity_end(study, heart), (70 - 45 + 3) / 5.74, 1e-9);

@@ -27,7 +27,7 @@ float peak_of(const Study& study) {
 
 TEST(HotObjects, AreCutToTwiceTheWall) {
   const Study study = synthetic::make_phantom(patient_with_gut(6)).study;
-  const auto heart = locate(mean_image(study.gates));
+  const auto heart = heart::locate(heart::mean_image(study.gates));
   ASSERT_TRUE(heart);
   const std::optional<Study> cut = cut_hot_objects(study, *heart);
   ASSERT_TRUE(cut);
@@ -46,7 +46,7 @@ TEST(HotObjects, AreCutToTwiceTheWall) {
 
 TEST(HotObjects, AreLookedForOnlyBesideAWall) {
   const Study study = synthetic::make_phantom(patient_with_gut(0)).study;
-  Location heart = *locate(mean_image(study.gates));
+  heart::Location heart = *heart::locate(heart::mean_image(study.gates));
   EXPECT_FALSE(cut_hot_objects(study, heart)) << "nothing is hotter than the wall";
   const Study hot = synthetic::make_phantom(patient_with_gut(6)).study;
   heart.contrast = 0.1;

@@ -9,7 +9,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/intensity.hpp"
-#include "dynasurf/ventricle/labels.hpp"
+#include "dynasurf/ventricle/label_borders.hpp"
 #include "dynasurf/ventricle/labels/detail/radial.hpp"
 #include "dynasurf/ventricle/labels/detail/slice_flow.hpp"
 

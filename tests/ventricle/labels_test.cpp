@@ -1,5 +1,3 @@
-#include "dynasurf/ventricle/labels.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,6 +6,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/ventricle/label_borders.hpp"
 
 #include "support/blurred_heart.hpp"
 

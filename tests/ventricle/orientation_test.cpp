@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/orientation.hpp"
+#include "dynasurf/ventricle/detail/orientation.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/image/resample.hpp"
+#include "dynasurf/image/intensity.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 
 namespace dynasurf::ventricle {
@@ -21,7 +21,7 @@ synthetic::Phantom patient_with_tilt(double tilt_deg) {
   return synthetic::make_phantom(p);
 }
 
-const LvShell cup_at_an_angle{{10, -20, 30}, Vec3(-0.6, 0.64, 0.48), 30, 50, 25};
+const heart::LvShell cup_at_an_angle{{10, -20, 30}, Vec3(-0.6, 0.64, 0.48), 30, 50, 25};
 
 TEST(ShortAxisGrid, RunsFromApexToBaseAroundTheHeartWithColumnsLevel) {
   const Grid grid = short_axis_grid(cup_at_an_angle, 3);
@@ -61,7 +61,7 @@ TEST(Reorient, KeepsEveryPlaceInTheWorld) {
 
 TEST(Orient, KeepsAShortAxisStackAndCutsOthersAnew) {
   synthetic::Phantom straight = patient_with_tilt(5);
-  const auto heart = locate(mean_image(straight.study.gates));
+  const auto heart = heart::locate(heart::mean_image(straight.study.gates));
   ASSERT_TRUE(heart);
   const Study kept = orient(straight.study, heart, {});
   EXPECT_EQ(kept.grid(), straight.study.grid());
@@ -76,7 +76,7 @@ TEST(Orient, KeepsAShortAxisStackAndCutsOthersAnew) {
 
 TEST(Orient, ContradictsAHeaderOnlyWhenTheWallIsClear) {
   const synthetic::Phantom leaning = patient_with_tilt(60);
-  auto heart = locate(mean_image(leaning.study.gates));
+  auto heart = heart::locate(heart::mean_image(leaning.study.gates));
   ASSERT_TRUE(heart);
   const Study cut = orient(leaning.study, heart, {});
   EXPECT_FALSE(cut.grid() == leaning.study.grid());
@@ -91,13 +91,13 @@ TEST(Orient, ContradictsAHeaderOnlyWhenTheWallIsClear) {
 TEST(Orient, TellsApexFromBaseWhereTheFileDoesNot) {
   synthetic::Phantom upside_down = patient_with_tilt(180);
   upside_down.study.slice_order = SliceOrder::unknown;
-  const auto heart = locate(mean_image(upside_down.study.gates));
+  const auto heart = heart::locate(heart::mean_image(upside_down.study.gates));
   EXPECT_EQ(orient(upside_down.study, heart, {}).slice_order, SliceOrder::base_to_apex);
 }
 
 TEST(FinerPixels, KeepPlacesAndSlicesAndCoverTheHeart) {
   const synthetic::Phantom phantom = patient_with_tilt(0);
-  const auto heart = locate(mean_image(phantom.study.gates));
+  const auto heart = heart::locate(heart::mean_image(phantom.study.gates));
   ASSERT_TRUE(heart);
   const Study fine = with_finer_pixels(phantom.study, heart->cup, 3);
   EXPECT_NEAR(fine.grid().spacing[0], 2.25, 1e-12);
@@ -121,7 +121,7 @@ TEST(Orient, RefusesWhatItMayNotOrCannotCut) {
   synthetic::Phantom phantom = patient_with_tilt(0);
   phantom.study.view = View::vertical_long_axis;
   EXPECT_THROW(orient(phantom.study, std::nullopt, {}), InputError);
-  EXPECT_THROW(orient(phantom.study, locate(mean_image(phantom.study.gates)),
+  EXPECT_THROW(orient(phantom.study, heart::locate(heart::mean_image(phantom.study.gates)),
                       {.method = OrientationMethod::header, .voxel_mm = {}}),
                InputError);
 }

@@ -9,7 +9,7 @@
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/synthetic/detail/voxel_truth.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/ventricle/surface.hpp"
+#include "dynasurf/ventricle/detail/surface.hpp"
 
 namespace dynasurf::ventricle {
 namespace {

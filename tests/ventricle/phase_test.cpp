@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/measures/phase.hpp"
+#include "dynasurf/ventricle/measures/detail/phase.hpp"
 
 #include <cmath>
 #include <numbers>

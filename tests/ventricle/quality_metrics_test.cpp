@@ -9,7 +9,7 @@
 namespace dynasurf::ventricle {
 namespace {
 
-const LvShell cup{{60, 60, 60}, {0, 0, 1}, 28, 45, 24};
+const heart::LvShell cup{{60, 60, 60}, {0, 0, 1}, 28, 45, 24};
 
 Grid roomy_grid() {
   Grid grid;

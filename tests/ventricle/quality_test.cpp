@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/quality.hpp"
+#include "dynasurf/ventricle/detail/quality.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -28,8 +28,8 @@ Result good_result() {
   result.heart.emplace();
   result.heart->cup = {{0, 0, 0}, {0, 0, 1}, 30, 45, 25};
   result.heart->contrast = 0.6, result.heart->ridge_share = 0.95, result.heart->other_end = 0.5;
-  result.readings.edge.edv_ml = Estimate{110}, result.readings.edge.esv_ml = Estimate{44};
-  result.readings.edge.ef_percent = Estimate{60}, result.wall_variation = 0.08;
+  result.readings.edge.edv_ml = heart::Estimate{110}, result.readings.edge.esv_ml = heart::Estimate{44};
+  result.readings.edge.ef_percent = heart::Estimate{60}, result.wall_variation = 0.08;
   result.leading = result.readings.edge;
   return result;
 }
@@ -76,8 +76,8 @@ TEST(Judge, AsksToCheckASurfaceThatLiesOnAPartOfItsBorderOnly) {
 TEST(Judge, AsksToCheckWhatAHeartDoesNotDo) {
   Result result = good_result();
   result.wall_variation = 0.3;
-  result.leading.ef_percent = Estimate{90};
-  result.leading.edv_ml = Estimate{900};
+  result.leading.ef_percent = heart::Estimate{90};
+  result.leading.edv_ml = heart::Estimate{900};
   result.gates[0].edge_surfaces.epi->within_one_voxel = 0.5;
   EXPECT_EQ(codes_of(result),
             (Codes{"surface_incomplete", "wall_volume_varies", "ejection_fraction_implausible", "volume_implausible"}));
@@ -86,18 +86,18 @@ TEST(Judge, AsksToCheckWhatAHeartDoesNotDo) {
 
 TEST(Judge, FailsForNumbersThatNoHeartHas) {
   Result result = good_result();
-  result.leading.ef_percent = Estimate{99.8};
+  result.leading.ef_percent = heart::Estimate{99.8};
   EXPECT_EQ(codes_of(result), Codes{"ejection_fraction_implausible"});
   EXPECT_EQ(verdict_of(assess(result)), Verdict::fail);
   result = good_result();
-  result.leading.edv_ml = Estimate{2324};
+  result.leading.edv_ml = heart::Estimate{2324};
   EXPECT_EQ(codes_of(result), Codes{"volume_implausible"});
   EXPECT_EQ(verdict_of(assess(result)), Verdict::fail);
 }
 
 TEST(Judge, JudgesTheNumbersThatLead) {
   Result result = good_result();
-  result.readings.edge.ef_percent = Estimate{99}, result.readings.edge.edv_ml = Estimate{9};
+  result.readings.edge.ef_percent = heart::Estimate{99}, result.readings.edge.edv_ml = heart::Estimate{9};
   EXPECT_EQ(codes_of(result), Codes{}) << "blur does this to the edges of a small heart";
 }
 
@@ -169,7 +169,7 @@ TEST(Judge, AsksToCheckGatesInTheWrongOrder) {
 
 TEST(Judge, AsksToCheckABaseThatWasHardlySeen) {
   Result result = good_result();
-  for (Gate& gate : result.gates) gate.edge_surfaces.base_plane = BasePlane{{0, 0, 25}, {0, 0, 1}, 1.0, 0.9};
+  for (Gate& gate : result.gates) gate.edge_surfaces.base_plane = heart::BasePlane{{0, 0, 25}, {0, 0, 1}, 1.0, 0.9};
   EXPECT_EQ(codes_of(result), Codes{});
   for (Gate& gate : result.gates) gate.edge_surfaces.base_plane->spread_mm = 9;
   EXPECT_EQ(codes_of(result), Codes{"base_uncertain"});
@@ -271,7 +271,7 @@ TEST(Judge, BelievesAFitThatIsSureOfWhatEdgesCannotTell) {
   result.heart->ridge_share = 0.8;
   result.readings.gaussian_profile = {{110, 95, 70, 20, 55, 75, 90, 105}, {}};
   const Codes doubts{"wall_missing", "readings_disagree"};
-  result.leading.ef_percent = Estimate{60, 3.1};  // within 5.1 points
+  result.leading.ef_percent = heart::Estimate{60, 3.1};  // within 5.1 points
   EXPECT_EQ(codes_of(result), doubts);
   EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
   result.leading.ef_percent->sd = 3;

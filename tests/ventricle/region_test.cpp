@@ -84,7 +84,7 @@ TEST(FindBorders, LooksAtNothingOutsideAMask) {
     for (int j = 0; j < 64; ++j)
       for (int i = 0; i < 64; ++i) mask(i, j, k) = std::hypot(i - 31.5, j - 31.5) < 15.5;
   const BorderResult alone = find_borders(study_of({}), {}), beside = find_borders(study, {}),
-                     masked = find_borders(study, {}, {}, &mask);
+                     masked = find_borders(study, {}, {}, {.mask = &mask});
   const Mask region = region_on(mask, masked.study.grid());
   for (std::size_t n = 0; n < region.values.size(); ++n)
     EXPECT_FALSE(masked.gates[0].edges.edges.values[n] != 0 && region.values[n] == 0);
@@ -97,7 +97,7 @@ TEST(FindBorders, LooksAtNothingOutsideAMask) {
 TEST(FindBorders, FindsTheSameUnderAMaskOfEverything) {
   const Study study = study_of({});
   const Image mask(study.grid(), 1);
-  EXPECT_EQ(find_borders(study, {}, {}, &mask).gates[0].labels.borders.values,
+  EXPECT_EQ(find_borders(study, {}, {}, {.mask = &mask}).gates[0].labels.borders.values,
             find_borders(study, {}).gates[0].labels.borders.values);
 }
 

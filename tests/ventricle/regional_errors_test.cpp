@@ -5,12 +5,15 @@
 
 #include <gtest/gtest.h>
 
+#include "dynasurf/psf_fit/detail/harmonics.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/ventricle/fit/detail/harmonics.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf::ventricle {
+
+using namespace psf_fit;
+
 namespace {
 
 /// Four gates of a wall that is neither round nor even.
@@ -72,9 +75,9 @@ TEST(WallPosterior, KnowsHowNumbersOfTheWallsDependOnTheUnknowns) {
 
   Grid grid;
   grid.spacing = {1, 1, 1};
-  WallPoints points;
-  WallDependence by{Eigen::MatrixXd(directions, 1), Eigen::MatrixXd(directions, 1),
-                    Eigen::MatrixXd::Constant(directions, 1, 3.0)};
+  psf_fit::WallPoints points;
+  psf_fit::WallDependence by{Eigen::MatrixXd(directions, 1), Eigen::MatrixXd(directions, 1),
+                             Eigen::MatrixXd::Constant(directions, 1, 3.0)};
   for (int n = 0; n < directions; ++n) {
     const Vec3 direction = fibonacci_direction(n, directions);
     const Ray ray = ray_at(beat, beat.unknowns, gate, direction);
@@ -86,8 +89,8 @@ TEST(WallPosterior, KnowsHowNumbersOfTheWallsDependOnTheUnknowns) {
   }
   // With unknowns that are known to 1 and do not depend on each other, the deviation is the gradient's length.
   const auto count = beat.unknowns.size();
-  const WallPosterior posterior(beat.problem, beat.unknowns, grid,
-                                Eigen::LLT<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(count, count)));
+  const psf_fit::WallPosterior posterior(beat.problem, beat.unknowns, grid,
+                                         Eigen::LLT<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(count, count)));
   Eigen::MatrixXd gradient = posterior.no_gradient(1);
   posterior.add(gate, points, by, gradient);
   EXPECT_NEAR(posterior.sd(gradient)[0] / std::sqrt(squares), 1, 1e-7);  // central differences

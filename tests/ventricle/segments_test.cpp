@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/measures/segments.hpp"
+#include "dynasurf/ventricle/measures/detail/segments.hpp"
 
 #include <cmath>
 #include <set>

@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/settle.hpp"
+#include "dynasurf/ventricle/detail/settle.hpp"
 
 #include <algorithm>
 #include <cmath>

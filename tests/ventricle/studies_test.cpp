@@ -166,7 +166,7 @@ TEST(Pathologies, HaveTheirCavityWithinTheFitsInterval) {
     const synthetic::Phantom phantom = synthetic::make_phantom(made);
     const ventricle::Result result = pathologies::reconstructed(phantom);
     ASSERT_TRUE(result.readings.psf_corrected) << word_of(disease);
-    const ventricle::Estimate& endo = result.readings.psf_corrected->gates.front().endo_ml;
+    const heart::Estimate& endo = result.readings.psf_corrected->gates.front().endo_ml;
     EXPECT_LT(endo.low(), phantom.truth.front().endo_ml) << word_of(disease);
     EXPECT_GT(endo.high(), phantom.truth.front().endo_ml) << word_of(disease);
   }

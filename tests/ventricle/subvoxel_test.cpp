@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "dynasurf/image/resample.hpp"
+#include "dynasurf/image/intensity.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf::ventricle {

@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/surface.hpp"
+#include "dynasurf/ventricle/detail/surface.hpp"
 
 #include <algorithm>
 
@@ -8,7 +8,7 @@
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
-#include "dynasurf/ventricle/presets.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf::ventricle {
@@ -56,7 +56,7 @@ TEST(MeasureSurface, FreesASurfaceThatCutsItselfAndTells) {
 }
 
 TEST(MeasureSurface, CutAtAPlaneIsStillFitToPublish) {
-  const BasePlane plane{{40, 40, 52}, Vec3(0.1, -0.2, 1).normalized()};
+  const heart::BasePlane plane{{40, 40, 52}, Vec3(0.1, -0.2, 1).normalized()};
   const Surface s = measure_surface(ball_at_rest(), voxels(), plane);
   EXPECT_TRUE(s.repair.check.valid());
   EXPECT_GT(s.quality.shape_min, 0.1);

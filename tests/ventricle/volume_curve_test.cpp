@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/measures/volume_curve.hpp"
+#include "dynasurf/ventricle/measures/detail/volume_curve.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "dynasurf/heart/lv_volumes.hpp"
 #include "dynasurf/synthetic/ventricle_shape.hpp"
-#include "dynasurf/ventricle/lv_volumes.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
@@ -115,7 +115,7 @@ TEST(VolumeCurveFit, OfEightAveragedGatesIsNearerToTheBeatThanTheGatesThemselves
   double gates_miss = 0, fit_miss = 0;
   for (const double late : {0.0, 0.25, 0.5, 0.75}) {
     const std::vector<double> volumes = averaged_heart(8, 120, 48, late);
-    const auto raw = lv_volumes(volumes);
+    const auto raw = heart::lv_volumes(volumes);
     const auto fit = fit_volume_curve(volumes);
     ASSERT_TRUE(raw && raw->ef_percent && fit && fit->ef_percent && fit->instant_ef_percent);
     EXPECT_LT(*raw->ef_percent, 60);

@@ -62,7 +62,7 @@ TEST(WallSolid, FollowsAValvePlaneThatLeans) {
   TriMesh endo = mesh::icosphere(5), epi = mesh::icosphere(5);
   for (Vec3& p : endo.vertices) p *= 20;
   for (Vec3& p : epi.vertices) p *= 30;
-  const BasePlane plane{{0, 0, 8}, Vec3(std::sin(15 * M_PI / 180), 0, std::cos(15 * M_PI / 180)), 0, 1};
+  const heart::BasePlane plane{{0, 0, 8}, Vec3(std::sin(15 * M_PI / 180), 0, std::cos(15 * M_PI / 180)), 0, 1};
   const auto axes = axes_of(endo, epi, Vec3::Zero(), Vec3(0, 0, 1), Vec3(0, -1, 0), plane);
   ASSERT_TRUE(axes);
   const auto solid = wall_solid(endo, epi, *axes, {64, 160, 2});
@@ -81,7 +81,7 @@ TEST(WallSolid, EndsWhereItsSurfacesDo) {
   const synthetic::VentricleShape shape = synthetic::shape_at(motion, 80);
   const TriMesh inner = synthetic::endo_surface(shape), outer = synthetic::epi_surface(shape);
   // A valve plane that was found 3 mm too high.
-  const BasePlane plane{{0, 0, shape.base_z + 3}, Vec3(0, 0, 1), 0, 1};
+  const heart::BasePlane plane{{0, 0, shape.base_z + 3}, Vec3(0, 0, 1), 0, 1};
   const auto axes = axes_of(inner, outer, Vec3(0, 0, shape.centre_z), Vec3(0, 0, 1), Vec3(0, -1, 0), plane);
   ASSERT_TRUE(axes);
   const auto solid = wall_solid(inner, outer, *axes, {48, 128, 1});

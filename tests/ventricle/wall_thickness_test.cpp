@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/measures/wall_thickness.hpp"
+#include "dynasurf/ventricle/measures/detail/wall_thickness.hpp"
 
 #include <cmath>
 

@@ -9,10 +9,10 @@
 
 #include "dynasurf/cloud/detail/support.hpp"
 #include "dynasurf/cloud/detail/transfer.hpp"
-#include "dynasurf/mesh/sample_surface.hpp"
+#include "dynasurf/mesh/detail/sample_surface.hpp"
 #include "dynasurf/mesh/shapes.hpp"
-#include "dynasurf/report/cloud_report.hpp"
 #include "dynasurf/report/detail/lod_page.hpp"
+#include "dynasurf/report/report.hpp"
 
 namespace {
 

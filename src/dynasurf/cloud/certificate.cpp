@@ -1,4 +1,4 @@
-#include "dynasurf/cloud/certificate.hpp"
+#include "dynasurf/cloud/detail/certificate.hpp"
 
 #include <algorithm>
 #include <cmath>

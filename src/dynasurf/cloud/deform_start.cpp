@@ -6,9 +6,9 @@
 #include "dynasurf/field/steady.hpp"
 #include "dynasurf/field/vector_field.hpp"
 #include "dynasurf/mesh/detail/relax.hpp"
+#include "dynasurf/mesh/detail/sample_surface.hpp"
 #include "dynasurf/mesh/detail/submesh.hpp"
 #include "dynasurf/mesh/intersections.hpp"
-#include "dynasurf/mesh/sample_surface.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
 namespace dynasurf::cloud {

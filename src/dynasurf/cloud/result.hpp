@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "dynasurf/cloud/certificate.hpp"
+#include "dynasurf/cloud/detail/certificate.hpp"
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/point_cloud.hpp"
 #include "dynasurf/core/tri_mesh.hpp"

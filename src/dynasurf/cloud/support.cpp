@@ -8,7 +8,7 @@
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
-#include "dynasurf/mesh/sample_surface.hpp"
+#include "dynasurf/mesh/detail/sample_surface.hpp"
 
 namespace dynasurf::cloud {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "dynasurf/cohort/detail/job_key.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
-#include "dynasurf/io/png.hpp"
+#include "dynasurf/io/detail/png.hpp"
 #include "dynasurf/report/detail/page_parts.hpp"
 #include "dynasurf/report/detail/page_template.hpp"
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "dynasurf/io/study_search.hpp"
+#include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf::cohort {
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "dynasurf/core/geometry.hpp"
+#include "dynasurf/core/grid.hpp"
 
 namespace dynasurf {
 

@@ -1,9 +1,10 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
-#include "dynasurf/core/geometry.hpp"
+#include "dynasurf/core/grid.hpp"
 
 namespace dynasurf {
 
@@ -14,6 +15,13 @@ struct PointCloud {
   std::vector<Vec3> normals;                         // any length but 0, outwards
   std::vector<std::array<std::uint8_t, 3>> colours;  // sRGB
   std::vector<std::uint32_t> scans;                  // which scan a point comes from
+};
+
+/// Points of the heart's muscle that were followed over the beat, as tags or markers show them (FUT-TAGGED). World
+/// frame (LPS), mm. Every point is known in every gate.
+struct TrackedPoints {
+  std::vector<std::string> name;         // per point
+  std::vector<std::vector<Vec3>> gates;  // [gate][point]
 };
 
 }  // namespace dynasurf

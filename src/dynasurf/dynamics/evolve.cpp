@@ -91,8 +91,7 @@ struct StepReport {
 /// A run of any model. Particles that still move are kept packed: with the free model, a stopped one costs nothing.
 class Run {
  public:
-  Run(const TriMesh& start, field::FieldView field, const Image& border, const Evolution& options,
-      const BorderPlanes* planes, const Additions& own)
+  Run(const TriMesh& start, field::FieldView field, const Image& border, const Evolution& options, const Additions& own)
       : options_(options),
         own_(own),
         field_(field),
@@ -104,7 +103,7 @@ class Run {
         coupled_(couple(start, field)),
         plan_(plan_steps(options, start.vertices.size(), pace(start.vertices.size()), room_, smallest_spacing_)),
         motion_(free_motion(field, options.force, plan_.mass_kg, drag_.map ? &*drag_.map : nullptr)),
-        stop_(border, options.stop, planes, own.stop),
+        stop_(border, options.stop, own.planes, own.stop),
         rings_(mesh::vertex_rings(start)),
         rest_(start.vertices) {
     const std::size_t n = start.vertices.size();
@@ -418,16 +417,17 @@ std::span<const std::string_view> names_of(StopPoint) { return kStopPoints; }
 std::string_view name_of(StopReason reason) { return kStopReasons[static_cast<std::size_t>(reason)]; }
 
 EvolutionResult evolve(const TriMesh& start, field::FieldView field, const Image& border, const Evolution& options,
-                       const Progress& progress, const BorderPlanes* planes, const Additions& own) {
+                       const Progress& progress, const Additions& own) {
   Evolution checked = options;
   check_options(checked, "evolve");
   checked.solver = solver_for(checked.model, checked.solver);
   check_inputs(start, field, border);
+  const BorderPlanes* planes = own.planes;
   if (planes != nullptr &&
       (planes->offset.grid.dims != border.grid.dims || planes->normal.grid.dims != border.grid.dims))
     throw InputError("evolve: the border's planes lie on another grid than the border; expected the same size");
   check_additions(own, field);
-  return Run(start, field, border, checked, planes, own)(progress);
+  return Run(start, field, border, checked, own)(progress);
 }
 
 }  // namespace dynasurf::dynamics

@@ -18,7 +18,7 @@
 #include "dynasurf/dynamics/detail/models.hpp"
 #include "dynasurf/dynamics/options.hpp"
 #include "dynasurf/dynamics/solvers/detail/solver_options.hpp"
-#include "dynasurf/field/field_view.hpp"
+#include "dynasurf/field/detail/field_view.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
 namespace dynasurf::dynamics {
@@ -49,6 +49,8 @@ struct Additions {
   /// Act next to those of the model. Without a jacobian, implicit solvers take a force as constant within a step.
   std::vector<Force> forces = {};
   OwnStop stop = {};
+  /// On the grid of the border; tells StopPoint::subvoxel where in its voxels the border runs. Null: at their centres.
+  const BorderPlanes* planes = nullptr;
   /// Drag of every voxel in kg/s, on the field's grid, in place of `Evolution::damping` (see drag_by_intensity).
   std::optional<Image> drag = {};
   /// Called after every step with the number of steps and the mesh as it stands, from the thread that called.
@@ -59,10 +61,8 @@ struct Additions {
 /// non-zero voxels of `border`. Particles start at rest. They cannot leave the box that holds the grid's cells and the
 /// start. With `stop` on, neither the field nor the smoothing takes a particle through a border voxel, however long the
 /// step. Deterministic for any thread count. On divergence the mesh before the bad step is returned, with the reason.
-/// Throws InputError for an empty or far start, a field that is not finite, or a border on another grid. `planes`, on
-/// the grid of `border`, tells StopPoint::subvoxel where in its voxels the border runs; without it the voxels' centres
-/// are taken.
+/// Throws InputError for an empty or far start, a field that is not finite, or a border or planes on another grid.
 EvolutionResult evolve(const TriMesh& start, field::FieldView field, const Image& border, const Evolution& options,
-                       const Progress& progress = {}, const BorderPlanes* planes = nullptr, const Additions& own = {});
+                       const Progress& progress = {}, const Additions& own = {});
 
 }  // namespace dynasurf::dynamics

@@ -2,7 +2,6 @@
 
 #include "dynasurf/dynamics/contour/detail/surface_curvature.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
-#include "dynasurf/dynamics/options.hpp"
 
 namespace dynasurf::dynamics {
 namespace {
@@ -29,14 +28,6 @@ std::vector<Force> forces_of(const CurvatureModel& o, const TriMesh& start, fiel
   return {surface_curvature_force(start, o.strength)};
 }
 
-/// Internal forces keep the mesh in order while it moves; smoothing would fight them.
-Evolution coupled(ModelOptions model) {
-  Evolution o;
-  o.model = model;
-  o.smooth_every = 0;
-  return o;
-}
-
 }  // namespace
 
 std::vector<Force> internal_forces(const ModelOptions& model, const TriMesh& start, field::FieldView field,
@@ -49,11 +40,5 @@ SolverOptions solver_for(const ModelOptions& model, const SolverOptions& asked) 
   if (std::holds_alternative<FreeModel>(model)) return Rk4{};
   return BackwardEuler{};
 }
-
-Evolution free_model() { return {}; }
-Evolution spring_model() { return coupled(SpringModel{}); }
-Evolution restricted_spring_model() { return coupled(RestrictedSpringModel{}); }
-Evolution plain_model() { return coupled(PlainModel{}); }
-Evolution curvature_model() { return coupled(CurvatureModel{}); }
 
 }  // namespace dynasurf::dynamics

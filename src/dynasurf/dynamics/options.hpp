@@ -17,7 +17,7 @@
 #include "dynasurf/dynamics/detail/damping.hpp"
 #include "dynasurf/dynamics/detail/models.hpp"
 #include "dynasurf/dynamics/solvers/detail/solver_options.hpp"
-#include "dynasurf/field/field_view.hpp"
+#include "dynasurf/field/detail/field_view.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
 namespace dynasurf::dynamics {

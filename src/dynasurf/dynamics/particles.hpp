@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "dynasurf/core/geometry.hpp"
+#include "dynasurf/core/grid.hpp"
 
 namespace dynasurf::dynamics {
 

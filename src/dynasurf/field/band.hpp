@@ -7,7 +7,7 @@
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/progress.hpp"
-#include "dynasurf/field/flow_result.hpp"
+#include "dynasurf/field/detail/flow_result.hpp"
 
 namespace dynasurf::field {
 

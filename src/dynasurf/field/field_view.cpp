@@ -1,4 +1,4 @@
-#include "dynasurf/field/field_view.hpp"
+#include "dynasurf/field/detail/field_view.hpp"
 
 #include <cmath>
 

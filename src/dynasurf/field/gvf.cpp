@@ -6,10 +6,10 @@
 #include <string>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/simd.hpp"
 #include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/detail/gradient.hpp"
-#include "dynasurf/field/detail/simd.hpp"
 
 namespace dynasurf::field {
 

@@ -5,7 +5,7 @@
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/field/band.hpp"
-#include "dynasurf/field/flow_result.hpp"
+#include "dynasurf/field/detail/flow_result.hpp"
 #include "dynasurf/field/steady.hpp"
 
 namespace dynasurf::field {

@@ -1,10 +1,9 @@
-#include "dynasurf/image/resample.hpp"
-
 #include <array>
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/image/intensity.hpp"
 
 namespace dynasurf::image {
 namespace {

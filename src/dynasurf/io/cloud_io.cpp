@@ -7,9 +7,9 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/bytes.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
+#include "dynasurf/mesh/detail/sample_surface.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/mesh/sample_surface.hpp"
 
 namespace dynasurf::io {
 namespace {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/detail/dicom_stacking.hpp"
 #include "dynasurf/io/detail/dicom_words.hpp"
 
 namespace dynasurf::io {

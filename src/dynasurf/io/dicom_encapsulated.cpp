@@ -1,5 +1,5 @@
 #include "dynasurf/io/detail/dicom_result_parts.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
 
 namespace dynasurf::io {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/dicom_places.hpp"
+#include "dynasurf/io/detail/dicom_stacking.hpp"
 #include "dynasurf/io/detail/dicom_words.hpp"
 #include "dynasurf/io/detail/samples.hpp"
 

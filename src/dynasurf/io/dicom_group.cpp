@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "dynasurf/io/detail/dicom_stacking.hpp"
 #include "dynasurf/io/detail/digest.hpp"
 #include "dynasurf/io/study_io.hpp"
 

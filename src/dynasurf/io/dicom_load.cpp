@@ -1,6 +1,5 @@
 #include "dynasurf/io/detail/dicom_load.hpp"
 
-#include <mutex>
 #include <vector>
 
 #include <dcmtk/dcmdata/dcistrmb.h>
@@ -11,29 +10,12 @@
 namespace dynasurf::io::dicom {
 namespace {
 
-void require_dictionary() {
-  prepare_dcmtk();
-  if (!dcmDataDict.isDictionaryLoaded())
-    throw IoError("DCMTK's dictionary dicom.dic is not found: install package libdcmtk17 or set DCMDICTPATH");
-}
-
 E_TransferSyntax syntax_of(const DicomOutline& outline) {
   if (!outline.explicit_vr) return EXS_LittleEndianImplicit;
   return outline.big_endian ? EXS_BigEndianExplicit : EXS_LittleEndianExplicit;
 }
 
 }  // namespace
-
-void prepare_dcmtk() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    OFLog::configure(OFLogger::OFF_LOG_LEVEL);
-    // DCMTK reads its dictionary, 2 MB in memory, without a look at whether there is memory: here one looks.
-    { const std::vector<std::byte> dictionary(std::size_t{8} << 20); }
-    dcmDataDict.rdlock();
-    dcmDataDict.rdunlock();
-  });
-}
 
 std::unique_ptr<DcmDataset> load_wanted(const std::filesystem::path& path, const DicomOutline& outline) {
   require_dictionary();
@@ -55,11 +37,6 @@ std::unique_ptr<DcmDataset> load_wanted(const std::filesystem::path& path, const
   if (status.bad())
     throw InputError(path.string() + ": is damaged or cut off: DICOM reading stops with \"" + status.text() + "\"");
   return dataset;
-}
-
-bool is_sequence(std::uint32_t tag) {
-  require_dictionary();
-  return DcmTag(static_cast<Uint16>(tag >> 16), static_cast<Uint16>(tag & 0xffff)).getEVR() == EVR_SQ;
 }
 
 }  // namespace dynasurf::io::dicom

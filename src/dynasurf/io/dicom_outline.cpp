@@ -8,7 +8,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
-#include "dynasurf/io/detail/dicom_load.hpp"
+#include "dynasurf/io/detail/dicom_dictionary.hpp"
 
 namespace dynasurf::io {
 namespace {

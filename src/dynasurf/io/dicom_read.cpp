@@ -8,7 +8,7 @@
 #include "dynasurf/io/detail/dicom_choice.hpp"
 #include "dynasurf/io/detail/dicom_file.hpp"
 #include "dynasurf/io/detail/dicom_group.hpp"
-#include "dynasurf/io/detail/dicom_stack.hpp"
+#include "dynasurf/io/detail/dicom_stacking.hpp"
 #include "dynasurf/io/detail/digest.hpp"
 #include "dynasurf/io/detail/formats.hpp"
 #include "dynasurf/io/detail/samples.hpp"

@@ -7,6 +7,7 @@
 #include "dynasurf/io/detail/dicom_choice.hpp"
 #include "dynasurf/io/detail/dicom_file.hpp"
 #include "dynasurf/io/detail/dicom_group.hpp"
+#include "dynasurf/io/detail/dicom_stacking.hpp"
 
 namespace dynasurf::io {
 namespace {

@@ -1,7 +1,8 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/gltf_scene.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
+#include "dynasurf/io/mesh_io.hpp"
 
 namespace dynasurf::io {
 namespace {

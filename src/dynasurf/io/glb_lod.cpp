@@ -6,8 +6,9 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/gltf_scene.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
-#include "dynasurf/io/png.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
+#include "dynasurf/io/detail/png.hpp"
+#include "dynasurf/io/mesh_io.hpp"
 
 namespace dynasurf::io {
 namespace {

@@ -8,7 +8,8 @@
 #include "dynasurf/io/detail/bytes.hpp"
 #include "dynasurf/io/detail/gltf_scene.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
+#include "dynasurf/io/mesh_io.hpp"
 
 namespace dynasurf::io {
 namespace detail {

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "dynasurf/io/detail/bytes.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
 
 // LAS 1.0 to 1.4 (ASPRS), uncompressed: a header, records of other kinds that are skipped, and points of equal length.
 

@@ -8,22 +8,10 @@
 #include <vector>
 
 #include "dynasurf/core/tri_mesh.hpp"
-#include "dynasurf/mesh/textured_mesh.hpp"
+#include "dynasurf/io/detail/mesh_parts.hpp"
+#include "dynasurf/mesh/tetrahedra.hpp"
 
 namespace dynasurf::io {
-
-/// The formats of triangle meshes that are written.
-enum class MeshFormat { ply, stl, obj, off, vtp, glb };
-std::span<const std::string_view> names_of(MeshFormat);
-
-/// One named value per vertex, written where the format can hold it (ply, vtp, and glb as the attribute _NAME).
-struct VertexScalar {
-  std::string name;
-  std::vector<float> values;
-};
-
-/// sRGB, one per vertex, or none.
-using VertexColours = std::vector<std::array<std::uint8_t, 3>>;
 
 /// Writes a mesh with the coordinates it has: binary little-endian PLY with normals, binary STL, OBJ, OFF, VTK PolyData
 /// XML, or binary glTF. Coordinates are kept exactly, but for STL and GLB, which hold single precision, GLB around the
@@ -60,16 +48,6 @@ struct AnimatedSurface {
 /// for a cycle that is not positive or a colour out of range, IoError.
 void write_glb(std::span<const AnimatedSurface> surfaces, double cycle_s, const std::filesystem::path& path);
 
-/// A level of detail.
-struct LodSurface {
-  std::string name;
-  TriMesh mesh;
-  VertexColours colours;
-  double smallest_coverage = 0;  // part of the screen's height that the object takes when the next level takes over
-  /// Written instead of `mesh` and `colours` when it has corners, with its textures as PNG.
-  mesh::TexturedMesh textured;
-  std::vector<VertexScalar> scalars = {};  // as the attributes _NAME; not written with textures
-};
 /// Levels of detail, finest first, as one binary glTF: a node and mesh per level. The scene shows the finest; its node
 /// names the others by the extension MSFT_lod with their screen coverage, which viewers that do not know it leave
 /// alone. Coordinates and unit are those of the meshes, seen from the middle of the box around the finest, which the
@@ -92,5 +70,16 @@ struct PvdEntry {
 };
 /// Writes the series; the file appears whole or not at all. Throws IoError.
 void write_pvd(std::span<const PvdEntry> entries, const std::filesystem::path& path);
+
+/// The formats of solids: VTK XML, Gmsh 4.1, Abaqus.
+enum class SolidFormat { vtu, msh, inp };
+std::span<const std::string_view> names_of(SolidFormat);
+
+/// Writes tetrahedra in world coordinates (LPS, mm): VTK's UnstructuredGrid XML, gmsh 2.2 (ASCII), or an Abaqus input
+/// file with nodes and C3D4 elements in the set WALL. Named values per vertex stand in the VTK file only.
+/// Whole or not at all. Throws InputError for a solid without tetrahedra or with an index out of range, OptionError for
+/// values of another length, IoError.
+void write_solid(const mesh::TetMesh& solid, const std::filesystem::path& path, SolidFormat format,
+                 std::span<const VertexScalar> scalars = {});
 
 }  // namespace dynasurf::io

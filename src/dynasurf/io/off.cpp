@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "dynasurf/io/detail/bytes.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
 #include "dynasurf/io/detail/text_reader.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
 
 namespace dynasurf::io::detail {
 

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "dynasurf/io/detail/bytes.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
 #include "dynasurf/io/detail/text_cells.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
 
 // PCD 0.5 to 0.7, the format of the Point Cloud Library: a header of lines, then points as text, as records, or as
 // columns that LZF has compressed.

@@ -1,7 +1,7 @@
 #include <array>
 
+#include "dynasurf/io/detail/mesh_formats.hpp"
 #include "dynasurf/io/detail/text_cells.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
 
 // PTX (Leica): scans one after the other, each a grid of points in the scanner's frame with the way to a common one.
 

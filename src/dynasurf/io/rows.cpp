@@ -5,9 +5,9 @@
 #include <limits>
 #include <optional>
 
+#include "dynasurf/io/detail/mesh_formats.hpp"
 #include "dynasurf/io/detail/text_cells.hpp"
 #include "dynasurf/io/detail/told_counts.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
 
 // Clouds as rows of numbers: XYZ, PTS, PWN, CSV. Such files name their columns in a first line or not at all.
 

@@ -1,11 +1,10 @@
-#include "dynasurf/io/solid_io.hpp"
-
 #include <array>
 #include <charconv>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/vtk_xml.hpp"
+#include "dynasurf/io/mesh_io.hpp"
 
 namespace dynasurf::io {
 namespace {

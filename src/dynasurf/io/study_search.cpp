@@ -1,10 +1,9 @@
-#include "dynasurf/io/study_search.hpp"
-
 #include <algorithm>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/dicom_search.hpp"
 #include "dynasurf/io/detail/formats.hpp"
+#include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf::io {
 namespace {

@@ -1,11 +1,10 @@
-#include "dynasurf/io/tracked_points_io.hpp"
-
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <unordered_map>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/text_cells.hpp"
 #include "dynasurf/io/detail/told_counts.hpp"

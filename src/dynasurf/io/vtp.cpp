@@ -1,7 +1,8 @@
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/bytes.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
 #include "dynasurf/io/detail/vtk_xml.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/mesh_io.hpp"
 
 namespace dynasurf::io {
 namespace detail {

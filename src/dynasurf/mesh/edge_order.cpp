@@ -1,4 +1,4 @@
-#include "dynasurf/mesh/detail/edge_order.hpp"
+#include "dynasurf/mesh/edge_order.hpp"
 
 #include <algorithm>
 #include <cmath>

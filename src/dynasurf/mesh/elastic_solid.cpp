@@ -1,11 +1,10 @@
-#include "dynasurf/mesh/elastic_solid.hpp"
-
 #include <string>
 
 #include <Eigen/Sparse>
 #include <Eigen/SparseCholesky>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/mesh/tetrahedra.hpp"
 
 namespace dynasurf::mesh {
 namespace {

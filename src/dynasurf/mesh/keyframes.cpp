@@ -1,10 +1,9 @@
-#include "dynasurf/mesh/keyframes.hpp"
-
 #include <array>
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/mesh/motion.hpp"
 
 namespace dynasurf::mesh {
 namespace {

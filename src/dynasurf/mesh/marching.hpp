@@ -44,4 +44,10 @@ using IsoLine = std::vector<Eigen::Vector2d>;
 /// not finite.
 std::vector<IsoLine> marching_squares(const Image& image, int k, double level, Saddle saddle = Saddle::asymptotic);
 
+/// Part of each voxel (0..1) inside a closed, oriented mesh given in the grid frame: exact but for rounding, whatever
+/// the size of triangles and voxels, so the parts of a mesh inside the grid add up to its volume. Where the mesh cuts
+/// itself a part counts as often as the surface winds around it, at most once. Throws InputError when the mesh is open
+/// or its triangles do not all face the same way.
+Image voxel_parts(const Grid& grid, const TriMesh& mesh);
+
 }  // namespace dynasurf::mesh

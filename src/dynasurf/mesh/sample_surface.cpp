@@ -1,4 +1,4 @@
-#include "dynasurf/mesh/sample_surface.hpp"
+#include "dynasurf/mesh/detail/sample_surface.hpp"
 
 #include <algorithm>
 #include <cmath>

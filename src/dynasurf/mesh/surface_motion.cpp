@@ -1,11 +1,10 @@
-#include "dynasurf/mesh/surface_motion.hpp"
-
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/detail/point_spline.hpp"
 #include "dynasurf/mesh/detail/ray_bvh.hpp"
+#include "dynasurf/mesh/motion.hpp"
 
 namespace dynasurf::mesh {
 namespace {

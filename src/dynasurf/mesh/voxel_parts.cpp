@@ -1,11 +1,10 @@
-#include "dynasurf/mesh/voxel_parts.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/mesh/marching.hpp"
 #include "dynasurf/mesh/measures.hpp"
 
 namespace dynasurf::mesh {

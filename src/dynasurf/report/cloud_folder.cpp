@@ -1,5 +1,3 @@
-#include "dynasurf/report/cloud_folder.hpp"
-
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/cloud/detail/bake.hpp"
@@ -8,6 +6,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
+#include "dynasurf/report/result_folders.hpp"
 
 namespace dynasurf::report {
 namespace {

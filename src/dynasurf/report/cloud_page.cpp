@@ -4,9 +4,9 @@
 #include "dynasurf/cloud/lod.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
-#include "dynasurf/report/cloud_report.hpp"
 #include "dynasurf/report/detail/page_parts.hpp"
 #include "dynasurf/report/detail/page_template.hpp"
+#include "dynasurf/report/report.hpp"
 
 namespace dynasurf::report {
 namespace {

@@ -3,8 +3,8 @@
 #include "dynasurf/cloud/lod.hpp"
 #include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/options.hpp"
-#include "dynasurf/report/cloud_report.hpp"
 #include "dynasurf/report/detail/json_parts.hpp"
+#include "dynasurf/report/report.hpp"
 
 namespace dynasurf::report {
 namespace {

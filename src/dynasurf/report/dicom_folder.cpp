@@ -50,7 +50,7 @@ void add(io::DicomMeasurementGroup& group, const io::DicomCode& what, const std:
   if (value) group.measurements.push_back({what, *value, unit});
 }
 
-void add_interval(io::DicomMeasurementGroup& group, const char* name, const ventricle::Estimate& e, const char* unit) {
+void add_interval(io::DicomMeasurementGroup& group, const char* name, const heart::Estimate& e, const char* unit) {
   group.remarks.push_back({own("INTERVAL_90", "90 % interval"), std::string(name) + ": " + text_of(e.low(), 1) +
                                                                     " to " + text_of(e.high(), 1) + " " + unit});
 }
@@ -83,11 +83,11 @@ io::DicomMeasurementGroup group_of(const ventricle::Reading& reading) {
   const ReadingTerms terms = terms_of(reading.kind);
   io::DicomMeasurementGroup group = group_of(terms.name, left_ventricle);
   group.method = own(terms.code, terms.method);
-  const auto add_value = [&](const io::DicomCode& what, const std::optional<ventricle::Estimate>& e,
+  const auto add_value = [&](const io::DicomCode& what, const std::optional<heart::Estimate>& e,
                              const io::DicomCode& unit) {
     if (e) add(group, what, e->value, unit);
   };
-  const auto add_bar = [&](const char* name, const std::optional<ventricle::Estimate>& e, const char* unit) {
+  const auto add_bar = [&](const char* name, const std::optional<heart::Estimate>& e, const char* unit) {
     if (e && e->has_interval()) add_interval(group, name, *e, unit);
   };
   add_value(end_diastolic, reading.edv_ml, millilitre);

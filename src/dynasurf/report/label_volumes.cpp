@@ -6,7 +6,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/detail/label_io.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/mesh/voxel_parts.hpp"
+#include "dynasurf/mesh/marching.hpp"
 
 namespace dynasurf::report {
 namespace {

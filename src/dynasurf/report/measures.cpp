@@ -1,7 +1,7 @@
 #include "dynasurf/report/measures.hpp"
 
+#include "dynasurf/psf_fit/blur_fit.hpp"
 #include "dynasurf/report/detail/numbers.hpp"
-#include "dynasurf/ventricle/fit/blur_fit.hpp"
 
 namespace dynasurf::report {
 namespace {
@@ -66,7 +66,7 @@ Json thickness_json(const ventricle::Measures& m) {
 /// 90 % interval of a number with a standard deviation; null where one is missing.
 Json interval_json(const std::optional<double>& value, const std::optional<double>& sd) {
   if (!value || !sd) return nullptr;
-  const ventricle::Estimate e{*value, *sd};
+  const heart::Estimate e{*value, *sd};
   return {number(e.low()), number(e.high())};
 }
 

@@ -9,7 +9,7 @@
 #include "dynasurf/io/detail/folder_file.hpp"
 #include "dynasurf/io/detail/json_node.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
-#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
 #include "dynasurf/report/detail/normals_json.hpp"
 #include "dynasurf/report/detail/numbers.hpp"
 #include "dynasurf/report/measures.hpp"

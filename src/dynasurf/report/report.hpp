@@ -2,9 +2,13 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "dynasurf/cloud/result.hpp"
+#include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/report/provenance.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
@@ -29,5 +33,38 @@ std::string report_html(const ventricle::Result& result, const Provenance& prove
 /// Writes `report_html` whole or not at all. Throws IoError.
 void write_report(const ventricle::Result& result, const Provenance& provenance, const std::filesystem::path& path,
                   Timings timings = Timings::keep);
+
+/// One run of the cloud application.
+struct CloudRun {
+  std::vector<io::CloudSource> sources;                 // one per file
+  cloud::Result result;                                 // its notes hold those of reading too
+  std::vector<std::pair<std::string, double>> seconds;  // per stage, in order
+  std::size_t peak_bytes = 0;                           // of memory that the program has held; 0: not known
+};
+
+/// Whether the verdict is not `fail`.
+bool is_trustworthy(const cloud::Result& result);
+
+/// Name of a level's files without ending: "level2", or "level2_not_watertight" where its certificate does not hold.
+/// Levels count from 0 here and from 1 in names.
+std::string name_of_level(const cloud::Result& result, std::size_t level);
+
+/// results.json of a cloud (schema dynasurf.cloud/1, docs/results.md), keys in the order of the schema. Levels
+/// count from 1. What is absent, infinite or not a number is null. Throws OptionError when `provenance.options_json` is
+/// neither empty nor JSON.
+nlohmann::ordered_json cloud_results_json(const CloudRun& run, const Provenance& provenance,
+                                          Timings timings = Timings::keep);
+
+/// results.csv of a cloud: a line of names, then one line per level.
+std::string cloud_results_csv(const cloud::Result& result);
+
+/// report.html of a cloud as text: one self-contained page that loads nothing: the points, the levels side by side and
+/// in morph, the error as colour, the certificates. Shows 50,000 points at most, evenly taken. Throws OptionError as
+/// above.
+std::string cloud_report_html(const CloudRun& run, const Provenance& provenance, Timings timings = Timings::keep);
+
+/// Writes `cloud_report_html` whole or not at all. Throws IoError.
+void write_cloud_report(const CloudRun& run, const Provenance& provenance, const std::filesystem::path& path,
+                        Timings timings = Timings::keep);
 
 }  // namespace dynasurf::report

@@ -92,7 +92,7 @@ Json surface_json(const std::optional<ventricle::Surface>& surface) {
   return json;
 }
 
-Json heart_json(const std::optional<ventricle::Location>& heart) {
+Json heart_json(const std::optional<heart::Location>& heart) {
   if (!heart) return nullptr;
   Json json = Json::object();
   json["center_mm"] = vector_json(heart->cup.middle());
@@ -106,7 +106,7 @@ Json heart_json(const std::optional<ventricle::Location>& heart) {
   return json;
 }
 
-Json plane_json(const std::optional<ventricle::BasePlane>& plane) {
+Json plane_json(const std::optional<heart::BasePlane>& plane) {
   if (!plane) return nullptr;
   Json json = Json::object();
   json["point_mm"] = vector_json(plane->point);
@@ -116,12 +116,12 @@ Json plane_json(const std::optional<ventricle::BasePlane>& plane) {
   return json;
 }
 
-Json interval_json(const ventricle::Estimate& e) {
+Json interval_json(const heart::Estimate& e) {
   return e.has_interval() ? Json{number(e.low()), number(e.high())} : Json(nullptr);
 }
 
 /// A number with its 90 % interval, null where none is known.
-void put_estimate(Json& json, const std::string& name, const std::optional<ventricle::Estimate>& e) {
+void put_estimate(Json& json, const std::string& name, const std::optional<heart::Estimate>& e) {
   json[name] = e ? number(e->value) : Json(nullptr);
   json[name + "_90"] = e ? interval_json(*e) : Json(nullptr);
 }
@@ -155,12 +155,12 @@ Json edge_json(const ventricle::EdgeSurfaces& surfaces) {
   return json;
 }
 
-std::optional<ventricle::Estimate> volume_of(const std::optional<ventricle::LeadingSurface>& surface) {
+std::optional<heart::Estimate> volume_of(const std::optional<ventricle::LeadingSurface>& surface) {
   return surface ? std::optional(surface->volume_ml) : std::nullopt;
 }
 
 Json gate_json(const ventricle::Gate& gate) {
-  const std::optional<ventricle::Estimate> endo = volume_of(gate.surfaces.endo), epi = volume_of(gate.surfaces.epi);
+  const std::optional<heart::Estimate> endo = volume_of(gate.surfaces.endo), epi = volume_of(gate.surfaces.epi);
   Json json = Json::object();
   json["gate"] = one_based(gate.gate);
   json["time_ms"] = number(gate.time_ms);
@@ -214,7 +214,7 @@ Json quality_json(const ventricle::Result& result) {
           {"flags", std::move(flags)}};
 }
 
-Json phases_json(const std::optional<ventricle::CurvePhases>& phases) {
+Json phases_json(const std::optional<heart::CurvePhases>& phases) {
   if (!phases) return nullptr;
   return {{"end_diastole", one_based(phases->end_diastole)},
           {"end_systole", one_based(phases->end_systole)},
@@ -238,12 +238,12 @@ Json reading_json(const ventricle::Reading& reading) {
   return json;
 }
 
-Json fit_json(const std::optional<ventricle::FittedBeat>& fit) {
+Json fit_json(const std::optional<psf_fit::FittedBeat>& fit) {
   if (!fit) return nullptr;
   Json json = reading_json(ventricle::reading_of(*fit));
   put_estimate(
       json, "wall_g",
-      ventricle::Estimate{ventricle::muscle_density * fit->wall_ml.value, ventricle::muscle_density * fit->wall_ml.sd});
+      heart::Estimate{ventricle::muscle_density * fit->wall_ml.value, ventricle::muscle_density * fit->wall_ml.sd});
   put_estimate(json, "thickness_mm", fit->thickness_mm);
   put_estimate(json, "fwhm_mm", fit->fwhm_mm);
   json["wall_variation"] = number(fit->wall_variation);

@@ -1,5 +1,3 @@
-#include "dynasurf/report/study_folder.hpp"
-
 #include <algorithm>
 #include <functional>
 
@@ -11,6 +9,7 @@
 #include "dynasurf/report/detail/splash.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/report.hpp"
+#include "dynasurf/report/result_folders.hpp"
 
 namespace dynasurf::report {
 namespace {

@@ -28,7 +28,7 @@ constexpr Column surface_columns[] = {
 
 std::string volume_cells(const std::optional<ventricle::LeadingSurface>& surface) {
   if (!surface) return ",,";
-  const ventricle::Estimate& ml = surface->volume_ml;
+  const heart::Estimate& ml = surface->volume_ml;
   const auto end = [&](double value) { return ml.has_interval() ? text_of(value) : std::string(); };
   return text_of(ml.value) + ',' + end(ml.low()) + ',' + end(ml.high());
 }

@@ -1,13 +1,14 @@
+#include "dynasurf/dynamics/contour/contours.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/dynamics/contour/detail/curvature.hpp"
-#include "dynasurf/dynamics/contour/potential.hpp"
 #include "dynasurf/show/detail/chart.hpp"
 #include "dynasurf/show/detail/palette.hpp"
+#include "dynasurf/show/detail/pictures.hpp"
 #include "dynasurf/show/detail/plane.hpp"
-#include "dynasurf/show/pictures.hpp"
 
 namespace dynasurf::show {
 namespace {

@@ -5,7 +5,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/show/detail/chart.hpp"
 #include "dynasurf/show/detail/palette.hpp"
-#include "dynasurf/show/pictures.hpp"
+#include "dynasurf/show/detail/pictures.hpp"
 
 namespace dynasurf::show {
 namespace {

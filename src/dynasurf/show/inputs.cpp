@@ -150,7 +150,7 @@ ShownGate gate_of_study(const Study& study, ventricle::Options options, int gate
     shown.endo = take(stages.endo);
     shown.epi = take(stages.epi);
   };
-  ventricle::reconstruct(study, options, progress, keep);
+  ventricle::reconstruct(study, options, progress, {.keep = keep});
   shown.gate = gate - 1;
   shown.options = std::move(options);
   return shown;

@@ -17,7 +17,7 @@ Motion move_again(const ShownWall& wall, const field::VectorField& field, const 
       motion.frames.push_back({step, mesh, std::vector<bool>(mesh.vertices.size())});
   };
   own.watch(0, wall.start);
-  motion.result = dynamics::evolve(wall.start, field, wall.border, evolution, progress, nullptr, own);
+  motion.result = dynamics::evolve(wall.start, field, wall.border, evolution, progress, own);
   return motion;
 }
 
@@ -53,7 +53,7 @@ std::vector<std::vector<Vec2>> paths_in(const ShownWall& wall, const field::Vect
     }
   };
   own.watch(0, wall.start);
-  const TriMesh end = dynamics::evolve(wall.start, field, wall.border, evolution, progress, nullptr, own).mesh;
+  const TriMesh end = dynamics::evolve(wall.start, field, wall.border, evolution, progress, own).mesh;
   std::vector<std::vector<Vec2>> paths;
   for (std::size_t v = 0; v < ways.size(); ++v) {
     ways[v].push_back(end.vertices[v].cwiseQuotient(spacing));

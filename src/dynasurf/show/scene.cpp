@@ -1,4 +1,4 @@
-#include "dynasurf/show/scene.hpp"
+#include "dynasurf/show/detail/scene.hpp"
 
 #include <algorithm>
 #include <cmath>

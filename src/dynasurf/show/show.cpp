@@ -7,8 +7,7 @@
 #include <numbers>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/dynamics/contour/discrete.hpp"
-#include "dynasurf/dynamics/contour/potential.hpp"
+#include "dynasurf/dynamics/contour/contours.hpp"
 #include "dynasurf/dynamics/detail/damping.hpp"
 #include "dynasurf/field/gvf.hpp"
 #include "dynasurf/io/mesh_io.hpp"
@@ -18,10 +17,10 @@
 #include "dynasurf/show/detail/inputs.hpp"
 #include "dynasurf/show/detail/motion.hpp"
 #include "dynasurf/show/detail/palette.hpp"
+#include "dynasurf/show/detail/pictures.hpp"
 #include "dynasurf/show/detail/plane.hpp"
-#include "dynasurf/show/pictures.hpp"
-#include "dynasurf/ventricle/closure.hpp"
-#include "dynasurf/ventricle/contour_pipeline.hpp"
+#include "dynasurf/ventricle/detail/closure.hpp"
+#include "dynasurf/ventricle/detail/contour_pipeline.hpp"
 
 namespace dynasurf::show {
 namespace {

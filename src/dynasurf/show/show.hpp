@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "dynasurf/core/progress.hpp"
-#include "dynasurf/show/canvas.hpp"
+#include "dynasurf/show/detail/canvas.hpp"
 #include "dynasurf/ventricle/options.hpp"
 
 namespace dynasurf::show {

@@ -4,8 +4,8 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/show/detail/palette.hpp"
+#include "dynasurf/show/detail/pictures.hpp"
 #include "dynasurf/show/detail/plane.hpp"
-#include "dynasurf/show/pictures.hpp"
 
 namespace dynasurf::show {
 namespace {

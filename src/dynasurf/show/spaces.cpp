@@ -5,12 +5,12 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/mesh/keyframes.hpp"
 #include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/mesh/motion.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 #include "dynasurf/show/detail/chart.hpp"
 #include "dynasurf/show/detail/palette.hpp"
-#include "dynasurf/show/pictures.hpp"
+#include "dynasurf/show/detail/pictures.hpp"
 
 namespace dynasurf::show {
 namespace {

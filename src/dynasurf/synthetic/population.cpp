@@ -1,10 +1,9 @@
-#include "dynasurf/synthetic/population.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/synthetic/detail/random.hpp"
+#include "dynasurf/synthetic/phantoms.hpp"
 
 namespace dynasurf::synthetic {
 namespace {

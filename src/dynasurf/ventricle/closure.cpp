@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/closure.hpp"
+#include "dynasurf/ventricle/detail/closure.hpp"
 
 #include <algorithm>
 #include <array>
@@ -116,8 +116,8 @@ int find_base_slice(const Image& image, const Labels& labels, double base_level,
   return k;
 }
 
-int slice_above(const Grid& grid, const BasePlane& world_plane, double radius_mm) {
-  const BasePlane plane = to_grid(grid, world_plane);
+int slice_above(const Grid& grid, const heart::BasePlane& world_plane, double radius_mm) {
+  const heart::BasePlane plane = to_grid(grid, world_plane);
   // The plane rises from its point by the tangent of its lean.
   const double across = own::hypot(plane.normal[0], plane.normal[1]);
   const double rise = plane.normal[2] > 0 ? radius_mm * across / plane.normal[2] : 0;

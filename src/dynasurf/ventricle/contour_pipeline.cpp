@@ -1,11 +1,11 @@
-#include "dynasurf/ventricle/contour_pipeline.hpp"
+#include "dynasurf/ventricle/detail/contour_pipeline.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/dynamics/contour/potential.hpp"
+#include "dynasurf/dynamics/contour/contours.hpp"
 #include "dynasurf/field/gvf.hpp"
 
 namespace dynasurf::ventricle {

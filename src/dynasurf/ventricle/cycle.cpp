@@ -12,7 +12,6 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/intensity.hpp"
-#include "dynasurf/image/resample.hpp"
 #include "dynasurf/ventricle/labels/detail/circle.hpp"
 
 namespace dynasurf::ventricle {
@@ -36,9 +35,9 @@ std::string format(const char* pattern, A... values) {
 }
 
 /// A plane square to the stack at a height over the middle of its first slice.
-BasePlane level_plane(const Grid& grid, double height_mm) {
+heart::BasePlane level_plane(const Grid& grid, double height_mm) {
   const Vec3 middle((grid.dims[0] - 1) * grid.spacing[0] / 2, (grid.dims[1] - 1) * grid.spacing[1] / 2, height_mm);
-  return to_world(grid, BasePlane{middle, Vec3::UnitZ(), 0, 1});
+  return to_world(grid, heart::BasePlane{middle, Vec3::UnitZ(), 0, 1});
 }
 
 /// Brightness of the relaxed wall: that of a dim gate, and not the dimmest, which may lack counts.
@@ -125,7 +124,7 @@ std::optional<SliceRange> longest_run(std::span<const double> scores, double lea
 SliceRange scored_slices(const Study& study, const image::EdgeOptions& edges, const CoarseCircle& coarse,
                          const UserOverrides& manual) {
   Notes notes;
-  const Image mean = image::normalise(mean_image(study.gates), notes);
+  const Image mean = image::normalise(heart::mean_image(study.gates), notes);
   const std::vector<double> scores = slice_scores(mean, image::detect_edges(mean, edges).edges, coarse);
   const int slices = mean.grid.dims[2];
   return as_set(longest_run(scores).value_or(SliceRange{0, slices - 1}), manual, slices);
@@ -157,7 +156,7 @@ void require_inside(const UserOverrides& manual, const Study& original, const St
                              *manual.base_plane_mm, top_mm));
 }
 
-CoarseCircle circle_around(const Study& study, const std::optional<Location>& heart, const UserOverrides& manual,
+CoarseCircle circle_around(const Study& study, const std::optional<heart::Location>& heart, const UserOverrides& manual,
                            CoarseCircle asked) {
   const double pixel = study.grid().spacing[0];
   if (heart) {
@@ -174,34 +173,35 @@ CoarseCircle circle_around(const Study& study, const std::optional<Location>& he
   return asked;
 }
 
-std::optional<double> expected_cavity_end(const Study& study, const std::optional<Location>& heart) {
+std::optional<double> expected_cavity_end(const Study& study, const std::optional<heart::Location>& heart) {
   if (!heart || !heart->is_clear()) return std::nullopt;
-  const LvShell cup = to_grid(study.grid(), heart->cup);
+  const heart::LvShell cup = to_grid(study.grid(), heart->cup);
   if (cup.axis[2] <= 0) return std::nullopt;
   return (cup.apex() + half_wall_mm * cup.axis)[2] / study.grid().spacing[2];
 }
 
-std::vector<std::optional<BasePlane>> valve_planes(const Study& study, const std::optional<Location>& heart,
-                                                   const UserOverrides& manual, Notes& notes) {
-  std::vector<std::optional<BasePlane>> planes(study.gates.size());
+std::vector<std::optional<heart::BasePlane>> valve_planes(const Study& study,
+                                                          const std::optional<heart::Location>& heart,
+                                                          const UserOverrides& manual, Notes& notes) {
+  std::vector<std::optional<heart::BasePlane>> planes(study.gates.size());
   if (manual.base_plane_mm) {
     planes.assign(planes.size(), level_plane(study.grid(), *manual.base_plane_mm));
     return planes;
   }
   if (!heart) return planes;
-  const LvShell cup = to_grid(study.grid(), heart->cup);
+  const heart::LvShell cup = to_grid(study.grid(), heart->cup);
   std::vector<Image> smooth(planes.size());
   std::vector<double> wall(planes.size());
   parallel_for(planes.size(), 1, [&](std::size_t g, std::size_t) {
     smooth[g] = image::smooth_gaussian(study.gates[g], plane_smoothing_mm);
-    wall[g] = wall_over_surroundings(smooth[g], cup);
+    wall[g] = heart::wall_over_surroundings(smooth[g], cup);
   });
   const double relaxed = relaxed_level(wall);
   parallel_for(planes.size(), 1, [&](std::size_t g, std::size_t) {
     const double share = wall[g] > 0 ? std::clamp(relaxed / wall[g], least_rim_share, 1.0) : 1;
-    planes[g] = find_base_plane(smooth[g], cup, end_level * share);
+    planes[g] = heart::find_base_plane(smooth[g], cup, end_level * share);
   });
-  const std::optional<PlaneCycle> cycle = smooth_over_cycle(planes, cup.axis);
+  const std::optional<heart::PlaneCycle> cycle = heart::smooth_over_cycle(planes, cup.axis);
   if (!cycle) {
     notes.push_back({Severity::warning, "base.plane_missing",
                      "the end of the wall was not seen in half of the gates; surfaces end at a slice"});
@@ -216,15 +216,15 @@ std::vector<std::optional<BasePlane>> valve_planes(const Study& study, const std
   return planes;
 }
 
-SliceRange useful_slices(const Study& study, const std::optional<Location>& heart,
-                         const std::vector<std::optional<BasePlane>>& planes, const UserOverrides& manual) {
+SliceRange useful_slices(const Study& study, const std::optional<heart::Location>& heart,
+                         const std::vector<std::optional<heart::BasePlane>>& planes, const UserOverrides& manual) {
   const Grid& grid = study.grid();
   const auto slice_at = [&](double z_mm) {
     return std::clamp(static_cast<int>(std::lround(z_mm / grid.spacing[2])), 0, grid.dims[2] - 1);
   };
   SliceRange range{0, grid.dims[2] - 1};
   if (heart) {
-    const LvShell cup = to_grid(grid, heart->cup);
+    const heart::LvShell cup = to_grid(grid, heart->cup);
     const double way = cup.axis[2] > 0 ? 1 : -1;
     range.first = slice_at(cup.apex()[2] - way * outer_apex_mm);
     double top = cup.base()[2] + 2 * outer_apex_mm;

@@ -3,7 +3,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/dynamics/detail/damping.hpp"
 #include "dynasurf/mesh/detail/ray_bvh.hpp"
-#include "dynasurf/ventricle/closure.hpp"
+#include "dynasurf/ventricle/detail/closure.hpp"
 #include "dynasurf/ventricle/detail/gate_run.hpp"
 
 namespace dynasurf::ventricle {
@@ -36,8 +36,9 @@ void find_surface(WallRun& run, const Image& image, const TriMesh& start, const 
   run.start = start;
   run.flow = clock("field", [&] { return field::flow_field(map, options.field, quiet); });
   run.evolved = clock("surfaces", [&] {
-    return dynamics::evolve(start, run.flow.field, run.border, options.evolution, quiet, &run.planes,
-                            additions_of(run, image, options.evolution));
+    dynamics::Additions own = additions_of(run, image, options.evolution);
+    own.planes = &run.planes;
+    return dynamics::evolve(start, run.flow.field, run.border, options.evolution, quiet, own);
   });
 }
 

@@ -15,19 +15,19 @@ namespace {
 constexpr double brightest_wall = 2.5, cut_at = 2;
 
 /// The brightness that four fifths of the wall stay below: neither a large defect nor a neighbour moves it far.
-double bright_wall(const Image& mean, const LvShell& cup) {
+double bright_wall(const Image& mean, const heart::LvShell& cup) {
   constexpr double share = 0.8, reach_mm = 8;
   std::vector<double> values;
-  for (const RidgePoint& p : find_ridge(mean, cup, 6, 16, reach_mm)) values.push_back(p.brightness);
+  for (const heart::RidgePoint& p : heart::find_ridge(mean, cup, 6, 16, reach_mm)) values.push_back(p.brightness);
   const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size()));
   return of_rank(std::move(values), rank);
 }
 
 }  // namespace
 
-std::optional<Study> cut_hot_objects(const Study& study, const Location& heart) {
+std::optional<Study> cut_hot_objects(const Study& study, const heart::Location& heart) {
   if (!heart.is_clear()) return std::nullopt;
-  const Image mean = mean_image(study.gates);
+  const Image mean = heart::mean_image(study.gates);
   const double wall = bright_wall(mean, to_grid(mean.grid, heart.cup));
   float peak = 0;
   for (const Image& gate : study.gates)

@@ -215,13 +215,4 @@ struct Labels {
   bool has(Border w) const;  // any voxel of that border
 };
 
-/// Tells endocardial from epicardial edges. `image` is normalised, its slices run from apex to base, and
-/// `edges.edges` lies on the same grid. Never throws for hard data: what could not be found is absent, with notes.
-/// Throws OptionError for parameters out of range.
-Labels label_borders(const Image& image, const image::EdgeMap& edges, const Labelling& options);
-
-/// The voxels of one border as a binary volume: the edge map of its field and the stop mask of its surface
-/// (VOL-BORDERS, thesis 3.3.4).
-Image border_volume(const Labels& labels, Border wall);
-
 }  // namespace dynasurf::ventricle

@@ -5,18 +5,18 @@
 #include "dynasurf/dynamics/evolve.hpp"
 #include "dynasurf/field/edge_map.hpp"
 #include "dynasurf/field/gvf.hpp"
+#include "dynasurf/heart/base_plane.hpp"
 #include "dynasurf/image/intensity.hpp"
-#include "dynasurf/mesh/keyframes.hpp"
+#include "dynasurf/mesh/motion.hpp"
 #include "dynasurf/mesh/repair.hpp"
 #include "dynasurf/mesh/shapes.hpp"
-#include "dynasurf/ventricle/base_plane.hpp"
-#include "dynasurf/ventricle/closure.hpp"
-#include "dynasurf/ventricle/contour_pipeline.hpp"
-#include "dynasurf/ventricle/fit/blur_fit.hpp"
+#include "dynasurf/psf_fit/blur_fit.hpp"
+#include "dynasurf/ventricle/detail/closure.hpp"
+#include "dynasurf/ventricle/detail/contour_pipeline.hpp"
+#include "dynasurf/ventricle/detail/orientation.hpp"
+#include "dynasurf/ventricle/detail/settle.hpp"
 #include "dynasurf/ventricle/labels.hpp"
 #include "dynasurf/ventricle/measures/measures.hpp"
-#include "dynasurf/ventricle/orientation.hpp"
-#include "dynasurf/ventricle/settle.hpp"
 
 namespace dynasurf::ventricle {
 
@@ -65,7 +65,7 @@ struct Options {
   bool warm_backward = false;
   mesh::Keyframes keyframes;
   MeasureOptions measures;
-  BlurFit fit;
+  psf_fit::BlurFit fit;
 };
 void describe(auto& visit, Options& o) {
   visit("pipeline", o.pipeline,
@@ -104,5 +104,14 @@ void describe(auto& visit, Options& o) {
   visit("measures", o.measures, OptionInfo{"what is measured on the surfaces"});
   visit("fit", o.fit, OptionInfo{"surfaces of all gates fitted through the point spread: PSF-corrected volumes"});
 }
+
+/// Named sets of options: "psf_corrected", the default: surfaces on the largest gradient, then the fit through the
+/// camera's blur; "edges" for the first alone; "thesis" for the pipeline exactly as it was published, where ours
+/// differs; "pet", "mr" and "ct" for the default at their usual resolution: about 6 mm, which the data decide, and
+/// none.
+std::span<const std::string_view> preset_names();
+
+/// Throws OptionError with the choices for an unknown name.
+Options preset(std::string_view name);
 
 }  // namespace dynasurf::ventricle

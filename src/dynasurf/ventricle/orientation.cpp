@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/orientation.hpp"
+#include "dynasurf/ventricle/detail/orientation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/image/resample.hpp"
+#include "dynasurf/image/intensity.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
@@ -27,12 +27,12 @@ std::string format(const char* pattern, A... values) {
 }
 
 /// Angle between the stack's normal and the axis, whichever end comes first.
-double tilt_of(const Study& study, const LvShell& heart) {
+double tilt_of(const Study& study, const heart::LvShell& heart) {
   const double angle = degrees_between(study.grid().direction.col(2), heart.axis);
   return std::min(angle, 180 - angle);
 }
 
-SliceOrder order_of(const Study& study, const LvShell& heart) {
+SliceOrder order_of(const Study& study, const heart::LvShell& heart) {
   return study.grid().direction.col(2).dot(heart.axis) > 0 ? SliceOrder::apex_to_base : SliceOrder::base_to_apex;
 }
 
@@ -40,7 +40,7 @@ double voxel_of(const Study& study, const Orientation& o) {
   return o.voxel_mm.value_or(std::min(widest_voxel_mm, study.grid().spacing.minCoeff()));
 }
 
-Study cut_anew(const Study& study, const Location& heart, const Orientation& o, Severity severity,
+Study cut_anew(const Study& study, const heart::Location& heart, const Orientation& o, Severity severity,
                const std::string& why) {
   Study result = reorient(study, heart.cup, voxel_of(study, o));
   result.notes.push_back(
@@ -51,7 +51,7 @@ Study cut_anew(const Study& study, const Location& heart, const Orientation& o, 
 }
 
 /// A stack of which the file does not say that it is another view.
-Study keep_unless_contradicted(const Study& study, const Location& heart, const Orientation& o) {
+Study keep_unless_contradicted(const Study& study, const heart::Location& heart, const Orientation& o) {
   const bool is_clear = heart.contrast >= o.least_contrast;
   const double tilt = tilt_of(study, heart.cup);
   if (tilt > o.most_tilt_deg) {
@@ -82,8 +82,8 @@ Study keep_unless_contradicted(const Study& study, const Location& heart, const 
 
 }  // namespace
 
-LocateHints hints_of(const UserOverrides& m) {
-  LocateHints hints;
+heart::LocateHints hints_of(const UserOverrides& m) {
+  heart::LocateHints hints;
   if (m.center_mm) hints.centre_mm = Vec3(m.center_mm->data());
   if (m.axis) hints.axis = Vec3(m.axis->data());
   if (hints.axis && !(hints.axis->norm() > 0))
@@ -91,7 +91,7 @@ LocateHints hints_of(const UserOverrides& m) {
   return hints;
 }
 
-Grid short_axis_grid(const LvShell& heart, double voxel_mm) {
+Grid short_axis_grid(const heart::LvShell& heart, double voxel_mm) {
   Grid grid;
   const Vec3 k = heart.axis.normalized();
   // An axis that stands upright has no horizontal direction of its own.
@@ -110,7 +110,7 @@ Grid short_axis_grid(const LvShell& heart, double voxel_mm) {
   return grid;
 }
 
-Study reorient(const Study& study, const LvShell& heart, double voxel_mm) {
+Study reorient(const Study& study, const heart::LvShell& heart, double voxel_mm) {
   Study result = study;
   const Grid grid = short_axis_grid(heart, voxel_mm);
   for (Image& image : result.gates) image = image::resample(image, grid);
@@ -119,9 +119,9 @@ Study reorient(const Study& study, const LvShell& heart, double voxel_mm) {
   return result;
 }
 
-Study with_finer_pixels(const Study& study, const LvShell& heart, double widest_mm) {
+Study with_finer_pixels(const Study& study, const heart::LvShell& heart, double widest_mm) {
   const Grid& old = study.grid();
-  const LvShell cup = to_grid(old, heart);
+  const heart::LvShell cup = to_grid(old, heart);
   Grid grid = old;
   Vec3 corner = Vec3::Zero();  // grid frame of the old stack
   bool is_finer = false;
@@ -150,7 +150,7 @@ Study with_finer_pixels(const Study& study, const LvShell& heart, double widest_
   return result;
 }
 
-Study orient(const Study& study, const std::optional<Location>& heart, const Orientation& o) {
+Study orient(const Study& study, const std::optional<heart::Location>& heart, const Orientation& o) {
   const bool is_square = study.view == View::short_axis || study.view == View::unknown;
   if (o.method == OrientationMethod::header) {
     if (is_square) return study;

@@ -1,8 +1,7 @@
-#include "dynasurf/ventricle/presets.hpp"
-
 #include <array>
 
 #include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/ventricle/options.hpp"
 
 namespace dynasurf::ventricle {
 namespace {

@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/quality.hpp"
+#include "dynasurf/ventricle/detail/quality.hpp"
 
 #include <algorithm>
 #include <array>
@@ -152,7 +152,7 @@ void flag_place(const Result& result, std::vector<QualityFlag>& flags) {
                      1});
     return;
   }
-  const Location& heart = *result.heart;
+  const heart::Location& heart = *result.heart;
   if (!heart.is_clear())
     flags.push_back({"heart_uncertain", Severity::warning,
                      format("the wall is hard to see: contrast %.2f, seen in %.0f %% of the directions", heart.contrast,
@@ -207,7 +207,7 @@ void flag_base(const QualityMetrics& c, std::vector<QualityFlag>& flags) {
 /// What lies around the heart and what the heart looks like.
 void flag_looks(const Result& result, const QualityMetrics& c, std::vector<QualityFlag>& flags) {
   if (!result.heart) return;
-  const LvShell& cup = result.heart->cup;
+  const heart::LvShell& cup = result.heart->cup;
   const std::array limits{
       Limit{"heart_cut_off", result.heart->outside, 0, most_outside, "%.0f %% of the wall lie outside the volume", 100},
       Limit{"shape_implausible", cup.half_length_mm / cup.radius_mm, least_elongation, most_elongation,

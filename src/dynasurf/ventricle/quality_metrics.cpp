@@ -9,8 +9,8 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
-#include "dynasurf/image/resample.hpp"
-#include "dynasurf/ventricle/detail/smooth_cycle.hpp"
+#include "dynasurf/heart/detail/smooth_cycle.hpp"
+#include "dynasurf/image/intensity.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
 namespace dynasurf::ventricle {
@@ -19,17 +19,18 @@ namespace {
 constexpr int rows = 8, around = 24;
 
 template <class F>
-void for_each_direction(const LvShell& cup, F&& look) {
-  const ShellBasis a = across(cup.axis);
-  const double top = base_angle(cup);
+void for_each_direction(const heart::LvShell& cup, F&& look) {
+  const heart::ShellBasis a = heart::across(cup.axis);
+  const double top = heart::base_angle(cup);
   for (int r = 0; r < rows; ++r)
-    for (int d = 0; d < around; ++d) look(on_cup(cup, a, top * (r + 0.5) / rows, 2 * std::numbers::pi * d / around), r);
+    for (int d = 0; d < around; ++d)
+      look(heart::on_cup(cup, a, top * (r + 0.5) / rows, 2 * std::numbers::pi * d / around), r);
 }
 
 /// The image along a normal of the wall, from well inside to well outside.
 constexpr double step_mm = 1.5;
 constexpr int wall_from = -4, wall_to = 5, out_to = 22;  // in steps
-std::vector<double> profile_of(const Image& image, const ShellPoint& at) {
+std::vector<double> profile_of(const Image& image, const heart::ShellPoint& at) {
   std::vector<double> values;
   for (int s = wall_from; s <= out_to; ++s)
     values.push_back(image::sample_linear(image, at.position + s * step_mm * at.normal));
@@ -53,7 +54,7 @@ bool touches_something_hot(const std::vector<double>& profile, double typical) {
 }
 
 /// Counts within a sphere around the heart: what lies elsewhere would hide what a gate lacks.
-std::vector<double> counts_of(std::span<const Image> gates, const LvShell& cup) {
+std::vector<double> counts_of(std::span<const Image> gates, const heart::LvShell& cup) {
   const double reach = cup.half_length_mm + 15;
   std::vector<double> counts(gates.size());
   const Grid& grid = gates.front().grid;
@@ -74,8 +75,8 @@ Vec3 middle_of(const TriMesh& mesh) {
 
 /// Spread of the distance from the section's own middle, over the middle part of the surface below `top_mm`, where the
 /// surface may be closed.
-double unroundness(const TriMesh& mesh, const LvShell& cup, double top_mm) {
-  const ShellBasis a = across(cup.axis);
+double unroundness(const TriMesh& mesh, const heart::LvShell& cup, double top_mm) {
+  const heart::ShellBasis a = heart::across(cup.axis);
   std::vector<Eigen::Vector2d> points;
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const Vec3& p : mesh.vertices) {
@@ -98,7 +99,7 @@ double unroundness(const TriMesh& mesh, const LvShell& cup, double top_mm) {
 
 constexpr double below_base_mm = 8;
 
-double mean_distance(const TriMesh& mesh, const LvShell& cup) {
+double mean_distance(const TriMesh& mesh, const heart::LvShell& cup) {
   double sum = 0;
   for (const Vec3& p : mesh.vertices) sum += signed_distance(cup, p);
   return sum / static_cast<double>(mesh.vertices.size());
@@ -114,7 +115,7 @@ double length_to_width(const Surface& surface, const Vec3& axis) {
 
 double largest_residual(const std::vector<std::optional<double>>& values) {
   constexpr double cut_mm = 6;
-  const SmoothCycle smooth = smooth_over_cycle(values, cut_mm);
+  const heart::SmoothCycle smooth = heart::smooth_over_cycle(values, cut_mm);
   double largest = 0;
   for (std::size_t g = 0; g < values.size(); ++g)
     if (values[g]) largest = std::max(largest, std::abs(*values[g] - smooth.values[g]));
@@ -122,8 +123,8 @@ double largest_residual(const std::vector<std::optional<double>>& values) {
 }
 
 /// A heart narrows about its axis: across the axis its middle stays, along it moves smoothly.
-double largest_move(const Result& result, const LvShell& cup) {
-  const ShellBasis a = across(cup.axis);
+double largest_move(const Result& result, const heart::LvShell& cup) {
+  const heart::ShellBasis a = heart::across(cup.axis);
   std::vector<double> u, v;
   std::vector<std::optional<double>> along;
   for (const Gate& gate : result.gates) {
@@ -140,11 +141,11 @@ double largest_move(const Result& result, const LvShell& cup) {
   return largest;
 }
 
-void look_at_image(const Result& result, const LvShell& world, QualityMetrics& clues) {
+void look_at_image(const Result& result, const heart::LvShell& world, QualityMetrics& clues) {
   if (result.study.gates.empty()) return;
-  const Image mean = mean_image(result.study.gates);
-  const LvShell cup = to_grid(mean.grid, world);
-  if (share_outside(mean.grid, cup) < 0.5) {
+  const Image mean = heart::mean_image(result.study.gates);
+  const heart::LvShell cup = to_grid(mean.grid, world);
+  if (heart::share_outside(mean.grid, cup) < 0.5) {
     clues.hot_neighbour = hot_neighbour_share(mean, cup);
     clues.noise = noise_of_wall(result.study.gates, cup);
   }
@@ -156,7 +157,7 @@ void look_at_image(const Result& result, const LvShell& world, QualityMetrics& c
   clues.most_counts = *std::max_element(counts.begin(), counts.end()) / usual;
 }
 
-void look_at_surfaces(const Result& result, const LvShell& cup, QualityMetrics& clues) {
+void look_at_surfaces(const Result& result, const heart::LvShell& cup, QualityMetrics& clues) {
   double thickness = 0, slimness = 0;
   int outer = 0, both = 0;
   double most_ml = 0;
@@ -186,8 +187,8 @@ void look_at_curves(const Result& result, QualityMetrics& clues) {
     if (gate.edge_surfaces.epi) epi.push_back(gate.edge_surfaces.epi->volume_ml);
   }
   const std::size_t gates = result.gates.size();
-  if (endo.size() == gates) clues.endo_roughness = cycle_roughness(endo);
-  if (epi.size() == gates) clues.epi_roughness = cycle_roughness(epi);
+  if (endo.size() == gates) clues.endo_roughness = heart::cycle_roughness(endo);
+  if (epi.size() == gates) clues.epi_roughness = heart::cycle_roughness(epi);
   const Reading& edge = result.readings.edge;
   if (edge.ef_percent && result.readings.gaussian_profile)
     if (const auto other = reading_of(*result.readings.gaussian_profile); other.ef_percent)
@@ -209,10 +210,10 @@ void look_at_base(const Result& result, QualityMetrics& clues) {
 
 }  // namespace
 
-double hot_neighbour_share(const Image& image, const LvShell& cup) {
+double hot_neighbour_share(const Image& image, const heart::LvShell& cup) {
   std::vector<std::vector<double>> profiles;
   std::vector<double> walls;
-  for_each_direction(cup, [&](const ShellPoint& at, int) {
+  for_each_direction(cup, [&](const heart::ShellPoint& at, int) {
     profiles.push_back(profile_of(image, at));
     walls.push_back(wall_in(profiles.back()));
   });
@@ -222,18 +223,18 @@ double hot_neighbour_share(const Image& image, const LvShell& cup) {
   return static_cast<double>(hot) / static_cast<double>(profiles.size());
 }
 
-double noise_of_wall(std::span<const Image> gates, const LvShell& cup) {
+double noise_of_wall(std::span<const Image> gates, const heart::LvShell& cup) {
   if (gates.size() < 8) return 0;
   std::vector<double> brightness, squares;
   std::vector<std::optional<double>> course(gates.size());
-  for_each_direction(cup, [&](const ShellPoint& at, int) {
+  for_each_direction(cup, [&](const heart::ShellPoint& at, int) {
     double mean = 0;
     for (std::size_t g = 0; g < gates.size(); ++g) {
       course[g] = image::sample_linear(gates[g], at.position);
       mean += *course[g] / static_cast<double>(gates.size());
     }
     brightness.push_back(mean);
-    const SmoothCycle smooth = smooth_over_cycle(course, 1e9);
+    const heart::SmoothCycle smooth = heart::smooth_over_cycle(course, 1e9);
     double sum = 0;
     for (std::size_t g = 0; g < gates.size(); ++g) sum += own::pow(*course[g] - smooth.values[g], 2);
     squares.push_back(sum / static_cast<double>(gates.size() >= 12 ? gates.size() - 7 : gates.size() - 5));

@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "dynasurf/psf_fit/detail/wall_posterior.hpp"
 #include "dynasurf/ventricle/detail/cycle.hpp"
-#include "dynasurf/ventricle/fit/detail/wall_posterior.hpp"
 #include "dynasurf/ventricle/measures/detail/regional_errors.hpp"
 
 namespace dynasurf::ventricle {
@@ -12,11 +12,11 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kind_names{"psf_corrected", "edge", "gaussian_profile"};
 
-std::optional<Estimate> mean_of(const std::vector<double>& values) {
+std::optional<heart::Estimate> mean_of(const std::vector<double>& values) {
   if (values.empty()) return std::nullopt;
   double sum = 0;
   for (const double v : values) sum += v;
-  return Estimate{sum / static_cast<double>(values.size())};
+  return heart::Estimate{sum / static_cast<double>(values.size())};
 }
 
 /// Volumes of the cavity and the wall over the beat, without intervals.
@@ -24,16 +24,17 @@ Reading reading_of_volumes(ReadingKind kind, const std::vector<double>& cavity_m
   Reading reading;
   reading.kind = kind;
   reading.wall_ml = mean_of(wall_ml);
-  const std::optional<LvVolumes> f = lv_volumes(cavity_ml);
+  const std::optional<heart::LvVolumes> f = heart::lv_volumes(cavity_ml);
   if (!f) return reading;
-  reading.edv_ml = Estimate{f->edv_ml}, reading.esv_ml = Estimate{f->esv_ml}, reading.sv_ml = Estimate{f->sv_ml};
-  if (f->ef_percent) reading.ef_percent = Estimate{*f->ef_percent};
+  reading.edv_ml = heart::Estimate{f->edv_ml}, reading.esv_ml = heart::Estimate{f->esv_ml},
+  reading.sv_ml = heart::Estimate{f->sv_ml};
+  if (f->ef_percent) reading.ef_percent = heart::Estimate{*f->ef_percent};
   reading.ed_gate = f->ed_gate, reading.es_gate = f->es_gate;
   return reading;
 }
 
 /// False where the fit diverged from the edges: data that are no wall seen through a point spread.
-bool is_plausible(const FittedBeat& beat, const std::vector<Gate>& gates) {
+bool is_plausible(const psf_fit::FittedBeat& beat, const std::vector<Gate>& gates) {
   constexpr double most = 4;  // times the outer edge surface, or a part of it
   for (std::size_t g = 0; g < gates.size(); ++g) {
     const double ratio = beat.gates[g].epi_ml.value / gates[g].edge_surfaces.epi->volume_ml;
@@ -43,7 +44,7 @@ bool is_plausible(const FittedBeat& beat, const std::vector<Gate>& gates) {
 }
 
 /// An image without blur has no Gaussian across its wall: deviations without end would be shown as volumes.
-bool is_plausible(const GaussianProfile& profile, const std::vector<Gate>& gates) {
+bool is_plausible(const psf_fit::GaussianProfile& profile, const std::vector<Gate>& gates) {
   constexpr double most = 3;  // times the outer edge surface
   for (std::size_t g = 0; g < gates.size(); ++g) {
     const double outer_ml = profile.cavity_ml[g] + profile.wall_ml[g];
@@ -53,8 +54,8 @@ bool is_plausible(const GaussianProfile& profile, const std::vector<Gate>& gates
 }
 
 /// What a fit begins with; absent, with a note where one was asked for, unless all gates have both surfaces.
-std::optional<FitStart> fit_start_of(Result& result, bool is_asked_for) {
-  FitStart start;
+std::optional<psf_fit::FitStart> fit_start_of(Result& result, bool is_asked_for) {
+  psf_fit::FitStart start;
   for (const Gate& gate : result.gates) {
     const EdgeSurfaces& edge = gate.edge_surfaces;
     if (!edge.endo || !edge.epi || edge.endo->volume_ml <= 0 || edge.wall_ml.value_or(0) <= 0) {
@@ -75,7 +76,7 @@ std::optional<FitStart> fit_start_of(Result& result, bool is_asked_for) {
   return start;
 }
 
-LeadingSurfaces surfaces_of(const FittedGate& fitted) {
+LeadingSurfaces surfaces_of(const psf_fit::FittedGate& fitted) {
   return {LeadingSurface{fitted.endo, fitted.endo_ml}, LeadingSurface{fitted.epi, fitted.epi_ml}, fitted.base};
 }
 
@@ -91,7 +92,7 @@ LeadingSurfaces surfaces_of(const EdgeSurfaces& edge) {
 
 std::span<const std::string_view> names_of(ReadingKind) { return kind_names; }
 
-Reading reading_of(const FittedBeat& beat) {
+Reading reading_of(const psf_fit::FittedBeat& beat) {
   Reading reading;
   reading.kind = ReadingKind::psf_corrected;
   reading.wall_ml = beat.wall_ml;
@@ -102,7 +103,7 @@ Reading reading_of(const FittedBeat& beat) {
   return reading;
 }
 
-Reading reading_of(const GaussianProfile& profile) {
+Reading reading_of(const psf_fit::GaussianProfile& profile) {
   return reading_of_volumes(ReadingKind::gaussian_profile, profile.cavity_ml, profile.wall_ml);
 }
 
@@ -115,15 +116,15 @@ void measure_cycle(Result& result) {
   if (cavity.size() != result.gates.size()) cavity.clear();
   if (wall.size() != result.gates.size()) wall.clear();
   result.readings.edge = reading_of_volumes(ReadingKind::edge, cavity, wall);
-  if (wall.size() > 1) result.wall_variation = coefficient_of_variation(wall);
+  if (wall.size() > 1) result.wall_variation = heart::coefficient_of_variation(wall);
 }
 
-void read_otherwise(const Study& original, const BlurFit& options, const Progress& progress, StageClock& clock,
+void read_otherwise(const Study& original, const psf_fit::BlurFit& options, const Progress& progress, StageClock& clock,
                     Result& result) {
-  const std::optional<FitStart> start = fit_start_of(result, options.run);
+  const std::optional<psf_fit::FitStart> start = fit_start_of(result, options.run);
   if (!start) return;
   auto& profile = result.readings.gaussian_profile;
-  profile = clock("readings", [&] { return read_gaussian_profile(original, *start); });
+  profile = clock("readings", [&] { return psf_fit::read_gaussian_profile(original, *start); });
   if (profile && !is_plausible(*profile, result.gates)) {
     profile.reset();
     result.notes.push_back({Severity::info, "readings.no_gaussian",
@@ -131,7 +132,7 @@ void read_otherwise(const Study& original, const BlurFit& options, const Progres
   }
   if (!options.run) return;
   auto& beat = result.readings.psf_corrected;
-  beat = clock("fit", [&] { return fit_through_blur(original, *start, options, progress); });
+  beat = clock("fit", [&] { return psf_fit::fit_through_blur(original, *start, options, progress); });
   result.notes.insert(result.notes.end(), beat->notes.begin(), beat->notes.end());
   if (is_plausible(*beat, result.gates)) return;
   beat.reset();
@@ -148,7 +149,7 @@ void choose_leading(Result& result) {
     gate.surfaces = beat ? surfaces_of(beat->gates[g]) : surfaces_of(gate.edge_surfaces);
     if (gate.surfaces.endo) cavity_ml.push_back(gate.surfaces.endo->volume_ml.value);
   }
-  if (cavity_ml.size() == result.gates.size()) result.phases = phases_of_curve(cavity_ml);
+  if (cavity_ml.size() == result.gates.size()) result.phases = heart::phases_of_curve(cavity_ml);
 }
 
 std::optional<Measures> measure_study(const Result& result, const MeasureOptions& options) {

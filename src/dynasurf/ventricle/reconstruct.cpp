@@ -15,9 +15,11 @@
 #include "dynasurf/ventricle/detail/cycle.hpp"
 #include "dynasurf/ventricle/detail/gate_run.hpp"
 #include "dynasurf/ventricle/detail/hot_objects.hpp"
+#include "dynasurf/ventricle/detail/quality.hpp"
 #include "dynasurf/ventricle/detail/readings.hpp"
 #include "dynasurf/ventricle/detail/region.hpp"
 #include "dynasurf/ventricle/detail/relabel.hpp"
+#include "dynasurf/ventricle/label_borders.hpp"
 #include "dynasurf/ventricle/labels/detail/circle.hpp"
 
 namespace dynasurf::ventricle {
@@ -32,6 +34,20 @@ std::string format(const char* pattern, A... values) {
 
 constexpr double near_border = 0.9;  // of the way to it
 constexpr int room_voxels = 3;       // around a border, for its field
+
+/// What is found of a whole study before its gates are looked at, beside the options, which stay as they were asked
+/// for.
+struct StudyContext {
+  std::optional<heart::Location> heart;
+  LabelContext labels;
+};
+
+/// A study on its way to its surfaces: the gates with their borders.
+struct StudyRun {
+  Study study;
+  StudyContext context;
+  std::vector<GateRun> gates;
+};
 
 /// The edges of the caller's function, which may have left the image's grid.
 image::EdgeMap own_edges(const Image& image, const OwnStages& own) {
@@ -51,13 +67,14 @@ Labels own_labels(const Image& image, const image::EdgeMap& edges, const OwnStag
 }
 
 void find_labels(GateRun& run, const Image& image, const SliceRange& useful, const std::optional<Mask>& region,
-                 const Options& options, const OwnStages& own, StageClock& clock) {
+                 const StudyContext& context, const Options& options, const OwnStages& own, StageClock& clock) {
   run.edges =
       clock("edges", [&] { return own.edges ? own_edges(image, own) : image::detect_edges(image, options.edges); });
   clear_outside(run.edges.edges, useful);
   if (region) clear_outside(run.edges.edges, *region);
   run.labels = clock("labels", [&] {
-    return own.labels ? own_labels(image, run.edges, own) : label_borders(image, run.edges, options.labels);
+    return own.labels ? own_labels(image, run.edges, own)
+                      : label_borders(image, run.edges, options.labels, context.labels);
   });
   run.base_slice = run.base_plane
                        ? slice_above(image.grid, *run.base_plane, run.labels.circle.radius_px * image.grid.spacing[0])
@@ -207,36 +224,28 @@ Options without_label(Options options) {
 constexpr std::array<std::string_view, 2> useful_slices_names{"heart", "score"};
 constexpr std::array<std::string_view, 3> pipeline_names{"surface", "contour", "direct"};
 
-/// A study on its way to its surfaces: the gates with their borders.
-struct StudyRun {
-  Options options;  // with the coarse circle that was found
-  Study study;
-  std::optional<Location> heart;
-  std::vector<GateRun> gates;
-};
-
 /// What is bright in a study: a wall, where one was clearly seen, else what the labels of the mean say. One answer for
 /// all gates: the cavity of a small heart at end-systole may look filled.
-ImageContrast detect_contrast(const Study& study, const std::optional<Location>& heart, const Options& options) {
+ImageContrast detect_contrast(const Study& study, const std::optional<heart::Location>& heart, const Options& options) {
   if (options.labels.bright != ImageContrast::automatic) return options.labels.bright;
   if (heart && heart->is_clear()) return ImageContrast::wall;
   Notes notes;
-  const Image mean = image::normalise(mean_image(study.gates), notes);
+  const Image mean = image::normalise(heart::mean_image(study.gates), notes);
   return label_borders(mean, image::detect_edges(mean, options.edges), options.labels).bright;
 }
 
 /// The heart in the mean of the gates. Where its two ends look alike, as those of a tube without an apex, the order of
 /// the slices decides if the file tells it.
-std::optional<Location> locate_upright(const Study& study, const LocateHints& hints) {
+std::optional<heart::Location> locate_upright(const Study& study, const heart::LocateHints& hints) {
   constexpr double alike = 0.95;
-  const Image mean = mean_image(study.gates);
-  std::optional<Location> heart = locate(mean, hints);
+  const Image mean = heart::mean_image(study.gates);
+  std::optional<heart::Location> heart = heart::locate(mean, hints);
   if (!heart || hints.axis || heart->other_end < alike || study.slice_order == SliceOrder::unknown) return heart;
   const Vec3 to_base = (study.slice_order == SliceOrder::apex_to_base ? 1 : -1) * study.grid().direction.col(2);
   if (heart->cup.axis.dot(to_base) > -0.7) return heart;
-  LocateHints told = hints;
+  heart::LocateHints told = hints;
   told.axis = -heart->cup.axis;
-  return locate(mean, told);
+  return heart::locate(mean, told);
 }
 
 void note_own_stages(const OwnStages& own, Notes& notes) {
@@ -245,22 +254,25 @@ void note_own_stages(const OwnStages& own, Notes& notes) {
     notes.push_back({Severity::info, "stage.replaced", "the borders were told apart by " + own.labels_name});
 }
 
-StudyRun run_borders(const Study& whole, const Options& requested, const Progress& progress, const Image* mask,
-                     const OwnStages& own, StageClock& clock) {
+StudyRun run_borders(const Study& whole, const Options& requested, const Progress& progress, const Additions& own,
+                     StageClock& clock) {
   StudyRun run;
-  Options& options = run.options = requested;
+  Options options = requested;
   check_options(options, "");
   require_workable(whole);
   std::optional<Study> confined;
-  if (mask != nullptr) confined = confine(whole, region_on(*mask, whole.grid()));
+  if (own.mask != nullptr) confined = confine(whole, region_on(*own.mask, whole.grid()));
   const Study& original = confined ? *confined : whole;
-  const LocateHints hints = hints_of(options.manual);
-  run.heart = clock("locate", [&] { return locate_upright(original, hints); });
-  if (hints.axis) options.orientation.method = OrientationMethod::data;  // slices square to what a person says
-  options.labels.bright = clock("locate", [&] { return detect_contrast(original, run.heart, options); });
-  if (options.labels.bright == ImageContrast::cavity) run.heart.reset();  // it is looked for by its wall
-  const std::optional<Study> cut = run.heart ? cut_hot_objects(original, *run.heart) : std::nullopt;
-  run.study = canonical_study(orient(cut ? *cut : original, run.heart, options.orientation));
+  const heart::LocateHints hints = hints_of(options.manual);
+  std::optional<heart::Location>& heart = run.context.heart;
+  LabelContext& labels = run.context.labels;
+  heart = clock("locate", [&] { return locate_upright(original, hints); });
+  labels.bright = clock("locate", [&] { return detect_contrast(original, heart, options); });
+  if (labels.bright == ImageContrast::cavity) heart.reset();  // it is looked for by its wall
+  const std::optional<Study> cut = heart ? cut_hot_objects(original, *heart) : std::nullopt;
+  Orientation orientation = options.orientation;
+  if (hints.axis) orientation.method = OrientationMethod::data;  // slices square to what a person says
+  run.study = canonical_study(orient(cut ? *cut : original, heart, orientation));
   require_inside(options.manual, original, run.study);
   if (options.prepare.from_least) image::stretch_to_range(run.study.gates, run.study.notes);
   for (Image& image : run.study.gates) {
@@ -268,31 +280,31 @@ StudyRun run_borders(const Study& whole, const Options& requested, const Progres
     image = image::prepare(std::move(image), options.prepare);
   }
 
-  note_own_stages(own, run.study.notes);
+  note_own_stages(own.stages, run.study.notes);
   run.gates.resize(run.study.gates.size());
-  options.labels.coarse = circle_around(run.study, run.heart, options.manual, options.labels.coarse);
-  if (!options.labels.division.expected_slice)
-    options.labels.division.expected_slice = expected_cavity_end(run.study, run.heart);
-  std::vector<std::optional<BasePlane>> planes(run.gates.size());
+  const CoarseCircle around = circle_around(run.study, heart, options.manual, options.labels.coarse);
+  labels.roi = coarse_circle(run.study.grid(), around);
+  labels.expected_slice = expected_cavity_end(run.study, heart);
+  std::vector<std::optional<heart::BasePlane>> planes(run.gates.size());
   if (options.closure.valve_plane)
-    planes = clock("valve plane", [&] { return valve_planes(run.study, run.heart, options.manual, run.study.notes); });
+    planes = clock("valve plane", [&] { return valve_planes(run.study, heart, options.manual, run.study.notes); });
   const SliceRange useful = options.useful_slices == UsefulSlices::score
-                                ? scored_slices(run.study, options.edges, options.labels.coarse, options.manual)
-                                : useful_slices(run.study, run.heart, planes, options.manual);
+                                ? scored_slices(run.study, options.edges, around, options.manual)
+                                : useful_slices(run.study, heart, planes, options.manual);
   std::optional<Mask> region;
-  if (mask != nullptr) region = region_on(*mask, run.study.grid());
+  if (own.mask != nullptr) region = region_on(*own.mask, run.study.grid());
 
   StageCounter borders_found(progress, "borders", static_cast<int>(run.gates.size()));
   parallel_for(run.gates.size(), 1, [&](std::size_t g, std::size_t) {
     progress.check();
     run.gates[g].base_plane = planes[g];
-    find_labels(run.gates[g], run.study.gates[g], useful, region, options, own, clock);
+    find_labels(run.gates[g], run.study.gates[g], useful, region, run.context, options, own.stages, clock);
     borders_found.advance();
   });
   if (const Mlc* mlc = std::get_if<Mlc>(&options.labels.method); mlc == nullptr || !mlc->strict_thesis) {
-    std::vector<Labels*> labels;
-    for (GateRun& gate : run.gates) labels.push_back(&gate.labels);
-    share_division_slice(labels);
+    std::vector<Labels*> gates;
+    for (GateRun& gate : run.gates) gates.push_back(&gate.labels);
+    share_division_slice(gates);
   }
   help_strays(run.gates);
   parallel_for(run.gates.size(), 1,
@@ -320,17 +332,15 @@ void finish_gates(std::vector<GateRun>& runs, Result& result) {
 std::span<const std::string_view> names_of(Pipeline) { return pipeline_names; }
 std::span<const std::string_view> names_of(UsefulSlices) { return useful_slices_names; }
 
-BorderResult find_borders(const Study& study, const Options& options, const Progress& progress, const Image* mask,
-                          const OwnStages& own) {
-  if (options.label > 0)
-    return find_borders(only_label(study, options.label), without_label(options), progress, mask, own);
+BorderResult find_borders(const Study& study, const Options& options, const Progress& progress, const Additions& own) {
+  if (options.label > 0) return find_borders(only_label(study, options.label), without_label(options), progress, own);
   BorderResult result;
   StageClock clock(result.seconds);
-  StudyRun run = run_borders(study, options, progress, mask, own, clock);
+  StudyRun run = run_borders(study, options, progress, own, clock);
   result.notes = run.study.notes;
   result.study = std::move(run.study);
-  result.heart = std::move(run.heart);
-  result.coarse = coarse_circle(result.study.grid(), run.options.labels.coarse);
+  result.heart = std::move(run.context.heart);
+  result.coarse = *run.context.labels.roi;
   for (std::size_t g = 0; g < run.gates.size(); ++g) {
     GateRun& gate = run.gates[g];
     for (const Notes* notes : {&gate.edges.notes, &gate.labels.notes, &gate.notes})
@@ -340,29 +350,28 @@ BorderResult find_borders(const Study& study, const Options& options, const Prog
   return result;
 }
 
-Result reconstruct(const Study& original, const Options& requested, const Progress& progress,
-                   const IntermediateSink& keep, const TriMesh* start, const Image* mask, const OwnStages& own) {
+Result reconstruct(const Study& original, const Options& requested, const Progress& progress, const Additions& own) {
   if (requested.label > 0)
-    return reconstruct(only_label(original, requested.label), without_label(requested), progress, keep, start, mask,
-                       own);
-  if (requested.placement.shape == mesh::StartShape::file && start == nullptr)
+    return reconstruct(only_label(original, requested.label), without_label(requested), progress, own);
+  if (requested.placement.shape == mesh::StartShape::file && own.start == nullptr)
     throw OptionError("option placement.shape is file; expected a mesh to start from, none was given");
   Result result;
   StageClock clock(result.seconds);
-  StudyRun run = run_borders(original, requested, progress, mask, own, clock);
-  run.options.evolution.histories = run.options.evolution.histories || keep;
+  StudyRun run = run_borders(original, requested, progress, own, clock);
+  Options options = requested;
+  options.evolution.histories = options.evolution.histories || own.keep;
   result.study = std::move(run.study);
-  result.heart = std::move(run.heart);
+  result.heart = std::move(run.context.heart);
 
-  find_surfaces(run.gates, result.study, run.options, start, progress, clock);
-  measure_surfaces(run.gates, result.study, run.options, clock);
-  if (keep) hand_over_stages(keep, run.gates, result.study, run.options.evolution);
+  find_surfaces(run.gates, result.study, options, own.start, progress, clock);
+  measure_surfaces(run.gates, result.study, options, clock);
+  if (own.keep) hand_over_stages(own.keep, run.gates, result.study, options.evolution);
   finish_gates(run.gates, result);
   measure_cycle(result);
-  read_otherwise(original, run.options.fit, progress, clock, result);
+  read_otherwise(original, options.fit, progress, clock, result);
   choose_leading(result);
   note_correspondence(result);
-  result.measures = clock("measures", [&] { return measure_study(result, run.options.measures); });
+  result.measures = clock("measures", [&] { return measure_study(result, options.measures); });
   result.flags = assess(result);
   result.verdict = verdict_of(result.flags);
   return result;

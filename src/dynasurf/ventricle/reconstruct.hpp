@@ -7,7 +7,7 @@
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/field/vector_field.hpp"
 #include "dynasurf/image/edges.hpp"
-#include "dynasurf/ventricle/contour_pipeline.hpp"
+#include "dynasurf/ventricle/detail/contour_pipeline.hpp"
 #include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
@@ -45,14 +45,21 @@ struct OwnStages {
   std::string edges_name = "a function of the caller", labels_name = "a function of the caller";
 };
 
+/// What a caller adds to a run of his own.
+struct Additions {
+  IntermediateSink keep = {};
+  /// The mesh of placement.shape file. Outlives the run, as the mask does.
+  const TriMesh* start = nullptr;
+  /// Placed in the world like the study: nothing outside its voxels above 0 is considered (`confine`).
+  const Image* mask = nullptr;
+  OwnStages stages = {};
+};
+
 /// The whole way from a study to surfaces and numbers. Hard data never throw: the verdict and the notes say it.
 /// Throws InputError for a study it cannot work on (fewer than 3 slices, NaN, a long-axis or transaxial view in which
 /// no ventricle is found), OptionError, Cancelled. The same bytes for any number of threads.
-/// `start` is the mesh of placement.shape file. With a `mask`, placed in the world like the study, nothing outside its
-/// voxels above 0 is considered (`confine`).
 Result reconstruct(const Study& study, const Options& options, const Progress& progress = {},
-                   const IntermediateSink& keep = {}, const TriMesh* start = nullptr, const Image* mask = nullptr,
-                   const OwnStages& own = {});
+                   const Additions& own = {});
 
 /// What one gate has before its surfaces.
 struct GateBorders {
@@ -63,9 +70,9 @@ struct GateBorders {
 
 /// What `find_borders` found in all gates.
 struct BorderResult {
-  Study study;                    // canonical: slices apex first, values normalised and prepared
-  std::optional<Location> heart;  // world frame
-  Circle coarse;                  // that the edges were looked for in
+  Study study;                           // canonical: slices apex first, values normalised and prepared
+  std::optional<heart::Location> heart;  // world frame
+  Circle coarse;                         // that the edges were looked for in
   std::vector<GateBorders> gates;
   Notes notes;
   std::vector<std::pair<std::string, double>> seconds;  // per stage, in order, summed over gates
@@ -73,6 +80,6 @@ struct BorderResult {
 
 /// The first half of `reconstruct`: from a study to labelled edges. Throws as it does.
 BorderResult find_borders(const Study& study, const Options& options, const Progress& progress = {},
-                          const Image* mask = nullptr, const OwnStages& own = {});
+                          const Additions& own = {});
 
 }  // namespace dynasurf::ventricle

@@ -5,7 +5,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
-#include "dynasurf/ventricle/detail/smooth_cycle.hpp"
+#include "dynasurf/heart/detail/smooth_cycle.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
@@ -48,7 +48,7 @@ std::vector<std::optional<double>> strays_mm(std::span<const GateLabels> gates) 
     // Few waves, so that they do not bend towards a gate that strays.
     std::vector<std::optional<double>> radii;
     for (const GateLabels& gate : gates) radii.push_back(mean_radius_mm(*gate.labels, wall, gate.base_slice));
-    const SmoothCycle smooth = smooth_over_cycle(radii, most_stray_mm, gates.size() >= 12 ? 2 : 1);
+    const heart::SmoothCycle smooth = heart::smooth_over_cycle(radii, most_stray_mm, gates.size() >= 12 ? 2 : 1);
     for (std::size_t g = 0; g < gates.size(); ++g) {
       if (!radii[g]) strays[g] = std::nullopt;
       if (strays[g]) strays[g] = std::max(*strays[g], std::abs(*radii[g] - smooth.values[g]));

@@ -5,16 +5,16 @@
 #include <vector>
 
 #include "dynasurf/core/study.hpp"
-#include "dynasurf/ventricle/base_plane.hpp"
-#include "dynasurf/ventricle/estimate.hpp"
-#include "dynasurf/ventricle/fit/blur_fit.hpp"
-#include "dynasurf/ventricle/fit/gaussian_profile.hpp"
+#include "dynasurf/heart/base_plane.hpp"
+#include "dynasurf/heart/detail/estimate.hpp"
+#include "dynasurf/heart/locate.hpp"
+#include "dynasurf/heart/lv_volumes.hpp"
+#include "dynasurf/psf_fit/blur_fit.hpp"
+#include "dynasurf/psf_fit/gaussian_profile.hpp"
+#include "dynasurf/ventricle/detail/surface.hpp"
+#include "dynasurf/ventricle/detail/verdict.hpp"
 #include "dynasurf/ventricle/labels.hpp"
-#include "dynasurf/ventricle/locate.hpp"
-#include "dynasurf/ventricle/lv_volumes.hpp"
 #include "dynasurf/ventricle/measures/measures.hpp"
-#include "dynasurf/ventricle/quality.hpp"
-#include "dynasurf/ventricle/surface.hpp"
 
 namespace dynasurf::ventricle {
 
@@ -26,39 +26,39 @@ std::span<const std::string_view> names_of(ReadingKind);
 /// What one way of reading says of the beat. Numbers are absent where the study is not gated or a surface is missing.
 struct Reading {
   ReadingKind kind = ReadingKind::edge;
-  std::optional<Estimate> edv_ml, esv_ml, sv_ml, ef_percent;
-  std::optional<Estimate> wall_ml;      // mean of the gates
-  std::optional<int> ed_gate, es_gate;  // 0-based
+  std::optional<heart::Estimate> edv_ml, esv_ml, sv_ml, ef_percent;
+  std::optional<heart::Estimate> wall_ml;  // mean of the gates
+  std::optional<int> ed_gate, es_gate;     // 0-based
 };
 
 /// All readings of a study. The edge's is always there, its numbers may be absent.
 struct Readings {
-  std::optional<FittedBeat> psf_corrected;
+  std::optional<psf_fit::FittedBeat> psf_corrected;
   Reading edge;
-  std::optional<GaussianProfile> gaussian_profile;
+  std::optional<psf_fit::GaussianProfile> gaussian_profile;
 };
 /// A fitted beat, or a profile, as one of the readings.
-Reading reading_of(const FittedBeat& beat);
-Reading reading_of(const GaussianProfile& profile);
+Reading reading_of(const psf_fit::FittedBeat& beat);
+Reading reading_of(const psf_fit::GaussianProfile& profile);
 
 /// A surface of the reading that leads. World frame, mm.
 struct LeadingSurface {
   TriMesh mesh;
-  Estimate volume_ml;
+  heart::Estimate volume_ml;
 };
 
 /// The surfaces of a gate in the reading that leads; absent where the border was not found.
 struct LeadingSurfaces {
   std::optional<LeadingSurface> endo, epi;
-  std::optional<BasePlane> base_plane;  // world frame: the surfaces end there
+  std::optional<heart::BasePlane> base_plane;  // world frame: the surfaces end there
   const std::optional<LeadingSurface>& of(Border wall) const { return wall == Border::endo ? endo : epi; }
 };
 
 /// The surfaces that were deformed onto the edges of a gate.
 struct EdgeSurfaces {
   std::optional<Surface> endo, epi;
-  std::optional<BasePlane> base_plane;  // world frame; absent when it was not found
-  std::optional<double> wall_ml;        // epi - endo
+  std::optional<heart::BasePlane> base_plane;  // world frame; absent when it was not found
+  std::optional<double> wall_ml;               // epi - endo
   const std::optional<Surface>& of(Border wall) const { return wall == Border::endo ? endo : epi; }
 };
 
@@ -75,14 +75,14 @@ struct Gate {
 
 /// What `reconstruct` made of a study.
 struct Result {
-  Study study;                    // canonical: slices apex first, values normalised
-  std::optional<Location> heart;  // where the ventricle was found in the volume, world frame
+  Study study;                           // canonical: slices apex first, values normalised
+  std::optional<heart::Location> heart;  // where the ventricle was found in the volume, world frame
   std::vector<Gate> gates;
   Reading leading;  // the answer: the PSF-corrected reading where there is one, else the edge's
   Readings readings;
-  std::optional<CurvePhases> phases;     // of the leading curve of the cavity's volume
-  std::optional<double> wall_variation;  // coefficient of variation of the edges' wall over the cycle
-  std::optional<Measures> measures;      // of the leading surfaces; absent when no gate has one
+  std::optional<heart::CurvePhases> phases;  // of the leading curve of the cavity's volume
+  std::optional<double> wall_variation;      // coefficient of variation of the edges' wall over the cycle
+  std::optional<Measures> measures;          // of the leading surfaces; absent when no gate has one
   Verdict verdict = Verdict::fail;
   std::vector<QualityFlag> flags;
   Notes notes;

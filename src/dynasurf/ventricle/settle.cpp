@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/settle.hpp"
+#include "dynasurf/ventricle/detail/settle.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "dynasurf/core/detail/statistics.hpp"
-#include "dynasurf/image/resample.hpp"
+#include "dynasurf/image/intensity.hpp"
 #include "dynasurf/mesh/detail/ray_bvh.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 

@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/surface.hpp"
+#include "dynasurf/ventricle/detail/surface.hpp"
 
 #include <algorithm>
 #include <array>
@@ -41,7 +41,8 @@ void measure_distances(const TriMesh& mesh, const Image& border, Surface& s) {
 }  // namespace
 
 Surface measure_surface(const dynamics::EvolutionResult& evolved, const Image& border,
-                        const std::optional<BasePlane>& base_plane, const mesh::Tidy& options, const TriMesh* settled) {
+                        const std::optional<heart::BasePlane>& base_plane, const mesh::Tidy& options,
+                        const TriMesh* settled) {
   Surface s;
   s.stop_reason = evolved.reason;
   s.steps = evolved.steps;
@@ -53,7 +54,7 @@ Surface measure_surface(const dynamics::EvolutionResult& evolved, const Image& b
   mesh::MoveReport before_cut;
   if (base_plane) {
     before_cut = mesh::tidy(mesh, options);
-    mesh = flatten_above(std::move(mesh), to_grid(border.grid, *base_plane));
+    mesh = heart::flatten_above(std::move(mesh), to_grid(border.grid, *base_plane));
   }
   // Repaired and certified as it is published: rounding on the way to the world may make triangles meet.
   s.mesh = to_world(border.grid, std::move(mesh));

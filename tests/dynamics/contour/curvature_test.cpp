@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "dynasurf/dynamics/contour/discrete.hpp"
+#include "dynasurf/dynamics/contour/contours.hpp"
 
 namespace dynasurf::dynamics {
 namespace {

@@ -1,5 +1,3 @@
-#include "dynasurf/dynamics/contour/discrete.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/dynamics/contour/potential.hpp"
+#include "dynasurf/dynamics/contour/contours.hpp"
 
 namespace dynasurf::dynamics {
 namespace {

@@ -1,5 +1,3 @@
-#include "dynasurf/dynamics/contour/net.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/dynamics/contour/contours.hpp"
 
 namespace dynasurf::dynamics {
 namespace {

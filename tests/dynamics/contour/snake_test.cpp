@@ -1,5 +1,3 @@
-#include "dynasurf/dynamics/contour/snake.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -7,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/dynamics/contour/potential.hpp"
+#include "dynasurf/dynamics/contour/contours.hpp"
 #include "dynasurf/field/gvf.hpp"
 
 namespace dynasurf::dynamics {

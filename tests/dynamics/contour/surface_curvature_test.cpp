@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/dynamics/evolve.hpp"
-#include "dynasurf/dynamics/solvers/detail/particle_solver.hpp"
+#include "dynasurf/dynamics/solvers/solver.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
 namespace dynasurf::dynamics {
@@ -85,7 +85,7 @@ TEST(SurfaceCurvatureForce, DecaysABumpInARunOfEvolve) {
   how.end.max_steps = 300;
   Additions own;
   const auto bump = [&](const TriMesh& mesh) { return (mesh.vertices[100] - centre).norm() - 10; };
-  const auto end = [&] { return evolve(start, field::VectorField(grid), Image(grid), how, {}, nullptr, own).mesh; };
+  const auto end = [&] { return evolve(start, field::VectorField(grid), Image(grid), how, {}, own).mesh; };
   EXPECT_NEAR(bump(end()), 0.3, 1e-12);  // nothing else moves it
   own.forces.push_back(surface_curvature_force(start, 1));
   EXPECT_LT(std::abs(bump(end())), 0.1);

@@ -1,7 +1,7 @@
 #pragma once
 #include "dynasurf/core/point_cloud.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
-#include "dynasurf/mesh/textured_mesh.hpp"
+#include "dynasurf/mesh/detail/textured_mesh.hpp"
 
 namespace dynasurf::cloud {
 

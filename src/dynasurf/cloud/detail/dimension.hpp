@@ -1,7 +1,7 @@
 #pragma once
 #include <span>
 
-#include "dynasurf/core/geometry.hpp"
+#include "dynasurf/core/grid.hpp"
 
 namespace dynasurf::cloud {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "dynasurf/core/geometry.hpp"
+#include "dynasurf/core/grid.hpp"
 
 namespace dynasurf::cloud {
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "dynasurf/core/geometry.hpp"
+#include "dynasurf/core/grid.hpp"
 
 namespace dynasurf {
 

@@ -1,11 +1,9 @@
-#include "dynasurf/dynamics/contour/discrete.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/dynamics/contour/potential.hpp"
+#include "dynasurf/dynamics/contour/contours.hpp"
 
 namespace dynasurf::dynamics {
 namespace {

@@ -1,11 +1,10 @@
-#include "dynasurf/dynamics/contour/potential.hpp"
-
 #include <array>
 #include <cmath>
 #include <string>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/dynamics/contour/contours.hpp"
 #include "dynasurf/field/detail/gradient.hpp"
 
 namespace dynasurf::dynamics {

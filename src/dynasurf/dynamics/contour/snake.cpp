@@ -1,5 +1,3 @@
-#include "dynasurf/dynamics/contour/snake.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +6,7 @@
 #include <Eigen/LU>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/dynamics/contour/potential.hpp"
+#include "dynasurf/dynamics/contour/contours.hpp"
 
 namespace dynasurf::dynamics {
 namespace {

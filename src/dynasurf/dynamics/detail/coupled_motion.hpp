@@ -1,6 +1,6 @@
 #pragma once
 #include "dynasurf/core/tri_mesh.hpp"
-#include "dynasurf/dynamics/solvers/detail/particle_solver.hpp"
+#include "dynasurf/dynamics/solvers/solver.hpp"
 
 namespace dynasurf::dynamics {
 

@@ -6,7 +6,7 @@
 
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/volume.hpp"
-#include "dynasurf/field/field_view.hpp"
+#include "dynasurf/field/detail/field_view.hpp"
 
 namespace dynasurf::dynamics {
 
@@ -26,14 +26,17 @@ Image drag_near_border(const Image& border, double drag, double ratio = 10, doub
 struct UniformDrag {
   static constexpr std::string_view name = "uniform";
 };
+/// It is higher where the image is bright (a).
 struct IntensityDrag {
   static constexpr std::string_view name = "intensity";
   double ratio = 10;
 };
+/// It is higher where the field is strong (b).
 struct FieldDrag {
   static constexpr std::string_view name = "field";
   double ratio = 10;
 };
+/// It is higher near border voxels (c).
 struct BorderDrag {
   static constexpr std::string_view name = "border";
   double ratio = 10;
@@ -51,6 +54,7 @@ void describe(auto& visit, BorderDrag& o) {
   visit("ratio", o.ratio, OptionInfo{"drag added on the border, in units of the drag", "", 0, 1e6});
   visit("reach_voxels", o.reach_voxels, OptionInfo{"distance in which it falls to 1/e", "voxels", 0.01, 1000});
 }
+/// One of the four.
 using DampingOptions = std::variant<UniformDrag, IntensityDrag, FieldDrag, BorderDrag>;
 
 /// The image on the field's grid, for IntensityDrag: made only where it is asked for.

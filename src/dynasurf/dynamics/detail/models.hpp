@@ -7,7 +7,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/dynamics/particles.hpp"
 #include "dynasurf/dynamics/solvers/detail/solver_options.hpp"
-#include "dynasurf/field/field_view.hpp"
+#include "dynasurf/field/detail/field_view.hpp"
 
 namespace dynasurf::dynamics {
 
@@ -88,6 +88,7 @@ void describe(auto& visit, CurvatureModel& o) {
                    "N mm", 0, 1e9});
 }
 
+/// One of the models.
 using ModelOptions = std::variant<FreeModel, SpringModel, RestrictedSpringModel, PlainModel, CurvatureModel>;
 
 /// `asked`, or what suits the model: RK4 for the free one, backward Euler for the others, which are stiff wherever

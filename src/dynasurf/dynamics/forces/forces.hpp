@@ -2,7 +2,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/core/volume.hpp"
 #include "dynasurf/dynamics/particles.hpp"
-#include "dynasurf/field/field_view.hpp"
+#include "dynasurf/field/detail/field_view.hpp"
 
 namespace dynasurf::dynamics {
 

@@ -1,5 +1,3 @@
-#include "dynasurf/dynamics/solvers/detail/particle_solver.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +5,7 @@
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/dynamics/solvers/detail/conjugate_gradients.hpp"
+#include "dynasurf/dynamics/solvers/solver.hpp"
 
 namespace dynasurf::dynamics {
 namespace {

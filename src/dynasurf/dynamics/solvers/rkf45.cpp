@@ -1,6 +1,7 @@
 #include <array>
 
 #include "dynasurf/dynamics/solvers/detail/error_control.hpp"
+#include "dynasurf/dynamics/solvers/solver.hpp"
 
 namespace dynasurf::dynamics {
 namespace {

@@ -1,5 +1,6 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/dynamics/solvers/detail/error_control.hpp"
+#include "dynasurf/dynamics/solvers/solver.hpp"
 
 namespace dynasurf::dynamics {
 namespace {

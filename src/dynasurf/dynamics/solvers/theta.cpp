@@ -1,6 +1,6 @@
-#include "dynasurf/dynamics/solvers/detail/theta.hpp"
-
 #include <vector>
+
+#include "dynasurf/dynamics/solvers/solver.hpp"
 
 namespace dynasurf::dynamics {
 

@@ -5,8 +5,8 @@
 #include <atomic>
 #include <thread>
 
+#include "dynasurf/core/detail/simd.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/field/detail/simd.hpp"
 
 namespace dynasurf::field::multigrid {
 

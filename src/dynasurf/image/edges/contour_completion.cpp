@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "dynasurf/core/detail/elementary.hpp"
-#include "dynasurf/image/components.hpp"
+#include "dynasurf/image/detail/components.hpp"
 #include "dynasurf/image/detail/ridges.hpp"
 #include "dynasurf/image/edges/detail/contour_prior.hpp"
 

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "dynasurf/io/detail/output_state.hpp"
+
 namespace dynasurf::io {
 
 namespace staging {
@@ -94,9 +96,7 @@ class OutputFolder {
 /// ends without unwinding. Waits for a publication in progress; after it nothing can be published any more (Cancelled).
 void discard_unpublished() noexcept;
 
-/// How far the outputs of this process have come: none was begun, none is in its place yet, or at least one is. What is
-/// written inside an unpublished OutputFolder counts when that folder is published.
-enum class OutputState { none, begun, published };
+/// That of this process.
 OutputState state_of_outputs() noexcept;
 
 }  // namespace dynasurf::io

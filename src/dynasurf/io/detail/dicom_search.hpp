@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "dynasurf/io/study_search.hpp"
+#include "dynasurf/io/study_io.hpp"
 
 namespace dynasurf::io {
 

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/manifest.hpp"
+#include "dynasurf/io/detail/output_state.hpp"
 
 /// Where results are written before they are published: files and folders named `.NAME.partial-` and 16 hex digits
 /// beside their destination. Whoever writes one holds a lock (flock) on it, on the manifest of a folder, which the

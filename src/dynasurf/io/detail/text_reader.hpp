@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
 
 namespace dynasurf::io::detail {
 

@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "dynasurf/io/mesh_formats.hpp"
+#include "dynasurf/io/detail/mesh_formats.hpp"
 
 namespace dynasurf::io::detail {
 

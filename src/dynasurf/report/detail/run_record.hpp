@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "dynasurf/io/mesh_io.hpp"
-#include "dynasurf/report/cloud_report.hpp"
 #include "dynasurf/report/detail/label_volumes.hpp"
 #include "dynasurf/report/provenance.hpp"
+#include "dynasurf/report/report.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
 namespace dynasurf::report {

@@ -3,7 +3,7 @@
 
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/core/volume.hpp"
-#include "dynasurf/io/png.hpp"
+#include "dynasurf/io/detail/png.hpp"
 
 namespace dynasurf::report {
 

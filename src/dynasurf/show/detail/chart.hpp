@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "dynasurf/show/canvas.hpp"
+#include "dynasurf/show/detail/canvas.hpp"
 
 namespace dynasurf::show {
 

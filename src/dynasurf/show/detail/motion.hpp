@@ -5,7 +5,7 @@
 #include "dynasurf/dynamics/evolve.hpp"
 #include "dynasurf/field/vector_field.hpp"
 #include "dynasurf/show/detail/inputs.hpp"
-#include "dynasurf/show/pictures.hpp"
+#include "dynasurf/show/detail/pictures.hpp"
 
 namespace dynasurf::show {
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "dynasurf/io/png.hpp"
+#include "dynasurf/io/detail/png.hpp"
 
 namespace dynasurf::show {
 

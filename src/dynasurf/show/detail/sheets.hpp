@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "dynasurf/show/canvas.hpp"
+#include "dynasurf/show/detail/canvas.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 namespace dynasurf::show {

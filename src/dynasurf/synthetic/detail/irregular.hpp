@@ -1,5 +1,5 @@
 #pragma once
-#include "dynasurf/core/geometry.hpp"
+#include "dynasurf/core/grid.hpp"
 #include "dynasurf/core/volume.hpp"
 #include "dynasurf/synthetic/options.hpp"
 #include "dynasurf/synthetic/ventricle_shape.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-#include "dynasurf/core/geometry.hpp"
+#include "dynasurf/core/grid.hpp"
 
 // Bodies like those whose scans the thesis used (PH-CLOUDS, thesis 6.2.3), as levels: about the distance to the
 // surface, positive inside, in the box [-1.3, 1.3]^3. The thesis's own scans were not published; these have their genus

@@ -2,7 +2,7 @@
 #include <span>
 #include <vector>
 
-#include "dynasurf/core/projections.hpp"
+#include "dynasurf/core/study.hpp"
 #include "dynasurf/core/volume.hpp"
 
 // One view of a camera with parallel holes as a linear operator and its adjoint. Internal.

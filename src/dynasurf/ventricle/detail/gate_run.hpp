@@ -51,7 +51,7 @@ struct GateRun {
   image::EdgeMap edges;
   Labels labels;
   int base_slice = -1;
-  std::optional<BasePlane> base_plane;
+  std::optional<heart::BasePlane> base_plane;
   WallRun endo, epi;
   Notes notes;
   WallRun& wall(Border w) { return w == Border::endo ? endo : epi; }

@@ -2,7 +2,7 @@
 #include <span>
 
 #include "dynasurf/core/volume.hpp"
-#include "dynasurf/ventricle/lv_shell.hpp"
+#include "dynasurf/heart/detail/lv_shell.hpp"
 
 namespace dynasurf::ventricle {
 
@@ -32,10 +32,10 @@ QualityMetrics quality_metrics(const Result& result);
 
 /// Share of the directions in which the image, beyond the wall of the cup, gets as bright as the wall without having
 /// fallen much in between. Grid frame.
-double hot_neighbour_share(const Image& image, const LvShell& cup);
+double hot_neighbour_share(const Image& image, const heart::LvShell& cup);
 
 /// How much a point of the wall differs from its own smooth course over the beat, relative to the wall's brightness.
 /// 0 for fewer than 8 gates.
-double noise_of_wall(std::span<const Image> gates, const LvShell& cup);
+double noise_of_wall(std::span<const Image> gates, const heart::LvShell& cup);
 
 }  // namespace dynasurf::ventricle

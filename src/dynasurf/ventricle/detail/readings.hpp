@@ -9,7 +9,7 @@ void measure_cycle(Result& result);
 
 /// Readings beside the edge's, `gaussian_profile` and, where `options` ask for it, `psf_corrected`, with their notes.
 /// Both need both surfaces in all gates; implausible ones are left out, with a note. `original`: the study as stored.
-void read_otherwise(const Study& original, const BlurFit& options, const Progress& progress, StageClock& clock,
+void read_otherwise(const Study& original, const psf_fit::BlurFit& options, const Progress& progress, StageClock& clock,
                     Result& result);
 
 /// Sets the reading that leads, its surfaces and its phases.

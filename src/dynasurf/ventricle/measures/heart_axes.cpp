@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/measures/heart_axes.hpp"
+#include "dynasurf/ventricle/measures/detail/heart_axes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -70,7 +70,7 @@ WallRay HeartAxes::ray(const PolarPoint& at, double radius_mm) const {
 }
 
 std::optional<HeartAxes> axes_of(const TriMesh& endo, const TriMesh& epi, const Vec3& on_axis, const Vec3& axis,
-                                 const Vec3& anterior, const std::optional<BasePlane>& plane) {
+                                 const Vec3& anterior, const std::optional<heart::BasePlane>& plane) {
   const auto inner = mesh::RayBvh(endo).first_hit(on_axis, -axis), outer = mesh::RayBvh(epi).first_hit(on_axis, -axis);
   if (!inner || !outer) return std::nullopt;
   HeartAxes axes;

@@ -5,8 +5,8 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/heart/lv_volumes.hpp"
 #include "dynasurf/mesh/measures.hpp"
-#include "dynasurf/ventricle/lv_volumes.hpp"
 #include "dynasurf/ventricle/measures/detail/reference.hpp"
 
 namespace dynasurf::ventricle {
@@ -143,7 +143,7 @@ Curves segment_curves(const Measures& m, const Curves& curves) {
 }
 
 void measure_beat(Measures& m, const std::vector<double>& cavity, int waves) {
-  const std::optional<LvVolumes> f = lv_volumes(cavity);
+  const std::optional<heart::LvVolumes> f = heart::lv_volumes(cavity);
   if (!f) return;
   m.ed_gate = f->ed_gate, m.es_gate = f->es_gate;
   m.function = fit_volume_curve(cavity, waves);

@@ -7,12 +7,12 @@
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/volume.hpp"
-#include "dynasurf/mesh/surface_motion.hpp"
-#include "dynasurf/ventricle/measures/phase.hpp"
-#include "dynasurf/ventricle/measures/segments.hpp"
-#include "dynasurf/ventricle/measures/volume_curve.hpp"
-#include "dynasurf/ventricle/measures/wall_map.hpp"
-#include "dynasurf/ventricle/measures/wall_thickness.hpp"
+#include "dynasurf/mesh/motion.hpp"
+#include "dynasurf/ventricle/measures/detail/phase.hpp"
+#include "dynasurf/ventricle/measures/detail/segments.hpp"
+#include "dynasurf/ventricle/measures/detail/volume_curve.hpp"
+#include "dynasurf/ventricle/measures/detail/wall_map.hpp"
+#include "dynasurf/ventricle/measures/detail/wall_thickness.hpp"
 
 namespace dynasurf::ventricle {
 
@@ -39,7 +39,7 @@ inline constexpr double muscle_density = 1.05;
 struct WallGate {
   WallSide endo, epi;  // without a mesh: not found in this gate
   const Image* image = nullptr;
-  std::optional<BasePlane> base_plane;
+  std::optional<heart::BasePlane> base_plane;
 };
 /// What the numbers of a beat are taken from.
 struct MeasureInput {

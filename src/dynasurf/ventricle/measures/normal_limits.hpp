@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "dynasurf/ventricle/measures/wall_map.hpp"
+#include "dynasurf/ventricle/measures/detail/wall_map.hpp"
 
 namespace dynasurf::ventricle {
 

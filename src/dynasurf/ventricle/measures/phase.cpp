@@ -1,10 +1,10 @@
-#include "dynasurf/ventricle/measures/phase.hpp"
+#include "dynasurf/ventricle/measures/detail/phase.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
-#include "dynasurf/ventricle/measures/volume_curve.hpp"
+#include "dynasurf/ventricle/measures/detail/volume_curve.hpp"
 
 namespace dynasurf::ventricle {
 namespace {

@@ -29,7 +29,7 @@ MatrixXd segment_weights(const Measures& m, const PolarValues& values) {
 /// Numbers of the beat as they depend on the walls of its gates.
 class Wall {
  public:
-  Wall(const Measures& m, const WallPosterior& posterior) : m_(m), posterior_(posterior) {}
+  Wall(const Measures& m, const psf_fit::WallPosterior& posterior) : m_(m), posterior_(posterior) {}
 
   const WallMap& map(int gate) const { return m_.gates[static_cast<std::size_t>(gate)].map; }
   MatrixXd nothing(Index numbers) const { return posterior_.no_gradient(numbers); }
@@ -63,7 +63,7 @@ class Wall {
 
  private:
   const Measures& m_;
-  const WallPosterior& posterior_;
+  const psf_fit::WallPosterior& posterior_;
 };
 
 /// What the normal matrix does not know: walls and cameras that differ from the model. Its deviations times the factor,
@@ -211,7 +211,7 @@ void onset_errors(Measures& m, const Wall& wall, const Onset& onset) {
 
 }  // namespace
 
-void add_error_bars(Measures& m, const WallPosterior& posterior) {
+void add_error_bars(Measures& m, const psf_fit::WallPosterior& posterior) {
   if (m.segments.empty()) return;
   if (std::any_of(m.gates.begin(), m.gates.end(), [](const GateMeasures& g) { return !g.axes; })) return;
   const Wall wall(m, posterior);

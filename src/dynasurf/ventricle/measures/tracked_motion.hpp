@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "dynasurf/core/tracked_points.hpp"
+#include "dynasurf/core/point_cloud.hpp"
 
 namespace dynasurf::ventricle {
 

@@ -1,4 +1,4 @@
-#include "dynasurf/ventricle/measures/volume_curve.hpp"
+#include "dynasurf/ventricle/measures/detail/volume_curve.hpp"
 
 #include <algorithm>
 #include <cmath>

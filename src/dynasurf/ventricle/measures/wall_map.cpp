@@ -1,11 +1,11 @@
-#include "dynasurf/ventricle/measures/wall_map.hpp"
+#include "dynasurf/ventricle/measures/detail/wall_map.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/image/resample.hpp"
+#include "dynasurf/image/intensity.hpp"
 #include "dynasurf/mesh/detail/ray_bvh.hpp"
 
 namespace dynasurf::ventricle {

@@ -2,7 +2,7 @@
 #include <optional>
 
 #include "dynasurf/mesh/tetrahedra.hpp"
-#include "dynasurf/ventricle/measures/heart_axes.hpp"
+#include "dynasurf/ventricle/measures/detail/heart_axes.hpp"
 
 namespace dynasurf::ventricle {
 

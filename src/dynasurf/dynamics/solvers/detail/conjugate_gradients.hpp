@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "dynasurf/core/geometry.hpp"
+#include "dynasurf/core/grid.hpp"
 
 namespace dynasurf::dynamics {
 

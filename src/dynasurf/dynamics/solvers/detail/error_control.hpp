@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "dynasurf/core/detail/elementary.hpp"
-#include "dynasurf/dynamics/solvers/solver.hpp"
+#include "dynasurf/dynamics/solvers/detail/adaptive_step.hpp"
 
 // What the solvers that control their error share.
 namespace dynasurf::dynamics::error_control {

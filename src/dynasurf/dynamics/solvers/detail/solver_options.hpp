@@ -12,9 +12,11 @@ namespace dynasurf::dynamics {
 struct Euler {
   static constexpr std::string_view name = "euler";
 };
+/// Two slopes a step, the second in its middle: second order.
 struct Midpoint {
   static constexpr std::string_view name = "midpoint";
 };
+/// Four slopes a step: fourth order.
 struct Rk4 {
   static constexpr std::string_view name = "rk4";
 };
@@ -53,11 +55,12 @@ void describe(auto& visit, Rkf45& o) {
                    "mm", 1e-12, 1e9});
 }
 
-/// Linearised backward Euler with conjugate gradients (ODE-BEULER, thesis 4.4, eqs 4.37-4.46). `exact` keeps the second
-/// derivatives of the conditions as long as the system stays positive definite, and does without them when not.
+/// `exact` keeps the second derivatives of the conditions as long as the system stays positive definite, and does
+/// without them when not.
 enum class Stiffening { definite, exact };
 std::span<const std::string_view> names_of(Stiffening);
 
+/// Linearised backward Euler with conjugate gradients (ODE-BEULER, thesis 4.4, eqs 4.37-4.46).
 struct BackwardEuler {
   static constexpr std::string_view name = "backward_euler";
   double tolerance = 1e-6;
@@ -80,6 +83,7 @@ struct AutomaticSolver {
 };
 void describe(auto&, AutomaticSolver&) {}
 
+/// One of the solvers.
 using SolverOptions = std::variant<Euler, Midpoint, Rk4, StepDoubling, Rkf45, BackwardEuler, AutomaticSolver>;
 
 /// The largest stable step of a solver for the drag alone: 2 m/k_d for Euler and midpoint, 2.785 m/k_d for RK4, with

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "dynasurf/core/detail/simd.hpp"
 #include "dynasurf/field/band.hpp"
-#include "dynasurf/field/detail/simd.hpp"
 
 namespace dynasurf::field::band {
 

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "dynasurf/core/detail/lanes.hpp"
+#include "dynasurf/core/detail/simd.hpp"
 #include "dynasurf/core/grid.hpp"
 #include "dynasurf/core/volume.hpp"
-#include "dynasurf/field/detail/lanes.hpp"
-#include "dynasurf/field/detail/simd.hpp"
 
 namespace dynasurf::field::multigrid {
 

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "dynasurf/image/components.hpp"
+#include "dynasurf/image/detail/components.hpp"
 #include "dynasurf/image/edges.hpp"
 
 namespace dynasurf::image {

@@ -2,7 +2,7 @@
 #include <optional>
 #include <vector>
 
-#include "dynasurf/image/components.hpp"
+#include "dynasurf/image/detail/components.hpp"
 #include "dynasurf/ventricle/labels.hpp"
 
 namespace dynasurf::ventricle {

@@ -8,10 +8,11 @@ namespace dynasurf::ventricle {
 struct LabelScene {
   const Image& image;
   const Labelling& options;
-  Circle coarse;      // nothing is looked at outside
-  Axis axis;          // of the ventricle
-  Circle circle;      // automatic
-  SliceEdges inside;  // the edges inside the automatic circle
+  Circle coarse;                         // nothing is looked at outside
+  Axis axis;                             // of the ventricle
+  Circle circle;                         // automatic
+  SliceEdges inside;                     // the edges inside the automatic circle
+  std::optional<double> expected_slice;  // of the cavity's end, by the shape of the whole heart
 };
 
 /// Labels' bits per voxel. May set the division slice and add notes.

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "dynasurf/field/vector_field.hpp"
-#include "dynasurf/image/components.hpp"
+#include "dynasurf/image/detail/components.hpp"
 #include "dynasurf/ventricle/labels.hpp"
 
 // Reading a field row by row and column by column, as the thesis's first labellers do.

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "dynasurf/ventricle/measures/wall_map.hpp"
+#include "dynasurf/ventricle/measures/detail/wall_map.hpp"
 
 namespace dynasurf::ventricle {
 

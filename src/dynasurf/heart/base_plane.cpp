@@ -1,0 +1,230 @@
+#include "dynasurf/heart/base_plane.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Dense>
+
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
+#include "dynasurf/heart/detail/smooth_cycle.hpp"
+#include "dynasurf/image/intensity.hpp"
+
+namespace dynasurf::heart {
+namespace {
+
+constexpr int meridians = 32;
+constexpr double step_mm = 1.5;
+
+std::vector<double> first_of(std::vector<double> values, std::size_t count) {
+  values.resize(std::min(count, values.size()));
+  return values;
+}
+
+/// Distance of the wall's middle from the axis. Over the widest place walls run on more steeply than an ellipsoid.
+double wall_radius(const LvShell& cup, double z) {
+  const double t = z / cup.half_length_mm;
+  const double r = cup.radius_mm * std::sqrt(std::max(0.0, 1 - t * t));
+  return z > 0 ? std::max(r, 0.7 * cup.radius_mm) : r;
+}
+
+/// How bright the wall is along one meridian, from `low` upwards, as far as the volume goes.
+struct Meridian {
+  Vec3 out;
+  double low = 0;
+  std::vector<double> brightness;
+  bool is_cut = false;  // the volume ends before the way does
+};
+
+Meridian walk(const Image& image, const LvShell& cup, const Vec3& out, double low, double high) {
+  Meridian m{out, low, {}, false};
+  constexpr double reach_mm = 7;
+  for (double z = low; z <= high; z += step_mm) {
+    const double r = wall_radius(cup, z);
+    const Index3 v = voxel_of(image.grid, cup.centre + z * cup.axis + r * out);
+    if (!image.grid.contains(v[0], v[1], v[2]) && z > 0) {
+      m.is_cut = true;
+      break;
+    }
+    double brightest = 0;
+    for (double s = -reach_mm; s <= reach_mm; s += 1.75)
+      brightest =
+          std::max(brightest, image::sample_linear(image, cup.centre + z * cup.axis + std::max(0.0, r + s) * out));
+    m.brightness.push_back(brightest);
+  }
+  return m;
+}
+
+/// What surrounds the heart: a low quantile, so that its neighbours do not count.
+double surroundings(const Image& image, const LvShell& cup, const ShellBasis& a) {
+  std::vector<double> values;
+  for (int d = 0; d < meridians; ++d) {
+    const double angle = 2 * std::numbers::pi * d / meridians;
+    const Vec3 out = own::cos(angle) * a.u + own::sin(angle) * a.v;
+    for (const double z : {-0.3, 0.0, 0.3})
+      values.push_back(
+          image::sample_linear(image, cup.centre + z * cup.half_length_mm * cup.axis + (cup.radius_mm + 24) * out));
+  }
+  return quantile(values, 0.25);
+}
+
+/// Height over the cup's centre at which the wall ends on a meridian.
+std::optional<double> end_of_wall(const Meridian& m, double from, double background, double typical,
+                                  double level_share) {
+  const auto first = static_cast<std::size_t>(std::max(0.0, (from - m.low) / step_mm));
+  if (first + 2 >= m.brightness.size()) return std::nullopt;
+  const double plateau = quantile(first_of(m.brightness, first + 1), 0.7);
+  if (plateau - background < 0.5 * (typical - background)) return std::nullopt;
+  const double level = background + level_share * (plateau - background);
+  if (m.brightness[first] < level) return std::nullopt;
+  for (std::size_t n = first + 1; n < m.brightness.size(); ++n)
+    if (m.brightness[n] < level) {
+      const double share = (m.brightness[n - 1] - level) / (m.brightness[n - 1] - m.brightness[n]);
+      return m.low + (static_cast<double>(n - 1) + share) * step_mm;
+    }
+  return std::nullopt;
+}
+
+struct End {
+  double x, y, z;  // along u, v and the axis, mm
+};
+
+/// z = p[0] + p[1] x + p[2] y.
+Eigen::Vector3d fit_plane(const std::vector<End>& ends) {
+  constexpr double noise_mm = 3, usual_tilt = 0.12, cut_mm = 8;
+  std::vector<double> heights;
+  for (const End& e : ends) heights.push_back(e.z);
+  Eigen::Vector3d p(quantile(heights, 0.5), 0, 0);
+  for (int round = 0; round < 10; ++round) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const End& e : ends) {
+      const Eigen::Vector3d row(1, e.x, e.y);
+      const double x = (e.z - row.dot(p)) / cut_mm;
+      if (std::abs(x) >= 1) continue;
+      const double w = (1 - x * x) * (1 - x * x) / (noise_mm * noise_mm);
+      normal += w * row * row.transpose();
+      right += w * e.z * row;
+    }
+    normal(1, 1) += 1 / (usual_tilt * usual_tilt), normal(2, 2) += 1 / (usual_tilt * usual_tilt);
+    normal(0, 0) += 1e-9, right[0] += 1e-9 * p[0];
+    p = normal.ldlt().solve(right);
+  }
+  return p;
+}
+
+}  // namespace
+
+BasePlane to_world(const Grid& grid, BasePlane plane) {
+  plane.point = to_world(grid, plane.point);
+  plane.normal = grid.direction * plane.normal;
+  return plane;
+}
+
+BasePlane to_grid(const Grid& grid, BasePlane plane) {
+  plane.point = to_grid(grid, plane.point);
+  plane.normal = grid.direction.transpose() * plane.normal;
+  return plane;
+}
+
+namespace {
+
+/// The wall along all meridians, and what a usual one and the surroundings are like.
+struct Walls {
+  ShellBasis across;
+  std::vector<Meridian> all;
+  double typical = 0, background = 0;
+};
+
+Walls walk_all(const Image& image, const LvShell& cup) {
+  Walls walls{across(cup.axis), {}};
+  const ShellBasis& a = walls.across;
+  const double low = -0.6 * cup.half_length_mm, high = 1.3 * cup.half_length_mm + 15;
+  std::vector<double> middle;
+  for (int d = 0; d < meridians; ++d) {
+    const double angle = 2 * std::numbers::pi * d / meridians;
+    walls.all.push_back(walk(image, cup, own::cos(angle) * a.u + own::sin(angle) * a.v, low, high));
+    const auto& brightness = walls.all.back().brightness;
+    middle.push_back(quantile(first_of(brightness, static_cast<std::size_t>(-low / step_mm) + 1), 0.7));
+  }
+  walls.typical = quantile(middle, 0.6);
+  walls.background = std::min(surroundings(image, cup, a), 0.5 * walls.typical);
+  return walls;
+}
+
+}  // namespace
+
+double wall_over_surroundings(const Image& image, const LvShell& cup) {
+  const Walls walls = walk_all(image, cup);
+  return walls.typical - walls.background;
+}
+
+std::optional<BasePlane> find_base_plane(const Image& image, const LvShell& cup, double level_share) {
+  constexpr double least_seen = 1.0 / 3;
+  const Walls walls = walk_all(image, cup);
+  const ShellBasis& a = walls.across;
+  std::vector<End> ends;
+  int cut = 0;
+  for (const Meridian& m : walls.all) {
+    if (const auto z = end_of_wall(m, 0, walls.background, walls.typical, level_share)) {
+      const double r = wall_radius(cup, *z);
+      ends.push_back({r * m.out.dot(a.u), r * m.out.dot(a.v), *z});
+    } else {
+      cut += m.is_cut;
+    }
+  }
+  const double seen = static_cast<double>(ends.size()) / meridians;
+  if (seen < least_seen) return std::nullopt;
+
+  const Eigen::Vector3d p = fit_plane(ends);
+  BasePlane plane;
+  plane.point = cup.centre + p[0] * cup.axis;
+  plane.normal = (cup.axis - p[1] * a.u - p[2] * a.v).normalized();
+  plane.seen = seen;
+  plane.cut = static_cast<double>(cut) / meridians;
+  std::vector<double> away;
+  for (const End& e : ends) away.push_back(std::abs(e.z - p[0] - p[1] * e.x - p[2] * e.y));
+  plane.spread_mm = quantile(away, 0.5);
+  return plane;
+}
+
+std::optional<PlaneCycle> smooth_over_cycle(std::span<const std::optional<BasePlane>> planes, const Vec3& axis) {
+  const auto found = static_cast<std::size_t>(
+      std::count_if(planes.begin(), planes.end(), [](const auto& p) { return p.has_value(); }));
+  if (found == 0 || 2 * found < planes.size()) return std::nullopt;
+
+  const auto first = std::find_if(planes.begin(), planes.end(), [](const auto& p) { return p.has_value(); });
+  const Vec3 origin = (*first)->point;
+  const ShellBasis a = across(axis);
+  std::vector<std::optional<double>> heights;
+  std::vector<double> lean_u, lean_v;
+  for (const auto& p : planes) {
+    heights.push_back(p ? std::optional((p->point - origin).dot(axis)) : std::nullopt);
+    if (!p) continue;
+    lean_u.push_back(p->normal.dot(a.u) / p->normal.dot(axis));
+    lean_v.push_back(p->normal.dot(a.v) / p->normal.dot(axis));
+  }
+  constexpr double cut_mm = 7;
+  const SmoothCycle smooth = smooth_over_cycle(heights, cut_mm);
+  PlaneCycle cycle;
+  cycle.outlier = smooth.outlier;
+  const Vec3 normal = (axis + quantile(lean_u, 0.5) * a.u + quantile(lean_v, 0.5) * a.v).normalized();
+  for (std::size_t g = 0; g < planes.size(); ++g) {
+    BasePlane plane = planes[g].value_or(BasePlane{});
+    plane.point = origin + smooth.values[g] * axis;
+    plane.normal = normal;
+    cycle.planes.push_back(plane);
+  }
+  return cycle;
+}
+
+TriMesh flatten_above(TriMesh mesh, const BasePlane& plane) {
+  for (Vec3& p : mesh.vertices) {
+    const double height = plane.height(p);
+    if (height > 0) p -= height * plane.normal;
+  }
+  return mesh;
+}
+
+}  // namespace dynasurf::heart

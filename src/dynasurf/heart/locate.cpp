@@ -1,0 +1,402 @@
+#include "dynasurf/heart/locate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/heart/base_plane.hpp"
+#include "dynasurf/image/intensity.hpp"
+
+namespace dynasurf::heart {
+namespace {
+
+constexpr double coarse_mm = 7;    // voxels of the search
+constexpr double smooth_mm = 3.5;  // standard deviation of the smoothing before it
+constexpr double apart_mm = 22;    // two places nearer than this are one
+constexpr std::size_t most_places = 10;
+constexpr std::array<double, 5> radii_mm{17, 22, 28, 36, 46};
+
+/// The 26 directions of a cube's corners, edges and faces.
+std::vector<Vec3> cube_directions() {
+  std::vector<Vec3> all;
+  for (int k = -1; k <= 1; ++k)
+    for (int j = -1; j <= 1; ++j)
+      for (int i = -1; i <= 1; ++i)
+        if (i != 0 || j != 0 || k != 0) all.push_back(Vec3(i, j, k).normalized());
+  return all;
+}
+
+/// The image on cubic voxels, in the world's axes of its own grid.
+Image coarsened(const Image& image) {
+  const Grid& from = image.grid;
+  Grid grid = from;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto axis = static_cast<Eigen::Index>(a);
+    const double length = from.spacing[axis] * (from.dims[a] - 1);
+    grid.dims[a] = std::max(2, static_cast<int>(std::ceil(length / coarse_mm)) + 1);
+    grid.spacing[axis] = coarse_mm;
+  }
+  const Image smooth = image::smooth_gaussian(image, smooth_mm);
+  Image result(grid);
+  parallel_for(static_cast<std::size_t>(grid.dims[2]), 1, [&](std::size_t begin, std::size_t end) {
+    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
+      for (int j = 0; j < grid.dims[1]; ++j)
+        for (int i = 0; i < grid.dims[0]; ++i)
+          result(i, j, k) = static_cast<float>(image::sample_linear(smooth, centre_of(grid, {i, j, k})));
+  });
+  return result;
+}
+
+/// A place that looks like the middle of a hollow shell.
+struct Place {
+  Vec3 centre{0, 0, 0};
+  double radius_mm = 0, worth = 0;
+};
+
+/// Offsets of the points of a shell and beside it, in voxels of the coarse image.
+struct Shell {
+  double radius_mm;
+  std::array<std::array<Index3, 3>, 26> offsets;  // inside, wall, outside per direction
+};
+
+Shell make_shell(double radius, const std::vector<Vec3>& directions) {
+  Shell shell{radius, {}};
+  const std::array<double, 3> at{std::max(0.0, radius - 14), radius, radius + 14};
+  for (std::size_t d = 0; d < directions.size(); ++d)
+    for (std::size_t s = 0; s < 3; ++s)
+      for (std::size_t a = 0; a < 3; ++a)
+        shell.offsets[d][s][a] =
+            static_cast<int>(std::lround(at[s] * directions[d][static_cast<Eigen::Index>(a)] / coarse_mm));
+  return shell;
+}
+
+/// Contrast of the shell in its middling directions: the best ones may be a hot neighbour, the worst ones are the open
+/// base and defects.
+double worth_of(const Image& image, const Shell& shell, int i, int j, int k) {
+  std::array<double, 26> contrast{};
+  for (std::size_t d = 0; d < contrast.size(); ++d) {
+    std::array<double, 3> v{};
+    for (std::size_t s = 0; s < 3; ++s) {
+      const Index3& o = shell.offsets[d][s];
+      v[s] = image.clamped(i + o[0], j + o[1], k + o[2]);
+    }
+    contrast[d] = v[1] - 0.75 * std::max(v[0], v[2]) - 0.25 * std::min(v[0], v[2]);
+  }
+  std::sort(contrast.begin(), contrast.end());
+  double sum = 0;
+  for (std::size_t d = 9; d < 22; ++d) sum += contrast[d];
+  return sum / 13;
+}
+
+std::vector<Place> find_places(const Image& image, const std::vector<Vec3>& directions) {
+  std::vector<Shell> shells;
+  for (double r : radii_mm) shells.push_back(make_shell(r, directions));
+  const Grid& g = image.grid;
+  std::vector<Place> all(g.size());
+  parallel_for(static_cast<std::size_t>(g.dims[2]), 1, [&](std::size_t begin, std::size_t end) {
+    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
+      for (int j = 0; j < g.dims[1]; ++j)
+        for (int i = 0; i < g.dims[0]; ++i) {
+          Place& best = all[g.index(i, j, k)];
+          best.centre = centre_of(g, {i, j, k});
+          for (const Shell& shell : shells) {
+            const double worth = worth_of(image, shell, i, j, k);
+            if (worth > best.worth) best.worth = worth, best.radius_mm = shell.radius_mm;
+          }
+        }
+  });
+  std::erase_if(all, [](const Place& p) { return p.worth <= 0; });
+  std::stable_sort(all.begin(), all.end(), [](const Place& a, const Place& b) { return a.worth > b.worth; });
+  std::vector<Place> chosen;
+  for (const Place& p : all) {
+    const bool is_new = std::all_of(chosen.begin(), chosen.end(),
+                                    [&](const Place& c) { return (c.centre - p.centre).norm() >= apart_mm; });
+    if (is_new) chosen.push_back(p);
+    if (chosen.size() == most_places) break;
+  }
+  return chosen;
+}
+
+struct Candidate {
+  LvShell cup;
+  double worth = 0;
+};
+
+LvShell usual_cup(const Vec3& centre, const Vec3& axis, double radius) {
+  return {centre, axis, radius, 1.35 * radius, 0.6 * radius};
+}
+
+/// How much a cup in the image is worth against others: its contrast, and not its brightness alone, since liver and
+/// bladder are often the brightest things around.
+double worth_of(const CupScore& s, double typical) { return s.contrast / (s.brightness + 0.25 * typical); }
+
+Candidate best_cup(const Image& image, const Place& place, const std::vector<Vec3>& directions, double typical) {
+  std::vector<Candidate> tries;
+  for (const Vec3& axis : directions)
+    for (double size : {0.8, 1.0, 1.2})
+      for (double along : {-0.3, 0.0, 0.3}) {
+        const LvShell cup = usual_cup(place.centre + along * place.radius_mm * axis, axis, size * place.radius_mm);
+        tries.push_back({cup, score(image, cup).contrast});
+      }
+  std::stable_sort(tries.begin(), tries.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.worth > b.worth; });
+  Candidate best;
+  std::vector<Vec3> climbed;
+  for (const Candidate& t : tries) {
+    if (std::any_of(climbed.begin(), climbed.end(), [&](const Vec3& a) { return a.dot(t.cup.axis) > 0.7; })) continue;
+    climbed.push_back(t.cup.axis);
+    const LvShell cup = local_search(image, t.cup, 6);
+    const double worth = worth_of(score(image, cup), typical);
+    if (worth > best.worth) best = {cup, worth};
+    if (climbed.size() == 4) break;
+  }
+  return best;
+}
+
+double bright_level(const Image& image) { return quantile(image.values, 0.995); }
+
+/// The cup grown about its apex.
+LvShell grown(LvShell cup, double by) {
+  const Vec3 apex = cup.apex();
+  cup.radius_mm *= by, cup.half_length_mm *= by, cup.base_mm *= by;
+  cup.centre = apex + cup.half_length_mm * cup.axis;
+  return cup;
+}
+
+/// The cup fitted to the ridge of the wall, up to where the wall ends. A wall that goes on where the cup has closed
+/// shows that the cup lies in the apical part of a wider one: with `may_grow` it is made wider then.
+LvShell refined(const Image& image, LvShell cup, bool may_grow) {
+  constexpr double usual_base = 0.55, highest_base = 0.75, most_growth = 1.3;
+  constexpr std::array<double, 7> reaches_mm{12, 12, 12, 12, 10, 8, 8};
+  for (std::size_t round = 0; round < reaches_mm.size(); ++round) {
+    const std::optional<LvShell> fit = fit_cup(find_ridge(image, cup, 7, 16, reaches_mm[round]), cup);
+    if (!fit) break;
+    cup = *fit;
+    const std::optional<BasePlane> base = find_base_plane(image, cup);
+    if (!base) continue;
+    const double height = (base->point - cup.centre).dot(cup.axis);
+    if (may_grow && round < 3 && height > highest_base * cup.half_length_mm)
+      cup = grown(cup, std::min(most_growth, (1 + height / cup.half_length_mm) / (1 + usual_base)));
+    cup.base_mm =
+        std::clamp((base->point - cup.centre).dot(cup.axis), 0.1 * cup.half_length_mm, 0.85 * cup.half_length_mm);
+  }
+  return cup;
+}
+
+/// The cup in the same place with its apex where the base was.
+LvShell exchanged(const LvShell& cup) {
+  LvShell other = cup;
+  other.axis = -cup.axis;
+  other.centre = cup.middle() + (cup.middle() - cup.centre);
+  return other;
+}
+
+/// Share of a dense set of directions in which the wall is a ridge near the cup.
+double share_of_ridge(const Image& image, const LvShell& cup, double brightness, std::vector<double>* away = nullptr) {
+  const std::vector<RidgePoint> ridge = find_ridge(image, cup, 6, 16, 10);
+  std::size_t seen = 0;
+  for (const RidgePoint& p : ridge) {
+    if (!(p.prominence > 0.1 * brightness)) continue;
+    ++seen;
+    if (away) away->push_back(std::abs(p.offset_mm));
+  }
+  return static_cast<double>(seen) / static_cast<double>(ridge.size());
+}
+
+/// The part of the image that every way to lay a cup has to explain.
+struct Scene {
+  const Image& image;
+  Vec3 middle;
+  double reach_mm = 0;
+  double brightest = 0;  // what is brighter counts no more: hot neighbours
+};
+
+/// Share of the variance of a scene that a cup explains: an open wall whose brightness changes slowly with the
+/// direction, a level inside and one around it. A wall that goes on beyond the supposed base is left unexplained, and
+/// so is one that is not there; a defect costs little, for the brightness may follow it.
+double explained_share(const Scene& scene, const LvShell& cup) {
+  constexpr double step_mm = 7, half_wall_mm = 7.3, rim_mm = 3;  // half_wall: deviation of a smoothed wall
+  constexpr int patterns = 9, unknowns = patterns + 2;
+  using Row = Eigen::Matrix<double, unknowns, 1>;
+  Eigen::Matrix<double, unknowns, unknowns> matrix = Eigen::Matrix<double, unknowns, unknowns>::Zero();
+  Row right = Row::Zero();
+  double sum = 0, squares = 0, count = 0;
+  const ShellBasis a = across(cup.axis);
+  const auto look = [&](const Vec3& p) {
+    const Index3 voxel = voxel_of(scene.image.grid, p);
+    if (!scene.image.grid.contains(voxel[0], voxel[1], voxel[2])) return;
+    const double value = std::min(image::sample_linear(scene.image, p), scene.brightest);
+    const Vec3 d = p - cup.centre;
+    const double height = d.dot(cup.axis), away = signed_distance(cup, p) / half_wall_mm;
+    const double below = 1 / (1 + own::exp((height - cup.base_mm) / rim_mm)), ridge = own::exp(-0.5 * away * away);
+    const Vec3 u =
+        Vec3(d.dot(a.u) / cup.radius_mm, d.dot(a.v) / cup.radius_mm, height / cup.half_length_mm).stableNormalized();
+    Row row;
+    row << 1, u[0], u[1], u[2], u[0] * u[1], u[1] * u[2], u[0] * u[2], u[0] * u[0] - u[1] * u[1], 3 * u[2] * u[2] - 1,
+        0, 0;
+    row *= ridge * below;
+    row[patterns] = 1;
+    row[patterns + 1] = away < 0 ? (1 - ridge) * below : 0;
+    matrix += row * row.transpose();
+    right += value * row;
+    sum += value, squares += value * value, ++count;
+  };
+  const int steps = static_cast<int>(scene.reach_mm / step_mm);
+  for (int k = -steps; k <= steps; ++k)
+    for (int j = -steps; j <= steps; ++j)
+      for (int i = -steps; i <= steps; ++i)
+        if (i * i + j * j + k * k <= steps * steps) look(scene.middle + step_mm * Vec3(i, j, k));
+  const double variance = squares - sum * sum / count;
+  if (!(variance > 0)) return 0;
+  matrix.diagonal().array() += 5e-5 * count;  // patterns that are out of view stay small
+  const Row level = matrix.ldlt().solve(right);
+  return std::clamp(1 - (squares - 2 * level.dot(right) + level.dot(matrix * level)) / variance, 0.0, 1.0);
+}
+
+/// How well a cup lies in the wall and explains what is around it. The wall alone would not tell: where a defect takes
+/// the apex away, what is left is a ring that is open at both ends, and a cup that leans into it is bright all over.
+double worth_of(const Scene& scene, const LvShell& cup) {
+  const CupScore s = score(scene.image, cup);
+  std::vector<double> away;
+  const double share = share_of_ridge(scene.image, cup, s.brightness, &away);
+  if (away.empty()) return 0;
+  const double spread = upper_median(away) / 5;
+  return s.contrast * share * own::exp(-spread * spread) * own::pow(explained_share(scene, cup), 4);
+}
+
+/// The best refinement of a cup. The apical half of a wide ventricle is a good cup too, so wider ones are tried: they
+/// see more ridge, nearer to an ellipsoid.
+Candidate best_refinement(const Scene& scene, const LvShell& start) {
+  constexpr std::array<double, 3> sizes{1.0, 1.25, 1.5};
+  const LvShell climbed = local_search(scene.image, start, 3);
+  std::array<Candidate, 2 * sizes.size()> tries;
+  parallel_for(tries.size(), 1, [&](std::size_t n, std::size_t) {
+    const bool may_grow = n % 2 != 0;
+    const LvShell cup = refined(scene.image, grown(climbed, sizes[n / 2]), may_grow);
+    tries[n] = {cup, worth_of(scene, cup)};
+  });
+  Candidate best{climbed, 0};
+  for (const Candidate& t : tries)
+    if (t.worth > best.worth) best = t;
+  return best;
+}
+
+/// Blur draws the ridge of a curved wall inwards, by its variance times the mean curvature: little at the sides, some
+/// millimetres at the apex. Put back for a usual camera and wall.
+LvShell without_blur(LvShell cup) {
+  constexpr double camera_mm = 12 / 2.3548, wall_mm = 10;
+  constexpr double variance = smooth_mm * smooth_mm + camera_mm * camera_mm + wall_mm * wall_mm / 12;
+  const double r = cup.radius_mm, l = cup.half_length_mm;
+  cup.radius_mm += variance * (1 / r + r / (l * l)) / 2;
+  cup.half_length_mm += variance * l / (r * r);
+  return cup;
+}
+
+/// The cup where a person says it is; hints in the frame of the cup.
+LvShell held(LvShell cup, const std::optional<Vec3>& middle, const std::optional<Vec3>& axis) {
+  const Vec3 found = cup.middle();
+  if (axis) cup.axis = *axis;
+  cup.centre += middle.value_or(found) - cup.middle();
+  return cup;
+}
+
+void describe_fit(const Image& image, Location& found) {
+  const CupScore s = score(image, found.cup);
+  found.contrast = s.relative();
+  std::vector<double> away;
+  found.ridge_share = share_of_ridge(image, found.cup, s.brightness, &away);
+  if (!away.empty()) found.spread_mm = upper_median(away);
+}
+
+std::optional<Location> look_for(const Image& mean, const LocateHints& hints) {
+  const Image coarse = coarsened(mean);
+  const double typical = bright_level(coarse);
+  if (!(typical > 0)) return std::nullopt;
+
+  std::vector<Vec3> directions = cube_directions();
+  std::vector<Place> places = find_places(coarse, directions);
+  std::optional<Vec3> middle, axis;
+  if (hints.centre_mm) {
+    middle = to_grid(mean.grid, *hints.centre_mm);
+    places.clear();
+    for (double r : radii_mm) places.push_back({*middle, r, 1});
+  }
+  if (hints.radius_mm)
+    for (Place& p : places) p.radius_mm = *hints.radius_mm;
+  if (hints.axis) {
+    axis = (mean.grid.direction.transpose() * *hints.axis).normalized();
+    directions = {*axis};
+  }
+
+  std::vector<Candidate> found(places.size());
+  parallel_for(places.size(), 1,
+               [&](std::size_t p, std::size_t) { found[p] = best_cup(coarse, places[p], directions, typical); });
+  std::erase_if(found, [](const Candidate& c) { return !(c.worth > 0); });
+  if (found.empty()) return std::nullopt;
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.worth > b.worth; });
+
+  const Image smooth = image::smooth_gaussian(mean, smooth_mm);
+  Location result;
+  const LvShell& first = found.front().cup;
+  const Scene scene{smooth, first.middle(), 2 * first.radius_mm + 25, 1.2 * typical};
+  Candidate best = best_refinement(scene, first);
+  if (!(best.worth > 0)) return std::nullopt;
+  if (!hints.axis) {
+    Candidate other = best_refinement(scene, exchanged(best.cup));
+    if (other.worth > best.worth) std::swap(best, other);
+    result.other_end = other.cup.axis.dot(best.cup.axis) < 0 ? other.worth / best.worth : 0;
+  }
+  result.cup = held(best.cup, middle, axis);
+  for (const Candidate& c : found)
+    if ((c.cup.middle() - result.cup.middle()).norm() > 2 * apart_mm) {
+      result.runner_up = c.worth / found.front().worth;
+      result.runner_up_mm = to_world(mean.grid, c.cup.middle());
+      break;
+    }
+  describe_fit(smooth, result);
+  result.cup = held(without_blur(result.cup), middle, axis);
+  result.outside = share_outside(mean.grid, result.cup);
+  result.cup = to_world(mean.grid, result.cup);
+  return result;
+}
+
+double clarity(const Location& l) { return l.contrast * l.ridge_share; }
+
+Image cut_at(Image image, float most) {
+  for (float& value : image.values) value = std::min(value, most);
+  return image;
+}
+
+}  // namespace
+
+Image mean_image(std::span<const Image> gates) {
+  Image mean(gates.front().grid);
+  for (const Image& gate : gates)
+    for (std::size_t v = 0; v < mean.values.size(); ++v)
+      mean.values[v] += gate.values[v] / static_cast<float>(gates.size());
+  return mean;
+}
+
+std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
+  std::optional<Location> best = look_for(mean, hints);
+  if (best && best->is_clear()) return best;
+  // Something hotter than the wall may draw the search to itself. How bright the wall is, is not known: the cut falls
+  // to a thirteenth of the peak, and the look that sees a wall best counts.
+  constexpr double dimmer = 0.6;
+  constexpr int looks = 5;
+  double most = *std::max_element(mean.values.begin(), mean.values.end());
+  for (int n = 0; n < looks; ++n) {
+    most *= dimmer;
+    const std::optional<Location> look = look_for(cut_at(mean, static_cast<float>(most)), hints);
+    if (look && look->is_clear() && (!best || clarity(*look) > clarity(*best))) best = look;
+  }
+  return best;
+}
+
+}  // namespace dynasurf::heart

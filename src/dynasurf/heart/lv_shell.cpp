@@ -1,0 +1,281 @@
+#include "dynasurf/heart/detail/lv_shell.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Dense>
+
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
+#include "dynasurf/image/intensity.hpp"
+
+namespace dynasurf::heart {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double least_radius_mm = 12, most_radius_mm = 60;
+constexpr double least_elongation = 1.0, usual_elongation = 1.9, most_elongation = 2.8;
+constexpr double side_mm = 14;  // beside the wall: beyond its half thickness and the blur
+
+/// Unit vector square to the axis at the angle `phi`.
+Vec3 outwards(const ShellBasis& a, double phi) { return own::cos(phi) * a.u + own::sin(phi) * a.v; }
+
+/// The height of a row of points: theta from the apex.
+struct Row {
+  double sine, cosine;
+};
+Row row_at(double theta) { return {own::sin(theta), own::cos(theta)}; }
+
+/// The point of the ellipsoid on the side of `out`.
+ShellPoint on_cup(const LvShell& cup, const Vec3& out, const Row& row) {
+  const auto [s, c] = row;
+  const Vec3 position = cup.centre + cup.radius_mm * s * out - cup.half_length_mm * c * cup.axis;
+  const Vec3 normal = (s / cup.radius_mm * out - c / cup.half_length_mm * cup.axis).normalized();
+  return {position, normal};
+}
+
+Vec3 turned(const Vec3& axis, const Vec3& towards, double angle) {
+  return (axis + own::tan(angle) * towards).normalized();
+}
+
+bool plausible(const LvShell& c) {
+  const double elongation = c.half_length_mm / c.radius_mm;
+  return c.radius_mm >= least_radius_mm && c.radius_mm <= most_radius_mm && elongation >= least_elongation &&
+         elongation <= most_elongation && c.base_mm >= 0.1 * c.half_length_mm && c.base_mm <= 0.9 * c.half_length_mm;
+}
+
+bool is_inside(const Grid& grid, const Vec3& p) {
+  const Index3 v = voxel_of(grid, p);
+  return grid.contains(v[0], v[1], v[2]);
+}
+
+/// The cup moved by small amounts: centre (3), tilt of the axis (2), radius, half length.
+LvShell moved(LvShell cup, const Eigen::Matrix<double, 7, 1>& by) {
+  const ShellBasis a = across(cup.axis);
+  cup.centre += by.head<3>();
+  cup.axis = (cup.axis + by[3] * a.u + by[4] * a.v).normalized();
+  cup.radius_mm += by[5];
+  cup.half_length_mm += by[6];
+  return cup;
+}
+
+}  // namespace
+
+ShellBasis across(const Vec3& axis) {
+  const Vec3 helper = std::abs(axis[0]) < 0.7 ? Vec3::UnitX() : Vec3::UnitY();
+  const Vec3 u = (helper - helper.dot(axis) * axis).normalized();
+  return {u, axis.cross(u)};
+}
+
+ShellPoint on_cup(const LvShell& cup, const ShellBasis& a, double theta, double phi) {
+  return on_cup(cup, outwards(a, phi), row_at(theta));
+}
+
+double base_angle(const LvShell& cup) { return own::acos(std::clamp(-cup.base_mm / cup.half_length_mm, -0.98, 0.98)); }
+
+double signed_distance(const LvShell& cup, const Vec3& p) {
+  const Vec3 d = p - cup.centre;
+  const double z = d.dot(cup.axis);
+  const double rho2 = std::max(0.0, d.squaredNorm() - z * z);
+  const double r2 = cup.radius_mm * cup.radius_mm, l2 = cup.half_length_mm * cup.half_length_mm;
+  const double level = std::sqrt(rho2 / r2 + z * z / l2);
+  const double gradient = std::sqrt(rho2 / (r2 * r2) + z * z / (l2 * l2)) / std::max(level, 1e-9);
+  return gradient > 0 ? (level - 1) / gradient : -cup.radius_mm;
+}
+
+LvShell to_world(const Grid& grid, LvShell cup) {
+  cup.centre = to_world(grid, cup.centre);
+  cup.axis = grid.direction * cup.axis;
+  return cup;
+}
+
+LvShell to_grid(const Grid& grid, LvShell cup) {
+  cup.centre = to_grid(grid, cup.centre);
+  cup.axis = grid.direction.transpose() * cup.axis;
+  return cup;
+}
+
+CupScore score(const Image& image, const LvShell& cup) {
+  constexpr int rows = 5, around = 12;
+  const ShellBasis a = across(cup.axis);
+  const double top = base_angle(cup);
+  std::array<double, rows * around + 1> wall{}, side{};
+  std::size_t n = 0;
+  std::array<Vec3, around> sides;  // the same for every row: worked out once
+  for (int d = 0; d < around; ++d) sides[static_cast<std::size_t>(d)] = outwards(a, 2 * pi * d / around);
+  const double inwards = std::min(side_mm, 0.9 * cup.radius_mm);
+  const auto look = [&](const Row& row, const Vec3& out) {
+    const ShellPoint at = on_cup(cup, out, row);
+    const double in = image::sample_linear(image, at.position - inwards * at.normal);
+    const double outside = image::sample_linear(image, at.position + side_mm * at.normal);
+    wall[n] = image::sample_linear(image, at.position);
+    side[n++] = 0.75 * std::max(in, outside) + 0.25 * std::min(in, outside);
+  };
+  look(row_at(0), sides[0]);
+  for (int r = 1; r <= rows; ++r) {
+    const Row row = row_at(top * (r - 0.25) / rows);
+    for (const Vec3& out : sides) look(row, out);
+  }
+
+  CupScore result;
+  result.brightness = upper_median(std::vector<double>(wall.begin(), wall.end()));
+  const double most = 1.15 * result.brightness;
+  double sum = 0;
+  for (std::size_t p = 0; p < n; ++p) sum += std::clamp(std::min(wall[p], most) - side[p], -0.5 * most, most);
+  result.contrast = sum / static_cast<double>(n);
+
+  // Over the base there is no wall: neither where it would go on nor in the middle.
+  double over = image::sample_linear(image, cup.base() + 8 * cup.axis);
+  const Row rim = row_at(std::min(top, 2.6));
+  for (const Vec3& out : sides) over += image::sample_linear(image, on_cup(cup, out, rim).position + 14 * cup.axis);
+  const double open = result.brightness - std::min(over / (around + 1), most);
+  result.contrast = 0.75 * result.contrast + 0.25 * open;
+  return result;
+}
+
+LvShell local_search(const Image& image, LvShell cup, double step_mm) {
+  double best = score(image, cup).contrast;
+  for (double step = step_mm; step > 0.7; step /= 2) {
+    for (int pass = 0; pass < 6; ++pass) {
+      bool rose = false;
+      const auto attempt = [&](const LvShell& candidate) {
+        if (!plausible(candidate)) return;
+        const double value = score(image, candidate).contrast;
+        if (value > best) best = value, cup = candidate, rose = true;
+      };
+      for (const double way : {step, -step}) {
+        LvShell c = cup;
+        const ShellBasis a = across(cup.axis);
+        for (const Vec3& direction : {a.u, a.v, cup.axis}) c = cup, c.centre += way * direction, attempt(c);
+        for (const Vec3& direction : {a.u, a.v}) {
+          c = cup, c.axis = turned(cup.axis, direction, way / cup.half_length_mm);
+          attempt(c);
+          // About the apex as well: the base swings, the apex stays.
+          c.centre = cup.apex() + cup.half_length_mm * c.axis;
+          attempt(c);
+        }
+        c = cup, c.radius_mm += way, attempt(c);
+        c = cup, c.half_length_mm += way, attempt(c);
+        c = cup, c.radius_mm += way, c.half_length_mm += way, attempt(c);
+        c = cup, c.base_mm += way, attempt(c);
+      }
+      if (!rose) break;
+    }
+  }
+  return cup;
+}
+
+double share_outside(const Grid& grid, const LvShell& cup) {
+  constexpr int rows = 8, around = 24;
+  constexpr double half_wall_mm = 5;
+  const ShellBasis a = across(cup.axis);
+  const double top = base_angle(cup);
+  int outside = 0;
+  for (int r = 0; r < rows; ++r)
+    for (int d = 0; d < around; ++d) {
+      const ShellPoint at = on_cup(cup, a, top * (r + 0.5) / rows, 2 * pi * d / around);
+      outside += !is_inside(grid, at.position + half_wall_mm * at.normal);
+    }
+  return static_cast<double>(outside) / (rows * around);
+}
+
+std::vector<RidgePoint> find_ridge(const Image& image, const LvShell& cup, int rows, int around, double reach_mm) {
+  constexpr double step_mm = 1;
+  const int steps = static_cast<int>(std::floor(std::min(reach_mm, 0.95 * cup.radius_mm) / step_mm));
+  const ShellBasis a = across(cup.axis);
+  const double top = base_angle(cup);
+  std::vector<RidgePoint> ridge;
+  std::vector<double> profile(static_cast<std::size_t>(2 * steps + 1));
+  const auto look = [&](double theta, double phi) {
+    const ShellPoint at = on_cup(cup, outwards(a, phi), row_at(theta));
+    for (int s = -steps; s <= steps; ++s)
+      profile[static_cast<std::size_t>(s + steps)] = image::sample_linear(image, at.position + s * step_mm * at.normal);
+    int best = -1;
+    double worth = 0;
+    for (int s = 1; s < 2 * steps; ++s) {
+      const auto n = static_cast<std::size_t>(s);
+      if (!(profile[n] >= profile[n - 1] && profile[n] > profile[n + 1])) continue;
+      const double away = (s - steps) * step_mm / reach_mm;
+      const double value = profile[n] * own::exp(-away * away);
+      if (best < 0 || value > worth) best = s, worth = value;
+    }
+    RidgePoint point{at.position, profile[static_cast<std::size_t>(steps)], 0, 0};
+    if (best > 0) {
+      const auto n = static_cast<std::size_t>(best);
+      const double bend = profile[n - 1] - 2 * profile[n] + profile[n + 1];
+      const double shift = bend < 0 ? 0.5 * (profile[n - 1] - profile[n + 1]) / bend : 0;
+      point.offset_mm = (best - steps + std::clamp(shift, -0.5, 0.5)) * step_mm;
+      point.position = at.position + point.offset_mm * at.normal;
+      point.brightness = profile[n];
+      const auto low = [&](std::size_t from, std::size_t to) {
+        return *std::min_element(profile.begin() + static_cast<std::ptrdiff_t>(from),
+                                 profile.begin() + static_cast<std::ptrdiff_t>(to) + 1);
+      };
+      // Beyond its edge a volume repeats its last voxels; what is seen there is no wall.
+      if (is_inside(image.grid, point.position))
+        point.prominence = point.brightness - std::max(low(0, n), low(n, profile.size() - 1));
+    }
+    ridge.push_back(point);
+  };
+  look(0, 0);
+  for (int r = 1; r <= rows; ++r)
+    for (int d = 0; d < around; ++d) look(top * r / rows, 2 * pi * (d + 0.5 * (r % 2)) / around);
+  return ridge;
+}
+
+std::optional<LvShell> fit_cup(const std::vector<RidgePoint>& ridge, const LvShell& start) {
+  constexpr int rounds = 12;
+  constexpr std::size_t least_points = 12;
+  std::vector<const RidgePoint*> seen;
+  double brightest = 0;
+  for (const RidgePoint& p : ridge)
+    if (p.prominence > 0) seen.push_back(&p), brightest = std::max(brightest, p.prominence);
+  if (seen.size() < least_points) return std::nullopt;
+
+  LvShell cup = start;
+  for (int round = 0; round < rounds; ++round) {
+    const double cut = std::max(5.0, 14.0 - 2.0 * round);
+    Eigen::Matrix<double, 7, 7> normal = Eigen::Matrix<double, 7, 7>::Zero();
+    Eigen::Matrix<double, 7, 1> right = Eigen::Matrix<double, 7, 1>::Zero();
+    // The elongation is held near that of the usual heart: a wide open base alone would not tell.
+    const double pull = 0.01 * static_cast<double>(seen.size());
+    const auto small = [](int n) { return n == 3 || n == 4 ? 1e-4 : 1e-3; };
+    std::array<LvShell, 7> beside;
+    for (int n = 0; n < 7; ++n) {
+      Eigen::Matrix<double, 7, 1> by = Eigen::Matrix<double, 7, 1>::Zero();
+      by[n] = small(n);
+      beside[static_cast<std::size_t>(n)] = moved(cup, by);
+    }
+    for (const RidgePoint* p : seen) {
+      const double distance = signed_distance(cup, p->position);
+      const double x = distance / cut;
+      if (std::abs(x) >= 1) continue;
+      const double w = (1 - x * x) * (1 - x * x) * std::min(1.0, p->prominence / (0.4 * brightest));
+      Eigen::Matrix<double, 7, 1> slope;
+      for (int n = 0; n < 7; ++n)
+        slope[n] = (signed_distance(beside[static_cast<std::size_t>(n)], p->position) - distance) / small(n);
+      normal += w * slope * slope.transpose();
+      right -= w * distance * slope;
+    }
+    const double stretched = cup.half_length_mm - usual_elongation * cup.radius_mm;
+    normal(6, 6) += pull, right[6] -= pull * stretched;
+    normal.diagonal().array() += 1e-6 * (1 + normal.trace());
+    const Eigen::Matrix<double, 7, 1> by = normal.ldlt().solve(right);
+    if (!by.allFinite()) return std::nullopt;
+    Eigen::Matrix<double, 7, 1> limited = by;
+    limited.head<3>() *= std::min(1.0, 5 / std::max(1e-9, by.head<3>().norm()));
+    limited.segment<2>(3) *= std::min(1.0, 0.15 / std::max(1e-9, by.segment<2>(3).norm()));
+    limited.tail<2>() = by.tail<2>().cwiseMax(-4).cwiseMin(4);
+    const Vec3 base = cup.base();
+    cup = moved(cup, limited);
+    cup.radius_mm = std::clamp(cup.radius_mm, least_radius_mm, most_radius_mm);
+    cup.half_length_mm =
+        std::clamp(cup.half_length_mm, least_elongation * cup.radius_mm, most_elongation * cup.radius_mm);
+    cup.base_mm = std::clamp((base - cup.centre).dot(cup.axis), 0.1 * cup.half_length_mm, 0.9 * cup.half_length_mm);
+  }
+  return cup;
+}
+
+}  // namespace dynasurf::heart

@@ -1,0 +1,36 @@
+#pragma once
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "dynasurf/psf_fit/detail/activity.hpp"
+
+namespace dynasurf::psf_fit {
+
+/// What is believed of the wall's thickness in one gate: the mean of its log over directions below the base.
+struct ThicknessPrior {
+  Eigen::MatrixXd harmonics;  // one row per direction; none: nothing is believed
+  Eigen::VectorXd mm_per_q;   // along each direction
+  int gate = 0;
+  double mean_mm = 10, log_sd = 0.2;
+};
+
+/// A beat to be explained: pixels of all gates, and the model that explains them.
+struct BeatProblem {
+  Pixels pixels;
+  std::vector<std::vector<float>> values;  // [gate][pixel], healthy muscle near 1
+  std::vector<float> weight;               // [pixel] relative precision, 0: not looked at
+  double noise = 1;                        // variance of a pixel of weight 1, times the pixels that share their noise
+  std::vector<std::vector<float>> blobs;   // [blob][pixel] neighbours of amplitude 1, as the camera sees them
+  HeartCells cells;
+  BeatLayout layout;
+  double sigma_mm = 0;  // of the point spread when its unknown is 0
+  double filtered = 0;  // share of its variance that comes from a filter on the voxels
+  ThicknessPrior thickness;
+  double wall_relative_sd = 0.01;  // relative, by which the muscle's volume may vary over the beat
+};
+
+/// Standard deviations of the point spread along the grid's axes, mm.
+Vec3 point_spread(const BeatProblem& problem, const Eigen::VectorXd& gate);
+
+}  // namespace dynasurf::psf_fit

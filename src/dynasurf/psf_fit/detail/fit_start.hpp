@@ -1,0 +1,22 @@
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/heart/base_plane.hpp"
+#include "dynasurf/heart/detail/lv_shell.hpp"
+
+namespace dynasurf::psf_fit {
+
+/// What a fit begins with: both surfaces of every gate, where the ventricle ends, and its long axis. World frame.
+/// With a `cup`, the middle of the wall as it was located, walls of even thickness around it take the place of the
+/// surfaces: an edge that a defect or a neighbour led astray leads no fit astray.
+struct FitStart {
+  std::vector<TriMesh> endo, epi;                     // one per gate
+  std::vector<std::optional<heart::BasePlane>> base;  // one per gate; absent: where the surfaces end
+  Vec3 axis{0, 0, 1};                                 // from apex to base, any length but 0
+  Vec3 lateral{1, 0, 0};                              // direction of the heart's x, not along the axis
+  std::optional<heart::LvShell> cup;
+};
+
+}  // namespace dynasurf::psf_fit

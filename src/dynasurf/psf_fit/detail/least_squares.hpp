@@ -1,0 +1,52 @@
+#pragma once
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "dynasurf/core/progress.hpp"
+#include "dynasurf/psf_fit/detail/beat_problem.hpp"
+
+namespace dynasurf::psf_fit {
+
+/// How badly a set of unknowns explains the beat: half the sum of squares of the data, of what was believed, and of the
+/// muscle's volume over the beat, each over its standard deviation.
+struct Objective {
+  double value = 0, data = 0;
+  Eigen::VectorXd gradient;
+  std::vector<std::vector<float>> residual;  // [gate][pixel] model less data
+  std::vector<Activity> activity;            // [gate]
+};
+/// The objective and its gradient at some unknowns.
+Objective objective(const BeatProblem& problem, const Eigen::VectorXd& unknowns);
+/// The same without its gradient, which takes as long again, and the gradient there.
+Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unknowns);
+Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at);
+
+/// Gauss-Newton matrix of the objective at some unknowns, in parts. That of the data is for a noise of 1; its
+/// derivatives of the image are those of point sources on the walls.
+struct NormalMatrix {
+  Eigen::MatrixXd data, priors;
+  int age = 0;  // steps taken since
+  Eigen::MatrixXd whole(double noise) const { return data / noise + priors; }
+};
+/// The part of the data from every n-th pixel, n = `every`, scaled up to all pixels.
+Eigen::MatrixXd data_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at,
+                            int every);
+Eigen::MatrixXd prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at);
+
+/// Where a minimisation stands.
+struct Solution {
+  Eigen::VectorXd unknowns;
+  Objective objective;
+  NormalMatrix matrix;   // of a step at or before the last
+  int every = 1;         // a new matrix takes every n-th pixel
+  double damping = 300;  // of the next step, in units of what is believed
+  int steps = 0;
+  bool converged = false;
+};
+/// Levenberg-Marquardt from where `solution` is: stops when a step gains less than `tolerance` of the misfit, or after
+/// `most_steps` more. A matrix of the same unknowns is used on until it no longer predicts what a step gains.
+void minimise(const BeatProblem& problem, Solution& solution, int most_steps, double tolerance,
+              const Progress& progress);
+
+}  // namespace dynasurf::psf_fit

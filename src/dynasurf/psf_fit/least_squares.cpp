@@ -1,0 +1,285 @@
+#include "dynasurf/psf_fit/detail/least_squares.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/psf_fit/detail/cholesky.hpp"
+#include "dynasurf/psf_fit/detail/harmonics.hpp"
+#include "dynasurf/psf_fit/detail/image_derivatives.hpp"
+
+namespace dynasurf::psf_fit {
+namespace {
+
+std::vector<float> picture(const BeatProblem& problem, const Eigen::VectorXd& gate, const Activity& activity,
+                           const PsfProjector& camera) {
+  const GateLayout& layout = problem.layout.gate;
+  std::vector<float> image = project(camera, activity.cells);
+  const auto background = static_cast<float>(gate[layout.background]);
+  for (float& v : image) v += background;
+  for (int b = 0; b < layout.blob_count; ++b) {
+    const auto amplitude = static_cast<float>(gate[layout.blobs + b]);
+    const std::vector<float>& blob = problem.blobs[static_cast<std::size_t>(b)];
+    for (std::size_t n = 0; n < image.size(); ++n) image[n] += amplitude * blob[n];
+  }
+  return image;
+}
+
+double dot(const std::vector<float>& a, const std::vector<float>& b) {
+  double sum = 0;
+  for (std::size_t n = 0; n < a.size(); ++n) sum += static_cast<double>(a[n] * b[n]);
+  return sum;
+}
+
+std::vector<Eigen::VectorXd> numbers_of_gates(const BeatLayout& layout, const Eigen::VectorXd& unknowns) {
+  std::vector<Eigen::VectorXd> numbers;
+  numbers.reserve(static_cast<std::size_t>(layout.gates));
+  for (int g = 0; g < layout.gates; ++g) numbers.push_back(layout.at_gate(g, unknowns));
+  return numbers;
+}
+
+/// The width of the point spread is the same in all gates.
+PsfProjector camera_of(const BeatProblem& problem, const std::vector<Eigen::VectorXd>& gates) {
+  return make_camera(problem.cells.lattice, problem.pixels, point_spread(problem, gates.front()), problem.filtered);
+}
+
+/// Residual times weight over noise.
+float weighted(const BeatProblem& problem, const std::vector<float>& residual, std::size_t n) {
+  return residual[n] * problem.weight[n] / static_cast<float>(problem.noise);
+}
+
+/// Relative deviations of the muscle's volume from its mean, over what is allowed, and their derivatives by the
+/// volumes.
+struct WallCycle {
+  Eigen::VectorXd deviation;
+  Eigen::MatrixXd by_volume;  // [deviation][gate]
+};
+WallCycle wall_cycle(const BeatProblem& problem, const std::vector<Activity>& activity) {
+  const auto gates = static_cast<Eigen::Index>(activity.size());
+  double mean = 0;
+  for (const Activity& a : activity) mean += a.wall_mm3 / static_cast<double>(gates);
+  mean = std::max(mean, 1.0);
+  WallCycle cycle{Eigen::VectorXd(gates), Eigen::MatrixXd(gates, gates)};
+  for (Eigen::Index g = 0; g < gates; ++g) {
+    const double share = activity[static_cast<std::size_t>(g)].wall_mm3 / mean;
+    cycle.deviation[g] = (share - 1) / problem.wall_relative_sd;
+    for (Eigen::Index h = 0; h < gates; ++h)
+      cycle.by_volume(g, h) =
+          ((g == h ? 1 : 0) - share / static_cast<double>(gates)) / (mean * problem.wall_relative_sd);
+  }
+  return cycle;
+}
+
+/// The mean of the log of the wall's thickness in one gate against what is believed, in standard deviations.
+struct ThicknessLook {
+  double deviation = 0;
+  Eigen::VectorXd by_number;  // of the gate
+};
+ThicknessLook look_at_thickness(const BeatProblem& problem, const Eigen::VectorXd& gate) {
+  const ThicknessPrior& belief = problem.thickness;
+  const GateLayout& layout = problem.layout.gate;
+  const int endo = harmonics_up_to(layout.endo_degree), wall = harmonics_up_to(layout.wall_degree);
+  ThicknessLook look{0, Eigen::VectorXd::Zero(layout.count())};
+  const auto directions = static_cast<double>(belief.harmonics.rows());
+  double sum = 0;
+  for (Eigen::Index d = 0; d < belief.harmonics.rows(); ++d) {
+    const auto row = belief.harmonics.row(d);
+    const double q_endo = own::exp(row.head(endo).dot(gate.segment(layout.endo, endo)));
+    const double muscle = own::exp(row.head(wall).dot(gate.segment(layout.wall, wall)));
+    const double q_epi = own::cbrt(q_endo * q_endo * q_endo + muscle), thick = q_epi - q_endo;
+    sum += own::log(thick * belief.mm_per_q[d] / belief.mean_mm);
+    const double scale = 1 / (thick * belief.log_sd * directions);
+    const double by_endo = q_endo * q_endo * q_endo / (q_epi * q_epi) - q_endo;
+    look.by_number.segment(layout.endo, endo) += scale * by_endo * row.head(endo).transpose();
+    look.by_number.segment(layout.wall, wall) += scale * muscle / (3 * q_epi * q_epi) * row.head(wall).transpose();
+  }
+  look.deviation = sum / (directions * belief.log_sd);
+  return look;
+}
+
+Eigen::MatrixXd symmetric(const detail::AlignedMatrix& lower, int count) {
+  Eigen::MatrixXd whole(count, count);
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j <= i; ++j)
+      whole(i, j) = whole(j, i) = static_cast<double>(lower.line(static_cast<std::size_t>(i))[j]);
+  return whole;
+}
+
+}  // namespace
+
+Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
+  const BeatLayout& layout = problem.layout;
+  const auto gates = static_cast<std::size_t>(layout.gates);
+  Objective result;
+  result.residual.resize(gates);
+  result.activity.resize(gates);
+  const std::vector<Eigen::VectorXd> numbers = numbers_of_gates(layout, unknowns);
+  const PsfProjector camera = camera_of(problem, numbers);
+  const CellFields fields = fields_of(problem.cells, layout.gate, numbers);
+  std::vector<double> data(gates, 0.0);
+  parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
+    result.activity[g] = rasterise(problem.cells, layout.gate, numbers[g], fields, g);
+    std::vector<float>& residual = result.residual[g];
+    residual = picture(problem, numbers[g], result.activity[g], camera);
+    for (std::size_t n = 0; n < residual.size(); ++n) {
+      residual[n] -= problem.values[g][n];
+      data[g] += 0.5 * static_cast<double>(residual[n] * weighted(problem, residual, n));
+    }
+  });
+  for (const double of_gate : data) result.data += of_gate;
+  result.value = result.data + 0.5 * (unknowns - layout.expected).cwiseQuotient(layout.spread).squaredNorm() +
+                 0.5 * wall_cycle(problem, result.activity).deviation.squaredNorm();
+  if (problem.thickness.harmonics.rows() > 0) {
+    const double deviation =
+        look_at_thickness(problem, numbers[static_cast<std::size_t>(problem.thickness.gate)]).deviation;
+    result.value += 0.5 * deviation * deviation;
+  }
+  return result;
+}
+
+Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at) {
+  const BeatLayout& layout = problem.layout;
+  const GateLayout& places = layout.gate;
+  const auto gates = static_cast<std::size_t>(layout.gates);
+  const std::vector<Eigen::VectorXd> numbers = numbers_of_gates(layout, unknowns);
+  const PsfProjector camera = camera_of(problem, numbers);
+  const WallCycle cycle = wall_cycle(problem, at.activity);
+  const Eigen::VectorXd by_wall = cycle.by_volume.transpose() * cycle.deviation;
+  CellGradients to_cells = no_gradients(problem.cells, places, gates);
+  parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
+    std::vector<float> by_pixel(at.residual[g].size());
+    for (std::size_t n = 0; n < by_pixel.size(); ++n) by_pixel[n] = weighted(problem, at.residual[g], n);
+    backpropagate_to_cells(problem.cells, places, numbers[g], at.activity[g], backproject(camera, by_pixel), 0,
+                           by_wall[static_cast<Eigen::Index>(g)], to_cells, g);
+    Eigen::VectorXd& others = to_cells.others[g];
+    for (const float w : by_pixel) others[places.background] += static_cast<double>(w);
+    const auto by_widths = project_by_widths(camera, at.activity[g].cells);
+    others.segment<3>(places.width) =
+        log_widths.transpose() *
+        Vec3(dot(by_pixel, by_widths[0]), dot(by_pixel, by_widths[1]), dot(by_pixel, by_widths[2]));
+    for (int b = 0; b < places.blob_count; ++b)
+      others[places.blobs + b] = dot(by_pixel, problem.blobs[static_cast<std::size_t>(b)]);
+  });
+  const std::vector<Eigen::VectorXd> gradients = gather(problem.cells, places, to_cells);
+  Eigen::VectorXd gradient = (unknowns - layout.expected).cwiseQuotient(layout.spread).cwiseQuotient(layout.spread);
+  for (std::size_t g = 0; g < gates; ++g) layout.add_gradient(static_cast<int>(g), gradients[g], gradient);
+  if (problem.thickness.harmonics.rows() > 0) {
+    const ThicknessLook thickness =
+        look_at_thickness(problem, numbers[static_cast<std::size_t>(problem.thickness.gate)]);
+    layout.add_gradient(problem.thickness.gate, thickness.deviation * thickness.by_number, gradient);
+  }
+  return gradient;
+}
+
+Objective objective(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
+  Objective result = objective_value(problem, unknowns);
+  result.gradient = objective_gradient(problem, unknowns, result);
+  return result;
+}
+
+Eigen::MatrixXd data_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at,
+                            int every) {
+  const BeatLayout& layout = problem.layout;
+  const Index3& count = problem.pixels.count;
+  const auto gates = static_cast<std::size_t>(layout.gates);
+  std::vector<std::size_t> chosen;
+  std::size_t n = 0;
+  for (int k = 0; k < count[2]; ++k)
+    for (int j = 0; j < count[1]; ++j)
+      for (int i = 0; i < count[0]; ++i, ++n)
+        if (problem.weight[n] > 0 && (i + j + k) % every == 0) chosen.push_back(n);
+  const EvenRays rays = even_rays(problem);
+  std::vector<Eigen::MatrixXd> of_gate(gates);
+  parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
+    const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), unknowns);
+    of_gate[g] = symmetric(squares_of_derivatives(problem, rays, numbers, at.activity[g], chosen), layout.gate.count());
+  });
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(layout.unknowns, layout.unknowns);
+  layout.add_hessian(of_gate, matrix);
+  return every * matrix;
+}
+
+Eigen::MatrixXd prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at) {
+  const BeatLayout& layout = problem.layout;
+  const auto gates = static_cast<std::size_t>(layout.gates);
+  std::vector<Eigen::VectorXd> of_wall(gates);
+  parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
+    const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), unknowns);
+    of_wall[g] = backpropagate(problem.cells, layout.gate, numbers, at.activity[g], {}, 0, 1);
+  });
+  Eigen::MatrixXd matrix = layout.spread.cwiseAbs2().cwiseInverse().asDiagonal();
+  Eigen::MatrixXd walls = Eigen::MatrixXd::Zero(layout.unknowns, layout.gates);
+  for (std::size_t g = 0; g < gates; ++g) {
+    Eigen::VectorXd column = Eigen::VectorXd::Zero(layout.unknowns);
+    layout.add_gradient(static_cast<int>(g), of_wall[g], column);
+    walls.col(static_cast<Eigen::Index>(g)) = column;
+  }
+  const Eigen::MatrixXd deviations = walls * wall_cycle(problem, at.activity).by_volume.transpose();
+  matrix += deviations * deviations.transpose();
+  if (problem.thickness.harmonics.rows() > 0) {
+    const int g = problem.thickness.gate;
+    Eigen::VectorXd thickness = Eigen::VectorXd::Zero(layout.unknowns);
+    layout.add_gradient(g, look_at_thickness(problem, layout.at_gate(g, unknowns)).by_number, thickness);
+    matrix += thickness * thickness.transpose();
+  }
+  return matrix;
+}
+
+void minimise(const BeatProblem& problem, Solution& solution, int most_steps, double tolerance,
+              const Progress& progress) {
+  constexpr int oldest = 5;
+  constexpr double least_truth = 0.3;  // of the gain that the matrix predicts
+  constexpr double calmest = 1e-4, wildest = 1e8;
+  solution.objective = objective_value(problem, solution.unknowns);
+  solution.converged = false;
+  RowMatrix whole;
+  const auto renew = [&] {
+    solution.matrix = {data_matrix(problem, solution.unknowns, solution.objective, solution.every),
+                       prior_matrix(problem, solution.unknowns, solution.objective)};
+    whole = solution.matrix.whole(problem.noise);
+  };
+  if (solution.matrix.priors.rows() != solution.unknowns.size())
+    renew();
+  else
+    whole = solution.matrix.whole(problem.noise);
+  // Damping in units of what is believed: it holds back what the data hardly tell, and nothing else.
+  const Eigen::VectorXd belief = problem.layout.spread.cwiseAbs2().cwiseInverse();
+  for (int step = 0; step < most_steps; ++step) {
+    progress.check();
+    ++solution.steps;
+    if (solution.objective.gradient.size() == 0)
+      solution.objective.gradient = objective_gradient(problem, solution.unknowns, solution.objective);
+    Eigen::VectorXd move = solve_definite(whole, solution.damping * belief, solution.objective.gradient);
+    const double predicted =
+        0.5 * move.dot(solution.objective.gradient) + 0.5 * solution.damping * move.dot(belief.cwiseProduct(move));
+    Objective next = objective_value(problem, solution.unknowns - move);
+    double gain = solution.objective.value - next.value;
+    // The valley of thick and pale against thin and bright walls bends: a part of the way may lead farther.
+    for (int half = 0; half < 2 && !(gain > 0.3 * predicted); ++half) {
+      Objective part = objective_value(problem, solution.unknowns - 0.4 * move);
+      const double part_gain = solution.objective.value - part.value;
+      if (gain >= part_gain) break;
+      move *= 0.4, gain = part_gain, next = std::move(part);
+    }
+    if (!(gain > 0)) {
+      if (solution.matrix.age > 0) renew();
+      solution.damping *= 8;
+      if (solution.damping > wildest) break;
+      continue;
+    }
+    solution.unknowns -= move;
+    solution.objective = std::move(next);
+    const double truth = gain / predicted;
+    if (truth > 0.7) solution.damping = std::max(solution.damping / 6, calmest);
+    if (truth < 0.2) solution.damping *= 2;
+    ++solution.matrix.age;
+    if (gain < tolerance * solution.objective.value && predicted < 3 * tolerance * solution.objective.value) {
+      solution.converged = true;
+      break;
+    }
+    if (solution.matrix.age >= oldest || truth < least_truth) renew();
+  }
+}
+
+}  // namespace dynasurf::psf_fit

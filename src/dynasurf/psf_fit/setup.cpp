@@ -1,0 +1,195 @@
+#include "dynasurf/psf_fit/detail/setup.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/statistics.hpp"
+#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/psf_fit/detail/harmonics.hpp"
+
+namespace dynasurf::psf_fit {
+namespace {
+
+Pixels pixels_around(const Bounds& box, const Grid& grid, double sigma_mm, double margin_mm) {
+  Pixels pixels;
+  pixels.spacing = grid.spacing;
+  for (int a = 0; a < 3; ++a) {
+    // Sharp voxels of 2 mm and less are joined: their edges are known better than a wall is smooth.
+    const double wanted = sigma_mm > 0 ? std::max(1.4 * sigma_mm, 3.0) : 4.0;
+    const int joined = std::max(1, static_cast<int>(std::lround(wanted / grid.spacing[a])));
+    const int from = std::max(0, static_cast<int>(std::floor((box.low[a] - margin_mm) / grid.spacing[a])));
+    const int to = std::min(grid.dims[a] - 1, static_cast<int>(std::ceil((box.high[a] + margin_mm) / grid.spacing[a])));
+    pixels.joined[static_cast<std::size_t>(a)] = joined;
+    pixels.first[static_cast<std::size_t>(a)] = from;
+    pixels.count[static_cast<std::size_t>(a)] = std::max(0, (to - from + 1) / joined);
+  }
+  return pixels;
+}
+
+CellLattice lattice_around(const Bounds& box, const Pixels& pixels, double sigma_mm, double margin_mm) {
+  CellLattice lattice;
+  double pitch[3], finest = 1e9;
+  for (int a = 0; a < 3; ++a) {
+    pitch[a] = pixels.spacing[a] * pixels.joined[static_cast<std::size_t>(a)];
+    finest = std::min(finest, pitch[a]);
+  }
+  const double wanted = std::max(0.7 * sigma_mm, std::min(0.5 * finest, 2.0));
+  for (int a = 0; a < 3; ++a) {
+    const auto axis = static_cast<std::size_t>(a);
+    // Sharp images want whole cells in every voxel, two in a joined one.
+    constexpr double sharp_mm = 2.3;
+    lattice.step[a] = 0.7 * sigma_mm > std::min(0.5 * finest, 2.0)
+                          ? wanted
+                          : pitch[a] / std::ceil(pitch[a] / (sigma_mm > 0 ? wanted : sharp_mm) - 1e-9);
+    const double edge = pixels.centre(a, 0) - pitch[a] / 2;
+    const double from = std::floor((box.low[a] - margin_mm - edge) / lattice.step[a]);
+    const double to = std::ceil((box.high[a] + margin_mm - edge) / lattice.step[a]);
+    lattice.start[a] = edge + (from + 0.5) * lattice.step[a];
+    lattice.count[axis] = std::max(1, static_cast<int>(to - from));
+  }
+  lattice.edge_mm = 0.5 * lattice.step.maxCoeff();
+  if (sigma_mm > 0) lattice.edge_mm = std::min(lattice.edge_mm, 0.5 * sigma_mm);
+  return lattice;
+}
+
+/// The outermost of a wall over the beat, as harmonics of log q.
+Eigen::VectorXd outermost(const PlacedStart& start, int degree) {
+  Eigen::VectorXd most;
+  double volume = 0;
+  for (std::size_t g = 0; g < start.epi.size(); ++g) {
+    const double v = mesh::volume_mm3(start.epi[g]);
+    if (most.size() > 0 && v <= volume) continue;
+    most = harmonics_of_surface(start.epi[g], start.frame, start.base[g], degree);
+    volume = v;
+  }
+  return most;
+}
+
+/// Of the gate whose cavity is the largest at the start.
+ThicknessPrior believe_in_thickness(const PlacedStart& start, int degree) {
+  constexpr int directions = 120;
+  ThicknessPrior belief;
+  double largest = 0;
+  for (std::size_t g = 0; g < start.endo.size(); ++g) {
+    const double volume = mesh::volume_mm3(start.endo[g]);
+    if (volume > largest) largest = volume, belief.gate = static_cast<int>(g);
+  }
+  const double base = start.frame.to_heart(start.base[static_cast<std::size_t>(belief.gate)].point)[2];
+  std::vector<double> mm, harmonics(static_cast<std::size_t>(harmonics_up_to(degree)));
+  std::vector<std::vector<double>> rows;
+  for (int n = 0; n < directions; ++n) {
+    const Vec3 direction = fibonacci_direction(n, directions);
+    if (direction[2] * start.frame.scale[2] > 0.8 * base) continue;
+    real_spherical_harmonics(direction, degree, harmonics);
+    rows.push_back(harmonics);
+    mm.push_back(1 / direction.cwiseQuotient(start.frame.scale).norm());
+  }
+  belief.harmonics.resize(static_cast<Eigen::Index>(rows.size()), harmonics_up_to(degree));
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    belief.harmonics.row(static_cast<Eigen::Index>(n)) =
+        Eigen::Map<Eigen::RowVectorXd>(rows[n].data(), harmonics_up_to(degree));
+  belief.mm_per_q = Eigen::Map<Eigen::VectorXd>(mm.data(), static_cast<Eigen::Index>(mm.size()));
+  return belief;
+}
+
+/// Where every pixel lies against the wall at the start: `outer` is the log of its outer surface in harmonics.
+std::vector<Place> places_of(const Pixels& pixels, const HeartFrame& frame, const Eigen::VectorXd& outer,
+                             int outer_degree, double highest_mm) {
+  std::vector<Place> places;
+  const Index3 dims = pixels.count;
+  places.resize(pixels.size());
+  parallel_for(static_cast<std::size_t>(dims[2]), 1, [&](std::size_t k, std::size_t) {
+    std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(outer_degree)));
+    Place* place = places.data() + k * static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]);
+    for (int j = 0; j < dims[1]; ++j)
+      for (int i = 0; i < dims[0]; ++i, ++place) {
+        const Vec3 heart =
+            frame.to_heart({pixels.centre(0, i), pixels.centre(1, j), pixels.centre(2, static_cast<int>(k))});
+        const Vec3 scaled = heart.cwiseQuotient(frame.scale);
+        const double q = std::max(1e-6, scaled.norm());
+        real_spherical_harmonics(scaled / q, outer_degree, harmonics);
+        double wall = 0;
+        for (int h = 0; h < harmonics_up_to(outer_degree); ++h)
+          wall += outer[h] * harmonics[static_cast<std::size_t>(h)];
+        place->outside_mm = (q - own::exp(wall)) / (scaled / q).cwiseQuotient(frame.scale).norm();
+        place->above_mm = heart[2] - highest_mm;
+        place->depth = q / own::exp(wall);
+      }
+  });
+  return places;
+}
+
+/// Usual values of muscle, surroundings and cavity in the mean image of the beat; `margin`: mm around the heart.
+void measure_brightness(Setup& s, const std::vector<double>& mean, double margin) {
+  std::vector<double> wall, around, inside;
+  for (std::size_t n = 0; n < mean.size(); ++n) {
+    const Place& place = s.place[n];
+    if (place.above_mm < 0 && place.outside_mm < 0 && place.depth > 0.5) wall.push_back(mean[n]);
+    if (place.above_mm < 0 && place.outside_mm > 0.5 * margin && place.outside_mm < margin) around.push_back(mean[n]);
+    if (place.above_mm < -5 && place.depth < 0.3) inside.push_back(mean[n]);
+  }
+  s.healthy = std::max(1e-12, quantile(wall, 0.9));
+  s.unit = 1.1 * s.healthy;
+  s.background = quantile(around, 0.25) / s.unit;
+  s.cavity = quantile(inside, 0.5) / s.unit;
+}
+
+/// What a pixel counts for before outliers lose their weight; nothing beyond the margin.
+void weigh_pixels(Setup& s, const std::vector<double>& mean, const Blur& blur, double margin) {
+  BeatProblem& p = s.problem;
+  p.weight.resize(mean.size());
+  for (std::size_t n = 0; n < mean.size(); ++n) {
+    const Place& place = s.place[n];
+    const bool looked_at = place.outside_mm < margin && place.above_mm < margin;
+    // Counts are as uncertain as they are many; the noise of sharp images, MR and CT, is the same everywhere.
+    const double variance = blur.fwhm_mm > 0 ? std::max(mean[n] / s.unit, 0.1) : 1;
+    p.weight[n] = looked_at ? static_cast<float>(1 / variance) : 0.0F;
+  }
+}
+
+}  // namespace
+
+Bounds bounds_of(const std::vector<TriMesh>& meshes) {
+  Bounds box;
+  for (const TriMesh& mesh : meshes)
+    for (const Vec3& p : mesh.vertices) box.low = box.low.cwiseMin(p), box.high = box.high.cwiseMax(p);
+  return box;
+}
+
+Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, const BlurFit& options) {
+  Setup s;
+  BeatProblem& p = s.problem;
+  const Grid& grid = study.grid();
+  p.sigma_mm = blur.fwhm_mm / sigmas_per_fwhm;
+  // Where voxels are finer than the blur, it does not matter whether it came before or after them.
+  p.filtered = grid.spacing.maxCoeff() > 1.2 * p.sigma_mm ? blur.filtered : 0;
+  constexpr double room = 9;  // mm, for an outer wall that lies farther out than at the start
+  const double margin = std::max(0.8 * blur.fwhm_mm, 1.5 * grid.spacing.maxCoeff()) + room / 2;
+  const Bounds box = bounds_of(start.epi);
+  p.pixels = pixels_around(box, grid, p.sigma_mm, margin);
+  const CellLattice lattice = lattice_around(box, p.pixels, p.sigma_mm, room);
+  constexpr int outer_degree = 4;
+  const Eigen::VectorXd outer = outermost(start, outer_degree);
+  for (const heart::BasePlane& base : start.base)
+    s.highest_mm = std::max(s.highest_mm, start.frame.to_heart(base.point)[2]);
+  const int degree = std::max({options.shape_degree, options.wall_degree, options.uptake_degree});
+  p.cells = select_cells(lattice, start.frame, degree, s.highest_mm + 10, outer, outer_degree, room);
+
+  s.place = places_of(p.pixels, start.frame, outer, outer_degree, s.highest_mm);
+  std::vector<double> mean(p.pixels.size(), 0.0);
+  for (const Image& gate : study.gates) {
+    p.values.push_back(join(gate, p.pixels));
+    for (std::size_t n = 0; n < mean.size(); ++n)
+      mean[n] += static_cast<double>(p.values.back()[n]) / static_cast<double>(study.gates.size());
+  }
+  measure_brightness(s, mean, margin);
+  for (auto& values : p.values)
+    for (float& v : values) v = static_cast<float>(static_cast<double>(v) / s.unit);
+  s.problem.thickness = believe_in_thickness(start, degree);
+  weigh_pixels(s, mean, blur, margin);
+  return s;
+}
+
+}  // namespace dynasurf::psf_fit

@@ -1,0 +1,84 @@
+#pragma once
+#include <array>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "dynasurf/core/options.hpp"
+#include "dynasurf/core/study.hpp"
+#include "dynasurf/heart/locate.hpp"
+
+namespace dynasurf::ventricle {
+
+/// Who says which way the heart lies in the volume.
+enum class OrientationMethod { header, data, automatic };
+inline std::span<const std::string_view> names_of(OrientationMethod) {
+  static constexpr std::array<std::string_view, 3> names{"header", "data", "auto"};
+  return names;
+}
+
+/// How the way that the heart lies is found.
+struct Orientation {
+  OrientationMethod method = OrientationMethod::automatic;
+  double most_tilt_deg = 20;
+  double least_contrast = 0.3;
+  double widest_pixel_mm = 4.5;
+  std::optional<double> voxel_mm;
+};
+void describe(auto& visit, Orientation& o) {
+  visit("method", o.method,
+        OptionInfo{
+            "header: a short-axis stack as the file says; data: always cut anew square to the axis that was found; "
+            "auto: the file's short-axis stack is kept while the data do not contradict it, others are cut anew"});
+  visit("most_tilt_deg", o.most_tilt_deg,
+        OptionInfo{"a stack whose slices lean by less than this from square to the long axis is kept", "deg", 0, 90});
+  visit("least_contrast", o.least_contrast,
+        OptionInfo{"what was found contradicts a header only when its wall is this clear", "", 0, 1});
+  visit("widest_pixel_mm", o.widest_pixel_mm,
+        OptionInfo{
+            "wider pixels of a stack that is kept are divided around the heart: edges of a small ventricle need room",
+            "mm", 0.5, 100});
+  visit("voxel_mm", o.voxel_mm,
+        OptionInfo{"voxels of the new stack; unset: the smallest distance of voxels in the old one, at most 4 mm", "mm",
+                   0.5, 20});
+}
+
+/// Where the heart lies, as far as a person says so. World frame: DICOM's LPS. Each value replaces what would be found.
+struct UserOverrides {
+  std::optional<std::array<double, 3>> center_mm, axis;
+  std::optional<double> radius_mm;
+  std::optional<int> first_slice, last_slice;
+  std::optional<double> base_plane_mm;
+};
+void describe(auto& visit, UserOverrides& o) {
+  visit("center_mm", o.center_mm, OptionInfo{"middle of the heart x,y,z, world (LPS)", "mm"});
+  visit("axis", o.axis, OptionInfo{"long axis x,y,z from apex to base, world (LPS), any length"});
+  visit("radius_mm", o.radius_mm, OptionInfo{"radius of the circle around the ventricle", "mm", 5, 200});
+  visit("first_slice", o.first_slice, OptionInfo{"first slice of the ventricle, from 1 at the apex", "", 1, 10000});
+  visit("last_slice", o.last_slice, OptionInfo{"last slice of the ventricle, from 1 at the apex", "", 1, 10000});
+  visit("base_plane_mm", o.base_plane_mm,
+        OptionInfo{"height of the valve plane in all gates: along the stack, from the middle of slice 1 at the apex",
+                   "mm"});
+}
+
+/// The hints that a person's values give. Throws OptionError when an axis has no length.
+heart::LocateHints hints_of(const UserOverrides& manual);
+
+/// The grid of a short-axis stack around a heart, slices from apex to base, its columns horizontal in the world (so
+/// that the anterior wall is up and the septum left, as such stacks are shown). World frame.
+Grid short_axis_grid(const heart::LvShell& heart, double voxel_mm);
+
+/// The study cut anew on that grid by one cubic interpolation.
+Study reorient(const Study& study, const heart::LvShell& heart, double voxel_mm);
+
+/// The same slices with finer pixels (cubic interpolation), cut to the surroundings of the heart: columns and rows
+/// wider than `widest_mm` are divided by the least whole number that does. World positions stay.
+Study with_finer_pixels(const Study& study, const heart::LvShell& heart, double widest_mm);
+
+/// The study as a short-axis stack: as it is or cut anew, with notes that say what was done and why
+/// ("orientation.reoriented", "orientation.refined", "orientation.uncertain"). `heart` is where it was found or absent.
+/// Throws InputError when the file says that the stack is no short-axis one, and the method does not allow or the data
+/// do not tell how to cut it.
+Study orient(const Study& study, const std::optional<heart::Location>& heart, const Orientation& options);
+
+}  // namespace dynasurf::ventricle
