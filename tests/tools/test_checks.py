@@ -173,6 +173,35 @@ class CheckIncludes(Project):
         self.assertIn("stands above it", self.check("src/dynasurf/core/a.cpp", "<vector>")[1])
 
 
+class CheckHeaders(Project):
+    def setUp(self):
+        super().setUp()
+        self.write("src/dynasurf/mesh.hpp", '#include "dynasurf/mesh/a.hpp"\n')
+        self.write("src/dynasurf/mesh/a.hpp", "")
+
+    def check(self):
+        return self.run_tool("check_headers.py", self.root)
+
+    def test_finds_headers_that_include_each_other_by_their_sources(self):
+        self.write("src/dynasurf/mesh/a.cpp", '#include "dynasurf/mesh/detail/b.hpp"\n')
+        self.write("src/dynasurf/mesh/detail/b.hpp", "")
+        self.assertEqual(self.check()[0], 0)
+        self.write("src/dynasurf/mesh/b.cpp", '#include "dynasurf/mesh/a.hpp"\n')
+        self.assertIn("in a circle: dynasurf/mesh/a, dynasurf/mesh/b", self.check()[1])
+
+    def test_wants_every_public_header_in_that_of_the_module_and_no_other(self):
+        self.write("src/dynasurf/mesh/b.hpp", "")
+        self.assertIn("src/dynasurf/mesh.hpp: does not include dynasurf/mesh/b.hpp", self.check()[1])
+        (self.root / "src/dynasurf/mesh/b.hpp").rename(self.root / "src/dynasurf/mesh/c.cpp")
+        self.assertEqual(self.check()[0], 0)
+        self.write("src/dynasurf/mesh.hpp", '#include "dynasurf/mesh/a.hpp"\n#include "dynasurf/mesh/detail/b.hpp"\n')
+        self.assertIn("dynasurf/mesh/detail/b.hpp is no public header of it", self.check()[1])
+
+    def test_keeps_examples_to_public_headers(self):
+        self.write("examples/x.cpp", '#include "dynasurf/mesh/detail/b.hpp"\n')
+        self.assertIn("examples/x.cpp: dynasurf/mesh/detail/b.hpp is not public", self.check()[1])
+
+
 class CheckThesisMap(Project):
     def check(self, row):
         self.write("src/a.cpp", "")
