@@ -1,6 +1,7 @@
 #include "dynasurf/mesh/detail/surface_editor.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -68,6 +69,55 @@ TEST(SurfaceEditor, StaysAClosedSurfaceOfItsGenusUnderAnyChanges) {
   }
   for (const int count : done) EXPECT_GT(count, 200);
   EXPECT_EQ(s.mesh().triangles.size(), s.triangles());
+}
+
+/// A square of n by n cells with a square hole, bent to a wave.
+TriMesh holed_sheet(int n, int hole) {
+  TriMesh mesh;
+  std::vector<std::uint32_t> id(static_cast<std::size_t>((n + 1) * (n + 1)), 0xffffffff);
+  const auto vertex = [&](int i, int j) {
+    std::uint32_t& v = id[static_cast<std::size_t>(j * (n + 1) + i)];
+    if (v == 0xffffffff) {
+      v = static_cast<std::uint32_t>(mesh.vertices.size());
+      mesh.vertices.push_back(Vec3(i, j, std::sin(0.3 * i)));
+    }
+    return v;
+  };
+  const auto is_hole = [&](int i) { return 2 * i > n - hole && 2 * i < n + hole; };
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      if (is_hole(i) && is_hole(j)) continue;
+      const std::uint32_t a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i + 1, j + 1), d = vertex(i, j + 1);
+      mesh.triangles.push_back({a, b, c});
+      mesh.triangles.push_back({a, c, d});
+    }
+  return mesh;
+}
+
+TEST(SurfaceEditor, KeepsTheBoundaryLoopsOfAnOpenSurface) {
+  const TriMesh sheet = holed_sheet(24, 8);
+  EXPECT_THROW(SurfaceEditor{sheet}, InputError);
+  SurfaceEditor s(sheet, SurfaceEditor::Boundary::kept);
+  EXPECT_EQ(s.triangles(), sheet.triangles.size());
+  EXPECT_EQ(s.mesh().triangles, sheet.triangles);
+  simplify(s, {.triangles = 200});
+  EXPECT_NEAR(static_cast<double>(s.triangles()), 200, 1);
+  flip_to_larger_angles(s, 30);
+  improve_smallest_angle(s, 20, 8);
+  const TriMesh light = s.mesh();
+  EXPECT_EQ(light.triangles.size(), s.triangles());
+  EXPECT_EQ(topology(light).euler, 0) << "a sheet with one hole";
+  EXPECT_EQ(topology(light).components, 1);
+  const SurfaceCheck checked = check_surface(light);
+  EXPECT_TRUE(checked.manifold && checked.oriented && !checked.closed);
+  EXPECT_EQ(checked.self_intersections + checked.flat_triangles, 0u);
+  EXPECT_NEAR(area_mm2(light), area_mm2(sheet), 0.01 * area_mm2(sheet)) << "the boundary stays where it is";
+  EXPECT_NO_THROW(SurfaceEditor(light, SurfaceEditor::Boundary::kept));
+}
+
+TEST(SurfaceEditor, RefusesTwoLoopsThatTouchInAVertex) {
+  TriMesh pinched{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, {{0, 1, 2}, {0, 3, 4}}};
+  EXPECT_THROW(SurfaceEditor(pinched, SurfaceEditor::Boundary::kept), InputError);
 }
 
 TEST(SurfaceEditor, DoesNotCollapseATetrahedron) {

@@ -30,7 +30,7 @@ void for_ring(const SurfaceEditor& s, std::uint32_t v, const Visit& visit) {
   const std::uint32_t first = s.leaving(v);
   std::uint32_t h = first;
   do {
-    visit(h);
+    if (s.is_alive(h / 3)) visit(h);
     h = s.turned(h);
   } while (h != first);
 }
@@ -68,6 +68,7 @@ void move(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t v, const Vec3& p
 }
 
 bool try_flip(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t h, double bend_limit, double gain) {
+  if (s.is_boundary_edge(h)) return false;
   const std::uint32_t o = s.twin(h), a = s.from(h), b = s.to(h);
   const std::uint32_t c = s.to(SurfaceEditor::next(h)), d = s.to(SurfaceEditor::next(o));
   const double before = std::min(sine_of(s, {a, b, c}), sine_of(s, {b, a, d}));
@@ -95,7 +96,7 @@ int flip_sweeps(SurfaceEditor& s, CrossingGuard& guard, double largest_bend_deg,
   for (int n = 0; n < sweeps; ++n) {
     int flipped = 0;
     for (std::uint32_t h = 0; h < 3 * s.triangle_slots(); ++h)
-      if (s.is_alive(h / 3) && h < s.twin(h)) flipped += try_flip(s, guard, h, limit, 1.02);
+      if (s.is_edge(h)) flipped += try_flip(s, guard, h, limit, 1.02);
     all += flipped;
     if (flipped == 0) break;
   }
@@ -137,6 +138,7 @@ Firm firm_at(const SurfaceEditor& s, std::uint32_t v, double spread) {
 
 /// Tries places around a vertex for a larger smallest angle.
 bool try_move(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t v, double spread) {
+  if (s.is_on_boundary(v)) return false;
   const Vec3 p = s.position(v);
   Vec3 normal = Vec3::Zero(), middle = Vec3::Zero();
   double reach = 0, n = 0;
@@ -192,7 +194,9 @@ bool try_collapse(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t h, doubl
       fresh.push_back(c);
     });
   const Vec3 at_a = s.position(a), at_b = s.position(b);
-  const int firm_a = firm_at(s, a, spread).count, firm_b = firm_at(s, b, spread).count;
+  constexpr int firmest = 4;  // a boundary goes before edges and corners
+  const int firm_a = s.is_on_boundary(a) ? firmest : firm_at(s, a, spread).count;
+  const int firm_b = s.is_on_boundary(b) ? firmest : firm_at(s, b, spread).count;
   const Vec3 place = firm_a > firm_b ? at_a : firm_b > firm_a ? at_b : Vec3(0.5 * (at_a + at_b));
   double after = 1, turn = 1;
   for (std::size_t i = 0; i < fresh.size(); ++i) {
@@ -217,7 +221,7 @@ bool try_collapse(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t h, doubl
 bool split_one(SurfaceEditor& s, CrossingGuard& guard, std::span<const double> sizes, double least) {
   std::vector<std::pair<double, std::uint32_t>> edges;
   for (std::uint32_t h = 0; h < 3 * s.triangle_slots(); ++h) {
-    if (!s.is_alive(h / 3) || h > s.twin(h)) continue;
+    if (!s.is_edge(h) || s.is_boundary_edge(h)) continue;
     const double wanted =
         s.from(h) < sizes.size() && s.to(h) < sizes.size() ? 0.5 * (sizes[s.from(h)] + sizes[s.to(h)]) : 1e300;
     edges.push_back({-(s.position(s.to(h)) - s.position(s.from(h))).norm() / wanted, h});
@@ -285,7 +289,7 @@ void relax(SurfaceEditor& s, std::span<const double> sizes, const ClosestPoint& 
   const double spread = spread_of(sharp_deg);
   for (int k = 0; k < sweeps; ++k)
     for (std::uint32_t v = 0; v < s.vertex_slots(); ++v) {
-      if (!s.has_vertex(v)) continue;
+      if (!s.has_vertex(v) || s.is_on_boundary(v)) continue;
       const Vec3 p = s.position(v);
       Vec3 sum = Vec3::Zero(), normal = Vec3::Zero();
       double weights = 0;

@@ -62,6 +62,8 @@ class Simplifier {
       const Corners c = s_.corners(t);
       const Quadric q = plane_of(s_.position(c[0]), s_.position(c[1]), s_.position(c[2]));
       for (const std::uint32_t v : c) quadrics_[v].add(q);
+      for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h)
+        if (s_.is_boundary_edge(h)) add_boundary(h);
     }
   }
 
@@ -76,10 +78,20 @@ class Simplifier {
   }
 
  private:
+  /// A boundary edge stays where it is by a plane that stands on its triangle.
+  void add_boundary(std::uint32_t h) {
+    const Vec3 &a = s_.position(s_.from(h)), &b = s_.position(s_.to(h)),
+               &c = s_.position(s_.to(SurfaceEditor::next(h)));
+    const Vec3 normal = (b - a).cross(c - a).normalized();
+    Quadric q = plane_of(a, b, Vec3(a + (b - a).norm() * normal));
+    q.area = 0;  // it holds, and is no surface
+    for (const std::uint32_t v : {s_.from(h), s_.to(h)}) quadrics_[v].add(q);
+  }
+
   void pass() {
     std::vector<std::uint32_t> edges;
     for (std::uint32_t h = 0; h < 3 * s_.triangle_slots(); ++h)
-      if (s_.is_alive(h / 3) && h < s_.twin(h)) edges.push_back(h);
+      if (s_.is_edge(h)) edges.push_back(h);
     std::vector<Candidate> all(edges.size());
     parallel_for(all.size(), 1024, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) all[i] = candidate(edges[i]);
@@ -106,6 +118,8 @@ class Simplifier {
 
   Vec3 place_for(std::uint32_t h, const Quadric& q) const {
     const Vec3 &a = s_.position(s_.from(h)), &b = s_.position(s_.to(h)), middle = 0.5 * (a + b);
+    const bool is_a_firm = s_.is_on_boundary(s_.from(h)), is_b_firm = s_.is_on_boundary(s_.to(h));
+    if (is_a_firm != is_b_firm) return is_a_firm ? a : b;
     // Where the planes leave a direction free, the place is the middle of the edge.
     const double hold = 1e-5 * q.area;
     const Mat3 firm = q.a + hold * Mat3::Identity();
@@ -125,6 +139,7 @@ class Simplifier {
     old.assign({h / 3, o / 3});
     fresh.clear();
     const auto take = [&](std::uint32_t t) {
+      if (!s_.is_alive(t)) return;
       old.push_back(t);
       Corners c = s_.corners(t);
       for (std::uint32_t& v : c) v = v == a ? b : v;
@@ -139,6 +154,7 @@ class Simplifier {
   double worst_sine(const std::vector<std::uint32_t>& triangles) const {
     double worst = 1;
     for (const std::uint32_t t : triangles) {
+      if (!s_.is_alive(t)) continue;
       const Corners c = s_.corners(t);
       worst = std::min(worst, sine_of_smallest_angle(s_.position(c[0]), s_.position(c[1]), s_.position(c[2])));
     }
@@ -177,7 +193,7 @@ class Simplifier {
     stamps_[b] += stamps_[a] + 1;
     std::uint32_t g = s_.leaving(b);
     do {
-      queue_.push(candidate(g < s_.twin(g) ? g : s_.twin(g)));
+      if (const std::uint32_t edge = s_.is_edge(g) ? g : s_.twin(g); s_.is_edge(edge)) queue_.push(candidate(edge));
       if (guard_) guard_->update(g / 3);
       g = s_.turned(g);
     } while (g != s_.leaving(b));
@@ -211,7 +227,7 @@ void refine(SurfaceEditor& s, std::size_t triangles) {
   const auto length2 = [&](std::uint32_t h) { return (s.position(s.to(h)) - s.position(s.from(h))).squaredNorm(); };
   std::vector<Edge> all;
   for (std::uint32_t h = 0; h < 3 * s.triangle_slots(); ++h)
-    if (s.is_alive(h / 3) && h < s.twin(h)) all.push_back({length2(h), h});
+    if (s.is_edge(h)) all.push_back({length2(h), h});
   std::priority_queue<Edge> longest(std::less<Edge>(), std::move(all));
   while (s.triangles() < triangles && !longest.empty()) {
     const Edge e = longest.top();
@@ -222,7 +238,8 @@ void refine(SurfaceEditor& s, std::size_t triangles) {
     std::uint32_t h = s.leaving(v);
     do {
       // The edges across from v may have changed their half-edges, and would be lost.
-      for (const std::uint32_t edge : {h, SurfaceEditor::next(h)}) longest.push({length2(edge), edge});
+      for (const std::uint32_t edge : {h, SurfaceEditor::next(h)})
+        if (s.is_alive(edge / 3)) longest.push({length2(edge), edge});
       h = s.turned(h);
     } while (h != s.leaving(v));
   }

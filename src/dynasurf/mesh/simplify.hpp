@@ -18,7 +18,8 @@ struct Simplify {
 };
 
 /// Collapses edges, the one that moves the surface least first (quadrics of Garland and Heckbert 1997, of the planes of
-/// the surface as it comes), until `triangles` are left or none can go. Returns how many are left.
+/// the surface as it comes; a boundary keeps its course by planes that stand on it), until `triangles` are left or none
+/// can go. Returns how many are left.
 std::size_t simplify(SurfaceEditor& surface, const Simplify& options);
 
 /// Splits edges in their middle, the longest first, until there are `triangles` (or one more, where that is odd).

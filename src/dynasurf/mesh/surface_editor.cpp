@@ -1,23 +1,67 @@
 #include "dynasurf/mesh/detail/surface_editor.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/repair.hpp"
 
 namespace dynasurf::mesh {
-SurfaceEditor::SurfaceEditor(const TriMesh& mesh)
-    : positions_(mesh.vertices),
-      out_(mesh.vertices.size(), none),
-      from_(3 * mesh.triangles.size()),
-      twin_(3 * mesh.triangles.size(), none),
-      alive_(mesh.triangles.size()) {
+namespace {
+
+/// A triangle on the other side of every edge that has one on one side only, with the number of the vertex that those
+/// of its loop meet in. Empty where a vertex is on two loops, or on an edge of more than two triangles.
+std::vector<SurfaceEditor::Corners> lids_of(const TriMesh& mesh, std::uint32_t& vertices) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const auto& t : mesh.triangles)
+    for (std::size_t c = 0; c < 3; ++c) edges.push_back({t[c], t[(c + 1) % 3]});
+  std::sort(edges.begin(), edges.end());
+  constexpr std::uint32_t none = SurfaceEditor::none;
+  std::vector<std::uint32_t> next(vertices, none);  // along the boundary, with the lids on the left
+  for (const auto& [a, b] : edges)
+    if (!std::binary_search(edges.begin(), edges.end(), std::pair{b, a})) {
+      if (next[b] != none) return {};
+      next[b] = a;
+    }
+  std::vector<SurfaceEditor::Corners> lids;
+  for (std::uint32_t first = 0; first < next.size(); ++first) {
+    if (next[first] == none) continue;
+    for (std::uint32_t v = first; next[v] != none;) {
+      const std::uint32_t then = std::exchange(next[v], none);
+      lids.push_back({v, then, vertices});
+      v = then;
+    }
+    ++vertices;
+  }
+  return lids;
+}
+
+}  // namespace
+
+SurfaceEditor::SurfaceEditor(const TriMesh& mesh, Boundary boundary)
+    : positions_(mesh.vertices), from_(3 * mesh.triangles.size()), alive_(mesh.triangles.size()) {
   const auto refuse = [] { throw InputError("the surface is not closed, manifold and oriented"); };
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
     for (std::uint32_t c = 0; c < 3; ++c) {
-      if (mesh.triangles[t][c] >= out_.size()) refuse();
+      if (mesh.triangles[t][c] >= mesh.vertices.size()) refuse();
       from_[3 * t + c] = mesh.triangles[t][c];
     }
+  if (boundary == Boundary::kept) {
+    first_lid_ = end_lids_ = static_cast<std::uint32_t>(positions_.size());
+    const std::vector<Corners> lids = lids_of(mesh, end_lids_);
+    if (!lids.empty()) {
+      positions_.resize(end_lids_, Vec3::Zero());
+      is_lid_.assign(mesh.triangles.size(), 0);
+      is_lid_.resize(mesh.triangles.size() + lids.size(), 1);
+      on_boundary_.assign(positions_.size(), 0);
+    }
+    for (const Corners& lid : lids) {
+      from_.insert(from_.end(), lid.begin(), lid.end());
+      on_boundary_[lid[0]] = 1;
+    }
+  }
+  out_.assign(positions_.size(), none);
+  twin_.assign(from_.size(), none);
   std::vector<std::uint32_t> first(out_.size() + 1, 0);
   for (const std::uint32_t v : from_) ++first[v + 1];
   for (std::size_t v = 0; v < out_.size(); ++v) first[v + 1] += first[v];
@@ -53,6 +97,8 @@ int SurfaceEditor::valence(std::uint32_t v) const {
 bool SurfaceEditor::can_collapse(std::uint32_t h) const {
   const std::uint32_t a = from(h), b = to(h), c = to(next(h)), d = to(next(twin(h)));
   if (valence(c) <= 3 || valence(d) <= 3) return false;
+  // Two places of the boundary that are no neighbours on it would become a pinch.
+  if (is_on_boundary(a) && is_on_boundary(b) && !is_boundary_edge(h)) return false;
   // Both ends may have no other neighbours in common than the opposite corners (link condition).
   for (std::uint32_t g = turned(h); g != h; g = turned(g)) {
     const std::uint32_t neighbour = to(g);
@@ -67,6 +113,7 @@ bool SurfaceEditor::can_collapse(std::uint32_t h) const {
 }
 
 void SurfaceEditor::collapse(std::uint32_t h, const Vec3& p) {
+  const bool is_boundary = is_boundary_edge(h);
   const std::uint32_t a = from(h), b = to(h), o = twin(h);
   const std::uint32_t c = to(next(h)), d = to(next(o));
   for (std::uint32_t g = turned(h); g != h; g = turned(g)) from_[g] = b;
@@ -82,11 +129,13 @@ void SurfaceEditor::collapse(std::uint32_t h, const Vec3& p) {
   out_[c] = h1;
   out_[d] = o1;
   positions_[b] = p;
-  alive_ -= 2;
+  alive_ -= is_boundary ? 1 : 2;
+  if (!on_boundary_.empty()) on_boundary_[b] |= on_boundary_[a];
 }
 
 bool SurfaceEditor::can_flip(std::uint32_t h) const {
   const std::uint32_t c = to(next(h)), d = to(next(twin(h)));
+  if (is_boundary_edge(h) || !is_alive(h / 3)) return false;
   if (c == d || valence(from(h)) <= 3 || valence(to(h)) <= 3) return false;
   std::uint32_t g = out_[c];
   do {
@@ -112,6 +161,7 @@ void SurfaceEditor::flip(std::uint32_t h) {
 }
 
 std::uint32_t SurfaceEditor::split(std::uint32_t h, const Vec3& p) {
+  const bool is_boundary = is_boundary_edge(h);
   const std::uint32_t o = twin(h), b = to(h), c = to(next(h)), d = to(next(o));
   const auto v = static_cast<std::uint32_t>(positions_.size());
   positions_.push_back(p);
@@ -130,7 +180,12 @@ std::uint32_t SurfaceEditor::split(std::uint32_t h, const Vec3& p) {
   out_.push_back(s);
   out_[b] = r;
   out_[d] = db;
-  alive_ += 2;
+  alive_ += is_boundary ? 1 : 2;
+  if (!is_lid_.empty()) {
+    is_lid_.push_back(is_lid_[h / 3]);
+    is_lid_.push_back(is_lid_[o / 3]);
+    on_boundary_.push_back(is_boundary ? 1 : 0);
+  }
   return v;
 }
 
@@ -139,7 +194,7 @@ TriMesh SurfaceEditor::mesh(std::vector<std::uint32_t>* old_vertex) const {
   std::vector<std::uint32_t> id(positions_.size(), none);
   if (old_vertex) old_vertex->clear();
   for (std::uint32_t v = 0; v < positions_.size(); ++v) {
-    if (out_[v] == none) continue;
+    if (!has_vertex(v)) continue;
     id[v] = static_cast<std::uint32_t>(m.vertices.size());
     m.vertices.push_back(positions_[v]);
     if (old_vertex) old_vertex->push_back(v);

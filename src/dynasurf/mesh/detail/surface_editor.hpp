@@ -8,15 +8,20 @@
 
 namespace dynasurf::mesh {
 
-/// A closed surface under change: edges collapse, flip and split, and it stays closed, manifold, oriented and of the
-/// same genus. Half-edge h = 3 t + c runs from corner c of triangle t to the next corner.
+/// A surface under change: edges collapse, flip and split, and it stays manifold, oriented, of the same genus, and
+/// closed or with as many boundary loops as it had. Half-edge h = 3 t + c runs from corner c of triangle t to the next
+/// corner. Behind the edges of each loop lie lids, triangles that all meet in a vertex of their own: they close the
+/// combinatorics, belong to no surface, and are not alive.
 class SurfaceEditor {
  public:
   static constexpr std::uint32_t none = 0xffffffff;
   using Corners = std::array<std::uint32_t, 3>;
 
-  /// Throws InputError unless the mesh is closed, manifold and oriented, with every vertex in use.
-  explicit SurfaceEditor(const TriMesh& mesh);
+  enum class Boundary { none, kept };
+
+  /// Throws InputError unless the mesh is manifold and oriented, with every vertex in use, and closed or allowed to
+  /// have a boundary.
+  explicit SurfaceEditor(const TriMesh& mesh, Boundary boundary = Boundary::none);
 
   static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
   static std::uint32_t previous(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
@@ -24,8 +29,13 @@ class SurfaceEditor {
   std::uint32_t to(std::uint32_t h) const { return from_[next(h)]; }
   std::uint32_t twin(std::uint32_t h) const { return twin_[h]; }
   Corners corners(std::uint32_t t) const { return {from_[3 * t], from_[3 * t + 1], from_[3 * t + 2]}; }
-  bool is_alive(std::uint32_t t) const { return from_[3 * t] != none; }
-  bool has_vertex(std::uint32_t v) const { return out_[v] != none; }
+  bool is_alive(std::uint32_t t) const { return from_[3 * t] != none && (is_lid_.empty() || !is_lid_[t]); }
+  bool has_vertex(std::uint32_t v) const { return out_[v] != none && (v < first_lid_ || v >= end_lids_); }
+  /// Of the two half-edges of an edge the one that stands for it; false for all where no triangle of the surface is.
+  bool is_edge(std::uint32_t h) const { return is_alive(h / 3) && (h < twin_[h] || !is_alive(twin_[h] / 3)); }
+  /// Whether a triangle lies on one side only.
+  bool is_boundary_edge(std::uint32_t h) const { return !is_lid_.empty() && is_alive(h / 3) != is_alive(twin_[h] / 3); }
+  bool is_on_boundary(std::uint32_t v) const { return !on_boundary_.empty() && on_boundary_[v] != 0; }
   /// A half-edge that leaves v.
   std::uint32_t leaving(std::uint32_t v) const { return out_[v]; }
   /// The half-edge that leaves the same vertex and comes after h counter-clockwise.
@@ -61,8 +71,11 @@ class SurfaceEditor {
   }
 
   std::vector<Vec3> positions_;
-  std::vector<std::uint32_t> out_;          // per vertex; none: gone
-  std::vector<std::uint32_t> from_, twin_;  // per half-edge
+  std::vector<std::uint32_t> out_;                    // per vertex; none: gone
+  std::vector<std::uint32_t> from_, twin_;            // per half-edge
+  std::vector<std::uint8_t> is_lid_;                  // per triangle; empty where the surface is closed
+  std::vector<std::uint8_t> on_boundary_;             // per vertex; likewise
+  std::uint32_t first_lid_ = none, end_lids_ = none;  // the vertices that lids meet in
   std::size_t alive_ = 0;
 };
 
