@@ -46,15 +46,17 @@ void read_screen(const std::string& text, cloud::Camera& camera) {
     throw OptionError("--screen is '" + text + "'; expected WIDTHxHEIGHT in pixels, such as 1920x1080");
 }
 
-/// t runs over (0, 1) in equal steps; its ends are the levels themselves.
-void write_transitions(const LodPlan& plan, const Arguments& arguments, const fs::path& folder) {
+/// t runs over (0, 1) in equal steps; its ends are the levels themselves. What the meshes are goes into the plan.
+void write_transitions(LodPlan& plan, const Arguments& arguments, const fs::path& folder) {
   const io::MeshFormat format = mesh_formats_of({arguments.mesh_format}, "--mesh-format").front();
   for (std::size_t n = 0; n < plan.transitions.size(); ++n)
     for (int step = 0; step <= arguments.steps + 1; ++step) {
       const double t = static_cast<double>(step) / (arguments.steps + 1);
       const std::string name = "level" + std::to_string(n + 2) + "_to_level" + std::to_string(n + 1) + "_" +
                                std::to_string(step) + "." + std::string(word_of(format));
-      io::write_mesh(cloud::at_transition(plan.transitions[n], t), folder / "transitions" / name, format);
+      const cloud::FreeShape shape = cloud::free_at_transition(plan.transitions[n], t);
+      plan.steps.push_back({n, step, t, shape.check, shape.ahead});
+      io::write_mesh(shape.mesh, folder / "transitions" / name, format);
     }
 }
 
@@ -100,15 +102,15 @@ ExitCode run(Arguments arguments, std::stop_token stop) {
   std::vector<TriMesh> meshes;
   meshes.reserve(levels.size());
   for (const NamedLevel& level : levels) meshes.push_back(level.mesh);
-  const LodPlan plan = plan_of(meshes, arguments.rule, arguments.camera, arguments.from);
+  LodPlan plan = plan_of(meshes, arguments.rule, arguments.camera, arguments.from);
   const std::string choice = arguments.distance ? choice_at(arguments, plan) : "";
-  const std::string json = io::json_text(json_of(levels, plan, arguments.rule, arguments.camera));
+  const auto json = [&] { return io::json_text(json_of(levels, plan, arguments.rule, arguments.camera)); };
   std::string written;
   if (arguments.out.is_asked()) {
     io::OutputFolder folder(arguments.out.path, arguments.out.existing(),
                             {arguments.levels.begin(), arguments.levels.end()});
-    io::write_file(folder.path() / "lod.json", json);
     write_transitions(plan, arguments, folder.path());
+    io::write_file(folder.path() / "lod.json", json());
     report::write_lod_page(meshes, plan.transitions,
                            {arguments.camera, arguments.rule, arguments.instances, plan.chain.largest_px},
                            folder.path() / "instances.html");
@@ -117,7 +119,7 @@ ExitCode run(Arguments arguments, std::stop_token stop) {
     written = "written: " + arguments.out.path + "\n" + line_of_moved(folder);
   }
   if (arguments.json)
-    print(json);
+    print(json());
   else if (!arguments.quiet)
     print(summary_of(levels, plan) + choice + written);
   return done;

@@ -125,12 +125,24 @@ nlohmann::ordered_json json_of(const std::vector<NamedLevel>& levels, const LodP
                               {"largest_screen_px", std::isfinite(px) ? Json(px) : Json()}});
   }
   json["transitions"] = Json::array();
-  for (std::size_t n = 0; n < plan.transitions.size(); ++n)
-    json["transitions"].push_back({{"from_level", n + 2},
-                                   {"to_level", n + 1},
-                                   {"exact", plan.transitions[n].exact},
-                                   {"start_distance", plan.transitions[n].start_distance},
-                                   {"largest_start_distance", plan.transitions[n].largest_start_distance}});
+  for (std::size_t n = 0; n < plan.transitions.size(); ++n) {
+    Json transition = {{"from_level", n + 2},
+                       {"to_level", n + 1},
+                       {"exact", plan.transitions[n].exact},
+                       {"start_distance", plan.transitions[n].start_distance},
+                       {"largest_start_distance", plan.transitions[n].largest_start_distance}};
+    for (const TransitionStep& s : plan.steps)
+      if (s.transition == n)
+        transition["meshes"].push_back({{"step", s.step},
+                                        {"t", s.t},
+                                        {"closed", s.check.closed},
+                                        {"manifold", s.check.manifold},
+                                        {"oriented", s.check.oriented},
+                                        {"self_intersections", s.check.self_intersections},
+                                        {"flat_triangles", s.check.flat_triangles},
+                                        {"vertices_ahead", s.ahead}});
+    json["transitions"].push_back(std::move(transition));
+  }
   json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
   return json;
 }

@@ -18,10 +18,20 @@ struct NamedLevel {
 /// are level1, level2, ... Throws InputError, IoError.
 std::vector<NamedLevel> levels_of(const std::vector<std::string>& paths, bool with_names);
 
+/// What a written mesh between two levels is.
+struct TransitionStep {
+  std::size_t transition = 0;
+  int step = 0;
+  double t = 0;
+  mesh::SurfaceCheck check;
+  std::size_t ahead = 0;  // see cloud::FreeShape
+};
+
 struct LodPlan {
   cloud::LodChain chain;
   std::vector<double> from;                       // distance from which each level serves
   std::vector<cloud::LodTransition> transitions;  // level n out of level n + 1
+  std::vector<TransitionStep> steps;              // of the meshes that were written
 };
 
 /// `from`: distances that the user sets, one for each level, in place of those by the size on the screen; may be empty.

@@ -288,6 +288,11 @@ class Lod(CliTest):
         self.assertAlmostEqual(volumes[0] / levels[1], 1, delta=1e-6)
         for step, volume in enumerate(volumes):  # no jump on the way
             self.assertAlmostEqual(volume / (levels[1] + (levels[0] - levels[1]) * step / 4), 1, delta=0.005)
+        told = self.read_json(out / "lod.json")["transitions"][0]["meshes"]
+        self.assertGreater(told[0]["self_intersections"] + told[0]["flat_triangles"], 0)  # pieces of coarse triangles
+        for mesh in told[1:]:
+            self.assertTrue(mesh["closed"] and mesh["manifold"] and mesh["oriented"], mesh)
+            self.assertEqual(mesh["self_intersections"] + mesh["flat_triangles"], 0)
         self.assertLess((out / "instances.html").stat().st_size, 2e6)
         # A former folder of this command is replaced.
         self.assertEqual(run("lod", small_result(), "--out", out, "--steps", "0").returncode, 0)
@@ -307,8 +312,11 @@ class Lod(CliTest):
         twice = json.loads(run("lod", small_result(), "--from", "0,25", "--json").stdout)
         self.assertAlmostEqual(lod["levels"][1]["largest_screen_px"] / twice["levels"][1]["largest_screen_px"], 2, 9)
         out = self.folder / "lod"
-        self.assertEqual(run("lod", small_result(), "--from", "0,12.5", "--out", out, "--steps", "0").returncode, 0)
-        self.assertEqual(self.read_json(out / "lod.json"), lod)
+        printed = json.loads(run("lod", small_result(), "--from", "0,12.5", "--out", out, "--steps", "0", "--json").stdout)
+        self.assertEqual(self.read_json(out / "lod.json"), printed)
+        for transition in printed["transitions"]:  # what was written is told only where something was
+            self.assertEqual([mesh["step"] for mesh in transition.pop("meshes")], [0, 1])
+        self.assertEqual(printed, lod)
 
         def level_at(distance, *more):
             text = run("lod", small_result(), "--from", "0,12.5", "--distance", distance, *more).stdout

@@ -8,6 +8,7 @@
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/mesh/repair.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 
@@ -213,6 +214,27 @@ TEST(LodTransition, IsTheCoarseSurfaceAtItsStartWhereSheetsNearlyTouch) {
   expect_whole_levels(synthetic::CloudShape::vase, {1280, 320});
   expect_whole_levels(synthetic::CloudShape::spring, {1280, 320});
   expect_whole_levels(synthetic::CloudShape::two_torus, {1280, 320, 80});
+}
+
+TEST(LodTransition, LeavesNoTrianglesThatMeetOnTheWay) {
+  Options options;
+  options.triangles = {1280, 320};
+  const auto levels =
+      reconstruct(synthetic::make_cloud({.shape = synthetic::CloudShape::spring, .points = 20000}), options).levels;
+  ASSERT_EQ(levels.size(), 2u);
+  const LodTransition transition = lod_transition(levels[1].mesh, levels[0].mesh);
+  std::size_t met = 0;
+  for (const double t : {0.1, 0.25, 0.5, 0.75, 1.0}) {
+    const FreeShape shape = free_at_transition(transition, t);
+    EXPECT_TRUE(shape.check.valid()) << t;
+    EXPECT_TRUE(mesh::check_surface(shape.mesh).valid()) << t;
+    met += shape.met;
+    const TriMesh straight = at_transition(transition, t);
+    std::size_t moved = 0;
+    for (std::size_t v = 0; v < straight.vertices.size(); ++v) moved += straight.vertices[v] != shape.mesh.vertices[v];
+    EXPECT_LE(moved, shape.ahead);
+  }
+  EXPECT_GT(met, 0u) << "else this body shows nothing";
 }
 
 TEST(LodTransition, ChangesTheVolumeContinuouslyFromOneLevelToTheOther) {

@@ -8,6 +8,7 @@
 
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/mesh/repair.hpp"
 
 namespace dynasurf::cloud {
 
@@ -99,6 +100,18 @@ LodTransition lod_transition(const TriMesh& coarse, const TriMesh& fine);
 
 /// The shape at t in [0, 1]: the vertices move on straight lines, so shape and volume are continuous.
 TriMesh at_transition(const LodTransition& transition, double t);
+
+/// A shape between two levels in which no triangles meet.
+struct FreeShape {
+  TriMesh mesh;
+  mesh::SurfaceCheck check;  // nothing meets and nothing is flat where the finer level is sound and t is above 0
+  std::size_t met = 0;       // pairs of triangles that meet on the straight lines, and flat triangles
+  std::size_t ahead = 0;     // vertices that stand where they end instead, so that none do
+};
+
+/// The shape at t, where vertices of triangles that meet, and as many around them as it takes, are already where they
+/// end. At t = 0, where many triangles are flat, and for meshes that are no manifold, the shape is left as it is.
+FreeShape free_at_transition(const LodTransition& transition, double t);
 
 /// Which shape to draw so that nothing jumps: level `level` grown by `t` out of level `level + 1`. `t` is 1 where the
 /// next level would not serve, falls to 0 within the band of the hysteresis below its limit, and the coarsest level has

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 
 #include "dynasurf/cloud/lod.hpp"
@@ -52,6 +54,19 @@ std::vector<Edge> parents_of(const TriMesh& coarse, const TriMesh& fine) {
   return parents;
 }
 
+/// The edges that have a triangle on one side only, sorted.
+std::vector<Edge> boundary_of(const TriMesh& mesh) {
+  std::vector<Edge> all, boundary;
+  for (const auto& t : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i) all.push_back(edge_of(t[i], t[(i + 1) % 3]));
+  std::sort(all.begin(), all.end());
+  for (std::size_t i = 0, last = 0; i < all.size(); i = last) {
+    for (last = i; last < all.size() && all[last] == all[i]; ++last) continue;
+    if (last - i == 1) boundary.push_back(all[i]);
+  }
+  return boundary;
+}
+
 std::vector<Vec3> vertex_normals(const TriMesh& mesh) {
   std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -81,13 +96,26 @@ mesh::SurfacePoint nearest_that_faces(const TriMesh& mesh, const Vec3& p, const 
 }
 
 /// Cuts the triangles of a fine mesh, which leaves its shape as it is, until all corners of each can be sent into one
-/// triangle of the coarse mesh. The flat pieces between them then are pieces of the coarse surface.
+/// triangle of the coarse mesh. The flat pieces between them then are pieces of the coarse surface. A boundary is sent
+/// to the coarse boundary.
 class Cutting {
  public:
   Cutting(const TriMesh& coarse, const TriMesh& fine)
-      : coarse_(coarse), closest_(coarse), mesh_(fine), normals_(vertex_normals(fine)), images_(fine.vertices.size()) {
+      : coarse_(coarse),
+        closest_(coarse),
+        coarse_boundary_(boundary_of(coarse)),
+        mesh_(fine),
+        normals_(vertex_normals(fine)),
+        images_(fine.vertices.size()) {
+    std::vector<std::uint8_t> on_boundary(images_.size(), 0);
+    if (!coarse_boundary_.empty())
+      for (const Edge& e : boundary_of(fine)) {
+        boundary_.insert(e);
+        on_boundary[e.first] = on_boundary[e.second] = 1;
+      }
     parallel_for(images_.size(), 256, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t v = begin; v < end; ++v) images_[v] = image_of(mesh_.vertices[v], normals_[v]);
+      for (std::size_t v = begin; v < end; ++v)
+        images_[v] = on_boundary[v] ? boundary_image_of(mesh_.vertices[v]) : image_of(mesh_.vertices[v], normals_[v]);
     });
     for (const Corners& t : coarse_.triangles) {
       faces_.push_back(sorted(t));
@@ -143,10 +171,28 @@ class Cutting {
     return c;
   }
 
+  static constexpr double drawn = 0.22;  // below a third, so that one weight at least is left
+
+  /// The nearest place of the coarse boundary, drawn to its vertices like others.
+  Image boundary_image_of(const Vec3& place) const {
+    double least = std::numeric_limits<double>::infinity(), at = 0;
+    Edge edge{0, 0};
+    for (const Edge& e : coarse_boundary_) {
+      const Vec3 &a = coarse_.vertices[e.first], along = coarse_.vertices[e.second] - a;
+      const double t = std::clamp((place - a).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
+      const double distance2 = (place - a - t * along).squaredNorm();
+      if (distance2 < least) least = distance2, at = t, edge = e;
+    }
+    const auto [a, b] = edge;
+    Image image{{a, b, b}, {}, (1 - at) * coarse_.vertices[a] + at * coarse_.vertices[b]};
+    const double t = std::clamp((at - drawn) / (1 - 2 * drawn), 0.0, 1.0);
+    image.weights = {1 - t, t, 0};
+    return image;
+  }
+
   /// Places near a coarse edge or vertex are drawn onto it and the others spread over what they leave, so that no
   /// triangle of the fine mesh needs to have its edges exactly where the coarse ones are.
   Image image_of(const Vec3& place, const Vec3& normal) const {
-    constexpr double drawn = 0.22;  // below a third, so that one weight at least is left
     mesh::SurfacePoint on = closest_(place);
     if (normal_of(coarse_, on.triangle).dot(normal) < 0) {
       const mesh::SurfacePoint facing = nearest_that_faces(coarse_, place, normal);
@@ -205,8 +251,8 @@ class Cutting {
 
   /// Vertices along a way over the coarse edges, of the fewest edges, from a corner of one image to one of another.
   /// Empty when the two lie on different parts of the surface.
-  std::vector<std::uint32_t> way_between(const Image& from, const Image& to) {
-    if (neighbours_.empty()) find_neighbours();
+  std::vector<std::uint32_t> way_between(const Image& from, const Image& to,
+                                         const std::vector<std::vector<std::uint32_t>>& neighbours) const {
     const std::vector<std::uint32_t> ends = support(to);
     std::vector<std::uint32_t> open = support(from);
     std::map<std::uint32_t, std::uint32_t> came_from;
@@ -219,7 +265,7 @@ class Cutting {
         std::reverse(way.begin(), way.end());
         return way;
       }
-      for (const std::uint32_t next : neighbours_[v])
+      for (const std::uint32_t next : neighbours[v])
         if (came_from.emplace(next, v).second) open.push_back(next);
     }
     return {};
@@ -227,15 +273,25 @@ class Cutting {
 
   void find_neighbours() {
     neighbours_.resize(coarse_.vertices.size());
+    boundary_neighbours_.resize(coarse_.vertices.size());
     for (const Corners& t : coarse_.triangles)
-      for (std::size_t i = 0; i < 3; ++i) neighbours_[t[i]].push_back(t[(i + 1) % 3]);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Edge e = edge_of(t[i], t[(i + 1) % 3]);
+        neighbours_[t[i]].push_back(t[(i + 1) % 3]);
+        if (!std::binary_search(coarse_boundary_.begin(), coarse_boundary_.end(), e)) continue;
+        neighbours_[t[(i + 1) % 3]].push_back(t[i]);
+        boundary_neighbours_[e.first].push_back(e.second);
+        boundary_neighbours_[e.second].push_back(e.first);
+      }
   }
 
   /// A coarse vertex half way from one image to another, so that the ways to both have fewer edges.
-  std::optional<Image> image_on_the_way(std::uint32_t a, std::uint32_t b) {
+  std::optional<Image> image_on_the_way(std::uint32_t a, std::uint32_t b, bool on_boundary) {
     const std::array<std::uint32_t, 2> ends{a, b};
     if (within_one(ends)) return std::nullopt;
-    const std::vector<std::uint32_t> way = way_between(images_[a], images_[b]);
+    if (neighbours_.empty()) find_neighbours();
+    const std::vector<std::uint32_t> way =
+        way_between(images_[a], images_[b], on_boundary ? boundary_neighbours_ : neighbours_);
     if (way.empty()) return std::nullopt;
     const bool at_vertex = support(images_[a]).size() == 1;
     const std::uint32_t v = way[way.size() == 2 && at_vertex ? 1 : (way.size() - 1) / 2];
@@ -250,8 +306,13 @@ class Cutting {
       mesh_.vertices.push_back((mesh_.vertices[a] + mesh_.vertices[b]) / 2);
       normals_.push_back(normals_[a].normalized() + normals_[b].normalized());
       // Between the images of the ends, for what is nearest to a rim or fold of the fine mesh may jump.
-      const std::optional<Image> led_to = led ? image_on_the_way(a, b) : std::nullopt;
-      images_.push_back(led_to ? *led_to : image_of((images_[a].nearest + images_[b].nearest) / 2, normals_.back()));
+      const bool on_boundary = boundary_.erase(edge) > 0;
+      if (on_boundary) boundary_.insert({{a, middle}, {b, middle}});
+      const std::optional<Image> led_to = led ? image_on_the_way(a, b, on_boundary) : std::nullopt;
+      const Vec3 between = (images_[a].nearest + images_[b].nearest) / 2;
+      images_.push_back(led_to        ? *led_to
+                        : on_boundary ? boundary_image_of(between)
+                                      : image_of(between, normals_.back()));
     }
     std::vector<Corners> triangles;
     for (const Corners& t : mesh_.triangles) cut(t, triangles);
@@ -275,13 +336,16 @@ class Cutting {
 
   const TriMesh& coarse_;
   mesh::ClosestPoint closest_;
+  std::vector<Edge> coarse_boundary_;
   TriMesh mesh_;
   std::vector<Vec3> normals_;
   std::vector<Image> images_;
   std::vector<std::array<std::uint32_t, 2>> cuts_;
   std::vector<Corners> faces_;  // triangles and edges (either end twice) of the coarse mesh, sorted
   std::map<Edge, std::uint32_t> marked_;
-  std::vector<std::vector<std::uint32_t>> neighbours_;  // of the coarse vertices; found when a way is asked for
+  std::set<Edge> boundary_;  // of the fine mesh as it is cut; empty where the coarse one has none
+  // Of the coarse vertices, all and along the boundary; found when a way is asked for.
+  std::vector<std::vector<std::uint32_t>> neighbours_, boundary_neighbours_;
 };
 
 /// Squared distances from the vertices and the middles of the edges and the triangle to a surface.
