@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <random>
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "dynasurf/core/detail/simd.hpp"
@@ -137,8 +137,12 @@ TEST(FitLoops, HaveTheSameBytesWithVectorsOfAnyWidth) {
     const std::vector<double> from(lines.values.begin(), lines.values.end());
     std::vector<double> rest(length * length);
     syrk_downdate(from.data(), count, length, 0, 0, length, rest.data());
+    std::vector<double> factor = rest, solved(length * length, 1.0);
+    for (std::size_t i = 0; i < length; ++i) factor[i * length + i] = 100;
+    solve_lines(factor.data(), length, length, solved.data(), length, length);
     field::detail::widest_vectors = 16;
     std::vector<double> sums(back.begin(), back.end());
+    sums.insert(sums.end(), solved.begin(), solved.end());
     sums.insert(sums.end(), blended.values.begin(), blended.values.end());
     for (std::size_t i = 0; i < length; ++i)
       for (std::size_t j = 0; j <= i; ++j) sums.insert(sums.end(), {squares.line(i)[j], rest[i * length + j]});
@@ -160,11 +164,66 @@ TEST(FitLoops, SolveDefiniteMatricesOfAnySize) {
     RowMatrix lower = a;
     lower.triangularView<Eigen::StrictlyUpper>().setConstant(1e300);  // must not be read
     // Conditions up to a few hundred times the count.
-    const Eigen::VectorXd solved = solve_definite(lower, diagonal, b);
+    const Eigen::VectorXd solved = Cholesky(lower, diagonal).solve(b);
     EXPECT_LT((solved - expected).norm(), 1e-10 * expected.norm()) << count;
     const ThreadLimit one(1);
-    EXPECT_EQ(solve_definite(lower, diagonal, b), solved) << count;
+    EXPECT_EQ(Cholesky(lower, diagonal).solve(b), solved) << count;
   }
+}
+
+/// What another processor would tell Eigen, which cuts the sums of large products by it.
+class OtherCaches {
+ public:
+  OtherCaches() : first_(Eigen::l1CacheSize()), second_(Eigen::l2CacheSize()), third_(Eigen::l3CacheSize()) {
+    Eigen::setCpuCacheSizes(4096, 32768, 32768);
+  }
+  ~OtherCaches() { Eigen::setCpuCacheSizes(first_, second_, third_); }
+  OtherCaches(const OtherCaches&) = delete;
+  OtherCaches& operator=(const OtherCaches&) = delete;
+
+ private:
+  std::ptrdiff_t first_, second_, third_;
+};
+
+TEST(FitLoops, SumProductsInTheOrderOfTheColumnsWhateverTheCaches) {
+  std::mt19937 random(7);
+  const Eigen::MatrixXd a = Eigen::MatrixXd::NullaryExpr(900, 37, [&] { return drawn(random); });
+  const Eigen::MatrixXd b = Eigen::MatrixXd::NullaryExpr(900, 19, [&] { return drawn(random); });
+  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(37, 19);
+  for (Eigen::Index n = 0; n < a.rows(); ++n)
+    for (Eigen::Index i = 0; i < a.cols(); ++i)
+      for (Eigen::Index j = 0; j < b.cols(); ++j) expected(i, j) += a(n, i) * b(n, j);
+  EXPECT_EQ(product(a.transpose(), b), expected);
+  const OtherCaches other;
+  EXPECT_EQ(product(a.transpose(), b), expected);
+  EXPECT_EQ(product(a.topRows(1), Eigen::MatrixXd::Zero(37, 0)).cols(), 0);
+}
+
+TEST(FitLoops, TellLengthsThroughAFactorWhateverTheCaches) {
+  for (const Eigen::Index count : {1, 3, 64, 67, 230}) {
+    std::mt19937 random(static_cast<unsigned>(count));
+    const Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(count, count, [&] { return drawn(random); });
+    Eigen::MatrixXd a = root * root.transpose();
+    a.diagonal().array() += 1;
+    const Eigen::MatrixXd b = Eigen::MatrixXd::NullaryExpr(count, 5, [&] { return drawn(random); });
+    const Cholesky factor(a);
+    const Eigen::VectorXd lengths = factor.half_norms(b), solved = factor.solve(b.col(0));
+    // Independent of the factor: |L^-1 b|^2 = b' a^-1 b.
+    const Eigen::VectorXd expected = b.cwiseProduct(a.fullPivLu().solve(b)).colwise().sum().cwiseSqrt();
+    EXPECT_LT((lengths - expected).norm(), 1e-10 * expected.norm()) << count;
+    for (Eigen::Index c = 0; c < b.cols(); ++c) EXPECT_EQ(factor.half_norm(b.col(c)), lengths[c]) << count;
+    const OtherCaches other;
+    const Cholesky again(a);
+    EXPECT_EQ(again.half_norms(b), lengths) << count;
+    EXPECT_EQ(again.solve(b.col(0)), solved) << count;
+  }
+}
+
+TEST(FitLoops, FactorWithFiniteNumbersWhatIsNotPositive) {
+  Eigen::MatrixXd a = Eigen::MatrixXd::Identity(70, 70);
+  a(3, 3) = -1, a(69, 69) = 0;
+  const Eigen::VectorXd solved = Cholesky(a).solve(Eigen::VectorXd::Ones(70));
+  EXPECT_EQ(solved, Eigen::VectorXd::Ones(70));
 }
 
 }  // namespace

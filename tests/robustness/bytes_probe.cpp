@@ -9,6 +9,8 @@
 #include <type_traits>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/simd.hpp"
@@ -188,9 +190,10 @@ void clouds() {
 }  // namespace
 }  // namespace dynasurf
 
-// bytes_probe [widest vectors, in floats [threads]]
+// bytes_probe [widest vectors, in floats [threads [bytes of the first cache, as Eigen is told]]]
 int main(int count, char** words) {
   if (count > 1) dynasurf::field::detail::widest_vectors = std::atoi(words[1]);
+  if (const int cache = count > 3 ? std::atoi(words[3]) : 0) Eigen::setCpuCacheSizes(cache, 8 * cache, 8 * cache);
   const dynasurf::ThreadLimit limit(count > 2 ? std::atoi(words[2]) : 0);
   dynasurf::functions();
   dynasurf::organs();

@@ -61,10 +61,10 @@ class Probe(unittest.TestCase):
         with open(GOLDEN, encoding="utf-8") as file:
             self.assertEqual(self.lines(), file.read().splitlines())
 
-    def test_with_vectors_of_any_width_and_one_thread(self):
+    def test_with_vectors_of_any_width_one_thread_and_small_caches(self):
         expected = self.lines()
-        for widest in ("4", "8"):
-            self.assertEqual(self.lines(widest, "1", env=environment(**OLD)), expected, widest)
+        for widest, cache in (("4", "4096"), ("8", "65536")):
+            self.assertEqual(self.lines(widest, "1", cache, env=environment(**OLD)), expected, widest)
 
 
 if __name__ == "__main__":

@@ -1,54 +1,85 @@
 #include "dynasurf/psf_fit/detail/cholesky.hpp"
 
 #include <algorithm>
-#include <vector>
-
-#include <Eigen/Cholesky>
+#include <cmath>
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/psf_fit/detail/matrix_loops.hpp"
 
 namespace dynasurf::psf_fit {
 
-Eigen::VectorXd solve_definite(const RowMatrix& a, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& b) {
-  constexpr Eigen::Index block = 64;
-  const Eigen::Index count = a.rows();
-  const auto pitch = static_cast<Eigen::Index>(detail::filled_up(static_cast<std::size_t>(count)));
-  RowMatrix lower(pitch, pitch);
+Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b) {
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(a.rows(), b.cols());
+  for (Eigen::Index j = 0; j < b.cols(); ++j)
+    detail::add_lines(sums.col(j).data(), static_cast<std::size_t>(a.rows()), a.data(),
+                      static_cast<std::size_t>(a.outerStride()), b.col(j).data(), static_cast<std::size_t>(a.cols()));
+  return sums;
+}
+
+Cholesky::Cholesky(const RowMatrix& a, const Eigen::VectorXd& diagonal) : count_(a.rows()) {
+  constexpr Eigen::Index block = detail::corner_size;
+  const auto pitch = static_cast<Eigen::Index>(detail::filled_up(static_cast<std::size_t>(count_)));
+  lower_.resize(pitch, pitch);
   parallel_for(static_cast<std::size_t>(pitch), detail::line_step, [&](std::size_t from, std::size_t to) {
     const auto at = static_cast<Eigen::Index>(from), end = static_cast<Eigen::Index>(to);
-    lower.middleRows(at, end - at) = RowMatrix::Identity(pitch, pitch).middleRows(at, end - at);
-    if (at >= count) return;
-    const Eigen::Index rows = std::min(end, count) - at;
-    lower.block(at, 0, rows, at + rows) = a.block(at, 0, rows, at + rows);
-    lower.diagonal().segment(at, rows) += diagonal.segment(at, rows);
+    lower_.middleRows(at, end - at) = RowMatrix::Identity(pitch, pitch).middleRows(at, end - at);
+    if (at >= count_) return;
+    const Eigen::Index rows = std::min(end, count_) - at;
+    lower_.block(at, 0, rows, at + rows) = a.block(at, 0, rows, at + rows);
+    lower_.diagonal().segment(at, rows) += diagonal.segment(at, rows);
   });
   RowMatrix panel(block, pitch);  // columns of the factor, lying
   for (Eigen::Index k = 0; k < pitch; k += block) {
     const Eigen::Index columns = std::min(block, pitch - k), rest = pitch - k - columns;
-    const Eigen::MatrixXd corner = lower.block(k, k, columns, columns);
-    const Eigen::MatrixXd factor = corner.llt().matrixL();
-    lower.block(k, k, columns, columns) = factor;
+    const auto across = static_cast<std::size_t>(pitch), lines = static_cast<std::size_t>(columns);
+    double* const corner = &lower_(k, k);
+    detail::factor_corner(corner, lines, across);
     if (rest == 0) break;
     constexpr std::size_t rows = detail::line_step;
-    const auto first = static_cast<std::size_t>(k + columns), end = static_cast<std::size_t>(pitch);
-    parallel_for(end - first, 2 * rows, [&](std::size_t from, std::size_t to) {
+    const auto first = static_cast<std::size_t>(k + columns);
+    parallel_for(across - first, 2 * rows, [&](std::size_t from, std::size_t to) {
       const auto at = static_cast<Eigen::Index>(first + from), length = static_cast<Eigen::Index>(to - from);
-      const Eigen::MatrixXd solved =
-          factor.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd(lower.block(at, k, length, columns).transpose()));
-      panel.block(0, at, columns, length) = solved;
-      lower.block(at, k, length, columns) = solved.transpose();
+      panel.block(0, at, columns, length) = lower_.block(at, k, length, columns).transpose();
+      detail::solve_lines(corner, lines, across, panel.data() + at, to - from, across);
+      lower_.block(at, k, length, columns) = panel.block(0, at, columns, length).transpose();
     });
-    parallel_for(end - first, rows, [&](std::size_t from, std::size_t to) {
-      detail::syrk_downdate(panel.data(), static_cast<std::size_t>(columns), end, first, first + from, first + to,
-                            lower.data());
+    parallel_for(across - first, rows, [&](std::size_t from, std::size_t to) {
+      detail::syrk_downdate(panel.data(), lines, across, first, first + from, first + to, lower_.data());
     });
   }
+}
+
+Eigen::VectorXd Cholesky::solve(const Eigen::VectorXd& b) const {
+  const auto pitch = static_cast<std::size_t>(lower_.cols()), count = static_cast<std::size_t>(count_);
   Eigen::VectorXd x = b;
-  const auto triangle = lower.topLeftCorner(count, count).triangularView<Eigen::Lower>();
-  triangle.solveInPlace(x);
-  triangle.transpose().solveInPlace(x);
+  detail::solve_numbers(lower_.data(), count, pitch, x.data());
+  for (std::size_t i = count; i-- > 0;) {
+    const double* const line = lower_.data() + i * pitch;
+    double& here = x[static_cast<Eigen::Index>(i)];
+    here /= line[i];
+    const double less = -here;
+    detail::add_lines(x.data(), i, line, pitch, &less, 1);
+  }
   return x;
+}
+
+Eigen::VectorXd Cholesky::half_norms(const Eigen::MatrixXd& b) const {
+  RowMatrix x = b;
+  const auto width = static_cast<std::size_t>(x.cols());
+  detail::solve_lines(lower_.data(), static_cast<std::size_t>(count_), static_cast<std::size_t>(lower_.cols()),
+                      x.data(), width, width);
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(x.cols());
+  for (Eigen::Index i = 0; i < count_; ++i) squares += x.row(i).cwiseAbs2().transpose();
+  return squares.cwiseSqrt();
+}
+
+double Cholesky::half_norm(const Eigen::VectorXd& b) const {
+  Eigen::VectorXd x = b;
+  detail::solve_numbers(lower_.data(), static_cast<std::size_t>(count_), static_cast<std::size_t>(lower_.cols()),
+                        x.data());
+  double square = 0;
+  for (const double v : x) square += v * v;
+  return std::sqrt(square);
 }
 
 }  // namespace dynasurf::psf_fit

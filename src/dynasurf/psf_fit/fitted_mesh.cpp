@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -149,10 +147,7 @@ double open_area(const TriMesh& mesh) {
   return mesh::area_mm2(open);
 }
 
-double spread_of(const Eigen::VectorXd& gradient, const Eigen::LLT<Eigen::MatrixXd>& factor) {
-  const Eigen::VectorXd half = factor.matrixL().solve(gradient);
-  return half.norm();
-}
+double spread_of(const Eigen::VectorXd& gradient, const Cholesky& factor) { return factor.half_norm(gradient); }
 
 /// The normal matrix knows of noise, not of hearts and cameras that differ from the model. Its deviations times this
 /// factor, a part that no counting takes away, and papillary muscles of unknown size hold the truth in about 90 % of
@@ -223,9 +218,8 @@ struct VolumeGradients {
 };
 
 /// Surfaces, valve plane and volumes of one gate.
-void describe_gate(const BeatProblem& problem, const Solution& solution, const Grid& grid,
-                   const Eigen::LLT<Eigen::MatrixXd>& factor, double papillary, std::size_t g, VolumeGradients& by,
-                   FittedBeat& beat) {
+void describe_gate(const BeatProblem& problem, const Solution& solution, const Grid& grid, const Cholesky& factor,
+                   double papillary, std::size_t g, VolumeGradients& by, FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
   const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), solution.unknowns);
   Walls walls(problem, numbers, papillary);
@@ -253,7 +247,7 @@ void describe_gate(const BeatProblem& problem, const Solution& solution, const G
 }
 
 /// Volumes of the beat: of its largest and its smallest gate, and of the wall.
-void describe_volumes(const VolumeGradients& by, const Eigen::LLT<Eigen::MatrixXd>& factor, FittedBeat& beat) {
+void describe_volumes(const VolumeGradients& by, const Cholesky& factor, FittedBeat& beat) {
   const std::size_t gates = beat.gates.size();
   std::vector<double> wall;
   for (const FittedGate& gate : beat.gates) wall.push_back(gate.epi_ml.value - gate.endo_ml.value);
@@ -281,8 +275,7 @@ void describe_volumes(const VolumeGradients& by, const Eigen::LLT<Eigen::MatrixX
 }
 
 /// Thickness of the wall, width of the point spread (of its log, until the width is known), levels of activity.
-void describe_levels(const BeatProblem& problem, const Solution& solution, const Eigen::LLT<Eigen::MatrixXd>& factor,
-                     FittedBeat& beat) {
+void describe_levels(const BeatProblem& problem, const Solution& solution, const Cholesky& factor, FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
   const FittedGate& relaxed = beat.gates[static_cast<std::size_t>(beat.ed_gate)];
   const double area = 0.5 * (open_area(relaxed.endo) + open_area(relaxed.epi));
@@ -305,9 +298,9 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, double 
                    double usual_share, FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
   beat.rings = wall_rings, beat.segments = around;
-  const Eigen::LLT<Eigen::MatrixXd> known(solution.matrix.whole(problem.noise));
+  const Cholesky known(solution.matrix.whole(problem.noise));
   const double papillary = papillary_share(problem, solution, known, usual_share);
-  const Eigen::LLT<Eigen::MatrixXd> factor(solution.matrix.whole(noise));
+  const Cholesky factor(solution.matrix.whole(noise));
   const auto gates = static_cast<std::size_t>(layout.gates);
   VolumeGradients by{std::vector<Eigen::VectorXd>(gates), std::vector<Eigen::VectorXd>(gates)};
   beat.gates.resize(gates);

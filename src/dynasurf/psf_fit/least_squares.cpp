@@ -215,8 +215,8 @@ Eigen::MatrixXd prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& 
     layout.add_gradient(static_cast<int>(g), of_wall[g], column);
     walls.col(static_cast<Eigen::Index>(g)) = column;
   }
-  const Eigen::MatrixXd deviations = walls * wall_cycle(problem, at.activity).by_volume.transpose();
-  matrix += deviations * deviations.transpose();
+  const Eigen::MatrixXd deviations = product(walls, wall_cycle(problem, at.activity).by_volume.transpose());
+  matrix += product(deviations, deviations.transpose());
   if (problem.thickness.harmonics.rows() > 0) {
     const int g = problem.thickness.gate;
     Eigen::VectorXd thickness = Eigen::VectorXd::Zero(layout.unknowns);
@@ -250,7 +250,7 @@ void minimise(const BeatProblem& problem, Solution& solution, int most_steps, do
     ++solution.steps;
     if (solution.objective.gradient.size() == 0)
       solution.objective.gradient = objective_gradient(problem, solution.unknowns, solution.objective);
-    Eigen::VectorXd move = solve_definite(whole, solution.damping * belief, solution.objective.gradient);
+    Eigen::VectorXd move = Cholesky(whole, solution.damping * belief).solve(solution.objective.gradient);
     const double predicted =
         0.5 * move.dot(solution.objective.gradient) + 0.5 * solution.damping * move.dot(belief.cwiseProduct(move));
     Objective next = objective_value(problem, solution.unknowns - move);

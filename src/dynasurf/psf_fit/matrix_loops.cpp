@@ -1,6 +1,7 @@
 #include "dynasurf/psf_fit/detail/matrix_loops.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "dynasurf/core/detail/lanes.hpp"
 #include "dynasurf/core/detail/simd.hpp"
@@ -12,6 +13,9 @@ using namespace simd;
 
 // A tile that stays in registers: numbers, and native vectors of numbers.
 constexpr std::size_t tall = 4, wide = 2;
+
+/// Factors that `solve_lines` turns the sign of at a time.
+constexpr std::size_t most_lines = 64;
 
 /// One vector that the machine has.
 template <class T, int native>
@@ -94,6 +98,66 @@ void add_lines(float* to, std::size_t length, const float* const* from, const fl
   }
   for (; n < lines; ++n)
     for (std::size_t i = 0; i < length; ++i) to[i] += factor[n] * from[n][i];
+}
+
+DYNASURF_CLONES
+void add_lines(double* to, std::size_t length, const double* from, std::size_t pitch, const double* factor,
+               std::size_t lines) {
+  std::size_t n = 0;
+  for (; n + 4 <= lines; n += 4, from += 4 * pitch) {
+    const double *a = from, *b = a + pitch, *c = b + pitch, *d = c + pitch;
+    const double fa = factor[n], fb = factor[n + 1], fc = factor[n + 2], fd = factor[n + 3];
+    for (std::size_t i = 0; i < length; ++i) to[i] = to[i] + fa * a[i] + fb * b[i] + fc * c[i] + fd * d[i];
+  }
+  for (; n < lines; ++n, from += pitch)
+    for (std::size_t i = 0; i < length; ++i) to[i] += factor[n] * from[i];
+}
+
+DYNASURF_CLONES
+void factor_corner(double* matrix, std::size_t lines, std::size_t pitch) {
+  double column[corner_size];
+  for (std::size_t j = 0; j < lines; ++j) {
+    const double square = matrix[j * pitch + j];
+    const double pivot = square > 0 ? std::sqrt(square) : 1;
+    matrix[j * pitch + j] = pivot;
+    for (std::size_t i = j + 1; i < lines; ++i) column[i] = matrix[i * pitch + j] /= pivot;
+    for (std::size_t i = j + 1; i < lines; ++i) {
+      double* const line = matrix + i * pitch;
+      const double factor = column[i];
+      for (std::size_t k = j + 1; k <= i; ++k) line[k] -= factor * column[k];
+    }
+  }
+}
+
+void solve_lines(const double* factor, std::size_t lines, std::size_t factor_pitch, double* to, std::size_t length,
+                 std::size_t pitch) {
+  double less[most_lines];
+  for (std::size_t i = 0; i < lines; ++i) {
+    const double* const row = factor + i * factor_pitch;
+    double* const line = to + i * pitch;
+    for (std::size_t begin = 0; begin < i; begin += most_lines) {
+      const std::size_t count = std::min(most_lines, i - begin);
+      for (std::size_t n = 0; n < count; ++n) less[n] = -row[begin + n];
+      add_lines(line, length, to + begin * pitch, pitch, less, count);
+    }
+    for (std::size_t c = 0; c < length; ++c) line[c] /= row[i];
+  }
+}
+
+void solve_numbers(const double* factor, std::size_t lines, std::size_t pitch, double* to) {
+  for (std::size_t i = 0; i < lines; i += tall) {
+    const std::size_t rows = std::min(tall, lines - i);
+    const double* row[tall];
+    double sum[tall] = {};
+    for (std::size_t t = 0; t < tall; ++t) row[t] = factor + (i + std::min(t, rows - 1)) * pitch;
+    for (std::size_t t = 0; t < rows; ++t) sum[t] = to[i + t];
+    for (std::size_t n = 0; n < i; ++n)
+      for (std::size_t t = 0; t < tall; ++t) sum[t] -= row[t][n] * to[n];
+    for (std::size_t t = 0; t < rows; ++t) {
+      for (std::size_t n = i; n < i + t; ++n) sum[t] -= row[t][n] * to[n];
+      to[i + t] = sum[t] / row[t][i + t];
+    }
+  }
 }
 
 void syrk(const AlignedMatrix& lines, std::size_t count, AlignedMatrix& squares) {

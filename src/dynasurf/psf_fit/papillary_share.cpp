@@ -39,8 +39,7 @@ double bulge_of_columns(int degree) {
 
 }  // namespace
 
-double papillary_share(const BeatProblem& problem, const Solution& solution, const Eigen::LLT<Eigen::MatrixXd>& factor,
-                       double usual) {
+double papillary_share(const BeatProblem& problem, const Solution& solution, const Cholesky& factor, double usual) {
   const BeatLayout& layout = problem.layout;
   const GateLayout& places = layout.gate;
   if (usual <= 0) return usual;
@@ -57,7 +56,7 @@ double papillary_share(const BeatProblem& problem, const Solution& solution, con
     if (!is_bulge(k)) continue;
     const int unknown = layout.terms[0][static_cast<std::size_t>(places.endo + k)].front().unknown;
     const Eigen::VectorXd unit = Eigen::VectorXd::Unit(layout.unknowns, unknown);
-    seen += own::pow(solution.unknowns[unknown], 2) + factor.matrixL().solve(unit).squaredNorm();
+    seen += own::pow(solution.unknowns[unknown], 2) + own::pow(factor.half_norm(unit), 2);
   }
   const double most = std::sqrt(seen / bulge_of_columns(places.endo_degree)) / log_q_by_share;
   return std::min(usual, most);

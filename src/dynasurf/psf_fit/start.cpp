@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/image/intensity.hpp"
 #include "dynasurf/mesh/shapes.hpp"
+#include "dynasurf/psf_fit/detail/cholesky.hpp"
 #include "dynasurf/psf_fit/detail/harmonics.hpp"
 
 namespace dynasurf::psf_fit {
@@ -108,14 +107,15 @@ PlacedStart place_start(const FitStart& given, const Grid& grid) {
 
 Eigen::VectorXd smooth_harmonics(const Eigen::MatrixXd& rows, const Eigen::VectorXd& values, int degree) {
   constexpr double noise = 0.05;
-  Eigen::MatrixXd matrix = rows.transpose() * rows / static_cast<double>(std::max<Eigen::Index>(1, rows.rows())) * 300;
+  Eigen::MatrixXd matrix =
+      product(rows.transpose(), rows) / static_cast<double>(std::max<Eigen::Index>(1, rows.rows())) * 300;
   for (int k = 0; k < harmonics_up_to(degree); ++k) {
     const int l = degree_of_harmonic(k);
     const double sd = l == 0 ? 2.0 : 0.5 * own::pow(l, -2.0);
     matrix(k, k) += noise * noise / (sd * sd);
   }
   const double scale = 300.0 / static_cast<double>(std::max<Eigen::Index>(1, rows.rows()));
-  return matrix.llt().solve(rows.transpose() * values * scale);
+  return Cholesky(matrix).solve(rows.transpose() * values * scale);
 }
 
 Eigen::VectorXd harmonics_of_surface(const TriMesh& surface, const HeartFrame& frame, const heart::BasePlane& base,

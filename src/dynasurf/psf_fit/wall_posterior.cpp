@@ -97,7 +97,7 @@ Eigen::VectorXd by_mean_log_thickness(const BeatProblem& problem, const Eigen::V
 }  // namespace
 
 WallPosterior::WallPosterior(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Grid& grid,
-                             const Eigen::LLT<Eigen::MatrixXd>& factor)
+                             const Cholesky& factor)
     : layout_(problem.layout), frame_(problem.cells.frame), grid_(grid), factor_(factor) {
   for (int g = 0; g < layout_.gates; ++g) gates_.push_back(layout_.at_gate(g, unknowns));
 }
@@ -119,18 +119,18 @@ void WallPosterior::add(int gate, const WallPoints& points, const WallDependence
     const Rays inner = rays_through(points.endo, frame_, grid_, layout, numbers, degree);
     if (dependence.by_endo.cols() > 0)
       of_gate.middleRows(layout.endo, endo) +=
-          inner.harmonics.leftCols(endo).transpose() * (inner.mm.asDiagonal() * dependence.by_endo);
+          product(inner.harmonics.leftCols(endo).transpose(), inner.mm.asDiagonal() * dependence.by_endo);
     if (dependence.by_log_uptake.cols() > 0)
       of_gate.middleRows(layout.uptake, uptake) +=
-          inner.harmonics.leftCols(uptake).transpose() * dependence.by_log_uptake;
+          product(inner.harmonics.leftCols(uptake).transpose(), dependence.by_log_uptake);
   }
   if (dependence.by_epi.cols() > 0) {
     const Rays outer = rays_through(points.epi, frame_, grid_, layout, numbers, of_walls);
     const Eigen::MatrixXd by_log = outer.mm.asDiagonal() * dependence.by_epi;
     of_gate.middleRows(layout.endo, endo) +=
-        outer.harmonics.leftCols(endo).transpose() * (outer.epi_by_endo.asDiagonal() * by_log);
+        product(outer.harmonics.leftCols(endo).transpose(), outer.epi_by_endo.asDiagonal() * by_log);
     of_gate.middleRows(layout.wall, wall) +=
-        outer.harmonics.leftCols(wall).transpose() * (outer.epi_by_wall.asDiagonal() * by_log);
+        product(outer.harmonics.leftCols(wall).transpose(), outer.epi_by_wall.asDiagonal() * by_log);
   }
   const auto& terms = layout_.terms[static_cast<std::size_t>(gate)];
   for (Eigen::Index i = 0; i < of_gate.rows(); ++i)
@@ -138,20 +138,15 @@ void WallPosterior::add(int gate, const WallPoints& points, const WallDependence
       gradient.row(t.unknown) += t.factor * of_gate.row(i);
 }
 
-Eigen::VectorXd WallPosterior::sd(const Eigen::MatrixXd& gradient) const {
-  return factor_.matrixL().solve(gradient).colwise().norm();
-}
+Eigen::VectorXd WallPosterior::sd(const Eigen::MatrixXd& gradient) const { return factor_.half_norms(gradient); }
 
-void tell_belief_from_data(const BeatProblem& problem, const Solution& solution,
-                           const Eigen::LLT<Eigen::MatrixXd>& factor, FittedBeat& beat) {
+void tell_belief_from_data(const BeatProblem& problem, const Solution& solution, const Cholesky& factor,
+                           FittedBeat& beat) {
   constexpr double least = 0.5;
   tell_thin_wall(problem, solution, beat);
-  const auto left = [&](const Eigen::VectorXd& gradient) {
-    return Eigen::VectorXd(factor.matrixL().solve(gradient)).norm();
-  };
   if (problem.thickness.harmonics.rows() > 0) {
     const double share =
-        share_of_data(left(by_mean_log_thickness(problem, solution.unknowns)), problem.thickness.log_sd);
+        share_of_data(factor.half_norm(by_mean_log_thickness(problem, solution.unknowns)), problem.thickness.log_sd);
     beat.thickness_from_data = share;
     if (share < least)
       beat.notes.push_back(
@@ -163,8 +158,8 @@ void tell_belief_from_data(const BeatProblem& problem, const Solution& solution,
   const auto& width = problem.layout.terms[0][static_cast<std::size_t>(problem.layout.gate.width)];
   if (width.empty()) return;  // exact
   const int unknown = width.front().unknown;
-  const double share =
-      share_of_data(left(Eigen::VectorXd::Unit(problem.layout.unknowns, unknown)), problem.layout.spread[unknown]);
+  const double share = share_of_data(factor.half_norm(Eigen::VectorXd::Unit(problem.layout.unknowns, unknown)),
+                                     problem.layout.spread[unknown]);
   beat.width_from_data = share;
   if (share < least)
     beat.notes.push_back(

@@ -24,6 +24,10 @@ struct AlignedMatrix {
 /// to[i] += factor[n] * from[n][i] for all n < lines, in their order.
 void add_lines(float* to, std::size_t length, const float* const* from, const float* factor, std::size_t lines);
 
+/// The same in double precision, from lines `pitch` apart.
+void add_lines(double* to, std::size_t length, const double* from, std::size_t pitch, const double* factor,
+               std::size_t lines);
+
 /// Lines that `syrk` takes best at a time: they stay in the second cache.
 constexpr std::size_t lines_at_once = 128;
 /// No sums of squares yet, of lines of this length.
@@ -35,6 +39,19 @@ void syrk(const AlignedMatrix& lines, std::size_t count, AlignedMatrix& squares)
 /// beyond); all of them, and `pitch`, by which lines lie apart, multiples of `line_step`.
 void syrk_downdate(const double* from, std::size_t lines, std::size_t pitch, std::size_t first, std::size_t begin,
                    std::size_t end, double* to);
+
+/// Replaces the lower triangle of a symmetric positive definite matrix, of at most `corner_size` lines `pitch` apart,
+/// by its Cholesky factor.
+constexpr std::size_t corner_size = 64;
+void factor_corner(double* matrix, std::size_t lines, std::size_t pitch);
+
+/// Replaces lines by those of which the lower triangle `factor` makes them: to[i] becomes (to[i] - sum over n < i of
+/// factor[i][n] * to[n]) / factor[i][i].
+void solve_lines(const double* factor, std::size_t lines, std::size_t factor_pitch, double* to, std::size_t length,
+                 std::size_t pitch);
+
+/// The same for lines of one number.
+void solve_numbers(const double* factor, std::size_t lines, std::size_t pitch, double* to);
 
 /// to[g][i] = sum over the first `lines` lines of factor[n * gates + g] * from[n][i], a line of `to` for each gate, for
 /// i in [begin, end), multiples of `line_step`.

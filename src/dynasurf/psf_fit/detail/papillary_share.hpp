@@ -1,7 +1,5 @@
 #pragma once
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
-
+#include "dynasurf/psf_fit/detail/cholesky.hpp"
 #include "dynasurf/psf_fit/detail/least_squares.hpp"
 
 namespace dynasurf::psf_fit {
@@ -9,7 +7,6 @@ namespace dynasurf::psf_fit {
 /// Part of the muscle that stands in the cavity as papillary muscles, 0 to `usual`. Two columns leave two bulges on the
 /// inner wall; where the time's mean of that wall is more even than `usual` ones would make it, error bars included, it
 /// is as much less than `usual`. `factor`: of the normal matrix at `unknowns`.
-double papillary_share(const BeatProblem& problem, const Solution& solution, const Eigen::LLT<Eigen::MatrixXd>& factor,
-                       double usual);
+double papillary_share(const BeatProblem& problem, const Solution& solution, const Cholesky& factor, double usual);
 
 }  // namespace dynasurf::psf_fit

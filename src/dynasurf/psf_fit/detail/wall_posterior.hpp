@@ -2,9 +2,9 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "dynasurf/psf_fit/detail/cholesky.hpp"
 #include "dynasurf/psf_fit/detail/fitted_beat.hpp"
 #include "dynasurf/psf_fit/detail/least_squares.hpp"
 
@@ -25,8 +25,7 @@ struct WallDependence {
 class WallPosterior {
  public:
   /// `factor`: of the normal matrix at `unknowns`.
-  WallPosterior(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Grid& grid,
-                const Eigen::LLT<Eigen::MatrixXd>& factor);
+  WallPosterior(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Grid& grid, const Cholesky& factor);
 
   /// Derivatives of no numbers yet: a column each.
   Eigen::MatrixXd no_gradient(Eigen::Index numbers) const;
@@ -40,13 +39,13 @@ class WallPosterior {
   HeartFrame frame_;
   Grid grid_;
   std::vector<Eigen::VectorXd> gates_;  // numbers of each
-  Eigen::LLT<Eigen::MatrixXd> factor_;
+  Cholesky factor_;
 };
 
 /// How much of what is said of the wall's mean thickness and of the point spread's width comes from the data: 1 less
 /// the variance that is left over the variance that was believed before. 0: nothing; 1: all. Says so in the beat's
 /// notes where less than half does, and where the wall is thinner than 0.65 of the point spread's width.
-void tell_belief_from_data(const BeatProblem& problem, const Solution& solution,
-                           const Eigen::LLT<Eigen::MatrixXd>& factor, FittedBeat& beat);
+void tell_belief_from_data(const BeatProblem& problem, const Solution& solution, const Cholesky& factor,
+                           FittedBeat& beat);
 
 }  // namespace dynasurf::psf_fit
