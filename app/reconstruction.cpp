@@ -139,6 +139,8 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   } catch (const InputError& error) {  // the library knows the study, not the file it came from
     throw InputError(job.study.string() + ": " + error.what());
   }
+  if (job.outputs.keep_stages && outcome.result.readings.psf_corrected)
+    stages.write_fit(outcome.result.readings.psf_corrected->images);
   progress.check();
   outcome.json = results_text(outcome.result, provenance, job);
   report::write_study_files(outcome.result, provenance,

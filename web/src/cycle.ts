@@ -1,5 +1,5 @@
 // The beat between its gates: the same periodic cubic spline as the program's keyframes.
-import type { Mesh, Surfaces, WallName } from "./data";
+import { toVoxels, type Grid, type Mesh, type Surfaces, type WallName } from "./data";
 
 /**
  * Weights of n gates at `phase`, counted in gates: the value there of the C2 spline through 1 at one gate and 0 at the
@@ -59,6 +59,12 @@ export class Wall {
     const first = this.meshes[0];
     this.smooth = !!first && this.meshes.every((m) => m?.topology === first.topology);
     this.buffer = new Float32Array(first?.world.length ?? 0);
+  }
+
+  /** The same wall, its vertices counted in the voxels of another grid. */
+  on(grid: Grid): Wall {
+    const gates = this.meshes.map((mesh) => mesh && { ...mesh, voxel: toVoxels(grid, mesh.world) });
+    return new Wall(this.name, { ...this.surfaces, [this.name]: gates });
   }
 
   get present(): boolean {

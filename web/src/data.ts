@@ -175,6 +175,25 @@ interface PackedPictures {
   marks: string;
   labels: GateMarks[];
 }
+/** What the fit compared, in parts of healthy muscle; a byte per pixel of `grid`, gate after gate. */
+interface PackedFit {
+  grid: Grid;
+  /** Bytes of the model reach from `low` to `high`, those of the data less the model from -`most` to `most`, 128: none. */
+  low: number;
+  high: number;
+  most: number;
+  /** Root mean square of the difference over all pixels with a weight. */
+  rms: number;
+  model: string;
+  difference: string;
+  weight: string;
+}
+export interface Fit extends Omit<PackedFit, "model" | "difference" | "weight"> {
+  model: Uint8Array;
+  difference: Uint8Array;
+  /** The same for all gates, 0: not looked at. */
+  weight: Uint8Array;
+}
 type PackedSurface = { triangles: number; positions: string } | null;
 interface PackedSurfaces {
   endo: PackedSurface[];
@@ -239,6 +258,7 @@ export interface Report {
   results: Results;
   polar: Polar | null;
   pictures: Pictures | null;
+  fit: Fit | null;
   surfaces: Surfaces | null;
 }
 
@@ -282,6 +302,7 @@ export async function readReport(text: string): Promise<Report> {
   const data = JSON.parse(text) as {
     results: Results;
     pictures: PackedPictures | null;
+    fit: PackedFit | null;
     surfaces: PackedSurfaces | null;
     polar: PackedPolar | null;
   };
@@ -295,6 +316,12 @@ export async function readReport(text: string): Promise<Report> {
       ...data.pictures,
       pixels: await unpack(data.pictures.pixels),
       marks: await unpack(data.pictures.marks),
+    },
+    fit: data.fit && {
+      ...data.fit,
+      model: await unpack(data.fit.model),
+      difference: await unpack(data.fit.difference),
+      weight: await unpack(data.fit.weight),
     },
     surfaces: packed && {
       triangles: await Promise.all(packed.triangles.map(async (t) => new Uint32Array((await unpack(t)).buffer))),

@@ -9,6 +9,7 @@ import { Painter, type Overlay } from "./painter";
 import { buildPaper } from "./paper";
 import { Player } from "./player";
 import { PolarView } from "./polar";
+import { Residuals } from "./residuals";
 import { SurfaceScene, type ViewName } from "./scene";
 import { Slices } from "./slices";
 import { Splash } from "./splash";
@@ -308,6 +309,19 @@ function buildSplash(painter: Painter | null, results: Results, point: (segment:
   return new Splash(byId("splash"), painter, momentsOf(results), 8, point);
 }
 
+function buildResiduals({ fit, pictures }: Report, walls: Wall[], player: Player, cursor: Cursor | null): void {
+  if (!fit || !pictures || !cursor) {
+    byId("residuals-panel").remove();
+    return;
+  }
+  const residuals = new Residuals(byId("residuals"), fit, walls, pictures.grid, cursor);
+  player.listen(() => {
+    if (player.gate === residuals.gate) return;
+    residuals.gate = player.gate;
+    residuals.draw();
+  });
+}
+
 /** Shown while printing, in place of all that is for the screen; built once, when paper is asked for. */
 function buildPrinting(report: Report, painter: Painter | null, walls: Wall[], scene: SurfaceScene | null, player: Player): void {
   const show = () => {
@@ -364,6 +378,7 @@ async function start(): Promise<void> {
   buildCurve(results, walls, player);
   const splash = buildSplash(painter, results, point);
   const slices = buildSlices(painter, cursor, isCorrected(results), player, point);
+  buildResiduals(report, walls, player, cursor);
   if (cursor && painter) linkCursor(cursor, report, painter, player, scene, view);
   for (const part of [view, scene, splash, slices]) if (part) lights.push((segment) => part.light(segment));
 

@@ -71,6 +71,8 @@ export class Painter {
     readonly pictures: Pictures,
     readonly walls: Wall[],
     private readonly polar: Polar | null,
+    /** Red, green and blue of each byte of the pictures; none: grey. */
+    private readonly palette: Uint8Array | null = null,
   ) {
     this.heart = this.frameOfHeart();
   }
@@ -234,9 +236,9 @@ export class Painter {
     const image = new ImageData(wide, high);
     const gain = this.overlay.brightness;
     this.eachPixel(plane, at, gate, gates, (x, y, index) => {
-      const grey = Math.min(255, pixels[index]! * gain);
       const n = 4 * (x + wide * y);
-      image.data[n] = image.data[n + 1] = image.data[n + 2] = grey;
+      for (let c = 0; c < 3; ++c)
+        image.data[n + c] = this.palette ? this.palette[3 * pixels[index]! + c]! : Math.min(255, pixels[index]! * gain);
       image.data[n + 3] = 255;
     });
     this.scratch.width = wide;

@@ -296,6 +296,33 @@ int add_extracardiac_sources(Fitting& fit, double fwhm_mm, const BlurFit& option
   return static_cast<int>(blobs.size());
 }
 
+/// The grid of the pixels that the fit compares.
+Grid grid_of(const Pixels& pixels, const Grid& study) {
+  Grid grid = study;
+  grid.dims = pixels.count;
+  for (int a = 0; a < 3; ++a) grid.spacing[a] *= pixels.joined[static_cast<std::size_t>(a)];
+  grid.origin = to_world(study, {pixels.centre(0, 0), pixels.centre(1, 0), pixels.centre(2, 0)});
+  return grid;
+}
+
+FitImages images_of(const BeatProblem& problem, const Objective& objective, const Grid& study) {
+  const Grid grid = grid_of(problem.pixels, study);
+  FitImages images;
+  for (std::size_t g = 0; g < problem.values.size(); ++g) {
+    Image data(grid), model(grid);
+    data.values = problem.values[g];
+    for (std::size_t n = 0; n < grid.size(); ++n) model.values[n] = data.values[n] + objective.residual[g][n];
+    images.data.push_back(std::move(data));
+    images.model.push_back(std::move(model));
+  }
+  images.weight = Image(grid);
+  images.weight.values = problem.weight;
+  const float most = *std::max_element(problem.weight.begin(), problem.weight.end());
+  if (most > 0)
+    for (float& w : images.weight.values) w /= most;
+  return images;
+}
+
 }  // namespace
 
 FittedBeat fit_through_blur(const Study& original, const FitStart& start, const BlurFit& requested,
@@ -330,6 +357,7 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   beat.steps = solution.steps;
   beat.objective = solution.objective.value;
   beat.converged = solution.converged;
+  beat.images = images_of(problem, solution.objective, study.grid());
   // Sharp images show papillary muscles as they are.
   describe_beat(problem, solution, fit.noise.of_errors, study.grid(), blur.fwhm_mm > 0 ? options.papillary_share : 0,
                 beat);

@@ -141,6 +141,46 @@ Json pictures_json(const ventricle::Result& result, std::size_t most_voxels) {
   return json;
 }
 
+/// What the fit compared: the model as bytes from `low` to `high`, the data less the model as bytes from -`most` to
+/// `most` (128: none), in parts of healthy muscle, and the weights of the pixels.
+Json fit_json(const ventricle::Result& result) {
+  if (!result.readings.psf_corrected || result.readings.psf_corrected->images.data.empty()) return nullptr;
+  const ventricle::FitImages& images = result.readings.psf_corrected->images;
+  const auto byte = [](double part) { return static_cast<std::uint8_t>(std::clamp(std::round(part), 0.0, 255.0)); };
+  float low = 0, high = 0;
+  double squares = 0, count = 0;
+  for (std::size_t g = 0; g < images.data.size(); ++g)
+    for (std::size_t n = 0; n < images.weight.values.size(); ++n) {
+      const float model = images.model[g].values[n];
+      low = std::min(low, model);
+      high = std::max(high, model);
+      if (images.weight.values[n] <= 0) continue;
+      const auto left = static_cast<double>(images.data[g].values[n] - model);
+      squares += left * left;
+      count += 1;
+    }
+  // Differences of five times the usual one stand out; larger ones look the same.
+  const double most = std::max(1e-6, 5 * std::sqrt(squares / std::max(1.0, count)));
+  Bytes models, differences, weights;
+  for (std::size_t g = 0; g < images.data.size(); ++g)
+    for (std::size_t n = 0; n < images.weight.values.size(); ++n) {
+      const auto model = static_cast<double>(images.model[g].values[n]);
+      models.push_back(byte(255 * (model - static_cast<double>(low)) / std::max(1e-6, static_cast<double>(high - low))));
+      differences.push_back(byte(128 + 127 * (static_cast<double>(images.data[g].values[n]) - model) / most));
+    }
+  for (const float w : images.weight.values) weights.push_back(byte(255 * static_cast<double>(w)));
+  Json json = Json::object();
+  json["grid"] = grid_json(images.weight.grid);
+  json["low"] = low;
+  json["high"] = high;
+  json["most"] = most;
+  json["rms"] = std::sqrt(squares / std::max(1.0, count));
+  json["model"] = packed(models);
+  json["difference"] = packed(differences);
+  json["weight"] = packed(weights);
+  return json;
+}
+
 Box box_of(const std::vector<ventricle::Gate>& gates) {
   Box box;
   for (const ventricle::Gate& gate : gates)
@@ -249,6 +289,7 @@ std::string report_html(const ventricle::Result& result, const Provenance& prove
   Json data = Json::object();
   data["results"] = results_json(result, provenance, timings);
   data["pictures"] = pictures_json(result, most_voxels);
+  data["fit"] = fit_json(result);
   data["surfaces"] = surfaces_json(result);
   data["polar"] = polar_json(result);
 

@@ -105,17 +105,33 @@ void write_wall(const std::string& prefix, std::string_view name, const ventricl
   if (wall.evolved != nullptr) write_motion(prefix, ending, wall);
 }
 
+/// What the names of a gate's files begin with.
+std::string prefix_of(const fs::path& folder, std::size_t gate) {
+  return (folder / ((gate < 9 ? "g0" : "g") + std::to_string(gate + 1))).string() + "_";
+}
+
 }  // namespace
 
 void StageWriter::operator()(const ventricle::Intermediates& stages) const {
-  const std::string gate = (stages.gate < 9 ? "g0" : "g") + std::to_string(stages.gate + 1);
-  const std::string prefix = (folder_ / gate).string() + "_";
+  const std::string prefix = prefix_of(folder_, static_cast<std::size_t>(stages.gate));
   io::write_nrrd_volume(*stages.image, prefix + "image.nrrd");
   io::write_nrrd_volume(stages.edges->edges, prefix + "edges.nrrd");
   io::write_nrrd_volume(stages.edges->gradient, prefix + "gradient.nrrd");
   io::write_nrrd_volume(stages.labels->borders, prefix + "labels.nrrd");
   write_wall(prefix, ventricle::name_of(ventricle::Border::endo), stages.endo, stages.image->grid);
   write_wall(prefix, ventricle::name_of(ventricle::Border::epi), stages.epi, stages.image->grid);
+}
+
+void StageWriter::write_fit(const ventricle::FitImages& images) const {
+  for (std::size_t g = 0; g < images.data.size(); ++g) {
+    const std::string prefix = prefix_of(folder_, g) + "fit_";
+    Image difference = images.data[g];
+    for (std::size_t n = 0; n < difference.values.size(); ++n) difference.values[n] -= images.model[g].values[n];
+    io::write_nrrd_volume(images.data[g], prefix + "data.nrrd");
+    io::write_nrrd_volume(images.model[g], prefix + "model.nrrd");
+    io::write_nrrd_volume(difference, prefix + "difference.nrrd");
+  }
+  io::write_nrrd_volume(images.weight, folder_ / "fit_weight.nrrd");
 }
 
 }  // namespace dynasurf::report

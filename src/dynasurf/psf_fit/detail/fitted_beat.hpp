@@ -20,6 +20,14 @@ struct FittedGate {
 
 class WallPosterior;
 
+/// The images that the fit compared, in parts of healthy muscle, on its own pixels around the heart: several voxels are
+/// joined where they are finer than the point spread needs. World frame like the study.
+struct FitImages {
+  std::vector<Image> data;   // [gate] as fitted: with the Gaussian in place of an exchanged filter
+  std::vector<Image> model;  // [gate] the forward projection of the fitted heart and what lies beside it
+  Image weight;              // relative to the largest; 0: not looked at; outliers have lost theirs
+};
+
 /// The walls of all gates that explain the image through the point spread, with their errors.
 struct FittedBeat {
   std::vector<FittedGate> gates;
@@ -40,6 +48,7 @@ struct FittedBeat {
   // How much of the wall's mean thickness and of the point spread's width the data told (wall_posterior.hpp), 0 to 1.
   double thickness_from_data = 1, width_from_data = 1;
   std::shared_ptr<const WallPosterior> posterior;  // how sure anything is that is measured on the walls
+  FitImages images;
   Notes notes;
 };
 
