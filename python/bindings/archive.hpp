@@ -81,7 +81,7 @@ auto members_of(T& s) {
   DYNASURF_MEMBERS(18, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r)
   DYNASURF_MEMBERS(19, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, t)
   DYNASURF_MEMBERS(21, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, t, u, v)
-  DYNASURF_MEMBERS(24, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, t, u, v, w, x, y)
+  DYNASURF_MEMBERS(25, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, t, u, v, w, x, y, z)
 #undef DYNASURF_MEMBERS
   static_assert(arity<T> > 0, "archive.cpp does not give the number of members of this struct");
 }

@@ -145,7 +145,7 @@ Json pictures_json(const ventricle::Result& result, std::size_t most_voxels) {
 /// `most` (128: none), in parts of healthy muscle, and the weights of the pixels.
 Json fit_json(const ventricle::Result& result) {
   if (!result.readings.psf_corrected || result.readings.psf_corrected->images.data.empty()) return nullptr;
-  const ventricle::FitImages& images = result.readings.psf_corrected->images;
+  const psf_fit::FitImages& images = result.readings.psf_corrected->images;
   const auto byte = [](double part) { return static_cast<std::uint8_t>(std::clamp(std::round(part), 0.0, 255.0)); };
   float low = 0, high = 0;
   double squares = 0, count = 0;

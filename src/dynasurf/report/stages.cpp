@@ -122,7 +122,7 @@ void StageWriter::operator()(const ventricle::Intermediates& stages) const {
   write_wall(prefix, ventricle::name_of(ventricle::Border::epi), stages.epi, stages.image->grid);
 }
 
-void StageWriter::write_fit(const ventricle::FitImages& images) const {
+void StageWriter::write_fit(const psf_fit::FitImages& images) const {
   for (std::size_t g = 0; g < images.data.size(); ++g) {
     const std::string prefix = prefix_of(folder_, g) + "fit_";
     Image difference = images.data[g];

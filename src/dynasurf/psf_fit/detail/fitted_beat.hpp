@@ -5,6 +5,7 @@
 
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/core/volume.hpp"
 #include "dynasurf/heart/base_plane.hpp"
 #include "dynasurf/heart/detail/estimate.hpp"
 

@@ -14,7 +14,7 @@ class StageWriter {
   explicit StageWriter(std::filesystem::path folder) : folder_(std::move(folder)) {}
   void operator()(const ventricle::Intermediates& stages) const;
   /// What the fit saw, made of it and left: data, model and their difference of every gate, and the pixels' weights.
-  void write_fit(const ventricle::FitImages& images) const;
+  void write_fit(const psf_fit::FitImages& images) const;
 
  private:
   std::filesystem::path folder_;
