@@ -14,7 +14,7 @@ endmacro()
 
 # Sets DYNASURF_FINDS_<package>, once for each place where the package is looked for.
 function(dynasurf_try_package package language)
-  set(places "${CMAKE_PREFIX_PATH};${${package}_DIR};${CMAKE_DISABLE_FIND_PACKAGE_${package}};$ENV{PATH}")
+  set(places "${CMAKE_PREFIX_PATH};${${package}_DIR};${CMAKE_DISABLE_FIND_PACKAGE_${package}};$ENV{PATH};${CMAKE_FIND_PACKAGE_PREFER_CONFIG}")
   if(DEFINED DYNASURF_FINDS_${package} AND "${DYNASURF_TRIED_${package}}" STREQUAL "${places}")
     return()
   endif()
@@ -25,15 +25,13 @@ project(try LANGUAGES ${language})
 find_package(${package} QUIET COMPONENTS ${ARGN})
 file(WRITE \${PROJECT_BINARY_DIR}/found \"\${${package}_FOUND}\")
 ")
-  set(settings "-DCMAKE_PREFIX_PATH=${CMAKE_PREFIX_PATH}"
-               "-DCMAKE_DISABLE_FIND_PACKAGE_${package}=${CMAKE_DISABLE_FIND_PACKAGE_${package}}")
-  if(${package}_DIR)
-    list(APPEND settings "-D${package}_DIR=${${package}_DIR}")
-  endif()
-  string(REPLACE ";" "\\;" settings "${settings}")
-  foreach(needed IN ITEMS C CXX)
-    if(CMAKE_${needed}_COMPILER)
-      list(APPEND settings "-DCMAKE_${needed}_COMPILER=${CMAKE_${needed}_COMPILER}")
+  # A list is one argument: its semicolons are escaped.
+  set(settings)
+  foreach(name IN ITEMS CMAKE_PREFIX_PATH CMAKE_FIND_PACKAGE_PREFER_CONFIG CMAKE_DISABLE_FIND_PACKAGE_${package}
+                        ${package}_DIR CMAKE_C_COMPILER CMAKE_CXX_COMPILER)
+    if(${name})
+      string(REPLACE ";" "\\;" value "${${name}}")
+      list(APPEND settings "-D${name}=${value}")
     endif()
   endforeach()
   execute_process(COMMAND ${CMAKE_COMMAND} -S ${folder} -B ${folder}/build -G ${CMAKE_GENERATOR}
