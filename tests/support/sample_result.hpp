@@ -190,6 +190,10 @@ inline ventricle::Result sample_fitted() {
   fit.ed_gate = *result.leading.ed_gate, fit.es_gate = *result.leading.es_gate;
   fit.uptake.assign(fit.gates[0].endo.vertices.size(), 1.0);
   fit.steps = 9, fit.converged = true;
+  fit.images.data = fit.images.model = result.study.gates;
+  for (Image& model : fit.images.model)
+    for (float& v : model.values) v *= 0.9F;
+  fit.images.weight = Image(result.study.grid(), 1.0F);
   result.readings.psf_corrected = std::move(fit);
   ventricle::choose_leading(result);
   return result;

@@ -356,6 +356,24 @@ const tests = {
     assert.match(await (await open("ok")).locator(".chart .band title").textContent(), /scatter/);
   },
 
+  async "shows what the fit explains and what it leaves"(open) {
+    const page = await open("fitted");
+    await pause(page);
+    assert.equal(await page.locator("#residuals canvas").count(), 8);
+    assert.match(await text(page, "#residuals .caption"), /^Gate \d, slice \d+ · difference here \d+\.\d %, in all gates and slices \d+\.\d %/);
+    const [data, model, left] = [0, 1, 2].map((n) => `#residuals figure:nth-of-type(${n + 1}) canvas`);
+    assert.notEqual(await picture(page, data), await picture(page, model));
+    // Their outlines alone are coloured in grey pictures; what is left is blue or orange all over the wall.
+    assert.ok((await coloured(page, left)) > 2 * (await coloured(page, data)), "nothing is left");
+    const before = await picture(page, model);
+    for (let n = 0; n < 4; ++n) await page.keyboard.press("ArrowDown");
+    assert.notEqual(await picture(page, model), before, "it does not follow the cursor");
+    const slice = await picture(page, model);
+    for (let n = 0; n < 3; ++n) await page.keyboard.press("ArrowRight");
+    assert.notEqual(await picture(page, model), slice, "it does not follow the beat");
+    assert.equal(await (await open("ok")).locator("#residuals-panel").count(), 0);
+  },
+
   async "prints two pages that hold all they show"(open) {
     for (const sample of ["ok", "fitted", "check", "pool", "gates16", "fail", "ungated"]) {
       const page = await open(sample);

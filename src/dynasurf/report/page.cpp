@@ -165,7 +165,8 @@ Json fit_json(const ventricle::Result& result) {
   for (std::size_t g = 0; g < images.data.size(); ++g)
     for (std::size_t n = 0; n < images.weight.values.size(); ++n) {
       const auto model = static_cast<double>(images.model[g].values[n]);
-      models.push_back(byte(255 * (model - static_cast<double>(low)) / std::max(1e-6, static_cast<double>(high - low))));
+      models.push_back(
+          byte(255 * (model - static_cast<double>(low)) / std::max(1e-6, static_cast<double>(high - low))));
       differences.push_back(byte(128 + 127 * (static_cast<double>(images.data[g].values[n]) - model) / most));
     }
   for (const float w : images.weight.values) weights.push_back(byte(255 * static_cast<double>(w)));
