@@ -199,6 +199,31 @@ inline ventricle::Result sample_fitted() {
   return result;
 }
 
+/// The same with the way of its meshes at end diastole: from twice as wide straight to their places in eleven kept
+/// steps. The upper half of the particles has stopped from the sixth one on.
+inline ventricle::Result sample_moving() {
+  ventricle::Result result = sample_result();
+  ventricle::EdgeSurfaces& surfaces = result.gates[static_cast<std::size_t>(*result.leading.ed_gate)].edge_surfaces;
+  for (std::optional<ventricle::Surface>* surface : {&surfaces.endo, &surfaces.epi}) {
+    const std::vector<Vec3>& rest = (*surface)->mesh.vertices;
+    Vec3 middle = Vec3::Zero();
+    for (const Vec3& p : rest) middle += p / static_cast<double>(rest.size());
+    ventricle::Motion motion{(*surface)->mesh.triangles, {}};
+    for (int n = 0; n <= 10; ++n) {
+      dynamics::TrajectoryStep step{20 * n, {}, {}, {}};
+      for (const Vec3& p : rest) {
+        const bool has_stopped = n == 10 || (n >= 5 && (p - middle).dot(result.study.grid().direction.col(2)) > 0);
+        step.places.emplace_back(p + (has_stopped ? 0 : 0.1 * (10 - n)) * (p - middle));
+        step.pulls.emplace_back(has_stopped ? Vec3(Vec3::Zero()) : Vec3((middle - p) * 0.001));
+        step.stopped.push_back(has_stopped ? 1 : 0);
+      }
+      motion.steps.push_back(std::move(step));
+    }
+    (*surface)->motion = std::move(motion);
+  }
+  return result;
+}
+
 /// Surfaces that one should look at twice.
 inline ventricle::Result sample_to_check() {
   ventricle::Result result = sample_result();

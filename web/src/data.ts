@@ -194,6 +194,34 @@ export interface Fit extends Omit<PackedFit, "model" | "difference" | "weight"> 
   /** The same for all gates, 0: not looked at. */
   weight: Uint8Array;
 }
+/** The way of one surface to its border, as far as its steps were kept. */
+interface PackedWay {
+  triangles: string;
+  steps: number[];
+  places: string;
+  pulls: string;
+  strongest_n: number;
+}
+export interface Way extends Omit<PackedWay, "triangles" | "places" | "pulls"> {
+  particles: number;
+  triangles: Uint32Array;
+  /** World (LPS, mm), three numbers a particle, step after step. */
+  places: Float32Array;
+  /** Forces, 128: none, 1 and 255: the strongest; 0: the particle has stopped. */
+  pulls: Uint8Array;
+}
+interface PackedMotion {
+  gate: number;
+  low_mm: number[];
+  high_mm: number[];
+  endo: PackedWay | null;
+  epi: PackedWay | null;
+}
+export interface Motion {
+  gate: number;
+  endo: Way | null;
+  epi: Way | null;
+}
 type PackedSurface = { triangles: number; positions: string } | null;
 interface PackedSurfaces {
   endo: PackedSurface[];
@@ -260,6 +288,7 @@ export interface Report {
   pictures: Pictures | null;
   fit: Fit | null;
   surfaces: Surfaces | null;
+  motion: Motion | null;
 }
 
 export function bytesOf(text: string): Uint8Array<ArrayBuffer> {
@@ -287,14 +316,32 @@ export function toVoxels(grid: Grid, world: Float32Array): Float32Array {
   return voxel;
 }
 
-function meshOf(packed: PackedSurface, surfaces: PackedSurfaces, grid: Grid | undefined): Mesh | null {
-  if (!packed) return null;
-  const steps = new Uint16Array(bytesOf(packed.positions).buffer);
+/** Places that were written as 16-bit steps of a box. */
+function placesOf(bytes: Uint8Array<ArrayBuffer>, box: { low_mm: number[]; high_mm: number[] }): Float32Array {
+  const steps = new Uint16Array(bytes.buffer);
   const world = new Float32Array(steps.length);
   for (let n = 0; n < steps.length; ++n) {
-    const low = surfaces.low_mm[n % 3]!;
-    world[n] = low + ((surfaces.high_mm[n % 3]! - low) * steps[n]!) / 65535;
+    const low = box.low_mm[n % 3]!;
+    world[n] = low + ((box.high_mm[n % 3]! - low) * steps[n]!) / 65535;
   }
+  return world;
+}
+
+async function wayOf(packed: PackedWay | null, motion: PackedMotion): Promise<Way | null> {
+  if (!packed) return null;
+  const places = placesOf(await unpack(packed.places), motion);
+  return {
+    ...packed,
+    particles: places.length / (3 * packed.steps.length),
+    triangles: new Uint32Array((await unpack(packed.triangles)).buffer),
+    places,
+    pulls: await unpack(packed.pulls),
+  };
+}
+
+function meshOf(packed: PackedSurface, surfaces: PackedSurfaces, grid: Grid | undefined): Mesh | null {
+  if (!packed) return null;
+  const world = placesOf(bytesOf(packed.positions), surfaces);
   return { world, voxel: grid ? toVoxels(grid, world) : world, topology: packed.triangles };
 }
 
@@ -305,6 +352,7 @@ export async function readReport(text: string): Promise<Report> {
     fit: PackedFit | null;
     surfaces: PackedSurfaces | null;
     polar: PackedPolar | null;
+    motion: PackedMotion | null;
   };
   const segments = (gates: (string | null)[]) => gates.map((text) => (text === null ? null : bytesOf(text)));
   const packed = data.surfaces;
@@ -322,6 +370,11 @@ export async function readReport(text: string): Promise<Report> {
       model: await unpack(data.fit.model),
       difference: await unpack(data.fit.difference),
       weight: await unpack(data.fit.weight),
+    },
+    motion: data.motion && {
+      gate: data.motion.gate,
+      endo: await wayOf(data.motion.endo, data.motion),
+      epi: await wayOf(data.motion.epi, data.motion),
     },
     surfaces: packed && {
       triangles: await Promise.all(packed.triangles.map(async (t) => new Uint32Array((await unpack(t)).buffer))),

@@ -5,6 +5,7 @@ import { Curve } from "./curve";
 import { isCorrected, readReport, toVoxels, walls as wall_names, type Report, type Results } from "./data";
 import { byId, colour, figure, html, svg } from "./dom";
 import { buildLayouts } from "./layouts";
+import { MotionView } from "./motion";
 import { Painter, type Overlay } from "./painter";
 import { buildPaper } from "./paper";
 import { Player } from "./player";
@@ -322,6 +323,26 @@ function buildResiduals({ fit, pictures }: Report, walls: Wall[], player: Player
   });
 }
 
+/** How the meshes came to rest, where the run kept it. */
+function buildMotion({ motion, pictures }: Report): void {
+  if (!motion || !pictures) {
+    byId("motion-panel").remove();
+    return;
+  }
+  byId("motion-title").textContent = `Motion of the meshes, gate ${motion.gate + 1}`;
+  byId("motion-legend").replaceChildren(
+    legendItem("moving", "#f2f4f8"),
+    legendItem("stopped, endo", colour.endo),
+    legendItem("stopped, epi", colour.epi),
+    legendItem("force of the field", colour.lit, "line"),
+  );
+  try {
+    new MotionView(byId("motion"), motion, pictures.grid);
+  } catch {
+    message(byId("motion"), "3D needs WebGL", "This browser offers none.");
+  }
+}
+
 /** Shown while printing, in place of all that is for the screen; built once, when paper is asked for. */
 function buildPrinting(report: Report, painter: Painter | null, walls: Wall[], scene: SurfaceScene | null, player: Player): void {
   const show = () => {
@@ -379,6 +400,7 @@ async function start(): Promise<void> {
   const splash = buildSplash(painter, results, point);
   const slices = buildSlices(painter, cursor, isCorrected(results), player, point);
   buildResiduals(report, walls, player, cursor);
+  buildMotion(report);
   if (cursor && painter) linkCursor(cursor, report, painter, player, scene, view);
   for (const part of [view, scene, splash, slices]) if (part) lights.push((segment) => part.light(segment));
 

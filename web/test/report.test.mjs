@@ -374,6 +374,32 @@ const tests = {
     assert.equal(await (await open("ok")).locator("#residuals-panel").count(), 0);
   },
 
+  async "plays, steps and scrubs the motion of the meshes"(open) {
+    const page = await open("moving");
+    const now = () => text(page, ".motion-bar output");
+    const slider = page.locator('.motion-bar input[type="range"]');
+    const counts = async () => [...(await now()).matchAll(/(\d+) of (\d+) stopped/g)].map((m) => [Number(m[1]), Number(m[2])]);
+    assert.match(await now(), /^Step 0 of 200 · endo 0 of \d+ stopped, epi 0 of \d+ stopped$/);
+    await page.getByLabel("Next kept step").click();
+    assert.match(await now(), /^Step 20 of 200/);
+    await slider.fill("119");
+    for (const [stopped, all] of await counts()) assert.ok(stopped > 0.3 * all && stopped < 0.7 * all, `${stopped} of ${all}`);
+    await page.getByLabel("Kept step before").click();
+    assert.match(await now(), /^Step 100 of 200/);
+    await slider.fill("0");
+    const canvas = page.locator(".motion-frame canvas");
+    const start = await canvas.screenshot();
+    await page.locator(".motion-bar button.primary").click();
+    await page.waitForFunction(() => document.querySelector(".motion-bar output").textContent.startsWith("Step 200 of 200"));
+    for (const [stopped, all] of await counts()) assert.equal(stopped, all);
+    assert.notDeepEqual(await canvas.screenshot(), start, "nothing moved");
+    await slider.fill("40");
+    const { width, height } = await canvas.boundingBox();
+    for (let x = 0; x < 12; ++x) await canvas.hover({ position: { x: width * (0.4 + 0.015 * x), y: height / 2 } });
+    assert.match(await text(page, "#motion .caption"), /^Particle \d+ of (endo|epi): \d+\.\d mm from its start, force [\d.e-]+ N$/);
+    assert.equal(await (await open("ok")).locator("#motion-panel").count(), 0);
+  },
+
   async "prints two pages that hold all they show"(open) {
     for (const sample of ["ok", "fitted", "check", "pool", "gates16", "fail", "ungated"]) {
       const page = await open(sample);

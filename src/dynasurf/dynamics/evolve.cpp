@@ -302,7 +302,8 @@ class Run {
 
   void keep_trajectory(bool now) {
     if (!now) return;
-    TrajectoryStep kept{result_.steps, result_.mesh.vertices, std::vector<Vec3>(result_.mesh.vertices.size())};
+    TrajectoryStep kept{result_.steps, result_.mesh.vertices, std::vector<Vec3>(result_.mesh.vertices.size()),
+                        result_.stopped};
     for (std::size_t v = 0; v < kept.places.size(); ++v)
       kept.pulls[v] = result_.stopped[v] != 0
                           ? Vec3(Vec3::Zero())

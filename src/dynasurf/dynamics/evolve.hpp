@@ -26,7 +26,8 @@ namespace dynasurf::dynamics {
 /// Where the particles were after a step, and the field's force on each there, N (0 once it stopped).
 struct TrajectoryStep {
   int step = 0;
-  std::vector<Vec3> places, pulls;  // grid frame
+  std::vector<Vec3> places, pulls;    // grid frame
+  std::vector<std::uint8_t> stopped;  // per particle: reached a border voxel
 };
 
 /// Where a deformable model came to rest, and how it came there.

@@ -38,6 +38,16 @@ void measure_distances(const TriMesh& mesh, const Image& border, Surface& s) {
   s.mean_distance_mm = std::accumulate(mm.begin(), mm.end(), 0.0) / count;
 }
 
+std::optional<Motion> motion_of(const dynamics::EvolutionResult& evolved, const Grid& grid) {
+  if (evolved.trajectory.empty()) return std::nullopt;
+  Motion motion{to_world(grid, evolved.mesh).triangles, evolved.trajectory};
+  for (dynamics::TrajectoryStep& step : motion.steps) {
+    for (Vec3& p : step.places) p = to_world(grid, p);
+    for (Vec3& pull : step.pulls) pull = grid.direction * pull;
+  }
+  return motion;
+}
+
 }  // namespace
 
 Surface measure_surface(const dynamics::EvolutionResult& evolved, const Image& border,
@@ -63,6 +73,7 @@ Surface measure_surface(const dynamics::EvolutionResult& evolved, const Image& b
   note_repair(s.repair, s.notes);
   s.volume_ml = mesh::volume_mm3(s.mesh) / 1000;
   s.quality = mesh::triangle_quality(s.mesh);
+  s.motion = motion_of(evolved, border.grid);
   return s;
 }
 

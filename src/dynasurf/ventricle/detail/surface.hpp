@@ -1,6 +1,9 @@
 #pragma once
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
@@ -12,6 +15,12 @@
 #include "dynasurf/mesh/repair.hpp"
 
 namespace dynasurf::ventricle {
+
+/// How the particles of a surface came to rest, world frame.
+struct Motion {
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<dynamics::TrajectoryStep> steps;
+};
 
 /// One surface of one gate. `mesh` is in the world frame.
 struct Surface {
@@ -30,6 +39,7 @@ struct Surface {
       repair;   // what was done to make it publishable, and what it is: closed, manifold, free of self-intersections
   Notes notes;  // "surface.untangled", "surface.tangled"
   std::optional<mesh::StackVolumes> stack;  // pipeline contour: the volume in three ways, mm3
+  std::optional<Motion> motion;             // with `evolution.trajectory_every`
 };
 
 /// What is published of an evolved mesh: `settled`, the same surface moved on (`settle_on_slope`), or the mesh itself

@@ -1,0 +1,264 @@
+// How the meshes came to rest on their borders: played, stepped or scrubbed, with the forces that move the particles.
+import {
+  AmbientLight,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DirectionalLight,
+  DoubleSide,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshPhongMaterial,
+  PerspectiveCamera,
+  Points,
+  PointsMaterial,
+  Scene,
+  Sphere,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+
+import { walls, type Grid, type Motion, type WallName, type Way } from "./data";
+import { colour, figure, html } from "./dom";
+
+const moving_colour = new Color("#f2f4f8");
+const play_ms = 5000;
+/** How near to a particle the pointer must be, in pixels. */
+const reach_px = 14;
+
+/** The last kept step of a surface at or before a step. */
+export function keptAt(way: Way, step: number): number {
+  let kept = 0;
+  while (kept + 1 < way.steps.length && way.steps[kept + 1]! <= step) ++kept;
+  return kept;
+}
+
+/** Whether a particle had reached its border by a kept step. */
+export function isStopped(way: Way, kept: number, particle: number): boolean {
+  return way.pulls[3 * (kept * way.particles + particle)] === 0;
+}
+
+/** Newtons on a particle that moves. */
+function forceOn(way: Way, kept: number, particle: number): Vector3 {
+  const at = 3 * (kept * way.particles + particle);
+  const part = (axis: number) => ((way.pulls[at + axis]! - 128) / 127) * way.strongest_n;
+  return new Vector3(part(0), part(1), part(2));
+}
+
+interface Shown {
+  name: WallName;
+  way: Way;
+  surface: BufferGeometry;
+  forces: BufferGeometry;
+}
+
+export class MotionView {
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera(30, 1, 1, 4000);
+  private readonly controls: OrbitControls;
+  private readonly heart = new Group();
+  private readonly shown: Shown[] = [];
+  private readonly force_lines: LineSegments[] = [];
+  private readonly radius: number;
+  private readonly longest_n: number;
+  private readonly last: number;
+  private step = 0;
+  private played = 0;
+  private waiting = false;
+
+  private readonly slider: HTMLInputElement;
+  private readonly play = html("button", { class: "primary", "aria-pressed": "false" }, "Play");
+  private readonly now = html("output", {});
+  private readonly pointed = html("p", { class: "caption", "aria-live": "polite" }, "Point at a particle to see the force on it. Drag to turn.");
+
+  /** Throws when the browser has no WebGL. */
+  constructor(place: HTMLElement, motion: Motion, grid: Grid) {
+    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "low-power" });
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    const ways = walls.flatMap((name) => (motion[name] ? [{ name, way: motion[name] }] : []));
+    this.last = Math.max(...ways.map(({ way }) => way.steps.at(-1)!));
+    this.slider = html("input", { type: "range", min: 0, max: this.last, value: 0, "aria-label": "Step of the motion" });
+
+    // The long axis upwards, as everywhere in the page.
+    const axis = new Vector3(grid.direction[2], grid.direction[5], grid.direction[8]).normalize();
+    this.heart.quaternion.setFromUnitVectors(axis, new Vector3(0, 1, 0));
+    this.scene.add(this.heart, new AmbientLight(0xffffff, 0.9), this.camera);
+    const light = new DirectionalLight(0xffffff, 1.8);
+    light.position.set(-1, 1.4, 1.2);
+    this.camera.add(light, light.target);
+    this.longest_n = Math.max(...ways.map(({ way }) => way.strongest_n)) || 1;
+    for (const { name, way } of ways) this.add(name, way);
+
+    const points = ways.flatMap(({ way }) => [way.places.subarray(0, 3 * way.particles), way.places.subarray(-3 * way.particles)]);
+    const corners: Vector3[] = [];
+    for (const list of points) for (let n = 0; n < list.length; n += 3) corners.push(new Vector3(list[n], list[n + 1], list[n + 2]).applyQuaternion(this.heart.quaternion));
+    const bounds = new Sphere().setFromPoints(corners);
+    this.radius = bounds.radius;
+
+    const canvas = this.renderer.domElement;
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", "The meshes on their way to the borders. Drag to turn.");
+    const frame = html("div", { class: "motion-frame" });
+    frame.append(canvas);
+    place.replaceChildren(this.bar(), frame, this.pointed);
+    this.camera.position.copy(bounds.center).add(new Vector3(0, 0.28, 1).normalize().multiplyScalar((this.radius / Math.sin(Math.PI / 12)) * 0.95));
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enablePan = false;
+    this.controls.minDistance = this.radius * 1.2;
+    this.controls.maxDistance = this.radius * 12;
+    this.controls.target.copy(bounds.center);
+    this.controls.update();
+    this.controls.addEventListener("change", () => this.render());
+    canvas.addEventListener("pointermove", (event) => event.buttons || this.point(event));
+    new ResizeObserver(() => {
+      if (frame.clientWidth === 0) return;
+      this.renderer.setSize(frame.clientWidth, frame.clientHeight);
+      this.camera.aspect = frame.clientWidth / frame.clientHeight;
+      this.camera.zoom = Math.min(1, this.camera.aspect);
+      this.camera.updateProjectionMatrix();
+      this.renderer.render(this.scene, this.camera);
+    }).observe(frame);
+    this.seek(0);
+  }
+
+  private bar(): HTMLElement {
+    const button = (text: string, label: string, action: () => void) => {
+      const made = html("button", { "aria-label": label, title: label }, text);
+      made.addEventListener("click", action);
+      return made;
+    };
+    this.play.addEventListener("click", () => this.toggle());
+    this.slider.addEventListener("input", () => {
+      this.stop();
+      this.seek(this.slider.valueAsNumber);
+    });
+    const forces = html("input", { type: "checkbox", checked: true });
+    forces.addEventListener("change", () => {
+      for (const lines of this.force_lines) lines.visible = forces.checked;
+      this.render();
+    });
+    return html(
+      "div",
+      { class: "motion-bar" },
+      button("◀", "Kept step before", () => this.jump(-1)),
+      this.play,
+      button("▶", "Next kept step", () => this.jump(1)),
+      this.slider,
+      this.now,
+      html("label", { class: "select" }, forces, " Forces"),
+    );
+  }
+
+  private add(name: WallName, way: Way): void {
+    const surface = new BufferGeometry();
+    surface.setAttribute("position", new BufferAttribute(new Float32Array(3 * way.particles), 3));
+    surface.setAttribute("color", new BufferAttribute(new Float32Array(3 * way.particles), 3));
+    surface.setIndex(new BufferAttribute(way.triangles, 1));
+    const forces = new BufferGeometry();
+    forces.setAttribute("position", new BufferAttribute(new Float32Array(6 * way.particles), 3));
+    const inner = name === "endo";
+    const skin = new Mesh(surface, new MeshPhongMaterial({ color: colour[name], side: DoubleSide, transparent: true, opacity: inner ? 0.5 : 0.12, depthWrite: false }));
+    const wires = new Mesh(surface, new MeshPhongMaterial({ color: colour[name], wireframe: true, transparent: true, opacity: inner ? 0.35 : 0.2, depthWrite: false }));
+    const particles = new Points(surface, new PointsMaterial({ size: 4, sizeAttenuation: false, vertexColors: true }));
+    const lines = new LineSegments(forces, new LineBasicMaterial({ color: colour.lit, transparent: true, opacity: 0.8 }));
+    for (const part of [skin, wires, particles, lines]) {
+      part.frustumCulled = false;
+      this.heart.add(part);
+    }
+    this.force_lines.push(lines);
+    this.shown.push({ name, way, surface, forces });
+  }
+
+  private toggle(): void {
+    if (this.play.getAttribute("aria-pressed") === "true") return this.stop();
+    if (this.step >= this.last) this.seek(0);
+    this.play.setAttribute("aria-pressed", "true");
+    this.play.textContent = "Pause";
+    this.played = performance.now();
+    let exact = this.step;
+    const tick = (now: number) => {
+      if (this.play.getAttribute("aria-pressed") !== "true") return;
+      exact += (Math.min(now - this.played, 500) / play_ms) * this.last;
+      this.played = now;
+      this.seek(Math.min(this.last, Math.floor(exact)));
+      if (this.step >= this.last) this.stop();
+      else requestAnimationFrame(tick);
+    };
+    requestAnimationFrame(tick);
+  }
+
+  private stop(): void {
+    this.play.setAttribute("aria-pressed", "false");
+    this.play.textContent = "Play";
+  }
+
+  /** To the next step, or the one before, of which the places were kept. */
+  private jump(by: 1 | -1): void {
+    this.stop();
+    const steps = [...new Set(this.shown.flatMap(({ way }) => way.steps))].sort((a, b) => a - b);
+    const next = by > 0 ? steps.find((s) => s > this.step) : steps.filter((s) => s < this.step).at(-1);
+    if (next !== undefined) this.seek(next);
+  }
+
+  seek(step: number): void {
+    this.step = step;
+    this.slider.value = String(step);
+    const words: string[] = [];
+    for (const { name, way, surface, forces } of this.shown) {
+      const kept = keptAt(way, step);
+      const position = surface.getAttribute("position") as BufferAttribute;
+      const paint = surface.getAttribute("color") as BufferAttribute;
+      const arrows = forces.getAttribute("position") as BufferAttribute;
+      const places = way.places.subarray(3 * kept * way.particles, 3 * (kept + 1) * way.particles);
+      (position.array as Float32Array).set(places);
+      const resting = new Color(colour[name]);
+      let stopped = 0;
+      for (let v = 0; v < way.particles; ++v) {
+        const rests = isStopped(way, kept, v);
+        stopped += rests ? 1 : 0;
+        const { r, g, b } = rests ? resting : moving_colour;
+        paint.setXYZ(v, r, g, b);
+        const force = rests ? new Vector3() : forceOn(way, kept, v).multiplyScalar((0.16 * this.radius) / this.longest_n);
+        arrows.setXYZ(2 * v, places[3 * v]!, places[3 * v + 1]!, places[3 * v + 2]!);
+        arrows.setXYZ(2 * v + 1, places[3 * v]! + force.x, places[3 * v + 1]! + force.y, places[3 * v + 2]! + force.z);
+      }
+      for (const attribute of [position, paint, arrows]) attribute.needsUpdate = true;
+      surface.computeVertexNormals();
+      words.push(`${name} ${stopped} of ${way.particles} stopped`);
+    }
+    this.now.textContent = `Step ${step} of ${this.last} · ${words.join(", ")}`;
+    this.render();
+  }
+
+  /** Tells of the particle under the pointer. */
+  private point(event: PointerEvent): void {
+    const canvas = this.renderer.domElement;
+    const box = canvas.getBoundingClientRect();
+    let best = { distance: reach_px, depth: Infinity, text: "" };
+    for (const { name, way } of this.shown) {
+      const kept = keptAt(way, this.step);
+      for (let v = 0; v < way.particles; ++v) {
+        const at = (step: number) => new Vector3().fromArray(way.places, 3 * (step * way.particles + v));
+        const seen = this.heart.localToWorld(at(kept)).project(this.camera);
+        const distance = Math.hypot(((seen.x + 1) / 2) * box.width - (event.clientX - box.left), ((1 - seen.y) / 2) * box.height - (event.clientY - box.top));
+        if (distance > reach_px || (Math.abs(distance - best.distance) < 4 ? seen.z >= best.depth : distance >= best.distance)) continue;
+        const state = isStopped(way, kept, v) ? "stopped at its border" : `force ${forceOn(way, kept, v).length().toPrecision(3)} N`;
+        best = { distance, depth: seen.z, text: `Particle ${v} of ${name}: ${figure(at(kept).distanceTo(at(0)))} mm from its start, ${state}` };
+      }
+    }
+    if (best.text) this.pointed.textContent = best.text;
+  }
+
+  private render(): void {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      this.renderer.render(this.scene, this.camera);
+    });
+  }
+}
