@@ -90,7 +90,7 @@ TEST(WallPosterior, KnowsHowNumbersOfTheWallsDependOnTheUnknowns) {
   // With unknowns that are known to 1 and do not depend on each other, the deviation is the gradient's length.
   const auto count = beat.unknowns.size();
   const psf_fit::WallPosterior posterior(beat.problem, beat.unknowns, grid,
-                                         Eigen::LLT<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(count, count)));
+                                         psf_fit::Cholesky(psf_fit::RowMatrix::Identity(count, count)));
   Eigen::MatrixXd gradient = posterior.no_gradient(1);
   posterior.add(gate, points, by, gradient);
   EXPECT_NEAR(posterior.sd(gradient)[0] / std::sqrt(squares), 1, 1e-7);  // central differences
