@@ -36,7 +36,7 @@ struct NativeVector<std::int32_t, count> {
 /// ones through memory, and moves and compares them one by one.
 template <class T, int count_, int native>
 struct Pack {
-  static constexpr int count = count_;
+  static constexpr int count = count_, native_count = native;
   using Half = Pack<T, count / 2, native>;
   Half low, high;
 
@@ -56,7 +56,7 @@ struct Pack {
 
 template <class T, int native>
 struct Pack<T, native, native> {
-  static constexpr int count = native;
+  static constexpr int count = native, native_count = native;
   using Native = typename NativeVector<T, native>::Type;
   Native v;
 

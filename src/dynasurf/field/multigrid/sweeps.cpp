@@ -179,33 +179,57 @@ DYNASURF_INLINE void sweep_in_tiles(const View& v, int k0, int k1, int j0, int j
       half_of(colour, j0, k) == 0 ? sweep_tiles<V, finest, start == Start::measured, 0, slot>(v, k, j0, j1, measure)
                                   : sweep_tiles<V, finest, start == Start::measured, 1, slot>(v, k, j0, j1, measure);
     });
-  sweep_rows<V, start, finest>(v, k0, k_end, j_end, j1, colour, measure);
-  sweep_rows<V, start, finest>(v, k_end, k1, j0, j1, colour, measure);
+  // In a loop, so that its body is compiled once.
+  const int rest[2][4] = {{k0, k_end, j_end, j1}, {k_end, k1, j0, j1}};
+  for (const auto& r : rest) sweep_rows<V, start, finest>(v, r[0], r[1], r[2], r[3], colour, measure);
 }
 
-template <class V, bool finest>
-DYNASURF_INLINE void sweep_with(Level& l, int k0, int k1, int j0, int j1, int colour, Start start) {
+/// On the finest level, with the sums of squares of what it changed and left in the first of its rows.
+template <class V>
+DYNASURF_INLINE void sweep_measured(Level& l, int k0, int k1, int j0, int j1, int colour) {
+  Measure<V> measure;
+  sweep_in_tiles<V, Start::measured, true>(View(l), k0, k1, j0, j1, colour, measure);
+  for (int k = k0; k < k1; ++k) {
+    const std::size_t row = l.row_number(j0, k), count = static_cast<std::size_t>(j1 - j0);
+    std::fill_n(l.change.begin() + static_cast<std::ptrdiff_t>(row), count, 0.0);
+    std::fill_n(l.size.begin() + static_cast<std::ptrdiff_t>(row), count, 0.0);
+  }
+  l.change[l.row_number(j0, k0)] = sum_of(measure.change);
+  l.size[l.row_number(j0, k0)] = sum_of(measure.size);
+}
+
+template <class V>
+DYNASURF_INLINE void sweep_near_data(const Level& l, int k0, int k1, int j0, int j1, int colour) {
   const View v(l);
   Measure<V> measure;
-  if (start == Start::warm) return sweep_in_tiles<V, Start::warm, finest>(v, k0, k1, j0, j1, colour, measure);
-  if constexpr (!finest) {
-    sweep_rows<V, Start::from_rhs, false>(v, k0, k1, j0, j1, colour, measure);
-  } else if (start == Start::near_data) {
-    with_usual_slot<V>(v.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
-      View known = v;
-      if (slot > 0) known.slot = slot, known.stride = 6 * slot;
-      sweep_rows<V, Start::near_data, true>(known, k0, k1, j0, j1, colour, measure);
+  with_usual_slot<V>(v.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
+    View known = v;
+    if (slot > 0) known.slot = slot, known.stride = 6 * slot;
+    sweep_rows<V, Start::near_data, true>(known, k0, k1, j0, j1, colour, measure);
+  });
+}
+
+void sweep_finest(Level& l, int k0, int k1, int j0, int j1, int colour, Start start) {
+  if (start == Start::warm)
+    with_whole_vectors([&]<class V>() DYNASURF_INLINE_LAMBDA {
+      Measure<V> unused;
+      sweep_in_tiles<V, Start::warm, true>(View(l), k0, k1, j0, j1, colour, unused);
     });
-  } else {
-    sweep_in_tiles<V, Start::measured, true>(v, k0, k1, j0, j1, colour, measure);
-    for (int k = k0; k < k1; ++k) {
-      const std::size_t row = l.row_number(j0, k), count = static_cast<std::size_t>(j1 - j0);
-      std::fill_n(l.change.begin() + static_cast<std::ptrdiff_t>(row), count, 0.0);
-      std::fill_n(l.size.begin() + static_cast<std::ptrdiff_t>(row), count, 0.0);
-    }
-    l.change[l.row_number(j0, k0)] = sum_of(measure.change);
-    l.size[l.row_number(j0, k0)] = sum_of(measure.size);
-  }
+  else if (start == Start::near_data)
+    with_whole_vectors([&]<class V>() DYNASURF_INLINE_LAMBDA { sweep_near_data<V>(l, k0, k1, j0, j1, colour); });
+  else
+    with_whole_vectors([&]<class V>() DYNASURF_INLINE_LAMBDA { sweep_measured<V>(l, k0, k1, j0, j1, colour); });
+}
+
+template <Start start>
+void sweep_coarse(const Level& l, int k0, int k1, int j0, int j1, int colour) {
+  with_vectors_for(l, [&]<class V>() DYNASURF_INLINE_LAMBDA {
+    Measure<V> unused;
+    if constexpr (start == Start::warm)
+      sweep_in_tiles<V, start, false>(View(l), k0, k1, j0, j1, colour, unused);
+    else
+      sweep_rows<V, start, false>(View(l), k0, k1, j0, j1, colour, unused);
+  });
 }
 
 template <class V>
@@ -236,13 +260,9 @@ DYNASURF_INLINE void add_operator_with(Level& l, float stretch, int k0, int k1, 
 }  // namespace
 
 void sweep(Level& level, int k0, int k1, int j0, int j1, int colour, Start start) {
-  with_vectors_for(level, [&]<class V>() DYNASURF_INLINE_LAMBDA {
-    if constexpr (V::count < lanes)
-      sweep_with<V, false>(level, k0, k1, j0, j1, colour, start);
-    else
-      level.finest ? sweep_with<V, true>(level, k0, k1, j0, j1, colour, start)
-                   : sweep_with<V, false>(level, k0, k1, j0, j1, colour, start);
-  });
+  if (level.finest) return sweep_finest(level, k0, k1, j0, j1, colour, start);
+  if (start == Start::warm) return sweep_coarse<Start::warm>(level, k0, k1, j0, j1, colour);
+  sweep_coarse<Start::from_rhs>(level, k0, k1, j0, j1, colour);
 }
 
 void add_operator(Level& coarse, float stretch, int k0, int k1, int j0, int j1) {

@@ -314,41 +314,42 @@ DYNASURF_INLINE void interpolate_rows(const View& f, const View& g, int k0, int 
   });
 }
 
-template <class V, bool first>
-DYNASURF_INLINE void interpolate(const Level& fine, const Level& coarse, float stretch, int k0, int k1, int j0,
-                                 int j1) {
+template <bool first, bool joined>
+void interpolate_joined(const View& f, const View& g, const Level& fine, int k0, int k1, int j0, int j1) {
+  if (fine.finest)
+    with_whole_vectors([&]<class V>()
+                           DYNASURF_INLINE_LAMBDA { interpolate_rows<V, true, first, joined>(f, g, k0, k1, j0, j1); });
+  else
+    with_vectors_for(fine, [&]<class V>() DYNASURF_INLINE_LAMBDA {
+      interpolate_rows<V, false, first, joined>(f, g, k0, k1, j0, j1);
+    });
+}
+
+template <bool first>
+void interpolate(const Level& fine, const Level& coarse, float stretch, int k0, int k1, int j0, int j1) {
   View f(fine);
   const View g(coarse);
   f.stretch = stretch;
-  const auto rows = [&](auto finest, auto joined)
-                        DYNASURF_INLINE_LAMBDA { interpolate_rows<V, finest, first, joined>(f, g, k0, k1, j0, j1); };
-  using Yes = std::true_type;
-  using No = std::false_type;
-  if constexpr (V::count == lanes)
-    if (fine.finest) return f.halved[0] ? rows(Yes{}, Yes{}) : rows(Yes{}, No{});
-  f.halved[0] ? rows(No{}, Yes{}) : rows(No{}, No{});
+  f.halved[0] ? interpolate_joined<first, true>(f, g, fine, k0, k1, j0, j1)
+              : interpolate_joined<first, false>(f, g, fine, k0, k1, j0, j1);
 }
 
 }  // namespace
 
 void restrict_residual(Level& fine, Level& coarse, int k0, int k1, int j0, int j1) {
   const View f(fine), g(coarse);
-  with_vectors_for(fine, [&]<class V>() DYNASURF_INLINE_LAMBDA {
-    if constexpr (V::count < lanes)
-      restrict_rows<V, false>(f, g, k0, k1, j0, j1);
-    else
-      fine.finest ? restrict_rows<V, true>(f, g, k0, k1, j0, j1) : restrict_rows<V, false>(f, g, k0, k1, j0, j1);
-  });
+  if (fine.finest)
+    with_whole_vectors([&]<class V>() DYNASURF_INLINE_LAMBDA { restrict_rows<V, true>(f, g, k0, k1, j0, j1); });
+  else
+    with_vectors_for(fine, [&]<class V>() DYNASURF_INLINE_LAMBDA { restrict_rows<V, false>(f, g, k0, k1, j0, j1); });
 }
 
 void correct_black(Level& fine, const Level& coarse, float stretch, int k0, int k1, int j0, int j1) {
-  with_vectors_for(
-      fine, [&]<class V>() DYNASURF_INLINE_LAMBDA { interpolate<V, false>(fine, coarse, stretch, k0, k1, j0, j1); });
+  interpolate<false>(fine, coarse, stretch, k0, k1, j0, j1);
 }
 
 void start_black(Level& fine, const Level& coarse, int k0, int k1, int j0, int j1) {
-  with_vectors_for(fine,
-                   [&]<class V>() DYNASURF_INLINE_LAMBDA { interpolate<V, true>(fine, coarse, 1, k0, k1, j0, j1); });
+  interpolate<true>(fine, coarse, 1, k0, k1, j0, j1);
 }
 
 namespace {

@@ -78,11 +78,21 @@ DYNASURF_INLINE void with_vectors_for(const Level& l, const Body& body) {
   });
 }
 
+/// The same with the vectors of the finest level. Each kind of loop gets a call of its own: what a compiler takes for a
+/// function grows faster than the function.
+template <class Body>
+DYNASURF_INLINE void with_whole_vectors(const Body& body) {
+  detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA { body.template operator()<Floats<native>>(); });
+}
+
 /// Calls `body(std::integral_constant)` with the size of half a row where it is one of the usual ones, else with 0.
+/// Processors with narrow vectors alone are not worth the copies, which are what takes longest to compile here.
 template <class V, class Body>
 DYNASURF_INLINE void with_usual_slot(int slot, Body body) {
   if constexpr (V::count < lanes)
     body(std::integral_constant<int, lanes>{});
+  else if constexpr (V::native_count == 4)
+    body(std::integral_constant<int, 0>{});
   else
     slot == 16   ? body(std::integral_constant<int, 16>{})
     : slot == 32 ? body(std::integral_constant<int, 32>{})
