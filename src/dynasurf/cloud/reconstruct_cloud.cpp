@@ -15,6 +15,7 @@
 #include "dynasurf/cloud/detail/support.hpp"
 #include "dynasurf/cloud/detail/thesis_recipe.hpp"
 #include "dynasurf/cloud/detail/transfer.hpp"
+#include "dynasurf/cloud/detail/words.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/intersections.hpp"
@@ -62,11 +63,6 @@ int cells_for(const Facts& facts, const std::vector<Vec3>& points, const Options
 
 std::string number(int count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
-}
-
-std::string percent(double share) {
-  std::string text = std::to_string(100 * share);
-  return text.substr(0, text.find('.') + 2) + " %";
 }
 
 void tell(const HoleFill& fill, Notes& notes) {

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string>
 
+#include "dynasurf/cloud/detail/words.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/detail/sample_surface.hpp"
@@ -161,11 +162,6 @@ void measure_thin(const Level& level, const SupportingPoints& of, const mesh::Cl
     return sum;
   });
   support.thin = near / static_cast<double>(places.size());
-}
-
-std::string percent(double share) {
-  std::string text = std::to_string(100 * share);
-  return text.substr(0, text.find('.') + 2) + " %";
 }
 
 }  // namespace

@@ -9,8 +9,7 @@ namespace {
 using detail::Json;
 using detail::number;
 using detail::text_of;
-
-Json vector_json(const Vec3& v) { return {number(v[0]), number(v[1]), number(v[2])}; }
+using detail::vector_json;
 
 Json function_json(const std::optional<ventricle::VolumeCurveFit>& f, double cycle_ms) {
   if (!f) return nullptr;

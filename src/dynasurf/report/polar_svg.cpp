@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/report/detail/numbers.hpp"
 #include "dynasurf/report/measures.hpp"
@@ -11,7 +12,6 @@ namespace {
 
 using detail::text_of;
 
-constexpr double degrees = M_PI / 180;
 constexpr double radius = 100;  // of the map in the picture
 
 struct Rgb {

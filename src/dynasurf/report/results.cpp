@@ -18,8 +18,6 @@ using namespace detail;
 Json one_based(int index) { return index >= 0 ? Json(index + 1) : Json(nullptr); }
 Json one_based(const std::optional<int>& index) { return index ? one_based(*index) : Json(nullptr); }
 
-Json vector_json(const Vec3& v) { return {number(v[0]), number(v[1]), number(v[2])}; }
-
 Json study_json(const Study& study) {
   Json json = Json::object();
   json["format"] = study.format;

@@ -4,14 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/synthetic/detail/noise.hpp"
 
 namespace dynasurf::synthetic {
 namespace {
-
-constexpr double degrees = M_PI / 180;
 
 Vec3 middle_of(const Grid& grid) {
   return {(grid.dims[0] - 1) * grid.spacing[0] / 2, (grid.dims[1] - 1) * grid.spacing[1] / 2,

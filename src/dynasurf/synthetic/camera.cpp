@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/synthetic/detail/assembly.hpp"
@@ -11,8 +12,6 @@
 
 namespace dynasurf::synthetic {
 namespace {
-
-constexpr double degrees = M_PI / 180;
 
 /// Where the heart lies against the axis of rotation, as virtual patients have it in the world.
 const Vec3& heart_place() {

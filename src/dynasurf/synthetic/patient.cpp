@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -12,8 +13,6 @@
 
 namespace dynasurf::synthetic {
 namespace {
-
-constexpr double degrees = M_PI / 180;
 
 /// Directions of columns, rows and slices of a short-axis stack: i towards the lateral wall, j towards the inferior
 /// wall, k from apex to base. With i horizontal the anterior wall is up and the septum left, as such stacks are shown.

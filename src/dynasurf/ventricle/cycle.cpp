@@ -8,6 +8,7 @@
 #include <string>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/format.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -26,13 +27,6 @@ constexpr double plane_smoothing_mm = 2.5;
 // brightness of the relaxed wall, a little under the half.
 constexpr double end_level = 0.45;
 constexpr double least_rim_share = 0.7;
-
-template <class... A>
-std::string format(const char* pattern, A... values) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), pattern, values...);
-  return text.data();
-}
 
 /// A plane square to the stack at a height over the middle of its first slice.
 heart::BasePlane level_plane(const Grid& grid, double height_mm) {

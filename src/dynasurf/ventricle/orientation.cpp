@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/format.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/image/intensity.hpp"
 
@@ -17,13 +18,6 @@ constexpr double room_across_mm = 38, room_along_mm = 28;  // around the middle 
 
 double degrees_between(const Vec3& a, const Vec3& b) {
   return own::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)) * 180 / std::numbers::pi;
-}
-
-template <class... A>
-std::string format(const char* pattern, A... values) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), pattern, values...);
-  return text.data();
 }
 
 /// Angle between the stack's normal and the axis, whichever end comes first.

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <map>
 
+#include "dynasurf/core/detail/format.hpp"
 #include "dynasurf/ventricle/detail/quality_metrics.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
@@ -41,13 +42,6 @@ constexpr double least_counts = 0.85, most_counts = 1.15;  // of the usual gate
 constexpr double most_missing_slices = 2.5;                // per gate
 // Of a surface's middle from the heart's; edges that lose the apex end short of it by a part of the heart's length.
 constexpr double most_beside_mm = 8, most_along = 0.4;  // along: of half the length
-
-template <class... A>
-std::string format(const char* pattern, A... values) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), pattern, values...);
-  return text.data();
-}
 
 std::string gate_list(const std::vector<int>& gates) {
   std::string text = gates.size() == 1 ? "gate " : "gates ";

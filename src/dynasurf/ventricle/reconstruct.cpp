@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <mutex>
 
+#include "dynasurf/core/detail/format.hpp"
 #include "dynasurf/core/detail/stage_clock.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -24,13 +25,6 @@
 
 namespace dynasurf::ventricle {
 namespace {
-
-template <class... A>
-std::string format(const char* pattern, A... values) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), pattern, values...);
-  return text.data();
-}
 
 constexpr double near_border = 0.9;  // of the way to it
 constexpr int room_voxels = 3;       // around a border, for its field

@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/core/grid.hpp"
+
 // How numbers stand in the files of a result.
 
 namespace dynasurf::report::detail {
@@ -14,6 +16,8 @@ using Json = nlohmann::ordered_json;
 
 inline Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 inline Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
+
+inline Json vector_json(const Vec3& v) { return {number(v[0]), number(v[1]), number(v[2])}; }
 
 /// Shortest text that reads back as the same number, with a point in every locale; empty when there is none.
 inline std::string text_of(const std::optional<double>& value) {

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/mesh/detail/ray_bvh.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
 
-constexpr double degrees = M_PI / 180;
 constexpr double sphere_part = 1.0 / 3;  // of the axis that is seen from one point
 
 Vec3 square_to(const Vec3& axis, const Vec3& v) { return v - v.dot(axis) * axis; }

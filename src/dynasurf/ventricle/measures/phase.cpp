@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/ventricle/measures/detail/volume_curve.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
 
-constexpr double degrees = M_PI / 180;
 constexpr double bandwidth_share = 0.95;
 
 double in_turn(double deg) {

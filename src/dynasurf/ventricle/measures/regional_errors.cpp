@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/ventricle/measures/detail/reference.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
 
-constexpr double degrees = M_PI / 180;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
@@ -14,7 +15,6 @@
 namespace dynasurf::ventricle {
 namespace {
 
-constexpr double degrees = M_PI / 180;
 constexpr std::size_t least_points = 12, least_in_level = 3;
 constexpr double nearest_mm = 2;  // to the axis, where round it and away from it mean nothing
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/intensity.hpp"
@@ -10,8 +11,6 @@
 
 namespace dynasurf::ventricle {
 namespace {
-
-constexpr double degrees = M_PI / 180;
 
 /// Thickness at a hit from the triangle's corners; corners without a ray are left out.
 std::optional<double> thickness_at(const mesh::RayHit& hit, const TriMesh& mesh, const VertexThickness& thickness) {

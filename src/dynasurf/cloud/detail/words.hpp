@@ -1,0 +1,12 @@
+#pragma once
+#include <string>
+
+namespace dynasurf::cloud {
+
+/// A share of 1 as notes say it: "12.3 %".
+inline std::string percent(double share) {
+  const std::string text = std::to_string(100 * share);
+  return text.substr(0, text.find('.') + 2) + " %";
+}
+
+}  // namespace dynasurf::cloud
