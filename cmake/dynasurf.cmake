@@ -19,7 +19,7 @@ endif()
 # texts together are spared both warnings; the others keep them.
 add_library(dynasurf_text_flags INTERFACE)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  target_compile_options(dynasurf_text_flags INTERFACE -Wno-stringop-overflow -Wno-array-bounds)
+  target_compile_options(dynasurf_text_flags INTERFACE -Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds)
 endif()
 # Against mistakes in reading hostile files: stacks, copies, jumps and indices are checked. Sanitizers check more.
 if(NOT DYNASURF_SANITIZE AND NOT CMAKE_SYSTEM_PROCESSOR STREQUAL "wasm32")  # which has a stack of its own for calls
@@ -49,6 +49,10 @@ function(dynasurf_precompile target)
     target_precompile_headers(${target} PRIVATE ${dynasurf_common_headers} ${ARGN})
   endif()
 endfunction()
+
+# What reads and writes has no loop that the compiler's last efforts would speed up.
+add_library(dynasurf_light_flags INTERFACE)
+target_compile_options(dynasurf_light_flags INTERFACE $<$<CONFIG:Release>:-O2>)
 
 # Modules whose flags are the same share what the first of them precompiled.
 function(dynasurf_precompile_module target reads_files)
@@ -108,7 +112,7 @@ function(dynasurf_module name)
     target_compile_definitions(${target} PRIVATE _GLIBCXX_ASSERTIONS)
   endif()
   if(ARG_READS_FILES)
-    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:dynasurf_text_flags>)
+    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:dynasurf_text_flags> $<BUILD_INTERFACE:dynasurf_light_flags>)
   endif()
   dynasurf_precompile_module(${target} ${ARG_READS_FILES})
   add_library(dynasurf::${name} ALIAS ${target})
