@@ -1,6 +1,8 @@
 #include "dynasurf/core/option_tree.hpp"
 
 #include <limits>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -77,6 +79,25 @@ TEST(SetOption, KeepsTheOptionsOfAMethodThatIsChosenAgain) {
   set_option(toy, "step.method=edge");
   set_option(toy, "step.method=blur");
   EXPECT_EQ(std::get<ToyBlur>(toy.step).sigma, ToyBlur{}.sigma) << "another method in between starts anew";
+}
+
+TEST(SetOptions, RefuseWhatAnotherMethodWouldLose) {
+  const auto set = [](std::vector<std::string> assignments) {
+    Toy toy;
+    set_options(toy, assignments);
+    return toy;
+  };
+  EXPECT_EQ(std::get<ToyBlur>(set({"step=edge", "step=blur", "step.sigma=4"}).step).sigma, 4);
+  EXPECT_EQ(std::get<ToyBlur>(set({"step.sigma=4", "step.method=blur"}).step).sigma, 4) << "the method is blur already";
+  for (const char* other : {"step=edge", "step.method=edge"}) {
+    try {
+      set({"rounds=7", "step.sigma=4", other});
+      FAIL() << other;
+    } catch (const OptionError& error) {
+      EXPECT_EQ(error.what(), "option step.sigma is set before " + std::string(other) +
+                                  ", which begins with the defaults of edge; set it after that");
+    }
+  }
 }
 
 TEST(SetOption, NamesThePathAndTheRangeOfAValueThatDoesNotFit) {

@@ -162,6 +162,21 @@ void set_below(const OptionNodes& nodes, const std::string& path, std::string_vi
   throw_unknown_option(nodes, path, name, family != nullptr);
 }
 
+/// The current method of the family at a path; empty where none stands.
+std::string_view method_at(const OptionNodes& nodes, std::string_view path) {
+  const std::size_t dot = path.find('.');
+  const bool is_end = dot == std::string_view::npos;
+  for (const OptionNode& node : nodes) {
+    if (node.name != path.substr(0, dot)) continue;
+    const auto* choice = std::get_if<ChoiceRef>(&node.ref);
+    if (is_end) return choice ? choice->methods[choice->current()] : "";
+    const auto* group = std::get_if<GroupRef>(&node.ref);
+    if (group) return method_at(group->members, path.substr(dot + 1));
+    return choice ? method_at(choice->choose(choice->current()), path.substr(dot + 1)) : "";
+  }
+  return {};
+}
+
 void add_rows(const OptionNodes& nodes, const std::string& path, const std::string& method,
               std::vector<OptionRow>& rows) {
   for (const OptionNode& node : nodes) {
@@ -323,6 +338,23 @@ void set_option(const OptionNodes& nodes, std::string_view assignment) {
     throw OptionError("'" + std::string(assignment) +
                       "' is no setting; expected path=value, for example edges.low=0.2");
   set_below(nodes, "", assignment.substr(0, equals), assignment.substr(equals + 1), nullptr);
+}
+
+void set_options(const OptionNodes& nodes, std::span<const std::string> assignments) {
+  for (std::size_t n = 0; n < assignments.size(); ++n) {
+    std::string path = assignments[n].substr(0, assignments[n].find('='));
+    if (path.ends_with(".method")) path.erase(path.rfind('.'));
+    const std::string_view former = method_at(nodes, path);
+    set_option(nodes, assignments[n]);
+    const std::string_view method = method_at(nodes, path);
+    if (method == former) continue;
+    for (const std::string& before : assignments.first(n)) {
+      const std::string lost = before.substr(0, before.find('='));
+      if (lost.starts_with(path + ".") && lost != path + ".method")
+        throw OptionError("option " + lost + " is set before " + assignments[n] +
+                          ", which begins with the defaults of " + std::string(method) + "; set it after that");
+    }
+  }
 }
 
 std::vector<OptionRow> option_table(const OptionNodes& nodes) {

@@ -73,6 +73,16 @@ void set_option(O& options, std::string_view assignment) {
   set_option(nodes_of(options), assignment);
 }
 
+/// Sets one option after the other. Methods of a family may share names with defaults of their own, so nothing is
+/// carried from one to the next: an assignment that chooses another method begins with its defaults, and OptionError is
+/// thrown where one before it has set an option of the family, which would be lost. The assignments before that are
+/// made.
+void set_options(const OptionNodes& nodes, std::span<const std::string> assignments);
+template <Described O>
+void set_options(O& options, std::span<const std::string> assignments) {
+  set_options(nodes_of(options), assignments);
+}
+
 /// One line of the manual.
 struct OptionRow {
   std::string path;           // "edges.sigma_px"
