@@ -3,27 +3,24 @@
 #include <memory>
 #include <thread>
 
-#include <CLI/CLI.hpp>
-
 #include "dynasurf/cohort/study_list.hpp"
 #include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
-#include "dynasurf/io/study_io.hpp"
 
 #include "batch_run.hpp"
-#include "cloud_search.hpp"
+#include "batch_search.hpp"
 #include "cohort_tables.hpp"
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
-#include "result_job.hpp"
 
 namespace dynasurf::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct BatchArguments {
   std::string input, cohort, shard, memory = "2G", again, command = "ventricle";
   std::vector<std::string> options;
   int jobs = 0;
@@ -55,44 +52,7 @@ void refuse_own_options(const std::vector<std::string>& options) {
         throw OptionError(std::string(own) + " behind -- : the batch sets it for every study");
 }
 
-std::string left_out_text(const io::StudySearch& found, const fs::path& folder) {
-  std::string text = "path\treason\n";
-  for (const io::StudySearch::LeftOut& file : found.left_out) {
-    std::string path = file.file.lexically_relative(folder).string();
-    std::replace_if(
-        path.begin(), path.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
-    text += path + "\t" + file.reason + "\n";
-  }
-  return text;
-}
-
-cohort::StudyList search(const Arguments& a, const std::stop_token& stop) {
-  const fs::path folder = fs::weakly_canonical(a.input), cohort = fs::weakly_canonical(a.cohort);
-  if (cohort == folder) throw OptionError("--out " + a.cohort + ": is the folder of the studies; expected another");
-  const bool clouds = a.command == "cloud";
-  io::StudySearch found;
-  run_with_progress(a.quiet, stop, [&](const Progress& progress) {
-    found = clouds ? search_clouds(folder, progress) : io::search_studies(folder, progress);
-  });
-  // Results may stand below the folder of the studies: they are none.
-  const auto is_own = [&](const fs::path& file) {
-    const fs::path inside = file.lexically_relative(cohort);
-    return !inside.empty() && *inside.begin() != "..";
-  };
-  std::erase_if(found.studies, [&](const auto& study) { return is_own(study.files.front()); });
-  std::erase_if(found.left_out, [&](const auto& file) { return is_own(file.file); });
-  if (found.studies.empty())
-    throw InputError(clouds ? a.input + ": holds no cloud; expected files such as .ply, .xyz, .las or .stl"
-                            : a.input + ": holds no gated heart study; " + std::to_string(found.left_out.size()) +
-                                  " files are of another kind; expected gated short-axis studies");
-  io::write_file(cohort / "left_out.tsv", left_out_text(found, folder));
-  if (!a.quiet)
-    print(std::to_string(found.studies.size()) + " studies found, " + std::to_string(found.left_out.size()) +
-          " files left out: " + (fs::path(a.cohort) / "left_out.tsv").string() + "\n");
-  return cohort::list_of(found, folder, cohort / "inputs");
-}
-
-BatchJob job_of(const Arguments& a) {
+BatchJob job_of(const BatchArguments& a) {
   BatchJob job;
   job.cohort = a.cohort;
   take_shard(a.shard, job);
@@ -122,10 +82,12 @@ std::string summary_of(const BatchTally& t, const std::string& cohort) {
   return text + "cohort: " + cohort + "\n";
 }
 
-ExitCode run(const Arguments& a, const std::stop_token& stop) {
+ExitCode run(const BatchArguments& a, const std::stop_token& stop) {
   BatchJob job = job_of(a);
   std::error_code error;
-  job.list = fs::is_directory(a.input, error) ? search(a, stop) : cohort::read_study_list(a.input);
+  job.list = fs::is_directory(a.input, error)
+                 ? search_for_cohort({a.input, a.cohort, a.command == "cloud", a.quiet}, stop)
+                 : cohort::read_study_list(a.input);
   if (job.list.studies.empty()) throw InputError(a.input + ": lists no study");
   fs::create_directories(job.cohort, error);
   if (error) throw IoError(a.cohort + ": cannot make this folder: " + error.message());
@@ -144,30 +106,28 @@ ExitCode run(const Arguments& a, const std::stop_token& stop) {
 }  // namespace
 
 void add_batch(CLI::App& program, Command& chosen) {
-  auto a = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand(
-      "batch", "Run ventricle or cloud on many studies, a process each; run again, it goes on where it ended");
+  auto a = std::make_shared<BatchArguments>();
+  CommandLine command(program, "batch",
+                      "Run ventricle or cloud on many studies, a process each; run again, it goes on where it ended");
   command
-      ->add_option("STUDIES", a->input,
-                   "table of studies (.tsv, .csv, .jsonl with the column path), or a folder that is searched")
-      ->required();
-  command->add_option("OPTIONS", a->options, "behind --, options of ventricle or cloud for every study");
-  command->add_option("--out", a->cohort, "folder of the cohort: results, status.tsv, tables")->required();
-  command->add_option("--command", a->command, "what is run on each: ventricle (the default) or cloud")
-      ->check(CLI::IsMember({"ventricle", "cloud"}));
-  command->add_option("--shard", a->shard, "I/N: run every N-th study from the I-th on, for array jobs");
-  command->add_option("--jobs", a->jobs, "studies at a time (0: as many as the machine has processors)")
-      ->check(CLI::Range(0, 4096));
-  command->add_option("--time-limit", a->time_limit_s, "seconds that a study may take (60; 0: any)")
-      ->check(CLI::Range(0.0, 1e6));
-  command->add_option("--memory-limit", a->memory, "memory that a study may take (2G)");
+      .option("STUDIES", a->input,
+              "table of studies (.tsv, .csv, .jsonl with the column path), or a folder that is searched")
+      .required();
+  command.option("OPTIONS", a->options, "behind --, options of ventricle or cloud for every study");
+  command.option("--out", a->cohort, "folder of the cohort: results, status.tsv, tables").required();
+  command.option("--command", a->command, "what is run on each: ventricle (the default) or cloud")
+      .one_of({"ventricle", "cloud"});
+  command.option("--shard", a->shard, "I/N: run every N-th study from the I-th on, for array jobs");
+  command.option("--jobs", a->jobs, "studies at a time (0: as many as the machine has processors)").within(0, 4096);
+  command.option("--time-limit", a->time_limit_s, "seconds that a study may take (60; 0: any)").within(0.0, 1e6);
+  command.option("--memory-limit", a->memory, "memory that a study may take (2G)");
   command
-      ->add_option("--again", a->again,
-                   "run these although they have ended: failed, changed (another input, options or program), all")
-      ->check(CLI::IsMember({"failed", "changed", "all"}));
-  command->add_flag("--no-collect", a->no_collect, "do not make the tables when all is done");
-  command->add_flag("--quiet", a->quiet, "print nothing");
-  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+      .option("--again", a->again,
+              "run these although they have ended: failed, changed (another input, options or program), all")
+      .one_of({"failed", "changed", "all"});
+  command.flag("--no-collect", a->no_collect, "do not make the tables when all is done");
+  command.flag("--quiet", a->quiet, "print nothing");
+  command.run(chosen, [a](std::stop_token stop) { return run(*a, stop); });
 }
 
 }  // namespace dynasurf::app

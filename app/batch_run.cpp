@@ -1,13 +1,9 @@
 #include "batch_run.hpp"
 
 #include <chrono>
-#include <ctime>
 #include <list>
-#include <memory>
-#include <optional>
 
 #include <poll.h>
-#include <unistd.h>
 
 #include "dynasurf/cohort/detail/job_key.hpp"
 #include "dynasurf/core/error.hpp"
@@ -15,11 +11,8 @@
 
 #include "batch_end.hpp"
 #include "batch_progress.hpp"
-#include "batch_queue.hpp"
-#include "child_process.hpp"
+#include "batch_study.hpp"
 #include "command.hpp"
-#include "debug_fault.hpp"
-#include "utf8.hpp"
 
 namespace dynasurf::app {
 namespace {
@@ -32,31 +25,9 @@ constexpr auto look_again = std::chrono::milliseconds(200);
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-std::string time_text() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
-
-std::string host_name() {
-  char name[256] = {};
-  return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
-}
-
-struct Running {
-  std::size_t study = 0;
-  cohort::StudyStatus row;
-  Clock::time_point begin;
-  std::unique_ptr<ChildProgram> child;
-  std::optional<Clock::time_point> asked_to_stop;  // since when
-};
-
 class Worker {
  public:
-  Worker(const BatchJob& job, const std::stop_token& stop) : job_(job), stop_(stop), queue_(job), host_(host_name()) {}
+  Worker(const BatchJob& job, const std::stop_token& stop) : job_(job), stop_(stop), queue_(job) {}
 
   BatchTally run();
 
@@ -64,14 +35,13 @@ class Worker {
   void start_some();
   void begin(std::size_t n, int attempt);
   void watch();
-  bool take_end(Running& running);
+  bool take_end(RunningStudy& running);
   void stop_all();
 
   const BatchJob& job_;
   const std::stop_token& stop_;
   StudyQueue queue_;
-  std::string host_;
-  std::list<Running> running_;
+  std::list<RunningStudy> running_;
   Clock::time_point next_look_;
 };
 
@@ -91,35 +61,15 @@ void Worker::start_some() {
 }
 
 void Worker::begin(std::size_t n, int attempt) {
-  const cohort::CohortStudy& wanted = queue_.study(n);
-  Running running;
-  running.study = n;
-  cohort::StudyStatus& row = running.row;
-  row.id = wanted.id, row.attempts = attempt, row.started = time_text(), row.host = host_;
-  row.settings = queue_.settings_of(wanted);
-  try {
-    row.input_stamp = cohort::input_stamp(wanted.path);
-    row.input_sha256 = cohort::input_hash(wanted.path);
-  } catch (const std::runtime_error& error) {
-    row.reason = without_names(printable(error.what()), wanted.path);
-    queue_.record(row);
-    return;
-  }
-  std::vector<std::string> words = queue_.words_of(wanted);
-  words[0] = "/proc/self/exe";
-  words.insert(words.begin() + 1,
-               {job_.command, wanted.path.string(), "--out", cohort::result_folder(job_.cohort, wanted.id).string(),
-                "--quiet", "--no-timings", "--threads", std::to_string(job_.threads)});
-  if (job_.memory_bytes > 0) words.insert(words.end(), {"--memory-limit", std::to_string(job_.memory_bytes)});
-  std::vector<std::string> variables;
-  if (const std::string fault = debug_fault_of(wanted.id); !fault.empty()) variables.push_back(fault);
-  running.begin = Clock::now();
-  running.child = std::make_unique<ChildProgram>(words, variables, job_.memory_bytes);
-  running_.push_back(std::move(running));
+  RunningStudy running = start_study(queue_, n, attempt, job_);
+  if (running.child)
+    running_.push_back(std::move(running));
+  else
+    queue_.record(running.row);
 }
 
 /// Whether a child has ended; then its study is recorded, or begun once more.
-bool Worker::take_end(Running& running) {
+bool Worker::take_end(RunningStudy& running) {
   const auto end = running.child->end();
   if (!end) return false;
   cohort::StudyStatus& row = running.row;
@@ -143,7 +93,7 @@ bool Worker::take_end(Running& running) {
 /// Waits until a child says something or ends, and takes the ends.
 void Worker::watch() {
   std::vector<pollfd> descriptors;
-  for (const Running& running : running_) descriptors.push_back({running.child->descriptor(), POLLIN, 0});
+  for (const RunningStudy& running : running_) descriptors.push_back({running.child->descriptor(), POLLIN, 0});
   ::poll(descriptors.data(), descriptors.size(), 20);
   for (auto at = running_.begin(); at != running_.end();) {
     if (take_end(*at)) {
@@ -160,10 +110,10 @@ void Worker::watch() {
 }
 
 void Worker::stop_all() {
-  for (const Running& running : running_) running.child->ask_to_stop();
+  for (const RunningStudy& running : running_) running.child->ask_to_stop();
   const auto end = Clock::now() + grace;
   while (!running_.empty() && Clock::now() < end) {
-    std::erase_if(running_, [](const Running& running) { return running.child->end().has_value(); });
+    std::erase_if(running_, [](const RunningStudy& running) { return running.child->end().has_value(); });
     if (!running_.empty()) ::poll(nullptr, 0, 5);
   }
   running_.clear();  // kills what is left

@@ -1,20 +1,17 @@
 #include <algorithm>
 #include <memory>
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
-
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
-#include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/show/detail/sheets.hpp"
+#include "dynasurf/show/detail/border_sheets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "borders_matrix.hpp"
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
 
 namespace dynasurf::app {
@@ -56,47 +53,6 @@ std::string table_of_borders(const ventricle::BorderResult& result) {
   return table(rows);
 }
 
-/// "canny sigma_px 1.0 low 0.15 ..." for the title of a sheet.
-std::string words_of(const nlohmann::ordered_json& options) {
-  std::string text;
-  for (const auto& [key, value] : options.items()) {
-    if (!text.empty()) text += ", ";
-    if (key == "method")
-      text += value.get<std::string>();
-    else
-      text += key + " " +
-              (value.is_object()   ? "(" + words_of(value) + ")"
-               : value.is_string() ? value.get<std::string>()
-                                   : value.dump());
-  }
-  return text;
-}
-
-std::string title_of(const std::string& subject, const ventricle::Options& options, Drawing what) {
-  const auto json = io::parse_json(io::options_to_text(options), "the options");
-  return subject + ": " + words_of(what == Drawing::edges ? json.at("edges") : json.at("labels").at("method"));
-}
-
-void write_sheets(const ventricle::BorderResult& result, Drawing what, const fs::path& folder,
-                  const ventricle::Options& options) {
-  const ventricle::RadialLabels* asked = std::get_if<ventricle::RadialLabels>(&options.labels.method);
-  for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    const ventricle::GateBorders& gate = result.gates[g];
-    const Image& image = result.study.gates[g];
-    const std::string prefix = (folder / ((g < 9 ? "g0" : "g") + std::to_string(g + 1))).string();
-    const std::string subject = "gate " + std::to_string(g + 1) + " of " + std::to_string(result.gates.size());
-    const auto write = [&](const show::Canvas& sheet, const char* kind) {
-      show::write_drawing(sheet, prefix + "_" + kind + ".png", show::DrawingFormat::png);
-    };
-    write(show::draw_edges(image, gate.edges, title_of(subject, options, Drawing::edges)), "edges");
-    if (what == Drawing::edges) continue;
-    write(show::draw_labels(image, gate, result.coarse, title_of(subject, options, Drawing::borders)), "labels");
-    write(show::draw_rings(image, gate, asked ? *asked : ventricle::RadialLabels{},
-                           subject + ": edge voxels by distance"),
-          "rings");
-  }
-}
-
 ExitCode run(const BordersArguments& arguments, Drawing what, std::stop_token stop) {
   const fs::path out = arguments.out.path;
   std::vector<fs::path> inputs{arguments.study};
@@ -121,7 +77,7 @@ ExitCode run(const BordersArguments& arguments, Drawing what, std::stop_token st
   const ventricle::BorderResult result = ventricle::find_borders(io::read_study(arguments.study, arguments.series),
                                                                  options, progress, {.mask = mask ? &*mask : nullptr});
   line.finish();
-  write_sheets(result, what, folder.path(), options);
+  show::write_border_sheets(result, options, what == Drawing::borders, folder.path());
   io::write_file(folder.path() / "options.json", io::options_to_text(options));
   folder.publish();
 
@@ -138,25 +94,22 @@ ExitCode run(const BordersArguments& arguments, Drawing what, std::stop_token st
 
 void add(CLI::App& program, Command& chosen, Drawing what, const std::string& name, const std::string& text) {
   auto a = std::make_shared<BordersArguments>();
-  CLI::App* command = program.add_subcommand(name, text);
-  command->add_option("STUDY", a->study, "DICOM file or folder, NIfTI or NRRD file")->required();
-  add_series_argument(*command, a->series);
-  add_out_folder(*command, a->out, "folder for the sheets")->required();
-  add_option_arguments(*command, a->options);
+  CommandLine command(program, name, text);
+  command.option("STUDY", a->study, "DICOM file or folder, NIfTI or NRRD file").required();
+  add_series_argument(command, a->series);
+  add_out_folder(command, a->out, "folder for the sheets").required();
+  add_option_arguments(command, a->options);
   command
-      ->add_option("--vary", a->vary,
-                   "path=value,value,...: one slice under all these values in matrix.png instead of the sheets; "
-                   "given twice, columns by the first and rows by the second")
-      ->take_all()
-      ->allow_extra_args(false);
-  command->add_option("--gate", a->gate, "of --vary: the gate, from 1; it is looked at alone")
-      ->check(CLI::Range(1, 1000));
-  command->add_option("--slice", a->slice, "of --vary: the slice, from 1 at the apex (the middle of the cavity)")
-      ->check(CLI::Range(1, 10000));
-  command->add_option("--threads", a->threads, "threads at most; the result is the same (0: all)")
-      ->check(CLI::Range(0, 1024));
-  command->add_flag("--quiet", a->quiet, "print nothing");
-  command->callback([a, what, &chosen] { chosen = [a, what](std::stop_token stop) { return run(*a, what, stop); }; });
+      .option("--vary", a->vary,
+              "path=value,value,...: one slice under all these values in matrix.png instead of the sheets; "
+              "given twice, columns by the first and rows by the second")
+      .repeated();
+  command.option("--gate", a->gate, "of --vary: the gate, from 1; it is looked at alone").within(1, 1000);
+  command.option("--slice", a->slice, "of --vary: the slice, from 1 at the apex (the middle of the cavity)")
+      .within(1, 10000);
+  command.option("--threads", a->threads, "threads at most; the result is the same (0: all)").within(0, 1024);
+  command.flag("--quiet", a->quiet, "print nothing");
+  command.run(chosen, [a, what](std::stop_token stop) { return run(*a, what, stop); });
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
@@ -9,11 +7,12 @@
 
 #include "cloud_run.hpp"
 #include "command.hpp"
+#include "command_line.hpp"
 
 namespace dynasurf::app {
 namespace {
 
-struct Arguments {
+struct CloudArguments {
   std::vector<std::string> clouds;
   ResultArguments result;
   std::string preset = "shaped", file;
@@ -30,7 +29,7 @@ std::string without_percent(std::string text) {
 }
 
 /// The short arguments stand as settings of options, so that they are checked, recorded and repeated like every other.
-std::vector<std::string> settings_of(const Arguments& a) {
+std::vector<std::string> settings_of(const CloudArguments& a) {
   std::vector<std::string> settings;
   if (!a.triangles.empty()) settings.push_back("triangles=" + a.triangles);
   if (!a.max_error.empty()) settings.push_back("max_error_percent=" + without_percent(a.max_error));
@@ -41,7 +40,7 @@ std::vector<std::string> settings_of(const Arguments& a) {
   return settings;
 }
 
-cloud::Options options_of(const Arguments& a) {
+cloud::Options options_of(const CloudArguments& a) {
   cloud::Options options = cloud::preset(a.preset);
   if (!a.file.empty()) {
     try {
@@ -50,13 +49,13 @@ cloud::Options options_of(const Arguments& a) {
       throw OptionError(a.file + ": " + error.what());
     }
   }
-  for (const std::string& setting : settings_of(a)) set_option(options, setting);
+  set_options(options, settings_of(a));
   cloud::check(options);  // refused before any work is done
   return options;
 }
 
 /// The command line without paths, which may name a person, and without what leaves the result as it is.
-std::string recorded_command(const Arguments& a) {
+std::string recorded_command(const CloudArguments& a) {
   std::string command = "dynasurf cloud";
   for (std::size_t n = 0; n < a.clouds.size(); ++n) command += " CLOUD";
   command += " --out RESULT --preset " + a.preset;
@@ -65,7 +64,7 @@ std::string recorded_command(const Arguments& a) {
   return command;
 }
 
-ExitCode run(const Arguments& arguments, std::stop_token stop) {
+ExitCode run(const CloudArguments& arguments, std::stop_token stop) {
   CloudJob job;
   take(arguments.result, recorded_command(arguments), job);
   job.clouds.assign(arguments.clouds.begin(), arguments.clouds.end());
@@ -84,32 +83,29 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
 }  // namespace
 
 void add_cloud(CLI::App& program, Command& chosen) {
-  auto a = std::make_shared<Arguments>();
-  CLI::App* command =
-      program.add_subcommand("cloud", "Light closed meshes at several levels of detail from scanned points");
+  auto a = std::make_shared<CloudArguments>();
+  CommandLine command(program, "cloud", "Light closed meshes at several levels of detail from scanned points");
   command
-      ->add_option("CLOUD", a->clouds,
-                   "PLY, XYZ, PTS, CSV, PWN, OBJ, OFF, LAS, PCD, PTX file of points, or a surface as STL, PLY, OBJ, "
-                   "OFF; several files are one cloud")
-      ->required();
-  add_result_arguments(*command, a->result, "ply");
-  command->add_option("--preset", a->preset,
-                      "shaped: well-shaped triangles; faithful: smallest distance; thesis: as published");
-  command->add_option("--options", a->file, "JSON file of options, such as the options.json of a result");
-  command->add_option("--triangles", a->triangles, "triangles of each level: 5120,1280,320");
-  command->add_option("--max-error", a->max_error,
-                      "instead: fewest triangles whose mean distance is below this, percent of the diagonal: 0.1%");
-  command->add_option("--genus", a->genus, "handles: auto, 0 or keep");
-  command->add_option("--start", a->start, "mesh that is deformed: auto, field, sphere, ellipsoid or hull");
-  command->add_flag("--keep-sharp", a->keep_sharp, "do not smooth across sharp edges");
-  command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options cloud)")
-      ->take_all()
-      ->allow_extra_args(false);
-  command->add_flag("--strict", a->strict, "end with exit code 3 for the verdict check too, not for fail alone");
-  command->add_flag(
-      "--textures", a->textures,
-      "write textured.glb too: all levels with normal maps, and colour maps where the points have colours");
-  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+      .option("CLOUD", a->clouds,
+              "PLY, XYZ, PTS, CSV, PWN, OBJ, OFF, LAS, PCD, PTX file of points, or a surface as STL, PLY, OBJ, "
+              "OFF; several files are one cloud")
+      .required();
+  add_result_arguments(command, a->result, "ply");
+  command.option("--preset", a->preset,
+                 "shaped: well-shaped triangles; faithful: smallest distance; thesis: as published");
+  command.option("--options", a->file, "JSON file of options, such as the options.json of a result");
+  command.option("--triangles", a->triangles, "triangles of each level: 5120,1280,320");
+  command.option("--max-error", a->max_error,
+                 "instead: fewest triangles whose mean distance is below this, percent of the diagonal: 0.1%");
+  command.option("--genus", a->genus, "handles: auto, 0 or keep");
+  command.option("--start", a->start, "mesh that is deformed: auto, field, sphere, ellipsoid or hull");
+  command.flag("--keep-sharp", a->keep_sharp, "do not smooth across sharp edges");
+  command.option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options cloud)")
+      .repeated();
+  command.flag("--strict", a->strict, "end with exit code 3 for the verdict check too, not for fail alone");
+  command.flag("--textures", a->textures,
+               "write textured.glb too: all levels with normal maps, and colour maps where the points have colours");
+  command.run(chosen, [a](std::stop_token stop) { return run(*a, stop); });
 }
 
 }  // namespace dynasurf::app

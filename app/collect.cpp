@@ -2,10 +2,9 @@
 
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "cohort_tables.hpp"
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
 #include "out_argument.hpp"
 
@@ -14,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct CollectArguments {
   std::string cohort, compare;
   OutFolder out;
   bool quiet = false;
@@ -30,7 +29,7 @@ std::string summary_of(const cohort::CollectTally& tally, const fs::path& out) {
   return text;
 }
 
-ExitCode run(const Arguments& a) {
+ExitCode run(const CollectArguments& a) {
   const std::optional<fs::path> other = a.compare.empty() ? std::nullopt : std::optional<fs::path>(a.compare);
   const cohort::CollectTally tally = cohort::collect(a.cohort, a.out.path, other, a.out.replace);
   if (!a.quiet) print(summary_of(tally, a.out.path));
@@ -45,17 +44,16 @@ void collect_cohort(const std::filesystem::path& cohort, const std::filesystem::
 }
 
 void add_collect(CLI::App& program, Command& chosen) {
-  auto a = std::make_shared<Arguments>();
-  CLI::App* command =
-      program.add_subcommand("collect", "Make tables, statistics and one page of all studies that batch has run");
-  command->add_option("COHORT", a->cohort, "folder that batch wrote")->required();
-  add_out_folder(*command, a->out,
+  auto a = std::make_shared<CollectArguments>();
+  CommandLine command(program, "collect", "Make tables, statistics and one page of all studies that batch has run");
+  command.option("COHORT", a->cohort, "folder that batch wrote").required();
+  add_out_folder(command, a->out,
                  "folder for studies.tsv, segments.tsv, curves.tsv, statistics.tsv, dictionary.tsv, cohort.sqlite, "
                  "cohort.html")
-      ->required();
-  command->add_option("--compare", a->compare, "another cohort of the same ids: what changed, by how much, why");
-  command->add_flag("--quiet", a->quiet, "print nothing");
-  command->callback([a, &chosen] { chosen = [a](std::stop_token) { return run(*a); }; });
+      .required();
+  command.option("--compare", a->compare, "another cohort of the same ids: what changed, by how much, why");
+  command.flag("--quiet", a->quiet, "print nothing");
+  command.run(chosen, [a](std::stop_token) { return run(*a); });
 }
 
 }  // namespace dynasurf::app

@@ -1,7 +1,6 @@
 #include <filesystem>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
@@ -12,6 +11,7 @@
 #include "dynasurf/report/normals.hpp"
 
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
 #include "out_argument.hpp"
 #include "print_page.hpp"
@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-struct Arguments {
+struct CompareArguments {
   std::string rest, stress;
   OutFolder out;
   bool json = false, pdf = false, with_names = false;
@@ -35,7 +35,7 @@ std::string report_from(const fs::path& study, const fs::path& out) {
   return fs::exists(report) ? address_of(report.lexically_relative(fs::absolute(out)).string()) : std::string();
 }
 
-ExitCode run(const Arguments& a, const std::stop_token& stop) {
+ExitCode run(const CompareArguments& a, const std::stop_token& stop) {
   if (a.pdf && !a.out.is_asked()) throw OptionError("--pdf needs a folder to print to; expected --out");
   if (a.pdf) find_browser();  // before anything is computed
   report::ComparedStudy rest = report::read_compared_study(a.rest), stress = report::read_compared_study(a.stress);
@@ -87,18 +87,18 @@ ExitCode run(const Arguments& a, const std::stop_token& stop) {
 }  // namespace
 
 void add_compare(CLI::App& program, Command& chosen) {
-  auto a = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand(
-      "compare", "Compare a rest and a stress result: TID ratio, volumes, scores, difference of the polar maps");
-  command->add_option("REST", a->rest, "folder written by dynasurf ventricle")->required();
-  command->add_option("STRESS", a->stress, "the same of the stress study")->required();
-  add_out_folder(*command, a->out,
+  auto a = std::make_shared<CompareArguments>();
+  CommandLine command(program, "compare",
+                      "Compare a rest and a stress result: TID ratio, volumes, scores, difference of the polar maps");
+  command.option("REST", a->rest, "folder written by dynasurf ventricle").required();
+  command.option("STRESS", a->stress, "the same of the stress study").required();
+  add_out_folder(command, a->out,
                  "folder for comparison.json, comparison.html with both studies, and polar_difference.svg");
-  command->add_flag("--pdf", a->pdf, "print the page to comparison.pdf, two A4 pages (needs Chromium)");
-  command->add_flag("--with-names,--with-phi", a->with_names,
-                    "link the reports of both results; the names of their folders may name a person");
-  command->add_flag("--json", a->json, "print JSON instead of the table");
-  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+  command.flag("--pdf", a->pdf, "print the page to comparison.pdf, two A4 pages (needs Chromium)");
+  command.flag("--with-names,--with-phi", a->with_names,
+               "link the reports of both results; the names of their folders may name a person");
+  command.flag("--json", a->json, "print JSON instead of the table");
+  command.run(chosen, [a](std::stop_token stop) { return run(*a, stop); });
 }
 
 }  // namespace dynasurf::app

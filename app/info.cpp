@@ -1,24 +1,24 @@
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/study_io.hpp"
 
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
 #include "option_arguments.hpp"
 
 namespace dynasurf::app {
 namespace {
 
-struct Arguments {
+struct InfoArguments {
   std::string study, series;
   bool json = false;
 };
 
-ExitCode run(const Arguments& arguments) {
+ExitCode run(const InfoArguments& arguments) {
   const Study study = io::read_study(arguments.study, arguments.series);
   const io::StudyFacts facts = io::facts_of(arguments.study, study, arguments.series);
   if (arguments.json) {
@@ -40,12 +40,12 @@ ExitCode run(const Arguments& arguments) {
 }  // namespace
 
 void add_info(CLI::App& program, Command& chosen) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand("info", "Tell what a study holds, and what would be done with it");
-  command->add_option("STUDY", arguments->study, "DICOM file or folder, NIfTI or NRRD file")->required();
-  add_series_argument(*command, arguments->series);
-  command->add_flag("--json", arguments->json, "print JSON");
-  command->callback([arguments, &chosen] { chosen = [arguments](std::stop_token) { return run(*arguments); }; });
+  auto arguments = std::make_shared<InfoArguments>();
+  CommandLine command(program, "info", "Tell what a study holds, and what would be done with it");
+  command.option("STUDY", arguments->study, "DICOM file or folder, NIfTI or NRRD file").required();
+  add_series_argument(command, arguments->series);
+  command.flag("--json", arguments->json, "print JSON");
+  command.run(chosen, [arguments](std::stop_token) { return run(*arguments); });
 }
 
 }  // namespace dynasurf::app

@@ -1,15 +1,15 @@
 #pragma once
-#include <CLI/CLI.hpp>
-
 #include "dynasurf/report/detail/label_volumes.hpp"
+
+#include "command_line.hpp"
 
 namespace dynasurf::app {
 
 /// `--labels` and `--partial-volumes`, of studies and of phantoms.
-inline void add_label_arguments(CLI::App& command, report::LabelOutput& labels) {
-  command.add_option("--labels", labels.ending, "write walls and borders as voxels too, in this format: nii.gz, nii");
-  command.add_flag("--partial-volumes", labels.partial_volumes,
-                   "with --labels: the part of each voxel that is cavity and wall too");
+inline void add_label_arguments(CommandLine& command, report::LabelOutput& labels) {
+  command.option("--labels", labels.ending, "write walls and borders as voxels too, in this format: nii.gz, nii");
+  command.flag("--partial-volumes", labels.partial_volumes,
+               "with --labels: the part of each voxel that is cavity and wall too");
 }
 
 }  // namespace dynasurf::app

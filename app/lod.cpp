@@ -3,8 +3,6 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
-
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
@@ -12,17 +10,19 @@
 #include "dynasurf/report/detail/lod_page.hpp"
 
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
 #include "lod_levels.hpp"
 #include "out_argument.hpp"
 #include "result_job.hpp"
+#include "version.hpp"
 
 namespace dynasurf::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct LodArguments {
   std::vector<std::string> levels;
   std::string screen = "1920x1080", mesh_format = "ply";
   OutFolder out;
@@ -46,21 +46,7 @@ void read_screen(const std::string& text, cloud::Camera& camera) {
     throw OptionError("--screen is '" + text + "'; expected WIDTHxHEIGHT in pixels, such as 1920x1080");
 }
 
-/// t runs over (0, 1) in equal steps; its ends are the levels themselves. What the meshes are goes into the plan.
-void write_transitions(LodPlan& plan, const Arguments& arguments, const fs::path& folder) {
-  const io::MeshFormat format = mesh_formats_of({arguments.mesh_format}, "--mesh-format").front();
-  for (std::size_t n = 0; n < plan.transitions.size(); ++n)
-    for (int step = 0; step <= arguments.steps + 1; ++step) {
-      const double t = static_cast<double>(step) / (arguments.steps + 1);
-      const std::string name = "level" + std::to_string(n + 2) + "_to_level" + std::to_string(n + 1) + "_" +
-                               std::to_string(step) + "." + std::string(word_of(format));
-      const cloud::FreeShape shape = cloud::free_at_transition(plan.transitions[n], t);
-      plan.steps.push_back({n, step, t, shape.check, shape.ahead});
-      io::write_mesh(shape.mesh, folder / "transitions" / name, format);
-    }
-}
-
-std::string summary_of(const std::vector<NamedLevel>& levels, const LodPlan& plan) {
+std::string summary_of(const std::vector<report::NamedLevel>& levels, const report::LodPlan& plan) {
   std::vector<std::vector<std::string>> rows{{"level", "triangles", "from distance", "to distance", "size on screen"}};
   for (std::size_t n = 0; n < levels.size(); ++n) {
     const bool last = n + 1 == levels.size();
@@ -83,7 +69,7 @@ std::string summary_of(const std::vector<NamedLevel>& levels, const LodPlan& pla
 }
 
 /// Which level to draw at a distance (GEN-MIP (a)), when another one may stand there now.
-std::string choice_at(const Arguments& arguments, const LodPlan& plan) {
+std::string choice_at(const LodArguments& arguments, const report::LodPlan& plan) {
   if (!(*arguments.distance >= 0)) throw OptionError("--distance: expected a number from 0 on");
   if (arguments.current > static_cast<int>(plan.from.size()))
     throw OptionError("--current is " + std::to_string(arguments.current) + "; there are " +
@@ -95,21 +81,26 @@ std::string choice_at(const Arguments& arguments, const LodPlan& plan) {
   return "at " + fixed(*arguments.distance, 4) + ": level " + std::to_string(level + 1) + "\n";
 }
 
-ExitCode run(Arguments arguments, std::stop_token stop) {
+ExitCode run(LodArguments arguments, std::stop_token stop) {
   read_screen(arguments.screen, arguments.camera);
   check_options(arguments.camera, "camera");
-  const std::vector<NamedLevel> levels = levels_of(arguments.levels, arguments.with_names);
+  const std::vector<report::NamedLevel> levels = levels_of(arguments.levels, arguments.with_names);
   std::vector<TriMesh> meshes;
   meshes.reserve(levels.size());
-  for (const NamedLevel& level : levels) meshes.push_back(level.mesh);
-  LodPlan plan = plan_of(meshes, arguments.rule, arguments.camera, arguments.from);
+  for (const report::NamedLevel& level : levels) meshes.push_back(level.mesh);
+  report::LodPlan plan = report::plan_of(meshes, arguments.rule, arguments.camera, arguments.from);
   const std::string choice = arguments.distance ? choice_at(arguments, plan) : "";
-  const auto json = [&] { return io::json_text(json_of(levels, plan, arguments.rule, arguments.camera)); };
+  const auto json = [&] {
+    nlohmann::ordered_json all = report::json_of(levels, plan, arguments.rule, arguments.camera);
+    all["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
+    return io::json_text(all);
+  };
   std::string written;
   if (arguments.out.is_asked()) {
     io::OutputFolder folder(arguments.out.path, arguments.out.existing(),
                             {arguments.levels.begin(), arguments.levels.end()});
-    write_transitions(plan, arguments, folder.path());
+    const io::MeshFormat format = mesh_formats_of({arguments.mesh_format}, "--mesh-format").front();
+    report::write_transitions(plan, arguments.steps, format, folder.path() / "transitions");
     io::write_file(folder.path() / "lod.json", json());
     report::write_lod_page(meshes, plan.transitions,
                            {arguments.camera, arguments.rule, arguments.instances, plan.chain.largest_px},
@@ -128,34 +119,30 @@ ExitCode run(Arguments arguments, std::stop_token stop) {
 }  // namespace
 
 void add_lod(CLI::App& program, Command& chosen) {
-  auto a = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand(
-      "lod", "Which level of detail at which distance; the meshes between levels; a page of many instances");
-  command->add_option("LEVELS", a->levels, "folder of a result of dynasurf cloud, or mesh files, finest first")
-      ->required();
-  add_out_folder(*command, a->out, "folder for lod.json, transitions/ and instances.html");
-  command->add_option("--screen", a->screen, "size of the picture in pixels (1920x1080)");
-  command->add_option("--fov", a->camera.fov_deg, "vertical field of view, degrees (40)");
-  command->add_option("--edge-px", a->rule.edge_px, "a level serves while its mean edge is no longer than this (8)");
-  command->add_option("--hysteresis", a->rule.hysteresis_percent, "percent by which a limit must be passed (10)");
+  auto a = std::make_shared<LodArguments>();
+  CommandLine command(program, "lod",
+                      "Which level of detail at which distance; the meshes between levels; a page of many instances");
+  command.option("LEVELS", a->levels, "folder of a result of dynasurf cloud, or mesh files, finest first").required();
+  add_out_folder(command, a->out, "folder for lod.json, transitions/ and instances.html");
+  command.option("--screen", a->screen, "size of the picture in pixels (1920x1080)");
+  command.option("--fov", a->camera.fov_deg, "vertical field of view, degrees (40)");
+  command.option("--edge-px", a->rule.edge_px, "a level serves while its mean edge is no longer than this (8)");
+  command.option("--hysteresis", a->rule.hysteresis_percent, "percent by which a limit must be passed (10)");
   command
-      ->add_option(
-          "--from", a->from,
-          "distances from which the levels serve, finest first, such as 0,2.5,10, in place of those by --edge-px")
-      ->delimiter(',');
-  command->add_option("--distance", a->distance, "also tell which level serves at this distance");
-  command
-      ->add_option("--current", a->current,
-                   "with --distance: the level that stands there now, which --hysteresis keeps")
-      ->check(CLI::Range(1, 1000));
-  command->add_option("--steps", a->steps, "meshes between two levels (3)")->check(CLI::Range(0, 1000));
-  command->add_option("--instances", a->instances, "instances on the page (200)")->check(CLI::Range(1, 1000));
-  command->add_option("--mesh-format", a->mesh_format, mesh_format_choices() + ", of the transitions (ply)");
-  command->add_flag("--with-names,--with-phi", a->with_names,
-                    "record the names of mesh files, which may name a person, instead of level1, level2, ...");
-  command->add_flag("--json", a->json, "print lod.json instead of the table");
-  command->add_flag("--quiet", a->quiet, "print nothing but --json and errors");
-  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+      .option("--from", a->from,
+              "distances from which the levels serve, finest first, such as 0,2.5,10, in place of those by --edge-px")
+      .list();
+  command.option("--distance", a->distance, "also tell which level serves at this distance");
+  command.option("--current", a->current, "with --distance: the level that stands there now, which --hysteresis keeps")
+      .within(1, 1000);
+  command.option("--steps", a->steps, "meshes between two levels (3)").within(0, 1000);
+  command.option("--instances", a->instances, "instances on the page (200)").within(1, 1000);
+  command.option("--mesh-format", a->mesh_format, mesh_format_choices() + ", of the transitions (ply)");
+  command.flag("--with-names,--with-phi", a->with_names,
+               "record the names of mesh files, which may name a person, instead of level1, level2, ...");
+  command.flag("--json", a->json, "print lod.json instead of the table");
+  command.flag("--quiet", a->quiet, "print nothing but --json and errors");
+  command.run(chosen, [a](std::stop_token stop) { return run(*a, stop); });
 }
 
 }  // namespace dynasurf::app

@@ -1,7 +1,6 @@
 #include "lod_levels.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "dynasurf/core/error.hpp"
@@ -11,7 +10,6 @@
 #include "dynasurf/io/mesh_io.hpp"
 
 #include "utf8.hpp"
-#include "version.hpp"
 
 namespace dynasurf::app {
 namespace {
@@ -43,9 +41,9 @@ std::vector<std::string> level_names_of(const fs::path& folder) {
 
 /// The meshes of a result folder, finest first: in the first format of its files that can be read, else those of
 /// levels.glb, which holds them with 32 bits a number.
-std::vector<NamedLevel> levels_of_result(const fs::path& folder) {
+std::vector<report::NamedLevel> levels_of_result(const fs::path& folder) {
   const std::vector<std::string> names = level_names_of(folder);
-  std::vector<NamedLevel> levels;
+  std::vector<report::NamedLevel> levels;
   for (const std::string& name : names) {
     fs::path mesh;
     for (const char* ending : {".ply", ".obj", ".off", ".stl"})
@@ -65,9 +63,9 @@ std::vector<NamedLevel> levels_of_result(const fs::path& folder) {
 
 }  // namespace
 
-std::vector<NamedLevel> levels_of(const std::vector<std::string>& paths, bool with_names) {
+std::vector<report::NamedLevel> levels_of(const std::vector<std::string>& paths, bool with_names) {
   if (paths.size() == 1 && fs::is_directory(paths[0])) return levels_of_result(paths[0]);
-  std::vector<NamedLevel> levels;
+  std::vector<report::NamedLevel> levels;
   for (const fs::path path : paths) {
     const std::string neutral = "level" + std::to_string(levels.size() + 1);
     levels.push_back({with_names ? valid_utf8(path.stem().string()) : neutral, io::read_mesh(path)});
@@ -76,75 +74,6 @@ std::vector<NamedLevel> levels_of(const std::vector<std::string>& paths, bool wi
     if (levels[n].mesh.triangles.size() > levels[n - 1].mesh.triangles.size())
       throw InputError(paths[n] + ": has more triangles than the level before; expected the finest first");
   return levels;
-}
-
-namespace {
-
-/// The distances of --from, which take the place of those that the levels' edges ask for: what serves from a distance
-/// on serves up to the size that the body has there.
-void set_intervals(LodPlan& plan, const std::vector<double>& from, const cloud::Camera& camera) {
-  if (from.size() != plan.from.size() || from.front() != 0 || !std::is_sorted(from.begin(), from.end()))
-    throw OptionError("--from: expected " + std::to_string(plan.from.size()) +
-                      " distances, one for each level, that begin with 0 and rise");
-  plan.from = from;
-  for (std::size_t n = 1; n < from.size(); ++n)
-    plan.chain.largest_px[n] = plan.chain.diagonal * cloud::focal_px(camera) / from[n];
-}
-
-}  // namespace
-
-LodPlan plan_of(const std::vector<TriMesh>& meshes, const cloud::LodRule& rule, const cloud::Camera& camera,
-                const std::vector<double>& from) {
-  LodPlan plan;
-  plan.chain = cloud::lod_chain(meshes, rule);
-  plan.from = cloud::switch_distances(plan.chain, camera);
-  if (!from.empty()) set_intervals(plan, from, camera);
-  for (std::size_t n = 0; n + 1 < meshes.size(); ++n)
-    plan.transitions.push_back(cloud::lod_transition(meshes[n + 1], meshes[n]));
-  return plan;
-}
-
-nlohmann::ordered_json json_of(const std::vector<NamedLevel>& levels, const LodPlan& plan, const cloud::LodRule& rule,
-                               const cloud::Camera& camera) {
-  Json json = Json::object();
-  json["schema"] = "dynasurf.lod/1";
-  json["screen_px"] = {camera.width_px, camera.height_px};
-  json["fov_deg"] = camera.fov_deg;
-  json["edge_px"] = rule.edge_px;
-  json["hysteresis_percent"] = rule.hysteresis_percent;
-  json["diagonal"] = plan.chain.diagonal;
-  json["levels"] = Json::array();
-  for (std::size_t n = 0; n < levels.size(); ++n) {
-    const bool last = n + 1 == levels.size();
-    const double px = plan.chain.largest_px[n];
-    json["levels"].push_back({{"level", n + 1},
-                              {"name", levels[n].name},
-                              {"triangles", levels[n].mesh.triangles.size()},
-                              {"from_distance", plan.from[n]},
-                              {"to_distance", last ? Json() : Json(plan.from[n + 1])},
-                              {"largest_screen_px", std::isfinite(px) ? Json(px) : Json()}});
-  }
-  json["transitions"] = Json::array();
-  for (std::size_t n = 0; n < plan.transitions.size(); ++n) {
-    Json transition = {{"from_level", n + 2},
-                       {"to_level", n + 1},
-                       {"exact", plan.transitions[n].exact},
-                       {"start_distance", plan.transitions[n].start_distance},
-                       {"largest_start_distance", plan.transitions[n].largest_start_distance}};
-    for (const TransitionStep& s : plan.steps)
-      if (s.transition == n)
-        transition["meshes"].push_back({{"step", s.step},
-                                        {"t", s.t},
-                                        {"closed", s.check.closed},
-                                        {"manifold", s.check.manifold},
-                                        {"oriented", s.check.oriented},
-                                        {"self_intersections", s.check.self_intersections},
-                                        {"flat_triangles", s.check.flat_triangles},
-                                        {"vertices_ahead", s.ahead}});
-    json["transitions"].push_back(std::move(transition));
-  }
-  json["program"] = {{"name", "dynasurf"}, {"version", version()}, {"commit", commit()}};
-  return json;
 }
 
 }  // namespace dynasurf::app

@@ -1,6 +1,5 @@
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/io/detail/json_read.hpp"
@@ -9,6 +8,7 @@
 #include "dynasurf/mesh/repair.hpp"
 
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
 
 namespace dynasurf::app {
@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Arguments {
+struct MeasureArguments {
   std::string mesh;
   bool json = false;
 };
@@ -53,7 +53,7 @@ Json measures_of(const TriMesh& mesh) {
   return json;
 }
 
-ExitCode run(const Arguments& arguments) {
+ExitCode run(const MeasureArguments& arguments) {
   const Json json = measures_of(io::read_mesh(arguments.mesh));
   if (arguments.json) {
     print(io::json_text(json));
@@ -69,12 +69,12 @@ ExitCode run(const Arguments& arguments) {
 }  // namespace
 
 void add_measure(CLI::App& program, Command& chosen) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand(
-      "measure", "Measure a triangle mesh: volume, area, topology, self-intersections, triangles");
-  command->add_option("MESH", arguments->mesh, "PLY, STL, OBJ or OFF file, in mm")->required();
-  command->add_flag("--json", arguments->json, "print JSON");
-  command->callback([arguments, &chosen] { chosen = [arguments](std::stop_token) { return run(*arguments); }; });
+  auto arguments = std::make_shared<MeasureArguments>();
+  CommandLine command(program, "measure",
+                      "Measure a triangle mesh: volume, area, topology, self-intersections, triangles");
+  command.option("MESH", arguments->mesh, "PLY, STL, OBJ or OFF file, in mm").required();
+  command.flag("--json", arguments->json, "print JSON");
+  command.run(chosen, [arguments](std::stop_token) { return run(*arguments); });
 }
 
 }  // namespace dynasurf::app

@@ -4,8 +4,6 @@
 #include <filesystem>
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/cloud_io.hpp"
@@ -16,6 +14,7 @@
 #include "dynasurf/report/detail/motion_results.hpp"
 
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
 #include "result_job.hpp"
 #include "result_walls.hpp"
@@ -25,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct MotionArguments {
   std::string points, result;
   std::vector<double> apex, base;
   int rest_gate = 1;
@@ -33,7 +32,7 @@ struct Arguments {
 };
 
 /// Where the long axis lies: as told, or as a result found it.
-ventricle::LongAxis axis_of(const Arguments& a, const std::optional<ResultWalls>& walls) {
+ventricle::LongAxis axis_of(const MotionArguments& a, const std::optional<ResultWalls>& walls) {
   if (!a.apex.empty()) return {{a.apex[0], a.apex[1], a.apex[2]}, {a.base[0], a.base[1], a.base[2]}, 0};
   if (!walls) throw OptionError("where the long axis lies is not told; expected --result, or --apex and --base");
   if (!walls->axes) throw InputError(a.result + ": the axis does not leave both surfaces");
@@ -100,7 +99,7 @@ std::string summary_of(const report::MotionRun& run) {
   return text + "Research use only. Not for diagnosis.\n";
 }
 
-ExitCode run(const Arguments& a, std::stop_token stop) {
+ExitCode run(const MotionArguments& a, std::stop_token stop) {
   const ThreadLimit limit(a.output.threads);
   if (a.apex.empty() != a.base.empty()) throw OptionError("--apex and --base belong together; one is missing");
   ResultJob job;
@@ -131,20 +130,20 @@ ExitCode run(const Arguments& a, std::stop_token stop) {
 }  // namespace
 
 void add_motion(CLI::App& program, Command& chosen) {
-  auto a = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand(
-      "motion", "Twist, torsion and strain from points that were tracked over the beat (tagged MR)");
-  command->add_option("POINTS", a->points, "table with the columns point, gate, x_mm, y_mm, z_mm (LPS)")->required();
-  command->add_option("--result", a->result,
-                      "folder written by dynasurf ventricle: tells the long axis; its surfaces are carried along");
+  auto a = std::make_shared<MotionArguments>();
+  CommandLine command(program, "motion",
+                      "Twist, torsion and strain from points that were tracked over the beat (tagged MR)");
+  command.option("POINTS", a->points, "table with the columns point, gate, x_mm, y_mm, z_mm (LPS)").required();
+  command.option("--result", a->result,
+                 "folder written by dynasurf ventricle: tells the long axis; its surfaces are carried along");
   const auto place = [&](const char* name, std::vector<double>& at, const char* what) {
-    command->add_option(name, at, what)->delimiter(',')->expected(3)->allow_extra_args(false);
+    command.option(name, at, what).list_of(3).one_value();
   };
   place("--apex", a->apex, "x,y,z in mm: the long axis's end at the apex, at rest");
   place("--base", a->base, "x,y,z in mm: its end at the valve plane");
-  command->add_option("--rest-gate", a->rest_gate, "the gate that motion counts from")->check(CLI::Range(1, 1000));
-  add_result_arguments(*command, a->output, "ply and vtp, with --result");
-  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+  command.option("--rest-gate", a->rest_gate, "the gate that motion counts from").within(1, 1000);
+  add_result_arguments(command, a->output, "ply and vtp, with --result");
+  command.run(chosen, [a](std::stop_token stop) { return run(*a, stop); });
 }
 
 }  // namespace dynasurf::app

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
@@ -13,6 +12,7 @@
 #include "dynasurf/report/detail/normal_groups.hpp"
 
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
 #include "normal_studies.hpp"
 #include "out_argument.hpp"
@@ -89,22 +89,18 @@ ExitCode build(const Building& a) {
 
 void add_normals(CLI::App& program, Command& chosen) {
   auto a = std::make_shared<Building>();
-  CLI::App* command =
-      program.add_subcommand("normals", "Build a normal map of perfusion from the results of normal studies");
+  CommandLine command(program, "normals", "Build a normal map of perfusion from the results of normal studies");
   command
-      ->add_option("FOLDER", a->folder,
-                   "folder of results, each a folder written by dynasurf ventricle, or a cohort of dynasurf batch")
-      ->required();
-  command
-      ->add_option("--by", a->by, "columns of the cohort, such as sex,tracer: a map for each of their groups as well")
-      ->delimiter(',');
-  command->add_option("--where", a->where, "studies of the cohort with this value alone: COLUMN=VALUE; may be repeated")
-      ->take_all()
-      ->allow_extra_args(false);
-  command->add_option("--least", a->least, "studies that a group needs for a map of its own (20)")
-      ->check(CLI::Range(3, 1000000));
-  add_out_file(*command, a->out, "file of the normal map (JSON)")->required();
-  command->callback([a, &chosen] { chosen = [a](std::stop_token) { return build(*a); }; });
+      .option("FOLDER", a->folder,
+              "folder of results, each a folder written by dynasurf ventricle, or a cohort of dynasurf batch")
+      .required();
+  command.option("--by", a->by, "columns of the cohort, such as sex,tracer: a map for each of their groups as well")
+      .list();
+  command.option("--where", a->where, "studies of the cohort with this value alone: COLUMN=VALUE; may be repeated")
+      .repeated();
+  command.option("--least", a->least, "studies that a group needs for a map of its own (20)").within(3, 1000000);
+  add_out_file(command, a->out, "file of the normal map (JSON)").required();
+  command.run(chosen, [a](std::stop_token) { return build(*a); });
 }
 
 }  // namespace dynasurf::app

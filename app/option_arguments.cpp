@@ -2,8 +2,6 @@
 
 #include <iomanip>
 
-#include <CLI/CLI.hpp>
-
 #include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
@@ -52,39 +50,32 @@ std::vector<std::string> settings_of(const OptionArguments& a) {
   return settings;
 }
 
-void add_series_argument(CLI::App& command, std::string& series) {
-  command.add_option("--series", series,
-                     "which image series of a DICOM folder: its number, UID, or a part of its description");
+void add_series_argument(CommandLine& command, std::string& series) {
+  command.option("--series", series,
+                 "which image series of a DICOM folder: its number, UID, or a part of its description");
 }
 
-void add_option_arguments(CLI::App& command, OptionArguments& a) {
-  command.add_option(
+void add_option_arguments(CommandLine& command, OptionArguments& a) {
+  command.option(
       "--preset", a.preset,
       "psf_corrected, the default: volumes corrected for the point spread; pet, mr, ct: the same at their resolution; "
       "edges: surfaces on the largest gradient alone; thesis: as published");
-  command.add_option("--options", a.file, "JSON file of options, such as the options.json of a result");
-  command.add_option("--pipeline", a.pipeline,
-                     "surface; contour: a contour in every slice; direct: one field straight from the image");
-  command.add_option("--set", a.settings, "set one option: path=value; may be repeated (see: dynasurf options)")
-      ->take_all()
-      ->allow_extra_args(false);
-  command.add_option("--fwhm", a.fwhm_mm,
-                     "width of the camera's point spread in the image, mm; 0: sharp; not told: the data decide");
-  command.add_option("--label", a.label, "value of the muscle in a label map; all else is nothing")
-      ->check(CLI::Range(1, 1000000));
-  command.add_option("--center", a.center, "by hand: middle of the heart x,y,z in the world (LPS), mm")
-      ->delimiter(',')
-      ->expected(3);
-  command.add_option("--axis", a.axis, "by hand: long axis x,y,z from apex to base in the world (LPS)")
-      ->delimiter(',')
-      ->expected(3);
-  command.add_option("--radius", a.radius_mm, "by hand: circle around the ventricle, mm");
-  command.add_option("--first-slice", a.first_slice, "by hand: first slice of the ventricle, from 1 at the apex");
-  command.add_option("--last-slice", a.last_slice, "by hand: its last slice");
-  command.add_option("--base-plane", a.base_plane_mm, "by hand: height of the valve plane over slice 1, mm");
-  command.add_option("--mask", a.mask,
-                     "by hand: a volume (DICOM, NIfTI, NRRD) in the place of the study; only where it is above 0 the "
-                     "study is looked at");
+  command.option("--options", a.file, "JSON file of options, such as the options.json of a result");
+  command.option("--pipeline", a.pipeline,
+                 "surface; contour: a contour in every slice; direct: one field straight from the image");
+  command.option("--set", a.settings, "set one option: path=value; may be repeated (see: dynasurf options)").repeated();
+  command.option("--fwhm", a.fwhm_mm,
+                 "width of the camera's point spread in the image, mm; 0: sharp; not told: the data decide");
+  command.option("--label", a.label, "value of the muscle in a label map; all else is nothing").within(1, 1000000);
+  command.option("--center", a.center, "by hand: middle of the heart x,y,z in the world (LPS), mm").list_of(3);
+  command.option("--axis", a.axis, "by hand: long axis x,y,z from apex to base in the world (LPS)").list_of(3);
+  command.option("--radius", a.radius_mm, "by hand: circle around the ventricle, mm");
+  command.option("--first-slice", a.first_slice, "by hand: first slice of the ventricle, from 1 at the apex");
+  command.option("--last-slice", a.last_slice, "by hand: its last slice");
+  command.option("--base-plane", a.base_plane_mm, "by hand: height of the valve plane over slice 1, mm");
+  command.option("--mask", a.mask,
+                 "by hand: a volume (DICOM, NIfTI, NRRD) in the place of the study; only where it is above 0 the "
+                 "study is looked at");
 }
 
 ventricle::Options options_of(const OptionArguments& arguments) {
@@ -97,7 +88,7 @@ ventricle::Options options_of(const OptionArguments& arguments) {
       throw OptionError(arguments.file + ": " + error.what());
     }
   }
-  for (const std::string& setting : settings_of(arguments)) set_option(options, setting);
+  set_options(options, settings_of(arguments));
   return options;
 }
 

@@ -6,9 +6,7 @@
 
 #include "dynasurf/ventricle/reconstruct.hpp"
 
-namespace CLI {
-class App;
-}
+#include "command_line.hpp"
 
 namespace dynasurf::app {
 
@@ -28,9 +26,9 @@ struct OptionArguments {
 Image read_mask(const std::filesystem::path& file);
 
 /// --series, for `read_study`.
-void add_series_argument(CLI::App& command, std::string& series);
+void add_series_argument(CommandLine& command, std::string& series);
 
-void add_option_arguments(CLI::App& command, OptionArguments& arguments);
+void add_option_arguments(CommandLine& command, OptionArguments& arguments);
 
 /// All settings in order; the pipeline and what is said by hand stand as settings of options, so that they are checked,
 /// recorded and repeated like every other option.

@@ -2,7 +2,6 @@
 
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
@@ -16,6 +15,7 @@
 #include "dynasurf/synthetic/terrain.hpp"
 
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
 
 namespace dynasurf::app {
@@ -23,12 +23,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Arguments {
+struct OptionsArguments {
   std::string subject = "ventricle", kind, preset;
   bool json = false, markdown = false;
 };
 
-std::vector<OptionRow> rows_of(const Arguments& arguments) {
+std::vector<OptionRow> rows_of(const OptionsArguments& arguments) {
   const auto preset_or = [&](const char* usual) { return arguments.preset.empty() ? usual : arguments.preset; };
   if (arguments.subject == "ventricle") {
     if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'ventricle'; expected nothing");
@@ -93,7 +93,7 @@ std::string as_json(const std::vector<OptionRow>& rows) {
   return io::json_text(json);
 }
 
-ExitCode run(const Arguments& arguments) {
+ExitCode run(const OptionsArguments& arguments) {
   const std::vector<OptionRow> rows = rows_of(arguments);
   print(arguments.json ? as_json(rows) : arguments.markdown ? as_markdown(rows) : as_text(rows));
   return done;
@@ -102,14 +102,14 @@ ExitCode run(const Arguments& arguments) {
 }  // namespace
 
 void add_options(CLI::App& program, Command& chosen) {
-  auto a = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand("options", "The manual of all options, for --set and --options");
-  command->add_option("SUBJECT", a->subject, "ventricle (the default), cloud, organ or phantom");
-  command->add_option("KIND", a->kind, "kind of phantom");
-  command->add_option("--preset", a->preset, "show the values of a preset of the ventricle or the cloud");
-  command->add_flag("--json", a->json, "print JSON");
-  command->add_flag("--markdown", a->markdown, "print a Markdown table")->excludes("--json");
-  command->callback([a, &chosen] { chosen = [a](std::stop_token) { return run(*a); }; });
+  auto a = std::make_shared<OptionsArguments>();
+  CommandLine command(program, "options", "The manual of all options, for --set and --options");
+  command.option("SUBJECT", a->subject, "ventricle (the default), cloud, organ or phantom");
+  command.option("KIND", a->kind, "kind of phantom");
+  command.option("--preset", a->preset, "show the values of a preset of the ventricle or the cloud");
+  command.flag("--json", a->json, "print JSON");
+  command.flag("--markdown", a->markdown, "print a Markdown table").without("--json");
+  command.run(chosen, [a](std::stop_token) { return run(*a); });
 }
 
 }  // namespace dynasurf::app

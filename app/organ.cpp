@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
@@ -17,6 +16,7 @@
 #include "dynasurf/io/study_io.hpp"
 
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
 #include "option_arguments.hpp"
 #include "out_argument.hpp"
@@ -29,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-struct Arguments {
+struct OrganArguments {
   std::string study, series, preset = "ct";
   OutFolder out;
   std::vector<std::string> settings;
@@ -38,9 +38,9 @@ struct Arguments {
   bool quiet = false;
 };
 
-organ::Options options_of(const Arguments& a) {
+organ::Options options_of(const OrganArguments& a) {
   organ::Options options = organ::preset(a.preset);
-  for (const std::string& setting : a.settings) set_option(options, setting);
+  set_options(options, a.settings);
   if (a.label) options.source = organ::Source::labels, options.label = *a.label;
   return options;
 }
@@ -80,7 +80,7 @@ Json result_json(const organ::Result& result, const organ::Options& options, con
   return json;
 }
 
-ExitCode run(const Arguments& a, std::stop_token stop) {
+ExitCode run(const OrganArguments& a, std::stop_token stop) {
   const ThreadLimit limit(a.threads);
   const organ::Options options = options_of(a);
   const Study study = io::read_study(a.study, a.series);
@@ -114,21 +114,20 @@ ExitCode run(const Arguments& a, std::stop_token stop) {
 }  // namespace
 
 void add_organ(CLI::App& program, Command& chosen) {
-  auto a = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand(
-      "organ", "The closed surface of an organ in CT, MR, PET or a label map: no heart is looked for");
-  command->add_option("STUDY", a->study, "DICOM, NIfTI or NRRD, file or folder")->required();
-  add_series_argument(*command, a->series);
-  add_out_folder(*command, a->out, "folder for results.json, organ.ply, .stl, .vtp and slices.png")->required();
-  command->add_option("--preset", a->preset, "ct, mr, pet or labels");
-  command->add_option("--label", a->label, "value of the organ in a label map; 0: all above 0")
-      ->check(CLI::Range(0, 1000000));
-  command->add_option("--gate", a->gate, "which image of a gated study, from 1")->check(CLI::Range(1, 1000));
-  command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options organ)")
-      ->take_all();
-  command->add_option("--threads", a->threads, "0: as many as the machine has")->check(CLI::Range(0, 1024));
-  command->add_flag("--quiet", a->quiet, "print nothing");
-  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+  auto a = std::make_shared<OrganArguments>();
+  CommandLine command(program, "organ",
+                      "The closed surface of an organ in CT, MR, PET or a label map: no heart is looked for");
+  command.option("STUDY", a->study, "DICOM, NIfTI or NRRD, file or folder").required();
+  add_series_argument(command, a->series);
+  add_out_folder(command, a->out, "folder for results.json, organ.ply, .stl, .vtp and slices.png").required();
+  command.option("--preset", a->preset, "ct, mr, pet or labels");
+  command.option("--label", a->label, "value of the organ in a label map; 0: all above 0").within(0, 1000000);
+  command.option("--gate", a->gate, "which image of a gated study, from 1").within(1, 1000);
+  command.option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options organ)")
+      .repeated();
+  command.option("--threads", a->threads, "0: as many as the machine has").within(0, 1024);
+  command.flag("--quiet", a->quiet, "print nothing");
+  command.run(chosen, [a](std::stop_token stop) { return run(*a, stop); });
 }
 
 }  // namespace dynasurf::app

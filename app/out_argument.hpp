@@ -4,10 +4,7 @@
 
 #include "dynasurf/io/detail/atomic_file.hpp"
 
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
+#include "command_line.hpp"
 
 namespace dynasurf::app {
 
@@ -21,7 +18,7 @@ struct OutFolder {
 };
 
 /// `what` says what the folder is for.
-CLI::Option* add_out_folder(CLI::App& command, OutFolder& out, const std::string& what);
+Argument add_out_folder(CommandLine& command, OutFolder& out, const std::string& what);
 
 /// --out and --replace, of every command that writes one file. An existing file is never written over.
 struct OutFile {
@@ -31,7 +28,7 @@ struct OutFile {
   io::Existing existing() const { return replace ? io::Existing::move_aside : io::Existing::refuse; }
 };
 
-CLI::Option* add_out_file(CLI::App& command, OutFile& out, const std::string& what);
+Argument add_out_file(CommandLine& command, OutFile& out, const std::string& what);
 
 /// What is printed of a former file or folder that --replace moved aside; empty when there was none.
 template <class Output>

@@ -1,7 +1,5 @@
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -69,7 +67,7 @@ synthetic::PhantomOptions options_of(const PhantomArguments& arguments) {
   synthetic::PhantomOptions phantom;
   const ChoiceRef kinds = choice_of(phantom);
   const OptionNodes nodes = kinds.choose(position_of(kinds.methods, arguments.kind, "KIND"));
-  for (const std::string& setting : arguments.settings) set_option(nodes, setting);
+  set_options(nodes, arguments.settings);
   if (!arguments.seed.empty()) set_option(nodes, path_of_seed(nodes, arguments.kind) + "=" + arguments.seed);
   return phantom;
 }
@@ -121,28 +119,25 @@ std::string kinds_text() {
 
 void add_phantom(CLI::App& program, Command& chosen) {
   auto a = std::make_shared<PhantomArguments>();
-  CLI::App* command = program.add_subcommand("phantom", "Make a synthetic study or scan with known truth");
-  command->add_option("KIND", a->kind, kinds_text())->required();
+  CommandLine command(program, "phantom", "Make a synthetic study or scan with known truth");
+  command.option("KIND", a->kind, kinds_text()).required();
   add_out_folder(
-      *command, a->out,
+      command, a->out,
       "folder for study.dcm, study.nii.gz (camera: projections.dcm, transaxial.dcm, attenuation.nrrd; cloud: "
       "cloud.ply, terrain: terrain.ply), truth.json, the true surfaces, and points.csv of patients with tags")
-      ->required();
-  command->add_option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options)")
-      ->take_all()
-      ->allow_extra_args(false);
-  command->add_option("--seed", a->seed, "seed of the noise; the same seed gives the same bytes");
-  command->add_option("--threads", a->threads, "threads at most; the result is the same (0: all)")
-      ->check(CLI::Range(0, 1024));
-  command->add_option("--count", a->count, "patients: how many; those that stand at --out are kept")
-      ->check(CLI::Range(1, 1000000));
-  command->add_option("--repeats", a->repeats, "patients: studies of each, with other noise and another pose")
-      ->check(CLI::Range(1, 100));
-  command->add_flag("--small", a->small, "patients: 4 gates of 40 x 40 x 20 voxels, for quick cohorts");
-  add_label_arguments(*command, a->labels);
-  command->add_flag("--nrrd", a->nrrd, "write the study as NRRD too");
-  command->add_flag("--quiet", a->quiet, "print nothing");
-  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+      .required();
+  command.option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options)")
+      .repeated();
+  command.option("--seed", a->seed, "seed of the noise; the same seed gives the same bytes");
+  command.option("--threads", a->threads, "threads at most; the result is the same (0: all)").within(0, 1024);
+  command.option("--count", a->count, "patients: how many; those that stand at --out are kept").within(1, 1000000);
+  command.option("--repeats", a->repeats, "patients: studies of each, with other noise and another pose")
+      .within(1, 100);
+  command.flag("--small", a->small, "patients: 4 gates of 40 x 40 x 20 voxels, for quick cohorts");
+  add_label_arguments(command, a->labels);
+  command.flag("--nrrd", a->nrrd, "write the study as NRRD too");
+  command.flag("--quiet", a->quiet, "print nothing");
+  command.run(chosen, [a](std::stop_token stop) { return run(*a, stop); });
 }
 
 }  // namespace dynasurf::app

@@ -28,7 +28,7 @@ struct PhantomArguments {
 template <Described O>
 O options_from(const PhantomArguments& arguments) {
   O options;
-  for (const std::string& setting : arguments.settings) set_option(options, setting);
+  set_options(options, arguments.settings);
   if (!arguments.seed.empty()) set_option(options, "seed=" + arguments.seed);
   return options;
 }

@@ -59,7 +59,7 @@ Planned plan(const PatientsJob& job, std::uint64_t seed, int study) {
     planned.patient.options.lattice = synthetic::small_lattice();
     planned.patient.options.gates = 4;
   }
-  for (const std::string& setting : job.settings) set_option(planned.patient.options, setting);
+  set_options(planned.patient.options, job.settings);
   return planned;
 }
 
@@ -77,15 +77,10 @@ Json former_truth(const fs::path& folder, const Planned& planned) {
   return truth;
 }
 
-/// Whether a patient that stands there has what is asked for beside the study.
-bool has_labels(const fs::path& folder, const report::LabelOutput& labels) {
-  const fs::path place = folder / "labels";
-  return labels.ending.empty() || (fs::exists(place / ("walls." + labels.ending)) &&
-                                   (!labels.partial_volumes || fs::exists(place / ("part_wall." + labels.ending))));
-}
-
 Json make_patient(const fs::path& folder, const Planned& planned, const report::LabelOutput& labels) {
-  if (Json truth = former_truth(folder, planned); !truth.is_null() && has_labels(folder, labels)) return truth;
+  if (Json truth = former_truth(folder, planned);
+      !truth.is_null() && report::has_wall_labels(labels, folder / "labels"))
+    return truth;
   const synthetic::Phantom phantom = synthetic::make_phantom(synthetic::PhantomOptions(planned.patient.options));
   Json truth = truth_of(phantom);
   io::OutputFolder output(folder);

@@ -1,17 +1,12 @@
 #include "print_page.hpp"
 
-#include <cerrno>
 #include <chrono>
 #include <cstdlib>
-#include <cstring>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "dynasurf/core/detail/text_stream.hpp"
@@ -19,8 +14,8 @@
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 
+#include "browser_profile.hpp"
 #include "child_process.hpp"
-#include "removed_at_end.hpp"
 #include "utf8.hpp"
 
 namespace dynasurf::app {
@@ -29,75 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr auto patience = std::chrono::seconds(120);
-
-constexpr std::string_view profile_prefix = "dynasurf-print-";
-
-/// A locked folder says that its run is alive: the system unlocks it when the run ends, however it ends.
-class Lock {
- public:
-  explicit Lock(const fs::path& folder)
-      : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC)) {
-    struct stat locked {};
-    struct stat there {};
-    held_ = descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 && ::fstat(descriptor_, &locked) == 0 &&
-            ::lstat(folder.c_str(), &there) == 0 && locked.st_ino == there.st_ino && locked.st_dev == there.st_dev;
-    is_ours_ = held_ && locked.st_uid == ::geteuid() && (locked.st_mode & 0777) == 0700;
-  }
-  ~Lock() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  Lock(const Lock&) = delete;
-  Lock& operator=(const Lock&) = delete;
-  bool is_held() const { return held_; }
-  bool is_ours() const { return is_ours_; }
-
- private:
-  int descriptor_;
-  bool held_ = false, is_ours_ = false;
-};
-
-/// Removes the profiles of runs that were killed: folders, never links, of this user, that no run holds.
-void sweep_profiles(const fs::path& place) {
-  std::error_code ignored;
-  for (fs::directory_iterator it(place, ignored), end; !ignored && it != end; it.increment(ignored)) {
-    const fs::path folder = it->path();
-    if (!folder.filename().native().starts_with(profile_prefix)) continue;
-    const Lock lock(folder);
-    std::error_code unremoved;
-    if (lock.is_ours()) fs::remove_all(folder, unremoved);
-  }
-}
-
-fs::path temporary_place() {
-  std::error_code error;
-  const fs::path place = fs::temp_directory_path(error);
-  if (error) throw IoError("printing needs a folder for temporary files, and TMPDIR names none");
-  return place;
-}
-
-/// A folder of its own for the browser's settings, which it would else look for at home.
-class Profile {
- public:
-  Profile() {
-    const fs::path place = temporary_place();
-    sweep_profiles(place);
-    // Another run may sweep a new folder in the moment before it is locked; then there is the next one.
-    constexpr int attempts = 10;
-    for (int attempt = 0; attempt < attempts && !(lock_ && lock_->is_held()); ++attempt) {
-      lock_.reset();
-      std::string name = (place / profile_prefix).string() + "XXXXXX";
-      if (!::mkdtemp(name.data()))
-        throw IoError("cannot make a folder in " + place.string() + ": " + std::strerror(errno));
-      folder_.emplace(name);
-      lock_.emplace(name);
-    }
-  }
-  const fs::path& path() const { return folder_->path(); }
-
- private:
-  std::optional<Lock> lock_;
-  std::optional<RemovedAtEnd> folder_;  // goes first, while it is locked
-};
 
 /// A busy machine may print the page before it has drawn itself; only then does its title, which the PDF takes over in
 /// UTF-16 as hexadecimal digits, end with the word "printed".
@@ -124,7 +50,7 @@ fs::path find_browser() {
 }
 
 void print_page(const fs::path& html, const fs::path& pdf, const std::stop_token& stop, PageKind kind) {
-  const Profile profile;
+  const BrowserProfile profile;
   const fs::path printed = profile.path() / "page.pdf";
   std::vector<std::string> words{find_browser().string(),
                                  "--headless",

@@ -1,68 +1,23 @@
 #include "reconstruction.hpp"
 
-#include <ctime>
-
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/report/detail/dicom_folder.hpp"
 #include "dynasurf/report/detail/run_record.hpp"
 #include "dynasurf/report/detail/stages.hpp"
 #include "dynasurf/report/result_folders.hpp"
 
 #include "option_arguments.hpp"
 #include "print_page.hpp"
+#include "reconstruction_dicom.hpp"
 
 namespace dynasurf::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The hash of a file that was given beside the study; absent when none was.
-std::optional<std::string> hash_of(const fs::path& file) {
-  if (file.empty()) return std::nullopt;
-  return io::sha256_of_file(file);
-}
-
-/// The time DICOM results tell: as an earlier run told it; now; or, where equal runs shall give equal bytes, the
-/// study's.
-std::string dicom_time(const Job& job, bool study_is_dicom) {
-  if (!job.outputs.dicom_time.empty()) return job.outputs.dicom_time;
-  if (!job.timings) {
-    const io::DicomSubject subject =
-        study_is_dicom ? io::read_dicom_subject(job.study, job.series) : io::DicomSubject();
-    const bool is_told = subject.study_date.size() == 8 && subject.study_time.size() >= 6;
-    return is_told ? subject.study_date + subject.study_time.substr(0, 6) : "20000101000000";
-  }
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  char text[16];
-  std::strftime(text, sizeof text, "%Y%m%d%H%M%S", &local);
-  return text;
-}
-
-/// Whose DICOM results these are, and what their UIDs are made from: the inputs, the options, the program, the time.
-io::DicomResult dicom_context(const Job& job, const report::Provenance& provenance, bool study_is_dicom) {
-  io::DicomResult context;
-  context.program_version = provenance.program_version;
-  context.date = job.outputs.dicom_time.substr(0, 8);
-  context.time = job.outputs.dicom_time.substr(8);
-  io::Hasher hasher;
-  const auto add = [&](const std::string& text) { hasher.add(text.data(), text.size() + 1); };
-  const auto in_json = [](const std::optional<std::string>& hash) { return hash ? '"' + *hash + '"' : "null"; };
-  for (const report::InputFile& input : provenance.inputs) add(input.sha256);
-  for (const std::string& text : {provenance.options_json, provenance.program_version, provenance.commit,
-                                  job.outputs.dicom_time, in_json(hash_of(job.mask)), in_json(hash_of(job.start_mesh))})
-    add(text);
-  context.content = hasher.finish();
-  context.subject = study_is_dicom ? io::read_dicom_subject(job.study, job.series)
-                                   : io::nameless_subject(context.content, context.date, context.time);
-  return context;
-}
 
 /// What is made from the finished report and result: the printed pages, and the DICOM objects, which hold them.
 void write_for_reading_room(const ventricle::Result& result, const report::Provenance& provenance, const Job& job,

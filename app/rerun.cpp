@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
@@ -11,6 +10,7 @@
 
 #include "cloud_run.hpp"
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
 #include "reconstruction.hpp"
 #include "rerun_parts.hpp"
@@ -24,21 +24,6 @@ namespace fs = std::filesystem;
 /// What was written beside numbers and meshes, to be looked at.
 io::JsonNode outputs_of(const RerunArguments& arguments, const RerunRecord& record) {
   return {&record.outputs, (fs::path(arguments.result) / "results.json").string(), "provenance.outputs"};
-}
-
-std::vector<std::string> words_in(const io::JsonNode& object, const char* key) {
-  const io::JsonNode list = io::list_in(object, key);
-  std::vector<std::string> words;
-  for (std::size_t n = 0; n < io::size_of(list); ++n) words.push_back(io::text_of(io::item_of(list, n)));
-  return words;
-}
-
-/// YYYYMMDDHHMMSS.
-std::string dicom_time_in(const io::JsonNode& outputs) {
-  const std::string time = io::text_in(outputs, "dicom_time");
-  if (time.size() != 14 || !std::all_of(time.begin(), time.end(), [](char c) { return c >= '0' && c <= '9'; }))
-    throw InputError(outputs.file + ": " + outputs.path + ".dicom_time: expected 14 digits, YYYYMMDDHHMMSS");
-  return time;
 }
 
 /// What every kind of run needs to be repeated.
@@ -137,17 +122,16 @@ ExitCode run(const RerunArguments& arguments, std::stop_token stop) {
 
 void add_rerun(CLI::App& program, Command& chosen) {
   auto a = std::make_shared<RerunArguments>();
-  CLI::App* command = program.add_subcommand("rerun", "Repeat a run from its result folder and compare all bytes");
-  command->add_option("RESULT", a->result, "folder of a former run")->required();
-  command->add_option(
-      "--input,--study", a->inputs,
-      "the study or the files of the cloud, when they are neither beside RESULT nor in the working folder");
-  command->add_option("--mask", a->mask, "the mask of the run, likewise");
-  command->add_option("--start", a->start, "the mesh its surfaces started from, likewise");
-  add_out_folder(*command, a->out, "keep the new result here; without it nothing is kept");
-  command->add_option("--threads", a->threads, "threads at most (0: all)")->check(CLI::Range(0, 1024));
-  command->add_flag("--quiet", a->quiet, "print nothing but what differs");
-  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+  CommandLine command(program, "rerun", "Repeat a run from its result folder and compare all bytes");
+  command.option("RESULT", a->result, "folder of a former run").required();
+  command.option("--input,--study", a->inputs,
+                 "the study or the files of the cloud, when they are neither beside RESULT nor in the working folder");
+  command.option("--mask", a->mask, "the mask of the run, likewise");
+  command.option("--start", a->start, "the mesh its surfaces started from, likewise");
+  add_out_folder(command, a->out, "keep the new result here; without it nothing is kept");
+  command.option("--threads", a->threads, "threads at most (0: all)").within(0, 1024);
+  command.flag("--quiet", a->quiet, "print nothing but what differs");
+  command.run(chosen, [a](std::stop_token stop) { return run(*a, stop); });
 }
 
 }  // namespace dynasurf::app

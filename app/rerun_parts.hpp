@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/io/detail/json_node.hpp"
+
 #include "out_argument.hpp"
 
 // The parts of `dynasurf rerun`: what a result tells of its making, the inputs it names, and what differs.
@@ -37,6 +39,11 @@ RerunRecord rerun_record_of(const std::filesystem::path& result);
 
 /// Throws InputError "RESULT/results.json: WHAT".
 [[noreturn]] void refuse_record(const std::filesystem::path& result, const std::string& what);
+
+/// The words of a list in the record. Throws InputError.
+std::vector<std::string> words_in(const io::JsonNode& object, const char* key);
+/// The time of DICOM results, YYYYMMDDHHMMSS. Throws InputError.
+std::string dicom_time_in(const io::JsonNode& outputs);
 
 /// The study is known by its hash, not by its name, and looked for beside the result and in the working folder.
 std::filesystem::path find_study(const RerunArguments& arguments, const RerunRecord& record);

@@ -63,4 +63,18 @@ RerunRecord rerun_record_of(const fs::path& result) {
   return record;
 }
 
+std::vector<std::string> words_in(const io::JsonNode& object, const char* key) {
+  const io::JsonNode list = io::list_in(object, key);
+  std::vector<std::string> words;
+  for (std::size_t n = 0; n < io::size_of(list); ++n) words.push_back(io::text_of(io::item_of(list, n)));
+  return words;
+}
+
+std::string dicom_time_in(const io::JsonNode& outputs) {
+  const std::string time = io::text_in(outputs, "dicom_time");
+  if (time.size() != 14 || !std::all_of(time.begin(), time.end(), [](char c) { return c >= '0' && c <= '9'; }))
+    throw InputError(outputs.file + ": " + outputs.path + ".dicom_time: expected 14 digits, YYYYMMDDHHMMSS");
+  return time;
+}
+
 }  // namespace dynasurf::app

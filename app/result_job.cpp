@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <CLI/CLI.hpp>
-
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/study_io.hpp"
@@ -15,19 +13,17 @@
 
 namespace dynasurf::app {
 
-void add_result_arguments(CLI::App& command, ResultArguments& a, const std::string& formats) {
-  add_out_folder(command, a.out, "folder of the result")->required();
+void add_result_arguments(CommandLine& command, ResultArguments& a, const std::string& formats) {
+  add_out_folder(command, a.out, "folder of the result").required();
   command
-      .add_option("--mesh-format", a.mesh_formats,
-                  mesh_format_choices() + ": one or more, with commas between them (" + formats + ")")
-      ->delimiter(',');
-  command.add_option("--threads", a.threads, "threads at most; the result is the same (0: all)")
-      ->check(CLI::Range(0, 1024));
-  command.add_flag("--quiet", a.quiet, "print nothing but what --json asks for");
-  command.add_flag("--json", a.json, "print results.json instead of the table");
-  command.add_flag("--no-timings", a.no_timings, "leave the times out, so that equal runs give equal bytes");
-  command.add_flag("--with-names,--with-phi", a.with_names,
-                   "record the names of the input files, which may name a person");
+      .option("--mesh-format", a.mesh_formats,
+              mesh_format_choices() + ": one or more, with commas between them (" + formats + ")")
+      .list();
+  command.option("--threads", a.threads, "threads at most; the result is the same (0: all)").within(0, 1024);
+  command.flag("--quiet", a.quiet, "print nothing but what --json asks for");
+  command.flag("--json", a.json, "print results.json instead of the table");
+  command.flag("--no-timings", a.no_timings, "leave the times out, so that equal runs give equal bytes");
+  command.flag("--with-names,--with-phi", a.with_names, "record the names of the input files, which may name a person");
 }
 
 std::vector<io::MeshFormat> mesh_formats_of(const std::vector<std::string>& words, const std::string& where) {

@@ -11,11 +11,8 @@
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/report/provenance.hpp"
 
+#include "command_line.hpp"
 #include "out_argument.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace dynasurf::app {
 
@@ -41,7 +38,7 @@ struct ResultArguments {
 };
 
 /// `formats` are those that are written when none are asked for.
-void add_result_arguments(CLI::App& command, ResultArguments& arguments, const std::string& formats);
+void add_result_arguments(CommandLine& command, ResultArguments& arguments, const std::string& formats);
 
 /// Formats by their words, each once. `where` stands in the OptionError for a word that is none.
 std::vector<io::MeshFormat> mesh_formats_of(const std::vector<std::string>& words, const std::string& where);

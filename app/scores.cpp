@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
@@ -12,6 +11,7 @@
 #include "dynasurf/report/normals.hpp"
 
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
 #include "normal_studies.hpp"
 #include "out_argument.hpp"
@@ -118,19 +118,18 @@ ExitCode score(const Scoring& a) {
 
 void add_scores(CLI::App& program, Command& chosen) {
   auto a = std::make_shared<Scoring>();
-  CLI::App* command = program.add_subcommand(
-      "scores", "Score the segments of a result from 0 (normal) to 4 (no uptake), with extent and severity of defects");
-  command->add_option("RESULT", a->result, "folder written by dynasurf ventricle")->required();
-  command->add_option("--normals", a->normals, "normal map written by dynasurf normals; without one, by uptake alone");
-  command
-      ->add_option("--group", a->group, "group of the study in a normal map --by groups: COLUMN=VALUE; may be repeated")
-      ->take_all()
-      ->allow_extra_args(false);
-  command->add_option("--edit", a->edit, "a person's scores, JSON: {\"17\": 2, \"4\": 0}");
-  command->add_option("--segments", a->segments, "aha17 or segments20")->check(CLI::IsMember({"aha17", "segments20"}));
-  add_out_file(*command, a->out, "write the scores to this file (JSON)");
-  command->add_flag("--json", a->json, "print JSON instead of the table");
-  command->callback([a, &chosen] { chosen = [a](std::stop_token) { return score(*a); }; });
+  CommandLine command(
+      program, "scores",
+      "Score the segments of a result from 0 (normal) to 4 (no uptake), with extent and severity of defects");
+  command.option("RESULT", a->result, "folder written by dynasurf ventricle").required();
+  command.option("--normals", a->normals, "normal map written by dynasurf normals; without one, by uptake alone");
+  command.option("--group", a->group, "group of the study in a normal map --by groups: COLUMN=VALUE; may be repeated")
+      .repeated();
+  command.option("--edit", a->edit, "a person's scores, JSON: {\"17\": 2, \"4\": 0}");
+  command.option("--segments", a->segments, "aha17 or segments20").one_of({"aha17", "segments20"});
+  add_out_file(command, a->out, "write the scores to this file (JSON)");
+  command.flag("--json", a->json, "print JSON instead of the table");
+  command.run(chosen, [a](std::stop_token) { return score(*a); });
 }
 
 }  // namespace dynasurf::app

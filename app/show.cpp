@@ -2,12 +2,11 @@
 
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
 #include "lod_levels.hpp"
 #include "option_arguments.hpp"
@@ -17,7 +16,7 @@
 namespace dynasurf::app {
 namespace {
 
-struct Arguments {
+struct ShowArguments {
   show::ShowRequest request;
   std::string input, wall = "epi";
   OutFile out;
@@ -26,7 +25,7 @@ struct Arguments {
   bool quiet = false;
 };
 
-ExitCode run(Arguments& a, const std::stop_token& stop) {
+ExitCode run(ShowArguments& a, const std::stop_token& stop) {
   if (a.wall != "endo" && a.wall != "epi") throw OptionError("--wall " + a.wall + "; expected endo or epi");
   const show::DrawingFormat format = show::drawing_format_of(a.out.path);
   a.request.input = a.input;
@@ -36,7 +35,7 @@ ExitCode run(Arguments& a, const std::stop_token& stop) {
   if (is_film && format != show::DrawingFormat::png)
     throw OptionError("--out " + a.out.path + ": expected a name that ends with .png for " + a.request.what);
   if (a.request.what == "instances" && std::filesystem::is_directory(a.input))
-    for (NamedLevel& level : levels_of({a.input}, false)) a.request.levels.push_back(std::move(level.mesh));
+    for (report::NamedLevel& level : levels_of({a.input}, false)) a.request.levels.push_back(std::move(level.mesh));
   const ThreadLimit limit(a.threads);
   io::OutputFile output(a.out.path, a.out.existing());
   run_with_progress(a.quiet, stop, [&](const Progress& progress) {
@@ -53,29 +52,26 @@ ExitCode run(Arguments& a, const std::stop_token& stop) {
 }  // namespace
 
 void add_show(CLI::App& program, Command& chosen) {
-  auto a = std::make_shared<Arguments>();
-  CLI::App* command =
-      program.add_subcommand("show", "Draw what a study, a result or a mesh passed through as PNG or SVG");
+  auto a = std::make_shared<ShowArguments>();
+  CommandLine command(program, "show", "Draw what a study, a result or a mesh passed through as PNG or SVG");
   std::string words;
   for (const show::PictureKind& kind : show::picture_kinds())
     words += (words.empty() ? "" : "; ") + std::string(kind.name) + ": " + std::string(kind.says);
-  command->add_option("INPUT", a->input, "study, folder written by dynasurf ventricle or cloud, or mesh")->required();
-  command->add_option("WHAT", a->request.what, words)->required();
-  add_out_file(*command, a->out, "picture.png or picture.svg")->required();
-  command->add_option("--gate", a->request.gate, "from 1")->check(CLI::Range(1, 1000));
-  command->add_option("--wall", a->wall, "endo or epi");
-  command->add_option("--slice", a->request.slice, "from 1 at the apex; 0: through the middle of the border")
-      ->check(CLI::Range(0, 10000));
-  command->add_option("--row", a->request.row, "of the profile, from 1; 0: through the middle of the border")
-      ->check(CLI::Range(0, 10000));
-  command->add_option("--steps", a->request.steps, "of the evolution: steps,... (eight of them, 32 in its film)")
-      ->delimiter(',');
-  add_series_argument(*command, a->request.series);
-  add_option_arguments(*command, a->options);
-  command->add_option("--threads", a->threads, "threads at most; the picture is the same (0: all)")
-      ->check(CLI::Range(0, 1024));
-  command->add_flag("--quiet", a->quiet, "print nothing");
-  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+  command.option("INPUT", a->input, "study, folder written by dynasurf ventricle or cloud, or mesh").required();
+  command.option("WHAT", a->request.what, words).required();
+  add_out_file(command, a->out, "picture.png or picture.svg").required();
+  command.option("--gate", a->request.gate, "from 1").within(1, 1000);
+  command.option("--wall", a->wall, "endo or epi");
+  command.option("--slice", a->request.slice, "from 1 at the apex; 0: through the middle of the border")
+      .within(0, 10000);
+  command.option("--row", a->request.row, "of the profile, from 1; 0: through the middle of the border")
+      .within(0, 10000);
+  command.option("--steps", a->request.steps, "of the evolution: steps,... (eight of them, 32 in its film)").list();
+  add_series_argument(command, a->request.series);
+  add_option_arguments(command, a->options);
+  command.option("--threads", a->threads, "threads at most; the picture is the same (0: all)").within(0, 1024);
+  command.flag("--quiet", a->quiet, "print nothing");
+  command.run(chosen, [a](std::stop_token stop) { return run(*a, stop); });
 }
 
 }  // namespace dynasurf::app

@@ -1,13 +1,12 @@
 #include <filesystem>
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/mesh_io.hpp"
 #include "dynasurf/ventricle/measures/wall_solid.hpp"
 
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
 #include "out_argument.hpp"
 #include "result_walls.hpp"
@@ -17,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct SolidArguments {
   std::string result;
   OutFile out;
   int gate = 1;
@@ -32,7 +31,7 @@ io::SolidFormat format_of(const fs::path& path) {
   throw OptionError("--out " + path.string() + ": expected a name that ends with .vtu, .msh or .inp");
 }
 
-ExitCode run(const Arguments& a) {
+ExitCode run(const SolidArguments& a) {
   const io::SolidFormat format = format_of(a.out.path);
   io::OutputFile output(a.out.path, a.out.existing());
   const auto [endo, epi, axes, is_fitted] = read_result_walls(a.result, a.gate, a.edges);
@@ -61,17 +60,16 @@ ExitCode run(const Arguments& a) {
 }  // namespace
 
 void add_solid(CLI::App& program, Command& chosen) {
-  auto a = std::make_shared<Arguments>();
-  CLI::App* command =
-      program.add_subcommand("solid", "Fill the wall of one gate of a result with tetrahedra, for mechanics");
-  command->add_option("RESULT", a->result, "folder written by dynasurf ventricle")->required();
-  command->add_option("--gate", a->gate, "from 1")->check(CLI::Range(1, 1000));
-  command->add_flag("--edges", a->edges, "the surfaces of the edges, also where walls were fitted through the blur");
-  add_out_file(*command, a->out, "wall.vtu (VTK), wall.msh (gmsh 2.2) or wall.inp (Abaqus)")->required();
-  command->add_option("--rings", a->size.rings, "from apex to base")->check(CLI::Range(2, 500));
-  command->add_option("--sectors", a->size.sectors, "around the axis")->check(CLI::Range(3, 1000));
-  command->add_option("--layers", a->size.layers, "through the wall")->check(CLI::Range(1, 50));
-  command->callback([a, &chosen] { chosen = [a](std::stop_token) { return run(*a); }; });
+  auto a = std::make_shared<SolidArguments>();
+  CommandLine command(program, "solid", "Fill the wall of one gate of a result with tetrahedra, for mechanics");
+  command.option("RESULT", a->result, "folder written by dynasurf ventricle").required();
+  command.option("--gate", a->gate, "from 1").within(1, 1000);
+  command.flag("--edges", a->edges, "the surfaces of the edges, also where walls were fitted through the blur");
+  add_out_file(command, a->out, "wall.vtu (VTK), wall.msh (gmsh 2.2) or wall.inp (Abaqus)").required();
+  command.option("--rings", a->size.rings, "from apex to base").within(2, 500);
+  command.option("--sectors", a->size.sectors, "around the axis").within(3, 1000);
+  command.option("--layers", a->size.layers, "through the wall").within(1, 50);
+  command.run(chosen, [a](std::stop_token) { return run(*a); });
 }
 
 }  // namespace dynasurf::app

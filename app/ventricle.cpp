@@ -1,8 +1,7 @@
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "command.hpp"
+#include "command_line.hpp"
 #include "label_arguments.hpp"
 #include "option_arguments.hpp"
 #include "reconstruction.hpp"
@@ -11,7 +10,7 @@
 namespace dynasurf::app {
 namespace {
 
-struct Arguments {
+struct VentricleArguments {
   std::string study, series, start;
   ResultArguments result;
   OptionArguments options;
@@ -20,7 +19,7 @@ struct Arguments {
 };
 
 /// The command line without paths, which may name a person, and without what leaves the result as it is.
-std::string recorded_command(const Arguments& arguments) {
+std::string recorded_command(const VentricleArguments& arguments) {
   std::string command = "dynasurf ventricle STUDY --out RESULT --preset " + arguments.options.preset;
   if (!arguments.options.file.empty()) command += " --options FILE";
   if (!arguments.start.empty()) command += " --start MESH";
@@ -29,7 +28,7 @@ std::string recorded_command(const Arguments& arguments) {
   return command;
 }
 
-ExitCode run(const Arguments& arguments, std::stop_token stop) {
+ExitCode run(const VentricleArguments& arguments, std::stop_token stop) {
   Job job;
   take(arguments.result, recorded_command(arguments), job);
   job.study = arguments.study;
@@ -55,22 +54,22 @@ ExitCode run(const Arguments& arguments, std::stop_token stop) {
 }  // namespace
 
 void add_ventricle(CLI::App& program, Command& chosen) {
-  auto a = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand(
-      "ventricle", "Reconstruct both surfaces of the left ventricle in every gate, with volumes and a report");
-  command->add_option("STUDY", a->study, "DICOM file or folder, NIfTI or NRRD file")->required();
-  add_series_argument(*command, a->series);
-  add_result_arguments(*command, a->result, "ply, vtp");
-  add_option_arguments(*command, a->options);
-  command->add_option("--start", a->start, "mesh file that all surfaces start from, fitted to each border's box");
-  command->add_flag("--keep-stages", a->keep_stages, "write every intermediate step to RESULT/stages");
-  add_label_arguments(*command, a->labels);
-  command->add_flag("--strict", a->strict, "end with exit code 3 for the verdict check too, not for fail alone");
-  command->add_flag("--pdf", a->pdf, "print the report to report.pdf, two A4 pages (needs Chromium)");
-  command->add_flag("--dicom", a->dicom,
-                    "write RESULT/dicom with the patient's name and id of the study: measurements (SR), segmentations, "
-                    "surfaces, with --pdf the report");
-  command->callback([a, &chosen] { chosen = [a](std::stop_token stop) { return run(*a, stop); }; });
+  auto a = std::make_shared<VentricleArguments>();
+  CommandLine command(program, "ventricle",
+                      "Reconstruct both surfaces of the left ventricle in every gate, with volumes and a report");
+  command.option("STUDY", a->study, "DICOM file or folder, NIfTI or NRRD file").required();
+  add_series_argument(command, a->series);
+  add_result_arguments(command, a->result, "ply, vtp");
+  add_option_arguments(command, a->options);
+  command.option("--start", a->start, "mesh file that all surfaces start from, fitted to each border's box");
+  command.flag("--keep-stages", a->keep_stages, "write every intermediate step to RESULT/stages");
+  add_label_arguments(command, a->labels);
+  command.flag("--strict", a->strict, "end with exit code 3 for the verdict check too, not for fail alone");
+  command.flag("--pdf", a->pdf, "print the report to report.pdf, two A4 pages (needs Chromium)");
+  command.flag("--dicom", a->dicom,
+               "write RESULT/dicom with the patient's name and id of the study: measurements (SR), segmentations, "
+               "surfaces, with --pdf the report");
+  command.run(chosen, [a](std::stop_token stop) { return run(*a, stop); });
 }
 
 }  // namespace dynasurf::app

@@ -83,6 +83,11 @@ void write_wall_labels(std::span<const GateWalls> gates, const Study& frame, con
   io::write_nifti(placed_as(frame, std::move(wall)), folder / ("part_wall." + labels.ending));
 }
 
+bool has_wall_labels(const LabelOutput& labels, const std::filesystem::path& folder) {
+  const auto stands = [&](const char* name) { return std::filesystem::exists(folder / (name + labels.ending)); };
+  return labels.ending.empty() || (stands("walls.") && (!labels.partial_volumes || stands("part_wall.")));
+}
+
 void write_label_volumes(const ventricle::Result& result, const Study& frame, const LabelOutput& labels,
                          const std::filesystem::path& folder) {
   std::vector<GateWalls> walls;

@@ -36,4 +36,7 @@ void write_wall_labels(std::span<const GateWalls> gates, const Study& frame, con
 void write_label_volumes(const ventricle::Result& result, const Study& frame, const LabelOutput& labels,
                          const std::filesystem::path& folder);
 
+/// Whether the walls stand in the folder as they were asked for; where no labels were, they need not.
+bool has_wall_labels(const LabelOutput& labels, const std::filesystem::path& folder);
+
 }  // namespace dynasurf::report
