@@ -29,7 +29,7 @@ struct NormalMatrix {
   int age = 0;  // steps taken since
   Eigen::MatrixXd whole(double noise) const { return data / noise + priors; }
 };
-/// The part of the data from every n-th pixel, n = `every`, scaled up to all pixels.
+/// The part of the data from every n-th pixel, n = `every`, scaled up to all pixels; its lower triangle.
 Eigen::MatrixXd data_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at,
                             int every);
 Eigen::MatrixXd prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at);

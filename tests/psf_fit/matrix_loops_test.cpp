@@ -1,3 +1,5 @@
+#include "dynasurf/psf_fit/detail/matrix_loops.hpp"
+
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -10,7 +12,6 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/psf_fit/detail/cholesky.hpp"
 #include "dynasurf/psf_fit/detail/lane_math.hpp"
-#include "dynasurf/psf_fit/detail/matrix_loops.hpp"
 
 namespace dynasurf::psf_fit::detail {
 namespace {

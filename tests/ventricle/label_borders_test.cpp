@@ -1,3 +1,5 @@
+#include "dynasurf/ventricle/label_borders.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -6,7 +8,6 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/ventricle/label_borders.hpp"
 
 #include "support/blurred_heart.hpp"
 
