@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Holds the sources of src/ and app/ to what CONTRIBUTING.md asks of them.
+"""Holds the sources of src/, app/ and tests/ to what CONTRIBUTING.md asks of them.
 
 A source of a module lies in the module's namespace (`dynasurf` for core, `dynasurf::mesh` for mesh, ...); a file has at
-most 500 lines and a function 60; every name has a sentence that a public header shows, or one of `detail/` that it
+most 500 lines (one of the program, which parses, calls and prints, 150) and a function 60; every name has a sentence that a public header shows, or one of `detail/` that it
 includes. Formatted sources are expected:
-what stands at namespace scope begins its line.
+what stands at namespace scope begins its line. The tests of a module lie in folders as its sources do, and X_test.cpp
+beside where X is.
 """
 
 import pathlib
@@ -12,7 +13,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-LONGEST_FILE, LONGEST_FUNCTION = 500, 60
+LONGEST_FILE, LONGEST_OF_APP, LONGEST_FUNCTION = 500, 150, 60
 TABLES = re.compile(r"_tables\.hpp$")  # numbers, written by a script
 
 OPEN = re.compile(r"(?:inline )?namespace dynasurf((?:::\w+)*) \{")
@@ -60,8 +61,9 @@ def functions(lines):
 
 
 def size_failures(name, lines):
-    if len(lines) > LONGEST_FILE:
-        yield f"{name}: has {len(lines)} lines; expected at most {LONGEST_FILE}"
+    longest = LONGEST_OF_APP if name.startswith("app/") else LONGEST_FILE
+    if len(lines) > longest:
+        yield f"{name}: has {len(lines)} lines; expected at most {longest}"
     for start, length in functions(lines):
         if length > LONGEST_FUNCTION:
             yield f"{name}:{start}: this function has {length} lines; expected at most {LONGEST_FUNCTION}"
@@ -100,6 +102,24 @@ def shown(root):
     return seen
 
 
+def misplaced_tests(root):
+    """Tests of modules that do not lie where the sources lie which they are named after."""
+    sources = root / "src/dynasurf"
+    folders = {}  # of each module and name
+    for file in sources.glob("*/**/*.?pp"):
+        folder = file.parent.parent if file.parent.name == "detail" else file.parent
+        folders.setdefault((file.relative_to(sources).parts[0], file.stem), set()).add(folder.relative_to(sources))
+    for test in sorted(root.glob("tests/*/**/*_test.cpp")):
+        folder = test.parent.relative_to(root / "tests")
+        if not (sources / folder.parts[0]).is_dir():
+            continue
+        expected = folders.get((folder.parts[0], test.stem.removesuffix("_test")), {folder})
+        if folder not in expected:
+            yield f"{test.relative_to(root)}: expected in tests/{min(expected)}, as the source of this name"
+        elif not (sources / folder).is_dir():
+            yield f"{test.relative_to(root)}: src/dynasurf has no folder {folder}"
+
+
 def check(root):
     seen = shown(root)
     files = sorted([*root.glob("src/dynasurf/**/*.?pp"), *root.glob("app/*.?pp")])
@@ -114,6 +134,7 @@ def check(root):
             failures += namespace_failures(name, parts[2], lines)
             if file in seen:
                 failures += sentence_failures(name, lines)
+    failures += misplaced_tests(root)
     return files, failures
 
 

@@ -94,6 +94,21 @@ class CheckSources(Project):
             self.assertEqual(code, expected, text)
         self.assertIn("this function has 61 lines", text)
         self.assertIn("has 506 lines", self.check(self.in_mesh("// a\n" * 501), "src/dynasurf/mesh/b.cpp")[1])
+        for lines, expected in ((150, 0), (151, 1)):
+            self.write("src/dynasurf/mesh/b.cpp", "")
+            self.assertEqual(self.check("// a\n" * lines, "app/b.cpp")[0], expected)
+
+
+    def test_finds_tests_that_lie_elsewhere_than_their_sources(self):
+        for path, message in (("solvers/rk4_test.cpp", ""), ("laws_test.cpp", ""), ("detail_test.cpp", ""),
+                              ("rk4_test.cpp", "expected in tests/mesh/solvers, as the source of this name"),
+                              ("stops/any_test.cpp", "src/dynasurf has no folder mesh/stops")):
+            self.write("src/dynasurf/mesh/solvers/detail/rk4.hpp", "")
+            self.write("tests/mesh/" + path, "")
+            code, text = self.run_tool("check_sources.py", self.root)
+            self.assertEqual(code, 1 if message else 0, text)
+            self.assertIn(f"tests/mesh/{path}: {message}" if message else "are in order", text)
+            (self.root / "tests/mesh" / path).unlink()
 
 
 class CheckStreams(Project):
