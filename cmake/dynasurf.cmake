@@ -72,6 +72,21 @@ function(dynasurf_precompile_module target reads_files)
   set_property(GLOBAL PROPERTY dynasurf_precompiled_${reads_files} ${target})
 endfunction()
 
+# Where sources are many and small, most of what a compiler does for each is the templates of nlohmann-json, again and
+# again: a few of them are compiled at once. Names without linkage then share a scope with those of their neighbours.
+# The preset `dev` compiles every source alone, which shows what one forgot to include and whose names hide others.
+option(DYNASURF_JOIN_SOURCES "Compile several small sources at once" ON)
+
+# dynasurf_join_sources(target [source...]): all but these, which take long by themselves.
+function(dynasurf_join_sources target)
+  if(NOT DYNASURF_JOIN_SOURCES)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-shadow$<SEMICOLON>-Wshadow=local>)
+endfunction()
+
 # dynasurf_choose(list first second wanted): leaves out the second of two sources that do the same where the first is
 # wanted, else the first.
 function(dynasurf_choose list first second wanted)

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Finds types that are defined twice under one name: linked into one program they are one type with two layouts.
 
-Looks at every struct, class, union and enum at namespace scope of src/ and app/, outside unnamed namespaces.
+Looks at every struct, class, union and enum at namespace scope of src/ and app/, outside unnamed namespaces, and in
+those of app/, whose sources are compiled several at once.
 """
 
 import collections
@@ -14,23 +15,24 @@ OPEN = re.compile(r"(?:inline )?namespace(?: ([\w:]+))? \{$")
 TYPE = re.compile(r"(?:template <.*> )?(?:struct|class|union|enum class|enum) (?:alignas\(\w+\) )?(\w+)(?: final)?(?: : [^;{]*)?(?: \{.*)?;?$")
 
 
-def types_of(text):
-    """The names of types defined at namespace scope, with their namespace. Formatted sources: types start a line."""
+def types_of(text, unnamed):
+    """The names of types defined at namespace scope, with their namespace; `unnamed`: in unnamed ones too. Formatted
+    sources: types start a line."""
     scope = []
     for line in text.splitlines():
         if match := OPEN.match(line):
             scope.append(match[1] or "")
         elif re.match(r"\}  // (inline )?namespace", line):
             scope.pop()
-        elif "" not in scope and (match := TYPE.match(line)) and ("{" in line or not line.endswith(";")):
-            yield "::".join([*scope, match[1]])
+        elif (unnamed or "" not in scope) and (match := TYPE.match(line)) and ("{" in line or not line.endswith(";")):
+            yield "::".join([*filter(None, scope), match[1]])
 
 
 def main():
     root = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT
     places = collections.defaultdict(list)
     for file in sorted([*root.glob("src/dynasurf/**/*.?pp"), *root.glob("app/*.?pp")]):
-        for name in types_of(file.read_text()):
+        for name in types_of(file.read_text(), file.parent.name == "app"):
             places[name].append(str(file.relative_to(root)))
     twice = {name: files for name, files in places.items() if len(files) > 1}
     for name, files in twice.items():

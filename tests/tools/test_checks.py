@@ -57,6 +57,12 @@ class CheckNames(Project):
             code, text = self.check("struct Cup {\n  double a;\n};", second)
             self.assertEqual(code, 0, text)
 
+    def test_looks_into_unnamed_namespaces_of_the_program_which_is_compiled_at_once(self):
+        for path in ("app/a.cpp", "app/b.cpp"):
+            self.write(path, "namespace dynasurf::app {\nnamespace {\nstruct Cup {\n};\n}  // namespace\n}  // namespace dynasurf::app\n")
+        code, text = self.run_tool("check_names.py", self.root)
+        self.assertEqual(code, 1)
+        self.assertIn("dynasurf::app::Cup is defined in app/a.cpp and in app/b.cpp", text)
 
 
 class CheckSources(Project):
