@@ -71,12 +71,22 @@ check_campaign() {
     PYTHONPATH=../cli exec nice python3 -m unittest -v test_kill test_faults
 }
 
+# The libraries by other compilers, with another C++ library and for 64-bit ARM.
+check_bytes() {
+  need
+  missing=()
+  want_packages clang clang-19 libc++-19-dev libc++abi-19-dev g++-aarch64-linux-gnu qemu-user
+  install_missing || exit 1
+  exec tools/compare_bytes.sh -j "$(job_count)"
+}
+
 do_check() {
   case "${1:-}" in
     --quick) check_quickly; return ;;
     --campaign) check_campaign; return ;;
+    --bytes) check_bytes ;;
     "") ;;
-    *) fail "check: unknown option '$1'; expected --quick, --campaign or nothing" ;;
+    *) fail "check: unknown option '$1'; expected --quick, --campaign, --bytes or nothing" ;;
   esac
   need clang-format:clang-format clang-tidy:clang-tidy clang++:clang valgrind:valgrind
   step "format" check_format

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Builds tests/robustness/bytes_probe.cpp with several compilers, for this machine and for 64-bit ARM, runs each as
-# several processors would, and says which lines differ from the golden ones. Takes 10 minutes of the processor for each
-# compiler; needs none of the libraries that read and write files.
+# several processors would, and says which lines differ from the golden ones. Takes ten minutes of a processor for each
+# compiler; needs none of the libraries that read and write files, and no threads. `./dev check --bytes` calls it.
 #
-#     tools/compare_bytes.sh [-j JOBS] [gcc-fast gcc-plain clang libc++ arm ...]
+#     tools/compare_bytes.sh [-j JOBS] [clang libc++ arm gcc gcc-plain ...]
 #
-# Debian's packages for what is built when nothing is named: g++ clang g++-aarch64-linux-gnu qemu-user. The build libc++
-# needs one with stop tokens and with from_chars of doubles (LLVM 20).
+# Debian's packages for what is built when nothing is named: clang, clang-19 libc++-19-dev libc++abi-19-dev,
+# g++-aarch64-linux-gnu, qemu-user. `./dev test` compares gcc.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 work=$root/build/bytes
@@ -14,46 +14,40 @@ golden=$root/tests/robustness/golden_bytes.txt
 jobs=$(nproc)
 if [ "${1:-}" = -j ]; then jobs=$2; shift 2; fi
 wanted=("$@")
-[ ${#wanted[@]} -gt 0 ] || wanted=(gcc-fast gcc-plain clang arm)
+[ ${#wanted[@]} -gt 0 ] || wanted=(clang libc++ arm)
 mkdir -p "$work"
 
-# oneTBB for 64-bit ARM, from Debian, unpacked beside the build.
-arm_libraries() {
-  local at=$work/arm64 lists
-  if [ ! -e "$at/usr/lib/aarch64-linux-gnu/libtbb.so.12" ]; then
-    lists=(-oAPT::Architecture=arm64 -oAPT::Architectures=arm64 "-oDir::State::Lists=$at/lists")
-    mkdir -p "$at/lists/partial"
-    (cd "$at" && apt-get "${lists[@]}" update >/dev/null && apt-get "${lists[@]}" download libtbb12 >/dev/null)
-    for package in "$at"/*.deb; do dpkg -x "$package" "$at"; done
-  fi
-  echo "$at/usr/lib/aarch64-linux-gnu"
-}
-
-# build NAME COMPILER-AND-FLAGS... -- LIBRARIES...: leaves $work/NAME/probe
+# build NAME COMPILER-AND-FLAGS...: leaves $work/NAME/probe, without threads, of which no result depends
 build() {
-  local name=$1 compile=() link=() file
+  local name=$1 compile file
   shift
-  while [ "$1" != -- ]; do compile+=("$1"); shift; done
-  shift
-  link=("$@")
+  compile=("$@" -std=c++20 -DNDEBUG -ffp-contract=off "-I$root/src" -isystem /usr/include/eigen3)
   local at=$work/$name
   mkdir -p "$at"
-  compile+=(-std=c++20 -DNDEBUG -ffp-contract=off "-I$root/src" -isystem /usr/include/eigen3)
+  {
+    echo "#include \"$root/cmake/arm/unfused_eigen.hpp\""
+    printf '#include <%s>\n' algorithm array cmath cstdint functional limits map memory numbers numeric optional \
+      set span sstream stop_token string string_view utility variant vector Eigen/Dense
+  } >"$at/common.hpp.new"
+  cmp -s "$at/common.hpp.new" "$at/common.hpp" || mv "$at/common.hpp.new" "$at/common.hpp"
   {
     echo "probe: $(for file in $(sources); do object_of "$file"; done | tr '\n' ' ')"
     echo "	${compile[*]} \$^ ${link[*]} -o probe"
+    echo "common.hpp.gch: common.hpp"
+    echo "	${compile[*]} -x c++-header common.hpp -o \$@"
     for file in $(sources); do
-      echo "$(object_of "$file"): $file"
-      echo "	${compile[*]} -MMD -c $file -o \$@"
+      echo "$(object_of "$file"): $file common.hpp.gch"
+      echo "	${compile[*]} -include common.hpp -MMD -c $file -o \$@"
     done
     echo "-include *.d"
   } >"$at/Makefile"
   make -s -C "$at" -j "$jobs"
 }
+link=()
 sources() {
   local module
-  for module in core image field mesh synthetic dynamics ventricle cloud; do
-    find "$root/src/dynasurf/$module" -name '*.cpp' ! -name parallel_serial.cpp | sort
+  for module in core image field mesh synthetic dynamics heart psf_fit ventricle organ cloud; do
+    find "$root/src/dynasurf/$module" -name '*.cpp' ! -name parallel_tbb.cpp | sort
   done
   echo "$root/tests/robustness/bytes_probe.cpp"
 }
@@ -79,23 +73,28 @@ compare() {
 # As an old processor would: the C library has no AVX2 and no fused operations, our vectors are the narrowest.
 compare_here() {
   compare "$1" "$work/$1/probe"
-  compare "$1, one thread" "$work/$1/probe" 16 1
   compare "$1, old processor" env GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX512F,-AVX2,-FMA "$work/$1/probe" 4
   if command -v qemu-x86_64 >/dev/null; then compare "$1, SSE2 alone (qemu)" qemu-x86_64 -cpu qemu64 "$work/$1/probe"; fi
 }
 
 for name in "${wanted[@]}"; do
   case $name in
-    gcc-fast) build "$name" g++ -O3 -march=native -- -ltbb && compare_here "$name" ;;
-    gcc-plain) build "$name" g++ -O0 -- -ltbb && compare "$name" "$work/$name/probe" ;;
-    clang) build "$name" clang++ -O2 -- -ltbb && compare_here "$name" ;;
-    libc++) build "$name" clang++ -stdlib=libc++ -O1 -- -ltbb && compare_here "$name" ;;
-    arm)
-      libraries=$(arm_libraries)
-      build "$name" aarch64-linux-gnu-g++ -O2 -- "$libraries/libtbb.so.12" "-Wl,--allow-shlib-undefined" -pthread
-      compare "$name (qemu)" qemu-aarch64 -L /usr/aarch64-linux-gnu -E "LD_LIBRARY_PATH=$libraries" "$work/$name/probe"
+    gcc) build "$name" g++ -O3 && compare_here "$name" ;;
+    gcc-plain) build "$name" g++ -O0 && compare "$name" "$work/$name/probe" ;;
+    clang) build "$name" clang++ -O2 && compare_here "$name" ;;
+    libc++)
+      # The reader of numbers that libc++ has not before LLVM 20 is the page's.
+      mkdir -p "$work/charconv"
+      cp "$root/cmake/wasi/include/c++/charconv" "$work/charconv/"
+      link=("$root/cmake/wasi/charconv.cpp")
+      build "$name" clang++-19 -stdlib=libc++ -fexperimental-library "-I$work/charconv" -O1 && compare_here "$name"
+      link=()
       ;;
-    *) echo "compare_bytes.sh: unknown build '$name'; expected gcc-fast, gcc-plain, clang, libc++, arm" >&2; exit 1 ;;
+    arm)
+      build "$name" aarch64-linux-gnu-g++ -O2
+      compare "$name (qemu)" qemu-aarch64 -L /usr/aarch64-linux-gnu "$work/$name/probe"
+      ;;
+    *) echo "compare_bytes.sh: unknown build '$name'; expected clang, libc++, arm, gcc, gcc-plain" >&2; exit 1 ;;
   esac
 done
 exit $failures

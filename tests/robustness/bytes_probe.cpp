@@ -1,81 +1,29 @@
 // Prints what the libraries make of a few small tasks as one number for each, which is the same wherever this program
 // is compiled and runs. What comes first is made of least, so the first line that differs tells where to look.
-#include <array>
-#include <cstdint>
-#include <cstdio>
 #include <cstdlib>
 #include <optional>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
-#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/simd.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/organ/organ.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
-#include "dynasurf/synthetic/detail/random.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 #include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
+#include "bytes_hash.hpp"
+
 namespace dynasurf {
+
+static Hash& operator<<(Hash& hash, const TriMesh& mesh) { return hash << mesh.vertices << mesh.triangles; }
+static Hash& operator<<(Hash& hash, const heart::Estimate& e) { return hash << e.value << e.sd; }
+
 namespace {
-
-/// FNV-1a of everything that is put in.
-class Hash {
- public:
-  template <class T>
-  requires std::is_arithmetic_v<T> Hash& operator<<(T value) {
-    std::array<unsigned char, sizeof(T)> bytes;
-    __builtin_memcpy(bytes.data(), &value, sizeof value);
-    for (const unsigned char b : bytes) state_ = (state_ ^ b) * 0x100000001b3;
-    return *this;
-  }
-  Hash& operator<<(const Vec3& v) { return *this << v[0] << v[1] << v[2]; }
-  template <class T, std::size_t n>
-  Hash& operator<<(const std::array<T, n>& values) {
-    for (const T& v : values) *this << v;
-    return *this;
-  }
-  template <class T>
-  Hash& operator<<(const std::vector<T>& values) {
-    *this << static_cast<std::uint64_t>(values.size());
-    for (const T& v : values) *this << v;
-    return *this;
-  }
-  Hash& operator<<(const TriMesh& mesh) { return *this << mesh.vertices << mesh.triangles; }
-  Hash& operator<<(const heart::Estimate& e) { return *this << e.value << e.sd; }
-  template <class T>
-  Hash& operator<<(const std::optional<T>& value) {
-    return value ? *this << true << *value : *this << false;
-  }
-  void print(const std::string& name) const {
-    std::printf("%-28s %016llx\n", name.c_str(), static_cast<unsigned long long>(state_));
-    std::fflush(stdout);
-  }
-
- private:
-  std::uint64_t state_ = 0xcbf29ce484222325;
-};
-
-void functions() {
-  synthetic::Random random(1, 1);
-  Hash hash;
-  for (int n = 0; n < 20000; ++n) {
-    const double x = 40 * (random.uniform() - 0.5), u = random.uniform();
-    hash << own::exp(x) << own::expm1(u) << own::log(u) << own::pow(u, x) << own::sin(x) << own::cos(x) << own::tan(x)
-         << own::asin(u) << own::acos(u) << own::atan2(x, u) << own::cbrt(x) << own::hypot(x, u) << own::erfc(x / 4)
-         << own::log2(u) << own::log10(u);
-  }
-  hash.print("functions");
-  Hash draws;
-  for (int n = 0; n < 20000; ++n) draws << random.normal() << random.poisson(40 * random.uniform());
-  draws.print("draws");
-}
 
 synthetic::VirtualPatient patient_options() {
   synthetic::VirtualPatient o;
@@ -195,7 +143,6 @@ int main(int count, char** words) {
   if (count > 1) dynasurf::field::detail::widest_vectors = std::atoi(words[1]);
   if (const int cache = count > 3 ? std::atoi(words[3]) : 0) Eigen::setCpuCacheSizes(cache, 8 * cache, 8 * cache);
   const dynasurf::ThreadLimit limit(count > 2 ? std::atoi(words[2]) : 0);
-  dynasurf::functions();
   dynasurf::organs();
   dynasurf::clouds();
   dynasurf::ventricles();
