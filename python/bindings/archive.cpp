@@ -27,7 +27,7 @@ DYNASURF_ARITY(mesh::SurfaceCheck, 5);
 DYNASURF_ARITY(mesh::MoveReport, 3);
 DYNASURF_ARITY(mesh::Repair, 3);
 DYNASURF_ARITY(dynamics::TrajectoryStep, 4);
-DYNASURF_ARITY(ventricle::Motion, 2);
+DYNASURF_ARITY(ventricle::Motion, 3);
 DYNASURF_ARITY(ventricle::Surface, 15);
 DYNASURF_ARITY(ventricle::EdgeSurfaces, 4);
 DYNASURF_ARITY(ventricle::Circle, 3);

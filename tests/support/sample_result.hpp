@@ -208,14 +208,16 @@ inline ventricle::Result sample_moving() {
     const std::vector<Vec3>& rest = (*surface)->mesh.vertices;
     Vec3 middle = Vec3::Zero();
     for (const Vec3& p : rest) middle += p / static_cast<double>(rest.size());
-    ventricle::Motion motion{(*surface)->mesh.triangles, {}};
+    ventricle::Motion motion{(*surface)->mesh.triangles, {}, {}};
     for (int n = 0; n <= 10; ++n) {
       dynamics::TrajectoryStep step{20 * n, {}, {}, {}};
+      std::vector<double>& distances = motion.distances.emplace_back();
       for (const Vec3& p : rest) {
         const bool has_stopped = n == 10 || (n >= 5 && (p - middle).dot(result.study.grid().direction.col(2)) > 0);
         step.places.emplace_back(p + (has_stopped ? 0 : 0.1 * (10 - n)) * (p - middle));
         step.pulls.emplace_back(has_stopped ? Vec3(Vec3::Zero()) : Vec3((middle - p) * 0.001));
         step.stopped.push_back(has_stopped ? 1 : 0);
+        distances.push_back(has_stopped ? -0.5 : 0.4 * (10 - n));
       }
       motion.steps.push_back(std::move(step));
     }

@@ -200,15 +200,18 @@ interface PackedWay {
   steps: number[];
   places: string;
   pulls: string;
+  distances: string;
   strongest_n: number;
 }
-export interface Way extends Omit<PackedWay, "triangles" | "places" | "pulls"> {
+export interface Way extends Omit<PackedWay, "triangles" | "places" | "pulls" | "distances"> {
   particles: number;
   triangles: Uint32Array;
   /** World (LPS, mm), three numbers a particle, step after step. */
   places: Float32Array;
   /** Forces, 128: none, 1 and 255: the strongest; 0: the particle has stopped. */
   pulls: Uint8Array;
+  /** From the nearest centre of a border voxel, in 1/32 of a voxel, 128: none, less: inside. */
+  distances: Uint8Array;
 }
 interface PackedMotion {
   gate: number;
@@ -336,6 +339,7 @@ async function wayOf(packed: PackedWay | null, motion: PackedMotion): Promise<Wa
     triangles: new Uint32Array((await unpack(packed.triangles)).buffer),
     places,
     pulls: await unpack(packed.pulls),
+    distances: await unpack(packed.distances),
   };
 }
 

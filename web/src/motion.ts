@@ -23,6 +23,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 import { walls, type Grid, type Motion, type WallName, type Way } from "./data";
 import { colour, figure, html } from "./dom";
+import { ParticleCharts } from "./particles";
 
 const moving_colour = new Color("#f2f4f8");
 const play_ms = 5000;
@@ -66,6 +67,8 @@ export class MotionView {
   private readonly radius: number;
   private readonly longest_n: number;
   private readonly last: number;
+  private readonly charts_place = html("div", { class: "particle-charts" });
+  private charted: { name: WallName; way: Way; charts: ParticleCharts } | null = null;
   private step = 0;
   private played = 0;
   private waiting = false;
@@ -104,7 +107,8 @@ export class MotionView {
     canvas.setAttribute("aria-label", "The meshes on their way to the borders. Drag to turn.");
     const frame = html("div", { class: "motion-frame" });
     frame.append(canvas);
-    place.replaceChildren(this.bar(), frame, this.pointed);
+    place.replaceChildren(this.bar(), html("div", { class: "motion-body" }, html("div", {}, frame, this.pointed), this.charts_place));
+    this.chart(this.shown[0]!);
     this.camera.position.copy(bounds.center).add(new Vector3(0, 0.28, 1).normalize().multiplyScalar((this.radius / Math.sin(Math.PI / 12)) * 0.95));
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enablePan = false;
@@ -141,6 +145,8 @@ export class MotionView {
       for (const lines of this.force_lines) lines.visible = forces.checked;
       this.render();
     });
+    const chosen = html("select", { "aria-label": "Wall of the charts" }, ...this.shown.map(({ name }) => html("option", {}, name)));
+    chosen.addEventListener("change", () => this.chart(this.shown[chosen.selectedIndex]!));
     return html(
       "div",
       { class: "motion-bar" },
@@ -150,6 +156,7 @@ export class MotionView {
       this.slider,
       this.now,
       html("label", { class: "select" }, forces, " Forces"),
+      ...(this.shown.length > 1 ? [html("label", { class: "select" }, "Charts of ", chosen)] : []),
     );
   }
 
@@ -171,6 +178,11 @@ export class MotionView {
     }
     this.force_lines.push(lines);
     this.shown.push({ name, way, surface, forces });
+  }
+
+  private chart({ name, way }: Shown): void {
+    this.charted = { name, way, charts: new ParticleCharts(this.charts_place, way, name) };
+    this.charted.charts.show(this.step, keptAt(way, this.step));
   }
 
   private toggle(): void {
@@ -230,6 +242,7 @@ export class MotionView {
       surface.computeVertexNormals();
       words.push(`${name} ${stopped} of ${way.particles} stopped`);
     }
+    if (this.charted) this.charted.charts.show(step, keptAt(this.charted.way, step));
     this.now.textContent = `Step ${step} of ${this.last} · ${words.join(", ")}`;
     this.render();
   }

@@ -382,7 +382,13 @@ const tests = {
     assert.match(await now(), /^Step 0 of 200 · endo 0 of \d+ stopped, epi 0 of \d+ stopped$/);
     await page.getByLabel("Next kept step").click();
     assert.match(await now(), /^Step 20 of 200/);
+    const chart = ".particle-charts figure:nth-child(2) canvas";
+    const before = await picture(page, chart);
     await slider.fill("119");
+    assert.notEqual(await picture(page, chart), before, "the distances do not follow the step");
+    const inner = await picture(page, ".particle-charts figure:nth-child(3) canvas");
+    await page.locator(".motion-bar select").selectOption("epi");
+    assert.notEqual(await picture(page, ".particle-charts figure:nth-child(3) canvas"), inner, "the other wall has other triangles");
     for (const [stopped, all] of await counts()) assert.ok(stopped > 0.3 * all && stopped < 0.7 * all, `${stopped} of ${all}`);
     await page.getByLabel("Kept step before").click();
     assert.match(await now(), /^Step 100 of 200/);

@@ -38,10 +38,12 @@ void measure_distances(const TriMesh& mesh, const Image& border, Surface& s) {
   s.mean_distance_mm = std::accumulate(mm.begin(), mm.end(), 0.0) / count;
 }
 
-std::optional<Motion> motion_of(const dynamics::EvolutionResult& evolved, const Grid& grid) {
+std::optional<Motion> motion_of(const dynamics::EvolutionResult& evolved, const Image& border) {
   if (evolved.trajectory.empty()) return std::nullopt;
-  Motion motion{to_world(grid, evolved.mesh).triangles, evolved.trajectory};
+  const Grid& grid = border.grid;
+  Motion motion{to_world(grid, evolved.mesh).triangles, evolved.trajectory, {}};
   for (dynamics::TrajectoryStep& step : motion.steps) {
+    motion.distances.push_back(mesh::signed_distances_to_border_voxels({step.places, evolved.mesh.triangles}, border));
     for (Vec3& p : step.places) p = to_world(grid, p);
     for (Vec3& pull : step.pulls) pull = grid.direction * pull;
   }
@@ -73,7 +75,7 @@ Surface measure_surface(const dynamics::EvolutionResult& evolved, const Image& b
   note_repair(s.repair, s.notes);
   s.volume_ml = mesh::volume_mm3(s.mesh) / 1000;
   s.quality = mesh::triangle_quality(s.mesh);
-  s.motion = motion_of(evolved, border.grid);
+  s.motion = motion_of(evolved, border);
   return s;
 }
 

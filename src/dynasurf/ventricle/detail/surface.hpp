@@ -20,6 +20,8 @@ namespace dynasurf::ventricle {
 struct Motion {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<dynamics::TrajectoryStep> steps;
+  /// Per step and particle: voxels from the nearest centre of a border voxel, negative inside (MEAS-DIST).
+  std::vector<std::vector<double>> distances;
 };
 
 /// One surface of one gate. `mesh` is in the world frame.
