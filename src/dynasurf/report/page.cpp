@@ -143,9 +143,10 @@ Json pictures_json(const ventricle::Result& result, std::size_t most_voxels) {
 
 /// What the fit compared: the model as bytes from `low` to `high`, the data less the model as bytes from -`most` to
 /// `most` (128: none), in parts of healthy muscle, and the weights of the pixels.
-Json fit_json(const ventricle::Result& result) {
+Json fit_json(const ventricle::Result& result, std::size_t most_voxels) {
   if (!result.readings.psf_corrected || result.readings.psf_corrected->images.data.empty()) return nullptr;
   const psf_fit::FitImages& images = result.readings.psf_corrected->images;
+  if (images.data.size() * images.weight.values.size() > most_voxels) return nullptr;
   const auto byte = [](double part) { return static_cast<std::uint8_t>(std::clamp(std::round(part), 0.0, 255.0)); };
   float low = 0, high = 0;
   double squares = 0, count = 0;
@@ -354,7 +355,7 @@ std::string report_html(const ventricle::Result& result, const Provenance& prove
   Json data = Json::object();
   data["results"] = results_json(result, provenance, timings);
   data["pictures"] = pictures_json(result, most_voxels);
-  data["fit"] = fit_json(result);
+  data["fit"] = fit_json(result, most_voxels);
   data["surfaces"] = surfaces_json(result);
   data["motion"] = motion_json(result);
   data["polar"] = polar_json(result);

@@ -26,7 +26,8 @@ std::string results_csv(const ventricle::Result& result);
 
 /// report.html as text: one self-contained page that loads nothing (Content-Security-Policy `default-src 'none'`), for
 /// research use only. Also for results without gates in time, without surfaces, or with one wall missing.
-/// Studies above `most_voxels` are shown with their slices binned; the page says so. Throws OptionError as above.
+/// Studies above `most_voxels` are shown with their slices binned, which the page says; images of the fit above it are
+/// left out. Throws OptionError as above.
 std::string report_html(const ventricle::Result& result, const Provenance& provenance, Timings timings = Timings::keep,
                         std::size_t most_voxels = 48'000'000);
 
