@@ -11,6 +11,7 @@
 
 #include "support/blurred_heart.hpp"
 #include "support/edge_images.hpp"
+#include "support/method_types.hpp"
 
 namespace dynasurf::image {
 namespace {
@@ -46,19 +47,7 @@ class EdgeLaws : public testing::Test {
   }
 };
 
-template <class Variant>
-struct AsTypes;
-template <class... Options>
-struct AsTypes<std::variant<Options...>> {
-  using type = testing::Types<Options...>;
-};
-struct MethodName {
-  template <class Options>
-  static std::string GetName(int) {
-    return std::string(Options::name);
-  }
-};
-TYPED_TEST_SUITE(EdgeLaws, AsTypes<EdgeOptions>::type, MethodName);
+TYPED_TEST_SUITE(EdgeLaws, test::MethodTypes<EdgeOptions>::type, test::MethodName);
 
 Image small_heart(double noise) {
   test::HeartShape h;

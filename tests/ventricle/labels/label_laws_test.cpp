@@ -14,6 +14,7 @@
 #include "dynasurf/ventricle/labels/detail/slice_flow.hpp"
 
 #include "support/blurred_heart.hpp"
+#include "support/method_types.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
@@ -56,19 +57,7 @@ class LabelLaws : public testing::Test {
   }
 };
 
-template <class Variant>
-struct AsTypes;
-template <class... Options>
-struct AsTypes<std::variant<Options...>> {
-  using type = testing::Types<Options...>;
-};
-struct MethodName {
-  template <class Options>
-  static std::string GetName(int) {
-    return std::string(Options::name);
-  }
-};
-TYPED_TEST_SUITE(LabelLaws, AsTypes<LabelOptions>::type, MethodName);
+TYPED_TEST_SUITE(LabelLaws, test::MethodTypes<LabelOptions>::type, test::MethodName);
 
 TYPED_TEST(LabelLaws, MoveWithTheImage) {
   HeartShape h;
