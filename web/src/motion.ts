@@ -70,7 +70,6 @@ export class MotionView {
   private readonly charts_place = html("div", { class: "particle-charts" });
   private charted: { name: WallName; way: Way; charts: ParticleCharts } | null = null;
   private step = 0;
-  private played = 0;
   private waiting = false;
 
   private readonly slider: HTMLInputElement;
@@ -190,12 +189,11 @@ export class MotionView {
     if (this.step >= this.last) this.seek(0);
     this.play.setAttribute("aria-pressed", "true");
     this.play.textContent = "Pause";
-    this.played = performance.now();
-    let exact = this.step;
+    let [exact, before] = [this.step, performance.now()];
     const tick = (now: number) => {
       if (this.play.getAttribute("aria-pressed") !== "true") return;
-      exact += (Math.min(now - this.played, 500) / play_ms) * this.last;
-      this.played = now;
+      exact += (Math.min(now - before, 500) / play_ms) * this.last;
+      before = now;
       this.seek(Math.min(this.last, Math.floor(exact)));
       if (this.step >= this.last) this.stop();
       else requestAnimationFrame(tick);
