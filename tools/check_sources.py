@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
 """Holds the sources of src/, app/ and tests/ to what CONTRIBUTING.md asks of them.
 
-A source of a module lies in the module's namespace (`dynasurf` for core, `dynasurf::mesh` for mesh, ...); a file has at
-most 500 lines (one of the program, which parses, calls and prints, 150) and a function 60; every name has a sentence that a public header shows, or one of `detail/` that it
-includes. Formatted sources are expected:
-what stands at namespace scope begins its line. The tests of a module lie in folders as its sources do, and X_test.cpp
-beside where X is.
+A source of a module lies in the module's namespace (`dynasurf` for core, `dynasurf::mesh` for mesh, ...). A file has at
+most 500 lines, one of app/ 150, and a function 60. Every name that a public header shows, or one of `detail/` that it
+includes, has a sentence. The tests of a module lie in folders as its sources do, and X_test.cpp beside where X is.
+Formatted sources are expected: what stands at namespace scope begins its line.
 """
 
 import pathlib

@@ -21,8 +21,8 @@ std::vector<BidsStudy> bids_studies(const std::filesystem::path& dataset);
 /// Throws InputError, IoError.
 StudyList bids_list(const std::filesystem::path& dataset, std::vector<BidsStudy>& studies);
 
-/// The derivative dataset says what it is. BIDS has no datatype for single-photon studies: validators are told to pass
-/// over nm, and over the cohort's own files. Throws IoError.
+/// Writes dataset_description.json, and a .bidsignore by which validators skip the cohort's own files and the folders
+/// nm: BIDS has no datatype for single-photon studies. Throws IoError.
 void describe_derivatives(const std::filesystem::path& out, const std::string& version);
 
 /// What a reader of derivatives looks for, beside the whole result in `out`/cohort: the report and the numbers. Throws
