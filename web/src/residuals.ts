@@ -55,7 +55,7 @@ export class Residuals {
       { name: "Data", about: "as the fit saw it", painter: painter(this.dataBytes()) },
       { name: "Model", about: "the fitted heart through the point spread", painter: painter(fit.model) },
       { name: "Data − model", about: `blue −${most}, orange +${most} of healthy muscle`, painter: painter(fit.difference, differencePalette()) },
-      { name: "Weight", about: "one over the expected variance; black: not looked at, or an outlier", painter: painter(fit.weight) },
+      { name: "Weight", about: "one over the variance; black: not used", painter: painter(fit.weight) },
     ];
     place.replaceChildren(html("div", { class: "residuals" }, ...this.kinds.map((kind) => this.column(kind))), this.caption);
     new ResizeObserver(() => this.draw()).observe(place);
