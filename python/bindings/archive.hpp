@@ -78,7 +78,7 @@ auto members_of(T& s) {
   DYNASURF_MEMBERS(11, a, b, c, d, e, f, g, h, i, j, k)
   DYNASURF_MEMBERS(12, a, b, c, d, e, f, g, h, i, j, k, l)
   DYNASURF_MEMBERS(14, a, b, c, d, e, f, g, h, i, j, k, l, m, o)
-  DYNASURF_MEMBERS(15, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o)
+  DYNASURF_MEMBERS(16, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p)
   DYNASURF_MEMBERS(18, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r)
   DYNASURF_MEMBERS(19, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, t)
   DYNASURF_MEMBERS(21, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, t, u, v)

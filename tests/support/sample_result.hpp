@@ -199,21 +199,53 @@ inline ventricle::Result sample_fitted() {
   return result;
 }
 
+/// A field that points at a wall from both sides and gets weaker with the distance from it.
+inline field::VectorField sample_field(const Grid& grid, const Ellipsoid& shape) {
+  field::VectorField field(grid);
+  for (int k = 0; k < grid.dims[2]; ++k)
+    for (int j = 0; j < grid.dims[1]; ++j)
+      for (int i = 0; i < grid.dims[0]; ++i) {
+        const Vec3 p = centre_of(grid, {i, j, k});
+        const double from_wall_mm = (shape.level(p) - 1) * shape.across_mm;
+        const Vec3 outwards = (p - shape.centre).normalized();
+        const Vec3 v = -std::copysign(0.1 * std::exp(-std::abs(from_wall_mm) / 12), from_wall_mm) * outwards;
+        const std::size_t n = grid.index(i, j, k);
+        field.x[n] = static_cast<float>(v[0]), field.y[n] = static_cast<float>(v[1]),
+        field.z[n] = static_cast<float>(v[2]);
+      }
+  return field;
+}
+
 /// The same with the way of its meshes at end diastole: from twice as wide straight to their places in eleven kept
-/// steps. The upper half of the particles has stopped from the sixth one on.
+/// steps. The upper half of the particles has stopped from the sixth one on. The drag is ten times as large near the
+/// outer wall.
 inline ventricle::Result sample_moving() {
   ventricle::Result result = sample_result();
-  ventricle::EdgeSurfaces& surfaces = result.gates[static_cast<std::size_t>(*result.leading.ed_gate)].edge_surfaces;
+  ventricle::Gate& gate = result.gates[static_cast<std::size_t>(*result.leading.ed_gate)];
+  ventricle::EdgeSurfaces& surfaces = gate.edge_surfaces;
+  const Grid& grid = result.study.grid();
   for (std::optional<ventricle::Surface>* surface : {&surfaces.endo, &surfaces.epi}) {
     const std::vector<Vec3>& rest = (*surface)->mesh.vertices;
     Vec3 middle = Vec3::Zero();
     for (const Vec3& p : rest) middle += p / static_cast<double>(rest.size());
-    ventricle::Motion motion{(*surface)->mesh.triangles, {}, {}};
+    const bool is_epi = surface == &surfaces.epi;
+    Image border(grid);
+    for (std::size_t n = 0; n < border.values.size(); ++n)
+      border.values[n] =
+          gate.labels.borders.values[n] & (is_epi ? ventricle::Labels::epi_bit : ventricle::Labels::endo_bit) ? 1 : 0;
+    const Ellipsoid shape =
+        sample_wall(grid, is_epi ? ventricle::Border::epi : ventricle::Border::endo, gate.gate / 8.0);
+    ventricle::Motion motion{(*surface)->mesh.triangles, {}, {}, border, sample_field(grid, shape), {}};
+    if (is_epi) {
+      motion.drag = Image(grid, 0.1F);
+      for (std::size_t n = 0; n < border.values.size(); ++n)
+        if (border.values[n] > 0) motion.drag->values[n] = 1;
+    }
     for (int n = 0; n <= 10; ++n) {
       dynamics::TrajectoryStep step{20 * n, {}, {}, {}};
       std::vector<double>& distances = motion.distances.emplace_back();
       for (const Vec3& p : rest) {
-        const bool has_stopped = n == 10 || (n >= 5 && (p - middle).dot(result.study.grid().direction.col(2)) > 0);
+        const bool has_stopped = n == 10 || (n >= 5 && (p - middle).dot(grid.direction.col(2)) > 0);
         step.places.emplace_back(p + (has_stopped ? 0 : 0.1 * (10 - n)) * (p - middle));
         step.pulls.emplace_back(has_stopped ? Vec3(Vec3::Zero()) : Vec3((middle - p) * 0.001));
         step.stopped.push_back(has_stopped ? 1 : 0);
@@ -223,6 +255,35 @@ inline ventricle::Result sample_moving() {
     }
     (*surface)->motion = std::move(motion);
   }
+  return result;
+}
+
+/// The same by contours: in each slice a regular polygon of 40 points, that of the sixteenth slice found first. The
+/// field pulls outwards.
+inline ventricle::Result sample_contours() {
+  ventricle::Result result = sample_result();
+  const Grid& grid = result.study.grid();
+  for (ventricle::Gate& gate : result.gates)
+    for (const ventricle::Border wall : {ventricle::Border::endo, ventricle::Border::epi}) {
+      const Ellipsoid shape = sample_wall(grid, wall, gate.gate / 8.0);
+      ventricle::WallContours contours;
+      contours.slices.resize(static_cast<std::size_t>(grid.dims[2]));
+      contours.pulls.resize(contours.slices.size());
+      contours.best_slice = 15;
+      for (std::size_t k = 0; k < contours.slices.size(); ++k) {
+        const double up = (static_cast<double>(k) * grid.spacing[2] - shape.centre[2]) / shape.along_mm;
+        if (std::abs(up) >= 0.98 || up * shape.along_mm > shape.base_mm) continue;
+        const double radius = std::sqrt(1 - up * up) * shape.across_mm / grid.spacing[0];
+        contours.slices[k].emplace();
+        for (int n = 0; n < 40; ++n) {
+          const Vec2 out(std::cos(2 * std::numbers::pi * n / 40), std::sin(2 * std::numbers::pi * n / 40));
+          contours.slices[k]->points.push_back(shape.centre.head<2>() / grid.spacing[0] + radius * out);
+          contours.pulls[k].push_back(0.5 * out);
+        }
+      }
+      (wall == ventricle::Border::endo ? gate.edge_surfaces.endo : gate.edge_surfaces.epi)->contours =
+          std::move(contours);
+    }
   return result;
 }
 

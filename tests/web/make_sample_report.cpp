@@ -38,6 +38,7 @@ int main(int count, char** arguments) {
     write_sample(folder / "ok", test::sample_result());
     write_sample(folder / "fitted", test::sample_fitted());
     write_sample(folder / "moving", test::sample_moving());
+    write_sample(folder / "contours", test::sample_contours());
     write_sample(folder / "check", test::sample_to_check());
     write_sample(folder / "fail", test::sample_failed());
     write_sample(folder / "ungated", test::sample_ungated());

@@ -194,6 +194,26 @@ export interface Fit extends Omit<PackedFit, "model" | "difference" | "weight"> 
   /** The same for all gates, 0: not looked at. */
   weight: Uint8Array;
 }
+interface PackedAround {
+  first: [number, number, number];
+  dims: [number, number, number];
+  border: string;
+  longest: number;
+  directions: string;
+  lengths: string;
+  drag: { most_kg_s: number; values: string } | null;
+}
+/** The voxels around a border, i fastest; the first of them in voxels of the study. */
+export interface Around {
+  first: [number, number, number];
+  dims: [number, number, number];
+  /** 1: of the border. */
+  border: Uint8Array;
+  /** The field that pulls the particles, 1/mm: three numbers a voxel, along i, j and k. */
+  vectors: Float32Array;
+  /** Drag in parts of the largest, 255: all of it; null: the same everywhere. */
+  drag: { most_kg_s: number; values: Uint8Array } | null;
+}
 /** The way of one surface to its border, as far as its steps were kept. */
 interface PackedWay {
   triangles: string;
@@ -202,8 +222,9 @@ interface PackedWay {
   pulls: string;
   distances: string;
   strongest_n: number;
+  around: PackedAround | null;
 }
-export interface Way extends Omit<PackedWay, "triangles" | "places" | "pulls" | "distances"> {
+export interface Way extends Omit<PackedWay, "triangles" | "places" | "pulls" | "distances" | "around"> {
   particles: number;
   triangles: Uint32Array;
   /** World (LPS, mm), three numbers a particle, step after step. */
@@ -212,6 +233,7 @@ export interface Way extends Omit<PackedWay, "triangles" | "places" | "pulls" | 
   pulls: Uint8Array;
   /** From the nearest centre of a border voxel, in 1/32 of a voxel, 128: none, less: inside. */
   distances: Uint8Array;
+  around: Around | null;
 }
 interface PackedMotion {
   gate: number;
@@ -224,6 +246,18 @@ export interface Motion {
   gate: number;
   endo: Way | null;
   epi: Way | null;
+}
+/** A contour in its slice, px, and the forces on its points: x and y of each. */
+export interface SliceContour {
+  points: number[];
+  pulls: number[];
+  bends: number[];
+}
+/** Contours of a gate, slice by slice; slices count from 0, -1 is none. */
+export interface Contours {
+  gate: number;
+  endo: { best_slice: number; slices: (SliceContour | null)[] } | null;
+  epi: { best_slice: number; slices: (SliceContour | null)[] } | null;
 }
 type PackedSurface = { triangles: number; positions: string } | null;
 interface PackedSurfaces {
@@ -292,6 +326,7 @@ export interface Report {
   fit: Fit | null;
   surfaces: Surfaces | null;
   motion: Motion | null;
+  contours: Contours | null;
 }
 
 export function bytesOf(text: string): Uint8Array<ArrayBuffer> {
@@ -330,6 +365,17 @@ function placesOf(bytes: Uint8Array<ArrayBuffer>, box: { low_mm: number[]; high_
   return world;
 }
 
+async function aroundOf(packed: PackedAround | null): Promise<Around | null> {
+  if (!packed) return null;
+  const directions = await unpack(packed.directions);
+  const lengths = new Uint16Array((await unpack(packed.lengths)).buffer);
+  const vectors = new Float32Array(3 * lengths.length);
+  for (let n = 0; n < vectors.length; ++n)
+    vectors[n] = ((directions[n]! - 127) / 127) * (lengths[Math.floor(n / 3)]! / 65535) * packed.longest;
+  const { first, dims, drag } = packed;
+  return { first, dims, vectors, border: await unpack(packed.border), drag: drag && { ...drag, values: await unpack(drag.values) } };
+}
+
 async function wayOf(packed: PackedWay | null, motion: PackedMotion): Promise<Way | null> {
   if (!packed) return null;
   const places = placesOf(await unpack(packed.places), motion);
@@ -340,6 +386,7 @@ async function wayOf(packed: PackedWay | null, motion: PackedMotion): Promise<Wa
     places,
     pulls: await unpack(packed.pulls),
     distances: await unpack(packed.distances),
+    around: await aroundOf(packed.around),
   };
 }
 
@@ -357,6 +404,7 @@ export async function readReport(text: string): Promise<Report> {
     surfaces: PackedSurfaces | null;
     polar: PackedPolar | null;
     motion: PackedMotion | null;
+    contours: Contours | null;
   };
   const segments = (gates: (string | null)[]) => gates.map((text) => (text === null ? null : bytesOf(text)));
   const packed = data.surfaces;
@@ -380,6 +428,7 @@ export async function readReport(text: string): Promise<Report> {
       endo: await wayOf(data.motion.endo, data.motion),
       epi: await wayOf(data.motion.epi, data.motion),
     },
+    contours: data.contours,
     surfaces: packed && {
       triangles: await Promise.all(packed.triangles.map(async (t) => new Uint32Array((await unpack(t)).buffer))),
       endo: packed.endo.map((surface) => meshOf(surface, packed, grid)),

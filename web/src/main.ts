@@ -1,9 +1,11 @@
 // The page of a result: reads the data written into it, builds the parts, and moves them with one clock.
 import { Wall } from "./cycle";
 import { Cursor, placeInHeart, placeOnMap, sampleNear, toWorld } from "./cursor";
+import { ContourView } from "./contours";
 import { Curve } from "./curve";
 import { isCorrected, readReport, toVoxels, walls as wall_names, type Report, type Results } from "./data";
 import { byId, colour, figure, html, svg } from "./dom";
+import { FieldView } from "./field";
 import { buildLayouts } from "./layouts";
 import { MotionView } from "./motion";
 import { Painter, type Overlay } from "./painter";
@@ -324,10 +326,10 @@ function buildResiduals({ fit, pictures }: Report, walls: Wall[], player: Player
 }
 
 /** How the meshes came to rest, where the run kept it. */
-function buildMotion({ motion, pictures }: Report): void {
+function buildMotion({ motion, pictures }: Report): MotionView | null {
   if (!motion || !pictures) {
     byId("motion-panel").remove();
-    return;
+    return null;
   }
   byId("motion-title").textContent = `Motion of the meshes, gate ${motion.gate + 1}`;
   byId("motion-legend").replaceChildren(
@@ -337,10 +339,46 @@ function buildMotion({ motion, pictures }: Report): void {
     legendItem("force of the field", colour.lit, "line"),
   );
   try {
-    new MotionView(byId("motion"), motion, pictures.grid);
+    return new MotionView(byId("motion"), motion, pictures.grid);
   } catch {
     message(byId("motion"), "3D needs WebGL", "This browser offers none.");
+    return null;
   }
+}
+
+/** The field that the meshes moved in, where the run kept it. */
+function buildField({ motion, pictures }: Report, walls: Wall[], cursor: Cursor | null, moving: MotionView | null): void {
+  if (!motion || !pictures || !cursor || !wall_names.some((name) => motion[name]?.around)) {
+    byId("field-panel").remove();
+    return;
+  }
+  byId("field-title").textContent = `Field of the borders, gate ${motion.gate + 1}`;
+  byId("field-legend").replaceChildren(
+    legendItem("endo border", colour.endo, "square"),
+    legendItem("epi border", colour.epi, "square"),
+    html("span", {}, "arrows: direction, their colour: length"),
+    legendItem("ways of the particles that end in the plane", "#dfe6ee", "line"),
+    legendItem("line of the charts", "#ff7ac8", "line"),
+  );
+  const field = new FieldView(byId("field"), motion, pictures, walls, cursor);
+  moving?.listen((step) => field.seek(step));
+}
+
+/** The contours of the slices, where the surfaces were made of them. */
+function buildContours({ contours, pictures }: Report, walls: Wall[], cursor: Cursor | null): void {
+  if (!contours || !pictures || !cursor) {
+    byId("contours-panel").remove();
+    return;
+  }
+  byId("contours-title").textContent = `Contours, gate ${contours.gate + 1}`;
+  byId("contours-legend").replaceChildren(
+    legendItem("endo", colour.endo),
+    legendItem("epi", colour.epi),
+    legendItem("start, from the slice before", "#dfe6ee", "line"),
+    legendItem("pull of the field", "#ff964f", "line"),
+    legendItem("bending force", "#ff7ac8", "line"),
+  );
+  new ContourView(byId("contours"), contours, pictures, walls, cursor);
 }
 
 /** Shown while printing, in place of all that is for the screen; built once, when paper is asked for. */
@@ -400,7 +438,8 @@ async function start(): Promise<void> {
   const splash = buildSplash(painter, results, point);
   const slices = buildSlices(painter, cursor, isCorrected(results), player, point);
   buildResiduals(report, walls, player, cursor);
-  buildMotion(report);
+  buildField(report, walls, cursor, buildMotion(report));
+  buildContours(report, walls, cursor);
   if (cursor && painter) linkCursor(cursor, report, painter, player, scene, view);
   for (const part of [view, scene, splash, slices]) if (part) lights.push((segment) => part.light(segment));
 

@@ -1,29 +1,24 @@
 // How the meshes came to rest on their borders: played, stepped or scrubbed, with the forces that move the particles.
 import {
-  AmbientLight,
   BufferAttribute,
   BufferGeometry,
   Color,
-  DirectionalLight,
   DoubleSide,
-  Group,
   LineBasicMaterial,
   LineSegments,
   Mesh,
   MeshPhongMaterial,
-  PerspectiveCamera,
   Points,
   PointsMaterial,
-  Scene,
-  Sphere,
   Vector3,
-  WebGLRenderer,
+  type Object3D,
 } from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
+import { borderCubes, dragCubes, fieldLines } from "./around";
 import { walls, type Grid, type Motion, type WallName, type Way } from "./data";
 import { colour, figure, html } from "./dom";
 import { ParticleCharts } from "./particles";
+import { Stage3d } from "./stage3d";
 
 const moving_colour = new Color("#f2f4f8");
 const play_ms = 5000;
@@ -57,20 +52,15 @@ interface Shown {
 }
 
 export class MotionView {
-  private readonly renderer: WebGLRenderer;
-  private readonly scene = new Scene();
-  private readonly camera = new PerspectiveCamera(30, 1, 1, 4000);
-  private readonly controls: OrbitControls;
-  private readonly heart = new Group();
+  private readonly stage: Stage3d;
   private readonly shown: Shown[] = [];
   private readonly force_lines: LineSegments[] = [];
-  private readonly radius: number;
   private readonly longest_n: number;
   private readonly last: number;
   private readonly charts_place = html("div", { class: "particle-charts" });
   private charted: { name: WallName; way: Way; charts: ParticleCharts } | null = null;
   private step = 0;
-  private waiting = false;
+  private readonly listeners: ((step: number) => void)[] = [];
 
   private readonly slider: HTMLInputElement;
   private readonly play = html("button", { class: "primary", "aria-pressed": "false" }, "Play");
@@ -78,54 +68,24 @@ export class MotionView {
   private readonly pointed = html("p", { class: "caption", "aria-live": "polite" }, "Point at a particle to see the force on it. Drag to turn.");
 
   /** Throws when the browser has no WebGL. */
-  constructor(place: HTMLElement, motion: Motion, grid: Grid) {
-    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "low-power" });
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+  constructor(place: HTMLElement, motion: Motion, private readonly grid: Grid) {
     const ways = walls.flatMap((name) => (motion[name] ? [{ name, way: motion[name] }] : []));
+    const ends = ways.flatMap(({ way }) => [...way.places.subarray(0, 3 * way.particles), ...way.places.subarray(-3 * way.particles)]);
+    this.stage = new Stage3d(grid, ends, "The meshes on their way to the borders. Drag to turn.");
     this.last = Math.max(...ways.map(({ way }) => way.steps.at(-1)!));
     this.slider = html("input", { type: "range", min: 0, max: this.last, value: 0, "aria-label": "Step of the motion" });
-
-    // The long axis upwards, as everywhere in the page.
-    const axis = new Vector3(grid.direction[2], grid.direction[5], grid.direction[8]).normalize();
-    this.heart.quaternion.setFromUnitVectors(axis, new Vector3(0, 1, 0));
-    this.scene.add(this.heart, new AmbientLight(0xffffff, 0.9), this.camera);
-    const light = new DirectionalLight(0xffffff, 1.8);
-    light.position.set(-1, 1.4, 1.2);
-    this.camera.add(light, light.target);
     this.longest_n = Math.max(...ways.map(({ way }) => way.strongest_n)) || 1;
     for (const { name, way } of ways) this.add(name, way);
-
-    const points = ways.flatMap(({ way }) => [way.places.subarray(0, 3 * way.particles), way.places.subarray(-3 * way.particles)]);
-    const corners: Vector3[] = [];
-    for (const list of points) for (let n = 0; n < list.length; n += 3) corners.push(new Vector3(list[n], list[n + 1], list[n + 2]).applyQuaternion(this.heart.quaternion));
-    const bounds = new Sphere().setFromPoints(corners);
-    this.radius = bounds.radius;
-
-    const canvas = this.renderer.domElement;
-    canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", "The meshes on their way to the borders. Drag to turn.");
-    const frame = html("div", { class: "motion-frame" });
-    frame.append(canvas);
-    place.replaceChildren(this.bar(), html("div", { class: "motion-body" }, html("div", {}, frame, this.pointed), this.charts_place));
+    place.replaceChildren(this.bar(), html("div", { class: "motion-body" }, html("div", {}, this.stage.frame, this.pointed), this.charts_place));
     this.chart(this.shown[0]!);
-    this.camera.position.copy(bounds.center).add(new Vector3(0, 0.28, 1).normalize().multiplyScalar((this.radius / Math.sin(Math.PI / 12)) * 0.95));
-    this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.enablePan = false;
-    this.controls.minDistance = this.radius * 1.2;
-    this.controls.maxDistance = this.radius * 12;
-    this.controls.target.copy(bounds.center);
-    this.controls.update();
-    this.controls.addEventListener("change", () => this.render());
-    canvas.addEventListener("pointermove", (event) => event.buttons || this.point(event));
-    new ResizeObserver(() => {
-      if (frame.clientWidth === 0) return;
-      this.renderer.setSize(frame.clientWidth, frame.clientHeight);
-      this.camera.aspect = frame.clientWidth / frame.clientHeight;
-      this.camera.zoom = Math.min(1, this.camera.aspect);
-      this.camera.updateProjectionMatrix();
-      this.renderer.render(this.scene, this.camera);
-    }).observe(frame);
+    this.stage.canvas.addEventListener("pointermove", (event) => event.buttons || this.point(event));
     this.seek(0);
+  }
+
+  /** Tells each step that is shown, the present one at once. */
+  listen(listener: (step: number) => void): void {
+    this.listeners.push(listener);
+    listener(this.step);
   }
 
   private bar(): HTMLElement {
@@ -139,11 +99,6 @@ export class MotionView {
       this.stop();
       this.seek(this.slider.valueAsNumber);
     });
-    const forces = html("input", { type: "checkbox", checked: true });
-    forces.addEventListener("change", () => {
-      for (const lines of this.force_lines) lines.visible = forces.checked;
-      this.render();
-    });
     const chosen = html("select", { "aria-label": "Wall of the charts" }, ...this.shown.map(({ name }) => html("option", {}, name)));
     chosen.addEventListener("change", () => this.chart(this.shown[chosen.selectedIndex]!));
     return html(
@@ -154,9 +109,38 @@ export class MotionView {
       button("▶", "Next kept step", () => this.jump(1)),
       this.slider,
       this.now,
-      html("label", { class: "select" }, forces, " Forces"),
+      this.toggle3d("Forces", true, () => this.force_lines),
+      ...this.surroundings(),
       ...(this.shown.length > 1 ? [html("label", { class: "select" }, "Charts of ", chosen)] : []),
     );
+  }
+
+  /** A checkbox that shows parts of the scene; what is not there is made when it is first asked for. */
+  private toggle3d(name: string, checked: boolean, make: () => Object3D[]): HTMLElement {
+    const box = html("input", { type: "checkbox", checked });
+    let parts = checked ? make() : null;
+    box.addEventListener("change", () => {
+      parts ??= make();
+      for (const part of parts) part.visible = box.checked;
+      this.stage.render();
+    });
+    return html("label", { class: "select" }, box, ` ${name}`);
+  }
+
+  /** What the particles moved in. */
+  private surroundings(): HTMLElement[] {
+    const known = this.shown.flatMap(({ name, way }) => (way.around ? [{ name, around: way.around }] : []));
+    if (known.length === 0) return [];
+    const added = (parts: (Object3D | null)[]) => {
+      const made = parts.filter((part) => part !== null);
+      this.stage.heart.add(...made);
+      return made;
+    };
+    return [
+      this.toggle3d("Border voxels", false, () => added(known.map(({ name, around }) => borderCubes(around, this.grid, colour[name], name === "endo" ? 0.9 : 0.2)))),
+      this.toggle3d("Field lines", false, () => added(known.map(({ around }) => fieldLines(around, this.grid)))),
+      ...(known.some(({ around }) => around.drag) ? [this.toggle3d("Drag", false, () => added(known.map(({ around }) => dragCubes(around, this.grid))))] : []),
+    ];
   }
 
   private add(name: WallName, way: Way): void {
@@ -173,7 +157,7 @@ export class MotionView {
     const lines = new LineSegments(forces, new LineBasicMaterial({ color: colour.lit, transparent: true, opacity: 0.8 }));
     for (const part of [skin, wires, particles, lines]) {
       part.frustumCulled = false;
-      this.heart.add(part);
+      this.stage.heart.add(part);
     }
     this.force_lines.push(lines);
     this.shown.push({ name, way, surface, forces });
@@ -232,7 +216,7 @@ export class MotionView {
         stopped += rests ? 1 : 0;
         const { r, g, b } = rests ? resting : moving_colour;
         paint.setXYZ(v, r, g, b);
-        const force = rests ? new Vector3() : forceOn(way, kept, v).multiplyScalar((0.16 * this.radius) / this.longest_n);
+        const force = rests ? new Vector3() : forceOn(way, kept, v).multiplyScalar((0.16 * this.stage.radius) / this.longest_n);
         arrows.setXYZ(2 * v, places[3 * v]!, places[3 * v + 1]!, places[3 * v + 2]!);
         arrows.setXYZ(2 * v + 1, places[3 * v]! + force.x, places[3 * v + 1]! + force.y, places[3 * v + 2]! + force.z);
       }
@@ -241,20 +225,20 @@ export class MotionView {
       words.push(`${name} ${stopped} of ${way.particles} stopped`);
     }
     if (this.charted) this.charted.charts.show(step, keptAt(this.charted.way, step));
+    for (const listener of this.listeners) listener(step);
     this.now.textContent = `Step ${step} of ${this.last} · ${words.join(", ")}`;
-    this.render();
+    this.stage.render();
   }
 
   /** Tells of the particle under the pointer. */
   private point(event: PointerEvent): void {
-    const canvas = this.renderer.domElement;
-    const box = canvas.getBoundingClientRect();
+    const box = this.stage.canvas.getBoundingClientRect();
     let best = { distance: reach_px, depth: Infinity, text: "" };
     for (const { name, way } of this.shown) {
       const kept = keptAt(way, this.step);
       for (let v = 0; v < way.particles; ++v) {
         const at = (step: number) => new Vector3().fromArray(way.places, 3 * (step * way.particles + v));
-        const seen = this.heart.localToWorld(at(kept)).project(this.camera);
+        const seen = this.stage.heart.localToWorld(at(kept)).project(this.stage.camera);
         const distance = Math.hypot(((seen.x + 1) / 2) * box.width - (event.clientX - box.left), ((1 - seen.y) / 2) * box.height - (event.clientY - box.top));
         if (distance > reach_px || (Math.abs(distance - best.distance) < 4 ? seen.z >= best.depth : distance >= best.distance)) continue;
         const state = isStopped(way, kept, v) ? "stopped at its border" : `force ${forceOn(way, kept, v).length().toPrecision(3)} N`;
@@ -262,14 +246,5 @@ export class MotionView {
       }
     }
     if (best.text) this.pointed.textContent = best.text;
-  }
-
-  private render(): void {
-    if (this.waiting) return;
-    this.waiting = true;
-    requestAnimationFrame(() => {
-      this.waiting = false;
-      this.renderer.render(this.scene, this.camera);
-    });
   }
 }

@@ -56,7 +56,11 @@ export interface View {
   letters: boolean;
   cross: [number, number, number] | null; // voxels where the other planes cut
   splash?: boolean; // the heart alone, its surfaces and nothing else
+  over?: Drawing;
 }
+
+/** Draws over the image of a plane, where one unit is one voxel; `pixel`: so much of it is a pixel of the page. */
+export type Drawing = (context: CanvasRenderingContext2D, pixel: number) => void;
 
 /** Distance in mm within which a place in a slice belongs to the wall. */
 const reach_mm = 9;
@@ -209,6 +213,7 @@ export class Painter {
     this.drawImage(context, plane, at, gate);
     if (!view.splash) this.drawMarks(context, plane, at, gate);
     if (view.splash || this.overlay.sections) this.drawSections(context, view, view.width * ratio * pixel);
+    view.over?.(context, ratio * pixel);
     if (view.cross) this.drawCross(context, plane, view.cross, ratio * pixel);
     if (!view.letters) return;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);

@@ -1,11 +1,11 @@
 // The particles of a surface in numbers, at the step that is shown: how far they are, and how good its triangles are.
 import type { Way } from "./data";
 import { html } from "./dom";
+import { chartCanvas, type Chart, type DrawnChart, type Pen } from "./pen";
 
 const bands = ["#46125f", "#2d7a8c", "#4ac06e", "#fde725"] as const; // dark to bright: told apart by everyone
 const band_names = ["< 1 voxel", "1 to 2", "2 to 3", "3 and more"] as const;
-const ink = { axis: "#8b98a8", line: "#ffffff", dots: "#5aa9ff", triangles: "#d58ac0" } as const;
-const margin = { left: 44, right: 10, top: 8, bottom: 22 };
+const ink = { line: "#ffffff", dots: "#5aa9ff", triangles: "#d58ac0" } as const;
 
 /** Voxels from the nearest centre of a border voxel, negative inside. */
 export function distanceOf(way: Way, kept: number, particle: number): number {
@@ -36,59 +36,6 @@ export function areasOf(way: Way, kept: number): Float32Array {
   return areas;
 }
 
-type Range = [number, number];
-interface Chart {
-  title: string;
-  x: Range;
-  y: Range;
-  draw: (pen: Pen) => void;
-}
-
-/** A canvas with axes: x and y in the numbers of the chart. */
-class Pen {
-  constructor(
-    readonly context: CanvasRenderingContext2D,
-    private readonly wide: number,
-    private readonly high: number,
-    private readonly x: Range,
-    private readonly y: Range,
-  ) {}
-  at(x: number, y: number): [number, number] {
-    const along = (v: number, [low, high]: Range) => (v - low) / (high - low || 1);
-    return [
-      margin.left + along(x, this.x) * (this.wide - margin.left - margin.right),
-      this.high - margin.bottom - along(y, this.y) * (this.high - margin.top - margin.bottom),
-    ];
-  }
-  dot(x: number, y: number): void {
-    const [left, top] = this.at(x, Math.min(Math.max(y, this.y[0]), this.y[1]));
-    this.context.fillRect(left - 1, top - 1, 2, 2);
-  }
-  line(from: [number, number], to: [number, number], style: string): void {
-    this.context.strokeStyle = style;
-    this.context.beginPath();
-    this.context.moveTo(...this.at(...from));
-    this.context.lineTo(...this.at(...to));
-    this.context.stroke();
-  }
-  axes(y_values: number[]): void {
-    const { context } = this;
-    context.font = "11px system-ui, sans-serif";
-    context.fillStyle = ink.axis;
-    context.textBaseline = "middle";
-    for (const value of y_values) {
-      this.line([this.x[0], value], [this.x[1], value], "#ffffff1c");
-      context.textAlign = "right";
-      context.fillText(String(value), margin.left - 6, this.at(this.x[0], value)[1]);
-    }
-    context.textBaseline = "alphabetic";
-    for (const [value, align] of [[this.x[0], "left"], [this.x[1], "right"]] as const) {
-      context.textAlign = align;
-      context.fillText(String(value), this.at(value, 0)[0], this.high - 6);
-    }
-  }
-}
-
 function bandLegend(): HTMLElement {
   return html(
     "p",
@@ -106,7 +53,7 @@ export class ParticleCharts {
   private kept = 0;
   private readonly counts: number[][];
   private readonly most_area: number;
-  private readonly charts: (Chart & { canvas: HTMLCanvasElement })[];
+  private readonly charts: (Chart & { drawn: DrawnChart })[];
 
   constructor(
     place: HTMLElement,
@@ -120,8 +67,8 @@ export class ParticleCharts {
       { title: "Distance of each particle, voxels, + outside", x: [0, way.particles], y: [-4, 4], draw: (pen) => this.drawDistances(pen) },
       { title: "Area of each triangle, mm²", x: [0, way.triangles.length / 3], y: [0, this.most_area], draw: (pen) => this.drawAreas(pen) },
     ];
-    this.charts = charts.map((chart) => ({ ...chart, canvas: html("canvas", { role: "img", "aria-label": `${chart.title}, ${name}` }) }));
-    place.replaceChildren(...this.charts.map(({ title, canvas }) => html("figure", {}, html("figcaption", {}, `${title}, ${name}`), canvas)));
+    this.charts = charts.map((chart) => ({ ...chart, drawn: chartCanvas(`${chart.title}, ${name}`, `${chart.title}, ${name}`) }));
+    place.replaceChildren(...this.charts.map(({ drawn }) => drawn.figure));
     place.firstElementChild!.append(bandLegend());
     new ResizeObserver(() => this.draw()).observe(place);
   }
@@ -133,16 +80,7 @@ export class ParticleCharts {
   }
 
   private draw(): void {
-    const ratio = Math.min(devicePixelRatio, 2);
-    for (const { canvas, x, y, draw } of this.charts) {
-      const [wide, high] = [canvas.clientWidth, canvas.clientHeight];
-      if (wide === 0 || high === 0) continue;
-      canvas.width = Math.round(wide * ratio);
-      canvas.height = Math.round(high * ratio);
-      const context = canvas.getContext("2d")!;
-      context.scale(ratio, ratio);
-      draw(new Pen(context, wide, high, x, y));
-    }
+    for (const chart of this.charts) chart.drawn.draw(chart);
   }
 
   private drawHistory(pen: Pen): void {
@@ -163,7 +101,6 @@ export class ParticleCharts {
 
   private drawDistances(pen: Pen): void {
     pen.axes([-4, -2, 0, 2, 4]);
-    pen.line([0, 0], [this.way.particles, 0], ink.axis);
     pen.context.fillStyle = ink.dots;
     for (let v = 0; v < this.way.particles; ++v) pen.dot(v, distanceOf(this.way, this.kept, v));
   }

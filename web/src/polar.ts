@@ -18,6 +18,9 @@ function colourAt(share: number, scale: string[]): string {
   return `rgb(${a.map((v, n) => Math.round(v + (place - low) * (b[n]! - v))).join(",")})`;
 }
 
+/** From dark blue over green to yellow: told apart by everyone. */
+export const evenColour = (share: number): string => colourAt(share, even);
+
 function point(rho: number, deg: number): string {
   const angle = (deg * Math.PI) / 180;
   return `${(radius * rho * Math.cos(angle)).toFixed(2)} ${(-radius * rho * Math.sin(angle)).toFixed(2)}`;

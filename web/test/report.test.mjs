@@ -376,8 +376,8 @@ const tests = {
 
   async "plays, steps and scrubs the motion of the meshes"(open) {
     const page = await open("moving");
-    const now = () => text(page, ".motion-bar output");
-    const slider = page.locator('.motion-bar input[type="range"]');
+    const now = () => text(page, "#motion .motion-bar output");
+    const slider = page.getByLabel("Step of the motion");
     const counts = async () => [...(await now()).matchAll(/(\d+) of (\d+) stopped/g)].map((m) => [Number(m[1]), Number(m[2])]);
     assert.match(await now(), /^Step 0 of 200 · endo 0 of \d+ stopped, epi 0 of \d+ stopped$/);
     await page.getByLabel("Next kept step").click();
@@ -387,15 +387,15 @@ const tests = {
     await slider.fill("119");
     assert.notEqual(await picture(page, chart), before, "the distances do not follow the step");
     const inner = await picture(page, ".particle-charts figure:nth-child(3) canvas");
-    await page.locator(".motion-bar select").selectOption("epi");
+    await page.locator("#motion .motion-bar select").selectOption("epi");
     assert.notEqual(await picture(page, ".particle-charts figure:nth-child(3) canvas"), inner, "the other wall has other triangles");
     for (const [stopped, all] of await counts()) assert.ok(stopped > 0.3 * all && stopped < 0.7 * all, `${stopped} of ${all}`);
     await page.getByLabel("Kept step before").click();
     assert.match(await now(), /^Step 100 of 200/);
     await slider.fill("0");
-    const canvas = page.locator(".motion-frame canvas");
+    const canvas = page.locator("#motion .frame3d canvas");
     const start = await canvas.screenshot();
-    await page.locator(".motion-bar button.primary").click();
+    await page.locator("#motion .motion-bar button.primary").click();
     await page.waitForFunction(() => document.querySelector(".motion-bar output").textContent.startsWith("Step 200 of 200"));
     for (const [stopped, all] of await counts()) assert.equal(stopped, all);
     assert.notDeepEqual(await canvas.screenshot(), start, "nothing moved");
@@ -404,6 +404,87 @@ const tests = {
     for (let x = 0; x < 12; ++x) await canvas.hover({ position: { x: width * (0.4 + 0.015 * x), y: height / 2 } });
     assert.match(await text(page, "#motion .caption"), /^Particle \d+ of (endo|epi): \d+\.\d mm from its start, force [\d.e-]+ N$/);
     assert.equal(await (await open("ok")).locator("#motion-panel").count(), 0);
+  },
+
+  async "shows the voxels, the lines of the field and the drag around the meshes"(open) {
+    const page = await open("moving");
+    await page.getByLabel("Step of the motion").fill("40");
+    const canvas = page.locator("#motion .frame3d canvas");
+    let before = await canvas.screenshot();
+    for (const name of ["Border voxels", "Field lines", "Drag"]) {
+      const box = page.locator("#motion").getByRole("checkbox", { name });
+      await box.check();
+      await page.waitForTimeout(100);
+      const after = await canvas.screenshot();
+      assert.notDeepEqual(after, before, `${name} changes nothing`);
+      await box.uncheck();
+      await page.waitForTimeout(100);
+      before = await canvas.screenshot();
+    }
+  },
+
+  async "shows the field on any plane, and what it has along a line"(open) {
+    const page = await open("moving");
+    await pause(page);
+    const place = "#field .field-plane";
+    const caption = () => text(page, "#field .caption");
+    // The middle row of a slice meets the wall twice, 34 pixels of 4.4 mm or less apart; the field is 0.1 1/mm there.
+    assert.match(await caption(), /^Slice \d+, epi border · at the cross 0\.0\d+ 1\/mm · vectors meet \d+\.\d, \d+\.\d mm along the line/);
+    const [, from, to] = (await caption()).match(/meet ([\d.]+), ([\d.]+) mm/).map(Number);
+    assert.ok(Math.abs(to - from - 70) < 5, `the wall is ${to - from} mm wide; it is 70 mm`);
+    assert.match(await text(page, "#field .field-scale"), /0\.09\d* 1\/mm|0\.1\d* 1\/mm/);
+    for (const name of ["Arrows", "Ways of the particles", "Mesh", "Border voxels"]) {
+      const before = await picture(page, place);
+      await page.locator("#field").getByLabel(name).uncheck();
+      assert.notEqual(await picture(page, place), before, `${name} changes nothing`);
+      await page.locator("#field").getByLabel(name).check();
+      assert.equal(await picture(page, place), before);
+    }
+    // The mesh follows the step of its motion.
+    const start = await picture(page, place);
+    await page.locator('#motion .motion-bar input[type="range"]').fill("200");
+    assert.notEqual(await picture(page, place), start, "the mesh does not follow the step");
+    // Another line, drawn with the pointer: shorter than the wall is wide, from its middle: it meets once.
+    const box = await page.locator(place).boundingBox();
+    await page.locator(place).scrollIntoViewIfNeeded();
+    const at = await page.locator(place).boundingBox();
+    await page.mouse.move(at.x + at.width / 2, at.y + at.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(at.x + at.width * 0.98, at.y + at.height / 2, { steps: 4 });
+    await page.mouse.up();
+    assert.match(await caption(), /vectors meet \d+\.\d mm along/);
+    const slices = await page.locator("#field select").nth(1);
+    await slices.selectOption("Cut along rows");
+    assert.match(await caption(), /^Row \d+, epi border/);
+    await page.locator("#field select").first().selectOption("endo");
+    assert.match(await caption(), /^Row \d+, endo border/);
+    assert.ok(box.width > 200);
+    assert.equal(await (await open("ok")).locator("#field-panel").count(), 0);
+  },
+
+  async "shows contours with their forces and their stack"(open) {
+    const page = await open("contours");
+    await pause(page);
+    const slider = page.getByLabel("Slice of the contours, 1 is the apex");
+    await slider.fill("16");
+    const words = await text(page, "#contours .caption");
+    assert.match(words, /^Slice 16 · endo: 40 points, .*the first of all · epi: 40 points/);
+    // A regular polygon of 40 points: its edges are alike, and its area is almost that of the circle.
+    const [, least, mean, most, area] = words.match(/epi: 40 points, edges of ([\d.]+), ([\d.]+) and ([\d.]+) px .*?([\d.]+) px²/).map(Number);
+    assert.ok(most - least < 0.11, "edges differ");
+    const radius = (40 * mean) / (2 * Math.PI);
+    assert.ok(Math.abs(area / (Math.PI * radius ** 2) - 1) < 0.05, `area ${area}`);
+    const place = "#contours .field-plane";
+    const before = await picture(page, place);
+    await page.locator("#contours").getByLabel("Forces").uncheck();
+    assert.notEqual(await picture(page, place), before, "no forces were drawn");
+    const stack = await page.locator("#contours .frame3d canvas").screenshot();
+    await slider.fill("9");
+    await page.waitForTimeout(100);
+    assert.notDeepEqual(await page.locator("#contours .frame3d canvas").screenshot(), stack, "the slice is not marked in the stack");
+    await slider.fill("1");
+    assert.match(await text(page, "#contours .caption"), /no contour here/);
+    assert.equal(await (await open("ok")).locator("#contours-panel").count(), 0);
   },
 
   async "prints two pages that hold all they show"(open) {

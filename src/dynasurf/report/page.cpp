@@ -7,6 +7,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
+#include "dynasurf/report/detail/page_motion.hpp"
 #include "dynasurf/report/detail/page_parts.hpp"
 #include "dynasurf/report/detail/page_template.hpp"
 #include "dynasurf/report/measures.hpp"
@@ -224,70 +225,6 @@ Json surfaces_json(const ventricle::Result& result) {
   return json;
 }
 
-/// At most `most` of `count` steps, evenly, the first and the last among them.
-std::vector<std::size_t> chosen_steps(std::size_t count, std::size_t most) {
-  std::vector<std::size_t> chosen;
-  const std::size_t kept = std::min(count, most);
-  for (std::size_t n = 0; n < kept; ++n) chosen.push_back(kept < 2 ? n : n * (count - 1) / (kept - 1));
-  return chosen;
-}
-
-/// The way of one surface: places as 16-bit steps of the box; forces as 1 to 255 (128: none, 255: the strongest), 0 for
-/// a particle that has stopped; distances from the border in 1/32 of a voxel, 128: none.
-Json way_json(const ventricle::Motion& motion, const Box& box) {
-  constexpr std::size_t most_steps = 80;
-  double strongest = 0;
-  for (const dynamics::TrajectoryStep& step : motion.steps)
-    for (const Vec3& pull : step.pulls) strongest = std::max(strongest, pull.cwiseAbs().maxCoeff());
-  const double scale = strongest > 0 ? 127 / strongest : 0;
-  Json numbers = Json::array();
-  Bytes places, pulls, distances;
-  for (const std::size_t n : chosen_steps(motion.steps.size(), most_steps)) {
-    const dynamics::TrajectoryStep& step = motion.steps[n];
-    numbers.push_back(step.step);
-    const Bytes bytes = steps_of(step.places, box);
-    places.insert(places.end(), bytes.begin(), bytes.end());
-    for (std::size_t v = 0; v < step.pulls.size(); ++v)
-      for (const double pull : step.pulls[v])
-        pulls.push_back(step.stopped[v] != 0 ? std::uint8_t{0}
-                                             : static_cast<std::uint8_t>(128 + std::round(pull * scale)));
-    for (const double voxels : motion.distances[n])
-      distances.push_back(static_cast<std::uint8_t>(std::clamp(128 + std::round(32 * voxels), 0.0, 255.0)));
-  }
-  return {{"triangles", triangles_of({{}, motion.triangles})},
-          {"steps", std::move(numbers)},
-          {"places", packed(places)},
-          {"pulls", packed(pulls)},
-          {"distances", packed(distances)},
-          {"strongest_n", strongest}};
-}
-
-/// How the surfaces of one gate came to rest: end diastole, where it is known.
-Json motion_json(const ventricle::Result& result) {
-  const int gate = result.leading.ed_gate.value_or(0);
-  if (static_cast<std::size_t>(gate) >= result.gates.size()) return nullptr;
-  const ventricle::EdgeSurfaces& surfaces = result.gates[static_cast<std::size_t>(gate)].edge_surfaces;
-  Box box;
-  for (const ventricle::Border wall : {ventricle::Border::endo, ventricle::Border::epi})
-    if (const auto& surface = surfaces.of(wall); surface && surface->motion)
-      for (const dynamics::TrajectoryStep& step : surface->motion->steps)
-        for (const Vec3& p : step.places) {
-          box.low = box.low.cwiseMin(p);
-          box.high = box.high.cwiseMax(p);
-        }
-  if (!(box.low[0] <= box.high[0])) return nullptr;
-  Json json = Json::object();
-  json["gate"] = gate;
-  json["low_mm"] = {box.low[0], box.low[1], box.low[2]};
-  json["high_mm"] = {box.high[0], box.high[1], box.high[2]};
-  for (const ventricle::Border wall : {ventricle::Border::endo, ventricle::Border::epi}) {
-    const auto& surface = surfaces.of(wall);
-    json[std::string(ventricle::name_of(wall))] =
-        surface && surface->motion ? way_json(*surface->motion, box) : Json(nullptr);
-  }
-  return json;
-}
-
 /// The sample of the polar maps at every vertex, two bytes each, the low one first; 65535: on the lid.
 std::string samples_of_vertices(const ventricle::PolarGrid& grid, const ventricle::HeartAxes& axes,
                                 const std::vector<Vec3>& vertices) {
@@ -357,7 +294,8 @@ std::string report_html(const ventricle::Result& result, const Provenance& prove
   data["pictures"] = pictures_json(result, most_voxels);
   data["fit"] = fit_json(result, most_voxels);
   data["surfaces"] = surfaces_json(result);
-  data["motion"] = motion_json(result);
+  data["motion"] = evolution_json(result);
+  data["contours"] = contours_json(result);
   data["polar"] = polar_json(result);
 
   return filled_page(page_template(), data);

@@ -51,18 +51,31 @@ Image border_strength(const Search& s, int k) {
   return strength;
 }
 
+field::VectorField flow_of(const Search& s, const Image& strength) {
+  return dynamics::scaled_to_one(field::flow_field(strength, field::SteadyGvf{.mu = s.options.mu}).field);
+}
+
+field::VectorField slope_of(const Image& strength) { return dynamics::scaled_to_one(dynamics::force_of(strength, -1)); }
+
 dynamics::ContourResult contour_in_slice(const Search& s, int k, const Contour& start) {
   const Image strength = border_strength(s, k);
   dynamics::ContourResult r{start, dynamics::StopReason::at_rest, 0};
   if (s.options.force != ContourForce::potential)
-    r = dynamics::evolve_contour(
-        start, dynamics::scaled_to_one(field::flow_field(strength, field::SteadyGvf{.mu = s.options.mu}).field),
-        s.options.model);
+    r = dynamics::evolve_contour(start, flow_of(s, strength), s.options.model);
   if (s.options.force == ContourForce::flow || r.reason == dynamics::StopReason::diverged) return r;
   const int before = r.steps;
-  r = dynamics::evolve_contour(r.contour, dynamics::scaled_to_one(dynamics::force_of(strength, -1)), s.options.model);
+  r = dynamics::evolve_contour(r.contour, slope_of(strength), s.options.model);
   r.steps += before;
   return r;
+}
+
+/// What pulls the points of a contour where it came to rest.
+std::vector<Vec2> pulls_on(const Search& s, int k, const Contour& contour) {
+  const Image strength = border_strength(s, k);
+  const field::VectorField field = s.options.force == ContourForce::flow ? flow_of(s, strength) : slope_of(strength);
+  std::vector<Vec2> pulls;
+  for (const Vec2& p : contour.points) pulls.push_back(dynamics::force_at(field, p));
+  return pulls;
 }
 
 double area_of(const Contour& c) { return std::abs(signed_area(c)); }
@@ -85,8 +98,9 @@ bool usable(const dynamics::ContourResult& r, const ContourPipeline& o) {
   return r.reason != dynamics::StopReason::diverged && area_of(r.contour) >= o.least_area_px2;
 }
 
-void keep(WallContours& all, int k, const dynamics::ContourResult& r) {
+void keep(const Search& s, WallContours& all, int k, const dynamics::ContourResult& r) {
   all.slices[static_cast<std::size_t>(k)] = r.contour;
+  all.pulls[static_cast<std::size_t>(k)] = pulls_on(s, k, r.contour);
   all.steps += r.steps;
   ++all.found;
   if (r.reason == dynamics::StopReason::at_rest) ++all.at_rest;
@@ -142,7 +156,7 @@ void sweep(const Search& s, int to, int direction, WallContours& all) {
     } else if (area < s.options.least_area_px2) {
       return;
     }
-    keep(all, k, r);
+    keep(s, all, k, r);
   }
 }
 
@@ -173,6 +187,7 @@ WallContours propagate_contours(const Image& image, const Labels& labels, Border
                       "; expected a slice of the short-axis stack, 1 to " + std::to_string(slices));
   WallContours all;
   all.slices.resize(static_cast<std::size_t>(slices));
+  all.pulls.resize(all.slices.size());
   const Search search{image, labels, wall, options, outer};
   const auto [first, last] = range_of(labels, wall, base_slice);
   std::optional<dynamics::ContourResult> start;
@@ -183,7 +198,7 @@ WallContours propagate_contours(const Image& image, const Labels& labels, Border
     all.best_slice = -1;
     return all;
   }
-  keep(all, all.best_slice, *start);
+  keep(search, all, all.best_slice, *start);
   sweep(search, last, 1, all);
   sweep(search, first, -1, all);
   return all;

@@ -24,9 +24,7 @@ TriMesh settled(TriMesh mesh, const Grid& border, const Image& image, const Opti
 /// What the image adds to the options: the drag by intensity (VOL-DAMP (a)).
 dynamics::Additions additions_of(const WallRun& run, const Image& image, const dynamics::Evolution& evolution) {
   dynamics::Additions own;
-  if (std::holds_alternative<dynamics::IntensityDrag>(evolution.damping))
-    own.drag = dynamics::drag_map(evolution.damping, run.flow.field, run.border, evolution.force.drag,
-                                  [&] { return spread_to(image, run.border.grid); });
+  if (std::holds_alternative<dynamics::IntensityDrag>(evolution.damping)) own.drag = drag_of(run, image, evolution);
   return own;
 }
 
@@ -173,6 +171,11 @@ void follow_beat(std::vector<GateRun>& runs, const Study& study, Border wall, bo
 
 }  // namespace
 
+std::optional<Image> drag_of(const WallRun& run, const Image& image, const dynamics::Evolution& evolution) {
+  return dynamics::drag_map(evolution.damping, run.flow.field, run.border, evolution.force.drag,
+                            [&] { return spread_to(image, run.border.grid); });
+}
+
 void find_surfaces(std::vector<GateRun>& runs, const Study& study, const Options& options, const TriMesh* start,
                    const Progress& progress, StageClock& clock) {
   SurfaceSearch search(options, start, progress, runs.size(), clock);
@@ -200,6 +203,11 @@ void measure_surfaces(std::vector<GateRun>& runs, const Study& study, const Opti
       return measure_surface(run.evolved, run.border, runs[task / 2].base_plane, options.tidy,
                              run.settled ? &*run.settled : nullptr);
     });
+    run.surface->contours = run.contours;
+    if (auto& motion = run.surface->motion) {
+      motion->field = run.flow.field;
+      motion->drag = drag_of(run, study.gates[task / 2], options.evolution);
+    }
   });
 }
 

@@ -41,7 +41,7 @@ void measure_distances(const TriMesh& mesh, const Image& border, Surface& s) {
 std::optional<Motion> motion_of(const dynamics::EvolutionResult& evolved, const Image& border) {
   if (evolved.trajectory.empty()) return std::nullopt;
   const Grid& grid = border.grid;
-  Motion motion{to_world(grid, evolved.mesh).triangles, evolved.trajectory, {}};
+  Motion motion{to_world(grid, evolved.mesh).triangles, evolved.trajectory, {}, border, {}, {}};
   for (dynamics::TrajectoryStep& step : motion.steps) {
     motion.distances.push_back(mesh::signed_distances_to_border_voxels({step.places, evolved.mesh.triangles}, border));
     for (Vec3& p : step.places) p = to_world(grid, p);

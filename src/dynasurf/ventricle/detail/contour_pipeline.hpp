@@ -62,6 +62,7 @@ void describe(auto& visit, ContourPipeline& o) {
 /// The contours of one wall in one gate, px, per slice of the stack from the apex; absent where there is none.
 struct WallContours {
   std::vector<std::optional<Contour>> slices;
+  std::vector<std::vector<Vec2>> pulls;  // of the field on the points of each, its largest vector is 1
   int best_slice = -1;
   int at_rest = 0, found = 0;  // how many contours there are and how many of them came to rest
   int steps = 0;               // of all contours

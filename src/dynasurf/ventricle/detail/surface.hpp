@@ -13,15 +13,19 @@
 #include "dynasurf/mesh/contour_stack.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/repair.hpp"
+#include "dynasurf/ventricle/detail/contour_pipeline.hpp"
 
 namespace dynasurf::ventricle {
 
-/// How the particles of a surface came to rest, world frame.
+/// How the particles of a surface came to rest, world frame, and what they moved in.
 struct Motion {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<dynamics::TrajectoryStep> steps;
   /// Per step and particle: voxels from the nearest centre of a border voxel, negative inside (MEAS-DIST).
   std::vector<std::vector<double>> distances;
+  Image border;               // above 0: voxels of the border
+  field::VectorField field;   // that pulled them, on the border's grid
+  std::optional<Image> drag;  // kg/s per voxel, where it is not the same everywhere
 };
 
 /// One surface of one gate. `mesh` is in the world frame.
@@ -41,6 +45,7 @@ struct Surface {
       repair;   // what was done to make it publishable, and what it is: closed, manifold, free of self-intersections
   Notes notes;  // "surface.untangled", "surface.tangled"
   std::optional<mesh::StackVolumes> stack;  // pipeline contour: the volume in three ways, mm3
+  std::optional<WallContours> contours;     // likewise, on the grid of the study
   std::optional<Motion> motion;             // with `evolution.trajectory_every`
 };
 
