@@ -8,7 +8,7 @@ import { colour, figure, html } from "./dom";
 import { Painter, Plane } from "./painter";
 import { Stage3d } from "./stage3d";
 
-const ink = { pull: "#ff964f", bend: "#ff7ac8", start: "#dfe6ee" } as const;
+const ink = { pull: "#ffe14d", bend: "#ff7ac8", start: "#dfe6ee" } as const;
 /** The strongest force of a kind is drawn so long, px of the image. */
 const strongest_px = 2;
 

@@ -375,7 +375,7 @@ function buildContours({ contours, pictures }: Report, walls: Wall[], cursor: Cu
     legendItem("endo", colour.endo),
     legendItem("epi", colour.epi),
     legendItem("start, from the slice before", "#dfe6ee", "line"),
-    legendItem("pull of the field", "#ff964f", "line"),
+    legendItem("pull of the field", colour.lit, "line"),
     legendItem("bending force", "#ff7ac8", "line"),
   );
   new ContourView(byId("contours"), contours, pictures, walls, cursor);
