@@ -29,7 +29,7 @@ DYNASURF_ARITY(mesh::Repair, 3);
 DYNASURF_ARITY(dynamics::TrajectoryStep, 4);
 DYNASURF_ARITY(Contour, 2);
 DYNASURF_ARITY(field::VectorField, 4);
-DYNASURF_ARITY(ventricle::WallContours, 7);
+DYNASURF_ARITY(ventricle::WallContours, 8);
 DYNASURF_ARITY(ventricle::Motion, 6);
 DYNASURF_ARITY(ventricle::Surface, 16);
 DYNASURF_ARITY(ventricle::EdgeSurfaces, 4);

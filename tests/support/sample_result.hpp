@@ -269,6 +269,7 @@ inline ventricle::Result sample_contours() {
       ventricle::WallContours contours;
       contours.slices.resize(static_cast<std::size_t>(grid.dims[2]));
       contours.pulls.resize(contours.slices.size());
+      contours.bends.resize(contours.slices.size());
       contours.best_slice = 15;
       for (std::size_t k = 0; k < contours.slices.size(); ++k) {
         const double up = (static_cast<double>(k) * grid.spacing[2] - shape.centre[2]) / shape.along_mm;
@@ -279,6 +280,7 @@ inline ventricle::Result sample_contours() {
           const Vec2 out(std::cos(2 * std::numbers::pi * n / 40), std::sin(2 * std::numbers::pi * n / 40));
           contours.slices[k]->points.push_back(shape.centre.head<2>() / grid.spacing[0] + radius * out);
           contours.pulls[k].push_back(0.5 * out);
+          contours.bends[k].push_back(-0.1 * out);
         }
       }
       (wall == ventricle::Border::endo ? gate.edge_surfaces.endo : gate.edge_surfaces.epi)->contours =

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dynasurf/dynamics/contour/detail/curvature.hpp"
-
 namespace dynasurf::report::detail {
 namespace {
 
@@ -155,10 +153,9 @@ Json wall_json(const ventricle::WallContours& contours) {
       slices.push_back(nullptr);
       continue;
     }
-    const Contour& contour = *contours.slices[k];
-    slices.push_back({{"points", numbers_of(contour.points)},
+    slices.push_back({{"points", numbers_of(contours.slices[k]->points)},
                       {"pulls", numbers_of(contours.pulls[k])},
-                      {"bends", numbers_of(dynamics::curvature_force(contour, dynamics::curvature_frame(contour)))}});
+                      {"bends", numbers_of(contours.bends[k])}});
   }
   return {{"best_slice", contours.best_slice}, {"slices", std::move(slices)}};
 }

@@ -101,6 +101,7 @@ bool usable(const dynamics::ContourResult& r, const ContourPipeline& o) {
 void keep(const Search& s, WallContours& all, int k, const dynamics::ContourResult& r) {
   all.slices[static_cast<std::size_t>(k)] = r.contour;
   all.pulls[static_cast<std::size_t>(k)] = pulls_on(s, k, r.contour);
+  all.bends[static_cast<std::size_t>(k)] = dynamics::curvature_force(r.contour, dynamics::curvature_frame(r.contour));
   all.steps += r.steps;
   ++all.found;
   if (r.reason == dynamics::StopReason::at_rest) ++all.at_rest;
@@ -188,6 +189,7 @@ WallContours propagate_contours(const Image& image, const Labels& labels, Border
   WallContours all;
   all.slices.resize(static_cast<std::size_t>(slices));
   all.pulls.resize(all.slices.size());
+  all.bends.resize(all.slices.size());
   const Search search{image, labels, wall, options, outer};
   const auto [first, last] = range_of(labels, wall, base_slice);
   std::optional<dynamics::ContourResult> start;

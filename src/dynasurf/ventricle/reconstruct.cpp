@@ -201,8 +201,7 @@ void hand_over_stages(const IntermediateSink& keep, std::vector<GateRun>& runs, 
     std::optional<Image> drags[2];
     for (std::size_t w = 0; w < 2; ++w) {
       const WallRun& wall = run.wall(walls[w]);
-      if (wall.exists() && !wall.flow.field.x.empty())
-        drags[w] = drag_of(wall, study.gates[g], evolution);
+      if (wall.exists() && !wall.flow.field.x.empty()) drags[w] = drag_of(wall, study.gates[g], evolution);
       (w == 0 ? stages.endo : stages.epi) = stages_of(wall, drags[w] ? &*drags[w] : nullptr);
     }
     keep(stages);

@@ -63,6 +63,7 @@ void describe(auto& visit, ContourPipeline& o) {
 struct WallContours {
   std::vector<std::optional<Contour>> slices;
   std::vector<std::vector<Vec2>> pulls;  // of the field on the points of each, its largest vector is 1
+  std::vector<std::vector<Vec2>> bends;  // their curvature forces, px
   int best_slice = -1;
   int at_rest = 0, found = 0;  // how many contours there are and how many of them came to rest
   int steps = 0;               // of all contours
