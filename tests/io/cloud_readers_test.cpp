@@ -303,6 +303,19 @@ TEST_F(ReadCloud, ReadsTablesAsSpreadsheetsWriteThem) {
   EXPECT_THAT(refusal("a.csv", "1.5;2,5;3,5,\n"), HasSubstr("'3,5,' stands for a value"));
 }
 
+TEST_F(ReadCloud, ReadsTablesAsParaViewWritesThem) {
+  const CloudInput input = read("a.csv",
+                                "\"Intensity\",\"Normals:0\",\"Normals:1\",\"Normals:2\",\"RGB:0\",\"RGB:1\","
+                                "\"RGB:2\",\"Points:0\",\"Points:1\",\"Points:2\"\n"
+                                "7,0,0,1,255,0,9,1.5,2,3\n8,0,1,0,1,2,3,4,5,6");
+  EXPECT_EQ(input.cloud.points, (std::vector<Vec3>{{1.5, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(input.cloud.normals, (std::vector<Vec3>{{0, 0, 1}, {0, 1, 0}}));
+  EXPECT_EQ(input.cloud.colours, (Colours{{255, 0, 9}, {1, 2, 3}}));
+  EXPECT_THAT(codes(input), ElementsAre("read.no_end", "read.no_count"));
+  EXPECT_EQ(read("a.csv", "Points_0;Points_1;Points_2\n1,5;2;3\n").cloud.points, (std::vector<Vec3>{{1.5, 2, 3}}));
+  EXPECT_THAT(refusal("a.csv", "x,y,z,Points:0\n1,2,3,4\n"), HasSubstr("twice"));
+}
+
 TEST_F(ReadCloud, ReadsColoursFromZeroToOne) {
   const CloudInput input = read("a.xyz", "0 0 0 0.5 0.5 0.5\n1 0 0 1 0 0.25\n0 1 0 0 0 0\n");
   EXPECT_EQ(input.cloud.colours, (Colours{{128, 128, 128}, {255, 0, 64}, {0, 0, 0}}));

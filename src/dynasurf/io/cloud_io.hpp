@@ -22,10 +22,10 @@ struct CloudInput {
 ///
 /// * PLY (ascii, binary of both byte orders): `vertex` with x, y, z; nx, ny, nz; red, green, blue; scan;
 /// * XYZ, TXT, ASC, PTS, CSV: rows of numbers between blanks, commas or semicolons. A first line may name the columns
-///   (x y z nx ny nz red green blue scan; others are skipped). Without names: 3 coordinates; 4: and an intensity; 6:
-///   and a unit normal or a colour of 0 to 255, whichever the first 1000 rows are; 7: intensity and either; 9: both;
-///   10: intensity and both. A lone number counts the points that follow, and each such block is a scan. PWN: 6
-///   columns, the last three a normal of any length;
+///   (x y z nx ny nz red green blue scan, or Points:0 and so on as ParaView has them; others are skipped). Without
+///   names: 3 coordinates; 4: and an intensity; 6: and a unit normal or a colour of 0 to 255, whichever the first 1000
+///   rows are; 7: intensity and either; 9: both; 10: intensity and both. A lone number counts the points that follow,
+///   and each such block is a scan. PWN: 6 columns, the last three a normal of any length;
 /// * OBJ, OFF: vertices, with normals and colours where each vertex has them;
 /// * LAS 1.0 to 1.4: points that are not withheld or noise, with colours; a scan per source;
 /// * STL, and PLY, OBJ, OFF with faces: a surface. It is sampled evenly by area to `points_of_a_surface` points, the

@@ -57,15 +57,16 @@ Columns named_columns(const TextReader& text, char separator) {
   columns.position.fill(absent);
   const auto names = cells_of(text.rest(), separator);
   columns.count = names.size();
-  const std::array<std::initializer_list<std::string_view>, 10> known{{{"x"},
-                                                                       {"y"},
-                                                                       {"z"},
-                                                                       {"nx", "normal_x"},
-                                                                       {"ny", "normal_y"},
-                                                                       {"nz", "normal_z"},
-                                                                       {"r", "red"},
-                                                                       {"g", "green"},
-                                                                       {"b", "blue"},
+  // ParaView writes "Points:0" and, in some versions, "Points_0".
+  const std::array<std::initializer_list<std::string_view>, 10> known{{{"x", "points:0", "points_0"},
+                                                                       {"y", "points:1", "points_1"},
+                                                                       {"z", "points:2", "points_2"},
+                                                                       {"nx", "normal_x", "normals:0", "normals_0"},
+                                                                       {"ny", "normal_y", "normals:1", "normals_1"},
+                                                                       {"nz", "normal_z", "normals:2", "normals_2"},
+                                                                       {"r", "red", "rgb:0", "rgb_0"},
+                                                                       {"g", "green", "rgb:1", "rgb_1"},
+                                                                       {"b", "blue", "rgb:2", "rgb_2"},
                                                                        {"scan", "scan_id"}}};
   std::array<std::size_t, 10> found;
   found.fill(absent);
