@@ -14,6 +14,7 @@
 #include "dynasurf/mesh/detail/surface_editor.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
+#include "dynasurf/synthetic/detail/random.hpp"
 
 namespace dynasurf::cloud {
 namespace {
@@ -189,6 +190,23 @@ TEST(ReconstructCloud, TellsOfOutliersThatKeepEachOtherCompany) {
   EXPECT_FALSE(is_told(cloud));
   for (int i = 0; i < 20; ++i) cloud.points.push_back(Vec3(0.01 * i, 0, 2));
   EXPECT_TRUE(is_told(cloud));
+}
+
+// One in a hundred points is a stray on a floor nine times as wide as the body, which they show to be a surface.
+TEST(ReconstructCloud, MakesNoBodyOfAFloorOfFewPoints) {
+  PointCloud cloud = synthetic::make_cloud({.points = 20000});
+  const double radius = cloud.points[0].norm();
+  synthetic::Random random(5);
+  for (int n = 0; n < 200; ++n)
+    cloud.points.push_back(radius * Vec3(6 * random.uniform() - 3, 6 * random.uniform() - 3, -1.04));
+  Options options;
+  options.triangles = {1280};
+  const Result result = reconstruct(std::move(cloud), options);
+  const Certificate& c = result.levels[0].certificate;
+  EXPECT_TRUE(c.watertight());
+  EXPECT_EQ(c.components, 1);
+  EXPECT_NEAR(c.volume / (4 * std::numbers::pi / 3 * radius * radius * radius), 1, 0.02);
+  EXPECT_EQ(verdict_of(result), Verdict::check) << "the floor is left out, and that is told";
 }
 
 TEST(ReconstructCloud, WarnsOfSurfaceThatNoPointIsNear) {

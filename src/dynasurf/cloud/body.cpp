@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -173,6 +174,14 @@ class BodySearch {
   std::size_t from_ = 0;  // which field `taken` comes from
 };
 
+/// A body with negative volume is what it seems to be a cavity of: sides were found within something that was dropped
+/// since, such as a floor. Its field is turned with it, so that directions outwards are right too.
+void turn_outwards(Body& body) {
+  if (mesh::volume_mm3(body.mesh) >= 0) return;
+  for (auto& [a, b, c] : body.mesh.triangles) std::swap(b, c);
+  for (float& v : body.field.value.values) v = -v;
+}
+
 }  // namespace
 
 Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> points, const Options& options, Notes& notes,
@@ -183,6 +192,7 @@ Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> point
   if (search.taken && !as_asked && options.genus == GenusRule::zero) as_asked = search.cut_handles();
   if (!search.taken) throw InputError("the points of the cloud enclose nothing");
   Body body = std::move(*search.taken);
+  turn_outwards(body);
   body.firm = firmness_of(fields, points, options.smallest_part_percent / 100, {body.parts, body.genus});
   if (!as_asked)
     notes.push_back(

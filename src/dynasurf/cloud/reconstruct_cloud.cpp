@@ -138,7 +138,8 @@ FoundBody find_body(const PreparedCloud& p, const Options& options, int triangle
   const std::optional<BodyTopology> expected = fill ? std::optional(fill->kind) : std::nullopt;
   result.support.cell = side;
   result.support.turned = share_turned(oriented, fields.back());
-  Body body = choose_body(std::move(fields), oriented.points, options, result.notes, expected);
+  // Shares are of the scanned points: thinned ones stand for areas, and few strays on a wide floor for a large one.
+  Body body = choose_body(std::move(fields), p.cloud.points, options, result.notes, expected);
   result.support.firm = body.firm;
   return {std::move(body), fill ? fill->points : OrientedPoints{}, side};
 }

@@ -38,8 +38,8 @@ struct Body {
 /// level is raised or lowered a little, which accidents of the sampling do not; `zero`: the finest without handles;
 /// `keep`: the finest. Where that is a coarse field, a finer one is taken whose surface has the same parts and handles
 /// at a level a little higher or lower. `expected` is what the surface should be after holes were filled; fields that
-/// show it come first. Where no field does, "cloud.handles" tells which was taken instead. Throws
-/// InputError when there is no surface at all.
+/// show it come first. Where no field does, "cloud.handles" tells which was taken instead. A body of negative volume is
+/// turned, with its field. Throws InputError when there is no surface at all.
 Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> points, const Options& options, Notes& notes,
                  const std::optional<BodyTopology>& expected = {});
 
