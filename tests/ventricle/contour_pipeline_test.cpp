@@ -74,6 +74,28 @@ TEST(ContourPipeline, FindsBothWallsInEverySliceToHalfAPixel) {
   }
 }
 
+TEST(ContourPipeline, KeepsTheForcesThatBalanceAtRest) {
+  const Image image = wall_image();
+  const ContourPipeline options;
+  const WallContours epi = propagate_contours(image, labels_of(image), Border::epi, base, options);
+  double pulled = 0, left = 0;
+  for (int k = 2; k <= base; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    const std::vector<Vec2>& points = epi.slices[at]->points;
+    ASSERT_EQ(epi.pulls[at].size(), points.size());
+    ASSERT_EQ(epi.bends[at].size(), points.size());
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      const Vec2 out = (points[n] - middle).normalized();
+      const double pull = options.model.external * epi.pulls[at][n].dot(out);
+      EXPECT_LE(epi.pulls[at][n].norm(), 1 + 1e-9);
+      pulled += std::abs(pull);
+      left += std::abs(pull + options.model.internal * epi.bends[at][n].dot(out));
+    }
+  }
+  EXPECT_GT(pulled, 0);
+  EXPECT_LT(left, 0.3 * pulled);
+}
+
 TEST(ContourPipeline, SurvivesASliceThatFails) {
   Image image = wall_image();
   const std::size_t plane = side * side;

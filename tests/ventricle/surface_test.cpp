@@ -123,5 +123,36 @@ TEST(VirtualPatientsAtRandom, HaveSurfacesThatAreValidOrSaidNotToBe) {
   EXPECT_GE(surfaces, 20);  // of 24
 }
 
+TEST(Motion, HoldsTheFieldThatPulledItsParticlesAndTheBorderTheyStoppedAt) {
+  Options options = preset("edges");
+  options.evolution.trajectory_every = 20;
+  options.evolution.damping = dynamics::BorderDrag{};
+  const Result result = reconstruct(synthetic::make_phantom(synthetic::Hebron{}).study, options);
+  for (const Border wall : {Border::endo, Border::epi}) {
+    const auto& motion = result.gates[0].edge_surfaces.of(wall)->motion;
+    ASSERT_TRUE(motion && motion->drag);
+    const Grid& grid = motion->border.grid;
+    int pulled = 0;
+    double off = 0, strength = 0;
+    for (const dynamics::TrajectoryStep& step : motion->steps)
+      for (std::size_t v = 0; v < step.places.size(); ++v) {
+        if (step.stopped[v] != 0) continue;
+        const Vec3 there =
+            field::sample(motion->field, to_grid(grid, step.places[v]), options.evolution.force.sampling);
+        const Vec3 pull = options.evolution.force.strength * (grid.direction * there);
+        ++pulled, off += (pull - step.pulls[v]).norm(), strength += pull.norm();
+      }
+    EXPECT_GT(pulled, 600);
+    EXPECT_LT(off, 1e-3 * strength);  // places at the border of two voxels may fall into either
+    // Where a particle has stopped the drag is no smaller than anywhere.
+    float most = 0, at_border = 0;
+    for (std::size_t n = 0; n < motion->border.values.size(); ++n) {
+      most = std::max(most, motion->drag->values[n]);
+      if (motion->border.values[n] > 0) at_border = std::max(at_border, motion->drag->values[n]);
+    }
+    EXPECT_EQ(at_border, most);
+  }
+}
+
 }  // namespace
 }  // namespace dynasurf::ventricle
