@@ -1,5 +1,6 @@
 #include "dynasurf/cloud/detail/certificate.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -56,13 +57,30 @@ TEST(Certificate, CountsHandlesAndParts) {
   EXPECT_EQ(c.genus, 1);
 }
 
-TEST(Certificate, HasNoGenusForAnOpenSurface) {
+TEST(Certificate, CountsTheLoopsOfAnOpenSurface) {
   TriMesh open = mesh::icosphere(2);
   open.triangles.pop_back();
+  open.triangles.erase(open.triangles.begin());
   const Certificate c = certify(open, {});
   EXPECT_FALSE(c.closed);
-  EXPECT_FALSE(c.genus);
   EXPECT_FALSE(c.watertight());
+  EXPECT_TRUE(c.sound_open());
+  EXPECT_EQ(c.boundary_loops, 2);
+  EXPECT_EQ(c.genus, 0);
+  EXPECT_FALSE(certify(mesh::icosphere(2), {}).sound_open());
+}
+
+TEST(Certificate, DoesNotPassAnOpenSurfaceThatIsPinched) {
+  TriMesh open = mesh::icosphere(2);
+  const auto tip = open.triangles[0][0];
+  std::size_t taken = 0;  // every other triangle around one vertex
+  for (std::size_t t = open.triangles.size(); t-- > 0;)
+    if (std::count(open.triangles[t].begin(), open.triangles[t].end(), tip) > 0 && taken++ % 2 == 0)
+      open.triangles.erase(open.triangles.begin() + static_cast<std::ptrdiff_t>(t));
+  const Certificate c = certify(open, {});
+  EXPECT_FALSE(c.manifold);
+  EXPECT_FALSE(c.genus);
+  EXPECT_FALSE(c.sound_open());
 }
 
 TEST(Certificate, DoesNotPassASurfaceTurnedInsideOut) {

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "dynasurf/cloud/detail/patch.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -130,7 +131,10 @@ Comparison compare(const TriMesh& mesh, const KdTree& cloud) {
   c.self_intersections = check.self_intersections;
   c.flat_triangles = check.flat_triangles;
   c.components = top.components;
-  if (c.closed && c.manifold && c.oriented) c.genus = top.components - static_cast<int>(top.euler / 2);
+  if (c.manifold && c.oriented && !mesh.triangles.empty()) {
+    c.boundary_loops = c.closed ? 0 : static_cast<int>(loops_of(mesh).size());
+    c.genus = top.components - static_cast<int>((top.euler + c.boundary_loops) / 2);
+  }
   measure_angles(mesh, c);
   c.volume = mesh::volume_mm3(mesh);
   c.area = mesh::area_mm2(mesh);

@@ -20,7 +20,8 @@ struct Certificate {
   std::size_t self_intersections = 0;  // pairs of triangles that meet, by exact predicates
   std::size_t flat_triangles = 0;
   int components = 0;
-  std::optional<int> genus;  // sum over the components; absent unless closed, manifold and oriented
+  int boundary_loops = 0;    // of a manifold, oriented mesh
+  std::optional<int> genus;  // sum over the components, each loop closed by a disc; absent unless manifold and oriented
 
   // Of the smallest angle of each triangle, degrees.
   double smallest_angle_deg = 0, angle_percentile_1_deg = 0, angle_percentile_5_deg = 0, angle_mean_deg = 0;
@@ -30,11 +31,15 @@ struct Certificate {
   // Points spread evenly over the mesh, and its vertices, to the nearest point of the cloud. Half the spacing of the
   // cloud is the least it can be; over a hole of the cloud it is large for the best of meshes.
   double mesh_to_cloud_mean = 0, mesh_to_cloud_largest = 0;
-  double volume = 0, area = 0;
+  double volume = 0, area = 0;  // a volume says nothing for an open mesh
 
   /// May the mesh be published as watertight?
   bool watertight() const {
     return closed && manifold && oriented && outward && self_intersections == 0 && flat_triangles == 0;
+  }
+  /// May it be published as an open surface: manifold, oriented, free of crossings, with boundary loops?
+  bool sound_open() const {
+    return boundary_loops > 0 && manifold && oriented && self_intersections == 0 && flat_triangles == 0;
   }
 };
 
