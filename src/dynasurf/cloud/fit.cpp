@@ -22,10 +22,47 @@ namespace {
 constexpr std::size_t grain = 1024;
 using Places = std::vector<Vec3>;
 
+/// A vertex of a boundary, and those before and after it. It moves across the surface only, or the boundary would
+/// creep.
+struct RimVertex {
+  std::uint32_t vertex, before, after;
+  Vec3 normal = Vec3::Zero();
+  Vec3 across(const Vec3& x) const { return x.dot(normal) * normal; }
+};
+
 /// Rows of neighbours of each vertex, one after the other, and of the triangles around it.
 struct Rows {
   std::vector<std::uint32_t> first, neighbour, triangle;
+  std::vector<RimVertex> rim;
+  std::vector<std::uint8_t> is_rim;  // per vertex
 };
+
+/// Around a vertex of a boundary one neighbour is only the next corner of a triangle, and one only the corner before.
+void find_rim(const TriMesh& mesh, Rows& r) {
+  r.is_rim.assign(mesh.vertices.size(), 0);
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    std::int64_t after_less_before = 0;
+    const auto before = [&](std::uint32_t i) {
+      const auto& t = mesh.triangles[r.triangle[i]];
+      return t[0] == v ? t[2] : t[1] == v ? t[0] : t[1];
+    };
+    for (std::uint32_t i = r.first[v]; i < r.first[v + 1]; ++i)
+      after_less_before += static_cast<std::int64_t>(r.neighbour[i]) - static_cast<std::int64_t>(before(i));
+    if (after_less_before == 0) continue;
+    r.is_rim[v] = 1;
+    RimVertex rim{v, v, v};
+    for (std::uint32_t i = r.first[v]; i < r.first[v + 1]; ++i) {
+      bool goes_on = false, came = false;
+      for (std::uint32_t k = r.first[v]; k < r.first[v + 1]; ++k) {
+        goes_on |= before(k) == r.neighbour[i];
+        came |= r.neighbour[k] == before(i);
+      }
+      if (!goes_on) rim.after = r.neighbour[i];
+      if (!came) rim.before = before(i);
+    }
+    r.rim.push_back(rim);
+  }
+}
 
 Rows rows_of(const TriMesh& mesh) {
   Rows r;
@@ -43,24 +80,34 @@ Rows rows_of(const TriMesh& mesh) {
       r.triangle[at[t[c]]] = n;
       r.neighbour[at[t[c]]++] = t[(c + 1) % 3];
     }
+  find_rim(mesh, r);
   return r;
 }
 
-/// x - mean of the neighbours.
+/// x - mean of the neighbours; on a boundary, of those along it, and across the surface only.
 void bend(const Rows& rows, const Places& x, Places& y) {
   for (std::size_t v = 0; v < x.size(); ++v) {
+    if (rows.is_rim[v]) continue;
     Vec3 sum = Vec3::Zero();
     for (std::uint32_t i = rows.first[v]; i < rows.first[v + 1]; ++i) sum += x[rows.neighbour[i]];
     y[v] = x[v] - sum / static_cast<double>(rows.first[v + 1] - rows.first[v]);
   }
+  for (const RimVertex& r : rows.rim) y[r.vertex] = r.across(x[r.vertex] - 0.5 * (x[r.before] + x[r.after]));
 }
 
 /// The transpose of `bend`, added with a factor.
 void add_bent_back(const Rows& rows, const Places& x, double factor, Places& y) {
   for (std::size_t v = 0; v < x.size(); ++v) {
+    if (rows.is_rim[v]) continue;
     const Vec3 whole = factor * x[v], part = whole / static_cast<double>(rows.first[v + 1] - rows.first[v]);
     y[v] += whole;
     for (std::uint32_t i = rows.first[v]; i < rows.first[v + 1]; ++i) y[rows.neighbour[i]] -= part;
+  }
+  for (const RimVertex& r : rows.rim) {
+    const Vec3 whole = factor * r.across(x[r.vertex]);
+    y[r.vertex] += whole;
+    y[r.before] -= 0.5 * whole;
+    y[r.after] -= 0.5 * whole;
   }
 }
 
@@ -195,11 +242,26 @@ class Fit {
     add_bent_back(rows_, again, o_.smoothness, back);
     add_bent_back(rows_, back, 1, y);
     for (std::size_t v = 0; v < x.size(); ++v) y[v] += 1e-6 * x[v];
+    keep_rim(y);
+  }
+
+  void keep_rim(Places& x) const {
+    for (const RimVertex& r : rows_.rim) x[r.vertex] = r.across(x[r.vertex]);
+  }
+
+  void find_normals_of_rim() {
+    for (RimVertex& r : rows_.rim) {
+      Vec3 sum = Vec3::Zero();
+      for (std::uint32_t i = rows_.first[r.vertex]; i < rows_.first[r.vertex + 1]; ++i)
+        sum += normal(rows_.triangle[i]);
+      r.normal = sum.norm() > 0 ? Vec3(sum.normalized()) : Vec3::Zero();
+    }
   }
 
   /// Solves for the moves by conjugate gradients with the vertices' own blocks as preconditioner.
   void solve() {
     const std::size_t n = mesh_.vertices.size();
+    find_normals_of_rim();
     Places r(n), x(n, Vec3::Zero()), z(n), p(n, Vec3::Zero()), q(n);
     // The right side is what pulls at the surface as it is; `hold` works on moves only.
     std::fill(r.begin(), r.end(), Vec3::Zero());
@@ -220,6 +282,7 @@ class Fit {
     bend(rows_, bent, again);
     add_bent_back(rows_, again, -o_.smoothness, back);
     add_bent_back(rows_, back, 1, r);
+    keep_rim(r);
     for (Mat3& m : own) m = m.inverse().eval();
     const auto dot = [n](const Places& a, const Places& b) {
       double sum = 0;
@@ -229,6 +292,7 @@ class Fit {
     double rz = 0, enough = 0;
     for (int k = 0; k < o_.iterations; ++k) {
       for (std::size_t v = 0; v < n; ++v) z[v] = own[v] * r[v];
+      keep_rim(z);
       const double rz_new = dot(r, z);
       if (k == 0) enough = 1e-8 * rz_new;
       if (!(rz_new > enough)) break;

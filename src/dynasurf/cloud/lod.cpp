@@ -12,7 +12,7 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// Every edge of a closed mesh stands in two triangles, so the mean over triangles is that over edges.
+/// Every edge that is not on a boundary stands in two triangles, so the mean over triangles is that over edges.
 double mean_edge(const TriMesh& mesh) {
   double sum = 0;
   for (const auto& t : mesh.triangles)

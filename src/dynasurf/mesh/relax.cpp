@@ -343,7 +343,8 @@ double improve_smallest_angle(SurfaceEditor& s, double wanted_deg, int rounds, d
       for (std::uint32_t c = 0; c < 3; ++c)
         for_ring(s, s.corners(t)[c], [&](std::uint32_t h) { changed |= try_move(s, guard, s.to(h), spread); });
     }
-    while (s.triangles() < count && split_one(s, guard, sizes, wanted)) changed = true;
+    // A collapse on the boundary takes one triangle, and a split gives two.
+    while (s.triangles() + 1 < count && split_one(s, guard, sizes, wanted)) changed = true;
     if (!changed || worst_sine(s) >= wanted) break;
   }
   return own::asin(std::min(1.0, worst_sine(s))) * 180 / std::numbers::pi;
