@@ -68,14 +68,18 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
 
 std::string summary_of(const report::CloudRun& run) {
   const cloud::Result& result = run.result;
-  std::vector<std::vector<std::string>> rows{
-      {"level", "triangles", "watertight", "parts", "genus", "smallest angle", "mean distance", "largest"}};
+  const bool is_closed = result.facts.boundary == cloud::BoundaryRule::close;
+  std::vector<std::vector<std::string>> rows{{"level", "triangles", is_closed ? "watertight" : "boundary loops",
+                                              "parts", "genus", "smallest angle", "mean distance", "largest"}};
   for (std::size_t n = 0; n < result.levels.size(); ++n) {
     const cloud::Certificate& c = result.levels[n].certificate;
     const auto share = [&](double length) {
       return c.cloud_diagonal > 0 ? fixed(100 * length / c.cloud_diagonal, 3) + " %" : std::string("-");
     };
-    rows.push_back({std::to_string(n + 1), std::to_string(c.triangles), c.watertight() ? "yes" : "no",
+    rows.push_back({std::to_string(n + 1), std::to_string(c.triangles),
+                    !is_closed       ? std::to_string(c.boundary_loops)
+                    : c.watertight() ? "yes"
+                                     : "no",
                     std::to_string(c.components), c.genus ? std::to_string(*c.genus) : "-",
                     fixed(c.smallest_angle_deg, 1) + " deg", share(c.cloud_to_mesh_mean),
                     share(c.cloud_to_mesh_largest)});
@@ -83,16 +87,20 @@ std::string summary_of(const report::CloudRun& run) {
   std::string text = table(rows);
   for (std::size_t n = 0; n < result.levels.size(); ++n) {
     const cloud::Certificate& c = result.levels[n].certificate;
-    if (c.watertight()) continue;
-    text += "level " + std::to_string(n + 1) + " is not watertight:";
-    if (!c.closed) text += " not closed;";
+    if (is_sound(result, result.levels[n])) continue;
+    text += "level " + std::to_string(n + 1) + (is_closed ? " is not watertight:" : " is no sound open surface:");
+    if (is_closed && !c.closed) text += " not closed;";
     if (!c.manifold) text += " not manifold;";
     if (!c.oriented) text += " not oriented alike;";
-    if (!c.outward) text += " turned inside out;";
+    if (is_closed && !c.outward) text += " turned inside out;";
     if (c.self_intersections > 0) text += " " + std::to_string(c.self_intersections) + " pairs of triangles meet;";
     if (c.flat_triangles > 0) text += " " + std::to_string(c.flat_triangles) + " flat triangles;";
     text.back() = '\n';
   }
+  if (!is_closed)
+    text += "open surface with " + std::to_string(result.facts.boundary_loops) + " boundary " +
+            (result.facts.boundary_loops == 1 ? "loop" : "loops") + " (boundary " +
+            std::string(word_of(result.facts.boundary)) + ")\n";
   text += "verdict: " + std::string(word_of(cloud::verdict_of(result))) + "\n";
   std::size_t remarks = 0;
   for (const Note& note : result.notes) {

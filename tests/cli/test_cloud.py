@@ -2,6 +2,7 @@
 
 import functools
 import json
+import math
 import shutil
 import signal
 import struct
@@ -90,7 +91,7 @@ class Cloud(CliTest):
         points = [struct.unpack_from("<3d", data, 24 * n) for n in range(4000)]
         half = self.folder / "half.xyz"
         half.write_text("".join(f"{x} {y} {z}\n" for x, y, z in points if x > 0))
-        done = run("cloud", half, "--out", self.folder / "r", "--triangles", "640")
+        done = run("cloud", half, "--out", self.folder / "r", "--triangles", "640", "--boundary", "close")
         self.assertEqual(done.returncode, 0)
         self.assertIn("verdict: check", done.stdout)
         self.assertIn("[cloud.holes]", done.stdout)
@@ -101,9 +102,32 @@ class Cloud(CliTest):
         self.assertGreater(results["support"]["made_up_percent"], 10)
         self.assertIn("property float confidence", ply_header(self.folder / "r" / "meshes" / "level1.ply"))
         self.assertIn("_CONFIDENCE", glb_json(self.folder / "r" / "levels.glb")["meshes"][0]["primitives"][0]["attributes"])
-        strict = run("cloud", half, "--out", self.folder / "s", "--triangles", "640", "--strict")
+        strict = run("cloud", half, "--out", self.folder / "s", "--triangles", "640", "--strict", "--boundary", "close")
         self.assertEqual(strict.returncode, 3)
         self.assertTrue((self.folder / "s" / "results.json").exists())
+
+    def test_leaves_a_terrain_open(self):
+        scan = self.folder / "hills.xyz"
+        places = [(x / 40, y / 40) for x in range(60) for y in range(60) if abs(x - 20) + abs(y - 30) > 9]
+        scan.write_text("".join(f"{x} {y} {0.1 * math.sin(5 * x) * math.cos(3 * y):.6f}\n" for x, y in places))
+        # By itself with its inner hole closed; trimmed with the hole left open, too.
+        for words, taken, loops in (([], "keep", 1), (["--boundary", "trim"], "trim", 2)):
+            out = self.folder / taken
+            done = run("cloud", scan, "--out", out, "--triangles", "640,160", *words)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(f"open surface with {loops} boundary loop", done.stdout)
+            self.assertNotIn("watertight", done.stdout)
+            results = self.read_json(out / "results.json")
+            self.assertEqual((results["boundary"], results["watertight"], results["cloud"]["boundary_loops"]),
+                             (taken, False, loops))
+            for level in results["levels"]:
+                certificate = level["certificate"]
+                self.assertEqual((certificate["boundary_loops"], certificate["genus"], certificate["volume"]), (loops, 0, None))
+                self.assertEqual((certificate["manifold"], certificate["self_intersections"]), (True, 0))
+                self.assertTrue((out / "meshes" / f"{level['name']}.ply").exists())
+            self.assertEqual(run("lod", out, "--out", self.folder / f"{taken}_lod").returncode, 0)
+            self.assertEqual(self.read_json(out / "options.json")["boundary"], "trim" if words else "auto")
+        self.refuses(1, "cloud", scan, "--out", self.folder / "x", "--boundary", "open", says="auto, close, keep, trim")
 
     def test_lod_can_be_quiet(self):
         done = run("lod", small_result(), "--quiet")

@@ -213,6 +213,7 @@ TEST(ReconstructCloud, WarnsOfSurfaceThatNoPointIsNear) {
   const auto warning = [](const PointCloud& cloud) {
     Options options;
     options.triangles = {500};
+    options.boundary = BoundaryRule::close;
     const Notes notes = reconstruct(cloud, options).notes;
     const auto found = std::find_if(notes.begin(), notes.end(), [](const Note& n) {
       return n.code == "cloud.holes" && n.severity == Severity::warning;

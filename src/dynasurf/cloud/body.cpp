@@ -46,6 +46,10 @@ double firmness_of(std::span<const IndicatorField> fields, std::span<const Vec3>
 TriMesh body_surface(const IndicatorField& field, double level, std::span<const Vec3> points, double smallest_share) {
   TriMesh mesh = mesh::marching_cubes(field.value, level);
   for (Vec3& p : mesh.vertices) p = field.origin + field.side * p;
+  return without_small_parts(std::move(mesh), points, smallest_share);
+}
+
+TriMesh without_small_parts(TriMesh mesh, std::span<const Vec3> points, double smallest_share) {
   std::uint32_t count = 0;
   const std::vector<std::uint32_t> part = mesh::components_of(mesh, count);
   if (count <= 1) return mesh;

@@ -9,6 +9,7 @@
 #include "dynasurf/cloud/detail/kd_tree.hpp"
 #include "dynasurf/cloud/detail/levels.hpp"
 #include "dynasurf/cloud/detail/patch.hpp"
+#include "dynasurf/cloud/detail/triangle_marks.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/detail/submesh.hpp"
@@ -20,34 +21,6 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double nudge = 0.1;                                      // of the level, as `choose_body` tries it
 constexpr double same_way = 0.2, alike = 0.5, not_against = -0.5;  // cosines between directions
-using Marks = std::vector<std::uint8_t>;
-
-/// Sets that grow together.
-class Groups {
- public:
-  explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
-Groups parts_of(const TriMesh& mesh, const Marks& kept) {
-  Groups groups(mesh.vertices.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    if (kept[t]) {
-      groups.join(mesh.triangles[t][0], mesh.triangles[t][1]);
-      groups.join(mesh.triangles[t][0], mesh.triangles[t][2]);
-    }
-  return groups;
-}
 
 /// The points of the scan, asked for with a direction: the other side of a thin wall does not hold a surface.
 class Scan {
@@ -70,17 +43,6 @@ class Scan {
   const OrientedPoints& points_;
   KdTree neighbours_;
 };
-
-/// Sums of the normals of the triangles around each vertex.
-std::vector<Vec3> normals_of(const TriMesh& mesh) {
-  std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3 n = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
-    for (const std::uint32_t v : {a, b, c}) normals[v] += n;
-  }
-  for (Vec3& n : normals) n.normalize();
-  return normals;
-}
 
 /// Whether a part of the surface that is worth the effort lies far from the points; a few vertices tell.
 bool has_holes(const TriMesh& mesh, const Scan& scan, double reach) {
@@ -116,20 +78,6 @@ std::vector<double> distances(const TriMesh& mesh, const Scan& scan, double leas
   return of_triangle;
 }
 
-void drop_touching(const TriMesh& mesh, const Marks& of_vertex, Marks& kept) {
-  for (std::size_t t = 0; t < kept.size(); ++t)
-    for (const std::uint32_t v : mesh.triangles[t])
-      if (of_vertex[v]) kept[t] = 0;
-}
-
-Marks corners_of_dropped(const TriMesh& mesh, const Marks& kept) {
-  Marks marks(mesh.vertices.size(), 0);
-  for (std::size_t t = 0; t < kept.size(); ++t)
-    if (!kept[t])
-      for (const std::uint32_t v : mesh.triangles[t]) marks[v] = 1;
-  return marks;
-}
-
 /// Small pieces are no ground to build on.
 void drop_islands(const TriMesh& mesh, Marks& kept) {
   constexpr std::size_t smallest = 40;
@@ -139,31 +87,6 @@ void drop_islands(const TriMesh& mesh, Marks& kept) {
     if (kept[t]) ++size[groups.find(mesh.triangles[t][0])];
   for (std::size_t t = 0; t < kept.size(); ++t)
     if (kept[t] && size[groups.find(mesh.triangles[t][0])] < smallest) kept[t] = 0;
-}
-
-/// Where two holes meet in a vertex, its triangles go, until there is no such vertex.
-void drop_pinches(const TriMesh& mesh, Marks& kept) {
-  for (bool any = true; any;) {
-    any = false;
-    // Around a vertex that is not on a hole, or on one only, the kept triangles make one fan.
-    std::vector<std::array<std::uint32_t, 3>> around;  // vertex, first, second neighbour of each corner
-    for (std::size_t t = 0; t < kept.size(); ++t)
-      if (kept[t])
-        for (std::size_t c = 0; c < 3; ++c)
-          around.push_back({mesh.triangles[t][c], mesh.triangles[t][(c + 1) % 3], mesh.triangles[t][(c + 2) % 3]});
-    std::sort(around.begin(), around.end());
-    Marks pinched(mesh.vertices.size(), 0);
-    for (std::size_t i = 0, last = 0; i < around.size(); i = last) {
-      std::size_t ends = 0;
-      for (last = i; last < around.size() && around[last][0] == around[i][0]; ++last) continue;
-      for (std::size_t k = i; k < last; ++k)
-        ends += std::none_of(around.begin() + static_cast<std::ptrdiff_t>(i),
-                             around.begin() + static_cast<std::ptrdiff_t>(last),
-                             [&](const auto& other) { return other[1] == around[k][2]; });
-      if (ends > 1) pinched[around[i][0]] = 1, any = true;
-    }
-    if (any) drop_touching(mesh, pinched, kept);
-  }
 }
 
 /// Triangles that hang on by one edge make holes ragged.
@@ -401,6 +324,35 @@ bool keep_between_pieces(const TriMesh& whole, const Torn& torn, Marks& kept) {
   return any;
 }
 
+double one_way(const TriMesh& mesh) {
+  Vec3 facing = Vec3::Zero();
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3 n = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
+    facing += n;
+    area += n.norm();
+  }
+  return area > 0 ? facing.norm() / area : 0;
+}
+
+/// Closes the holes within the rims of a surface that stays open.
+void fill_within_rims(const TriMesh& open, const Scan& scan, const Holes& options, HoleFill& fill) {
+  constexpr double shortest_rim = 0.5;  // of the longest of the piece
+  const std::vector<Loop> loops = loops_of(open);
+  const std::vector<Rim> rims = rims_of(open, loops);
+  Groups parts = parts_of(open, Marks(open.triangles.size(), 1));
+  std::vector<double> longest(open.vertices.size(), 0);
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    double& so_far = longest[parts.find(loops[i].front())];
+    so_far = std::max(so_far, rims[i].length);
+  }
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    if (rims[i].length >= shortest_rim * longest[parts.find(loops[i].front())]) continue;
+    scatter(corners_of(make_patch(open, loops, i)), scan, options, fill.points);
+    ++fill.holes;
+  }
+}
+
 }  // namespace
 
 std::optional<HoleFill> fill_holes(const IndicatorField& field, const OrientedPoints& points, const Holes& options) {
@@ -417,11 +369,20 @@ std::optional<HoleFill> fill_holes(const IndicatorField& field, const OrientedPo
   }
   const TriMesh& whole = held.whole;
   Marks& kept = held.kept;
+  HoleFill fill;
+  if (options.boundary != BoundaryRule::close) {
+    const TriMesh open = mesh::submesh(whole, kept);
+    fill.one_way = one_way(open);
+    fill.is_open = options.boundary == BoundaryRule::keep || fill.one_way >= open_from;
+    if (fill.is_open) {
+      fill_within_rims(open, scan, options, fill);
+      return fill;
+    }
+  }
   Torn torn = tear(whole, kept);
   if (keep_between_pieces(whole, torn, kept)) torn = tear(whole, kept);
   if (torn.loops.empty()) return std::nullopt;
 
-  HoleFill fill;
   Groups parts = parts_of(torn.open, Marks(torn.open.triangles.size(), 1));
   Marks done(torn.loops.size(), 0);
   const auto put = [&](const Join& join) {

@@ -13,12 +13,14 @@ namespace {
 constexpr std::array<std::string_view, 3> methods{"shaped", "faithful", "thesis"};
 constexpr std::array<std::string_view, 3> genus_rules{"auto", "0", "keep"};
 constexpr std::array<std::string_view, 5> starts{"auto", "field", "sphere", "ellipsoid", "hull"};
+constexpr std::array<std::string_view, 4> boundaries{"auto", "close", "keep", "trim"};
 
 }  // namespace
 
 std::span<const std::string_view> names_of(CloudMethod) { return methods; }
 std::span<const std::string_view> names_of(GenusRule) { return genus_rules; }
 std::span<const std::string_view> names_of(CloudStart) { return starts; }
+std::span<const std::string_view> names_of(BoundaryRule) { return boundaries; }
 std::span<const std::string_view> preset_names() { return methods; }
 
 Options preset(std::string_view name) {
@@ -30,6 +32,10 @@ Options preset(std::string_view name) {
 void check(const Options& options) {
   Options checked = options;
   check_options(checked, "");
+  if (options.method == CloudMethod::thesis &&
+      (options.boundary == BoundaryRule::keep || options.boundary == BoundaryRule::trim))
+    throw OptionError("option boundary is " + std::string(word_of(options.boundary)) +
+                      "; method thesis makes closed surfaces only: expected auto or close");
   const std::vector<int>& levels = options.triangles;
   const bool are_even = std::all_of(levels.begin(), levels.end(), [](int n) { return n % 2 == 0; });
   if (!levels.empty() && are_even && std::is_sorted(levels.rbegin(), levels.rend(), std::less_equal<>{})) return;

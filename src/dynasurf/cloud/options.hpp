@@ -25,13 +25,22 @@ std::span<const std::string_view> names_of(GenusRule);
 enum class CloudStart { automatic, field, sphere, ellipsoid, hull };
 std::span<const std::string_view> names_of(CloudStart);
 
-/// From a cloud to light closed meshes.
+/// What becomes of the places where the points end. `close`: a watertight body, closed over every opening. `keep`: an
+/// open surface that ends with the points on its outside, with its inner holes closed: of every piece the loops at
+/// least half as long as its longest stay open. `trim`: an open surface without any place that no point supports.
+/// `automatic`: `keep` where the points all face one way more or less, as those of a terrain, a cap or a front do, else
+/// `close`.
+enum class BoundaryRule { automatic, close, keep, trim };
+std::span<const std::string_view> names_of(BoundaryRule);
+
+/// From a cloud to light meshes, closed or open.
 struct Options {
   CloudMethod method = CloudMethod::shaped;
   std::vector<int> triangles{5120, 1280, 320};
   std::optional<double> max_error_percent;
   GenusRule genus = GenusRule::automatic;
   CloudStart start = CloudStart::automatic;
+  BoundaryRule boundary = BoundaryRule::automatic;
   bool keep_sharp = false;
   std::optional<int> cells;
   std::optional<double> noise_percent;
@@ -57,6 +66,11 @@ void describe(auto& visit, Options& o) {
         OptionInfo{
             "the mesh that is deformed: field: the field's own surface; sphere, ellipsoid, hull: around every part, "
             "without handles; auto: field, for thesis ellipsoid"});
+  visit(
+      "boundary", o.boundary,
+      OptionInfo{"where the points end: close: a watertight body; keep: an open surface, inner holes closed; trim: an "
+                 "open surface without any place that no point supports; auto: keep for points that face one way, "
+                 "such as a terrain's, else close"});
   visit("keep_sharp", o.keep_sharp, OptionInfo{"no smoothing across edges that the points show to be sharp"});
   visit("cells", o.cells,
         OptionInfo{"grid cells along the longest side; absent: from the spacing and noise", "", 16, 512});
@@ -77,7 +91,8 @@ std::span<const std::string_view> preset_names();
 /// Throws OptionError with the choices for an unknown name.
 Options preset(std::string_view name);
 
-/// Throws OptionError for any option out of its range, and unless `triangles` holds even numbers that fall.
+/// Throws OptionError for any option out of its range, for method thesis with a surface that is to be open, and unless
+/// `triangles` holds even numbers that fall.
 void check(const Options& options);
 
 }  // namespace dynasurf::cloud

@@ -11,6 +11,7 @@
 #include "dynasurf/cloud/detail/holes.hpp"
 #include "dynasurf/cloud/detail/kd_tree.hpp"
 #include "dynasurf/cloud/detail/levels.hpp"
+#include "dynasurf/cloud/detail/open_surface.hpp"
 #include "dynasurf/cloud/detail/prepare.hpp"
 #include "dynasurf/cloud/detail/support.hpp"
 #include "dynasurf/cloud/detail/thesis_recipe.hpp"
@@ -111,6 +112,32 @@ struct FoundBody {
   double side;
 };
 
+bool is_open(const Facts& facts) { return facts.boundary != BoundaryRule::close; }
+
+/// The surface that is open where the points end, as `rule` says; nothing where they hold all of it.
+std::optional<Body> open_body(const PreparedCloud& p, IndicatorField field, const OrientedPoints& fill, double reach,
+                              BoundaryRule rule, const Options& options, Result& result) {
+  const OpenSurface open = open_surface(
+      field, {p.cloud.points, p.neighbours, p.facts}, fill,
+      {.reach = reach, .margin = 0.5 * p.facts.spacing, .smallest_share = options.smallest_part_percent / 100});
+  if (open.loops == 0) {
+    if (options.boundary != BoundaryRule::automatic)
+      result.notes.push_back({Severity::info, "cloud.boundary", "the points hold all of the surface: it is closed"});
+    return std::nullopt;
+  }
+  result.facts.boundary = rule;
+  result.facts.boundary_loops = open.loops;
+  return Body{open.mesh, open.parts, open.genus, false, std::move(field)};
+}
+
+void tell_choice(double one_way, bool is_open, Notes& notes) {
+  notes.push_back({Severity::info, "cloud.boundary",
+                   std::string("boundary=auto took ") + (is_open ? "keep, an open surface" : "close") +
+                       ": what the points face adds up to " + percent(one_way) +
+                       " of their area (0 % for a closed body, 100 % for a plane), " + (is_open ? "not" : "and") +
+                       " less than " + percent(open_from)});
+}
+
 FoundBody find_body(const PreparedCloud& p, const Options& options, int triangles, Result& result,
                     const Progress& progress) {
   const int cells = cells_for(p.facts, p.cloud.points, options, triangles);
@@ -123,21 +150,32 @@ FoundBody find_body(const PreparedCloud& p, const Options& options, int triangle
   progress.check();
   std::vector<IndicatorField> fields = solve_indicator(oriented, {.cells = cells}, progress);
   result.facts.cells = cells;
-  const std::optional<HoleFill> fill =
-      fill_holes(fields.back(), oriented,
-                 {.reach = 2.5 * std::max(p.facts.spacing, thin_cell) + 2 * p.facts.noise,
-                  .spacing = 0.7 * side,
-                  .smallest_share = options.smallest_part_percent / 100,
-                  .may_join = options.genus != GenusRule::zero});
-  if (fill) {
+  result.support.cell = side;
+  const double reach = 2.5 * std::max(p.facts.spacing, thin_cell) + 2 * p.facts.noise;
+  std::optional<HoleFill> fill;
+  if (options.boundary != BoundaryRule::trim)
+    fill = fill_holes(fields.back(), oriented,
+                      {.reach = reach,
+                       .spacing = 0.7 * side,
+                       .smallest_share = options.smallest_part_percent / 100,
+                       .may_join = options.genus != GenusRule::zero,
+                       .boundary = options.boundary});
+  if (fill && options.boundary == BoundaryRule::automatic) tell_choice(fill->one_way, fill->is_open, result.notes);
+  if (fill && (!fill->is_open || fill->holes > 0)) {
     tell(*fill, result.notes);
     append(oriented, fill->points);
     progress.check();
     fields = solve_indicator(oriented, {.cells = cells}, progress);
   }
-  const std::optional<BodyTopology> expected = fill ? std::optional(fill->kind) : std::nullopt;
-  result.support.cell = side;
   result.support.turned = share_turned(oriented, fields.back());
+  const bool is_asked = options.boundary == BoundaryRule::keep || options.boundary == BoundaryRule::trim;
+  if (is_asked || (fill && fill->is_open)) {
+    const BoundaryRule rule = options.boundary == BoundaryRule::trim ? BoundaryRule::trim : BoundaryRule::keep;
+    const OrientedPoints& in_holes = fill ? fill->points : OrientedPoints{};
+    if (auto body = open_body(p, fields.back(), in_holes, reach, rule, options, result))
+      return {std::move(*body), in_holes, side};
+  }
+  const std::optional<BodyTopology> expected = fill && !fill->is_open ? std::optional(fill->kind) : std::nullopt;
   // Shares are of the scanned points: thinned ones stand for areas, and few strays on a wide floor for a large one.
   Body body = choose_body(std::move(fields), p.cloud.points, options, result.notes, expected);
   result.support.firm = body.firm;
@@ -157,12 +195,21 @@ LevelPlan plan_of(const Options& options, const Facts& facts, std::size_t triang
   return plan;
 }
 
+/// Edges of a boundary go with one triangle each, so an open surface may have one or two less.
+bool has_as_asked(std::size_t triangles, int asked, const Facts& facts) {
+  const auto wanted = static_cast<std::size_t>(asked);
+  return triangles == wanted || (is_open(facts) && triangles < wanted && triangles + 2 >= wanted);
+}
+
 void add_level(Result& result, const PreparedCloud& p, int asked, TriMesh mesh) {
   auto [certificate, errors] = compare(mesh, p.neighbours);
-  if (!certificate.watertight())
+  if (!is_open(result.facts) && !certificate.watertight())
     result.notes.push_back({Severity::failure, "cloud.not_watertight",
                             "the level of " + std::to_string(asked) + " triangles is not watertight"});
-  if (certificate.triangles != static_cast<std::size_t>(asked))
+  if (is_open(result.facts) && !certificate.sound_open())
+    result.notes.push_back({Severity::failure, "cloud.not_sound",
+                            "the level of " + std::to_string(asked) + " triangles is no sound open surface"});
+  if (!has_as_asked(certificate.triangles, asked, result.facts))
     result.notes.push_back(
         {Severity::warning, "cloud.triangles",
          "the level of " + std::to_string(asked) + " triangles has " + std::to_string(certificate.triangles)});
@@ -208,7 +255,7 @@ int fewest_within(mesh::SurfaceEditor& surface, const Fitting& fitting, double e
     progress.check();
     mesh::SurfaceEditor tried = near ? nearest : finest;
     fitting.make(tried, count);
-    const bool is_made = tried.triangles() == static_cast<std::size_t>(count);
+    const bool is_made = has_as_asked(tried.triangles(), count, fitting.facts);
     const Try now{count, mean_distance(tried, fitting.scanned)};
     if (is_made && now.error <= error) {
       near = now;
@@ -242,8 +289,13 @@ int fewest_within(mesh::SurfaceEditor& surface, const Fitting& fitting, double e
 }
 
 /// The mesh that becomes the levels, in the frame of `fine`, the surface that was found.
-TriMesh started(const TriMesh& fine, int genus, CloudStart start, Notes& notes, const Progress& progress) {
+TriMesh started(const TriMesh& fine, int genus, CloudStart start, bool is_open, Notes& notes,
+                const Progress& progress) {
   if (start == CloudStart::automatic || start == CloudStart::field) return fine;
+  if (is_open) {
+    notes.push_back({Severity::warning, "cloud.start", "an open surface starts from the field's own surface only"});
+    return fine;
+  }
   if (genus > 0)
     notes.push_back({Severity::warning, "cloud.start",
                      "the points show " + number(genus, "handle", "handles") + ", and a start of shape " +
@@ -335,7 +387,9 @@ void reconstruct_fitted(const PreparedCloud& p, const Options& options, const st
   const std::size_t scanned = (p.cloud.points.size() + step - 1) / step;
   TriMesh fine = body.mesh;
   for (Vec3& v : fine.vertices) v = frame.in(v);
-  mesh::SurfaceEditor surface(started(fine, body.genus, options.start, result.notes, progress));
+  using mesh::SurfaceEditor;
+  SurfaceEditor surface(started(fine, body.genus, options.start, is_open(result.facts), result.notes, progress),
+                        is_open(result.facts) ? SurfaceEditor::Boundary::kept : SurfaceEditor::Boundary::none);
   std::vector<Vec3> points(scanned + found.fill.points.size()), normals(points.size());
   std::optional<mesh::ClosestPoint> on_fine;
   // One processor collapses edges, while the others prepare what the fit asks for.

@@ -5,8 +5,9 @@
 
 namespace dynasurf::cloud {
 
-/// Closed surfaces from points (thesis 6.2; GEN-*). Every level is fitted to the points themselves. A level that is not
-/// watertight says so in its certificate, and a note of severity failure stands in the result, as it does
+/// Surfaces from points (thesis 6.2; GEN-*), closed, or open where `options.boundary` says so. Every level is fitted to
+/// the points themselves. A level that is not sound (see `is_sound`) says so in its certificate, and a note of severity
+/// failure stands in the result, as it does
 /// ("cloud.no_surface") where the points fill space instead of lying on a surface. The same bytes for any
 /// number of threads. Progress stages: "points", "inside", "surface", "levels". Throws OptionError for an option out
 /// of range, InputError for fewer than 10 usable points, or points that all lie in one plane.

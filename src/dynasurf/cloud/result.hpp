@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dynasurf/cloud/detail/certificate.hpp"
+#include "dynasurf/cloud/options.hpp"
 #include "dynasurf/core/note.hpp"
 #include "dynasurf/core/point_cloud.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
@@ -33,6 +34,8 @@ struct Facts {
   int cells = 0;                                             // of the grid along its longest side
   int parts = 0;                                             // separate surfaces
   int genus = 0;                                             // sum over the parts
+  BoundaryRule boundary = BoundaryRule::close;               // what was done where the points end; not `automatic`
+  int boundary_loops = 0;                                    // of an open surface
 };
 
 /// What the points say about the body; shares are from 0 to 1, lengths in the cloud's unit.
@@ -46,8 +49,9 @@ struct CloudSupport {
   double made_up_largest = 0;  // the largest distance of the surface from all points over the diagonal
   double turned = 0;           // share of the points whose direction was found against the surface
   double thin = 0;             // share of its area with the other side nearer than the points or the lattice resolve
-  double firm = 1;             // share of the surfaces at levels and lattices around it with its parts and handles
-  double cell = 0;             // side of the lattice that the body was found on; 0: none
+  // Share of the surfaces at levels and lattices around it with its parts and handles; 1 for an open one.
+  double firm = 1;
+  double cell = 0;  // side of the lattice that the body was found on; 0: none
 };
 
 /// Whether a result can be trusted: yes; after a look at what the flags say; no.
@@ -66,7 +70,10 @@ struct Result {
 /// Whether every level may be published as watertight. False without a level.
 bool is_watertight(const Result& result);
 
-/// `fail` where a level is not watertight or a note tells of a failure, else `check` where one warns, else `ok`.
+/// Whether a level is what it should be: watertight, or sound and open where the surface was left open.
+bool is_sound(const Result& result, const Level& level);
+
+/// `fail` where a level is not sound or a note tells of a failure, else `check` where one warns, else `ok`.
 Verdict verdict_of(const Result& result);
 
 }  // namespace dynasurf::cloud

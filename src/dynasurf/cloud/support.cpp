@@ -198,11 +198,19 @@ bool is_watertight(const Result& result) {
                                                [](const Level& level) { return level.certificate.watertight(); });
 }
 
+bool is_sound(const Result& result, const Level& level) {
+  const Certificate& c = level.certificate;
+  return result.facts.boundary == BoundaryRule::close ? c.watertight() : c.sound_open();
+}
+
 Verdict verdict_of(const Result& result) {
   const auto has = [&](Severity severity) {
     return std::any_of(result.notes.begin(), result.notes.end(), [&](const Note& n) { return n.severity == severity; });
   };
-  if (!is_watertight(result) || has(Severity::failure)) return Verdict::fail;
+  const bool all_sound =
+      !result.levels.empty() && std::all_of(result.levels.begin(), result.levels.end(),
+                                            [&](const Level& level) { return is_sound(result, level); });
+  if (!all_sound || has(Severity::failure)) return Verdict::fail;
   return has(Severity::warning) ? Verdict::check : Verdict::ok;
 }
 

@@ -43,10 +43,11 @@ Json certificate_json(const cloud::Certificate& c) {
   json["self_intersections"] = c.self_intersections;
   json["flat_triangles"] = c.flat_triangles;
   json["components"] = c.components;
+  json["boundary_loops"] = c.boundary_loops;
   json["genus"] = c.genus ? Json(*c.genus) : Json(nullptr);
   json["angles_deg"] = angles_json(c);
   json["distances"] = distances_json(c);
-  json["volume"] = number(c.volume);
+  json["volume"] = c.boundary_loops > 0 ? Json(nullptr) : number(c.volume);
   json["area"] = number(c.area);
   return json;
 }
@@ -105,6 +106,7 @@ Json cloud_json(const CloudRun& run) {
   json["cells"] = f.cells;
   json["parts"] = f.parts;
   json["genus"] = f.genus;
+  json["boundary_loops"] = f.boundary_loops;
   return json;
 }
 
@@ -150,13 +152,18 @@ Json memory_json(const CloudRun& run, Timings timings) {
 bool is_trustworthy(const cloud::Result& result) { return cloud::verdict_of(result) != cloud::Verdict::fail; }
 
 std::string name_of_level(const cloud::Result& result, std::size_t level) {
-  return "level" + std::to_string(level + 1) + (result.levels[level].certificate.watertight() ? "" : "_not_watertight");
+  const bool is_closed = result.facts.boundary == cloud::BoundaryRule::close;
+  return "level" + std::to_string(level + 1) +
+         (is_sound(result, result.levels[level]) ? ""
+          : is_closed                            ? "_not_watertight"
+                                                 : "_not_sound");
 }
 
 nlohmann::ordered_json cloud_results_json(const CloudRun& run, const Provenance& provenance, Timings timings) {
   Json json = Json::object();
   json["schema"] = "dynasurf.cloud/1";
   json["verdict"] = word_of(cloud::verdict_of(run.result));
+  json["boundary"] = word_of(run.result.facts.boundary);
   json["watertight"] = cloud::is_watertight(run.result);
   json["levels"] = levels_json(run.result);
   json["cloud"] = cloud_json(run);
@@ -171,17 +178,19 @@ nlohmann::ordered_json cloud_results_json(const CloudRun& run, const Provenance&
 std::string cloud_results_csv(const cloud::Result& result) {
   TextOutput csv;
   csv.precision(9);
-  csv << "level,triangles_asked,triangles,vertices,watertight,components,genus,self_intersections,smallest_angle_deg,"
+  csv << "level,triangles_asked,triangles,vertices,watertight,boundary_loops,components,genus,self_intersections,"
+         "smallest_angle_deg,"
          "cloud_to_mesh_mean,cloud_to_mesh_largest,mesh_to_cloud_mean,mesh_to_cloud_largest,volume,area\n";
   for (std::size_t n = 0; n < result.levels.size(); ++n) {
     const cloud::Level& level = result.levels[n];
     const cloud::Certificate& c = level.certificate;
     csv << n + 1 << ',' << level.triangles_asked << ',' << c.triangles << ',' << c.vertices << ',' << c.watertight()
-        << ',' << c.components << ',';
+        << ',' << c.boundary_loops << ',' << c.components << ',';
     if (c.genus) csv << *c.genus;
     csv << ',' << c.self_intersections << ',' << c.smallest_angle_deg << ',' << c.cloud_to_mesh_mean << ','
-        << c.cloud_to_mesh_largest << ',' << c.mesh_to_cloud_mean << ',' << c.mesh_to_cloud_largest << ',' << c.volume
-        << ',' << c.area << '\n';
+        << c.cloud_to_mesh_largest << ',' << c.mesh_to_cloud_mean << ',' << c.mesh_to_cloud_largest << ',';
+    if (c.boundary_loops == 0) csv << c.volume;
+    csv << ',' << c.area << '\n';
   }
   return csv.str();
 }

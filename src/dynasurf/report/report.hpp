@@ -46,7 +46,8 @@ struct CloudRun {
 /// Whether the verdict is not `fail`.
 bool is_trustworthy(const cloud::Result& result);
 
-/// Name of a level's files without ending: "level2", or "level2_not_watertight" where its certificate does not hold.
+/// Name of a level's files without ending: "level2", or "level2_not_watertight" (of an open surface "level2_not_sound")
+/// where its certificate does not hold.
 /// Levels count from 0 here and from 1 in names.
 std::string name_of_level(const cloud::Result& result, std::size_t level);
 

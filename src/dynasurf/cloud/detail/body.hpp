@@ -14,6 +14,9 @@ namespace dynasurf::cloud {
 /// of the points: those nearest to fewer.
 TriMesh body_surface(const IndicatorField& field, double level, std::span<const Vec3> points, double smallest_share);
 
+/// The mesh without components that fewer than `smallest_share` of the points are nearest to; the largest stays.
+TriMesh without_small_parts(TriMesh mesh, std::span<const Vec3> points, double smallest_share);
+
 /// The field changed so that the inside is one ball without handles or cavities: it grows from its innermost node, the
 /// most inward node first, and leaves out every node that would close a handle (simple points, Bertrand and Malandain
 /// 1994). Values become 0.3 inside and -0.5 outside.
