@@ -77,11 +77,12 @@ auto members_of(T& s) {
   DYNASURF_MEMBERS(10, a, b, c, d, e, f, g, h, i, j)
   DYNASURF_MEMBERS(11, a, b, c, d, e, f, g, h, i, j, k)
   DYNASURF_MEMBERS(12, a, b, c, d, e, f, g, h, i, j, k, l)
+  DYNASURF_MEMBERS(13, a, b, c, d, e, f, g, h, i, j, k, l, m)
   DYNASURF_MEMBERS(14, a, b, c, d, e, f, g, h, i, j, k, l, m, o)
   DYNASURF_MEMBERS(16, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p)
   DYNASURF_MEMBERS(18, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r)
   DYNASURF_MEMBERS(19, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, t)
-  DYNASURF_MEMBERS(21, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, t, u, v)
+  DYNASURF_MEMBERS(22, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, t, u, v, w)
   DYNASURF_MEMBERS(25, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, t, u, v, w, x, y, z)
 #undef DYNASURF_MEMBERS
   static_assert(arity<T> > 0, "archive.cpp does not give the number of members of this struct");

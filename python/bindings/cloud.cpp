@@ -111,7 +111,10 @@ void bind_certificate(py::module_& module) {
       .def_readonly("self_intersections", &C::self_intersections)
       .def_readonly("flat_triangles", &C::flat_triangles)
       .def_readonly("components", &C::components)
-      .def_readonly("genus", &C::genus)
+      .def_readonly("genus", &C::genus,
+                    "Handles, each boundary loop closed by a disc; None unless manifold and oriented.")
+      .def_readonly("boundary_loops", &C::boundary_loops)
+      .def_property_readonly("sound_open", &C::sound_open, "May it be published as an open surface?")
       .def_readonly("smallest_angle_deg", &C::smallest_angle_deg)
       .def_readonly("angle_mean_deg", &C::angle_mean_deg)
       .def_readonly("cloud_diagonal", &C::cloud_diagonal, "Of the cloud's bounding box.")
@@ -123,7 +126,9 @@ void bind_certificate(py::module_& module) {
       .def_readonly("area", &C::area)
       .def("__repr__", [](const C& c) {
         return "<dynasurf.Certificate: " + std::to_string(c.triangles) + " triangles, " +
-               (c.watertight() ? "watertight>" : "not watertight>");
+               (c.watertight()   ? "watertight>"
+                : c.sound_open() ? "open, boundary loops: " + std::to_string(c.boundary_loops) + ">"
+                                 : "not watertight>");
       });
   module.def(
       "certify",
@@ -167,8 +172,13 @@ void bind_result(py::module_& module) {
       .def_readonly("noise", &cloud::Facts::noise)
       .def_readonly("cells", &cloud::Facts::cells)
       .def_readonly("parts", &cloud::Facts::parts)
-      .def_readonly("genus", &cloud::Facts::genus);
-  py::class_<Lods, LodsPtr>(module, "CloudResult", "Closed meshes of a cloud, finest first.", py::dynamic_attr())
+      .def_readonly("genus", &cloud::Facts::genus)
+      .def_property_readonly(
+          "boundary", [](const cloud::Facts& f) { return std::string(word_of(f.boundary)); },
+          "What was done where the points end: close, keep or trim.")
+      .def_readonly("boundary_loops", &cloud::Facts::boundary_loops);
+  py::class_<Lods, LodsPtr>(module, "CloudResult", "Meshes of a cloud, closed or open, finest first.",
+                            py::dynamic_attr())
       .def(by_pickle<Lods>())
       .def("__len__", [](const Lods& l) { return l.run.result.levels.size(); })
       .def("__getitem__",

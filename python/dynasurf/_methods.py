@@ -123,6 +123,8 @@ def _heart_text(heart):
 def _cloud_text(lods):
     levels = ", ".join(str(level.certificate.triangles) for level in lods)
     word = "watertight" if lods.watertight else "not watertight"
+    if lods.facts.boundary != "close" and all(level.certificate.sound_open for level in lods):
+        word = f"open, boundary loops: {lods.facts.boundary_loops}"
     return f"<dynasurf.CloudResult of {len(lods)} levels of {levels} triangles: {word}>"
 
 

@@ -1,3 +1,5 @@
+import pickle
+
 import dynasurf as ds
 import numpy as np
 import pytest
@@ -32,6 +34,19 @@ def test_a_sphere_has_no_handle_and_a_torus_one():
 def test_the_certificate_alone_is_the_results(cloud, lods):
     alone = ds.cloud.certify(lods[0].mesh, cloud)
     assert alone.watertight and alone.genus == lods[0].certificate.genus
+
+
+def test_a_terrain_stays_open_unless_told_otherwise():
+    x, y = np.meshgrid(np.linspace(0, 2, 70), np.linspace(0, 1.5, 55))
+    hills = np.column_stack([x.ravel(), y.ravel(), 0.1 * np.sin(4 * x.ravel()) * np.cos(3 * y.ravel())])
+    lods = ds.cloud.reconstruct(hills, triangles=[640, 160])
+    assert (lods.facts.boundary, lods.facts.boundary_loops) == ("keep", 1) and lods.trustworthy and not lods.watertight
+    assert all(level.certificate.sound_open and level.certificate.boundary_loops == 1 for level in lods)
+    assert "open, boundary loops: 1" in repr(lods) and "open" in repr(lods[0].certificate)
+    again = pickle.loads(pickle.dumps(lods))
+    assert again.facts.boundary == "keep" and again[1].certificate.boundary_loops == 1
+    closed = ds.cloud.reconstruct(hills, triangles=[640], boundary="close")
+    assert closed.facts.boundary == "close" and not closed[0].certificate.sound_open
 
 
 def test_colours_reach_the_vertices(cloud):
