@@ -10,6 +10,7 @@
 #include "dynasurf/cloud/detail/support.hpp"
 #include "dynasurf/cloud/detail/transfer.hpp"
 #include "dynasurf/mesh/detail/sample_surface.hpp"
+#include "dynasurf/mesh/detail/submesh.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/report/detail/lod_page.hpp"
 #include "dynasurf/report/report.hpp"
@@ -66,6 +67,28 @@ report::CloudRun run_of(std::initializer_list<int> levels, bool colours, bool ha
   return run;
 }
 
+/// Half an egg, as an open surface.
+report::CloudRun open_run() {
+  report::CloudRun run = run_of({4, 3}, false, true);
+  const cloud::KdTree neighbours(run.result.used.points);
+  run.result.facts.boundary = cloud::BoundaryRule::keep;
+  run.result.facts.boundary_loops = 1;
+  run.result.notes.clear();
+  for (cloud::Level& level : run.result.levels) {
+    TriMesh& mesh = level.mesh;
+    std::erase_if(mesh.triangles, [&](const auto& t) {
+      return mesh.vertices[t[0]][0] + mesh.vertices[t[1]][0] + mesh.vertices[t[2]][0] < 3 * 10.1;
+    });
+    mesh = mesh::submesh(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 1));
+    cloud::Comparison comparison = cloud::compare(mesh, neighbours);
+    level.certificate = comparison.certificate;
+    level.errors = std::move(comparison.errors);
+    level.confidence.assign(mesh.vertices.size(), 1);
+    level.colours.clear();
+  }
+  return run;
+}
+
 report::Provenance provenance() {
   report::Provenance p;
   p.program_version = "0.1.0";
@@ -105,6 +128,7 @@ int main(int count, char** arguments) {
     write_sample(folder / "results" / "ok", run_of({4, 3, 2}, true));
     write_sample(folder / "results" / "one", run_of({3}, false));
     write_sample(folder / "results" / "half", run_of({4, 3}, false, true));
+    write_sample(folder / "results" / "open", open_run());
     report::CloudRun broken = run_of({3, 2}, false);
     TriMesh& mesh = broken.result.levels[1].mesh;
     mesh.triangles.pop_back();

@@ -79,6 +79,18 @@ const tests = {
     assert.ok((await page.locator("#certificates td.bad").count()) > 0);
   },
 
+  async "speaks of an open surface by its boundary loops"(open) {
+    const page = await open("open");
+    assert.ok(await page.locator("#verdict.ok").isVisible());
+    assert.match(await text(page, "#verdict"), /An open surface with 1 boundary loop: every level is manifold/);
+    assert.match(await text(page, "#tiles"), /open, 1 boundary loop/);
+    assert.match(await text(page, "#certificates"), /Sound\s+yes\s+yes\s+Boundary loops\s+1\s+1/);
+    assert.doesNotMatch(await page.locator("body").innerText(), /watertight/i);
+    assert.equal(await page.locator("#certificates td.bad").count(), 0);
+    await set(page, "#morph", 500);
+    assert.match(await text(page, "#morph-now"), /level 2 to 1: 50 %/);
+  },
+
   async "doubts a body that is half made up, draws what is, and flies to the worst places"(open) {
     const page = await open("half");
     assert.ok(await page.locator("#verdict.check").isVisible());
@@ -268,7 +280,7 @@ await withBrowser(async (context) => {
   await checkAll(context, tests, path_of);
   if (screenshots) {
     mkdirSync(screenshots, { recursive: true });
-    for (const sample of ["ok", "broken", "one", "half", "empty", "instances"]) {
+    for (const sample of ["ok", "broken", "one", "half", "open", "empty", "instances"]) {
       const { page } = await openReport(context, path_of(sample));
       await page.waitForTimeout(600);
       await page.screenshot({ path: join(screenshots, `${sample}.png`), fullPage: sample !== "instances" });

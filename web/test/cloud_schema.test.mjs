@@ -19,6 +19,7 @@ for (const sample of samples) {
 
 const breaks = {
   "a missing key": (r) => delete r.watertight,
+  "a boundary that was not decided": (r) => (r.boundary = "auto"),
   "an unknown key": (r) => (r.colour = "red"),
   "another schema": (r) => (r.schema = "dynasurf.cloud/2"),
   "levels from 0": (r) => (r.levels[0].level = 0),

@@ -17,6 +17,7 @@ export interface Certificate {
   self_intersections: number;
   flat_triangles: number;
   components: number;
+  boundary_loops: number;
   genus: number | null;
   angles_deg: { smallest: number | null; percentile_1: number | null; percentile_5: number | null; mean: number | null };
   distances: { cloud_to_mesh: Distance; mesh_to_cloud: Distance };
@@ -34,6 +35,7 @@ export interface LevelNumbers {
 }
 export interface CloudResults extends Pick<Results, "provenance" | "timings_s" | "schema"> {
   verdict: "ok" | "check" | "fail";
+  boundary: "close" | "keep" | "trim";
   watertight: boolean;
   levels: LevelNumbers[];
   cloud: {
@@ -52,6 +54,7 @@ export interface CloudResults extends Pick<Results, "provenance" | "timings_s" |
     cells: number;
     parts: number;
     genus: number;
+    boundary_loops: number;
   };
   support: {
     within: number | null;
@@ -66,6 +69,12 @@ export interface CloudResults extends Pick<Results, "provenance" | "timings_s" |
     firm_percent: number | null;
   };
   notes: NoteText[];
+}
+
+/** Whether a level is what it should be: watertight, or sound and open where the surface was left open. */
+export function isSound(results: CloudResults, { certificate: c }: LevelNumbers): boolean {
+  if (results.boundary === "close") return c.watertight;
+  return c.boundary_loops > 0 && c.manifold && c.oriented && c.self_intersections === 0 && c.flat_triangles === 0;
 }
 
 interface Packed {

@@ -3,7 +3,7 @@ import { Vector3 } from "three";
 
 import { byId, figure, html } from "../dom";
 import { showNotes, showOptions, showProvenance } from "../tables";
-import { readCloudReport, type Certificate, type CloudReport, type CloudResults, type Level, type LevelNumbers } from "./data";
+import { isSound, readCloudReport, type Certificate, type CloudReport, type CloudResults, type Level, type LevelNumbers } from "./data";
 import { pointsOf, Surface, Tiles, type Colouring, type Look } from "./scene";
 
 /** Four figures, for lengths in any unit. */
@@ -13,31 +13,42 @@ function length(value: number | null): string {
 const percent = (value: number | null) => (value === null ? "–" : `${Number(value.toPrecision(3))} %`);
 const count = (value: number) => value.toLocaleString("en");
 
+const loops = (number: number) => `${count(number)} boundary ${number === 1 ? "loop" : "loops"}`;
+
 const verdicts = {
   ok: { icon: "✓", title: "The points support every level", text: "Every level is closed, manifold, oriented outwards and free of self-intersections, by exact tests." },
   check: { icon: "!", title: "Look before you use it", text: "Every level is watertight. But the points leave doubt whether it is the right body:" },
   fail: { icon: "✕", title: "Do not use it", text: "" },
 };
 
+function textOf(results: CloudResults): string {
+  if (results.boundary === "close") return verdicts[results.verdict].text;
+  const what = `An open surface with ${loops(results.cloud.boundary_loops)}${results.boundary === "trim" ? ", trimmed to the points" : ""}`;
+  if (results.verdict === "ok") return `${what}: every level is manifold, oriented and free of self-intersections, by exact tests.`;
+  return results.verdict === "check" ? `${what}. But the points leave doubt whether it is the right one:` : "";
+}
+
 function showVerdict(place: HTMLElement, results: CloudResults): void {
-  const { icon, title, text } = verdicts[results.verdict];
-  const broken = results.levels.filter((level) => !level.certificate.watertight);
+  const { icon, title } = verdicts[results.verdict];
+  const is_closed = results.boundary === "close", what = is_closed ? "watertight" : "a sound open surface";
+  const broken = results.levels.filter((level) => !isSound(results, level));
   const reasons = results.notes.filter((note) => note.severity !== "info").map((note) => note.message);
-  reasons.unshift(...broken.map((level) => `Level ${level.level} is not watertight: ${faultsOf(level.certificate).join(", ")}.`));
+  reasons.unshift(...broken.map((level) => `Level ${level.level} is not ${what}: ${faultsOf(level.certificate, is_closed).join(", ")}.`));
   if (results.levels.length === 0) reasons.unshift("There is no level.");
   place.classList.add(results.verdict);
   place.replaceChildren(
     html("span", { class: `icon ${results.verdict}`, "aria-hidden": "true" }, icon),
-    html("div", {}, html("h1", {}, title), html("p", {}, text), html("ul", {}, ...reasons.map((reason) => html("li", {}, reason)))),
+    html("div", {}, html("h1", {}, title), html("p", {}, textOf(results)), html("ul", {}, ...reasons.map((reason) => html("li", {}, reason)))),
   );
 }
 
-function faultsOf(c: Certificate): string[] {
+function faultsOf(c: Certificate, is_closed: boolean): string[] {
   return [
-    c.closed ? "" : "not closed",
+    c.closed || !is_closed ? "" : "not closed",
+    c.boundary_loops > 0 || is_closed ? "" : "without a boundary loop",
     c.manifold ? "" : "not manifold",
     c.oriented ? "" : "not oriented alike",
-    c.outward ? "" : "turned inside out",
+    c.outward || !is_closed ? "" : "turned inside out",
     c.self_intersections ? `${count(c.self_intersections)} pairs of triangles meet` : "",
     c.flat_triangles ? `${count(c.flat_triangles)} flat triangles` : "",
   ].filter(Boolean);
@@ -47,16 +58,24 @@ function faultsOf(c: Certificate): string[] {
 function showCertificates(place: HTMLElement, results: CloudResults): void {
   type Cell = { text: string; state?: "good" | "bad" };
   const yes = (value: boolean): Cell => ({ text: value ? "yes" : "no", state: value ? "good" : "bad" });
+  type Row = [string, (level: LevelNumbers) => Cell];
   const none = (value: number): Cell => ({ text: count(value), state: value === 0 ? "good" : "bad" });
-  const rows: [string, (level: LevelNumbers) => Cell][] = [
+  const closed: Row[] = [
+    ["Watertight", (l) => yes(l.certificate.watertight)],
+    ["Closed", (l) => yes(l.certificate.closed)],
+    ["Outwards", (l) => yes(l.certificate.outward)],
+  ];
+  const open: Row[] = [
+    ["Sound", (l) => yes(isSound(results, l))],
+    ["Boundary loops", (l) => ({ text: count(l.certificate.boundary_loops) })],
+  ];
+  const rows: Row[] = [
     ["Triangles", (l) => ({ text: count(l.triangles) })],
     ["Vertices", (l) => ({ text: count(l.vertices) })],
     ["Of a plain tessellation", (l) => ({ text: percent(l.share_of_plain_tessellation_percent) })],
-    ["Watertight", (l) => yes(l.certificate.watertight)],
-    ["Closed", (l) => yes(l.certificate.closed)],
+    ...(results.boundary === "close" ? closed : open),
     ["Manifold", (l) => yes(l.certificate.manifold)],
     ["Oriented", (l) => yes(l.certificate.oriented)],
-    ["Outwards", (l) => yes(l.certificate.outward)],
     ["Meeting pairs", (l) => none(l.certificate.self_intersections)],
     ["Flat triangles", (l) => none(l.certificate.flat_triangles)],
     ["Parts", (l) => ({ text: String(l.certificate.components) })],
@@ -137,18 +156,25 @@ function showWorst(place: HTMLElement, level: Level | undefined, results: CloudR
   place.replaceChildren(items.length > 0 ? html("ol", {}, ...items) : html("p", { class: "faint" }, "None."));
 }
 
+function wordFor(results: CloudResults, level: LevelNumbers): string {
+  const is_sound = isSound(results, level);
+  if (results.boundary === "close") return is_sound ? "watertight" : "not watertight";
+  return is_sound ? `open, ${loops(level.certificate.boundary_loops)}` : "not sound";
+}
+
 /** What stands over each tile. */
 function labelTiles(place: HTMLElement, report: CloudReport): void {
+  const { results } = report;
   const labels = html("div", { class: "tile-labels" });
   place.append(labels);
   const label = (...children: (Node | string)[]) => labels.append(html("div", { class: "tile-label" }, ...children));
-  const shown = report.points.positions.length / 3, used = report.results.cloud.points_used;
+  const shown = report.points.positions.length / 3, used = results.cloud.points_used;
   label(html("b", {}, "Cloud"), shown < used ? `${count(shown)} of ${count(used)} points` : `${count(used)} points`);
   report.levels.forEach(({ numbers }) => {
     const c = numbers.certificate;
     label(
       html("b", {}, `Level ${numbers.level}: ${count(numbers.triangles)} triangles`),
-      html("span", { class: c.watertight ? "good" : "bad" }, c.watertight ? "watertight" : "not watertight"),
+      html("span", { class: isSound(results, numbers) ? "good" : "bad" }, wordFor(results, numbers)),
       ` · mean distance ${percent(c.distances.cloud_to_mesh.mean_percent)}`,
     );
   });
