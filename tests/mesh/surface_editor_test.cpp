@@ -115,6 +115,24 @@ TEST(SurfaceEditor, KeepsTheBoundaryLoopsOfAnOpenSurface) {
   EXPECT_NO_THROW(SurfaceEditor(light, SurfaceEditor::Boundary::kept));
 }
 
+// Between two neighbours that stand close together on a straight boundary a needle stands on it.
+TEST(ImproveSmallestAngle, SlidesVerticesAlongAStraightBoundary) {
+  TriMesh sheet = holed_sheet(12, 0);
+  for (Vec3& p : sheet.vertices) p[2] = 0;
+  const auto crowded = std::find(sheet.vertices.begin(), sheet.vertices.end(), Vec3(6, 0, 0));
+  ASSERT_NE(crowded, sheet.vertices.end());
+  (*crowded)[0] = 5.1;
+  SurfaceEditor s(sheet, SurfaceEditor::Boundary::kept);
+  EXPECT_GT(improve_smallest_angle(s, 25, 8), 25);
+  const TriMesh better = s.mesh();
+  EXPECT_NEAR(area_mm2(better), 144, 1e-9) << "the outline of the square";
+  for (std::uint32_t v = 0; v < s.vertex_slots(); ++v)
+    if (s.has_vertex(v) && s.is_on_boundary(v)) {
+      const Vec3& p = s.position(v);
+      EXPECT_LT(std::min({p[0], p[1], 12 - p[0], 12 - p[1]}), 1e-12);
+    }
+}
+
 TEST(SurfaceEditor, RefusesTwoLoopsThatTouchInAVertex) {
   TriMesh pinched{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, {{0, 1, 2}, {0, 3, 4}}};
   EXPECT_THROW(SurfaceEditor(pinched, SurfaceEditor::Boundary::kept), InputError);

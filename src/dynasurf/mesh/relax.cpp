@@ -136,9 +136,31 @@ Firm firm_at(const SurfaceEditor& s, std::uint32_t v, double spread) {
   return firm;
 }
 
+/// Tries places along a boundary that goes straight on at a vertex, or nearly so, for a larger smallest angle.
+bool try_slide(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t v) {
+  constexpr double straight = 0.94;  // cosine of 20 degrees
+  const Vec3 p = s.position(v);
+  Vec3 after = p, before = p;
+  for_ring(s, v, [&](std::uint32_t h) {
+    if (s.is_boundary_edge(h)) after = s.position(s.to(h));
+    if (const std::uint32_t g = SurfaceEditor::previous(h); s.is_boundary_edge(g)) before = s.position(s.from(g));
+  });
+  if (!((after - p).dot(p - before) > straight * (after - p).norm() * (p - before).norm())) return false;
+  double best = worst_at(s, v, p, -2);
+  Vec3 place = p;
+  for (const Vec3& end : {before, after})
+    for (const double t : {0.1, 0.2, 0.3, 0.4, 0.5}) {
+      const Vec3 q = p + t * (end - p);
+      if (const double worst = worst_at(s, v, q, 0.5); worst > best + 1e-4) best = worst, place = q;
+    }
+  if (place == p || would_cross(s, guard, v, place)) return false;
+  move(s, guard, v, place);
+  return true;
+}
+
 /// Tries places around a vertex for a larger smallest angle.
 bool try_move(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t v, double spread) {
-  if (s.is_on_boundary(v)) return false;
+  if (s.is_on_boundary(v)) return try_slide(s, guard, v);
   const Vec3 p = s.position(v);
   Vec3 normal = Vec3::Zero(), middle = Vec3::Zero();
   double reach = 0, n = 0;
