@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/cloud/detail/patch.hpp"
+#include "dynasurf/cloud/detail/triangle_marks.hpp"
 #include "dynasurf/cloud/lod.hpp"
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/core/error.hpp"
@@ -276,6 +277,16 @@ TEST(Boundary, IsNoneWhereThePointsHoldAllOfTheSurface) {
     EXPECT_TRUE(result.levels[0].certificate.watertight());
     EXPECT_EQ(result.facts.boundary, BoundaryRule::close);
     EXPECT_NE(notes_of(result).find("the points hold all of the surface"), std::string::npos);
+  }
+}
+
+// Nothing but custom tells the upper side of a terrain.
+TEST(Boundary, OfATerrainRunsRoundItsUpperSide) {
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+    Options options;
+    options.triangles = {640};
+    const Result result = reconstruct(scan_of(terrain(), 6000, seed), options);
+    EXPECT_GT(facing_of(result.levels[0].mesh)[2], 0.8) << seed;
   }
 }
 

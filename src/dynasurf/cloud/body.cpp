@@ -181,12 +181,15 @@ class BodySearch {
 /// A body with negative volume is what it seems to be a cavity of: sides were found within something that was dropped
 /// since, such as a floor. Its field is turned with it, so that directions outwards are right too.
 void turn_outwards(Body& body) {
-  if (mesh::volume_mm3(body.mesh) >= 0) return;
-  for (auto& [a, b, c] : body.mesh.triangles) std::swap(b, c);
-  for (float& v : body.field.value.values) v = -v;
+  if (mesh::volume_mm3(body.mesh) < 0) turn(body);
 }
 
 }  // namespace
+
+void turn(Body& body) {
+  for (auto& [a, b, c] : body.mesh.triangles) std::swap(b, c);
+  for (float& v : body.field.value.values) v = -v;
+}
 
 Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> points, const Options& options, Notes& notes,
                  const std::optional<BodyTopology>& expected) {

@@ -324,17 +324,6 @@ bool keep_between_pieces(const TriMesh& whole, const Torn& torn, Marks& kept) {
   return any;
 }
 
-double one_way(const TriMesh& mesh) {
-  Vec3 facing = Vec3::Zero();
-  double area = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3 n = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
-    facing += n;
-    area += n.norm();
-  }
-  return area > 0 ? facing.norm() / area : 0;
-}
-
 /// Closes the holes within the rims of a surface that stays open.
 void fill_within_rims(const TriMesh& open, const Scan& scan, const Holes& options, HoleFill& fill) {
   constexpr double shortest_rim = 0.5;  // of the longest of the piece
@@ -372,7 +361,7 @@ std::optional<HoleFill> fill_holes(const IndicatorField& field, const OrientedPo
   HoleFill fill;
   if (options.boundary != BoundaryRule::close) {
     const TriMesh open = mesh::submesh(whole, kept);
-    fill.one_way = one_way(open);
+    fill.one_way = facing_of(open).norm();
     fill.is_open = options.boundary == BoundaryRule::keep || fill.one_way >= open_from;
     if (fill.is_open) {
       fill_within_rims(open, scan, options, fill);

@@ -16,6 +16,7 @@
 #include "dynasurf/cloud/detail/support.hpp"
 #include "dynasurf/cloud/detail/thesis_recipe.hpp"
 #include "dynasurf/cloud/detail/transfer.hpp"
+#include "dynasurf/cloud/detail/triangle_marks.hpp"
 #include "dynasurf/cloud/detail/words.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -114,6 +115,13 @@ struct FoundBody {
 
 bool is_open(const Facts& facts) { return facts.boundary != BoundaryRule::close; }
 
+/// Nothing tells which side of a terrain is out: what is flat as a whole, and no upright front, faces up.
+void turn_upwards(Body& body) {
+  constexpr double flat = 0.8, level = 0.3;
+  const Vec3 facing = facing_of(body.mesh);
+  if (facing.norm() > flat && facing[2] < -level * facing.norm()) turn(body);
+}
+
 /// The surface that is open where the points end, as `rule` says; nothing where they hold all of it.
 std::optional<Body> open_body(const PreparedCloud& p, IndicatorField field, const OrientedPoints& fill, double reach,
                               BoundaryRule rule, const Options& options, Result& result) {
@@ -127,7 +135,9 @@ std::optional<Body> open_body(const PreparedCloud& p, IndicatorField field, cons
   }
   result.facts.boundary = rule;
   result.facts.boundary_loops = open.loops;
-  return Body{open.mesh, open.parts, open.genus, false, std::move(field)};
+  Body body{open.mesh, open.parts, open.genus, false, std::move(field)};
+  if (p.cloud.normals.empty() || !options.use_normals) turn_upwards(body);
+  return body;
 }
 
 void tell_choice(double one_way, bool is_open, Notes& notes) {

@@ -38,6 +38,17 @@ std::vector<Vec3> normals_of(const TriMesh& mesh) {
   return normals;
 }
 
+Vec3 facing_of(const TriMesh& mesh) {
+  Vec3 facing = Vec3::Zero();
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3 n = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
+    facing += n;
+    area += n.norm();
+  }
+  return area > 0 ? Vec3(facing / area) : facing;
+}
+
 void drop_touching(const TriMesh& mesh, const Marks& of_vertex, Marks& kept) {
   for (std::size_t t = 0; t < kept.size(); ++t)
     for (const std::uint32_t v : mesh.triangles[t])

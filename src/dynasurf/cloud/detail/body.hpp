@@ -37,6 +37,9 @@ struct Body {
   double firm = 1;       // share of the surfaces of the two finest fields, at levels up to 0.2 off, that are the same
 };
 
+/// Turns the surface, with its field, to the other side.
+void turn(Body& body);
+
 /// Chooses among the fields, coarsest first. `automatic`: the finest whose surface keeps its parts and handles when the
 /// level is raised or lowered a little, which accidents of the sampling do not; `zero`: the finest without handles;
 /// `keep`: the finest. Where that is a coarse field, a finer one is taken whose surface has the same parts and handles

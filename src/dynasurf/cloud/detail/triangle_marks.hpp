@@ -27,6 +27,10 @@ Groups parts_of(const TriMesh& mesh, const Marks& kept);
 /// Sums of the normals of the triangles around each vertex, of length 1.
 std::vector<Vec3> normals_of(const TriMesh& mesh);
 
+/// The normals of all triangles, added up by area, over the area: of length 0 for a closed surface, 0.5 for half a
+/// sphere and 1 for a plane.
+Vec3 facing_of(const TriMesh& mesh);
+
 /// Takes the mark from the triangles with a marked vertex.
 void drop_touching(const TriMesh& mesh, const Marks& of_vertex, Marks& kept);
 
