@@ -38,6 +38,25 @@ TEST(KdTree, AreThoseThatSortingAllDistancesGives) {
   }
 }
 
+TEST(KdTree, EndWhereTheSearchIsToldToEnd) {
+  const std::vector<Vec3> all = points(2000);
+  const KdTree neighbours(all);
+  std::array<KdTree::Found, 13> every, near;
+  for (std::size_t n = 0; n < 100; ++n) {
+    const Vec3 p = all[n * 17] + Vec3(0.3, 0.1, 0);
+    neighbours.nearest(p, every);
+    const double within = 4;
+    const std::size_t count = neighbours.nearest(p, near, within);
+    for (std::size_t k = 0; k < every.size(); ++k) {
+      EXPECT_EQ(k < count, every[k].distance2 < within * within);
+      if (k < count) {
+        EXPECT_EQ(near[k].index, every[k].index);
+      }
+    }
+  }
+  EXPECT_EQ(neighbours.nearest(Vec3(1000, 0, 0), 5).distance2, 25);
+}
+
 TEST(KdTree, AreFewerInASmallCloudAndNoneInAnEmptyOne) {
   const std::vector<Vec3> three = points(3);
   std::array<KdTree::Found, 5> found;

@@ -54,8 +54,8 @@ void KdTree::split_level(int level) {
   });
 }
 
-std::size_t KdTree::nearest(const Vec3& p, std::span<Found> found) const {
-  std::fill(found.begin(), found.end(), Found{});
+std::size_t KdTree::nearest(const Vec3& p, std::span<Found> found, double within) const {
+  std::fill(found.begin(), found.end(), Found{within * within});
   if (places_.empty() || found.empty()) return 0;
   struct Waiting {
     std::size_t node;
@@ -88,9 +88,9 @@ std::size_t KdTree::nearest(const Vec3& p, std::span<Found> found) const {
   return count;
 }
 
-KdTree::Found KdTree::nearest(const Vec3& p) const {
+KdTree::Found KdTree::nearest(const Vec3& p, double within) const {
   std::array<Found, 1> one;
-  nearest(p, one);
+  nearest(p, one, within);
   return one[0];
 }
 

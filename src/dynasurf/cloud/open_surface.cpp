@@ -26,12 +26,12 @@ constexpr double not_against = -0.5;
 /// place; no more than `most`.
 template <class Facing>
 double distance_to(const KdTree& tree, const Vec3& place, const Vec3& normal, double most, const Facing& facing) {
-  const KdTree::Found first = tree.nearest(place);
+  const KdTree::Found first = tree.nearest(place, most);
   if (!(first.distance2 < most * most)) return most;
   if (facing(first.index).dot(normal) > not_against) return std::sqrt(first.distance2);
   std::array<KdTree::Found, 16> found;
-  const std::size_t count = tree.nearest(place, found);
-  for (std::size_t k = 0; k < count && found[k].distance2 < most * most; ++k)
+  const std::size_t count = tree.nearest(place, found, most);
+  for (std::size_t k = 0; k < count; ++k)
     if (facing(found[k].index).dot(normal) > not_against) return std::sqrt(found[k].distance2);
   return most;
 }

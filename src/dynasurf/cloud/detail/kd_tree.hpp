@@ -30,10 +30,12 @@ class KdTree {
   explicit KdTree(std::span<const Vec3> points);
 
   /// Fills `found` with the nearest points, nearest first; a point of the cloud finds itself. Returns how many there
-  /// are: less than asked for when the cloud is smaller.
-  std::size_t nearest(const Vec3& p, std::span<Found> found) const;
-  /// The nearest point; infinity when there is none.
-  Found nearest(const Vec3& p) const;
+  /// are: less than asked for when the cloud is smaller, or has fewer nearer than `within`, which saves far places from
+  /// a long search.
+  std::size_t nearest(const Vec3& p, std::span<Found> found,
+                      double within = std::numeric_limits<double>::infinity()) const;
+  /// The nearest point; at `within` when none is nearer.
+  Found nearest(const Vec3& p, double within = std::numeric_limits<double>::infinity()) const;
 
   /// The points in the order of the tree: near ones follow each other, so that questions asked in this order find most
   /// of what they need at hand, and every so many of them still cover all of the surface.
