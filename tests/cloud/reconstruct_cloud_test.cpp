@@ -327,12 +327,18 @@ TEST(ReconstructCloud, KeepsSharpEdgesWhereAsked) {
 TEST(ReconstructCloud, KeepsTheCornersOfACubeWithFewTriangles) {
   Options options;
   options.triangles = {1280, 320};
-  const Result result =
-      reconstruct(synthetic::make_cloud({.shape = synthetic::CloudShape::cube, .points = 50000}), options);
-  const Certificate& c = result.levels.back().certificate;
-  EXPECT_TRUE(c.watertight());
-  EXPECT_GT(c.smallest_angle_deg, 28);
-  EXPECT_LT(c.cloud_to_mesh_mean, 0.0007 * c.cloud_diagonal);
+  double sum = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const Result result = reconstruct(
+        synthetic::make_cloud({.shape = synthetic::CloudShape::cube, .points = 50000, .seed = seed}), options);
+    const Certificate& c = result.levels.back().certificate;
+    EXPECT_TRUE(c.watertight());
+    EXPECT_GT(c.smallest_angle_deg, 28);
+    EXPECT_LT(c.cloud_to_mesh_mean, 0.001 * c.cloud_diagonal);
+    sum += c.cloud_to_mesh_mean / c.cloud_diagonal;
+  }
+  // How well one cube's corners fare depends on the last digits, by a third of this.
+  EXPECT_LT(sum / 4, 0.0007);
 }
 
 TEST(ReconstructCloud, MakesATorusASphereWhereAsked) {
