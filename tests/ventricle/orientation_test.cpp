@@ -117,6 +117,20 @@ TEST(FinerPixels, KeepPlacesAndSlicesAndCoverTheHeart) {
   EXPECT_EQ(with_finer_pixels(phantom.study, heart->cup, 5).grid(), phantom.study.grid()) << "fine enough";
 }
 
+TEST(FinerPixels, KeepPixelsThatAreSquareAndWideByRoundingAlone) {
+  synthetic::Phantom phantom = patient_with_tilt(0);
+  const auto heart = heart::locate(heart::mean_image(phantom.study.gates));
+  ASSERT_TRUE(heart);
+  for (Image& image : phantom.study.gates) image.grid.spacing[1] *= 1 + 1e-15;
+  const Grid& grid = phantom.study.grid();
+  EXPECT_EQ(with_finer_pixels(phantom.study, heart->cup, grid.spacing[0]).grid(), grid);
+  const Vec3 fine = with_finer_pixels(phantom.study, heart->cup, 0.99 * grid.spacing[0]).grid().spacing;
+  for (Image& image : phantom.study.gates) image.grid.spacing[0] *= 0.98;
+  const Vec3 oblong = with_finer_pixels(phantom.study, heart->cup, 0.99 * grid.spacing[1]).grid().spacing;
+  EXPECT_NEAR(fine[0], fine[1], 1e-12);
+  EXPECT_NEAR(oblong[0], 0.98 * oblong[1], 1e-12) << "rows and columns are divided alike";
+}
+
 TEST(Orient, RefusesWhatItMayNotOrCannotCut) {
   synthetic::Phantom phantom = patient_with_tilt(0);
   phantom.study.view = View::vertical_long_axis;

@@ -118,13 +118,13 @@ Study with_finer_pixels(const Study& study, const heart::LvShell& heart, double 
   const heart::LvShell cup = to_grid(old, heart);
   Grid grid = old;
   Vec3 corner = Vec3::Zero();  // grid frame of the old stack
-  bool is_finer = false;
+  // Rounding makes no pixel too wide, and columns and rows are divided alike: edges want pixels that are square.
+  constexpr double rounding = 1e-6;
+  const int parts = static_cast<int>(std::ceil(std::max(old.spacing[0], old.spacing[1]) / widest_mm - rounding));
+  if (parts <= 1) return study;
   for (const std::size_t a : {std::size_t{0}, std::size_t{1}}) {
     const auto axis = static_cast<Eigen::Index>(a);
     const double wide = old.spacing[axis];
-    const int parts = static_cast<int>(std::ceil(wide / widest_mm));
-    if (parts <= 1) continue;
-    is_finer = true;
     // Room for the heart wherever its axis runs through the stack.
     const double reach = heart.radius_mm + room_across_mm + std::abs(cup.axis[axis]) * heart.half_length_mm;
     const int first = std::clamp(static_cast<int>(std::floor((cup.middle()[axis] - reach) / wide)), 0, old.dims[a] - 1);
@@ -134,7 +134,6 @@ Study with_finer_pixels(const Study& study, const heart::LvShell& heart, double 
     grid.dims[a] = parts * (last - first + 1);
     corner[axis] = first * wide - (wide - grid.spacing[axis]) / 2;
   }
-  if (!is_finer) return study;
   grid.origin = to_world(old, corner);
   Study result = study;
   for (Image& image : result.gates) image = image::resample(image, grid);

@@ -71,8 +71,8 @@ Grid short_axis_grid(const heart::LvShell& heart, double voxel_mm);
 /// The study cut anew on that grid by one cubic interpolation.
 Study reorient(const Study& study, const heart::LvShell& heart, double voxel_mm);
 
-/// The same slices with finer pixels (cubic interpolation), cut to the surroundings of the heart: columns and rows
-/// wider than `widest_mm` are divided by the least whole number that does. World positions stay.
+/// The same slices with finer pixels (cubic interpolation), cut to the surroundings of the heart: where columns or rows
+/// are wider than `widest_mm`, both are divided by the least whole number that does. World positions stay.
 Study with_finer_pixels(const Study& study, const heart::LvShell& heart, double widest_mm);
 
 /// The study as a short-axis stack: as it is or cut anew, with notes that say what was done and why
