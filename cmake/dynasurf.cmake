@@ -4,9 +4,9 @@ add_library(dynasurf_flags INTERFACE)
 target_compile_options(dynasurf_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual)
 # Contraction to fused multiply-add would make results depend on the machine; the same bytes everywhere come first.
 target_compile_options(dynasurf_flags INTERFACE -ffp-contract=off)
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
-  target_compile_options(dynasurf_flags INTERFACE "SHELL:-include ${PROJECT_SOURCE_DIR}/cmake/arm/unfused_eigen.hpp")
-endif()
+# Eigen would sum in an order that depends on the width of the machine's vectors, and fuse where it has no macro against
+# it. What the compiler makes of plain loops keeps their order. Types keep the alignment that users of the library see.
+target_compile_definitions(dynasurf_flags INTERFACE EIGEN_DONT_VECTORIZE EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MAX_STATIC_ALIGN_BYTES=16)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # GCC 12 warns of overlapping copies inside its own operator+(const char*, std::string&&) (GCC bug 105651).
   target_compile_options(dynasurf_flags INTERFACE -Wno-restrict)

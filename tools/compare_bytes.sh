@@ -21,11 +21,10 @@ mkdir -p "$work"
 build() {
   local name=$1 compile file
   shift
-  compile=("$@" -std=c++20 -DNDEBUG -ffp-contract=off -Wno-psabi "-I$root/src" -isystem /usr/include/eigen3)
+  compile=("$@" -std=c++20 -DNDEBUG -ffp-contract=off -DEIGEN_DONT_VECTORIZE -Wno-psabi "-I$root/src" -isystem /usr/include/eigen3)
   local at=$work/$name
   mkdir -p "$at"
   {
-    echo "#include \"$root/cmake/arm/unfused_eigen.hpp\""
     printf '#include <%s>\n' algorithm array cmath cstdint functional limits map memory numbers numeric optional \
       set span sstream stop_token string string_view utility variant vector Eigen/Dense
   } >"$at/common.hpp.new"
