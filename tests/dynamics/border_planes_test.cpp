@@ -21,23 +21,18 @@ Grid grid_of(int n) {
 const BorderHit hit{{4, 4, 4}, {7, 8.5, 12.4}};  // entered through the low face of i
 
 TEST(MeetingPoint, LiesOnThePlaneOfTheVoxelAndOnThePath) {
-  BorderPlanes planes(grid_of(9));
-  const std::size_t voxel = planes.offset.grid.index(4, 4, 4);
-  planes.offset.x[voxel] = 0.4F;
-  planes.normal.x[voxel] = -3;
-  planes.normal.y[voxel] = 1;
-  const Vec3 direction(5, 1, 0.2), p = meeting_point(planes.offset.grid, &planes, hit, direction);
+  const Grid grid = grid_of(9);
+  const BorderPlanes planes{grid, {{grid.index(4, 4, 4), {0.4F, 0, 0}, {-3, 1, 0}}}};
+  const Vec3 direction(5, 1, 0.2), p = meeting_point(grid, &planes, hit, direction);
   EXPECT_NEAR((p - Vec3(8.4, 8, 12)).dot(Vec3(-3, 1, 0)), 0, 1e-6);  // offsets are single precision
   EXPECT_NEAR((p - hit.entry).cross(direction).norm(), 0, 1e-12);
 }
 
 TEST(MeetingPoint, StaysInTheVoxel) {
-  BorderPlanes planes(grid_of(9));
-  const std::size_t voxel = planes.offset.grid.index(4, 4, 4);
-  planes.normal.x[voxel] = 1;
+  const Grid grid = grid_of(9);
   for (const float offset : {-30.0F, 30.0F}) {
-    planes.offset.x[voxel] = offset;
-    const Vec3 p = meeting_point(planes.offset.grid, &planes, hit, {1, 0.1, 0});
+    const BorderPlanes planes{grid, {{grid.index(4, 4, 4), {offset, 0, 0}, {1, 0, 0}}}};
+    const Vec3 p = meeting_point(grid, &planes, hit, {1, 0.1, 0});
     EXPECT_NEAR(p[0], offset < 0 ? 7 : 9, 1e-12);
   }
 }
@@ -45,9 +40,11 @@ TEST(MeetingPoint, StaysInTheVoxel) {
 TEST(MeetingPoint, IsAbreastOfTheCentreWhereNothingIsKnown) {
   const Grid grid = grid_of(9);
   EXPECT_LT((meeting_point(grid, nullptr, hit, {2, 0, 0}) - Vec3(8, 8.5, 12.4)).norm(), 1e-12);
-  BorderPlanes planes(grid);  // no normals
+  BorderPlanes planes{grid, {}};
   EXPECT_LT((meeting_point(grid, &planes, hit, {2, 0, 0}) - Vec3(8, 8.5, 12.4)).norm(), 1e-12);
-  planes.normal.y[grid.index(4, 4, 4)] = 1;  // the path runs along the plane
+  planes.planes = {{grid.index(4, 4, 3), {1, 0, 0}, {1, 0, 0}}};  // of another voxel
+  EXPECT_LT((meeting_point(grid, &planes, hit, {2, 0, 0}) - Vec3(8, 8.5, 12.4)).norm(), 1e-12);
+  planes.planes = {{grid.index(4, 4, 4), {0, 0, 0}, {0, 1, 0}}};  // the path runs along the plane
   EXPECT_LT((meeting_point(grid, &planes, hit, {2, 0, 0}) - Vec3(8, 8.5, 12.4)).norm(), 1e-12);
   EXPECT_EQ(meeting_point(grid, &planes, hit, {0, 0, 0}), hit.entry);
 }
@@ -60,7 +57,7 @@ struct SphereBorder {
 
 SphereBorder sphere_border(double radius_mm) {
   const Grid grid = grid_of(31);
-  SphereBorder b{Image(grid), BorderPlanes(grid)};
+  SphereBorder b{Image(grid), {grid, {}}};
   const Vec3 middle = centre_of(grid, {15, 15, 15});
   for (int k = 0; k < 31; ++k)
     for (int j = 0; j < 31; ++j)
@@ -70,12 +67,7 @@ SphereBorder sphere_border(double radius_mm) {
         if (p.norm() == 0 || (offset.cwiseAbs() - grid.spacing / 2).maxCoeff() > 0) continue;
         const std::size_t v = grid.index(i, j, k);
         b.voxels.values[v] = 1;
-        b.planes.offset.x[v] = static_cast<float>(offset[0]);
-        b.planes.offset.y[v] = static_cast<float>(offset[1]);
-        b.planes.offset.z[v] = static_cast<float>(offset[2]);
-        b.planes.normal.x[v] = static_cast<float>(p[0]);
-        b.planes.normal.y[v] = static_cast<float>(p[1]);
-        b.planes.normal.z[v] = static_cast<float>(p[2]);
+        b.planes.planes.push_back({v, offset.cast<float>(), p.cast<float>()});
       }
   return b;
 }
@@ -117,7 +109,7 @@ TEST(Evolve, StopsOnTheSurfaceInsideTheVoxelsWhenItIsTold) {
 
 TEST(Evolve, RefusesPlanesOfAnotherGrid) {
   const SphereBorder border = sphere_border(20);
-  const BorderPlanes other(grid_of(5));
+  const BorderPlanes other{grid_of(5), {}};
   EXPECT_THROW(evolve(mesh::place(mesh::icosphere(1), border.voxels, {}), field::VectorField(border.voxels.grid),
                       border.voxels, {}, {}, {.planes = &other}),
                InputError);

@@ -42,9 +42,14 @@ Case disc_case() {
   return c;
 }
 
-Vec3 vector_at(const field::VectorField& f, const Index3& v) {
-  const std::size_t n = f.grid.index(v[0], v[1], v[2]);
-  return {f.x[n], f.y[n], f.z[n]};
+dynamics::BorderPlane plane_at(const dynamics::BorderPlanes& border, const Index3& v) {
+  return plane_in(border, border.grid.index(v[0], v[1], v[2]));
+}
+Vec3 offset_at(const dynamics::BorderPlanes& border, const Index3& v) {
+  return plane_at(border, v).offset.cast<double>();
+}
+Vec3 normal_at(const dynamics::BorderPlanes& border, const Index3& v) {
+  return plane_at(border, v).normal.cast<double>();
 }
 
 TEST(BorderPlanes, FindTheEdgeInsideItsPixels) {
@@ -55,7 +60,7 @@ TEST(BorderPlanes, FindTheEdgeInsideItsPixels) {
   for (int j = 0; j < 41; ++j)
     for (int i = 0; i < 41; ++i) {
       if (c.labels.borders(i, j, 2) == 0) continue;
-      const Vec3 offset = vector_at(planes.offset, {i, j, 2}) / 2;  // px
+      const Vec3 offset = offset_at(planes, {i, j, 2}) / 2;  // px
       with += std::abs(std::hypot(i + offset[0] - middle, j + offset[1] - middle) - radius_px);
       without += std::abs(std::hypot(i - middle, j - middle) - radius_px);
       ++count;
@@ -69,13 +74,13 @@ TEST(BorderPlanes, StandSquareToTheRayOnEdgesAndToTheSlicesOnTheClosingDiscs) {
   const Case c = disc_case();
   const dynamics::BorderPlanes planes = border_planes(c.border, Border::epi, c.labels, c.edges, 4);
   const Index3 inside{20, 20, 4}, bottom{20, 20, 0};
-  EXPECT_EQ(vector_at(planes.offset, inside), Vec3(0, 0, 2));
-  EXPECT_EQ(vector_at(planes.offset, bottom), Vec3(0, 0, -2));
-  EXPECT_EQ(vector_at(planes.normal, inside), Vec3(0, 0, 1));
-  EXPECT_EQ(vector_at(planes.normal, {20, 20, 2}), Vec3(0, 0, 0)) << "no border voxel";
+  EXPECT_EQ(offset_at(planes, inside), Vec3(0, 0, 2));
+  EXPECT_EQ(offset_at(planes, bottom), Vec3(0, 0, -2));
+  EXPECT_EQ(normal_at(planes, inside), Vec3(0, 0, 1));
+  EXPECT_EQ(normal_at(planes, {20, 20, 2}), Vec3(0, 0, 0)) << "no border voxel";
   for (int i = 0; i < 41; ++i)
     if (c.labels.borders(i, 20, 2) != 0) {
-      EXPECT_NEAR(std::abs(vector_at(planes.normal, {i, 20, 2}).normalized()[0]), 1, 0.01);
+      EXPECT_NEAR(std::abs(normal_at(planes, {i, 20, 2}).normalized()[0]), 1, 0.01);
     }
 }
 
@@ -87,8 +92,7 @@ TEST(BorderPlanes, FollowTheBorderOntoALargerGrid) {
   const dynamics::BorderPlanes large = border_planes(roomy, Border::epi, c.labels, c.edges, 4);
   for (int k = 0; k < 5; ++k)
     for (int j = 0; j < 41; ++j)
-      for (int i = 0; i < 41; ++i)
-        ASSERT_EQ(vector_at(large.offset, {i, j, k + 3}), vector_at(small.offset, {i, j, k}));
+      for (int i = 0; i < 41; ++i) ASSERT_EQ(offset_at(large, {i, j, k + 3}), offset_at(small, {i, j, k}));
 }
 
 }  // namespace

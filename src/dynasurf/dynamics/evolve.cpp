@@ -424,8 +424,7 @@ EvolutionResult evolve(const TriMesh& start, field::FieldView field, const Image
   checked.solver = solver_for(checked.model, checked.solver);
   check_inputs(start, field, border);
   const BorderPlanes* planes = own.planes;
-  if (planes != nullptr &&
-      (planes->offset.grid.dims != border.grid.dims || planes->normal.grid.dims != border.grid.dims))
+  if (planes != nullptr && planes->grid.dims != border.grid.dims)
     throw InputError("evolve: the border's planes lie on another grid than the border; expected the same size");
   check_additions(own, field);
   return Run(start, field, border, checked, own)(progress);

@@ -13,7 +13,6 @@
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
-#include "dynasurf/dynamics/detail/border_planes.hpp"
 #include "dynasurf/dynamics/detail/damping.hpp"
 #include "dynasurf/dynamics/detail/models.hpp"
 #include "dynasurf/dynamics/solvers/detail/solver_options.hpp"

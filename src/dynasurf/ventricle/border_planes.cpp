@@ -23,32 +23,27 @@ double parabola_vertex(double before, double middle, double after) {
   return curvature < 0 ? std::clamp(0.5 * (before - after) / curvature, -0.5, 0.5) : 0;
 }
 
-struct Plane {
-  Vec3 offset_mm{0, 0, 0}, normal{0, 0, 0};
-};
+dynamics::BorderPlane plane_of(std::size_t voxel, const Vec3& offset_mm, const Vec3& normal) {
+  return {voxel, offset_mm.cast<float>(), normal.cast<float>()};
+}
 
-Plane plane_of_edge(const Image& strength, const Axis& axis, const Index3& v) {
+/// The plane that an edge pixel has in the border volume's voxel.
+dynamics::BorderPlane plane_of_edge(const Image& strength, const Axis& axis, const Index3& v, std::size_t voxel) {
   const int k = v[2];
   const double x = v[0] - axis.x_at(k), y = v[1] - axis.y_at(k), radius = own::hypot(x, y);
-  if (radius == 0) return {};
+  if (radius == 0) return {.voxel = voxel};
   const double ux = x / radius, uy = y / radius;
   const double shift_px = parabola_vertex(value_at(strength, v[0] - ux, v[1] - uy, k), strength(v[0], v[1], k),
                                           value_at(strength, v[0] + ux, v[1] + uy, k));
   const Vec3& mm = strength.grid.spacing;
-  return {{shift_px * ux * mm[0], shift_px * uy * mm[1], 0}, {ux / mm[0], uy / mm[1], 0}};
-}
-
-void set(field::VectorField& field, std::size_t voxel, const Vec3& v) {
-  field.x[voxel] = static_cast<float>(v[0]);
-  field.y[voxel] = static_cast<float>(v[1]);
-  field.z[voxel] = static_cast<float>(v[2]);
+  return plane_of(voxel, {shift_px * ux * mm[0], shift_px * uy * mm[1], 0}, {ux / mm[0], uy / mm[1], 0});
 }
 
 }  // namespace
 
 dynamics::BorderPlanes border_planes(const Image& border, Border wall, const Labels& labels,
                                      const image::EdgeMap& edges, int base_slice) {
-  dynamics::BorderPlanes planes(border.grid);
+  dynamics::BorderPlanes planes{border.grid, {}};
   const Grid& grid = labels.borders.grid;
   // The border's grid is the labels' grown by whole voxels.
   const Index3 shift = voxel_of(border.grid, to_grid(border.grid, grid.origin));
@@ -61,10 +56,8 @@ dynamics::BorderPlanes border_planes(const Image& border, Border wall, const Lab
         if (border.values[voxel] == 0) continue;
         const bool on_edge = (labels.borders(i, j, k) & bit) != 0;
         const double face = k == base_slice ? half_slice : -half_slice;
-        const Plane plane =
-            on_edge ? plane_of_edge(edges.gradient, labels.axis, {i, j, k}) : Plane{{0, 0, face}, {0, 0, 1}};
-        set(planes.offset, voxel, plane.offset_mm);
-        set(planes.normal, voxel, plane.normal);
+        planes.planes.push_back(on_edge ? plane_of_edge(edges.gradient, labels.axis, {i, j, k}, voxel)
+                                        : plane_of(voxel, {0, 0, face}, {0, 0, 1}));
       }
   return planes;
 }
