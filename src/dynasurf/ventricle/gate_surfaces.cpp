@@ -38,6 +38,9 @@ void find_surface(WallRun& run, const Image& image, const TriMesh& start, const 
     own.planes = &run.planes;
     return dynamics::evolve(start, run.flow.field, run.border, options.evolution, quiet, own);
   });
+  run.planes = {};
+  // Fields of all gates are much of the memory of a study; only those who look at the motion afterwards want them.
+  if (!options.evolution.histories && options.evolution.trajectory_every == 0) run.flow.field = {};
 }
 
 /// The outer wall first: it bounds the search for the inner one. A wall without contours keeps no border and no mesh.

@@ -359,6 +359,7 @@ Result reconstruct(const Study& original, const Options& requested, const Progre
   measure_surfaces(run.gates, result.study, options, clock);
   if (own.keep) hand_over_stages(own.keep, run.gates, result.study, options.evolution);
   finish_gates(run.gates, result);
+  run.gates.clear();
   measure_cycle(result);
   read_otherwise(original, options.fit, progress, clock, result);
   choose_leading(result);
