@@ -123,9 +123,10 @@ class RayPainter {
     }
     const Index3 size{end[0] - first[0], end[1] - first[1], end[2] - first[2]};
     if (size[0] <= 0) return;
-    box_.assign(
-        static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]),
-        Eigen::Vector3f::Zero());
+    for (std::vector<float>& of_field : box_)
+      of_field.assign(
+          static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]),
+          0.0F);
     for (std::size_t p = 0; p < seen.size(); ++p)
       if (is_seen(seen[p])) add_point(seen[p], ray.by_field[p], first, size);
     look_through_box(first, size, number);
@@ -171,22 +172,31 @@ class RayPainter {
         const float plane = seen[2].weight[k] * seen[1].weight[j];
         const std::size_t slice = static_cast<std::size_t>(seen[2].from - first[2]) + k,
                           line = static_cast<std::size_t>(seen[1].from - first[1]) + j;
-        Eigen::Vector3f* at = box_.data() + static_cast<std::size_t>(seen[0].from - first[0]) +
-                              static_cast<std::size_t>(size[0]) * (line + static_cast<std::size_t>(size[1]) * slice);
-        for (std::size_t i = 0; i < seen[0].weight.size(); ++i) at[i] += plane * seen[0].weight[i] * by_field;
+        const std::size_t begin =
+            static_cast<std::size_t>(seen[0].from - first[0]) +
+            static_cast<std::size_t>(size[0]) * (line + static_cast<std::size_t>(size[1]) * slice);
+        for (std::size_t f = 0; f < box_.size(); ++f) {
+          float* at = box_[f].data() + begin;
+          const float by = by_field[static_cast<Eigen::Index>(f)];
+          if (by == 0) continue;
+          for (std::size_t i = 0; i < seen[0].weight.size(); ++i) at[i] += plane * seen[0].weight[i] * by;
+        }
       }
   }
 
   void look_through_box(const Index3& first, const Index3& size, std::size_t number) {
-    const Eigen::Vector3f* at = box_.data();
+    const float *endo = box_[0].data(), *wall = box_[1].data(), *uptake = box_[2].data();
+    std::size_t at = 0;
     for (int k = 0; k < size[2]; ++k)
       for (int j = 0; j < size[1]; ++j) {
         const int* row = row_of_.data() + first[0] +
                          static_cast<std::ptrdiff_t>(pixels_.count[0]) *
                              (first[1] + j + static_cast<std::ptrdiff_t>(pixels_.count[1]) * (first[2] + k));
         for (int i = 0; i < size[0]; ++i, ++at) {
-          if (row[i] < 0 || at->isZero(0)) continue;
-          views_.push_back({static_cast<std::uint32_t>(row[i]), static_cast<std::uint32_t>(number), *at});
+          if (row[i] < 0 || (endo[at] == 0 && wall[at] == 0 && uptake[at] == 0)) continue;
+          views_.push_back({static_cast<std::uint32_t>(row[i]),
+                            static_cast<std::uint32_t>(number),
+                            {endo[at], wall[at], uptake[at]}});
           ++seen_by_[static_cast<std::size_t>(row[i])];
         }
       }
@@ -197,7 +207,7 @@ class RayPainter {
   double edge_mm_;
   std::vector<int> row_of_;                                // per pixel; -1: none
   std::array<std::array<Seen, 3>, WallRay::points> seen_;  // [point][axis] of one ray
-  std::vector<Eigen::Vector3f> box_;                       // what the pixels around one ray see of it
+  std::array<std::vector<float>, 3> box_;                  // what the pixels around one ray see of it, by field
   std::vector<View> views_;                                // in the order of the rays
   std::vector<std::size_t> seen_by_;                       // views of each row
   std::vector<std::size_t> end_;                           // of those of each row, once they are sorted
