@@ -2,6 +2,7 @@
 #include <chrono>
 #include <filesystem>
 #include <latch>
+#include <memory>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -110,8 +111,12 @@ ThreadLimit::ThreadLimit(int threads)
                          : nullptr) {
   try {
     keep_to_threads_to_be_had(threads);
-    // oneTBB loads a library first, and the loader of the system does not survive the want of memory everywhere.
-    { const std::vector<char> library(std::size_t{8} << 20); }
+    // oneTBB loads a library first, and the loader of the system does not survive the want of memory everywhere. The
+    // first byte is written, so that no compiler leaves the allocation out; more would cost as much as the threads.
+    {
+      const auto library = std::make_unique_for_overwrite<char[]>(std::size_t{8} << 20);
+      *static_cast<volatile char*>(library.get()) = 0;
+    }
     parallel_for(2, 1, [](std::size_t, std::size_t) {});
   } catch (...) {
     // The end of a control waits for ever for a scheduler that could not be started: it is given up.
