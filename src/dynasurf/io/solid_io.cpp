@@ -32,9 +32,11 @@ std::string vtu(const mesh::TetMesh& solid, std::span<const VertexScalar> scalar
                      std::to_string(solid.vertices.size()) + "\" NumberOfCells=\"" +
                      std::to_string(solid.tetrahedra.size()) + "\">\n<PointData>\n";
   for (const VertexScalar& s : scalars) body += xml.array<float>(s.name, 1, s.values);
-  body += "</PointData>\n<Points>\n" + xml.array<double>("Points", 3, points) + "</Points>\n<Cells>\n" +
-          xml.array<std::int64_t>("connectivity", 1, corners) + xml.array<std::int64_t>("offsets", 1, ends) +
-          xml.array<std::uint8_t>("types", 1, types) + "</Cells>\n</Piece>\n</UnstructuredGrid>\n";
+  // One by one: a compiler may choose which of two in one expression is appended first.
+  body += "</PointData>\n<Points>\n" + xml.array<double>("Points", 3, points) + "</Points>\n<Cells>\n";
+  body += xml.array<std::int64_t>("connectivity", 1, corners);
+  body += xml.array<std::int64_t>("offsets", 1, ends);
+  body += xml.array<std::uint8_t>("types", 1, types) + "</Cells>\n</Piece>\n</UnstructuredGrid>\n";
   return xml.file("UnstructuredGrid", body);
 }
 

@@ -26,8 +26,9 @@ std::string encode_vtp(const TriMesh& mesh, std::span<const VertexScalar> scalar
   body += "<PointData Normals=\"Normals\">\n" + xml.array<float>("Normals", 3, normals);
   for (const VertexScalar& s : scalars) body += xml.array<float>(s.name, 1, s.values);
   body += "</PointData>\n<Points>\n" + xml.array<double>("Points", 3, points) + "</Points>\n";
-  body += "<Polys>\n" + xml.array<std::int64_t>("connectivity", 1, corners) +
-          xml.array<std::int64_t>("offsets", 1, ends) + "</Polys>\n";
+  // Each array is appended when it is named: a compiler may choose which of two in one expression comes first.
+  const std::string offsets = xml.array<std::int64_t>("offsets", 1, ends);
+  body += "<Polys>\n" + xml.array<std::int64_t>("connectivity", 1, corners) + offsets + "</Polys>\n";
   body += "</Piece>\n</PolyData>\n";
   return xml.file("PolyData", body);
 }
