@@ -57,22 +57,28 @@ field::VectorField flow_of(const Search& s, const Image& strength) {
 
 field::VectorField slope_of(const Image& strength) { return dynamics::scaled_to_one(dynamics::force_of(strength, -1)); }
 
-dynamics::ContourResult contour_in_slice(const Search& s, int k, const Contour& start) {
+/// A contour that came to rest, and the field that pulled it last.
+struct SliceContour {
+  dynamics::ContourResult rest;
+  field::VectorField field;
+};
+
+SliceContour contour_in_slice(const Search& s, int k, const Contour& start) {
   const Image strength = border_strength(s, k);
-  dynamics::ContourResult r{start, dynamics::StopReason::at_rest, 0};
-  if (s.options.force != ContourForce::potential)
-    r = dynamics::evolve_contour(start, flow_of(s, strength), s.options.model);
-  if (s.options.force == ContourForce::flow || r.reason == dynamics::StopReason::diverged) return r;
-  const int before = r.steps;
-  r = dynamics::evolve_contour(r.contour, slope_of(strength), s.options.model);
-  r.steps += before;
-  return r;
+  SliceContour found{{start, dynamics::StopReason::at_rest, 0}, {}};
+  const auto evolve = [&](field::VectorField field) {
+    const int before = found.rest.steps;
+    found.field = std::move(field);
+    found.rest = dynamics::evolve_contour(found.rest.contour, found.field, s.options.model);
+    found.rest.steps += before;
+  };
+  if (s.options.force != ContourForce::potential) evolve(flow_of(s, strength));
+  if (s.options.force != ContourForce::flow && found.rest.reason != dynamics::StopReason::diverged)
+    evolve(slope_of(strength));
+  return found;
 }
 
-/// What pulls the points of a contour where it came to rest.
-std::vector<Vec2> pulls_on(const Search& s, int k, const Contour& contour) {
-  const Image strength = border_strength(s, k);
-  const field::VectorField field = s.options.force == ContourForce::flow ? flow_of(s, strength) : slope_of(strength);
+std::vector<Vec2> pulls_on(const Contour& contour, const field::VectorField& field) {
   std::vector<Vec2> pulls;
   for (const Vec2& p : contour.points) pulls.push_back(dynamics::force_at(field, p));
   return pulls;
@@ -98,9 +104,10 @@ bool usable(const dynamics::ContourResult& r, const ContourPipeline& o) {
   return r.reason != dynamics::StopReason::diverged && area_of(r.contour) >= o.least_area_px2;
 }
 
-void keep(const Search& s, WallContours& all, int k, const dynamics::ContourResult& r) {
+void keep(WallContours& all, int k, const SliceContour& found) {
+  const dynamics::ContourResult& r = found.rest;
   all.slices[static_cast<std::size_t>(k)] = r.contour;
-  all.pulls[static_cast<std::size_t>(k)] = pulls_on(s, k, r.contour);
+  all.pulls[static_cast<std::size_t>(k)] = pulls_on(r.contour, found.field);
   all.bends[static_cast<std::size_t>(k)] = dynamics::curvature_force(r.contour, dynamics::curvature_frame(r.contour));
   all.steps += r.steps;
   ++all.found;
@@ -108,7 +115,7 @@ void keep(const Search& s, WallContours& all, int k, const dynamics::ContourResu
 }
 
 /// The slice asked for, or the clearest of all slices in the middle half, each with a contour of its own.
-std::optional<dynamics::ContourResult> begin(const Search& s, int first, int last, WallContours& all) {
+std::optional<SliceContour> begin(const Search& s, int first, int last, WallContours& all) {
   if (s.options.best_slice) {
     const int asked = *s.options.best_slice - 1;
     all.best_slice = std::clamp(asked, first, last);
@@ -120,12 +127,13 @@ std::optional<dynamics::ContourResult> begin(const Search& s, int first, int las
     return contour_in_slice(s, all.best_slice, automatic_start(s, all.best_slice));
   }
   const int margin = (last - first) / 4;
-  std::optional<dynamics::ContourResult> best;
+  std::optional<SliceContour> best;
   double clearest = -1;
   for (int k = first + margin; k <= last - margin; ++k) {
-    dynamics::ContourResult r = contour_in_slice(s, k, automatic_start(s, k));
-    if (!usable(r, s.options)) continue;
-    if (const double c = clarity(s, k, r.contour); c > clearest) clearest = c, best = std::move(r), all.best_slice = k;
+    SliceContour found = contour_in_slice(s, k, automatic_start(s, k));
+    if (!usable(found.rest, s.options)) continue;
+    if (const double c = clarity(s, k, found.rest.contour); c > clearest)
+      clearest = c, best = std::move(found), all.best_slice = k;
   }
   return best;
 }
@@ -141,7 +149,8 @@ void sweep(const Search& s, int to, int direction, WallContours& all) {
   const auto slice = [&](int k) -> std::optional<Contour>& { return all.slices[static_cast<std::size_t>(k)]; };
   for (int k = all.best_slice + direction; direction * k <= direction * to; k += direction) {
     const Contour& former = *slice(k - direction);
-    dynamics::ContourResult r = contour_in_slice(s, k, former);
+    SliceContour found = contour_in_slice(s, k, former);
+    dynamics::ContourResult& r = found.rest;
     std::optional<double> before_that;
     if (k - 2 * direction >= 0 && k - 2 * direction < static_cast<int>(all.slices.size()) && slice(k - 2 * direction))
       before_that = area_of(*slice(k - 2 * direction));
@@ -157,7 +166,7 @@ void sweep(const Search& s, int to, int direction, WallContours& all) {
     } else if (area < s.options.least_area_px2) {
       return;
     }
-    keep(s, all, k, r);
+    keep(all, k, found);
   }
 }
 
@@ -192,15 +201,15 @@ WallContours propagate_contours(const Image& image, const Labels& labels, Border
   all.bends.resize(all.slices.size());
   const Search search{image, labels, wall, options, outer};
   const auto [first, last] = range_of(labels, wall, base_slice);
-  std::optional<dynamics::ContourResult> start;
+  std::optional<SliceContour> start;
   if (first <= last && labels.circle.radius_px > 0) start = begin(search, first, last, all);
-  if (!start || !usable(*start, options)) {
+  if (!start || !usable(start->rest, options)) {
     all.notes.push_back({Severity::warning, "contour.none",
                          "no slice shows a " + std::string(name_of(wall)) + "cardial contour to begin with"});
     all.best_slice = -1;
     return all;
   }
-  keep(search, all, all.best_slice, *start);
+  keep(all, all.best_slice, *start);
   sweep(search, last, 1, all);
   sweep(search, first, -1, all);
   return all;
