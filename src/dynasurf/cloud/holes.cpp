@@ -1,11 +1,11 @@
 #include "dynasurf/cloud/detail/holes.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "dynasurf/cloud/detail/facing.hpp"
 #include "dynasurf/cloud/detail/kd_tree.hpp"
 #include "dynasurf/cloud/detail/levels.hpp"
 #include "dynasurf/cloud/detail/patch.hpp"
@@ -19,8 +19,8 @@ namespace dynasurf::cloud {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double nudge = 0.1;                                      // of the level, as `choose_body` tries it
-constexpr double same_way = 0.2, alike = 0.5, not_against = -0.5;  // cosines between directions
+constexpr double nudge = 0.1;                  // of the level, as `choose_body` tries it
+constexpr double same_way = 0.2, alike = 0.5;  // cosines between directions
 
 /// The points of the scan, asked for with a direction: the other side of a thin wall does not hold a surface.
 class Scan {
@@ -30,13 +30,8 @@ class Scan {
   /// Distance to the nearest point whose direction has a cosine above `least` to this one; infinity when none of those
   /// around does.
   double distance(const Vec3& place, const Vec3& facing, double least) const {
-    const KdTree::Found first = neighbours_.nearest(place);
-    if (points_.normals[first.index].dot(facing) > least) return std::sqrt(first.distance2);
-    std::array<KdTree::Found, 16> found;
-    const std::size_t count = neighbours_.nearest(place, found);
-    for (std::size_t k = 0; k < count; ++k)
-      if (points_.normals[found[k].index].dot(facing) > least) return std::sqrt(found[k].distance2);
-    return infinite;
+    return distance_facing(neighbours_, place, facing, least, infinite,
+                           [&](std::uint32_t i) { return points_.normals[i]; });
   }
 
  private:

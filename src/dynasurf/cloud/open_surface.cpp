@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "dynasurf/cloud/detail/body.hpp"
+#include "dynasurf/cloud/detail/facing.hpp"
 #include "dynasurf/cloud/detail/patch.hpp"
 #include "dynasurf/cloud/detail/triangle_marks.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -19,23 +20,6 @@ namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-/// The other side of a wall says nothing; an edge that the surface turns around does.
-constexpr double not_against = -0.5;
-
-/// Distance to the nearest of the points, whose directions `facing` tells by number, that does not face against a
-/// place; no more than `most`.
-template <class Facing>
-double distance_to(const KdTree& tree, const Vec3& place, const Vec3& normal, double most, const Facing& facing) {
-  const KdTree::Found first = tree.nearest(place, most);
-  if (!(first.distance2 < most * most)) return most;
-  if (facing(first.index).dot(normal) > not_against) return std::sqrt(first.distance2);
-  std::array<KdTree::Found, 16> found;
-  const std::size_t count = tree.nearest(place, found, most);
-  for (std::size_t k = 0; k < count; ++k)
-    if (facing(found[k].index).dot(normal) > not_against) return std::sqrt(found[k].distance2);
-  return most;
-}
-
 /// Of each vertex to the points of the scan and of its holes.
 std::vector<double> distances_to_points(const TriMesh& mesh, const std::vector<Vec3>& normals,
                                         const IndicatorField& field, const SupportingPoints& scan,
@@ -45,11 +29,11 @@ std::vector<double> distances_to_points(const TriMesh& mesh, const std::vector<V
   parallel_for(distances.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       const Vec3 &place = mesh.vertices[v], &normal = normals[v];
-      distances[v] =
-          distance_to(scan.tree, place, normal, most, [&](std::uint32_t i) { return outwards(field, scan.points[i]); });
+      distances[v] = distance_facing(scan.tree, place, normal, not_against, most,
+                                     [&](std::uint32_t i) { return outwards(field, scan.points[i]); });
       if (fill.points.empty()) continue;
       const double in_hole =
-          distance_to(in_holes, place, normal, most, [&](std::uint32_t i) { return fill.normals[i]; });
+          distance_facing(in_holes, place, normal, not_against, most, [&](std::uint32_t i) { return fill.normals[i]; });
       distances[v] = std::min(distances[v], in_hole);
     }
   });
@@ -98,8 +82,8 @@ std::optional<std::vector<double>> values_of_cut(const TriMesh& mesh, const Indi
   std::vector<double> values(distances.size());
   parallel_for(values.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
-      const double to_line = distance_to(tree, mesh.vertices[v], normals[v], 3 * cut.reach,
-                                         [&](std::uint32_t i) { return line.normals[i]; });
+      const double to_line = distance_facing(tree, mesh.vertices[v], normals[v], not_against, 3 * cut.reach,
+                                             [&](std::uint32_t i) { return line.normals[i]; });
       values[v] = (distances[v] <= cut.reach ? to_line : -to_line) - back;
     }
   });
