@@ -85,7 +85,7 @@ ExitCode run(const CloudArguments& arguments, std::stop_token stop) {
 
 void add_cloud(CLI::App& program, Command& chosen) {
   auto a = std::make_shared<CloudArguments>();
-  CommandLine command(program, "cloud", "Light closed meshes at several levels of detail from scanned points");
+  CommandLine command(program, "cloud", "Light meshes, closed or open, from scanned points");
   command
       .option("CLOUD", a->clouds,
               "PLY, XYZ, PTS, CSV, PWN, OBJ, OFF, LAS, PCD, PTX file of points, or a surface as STL, PLY, OBJ, "
