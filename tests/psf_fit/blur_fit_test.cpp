@@ -12,6 +12,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/heart/locate.hpp"
 #include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/psf_fit/detail/attenuation.hpp"
 #include "dynasurf/psf_fit/detail/harmonics.hpp"
 #include "dynasurf/psf_fit/detail/reconstruction_filter.hpp"
 #include "dynasurf/psf_fit/detail/start.hpp"
@@ -125,6 +126,7 @@ TEST(BlurFit, ReadsTheVolumesBehindAButterworthFilter) {
     return fit_through_blur(phantom.study, biased_start(phantom), options).edv_ml.value / *phantom.edv_ml - 1;
   };
   EXPECT_LT(std::abs(edv_error(0.36)), 0.08);
+  options.attenuation = false;
   EXPECT_LT(edv_error(0), -0.1);  // a Gaussian alone
 }
 
@@ -281,6 +283,49 @@ TEST(BlurFit, GivesClosedSurfacesOfOneTopologyOneInsideTheOther) {
     EXPECT_LT(gate.endo_ml.value, gate.epi_ml.value);
   }
   EXPECT_EQ(beat.uptake.size(), beat.gates[0].endo.vertices.size());
+}
+
+/// The study as a reconstruction without correction of attenuation shows it.
+Study attenuated(const synthetic::Phantom& phantom) {
+  Study study = phantom.study;
+  Pixels pixels;
+  pixels.count = study.grid().dims;
+  pixels.spacing = study.grid().spacing;
+  std::vector<std::vector<float>> images;
+  for (const Image& gate : study.gates) images.push_back(gate.values);
+  const HeartFrame frame = place_start(biased_start(phantom), study.grid()).frame;
+  const auto added = attenuation_images(study, pixels, frame, 1, images, std::vector<float>(pixels.size(), 1.0F));
+  for (std::size_t g = 0; g < images.size(); ++g)
+    for (std::size_t n = 0; n < pixels.size(); ++n) study.gates[g].values[n] += added[0][g][n];
+  return study;
+}
+
+bool tells_attenuation(const FittedBeat& beat) {
+  return std::any_of(beat.notes.begin(), beat.notes.end(), [](const Note& n) { return n.code == "fit.attenuation"; });
+}
+
+TEST(BlurFit, ExplainsUncorrectedAttenuation) {
+  const synthetic::Phantom phantom = small_study(12);
+  const Study study = attenuated(phantom);
+  const FitStart start = biased_start(phantom);
+  BlurFit without = known_blur(12);
+  without.attenuation = false;
+  const FittedBeat blind = fit_through_blur(study, start, without),
+                   aware = fit_through_blur(study, start, known_blur(12));
+  EXPECT_LT(aware.objective, 0.7 * blind.objective);
+  EXPECT_NEAR(aware.esv_ml.value / *phantom.esv_ml, 1, 0.05);
+  EXPECT_TRUE(tells_attenuation(aware));
+  EXPECT_FALSE(tells_attenuation(blind));
+}
+
+TEST(BlurFit, SeesNoAttenuationWhereThereIsNone) {
+  const synthetic::Phantom phantom = small_study(12);
+  const FitStart start = biased_start(phantom);
+  BlurFit without = known_blur(12);
+  without.attenuation = false;
+  const FittedBeat beat = fit_through_blur(phantom.study, start, known_blur(12));
+  EXPECT_FALSE(tells_attenuation(beat));
+  EXPECT_NEAR(beat.edv_ml.value / fit_through_blur(phantom.study, start, without).edv_ml.value, 1, 0.01);
 }
 
 TEST(BlurFit, IsTheSameForAnyNumberOfThreads) {

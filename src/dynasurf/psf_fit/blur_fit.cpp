@@ -11,6 +11,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/heart/locate.hpp"
 #include "dynasurf/mesh/measures.hpp"
+#include "dynasurf/psf_fit/detail/attenuation.hpp"
 #include "dynasurf/psf_fit/detail/extracardiac_sources.hpp"
 #include "dynasurf/psf_fit/detail/fitted_mesh.hpp"
 #include "dynasurf/psf_fit/detail/harmonics.hpp"
@@ -269,30 +270,92 @@ void weigh_again(Fitting& fit) {
   fit.setup.problem.noise = fit.noise.of_steps;
 }
 
+/// Lays the numbers for the images that are fitted beside the heart; unknowns that there were keep their values.
+void lay_anew(Fitting& fit) {
+  BeatProblem& problem = fit.setup.problem;
+  const BeatLayout former = problem.layout;
+  const GateLayout& old = former.gate;
+  const GateLayout gate =
+      make_gate_layout(old.endo_degree, old.wall_degree, old.uptake_degree, static_cast<int>(problem.blobs.size()),
+                       static_cast<int>(problem.attenuation.size()));
+  std::vector<Eigen::VectorXd> first;
+  for (const Eigen::VectorXd& numbers : fit.first) {
+    first.push_back(Eigen::VectorXd::Zero(gate.count()));
+    first.back().head(gate.attenuation) = numbers.head(gate.attenuation);
+  }
+  Eigen::VectorXd unknowns;
+  problem.layout = make_beat_layout(gate, first, fit.beliefs, unknowns);
+  const auto keep = [&](int number, int before) {
+    const auto &to = problem.layout.terms[0][static_cast<std::size_t>(number)],
+               &from = former.terms[0][static_cast<std::size_t>(before)];
+    for (std::size_t t = 0; t < to.size(); ++t) unknowns[to[t].unknown] = fit.solution.unknowns[from[t].unknown];
+  };
+  for (int number = 0; number < gate.attenuation; ++number) keep(number, number);
+  for (int k = 0; k < std::min(gate.attenuation_count, old.attenuation_count); ++k)
+    keep(gate.attenuation + k, old.attenuation + k);
+  for (int b = 0; b < old.blob_count; ++b) keep(gate.blobs + b, old.blobs + b);
+  for (int k = old.attenuation_count; k < gate.attenuation_count; ++k) {
+    const int added = problem.layout.terms[0][static_cast<std::size_t>(gate.attenuation + k)].front().unknown;
+    unknowns[added] = problem.layout.expected[added];
+  }
+  fit.solution.unknowns = unknowns;
+}
+
+/// What the fit sees without attenuation, per gate.
+std::vector<std::vector<float>> images_before_attenuation(const Fitting& fit) {
+  const BeatProblem& problem = fit.setup.problem;
+  const GateLayout& layout = problem.layout.gate;
+  const Eigen::VectorXd numbers = problem.layout.at_gate(0, fit.solution.unknowns);
+  std::vector<std::vector<float>> images = problem.values;
+  for (std::size_t g = 0; g < images.size(); ++g)
+    for (std::size_t n = 0; n < images[g].size(); ++n) {
+      images[g][n] += fit.solution.objective.residual[g][n];
+      for (int k = 0; k < layout.attenuation_count; ++k)
+        images[g][n] -= static_cast<float>(numbers[layout.attenuation + k]) *
+                        problem.attenuation[static_cast<std::size_t>(k)][g][n];
+    }
+  return images;
+}
+
+/// Amplitude of the usual attenuation; 0 where it is not looked for.
+double attenuation_seen(const Fitting& fit) {
+  const BeatLayout& layout = fit.setup.problem.layout;
+  return layout.gate.attenuation_count == 0 ? 0 : layout.at_gate(0, fit.solution.unknowns)[layout.gate.attenuation];
+}
+
+/// The images that attenuation adds, as the fit stands.
+void renew_attenuation(Fitting& fit, const Study& study) {
+  BeatProblem& problem = fit.setup.problem;
+  problem.attenuation = attenuation_images(study, problem.pixels, problem.cells.frame, fit.setup.unit,
+                                           images_before_attenuation(fit), fit.first_weight);
+  lay_anew(fit);
+  fit.solution.matrix = {};
+}
+
+/// Attenuation is looked for, and given up where the image shows too little of it to matter.
+void look_for_attenuation(Fitting& fit, const Study& study, double share) {
+  constexpr double least = 0.05;
+  if (share <= tightest) return renew_attenuation(fit, study);
+  if (fit.setup.problem.attenuation.empty()) return;
+  if (attenuation_seen(fit) > least) return renew_attenuation(fit, study);
+  fit.setup.problem.attenuation.clear();
+  lay_anew(fit);
+  fit.solution.matrix = {};
+}
+
 /// Looks for hot spots beside the heart and lets the fit explain them. Returns how many there are.
-int add_extracardiac_sources(Fitting& fit, double fwhm_mm, const BlurFit& options) {
+int add_extracardiac_sources(Fitting& fit, double fwhm_mm) {
   // Of a sharp image nothing beside the heart spills over the wall: what is left there is doubted, not modelled.
   if (!(fwhm_mm > 0)) return 0;
   BeatProblem& problem = fit.setup.problem;
-  Solution& solution = fit.solution;
   std::vector<bool> beside;
   for (const Place& place : fit.setup.place)
     beside.push_back(place.outside_mm > 0.25 * fwhm_mm && place.above_mm < fwhm_mm);
   const std::vector<ExtracardiacSource> blobs =
-      find_extracardiac_sources(problem, solution.objective, beside, least_spot, most_spots);
+      find_extracardiac_sources(problem, fit.solution.objective, beside, least_spot, most_spots);
   if (blobs.empty()) return 0;
   for (const ExtracardiacSource& blob : blobs) problem.blobs.push_back(blob_image(problem, blob));
-  const GateLayout wider = make_gate_layout(options.shape_degree, options.wall_degree, options.uptake_degree,
-                                            static_cast<int>(blobs.size()));
-  std::vector<Eigen::VectorXd> first;
-  for (const Eigen::VectorXd& numbers : fit.first) {
-    first.push_back(Eigen::VectorXd::Zero(wider.count()));
-    first.back().head(numbers.size()) = numbers;
-  }
-  Eigen::VectorXd unknowns;
-  problem.layout = make_beat_layout(wider, first, fit.beliefs, unknowns);
-  unknowns.head(solution.unknowns.size()) = solution.unknowns;
-  solution.unknowns = unknowns;
+  lay_anew(fit);
   return static_cast<int>(blobs.size());
 }
 
@@ -343,17 +406,26 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   FittedBeat beat;
   relax_priors(fit, tightest);
   minimise(problem, solution, 10, 1e-2, progress);
-  beat.extracardiac_sources = add_extracardiac_sources(fit, blur.fwhm_mm, options);
-  for (const double share : {tightest, 0.4}) {
+  beat.extracardiac_sources = add_extracardiac_sources(fit, blur.fwhm_mm);
+  const bool may_be_attenuated =
+      options.attenuation && blur.fwhm_mm > 0 && study.modality != "PT" && study.gates.size() > 1;
+  for (const double share : {tightest, 0.4, 1.0}) {
+    if (may_be_attenuated) look_for_attenuation(fit, study, share);
     relax_priors(fit, share);
     weigh_again(fit);
-    minimise(problem, solution, 8, 1e-2, progress);
+    if (share < 1)
+      minimise(problem, solution, 8, 1e-2, progress);
+    else
+      minimise(problem, solution, std::max(1, options.most_steps - solution.steps), 1e-3, progress);
   }
-  weigh_again(fit);
-  relax_priors(fit, 1);
-  minimise(problem, solution, std::max(1, options.most_steps - solution.steps), 1e-3, progress);
 
   if (refiltered) beat.notes.push_back({Severity::info, "fit.filter_exchanged", refiltered->note});
+  if (const double seen = attenuation_seen(fit); seen > 0) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the image shows attenuation that its reconstruction did not correct: %.1f of what is usual", seen);
+    beat.notes.push_back({Severity::info, "fit.attenuation", text});
+  }
   beat.steps = solution.steps;
   beat.objective = solution.objective.value;
   beat.converged = solution.converged;

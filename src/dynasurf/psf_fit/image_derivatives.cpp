@@ -277,7 +277,7 @@ EvenRays even_rays(const BeatProblem& problem) {
   return rays;
 }
 
-detail::AlignedMatrix squares_of_derivatives(const BeatProblem& problem, const EvenRays& rays,
+detail::AlignedMatrix squares_of_derivatives(const BeatProblem& problem, const EvenRays& rays, std::size_t g,
                                              const Eigen::VectorXd& gate, const Activity& activity,
                                              const std::vector<std::size_t>& chosen) {
   const GateLayout& layout = problem.layout.gate;
@@ -301,6 +301,8 @@ detail::AlignedMatrix squares_of_derivatives(const BeatProblem& problem, const E
       const std::size_t pixel = chosen[first + n];
       painter.sum_up(layout, first + n, line);
       for (const WholeImage& whole : images) line[whole.number] = whole.image[pixel];
+      for (int k = 0; k < layout.attenuation_count; ++k)
+        line[layout.attenuation + k] = problem.attenuation[static_cast<std::size_t>(k)][g][pixel];
       for (int b = 0; b < layout.blob_count; ++b)
         line[layout.blobs + b] = problem.blobs[static_cast<std::size_t>(b)][pixel];
       const float scale = std::sqrt(problem.weight[pixel]);

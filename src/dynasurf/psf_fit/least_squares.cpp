@@ -12,17 +12,21 @@
 namespace dynasurf::psf_fit {
 namespace {
 
-std::vector<float> picture(const BeatProblem& problem, const Eigen::VectorXd& gate, const Activity& activity,
-                           const PsfProjector& camera) {
+void add_scaled(std::vector<float>& image, double amplitude, const std::vector<float>& other) {
+  const auto factor = static_cast<float>(amplitude);
+  for (std::size_t n = 0; n < image.size(); ++n) image[n] += factor * other[n];
+}
+
+std::vector<float> picture(const BeatProblem& problem, std::size_t g, const Eigen::VectorXd& gate,
+                           const Activity& activity, const PsfProjector& camera) {
   const GateLayout& layout = problem.layout.gate;
   std::vector<float> image = project(camera, activity.cells);
   const auto background = static_cast<float>(gate[layout.background]);
   for (float& v : image) v += background;
-  for (int b = 0; b < layout.blob_count; ++b) {
-    const auto amplitude = static_cast<float>(gate[layout.blobs + b]);
-    const std::vector<float>& blob = problem.blobs[static_cast<std::size_t>(b)];
-    for (std::size_t n = 0; n < image.size(); ++n) image[n] += amplitude * blob[n];
-  }
+  for (int k = 0; k < layout.attenuation_count; ++k)
+    add_scaled(image, gate[layout.attenuation + k], problem.attenuation[static_cast<std::size_t>(k)][g]);
+  for (int b = 0; b < layout.blob_count; ++b)
+    add_scaled(image, gate[layout.blobs + b], problem.blobs[static_cast<std::size_t>(b)]);
   return image;
 }
 
@@ -121,7 +125,7 @@ Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unk
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
     result.activity[g] = rasterise(problem.cells, layout.gate, numbers[g], fields, g);
     std::vector<float>& residual = result.residual[g];
-    residual = picture(problem, numbers[g], result.activity[g], camera);
+    residual = picture(problem, g, numbers[g], result.activity[g], camera);
     for (std::size_t n = 0; n < residual.size(); ++n) {
       residual[n] -= problem.values[g][n];
       data[g] += 0.5 * static_cast<double>(residual[n] * weighted(problem, residual, n));
@@ -158,6 +162,8 @@ Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::Vect
     others.segment<3>(places.width) =
         log_widths.transpose() *
         Vec3(dot(by_pixel, by_widths[0]), dot(by_pixel, by_widths[1]), dot(by_pixel, by_widths[2]));
+    for (int k = 0; k < places.attenuation_count; ++k)
+      others[places.attenuation + k] = dot(by_pixel, problem.attenuation[static_cast<std::size_t>(k)][g]);
     for (int b = 0; b < places.blob_count; ++b)
       others[places.blobs + b] = dot(by_pixel, problem.blobs[static_cast<std::size_t>(b)]);
   });
@@ -193,7 +199,8 @@ Eigen::MatrixXd data_matrix(const BeatProblem& problem, const Eigen::VectorXd& u
   std::vector<Eigen::MatrixXd> of_gate(gates);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
     const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), unknowns);
-    of_gate[g] = symmetric(squares_of_derivatives(problem, rays, numbers, at.activity[g], chosen), layout.gate.count());
+    of_gate[g] =
+        symmetric(squares_of_derivatives(problem, rays, g, numbers, at.activity[g], chosen), layout.gate.count());
   });
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(layout.unknowns, layout.unknowns);
   layout.add_hessian(of_gate, matrix);

@@ -100,7 +100,8 @@ void add_wall(Builder& build, const GateLayout& gate, std::span<const Wave> wave
 
 }  // namespace
 
-GateLayout make_gate_layout(int endo_degree, int wall_degree, int uptake_degree, int blob_count) {
+GateLayout make_gate_layout(int endo_degree, int wall_degree, int uptake_degree, int blob_count,
+                            int attenuation_count) {
   GateLayout l;
   l.endo_degree = endo_degree, l.wall_degree = wall_degree, l.uptake_degree = uptake_degree;
   l.wall = l.endo + harmonics_up_to(endo_degree);
@@ -110,7 +111,9 @@ GateLayout make_gate_layout(int endo_degree, int wall_degree, int uptake_degree,
   l.background = l.cavity + 1;
   l.width = l.background + 1;
   l.stretch = l.width + 1;
-  l.blobs = l.stretch + 2;
+  l.attenuation = l.stretch + 2;
+  l.attenuation_count = attenuation_count;
+  l.blobs = l.attenuation + attenuation_count;
   l.blob_count = blob_count;
   return l;
 }
@@ -169,6 +172,9 @@ BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::Vec
   build.add(gate.background, waves[0], as_it_starts, 1.0);
   if (beliefs.width > 0) build.add(gate.width, waves[0], 0, beliefs.width);
   for (int n = 0; n < 2 && beliefs.stretch > 0; ++n) build.add(gate.stretch + n, waves[0], 0, beliefs.stretch);
+  for (int k = 0; k < gate.attenuation_count; ++k)
+    build.add(gate.attenuation + k, waves[0], k == 0 ? beliefs.attenuation : 0,
+              k == 0 ? beliefs.attenuation : beliefs.coefficient);
   // Neighbours stay, or move a little with the beat.
   for (int b = 0; b < gate.blob_count; ++b)
     for (const Wave& wave : waves)

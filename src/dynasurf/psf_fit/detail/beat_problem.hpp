@@ -22,6 +22,8 @@ struct BeatProblem {
   std::vector<float> weight;               // [pixel] relative precision, 0: not looked at
   double noise = 1;                        // variance of a pixel of weight 1, times the pixels that share their noise
   std::vector<std::vector<float>> blobs;   // [blob][pixel] neighbours of amplitude 1, as the camera sees them
+  // [term][gate][pixel] what attenuation of amplitude 1 adds (attenuation.hpp); none: it is not looked for
+  std::vector<std::vector<std::vector<float>>> attenuation;
   HeartCells cells;
   BeatLayout layout;
   double sigma_mm = 0;  // of the point spread when its unknown is 0

@@ -15,6 +15,7 @@ struct BlurFit {
   double butterworth_order = 5;
   int shape_degree = 6, wall_degree = 4, uptake_degree = 12;
   double papillary_share = 0.016;
+  bool attenuation = true;
   int most_steps = 60;
 };
 void describe(auto& visit, BlurFit& o) {
@@ -45,6 +46,9 @@ void describe(auto& visit, BlurFit& o) {
           "largest part of the muscle that counts as papillary muscles in the cavity; less where the inner wall shows "
           "no trace of them, and the error bars hold anything from none to three times as much",
           "", 0, 0.2});
+  visit(
+      "attenuation", o.attenuation,
+      OptionInfo{"look for what the body's attenuation leaves in gated SPECT whose reconstruction did not correct it"});
   visit("most_steps", o.most_steps, OptionInfo{"steps of the optimiser at most", "", 1, 1000});
 }
 

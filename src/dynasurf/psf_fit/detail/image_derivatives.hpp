@@ -19,7 +19,7 @@ EvenRays even_rays(const BeatProblem& problem);
 
 /// Sums over the pixels of `chosen`, by their weights, of products of the derivatives of one gate's image by two
 /// numbers of the gate: a line per number, the lower triangle.
-detail::AlignedMatrix squares_of_derivatives(const BeatProblem& problem, const EvenRays& rays,
+detail::AlignedMatrix squares_of_derivatives(const BeatProblem& problem, const EvenRays& rays, std::size_t g,
                                              const Eigen::VectorXd& gate, const Activity& activity,
                                              const std::vector<std::size_t>& chosen);
 

@@ -23,20 +23,23 @@ struct HeartFrame {
 /// Places of the numbers that describe one gate.
 struct GateLayout {
   int endo_degree = 0, wall_degree = 0, uptake_degree = 0;
-  int endo = 0;        // harmonics of log q of the inner wall
-  int wall = 0;        // harmonics of log(q_epi^3 - q_endo^3): muscle per solid angle
-  int uptake = 0;      // harmonics of the log of the wall's activity, the same in all gates
-  int plane = 0;       // height of the base plane (mm over the centre), and its slopes along x and y
-  int cavity = 0;      // activity of the blood
-  int background = 0;  // activity around the heart
-  int width = 0;       // log of the point spread's standard deviation over its start, the geometric mean of its axes
-  int stretch = 0;     // log of its deviation along the slices' normal over that in the slices; along x over along y
-  int blobs = 0;       // amplitudes of neighbours
+  int endo = 0;         // harmonics of log q of the inner wall
+  int wall = 0;         // harmonics of log(q_epi^3 - q_endo^3): muscle per solid angle
+  int uptake = 0;       // harmonics of the log of the wall's activity, the same in all gates
+  int plane = 0;        // height of the base plane (mm over the centre), and its slopes along x and y
+  int cavity = 0;       // activity of the blood
+  int background = 0;   // activity around the heart
+  int width = 0;        // log of the point spread's standard deviation over its start, the geometric mean of its axes
+  int stretch = 0;      // log of its deviation along the slices' normal over that in the slices; along x over along y
+  int attenuation = 0;  // amplitudes of what uncorrected attenuation adds
+  int attenuation_count = 0;
+  int blobs = 0;  // amplitudes of neighbours
   int blob_count = 0;
   int count() const { return blobs + blob_count; }
 };
 /// Lays the numbers of a gate one after the other.
-GateLayout make_gate_layout(int endo_degree, int wall_degree, int uptake_degree, int blob_count);
+GateLayout make_gate_layout(int endo_degree, int wall_degree, int uptake_degree, int blob_count,
+                            int attenuation_count = 0);
 
 /// Logs of the point spread's deviations along the grid's axes over their start: a row per axis, a column each for
 /// `width` and the two of `stretch`.
@@ -76,6 +79,8 @@ struct Priors {
   double cavity = 0.05;        // of the blood's activity around its expectation
   double cavity_level = 0.08;  // its expectation, healthy muscle is 1
   double width = 0;            // relative, of the point spread; 0: known
+  double attenuation = 0.5;    // its amplitude, 1 in a chest that is not corrected: mean and standard deviation
+  double coefficient = 0.05;   // of its coefficients around the usual ones
   double stretch = 0;          // of the logs of ratios of its widths; 0: the same along all axes
 };
 

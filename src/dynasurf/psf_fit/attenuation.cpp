@@ -1,0 +1,231 @@
+#include "dynasurf/psf_fit/detail/attenuation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "dynasurf/core/detail/degrees.hpp"
+#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/fourier.hpp"
+#include "dynasurf/core/parallel.hpp"
+
+namespace dynasurf::psf_fit {
+namespace {
+
+constexpr double unit_mm = 50;                  // of place
+constexpr double room_mm = 60, fading_mm = 30;  // around the pixels of the fit, and in which values fade out there
+using Linear = std::array<double, 4>;           // coefficients of 1, left, back, head
+
+// Means over patients 1 to 8 of experiments/camera, both reconstructions, without noise.
+constexpr Linear usual_plain{0, 0.385, -0.256, 0.026}, usual_cosine{0.156, -0.200, -0.332, -0.186},
+    usual_sine{0.201, 0.100, -0.465, -0.100};
+
+/// Coefficients of the three parts of a term.
+struct Term {
+  Linear plain{}, cosine{}, sine{};
+};
+std::vector<Term> terms_of() {
+  std::vector<Term> terms{{usual_plain, usual_cosine, usual_sine}};
+  for (Linear Term::*part : {&Term::plain, &Term::cosine, &Term::sine})
+    for (std::size_t n = part == &Term::plain ? 1 : 0; n < 4; ++n) {
+      terms.emplace_back();
+      (terms.back().*part)[n] = 1;
+    }
+  return terms;
+}
+
+/// The fit's pixels and some more around them, as far as the study reaches, within a box whose sides are powers of 2.
+struct Surroundings {
+  Pixels pixels;
+  Index3 before{0, 0, 0};  // pixels added before the fit's own
+  Index3 size{1, 1, 1};
+  std::array<FourierTable, 3> tables;
+  std::vector<Vec3> place;           // patient's axes, from the heart's centre, over the unit
+  std::vector<float> fade;           // from 1 at the fit's pixels to 0 at the rim
+  std::vector<double> cosine, sine;  // of twice the direction of a transverse frequency, over the number of values
+
+  std::size_t values() const {
+    return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
+  }
+  /// at(place among the pixels, place in the box) for every pixel.
+  template <class F>
+  void for_all(const F& at) const {
+    std::size_t n = 0;
+    for (int k = 0; k < pixels.count[2]; ++k)
+      for (int j = 0; j < pixels.count[1]; ++j) {
+        const std::size_t row =
+            static_cast<std::size_t>(size[0]) *
+            (static_cast<std::size_t>(j) + static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(k));
+        for (int i = 0; i < pixels.count[0]; ++i, ++n) at(n, row + static_cast<std::size_t>(i));
+      }
+  }
+};
+
+Surroundings surroundings_of(const Grid& grid, const Pixels& pixels, const HeartFrame& frame) {
+  Surroundings s;
+  s.pixels = pixels;
+  std::array<std::vector<double>, 3> fade;
+  for (int a = 0; a < 3; ++a) {
+    const auto axis = static_cast<std::size_t>(a);
+    const int joined = pixels.joined[axis], inside = pixels.count[axis];
+    const double pitch = joined * pixels.spacing[a];
+    const int room = static_cast<int>(std::ceil(room_mm / pitch));
+    s.before[axis] = std::min(room, pixels.first[axis] / joined);
+    const int after = std::min(room, (grid.dims[axis] - pixels.first[axis]) / joined - inside);
+    s.pixels.first[axis] -= s.before[axis] * joined;
+    s.pixels.count[axis] = s.before[axis] + inside + after;
+    s.size[axis] = power_of_two(s.pixels.count[axis]);
+    s.tables[axis] = make_fourier_table(s.size[axis]);
+    for (int n = 0; n < s.pixels.count[axis]; ++n) {
+      const int outside = std::max({0, s.before[axis] - n, n - s.before[axis] - inside + 1});
+      fade[axis].push_back(
+          0.5 + 0.5 * own::cos(M_PI * std::clamp((outside * pitch - room_mm + fading_mm) / fading_mm, 0.0, 1.0)));
+    }
+  }
+  const Mat3 turn = to_patient(grid, frame);
+  for (int k = 0; k < s.pixels.count[2]; ++k)
+    for (int j = 0; j < s.pixels.count[1]; ++j)
+      for (int i = 0; i < s.pixels.count[0]; ++i) {
+        const Vec3 centre(s.pixels.centre(0, i), s.pixels.centre(1, j), s.pixels.centre(2, k));
+        s.place.push_back(turn * (centre - frame.centre) / unit_mm);
+        s.fade.push_back(
+            static_cast<float>(fade[0][static_cast<std::size_t>(i)] * fade[1][static_cast<std::size_t>(j)] *
+                               fade[2][static_cast<std::size_t>(k)]));
+      }
+  const auto frequency = [&](int a, int k) {
+    const auto axis = static_cast<std::size_t>(a);
+    return (2 * k < s.size[axis] ? k : k - s.size[axis]) / (s.size[axis] * pixels.joined[axis] * pixels.spacing[a]);
+  };
+  const double share = 1 / static_cast<double>(s.values());
+  for (int k = 0; k < s.size[2]; ++k)
+    for (int j = 0; j < s.size[1]; ++j)
+      for (int i = 0; i < s.size[0]; ++i) {
+        const Vec3 f = turn * Vec3(frequency(0, i), frequency(1, j), frequency(2, k));
+        const double square = f[0] * f[0] + f[1] * f[1];
+        const double scale = square > 1e-12 ? share / square : 0;
+        s.cosine.push_back(scale * (f[0] * f[0] - f[1] * f[1]));
+        s.sine.push_back(scale * 2 * f[0] * f[1]);
+      }
+  return s;
+}
+
+/// The images of two gates as one of complex numbers, faded out at the rim.
+std::vector<Complex> images_of(const Surroundings& s, const std::vector<float>& one, const std::vector<float>& other) {
+  std::vector<Complex> values(s.fade.size());
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    const auto fade = static_cast<double>(s.fade[n]);
+    values[n] = {fade * static_cast<double>(one[n]), fade * static_cast<double>(other[n])};
+  }
+  return values;
+}
+
+double at_place(const Linear& p, const Vec3& place) {
+  return p[0] + p[1] * place[0] + p[2] * place[1] + p[3] * place[2];
+}
+
+bool is_zero(const Linear& p) { return p == Linear{}; }
+
+/// The spectra of the images, and of the images times each coordinate of the place.
+std::array<std::vector<Complex>, 4> spectra_of(const Surroundings& s, const std::vector<Complex>& images) {
+  std::array<std::vector<Complex>, 4> spectra;
+  for (std::size_t part = 0; part < spectra.size(); ++part) {
+    Linear one{};
+    one[part] = 1;
+    spectra[part].resize(s.values());
+    s.for_all([&](std::size_t n, std::size_t at) {
+      const double w = at_place(one, s.place[n]);
+      spectra[part][at] = {w * images[n].re, w * images[n].im};
+    });
+    transform_box(s.tables, spectra[part], -1);
+  }
+  return spectra;
+}
+
+/// What a term adds to two gates, on all pixels of the surroundings.
+std::vector<Complex> added_by(const Term& term, const Surroundings& s, const std::vector<Complex>& images,
+                              const std::array<std::vector<Complex>, 4>& spectra) {
+  std::vector<Complex> added(images.size());
+  if (!is_zero(term.cosine) || !is_zero(term.sine)) {
+    std::vector<Complex> spectrum(s.values());
+    for (std::size_t part = 0; part < spectra.size(); ++part) {
+      const double by_cosine = term.cosine[part], by_sine = term.sine[part];
+      if (by_cosine == 0 && by_sine == 0) continue;
+      for (std::size_t n = 0; n < spectrum.size(); ++n) {
+        const double factor = by_cosine * s.cosine[n] + by_sine * s.sine[n];
+        spectrum[n].re += factor * spectra[part][n].re;
+        spectrum[n].im += factor * spectra[part][n].im;
+      }
+    }
+    transform_box(s.tables, spectrum, 1);
+    s.for_all([&](std::size_t n, std::size_t at) { added[n] = spectrum[at]; });
+  }
+  for (std::size_t n = 0; n < added.size(); ++n) {
+    const double w = at_place(term.plain, s.place[n]);
+    added[n].re += w * images[n].re, added[n].im += w * images[n].im;
+  }
+  return added;
+}
+
+}  // namespace
+
+Mat3 to_patient(const Grid& grid, const HeartFrame& frame) {
+  constexpr double along_the_body = 0.87;
+  const Vec3 axis = grid.direction * frame.axes.col(2);
+  if (std::abs(axis[2]) < along_the_body) return grid.direction;
+  constexpr double left = 45 * degrees, down = 30 * degrees;
+  const Vec3 usual(-own::cos(down) * own::sin(left), own::cos(down) * own::cos(left), own::sin(down));
+  const Vec3 lateral = Vec3(usual[1], -usual[0], 0).normalized();
+  Mat3 of_heart;
+  of_heart << lateral, usual.cross(lateral), usual;
+  return of_heart * frame.axes.transpose();
+}
+
+std::vector<std::vector<std::vector<float>>> attenuation_images(const Study& study, const Pixels& pixels,
+                                                                const HeartFrame& frame, double unit,
+                                                                const std::vector<std::vector<float>>& model,
+                                                                const std::vector<float>& weight) {
+  const Surroundings s = surroundings_of(study.grid(), pixels, frame);
+  const std::vector<Term> terms = terms_of();
+  const std::size_t gates = study.gates.size();
+  const auto own_pixel = [&](int i, int j, int k) {
+    return static_cast<std::size_t>(i) +
+           static_cast<std::size_t>(pixels.count[0]) *
+               (static_cast<std::size_t>(j) + static_cast<std::size_t>(pixels.count[1]) * static_cast<std::size_t>(k));
+  };
+  const auto row = static_cast<std::size_t>(s.pixels.count[0]),
+             plane = row * static_cast<std::size_t>(s.pixels.count[1]);
+  const auto in_box = [&](int i, int j, int k) {
+    return static_cast<std::size_t>(i + s.before[0]) + row * static_cast<std::size_t>(j + s.before[1]) +
+           plane * static_cast<std::size_t>(k + s.before[2]);
+  };
+  const auto for_own_pixels = [&](const auto& visit) {
+    for (int k = 0; k < pixels.count[2]; ++k)
+      for (int j = 0; j < pixels.count[1]; ++j)
+        for (int i = 0; i < pixels.count[0]; ++i) visit(own_pixel(i, j, k), in_box(i, j, k));
+  };
+  const auto image_of = [&](std::size_t g) {
+    std::vector<float> values = join(study.gates[g], s.pixels);
+    for (float& v : values) v = std::isfinite(v) ? static_cast<float>(static_cast<double>(v) / unit) : 0.0F;
+    for_own_pixels([&](std::size_t own, std::size_t at) {
+      if (weight[own] > 0) values[at] = model[g][own];
+    });
+    return values;
+  };
+  std::vector<std::vector<std::vector<float>>> images(
+      terms.size(), std::vector<std::vector<float>>(gates, std::vector<float>(pixels.size())));
+  parallel_for((gates + 1) / 2, 1, [&](std::size_t pair, std::size_t) {
+    const std::size_t first = 2 * pair, second = std::min(first + 1, gates - 1);
+    const std::vector<Complex> both = images_of(s, image_of(first), image_of(second));
+    const auto spectra = spectra_of(s, both);
+    for (std::size_t t = 0; t < terms.size(); ++t) {
+      const std::vector<Complex> added = added_by(terms[t], s, both, spectra);
+      for_own_pixels([&](std::size_t own, std::size_t at) {
+        images[t][first][own] = static_cast<float>(added[at].re);
+        if (second != first) images[t][second][own] = static_cast<float>(added[at].im);
+      });
+    }
+  });
+  return images;
+}
+
+}  // namespace dynasurf::psf_fit
