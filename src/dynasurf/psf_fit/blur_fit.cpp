@@ -27,7 +27,8 @@ constexpr double usual_rest = 0.004, least_spot = 0.03;
 constexpr int most_spots = 70;
 
 // Points by which EF reads too high behind filtered back projection, which leaves attenuation in the image: the mean
-// over seeds 1 to 30 of experiments/camera. No part of the model explains it.
+// over seeds 1 to 30 of experiments/camera, before the model had attenuation, which
+// explains a part of it.
 constexpr double unmodelled_ef = 3.2;
 
 /// True where every voxel is either nothing or one value: a drawing of the muscle, which no camera has seen.

@@ -9,12 +9,11 @@ namespace dynasurf::psf_fit {
 
 /// What the body's attenuation leaves in a reconstruction that does not correct it.
 ///
-/// A view weakens each place by what lies before it, and a reconstruction takes every frequency across the patient from
-/// the one view that sees it edge-on. So it multiplies a frequency by a weight that changes with its direction and with
-/// the place: I = I0 + sum over K in {1, C, S} of K[p_K I0], where C and S are the cosine and the sine of twice the
-/// direction of a transverse frequency, and p_K is linear in place. In a chest the eleven coefficients of p_K are
-/// nearly the same from patient to patient and for filtered backprojection and OSEM (experiments/camera), so that one
-/// amplitude tells most.
+/// Each view weakens a place by the tissue before it, and determines the transverse frequencies along its detector.
+/// The reconstruction therefore weights a transverse frequency by its direction and by the place: I = I0 + sum over K
+/// in {1, C, S} of K[p_K I0], where C and S are the cosine and the sine of twice the direction of a transverse
+/// frequency, and p_K is linear in place. In a chest the eleven coefficients of p_K are nearly the same from patient to
+/// patient and for filtered backprojection and OSEM (experiments/camera), so that one amplitude tells most.
 ///
 /// Returns [term][gate][pixel] what is added to images `model` of each gate, on the fit's pixels and over `unit`: by
 /// the usual coefficients, then by each of the eleven alone. Where the weight of a pixel is 0, and beyond the pixels,
