@@ -314,6 +314,17 @@ class Clouds(BatchTest):
         again = self.batch(self.scans, "--out", cohort, "--command", "cloud", "--", "--triangles", "320")
         self.assertIn("0 run now", again.stdout)
 
+    def test_a_cloud_to_be_checked_is_told_as_such(self):
+        steep = self.folder / "steep"
+        self.assertEqual(run("phantom", "terrain", "--out", self.folder / "t", "--quiet").returncode, 0)
+        steep.mkdir()
+        shutil.copy(self.folder / "t" / "terrain.ply", steep)
+        cohort = self.folder / "terrains"
+        self.batch(steep, "--out", cohort, "--command", "cloud", "--", "--triangles", "320")
+        (row,) = status_of(cohort).values()
+        self.assertEqual(row["verdict"], self.read_json(result_of(cohort, row["id"]) / "results.json")["verdict"])
+        self.assertEqual(row["verdict"], "check")
+
     def test_a_folder_without_clouds_is_told(self):
         empty = self.folder / "empty"
         empty.mkdir()
