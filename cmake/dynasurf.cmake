@@ -35,7 +35,11 @@ if(NOT DYNASURF_SANITIZE AND NOT CMAKE_SYSTEM_PROCESSOR STREQUAL "wasm32")  # wh
   target_link_options(dynasurf_flags INTERFACE -Wl,-z,relro,-z,now,-z,noexecstack)
 endif()
 if(DYNASURF_SANITIZE)
-  target_compile_options(dynasurf_flags INTERFACE -fsanitize=${DYNASURF_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_compile_options(dynasurf_flags INTERFACE -fsanitize=${DYNASURF_SANITIZE} -fno-omit-frame-pointer)
+  # An unsigned number that wraps around is defined, so that the program can go on to tell the next one.
+  if(NOT DYNASURF_SANITIZE MATCHES "integer")
+    target_compile_options(dynasurf_flags INTERFACE -fno-sanitize-recover=all)
+  endif()
   target_link_options(dynasurf_flags INTERFACE -fsanitize=${DYNASURF_SANITIZE})
 endif()
 

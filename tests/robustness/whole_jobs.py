@@ -27,7 +27,7 @@ COMPLAINTS = ("Sanitizer", "runtime error:", "== Invalid", "== Conditional jump"
 SANITIZERS = {
     "LSAN_OPTIONS": f"suppressions={pathlib.Path(__file__).with_name('leaks.supp').resolve()}:print_suppressions=0",
     "ASAN_OPTIONS": "exitcode=99:detect_leaks=1:detect_stack_use_after_return=1:strict_string_checks=1",
-    "UBSAN_OPTIONS": "halt_on_error=1:print_stacktrace=1:exitcode=99",
+    "UBSAN_OPTIONS": "print_stacktrace=1:exitcode=99",
     "TSAN_OPTIONS": "exitcode=99:second_deadlock_stack=1",
 }
 
@@ -148,7 +148,8 @@ class Jobs:
         print(f"{name:28} {time.monotonic() - begin:7.1f} s  exit {code}{'  FAILED' if failed else ''}", flush=True)
         if failed:
             self.failed.append(name)
-            print("   " + shlex.join(arguments) + "\n" + said[-6000:], flush=True)
+            complaints = [line for line in said.splitlines() if any(word in line for word in COMPLAINTS)]
+            print("\n".join(["   " + shlex.join(arguments), *dict.fromkeys(complaints), said[-4000:]]), flush=True)
 
 
 def main():

@@ -87,7 +87,8 @@ class BodySearch {
 
   /// The finest that is as asked for, else the simplest: coarse fields hold fewer handles, true or not.
   bool take_finest(const std::optional<BodyTopology>& wanted) {
-    for (std::size_t i = fields_.size(); i-- > 0;) {
+    for (std::size_t i = fields_.size(); i > 0;) {
+      --i;
       TriMesh mesh = surface(fields_[i], 0);
       if (mesh.triangles.empty()) continue;
       const BodyTopology kind = kind_of(mesh);
@@ -116,7 +117,8 @@ class BodySearch {
   /// little farther out it is whole.
   bool take_firm() {
     constexpr double step = 0.5 * nudge;
-    for (std::size_t i = fields_.size(); i-- > 0;)
+    for (std::size_t i = fields_.size(); i > 0;) {
+      --i;
       for (int steps = 1; steps <= 6; ++steps)
         for (const double level : {-step * steps, step * steps}) {
           TriMesh mesh = surface(fields_[i], level);
@@ -125,6 +127,7 @@ class BodySearch {
           take(i, std::move(mesh), kind);
           return true;
         }
+    }
     return false;
   }
 

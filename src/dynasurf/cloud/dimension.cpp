@@ -39,7 +39,10 @@ Counts pairs_within(std::span<const Vec3> points) {
   Counts sum{};
   for (const Counts& counts : of_centre)
     for (std::size_t s = 0; s < scales; ++s) sum[s] += counts[s] / static_cast<double>(of_centre.size());
-  for (std::size_t s = scales - 1; s-- > 0;) sum[s] += sum[s + 1];
+  for (std::size_t s = scales - 1; s > 0;) {
+    --s;
+    sum[s] += sum[s + 1];
+  }
   return sum;
 }
 

@@ -235,9 +235,14 @@ class Equations {
       for (std::size_t m = 0, e = 0; m < 8; e += 8 - m, ++m) scale_[cell.at + steps_[m]] += cell.form[e];
     for (float& s : scale_) s = 1 / s;
     slab_of_cells_.assign(static_cast<std::size_t>(lattice_.dims[2]) + 1, cells_.size());
-    for (std::size_t n = cells_.size(); n-- > 0;) slab_of_cells_[cells_[n].at / slab] = n;
-    for (std::size_t k = slab_of_cells_.size() - 1; k-- > 0;)
+    for (std::size_t n = cells_.size(); n > 0;) {
+      --n;
+      slab_of_cells_[cells_[n].at / slab] = n;
+    }
+    for (std::size_t k = slab_of_cells_.size() - 1; k > 0;) {
+      --k;
       slab_of_cells_[k] = std::min(slab_of_cells_[k], slab_of_cells_[k + 1]);
+    }
   }
 
   struct Cell {
@@ -423,7 +428,8 @@ std::vector<IndicatorField> solve_indicator(const OrientedPoints& points, const 
     seen[l] = merged(l == 1 ? points : seen[l - 1], 0.5 * lattices[l].side, lattices[l].origin);
   std::vector<IndicatorField> fields;
   int iterations = 80;
-  for (std::size_t l = lattices.size(); l-- > 0;) {
+  for (std::size_t l = lattices.size(); l > 0;) {
+    --l;
     progress("inside", static_cast<int>(lattices.size() - l - 1), static_cast<int>(lattices.size()));
     const Lattice& lattice = lattices[l];
     Values x = fields.empty() ? Values(lattice.size(), outside)

@@ -24,7 +24,7 @@ Reduced reduced_near(double x) {
   const double shifted = x * two_over_pi_high + rounder, n = shifted - rounder;
   const Twofold a = sum(x - n * half_pi_parts[0], -(n * half_pi_parts[1])), b = sum(a.high, -(n * half_pi_parts[2]));
   const Twofold rest = sum(b.high, a.low + (b.low - n * half_pi_parts[3]));
-  return {rest, static_cast<unsigned>(std::bit_cast<std::uint64_t>(shifted))};
+  return {rest, static_cast<unsigned>(std::bit_cast<std::uint64_t>(shifted) & 3)};
 }
 
 /// Words of 32 bits, the lowest first.
@@ -83,14 +83,17 @@ Reduced reduced(double x) {
   if (std::abs(x) <= 0.785) return {{x, 0}, 0};
   if (std::abs(x) < 0x1p20) return reduced_near(x);
   Reduced r = reduced_far(std::abs(x));
-  if (x < 0) r = {{-r.rest.high, -r.rest.low}, 0U - r.quarters};
+  if (x < 0) r = {{-r.rest.high, -r.rest.low}, 4 - r.quarters};
   return r;
 }
 
 template <std::size_t count>
 double polynomial(const double (&terms)[count], double t) {
   double p = terms[count - 1];
-  for (std::size_t n = count - 1; n-- > 0;) p = terms[n] + t * p;
+  for (std::size_t n = count - 1; n > 0;) {
+    --n;
+    p = terms[n] + t * p;
+  }
   return p;
 }
 

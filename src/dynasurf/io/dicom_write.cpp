@@ -195,9 +195,11 @@ std::vector<Uint16> pixels_of(const Projections& p, double scale, const std::str
   const auto size = static_cast<std::size_t>(p.size);
   for (const std::vector<float>& gate : p.gates)
     for (std::size_t v = 0; v < p.views(); ++v)
-      for (std::size_t row = size; row-- > 0;)
+      for (std::size_t row = size; row > 0;) {
+        --row;
         for (std::size_t column = 0; column < size; ++column)
           pixels.push_back(scaled_count(gate[v * p.bins() + row * size + column], scale, where));
+      }
   return pixels;
 }
 

@@ -36,7 +36,8 @@ BorderDistance::BorderDistance(const Image& border)
       before_[row + i] = last;
     }
     last = -1;
-    for (std::size_t i = width; i-- > 0;) {
+    for (std::size_t i = width; i > 0;) {
+      --i;
       if (border.values[row + i] != 0) last = static_cast<std::int32_t>(i);
       after_[row + i] = last;
     }

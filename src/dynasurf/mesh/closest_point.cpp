@@ -85,7 +85,8 @@ ClosestPoint::ClosestPoint(const TriMesh& mesh) : mesh_(mesh) {
     for (std::size_t i = leaf_begin(leaf); i < leaf_begin(leaf + 1); ++i)
       for (const Vec3& corner : {faces_[i].a, faces_[i].b, faces_[i].c}) boxes[inner + leaf].extend(corner);
   nodes_.resize(inner);
-  for (std::size_t n = inner; n-- > 0;)
+  for (std::size_t n = inner; n > 0;) {
+    --n;
     for (std::size_t c = 0; c < ways; ++c) {
       const Eigen::AlignedBox3d& box = boxes[ways * n + 1 + c];
       boxes[n].extend(box);
@@ -94,6 +95,7 @@ ClosestPoint::ClosestPoint(const TriMesh& mesh) : mesh_(mesh) {
         nodes_[n].high[axis][c] = rounded_up(box.max()[static_cast<Eigen::Index>(axis)]);
       }
     }
+  }
 }
 
 /// The triangles in the order of the leaves: halved, and halved again, across the longest side of their middles.

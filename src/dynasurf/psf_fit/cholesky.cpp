@@ -53,7 +53,8 @@ Eigen::VectorXd Cholesky::solve(const Eigen::VectorXd& b) const {
   const auto pitch = static_cast<std::size_t>(lower_.cols()), count = static_cast<std::size_t>(count_);
   Eigen::VectorXd x = b;
   detail::solve_numbers(lower_.data(), count, pitch, x.data());
-  for (std::size_t i = count; i-- > 0;) {
+  for (std::size_t i = count; i > 0;) {
+    --i;
     const double* const line = lower_.data() + i * pitch;
     double& here = x[static_cast<Eigen::Index>(i)];
     here /= line[i];

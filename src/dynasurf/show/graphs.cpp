@@ -87,7 +87,10 @@ Canvas draw_curves(std::span<const double> time, const std::string& time_label, 
       if (std::isfinite(c.value[n])) line.emplace_back(time[n], c.value[n]);
     if (c.half_width.size() == c.value.size()) {
       for (std::size_t n = 0; n < c.value.size(); ++n) band.push_back(axes.at(time[n], c.value[n] + c.half_width[n]));
-      for (std::size_t n = c.value.size(); n-- > 0;) band.push_back(axes.at(time[n], c.value[n] - c.half_width[n]));
+      for (std::size_t n = c.value.size(); n > 0;) {
+        --n;
+        band.push_back(axes.at(time[n], c.value[n] - c.half_width[n]));
+      }
       canvas.polygon(band, c.colour, 0.2);
     }
     plot(canvas, axes, line, {c.colour, 1.8});

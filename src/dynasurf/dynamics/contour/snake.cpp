@@ -31,7 +31,8 @@ class Band {
       if (i > 1) x[i] -= l2_[i] * x[i - 2];
     }
     for (std::size_t i = 0; i < n; ++i) x[i] /= d_[i];
-    for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t i = n; i > 0;) {
+      --i;
       if (i + 1 < n) x[i] -= l1_[i + 1] * x[i + 1];
       if (i + 2 < n) x[i] -= l2_[i + 2] * x[i + 2];
     }

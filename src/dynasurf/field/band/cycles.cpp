@@ -396,7 +396,8 @@ struct Composite {
   /// Each level starts from the solution of the next coarser one.
   void start() {
     cycle(levels.size() - 1);
-    for (std::size_t l = levels.size() - 1; l-- > 0;) {
+    for (std::size_t l = levels.size() - 1; l > 0;) {
+      --l;
       run_in_layers(levels[l], {prolong(l, true)});
       if (l > 0) cycle(l);
     }
