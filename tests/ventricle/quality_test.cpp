@@ -264,18 +264,42 @@ TEST(Judge, AsksToCheckASmallHeartOfWhichMuchOfTheWallIsNotSeen) {
   EXPECT_FALSE(is_flagged(result, "wall_missing"));
 }
 
-TEST(Judge, BelievesAFitThatIsSureOfWhatEdgesCannotTell) {
+TEST(Judge, BelievesAFitOfWhatEdgesCannotTell) {
   Result result = good_result();
   result.heart->cup = {{0, 0, 0}, {0, 0, 1}, 30, 40, 25};
   give_shape(result, 35, 45, 23);
   result.heart->ridge_share = 0.8;
   result.readings.gaussian_profile = {{110, 95, 70, 20, 55, 75, 90, 105}, {}};
-  const Codes doubts{"wall_missing", "readings_disagree"};
-  result.leading.ef_percent = heart::Estimate{60, 3.1};  // within 5.1 points
-  EXPECT_EQ(codes_of(result), doubts);
+  for (Gate& gate : result.gates)
+    gate.edge_surfaces.epi->within_one_voxel = 0.9, gate.edge_surfaces.epi->border_reached = 0.9;
+  const Codes doubts = codes_of(result);
+  for (const char* code : {"surface_incomplete", "border_unreached", "wall_missing", "readings_disagree"})
+    EXPECT_TRUE(is_flagged(result, code)) << code;
   EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
-  result.leading.ef_percent->sd = 3;
+  result.leading.ef_percent = heart::Estimate{60, 4};
   EXPECT_EQ(codes_of(result), doubts) << "readers are still told";
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::ok);
+}
+
+TEST(Judge, AsksToCheckAnIntervalAsWideAsAWrongReading) {
+  Result result = good_result();
+  result.leading.ef_percent = heart::Estimate{60, 4.8};  // 90 % within 7.9 points
+  result.leading.edv_ml = heart::Estimate{100, 9};       // and 14.8 %
+  EXPECT_EQ(codes_of(result), Codes{});
+  result.leading.ef_percent->sd = 5;
+  EXPECT_EQ(codes_of(result), Codes{"ef_uncertain"});
+  result.leading.edv_ml->sd = 9.3;
+  EXPECT_EQ(codes_of(result), (Codes{"ef_uncertain", "edv_uncertain"}));
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
+}
+
+TEST(Judge, DoubtsAThinWallOnlyWhereTheIntervalIsNarrow) {
+  Result result = good_result();
+  result.notes.push_back({Severity::warning, "fit.thin_wall", "the wall is thin"});
+  result.leading.edv_ml = heart::Estimate{100, 7};  // 90 % within 11.5 %
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
+  result.leading.edv_ml->sd = 7.5;
+  EXPECT_TRUE(is_flagged(result, "fit.thin_wall"));
   EXPECT_EQ(verdict_of(assess(result)), Verdict::ok);
 }
 

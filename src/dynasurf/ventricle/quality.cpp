@@ -30,7 +30,9 @@ constexpr double least_elongation = 1.15, most_elongation = 2.6;  // of the elli
 constexpr double most_length_to_width = 1.7;                      // of the outer surface, which ends at the valve
 constexpr double most_readings_apart = 20;
 constexpr double most_bridged = 0.06;  // of the largest cavity
-constexpr double most_ef_90 = 5;       // points; half of the fit's interval, 8 points are 2.6 of its deviations then
+// Half of a 90 % interval. Readings off by more count as wrong (experiments/camera), so wider ones may be.
+constexpr double most_ef_90 = 8, most_edv_90 = 15;  // points, %
+constexpr double thin_wall_edv = 12;                // % by which a wall too thin for the blur misleads volumes at most
 constexpr double most_hot_neighbour = 0.25;
 constexpr double most_unround = 0.13;
 constexpr double most_noise = 0.2;
@@ -60,12 +62,11 @@ void flag_gates(const Result& result, std::vector<QualityFlag>& flags, std::stri
     flags.push_back({std::move(code), severity, what + " in " + gate_list(gates), static_cast<double>(gates.size())});
 }
 
-/// What blur or a defect does to edges does not make the ejection fraction doubtful where a fit through the blur is
-/// sure of it: its error bar knows of unseen wall. It is listed without changing the verdict.
+/// What blur or a defect does to edges does not make a fit through the blur doubtful: its error bar knows of unseen
+/// wall, and is judged by itself. It is listed without changing the verdict.
 Severity doubt_of_edges(const Result& result) {
   const auto& ef = result.leading.ef_percent;
-  if (!ef || !ef->has_interval()) return Severity::warning;
-  return ef->high() - ef->low() > 2 * most_ef_90 ? Severity::warning : Severity::info;
+  return ef && ef->has_interval() ? Severity::info : Severity::warning;
 }
 
 bool is_blood_pool(const Result& result) {
@@ -81,11 +82,11 @@ void flag_surfaces(const Result& result, std::vector<QualityFlag>& flags) {
                [&](const Gate& g) { return !surface(g); });
     flag_gates(result, flags, "surface_diverged", Severity::failure, "the " + name + "cardial surface diverged",
                [&](const Gate& g) { return surface(g) && surface(g)->stop_reason == dynamics::StopReason::diverged; });
-    flag_gates(result, flags, "surface_incomplete", Severity::warning,
+    flag_gates(result, flags, "surface_incomplete", doubt_of_edges(result),
                format("fewer than %.0f %% of the ", 100 * least_arrived) + name +
                    "cardial surface lie within a voxel of its border",
                [&](const Gate& g) { return surface(g) && surface(g)->within_one_voxel < least_arrived; });
-    flag_gates(result, flags, "border_unreached", Severity::warning,
+    flag_gates(result, flags, "border_unreached", doubt_of_edges(result),
                format("the surface stays away from more than %.0f %% of the ", 100 * (1 - least_reached)) + name +
                    "cardial border, so its volume is not that of the border",
                [&](const Gate& g) { return surface(g) && surface(g)->border_reached < least_reached; });
@@ -103,7 +104,7 @@ void flag_surfaces(const Result& result, std::vector<QualityFlag>& flags) {
 void flag_numbers(const Result& result, const QualityMetrics& clues, std::vector<QualityFlag>& flags) {
   if (result.wall_variation && *result.wall_variation > most_wall_variation)
     flags.push_back(
-        {"wall_volume_varies", Severity::warning,
+        {"wall_volume_varies", doubt_of_edges(result),
          format("the wall's volume varies by %.0f %% over the beat (coefficient of variation); muscle keeps its volume",
                 100 * *result.wall_variation),
          *result.wall_variation});
@@ -125,6 +126,25 @@ void flag_numbers(const Result& result, const QualityMetrics& clues, std::vector
         {"volume_implausible", severity(edv->value < impossible_small_ml || edv->value > impossible_large_ml),
          format("an end-diastolic volume of %.1f mL is outside %.0f-%.0f mL", edv->value, least_edv_ml, most_edv_ml),
          edv->value});
+}
+
+double half_interval(const heart::Estimate& e) { return (e.high() - e.low()) / 2; }
+double edv_uncertainty(const Result& result) {
+  const auto& edv = result.leading.edv_ml;
+  return edv && edv->has_interval() ? 100 * half_interval(*edv) / edv->value : 0;
+}
+
+/// Intervals too wide to tell a right reading from a wrong one.
+void flag_intervals(const Result& result, std::vector<QualityFlag>& flags) {
+  const auto& ef = result.leading.ef_percent;
+  if (ef && ef->has_interval() && half_interval(*ef) > most_ef_90)
+    flags.push_back(
+        {"ef_uncertain", Severity::warning,
+         format("the ejection fraction may be off by %.0f points (half of its 90 %% interval)", half_interval(*ef)),
+         half_interval(*ef)});
+  if (const double off = edv_uncertainty(result); off > most_edv_90)
+    flags.push_back({"edv_uncertain", Severity::warning,
+                     format("the end-diastolic volume may be off by %.0f %% (half of its 90 %% interval)", off), off});
 }
 
 /// "surface_missing" says these already.
@@ -214,11 +234,12 @@ void flag_looks(const Result& result, const QualityMetrics& c, std::vector<Quali
             doubt_of_edges(result)},
       Limit{"hot_neighbour", c.hot_neighbour, 0, most_hot_neighbour,
             "something as hot as the wall touches it in %.0f %% of the directions", 100},
-      Limit{"noisy", c.noise, 0, most_noise, "noise is %.0f %% of the wall's brightness", 100},
+      Limit{"noisy", c.noise, 0, most_noise, "noise is %.0f %% of the wall's brightness", 100, doubt_of_edges(result)},
       Limit{"section_not_round", c.unround, 0, most_unround,
             "the outer border is not round: its radius varies by %.0f %%", 100},
       Limit{"thickness_implausible", c.thickness_mm, least_thickness_mm, most_thickness_mm,
-            "the wall seems %.1f mm thick; no camera and heart make it so, the size of the voxels may be wrong"}};
+            "the wall seems %.1f mm thick; no camera and heart make it so, the size of the voxels may be wrong", 1,
+            doubt_of_edges(result)}};
   flag_limits(limits, flags);
 }
 
@@ -278,7 +299,11 @@ void flag_notes(const Result& result, std::vector<QualityFlag>& flags) {
         std::any_of(notes.begin(), notes.end(), [](const Note* n) { return n->severity == Severity::failure; });
     std::string message = notes.front()->message;
     if (!gates.empty()) message += " (" + gate_list(gates) + ")";
-    const Severity severity = failure ? Severity::failure : is_remark(code) ? Severity::info : Severity::warning;
+    // What an interval holds needs no second doubt.
+    const bool is_held = code == "fit.thin_wall" && edv_uncertainty(result) > thin_wall_edv;
+    const Severity severity = failure                      ? Severity::failure
+                              : is_remark(code) || is_held ? Severity::info
+                                                           : Severity::warning;
     flags.push_back({code, severity, message, static_cast<double>(notes.size())});
   }
 }
@@ -300,6 +325,7 @@ std::vector<QualityFlag> assess(const Result& result) {
   flag_cycle(clues, flags);
   flag_missing_slices(result, flags);
   flag_numbers(result, clues, flags);
+  flag_intervals(result, flags);
   flag_notes(result, flags);
   return flags;
 }
