@@ -145,7 +145,7 @@ def edge_bias(root):
 
 def located(root):
     text = text_of(root, "borders_200/results.txt")
-    halves = [re.search(rf"^{half} half.*?\n(.*?)(?:\n\n|\Z)", text, re.DOTALL | re.MULTILINE)[1] for half in ("Reporting", "Choosing")]
+    reporting = re.search(r"^Reporting half.*?\n(.*?)(?:\n\n|\Z)", text, re.DOTALL | re.MULTILINE)[1]
     names = {"both surfaces in all gates": "both surfaces in all gates", "wrong  ": "wrong results",
              "wrong ones flagged": "wrong results flagged", "right ones flagged": "right results flagged",
              "ejection fraction error, points": "ejection fraction, error in points", "long axis, degrees": "long axis, degrees",
@@ -153,10 +153,10 @@ def located(root):
              "worst border, mm": "worst border, mm"}
     rows = []
     for key, name in names.items():
-        found = [re.search(rf"^ *{re.escape(key)}(?:\(mean of gates\)| )*(.*)$", half, re.MULTILINE)[1] for half in halves]
-        values = [re.sub(r", within.*", "", " ".join(value.split())) for value in found]
-        rows.append([name] + [value.replace("+-", "±").replace(".0 %", " %") for value in values])
-    return markdown(["", "reporting half", "choosing half"], rows)
+        found = re.search(rf"^ *{re.escape(key)}(?:\(mean of gates\)| )*(.*)$", reporting, re.MULTILINE)[1]
+        value = re.sub(r", within.*", "", " ".join(found.split()))
+        rows.append([name, value.replace("+-", "±").replace(".0 %", " %")])
+    return markdown(["", "reporting half"], rows)
 
 
 def division_slice(root):
