@@ -327,6 +327,9 @@ std::vector<QualityFlag> assess(const Result& result) {
   flag_numbers(result, clues, flags);
   flag_intervals(result, flags);
   flag_notes(result, flags);
+  // What decides the verdict comes first.
+  std::stable_sort(flags.begin(), flags.end(),
+                   [](const QualityFlag& a, const QualityFlag& b) { return a.severity > b.severity; });
   return flags;
 }
 
