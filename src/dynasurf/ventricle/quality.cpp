@@ -37,7 +37,7 @@ constexpr double most_hot_neighbour = 0.25;
 constexpr double most_unround = 0.13;
 constexpr double most_noise = 0.2;
 constexpr double most_move_mm = 5;
-constexpr double least_thickness_mm = 8, most_thickness_mm = 18;
+constexpr double least_thickness_mm = 8, most_thickness_mm = 18, most_fitted_thickness_mm = 12;
 constexpr double least_end_systole = 0.2, most_end_systole = 0.65;
 constexpr double most_roughness = 0.12;
 constexpr double least_counts = 0.85, most_counts = 1.15;  // of the usual gate
@@ -218,6 +218,14 @@ void flag_base(const QualityMetrics& c, std::vector<QualityFlag>& flags) {
   flag_limits(limits, flags);
 }
 
+/// Edges behind a wide point spread lie far apart around any wall. Where the fit finds a usual one between them, its
+/// thickness is no doubt; a wall that is too thin for edges, or thick in both, comes of a wrong size of the voxels.
+Severity doubt_of_thickness(const Result& result, const QualityMetrics& c) {
+  const auto& fit = result.readings.psf_corrected;
+  const bool is_usual = fit && fit->thickness_mm.value < most_fitted_thickness_mm;
+  return c.thickness_mm > most_thickness_mm && is_usual ? Severity::info : Severity::warning;
+}
+
 /// What lies around the heart and what the heart looks like.
 void flag_looks(const Result& result, const QualityMetrics& c, std::vector<QualityFlag>& flags) {
   if (!result.heart) return;
@@ -239,7 +247,7 @@ void flag_looks(const Result& result, const QualityMetrics& c, std::vector<Quali
             "the outer border is not round: its radius varies by %.0f %%", 100},
       Limit{"thickness_implausible", c.thickness_mm, least_thickness_mm, most_thickness_mm,
             "the wall seems %.1f mm thick; no camera and heart make it so, the size of the voxels may be wrong", 1,
-            doubt_of_edges(result)}};
+            doubt_of_thickness(result, c)}};
   flag_limits(limits, flags);
 }
 
