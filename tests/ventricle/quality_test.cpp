@@ -272,13 +272,32 @@ TEST(Judge, BelievesAFitOfWhatEdgesCannotTell) {
   result.readings.gaussian_profile = {{110, 95, 70, 20, 55, 75, 90, 105}, {}};
   for (Gate& gate : result.gates)
     gate.edge_surfaces.epi->within_one_voxel = 0.9, gate.edge_surfaces.epi->border_reached = 0.9;
+  result.wall_variation = 0.3;
   const Codes doubts = codes_of(result);
-  for (const char* code : {"surface_incomplete", "border_unreached", "wall_missing", "readings_disagree"})
+  for (const char* code :
+       {"surface_incomplete", "border_unreached", "wall_missing", "wall_volume_varies", "readings_disagree"})
     EXPECT_TRUE(is_flagged(result, code)) << code;
   EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
   result.leading.ef_percent = heart::Estimate{60, 4};
   EXPECT_EQ(codes_of(result), doubts) << "readers are still told";
   EXPECT_EQ(verdict_of(assess(result)), Verdict::ok);
+}
+
+TEST(Judge, AsksToCheckAWallThatIsThickToEdgesAndToTheFit) {
+  const auto doubt = [](double epi_radius, double endo_radius, double fitted_mm) -> std::optional<Severity> {
+    Result result = good_result();
+    result.heart->cup = {{0, 0, 0}, {0, 0, 1}, 30, 40, 25};
+    give_shape(result, epi_radius, 1.2 * epi_radius, endo_radius);
+    result.leading.ef_percent = heart::Estimate{60, 4};
+    result.readings.psf_corrected.emplace().thickness_mm.value = fitted_mm;
+    for (const QualityFlag& flag : assess(result))
+      if (flag.code == "thickness_implausible") return flag.severity;
+    return {};
+  };
+  EXPECT_EQ(doubt(38, 25, 9), std::nullopt);
+  EXPECT_EQ(doubt(45, 23, 7), Severity::info) << "edges behind a wide point spread";
+  EXPECT_EQ(doubt(45, 23, 16), Severity::warning) << "pixels that are said to be too large";
+  EXPECT_EQ(doubt(30, 25, 7), Severity::warning) << "pixels that are said to be too small";
 }
 
 TEST(Judge, AsksToCheckAnIntervalAsWideAsAWrongReading) {

@@ -129,6 +129,8 @@ void flag_numbers(const Result& result, const QualityMetrics& clues, std::vector
 }
 
 double half_interval(const heart::Estimate& e) { return (e.high() - e.low()) / 2; }
+
+/// Half of its 90 % interval, in %; 0 where it has none.
 double edv_uncertainty(const Result& result) {
   const auto& edv = result.leading.edv_ml;
   return edv && edv->has_interval() ? 100 * half_interval(*edv) / edv->value : 0;
@@ -218,12 +220,12 @@ void flag_base(const QualityMetrics& c, std::vector<QualityFlag>& flags) {
   flag_limits(limits, flags);
 }
 
-/// Edges behind a wide point spread lie far apart around any wall. Where the fit finds a usual one between them, its
-/// thickness is no doubt; a wall that is too thin for edges, or thick in both, comes of a wrong size of the voxels.
+/// Edges behind a wide point spread lie far apart around any wall: no doubt where the fit finds a usual one between
+/// them. A wall that is thick to both, or too thin for edges, comes of a wrong size of the voxels.
 Severity doubt_of_thickness(const Result& result, const QualityMetrics& c) {
   const auto& fit = result.readings.psf_corrected;
-  const bool is_usual = fit && fit->thickness_mm.value < most_fitted_thickness_mm;
-  return c.thickness_mm > most_thickness_mm && is_usual ? Severity::info : Severity::warning;
+  const bool is_blur = c.thickness_mm > most_thickness_mm && fit && fit->thickness_mm.value < most_fitted_thickness_mm;
+  return is_blur ? doubt_of_edges(result) : Severity::warning;
 }
 
 /// What lies around the heart and what the heart looks like.
