@@ -162,6 +162,18 @@ TEST(ContourCompletion, WithACircleFillsAGapThatTheImageAloneLeavesOpen) {
   }
 }
 
+// What the weight of the prior leaves to the contour fades away as it nears one.
+TEST(ContourCompletion, FollowsItsPriorTheMoreTheHeavierItIs) {
+  const Slice before = slice_of_image(open_ring(60));
+  const Conic circle{1, 0, 1, -50, -50};
+  const auto filled = [&](double weight) {
+    return diffuse_along_contours(before, {.steps = 400, .prior_weight = weight}, circle)(37, 25);
+  };
+  const float half = filled(0.5), most = filled(0.98), all = filled(1);
+  EXPECT_NEAR(most, all, 0.05 * all);
+  EXPECT_LT(half, most);
+}
+
 Component arc(double x, double y, double a, double b, double turn, double from_deg, double to_deg) {
   Component c;
   for (double t = from_deg; t <= to_deg; t += 2) {
