@@ -61,7 +61,7 @@ void sweep_profiles(const fs::path& place) {
 
 fs::path temporary_place() {
   std::error_code error;
-  const fs::path place = fs::temp_directory_path(error);
+  fs::path place = fs::temp_directory_path(error);
   if (error) throw IoError("printing needs a folder for temporary files, and TMPDIR names none");
   return place;
 }

@@ -20,8 +20,6 @@
 namespace dynasurf::app {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct LodArguments {
   std::vector<std::string> levels;
   std::string screen = "1920x1080", mesh_format = "ply";

@@ -31,6 +31,7 @@ NormalStudies normal_studies_of(const std::filesystem::path& cohort, const std::
   const cohort::StudyList list = cohort::read_study_list(cohort / "inputs.tsv");
   const auto status = cohort::read_status(cohort / "status.tsv");
   std::vector<std::size_t> places;
+  places.reserve(columns.size());
   for (const std::string& column : columns) places.push_back(column_of(list, column));
   NormalStudies normal;
   for (const cohort::CohortStudy& study : list.studies) {

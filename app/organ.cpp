@@ -26,7 +26,6 @@
 namespace dynasurf::app {
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct OrganArguments {

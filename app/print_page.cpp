@@ -44,7 +44,7 @@ fs::path find_browser() {
   for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) {
     TextInput folders(path ? path : "");
     for (std::string folder; std::getline(folders, folder, ':');)
-      if (const fs::path file = fs::path(folder) / name; access(file.c_str(), X_OK) == 0) return file;
+      if (fs::path file = fs::path(folder) / name; access(file.c_str(), X_OK) == 0) return file;
   }
   throw IoError("printing needs Chromium, and PATH holds none (on Debian: apt-get install chromium)");
 }

@@ -71,7 +71,7 @@ std::vector<std::string> words_in(const io::JsonNode& object, const char* key) {
 }
 
 std::string dicom_time_in(const io::JsonNode& outputs) {
-  const std::string time = io::text_in(outputs, "dicom_time");
+  std::string time = io::text_in(outputs, "dicom_time");
   if (time.size() != 14 || !std::all_of(time.begin(), time.end(), [](char c) { return c >= '0' && c <= '9'; }))
     throw InputError(outputs.file + ": " + outputs.path + ".dicom_time: expected 14 digits, YYYYMMDDHHMMSS");
   return time;

@@ -36,7 +36,7 @@ Vec3 vector_in(const io::JsonNode& object, const char* key) {
 }
 
 Vec3 direction_in(const io::JsonNode& object, const char* key) {
-  const Vec3 v = vector_in(object, key);
+  Vec3 v = vector_in(object, key);
   if (v.norm() < 1e-3 || v.norm() > 1e3)
     throw InputError(object.file + ": " + object.path + "." + key + ": expected a direction, about 1 long");
   return v;

@@ -85,7 +85,7 @@ bool asks_for_slicer_description(const std::vector<std::string>& words) {
 }
 
 std::string slicer_description(const CLI::App& command) {
-  const std::string name = command.get_name();
+  const std::string& name = command.get_name();
   std::string text = "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<executable>\n";
   text += element("category", "Surface Models") + element("title", "Dynasurf " + name);
   text += element("description", command.get_description() + ". Meshes are in LPS, mm. Research use only.");

@@ -22,7 +22,6 @@ namespace {
 
 constexpr std::size_t fewest_points = 10;
 constexpr std::size_t ring = 8;  // neighbours that tell whether a point stands alone
-constexpr std::size_t grain = 1024;
 
 template <class T>
 void keep(std::vector<T>& values, const std::vector<std::uint8_t>& kept) {

@@ -44,6 +44,7 @@ void add_agreement(const std::string& of, const std::string& against, const std:
   rows.push_back({"limit_low", of, against, "", n, out, limits->low});
   rows.push_back({"limit_high", of, against, "", n, out, limits->high});
   std::vector<std::vector<double>> readings;
+  readings.reserve(pairs.size());
   for (const ValuePair& pair : pairs) readings.push_back({pair.first, pair.second});
   if (const auto icc = icc_absolute(readings))
     rows.push_back({"icc_absolute", of, against, "", icc->n, icc->left_out, icc->value});
@@ -147,6 +148,7 @@ void add_repeats(const Cohort& cohort, Rows& rows) {
     std::map<std::string, std::vector<double>> by_subject;
     for (const CohortCase& one : cohort.cases) by_subject[one.study.groups[column]].push_back(number_of(one, key));
     std::vector<std::vector<double>> repeats;
+    repeats.reserve(by_subject.size());
     for (const auto& [name, values] : by_subject) repeats.push_back(values);
     const auto result = repeatability(repeats);
     if (!result) continue;
