@@ -5,45 +5,13 @@
 #include <cmath>
 #include <vector>
 
-#include "dynasurf/core/detail/elementary.hpp"
-#include "dynasurf/core/parallel.hpp"
 #include "dynasurf/field/detail/gradient.hpp"
+#include "dynasurf/image/detail/gaussian.hpp"
 
 namespace dynasurf::field {
 namespace {
 
 constexpr std::array<std::string_view, 3> kOperators{"gradient_squared", "gradient", "intensity"};
-
-std::vector<double> gaussian(double sigma) {
-  const int reach = static_cast<int>(std::ceil(3 * sigma));
-  std::vector<double> weight(static_cast<std::size_t>(2 * reach + 1));
-  double sum = 0;
-  for (int n = -reach; n <= reach; ++n)
-    sum += weight[static_cast<std::size_t>(n + reach)] = own::exp(-0.5 * n * n / (sigma * sigma));
-  for (double& w : weight) w /= sum;
-  return weight;
-}
-
-/// Along one axis, with replicated borders.
-Image blurred(const Image& image, std::size_t axis, const std::vector<double>& weight) {
-  const int reach = static_cast<int>(weight.size() / 2);
-  const Grid& g = image.grid;
-  Image out(g);
-  parallel_for(static_cast<std::size_t>(g.dims[2]), 1, [&](std::size_t slice, std::size_t) {
-    const int k = static_cast<int>(slice);
-    for (int j = 0; j < g.dims[1]; ++j)
-      for (int i = 0; i < g.dims[0]; ++i) {
-        double sum = 0;
-        for (int n = -reach; n <= reach; ++n) {
-          Index3 at{i, j, k};
-          at[axis] += n;
-          sum += weight[static_cast<std::size_t>(n + reach)] * image.clamped(at[0], at[1], at[2]);
-        }
-        out(i, j, k) = static_cast<float>(sum);
-      }
-  });
-  return out;
-}
 
 Image operate(const Image& image, EdgeOperator of) {
   if (of == EdgeOperator::intensity) return image;
@@ -68,7 +36,8 @@ Image edge_map_of(const Image& image, const EdgeMapOptions& options) {
   detail::check_edge_map(image);
   Image smooth = image;
   if (options.sigma_px > 0)
-    for (std::size_t axis = 0; axis < 3; ++axis) smooth = blurred(smooth, axis, gaussian(options.sigma_px));
+    for (int axis = 0; axis < 3; ++axis)
+      smooth = image::convolve_along(smooth, image::half_gaussian(options.sigma_px), axis);
   Image map = operate(smooth, options.of);
   if (map.values.empty()) return map;
   const auto [low, high] = std::minmax_element(map.values.begin(), map.values.end());

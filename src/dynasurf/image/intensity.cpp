@@ -8,6 +8,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/image/detail/gaussian.hpp"
 #include "dynasurf/image/detail/slice.hpp"
 
 namespace dynasurf::image {

@@ -34,42 +34,6 @@ bool holds(const Grid& grid, const Vec3& mm) {
   return true;
 }
 
-std::vector<double> gaussian_kernel(double sigma_px) {
-  const int reach = std::max(1, static_cast<int>(std::ceil(3 * sigma_px)));
-  std::vector<double> kernel;
-  double sum = 0;
-  for (int d = -reach; d <= reach; ++d) {
-    kernel.push_back(own::exp(-0.5 * d * d / (sigma_px * sigma_px)));
-    sum += kernel.back();
-  }
-  for (double& w : kernel) w /= sum;
-  return kernel;
-}
-
-/// Convolves one row of `from` along an axis; beyond the ends the outermost voxels are repeated. A whole row per tap
-/// of the kernel: the inner loops run over neighbours in memory.
-void convolve_row(const Image& from, Image& to, const std::vector<double>& kernel, int axis, int j, int k) {
-  const auto width = static_cast<std::size_t>(from.grid.dims[0]);
-  const int reach = static_cast<int>(kernel.size() / 2);
-  std::vector<double> sum(width, 0.0);
-  if (axis == 0) {
-    std::vector<float> padded(width + kernel.size() - 1);
-    for (std::size_t i = 0; i < padded.size(); ++i) padded[i] = from.clamped(static_cast<int>(i) - reach, j, k);
-    for (std::size_t d = 0; d < kernel.size(); ++d)
-      for (std::size_t i = 0; i < width; ++i) sum[i] += kernel[d] * padded[i + d];
-  } else {
-    for (int d = -reach; d <= reach; ++d) {
-      const int row = std::clamp(j + (axis == 1 ? d : 0), 0, from.grid.dims[1] - 1);
-      const int slice = std::clamp(k + (axis == 2 ? d : 0), 0, from.grid.dims[2] - 1);
-      const float* values = from.values.data() + from.grid.index(0, row, slice);
-      const double weight = kernel[static_cast<std::size_t>(d + reach)];
-      for (std::size_t i = 0; i < width; ++i) sum[i] += weight * values[i];
-    }
-  }
-  float* result = to.values.data() + to.grid.index(0, j, k);
-  for (std::size_t i = 0; i < width; ++i) result[i] = static_cast<float>(sum[i]);
-}
-
 }  // namespace
 
 double sample_linear(const Image& image, const Vec3& mm) {
@@ -118,20 +82,6 @@ Image resample(const Image& image, const Grid& grid) {
         }
   });
   return result;
-}
-
-Image smooth_gaussian(const Image& image, double sigma_mm) {
-  if (!(sigma_mm > 0)) return image;
-  Image from = image, to(image.grid);
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<double> kernel = gaussian_kernel(sigma_mm / image.grid.spacing[axis]);
-    parallel_for(static_cast<std::size_t>(image.grid.dims[2]), 1, [&](std::size_t begin, std::size_t end) {
-      for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
-        for (int j = 0; j < image.grid.dims[1]; ++j) convolve_row(from, to, kernel, axis, j, k);
-    });
-    std::swap(from, to);
-  }
-  return from;
 }
 
 }  // namespace dynasurf::image

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::image {
@@ -23,18 +22,6 @@ void for_each_slice(const Grid& grid, const std::function<void(int)>& body) {
   parallel_for(static_cast<std::size_t>(std::max(0, grid.dims[2])), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) body(static_cast<int>(k));
   });
-}
-
-std::vector<double> half_gaussian(double sigma) {
-  const int radius = static_cast<int>(std::ceil(3 * sigma));
-  std::vector<double> w{1.0};
-  double sum = 1;
-  for (int r = 1; r <= radius; ++r) {
-    w.push_back(own::exp(-r * r / (2 * sigma * sigma)));
-    sum += 2 * w.back();
-  }
-  for (double& v : w) v /= sum;
-  return w;
 }
 
 namespace {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <vector>
 
-#include "dynasurf/core/parallel.hpp"
+#include "dynasurf/image/detail/gaussian.hpp"
 #include "dynasurf/synthetic/detail/render.hpp"
 
 namespace dynasurf::synthetic {
@@ -31,26 +31,6 @@ std::vector<double> discrete_gaussian(double t) {
   return half;
 }
 
-Image blur_axis(const Image& image, int axis, const std::vector<double>& half) {
-  const Index3 dims = image.grid.dims;
-  const int reach = static_cast<int>(half.size()) - 1;
-  Image result(image.grid);
-  parallel_for(dims[2], 1, [&](std::size_t begin, std::size_t end) {
-    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
-      for (int j = 0; j < dims[1]; ++j)
-        for (int i = 0; i < dims[0]; ++i) {
-          double sum = half[0] * image(i, j, k);
-          for (int n = 1; n <= reach; ++n) {
-            const int a = axis == 0 ? n : 0, b = axis == 1 ? n : 0, c = axis == 2 ? n : 0;
-            sum += half[n] * (static_cast<double>(image.clamped(i - a, j - b, k - c)) +
-                              static_cast<double>(image.clamped(i + a, j + b, k + c)));
-          }
-          result(i, j, k) = static_cast<float>(sum);
-        }
-  });
-  return result;
-}
-
 }  // namespace
 
 Image blur(const Image& image, double fwhm_mm) {
@@ -60,7 +40,7 @@ Image blur(const Image& image, double fwhm_mm) {
   for (int a = 0; a < 3; ++a) {
     const double sigma_voxels = sigma / image.grid.spacing[a];
     if (sigma_voxels > 0.01 && image.grid.dims[a] > 1)
-      result = blur_axis(result, a, discrete_gaussian(sigma_voxels * sigma_voxels));
+      result = image::convolve_along(result, discrete_gaussian(sigma_voxels * sigma_voxels), a);
   }
   return result;
 }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -6,6 +7,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/dynamics/contour/contours.hpp"
 #include "dynasurf/field/detail/gradient.hpp"
+#include "dynasurf/image/detail/gaussian.hpp"
 
 namespace dynasurf::dynamics {
 namespace {
@@ -13,32 +15,6 @@ namespace {
 constexpr std::array<std::string_view, 4> energy_names{"gradient", "smoothed_gradient", "intensity",
                                                        "smoothed_intensity"};
 constexpr std::array<std::string_view, 3> source_names{"gradient", "bright", "dark"};
-
-std::vector<double> gaussian_kernel(double sigma) {
-  const int reach = std::max(1, static_cast<int>(std::ceil(4 * sigma)));
-  std::vector<double> kernel;
-  double sum = 0;
-  for (int i = -reach; i <= reach; ++i) {
-    kernel.push_back(own::exp(-i * i / (2 * sigma * sigma)));
-    sum += kernel.back();
-  }
-  for (double& w : kernel) w /= sum;
-  return kernel;
-}
-
-Image convolved(const Image& plane, const std::vector<double>& kernel, int axis) {
-  const int reach = static_cast<int>(kernel.size() / 2);
-  Image out(plane.grid);
-  for (int j = 0; j < plane.grid.dims[1]; ++j)
-    for (int i = 0; i < plane.grid.dims[0]; ++i) {
-      double sum = 0;
-      for (int t = -reach; t <= reach; ++t)
-        sum += kernel[static_cast<std::size_t>(t + reach)] *
-               static_cast<double>(plane.clamped(axis == 0 ? i + t : i, axis == 1 ? j + t : j, 0));
-      out(i, j, 0) = static_cast<float>(sum);
-    }
-  return out;
-}
 
 template <class F>
 Image each_pixel(const Grid& grid, F value) {
@@ -80,8 +56,9 @@ Image smoothed_plane(const Image& plane, double sigma_px) {
   if (!(sigma_px >= 0) || sigma_px > 100)
     throw OptionError("smoothed_plane: sigma_px is " + std::to_string(sigma_px) + "; expected 0 to 100");
   if (sigma_px == 0) return plane;
-  const std::vector<double> kernel = gaussian_kernel(sigma_px);
-  return convolved(convolved(plane, kernel, 0), kernel, 1);
+  const std::vector<double> half =
+      image::half_gaussian(sigma_px, std::max(1, static_cast<int>(std::ceil(4 * sigma_px))));
+  return image::convolve_along(image::convolve_along(plane, half, 0), half, 1);
 }
 
 Image snake_energy(const Image& plane, SnakeEnergy kind, double sigma_px) {

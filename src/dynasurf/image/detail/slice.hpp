@@ -29,9 +29,6 @@ void put_slice(const Slice& slice, Image& image, int k);
 /// Calls `body(k)` for every slice, in parallel.
 void for_each_slice(const Grid& grid, const std::function<void(int)>& body);
 
-/// Weights w[0..ceil(3 sigma)] of a normalised Gaussian; the other half is the mirror image. sigma 0: {1}.
-std::vector<double> half_gaussian(double sigma);
-
 /// Separable convolution with a symmetric kernel. The sums run in double, mirrored taps in pairs, and are rounded once:
 /// a mirrored or turned slice gives the mirrored or turned floats but for rare last bits.
 void smooth(Slice& slice, const std::vector<double>& half_kernel);

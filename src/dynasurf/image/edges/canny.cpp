@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "dynasurf/core/detail/statistics.hpp"
+#include "dynasurf/image/detail/gaussian.hpp"
 #include "dynasurf/image/detail/ridges.hpp"
 #include "dynasurf/image/edges.hpp"
 

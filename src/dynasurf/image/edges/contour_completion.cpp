@@ -5,6 +5,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/image/detail/components.hpp"
+#include "dynasurf/image/detail/gaussian.hpp"
 #include "dynasurf/image/detail/ridges.hpp"
 #include "dynasurf/image/edges/detail/contour_prior.hpp"
 
