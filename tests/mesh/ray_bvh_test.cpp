@@ -78,12 +78,5 @@ TEST(RayBvh, RunsAlongTheFacesOfABox) {
     }
 }
 
-TEST(NormalsOfVertices, PointOutOfASphere) {
-  const TriMesh mesh = icosphere(3);
-  const std::vector<Vec3> normals = normals_of_vertices(mesh);
-  for (std::size_t v = 0; v < normals.size(); ++v) EXPECT_GT(normals[v].dot(mesh.vertices[v]), 0.999);
-  EXPECT_TRUE(normals_of_vertices(mesh, std::vector<bool>(mesh.triangles.size(), false))[0].isZero());
-}
-
 }  // namespace
 }  // namespace dynasurf::mesh

@@ -7,6 +7,7 @@
 #include "dynasurf/cloud/detail/light.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/detail/vertex_normals.hpp"
 
 namespace dynasurf::cloud {
 namespace {
@@ -60,16 +61,6 @@ Atlas atlas_for(std::size_t triangles, std::size_t points) {
   return atlas;
 }
 
-std::vector<Vec3> vertex_normals(const TriMesh& mesh) {
-  std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3 area = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
-    for (const auto v : {a, b, c}) sums[v] += area;
-  }
-  for (Vec3& n : sums) n = n.stableNorm() > 0 ? n.stableNormalized() : Vec3::UnitZ();
-  return sums;
-}
-
 /// A unit vector at right angles to `normal`, as close to `along` as can be.
 Vec3 tangent_to(const Vec3& normal, const Vec3& along) {
   const Vec3 tangent = along - normal * normal.dot(along);
@@ -77,7 +68,9 @@ Vec3 tangent_to(const Vec3& normal, const Vec3& along) {
 }
 
 std::vector<mesh::TexturedMesh::Corner> corners_of(const TriMesh& mesh, const Atlas& atlas) {
-  const std::vector<Vec3> normals = vertex_normals(mesh);
+  std::vector<Vec3> normals = mesh::vertex_normals(mesh);
+  for (Vec3& n : normals)
+    if (n.isZero()) n = Vec3::UnitZ();
   std::vector<mesh::TexturedMesh::Corner> corners;
   corners.reserve(3 * mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

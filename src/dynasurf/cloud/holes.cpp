@@ -13,6 +13,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/detail/submesh.hpp"
+#include "dynasurf/mesh/detail/vertex_normals.hpp"
 #include "dynasurf/mesh/measures.hpp"
 
 namespace dynasurf::cloud {
@@ -43,7 +44,7 @@ class Scan {
 bool has_holes(const TriMesh& mesh, const Scan& scan, double reach) {
   constexpr std::size_t step = 4;
   constexpr double worth_it = 0.002;  // of the vertices
-  const std::vector<Vec3> normals = normals_of(mesh);
+  const std::vector<Vec3> normals = mesh::vertex_normals(mesh);
   const std::size_t asked = mesh.vertices.size() / step;
   const double far = parallel_sum(asked, 256, [&](std::size_t begin, std::size_t end) {
     double sum = 0;
@@ -57,7 +58,7 @@ bool has_holes(const TriMesh& mesh, const Scan& scan, double reach) {
 /// The distance of each triangle's corners and middle, the farthest, to the points whose directions have a cosine above
 /// `least` to its own.
 std::vector<double> distances(const TriMesh& mesh, const Scan& scan, double least) {
-  const std::vector<Vec3> normals = normals_of(mesh);
+  const std::vector<Vec3> normals = mesh::vertex_normals(mesh);
   std::vector<double> of_vertex(mesh.vertices.size()), of_triangle(mesh.triangles.size());
   parallel_for(of_vertex.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) of_vertex[v] = scan.distance(mesh.vertices[v], normals[v], least);

@@ -11,6 +11,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
+#include "dynasurf/mesh/detail/vertex_normals.hpp"
 
 namespace dynasurf::cloud {
 namespace {
@@ -67,15 +68,6 @@ std::vector<Edge> boundary_of(const TriMesh& mesh) {
   return boundary;
 }
 
-std::vector<Vec3> vertex_normals(const TriMesh& mesh) {
-  std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3 area = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
-    for (const auto v : {a, b, c}) sums[v] += area;
-  }
-  return sums;
-}
-
 Vec3 normal_of(const TriMesh& mesh, std::size_t triangle) {
   const auto& [a, b, c] = mesh.triangles[triangle];
   return (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
@@ -105,7 +97,7 @@ class Cutting {
         closest_(coarse),
         coarse_boundary_(boundary_of(coarse)),
         mesh_(fine),
-        normals_(vertex_normals(fine)),
+        normals_(mesh::vertex_normals(fine)),
         images_(fine.vertices.size()) {
     std::vector<std::uint8_t> on_boundary(images_.size(), 0);
     if (!coarse_boundary_.empty())
@@ -304,7 +296,7 @@ class Cutting {
       middle = static_cast<std::uint32_t>(mesh_.vertices.size());
       cuts_.push_back({a, b});
       mesh_.vertices.push_back((mesh_.vertices[a] + mesh_.vertices[b]) / 2);
-      normals_.push_back(normals_[a].normalized() + normals_[b].normalized());
+      normals_.push_back((normals_[a] + normals_[b]).normalized());
       // Between the images of the ends, for what is nearest to a rim or fold of the fine mesh may jump.
       const bool on_boundary = boundary_.erase(edge) > 0;
       if (on_boundary) boundary_.insert({{a, middle}, {b, middle}});

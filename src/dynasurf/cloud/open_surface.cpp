@@ -13,6 +13,7 @@
 #include "dynasurf/cloud/detail/triangle_marks.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/detail/submesh.hpp"
+#include "dynasurf/mesh/detail/vertex_normals.hpp"
 #include "dynasurf/mesh/measures.hpp"
 
 namespace dynasurf::cloud {
@@ -73,7 +74,7 @@ std::optional<std::vector<double>> values_of_cut(const TriMesh& mesh, const Indi
                                                  const SupportingPoints& scan, const OrientedPoints& fill,
                                                  const OpenCut& cut) {
   constexpr int sweeps = 2;
-  const std::vector<Vec3> normals = normals_of(mesh);
+  const std::vector<Vec3> normals = mesh::vertex_normals(mesh);
   const std::vector<double> distances = distances_to_points(mesh, normals, field, scan, fill, 2 * cut.reach);
   const OrientedPoints line = passages(mesh, normals, distances, cut.reach);
   if (line.points.empty()) return std::nullopt;

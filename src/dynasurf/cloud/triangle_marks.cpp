@@ -28,16 +28,6 @@ Groups parts_of(const TriMesh& mesh, const Marks& kept) {
   return groups;
 }
 
-std::vector<Vec3> normals_of(const TriMesh& mesh) {
-  std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3 n = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
-    for (const std::uint32_t v : {a, b, c}) normals[v] += n;
-  }
-  for (Vec3& n : normals) n.normalize();
-  return normals;
-}
-
 Vec3 facing_of(const TriMesh& mesh) {
   Vec3 facing = Vec3::Zero();
   double area = 0;

@@ -43,7 +43,7 @@ Rows3 positions_m(const TriMesh& mesh) {
 }
 
 Rows3 normals(const TriMesh& mesh) {
-  Rows3 rows = detail::vertex_normals(mesh);
+  Rows3 rows = detail::normals_to_write(mesh);
   for (auto& n : rows) n = to_gltf_axes(n.cast<double>()).cast<float>();
   return rows;
 }

@@ -48,7 +48,7 @@ GltfJson plain_primitive(const TriMesh& mesh, const VertexColours& colours, std:
   for (const Vec3& p : mesh.vertices) rows.push_back((p - middle).cast<float>());
   GltfJson primitive = {{"attributes", GltfJson::object()}};
   primitive["attributes"]["POSITION"] = scene.add_rows(rows, true);
-  primitive["attributes"]["NORMAL"] = scene.add_rows(detail::vertex_normals(mesh), false);
+  primitive["attributes"]["NORMAL"] = scene.add_rows(detail::normals_to_write(mesh), false);
   if (!colours.empty()) primitive["attributes"]["COLOR_0"] = scene.add_colours(linear(colours));
   for (const VertexScalar& scalar : scalars) {
     std::string name = "_" + scalar.name;  // glTF asks for the underscore

@@ -9,6 +9,7 @@
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/detail/mesh_formats.hpp"
+#include "dynasurf/mesh/detail/vertex_normals.hpp"
 
 namespace dynasurf::io {
 namespace {
@@ -143,19 +144,10 @@ void check_colours(const TriMesh& mesh, const VertexColours& colours, const std:
                       " colours; expected one for each of " + std::to_string(mesh.vertices.size()) + " vertices");
 }
 
-std::vector<Eigen::Vector3f> vertex_normals(const TriMesh& mesh) {
-  std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3 area = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
-    for (const auto v : {a, b, c}) sums[v] += area;
-  }
+std::vector<Eigen::Vector3f> normals_to_write(const TriMesh& mesh) {
   std::vector<Eigen::Vector3f> normals;
-  normals.reserve(sums.size());
-  for (const Vec3& sum : sums) {
-    // stableNormalized keeps tiny meshes from underflowing to no direction at all.
-    const Vec3 unit = sum.stableNormalized();
-    normals.push_back((unit.norm() > 0.5 ? unit : Vec3(0, 0, 1)).cast<float>());
-  }
+  normals.reserve(mesh.vertices.size());
+  for (const Vec3& n : mesh::vertex_normals(mesh)) normals.push_back((n.isZero() ? Vec3::UnitZ() : n).cast<float>());
   return normals;
 }
 

@@ -31,7 +31,7 @@ std::string encode_obj(const TriMesh& mesh, const VertexColours& colours) {
     }
     out += '\n';
   }
-  for (const auto& n : vertex_normals(mesh)) add_row("vn", n);
+  for (const auto& n : normals_to_write(mesh)) add_row("vn", n);
   for (const auto& t : mesh.triangles) {
     out += 'f';
     for (const auto v : t) {

@@ -23,7 +23,7 @@ std::string encode_ply(const TriMesh& mesh, std::span<const VertexScalar> scalar
   out += "element face " + std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\n";
   out += "end_header\n";
 
-  const auto normals = vertex_normals(mesh);
+  const auto normals = normals_to_write(mesh);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     for (const double c : mesh.vertices[v]) append(out, c);
     for (const float c : normals[v]) append(out, c);

@@ -11,7 +11,7 @@ std::string encode_vtp(const TriMesh& mesh, std::span<const VertexScalar> scalar
   std::vector<double> points;
   for (const Vec3& p : mesh.vertices) points.insert(points.end(), p.begin(), p.end());
   std::vector<float> normals;
-  for (const auto& n : vertex_normals(mesh)) normals.insert(normals.end(), n.begin(), n.end());
+  for (const auto& n : normals_to_write(mesh)) normals.insert(normals.end(), n.begin(), n.end());
   std::vector<std::int64_t> corners, ends;
   for (const auto& t : mesh.triangles) {
     corners.insert(corners.end(), t.begin(), t.end());

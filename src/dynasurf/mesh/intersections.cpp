@@ -1,97 +1,17 @@
 #include "dynasurf/mesh/intersections.hpp"
 
 #include <algorithm>
-#include <limits>
-#include <numeric>
 #include <string>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/detail/box_tree.hpp"
 #include "dynasurf/mesh/detail/predicates.hpp"
 
 namespace dynasurf::mesh {
 namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
-
-struct Box {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  void hold(const Vec3& p) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  void hold(const Box& b) {
-    low = low.cwiseMin(b.low);
-    high = high.cwiseMax(b.high);
-  }
-  bool meets(const Box& b) const {
-    return (low.array() <= b.high.array()).all() && (b.low.array() <= high.array()).all();
-  }
-};
-
-/// Boxes around ever smaller groups of triangles. The group of a node is a run of `order`; children follow their
-/// parent, so `end` tells where to go on when a node's box is missed.
-class BoxBvh {
- public:
-  explicit BoxBvh(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
-    std::iota(order_.begin(), order_.end(), 0u);
-    if (!order_.empty()) build(0, order_.size());
-  }
-
-  /// Calls `visit` with every triangle whose box meets `box`.
-  template <class Visit>
-  void find(const Box& box, const Visit& visit) const {
-    for (std::size_t n = 0; n < nodes_.size();) {
-      const Node& node = nodes_[n];
-      if (!node.box.meets(box)) {
-        n = node.end;
-        continue;
-      }
-      if (node.is_leaf)
-        for (std::size_t i = node.first; i < node.last; ++i)
-          if (boxes_[order_[i]].meets(box)) visit(order_[i]);
-      ++n;
-    }
-  }
-
-  const Box& box(std::uint32_t triangle) const { return boxes_[triangle]; }
-
- private:
-  static constexpr std::size_t leaf_size = 4;
-  struct Node {
-    Box box;
-    std::size_t first, last, end;
-    bool is_leaf;
-  };
-
-  void build(std::size_t first, std::size_t last) {
-    const std::size_t n = nodes_.size();
-    Box box, centres;
-    for (std::size_t i = first; i < last; ++i) {
-      box.hold(boxes_[order_[i]]);
-      centres.hold(Vec3(boxes_[order_[i]].low + boxes_[order_[i]].high));
-    }
-    nodes_.push_back({box, first, last, 0, last - first <= leaf_size});
-    if (!nodes_[n].is_leaf) {
-      Eigen::Index axis = 0;
-      (centres.high - centres.low).maxCoeff(&axis);
-      const std::size_t middle = (first + last) / 2;
-      const auto at = [this](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
-      std::nth_element(at(first), at(middle), at(last), [&](std::uint32_t a, std::uint32_t b) {
-        const double at_a = boxes_[a].low[axis] + boxes_[a].high[axis],
-                     at_b = boxes_[b].low[axis] + boxes_[b].high[axis];
-        return at_a != at_b ? at_a < at_b : a < b;
-      });
-      build(first, middle);
-      build(middle, last);
-    }
-    nodes_[n].end = nodes_.size();
-  }
-
-  std::vector<Box> boxes_;
-  std::vector<std::uint32_t> order_;
-  std::vector<Node> nodes_;
-};
 
 /// An axis along which the triangle casts a shadow of some area; -1 for a flat triangle.
 int shadow_axis(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -202,7 +122,7 @@ SelfIntersections self_intersections(const TriMesh& mesh) {
     for (const auto v : {a, b, c}) boxes[t].hold(mesh.vertices[v]);
   }
 
-  const BoxBvh tree(std::move(boxes));
+  const BoxTree tree(boxes);
   constexpr std::size_t grain = 256;
   std::vector<std::vector<std::array<std::uint32_t, 2>>> pieces((count + grain - 1) / grain);
   parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
@@ -210,8 +130,11 @@ SelfIntersections self_intersections(const TriMesh& mesh) {
     for (std::size_t s = begin; s < end; ++s) {
       if (flat[s]) continue;
       const auto first = static_cast<std::uint32_t>(s);
-      tree.find(tree.box(first), [&](std::uint32_t t) {
-        if (t > first && !flat[t] && triangles_meet(mesh.vertices, mesh.triangles[s], mesh.triangles[t]))
+      const auto meets = [&](const Box& box) { return box.meets(boxes[first]); };
+      tree.walk(meets, [&](std::uint32_t i) {
+        const std::uint32_t t = tree.order()[i];
+        if (t > first && !flat[t] && meets(boxes[t]) &&
+            triangles_meet(mesh.vertices, mesh.triangles[s], mesh.triangles[t]))
           piece.push_back({first, t});
       });
     }

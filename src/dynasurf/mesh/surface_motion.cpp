@@ -3,7 +3,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/detail/point_spline.hpp"
-#include "dynasurf/mesh/detail/ray_bvh.hpp"
+#include "dynasurf/mesh/detail/vertex_normals.hpp"
 #include "dynasurf/mesh/motion.hpp"
 
 namespace dynasurf::mesh {
@@ -25,7 +25,7 @@ SurfaceMotion surface_motion(const TriMesh& rest, const TriMesh& now) {
     throw InputError("surface_motion: the meshes have different triangles; expected the same ones");
   SurfaceMotion motion;
   const std::vector<double> before = areas_around(rest), after = areas_around(now);
-  const std::vector<Vec3> outwards = normals_of_vertices(rest);
+  const std::vector<Vec3> outwards = vertex_normals(rest);
   for (std::size_t v = 0; v < rest.vertices.size(); ++v) {
     motion.displacement_mm.push_back((now.vertices[v] - rest.vertices[v]).norm());
     motion.inward_mm.push_back((rest.vertices[v] - now.vertices[v]).dot(outwards[v]));

@@ -8,7 +8,7 @@
 
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/image/intensity.hpp"
-#include "dynasurf/mesh/detail/ray_bvh.hpp"
+#include "dynasurf/mesh/detail/vertex_normals.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
 namespace dynasurf::ventricle {
@@ -120,9 +120,9 @@ TriMesh settle_on_slope(TriMesh mesh, const Image& image, const Vec3& base, cons
   float largest = 0;
   for (const float value : image.values) largest = std::max(largest, std::abs(value));
   std::vector<bool> on_lid;
-  for (const Vec3& n : mesh::normals_of_vertices(mesh)) on_lid.push_back(n.dot(base) > lid_cosine);
+  for (const Vec3& n : mesh::vertex_normals(mesh)) on_lid.push_back(n.dot(base) > lid_cosine);
   for (int round = 0; round < options.rounds; ++round) {
-    const std::vector<Vec3> normals = mesh::normals_of_vertices(mesh);
+    const std::vector<Vec3> normals = mesh::vertex_normals(mesh);
     Profiles profiles = profiles_of(mesh, normals, image, options.reach_voxels);
     turn_upwards(profiles, on_lid);
     const std::vector<std::optional<double>> offsets =

@@ -24,9 +24,6 @@ class Groups {
 /// Sets of the vertices that the marked triangles join.
 Groups parts_of(const TriMesh& mesh, const Marks& kept);
 
-/// Sums of the normals of the triangles around each vertex, of length 1.
-std::vector<Vec3> normals_of(const TriMesh& mesh);
-
 /// The normals of all triangles, added up by area, over the area: of length 0 for a closed surface, 0.5 for half a
 /// sphere and 1 for a plane.
 Vec3 facing_of(const TriMesh& mesh);

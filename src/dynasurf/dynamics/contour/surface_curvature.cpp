@@ -2,27 +2,11 @@
 
 #include <cmath>
 
-#include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/mesh/detail/vertex_normals.hpp"
 #include "dynasurf/mesh/smooth.hpp"
 
 namespace dynasurf::dynamics {
 namespace {
-
-/// Means over triangles weighted by the angle at the vertex: they do not depend on how a flat ring is cut.
-std::vector<Vec3> vertex_normals(const TriMesh& mesh) {
-  std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
-  for (const auto& t : mesh.triangles)
-    for (std::size_t c = 0; c < 3; ++c) {
-      const Vec3& at = mesh.vertices[t[c]];
-      const Vec3 a = mesh.vertices[t[(c + 1) % 3]] - at, b = mesh.vertices[t[(c + 2) % 3]] - at;
-      const Vec3 n = a.cross(b);
-      const double length = n.norm();
-      if (length > 0) normals[t[c]] += n / length * own::atan2(length, a.dot(b));
-    }
-  for (Vec3& n : normals)
-    if (n.norm() > 0) n.normalize();
-  return normals;
-}
 
 /// Mean over the ring of a vertex of what a neighbour gives; 0 without a ring.
 template <class F>
@@ -47,13 +31,13 @@ std::vector<double> curvatures(const TriMesh& mesh, const mesh::VertexRings& rin
 }  // namespace
 
 std::vector<double> vertex_curvatures(const TriMesh& mesh) {
-  return curvatures(mesh, mesh::vertex_rings(mesh), vertex_normals(mesh));
+  return curvatures(mesh, mesh::vertex_rings(mesh), mesh::angle_weighted_normals(mesh));
 }
 
 namespace {
 
 std::vector<Vec3> force_on(const TriMesh& mesh, const mesh::VertexRings& rings) {
-  const std::vector<Vec3> normals = vertex_normals(mesh);
+  const std::vector<Vec3> normals = mesh::angle_weighted_normals(mesh);
   const std::vector<double> k = curvatures(mesh, rings, normals);
   std::vector<Vec3> force(mesh.vertices.size(), Vec3::Zero());
   for (std::uint32_t v = 0; v < k.size(); ++v) {
@@ -89,7 +73,7 @@ Force surface_curvature_force(const TriMesh& mesh, double strength) {
   const auto bound = [mesh, strength, rings = mesh::vertex_rings(mesh)](const ParticleState& state,
                                                                         ForceJacobian& jacobian) {
     const TriMesh now{{state.positions.begin(), state.positions.end()}, mesh.triangles};
-    const std::vector<Vec3> normals = vertex_normals(now);
+    const std::vector<Vec3> normals = mesh::angle_weighted_normals(now);
     const auto count = static_cast<std::uint32_t>(now.vertices.size());
     std::vector<double> slope(count), edge(count);
     for (std::uint32_t v = 0; v < count; ++v) {

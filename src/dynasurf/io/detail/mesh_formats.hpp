@@ -115,7 +115,7 @@ void check_colours(const TriMesh& mesh, const VertexColours& colours, const std:
 
 /// Unit normals of the vertices, pointing outwards: the area-weighted mean of the triangles around each. Where there is
 /// none (no triangle, or all flat) +z stands in, because glTF allows no normal of another length than 1.
-std::vector<Eigen::Vector3f> vertex_normals(const TriMesh& mesh);
+std::vector<Eigen::Vector3f> normals_to_write(const TriMesh& mesh);
 
 /// Cuts a face of three or more corners into a fan of triangles around its first corner.
 void add_fan(TriMesh& mesh, std::span<const std::uint32_t> corners);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/mesh/detail/box_tree.hpp"
 
 namespace dynasurf::mesh {
 
@@ -28,29 +29,13 @@ class RayBvh {
                                   double farthest = std::numeric_limits<double>::infinity()) const;
 
  private:
-  struct Box {
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  };
-  /// Children follow their parent; `end` tells where to go on when a node is passed over.
-  struct Node {
-    Box box;
-    std::uint32_t first, last, end;
-    bool is_leaf;
-  };
   struct Corners {
     Vec3 a, b, c;
     std::uint32_t triangle;
   };
 
-  void build(std::uint32_t first, std::uint32_t last);
-
-  std::vector<Corners> corners_;
-  std::vector<Node> nodes_;
+  BoxTree tree_;
+  std::vector<Corners> corners_;  // in the order of the tree
 };
-
-/// Unit normals of the vertices: area-weighted means of their triangles, outwards for a surface whose triangles run
-/// counter-clockwise. With `counts`, only triangles for which it is true take part. A vertex of no such triangle, or
-/// of triangles that cancel each other, has a zero vector.
-std::vector<Vec3> normals_of_vertices(const TriMesh& mesh, const std::vector<bool>& counts = {});
 
 }  // namespace dynasurf::mesh

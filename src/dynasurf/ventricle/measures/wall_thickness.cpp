@@ -7,6 +7,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/detail/ray_bvh.hpp"
+#include "dynasurf/mesh/detail/vertex_normals.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
@@ -51,7 +52,7 @@ struct Side {
 VertexThickness thickness_from(const Side& side, const Side& other, const HeartAxes& axes, double outwards,
                                double lid_mm, double reach_mm) {
   const TriMesh& mesh = side.mesh;
-  const std::vector<Vec3> normals = mesh::normals_of_vertices(mesh, side.is_wall);
+  const std::vector<Vec3> normals = mesh::vertex_normals(mesh, side.is_wall);
   const std::size_t count = mesh.vertices.size();
   VertexThickness result{std::vector<double>(count, 0.0), std::vector<ThicknessSource>(count, ThicknessSource::lid)};
   parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
