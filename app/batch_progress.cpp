@@ -29,12 +29,11 @@ void BatchProgress::tell(const std::function<const cohort::StudyStatus*(const st
   if (!has_counted_) counted_first_ = ended;
   has_counted_ = true;
   const double passed = std::chrono::duration<double>(Clock::now() - begin_).count();
-  const double rate = passed > 0 ? static_cast<double>(ended - counted_first_) / passed : 0;
+  const double rate = passed > 0 ? (ended - counted_first_) / passed : 0;
   std::string text = std::to_string(done) + " of " + std::to_string(studies_) + " done, " + std::to_string(failed) +
                      " failed, " + std::to_string(to_check) + " to check";
   if (run > 0 && rate > 0)
-    text += ", " + fixed(60 * rate, 1) + " studies/min, " +
-            duration_text(static_cast<double>(studies_ - ended) / rate) + " left";
+    text += ", " + fixed(60 * rate, 1) + " studies/min, " + duration_text((studies_ - ended) / rate) + " left";
   print_live(text, terminal_);
   open_ = terminal_;
 }

@@ -12,7 +12,7 @@ namespace dynasurf::app {
 StudyQueue::StudyQueue(const BatchJob& job)
     : job_(job), claims_(job.cohort / "claims"), status_(job.cohort / "status.tsv") {
   for (std::size_t n = 0; n < job.list.studies.size(); ++n)
-    if (static_cast<int>(n % static_cast<std::size_t>(job.shards)) == job.shard - 1) waiting_.push_back(n);
+    if (static_cast<int>(n % job.shards) == job.shard - 1) waiting_.push_back(n);
   mine_ = {waiting_.begin(), waiting_.end()};
   for (const auto& [id, row] : status_.all()) started_before_[id] = row.started;
 }

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 int count_slices(const Mask& mask, int bits) {
   int slices = 0;
-  const std::size_t area = mask.grid.size() / static_cast<std::size_t>(std::max(1, mask.grid.dims[2]));
+  const std::size_t area = mask.grid.size() / std::max(1, mask.grid.dims[2]);
   for (std::size_t begin = 0; begin < mask.values.size(); begin += area) {
     bool any = false;
     for (std::size_t n = begin; n < begin + area; ++n) any |= (mask.values[n] & bits) != 0;

@@ -44,7 +44,7 @@ void write_matrix(const BordersArguments& arguments, Drawing what, const Image* 
   const int gates = static_cast<int>(study.gates.size());
   if (arguments.gate > gates)
     throw OptionError("--gate " + std::to_string(arguments.gate) + ": the study has " + std::to_string(gates));
-  study.gates = {std::move(study.gates[static_cast<std::size_t>(arguments.gate - 1)])};
+  study.gates = {std::move(study.gates[arguments.gate - 1])};
   study.time_ms.clear();
 
   const std::vector<std::string> across = values_of(arguments.vary[0]), down = arguments.vary.size() > 1

@@ -31,9 +31,7 @@ Running& running() {
   return *state;
 }
 
-double seconds_of(const timeval& time) {
-  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-}
+double seconds_of(const timeval& time) { return time.tv_sec + 1e-6 * time.tv_usec; }
 
 }  // namespace
 
@@ -66,7 +64,7 @@ void ChildProgram::listen() {
   constexpr std::size_t most_kept = 4096;
   std::array<char, 4096> buffer;
   for (ssize_t got = 0; (got = ::read(errors_, buffer.data(), buffer.size())) > 0;) {
-    words_.append(buffer.data(), static_cast<std::size_t>(got));
+    words_.append(buffer.data(), got);
     if (words_.size() > most_kept) words_.erase(0, words_.size() - most_kept);
   }
 }

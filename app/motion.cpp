@@ -57,7 +57,7 @@ void write_moved(const TriMesh& rest, const mesh::SplineMotion& motion, const st
 /// The surfaces of the gate at rest in all gates, carried along by the points.
 void carry_surfaces(const TrackedPoints& points, const ResultWalls& walls, int rest_gate, const fs::path& folder,
                     const std::vector<io::MeshFormat>& formats, report::MotionRun& run) {
-  const mesh::PointSpline spline(points.gates[static_cast<std::size_t>(rest_gate)]);
+  const mesh::PointSpline spline(points.gates[rest_gate]);
   for (std::size_t g = 0; g < points.gates.size(); ++g) {
     const mesh::SplineMotion motion = spline.motion_to(points.gates[g]);
     const std::string gate = (g < 9 ? "_g0" : "_g") + std::to_string(g + 1);

@@ -12,7 +12,7 @@ namespace {
 
 std::size_t column_of(const cohort::StudyList& list, const std::string& name) {
   const auto at = std::find(list.group_columns.begin(), list.group_columns.end(), name);
-  if (at != list.group_columns.end()) return static_cast<std::size_t>(at - list.group_columns.begin());
+  if (at != list.group_columns.end()) return at - list.group_columns.begin();
   std::string known;
   for (const std::string& column : list.group_columns) known += (known.empty() ? "" : ", ") + column;
   throw OptionError("the cohort has no column " + name + "; expected one of: " + known);

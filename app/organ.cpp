@@ -86,14 +86,13 @@ ExitCode run(const OrganArguments& a, std::stop_token stop) {
   if (a.gate > static_cast<int>(study.gates.size()))
     throw OptionError("--gate " + std::to_string(a.gate) + "; expected 1 to " + std::to_string(study.gates.size()));
   io::OutputFolder folder(a.out.path, a.out.existing(), {a.study});
-  const organ::Result result =
-      organ::reconstruct(study.gates[static_cast<std::size_t>(a.gate - 1)], options, {{}, stop});
+  const organ::Result result = organ::reconstruct(study.gates[a.gate - 1], options, {{}, stop});
   io::write_file(folder.path() / "results.json", io::json_text(result_json(result, options, study)));
   if (result.surface)
     for (const io::MeshFormat format : {io::MeshFormat::ply, io::MeshFormat::stl, io::MeshFormat::vtp})
       io::write_mesh(result.surface->mesh, folder.path() / ("organ." + std::string(word_of(format))), format);
   if (result.surface)
-    write_section_sheet(study.gates[static_cast<std::size_t>(a.gate - 1)], result.surface->mesh,
+    write_section_sheet(study.gates[a.gate - 1], result.surface->mesh,
                         "Organ: " + fixed(result.surface->volume_ml, 1) + " mL", folder.path() / "slices.png");
   folder.publish();
   if (!a.quiet) {

@@ -54,7 +54,7 @@ Planned plan(const PatientsJob& job, std::uint64_t seed, int study) {
   planned.subject = "p" + digits(number + 1, 6);
   planned.id = planned.subject + (job.repeats > 1 ? "-" + digits(repeat + 1, 2) : "");
   planned.folder = fs::path(digits(number / patients_per_folder, 4)) / planned.id;
-  planned.patient = synthetic::draw_patient(seed, static_cast<std::uint64_t>(number), repeat);
+  planned.patient = synthetic::draw_patient(seed, number, repeat);
   if (job.small) {
     planned.patient.options.lattice = synthetic::small_lattice();
     planned.patient.options.gates = 4;
@@ -113,7 +113,7 @@ std::string row_of(const Planned& planned, const Json& truth) {
 
 std::string make_rows(const PatientsJob& job, std::uint64_t seed, const Progress& progress) {
   const int studies = job.count * job.repeats;
-  std::vector<std::string> rows(static_cast<std::size_t>(studies));
+  std::vector<std::string> rows(studies);
   std::mutex telling;
   int made = 0;
   parallel_for(rows.size(), 1, [&](std::size_t begin, std::size_t end) {

@@ -74,7 +74,7 @@ ResultWalls read_result_walls(const fs::path& folder, int gate, bool edges) {
     throw InputError(file.string() + ": reading: expected psf_corrected or edge");
   const bool has_fit = reading == "psf_corrected";
   walls.is_fitted = has_fit && !edges;
-  const io::JsonNode leading = io::object_of(io::list_in(results, "gates"), static_cast<std::size_t>(gate - 1));
+  const io::JsonNode leading = io::object_of(io::list_in(results, "gates"), gate - 1);
   const io::JsonNode of_gate = walls.is_fitted ? leading : io::object_in(leading, "edge");
   const std::string prefix = has_fit && edges ? "edge_" : "";
   walls.endo = surface_of(folder, gate, prefix + "endo"), walls.epi = surface_of(folder, gate, prefix + "epi");

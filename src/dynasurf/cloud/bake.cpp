@@ -36,11 +36,11 @@ struct Atlas {
   /// The triangle that a texel belongs to, and the weights of its corners at the texel's middle, or at the nearest
   /// place of the triangle for texels around it.
   std::pair<std::size_t, Vec3> at(std::size_t x, std::size_t y) const {
-    double u = static_cast<double>(x % side) + 0.5, v = static_cast<double>(y % side) + 0.5;
-    const bool second = u + v > static_cast<double>(side);
+    double u = (x % side) + 0.5, v = (y % side) + 0.5;
+    const bool second = u + v > side;
     if (second) {
-      u = static_cast<double>(side) - u;
-      v = static_cast<double>(side) - v;
+      u = side - u;
+      v = side - v;
     }
     u = std::max((u - 1) / leg(), 0.0);
     v = std::max((v - 1) / leg(), 0.0);
@@ -53,7 +53,7 @@ struct Atlas {
 
 Atlas atlas_for(std::size_t triangles, std::size_t points) {
   Atlas atlas{};
-  const double per_triangle = static_cast<double>(points) / static_cast<double>(triangles);
+  const double per_triangle = points / static_cast<double>(triangles);
   atlas.side = static_cast<std::size_t>(std::clamp(std::ceil(2 * std::sqrt(per_triangle)) + 4, 8.0, 40.0));
   const std::size_t squares = (triangles + 1) / 2;
   atlas.across = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(squares))));
@@ -79,11 +79,11 @@ std::vector<mesh::TexturedMesh::Corner> corners_of(const TriMesh& mesh, const At
     for (std::size_t i = 0; i < 3; ++i) {
       const Eigen::Vector2d place = atlas.place(t, i);
       const Vec3& normal = normals[triangle[i]];
-      corners.push_back({mesh.vertices[triangle[i]],
-                         normal.cast<float>(),
-                         tangent_to(normal, along).cast<float>(),
-                         {static_cast<float>(place[0] / static_cast<double>(atlas.width())),
-                          static_cast<float>(place[1] / static_cast<double>(atlas.height()))}});
+      corners.push_back(
+          {mesh.vertices[triangle[i]],
+           normal.cast<float>(),
+           tangent_to(normal, along).cast<float>(),
+           {static_cast<float>(place[0] / atlas.width()), static_cast<float>(place[1] / atlas.height())}});
     }
   }
   return corners;
@@ -92,8 +92,7 @@ std::vector<mesh::TexturedMesh::Corner> corners_of(const TriMesh& mesh, const At
 std::array<std::uint8_t, 3> encoded(const Vec3& direction) {
   std::array<std::uint8_t, 3> bytes{};
   for (int axis = 0; axis < 3; ++axis)
-    bytes[static_cast<std::size_t>(axis)] =
-        static_cast<std::uint8_t>(std::lround(std::clamp(direction[axis] * 0.5 + 0.5, 0.0, 1.0) * 255));
+    bytes[axis] = static_cast<std::uint8_t>(std::lround(std::clamp(direction[axis] * 0.5 + 0.5, 0.0, 1.0) * 255));
   return bytes;
 }
 

@@ -21,7 +21,7 @@ BodyTopology kind_of(const TriMesh& mesh) {
   mesh::components_of(mesh, parts);
   const auto euler =
       static_cast<std::ptrdiff_t>(mesh.vertices.size()) - static_cast<std::ptrdiff_t>(mesh.triangles.size() / 2);
-  return {static_cast<int>(parts), static_cast<int>(static_cast<std::ptrdiff_t>(parts) - euler / 2)};
+  return {static_cast<int>(parts), static_cast<int>(parts - euler / 2)};
 }
 
 /// The share of surfaces at five levels of the two finest fields that have these parts and handles.
@@ -38,7 +38,7 @@ double firmness_of(std::span<const IndicatorField> fields, std::span<const Vec3>
     }
     return sum;
   });
-  return same / static_cast<double>(asked);
+  return same / asked;
 }
 
 }  // namespace
@@ -64,10 +64,8 @@ TriMesh without_small_parts(TriMesh mesh, std::span<const Vec3> points, double s
   for (const std::uint32_t p : nearest) ++speakers[p];
   std::vector<std::uint8_t> kept(count, 0);
   const auto most = std::max_element(speakers.begin(), speakers.end()) - speakers.begin();
-  for (std::size_t p = 0; p < count; ++p)
-    kept[p] =
-        static_cast<double>(speakers[p]) >= smallest_share * static_cast<double>(nearest.size()) && speakers[p] > 0;
-  kept[static_cast<std::size_t>(most)] = 1;
+  for (std::size_t p = 0; p < count; ++p) kept[p] = speakers[p] >= smallest_share * nearest.size() && speakers[p] > 0;
+  kept[most] = 1;
   std::vector<std::uint8_t> marks(part.size());
   for (std::size_t t = 0; t < part.size(); ++t) marks[t] = kept[part[t]];
   return mesh::submesh(mesh, marks);

@@ -31,20 +31,18 @@ void measure_angles(const TriMesh& mesh, Certificate& c) {
   for (const auto& t : mesh.triangles)
     angles.push_back(smallest_angle_deg(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]));
   std::sort(angles.begin(), angles.end());
-  const auto share = [&](double q) {
-    return angles[static_cast<std::size_t>(q * static_cast<double>(angles.size() - 1))];
-  };
+  const auto share = [&](double q) { return angles[static_cast<std::size_t>(q * (angles.size() - 1))]; };
   c.smallest_angle_deg = angles.front();
   c.angle_percentile_1_deg = share(0.01);
   c.angle_percentile_5_deg = share(0.05);
-  for (const double a : angles) c.angle_mean_deg += a / static_cast<double>(angles.size());
+  for (const double a : angles) c.angle_mean_deg += a / angles.size();
 }
 
 /// The vertices, and points that follow the area evenly: triangle after triangle, by the R2 sequence within each.
 std::vector<Vec3> spread_over(const TriMesh& mesh, double area) {
   std::vector<Vec3> points = mesh.vertices;
   if (!(area > 0)) return points;
-  const double per_area = static_cast<double>(samples_of_mesh) / area;
+  const double per_area = samples_of_mesh / area;
   double owed = 0;
   std::size_t n = 0;
   for (const auto& t : mesh.triangles) {
@@ -52,8 +50,8 @@ std::vector<Vec3> spread_over(const TriMesh& mesh, double area) {
     for (owed += 0.5 * (b - a).cross(c - a).norm() * per_area; owed >= 1; owed -= 1) {
       double whole = 0;
       ++n;
-      double u = std::modf(0.7548776662466927 * static_cast<double>(n), &whole);
-      double v = std::modf(0.5698402909980532 * static_cast<double>(n), &whole);
+      double u = std::modf(0.7548776662466927 * n, &whole);
+      double v = std::modf(0.5698402909980532 * n, &whole);
       if (u + v > 1) u = 1 - u, v = 1 - v;
       points.push_back(a + u * (b - a) + v * (c - a));
     }
@@ -64,7 +62,7 @@ std::vector<Vec3> spread_over(const TriMesh& mesh, double area) {
 struct Spread {
   double mean = 0, largest = 0;
   void add(double distance, std::size_t count) {
-    mean += distance / static_cast<double>(count);
+    mean += distance / count;
     largest = std::max(largest, distance);
   }
 };

@@ -33,12 +33,12 @@ Counts pairs_within(std::span<const Vec3> points) {
         const double distance2 = (points[i] - points[c * stride]).squaredNorm();
         if (distance2 > largest || i == c * stride) continue;
         const int scale = std::min(std::ilogb(largest / std::max(distance2, 1e-9 * largest)), scales - 1);
-        ++of_centre[c][static_cast<std::size_t>(scale)];
+        ++of_centre[c][scale];
       }
   });
   Counts sum{};
   for (const Counts& counts : of_centre)
-    for (std::size_t s = 0; s < scales; ++s) sum[s] += counts[s] / static_cast<double>(of_centre.size());
+    for (std::size_t s = 0; s < scales; ++s) sum[s] += counts[s] / of_centre.size();
   for (std::size_t s = scales - 1; s > 0;) {
     --s;
     sum[s] += sum[s + 1];

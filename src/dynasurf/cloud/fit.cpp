@@ -47,7 +47,7 @@ void find_rim(const TriMesh& mesh, Rows& r) {
       return t[0] == v ? t[2] : t[1] == v ? t[0] : t[1];
     };
     for (std::uint32_t i = r.first[v]; i < r.first[v + 1]; ++i)
-      after_less_before += static_cast<std::int64_t>(r.neighbour[i]) - static_cast<std::int64_t>(before(i));
+      after_less_before += r.neighbour[i] - static_cast<std::int64_t>(before(i));
     if (after_less_before == 0) continue;
     r.is_rim[v] = 1;
     RimVertex rim{v, v, v};
@@ -156,7 +156,7 @@ class Fit {
                           }
                           return sum;
                         }) /
-           static_cast<double>(on_.size());
+           on_.size();
   }
 
   mesh::SurfacePoint nearest_in(const Vec3& p, std::uint32_t t) const {
@@ -170,7 +170,7 @@ class Fit {
     for (bool any = true; any && *std::min_element(best.weights.begin(), best.weights.end()) <= 0;) {
       any = false;
       const auto corner = std::max_element(best.weights.begin(), best.weights.end()) - best.weights.begin();
-      const std::uint32_t v = mesh_.triangles[best.triangle][static_cast<std::size_t>(corner)];
+      const std::uint32_t v = mesh_.triangles[best.triangle][corner];
       for (std::uint32_t i = rows_.first[v]; i < rows_.first[v + 1]; ++i) {
         const mesh::SurfacePoint other = nearest_in(p, rows_.triangle[i]);
         if (other.distance2 < best.distance2) best = other, any = true;
@@ -187,7 +187,7 @@ class Fit {
     std::vector<std::uint32_t> at(first.begin(), first.end() - 1);
     for (std::uint32_t i = 0; i < on_.size(); ++i) order[at[on_[i].triangle]++] = i;
     pulls_.resize(mesh_.triangles.size());
-    const double share = static_cast<double>(mesh_.vertices.size()) / static_cast<double>(on_.size());
+    const double share = mesh_.vertices.size() / static_cast<double>(on_.size());
     // Means suit noise better than medians do; distances beyond it are shape that the triangles cannot follow.
     const double soft = 0.25 * mean * mean + 4 * o_.noise * o_.noise + 1e-18;
     parallel_for(pulls_.size(), 256, [&](std::size_t begin, std::size_t end) {
@@ -383,7 +383,7 @@ double mean_distance(const mesh::SurfaceEditor& surface, std::span<const Vec3> p
                         for (std::size_t i = begin; i < end; ++i) sum += std::sqrt(closest(points[i]).distance2);
                         return sum;
                       }) /
-         static_cast<double>(std::max<std::size_t>(1, points.size()));
+         std::max<std::size_t>(1, points.size());
 }
 
 }  // namespace dynasurf::cloud

@@ -52,7 +52,7 @@ bool has_holes(const TriMesh& mesh, const Scan& scan, double reach) {
       sum += scan.distance(mesh.vertices[i * step], normals[i * step], same_way) > reach;
     return sum;
   });
-  return far > worth_it * static_cast<double>(asked);
+  return far > worth_it * asked;
 }
 
 /// The distance of each triangle's corners and middle, the farthest, to the points whose directions have a cosine above

@@ -16,9 +16,7 @@ struct Lattice {
   Index3 dims;
   double side;
   Vec3 origin;
-  std::size_t size() const {
-    return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
-  }
+  std::size_t size() const { return dims[0] * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]); }
   std::ptrdiff_t row() const { return dims[0]; }
   std::ptrdiff_t slab() const { return static_cast<std::ptrdiff_t>(dims[0]) * dims[1]; }
 };
@@ -39,7 +37,7 @@ bool corner_of(const Lattice& l, const Vec3& p, const Vec3& shift, Corner& c) {
     base[a] = static_cast<std::ptrdiff_t>(whole);
     part[a] = q[static_cast<Eigen::Index>(a)] - whole;
   }
-  c.at = static_cast<std::size_t>(base[0] + l.row() * base[1] + l.slab() * base[2]);
+  c.at = base[0] + l.row() * base[1] + l.slab() * base[2];
   for (std::size_t n = 0; n < 8; ++n)
     c.weight[n] = static_cast<float>((n & 1 ? part[0] : 1 - part[0]) * (n & 2 ? part[1] : 1 - part[1]) *
                                      (n & 4 ? part[2] : 1 - part[2]));
@@ -66,9 +64,9 @@ class Pieces {
  public:
   explicit Pieces(const Lattice& l, std::uint8_t marked)
       : l_(l),
-        per_row_((static_cast<std::size_t>(l.dims[0]) + length - 3) / length),
-        per_slab_(per_row_ * static_cast<std::size_t>(l.dims[1])),
-        marks_(per_slab_ * static_cast<std::size_t>(l.dims[2]), marked) {}
+        per_row_((l.dims[0] + length - 3) / length),
+        per_slab_(per_row_ * l.dims[1]),
+        marks_(per_slab_ * l.dims[2], marked) {}
 
   /// Those within `reach` nodes of node (i, j, k) along its row.
   void mark(std::size_t i, std::size_t j, std::size_t k, std::size_t reach) {
@@ -79,14 +77,14 @@ class Pieces {
 
   /// Marks spread as far from row to row and from slab to slab.
   void spread(std::size_t reach) {
-    spread_along(per_row_, static_cast<std::size_t>(l_.dims[1]), reach);
-    spread_along(per_slab_, static_cast<std::size_t>(l_.dims[2]), reach);
+    spread_along(per_row_, l_.dims[1], reach);
+    spread_along(per_slab_, l_.dims[2], reach);
   }
 
   Runs runs() const {
     Runs r;
     r.first_of_slab.assign(2, 0);
-    const auto row = static_cast<std::size_t>(l_.row()), slab = static_cast<std::size_t>(l_.slab());
+    const std::size_t row = l_.row(), slab = l_.slab();
     for (std::size_t k = 1; k + 1 < static_cast<std::size_t>(l_.dims[2]); ++k) {
       for (std::size_t j = 1; j + 1 < static_cast<std::size_t>(l_.dims[1]); ++j) {
         const std::uint8_t* marks = marks_.data() + j * per_row_ + k * per_slab_;
@@ -129,7 +127,7 @@ Runs all_nodes(const Lattice& l) { return Pieces(l, 1).runs(); }
 Runs nodes_near_surface(const Lattice& l, const OrientedPoints& points, const Values& start) {
   constexpr std::size_t reach = 4;
   Pieces pieces(l, 0);
-  const auto row = static_cast<std::size_t>(l.row()), slab = static_cast<std::size_t>(l.slab());
+  const std::size_t row = l.row(), slab = l.slab();
   Corner c;
   for (const Vec3& p : points.points)
     if (corner_of(l, p, Vec3::Zero(), c)) pieces.mark(c.at % row, c.at % slab / row, c.at / slab, reach);
@@ -201,9 +199,7 @@ class Equations {
         const auto v = static_cast<float>(-points.normals[i][static_cast<Eigen::Index>(a)] * points.areas[i] * scale);
         for (std::size_t n = 0; n < 8; ++n) slope[c.at + steps_[n]] += v * c.weight[n];
       }
-      for_nodes([&](std::size_t i) {
-        right_[i] -= slope[i] - slope[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(i) - step[a])];
-      });
+      for_nodes([&](std::size_t i) { right_[i] -= slope[i] - slope[static_cast<std::ptrdiff_t>(i) - step[a]]; });
     }
   }
 
@@ -310,7 +306,7 @@ class Equations {
         for (std::size_t lane = 0; lane < 8; ++lane) sums[lane] += body(i + lane);
       double sum = 0;
       for (; i < last; ++i) sum += static_cast<double>(body(i));
-      for (const float s : sums) sum += static_cast<double>(s);
+      for (const float s : sums) sum += s;
       return sum;
     });
   }
@@ -326,13 +322,12 @@ class Equations {
 /// A coarse solution between its nodes. Node (i,j,k) of the coarse lattice is node (2i,2j,2k) of the fine one.
 Values refined(const Lattice& coarse, const Values& x, const Lattice& fine) {
   Values y(fine.size());
-  const auto row = static_cast<std::size_t>(coarse.row()), slab = static_cast<std::size_t>(coarse.slab());
-  parallel_for(static_cast<std::size_t>(fine.dims[2]), 4, [&](std::size_t begin, std::size_t end) {
+  const std::size_t row = coarse.row(), slab = coarse.slab();
+  parallel_for(fine.dims[2], 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
       for (std::size_t j = 0; j < static_cast<std::size_t>(fine.dims[1]); ++j) {
         const std::size_t k0 = k / 2 * slab, k1 = (k + 1) / 2 * slab, j0 = j / 2 * row, j1 = (j + 1) / 2 * row;
-        float* out =
-            y.data() + (k * static_cast<std::size_t>(fine.dims[1]) + j) * static_cast<std::size_t>(fine.dims[0]);
+        float* out = y.data() + (k * fine.dims[1] + j) * fine.dims[0];
         const auto mean = [&](std::size_t i) {
           return 0.25f * (x[k0 + j0 + i] + x[k0 + j1 + i] + x[k1 + j0 + i] + x[k1 + j1 + i]);
         };
@@ -410,8 +405,7 @@ Vec3 outwards(const IndicatorField& field, const Vec3& place) {
     Corner c;
     if (!corner_of(l, p, Vec3::Zero(), c)) return static_cast<double>(outside);
     double sum = 0;
-    for (std::size_t n = 0; n < 8; ++n)
-      sum += static_cast<double>(c.weight[n]) * static_cast<double>(field.value.values[c.at + steps[n]]);
+    for (std::size_t n = 0; n < 8; ++n) sum += c.weight[n] * static_cast<double>(field.value.values[c.at + steps[n]]);
     return sum;
   };
   Vec3 down;

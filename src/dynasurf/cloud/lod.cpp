@@ -17,7 +17,7 @@ double mean_edge(const TriMesh& mesh) {
   double sum = 0;
   for (const auto& t : mesh.triangles)
     for (std::size_t i = 0; i < 3; ++i) sum += (mesh.vertices[t[i]] - mesh.vertices[t[(i + 1) % 3]]).norm();
-  return sum / static_cast<double>(3 * mesh.triangles.size());
+  return sum / (3 * mesh.triangles.size());
 }
 
 double diagonal_of(const TriMesh& mesh) {

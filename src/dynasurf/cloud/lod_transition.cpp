@@ -362,7 +362,7 @@ Distance distance_between(const TriMesh& from, const TriMesh& to) {
   Distance distance{0, 0};
   for (const auto& seven : found)
     for (const double d2 : seven) {
-      distance.mean += std::sqrt(d2) / static_cast<double>(7 * found.size());
+      distance.mean += std::sqrt(d2) / (7 * found.size());
       distance.largest = std::max(distance.largest, std::sqrt(d2));
     }
   return distance;

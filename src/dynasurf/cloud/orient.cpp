@@ -266,7 +266,7 @@ double share_of_view(const OrientedPoints& o, const Sheet& sheet, const Vec3& pl
   for (std::size_t k = 0; k < sheet.points.size(); k += step) {
     const std::uint32_t i = sheet.points[k];
     const Vec3 d = o.points[i] - place;
-    const double area = static_cast<double>(step) * o.areas[i];
+    const double area = step * o.areas[i];
     // Nearer than its own size a point is no longer one.
     sum += area * o.normals[i].dot(d) / own::pow(std::max(d.squaredNorm(), area), 1.5);
   }
@@ -379,7 +379,7 @@ OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t rin
       const std::size_t count = neighbours.nearest(o.points[i], found);
       around[i].fill(none);
       for (std::size_t k = 1; k < std::min(count, links + 1); ++k) around[i][k - 1] = found[k].index;
-      o.areas[i] = std::numbers::pi * found[count - 1].distance2 / static_cast<double>(count - 1);
+      o.areas[i] = std::numbers::pi * found[count - 1].distance2 / (count - 1);
       known[i] = given && cloud.normals[i].allFinite() && cloud.normals[i].norm() > 1e-6;
       o.normals[i] =
           known[i] ? Vec3(cloud.normals[i].normalized()) : plane_of(o.points, std::span(found).first(count)).normal;

@@ -30,7 +30,7 @@ Company company_of(const std::vector<Vec3>& points, const KdTree& neighbours) {
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t n = neighbours.nearest(points[i], found);
       for (std::size_t k = 1; k < n; ++k) {
-        c.distance[i] += std::sqrt(found[k].distance2) / static_cast<double>(n - 1);
+        c.distance[i] += std::sqrt(found[k].distance2) / (n - 1);
         c.around[i][k - 1] = found[k].index;
       }
     }
@@ -104,7 +104,7 @@ void drop_scattered(const std::vector<Vec3>& points, const Company& c, double fa
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     if (set[i] == largest)
       usual.push_back(c.distance[i]);
-    else if (size[set[i]] < large_share * static_cast<double>(points.size()))
+    else if (size[set[i]] < large_share * points.size())
       small.push_back(i);
   }
   const double limit = factor * upper_median(std::move(usual));

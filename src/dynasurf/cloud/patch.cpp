@@ -272,7 +272,7 @@ bool bend_least(Patch& p) {
     const std::vector<std::uint32_t> ring = ring_of(p.surface, v);
     rows.start(Vec3::Zero());
     rows.add(v, 1);
-    for (const std::uint32_t u : ring) rows.add(u, -1.0 / static_cast<double>(ring.size()));
+    for (const std::uint32_t u : ring) rows.add(u, -1.0 / ring.size());
   };
   for (const std::uint32_t v : p.rim) add_row(v);
   for (auto v = p.first_vertex; v < p.surface.vertex_slots(); ++v) add_row(v);
@@ -359,7 +359,7 @@ std::vector<double> even_curvature(const Patch& p, const std::vector<Around>& al
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       even[i] = 0;
-      for (const std::uint32_t u : all[i].ring) even[i] += curvature[u] / static_cast<double>(all[i].ring.size());
+      for (const std::uint32_t u : all[i].ring) even[i] += curvature[u] / all[i].ring.size();
     }
     for (std::size_t i = 0; i < all.size(); ++i) curvature[slot(i)] = even[i];
   }
@@ -375,7 +375,7 @@ bool bend_evenly(Patch& p, std::span<const double> behind) {
     const Around& a = all[i];
     rows.start(Vec3(a.drop * wanted[i] * a.normal));
     rows.add(i < p.rim.size() ? p.rim[i] : p.first_vertex + static_cast<std::uint32_t>(i - p.rim.size()), 1);
-    for (const std::uint32_t u : a.ring) rows.add(u, -1.0 / static_cast<double>(a.ring.size()));
+    for (const std::uint32_t u : a.ring) rows.add(u, -1.0 / a.ring.size());
   }
   return rows.solve();
 }
@@ -476,10 +476,10 @@ Patch make_patch(const TriMesh& open, std::span<const Loop> loops, std::size_t a
   const auto first_triangle = static_cast<std::uint32_t>(closed.triangles.size());
   const auto first_vertex = static_cast<std::uint32_t>(closed.vertices.size());
   const std::vector<Rim> rims = rims_of(open, loops);
-  double edge = rims[a].length / static_cast<double>(loops[a].size());
+  double edge = rims[a].length / loops[a].size();
   Loop rim = loops[a];
   if (b) {
-    edge = 0.5 * (edge + rims[*b].length / static_cast<double>(loops[*b].size()));
+    edge = 0.5 * (edge + rims[*b].length / loops[*b].size());
     rim.insert(rim.end(), loops[*b].begin(), loops[*b].end());
     add_tube(closed, loops[a], loops[*b], rims[a], rims[*b], edge);
   } else {

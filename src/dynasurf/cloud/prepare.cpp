@@ -132,7 +132,7 @@ double median_spacing(const std::vector<Vec3>& points, const KdTree& neighbours)
     std::array<KdTree::Found, 13> found;
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t n = neighbours.nearest(points[i * step], found);
-      side[i] = std::sqrt(std::numbers::pi * found[n - 1].distance2 / static_cast<double>(n - 1));
+      side[i] = std::sqrt(std::numbers::pi * found[n - 1].distance2 / (n - 1));
     }
   });
   return upper_median(std::move(side));
@@ -144,7 +144,7 @@ double median_spacing(const std::vector<Vec3>& points, const KdTree& neighbours)
 /// neighbours lie within the noise.
 std::optional<double> noise_from(double left_over, std::size_t count, double spacing) {
   constexpr double lost = 8, fewest = 12;
-  const double squares = static_cast<double>(count) * spacing * spacing;
+  const double squares = count * spacing * spacing;
   const double root2 = squares * squares - 4 * lost * left_over * left_over * squares;
   if (!(root2 >= 0)) return std::nullopt;
   if (!(left_over > 0)) return 0;

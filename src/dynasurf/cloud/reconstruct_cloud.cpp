@@ -103,7 +103,7 @@ double share_turned(const OrientedPoints& points, const IndicatorField& field) {
     for (std::size_t i = begin; i < end; ++i) sum += points.normals[i].dot(outwards(field, points.points[i])) < 0;
     return sum;
   });
-  return turned / static_cast<double>(points.points.size());
+  return turned / points.points.size();
 }
 
 /// The body, the points that close its holes, and the side of the finest lattice's cells.
@@ -331,7 +331,7 @@ void tell_unreached(const TriMesh& mesh, const Fitting& fitting, Notes& notes) {
     }
     return sum;
   });
-  const double share = count / static_cast<double>(points.size());
+  const double share = count / points.size();
   if (share > worth_telling)
     notes.push_back({Severity::warning, "cloud.start",
                      "the start of shape " + std::string(word_of(fitting.options.start)) + " did not reach " +
@@ -351,7 +351,7 @@ void tell_lost(const Fitting& fitting, double side, Notes& notes) {
   const double noise = fitting.facts.noise / fitting.facts.diagonal;
   // Normal noise leaves points 0.8 deviations off on the mean; what noise hides of the surface itself adds little.
   const double mean_limit = 1.3 * 0.8 * noise;
-  const double mean = std::accumulate(off.begin(), off.end(), 0.0) / static_cast<double>(off.size());
+  const double mean = std::accumulate(off.begin(), off.end(), 0.0) / off.size();
   if (is_noisy(fitting.facts) && mean > mean_limit)
     notes.push_back({Severity::warning, "cloud.left_out",
                      "the points lie " + percent(mean) +
@@ -360,7 +360,7 @@ void tell_lost(const Fitting& fitting, double side, Notes& notes) {
   constexpr double far_share = 0.05;
   const double limit = (2.5 * fitting.facts.noise + side) / fitting.facts.diagonal;
   const auto far = std::count_if(off.begin(), off.end(), [&](double d) { return d > limit; });
-  const double share = static_cast<double>(far) / static_cast<double>(off.size());
+  const double share = far / static_cast<double>(off.size());
   if (!is_noisy(fitting.facts) && share > far_share)
     notes.push_back({Severity::warning, "cloud.left_out",
                      percent(share) + " of the points lie farther than " + percent(limit) +

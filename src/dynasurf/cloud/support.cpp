@@ -27,7 +27,7 @@ double sparseness(const KdTree& cloud, const Vec3& point, double spacing) {
   std::array<KdTree::Found, ring> found;
   const std::size_t n = cloud.nearest(point, found);
   if (n < 2 || !(spacing > 0)) return 1;
-  const double side = std::sqrt(std::numbers::pi * found[n - 1].distance2 / static_cast<double>(n - 1));
+  const double side = std::sqrt(std::numbers::pi * found[n - 1].distance2 / (n - 1));
   return std::clamp(side / spacing, 1.0, most);
 }
 
@@ -54,8 +54,7 @@ void measure_area(const TriMesh& mesh, const SupportingPoints& of, CloudSupport&
       confidence[i] = confidence_of(mesh::position_of(mesh, places[i]), of, distance[i]);
   });
   const auto count = static_cast<double>(places.size());
-  support.made_up =
-      static_cast<double>(std::count_if(confidence.begin(), confidence.end(), [](double c) { return c < 1; })) / count;
+  support.made_up = std::count_if(confidence.begin(), confidence.end(), [](double c) { return c < 1; }) / count;
   if (of.facts.diagonal > 0)
     support.made_up_largest = *std::max_element(distance.begin(), distance.end()) / of.facts.diagonal;
 }
@@ -63,7 +62,7 @@ void measure_area(const TriMesh& mesh, const SupportingPoints& of, CloudSupport&
 /// What the finest triangles themselves may leave out between a curved surface and its chords.
 double chord_of(const TriMesh& mesh, double area) {
   constexpr double of_edge = 0.1;
-  return of_edge * std::sqrt(area / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size())));
+  return of_edge * std::sqrt(area / std::max<std::size_t>(1, mesh.triangles.size()));
 }
 
 void measure_points(const Level& level, const SupportingPoints& of, const mesh::ClosestPoint& closest,
@@ -78,15 +77,13 @@ void measure_points(const Level& level, const SupportingPoints& of, const mesh::
     for (std::size_t i = begin; i < end; ++i) off[i] = std::sqrt(closest(of.points[i * step]).distance2);
   });
   const auto share_beyond = [&](double limit) {
-    return static_cast<double>(std::count_if(off.begin(), off.end(), [&](double d) { return d > limit; })) /
-           static_cast<double>(asked);
+    return std::count_if(off.begin(), off.end(), [&](double d) { return d > limit; }) / static_cast<double>(asked);
   };
   support.points_off = share_beyond(explained);
   support.points_left_out = share_beyond(std::max(left_out * f.diagonal, explained));
   double sum = 0;
   for (const double d : off) sum += d;
-  support.points_off_mean =
-      sum / static_cast<double>(asked) / std::max(0.8 * f.noise + 0.1 * f.spacing + chord, 1e-300);
+  support.points_off_mean = sum / asked / std::max(0.8 * f.noise + 0.1 * f.spacing + chord, 1e-300);
 }
 
 /// A point off the surface, in the patch of the surface that it is nearest to.
@@ -138,7 +135,7 @@ void measure_bias(const Level& level, const SupportingPoints& of, const mesh::Cl
     if (last - first >= fewest && std::abs(mean) > of_diagonal * of.facts.diagonal + sure * spread / std::sqrt(count))
       biased += last - first;
   }
-  support.biased = static_cast<double>(biased) / static_cast<double>(asked);
+  support.biased = biased / static_cast<double>(asked);
 }
 
 /// The other side of the surface lies nearer than the points, their noise or the lattice tell apart.
@@ -161,7 +158,7 @@ void measure_thin(const Level& level, const SupportingPoints& of, const mesh::Cl
     }
     return sum;
   });
-  support.thin = near / static_cast<double>(places.size());
+  support.thin = near / places.size();
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ std::vector<std::array<std::uint8_t, 3>> colours_at_vertices(const TriMesh& mesh
       for (std::size_t c = 0; c < 3; ++c) {
         double light = 0;
         for (std::size_t n = 0; n < count; ++n) light += linear[cloud.colours[found[n].index][c]];
-        colours[v][c] = srgb_byte(light / static_cast<double>(count));
+        colours[v][c] = srgb_byte(light / count);
       }
     }
   });

@@ -64,7 +64,7 @@ IndicatorField without_handles(const IndicatorField& field) {
     Block b{};
     for (int n = 0; n < 27; ++n) {
       const auto [x, y, z] = offset_of(n);
-      if (grid.contains(i + x, j + y, k + z)) b[static_cast<std::size_t>(n)] = taken(i + x, j + y, k + z);
+      if (grid.contains(i + x, j + y, k + z)) b[n] = taken(i + x, j + y, k + z);
     }
     return b;
   };
@@ -77,8 +77,8 @@ IndicatorField without_handles(const IndicatorField& field) {
     const std::uint32_t at = next.top().at;
     next.pop();
     if (taken.values[at]) continue;
-    const auto nx = static_cast<std::uint32_t>(grid.dims[0]), ny = static_cast<std::uint32_t>(grid.dims[1]);
-    const int i = static_cast<int>(at % nx), j = static_cast<int>(at / nx % ny), k = static_cast<int>(at / nx / ny);
+    const std::uint32_t nx = grid.dims[0], ny = grid.dims[1];
+    const int i = at % nx, j = at / nx % ny, k = at / nx / ny;
     const Block block = block_at(i, j, k);
     // A node refused now is asked again whenever a neighbour comes in.
     if (!is_seed && (groups(block, 1) != 1 || groups(block, 0) != 1)) continue;

@@ -28,7 +28,7 @@ off_t place_of_claim(std::string_view name) {
   const io::Sha256 hash = hasher.finish();
   std::uint64_t place = 0;
   for (std::size_t n = 0; n < 8; ++n) place = place << 8 | hash[n];
-  return static_cast<off_t>(place >> 2);  // far from where offsets end
+  return place >> 2;  // far from where offsets end
 }
 
 [[noreturn]] void fail_to_lock(const std::filesystem::path& path, int code) {

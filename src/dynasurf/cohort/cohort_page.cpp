@@ -120,7 +120,7 @@ std::string as_address(const std::string& path) {
   for (const unsigned char c : path)
     if ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '/' || c == '-' ||
         c == '_' || c == '.' || c == '~')
-      address += static_cast<char>(c);
+      address += c;
     else
       address += {'%', digits[c >> 4], digits[c & 15]};
   return address;

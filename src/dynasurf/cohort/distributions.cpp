@@ -22,7 +22,7 @@ double log_gamma(double x) {
     return own::log(pi / own::sin(pi * x)) - log_gamma(1 - x);
   }
   double sum = c[0];
-  for (std::size_t n = 1; n < c.size(); ++n) sum += c[n] / (x - 1 + static_cast<double>(n));
+  for (std::size_t n = 1; n < c.size(); ++n) sum += c[n] / (x - 1 + n);
   const double t = x + 6.5;
   return log_of_root_of_two_pi + (x - 0.5) * own::log(t) - t + own::log(sum);
 }

@@ -9,7 +9,7 @@ namespace {
 constexpr double certainty = 0.975;  // each side of a 95 % interval
 constexpr double normal_quantile = 1.959963984540054;
 
-double count(std::size_t n) { return static_cast<double>(n); }
+double count(std::size_t n) { return n; }
 
 /// Two passes: a large mean costs no digits of the spread.
 double mean_of(std::span<const double> values) {

@@ -127,7 +127,7 @@ void StatusFile::read_locked() {
     const ssize_t part = ::pread(file_.fd, text.data() + got, text.size() - got, static_cast<off_t>(read_bytes_ + got));
     if (part < 0 && errno == EINTR) continue;
     if (part <= 0) io::staging::fail(path_, "read this file", part < 0 ? errno : EIO);
-    got += static_cast<std::size_t>(part);
+    got += part;
   }
   read_bytes_ += take_lines(text, path_, lines_, rows_);
   if (read_bytes_ < size && ::ftruncate(file_.fd, static_cast<off_t>(read_bytes_)) != 0)

@@ -116,7 +116,7 @@ TextTable parse_csv(std::string_view text, const std::string& name) {
     row.line = line;
     while (true) {
       row.cells.push_back(csv_cell(text, at, line, name));
-      line += static_cast<std::size_t>(std::count(row.cells.back().begin(), row.cells.back().end(), '\n'));
+      line += std::count(row.cells.back().begin(), row.cells.back().end(), '\n');
       if (at >= text.size() || text[at] == '\n') break;
       ++at;
     }

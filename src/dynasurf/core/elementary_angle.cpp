@@ -59,7 +59,7 @@ Reduced reduced_far(double x) {
   auto quarters = static_cast<unsigned>(((p[at + 1] << 32 | p[at]) >> bit) & 3);
   for (std::size_t w = at; w < p.size(); ++w) p[w] &= w == at ? (std::uint64_t{1} << bit) - 1 : 0;
   const int top = point - 1;
-  const bool above_half = (p[static_cast<std::size_t>(top / 32)] >> (top % 32)) & 1;
+  const bool above_half = (p[top / 32] >> (top % 32)) & 1;
   if (above_half) {  // one less the fraction
     std::uint64_t carry = 1;
     for (std::size_t w = 0; w <= at; ++w) {

@@ -27,14 +27,8 @@ struct Grid {
   Vec3 origin{0, 0, 0};               // world position of the centre of voxel (0,0,0), mm
   Mat3 direction = Mat3::Identity();  // columns: world directions of i, j, k; orthonormal, the determinant may be -1
 
-  std::size_t size() const {
-    return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
-  }
-  std::size_t index(int i, int j, int k) const {
-    return static_cast<std::size_t>(i) +
-           static_cast<std::size_t>(dims[0]) *
-               (static_cast<std::size_t>(j) + static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(k));
-  }
+  std::size_t size() const { return dims[0] * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]); }
+  std::size_t index(int i, int j, int k) const { return i + dims[0] * (j + dims[1] * static_cast<std::size_t>(k)); }
   bool contains(int i, int j, int k) const {
     return i >= 0 && j >= 0 && k >= 0 && i < dims[0] && j < dims[1] && k < dims[2];
   }

@@ -322,7 +322,7 @@ void throw_unknown_option(const OptionNodes& siblings, const std::string& path, 
 
 std::size_t position_of(std::span<const std::string_view> words, std::string_view word, const std::string& path) {
   const auto found = std::find(words.begin(), words.end(), word);
-  if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
+  if (found != words.end()) return found - words.begin();
   std::string text = "option " + path + " is '" + std::string(word) + "'";
   const std::string_view near = nearest(word, words);
   text += near.empty() ? ";" : "; did you mean '" + std::string(near) + "'?";

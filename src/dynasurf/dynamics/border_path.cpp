@@ -50,7 +50,7 @@ std::optional<BorderHit> BorderPath::first_hit(const Vec3& from_mm, const Vec3& 
   while (to_go[0] + to_go[1] + to_go[2] > 0) {
     int axis = -1;
     for (int a = 0; a < 3; ++a)
-      if (to_go[static_cast<std::size_t>(a)] > 0 && (axis < 0 || next[a] < next[axis])) axis = a;
+      if (to_go[a] > 0 && (axis < 0 || next[a] < next[axis])) axis = a;
     const auto chosen = static_cast<std::size_t>(axis);
     const double share = std::clamp(next[axis], 0.0, 1.0);
     at[chosen] += step[chosen];

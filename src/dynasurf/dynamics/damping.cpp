@@ -17,7 +17,7 @@ constexpr std::size_t kGrain = 4096;
 template <class Share>
 Image raised(const Grid& grid, double drag, double ratio, Share share) {
   Image map(grid);
-  const auto nx = static_cast<std::size_t>(grid.dims[0]), ny = static_cast<std::size_t>(grid.dims[1]);
+  const std::size_t nx = grid.dims[0], ny = grid.dims[1];
   parallel_for(map.values.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       const Index3 at{static_cast<int>(v % nx), static_cast<int>(v / nx % ny), static_cast<int>(v / (nx * ny))};

@@ -153,8 +153,7 @@ class Run {
         result_.reason = StopReason::all_stopped;
         break;
       }
-      const bool rests = static_cast<double>(count_at_rest()) >=
-                         options_.end.still_share * static_cast<double>(result_.stopped.size());
+      const bool rests = count_at_rest() >= options_.end.still_share * result_.stopped.size();
       begun = begun || !rests || result_.steps > plan_.start_steps;
       rested_steps = rests && begun ? rested_steps + 1 : 0;
       if (rested_steps >= options_.end.still_steps) {
@@ -314,7 +313,7 @@ class Run {
   EvolutionResult finish() {
     keep_trajectory(options_.trajectory_every > 0 && result_.steps % options_.trajectory_every != 0);
     const auto stopped = std::count(result_.stopped.begin(), result_.stopped.end(), std::uint8_t{1});
-    result_.stopped_fraction = static_cast<double>(stopped) / static_cast<double>(result_.stopped.size());
+    result_.stopped_fraction = stopped / static_cast<double>(result_.stopped.size());
     note_fast_particle();
     if (coupled_ && coupled_->unsolved_steps() > 0)
       note(Severity::warning, "evolve.unsolved_steps", [&](auto& text) {

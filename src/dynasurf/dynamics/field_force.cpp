@@ -30,8 +30,8 @@ class NearestMotion {
   }
 
  private:
-  std::size_t width() const { return static_cast<std::size_t>(dims_[0]); }
-  std::size_t height() const { return static_cast<std::size_t>(dims_[1]); }
+  std::size_t width() const { return dims_[0]; }
+  std::size_t height() const { return dims_[1]; }
   /// Nearest voxel inside the grid; comparisons before the conversion keep far and broken positions harmless.
   std::size_t voxel(double mm, std::size_t axis) const {
     const double t = mm * per_mm_[static_cast<Eigen::Index>(axis)] + 0.5;

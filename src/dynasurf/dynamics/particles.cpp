@@ -31,7 +31,7 @@ ParticleSystem particles_at(std::span<const Vec3> positions, double mass_kg) {
   ParticleSystem system;
   system.positions.assign(positions.begin(), positions.end());
   system.velocities.assign(positions.size(), Vec3::Zero());
-  system.masses.assign(positions.size(), mass_kg / static_cast<double>(positions.size()));
+  system.masses.assign(positions.size(), mass_kg / positions.size());
   return system;
 }
 

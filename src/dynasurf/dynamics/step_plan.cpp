@@ -46,7 +46,7 @@ void StepPlan::shorten(double new_limit_s) {
 StepPlan plan_steps(const Evolution& o, std::size_t particles, const Pace& pace, const Room& room,
                     double smallest_spacing_mm) {
   StepPlan plan;
-  plan.mass_kg = o.mass_kg / static_cast<double>(particles);
+  plan.mass_kg = o.mass_kg / particles;
   plan.fastest = fastest_mm_s(o.force.strength * pace.pull, plan.mass_kg, pace.least_drag, room);
   plan.limit_s = pace.limit_s;
   const double by_speed =

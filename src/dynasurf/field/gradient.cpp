@@ -11,7 +11,7 @@ namespace dynasurf::field::detail {
 
 double largest_gradient_squared(const Image& f) {
   const Index3& n = f.grid.dims;
-  return parallel_max(static_cast<std::size_t>(n[2]), 4, [&](std::size_t begin, std::size_t end) {
+  return parallel_max(n[2], 4, [&](std::size_t begin, std::size_t end) {
     double largest = 0;
     for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
       for (int j = 0; j < n[1]; ++j)

@@ -71,10 +71,8 @@ struct Layout {
         ny(n[1]),
         nz(n[2]),
         stride((static_cast<std::size_t>(n[0]) + 2 + 15) / 16 * 16),
-        size(stride * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]) + 32) {}
-  std::size_t row(int j, int k) const {
-    return 16 + stride * (static_cast<std::size_t>(j) + static_cast<std::size_t>(ny) * static_cast<std::size_t>(k));
-  }
+        size(stride * n[1] * n[2] + 32) {}
+  std::size_t row(int j, int k) const { return 16 + stride * (j + ny * static_cast<std::size_t>(k)); }
 };
 
 /// What an iteration reads and writes.
@@ -90,7 +88,7 @@ struct Sweep {
   Sweep(const Index3& dims, bool generalised) : layout(dims), pull(layout.size), spread(generalised ? layout.size : 0) {
     for (auto* group : {&from, &to, &gradient})
       for (auto& component : *group) component = detail::FloatBuffer(layout.size);
-    has_pull.resize(static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]));
+    has_pull.resize(dims[1] * static_cast<std::size_t>(dims[2]));
   }
 };
 
@@ -153,7 +151,7 @@ DYNASURF_CLONES Extremes step_slices(const Sweep& s, int begin, int end) {
       const std::size_t row = l.row(j, k);
       const std::size_t ym = l.row(std::max(j - 1, 0), k), yp = l.row(std::min(j + 1, l.ny - 1), k);
       const std::size_t zm = l.row(j, std::max(k - 1, 0)), zp = l.row(j, std::min(k + 1, l.nz - 1));
-      const bool pulled = s.has_pull[static_cast<std::size_t>(j + l.ny * k)] != 0;
+      const bool pulled = s.has_pull[j + l.ny * k] != 0;
       const Pull how = !pulled ? Pull::none : generalised ? Pull::ggvf : Pull::gvf;
       for (std::size_t c = 0; c < 3; ++c) {
         const float* u = s.from[c].data();
@@ -171,13 +169,13 @@ DYNASURF_CLONES Extremes step_slices(const Sweep& s, int begin, int end) {
 
 /// Slices per piece of work: large enough to pay for handing it to a thread.
 std::size_t grain_of(const Layout& l) {
-  const std::size_t slice = l.stride * static_cast<std::size_t>(l.ny);
+  const std::size_t slice = l.stride * l.ny;
   return std::max<std::size_t>(1, (std::size_t{1} << 14) / slice);
 }
 
 /// One iteration of all three components; the largest value and the largest change.
 std::pair<double, double> step(const Sweep& s, std::vector<Extremes>& pieces) {
-  const std::size_t grain = grain_of(s.layout), slices = static_cast<std::size_t>(s.layout.nz);
+  const std::size_t grain = grain_of(s.layout), slices = s.layout.nz;
   pieces.assign((slices + grain - 1) / grain, {});
   parallel_for(slices, grain, [&](std::size_t begin, std::size_t end) {
     const detail::FlushDenormals flush;
@@ -192,7 +190,7 @@ std::pair<double, double> step(const Sweep& s, std::vector<Extremes>& pieces) {
 void start(Sweep& s, const Image& f, const Scheme& o, double dt) {
   const Layout& l = s.layout;
   const bool generalised = s.spread.size() > 0;
-  parallel_for(static_cast<std::size_t>(l.nz), 4, [&](std::size_t begin, std::size_t end) {
+  parallel_for(l.nz, 4, [&](std::size_t begin, std::size_t end) {
     for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
       for (int j = 0; j < l.ny; ++j) {
         const std::size_t row = l.row(j, k);
@@ -200,21 +198,20 @@ void start(Sweep& s, const Image& f, const Scheme& o, double dt) {
         for (int i = 0; i < l.nx; ++i) {
           const Vec3 g = detail::gradient_at(f, i, j, k);
           const auto pull = static_cast<float>(o.pull(g.squaredNorm()) * dt);
-          s.pull.data()[row + static_cast<std::size_t>(i)] = pull;
-          if (generalised)
-            s.spread.data()[row + static_cast<std::size_t>(i)] = static_cast<float>(o.spread(g.squaredNorm()));
+          s.pull.data()[row + i] = pull;
+          if (generalised) s.spread.data()[row + i] = static_cast<float>(o.spread(g.squaredNorm()));
           pulled = pulled || pull != 0;
           for (std::size_t c = 0; c < 3; ++c) {
             const auto value = static_cast<float>(g[static_cast<int>(c)]);
-            s.gradient[c].data()[row + static_cast<std::size_t>(i)] = value;
-            s.from[c].data()[row + static_cast<std::size_t>(i)] = value;
+            s.gradient[c].data()[row + i] = value;
+            s.from[c].data()[row + i] = value;
           }
         }
         for (auto& u : s.from) {
           u.data()[row - 1] = u.data()[row];
-          u.data()[row + static_cast<std::size_t>(l.nx)] = u.data()[row + static_cast<std::size_t>(l.nx) - 1];
+          u.data()[row + l.nx] = u.data()[row + l.nx - 1];
         }
-        s.has_pull[static_cast<std::size_t>(j + l.ny * k)] = pulled;
+        s.has_pull[j + l.ny * k] = pulled;
       }
   });
 }

@@ -75,7 +75,7 @@ struct Estimate {
   double error_after(double now) {
     constexpr std::array<double, 4> weak_shares{0.3, 0.19, 0.46, 0.46}, strong_shares{0.45, 0.38, 0.5, 0.65};
     const double before = std::exchange(change, now), rate_before = rate;
-    const std::size_t at = static_cast<std::size_t>(std::min(cycle++, 3));
+    const std::size_t at = std::min(cycle++, 3);
     double share = strong ? strong_shares[at] : weak_shares[at];
     if (begun_in_box && at == 1) share = strong ? 0.55 : 0.31;
     if (small) share *= 2;

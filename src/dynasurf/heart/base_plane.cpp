@@ -81,7 +81,7 @@ std::optional<double> end_of_wall(const Meridian& m, double from, double backgro
   for (std::size_t n = first + 1; n < m.brightness.size(); ++n)
     if (m.brightness[n] < level) {
       const double share = (m.brightness[n - 1] - level) / (m.brightness[n - 1] - m.brightness[n]);
-      return m.low + (static_cast<double>(n - 1) + share) * step_mm;
+      return m.low + ((n - 1) + share) * step_mm;
     }
   return std::nullopt;
 }

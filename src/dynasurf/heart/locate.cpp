@@ -43,7 +43,7 @@ Image coarsened(const Image& image) {
   }
   const Image smooth = image::smooth_gaussian(image, smooth_mm);
   Image result(grid);
-  parallel_for(static_cast<std::size_t>(grid.dims[2]), 1, [&](std::size_t begin, std::size_t end) {
+  parallel_for(grid.dims[2], 1, [&](std::size_t begin, std::size_t end) {
     for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
       for (int j = 0; j < grid.dims[1]; ++j)
         for (int i = 0; i < grid.dims[0]; ++i)
@@ -98,7 +98,7 @@ std::vector<Place> find_places(const Image& image, const std::vector<Vec3>& dire
   for (double r : radii_mm) shells.push_back(make_shell(r, directions));
   const Grid& g = image.grid;
   std::vector<Place> all(g.size());
-  parallel_for(static_cast<std::size_t>(g.dims[2]), 1, [&](std::size_t begin, std::size_t end) {
+  parallel_for(g.dims[2], 1, [&](std::size_t begin, std::size_t end) {
     for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
       for (int j = 0; j < g.dims[1]; ++j)
         for (int i = 0; i < g.dims[0]; ++i) {
@@ -205,7 +205,7 @@ double share_of_ridge(const Image& image, const LvShell& cup, double brightness,
     ++seen;
     if (away) away->push_back(std::abs(p.offset_mm));
   }
-  return static_cast<double>(seen) / static_cast<double>(ridge.size());
+  return seen / static_cast<double>(ridge.size());
 }
 
 /// The part of the image that every way to lay a cup has to explain.
@@ -378,8 +378,7 @@ Image cut_at(Image image, float most) {
 Image mean_image(std::span<const Image> gates) {
   Image mean(gates.front().grid);
   for (const Image& gate : gates)
-    for (std::size_t v = 0; v < mean.values.size(); ++v)
-      mean.values[v] += gate.values[v] / static_cast<float>(gates.size());
+    for (std::size_t v = 0; v < mean.values.size(); ++v) mean.values[v] += gate.values[v] / gates.size();
   return mean;
 }
 

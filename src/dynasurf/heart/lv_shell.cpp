@@ -104,7 +104,7 @@ CupScore score(const Image& image, const LvShell& cup) {
   std::array<double, rows * around + 1> wall{}, side{};
   std::size_t n = 0;
   std::array<Vec3, around> sides;  // the same for every row: worked out once
-  for (int d = 0; d < around; ++d) sides[static_cast<std::size_t>(d)] = outwards(a, 2 * pi * d / around);
+  for (int d = 0; d < around; ++d) sides[d] = outwards(a, 2 * pi * d / around);
   const double inwards = std::min(side_mm, 0.9 * cup.radius_mm);
   const auto look = [&](const Row& row, const Vec3& out) {
     const ShellPoint at = on_cup(cup, out, row);
@@ -124,7 +124,7 @@ CupScore score(const Image& image, const LvShell& cup) {
   const double most = 1.15 * result.brightness;
   double sum = 0;
   for (std::size_t p = 0; p < n; ++p) sum += std::clamp(std::min(wall[p], most) - side[p], -0.5 * most, most);
-  result.contrast = sum / static_cast<double>(n);
+  result.contrast = sum / n;
 
   // Over the base there is no wall: neither where it would go on nor in the middle.
   double over = image::sample_linear(image, cup.base() + 8 * cup.axis);
@@ -187,11 +187,11 @@ std::vector<RidgePoint> find_ridge(const Image& image, const LvShell& cup, int r
   const ShellBasis a = across(cup.axis);
   const double top = base_angle(cup);
   std::vector<RidgePoint> ridge;
-  std::vector<double> profile(static_cast<std::size_t>(2 * steps + 1));
+  std::vector<double> profile(2 * steps + 1);
   const auto look = [&](double theta, double phi) {
     const ShellPoint at = on_cup(cup, outwards(a, phi), row_at(theta));
     for (int s = -steps; s <= steps; ++s)
-      profile[static_cast<std::size_t>(s + steps)] = image::sample_linear(image, at.position + s * step_mm * at.normal);
+      profile[s + steps] = image::sample_linear(image, at.position + s * step_mm * at.normal);
     int best = -1;
     double worth = 0;
     for (int s = 1; s < 2 * steps; ++s) {
@@ -201,7 +201,7 @@ std::vector<RidgePoint> find_ridge(const Image& image, const LvShell& cup, int r
       const double value = profile[n] * own::exp(-away * away);
       if (best < 0 || value > worth) best = s, worth = value;
     }
-    RidgePoint point{at.position, profile[static_cast<std::size_t>(steps)], 0, 0};
+    RidgePoint point{at.position, profile[steps], 0, 0};
     if (best > 0) {
       const auto n = static_cast<std::size_t>(best);
       const double bend = profile[n - 1] - 2 * profile[n] + profile[n + 1];
@@ -240,13 +240,13 @@ std::optional<LvShell> fit_cup(const std::vector<RidgePoint>& ridge, const LvShe
     Eigen::Matrix<double, 7, 7> normal = Eigen::Matrix<double, 7, 7>::Zero();
     Eigen::Matrix<double, 7, 1> right = Eigen::Matrix<double, 7, 1>::Zero();
     // The elongation is held near that of the usual heart: a wide open base alone would not tell.
-    const double pull = 0.01 * static_cast<double>(seen.size());
+    const double pull = 0.01 * seen.size();
     const auto small = [](int n) { return n == 3 || n == 4 ? 1e-4 : 1e-3; };
     std::array<LvShell, 7> beside;
     for (int n = 0; n < 7; ++n) {
       Eigen::Matrix<double, 7, 1> by = Eigen::Matrix<double, 7, 1>::Zero();
       by[n] = small(n);
-      beside[static_cast<std::size_t>(n)] = moved(cup, by);
+      beside[n] = moved(cup, by);
     }
     for (const RidgePoint* p : seen) {
       const double distance = signed_distance(cup, p->position);
@@ -254,8 +254,7 @@ std::optional<LvShell> fit_cup(const std::vector<RidgePoint>& ridge, const LvShe
       if (std::abs(x) >= 1) continue;
       const double w = (1 - x * x) * (1 - x * x) * std::min(1.0, p->prominence / (0.4 * brightest));
       Eigen::Matrix<double, 7, 1> slope;
-      for (int n = 0; n < 7; ++n)
-        slope[n] = (signed_distance(beside[static_cast<std::size_t>(n)], p->position) - distance) / small(n);
+      for (int n = 0; n < 7; ++n) slope[n] = (signed_distance(beside[n], p->position) - distance) / small(n);
       normal += w * slope * slope.transpose();
       right -= w * distance * slope;
     }

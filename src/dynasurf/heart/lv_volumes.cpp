@@ -27,7 +27,7 @@ std::optional<CurvePhases> phases_of_curve(std::span<const double> cavity_ml) {
   const int n = static_cast<int>(cavity_ml.size());
   const std::optional<LvVolumes> f = lv_volumes(cavity_ml);
   if (n < 4 || !f || f->sv_ml <= 0) return std::nullopt;
-  const auto volume = [&](int gate) { return cavity_ml[static_cast<std::size_t>(gate % n)]; };
+  const auto volume = [&](int gate) { return cavity_ml[gate % n]; };
   CurvePhases phases{f->ed_gate, f->es_gate, f->es_gate};
   const int filling = (f->ed_gate - f->es_gate + n) % n;  // gates from end systole to the next end diastole
   double fastest = 0;
@@ -55,11 +55,11 @@ double cycle_roughness(std::span<const double> values) {
   for (int w = 1; w <= waves; ++w) {
     double c = 0, s = 0;
     for (std::size_t g = 0; g < rest.size(); ++g) {
-      const double angle = 2 * std::numbers::pi * w * static_cast<double>(g) / n;
+      const double angle = 2 * std::numbers::pi * w * g / n;
       c += rest[g] * own::cos(angle) * 2 / n, s += rest[g] * own::sin(angle) * 2 / n;
     }
     for (std::size_t g = 0; g < rest.size(); ++g) {
-      const double angle = 2 * std::numbers::pi * w * static_cast<double>(g) / n;
+      const double angle = 2 * std::numbers::pi * w * g / n;
       rest[g] -= c * own::cos(angle) + s * own::sin(angle);
     }
   }

@@ -17,7 +17,7 @@ Eigen::MatrixXd waves_over(Eigen::Index gates, Eigen::Index most) {
   for (Eigen::Index g = 0; g < gates; ++g) {
     basis(g, 0) = 1;
     for (Eigen::Index w = 1; w <= waves; ++w) {
-      const double angle = 2 * std::numbers::pi * static_cast<double>(w * g) / static_cast<double>(gates);
+      const double angle = 2 * std::numbers::pi * (w * g) / gates;
       basis(g, 2 * w - 1) = own::cos(angle), basis(g, 2 * w) = own::sin(angle);
     }
   }

@@ -8,7 +8,7 @@ namespace {
 
 /// Takes everything connected to `seed` out of `open` (one flag per pixel of a slice of `width` columns).
 std::vector<Pixel> flood(std::vector<std::uint8_t>& open, int width, int height, Pixel seed) {
-  const auto at = [&](int i, int j) -> std::uint8_t& { return open[static_cast<std::size_t>(j * width + i)]; };
+  const auto at = [&](int i, int j) -> std::uint8_t& { return open[j * width + i]; };
   std::vector<Pixel> pixels{seed};
   at(seed.i, seed.j) = 0;
   for (std::size_t next = 0; next < pixels.size(); ++next) {
@@ -41,7 +41,7 @@ std::vector<Component> components_of_slice(const Mask& mask, int k) {
   std::vector<Component> components;
   for (int j = 0; j < height; ++j)
     for (int i = 0; i < width; ++i)
-      if (open[static_cast<std::size_t>(j * width + i)]) components.push_back({k, flood(open, width, height, {i, j})});
+      if (open[j * width + i]) components.push_back({k, flood(open, width, height, {i, j})});
   return components;
 }
 

@@ -63,7 +63,7 @@ std::span<const std::string_view> names_of(DoublingMask) {
 }
 
 Image threshold_at(Image image, double level) {
-  for (float& v : image.values) v = static_cast<double>(v) >= level ? 1.0F : 0.0F;
+  for (float& v : image.values) v = v >= level ? 1.0F : 0.0F;
   return image;
 }
 

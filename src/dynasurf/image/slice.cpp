@@ -19,7 +19,7 @@ void put_slice(const Slice& slice, Image& image, int k) {
 }
 
 void for_each_slice(const Grid& grid, const std::function<void(int)>& body) {
-  parallel_for(static_cast<std::size_t>(std::max(0, grid.dims[2])), 1, [&](std::size_t begin, std::size_t end) {
+  parallel_for(std::max(0, grid.dims[2]), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) body(static_cast<int>(k));
   });
 }
@@ -29,11 +29,11 @@ namespace {
 /// Convolves a line of doubles that is padded by the radius on both sides; fills the padding.
 void smooth_line(const std::vector<double>& w, int count, std::vector<double>& padded, double* out) {
   const int radius = static_cast<int>(w.size()) - 1;
-  std::fill_n(padded.begin(), radius, padded[static_cast<std::size_t>(radius)]);
-  std::fill_n(padded.begin() + radius + count, radius, padded[static_cast<std::size_t>(radius + count - 1)]);
-  for (int i = 0; i < count; ++i) out[i] = w[0] * padded[static_cast<std::size_t>(radius + i)];
+  std::fill_n(padded.begin(), radius, padded[radius]);
+  std::fill_n(padded.begin() + radius + count, radius, padded[radius + count - 1]);
+  for (int i = 0; i < count; ++i) out[i] = w[0] * padded[radius + i];
   for (int r = 1; r <= radius; ++r) {
-    const double weight = w[static_cast<std::size_t>(r)];
+    const double weight = w[r];
     const double* left = padded.data() + radius - r;
     const double* right = padded.data() + radius + r;
     for (int i = 0; i < count; ++i) out[i] += weight * (left[i] + right[i]);
@@ -46,18 +46,17 @@ void smooth(Slice& slice, const std::vector<double>& w) {
   const int width = slice.width, height = slice.height, radius = static_cast<int>(w.size()) - 1;
   if (radius == 0) return;
   std::vector<double> rows(slice.values.size());
-  std::vector<double> line(static_cast<std::size_t>(std::max(width, height) + 2 * radius));
-  std::vector<double> column(static_cast<std::size_t>(height));
+  std::vector<double> line(std::max(width, height) + 2 * radius);
+  std::vector<double> column(height);
   for (int j = 0; j < height; ++j) {
     const auto row = slice.values.begin() + static_cast<std::ptrdiff_t>(j) * width;
     std::copy(row, row + width, line.begin() + radius);
     smooth_line(w, width, line, rows.data() + static_cast<std::ptrdiff_t>(j) * width);
   }
   for (int i = 0; i < width; ++i) {
-    for (int j = 0; j < height; ++j)
-      line[static_cast<std::size_t>(radius + j)] = rows[static_cast<std::size_t>(j * width + i)];
+    for (int j = 0; j < height; ++j) line[radius + j] = rows[j * width + i];
     smooth_line(w, height, line, column.data());
-    for (int j = 0; j < height; ++j) slice(i, j) = static_cast<float>(column[static_cast<std::size_t>(j)]);
+    for (int j = 0; j < height; ++j) slice(i, j) = static_cast<float>(column[j]);
   }
 }
 

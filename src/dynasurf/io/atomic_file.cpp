@@ -97,7 +97,7 @@ void write_all(int fd, std::string_view content, const fs::path& path) {
     const ssize_t written = ::write(fd, content.data(), content.size());
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) fail(path, "write", written < 0 ? errno : ENOSPC);
-    content.remove_prefix(static_cast<std::size_t>(written));
+    content.remove_prefix(written);
   }
 }
 

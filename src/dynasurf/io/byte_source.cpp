@@ -34,7 +34,7 @@ int open_regular(const fs::path& path, std::uint64_t& size) {
     ::close(fd);
     throw IoError(path.string() + ": is not a regular file");
   }
-  size = static_cast<std::uint64_t>(facts.st_size);
+  size = facts.st_size;
   return fd;
 }
 
@@ -78,7 +78,7 @@ struct ByteSource::State {
     while (count < 0 && errno == EINTR);
     if (count < 0) fail_io(path, "read");
     buffered_from = 0;
-    buffered_to = static_cast<std::size_t>(count);
+    buffered_to = count;
     bytes_left_in_file -= std::min<std::uint64_t>(bytes_left_in_file, buffered_to);
     return count > 0;
   }
@@ -156,7 +156,7 @@ struct FileWindow::State {
       if (n < 0 && errno == EINTR) continue;
       if (n < 0) fail_io(path, "read");
       if (n == 0) break;
-      done += static_cast<std::size_t>(n);
+      done += n;
     }
     return done;
   }

@@ -76,7 +76,7 @@ int photopeak_window(const DicomImage& image, const std::set<int>& windows, Note
     std::map<int, double> counts;
     for (const int w : holding.empty() ? windows : holding) counts[w] = 0;
     read_dicom_frames(image, [&](int frame, std::span<const float> values) {
-      const auto at = counts.find((*image.window_of_frame)[static_cast<std::size_t>(frame)]);
+      const auto at = counts.find((*image.window_of_frame)[frame]);
       if (at != counts.end()) at->second = std::accumulate(values.begin(), values.end(), at->second);
     });
     best = std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
@@ -158,7 +158,7 @@ void assume_order(FrameLayout& layout, const DicomImage& image, Notes& notes) {
 
 FrameLayout layout_of(const DicomImage& image, Notes& notes) {
   FrameLayout layout;
-  layout.gate.assign(static_cast<std::size_t>(image.frames), 1);
+  layout.gate.assign(image.frames, 1);
   layout.rr = layout.slice = layout.gate;
   const FrameVectors vectors = vectors_of(image, notes);
   layout.rr_count = image.rr_count.value_or(vectors.rr ? largest(*vectors.rr) : 1);
@@ -193,7 +193,7 @@ void recognise_one_gate(FrameLayout& layout, const DicomImage& image, DicomStack
 
 /// The frame of each place, gate after gate, slice after slice, among those of R-R interval `rr`.
 std::vector<int> frames_by_place(const FrameLayout& layout, const DicomImage& image, int rr) {
-  const std::size_t places = static_cast<std::size_t>(layout.gates) * static_cast<std::size_t>(layout.slices);
+  const std::size_t places = layout.gates * static_cast<std::size_t>(layout.slices);
   if (places > layout.rr.size())
     throw InputError(image.where() + ": " + std::to_string(image.frames) + " frames cannot be " +
                      std::to_string(layout.gates) + " gates of " + std::to_string(layout.slices) +
@@ -203,8 +203,7 @@ std::vector<int> frames_by_place(const FrameLayout& layout, const DicomImage& im
     const auto n = static_cast<std::size_t>(f);
     if (layout.rr[n] != rr || (layout.window && (*image.window_of_frame)[n] != *layout.window)) continue;
     const int gate = layout.gate[n] - 1, slice = layout.slice[n] - 1;
-    int& at = frame_at[static_cast<std::size_t>(gate) * static_cast<std::size_t>(layout.slices) +
-                       static_cast<std::size_t>(slice)];
+    int& at = frame_at[gate * static_cast<std::size_t>(layout.slices) + static_cast<std::size_t>(slice)];
     if (at >= 0)
       throw InputError(image.where() + ": frames " + std::to_string(at + 1) + " and " + std::to_string(f + 1) +
                        " are both " + pair_text(gate, slice));
@@ -223,8 +222,7 @@ DicomStack stack_of_frames(const DicomImage& image, std::size_t file) {
   DicomStack stack;
   FrameLayout layout = layout_of(image, stack.notes);
   recognise_one_gate(layout, image, stack);
-  check_study_size(static_cast<std::uint64_t>(image.columns), static_cast<std::uint64_t>(image.rows),
-                   static_cast<std::uint64_t>(layout.slices), static_cast<std::uint64_t>(layout.gates), image.where());
+  check_study_size(image.columns, image.rows, layout.slices, layout.gates, image.where());
   const int rr = chosen_rr(image, layout.rr_count, stack.notes);
   for (const int frame : frames_by_place(layout, image, rr)) stack.frames.push_back({file, frame});
 

@@ -87,7 +87,7 @@ std::string bytes_of(DcmFileFormat& file, const std::string& where) {
     void* piece = nullptr;
     offile_off_t length = 0;
     stream.flushBuffer(piece, length);
-    bytes.append(static_cast<const char*>(piece), static_cast<std::size_t>(length));
+    bytes.append(static_cast<const char*>(piece), length);
   }
   file.transferEnd();
   if (status.bad()) throw IoError(where + ": cannot write: " + status.text());

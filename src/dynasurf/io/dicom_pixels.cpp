@@ -10,8 +10,7 @@ namespace dynasurf::io {
 namespace {
 
 std::uint64_t bytes_of_frame(const DicomImage& image) {
-  return static_cast<std::uint64_t>(image.bits_allocated) / 8 * static_cast<std::uint64_t>(image.rows) *
-         static_cast<std::uint64_t>(image.columns);
+  return static_cast<std::uint64_t>(image.bits_allocated) / 8 * image.rows * image.columns;
 }
 
 /// `raw` is one stored value, the low byte first where there are two.
@@ -83,7 +82,7 @@ void read_packed(FileWindow& file, const DicomImage& image, const FilePiece& fra
 }
 
 void check_amount(const DicomImage& image, const DicomOutline& outline) {
-  const std::uint64_t frames = static_cast<std::uint64_t>(image.frames), expected = bytes_of_frame(image) * frames;
+  const std::uint64_t frames = image.frames, expected = bytes_of_frame(image) * frames;
   if (outline.run_lengths) {
     // Run lengths pack 128 bytes into 2 at best: more is a lie, found before memory is taken.
     if (expected > 64 * size_of_file(image.path))

@@ -95,14 +95,13 @@ void set_times_from(DicomStack& stack, const std::string& key, const std::vector
     stack.cycle_ms = 60000 / *image.heart_rate;
   if (key == "TriggerTime" && values.front() >= 0 && values.back() <= 3000) {
     stack.time_ms = values;
-    const double step = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
-    if (stack.cycle_ms == 0 && believable(step * static_cast<double>(values.size())))
-      stack.cycle_ms = step * static_cast<double>(values.size());
+    const double step = (values.back() - values.front()) / (values.size() - 1);
+    if (stack.cycle_ms == 0 && believable(step * values.size())) stack.cycle_ms = step * values.size();
   } else if (stack.cycle_ms > 0) {
     for (std::size_t g = 0; g < values.size(); ++g)
       stack.time_ms.push_back(key == "NominalPercentageOfCardiacPhase"
                                   ? values[g] * stack.cycle_ms / 100
-                                  : static_cast<double>(g) * stack.cycle_ms / static_cast<double>(values.size()));
+                                  : g * stack.cycle_ms / static_cast<double>(values.size()));
   }
 }
 

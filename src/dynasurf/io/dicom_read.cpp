@@ -122,7 +122,7 @@ std::vector<Image> read_pixels(const Plan& plan, Notes& notes) {
   std::map<std::size_t, std::map<int, std::size_t>> place_of;  // file -> frame -> place in the stack
   for (std::size_t p = 0; p < stack.frames.size(); ++p) place_of[stack.frames[p].file][stack.frames[p].frame] = p;
 
-  std::vector<Image> gates(static_cast<std::size_t>(stack.gates));
+  std::vector<Image> gates(stack.gates);
   for (const auto& [file, frames] : place_of)
     read_dicom_frames(plan.images[file], [&, &here = frames](int frame, std::span<const float> values) {
       const auto it = here.find(frame);

@@ -98,15 +98,14 @@ std::vector<int> slices_of(std::span<const DicomSegment> segments) {
   for (const DicomSegment& s : segments) {
     const Grid& grid = s.mask.grid;
     for (std::size_t v = 0; v < s.mask.values.size(); ++v)
-      if (s.mask.values[v] != 0)
-        slices.insert(static_cast<int>(v / (grid.size() / static_cast<std::size_t>(grid.dims[2]))));
+      if (s.mask.values[v] != 0) slices.insert(static_cast<int>(v / (grid.size() / grid.dims[2])));
   }
   return {slices.begin(), slices.end()};
 }
 
 void add_slice(DcmSegmentation& segmentation, const Mask& mask, Uint16 segment, int slice, Uint32 index) {
   const Grid& grid = mask.grid;
-  const std::size_t size = grid.size() / static_cast<std::size_t>(grid.dims[2]);
+  const std::size_t size = grid.size() / grid.dims[2];
   const auto first = mask.values.begin() + static_cast<std::ptrdiff_t>(size) * slice;
   std::vector<Uint8> pixels(first, first + static_cast<std::ptrdiff_t>(size));
   if (std::all_of(pixels.begin(), pixels.end(), [](Uint8 v) { return v == 0; })) return;

@@ -84,7 +84,7 @@ void order_gates(Slices& slices, const std::vector<DicomImage>& images, const Di
   std::vector<double> mean(gates, 0);
   for (auto& slice : slices) {
     std::sort(slice.begin(), slice.end(), [&](std::size_t a, std::size_t b) { return value(a) < value(b); });
-    for (std::size_t g = 0; g < gates; ++g) mean[g] += value(slice[g]) / static_cast<double>(slices.size());
+    for (std::size_t g = 0; g < gates; ++g) mean[g] += value(slice[g]) / slices.size();
   }
   const std::string used = key->name;
   if (used == "InstanceNumber")
@@ -121,8 +121,7 @@ DicomStack stack_of_slices(const std::vector<DicomImage>& images, std::span<cons
   const std::size_t gates = slices.front().size();
   require_all_images(images, files, slices.size(), gates, stack.notes);
   if (gates > 1) order_gates(slices, images, first, stack);
-  check_study_size(static_cast<std::uint64_t>(first.columns), static_cast<std::uint64_t>(first.rows), slices.size(),
-                   gates, first.where());
+  check_study_size(first.columns, first.rows, slices.size(), gates, first.where());
   const Vec3 step = step_of(slices, height, images, place, stack.notes);
   Mat3 steps;
   steps << place.right * place.column_mm, place.down * place.row_mm, step;

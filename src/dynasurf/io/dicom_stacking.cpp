@@ -79,8 +79,8 @@ std::optional<DicomStack> joined_gates(const std::vector<DicomImage>& images, st
     }
     const bool counted = name == "TimeSlotVector" || name == "SeriesDescription";
     const int declared = stacks.front().declared_gates;
-    if (counted && (values.back() - values.front() != static_cast<double>(values.size() - 1) ||
-                    (name == "TimeSlotVector" && declared > whole.gates)))
+    if (counted &&
+        (values.back() - values.front() != (values.size() - 1) || (name == "TimeSlotVector" && declared > whole.gates)))
       throw InputError(
           image(stacks.front()).path.parent_path().string() + ": the files hold " + std::to_string(stacks.size()) +
           " gates, numbered " + std::to_string(static_cast<int>(values.front())) + " to " +

@@ -27,10 +27,10 @@ void lack(const DicomImage& image, const std::string& reason, Notes& notes) {
 
 /// Images of the acquisition that an image belongs to.
 std::size_t images_beside(const std::vector<DicomImage>& images, const DicomImage& image) {
-  return static_cast<std::size_t>(std::count_if(images.begin(), images.end(), [&](const DicomImage& other) {
+  return std::count_if(images.begin(), images.end(), [&](const DicomImage& other) {
     return other.study == image.study && other.acquisition == image.acquisition &&
            other.images_in_acquisition == image.images_in_acquisition;
-  }));
+  });
 }
 
 }  // namespace

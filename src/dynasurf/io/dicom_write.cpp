@@ -104,7 +104,7 @@ void put_pixel_format(Item& root, std::size_t frames, int rows, int columns) {
 void put_image(Item& root, const Study& study) {
   const Grid& g = study.grid();
   const bool gated = study.gates.size() > 1;
-  const auto slices = static_cast<std::size_t>(g.dims[2]), gates = study.gates.size();
+  const std::size_t slices = g.dims[2], gates = study.gates.size();
   root.text(DCM_ImageType,
             gated ? "DERIVED\\PRIMARY\\RECON GATED TOMO\\EMISSION" : "DERIVED\\PRIMARY\\RECON TOMO\\EMISSION");
   put_pixel_format(root, gates * slices, g.dims[1], g.dims[0]);
@@ -185,7 +185,7 @@ void put_gates(Item& root, std::size_t gates, double first_ms, double step_ms, d
 }
 
 double step_of(const Study& study) {
-  if (study.cycle_ms > 0) return study.cycle_ms / static_cast<double>(study.gates.size());
+  if (study.cycle_ms > 0) return study.cycle_ms / study.gates.size();
   return study.time_ms.size() > 1 ? study.time_ms[1] - study.time_ms[0] : 0;
 }
 
@@ -233,7 +233,7 @@ void put_rotation(Item& root, const Projections& p) {
   rotation.text(DCM_StartAngle, decimal(start));
   rotation.text(DCM_AngularStep, decimal(std::abs(step)));
   rotation.text(DCM_RotationDirection, step < 0 ? "CC" : "CW");
-  rotation.text(DCM_ScanArc, decimal(std::abs(step) * static_cast<double>(p.views())));
+  rotation.text(DCM_ScanArc, decimal(std::abs(step) * p.views()));
   rotation.text(DCM_ActualFrameDuration, "1000");
   std::string radii;
   for (const double radius : p.radius_mm) radii += (radii.empty() ? "" : "\\") + decimal(radius);
@@ -261,7 +261,7 @@ void write_dicom(const Study& study, const std::filesystem::path& path, const Di
   if (study.gates.empty()) throw InputError(where + ": cannot write a study without a volume");
   for (const int extent : study.grid().dims)
     if (extent > 65535) throw InputError(where + ": DICOM holds at most 65535 voxels along an axis");
-  if (study.gates.size() * static_cast<std::size_t>(study.grid().dims[2]) > 32767)
+  if (study.gates.size() * study.grid().dims[2] > 32767)
     throw InputError(where + ": has more frames than DICOM's frame vectors hold (32767)");
   const std::vector<Uint16> pixels = scaled_counts(study, options.counts_scale, where);
 
@@ -297,7 +297,7 @@ void write_projections(const Projections& p, const std::filesystem::path& path, 
   put_camera(root, p);
   put_acquisition(root);
   put_rotation(root, p);
-  const double step = is_gated ? p.cycle_ms / static_cast<double>(p.gates.size()) : 0;
+  const double step = is_gated ? p.cycle_ms / p.gates.size() : 0;
   put_gates(root, p.gates.size(), 0, step, p.cycle_ms);
   root.pixels(pixels);
 

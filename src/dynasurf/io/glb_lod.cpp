@@ -106,8 +106,7 @@ bool is_textured(const LodSurface& level) { return !level.textured.corners.empty
 
 void check_textures(const LodSurface& level, const std::string& what) {
   const auto fits = [](const mesh::Texture& t) {
-    return t.width > 0 && t.height > 0 &&
-           t.texels.size() == static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height);
+    return t.width > 0 && t.height > 0 && t.texels.size() == t.width * static_cast<std::size_t>(t.height);
   };
   const mesh::TexturedMesh& mesh = level.textured;
   if (mesh.corners.size() % 3 != 0 || !fits(mesh.normals) || (!mesh.colours.texels.empty() && !fits(mesh.colours)))

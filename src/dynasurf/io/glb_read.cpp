@@ -55,7 +55,7 @@ std::string_view buffer_of(const JsonNode& document, std::string_view chunk) {
   if (size_of(buffers) != 1) refuse_value(buffers, "a list of 1");
   const auto most = static_cast<std::int64_t>(chunk.size());
   const auto length = whole_in(object_of(buffers, 0), "byteLength", std::max<std::int64_t>(most - 3, 0), most);
-  return chunk.substr(0, static_cast<std::size_t>(length));
+  return chunk.substr(0, length);
 }
 
 /// The bytes of an accessor whose rows are `row_bytes` long.
@@ -63,9 +63,9 @@ std::string_view block_of(GlbFile& glb, std::int64_t accessor, const char* type,
                           std::int64_t row_bytes) {
   const JsonNode a = item_of_document(glb, "accessors", accessor);
   glb.is_block_read.resize(std::max(glb.is_block_read.size(), static_cast<std::size_t>(accessor) + 1));
-  if (glb.is_block_read[static_cast<std::size_t>(accessor)])
+  if (glb.is_block_read[accessor])
     refuse(glb.name, a.path + ": is used twice; expected numbers of its own for each use");
-  glb.is_block_read[static_cast<std::size_t>(accessor)] = true;
+  glb.is_block_read[accessor] = true;
   if (has(a, "sparse")) refuse(glb.name, a.path + ".sparse: expected plain numbers");
   if (text_in(a, "type") != type) refuse(glb.name, a.path + ".type: expected " + type);
   whole_in(a, "componentType", component, component);
@@ -83,7 +83,7 @@ std::string_view block_of(GlbFile& glb, std::int64_t accessor, const char* type,
                          " of its view; expected " + std::to_string(length) + " at most");
   if ((begin + offset) % 4 != 0)
     refuse(glb.name, a.path + ": begins at byte " + std::to_string(begin + offset) + "; expected a multiple of 4");
-  return glb.binary.substr(static_cast<std::size_t>(begin + offset), static_cast<std::size_t>(count * row_bytes));
+  return glb.binary.substr(begin + offset, count * row_bytes);
 }
 
 /// Precondition: the block is not empty.
@@ -168,7 +168,7 @@ JsonNode item_of_document(const GlbFile& glb, std::string_view list, std::int64_
   if (n < 0 || static_cast<std::size_t>(n) >= size_of(items))
     refuse(glb.name, items.path + ": item " + std::to_string(n) + " is asked for; there are " +
                          std::to_string(size_of(items)) + ", counted from 0");
-  return object_of(items, static_cast<std::size_t>(n));
+  return object_of(items, n);
 }
 
 std::vector<float> rows_of_three(GlbFile& glb, std::int64_t accessor) {

@@ -50,7 +50,7 @@ std::uint64_t control_group_limit() {
 
 std::uint64_t machine_memory() {
   const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGESIZE);
-  return pages > 0 && size > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(size) : unlimited;
+  return pages > 0 && size > 0 ? pages * static_cast<std::uint64_t>(size) : unlimited;
 }
 
 std::uint64_t address_space() {

@@ -104,9 +104,7 @@ void MeshRoom::grow(const TriMesh& mesh, std::size_t triangles) {
   require_memory_of(file_, vertices_, mesh.triangles.empty() && triangles <= 1 ? 0 : triangles_, as_cloud_);
 }
 
-std::size_t count_lines(std::string_view text) {
-  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-}
+std::size_t count_lines(std::string_view text) { return std::count(text.begin(), text.end(), '\n'); }
 
 std::string quoted(std::string_view word) {
   std::string out = "'";

@@ -97,8 +97,7 @@ Extents extents_of(const Header& header, const std::string& where) {
       throw InputError(where + ": dimension " + std::to_string(d) + " has " + std::to_string(extent) +
                        " entries; expected one value per voxel and gate");
   }
-  check_study_size(static_cast<std::uint64_t>(e.dims[0]), static_cast<std::uint64_t>(e.dims[1]),
-                   static_cast<std::uint64_t>(e.dims[2]), static_cast<std::uint64_t>(e.gates), where);
+  check_study_size(e.dims[0], e.dims[1], e.dims[2], e.gates, where);
   return e;
 }
 
@@ -135,7 +134,7 @@ Affine affine_of_qform(const Header& header, const std::string& where) {
   Affine a;
   a.leftCols<3>() =
       q.normalized().toRotationMatrix() * voxel_sizes(header, where).cwiseProduct(Vec3(1, 1, handedness)).asDiagonal();
-  for (int row = 0; row < 3; ++row) a(row, 3) = header.real(nifti::qoffset, static_cast<std::size_t>(row));
+  for (int row = 0; row < 3; ++row) a(row, 3) = header.real(nifti::qoffset, row);
   return a;
 }
 
@@ -210,15 +209,14 @@ fs::path image_file_of(const fs::path& header_path) {
 }  // namespace
 
 void set_uniform_times(Study& study, double first_ms, double step_ms, const std::string& code) {
-  const double cycle = step_ms * static_cast<double>(study.gates.size());
+  const double cycle = step_ms * study.gates.size();
   // 20 to 300 beats a minute; a step of "1" that nobody filled in falls outside.
   if (!(cycle >= 200 && cycle <= 3000) || !(std::abs(first_ms) <= cycle)) {
     study.notes.push_back({Severity::info, code, "the times of the gates are not in the file or make no heart beat"});
     return;
   }
   study.cycle_ms = cycle;
-  for (std::size_t g = 0; g < study.gates.size(); ++g)
-    study.time_ms.push_back(first_ms + static_cast<double>(g) * step_ms);
+  for (std::size_t g = 0; g < study.gates.size(); ++g) study.time_ms.push_back(first_ms + g * step_ms);
 }
 
 std::vector<std::filesystem::path> data_files_of_nifti(const std::filesystem::path& path) {

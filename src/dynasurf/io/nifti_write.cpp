@@ -22,7 +22,7 @@ void put_small(std::string& bytes, std::size_t offset, int value) {
 }
 
 double gate_step_ms(const Study& study) {
-  if (study.cycle_ms > 0) return study.cycle_ms / static_cast<double>(study.gates.size());
+  if (study.cycle_ms > 0) return study.cycle_ms / study.gates.size();
   return study.time_ms.size() > 1 ? study.time_ms[1] - study.time_ms[0] : 0;
 }
 
@@ -54,7 +54,7 @@ std::string header_of(const Study& study, const Stored& stored, const std::files
   const double pixdim[8] = {
       left_handed ? -1.0 : 1.0, grid.spacing[0], grid.spacing[1], grid.spacing[2], gate_step_ms(study), 1, 1, 1};
   for (std::size_t d = 0; d < 8; ++d) put_real(bytes, nifti::pixdim + 4 * d, pixdim[d]);
-  put_real(bytes, nifti::vox_offset, static_cast<double>(bytes.size()));
+  put_real(bytes, nifti::vox_offset, bytes.size());
   put_real(bytes, nifti::scl_slope, 1);
   bytes[nifti::xyzt_units] = static_cast<char>(nifti::unit_millimetre | nifti::unit_millisecond);
   if (!study.time_ms.empty()) put_real(bytes, nifti::toffset, study.time_ms.front());

@@ -242,7 +242,7 @@ void set_times(Study& study, const NrrdHeader& header, int list_axis) {
   for (std::size_t g = 2; g < times.size(); ++g)
     uniform = uniform && std::abs(times[g] - times[g - 1] - (times[1] - times[0])) < 1e-3 * (times[1] - times[0]);
   if (uniform || times.empty()) {
-    const double step = times.empty() ? 0 : (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+    const double step = times.empty() ? 0 : (times.back() - times.front()) / (times.size() - 1);
     set_uniform_times(study, times.empty() ? 0 : times.front(), step, "nrrd.no_gate_times");
     return;
   }
@@ -374,7 +374,7 @@ std::uint64_t data_offset(const NrrdHeader& header, const fs::path& file, std::u
     source.read({&byte, 1}, "lines before the voxels");
     seen += byte == std::byte{'\n'};
   }
-  return offset + static_cast<std::uint64_t>(skip);
+  return offset + skip;
 }
 
 }  // namespace
@@ -399,8 +399,7 @@ Study read_nrrd(const std::filesystem::path& path) {
   if (!name && !header.has_blank_line)
     throw InputError(header.where + ": the NRRD header ends without a blank line, so no voxels follow");
   const fs::path file = name ? data_file_beside(path, *name) : path;
-  const std::uint64_t bytes =
-      std::uint64_t{bytes_of(layout.type)} * grid.size() * static_cast<std::uint64_t>(axes.gates);
+  const std::uint64_t bytes = std::uint64_t{bytes_of(layout.type)} * grid.size() * axes.gates;
   ByteSource source(file, packing, data_offset(header, file, name ? 0 : header.end, bytes, packing));
   study.gates = read_samples(source, grid, axes.gates, layout, file.string(), study.notes);
   read_segmentation(study, header);

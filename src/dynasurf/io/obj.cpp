@@ -73,7 +73,7 @@ std::size_t resolve(const TextReader& text, Rows& rows, std::string_view word) {
     return rows.count - 1 - back;
   }
   if (static_cast<std::size_t>(index) > rows.largest) {
-    rows.largest = static_cast<std::size_t>(index);
+    rows.largest = index;
     rows.line_of_largest = text.line_number();
   }
   return static_cast<std::size_t>(index) - 1;

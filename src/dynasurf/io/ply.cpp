@@ -175,7 +175,7 @@ class AsciiRows {
     if (type.kind == 'f') return text_.number<double>("a value");
     const auto value = text_.number<std::int64_t>("an integer value");
     if (value < INT32_MIN || value > UINT32_MAX) text_.fail(std::to_string(value) + " does not fit its type");
-    return static_cast<double>(value);
+    return value;
   }
   void end_row() {
     if (!text_.line_is_done()) text_.fail("the row has more values than the header declares");
@@ -239,7 +239,7 @@ void skip(Rows& rows, const Property& property) {
 }
 
 /// Where the values of a vertex stand among its properties: position, normal, colour, scan. `absent` where not there.
-constexpr std::size_t absent = static_cast<std::size_t>(-1);
+constexpr auto absent = static_cast<std::size_t>(-1);
 using VertexColumns = std::array<std::size_t, 10>;
 constexpr std::size_t first_normal = 3, first_colour = 6, scan_column = 9;
 
@@ -251,7 +251,7 @@ void read_columns(Rows& rows, const Element& element, const VertexColumns& colum
     if (column == columns.end())
       skip(rows, element.properties[i]);
     else
-      values[static_cast<std::size_t>(column - columns.begin())] = rows.value(element.properties[i].type);
+      values[column - columns.begin()] = rows.value(element.properties[i].type);
   }
 }
 
@@ -300,7 +300,7 @@ void read_face(Rows& rows, const Element& element, std::size_t corner_list, std:
     if (corners.size() < 3) rows.fail("a face of " + std::to_string(corners.size()) + " corners; expected 3 or more");
     for (auto& corner : corners) {
       const double index = rows.value(property.type);
-      if (!(index >= 0 && index < static_cast<double>(vertex_count)))
+      if (!(index >= 0 && index < vertex_count))
         rows.fail("vertex index " + std::to_string(static_cast<long long>(index)) + " is out of range; the file has " +
                   std::to_string(vertex_count) + " vertices");
       corner = static_cast<std::uint32_t>(index);

@@ -59,8 +59,8 @@ std::vector<Chunk> chunks_of(const std::string& png) {
 std::string frame_control(std::uint32_t number, const Picture& picture, int milliseconds) {
   std::string control;
   put_32(control, number);
-  put_32(control, static_cast<std::uint32_t>(picture.width));
-  put_32(control, static_cast<std::uint32_t>(picture.height));
+  put_32(control, picture.width);
+  put_32(control, picture.height);
   put_32(control, 0);
   put_32(control, 0);
   put_32(control, static_cast<std::uint32_t>(milliseconds) << 16 | 1000U);
@@ -108,8 +108,8 @@ std::string encode_animation(std::span<const Picture> pictures, int milliseconds
 std::string encode_png(const Picture& picture) {
   if (picture.pixels.empty()) throw InputError("the picture is empty; expected pixels");
   PngImage png;
-  png.image.width = static_cast<png_uint_32>(picture.width);
-  png.image.height = static_cast<png_uint_32>(picture.height);
+  png.image.width = picture.width;
+  png.image.height = picture.height;
   png.image.format = PNG_FORMAT_RGB;
   png_alloc_size_t bytes = 0;
   const auto write = [&](void* to) {

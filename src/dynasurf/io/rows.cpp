@@ -14,7 +14,7 @@
 namespace dynasurf::io::detail {
 namespace {
 
-constexpr std::size_t absent = static_cast<std::size_t>(-1);
+constexpr auto absent = static_cast<std::size_t>(-1);
 constexpr std::size_t rows_to_look_at = 1000, most_columns = 64;
 
 /// Which column holds what.

@@ -98,14 +98,14 @@ void check_study_size(std::uint64_t nx, std::uint64_t ny, std::uint64_t nz, std:
 }
 
 void require_memory_of_study(const Grid& grid, int gates, const std::string& where) {
-  require_memory(memory_of_study(grid.size(), static_cast<std::uint64_t>(gates)), where,
+  require_memory(memory_of_study(grid.size(), gates), where,
                  std::to_string(grid.dims[0]) + " x " + std::to_string(grid.dims[1]) + " x " +
                      std::to_string(grid.dims[2]) + " voxels x " + std::to_string(gates) + " gates");
 }
 
 std::vector<Image> read_samples(ByteSource& source, const Grid& grid, int gates, const SampleLayout& layout,
                                 const std::string& where, Notes& notes) {
-  const std::size_t sample = bytes_of(layout.type), voxels = grid.size(), count = static_cast<std::size_t>(gates);
+  const std::size_t sample = bytes_of(layout.type), voxels = grid.size(), count = gates;
   const std::uint64_t declared = std::uint64_t{sample} * voxels * count;
   if (declared > source.most_bytes_left())
     throw InputError(where + ": is cut off: its header declares " + std::to_string(declared) +

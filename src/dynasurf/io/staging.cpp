@@ -46,7 +46,7 @@ std::string random_digits() {
     const ssize_t got = ::getrandom(bytes.data() + have, bytes.size() - have, 0);
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) throw IoError(std::string("cannot draw a random name: ") + std::strerror(errno));
-    have += static_cast<std::size_t>(got);
+    have += got;
   }
   std::string text;
   for (const unsigned char byte : bytes) {
@@ -108,8 +108,7 @@ bool is_unfinished(const fs::path& manifest) {
   std::array<char, 64> begin{};
   const Descriptor file(::open(manifest.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   const ssize_t size = file.fd < 0 ? -1 : ::pread(file.fd, begin.data(), begin.size(), 0);
-  return size >= 0 &&
-         unfinished_manifest_text().starts_with(std::string_view(begin.data(), static_cast<std::size_t>(size)));
+  return size >= 0 && unfinished_manifest_text().starts_with(std::string_view(begin.data(), size));
 }
 
 /// Whether a folder is one that this program staged or published: nothing in it is anyone else's.

@@ -18,7 +18,7 @@ constexpr std::size_t least_neighbours = 7;  // of the corner of a volume; in le
 constexpr std::size_t most_hot_voxels = 16;
 
 Index3 place_of(const Grid& grid, std::size_t voxel) {
-  const auto nx = static_cast<std::size_t>(grid.dims[0]), ny = static_cast<std::size_t>(grid.dims[1]);
+  const std::size_t nx = grid.dims[0], ny = grid.dims[1];
   return {static_cast<int>(voxel % nx), static_cast<int>(voxel / nx % ny), static_cast<int>(voxel / nx / ny)};
 }
 
@@ -36,7 +36,7 @@ void each_beside(const Grid& grid, std::size_t voxel, const Use& use) {
   for (std::size_t a = 0; a < 3; ++a) {
     if (p[a] > 0) use(voxel - stride);
     if (p[a] + 1 < grid.dims[a]) use(voxel + stride);
-    stride *= static_cast<std::size_t>(grid.dims[a]);
+    stride *= grid.dims[a];
   }
 }
 
@@ -131,13 +131,13 @@ void fill_outside_field(std::vector<Image>& gates, const std::string& where, Not
     const auto& values = gates[g].values;
     const auto is_bad = [](float v) { return !std::isfinite(v); };
     if (const auto bad = std::find_if(values.begin(), values.end(), is_bad); bad != values.end() && !first)
-      first = voxel_text(gates[g].grid, static_cast<std::size_t>(bad - values.begin()), g);
-    count += static_cast<std::size_t>(std::count_if(values.begin(), values.end(), is_bad));
+      first = voxel_text(gates[g].grid, bad - values.begin(), g);
+    count += std::count_if(values.begin(), values.end(), is_bad);
     voxels += values.size();
   }
   if (count == 0) return;
   const std::string reason = " is not a finite number; expected counts";
-  if (static_cast<double>(count) > most_outside * static_cast<double>(voxels))
+  if (count > most_outside * voxels)
     throw InputError(where + ": " + *first + reason + " (" + std::to_string(count) + " of " + std::to_string(voxels) +
                      " voxels are not)");
   float beside = 0, brightest = 0;

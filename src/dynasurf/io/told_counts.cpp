@@ -14,7 +14,7 @@ constexpr std::size_t longest_comment = 200;  // that can be a count
 std::vector<std::string> words_of(std::string_view comment) {
   std::vector<std::string> words(1);
   for (const unsigned char c : comment.substr(0, longest_comment)) {
-    const bool parts = is_blank(static_cast<char>(c)) || c == '#' || c == '/' || c == ':' || c == '=' || c == ',';
+    const bool parts = is_blank(c) || c == '#' || c == '/' || c == ':' || c == '=' || c == ',';
     if (!parts) words.back() += static_cast<char>(std::tolower(c));
     if (parts && !words.back().empty()) words.emplace_back();
   }

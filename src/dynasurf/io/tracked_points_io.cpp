@@ -14,7 +14,7 @@ namespace {
 
 using detail::TextReader;
 
-constexpr std::size_t absent = static_cast<std::size_t>(-1);
+constexpr auto absent = static_cast<std::size_t>(-1);
 constexpr std::size_t most_points = 2000, most_gates = 1000, longest_name = 40;
 constexpr double farthest_mm = 1e5;
 

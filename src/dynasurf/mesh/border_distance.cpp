@@ -84,8 +84,8 @@ std::vector<double> signed_distances_to_border_voxels(const TriMesh& mesh, const
     bool inside = true;
     Index3 voxel{};
     for (int a = 0; a < 3 && inside; ++a) {
-      inside = at[a] > -0.5 && at[a] < border.grid.dims[static_cast<std::size_t>(a)] - 0.5;
-      if (inside) voxel[static_cast<std::size_t>(a)] = static_cast<int>(std::lround(at[a]));
+      inside = at[a] > -0.5 && at[a] < border.grid.dims[a] - 0.5;
+      if (inside) voxel[a] = static_cast<int>(std::lround(at[a]));
     }
     if (inside && solid(voxel[0], voxel[1], voxel[2]) != 0) distances[v] = -distances[v];
   }
@@ -96,15 +96,13 @@ double share_of_border_reached(const TriMesh& mesh, const Image& border, double 
   constexpr double samples_per_voxel = 3;  // along the edges of a triangle: misses a reach by a few hundredths
   constexpr double most_samples = 3000;    // along an edge: only triangles larger than any grid are sampled coarser
   const Grid& g = border.grid;
-  const auto inside = [&](double at, int a) {
-    return static_cast<int>(std::clamp(at, 0.0, g.dims[static_cast<std::size_t>(a)] - 1.0));
-  };
+  const auto inside = [&](double at, int a) { return static_cast<int>(std::clamp(at, 0.0, g.dims[a] - 1.0)); };
   std::vector<std::uint8_t> reached(border.values.size(), 0);
   const auto reach_from = [&](const Vec3& p) {  // in voxels
     Index3 low, high;
     for (int a = 0; a < 3; ++a) {
-      low[static_cast<std::size_t>(a)] = inside(std::ceil(p[a] - reach_voxels), a);
-      high[static_cast<std::size_t>(a)] = inside(std::floor(p[a] + reach_voxels), a);
+      low[a] = inside(std::ceil(p[a] - reach_voxels), a);
+      high[a] = inside(std::floor(p[a] + reach_voxels), a);
     }
     for (int k = low[2]; k <= high[2]; ++k)
       for (int j = low[1]; j <= high[1]; ++j)
@@ -117,8 +115,7 @@ double share_of_border_reached(const TriMesh& mesh, const Image& border, double 
                v = mesh.vertices[t[2]].cwiseQuotient(g.spacing) - a;
     const Vec3 low = a.cwiseMin(a + u).cwiseMin(a + v), high = a.cwiseMax(a + u).cwiseMax(a + v);
     bool is_near = true;
-    for (int n = 0; n < 3; ++n)
-      is_near = is_near && high[n] > -reach_voxels && low[n] < g.dims[static_cast<std::size_t>(n)] - 1 + reach_voxels;
+    for (int n = 0; n < 3; ++n) is_near = is_near && high[n] > -reach_voxels && low[n] < g.dims[n] - 1 + reach_voxels;
     if (!is_near) continue;
     const double longest = std::sqrt(std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()}));
     const int n = static_cast<int>(std::clamp(std::ceil(samples_per_voxel * longest), 1.0, most_samples));
@@ -128,7 +125,7 @@ double share_of_border_reached(const TriMesh& mesh, const Image& border, double 
   std::size_t all = 0, near = 0;
   for (std::size_t v = 0; v < reached.size(); ++v)
     if (border.values[v] != 0) ++all, near += reached[v];
-  return all > 0 ? static_cast<double>(near) / static_cast<double>(all) : 1;
+  return all > 0 ? near / static_cast<double>(all) : 1;
 }
 
 std::vector<double> distances_to_border_voxels(const TriMesh& mesh, const Image& border) {

@@ -17,14 +17,14 @@ SurfacePoint on_segment(const Vec3& p, const Vec3& a, const Vec3& b, int ia, int
   const double length2 = d.squaredNorm();
   const double t = length2 > 0 ? std::clamp((p - a).dot(d) / length2, 0.0, 1.0) : 0.0;
   SurfacePoint s{id, {0, 0, 0}, (a + t * d - p).squaredNorm()};
-  s.weights[static_cast<std::size_t>(ia)] = 1 - t;
-  s.weights[static_cast<std::size_t>(ib)] += t;
+  s.weights[ia] = 1 - t;
+  s.weights[ib] += t;
   return s;
 }
 
 float rounded_down(double x) {
   const auto f = static_cast<float>(x);
-  return static_cast<double>(f) > x ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
+  return f > x ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
 }
 
 float rounded_up(double x) { return -rounded_down(-x); }
@@ -155,7 +155,7 @@ SurfacePoint ClosestPoint::operator()(const Vec3& p, double limit2) const {
   stack[depth++] = {0, 0};
   while (depth > 0) {
     const Waiting top = stack[--depth];
-    if (static_cast<double>(top.distance2) >= best.distance2) continue;
+    if (top.distance2 >= best.distance2) continue;
     if (top.node >= nodes_.size()) {
       const std::size_t leaf = top.node - nodes_.size();
       for (std::size_t i = leaf_begin(leaf); i < leaf_begin(leaf + 1); ++i) {
@@ -173,7 +173,7 @@ SurfacePoint ClosestPoint::operator()(const Vec3& p, double limit2) const {
     // Of the children that may hold something nearer, the nearest comes on top.
     const std::size_t waiting = depth;
     for (std::size_t c = 0; c < ways; ++c) {
-      if (static_cast<double>(distance2[c]) >= best.distance2) continue;
+      if (distance2[c] >= best.distance2) continue;
       std::size_t k = depth++;
       for (; k > waiting && stack[k - 1].distance2 < distance2[c]; --k) stack[k] = stack[k - 1];
       stack[k] = {ways * top.node + 1 + c, distance2[c]};

@@ -51,7 +51,7 @@ void CrossingGuard::fill() {
       const Corners c = surface_.corners(t);
       length += (surface_.position(c[1]) - surface_.position(c[0])).norm();
     }
-  side_ = std::max(1.2 * length / static_cast<double>(std::max<std::size_t>(1, surface_.triangles())), 1e-300);
+  side_ = std::max(1.2 * length / std::max<std::size_t>(1, surface_.triangles()), 1e-300);
   buckets_.assign(std::bit_ceil(2 * surface_.triangles() + 1), {});
   entries_ = 0;
   for (std::uint32_t t = 0; t < surface_.triangle_slots(); ++t)

@@ -32,7 +32,7 @@ void check(const TetMesh& solid, const Elasticity& material, std::span<const Hel
 Block stiffness_of(const TetMesh& solid, std::size_t number, const Elasticity& material) {
   const auto& t = solid.tetrahedra[number];
   Mat3 edges;
-  for (int k = 0; k < 3; ++k) edges.col(k) = solid.vertices[t[static_cast<std::size_t>(k + 1)]] - solid.vertices[t[0]];
+  for (int k = 0; k < 3; ++k) edges.col(k) = solid.vertices[t[k + 1]] - solid.vertices[t[0]];
   const double volume = edges.determinant() / 6;
   if (!(volume > 0)) throw InputError("solve_elastic: tetrahedron " + std::to_string(number) + " is not positive");
   const Mat3 inverse = edges.inverse();
@@ -77,10 +77,10 @@ std::vector<Vec3> solve_elastic(const TetMesh& solid, const Elasticity& material
     const Block k = stiffness_of(solid, n, material);
     const auto& t = solid.tetrahedra[n];
     for (int i = 0; i < 4; ++i) {
-      const int row = unknown[t[static_cast<std::size_t>(i)]];
+      const int row = unknown[t[i]];
       if (row < 0) continue;
       for (int j = 0; j < 4; ++j) {
-        const std::uint32_t other = t[static_cast<std::size_t>(j)];
+        const std::uint32_t other = t[j];
         const int column = unknown[other];
         if (column < 0) {
           load.segment<3>(row) -= k.block<3, 3>(3 * i, 3 * j) * moved[other];

@@ -72,8 +72,8 @@ bool is_flat(const Vec3& a, const Vec3& b, const Vec3& c) { return shadow_axis(a
 bool triangles_meet(std::span<const Vec3> vertices, const Corners& s, const Corners& t) {
   int shared = 0;
   const Corners a = shared_first(s, t, shared), b = shared_first(t, s, shared);
-  const auto p = [&](int i) -> const Vec3& { return vertices[a[static_cast<std::size_t>(i)]]; };
-  const auto q = [&](int i) -> const Vec3& { return vertices[b[static_cast<std::size_t>(i)]]; };
+  const auto p = [&](int i) -> const Vec3& { return vertices[a[i]]; };
+  const auto q = [&](int i) -> const Vec3& { return vertices[b[i]]; };
   switch (shared) {
     case 0:
       for (int i = 0; i < 3; ++i) {

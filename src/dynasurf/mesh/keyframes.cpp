@@ -29,8 +29,8 @@ std::vector<double> cubic_shares(std::size_t n, std::size_t i, double a) {
   const double m_here = (b * b * b - b) / 6, m_next = (a * a * a - a) / 6;
   const double z = std::sqrt(3.0) - 2;
   const auto inverse = [&](std::size_t k) {
-    const double wrapped = own::pow(z, static_cast<double>(k)) + own::pow(z, static_cast<double>(n - k));
-    return wrapped / (1 - own::pow(z, static_cast<double>(n))) / (2 * std::sqrt(3.0));
+    const double wrapped = own::pow(z, k) + own::pow(z, n - k);
+    return wrapped / (1 - own::pow(z, n)) / (2 * std::sqrt(3.0));
   };
   for (std::size_t g = 0; g < n; ++g) {
     const double q = m_here * inverse((g + n - i) % n) + m_next * inverse((g + 2 * n - i - 1) % n);
@@ -90,10 +90,9 @@ TriMesh at_phase(std::span<const TriMesh> cycle, double phase, TimeInterpolation
   check_same_triangles(cycle);
   if (!std::isfinite(phase)) throw InputError("at_phase: the phase is not finite; expected a number in [0, 1)");
   const std::size_t n = cycle.size();
-  double keys_passed = (phase - std::floor(phase)) * static_cast<double>(n);
+  double keys_passed = (phase - std::floor(phase)) * n;
   // g/n times n need not be g again.
-  if (std::abs(keys_passed - std::round(keys_passed)) < 1e-12 * static_cast<double>(n))
-    keys_passed = std::round(keys_passed);
+  if (std::abs(keys_passed - std::round(keys_passed)) < 1e-12 * n) keys_passed = std::round(keys_passed);
   const double whole = std::floor(keys_passed);
   const std::size_t i = static_cast<std::size_t>(whole) % n;
   const double a = keys_passed - whole;

@@ -38,8 +38,7 @@ constexpr int low_corner_of(int edge) {
 constexpr std::array<unsigned, kEdges> make_faces_of_edge() {
   std::array<unsigned, kEdges> faces{};
   for (unsigned f = 0; f < 6; ++f)
-    for (std::size_t c = 0; c < 4; ++c)
-      faces[static_cast<std::size_t>(edge_between(kFaces[f][c], kFaces[f][(c + 1) % 4]))] |= 1u << f;
+    for (std::size_t c = 0; c < 4; ++c) faces[edge_between(kFaces[f][c], kFaces[f][(c + 1) % 4])] |= 1u << f;
   return faces;
 }
 constexpr std::array<unsigned, kEdges> kFacesOfEdge = make_faces_of_edge();
@@ -55,7 +54,7 @@ std::array<int, kEdges> follow_faces(const Cell& cell) {
   for (const auto& face : kFaces) {
     std::array<int, 4> enter{}, leave{};
     std::size_t count = 0;
-    const auto above = [&](std::size_t c) { return cell[static_cast<std::size_t>(face[c % 4])] >= 0; };
+    const auto above = [&](std::size_t c) { return cell[face[c % 4]] >= 0; };
     for (std::size_t c = 0; c < 4; ++c) {
       if (above(c) || !above(c + 1)) continue;
       std::size_t last = c + 1;
@@ -64,12 +63,12 @@ std::array<int, kEdges> follow_faces(const Cell& cell) {
       leave[count++] = edge_between(face[last % 4], face[(last + 1) % 4]);
     }
     if (count == 2) {
-      const auto value = [&](std::size_t c) { return cell[static_cast<std::size_t>(face[c])]; };
+      const auto value = [&](std::size_t c) { return cell[face[c]]; };
       const double even = value(0) * value(2), odd = value(1) * value(3);
       const bool is_joined = above(0) ? even > odd : odd > even;
       if (is_joined) std::swap(leave[0], leave[1]);
     }
-    for (std::size_t s = 0; s < count; ++s) next[static_cast<std::size_t>(enter[s])] = leave[s];
+    for (std::size_t s = 0; s < count; ++s) next[enter[s]] = leave[s];
   }
   return next;
 }
@@ -82,7 +81,7 @@ struct Loop {
 /// Can the loop be cut into triangles from corner `from` without a side that runs within a face? Such a side could be
 /// chosen by the neighbouring cell as well, and four triangles would meet in it.
 bool fan_stays_inside(const Loop& loop, std::size_t from) {
-  const auto faces = [&](std::size_t n) { return kFacesOfEdge[static_cast<std::size_t>(loop.edge[n % loop.size])]; };
+  const auto faces = [&](std::size_t n) { return kFacesOfEdge[loop.edge[n % loop.size]]; };
   for (std::size_t n = 2; n + 1 < loop.size; ++n)
     if ((faces(from) & faces(from + n)) != 0) return false;
   return true;
@@ -97,8 +96,8 @@ class Marching {
   Marching(const Image& image, double level, GridEdge edge, Places places = Places::interpolated)
       : image_(image), level_(level), places_(places), low_(edge == GridEdge::closed ? -1 : 0) {
     for (std::size_t a = 0; a < 3; ++a) high_[a] = image.grid.dims[a] - (edge == GridEdge::closed ? 0 : 1);
-    width_ = static_cast<std::size_t>(image.grid.dims[0] + 2);
-    const std::size_t layer = width_ * static_cast<std::size_t>(image.grid.dims[1] + 2);
+    width_ = image.grid.dims[0] + 2;
+    const std::size_t layer = width_ * (image.grid.dims[1] + 2);
     for (auto& vertices : in_layer_) vertices.assign(2 * layer, kNone);
     between_.assign(layer, kNone);
     mark_above();
@@ -116,26 +115,25 @@ class Marching {
 
  private:
   double above_level(int i, int j, int k) const {
-    return image_.grid.contains(i, j, k) ? static_cast<double>(image_(i, j, k)) - level_ : kOutside;
+    return image_.grid.contains(i, j, k) ? image_(i, j, k) - level_ : kOutside;
   }
 
   /// One bit for each node, those around the grid included: whether it is above the level.
   void mark_above() {
     const Index3& dims = image_.grid.dims;
     words_ = (width_ + 63) / 64;
-    above_.assign(words_ * static_cast<std::size_t>(dims[1] + 2) * static_cast<std::size_t>(dims[2] + 2), 0);
+    above_.assign(words_ * (dims[1] + 2) * (dims[2] + 2), 0);
     const float* value = image_.values.data();
     for (int k = 0; k < dims[2]; ++k)
       for (int j = 0; j < dims[1]; ++j) {
         std::uint64_t* bits = above_.data() + row_of(j, k);
         for (std::size_t i = 1; i <= static_cast<std::size_t>(dims[0]); ++i, ++value)
-          bits[i / 64] |= std::uint64_t{static_cast<double>(*value) - level_ >= 0} << (i % 64);
+          bits[i / 64] |= std::uint64_t{*value - level_ >= 0} << (i % 64);
       }
   }
 
   std::size_t row_of(int j, int k) const {
-    return words_ * (static_cast<std::size_t>(j + 1) +
-                     static_cast<std::size_t>(image_.grid.dims[1] + 2) * static_cast<std::size_t>(k + 1));
+    return words_ * ((j + 1) + (image_.grid.dims[1] + 2) * static_cast<std::size_t>(k + 1));
   }
 
   /// Visits the cells of a row that have corners above the level and others below, 64 of them told at a time.
@@ -158,15 +156,14 @@ class Marching {
 
   void visit(const Index3& at) {
     Cell cell;
-    for (int c = 0; c < 8; ++c)
-      cell[static_cast<std::size_t>(c)] = above_level(at[0] + (c & 1), at[1] + ((c >> 1) & 1), at[2] + ((c >> 2) & 1));
+    for (int c = 0; c < 8; ++c) cell[c] = above_level(at[0] + (c & 1), at[1] + ((c >> 1) & 1), at[2] + ((c >> 2) & 1));
     std::array<int, kEdges> next = follow_faces(cell);
     bool is_middle_taken = false;
     for (int start = 0; start < kEdges; ++start) {
       Loop loop;
-      for (int e = start; next[static_cast<std::size_t>(e)] >= 0;) {
+      for (int e = start; next[e] >= 0;) {
         loop.edge[loop.size++] = e;
-        e = std::exchange(next[static_cast<std::size_t>(e)], -1);
+        e = std::exchange(next[e], -1);
       }
       if (loop.size == 0) continue;
       if (places_ == Places::middles)
@@ -211,12 +208,10 @@ class Marching {
   std::uint32_t vertex_on(int edge, const Index3& at, const Cell& cell) {
     const int axis = edge / 4, low = low_corner_of(edge);
     const Index3 from{at[0] + (low & 1), at[1] + ((low >> 1) & 1), at[2] + ((low >> 2) & 1)};
-    const std::size_t place = static_cast<std::size_t>(from[0] + 1) + width_ * static_cast<std::size_t>(from[1] + 1);
-    std::uint32_t& vertex =
-        axis == 2 ? between_[place]
-                  : in_layer_[static_cast<std::size_t>(from[2] - at[2])][2 * place + static_cast<std::size_t>(axis)];
+    const std::size_t place = (from[0] + 1) + width_ * (from[1] + 1);
+    std::uint32_t& vertex = axis == 2 ? between_[place] : in_layer_[from[2] - at[2]][2 * place + axis];
     if (vertex != kNone) return vertex;
-    const double a = cell[static_cast<std::size_t>(low)], b = cell[static_cast<std::size_t>(low | (1 << axis))];
+    const double a = cell[low], b = cell[low | (1 << axis)];
     const double share = places_ == Places::middles || std::isinf(a) || std::isinf(b)
                              ? 0.5
                              : std::clamp(a / (a - b), kKeepAway, 1 - kKeepAway);

@@ -18,7 +18,7 @@ class Squares {
  public:
   Squares(const Image& image, int k, double level, Saddle saddle)
       : image_(image), k_(k), level_(level), saddle_(saddle), width_(image.grid.dims[0]), height_(image.grid.dims[1]) {
-    next_.assign(2 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), -1);
+    next_.assign(2 * static_cast<std::size_t>(width_) * height_, -1);
     is_reached_.assign(next_.size(), 0);
     for (int j = 0; j + 1 < height_; ++j)
       for (int i = 0; i + 1 < width_; ++i) visit(i, j);
@@ -33,7 +33,7 @@ class Squares {
   }
 
  private:
-  double above_level(int i, int j) const { return static_cast<double>(image_(i, j, k_)) - level_; }
+  double above_level(int i, int j) const { return image_(i, j, k_) - level_; }
   int edge_x(int i, int j) const { return 2 * (i + width_ * j); }
   int edge_y(int i, int j) const { return 2 * (i + width_ * j) + 1; }
 
@@ -54,8 +54,8 @@ class Squares {
     }
     if (count == 2 && is_joined(value)) std::swap(leave[0], leave[1]);
     for (std::size_t s = 0; s < count; ++s) {
-      next_[static_cast<std::size_t>(leave[s])] = enter[s];
-      is_reached_[static_cast<std::size_t>(enter[s])] = 1;
+      next_[leave[s]] = enter[s];
+      is_reached_[enter[s]] = 1;
     }
   }
 
@@ -67,8 +67,8 @@ class Squares {
 
   IsoLine follow(int edge) {
     IsoLine line{point_on(edge)};
-    while (next_[static_cast<std::size_t>(edge)] >= 0) {
-      edge = std::exchange(next_[static_cast<std::size_t>(edge)], -1);
+    while (next_[edge] >= 0) {
+      edge = std::exchange(next_[edge], -1);
       line.push_back(point_on(edge));
     }
     return line;

@@ -13,8 +13,8 @@ double area_of(const TriMesh& mesh, const std::array<std::uint32_t, 3>& t) {
 /// The n-th point of the R2 sequence (additive recurrence with the powers of the plastic number), folded from the unit
 /// square into the triangle.
 Vec3 weights_of(std::size_t n) {
-  double u = std::fmod(0.5 + static_cast<double>(n) * 0.7548776662466927, 1.0);
-  double v = std::fmod(0.5 + static_cast<double>(n) * 0.5698402909980532, 1.0);
+  double u = std::fmod(0.5 + n * 0.7548776662466927, 1.0);
+  double v = std::fmod(0.5 + n * 0.5698402909980532, 1.0);
   if (u + v > 1) {
     u = 1 - u;
     v = 1 - v;
@@ -34,8 +34,7 @@ std::vector<SurfaceSample> sample_surface(const TriMesh& mesh, std::size_t count
   double passed = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     passed += area_of(mesh, mesh.triangles[t]);
-    while (points.size() < count &&
-           (static_cast<double>(points.size()) + 0.5) * whole < passed * static_cast<double>(count))
+    while (points.size() < count && (points.size() + 0.5) * whole < passed * count)
       points.push_back({static_cast<std::uint32_t>(t), weights_of(points.size())});
   }
   return points;

@@ -41,7 +41,7 @@ void fill_slice(const Image& border, std::size_t axis, int slice, Image& solid) 
     at[axis] = slice, at[a] = u, at[b] = v;
     return border.grid.index(at[0], at[1], at[2]);
   };
-  std::vector<std::uint8_t> outside(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
+  std::vector<std::uint8_t> outside(width * static_cast<std::size_t>(height), 0);
   std::vector<std::array<int, 2>> open;
   const auto reach = [&](int u, int v) {
     if (u < 0 || v < 0 || u >= width || v >= height) return;
@@ -59,7 +59,7 @@ void fill_slice(const Image& border, std::size_t axis, int slice, Image& solid) 
   }
   for (int v = 0; v < height; ++v)
     for (int u = 0; u < width; ++u)
-      if (outside[static_cast<std::size_t>(u + width * v)] == 0) solid.values[voxel(u, v)] = 1;
+      if (outside[u + width * v] == 0) solid.values[voxel(u, v)] = 1;
 }
 
 /// The corners of all non-zero voxels, each once, in the grid frame.

@@ -51,8 +51,7 @@ TetMesh fill_between(const TriMesh& inner, const TriMesh& outer, int layers) {
       solid.vertices.push_back((1 - share) * inner.vertices[v] + share * outer.vertices[v]);
   }
   for (int layer = 0; layer < layers; ++layer)
-    for (const auto& t : inner.triangles)
-      add_prism(solid, t, static_cast<std::uint32_t>(layer) * count, static_cast<std::uint32_t>(layer + 1) * count);
+    for (const auto& t : inner.triangles) add_prism(solid, t, layer * count, (layer + 1) * count);
   return solid;
 }
 
@@ -77,7 +76,7 @@ TetQuality tet_quality(const TetMesh& solid) {
     q.not_positive += !(volume > 0);
     q.volume_min = std::min(q.volume_min, volume), q.volume_max = std::max(q.volume_max, volume);
     q.shape_min = std::min(q.shape_min, shape);
-    q.volume_mean += volume / static_cast<double>(q.count), q.shape_mean += shape / static_cast<double>(q.count);
+    q.volume_mean += volume / q.count, q.shape_mean += shape / q.count;
   }
   return q;
 }

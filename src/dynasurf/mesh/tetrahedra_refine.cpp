@@ -88,7 +88,7 @@ class Bisection {
 /// The shares of the four corners of a tetrahedron in a place; below 0 beyond the opposite face.
 Eigen::Vector4d shares_of(const TetMesh& solid, const Tetrahedron& t, const Vec3& place) {
   Mat3 edges;
-  for (int k = 0; k < 3; ++k) edges.col(k) = solid.vertices[t[static_cast<std::size_t>(k + 1)]] - solid.vertices[t[0]];
+  for (int k = 0; k < 3; ++k) edges.col(k) = solid.vertices[t[k + 1]] - solid.vertices[t[0]];
   const Vec3 share = edges.inverse() * (place - solid.vertices[t[0]]);
   return {1 - share.sum(), share[0], share[1], share[2]};
 }

@@ -15,8 +15,8 @@ namespace {
 struct Piece {
   std::array<Vec3, 9> corners;
   int count = 0;
-  void add(const Vec3& p) { corners[static_cast<std::size_t>(count++)] = p; }
-  const Vec3& operator[](int n) const { return corners[static_cast<std::size_t>(n)]; }
+  void add(const Vec3& p) { corners[count++] = p; }
+  const Vec3& operator[](int n) const { return corners[n]; }
   double low(int axis) const {
     return extreme(axis, [](double a, double b) { return std::min(a, b); });
   }

@@ -29,13 +29,13 @@ void require_workable(const Image& image) {
 /// Cybern 9:62, 1979).
 std::array<double, 2> usual_values(const Image& image) {
   const auto [low, high] = std::minmax_element(image.values.begin(), image.values.end());
-  const double from = static_cast<double>(*low), width = static_cast<double>(*high) - from;
+  const double from = *low, width = *high - from;
   constexpr std::size_t bins = 256;
   std::array<double, bins> count{}, sum{};
   for (const float v : image.values) {
-    const double share = width > 0 ? (static_cast<double>(v) - from) / width : 0;
+    const double share = width > 0 ? (v - from) / width : 0;
     const std::size_t bin = std::min(bins - 1, static_cast<std::size_t>(share * bins));
-    count[bin] += 1, sum[bin] += static_cast<double>(v);
+    count[bin] += 1, sum[bin] += v;
   }
   double all = 0, total = 0;
   for (std::size_t b = 0; b < bins; ++b) all += count[b], total += sum[b];
@@ -61,13 +61,12 @@ std::vector<char> candidates(const Image& image, const Options& o, double& thres
     return is_inside;
   }
   if (o.source == Source::of_maximum) {
-    threshold = o.level * static_cast<double>(*std::max_element(image.values.begin(), image.values.end()));
+    threshold = o.level * *std::max_element(image.values.begin(), image.values.end());
   } else {
     const std::array<double, 2> usual = usual_values(image);
     threshold = usual[0] + o.level * (usual[1] - usual[0]);
   }
-  for (std::size_t n = 0; n < is_inside.size(); ++n)
-    is_inside[n] = (static_cast<double>(image.values[n]) > threshold) != o.dark;
+  for (std::size_t n = 0; n < is_inside.size(); ++n) is_inside[n] = (image.values[n] > threshold) != o.dark;
   return is_inside;
 }
 
@@ -80,7 +79,7 @@ struct Parts {
 Parts parts_of(const std::vector<char>& inside, const Index3& dims) {
   Parts parts{std::vector<int>(inside.size(), -1), {}, {}};
   const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(dims[0]),
-                                          static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1])};
+                                          dims[0] * static_cast<std::size_t>(dims[1])};
   std::vector<std::size_t> open;
   for (std::size_t seed = 0; seed < inside.size(); ++seed) {
     if (!inside[seed] || parts.part[seed] >= 0) continue;
@@ -93,7 +92,7 @@ Parts parts_of(const std::vector<char>& inside, const Index3& dims) {
       open.pop_back();
       ++parts.size.back();
       for (std::size_t a = 0; a < 3; ++a) {
-        const auto length = static_cast<std::size_t>(dims[a]), at = n / stride[a] % length;
+        const std::size_t length = dims[a], at = n / stride[a] % length;
         if (at == 0 || at + 1 == length) parts.is_cut.back() = 1;
         for (const std::size_t next : {at > 0 ? n - stride[a] : n, at + 1 < length ? n + stride[a] : n})
           if (inside[next] && parts.part[next] < 0) parts.part[next] = number, open.push_back(next);
@@ -109,7 +108,7 @@ std::vector<char> largest_body(const std::vector<char>& inside, const Index3& di
   if (parts.size.empty()) return {};
   const auto largest = std::max_element(parts.size.begin(), parts.size.end());
   const int number = static_cast<int>(largest - parts.size.begin());
-  if (parts.is_cut[static_cast<std::size_t>(number)])
+  if (parts.is_cut[number])
     notes.push_back(
         {Severity::warning, "organ.cut_off", "the organ reaches the edge of the image; its surface is closed there"});
   std::size_t rest = 0;
@@ -123,8 +122,7 @@ std::vector<char> largest_body(const std::vector<char>& inside, const Index3& di
   for (std::size_t n = 0; n < around.size(); ++n) around[n] = parts.part[n] != number;
   const Parts outside = parts_of(around, dims);
   std::vector<char> body(inside.size());
-  for (std::size_t n = 0; n < body.size(); ++n)
-    body[n] = !around[n] || !outside.is_cut[static_cast<std::size_t>(outside.part[n])];
+  for (std::size_t n = 0; n < body.size(); ++n) body[n] = !around[n] || !outside.is_cut[outside.part[n]];
   return body;
 }
 
@@ -178,7 +176,7 @@ Result reconstruct(const Image& image, const Options& requested, const Progress&
     result.notes.push_back({Severity::failure, "organ.none", "no voxel belongs to an organ; another level or label?"});
     return result;
   }
-  result.voxels_ml = static_cast<double>(voxels) * image.grid.spacing.prod() / 1000;
+  result.voxels_ml = voxels * image.grid.spacing.prod() / 1000;
 
   const Image border = border_of(body);
   progress.check();

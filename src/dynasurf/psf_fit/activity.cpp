@@ -151,11 +151,11 @@ HeartCells select_cells(const CellLattice& lattice, const HeartFrame& frame, int
   const auto direction_of = [&](const Vec3& scaled) {
     return scaled.norm() > 1e-9 ? Vec3(scaled.normalized()) : Vec3(0, 0, -1);
   };
-  std::vector<std::vector<std::size_t>> of_slice(static_cast<std::size_t>(lattice.count[2]));
+  std::vector<std::vector<std::size_t>> of_slice(lattice.count[2]);
   parallel_for(of_slice.size(), 1, [&](std::size_t k, std::size_t) {
-    std::vector<double> values(static_cast<std::size_t>(harmonics_up_to(surface_degree)));
+    std::vector<double> values(harmonics_up_to(surface_degree));
     const Eigen::Map<const Eigen::VectorXd> harmonics(values.data(), static_cast<Eigen::Index>(values.size()));
-    std::size_t cell = k * static_cast<std::size_t>(lattice.count[0]) * static_cast<std::size_t>(lattice.count[1]);
+    std::size_t cell = k * lattice.count[0] * lattice.count[1];
     for (int j = 0; j < lattice.count[1]; ++j)
       for (int i = 0; i < lattice.count[0]; ++i, ++cell) {
         const Vec3 heart = place_of(i, j, static_cast<int>(k));
@@ -172,8 +172,7 @@ HeartCells select_cells(const CellLattice& lattice, const HeartFrame& frame, int
   cells.harmonics = {static_cast<std::size_t>(harmonics_up_to(degree)), cells.cell.size()};
   parallel_for(cells.cell.size(), cells_at_once, [&](std::size_t begin, std::size_t end) {
     std::vector<double> values(cells.harmonics.count);
-    const auto row = static_cast<std::size_t>(lattice.count[0]),
-               plane = row * static_cast<std::size_t>(lattice.count[1]);
+    const std::size_t row = lattice.count[0], plane = row * lattice.count[1];
     for (std::size_t c = begin; c < end; ++c) {
       const std::size_t cell = cells.cell[c];
       const Vec3 heart =
@@ -226,8 +225,8 @@ Activity rasterise(const HeartCells& cells, const GateLayout& layout, const Eige
   double cavity_cells = 0, wall_cells = 0;
   for (std::size_t c = 0; c < n; ++c) {
     a.cells[cells.cell[c]] = active[c];
-    cavity_cells += static_cast<double>(a.below[c] * a.endo[c]);
-    wall_cells += static_cast<double>(a.below[c] * (a.epi[c] - a.endo[c]));
+    cavity_cells += (a.below[c] * a.endo[c]);
+    wall_cells += (a.below[c] * (a.epi[c] - a.endo[c]));
   }
   a.cavity_mm3 = cavity_cells * cells.lattice.cell_mm3();
   a.wall_mm3 = wall_cells * cells.lattice.cell_mm3();
@@ -255,11 +254,11 @@ void backpropagate_to_cells(const HeartCells& cells, const GateLayout& layout, c
   for (std::size_t c = 0; c < n; ++c) {
     const auto of_height = static_cast<double>(by_height[c]);
     height += of_height;
-    along_x += of_height * static_cast<double>(cells.x[c]);
-    along_y += of_height * static_cast<double>(cells.y[c]);
+    along_x += of_height * cells.x[c];
+    along_y += of_height * cells.y[c];
     const float lb = by_active[c] * a.below[c];
-    to_cavity += static_cast<double>(lb * a.endo[c]);
-    to_background -= static_cast<double>(lb * a.epi[c]);
+    to_cavity += (lb * a.endo[c]);
+    to_background -= (lb * a.epi[c]);
   }
   Eigen::VectorXd& others = to.others[g];
   others[layout.plane] = height, others[layout.plane + 1] = along_x, others[layout.plane + 2] = along_y;
@@ -284,8 +283,7 @@ std::vector<Eigen::VectorXd> gather(const HeartCells& cells, const GateLayout& l
   for (std::size_t task = 0; task < sums.size(); ++task)
     for (std::size_t k = 0; k < count[task / pieces]; ++k)
       for (std::size_t g = 0; g < gates; ++g)
-        numbers[g][first[task / pieces] + static_cast<Eigen::Index>(k)] +=
-            static_cast<double>(sums[task][k * gates + g]);
+        numbers[g][first[task / pieces] + static_cast<Eigen::Index>(k)] += sums[task][k * gates + g];
   return numbers;
 }
 

@@ -44,19 +44,15 @@ struct Surroundings {
   std::vector<float> fade;           // from 1 at the fit's pixels to 0 at the rim
   std::vector<double> cosine, sine;  // of twice the direction of a transverse frequency, over the number of values
 
-  std::size_t values() const {
-    return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
-  }
+  std::size_t values() const { return size[0] * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]); }
   /// at(place among the pixels, place in the box) for every pixel.
   template <class F>
   void for_all(const F& at) const {
     std::size_t n = 0;
     for (int k = 0; k < pixels.count[2]; ++k)
       for (int j = 0; j < pixels.count[1]; ++j) {
-        const std::size_t row =
-            static_cast<std::size_t>(size[0]) *
-            (static_cast<std::size_t>(j) + static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(k));
-        for (int i = 0; i < pixels.count[0]; ++i, ++n) at(n, row + static_cast<std::size_t>(i));
+        const std::size_t row = size[0] * (j + size[1] * static_cast<std::size_t>(k));
+        for (int i = 0; i < pixels.count[0]; ++i, ++n) at(n, row + i);
       }
   }
 };
@@ -88,9 +84,7 @@ Surroundings surroundings_of(const Grid& grid, const Pixels& pixels, const Heart
       for (int i = 0; i < s.pixels.count[0]; ++i) {
         const Vec3 centre(s.pixels.centre(0, i), s.pixels.centre(1, j), s.pixels.centre(2, k));
         s.place.push_back(turn * (centre - frame.centre) / unit_mm);
-        s.fade.push_back(
-            static_cast<float>(fade[0][static_cast<std::size_t>(i)] * fade[1][static_cast<std::size_t>(j)] *
-                               fade[2][static_cast<std::size_t>(k)]));
+        s.fade.push_back(static_cast<float>(fade[0][i] * fade[1][j] * fade[2][k]));
       }
   const auto frequency = [&](int a, int k) {
     const auto axis = static_cast<std::size_t>(a);
@@ -114,7 +108,7 @@ std::vector<Complex> images_of(const Surroundings& s, const std::vector<float>& 
   std::vector<Complex> values(s.fade.size());
   for (std::size_t n = 0; n < values.size(); ++n) {
     const auto fade = static_cast<double>(s.fade[n]);
-    values[n] = {fade * static_cast<double>(one[n]), fade * static_cast<double>(other[n])};
+    values[n] = {fade * one[n], fade * other[n]};
   }
   return values;
 }
@@ -188,15 +182,11 @@ std::vector<std::vector<std::vector<float>>> attenuation_images(const Study& stu
   const std::vector<Term> terms = terms_of();
   const std::size_t gates = study.gates.size();
   const auto own_pixel = [&](int i, int j, int k) {
-    return static_cast<std::size_t>(i) +
-           static_cast<std::size_t>(pixels.count[0]) *
-               (static_cast<std::size_t>(j) + static_cast<std::size_t>(pixels.count[1]) * static_cast<std::size_t>(k));
+    return i + pixels.count[0] * (j + pixels.count[1] * static_cast<std::size_t>(k));
   };
-  const auto row = static_cast<std::size_t>(s.pixels.count[0]),
-             plane = row * static_cast<std::size_t>(s.pixels.count[1]);
+  const std::size_t row = s.pixels.count[0], plane = row * s.pixels.count[1];
   const auto in_box = [&](int i, int j, int k) {
-    return static_cast<std::size_t>(i + s.before[0]) + row * static_cast<std::size_t>(j + s.before[1]) +
-           plane * static_cast<std::size_t>(k + s.before[2]);
+    return (i + s.before[0]) + row * (j + s.before[1]) + plane * (k + s.before[2]);
   };
   const auto for_own_pixels = [&](const auto& visit) {
     for (int k = 0; k < pixels.count[2]; ++k)
@@ -205,7 +195,7 @@ std::vector<std::vector<std::vector<float>>> attenuation_images(const Study& stu
   };
   const auto image_of = [&](std::size_t g) {
     std::vector<float> values = join(study.gates[g], s.pixels);
-    for (float& v : values) v = std::isfinite(v) ? static_cast<float>(static_cast<double>(v) / unit) : 0.0F;
+    for (float& v : values) v = std::isfinite(v) ? static_cast<float>(v / unit) : 0.0F;
     for_own_pixels([&](std::size_t own, std::size_t at) {
       if (weight[own] > 0) values[at] = model[g][own];
     });

@@ -132,7 +132,7 @@ void reweight_outliers(BeatProblem& problem, const std::vector<float>& first_wei
     if (places[n].outside_mm <= 0) continue;
     double missing = 0;
     for (const auto& residual : objective.residual)
-      missing -= static_cast<double>(residual[n]) / static_cast<double>(objective.residual.size());
+      missing -= residual[n] / static_cast<double>(objective.residual.size());
     problem.weight[n] /= static_cast<float>(1 + own::pow(missing / usual_rest, 2));
   }
 }
@@ -162,8 +162,7 @@ struct PixelNoise {
 PixelNoise noise_of(const BeatProblem& problem, const Objective& objective) {
   const std::vector<std::vector<float>> noise = fast_part(objective.residual);
   const Index3 dims = problem.pixels.count;
-  const std::size_t stride[3] = {1, static_cast<std::size_t>(dims[0]),
-                                 static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1])};
+  const std::size_t stride[3] = {1, static_cast<std::size_t>(dims[0]), dims[0] * static_cast<std::size_t>(dims[1])};
   std::vector<std::vector<float>> scaled = noise;
   std::vector<double> squares;
   for (auto& values : scaled)
@@ -179,22 +178,22 @@ PixelNoise noise_of(const BeatProblem& problem, const Objective& objective) {
   double shared = 1, shared_within_blur = 1;
   for (int axis = 0; axis < 3; ++axis) {
     double of_axis = 1;
-    for (int lag = 1; lag < 8 && lag < dims[static_cast<std::size_t>(axis)]; ++lag) {
+    for (int lag = 1; lag < 8 && lag < dims[axis]; ++lag) {
       double product = 0, pairs = 0;
-      const std::size_t apart = stride[axis] * static_cast<std::size_t>(lag);
-      const auto length = static_cast<std::size_t>(dims[static_cast<std::size_t>(axis)]);
+      const std::size_t apart = stride[axis] * lag;
+      const auto length = static_cast<std::size_t>(dims[axis]);
       for (const auto& values : scaled)
         for (std::size_t n = 0; n + apart < values.size(); ++n) {
-          if (n / stride[axis] % length + static_cast<std::size_t>(lag) >= length) continue;
+          if (n / stride[axis] % length + lag >= length) continue;
           if (problem.weight[n] <= 0 || problem.weight[n + apart] <= 0) continue;
-          product += static_cast<double>(values[n] * values[n + apart]);
+          product += (values[n] * values[n + apart]);
           pairs += 1;
         }
       const double correlation = pairs > 0 ? product / pairs / variance : 0;
       if (correlation < 0.05) break;
       of_axis += 2 * correlation;
     }
-    const double pixel_mm = problem.pixels.spacing[axis] * problem.pixels.joined[static_cast<std::size_t>(axis)];
+    const double pixel_mm = problem.pixels.spacing[axis] * problem.pixels.joined[axis];
     const double within_blur = 2 * std::sqrt(M_PI) * problem.sigma_mm / pixel_mm;
     shared *= of_axis;
     shared_within_blur *= problem.sigma_mm > 0 ? std::min(of_axis, std::max(1.0, within_blur)) : of_axis;
@@ -203,7 +202,7 @@ PixelNoise noise_of(const BeatProblem& problem, const Objective& objective) {
   const double alone = std::max(variance, least);
   // What the model leaves out stands still: no number of gates averages it away.
   constexpr double model = 0.01;  // of healthy muscle
-  const double misfit = model * model * static_cast<double>(objective.residual.size());
+  const double misfit = model * model * objective.residual.size();
   return {alone * shared + misfit * shared_within_blur, (alone + misfit) * shared};
 }
 
@@ -254,7 +253,7 @@ void relax_priors(Fitting& fit, double share) {
   BeatProblem& problem = fit.setup.problem;
   Solution& solution = fit.solution;
   problem.thickness.log_sd = share * fit.thickness.log_sd;
-  for (const BeatLayout::Term& t : problem.layout.terms[0][static_cast<std::size_t>(problem.layout.gate.width)])
+  for (const BeatLayout::Term& t : problem.layout.terms[0][problem.layout.gate.width])
     problem.layout.spread[t.unknown] = (fit.is_width_known ? 1 : share) * fit.beliefs.width;
   // Before the last round a matrix of every other pixel is good enough for the steps, and serves the next round too.
   const bool is_last = share >= 1;
@@ -287,8 +286,7 @@ void lay_anew(Fitting& fit) {
   Eigen::VectorXd unknowns;
   problem.layout = make_beat_layout(gate, first, fit.beliefs, unknowns);
   const auto keep = [&](int number, int before) {
-    const auto &to = problem.layout.terms[0][static_cast<std::size_t>(number)],
-               &from = former.terms[0][static_cast<std::size_t>(before)];
+    const auto &to = problem.layout.terms[0][number], &from = former.terms[0][static_cast<std::size_t>(before)];
     for (std::size_t t = 0; t < to.size(); ++t) unknowns[to[t].unknown] = fit.solution.unknowns[from[t].unknown];
   };
   for (int number = 0; number < gate.attenuation; ++number) keep(number, number);
@@ -296,7 +294,7 @@ void lay_anew(Fitting& fit) {
     keep(gate.attenuation + k, old.attenuation + k);
   for (int b = 0; b < old.blob_count; ++b) keep(gate.blobs + b, old.blobs + b);
   for (int k = old.attenuation_count; k < gate.attenuation_count; ++k) {
-    const int added = problem.layout.terms[0][static_cast<std::size_t>(gate.attenuation + k)].front().unknown;
+    const int added = problem.layout.terms[0][gate.attenuation + k].front().unknown;
     unknowns[added] = problem.layout.expected[added];
   }
   fit.solution.unknowns = unknowns;
@@ -312,8 +310,7 @@ std::vector<std::vector<float>> images_before_attenuation(const Fitting& fit) {
     for (std::size_t n = 0; n < images[g].size(); ++n) {
       images[g][n] += fit.solution.objective.residual[g][n];
       for (int k = 0; k < layout.attenuation_count; ++k)
-        images[g][n] -= static_cast<float>(numbers[layout.attenuation + k]) *
-                        problem.attenuation[static_cast<std::size_t>(k)][g][n];
+        images[g][n] -= static_cast<float>(numbers[layout.attenuation + k]) * problem.attenuation[k][g][n];
     }
   return images;
 }
@@ -364,7 +361,7 @@ int add_extracardiac_sources(Fitting& fit, double fwhm_mm) {
 Grid grid_of(const Pixels& pixels, const Grid& study) {
   Grid grid = study;
   grid.dims = pixels.count;
-  for (int a = 0; a < 3; ++a) grid.spacing[a] *= pixels.joined[static_cast<std::size_t>(a)];
+  for (int a = 0; a < 3; ++a) grid.spacing[a] *= pixels.joined[a];
   grid.origin = to_world(study, {pixels.centre(0, 0), pixels.centre(1, 0), pixels.centre(2, 0)});
   return grid;
 }

@@ -11,17 +11,16 @@ namespace dynasurf::psf_fit {
 Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b) {
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(a.rows(), b.cols());
   for (Eigen::Index j = 0; j < b.cols(); ++j)
-    detail::add_lines(sums.col(j).data(), static_cast<std::size_t>(a.rows()), a.data(),
-                      static_cast<std::size_t>(a.outerStride()), b.col(j).data(), static_cast<std::size_t>(a.cols()));
+    detail::add_lines(sums.col(j).data(), a.rows(), a.data(), a.outerStride(), b.col(j).data(), a.cols());
   return sums;
 }
 
 Cholesky::Cholesky(const RowMatrix& a, const Eigen::VectorXd& diagonal) : count_(a.rows()) {
   constexpr Eigen::Index block = detail::corner_size;
-  const auto pitch = static_cast<Eigen::Index>(detail::filled_up(static_cast<std::size_t>(count_)));
+  const auto pitch = static_cast<Eigen::Index>(detail::filled_up(count_));
   lower_.resize(pitch, pitch);
-  parallel_for(static_cast<std::size_t>(pitch), detail::line_step, [&](std::size_t from, std::size_t to) {
-    const auto at = static_cast<Eigen::Index>(from), end = static_cast<Eigen::Index>(to);
+  parallel_for(pitch, detail::line_step, [&](std::size_t from, std::size_t to) {
+    const Eigen::Index at = from, end = to;
     lower_.middleRows(at, end - at) = RowMatrix::Identity(pitch, pitch).middleRows(at, end - at);
     if (at >= count_) return;
     const Eigen::Index rows = std::min(end, count_) - at;
@@ -31,14 +30,14 @@ Cholesky::Cholesky(const RowMatrix& a, const Eigen::VectorXd& diagonal) : count_
   RowMatrix panel(block, pitch);  // columns of the factor, lying
   for (Eigen::Index k = 0; k < pitch; k += block) {
     const Eigen::Index columns = std::min(block, pitch - k), rest = pitch - k - columns;
-    const auto across = static_cast<std::size_t>(pitch), lines = static_cast<std::size_t>(columns);
+    const std::size_t across = pitch, lines = columns;
     double* const corner = &lower_(k, k);
     detail::factor_corner(corner, lines, across);
     if (rest == 0) break;
     constexpr std::size_t rows = detail::line_step;
     const auto first = static_cast<std::size_t>(k + columns);
     parallel_for(across - first, 2 * rows, [&](std::size_t from, std::size_t to) {
-      const auto at = static_cast<Eigen::Index>(first + from), length = static_cast<Eigen::Index>(to - from);
+      const Eigen::Index at = first + from, length = to - from;
       panel.block(0, at, columns, length) = lower_.block(at, k, length, columns).transpose();
       detail::solve_lines(corner, lines, across, panel.data() + at, to - from, across);
       lower_.block(at, k, length, columns) = panel.block(0, at, columns, length).transpose();
@@ -50,7 +49,7 @@ Cholesky::Cholesky(const RowMatrix& a, const Eigen::VectorXd& diagonal) : count_
 }
 
 Eigen::VectorXd Cholesky::solve(const Eigen::VectorXd& b) const {
-  const auto pitch = static_cast<std::size_t>(lower_.cols()), count = static_cast<std::size_t>(count_);
+  const std::size_t pitch = lower_.cols(), count = count_;
   Eigen::VectorXd x = b;
   detail::solve_numbers(lower_.data(), count, pitch, x.data());
   for (std::size_t i = count; i > 0;) {
@@ -67,8 +66,7 @@ Eigen::VectorXd Cholesky::solve(const Eigen::VectorXd& b) const {
 Eigen::VectorXd Cholesky::half_norms(const Eigen::MatrixXd& b) const {
   RowMatrix x = b;
   const auto width = static_cast<std::size_t>(x.cols());
-  detail::solve_lines(lower_.data(), static_cast<std::size_t>(count_), static_cast<std::size_t>(lower_.cols()),
-                      x.data(), width, width);
+  detail::solve_lines(lower_.data(), count_, lower_.cols(), x.data(), width, width);
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(x.cols());
   for (Eigen::Index i = 0; i < count_; ++i) squares += x.row(i).cwiseAbs2().transpose();
   return squares.cwiseSqrt();
@@ -76,8 +74,7 @@ Eigen::VectorXd Cholesky::half_norms(const Eigen::MatrixXd& b) const {
 
 double Cholesky::half_norm(const Eigen::VectorXd& b) const {
   Eigen::VectorXd x = b;
-  detail::solve_numbers(lower_.data(), static_cast<std::size_t>(count_), static_cast<std::size_t>(lower_.cols()),
-                        x.data());
+  detail::solve_numbers(lower_.data(), count_, lower_.cols(), x.data());
   double square = 0;
   for (const double v : x) square += v * v;
   return std::sqrt(square);

@@ -23,7 +23,7 @@ Profiles profiles(const BeatProblem& problem, const Vec3& centre) {
   const double sigma = sigma_of(problem);
   Profiles p;
   for (int a = 0; a < 3; ++a)
-    for (int n = 0; n < problem.pixels.count[static_cast<std::size_t>(a)]; ++n) {
+    for (int n = 0; n < problem.pixels.count[a]; ++n) {
       const double x = problem.pixels.centre(a, n) - centre[a];
       p.along[a].push_back(static_cast<float>(own::exp(-x * x / (2 * sigma * sigma))));
     }
@@ -35,21 +35,18 @@ std::vector<float> correlate(const BeatProblem& problem, const std::vector<float
   const double sigma = sigma_of(problem) / std::sqrt(power);
   const Index3 dims = problem.pixels.count;
   std::vector<float> in = values, out;
-  const std::size_t stride[3] = {1, static_cast<std::size_t>(dims[0]),
-                                 static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1])};
+  const std::size_t stride[3] = {1, static_cast<std::size_t>(dims[0]), dims[0] * static_cast<std::size_t>(dims[1])};
   for (int a = 0; a < 3; ++a) {
-    const double pitch = problem.pixels.spacing[a] * problem.pixels.joined[static_cast<std::size_t>(a)];
+    const double pitch = problem.pixels.spacing[a] * problem.pixels.joined[a];
     const int reach = static_cast<int>(3 * sigma / pitch);
-    const int length = dims[static_cast<std::size_t>(a)];
+    const int length = dims[a];
     out.assign(in.size(), 0.0F);
     for (std::size_t n = 0; n < in.size(); ++n) {
-      const int at = static_cast<int>(n / stride[a] % static_cast<std::size_t>(length));
+      const int at = static_cast<int>(n / stride[a] % length);
       for (int lag = std::max(-reach, -at); lag <= std::min(reach, length - 1 - at); ++lag) {
         const double x = lag * pitch;
         const auto k = static_cast<float>(own::exp(-x * x / (2 * sigma * sigma)));
-        out[n] +=
-            k *
-            in[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(n) + lag * static_cast<std::ptrdiff_t>(stride[a]))];
+        out[n] += k * in[static_cast<std::ptrdiff_t>(n) + lag * static_cast<std::ptrdiff_t>(stride[a])];
       }
     }
     in.swap(out);
@@ -87,13 +84,13 @@ std::vector<ExtracardiacSource> find_extracardiac_sources(const BeatProblem& pro
       amplitude[n] = allowed[n] && norm[n] > 0 ? amplitude[n] / norm[n] : 0;
     std::vector<std::size_t> order;
     for (std::size_t n = 0; n < missing.size(); ++n)
-      if (static_cast<double>(amplitude[n]) > least) order.push_back(n);
+      if (amplitude[n] > least) order.push_back(n);
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return amplitude[a] > amplitude[b]; });
     const double apart = 2.2 * sigma_of(problem);
     std::vector<Vec3> taken;
     for (const std::size_t n : order) {
-      const auto row = static_cast<std::size_t>(dims[0]), plane = row * static_cast<std::size_t>(dims[1]);
+      const std::size_t row = dims[0], plane = row * dims[1];
       const Vec3 centre(problem.pixels.centre(0, static_cast<int>(n % row)),
                         problem.pixels.centre(1, static_cast<int>(n % plane / row)),
                         problem.pixels.centre(2, static_cast<int>(n / plane)));

@@ -24,8 +24,7 @@ class Walls {
         frame_(problem.cells.frame),
         gate_(gate),
         papillary_share_(papillary_share),
-        harmonics_(static_cast<std::size_t>(
-            harmonics_up_to(std::max({layout_.endo_degree, layout_.wall_degree, layout_.uptake_degree})))) {}
+        harmonics_(harmonics_up_to(std::max({layout_.endo_degree, layout_.wall_degree, layout_.uptake_degree}))) {}
 
   struct Ray {
     double endo = 0, epi = 0, uptake = 0;
@@ -56,7 +55,7 @@ class Walls {
   }
   double field(int first, int degree) const {
     double sum = 0;
-    for (int k = 0; k < harmonics_up_to(degree); ++k) sum += gate_[first + k] * harmonics_[static_cast<std::size_t>(k)];
+    for (int k = 0; k < harmonics_up_to(degree); ++k) sum += gate_[first + k] * harmonics_[k];
     return sum;
   }
   const GateLayout& layout_;
@@ -120,7 +119,7 @@ TriMesh wall_mesh(Walls& walls, bool outer, const Grid& grid, std::vector<double
   std::vector<Vec3> rim_points;
   for (int r = 1; r <= wall_rings; ++r)
     for (int s = 0; s < around; ++s) {
-      const Vec3 d = direction_at(rims[static_cast<std::size_t>(s)] * r / wall_rings, 2 * M_PI * s / around);
+      const Vec3 d = direction_at(rims[s] * r / wall_rings, 2 * M_PI * s / around);
       const Walls::Ray ray = uptake ? walls.along(d) : walls.walls_along(d);
       const Vec3 p = walls.point(d, outer ? ray.epi : ray.endo);
       add(p, ray.uptake);
@@ -129,9 +128,7 @@ TriMesh wall_mesh(Walls& walls, bool outer, const Grid& grid, std::vector<double
   Vec3 middle = Vec3::Zero();
   for (const Vec3& p : rim_points) middle += p / around;
   for (int r = 1; r < lid_rings; ++r)
-    for (int s = 0; s < around; ++s)
-      add(rim_points[static_cast<std::size_t>(s)] + (middle - rim_points[static_cast<std::size_t>(s)]) * r / lid_rings,
-          0);
+    for (int s = 0; s < around; ++s) add(rim_points[s] + (middle - rim_points[s]) * r / lid_rings, 0);
   add(middle, 0);
   mesh.triangles = triangles();
   if (grid.direction.determinant() * walls.frame().axes.determinant() < 0)
@@ -185,9 +182,7 @@ double unseen_area(const FittedBeat& beat, const TriMesh& endo) {
 void allow_for_unseen_wall(FittedBeat& beat) {
   constexpr double off_mm = 2.75, beating_mm = off_mm / 2, ml_per_mm3 = 1e-3;
   const auto widen = [](heart::Estimate& e, double by) { e.sd = own::hypot(e.sd, by); };
-  const auto unseen = [&](int g) {
-    return ml_per_mm3 * unseen_area(beat, beat.gates[static_cast<std::size_t>(g)].endo);
-  };
+  const auto unseen = [&](int g) { return ml_per_mm3 * unseen_area(beat, beat.gates[g].endo); };
   for (std::size_t g = 0; g < beat.gates.size(); ++g) {
     const double off_ml = off_mm * unseen(static_cast<int>(g));
     widen(beat.gates[g].endo_ml, off_ml), widen(beat.gates[g].epi_ml, off_ml);
@@ -253,18 +248,16 @@ void describe_volumes(const VolumeGradients& by, const Cholesky& factor, FittedB
   for (const FittedGate& gate : beat.gates) wall.push_back(gate.epi_ml.value - gate.endo_ml.value);
   Eigen::VectorXd mean_wall = Eigen::VectorXd::Zero(by.wall[0].size());
   for (std::size_t g = 0; g < gates; ++g) {
-    beat.wall_ml.value += wall[g] / static_cast<double>(gates);
+    beat.wall_ml.value += wall[g] / gates;
     mean_wall += by.wall[g] / static_cast<double>(gates);
-    if (beat.gates[g].endo_ml.value > beat.gates[static_cast<std::size_t>(beat.ed_gate)].endo_ml.value)
-      beat.ed_gate = static_cast<int>(g);
-    if (beat.gates[g].endo_ml.value < beat.gates[static_cast<std::size_t>(beat.es_gate)].endo_ml.value)
-      beat.es_gate = static_cast<int>(g);
+    if (beat.gates[g].endo_ml.value > beat.gates[beat.ed_gate].endo_ml.value) beat.ed_gate = static_cast<int>(g);
+    if (beat.gates[g].endo_ml.value < beat.gates[beat.es_gate].endo_ml.value) beat.es_gate = static_cast<int>(g);
   }
   beat.wall_ml.sd = spread_of(mean_wall, factor);
   double variance = 0;
-  for (const double w : wall) variance += own::pow(w - beat.wall_ml.value, 2) / static_cast<double>(gates);
+  for (const double w : wall) variance += own::pow(w - beat.wall_ml.value, 2) / gates;
   beat.wall_variation = std::sqrt(variance) / std::max(1e-9, beat.wall_ml.value);
-  const auto ed = static_cast<std::size_t>(beat.ed_gate), es = static_cast<std::size_t>(beat.es_gate);
+  const std::size_t ed = beat.ed_gate, es = beat.es_gate;
   beat.edv_ml = beat.gates[ed].endo_ml, beat.esv_ml = beat.gates[es].endo_ml;
   beat.sv_ml = {beat.edv_ml.value - beat.esv_ml.value, spread_of(by.cavity[ed] - by.cavity[es], factor)};
   if (gates > 1 && beat.edv_ml.value > 0) {
@@ -277,13 +270,12 @@ void describe_volumes(const VolumeGradients& by, const Cholesky& factor, FittedB
 /// Thickness of the wall, width of the point spread (of its log, until the width is known), levels of activity.
 void describe_levels(const BeatProblem& problem, const Solution& solution, const Cholesky& factor, FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
-  const FittedGate& relaxed = beat.gates[static_cast<std::size_t>(beat.ed_gate)];
+  const FittedGate& relaxed = beat.gates[beat.ed_gate];
   const double area = 0.5 * (open_area(relaxed.endo) + open_area(relaxed.epi));
   beat.thickness_mm.value = 1000 * (relaxed.epi_ml.value - relaxed.endo_ml.value) / std::max(1.0, area);
   beat.thickness_mm.sd = beat.thickness_mm.value * beat.wall_ml.sd / std::max(1e-9, beat.wall_ml.value);
   Eigen::VectorXd by_width = Eigen::VectorXd::Zero(layout.unknowns);
-  for (const BeatLayout::Term& t : layout.terms[0][static_cast<std::size_t>(layout.gate.width)])
-    by_width[t.unknown] = t.factor;
+  for (const BeatLayout::Term& t : layout.terms[0][layout.gate.width]) by_width[t.unknown] = t.factor;
   beat.fwhm_mm.sd = spread_of(by_width, factor);
   const Eigen::VectorXd first = layout.at_gate(0, solution.unknowns);
   // Activities are told in units of the mean of the healthy half of the wall.

@@ -36,8 +36,8 @@ double sample(const Image& image, const Vec3& p) {
   for (int c = 0; c < 2; ++c)
     for (int b = 0; b < 2; ++b)
       for (int a = 0; a < 2; ++a)
-        sum += (a ? f[0] : 1 - f[0]) * (b ? f[1] : 1 - f[1]) * (c ? f[2] : 1 - f[2]) *
-               static_cast<double>(image.clamped(i + a, j + b, k + c));
+        sum +=
+            (a ? f[0] : 1 - f[0]) * (b ? f[1] : 1 - f[1]) * (c ? f[2] : 1 - f[2]) * image.clamped(i + a, j + b, k + c);
   return sum;
 }
 
@@ -47,7 +47,7 @@ double deviation(const std::vector<double>& values, std::size_t peak, int step, 
   for (int n = 1;; ++n) {
     const auto at = static_cast<std::ptrdiff_t>(peak) + n * step;
     if (at < 0 || at >= static_cast<std::ptrdiff_t>(values.size())) break;
-    const double share = values[static_cast<std::size_t>(at)] / values[peak];
+    const double share = values[at] / values[peak];
     if (share < 0.5 || share >= 1) break;
     const double d = n * step_mm;
     d4 += d * d * d * d;
@@ -58,7 +58,7 @@ double deviation(const std::vector<double>& values, std::size_t peak, int step, 
 
 std::vector<Ray> make_rays(const HeartFrame& frame) {
   std::vector<Ray> rays;
-  std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(degree)));
+  std::vector<double> harmonics(harmonics_up_to(degree));
   for (int n = 0; n < ray_count; ++n) {
     Ray ray;
     ray.direction = fibonacci_direction(n, ray_count);
@@ -102,8 +102,7 @@ std::optional<Profiles> profiles_of(const Image& image, const std::vector<Ray>& 
     const double inner = deviation(profile, peak, -1, step_mm), outer = deviation(profile, peak, 1, step_mm);
     if (inner <= 0 || outer <= 0) continue;
     rows.row(used) = ray.harmonics;
-    values.row(used++) << own::log(static_cast<double>(peak) * step_mm / ray.mm_per_q), own::log(inner),
-        own::log(outer);
+    values.row(used++) << own::log(peak * step_mm / ray.mm_per_q), own::log(inner), own::log(outer);
   }
   if (used < ray_count / 5) return std::nullopt;
   Profiles p;
@@ -161,7 +160,7 @@ std::optional<GaussianProfile> read_gaussian_profile(const Study& study, const F
   for (std::size_t g = 0; g < gates; ++g) {
     crossings.push_back(crossings_of(*profiles[g], rays, start, g));
     const Volumes v = volumes_of(crossings[g], rays, start.frame, share_of_deviation);
-    muscle += (v.epi - v.cavity) / static_cast<double>(gates);
+    muscle += (v.epi - v.cavity) / gates;
   }
   GaussianProfile reading{std::vector<double>(gates), std::vector<double>(gates)};
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {

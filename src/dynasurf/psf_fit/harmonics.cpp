@@ -23,8 +23,8 @@ void real_spherical_harmonics(const Vec3& unit, int degree, std::span<double> ou
     for (int l = m; l <= degree; ++l) {
       const double norm = scale * std::sqrt(2.0 * l + 1);
       const auto middle = static_cast<std::size_t>(l * l + l);
-      out[middle + static_cast<std::size_t>(m)] = norm * here * re;
-      if (m > 0) out[middle - static_cast<std::size_t>(m)] = norm * here * im;
+      out[middle + m] = norm * here * re;
+      if (m > 0) out[middle - m] = norm * here * im;
       const double above = ((2 * l + 1) * z * here - (l + m) * below) / (l - m + 1);
       below = here, here = above;
       scale *= std::sqrt((l + 1.0 - m) / (l + 1.0 + m));

@@ -124,9 +124,7 @@ class RayPainter {
     const Index3 size{end[0] - first[0], end[1] - first[1], end[2] - first[2]};
     if (size[0] <= 0) return;
     for (std::vector<float>& of_field : box_)
-      of_field.assign(
-          static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]),
-          0.0F);
+      of_field.assign(size[0] * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]), 0.0F);
     for (std::size_t p = 0; p < seen.size(); ++p)
       if (is_seen(seen[p])) add_point(seen[p], ray.by_field[p], first, size);
     look_through_box(first, size, number);
@@ -151,8 +149,8 @@ class RayPainter {
     const int degree[3] = {layout.endo_degree, layout.wall_degree, layout.uptake_degree};
     const std::size_t begin = end_[row] - seen_by_[row];
     for (std::size_t f = 0; f < 3; ++f)
-      detail::add_lines(line + first[f], static_cast<std::size_t>(harmonics_up_to(degree[f])),
-                        harmonics_.data() + begin, factor_[f].data() + begin, seen_by_[row]);
+      detail::add_lines(line + first[f], harmonics_up_to(degree[f]), harmonics_.data() + begin,
+                        factor_[f].data() + begin, seen_by_[row]);
   }
 
  private:
@@ -170,11 +168,8 @@ class RayPainter {
     for (std::size_t k = 0; k < seen[2].weight.size(); ++k)
       for (std::size_t j = 0; j < seen[1].weight.size(); ++j) {
         const float plane = seen[2].weight[k] * seen[1].weight[j];
-        const std::size_t slice = static_cast<std::size_t>(seen[2].from - first[2]) + k,
-                          line = static_cast<std::size_t>(seen[1].from - first[1]) + j;
-        const std::size_t begin =
-            static_cast<std::size_t>(seen[0].from - first[0]) +
-            static_cast<std::size_t>(size[0]) * (line + static_cast<std::size_t>(size[1]) * slice);
+        const std::size_t slice = (seen[2].from - first[2]) + k, line = (seen[1].from - first[1]) + j;
+        const std::size_t begin = (seen[0].from - first[0]) + size[0] * (line + size[1] * slice);
         for (std::size_t f = 0; f < box_.size(); ++f) {
           float* at = box_[f].data() + begin;
           const float by = by_field[static_cast<Eigen::Index>(f)];
@@ -189,15 +184,15 @@ class RayPainter {
     std::size_t at = 0;
     for (int k = 0; k < size[2]; ++k)
       for (int j = 0; j < size[1]; ++j) {
-        const int* row = row_of_.data() + first[0] +
-                         static_cast<std::ptrdiff_t>(pixels_.count[0]) *
-                             (first[1] + j + static_cast<std::ptrdiff_t>(pixels_.count[1]) * (first[2] + k));
+        const int* row =
+            row_of_.data() + first[0] +
+            pixels_.count[0] * (first[1] + j + static_cast<std::ptrdiff_t>(pixels_.count[1]) * (first[2] + k));
         for (int i = 0; i < size[0]; ++i, ++at) {
           if (row[i] < 0 || (endo[at] == 0 && wall[at] == 0 && uptake[at] == 0)) continue;
           views_.push_back({static_cast<std::uint32_t>(row[i]),
                             static_cast<std::uint32_t>(number),
                             {endo[at], wall[at], uptake[at]}});
-          ++seen_by_[static_cast<std::size_t>(row[i])];
+          ++seen_by_[row[i]];
         }
       }
   }
@@ -249,8 +244,7 @@ std::vector<WholeImage> whole_images(const BeatProblem& problem, const Eigen::Ve
     images.push_back({layout.width + number, std::vector<float>(problem.pixels.size(), 0.0F)});
     for (int axis = 0; axis < 3; ++axis)
       for (std::size_t n = 0; n < problem.pixels.size(); ++n)
-        images.back().image[n] +=
-            static_cast<float>(log_widths(axis, number)) * by_widths[static_cast<std::size_t>(axis)][n];
+        images.back().image[n] += static_cast<float>(log_widths(axis, number)) * by_widths[axis][n];
   }
   return images;
 }
@@ -271,8 +265,8 @@ EvenRays even_rays(const BeatProblem& problem) {
     rays.direction.push_back(fibonacci_direction(n, count));
     real_spherical_harmonics(rays.direction.back(), degree,
                              {rays.harmonics.col(n).data(), static_cast<std::size_t>(rays.harmonics.rows())});
-    std::transform(rays.harmonics.col(n).begin(), rays.harmonics.col(n).end(),
-                   rays.lines.line(static_cast<std::size_t>(n)), [](double h) { return static_cast<float>(h); });
+    std::transform(rays.harmonics.col(n).begin(), rays.harmonics.col(n).end(), rays.lines.line(n),
+                   [](double h) { return static_cast<float>(h); });
   }
   return rays;
 }
@@ -284,7 +278,7 @@ detail::AlignedMatrix squares_of_derivatives(const BeatProblem& problem, const E
   const Vec3 sigma = point_spread(problem, gate);
   RayPainter painter(problem, sigma, chosen);
   const WallRays walls(problem, gate);
-  const double solid_angle = 4 * M_PI / static_cast<double>(rays.direction.size());
+  const double solid_angle = 4 * M_PI / rays.direction.size();
   for (std::size_t n = 0; n < rays.direction.size(); ++n)
     painter.paint(walls.along(rays.direction[n], rays.harmonics.col(static_cast<Eigen::Index>(n)), solid_angle), n);
   painter.sort(rays);
@@ -302,9 +296,8 @@ detail::AlignedMatrix squares_of_derivatives(const BeatProblem& problem, const E
       painter.sum_up(layout, first + n, line);
       for (const WholeImage& whole : images) line[whole.number] = whole.image[pixel];
       for (int k = 0; k < layout.attenuation_count; ++k)
-        line[layout.attenuation + k] = problem.attenuation[static_cast<std::size_t>(k)][g][pixel];
-      for (int b = 0; b < layout.blob_count; ++b)
-        line[layout.blobs + b] = problem.blobs[static_cast<std::size_t>(b)][pixel];
+        line[layout.attenuation + k] = problem.attenuation[k][g][pixel];
+      for (int b = 0; b < layout.blob_count; ++b) line[layout.blobs + b] = problem.blobs[b][pixel];
       const float scale = std::sqrt(problem.weight[pixel]);
       for (std::size_t i = 0; i < length; ++i) line[i] *= scale;
     }

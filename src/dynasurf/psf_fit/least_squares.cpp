@@ -24,21 +24,20 @@ std::vector<float> picture(const BeatProblem& problem, std::size_t g, const Eige
   const auto background = static_cast<float>(gate[layout.background]);
   for (float& v : image) v += background;
   for (int k = 0; k < layout.attenuation_count; ++k)
-    add_scaled(image, gate[layout.attenuation + k], problem.attenuation[static_cast<std::size_t>(k)][g]);
-  for (int b = 0; b < layout.blob_count; ++b)
-    add_scaled(image, gate[layout.blobs + b], problem.blobs[static_cast<std::size_t>(b)]);
+    add_scaled(image, gate[layout.attenuation + k], problem.attenuation[k][g]);
+  for (int b = 0; b < layout.blob_count; ++b) add_scaled(image, gate[layout.blobs + b], problem.blobs[b]);
   return image;
 }
 
 double dot(const std::vector<float>& a, const std::vector<float>& b) {
   double sum = 0;
-  for (std::size_t n = 0; n < a.size(); ++n) sum += static_cast<double>(a[n] * b[n]);
+  for (std::size_t n = 0; n < a.size(); ++n) sum += (a[n] * b[n]);
   return sum;
 }
 
 std::vector<Eigen::VectorXd> numbers_of_gates(const BeatLayout& layout, const Eigen::VectorXd& unknowns) {
   std::vector<Eigen::VectorXd> numbers;
-  numbers.reserve(static_cast<std::size_t>(layout.gates));
+  numbers.reserve(layout.gates);
   for (int g = 0; g < layout.gates; ++g) numbers.push_back(layout.at_gate(g, unknowns));
   return numbers;
 }
@@ -62,15 +61,14 @@ struct WallCycle {
 WallCycle wall_cycle(const BeatProblem& problem, const std::vector<Activity>& activity) {
   const auto gates = static_cast<Eigen::Index>(activity.size());
   double mean = 0;
-  for (const Activity& a : activity) mean += a.wall_mm3 / static_cast<double>(gates);
+  for (const Activity& a : activity) mean += a.wall_mm3 / gates;
   mean = std::max(mean, 1.0);
   WallCycle cycle{Eigen::VectorXd(gates), Eigen::MatrixXd(gates, gates)};
   for (Eigen::Index g = 0; g < gates; ++g) {
-    const double share = activity[static_cast<std::size_t>(g)].wall_mm3 / mean;
+    const double share = activity[g].wall_mm3 / mean;
     cycle.deviation[g] = (share - 1) / problem.wall_relative_sd;
     for (Eigen::Index h = 0; h < gates; ++h)
-      cycle.by_volume(g, h) =
-          ((g == h ? 1 : 0) - share / static_cast<double>(gates)) / (mean * problem.wall_relative_sd);
+      cycle.by_volume(g, h) = ((g == h ? 1 : 0) - share / gates) / (mean * problem.wall_relative_sd);
   }
   return cycle;
 }
@@ -105,8 +103,7 @@ ThicknessLook look_at_thickness(const BeatProblem& problem, const Eigen::VectorX
 Eigen::MatrixXd symmetric(const detail::AlignedMatrix& lower, int count) {
   Eigen::MatrixXd whole(count, count);
   for (int i = 0; i < count; ++i)
-    for (int j = 0; j <= i; ++j)
-      whole(i, j) = whole(j, i) = static_cast<double>(lower.line(static_cast<std::size_t>(i))[j]);
+    for (int j = 0; j <= i; ++j) whole(i, j) = whole(j, i) = lower.line(i)[j];
   return whole;
 }
 
@@ -128,15 +125,14 @@ Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unk
     residual = picture(problem, g, numbers[g], result.activity[g], camera);
     for (std::size_t n = 0; n < residual.size(); ++n) {
       residual[n] -= problem.values[g][n];
-      data[g] += 0.5 * static_cast<double>(residual[n] * weighted(problem, residual, n));
+      data[g] += 0.5 * (residual[n] * weighted(problem, residual, n));
     }
   });
   for (const double of_gate : data) result.data += of_gate;
   result.value = result.data + 0.5 * (unknowns - layout.expected).cwiseQuotient(layout.spread).squaredNorm() +
                  0.5 * wall_cycle(problem, result.activity).deviation.squaredNorm();
   if (problem.thickness.harmonics.rows() > 0) {
-    const double deviation =
-        look_at_thickness(problem, numbers[static_cast<std::size_t>(problem.thickness.gate)]).deviation;
+    const double deviation = look_at_thickness(problem, numbers[problem.thickness.gate]).deviation;
     result.value += 0.5 * deviation * deviation;
   }
   return result;
@@ -157,22 +153,20 @@ Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::Vect
     backpropagate_to_cells(problem.cells, places, numbers[g], at.activity[g], backproject(camera, by_pixel), 0,
                            by_wall[static_cast<Eigen::Index>(g)], to_cells, g);
     Eigen::VectorXd& others = to_cells.others[g];
-    for (const float w : by_pixel) others[places.background] += static_cast<double>(w);
+    for (const float w : by_pixel) others[places.background] += w;
     const auto by_widths = project_by_widths(camera, at.activity[g].cells);
     others.segment<3>(places.width) =
         log_widths.transpose() *
         Vec3(dot(by_pixel, by_widths[0]), dot(by_pixel, by_widths[1]), dot(by_pixel, by_widths[2]));
     for (int k = 0; k < places.attenuation_count; ++k)
-      others[places.attenuation + k] = dot(by_pixel, problem.attenuation[static_cast<std::size_t>(k)][g]);
-    for (int b = 0; b < places.blob_count; ++b)
-      others[places.blobs + b] = dot(by_pixel, problem.blobs[static_cast<std::size_t>(b)]);
+      others[places.attenuation + k] = dot(by_pixel, problem.attenuation[k][g]);
+    for (int b = 0; b < places.blob_count; ++b) others[places.blobs + b] = dot(by_pixel, problem.blobs[b]);
   });
   const std::vector<Eigen::VectorXd> gradients = gather(problem.cells, places, to_cells);
   Eigen::VectorXd gradient = (unknowns - layout.expected).cwiseQuotient(layout.spread).cwiseQuotient(layout.spread);
   for (std::size_t g = 0; g < gates; ++g) layout.add_gradient(static_cast<int>(g), gradients[g], gradient);
   if (problem.thickness.harmonics.rows() > 0) {
-    const ThicknessLook thickness =
-        look_at_thickness(problem, numbers[static_cast<std::size_t>(problem.thickness.gate)]);
+    const ThicknessLook thickness = look_at_thickness(problem, numbers[problem.thickness.gate]);
     layout.add_gradient(problem.thickness.gate, thickness.deviation * thickness.by_number, gradient);
   }
   return gradient;

@@ -24,7 +24,7 @@ bool is_bulge(int k) {
 double bulge_of_columns(int degree) {
   constexpr int points = 16;
   constexpr double first = 50 * M_PI / 180, last = 105 * M_PI / 180;  // from the apex
-  std::vector<double> at(static_cast<std::size_t>(harmonics_up_to(degree)));
+  std::vector<double> at(harmonics_up_to(degree));
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(harmonics_up_to(degree));
   for (int n = 0; n < points; ++n) {
     const double from_apex = first + (last - first) * (n + 0.5) / points;
@@ -45,7 +45,7 @@ double papillary_share(const BeatProblem& problem, const Solution& solution, con
   if (usual <= 0) return usual;
   double muscle = 0, log_q = 0;
   for (int g = 0; g < layout.gates; ++g) {
-    muscle += solution.objective.activity[static_cast<std::size_t>(g)].wall_mm3 / layout.gates;
+    muscle += solution.objective.activity[g].wall_mm3 / layout.gates;
     log_q += layout.at_gate(g, solution.unknowns)[places.endo] / layout.gates;
   }
   // A cavity per solid angle of q^3 / 3 that loses the columns' volume.
@@ -54,7 +54,7 @@ double papillary_share(const BeatProblem& problem, const Solution& solution, con
   double seen = 0;
   for (int k = 0; k < harmonics_up_to(places.endo_degree); ++k) {
     if (!is_bulge(k)) continue;
-    const int unknown = layout.terms[0][static_cast<std::size_t>(places.endo + k)].front().unknown;
+    const int unknown = layout.terms[0][places.endo + k].front().unknown;
     const Eigen::VectorXd unit = Eigen::VectorXd::Unit(layout.unknowns, unknown);
     seen += own::pow(solution.unknowns[unknown], 2) + own::pow(factor.half_norm(unit), 2);
   }

@@ -58,7 +58,7 @@ class VoxelKernel {
   }
   double reach() const {
     if (is_box_) return spacing_ / 2 + step_ / 2;
-    return reach_sigmas * std::sqrt(variance_) + spacing_ * static_cast<double>(filter_.size() - 1);
+    return reach_sigmas * std::sqrt(variance_) + spacing_ * (filter_.size() - 1);
   }
   double weight(double distance) const {
     if (is_box_) return overlap(distance, step_, 0, spacing_);
@@ -77,7 +77,7 @@ class VoxelKernel {
   double sum(double distance, const F& value) const {
     double total = filter_[0] * value(distance);
     for (std::size_t n = 1; n < filter_.size(); ++n) {
-      const double shift = spacing_ * static_cast<double>(n);
+      const double shift = spacing_ * n;
       total += filter_[n] * (value(distance - shift) + value(distance + shift));
     }
     return total;
@@ -90,11 +90,10 @@ class VoxelKernel {
 AxisKernel axis_kernel(const CellLattice& cells, const Pixels& pixels, int axis, double sigma_mm, double filtered) {
   const double step = cells.step[axis], spacing = pixels.spacing[axis];
   const VoxelKernel voxel_kernel(cells, pixels, axis, sigma_mm, filtered);
-  const double reach = voxel_kernel.reach() + 0.5 * spacing * (pixels.joined[static_cast<std::size_t>(axis)] - 1);
-  const int cell_count = cells.count[static_cast<std::size_t>(axis)],
-            joined = pixels.joined[static_cast<std::size_t>(axis)];
+  const double reach = voxel_kernel.reach() + 0.5 * spacing * (pixels.joined[axis] - 1);
+  const int cell_count = cells.count[axis], joined = pixels.joined[axis];
   AxisKernel kernel;
-  for (int n = 0; n < pixels.count[static_cast<std::size_t>(axis)]; ++n) {
+  for (int n = 0; n < pixels.count[axis]; ++n) {
     const double centre = pixels.centre(axis, n);
     const int from =
         std::clamp(static_cast<int>(std::ceil((centre - reach - cells.start[axis]) / step)), 0, cell_count);
@@ -107,7 +106,7 @@ AxisKernel axis_kernel(const CellLattice& cells, const Pixels& pixels, int axis,
       const double cell = cells.start[axis] + c * step;
       double weight = 0, by_width = 0;
       for (int v = 0; v < joined; ++v) {
-        const double voxel = spacing * (pixels.first[static_cast<std::size_t>(axis)] + n * joined + v);
+        const double voxel = spacing * (pixels.first[axis] + n * joined + v);
         weight += voxel_kernel.weight(cell - voxel) / joined;
         by_width += voxel_kernel.by_log_sigma(cell - voxel) / joined;
       }
@@ -118,7 +117,7 @@ AxisKernel axis_kernel(const CellLattice& cells, const Pixels& pixels, int axis,
   return kernel;
 }
 
-std::size_t product(int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); }
+std::size_t product(int a, int b) { return a * static_cast<std::size_t>(b); }
 
 /// A kernel along one axis, or its transpose: what every number of `to` collects of those of `from`.
 struct Collector {
@@ -139,7 +138,7 @@ Collector transposed(const AxisKernel& kernel, int cells) {
     std::size_t end = first;
     back.at.push_back(static_cast<int>(back.own.size()));
     for (; end < pixels && kernel.from[end] <= c && c < kernel.to[end]; ++end)
-      back.own.push_back(kernel.weights[static_cast<std::size_t>(kernel.at[end] + c - kernel.from[end])]);
+      back.own.push_back(kernel.weights[kernel.at[end] + c - kernel.from[end]]);
     back.from.push_back(static_cast<int>(first));
     back.to.push_back(static_cast<int>(end));
   }
@@ -150,10 +149,10 @@ Collector transposed(const AxisKernel& kernel, int cells) {
 /// out[n] += sum over the kernel of in[c], for blocks of `stride` values that lie together; `length` of them go in.
 void collect(const Collector& kernel, int length, std::size_t stride, std::size_t blocks, const float* in, float* out) {
   std::vector<const float*> lines;
-  for (std::size_t b = 0; b < blocks; ++b, in += static_cast<std::size_t>(length) * stride)
+  for (std::size_t b = 0; b < blocks; ++b, in += length * stride)
     for (std::size_t n = 0; n < kernel.from.size(); ++n, out += stride) {
       lines.clear();
-      for (int c = kernel.from[n]; c < kernel.to[n]; ++c) lines.push_back(in + static_cast<std::size_t>(c) * stride);
+      for (int c = kernel.from[n]; c < kernel.to[n]; ++c) lines.push_back(in + c * stride);
       detail::add_lines(out, stride, lines.data(), kernel.weights + kernel.at[n], lines.size());
     }
 }
@@ -163,7 +162,7 @@ void spread(const Collector& kernel, int length, int out_length, std::size_t blo
   detail::AlignedMatrix to_all(static_cast<std::size_t>(length), static_cast<std::size_t>(out_length));
   for (std::size_t n = 0; n < kernel.from.size(); ++n)
     for (int c = kernel.from[n]; c < kernel.to[n]; ++c)
-      to_all.line(static_cast<std::size_t>(c))[n] = kernel.weights[kernel.at[n] + c - kernel.from[n]];
+      to_all.line(c)[n] = kernel.weights[kernel.at[n] + c - kernel.from[n]];
   std::vector<const float*> lines;
   for (std::size_t c = 0; c < to_all.count; ++c) lines.push_back(to_all.line(c));
   for (std::size_t b = 0; b < blocks; ++b, in += length, out += out_length)
@@ -173,17 +172,13 @@ void spread(const Collector& kernel, int length, int out_length, std::size_t blo
 /// The three passes from cells to pixels: along z first, where whole planes lie together, then y, then x. Each adds.
 struct Passes {
   Index3 c, p;
-  std::vector<float> along_z() const {
-    return std::vector<float>(product(c[0], c[1]) * static_cast<std::size_t>(p[2]));
-  }
-  std::vector<float> along_y() const {
-    return std::vector<float>(product(c[0], p[1]) * static_cast<std::size_t>(p[2]));
-  }
+  std::vector<float> along_z() const { return std::vector<float>(product(c[0], c[1]) * p[2]); }
+  std::vector<float> along_y() const { return std::vector<float>(product(c[0], p[1]) * p[2]); }
   void z(const Collector& kernel, const float* in, std::vector<float>& out) const {
     collect(kernel, c[2], product(c[0], c[1]), 1, in, out.data());
   }
   void y(const Collector& kernel, const std::vector<float>& in, std::vector<float>& out) const {
-    collect(kernel, c[1], static_cast<std::size_t>(c[0]), static_cast<std::size_t>(p[2]), in.data(), out.data());
+    collect(kernel, c[1], c[0], p[2], in.data(), out.data());
   }
   void x(const Collector& kernel, const std::vector<float>& in, std::vector<float>& out) const {
     spread(kernel, c[0], p[0], product(p[1], p[2]), in.data(), out.data());
@@ -202,8 +197,8 @@ std::vector<float> join(const Image& image, const Pixels& p) {
         for (int c = 0; c < p.joined[2]; ++c)
           for (int b = 0; b < p.joined[1]; ++b)
             for (int a = 0; a < p.joined[0]; ++a)
-              sum += static_cast<double>(image(p.first[0] + i * p.joined[0] + a, p.first[1] + j * p.joined[1] + b,
-                                               p.first[2] + k * p.joined[2] + c));
+              sum += image(p.first[0] + i * p.joined[0] + a, p.first[1] + j * p.joined[1] + b,
+                           p.first[2] + k * p.joined[2] + c);
         means[at++] = static_cast<float>(sum / (p.joined[0] * p.joined[1] * p.joined[2]));
       }
   return means;
@@ -211,8 +206,7 @@ std::vector<float> join(const Image& image, const Pixels& p) {
 
 PsfProjector make_camera(const CellLattice& cells, const Pixels& pixels, const Vec3& sigma_mm, double filtered) {
   PsfProjector camera{cells, pixels, {}};
-  for (int a = 0; a < 3; ++a)
-    camera.axes[static_cast<std::size_t>(a)] = axis_kernel(cells, pixels, a, sigma_mm[a], filtered);
+  for (int a = 0; a < 3; ++a) camera.axes[a] = axis_kernel(cells, pixels, a, sigma_mm[a], filtered);
   return camera;
 }
 
@@ -252,8 +246,7 @@ std::vector<float> backproject(const PsfProjector& camera, std::span<const float
   const Passes pass{c, p};
   std::vector<float> y = pass.along_y(), z = pass.along_z(), x(camera.cells.size());
   spread(transposed(camera.axes[0], c[0]), p[0], c[0], product(p[1], p[2]), pixels.data(), y.data());
-  collect(transposed(camera.axes[1], c[1]), p[1], static_cast<std::size_t>(c[0]), static_cast<std::size_t>(p[2]),
-          y.data(), z.data());
+  collect(transposed(camera.axes[1], c[1]), p[1], c[0], p[2], y.data(), z.data());
   collect(transposed(camera.axes[2], c[2]), p[2], product(c[0], c[1]), 1, z.data(), x.data());
   return x;
 }

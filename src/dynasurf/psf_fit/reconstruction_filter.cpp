@@ -19,15 +19,13 @@ using Tables = std::array<FourierTable, 3>;
 Tables tables_for(const Index3& size) {
   return {make_fourier_table(size[0]), make_fourier_table(size[1]), make_fourier_table(size[2])};
 }
-std::size_t product(const Index3& n) {
-  return static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]);
-}
+std::size_t product(const Index3& n) { return n[0] * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]); }
 
 /// value(|f|², index) for all frequencies of a box, first axis fastest; f in cycles per mm.
 template <class F>
 void for_all_frequencies(const Index3& size, const Vec3& spacing, const F& value) {
   const auto frequency = [&](int axis, int k) {
-    const int n = size[static_cast<std::size_t>(axis)];
+    const int n = size[axis];
     return (k < (n + 1) / 2 ? k : k - n) / (n * spacing[axis]);
   };
   std::size_t at = 0;
@@ -64,13 +62,9 @@ std::vector<Complex> differences(const Study& study, std::size_t gate, const Vox
   for (int k = 0; k < box.count[2]; ++k)
     for (int j = 0; j < box.count[1]; ++j)
       for (int i = 0; i < box.count[0]; ++i) {
-        const double share = fade[0][static_cast<std::size_t>(i)] * fade[1][static_cast<std::size_t>(j)] *
-                             fade[2][static_cast<std::size_t>(k)];
+        const double share = fade[0][i] * fade[1][j] * fade[2][k];
         const int x = box.first[0] + i, y = box.first[1] + j, z = box.first[2] + k;
-        const std::size_t at =
-            static_cast<std::size_t>(i) +
-            static_cast<std::size_t>(size[0]) *
-                (static_cast<std::size_t>(j) + static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(k));
+        const std::size_t at = i + size[0] * (j + size[1] * static_cast<std::size_t>(k));
         noise[at] = {share * difference(gate, x, y, z), gate + 1 < gates ? share * difference(gate + 1, x, y, z) : 0.0};
       }
   return noise;
@@ -108,7 +102,7 @@ Spectrum spectrum_of_noise(const Study& study) {
     double sum = 0;
     for (const auto& of_pair : power) sum += of_pair[s];
     if (!(sum > 0) || number[s] == 0) continue;
-    spectrum.frequency.push_back(lowest + (static_cast<double>(s) + 0.5) * width);
+    spectrum.frequency.push_back(lowest + (s + 0.5) * width);
     spectrum.log_power.push_back(own::log(sum / number[s]));
   }
   return spectrum;
@@ -120,16 +114,16 @@ double misfit(const Spectrum& spectrum, const ReconstructionFilter& filter) {
   Eigen::MatrixXd shape(n, 3);
   Eigen::VectorXd left(n);
   for (Eigen::Index s = 0; s < n; ++s) {
-    const double f = spectrum.frequency[static_cast<std::size_t>(s)];
+    const double f = spectrum.frequency[s];
     shape.row(s) << 1, own::log(f), -f * f;
-    left[s] = spectrum.log_power[static_cast<std::size_t>(s)];
+    left[s] = spectrum.log_power[s];
     if (filter.cutoff_per_mm > 0) left[s] += own::log(1 + own::pow(f / filter.cutoff_per_mm, 2 * filter.order));
   }
   const Eigen::VectorXd three = shape.householderQr().solve(left);
-  if (three[2] >= 0) return std::sqrt((shape * three - left).squaredNorm() / static_cast<double>(n));
+  if (three[2] >= 0) return std::sqrt((shape * three - left).squaredNorm() / n);
   // No filter makes the fine ones stronger.
   const Eigen::MatrixXd two = shape.leftCols(2);
-  return std::sqrt((two * two.householderQr().solve(left) - left).squaredNorm() / static_cast<double>(n));
+  return std::sqrt((two * two.householderQr().solve(left) - left).squaredNorm() / n);
 }
 
 /// What it makes of a frequency, f² given, when a Gaussian takes the filter's place.
@@ -185,7 +179,7 @@ Study with_gaussian_filter(const Study& study, const ReconstructionFilter& filte
   const Tables tables = tables_for(size);
   std::vector<double> factor(product(size));
   for_all_frequencies(size, grid.spacing, [&](double square, std::size_t at) {
-    factor[at] = exchanged(filter, sigma_mm, square) / static_cast<double>(factor.size());
+    factor[at] = exchanged(filter, sigma_mm, square) / factor.size();
   });
   // Beyond the box half of what is added continues its end, half its beginning.
   std::vector<int> source[3];
@@ -212,10 +206,7 @@ Study with_gaussian_filter(const Study& study, const ReconstructionFilter& filte
     for (int k = 0; k < box.count[2]; ++k)
       for (int j = 0; j < box.count[1]; ++j)
         for (int i = 0; i < box.count[0]; ++i) {
-          const Complex& v = values[static_cast<std::size_t>(i) +
-                                    static_cast<std::size_t>(size[0]) *
-                                        (static_cast<std::size_t>(j) +
-                                         static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(k))];
+          const Complex& v = values[i + size[0] * (j + size[1] * static_cast<std::size_t>(k))];
           const int x = box.first[0] + i, y = box.first[1] + j, z = box.first[2] + k;
           refiltered.gates[first](x, y, z) = static_cast<float>(v.re);
           refiltered.gates[second](x, y, z) = static_cast<float>(first == second ? v.re : v.im);

@@ -21,9 +21,9 @@ Pixels pixels_around(const Bounds& box, const Grid& grid, double sigma_mm, doubl
     const int joined = std::max(1, static_cast<int>(std::lround(wanted / grid.spacing[a])));
     const int from = std::max(0, static_cast<int>(std::floor((box.low[a] - margin_mm) / grid.spacing[a])));
     const int to = std::min(grid.dims[a] - 1, static_cast<int>(std::ceil((box.high[a] + margin_mm) / grid.spacing[a])));
-    pixels.joined[static_cast<std::size_t>(a)] = joined;
-    pixels.first[static_cast<std::size_t>(a)] = from;
-    pixels.count[static_cast<std::size_t>(a)] = std::max(0, (to - from + 1) / joined);
+    pixels.joined[a] = joined;
+    pixels.first[a] = from;
+    pixels.count[a] = std::max(0, (to - from + 1) / joined);
   }
   return pixels;
 }
@@ -32,7 +32,7 @@ CellLattice lattice_around(const Bounds& box, const Pixels& pixels, double sigma
   CellLattice lattice;
   double pitch[3], finest = 1e9;
   for (int a = 0; a < 3; ++a) {
-    pitch[a] = pixels.spacing[a] * pixels.joined[static_cast<std::size_t>(a)];
+    pitch[a] = pixels.spacing[a] * pixels.joined[a];
     finest = std::min(finest, pitch[a]);
   }
   const double wanted = std::max(0.7 * sigma_mm, std::min(0.5 * finest, 2.0));
@@ -76,8 +76,8 @@ ThicknessPrior believe_in_thickness(const PlacedStart& start, int degree) {
     const double volume = mesh::volume_mm3(start.endo[g]);
     if (volume > largest) largest = volume, belief.gate = static_cast<int>(g);
   }
-  const double base = start.frame.to_heart(start.base[static_cast<std::size_t>(belief.gate)].point)[2];
-  std::vector<double> mm, harmonics(static_cast<std::size_t>(harmonics_up_to(degree)));
+  const double base = start.frame.to_heart(start.base[belief.gate].point)[2];
+  std::vector<double> mm, harmonics(harmonics_up_to(degree));
   std::vector<std::vector<double>> rows;
   for (int n = 0; n < directions; ++n) {
     const Vec3 direction = fibonacci_direction(n, directions);
@@ -100,9 +100,9 @@ std::vector<Place> places_of(const Pixels& pixels, const HeartFrame& frame, cons
   std::vector<Place> places;
   const Index3 dims = pixels.count;
   places.resize(pixels.size());
-  parallel_for(static_cast<std::size_t>(dims[2]), 1, [&](std::size_t k, std::size_t) {
-    std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(outer_degree)));
-    Place* place = places.data() + k * static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]);
+  parallel_for(dims[2], 1, [&](std::size_t k, std::size_t) {
+    std::vector<double> harmonics(harmonics_up_to(outer_degree));
+    Place* place = places.data() + k * dims[0] * dims[1];
     for (int j = 0; j < dims[1]; ++j)
       for (int i = 0; i < dims[0]; ++i, ++place) {
         const Vec3 heart =
@@ -111,8 +111,7 @@ std::vector<Place> places_of(const Pixels& pixels, const HeartFrame& frame, cons
         const double q = std::max(1e-6, scaled.norm());
         real_spherical_harmonics(scaled / q, outer_degree, harmonics);
         double wall = 0;
-        for (int h = 0; h < harmonics_up_to(outer_degree); ++h)
-          wall += outer[h] * harmonics[static_cast<std::size_t>(h)];
+        for (int h = 0; h < harmonics_up_to(outer_degree); ++h) wall += outer[h] * harmonics[h];
         place->outside_mm = (q - own::exp(wall)) / (scaled / q).cwiseQuotient(frame.scale).norm();
         place->above_mm = heart[2] - highest_mm;
         place->depth = q / own::exp(wall);
@@ -182,11 +181,11 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
   for (const Image& gate : study.gates) {
     p.values.push_back(join(gate, p.pixels));
     for (std::size_t n = 0; n < mean.size(); ++n)
-      mean[n] += static_cast<double>(p.values.back()[n]) / static_cast<double>(study.gates.size());
+      mean[n] += p.values.back()[n] / static_cast<double>(study.gates.size());
   }
   measure_brightness(s, mean, margin);
   for (auto& values : p.values)
-    for (float& v : values) v = static_cast<float>(static_cast<double>(v) / s.unit);
+    for (float& v : values) v = static_cast<float>(v / s.unit);
   s.problem.thickness = believe_in_thickness(start, degree);
   weigh_pixels(s, mean, blur, margin);
   return s;

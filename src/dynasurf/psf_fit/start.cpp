@@ -97,7 +97,7 @@ PlacedStart place_start(const FitStart& given, const Grid& grid) {
   double radius = 0, length = 0;
   for (std::size_t g = 0; g < placed.endo.size(); ++g)
     for (const TriMesh* mesh : {&placed.endo[g], &placed.epi[g]}) {
-      const double share = 0.5 / static_cast<double>(placed.endo.size());
+      const double share = 0.5 / placed.endo.size();
       radius += share * radius_at(*mesh, z, placed.frame.centre, 10);
       length += share * (placed.frame.centre.dot(z) - lowest(*mesh, z));
     }
@@ -114,7 +114,7 @@ Eigen::VectorXd smooth_harmonics(const Eigen::MatrixXd& rows, const Eigen::Vecto
     const double sd = l == 0 ? 2.0 : 0.5 * own::pow(l, -2.0);
     matrix(k, k) += noise * noise / (sd * sd);
   }
-  const double scale = 300.0 / static_cast<double>(std::max<Eigen::Index>(1, rows.rows()));
+  const double scale = 300.0 / std::max<Eigen::Index>(1, rows.rows());
   return Cholesky(matrix).solve(rows.transpose() * values * scale);
 }
 
@@ -125,7 +125,7 @@ Eigen::VectorXd harmonics_of_surface(const TriMesh& surface, const HeartFrame& f
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(surface.vertices.size()), count);
   Eigen::VectorXd values(rows.rows());
   Eigen::Index used = 0;
-  std::vector<double> harmonics(static_cast<std::size_t>(count));
+  std::vector<double> harmonics(count);
   for (const Vec3& p : surface.vertices) {
     if (base.height(p) > -lid_mm) continue;
     const Vec3 scaled = frame.to_heart(p).cwiseQuotient(frame.scale);
@@ -146,7 +146,7 @@ Eigen::VectorXd uptake_seen(const Image& mean, const PlacedStart& start, double 
   const Eigen::VectorXd epi = harmonics_of_surface(start.epi.front(), start.frame, start.base.front(), shape_degree);
   double base = std::numeric_limits<double>::infinity();
   for (const heart::BasePlane& plane : start.base) base = std::min(base, start.frame.to_heart(plane.point)[2]);
-  std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(std::max(degree, shape_degree))));
+  std::vector<double> harmonics(harmonics_up_to(std::max(degree, shape_degree)));
   Eigen::MatrixXd rows(directions, harmonics_up_to(degree));
   Eigen::VectorXd values(directions);
   Eigen::Index used = 0;
@@ -175,7 +175,7 @@ std::vector<Eigen::VectorXd> first_numbers(const PlacedStart& start, const GateL
   constexpr int directions = 300;
   std::vector<Eigen::VectorXd> numbers;
   const int most = std::max(layout.endo_degree, layout.wall_degree);
-  std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(most)));
+  std::vector<double> harmonics(harmonics_up_to(most));
   Eigen::MatrixXd rows(directions, harmonics_up_to(most));
   for (int n = 0; n < directions; ++n) {
     real_spherical_harmonics(fibonacci_direction(n, directions), most, harmonics);

@@ -18,7 +18,7 @@ struct Wave {
 
 /// 1, cosines and sines over the gates, each with a mean square of 1.
 std::vector<Wave> waves_up_to(int number, int gates) {
-  std::vector<Wave> waves{{0, std::vector<double>(static_cast<std::size_t>(gates), 1.0)}};
+  std::vector<Wave> waves{{0, std::vector<double>(gates, 1.0)}};
   for (int n = 1; n <= number && 2 * n <= gates; ++n)
     for (int phase = 0; phase < 2; ++phase) {
       if (2 * n == gates && phase == 1) continue;
@@ -36,7 +36,7 @@ std::vector<Wave> waves_up_to(int number, int gates) {
 double mean_product(const Wave& wave, const std::vector<Eigen::VectorXd>& start, int number) {
   double sum = 0;
   for (std::size_t g = 0; g < start.size(); ++g) sum += wave.values[g] * start[g][number];
-  return sum / static_cast<double>(start.size());
+  return sum / start.size();
 }
 
 /// Adds unknowns one by one, with what is believed of them.
@@ -47,9 +47,7 @@ struct Builder {
 
   void add(int number, const Wave& wave, double mean, double sd) {
     const double begin = mean_product(wave, start, number);
-    for (int g = 0; g < layout.gates; ++g)
-      layout.terms[static_cast<std::size_t>(g)][static_cast<std::size_t>(number)].push_back(
-          {layout.unknowns, wave.values[static_cast<std::size_t>(g)]});
+    for (int g = 0; g < layout.gates; ++g) layout.terms[g][number].push_back({layout.unknowns, wave.values[g]});
     ++layout.unknowns;
     value.push_back(begin);
     expected.push_back(std::isfinite(mean) ? mean : begin);
@@ -121,21 +119,19 @@ GateLayout make_gate_layout(int endo_degree, int wall_degree, int uptake_degree,
 Eigen::VectorXd BeatLayout::at_gate(int g, const Eigen::VectorXd& of_beat) const {
   Eigen::VectorXd numbers = Eigen::VectorXd::Zero(gate.count());
   for (int i = 0; i < gate.count(); ++i)
-    for (const Term& t : terms[static_cast<std::size_t>(g)][static_cast<std::size_t>(i)])
-      numbers[i] += t.factor * of_beat[t.unknown];
+    for (const Term& t : terms[g][i]) numbers[i] += t.factor * of_beat[t.unknown];
   return numbers;
 }
 
 void BeatLayout::add_gradient(int g, const Eigen::VectorXd& of_gate, Eigen::VectorXd& of_beat) const {
   for (int i = 0; i < gate.count(); ++i)
-    for (const Term& t : terms[static_cast<std::size_t>(g)][static_cast<std::size_t>(i)])
-      of_beat[t.unknown] += t.factor * of_gate[i];
+    for (const Term& t : terms[g][i]) of_beat[t.unknown] += t.factor * of_gate[i];
 }
 
 void BeatLayout::add_hessian(const std::vector<Eigen::MatrixXd>& of_gates, Eigen::MatrixXd& of_beat) const {
   // Every unknown belongs to one number, so that the columns of a number are nobody else's.
   constexpr std::size_t numbers_at_once = 16;
-  parallel_for(static_cast<std::size_t>(gate.count()), numbers_at_once, [&](std::size_t begin, std::size_t end) {
+  parallel_for(gate.count(), numbers_at_once, [&](std::size_t begin, std::size_t end) {
     Eigen::VectorXd column(unknowns);
     for (std::size_t j = begin; j < end; ++j)
       for (int g = 0; g < gates; ++g) {
@@ -154,7 +150,7 @@ BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::Vec
   BeatLayout layout;
   layout.gate = gate;
   layout.gates = static_cast<int>(start.size());
-  layout.terms.assign(start.size(), std::vector<std::vector<BeatLayout::Term>>(static_cast<std::size_t>(gate.count())));
+  layout.terms.assign(start.size(), std::vector<std::vector<BeatLayout::Term>>(gate.count()));
   Builder build{layout, start, {}, {}, {}};
   const std::vector<Wave> waves = waves_up_to(low_waves, layout.gates);
   add_cavity(build, gate, waves, beliefs);

@@ -27,7 +27,7 @@ Rays rays_through(const std::vector<std::optional<Vec3>>& points, const HeartFra
   Rays rays{Eigen::MatrixXd::Zero(count, harmonics_up_to(degree)), Eigen::VectorXd::Zero(count),
             Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count)};
   parallel_for(points.size(), rays_at_once, [&](std::size_t begin, std::size_t end) {
-    std::vector<double> harmonics(static_cast<std::size_t>(harmonics_up_to(degree)));
+    std::vector<double> harmonics(harmonics_up_to(degree));
     for (std::size_t p = begin; p < end; ++p) {
       const auto& point = points[p];
       if (!point) continue;
@@ -134,8 +134,7 @@ void WallPosterior::add(int gate, const WallPoints& points, const WallDependence
   }
   const auto& terms = layout_.terms[static_cast<std::size_t>(gate)];
   for (Eigen::Index i = 0; i < of_gate.rows(); ++i)
-    for (const BeatLayout::Term& t : terms[static_cast<std::size_t>(i)])
-      gradient.row(t.unknown) += t.factor * of_gate.row(i);
+    for (const BeatLayout::Term& t : terms[i]) gradient.row(t.unknown) += t.factor * of_gate.row(i);
 }
 
 Eigen::VectorXd WallPosterior::sd(const Eigen::MatrixXd& gradient) const { return factor_.half_norms(gradient); }

@@ -54,7 +54,7 @@ Json points_json(const PointCloud& cloud, const Box& box) {
 std::string errors_of(const std::vector<float>& errors, double full) {
   Bytes bytes;
   for (const float error : errors) {
-    const double share = full > 0 ? static_cast<double>(error) / full : 0;
+    const double share = full > 0 ? error / full : 0;
     append(bytes, static_cast<std::uint16_t>(error < 0 ? 65535 : std::clamp(std::round(share * 65534), 0.0, 65534.0)));
   }
   return packed(bytes);

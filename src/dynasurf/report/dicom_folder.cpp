@@ -40,8 +40,7 @@ constexpr std::array<const char*, 17> segment_codes{
 
 io::DicomCode site_of(ventricle::SegmentModel model, const ventricle::Segment& segment) {
   const std::string name = "Left ventricle " + std::string(segment.name);
-  if (model == ventricle::SegmentModel::aha17)
-    return {segment_codes[static_cast<std::size_t>(segment.number - 1)], "SCT", name};
+  if (model == ventricle::SegmentModel::aha17) return {segment_codes[segment.number - 1], "SCT", name};
   return {"SEGMENT20_" + std::to_string(segment.number), "99DYNASURF", name};
 }
 

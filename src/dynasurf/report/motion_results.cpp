@@ -69,9 +69,7 @@ std::string chart(const std::string& title, const std::vector<Curve>& curves, do
   low = step * std::floor(low / step), high = step * std::ceil(high / step);
   const auto y_of = [&](double v) { return text_of(top + height * (high - v) / (high - low), 1); };
   const std::size_t gates = curves[0].values.size();
-  const auto x_of = [&](std::size_t g) {
-    return text_of(left + width * static_cast<double>(g) / static_cast<double>(std::max<std::size_t>(1, gates - 1)), 1);
-  };
+  const auto x_of = [&](std::size_t g) { return text_of(left + width * g / std::max<std::size_t>(1, gates - 1), 1); };
   std::string svg = "<text class=\"head\" x=\"" + text_of(left, 0) + "\" y=\"14\">" + title + "</text>\n";
   const int lines = static_cast<int>(std::lround((high - low) / step));
   for (int n = 0; n <= lines; ++n) {
@@ -96,7 +94,7 @@ std::string chart(const std::string& title, const std::vector<Curve>& curves, do
     const std::string y = text_of(top + height + 38, 0);
     svg += "<path d=\"" + path + "\" " + c.look + "/><path d=\"M" + text_of(key, 0) + " " + y + "h18\" " + c.look +
            "/><text x=\"" + text_of(key + 23, 0) + "\" y=\"" + y + "\" dy=\"4\">" + c.name + "</text>\n";
-    key += 42 + 6.4 * static_cast<double>(c.name.size());
+    key += 42 + 6.4 * c.name.size();
   }
   return svg + "<text class=\"middle\" x=\"" + text_of(left + width / 2, 0) + "\" y=\"" +
          text_of(top + height + 58, 0) + "\">gate</text>\n";

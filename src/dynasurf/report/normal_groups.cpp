@@ -106,7 +106,7 @@ ChosenNormals normals_for(const NormalGroups& normals, const std::vector<std::pa
   for (const auto& [column, value] : wanted) {
     const auto at = std::find(normals.columns.begin(), normals.columns.end(), column);
     if (at == normals.columns.end()) throw InputError(name + ": has no groups by " + column);
-    values[static_cast<std::size_t>(at - normals.columns.begin())] = value;
+    values[at - normals.columns.begin()] = value;
   }
   for (std::size_t n = 0; n < values.size(); ++n)
     if (values[n].empty()) throw InputError(name + ": has groups by " + normals.columns[n] + " too; expected a value");

@@ -113,7 +113,7 @@ PolarTable read_polar(const std::filesystem::path& result) {
                        std::to_string(names.size()));
     for (const PolarKind& kind : polar_kinds())
       if (const auto at = std::find(names.begin(), names.end(), kind.name); at != names.end())
-        (table.maps.*kind.values).push_back(value_of(fields[static_cast<std::size_t>(at - names.begin())], where));
+        (table.maps.*kind.values).push_back(value_of(fields[at - names.begin()], where));
     table.area_mm2.push_back(value_of(fields[area], where).value_or(0));
   }
   if (table.area_mm2.size() != table.grid.size())

@@ -25,7 +25,7 @@ int bin_of(const Study& study, std::size_t most_voxels) {
   const auto voxels = [&] {
     const auto columns = static_cast<std::size_t>((dims[0] + bin - 1) / bin);
     const auto rows = static_cast<std::size_t>((dims[1] + bin - 1) / bin);
-    return columns * rows * static_cast<std::size_t>(dims[2]) * study.gates.size();
+    return columns * rows * dims[2] * study.gates.size();
   };
   while (voxels() > most_voxels && bin < std::max(dims[0], dims[1])) ++bin;
   return bin;
@@ -50,7 +50,7 @@ float largest_value(const Study& study) {
 /// All gates as bytes, 255 the largest value of the study; negative values are black.
 Bytes image_bytes(const Study& study, int bin) {
   const float largest = largest_value(study);
-  const double scale = largest > 0 ? 255.0 / static_cast<double>(largest) : 0;
+  const double scale = largest > 0 ? 255.0 / largest : 0;
   Bytes bytes;
   for (const Image& gate : study.gates)
     for_each_bin(gate.grid.dims, bin, [&](int i0, int i1, int j0, int j1, int k) {
@@ -167,9 +167,8 @@ Json fit_json(const ventricle::Result& result, std::size_t most_voxels) {
   for (std::size_t g = 0; g < images.data.size(); ++g)
     for (std::size_t n = 0; n < images.weight.values.size(); ++n) {
       const auto model = static_cast<double>(images.model[g].values[n]);
-      models.push_back(
-          byte(255 * (model - static_cast<double>(low)) / std::max(1e-6, static_cast<double>(high - low))));
-      differences.push_back(byte(128 + 127 * (static_cast<double>(images.data[g].values[n]) - model) / most));
+      models.push_back(byte(255 * (model - low) / std::max(1e-6, static_cast<double>(high - low))));
+      differences.push_back(byte(128 + 127 * (images.data[g].values[n] - model) / most));
     }
   for (const float w : images.weight.values) weights.push_back(byte(255 * static_cast<double>(w)));
   Json json = Json::object();

@@ -12,7 +12,7 @@ constexpr ventricle::Border walls[] = {ventricle::Border::endo, ventricle::Borde
 struct Window {
   Index3 first{0, 0, 0}, count{0, 0, 0};
   std::size_t size() const {
-    return static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) * static_cast<std::size_t>(count[2]);
+    return count[0] * static_cast<std::size_t>(count[1]) * static_cast<std::size_t>(count[2]);
   }
 };
 
@@ -85,7 +85,7 @@ Json surroundings_json(const ventricle::Motion& motion, const Grid& study) {
   for_each(w, grid, [&](std::size_t n) { most = std::max(most, motion.drag->values[n]); });
   Bytes drag;
   for_each(w, grid, [&](std::size_t n) {
-    const double part = most > 0 ? static_cast<double>(motion.drag->values[n]) / static_cast<double>(most) : 0;
+    const double part = most > 0 ? motion.drag->values[n] / static_cast<double>(most) : 0;
     drag.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp(part, 0.0, 1.0))));
   });
   json["drag"] = {{"most_kg_s", most}, {"values", packed(drag)}};
@@ -135,7 +135,7 @@ Json way_json(const ventricle::Motion& motion, const Box& box, const Grid& study
 std::pair<const ventricle::EdgeSurfaces*, int> shown_gate(const ventricle::Result& result) {
   const int gate = result.leading.ed_gate.value_or(0);
   if (static_cast<std::size_t>(gate) >= result.gates.size()) return {nullptr, gate};
-  return {&result.gates[static_cast<std::size_t>(gate)].edge_surfaces, gate};
+  return {&result.gates[gate].edge_surfaces, gate};
 }
 
 double rounded(double v) { return std::round(1000 * v) / 1000; }

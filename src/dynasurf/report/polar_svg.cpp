@@ -33,7 +33,7 @@ template <std::size_t N>
 Rgb between(const Rgb (&colours)[N], double share) {
   const double place = std::clamp(share, 0.0, 1.0) * (N - 1);
   const auto low = std::min(static_cast<std::size_t>(place), N - 2);
-  const double part = place - static_cast<double>(low);
+  const double part = place - low;
   const Rgb &a = colours[low], &b = colours[low + 1];
   return {a.r + part * (b.r - a.r), a.g + part * (b.g - a.g), a.b + part * (b.b - a.b)};
 }
@@ -174,7 +174,7 @@ std::string histogram(const ventricle::PhaseSummary& s, std::string_view title, 
   for (std::size_t n = 0; n < s.histogram_percent.size(); ++n) {
     const double height = 80 * s.histogram_percent[n] / highest;
     if (height <= 0) continue;
-    const double from = static_cast<double>(n) * s.bin_deg;
+    const double from = n * s.bin_deg;
     svg += "<rect x=\"" + text_of(from, 1) + "\" y=\"" + text_of(bottom - height, 2) + "\" width=\"" +
            text_of(s.bin_deg - 0.6, 1) + "\" height=\"" + text_of(height, 2) + "\" fill=\"" +
            hex(between(circle_colours, from / 360)) + "\"><title>" + text_of(from, 0) + " to " +

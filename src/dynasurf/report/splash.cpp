@@ -45,7 +45,7 @@ Shown around(const Image& image, const TriMesh& mesh) {
   const Vec3 first = (low - room).cwiseQuotient(image.grid.spacing),
              last = (high + room).cwiseQuotient(image.grid.spacing);
   const auto pixel = [&](double at, int axis) {
-    return std::clamp(static_cast<int>(std::lround(at)), 0, image.grid.dims[static_cast<std::size_t>(axis)] - 1);
+    return std::clamp(static_cast<int>(std::lround(at)), 0, image.grid.dims[axis] - 1);
   };
   Shown shown{pixel(first[0], 0), pixel(first[1], 1)};
   shown.width = pixel(last[0], 0) - shown.i + 1;

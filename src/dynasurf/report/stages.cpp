@@ -113,7 +113,7 @@ std::string prefix_of(const fs::path& folder, std::size_t gate) {
 }  // namespace
 
 void StageWriter::operator()(const ventricle::Intermediates& stages) const {
-  const std::string prefix = prefix_of(folder_, static_cast<std::size_t>(stages.gate));
+  const std::string prefix = prefix_of(folder_, stages.gate);
   io::write_nrrd_volume(*stages.image, prefix + "image.nrrd");
   io::write_nrrd_volume(stages.edges->edges, prefix + "edges.nrrd");
   io::write_nrrd_volume(stages.edges->gradient, prefix + "gradient.nrrd");

@@ -34,7 +34,7 @@ double cycle_s(const Study& study) { return study.cycle_ms > 0 ? study.cycle_ms 
 std::vector<float> thickening_of(const ventricle::Measures& m, const ventricle::VertexThickness& now,
                                  ventricle::Border wall) {
   if (m.ed_gate < 0) return {};
-  const ventricle::WallThickness& rest = m.gates[static_cast<std::size_t>(m.ed_gate)].thickness;
+  const ventricle::WallThickness& rest = m.gates[m.ed_gate].thickness;
   const std::vector<double>& before = wall == ventricle::Border::endo ? rest.endo.mm : rest.epi.mm;
   std::vector<float> percent;
   if (before.size() != now.mm.size()) return percent;
@@ -145,8 +145,7 @@ void write_keyframes(const ventricle::Result& result, const StudyFolderOptions& 
       if (const auto& s = gate.surfaces.of(wall)) cycle.push_back(s->mesh);
     if (!is_cycle(cycle, result.gates.size())) continue;
     for (std::size_t f = 0; f < frames; ++f) {
-      const TriMesh mesh =
-          mesh::at_phase(cycle, static_cast<double>(f) / static_cast<double>(frames), keyframes.interpolation);
+      const TriMesh mesh = mesh::at_phase(cycle, f / static_cast<double>(frames), keyframes.interpolation);
       std::string number = std::to_string(f + 1);
       number.insert(0, digits - number.size(), '0');
       for (const io::MeshFormat format : options.mesh_formats)

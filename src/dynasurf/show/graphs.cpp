@@ -35,9 +35,9 @@ Canvas draw_scatter(std::span<const double> distances, const std::string& title)
     if (!std::isfinite(distances[n])) continue;
     ++finite;
     near += std::abs(distances[n]) < 1 ? 1 : 0;
-    canvas.disc(axes.at(static_cast<double>(n), distances[n]), 1.6, ink_of::endo);
+    canvas.disc(axes.at(n, distances[n]), 1.6, ink_of::endo);
   }
-  const double share = finite > 0 ? 100.0 * static_cast<double>(near) / static_cast<double>(finite) : 0;
+  const double share = finite > 0 ? 100.0 * near / finite : 0;
   canvas.text({24, 45},
               number_text(std::round(10 * share) / 10) + " % of " + std::to_string(finite) +
                   " particles are nearer than one voxel to a border voxel's centre",
@@ -55,8 +55,7 @@ Canvas draw_history(std::span<const std::array<int, 4>> history, const std::stri
   const io::Colour colours[] = {viridis(0.05), viridis(0.4), viridis(0.7), viridis(1)};
   for (int band = 3; band >= 0; --band) {
     std::vector<Vec2> area{axes.at(1, 0)};
-    for (std::size_t n = 0; n < history.size(); ++n)
-      area.push_back(axes.at(static_cast<double>(n + 1), band == 3 ? all : history[n][static_cast<std::size_t>(band)]));
+    for (std::size_t n = 0; n < history.size(); ++n) area.push_back(axes.at(n + 1, band == 3 ? all : history[n][band]));
     area.push_back({area.back()[0], axes.box.bottom()});
     canvas.polygon(area, colours[band]);
   }
@@ -126,8 +125,7 @@ Canvas draw_areas(const TriMesh& mesh, const std::string& title) {
                     "triangle",
                     label};
     draw_axes(canvas, axes);
-    for (std::size_t n = 0; n < values.size(); ++n)
-      canvas.disc(axes.at(static_cast<double>(n), values[n]), 1.2, colour);
+    for (std::size_t n = 0; n < values.size(); ++n) canvas.disc(axes.at(n, values[n]), 1.2, colour);
   };
   graph(62, area, ink_of::endo, "Area of each triangle", "mm²");
   graph(340, d, ink_of::pink, "d of each triangle: area / longest edge", "mm");

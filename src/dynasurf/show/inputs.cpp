@@ -120,7 +120,7 @@ ShownGate gate_of_result(const fs::path& folder, int gate) {
   const Json json = io::read_json(file);
   const io::JsonNode results = io::root_of(json, file.string());
   check_gate(gate, io::size_of(gates_in(results)));
-  const std::string prefix = gate_name(static_cast<std::size_t>(gate - 1));
+  const std::string prefix = gate_name(gate - 1);
   const fs::path image = io::file_inside(folder, fs::path("stages") / (prefix + "_image.nrrd"));
   if (!fs::exists(image))
     throw InputError(image.string() + ": is not there; expected a result of dynasurf ventricle --keep-stages");

@@ -47,7 +47,7 @@ Canvas draw_instances(std::span<const TriMesh> levels, const std::string& title)
       const std::size_t level = cloud::level_for_size(chain, side);
       ++drawn[level];
       Scene3d scene;
-      const double share = levels.size() > 1 ? static_cast<double>(level) / static_cast<double>(levels.size() - 1) : 0;
+      const double share = levels.size() > 1 ? level / static_cast<double>(levels.size() - 1) : 0;
       scene.add(levels[level], viridis(0.25 + 0.7 * share), 1, Scene3d::Look::both);
       scene.draw(canvas, {i.x - side, i.y - side, 2 * side, 2 * side}, i.outlook, step / i.points_per_step, false);
     }
@@ -55,14 +55,14 @@ Canvas draw_instances(std::span<const TriMesh> levels, const std::string& title)
   std::vector<LegendEntry> entries;
   std::size_t triangles = 0;
   for (std::size_t n = 0; n < levels.size(); ++n) {
-    const double share = levels.size() > 1 ? static_cast<double>(n) / static_cast<double>(levels.size() - 1) : 0;
+    const double share = levels.size() > 1 ? n / static_cast<double>(levels.size() - 1) : 0;
     entries.push_back({std::to_string(levels[n].triangles.size()) + " triangles, " + std::to_string(drawn[n]) + " of " +
                            std::to_string(across * down) + " bodies",
                        viridis(0.25 + 0.7 * share)});
-    triangles += levels[n].triangles.size() * static_cast<std::size_t>(drawn[n]);
+    triangles += levels[n].triangles.size() * drawn[n];
   }
   draw_legend_row(canvas, {24, 46}, entries);
-  const std::size_t whole = levels[0].triangles.size() * static_cast<std::size_t>(across * down);
+  const std::size_t whole = levels[0].triangles.size() * (across * down);
   canvas.text({24, 66},
               std::to_string(triangles) + " triangles in all; " + std::to_string(whole) +
                   " at the finest level. A level serves while its edges are no longer than " +

@@ -22,7 +22,7 @@ io::Colour viridis(double value) {
                                                     {253, 231, 37}}};
   const double at = (value > 0 ? std::min(value, 1.0) : 0) * (stops.size() - 1);
   const std::size_t low = std::min(static_cast<std::size_t>(at), stops.size() - 2);
-  const double share = at - static_cast<double>(low);
+  const double share = at - low;
   io::Colour mixed;
   for (std::size_t c = 0; c < 3; ++c) mixed[c] = byte_of((1 - share) * stops[low][c] + share * stops[low + 1][c]);
   return mixed;

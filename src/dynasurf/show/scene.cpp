@@ -87,7 +87,7 @@ void Scene3d::add_voxels(const Image& image, const std::function<std::optional<i
         for (int axis = 0; axis < 3; ++axis)
           for (const int side : {-1, 1}) {
             Index3 next{i, j, k};
-            next[static_cast<std::size_t>(axis)] += side;
+            next[axis] += side;
             if (g.contains(next[0], next[1], next[2]) && colour(image(next[0], next[1], next[2]))) continue;
             Piece face{{}, *own, opacity, 0, true, true, true, {}};
             const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -157,8 +157,7 @@ double Scene3d::draw(Canvas& canvas, const Panel& box, const Outlook& outlook, d
   const Vec3 middle = 0.5 * (extent.low + extent.high);
   std::vector<double> depth(pieces_.size());
   for (std::size_t n = 0; n < pieces_.size(); ++n)
-    for (const Vec3& p : pieces_[n].points)
-      depth[n] += axes.row(2).dot(p) / static_cast<double>(pieces_[n].points.size());
+    for (const Vec3& p : pieces_[n].points) depth[n] += axes.row(2).dot(p) / pieces_[n].points.size();
   std::vector<std::size_t> order(pieces_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return depth[a] > depth[b]; });

@@ -198,7 +198,7 @@ Canvas draw_sheet(const Image& image, const Shown& shown, const std::string& tit
   Canvas canvas(all, head + rows * height + edge - gap);
   draw_head(canvas, title, legend);
   for (int n = 0; n < count; ++n) {
-    const int k = shown.slices[static_cast<std::size_t>(n)];
+    const int k = shown.slices[n];
     const double left = edge + n % columns * width, top = head + n / columns * height + strip;
     Tile tile(shown.window, left, top, scale);
     tile.paint(image, k, shown.greys);
@@ -219,7 +219,7 @@ Shown around(const Image& image, const TriMesh& mesh) {
   const Vec3 first = (low - room).cwiseQuotient(image.grid.spacing),
              last = (high + room).cwiseQuotient(image.grid.spacing);
   const auto pixel = [&](double at, int axis) {
-    return std::clamp(static_cast<int>(std::lround(at)), 0, image.grid.dims[static_cast<std::size_t>(axis)] - 1);
+    return std::clamp(static_cast<int>(std::lround(at)), 0, image.grid.dims[axis] - 1);
   };
   Shown shown;
   shown.window = {pixel(first[0], 0), pixel(first[1], 1), 0, 0};
@@ -248,7 +248,7 @@ void draw_bars(Canvas& canvas, const ventricle::RadialProfile& profile, double r
   canvas.text({box.x, box.y + 6}, std::to_string(static_cast<int>(ring_px)) + " px, most " + std::to_string(most),
               {7, Anchor::start, ink_of::text});
   for (std::size_t ring = 0; most > 0 && ring < profile.counts.size(); ++ring) {
-    const double from = static_cast<double>(ring) * ring_px / reach_px, to = from + ring_px / reach_px;
+    const double from = ring * ring_px / reach_px, to = from + ring_px / reach_px;
     if (from >= 1 || profile.counts[ring] == 0) continue;
     const bool peak = std::any_of(profile.peaks_px.begin(), profile.peaks_px.end(),
                                   [&](double r) { return static_cast<std::size_t>(r / ring_px) == ring; });
@@ -345,15 +345,15 @@ Canvas draw_matrix(const std::vector<std::vector<MatrixCell>>& rows, int slice, 
   const int scale = scale_of(window, cell_points);
   const double width = window.columns * scale + gap, height = window.rows * scale + strip + gap;
   const Legend& legend = what == MatrixDrawing::edges ? edge_legend : label_legend;
-  const double all = std::max(480.0, 2 * edge + static_cast<double>(rows.front().size()) * width - gap);
+  const double all = std::max(480.0, 2 * edge + rows.front().size() * width - gap);
   const double head = head_height(legend, all);
-  Canvas canvas(all, head + static_cast<double>(rows.size()) * height + edge - gap);
+  Canvas canvas(all, head + rows.size() * height + edge - gap);
   draw_head(canvas, title, legend);
   for (std::size_t r = 0; r < rows.size(); ++r)
     for (std::size_t c = 0; c < rows[r].size(); ++c) {
       const MatrixCell& cell = rows[r][c];
-      const double left = edge + static_cast<double>(c) * width;
-      const double top = head + static_cast<double>(r) * height + strip;
+      const double left = edge + c * width;
+      const double top = head + r * height + strip;
       Lettering letters{9};
       const double long_name = canvas.width_of(cell.name, letters);
       if (long_name > width - gap) letters.size *= (width - gap) / long_name;

@@ -89,7 +89,7 @@ class Show {
     std::array<Image, 3> bits{Image(gate.labels.grid), Image(gate.labels.grid), Image(gate.labels.grid)};
     for (std::size_t n = 0; n < gate.labels.values.size(); ++n)
       if (const auto label = static_cast<int>(gate.labels.values[n]); label >= 1 && label <= 3)
-        bits[static_cast<std::size_t>(label - 1)].values[n] = 1;
+        bits[label - 1].values[n] = 1;
     const NamedVoxels sets[] = {
         {"inner", bits[0], ink_of::endo, 1}, {"outer", bits[1], ink_of::epi, 0.45}, {"both", bits[2], ink_of::pink, 1}};
     return draw_voxels(sets, "Labelled edges of gate " + std::to_string(r_.gate));
@@ -181,9 +181,7 @@ class Show {
     for (auto& wall : meshes)
       if (wall.size() != beat.surfaces[0].size()) wall.clear();  // a gate without surface: no beat of this wall
     const std::size_t gates = beat.time_ms.size();
-    const double length = gates > 1 ? (beat.time_ms.back() - beat.time_ms[0]) * static_cast<double>(gates) /
-                                          static_cast<double>(gates - 1)
-                                    : 0;
+    const double length = gates > 1 ? (beat.time_ms.back() - beat.time_ms[0]) * gates / (gates - 1) : 0;
     const io::Colour colours[] = {colour_of(walls[0]), colour_of(walls[1])};
     return film_of_beat(meshes, colours, length, "A beat, interpolated between the gates");
   }

@@ -153,8 +153,8 @@ Canvas draw_field_grid(std::span<const NamedField> fields, int across, int slice
   const Cutout shown = shown_of(g, border, row);
   for (std::size_t n = 0; n < fields.size(); ++n) {
     const field::VectorField& field = fields[n].field;
-    const double x = 56 + static_cast<double>(n % static_cast<std::size_t>(across)) * (side + gap_x);
-    const double y = head + static_cast<double>(n / static_cast<std::size_t>(across)) * (side + graph + gap_y);
+    const double x = 56 + (n % across) * (side + gap_x);
+    const double y = head + (n / across) * (side + graph + gap_y);
     canvas.text({x, y - 6}, fields[n].name, {11, Anchor::start, ink_of::text, true});
     const double longest = longest_in(field, shown, slice);
     const SliceMap map = map_of(g, shown, {x, y, side, side});
@@ -194,8 +194,7 @@ Canvas draw_sections_of(const Image& image, std::span<const NamedSurface> surfac
   const std::size_t drawn = std::min<std::size_t>(12, met.size());
   constexpr double side = 210, gap = 30;
   const std::size_t across = std::min<std::size_t>(4, drawn), down = (drawn + across - 1) / across;
-  Canvas canvas(std::max(560.0, 24 + static_cast<double>(across) * (side + 12)),
-                64 + static_cast<double>(down) * (side + gap));
+  Canvas canvas(std::max(560.0, 24 + across * (side + 12)), 64 + down * (side + gap));
   canvas.text({24, 26}, title, {14, Anchor::start, ink_of::text, true});
   std::vector<LegendEntry> entries;
   for (const NamedSurface& s : surfaces) entries.push_back({s.name, s.colour});
@@ -203,8 +202,8 @@ Canvas draw_sections_of(const Image& image, std::span<const NamedSurface> surfac
   const double most = *std::max_element(image.values.begin(), image.values.end());
   for (std::size_t n = 0; n < drawn; ++n) {
     const int k = met[drawn == 1 ? 0 : n * (met.size() - 1) / (drawn - 1)];
-    const double x = 24 + static_cast<double>(n % across) * (side + 12);
-    const double y = 80 + static_cast<double>(n / across) * (side + gap);
+    const double x = 24 + (n % across) * (side + 12);
+    const double y = 80 + (n / across) * (side + gap);
     const SliceMap map = map_of(g, window, {x, y, side, side});
     draw_slice(canvas, map, image, k, most);
     canvas.clip(map.box);

@@ -27,7 +27,7 @@ std::vector<std::size_t> non_zero(const Image& image) {
 }
 
 Vec3 place_of(const Grid& g, std::size_t n) {
-  const auto columns = static_cast<std::size_t>(g.dims[0]), rows = static_cast<std::size_t>(g.dims[1]);
+  const std::size_t columns = g.dims[0], rows = g.dims[1];
   return centre_of(
       g, {static_cast<int>(n % columns), static_cast<int>(n / columns % rows), static_cast<int>(n / (columns * rows))});
 }
@@ -171,8 +171,8 @@ Canvas draw_mesh(std::span<const NamedSurface> surfaces, std::span<const NamedVo
   const double scale = panels.back().second.fitting_scale({0, 0, side, side});
   const std::size_t across = over_voxels ? 2 : 3;
   for (std::size_t n = 0; n < panels.size(); ++n) {
-    const double x = 24 + static_cast<double>(n % across) * (side + gap);
-    const double y = 64 + static_cast<double>(n / across) * (side + gap);
+    const double x = 24 + (n % across) * (side + gap);
+    const double y = 64 + (n / across) * (side + gap);
     canvas.text({x, y + 10}, panels[n].first, {11, Anchor::start, ink_of::text, true});
     panels[n].second.draw(canvas, {x, y, side, side}, {}, scale);
   }
@@ -193,12 +193,11 @@ Canvas draw_cycle(std::span<const std::vector<NamedSurface>> walls, const std::s
   };
   for (const auto& wall : walls)
     for (const NamedSurface& s : wall) scale = std::max(scale, scene_of(s).fitting_scale(box));
-  Canvas canvas(std::max(480.0, 48 + static_cast<double>(gates) * side),
-                60 + static_cast<double>(walls.size()) * (side + 20));
+  Canvas canvas(std::max(480.0, 48 + gates * side), 60 + walls.size() * (side + 20));
   canvas.text({24, 26}, title, {14, Anchor::start, ink_of::text, true});
   for (std::size_t w = 0; w < walls.size(); ++w)
     for (std::size_t g = 0; g < walls[w].size(); ++g) {
-      const double x = 24 + static_cast<double>(g) * side, y = 50 + static_cast<double>(w) * (side + 20);
+      const double x = 24 + g * side, y = 50 + w * (side + 20);
       scene_of(walls[w][g]).draw(canvas, {x, y + 6, side, side}, {}, scale);
       canvas.text({x + side / 2, y}, walls[w][g].name, {10, Anchor::middle});
     }
@@ -243,14 +242,11 @@ Canvas draw_evolution(std::span<const EvolutionFrame> frames, const Image& borde
   constexpr double side = 290;
   constexpr std::size_t across = 4;
   const std::size_t down = (frames.size() + across - 1) / across;
-  Canvas canvas(48 + static_cast<double>(std::min(across, frames.size())) * side,
-                64 + static_cast<double>(down) * (side + 16));
+  Canvas canvas(48 + std::min(across, frames.size()) * side, 64 + down * (side + 16));
   draw_evolution_head(canvas, title);
   for (std::size_t n = 0; n < frames.size(); ++n)
-    draw_frame(
-        canvas,
-        {24 + static_cast<double>(n % across) * side, 64 + static_cast<double>(n / across) * (side + 16), side, side},
-        frames[n], frames[0], border);
+    draw_frame(canvas, {24 + (n % across) * side, 64 + (n / across) * (side + 16), side, side}, frames[n], frames[0],
+               border);
   return canvas;
 }
 
@@ -308,7 +304,7 @@ Canvas draw_smoothing(const TriMesh& before, const TriMesh& after, const std::st
     const std::vector<double> deficits = mesh::angle_deficits(mesh);
     std::vector<io::Colour> colours;
     double mean = 0;
-    for (const double d : deficits) mean += std::abs(d) / static_cast<double>(deficits.size());
+    for (const double d : deficits) mean += std::abs(d) / deficits.size();
     for (const auto& t : mesh.triangles)
       colours.push_back(
           viridis((std::abs(deficits[t[0]]) + std::abs(deficits[t[1]]) + std::abs(deficits[t[2]])) / (3 * most)));

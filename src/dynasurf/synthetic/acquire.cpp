@@ -34,8 +34,8 @@ Kernel kernel_of(const std::vector<double>& shifts) {
   for (const double shift : shifts) {
     const double below = std::floor(shift);
     const auto cell = static_cast<std::size_t>(static_cast<int>(below) - kernel.first);
-    kernel.weights[cell] += static_cast<float>((1 - (shift - below)) / static_cast<double>(shifts.size()));
-    kernel.weights[cell + 1] += static_cast<float>((shift - below) / static_cast<double>(shifts.size()));
+    kernel.weights[cell] += static_cast<float>((1 - (shift - below)) / shifts.size());
+    kernel.weights[cell + 1] += static_cast<float>((shift - below) / shifts.size());
   }
   return kernel;
 }
@@ -75,7 +75,7 @@ struct Movement {
 };
 
 Movement movement_at(const Acquisition& o, std::size_t view, double angle_deg, double voxel_mm) {
-  const bool moved = static_cast<double>(view) >= o.move_at * o.views;
+  const bool moved = view >= o.move_at * o.views;
   const double angle = angle_deg * (M_PI / 180);
   std::vector<double> along = breath(o.breathing_mm);
   for (double& z : along) z = (z + (moved ? o.move_z_mm : 0)) / voxel_mm;
@@ -118,15 +118,15 @@ void count(Projections& p, const Acquisition& o, std::uint64_t seed) {
   double total = 0;
   for (const auto* kind : {&p.gates, &p.scatter})
     for (const auto& gate : *kind)
-      for (const float value : gate) total += static_cast<double>(value);
+      for (const float value : gate) total += value;
   const double scale = total > 0 ? 1e6 * o.million_counts / total : 0;
   parallel_for(p.gates.size() * p.views(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       const std::size_t g = n / p.views(), v = n % p.views();
       const double accepted = 1 - 2 * o.rejected_percent / 100 * Random(seed, stream_of_beats, v).uniform();
       for (std::size_t b = v * p.bins(); b < (v + 1) * p.bins(); ++b) {
-        const double aside = p.scatter.empty() ? 0 : scale * accepted * static_cast<double>(p.scatter[g][b]);
-        double mean = scale * accepted * static_cast<double>(p.gates[g][b]) + aside, told = aside;
+        const double aside = p.scatter.empty() ? 0 : scale * accepted * p.scatter[g][b];
+        double mean = scale * accepted * p.gates[g][b] + aside, told = aside;
         if (o.is_noisy) {
           mean = Random(seed, 2 * g, b).poisson(mean);
           told = Random(seed, 2 * g + 1, b).poisson(side_windows * aside) / side_windows;

@@ -123,10 +123,10 @@ std::vector<Image> expose(std::vector<Image> activity, const Noise& noise) {
   for (const Image& image : activity)
     for (float value : image.values) hottest = std::max(hottest, value);
   const double peak = noise.peak_counts > 0 ? noise.peak_counts : peak_without_counts;
-  const double scale = hottest > 0 ? peak / static_cast<double>(hottest) : 1;
+  const double scale = hottest > 0 ? peak / hottest : 1;
   for (std::size_t gate = 0; gate < activity.size(); ++gate) {
     Image& image = activity[gate];
-    for (float& value : image.values) value = static_cast<float>(static_cast<double>(value) * scale);
+    for (float& value : image.values) value = static_cast<float>(value * scale);
     if (noise.peak_counts > 0) {
       image = with_texture(image, draw_counts(image, noise.seed, gate), noise.texture);
       if (noise.filter_fwhm_mm > 0) image = blur(image, noise.filter_fwhm_mm);
@@ -146,8 +146,7 @@ Study make_study(std::vector<Image> gates, double cycle_ms) {
   study.slice_order = SliceOrder::apex_to_base;
   if (gates.size() > 1 && cycle_ms > 0) {
     study.cycle_ms = cycle_ms;
-    for (std::size_t g = 0; g < gates.size(); ++g)
-      study.time_ms.push_back(cycle_ms * static_cast<double>(g) / static_cast<double>(gates.size()));
+    for (std::size_t g = 0; g < gates.size(); ++g) study.time_ms.push_back(cycle_ms * g / gates.size());
   }
   study.gates = std::move(gates);
   return study;

@@ -81,8 +81,7 @@ Phantom make_phantom(const Organ& options) {
   if (o.values == OrganValues::labels) {
     for (int k = 0; k < grid.dims[2]; ++k)
       for (int j = 0; j < grid.dims[1]; ++j)
-        for (int i = 0; i < grid.dims[0]; ++i)
-          image(i, j, k) = static_cast<float>(label_at(frame.to_object(centre_of(grid, {i, j, k}))));
+        for (int i = 0; i < grid.dims[0]; ++i) image(i, j, k) = label_at(frame.to_object(centre_of(grid, {i, j, k})));
   } else {
     const double around[] = {0, o.inside - o.outside, o.neighbour - o.outside};
     const double reach = 2.2 * body.half.maxCoeff();

@@ -223,7 +223,7 @@ TrackedTruth track(const VirtualPatient& o, const VentricleMotion& motion, const
       Vec3 place(own::cos(angle) * p[0] - own::sin(angle) * p[1], own::sin(angle) * p[0] + own::cos(angle) * p[1],
                  p[2]);
       constexpr std::uint64_t stream = 0x7a65;  // of its own, beside that of the voxels
-      Random random(o.noise.seed, stream, g * static_cast<std::size_t>(o.tags.points) + static_cast<std::size_t>(n));
+      Random random(o.noise.seed, stream, g * o.tags.points + n);
       for (int a = 0; a < 3; ++a) place[a] += o.tags.error_mm * random.normal();
       places.push_back(to_world_of(place));
     }
@@ -292,13 +292,13 @@ std::vector<Image> see_beat(const VirtualPatient& o, const VentricleMotion& moti
   std::vector<Image> images(truth.size());
   parallel_for(images.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {
-      const double phase = o.gates > 1 ? (static_cast<double>(g) + 0.5) / o.gates : 0;
+      const double phase = o.gates > 1 ? (g + 0.5) / o.gates : 0;
       const Instant now = instant_at(o, motion, phase);
       truth[g] = true_gate(o, setting, now, phase);
       const Image seen = render_scene(setting.grid, setting.heart, scene_of(o, now, relaxed), narrow, sub_samples);
       images[g] = see_unevenly(o.irregular, seen, narrow, fwhm);
       for (std::size_t v = 0; v < at_rest.values.size(); ++v) {
-        const double sum = static_cast<double>(images[g].values[v]) + static_cast<double>(at_rest.values[v]);
+        const double sum = images[g].values[v] + static_cast<double>(at_rest.values[v]);
         images[g].values[v] = static_cast<float>(std::max(0.0, sum + o.background));
       }
     }
@@ -334,7 +334,7 @@ Phantom make_phantom(const VirtualPatient& options) {
   const VentricleShape relaxed = shape_at(motion, motion.edv_ml);
   const Setting setting = setting_of(o, {0, 0, relaxed.base_z / 2});
 
-  phantom.truth.resize(static_cast<std::size_t>(o.gates));
+  phantom.truth.resize(o.gates);
   phantom.study = study_of(o, expose(see_beat(o, motion, setting, relaxed, phantom.truth), o.noise));
   phantom.axis = setting.grid.direction * setting.heart.rotation.col(2);
   if (o.tags.points > 0) phantom.tracked = track(o, motion, setting, phantom.truth);

@@ -17,7 +17,7 @@ PlaneFilter make_plane_filter(int n, const std::function<double(int k, int l, in
 }
 
 void filter_planes(const PlaneFilter& f, std::span<float> first, std::span<float> second) {
-  const auto n = static_cast<std::size_t>(f.n), size = static_cast<std::size_t>(f.size);
+  const std::size_t n = f.n, size = f.size;
   std::vector<std::vector<Complex>> rows(n, std::vector<Complex>(size));
   for (std::size_t a = 0; a < n; ++a) {
     for (std::size_t z = 0; z < n; ++z)

@@ -71,7 +71,7 @@ DrawnPatient draw_patient(std::uint64_t seed, std::uint64_t number, int repeat) 
   draw_function(heart, drawn.sex == "F", drawn.options);
   draw_surroundings(heart, drawn.options);
   drawn.options.fwhm_mm = about(heart, drawn.site == "A" ? 11 : 13, 0.5, 9, 15);
-  Random acquisition(seed, acquisition_stream, number * most_repeats + static_cast<std::uint64_t>(repeat));
+  Random acquisition(seed, acquisition_stream, number * most_repeats + repeat);
   draw_acquisition(acquisition, drawn.options);
   return drawn;
 }

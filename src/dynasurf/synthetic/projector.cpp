@@ -10,7 +10,7 @@
 namespace dynasurf::synthetic {
 namespace {
 
-std::size_t at(int row, int n) { return static_cast<std::size_t>(row) * static_cast<std::size_t>(n); }
+std::size_t at(int row, int n) { return row * static_cast<std::size_t>(n); }
 
 /// The four columns around a point of the rotated lattice, and their weights.
 struct Taps {
@@ -71,7 +71,7 @@ void add_plane(const ViewModel& view, const float* plane, int b, Columns& sum) {
 /// (w, 1 - 2w, w) over the rows of a square: its variance is 2 w. What leaves the camera is lost.
 void blur_across(const float* from, float* to, int n, float w) {
   const float middle = 1 - 2 * w;
-  const std::vector<float> nothing(static_cast<std::size_t>(n), 0.0F);
+  const std::vector<float> nothing(n, 0.0F);
   for (int a = 0; a < n; ++a) {
     const float* here = from + at(a, n);
     const float* left = a > 0 ? here - n : nothing.data();
@@ -105,7 +105,7 @@ void blur_square(float* square, float* spare, int n, double across, double along
 /// Convolves lines of `count` values, `stride` apart, with (1 - q) / (1 + q) q^|n|, over `width` neighbouring lines.
 void spread_line(float* line, int count, std::size_t stride, int width, float q) {
   const float scale = (1 - q) / (1 + q);
-  std::vector<float> before(at(count, width), 0.0F), after(static_cast<std::size_t>(width), 0.0F);
+  std::vector<float> before(at(count, width), 0.0F), after(width, 0.0F);
   for (int i = 1; i < count; ++i)
     for (int w = 0; w < width; ++w)
       before[at(i, width) + w] = q * (before[at(i - 1, width) + w] + line[(i - 1) * stride + w]);
@@ -119,7 +119,7 @@ void spread_line(float* line, int count, std::size_t stride, int width, float q)
 
 void spread_scatter(std::vector<float>& square, int n, double share) {
   const auto q = static_cast<float>(share);
-  spread_line(square.data(), n, static_cast<std::size_t>(n), n, q);
+  spread_line(square.data(), n, n, n, q);
   for (int a = 0; a < n; ++a) spread_line(square.data() + at(a, n), n, 1, 1, q);
 }
 
@@ -135,19 +135,19 @@ float mean_transmission(float x) {
 void attenuate(ViewModel& view, const ViewSettings& s) {
   const int n = view.n;
   const std::size_t plane = at(n, n);
-  view.transmission.resize(plane * static_cast<std::size_t>(n));
+  view.transmission.resize(plane * n);
   if (s.scatter > 0) view.buildup.resize(view.transmission.size());
   std::vector<float> left(plane, 1.0F), path(plane, 0.0F), here(plane);
   const auto step = static_cast<float>(s.voxel_mm), scatter = static_cast<float>(s.scatter);
   for (int b = 0; b < n; ++b) {
     rotate_plane(view, *s.attenuation, b, here.data());
-    float* through = view.transmission.data() + plane * static_cast<std::size_t>(b);
+    float* through = view.transmission.data() + plane * b;
     for (std::size_t v = 0; v < plane; ++v) {
       const float x = here[v] * step, mean = mean_transmission(x);
       through[v] = left[v] * mean;
       left[v] *= 1 - x * mean;  // exp(-x)
       if (s.scatter > 0) {
-        view.buildup[plane * static_cast<std::size_t>(b) + v] = scatter * (path[v] + x / 2) * through[v];
+        view.buildup[plane * b + v] = scatter * (path[v] + x / 2) * through[v];
         path[v] += x;
       }
     }
@@ -182,8 +182,8 @@ Columns columns_of(const Image& image) {
   columns.is_empty.assign(at(n, n), 1);
   for (int k = 0; k < n; ++k)
     for (int c = 0; c < n * n; ++c) {
-      const float value = image.values[at(k, n * n) + static_cast<std::size_t>(c)];
-      columns.values[at(c, n) + static_cast<std::size_t>(k)] = value;
+      const float value = image.values[at(k, n * n) + c];
+      columns.values[at(c, n) + k] = value;
       if (value != 0) columns.is_empty[c] = 0;
     }
   return columns;
@@ -193,8 +193,7 @@ Image image_of(const Columns& columns, const Grid& grid) {
   const int n = columns.n;
   Image image(grid);
   for (int k = 0; k < n; ++k)
-    for (int c = 0; c < n * n; ++c)
-      image.values[at(k, n * n) + static_cast<std::size_t>(c)] = columns.values[at(c, n) + static_cast<std::size_t>(k)];
+    for (int c = 0; c < n * n; ++c) image.values[at(k, n * n) + c] = columns.values[at(c, n) + k];
   return image;
 }
 
@@ -218,11 +217,10 @@ void project_view(const ViewModel& view, const Columns& activity, std::span<floa
   for (int b = n - 1; b >= 0; --b) {
     if (rotate_plane(view, activity, b, plane.data())) {
       any = true;
-      const float* through =
-          view.transmission.empty() ? nullptr : &view.transmission[square * static_cast<std::size_t>(b)];
+      const float* through = view.transmission.empty() ? nullptr : &view.transmission[square * b];
       for (std::size_t v = 0; v < square; ++v) sum[v] += through != nullptr ? through[v] * plane[v] : plane[v];
       if (!aside.empty()) {
-        const float* buildup = &view.buildup[square * static_cast<std::size_t>(b)];
+        const float* buildup = &view.buildup[square * b];
         for (std::size_t v = 0; v < square; ++v) aside[v] += buildup[v] * plane[v];
       }
     }
@@ -246,7 +244,7 @@ void back_project_view(const ViewModel& view, std::span<const float> bins, Colum
       add_plane(view, here.data(), b, sum);
       continue;
     }
-    const float* through = &view.transmission[square * static_cast<std::size_t>(b)];
+    const float* through = &view.transmission[square * b];
     for (std::size_t v = 0; v < square; ++v) plane[v] = through[v] * here[v];
     add_plane(view, plane.data(), b, sum);
   }
@@ -260,8 +258,7 @@ void widen_square(std::span<float> square, int n, double across, double along) {
 std::vector<float> transposed(std::span<const float> square, int n) {
   std::vector<float> result(square.size());
   for (int a = 0; a < n; ++a)
-    for (int z = 0; z < n; ++z)
-      result[at(z, n) + static_cast<std::size_t>(a)] = square[at(a, n) + static_cast<std::size_t>(z)];
+    for (int z = 0; z < n; ++z) result[at(z, n) + a] = square[at(a, n) + z];
   return result;
 }
 

@@ -61,7 +61,7 @@ std::uint64_t Random::next() {
   return scramble(state_);
 }
 
-double Random::uniform() { return (static_cast<double>(next() >> 11) + 0.5) * 0x1.0p-53; }
+double Random::uniform() { return ((next() >> 11) + 0.5) * 0x1.0p-53; }
 
 double Random::normal() {
   for (;;) {

@@ -32,7 +32,7 @@ PlaneFilter filter_of(const Fbp& o, int n, double bin_mm) {
   return make_plane_filter(n, [&](int k, int l, int size) {
     if (ramp.empty()) ramp = ramp_spectrum(size);
     const double per_cm = 10 / (bin_mm * size);
-    return ramp[static_cast<std::size_t>(k < 0 ? k + size : k)] * window_at(o, own::hypot(k * per_cm, l * per_cm));
+    return ramp[k < 0 ? k + size : k] * window_at(o, own::hypot(k * per_cm, l * per_cm));
   });
 }
 
@@ -60,7 +60,7 @@ std::vector<float> view_of(const Projections& p, const std::vector<float>& gate,
 /// views count alike.
 std::vector<Image> run(const Projections& p, const Image*, const Fbp& o) {
   const PlaneFilter filter = filter_of(o, p.size, p.bin_mm);
-  const auto scale = static_cast<float>(M_PI / static_cast<double>(p.views()));
+  const auto scale = static_cast<float>(M_PI / p.views());
   std::vector<Image> images(p.gates.size());
   parallel_for(images.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {
@@ -110,7 +110,7 @@ void step(const Projections& p, std::size_t gate, bool use_scatter, const std::v
 }
 
 std::vector<Image> run(const Projections& p, const Image* attenuation, const Osem& o) {
-  if (p.views() % static_cast<std::size_t>(o.subsets) != 0)
+  if (p.views() % o.subsets != 0)
     throw OptionError("option reconstruction.subsets is " + std::to_string(o.subsets) + "; expected a divisor of the " +
                       std::to_string(p.views()) + " views");
   if (o.scatter && p.scatter.empty())
@@ -118,8 +118,8 @@ std::vector<Image> run(const Projections& p, const Image* attenuation, const Ose
   if (o.attenuation && attenuation == nullptr) throw InputError("a map of attenuation was expected; there is none");
   const Columns map = o.attenuation ? columns_of(*attenuation) : Columns(0);
   std::vector<Columns> estimates(p.gates.size(), seen_disc(p.size, 1));
-  const std::size_t subsets = static_cast<std::size_t>(o.subsets), per_subset = p.views() / subsets;
-  for (std::size_t turn = 0; turn < static_cast<std::size_t>(o.iterations) * subsets; ++turn) {
+  const std::size_t subsets = o.subsets, per_subset = p.views() / subsets;
+  for (std::size_t turn = 0; turn < o.iterations * subsets; ++turn) {
     std::vector<std::size_t> subset;
     for (std::size_t s = 0; s < per_subset; ++s) subset.push_back(turn % subsets + s * subsets);
     std::vector<ViewModel> models(per_subset);
@@ -164,7 +164,7 @@ Image cut_out(const Image& image, const Grid& grid) {
   const auto value = [&](int i, int j, int k) {
     return from.contains(i, j, k) ? static_cast<double>(image(i, j, k)) : 0;
   };
-  parallel_for(static_cast<std::size_t>(grid.dims[2]), 1, [&](std::size_t begin, std::size_t end) {
+  parallel_for(grid.dims[2], 1, [&](std::size_t begin, std::size_t end) {
     for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
       for (int j = 0; j < grid.dims[1]; ++j)
         for (int i = 0; i < grid.dims[0]; ++i) {

@@ -26,8 +26,8 @@ std::vector<double> areas_up_to(const TriMesh& surface) {
 
 /// The points nearest to one of them go, in their own order.
 void tear_hole(PointCloud& cloud, double share, Random random) {
-  const std::size_t n = cloud.points.size(), gone = static_cast<std::size_t>(share * static_cast<double>(n));
-  const Vec3 middle = cloud.points[static_cast<std::size_t>(random.uniform() * static_cast<double>(n))];
+  const std::size_t n = cloud.points.size(), gone = static_cast<std::size_t>(share * n);
+  const Vec3 middle = cloud.points[static_cast<std::size_t>(random.uniform() * n)];
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -59,7 +59,7 @@ PointCloud scan_surface(const TriMesh& surface, const CloudPhantom& options) {
   for (const Vec3& p : surface.vertices) box.extend(p);
   const double sigma = o.noise_percent / 100 * box.diagonal().norm();
   PointCloud cloud;
-  cloud.points.reserve(static_cast<std::size_t>(o.points));
+  cloud.points.reserve(o.points);
   for (int n = 0; n < o.points; ++n) {
     Random where(o.seed, places, static_cast<std::uint64_t>(n)), off(o.seed, noise, static_cast<std::uint64_t>(n));
     const double at = where.uniform() * sums.back();

@@ -10,9 +10,8 @@ namespace {
 Mask reach_level(const Image& image, double fraction) {
   Mask mask(image.grid);
   if (image.values.empty()) return mask;
-  const double level = fraction * static_cast<double>(*std::max_element(image.values.begin(), image.values.end()));
-  for (std::size_t v = 0; v < mask.values.size(); ++v)
-    mask.values[v] = image.values[v] > 0 && static_cast<double>(image.values[v]) >= level;
+  const double level = fraction * *std::max_element(image.values.begin(), image.values.end());
+  for (std::size_t v = 0; v < mask.values.size(); ++v) mask.values[v] = image.values[v] > 0 && image.values[v] >= level;
   return mask;
 }
 
@@ -71,11 +70,9 @@ Image external_border(const Image& image, double fraction, double cover_radius_m
 Image internal_border(const Image& image, double fraction) { return surface_voxels(enclosed_cavity(image, fraction)); }
 
 std::size_t count_voxels(const Mask& mask) {
-  return static_cast<std::size_t>(std::count_if(mask.values.begin(), mask.values.end(), [](auto v) { return v != 0; }));
+  return std::count_if(mask.values.begin(), mask.values.end(), [](auto v) { return v != 0; });
 }
 
-double voxel_volume_ml(const Mask& mask) {
-  return static_cast<double>(count_voxels(mask)) * mask.grid.voxel_volume_mm3() / 1000;
-}
+double voxel_volume_ml(const Mask& mask) { return count_voxels(mask) * mask.grid.voxel_volume_mm3() / 1000; }
 
 }  // namespace dynasurf::synthetic

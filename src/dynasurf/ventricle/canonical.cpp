@@ -75,8 +75,8 @@ SliceOrder guess_slice_order(std::span<const Image> gates) {
   const std::size_t third = std::max<std::size_t>(1, looks.size() / 3);
   double low = 0, high = 0;
   for (std::size_t s = 0; s < third; ++s) {
-    low += looks[s].hollow / static_cast<double>(third);
-    high += looks[looks.size() - 1 - s].hollow / static_cast<double>(third);
+    low += looks[s].hollow / third;
+    high += looks[looks.size() - 1 - s].hollow / third;
   }
   constexpr double least_difference = 0.1;
   if (std::abs(high - low) < least_difference) return SliceOrder::unknown;

@@ -48,13 +48,12 @@ using RadiusOf = std::array<std::optional<double>, directions>;
 void bridge_gaps(RadiusOf& radius) {
   std::vector<int> known;
   for (int d = 0; d < directions; ++d)
-    if (radius[static_cast<std::size_t>(d)]) known.push_back(d);
+    if (radius[d]) known.push_back(d);
   if (known.empty()) return;
   for (std::size_t n = 0; n < known.size(); ++n) {
     const int from = known[n], to = n + 1 < known.size() ? known[n + 1] : known[0] + directions;
-    const double a = *radius[static_cast<std::size_t>(from)], b = *radius[static_cast<std::size_t>(to % directions)];
-    for (int d = from + 1; d < to; ++d)
-      radius[static_cast<std::size_t>(d % directions)] = a + (b - a) * (d - from) / (to - from);
+    const double a = *radius[from], b = *radius[to % directions];
+    for (int d = from + 1; d < to; ++d) radius[d % directions] = a + (b - a) * (d - from) / (to - from);
   }
 }
 
@@ -66,7 +65,7 @@ void fill_disc(Image& border, int k, const std::vector<int>& others) {
   if (first == rings.end()) return;
   double x = 0, y = 0;
   for (const Pixel& p : *first) x += p.i, y += p.j;
-  x /= static_cast<double>(first->size()), y /= static_cast<double>(first->size());
+  x /= first->size(), y /= first->size();
 
   RadiusOf radius;
   for (const auto& ring : rings) {
@@ -103,13 +102,13 @@ int find_base_slice(const Image& image, const Labels& labels, double base_level,
       }
   if (highest < 0) return -1;
 
-  std::vector<double> brightness(static_cast<std::size_t>(slices));
-  for (int k = 0; k < slices; ++k) brightness[static_cast<std::size_t>(k)] = wall_brightness(image, labels.circle, k);
+  std::vector<double> brightness(slices);
+  for (int k = 0; k < slices; ++k) brightness[k] = wall_brightness(image, labels.circle, k);
   const double needed =
       base_level * upper_median(std::vector<double>(brightness.begin() + lowest, brightness.begin() + highest + 1));
 
   int k = (lowest + highest) / 2;
-  while (k + 1 < slices && brightness[static_cast<std::size_t>(k + 1)] >= needed) ++k;
+  while (k + 1 < slices && brightness[k + 1] >= needed) ++k;
   if (k == slices - 1)
     notes.push_back({Severity::warning, "base.cut_off",
                      "the wall is still bright in the last slice; the base may lie outside the volume"});
@@ -128,8 +127,8 @@ int slice_above(const Grid& grid, const heart::BasePlane& world_plane, double ra
 Image close_border(const Image& border, int base_slice) {
   Image closed = border;
   const int slices = border.grid.dims[2];
-  for (std::size_t v = border.grid.index(0, 0, 1) * static_cast<std::size_t>(std::clamp(base_slice + 1, 0, slices));
-       v < closed.values.size(); ++v)
+  for (std::size_t v = border.grid.index(0, 0, 1) * std::clamp(base_slice + 1, 0, slices); v < closed.values.size();
+       ++v)
     closed.values[v] = 0;
   int lowest = -1;
   for (int k = 0; k < slices && lowest < 0; ++k)

@@ -32,7 +32,7 @@ Image border_strength(const Search& s, int k) {
   const Image plane = dynamics::smoothed_plane(dynamics::plane_of(s.image, k), s.options.sigma_px);
   const field::VectorField slope = dynamics::force_of(plane, s.wall == Border::epi ? 1 : -1);
   const Contour* bound = nullptr;
-  if (s.outer && s.outer->slices[static_cast<std::size_t>(k)]) bound = &*s.outer->slices[static_cast<std::size_t>(k)];
+  if (s.outer && s.outer->slices[k]) bound = &*s.outer->slices[k];
   Image strength(plane.grid);
   float highest = 0;
   for (int j = 0; j < plane.grid.dims[1]; ++j)
@@ -92,7 +92,7 @@ double clarity(const Search& s, int k, const Contour& c) {
   const field::VectorField slope = dynamics::force_of(plane);
   double sum = 0;
   for (const Vec2& p : c.points) sum += dynamics::force_at(slope, p).norm();
-  return sum / static_cast<double>(c.size());
+  return sum / c.size();
 }
 
 Contour automatic_start(const Search& s, int k) {
@@ -106,9 +106,9 @@ bool usable(const dynamics::ContourResult& r, const ContourPipeline& o) {
 
 void keep(WallContours& all, int k, const SliceContour& found) {
   const dynamics::ContourResult& r = found.rest;
-  all.slices[static_cast<std::size_t>(k)] = r.contour;
-  all.pulls[static_cast<std::size_t>(k)] = pulls_on(r.contour, found.field);
-  all.bends[static_cast<std::size_t>(k)] = dynamics::curvature_force(r.contour, dynamics::curvature_frame(r.contour));
+  all.slices[k] = r.contour;
+  all.pulls[k] = pulls_on(r.contour, found.field);
+  all.bends[k] = dynamics::curvature_force(r.contour, dynamics::curvature_frame(r.contour));
   all.steps += r.steps;
   ++all.found;
   if (r.reason == dynamics::StopReason::at_rest) ++all.at_rest;
@@ -146,7 +146,7 @@ bool is_jump(double area, double former, std::optional<double> before_that, doub
 }
 
 void sweep(const Search& s, int to, int direction, WallContours& all) {
-  const auto slice = [&](int k) -> std::optional<Contour>& { return all.slices[static_cast<std::size_t>(k)]; };
+  const auto slice = [&](int k) -> std::optional<Contour>& { return all.slices[k]; };
   for (int k = all.best_slice + direction; direction * k <= direction * to; k += direction) {
     const Contour& former = *slice(k - direction);
     SliceContour found = contour_in_slice(s, k, former);
@@ -174,10 +174,10 @@ void sweep(const Search& s, int to, int direction, WallContours& all) {
 std::pair<int, int> range_of(const Labels& labels, Border wall, int base_slice) {
   const std::uint8_t bit = wall == Border::endo ? Labels::endo_bit : Labels::epi_bit;
   const Grid& g = labels.borders.grid;
-  const std::size_t plane = static_cast<std::size_t>(g.dims[0]) * static_cast<std::size_t>(g.dims[1]);
+  const std::size_t plane = g.dims[0] * static_cast<std::size_t>(g.dims[1]);
   const auto found = std::find_if(labels.borders.values.begin(), labels.borders.values.end(),
                                   [bit](std::uint8_t v) { return (v & bit) != 0; });
-  int first = static_cast<int>(static_cast<std::size_t>(found - labels.borders.values.begin()) / plane);
+  int first = static_cast<int>((found - labels.borders.values.begin()) / plane);
   if (wall == Border::endo && labels.division_slice >= 0) first = std::max(first, labels.division_slice + 1);
   return {first, std::min(base_slice, g.dims[2] - 1)};
 }
@@ -196,7 +196,7 @@ WallContours propagate_contours(const Image& image, const Labels& labels, Border
     throw OptionError("option contour.best_slice is " + std::to_string(*options.best_slice) +
                       "; expected a slice of the short-axis stack, 1 to " + std::to_string(slices));
   WallContours all;
-  all.slices.resize(static_cast<std::size_t>(slices));
+  all.slices.resize(slices);
   all.pulls.resize(all.slices.size());
   all.bends.resize(all.slices.size());
   const Search search{image, labels, wall, options, outer};
@@ -227,7 +227,7 @@ std::optional<ContourSurface> contour_surface(const WallContours& contours, cons
     Contour c = *contours.slices[k];
     for (Vec2& p : c.points) p = p.cwiseProduct(pixel);
     stack.contours.push_back(std::move(c));
-    stack.z_mm.push_back(static_cast<double>(k) * thickness);
+    stack.z_mm.push_back(k * thickness);
   }
   if (stack.contours.size() < 2) return std::nullopt;
   mesh::CapHeights caps;

@@ -80,8 +80,8 @@ RingLook look_around(const Image& image, const Mask& edges, const Circle& circle
     if (outermost > 0) radii.push_back(outermost);
   }
   look.seen = static_cast<double>(radii.size()) / directions;
-  for (const double r : radii) look.radius += r / static_cast<double>(radii.size());
-  for (const double r : radii) look.spread += (r - look.radius) * (r - look.radius) / static_cast<double>(radii.size());
+  for (const double r : radii) look.radius += r / radii.size();
+  for (const double r : radii) look.spread += (r - look.radius) * (r - look.radius) / radii.size();
   look.spread = std::sqrt(look.spread);
   return look;
 }
@@ -109,7 +109,7 @@ std::optional<SliceRange> longest_run(std::span<const double> scores, double lea
   const int count = static_cast<int>(scores.size());
   for (int k = 0; k < count; ++k) {
     const int first = k;
-    while (k < count && scores[static_cast<std::size_t>(k)] >= least) ++k;
+    while (k < count && scores[k] >= least) ++k;
     if (k > first && (!longest || k - first > longest->last - longest->first + 1)) longest = SliceRange{first, k - 1};
   }
   return longest;

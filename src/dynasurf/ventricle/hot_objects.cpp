@@ -19,7 +19,7 @@ double bright_wall(const Image& mean, const heart::LvShell& cup) {
   constexpr double share = 0.8, reach_mm = 8;
   std::vector<double> values;
   for (const heart::RidgePoint& p : heart::find_ridge(mean, cup, 6, 16, reach_mm)) values.push_back(p.brightness);
-  const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size()));
+  const auto rank = static_cast<std::size_t>(share * values.size());
   return of_rank(std::move(values), rank);
 }
 
@@ -41,7 +41,7 @@ std::optional<Study> cut_hot_objects(const Study& study, const heart::Location& 
   std::snprintf(text.data(), text.size(),
                 "something in the volume is %.1f times as bright as the heart's wall; for the edges it was cut to "
                 "%.0f times",
-                static_cast<double>(peak) / wall, cut_at);
+                peak / wall, cut_at);
   cut.notes.push_back({Severity::info, "study.hot_cut", text.data()});
   return cut;
 }

@@ -62,7 +62,7 @@ std::vector<double> counts_of(std::span<const Image> gates, const heart::LvShell
     for (int j = 0; j < grid.dims[1]; ++j)
       for (int i = 0; i < grid.dims[0]; ++i) {
         if ((centre_of(grid, {i, j, k}) - cup.middle()).norm() > reach) continue;
-        for (std::size_t g = 0; g < gates.size(); ++g) counts[g] += static_cast<double>(gates[g](i, j, k));
+        for (std::size_t g = 0; g < gates.size(); ++g) counts[g] += gates[g](i, j, k);
       }
   return counts;
 }
@@ -102,7 +102,7 @@ constexpr double below_base_mm = 8;
 double mean_distance(const TriMesh& mesh, const heart::LvShell& cup) {
   double sum = 0;
   for (const Vec3& p : mesh.vertices) sum += signed_distance(cup, p);
-  return sum / static_cast<double>(mesh.vertices.size());
+  return sum / mesh.vertices.size();
 }
 
 /// Length of a surface along the axis over the width of the ellipsoid that has this length and the surface's volume.
@@ -193,8 +193,7 @@ void look_at_curves(const Result& result, QualityMetrics& clues) {
   if (edge.ef_percent && result.readings.gaussian_profile)
     if (const auto other = reading_of(*result.readings.gaussian_profile); other.ef_percent)
       clues.readings_apart = std::abs(other.ef_percent->value - edge.ef_percent->value);
-  if (edge.ed_gate && edge.es_gate && gates > 1)
-    clues.end_systole = (static_cast<double>(*edge.es_gate) + 0.5) / static_cast<double>(gates);
+  if (edge.ed_gate && edge.es_gate && gates > 1) clues.end_systole = (*edge.es_gate + 0.5) / static_cast<double>(gates);
 }
 
 void look_at_base(const Result& result, QualityMetrics& clues) {
@@ -220,7 +219,7 @@ double hot_neighbour_share(const Image& image, const heart::LvShell& cup) {
   const double typical = quantile(walls, 0.75);  // not of a defect
   const auto hot = std::count_if(profiles.begin(), profiles.end(),
                                  [&](const auto& profile) { return touches_something_hot(profile, typical); });
-  return static_cast<double>(hot) / static_cast<double>(profiles.size());
+  return hot / static_cast<double>(profiles.size());
 }
 
 double noise_of_wall(std::span<const Image> gates, const heart::LvShell& cup) {
@@ -231,13 +230,13 @@ double noise_of_wall(std::span<const Image> gates, const heart::LvShell& cup) {
     double mean = 0;
     for (std::size_t g = 0; g < gates.size(); ++g) {
       course[g] = image::sample_linear(gates[g], at.position);
-      mean += *course[g] / static_cast<double>(gates.size());
+      mean += *course[g] / gates.size();
     }
     brightness.push_back(mean);
     const heart::SmoothCycle smooth = heart::smooth_over_cycle(course, 1e9);
     double sum = 0;
     for (std::size_t g = 0; g < gates.size(); ++g) sum += own::pow(*course[g] - smooth.values[g], 2);
-    squares.push_back(sum / static_cast<double>(gates.size() >= 12 ? gates.size() - 7 : gates.size() - 5));
+    squares.push_back(sum / (gates.size() >= 12 ? gates.size() - 7 : gates.size() - 5));
   });
   const double typical = quantile(brightness, 0.5);
   return typical > 0 ? std::sqrt(quantile(squares, 0.5)) / typical : 0;

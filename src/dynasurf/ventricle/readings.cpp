@@ -16,7 +16,7 @@ std::optional<heart::Estimate> mean_of(const std::vector<double>& values) {
   if (values.empty()) return std::nullopt;
   double sum = 0;
   for (const double v : values) sum += v;
-  return heart::Estimate{sum / static_cast<double>(values.size())};
+  return heart::Estimate{sum / values.size()};
 }
 
 /// Volumes of the cavity and the wall over the beat, without intervals.

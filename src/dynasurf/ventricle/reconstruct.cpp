@@ -56,7 +56,7 @@ Labels own_labels(const Image& image, const image::EdgeMap& edges, const OwnStag
   if (labels.borders.grid.dims != image.grid.dims)
     throw InputError("stage labels, " + own.labels_name + ": the borders lie on another grid than the image");
   labels.borders.grid = image.grid;
-  labels.local.resize(static_cast<std::size_t>(image.grid.dims[2]));
+  labels.local.resize(image.grid.dims[2]);
   return labels;
 }
 
@@ -110,7 +110,7 @@ void put_covers(const Image& border, const Image& closed, Image& edge_map) {
     for (int j = 0; j < dims[1]; ++j)
       for (int i = 0; i < dims[0]; ++i) {
         const std::size_t voxel = edge_map.grid.index(i + shift[0], j + shift[1], k + shift[2]);
-        if (border(i, j, k) > 0) sum += static_cast<double>(edge_map.values[voxel]), count += 1;
+        if (border(i, j, k) > 0) sum += edge_map.values[voxel], count += 1;
         if (closed(i, j, k) > 0 && !(border(i, j, k) > 0)) covers.push_back(voxel);
       }
   const float strength = static_cast<float>(count > 0 ? sum / count : 0);
@@ -151,7 +151,7 @@ void add_notes(Notes& all, const Notes& some, int gate) {
 Gate finish_gate(GateRun& run, int g, const Result& result) {
   Gate gate;
   gate.gate = g;
-  if (!result.study.time_ms.empty()) gate.time_ms = result.study.time_ms[static_cast<std::size_t>(g)];
+  if (!result.study.time_ms.empty()) gate.time_ms = result.study.time_ms[g];
   if (run.endo.surface) run.endo.surface->stack = run.endo.stack;
   if (run.epi.surface) run.epi.surface->stack = run.epi.stack;
   EdgeSurfaces& edge = gate.edge_surfaces;

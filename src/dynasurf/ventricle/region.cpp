@@ -65,7 +65,7 @@ void continue_outwards(Image& image, const Mask& region, const std::vector<std::
 
 Mask region_on(const Image& mask, const Grid& grid) {
   Mask region(grid);
-  parallel_for(static_cast<std::size_t>(grid.dims[2]), 1, [&](std::size_t begin, std::size_t end) {
+  parallel_for(grid.dims[2], 1, [&](std::size_t begin, std::size_t end) {
     for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
       for (int j = 0; j < grid.dims[1]; ++j)
         for (int i = 0; i < grid.dims[0]; ++i) {
@@ -85,7 +85,7 @@ Study confine(Study study, const Mask& region) {
   });
   std::array<char, 96> text{};
   std::snprintf(text.data(), text.size(), "only the %.1f %% of the volume under the mask were looked at",
-                100.0 * static_cast<double>(inside) / static_cast<double>(region.values.size()));
+                100.0 * inside / region.values.size());
   study.notes.push_back({Severity::info, "region.used", text.data()});
   return study;
 }
@@ -94,7 +94,7 @@ Study only_label(Study study, int label) {
   bool is_any = false;
   for (Image& gate : study.gates)
     for (float& value : gate.values) {
-      const bool is_it = value == static_cast<float>(label);
+      const bool is_it = value == label;
       value = is_it ? 1.0F : 0.0F, is_any = is_any || is_it;
     }
   if (!is_any) throw InputError("no voxel has the label " + std::to_string(label));

@@ -32,7 +32,7 @@ struct Profiles {
 Profiles profiles_of(const TriMesh& mesh, const std::vector<Vec3>& normals, const Image& image, double reach_voxels) {
   const int reach = static_cast<int>(std::ceil(reach_voxels * samples_per_voxel)) + 1;
   Profiles p;
-  p.width = static_cast<std::size_t>(2 * reach + 1);
+  p.width = 2 * reach + 1;
   p.step_mm = image.grid.spacing.minCoeff() / samples_per_voxel;
   p.slopes.resize(mesh.vertices.size() * p.width);
   std::vector<double> values(p.width + 2);
@@ -87,7 +87,7 @@ std::optional<Peak> peak_of(std::span<const double> row, double step_mm) {
   if (at == 0 || at + 1 == row.size()) return std::nullopt;
   const double bend = row[at - 1] - 2 * row[at] + row[at + 1];
   const double share = bend < 0 ? 0.5 * (row[at - 1] - row[at + 1]) / bend : 0;
-  return Peak{step_mm * (static_cast<double>(at) - static_cast<double>(middle) + share), row[at]};
+  return Peak{step_mm * (at - static_cast<double>(middle) + share), row[at]};
 }
 
 /// `least_slope`: what is no slope at all.

@@ -31,8 +31,7 @@ mesh::MoveReport sum_of(const mesh::MoveReport& a, const mesh::MoveReport& b) {
 void measure_distances(const TriMesh& mesh, const Image& border, Surface& s) {
   const auto count = static_cast<double>(mesh.vertices.size());
   const std::vector<double> voxels = mesh::distances_to_border_voxels(mesh, border);
-  s.within_one_voxel =
-      static_cast<double>(std::count_if(voxels.begin(), voxels.end(), [](double d) { return d < 1; })) / count;
+  s.within_one_voxel = std::count_if(voxels.begin(), voxels.end(), [](double d) { return d < 1; }) / count;
   s.border_reached = mesh::share_of_border_reached(mesh, border);
   const std::vector<double> mm = mesh::distances_to_border_mm(mesh, border);
   s.mean_distance_mm = std::accumulate(mm.begin(), mm.end(), 0.0) / count;

@@ -60,7 +60,7 @@ void gather(const Contour& c, const std::vector<double>& per_length, std::size_t
 
 std::vector<double> adaptive_filter(const Contour& c, const std::vector<double>& k) {
   const std::size_t n = c.size();
-  const double mean_edge = length_of(c) / static_cast<double>(c.edges());
+  const double mean_edge = length_of(c) / c.edges();
   std::vector<double> own(n, 0.0), per_length(n, 0.0), s(n, 0.0);
   for (std::size_t e = 0; e < c.edges(); ++e) {
     const double half = (c.end_of_edge(e) - c.points[e]).norm() / 2;

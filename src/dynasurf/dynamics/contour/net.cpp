@@ -34,7 +34,7 @@ Image window_mean(const Image& plane, int window) {
       float sum = 0;
       for (int b = -before; b <= after; ++b)
         for (int a = -before; a <= after; ++a) sum += plane.clamped(i + a, j + b, 0);
-      out(i, j, 0) = sum / static_cast<float>(window * window);
+      out(i, j, 0) = sum / (window * window);
     }
   return out;
 }
@@ -77,11 +77,7 @@ Scene look_at(const Image& plane, const ActiveNet& o) {
 class Lattice {
  public:
   Lattice(const Box& box, int rows, int columns, const Scene& scene, const ActiveNet& options)
-      : rows_(rows),
-        columns_(columns),
-        scene_(scene),
-        o_(options),
-        quads_(static_cast<std::size_t>((rows - 1) * (columns - 1)), 1) {
+      : rows_(rows), columns_(columns), scene_(scene), o_(options), quads_((rows - 1) * (columns - 1), 1) {
     for (int r = 0; r < rows; ++r)
       for (int c = 0; c < columns; ++c)
         nodes_.push_back(Vec2(std::round(box.x0 + (box.x1 - box.x0) * c / (columns - 1)),
@@ -118,7 +114,7 @@ class Lattice {
         consider(!quad(r, c + 1), r, c + 1, r + 1, c + 1);
       }
     if (worst_quad < 0) return false;
-    quads_[static_cast<std::size_t>(worst_quad)] = 0;
+    quads_[worst_quad] = 0;
     ++broken_;
     return true;
   }
@@ -159,8 +155,8 @@ class Lattice {
   }
 
  private:
-  std::size_t index(int r, int c) const { return static_cast<std::size_t>(r * columns_ + c); }
-  std::size_t quad_index(int r, int c) const { return static_cast<std::size_t>(r * (columns_ - 1) + c); }
+  std::size_t index(int r, int c) const { return r * columns_ + c; }
+  std::size_t quad_index(int r, int c) const { return r * (columns_ - 1) + c; }
   const Vec2& node(int r, int c) const { return nodes_[index(r, c)]; }
   bool quad(int r, int c) const {
     return r >= 0 && c >= 0 && r + 1 < rows_ && c + 1 < columns_ && quads_[quad_index(r, c)] != 0;
@@ -171,7 +167,7 @@ class Lattice {
   bool column_link(int r, int c) const { return quad(r, c - 1) || quad(r, c); }  // (r,c)-(r+1,c)
 
   static double value(const Image& image, const Vec2& p) {
-    return static_cast<double>(image.clamped(static_cast<int>(p.x()), static_cast<int>(p.y()), 0));
+    return image.clamped(static_cast<int>(p.x()), static_cast<int>(p.y()), 0);
   }
 
   /// Sum of the distances from strong gradients at both ends and the middle of a link of the rim, where one of them
@@ -283,8 +279,8 @@ std::optional<Net> largest_part(const Net& net) {
   int count = 0;
   const std::vector<int> part = parts_of(net, count);
   if (count == 0) return std::nullopt;
-  std::vector<int> size(static_cast<std::size_t>(count), 0);
-  for (const int p : part) ++size[static_cast<std::size_t>(p)];
+  std::vector<int> size(count, 0);
+  for (const int p : part) ++size[p];
   return only_part(net, part, static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin()));
 }
 

@@ -71,9 +71,9 @@ std::vector<Vec2> solve_cyclic_pentadiagonal(double main, double next, double se
   right.row(1) = b[n - 1].transpose();
   for (int r = 0; r < 2; ++r)
     for (std::size_t i = 0; i < m; ++i) {
-      const double c = coupling[static_cast<std::size_t>(r)][i];
+      const double c = coupling[r][i];
       if (c == 0) continue;
-      for (int s = 0; s < 2; ++s) schur(r, s) -= c * z[static_cast<std::size_t>(s)][i];
+      for (int s = 0; s < 2; ++s) schur(r, s) -= c * z[s][i];
       right.row(r) -= c * y[i].transpose();
     }
   const Eigen::Matrix2d last = schur.inverse() * right;

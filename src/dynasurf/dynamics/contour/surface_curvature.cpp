@@ -14,7 +14,7 @@ double ring_mean(const mesh::VertexRings& rings, std::uint32_t v, F value) {
   const auto ring = rings.of(v);
   double sum = 0;
   for (const std::uint32_t j : ring) sum += value(j);
-  return ring.empty() ? 0 : sum / static_cast<double>(ring.size());
+  return ring.empty() ? 0 : sum / ring.size();
 }
 
 std::vector<double> curvatures(const TriMesh& mesh, const mesh::VertexRings& rings, const std::vector<Vec3>& normals) {
@@ -51,7 +51,7 @@ std::vector<Vec3> force_on(const TriMesh& mesh, const mesh::VertexRings& rings) 
       ++count;
     }
     if (count == 0) continue;
-    const double edge = length / static_cast<double>(rings.of(v).size());
+    const double edge = length / rings.of(v).size();
     force[v] = -(k[v] - sum / count) * edge * normals[v];
   }
   return force;

@@ -26,7 +26,7 @@ Force make_drag(DragAt drag_at) {
 
 double drag_at(const Image& volume, const Vec3& p) {
   const Grid& g = volume.grid;
-  const auto width = static_cast<std::size_t>(g.dims[0]), height = static_cast<std::size_t>(g.dims[1]);
+  const std::size_t width = g.dims[0], height = g.dims[1];
   return volume
       .values[nearest(p[0], g.spacing[0], g.dims[0]) +
               width * (nearest(p[1], g.spacing[1], g.dims[1]) + height * nearest(p[2], g.spacing[2], g.dims[2]))];

@@ -17,7 +17,7 @@ std::vector<MaterialTriangle> material_triangles(const TriMesh& rest, double are
     const double d = du1 * dv2;
     list.push_back({t, {-dv2 / d, dv2 / d, 0}, {(du2 - du1) / d, -du2 / d, du1 / d}, doubled / 2});
   }
-  const double unit = area_unit_mm2 > 0 ? area_unit_mm2 : total / static_cast<double>(rest.triangles.size());
+  const double unit = area_unit_mm2 > 0 ? area_unit_mm2 : total / rest.triangles.size();
   for (MaterialTriangle& m : list) m.area /= unit;
   return list;
 }

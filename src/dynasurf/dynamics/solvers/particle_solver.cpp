@@ -162,7 +162,7 @@ Fastest fastest_modes(const ParticleSystem& system, ModeSearch* former) {
     // A start that is nobody's eigenvector: neighbours differ in sign, as in the stiffest modes. Where a former search
     // ended is nearer, and the rest of the start finds modes that have become stiffer since.
     const bool is_new = x.size() != n;
-    const double share = is_new ? 1 : kNewShare / std::sqrt(3.0 * static_cast<double>(n));
+    const double share = is_new ? 1 : kNewShare / std::sqrt(3.0 * n);
     x.resize(n, Vec3::Zero());
     for (std::size_t i = 0; i < n; ++i)
       x[i] += share * Vec3(i % 2 == 0 ? 1 : -1, i % 3 == 0 ? 1 : -1, i % 5 < 2 ? 1 : -1);

@@ -88,7 +88,7 @@ double oscillator_limit_s(const SolverOptions& solver, double stiffness, double 
 
 double step_limit_s(const SolverOptions& solver, double mass_kg, std::size_t particles, double drag) {
   if (drag <= 0 || particles == 0) return kInfinity;
-  return stability_interval(solver) * mass_kg / (static_cast<double>(particles) * drag);
+  return stability_interval(solver) * mass_kg / (particles * drag);
 }
 
 }  // namespace dynasurf::dynamics

@@ -72,7 +72,7 @@ bool is_finite(const Image& map) {
 /// Bricks of a dense map where its gradient is not 0.
 std::vector<BrickData> data_of(const Image& map) {
   const Index3 n = bricks_of(map.grid);
-  std::vector<std::vector<BrickData>> layers(static_cast<std::size_t>(n[2]));
+  std::vector<std::vector<BrickData>> layers(n[2]);
   const auto value = [&](const Index3& v) { return map(v[0], v[1], v[2]); };
   // A brick whose values and those around it are all alike has no gradient; most are.
   const auto is_flat = [&](const Index3& p) {
@@ -113,9 +113,7 @@ struct BorderBits {
   std::vector<std::array<std::uint64_t, 8>> bits;  // one word per slice of a brick
 
   std::size_t entry(const Index3& p) const {
-    return static_cast<std::size_t>(p[0]) +
-           static_cast<std::size_t>(bricks[0]) *
-               (static_cast<std::size_t>(p[1]) + static_cast<std::size_t>(bricks[1]) * static_cast<std::size_t>(p[2]));
+    return p[0] + bricks[0] * (p[1] + bricks[1] * static_cast<std::size_t>(p[2]));
   }
   std::size_t brick(const Index3& p) {
     std::int32_t& number = brick_at[entry(p)];
@@ -124,12 +122,12 @@ struct BorderBits {
       place.push_back(p);
       bits.push_back({});
     }
-    return static_cast<std::size_t>(number);
+    return number;
   }
   float operator()(const Index3& v) const {
     const std::int32_t number = brick_at[entry({v[0] / side, v[1] / side, v[2] / side})];
     if (number < 0) return 0;
-    const std::uint64_t slice = bits[static_cast<std::size_t>(number)][static_cast<std::size_t>(v[2] % side)];
+    const std::uint64_t slice = bits[number][v[2] % side];
     return slice >> (v[0] % side + side * (v[1] % side)) & 1 ? 1.0f : 0.0f;
   }
 };
@@ -143,7 +141,7 @@ std::vector<BrickData> data_of(const Grid& g, std::span<const Index3> border) {
     if (v[0] < 0 || v[1] < 0 || v[2] < 0 || !band::is_inside(v, g.dims))
       throw InputError("border: voxel number " + std::to_string(n) + " lies outside the grid");
     const std::size_t own = map.brick({v[0] / side, v[1] / side, v[2] / side});
-    map.bits[own][static_cast<std::size_t>(v[2] % side)] |= std::uint64_t{1} << (v[0] % side + side * (v[1] % side));
+    map.bits[own][v[2] % side] |= std::uint64_t{1} << (v[0] % side + side * (v[1] % side));
     // A voxel on the face of its brick gives the neighbour a gradient.
     for (std::size_t a = 0; a < 3; ++a)
       for (int step : {-1, 1}) {
@@ -257,7 +255,7 @@ std::size_t BandField::voxels_in_band() const {
   const band::Level& l = levels_->levels[0];
   for (const Index3& p : l.place) {
     std::size_t cells = 1;
-    for (std::size_t a = 0; a < 3; ++a) cells *= static_cast<std::size_t>(std::min(side, l.dims[a] - side * p[a]));
+    for (std::size_t a = 0; a < 3; ++a) cells *= std::min(side, l.dims[a] - side * p[a]);
     count += cells;
   }
   return count;
@@ -273,7 +271,7 @@ std::size_t BandField::bytes() const {
 VectorField dense_field(const BandField& field) {
   VectorField out(field.grid());
   const Index3& n = out.grid.dims;
-  parallel_for(static_cast<std::size_t>(n[2]), 1, [&](std::size_t begin, std::size_t end) {
+  parallel_for(n[2], 1, [&](std::size_t begin, std::size_t end) {
     for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
       for (int j = 0; j < n[1]; ++j)
         for (int i = 0; i < n[0]; ++i) {

@@ -14,9 +14,7 @@ Index3 bricks_of(const Index3& dims) {
 }
 
 std::size_t entry(const Level& l, const Index3& p) {
-  return static_cast<std::size_t>(p[0]) +
-         static_cast<std::size_t>(l.bricks[0]) *
-             (static_cast<std::size_t>(p[1]) + static_cast<std::size_t>(l.bricks[1]) * static_cast<std::size_t>(p[2]));
+  return p[0] + l.bricks[0] * (p[1] + l.bricks[1] * static_cast<std::size_t>(p[2]));
 }
 
 /// Calls `body` with every place of the level's box within `reach` bricks of another.
@@ -170,9 +168,9 @@ void make_room(Level& l) {
       Index3 beyond = l.place[m];
       beyond[axis] += f % 2 == 0 ? -1 : 1;
       const bool outside = beyond[axis] < 0 || beyond[axis] >= l.bricks[axis];
-      if (!outside && l.number(beyond) < 0) l.ghost_at[m][static_cast<std::size_t>(f)] = ghosts++;
+      if (!outside && l.number(beyond) < 0) l.ghost_at[m][f] = ghosts++;
     }
-  l.ghosts.assign(static_cast<std::size_t>(ghosts), {});
+  l.ghosts.assign(ghosts, {});
 }
 
 /// s = D/(D+b) of a cell, the share that diffusion has in it; 1 outside the band.
@@ -180,7 +178,7 @@ float freedom(const Level& l, const Index3& v) {
   const std::int32_t n = l.number({v[0] / side, v[1] / side, v[2] / side});
   if (n < 0) return 1;
   const std::size_t at = cell_at(v[0] % side, v[1] % side, v[2] % side);
-  return 1 - l.b[static_cast<std::size_t>(n)][at] * l.d[static_cast<std::size_t>(n)][at];
+  return 1 - l.b[n][at] * l.d[n][at];
 }
 
 /// How much of its data term a voxel shows to the coarser level. Alone among free voxels it would follow them by s, and
@@ -213,7 +211,7 @@ void coarsen_data(const Level& f, Level& g, bool voxels) {
           Index3 c = v;
           float share = 1;
           for (std::size_t a = 0; a < 3; ++a) {
-            share *= f.axis[a].share[static_cast<std::size_t>(v[a])];
+            share *= f.axis[a].share[v[a]];
             if (f.axis[a].halved) c[a] /= 2;
           }
           const Index3 at{c[0] - side * parent[0], c[1] - side * parent[1], c[2] - side * parent[2]};
@@ -235,7 +233,7 @@ std::vector<Level> build(const Grid& grid, const std::array<double, 3>& rates, s
   std::array<Axis, 3> axis;
   for (std::size_t a = 0; a < 3; ++a) {
     const double width = 1 / std::sqrt(rates[a]);
-    axis[a] = axis_of(std::vector<double>(static_cast<std::size_t>(grid.dims[a]), width), width);
+    axis[a] = axis_of(std::vector<double>(grid.dims[a], width), width);
   }
   levels.push_back(level_of(std::move(axis)));
   for (const BrickData& brick : data) add_bricks_near(levels[0], brick, reach);

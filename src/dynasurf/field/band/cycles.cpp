@@ -65,9 +65,9 @@ struct Around {
       const std::int32_t ghost = l.ghost_at[n][f];
       const bool at_wall = ghost < 0 && next[f] < 0;
       if (ghost >= 0) {
-        beyond[f] = l.ghosts[static_cast<std::size_t>(ghost)][c].data();
+        beyond[f] = l.ghosts[ghost][c].data();
       } else {
-        const float* brick = at_wall ? own : l.u[static_cast<std::size_t>(next[f])][c].data();
+        const float* brick = at_wall ? own : l.u[next[f]][c].data();
         beyond[f] = brick + (after == at_wall ? side - 1 : 0) * step[axis];
       }
       row[f] = axis == 1 ? 0 : ghost >= 0 && axis == 0 ? 1 : side;
@@ -167,8 +167,8 @@ DYNASURF_INLINE void fill_parents(const Level& f, const Level& g, std::size_t n,
     const int origin = p.count[a] * f.place[n][a];
     for (int i = -1; i <= p.count[a]; ++i) {
       const int at = std::clamp(origin + i, 0, g.dims[a] - 1);
-      brick[a][static_cast<std::size_t>(i + 1)] = at / side;
-      cell[a][static_cast<std::size_t>(i + 1)] = at % side;
+      brick[a][i + 1] = at / side;
+      cell[a][i + 1] = at % side;
     }
   }
   const auto size = [&](std::size_t a) { return static_cast<std::size_t>(p.count[a] + 2); };
@@ -237,7 +237,7 @@ DYNASURF_CLONES void fill_ghosts_of(Level& f, const Level& g, std::size_t n) {
   Parents p;
   fill_parents(f, g, n, false, p);
   for (int face = 0; face < faces; ++face) {
-    const std::int32_t number = f.ghost_at[n][static_cast<std::size_t>(face)];
+    const std::int32_t number = f.ghost_at[n][face];
     if (number < 0) continue;
     const auto axis = static_cast<std::size_t>(face / 2);
     Index3 low{0, 0, 0}, high{side - 1, side - 1, side - 1};
@@ -328,8 +328,7 @@ DYNASURF_CLONES void complete_rhs(Level& g, std::size_t m) {
         store(r, residual_row(rates, p, Row{}, load(g.b[m].data() + row), j, k));
         for (int i = 0; i < side; ++i) {
           const int eighth = i / 4 + 2 * (j / 4) + 4 * (k / 4);
-          if (g.covered[m] >> eighth & 1 && g.d[m][row + static_cast<std::size_t>(i)] > 0)
-            g.rhs[m][c][row + static_cast<std::size_t>(i)] -= r[i];
+          if (g.covered[m] >> eighth & 1 && g.d[m][row + i] > 0) g.rhs[m][c][row + i] -= r[i];
         }
       }
   }
@@ -350,8 +349,8 @@ Squares squares_of(const Cells3& u, const Cells3& before) {
     }
   Squares sum;
   for (int i = 0; i < side; ++i) {
-    sum.size += static_cast<double>(size[i]);
-    sum.change += static_cast<double>(change[i]);
+    sum.size += size[i];
+    sum.change += change[i];
   }
   return sum;
 }

@@ -69,9 +69,8 @@ void rasterise(Level& l, std::array<Axis, 3> axis, bool finest) {
   l.finest = finest;
   l.slot = ((l.nx() + 1) / 2 + lanes - 1) / lanes * lanes;
   l.stride = 6 * static_cast<std::size_t>(l.slot);
-  const std::size_t rows = static_cast<std::size_t>(l.ny()) * static_cast<std::size_t>(l.nz());
-  const std::size_t vector_size = rows * l.stride + 2 * lanes,
-                    scalar_size = rows * 2 * static_cast<std::size_t>(l.slot);
+  const std::size_t rows = l.ny() * static_cast<std::size_t>(l.nz());
+  const std::size_t vector_size = rows * l.stride + 2 * lanes, scalar_size = rows * 2 * l.slot;
   make_room(l.u, vector_size, changed);
   if (finest) {
     make_room(l.empty_d, 18 * static_cast<std::size_t>(l.slot), true);
@@ -223,7 +222,7 @@ DYNASURF_INLINE void number_blocks(Level& l, const Image& map, int k, SliceOutco
   std::int32_t blocks = 0;
   for (int j = 0; j < ny; ++j) {
     const MapRow row = row_of(map, j, k);
-    std::int32_t* block_of = l.block_of.data() + l.row_number(j, k) * 2 * static_cast<std::size_t>(chunks);
+    std::int32_t* block_of = l.block_of.data() + l.row_number(j, k) * 2 * chunks;
     const std::int32_t before = blocks;
     if (constexpr int ahead = 4; j + ahead < ny)  // of the rows of one place only that of the next slice is new
       for (int i = 0; i < nx; i += lanes) __builtin_prefetch(row.zp + ahead * nx + i);
@@ -249,7 +248,7 @@ DYNASURF_INLINE void fill_blocks(Level& l, const Image& map, int k, std::int32_t
   V largest_b{}, sum_b{};
   for (int j = 0; j < l.ny(); ++j) {
     const MapRow row = row_of(map, j, k);
-    std::int32_t* block_of = l.block_of.data() + l.row_number(j, k) * 2 * static_cast<std::size_t>(chunks);
+    std::int32_t* block_of = l.block_of.data() + l.row_number(j, k) * 2 * chunks;
     const float yz = l.yz_diagonal(j, k);
     for (int m = 0; m < chunks; ++m) {
       if (block_of[m] < 0) continue;
@@ -283,7 +282,7 @@ DYNASURF_INLINE void fill_blocks(Level& l, const Image& map, int k, std::int32_t
   store(lane, largest_b);
   outcome.largest_b = std::max(outcome.largest_b, static_cast<double>(*std::max_element(lane, lane + lanes)));
   store(lane, sum_b);
-  for (const float b : lane) outcome.sum_b += static_cast<double>(b);
+  for (const float b : lane) outcome.sum_b += b;
 }
 
 Rows box_around(std::span<const SliceOutcome> slices) {
@@ -310,7 +309,7 @@ void shape_levels(std::vector<Level>& levels, const Grid& grid, const Vec3& rate
   std::array<Axis, 3> axis;
   for (std::size_t d = 0; d < 3; ++d) {
     const double width = 1 / std::sqrt(rates[static_cast<int>(d)]);
-    axis[d] = axis_of(std::vector<double>(static_cast<std::size_t>(grid.dims[static_cast<int>(d)]), width), width);
+    axis[d] = axis_of(std::vector<double>(grid.dims[static_cast<int>(d)], width), width);
   }
   rasterise(levels[0], axis, true);
   std::size_t count = 1;
@@ -345,7 +344,7 @@ std::vector<SliceOutcome> fill_finest(Level& finest, const Image& map, const Dat
   finest.data = box_around(outcomes);
   finest.data_rows.resize(slices);
   for (std::size_t k = 0; k < slices; ++k) finest.data_rows[k] = {outcomes[k].first_row, outcomes[k].end_row};
-  make_room_for_blocks(finest, static_cast<std::size_t>(first[slices]));
+  make_room_for_blocks(finest, first[slices]);
   each_slice([&](std::size_t k) {
     detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
       fill_blocks<Floats<native>>(finest, map, static_cast<int>(k), first[k], term, outcomes[k]);
@@ -368,14 +367,13 @@ DataStrength build(std::vector<Level>& levels, const Image& map, const Vec3& rat
 
   for (std::size_t l = 1; l < levels.size(); ++l) {
     Level& g = levels[l];
-    const std::size_t coarse_grain =
-        std::max<std::size_t>(1, (std::size_t{1} << 12) * static_cast<std::size_t>(g.nz()) / g.cells());
-    parallel_for(static_cast<std::size_t>(g.nz()), coarse_grain, [&](std::size_t begin, std::size_t end) {
+    const std::size_t coarse_grain = std::max<std::size_t>(1, (std::size_t{1} << 12) * g.nz() / g.cells());
+    parallel_for(g.nz(), coarse_grain, [&](std::size_t begin, std::size_t end) {
       const detail::FlushDenormals flush;
       for (std::size_t k = begin; k < end; ++k) coarsen_slice(levels[l - 1], g, static_cast<int>(k));
     });
   }
-  return {all.largest_b, all.sum_b / static_cast<double>(levels[0].cells())};
+  return {all.largest_b, all.sum_b / levels[0].cells()};
 }
 
 }  // namespace dynasurf::field::multigrid

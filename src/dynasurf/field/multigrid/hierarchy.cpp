@@ -16,7 +16,7 @@ namespace {
 Rows rows_beside_data(const Level& l, Rows r) {
   int first = l.ny(), end = 0;
   for (int k = std::max(r.k0 - 1, 0); k < std::min(r.k1 + 1, l.nz()); ++k) {
-    const auto [from, to] = l.data_rows[static_cast<std::size_t>(k)];
+    const auto [from, to] = l.data_rows[k];
     if (from == to) continue;
     first = std::min(first, from - 1);
     end = std::max(end, to + 1);
@@ -140,13 +140,13 @@ void Hierarchy::run_in_strips(std::size_t l, std::span<const Stage> stages, cons
   const int pairs_of_strips = pieces(height, 2 * cached_rows);  // an even number for two threads
   const int rows = (pieces(height, 2 * pairs_of_strips) + 1) / 2 * 2;
   const int strips = pieces(height, rows), k_end = first.k1 + lag.back();
-  std::vector<std::atomic<int>> reached(static_cast<std::size_t>(strips));  // slices begun by the next step
+  std::vector<std::atomic<int>> reached(strips);  // slices begun by the next step
   std::atomic<int> next = 0;
-  parallel_for(static_cast<std::size_t>(strips), 1, [&](std::size_t, std::size_t) {
+  parallel_for(strips, 1, [&](std::size_t, std::size_t) {
     const int strip = next++;
     const detail::FlushDenormals flush;
     for (int k = k_begin; k < k_end; k += step) {
-      if (strip > 0) wait_until(reached[static_cast<std::size_t>(strip - 1)], k + step);
+      if (strip > 0) wait_until(reached[strip - 1], k + step);
       for (std::size_t s = 0; s < stages.size(); ++s) {
         const Rows all = grown(last, margin[s], f);
         const int j = j_begin + strip * rows - lag[s];
@@ -154,7 +154,7 @@ void Hierarchy::run_in_strips(std::size_t l, std::span<const Stage> stages, cons
                        std::min(j + rows, all.j1)};
         if (now.k0 < now.k1 && now.j0 < now.j1) apply(l, stages[s], now);
       }
-      reached[static_cast<std::size_t>(strip)].store(k + step, std::memory_order_release);
+      reached[strip].store(k + step, std::memory_order_release);
     }
   });
 }

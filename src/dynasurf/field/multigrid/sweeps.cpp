@@ -12,7 +12,7 @@ DYNASURF_INLINE double sum_of(V v) {
   float lane[lanes];
   store(lane, v);
   double pairs[8];
-  for (int i = 0; i < 8; ++i) pairs[i] = static_cast<double>(lane[i]) + static_cast<double>(lane[i + 8]);
+  for (int i = 0; i < 8; ++i) pairs[i] = lane[i] + static_cast<double>(lane[i + 8]);
   return ((pairs[0] + pairs[4]) + (pairs[1] + pairs[5])) + ((pairs[2] + pairs[6]) + (pairs[3] + pairs[7]));
 }
 
@@ -190,7 +190,7 @@ DYNASURF_INLINE void sweep_measured(Level& l, int k0, int k1, int j0, int j1, in
   Measure<V> measure;
   sweep_in_tiles<V, Start::measured, true>(View(l), k0, k1, j0, j1, colour, measure);
   for (int k = k0; k < k1; ++k) {
-    const std::size_t row = l.row_number(j0, k), count = static_cast<std::size_t>(j1 - j0);
+    const std::size_t row = l.row_number(j0, k), count = j1 - j0;
     std::fill_n(l.change.begin() + static_cast<std::ptrdiff_t>(row), count, 0.0);
     std::fill_n(l.size.begin() + static_cast<std::ptrdiff_t>(row), count, 0.0);
   }

@@ -384,7 +384,7 @@ DYNASURF_INLINE void copy_rows(const View& v, int k, int j0, int j1, const std::
   for (int j = j0; j < j1; ++j)
     for (int c = 0; c < 3; ++c) {
       const float* even = v.u + v.row(j, k) + 2 * c * v.slot;
-      copy_row<V, past_caches>(even, even + v.slot, v.nx, out[static_cast<std::size_t>(c)] + v.row_number(j, k) * v.nx);
+      copy_row<V, past_caches>(even, even + v.slot, v.nx, out[c] + v.row_number(j, k) * v.nx);
     }
 }
 

@@ -15,11 +15,11 @@ struct Slice {
   std::vector<float> values;
 
   Slice() = default;
-  Slice(int w, int h) : width(w), height(h), values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)) {}
-  float& operator()(int i, int j) { return values[static_cast<std::size_t>(j * width + i)]; }
-  float operator()(int i, int j) const { return values[static_cast<std::size_t>(j * width + i)]; }
+  Slice(int w, int h) : width(w), height(h), values(w * static_cast<std::size_t>(h)) {}
+  float& operator()(int i, int j) { return values[j * width + i]; }
+  float operator()(int i, int j) const { return values[j * width + i]; }
   float clamped(int i, int j) const {
-    return values[static_cast<std::size_t>(std::clamp(j, 0, height - 1) * width + std::clamp(i, 0, width - 1))];
+    return values[std::clamp(j, 0, height - 1) * width + std::clamp(i, 0, width - 1)];
   }
 };
 

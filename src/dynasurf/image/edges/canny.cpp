@@ -71,7 +71,7 @@ bool is_minor(const Work& w, int i, int j, float low) {
 
 /// The edge each pixel of a slice belongs to, 0: none.
 std::vector<int> number_edges(const Mask& edges, int k, int width, int height) {
-  std::vector<int> number(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
+  std::vector<int> number(width * static_cast<std::size_t>(height), 0);
   const auto at = [&](int i, int j) { return static_cast<std::size_t>(j * width + i); };
   int last = 0;
   std::vector<std::pair<int, int>> stack;
@@ -140,7 +140,7 @@ void put_minor_offsets(const Work& w, EdgeMap& map, int k) {
       if (map.edges(i, j, k) != minor_edge) continue;
       const auto& d = *std::max_element(grid_directions.begin(), grid_directions.end(),
                                         [&](const auto& a, const auto& b) { return drop(i, j, a) < drop(i, j, b); });
-      const RidgeOffset o = ridge_offset(m, i, j, static_cast<float>(d[0]), static_cast<float>(d[1]));
+      const RidgeOffset o = ridge_offset(m, i, j, d[0], d[1]);
       map.offsets->x_px(i, j, k) = o.x;
       map.offsets->y_px(i, j, k) = o.y;
     }
@@ -153,17 +153,17 @@ EdgeMap detect(const Image& image, const Canny& o, bool with_minor) {
   require_finite(image);
 
   EdgeMap map{Mask(image.grid), Image(image.grid), {}, {}};
-  std::vector<Work> work(static_cast<std::size_t>(std::max(0, image.grid.dims[2])));
+  std::vector<Work> work(std::max(0, image.grid.dims[2]));
   const std::vector<double> half_kernel = half_gaussian(o.sigma_px);
   for_each_slice(image.grid, [&](int k) {
-    Work& w = work[static_cast<std::size_t>(k)] = find_ridges(image, k, half_kernel);
+    Work& w = work[k] = find_ridges(image, k, half_kernel);
     put_slice(w.magnitude, map.gradient, k);
   });
 
   if (o.subpixel) map.offsets = EdgeOffsets{Image(image.grid), Image(image.grid)};
   const Thresholds common = common_thresholds(work, map.gradient, o);
   for_each_slice(image.grid, [&](int k) {
-    const Work& w = work[static_cast<std::size_t>(k)];
+    const Work& w = work[k];
     const auto& m = w.magnitude.values;
     const bool own = o.threshold == CannyThreshold::max_fraction_slice && !m.empty();
     const Thresholds t = own ? share_of(*std::max_element(m.begin(), m.end()), o) : common;

@@ -40,7 +40,7 @@ struct Window {
 /// so that the four quarters are exact copies; a sample on the diagonal of a wedge border counts for both sides.
 std::vector<int> wedge_areas(int dx, int dy, double radius, int wedges) {
   constexpr int fine = 8;
-  std::vector<int> area(static_cast<std::size_t>(4 * wedges), 0);
+  std::vector<int> area(4 * wedges, 0);
   for (int b = 0; b < fine; ++b)
     for (int a = 0; a < fine; ++a) {
       int x = 2 * fine * dx + 2 * a + 1 - fine, y = 2 * fine * dy + 2 * b + 1 - fine;  // in 16ths of a pixel
@@ -55,8 +55,8 @@ std::vector<int> wedge_areas(int dx, int dy, double radius, int wedges) {
       const int first = quarter * wedges;
       const bool on_border = x == y && wedges % 2 == 0;
       const int wedge = on_border ? wedges / 2 : std::min(wedges - 1, static_cast<int>(within));
-      area[static_cast<std::size_t>(first + wedge)] += 1;
-      area[static_cast<std::size_t>(first + (on_border ? wedge - 1 : wedge))] += 1;
+      area[first + wedge] += 1;
+      area[first + (on_border ? wedge - 1 : wedge)] += 1;
     }
   return area;
 }
@@ -103,10 +103,9 @@ struct Moments {
   /// Squared deviations from the mean.
   double deviation() const {
     if (mass == 0) return 0;
-    return static_cast<double>(second) -
-           static_cast<double>(first) * static_cast<double>(first) / static_cast<double>(mass);
+    return second - first * static_cast<double>(first) / static_cast<double>(mass);
   }
-  double mean() const { return static_cast<double>(first) / static_cast<double>(mass); }
+  double mean() const { return first / static_cast<double>(mass); }
 };
 
 /// Splits the values at the mean of the cluster with the largest deviation until there are `most` or all are narrow.
@@ -117,7 +116,7 @@ Codebook split(const std::array<Moments, bins + 1>& below, int low, double bins_
     double deviation;
   };
   const auto make = [&](int begin, int end) {
-    const Moments m = below[static_cast<std::size_t>(end)] - below[static_cast<std::size_t>(begin)];
+    const Moments m = below[end] - below[begin];
     return Cluster{begin, end, m, m.deviation()};
   };
   std::array<Cluster, most_clusters> clusters;
@@ -126,12 +125,12 @@ Codebook split(const std::array<Moments, bins + 1>& below, int low, double bins_
   while (count < most) {
     int worst = -1;
     for (int c = 0; c < count; ++c) {
-      const Cluster& at = clusters[static_cast<std::size_t>(c)];
-      const bool wide = at.deviation > least_spread * least_spread * static_cast<double>(at.moments.mass);
-      if (wide && (worst < 0 || at.deviation > clusters[static_cast<std::size_t>(worst)].deviation)) worst = c;
+      const Cluster& at = clusters[c];
+      const bool wide = at.deviation > least_spread * least_spread * at.moments.mass;
+      if (wide && (worst < 0 || at.deviation > clusters[worst].deviation)) worst = c;
     }
     if (worst < 0) break;
-    const Cluster from = clusters[static_cast<std::size_t>(worst)];
+    const Cluster from = clusters[worst];
     const int mean_bin = static_cast<int>((from.moments.mean() - low) * bins_per_level);
     const auto divides = [&](int at) {
       return at > from.begin && at < from.end && make(from.begin, at).moments.mass > 0 &&
@@ -139,21 +138,20 @@ Codebook split(const std::array<Moments, bins + 1>& below, int low, double bins_
     };
     const int at = divides(mean_bin + 1) ? mean_bin + 1 : mean_bin;
     if (!divides(at)) {
-      clusters[static_cast<std::size_t>(worst)].deviation = 0;  // all in one bin
+      clusters[worst].deviation = 0;  // all in one bin
       continue;
     }
     const Cluster left = make(from.begin, at), right = make(at, from.end);
-    for (int c = count; c > worst + 1; --c)
-      clusters[static_cast<std::size_t>(c)] = clusters[static_cast<std::size_t>(c - 1)];
-    clusters[static_cast<std::size_t>(worst)] = left;
-    clusters[static_cast<std::size_t>(worst + 1)] = right;
+    for (int c = count; c > worst + 1; --c) clusters[c] = clusters[c - 1];
+    clusters[worst] = left;
+    clusters[worst + 1] = right;
     ++count;
   }
   Codebook book;
   book.count = count;
   for (int c = 0; c < count; ++c) {
-    const Cluster& at = clusters[static_cast<std::size_t>(c)];
-    book.value[static_cast<std::size_t>(c)] = at.moments.mean();
+    const Cluster& at = clusters[c];
+    book.value[c] = at.moments.mean();
     std::fill(book.cluster_of_bin.begin() + at.begin, book.cluster_of_bin.begin() + at.end,
               static_cast<std::uint8_t>(c));
   }
@@ -187,8 +185,7 @@ struct Needle {
 class Operator {
  public:
   explicit Operator(const Compass& o) : o_(o), window_(make_window(o)), distance_(levels + 1) {
-    for (int d = 0; d <= levels; ++d)
-      distance_[static_cast<std::size_t>(d)] = static_cast<float>(-own::expm1(-d / (o.gamma * (levels - 1))));
+    for (int d = 0; d <= levels; ++d) distance_[d] = static_cast<float>(-own::expm1(-d / (o.gamma * (levels - 1))));
     for (int n = 0; n < orientations(); ++n) {
       // In the first quadrant and turned from there, so that the four quarters are exact copies.
       const double angle = n % o.wedges * std::numbers::pi / (2 * o.wedges);
@@ -217,7 +214,7 @@ class Operator {
     const auto factor = static_cast<std::uint32_t>((bins << 16) / (high - low + 1));
     for (std::size_t n = 0; n < places.size(); ++n) {
       const int v = centre[places[n]];
-      bin[n] = static_cast<std::uint8_t>((static_cast<std::uint32_t>(v - low) * factor) >> 16);
+      bin[n] = static_cast<std::uint8_t>(((v - low) * factor) >> 16);
       Moments& m = below[bin[n] + 1U];
       const std::int64_t mass = window_.masses[n];
       m.mass += mass, m.first += mass * v, m.second += mass * v * v;
@@ -233,8 +230,7 @@ class Operator {
 
     Wedges wedge;
     std::fill_n(wedge.begin(), 2 * orientations(), std::array<std::int32_t, most_clusters>{});
-    for (const Share& s : window_.shares)
-      wedge[static_cast<std::size_t>(s.wedge)][cluster[static_cast<std::size_t>(s.pixel)]] += s.mass;
+    for (const Share& s : window_.shares) wedge[s.wedge][cluster[s.pixel]] += s.mass;
     return orientations() == usual_orientations ? turn<usual_orientations>(book, wedge)
                                                 : turn<most_orientations>(book, wedge);
   }
@@ -247,7 +243,7 @@ class Operator {
   /// stay empty; their number is fixed so that the loops over them become vector instructions.
   template <std::size_t lanes>
   Needle turn(const Codebook& book, const Wedges& wedge) const {
-    const auto turns = static_cast<std::size_t>(orientations()), count = static_cast<std::size_t>(book.count);
+    const std::size_t turns = orientations(), count = book.count;
     std::array<std::int32_t, most_clusters> half{}, all{};
     for (std::size_t w = 0; w < 2 * turns; ++w)
       for (std::size_t c = 0; c < count; ++c) all[c] += wedge[w][c], half[c] += w < turns ? wedge[w][c] : 0;
@@ -313,7 +309,7 @@ class Operator {
     p.needle.abnormality = least / total;
     p.needle.uncertainty_deg = static_cast<float>(180.0 / turns * near);
     // Turn the diameter by t steps, then by a quarter turn.
-    const double small = static_cast<double>(t) * std::numbers::pi / turns, c = own::cos(small), s = own::sin(small);
+    const double small = t * std::numbers::pi / turns, c = own::cos(small), s = own::sin(small);
     const auto& along = along_[static_cast<std::size_t>(peak)];
     p.needle.x = static_cast<float>(-(along[0] * s + along[1] * c));
     p.needle.y = static_cast<float>(along[0] * c - along[1] * s);

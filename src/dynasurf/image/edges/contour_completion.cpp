@@ -71,10 +71,10 @@ void mix_in(const std::optional<Conic>& prior, double weight, Products& p) {
       const Eigen::Vector2d across = prior->slope(i, j);
       const double length2 = across.squaredNorm();
       if (!(length2 > 0)) continue;
-      const double seen = static_cast<double>(p.xx(i, j)) + static_cast<double>(p.yy(i, j));
+      const double seen = p.xx(i, j) + static_cast<double>(p.yy(i, j));
       const double share = seen > 0 ? (1 - weight) / seen : 0;
       const auto mix = [&](float& value, double of_prior) {
-        value = static_cast<float>(share * static_cast<double>(value) + weight * of_prior / length2);
+        value = static_cast<float>(share * value + weight * of_prior / length2);
       };
       mix(p.xx(i, j), across[0] * across[0]);
       mix(p.xy(i, j), across[0] * across[1]);
@@ -122,8 +122,7 @@ Products votes_of(const Slice& contour, const SliceVectors& normal, double reach
   Products votes{zero, zero, zero};
   for (int j = 0; j < contour.height; ++j)
     for (int i = 0; i < contour.width; ++i)
-      if (contour(i, j) > 0)
-        vote({i, j}, static_cast<double>(normal.x(i, j)), static_cast<double>(normal.y(i, j)), reach_px, votes);
+      if (contour(i, j) > 0) vote({i, j}, normal.x(i, j), normal.y(i, j), reach_px, votes);
   return votes;
 }
 
@@ -173,9 +172,7 @@ constexpr double scharr_side = 3.0 / 16, scharr_middle = 10.0 / 16;
 
 struct Lattice {
   int width, height;
-  std::size_t at(int i, int j) const {
-    return static_cast<std::size_t>(std::clamp(j, 0, height - 1) * width + std::clamp(i, 0, width - 1));
-  }
+  std::size_t at(int i, int j) const { return std::clamp(j, 0, height - 1) * width + std::clamp(i, 0, width - 1); }
 };
 
 /// One explicit step u += dt div(D grad u).
@@ -217,7 +214,7 @@ void add_bridges(const CompletedContour& c, const ContourCompletion& o, EdgeMap&
   double sum = 0, count = 0;
   for (int j = 0; j < heat.height; ++j)
     for (int i = 0; i < heat.width; ++i)
-      if (map.edges(i, j, k)) sum += static_cast<double>(strength(i, j)), count += 1;
+      if (map.edges(i, j, k)) sum += strength(i, j), count += 1;
   const double least = count > 0 ? least_share * sum / count : 0;
   for (int j = 0; j < heat.height; ++j)
     for (int i = 0; i < heat.width; ++i) {

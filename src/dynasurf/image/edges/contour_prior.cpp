@@ -62,11 +62,11 @@ std::optional<Conic> fit(const Points& points, bool ellipse, bool fixed) {
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(rows, unknowns);
   Eigen::VectorXd right(rows);
   for (Eigen::Index r = 0; r < rows; ++r) {
-    const double x = points.at[static_cast<std::size_t>(r)][0], y = points.at[static_cast<std::size_t>(r)][1];
+    const double x = points.at[r][0], y = points.at[r][1];
     // (1 + p) x^2 + b x y + (1 - p) y^2 + d x + e y - f = 0
     if (ellipse) matrix(r, 0) = x * x - y * y, matrix(r, 1) = x * y;
     if (!fixed) matrix(r, shape) = x, matrix(r, shape + 1) = y;
-    matrix(r, shape + place + points.contour[static_cast<std::size_t>(r)]) = -1;
+    matrix(r, shape + place + points.contour[r]) = -1;
     right[r] = -(x * x + y * y);
   }
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(matrix);

@@ -90,8 +90,8 @@ Crossings zero_crossings(const Slice& l) {
         const float swing = std::abs(here - there), t = here / (here - there);
         if (swing <= c.swing(i, j)) continue;
         c.swing(i, j) = swing;
-        c.offset.x(i, j) = t * static_cast<float>(d[0]);
-        c.offset.y(i, j) = t * static_cast<float>(d[1]);
+        c.offset.x(i, j) = t * d[0];
+        c.offset.y(i, j) = t * d[1];
       }
   return c;
 }

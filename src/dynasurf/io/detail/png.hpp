@@ -18,12 +18,10 @@ struct Picture {
 
   Picture() = default;
   Picture(int w, int h, Colour background = {0, 0, 0})
-      : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), background) {}
-  Colour& operator()(int x, int y) {
-    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
-  }
+      : width(w), height(h), pixels(w * static_cast<std::size_t>(h), background) {}
+  Colour& operator()(int x, int y) { return pixels[y * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)]; }
   const Colour& operator()(int x, int y) const {
-    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+    return pixels[y * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
   }
 };
 

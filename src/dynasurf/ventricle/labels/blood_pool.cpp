@@ -67,7 +67,7 @@ int division_slice_of_pool(const std::vector<double>& profile) {
   const auto brightest = std::max_element(profile.begin(), profile.end());
   if (brightest == profile.end()) return -1;
   int k = static_cast<int>(brightest - profile.begin());
-  while (k >= 0 && profile[static_cast<std::size_t>(k)] >= 0.5 * *brightest) --k;
+  while (k >= 0 && profile[k] >= 0.5 * *brightest) --k;
   return k;
 }
 

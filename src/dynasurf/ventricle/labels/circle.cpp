@@ -31,7 +31,7 @@ Ring ring_around(const std::vector<image::Pixel>& pixels, double x, double y, do
   const double radius = sum / count;
   const auto on_ring =
       std::count_if(distances.begin(), distances.end(), [&](double d) { return std::abs(d - radius) <= tolerance; });
-  return {radius, static_cast<double>(on_ring) / count};
+  return {radius, on_ring / count};
 }
 
 image::PixelMean middle_of(const Grid& grid) { return {(grid.dims[0] - 1) / 2.0, (grid.dims[1] - 1) / 2.0}; }
@@ -97,7 +97,7 @@ Line median_line(const std::vector<double>& k, const std::vector<double>& v) {
 }  // namespace
 
 SliceEdges find_components(const Mask& edges, int min_px) {
-  SliceEdges found(static_cast<std::size_t>(std::max(0, edges.grid.dims[2])));
+  SliceEdges found(std::max(0, edges.grid.dims[2]));
   for (int k = 0; k < edges.grid.dims[2]; ++k) {
     auto& slice = found[static_cast<std::size_t>(k)];
     slice = image::components_of_slice(edges, k);
@@ -142,7 +142,7 @@ std::optional<Circle> fit_circle(const std::vector<image::Pixel>& pixels) {
   const double determinant = xx * yy - xy * xy;
   if (!(determinant > 1e-9 * (xx + yy) * (xx + yy))) return std::nullopt;
   const double x = (xs * yy - ys * xy) / (2 * determinant), y = (ys * xx - xs * xy) / (2 * determinant);
-  const double mean_square = ss / static_cast<double>(pixels.size());
+  const double mean_square = ss / pixels.size();
   return Circle{mean.x_px + x, mean.y_px + y, std::sqrt(mean_square + x * x + y * y)};
 }
 

@@ -26,10 +26,8 @@ std::vector<double> centre_profile(const Image& image, const Axis& axis) {
 int find_division_slice(const std::vector<double>& profile, const std::vector<bool>& has_edges, const DivisionSlice& o,
                         Notes& notes) {
   const int top = static_cast<int>(profile.size()) - 1;
-  const auto rise_into = [&](int k) {
-    return profile[static_cast<std::size_t>(k)] - profile[static_cast<std::size_t>(k + 1)];
-  };
-  const auto bright = [&](int k) { return profile[static_cast<std::size_t>(k)] > o.floor; };
+  const auto rise_into = [&](int k) { return profile[k] - profile[k + 1]; };
+  const auto bright = [&](int k) { return profile[k] > o.floor; };
 
   for (int k = top - 1; k >= 0; --k)
     if (rise_into(k) > o.jump && bright(k)) return k;
@@ -64,7 +62,7 @@ std::optional<WallTip> find_wall_tip(const std::vector<double>& profile, int low
   constexpr double reach_mm = 40, cavity_mm = 20, least_prominence = 0.05;
   const int top = static_cast<int>(profile.size()) - 1;
   if (lowest_with_cavity < 0 || lowest_with_cavity > top) return std::nullopt;
-  const auto at = [&](int k) { return profile[static_cast<std::size_t>(k)]; };
+  const auto at = [&](int k) { return profile[k]; };
   const int first = std::max(0, lowest_with_cavity - static_cast<int>(std::ceil(reach_mm / slice_mm)));
 
   int tip = -1;

@@ -32,7 +32,7 @@ Sorted sort_by_distance(const std::vector<image::Component>& edges, const Axis& 
   for (const image::Component& e : edges) {
     double sum = 0;
     for (const image::Pixel& p : e.pixels) sum += own::hypot(p.i - axis.x_at(e.slice), p.j - axis.y_at(e.slice));
-    mean.push_back(sum / static_cast<double>(e.pixels.size()));
+    mean.push_back(sum / e.pixels.size());
   }
   Sorted s;
   s.order.resize(edges.size());
@@ -54,7 +54,7 @@ std::optional<Radii> radii_around(const std::vector<Sorted>& slices, const std::
   const int last = static_cast<int>(slices.size()) - 1;
   for (int n = std::max(0, k - neighbour_slices); n <= std::min(last, k + neighbour_slices); ++n) {
     const Sorted& s = slices[static_cast<std::size_t>(n)];
-    if (!clear[static_cast<std::size_t>(n)]) continue;
+    if (!clear[n]) continue;
     const auto middle = s.distance.begin() + static_cast<std::ptrdiff_t>(s.inner);
     endo.push_back(median({s.distance.begin(), middle}));
     epi.push_back(median({middle, s.distance.end()}));
@@ -69,21 +69,20 @@ Mask classify_by_gap(const SliceEdges& edges, const Grid& grid, const Axis& axis
   std::vector<Sorted> slices;
   std::vector<bool> clear;
   for (int k = 0; k < grid.dims[2]; ++k) {
-    slices.push_back(sort_by_distance(edges[static_cast<std::size_t>(k)], axis));
+    slices.push_back(sort_by_distance(edges[k], axis));
     const bool divided = slices.back().inner > 0 && (o.strict_thesis || slices.back().gap >= o.min_gap_px);
     clear.push_back(k > division_slice && divided);
   }
 
   Mask borders(grid);
   for (int k = 0; k < grid.dims[2]; ++k) {
-    const Sorted& s = slices[static_cast<std::size_t>(k)];
+    const Sorted& s = slices[k];
     std::optional<Radii> expected;
-    if (k > division_slice && !clear[static_cast<std::size_t>(k)] && !o.strict_thesis)
-      expected = radii_around(slices, clear, k);
+    if (k > division_slice && !clear[k] && !o.strict_thesis) expected = radii_around(slices, clear, k);
     for (std::size_t n = 0; n < s.order.size(); ++n) {
-      bool inner = clear[static_cast<std::size_t>(k)] && n < s.inner;
+      bool inner = clear[k] && n < s.inner;
       if (expected) inner = std::abs(s.distance[n] - expected->endo) < std::abs(s.distance[n] - expected->epi);
-      paint(borders, edges[static_cast<std::size_t>(k)][s.order[n]], inner ? Labels::endo_bit : Labels::epi_bit);
+      paint(borders, edges[k][s.order[n]], inner ? Labels::endo_bit : Labels::epi_bit);
     }
   }
   return borders;
@@ -161,7 +160,7 @@ Rays rays_of(const SliceEdges& edges, const Axis& axis) {
       for (const image::Pixel& p : edge.pixels) {
         const double dx = p.i - axis.x_at(edge.slice), dy = p.j - axis.y_at(edge.slice),
                      d = std::sqrt(dx * dx + dy * dy);
-        rays[static_cast<std::size_t>(edge.slice)].push_back({p, d > 0 ? dx / d : 1, d > 0 ? dy / d : 0, d});
+        rays[edge.slice].push_back({p, d > 0 ? dx / d : 1, d > 0 ? dy / d : 0, d});
       }
   return rays;
 }
@@ -179,7 +178,7 @@ std::optional<double> quantile_near(const Rays& border, std::size_t k, const Ray
     for (const Ray& r : border[n])
       if (r.cosine * ray.cosine + r.sine * ray.sine > window_cosine) near.push_back(r.distance);
   if (near.size() < least_rays) return std::nullopt;
-  const auto rank = static_cast<std::size_t>(q * static_cast<double>(near.size()));
+  const auto rank = static_cast<std::size_t>(q * near.size());
   return of_rank(std::move(near), rank);
 }
 

@@ -17,7 +17,7 @@ field::VectorField slice_flow(const Image& image, const SliceFlow& options) {
   Grid one = image.grid;
   one.dims[2] = 1;
   const auto area = static_cast<std::ptrdiff_t>(one.size());
-  parallel_for(static_cast<std::size_t>(image.grid.dims[2]), 1, [&](std::size_t k, std::size_t) {
+  parallel_for(image.grid.dims[2], 1, [&](std::size_t k, std::size_t) {
     Image slice(one);
     const std::ptrdiff_t begin = area * static_cast<std::ptrdiff_t>(k);
     std::copy_n(strength.values.begin() + begin, area, slice.values.begin());

@@ -82,7 +82,7 @@ PolarValues means_of(const Curves& curves) {
     if (curves[n].empty()) continue;
     double sum = 0;
     for (const double v : curves[n]) sum += v;
-    means[n] = sum / static_cast<double>(curves[n].size());
+    means[n] = sum / curves[n].size();
   }
   return means;
 }
@@ -97,7 +97,7 @@ PolarValues onsets_of(const Curves& curves) {
 PolarValues in_percent_of_reference(const PolarValues& values, bool is_uptake) {
   const std::vector<std::size_t> reference = reference_samples(values, is_uptake);
   double whole = 0;
-  for (const std::size_t n : reference) whole += *values[n] / static_cast<double>(reference.size());
+  for (const std::size_t n : reference) whole += *values[n] / reference.size();
   return combine([&](double c) { return whole > 0 ? 100 * c / whole : 0.0; }, values);
 }
 
@@ -159,7 +159,7 @@ Curves where_seen(const Measures& m, Curves curves) {
 }
 
 void measure_maps(Measures& m) {
-  const GateMeasures& ed = m.gates[static_cast<std::size_t>(m.ed_gate)];
+  const GateMeasures& ed = m.gates[m.ed_gate];
   m.area_mm2 = ed.map.area_mm2;
   const Curves counts = curves_of(m, [](const GateMeasures& g, std::size_t n) { return g.map.counts[n]; });
   const Curves uptake = curves_of(m, [](const GateMeasures& g, std::size_t n) { return g.map.uptake[n]; });
@@ -172,7 +172,7 @@ void measure_maps(Measures& m) {
   m.maps.thickness_ed_mm = ed.map.thickness_mm;
   if (m.es_gate < 0) return;
 
-  const GateMeasures& es = m.gates[static_cast<std::size_t>(m.es_gate)];
+  const GateMeasures& es = m.gates[m.es_gate];
   const Curves motion = curves_of(m, [&](const GateMeasures& g, std::size_t n) -> std::optional<double> {
     if (!g.map.endo[n] || !ed.map.endo[n]) return std::nullopt;
     return (*ed.map.endo[n] - *g.map.endo[n]).dot(ed.map.outwards[n]);
@@ -224,9 +224,9 @@ void measure_motion(Measures& m, const MeasureInput& input) {
     m.gates[g].epi_motion = motion_of(rest.epi.mesh, input.gates[g].epi.mesh);
   }
   if (m.es_gate < 0) return;
-  const auto& contracted = m.gates[static_cast<std::size_t>(m.es_gate)].endo_motion;
+  const auto& contracted = m.gates[m.es_gate].endo_motion;
   if (!contracted) return;
-  const GateMeasures& ed = m.gates[static_cast<std::size_t>(m.ed_gate)];
+  const GateMeasures& ed = m.gates[m.ed_gate];
   const std::vector<int> numbers = segments_of_vertices(m.model, *ed.axes, rest.endo.mesh->vertices);
   const std::vector<double> areas = areas_of_vertices(*rest.endo.mesh);
   std::vector<double> weight(m.segments.size(), 0.0), moved = weight, strain = weight;
@@ -244,21 +244,20 @@ void measure_motion(Measures& m, const MeasureInput& input) {
 
 void measure_segments(Measures& m) {
   const auto means = [&](const PolarValues& values) { return segment_means(m.model, m.grid, values, m.area_mm2); };
-  const GateMeasures& ed = m.gates[static_cast<std::size_t>(m.ed_gate)];
+  const GateMeasures& ed = m.gates[m.ed_gate];
   const PolarValues perfusion = means(m.maps.perfusion_percent), thickness = means(m.maps.thickness_ed_mm);
   const PolarValues counts = means(ed.map.counts);
   double all = 0;
   std::vector<double> area(m.segments.size(), 0.0);
   for (std::size_t n = 0; n < m.grid.size(); ++n)
-    if (const int s = segment_at(m.model, m.grid.point(n)); s > 0)
-      all += m.area_mm2[n], area[static_cast<std::size_t>(s - 1)] += m.area_mm2[n];
+    if (const int s = segment_at(m.model, m.grid.point(n)); s > 0) all += m.area_mm2[n], area[s - 1] += m.area_mm2[n];
   for (std::size_t s = 0; s < m.segments.size(); ++s) {
     m.segments[s].wall_share_percent = all > 0 ? 100 * area[s] / all : 0;
     m.segments[s].perfusion_percent = perfusion[s];
     m.segments[s].thickness_ed_mm = thickness[s];
   }
   if (m.es_gate < 0) return;
-  const GateMeasures& es = m.gates[static_cast<std::size_t>(m.es_gate)];
+  const GateMeasures& es = m.gates[m.es_gate];
   const PolarValues thickness_es = means(m.maps.thickness_es_mm), counts_es = means(es.map.counts);
   const PolarValues motion = means(m.maps.motion_mm);
   const PolarValues thickening = combine(percent_change, thickness, thickness_es);
@@ -326,7 +325,7 @@ Measures measure_walls(const MeasureInput& input, const MeasureOptions& requeste
   if (m.gates.size() == 1) m.ed_gate = 0;
 
   // Maps of a beat need its extremes.
-  const auto is_mapped = [&](int gate) { return gate >= 0 && m.gates[static_cast<std::size_t>(gate)].axes; };
+  const auto is_mapped = [&](int gate) { return gate >= 0 && m.gates[gate].axes; };
   if (!is_mapped(m.ed_gate) || (m.gates.size() > 1 && !is_mapped(m.es_gate))) return m;
   if (m.cavity_alone && m.es_gate < 0) return m;  // a cavity at rest has nothing to map
   for (const Segment& segment : segments_of(m.model)) m.segments.emplace_back().segment = segment;

@@ -103,8 +103,8 @@ void set_score(SegmentScores& scores, int segment, int score) {
     throw InputError("segment " + std::to_string(segment) + "; expected 1 to " + std::to_string(scores.score.size()));
   if (score < 0 || score > 4)
     throw InputError("score " + std::to_string(score) + " of segment " + std::to_string(segment) + "; expected 0 to 4");
-  scores.score[static_cast<std::size_t>(segment - 1)] = score;
-  scores.by_hand[static_cast<std::size_t>(segment - 1)] = true;
+  scores.score[segment - 1] = score;
+  scores.by_hand[segment - 1] = true;
   add_up(scores);
 }
 

@@ -67,7 +67,7 @@ std::optional<PhaseSummary> summarise_phases(std::span<const std::optional<doubl
   summary.wall_share = with_phase / all;
   summary.mean_deg = in_turn(own::atan2(s, c) / degrees);
 
-  summary.histogram_percent.assign(static_cast<std::size_t>(std::lround(360 / summary.bin_deg)), 0.0);
+  summary.histogram_percent.assign(std::lround(360 / summary.bin_deg), 0.0);
   double squares = 0;
   for (const Weighted& v : values) {
     const double difference = std::remainder(v.deg - summary.mean_deg, 360.0);
@@ -79,8 +79,7 @@ std::optional<PhaseSummary> summarise_phases(std::span<const std::optional<doubl
   summary.bandwidth_deg = shortest_arc(values, bandwidth_share);
   for (const double percent : summary.histogram_percent)
     if (percent > 0)
-      summary.entropy_percent -=
-          percent * own::log(percent / 100) / own::log(static_cast<double>(summary.histogram_percent.size()));
+      summary.entropy_percent -= percent * own::log(percent / 100) / own::log(summary.histogram_percent.size());
   return summary;
 }
 

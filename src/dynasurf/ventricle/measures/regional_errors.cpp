@@ -31,7 +31,7 @@ class Wall {
  public:
   Wall(const Measures& m, const psf_fit::WallPosterior& posterior) : m_(m), posterior_(posterior) {}
 
-  const WallMap& map(int gate) const { return m_.gates[static_cast<std::size_t>(gate)].map; }
+  const WallMap& map(int gate) const { return m_.gates[gate].map; }
   MatrixXd nothing(Index numbers) const { return posterior_.no_gradient(numbers); }
   VectorXd sd(const MatrixXd& gradient) const { return posterior_.sd(gradient); }
 
@@ -52,9 +52,7 @@ class Wall {
     for (std::size_t n = 0; n < wall.endo.size(); ++n)
       if (wall.endo[n])
         scale[static_cast<Index>(n)] =
-            relative
-                ? 1 / std::max(1.0, (*wall.endo[n] - m_.gates[static_cast<std::size_t>(gate)].axes->centre()).norm())
-                : 1;
+            relative ? 1 / std::max(1.0, (*wall.endo[n] - m_.gates[gate].axes->centre()).norm()) : 1;
     posterior_.add(gate, {wall.endo, wall.epi}, {scale.asDiagonal() * weights, {}, {}}, gradient);
   }
   void add_log_uptake(int gate, const MatrixXd& weights, MatrixXd& gradient) const {
@@ -92,11 +90,9 @@ void perfusion_errors(Measures& m, const Wall& wall, int gate) {
   MatrixXd weights = segment_weights(m, percent);
   const std::vector<std::size_t> reference = reference_samples(percent, true);
   VectorXd whole = VectorXd::Zero(weights.rows());
-  for (const std::size_t n : reference)
-    whole[static_cast<Index>(n)] = *percent[n] / 100 / static_cast<double>(reference.size());
+  for (const std::size_t n : reference) whole[static_cast<Index>(n)] = *percent[n] / 100 / reference.size();
   for (std::size_t n = 0; n < percent.size(); ++n) weights.row(static_cast<Index>(n)) *= percent[n].value_or(0);
-  for (Index s = 0; s < weights.cols(); ++s)
-    weights.col(s) -= m.segments[static_cast<std::size_t>(s)].perfusion_percent.value_or(0) * whole;
+  for (Index s = 0; s < weights.cols(); ++s) weights.col(s) -= m.segments[s].perfusion_percent.value_or(0) * whole;
   MatrixXd gradient = wall.nothing(weights.cols());
   wall.add_log_uptake(gate, weights, gradient);
   set_all(m, &SegmentErrors::perfusion_percent, wall.sd(gradient), for_perfusion);
@@ -113,7 +109,7 @@ void thickness_errors(Measures& m, const Wall& wall) {
   set_all(m, &SegmentErrors::thickness_es_mm, wall.sd(contracted), for_thickness);
   MatrixXd thickening = contracted;
   for (Index s = 0; s < thickening.cols(); ++s) {
-    const SegmentMeasures& segment = m.segments[static_cast<std::size_t>(s)];
+    const SegmentMeasures& segment = m.segments[s];
     const double ed = segment.thickness_ed_mm.value_or(0), es = segment.thickness_es_mm.value_or(0);
     thickening.col(s) = 100 * (contracted.col(s) / ed - es / (ed * ed) * at_rest.col(s));
   }
@@ -141,13 +137,13 @@ std::vector<double> onset_by_gate(const std::vector<double>& curve) {
   const auto n = static_cast<double>(curve.size());
   double a = 0, b = 0;
   for (std::size_t g = 0; g < curve.size(); ++g) {
-    const double angle = 2 * M_PI * (static_cast<double>(g) + 0.5) / n;
+    const double angle = 2 * M_PI * (g + 0.5) / n;
     a += 2 / n * curve[g] * own::cos(angle), b += 2 / n * curve[g] * own::sin(angle);
   }
   if (!(a * a + b * b > 1e-12)) return {};
   std::vector<double> by_gate;
   for (std::size_t g = 0; g < curve.size(); ++g) {
-    const double angle = 2 * M_PI * (static_cast<double>(g) + 0.5) / n;
+    const double angle = 2 * M_PI * (g + 0.5) / n;
     by_gate.push_back(2 / n * (a * own::sin(angle) - b * own::cos(angle)) / (a * a + b * b) / degrees);
   }
   return by_gate;
@@ -174,11 +170,11 @@ void onset_errors(Measures& m, const Wall& wall, const Onset& onset) {
     }
   const MatrixXd weights = segment_weights(m, phases);
   const Index segments = weights.cols();
-  std::vector<std::vector<double>> of_segment(static_cast<std::size_t>(segments), std::vector<double>(gates, 0.0));
+  std::vector<std::vector<double>> of_segment(segments, std::vector<double>(gates, 0.0));
   for (std::size_t n = 0; n < curves.size(); ++n)
     for (Index s = 0; s < segments; ++s)
       for (std::size_t g = 0; g < curves[n].size(); ++g)
-        of_segment[static_cast<std::size_t>(s)][g] += weights(static_cast<Index>(n), s) * curves[n][g];
+        of_segment[s][g] += weights(static_cast<Index>(n), s) * curves[n][g];
   for (auto& curve : of_segment) curve = onset_by_gate(curve);
   for (auto& curve : curves) curve = onset_by_gate(curve);
 
@@ -189,8 +185,7 @@ void onset_errors(Measures& m, const Wall& wall, const Onset& onset) {
   for (std::size_t g = 0; g < gates; ++g) {
     MatrixXd by_value = MatrixXd::Zero(weights.rows(), segments + 1);
     for (Index s = 0; s < segments; ++s)
-      if (const auto& by_gate = of_segment[static_cast<std::size_t>(s)]; !by_gate.empty())
-        by_value.col(s) = by_gate[g] * weights.col(s);
+      if (const auto& by_gate = of_segment[s]; !by_gate.empty()) by_value.col(s) = by_gate[g] * weights.col(s);
     if (summary && summary->sd_deg > 0)
       for (std::size_t n = 0; n < curves.size(); ++n)
         if (!curves[n].empty())
@@ -204,8 +199,7 @@ void onset_errors(Measures& m, const Wall& wall, const Onset& onset) {
   constexpr double unknown_deg = 60;  // so unsure that the angle means nothing
   const VectorXd sd = wall.sd(gradient);
   for (Index s = 0; s < segments; ++s)
-    if (sd[s] > 0 && for_phase.factor * sd[s] < unknown_deg)
-      m.segments[static_cast<std::size_t>(s)].sd.*onset.error = allowed(sd[s], for_phase);
+    if (sd[s] > 0 && for_phase.factor * sd[s] < unknown_deg) m.segments[s].sd.*onset.error = allowed(sd[s], for_phase);
   if (summary && sd[segments] > 0) summary->sd_error_deg = allowed(sd[segments], for_spread);
 }
 

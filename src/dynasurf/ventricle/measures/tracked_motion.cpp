@@ -37,7 +37,7 @@ Frame frame_of(const std::vector<Vec3>& rest, const LongAxis& axis) {
   for (std::size_t n = 0; n < rest.size(); ++n) {
     f.height_mm.push_back((rest[n] - f.apex).dot(f.up));
     const int third = static_cast<int>(std::floor(3 * f.height_mm[n] / f.length_mm));
-    f.in_level[static_cast<std::size_t>(std::clamp(third, 0, 2))].push_back(n);
+    f.in_level[std::clamp(third, 0, 2)].push_back(n);
   }
   return f;
 }
@@ -93,7 +93,7 @@ Line line_of(const std::vector<double>& height, const std::vector<double>& angle
     left += weight[n] * residual * residual;
   }
   // Of the points' places, mm^2: a slip across the radius turns by slip over radius.
-  const double variance = left / static_cast<double>(std::max<std::size_t>(1, height.size() - 2));
+  const double variance = left / std::max<std::size_t>(1, height.size() - 2);
   line.slope_sd = std::sqrt(variance / hh);
   return line;
 }
@@ -188,8 +188,7 @@ TrackedMotion measure_motion(const TrackedPoints& points, const LongAxis& axis, 
   });
   result.spacing_mm = spacing_of(rest);
   for (std::size_t g = 0; g < result.gates.size(); ++g)
-    if (std::abs(result.gates[g].twist_deg) >
-        std::abs(result.gates[static_cast<std::size_t>(result.peak_gate)].twist_deg))
+    if (std::abs(result.gates[g].twist_deg) > std::abs(result.gates[result.peak_gate].twist_deg))
       result.peak_gate = static_cast<int>(g);
   return result;
 }

@@ -32,7 +32,7 @@ double residual(const PeriodicCurve& curve, std::span<const double> values) {
   double squares = 0;
   const auto n = static_cast<double>(values.size());
   for (std::size_t g = 0; g < values.size(); ++g) {
-    const double miss = values[g] - curve.at((static_cast<double>(g) + 0.5) / n);
+    const double miss = values[g] - curve.at((g + 0.5) / n);
     squares += miss * miss;
   }
   return std::sqrt(squares / n);
@@ -67,7 +67,7 @@ void measure_rates(VolumeCurveFit& f) {
 double PeriodicCurve::at(double phase) const {
   double value = mean;
   for (std::size_t k = 0; k < cosine.size(); ++k) {
-    const double angle = turn * static_cast<double>(k + 1) * phase;
+    const double angle = turn * (k + 1) * phase;
     value += cosine[k] * own::cos(angle) + sine[k] * own::sin(angle);
   }
   return value;
@@ -76,7 +76,7 @@ double PeriodicCurve::at(double phase) const {
 double PeriodicCurve::slope(double phase) const {
   double value = 0;
   for (std::size_t k = 0; k < cosine.size(); ++k) {
-    const double speed = turn * static_cast<double>(k + 1);
+    const double speed = turn * (k + 1);
     value += speed * (sine[k] * own::cos(speed * phase) - cosine[k] * own::sin(speed * phase));
   }
   return value;
@@ -92,7 +92,7 @@ PeriodicCurve fit_periodic(std::span<const double> values, int waves) {
   for (int k = 1; k <= std::min(waves, most); ++k) {
     double c = 0, s = 0;
     for (std::size_t g = 0; g < values.size(); ++g) {
-      const double angle = turn * k * (static_cast<double>(g) + 0.5) / n;
+      const double angle = turn * k * (g + 0.5) / n;
       c += values[g] * own::cos(angle) * 2 / n, s += values[g] * own::sin(angle) * 2 / n;
     }
     curve.cosine.push_back(c), curve.sine.push_back(s);
@@ -102,7 +102,7 @@ PeriodicCurve fit_periodic(std::span<const double> values, int waves) {
 
 PeriodicCurve without_gate_averaging(PeriodicCurve curve, int gates) {
   for (std::size_t k = 0; k < curve.cosine.size(); ++k) {
-    const double x = std::numbers::pi * static_cast<double>(k + 1) / gates;
+    const double x = std::numbers::pi * (k + 1) / gates;
     curve.cosine[k] *= x / own::sin(x), curve.sine[k] *= x / own::sin(x);
   }
   return curve;

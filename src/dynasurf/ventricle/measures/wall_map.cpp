@@ -93,7 +93,7 @@ WallMap map_wall(const WallSide& endo, const WallSide& epi, const WallThickness&
   const mesh::RayBvh endo_tree(*endo.mesh), epi_tree(*epi.mesh);
   const double radius = usual_radius(endo_tree, epi_tree, axes, grid);
   WallMap map = empty_map(grid);
-  parallel_for(grid.size(), static_cast<std::size_t>(grid.sectors), [&](std::size_t begin, std::size_t end) {
+  parallel_for(grid.size(), grid.sectors, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       const WallRay ray = axes.ray(grid.point(n), radius);
       map.outwards[n] = ray.direction;
@@ -143,8 +143,8 @@ PolarValues segment_means(SegmentModel model, const PolarGrid& grid, const Polar
   for (std::size_t n = 0; n < values.size(); ++n) {
     const int segment = segment_at(model, grid.point(n));
     if (!values[n] || segment == 0) continue;
-    sum[static_cast<std::size_t>(segment - 1)] += weight[n] * *values[n];
-    total[static_cast<std::size_t>(segment - 1)] += weight[n];
+    sum[segment - 1] += weight[n] * *values[n];
+    total[segment - 1] += weight[n];
   }
   PolarValues means(count);
   for (std::size_t s = 0; s < count; ++s)

@@ -66,7 +66,7 @@ std::optional<Sheets> meet(const mesh::RayBvh (&trees)[2], const HeartAxes& axes
   constexpr double below_lid = 1e-4;  // of rho: some hundredths of a millimetre
   constexpr double least_rim = 0.5;   // radius of the outer rim over that at rho 3/4
   Sheets sheets;
-  std::vector<double> middle(static_cast<std::size_t>(size.sectors), 0.0);
+  std::vector<double> middle(size.sectors, 0.0);
   for (int ring = 0; ring <= size.rings; ++ring)
     for (int sector = 0; sector < (ring == 0 ? 1 : size.sectors); ++sector) {
       const PolarPoint at{std::min(static_cast<double>(ring) / size.rings, 1 - below_lid),

@@ -62,10 +62,7 @@ struct Level {
   int number(const Index3& brick) const {
     for (std::size_t a = 0; a < 3; ++a)
       if (brick[a] < 0 || brick[a] >= bricks[a]) return -1;
-    return brick_at[static_cast<std::size_t>(brick[0]) +
-                    static_cast<std::size_t>(bricks[0]) *
-                        (static_cast<std::size_t>(brick[1]) +
-                         static_cast<std::size_t>(bricks[1]) * static_cast<std::size_t>(brick[2]))];
+    return brick_at[brick[0] + bricks[0] * (brick[1] + bricks[1] * static_cast<std::size_t>(brick[2]))];
   }
 };
 
@@ -78,7 +75,7 @@ inline bool is_inside(const Index3& cell, const Index3& dims) {
 }
 
 /// Place of a cell in its brick.
-inline std::size_t cell_at(int i, int j, int k) { return static_cast<std::size_t>(i + side * (j + side * k)); }
+inline std::size_t cell_at(int i, int j, int k) { return i + side * (j + side * k); }
 
 /// What a border map is on a brick: b and b times the gradient.
 struct BrickData {

@@ -56,12 +56,8 @@ struct Level {
   int nx() const { return axis[0].count; }
   int ny() const { return axis[1].count; }
   int nz() const { return axis[2].count; }
-  std::size_t cells() const {
-    return static_cast<std::size_t>(nx()) * static_cast<std::size_t>(ny()) * static_cast<std::size_t>(nz());
-  }
-  std::size_t row_number(int j, int k) const {
-    return static_cast<std::size_t>(j) + static_cast<std::size_t>(ny()) * static_cast<std::size_t>(k);
-  }
+  std::size_t cells() const { return nx() * static_cast<std::size_t>(ny()) * static_cast<std::size_t>(nz()); }
+  std::size_t row_number(int j, int k) const { return j + ny() * static_cast<std::size_t>(k); }
   std::size_t row(int j, int k) const { return lanes + stride * row_number(j, k); }
   std::size_t scalar_row(int j, int k) const { return 2 * static_cast<std::size_t>(slot) * row_number(j, k); }
 
@@ -70,12 +66,11 @@ struct Level {
   const float* lane_diagonal(int half) const { return lane_values.data() + (4 + half) * slot; }
   const float* lane_share(int half) const { return lane_values.data() + (6 + half) * slot; }
   float yz_diagonal(int j, int k) const {
-    const auto y = static_cast<std::size_t>(j), z = static_cast<std::size_t>(k);
+    const std::size_t y = j, z = k;
     return (axis[1].left[y] + axis[1].right[y]) + (axis[2].left[z] + axis[2].right[z]);
   }
   const std::int32_t* blocks_of(int j, int k, int half) const {
-    return block_of.data() +
-           (row_number(j, k) * 2 + static_cast<std::size_t>(half)) * static_cast<std::size_t>(slot / lanes);
+    return block_of.data() + (row_number(j, k) * 2 + half) * (slot / lanes);
   }
   const float* empty_d_of(int j, int k, int half) const {
     const int y = j == 0 ? 0 : j + 1 == ny() ? 2 : 1, z = k == 0 ? 0 : k + 1 == nz() ? 2 : 1;

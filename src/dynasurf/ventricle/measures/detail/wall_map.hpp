@@ -16,14 +16,14 @@ namespace dynasurf::ventricle {
 /// (ring, sector) in the middle of its cell. Ring and sector borders fall on all borders of segments.
 struct PolarGrid {
   int rings = 16, sectors = 48;
-  std::size_t size() const { return static_cast<std::size_t>(rings) * static_cast<std::size_t>(sectors); }
+  std::size_t size() const { return rings * static_cast<std::size_t>(sectors); }
   std::size_t index(int ring, int sector) const {
-    return static_cast<std::size_t>(ring) * static_cast<std::size_t>(sectors) + static_cast<std::size_t>(sector);
+    return ring * static_cast<std::size_t>(sectors) + static_cast<std::size_t>(sector);
   }
   PolarPoint point(std::size_t index) const {
-    const std::size_t ring = index / static_cast<std::size_t>(sectors);
-    const std::size_t sector = index % static_cast<std::size_t>(sectors);
-    return {(static_cast<double>(ring) + 0.5) / rings, (static_cast<double>(sector) + 0.5) * 360 / sectors};
+    const std::size_t ring = index / sectors;
+    const std::size_t sector = index % sectors;
+    return {(ring + 0.5) / rings, (sector + 0.5) * 360 / sectors};
   }
 };
 
