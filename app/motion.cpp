@@ -90,7 +90,7 @@ std::string summary_of(const report::MotionRun& run) {
       row.push_back(unsigned_zero(value));
     rows.push_back(row);
   }
-  const ventricle::GateMotion& peak = run.motion.gates[static_cast<std::size_t>(run.motion.peak_gate)];
+  const ventricle::GateMotion& peak = run.motion.gates[run.motion.peak_gate];
   std::string text = table(rows) + "largest twist " + fixed(peak.twist_deg, 1) +
                      " deg (90 %: " + fixed(peak.twist_deg - 1.645 * peak.twist_sd_deg, 1) + " to " +
                      fixed(peak.twist_deg + 1.645 * peak.twist_sd_deg, 1) + ") in gate " +

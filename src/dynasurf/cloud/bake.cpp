@@ -113,8 +113,7 @@ class Baker {
       sum += seen;
       facing += 1;
       if (colour == nullptr) continue;
-      for (std::size_t c = 0; c < 3; ++c)
-        light[static_cast<Eigen::Index>(c)] += linear_[cloud_.colours[found[n].index][c]];
+      for (std::size_t c = 0; c < 3; ++c) light[c] += linear_[cloud_.colours[found[n].index][c]];
     }
     const Vec3 shown = sum.norm() > 0 ? Vec3(sum.normalized()) : normal;
     direction = encoded({shown.dot(tangent), shown.dot(normal.cross(tangent)), shown.dot(normal)});
@@ -123,7 +122,7 @@ class Baker {
       *colour = cloud_.colours[found[0].index];
       return;
     }
-    for (std::size_t c = 0; c < 3; ++c) (*colour)[c] = srgb_byte(light[static_cast<Eigen::Index>(c)] / facing);
+    for (std::size_t c = 0; c < 3; ++c) (*colour)[c] = srgb_byte(light[c] / facing);
   }
 
  private:
@@ -158,7 +157,7 @@ mesh::TexturedMesh bake_textures(const TriMesh& mesh, const PointCloud& cloud) {
         Vec3 place(0, 0, 0), normal(0, 0, 0), along(0, 0, 0);
         for (std::size_t i = 0; i < 3; ++i) {
           const mesh::TexturedMesh::Corner& corner = out.corners[3 * triangle + i];
-          const double w = weight[static_cast<Eigen::Index>(i)];
+          const double w = weight[i];
           place += w * corner.position;
           normal += w * corner.normal.cast<double>();
           along += w * corner.tangent.cast<double>();

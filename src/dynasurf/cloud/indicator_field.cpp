@@ -32,10 +32,10 @@ bool corner_of(const Lattice& l, const Vec3& p, const Vec3& shift, Corner& c) {
   std::array<std::ptrdiff_t, 3> base{};
   std::array<double, 3> part{};
   for (std::size_t a = 0; a < 3; ++a) {
-    const double whole = std::floor(q[static_cast<Eigen::Index>(a)]);
+    const double whole = std::floor(q[a]);
     if (!(whole >= 0) || whole >= l.dims[a] - 1) return false;
     base[a] = static_cast<std::ptrdiff_t>(whole);
-    part[a] = q[static_cast<Eigen::Index>(a)] - whole;
+    part[a] = q[a] - whole;
   }
   c.at = base[0] + l.row() * base[1] + l.slab() * base[2];
   for (std::size_t n = 0; n < 8; ++n)
@@ -196,7 +196,7 @@ class Equations {
       Corner c;
       for (std::size_t i = 0; i < points.points.size(); ++i) {
         if (!corner_of(lattice_, points.points[i], shift, c)) continue;
-        const auto v = static_cast<float>(-points.normals[i][static_cast<Eigen::Index>(a)] * points.areas[i] * scale);
+        const auto v = static_cast<float>(-points.normals[i][a] * points.areas[i] * scale);
         for (std::size_t n = 0; n < 8; ++n) slope[c.at + steps_[n]] += v * c.weight[n];
       }
       for_nodes([&](std::size_t i) { right_[i] -= slope[i] - slope[static_cast<std::ptrdiff_t>(i) - step[a]]; });

@@ -152,8 +152,7 @@ const Json* value_at(const Json& object, const std::vector<std::string>& path) {
 
 std::string cell_in(const Json& object, const Column& column) {
   const Json* value = value_at(object, column.path);
-  if (value && column.end >= 0)
-    value = value->is_array() && value->size() == 2 ? &(*value)[static_cast<std::size_t>(column.end)] : nullptr;
+  if (value && column.end >= 0) value = value->is_array() && value->size() == 2 ? &(*value)[column.end] : nullptr;
   if (!value || value->is_null() || value->is_structured()) return "";
   if (value->is_boolean()) return value->get<bool>() ? "1" : "0";
   return value->is_string() ? value->get<std::string>() : value->dump();

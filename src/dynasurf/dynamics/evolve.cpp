@@ -116,7 +116,7 @@ class Run {
     moving_.resize(n);
     for (std::uint32_t v = 0; v < n; ++v) {
       moving_[v] = v;
-      for (std::size_t a = 0; a < 3; ++a) state_[6 * v + a] = start.vertices[v][static_cast<Eigen::Index>(a)];
+      for (std::size_t a = 0; a < 3; ++a) state_[6 * v + a] = start.vertices[v][a];
     }
     const double speed = speed_unit(drag_.least, plan_.mass_kg);
     for (std::size_t p = 0; p < kBatch; ++p) units_.insert(units_.end(), {1, 1, 1, speed, speed, speed});

@@ -34,7 +34,7 @@ class NearestMotion {
   std::size_t height() const { return dims_[1]; }
   /// Nearest voxel inside the grid; comparisons before the conversion keep far and broken positions harmless.
   std::size_t voxel(double mm, std::size_t axis) const {
-    const double t = mm * per_mm_[static_cast<Eigen::Index>(axis)] + 0.5;
+    const double t = mm * per_mm_[axis] + 0.5;
     if (!(t > 0)) return 0;
     return t < dims_[axis] ? static_cast<std::size_t>(static_cast<int>(t)) : static_cast<std::size_t>(dims_[axis] - 1);
   }
@@ -58,7 +58,7 @@ Derivative free_motion(field::FieldView field, const FieldForce& force, double p
             pull * field.at_point(position, how, velocity) - drag_per_mass_at(position) * velocity;
         for (std::size_t a = 0; a < 3; ++a) {
           dydt[p + a] = y[p + 3 + a];
-          dydt[p + 3 + a] = acceleration[static_cast<Eigen::Index>(a)];
+          dydt[p + 3 + a] = acceleration[a];
         }
       }
     };

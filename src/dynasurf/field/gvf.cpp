@@ -190,8 +190,8 @@ std::pair<double, double> step(const Sweep& s, std::vector<Extremes>& pieces) {
 void start(Sweep& s, const Image& f, const Scheme& o, double dt) {
   const Layout& l = s.layout;
   const bool generalised = s.spread.size() > 0;
-  parallel_for(l.nz, 4, [&](std::size_t begin, std::size_t end) {
-    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
+  parallel_for(l.nz, 4, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k)
       for (int j = 0; j < l.ny; ++j) {
         const std::size_t row = l.row(j, k);
         bool pulled = false;
@@ -202,7 +202,7 @@ void start(Sweep& s, const Image& f, const Scheme& o, double dt) {
           if (generalised) s.spread.data()[row + i] = static_cast<float>(o.spread(g.squaredNorm()));
           pulled = pulled || pull != 0;
           for (std::size_t c = 0; c < 3; ++c) {
-            const auto value = static_cast<float>(g[static_cast<int>(c)]);
+            const auto value = static_cast<float>(g[c]);
             s.gradient[c].data()[row + i] = value;
             s.from[c].data()[row + i] = value;
           }

@@ -68,7 +68,7 @@ Vec3 sample_any(const F& field, const Vec3& grid_mm, Sampling how, const Vec3& v
   if (how == Sampling::nearest) return at(field, own[0], own[1], own[2]);
   Index3 ahead = own;
   for (std::size_t a = 0; a < 3; ++a) {
-    const double v = velocity[static_cast<int>(a)];
+    const double v = velocity[a];
     ahead[a] = std::clamp(own[a] + (v > 0) - (v < 0), 0, g.dims[a] - 1);
   }
   return mean_of_block(field, own, ahead);

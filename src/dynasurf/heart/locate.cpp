@@ -43,8 +43,8 @@ Image coarsened(const Image& image) {
   }
   const Image smooth = image::smooth_gaussian(image, smooth_mm);
   Image result(grid);
-  parallel_for(grid.dims[2], 1, [&](std::size_t begin, std::size_t end) {
-    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
+  parallel_for(grid.dims[2], 1, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k)
       for (int j = 0; j < grid.dims[1]; ++j)
         for (int i = 0; i < grid.dims[0]; ++i)
           result(i, j, k) = static_cast<float>(image::sample_linear(smooth, centre_of(grid, {i, j, k})));
@@ -70,8 +70,7 @@ Shell make_shell(double radius, const std::vector<Vec3>& directions) {
   for (std::size_t d = 0; d < directions.size(); ++d)
     for (std::size_t s = 0; s < 3; ++s)
       for (std::size_t a = 0; a < 3; ++a)
-        shell.offsets[d][s][a] =
-            static_cast<int>(std::lround(at[s] * directions[d][static_cast<Eigen::Index>(a)] / coarse_mm));
+        shell.offsets[d][s][a] = static_cast<int>(std::lround(at[s] * directions[d][a] / coarse_mm));
   return shell;
 }
 
@@ -98,8 +97,8 @@ std::vector<Place> find_places(const Image& image, const std::vector<Vec3>& dire
   for (double r : radii_mm) shells.push_back(make_shell(r, directions));
   const Grid& g = image.grid;
   std::vector<Place> all(g.size());
-  parallel_for(g.dims[2], 1, [&](std::size_t begin, std::size_t end) {
-    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
+  parallel_for(g.dims[2], 1, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k)
       for (int j = 0; j < g.dims[1]; ++j)
         for (int i = 0; i < g.dims[0]; ++i) {
           Place& best = all[g.index(i, j, k)];

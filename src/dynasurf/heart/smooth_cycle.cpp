@@ -35,7 +35,7 @@ SmoothCycle smooth_over_cycle(std::span<const std::optional<double>> values, dou
     Eigen::MatrixXd normal = 1e-6 * Eigen::MatrixXd::Identity(terms, terms);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(terms);
     for (Eigen::Index g = 0; g < n; ++g) {
-      const auto& value = values[static_cast<std::size_t>(g)];
+      const auto& value = values[g];
       if (!value) continue;
       const double x = round == 0 ? 0 : (*value - fit[g]) / (round < 3 ? 2 * cut : cut);
       if (std::abs(x) >= 1) continue;
@@ -47,7 +47,7 @@ SmoothCycle smooth_over_cycle(std::span<const std::optional<double>> values, dou
   }
   SmoothCycle cycle;
   for (Eigen::Index g = 0; g < n; ++g) {
-    const auto& value = values[static_cast<std::size_t>(g)];
+    const auto& value = values[g];
     cycle.outlier.push_back(!value || std::abs(*value - fit[g]) > cut);
     cycle.values.push_back(fit[g]);
   }

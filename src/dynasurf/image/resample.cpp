@@ -29,7 +29,7 @@ std::array<double, 4> cubic_weights(double t) {
 bool holds(const Grid& grid, const Vec3& mm) {
   for (int a = 0; a < 3; ++a) {
     const double at = mm[a] / grid.spacing[a];
-    if (!(at >= -0.5 && at <= grid.dims[static_cast<std::size_t>(a)] - 0.5)) return false;
+    if (!(at >= -0.5 && at <= grid.dims[a] - 0.5)) return false;
   }
   return true;
 }
@@ -61,9 +61,8 @@ double sample_cubic(const Image& image, const Vec3& mm) {
   for (int k = 0; k < 4; ++k)
     for (int j = 0; j < 4; ++j) {
       double row = 0;
-      for (int i = 0; i < 4; ++i)
-        row += wx[static_cast<std::size_t>(i)] * image.clamped(x.low - 1 + i, y.low - 1 + j, z.low - 1 + k);
-      sum += wz[static_cast<std::size_t>(k)] * wy[static_cast<std::size_t>(j)] * row;
+      for (int i = 0; i < 4; ++i) row += wx[i] * image.clamped(x.low - 1 + i, y.low - 1 + j, z.low - 1 + k);
+      sum += wz[k] * wy[j] * row;
     }
   return sum;
 }
@@ -71,8 +70,8 @@ double sample_cubic(const Image& image, const Vec3& mm) {
 Image resample(const Image& image, const Grid& grid) {
   Image result(grid);
   const bool non_negative = std::all_of(image.values.begin(), image.values.end(), [](float v) { return v >= 0; });
-  parallel_for(static_cast<std::size_t>(std::max(0, grid.dims[2])), 1, [&](std::size_t begin, std::size_t end) {
-    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
+  parallel_for(std::max(0, grid.dims[2]), 1, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k)
       for (int j = 0; j < grid.dims[1]; ++j)
         for (int i = 0; i < grid.dims[0]; ++i) {
           const Vec3 mm = to_grid(image.grid, to_world(grid, centre_of(grid, {i, j, k})));

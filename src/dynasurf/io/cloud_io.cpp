@@ -123,7 +123,7 @@ PointCloud sampled(const TriMesh& mesh, const VertexData& data) {
     for (std::size_t c = 0; c < 3; ++c) {
       double light = 0;
       for (std::size_t corner = 0; corner < 3; ++corner)
-        light += p.weight[static_cast<Eigen::Index>(corner)] * data.colours[mesh.triangles[p.triangle][corner]][c];
+        light += p.weight[corner] * data.colours[mesh.triangles[p.triangle][corner]][c];
       colour[c] = colour_byte(light, 255);
     }
   }

@@ -36,8 +36,8 @@ std::array<long, 6> direction_of(const DicomImage& image) {
   std::array<long, 6> direction{};
   if (image.orientation)
     for (std::size_t n = 0; n < 3; ++n) {
-      direction[n] = std::lround(1000 * image.orientation->first[static_cast<Eigen::Index>(n)]);
-      direction[n + 3] = std::lround(1000 * image.orientation->second[static_cast<Eigen::Index>(n)]);
+      direction[n] = std::lround(1000 * image.orientation->first[n]);
+      direction[n + 3] = std::lround(1000 * image.orientation->second[n]);
     }
   return direction;
 }

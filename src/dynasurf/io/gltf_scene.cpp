@@ -73,7 +73,7 @@ int GltfScene::add_fours(const std::vector<std::array<float, 4>>& rows) {
 int GltfScene::add_colours(const std::vector<std::array<std::uint16_t, 4>>& colours) {
   const int accessor =
       add_bytes(colours.data(), 8 * colours.size(), colours.size(), "VEC4", gltf::unsigned_short, gltf::array_buffer);
-  document["accessors"][static_cast<std::size_t>(accessor)]["normalized"] = true;
+  document["accessors"][accessor]["normalized"] = true;
   return accessor;
 }
 
@@ -161,7 +161,7 @@ int GltfScene::add_bytes(const void* data, std::size_t bytes, std::size_t count,
 
 template <class Bounds>
 void GltfScene::set_bounds(int accessor, const Bounds& low, const Bounds& high) {
-  GltfJson& a = document["accessors"][static_cast<std::size_t>(accessor)];
+  GltfJson& a = document["accessors"][accessor];
   a["min"] = doubles_of(low);
   a["max"] = doubles_of(high);
 }

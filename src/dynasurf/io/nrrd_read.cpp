@@ -216,7 +216,7 @@ double gate_unit_ms(const NrrdHeader& header, int list_axis) {
   if (!units) return 0;
   const auto names = quoted(*units);
   if (names.size() != 4) return 0;
-  const std::string& unit = names[static_cast<std::size_t>(list_axis)];
+  const std::string& unit = names[list_axis];
   return unit == "ms" ? 1 : unit == "s" ? 1000 : unit == "us" ? 0.001 : 0;
 }
 
@@ -301,7 +301,7 @@ void read_segmentation(Study& study, const NrrdHeader& header) {
   if (layers > 1) {
     std::vector<int> top(study.grid().size(), 0);  // the last segment of each voxel
     for (int layer = 0; layer < layers; ++layer) {
-      Image& image = study.gates[static_cast<std::size_t>(layer)];
+      Image& image = study.gates[layer];
       for (std::size_t v = 0; v < top.size(); ++v) {
         if (image.values[v] == 0) continue;
         const auto it = segments.find({layer, image.values[v]});

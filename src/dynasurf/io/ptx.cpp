@@ -14,8 +14,7 @@ struct Pose {
 
   Vec3 apply(const Vec3& p) const {
     Vec3 q;
-    for (std::size_t c = 0; c < 3; ++c)
-      q[static_cast<Eigen::Index>(c)] = p[0] * rows[0][c] + p[1] * rows[1][c] + p[2] * rows[2][c] + rows[3][c];
+    for (std::size_t c = 0; c < 3; ++c) q[c] = p[0] * rows[0][c] + p[1] * rows[1][c] + p[2] * rows[2][c] + rows[3][c];
     return q;
   }
 };

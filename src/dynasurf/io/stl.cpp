@@ -57,9 +57,8 @@ TriMesh decode_binary(const MeshFile& file, std::size_t count) {
       Vec3 p;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::size_t at = begin + 12 * corner + 4 * axis;
-        p[static_cast<Eigen::Index>(axis)] = load<float>(file.bytes.data() + at);
-        if (!std::isfinite(p[static_cast<Eigen::Index>(axis)]))
-          refuse(file, "byte", at, "a coordinate is not a finite number");
+        p[axis] = load<float>(file.bytes.data() + at);
+        if (!std::isfinite(p[axis])) refuse(file, "byte", at, "a coordinate is not a finite number");
       }
       triangle[corner] = weld.vertex(p, mesh);
     }

@@ -91,8 +91,8 @@ ClosestPoint::ClosestPoint(const TriMesh& mesh) : mesh_(mesh) {
       const Eigen::AlignedBox3d& box = boxes[ways * n + 1 + c];
       boxes[n].extend(box);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        nodes_[n].low[axis][c] = rounded_down(box.min()[static_cast<Eigen::Index>(axis)]);
-        nodes_[n].high[axis][c] = rounded_up(box.max()[static_cast<Eigen::Index>(axis)]);
+        nodes_[n].low[axis][c] = rounded_down(box.min()[axis]);
+        nodes_[n].high[axis][c] = rounded_up(box.max()[axis]);
       }
     }
   }

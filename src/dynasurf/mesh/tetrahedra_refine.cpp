@@ -122,7 +122,7 @@ std::vector<Vec3> carried(const TetMesh& cage, std::span<const Vec3> moved, std:
         if (holder == nullptr || shares.minCoeff() > best.minCoeff()) best = shares, holder = &t;
       }
       result[p] = Vec3::Zero();
-      for (std::size_t c = 0; c < 4; ++c) result[p] += best[static_cast<Eigen::Index>(c)] * moved[(*holder)[c]];
+      for (std::size_t c = 0; c < 4; ++c) result[p] += best[c] * moved[(*holder)[c]];
     }
   });
   return result;

@@ -286,7 +286,7 @@ void lay_anew(Fitting& fit) {
   Eigen::VectorXd unknowns;
   problem.layout = make_beat_layout(gate, first, fit.beliefs, unknowns);
   const auto keep = [&](int number, int before) {
-    const auto &to = problem.layout.terms[0][number], &from = former.terms[0][static_cast<std::size_t>(before)];
+    const auto &to = problem.layout.terms[0][number], &from = former.terms[0][before];
     for (std::size_t t = 0; t < to.size(); ++t) unknowns[to[t].unknown] = fit.solution.unknowns[from[t].unknown];
   };
   for (int number = 0; number < gate.attenuation; ++number) keep(number, number);

@@ -55,7 +55,7 @@ Eigen::VectorXd Cholesky::solve(const Eigen::VectorXd& b) const {
   for (std::size_t i = count; i > 0;) {
     --i;
     const double* const line = lower_.data() + i * pitch;
-    double& here = x[static_cast<Eigen::Index>(i)];
+    double& here = x[i];
     here /= line[i];
     const double less = -here;
     detail::add_lines(x.data(), i, line, pitch, &less, 1);

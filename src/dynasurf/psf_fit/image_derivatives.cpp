@@ -113,8 +113,7 @@ class RayPainter {
       for (std::size_t a = 0; a < 3; ++a) seen[p][a].weight.clear();
       if (ray.by_field[p].isZero(0)) continue;
       for (std::size_t a = 0; a < 3; ++a)
-        look_along(pixels_, static_cast<int>(a), ray.position[p][static_cast<int>(a)], sigma_mm_[static_cast<int>(a)],
-                   edge_mm_, seen[p][a]);
+        look_along(pixels_, static_cast<int>(a), ray.position[p][a], sigma_mm_[a], edge_mm_, seen[p][a]);
       if (!is_seen(seen[p])) continue;
       for (std::size_t a = 0; a < 3; ++a) {
         first[a] = std::min(first[a], seen[p][a].from);
@@ -140,7 +139,7 @@ class RayPainter {
     for (const View& view : views_) {
       const std::size_t at = end_[view.row]++;
       harmonics_[at] = rays.lines.line(view.ray);
-      for (std::size_t f = 0; f < 3; ++f) factor_[f][at] = view.by_field[static_cast<Eigen::Index>(f)];
+      for (std::size_t f = 0; f < 3; ++f) factor_[f][at] = view.by_field[f];
     }
   }
 
@@ -172,7 +171,7 @@ class RayPainter {
         const std::size_t begin = (seen[0].from - first[0]) + size[0] * (line + size[1] * slice);
         for (std::size_t f = 0; f < box_.size(); ++f) {
           float* at = box_[f].data() + begin;
-          const float by = by_field[static_cast<Eigen::Index>(f)];
+          const float by = by_field[f];
           if (by == 0) continue;
           for (std::size_t i = 0; i < seen[0].weight.size(); ++i) at[i] += plane * seen[0].weight[i] * by;
         }

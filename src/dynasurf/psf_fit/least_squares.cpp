@@ -151,7 +151,7 @@ Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::Vect
     std::vector<float> by_pixel(at.residual[g].size());
     for (std::size_t n = 0; n < by_pixel.size(); ++n) by_pixel[n] = weighted(problem, at.residual[g], n);
     backpropagate_to_cells(problem.cells, places, numbers[g], at.activity[g], backproject(camera, by_pixel), 0,
-                           by_wall[static_cast<Eigen::Index>(g)], to_cells, g);
+                           by_wall[g], to_cells, g);
     Eigen::VectorXd& others = to_cells.others[g];
     for (const float w : by_pixel) others[places.background] += w;
     const auto by_widths = project_by_widths(camera, at.activity[g].cells);

@@ -109,7 +109,7 @@ Eigen::MatrixXd WallPosterior::no_gradient(Eigen::Index numbers) const {
 void WallPosterior::add(int gate, const WallPoints& points, const WallDependence& dependence,
                         Eigen::MatrixXd& gradient) const {
   const GateLayout& layout = layout_.gate;
-  const Eigen::VectorXd& numbers = gates_[static_cast<std::size_t>(gate)];
+  const Eigen::VectorXd& numbers = gates_[gate];
   const int endo = harmonics_up_to(layout.endo_degree), wall = harmonics_up_to(layout.wall_degree);
   const int uptake = harmonics_up_to(layout.uptake_degree);
   const int of_walls = std::max(layout.endo_degree, layout.wall_degree);
@@ -132,7 +132,7 @@ void WallPosterior::add(int gate, const WallPoints& points, const WallDependence
     of_gate.middleRows(layout.wall, wall) +=
         product(outer.harmonics.leftCols(wall).transpose(), outer.epi_by_wall.asDiagonal() * by_log);
   }
-  const auto& terms = layout_.terms[static_cast<std::size_t>(gate)];
+  const auto& terms = layout_.terms[gate];
   for (Eigen::Index i = 0; i < of_gate.rows(); ++i)
     for (const BeatLayout::Term& t : terms[i]) gradient.row(t.unknown) += t.factor * of_gate.row(i);
 }
@@ -154,7 +154,7 @@ void tell_belief_from_data(const BeatProblem& problem, const Solution& solution,
                       "the blur; the rest is what is believed of hearts (10 mm)",
                       share)});
   }
-  const auto& width = problem.layout.terms[0][static_cast<std::size_t>(problem.layout.gate.width)];
+  const auto& width = problem.layout.terms[0][problem.layout.gate.width];
   if (width.empty()) return;  // exact
   const int unknown = width.front().unknown;
   const double share = share_of_data(factor.half_norm(Eigen::VectorXd::Unit(problem.layout.unknowns, unknown)),

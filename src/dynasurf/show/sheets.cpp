@@ -279,7 +279,7 @@ void draw_label_marks(Tile& tile, const ventricle::GateBorders& gate, const vent
   draw_box(tile, ventricle::pixels_of(labels.borders, k, ventricle::Labels::endo_bit), inner);
   tile.circle(coarse.x_px, coarse.y_px, coarse.radius_px, coarse_grey);
   tile.circle(labels.axis.x_at(k), labels.axis.y_at(k), labels.circle.radius_px, white);
-  if (const auto& local = labels.local[static_cast<std::size_t>(k)]) tile.cross(local->x_px, local->y_px, ink_of::good);
+  if (const auto& local = labels.local[k]) tile.cross(local->x_px, local->y_px, ink_of::good);
   tile.cross(labels.axis.x_at(k), labels.axis.y_at(k), white);
   if (k == labels.division_slice) tile.mark();
 }
@@ -305,7 +305,7 @@ Canvas draw_rings(const Image& image, const ventricle::GateBorders& gate, const 
   const ventricle::SliceEdges edges =
       ventricle::find_components(ventricle::clip(gate.edges.edges, labels.axis, reach), 1);
   return draw_sheet(image, all_of(image, graph_width), title, ring_legend, [&](Canvas& canvas, Tile& tile, int k) {
-    const auto& slice = edges[static_cast<std::size_t>(k)];
+    const auto& slice = edges[k];
     for (const image::Component& found : slice)
       for (const image::Pixel& p : found.pixels) tile.voxel(p.i, p.j, major);
     ventricle::RadialLabels o = options;

@@ -222,8 +222,8 @@ class Show {
     const Study study = io::read_study(r_.input, r_.series);
     check_gate(study);
     const ventricle::BorderResult borders = ventricle::find_borders(study, r_.options, progress_);
-    const Image& image = borders.study.gates[static_cast<std::size_t>(r_.gate - 1)];
-    const ventricle::GateBorders& gate = borders.gates[static_cast<std::size_t>(r_.gate - 1)];
+    const Image& image = borders.study.gates[r_.gate - 1];
+    const ventricle::GateBorders& gate = borders.gates[r_.gate - 1];
     const ventricle::WallContours outer =
         ventricle::propagate_contours(image, gate.labels, ventricle::Border::epi, gate.base_slice, r_.options.contour);
     const ventricle::WallContours inner = ventricle::propagate_contours(image, gate.labels, ventricle::Border::endo,
@@ -236,7 +236,7 @@ class Show {
     view.slice = k;
     view.start = circle_contour(Vec2(gate.labels.axis.x_at(k), gate.labels.axis.y_at(k)), gate.labels.circle.radius_px,
                                 r_.options.contour.model.edge_px);
-    if (const auto& found = asked.slices[static_cast<std::size_t>(k)]) view.found = *found;
+    if (const auto& found = asked.slices[k]) view.found = *found;
     const field::VectorField pull = dynamics::scaled_to_one(dynamics::force_of(dynamics::image_potential(
         dynamics::plane_of(image, k), {dynamics::PotentialSource::gradient, r_.options.contour.sigma_px})));
     view.field = &pull;
@@ -302,7 +302,7 @@ class Show {
       throw OptionError("--gate " + std::to_string(r_.gate) + "; expected 1 to " + std::to_string(gates));
     std::vector<NamedSurface> found;
     for (std::size_t w = 0; w < 2; ++w)
-      if (const auto& surface = beat.surfaces[w][static_cast<std::size_t>(r_.gate - 1)])
+      if (const auto& surface = beat.surfaces[w][r_.gate - 1])
         found.push_back({word_for(walls[w]), *surface, colour_of(walls[w])});
     if (found.empty()) throw InputError(r_.input.string() + ": gate " + std::to_string(r_.gate) + " has no surface");
     return found;

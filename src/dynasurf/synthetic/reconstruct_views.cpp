@@ -164,8 +164,8 @@ Image cut_out(const Image& image, const Grid& grid) {
   const auto value = [&](int i, int j, int k) {
     return from.contains(i, j, k) ? static_cast<double>(image(i, j, k)) : 0;
   };
-  parallel_for(grid.dims[2], 1, [&](std::size_t begin, std::size_t end) {
-    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
+  parallel_for(grid.dims[2], 1, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k)
       for (int j = 0; j < grid.dims[1]; ++j)
         for (int i = 0; i < grid.dims[0]; ++i) {
           const Vec3 p = to_grid(from, to_world(grid, centre_of(grid, {i, j, k}))).cwiseQuotient(from.spacing);

@@ -65,8 +65,8 @@ void continue_outwards(Image& image, const Mask& region, const std::vector<std::
 
 Mask region_on(const Image& mask, const Grid& grid) {
   Mask region(grid);
-  parallel_for(grid.dims[2], 1, [&](std::size_t begin, std::size_t end) {
-    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
+  parallel_for(grid.dims[2], 1, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k)
       for (int j = 0; j < grid.dims[1]; ++j)
         for (int i = 0; i < grid.dims[0]; ++i) {
           const Index3 v = voxel_of(mask.grid, to_grid(mask.grid, to_world(grid, centre_of(grid, {i, j, k}))));

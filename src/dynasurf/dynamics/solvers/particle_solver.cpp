@@ -93,7 +93,7 @@ Derivative motion_of(const ParticleSystem& system) {
       for (std::size_t a = 0; a < 3; ++a) {
         const bool pinned = system.is_pinned(p);
         dydt[3 * p + a] = pinned ? 0 : y[3 * (n + p) + a];
-        dydt[3 * (n + p) + a] = pinned ? 0 : room->forces[p][static_cast<Eigen::Index>(a)] / system.masses[p];
+        dydt[3 * (n + p) + a] = pinned ? 0 : room->forces[p][a] / system.masses[p];
       }
   };
 }

@@ -50,7 +50,7 @@ bool fill_data(const Grid& g, const Index3& place, const F& value, BrickData& da
         any = true;
         const std::size_t at = band::cell_at(i, j, k);
         data.b[at] = static_cast<float>(b);
-        for (std::size_t c = 0; c < 3; ++c) data.pull[c][at] = static_cast<float>(b * slope[static_cast<int>(c)]);
+        for (std::size_t c = 0; c < 3; ++c) data.pull[c][at] = static_cast<float>(b * slope[c]);
       }
   return any;
 }
@@ -168,7 +168,7 @@ BandResult solve(const Grid& grid, std::vector<BrickData> data, const BandGvf& o
   if (data.empty()) return result;
   std::array<double, 3> rates{};
   for (std::size_t a = 0; a < 3; ++a) {
-    const double h = grid.spacing[static_cast<int>(a)];
+    const double h = grid.spacing[a];
     rates[a] = o.mu / (h * h);
   }
   levels->levels = band::build(grid, rates, std::move(data), o.reach_voxels);
@@ -195,7 +195,7 @@ Vec3 value_at(const std::vector<band::Level>& levels, std::size_t l, const Index
   const band::Level& level = levels[l];
   const int number = level.number({cell[0] / side, cell[1] / side, cell[2] / side});
   if (number >= 0) {
-    const auto& u = level.u[static_cast<std::size_t>(number)];
+    const auto& u = level.u[number];
     const std::size_t at = band::cell_at(cell[0] % side, cell[1] % side, cell[2] % side);
     return {u[0][at], u[1][at], u[2][at]};
   }
@@ -271,8 +271,8 @@ std::size_t BandField::bytes() const {
 VectorField dense_field(const BandField& field) {
   VectorField out(field.grid());
   const Index3& n = out.grid.dims;
-  parallel_for(n[2], 1, [&](std::size_t begin, std::size_t end) {
-    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
+  parallel_for(n[2], 1, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k)
       for (int j = 0; j < n[1]; ++j)
         for (int i = 0; i < n[0]; ++i) {
           const Vec3 u = field.at(i, j, k);

@@ -242,7 +242,7 @@ DYNASURF_CLONES void fill_ghosts_of(Level& f, const Level& g, std::size_t n) {
     const auto axis = static_cast<std::size_t>(face / 2);
     Index3 low{0, 0, 0}, high{side - 1, side - 1, side - 1};
     low[axis] = high[axis] = face % 2 == 0 ? -1 : side;
-    auto& ghosts = f.ghosts[static_cast<std::size_t>(number)];
+    auto& ghosts = f.ghosts[number];
     interpolate_rows(f, p, low, high, [&](std::size_t c, int j, int k, const float* row) {
       float* to = ghosts[c].data();
       if (axis == 0)

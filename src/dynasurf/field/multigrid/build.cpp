@@ -308,8 +308,8 @@ void shape_levels(std::vector<Level>& levels, const Grid& grid, const Vec3& rate
   if (levels.empty()) levels.emplace_back();
   std::array<Axis, 3> axis;
   for (std::size_t d = 0; d < 3; ++d) {
-    const double width = 1 / std::sqrt(rates[static_cast<int>(d)]);
-    axis[d] = axis_of(std::vector<double>(grid.dims[static_cast<int>(d)], width), width);
+    const double width = 1 / std::sqrt(rates[d]);
+    axis[d] = axis_of(std::vector<double>(grid.dims[d], width), width);
   }
   rasterise(levels[0], axis, true);
   std::size_t count = 1;

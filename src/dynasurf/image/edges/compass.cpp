@@ -310,7 +310,7 @@ class Operator {
     p.needle.uncertainty_deg = static_cast<float>(180.0 / turns * near);
     // Turn the diameter by t steps, then by a quarter turn.
     const double small = t * std::numbers::pi / turns, c = own::cos(small), s = own::sin(small);
-    const auto& along = along_[static_cast<std::size_t>(peak)];
+    const auto& along = along_[peak];
     p.needle.x = static_cast<float>(-(along[0] * s + along[1] * c));
     p.needle.y = static_cast<float>(along[0] * c - along[1] * s);
     return p;

@@ -99,7 +99,7 @@ Line median_line(const std::vector<double>& k, const std::vector<double>& v) {
 SliceEdges find_components(const Mask& edges, int min_px) {
   SliceEdges found(std::max(0, edges.grid.dims[2]));
   for (int k = 0; k < edges.grid.dims[2]; ++k) {
-    auto& slice = found[static_cast<std::size_t>(k)];
+    auto& slice = found[k];
     slice = image::components_of_slice(edges, k);
     std::erase_if(slice, [&](const image::Component& c) { return static_cast<int>(c.pixels.size()) < min_px; });
   }

@@ -53,7 +53,7 @@ std::optional<Radii> radii_around(const std::vector<Sorted>& slices, const std::
   std::vector<double> endo, epi;
   const int last = static_cast<int>(slices.size()) - 1;
   for (int n = std::max(0, k - neighbour_slices); n <= std::min(last, k + neighbour_slices); ++n) {
-    const Sorted& s = slices[static_cast<std::size_t>(n)];
+    const Sorted& s = slices[n];
     if (!clear[n]) continue;
     const auto middle = s.distance.begin() + static_cast<std::ptrdiff_t>(s.inner);
     endo.push_back(median({s.distance.begin(), middle}));

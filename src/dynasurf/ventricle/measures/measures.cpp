@@ -213,7 +213,7 @@ std::vector<double> areas_of_vertices(const TriMesh& mesh) {
 
 /// How far every vertex of every gate is from where it was at end diastole, and what that means for the segments.
 void measure_motion(Measures& m, const MeasureInput& input) {
-  const WallGate& rest = input.gates[static_cast<std::size_t>(m.ed_gate)];
+  const WallGate& rest = input.gates[m.ed_gate];
   const auto motion_of = [](const TriMesh* from, const TriMesh* to) -> std::optional<mesh::SurfaceMotion> {
     if (!from || !to || from->vertices.size() != to->vertices.size() || from->triangles != to->triangles)
       return std::nullopt;

@@ -41,7 +41,7 @@ class Wall {
     VectorXd scale = VectorXd::Zero(weights.rows());
     for (std::size_t n = 0; n < wall.endo.size(); ++n)
       if (wall.endo[n] && wall.epi[n] && wall.thickness_mm[n])
-        scale[static_cast<Index>(n)] = *wall.thickness_mm[n] / std::max(1e-6, (*wall.epi[n] - *wall.endo[n]).norm());
+        scale[n] = *wall.thickness_mm[n] / std::max(1e-6, (*wall.epi[n] - *wall.endo[n]).norm());
     const MatrixXd by_epi = scale.asDiagonal() * weights;
     posterior_.add(gate, {wall.endo, wall.epi}, {-by_epi, by_epi, {}}, gradient);
   }
@@ -51,8 +51,7 @@ class Wall {
     VectorXd scale = VectorXd::Zero(weights.rows());
     for (std::size_t n = 0; n < wall.endo.size(); ++n)
       if (wall.endo[n])
-        scale[static_cast<Index>(n)] =
-            relative ? 1 / std::max(1.0, (*wall.endo[n] - m_.gates[gate].axes->centre()).norm()) : 1;
+        scale[n] = relative ? 1 / std::max(1.0, (*wall.endo[n] - m_.gates[gate].axes->centre()).norm()) : 1;
     posterior_.add(gate, {wall.endo, wall.epi}, {scale.asDiagonal() * weights, {}, {}}, gradient);
   }
   void add_log_uptake(int gate, const MatrixXd& weights, MatrixXd& gradient) const {
@@ -79,8 +78,7 @@ std::optional<double> allowed(double sd, const Allowance& a) {
 
 void set_all(Measures& m, std::optional<double> SegmentErrors::*member, const VectorXd& sd,
              const Allowance& allowance) {
-  for (std::size_t s = 0; s < m.segments.size(); ++s)
-    m.segments[s].sd.*member = allowed(sd[static_cast<Index>(s)], allowance);
+  for (std::size_t s = 0; s < m.segments.size(); ++s) m.segments[s].sd.*member = allowed(sd[s], allowance);
 }
 
 /// Percent of the reference, as `perfusion_percent` is made.
@@ -90,7 +88,7 @@ void perfusion_errors(Measures& m, const Wall& wall, int gate) {
   MatrixXd weights = segment_weights(m, percent);
   const std::vector<std::size_t> reference = reference_samples(percent, true);
   VectorXd whole = VectorXd::Zero(weights.rows());
-  for (const std::size_t n : reference) whole[static_cast<Index>(n)] = *percent[n] / 100 / reference.size();
+  for (const std::size_t n : reference) whole[n] = *percent[n] / 100 / reference.size();
   for (std::size_t n = 0; n < percent.size(); ++n) weights.row(static_cast<Index>(n)) *= percent[n].value_or(0);
   for (Index s = 0; s < weights.cols(); ++s) weights.col(s) -= m.segments[s].perfusion_percent.value_or(0) * whole;
   MatrixXd gradient = wall.nothing(weights.cols());
@@ -129,7 +127,7 @@ void motion_errors(Measures& m, const Wall& wall) {
   set_all(m, &SegmentErrors::displacement_mm, moved, for_motion);
   for (std::size_t s = 0; s < m.segments.size(); ++s)
     if (const auto& strain = m.segments[s].area_strain_percent)
-      m.segments[s].sd.area_strain_percent = allowed((100 + *strain) * strained[static_cast<Index>(s)], for_strain);
+      m.segments[s].sd.area_strain_percent = allowed((100 + *strain) * strained[s], for_strain);
 }
 
 /// Derivative of the onset by the values of the gates, degrees; empty for a curve that is flat.

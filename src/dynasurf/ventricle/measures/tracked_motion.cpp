@@ -170,7 +170,7 @@ TrackedMotion measure_motion(const TrackedPoints& points, const LongAxis& axis, 
   if (rest_gate < 0 || rest_gate >= static_cast<int>(points.gates.size()))
     throw OptionError("gate " + std::to_string(rest_gate + 1) + " at rest; expected 1 to " +
                       std::to_string(points.gates.size()));
-  const std::vector<Vec3>& rest = points.gates[static_cast<std::size_t>(rest_gate)];
+  const std::vector<Vec3>& rest = points.gates[rest_gate];
   if (rest.size() < least_points)
     throw InputError(std::to_string(rest.size()) + " tracked points that are known in every gate; expected at least " +
                      std::to_string(least_points));

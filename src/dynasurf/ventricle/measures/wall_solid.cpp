@@ -86,7 +86,7 @@ std::optional<Sheets> meet(const mesh::RayBvh (&trees)[2], const HeartAxes& axes
         sheets.side[side].vertices.push_back(ring == size.rings ? on_base(axes, p) : p);
       }
       if (radii[1] <= radii[0]) return std::nullopt;
-      double& usual = middle[static_cast<std::size_t>(sector)];
+      double& usual = middle[sector];
       if (4 * ring <= 3 * size.rings) usual = radii[1];
       if (ring == size.rings && radii[1] < least_rim * usual) return std::nullopt;
       sheets.ring.push_back(ring);
