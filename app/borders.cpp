@@ -53,7 +53,8 @@ std::string table_of_borders(const ventricle::BorderResult& result) {
   return table(rows);
 }
 
-ExitCode run(const BordersArguments& arguments, Drawing what, std::stop_token stop) {
+ExitCode run(const BordersArguments& arguments, std::stop_token stop) {
+  const Drawing what = arguments.edges_only ? Drawing::edges : Drawing::borders;
   const fs::path out = arguments.out.path;
   std::vector<fs::path> inputs{arguments.study};
   for (const std::string& given : {arguments.options.mask, arguments.options.file})
@@ -92,9 +93,12 @@ ExitCode run(const BordersArguments& arguments, Drawing what, std::stop_token st
   return what == Drawing::borders && failed ? not_trustworthy : done;
 }
 
-void add(CLI::App& program, Command& chosen, Drawing what, const std::string& name, const std::string& text) {
+}  // namespace
+
+void add_borders(CLI::App& program, Command& chosen) {
   auto a = std::make_shared<BordersArguments>();
-  CommandLine command(program, name, text);
+  CommandLine command(program, "borders",
+                      "Find the edges and label the borders of every gate, and draw both as PNG sheets");
   command.option("STUDY", a->study, "DICOM file or folder, NIfTI or NRRD file").required();
   add_series_argument(command, a->series);
   add_out_folder(command, a->out, "folder for the sheets").required();
@@ -107,20 +111,10 @@ void add(CLI::App& program, Command& chosen, Drawing what, const std::string& na
   command.option("--gate", a->gate, "of --vary: the gate, from 1; it is looked at alone").within(1, 1000);
   command.option("--slice", a->slice, "of --vary: the slice, from 1 at the apex (the middle of the cavity)")
       .within(1, 10000);
+  command.flag("--edges-only", a->edges_only, "find and draw the edges alone");
   command.option("--threads", a->threads, "threads at most; the result is the same (0: all)").within(0, 1024);
   command.flag("--quiet", a->quiet, "print nothing");
-  command.run(chosen, [a, what](std::stop_token stop) { return run(*a, what, stop); });
-}
-
-}  // namespace
-
-void add_edges(CLI::App& program, Command& chosen) {
-  add(program, chosen, Drawing::edges, "edges", "Find the edges of every slice and draw them as PNG sheets");
-}
-
-void add_borders(CLI::App& program, Command& chosen) {
-  add(program, chosen, Drawing::borders, "borders",
-      "Find the edges and label the borders of every gate, and draw both as PNG sheets");
+  command.run(chosen, [a](std::stop_token stop) { return run(*a, stop); });
 }
 
 }  // namespace dynasurf::app

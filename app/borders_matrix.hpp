@@ -15,7 +15,7 @@ struct BordersArguments {
   std::vector<std::string> vary;  // path=value,value,...
   int gate = 1, slice = 0;        // from 1; slice 0: the middle of the heart
   int threads = 0;
-  bool quiet = false;
+  bool edges_only = false, quiet = false;
 };
 
 enum class Drawing { edges, borders };

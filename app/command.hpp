@@ -18,22 +18,24 @@ using Command = std::function<ExitCode(std::stop_token stop)>;
 void add_ventricle(CLI::App& program, Command& chosen);
 void add_cloud(CLI::App& program, Command& chosen);
 void add_lod(CLI::App& program, Command& chosen);
-void add_edges(CLI::App& program, Command& chosen);
 void add_borders(CLI::App& program, Command& chosen);
 void add_info(CLI::App& program, Command& chosen);
 void add_phantom(CLI::App& program, Command& chosen);
 void add_measure(CLI::App& program, Command& chosen);
 void add_options(CLI::App& program, Command& chosen);
 void add_rerun(CLI::App& program, Command& chosen);
-void add_normals(CLI::App& program, Command& chosen);
-void add_scores(CLI::App& program, Command& chosen);
 void add_solid(CLI::App& program, Command& chosen);
 void add_organ(CLI::App& program, Command& chosen);
-void add_compare(CLI::App& program, Command& chosen);
 void add_batch(CLI::App& program, Command& chosen);
 void add_collect(CLI::App& program, Command& chosen);
 void add_bids(CLI::App& program, Command& chosen);
 void add_motion(CLI::App& program, Command& chosen);
 void add_show(CLI::App& program, Command& chosen);
+void add_perfusion(CLI::App& program, Command& chosen);
+
+// What stands behind `perfusion`.
+void add_perfusion_build(CLI::App& perfusion, Command& chosen);
+void add_perfusion_score(CLI::App& perfusion, Command& chosen);
+void add_perfusion_compare(CLI::App& perfusion, Command& chosen);
 
 }  // namespace dynasurf::app

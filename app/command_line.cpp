@@ -1,8 +1,13 @@
 #include "command_line.hpp"
 
+#include <array>
 #include <optional>
+#include <string_view>
+#include <utility>
 
 #include <CLI/CLI.hpp>
+
+#include "dynasurf/core/error.hpp"
 
 namespace dynasurf::app {
 
@@ -70,6 +75,25 @@ template Argument CommandLine::option(const std::string&, std::vector<double>&, 
 
 Argument CommandLine::flag(const std::string& names, bool& to, const std::string& what) {
   return Argument(command_->add_flag(names, to, what));
+}
+
+void add_perfusion(CLI::App& program, Command& chosen) {
+  CLI::App* perfusion =
+      program.add_subcommand("perfusion", "Normal maps of perfusion, scores against them, rest compared with stress");
+  perfusion->require_subcommand(1);
+  add_perfusion_build(*perfusion, chosen);
+  add_perfusion_score(*perfusion, chosen);
+  add_perfusion_compare(*perfusion, chosen);
+}
+
+void refuse_former_name(const std::vector<std::string>& words) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 4> names{{{"edges", "borders --edges-only"},
+                                                                                {"normals", "perfusion build"},
+                                                                                {"scores", "perfusion score"},
+                                                                                {"compare", "perfusion compare"}}};
+  for (const auto& [former, now] : names)
+    if (!words.empty() && words.front() == former)
+      throw OptionError("'" + std::string(former) + "' is '" + std::string(now) + "' now; see dynasurf --help");
 }
 
 void CommandLine::run(Command& chosen, const Command& body) {

@@ -56,4 +56,7 @@ class CommandLine {
   CLI::App* command_;
 };
 
+/// Throws OptionError that tells today's name of the command where the first word is a former one.
+void refuse_former_name(const std::vector<std::string>& words);
+
 }  // namespace dynasurf::app

@@ -15,6 +15,7 @@
 #include "dynasurf/io/detail/machine_memory.hpp"
 
 #include "command.hpp"
+#include "command_line.hpp"
 #include "console.hpp"
 #include "debug_fault.hpp"
 #include "interrupt.hpp"
@@ -46,17 +47,14 @@ ExitCode run(int argc, char** argv, const std::stop_token& stop) {
   add_ventricle(program, chosen);
   add_cloud(program, chosen);
   add_lod(program, chosen);
-  add_edges(program, chosen);
   add_borders(program, chosen);
   add_info(program, chosen);
   add_phantom(program, chosen);
   add_measure(program, chosen);
   add_options(program, chosen);
   add_rerun(program, chosen);
-  add_normals(program, chosen);
-  add_scores(program, chosen);
+  add_perfusion(program, chosen);
   add_solid(program, chosen);
-  add_compare(program, chosen);
   add_motion(program, chosen);
   add_show(program, chosen);
   add_organ(program, chosen);
@@ -71,6 +69,7 @@ ExitCode run(int argc, char** argv, const std::stop_token& stop) {
     print(slicer_description(*program.get_subcommand(words[0])));
     return done;
   }
+  refuse_former_name(words);
   const SlicerCall slicer(words);
   try {
     std::reverse(words.begin(), words.end());  // as CLI11 takes them

@@ -9,8 +9,8 @@
 namespace dynasurf::app {
 
 void add_memory_limit(CLI::App& program, std::string& text) {
-  constexpr std::array<std::string_view, 12> readers{"ventricle", "cloud", "lod",   "edges",  "borders", "info",
-                                                     "measure",   "rerun", "solid", "motion", "organ",   "show"};
+  constexpr std::array<std::string_view, 11> readers{"ventricle", "cloud", "lod",    "borders", "info", "measure",
+                                                     "rerun",     "solid", "motion", "organ",   "show"};
   const auto reads = [&](CLI::App* command) {
     return std::find(readers.begin(), readers.end(), command->get_name()) != readers.end();
   };

@@ -3,7 +3,8 @@
 
     manual.py PROGRAM OUT_DIR
 
-OUT_DIR gets man1/dynasurf.1.gz, a page man1/dynasurf-COMMAND.1.gz for each command, bash/dynasurf and zsh/_dynasurf.
+OUT_DIR gets man1/dynasurf.1.gz, a page man1/dynasurf-COMMAND.1.gz for each command (of a group of commands, such as
+perfusion, also for each of them: dynasurf-perfusion-build.1.gz), bash/dynasurf and zsh/_dynasurf.
 The date of the pages is SOURCE_DATE_EPOCH, or else that of the program. The same help gives the same bytes.
 """
 
@@ -37,7 +38,7 @@ class Entry:
 
 @dataclass
 class Page:
-    """What `dynasurf [COMMAND] --help` tells."""
+    """What `dynasurf [COMMAND] --help` tells; the command of a group has two words."""
 
     command: str
     title: str
@@ -95,8 +96,7 @@ def entries_of(lines):
 
 
 def page_of(program, command):
-    text = subprocess.run([program, *([command] if command else []), "--help"], check=True, capture_output=True,
-                          text=True).stdout
+    text = subprocess.run([program, *command.split(), "--help"], check=True, capture_output=True, text=True).stdout
     title, _, rest = text.partition("Usage: ")
     usage, _, rest = rest.partition("\n")
     sections = {"": []}
@@ -113,6 +113,20 @@ def page_of(program, command):
     return Page(command, " ".join(title.split()), usage, entries_of(sections.get("Positionals", [])),
                 entries_of(sections.get("Options", [])), entries_of(sections.get("Subcommands", [])),
                 sections.get("footer", []))
+
+
+def pages_from(program, command=""):
+    """The page of a command and those of all commands behind it."""
+    page = page_of(program, command)
+    pages = [page]
+    for part in page.commands:
+        pages += pages_from(program, f"{command} {part.names[0]}".strip())
+    return pages
+
+
+def title_of(command):
+    """The name of its manual page."""
+    return "-".join(["dynasurf", *command.split()])
 
 
 def share_choices(pages, names):
@@ -146,7 +160,7 @@ def paragraphs_of(entries):
 
 
 def manual_of(page, pages, version, date):
-    name = "dynasurf" + (f"-{page.command}" if page.command else "")
+    name = title_of(page.command)
     title = pages[0].title.partition(". ")[0] if not page.command else page.title
     # The words of a usage line: what is typed in bold, what is replaced in italics.
     usage = [f"\\fB{roff(word)}\\fR" if word.islower() else f"\\fI{roff(word)}\\fR" for word in page.usage.split()]
@@ -161,16 +175,16 @@ def manual_of(page, pages, version, date):
     if page.commands:
         lines.append(".SH COMMANDS")
         for command in page.commands:
-            lines += [".TP", f"\\fBdynasurf\\-{command.names[0]}\\fR(1)", roff(command.text + ".")]
+            lines += [".TP", f"\\fB{roff(title_of(f'{page.command} {command.names[0]}'))}\\fR(1)", roff(command.text + ".")]
     codes = [line for line in page.footer if line.startswith("Exit codes:")]
     if codes:
         lines.append(".SH EXIT STATUS")
         for code, meaning in re.findall(r"(\d) ([^0-9]+?)(?:, (?=\d)|\.?$)", codes[0].partition(": ")[2]):
             lines += [".TP", f"\\fB{code}\\fR", roff(meaning[:1].upper() + meaning[1:] + ".")]
-    if page.command:
-        others = ["dynasurf"] + (["dynasurf-options"] if any("--set" in o.names for o in page.options) else [])
+    if page.commands:
+        others = [title_of(f"{page.command} {command.names[0]}") for command in page.commands]
     else:
-        others = [f"dynasurf-{command.names[0]}" for command in page.commands]
+        others = ["dynasurf"] + (["dynasurf-options"] if any("--set" in o.names for o in page.options) else [])
     lines.append(".SH SEE ALSO")
     lines += [f".BR {roff(other)} (1){',' if other is not others[-1] else ''}" for other in others]
     return "\n".join(lines) + "\n"
@@ -196,8 +210,12 @@ def bash_of(pages):
              "_dynasurf_command() {", '  case "$1" in']
     for page in pages:
         words = " ".join(name for option in page.options for name in option.names if name.startswith("--"))
-        lines.append(f"    {page.command or chr(39) * 2}) options='{words}' ;;")
-    lines += ["    *) options='' ;;", "  esac", "}", "", "# What follows an option, and which arguments a command takes.",
+        lines.append(f"    '{page.command}') options='{words}' ;;")
+    lines += ["    *) options='' ;;", "  esac", "}", "", "# The commands behind one.", "_dynasurf_commands() {", '  case "$1" in']
+    for page in pages:
+        if page.commands:
+            lines.append(f"    '{page.command}') commands='{' '.join(command.names[0] for command in page.commands)}' ;;")
+    lines += ["    *) commands='' ;;", "  esac", "}", "", "# What follows an option, and which arguments a command takes.",
               "_dynasurf_value() {", '  case "$1 $2" in']
     for page in pages[1:]:
         for option in page.options:
@@ -208,17 +226,17 @@ def bash_of(pages):
             places = f"'{page.command} {place}'" + (f"|'{page.command} '[0-9]*" if argument.many else "")
             lines.append(f"    {places}) value='{values_of(argument)}' ;;")
     lines += ["    *) value='' ;;", "  esac", "}", "", BASH_FUNCTION]
-    commands = " ".join(command.names[0] for command in pages[0].commands)
-    return "\n".join(lines).replace("@COMMANDS@", commands)
+    return "\n".join(lines)
 
 
 BASH_FUNCTION = r"""_dynasurf() {
-  local current=${COMP_WORDS[COMP_CWORD]} command='' before='' place=0 options='' value='' word n
+  local current=${COMP_WORDS[COMP_CWORD]} command='' before='' place=0 options='' commands='' value='' word n
   COMPREPLY=()
   for ((n = 1; n < COMP_CWORD; ++n)); do
     word=${COMP_WORDS[n]}
-    if [ -z "$command" ]; then
-      case "$word" in -*) ;; *) command=$word ;; esac
+    _dynasurf_commands "$command"
+    if [ -n "$commands" ]; then
+      case "$word" in -*) ;; *) command=${command:+$command }$word ;; esac
     elif [ -n "$before" ]; then
       before=''
     else
@@ -232,13 +250,14 @@ BASH_FUNCTION = r"""_dynasurf() {
     fi
   done
   _dynasurf_command "$command"
+  _dynasurf_commands "$command"
   if [ -n "$before" ]; then
     _dynasurf_value "$command" "$before"
   elif [[ $current == -* ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$options" -- "$current")
     return
-  elif [ -z "$command" ]; then
-    mapfile -t COMPREPLY < <(compgen -W '@COMMANDS@' -- "$current")
+  elif [ -n "$commands" ]; then
+    mapfile -t COMPREPLY < <(compgen -W "$commands" -- "$current")
     return
   else
     _dynasurf_value "$command" $((place + 1))
@@ -275,11 +294,23 @@ def zsh_of(pages):
     for option in pages[0].options:
         for name in option.names:
             lines.append(f"    '{name}[{zsh_quoted(option.text)}]' \\")
-    lines += ["    '1: :->command' '*:: :->arguments'", "  case $state in", "    command)", "      local -a commands=("]
-    lines += [f"        '{command.names[0]}:{zsh_quoted(command.text)}'" for command in pages[0].commands]
+    lines += ["    '1: :->command' '*:: :->arguments'", *zsh_commands(pages[0], pages), "}", "", '_dynasurf "$@"']
+    return "\n".join(lines) + "\n"
+
+
+def zsh_commands(group, pages):
+    """What follows the command line of a group: one of its commands, or the arguments of that."""
+    lines = ["  case $state in", "    command)", "      local -a commands=("]
+    lines += [f"        '{command.names[0]}:{zsh_quoted(command.text)}'" for command in group.commands]
     lines += ["      )", "      _describe command commands", "      ;;", "    arguments)", "      case $line[1] in"]
-    for page in pages[1:]:
-        lines += [f"        {page.command})", "          _arguments \\"]
+    for command in group.commands:
+        page = next(page for page in pages if page.command == f"{group.command} {command.names[0]}".strip())
+        lines.append(f"        {command.names[0]})")
+        if page.commands:
+            lines += ["          _arguments -C '1: :->command' '*:: :->arguments'",
+                      *("        " + line for line in zsh_commands(page, pages)), "          ;;"]
+            continue
+        lines.append("          _arguments \\")
         specs = []
         for option in page.options:
             for name in option.names:
@@ -291,8 +322,7 @@ def zsh_of(pages):
             specs.append(f"'{at}:{argument.names[0]}:{zsh_action(argument)}'")
         lines += [f"            {spec}" + (" \\" if spec is not specs[-1] else "") for spec in specs]
         lines.append("          ;;")
-    lines += ["      esac", "      ;;", "  esac", "}", "", '_dynasurf "$@"']
-    return "\n".join(lines) + "\n"
+    return lines + ["      esac", "      ;;", "  esac"]
 
 
 def write(path, content):
@@ -304,16 +334,14 @@ def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
     program, out = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
-    first = page_of(program, "")
-    pages = [first] + [page_of(program, command.names[0]) for command in first.commands]
+    pages = pages_from(program)
     share_choices(pages, ("--preset", "KIND"))
     version = subprocess.run([program, "--version"], check=True, capture_output=True, text=True).stdout.split()[1]
     seconds = int(os.environ.get("SOURCE_DATE_EPOCH") or program.stat().st_mtime)
     date = datetime.datetime.fromtimestamp(seconds, datetime.timezone.utc).strftime("%Y-%m-%d")
     for page in pages:
-        name = "dynasurf" + (f"-{page.command}" if page.command else "")
         text = manual_of(page, pages, version, date).encode()
-        write(out / "man1" / f"{name}.1.gz", gzip.compress(text, 9, mtime=0))
+        write(out / "man1" / f"{title_of(page.command)}.1.gz", gzip.compress(text, 9, mtime=0))
     write(out / "bash/dynasurf", bash_of(pages).encode())
     write(out / "zsh/_dynasurf", zsh_of(pages).encode())
 

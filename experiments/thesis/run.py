@@ -108,7 +108,7 @@ def pick(tables, word):
 
 def edges_of(t, study, name, *arguments):
     folder = t.scratch / name
-    t.dynasurf("edges", study, "--out", folder, "--quiet", "--slice", 12, *arguments)
+    t.dynasurf("borders", study, "--edges-only", "--out", folder, "--quiet", "--slice", 12, *arguments)
     return folder
 
 
@@ -119,9 +119,9 @@ def chapter_2(t):
                       "edges.sigma_px=0.6,1,1.8,3", "--vary", "edges=canny,compass")
     t.sheet("Figs 2.1 to 2.7 (VIS-EDGES): all detectors on a slice", edges_of(t, study, "detectors", "--vary",
             "edges=gradient,sobel,canny,canny_revised,compass,acc"), "matrix.png",
-            "dynasurf edges hebron --vary edges=gradient,sobel,canny,canny_revised,compass,acc")
+            "dynasurf borders hebron --edges-only --vary edges=gradient,sobel,canny,canny_revised,compass,acc")
     t.sheet("Figs 2.8 to 2.12 (VIS-EDGES): Canny above, Compass below, by sigma", folder, "matrix.png",
-            "dynasurf edges hebron --vary edges.sigma_px=0.6,1,1.8,3 --vary edges=canny,compass")
+            "dynasurf borders hebron --edges-only --vary edges.sigma_px=0.6,1,1.8,3 --vary edges=canny,compass")
     folder = t.scratch / "borders"
     t.dynasurf("borders", study, "--out", folder, "--quiet")
     t.sheet("Figs 2.20 to 2.36 (VIS-LABEL): borders told apart", folder, "g01_labels.png", "dynasurf borders hebron")

@@ -474,7 +474,7 @@ class NormalLimits(BatchTest):
                                                         for row, tracer in zip(rows, tracers, strict=True)))
         cohort, out = self.folder / "cohort", self.folder / "normals.json"
         self.assertEqual(self.batch(table, "--out", cohort, "--no-collect", "--", *QUICK).returncode, 0)
-        made = run("normals", cohort, "--by", "tracer", "--least", 3, "--out", out)
+        made = run("perfusion", "build", cohort, "--by", "tracer", "--least", 3, "--out", out)
         self.assertEqual(made.returncode, 0, made.stderr)
         normals = self.read_json(out)
         self.assertEqual(normals["all"]["studies"], len(trusted))
@@ -486,14 +486,14 @@ class NormalLimits(BatchTest):
         result = result_of(cohort, rows[trusted[0]]["id"])
         for group, words in (("x", f"{of['x']['studies']} studies of tracer=x"),
                              ("y", f"all {len(trusted)} studies, for there are only 1 of tracer=y")):
-            scored = run("scores", result, "--normals", out, "--group", f"tracer={group}")
+            scored = run("perfusion", "score", result, "--normals", out, "--group", f"tracer={group}")
             self.assertIn(f"normals: {words}\n", scored.stdout, scored.stderr)
-        self.refuses(2, "scores", result, "--normals", out, "--group", "tracer=z", says="no group tracer=z; expected one of: tracer=x; tracer=y")
-        self.refuses(1, "scores", result, "--group", "tracer=x", says="--group belongs to --normals")
-        self.refuses(1, "scores", result, "--normals", out, "--group", "x", says="expected COLUMN=VALUE")
-        self.refuses(1, "normals", cohort, "--by", "sex", "--out", self.folder / "n", says="no column sex; expected one of: tracer")
-        self.refuses(2, "normals", cohort, "--where", "tracer=y", "--out", self.folder / "n", says="holds 1 results with polar maps; expected at least 3")
-        self.refuses(1, "normals", cohort / "studies", "--by", "tracer", "--out", self.folder / "n", says="is no cohort")
+        self.refuses(2, "perfusion", "score", result, "--normals", out, "--group", "tracer=z", says="no group tracer=z; expected one of: tracer=x; tracer=y")
+        self.refuses(1, "perfusion", "score", result, "--group", "tracer=x", says="--group belongs to --normals")
+        self.refuses(1, "perfusion", "score", result, "--normals", out, "--group", "x", says="expected COLUMN=VALUE")
+        self.refuses(1, "perfusion", "build", cohort, "--by", "sex", "--out", self.folder / "n", says="no column sex; expected one of: tracer")
+        self.refuses(2, "perfusion", "build", cohort, "--where", "tracer=y", "--out", self.folder / "n", says="holds 1 results with polar maps; expected at least 3")
+        self.refuses(1, "perfusion", "build", cohort / "studies", "--by", "tracer", "--out", self.folder / "n", says="is no cohort")
 
 
 class Patients(BatchTest):

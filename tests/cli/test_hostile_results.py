@@ -133,6 +133,10 @@ def hostile_texts():
     }
 
 
+def name_of(command):
+    return command[1] if command[0] == "perfusion" else command[0]
+
+
 class Hostile(CliTest):
     def ends_soon(self, code, *arguments, says=()):
         """The program ends with `code` and one line that holds `says`, within 2 s of computing; 10 under a sanitizer's
@@ -161,8 +165,9 @@ class Hostile(CliTest):
                 shutil.copytree(ventricle_result(), many / name)
             (many / "a").symlink_to(folder)
         other = ventricle_result()
-        return [("rerun", folder), ("solid", folder, "--out", folder.parent / "wall.vtu"), ("compare", folder, other),
-                ("compare", other, folder), ("scores", folder), ("normals", many, "--out", folder.parent / "n.json"),
+        return [("rerun", folder), ("solid", folder, "--out", folder.parent / "wall.vtu"),
+                ("perfusion", "compare", folder, other), ("perfusion", "compare", other, folder),
+                ("perfusion", "score", folder), ("perfusion", "build", many, "--out", folder.parent / "n.json"),
                 ("motion", self.points(), "--result", folder, "--out", folder.parent / "motion")]
 
     def points(self):
@@ -222,7 +227,7 @@ class Hostile(CliTest):
 
     def test_values_that_are_missing_or_of_another_kind_are_refused_by_those_who_need_them(self):
         result = self.copy_of(ventricle_result())
-        commands = {command[0]: command for command in self.commands_on(result)}
+        commands = {name_of(command): command for command in self.commands_on(result)}
         wrong = [..., [], {}, 7, "a", [{}], [[]], {"": 0}]
         for path, readers in [
                 (("reading",), ["solid", "compare"]), (("readings",), ["compare"]),
@@ -230,8 +235,8 @@ class Hostile(CliTest):
                 (("readings", "psf_corrected", "edv_ml_90"), ["compare"]),
                 (("gates",), ["solid", "compare"]), (("gates", 0, "edge"), ["compare"]),
                 (("heart",), ["solid"]), (("heart", "axis"), ["solid"]),
-                (("measures",), ["solid", "compare", "scores", "normals"]),
-                (("measures", "perfusion_is"), ["compare", "scores", "normals"]),
+                (("measures",), ["solid", "compare", "score", "build"]),
+                (("measures", "perfusion_is"), ["compare", "score", "build"]),
                 (("measures", "anterior"), ["solid"]), (("measures", "anterior", "direction"), ["solid"]),
                 (("measures", "function", "sine_ml"), ["compare"]),
                 (("quality",), ["compare"]), (("quality", "flags"), ["compare"]),
@@ -267,7 +272,7 @@ class Hostile(CliTest):
                 (("provenance", "outputs", "dicom"), True), (("quality", "verdict"), "\x1b[31m\u009b" * 1000)]:
             (result / "results.json").write_text(self.changed(path, value))
             for command in commands:
-                with self.subTest(path=path, command=command[0]):
+                with self.subTest(path=path, command=name_of(command)):
                     done = run(*command, timeout=120)
                     self.assertIn(done.returncode, (0, 1, 2, 3), done.stderr)
                     if done.returncode in (1, 2):
@@ -281,8 +286,8 @@ class Hostile(CliTest):
                      b"area_mm2,perfusion_percent\n" + b"1,2\n" * 3000000,
                      b"area_mm2,perfusion_percent\n1,nan\n", b"area_mm2,perfusion_percent\n" + b"9" * 1000000 + b",1\n"):
             table.write_bytes(text)
-            for command in ("scores", "compare", "normals"):
-                arguments = {c[0]: c for c in self.commands_on(result)}[command]
+            for command in ("score", "compare", "build"):
+                arguments = {name_of(c): c for c in self.commands_on(result)}[command]
                 with self.subTest(text=text[:60], command=command):
                     self.ends_soon(2, *arguments, says="polar.csv")
         file = self.folder / "file.json"
@@ -292,12 +297,12 @@ class Hostile(CliTest):
                 if name == "an empty object" and option == "--edit":
                     continue  # no score is changed
                 with self.subTest(text=name, option=option):
-                    self.ends_soon(2, "scores", ventricle_result(), option, file, says="file.json: ")
+                    self.ends_soon(2, "perfusion", "score", ventricle_result(), option, file, says="file.json: ")
         for text in ('{"1": -9223372036854775808}', '{"1": 18446744073709551615}', '{"1e999": 1}', '{"-1": 1}',
                      '{"\\u009b1": 1}', '{"1": [1]}'):
             file.write_text(text)
             with self.subTest(text=text):
-                self.ends_soon(2, "scores", ventricle_result(), "--edit", file, says="file.json: ")
+                self.ends_soon(2, "perfusion", "score", ventricle_result(), "--edit", file, says="file.json: ")
 
     def test_options_are_read_with_the_same_care(self):
         file = self.folder / "options.json"

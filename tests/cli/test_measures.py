@@ -29,7 +29,7 @@ def normals():
     for n, volume in enumerate((95, 110, 125)):
         result_of(f"normal{n}", "--seed", str(n + 1), "--set", f"edv_ml={volume}")
     path = shared_folder() / "normals.json"
-    made = run("normals", shared_folder() / "normals", "--out", path)
+    made = run("perfusion", "build", shared_folder() / "normals", "--out", path)
     assert made.returncode == 0, made.stderr
     return path
 
@@ -38,14 +38,14 @@ class Normals(CliTest):
     def test_a_defect_is_found_against_normals(self):
         self.assertEqual(json.loads(normals().read_text())["studies"], 3)
         sick = result_of("sick", "--seed", "9", "--set", "defect=inferior", "--set", "defect_extent_deg=70")
-        made = run("scores", sick, "--normals", normals(), "--json")
+        made = run("perfusion", "score", sick, "--normals", normals(), "--json")
         self.assertEqual(made.returncode, 0, made.stderr)
         scores = json.loads(made.stdout)
         of = {s["number"]: s["score"] for s in scores["segments"]}
         self.assertGreaterEqual(of[4] + of[10], 2)
         self.assertEqual(of[1] + of[7], 0)
         self.assertGreater(scores["extent_percent"], 4)
-        healthy = json.loads(run("scores", shared_folder() / "normals" / "normal1", "--normals", normals(),
+        healthy = json.loads(run("perfusion", "score", shared_folder() / "normals" / "normal1", "--normals", normals(),
                                  "--json").stdout)
         self.assertLess(healthy["extent_percent"], 2)
         self.assertLess(healthy["summed_score"], scores["summed_score"])
@@ -54,7 +54,7 @@ class Normals(CliTest):
         edit = shared_folder() / "edit.json"
         edit.write_text('{"17": 4}')
         out = shared_folder() / "scores.json"
-        made = run("scores", small_result(), "--edit", edit, "--out", out)
+        made = run("perfusion", "score", small_result(), "--edit", edit, "--out", out)
         self.assertEqual(made.returncode, 0, made.stderr)
         self.assertIn("4 by hand", made.stdout)
         self.assertTrue(json.loads(out.read_text())["segments"][16]["by_hand"])
@@ -63,15 +63,15 @@ class Normals(CliTest):
         for text in ("{", "[1]", '{"99": 1}', '{"1": 7}', '{"one": 1}', '{"1": 1.5}'):
             edit = shared_folder() / "bad.json"
             edit.write_text(text)
-            made = run("scores", small_result(), "--edit", edit)
+            made = run("perfusion", "score", small_result(), "--edit", edit)
             self.assertEqual(made.returncode, 2, text)
             self.assertEqual(len(made.stderr.strip().splitlines()), 1, made.stderr)
         empty = shared_folder() / "empty"
         empty.mkdir(exist_ok=True)
-        made = run("normals", empty, "--out", shared_folder() / "none.json")
+        made = run("perfusion", "build", empty, "--out", shared_folder() / "none.json")
         self.assertEqual(made.returncode, 2)
         self.assertIn("at least 3", made.stderr)
-        self.assertEqual(run("scores", small_result(), "--normals", edit).returncode, 2)
+        self.assertEqual(run("perfusion", "score", small_result(), "--normals", edit).returncode, 2)
 
 
     def test_does_not_mix_what_perfusion_is_made_of(self):
@@ -84,13 +84,13 @@ class Normals(CliTest):
         self.assertEqual(results["measures"]["perfusion_is"], "uptake")
         results["measures"]["perfusion_is"] = "counts"
         path.write_text(json.dumps(results))
-        self.refuses(2, "normals", mixed, "--out", self.folder / "none.json", says="normal1 from counts")
+        self.refuses(2, "perfusion", "build", mixed, "--out", self.folder / "none.json", says="normal1 from counts")
         self.assertFalse((self.folder / "none.json").exists())
-        self.refuses(2, "scores", mixed / "normal1", "--normals", normals(), says="from counts")
-        self.refuses(2, "compare", mixed / "normal0", mixed / "normal1", says="normal0 has perfusion from uptake")
+        self.refuses(2, "perfusion", "score", mixed / "normal1", "--normals", normals(), says="from counts")
+        self.refuses(2, "perfusion", "compare", mixed / "normal0", mixed / "normal1", says="normal0 has perfusion from uptake")
         results["measures"]["perfusion_is"] = "colour"
         path.write_text(json.dumps(results))
-        self.refuses(2, "scores", mixed / "normal1", says="expected counts or uptake")
+        self.refuses(2, "perfusion", "score", mixed / "normal1", says="expected counts or uptake")
 
 
 @functools.cache
@@ -121,10 +121,10 @@ class BloodPool(CliTest):
         self.assertFalse([name for name in maps if "perfusion" in name or "thick" in name or "counts" in name], maps)
 
     def test_has_no_perfusion_to_score_and_volumes_to_compare(self):
-        self.refuses(2, "scores", blood_pool(), says="has no perfusion")
+        self.refuses(2, "perfusion", "score", blood_pool(), says="has no perfusion")
         self.refuses(2, "solid", blood_pool(), "--out", self.folder / "wall.vtu", says="no wall")
         out = self.folder / "both"
-        made = run("compare", blood_pool(), blood_pool(), "--out", out)
+        made = run("perfusion", "compare", blood_pool(), blood_pool(), "--out", out)
         self.assertEqual(made.returncode, 0, made.stderr)
         both = self.read_json(out / "comparison.json")
         self.assertEqual(both["tid_ratio"], 1)
@@ -132,7 +132,7 @@ class BloodPool(CliTest):
         page = (out / "comparison.html").read_text()
         self.assertIn("Inward motion, rest less stress", page)
         self.assertNotIn("Perfusion", page)
-        self.refuses(2, "compare", blood_pool(), small_result(), says="has no perfusion")
+        self.refuses(2, "perfusion", "compare", blood_pool(), small_result(), says="has no perfusion")
 
 
 class Compare(CliTest):
@@ -140,7 +140,7 @@ class Compare(CliTest):
         rest = result_of("normal1", "--seed", "2", "--set", "edv_ml=110")
         stress = result_of("sick", "--seed", "9", "--set", "defect=inferior", "--set", "defect_extent_deg=70")
         out = self.folder / "both"
-        made = run("compare", rest, stress, "--out", out, "--json", "--with-names")
+        made = run("perfusion", "compare", rest, stress, "--out", out, "--json", "--with-names")
         self.assertEqual(made.returncode, 0, made.stderr)
         both = self.read_json(out / "comparison.json")
         self.assertEqual(both, json.loads(made.stdout))
@@ -148,7 +148,7 @@ class Compare(CliTest):
         self.assertGreater(lost[10], 20)
         self.assertLess(abs(lost[7]), 12)
         self.assertGreater(both["summed_difference_score"], 0)
-        same = json.loads(run("compare", rest, rest, "--json").stdout)
+        same = json.loads(run("perfusion", "compare", rest, rest, "--json").stdout)
         self.assertEqual(same["tid_ratio"], 1)
         self.assertEqual(same["summed_difference_score"], 0)
         self.assertIn("<svg", (out / "polar_difference.svg").read_text())
@@ -162,12 +162,12 @@ class Compare(CliTest):
         pictures = [base64.b64decode(text) for text in re.findall('<img [^>]*src="data:image/png;base64,([^"]*)"', page)]
         self.assertEqual(pictures, [(study / "measures" / "splash.png").read_bytes() for study in (rest, stress)])
         self.assertNotIn("<style>text", page, "a style of one picture holds for the whole page")
-        again = run("compare", rest, stress, "--out", out)
+        again = run("perfusion", "compare", rest, stress, "--out", out)
         self.assertEqual(again.returncode, 0, again.stderr)  # a former comparison is replaced
-        self.refuses(1, "compare", rest, stress, "--pdf", says="expected --out")
+        self.refuses(1, "perfusion", "compare", rest, stress, "--pdf", says="expected --out")
 
     def test_refuses_what_is_no_result(self):
-        self.refuses(2, "compare", small_result(), self.folder, says="results.json")
+        self.refuses(2, "perfusion", "compare", small_result(), self.folder, says="results.json")
 
 
 class Solid(CliTest):

@@ -58,10 +58,10 @@ class Names(CliTest):
         first = self.bytes + b"/\xe4-1"
         made = run_bytes("ventricle", study, "--out", first, "--options", options, *EDGES)
         self.assertEqual(made.returncode, 0, made.stderr)
-        for arguments in ((b"info", study), (b"info", study, b"--json"), (b"edges", study, b"--out", self.bytes + b"/\xe4-2"),
+        for arguments in ((b"info", study), (b"info", study, b"--json"), (b"borders", b"--edges-only", study, b"--out", self.bytes + b"/\xe4-2"),
                           (b"borders", study, b"--out", self.bytes + b"/\xe4-3"),
-                          (b"scores", first, b"--out", self.bytes + b"/\xe4.scores"),
-                          (b"compare", first, first, b"--with-names", b"--out", self.bytes + b"/\xe4-4"),
+                          (b"perfusion", b"score", first, b"--out", self.bytes + b"/\xe4.scores"),
+                          (b"perfusion", b"compare", first, first, b"--with-names", b"--out", self.bytes + b"/\xe4-4"),
                           (b"solid", first, b"--out", self.bytes + b"/\xe4.vtu"),
                           (b"measure", first + b"/meshes/endo_g01.ply", b"--json"),
                           (b"phantom", b"hebron", b"--out", self.bytes + b"/\xe4-5"),

@@ -37,8 +37,8 @@ class Out(CliTest):
             "phantom": SPHERE,
             "phantom cloud": ["phantom", "cloud", "--quiet", "--set", "points=500"],
             "lod": ["lod", self.levels],
-            "compare": ["compare", small_result(), small_result()],
-            "edges": ["edges", study, "--quiet"],
+            "compare": ["perfusion", "compare", small_result(), small_result()],
+            "edges": ["borders", "--edges-only", study, "--quiet"],
             "borders": ["borders", study, "--quiet"],
             "rerun": ["rerun", self.levels, "--quiet", "--input", self.scan / "cloud.ply"],
         }
@@ -107,10 +107,10 @@ class Out(CliTest):
             for replace in ([], ["--replace"]):
                 self.refuses(1, "ventricle", study, "--out", out, *EDGES, *replace, says="holds the input")
                 self.refuses(1, "cloud", scan, "--out", out, *replace, says="holds the input")
-                self.refuses(1, "edges", study, "--out", out, *replace, says="holds the input")
+                self.refuses(1, "borders", "--edges-only", study, "--out", out, *replace, says="holds the input")
         for command in (["lod", self.levels], ["rerun", self.levels, "--input", self.scan / "cloud.ply"]):
             self.refuses(1, *command, "--out", self.levels, says="holds the input")
-        self.refuses(1, "compare", small_result(), small_result(), "--out", small_result(), says="holds the input")
+        self.refuses(1, "perfusion", "compare", small_result(), small_result(), "--out", small_result(), says="holds the input")
         options = self.out / "options.json"
         options.write_text("{}")
         self.refuses(1, "ventricle", small_patient() / "study.dcm", "--out", self.out, "--options", options,
@@ -140,7 +140,7 @@ class Out(CliTest):
         thesis = self.place / "wall.vtu"
         thesis.write_text("years of work")
         self.refuses(2, *solid, "--out", thesis, says=["wall.vtu: exists", "--replace"])
-        self.refuses(2, "scores", small_result(), "--out", thesis, says="wall.vtu: exists")
+        self.refuses(2, "perfusion", "score", small_result(), "--out", thesis, says="wall.vtu: exists")
         self.assertEqual(thesis.read_text(), "years of work")
         done = run(*solid, "--out", thesis, "--replace")
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -72,7 +72,8 @@ class Privacy(CliTest):
         self.assertIn("same bytes", again.stdout)
 
     def test_what_is_made_of_a_study_names_nobody(self):
-        for command in ("edges", "borders", "organ"):
+        self.clean("borders", study(), "--edges-only", out="edges")
+        for command in ("borders", "organ"):
             self.clean(command, study(), out=command)
         self.clean("info", study(), out=None)
         self.clean("info", study(), "--json", out=None)
@@ -80,18 +81,18 @@ class Privacy(CliTest):
     def test_what_is_made_of_a_result_names_nobody(self):
         self.assertIn("dynasurf.ventricle/3", (result() / "results.json").read_text())
         self.assert_clean((result() / "results.json").read_bytes(), "results.json")
-        self.clean("scores", result(), out="scores.json")
+        self.clean("perfusion", "score", result(), out="scores.json")
         self.clean("solid", result(), out="wall.vtu")
         for n in (2, 3):
             other = result().parent / f"CANARY_HANS_{n}"
             if not other.exists():
                 shutil.copytree(result(), other)
-        self.clean("normals", result().parent, out="normals.json")
+        self.clean("perfusion", "build", result().parent, out="normals.json")
 
     def test_a_comparison_links_results_by_name_only_when_asked(self):
-        both = self.clean("compare", result(), result())
+        both = self.clean("perfusion", "compare", result(), result())
         self.assertNotIn("<a href", (both / "comparison.html").read_text())
-        named = run("compare", result(), result(), "--out", self.folder / "named", "--with-names")
+        named = run("perfusion", "compare", result(), result(), "--out", self.folder / "named", "--with-names")
         self.assertEqual(named.returncode, 0, named.stderr)
         self.assertIn("CANARY_HANS_1/report.html", (self.folder / "named" / "comparison.html").read_text())
         self.assertEqual(hashes(self.folder / "named")["comparison.json"], hashes(both)["comparison.json"])

@@ -1,4 +1,4 @@
-"""`dynasurf edges` and `dynasurf borders`: pictures of all slices of every gate."""
+"""`dynasurf borders`: pictures of all slices of every gate."""
 
 import json
 import re
@@ -44,9 +44,10 @@ def decoded(path):
 
 
 class Sheets(CliTest):
-    def sheets(self, command, name, *arguments):
+    def sheets(self, what, name, *arguments):
         folder = shared_folder() / name
-        made = run(command, small_patient() / "study.dcm", "--out", folder, *arguments)
+        only = ["--edges-only"] if what == "edges" else []
+        made = run("borders", small_patient() / "study.dcm", *only, "--out", folder, *arguments)
         self.assertEqual(made.returncode, 0, made.stdout + made.stderr)
         return folder, made.stdout
 
@@ -109,7 +110,7 @@ class Sheets(CliTest):
                                 (["twice"], ["--vary", "edges=canny"] * 3), (["--gate"], ["--vary", "edges=canny", "--gate", "5"]),
                                 (["--slice"], ["--vary", "edges=canny", "--slice", "99"]),
                                 (["edges.width"], ["--vary", "edges.width=1"])):
-            self.refuses(1, "edges", study, "--out", self.folder / "no", "--quiet", *arguments, says=says)
+            self.refuses(1, "borders", study, "--edges-only", "--out", self.folder / "no", "--quiet", *arguments, says=says)
             self.assertFalse((self.folder / "no").exists())
 
     def test_the_same_bytes_for_any_number_of_threads(self):
@@ -123,7 +124,7 @@ class Sheets(CliTest):
         other = shared_folder() / "other"
         other.mkdir()
         (other / "letter.txt").write_text("keep me")
-        refused = run("edges", small_patient() / "study.dcm", "--out", other)
+        refused = run("borders", small_patient() / "study.dcm", "--edges-only", "--out", other)
         self.assertEqual(refused.returncode, 2)
         self.assertEqual((other / "letter.txt").read_text(), "keep me")
 

@@ -29,10 +29,17 @@ class Usage(CliTest):
         self.assertIn("\nUsage: dynasurf [OPTIONS] SUBCOMMAND\n", run("--help").stdout)
         self.assertIn("\nUsage: dynasurf ventricle [OPTIONS] STUDY\n", run("ventricle", "--help").stdout)
         self.assertIn("\nUsage: dynasurf phantom [OPTIONS] KIND\n", run("phantom", "--help").stdout)
+        self.assertIn("\nUsage: dynasurf perfusion [OPTIONS] SUBCOMMAND\n", run("perfusion", "--help").stdout)
+        self.assertIn("\nUsage: dynasurf perfusion score [OPTIONS] RESULT\n", run("perfusion", "score", "--help").stdout)
 
     def test_wrong_command_lines_end_with_1(self):
         self.refuses(1, says="--help")
         self.refuses(1, "ventrikel", says="--help")
+        for former, now in (("edges", "borders --edges-only"), ("normals", "perfusion build"), ("scores", "perfusion score"),
+                            ("compare", "perfusion compare")):
+            self.refuses(1, former, "a.dcm", says=f"'{former}' is '{now}' now")
+        self.refuses(1, "perfusion", says="--help")
+        self.refuses(1, "perfusion", "forget", says="--help")
         self.refuses(1, "ventricle", says="required")
         self.refuses(1, "ventricle", "a.dcm", "--out", self.folder / "r", "--fast", says="--fast")
         self.refuses(1, "ventricle", "a.dcm", "--out", self.folder / "r", "--threads", "many")

@@ -144,23 +144,23 @@ def commands():
         "ventricle at the end": (["ventricle", study, *EDGES], "result"),
         "cloud": (["cloud", scan() / "cloud.ply", "--triangles", "200000", "--quiet"], "result"),
         "lod": (["lod", cloud_result(), "--steps", "200"], "lod"),
-        "edges": (["edges", big_study() / "study.dcm", "--quiet"], "sheets"),
+        "edges": (["borders", "--edges-only", big_study() / "study.dcm", "--quiet"], "sheets"),
         "borders": (["borders", big_study() / "study.dcm", "--quiet"], "sheets"),
         "phantom": (["phantom", "patient", "--set", "gates=64", "--quiet"], "phantom"),
         "phantom cloud": (["phantom", "cloud", "--set", "points=3000000", "--quiet"], "phantom"),
         "phantom camera": (["phantom", "camera", "--quiet"], "phantom"),
         "organ": (["organ", big_study() / "study.dcm"], "organ"),
         "motion": (["motion", many_points(), "--apex", "0,0,-45", "--base", "0,0,45", "--quiet"], "motion"),
-        "compare": (["compare", small_result(), small_result()], "both"),
-        "normals": (["normals", many_results()], "normals.json"),
-        "scores": (["scores", small_result()], "scores.json"),
+        "compare": (["perfusion", "compare", small_result(), small_result()], "both"),
+        "normals": (["perfusion", "build", many_results()], "normals.json"),
+        "scores": (["perfusion", "score", small_result()], "scores.json"),
         "solid": (["solid", small_result(), "--rings", "200", "--sectors", "400", "--layers", "10"], "wall.vtu"),
         "info": (["info", big_study() / "study.nii.gz"], None),
         "measure": (["measure", long_mesh()], None),
         "options": (["options", "ventricle"], None),
         "lod without out": (["lod", cloud_result()], None),
-        "compare without out": (["compare", small_result(), small_result()], None),
-        "scores without out": (["scores", small_result()], None),
+        "compare without out": (["perfusion", "compare", small_result(), small_result()], None),
+        "scores without out": (["perfusion", "score", small_result()], None),
     }
 
 
@@ -309,7 +309,7 @@ class Printing(Stopping):
         elsewhere.mkdir(mode=0o700)
         (elsewhere / "precious").write_text("kept")
         (temporary / "dynasurf-print-link").symlink_to(elsewhere)
-        made = run("compare", small_result(), small_result(), "--out", self.folder / "both", "--pdf",
+        made = run("perfusion", "compare", small_result(), small_result(), "--out", self.folder / "both", "--pdf",
                    env=os.environ | {"TMPDIR": str(temporary)})
         self.assertEqual(made.returncode, 0, made.stderr)
         ours = [path.name for path in temporary.iterdir() if path.name.startswith("dynasurf-")]

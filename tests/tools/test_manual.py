@@ -46,16 +46,27 @@ class Pages(unittest.TestCase):
         output_of(sys.executable, ROOT / "tools/manual.py", PROGRAM, cls.folder)
         cls.pages = {path.name.removesuffix(".1.gz"): gzip.decompress(path.read_bytes()).decode()
                      for path in (cls.folder / "man1").iterdir()}
-        cls.commands = re.findall(r"^  (\w+)", output_of(PROGRAM, "--help").partition("Subcommands:")[2], re.MULTILINE)
+        cls.commands = cls.behind()
+        cls.groups = {command: parts for command in cls.commands if (parts := cls.behind(command))}
+
+    @staticmethod
+    def behind(*command):
+        """The commands that the help of the program, or of a command, lists."""
+        return re.findall(r"^  (\w+)", output_of(PROGRAM, *command, "--help").partition("Subcommands:")[2], re.MULTILINE)
+
+    @classmethod
+    def all_commands(cls):
+        return cls.commands + [f"{group} {part}" for group, parts in cls.groups.items() for part in parts]
 
     def test_there_is_a_page_for_every_command(self):
         self.assertGreater(len(self.commands), 10)
-        self.assertEqual(set(self.pages), {"dynasurf", *(f"dynasurf-{command}" for command in self.commands)})
+        self.assertEqual(self.groups, {"perfusion": ["build", "score", "compare"]})
+        self.assertEqual(set(self.pages), {"dynasurf", *("dynasurf-" + c.replace(" ", "-") for c in self.all_commands())})
 
     def test_pages_tell_every_option(self):
-        for command in self.commands:
-            page = self.pages[f"dynasurf-{command}"].replace("\\-", "-")
-            for option in re.findall(r"^  (?:-\w,)?(--[\w-]+)", output_of(PROGRAM, command, "--help"), re.MULTILINE):
+        for command in self.all_commands():
+            page = self.pages["dynasurf-" + command.replace(" ", "-")].replace("\\-", "-")
+            for option in re.findall(r"^  (?:-\w,)?(--[\w-]+)", output_of(PROGRAM, *command.split(), "--help"), re.MULTILINE):
                 self.assertIn(f"\\fB{option}\\fR", page, command)
             self.assertIn("Not for diagnosis.", page)
             self.assertIn(".SH EXIT STATUS", page)
@@ -95,6 +106,9 @@ COMP_WORDS=(dynasurf "$@"); COMP_CWORD=$#; COMPREPLY=(); _dynasurf; printf '%s\\
         self.assertEqual(self.completed("phantom", "pat"), ["pathology", "patient", "patients"])
         self.assertEqual(self.completed("options", "phantom", "heb"), ["hebron"])
         self.assertEqual(self.completed("ventricle", "--threads", ""), [])
+        self.assertEqual(self.completed("perfusion", ""), ["build", "score", "compare"])
+        self.assertEqual(self.completed("perfusion", "score", "result", "--seg"), ["--segments"])
+        self.assertIn("aha17", self.completed("perfusion", "score", "--segments", ""))
 
     def test_bash_completes_files(self):
         study = self.folder / "studies"
@@ -102,7 +116,7 @@ COMP_WORDS=(dynasurf "$@"); COMP_CWORD=$#; COMPREPLY=(); _dynasurf; printf '%s\\
         (study / "rest.dcm").touch()
         self.assertEqual(self.completed("ventricle", "re", folder=study), ["rest.dcm"])
         self.assertEqual(self.completed("ventricle", "rest.dcm", "--mask", "", folder=study), ["rest.dcm"])
-        self.assertEqual(self.completed("compare", "--json", "x", "r", folder=study), ["rest.dcm"])
+        self.assertEqual(self.completed("perfusion", "compare", "--json", "x", "r", folder=study), ["rest.dcm"])
 
     def test_every_preset_that_is_offered_is_taken(self):
         for subject in ("ventricle", "cloud", "organ"):

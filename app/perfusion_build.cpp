@@ -1,5 +1,3 @@
-#include "dynasurf/report/normals.hpp"
-
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -10,6 +8,7 @@
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/report/detail/normal_groups.hpp"
+#include "dynasurf/report/normals.hpp"
 
 #include "command.hpp"
 #include "command_line.hpp"
@@ -87,9 +86,9 @@ ExitCode build(const Building& a) {
 
 }  // namespace
 
-void add_normals(CLI::App& program, Command& chosen) {
+void add_perfusion_build(CLI::App& perfusion, Command& chosen) {
   auto a = std::make_shared<Building>();
-  CommandLine command(program, "normals", "Build a normal map of perfusion from the results of normal studies");
+  CommandLine command(perfusion, "build", "Build a normal map of perfusion from the results of normal studies");
   command
       .option("FOLDER", a->folder,
               "folder of results, each a folder written by dynasurf ventricle, or a cohort of dynasurf batch")

@@ -116,13 +116,14 @@ ExitCode score(const Scoring& a) {
 
 }  // namespace
 
-void add_scores(CLI::App& program, Command& chosen) {
+void add_perfusion_score(CLI::App& perfusion, Command& chosen) {
   auto a = std::make_shared<Scoring>();
   CommandLine command(
-      program, "scores",
+      perfusion, "score",
       "Score the segments of a result from 0 (normal) to 4 (no uptake), with extent and severity of defects");
   command.option("RESULT", a->result, "folder written by dynasurf ventricle").required();
-  command.option("--normals", a->normals, "normal map written by dynasurf normals; without one, by uptake alone");
+  command.option("--normals", a->normals,
+                 "normal map written by dynasurf perfusion build; without one, by uptake alone");
   command.option("--group", a->group, "group of the study in a normal map --by groups: COLUMN=VALUE; may be repeated")
       .repeated();
   command.option("--edit", a->edit, "a person's scores, JSON: {\"17\": 2, \"4\": 0}");

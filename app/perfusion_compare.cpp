@@ -86,9 +86,9 @@ ExitCode run(const CompareArguments& a, const std::stop_token& stop) {
 
 }  // namespace
 
-void add_compare(CLI::App& program, Command& chosen) {
+void add_perfusion_compare(CLI::App& perfusion, Command& chosen) {
   auto a = std::make_shared<CompareArguments>();
-  CommandLine command(program, "compare",
+  CommandLine command(perfusion, "compare",
                       "Compare a rest and a stress result: TID ratio, volumes, scores, difference of the polar maps");
   command.option("REST", a->rest, "folder written by dynasurf ventricle").required();
   command.option("STRESS", a->stress, "the same of the stress study").required();
