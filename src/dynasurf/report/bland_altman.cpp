@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/io/detail/vtk_xml.hpp"
 #include "dynasurf/report/detail/numbers.hpp"
 
 namespace dynasurf::report {
@@ -40,21 +41,6 @@ Agreement agreement_of(const std::vector<Dot>& dots) {
   a.low = a.bias - 1.96 * a.sd;
   a.high = a.bias + 1.96 * a.sd;
   return a;
-}
-
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) switch (c) {
-      case '<':
-        safe += "&lt;";
-        break;
-      case '&':
-        safe += "&amp;";
-        break;
-      default:
-        safe += c;
-    }
-  return safe;
 }
 
 /// A range of round numbers with a step of 1, 2 or 5 times a power of ten.
@@ -111,7 +97,7 @@ std::string axes(const Frame& f, const AgreementPlot& plot) {
     const double value = f.x.low + n * f.x.step;
     svg += text(f.at_x(value), bottom + 16, text_of(value, f.x.decimals()), "middle");
   }
-  const std::string unit = escaped(plot.unit);
+  const std::string unit = io::detail::xml_text(plot.unit);
   svg += text((left + right) / 2, bottom + 34, "truth, " + unit, "middle");
   svg += "<text transform=\"translate(16 " + text_of((top + bottom) / 2, 0) +
          ") rotate(-90)\" text-anchor=\"middle\">measured less truth, " + (plot.relative ? "%" : unit) + "</text>\n";
@@ -145,7 +131,7 @@ std::string legend(std::span<const ReadingGroup> groups) {
   std::string svg;
   for (std::size_t n = 0; n < groups.size(); ++n) {
     const double y = bottom - 14 * static_cast<double>(groups.size() - n);
-    svg += mark(right + 14, y - 4, n) + text(right + 22, y, escaped(groups[n].name), "start");
+    svg += mark(right + 14, y - 4, n) + text(right + 22, y, io::detail::xml_text(groups[n].name), "start");
   }
   return svg;
 }
@@ -166,7 +152,7 @@ std::string bland_altman_svg(std::span<const ReadingGroup> groups, const Agreeme
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 345\" width=\"960\" role=\"img\">\n"
       "<style>text{font:11px sans-serif;fill:#222}.head{font-size:14px;font-weight:600}</style>\n"
       "<rect width=\"640\" height=\"345\" fill=\"#fff\"/>\n<text class=\"head\" x=\"64\" y=\"20\">" +
-      escaped(plot.title) + " (n = " + std::to_string(a.count) + ")</text>\n";
+      io::detail::xml_text(plot.title) + " (n = " + std::to_string(a.count) + ")</text>\n";
   if (dots.empty()) return svg + text((left + right) / 2, (top + bottom) / 2, "no readings", "middle") + "</svg>\n";
   const Frame frame = frame_of(dots, a);
   svg += axes(frame, plot);

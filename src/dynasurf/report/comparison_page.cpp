@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/io/detail/vtk_xml.hpp"
 #include "dynasurf/report/detail/numbers.hpp"
 #include "dynasurf/report/measures.hpp"
 
@@ -40,20 +41,6 @@ figure { margin: 4px 0; } figcaption { font-weight: 600; } figure img { width: 1
   .curve svg { height: 34mm; } th, td { padding: 1px 8px; } figure { break-inside: avoid; }
   figure img { width: auto; max-width: 100%; max-height: 44mm; } }
 )";
-
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text)
-    if (c == '<')
-      safe += "&lt;";
-    else if (c == '&')
-      safe += "&amp;";
-    else if (c == '"')
-      safe += "&quot;";
-    else
-      safe += c;
-  return safe;
-}
 
 std::string base64(const std::string& bytes) {
   constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -256,7 +243,7 @@ std::string segment_rows(const ComparedStudy& rest, const ComparedStudy& stress,
   std::string html;
   for (std::size_t n = 0; n < a.size(); ++n) {
     const Json& s = comparison.at("segments").at(n);
-    html += row(std::to_string(n + 1) + " " + escaped(s.at("name").get<std::string>()),
+    html += row(std::to_string(n + 1) + " " + io::detail::xml_text(s.at("name").get<std::string>()),
                 {figure(a[n], 0), figure(b[n], 0), figure(number_at(s, {"perfusion_lost_points"}), 0),
                  figure(number_at(s, {"rest_score"}), 0), figure(number_at(s, {"stress_score"}), 0)});
   }
@@ -270,9 +257,9 @@ std::string box(const char* name, const std::string& value) {
 std::string link(const char* name, const ComparedStudy& study) {
   const Json& quality = study.results.at("quality");
   const std::string verdict = quality.value("verdict", "");
-  std::string html = std::string("<p>") + name + ": verdict " + escaped(verdict);
-  if (!study.report.empty()) html += ", <a href=\"" + escaped(study.report) + "\">its report</a>";
-  for (const Json& flag : quality.at("flags")) html += "; " + escaped(flag.value("message", ""));
+  std::string html = std::string("<p>") + name + ": verdict " + io::detail::xml_text(verdict);
+  if (!study.report.empty()) html += ", <a href=\"" + io::detail::xml_text(study.report) + "\">its report</a>";
+  for (const Json& flag : quality.at("flags")) html += "; " + io::detail::xml_text(flag.value("message", ""));
   return html + "</p>\n";
 }
 

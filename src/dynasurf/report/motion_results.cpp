@@ -12,8 +12,7 @@ namespace {
 using detail::Json;
 using detail::number;
 using detail::text_of;
-
-Json vector_json(const Vec3& v) { return {v[0], v[1], v[2]}; }
+using detail::vector_json;
 
 void put(Json& json, const ventricle::Strains& s) {
   json["radial_percent"] = number(s.radial_percent);

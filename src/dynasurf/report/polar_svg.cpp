@@ -161,7 +161,7 @@ std::string colour_bar(const Scale& scale, const PolarKind& kind) {
 }
 
 /// Of these pictures alone: on a page a style holds for everything.
-constexpr std::string_view style =
+constexpr std::string_view svg_style =
     "<style>.polar text{font:8px sans-serif;text-anchor:middle}.polar .side{text-anchor:start;fill:#444}"
     ".polar .head{font-size:10px;font-weight:600;fill:#111}.polar .wall{fill:#444}</style>\n";
 
@@ -196,7 +196,7 @@ std::string polar_svg(const ventricle::Measures& m, const PolarKind& kind) {
       "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"polar\" viewBox=\"-125 -130 285 255\" width=\"570\" "
       "height=\"510\" "
       "role=\"img\">\n";
-  svg += style;
+  svg += svg_style;
   std::string title(kind.title);
   if (m.from_edges && kind.name.starts_with("thick")) title += " (apparent)";
   svg += "<text class=\"head\" x=\"0\" y=\"-118\">" + title + ", " + std::string(kind.unit) + "</text>\n";
@@ -213,7 +213,7 @@ std::string phase_histogram_svg(const ventricle::Measures& m) {
   if (!m.phase_counts && !m.phase_motion) return "";
   const double height = m.phase_counts && m.phase_motion ? 250 : 125;
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"polar\" viewBox=\"-15 -5 390 " +
-                    text_of(height, 0) + "\" width=\"780\" role=\"img\">\n" + std::string(style);
+                    text_of(height, 0) + "\" width=\"780\" role=\"img\">\n" + std::string(svg_style);
   double top = 0;
   if (m.phase_counts) svg += histogram(*m.phase_counts, "Onset by counts", top), top += 122;
   if (m.phase_motion) svg += histogram(*m.phase_motion, "Onset by motion", top);

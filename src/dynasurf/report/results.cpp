@@ -189,7 +189,7 @@ Notes all_notes(const ventricle::Result& result) {
   return notes;
 }
 
-Json notes_json(const Notes& notes) {
+Json placed_notes_json(const Notes& notes) {
   Json json = Json::array();
   for (const Note& note : notes)
     json.push_back({{"severity", name_of(note.severity)},
@@ -286,7 +286,7 @@ Json results_json(const ventricle::Result& result, const Provenance& provenance,
   json["readings"] = readings_json(result.readings);
   json["heart"] = heart_json(result.heart);
   json["quality"] = quality_json(result);
-  json["notes"] = notes_json(all_notes(result));
+  json["notes"] = placed_notes_json(all_notes(result));
   json["gates"] = std::move(gates);
   json["measures"] = measures_json(result.measures, result.study.cycle_ms);
   json["study"] = study_json(result.study);

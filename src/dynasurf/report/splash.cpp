@@ -12,7 +12,7 @@ namespace dynasurf::report {
 namespace {
 
 constexpr io::Colour background{30, 30, 30}, orange{255, 130, 0}, blue{60, 110, 255};
-constexpr int columns = 8, cell_pixels = 110;
+constexpr int slices_across = 8, cell_pixels = 110;
 constexpr int gap = 4, room_above = 16;  // web/src/cohort/thumbs.ts knows them
 
 /// The part of the slices that is shown, px, and which slices.
@@ -97,15 +97,15 @@ io::Picture draw_splash(const std::vector<SplashRow>& rows) {
   const Shown shown = around(first, to_grid(first.grid, rows.front().epi ? *rows.front().epi : *rows.front().endo));
   const int scale = std::max(1, cell_pixels / std::max(shown.width, shown.height));
   const int width = shown.width * scale + gap, height = shown.height * scale + room_above + gap;
-  io::Picture picture(columns * width + gap, static_cast<int>(rows.size()) * height + gap, background);
+  io::Picture picture(slices_across * width + gap, static_cast<int>(rows.size()) * height + gap, background);
   // At most 36 slices are told apart, evenly spaced.
   constexpr int most_slices = 36;
   const int stride = 1 + (shown.top - shown.bottom) / most_slices;
   const int last = std::max(0, (shown.top - shown.bottom) / stride);
   for (std::size_t r = 0; r < rows.size(); ++r)
-    for (int c = 0; c < columns; ++c) {
+    for (int c = 0; c < slices_across; ++c) {
       const SplashRow& row = rows[r];
-      const int k = shown.bottom + stride * (c * last / (columns - 1));
+      const int k = shown.bottom + stride * (c * last / (slices_across - 1));
       Cell cell{picture, shown, gap + c * width, gap + static_cast<int>(r) * height + room_above, scale};
       cell.paint(*row.image, k);
       for (const auto& [wall, colour] : {std::pair(row.epi, orange), std::pair(row.endo, blue)})

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string number(double value) {
+std::string nine_digits(double value) {
   std::array<char, 40> text{};
   std::snprintf(text.data(), text.size(), "%.9g", value);
   return text.data();
@@ -30,7 +30,7 @@ std::string contour_table(const ventricle::WallContours& contours, const Grid& g
       const Vec3 p =
           to_world(grid, Vec3(points[n][0], points[n][1], static_cast<double>(k)).cwiseProduct(grid.spacing));
       text += std::to_string(k + 1) + "," + std::to_string(n + 1);
-      for (int c = 0; c < 3; ++c) text += "," + number(p[c]);
+      for (int c = 0; c < 3; ++c) text += "," + nine_digits(p[c]);
       text += "\n";
     }
   }
@@ -53,7 +53,7 @@ std::string distance_table(const dynamics::EvolutionResult& evolved, const Image
   std::string text = "particle,signed_distance_voxels,stopped\n";
   const std::vector<double> distances = mesh::signed_distances_to_border_voxels(evolved.mesh, border);
   for (std::size_t n = 0; n < distances.size(); ++n)
-    text += std::to_string(n) + "," + number(distances[n]) + "," + (evolved.stopped[n] != 0 ? "1" : "0") + "\n";
+    text += std::to_string(n) + "," + nine_digits(distances[n]) + "," + (evolved.stopped[n] != 0 ? "1" : "0") + "\n";
   return text;
 }
 
@@ -65,7 +65,7 @@ std::string trajectory_table(const dynamics::EvolutionResult& evolved, const Gri
       text += std::to_string(kept.step) + "," + std::to_string(n);
       const Vec3 place = to_world(grid, kept.places[n]), pull = grid.direction * kept.pulls[n];
       for (const Vec3* v : {&place, &pull})
-        for (int c = 0; c < 3; ++c) text += "," + number((*v)[c]);
+        for (int c = 0; c < 3; ++c) text += "," + nine_digits((*v)[c]);
       text += "\n";
     }
   return text;

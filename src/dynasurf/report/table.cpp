@@ -6,12 +6,12 @@ namespace {
 
 using detail::text_of;
 
-struct Column {
+struct SurfaceColumn {
   const char* name;
   std::string (*text)(const ventricle::Surface&);
 };
 
-constexpr Column surface_columns[] = {
+constexpr SurfaceColumn surface_columns[] = {
     {"stop_reason", [](const ventricle::Surface& s) { return std::string(dynamics::name_of(s.stop_reason)); }},
     {"steps", [](const ventricle::Surface& s) { return std::to_string(s.steps); }},
     {"stopped_fraction", [](const ventricle::Surface& s) { return text_of(s.stopped_fraction); }},
@@ -45,7 +45,7 @@ std::string results_csv(const ventricle::Result& result) {
     for (const char* part : {"", "_low", "_high"}) csv += std::string(",") + wall + part;
   csv += ",edge_endo_ml,edge_epi_ml,edge_wall_ml";
   for (const char* wall : {"endo", "epi"})
-    for (const Column& column : surface_columns) csv += std::string(",edge_") + wall + "_" + column.name;
+    for (const SurfaceColumn& column : surface_columns) csv += std::string(",edge_") + wall + "_" + column.name;
   csv += '\n';
   for (const ventricle::Gate& gate : result.gates) {
     const ventricle::EdgeSurfaces& edge = gate.edge_surfaces;
@@ -53,7 +53,8 @@ std::string results_csv(const ventricle::Result& result) {
            volume_cells(gate.surfaces.epi) + ',' + volume_cell(edge.endo) + ',' + volume_cell(edge.epi) + ',' +
            text_of(edge.wall_ml);
     for (const auto* surface : {&edge.endo, &edge.epi})
-      for (const Column& column : surface_columns) csv += ',' + (*surface ? column.text(**surface) : std::string());
+      for (const SurfaceColumn& column : surface_columns)
+        csv += ',' + (*surface ? column.text(**surface) : std::string());
     csv += '\n';
   }
   return csv;
