@@ -84,6 +84,9 @@ endfunction()
 # The preset `dev` compiles every source alone, which shows what one forgot to include and whose names hide others.
 option(DYNASURF_JOIN_SOURCES "Compile several small sources at once" ON)
 
+add_library(dynasurf_joined_flags INTERFACE)
+target_compile_options(dynasurf_joined_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-shadow$<SEMICOLON>-Wshadow=local>)
+
 # dynasurf_join_sources(target [source...]): all but these, which take long by themselves.
 function(dynasurf_join_sources target)
   if(NOT DYNASURF_JOIN_SOURCES)
@@ -91,7 +94,7 @@ function(dynasurf_join_sources target)
   endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-shadow$<SEMICOLON>-Wshadow=local>)
+  target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:dynasurf_joined_flags>)
 endfunction()
 
 # dynasurf_choose(list first second wanted): leaves out the second of two sources that do the same where the first is
