@@ -105,9 +105,9 @@ TEST(WriteMesh, GivesTheSameBytesEveryTime) {
   }
 }
 
-TEST(VertexNormals, PointOutwardsAndHaveUnitLength) {
+TEST(NormalsToWrite, PointOutwardsAndHaveUnitLength) {
   const TriMesh ball = mesh::icosphere(3);
-  const auto normals = detail::vertex_normals(ball);
+  const auto normals = detail::normals_to_write(ball);
   for (std::size_t v = 0; v < normals.size(); ++v) {
     EXPECT_NEAR(normals[v].norm(), 1, 1e-6);
     // The mean of the faces around a vertex of a fine ball leans from its radius by less than its mesh's half angle.
@@ -115,12 +115,12 @@ TEST(VertexNormals, PointOutwardsAndHaveUnitLength) {
   }
 }
 
-TEST(VertexNormals, StandUprightWhereTheSurfaceHasNoDirection) {
+TEST(NormalsToWrite, StandUprightWhereTheSurfaceHasNoDirection) {
   TriMesh mesh = one_triangle;
   mesh.vertices.push_back({5, 5, 5});                           // used by no triangle
   mesh.vertices.insert(mesh.vertices.end(), 3, Vec3(9, 9, 9));  // a triangle of no area
   mesh.triangles.push_back({4, 5, 6});
-  for (const auto& n : detail::vertex_normals(mesh)) EXPECT_EQ(n, Eigen::Vector3f(0, 0, 1));
+  for (const auto& n : detail::normals_to_write(mesh)) EXPECT_EQ(n, Eigen::Vector3f(0, 0, 1));
 }
 
 TEST(WriteMesh, RefusesAMeshThatIsNone) {
