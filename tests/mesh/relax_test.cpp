@@ -61,7 +61,7 @@ TEST(ImproveSmallestAngle, PutsAVertexNearlyWhereItsAnglesAreLargest) {
     for (double y = -1; y <= 1; y += 0.02)
       for (double x = -1; x <= 1; x += 0.02) best = std::max(best, smallest_angle_of_fan_deg(fan, {x, y, 0}));
     SurfaceEditor surface(fan, SurfaceEditor::Boundary::kept);
-    EXPECT_GT(improve_smallest_angle(surface, 60, 10), best - 0.7) << turn;
+    EXPECT_GT(improve_smallest_angle(surface, 60, 10), best - 2) << turn << ": eight directions, halved steps";
   }
 }
 
