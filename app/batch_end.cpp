@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <csignal>
 
+#include <nlohmann/json.hpp>
+
 #include "dynasurf/cohort/detail/job_key.hpp"
 #include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/io/detail/json_node.hpp"

@@ -45,7 +45,7 @@ TEST(BlandAltmanPlot, DrawsEveryReadingAndTheLimits) {
   EXPECT_EQ(count_of(svg, "stroke-dasharray"), 2u);
   EXPECT_NE(svg.find("EDV (n = 5)"), std::string::npos);
   EXPECT_NE(svg.find("1.4 mean"), std::string::npos);  // (4 + 3) / 5
-  EXPECT_NE(svg.find("a &lt;third> &amp; more"), std::string::npos);
+  EXPECT_NE(svg.find("a &lt;third&gt; &amp; more"), std::string::npos);
   EXPECT_EQ(svg.find("nan"), std::string::npos);
   EXPECT_NE(bland_altman_svg(std::vector{plain}, {"EDV", "mL", true}).find("measured less truth, %"),
             std::string::npos);

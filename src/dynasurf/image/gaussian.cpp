@@ -5,7 +5,6 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/image/intensity.hpp"
 
 namespace dynasurf::image {
 namespace {
@@ -66,14 +65,6 @@ Image convolve_along(const Image& image, std::span<const double> half, int axis)
       }
   });
   return result;
-}
-
-Image smooth_gaussian(const Image& image, double sigma_mm) {
-  if (!(sigma_mm > 0)) return image;
-  Image smooth = image;
-  for (int axis = 0; axis < 3; ++axis)
-    smooth = convolve_along(smooth, half_gaussian(sigma_mm / image.grid.spacing[axis]), axis);
-  return smooth;
 }
 
 }  // namespace dynasurf::image

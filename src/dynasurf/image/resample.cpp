@@ -1,8 +1,8 @@
 #include <array>
 #include <cmath>
 
-#include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/image/detail/gaussian.hpp"
 #include "dynasurf/image/intensity.hpp"
 
 namespace dynasurf::image {
@@ -81,6 +81,14 @@ Image resample(const Image& image, const Grid& grid) {
         }
   });
   return result;
+}
+
+Image smooth_gaussian(const Image& image, double sigma_mm) {
+  if (!(sigma_mm > 0)) return image;
+  Image smooth = image;
+  for (int axis = 0; axis < 3; ++axis)
+    smooth = convolve_along(smooth, half_gaussian(sigma_mm / image.grid.spacing[axis]), axis);
+  return smooth;
 }
 
 }  // namespace dynasurf::image
