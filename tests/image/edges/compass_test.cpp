@@ -153,6 +153,16 @@ TEST(Compass, SeesATextureThatTheGradientDoesNot) {
   EXPECT_LT(canny.gradient(20, 20, 0), 0.02);
 }
 
+// Samples on the border of two wedges count for both sides, so neither side of the diagonal is preferred.
+TEST(Compass, SeesATransposedImageAlike) {
+  const auto grey = [](int i, int j) { return ((7 * i * i + 13 * j + 5 * i * j) % 17) / 16.0; };
+  const Image image = image_of(15, 15, 1, [&](int i, int j, int) { return grey(i, j); });
+  const Image transposed = image_of(15, 15, 1, [&](int i, int j, int) { return grey(j, i); });
+  const CompassMaps maps = compass_maps(image, {.sigma_px = 1}), other = compass_maps(transposed, {.sigma_px = 1});
+  for (int j = 0; j < 15; ++j)
+    for (int i = 0; i < 15; ++i) EXPECT_NEAR(maps.strength(i, j, 0), other.strength(j, i, 0), 1e-5) << i << " " << j;
+}
+
 TEST(Compass, CallsAJunctionAbnormal) {
   // Three regions: however the diameter lies, the halves differ.
   const Image junction = image_of(40, 40, 1, [](int i, int j, int) { return i >= 20 ? 1.0 : j >= 20 ? 0.4 : 0.0; });

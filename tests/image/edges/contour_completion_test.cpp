@@ -144,8 +144,10 @@ TEST(ContourCompletion, FollowsAnEllipseByItsPriorAndNotWithout) {
   ContourCompletion o{.steps = 2500, .complete = true, .canny = {.low = 0.28, .high = 0.5}};
   const double without = worst_px(detect_edges(torn, o).edges);
   o.prior = ContourPrior::ellipse;
-  const double with = worst_px(detect_edges(torn, o).edges);
-  EXPECT_LT(with, 2.1);
+  for (const double weight : {0.5, 0.98}) {
+    o.prior_weight = weight;
+    EXPECT_LT(worst_px(detect_edges(torn, o).edges), 2.1) << weight;
+  }
   EXPECT_GT(without, 5);
 }
 
