@@ -321,6 +321,9 @@ TEST(Evolve, KeepsWhereParticlesWereAndHowTheyWerePulled) {
   EXPECT_NEAR(longest, o.force.strength * 0.15, 0.01);  // the scene's field
   for (std::size_t v = 0; v < r.stopped.size(); ++v)
     EXPECT_TRUE(r.stopped[v] == 0 || r.trajectory.back().pulls[v].isZero()) << v;
+  o.trajectory_every = r.steps;
+  EXPECT_EQ(evolve(s.start, s.field, s.border, o).trajectory.size(), 2u)
+      << "the last step once, though it is asked for";
   EXPECT_TRUE(evolve(s.start, s.field, s.border, without_smoothing()).trajectory.empty());
 }
 
