@@ -94,6 +94,7 @@ struct End {
 Eigen::Vector3d fit_plane(const std::vector<End>& ends) {
   constexpr double noise_mm = 3, usual_tilt = 0.12, cut_mm = 8;
   std::vector<double> heights;
+  heights.reserve(ends.size());
   for (const End& e : ends) heights.push_back(e.z);
   Eigen::Vector3d p(quantile(heights, 0.5), 0, 0);
   for (int round = 0; round < 10; ++round) {
@@ -184,6 +185,7 @@ std::optional<BasePlane> find_base_plane(const Image& image, const LvShell& cup,
   plane.seen = seen;
   plane.cut = static_cast<double>(cut) / meridians;
   std::vector<double> away;
+  away.reserve(ends.size());
   for (const End& e : ends) away.push_back(std::abs(e.z - p[0] - p[1] * e.x - p[2] * e.y));
   plane.spread_mm = quantile(away, 0.5);
   return plane;

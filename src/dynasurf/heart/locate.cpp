@@ -94,6 +94,7 @@ double worth_of(const Image& image, const Shell& shell, int i, int j, int k) {
 
 std::vector<Place> find_places(const Image& image, const std::vector<Vec3>& directions) {
   std::vector<Shell> shells;
+  shells.reserve(radii_mm.size());
   for (double r : radii_mm) shells.push_back(make_shell(r, directions));
   const Grid& g = image.grid;
   std::vector<Place> all(g.size());

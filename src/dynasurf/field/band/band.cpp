@@ -171,7 +171,8 @@ BandResult solve(const Grid& grid, std::vector<BrickData> data, const BandGvf& o
     const double h = grid.spacing[a];
     rates[a] = o.mu / (h * h);
   }
-  levels->levels = band::build(grid, rates, std::move(data), o.reach_voxels);
+  levels->levels = band::build(grid, rates, data, o.reach_voxels);
+  data = {};  // makes room for the solution
   const band::Outcome outcome = band::solve(levels->levels, o.tolerance, o.most_cycles, progress);
   for (band::Level& l : levels->levels) {  // only the field is asked for from here on
     l.rhs = l.before = {};

@@ -228,7 +228,8 @@ void coarsen_data(const Level& f, Level& g, bool voxels) {
 
 }  // namespace
 
-std::vector<Level> build(const Grid& grid, const std::array<double, 3>& rates, std::vector<BrickData> data, int reach) {
+std::vector<Level> build(const Grid& grid, const std::array<double, 3>& rates, const std::vector<BrickData>& data,
+                         int reach) {
   std::vector<Level> levels;
   std::array<Axis, 3> axis;
   for (std::size_t a = 0; a < 3; ++a) {

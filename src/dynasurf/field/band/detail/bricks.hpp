@@ -86,7 +86,8 @@ struct BrickData {
 
 /// All levels. The finest holds the bricks with a cell within `reach` cells of data, each coarser one those that the
 /// finer one's cells and the layer around them are interpolated from.
-std::vector<Level> build(const Grid& grid, const std::array<double, 3>& rates, std::vector<BrickData> data, int reach);
+std::vector<Level> build(const Grid& grid, const std::array<double, 3>& rates, const std::vector<BrickData>& data,
+                         int reach);
 
 /// Full multigrid and cycles on the composite of all levels until the estimated error is below the tolerance.
 struct Outcome {
