@@ -71,6 +71,7 @@ std::vector<Vec3> voxel_corners(const Image& border) {
         for (int n = 0; border(i, j, k) != 0 && n < 8; ++n)
           corners.insert({i + (n & 1), j + (n >> 1 & 1), k + (n >> 2)});
   std::vector<Vec3> places;
+  places.reserve(corners.size());
   for (const Index3& c : corners)
     places.push_back((Vec3(c[0], c[1], c[2]) - Vec3::Constant(0.5)).cwiseProduct(border.grid.spacing));
   return places;
