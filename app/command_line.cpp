@@ -77,13 +77,10 @@ Argument CommandLine::flag(const std::string& names, bool& to, const std::string
   return Argument(command_->add_flag(names, to, what));
 }
 
-void add_perfusion(CLI::App& program, Command& chosen) {
-  CLI::App* perfusion =
-      program.add_subcommand("perfusion", "Normal maps of perfusion, scores against them, rest compared with stress");
-  perfusion->require_subcommand(1);
-  add_perfusion_build(*perfusion, chosen);
-  add_perfusion_score(*perfusion, chosen);
-  add_perfusion_compare(*perfusion, chosen);
+CLI::App& add_group(CLI::App& program, const std::string& name, const std::string& what) {
+  CLI::App* group = program.add_subcommand(name, what);
+  group->require_subcommand(1);
+  return *group;
 }
 
 void refuse_former_name(const std::vector<std::string>& words) {

@@ -56,6 +56,9 @@ class CommandLine {
   CLI::App* command_;
 };
 
+/// Adds a command that only gathers others, and returns what they are added to.
+CLI::App& add_group(CLI::App& program, const std::string& name, const std::string& what);
+
 /// Throws OptionError that tells today's name of the command where the first word is a former one.
 void refuse_former_name(const std::vector<std::string>& words);
 

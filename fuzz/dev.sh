@@ -86,8 +86,8 @@ fuzz_confirmed() {
   esac
 }
 
-# fuzz_run PRESET TARGET SECONDS: 1 when something was found. Entropic weighs the corpus by how rare its features are; that took
-# 15 % (NIfTI) to 40 % (DICOM) of the time, and re-reading the corpus of other processes is of no use to one.
+# fuzz_run PRESET TARGET SECONDS: 1 when something was found. Entropic weighs the corpus by how rare its features are;
+# that took 15 % (NIfTI) to 40 % (DICOM) of the time, and re-reading the corpus of other processes is of no use to one.
 fuzz_run() {
   local preset=$1 target=$2 seconds=$3 work=$fuzz_work/$2 begin=$SECONDS left finds=0 count
   local log=$work/log

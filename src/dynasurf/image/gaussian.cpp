@@ -1,6 +1,7 @@
 #include "dynasurf/image/detail/gaussian.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
@@ -47,10 +48,10 @@ Image convolve_along(const Image& image, std::span<const double> half, int axis)
   const int width = dims[0], reach = static_cast<int>(half.size()) - 1;
   Image result(image.grid);
   if (result.values.empty()) return result;
-  parallel_for(dims[2], 1, [&](std::size_t begin, std::size_t end) {
+  parallel_for(dims[2], 1, [&](int begin, int end) {
     std::vector<double> sum(width);
     std::vector<float> padded(axis == 0 ? width + 2 * reach : 0);
-    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
+    for (int k = begin; k < end; ++k)
       for (int j = 0; j < dims[1]; ++j) {
         const float* row = image.values.data() + image.grid.index(0, j, k);
         for (int i = 0; i < width; ++i) sum[i] = half[0] * row[i];

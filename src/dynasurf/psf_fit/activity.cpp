@@ -225,8 +225,8 @@ Activity rasterise(const HeartCells& cells, const GateLayout& layout, const Eige
   double cavity_cells = 0, wall_cells = 0;
   for (std::size_t c = 0; c < n; ++c) {
     a.cells[cells.cell[c]] = active[c];
-    cavity_cells += (a.below[c] * a.endo[c]);
-    wall_cells += (a.below[c] * (a.epi[c] - a.endo[c]));
+    cavity_cells += a.below[c] * a.endo[c];
+    wall_cells += a.below[c] * (a.epi[c] - a.endo[c]);
   }
   a.cavity_mm3 = cavity_cells * cells.lattice.cell_mm3();
   a.wall_mm3 = wall_cells * cells.lattice.cell_mm3();
@@ -257,8 +257,8 @@ void backpropagate_to_cells(const HeartCells& cells, const GateLayout& layout, c
     along_x += of_height * cells.x[c];
     along_y += of_height * cells.y[c];
     const float lb = by_active[c] * a.below[c];
-    to_cavity += (lb * a.endo[c]);
-    to_background -= (lb * a.epi[c]);
+    to_cavity += lb * a.endo[c];
+    to_background -= lb * a.epi[c];
   }
   Eigen::VectorXd& others = to.others[g];
   others[layout.plane] = height, others[layout.plane + 1] = along_x, others[layout.plane + 2] = along_y;

@@ -186,7 +186,7 @@ PixelNoise noise_of(const BeatProblem& problem, const Objective& objective) {
         for (std::size_t n = 0; n + apart < values.size(); ++n) {
           if (n / stride[axis] % length + lag >= length) continue;
           if (problem.weight[n] <= 0 || problem.weight[n + apart] <= 0) continue;
-          product += (values[n] * values[n + apart]);
+          product += values[n] * values[n + apart];
           pairs += 1;
         }
       const double correlation = pairs > 0 ? product / pairs / variance : 0;

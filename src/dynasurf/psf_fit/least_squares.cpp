@@ -31,7 +31,7 @@ std::vector<float> picture(const BeatProblem& problem, std::size_t g, const Eige
 
 double dot(const std::vector<float>& a, const std::vector<float>& b) {
   double sum = 0;
-  for (std::size_t n = 0; n < a.size(); ++n) sum += (a[n] * b[n]);
+  for (std::size_t n = 0; n < a.size(); ++n) sum += a[n] * b[n];
   return sum;
 }
 

@@ -33,8 +33,8 @@ class BoxTree {
   /// The things, leaf by leaf.
   const std::vector<std::uint32_t>& order() const { return order_; }
 
-  /// Calls `visit` with the place in `order()` of every thing in the leaves that are reached when a box is entered
-  /// where `enters(box)` says so; it is asked again for each.
+  /// Calls `visit` with the place in `order()` of every thing in the leaves whose boxes, and all boxes around them,
+  /// `enters(box)` lets in. It is asked box by box, so what was visited may change its answers.
   template <class Enters, class Visit>
   void walk(const Enters& enters, const Visit& visit) const {
     for (std::uint32_t n = 0; n < nodes_.size();) {
