@@ -36,11 +36,14 @@ class Weld {
   }
 
  private:
-  /// Drawn anew for each mesh, so that no file can be made whose corners all fall together. The order of the vertices
+  /// Drawn once in each run, so that no file can be made whose corners all fall together. The order of the vertices
   /// does not depend on it.
   static CornerHash any_hash() {
-    std::random_device device;
-    return {std::uint64_t{device()} << 32 | device()};
+    static const std::uint64_t seed = [] {
+      std::random_device device;
+      return std::uint64_t{device()} << 32 | device();
+    }();
+    return {seed};
   }
   static std::uint64_t key(double c) { return std::bit_cast<std::uint64_t>(c == 0 ? 0.0 : c); }  // -0 is 0
   std::unordered_map<Corner, std::uint32_t, CornerHash> seen_{16, any_hash()};
