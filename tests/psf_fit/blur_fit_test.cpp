@@ -328,6 +328,75 @@ TEST(BlurFit, SeesNoAttenuationWhereThereIsNone) {
   EXPECT_NEAR(beat.edv_ml.value / fit_through_blur(phantom.study, start, without).edv_ml.value, 1, 0.01);
 }
 
+/// Area of the lid that closes a fitted wall at its base.
+double lid_mm2(const TriMesh& wall, const heart::BasePlane& base) {
+  double area = 0;
+  for (const auto& t : wall.triangles) {
+    const Vec3 &a = wall.vertices[t[0]], &b = wall.vertices[t[1]], &c = wall.vertices[t[2]];
+    const double away = std::max({std::abs(base.height(a)), std::abs(base.height(b)), std::abs(base.height(c))});
+    if (away < 1e-3) area += 0.5 * (b - a).cross(c - a).norm();
+  }
+  return area;
+}
+
+TEST(BlurFit, EndsTheWallsOfTheImageWhereAPersonSays) {
+  const synthetic::Phantom phantom = small_study(12);
+  FitStart start = biased_start(phantom);
+  const FittedBeat found = fit_through_blur(phantom.study, start, known_blur(12));
+  constexpr double shift_mm = -6;
+  start.base_shift_mm = shift_mm;
+  const FittedBeat moved = fit_through_blur(phantom.study, start, known_blur(12));
+  for (std::size_t g = 0; g < found.gates.size(); ++g) {
+    const FittedGate &before = found.gates[g], &after = moved.gates[g];
+    EXPECT_NEAR(before.base.height(after.base.point), shift_mm, 0.1);
+    const double area = 0.5 * (lid_mm2(before.endo, before.base) + lid_mm2(after.endo, after.base));
+    EXPECT_NEAR(after.endo_ml.value - before.endo_ml.value, shift_mm * area / 1000, 0.03 * -shift_mm * area / 1000);
+  }
+  start.base_shift_mm = 0;
+  start.placed_base = heart::BasePlane{moved.gates[1].base.point, Vec3(start.axis + 0.1 * start.lateral).normalized()};
+  const FittedBeat placed = fit_through_blur(phantom.study, start, known_blur(12));
+  for (const FittedGate& gate : placed.gates) {
+    EXPECT_NEAR(start.placed_base->height(gate.base.point), 0, 1e-6);
+    EXPECT_NEAR(gate.base.normal.dot(start.placed_base->normal), 1, 1e-9);
+  }
+}
+
+TEST(BlurFit, DoesNotLookWhereAPersonPaintedOut) {
+  synthetic::Phantom phantom = small_study(12);
+  const FitStart start = biased_start(phantom);
+  const double alone = fit_through_blur(phantom.study, start, known_blur(12)).edv_ml.value;
+  FitStart confined = start;
+  confined.looked_at = Mask(phantom.study.grid(), 1);
+  const Vec3 centre = confined.base.front()->point, hot = centre - 40 * start.axis + 36 * start.lateral;
+  for (Image& gate : phantom.study.gates) {
+    const Grid& grid = gate.grid;
+    const float most = *std::max_element(gate.values.begin(), gate.values.end());
+    for (int k = 0; k < grid.dims[2]; ++k)
+      for (int j = 0; j < grid.dims[1]; ++j)
+        for (int i = 0; i < grid.dims[0]; ++i) {
+          if ((to_world(grid, Vec3(i, j, k).cwiseProduct(grid.spacing)) - hot).norm() > 10) continue;
+          gate(i, j, k) = 3 * most;
+          (*confined.looked_at)(i, j, k) = 0;
+        }
+  }
+  const FittedBeat seen = fit_through_blur(phantom.study, start, known_blur(12));
+  const FittedBeat unseen = fit_through_blur(phantom.study, confined, known_blur(12));
+  const auto looked_at = [&](const FittedBeat& beat) {
+    const Image& weight = beat.images.weight;
+    int count = 0;
+    for (int k = 0; k < weight.grid.dims[2]; ++k)
+      for (int j = 0; j < weight.grid.dims[1]; ++j)
+        for (int i = 0; i < weight.grid.dims[0]; ++i) {
+          const Vec3 place = to_world(weight.grid, Vec3(i, j, k).cwiseProduct(weight.grid.spacing));
+          count += (place - hot).norm() < 10 && weight(i, j, k) > 0;
+        }
+    return count;
+  };
+  EXPECT_GT(looked_at(seen), 10);
+  EXPECT_EQ(looked_at(unseen), 0);
+  EXPECT_NEAR(unseen.edv_ml.value / alone, 1, 0.01);
+}
+
 TEST(BlurFit, IsTheSameForAnyNumberOfThreads) {
   const synthetic::Phantom phantom = small_study(12);
   const FitStart start = biased_start(phantom);

@@ -64,6 +64,26 @@ TEST(UsefulSlices, FollowTheValvePlaneAndThePerson) {
   EXPECT_EQ(range.last, 29);
 }
 
+TEST(ValvePlanes, AreMovedAlongTheStackByAPerson) {
+  UserOverrides said;
+  said.base_plane_mm = 80;
+  Notes notes;
+  const Vec3 before = valve_planes(stack(), std::nullopt, said, notes)[0]->point;
+  said.base_shift_mm = -7;
+  const auto planes = valve_planes(stack(), std::nullopt, said, notes);
+  EXPECT_NEAR((planes[0]->point - before - Vec3(0, 0, -7)).norm(), 0, 1e-9);
+  EXPECT_TRUE(notes.empty());
+}
+
+TEST(ValvePlanes, ThatWereNotFoundCannotBeMoved) {
+  UserOverrides said;
+  said.base_shift_mm = 5;
+  Notes notes;
+  EXPECT_FALSE(valve_planes(stack(), std::nullopt, said, notes)[0]);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].code, "base.shift_without_plane");
+}
+
 TEST(UsefulSlices, LeaveNoEdgeOutsideThem) {
   Mask edges(stack().grid(), 1);
   clear_outside(edges, {4, 9});

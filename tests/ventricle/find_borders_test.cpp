@@ -122,6 +122,40 @@ TEST(ManualPlaces, AtTheEdgesOfTheStudyAreFollowed) {
   EXPECT_TRUE(result.gates[0].labels.has(Border::endo));
 }
 
+TEST(ExcludedGates, AreThoseOfTheBeatNobodyLooksAt) {
+  Study study = study_of(test::blurred_heart({}));
+  study.gates.resize(4, study.gates.front());
+  Study spoilt = study;
+  std::fill(spoilt.gates[2].values.begin(), spoilt.gates[2].values.end(), 7.f);
+  for (std::size_t v = 0; v < spoilt.gates[2].values.size(); v += 5) spoilt.gates[2].values[v] = 900;
+  Options o = preset("edges");
+  const BorderResult whole = find_borders(study, o);
+  o.manual.exclude_gates = {3};
+  const BorderResult found = find_borders(spoilt, o);
+  for (std::size_t g = 0; g < 4; ++g)
+    EXPECT_EQ(found.gates[g].labels.borders.values, whole.gates[g].labels.borders.values) << g;
+  const auto says = [](const Note& note) { return note.code == "gate.excluded" && note.gate == 2; };
+  EXPECT_EQ(std::count_if(found.study.notes.begin(), found.study.notes.end(), says), 1);
+}
+
+TEST(ExcludedGates, AreGatesAndNotMostOfThem) {
+  Study study = study_of(test::blurred_heart({}));
+  study.gates.resize(3, study.gates.front());
+  const auto refuses = [&](std::vector<int> gates, const char* says) {
+    Options o = preset("edges");
+    o.manual.exclude_gates = std::move(gates);
+    try {
+      find_borders(study, o);
+      ADD_FAILURE() << says;
+    } catch (const OptionError& e) {
+      EXPECT_NE(std::string(e.what()).find(says), std::string::npos) << e.what();
+    }
+  };
+  refuses({4}, "names gate 4; expected gates 1 to 3");
+  refuses({0}, "names gate 0");
+  refuses({1, 2}, "more than half of the 3 gates");
+}
+
 TEST(ManualAxis, IsWhatSlicesAreCutSquareTo) {
   const Study study = study_of(test::blurred_heart({}));
   const Vec3 axis = study.grid().direction * Vec3(0.1, 0, 1).normalized();  // 6 degrees off: the stack would be kept

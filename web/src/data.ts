@@ -36,6 +36,7 @@ export interface GateNumbers {
   epi_ml: number | null;
   epi_ml_90: Interval;
   wall_ml: number | null;
+  base_plane?: { point_mm: [number, number, number] } | null;
   edge: EdgeNumbers;
 }
 export interface NoteText {
@@ -123,6 +124,7 @@ export type Results = Reading & {
   reading: "psf_corrected" | "edge";
   readings: { psf_corrected: Reading | null; edge: Reading; gaussian_profile: Reading | null };
   phases: { end_diastole: number; end_systole: number; end_rapid_filling: number } | null;
+  heart: { center_mm: [number, number, number]; axis: [number, number, number]; radius_mm: number } | null;
   quality: { verdict: "ok" | "check" | "fail"; wall_variation: number | null; flags: NoteText[] };
   notes: NoteText[];
   gates: GateNumbers[];
@@ -144,6 +146,7 @@ export type Results = Reading & {
     command: string;
     inputs: { file: string; bytes: number; sha256: string }[];
     seed: number | null;
+    given?: { mask_sha256: string | null };
     options: unknown;
   };
   timings_s: Record<string, number> | null;

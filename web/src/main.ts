@@ -1,11 +1,13 @@
 // The page of a result: reads the data written into it, builds the parts, and moves them with one clock.
+import { HandTool } from "./byhand";
 import { Wall } from "./cycle";
 import { Cursor, placeInHeart, placeOnMap, sampleNear, toWorld } from "./cursor";
 import { ContourView } from "./contours";
 import { Curve } from "./curve";
-import { isCorrected, readReport, toVoxels, walls as wall_names, type Report, type Results } from "./data";
+import { isCorrected, readReport, toVoxels, walls as wall_names, type Mesh, type Report, type Results } from "./data";
 import { byId, colour, figure, html, svg } from "./dom";
 import { FieldView } from "./field";
+import type { FromPage, FromReport } from "./host";
 import { buildLayouts } from "./layouts";
 import { MotionView } from "./motion";
 import { Painter, type Overlay } from "./painter";
@@ -116,6 +118,7 @@ function buildSlices(painter: Painter | null, cursor: Cursor | null, fitted: boo
     legendItem(fitted ? "endo, fitted" : "endo surface", colour.endo, "line"),
     legendItem(fitted ? "epi, fitted" : "epi surface", colour.epi, "line"),
     legendItem("other edges", colour.edge, "square"),
+    html("span", { id: "before-legend", hidden: true, class: "before" }, legendItem("before, dashed", "#ffffffb0", "line")),
     ...(bin > 1 ? [html("span", { class: "missing" }, `large study: pixels shown are means of ${bin} × ${bin}`)] : []),
   );
   byId<HTMLInputElement>("brightness").addEventListener("input", (event) => {
@@ -166,6 +169,55 @@ function buildToggles(painter: Painter | null, slices: Slices | null, scene: Sur
   return keys;
 }
 
+/** Handles on the slices, and their bar above them. */
+function buildHand(painter: Painter | null, slices: Slices | null, results: Results, player: Player): HandTool | null {
+  const button = byId<HTMLButtonElement>("toggle-hand");
+  button.disabled = !painter || !slices;
+  if (!painter || !slices) return null;
+  const hand = new HandTool(byId("hand"), painter, results, () => slices.draw());
+  slices.tool = hand;
+  button.addEventListener("click", () => {
+    player.pause();
+    hand.toggle();
+    press(button.id, hand.on);
+    slices.layOut();
+  });
+  document.addEventListener("keydown", (event) => {
+    if (!hand.on || !(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z" || (event.target as HTMLElement).closest("input")) return;
+    event.preventDefault();
+    hand.undo();
+  });
+  player.listen(() => {
+    if (player.gate === hand.gate) return;
+    hand.gate = player.gate;
+    if (hand.on) hand.refresh();
+  });
+  return hand;
+}
+
+/** A page around the report may run the study again; it tells what was said before, and which result to compare with. */
+function joinHost(hand: HandTool | null, painter: Painter | null, slices: Slices | null): void {
+  if (parent === window) return;
+  const tell = (word: FromReport) => parent.postMessage(word, "*");
+  addEventListener("message", (event: MessageEvent<FromPage>) => {
+    if (event.source !== parent || event.data?.dynasurf !== "page") return;
+    hand?.serve((said, run) => tell({ dynasurf: "report", word: "by hand", said, run }), event.data.said);
+    void compareWith(event.data.before, painter, slices);
+  });
+  tell({ dynasurf: "report", word: "ready" });
+}
+
+/** Outlines of another result of the study, dashed. */
+async function compareWith(data: string | null, painter: Painter | null, slices: Slices | null): Promise<void> {
+  if (!painter || !slices) return;
+  const surfaces = data ? (await readReport(data)).surfaces : null;
+  const here = (mesh: Mesh | null) => mesh && { ...mesh, voxel: toVoxels(painter.grid, mesh.world) };
+  const moved = surfaces && { ...surfaces, endo: surfaces.endo.map(here), epi: surfaces.epi.map(here) };
+  painter.before = moved ? wall_names.map((name) => new Wall(name, moved)) : [];
+  byId("before-legend").hidden = !moved;
+  slices.draw();
+}
+
 function buildHelp(): () => void {
   const dialog = byId<HTMLDialogElement>("keys");
   const rows: [string, string][] = [
@@ -178,6 +230,7 @@ function buildHelp(): () => void {
     ["F", "whole field of view or the heart"],
     ["W", "triangles of the surfaces"],
     ["1 to 6", "what is shown: everything, surfaces, slices, both, polar map, curve"],
+    ["H", "correct by hand: handles and a brush on the slices"],
     ["X", "full screen"],
     ["Shift + arrows", "turn the surfaces"],
     ["?", "this list"],
@@ -443,7 +496,9 @@ async function start(): Promise<void> {
   if (cursor && painter) linkCursor(cursor, report, painter, player, scene, view);
   for (const part of [view, scene, splash, slices]) if (part) lights.push((segment) => part.light(segment));
 
-  const toggles = { ...buildToggles(painter, slices, scene), ...buildLayouts() };
+  const hand = buildHand(painter, slices, results, player);
+  joinHost(hand, painter, slices);
+  const toggles: Record<string, () => void> = { ...(hand ? { h: () => byId("toggle-hand").click() } : {}), ...buildToggles(painter, slices, scene), ...buildLayouts() };
   buildKeys(player, slices, scene, toggles, buildHelp());
   // Two panels with nothing in them must not push the slices off the screen.
   document.querySelector("main")!.classList.toggle("bare", walls.length === 0);

@@ -66,6 +66,8 @@ export type Drawing = (context: CanvasRenderingContext2D, pixel: number) => void
 const reach_mm = 9;
 
 export class Painter {
+  /** Surfaces of another run, drawn dashed under those of this one. */
+  before: Wall[] = [];
   overlay: Overlay = { contours: true, sections: true, edges: false, whole: false, brightness: 1 };
   readonly heart: Frame & { z0: number; z1: number };
   private readonly sections = new Map<string, Section | null>();
@@ -139,13 +141,19 @@ export class Painter {
     return whole_allowed ? { ...whole, x0, x1 } : { x0, x1, y0: heart.z0, y1: heart.z1 };
   }
 
-  voxelAt(plane: Plane, canvas: HTMLCanvasElement, event: MouseEvent, whole_allowed = true): [number, number] {
+  /** Where on a plane a pointer is, in voxels, and how many mm a pixel of the page is there. */
+  placeAt(plane: Plane, canvas: HTMLCanvasElement, event: MouseEvent, whole_allowed = true): { place: [number, number]; mm: number } {
     const box = canvas.getBoundingClientRect();
     const view = this.viewOf(plane, canvas, whole_allowed);
     const scale = canvas.width / box.width;
     const x = ((event.clientX - box.left) * scale - view.left) / view.scale_x + view.frame.x0;
     const down = ((event.clientY - box.top) * scale - view.top) / view.scale_y;
     const y = plane.upwards ? view.frame.y1 - down : view.frame.y0 + down;
+    return { place: [x, y], mm: (scale / view.scale_x) * this.grid.spacing_mm[plane.x]! };
+  }
+
+  voxelAt(plane: Plane, canvas: HTMLCanvasElement, event: MouseEvent, whole_allowed = true): [number, number] {
+    const [x, y] = this.placeAt(plane, canvas, event, whole_allowed).place;
     const clamp = (v: number, axis: number) => Math.min(Math.max(Math.round(v), 0), this.grid.dims[axis]! - 1);
     return [clamp(x, plane.x), clamp(y, plane.y)];
   }
@@ -288,7 +296,7 @@ export class Painter {
 
   /** Cuts are made once: they are drawn again for every beat and every segment that is pointed at. */
   private sectionOf(wall: Wall, { plane, at, gate }: View): Section | null {
-    const key = `${wall.name} ${gate} ${plane.axis} ${at}`;
+    const key = `${this.before.includes(wall) ? "before " : ""}${wall.name} ${gate} ${plane.axis} ${at}`;
     let cut = this.sections.get(key);
     if (cut === undefined) {
       const mesh = wall.meshes[gate];
@@ -314,6 +322,10 @@ export class Painter {
         context.stroke();
       }
     };
+    for (const wall of view.splash ? [] : this.before) {
+      const cut = this.sectionOf(wall, view);
+      if (cut) stroke(cut, (vertex) => vertex % 3 !== 0, [[width, "#ffffffb0"]]);
+    }
     for (const wall of this.walls) {
       const cut = this.sectionOf(wall, view);
       if (!cut) continue;

@@ -8,7 +8,7 @@ import { Player } from "./player";
 import { drawPolar, segmentTable, titleOfMap } from "./polar";
 import type { SurfaceScene } from "./scene";
 import { Splash } from "./splash";
-import { showCards, showReadings, subjectOf, verdicts, word_of } from "./tables";
+import { byHandLine, showCards, showReadings, subjectOf, verdicts, word_of } from "./tables";
 
 interface Parts {
   report: Report;
@@ -39,6 +39,7 @@ function verdictOf({ results }: Report): HTMLElement {
     "section",
     { class: `paper-verdict ${verdict}` },
     html("p", {}, html("b", {}, `${verdicts[verdict].title}. `), verdicts[verdict].text),
+    ...byHandLine(results),
     html(
       "ul",
       {},

@@ -2,10 +2,22 @@
 // large, and two cuts along the heart. All three planes go through the cursor.
 import type { Cursor, Voxel } from "./cursor";
 import { html } from "./dom";
-import { Painter, Plane } from "./painter";
+import { type Drawing, Painter, Plane } from "./painter";
+
+/** Something that draws over the slices and may take the pointer from the cursor. */
+export interface Tool {
+  over(plane: Plane, at: number): Drawing | undefined;
+  /** Whether it takes a pointer that goes down at a place of a plane; `mm`: of a pixel of the page. */
+  down(plane: Plane, at: number, place: [number, number], mm: number): boolean;
+  move(place: [number, number]): void;
+  up(): void;
+  /** The pointer's look there, empty: as always. */
+  pointer(plane: Plane, place: [number, number], mm: number): string;
+}
 
 export class Slices {
   gate = 0;
+  tool: Tool | null = null;
   private lit = 0;
   private readonly tiles: { button: HTMLButtonElement; canvas: HTMLCanvasElement }[] = [];
   private readonly sheet = html("div", { class: "tiles", role: "group", "aria-label": "All slices, apex first" });
@@ -62,11 +74,25 @@ export class Slices {
     }
     for (const { canvas, plane, at } of canvases.slice(this.tiles.length)) {
       const follow = (event: PointerEvent) => this.cursor.move(this.voxelAt(canvas, plane, at(), event));
+      let taken = false;
       canvas.addEventListener("pointerdown", (event) => {
         canvas.setPointerCapture(event.pointerId);
-        follow(event);
+        const { place, mm } = this.painter.placeAt(plane, canvas, event);
+        taken = this.tool?.down(plane, at(), place, mm) ?? false;
+        if (!taken) follow(event);
       });
-      canvas.addEventListener("pointermove", (event) => event.buttons & 1 && follow(event));
+      canvas.addEventListener("pointermove", (event) => {
+        const { place, mm } = this.painter.placeAt(plane, canvas, event);
+        canvas.style.cursor = this.tool?.pointer(plane, place, mm) ?? "";
+        if (!(event.buttons & 1)) return;
+        if (taken) this.tool!.move(place);
+        else follow(event);
+      });
+      for (const end of ["pointerup", "pointercancel"])
+        canvas.addEventListener(end, () => {
+          if (taken) this.tool!.up();
+          taken = false;
+        });
     }
     this.long.append(...this.cuts.map(({ canvas }) => canvas));
     place.replaceChildren(
@@ -128,6 +154,7 @@ export class Slices {
       width: rich ? 1.8 : 1.1,
       letters: rich,
       cross: rich ? this.cursor.at : null,
+      ...(rich && this.tool ? { over: this.tool.over(plane, at) } : {}),
     });
   }
 

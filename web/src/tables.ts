@@ -1,4 +1,5 @@
 // Everything that is text and numbers: verdict, cards, tables, provenance.
+import { byHandWords } from "./byhand";
 import { isCorrected, walls, type GateNumbers, type Interval, type NoteText, type Reading, type Results, type WallName } from "./data";
 import { figure, html } from "./dom";
 
@@ -18,6 +19,12 @@ function icon(name: "ok" | "check" | "fail" | "info"): HTMLElement {
 const icon_of = { info: "info", warning: "check", failure: "fail" } as const;
 export const word_of = { info: "Info", warning: "Warning", failure: "Failure" } as const;
 
+/** A line that says what is not the program's own finding. */
+export function byHandLine(results: Results): HTMLElement[] {
+  const words = byHandWords(results);
+  return words.length > 0 ? [html("p", { class: "by-hand" }, html("b", {}, "Changed by hand: "), words.join(", "))] : [];
+}
+
 export function showVerdict(place: HTMLElement, results: Results): void {
   const { verdict, flags } = results.quality;
   const { title, text } = verdicts[verdict];
@@ -32,7 +39,7 @@ export function showVerdict(place: HTMLElement, results: Results): void {
   });
   place.replaceChildren(
     icon(verdict),
-    html("div", {}, html("h1", {}, title), html("p", {}, text), ...(list.length ? [html("ul", {}, ...list)] : [])),
+    html("div", {}, html("h1", {}, title), html("p", {}, text), ...byHandLine(results), ...(list.length ? [html("ul", {}, ...list)] : [])),
     ...(parts.length ? [html("a", { href: "#notes-title", class: "to-notes" }, `Notes: ${parts.join(", ")}`)] : []),
   );
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "dynasurf/core/detail/fill_gates.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 
@@ -175,26 +176,17 @@ void mend_hot_voxels(Study& study) {
 }
 
 void fill_empty_gates(Study& study) {
-  const std::size_t gates = study.gates.size();
-  std::vector<std::size_t> empty, whole;
-  for (std::size_t g = 0; g < gates; ++g) (is_empty(study.gates[g]) ? empty : whole).push_back(g);
-  if (empty.empty() || 4 * empty.size() > gates) return;
-  for (const std::size_t g : empty) {
-    const auto next = std::upper_bound(whole.begin(), whole.end(), g);
-    const std::size_t after = next == whole.end() ? whole.front() : *next;
-    const std::size_t before = next == whole.begin() ? whole.back() : *std::prev(next);
-    const auto from_before = static_cast<float>((g + gates - before) % gates);
-    const auto to_after = static_cast<float>((after + gates - g) % gates);
-    const Image &a = study.gates[before], &b = study.gates[after];
-    for (std::size_t v = 0; v < a.values.size(); ++v)
-      study.gates[g].values[v] = (to_after * a.values[v] + from_before * b.values[v]) / (from_before + to_after);
+  std::vector<bool> empty;
+  for (const Image& gate : study.gates) empty.push_back(is_empty(gate));
+  const auto count = static_cast<std::size_t>(std::count(empty.begin(), empty.end(), true));
+  if (count == 0 || 4 * count > empty.size()) return;
+  for (const auto& [gate, before, after] : fill_gates(study.gates, empty))
     study.notes.push_back(
         {Severity::warning, "study.empty_gate",
-         "gate " + std::to_string(g + 1) + " is empty: the mean of gates " + std::to_string(before + 1) + " and " +
+         "gate " + std::to_string(gate + 1) + " is empty: the mean of gates " + std::to_string(before + 1) + " and " +
              std::to_string(after + 1) +
              " stands in its place; were it the smallest or largest, the ejection fraction would be higher",
-         static_cast<int>(g)});
-  }
+         static_cast<int>(gate)});
 }
 
 }  // namespace dynasurf::io

@@ -384,6 +384,28 @@ FitImages images_of(const BeatProblem& problem, const Objective& objective, cons
   return images;
 }
 
+/// Ends the fitted walls where a person says. The walls themselves are those of the whole image: were it explained by a
+/// ventricle that is too short, that one would be too wide.
+void end_walls_as_said(const FitStart& start, const Grid& grid, const HeartFrame& frame, const BeatLayout& layout,
+                       Eigen::VectorXd& unknowns) {
+  if (!start.placed_base && start.base_shift_mm == 0) return;
+  const auto of_number = [&](int number) { return layout.terms[0][number].front().unknown; };
+  const int plane = layout.gate.plane;
+  double& height = unknowns[of_number(plane)];
+  double& along_x = unknowns[of_number(plane + 1)];
+  double& along_y = unknowns[of_number(plane + 2)];
+  if (start.placed_base) {
+    for (const BeatLayout::Term& term : layout.terms[0][plane]) unknowns[term.unknown] = 0;
+    const heart::BasePlane base = to_grid(grid, *start.placed_base);
+    const Vec3 normal = frame.axes.transpose() * base.normal, point = frame.to_heart(base.point);
+    along_x = -normal[0] / normal[2], along_y = -normal[1] / normal[2];
+    height = point[2] - along_x * point[0] - along_y * point[1];
+  }
+  const Vec3 shift =
+      start.base_shift_mm * (frame.axes.transpose() * (grid.direction.transpose() * start.axis.normalized()));
+  height += shift[2] - along_x * shift[0] - along_y * shift[1];
+}
+
 }  // namespace
 
 FittedBeat fit_through_blur(const Study& original, const FitStart& start, const BlurFit& requested,
@@ -428,6 +450,7 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   beat.objective = solution.objective.value;
   beat.converged = solution.converged;
   beat.images = images_of(problem, solution.objective, study.grid());
+  end_walls_as_said(start, study.grid(), placed.frame, problem.layout, solution.unknowns);
   // Sharp images show papillary muscles as they are.
   describe_beat(problem, solution, fit.noise.of_errors, study.grid(), blur.fwhm_mm > 0 ? options.papillary_share : 0,
                 beat);

@@ -148,6 +148,16 @@ void weigh_pixels(Setup& s, const std::vector<double>& mean, const Blur& blur, d
   }
 }
 
+/// Takes the weight of pixels that reach outside a region.
+void leave_out(const Mask& looked_at, BeatProblem& p) {
+  Image region(looked_at.grid);
+  std::transform(looked_at.values.begin(), looked_at.values.end(), region.values.begin(),
+                 [](std::uint8_t v) { return v > 0 ? 1.0F : 0.0F; });
+  const std::vector<float> share = join(region, p.pixels);
+  for (std::size_t n = 0; n < p.weight.size(); ++n)
+    if (share[n] < 1) p.weight[n] = 0;
+}
+
 }  // namespace
 
 Bounds bounds_of(const std::vector<TriMesh>& meshes) {
@@ -188,6 +198,7 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
     for (float& v : values) v = static_cast<float>(v / s.unit);
   s.problem.thickness = believe_in_thickness(start, degree);
   weigh_pixels(s, mean, blur, margin);
+  if (start.looked_at) leave_out(*start.looked_at, p);
   return s;
 }
 

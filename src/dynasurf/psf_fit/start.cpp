@@ -63,6 +63,7 @@ PlacedStart place_start(const FitStart& given, const Grid& grid) {
     start.axis = start.cup->axis;
   }
   PlacedStart placed;
+  placed.looked_at = start.looked_at;
   Vec3 axis = start.axis.normalized();
   Vec3 normals = Vec3::Zero();
   for (const auto& base : start.base)

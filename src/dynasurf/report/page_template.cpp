@@ -4,6 +4,8 @@
 // The assembler of WebAssembly knows no plain section: clang's #embed does it, which GCC has from version 15 on.
 #pragma clang diagnostic ignored "-Wc23-extensions"
 namespace {
+// ccache knows no #embed and would give an object with older pages; it keeps no object of a source with this directive.
+[[maybe_unused]] constexpr char not_to_be_cached[] = ".incbin \"";
 constexpr char report_page[] = {
 #embed DYNASURF_REPORT_PAGE
 };

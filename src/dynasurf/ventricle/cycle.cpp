@@ -28,12 +28,6 @@ constexpr double plane_smoothing_mm = 2.5;
 constexpr double end_level = 0.45;
 constexpr double least_rim_share = 0.7;
 
-/// A plane square to the stack at a height over the middle of its first slice.
-heart::BasePlane level_plane(const Grid& grid, double height_mm) {
-  const Vec3 middle((grid.dims[0] - 1) * grid.spacing[0] / 2, (grid.dims[1] - 1) * grid.spacing[1] / 2, height_mm);
-  return to_world(grid, heart::BasePlane{middle, Vec3::UnitZ(), 0, 1});
-}
-
 /// Brightness of the relaxed wall: that of a dim gate, and not the dimmest, which may lack counts.
 double relaxed_level(std::vector<double> walls) {
   const std::size_t quarter = walls.size() / 4;
@@ -174,16 +168,18 @@ std::optional<double> expected_cavity_end(const Study& study, const std::optiona
   return (cup.apex() + half_wall_mm * cup.axis)[2] / study.grid().spacing[2];
 }
 
-std::vector<std::optional<heart::BasePlane>> valve_planes(const Study& study,
-                                                          const std::optional<heart::Location>& heart,
-                                                          const UserOverrides& manual, Notes& notes) {
+heart::BasePlane level_plane(const Grid& grid, double height_mm) {
+  const Vec3 middle((grid.dims[0] - 1) * grid.spacing[0] / 2, (grid.dims[1] - 1) * grid.spacing[1] / 2, height_mm);
+  return to_world(grid, heart::BasePlane{middle, Vec3::UnitZ(), 0, 1});
+}
+
+namespace {
+
+/// The valve planes that the images show, smooth over the beat; none where they are not seen.
+std::vector<std::optional<heart::BasePlane>> seen_planes(const Study& study, const heart::Location& heart,
+                                                         Notes& notes) {
   std::vector<std::optional<heart::BasePlane>> planes(study.gates.size());
-  if (manual.base_plane_mm) {
-    planes.assign(planes.size(), level_plane(study.grid(), *manual.base_plane_mm));
-    return planes;
-  }
-  if (!heart) return planes;
-  const heart::LvShell cup = to_grid(study.grid(), heart->cup);
+  const heart::LvShell cup = to_grid(study.grid(), heart.cup);
   std::vector<Image> smooth(planes.size());
   std::vector<double> wall(planes.size());
   parallel_for(planes.size(), 1, [&](std::size_t g, std::size_t) {
@@ -207,6 +203,25 @@ std::vector<std::optional<heart::BasePlane>> valve_planes(const Study& study,
     notes.push_back({Severity::info, "base.gate_follows",
                      "the valve plane of gates " + followers + " was taken from the other gates"});
   for (std::size_t g = 0; g < planes.size(); ++g) planes[g] = to_world(study.grid(), cycle->planes[g]);
+  return planes;
+}
+
+}  // namespace
+
+std::vector<std::optional<heart::BasePlane>> valve_planes(const Study& study,
+                                                          const std::optional<heart::Location>& heart,
+                                                          const UserOverrides& manual, Notes& notes) {
+  std::vector<std::optional<heart::BasePlane>> planes(study.gates.size());
+  if (manual.base_plane_mm)
+    planes.assign(planes.size(), level_plane(study.grid(), *manual.base_plane_mm));
+  else if (heart)
+    planes = seen_planes(study, *heart, notes);
+  if (!manual.base_shift_mm) return planes;
+  for (auto& plane : planes)
+    if (plane) plane->point += *manual.base_shift_mm * study.grid().direction.col(2);
+  if (std::none_of(planes.begin(), planes.end(), [](const auto& plane) { return plane.has_value(); }))
+    notes.push_back({Severity::warning, "base.shift_without_plane",
+                     "option manual.base_shift_mm had no effect: no valve plane was found"});
   return planes;
 }
 

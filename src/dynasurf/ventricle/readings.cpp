@@ -53,8 +53,19 @@ bool is_plausible(const psf_fit::GaussianProfile& profile, const std::vector<Gat
   return true;
 }
 
+/// A valve plane that a person placed or moved: the fit looks for its own, and ends its walls there afterwards.
+void end_as_said(const Result& result, const UserOverrides& manual, psf_fit::FitStart& start) {
+  start.base_shift_mm = manual.base_shift_mm.value_or(0);
+  if (manual.base_plane_mm) {
+    start.placed_base = level_plane(result.study.grid(), *manual.base_plane_mm);
+    if (start.cup) std::fill(start.base.begin(), start.base.end(), std::nullopt);
+  }
+  for (auto& base : start.base)
+    if (base) base->point -= start.base_shift_mm * start.axis;
+}
+
 /// What a fit begins with; absent, with a note where one was asked for, unless all gates have both surfaces.
-std::optional<psf_fit::FitStart> fit_start_of(Result& result, bool is_asked_for) {
+std::optional<psf_fit::FitStart> fit_start_of(Result& result, const UserOverrides& manual, bool is_asked_for) {
   psf_fit::FitStart start;
   for (const Gate& gate : result.gates) {
     const EdgeSurfaces& edge = gate.edge_surfaces;
@@ -73,6 +84,7 @@ std::optional<psf_fit::FitStart> fit_start_of(Result& result, bool is_asked_for)
   start.lateral = result.study.grid().direction.col(0);
   // A heart that was found across the stack was not believed either when the stack was kept.
   if (result.heart && result.heart->cup.axis.dot(start.axis) > 0.7) start.cup = result.heart->cup;
+  end_as_said(result, manual, start);
   return start;
 }
 
@@ -119,10 +131,12 @@ void measure_cycle(Result& result) {
   if (wall.size() > 1) result.wall_variation = heart::coefficient_of_variation(wall);
 }
 
-void read_otherwise(const Study& original, const psf_fit::BlurFit& options, const Progress& progress, StageClock& clock,
-                    Result& result) {
-  const std::optional<psf_fit::FitStart> start = fit_start_of(result, options.run);
+void read_otherwise(const Study& original, const std::optional<Mask>& looked_at, const Options& all,
+                    const Progress& progress, StageClock& clock, Result& result) {
+  const psf_fit::BlurFit& options = all.fit;
+  std::optional<psf_fit::FitStart> start = fit_start_of(result, all.manual, options.run);
   if (!start) return;
+  start->looked_at = looked_at;
   auto& profile = result.readings.gaussian_profile;
   profile = clock("readings", [&] { return psf_fit::read_gaussian_profile(original, *start); });
   if (profile && !is_plausible(*profile, result.gates)) {

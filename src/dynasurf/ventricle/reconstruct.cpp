@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <mutex>
 
+#include "dynasurf/core/detail/fill_gates.hpp"
 #include "dynasurf/core/detail/format.hpp"
 #include "dynasurf/core/detail/stage_clock.hpp"
 #include "dynasurf/core/error.hpp"
@@ -38,6 +39,8 @@ struct StudyContext {
 
 /// A study on its way to its surfaces: the gates with their borders.
 struct StudyRun {
+  std::optional<Study> changed;   // the study as a person wants it looked at, where it is another
+  std::optional<Mask> looked_at;  // on the grid of the study as stored; absent: all of it
   Study study;
   StudyContext context;
   std::vector<GateRun> gates;
@@ -246,15 +249,38 @@ void note_own_stages(const OwnStages& own, Notes& notes) {
     notes.push_back({Severity::info, "stage.replaced", "the borders were told apart by " + own.labels_name});
 }
 
+/// The study with the means of their neighbours in the place of the gates that a person excludes.
+Study without_gates(Study study, const std::vector<int>& gates) {
+  const int count = static_cast<int>(study.gates.size());
+  std::vector<bool> excluded(study.gates.size());
+  for (const int gate : gates) {
+    if (gate < 1 || gate > count)
+      throw OptionError(format("option manual.exclude_gates names gate %d; expected gates 1 to %d", gate, count));
+    excluded[gate - 1] = true;
+  }
+  if (2 * std::count(excluded.begin(), excluded.end(), true) > count)
+    throw OptionError(format("option manual.exclude_gates names more than half of the %d gates", count));
+  for (const auto& [gate, before, after] : fill_gates(study.gates, excluded))
+    study.notes.push_back(
+        {Severity::info, "gate.excluded",
+         format("gate %d was excluded by hand: the mean of gates %d and %d stands in its place",
+                static_cast<int>(gate + 1), static_cast<int>(before + 1), static_cast<int>(after + 1)),
+         static_cast<int>(gate)});
+  return study;
+}
+
 StudyRun run_borders(const Study& whole, const Options& requested, const Progress& progress, const Additions& own,
                      StageClock& clock) {
   StudyRun run;
   Options options = requested;
   check_options(options, "");
   require_workable(whole);
-  std::optional<Study> confined;
-  if (own.mask != nullptr) confined = confine(whole, region_on(*own.mask, whole.grid()));
-  const Study& original = confined ? *confined : whole;
+  if (!options.manual.exclude_gates.empty()) run.changed = without_gates(whole, options.manual.exclude_gates);
+  if (own.mask != nullptr) {
+    run.looked_at = region_on(*own.mask, whole.grid());
+    run.changed = confine(run.changed ? *run.changed : whole, *run.looked_at);
+  }
+  const Study& original = run.changed ? *run.changed : whole;
   const heart::LocateHints hints = hints_of(options.manual);
   std::optional<heart::Location>& heart = run.context.heart;
   LabelContext& labels = run.context.labels;
@@ -361,7 +387,7 @@ Result reconstruct(const Study& original, const Options& requested, const Progre
   finish_gates(run.gates, result);
   run.gates.clear();
   measure_cycle(result);
-  read_otherwise(original, options.fit, progress, clock, result);
+  read_otherwise(run.changed ? *run.changed : original, run.looked_at, options, progress, clock, result);
   choose_leading(result);
   note_correspondence(result);
   result.measures = clock("measures", [&] { return measure_study(result, options.measures); });

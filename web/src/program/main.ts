@@ -1,5 +1,8 @@
 // dynasurf.html: takes files, runs the program over them in a worker, shows its report.
 import { dropped, type Given, as_zip, picked, read_given, Refusal, save } from "./files";
+import { argumentsOf, type ByHand, type FromPage, type FromReport, maskFile, mask_name, nothing_said, quoted } from "../host";
+import { type Given as GivenStudy, givenHere, pageWith } from "./given";
+import { dataOf, fileOf, History, type Run, type Task } from "./history";
 import type { Job, Piece, Word } from "./job";
 import { OptionPanel } from "./options";
 import { type Key, type Language, language, speak, stage_name, text } from "./texts";
@@ -10,18 +13,10 @@ const by_id = <T extends HTMLElement>(id: string) => document.getElementById(id)
 const views = ["start", "working", "failure", "result"] as const;
 const scans = /\.(ply|xyz|pts|csv|pwn|obj|off|las|stl|txt|asc)$/i;
 
-/** What a run is of. The command line names no path: only the user knows where the files are. */
-interface Task {
-  subject: "ventricle" | "cloud";
-  files: Piece[];
-  make: string[][]; // commands that make the files first
-  inputs: string[];
-  more: string[];
-}
-
 let worker: Worker | null = null;
 let task: Task | null = null;
-let result: Piece[] = [];
+/** What a person said by hand for the next run. */
+let said: ByHand = nothing_said();
 let report_url = "";
 
 function show(view: (typeof views)[number]): void {
@@ -89,12 +84,26 @@ function tell_progress(line: string, memory: number): void {
 
 const commands_of = (of: Task): string[][] => [
   ...of.make,
-  [of.subject, ...of.inputs, "--out", "/result", ...of.more, ...panel.settings().flatMap((set) => ["--set", set])],
+  [
+    of.subject,
+    ...of.inputs,
+    ...["--out", "/result", ...of.more, ...panel.settings().flatMap((set) => ["--set", set])],
+    ...argumentsOf(said).map((word) => (word === mask_name ? `/${mask_name}` : word)),
+  ],
 ];
 
 /** The program's own line, without its name. */
 const line_of_error = (lines: string[]) =>
   lines.filter((line) => line.includes("error: ")).at(-1)?.replace(/^.*?error: /, "").replaceAll("/in/", "");
+
+/** Starts with another study: nothing of the one before counts. */
+function begin(next: Task, with_settings: [string, string][] = [], with_said = nothing_said()): Promise<void> {
+  history.clear();
+  panel.clear();
+  panel.restore(with_settings);
+  said = with_said;
+  return start(next);
+}
 
 async function start(next: Task): Promise<void> {
   task = next;
@@ -105,7 +114,8 @@ async function start(next: Task): Promise<void> {
   let word: Word;
   try {
     // A copy: the files stay here for another run.
-    const files = next.files.map(({ path, bytes }) => ({ path, bytes: bytes.slice() }));
+    const files: Piece[] = next.files.map(({ path, bytes }) => ({ path, bytes: bytes.slice() }));
+    if (said.paint) files.push({ path: mask_name, bytes: maskFile(said.paint) });
     word = await run({ files, commands: commands_of(next), wanted: ["result"] }, (line) => {
       lines.push(line.text);
       tell_progress(line.text, line.memory);
@@ -124,19 +134,56 @@ async function start(next: Task): Promise<void> {
 }
 
 function present(word: Word & { kind: "end" }): void {
-  result = word.files.map(({ path, bytes }) => ({ path: path.replace(/^result\//, "dynasurf-result/"), bytes }));
-  const report = file_of("report.html");
-  URL.revokeObjectURL(report_url);
-  report_url = URL.createObjectURL(new Blob([report as BlobPart], { type: "text/html" }));
-  by_id<HTMLIFrameElement>("report").src = report_url;
-  const told = { s: word.seconds.toFixed(1), mb: mb(word.memory) };
-  by_id("summary").textContent = text(word.code === 3 ? "done_check" : "done", told);
-  Object.assign(document.documentElement.dataset, { seconds: word.seconds.toFixed(3), memory: String(word.memory) });
-  show("result");
+  history.add({
+    name: "",
+    settings: panel.snapshot(),
+    said,
+    result: word.files.map(({ path, bytes }) => ({ path: path.replace(/^result\//, "dynasurf-result/"), bytes })),
+    code: word.code,
+    seconds: word.seconds,
+    memory: word.memory,
+  });
 }
 
-const file_of = (name: string): Uint8Array =>
-  result.find(({ path }) => path === `dynasurf-result/${name}`)?.bytes ?? new Uint8Array();
+/** Shows what the history has chosen: another run, or another one to compare with. */
+function show_chosen(is_other_run: boolean): void {
+  const run = history.shown!;
+  if (is_other_run) {
+    said = run.said;
+    panel.restore(run.settings);
+    URL.revokeObjectURL(report_url);
+    report_url = URL.createObjectURL(new Blob([fileOf(run.result, "report.html") as BlobPart], { type: "text/html" }));
+    by_id<HTMLIFrameElement>("report").src = report_url;
+    Object.assign(document.documentElement.dataset, { seconds: run.seconds.toFixed(3), memory: String(run.memory) });
+    show("result");
+  } else tell_report();
+  tell_run(run);
+}
+
+function tell_run(run: Run): void {
+  by_id("summary").textContent = text(run.code === 3 ? "done_check" : "done", { s: run.seconds.toFixed(1), mb: mb(run.memory) });
+  by_id("compared").textContent = history.comparison();
+  by_id<HTMLButtonElement>("undo").disabled = history.at <= 0;
+  by_id<HTMLButtonElement>("redo").disabled = history.at >= history.runs.length - 1;
+  history.draw();
+}
+
+const history = new History(by_id("runs"), show_chosen);
+
+/** Gives the report what was said by hand, and the result it is compared with. */
+function tell_report(): void {
+  const { shown, compared } = history;
+  if (!shown) return;
+  const words: FromPage = { dynasurf: "page", said: shown.said, before: compared ? dataOf(compared) : null };
+  by_id<HTMLIFrameElement>("report").contentWindow?.postMessage(words, "*");
+}
+
+function hear_report(event: MessageEvent<FromReport>): void {
+  if (event.source !== by_id<HTMLIFrameElement>("report").contentWindow || event.data?.dynasurf !== "report") return;
+  if (event.data.word === "ready") return tell_report();
+  said = event.data.said;
+  if (event.data.run && task && panel.is_valid) void start(task);
+}
 
 function cancel(): void {
   worker?.terminate();
@@ -153,8 +200,7 @@ async function take(given: Promise<Given[]> | Given[]): Promise<void> {
     const files = await read_given(list);
     const are_scans = files.every(({ path }) => scans.test(path));
     const all = files.map(({ path }) => `/${path}`);
-    panel.clear();
-    await start({
+    await begin({
       subject: are_scans ? "cloud" : "ventricle",
       files,
       make: [],
@@ -197,10 +243,28 @@ async function show_options(): Promise<void> {
   if (word.kind === "end") panel.describe(word.output);
 }
 
+function show_history(): void {
+  const aside = by_id("history");
+  aside.hidden = !aside.hidden;
+  by_id("show-history").setAttribute("aria-expanded", String(!aside.hidden));
+}
+
+/** The result's folder, and beside it the mask that its command line names. */
+function save_zip(): void {
+  const run = history.shown!;
+  const mask = run.said.paint ? [{ path: mask_name, bytes: maskFile(run.said.paint) }] : [];
+  save(as_zip([...run.result, ...mask]), "dynasurf-result.zip", "application/zip");
+}
+
+async function save_page(): Promise<void> {
+  const run = history.shown!;
+  save(await pageWith({ task: task!, settings: run.settings, said: run.said } satisfies GivenStudy), "dynasurf-study.html", "text/html");
+}
+
 function command_line(): string {
-  const quoted = panel.settings().map((set) => `--set ${/^[\w.=,+-]+$/.test(set) ? set : `'${set}'`}`);
+  const words = [...panel.settings().flatMap((set) => ["--set", set]), ...argumentsOf(said)].map(quoted);
   const input = task?.subject === "cloud" ? "CLOUD" : "STUDY";
-  return ["dynasurf", task?.subject ?? "ventricle", input, "--out RESULT", ...(task?.more ?? []), ...quoted].join(" ");
+  return ["dynasurf", task?.subject ?? "ventricle", input, "--out RESULT", ...(task?.more ?? []), ...words].join(" ");
 }
 
 async function copy(): Promise<void> {
@@ -228,16 +292,27 @@ function connect(): void {
       const input = event.target as HTMLInputElement;
       void take(picked(input.files!)).finally(() => (input.value = ""));
     });
-  click("example-patient", () => (panel.clear(), start(patient)));
-  click("example-vase", () => (panel.clear(), start(vase)));
+  click("example-patient", () => begin(patient));
+  click("example-vase", () => begin(vase));
   click("cancel", cancel);
-  click("save-report", () => save(file_of("report.html"), "report.html", "text/html"));
-  click("save-zip", () => save(as_zip(result), "dynasurf-result.zip", "application/zip"));
+  const saved = (name: string) => fileOf(history.shown?.result ?? [], name);
+  click("save-report", () => save(saved("report.html"), "report.html", "text/html"));
+  click("save-zip", save_zip);
+  click("save-page", save_page);
+  click("undo", () => history.go(history.at - 1));
+  click("redo", () => history.go(history.at + 1));
+  click("show-history", show_history);
   click("show-options", show_options);
+  window.addEventListener("message", hear_report);
+  document.addEventListener("keydown", (event) => {
+    if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z" || (event.target as HTMLElement).closest("input")) return;
+    event.preventDefault();
+    history.go(history.at + (event.shiftKey ? 1 : -1));
+  });
   click("again", () => panel.is_valid && task && start(task));
   click("reset", () => panel.reset());
   click("copy", copy);
-  click("save-options", () => save(file_of("options.json"), "options.json", "application/json"));
+  click("save-options", () => save(saved("options.json"), "options.json", "application/json"));
   by_id("search").addEventListener("input", (event) => panel.show((event.target as HTMLInputElement).value));
   for (const button of document.querySelectorAll(".other")) button.addEventListener("click", () => show("start"));
   window.addEventListener("dragover", (event) => {
@@ -252,11 +327,18 @@ function connect(): void {
   });
   const choice = by_id<HTMLSelectElement>("language");
   choice.value = language();
-  choice.addEventListener("change", () => speak(choice.value as Language));
+  choice.addEventListener("change", () => {
+    speak(choice.value as Language);
+    if (history.shown) tell_run(history.shown);
+  });
 }
 
 connect();
 speak(language());
 show("start");
 if (typeof DecompressionStream === "undefined" || typeof WebAssembly === "undefined") fail(text("old_browser" satisfies Key));
+else
+  givenHere()
+    .then((given) => given && begin(given.task, given.settings, given.said))
+    .catch((error: unknown) => fail(text("lost", { reason: String(error) })));
 document.documentElement.dataset.ready = "true";

@@ -48,9 +48,20 @@ export class OptionPanel {
     this.on_change(0);
   }
 
+  /** What is changed, to be taken up again by `restore`. */
+  snapshot(): [string, string][] {
+    return this.settings().map((set) => [set.slice(0, set.indexOf("=")), set.slice(set.indexOf("=") + 1)]);
+  }
+
+  restore(values: [string, string][]): void {
+    this.values = new Map(values);
+    this.show("");
+    this.on_change(this.values.size);
+  }
+
   /** As `--set` takes them, in the order of the description: a choice comes before what depends on it. */
   settings(): string[] {
-    const paths = [...new Set(this.rows.map(({ path }) => path))];
+    const paths = this.is_described ? [...new Set(this.rows.map(({ path }) => path))] : [...this.values.keys()];
     return paths.filter((path) => this.values.has(path)).map((path) => `${path}=${this.values.get(path)}`);
   }
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/core/volume.hpp"
 #include "dynasurf/heart/base_plane.hpp"
 #include "dynasurf/heart/detail/lv_shell.hpp"
 
@@ -17,6 +18,9 @@ struct FitStart {
   Vec3 axis{0, 0, 1};                                 // from apex to base, any length but 0
   Vec3 lateral{1, 0, 0};                              // direction of the heart's x, not along the axis
   std::optional<heart::LvShell> cup;
+  double base_shift_mm = 0;                     // a person moves the fitted planes by this along `axis`
+  std::optional<heart::BasePlane> placed_base;  // where a person says that the ventricle ends, in all gates
+  std::optional<Mask> looked_at;                // on the study's grid; absent: all of it
 };
 
 }  // namespace dynasurf::psf_fit

@@ -12,6 +12,7 @@ struct PlacedStart {
   HeartFrame frame;
   std::vector<TriMesh> endo, epi;
   std::vector<heart::BasePlane> base;
+  std::optional<Mask> looked_at;
 };
 /// Both surfaces of every gate, the valve planes and the heart's frame of a start, for the voxels of a grid.
 PlacedStart place_start(const FitStart& start, const Grid& grid);

@@ -74,7 +74,7 @@ struct Priors {
   double wall_shape = 0.15;    // of log muscle per solid angle, degree l: this divided by l
   double wall_motion = 0.12;   // the same over the beat
   double uptake = 0.35;        // of log uptake around what the rays show, degree l: this divided by l
-  double plane_mm = 2.5;       // of the base plane's height against its start
+  double plane_mm = 2.5;       // of the base plane's height around its start
   double plane_slope = 0.06;   // of its slopes
   double cavity = 0.05;        // of the blood's activity around its expectation
   double cavity_level = 0.08;  // its expectation, healthy muscle is 1

@@ -26,9 +26,12 @@ CoarseCircle circle_around(const Study& study, const std::optional<heart::Locati
 /// heart whose wall was clearly seen, or one that stands on its head in the stack.
 std::optional<double> expected_cavity_end(const Study& study, const std::optional<heart::Location>& heart);
 
-/// The valve plane of every gate (world frame), smooth over the cycle, or that which a person has set. Absent for all
-/// gates where no heart was found or less than half of the gates show one ("base.plane_missing"); gates that did not
-/// fit in and follow the others are named in "base.gate_follows".
+/// A plane square to the stack (world frame), so many mm over the middle of its first slice.
+heart::BasePlane level_plane(const Grid& grid, double height_mm);
+
+/// The valve plane of every gate (world frame), smooth over the cycle, or where a person has set or moved it. Absent
+/// for all gates where no heart was found or less than half of the gates show one ("base.plane_missing"); gates that
+/// did not fit in and follow the others are named in "base.gate_follows".
 std::vector<std::optional<heart::BasePlane>> valve_planes(const Study& study,
                                                           const std::optional<heart::Location>& heart,
                                                           const UserOverrides& manual, Notes& notes);

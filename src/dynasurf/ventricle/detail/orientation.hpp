@@ -48,7 +48,8 @@ struct UserOverrides {
   std::optional<std::array<double, 3>> center_mm, axis;
   std::optional<double> radius_mm;
   std::optional<int> first_slice, last_slice;
-  std::optional<double> base_plane_mm;
+  std::optional<double> base_plane_mm, base_shift_mm;
+  std::vector<int> exclude_gates;
 };
 void describe(auto& visit, UserOverrides& o) {
   visit("center_mm", o.center_mm, OptionInfo{"middle of the heart x,y,z, world (LPS)", "mm"});
@@ -59,6 +60,10 @@ void describe(auto& visit, UserOverrides& o) {
   visit("base_plane_mm", o.base_plane_mm,
         OptionInfo{"height of the valve plane in all gates: along the stack, from the middle of slice 1 at the apex",
                    "mm"});
+  visit("base_shift_mm", o.base_shift_mm,
+        OptionInfo{"moves the valve plane of every gate along the stack, away from the apex", "mm", -100, 100});
+  visit("exclude_gates", o.exclude_gates,
+        OptionInfo{"gates to leave out, such as 3,4: the means of their neighbours stand in their place"});
 }
 
 /// The hints that a person's values give. Throws OptionError when an axis has no length.

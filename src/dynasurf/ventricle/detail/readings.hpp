@@ -1,5 +1,6 @@
 #pragma once
 #include "dynasurf/core/detail/stage_clock.hpp"
+#include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
 namespace dynasurf::ventricle {
@@ -8,9 +9,10 @@ namespace dynasurf::ventricle {
 void measure_cycle(Result& result);
 
 /// Readings beside the edge's, `gaussian_profile` and, where `options` ask for it, `psf_corrected`, with their notes.
-/// Both need both surfaces in all gates; implausible ones are left out, with a note. `original`: the study as stored.
-void read_otherwise(const Study& original, const psf_fit::BlurFit& options, const Progress& progress, StageClock& clock,
-                    Result& result);
+/// Both need both surfaces in all gates; implausible ones are left out, with a note. `original`: the study as stored,
+/// but for what a person excluded; `looked_at`: on its grid, outside it nothing counts; absent: all of it does.
+void read_otherwise(const Study& original, const std::optional<Mask>& looked_at, const Options& options,
+                    const Progress& progress, StageClock& clock, Result& result);
 
 /// Sets the reading that leads, its surfaces and its phases.
 void choose_leading(Result& result);

@@ -1,0 +1,509 @@
+// What a person says in place of what was found, on the planes of the slices: handles for the centre, the long axis, the
+// circle, the ends of the heart and the valve plane; a brush for what is no heart; gates to leave out. The values are
+// the options `manual.*` of the program and a mask.
+import { toWorld, type Voxel } from "./cursor";
+import { toVoxels, type Grid, type Results } from "./data";
+import { figure, html } from "./dom";
+import { type ByHand, maskFile, mask_name, argumentsOf, quoted, type Paint } from "./host";
+import type { Drawing, Painter, Plane } from "./painter";
+import type { Tool } from "./slices";
+
+interface Said {
+  center_mm?: Voxel;
+  axis?: Voxel;
+  radius_mm?: number;
+  first_slice?: number;
+  last_slice?: number;
+  base_shift_mm?: number;
+  exclude_gates?: number[];
+}
+type Key = keyof Said;
+type Mode = "move" | "paint" | "erase";
+type Point = [number, number];
+
+const fields: { key: Key; name: string; title: string }[] = [
+  { key: "center_mm", name: "Centre x,y,z mm", title: "Middle of the heart in the world: left, posterior, superior" },
+  { key: "axis", name: "Axis x,y,z", title: "Long axis from apex to base" },
+  { key: "radius_mm", name: "Circle mm", title: "Radius of the circle outside which nothing is looked at" },
+  { key: "first_slice", name: "First slice", title: "First slice of the ventricle, from 1 at the apex" },
+  { key: "last_slice", name: "Last slice", title: "Last slice of the ventricle" },
+  { key: "base_shift_mm", name: "Valve plane moved mm", title: "Away from the apex, in every gate" },
+  { key: "exclude_gates", name: "Excluded gates", title: "Such as 3,4: the means of their neighbours stand in their place" },
+];
+const reach_px = 9;
+const most_undo = 30;
+/** The program's circle leaves so much room around the wall's middle. */
+const room_mm = 22;
+const ink = { found: "#e8edf3", changed: "#ffe14d", paint: "rgba(255, 60, 90, 0.45)" } as const;
+
+const rounded = (v: number) => Math.round(v * 100) / 100;
+
+/** A value as the program's options have it; what is not set is absent. */
+function said_in(manual: Record<string, unknown> | undefined): Said {
+  const said: Record<string, unknown> = {};
+  for (const { key } of fields) {
+    const value = manual?.[key];
+    if (value !== null && value !== undefined && !(Array.isArray(value) && value.length === 0)) said[key] = value;
+  }
+  return said as Said;
+}
+
+export class HandTool implements Tool {
+  on = false;
+  gate = 0;
+  private mode: Mode = "move";
+  private brush_mm = 8;
+  private said: Said;
+  /** What this report was made with. */
+  private readonly used: Said;
+  private used_paint: Paint | null = null;
+  private paint: Uint8Array | null = null;
+  private before: { said: Said; paint: Uint8Array | null }[] = [];
+  private drag: ((place: Point) => void) | null = null;
+  private readonly found: Required<Pick<Said, "center_mm" | "axis" | "radius_mm" | "first_slice" | "last_slice">>;
+  private readonly half_mm: number;
+  private readonly inputs = new Map<Key, HTMLInputElement>();
+  private readonly buttons = new Map<string, HTMLButtonElement>();
+  private readonly state = html("p", { class: "caption", role: "status" });
+
+  /** `host` runs the study again with what was said; null: nobody can, and the command line is offered. */
+  constructor(
+    private readonly place: HTMLElement,
+    private readonly painter: Painter,
+    private readonly results: Results,
+    private readonly redraw: () => void,
+  ) {
+    this.used = said_in((results.provenance.options as { manual?: Record<string, unknown> } | null)?.manual);
+    this.said = structuredClone(this.used);
+    const { grid, heart } = painter;
+    const middle: Voxel = [...painter.middle, (heart.z0 + heart.z1) / 2];
+    const found = results.heart;
+    this.found = {
+      center_mm: found?.center_mm ?? toWorld(grid, middle),
+      axis: found?.axis ?? [grid.direction[2]!, grid.direction[5]!, grid.direction[8]!],
+      radius_mm: (found?.radius_mm ?? 30) + room_mm,
+      first_slice: 1,
+      last_slice: grid.dims[2],
+    };
+    const high = painter.walls.flatMap(({ meshes }) => meshes.flatMap((mesh) => (mesh ? [...mesh.voxel].filter((_, n) => n % 3 === 2) : [])));
+    if (high.length > 0) {
+      const [low, top] = high.reduce(([a, b], z) => [Math.min(a, z), Math.max(b, z)], [Infinity, -Infinity] as Point);
+      this.found.first_slice = Math.max(Math.floor(low) + 1, 1);
+      this.found.last_slice = Math.min(Math.ceil(top) + 1, grid.dims[2]);
+    }
+    this.half_mm = 0.5 * (heart.z1 - heart.z0) * grid.spacing_mm[2];
+    this.build();
+  }
+
+  private host: ((said: ByHand, run: boolean) => void) | null = null;
+
+  /** A page around the report takes what is said, and has what was said before. */
+  serve(host: (said: ByHand, run: boolean) => void, given: ByHand): void {
+    this.host = host;
+    if (given.paint) {
+      this.used_paint = given.paint;
+      this.paint = onGrid(given.paint, this.painter.grid);
+    }
+    this.buttons.get("run")!.hidden = false;
+    this.refresh();
+  }
+
+  toggle(): void {
+    this.on = !this.on;
+    this.place.hidden = !this.on;
+    this.refresh();
+  }
+
+  // ---- What is said ----
+
+  private get<K extends keyof HandTool["found"]>(key: K): NonNullable<Said[K]> {
+    return (this.said[key] ?? this.found[key]) as NonNullable<Said[K]>;
+  }
+
+  private keep(): void {
+    this.before.push({ said: structuredClone(this.said), paint: this.paint?.slice() ?? null });
+    if (this.before.length > most_undo) this.before.shift();
+  }
+
+  private set<K extends Key>(key: K, value: Said[K] | undefined): void {
+    if (value === undefined) delete this.said[key];
+    else this.said[key] = value;
+    this.refresh();
+  }
+
+  undo(): void {
+    const last = this.before.pop();
+    if (!last) return;
+    this.said = last.said;
+    this.paint = last.paint;
+    this.refresh(true);
+  }
+
+  private get is_painted(): boolean {
+    return this.paint !== null && this.paint.includes(1);
+  }
+
+  byHand(): ByHand {
+    const options: Record<string, string> = {};
+    for (const { key } of fields) {
+      const value = this.said[key];
+      if (value !== undefined) options[`manual.${key}`] = Array.isArray(value) ? value.map(rounded_of(key)).join(",") : String(rounded(value));
+    }
+    return { options, paint: this.is_painted ? { grid: this.painter.grid, voxels: this.paint! } : null };
+  }
+
+  private get is_changed(): boolean {
+    const paint = this.used_paint && onGrid(this.used_paint, this.painter.grid);
+    const same_paint = this.is_painted === (paint?.includes(1) ?? false) && (!this.is_painted || this.paint!.every((v, n) => v === paint![n]));
+    return !same_paint || JSON.stringify(said_in({ ...this.said })) !== JSON.stringify(said_in({ ...this.used }));
+  }
+
+  /** Where the valve plane of the gate crosses the stack, in slices from 0; null: none was found. */
+  private base(): number | null {
+    const plane = this.results.gates[this.gate]?.base_plane;
+    if (!plane) return null;
+    const at = toVoxels(this.painter.grid, new Float32Array(plane.point_mm))[2]!;
+    return at + ((this.said.base_shift_mm ?? 0) - (this.used.base_shift_mm ?? 0)) / this.painter.grid.spacing_mm[2];
+  }
+
+  /** The centre and the two ends of the axis, in voxels. */
+  private line(): { centre: Voxel; ends: [Voxel, Voxel] } {
+    const { grid } = this.painter;
+    const centre_mm = this.get("center_mm");
+    const axis = this.get("axis");
+    const length = Math.hypot(...axis) || 1;
+    const voxel = (mm: number) => [...toVoxels(grid, new Float32Array(centre_mm.map((c, n) => c + (mm * axis[n]!) / length)))] as Voxel;
+    return { centre: voxel(0), ends: [voxel(-this.half_mm), voxel(this.half_mm)] };
+  }
+
+  // ---- Handles ----
+
+  over(plane: Plane, at: number): Drawing | undefined {
+    if (!this.on) return undefined;
+    return (context, pixel) => this.draw(context, pixel, plane, at);
+  }
+
+  private draw(context: CanvasRenderingContext2D, pixel: number, plane: Plane, at: number): void {
+    const { grid } = this.painter;
+    const spacing = grid.spacing_mm;
+    const tint = (key: Key) => (this.said[key] === undefined ? ink.found : ink.changed);
+    this.drawPaint(context, plane, at);
+    const stroke = (colour: string, path: () => void, dash: number[] = []) => {
+      for (const [width, style] of [[4, "rgba(0, 0, 0, 0.6)"], [1.8, colour]] as const) {
+        context.lineWidth = width * pixel;
+        context.strokeStyle = style;
+        context.setLineDash(dash.map((d) => d * pixel));
+        context.beginPath();
+        path();
+        context.stroke();
+      }
+      context.setLineDash([]);
+    };
+    // A voxel is as high as it is wide in mm alone.
+    const flat = spacing[plane.x]! / spacing[plane.y]!;
+    const dot = (x: number, y: number, colour: string) => {
+      context.beginPath();
+      context.ellipse(x, y, 6 * pixel, 6 * pixel * flat, 0, 0, 2 * Math.PI);
+      context.fillStyle = colour;
+      context.fill();
+      context.lineWidth = 1.5 * pixel;
+      context.strokeStyle = "#000";
+      context.stroke();
+    };
+    const { centre, ends } = this.line();
+    if (plane.axis === 2) {
+      const r = this.get("radius_mm");
+      stroke(tint("radius_mm"), () => context.ellipse(centre[0], centre[1], r / spacing[0], r / spacing[1], 0, 0, 2 * Math.PI), [6, 4]);
+    } else {
+      const frame = this.painter.frameOf(plane);
+      const level = (y: number, key: Key, name: string, dash: number[]) => {
+        stroke(tint(key), () => (context.moveTo(frame.x0, y), context.lineTo(frame.x1, y)), dash);
+        const to = context.getTransform().transformPoint({ x: frame.x0, y });
+        context.save();
+        context.resetTransform();
+        const ratio = Math.min(devicePixelRatio, 2);
+        context.font = `600 ${11 * ratio}px system-ui, sans-serif`;
+        context.textAlign = "left";
+        context.textBaseline = "alphabetic";
+        context.fillStyle = tint(key);
+        context.shadowColor = "#000";
+        context.shadowBlur = 3 * ratio;
+        context.fillText(name, Math.max(to.x, 0) + 6 * ratio, to.y - 4 * ratio);
+        context.restore();
+      };
+      level(this.get("first_slice") - 1.5, "first_slice", "first slice", [2, 4]);
+      level(this.get("last_slice") - 0.5, "last_slice", "last slice", [2, 4]);
+      const base = this.base();
+      if (base !== null) level(base, "base_shift_mm", "valve plane", []);
+      stroke(tint("axis"), () => (context.moveTo(ends[0][plane.x]!, ends[0][plane.y]!), context.lineTo(ends[1][plane.x]!, ends[1][plane.y]!)));
+      for (const end of ends) dot(end[plane.x]!, end[plane.y]!, tint("axis"));
+    }
+    dot(centre[plane.x]!, centre[plane.y]!, tint("center_mm"));
+  }
+
+  private drawPaint(context: CanvasRenderingContext2D, plane: Plane, at: number): void {
+    if (!this.paint) return;
+    const { dims } = this.painter.grid;
+    const strides = [1, dims[0], dims[0] * dims[1]];
+    context.fillStyle = ink.paint;
+    for (let y = 0; y < dims[plane.y]!; ++y)
+      for (let x = 0; x < dims[plane.x]!; ++x)
+        if (this.paint[at * strides[plane.axis]! + x * strides[plane.x]! + y * strides[plane.y]!]) context.fillRect(x - 0.5, y - 0.5, 1, 1);
+  }
+
+  /** What a pointer would take at a place of a plane; `mm`: of a pixel of the page. */
+  private handleAt(plane: Plane, [x, y]: Point, mm: number): ((place: Point) => void) | null {
+    const spacing = this.painter.grid.spacing_mm;
+    const reach = reach_px * mm;
+    const far = (to: Voxel) => Math.hypot((to[plane.x]! - x) * spacing[plane.x]!, (to[plane.y]! - y) * spacing[plane.y]!);
+    const { centre, ends } = this.line();
+    if (far(centre) < reach) return (to) => this.moveCentre(plane, to);
+    if (plane.axis === 2) return Math.abs(far(centre) - this.get("radius_mm")) < reach ? (to) => this.moveCircle(to) : null;
+    const end = ends.findIndex((place) => far(place) < reach);
+    if (end >= 0) return (to) => this.turn(plane, to, end === 0 ? -1 : 1);
+    const near = (level: number) => Math.abs(level - y) * spacing[2] < reach;
+    const base = this.base();
+    if (base !== null && near(base)) {
+      const start = base - (this.said.base_shift_mm ?? 0) / spacing[2];
+      return ([, to]) => this.set("base_shift_mm", rounded((to - start) * spacing[2]));
+    }
+    const slice = (to: number) => Math.min(Math.max(Math.round(to), 1), this.painter.grid.dims[2]);
+    if (near(this.get("first_slice") - 1.5)) return ([, to]) => this.set("first_slice", Math.min(slice(to + 1.5), this.get("last_slice")));
+    if (near(this.get("last_slice") - 0.5)) return ([, to]) => this.set("last_slice", Math.max(slice(to + 0.5), this.get("first_slice")));
+    return null;
+  }
+
+  private moveCentre(plane: Plane, [x, y]: Point): void {
+    const { dims } = this.painter.grid;
+    const voxel = this.line().centre;
+    voxel[plane.x] = Math.min(Math.max(x, 0), dims[plane.x]! - 1);
+    voxel[plane.y] = Math.min(Math.max(y, 0), dims[plane.y]! - 1);
+    this.set("center_mm", toWorld(this.painter.grid, voxel).map(rounded) as Voxel);
+  }
+
+  private moveCircle([x, y]: Point): void {
+    const { spacing_mm } = this.painter.grid;
+    const { centre } = this.line();
+    const r = Math.hypot((x - centre[0]) * spacing_mm[0], (y - centre[1]) * spacing_mm[1]);
+    this.set("radius_mm", rounded(Math.min(Math.max(r, 5), 200)));
+  }
+
+  /** Turns the axis in the plane, so that one of its ends points to a place. */
+  private turn(plane: Plane, [x, y]: Point, sign: 1 | -1): void {
+    const { grid } = this.painter;
+    const { centre, ends } = this.line();
+    const mm = ends[1].map((e, n) => (e - ends[0][n]!) * grid.spacing_mm[n]!) as Voxel;
+    const way: Point = [sign * (x - centre[plane.x]!) * grid.spacing_mm[plane.x]!, sign * (y - centre[plane.y]!) * grid.spacing_mm[plane.y]!];
+    if (way[1] < 1) return; // an axis that lies in the slices is none
+    const along = mm[2];
+    mm[plane.x] = (way[0] / way[1]) * along;
+    const world = [0, 1, 2].map((row) => [0, 1, 2].reduce((sum, n) => sum + grid.direction[3 * row + n]! * mm[n]!, 0)) as Voxel;
+    const length = Math.hypot(...world);
+    this.set("axis", world.map((v) => Math.round((v / length) * 1e4) / 1e4) as Voxel);
+  }
+
+  private brush(plane: Plane, at: number, [x, y]: Point): void {
+    const { dims, spacing_mm } = this.painter.grid;
+    this.paint ??= new Uint8Array(dims[0] * dims[1] * dims[2]);
+    const middle: Voxel = [0, 0, 0];
+    middle[plane.axis] = at;
+    middle[plane.x] = x;
+    middle[plane.y] = y;
+    const low = middle.map((m, n) => Math.max(Math.ceil(m - this.brush_mm / spacing_mm[n]!), 0));
+    const high = middle.map((m, n) => Math.min(Math.floor(m + this.brush_mm / spacing_mm[n]!), dims[n]! - 1));
+    const value = this.mode === "paint" ? 1 : 0;
+    for (let k = low[2]!; k <= high[2]!; ++k)
+      for (let j = low[1]!; j <= high[1]!; ++j)
+        for (let i = low[0]!; i <= high[0]!; ++i) {
+          const far = Math.hypot((i - middle[0]) * spacing_mm[0], (j - middle[1]) * spacing_mm[1], (k - middle[2]) * spacing_mm[2]);
+          if (far <= this.brush_mm) this.paint[i + dims[0] * (j + dims[1] * k)] = value;
+        }
+    this.refresh();
+  }
+
+  down(plane: Plane, at: number, place: Point, mm: number): boolean {
+    if (!this.on) return false;
+    this.drag = this.mode === "move" ? this.handleAt(plane, place, mm) : (to) => this.brush(plane, at, to);
+    if (!this.drag) return false;
+    this.keep();
+    if (this.mode !== "move") this.drag(place);
+    return true;
+  }
+
+  move(place: Point): void {
+    this.drag?.(place);
+  }
+
+  up(): void {
+    if (!this.drag) return;
+    this.drag = null;
+    this.refresh(true);
+  }
+
+  pointer(plane: Plane, place: Point, mm: number): string {
+    if (!this.on) return "";
+    return this.mode === "move" ? (this.handleAt(plane, place, mm) ? "grab" : "") : "cell";
+  }
+
+  // ---- The bar ----
+
+  private button(id: string, name: string, work: () => void, title = ""): HTMLButtonElement {
+    const button = html("button", { type: "button", id: `hand-${id}`, title }, name);
+    button.addEventListener("click", work);
+    this.buttons.set(id, button);
+    return button;
+  }
+
+  private build(): void {
+    const modes: [Mode, string, string][] = [
+      ["move", "Move handles", "Drag the centre, the ends of the axis, the circle, the lines"],
+      ["paint", "Paint out", "What is painted is not looked at, in no gate"],
+      ["erase", "Erase", "Takes paint away"],
+    ];
+    const brush = html("input", { type: "range", min: 3, max: 30, step: 1, value: this.brush_mm, "aria-label": "Radius of the brush, mm" });
+    brush.addEventListener("input", () => (this.brush_mm = brush.valueAsNumber));
+    const run = this.button("run", "Run again with this", () => this.host?.(this.byHand(), true));
+    run.classList.add("primary");
+    run.hidden = true;
+    this.place.replaceChildren(
+      html("div", { class: "motion-bar" },
+        ...modes.map(([mode, name, title]) => this.button(mode, name, () => ((this.mode = mode), this.refresh()), title)),
+        html("label", { class: "select" }, "Brush ", brush),
+        this.button("exclude", "Exclude gate 1", () => this.toggleGate()),
+        this.button("undo", "Undo", () => this.undo(), "Ctrl + Z"),
+        this.button("reset", "Reset", () => (this.keep(), (this.said = {}), (this.paint = null), this.refresh(true)), "As the program found it"),
+        run,
+        this.button("copy", "Copy as command line", () => this.copy()),
+        this.button("mask", "Save the mask", () => this.saveMask()),
+      ),
+      html("div", { class: "hand-fields" }, ...fields.map((field) => this.field(field))),
+      this.state,
+    );
+    this.refresh();
+  }
+
+  private field({ key, name, title }: (typeof fields)[number]): HTMLElement {
+    const input = html("input", { type: "text", id: `hand-${key}`, title, autocomplete: "off", spellcheck: "false" });
+    input.addEventListener("change", () => {
+      const numbers = input.value.split(/[ ,;]+/).filter(Boolean).map(Number);
+      const count = key === "center_mm" || key === "axis" ? 3 : key === "exclude_gates" ? numbers.length : 1;
+      const fits = numbers.length === 0 || (numbers.length === count && numbers.every(Number.isFinite));
+      input.setCustomValidity(fits ? "" : `expected ${count === 3 ? "three numbers" : "a number"}`);
+      if (!input.reportValidity()) return;
+      this.keep();
+      const value = numbers.length === 0 ? undefined : key === "exclude_gates" || count === 3 ? numbers : numbers[0];
+      this.set(key, value as never);
+      this.refresh(true);
+    });
+    this.inputs.set(key, input);
+    return html("label", {}, html("span", {}, name), input);
+  }
+
+  private toggleGate(): void {
+    this.keep();
+    const gate = this.gate + 1;
+    const gates = this.said.exclude_gates ?? [];
+    const now = gates.includes(gate) ? gates.filter((g) => g !== gate) : [...gates, gate].sort((a, b) => a - b);
+    this.set("exclude_gates", now.length > 0 ? now : undefined);
+    this.refresh(true);
+  }
+
+  commandLine(): string {
+    const plain = this.results.provenance.command.replace(/ --set '?manual\.\w+=[^ ]*/g, "").replace(/ --mask \S+/, "");
+    return [plain, ...argumentsOf(this.byHand()).map(quoted)].join(" ");
+  }
+
+  private copy(): void {
+    const button = this.buttons.get("copy")!;
+    const area = html("textarea", {});
+    area.value = this.commandLine();
+    this.place.append(area);
+    area.select();
+    document.execCommand("copy"); // a page from a disk has no other clipboard
+    area.remove();
+    button.textContent = "Copied";
+    button.dataset.copied = this.commandLine();
+    setTimeout(() => (button.textContent = "Copy as command line"), 1500);
+  }
+
+  private saveMask(): void {
+    const { paint } = this.byHand();
+    if (!paint) return;
+    const url = URL.createObjectURL(new Blob([maskFile(paint) as BlobPart]));
+    html("a", { href: url, download: mask_name }).click();
+    setTimeout(() => URL.revokeObjectURL(url), 60_000);
+  }
+
+  /** After every change; `tell`: it is one to tell the page around the report. */
+  refresh(tell = false): void {
+    for (const mode of ["move", "paint", "erase"]) this.buttons.get(mode)!.setAttribute("aria-pressed", String(mode === this.mode));
+    for (const { key } of fields) {
+      const input = this.inputs.get(key)!;
+      const value = this.said[key];
+      const found = key in this.found ? this.found[key as keyof HandTool["found"]] : key === "base_shift_mm" ? 0 : "none";
+      const shown = (v: unknown) => (Array.isArray(v) ? v.map((x: number) => rounded_of(key)(x)).join(",") : typeof v === "number" ? String(rounded(v)) : String(v));
+      input.placeholder = shown(found);
+      if (document.activeElement !== input || value === undefined) input.value = value === undefined ? "" : shown(value);
+      input.classList.toggle("changed", value !== undefined);
+    }
+    const out = this.said.exclude_gates?.includes(this.gate + 1);
+    const exclude = this.buttons.get("exclude")!;
+    exclude.textContent = `${out ? "Include" : "Exclude"} gate ${this.gate + 1}`;
+    exclude.disabled = this.results.gates.length < 2;
+    this.buttons.get("undo")!.disabled = this.before.length === 0;
+    const { options, paint } = this.byHand();
+    const count = Object.keys(options).length + (paint ? 1 : 0);
+    this.buttons.get("reset")!.disabled = count === 0;
+    this.buttons.get("copy")!.hidden = this.host !== null;
+    this.buttons.get("mask")!.hidden = paint === null;
+    const run = this.buttons.get("run")!;
+    run.disabled = !this.is_changed;
+    const painted = paint ? paint.voxels.reduce((sum, v) => sum + v, 0) : 0;
+    const volume = (painted * this.painter.grid.spacing_mm.reduce((a, b) => a * b, 1)) / 1000;
+    this.state.textContent = [
+      count === 0 ? "Nothing is changed. Drag a handle, type a value or paint." : `${count} changed by hand`,
+      paint ? `${figure(volume, 0)} mL painted out` : "",
+      this.is_changed ? (this.host ? "the numbers above are without it until you run again" : "run the command line to see what it changes") : "",
+    ].filter(Boolean).join(" · ");
+    this.redraw();
+    if (tell) this.host?.({ options, paint }, false);
+  }
+}
+
+const rounded_of = (key: Key) => (v: number) => (key === "axis" ? Math.round(v * 1e4) / 1e4 : rounded(v));
+
+/** Paint on another grid: each voxel as the nearest one of the paint. */
+function onGrid({ grid, voxels }: Paint, to: Grid): Uint8Array {
+  if (JSON.stringify(grid) === JSON.stringify(to)) return voxels.slice();
+  const out = new Uint8Array(to.dims[0] * to.dims[1] * to.dims[2]);
+  const place = new Float32Array(3);
+  let n = 0;
+  for (let k = 0; k < to.dims[2]; ++k)
+    for (let j = 0; j < to.dims[1]; ++j)
+      for (let i = 0; i < to.dims[0]; ++i, ++n) {
+        place.set(toWorld(to, [i, j, k]));
+        const [x, y, z] = [...toVoxels(grid, place)].map(Math.round) as Voxel;
+        const inside = x >= 0 && y >= 0 && z >= 0 && x < grid.dims[0] && y < grid.dims[1] && z < grid.dims[2];
+        out[n] = inside ? voxels[x + grid.dims[0] * (y + grid.dims[1] * z)]! : 0;
+      }
+  return out;
+}
+
+/** What a result says that a person said, in words; empty: nothing. */
+export function byHandWords({ provenance }: Pick<Results, "provenance">): string[] {
+  const said = said_in((provenance.options as { manual?: Record<string, unknown> } | null)?.manual);
+  const names: Record<Key, string> = {
+    center_mm: "centre",
+    axis: "long axis",
+    radius_mm: `circle of ${said.radius_mm} mm`,
+    first_slice: `first slice ${said.first_slice}`,
+    last_slice: `last slice ${said.last_slice}`,
+    base_shift_mm: `valve plane moved by ${said.base_shift_mm} mm`,
+    exclude_gates: `without gate${said.exclude_gates?.length === 1 ? "" : "s"} ${said.exclude_gates?.join(", ")}`,
+  };
+  const words = fields.filter(({ key }) => said[key] !== undefined).map(({ key }) => names[key]);
+  const base = (provenance.options as { manual?: { base_plane_mm?: number | null } } | null)?.manual?.base_plane_mm;
+  if (base !== null && base !== undefined) words.push(`valve plane at ${base} mm`);
+  if (provenance.given?.mask_sha256) words.push("mask");
+  return words;
+}

@@ -1,0 +1,148 @@
+// The runs of a study, in the order in which they were made: which one is shown, and which one it is compared with.
+import type { ByHand } from "../host";
+import type { Piece } from "./job";
+import { text } from "./texts";
+
+/** What a run is of. The command line names no path: only the user knows where the files are. */
+export interface Task {
+  subject: "ventricle" | "cloud";
+  files: Piece[];
+  make: string[][]; // commands that make the files first
+  inputs: string[];
+  more: string[];
+}
+
+export interface Run {
+  name: string; // empty: by what it changed
+  settings: [string, string][];
+  said: ByHand;
+  result: Piece[];
+  code: number;
+  seconds: number;
+  memory: number;
+}
+
+interface Numbers {
+  edv_ml: number | null;
+  esv_ml: number | null;
+  ef_percent: number | null;
+  quality?: { verdict: "ok" | "check" | "fail" };
+}
+
+/** So many results are kept; those of the oldest runs go. */
+const most_runs = 12;
+
+export const fileOf = (result: Piece[], name: string): Uint8Array =>
+  result.find(({ path }) => path === `dynasurf-result/${name}`)?.bytes ?? new Uint8Array();
+
+/** The numbers of a heart; null: the result has none. */
+function numbersOf(run: Run): Numbers | null {
+  const json = JSON.parse(new TextDecoder().decode(fileOf(run.result, "results.json")) || "null") as Numbers | null;
+  return json && "ef_percent" in json ? json : null;
+}
+
+/** The data that a report draws itself from. */
+export function dataOf(run: Run): string | null {
+  const page = new TextDecoder().decode(fileOf(run.result, "report.html"));
+  return /<script type="application\/json" id="data">([^<]*)<\/script>/.exec(page)?.[1] ?? null;
+}
+
+const figure = (value: number | null) => (value === null ? "–" : value.toFixed(1));
+
+export class History {
+  runs: Run[] = [];
+  at = -1;
+  /** Compared with this run, -1: none. */
+  other = -1;
+
+  /** `on_show` is called after another run or comparison was chosen. */
+  constructor(
+    private readonly list: HTMLElement,
+    private readonly on_show: (is_other_run: boolean) => void,
+  ) {}
+
+  clear(): void {
+    this.runs = [];
+    this.at = this.other = -1;
+  }
+
+  get shown(): Run | undefined {
+    return this.runs[this.at];
+  }
+
+  get compared(): Run | undefined {
+    return this.runs[this.other];
+  }
+
+  add(run: Run): void {
+    const before = this.at;
+    this.runs.push(run);
+    this.at = this.runs.length - 1;
+    this.other = before;
+    if (this.runs.length > most_runs) {
+      this.runs.shift();
+      --this.at;
+      --this.other;
+    }
+    this.on_show(true);
+  }
+
+  go(to: number): void {
+    if (to < 0 || to >= this.runs.length || to === this.at) return;
+    if (this.other === to) this.other = this.at;
+    this.at = to;
+    this.on_show(true);
+  }
+
+  private compare(to: number): void {
+    this.other = to;
+    this.on_show(false);
+  }
+
+  nameOf(n: number): string {
+    const run = this.runs[n]!;
+    if (run.name) return run.name;
+    const said = [...run.settings.map(([path, value]) => `${path}=${value}`), ...Object.entries(run.said.options).map(([path, value]) => `${path.replace("manual.", "")}=${value}`)];
+    if (run.said.paint) said.push("mask");
+    return said.join(", ") || text("as_found");
+  }
+
+  /** The numbers shown beside those they are compared with; empty: nothing to compare. */
+  comparison(): string {
+    const now = this.shown && numbersOf(this.shown);
+    const before = this.compared && numbersOf(this.compared);
+    if (!now || !before) return "";
+    return text("before", { edv: figure(now.edv_ml), edv0: figure(before.edv_ml), ef: figure(now.ef_percent), ef0: figure(before.ef_percent) });
+  }
+
+  draw(): void {
+    this.list.replaceChildren(...this.runs.map((run, n) => this.entry(run, n)));
+  }
+
+  private entry(run: Run, n: number): HTMLElement {
+    const item = document.createElement("li");
+    if (n === this.at) item.setAttribute("aria-current", "true");
+    const name = Object.assign(document.createElement("input"), { type: "text", value: this.nameOf(n) });
+    name.setAttribute("aria-label", text("run_name", { n: n + 1 }));
+    name.addEventListener("change", () => (run.name = name.value.trim()));
+    const words = document.createElement("p");
+    const numbers = numbersOf(run);
+    const verdict = numbers?.quality ? `, ${text(`verdict_${numbers.quality.verdict}`)}` : "";
+    words.textContent = numbers ? text("numbers", { edv: figure(numbers.edv_ml), esv: figure(numbers.esv_ml), ef: figure(numbers.ef_percent) }) + verdict : "";
+    const choices = document.createElement("div");
+    choices.append(
+      this.choice("shown", text("shown"), n === this.at, () => this.go(n)),
+      this.choice("compared", text("compared_with"), n === this.other, () => this.compare(n === this.other ? -1 : n), n === this.at),
+    );
+    item.append(name, words, choices);
+    return item;
+  }
+
+  private choice(group: string, word: string, chosen: boolean, choose: () => void, disabled = false): HTMLElement {
+    const label = document.createElement("label");
+    const input = Object.assign(document.createElement("input"), { type: group === "shown" ? "radio" : "checkbox", name: group, checked: chosen, disabled });
+    input.addEventListener("change", choose);
+    label.append(input, word);
+    return label;
+  }
+}
