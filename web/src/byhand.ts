@@ -39,7 +39,7 @@ const ink = { found: "#e8edf3", changed: "#ffe14d", paint: "rgba(255, 60, 90, 0.
 const rounded = (v: number) => Math.round(v * 100) / 100;
 
 /** A value as the program's options have it; what is not set is absent. */
-function said_in(manual: Record<string, unknown> | undefined): Said {
+function saidIn(manual: Record<string, unknown> | undefined): Said {
   const said: Record<string, unknown> = {};
   for (const { key } of fields) {
     const value = manual?.[key];
@@ -64,7 +64,7 @@ export class HandTool implements Tool {
   private readonly half_mm: number;
   private readonly inputs = new Map<Key, HTMLInputElement>();
   private readonly buttons = new Map<string, HTMLButtonElement>();
-  private readonly state = html("p", { class: "caption", role: "status" });
+  private readonly state = html("p", { class: "hand-state", role: "status" });
 
   /** `host` runs the study again with what was said; null: nobody can, and the command line is offered. */
   constructor(
@@ -73,7 +73,7 @@ export class HandTool implements Tool {
     private readonly results: Results,
     private readonly redraw: () => void,
   ) {
-    this.used = said_in((results.provenance.options as { manual?: Record<string, unknown> } | null)?.manual);
+    this.used = saidIn((results.provenance.options as { manual?: Record<string, unknown> } | null)?.manual);
     this.said = structuredClone(this.used);
     const { grid, heart } = painter;
     const middle: Voxel = [...painter.middle, (heart.z0 + heart.z1) / 2];
@@ -147,7 +147,7 @@ export class HandTool implements Tool {
     const options: Record<string, string> = {};
     for (const { key } of fields) {
       const value = this.said[key];
-      if (value !== undefined) options[`manual.${key}`] = Array.isArray(value) ? value.map(rounded_of(key)).join(",") : String(rounded(value));
+      if (value !== undefined) options[`manual.${key}`] = Array.isArray(value) ? value.map(roundedOf(key)).join(",") : String(rounded(value));
     }
     return { options, paint: this.is_painted ? { grid: this.painter.grid, voxels: this.paint! } : null };
   }
@@ -155,7 +155,7 @@ export class HandTool implements Tool {
   private get is_changed(): boolean {
     const paint = this.used_paint && onGrid(this.used_paint, this.painter.grid);
     const same_paint = this.is_painted === (paint?.includes(1) ?? false) && (!this.is_painted || this.paint!.every((v, n) => v === paint![n]));
-    return !same_paint || JSON.stringify(said_in({ ...this.said })) !== JSON.stringify(said_in({ ...this.used }));
+    return !same_paint || JSON.stringify(saidIn({ ...this.said })) !== JSON.stringify(saidIn({ ...this.used }));
   }
 
   /** Where the valve plane of the gate crosses the stack, in slices from 0; null: none was found. */
@@ -441,7 +441,7 @@ export class HandTool implements Tool {
       const input = this.inputs.get(key)!;
       const value = this.said[key];
       const found = key in this.found ? this.found[key as keyof HandTool["found"]] : key === "base_shift_mm" ? 0 : "none";
-      const shown = (v: unknown) => (Array.isArray(v) ? v.map((x: number) => rounded_of(key)(x)).join(",") : typeof v === "number" ? String(rounded(v)) : String(v));
+      const shown = (v: unknown) => (Array.isArray(v) ? v.map((x: number) => roundedOf(key)(x)).join(",") : typeof v === "number" ? String(rounded(v)) : String(v));
       input.placeholder = shown(found);
       if (document.activeElement !== input || value === undefined) input.value = value === undefined ? "" : shown(value);
       input.classList.toggle("changed", value !== undefined);
@@ -470,7 +470,7 @@ export class HandTool implements Tool {
   }
 }
 
-const rounded_of = (key: Key) => (v: number) => (key === "axis" ? Math.round(v * 1e4) / 1e4 : rounded(v));
+const roundedOf = (key: Key) => (v: number) => (key === "axis" ? Math.round(v * 1e4) / 1e4 : rounded(v));
 
 /** Paint on another grid: each voxel as the nearest one of the paint. */
 function onGrid({ grid, voxels }: Paint, to: Grid): Uint8Array {
@@ -490,8 +490,8 @@ function onGrid({ grid, voxels }: Paint, to: Grid): Uint8Array {
 }
 
 /** What a result says that a person said, in words; empty: nothing. */
-export function byHandWords({ provenance }: Pick<Results, "provenance">): string[] {
-  const said = said_in((provenance.options as { manual?: Record<string, unknown> } | null)?.manual);
+export function byHandWords({ provenance, notes }: Results): string[] {
+  const said = saidIn((provenance.options as { manual?: Record<string, unknown> } | null)?.manual);
   const names: Record<Key, string> = {
     center_mm: "centre",
     axis: "long axis",
@@ -504,6 +504,6 @@ export function byHandWords({ provenance }: Pick<Results, "provenance">): string
   const words = fields.filter(({ key }) => said[key] !== undefined).map(({ key }) => names[key]);
   const base = (provenance.options as { manual?: { base_plane_mm?: number | null } } | null)?.manual?.base_plane_mm;
   if (base !== null && base !== undefined) words.push(`valve plane at ${base} mm`);
-  if (provenance.given?.mask_sha256) words.push("mask");
+  if (notes.some(({ code }) => code === "region.used")) words.push("mask");
   return words;
 }

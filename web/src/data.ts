@@ -146,7 +146,6 @@ export type Results = Reading & {
     command: string;
     inputs: { file: string; bytes: number; sha256: string }[];
     seed: number | null;
-    given?: { mask_sha256: string | null };
     options: unknown;
   };
   timings_s: Record<string, number> | null;

@@ -83,7 +83,9 @@ const give = (page, name, bytes) =>
 
 /** The report in the page has drawn itself. */
 async function report_is_drawn(page) {
-  const frame = page.frame({ url: /^blob:/ });
+  const url = await page.getAttribute("#report", "src");
+  for (let n = 0; n < 600 && !page.frame({ url }); ++n) await page.waitForTimeout(50);
+  const frame = page.frame({ url });
   assert.ok(frame, "there is no report");
   await frame.waitForFunction(() => document.documentElement.dataset.ready === "true", null, { timeout: 30_000 });
   return frame;
@@ -205,7 +207,7 @@ const tests = {
     await page.mouse.down();
     await page.mouse.move(box.x + 0.6 * box.width, box.y + 0.2 * box.height, { steps: 4 });
     await page.mouse.up();
-    assert.match(await frame.locator("#hand .caption").innerText(), /1 changed by hand · \d+ mL painted out/);
+    assert.match(await frame.locator("#hand .hand-state").innerText(), /1 changed by hand · \d+ mL painted out/);
     await shoot(page, "painted");
     await frame.click("#hand-run");
     await until_view(page, "working");
@@ -215,8 +217,9 @@ const tests = {
     assert_same(mine, "patient/painted");
     assert.notDeepEqual(numbers_of(mine.json), numbers_of(first.json), "paint on the wall changed nothing");
     const again = await report_is_drawn(page);
+    assert.match(await again.locator("#verdict").innerText(), /Changed by hand: mask/);
     await again.click("#toggle-hand");
-    assert.match(await again.locator("#hand .caption").innerText(), /mL painted out/);
+    assert.match(await again.locator("#hand .hand-state").innerText(), /mL painted out/);
     assert.ok(await again.locator("#hand-run").isDisabled(), "what was run counts as changed");
   },
 

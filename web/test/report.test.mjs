@@ -66,6 +66,66 @@ const tests = {
     assert.equal(await cursor(page), still);
   },
 
+  async "takes what a person says by hand, and tells the command line that repeats it"(open) {
+    const page = await open("ok");
+    await pause(page);
+    await page.keyboard.press("h");
+    assert.equal(await page.getAttribute("#toggle-hand", "aria-pressed"), "true");
+    const value = (key) => page.inputValue(`#hand-${key}`);
+    const drag = async (selector, from, to) => {
+      await page.locator(selector).scrollIntoViewIfNeeded();
+      const box = await page.locator(selector).boundingBox();
+      const at = ([x, y]) => [box.x + x * box.width, box.y + y * box.height];
+      await page.mouse.move(...at(from));
+      await page.mouse.down();
+      await page.mouse.move(...at(to), { steps: 4 });
+      await page.mouse.up();
+    };
+    // Where the pointer turns into a hand there is a handle.
+    const handle = async (selector, x, from, to) => {
+      await page.locator(selector).scrollIntoViewIfNeeded();
+      const box = await page.locator(selector).boundingBox();
+      for (let y = from; y < to; y += 0.01) {
+        await page.mouse.move(box.x + x * box.width, box.y + y * box.height);
+        if ((await page.evaluate((of) => document.querySelector(of).style.cursor, selector)) === "grab") return y + 0.01;
+      }
+      return assert.fail(`no handle between ${from} and ${to}`);
+    };
+    const middle = [0.5, await handle("canvas.large", 0.5, 0.35, 0.65)];
+    await drag("canvas.large", middle, [0.55, 0.55]);
+    const moved = (await value("center_mm")).split(",").map(Number);
+    assert.equal(moved.length, 3);
+    assert.ok(moved.every(Number.isFinite));
+    const cut = ".long canvas:first-child";
+    const apex = await handle(cut, 0.1, 0.6, 1);
+    const before = await page.getAttribute("#hand-first_slice", "placeholder");
+    await drag(cut, [0.1, apex], [0.1, apex - 0.1]);
+    assert.ok(Number(await value("first_slice")) > Number(before), `${before} to ${await value("first_slice")}`);
+    await page.fill("#hand-axis", "0,0");
+    await page.press("#hand-axis", "Enter");
+    assert.ok(await page.evaluate(() => !document.getElementById("hand-axis").checkValidity()), "two numbers are an axis");
+    await page.fill("#hand-axis", "");
+    await page.press("#hand-axis", "Enter");
+    await page.click("#hand-exclude");
+    const gate_now = await gate(page);
+    assert.equal(await value("exclude_gates"), String(gate_now));
+    await page.click("#hand-copy");
+    const line = await page.getAttribute("#hand-copy", "data-copied");
+    assert.match(line, new RegExp(`^dynasurf ventricle .*--set manual.center_mm=${moved.join(",")} --set manual.first_slice=\\d+ --set manual.exclude_gates=${gate_now}$`));
+    assert.ok(await page.locator("#hand-run").isHidden(), "nobody is there to run it");
+    await page.click("#hand-paint");
+    const clean = await picture(page, "canvas.large");
+    await drag("canvas.large", [0.3, 0.3], [0.4, 0.3]);
+    await page.mouse.move(2, 2); // a pointer over the wall lights a segment
+    assert.notEqual(await picture(page, "canvas.large"), clean);
+    await page.locator("#toggle-hand").focus();
+    await page.keyboard.press("Control+z");
+    assert.equal(await picture(page, "canvas.large"), clean, "undo leaves paint");
+    await page.click("#hand-reset");
+    assert.equal(await value("center_mm"), "");
+    if (screenshots) await page.screenshot({ path: join(screenshots, "by-hand.png") });
+  },
+
   async "steps through the gates with the arrow keys, and around the beat"(open) {
     const page = await open("ok");
     await pause(page);
