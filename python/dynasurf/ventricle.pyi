@@ -120,7 +120,9 @@ class UserOverrides(_Options):
     first_slice: Optional[int]
     last_slice: Optional[int]
     base_plane_mm: Optional[float]
-    def __init__(self, *, center_mm: Optional[List[float]] = ..., axis: Optional[List[float]] = ..., radius_mm: Optional[float] = ..., first_slice: Optional[int] = ..., last_slice: Optional[int] = ..., base_plane_mm: Optional[float] = ...) -> None: ...
+    base_shift_mm: Optional[float]
+    exclude_gates: List[int]
+    def __init__(self, *, center_mm: Optional[List[float]] = ..., axis: Optional[List[float]] = ..., radius_mm: Optional[float] = ..., first_slice: Optional[int] = ..., last_slice: Optional[int] = ..., base_plane_mm: Optional[float] = ..., base_shift_mm: Optional[float] = ..., exclude_gates: List[int] = ...) -> None: ...
 
 class Settle(_Options):
     rounds: int
