@@ -1,8 +1,9 @@
-// What takes the place of interrupt.cpp, child_process.cpp and print_page.cpp where the program is alone: no system
+// What takes the place of interrupt.cpp, child_process.cpp, print_page.cpp and view.cpp where the program is alone: no system
 // sends it signals, and there are no other programs. Whoever started it ends it.
 #include "dynasurf/core/error.hpp"
 
 #include "child_process.hpp"
+#include "command.hpp"
 #include "interrupt.hpp"
 #include "print_page.hpp"
 
@@ -10,6 +11,8 @@ namespace dynasurf::app {
 
 Interrupt::Interrupt() = default;
 Interrupt::~Interrupt() = default;
+
+void add_view(CLI::App&, Command&) {}
 
 bool is_taken_back() { return false; }
 std::string words_of_stop() { return "stopped on request; nothing was written"; }

@@ -1,11 +1,10 @@
 #include "cloud_search.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
-#include <string_view>
 
 #include "dynasurf/core/error.hpp"
+
+#include "cloud_names.hpp"
 
 namespace dynasurf::app {
 namespace {
@@ -13,12 +12,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_files = 1'000'000;
-
-bool ends_as_one_of(const fs::path& file, std::initializer_list<std::string_view> endings) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return std::find(endings.begin(), endings.end(), ending) != endings.end();
-}
 
 std::vector<fs::path> files_below(const fs::path& folder, const Progress& progress) {
   std::vector<fs::path> files;
@@ -41,7 +34,7 @@ std::vector<fs::path> files_below(const fs::path& folder, const Progress& progre
 io::StudySearch search_clouds(const fs::path& folder, const Progress& progress) {
   io::StudySearch found;
   for (const fs::path& file : files_below(folder, progress)) {
-    if (ends_as_one_of(file, {".ply", ".xyz", ".asc", ".pts", ".pwn", ".obj", ".off", ".las", ".pcd", ".ptx", ".stl"}))
+    if (is_cloud(file))
       found.studies.push_back({{file}});
     else if (ends_as_one_of(file, {".txt", ".csv"}))
       found.left_out.push_back({file, "may be any text; a table of clouds names those that are points"});

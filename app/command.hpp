@@ -31,6 +31,7 @@ void add_collect(CLI::App& program, Command& chosen);
 void add_bids(CLI::App& program, Command& chosen);
 void add_motion(CLI::App& program, Command& chosen);
 void add_show(CLI::App& program, Command& chosen);
+void add_view(CLI::App& program, Command& chosen);
 void add_perfusion(CLI::App& program, Command& chosen);
 
 // What stands behind `perfusion`.

@@ -57,6 +57,7 @@ ExitCode run(int argc, char** argv, const std::stop_token& stop) {
   add_solid(program, chosen);
   add_motion(program, chosen);
   add_show(program, chosen);
+  add_view(program, chosen);
   add_organ(program, chosen);
   add_batch(program, chosen);
   add_collect(program, chosen);

@@ -3,6 +3,7 @@
 
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/normals.hpp"
+#include "dynasurf/report/program_page.hpp"
 #include "dynasurf/report/provenance.hpp"
 #include "dynasurf/report/report.hpp"
 #include "dynasurf/report/result_folders.hpp"

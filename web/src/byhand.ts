@@ -66,7 +66,9 @@ export class HandTool implements Tool {
   private readonly buttons = new Map<string, HTMLButtonElement>();
   private readonly state = html("p", { class: "hand-state", role: "status" });
 
-  /** `host` runs the study again with what was said; null: nobody can, and the command line is offered. */
+  /** Runs the study again with what is said, or only hears it; null: nobody can, and the command line is offered. */
+  private host: ((said: ByHand, run: boolean) => void) | null = null;
+
   constructor(
     private readonly place: HTMLElement,
     private readonly painter: Painter,
@@ -94,8 +96,6 @@ export class HandTool implements Tool {
     this.half_mm = 0.5 * (heart.z1 - heart.z0) * grid.spacing_mm[2];
     this.build();
   }
-
-  private host: ((said: ByHand, run: boolean) => void) | null = null;
 
   /** A page around the report takes what is said, and has what was said before. */
   serve(host: (said: ByHand, run: boolean) => void, given: ByHand): void {

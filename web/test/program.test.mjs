@@ -246,6 +246,14 @@ const tests = {
     await other.close();
   },
 
+  async "reads a study that `dynasurf view` put into it"(page, context) {
+    execFileSync(native, ["view", "patient/study.dcm", "--page", page_path, "--out", "viewed.html"], { cwd: work });
+    const other = await context.newPage();
+    await other.goto(`file://${join(work, "viewed.html")}`);
+    assert_same(await saved(other), "patient/native");
+    await other.close();
+  },
+
   async "stops at once when it is cancelled, and can start anew"(page) {
     await page.click("#example-patient");
     await page.waitForFunction(() => /Surfaces|Borders/.test(document.getElementById("stage").textContent), null, { timeout: most_wait });

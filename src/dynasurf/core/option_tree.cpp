@@ -196,7 +196,7 @@ void add_rows(const OptionNodes& nodes, const std::string& path, const std::stri
                         [&](const std::string* v) { row.default_value = *v; },
                         [&](const std::optional<double>* v) { row.default_value = optional_text(*v); },
                         [&](const std::optional<int>* v) { row.default_value = optional_text(*v); },
-                        [&](const std::vector<int>* v) { row.default_value = list_text(*v); },
+                        [&](const std::vector<int>* v) { row.default_value = v->empty() ? "unset" : list_text(*v); },
                         [&](const std::optional<std::array<double, 3>>* v) {
                           row.default_value = *v ? list_text(**v) : "unset";
                         },
@@ -278,7 +278,8 @@ void assign_text(const OptionNode& node, const std::string& path, std::string_vi
                  *v = text == "true";
                },
                [&](std::string* v) { *v = text; }, [&](std::optional<double>* v) { optional(*v); },
-               [&](std::optional<int>* v) { optional(*v); }, [&](std::vector<int>* v) { list(*v); },
+               [&](std::optional<int>* v) { optional(*v); },
+               [&](std::vector<int>* v) { text == "unset" ? v->clear() : list(*v); },
                [&](std::optional<std::array<double, 3>>* v) {
                  if (text == "unset") return v->reset();
                  std::vector<double> three;

@@ -15,7 +15,8 @@ constexpr double position_steps = 65535;
 // Of zlib: a fifth of the time of its default 6 for pictures, and pages that are 1 % larger.
 constexpr int packing_level = 4;
 
-/// JSON that may stand inside an HTML script element: no text in it can end the element or open a comment.
+}  // namespace
+
 std::string text_for_html(const Json& json) {
   std::string text;
   for (const char c : json.dump(-1, ' ', true, Json::error_handler_t::replace))
@@ -25,8 +26,6 @@ std::string text_for_html(const Json& json) {
       text += c;
   return text;
 }
-
-}  // namespace
 
 std::string base64(const Bytes& bytes) {
   constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

@@ -57,6 +57,11 @@ export async function read_given(given: Given[]): Promise<Piece[]> {
     else pieces.push(piece);
   }
   if (pieces.length === 0) throw new Refusal("empty", given[0]?.path ?? "");
+  return named(pieces);
+}
+
+/** The pieces below the folder "in", each path once. */
+export function named(pieces: Piece[]): Piece[] {
   const taken = new Set<string>();
   return pieces.map(({ path, bytes }) => {
     let name = `in/${plain(path) || "file"}`;

@@ -1,22 +1,20 @@
 // A copy of this page with a study inside: what `Save as one page` writes, and what such a page starts with.
 import { type Grid, unpack } from "../data";
 import type { ByHand } from "../host";
-import type { Task } from "./history";
+import { named } from "./files";
+import { type Task, taskOf } from "./history";
 
 export interface Given {
   task: Task;
   settings: [string, string][];
   said: ByHand;
 }
-interface Packed {
-  subject: Task["subject"];
-  make: string[][];
-  inputs: string[];
-  more: string[];
+/** `dynasurf view` writes files alone; a saved page tells the rest. */
+interface Packed extends Partial<Omit<Task, "files">> {
   files: { path: string; deflated: string }[];
-  settings: [string, string][];
-  options: Record<string, string>;
-  paint: { grid: Grid; voxels: string } | null;
+  settings?: [string, string][];
+  options?: Record<string, string>;
+  paint?: { grid: Grid; voxels: string } | null;
 }
 
 /** The page as it was when its script began: nothing of a run is in it. */
@@ -57,10 +55,12 @@ export async function pageWith({ task, settings, said }: Given): Promise<string>
 export async function givenHere(): Promise<Given | null> {
   const text = document.getElementById("given")!.textContent!.trim();
   if (text === "") return null;
-  const { files, settings, options, paint, ...rest } = JSON.parse(text) as Packed;
+  const packed = JSON.parse(text) as Packed;
+  const files = await Promise.all(packed.files.map(async ({ path, deflated }) => ({ path, bytes: await unpack(deflated) })));
+  const { subject, make, inputs, more } = packed;
   return {
-    task: { ...rest, files: await Promise.all(files.map(async ({ path, deflated }) => ({ path, bytes: await unpack(deflated) }))) },
-    settings,
-    said: { options, paint: paint && { grid: paint.grid, voxels: await unpack(paint.voxels) } },
+    task: subject && make && inputs && more ? { subject, make, inputs, more, files } : taskOf(named(files)),
+    settings: packed.settings ?? [],
+    said: { options: packed.options ?? {}, paint: packed.paint ? { grid: packed.paint.grid, voxels: await unpack(packed.paint.voxels) } : null },
   };
 }

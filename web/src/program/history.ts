@@ -12,6 +12,15 @@ export interface Task {
   more: string[];
 }
 
+const scans = /\.(ply|xyz|pts|csv|pwn|obj|off|las|stl|txt|asc)$/i;
+
+/** What files are taken for. */
+export function taskOf(files: Piece[]): Task {
+  const are_scans = files.every(({ path }) => scans.test(path));
+  const all = files.map(({ path }) => `/${path}`);
+  return { subject: are_scans ? "cloud" : "ventricle", files, make: [], inputs: are_scans || all.length === 1 ? all : ["/in"], more: [] };
+}
+
 export interface Run {
   name: string; // empty: by what it changed
   settings: [string, string][];

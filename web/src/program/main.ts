@@ -2,7 +2,7 @@
 import { dropped, type Given, as_zip, picked, read_given, Refusal, save } from "./files";
 import { argumentsOf, type ByHand, type FromPage, type FromReport, maskFile, mask_name, nothing_said, quoted } from "../host";
 import { type Given as GivenStudy, givenHere, pageWith } from "./given";
-import { dataOf, fileOf, History, type Run, type Task } from "./history";
+import { dataOf, fileOf, History, type Run, type Task, taskOf } from "./history";
 import type { Job, Piece, Word } from "./job";
 import { OptionPanel } from "./options";
 import { type Key, type Language, language, speak, stage_name, text } from "./texts";
@@ -11,7 +11,6 @@ declare const WORKER: string; // the script of the worker
 
 const by_id = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
 const views = ["start", "working", "failure", "result"] as const;
-const scans = /\.(ply|xyz|pts|csv|pwn|obj|off|las|stl|txt|asc)$/i;
 
 let worker: Worker | null = null;
 let task: Task | null = null;
@@ -197,16 +196,7 @@ async function take(given: Promise<Given[]> | Given[]): Promise<void> {
   try {
     const list = await given;
     if (list.length === 0) return;
-    const files = await read_given(list);
-    const are_scans = files.every(({ path }) => scans.test(path));
-    const all = files.map(({ path }) => `/${path}`);
-    await begin({
-      subject: are_scans ? "cloud" : "ventricle",
-      files,
-      make: [],
-      inputs: are_scans || all.length === 1 ? all : ["/in"],
-      more: [],
-    });
+    await begin(taskOf(await read_given(list)));
   } catch (error) {
     if (error instanceof Refusal) fail(text(error.code, { about: error.about }));
     else fail(text("lost", { reason: String(error) }));

@@ -42,6 +42,9 @@ std::string triangles_of(const TriMesh& mesh);
 /// How a level grows out of the next: where its vertices start, and how its triangles are cut for that.
 Json transition_json(const cloud::LodTransition& transition, const Box& box);
 
+/// JSON that may stand inside an HTML script element: no text in it can end the element or open a comment.
+std::string text_for_html(const Json& json);
+
 /// The page with its one {{DATA}} replaced by the JSON, which cannot end the element it stands in.
 std::string filled_page(std::string_view page, const Json& data);
 
