@@ -57,6 +57,9 @@ def patient_jobs():
     yield "normals", ["perfusion", "build", ".", "--out", "normals.json"]
     yield "ventricle of edges", ["ventricle", "patient/study.nii.gz", "--out", "classic", "--preset", "edges",
                                  "--mask", "mask.nii", "--start", "fit/meshes/epi_g01.ply"]
+    yield "ventricle by hand", ["ventricle", study, "--out", "hand", "--mask", "mask.nii",
+                                *sets("manual.base_shift_mm=-4", "manual.exclude_gates=2")]
+    yield "view", ["view", study, "--page", "page.html", "--out", "view.html"]
     yield "ventricle of contours", ["ventricle", "patient/study.seq.nrrd", "--out", "contour", "--pipeline", "contour"]
     yield "ventricle by the thesis", ["ventricle", study, "--out", "thesis", "--preset", "thesis", "--threads", "1"]
     yield "scores", ["perfusion", "score", "fit", "--edit", "edit.json", "--out", "scores.json"]
@@ -108,6 +111,7 @@ def other_jobs():
 
 def write_inputs(folder):
     """What a user brings along; called when the study is there."""
+    (folder / "page.html").write_text('<script id="given"></script>')
     (folder / "edit.json").write_text('{"17": 4}')
     turn = [(0.61 * n) % 6.2831853 for n in range(400)]
     rows = []
