@@ -45,7 +45,7 @@ fs::path find_page() {
 fs::path temporary_page(const std::string& text) {
   std::string folder = (fs::temp_directory_path() / "dynasurf-view-XXXXXX").string();
   if (::mkdtemp(folder.data()) == nullptr) throw IoError(folder + ": " + std::strerror(errno));
-  const fs::path page = fs::path(folder) / "study.html";
+  fs::path page = fs::path(folder) / "study.html";
   try {
     io::write_file(page, text);
   } catch (...) {

@@ -19,6 +19,8 @@ export interface FromPage {
   said: ByHand;
   /** The data of the report to compare with, null: none. */
   before: string | null;
+  /** The run was asked for by hand: whoever asked looks on where he was. */
+  correcting: boolean;
 }
 
 export const nothing_said = (): ByHand => ({ options: {}, paint: null });

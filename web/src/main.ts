@@ -203,6 +203,9 @@ function joinHost(hand: HandTool | null, painter: Painter | null, slices: Slices
     if (event.source !== parent || event.data?.dynasurf !== "page") return;
     hand?.serve((said, run) => tell({ dynasurf: "report", word: "by hand", said, run }), event.data.said);
     void compareWith(event.data.before, painter, slices);
+    if (!event.data.correcting || !hand || hand.on) return;
+    byId("toggle-hand").click();
+    byId("toggle-hand").scrollIntoView({ block: "center" });
   });
   tell({ dynasurf: "report", word: "ready" });
 }

@@ -218,7 +218,7 @@ const tests = {
     assert.notDeepEqual(numbers_of(mine.json), numbers_of(first.json), "paint on the wall changed nothing");
     const again = await report_is_drawn(page);
     assert.match(await again.locator("#verdict").innerText(), /Changed by hand: mask/);
-    await again.click("#toggle-hand");
+    await again.waitForFunction(() => !document.getElementById("hand").hidden); // where the user was
     assert.match(await again.locator("#hand .hand-state").innerText(), /mL painted out/);
     assert.ok(await again.locator("#hand-run").isDisabled(), "what was run counts as changed");
   },

@@ -82,6 +82,7 @@ void find_labels(GateRun& run, const Image& image, const SliceRange& useful, con
 void help_strays(std::vector<GateRun>& gates) {
   constexpr double reach_mm = 8;
   std::vector<GateLabels> all;
+  all.reserve(gates.size());
   for (const GateRun& gate : gates) all.push_back({&gate.labels, gate.base_slice});
   for (const Helpers& help : gates_to_help(strays_mm(all))) {
     GateRun& gate = gates[help.gate];

@@ -16,6 +16,8 @@ let worker: Worker | null = null;
 let task: Task | null = null;
 /** What a person said by hand for the next run. */
 let said: ByHand = nothing_said();
+/** The last run was asked for by the report. */
+let correcting = false;
 let report_url = "";
 
 function show(view: (typeof views)[number]): void {
@@ -99,6 +101,7 @@ const line_of_error = (lines: string[]) =>
 function begin(next: Task, with_settings: [string, string][] = [], with_said = nothing_said()): Promise<void> {
   history.clear();
   panel.clear();
+  correcting = false;
   panel.restore(with_settings);
   said = with_said;
   return start(next);
@@ -173,7 +176,7 @@ const history = new History(by_id("runs"), show_chosen);
 function tell_report(): void {
   const { shown, compared } = history;
   if (!shown) return;
-  const words: FromPage = { dynasurf: "page", said: shown.said, before: compared ? dataOf(compared) : null };
+  const words: FromPage = { dynasurf: "page", said: shown.said, before: compared ? dataOf(compared) : null, correcting };
   by_id<HTMLIFrameElement>("report").contentWindow?.postMessage(words, "*");
 }
 
@@ -181,7 +184,9 @@ function hear_report(event: MessageEvent<FromReport>): void {
   if (event.source !== by_id<HTMLIFrameElement>("report").contentWindow || event.data?.dynasurf !== "report") return;
   if (event.data.word === "ready") return tell_report();
   said = event.data.said;
-  if (event.data.run && task && panel.is_valid) void start(task);
+  if (!event.data.run || !task || !panel.is_valid) return;
+  correcting = true;
+  void start(task);
 }
 
 function cancel(): void {
@@ -299,7 +304,11 @@ function connect(): void {
     event.preventDefault();
     history.go(history.at + (event.shiftKey ? 1 : -1));
   });
-  click("again", () => panel.is_valid && task && start(task));
+  click("again", () => {
+    if (!panel.is_valid || !task) return;
+    correcting = false;
+    void start(task);
+  });
   click("reset", () => panel.reset());
   click("copy", copy);
   click("save-options", () => save(saved("options.json"), "options.json", "application/json"));
