@@ -1,5 +1,5 @@
-// What takes the place of interrupt.cpp, child_process.cpp, print_page.cpp and view.cpp where the program is alone: no system
-// sends it signals, and there are no other programs. Whoever started it ends it.
+// What takes the place of interrupt.cpp, child_process.cpp, print_page.cpp and view.cpp where the program is alone: no
+// system sends it signals, and there are no other programs. Whoever started it ends it.
 #include "dynasurf/core/error.hpp"
 
 #include "child_process.hpp"

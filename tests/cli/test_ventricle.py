@@ -328,6 +328,18 @@ class SameBytes(CliTest):
         planes = {json.dumps(gate["base_plane"]["point_mm"] + gate["base_plane"]["normal"]) for gate in results["gates"]}
         self.assertEqual(len(planes), 1, "the same in all gates")
 
+    def test_all_readings_end_where_a_person_moves_the_valve_plane(self):
+        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r", "--set",
+                   "manual.base_shift_mm=-6", "--set", "manual.exclude_gates=3")
+        self.assertIn(done.returncode, (0, 3), done.stdout + done.stderr)
+        moved = self.read_json(self.folder / "r" / "results.json")
+        self.assertIn("gate.excluded", [note["code"] for note in moved["notes"]])
+        before = self.read_json(small_result() / "results.json")["readings"]
+        self.assertEqual(set(moved["readings"]), set(before))
+        for name, reading in moved["readings"].items():
+            less = before[name]["edv_ml"] - reading["edv_ml"]
+            self.assertTrue(3 < less < 20, f"{name}: {less} mL less")  # 6 mm of a cavity 25 to 55 mm wide
+
     def test_what_a_person_cannot_mean_is_refused(self):
         for says, arguments in (("inside the volume", ["--center", "500", "500", "500"]),
                                 ("At least 3", ["--center", "1", "2"]), ("no length", ["--axis", "0", "0", "0"]),

@@ -1,5 +1,7 @@
 #include "dynasurf/report/program_page.hpp"
 
+#include <span>
+
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/report/detail/page_parts.hpp"
@@ -32,9 +34,10 @@ std::string page_with_files(std::string_view page, const std::vector<std::filesy
   require_few(files);
   detail::Json given{{"files", detail::Json::array()}};
   for (const auto& file : files) {
-    const std::string text = io::text_of_file(file);
-    given["files"].push_back(
-        {{"path", file.filename().string()}, {"deflated", detail::packed({text.begin(), text.end()})}});
+    detail::Bytes bytes(std::filesystem::file_size(file));
+    io::ByteSource source(file, io::ByteSource::Packing::plain);
+    source.read(std::as_writable_bytes(std::span(bytes)), "the file");
+    given["files"].push_back({{"path", file.filename().string()}, {"deflated", detail::packed(bytes)}});
   }
   std::string filled(page.substr(0, at + place.size()));
   filled += detail::text_for_html(given);

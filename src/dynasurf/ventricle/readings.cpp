@@ -65,7 +65,7 @@ void end_as_said(const Result& result, const UserOverrides& manual, psf_fit::Fit
 }
 
 /// What a fit begins with; absent, with a note where one was asked for, unless all gates have both surfaces.
-std::optional<psf_fit::FitStart> fit_start_of(Result& result, const UserOverrides& manual, bool is_asked_for) {
+std::optional<psf_fit::FitStart> fit_start_of(Result& result, bool is_asked_for) {
   psf_fit::FitStart start;
   for (const Gate& gate : result.gates) {
     const EdgeSurfaces& edge = gate.edge_surfaces;
@@ -84,7 +84,6 @@ std::optional<psf_fit::FitStart> fit_start_of(Result& result, const UserOverride
   start.lateral = result.study.grid().direction.col(0);
   // A heart that was found across the stack was not believed either when the stack was kept.
   if (result.heart && result.heart->cup.axis.dot(start.axis) > 0.7) start.cup = result.heart->cup;
-  end_as_said(result, manual, start);
   return start;
 }
 
@@ -134,7 +133,7 @@ void measure_cycle(Result& result) {
 void read_otherwise(const Study& original, const std::optional<Mask>& looked_at, const Options& all,
                     const Progress& progress, StageClock& clock, Result& result) {
   const psf_fit::BlurFit& options = all.fit;
-  std::optional<psf_fit::FitStart> start = fit_start_of(result, all.manual, options.run);
+  std::optional<psf_fit::FitStart> start = fit_start_of(result, options.run);
   if (!start) return;
   start->looked_at = looked_at;
   auto& profile = result.readings.gaussian_profile;
@@ -145,6 +144,7 @@ void read_otherwise(const Study& original, const std::optional<Mask>& looked_at,
                             "no Gaussian-profile reading: no asymmetric Gaussian fits across this wall"});
   }
   if (!options.run) return;
+  end_as_said(result, all.manual, *start);
   auto& beat = result.readings.psf_corrected;
   beat = clock("fit", [&] { return psf_fit::fit_through_blur(original, *start, options, progress); });
   result.notes.insert(result.notes.end(), beat->notes.begin(), beat->notes.end());
