@@ -311,7 +311,7 @@ void exchange_with_former(const fs::path& staged, const fs::path& destination, c
 /// Keeps what stands at the destination under another name. Where the file system can exchange, the new result stands
 /// there from one moment to the next.
 fs::path put_beside_former(const fs::path& staged, const fs::path& destination) {
-  const fs::path beside = staging::move_aside(staged, destination);
+  fs::path beside = staging::move_aside(staged, destination);
   if (exchange(beside, destination)) return beside;
   if (::rename(beside.c_str(), staged.c_str()) != 0) fail(beside, "move the new result back", errno);
   fs::path former = staging::move_aside(destination, destination);

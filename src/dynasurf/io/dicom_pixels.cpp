@@ -44,7 +44,8 @@ bool unpack_plane(std::span<const std::byte> runs, std::span<std::byte> out, std
   std::size_t in = 0, place = 0;
   while (place < out.size()) {
     if (in >= runs.size()) return false;
-    const int control = static_cast<signed char>(std::to_integer<unsigned char>(runs[in++]));
+    const int byte = std::to_integer<unsigned char>(runs[in++]);
+    const int control = byte < 128 ? byte : byte - 256;
     if (control == -128) continue;
     const std::size_t count = static_cast<std::size_t>(control < 0 ? -control : control) + 1;
     if (runs.size() - in < (control < 0 ? 1 : count)) return false;

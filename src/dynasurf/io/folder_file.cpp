@@ -17,7 +17,7 @@ bool is_plain_file_name(std::string_view name) {
 }
 
 std::filesystem::path file_inside(const fs::path& folder, const fs::path& file) {
-  const fs::path path = folder / file;
+  fs::path path = folder / file;
   std::error_code error;
   fs::path home = fs::weakly_canonical(folder, error);
   if (!home.has_filename()) home = home.parent_path();  // a slash at the end of what is not there

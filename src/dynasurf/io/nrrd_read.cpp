@@ -324,7 +324,7 @@ void read_segmentation(Study& study, const NrrdHeader& header) {
 
 /// The data file, which has to be in the folder of the header, also when it is a link.
 fs::path data_file_beside(const fs::path& header, const std::string& name) {
-  const fs::path file = header.parent_path() / name;
+  fs::path file = header.parent_path() / name;
   std::error_code error;
   if (!fs::is_symlink(file, error)) return file;
   const fs::path here = fs::canonical(header.parent_path().empty() ? "." : header.parent_path(), error);

@@ -173,7 +173,7 @@ Descriptor lock_folder(const fs::path& path) noexcept {
 
 std::shared_ptr<Place> make_place(const fs::path& destination, bool folder) {
   constexpr int tries = 100;
-  const auto place = std::make_shared<Place>();
+  auto place = std::make_shared<Place>();
   place->is_folder = folder;
   const std::lock_guard lock(registry().guard);
   if (registry().discarded) throw Cancelled("stopped on request");
