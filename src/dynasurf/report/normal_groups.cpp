@@ -37,6 +37,7 @@ NormalGroups build_normal_groups(std::vector<GroupedMap> studies, const std::vec
   std::stable_sort(studies.begin(), studies.end(),
                    [](const GroupedMap& a, const GroupedMap& b) { return a.values < b.values; });
   std::vector<ventricle::PolarValues> maps;
+  maps.reserve(studies.size());
   for (GroupedMap& study : studies) maps.push_back(std::move(study.perfusion));
   const auto map_of = [&](std::size_t from, std::size_t count) {
     ventricle::NormalMap map =

@@ -24,7 +24,7 @@ Cutout window_of(const Image& image, const Contour& a, const Contour& b) {
   Image around(image.grid);
   for (const Contour* contour : {&a, &b})
     for (const Vec2& p : contour->points) {
-      const int i = static_cast<int>(p[0] + 0.5), j = static_cast<int>(p[1] + 0.5);
+      const int i = static_cast<int>(std::lround(p[0])), j = static_cast<int>(std::lround(p[1]));
       if (image.grid.contains(i, j, 0)) around(i, j, 0) = 1;
     }
   return window_around(around, 5);
