@@ -8,7 +8,7 @@ fuzz_usage() {
   cat <<'TEXT'
 ./dev fuzz                          the targets, and what was run so far, as a table in Markdown
 ./dev fuzz TARGET|all SECONDS       look for input that crashes, hangs (over 1 s) or leaks
-./dev fuzz quick TARGET|all SECONDS the same without the address sanitizer and traced comparisons: four times as many
+./dev fuzz quick TARGET|all SECONDS the same without the address sanitizer and traced comparisons: three times as many
 ./dev fuzz minimise TARGET|all      write the smallest files that reach what was reached to fuzz/corpus/
 ./dev fuzz seeds                    make the first files anew, into build/fuzz-work/<target>/corpus
 TEXT

@@ -2,51 +2,21 @@
 // circle, the ends of the heart and the valve plane; a brush for what is no heart; gates to leave out. The values are
 // the options `manual.*` of the program and a mask.
 import { toWorld, type Voxel } from "./cursor";
-import { toVoxels, type Grid, type Results } from "./data";
+import { toVoxels, type Results } from "./data";
 import { figure, html } from "./dom";
-import { type ByHand, maskFile, mask_name, argumentsOf, quoted, type Paint } from "./host";
+import { argumentsOf, type ByHand, maskFile, mask_name, onGrid, type Paint, quoted } from "./host";
 import type { Drawing, Painter, Plane } from "./painter";
+import { fields, type Key, manualOf, rounded, roundedOf, type Said, saidIn } from "./said";
 import type { Tool } from "./slices";
 
-interface Said {
-  center_mm?: Voxel;
-  axis?: Voxel;
-  radius_mm?: number;
-  first_slice?: number;
-  last_slice?: number;
-  base_shift_mm?: number;
-  exclude_gates?: number[];
-}
-type Key = keyof Said;
 type Mode = "move" | "paint" | "erase";
 type Point = [number, number];
 
-const fields: { key: Key; name: string; title: string }[] = [
-  { key: "center_mm", name: "Centre x,y,z mm", title: "Middle of the heart in the world: left, posterior, superior" },
-  { key: "axis", name: "Axis x,y,z", title: "Long axis from apex to base" },
-  { key: "radius_mm", name: "Circle mm", title: "Radius of the circle outside which nothing is looked at" },
-  { key: "first_slice", name: "First slice", title: "First slice of the ventricle, from 1 at the apex" },
-  { key: "last_slice", name: "Last slice", title: "Last slice of the ventricle" },
-  { key: "base_shift_mm", name: "Valve plane moved mm", title: "Away from the apex, in every gate" },
-  { key: "exclude_gates", name: "Excluded gates", title: "Such as 3,4: the means of their neighbours stand in their place" },
-];
 const reach_px = 9;
 const most_undo = 30;
 /** The program's circle leaves so much room around the wall's middle. */
 const room_mm = 22;
 const ink = { found: "#e8edf3", changed: "#ffe14d", paint: "rgba(255, 60, 90, 0.45)" } as const;
-
-const rounded = (v: number) => Math.round(v * 100) / 100;
-
-/** A value as the program's options have it; what is not set is absent. */
-function saidIn(manual: Record<string, unknown> | undefined): Said {
-  const said: Record<string, unknown> = {};
-  for (const { key } of fields) {
-    const value = manual?.[key];
-    if (value !== null && value !== undefined && !(Array.isArray(value) && value.length === 0)) said[key] = value;
-  }
-  return said as Said;
-}
 
 export class HandTool implements Tool {
   on = false;
@@ -75,7 +45,7 @@ export class HandTool implements Tool {
     private readonly results: Results,
     private readonly redraw: () => void,
   ) {
-    this.used = saidIn((results.provenance.options as { manual?: Record<string, unknown> } | null)?.manual);
+    this.used = saidIn(manualOf(results));
     this.said = structuredClone(this.used);
     const { grid, heart } = painter;
     const middle: Voxel = [...painter.middle, (heart.z0 + heart.z1) / 2];
@@ -99,8 +69,9 @@ export class HandTool implements Tool {
 
   /** A page around the report takes what is said, and has what was said before. */
   serve(host: (said: ByHand, run: boolean) => void, given: ByHand): void {
+    const is_first = this.host === null;
     this.host = host;
-    if (given.paint) {
+    if (is_first && given.paint) {
       this.used_paint = given.paint;
       this.paint = onGrid(given.paint, this.painter.grid);
     }
@@ -468,42 +439,4 @@ export class HandTool implements Tool {
     this.redraw();
     if (tell) this.host?.({ options, paint }, false);
   }
-}
-
-const roundedOf = (key: Key) => (v: number) => (key === "axis" ? Math.round(v * 1e4) / 1e4 : rounded(v));
-
-/** Paint on another grid: each voxel as the nearest one of the paint. */
-function onGrid({ grid, voxels }: Paint, to: Grid): Uint8Array {
-  if (JSON.stringify(grid) === JSON.stringify(to)) return voxels.slice();
-  const out = new Uint8Array(to.dims[0] * to.dims[1] * to.dims[2]);
-  const place = new Float32Array(3);
-  let n = 0;
-  for (let k = 0; k < to.dims[2]; ++k)
-    for (let j = 0; j < to.dims[1]; ++j)
-      for (let i = 0; i < to.dims[0]; ++i, ++n) {
-        place.set(toWorld(to, [i, j, k]));
-        const [x, y, z] = [...toVoxels(grid, place)].map(Math.round) as Voxel;
-        const inside = x >= 0 && y >= 0 && z >= 0 && x < grid.dims[0] && y < grid.dims[1] && z < grid.dims[2];
-        out[n] = inside ? voxels[x + grid.dims[0] * (y + grid.dims[1] * z)]! : 0;
-      }
-  return out;
-}
-
-/** What a result says that a person said, in words; empty: nothing. */
-export function byHandWords({ provenance, notes }: Results): string[] {
-  const said = saidIn((provenance.options as { manual?: Record<string, unknown> } | null)?.manual);
-  const names: Record<Key, string> = {
-    center_mm: "centre",
-    axis: "long axis",
-    radius_mm: `circle of ${said.radius_mm} mm`,
-    first_slice: `first slice ${said.first_slice}`,
-    last_slice: `last slice ${said.last_slice}`,
-    base_shift_mm: `valve plane moved by ${said.base_shift_mm} mm`,
-    exclude_gates: `without gate${said.exclude_gates?.length === 1 ? "" : "s"} ${said.exclude_gates?.join(", ")}`,
-  };
-  const words = fields.filter(({ key }) => said[key] !== undefined).map(({ key }) => names[key]);
-  const base = (provenance.options as { manual?: { base_plane_mm?: number | null } } | null)?.manual?.base_plane_mm;
-  if (base !== null && base !== undefined) words.push(`valve plane at ${base} mm`);
-  if (notes.some(({ code }) => code === "region.used")) words.push("mask");
-  return words;
 }

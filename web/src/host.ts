@@ -1,5 +1,6 @@
 // What a report and the page around it say to each other.
-import type { Grid } from "./data";
+import { toWorld, type Voxel } from "./cursor";
+import { type Grid, toVoxels } from "./data";
 
 /** 1: a voxel of `grid` that a person painted out. */
 export interface Paint {
@@ -58,3 +59,20 @@ export const argumentsOf = ({ options, paint }: ByHand): string[] => [
   ...Object.entries(options).flatMap(([path, value]) => ["--set", `${path}=${value}`]),
   ...(paint ? ["--mask", mask_name] : []),
 ];
+
+/** Paint on another grid: each voxel as the nearest one of the paint. */
+export function onGrid({ grid, voxels }: Paint, to: Grid): Uint8Array {
+  if (JSON.stringify(grid) === JSON.stringify(to)) return voxels.slice();
+  const out = new Uint8Array(to.dims[0] * to.dims[1] * to.dims[2]);
+  const place = new Float32Array(3);
+  let n = 0;
+  for (let k = 0; k < to.dims[2]; ++k)
+    for (let j = 0; j < to.dims[1]; ++j)
+      for (let i = 0; i < to.dims[0]; ++i, ++n) {
+        place.set(toWorld(to, [i, j, k]));
+        const [x, y, z] = [...toVoxels(grid, place)].map(Math.round) as Voxel;
+        const inside = x >= 0 && y >= 0 && z >= 0 && x < grid.dims[0] && y < grid.dims[1] && z < grid.dims[2];
+        out[n] = inside ? voxels[x + grid.dims[0] * (y + grid.dims[1] * z)]! : 0;
+      }
+  return out;
+}

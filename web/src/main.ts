@@ -1,13 +1,12 @@
 // The page of a result: reads the data written into it, builds the parts, and moves them with one clock.
-import { HandTool } from "./byhand";
 import { Wall } from "./cycle";
 import { Cursor, placeInHeart, placeOnMap, sampleNear, toWorld } from "./cursor";
 import { ContourView } from "./contours";
+import { buildHand, joinHost } from "./correct";
 import { Curve } from "./curve";
-import { isCorrected, readReport, toVoxels, walls as wall_names, type Mesh, type Report, type Results } from "./data";
+import { isCorrected, readReport, toVoxels, walls as wall_names, type Report, type Results } from "./data";
 import { byId, colour, figure, html, svg } from "./dom";
 import { FieldView } from "./field";
-import type { FromPage, FromReport } from "./host";
 import { buildLayouts } from "./layouts";
 import { MotionView } from "./motion";
 import { Painter, type Overlay } from "./painter";
@@ -167,58 +166,6 @@ function buildToggles(painter: Painter | null, slices: Slices | null, scene: Sur
     byId("toggle-wire").addEventListener("click", keys.w);
   }
   return keys;
-}
-
-/** Handles on the slices, and their bar above them. */
-function buildHand(painter: Painter | null, slices: Slices | null, results: Results, player: Player): HandTool | null {
-  const button = byId<HTMLButtonElement>("toggle-hand");
-  button.disabled = !painter || !slices;
-  if (!painter || !slices) return null;
-  const hand = new HandTool(byId("hand"), painter, results, () => slices.draw());
-  slices.tool = hand;
-  button.addEventListener("click", () => {
-    player.pause();
-    hand.toggle();
-    press(button.id, hand.on);
-    slices.layOut();
-  });
-  document.addEventListener("keydown", (event) => {
-    if (!hand.on || !(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z" || (event.target as HTMLElement).closest("input")) return;
-    event.preventDefault();
-    hand.undo();
-  });
-  player.listen(() => {
-    if (player.gate === hand.gate) return;
-    hand.gate = player.gate;
-    if (hand.on) hand.refresh();
-  });
-  return hand;
-}
-
-/** A page around the report may run the study again; it tells what was said before, and which result to compare with. */
-function joinHost(hand: HandTool | null, painter: Painter | null, slices: Slices | null): void {
-  if (parent === window) return;
-  const tell = (word: FromReport) => parent.postMessage(word, "*");
-  addEventListener("message", (event: MessageEvent<FromPage>) => {
-    if (event.source !== parent || event.data?.dynasurf !== "page") return;
-    hand?.serve((said, run) => tell({ dynasurf: "report", word: "by hand", said, run }), event.data.said);
-    void compareWith(event.data.before, painter, slices);
-    if (!event.data.correcting || !hand || hand.on) return;
-    byId("toggle-hand").click();
-    byId("toggle-hand").scrollIntoView({ block: "center" });
-  });
-  tell({ dynasurf: "report", word: "ready" });
-}
-
-/** Outlines of another result of the study, dashed. */
-async function compareWith(data: string | null, painter: Painter | null, slices: Slices | null): Promise<void> {
-  if (!painter || !slices) return;
-  const surfaces = data ? (await readReport(data)).surfaces : null;
-  const here = (mesh: Mesh | null) => mesh && { ...mesh, voxel: toVoxels(painter.grid, mesh.world) };
-  const moved = surfaces && { ...surfaces, endo: surfaces.endo.map(here), epi: surfaces.epi.map(here) };
-  painter.before = moved ? wall_names.map((name) => new Wall(name, moved)) : [];
-  byId("before-legend").hidden = !moved;
-  slices.draw();
 }
 
 function buildHelp(): () => void {

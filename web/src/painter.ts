@@ -70,7 +70,7 @@ export class Painter {
   before: Wall[] = [];
   overlay: Overlay = { contours: true, sections: true, edges: false, whole: false, brightness: 1 };
   readonly heart: Frame & { z0: number; z1: number };
-  private readonly sections = new Map<string, Section | null>();
+  private readonly sections = new WeakMap<Wall, Map<string, Section | null>>();
   private readonly scratch = document.createElement("canvas");
 
   constructor(
@@ -296,13 +296,15 @@ export class Painter {
 
   /** Cuts are made once: they are drawn again for every beat and every segment that is pointed at. */
   private sectionOf(wall: Wall, { plane, at, gate }: View): Section | null {
-    const key = `${this.before.includes(wall) ? "before " : ""}${wall.name} ${gate} ${plane.axis} ${at}`;
-    let cut = this.sections.get(key);
+    const key = `${gate} ${plane.axis} ${at}`;
+    const cuts = this.sections.get(wall) ?? new Map<string, Section | null>();
+    this.sections.set(wall, cuts);
+    let cut = cuts.get(key);
     if (cut === undefined) {
       const mesh = wall.meshes[gate];
       const triangles = wall.trianglesOf(gate);
       cut = mesh && triangles ? section(mesh.voxel, triangles, plane.axis, at) : null;
-      this.sections.set(key, cut);
+      cuts.set(key, cut);
     }
     return cut;
   }
@@ -322,6 +324,7 @@ export class Painter {
         context.stroke();
       }
     };
+    // A cut is made of pieces too short for a pattern of dashes: one of three is left out.
     for (const wall of view.splash ? [] : this.before) {
       const cut = this.sectionOf(wall, view);
       if (cut) stroke(cut, (vertex) => vertex % 3 !== 0, [[width, "#ffffffb0"]]);

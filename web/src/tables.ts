@@ -1,7 +1,7 @@
 // Everything that is text and numbers: verdict, cards, tables, provenance.
-import { byHandWords } from "./byhand";
 import { isCorrected, walls, type GateNumbers, type Interval, type NoteText, type Reading, type Results, type WallName } from "./data";
 import { figure, html } from "./dom";
+import { byHandWords } from "./said";
 
 export const verdicts = {
   ok: { title: "Checks passed", text: "No quality flag was raised. Still compare the contours with the images before you use a number." },

@@ -5,7 +5,7 @@ import { execFileSync, spawnSync } from "node:child_process";
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
-import { unzipSync, zipSync } from "fflate";
+import { gunzipSync, unzipSync, zipSync } from "fflate";
 import { check, finish, program as chromium, skipped, withBrowser } from "./browser.mjs";
 
 const [page_path, native, screenshots] = process.argv.slice(2).map((path) => resolve(path));
@@ -244,6 +244,81 @@ const tests = {
     assert.match(await frame.locator("#verdict").innerText(), /Changed by hand: without gate \d/);
     console.log(`     ${statSync(path).size} bytes`);
     await other.close();
+  },
+
+  async "keeps the runs when another one cannot be done"(page) {
+    await page.click("#example-patient");
+    const first = (await saved(page)).json;
+    let frame = await report_is_drawn(page);
+    await frame.click("#toggle-hand");
+    await frame.fill("#hand-exclude_gates", "1,2,3,4,5");
+    await frame.press("#hand-exclude_gates", "Enter");
+    await frame.click("#hand-run");
+    await until_view(page, "failure");
+    assert.match(await reason(page), /exclude_gates names more than half of the 8 gates/);
+    await page.click("#back");
+    assert.deepEqual(numbers_of((await saved(page)).json), numbers_of(first));
+    frame = await report_is_drawn(page);
+    assert.equal(await frame.inputValue("#hand-exclude_gates"), "", "what could not be done is still said");
+  },
+
+  async "compares with the run that is chosen, and keeps what was not run yet"(page) {
+    await page.click("#example-patient");
+    await saved(page);
+    for (const mm of [-14, 6]) {
+      const frame = await report_is_drawn(page);
+      if (mm < 0) await frame.click("#toggle-hand");
+      await frame.waitForFunction(() => !document.getElementById("hand").hidden); // after a run it opens again
+      await frame.fill("#hand-base_shift_mm", String(mm));
+      await frame.press("#hand-base_shift_mm", "Enter");
+      await frame.click("#hand-run");
+      await until_view(page, "working");
+      await saved(page);
+    }
+    const frame = await report_is_drawn(page);
+    const compared = (n) => page.locator(`#runs li:nth-child(${n}) input[name=compared]`).click();
+    const picture = () =>
+      frame.evaluate(() => {
+        const canvas = document.querySelector(".long canvas");
+        return canvas.toDataURL();
+      });
+    await page.click("#show-history");
+    await frame.waitForFunction(() => !document.getElementById("before-legend").hidden);
+    await frame.fill("#hand-radius_mm", "44");
+    await frame.press("#hand-radius_mm", "Enter");
+    const lower = await picture();
+    await compared(1);
+    await page.waitForTimeout(1500);
+    const as_found = await picture();
+    assert.notEqual(as_found, lower, "the outlines are those of another run");
+    await compared(2);
+    await page.waitForTimeout(1500);
+    assert.equal(await picture(), lower);
+    await compared(2);
+    await frame.waitForFunction(() => document.getElementById("before-legend").hidden);
+    assert.equal(await page.locator("#compared").innerText(), "");
+    assert.equal(await frame.inputValue("#hand-radius_mm"), "44");
+  },
+
+  async "takes a header with its voxels beside it, and scans by every ending"(page) {
+    const whole = gunzipSync(readFileSync(join(work, "patient/study.nii.gz")));
+    const header = Buffer.from(whole.subarray(0, 348));
+    header.writeFloatLE(0, 108);
+    header.write("ni1\0", 344, "latin1");
+    writeFileSync(join(work, "pair.hdr"), header);
+    writeFileSync(join(work, "pair.img"), whole.subarray(352));
+    await drop(page, [{ name: "pair.img", bytes: whole.subarray(352) }, { name: "pair.hdr", bytes: header }]);
+    const mine = await saved(page);
+    run_native("ventricle", "pair.hdr", "--out", "pair");
+    assert_same(mine, "pair");
+    for (const name of ["a.pcd", "a.ptx"]) {
+      writeFileSync(join(work, name), "no scan\n");
+      const judged = spawnSync(native, ["cloud", name, "--out", "scan"], { cwd: work, encoding: "utf8" });
+      await page.locator(".other:visible").click();
+      await give(page, name, Buffer.from("no scan\n"));
+      await until_view(page, "failure");
+      assert.equal(await reason(page), /error: (.*)/.exec(judged.stderr)[1]);
+    }
   },
 
   async "reads a study that `dynasurf view` put into it"(page, context) {

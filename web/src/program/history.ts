@@ -12,13 +12,15 @@ export interface Task {
   more: string[];
 }
 
-const scans = /\.(ply|xyz|pts|csv|pwn|obj|off|las|stl|txt|asc)$/i;
+const scans = /\.(ply|xyz|pts|csv|pwn|obj|off|las|pcd|ptx|stl|txt|asc)$/i;
 
 /** What files are taken for. */
 export function taskOf(files: Piece[]): Task {
   const are_scans = files.every(({ path }) => scans.test(path));
   const all = files.map(({ path }) => `/${path}`);
-  return { subject: are_scans ? "cloud" : "ventricle", files, make: [], inputs: are_scans || all.length === 1 ? all : ["/in"], more: [] };
+  const header = all.find((path) => /\.n?hdr$/i.test(path)); // its voxels are in another file
+  const inputs = are_scans || all.length === 1 ? all : [header ?? "/in"];
+  return { subject: are_scans ? "cloud" : "ventricle", files, make: [], inputs, more: [] };
 }
 
 export interface Run {

@@ -27,6 +27,7 @@ function show(view: (typeof views)[number]): void {
 
 function fail(reason: string): void {
   by_id("reason").textContent = reason;
+  by_id("back").hidden = !history.shown;
   show("failure");
   by_id("failure").querySelector("button")?.focus();
 }
@@ -294,6 +295,7 @@ function connect(): void {
   click("save-report", () => save(saved("report.html"), "report.html", "text/html"));
   click("save-zip", save_zip);
   click("save-page", save_page);
+  click("back", () => show_chosen(true));
   click("undo", () => history.go(history.at - 1));
   click("redo", () => history.go(history.at + 1));
   click("show-history", show_history);

@@ -44,6 +44,8 @@ const english = {
   verdict_check: "check this result",
   verdict_fail: "failed",
   save_page: "Save as one page",
+  save_page_title: "This page with the study inside, as it is, names too",
+  back: "Back to the result",
   save_zip: "Save all as zip",
   save_report: "Save the report",
   report: "Report",
@@ -112,6 +114,8 @@ const german: Table = {
   verdict_check: "dieses Ergebnis prüfen",
   verdict_fail: "gescheitert",
   save_page: "Als eine Seite sichern",
+  save_page_title: "Diese Seite mit der Studie darin, wie sie ist, mit Namen",
+  back: "Zurück zum Ergebnis",
   save_zip: "Alles als Zip sichern",
   save_report: "Bericht sichern",
   report: "Bericht",
@@ -157,6 +161,8 @@ export function speak(next: Language): void {
   document.title = `${text("title")} – Dynasurf`;
   for (const element of document.querySelectorAll<HTMLElement>("[data-text]"))
     element.textContent = text(element.dataset.text as Key);
+  for (const element of document.querySelectorAll<HTMLElement>("[data-title]"))
+    element.title = text(element.dataset.title as Key);
   for (const element of document.querySelectorAll<HTMLElement>("[data-label]"))
     element.setAttribute("aria-label", text(element.dataset.label as Key));
 }

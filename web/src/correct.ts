@@ -1,0 +1,61 @@
+// Corrections by hand in the report: handles on its slices, and the page around it that runs the study again.
+import { HandTool } from "./byhand";
+import { Wall } from "./cycle";
+import { readReport, toVoxels, walls as wall_names, type Mesh, type Results } from "./data";
+import { byId } from "./dom";
+import type { FromPage, FromReport } from "./host";
+import type { Painter } from "./painter";
+import type { Player } from "./player";
+import type { Slices } from "./slices";
+
+/** Handles on the slices, and their bar above them. */
+export function buildHand(painter: Painter | null, slices: Slices | null, results: Results, player: Player): HandTool | null {
+  const button = byId<HTMLButtonElement>("toggle-hand");
+  button.disabled = !painter || !slices;
+  if (!painter || !slices) return null;
+  const hand = new HandTool(byId("hand"), painter, results, () => slices.draw());
+  slices.tool = hand;
+  button.addEventListener("click", () => {
+    player.pause();
+    hand.toggle();
+    button.setAttribute("aria-pressed", String(hand.on));
+    slices.layOut();
+  });
+  document.addEventListener("keydown", (event) => {
+    if (!hand.on || !(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z" || (event.target as HTMLElement).closest("input")) return;
+    event.preventDefault();
+    hand.undo();
+  });
+  player.listen(() => {
+    if (player.gate === hand.gate) return;
+    hand.gate = player.gate;
+    if (hand.on) hand.refresh();
+  });
+  return hand;
+}
+
+/** A page around the report may run the study again; it tells what was said before, and which result to compare with. */
+export function joinHost(hand: HandTool | null, painter: Painter | null, slices: Slices | null): void {
+  if (parent === window) return;
+  const tell = (word: FromReport) => parent.postMessage(word, "*");
+  addEventListener("message", (event: MessageEvent<FromPage>) => {
+    if (event.source !== parent || event.data?.dynasurf !== "page") return;
+    hand?.serve((said, run) => tell({ dynasurf: "report", word: "by hand", said, run }), event.data.said);
+    void compareWith(event.data.before, painter, slices);
+    if (!event.data.correcting || !hand || hand.on) return;
+    byId("toggle-hand").click();
+    byId("toggle-hand").scrollIntoView({ block: "center" });
+  });
+  tell({ dynasurf: "report", word: "ready" });
+}
+
+/** Outlines of another result of the study, dashed. */
+async function compareWith(data: string | null, painter: Painter | null, slices: Slices | null): Promise<void> {
+  if (!painter || !slices) return;
+  const surfaces = data ? (await readReport(data)).surfaces : null;
+  const here = (mesh: Mesh | null) => mesh && { ...mesh, voxel: toVoxels(painter.grid, mesh.world) };
+  const moved = surfaces && { ...surfaces, endo: surfaces.endo.map(here), epi: surfaces.epi.map(here) };
+  painter.before = moved ? wall_names.map((name) => new Wall(name, moved)) : [];
+  byId("before-legend").hidden = !moved;
+  slices.draw();
+}
