@@ -14,7 +14,7 @@ namespace dynasurf::python {
 DYNASURF_ARITY(heart::Estimate, 2);
 DYNASURF_ARITY(Note, 5);
 DYNASURF_ARITY(Grid, 4);
-DYNASURF_ARITY(Study, 10);
+DYNASURF_ARITY(Study, 11);
 DYNASURF_ARITY(TriMesh, 2);
 DYNASURF_ARITY(heart::LvShell, 5);
 DYNASURF_ARITY(heart::Location, 8);

@@ -264,6 +264,9 @@ void bind_study(py::module_& module) {
       .def_property_readonly(
           "slice_order", [](const S& s) { return std::string(name_of(s.slice_order)); },
           "Which end of the ventricle comes first.")
+      .def_property_readonly(
+          "attenuation", [](const S& s) { return std::string(name_of(s.attenuation)); },
+          "What the reconstruction did about attenuation: unknown, uncorrected or corrected.")
       .def(by_pickle<S>())
       .def("__len__", [](const S& s) { return s.gates.size(); })
       .def("__repr__", [](const S& s) {

@@ -69,6 +69,22 @@ TEST_F(DicomFile, KeepsEveryViewAndSliceOrder) {
     }
 }
 
+TEST_F(DicomFile, TellsWhetherAttenuationWasCorrected) {
+  Study study = truth;
+  const auto read_back = [&](Attenuation attenuation, const std::string& description) {
+    study.attenuation = attenuation;
+    DicomWriteOptions options;
+    options.series_description = description;
+    write_dicom(study, scratch / "attenuation.dcm", options);
+    return read_study(scratch / "attenuation.dcm").attenuation;
+  };
+  EXPECT_EQ(read_back(Attenuation::unknown, "Gated SA"), Attenuation::unknown);
+  EXPECT_EQ(read_back(Attenuation::unknown, "Gated SA, AC"), Attenuation::corrected);
+  EXPECT_EQ(read_back(Attenuation::uncorrected, "Stress_IRNC_SA"), Attenuation::uncorrected);
+  EXPECT_EQ(read_back(Attenuation::corrected, "Gated SA"), Attenuation::corrected);
+  EXPECT_EQ(read_back(Attenuation::corrected, "NAC"), Attenuation::corrected) << "the list of corrections leads";
+}
+
 TEST_F(DicomFile, OrdersFramesByTheirVectorsAndNeverByPosition) {
   std::vector<std::size_t> order(20);
   std::iota(order.begin(), order.end(), 0);

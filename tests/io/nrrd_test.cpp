@@ -73,7 +73,8 @@ std::string with(std::string header, const std::string& from, const std::string&
 
 TEST_F(NrrdFile, BringsAnAsymmetricObjectBackToItsPlace) {
   for (const bool left_handed : {false, true}) {
-    const Study truth = test::l_shape_study(test::oblique_grid(left_handed), 4);
+    Study truth = test::l_shape_study(test::oblique_grid(left_handed), 4);
+    truth.attenuation = left_handed ? Attenuation::corrected : Attenuation::uncorrected;
     write_nrrd(truth, scratch / "l.seq.nrrd");
     const Study back = read_study(scratch / "l.seq.nrrd");
     test::expect_l_shape(back, truth, decimal_tolerance_mm);
@@ -81,6 +82,7 @@ TEST_F(NrrdFile, BringsAnAsymmetricObjectBackToItsPlace) {
     EXPECT_EQ(back.format, "NRRD");
     EXPECT_EQ(back.view, View::short_axis);
     EXPECT_EQ(back.slice_order, SliceOrder::apex_to_base);
+    EXPECT_EQ(back.attenuation, truth.attenuation);
     EXPECT_EQ(back.time_ms, truth.time_ms);
     EXPECT_EQ(back.cycle_ms, 800);
   }

@@ -14,8 +14,10 @@ namespace dynasurf {
 enum class View { unknown, short_axis, horizontal_long_axis, vertical_long_axis, transaxial };
 /// Which end of the ventricle comes first in a short-axis stack.
 enum class SliceOrder { unknown, apex_to_base, base_to_apex };
+/// What the reconstruction did about the photons that the body absorbs.
+enum class Attenuation { unknown, uncorrected, corrected };
 
-/// The word for it, as it stands in files; likewise for the order of slices.
+/// The word for it, as it stands in files; likewise for the order of slices and attenuation.
 inline std::string_view name_of(View v) {
   constexpr std::string_view names[] = {"unknown", "short_axis", "horizontal_long_axis", "vertical_long_axis",
                                         "transaxial"};
@@ -24,6 +26,10 @@ inline std::string_view name_of(View v) {
 inline std::string_view name_of(SliceOrder o) {
   constexpr std::string_view names[] = {"unknown", "apex_to_base", "base_to_apex"};
   return names[static_cast<int>(o)];
+}
+inline std::string_view name_of(Attenuation a) {
+  constexpr std::string_view names[] = {"unknown", "uncorrected", "corrected"};
+  return names[static_cast<int>(a)];
 }
 
 /// A heart study as read: one volume per gate (one volume: ungated), all on the same grid, values as stored after
@@ -38,6 +44,7 @@ struct Study {
   std::string series;           // the number of the image series, where the user chose one of several; else empty
   View view = View::unknown;
   SliceOrder slice_order = SliceOrder::unknown;
+  Attenuation attenuation = Attenuation::unknown;
   Notes notes;
 
   const Grid& grid() const { return gates.front().grid; }

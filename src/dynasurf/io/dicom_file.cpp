@@ -347,6 +347,15 @@ void read_view(DicomImage& image, const Attributes& root) {
   if (order == "BASE_TO_APEX") image.slice_order = SliceOrder::base_to_apex;
 }
 
+/// By the list of corrections, else by the description: many cameras leave the list out.
+Attenuation attenuation_in(const Attributes& root) {
+  const std::vector<std::string> corrections = root.texts(DCM_CorrectedImage);
+  const bool is_listed = std::any_of(corrections.begin(), corrections.end(), is_correction);
+  if (!is_listed) return attenuation_in_words(root.text(DCM_SeriesDescription));
+  const bool is_corrected = std::find(corrections.begin(), corrections.end(), "ATTN") != corrections.end();
+  return is_corrected ? Attenuation::corrected : Attenuation::uncorrected;
+}
+
 }  // namespace
 
 const std::string& DicomImage::kind() const {
@@ -387,6 +396,7 @@ DicomImage read_dicom_header(const std::filesystem::path& path) {
   read_gating(image, root);
   read_energy_windows(image, root);
   read_view(image, root);
+  image.attenuation = attenuation_in(root);
   return image;
 }
 

@@ -160,6 +160,7 @@ Study read_dicom(const std::filesystem::path& path, const std::string& series) {
   study.cycle_ms = plan.stack.cycle_ms;
   study.view = first.view;
   study.slice_order = first.slice_order;
+  study.attenuation = first.attenuation;
   study.series = plan.series;
   study.notes = plan.stack.notes;
   if (first.view_from_words)

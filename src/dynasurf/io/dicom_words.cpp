@@ -21,7 +21,11 @@ std::string spaced_words(const std::string& text) {
   return words;
 }
 
-bool holds_any(const std::string& words, std::initializer_list<const char*> marks) {
+using Marks = std::initializer_list<const char*>;
+constexpr Marks corrected_marks{" AC ", " IRAC ", " ATTN "};
+constexpr Marks uncorrected_marks{" NC ", " NAC ", " IRNC ", " NOAC "};
+
+bool holds_any(const std::string& words, Marks marks) {
   return std::any_of(marks.begin(), marks.end(),
                      [&](const char* mark) { return words.find(mark) != std::string::npos; });
 }
@@ -63,6 +67,12 @@ View view_in_words(const std::string& description) {
   return kinds == 1 ? found : View::unknown;
 }
 
+Attenuation attenuation_in_words(const std::string& description) {
+  const std::string words = spaced_words(description);
+  if (holds_any(words, uncorrected_marks)) return Attenuation::uncorrected;
+  return holds_any(words, corrected_marks) ? Attenuation::corrected : Attenuation::unknown;
+}
+
 std::string circumstances_in_words(const std::string& description) {
   const std::string words = spaced_words(description);
   std::string found;
@@ -73,8 +83,8 @@ std::string circumstances_in_words(const std::string& description) {
   look_for("stress", {" STRESS ", " STR ", " STRESSED "});
   look_for("prone", {" PRONE "});
   look_for("supine", {" SUPINE "});
-  look_for("attenuation corrected", {" AC ", " IRAC ", " ATTN "});
-  look_for("not attenuation corrected", {" NC ", " NAC ", " IRNC ", " NOAC "});
+  look_for("attenuation corrected", corrected_marks);
+  look_for("not attenuation corrected", uncorrected_marks);
   return found;
 }
 

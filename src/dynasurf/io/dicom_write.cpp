@@ -131,6 +131,7 @@ void put_image(Item& root, const Study& study) {
   if (study.slice_order != SliceOrder::unknown)
     root.text(DCM_SliceProgressionDirection,
               study.slice_order == SliceOrder::apex_to_base ? "APEX_TO_BASE" : "BASE_TO_APEX");
+  if (study.attenuation == Attenuation::corrected) root.text(DCM_CorrectedImage, "ATTN");
 }
 
 void put_detector(Item& root, const Study& study) {

@@ -259,6 +259,8 @@ void set_own_keys(Study& study, const NrrdHeader& header) {
     if (value("dynasurf view") == name_of(v)) study.view = v;
   for (const SliceOrder o : {SliceOrder::apex_to_base, SliceOrder::base_to_apex})
     if (value("dynasurf slice order") == name_of(o)) study.slice_order = o;
+  for (const Attenuation a : {Attenuation::uncorrected, Attenuation::corrected})
+    if (value("dynasurf attenuation") == name_of(a)) study.attenuation = a;
   const std::string cycle = value("dynasurf cycle ms");
   double ms = 0;
   const auto [rest, error] = std::from_chars(cycle.data(), cycle.data() + cycle.size(), ms);

@@ -48,6 +48,8 @@ std::string header_of(const Study& study) {
   if (study.view != View::unknown) h += "dynasurf view:=" + std::string(name_of(study.view)) + "\n";
   if (study.slice_order != SliceOrder::unknown)
     h += "dynasurf slice order:=" + std::string(name_of(study.slice_order)) + "\n";
+  if (study.attenuation != Attenuation::unknown)
+    h += "dynasurf attenuation:=" + std::string(name_of(study.attenuation)) + "\n";
   return h + "\n";
 }
 

@@ -24,6 +24,7 @@ Json study_json(const Study& study) {
   json["modality"] = study.modality;
   json["image_type"] = study.image_type;
   json["view"] = name_of(study.view);
+  json["attenuation"] = name_of(study.attenuation);
   json["gates"] = study.gates.size();
   json["cycle_ms"] = study.cycle_ms > 0 ? number(study.cycle_ms) : Json(nullptr);
   if (study.gates.empty()) {

@@ -138,8 +138,13 @@ CameraStudy make_camera_study(const CameraPhantom& options, const Progress& prog
   const Grid cut = short_axis_grid(o.reorientation, made.truth, o.acquisition.bin_mm);
   std::vector<Image> turned;
   for (const Image& gate : gates) turned.push_back(cut_out(gate, cut));
+  const Osem* const osem = std::get_if<Osem>(&o.reconstruction);
+  const Attenuation attenuation = osem && osem->attenuation   ? Attenuation::corrected
+                                  : o.acquisition.attenuation ? Attenuation::uncorrected
+                                                              : Attenuation::unknown;
   made.transaxial = study_of(std::move(gates), made.truth, View::transaxial, SliceOrder::unknown);
   made.short_axis = study_of(std::move(turned), made.truth, View::short_axis, SliceOrder::apex_to_base);
+  made.transaxial.attenuation = made.short_axis.attenuation = attenuation;
   return made;
 }
 

@@ -59,6 +59,7 @@ struct DicomImage {
   View view = View::unknown;
   bool view_from_words = false;
   SliceOrder slice_order = SliceOrder::unknown;
+  Attenuation attenuation = Attenuation::unknown;
 
   std::string where() const { return path.string(); }
   const std::string& kind() const;  // value 3 of ImageType, "" when absent

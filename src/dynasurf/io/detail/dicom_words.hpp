@@ -18,6 +18,9 @@ View view_in_words(const std::string& description);
 /// What a description says of the patient and of corrections: "stress, prone, attenuation corrected"; "" for nothing.
 std::string circumstances_in_words(const std::string& description);
 
+/// Whether a description says that attenuation was corrected.
+Attenuation attenuation_in_words(const std::string& description);
+
 /// The number in "gate 3", "bin 3", "phase 3" or "frame 3" of a description.
 std::optional<int> gate_in_words(const std::string& description);
 
