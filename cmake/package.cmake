@@ -32,6 +32,10 @@ if(DYNASURF_HAS_PYTHON)
   install(DIRECTORY ${documents}/python3-dynasurf DESTINATION ${CMAKE_INSTALL_DATADIR}/doc COMPONENT python)
 endif()
 
+# The program in one page, where ./dev web has made it; `dynasurf view` opens it.
+install(FILES ${PROJECT_SOURCE_DIR}/build/web/dynasurf.html DESTINATION ${CMAKE_INSTALL_DATADIR}/dynasurf
+        COMPONENT program OPTIONAL)
+
 # CMake strips programs; Debian wants its static libraries without debug sections and comments too.
 install(CODE "
   if(CMAKE_INSTALL_DO_STRIP)

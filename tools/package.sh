@@ -11,6 +11,9 @@ make_packages() {
   export SOURCE_DATE_EPOCH
   configure package -DDYNASURF_WERROR="$(warnings)"
   compile package
+  # The page is a part of them where ./dev web ran before, which needs a toolchain of its own; of these sources.
+  if [ -f build/web/build.ninja ]; then compile web dynasurf_page
+  else say "without dynasurf.html, which ./dev web makes"; fi
   rm -f $packages/*.deb
   (umask 022 && cd $packages && cpack) >build/cpack.log 2>&1 || { cat build/cpack.log >&2; fail "cpack failed"; }
 }

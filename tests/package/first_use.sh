@@ -13,3 +13,8 @@ echo "tried: dynasurf phantom patient"
 "$program" ventricle "$work/patient/study.dcm" --out "$work/result" --quiet || [ $? = 3 ]
 for file in report.html results.json manifest.txt; do [ -s "$work/result/$file" ]; done
 echo "tried: dynasurf ventricle: $(find "$work/result" -type f | wc -l) files"
+if [ -f "$(dirname "$program")/../share/dynasurf/dynasurf.html" ]; then
+  "$program" view "$work/patient/study.dcm" --out "$work/study.html" >"$work/view"
+  [ -s "$work/study.html" ]
+  echo "tried: dynasurf view"
+fi
