@@ -126,7 +126,7 @@ TEST(BlurFit, ReadsTheVolumesBehindAButterworthFilter) {
     return fit_through_blur(phantom.study, biased_start(phantom), options).edv_ml.value / *phantom.edv_ml - 1;
   };
   EXPECT_LT(std::abs(edv_error(0.36)), 0.08);
-  options.attenuation = false;
+  options.attenuation = GivenAttenuation::corrected;
   EXPECT_LT(edv_error(0), -0.1);  // a Gaussian alone
 }
 
@@ -309,7 +309,7 @@ TEST(BlurFit, ExplainsUncorrectedAttenuation) {
   const Study study = attenuated(phantom);
   const FitStart start = biased_start(phantom);
   BlurFit without = known_blur(12);
-  without.attenuation = false;
+  without.attenuation = GivenAttenuation::corrected;
   const FittedBeat blind = fit_through_blur(study, start, without),
                    aware = fit_through_blur(study, start, known_blur(12));
   EXPECT_LT(aware.objective, 0.7 * blind.objective);
@@ -322,10 +322,48 @@ TEST(BlurFit, SeesNoAttenuationWhereThereIsNone) {
   const synthetic::Phantom phantom = small_study(12);
   const FitStart start = biased_start(phantom);
   BlurFit without = known_blur(12);
-  without.attenuation = false;
+  without.attenuation = GivenAttenuation::corrected;
   const FittedBeat beat = fit_through_blur(phantom.study, start, known_blur(12));
   EXPECT_FALSE(tells_attenuation(beat));
   EXPECT_NEAR(beat.edv_ml.value / fit_through_blur(phantom.study, start, without).edv_ml.value, 1, 0.01);
+}
+
+TEST(BlurFit, EnlargesContractedCavitiesWhereAttenuationWasNotCorrected) {
+  synthetic::Phantom phantom = small_study(12);
+  const FitStart start = biased_start(phantom);
+  const FittedBeat unknown = fit_through_blur(phantom.study, start, known_blur(12));
+  phantom.study.attenuation = Attenuation::uncorrected;
+  const FittedBeat told = fit_through_blur(phantom.study, start, known_blur(12));
+  const double put_out = 1 - unknown.esv_ml.value / unknown.edv_ml.value;
+  // By the cube of the distance, less what the base cuts off.
+  EXPECT_NEAR(std::log(told.esv_ml.value / unknown.esv_ml.value) / put_out, 2.5 * 0.043, 0.5 * 0.043);
+  EXPECT_NEAR(told.edv_ml.value / unknown.edv_ml.value, 1, 1e-6);
+  EXPECT_NEAR(told.wall_ml.value / unknown.wall_ml.value, 1, 0.01);
+  EXPECT_LT(told.ef_percent->value, unknown.ef_percent->value - 2);
+}
+
+TEST(BlurFit, LooksForNoAttenuationThatWasCorrected) {
+  const synthetic::Phantom phantom = small_study(12);
+  Study study = attenuated(phantom);
+  const FitStart start = biased_start(phantom);
+  study.attenuation = Attenuation::corrected;
+  EXPECT_FALSE(tells_attenuation(fit_through_blur(study, start, known_blur(12))));
+  BlurFit given = known_blur(12);
+  given.attenuation = GivenAttenuation::uncorrected;
+  EXPECT_TRUE(tells_attenuation(fit_through_blur(study, start, given))) << "what is given leads";
+}
+
+TEST(BlurFit, LetsPriorsCountForMoreWhereMisfitStandsStill) {
+  synthetic::Phantom phantom = small_study(12);
+  const FitStart start = biased_start(phantom);
+  BlurFit options = known_blur(12);
+  options.fwhm_uncertainty = 0.1;
+  const FittedBeat clear = fit_through_blur(phantom.study, start, options);
+  for (Image& gate : phantom.study.gates)  // the same stripes in every gate, finer than any wall
+    for (std::size_t n = 0; n < gate.values.size(); ++n) gate.values[n] *= n % 2 == 0 ? 1.06F : 0.94F;
+  const FittedBeat striped = fit_through_blur(phantom.study, start, options);
+  EXPECT_LT(striped.width_from_data, clear.width_from_data);
+  EXPECT_NEAR(striped.edv_ml.value / clear.edv_ml.value, 1, 0.1);
 }
 
 /// Area of the lid that closes a fitted wall at its base.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stop_token>
 #include <vector>
 
@@ -61,6 +62,16 @@ TEST(Objective, GradientIsThatOfFiniteDifferences) {
     const double difference = (objective(problem, more).value - objective(problem, less).value) / (2 * step);
     // Single precision: sums of a thousand pixels are good to about 1e-5 of themselves.
     EXPECT_NEAR(gradient[n] * problem.layout.spread[n], difference * problem.layout.spread[n], 2e-3 * size) << n;
+  }
+}
+
+TEST(Objective, IsInfiniteWhereThePointSpreadIsOutOfReach) {
+  Eigen::VectorXd unknowns;
+  const BeatProblem problem = round_problem(unknowns);
+  const int width = problem.layout.terms[0][problem.layout.gate.width].front().unknown;
+  for (const double log_width : {1.3, 40.0, -2.0, std::nan("")}) {
+    unknowns[width] = log_width;
+    EXPECT_EQ(objective_value(problem, unknowns).value, std::numeric_limits<double>::infinity()) << log_width;
   }
 }
 

@@ -6,7 +6,6 @@
 #include <Eigen/Cholesky>
 
 #include "dynasurf/core/detail/elementary.hpp"
-#include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/heart/locate.hpp"
@@ -15,6 +14,7 @@
 #include "dynasurf/psf_fit/detail/extracardiac_sources.hpp"
 #include "dynasurf/psf_fit/detail/fitted_mesh.hpp"
 #include "dynasurf/psf_fit/detail/harmonics.hpp"
+#include "dynasurf/psf_fit/detail/pixel_noise.hpp"
 #include "dynasurf/psf_fit/detail/reconstruction_filter.hpp"
 #include "dynasurf/psf_fit/detail/setup.hpp"
 
@@ -26,10 +26,10 @@ namespace {
 constexpr double usual_rest = 0.004, least_spot = 0.03;
 constexpr int most_spots = 70;
 
-// Points by which EF reads too high behind filtered back projection, which leaves attenuation in the image: the mean
-// over seeds 1 to 30 of experiments/camera, before the model had attenuation, which
-// explains a part of it.
-constexpr double unmodelled_ef = 3.2;
+// By how much of its distance from the centre the inner wall reads too near behind a camera, times the part of the
+// end-diastolic volume that is put out: what is left after the model of attenuation, and of resolution recovery.
+// Learned from seeds 1 to 30 of experiments/camera.
+constexpr double near_by_contraction_uncorrected = 0.043, near_by_contraction_corrected = -0.02;
 
 /// True where every voxel is either nothing or one value: a drawing of the muscle, which no camera has seen.
 bool is_mask(const Study& study) {
@@ -44,7 +44,7 @@ bool is_mask(const Study& study) {
 }
 
 Blur blur_of(const Study& study, const BlurFit& options) {
-  Blur blur{12, 0.2};
+  Blur blur{12, 0.3};
   if (study.modality == "PT") blur = {6, 0.25};
   if (study.modality == "MR" || study.modality == "CT" || is_mask(study)) blur = {0, 0};
   if (options.fwhm_mm) blur = {*options.fwhm_mm, *options.fwhm_mm > 0 ? options.fwhm_uncertainty : 0};
@@ -135,75 +135,6 @@ void reweight_outliers(BeatProblem& problem, const std::vector<float>& first_wei
       missing -= residual[n] / static_cast<double>(objective.residual.size());
     problem.weight[n] /= static_cast<float>(1 + own::pow(missing / usual_rest, 2));
   }
-}
-
-/// What a fit leaves, freed of what stands still or moves with the beat: third differences over the gates, which keep
-/// the variance of noise that differs from gate to gate. What is left itself where there are too few gates.
-std::vector<std::vector<float>> fast_part(const std::vector<std::vector<float>>& residual) {
-  const std::size_t gates = residual.size();
-  if (gates < 6) return residual;
-  const float scale = 1 / std::sqrt(20.0F);
-  std::vector<std::vector<float>> fast = residual;
-  for (std::size_t g = 0; g < gates; ++g)
-    for (std::size_t n = 0; n < fast[g].size(); ++n)
-      fast[g][n] = scale * (residual[(g + gates - 1) % gates][n] - 3 * residual[g][n] +
-                            3 * residual[(g + 1) % gates][n] - residual[(g + 2) % gates][n]);
-  return fast;
-}
-
-/// Variances of a pixel of weight 1 times the number of pixels that share it.
-struct PixelNoise {
-  double of_steps = 0;   // noise, shared as far as it is seen; what the model leaves out, no farther than the blur
-  double of_errors = 0;  // both shared as far as it is seen
-};
-
-/// From the residuals of the fit. Misfit is correlated over longer distances than noise. Counted in full during the
-/// steps it would let the priors win; the error bars count it in full.
-PixelNoise noise_of(const BeatProblem& problem, const Objective& objective) {
-  const std::vector<std::vector<float>> noise = fast_part(objective.residual);
-  const Index3 dims = problem.pixels.count;
-  const std::size_t stride[3] = {1, static_cast<std::size_t>(dims[0]), dims[0] * static_cast<std::size_t>(dims[1])};
-  std::vector<std::vector<float>> scaled = noise;
-  std::vector<double> squares;
-  for (auto& values : scaled)
-    for (std::size_t n = 0; n < values.size(); ++n) {
-      values[n] *= std::sqrt(problem.weight[n]);
-      if (problem.weight[n] > 0) squares.push_back(static_cast<double>(values[n] * values[n]));
-    }
-  // By the median, so that a hot neighbour does not pass for noise.
-  const double variance = std::max(1e-12, quantile(squares, 0.5) / (0.6745 * 0.6745));
-  const auto most = static_cast<float>(3 * std::sqrt(variance));
-  for (auto& values : scaled)
-    for (float& v : values) v = std::clamp(v, -most, most);
-  double shared = 1, shared_within_blur = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    double of_axis = 1;
-    for (int lag = 1; lag < 8 && lag < dims[axis]; ++lag) {
-      double product = 0, pairs = 0;
-      const std::size_t apart = stride[axis] * lag;
-      const auto length = static_cast<std::size_t>(dims[axis]);
-      for (const auto& values : scaled)
-        for (std::size_t n = 0; n + apart < values.size(); ++n) {
-          if (n / stride[axis] % length + lag >= length) continue;
-          if (problem.weight[n] <= 0 || problem.weight[n + apart] <= 0) continue;
-          product += values[n] * values[n + apart];
-          pairs += 1;
-        }
-      const double correlation = pairs > 0 ? product / pairs / variance : 0;
-      if (correlation < 0.05) break;
-      of_axis += 2 * correlation;
-    }
-    const double pixel_mm = problem.pixels.spacing[axis] * problem.pixels.joined[axis];
-    const double within_blur = 2 * std::sqrt(M_PI) * problem.sigma_mm / pixel_mm;
-    shared *= of_axis;
-    shared_within_blur *= problem.sigma_mm > 0 ? std::min(of_axis, std::max(1.0, within_blur)) : of_axis;
-  }
-  constexpr double least = 1e-5;  // of the square of healthy muscle: no model is better than that
-  const double alone = std::max(variance, least);
-  // What the model leaves out stands still: no number of gates averages it away.
-  constexpr double model = 0.01;  // of healthy muscle
-  const double misfit = model * model * objective.residual.size();
-  return {alone * shared + misfit * shared_within_blur, (alone + misfit) * shared};
 }
 
 /// A fit on its way.
@@ -341,6 +272,32 @@ void look_for_attenuation(Fitting& fit, const Study& study, double share) {
   fit.solution.matrix = {};
 }
 
+/// What the reconstruction did about attenuation. Behind filtered backprojection hardly anybody corrects it.
+Attenuation attenuation_of(const Study& study, const BlurFit& options, bool is_filtered) {
+  if (options.attenuation == GivenAttenuation::corrected) return Attenuation::corrected;
+  if (options.attenuation == GivenAttenuation::uncorrected) return Attenuation::uncorrected;
+  const bool is_spect = study.modality != "PT" && study.modality != "MR" && study.modality != "CT";
+  if (!is_spect) return Attenuation::unknown;
+  return study.attenuation == Attenuation::unknown && is_filtered ? Attenuation::uncorrected : study.attenuation;
+}
+
+/// What is known of the errors that the fit itself does not see.
+Corrections corrections_of(const Fitting& fit, const Blur& blur, const BlurFit& options, Attenuation attenuation) {
+  Corrections known;
+  known.noise = fit.noise.of_errors;
+  // Sharp images show papillary muscles as they are.
+  known.papillary_share = blur.fwhm_mm > 0 ? options.papillary_share : 0;
+  // Behind a camera the bars of the choosing half would be too wide by a third.
+  constexpr double usual_factor = 1.3, behind_camera = 0.85;
+  const double camera = std::min(1.0, fit.noise.misfit_seen / usual_misfit);
+  known.model_factor = usual_factor + camera * (behind_camera - usual_factor);
+  if (blur.fwhm_mm > 0 && attenuation == Attenuation::uncorrected)
+    known.near_by_contraction = near_by_contraction_uncorrected;
+  if (blur.fwhm_mm > 0 && attenuation == Attenuation::corrected)
+    known.near_by_contraction = near_by_contraction_corrected;
+  return known;
+}
+
 /// Looks for hot spots beside the heart and lets the fit explain them. Returns how many there are.
 int add_extracardiac_sources(Fitting& fit, double fwhm_mm) {
   // Of a sharp image nothing beside the heart spills over the wall: what is left there is doubted, not modelled.
@@ -427,8 +384,9 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   relax_priors(fit, tightest);
   minimise(problem, solution, 10, 1e-2, progress);
   beat.extracardiac_sources = add_extracardiac_sources(fit, blur.fwhm_mm);
+  const Attenuation attenuation = attenuation_of(study, options, refiltered.has_value());
   const bool may_be_attenuated =
-      options.attenuation && blur.fwhm_mm > 0 && study.modality != "PT" && study.gates.size() > 1;
+      attenuation != Attenuation::corrected && blur.fwhm_mm > 0 && study.modality != "PT" && study.gates.size() > 1;
   for (const double share : {tightest, 0.4, 1.0}) {
     if (may_be_attenuated) look_for_attenuation(fit, study, share);
     relax_priors(fit, share);
@@ -451,11 +409,8 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   beat.converged = solution.converged;
   beat.images = images_of(problem, solution.objective, study.grid());
   end_walls_as_said(start, study.grid(), placed.frame, problem.layout, solution.unknowns);
-  // Sharp images show papillary muscles as they are.
-  describe_beat(problem, solution, fit.noise.of_errors, study.grid(), blur.fwhm_mm > 0 ? options.papillary_share : 0,
-                beat);
+  describe_beat(problem, solution, corrections_of(fit, blur, options, attenuation), study.grid(), beat);
   beat.fwhm_mm.value = blur.fwhm_mm * own::exp(problem.layout.at_gate(0, solution.unknowns)[problem.layout.gate.width]);
-  if (refiltered && beat.ef_percent) beat.ef_percent->sd = own::hypot(beat.ef_percent->sd, unmodelled_ef);
   // Of its log until here. Cameras differ from one Gaussian: so widened, the interval holds the truth in 90 % of the
   // choosing patients of experiments/unbiased_200.
   if (beat.fwhm_mm.sd > 0) beat.fwhm_mm.sd = beat.fwhm_mm.value * own::hypot(2 * beat.fwhm_mm.sd, 0.015);

@@ -146,11 +146,10 @@ double open_area(const TriMesh& mesh) {
 
 double spread_of(const Eigen::VectorXd& gradient, const Cholesky& factor) { return factor.half_norm(gradient); }
 
-/// The normal matrix knows of noise, not of hearts and cameras that differ from the model. Its deviations times this
-/// factor, a part that no counting takes away, and papillary muscles of unknown size hold the truth in about 90 % of
-/// the choosing patients of experiments/unbiased_200.
-void allow_for_model(heart::Estimate& e, double least, double papillary = 0) {
-  constexpr double factor = 1.3;
+/// The normal matrix knows of noise, not of hearts and cameras that differ from the model. Its deviations times a
+/// factor of 1.3, a part that no counting takes away, and papillary muscles of unknown size hold the truth in about
+/// 90 % of the choosing patients of experiments/unbiased_200.
+void allow_for_model(heart::Estimate& e, double factor, double least, double papillary = 0) {
   e.sd = own::hypot(factor * e.sd, least, papillary);
 }
 
@@ -194,16 +193,16 @@ void allow_for_unseen_wall(FittedBeat& beat) {
 }
 
 /// Papillary muscles keep their volume over the beat: they change both volumes alike, and not what is put out.
-void allow_for_model(FittedBeat& beat, double papillary_ml) {
-  const auto share = [](heart::Estimate& e, double of_value, double papillary) {
-    allow_for_model(e, of_value * std::abs(e.value), papillary);
+void allow_for_model(FittedBeat& beat, double factor, double papillary_ml) {
+  const auto share = [factor](heart::Estimate& e, double of_value, double papillary) {
+    allow_for_model(e, factor, of_value * std::abs(e.value), papillary);
   };
   constexpr double of_volume = 0.009, of_wall = 0.045, of_ef = 0.3;  // the last in points
   for (FittedGate& gate : beat.gates) share(gate.endo_ml, of_volume, papillary_ml), share(gate.epi_ml, of_volume, 0);
   share(beat.edv_ml, of_volume, papillary_ml), share(beat.esv_ml, of_volume, papillary_ml);
   share(beat.sv_ml, of_volume, 0);
   if (beat.ef_percent)
-    allow_for_model(*beat.ef_percent, of_ef, beat.ef_percent->value * papillary_ml / beat.edv_ml.value);
+    allow_for_model(*beat.ef_percent, factor, of_ef, beat.ef_percent->value * papillary_ml / beat.edv_ml.value);
   share(beat.wall_ml, of_wall, papillary_ml), share(beat.thickness_mm, of_wall, 0);
 }
 
@@ -212,11 +211,22 @@ struct VolumeGradients {
   std::vector<Eigen::VectorXd> cavity, wall;
 };
 
-/// Surfaces, valve plane and volumes of one gate.
-void describe_gate(const BeatProblem& problem, const Solution& solution, const Grid& grid, const Cholesky& factor,
-                   double papillary, std::size_t g, VolumeGradients& by, FittedBeat& beat) {
+/// The numbers of one gate, its cavity freed of what reads too small.
+Eigen::VectorXd corrected_numbers(const BeatProblem& problem, const Solution& solution, double near_by_contraction,
+                                  std::size_t g) {
+  Eigen::VectorXd numbers = problem.layout.at_gate(static_cast<int>(g), solution.unknowns);
+  const std::vector<Activity>& gates = solution.objective.activity;
+  double largest = 0;
+  for (const Activity& gate : gates) largest = std::max(largest, gate.cavity_mm3);
+  if (largest > 0) numbers[problem.layout.gate.endo] += near_by_contraction * (1 - gates[g].cavity_mm3 / largest);
+  return numbers;
+}
+
+/// Surfaces, valve plane and volumes of one gate, whose numbers are given.
+void describe_gate(const BeatProblem& problem, const Solution& solution, const Eigen::VectorXd& numbers,
+                   const Grid& grid, const Cholesky& factor, double papillary, std::size_t g, VolumeGradients& by,
+                   FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
-  const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), solution.unknowns);
   Walls walls(problem, numbers, papillary);
   FittedGate& gate = beat.gates[g];
   gate.endo = wall_mesh(walls, false, grid, g == 0 ? &beat.uptake : nullptr);
@@ -286,25 +296,26 @@ void describe_levels(const BeatProblem& problem, const Solution& solution, const
 
 }  // namespace
 
-void describe_beat(const BeatProblem& problem, const Solution& solution, double noise, const Grid& grid,
-                   double usual_share, FittedBeat& beat) {
+void describe_beat(const BeatProblem& problem, const Solution& solution, const Corrections& known, const Grid& grid,
+                   FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
   beat.rings = wall_rings, beat.segments = around;
-  const Cholesky known(solution.matrix.whole(problem.noise));
-  const double papillary = papillary_share(problem, solution, known, usual_share);
-  const Cholesky factor(solution.matrix.whole(noise));
+  const Cholesky of_steps(solution.matrix.whole(problem.noise));
+  const double papillary = papillary_share(problem, solution, of_steps, known.papillary_share);
+  const Cholesky factor(solution.matrix.whole(known.noise));
   const auto gates = static_cast<std::size_t>(layout.gates);
   VolumeGradients by{std::vector<Eigen::VectorXd>(gates), std::vector<Eigen::VectorXd>(gates)};
   beat.gates.resize(gates);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
-    describe_gate(problem, solution, grid, factor, papillary, g, by, beat);
+    describe_gate(problem, solution, corrected_numbers(problem, solution, known.near_by_contraction, g), grid, factor,
+                  papillary, g, by, beat);
   });
   describe_volumes(by, factor, beat);
   describe_levels(problem, solution, factor, beat);
   // Standard deviation of the papillary muscles' volume over what is believed of it. Hearts differ in it by 2 % of the
   // muscle (1.8 to 2.6 %: Gommans et al., Neth Heart J 24:326, 2016).
   constexpr double papillary_doubt = 1.25;
-  allow_for_model(beat, papillary_doubt * papillary / (1 - papillary) * beat.wall_ml.value);
+  allow_for_model(beat, known.model_factor, papillary_doubt * papillary / (1 - papillary) * beat.wall_ml.value);
   allow_for_unseen_wall(beat);
   tell_belief_from_data(problem, solution, factor, beat);
   beat.posterior = std::make_shared<const WallPosterior>(problem, solution.unknowns, grid, factor);

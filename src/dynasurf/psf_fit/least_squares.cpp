@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -100,6 +101,12 @@ ThicknessLook look_at_thickness(const BeatProblem& problem, const Eigen::VectorX
   return look;
 }
 
+/// A step may lead to a point spread wider than the heart, whose kernels would take minutes.
+bool is_within_reach(const BeatLayout& layout, const Eigen::VectorXd& gate) {
+  constexpr double farthest = 1.1;  // of the logs of the widths over their start: a factor of three
+  return (log_widths * gate.segment<3>(layout.gate.width)).cwiseAbs().maxCoeff() <= farthest;
+}
+
 Eigen::MatrixXd symmetric(const detail::AlignedMatrix& lower, int count) {
   Eigen::MatrixXd whole(count, count);
   for (int i = 0; i < count; ++i)
@@ -113,9 +120,13 @@ Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unk
   const BeatLayout& layout = problem.layout;
   const auto gates = static_cast<std::size_t>(layout.gates);
   Objective result;
+  const std::vector<Eigen::VectorXd> numbers = numbers_of_gates(layout, unknowns);
+  if (!is_within_reach(layout, numbers.front())) {
+    result.value = std::numeric_limits<double>::infinity();
+    return result;
+  }
   result.residual.resize(gates);
   result.activity.resize(gates);
-  const std::vector<Eigen::VectorXd> numbers = numbers_of_gates(layout, unknowns);
   const PsfProjector camera = camera_of(problem, numbers);
   const CellFields fields = fields_of(problem.cells, layout.gate, numbers);
   std::vector<double> data(gates, 0.0);

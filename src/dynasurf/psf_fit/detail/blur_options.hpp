@@ -1,9 +1,19 @@
 #pragma once
+#include <array>
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include "dynasurf/core/options.hpp"
 
 namespace dynasurf::psf_fit {
+
+/// Whether the reconstruction corrected attenuation: as the study tells, or as given.
+enum class GivenAttenuation { automatic, uncorrected, corrected };
+inline std::span<const std::string_view> names_of(GivenAttenuation) {
+  static constexpr std::array<std::string_view, 3> names{"auto", "uncorrected", "corrected"};
+  return names;
+}
 
 /// How the surfaces are fitted through the camera's blur.
 struct BlurFit {
@@ -15,7 +25,7 @@ struct BlurFit {
   double butterworth_order = 5;
   int shape_degree = 6, wall_degree = 4, uptake_degree = 12;
   double papillary_share = 0.016;
-  bool attenuation = true;
+  GivenAttenuation attenuation = GivenAttenuation::automatic;
   int most_steps = 60;
 };
 void describe(auto& visit, BlurFit& o) {
@@ -46,9 +56,10 @@ void describe(auto& visit, BlurFit& o) {
           "largest part of the muscle that counts as papillary muscles in the cavity; less where the inner wall shows "
           "no trace of them, and the error bars hold anything from none to three times as much",
           "", 0, 0.2});
-  visit(
-      "attenuation", o.attenuation,
-      OptionInfo{"look for what the body's attenuation leaves in gated SPECT whose reconstruction did not correct it"});
+  visit("attenuation", o.attenuation,
+        OptionInfo{
+            "whether the reconstruction corrected attenuation; auto: what the file says, else it is looked for "
+            "in gated SPECT"});
   visit("most_steps", o.most_steps, OptionInfo{"steps of the optimiser at most", "", 1, 1000});
 }
 

@@ -4,9 +4,18 @@
 
 namespace dynasurf::psf_fit {
 
-/// Turns a solution into surfaces, volumes and their error bars. `usual_share` of the muscle along every ray, or less
-/// (papillary_share.hpp), counts as cavity. `noise`: as in BeatProblem, of the errors alone. Internal.
-void describe_beat(const BeatProblem& problem, const Solution& solution, double noise, const Grid& grid,
-                   double usual_share, FittedBeat& beat);
+/// What a fit does not know of its own errors.
+struct Corrections {
+  double noise = 0;            // as in BeatProblem, of the errors alone
+  double papillary_share = 0;  // of the muscle along every ray, or less (papillary_share.hpp), counts as cavity
+  double model_factor = 1.3;   // of the normal matrix's deviations
+  // Added to the log of the inner wall's distance from the centre, times the part of the end-diastolic volume that is
+  // put out. The muscle per solid angle stays.
+  double near_by_contraction = 0;
+};
+
+/// Turns a solution into surfaces, volumes and their error bars. Internal.
+void describe_beat(const BeatProblem& problem, const Solution& solution, const Corrections& known, const Grid& grid,
+                   FittedBeat& beat);
 
 }  // namespace dynasurf::psf_fit

@@ -18,7 +18,8 @@ struct Objective {
 };
 /// The objective and its gradient at some unknowns.
 Objective objective(const BeatProblem& problem, const Eigen::VectorXd& unknowns);
-/// The same without its gradient, which takes as long again, and the gradient there.
+/// The same without its gradient, which takes as long again, and the gradient there. Where the point spread is not
+/// within a factor of three of its start, the value is infinite and the rest is empty.
 Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unknowns);
 Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at);
 
