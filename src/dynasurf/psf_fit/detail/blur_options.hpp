@@ -57,9 +57,8 @@ void describe(auto& visit, BlurFit& o) {
           "no trace of them, and the error bars hold anything from none to three times as much",
           "", 0, 0.2});
   visit("attenuation", o.attenuation,
-        OptionInfo{
-            "whether the reconstruction corrected attenuation; auto: what the file says, else it is looked for "
-            "in gated SPECT"});
+        OptionInfo{"whether the reconstruction corrected attenuation; auto: what the file says, else it is looked for "
+                   "in gated SPECT"});
   visit("most_steps", o.most_steps, OptionInfo{"steps of the optimiser at most", "", 1, 1000});
 }
 

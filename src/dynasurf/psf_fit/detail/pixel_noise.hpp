@@ -13,8 +13,8 @@ struct PixelNoise {
   double misfit_seen = 0;  // variance of a pixel of weight 1
 };
 
-/// From the residuals of the fit. Misfit is correlated over longer distances than noise; counted so far during the steps
-/// it would let the priors win. Of the errors, what stands still beyond noise is no part: it is bias, not spread.
+/// From the residuals of the fit. Misfit is correlated over longer distances than noise; counted so far during the
+/// steps it would let the priors win. Of the errors, what stands still beyond noise is no part: it is bias, not spread.
 PixelNoise noise_of(const BeatProblem& problem, const Objective& objective);
 
 }  // namespace dynasurf::psf_fit
