@@ -340,6 +340,9 @@ TEST(BlurFit, EnlargesContractedCavitiesWhereAttenuationWasNotCorrected) {
   EXPECT_NEAR(told.edv_ml.value / unknown.edv_ml.value, 1, 1e-6);
   EXPECT_NEAR(told.wall_ml.value / unknown.wall_ml.value, 1, 0.01);
   EXPECT_LT(told.ef_percent->value, unknown.ef_percent->value - 2);
+  const auto is_told = [](const Note& n) { return n.code == "fit.contraction"; };
+  EXPECT_TRUE(std::any_of(told.notes.begin(), told.notes.end(), is_told));
+  EXPECT_FALSE(std::any_of(unknown.notes.begin(), unknown.notes.end(), is_told));
 }
 
 TEST(BlurFit, LooksForNoAttenuationThatWasCorrected) {

@@ -298,6 +298,18 @@ Corrections corrections_of(const Fitting& fit, const Blur& blur, const BlurFit& 
   return known;
 }
 
+void tell_contraction(double near_by_contraction, FittedBeat& beat) {
+  if (near_by_contraction == 0 || !beat.ef_percent) return;
+  const bool is_near = near_by_contraction > 0;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "attenuation was %s: at end-systole the inner wall was moved %s by %.1f %% of its distance from the "
+                "centre, as learned behind a simulated camera",
+                is_near ? "not corrected" : "corrected", is_near ? "outwards" : "inwards",
+                std::abs(near_by_contraction) * beat.ef_percent->value);
+  beat.notes.push_back({Severity::info, "fit.contraction", text});
+}
+
 /// Looks for hot spots beside the heart and lets the fit explain them. Returns how many there are.
 int add_extracardiac_sources(Fitting& fit, double fwhm_mm) {
   // Of a sharp image nothing beside the heart spills over the wall: what is left there is doubted, not modelled.
@@ -409,7 +421,9 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   beat.converged = solution.converged;
   beat.images = images_of(problem, solution.objective, study.grid());
   end_walls_as_said(start, study.grid(), placed.frame, problem.layout, solution.unknowns);
-  describe_beat(problem, solution, corrections_of(fit, blur, options, attenuation), study.grid(), beat);
+  const Corrections known = corrections_of(fit, blur, options, attenuation);
+  describe_beat(problem, solution, known, study.grid(), beat);
+  tell_contraction(known.near_by_contraction, beat);
   beat.fwhm_mm.value = blur.fwhm_mm * own::exp(problem.layout.at_gate(0, solution.unknowns)[problem.layout.gate.width]);
   // Of its log until here. Cameras differ from one Gaussian: so widened, the interval holds the truth in 90 % of the
   // choosing patients of experiments/unbiased_200.
