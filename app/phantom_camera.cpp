@@ -43,11 +43,8 @@ ExitCode make_acquisition(const PhantomArguments& arguments, std::stop_token sto
   io::DicomWriteOptions counts;
   counts.series_description = "Dynasurf projections";
   io::write_projections(made.projections, to / "projections.dcm", counts);
-  const std::string mark = made.short_axis.attenuation == Attenuation::corrected     ? " AC"
-                           : made.short_axis.attenuation == Attenuation::uncorrected ? " NAC"
-                                                                                     : "";
-  io::write_dicom(made.transaxial, to / "transaxial.dcm", finely_stored(made.transaxial, "Dynasurf transaxial" + mark));
-  io::write_dicom(made.short_axis, to / "study.dcm", finely_stored(made.short_axis, "Dynasurf short axis" + mark));
+  io::write_dicom(made.transaxial, to / "transaxial.dcm", finely_stored(made.transaxial, "Dynasurf transaxial"));
+  io::write_dicom(made.short_axis, to / "study.dcm", finely_stored(made.short_axis, "Dynasurf short axis"));
   if (arguments.nrrd)
     io::write_nrrd(made.short_axis, to / (made.short_axis.gates.size() > 1 ? "study.seq.nrrd" : "study.nrrd"));
   Study map;

@@ -106,6 +106,8 @@ io::DicomWriteOptions finely_stored(const Study& study, const std::string& descr
   io::DicomWriteOptions dicom;
   dicom.counts_scale = largest > 0 ? 30000 / static_cast<double>(largest) : 1;
   dicom.series_description = description;
+  // No list of corrections says what was not corrected.
+  if (study.attenuation == Attenuation::uncorrected) dicom.series_description += " NAC";
   return dicom;
 }
 

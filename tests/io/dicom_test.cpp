@@ -83,6 +83,17 @@ TEST_F(DicomFile, TellsWhetherAttenuationWasCorrected) {
   EXPECT_EQ(read_back(Attenuation::uncorrected, "Stress_IRNC_SA"), Attenuation::uncorrected);
   EXPECT_EQ(read_back(Attenuation::corrected, "Gated SA"), Attenuation::corrected);
   EXPECT_EQ(read_back(Attenuation::corrected, "NAC"), Attenuation::corrected) << "the list of corrections leads";
+  const auto with_list = [&](const char* corrections, const char* description) {
+    return read_study(changed([&](DcmDataset& d) {
+             put(d, DCM_CorrectedImage, corrections);
+             put(d, DCM_SeriesDescription, description);
+           }))
+        .attenuation;
+  };
+  EXPECT_EQ(with_list("UNIF\\DECY", "Gated SA"), Attenuation::uncorrected);
+  EXPECT_EQ(with_list("UNIF\\DECY", "Gated SA AC"), Attenuation::corrected) << "the list is of counts";
+  EXPECT_EQ(with_list("UNIF\\ATTN", "Gated SA"), Attenuation::corrected);
+  EXPECT_EQ(with_list("of Jane Doe", "Gated SA"), Attenuation::unknown);
 }
 
 TEST_F(DicomFile, OrdersFramesByTheirVectorsAndNeverByPosition) {

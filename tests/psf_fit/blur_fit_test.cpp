@@ -126,7 +126,7 @@ TEST(BlurFit, ReadsTheVolumesBehindAButterworthFilter) {
     return fit_through_blur(phantom.study, biased_start(phantom), options).edv_ml.value / *phantom.edv_ml - 1;
   };
   EXPECT_LT(std::abs(edv_error(0.36)), 0.08);
-  options.attenuation = GivenAttenuation::corrected;
+  options.attenuation = Attenuation::corrected;
   EXPECT_LT(edv_error(0), -0.1);  // a Gaussian alone
 }
 
@@ -309,7 +309,7 @@ TEST(BlurFit, ExplainsUncorrectedAttenuation) {
   const Study study = attenuated(phantom);
   const FitStart start = biased_start(phantom);
   BlurFit without = known_blur(12);
-  without.attenuation = GivenAttenuation::corrected;
+  without.attenuation = Attenuation::corrected;
   const FittedBeat blind = fit_through_blur(study, start, without),
                    aware = fit_through_blur(study, start, known_blur(12));
   EXPECT_LT(aware.objective, 0.7 * blind.objective);
@@ -322,7 +322,7 @@ TEST(BlurFit, SeesNoAttenuationWhereThereIsNone) {
   const synthetic::Phantom phantom = small_study(12);
   const FitStart start = biased_start(phantom);
   BlurFit without = known_blur(12);
-  without.attenuation = GivenAttenuation::corrected;
+  without.attenuation = Attenuation::corrected;
   const FittedBeat beat = fit_through_blur(phantom.study, start, known_blur(12));
   EXPECT_FALSE(tells_attenuation(beat));
   EXPECT_NEAR(beat.edv_ml.value / fit_through_blur(phantom.study, start, without).edv_ml.value, 1, 0.01);
@@ -352,7 +352,7 @@ TEST(BlurFit, LooksForNoAttenuationThatWasCorrected) {
   study.attenuation = Attenuation::corrected;
   EXPECT_FALSE(tells_attenuation(fit_through_blur(study, start, known_blur(12))));
   BlurFit given = known_blur(12);
-  given.attenuation = GivenAttenuation::uncorrected;
+  given.attenuation = Attenuation::uncorrected;
   EXPECT_TRUE(tells_attenuation(fit_through_blur(study, start, given))) << "what is given leads";
 }
 
@@ -362,8 +362,11 @@ TEST(BlurFit, LetsPriorsCountForMoreWhereMisfitStandsStill) {
   BlurFit options = known_blur(12);
   options.fwhm_uncertainty = 0.1;
   const FittedBeat clear = fit_through_blur(phantom.study, start, options);
-  for (Image& gate : phantom.study.gates)  // the same stripes in every gate, finer than any wall
-    for (std::size_t n = 0; n < gate.values.size(); ++n) gate.values[n] *= n % 2 == 0 ? 1.06F : 0.94F;
+  // The same stripes in every gate, finer than any wall.
+  const std::vector<float>& first = phantom.study.gates.front().values;
+  const float stripe = 0.03F * *std::max_element(first.begin(), first.end());
+  for (Image& gate : phantom.study.gates)
+    for (std::size_t n = 0; n < gate.values.size(); ++n) gate.values[n] += n % 2 == 0 ? stripe : -stripe;
   const FittedBeat striped = fit_through_blur(phantom.study, start, options);
   EXPECT_LT(striped.width_from_data, clear.width_from_data);
   EXPECT_NEAR(striped.edv_ml.value / clear.edv_ml.value, 1, 0.1);

@@ -320,8 +320,8 @@ TEST(Judge, DoubtsAThinWallOnlyWhereTheIntervalIsNarrow) {
   result.leading.edv_ml->sd = 4.5;
   EXPECT_TRUE(is_flagged(result, "fit.thin_wall"));
   EXPECT_EQ(verdict_of(assess(result)), Verdict::ok);
-  result.notes.push_back({Severity::warning, "study.cut", "the heart is cut"});
-  EXPECT_EQ(codes_of(result), (Codes{"study.cut", "fit.thin_wall"})) << "what decides comes first";
+  result.notes.push_back({Severity::warning, "fit.thickness_believed", "the thickness is believed"});
+  EXPECT_EQ(codes_of(result), (Codes{"fit.thickness_believed", "fit.thin_wall"})) << "what decides comes first";
 }
 
 TEST(Judge, DoesNotMissTheOuterBorderOfABloodPool) {

@@ -1,5 +1,7 @@
 #pragma once
+#include <array>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,10 +29,11 @@ inline std::string_view name_of(SliceOrder o) {
   constexpr std::string_view names[] = {"unknown", "apex_to_base", "base_to_apex"};
   return names[static_cast<int>(o)];
 }
-inline std::string_view name_of(Attenuation a) {
-  constexpr std::string_view names[] = {"unknown", "uncorrected", "corrected"};
-  return names[static_cast<int>(a)];
+inline std::span<const std::string_view> names_of(Attenuation) {
+  static constexpr std::array<std::string_view, 3> names{"unknown", "uncorrected", "corrected"};
+  return names;
 }
+inline std::string_view name_of(Attenuation a) { return names_of(a)[static_cast<std::size_t>(a)]; }
 
 /// A heart study as read: one volume per gate (one volume: ungated), all on the same grid, values as stored after
 /// rescaling, slices in the order of the file. Holds nothing that identifies a person.

@@ -347,13 +347,14 @@ void read_view(DicomImage& image, const Attributes& root) {
   if (order == "BASE_TO_APEX") image.slice_order = SliceOrder::base_to_apex;
 }
 
-/// By the list of corrections, else by the description: many cameras leave the list out.
+/// By the list of corrections, where attenuation stands in it; else by the description, for many cameras list no more
+/// than what they do to counts. Only where that says nothing is a list without attenuation taken at its word.
 Attenuation attenuation_in(const Attributes& root) {
   const std::vector<std::string> corrections = root.texts(DCM_CorrectedImage);
+  if (std::find(corrections.begin(), corrections.end(), "ATTN") != corrections.end()) return Attenuation::corrected;
+  const Attenuation in_words = attenuation_in_words(root.text(DCM_SeriesDescription));
   const bool is_listed = std::any_of(corrections.begin(), corrections.end(), is_correction);
-  if (!is_listed) return attenuation_in_words(root.text(DCM_SeriesDescription));
-  const bool is_corrected = std::find(corrections.begin(), corrections.end(), "ATTN") != corrections.end();
-  return is_corrected ? Attenuation::corrected : Attenuation::uncorrected;
+  return in_words == Attenuation::unknown && is_listed ? Attenuation::uncorrected : in_words;
 }
 
 }  // namespace

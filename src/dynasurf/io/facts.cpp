@@ -81,7 +81,7 @@ StudyFacts facts_of(const std::filesystem::path& path, const Study& study, const
   if (!study.image_type.empty()) add("image type", study.image_type);
   add("view", words_of(name_of(study.view)));
   add("slice order", words_of(name_of(study.slice_order)));
-  add("attenuation", std::string(name_of(study.attenuation)));
+  if (study.attenuation != Attenuation::unknown) add("attenuation", std::string(name_of(study.attenuation)));
   add("voxels", std::to_string(g.dims[0]) + " x " + std::to_string(g.dims[1]) + " x " + std::to_string(g.dims[2]));
   add("voxel size", number(g.spacing[0]) + " x " + number(g.spacing[1]) + " x " + number(g.spacing[2]) + " mm");
   add("extent", number(g.spacing[0] * g.dims[0], 4) + " x " + number(g.spacing[1] * g.dims[1], 4) + " x " +

@@ -274,8 +274,7 @@ void look_for_attenuation(Fitting& fit, const Study& study, double share) {
 
 /// What the reconstruction did about attenuation. Behind filtered backprojection hardly anybody corrects it.
 Attenuation attenuation_of(const Study& study, const BlurFit& options, bool is_filtered) {
-  if (options.attenuation == GivenAttenuation::corrected) return Attenuation::corrected;
-  if (options.attenuation == GivenAttenuation::uncorrected) return Attenuation::uncorrected;
+  if (options.attenuation != Attenuation::unknown) return options.attenuation;
   const bool is_spect = study.modality != "PT" && study.modality != "MR" && study.modality != "CT";
   if (!is_spect) return Attenuation::unknown;
   return study.attenuation == Attenuation::unknown && is_filtered ? Attenuation::uncorrected : study.attenuation;

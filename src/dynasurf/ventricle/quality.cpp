@@ -310,8 +310,7 @@ void flag_notes(const Result& result, std::vector<QualityFlag>& flags) {
     std::string message = notes.front()->message;
     if (!gates.empty()) message += " (" + gate_list(gates) + ")";
     // What an interval holds needs no second doubt.
-    const bool is_held =
-        (code == "fit.thin_wall" || code == "fit.thickness_believed") && edv_uncertainty(result) > thin_wall_edv;
+    const bool is_held = code == "fit.thin_wall" && edv_uncertainty(result) > thin_wall_edv;
     const Severity severity = failure                      ? Severity::failure
                               : is_remark(code) || is_held ? Severity::info
                                                            : Severity::warning;

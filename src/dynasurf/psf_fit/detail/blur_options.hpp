@@ -1,19 +1,10 @@
 #pragma once
-#include <array>
 #include <optional>
-#include <span>
-#include <string_view>
 
 #include "dynasurf/core/options.hpp"
+#include "dynasurf/core/study.hpp"
 
 namespace dynasurf::psf_fit {
-
-/// Whether the reconstruction corrected attenuation: as the study tells, or as given.
-enum class GivenAttenuation { automatic, uncorrected, corrected };
-inline std::span<const std::string_view> names_of(GivenAttenuation) {
-  static constexpr std::array<std::string_view, 3> names{"auto", "uncorrected", "corrected"};
-  return names;
-}
 
 /// How the surfaces are fitted through the camera's blur.
 struct BlurFit {
@@ -25,7 +16,7 @@ struct BlurFit {
   double butterworth_order = 5;
   int shape_degree = 6, wall_degree = 4, uptake_degree = 12;
   double papillary_share = 0.016;
-  GivenAttenuation attenuation = GivenAttenuation::automatic;
+  Attenuation attenuation = Attenuation::unknown;
   int most_steps = 60;
 };
 void describe(auto& visit, BlurFit& o) {
@@ -57,8 +48,8 @@ void describe(auto& visit, BlurFit& o) {
           "no trace of them, and the error bars hold anything from none to three times as much",
           "", 0, 0.2});
   visit("attenuation", o.attenuation,
-        OptionInfo{"whether the reconstruction corrected attenuation; auto: what the file says, else it is looked for "
-                   "in gated SPECT"});
+        OptionInfo{"whether the reconstruction corrected attenuation; unknown: what the file says, and where it says "
+                   "nothing, gated SPECT is searched for it"});
   visit("most_steps", o.most_steps, OptionInfo{"steps of the optimiser at most", "", 1, 1000});
 }
 
