@@ -3,6 +3,10 @@
 # Every check runs to its end, whatever the ones before it found, and the last lines are a table of all of them.
 
 checked=()
+passed_checks=build/check
+
+# The tree that is checked out; nothing where files differ from it.
+checked_tree() { [ -n "$(git status --porcelain 2>&1)" ] || git rev-parse 'HEAD^{tree}'; }
 
 # step NAME COMMAND...
 step() {
@@ -11,6 +15,21 @@ step() {
   say "$name"
   ("$@") || verdict=FAILED
   checked+=("$(printf '%-34s %6d s  %s' "$name" $((SECONDS - begin)) "$verdict")")
+}
+
+# long_step NAME COMMAND... : what passed with these very sources is not repeated, so that hours can be cut in pieces.
+long_step() {
+  local passed=$passed_checks/${1// /-} tree
+  tree=$(checked_tree)
+  if [ -n "$tree" ] && grep -qs "^$tree " "$passed"; then
+    checked+=("$(printf '%-34s %6d s  passed before' "$1" "$(cut -d ' ' -f 2 "$passed")")")
+    return
+  fi
+  local begin=$SECONDS
+  step "$@"
+  case "${checked[-1]}" in
+    *passed) mkdir -p $passed_checks && printf '%s %s\n' "$tree" $((SECONDS - begin)) >"$passed" ;;
+  esac
 }
 
 end_of_checks() {
@@ -91,10 +110,10 @@ do_check() {
   need clang-format:clang-format clang-tidy:clang-tidy clang++:clang valgrind:valgrind
   step "format" check_format
   step "include rules and documents" check_rules
-  step "clang-tidy" check_tidy < <(all_units)
+  long_step "clang-tidy" check_tidy < <(all_units)
   local preset
-  for preset in asan tsan isan; do step "every command under $preset" check_jobs "$preset"; done
-  step "every command under Valgrind" check_leaks
-  for preset in asan tsan; do step "tests under $preset" check_tests "$preset"; done
+  for preset in asan tsan isan; do long_step "every command under $preset" check_jobs "$preset"; done
+  long_step "every command under Valgrind" check_leaks
+  for preset in asan tsan; do long_step "tests under $preset" check_tests "$preset"; done
   end_of_checks
 }
