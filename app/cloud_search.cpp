@@ -35,7 +35,7 @@ io::StudySearch search_clouds(const fs::path& folder, const Progress& progress) 
   io::StudySearch found;
   for (const fs::path& file : files_below(folder, progress)) {
     if (is_cloud(file))
-      found.studies.push_back({{file}});
+      found.studies.push_back({{file}, "", 0});
     else if (ends_as_one_of(file, {".txt", ".csv"}))
       found.left_out.push_back({file, "may be any text; a table of clouds names those that are points"});
     else

@@ -83,10 +83,15 @@ class Faults(CliTest):
         study = self.folder / "study"
         series(study, "a.dcm", 301, "CANARY^HANS STRESS")
         series(study, "b.dcm", 201, "CANARY^HANS REST")
-        for command in (["info", study], ["ventricle", study, "--out", self.folder / "r"]):
-            line = self.refuses(2, *command, says=("2 different image stacks", "--series", "201 is 4 gates of ",
-                                                   "rest; 301 is 4 gates of ", "stress"))
-            self.assertNotIn("CANARY", line)
+        line = self.refuses(2, "ventricle", study, "--out", self.folder / "r",
+                            says=("2 different image stacks", "--series", "201 is 4 gates of ",
+                                  "rest; 301 is 4 gates of ", "stress"))
+        listed = run("info", study).stdout
+        self.assertRegex(listed, r"^2 studies\na.dcm +4 gates of .*, stress *\nb.dcm +4 gates of .*, rest *\n$")
+        studies = json.loads(run("info", study, "--json").stdout)["studies"]
+        self.assertEqual([s["files"] for s in studies], [["a.dcm"], ["b.dcm"]])
+        self.assertEqual(len({s["examination"] for s in studies}), 1)
+        self.assertNotIn("CANARY", line + listed)
         self.refuses(2, "info", study, "--series", "5", says="201 is 4 gates")
         self.refuses(2, "info", small_patient() / "study.nii.gz", "--series", "1", says="no series to choose from")
         self.assertIn("number 201, which --series chose, is read", run("info", study, "--series", "rest").stdout)

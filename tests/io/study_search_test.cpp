@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
+#include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -91,6 +92,9 @@ TEST_F(StudySearchOf, SeriesOfOneFileASliceAndGateFindsThemAllWhereverTheyLie) {
     files.push_back(study.files);
   }
   EXPECT_THAT(files, UnorderedElementsAre(spread, second, third));
+  std::set<int> examinations;
+  for (const auto& study : found.studies) examinations.insert(study.examination);
+  EXPECT_EQ(examinations.size(), 3u);
 }
 
 TEST_F(StudySearchOf, GatesThatAreAFileEachMakeOneStudy) {
@@ -147,6 +151,9 @@ TEST_F(StudySearchOf, RestAndStressOfOneExaminationAreTwoStudies) {
   ASSERT_EQ(found.studies.size(), 2u);
   EXPECT_EQ(found.studies[0].files, std::vector<fs::path>{rest});
   EXPECT_EQ(found.studies[1].files, std::vector<fs::path>{stress});
+  EXPECT_THAT(found.studies[0].what, ::testing::EndsWith(", rest"));
+  EXPECT_THAT(found.studies[1].what, ::testing::EndsWith(", stress"));
+  EXPECT_EQ(found.studies[0].examination, found.studies[1].examination);
 }
 
 TEST_F(StudySearchOf, ADamagedSeriesIsAStudyThatTellsSoAndCostsNoOther) {

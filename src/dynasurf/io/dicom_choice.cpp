@@ -28,10 +28,13 @@ bool is_wanted(const DicomImage& image, const DicomStack& stack) {
          (image.view == View::short_axis || image.view == View::unknown);
 }
 
+std::string size_in_words(int gates, const Index3& n) {
+  return (gates > 1 ? std::to_string(gates) + " gates of " : "ungated ") + std::to_string(n[0]) + " x " +
+         std::to_string(n[1]) + " x " + std::to_string(n[2]);
+}
+
 std::string description_of(const DicomImage& image, const DicomStack& stack) {
-  const Index3& n = stack.grid.dims;
-  std::string text = (stack.gates > 1 ? std::to_string(stack.gates) + " gates of " : "ungated ") +
-                     std::to_string(n[0]) + " x " + std::to_string(n[1]) + " x " + std::to_string(n[2]);
+  std::string text = size_in_words(stack.gates, stack.grid.dims);
   if (image.view != View::unknown) {
     std::string view(name_of(image.view));
     std::replace(view.begin(), view.end(), '_', ' ');

@@ -41,7 +41,7 @@ void sort_in(const fs::path& file, std::map<std::string, Images>& examinations, 
     if (reason.starts_with("holds no pixel data"))
       leave_out("no image");
     else if (look == DicomLook::preamble)
-      found.studies.push_back({{file}});
+      found.studies.push_back({{file}, ""});
     else
       leave_out(no_format);
   }
@@ -78,7 +78,7 @@ void take_stacks(const Images& images, std::vector<DicomStack> stacks, StudySear
   std::set<fs::path> taken;
   const std::vector<DicomStack> kept = without_other_windows(images, wanted);
   for (const DicomStack& stack : kept) {
-    found.studies.push_back({files_of(images, stack)});
+    found.studies.push_back({files_of(images, stack), description_of(images[stack.first_file()], stack)});
     taken.insert(found.studies.back().files.begin(), found.studies.back().files.end());
   }
   for (const DicomStack& stack : wanted)
@@ -128,9 +128,13 @@ void search_dicom(const std::vector<fs::path>& files, StudySearch& found, const 
     if (n % 1000 == 0) progress("search DICOM", static_cast<int>(n), static_cast<int>(files.size()));
     sort_in(files[n], examinations, found);
   }
+  int examination = 0;
   for (auto& [uid, images] : examinations) {
     progress.check();
+    const std::size_t before = found.studies.size();
     look_at_examination(std::move(images), found);
+    ++examination;
+    for (std::size_t n = before; n < found.studies.size(); ++n) found.studies[n].examination = examination;
   }
 }
 

@@ -61,6 +61,8 @@ struct StudySearch {
   /// The files that make up one study, in a stable order.
   struct Found {
     std::vector<std::filesystem::path> files;
+    std::string what;     // "8 gates of 64 x 64 x 20, short axis, rest"; empty: damaged
+    int examination = 0;  // DICOM studies of one examination have the same; 0: not known
   };
   struct LeftOut {
     std::filesystem::path file;

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/detail/dicom_choice.hpp"
 #include "dynasurf/io/detail/dicom_search.hpp"
 #include "dynasurf/io/detail/formats.hpp"
 #include "dynasurf/io/study_io.hpp"
@@ -36,15 +37,17 @@ bool is_nifti(const fs::path& file) { return has_ending(file, {".nii", ".nii.gz"
 bool is_nrrd(const fs::path& file) { return has_ending(file, {".nrrd", ".nhdr"}); }
 
 void look_at_volume(const fs::path& file, StudySearch& found) {
+  std::string what;
   try {
     const Study study = is_nifti(file) ? read_nifti(file) : read_nrrd(file);
     if (study.gates.size() < 2) {
       found.left_out.push_back({file, "not gated"});
       return;
     }
+    what = size_in_words(static_cast<int>(study.gates.size()), study.grid().dims);
   } catch (const InputError&) {  // reading it as a study tells why
   }
-  found.studies.push_back({{file}});
+  found.studies.push_back({{file}, what});
 }
 
 }  // namespace

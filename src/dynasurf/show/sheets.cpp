@@ -70,8 +70,8 @@ class Tile {
     const int x = i - window_.i, y = j - window_.j;
     if (x >= 0 && y >= 0 && x < window_.columns && y < window_.rows) voxels_(x, y) = colour;
   }
-  void line(std::vector<Vec2> points, const io::Colour& colour, double width = 1.5) {
-    lines_.push_back({std::move(points), {colour, width}});
+  void line(const std::vector<Vec2>& points, const io::Colour& colour, double width = 1.5) {
+    lines_.push_back({points, {colour, width}});
   }
   void circle(double i, double j, double radius, const io::Colour& colour) {
     std::vector<Vec2> ring;
@@ -79,7 +79,7 @@ class Tile {
       const double a = 2 * std::numbers::pi * n / 120;
       ring.emplace_back(i + radius * own::cos(a), j + radius * own::sin(a));
     }
-    line(std::move(ring), colour, 1.2);
+    line(ring, colour, 1.2);
   }
   void cross(double i, double j, const io::Colour& colour) {
     line({{i - 1, j}, {i + 1, j}}, colour);
@@ -198,8 +198,8 @@ Canvas draw_sheet(const Image& image, const Shown& shown, const std::string& tit
   Canvas canvas(all, head + rows * height + edge - gap);
   draw_head(canvas, title, legend);
   for (int n = 0; n < count; ++n) {
-    const int k = shown.slices[n];
-    const double left = edge + n % columns * width, top = head + n / columns * height + strip;
+    const int k = shown.slices[n], row = n / columns;
+    const double left = edge + n % columns * width, top = head + row * height + strip;
     Tile tile(shown.window, left, top, scale);
     tile.paint(image, k, shown.greys);
     draw(canvas, tile, k);
@@ -328,8 +328,9 @@ Canvas draw_sections(const Image& image, const TriMesh& surface, const std::stri
   return draw_sheet(image, around(image, mesh), title, section_legend, [&](Canvas&, Tile& tile, int k) {
     for (const auto& polygon : mesh::cross_section(mesh, Vec3(0, 0, k * spacing[2]), Vec3(0, 0, 1))) {
       std::vector<Vec2> cut;
+      cut.reserve(polygon.size());
       for (const Vec3& p : polygon) cut.emplace_back(p[0] / spacing[0], p[1] / spacing[1]);
-      tile.line(std::move(cut), outer);
+      tile.line(cut, outer);
     }
   });
 }

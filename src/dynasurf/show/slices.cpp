@@ -62,6 +62,7 @@ void draw_paths(Canvas& canvas, const SliceMap& map, std::span<const std::vector
   canvas.clip(map.box);
   for (const std::vector<Vec2>& path : paths) {
     std::vector<Vec2> way;
+    way.reserve(path.size());
     for (const Vec2& p : path) way.push_back(map.at(p[0], p[1]));
     canvas.line(way, {ink_of::light, 1});
     if (!way.empty()) canvas.disc(way.back(), 2, ink_of::epi);
@@ -154,7 +155,8 @@ Canvas draw_field_grid(std::span<const NamedField> fields, int across, int slice
   for (std::size_t n = 0; n < fields.size(); ++n) {
     const field::VectorField& field = fields[n].field;
     const double x = 56 + (n % across) * (side + gap_x);
-    const double y = head + (n / across) * (side + graph + gap_y);
+    const std::size_t above = n / across;
+    const double y = head + above * (side + graph + gap_y);
     canvas.text({x, y - 6}, fields[n].name, {11, Anchor::start, ink_of::text, true});
     const double longest = longest_in(field, shown, slice);
     const SliceMap map = map_of(g, shown, {x, y, side, side});
@@ -203,13 +205,15 @@ Canvas draw_sections_of(const Image& image, std::span<const NamedSurface> surfac
   for (std::size_t n = 0; n < drawn; ++n) {
     const int k = met[drawn == 1 ? 0 : n * (met.size() - 1) / (drawn - 1)];
     const double x = 24 + (n % across) * (side + 12);
-    const double y = 80 + (n / across) * (side + gap);
+    const std::size_t above = n / across;
+    const double y = 80 + above * (side + gap);
     const SliceMap map = map_of(g, window, {x, y, side, side});
     draw_slice(canvas, map, image, k, most);
     canvas.clip(map.box);
     for (std::size_t s = 0; s < surfaces.size(); ++s)
       for (const auto& polygon : mesh::cross_section(in_grid[s], Vec3(0, 0, k * g.spacing[2]), Vec3(0, 0, 1))) {
         std::vector<Vec2> line;
+        line.reserve(polygon.size());
         for (const Vec3& p : polygon) line.push_back(map.at(p[0] / g.spacing[0], p[1] / g.spacing[1]));
         canvas.line(line, {surfaces[s].colour, 1.8});
       }

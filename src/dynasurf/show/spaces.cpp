@@ -172,7 +172,8 @@ Canvas draw_mesh(std::span<const NamedSurface> surfaces, std::span<const NamedVo
   const std::size_t across = over_voxels ? 2 : 3;
   for (std::size_t n = 0; n < panels.size(); ++n) {
     const double x = 24 + (n % across) * (side + gap);
-    const double y = 64 + (n / across) * (side + gap);
+    const std::size_t above = n / across;
+    const double y = 64 + above * (side + gap);
     canvas.text({x, y + 10}, panels[n].first, {11, Anchor::start, ink_of::text, true});
     panels[n].second.draw(canvas, {x, y, side, side}, {}, scale);
   }
@@ -244,9 +245,10 @@ Canvas draw_evolution(std::span<const EvolutionFrame> frames, const Image& borde
   const std::size_t down = (frames.size() + across - 1) / across;
   Canvas canvas(48 + std::min(across, frames.size()) * side, 64 + down * (side + 16));
   draw_evolution_head(canvas, title);
-  for (std::size_t n = 0; n < frames.size(); ++n)
-    draw_frame(canvas, {24 + (n % across) * side, 64 + (n / across) * (side + 16), side, side}, frames[n], frames[0],
-               border);
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    const std::size_t above = n / across;
+    draw_frame(canvas, {24 + (n % across) * side, 64 + above * (side + 16), side, side}, frames[n], frames[0], border);
+  }
   return canvas;
 }
 

@@ -202,6 +202,7 @@ double sensitivity_cps_per_mbq(const Collimator& c) {
 
 std::vector<double> angles_of(const Acquisition& o) {
   std::vector<double> angles;
+  angles.reserve(static_cast<std::size_t>(o.views));
   for (int v = 0; v < o.views; ++v) angles.push_back(o.start_deg + o.arc_deg * v / o.views);
   return angles;
 }
@@ -222,6 +223,7 @@ Projections project(const std::vector<Image>& activity, const Image* attenuation
   Projections p = blank(grid, 1, activity.size(), angle_deg, radius_mm, false);
   if (response != nullptr) p.response = *response;
   std::vector<Columns> columns;
+  columns.reserve(activity.size());
   for (const Image& image : activity) columns.push_back(columns_of(image));
   const Columns map = attenuation != nullptr ? columns_of(*attenuation) : Columns(0);
   parallel_for(p.views(), 1, [&](std::size_t begin, std::size_t end) {
@@ -272,6 +274,7 @@ Projections acquire(const std::vector<Image>& activity, const Image& attenuation
   Projections p = blank(grid, o.oversampling, activity.size(), angle_deg, radius_mm, is_scattered);
   p.response = response_of(collimator_of(o));
   std::vector<Columns> columns;
+  columns.reserve(activity.size());
   for (const Image& image : activity) columns.push_back(columns_of(image));
   const Columns map = columns_of(attenuation);
   parallel_for(p.views(), 1, [&](std::size_t begin, std::size_t end) {

@@ -137,6 +137,7 @@ CameraStudy make_camera_study(const CameraPhantom& options, const Progress& prog
   std::vector<Image> gates = reconstruct_views(made.projections, &made.attenuation, o.reconstruction);
   const Grid cut = short_axis_grid(o.reorientation, made.truth, o.acquisition.bin_mm);
   std::vector<Image> turned;
+  turned.reserve(gates.size());
   for (const Image& gate : gates) turned.push_back(cut_out(gate, cut));
   const Osem* const osem = std::get_if<Osem>(&o.reconstruction);
   const Attenuation attenuation = osem && osem->attenuation   ? Attenuation::corrected

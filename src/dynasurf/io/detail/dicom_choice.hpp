@@ -22,6 +22,9 @@ std::vector<DicomStack> with_joined_gates(const std::vector<DicomImage>& images,
 /// Whether a stack may be a gated short-axis one.
 bool is_wanted(const DicomImage& image, const DicomStack& stack);
 
+/// "8 gates of 64 x 64 x 20".
+std::string size_in_words(int gates, const Index3& voxels);
+
 /// Words and numbers only, none of the file's own text: "8 gates of 64 x 64 x 20, short axis, rest".
 std::string description_of(const DicomImage& image, const DicomStack& stack);
 
