@@ -8,6 +8,7 @@
 #include "cloud_run.hpp"
 #include "command.hpp"
 #include "command_line.hpp"
+#include "option_arguments.hpp"
 
 namespace dynasurf::app {
 namespace {
@@ -61,7 +62,7 @@ std::string recorded_command(const CloudArguments& a) {
   for (std::size_t n = 0; n < a.clouds.size(); ++n) command += " CLOUD";
   command += " --out RESULT --preset " + a.preset;
   if (!a.file.empty()) command += " --options FILE";
-  for (const std::string& setting : settings_of(a)) command += " --set " + setting;
+  for (const std::string& setting : settings_of(a)) command += " --set " + shell_word(setting);
   return command;
 }
 

@@ -20,6 +20,14 @@ Image read_mask(const std::filesystem::path& file) {
   return std::move(study.gates.front());
 }
 
+std::string shell_word(const std::string& word) {
+  constexpr const char* plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.=,:+/-";
+  if (word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
 std::vector<std::string> settings_of(const OptionArguments& a) {
   std::vector<std::string> settings;
   if (!a.pipeline.empty()) settings.push_back("pipeline=" + a.pipeline);

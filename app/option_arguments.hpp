@@ -34,6 +34,9 @@ void add_option_arguments(CommandLine& command, OptionArguments& arguments);
 /// recorded and repeated like every other option.
 std::vector<std::string> settings_of(const OptionArguments& arguments);
 
+/// A word as a shell takes it: in quotes where it holds more than letters, digits and _.=,:+/-.
+std::string shell_word(const std::string& word);
+
 /// Throws OptionError, IoError.
 ventricle::Options options_of(const OptionArguments& arguments);
 

@@ -24,7 +24,7 @@ std::string recorded_command(const VentricleArguments& arguments) {
   if (!arguments.options.file.empty()) command += " --options FILE";
   if (!arguments.start.empty()) command += " --start MESH";
   if (!arguments.options.mask.empty()) command += " --mask MASK";
-  for (const std::string& setting : settings_of(arguments.options)) command += " --set " + setting;
+  for (const std::string& setting : settings_of(arguments.options)) command += " --set " + shell_word(setting);
   return command;
 }
 

@@ -19,6 +19,14 @@ const hashes = (kind) =>
     return found[1];
   });
 
+/** Hash of a style sheet that the program itself writes: into the page that compares two results, into its maps. */
+function hash_in(name, pattern) {
+  const found = pattern.exec(readFileSync(join(here, "../src/dynasurf/report", name), "utf8"));
+  if (!found) throw new Error(`${name}: has no style sheet`);
+  return source(found[1].replace(/"\s*"/g, ""));
+}
+const written = [hash_in("comparison_page.cpp", /style = R"\(([^]*?)\)";/), hash_in("polar_svg.cpp", /"<style>([^]*?)<\/style>/)];
+
 const read = (name) => readFileSync(join(here, "src/program", name), "utf8");
 const worker = await bundle("program/worker.ts");
 const script = await bundle("program/main.ts", { WORKER: JSON.stringify(worker) });
@@ -26,7 +34,8 @@ const style = await bundle("program/style.css");
 const policy = [
   "default-src 'none'",
   `script-src ${[source(script), ...hashes("script-src")].join(" ")} 'wasm-unsafe-eval'`,
-  `style-src ${[source(style), ...hashes("style-src")].join(" ")}`,
+  `style-src ${[source(style), ...hashes("style-src"), ...written].join(" ")}`,
+  "img-src data:",
   "worker-src blob:",
   "frame-src blob:",
   "connect-src 'none'",

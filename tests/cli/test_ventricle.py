@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import re
+import shlex
 import resource
 import shutil
 import signal
@@ -339,6 +340,21 @@ class SameBytes(CliTest):
         for name, reading in moved["readings"].items():
             less = before[name]["edv_ml"] - reading["edv_ml"]
             self.assertTrue(3 < less < 20, f"{name}: {less} mL less")  # 6 mm of a cavity 25 to 55 mm wide
+
+    def test_a_readers_decision_is_recorded_and_changes_no_number(self):
+        words = ["manual.decision=accepted", "manual.reader=A. O'Reader", "manual.comment=apex well seen"]
+        done = run("ventricle", small_patient() / "study.dcm", "--out", self.folder / "r",
+                   *(word for setting in words for word in ("--set", setting)))
+        self.assertIn(done.returncode, (0, 3), done.stdout + done.stderr)
+        results, before = (self.read_json(folder / "results.json") for folder in (self.folder / "r", small_result()))
+        self.assertEqual([results["provenance"]["options"]["manual"][key] for key in ("decision", "reader", "comment")],
+                         [word.split("=")[1] for word in words])
+        told = shlex.split(results["provenance"]["command"])
+        self.assertEqual([told[n + 1] for n, word in enumerate(told) if word == "--set"], words)
+        for result in (results, before):
+            for key in ("provenance", "timings_s"):
+                result.pop(key, None)
+        self.assertEqual(results, before)
 
     def test_what_a_person_cannot_mean_is_refused(self):
         for says, arguments in (("inside the volume", ["--center", "500", "500", "500"]),

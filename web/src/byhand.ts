@@ -3,7 +3,7 @@
 // the options `manual.*` of the program and a mask.
 import { toWorld, type Voxel } from "./cursor";
 import { toVoxels, type Results } from "./data";
-import { figure, html } from "./dom";
+import { figure, html, saveFile } from "./dom";
 import { argumentsOf, type ByHand, maskFile, mask_name, onGrid, type Paint, quoted } from "./host";
 import type { Drawing, Painter, Plane } from "./painter";
 import { fields, type Key, manualOf, rounded, roundedOf, type Said, saidIn } from "./said";
@@ -118,8 +118,10 @@ export class HandTool implements Tool {
     const options: Record<string, string> = {};
     for (const { key } of fields) {
       const value = this.said[key];
-      if (value !== undefined) options[`manual.${key}`] = Array.isArray(value) ? value.map(roundedOf(key)).join(",") : String(rounded(value));
+      if (value === undefined) continue;
+      options[`manual.${key}`] = Array.isArray(value) ? value.map(roundedOf(key)).join(",") : typeof value === "number" ? String(rounded(value)) : value;
     }
+    if (this.said.decision) options["manual.decision"] = this.said.decision;
     return { options, paint: this.is_painted ? { grid: this.painter.grid, voxels: this.paint! } : null };
   }
 
@@ -347,15 +349,25 @@ export class HandTool implements Tool {
         this.button("copy", "Copy as command line", () => this.copy()),
         this.button("mask", "Save the mask", () => this.saveMask()),
       ),
-      html("div", { class: "hand-fields" }, ...fields.map((field) => this.field(field))),
+      html("div", { class: "hand-fields" }, ...fields.filter(({ is_text }) => !is_text).map((field) => this.field(field))),
+      html("div", { class: "hand-fields texts" },
+        this.button("accepted", "Accept", () => this.decide("accepted"), "Record that a reader accepts the result"),
+        this.button("rejected", "Reject", () => this.decide("rejected"), "Record that a reader rejects the result"),
+        ...fields.filter(({ is_text }) => is_text).map((field) => this.field(field)),
+      ),
       this.state,
     );
     this.refresh();
   }
 
-  private field({ key, name, title }: (typeof fields)[number]): HTMLElement {
-    const input = html("input", { type: "text", id: `hand-${key}`, title, autocomplete: "off", spellcheck: "false" });
+  private field({ key, name, title, is_text }: (typeof fields)[number]): HTMLElement {
+    const input = html("input", { type: "text", id: `hand-${key}`, title, autocomplete: "off", spellcheck: "false", maxlength: "300" });
     input.addEventListener("change", () => {
+      if (is_text) {
+        this.keep();
+        this.set(key, (input.value.trim() || undefined) as never);
+        return this.refresh(true);
+      }
       const numbers = input.value.split(/[ ,;]+/).filter(Boolean).map(Number);
       const count = key === "center_mm" || key === "axis" ? 3 : key === "exclude_gates" ? numbers.length : 1;
       const fits = numbers.length === 0 || (numbers.length === count && numbers.every(Number.isFinite));
@@ -370,6 +382,12 @@ export class HandTool implements Tool {
     return html("label", {}, html("span", {}, name), input);
   }
 
+  private decide(decision: "accepted" | "rejected"): void {
+    this.keep();
+    this.set("decision", this.said.decision === decision ? undefined : decision);
+    this.refresh(true);
+  }
+
   private toggleGate(): void {
     this.keep();
     const gate = this.gate + 1;
@@ -380,7 +398,7 @@ export class HandTool implements Tool {
   }
 
   commandLine(): string {
-    const plain = this.results.provenance.command.replace(/ --set '?manual\.\w+=[^ ]*/g, "").replace(/ --mask \S+/, "");
+    const plain = this.results.provenance.command.replace(/ --set (?:'manual\.(?:[^']|'\\'')*'|manual\.\S*)/g, "").replace(/ --mask \S+/, "");
     return [plain, ...argumentsOf(this.byHand()).map(quoted)].join(" ");
   }
 
@@ -399,10 +417,7 @@ export class HandTool implements Tool {
 
   private saveMask(): void {
     const { paint } = this.byHand();
-    if (!paint) return;
-    const url = URL.createObjectURL(new Blob([maskFile(paint) as BlobPart]));
-    html("a", { href: url, download: mask_name }).click();
-    setTimeout(() => URL.revokeObjectURL(url), 60_000);
+    if (paint) saveFile(new Blob([maskFile(paint) as BlobPart]), mask_name);
   }
 
   /** After every change; `tell`: it is one to tell the page around the report. */
@@ -411,12 +426,13 @@ export class HandTool implements Tool {
     for (const { key } of fields) {
       const input = this.inputs.get(key)!;
       const value = this.said[key];
-      const found = key in this.found ? this.found[key as keyof HandTool["found"]] : key === "base_shift_mm" ? 0 : "none";
+      const found = key in this.found ? this.found[key as keyof HandTool["found"]] : key === "base_shift_mm" ? 0 : key === "exclude_gates" ? "none" : "";
       const shown = (v: unknown) => (Array.isArray(v) ? v.map((x: number) => roundedOf(key)(x)).join(",") : typeof v === "number" ? String(rounded(v)) : String(v));
       input.placeholder = shown(found);
       if (document.activeElement !== input || value === undefined) input.value = value === undefined ? "" : shown(value);
       input.classList.toggle("changed", value !== undefined);
     }
+    for (const decision of ["accepted", "rejected"]) this.buttons.get(decision)!.setAttribute("aria-pressed", String(this.said.decision === decision));
     const out = this.said.exclude_gates?.includes(this.gate + 1);
     const exclude = this.buttons.get("exclude")!;
     exclude.textContent = `${out ? "Include" : "Exclude"} gate ${this.gate + 1}`;

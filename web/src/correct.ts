@@ -39,7 +39,7 @@ export function joinHost(hand: HandTool | null, painter: Painter | null, slices:
   if (parent === window) return;
   const tell = (word: FromReport) => parent.postMessage(word, "*");
   addEventListener("message", (event: MessageEvent<FromPage>) => {
-    if (event.source !== parent || event.data?.dynasurf !== "page") return;
+    if (event.source !== parent || event.data?.dynasurf !== "page" || event.data.word !== "study") return;
     hand?.serve((said, run) => tell({ dynasurf: "report", word: "by hand", said, run }), event.data.said);
     void compareWith(event.data.before, painter, slices);
     if (!event.data.correcting || !hand || hand.on) return;

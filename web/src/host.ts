@@ -14,9 +14,13 @@ export interface ByHand {
 }
 export type FromReport =
   | { dynasurf: "report"; word: "ready" }
-  | { dynasurf: "report"; word: "by hand"; said: ByHand; run: boolean };
-export interface FromPage {
-  dynasurf: "page";
+  | { dynasurf: "report"; word: "by hand"; said: ByHand; run: boolean }
+  | { dynasurf: "report"; word: "touched" }
+  /** Where in the beat it is, from 0 to 1. */
+  | { dynasurf: "report"; word: "beat"; share: number };
+export type FromPage = { dynasurf: "page"; word: "beat"; share: number } | ({ dynasurf: "page"; word: "study" } & Told);
+/** What a report is told of its study. */
+export interface Told {
   said: ByHand;
   /** The data of the report to compare with, null: none. */
   before: string | null;
@@ -52,7 +56,7 @@ export function maskFile({ grid, voxels }: Paint): Uint8Array {
 }
 
 /** One word of a command line. */
-export const quoted = (word: string): string => (/^[\w.=,:+/-]+$/.test(word) ? word : `'${word}'`);
+export const quoted = (word: string): string => (/^[\w.=,:+/-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
 
 /** The arguments of `dynasurf ventricle` that repeat what was said. */
 export const argumentsOf = ({ options, paint }: ByHand): string[] => [

@@ -2,11 +2,13 @@
 import { Wall } from "./cycle";
 import { Cursor, placeInHeart, placeOnMap, sampleNear, toWorld } from "./cursor";
 import { ContourView } from "./contours";
+import { shareBeat } from "./beat";
 import { buildHand, joinHost } from "./correct";
 import { Curve } from "./curve";
 import { isCorrected, readReport, toVoxels, walls as wall_names, type Report, type Results } from "./data";
 import { byId, colour, figure, html, svg } from "./dom";
 import { FieldView } from "./field";
+import { buildFilm } from "./film";
 import { buildLayouts } from "./layouts";
 import { MotionView } from "./motion";
 import { Painter, type Overlay } from "./painter";
@@ -448,6 +450,8 @@ async function start(): Promise<void> {
 
   const hand = buildHand(painter, slices, results, player);
   joinHost(hand, painter, slices);
+  shareBeat(player);
+  buildFilm(results, player, scene);
   const toggles: Record<string, () => void> = { ...(hand ? { h: () => byId("toggle-hand").click() } : {}), ...buildToggles(painter, slices, scene), ...buildLayouts() };
   buildKeys(player, slices, scene, toggles, buildHelp());
   // Two panels with nothing in them must not push the slices off the screen.

@@ -11,9 +11,12 @@ export interface Said {
   last_slice?: number;
   base_shift_mm?: number;
   exclude_gates?: number[];
+  decision?: "accepted" | "rejected";
+  reader?: string;
+  comment?: string;
 }
 export type Key = keyof Said;
-export const fields: { key: Key; name: string; title: string }[] = [
+export const fields: { key: Key; name: string; title: string; is_text?: boolean }[] = [
   { key: "center_mm", name: "Centre x,y,z mm", title: "Middle of the heart in the world: left, posterior, superior" },
   { key: "axis", name: "Axis x,y,z", title: "Long axis from apex to base" },
   { key: "radius_mm", name: "Circle mm", title: "Radius of the circle outside which nothing is looked at" },
@@ -21,7 +24,10 @@ export const fields: { key: Key; name: string; title: string }[] = [
   { key: "last_slice", name: "Last slice", title: "Last slice of the ventricle" },
   { key: "base_shift_mm", name: "Valve plane moved mm", title: "Away from the apex, in every gate" },
   { key: "exclude_gates", name: "Excluded gates", title: "Such as 3,4: the means of their neighbours stand in their place" },
+  { key: "reader", name: "Reader", title: "Who accepts or rejects the result", is_text: true },
+  { key: "comment", name: "Comment", title: "Why, in your words", is_text: true },
 ];
+const all_keys: Key[] = [...fields.map(({ key }) => key), "decision"];
 
 export const rounded = (v: number) => Math.round(v * 100) / 100;
 export const roundedOf = (key: Key) => (v: number) => (key === "axis" ? Math.round(v * 1e4) / 1e4 : rounded(v));
@@ -35,9 +41,10 @@ export const manualOf = ({ provenance }: Pick<Results, "provenance">): Manual =>
 /** A value as the program's options have it; what is not set is absent. */
 export function saidIn(manual: Manual): Said {
   const said: Record<string, unknown> = {};
-  for (const { key } of fields) {
+  for (const key of all_keys) {
     const value = manual?.[key];
-    if (value !== null && value !== undefined && !(Array.isArray(value) && value.length === 0)) said[key] = value;
+    const is_nothing = value === null || value === undefined || value === "" || value === "none";
+    if (!is_nothing && !(Array.isArray(value) && value.length === 0)) said[key] = value;
   }
   return said as Said;
 }
@@ -46,7 +53,7 @@ export function saidIn(manual: Manual): Said {
 export function byHandWords(results: Results): string[] {
   const manual = manualOf(results);
   const said = saidIn(manual);
-  const names: Record<Key, string> = {
+  const names: Record<Exclude<Key, "decision" | "reader" | "comment">, string> = {
     center_mm: "centre",
     axis: "long axis",
     radius_mm: `circle of ${said.radius_mm} mm`,
@@ -55,9 +62,17 @@ export function byHandWords(results: Results): string[] {
     base_shift_mm: `valve plane moved by ${said.base_shift_mm} mm`,
     exclude_gates: `without gate${said.exclude_gates?.length === 1 ? "" : "s"} ${said.exclude_gates?.join(", ")}`,
   };
-  const words = fields.filter(({ key }) => said[key] !== undefined).map(({ key }) => names[key]);
+  const words = fields.flatMap(({ key }) => (key in names && said[key] !== undefined ? [names[key as keyof typeof names]] : []));
   const base = manual?.base_plane_mm ?? null;
   if (base !== null) words.push(`valve plane at ${String(base)} mm`);
   if (results.notes.some(({ code }) => code === "region.used")) words.push("mask");
   return words;
+}
+
+/** What a reader decided: "Accepted by A. Reader: well seen"; null: nothing. */
+export function decisionWords(results: Results): string | null {
+  const { decision, reader, comment } = saidIn(manualOf(results));
+  if (!decision && !reader && !comment) return null;
+  const word = decision === "accepted" ? "Accepted" : decision === "rejected" ? "Rejected" : "Looked at";
+  return `${word}${reader ? ` by ${reader}` : ""}${comment ? `: ${comment}` : ""}`;
 }

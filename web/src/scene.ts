@@ -293,6 +293,12 @@ export class SurfaceScene {
     points.needsUpdate = true;
   }
 
+  /** The picture as it stands now, to be copied before the browser shows the next one. */
+  drawn(): HTMLCanvasElement {
+    this.renderer.render(this.scene, this.camera);
+    return this.renderer.domElement;
+  }
+
   /** A picture of the heart at a moment from a side, for paper. Leaves the scene as it was asked for last. */
   picture(phase: number, view: ViewName, width: number, height: number): HTMLCanvasElement {
     const canvas = document.createElement("canvas");

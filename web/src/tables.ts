@@ -1,7 +1,7 @@
 // Everything that is text and numbers: verdict, cards, tables, provenance.
 import { isCorrected, walls, type GateNumbers, type Interval, type NoteText, type Reading, type Results, type WallName } from "./data";
 import { figure, html } from "./dom";
-import { byHandWords } from "./said";
+import { byHandWords, decisionWords, manualOf } from "./said";
 
 export const verdicts = {
   ok: { title: "Checks passed", text: "No quality flag was raised. Still compare the contours with the images before you use a number." },
@@ -22,7 +22,11 @@ export const word_of = { info: "Info", warning: "Warning", failure: "Failure" } 
 /** A line that says what is not the program's own finding. */
 export function byHandLine(results: Results): HTMLElement[] {
   const words = byHandWords(results);
-  return words.length > 0 ? [html("p", { class: "by-hand" }, html("b", {}, "Changed by hand: "), words.join(", "))] : [];
+  const decision = decisionWords(results);
+  return [
+    ...(decision ? [html("p", { class: `decision ${String(manualOf(results)?.decision)}` }, decision)] : []),
+    ...(words.length > 0 ? [html("p", { class: "by-hand" }, html("b", {}, "Changed by hand: "), words.join(", "))] : []),
+  ];
 }
 
 export function showVerdict(place: HTMLElement, results: Results): void {

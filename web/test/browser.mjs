@@ -66,7 +66,7 @@ export const finish = () => process.exit(failures ? 1 : 0);
 
 /** Runs tests by name. Each gets `open(sample)`; no page it opened may have asked for anything or complained. */
 export async function checkAll(context, tests, path_of) {
-  for (const [name, test] of Object.entries(tests))
+  for (const [name, test] of Object.entries(tests).filter(([of]) => of.includes(process.env.ONLY ?? "")))
     await check(name, async () => {
       const opened = [];
       await test(async (sample) => {

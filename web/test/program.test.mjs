@@ -300,6 +300,77 @@ const tests = {
     assert.equal(await frame.inputValue("#hand-radius_mm"), "44");
   },
 
+  async "lists several studies with a picture each, opens one, and comes back"(page) {
+    run_native("phantom", "patient", "--seed", "2", "--out", "other", "--quiet");
+    run_native("ventricle", "other/study.dcm", "--out", "other/native");
+    const files = ["patient", "other"].map((name) => ({ name: `${name}.dcm`, bytes: readFileSync(join(work, name, "study.dcm")) }));
+    await drop(page, [...files, { name: "letter.txt", bytes: Buffer.from("no image\n") }]);
+    await until_view(page, "studies", "failure");
+    assert.deepEqual(await page.locator("#study-list b").allInnerTexts(), ["other.dcm", "patient.dcm"]);
+    assert.match(await page.locator("#study-list span").first().innerText(), /^8 gates of 64 x 64 x 23, short axis/);
+    await page.waitForFunction(() => document.querySelectorAll('#study-list li[data-drawn="true"]').length === 2, null, { timeout: most_wait });
+    const bright = await page.evaluate(() =>
+      [...document.querySelectorAll("#study-list canvas")].map((canvas) => {
+        const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+        return data.reduce((count, v, n) => count + (n % 4 === 0 && v > 128 ? 1 : 0), 0);
+      }),
+    );
+    assert.ok(bright.every((n) => n > 50), `pictures with ${bright} bright pixels`);
+    await shoot(page, "studies");
+    await page.click("#study-list li:first-child button");
+    assert_same(await saved(page), "other/native");
+    await page.click("#result .to-list");
+    assert.equal(await view(page), "studies");
+    await page.click("#studies .other");
+    assert.equal(await view(page), "start");
+  },
+
+  async "shows rest and stress side by side, in one beat, with the difference of their maps"(page) {
+    const described = (folder, word) => {
+      const bytes = Buffer.from(readFileSync(join(work, folder, "study.dcm")));
+      const at = bytes.indexOf("Dynasurf phantom patient");
+      assert.ok(at > 0);
+      bytes.write(word.padEnd(24), at, "latin1");
+      writeFileSync(join(work, `${word}.dcm`), bytes);
+      return { name: `${word}.dcm`, bytes };
+    };
+    run_native("phantom", "patient", "--seed", "3", "--set", "ef_percent=45", "--out", "weak", "--quiet");
+    await drop(page, [described("weak", "STRESS"), described("patient", "REST")]);
+    await until_view(page, "studies", "failure");
+    assert.ok(await page.locator("#open-pair").isDisabled(), "nothing is chosen");
+    for (const box of await page.locator("#study-list input").all()) await box.check();
+    await page.click("#open-pair");
+    await until_view(page, "pair", "failure");
+    assert.equal(await view(page), "pair", await reason(page));
+    for (const word of ["REST", "STRESS"]) run_native("ventricle", `${word}.dcm`, "--out", `both/${word}`);
+    run_native("perfusion", "compare", "both/REST", "both/STRESS", "--out", "both/difference");
+    assert.match(await page.locator("#first-title").innerText(), /^REST\.dcm .*, rest$/);
+    const [rest, stress] = ["both/REST", "both/STRESS"].map(results_of);
+    assert.ok((await page.locator("#pair-numbers").innerText()).includes(`EF ${rest.ef_percent.toFixed(1)} → ${stress.ef_percent.toFixed(1)} %`));
+    const frames = [];
+    for (const id of ["first", "second"]) {
+      const url = await page.getAttribute(`#${id}`, "src");
+      for (let n = 0; n < 600 && !page.frame({ url }); ++n) await page.waitForTimeout(50);
+      frames.push(page.frame({ url }));
+      await frames.at(-1).waitForFunction(() => document.documentElement.dataset.ready === "true", null, { timeout: 60_000 });
+    }
+    await shoot(page, "pair");
+    for (const [leader, other] of [frames, [...frames].reverse()]) {
+      for (const key of ["ArrowRight", "ArrowRight", "ArrowRight"]) await leader.locator("body").press(key);
+      const gate = await leader.evaluate(() => document.documentElement.dataset.gate);
+      await other.waitForFunction((of) => document.documentElement.dataset.gate === of, gate, { timeout: 10_000 });
+    }
+    await page.click("#show-difference");
+    const heading = page.frameLocator("#both").locator("h1");
+    assert.equal(await heading.innerText(), "Left ventricle, rest and stress");
+    await page.waitForTimeout(500); // to paint
+    await shoot(page, "difference");
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save-pair")]);
+    const files = unzipSync(readFileSync(await download.path()));
+    const theirs = JSON.parse(readFileSync(join(work, "both/difference/comparison.json"), "utf8"));
+    assert.deepEqual(numbers_of(JSON.parse(new TextDecoder().decode(files["both/comparison.json"]))), numbers_of(theirs));
+  },
+
   async "takes a header with its voxels beside it, and scans by every ending"(page) {
     const whole = gunzipSync(readFileSync(join(work, "patient/study.nii.gz")));
     const header = Buffer.from(whole.subarray(0, 348));

@@ -1,6 +1,6 @@
 // node report.test.mjs FOLDER [SCREENSHOTS]: opens the sample reports from disk in Chromium and uses them.
 import assert from "node:assert/strict";
-import { mkdirSync, statSync } from "node:fs";
+import { mkdirSync, readFileSync, statSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { check, checkAll, finish, openReport, program, skipped, withBrowser } from "./browser.mjs";
 
@@ -124,6 +124,53 @@ const tests = {
     await page.click("#hand-reset");
     assert.equal(await value("center_mm"), "");
     if (screenshots) await page.screenshot({ path: join(screenshots, "by-hand.png") });
+  },
+
+  async "takes a reader's decision, quoted for a shell"(open) {
+    const page = await open("ok");
+    await pause(page);
+    await page.keyboard.press("h");
+    await page.click("#hand-rejected");
+    await page.click("#hand-accepted");
+    assert.equal(await page.getAttribute("#hand-rejected", "aria-pressed"), "false");
+    await page.fill("#hand-reader", "A. O'Reader");
+    await page.press("#hand-reader", "Enter");
+    await page.fill("#hand-comment", "apex well seen");
+    await page.press("#hand-comment", "Enter");
+    await page.click("#hand-copy");
+    const line = await page.getAttribute("#hand-copy", "data-copied");
+    assert.ok(line.endsWith(` --set 'manual.reader=A. O'\\''Reader' --set 'manual.comment=apex well seen' --set manual.decision=accepted`), line);
+  },
+
+  async "saves a film of the beat"(open) {
+    const page = await open("ok");
+    const [download] = await Promise.all([page.waitForEvent("download", { timeout: 60_000 }), page.click("#film")]);
+    const bytes = readFileSync(await download.path());
+    assert.equal(bytes.subarray(0, 4).toString("hex"), "1a45dfa3", "this is no WebM");
+    const viewer = await page.context().newPage();
+    await viewer.setContent("<video muted></video>");
+    const film = await viewer.evaluate(async (base64) => {
+      const video = document.querySelector("video");
+      video.src = URL.createObjectURL(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], { type: "video/webm" }));
+      await new Promise((done) => (video.onloadeddata = done));
+      const canvas = Object.assign(document.createElement("canvas"), { width: 128, height: 72 });
+      const context = canvas.getContext("2d", { willReadFrequently: true });
+      const seen = new Set();
+      await video.play();
+      while (!video.ended) {
+        context.drawImage(video, 0, 0, 128, 72);
+        seen.add(context.getImageData(0, 0, 70, 66).data.reduce((sum, v, n) => (sum * 31 + v * (n % 97)) % 1000003, 7));
+        await new Promise((done) => setTimeout(done, 50));
+      }
+      return { width: video.videoWidth, height: video.videoHeight, seconds: video.currentTime, pictures: seen.size };
+    }, bytes.toString("base64"));
+    await viewer.close();
+    assert.deepEqual([film.width, film.height], [1280, 720]);
+    const beat = (await page.evaluate(() => JSON.parse(document.getElementById("data").textContent).results.study.cycle_ms)) / 1000;
+    assert.ok(film.seconds > 1.5 * beat && film.seconds < 3 * beat, `${film.seconds} s of two beats of ${beat} s`);
+    assert.ok(film.pictures > 3, `the surfaces look the same in all but ${film.pictures} pictures`);
+    assert.ok(await page.locator("#film").isEnabled());
+    console.log(`     ${bytes.length} bytes, ${film.seconds.toFixed(1)} s, ${film.pictures} pictures of the surfaces`);
   },
 
   async "steps through the gates with the arrow keys, and around the beat"(open) {

@@ -5,12 +5,16 @@ import { type Given as GivenStudy, givenHere, pageWith } from "./given";
 import { dataOf, fileOf, History, type Run, type Task, taskOf } from "./history";
 import type { Job, Piece, Word } from "./job";
 import { OptionPanel } from "./options";
+import { Pair, pairJob } from "./pair";
+import { type Found, StudyList, studiesOf } from "./studies";
 import { type Key, type Language, language, speak, stage_name, text } from "./texts";
 
 declare const WORKER: string; // the script of the worker
 
+type Ended = Word & { kind: "end" };
+
 const by_id = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
-const views = ["start", "working", "failure", "result"] as const;
+const views = ["start", "studies", "working", "failure", "result", "pair"] as const;
 
 let worker: Worker | null = null;
 let task: Task | null = null;
@@ -28,6 +32,7 @@ function show(view: (typeof views)[number]): void {
 function fail(reason: string): void {
   by_id("reason").textContent = reason;
   by_id("back").hidden = !history.shown;
+  tell_list();
   show("failure");
   by_id("failure").querySelector("button")?.focus();
 }
@@ -113,30 +118,39 @@ async function start(next: Task): Promise<void> {
   show("working");
   tell_progress("start 0/1", 0);
   by_id("cancel").focus();
+  // A copy: the files stay here for another run.
+  const files = copy_of(next.files);
+  if (said.paint) files.push({ path: mask_name, bytes: maskFile(said.paint) });
+  const word = await work({ files, commands: commands_of(next), wanted: ["result"] }, (end) => end.code === 0 || end.code === 3);
+  if (word) present(word);
+}
+
+const copy_of = (files: Piece[]): Piece[] => files.map(({ path, bytes }) => ({ path, bytes: bytes.slice() }));
+
+/** Runs a job with its progress; null: it failed, which is told, or files are missing. */
+async function work(job: Omit<Job, "engine">, is_done: (end: Ended) => boolean): Promise<Ended | null> {
   const lines: string[] = [];
   let word: Word;
   try {
-    // A copy: the files stay here for another run.
-    const files: Piece[] = next.files.map(({ path, bytes }) => ({ path, bytes: bytes.slice() }));
-    if (said.paint) files.push({ path: mask_name, bytes: maskFile(said.paint) });
-    word = await run({ files, commands: commands_of(next), wanted: ["result"] }, (line) => {
+    word = await run(job, (line) => {
       lines.push(line.text);
       tell_progress(line.text, line.memory);
     });
   } catch (error) {
     engine = null;
-    return fail(text("lost", { reason: String(error) }));
+    fail(text("lost", { reason: String(error) }));
+    return null;
   }
-  if (word.kind === "end" && (word.code === 0 || word.code === 3) && word.files.length > 0) return present(word);
+  if (word.kind === "end" && is_done(word) && word.files.length > 0) return word;
   const own = line_of_error(lines);
   if (word.kind === "lost") {
     const is_memory = /memory|allocation/i.test(word.reason);
-    return fail(is_memory ? text("out_of_memory", { mb: mb(word.memory) }) : text("lost", { reason: word.reason }));
-  }
-  fail(own === "out of memory" ? text("out_of_memory", { mb: mb(word.memory) }) : (own ?? text("failed")));
+    fail(is_memory ? text("out_of_memory", { mb: mb(word.memory) }) : text("lost", { reason: word.reason }));
+  } else fail(own === "out of memory" ? text("out_of_memory", { mb: mb(word.memory) }) : (own ?? text("failed")));
+  return null;
 }
 
-function present(word: Word & { kind: "end" }): void {
+function present(word: Ended): void {
   history.add({
     name: "",
     settings: panel.snapshot(),
@@ -164,6 +178,7 @@ function show_chosen(is_other_run: boolean): void {
 }
 
 function tell_run(run: Run): void {
+  tell_list();
   by_id("summary").textContent = text(run.code === 3 ? "done_check" : "done", { s: run.seconds.toFixed(1), mb: mb(run.memory) });
   by_id("compared").textContent = history.comparison();
   by_id<HTMLButtonElement>("undo").disabled = history.at <= 0;
@@ -177,13 +192,14 @@ const history = new History(by_id("runs"), show_chosen);
 function tell_report(): void {
   const { shown, compared } = history;
   if (!shown) return;
-  const words: FromPage = { dynasurf: "page", said: shown.said, before: compared ? dataOf(compared) : null, correcting };
+  const words: FromPage = { dynasurf: "page", word: "study", said: shown.said, before: compared ? dataOf(compared) : null, correcting };
   by_id<HTMLIFrameElement>("report").contentWindow?.postMessage(words, "*");
 }
 
 function hear_report(event: MessageEvent<FromReport>): void {
   if (event.source !== by_id<HTMLIFrameElement>("report").contentWindow || event.data?.dynasurf !== "report") return;
   if (event.data.word === "ready") return tell_report();
+  if (event.data.word !== "by hand") return;
   said = event.data.said;
   if (!event.data.run || !task || !panel.is_valid) return;
   correcting = true;
@@ -202,11 +218,74 @@ async function take(given: Promise<Given[]> | Given[]): Promise<void> {
   try {
     const list = await given;
     if (list.length === 0) return;
-    await begin(taskOf(await read_given(list)));
+    const pieces = await read_given(list);
+    studies.studies = await several_in(pieces);
+    if (studies.studies.length === 0) await begin(taskOf(pieces));
+    else show_studies();
   } catch (error) {
     if (error instanceof Refusal) fail(text(error.code, { about: error.about }));
     else fail(text("lost", { reason: String(error) }));
   }
+}
+
+/** The studies of a folder that holds more than one. */
+async function several_in(pieces: Piece[]): Promise<Found[]> {
+  const { subject, inputs } = taskOf(pieces);
+  if (subject !== "ventricle" || inputs[0] !== "/in") return [];
+  show("working");
+  tell_progress("read 0/1", 0);
+  const word = await run({ files: copy_of(pieces), commands: [["info", "/in", "--json"]], wanted: [] }, () => {});
+  return word.kind === "end" && word.code === 0 ? studiesOf(word.output, pieces) : [];
+}
+
+const studies = new StudyList(
+  by_id("study-list"),
+  (study) => begin(taskOf(study.files)),
+  (is_pair) => (by_id<HTMLButtonElement>("open-pair").disabled = !is_pair),
+);
+
+function show_studies(): void {
+  by_id("studies-title").textContent = text("studies", { n: studies.studies.length });
+  show("studies");
+  tell_list();
+  void studies.show(studies.studies, async (study) => {
+    const { files, inputs } = taskOf(study.files);
+    const word = await run({ files: copy_of(files), commands: [["info", inputs[0]!, "--json", "--picture"]], wanted: [] }, () => {});
+    return word.kind === "end" && word.code === 0 ? word.output : null;
+  });
+}
+
+/** The way back to the list stands wherever there is one. */
+function tell_list(): void {
+  for (const button of document.querySelectorAll<HTMLElement>(".to-list")) button.hidden = studies.studies.length === 0;
+}
+
+const pair = new Pair(
+  [by_id<HTMLIFrameElement>("first"), by_id<HTMLIFrameElement>("second")],
+  [by_id("first-title"), by_id("second-title")],
+  by_id<HTMLIFrameElement>("both"),
+  by_id("pair-numbers"),
+);
+
+async function show_pair(): Promise<void> {
+  const chosen = studies.pair;
+  if (!chosen) return;
+  show("working");
+  tell_progress("start 0/1", 0);
+  by_id("cancel").focus();
+  const has_both = ({ files }: Ended) => ["first", "second"].every((name) => files.some(({ path }) => path === `${name}/report.html`));
+  const word = await work(pairJob(chosen), has_both);
+  if (!word) return;
+  pair.show(chosen, word.files);
+  show_difference(false);
+  by_id("show-difference").hidden = !pair.has_difference;
+  show("pair");
+}
+
+function show_difference(on: boolean): void {
+  by_id("both").hidden = !on;
+  for (const half of document.querySelectorAll<HTMLElement>("#pair .half")) half.hidden = on;
+  by_id("show-difference").setAttribute("aria-pressed", String(on));
 }
 
 const patient: Task = {
@@ -291,6 +370,10 @@ function connect(): void {
   click("example-patient", () => begin(patient));
   click("example-vase", () => begin(vase));
   click("cancel", cancel);
+  click("open-pair", show_pair);
+  click("show-difference", () => show_difference(by_id("both").hidden !== false));
+  click("save-pair", () => save(as_zip(pair.files), "dynasurf-results.zip", "application/zip"));
+  for (const button of document.querySelectorAll(".to-list")) button.addEventListener("click", show_studies);
   const saved = (name: string) => fileOf(history.shown?.result ?? [], name);
   click("save-report", () => save(saved("report.html"), "report.html", "text/html"));
   click("save-zip", save_zip);
@@ -315,7 +398,11 @@ function connect(): void {
   click("copy", copy);
   click("save-options", () => save(saved("options.json"), "options.json", "application/json"));
   by_id("search").addEventListener("input", (event) => panel.show((event.target as HTMLInputElement).value));
-  for (const button of document.querySelectorAll(".other")) button.addEventListener("click", () => show("start"));
+  for (const button of document.querySelectorAll(".other"))
+    button.addEventListener("click", () => {
+      studies.studies = [];
+      show("start");
+    });
   window.addEventListener("dragover", (event) => {
     event.preventDefault();
     document.body.classList.add("over");
@@ -324,13 +411,14 @@ function connect(): void {
   window.addEventListener("drop", (event) => {
     event.preventDefault();
     document.body.classList.remove("over");
-    if (event.dataTransfer && worker === null) void take(dropped(event.dataTransfer));
+    if (event.dataTransfer && document.documentElement.dataset.view !== "working") void take(dropped(event.dataTransfer));
   });
   const choice = by_id<HTMLSelectElement>("language");
   choice.value = language();
   choice.addEventListener("change", () => {
     speak(choice.value as Language);
     if (history.shown) tell_run(history.shown);
+    if (document.documentElement.dataset.view === "studies") show_studies();
   });
 }
 

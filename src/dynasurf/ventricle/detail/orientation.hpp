@@ -2,6 +2,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "dynasurf/core/options.hpp"
@@ -43,13 +44,23 @@ void describe(auto& visit, Orientation& o) {
                    0.5, 20});
 }
 
-/// Where the heart lies, as far as a person says so. World frame: DICOM's LPS. Each value replaces what would be found.
+/// What a reader decides about a result.
+enum class Decision { none, accepted, rejected };
+inline std::span<const std::string_view> names_of(Decision) {
+  static constexpr std::array<std::string_view, 3> names{"none", "accepted", "rejected"};
+  return names;
+}
+
+/// Where the heart lies, as far as a person says so. World frame: DICOM's LPS. Each value replaces what would be found;
+/// the reader's decision changes no number.
 struct UserOverrides {
   std::optional<std::array<double, 3>> center_mm, axis;
   std::optional<double> radius_mm;
   std::optional<int> first_slice, last_slice;
   std::optional<double> base_plane_mm, base_shift_mm;
   std::vector<int> exclude_gates;
+  Decision decision = Decision::none;
+  std::string reader, comment;
 };
 void describe(auto& visit, UserOverrides& o) {
   visit("center_mm", o.center_mm, OptionInfo{"middle of the heart x,y,z, world (LPS)", "mm"});
@@ -64,6 +75,9 @@ void describe(auto& visit, UserOverrides& o) {
         OptionInfo{"moves the valve plane of every gate along the stack, away from the apex", "mm", -100, 100});
   visit("exclude_gates", o.exclude_gates,
         OptionInfo{"gates to leave out, such as 3,4: the means of their neighbours stand in their place"});
+  visit("decision", o.decision, OptionInfo{"what a reader decides about the result: recorded, changes no number"});
+  visit("reader", o.reader, OptionInfo{"who decides"});
+  visit("comment", o.comment, OptionInfo{"why, in the reader's words"});
 }
 
 /// The hints that a person's values give. Throws OptionError when an axis has no length.

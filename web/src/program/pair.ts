@@ -1,0 +1,91 @@
+// Two studies side by side: a report each, beats that go together, the difference of their numbers and maps.
+import type { FromPage, FromReport } from "../host";
+import { fileOf, taskOf } from "./history";
+import type { Job, Piece } from "./job";
+import { type Found, restAndStress } from "./studies";
+import { text } from "./texts";
+
+const folders = ["first", "second"] as const;
+
+/** Both studies are read, then compared where they are of rest and stress. */
+export function pairJob(pair: [Found, Found]): Omit<Job, "engine"> {
+  const below = (path: string, folder: string) => path.replace(/^(\/?)in\b/, `$1of-${folder}`);
+  const files: Piece[] = [];
+  const commands: string[][] = [];
+  pair.forEach((study, n) => {
+    const folder = folders[n]!;
+    for (const { path, bytes } of study.files) files.push({ path: below(path, folder), bytes: bytes.slice() });
+    commands.push(["ventricle", ...taskOf(study.files).inputs.map((input) => below(input, folder)), "--out", `/${folder}`]);
+  });
+  if (restAndStress(...pair)) commands.push(["perfusion", "compare", "/first", "/second", "--out", "/both"]);
+  return { files, commands, wanted: [...folders, "both"] };
+}
+
+interface Numbers {
+  edv_ml: number | null;
+  esv_ml: number | null;
+  ef_percent: number | null;
+}
+const figure = (value: number | null) => (value === null ? "–" : value.toFixed(1));
+
+const partOf = (result: Piece[], folder: string) =>
+  result.filter(({ path }) => path.startsWith(`${folder}/`)).map(({ path, bytes }) => ({ path: path.replace(`${folder}/`, "dynasurf-result/"), bytes }));
+
+export class Pair {
+  private urls: string[] = [];
+  private leader = 0;
+  private result: Piece[] = [];
+
+  constructor(
+    private readonly frames: [HTMLIFrameElement, HTMLIFrameElement],
+    private readonly titles: [HTMLElement, HTMLElement],
+    private readonly both: HTMLIFrameElement,
+    private readonly numbers: HTMLElement,
+  ) {
+    addEventListener("message", (event: MessageEvent<FromReport>) => this.hear(event));
+  }
+
+  /** Whether the difference of the maps can be shown. */
+  get has_difference(): boolean {
+    return fileOf(partOf(this.result, "both"), "comparison.html").length > 0;
+  }
+
+  get files(): Piece[] {
+    return this.result;
+  }
+
+  show(pair: [Found, Found], result: Piece[]): void {
+    this.result = result;
+    this.leader = 0;
+    for (const url of this.urls) URL.revokeObjectURL(url);
+    const page = (folder: string, name: string) => {
+      const url = URL.createObjectURL(new Blob([fileOf(partOf(result, folder), name) as BlobPart], { type: "text/html" }));
+      this.urls.push(url);
+      return url;
+    };
+    this.urls = [];
+    folders.forEach((folder, n) => {
+      this.frames[n]!.src = page(folder, "report.html");
+      this.titles[n]!.textContent = `${pair[n]!.place} · ${pair[n]!.what}`;
+    });
+    if (this.has_difference) this.both.src = page("both", "comparison.html");
+    const [a, b] = folders.map((folder) => JSON.parse(new TextDecoder().decode(fileOf(partOf(result, folder), "results.json"))) as Numbers);
+    this.numbers.textContent = (["edv_ml", "esv_ml", "ef_percent"] as const)
+      .map((key) => {
+        const [left, right] = [a![key], b![key]];
+        const change = left === null || right === null ? "" : ` (${right < left ? "−" : "+"}${figure(Math.abs(right - left))})`;
+        return text(`pair_${key}`, { a: figure(left), b: figure(right) }) + change;
+      })
+      .join(" · ");
+  }
+
+  /** The report that was touched last leads; the other follows its beat. */
+  private hear({ source, data }: MessageEvent<FromReport>): void {
+    const from = this.frames.findIndex((frame) => frame.contentWindow === source);
+    if (from < 0 || data?.dynasurf !== "report") return;
+    if (data.word === "touched") this.leader = from;
+    if (data.word !== "beat" || from !== this.leader) return;
+    const words: FromPage = { dynasurf: "page", word: "beat", share: data.share };
+    this.frames[1 - from]!.contentWindow?.postMessage(words, "*");
+  }
+}
