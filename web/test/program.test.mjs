@@ -223,6 +223,25 @@ const tests = {
     assert.ok(await again.locator("#hand-run").isDisabled(), "what was run counts as changed");
   },
 
+  async "records what a reader decides, and changes no number"(page) {
+    await page.click("#example-patient");
+    const first = (await saved(page)).json;
+    const frame = await report_is_drawn(page);
+    await frame.click("#toggle-hand");
+    await frame.click("#hand-accepted");
+    await frame.fill("#hand-reader", "A. Reader");
+    await frame.press("#hand-reader", "Enter");
+    await frame.click("#hand-run");
+    await until_view(page, "working");
+    const mine = (await saved(page)).json;
+    assert.deepEqual(numbers_of(mine), numbers_of(first));
+    assert.equal(mine.provenance.options.manual.decision, "accepted");
+    const again = await report_is_drawn(page);
+    assert.match(await again.locator("#verdict .decision").innerText(), /Accepted by A\. Reader/);
+    assert.ok(!(await again.locator("#verdict").innerText()).includes("Changed by hand"));
+    await shoot(page, "accepted");
+  },
+
   async "saves itself with the study inside, and that page does it all again"(page, context) {
     await page.click("#example-patient");
     await saved(page);
