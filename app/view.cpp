@@ -12,6 +12,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
+#include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
 #include "dynasurf/report/program_page.hpp"
 
@@ -28,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ViewArguments {
-  std::string what, series, page;
+  std::string what, series, page, options;
   OutFile out;
 };
 
@@ -82,13 +83,24 @@ std::vector<fs::path> files_of(const ViewArguments& a) {
   return io::files_of_study(a.what, a.series);
 }
 
+/// The options of a former run, empty: none are given.
+std::string options_text(const ViewArguments& a) {
+  if (a.options.empty()) return {};
+  if (is_cloud(a.what)) throw OptionError("--options: " + a.what + " is a cloud; expected a study");
+  OptionArguments given;
+  given.file = a.options;
+  return io::options_to_text(options_of(given));
+}
+
 ExitCode run(const ViewArguments& a) {
   if (fs::is_regular_file(fs::path(a.what) / "report.html")) {
-    if (!a.out.path.empty()) throw OptionError("--out: " + a.what + " is a result, which has its report.html");
+    if (!a.out.path.empty() || !a.options.empty())
+      throw OptionError((a.options.empty() ? "--out: " : "--options: ") + a.what +
+                        " is a result, which has its report.html; expected a study");
     return show_page(fs::path(a.what) / "report.html");
   }
   const fs::path page = a.page.empty() ? find_page() : fs::path(a.page);
-  const std::string text = report::page_with_files(io::text_of_file(page), files_of(a));
+  const std::string text = report::page_with_files(io::text_of_file(page), files_of(a), options_text(a));
   if (a.out.path.empty()) return show_page(temporary_page(text));
   io::OutputFile output(a.out.path, a.out.existing());
   io::write_file(output.path(), text);
@@ -104,6 +116,7 @@ void add_view(CLI::App& program, Command& chosen) {
   CommandLine command(program, "view", "Open a result, or a study in dynasurf.html, in the browser");
   command.option("WHAT", a->what, "folder of a result, a study, or a point cloud").required();
   add_series_argument(command, a->series);
+  command.option("--options", a->options, "options of a former run of the study: the options.json of its result");
   command.option("--page", a->page, "dynasurf.html, where it is not installed beside the program");
   add_out_file(
       command, a->out,

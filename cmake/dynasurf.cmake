@@ -59,7 +59,11 @@ endfunction()
 
 # What reads and writes has no loop that the compiler's last efforts would speed up.
 add_library(dynasurf_light_flags INTERFACE)
-target_compile_options(dynasurf_light_flags INTERFACE $<$<CONFIG:Release>:-O2>)
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "wasm32")
+  target_compile_options(dynasurf_light_flags INTERFACE $<$<CONFIG:Release>:-Oz>)  # it travels inside a page
+else()
+  target_compile_options(dynasurf_light_flags INTERFACE $<$<CONFIG:Release>:-O2>)
+endif()
 
 # Modules whose flags are the same share what the first of them precompiled.
 function(dynasurf_precompile_module target reads_files)

@@ -58,9 +58,14 @@ endfunction()
 # dynasurf_program_page(): the program, compiled for a browser, as one page: dynasurf.html.
 function(dynasurf_program_page)
   set(page ${PROJECT_BINARY_DIR}/dynasurf.html)
+  set(engine ${PROJECT_BINARY_DIR}/web/engine.wasm)
+  find_program(DYNASURF_WASM_OPT wasm-opt REQUIRED DOC "Binaryen, which clang calls when it links: the size depends on it")
+  find_program(DYNASURF_ZOPFLI zopfli REQUIRED DOC "Zopfli: packs it for a page")
   add_custom_command(
     OUTPUT ${page}
-    COMMAND ${DYNASURF_NODE} ${web}/build_program.mjs $<TARGET_FILE:dynasurf> ${DYNASURF_PAGES} ${page}
+    COMMAND ${CMAKE_COMMAND} -E copy $<TARGET_FILE:dynasurf> ${engine}
+    COMMAND ${DYNASURF_ZOPFLI} --i5 ${engine}
+    COMMAND ${DYNASURF_NODE} ${web}/build_program.mjs ${engine}.gz ${DYNASURF_PAGES} ${page}
     DEPENDS dynasurf ${web_sources} ${web}/build_program.mjs ${web}/bundle.mjs ${web_pages}
     COMMENT "Making dynasurf.html"
     VERBATIM)

@@ -3,7 +3,7 @@
 # build/web-toolchain. The machine's own list of package sources stays as it is.
 
 web_toolchain=build/web-toolchain
-web_packages=(clang-19 lld-19 llvm-19 wasi-libc libclang-rt-19-dev-wasm32 libc++-19-dev-wasm32 libc++abi-19-dev-wasm32 dpkg-dev
+web_packages=(clang-19 lld-19 llvm-19 wasi-libc libclang-rt-19-dev-wasm32 libc++-19-dev-wasm32 libc++abi-19-dev-wasm32 dpkg-dev binaryen zopfli
               libeigen3-dev nlohmann-json3-dev libcli11-dev libdcmtk-dev)
 web_sources=(llvm-toolchain-19 dcmtk zlib)
 

@@ -1,15 +1,14 @@
-// Makes the page that is the program: node build_program.mjs dynasurf.wasm FOLDER-OF-PAGES dynasurf.html
+// Makes the page that is the program: node build_program.mjs dynasurf.wasm.gz FOLDER-OF-PAGES dynasurf.html
 //
 // Its policy lets it run its own script, the program and the scripts of the reports that the program writes, and fetch
 // nothing at all. The program waits, packed, in an element that no browser runs.
 import { readFileSync, statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { gzipSync } from "node:zlib";
 import { bundle, filled, here, source } from "./bundle.mjs";
 
 const [program, pages, page] = process.argv.slice(2);
 if (!page) {
-  console.error("usage: node build_program.mjs dynasurf.wasm FOLDER-OF-PAGES dynasurf.html");
+  console.error("usage: node build_program.mjs dynasurf.wasm.gz FOLDER-OF-PAGES dynasurf.html");
   process.exit(1);
 }
 const hashes = (kind) =>
@@ -42,7 +41,7 @@ const policy = [
   "base-uri 'none'",
   "form-action 'none'",
 ].join("; ");
-const engine = gzipSync(readFileSync(program), { level: 9 }).toString("base64");
+const engine = readFileSync(program).toString("base64");
 const licence = ["fflate/LICENSE", "@bjorn3/browser_wasi_shim/LICENSE-MIT"]
   .map((name) => readFileSync(join(here, "node_modules", name), "utf8").trim())
   .join("\n\n");

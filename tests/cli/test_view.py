@@ -65,6 +65,17 @@ class View(CliTest):
         self.assertFalse(self.seen.exists())
         self.refuses(2, "view", small_patient() / "study.nii.gz", "--page", self.page, "--out", out, says="exists")
 
+    def test_a_study_keeps_the_options_of_a_result(self):
+        out = self.folder / "live.html"
+        arguments = ("view", small_patient() / "study.dcm", "--page", self.page, "--out", out)
+        done = run(*arguments, "--options", small_result() / "options.json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        text = re.search(r'id="given">(.*?)</script>', out.read_text()).group(1)
+        self.assertEqual(json.loads(json.loads(text)["options_json"]), self.read_json(small_result() / "options.json"))
+        (self.folder / "wrong.json").write_text('{"mistake": 1}')
+        self.refuses(1, *arguments, "--replace", "--options", self.folder / "wrong.json", says="mistake")
+        self.refuses(1, "view", small_result(), "--options", small_result() / "options.json", says="is a result")
+
     def test_a_scan_is_taken_as_one(self):
         scan = self.folder / "scan.XYZ"
         scan.write_text("0 0 0\n1 0 0\n0 1 0\n")

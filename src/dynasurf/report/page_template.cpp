@@ -12,20 +12,16 @@ constexpr char report_page[] = {
 constexpr char cloud_page[] = {
 #embed DYNASURF_CLOUD_PAGE
 };
-constexpr char lod_page[] = {
-#embed DYNASURF_LOD_PAGE
-};
-constexpr char cohort_page[] = {
-#embed DYNASURF_COHORT_PAGE
-};
+// The page in a browser makes neither cohorts nor pages of many instances.
+constexpr std::string_view no_page = "<!doctype html><script type=\"application/json\" id=\"data\">{{DATA}}</script>\n";
 }  // namespace
 
 namespace dynasurf::report {
 
 std::string_view page_template() { return {report_page, sizeof report_page}; }
 std::string_view cloud_page_template() { return {cloud_page, sizeof cloud_page}; }
-std::string_view cohort_page_template() { return {cohort_page, sizeof cohort_page}; }
-std::string_view lod_page_template() { return {lod_page, sizeof lod_page}; }
+std::string_view cohort_page_template() { return no_page; }
+std::string_view lod_page_template() { return no_page; }
 
 }  // namespace dynasurf::report
 #else

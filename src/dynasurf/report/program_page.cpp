@@ -26,7 +26,8 @@ void require_few(const std::vector<std::filesystem::path>& files) {
 
 }  // namespace
 
-std::string page_with_files(std::string_view page, const std::vector<std::filesystem::path>& files) {
+std::string page_with_files(std::string_view page, const std::vector<std::filesystem::path>& files,
+                            const std::string& options_json) {
   constexpr std::string_view place = R"( id="given">)";
   const std::size_t at = page.find(place);
   if (at == std::string_view::npos || !page.substr(at + place.size()).starts_with("</script>"))
@@ -39,6 +40,7 @@ std::string page_with_files(std::string_view page, const std::vector<std::filesy
     source.read(std::as_writable_bytes(std::span(bytes)), "the file");
     given["files"].push_back({{"path", file.filename().string()}, {"deflated", detail::packed(bytes)}});
   }
+  if (!options_json.empty()) given["options_json"] = options_json;
   std::string filled(page.substr(0, at + place.size()));
   filled += detail::text_for_html(given);
   filled += page.substr(at + place.size());

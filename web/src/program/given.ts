@@ -14,6 +14,8 @@ interface Packed extends Partial<Omit<Task, "files">> {
   files: { path: string; deflated: string }[];
   settings?: [string, string][];
   options?: Record<string, string>;
+  /** The options of a former run, as its options.json has them. */
+  options_json?: string;
   paint?: { grid: Grid; voxels: string } | null;
 }
 
@@ -58,8 +60,13 @@ export async function givenHere(): Promise<Given | null> {
   const packed = JSON.parse(text) as Packed;
   const files = await Promise.all(packed.files.map(async ({ path, deflated }) => ({ path, bytes: await unpack(deflated) })));
   const { subject, make, inputs, more } = packed;
+  const task = subject && make && inputs && more ? { subject, make, inputs, more, files } : taskOf(named(files));
+  if (packed.options_json) {
+    task.files.push({ path: "options.json", bytes: new TextEncoder().encode(packed.options_json) });
+    task.more.push("--options", "/options.json");
+  }
   return {
-    task: subject && make && inputs && more ? { subject, make, inputs, more, files } : taskOf(named(files)),
+    task,
     settings: packed.settings ?? [],
     said: { options: packed.options ?? {}, paint: packed.paint ? { grid: packed.paint.grid, voxels: await unpack(packed.paint.voxels) } : null },
   };

@@ -14,6 +14,24 @@ for (const kind of [File, Directory]) {
   };
 }
 
+// The library copies a file for every write that makes it longer; room that doubles makes a long file linear in time.
+const rooms = new WeakMap<File, ArrayBufferLike>();
+const write_in_place = OpenFile.prototype.fd_write;
+OpenFile.prototype.fd_write = function (this: OpenFile, bytes: Uint8Array) {
+  const { file } = this;
+  const length = Number(this.file_pos) + bytes.byteLength;
+  if (!file.readonly && length > file.data.byteLength) {
+    let room = rooms.get(file);
+    if (room !== file.data.buffer || length > room.byteLength) {
+      const wider = new Uint8Array(Math.max(length, 2 * file.data.byteLength, 4096));
+      wider.set(file.data);
+      rooms.set(file, (room = wider.buffer));
+    }
+    file.data = new Uint8Array(room as ArrayBuffer, 0, length);
+  }
+  return write_in_place.call(this, bytes);
+};
+
 function tree_of(files: Piece[]): Map<string, Inode> {
   const root = new Map<string, Inode>([["tmp", new Directory(new Map())]]);
   for (const { path, bytes } of files) {
@@ -35,7 +53,7 @@ function tree_of(files: Piece[]): Map<string, Inode> {
 function files_in(folder: Map<string, Inode>, at: string, found: Piece[] = []): Piece[] {
   for (const [name, entry] of folder)
     if (entry instanceof Directory) files_in(entry.contents, `${at}${name}/`, found);
-    else if (entry instanceof File) found.push({ path: at + name, bytes: entry.data });
+    else if (entry instanceof File) found.push({ path: at + name, bytes: rooms.has(entry) ? entry.data.slice() : entry.data });
   return found;
 }
 
