@@ -111,15 +111,13 @@ std::string encode_png(const Picture& picture) {
   png.image.width = picture.width;
   png.image.height = picture.height;
   png.image.format = PNG_FORMAT_RGB;
-  png_alloc_size_t bytes = 0;
-  const auto write = [&](void* to) {
-    if (!png_image_write_to_memory(&png.image, to, &bytes, 0, picture.pixels.data(), 0, nullptr))
-      throw IoError(std::string("a PNG cannot be made: ") + png.image.message);
-  };
-  write(nullptr);
+  // Asked for the size alone, the library packs the picture once more.
+  png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(png.image);
   std::string file(bytes, '\0');
-  write(file.data());
+  if (!png_image_write_to_memory(&png.image, file.data(), &bytes, 0, picture.pixels.data(), 0, nullptr))
+    throw IoError(std::string("a PNG cannot be made: ") + png.image.message);
   file.resize(bytes);
+  file.shrink_to_fit();
   return file;
 }
 
