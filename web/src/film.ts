@@ -41,11 +41,12 @@ export class Film {
     // By the clock: where drawing is slow the film has fewer pictures, not a slower beat.
     const begin = performance.now();
     const length = beats * this.player.cycle_ms;
-    for (let now = 0; now < length; now = performance.now() - begin) {
-      this.player.seek((now / this.player.cycle_ms) * this.player.gates);
+    for (let now = 0, last = -1; last < length; now = performance.now() - begin) {
+      this.player.seek((Math.min(now, length) / this.player.cycle_ms) * this.player.gates);
       this.draw();
       track.requestFrame();
-      tell(now / length);
+      tell(Math.min(now / length, 1));
+      last = now; // the last picture stands at the end: until it comes the one before is shown
       const rest = 1000 / per_second - (performance.now() - begin - now);
       await new Promise((done) => setTimeout(done, Math.max(rest, 0)));
     }

@@ -18,7 +18,11 @@ export type FromReport =
   | { dynasurf: "report"; word: "touched" }
   /** Where in the beat it is, from 0 to 1. */
   | { dynasurf: "report"; word: "beat"; share: number };
-export type FromPage = { dynasurf: "page"; word: "beat"; share: number } | ({ dynasurf: "page"; word: "study" } & Told);
+export type FromPage =
+  | { dynasurf: "page"; word: "beat"; share: number }
+  /** Asks for the beat and for touches. */
+  | { dynasurf: "page"; word: "share" }
+  | ({ dynasurf: "page"; word: "study" } & Told);
 /** What a report is told of its study. */
 export interface Told {
   said: ByHand;

@@ -1,6 +1,7 @@
 // dynasurf.html: takes files, runs the program over them in a worker, shows its report.
 import { dropped, type Given, as_zip, picked, read_given, Refusal, save } from "./files";
 import { argumentsOf, type ByHand, type FromPage, type FromReport, maskFile, mask_name, nothing_said, quoted } from "../host";
+import { load } from "./frames";
 import { type Given as GivenStudy, givenHere, pageWith } from "./given";
 import { dataOf, fileOf, History, type Run, type Task, taskOf } from "./history";
 import type { Job, Piece, Word } from "./job";
@@ -180,11 +181,11 @@ function show_chosen(is_other_run: boolean): void {
   if (is_other_run) {
     said = run.said;
     panel.restore(run.settings);
+    show("result");
     URL.revokeObjectURL(report_url);
     report_url = URL.createObjectURL(new Blob([fileOf(run.result, "report.html") as BlobPart], { type: "text/html" }));
-    by_id<HTMLIFrameElement>("report").src = report_url;
+    load(by_id<HTMLIFrameElement>("report"), report_url);
     Object.assign(document.documentElement.dataset, { seconds: run.seconds.toFixed(3), memory: String(run.memory) });
-    show("result");
   } else tell_report();
   tell_run(run);
 }
@@ -288,14 +289,15 @@ async function show_pair(): Promise<void> {
   const has_both = ({ files }: Ended) => ["first", "second"].every((name) => files.some(({ path }) => path === `${name}/report.html`));
   const word = await work(pairJob(chosen), has_both);
   if (!word) return;
-  pair.show(chosen, word.files);
-  show_difference(false);
-  by_id("show-difference").hidden = !pair.has_difference;
   show("pair");
+  show_difference(false);
+  pair.show(chosen, word.files);
+  by_id("show-difference").hidden = !pair.has_difference;
 }
 
 function show_difference(on: boolean): void {
   by_id("both").hidden = !on;
+  if (on) pair.showDifference();
   for (const half of document.querySelectorAll<HTMLElement>("#pair .half")) half.hidden = on;
   by_id("show-difference").setAttribute("aria-pressed", String(on));
 }

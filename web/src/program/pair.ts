@@ -1,5 +1,6 @@
 // Two studies side by side: a report each, beats that go together, the difference of their numbers and maps.
 import type { FromPage, FromReport } from "../host";
+import { load } from "./frames";
 import { fileOf, taskOf } from "./history";
 import type { Job, Piece } from "./job";
 import { type Found, restAndStress } from "./studies";
@@ -35,11 +36,12 @@ export class Pair {
   private urls: string[] = [];
   private leader = 0;
   private result: Piece[] = [];
+  private difference = "";
 
   constructor(
     private readonly frames: [HTMLIFrameElement, HTMLIFrameElement],
     private readonly titles: [HTMLElement, HTMLElement],
-    private readonly both: HTMLIFrameElement,
+    private both: HTMLIFrameElement,
     private readonly numbers: HTMLElement,
   ) {
     addEventListener("message", (event: MessageEvent<FromReport>) => this.hear(event));
@@ -65,10 +67,10 @@ export class Pair {
     };
     this.urls = [];
     folders.forEach((folder, n) => {
-      this.frames[n]!.src = page(folder, "report.html");
+      this.frames[n] = load(this.frames[n]!, page(folder, "report.html"));
       this.titles[n]!.textContent = `${pair[n]!.place} · ${pair[n]!.what}`;
     });
-    if (this.has_difference) this.both.src = page("both", "comparison.html");
+    this.difference = this.has_difference ? page("both", "comparison.html") : "";
     const [a, b] = folders.map((folder) => JSON.parse(new TextDecoder().decode(fileOf(partOf(result, folder), "results.json"))) as Numbers);
     this.numbers.textContent = (["edv_ml", "esv_ml", "ef_percent"] as const)
       .map((key) => {
@@ -79,13 +81,19 @@ export class Pair {
       .join(" · ");
   }
 
+  /** Loads the page of the difference, once it is seen. */
+  showDifference(): void {
+    if (this.difference && this.both.src !== this.difference) this.both = load(this.both, this.difference);
+  }
+
   /** The report that was touched last leads; the other follows its beat. */
   private hear({ source, data }: MessageEvent<FromReport>): void {
     const from = this.frames.findIndex((frame) => frame.contentWindow === source);
     if (from < 0 || data?.dynasurf !== "report") return;
+    const tell = (to: number, words: FromPage) => this.frames[to]!.contentWindow?.postMessage(words, "*");
+    if (data.word === "ready") tell(from, { dynasurf: "page", word: "share" });
     if (data.word === "touched") this.leader = from;
     if (data.word !== "beat" || from !== this.leader) return;
-    const words: FromPage = { dynasurf: "page", word: "beat", share: data.share };
-    this.frames[1 - from]!.contentWindow?.postMessage(words, "*");
+    tell(1 - from, { dynasurf: "page", word: "beat", share: data.share });
   }
 }
