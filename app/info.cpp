@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 #include "dynasurf/io/study_io.hpp"
 #include "dynasurf/report/detail/page_parts.hpp"
@@ -16,6 +17,7 @@
 #include "command_line.hpp"
 #include "console.hpp"
 #include "option_arguments.hpp"
+#include "utf8.hpp"
 
 namespace dynasurf::app {
 namespace {
@@ -29,9 +31,9 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 /// The studies of a folder that holds more than one.
-std::optional<io::StudySearch> several_in(const InfoArguments& a) {
+std::optional<io::StudySearch> several_in(const InfoArguments& a, const std::stop_token& stop) {
   if (!a.series.empty() || !fs::is_directory(a.study)) return std::nullopt;
-  io::StudySearch found = io::search_studies(a.study);
+  io::StudySearch found = io::search_studies(a.study, {{}, stop});
   return found.studies.size() > 1 ? std::optional(std::move(found)) : std::nullopt;
 }
 
@@ -41,7 +43,7 @@ Json json_of(const io::StudySearch& found, const fs::path& folder) {
   Json json{{"studies", Json::array()}, {"left_out", found.left_out.size()}};
   for (const auto& [files, what, examination] : found.studies) {
     Json names = Json::array();
-    for (const fs::path& file : files) names.push_back(file.lexically_relative(folder).generic_string());
+    for (const fs::path& file : files) names.push_back(valid_utf8(file.lexically_relative(folder).generic_string()));
     json["studies"].push_back({{"files", names},
                                {"what", what.empty() ? damaged : what},
                                {"examination", examination > 0 ? Json(examination) : Json()}});
@@ -52,7 +54,9 @@ Json json_of(const io::StudySearch& found, const fs::path& folder) {
 std::string text_of(const io::StudySearch& found, const fs::path& folder) {
   std::vector<std::vector<std::string>> rows;
   for (const auto& [files, what, examination] : found.studies) {
-    std::string place = files.front().lexically_relative(folder).string();
+    std::string place = valid_utf8(files.front().lexically_relative(folder).string());
+    std::replace_if(
+        place.begin(), place.end(), [](char c) { return c == '\n' || c == '\t'; }, ' ');
     if (files.size() > 1) place += " and " + std::to_string(files.size() - 1) + " more";
     rows.push_back({place, what.empty() ? damaged : what});
   }
@@ -84,8 +88,9 @@ Json picture_of(const Study& study) {
   return {{"width", n[0]}, {"height", n[1]}, {"gray", report::detail::base64(gray)}};
 }
 
-ExitCode run(const InfoArguments& arguments) {
-  if (const auto found = several_in(arguments)) {
+ExitCode run(const InfoArguments& arguments, const std::stop_token& stop) {
+  if (arguments.picture && !arguments.json) throw OptionError("--picture: stands in JSON alone; expected --json too");
+  if (const auto found = several_in(arguments, stop)) {
     print(arguments.json ? io::json_text(json_of(*found, arguments.study)) : text_of(*found, arguments.study));
     return done;
   }
@@ -119,7 +124,7 @@ void add_info(CLI::App& program, Command& chosen) {
   command.flag("--json", arguments->json, "print JSON");
   command.flag("--picture", arguments->picture,
                "with --json: the slice that shows most of the heart, 8-bit gray in base64");
-  command.run(chosen, [arguments](std::stop_token) { return run(*arguments); });
+  command.run(chosen, [arguments](std::stop_token stop) { return run(*arguments, stop); });
 }
 
 }  // namespace dynasurf::app

@@ -4,6 +4,7 @@ import array
 import gzip
 import json
 import math
+import os
 import shutil
 import struct
 import unittest
@@ -92,6 +93,15 @@ class Faults(CliTest):
         self.assertEqual([s["files"] for s in studies], [["a.dcm"], ["b.dcm"]])
         self.assertEqual(len({s["examination"] for s in studies}), 1)
         self.assertNotIn("CANARY", line + listed)
+        os.rename(study / "a.dcm", os.fsencode(study) + b"/a\xe9\n\x1b[31m.dcm")
+        listed = run("info", study)
+        self.assertEqual(listed.returncode, 0, listed.stderr)
+        self.assertEqual(len(listed.stdout.splitlines()), 3)
+        self.assertNotIn("\x1b", listed.stdout)
+        studies = json.loads(run("info", study, "--json").stdout)["studies"]
+        self.assertIn(["a\\xe9\n\x1b[31m.dcm"], [s["files"] for s in studies])
+        self.refuses(1, "info", study, "--picture", says="--json")
+        os.rename(os.fsencode(study) + b"/a\xe9\n\x1b[31m.dcm", study / "a.dcm")
         self.refuses(2, "info", study, "--series", "5", says="201 is 4 gates")
         self.refuses(2, "info", small_patient() / "study.nii.gz", "--series", "1", says="no series to choose from")
         self.assertIn("number 201, which --series chose, is read", run("info", study, "--series", "rest").stdout)

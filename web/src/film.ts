@@ -6,6 +6,7 @@ import type { SurfaceScene } from "./scene";
 
 const beats = 2;
 const per_second = 30;
+const most_pictures = 40; // of a beat: each takes 4 MB
 const [width, height, bar] = [1280, 720, 40];
 const ground = "#0d1218";
 
@@ -29,27 +30,41 @@ export class Film {
     private readonly scene: SurfaceScene,
   ) {}
 
-  /** Records in the beat's own time. `tell`: how much of it is done, 0 to 1. */
+  /** Draws one beat, then records it in its own time. `tell`: how much of it is done, 0 to 1. */
   async record(tell: (part: number) => void): Promise<Blob> {
+    const { cycle_ms, gates } = this.player;
+    const count = Math.min(Math.max(Math.round((cycle_ms * per_second) / 1000), gates), most_pictures);
+    const pictures: ImageBitmap[] = [];
+    for (let n = 0; n < count; ++n) {
+      this.player.seek((n / count) * gates);
+      this.draw();
+      pictures.push(await createImageBitmap(this.canvas));
+      tell((0.5 * n) / count);
+    }
+    const film = await this.play(pictures, (part) => tell(0.5 + 0.5 * part));
+    for (const picture of pictures) picture.close();
+    return film;
+  }
+
+  private async play(pictures: ImageBitmap[], tell: (part: number) => void): Promise<Blob> {
     const stream = this.canvas.captureStream(0);
     const track = stream.getVideoTracks()[0] as CanvasCaptureMediaStreamTrack;
     const recorder = new MediaRecorder(stream, { mimeType: "video/webm", videoBitsPerSecond: 8e6 });
     const pieces: Blob[] = [];
     recorder.addEventListener("dataavailable", ({ data }) => pieces.push(data));
     const ended = new Promise((done) => recorder.addEventListener("stop", done));
+    const wait = (ms: number) => new Promise((done) => setTimeout(done, Math.max(ms, 0)));
+    const step = this.player.cycle_ms / pictures.length;
     recorder.start();
-    // By the clock: where drawing is slow the film has fewer pictures, not a slower beat.
     const begin = performance.now();
-    const length = beats * this.player.cycle_ms;
-    for (let now = 0, last = -1; last < length; now = performance.now() - begin) {
-      this.player.seek((Math.min(now, length) / this.player.cycle_ms) * this.player.gates);
-      this.draw();
+    // By the clock: where packing is slow pictures are left out, and the beat keeps its pace.
+    for (let n = 0; n <= beats * pictures.length; n = Math.max(n + 1, Math.floor((performance.now() - begin) / step))) {
+      await wait(begin + n * step - performance.now());
+      this.context.drawImage(pictures[n % pictures.length]!, 0, 0);
       track.requestFrame();
-      tell(Math.min(now / length, 1));
-      last = now; // the last picture stands at the end: until it comes the one before is shown
-      const rest = 1000 / per_second - (performance.now() - begin - now);
-      await new Promise((done) => setTimeout(done, Math.max(rest, 0)));
+      tell(n / (beats * pictures.length));
     }
+    await wait(250); // for the last picture to be packed
     recorder.stop();
     track.stop();
     await ended;
