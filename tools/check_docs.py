@@ -25,8 +25,7 @@ TEXTS = {".cpp", ".hpp", ".md", ".py", ".ts", ".cmake", ".json", ".html", ".css"
 # The end of a sentence with another one behind it; run-in headings, code, brackets and abbreviations are none.
 NO_SENTENCE = re.compile(r"\*\*.*?\*\*|`[^`]*`|\([^()]*\)|\b(?:eqs?|figs?|app|ch|cf|al)\.")
 TWO_SENTENCES = re.compile(r"[a-z0-9%]{2}[.!?] [A-Z]")
-# All documents together as they are read: without comments, and the tables that experiments print
-# (experiments/*/results.md).
+# All documents together as they are read: without comments.
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 LARGEST_BYTES = 180_000
 
@@ -98,11 +97,6 @@ def crowded_lines(path, root):
             yield f"{path.relative_to(root)}:{number}: more than one sentence on a line: {line.strip()[:60]}"
 
 
-def is_printed(path):
-    """Tables that an experiment prints are results, not documents."""
-    return path.name == "results.md" and path.parent.parent.name == "experiments"
-
-
 def schema_parts(schema):
     yield "", schema
     yield from schema.get("$defs", {}).items()
@@ -131,9 +125,8 @@ def main():
             failures += undescribed_keys(path, root)
         if path.suffix == ".md":
             documents += 1
-            if not is_printed(path):
-                size += len(COMMENT.sub("", path.read_text()).encode())
-                failures += crowded_lines(path, root)
+            size += len(COMMENT.sub("", path.read_text()).encode())
+            failures += crowded_lines(path, root)
             failures += broken_links(path, root)
             failures += figures.check(path, root, arguments.update)
             failures += stale_options(path, root, arguments.program)

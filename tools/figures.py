@@ -134,7 +134,7 @@ def point_spread(root):
 
 
 def edge_bias(root):
-    cells, text = {}, text_of(root, "volume_bias/results.md")
+    cells, text = {}, text_of(root, "volume_bias/results.txt")
     for heart, blur, edv, esv, ef in re.findall(
             r"^\| (\w+), (\d+) mm \|[^|]*\|[^|]*\| (\S+) % \| (\S+) % \| (\S+) \|", text, re.MULTILINE):
         cells[heart, blur] = f"{edv} / {esv} / {ef}"
@@ -200,7 +200,7 @@ def modalities(root):
 
 
 def clouds(root):
-    text, rows = text_of(root, "cloud_shapes/results.md"), []
+    text, rows = text_of(root, "cloud_shapes/results.txt"), []
     for method in ("shaped", "faithful"):
         for condition in ("clean", "noise 0.5 %", "a fifth missing"):
             table = text.split(f"## {method}, {condition}\n")[1].split("\n## ")[0]

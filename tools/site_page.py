@@ -47,8 +47,6 @@ def link(match, path):
 
 def page(path):
     text, seen = re.sub(r"<!--.*?-->\n?", "", path.read_text(), flags=re.DOTALL), []
-    if path.name == "results.md" and path.parent.parent.name == "experiments":
-        text = f"# Results of {path.parent.name}\n\n" + re.sub(r"^# .*\n", "", text)
     text = re.sub(r"^(#+) (.+?)$", lambda match: heading(match, path, seen), text, flags=re.MULTILINE)
     parts, end = [], 0
     for code in CODE.finditer(text):

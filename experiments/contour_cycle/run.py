@@ -87,7 +87,7 @@ def main():
     lines += ["", "## Beside the thesis", ""] + beside_thesis(contour, surface, truth)
     lines += ["", "## The volume in three ways", ""] + three_volumes(contour)
     text = "\n".join(lines) + "\n"
-    (arguments.out / "results.md").write_text(text)
+    (arguments.out / "results.txt").write_text(text)
     print(text)
     return 0 if abs(contour["ef_percent"] - truth["ef_percent"]) <= 3 else 1
 

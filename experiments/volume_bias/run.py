@@ -98,7 +98,7 @@ def main():
             gates += gate_rows(f"atlas {name}", truth, result)
     text = "\n".join(head + table + ["", f"Largest error of the ejection fraction at 13 mm or less, without a defect: {worst:.1f} points.", ""]
                      + gates)
-    (arguments.out / "results.md").write_text(text)
+    (arguments.out / "results.txt").write_text(text)
     print(text)
 
 

@@ -10,7 +10,7 @@ import struct
 import unittest
 
 from cli import EDGES, CliTest, run, small_patient, small_result
-from test_ventricle import with_elements
+from studies import with_elements
 
 
 def changed_study(path, change):

@@ -8,7 +8,7 @@ import unittest
 
 from cli import PROGRAM, hashes, run
 from test_batch import QUICK, BatchTest, patients, result_of, rows_of, serial, status_of
-from test_ventricle import empty_study
+from studies import empty_study
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
 ENVIRONMENT = {**os.environ, "DYNASURF": PROGRAM}

@@ -1,13 +1,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "support/dicom_edit.hpp"
-#include "support/l_shape.hpp"
-#include "support/mutations.hpp"
+#include "io/dicom_file.hpp"
 
 namespace dynasurf::io {
 namespace {
 
+using test::DicomFile;
 using test::drop;
 using test::item_of;
 using test::put;
@@ -16,23 +15,6 @@ using ::testing::HasSubstr;
 
 // Decimal strings of DICOM hold at least 12 digits of a position of some 100 mm.
 constexpr double decimal_tolerance_mm = 1e-8;
-
-class DicomFile : public ::testing::Test {
- protected:
-  test::ScratchFolder scratch;
-  const Study truth = test::l_shape_study(test::oblique_grid(), 4);
-
-  std::filesystem::path written(const Study& study) {
-    write_dicom(study, scratch / "written.dcm");
-    return scratch / "written.dcm";
-  }
-  std::filesystem::path changed(const std::function<void(DcmDataset&)>& change,
-                                E_TransferSyntax syntax = EXS_LittleEndianExplicit) {
-    test::edit_dicom(written(truth), scratch / "changed.dcm", change, syntax);
-    return scratch / "changed.dcm";
-  }
-  std::string refusal(const std::function<void(DcmDataset&)>& change) { return test::refusal_of(changed(change)); }
-};
 
 bool has_note(const Study& study, const std::string& code) {
   return std::any_of(study.notes.begin(), study.notes.end(), [&](const Note& n) { return n.code == code; });
@@ -408,80 +390,6 @@ TEST_F(DicomFile, TakesGateTimesFromWhatThereIs) {
   EXPECT_TRUE(has_note(s, "dicom.no_gate_times"));
 }
 
-TEST_F(DicomFile, WithMissingOrDoubleFramesIsRefused) {
-  const auto with_vector = [&](const DcmTagKey& tag, std::size_t at, Uint16 value) {
-    return refusal([&](DcmDataset& d) {
-      auto entries = words_of(d, tag);
-      entries.at(at) = value;
-      put(d, tag, entries);
-    });
-  };
-  EXPECT_THAT(with_vector(DCM_SliceVector, 3, 3), HasSubstr("frames 3 and 4 are both gate 1, slice 3"));
-  EXPECT_THAT(with_vector(DCM_TimeSlotVector, 19, 1), HasSubstr("both gate 1, slice 5"));
-  EXPECT_THAT(with_vector(DCM_SliceVector, 0, 0), HasSubstr("entry 1 of SliceVector is 0; expected 1 to 5"));
-  EXPECT_THAT(with_vector(DCM_SliceVector, 4, 6), HasSubstr("expected 1 to 5"));
-  EXPECT_THAT(with_vector(DCM_TimeSlotVector, 4, 5), HasSubstr("TimeSlotVector counts to 5"));
-  EXPECT_THAT(with_vector(DCM_RRIntervalVector, 0, 2), HasSubstr("RRIntervalVector is 2"));
-  EXPECT_THAT(refusal([](DcmDataset& d) {
-                auto entries = words_of(d, DCM_SliceVector);
-                entries.pop_back();
-                put(d, DCM_SliceVector, entries);
-              }),
-              HasSubstr("SliceVector has 19 entries for 20 frames"));
-  EXPECT_THAT(refusal([](DcmDataset& d) {  // the last frame is gone, from pixels and vectors alike
-                put(d, DCM_NumberOfFrames, "19");
-                for (const DcmTagKey& tag : {DCM_RRIntervalVector, DCM_TimeSlotVector, DCM_SliceVector}) {
-                  auto entries = words_of(d, tag);
-                  entries.pop_back();
-                  put(d, tag, entries);
-                }
-                auto pixels = words_of(d, DCM_PixelData);
-                pixels.resize(19 * 42);
-                put(d, DCM_PixelData, pixels);
-              }),
-              HasSubstr("missing"));
-}
-
-TEST_F(DicomFile, ThatIsNoReconstructedStackIsRefusedSayingWhatItIs) {
-  const auto of_kind = [&](const std::string& kind) {
-    return refusal([&](DcmDataset& d) { put(d, DCM_ImageType, "ORIGINAL\\PRIMARY\\" + kind + "\\EMISSION"); });
-  };
-  EXPECT_THAT(of_kind("TOMO"), HasSubstr("reconstruct the projections first"));
-  EXPECT_THAT(of_kind("GATED TOMO"), HasSubstr("reconstruct the projections first"));
-  for (const char* kind : {"STATIC", "WHOLE BODY", "DYNAMIC", "GATED"})
-    EXPECT_THAT(of_kind(kind), HasSubstr(std::string("planar ") + kind));
-  EXPECT_THAT(of_kind("SOMETHING"), HasSubstr("value 3 of ImageType"));
-  EXPECT_THAT(refusal([](DcmDataset& d) { drop(d, DCM_ImageType); }), HasSubstr("value 3 of ImageType"));
-  EXPECT_THAT(refusal([](DcmDataset& d) { put(d, DCM_Modality, "US"); }),
-              HasSubstr("not of modality NM, PT, MR or CT"));
-  EXPECT_THAT(refusal([](DcmDataset& d) { put(d, DCM_SOPClassUID, UID_EnhancedPETImageStorage); }),
-              HasSubstr("Enhanced"));
-  EXPECT_THAT(
-      refusal([](DcmDataset& d) { put(d, DCM_SOPClassUID, UID_MultiframeTrueColorSecondaryCaptureImageStorage); }),
-      HasSubstr("screen capture"));
-  EXPECT_THAT(refusal([](DcmDataset& d) { drop(d, DCM_PixelData); }), HasSubstr("no pixel data"));
-}
-
-TEST_F(DicomFile, ThatContradictsItselfIsRefused) {
-  EXPECT_THAT(refusal([](DcmDataset& d) { put(d, DCM_Rows, std::vector<Uint16>{7}); }), HasSubstr("need 1960"));
-  EXPECT_THAT(refusal([](DcmDataset& d) { put(d, DCM_NumberOfFrames, "21"); }), HasSubstr("20 entries for 21 frames"));
-  EXPECT_THAT(refusal([](DcmDataset& d) { put(d, DCM_BitsStored, std::vector<Uint16>{17}); }),
-              HasSubstr("expected 1 to 16"));
-  EXPECT_THAT(refusal([](DcmDataset& d) { put(d, DCM_PixelSpacing, "2.5\\abc"); }), HasSubstr("not a number"));
-  EXPECT_THAT(refusal([](DcmDataset& d) { put(d, DCM_PixelSpacing, "0\\2"); }), HasSubstr("voxel size"));
-  EXPECT_THAT(refusal([](DcmDataset& d) { drop(d, DCM_PixelSpacing); }), HasSubstr("PixelSpacing"));
-  EXPECT_THAT(refusal([](DcmDataset& d) { put(d, DCM_RescaleSlope, "0"); }), HasSubstr("RescaleSlope"));
-  EXPECT_THAT(refusal([](DcmDataset& d) { put(d, DCM_RescaleSlope, "1e300"); }), HasSubstr("not a finite number"));
-  EXPECT_THAT(refusal([](DcmDataset& d) {
-                put(item_of(d, DCM_DetectorInformationSequence), DCM_ImageOrientationPatient, "1\\0\\0\\0.6\\0.8\\0");
-              }),
-              HasSubstr("right angles"));
-  EXPECT_THAT(refusal([](DcmDataset& d) {
-                put(item_of(d, DCM_DetectorInformationSequence), DCM_ImageOrientationPatient, "1\\0\\0\\0\\0\\0");
-              }),
-              HasSubstr("length 1"));
-}
-
 TEST_F(DicomFile, IsWrittenWithTheSameBytesTwiceAndOtherUidsForOtherContent) {
   write_dicom(truth, scratch / "a.dcm");
   write_dicom(truth, scratch / "b.dcm");
@@ -541,53 +449,6 @@ TEST_F(DicomFile, LeavesNothingPersonalInFactsOrStudy) {
   EXPECT_THAT(all, HasSubstr("isotope: Tc-99m\ntracer: sestamibi"));
   EXPECT_THAT(all, HasSubstr("voxels: 7 x 6 x 5\nvoxel size: 2.5 x 3.25 x 5.75 mm"));
   EXPECT_THAT(all, HasSubstr("gates: 4\nheart cycle: 800 ms (75 /min)\ngates start at: 0 200 400 600 ms"));
-}
-
-TEST_F(DicomFile, IsRefusedWhenCutAtAnyByte) {
-  Grid grid = test::oblique_grid();
-  grid.dims = {3, 2, 2};
-  const std::string bytes = test::read_bytes(written(test::l_shape_study(grid, 2)));
-  EXPECT_EQ(test::accepted_cuts(scratch / "cut.dcm", bytes), std::vector<std::size_t>{});
-  test::edit_dicom(
-      scratch / "written.dcm", scratch / "rle.dcm", [](DcmDataset&) {}, EXS_RLELossless);
-  EXPECT_EQ(test::accepted_cuts(scratch / "cut.dcm", test::read_bytes(scratch / "rle.dcm"), 3),
-            std::vector<std::size_t>{});
-}
-
-TEST_F(DicomFile, SurvivesFlippedBits) {
-  Grid grid = test::oblique_grid();
-  grid.dims = {3, 2, 2};
-  const std::string bytes = test::read_bytes(written(test::l_shape_study(grid, 2)));
-  EXPECT_GT(test::refused_of_flipped(scratch / "flip.dcm", bytes, 3000, 11, 128), 300);
-  test::edit_dicom(
-      scratch / "written.dcm", scratch / "rle.dcm", [](DcmDataset&) {}, EXS_RLELossless);
-  EXPECT_GT(test::refused_of_flipped(scratch / "flip.dcm", test::read_bytes(scratch / "rle.dcm"), 2000, 12, 128), 200);
-}
-
-TEST_F(DicomFile, DeclaringFourGigabytesIsRefusedAtOnce) {
-  EXPECT_THAT(refusal([](DcmDataset& d) {
-                put(d, DCM_Rows, std::vector<Uint16>{65535});
-                put(d, DCM_Columns, std::vector<Uint16>{65535});
-              }),
-              HasSubstr("at most 2048 MiB"));
-  EXPECT_THAT(refusal([](DcmDataset& d) { put(d, DCM_Rows, std::vector<Uint16>{65535}); }),
-              HasSubstr("pixel data are 1680 bytes"));
-}
-
-TEST_F(DicomFile, NestedDeeplyIsReadOrRefusedButNeverOverflowsTheStack) {
-  const std::string bytes = test::read_bytes(written(truth));
-  const auto nested = [&](int levels) {
-    const std::string open("\x55\x00\x10\x10SQ\0\0\xff\xff\xff\xff\xfe\xff\x00\xe0\xff\xff\xff\xff", 20);
-    const std::string close("\xfe\xff\x0d\xe0\0\0\0\0\xfe\xff\xdd\xe0\0\0\0\0", 16);
-    std::string all = bytes;
-    for (int n = 0; n < levels; ++n) all += open;
-    for (int n = 0; n < levels; ++n) all += close;
-    test::write_bytes(scratch / "deep.dcm", all);
-    return test::refusal_of(scratch / "deep.dcm");
-  };
-  EXPECT_EQ(nested(8), "");
-  EXPECT_THAT(nested(32), HasSubstr("nests sequences more than 32 deep"));
-  EXPECT_THAT(nested(100000), HasSubstr("nests sequences more than 32 deep"));
 }
 
 }  // namespace

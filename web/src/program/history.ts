@@ -47,8 +47,8 @@ export const fileOf = (result: Piece[], name: string): Uint8Array =>
   result.find(({ path }) => path === `dynasurf-result/${name}`)?.bytes ?? new Uint8Array();
 
 /** The numbers of a heart; null: the result has none. */
-function numbersOf(run: Run): Numbers | null {
-  const json = JSON.parse(new TextDecoder().decode(fileOf(run.result, "results.json")) || "null") as Numbers | null;
+export function numbersOf(result: Piece[]): Numbers | null {
+  const json = JSON.parse(new TextDecoder().decode(fileOf(result, "results.json")) || "null") as Numbers | null;
   return json && "ef_percent" in json ? json : null;
 }
 
@@ -58,7 +58,7 @@ export function dataOf(run: Run): string | null {
   return /<script type="application\/json" id="data">([^<]*)<\/script>/.exec(page)?.[1] ?? null;
 }
 
-const figure = (value: number | null) => (value === null ? "–" : value.toFixed(1));
+export const figure = (value: number | null) => (value === null ? "–" : value.toFixed(1));
 
 export class History {
   runs: Run[] = [];
@@ -120,8 +120,8 @@ export class History {
 
   /** The numbers shown beside those they are compared with; empty: nothing to compare. */
   comparison(): string {
-    const now = this.shown && numbersOf(this.shown);
-    const before = this.compared && numbersOf(this.compared);
+    const now = this.shown && numbersOf(this.shown.result);
+    const before = this.compared && numbersOf(this.compared.result);
     if (!now || !before) return "";
     return text("before", { edv: figure(now.edv_ml), edv0: figure(before.edv_ml), ef: figure(now.ef_percent), ef0: figure(before.ef_percent) });
   }
@@ -137,7 +137,7 @@ export class History {
     name.setAttribute("aria-label", text("run_name", { n: n + 1 }));
     name.addEventListener("change", () => (run.name = name.value.trim()));
     const words = document.createElement("p");
-    const numbers = numbersOf(run);
+    const numbers = numbersOf(run.result);
     const verdict = numbers?.quality ? `, ${text(`verdict_${numbers.quality.verdict}`)}` : "";
     words.textContent = numbers ? text("numbers", { edv: figure(numbers.edv_ml), esv: figure(numbers.esv_ml), ef: figure(numbers.ef_percent) }) + verdict : "";
     const choices = document.createElement("div");

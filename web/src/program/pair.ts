@@ -1,7 +1,7 @@
 // Two studies side by side: a report each, beats that go together, the difference of their numbers and maps.
 import type { FromPage, FromReport } from "../host";
 import { load } from "./frames";
-import { fileOf, taskOf } from "./history";
+import { figure, fileOf, numbersOf, taskOf } from "./history";
 import type { Job, Piece } from "./job";
 import { type Found, restAndStress } from "./studies";
 import { text } from "./texts";
@@ -21,13 +21,6 @@ export function pairJob(pair: [Found, Found]): Omit<Job, "engine"> {
   if (restAndStress(...pair)) commands.push(["perfusion", "compare", "/first", "/second", "--out", "/both"]);
   return { files, commands, wanted: [...folders, "both"] };
 }
-
-interface Numbers {
-  edv_ml: number | null;
-  esv_ml: number | null;
-  ef_percent: number | null;
-}
-const figure = (value: number | null) => (value === null ? "–" : value.toFixed(1));
 
 const partOf = (result: Piece[], folder: string) =>
   result.filter(({ path }) => path.startsWith(`${folder}/`)).map(({ path, bytes }) => ({ path: path.replace(`${folder}/`, "dynasurf-result/"), bytes }));
@@ -49,7 +42,7 @@ export class Pair {
 
   /** Whether the difference of the maps can be shown. */
   get has_difference(): boolean {
-    return fileOf(partOf(this.result, "both"), "comparison.html").length > 0;
+    return this.difference !== "";
   }
 
   get files(): Piece[] {
@@ -70,8 +63,9 @@ export class Pair {
       this.frames[n] = load(this.frames[n]!, page(folder, "report.html"));
       this.titles[n]!.textContent = `${pair[n]!.place} · ${pair[n]!.what}`;
     });
-    this.difference = this.has_difference ? page("both", "comparison.html") : "";
-    const [a, b] = folders.map((folder) => JSON.parse(new TextDecoder().decode(fileOf(partOf(result, folder), "results.json"))) as Numbers);
+    const is_compared = result.some(({ path }) => path === "both/comparison.html");
+    this.difference = is_compared ? page("both", "comparison.html") : "";
+    const [a, b] = folders.map((folder) => numbersOf(partOf(result, folder)));
     this.numbers.textContent = (["edv_ml", "esv_ml", "ef_percent"] as const)
       .map((key) => {
         const [left, right] = [a![key], b![key]];
