@@ -20,6 +20,7 @@ from dynasurf import _core, _options
 FOLDER = pathlib.Path(__file__).resolve().parents[1] / "python/dynasurf"
 ROOMS = ("image", "field", "mesh", "dynamics", "ventricle", "cloud", "synthetic", "io")
 KINDS = {"float | None": "Optional[float]", "int | None": "Optional[int]", "list of int": "List[int]",
+         "list of float": "List[float]",
          "list of 3 float | None": "Optional[List[float]]"}
 HEAD = "# Written by tools/python_stubs.py.\nfrom typing import Any, Callable, Dict, List, Literal, Optional, Tuple, Union\n\n"
 

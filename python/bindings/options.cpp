@@ -107,6 +107,8 @@ struct MemberVisitor {
       member["kind"] = "int | None";
     } else if constexpr (std::is_same_v<T, std::vector<int>>) {
       member["kind"] = "list of int";
+    } else if constexpr (std::is_same_v<T, std::vector<double>>) {
+      member["kind"] = "list of float";
     } else if constexpr (std::is_same_v<T, std::optional<std::array<double, 3>>>) {
       member["kind"] = "list of 3 float | None";
     } else {

@@ -41,6 +41,11 @@ BeatProblem round_problem(Eigen::VectorXd& unknowns) {
   }
   problem.thickness.mm_per_q = Eigen::VectorXd::Constant(5, 25);
   problem.thickness.mean_mm = 8;
+  for (const bool is_outer : {false, true}) {
+    real_spherical_harmonics(fibonacci_direction(is_outer ? 2 : 4, 10), 3, row);
+    problem.points.push_back({Eigen::Map<Eigen::RowVectorXd>(row.data(), harmonics_up_to(3)), is_outer ? 1 : 0,
+                              is_outer, is_outer ? 0.3 : -0.1, 0.05});
+  }
   Priors beliefs;
   beliefs.width = 0.1, beliefs.stretch = 0.15;
   Eigen::VectorXd other = heart.gate;

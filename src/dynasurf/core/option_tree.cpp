@@ -196,7 +196,9 @@ void add_rows(const OptionNodes& nodes, const std::string& path, const std::stri
                         [&](const std::string* v) { row.default_value = *v; },
                         [&](const std::optional<double>* v) { row.default_value = optional_text(*v); },
                         [&](const std::optional<int>* v) { row.default_value = optional_text(*v); },
-                        [&](const std::vector<int>* v) { row.default_value = v->empty() ? "unset" : list_text(*v); },
+                        [&]<class Number>(const std::vector<Number>* v) {
+                          row.default_value = v->empty() ? "unset" : list_text(*v);
+                        },
                         [&](const std::optional<std::array<double, 3>>* v) {
                           row.default_value = *v ? list_text(**v) : "unset";
                         },
@@ -242,6 +244,7 @@ std::string expected_of(const OptionNode& node) {
                [&](const std::optional<double>*) { return number("unset or a number"); },
                [&](const std::optional<int>*) { return number("unset or a whole number"); },
                [&](const std::vector<int>*) { return number("a list of whole numbers"); },
+               [&](const std::vector<double>*) { return number("a list of numbers"); },
                [&](const std::optional<std::array<double, 3>>*) { return number("unset or a list of three numbers"); },
                [](const WordRef& word) { return "one of " + joined(word.words, ", "); },
                [](const ChoiceRef& choice) { return "one of the methods " + joined(choice.methods, ", "); },
@@ -279,7 +282,7 @@ void assign_text(const OptionNode& node, const std::string& path, std::string_vi
                },
                [&](std::string* v) { *v = text; }, [&](std::optional<double>* v) { optional(*v); },
                [&](std::optional<int>* v) { optional(*v); },
-               [&](std::vector<int>* v) { text == "unset" ? v->clear() : list(*v); },
+               [&]<class Number>(std::vector<Number>* v) { text == "unset" ? v->clear() : list(*v); },
                [&](std::optional<std::array<double, 3>>* v) {
                  if (text == "unset") return v->reset();
                  std::vector<double> three;

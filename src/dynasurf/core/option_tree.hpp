@@ -43,9 +43,9 @@ struct GroupRef {
 };
 
 /// Where the value of an option lies, by its type.
-using OptionRef =
-    std::variant<double*, int*, std::uint64_t*, bool*, std::string*, std::optional<double>*, std::optional<int>*,
-                 std::vector<int>*, std::optional<std::array<double, 3>>*, WordRef, ChoiceRef, GroupRef>;
+using OptionRef = std::variant<double*, int*, std::uint64_t*, bool*, std::string*, std::optional<double>*,
+                               std::optional<int>*, std::vector<int>*, std::vector<double>*,
+                               std::optional<std::array<double, 3>>*, WordRef, ChoiceRef, GroupRef>;
 
 /// One member of an options struct. It points into the struct, which must outlive it.
 struct OptionNode {
@@ -145,7 +145,7 @@ inline constexpr bool is_plain_option =
     std::is_same_v<T, double> || std::is_same_v<T, int> || std::is_same_v<T, std::uint64_t> ||
     std::is_same_v<T, bool> || std::is_same_v<T, std::string> || std::is_same_v<T, std::optional<double>> ||
     std::is_same_v<T, std::optional<int>> || std::is_same_v<T, std::vector<int>> ||
-    std::is_same_v<T, std::optional<std::array<double, 3>>>;
+    std::is_same_v<T, std::vector<double>> || std::is_same_v<T, std::optional<std::array<double, 3>>>;
 
 /// Visits the members of a described struct and keeps where they lie.
 struct NodeCollector {

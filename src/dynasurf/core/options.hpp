@@ -28,11 +28,11 @@ struct OptionInfo {
 //
 //     void describe(auto& visit, O& o) { visit("mu", o.mu, OptionInfo{"balance of smoothing and data", "", 0}); ... }
 //
-// Members may be double, int, bool, std::string, std::vector<int>, an enum with `std::span<const std::string_view>
-// names_of(E)`, another described struct, std::optional<double|int|std::array<double, 3>>, or a std::variant of
-// described structs. Each alternative of a variant has a `static constexpr std::string_view name`; in JSON it is an
-// object with "method": name. JSON, --set, the manual's tables, the report and the law tests all read this one
-// description.
+// Members may be double, int, bool, std::string, std::vector<int|double>, an enum with
+// `std::span<const std::string_view> names_of(E)`, another described struct,
+// std::optional<double|int|std::array<double, 3>>, or a std::variant of described structs. Each alternative of a
+// variant has a `static constexpr std::string_view name`; in JSON it is an object with "method": name. JSON, --set, the
+// manual's tables, the report and the law tests all read this one description.
 
 namespace detail {
 /// Stands for whatever visits the members of a described struct.
@@ -74,8 +74,8 @@ struct IsOptional<std::optional<T>> : std::true_type {};
 /// Whether a type is a list of numbers.
 template <class T>
 struct IsNumberList : std::false_type {};
-template <>
-struct IsNumberList<std::vector<int>> : std::true_type {};
+template <class Number>
+struct IsNumberList<std::vector<Number>> : std::true_type {};
 template <>
 struct IsNumberList<std::array<double, 3>> : std::true_type {};
 

@@ -101,7 +101,7 @@ void assign(const Json& json, const OptionNode& node, const std::string& path) {
                       [&](double* v) { number(*v, json); }, [&](int* v) { number(*v, json); },
                       [&](std::uint64_t* v) { number(*v, json); }, [&](std::optional<double>* v) { optional(*v); },
                       [&](std::optional<int>* v) { optional(*v); },
-                      [&](std::vector<int>* v) {
+                      [&]<class Number>(std::vector<Number>* v) {
                         // Options of earlier versions hold a text.
                         if (json.is_string()) return assign_text(node, path, json.get_ref<const std::string&>());
                         list(*v);

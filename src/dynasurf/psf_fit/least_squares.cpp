@@ -9,6 +9,7 @@
 #include "dynasurf/psf_fit/detail/cholesky.hpp"
 #include "dynasurf/psf_fit/detail/harmonics.hpp"
 #include "dynasurf/psf_fit/detail/image_derivatives.hpp"
+#include "dynasurf/psf_fit/detail/wall_terms.hpp"
 
 namespace dynasurf::psf_fit {
 namespace {
@@ -74,33 +75,6 @@ WallCycle wall_cycle(const BeatProblem& problem, const std::vector<Activity>& ac
   return cycle;
 }
 
-/// The mean of the log of the wall's thickness in one gate against what is believed, in standard deviations.
-struct ThicknessLook {
-  double deviation = 0;
-  Eigen::VectorXd by_number;  // of the gate
-};
-ThicknessLook look_at_thickness(const BeatProblem& problem, const Eigen::VectorXd& gate) {
-  const ThicknessPrior& belief = problem.thickness;
-  const GateLayout& layout = problem.layout.gate;
-  const int endo = harmonics_up_to(layout.endo_degree), wall = harmonics_up_to(layout.wall_degree);
-  ThicknessLook look{0, Eigen::VectorXd::Zero(layout.count())};
-  const auto directions = static_cast<double>(belief.harmonics.rows());
-  double sum = 0;
-  for (Eigen::Index d = 0; d < belief.harmonics.rows(); ++d) {
-    const auto row = belief.harmonics.row(d);
-    const double q_endo = own::exp(row.head(endo).dot(gate.segment(layout.endo, endo)));
-    const double muscle = own::exp(row.head(wall).dot(gate.segment(layout.wall, wall)));
-    const double q_epi = own::cbrt(q_endo * q_endo * q_endo + muscle), thick = q_epi - q_endo;
-    sum += own::log(thick * belief.mm_per_q[d] / belief.mean_mm);
-    const double scale = 1 / (thick * belief.log_sd * directions);
-    const double by_endo = q_endo * q_endo * q_endo / (q_epi * q_epi) - q_endo;
-    look.by_number.segment(layout.endo, endo) += scale * by_endo * row.head(endo).transpose();
-    look.by_number.segment(layout.wall, wall) += scale * muscle / (3 * q_epi * q_epi) * row.head(wall).transpose();
-  }
-  look.deviation = sum / (directions * belief.log_sd);
-  return look;
-}
-
 /// A step may lead to a point spread wider than the heart, whose kernels would take minutes.
 bool is_within_reach(const BeatLayout& layout, const Eigen::VectorXd& gate) {
   constexpr double farthest = 1.1;  // of the logs of the widths over their start: a factor of three
@@ -142,10 +116,7 @@ Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unk
   for (const double of_gate : data) result.data += of_gate;
   result.value = result.data + 0.5 * (unknowns - layout.expected).cwiseQuotient(layout.spread).squaredNorm() +
                  0.5 * wall_cycle(problem, result.activity).deviation.squaredNorm();
-  if (problem.thickness.harmonics.rows() > 0) {
-    const double deviation = look_at_thickness(problem, numbers[problem.thickness.gate]).deviation;
-    result.value += 0.5 * deviation * deviation;
-  }
+  for (const WallTerm& term : wall_terms(problem, numbers)) result.value += 0.5 * term.deviation * term.deviation;
   return result;
 }
 
@@ -176,10 +147,8 @@ Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::Vect
   const std::vector<Eigen::VectorXd> gradients = gather(problem.cells, places, to_cells);
   Eigen::VectorXd gradient = (unknowns - layout.expected).cwiseQuotient(layout.spread).cwiseQuotient(layout.spread);
   for (std::size_t g = 0; g < gates; ++g) layout.add_gradient(static_cast<int>(g), gradients[g], gradient);
-  if (problem.thickness.harmonics.rows() > 0) {
-    const ThicknessLook thickness = look_at_thickness(problem, numbers[problem.thickness.gate]);
-    layout.add_gradient(problem.thickness.gate, thickness.deviation * thickness.by_number, gradient);
-  }
+  for (const WallTerm& term : wall_terms(problem, numbers))
+    layout.add_gradient(term.gate, term.deviation * term.by_number, gradient);
   return gradient;
 }
 
@@ -229,11 +198,10 @@ Eigen::MatrixXd prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& 
   }
   const Eigen::MatrixXd deviations = product(walls, wall_cycle(problem, at.activity).by_volume.transpose());
   matrix += product(deviations, deviations.transpose());
-  if (problem.thickness.harmonics.rows() > 0) {
-    const int g = problem.thickness.gate;
-    Eigen::VectorXd thickness = Eigen::VectorXd::Zero(layout.unknowns);
-    layout.add_gradient(g, look_at_thickness(problem, layout.at_gate(g, unknowns)).by_number, thickness);
-    matrix += thickness * thickness.transpose();
+  for (const WallTerm& term : wall_terms(problem, numbers_of_gates(layout, unknowns))) {
+    Eigen::VectorXd column = Eigen::VectorXd::Zero(layout.unknowns);
+    layout.add_gradient(term.gate, term.by_number, column);
+    matrix += column * column.transpose();
   }
   return matrix;
 }

@@ -8,6 +8,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/psf_fit/detail/harmonics.hpp"
+#include "dynasurf/psf_fit/detail/wall_terms.hpp"
 
 namespace dynasurf::psf_fit {
 namespace {
@@ -65,33 +66,6 @@ Eigen::VectorXd outermost(const PlacedStart& start, int degree) {
     volume = v;
   }
   return most;
-}
-
-/// Of the gate whose cavity is the largest at the start.
-ThicknessPrior believe_in_thickness(const PlacedStart& start, int degree) {
-  constexpr int directions = 120;
-  ThicknessPrior belief;
-  double largest = 0;
-  for (std::size_t g = 0; g < start.endo.size(); ++g) {
-    const double volume = mesh::volume_mm3(start.endo[g]);
-    if (volume > largest) largest = volume, belief.gate = static_cast<int>(g);
-  }
-  const double base = start.frame.to_heart(start.base[belief.gate].point)[2];
-  std::vector<double> mm, harmonics(harmonics_up_to(degree));
-  std::vector<std::vector<double>> rows;
-  for (int n = 0; n < directions; ++n) {
-    const Vec3 direction = fibonacci_direction(n, directions);
-    if (direction[2] * start.frame.scale[2] > 0.8 * base) continue;
-    real_spherical_harmonics(direction, degree, harmonics);
-    rows.push_back(harmonics);
-    mm.push_back(1 / direction.cwiseQuotient(start.frame.scale).norm());
-  }
-  belief.harmonics.resize(static_cast<Eigen::Index>(rows.size()), harmonics_up_to(degree));
-  for (std::size_t n = 0; n < rows.size(); ++n)
-    belief.harmonics.row(static_cast<Eigen::Index>(n)) =
-        Eigen::Map<Eigen::RowVectorXd>(rows[n].data(), harmonics_up_to(degree));
-  belief.mm_per_q = Eigen::Map<Eigen::VectorXd>(mm.data(), static_cast<Eigen::Index>(mm.size()));
-  return belief;
 }
 
 /// Where every pixel lies against the wall at the start: `outer` is the log of its outer surface in harmonics.
@@ -196,7 +170,8 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
   measure_brightness(s, mean, margin);
   for (auto& values : p.values)
     for (float& v : values) v = static_cast<float>(v / s.unit);
-  s.problem.thickness = believe_in_thickness(start, degree);
+  p.thickness = thickness_prior(start, degree);
+  p.points = placed_points(start, degree);
   weigh_pixels(s, mean, blur, margin);
   if (start.looked_at) leave_out(*start.looked_at, p);
   return s;

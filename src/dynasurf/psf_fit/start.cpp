@@ -64,6 +64,8 @@ PlacedStart place_start(const FitStart& given, const Grid& grid) {
   }
   PlacedStart placed;
   placed.looked_at = start.looked_at;
+  placed.points = start.points;
+  for (WallPoint& point : placed.points) point.place = to_grid(grid, point.place);
   Vec3 axis = start.axis.normalized();
   Vec3 normals = Vec3::Zero();
   for (const auto& base : start.base)

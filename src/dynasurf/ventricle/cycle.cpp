@@ -125,6 +125,7 @@ void require_inside(const UserOverrides& manual, const Study& original, const St
       throw OptionError(format("option manual.center_mm is (%g, %g, %g); expected a place inside the volume",
                                (*centre)[0], (*centre)[1], (*centre)[2]));
   }
+  wall_points(manual, original);
   const int slices = study.grid().dims[2];
   const auto require_slice = [&](const char* name, const std::optional<int>& slice) {
     if (slice && *slice > slices)

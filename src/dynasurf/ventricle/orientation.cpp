@@ -76,6 +76,31 @@ Study keep_unless_contradicted(const Study& study, const heart::Location& heart,
 
 }  // namespace
 
+std::vector<psf_fit::WallPoint> wall_points(const UserOverrides& manual, const Study& study) {
+  std::vector<psf_fit::WallPoint> points;
+  const Grid& grid = study.grid();
+  const auto add = [&](const char* name, const std::vector<double>& numbers, bool is_outer) {
+    if (numbers.size() % 4 != 0)
+      throw OptionError(format("option manual.%s holds %d numbers; expected four for each point: gate,x,y,z", name,
+                               static_cast<int>(numbers.size())));
+    const int gates = static_cast<int>(study.gates.size());
+    for (std::size_t n = 0; n < numbers.size(); n += 4) {
+      const double gate = numbers[n];
+      if (!(gate >= 1 && gate <= gates) || gate != std::floor(gate))
+        throw OptionError(format("option manual.%s names gate %g; expected gates 1 to %d", name, gate, gates));
+      const Vec3 place(numbers[n + 1], numbers[n + 2], numbers[n + 3]);
+      const Index3 v = voxel_of(grid, to_grid(grid, place));
+      if (!grid.contains(v[0], v[1], v[2]))
+        throw OptionError(format("option manual.%s names the place (%g, %g, %g); expected one inside the volume", name,
+                                 place[0], place[1], place[2]));
+      points.push_back({static_cast<int>(gate) - 1, is_outer, place});
+    }
+  };
+  add("endo_points", manual.endo_points, false);
+  add("epi_points", manual.epi_points, true);
+  return points;
+}
+
 heart::LocateHints hints_of(const UserOverrides& m) {
   heart::LocateHints hints;
   if (m.center_mm) hints.centre_mm = Vec3(m.center_mm->data());

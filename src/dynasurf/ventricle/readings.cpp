@@ -99,6 +99,13 @@ LeadingSurfaces surfaces_of(const EdgeSurfaces& edge) {
   return surfaces;
 }
 
+/// Border points are told to the fit alone.
+void tell_unused_points(const Options& options, Result& result) {
+  if (options.manual.endo_points.empty() && options.manual.epi_points.empty()) return;
+  result.notes.push_back({Severity::warning, "points.without_fit",
+                          "options manual.endo_points and manual.epi_points had no effect: there is no fit"});
+}
+
 }  // namespace
 
 std::span<const std::string_view> names_of(ReadingKind) { return kind_names; }
@@ -134,7 +141,7 @@ void read_otherwise(const Study& original, const std::optional<Mask>& looked_at,
                     const Progress& progress, StageClock& clock, Result& result) {
   const psf_fit::BlurFit& options = all.fit;
   std::optional<psf_fit::FitStart> start = fit_start_of(result, options.run);
-  if (!start) return;
+  if (!start) return tell_unused_points(all, result);
   start->looked_at = looked_at;
   auto& profile = result.readings.gaussian_profile;
   profile = clock("readings", [&] { return psf_fit::read_gaussian_profile(original, *start); });
@@ -143,8 +150,9 @@ void read_otherwise(const Study& original, const std::optional<Mask>& looked_at,
     result.notes.push_back({Severity::info, "readings.no_gaussian",
                             "no Gaussian-profile reading: no asymmetric Gaussian fits across this wall"});
   }
-  if (!options.run) return;
+  if (!options.run) return tell_unused_points(all, result);
   end_as_said(result, all.manual, *start);
+  start->points = wall_points(all.manual, original);
   auto& beat = result.readings.psf_corrected;
   beat = clock("fit", [&] { return psf_fit::fit_through_blur(original, *start, options, progress); });
   result.notes.insert(result.notes.end(), beat->notes.begin(), beat->notes.end());

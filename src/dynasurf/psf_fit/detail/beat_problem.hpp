@@ -15,6 +15,14 @@ struct ThicknessPrior {
   double mean_mm = 10, log_sd = 0.2;
 };
 
+/// A place on a wall that a person says: the wall's q along one direction in one gate.
+struct PlacedPoint {
+  Eigen::RowVectorXd harmonics;  // of the direction
+  int gate = 0;
+  bool is_outer = false;
+  double log_q = 0, log_sd = 0;
+};
+
 /// A beat to be explained: pixels of all gates, and the model that explains them.
 struct BeatProblem {
   Pixels pixels;
@@ -29,6 +37,7 @@ struct BeatProblem {
   double sigma_mm = 0;  // of the point spread when its unknown is 0
   double filtered = 0;  // share of its variance that comes from a filter on the voxels
   ThicknessPrior thickness;
+  std::vector<PlacedPoint> points;
   double wall_relative_sd = 0.01;  // relative, by which the muscle's volume may vary over the beat
 };
 

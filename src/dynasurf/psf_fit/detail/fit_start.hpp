@@ -9,6 +9,13 @@
 
 namespace dynasurf::psf_fit {
 
+/// A place through which a person says that a wall goes. World frame.
+struct WallPoint {
+  int gate = 0;
+  bool is_outer = false;
+  Vec3 place{0, 0, 0};
+};
+
 /// What a fit begins with: both surfaces of every gate, where the ventricle ends, and its long axis. World frame.
 /// With a `cup`, the middle of the wall as it was located, walls of even thickness around it take the place of the
 /// surfaces: an edge that a defect or a neighbour led astray leads no fit astray.
@@ -21,6 +28,7 @@ struct FitStart {
   double base_shift_mm = 0;                     // a person moves the fitted planes by this along `axis`
   std::optional<heart::BasePlane> placed_base;  // where a person says that the ventricle ends, in all gates
   std::optional<Mask> looked_at;                // on the study's grid; absent: all of it
+  std::vector<WallPoint> points;                // that a person placed
 };
 
 }  // namespace dynasurf::psf_fit

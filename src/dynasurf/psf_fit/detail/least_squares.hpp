@@ -8,8 +8,8 @@
 
 namespace dynasurf::psf_fit {
 
-/// How badly a set of unknowns explains the beat: half the sum of squares of the data, of what was believed, and of the
-/// muscle's volume over the beat, each over its standard deviation.
+/// How badly a set of unknowns explains the beat: half the sum of squares of the data, of the priors, of the points
+/// that a person placed, and of the muscle's volume over the beat, each over its standard deviation.
 struct Objective {
   double value = 0, data = 0;
   Eigen::VectorXd gradient;

@@ -13,6 +13,7 @@ struct PlacedStart {
   std::vector<TriMesh> endo, epi;
   std::vector<heart::BasePlane> base;
   std::optional<Mask> looked_at;
+  std::vector<WallPoint> points;
 };
 /// Both surfaces of every gate, the valve planes and the heart's frame of a start, for the voxels of a grid.
 PlacedStart place_start(const FitStart& start, const Grid& grid);

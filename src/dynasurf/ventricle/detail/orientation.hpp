@@ -4,10 +4,12 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "dynasurf/core/options.hpp"
 #include "dynasurf/core/study.hpp"
 #include "dynasurf/heart/locate.hpp"
+#include "dynasurf/psf_fit/detail/fit_start.hpp"
 
 namespace dynasurf::ventricle {
 
@@ -59,6 +61,7 @@ struct UserOverrides {
   std::optional<int> first_slice, last_slice;
   std::optional<double> base_plane_mm, base_shift_mm;
   std::vector<int> exclude_gates;
+  std::vector<double> endo_points, epi_points;  // gate,x,y,z of each, mm
   Decision decision = Decision::none;
   std::string reader, comment;
 };
@@ -75,10 +78,18 @@ void describe(auto& visit, UserOverrides& o) {
         OptionInfo{"moves the valve plane of every gate along the stack, away from the apex", "mm", -100, 100});
   visit("exclude_gates", o.exclude_gates,
         OptionInfo{"gates to leave out, such as 3,4: the means of their neighbours stand in their place"});
+  visit("endo_points", o.endo_points,
+        OptionInfo{"places on the inner wall that the fit goes through: gate,x,y,z of each, world (LPS)", "mm"});
+  visit("epi_points", o.epi_points,
+        OptionInfo{"places on the outer wall that the fit goes through: gate,x,y,z of each, world (LPS)", "mm"});
   visit("decision", o.decision, OptionInfo{"what a reader decides about the result: recorded, changes no number"});
   visit("reader", o.reader, OptionInfo{"who decides"});
   visit("comment", o.comment, OptionInfo{"why, in the reader's words"});
 }
+
+/// The places on both walls that a person says. Throws OptionError unless each has four numbers, of which the first is
+/// a gate of the study and the others are a place inside its volume.
+std::vector<psf_fit::WallPoint> wall_points(const UserOverrides& manual, const Study& study);
 
 /// The hints that a person's values give. Throws OptionError when an axis has no length.
 heart::LocateHints hints_of(const UserOverrides& manual);
