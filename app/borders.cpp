@@ -1,12 +1,9 @@
-#include <algorithm>
 #include <memory>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/io/detail/atomic_file.hpp"
-#include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
-#include "dynasurf/show/detail/border_sheets.hpp"
+#include "dynasurf/report/report.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "borders_matrix.hpp"
@@ -17,83 +14,35 @@
 namespace dynasurf::app {
 namespace {
 
-namespace fs = std::filesystem;
-
-int count_slices(const Mask& mask, int bits) {
-  int slices = 0;
-  const std::size_t area = mask.grid.size() / std::max(1, mask.grid.dims[2]);
-  for (std::size_t begin = 0; begin < mask.values.size(); begin += area) {
-    bool any = false;
-    for (std::size_t n = begin; n < begin + area; ++n) any |= (mask.values[n] & bits) != 0;
-    slices += any;
-  }
-  return slices;
-}
-
-std::string table_of_edges(const ventricle::BorderResult& result) {
-  std::vector<std::vector<std::string>> rows{{"gate", "edge pixels", "slices with edges"}};
-  for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    const Mask& edges = result.gates[g].edges.edges;
-    const auto pixels = std::count_if(edges.values.begin(), edges.values.end(), [](auto v) { return v != 0; });
-    rows.push_back({std::to_string(g + 1), std::to_string(pixels), std::to_string(count_slices(edges, 3))});
-  }
-  return table(rows);
-}
-
-std::string table_of_borders(const ventricle::BorderResult& result) {
-  std::vector<std::vector<std::string>> rows{
-      {"gate", "circle, px", "division slice", "big slice", "slices with endo", "slices with epi"}};
-  for (std::size_t g = 0; g < result.gates.size(); ++g) {
-    const ventricle::Labels& labels = result.gates[g].labels;
-    const auto slice = [](int k) { return k < 0 ? std::string("-") : std::to_string(k + 1); };
-    rows.push_back({std::to_string(g + 1), fixed(labels.circle.radius_px, 1), slice(labels.division_slice),
-                    slice(labels.big_slice), std::to_string(count_slices(labels.borders, ventricle::Labels::endo_bit)),
-                    std::to_string(count_slices(labels.borders, ventricle::Labels::epi_bit))});
-  }
-  return table(rows);
+/// What was found of one gate, for programs.
+ExitCode print_json(const BordersArguments& arguments, std::stop_token stop) {
+  if (!arguments.out.path.empty()) throw OptionError("--json writes no files; expected no --out beside it");
+  if (!arguments.vary.empty()) throw OptionError("--json and --vary were given; expected one of them");
+  std::optional<Image> mask;
+  if (!arguments.options.mask.empty()) mask = read_mask(arguments.options.mask);
+  const Study study = io::read_study(arguments.study, arguments.series);
+  const int gate = gate_of(arguments, study) - 1;
+  const ventricle::BorderResult result = ventricle::find_borders(study, options_of(arguments.options), {{}, stop},
+                                                                 {.mask = mask ? &*mask : nullptr, .only_gate = gate});
+  print(report::borders_json(result, gate));
+  return done;
 }
 
 ExitCode run(const BordersArguments& arguments, std::stop_token stop) {
-  const Drawing what = arguments.edges_only ? Drawing::edges : Drawing::borders;
-  const fs::path out = arguments.out.path;
-  std::vector<fs::path> inputs{arguments.study};
-  for (const std::string& given : {arguments.options.mask, arguments.options.file})
-    if (!given.empty()) inputs.emplace_back(given);
-  io::OutputFolder folder(out, arguments.out.existing(), inputs);
-  const ventricle::Options options = options_of(arguments.options);
   const ThreadLimit limit(arguments.threads);
-  ProgressLine line(arguments.quiet);
-  const Progress progress{[&](std::string_view stage, int done, int total) { line(stage, done, total); }, stop};
-  std::optional<Image> mask;
-  if (!arguments.options.mask.empty()) mask = read_mask(arguments.options.mask);
-  if (!arguments.vary.empty()) {
-    write_matrix(arguments, what, mask ? &*mask : nullptr, folder.path(), progress);
-    line.finish();
-    io::write_file(folder.path() / "options.json", io::options_to_text(options));
-    folder.publish();
-    print("matrix: " + (out / "matrix.png").string() + "\n" + line_of_moved(folder));
-    return done;
-  }
-
-  const ventricle::BorderResult result = ventricle::find_borders(io::read_study(arguments.study, arguments.series),
-                                                                 options, progress, {.mask = mask ? &*mask : nullptr});
-  line.finish();
-  show::write_border_sheets(result, options, what == Drawing::borders, folder.path());
-  io::write_file(folder.path() / "options.json", io::options_to_text(options));
-  folder.publish();
-
-  std::string text = what == Drawing::edges ? table_of_edges(result) : table_of_borders(result);
-  bool failed = false;
-  for (const Note& note : result.notes) {
-    failed |= note.severity == Severity::failure;
-    const bool is_of_the_study = note.gate < 0;  // which way the heart lies, how slices were cut anew
-    if (is_of_the_study || (what == Drawing::borders && note.severity != Severity::info)) text += line_of(note) + "\n";
-  }
-  if (!arguments.quiet) print(text + "sheets: " + out.string() + "\n" + line_of_moved(folder));
-  return what == Drawing::borders && failed ? not_trustworthy : done;
+  if (arguments.json) return print_json(arguments, stop);
+  if (arguments.out.path.empty()) throw OptionError("--out is required, unless --json is given");
+  return draw_borders(arguments, stop);
 }
 
 }  // namespace
+
+int gate_of(const BordersArguments& arguments, const Study& study) {
+  const int gates = static_cast<int>(study.gates.size());
+  if (arguments.gate > gates)
+    throw OptionError("--gate " + std::to_string(arguments.gate) + ": the study has " + std::to_string(gates));
+  return arguments.gate;
+}
 
 void add_borders(CLI::App& program, Command& chosen) {
   auto a = std::make_shared<BordersArguments>();
@@ -101,17 +50,20 @@ void add_borders(CLI::App& program, Command& chosen) {
                       "Find the edges and label the borders of every gate, and draw both as PNG sheets");
   command.option("STUDY", a->study, "DICOM file or folder, NIfTI or NRRD file").required();
   add_series_argument(command, a->series);
-  add_out_folder(command, a->out, "folder for the sheets").required();
+  add_out_folder(command, a->out, "folder for the sheets");
   add_option_arguments(command, a->options);
   command
       .option("--vary", a->vary,
               "path=value,value,...: one slice under all these values in matrix.png instead of the sheets; "
               "given twice, columns by the first and rows by the second")
       .repeated();
-  command.option("--gate", a->gate, "of --vary: the gate, from 1; it is looked at alone").within(1, 1000);
+  command.option("--gate", a->gate, "of --vary and --json: the gate, from 1; it is looked at alone").within(1, 1000);
   command.option("--slice", a->slice, "of --vary: the slice, from 1 at the apex (the middle of the cavity)")
       .within(1, 10000);
   command.flag("--edges-only", a->edges_only, "find and draw the edges alone");
+  command.flag("--json", a->json,
+               "print the voxels of edges and borders of one gate, and the fields around its borders, in place of the "
+               "sheets; bytes are deflated, in base64");
   command.option("--threads", a->threads, "threads at most; the result is the same (0: all)").within(0, 1024);
   command.flag("--quiet", a->quiet, "print nothing");
   command.run(chosen, [a](std::stop_token stop) { return run(*a, stop); });

@@ -41,10 +41,7 @@ void write_matrix(const BordersArguments& arguments, Drawing what, const Image* 
                   const Progress& progress) {
   if (arguments.vary.size() > 2) throw OptionError("--vary was given more than twice; expected columns and rows");
   Study study = io::read_study(arguments.study, arguments.series);
-  const int gates = static_cast<int>(study.gates.size());
-  if (arguments.gate > gates)
-    throw OptionError("--gate " + std::to_string(arguments.gate) + ": the study has " + std::to_string(gates));
-  study.gates = {std::move(study.gates[arguments.gate - 1])};
+  study.gates = {std::move(study.gates[gate_of(arguments, study) - 1])};
   study.time_ms.clear();
 
   const std::vector<std::string> across = values_of(arguments.vary[0]), down = arguments.vary.size() > 1

@@ -1,5 +1,6 @@
 """`dynasurf borders`: pictures of all slices of every gate."""
 
+import base64
 import json
 import re
 import struct
@@ -67,6 +68,39 @@ class Sheets(CliTest):
         shown = sum(row.count((240, 228, 66)) + row.count((230, 159, 0)) for row in pixels[head:])
         side = max(s for s in range(1, 40) if shown % (s * s) == 0 and shown // (s * s) == counts[0]) if counts[0] else 1
         self.assertGreaterEqual(side, 2)
+
+    def test_json_tells_the_borders_and_fields_of_one_gate(self):
+        study = small_patient() / "study.dcm"
+        done = run("borders", study, "--json", "--gate", 2)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = json.loads(done.stdout)
+        self.assertEqual((found["gate"], found["bin"]), (2, 1))
+
+        def unpacked(text):
+            return zlib.decompress(base64.b64decode(text))
+
+        marks = unpacked(found["marks"])
+        columns, rows, slices = found["grid"]["dims"]
+        self.assertEqual(len(marks), columns * rows * slices)
+        for name, bit in (("endo", 1), ("epi", 2)):
+            around = found[name]
+            border, first, dims = unpacked(around["border"]), around["first"], around["dims"]
+            self.assertEqual(len(border), dims[0] * dims[1] * dims[2])
+            self.assertEqual(len(unpacked(around["directions"])), 3 * len(border))
+            # A closed border is the labelled one and its covers.
+            labelled = covered = 0
+            for n, mark in enumerate(marks):
+                if not mark & bit:
+                    continue
+                at = [v - f for v, f in zip((n % columns, n // columns % rows, n // (columns * rows)), first)]
+                labelled += 1
+                covered += all(0 <= a < d for a, d in zip(at, dims)) and border[at[0] + dims[0] * (at[1] + dims[1] * at[2])]
+            self.assertGreater(labelled, 100)
+            self.assertGreater(covered, 0.8 * labelled)
+        for says, arguments in (("no --out", ["--out", self.folder / "no"]), ("study has 4", ["--gate", 9]),
+                                ("one of them", ["--vary", "edges.low=0.1,0.2"])):
+            self.refuses(1, "borders", study, "--json", *arguments, says=says)
+        self.refuses(1, "borders", study, says="--out is required")
 
     def test_borders_draws_edges_labels_and_rings(self):
         folder, text = self.sheets("borders", "borders")

@@ -109,6 +109,10 @@ TEST(ManualPlaces, MustBeOfTheStudy) {
   refuses([](UserOverrides& m) { m.first_slice = 12, m.last_slice = 11; }, "not to lie after the last");
   refuses([](UserOverrides& m) { m.base_plane_mm = 127; }, "0 to 126.28 mm");
   refuses([](UserOverrides& m) { m.base_plane_mm = -1; }, "manual.base_plane_mm is -1");
+  refuses([](UserOverrides& m) { m.endo_points = {1, 0, 0}; }, "endo_points holds 3 numbers; expected four");
+  refuses([](UserOverrides& m) { m.epi_points = {2, 90, 90, 60}; }, "epi_points names gate 2; expected gates 1 to 1");
+  refuses([](UserOverrides& m) { m.epi_points = {0.5, 90, 90, 60}; }, "epi_points names gate 0.5");
+  refuses([](UserOverrides& m) { m.endo_points = {1, 90, 90, 900}; }, "expected one inside the volume");
 }
 
 TEST(ManualPlaces, AtTheEdgesOfTheStudyAreFollowed) {
@@ -120,6 +124,25 @@ TEST(ManualPlaces, AtTheEdgesOfTheStudyAreFollowed) {
   const auto first_kept = edges.values.begin() + static_cast<std::ptrdiff_t>(edges.grid.index(0, 0, 7));
   EXPECT_TRUE(std::all_of(edges.values.begin(), first_kept, [](auto v) { return v == 0; }));
   EXPECT_TRUE(result.gates[0].labels.has(Border::endo));
+}
+
+TEST(OnlyGate, IsFoundAsInTheWholeStudyWithItsFields) {
+  Study study = study_of(test::blurred_heart({}));
+  study.gates.resize(4, study.gates.front());
+  const Options options = preset("edges");
+  const BorderResult whole = find_borders(study, options);
+  const BorderResult alone = find_borders(study, options, {}, {.only_gate = 2});
+  ASSERT_EQ(alone.gates.size(), whole.gates.size());
+  EXPECT_EQ(alone.gates[2].edges.edges.values, whole.gates[2].edges.edges.values);
+  EXPECT_EQ(alone.study.grid(), whole.study.grid());
+  EXPECT_TRUE(alone.gates[1].edges.edges.values.empty());
+  for (const auto& wall : {alone.gates[2].endo, alone.gates[2].epi}) {
+    ASSERT_TRUE(wall);
+    EXPECT_EQ(wall->field.x.size(), wall->border.grid.size());
+    EXPECT_GT(std::count_if(wall->border.values.begin(), wall->border.values.end(), [](float v) { return v > 0; }),
+              100);
+  }
+  EXPECT_FALSE(whole.gates[2].endo);
 }
 
 TEST(ExcludedGates, AreThoseOfTheBeatNobodyLooksAt) {

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/core/error.hpp"
-#include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/report/detail/page_motion.hpp"
 #include "dynasurf/report/detail/page_parts.hpp"
+#include "dynasurf/report/detail/page_pictures.hpp"
 #include "dynasurf/report/detail/page_template.hpp"
 #include "dynasurf/report/measures.hpp"
 #include "dynasurf/report/report.hpp"
@@ -17,130 +17,6 @@ namespace dynasurf::report {
 namespace {
 
 using namespace detail;
-
-/// In-plane binning that keeps the page within its bound: 1 for every usual study.
-int bin_of(const Study& study, std::size_t most_voxels) {
-  const auto& dims = study.grid().dims;
-  int bin = 1;
-  const auto voxels = [&] {
-    const auto columns = static_cast<std::size_t>((dims[0] + bin - 1) / bin);
-    const auto rows = static_cast<std::size_t>((dims[1] + bin - 1) / bin);
-    return columns * rows * dims[2] * study.gates.size();
-  };
-  while (voxels() > most_voxels && bin < std::max(dims[0], dims[1])) ++bin;
-  return bin;
-}
-
-/// Calls visit(i0, i1, j0, j1, k) for every bin, in the order of voxels.
-template <class Visit>
-void for_each_bin(const Index3& dims, int bin, const Visit& visit) {
-  for (int k = 0; k < dims[2]; ++k)
-    for (int j = 0; j < dims[1]; j += bin)
-      for (int i = 0; i < dims[0]; i += bin) visit(i, std::min(i + bin, dims[0]), j, std::min(j + bin, dims[1]), k);
-}
-
-float largest_value(const Study& study) {
-  float largest = 0;
-  for (const Image& gate : study.gates)
-    for (const float value : gate.values)
-      if (std::isfinite(value)) largest = std::max(largest, value);
-  return largest;
-}
-
-/// All gates as bytes, 255 the largest value of the study; negative values are black.
-Bytes image_bytes(const Study& study, int bin) {
-  const float largest = largest_value(study);
-  const double scale = largest > 0 ? 255.0 / largest : 0;
-  Bytes bytes;
-  for (const Image& gate : study.gates)
-    for_each_bin(gate.grid.dims, bin, [&](int i0, int i1, int j0, int j1, int k) {
-      double sum = 0;
-      for (int j = j0; j < j1; ++j)
-        for (int i = i0; i < i1; ++i) {
-          const float value = gate(i, j, k);
-          sum += std::isfinite(value) ? static_cast<double>(value) : 0;
-        }
-      const double mean = sum / ((i1 - i0) * (j1 - j0)) * scale;
-      bytes.push_back(static_cast<std::uint8_t>(std::clamp(std::round(mean), 0.0, 255.0)));
-    });
-  return bytes;
-}
-
-/// Borders and edges of all gates, a byte per voxel: 1 endo, 2 epi, 4 minor edge, 8 major edge.
-Bytes mark_bytes(const ventricle::Result& result, int bin) {
-  const Index3 dims = result.study.grid().dims;
-  const std::size_t voxels = result.study.grid().size();
-  Bytes bytes;
-  for (const ventricle::Gate& gate : result.gates) {
-    const auto& borders = gate.labels.borders.values;
-    const auto& edges = gate.edges.values;
-    const auto marks_at = [&](std::size_t v) -> unsigned {
-      const unsigned border = borders.size() == voxels ? borders[v] & 3u : 0u;
-      const unsigned edge = edges.size() == voxels ? edges[v] : 0u;
-      return border | (edge == 1 ? 4u : edge == 2 ? 8u : 0u);
-    };
-    for_each_bin(dims, bin, [&](int i0, int i1, int j0, int j1, int k) {
-      unsigned marks = 0;
-      for (int j = j0; j < j1; ++j)
-        for (int i = i0; i < i1; ++i) marks |= marks_at(result.study.grid().index(i, j, k));
-      bytes.push_back(static_cast<std::uint8_t>(marks));
-    });
-  }
-  return bytes;
-}
-
-Json grid_json(const Grid& grid) {
-  Json direction = Json::array();
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column) direction.push_back(grid.direction(row, column));
-  return {{"dims", grid.dims},
-          {"spacing_mm", {grid.spacing[0], grid.spacing[1], grid.spacing[2]}},
-          {"origin_mm", {grid.origin[0], grid.origin[1], grid.origin[2]}},
-          {"direction", std::move(direction)}};
-}
-
-Json circle_json(const ventricle::Circle& circle) {
-  if (!(circle.radius_px > 0)) return nullptr;
-  return {circle.x_px, circle.y_px, circle.radius_px};
-}
-
-/// What the slices show beside the pixels: circles in voxels, slices counted from 0.
-Json marks_json(const ventricle::Gate& gate) {
-  Json local = Json::array();
-  for (const auto& circle : gate.labels.local) local.push_back(circle ? circle_json(*circle) : Json(nullptr));
-  return {{"circle", circle_json(gate.labels.circle)},
-          {"big_slice", gate.labels.big_slice},
-          {"division_slice", gate.labels.division_slice},
-          {"base_slice", gate.base_slice},
-          {"local", std::move(local)}};
-}
-
-Json pictures_json(const ventricle::Result& result, std::size_t most_voxels) {
-  const Study& study = result.study;
-  if (study.gates.empty()) return nullptr;
-  const int bin = bin_of(study, most_voxels);
-  const Index3 dims = study.grid().dims;
-  Json marks = Json::array();
-  for (const ventricle::Gate& gate : result.gates) marks.push_back(marks_json(gate));
-  Json json = Json::object();
-  json["grid"] = grid_json(study.grid());
-  json["bin"] = bin;
-  json["columns"] = (dims[0] + bin - 1) / bin;
-  json["rows"] = (dims[1] + bin - 1) / bin;
-  json["gates"] = study.gates.size();
-  std::string pixels, drawn;
-  parallel_for(2, 1, [&](std::size_t task, std::size_t) {
-    if (task == 0)
-      pixels = packed(image_bytes(study, bin));
-    else
-      drawn = packed(mark_bytes(result, bin));
-  });
-  json["pixels"] = std::move(pixels);
-  json["marked_gates"] = result.gates.size();
-  json["marks"] = std::move(drawn);
-  json["labels"] = std::move(marks);
-  return json;
-}
 
 /// What the fit compared: the model as bytes from `low` to `high`, the data less the model as bytes from -`most` to
 /// `most` (128: none), in parts of healthy muscle, and the weights of the pixels.

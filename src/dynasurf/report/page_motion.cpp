@@ -62,36 +62,6 @@ void put_field(Json& json, const field::VectorField& field, const Window& w) {
   json["lengths"] = packed(lengths);
 }
 
-/// Of the voxels around a border: which are of it, the field, and the drag where it differs from place to place. They
-/// count from the first voxel of the study.
-Json surroundings_json(const ventricle::Motion& motion, const Grid& study) {
-  constexpr int margin = 6;
-  constexpr std::size_t most_voxels = 1'000'000;
-  const Grid& grid = motion.border.grid;
-  const Window w = window_around(motion.border, margin);
-  if (w.size() == 0 || w.size() > most_voxels || motion.field.x.size() != grid.size()) return nullptr;
-  const Vec3 shift = to_grid(study, grid.origin).cwiseQuotient(study.spacing);
-  Json json = Json::object();
-  json["first"] = {std::lround(shift[0]) + w.first[0], std::lround(shift[1]) + w.first[1],
-                   std::lround(shift[2]) + w.first[2]};
-  json["dims"] = w.count;
-  Bytes border;
-  for_each(w, grid, [&](std::size_t n) { border.push_back(motion.border.values[n] > 0 ? 1 : 0); });
-  json["border"] = packed(border);
-  put_field(json, motion.field, w);
-  json["drag"] = nullptr;
-  if (!motion.drag) return json;
-  float most = 0;
-  for_each(w, grid, [&](std::size_t n) { most = std::max(most, motion.drag->values[n]); });
-  Bytes drag;
-  for_each(w, grid, [&](std::size_t n) {
-    const double part = most > 0 ? motion.drag->values[n] / static_cast<double>(most) : 0;
-    drag.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp(part, 0.0, 1.0))));
-  });
-  json["drag"] = {{"most_kg_s", most}, {"values", packed(drag)}};
-  return json;
-}
-
 /// At most `most` of `count` steps, evenly, the first and the last among them.
 std::vector<std::size_t> chosen_steps(std::size_t count, std::size_t most) {
   std::vector<std::size_t> chosen;
@@ -128,7 +98,7 @@ Json way_json(const ventricle::Motion& motion, const Box& box, const Grid& study
           {"pulls", packed(pulls)},
           {"distances", packed(distances)},
           {"strongest_n", strongest},
-          {"around", surroundings_json(motion, study)}};
+          {"around", surroundings_json(motion.border, motion.field, motion.drag ? &*motion.drag : nullptr, study)}};
 }
 
 /// The gate that the page tells of, and its number.
@@ -161,6 +131,35 @@ Json wall_json(const ventricle::WallContours& contours) {
 }
 
 }  // namespace
+
+Json surroundings_json(const Image& border_volume, const field::VectorField& field, const Image* drag_map,
+                       const Grid& study) {
+  constexpr int margin = 6;
+  constexpr std::size_t most_voxels = 1'000'000;
+  const Grid& grid = border_volume.grid;
+  const Window w = window_around(border_volume, margin);
+  if (w.size() == 0 || w.size() > most_voxels || field.x.size() != grid.size()) return nullptr;
+  const Vec3 shift = to_grid(study, grid.origin).cwiseQuotient(study.spacing);
+  Json json = Json::object();
+  json["first"] = {std::lround(shift[0]) + w.first[0], std::lround(shift[1]) + w.first[1],
+                   std::lround(shift[2]) + w.first[2]};
+  json["dims"] = w.count;
+  Bytes border;
+  for_each(w, grid, [&](std::size_t n) { border.push_back(border_volume.values[n] > 0 ? 1 : 0); });
+  json["border"] = packed(border);
+  put_field(json, field, w);
+  json["drag"] = nullptr;
+  if (drag_map == nullptr) return json;
+  float most = 0;
+  for_each(w, grid, [&](std::size_t n) { most = std::max(most, drag_map->values[n]); });
+  Bytes drag;
+  for_each(w, grid, [&](std::size_t n) {
+    const double part = most > 0 ? drag_map->values[n] / static_cast<double>(most) : 0;
+    drag.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp(part, 0.0, 1.0))));
+  });
+  json["drag"] = {{"most_kg_s", most}, {"values", packed(drag)}};
+  return json;
+}
 
 Json evolution_json(const ventricle::Result& result) {
   const auto [shown, gate] = shown_gate(result);

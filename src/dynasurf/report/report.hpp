@@ -12,6 +12,10 @@
 #include "dynasurf/report/provenance.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
+namespace dynasurf::ventricle {
+struct BorderResult;
+}
+
 namespace dynasurf::report {
 
 /// results.json (schema dynasurf.ventricle/3, docs/results.md), keys in the order of the schema. Gates and
@@ -30,6 +34,10 @@ std::string results_csv(const ventricle::Result& result);
 /// left out. Throws OptionError as above.
 std::string report_html(const ventricle::Result& result, const Provenance& provenance, Timings timings = Timings::keep,
                         std::size_t most_voxels = 48'000'000);
+
+/// What a page draws of the borders of one gate, as JSON: the grid of the stack, a byte of marks per voxel (1 endo, 2
+/// epi, 4 minor edge, 8 major edge) and the fields around both borders. `gate` counts from 0.
+std::string borders_json(const ventricle::BorderResult& result, int gate, std::size_t most_voxels = 48'000'000);
 
 /// Writes `report_html` whole or not at all. Throws IoError.
 void write_report(const ventricle::Result& result, const Provenance& provenance, const std::filesystem::path& path,

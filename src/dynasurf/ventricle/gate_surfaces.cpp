@@ -30,9 +30,8 @@ dynamics::Additions additions_of(const WallRun& run, const Image& image, const d
 
 void find_surface(WallRun& run, const Image& image, const TriMesh& start, const Options& options, const Progress& quiet,
                   StageClock& clock) {
-  const Image& map = options.pipeline == Pipeline::direct ? run.edge_map : run.border;
   run.start = start;
-  run.flow = clock("field", [&] { return field::flow_field(map, options.field, quiet); });
+  make_field(run, options, quiet, clock);
   run.evolved = clock("surfaces", [&] {
     dynamics::Additions own = additions_of(run, image, options.evolution);
     own.planes = &run.planes;
@@ -173,6 +172,12 @@ void follow_beat(std::vector<GateRun>& runs, const Study& study, Border wall, bo
 }
 
 }  // namespace
+
+void make_field(WallRun& run, const Options& options, const Progress& progress, StageClock& clock) {
+  if (!run.exists() || options.pipeline == Pipeline::contour) return;
+  const Image& map = options.pipeline == Pipeline::direct ? run.edge_map : run.border;
+  run.flow = clock("field", [&] { return field::flow_field(map, options.field, {{}, progress.stop}); });
+}
 
 std::optional<Image> drag_of(const WallRun& run, const Image& image, const dynamics::Evolution& evolution) {
   return dynamics::drag_map(evolution.damping, run.flow.field, run.border, evolution.force.drag,

@@ -99,6 +99,16 @@ void help_strays(std::vector<GateRun>& gates) {
   }
 }
 
+/// What gates have from each other.
+void join_gates(std::vector<GateRun>& gates, const Options& options) {
+  if (const Mlc* mlc = std::get_if<Mlc>(&options.labels.method); mlc == nullptr || !mlc->strict_thesis) {
+    std::vector<Labels*> labels;
+    for (GateRun& gate : gates) labels.push_back(&gate.labels);
+    share_division_slice(labels);
+  }
+  help_strays(gates);
+}
+
 bool is_empty(const Image& border) {
   return std::all_of(border.values.begin(), border.values.end(), [](float v) { return v == 0; });
 }
@@ -313,22 +323,24 @@ StudyRun run_borders(const Study& whole, const Options& requested, const Progres
   std::optional<Mask> region;
   if (own.mask != nullptr) region = region_on(*own.mask, run.study.grid());
 
+  const auto is_left_out = [&](std::size_t g) { return own.only_gate && static_cast<int>(g) != *own.only_gate; };
   StageCounter borders_found(progress, "borders", static_cast<int>(run.gates.size()));
   parallel_for(run.gates.size(), 1, [&](std::size_t g, std::size_t) {
+    if (is_left_out(g)) return;
     progress.check();
     run.gates[g].base_plane = planes[g];
     find_labels(run.gates[g], run.study.gates[g], useful, region, run.context, options, own.stages, clock);
     borders_found.advance();
   });
-  if (const Mlc* mlc = std::get_if<Mlc>(&options.labels.method); mlc == nullptr || !mlc->strict_thesis) {
-    std::vector<Labels*> gates;
-    for (GateRun& gate : run.gates) gates.push_back(&gate.labels);
-    share_division_slice(gates);
-  }
-  help_strays(run.gates);
+  if (!own.only_gate) join_gates(run.gates, options);
   parallel_for(run.gates.size(), 1,
                [&](std::size_t g, std::size_t) { make_borders(run.gates[g], run.study.gates[g], options); });
   return run;
+}
+
+std::optional<BorderField> field_of(WallRun& run) {
+  if (run.flow.field.x.empty()) return std::nullopt;
+  return BorderField{std::move(run.border), std::move(run.flow.field)};
 }
 
 /// Gates and notes of the result, from what was found of each gate.
@@ -360,11 +372,17 @@ BorderResult find_borders(const Study& study, const Options& options, const Prog
   result.study = std::move(run.study);
   result.heart = std::move(run.context.heart);
   result.coarse = *run.context.labels.roi;
+  if (own.only_gate) {
+    GateRun& gate = run.gates.at(static_cast<std::size_t>(*own.only_gate));
+    parallel_for(walls.size(), 1,
+                 [&](std::size_t w, std::size_t) { make_field(gate.wall(walls[w]), options, progress, clock); });
+  }
   for (std::size_t g = 0; g < run.gates.size(); ++g) {
     GateRun& gate = run.gates[g];
     for (const Notes* notes : {&gate.edges.notes, &gate.labels.notes, &gate.notes})
       add_notes(result.notes, *notes, static_cast<int>(g));
-    result.gates.push_back({std::move(gate.edges), std::move(gate.labels), gate.base_slice});
+    result.gates.push_back(
+        {std::move(gate.edges), std::move(gate.labels), gate.base_slice, field_of(gate.endo), field_of(gate.epi)});
   }
   return result;
 }

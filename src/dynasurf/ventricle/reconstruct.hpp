@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,6 +54,8 @@ struct Additions {
   /// Placed in the world like the study: nothing outside its voxels above 0 is considered (`confine`).
   const Image* mask = nullptr;
   OwnStages stages = {};
+  /// Of `find_borders`: no other gate is looked at, and the fields around its borders are made too.
+  std::optional<int> only_gate = {};
 };
 
 /// The whole way from a study to surfaces and numbers. Hard data never throw: the verdict and the notes say it.
@@ -61,11 +64,18 @@ struct Additions {
 Result reconstruct(const Study& study, const Options& options, const Progress& progress = {},
                    const Additions& own = {});
 
+/// The closed border of one wall and the field that it makes, in the frame of its own grid.
+struct BorderField {
+  Image border;
+  field::VectorField field;
+};
+
 /// What one gate has before its surfaces.
 struct GateBorders {
   image::EdgeMap edges;
   Labels labels;
-  int base_slice = -1;  // highest slice of the ventricle, -1: unknown
+  int base_slice = -1;                   // highest slice of the ventricle, -1: unknown
+  std::optional<BorderField> endo, epi;  // of the gate that alone was asked for
 };
 
 /// What `find_borders` found in all gates.

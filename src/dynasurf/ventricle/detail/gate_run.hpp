@@ -60,6 +60,9 @@ struct GateRun {
 /// The drag of every voxel around a wall, kg/s; absent where it is the same everywhere.
 std::optional<Image> drag_of(const WallRun& run, const Image& image, const dynamics::Evolution& evolution);
 
+/// The field of a wall that has a border; contours have none.
+void make_field(WallRun& run, const Options& options, const Progress& progress, StageClock& clock);
+
 /// The surface of every wall that has a border: by contours, or by a mesh that moves, from a start of its own (`start`,
 /// else the start that the options ask for) or from the surface of the gate before.
 void find_surfaces(std::vector<GateRun>& runs, const Study& study, const Options& options, const TriMesh* start,
