@@ -72,6 +72,33 @@ function(dynasurf_program_page)
   add_custom_target(dynasurf_page DEPENDS ${page})
 endfunction()
 
+# dynasurf_browser_tests(): the tests of the rooms that read no files, compiled for a browser, in which
+# web/test/library.test.mjs runs them.
+function(dynasurf_browser_tests)
+  set(googletest /usr/src/googletest)
+  if(NOT EXISTS ${googletest})
+    message(STATUS "the libraries are not tested in WebAssembly: GoogleTest's sources (package googletest) are missing")
+    return()
+  endif()
+  add_library(googletest STATIC EXCLUDE_FROM_ALL ${googletest}/googletest/src/gtest-all.cc
+              ${googletest}/googletest/src/gtest_main.cc ${googletest}/googlemock/src/gmock-all.cc)
+  target_compile_features(googletest PUBLIC cxx_std_20)
+  target_compile_definitions(googletest PUBLIC GTEST_HAS_PTHREAD=0 GTEST_HAS_STREAM_REDIRECTION=0 GTEST_HAS_DEATH_TEST=0)
+  target_include_directories(googletest SYSTEM PUBLIC ${googletest}/googletest/include ${googletest}/googlemock/include
+                             PRIVATE ${googletest}/googletest ${googletest}/googlemock)
+  add_custom_target(browser_tests)
+  foreach(room IN ITEMS field mesh dynamics ventricle cloud)
+    file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${room}/*.cpp)
+    add_executable(test_${room} EXCLUDE_FROM_ALL ${sources})
+    set_target_properties(test_${room} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
+    target_include_directories(test_${room} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+    target_link_libraries(test_${room} PRIVATE dynasurf::${room} dynasurf::synthetic googletest)
+    target_link_options(test_${room} PRIVATE --no-wasm-opt)
+    dynasurf_light_test_code(test_${room} <gmock/gmock.h> <gtest/gtest.h>)
+    add_dependencies(browser_tests test_${room})
+  endforeach()
+endfunction()
+
 # dynasurf_page_tests(): the types of the page, the published schema against real output, the page in Chromium.
 function(dynasurf_page_tests)
   if(NOT DYNASURF_WITH_PAGES)
@@ -107,5 +134,6 @@ function(dynasurf_page_tests)
   # The page that is the program, where ./dev web has made it.
   add_test(NAME web/program COMMAND ${DYNASURF_NODE} ${web}/test/program.test.mjs
            ${PROJECT_SOURCE_DIR}/build/web/dynasurf.html $<TARGET_FILE:dynasurf>)
-  set_tests_properties(web/program PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900)
+  add_test(NAME web/library COMMAND ${DYNASURF_NODE} ${web}/test/library.test.mjs ${PROJECT_SOURCE_DIR}/build/web/tests)
+  set_tests_properties(web/program web/library PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900)
 endfunction()

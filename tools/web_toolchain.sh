@@ -4,7 +4,7 @@
 
 web_toolchain=build/web-toolchain
 web_packages=(clang-19 lld-19 llvm-19 wasi-libc libclang-rt-19-dev-wasm32 libc++-19-dev-wasm32 libc++abi-19-dev-wasm32 dpkg-dev binaryen zopfli
-              libeigen3-dev nlohmann-json3-dev libcli11-dev libdcmtk-dev)
+              libeigen3-dev nlohmann-json3-dev libcli11-dev libdcmtk-dev googletest)
 web_sources=(llvm-toolchain-19 dcmtk zlib)
 
 # fetch_sources: Debian's source packages, by a list of package sources and a cache of its own.

@@ -1,22 +1,24 @@
 // What a person says in place of what was found, on the planes of the slices: handles for the centre, the long axis, the
-// circle, the ends of the heart and the valve plane; a brush for what is no heart; gates to leave out. The values are
-// the options `manual.*` of the program and a mask.
+// circle, the ends of the heart and the valve plane; points of the borders; a brush for what is no heart; gates to leave
+// out. The values are the options `manual.*` of the program and a mask.
+import { borderDrag, type BorderPoint, type Drag, drawPoint, numbersOf, pointsIn, pointsOn } from "./borderpoints";
 import { toWorld, type Voxel } from "./cursor";
-import { toVoxels, type Results } from "./data";
+import { toVoxels, walls as wall_names, type Results } from "./data";
 import { figure, html, saveFile } from "./dom";
-import { argumentsOf, type ByHand, maskFile, mask_name, onGrid, type Paint, quoted } from "./host";
-import type { Drawing, Painter, Plane } from "./painter";
+import { argumentsOf, type ByHand, maskFile, mask_name, onGrid, type Paint, quoted, type Tell } from "./host";
+import { brushOver, drawPaint } from "./paint";
+import { voxelIn, type Drawing, type Painter, type Plane } from "./painter";
 import { fields, type Key, manualOf, rounded, roundedOf, type Said, saidIn } from "./said";
 import type { Tool } from "./slices";
 
-type Mode = "move" | "paint" | "erase";
+type Mode = "move" | "border" | "paint" | "erase";
 type Point = [number, number];
 
 const reach_px = 9;
 const most_undo = 30;
 /** The program's circle leaves so much room around the wall's middle. */
 const room_mm = 22;
-const ink = { found: "#e8edf3", changed: "#ffe14d", paint: "rgba(255, 60, 90, 0.45)" } as const;
+const ink = { found: "#e8edf3", changed: "#ffe14d" } as const;
 
 export class HandTool implements Tool {
   on = false;
@@ -29,7 +31,7 @@ export class HandTool implements Tool {
   private used_paint: Paint | null = null;
   private paint: Uint8Array | null = null;
   private before: { said: Said; paint: Uint8Array | null }[] = [];
-  private drag: ((place: Point) => void) | null = null;
+  private drag: Drag | null = null;
   private readonly found: Required<Pick<Said, "center_mm" | "axis" | "radius_mm" | "first_slice" | "last_slice">>;
   private readonly half_mm: number;
   private readonly inputs = new Map<Key, HTMLInputElement>();
@@ -37,7 +39,9 @@ export class HandTool implements Tool {
   private readonly state = html("p", { class: "hand-state", role: "status" });
 
   /** Runs the study again with what is said, or only hears it; null: nobody can, and the command line is offered. */
-  private host: ((said: ByHand, run: boolean) => void) | null = null;
+  private host: Tell | null = null;
+  private at_once = false;
+  private told = 0;
 
   constructor(
     private readonly place: HTMLElement,
@@ -68,15 +72,35 @@ export class HandTool implements Tool {
   }
 
   /** A page around the report takes what is said, and has what was said before. */
-  serve(host: (said: ByHand, run: boolean) => void, given: ByHand): void {
+  serve(host: Tell, given: ByHand, at_once: boolean): void {
     const is_first = this.host === null;
     this.host = host;
     if (is_first && given.paint) {
       this.used_paint = given.paint;
       this.paint = onGrid(given.paint, this.painter.grid);
     }
-    this.buttons.get("run")!.hidden = false;
+    this.at_once = at_once;
+    for (const id of ["run", "at-once"]) this.buttons.get(id)!.hidden = false;
     this.refresh();
+  }
+
+  /** The page around the report hears of changes once a picture: a pointer moves more often. */
+  private tell(): void {
+    if (!this.host || this.told) return;
+    this.told = requestAnimationFrame(() => {
+      this.told = 0;
+      this.host?.(this.byHand(), false, this.gate + 1, this.at_once);
+    });
+  }
+
+  private run(): void {
+    this.host?.(this.byHand(), true, this.gate + 1, this.at_once);
+  }
+
+  /** A change is made: a handle is released, a value typed. */
+  private changed(): void {
+    this.refresh();
+    if (this.at_once && this.is_changed) this.run();
   }
 
   toggle(): void {
@@ -107,7 +131,7 @@ export class HandTool implements Tool {
     if (!last) return;
     this.said = last.said;
     this.paint = last.paint;
-    this.refresh(true);
+    this.changed();
   }
 
   private get is_painted(): boolean {
@@ -160,7 +184,7 @@ export class HandTool implements Tool {
     const { grid } = this.painter;
     const spacing = grid.spacing_mm;
     const tint = (key: Key) => (this.said[key] === undefined ? ink.found : ink.changed);
-    this.drawPaint(context, plane, at);
+    if (this.paint) drawPaint(context, this.paint, grid, plane, at);
     const stroke = (colour: string, path: () => void, dash: number[] = []) => {
       for (const [width, style] of [[4, "rgba(0, 0, 0, 0.6)"], [1.8, colour]] as const) {
         context.lineWidth = width * pixel;
@@ -212,16 +236,7 @@ export class HandTool implements Tool {
       for (const end of ends) dot(end[plane.x]!, end[plane.y]!, tint("axis"));
     }
     dot(centre[plane.x]!, centre[plane.y]!, tint("center_mm"));
-  }
-
-  private drawPaint(context: CanvasRenderingContext2D, plane: Plane, at: number): void {
-    if (!this.paint) return;
-    const { dims } = this.painter.grid;
-    const strides = [1, dims[0], dims[0] * dims[1]];
-    context.fillStyle = ink.paint;
-    for (let y = 0; y < dims[plane.y]!; ++y)
-      for (let x = 0; x < dims[plane.x]!; ++x)
-        if (this.paint[at * strides[plane.axis]! + x * strides[plane.x]! + y * strides[plane.y]!]) context.fillRect(x - 0.5, y - 0.5, 1, 1);
+    for (const { point, place } of pointsOn(grid, this.points, { plane, at, gate: this.gate })) drawPoint(context, place, point.wall, pixel, flat);
   }
 
   /** What a pointer would take at a place of a plane; `mm`: of a pixel of the page. */
@@ -244,6 +259,17 @@ export class HandTool implements Tool {
     if (near(this.get("first_slice") - 1.5)) return ([, to]) => this.set("first_slice", Math.min(slice(to + 1.5), this.get("last_slice")));
     if (near(this.get("last_slice") - 0.5)) return ([, to]) => this.set("last_slice", Math.max(slice(to + 0.5), this.get("first_slice")));
     return null;
+  }
+
+  private get points(): BorderPoint[] {
+    return [...pointsIn(this.said.endo_points ?? [], "endo"), ...pointsIn(this.said.epi_points ?? [], "epi")];
+  }
+
+  private setPoints(points: BorderPoint[]): void {
+    for (const wall of wall_names) {
+      const numbers = numbersOf(points, wall).map(rounded);
+      this.set(`${wall}_points`, numbers.length > 0 ? numbers : undefined);
+    }
   }
 
   private moveCentre(plane: Plane, [x, y]: Point): void {
@@ -275,47 +301,46 @@ export class HandTool implements Tool {
     this.set("axis", world.map((v) => Math.round((v / length) * 1e4) / 1e4) as Voxel);
   }
 
-  private brush(plane: Plane, at: number, [x, y]: Point): void {
-    const { dims, spacing_mm } = this.painter.grid;
-    this.paint ??= new Uint8Array(dims[0] * dims[1] * dims[2]);
-    const middle: Voxel = [0, 0, 0];
-    middle[plane.axis] = at;
-    middle[plane.x] = x;
-    middle[plane.y] = y;
-    const low = middle.map((m, n) => Math.max(Math.ceil(m - this.brush_mm / spacing_mm[n]!), 0));
-    const high = middle.map((m, n) => Math.min(Math.floor(m + this.brush_mm / spacing_mm[n]!), dims[n]! - 1));
-    const value = this.mode === "paint" ? 1 : 0;
-    for (let k = low[2]!; k <= high[2]!; ++k)
-      for (let j = low[1]!; j <= high[1]!; ++j)
-        for (let i = low[0]!; i <= high[0]!; ++i) {
-          const far = Math.hypot((i - middle[0]) * spacing_mm[0], (j - middle[1]) * spacing_mm[1], (k - middle[2]) * spacing_mm[2]);
-          if (far <= this.brush_mm) this.paint[i + dims[0] * (j + dims[1] * k)] = value;
-        }
+  private brush(plane: Plane, at: number, place: Point): void {
+    const { grid } = this.painter;
+    this.paint ??= new Uint8Array(grid.dims[0] * grid.dims[1] * grid.dims[2]);
+    brushOver(this.paint, grid, voxelIn(plane, at, place), this.brush_mm, this.mode === "paint");
     this.refresh();
+  }
+
+  private dragAt(plane: Plane, at: number, place: Point, mm: number): Drag | null {
+    if (this.mode === "border")
+      return borderDrag(this.painter, this.points, { plane, at, gate: this.gate }, place, reach_px * mm, (points) => this.setPoints(points));
+    const move = this.mode === "move" ? this.handleAt(plane, place, mm) : (to: Point) => this.brush(plane, at, to);
+    return move && { move };
   }
 
   down(plane: Plane, at: number, place: Point, mm: number): boolean {
     if (!this.on) return false;
-    this.drag = this.mode === "move" ? this.handleAt(plane, place, mm) : (to) => this.brush(plane, at, to);
+    this.drag = this.dragAt(plane, at, place, mm);
     if (!this.drag) return false;
     this.keep();
-    if (this.mode !== "move") this.drag(place);
+    if (this.mode === "paint" || this.mode === "erase") this.drag.move(place);
     return true;
   }
 
   move(place: Point): void {
-    this.drag?.(place);
+    if (!this.drag) return;
+    this.drag.has_moved = true;
+    this.drag.move(place);
   }
 
   up(): void {
     if (!this.drag) return;
+    if (!this.drag.has_moved) this.drag.still?.();
     this.drag = null;
-    this.refresh(true);
+    this.changed();
   }
 
-  pointer(plane: Plane, place: Point, mm: number): string {
+  pointer(plane: Plane, at: number, place: Point, mm: number): string {
     if (!this.on) return "";
-    return this.mode === "move" ? (this.handleAt(plane, place, mm) ? "grab" : "") : "cell";
+    if (this.mode === "paint" || this.mode === "erase") return "cell";
+    return this.dragAt(plane, at, place, mm) ? "grab" : "";
   }
 
   // ---- The bar ----
@@ -330,22 +355,25 @@ export class HandTool implements Tool {
   private build(): void {
     const modes: [Mode, string, string][] = [
       ["move", "Move handles", "Drag the centre, the ends of the axis, the circle, the lines"],
+      ["border", "Move a border", "Drag a border of this gate to where it is: the next fit goes through that point. Click a point to take it back"],
       ["paint", "Paint out", "What is painted is not looked at, in no gate"],
       ["erase", "Erase", "Takes paint away"],
     ];
     const brush = html("input", { type: "range", min: 3, max: 30, step: 1, value: this.brush_mm, "aria-label": "Radius of the brush, mm" });
     brush.addEventListener("input", () => (this.brush_mm = brush.valueAsNumber));
-    const run = this.button("run", "Run again with this", () => this.host?.(this.byHand(), true));
+    const run = this.button("run", "Run again with this", () => this.run());
     run.classList.add("primary");
-    run.hidden = true;
+    const at_once = this.button("at-once", "At once", () => ((this.at_once = !this.at_once), this.changed()), "Run again after every change");
+    run.hidden = at_once.hidden = true;
     this.place.replaceChildren(
       html("div", { class: "motion-bar" },
         ...modes.map(([mode, name, title]) => this.button(mode, name, () => ((this.mode = mode), this.refresh()), title)),
         html("label", { class: "select" }, "Brush ", brush),
         this.button("exclude", "Exclude gate 1", () => this.toggleGate()),
         this.button("undo", "Undo", () => this.undo(), "Ctrl + Z"),
-        this.button("reset", "Reset", () => (this.keep(), (this.said = {}), (this.paint = null), this.refresh(true)), "As the program found it"),
+        this.button("reset", "Reset", () => (this.keep(), (this.said = {}), (this.paint = null), this.changed()), "As the program found it"),
         run,
+        at_once,
         this.button("copy", "Copy as command line", () => this.copy()),
         this.button("mask", "Save the mask", () => this.saveMask()),
       ),
@@ -361,22 +389,23 @@ export class HandTool implements Tool {
   }
 
   private field({ key, name, title, is_text }: (typeof fields)[number]): HTMLElement {
-    const input = html("input", { type: "text", id: `hand-${key}`, title, autocomplete: "off", spellcheck: "false", maxlength: "300" });
+    const input = html("input", { type: "text", id: `hand-${key}`, title, autocomplete: "off", spellcheck: "false", maxlength: key.endsWith("_points") ? "20000" : "300" });
     input.addEventListener("change", () => {
       if (is_text) {
         this.keep();
         this.set(key, (input.value.trim() || undefined) as never);
-        return this.refresh(true);
+        return this.changed();
       }
       const numbers = input.value.split(/[ ,;]+/).filter(Boolean).map(Number);
-      const count = key === "center_mm" || key === "axis" ? 3 : key === "exclude_gates" ? numbers.length : 1;
+      const is_list = key === "exclude_gates" || key.endsWith("_points");
+      const count = key === "center_mm" || key === "axis" ? 3 : key.endsWith("_points") ? 4 * Math.ceil(numbers.length / 4) : is_list ? numbers.length : 1;
       const fits = numbers.length === 0 || (numbers.length === count && numbers.every(Number.isFinite));
-      input.setCustomValidity(fits ? "" : `expected ${count === 3 ? "three numbers" : "a number"}`);
+      input.setCustomValidity(fits ? "" : `expected ${count === 3 ? "three numbers" : is_list ? "four numbers for each point" : "a number"}`);
       if (!input.reportValidity()) return;
       this.keep();
-      const value = numbers.length === 0 ? undefined : key === "exclude_gates" || count === 3 ? numbers : numbers[0];
+      const value = numbers.length === 0 ? undefined : is_list || count === 3 ? numbers : numbers[0];
       this.set(key, value as never);
-      this.refresh(true);
+      this.changed();
     });
     this.inputs.set(key, input);
     return html("label", {}, html("span", {}, name), input);
@@ -385,7 +414,7 @@ export class HandTool implements Tool {
   private decide(decision: "accepted" | "rejected"): void {
     this.keep();
     this.set("decision", this.said.decision === decision ? undefined : decision);
-    this.refresh(true);
+    this.refresh();
   }
 
   private toggleGate(): void {
@@ -394,7 +423,7 @@ export class HandTool implements Tool {
     const gates = this.said.exclude_gates ?? [];
     const now = gates.includes(gate) ? gates.filter((g) => g !== gate) : [...gates, gate].sort((a, b) => a - b);
     this.set("exclude_gates", now.length > 0 ? now : undefined);
-    this.refresh(true);
+    this.changed();
   }
 
   commandLine(): string {
@@ -420,9 +449,9 @@ export class HandTool implements Tool {
     if (paint) saveFile(new Blob([maskFile(paint) as BlobPart]), mask_name);
   }
 
-  /** After every change; `tell`: it is one to tell the page around the report. */
-  refresh(tell = false): void {
-    for (const mode of ["move", "paint", "erase"]) this.buttons.get(mode)!.setAttribute("aria-pressed", String(mode === this.mode));
+  /** After every change. */
+  refresh(): void {
+    for (const mode of ["move", "border", "paint", "erase"]) this.buttons.get(mode)!.setAttribute("aria-pressed", String(mode === this.mode));
     for (const { key } of fields) {
       const input = this.inputs.get(key)!;
       const value = this.said[key];
@@ -445,6 +474,15 @@ export class HandTool implements Tool {
     this.buttons.get("mask")!.hidden = paint === null;
     const run = this.buttons.get("run")!;
     run.disabled = !this.is_changed;
+    this.buttons.get("at-once")!.setAttribute("aria-pressed", String(this.at_once));
+    this.tellState();
+    this.redraw();
+    this.tell();
+  }
+
+  private tellState(): void {
+    const { options, paint } = this.byHand();
+    const count = Object.keys(options).length + (paint ? 1 : 0);
     const painted = paint ? paint.voxels.reduce((sum, v) => sum + v, 0) : 0;
     const volume = (painted * this.painter.grid.spacing_mm.reduce((a, b) => a * b, 1)) / 1000;
     this.state.textContent = [
@@ -452,7 +490,5 @@ export class HandTool implements Tool {
       paint ? `${figure(volume, 0)} mL painted out` : "",
       this.is_changed ? (this.host ? "the numbers above are without it until you run again" : "run the command line to see what it changes") : "",
     ].filter(Boolean).join(" · ");
-    this.redraw();
-    if (tell) this.host?.({ options, paint }, false);
   }
 }

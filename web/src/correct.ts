@@ -1,8 +1,9 @@
 // Corrections by hand in the report: handles on its slices, and the page around it that runs the study again.
 import { HandTool } from "./byhand";
 import { Wall } from "./cycle";
-import { readReport, toVoxels, walls as wall_names, type Mesh, type Results } from "./data";
-import { byId } from "./dom";
+import { readPreview, readReport, toVoxels, walls as wall_names, type Mesh, type Results } from "./data";
+import { byId, figure } from "./dom";
+import type { FieldView } from "./field";
 import type { FromPage, FromReport } from "./host";
 import type { Painter } from "./painter";
 import type { Player } from "./player";
@@ -35,18 +36,33 @@ export function buildHand(painter: Painter | null, slices: Slices | null, result
 }
 
 /** A page around the report may run the study again; it tells what was said before, and which result to compare with. */
-export function joinHost(hand: HandTool | null, painter: Painter | null, slices: Slices | null): void {
+export function joinHost(hand: HandTool | null, painter: Painter | null, slices: Slices | null, field: FieldView | null): void {
   if (parent === window) return;
   const tell = (word: FromReport) => parent.postMessage(word, "*");
   addEventListener("message", (event: MessageEvent<FromPage>) => {
-    if (event.source !== parent || event.data?.dynasurf !== "page" || event.data.word !== "study") return;
-    hand?.serve((said, run) => tell({ dynasurf: "report", word: "by hand", said, run }), event.data.said);
+    if (event.source !== parent || event.data?.dynasurf !== "page") return;
+    if (event.data.word === "borders") return void preview(event.data.found, painter, slices, field);
+    if (event.data.word !== "study") return;
+    hand?.serve((said, run, gate, at_once) => tell({ dynasurf: "report", word: "by hand", said, run, gate, at_once }), event.data.said, event.data.at_once);
     void compareWith(event.data.before, painter, slices);
     if (!event.data.correcting || !hand || hand.on) return;
     byId("toggle-hand").click();
     byId("toggle-hand").scrollIntoView({ block: "center" });
   });
   tell({ dynasurf: "report", word: "ready" });
+}
+
+/** Shows the borders and the field of one gate as they would be found; null: those of the run again. */
+async function preview(found: { text: string; seconds: number } | null, painter: Painter | null, slices: Slices | null, field: FieldView | null): Promise<void> {
+  if (!painter || !slices) return;
+  painter.preview = found && (await readPreview(found.text, painter.pictures));
+  byId("preview").textContent = !found
+    ? ""
+    : painter.preview
+      ? `Borders of gate ${painter.preview.gate + 1} as they would be found (${figure(found.seconds, 2)} s)`
+      : "The stack would be cut anew: run again to see its borders";
+  field?.preview(painter.preview);
+  slices.draw();
 }
 
 /** Outlines of another result of the study, dashed. */

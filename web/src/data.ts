@@ -378,6 +378,21 @@ async function aroundOf(packed: PackedAround | null): Promise<Around | null> {
   return { first, dims, vectors, border: await unpack(packed.border), drag: drag && { ...drag, values: await unpack(drag.values) } };
 }
 
+/** Borders of one gate as they would be found with what is said, and the fields around them. */
+export interface Preview {
+  gate: number;
+  marks: Uint8Array;
+  endo: Around | null;
+  epi: Around | null;
+}
+
+/** Reads what `dynasurf borders --json` prints; null: of another stack than that of the pictures. */
+export async function readPreview(text: string, pictures: Pictures): Promise<Preview | null> {
+  const packed = JSON.parse(text) as { gate: number; grid: Grid; bin: number; marks: string; endo: PackedAround | null; epi: PackedAround | null };
+  if (packed.bin !== pictures.bin || JSON.stringify(packed.grid) !== JSON.stringify(pictures.grid)) return null;
+  return { gate: packed.gate - 1, marks: await unpack(packed.marks), endo: await aroundOf(packed.endo), epi: await aroundOf(packed.epi) };
+}
+
 async function wayOf(packed: PackedWay | null, motion: PackedMotion): Promise<Way | null> {
   if (!packed) return null;
   const places = placesOf(await unpack(packed.places), motion);

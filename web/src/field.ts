@@ -3,7 +3,7 @@
 import { eachVoxel, vectorAt } from "./around";
 import type { Cursor, Voxel } from "./cursor";
 import { section, type Wall } from "./cycle";
-import { toVoxels, walls, type Around, type Grid, type Motion, type WallName, type Way } from "./data";
+import { toVoxels, walls, type Around, type Grid, type Motion, type Preview, type WallName, type Way } from "./data";
 import { colour, figure, html } from "./dom";
 import { keptAt } from "./motion";
 import { Painter, Plane } from "./painter";
@@ -41,6 +41,8 @@ export class FieldView {
   private step = 0;
   /** Null: the row of pixels through the cursor. */
   private line: [Point, Point] | null = null;
+  /** As the fields would be with what a person says; null: nothing is changed. */
+  private preview_: Preview | null = null;
   private readonly painter: Painter;
   private readonly canvas = html("canvas", { class: "field-plane", role: "img" });
   private readonly scale = html("p", { class: "field-scale" });
@@ -82,6 +84,17 @@ export class FieldView {
   seek(step: number): void {
     this.step = step;
     this.draw();
+  }
+
+  /** Shows the field of another border in the place of its own. */
+  preview(preview: Preview | null): void {
+    const before = this.preview_;
+    this.preview_ = preview?.gate === this.motion.gate ? preview : null;
+    if (before !== this.preview_) this.draw();
+  }
+
+  private get around(): Around {
+    return this.preview_?.[this.chosen.name] ?? this.chosen.around;
   }
 
   private get grid(): Grid {
@@ -171,7 +184,7 @@ export class FieldView {
     for (let n = 0; n <= samples; ++n) {
       const share = n / samples;
       const voxel = this.voxelOf([a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]);
-      const v = vectorAt(this.chosen.around, voxel) ?? [0, 0, 0];
+      const v = vectorAt(this.around, voxel) ?? [0, 0, 0];
       const along = (v[this.plane.x]! * mm[0] + v[this.plane.y]! * mm[1]) / total;
       const before = found.along.at(-1);
       const at = share * total;
@@ -189,9 +202,9 @@ export class FieldView {
   /** The longest vector of the plane that is shown, 1/mm. */
   private longestShown(): number {
     const { axis } = this.plane;
-    const { vectors } = this.chosen.around;
+    const { vectors } = this.around;
     let longest = 1e-12;
-    eachVoxel(this.chosen.around, (voxel, n) => {
+    eachVoxel(this.around, (voxel, n) => {
       if (voxel[axis] === this.cursor.at[axis]) longest = Math.max(longest, Math.hypot(vectors[3 * n]!, vectors[3 * n + 1]!, vectors[3 * n + 2]!));
     });
     return longest;
@@ -201,8 +214,8 @@ export class FieldView {
     const { axis, x, y } = this.plane;
     context.fillStyle = colour[this.chosen.name];
     context.globalAlpha = 0.55;
-    eachVoxel(this.chosen.around, (voxel, n) => {
-      if (voxel[axis] === this.cursor.at[axis] && this.chosen.around.border[n] === 1) context.fillRect(voxel[x]! - 0.4, voxel[y]! - 0.4, 0.8, 0.8);
+    eachVoxel(this.around, (voxel, n) => {
+      if (voxel[axis] === this.cursor.at[axis] && this.around.border[n] === 1) context.fillRect(voxel[x]! - 0.4, voxel[y]! - 0.4, 0.8, 0.8);
     });
     context.globalAlpha = 1;
   }
@@ -213,9 +226,9 @@ export class FieldView {
     const { spacing_mm } = this.grid;
     const stride = Math.max(1, Math.ceil(apart_px * pixel));
     const half = 0.42 * stride * Math.min(spacing_mm[x]!, spacing_mm[y]!);
-    const { vectors } = this.chosen.around;
+    const { vectors } = this.around;
     context.lineWidth = 1.3 * pixel;
-    eachVoxel(this.chosen.around, (voxel, n) => {
+    eachVoxel(this.around, (voxel, n) => {
       if (voxel[axis] !== this.cursor.at[axis] || voxel[x]! % stride !== 0 || voxel[y]! % stride !== 0) return;
       const v = [vectors[3 * n]!, vectors[3 * n + 1]!, vectors[3 * n + 2]!];
       const length = Math.hypot(...v);
@@ -345,7 +358,7 @@ export class FieldView {
         for (const mm of profile.meetings) pen.dot(mm, 0, 7);
       },
     });
-    const here = vectorAt(this.chosen.around, this.cursor.at);
+    const here = vectorAt(this.around, this.cursor.at);
     this.caption.textContent = [
       `${what[0]!.toUpperCase()}${what.slice(1)}, ${this.chosen.name} border`,
       here ? `at the cross ${Math.hypot(...here).toPrecision(3)} 1/mm` : "the cross lies where no field was kept",

@@ -14,7 +14,8 @@ export interface ByHand {
 }
 export type FromReport =
   | { dynasurf: "report"; word: "ready" }
-  | { dynasurf: "report"; word: "by hand"; said: ByHand; run: boolean }
+  /** What is said, after every change; the gate that is looked at, from 1; whether every change is run at once. */
+  | { dynasurf: "report"; word: "by hand"; said: ByHand; run: boolean; gate: number; at_once: boolean }
   | { dynasurf: "report"; word: "touched" }
   /** Where in the beat it is, from 0 to 1. */
   | { dynasurf: "report"; word: "beat"; share: number };
@@ -22,15 +23,22 @@ export type FromPage =
   | { dynasurf: "page"; word: "beat"; share: number }
   /** Asks for the beat and for touches. */
   | { dynasurf: "page"; word: "share" }
+  /** What `dynasurf borders --json` prints with what is said, and how long it took; null: nothing is changed. */
+  | { dynasurf: "page"; word: "borders"; found: { text: string; seconds: number } | null }
   | ({ dynasurf: "page"; word: "study" } & Told);
 /** What a report is told of its study. */
 export interface Told {
   said: ByHand;
   /** The data of the report to compare with, null: none. */
   before: string | null;
+  /** Every change by hand is run at once. */
+  at_once: boolean;
   /** The run was asked for by hand: whoever asked looks on where he was. */
   correcting: boolean;
 }
+
+/** How a report tells what is said. */
+export type Tell = (said: ByHand, run: boolean, gate: number, at_once: boolean) => void;
 
 export const nothing_said = (): ByHand => ({ options: {}, paint: null });
 export const mask_name = "mask.nrrd";

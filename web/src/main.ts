@@ -352,10 +352,10 @@ function buildMotion({ motion, pictures }: Report): MotionView | null {
 }
 
 /** The field that the meshes moved in, where the run kept it. */
-function buildField({ motion, pictures }: Report, walls: Wall[], cursor: Cursor | null, moving: MotionView | null): void {
+function buildField({ motion, pictures }: Report, walls: Wall[], cursor: Cursor | null, moving: MotionView | null): FieldView | null {
   if (!motion || !pictures || !cursor || !wall_names.some((name) => motion[name]?.around)) {
     byId("field-panel").remove();
-    return;
+    return null;
   }
   byId("field-title").textContent = `Field of the borders, gate ${motion.gate + 1}`;
   byId("field-legend").replaceChildren(
@@ -367,6 +367,7 @@ function buildField({ motion, pictures }: Report, walls: Wall[], cursor: Cursor 
   );
   const field = new FieldView(byId("field"), motion, pictures, walls, cursor);
   moving?.listen((step) => field.seek(step));
+  return field;
 }
 
 /** The contours of the slices, where the surfaces were made of them. */
@@ -443,13 +444,13 @@ async function start(): Promise<void> {
   const splash = buildSplash(painter, results, point);
   const slices = buildSlices(painter, cursor, isCorrected(results), player, point);
   buildResiduals(report, walls, player, cursor);
-  buildField(report, walls, cursor, buildMotion(report));
+  const field = buildField(report, walls, cursor, buildMotion(report));
   buildContours(report, walls, cursor);
   if (cursor && painter) linkCursor(cursor, report, painter, player, scene, view);
   for (const part of [view, scene, splash, slices]) if (part) lights.push((segment) => part.light(segment));
 
   const hand = buildHand(painter, slices, results, player);
-  joinHost(hand, painter, slices);
+  joinHost(hand, painter, slices, field);
   shareBeat(player);
   buildFilm(results, player, scene);
   const toggles: Record<string, () => void> = { ...(hand ? { h: () => byId("toggle-hand").click() } : {}), ...buildToggles(painter, slices, scene), ...buildLayouts() };

@@ -1,6 +1,7 @@
 // Draws planes of the stack: the image of a gate with what was found on it.
+import type { Voxel } from "./cursor";
 import { section, type Section, type Wall } from "./cycle";
-import { mark, type Grid, type Pictures, type Polar } from "./data";
+import { mark, type Grid, type Pictures, type Polar, type Preview } from "./data";
 import { colour } from "./dom";
 
 export interface Overlay {
@@ -46,6 +47,16 @@ export class Plane {
   }
 }
 
+/** The voxel of a place in a plane through `at`; with a grid the nearest one inside it. */
+export function voxelIn(plane: Plane, at: number, [x, y]: [number, number], inside?: Grid): Voxel {
+  const kept = (v: number, axis: number) => (inside ? Math.min(Math.max(v, 0), inside.dims[axis]! - 1) : v);
+  const voxel: Voxel = [0, 0, 0];
+  voxel[plane.axis] = at;
+  voxel[plane.x] = kept(x, plane.x);
+  voxel[plane.y] = kept(y, plane.y);
+  return voxel;
+}
+
 /** What a picture shows. */
 export interface View {
   plane: Plane;
@@ -68,6 +79,8 @@ const reach_mm = 9;
 export class Painter {
   /** Surfaces of another run, drawn dashed under those of this one. */
   before: Wall[] = [];
+  /** Drawn in the place of the marks of its gate. */
+  preview: Preview | null = null;
   overlay: Overlay = { contours: true, sections: true, edges: false, whole: false, brightness: 1 };
   readonly heart: Frame & { z0: number; z1: number };
   private readonly sections = new WeakMap<Wall, Map<string, Section | null>>();
@@ -264,7 +277,10 @@ export class Painter {
   }
 
   private drawMarks(context: CanvasRenderingContext2D, plane: Plane, at: number, gate: number): void {
-    const { marks, marked_gates, bin } = this.pictures;
+    const { marked_gates, bin } = this.pictures;
+    const fresh = this.preview?.gate === gate ? this.preview.marks : null;
+    const marks = fresh ?? this.pictures.marks;
+    const first = fresh ? gate * fresh.length : 0;
     if (marked_gates === 0 || !(this.overlay.contours || this.overlay.edges)) return;
     const bins = [bin, bin, 1];
     const [bx, by] = [bins[plane.x]!, bins[plane.y]!];
@@ -276,7 +292,7 @@ export class Painter {
       else context.fillRect(part < 0 ? cx - w / 2 : cx, cy - h / 2, w / 2, h);
     };
     this.eachPixel(plane, at, gate, marked_gates, (x, y, index) => {
-      const bits = marks[index]!;
+      const bits = marks[index - first]!;
       if (bits === 0) return;
       const border = this.overlay.contours ? bits & (mark.endo | mark.epi) : 0;
       if (this.overlay.edges && border === 0 && bits & (mark.major_edge | mark.minor_edge)) {
@@ -295,7 +311,7 @@ export class Painter {
   }
 
   /** Cuts are made once: they are drawn again for every beat and every segment that is pointed at. */
-  private sectionOf(wall: Wall, { plane, at, gate }: View): Section | null {
+  sectionOf(wall: Wall, { plane, at, gate }: Pick<View, "plane" | "at" | "gate">): Section | null {
     const key = `${gate} ${plane.axis} ${at}`;
     const cuts = this.sections.get(wall) ?? new Map<string, Section | null>();
     this.sections.set(wall, cuts);

@@ -11,6 +11,8 @@ export interface Said {
   last_slice?: number;
   base_shift_mm?: number;
   exclude_gates?: number[];
+  endo_points?: number[];
+  epi_points?: number[];
   decision?: "accepted" | "rejected";
   reader?: string;
   comment?: string;
@@ -24,6 +26,8 @@ export const fields: { key: Key; name: string; title: string; is_text?: boolean 
   { key: "last_slice", name: "Last slice", title: "Last slice of the ventricle" },
   { key: "base_shift_mm", name: "Valve plane moved mm", title: "Away from the apex, in every gate" },
   { key: "exclude_gates", name: "Excluded gates", title: "Such as 3,4: the means of their neighbours stand in their place" },
+  { key: "endo_points", name: "Inner border", title: "Points that the inner wall goes through: gate,x,y,z of each, mm in the world" },
+  { key: "epi_points", name: "Outer border", title: "Points that the outer wall goes through: gate,x,y,z of each, mm in the world" },
   { key: "reader", name: "Reader", title: "Who accepts or rejects the result", is_text: true },
   { key: "comment", name: "Comment", title: "Why, in your words", is_text: true },
 ];
@@ -49,6 +53,11 @@ export function saidIn(manual: Manual): Said {
   return said as Said;
 }
 
+function pointWords(numbers: number[] | undefined, wall: string): string {
+  const count = (numbers?.length ?? 0) / 4;
+  return `${count} point${count === 1 ? "" : "s"} of the ${wall} border`;
+}
+
 /** What a result says that a person said, in words; empty: nothing. */
 export function byHandWords(results: Results): string[] {
   const manual = manualOf(results);
@@ -60,6 +69,8 @@ export function byHandWords(results: Results): string[] {
     first_slice: `first slice ${said.first_slice}`,
     last_slice: `last slice ${said.last_slice}`,
     base_shift_mm: `valve plane moved by ${said.base_shift_mm} mm`,
+    endo_points: pointWords(said.endo_points, "inner"),
+    epi_points: pointWords(said.epi_points, "outer"),
     exclude_gates: `without gate${said.exclude_gates?.length === 1 ? "" : "s"} ${said.exclude_gates?.join(", ")}`,
   };
   const words = fields.flatMap(({ key }) => (key in names && said[key] !== undefined ? [names[key as keyof typeof names]] : []));

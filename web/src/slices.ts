@@ -12,7 +12,7 @@ export interface Tool {
   move(place: [number, number]): void;
   up(): void;
   /** The pointer's look there, empty: as always. */
-  pointer(plane: Plane, place: [number, number], mm: number): string;
+  pointer(plane: Plane, at: number, place: [number, number], mm: number): string;
 }
 
 export class Slices {
@@ -83,7 +83,7 @@ export class Slices {
       });
       canvas.addEventListener("pointermove", (event) => {
         const { place, mm } = this.painter.placeAt(plane, canvas, event);
-        canvas.style.cursor = this.tool?.pointer(plane, place, mm) ?? "";
+        canvas.style.cursor = this.tool?.pointer(plane, at(), place, mm) ?? "";
         if (!(event.buttons & 1)) return;
         if (taken) this.tool!.move(place);
         else follow(event);

@@ -226,6 +226,68 @@ const tests = {
     assert.ok(await again.locator("#hand-run").isDisabled(), "what was run counts as changed");
   },
 
+  async "moves a point of a border, which the fit goes through as the native program does"(page) {
+    await page.click("#example-patient");
+    const first = (await saved(page)).json;
+    const frame = await report_is_drawn(page);
+    await frame.click("#toggle-hand");
+    await frame.click("#hand-border");
+    const canvas = frame.locator("canvas.large");
+    await canvas.scrollIntoViewIfNeeded();
+    const box = await canvas.boundingBox();
+    const [y, step] = [box.y + 0.5 * box.height, 2];
+    let x = box.x + 0.5 * box.width;
+    for (const end = box.x + box.width; x < end; x += step) {
+      await page.mouse.move(x, y);
+      if ((await canvas.evaluate((element) => element.style.cursor)) === "grab") break;
+    }
+    await page.mouse.down();
+    await page.mouse.move(x + 16, y, { steps: 4 });
+    await page.mouse.up();
+    const numbers = await frame.inputValue("#hand-endo_points");
+    assert.match(numbers, /^1(,-?[\d.]+){3}$/, "the first wall from the middle is the inner one");
+    await shoot(page, "border-point");
+    await frame.click("#hand-run");
+    await until_view(page, "working");
+    const mine = await saved(page);
+    run_native("ventricle", "patient/study.dcm", "--out", "patient/point", "--set", `manual.endo_points=${numbers}`);
+    assert_same(mine, "patient/point");
+    assert.ok(mine.json.gates[0].endo_ml > first.gates[0].endo_ml + 0.2, "the cavity is not larger");
+    const again = await report_is_drawn(page);
+    assert.match(await again.locator("#verdict").innerText(), /Changed by hand: 1 point of the inner border/);
+    await again.waitForFunction(() => !document.getElementById("hand").hidden);
+    assert.equal(await again.inputValue("#hand-endo_points"), numbers);
+    await shoot(page, "border-moved");
+  },
+
+  async "shows borders and fields while options and handles move, as the native program finds them"(page) {
+    await page.click("#example-patient");
+    await saved(page);
+    const frame = await report_is_drawn(page);
+    await frame.evaluate(() => addEventListener("message", ({ data }) => data.word === "borders" && (window.heard = data.found)));
+    const printed = (...words) => execFileSync(native, ["borders", "patient/study.dcm", "--json", "--gate", "1", ...words], { cwd: work, encoding: "utf8", maxBuffer: 1e8 });
+    const told = async (...words) => {
+      await frame.waitForFunction((text) => window.heard?.text === text, printed(...words), { timeout: most_wait });
+      console.log(`     ${(await frame.evaluate(() => window.heard.seconds)).toFixed(2)} s`);
+    };
+    await page.click("#show-options");
+    await page.waitForSelector(".control", { timeout: most_wait });
+    await page.fill("#search", "sigma");
+    await page.fill('[data-path="edges.sigma_px"] input', "2.5");
+    await page.locator('[data-path="edges.sigma_px"] input').blur();
+    await told("--set", "edges.sigma_px=2.5");
+    assert.match(await frame.locator("#preview").innerText(), /Borders of gate 1 as they would be found/);
+    await shoot(page, "preview");
+    await page.click("#reset");
+    await frame.waitForFunction(() => window.heard === null);
+    assert.equal(await frame.locator("#preview").innerText(), "");
+    await page.click("#show-options");
+    await frame.click("#toggle-hand");
+    await frame.fill("#hand-radius_mm", "40");
+    await frame.press("#hand-radius_mm", "Enter");
+    await told("--set", "manual.radius_mm=40");
+  },
+
   async "records what a reader decides, and changes no number"(page) {
     await page.click("#example-patient");
     const first = (await saved(page)).json;

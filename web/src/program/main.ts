@@ -1,29 +1,31 @@
 // dynasurf.html: takes files, runs the program over them in a worker, shows its report.
 import { dropped, type Given, as_zip, picked, read_given, Refusal, save } from "./files";
 import { argumentsOf, type ByHand, type FromPage, type FromReport, maskFile, mask_name, nothing_said, quoted } from "../host";
+import { Runner } from "./engine";
 import { load } from "./frames";
 import { type Given as GivenStudy, givenHere, pageWith } from "./given";
 import { dataOf, fileOf, History, type Run, type Task, taskOf } from "./history";
 import type { Job, Piece, Word } from "./job";
 import { OptionPanel } from "./options";
 import { Pair, pairJob } from "./pair";
+import { Preview } from "./preview";
 import { type Found, StudyList, studiesOf } from "./studies";
 import { type Key, type Language, language, speak, stage_name, text } from "./texts";
-
-declare const WORKER: string; // the script of the worker
 
 type Ended = Word & { kind: "end" };
 
 const by_id = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
 const views = ["start", "studies", "working", "failure", "result", "pair"] as const;
 
-let worker: Worker | null = null;
 let task: Task | null = null;
 /** What a person said by hand for the next run. */
 let said: ByHand = nothing_said();
 /** The last run was asked for by the report. */
 let correcting = false;
 let report_url = "";
+/** The gate that the report looks at, from 1. */
+let gate = 1;
+let at_once = false;
 
 function show(view: (typeof views)[number]): void {
   for (const name of views) by_id(name).hidden = name !== view;
@@ -40,50 +42,17 @@ function fail(reason: string): void {
 
 // ---- The engine ----
 
-let engine: Promise<WebAssembly.Module> | null = null;
-
-async function unpack_engine(): Promise<WebAssembly.Module> {
-  // The program stands at the end of the page, which may still be on its way from a slow disk.
-  if (document.readyState === "loading") await new Promise((done) => document.addEventListener("DOMContentLoaded", done));
-  const packed = atob(by_id("engine").textContent!.trim());
-  const bytes = Uint8Array.from(packed, (letter) => letter.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compile(await new Response(stream).arrayBuffer());
-}
-
-/** Runs commands in a worker of their own; it ends with them, and all its memory with it. */
-async function run(job: Omit<Job, "engine">, on_line: (word: Word & { kind: "line" }) => void): Promise<Word> {
-  engine ??= unpack_engine();
-  const url = URL.createObjectURL(new Blob([WORKER], { type: "text/javascript" }));
-  const mine = new Worker(url);
-  worker?.terminate();
-  worker = mine;
-  const module = await engine;
-  return new Promise((done) => {
-    const end = (word: Word) => {
-      mine.terminate();
-      URL.revokeObjectURL(url);
-      if (worker === mine) worker = null;
-      done(word);
-    };
-    mine.onmessage = (message: MessageEvent<Word>) => (message.data.kind === "line" ? on_line(message.data) : end(message.data));
-    mine.onerror = (event) => {
-      event.preventDefault();
-      end({ kind: "lost", reason: event.message, memory: 0 });
-    };
-    mine.postMessage({ ...job, engine: module } satisfies Job);
-  });
-}
+const runner = new Runner();
 
 /** A browser compiles well what has run for a while: a small heart is read before anybody asks, if nobody does. */
 async function warm_up(): Promise<void> {
   const small = ["gates=4", "lattice.nx=32", "lattice.ny=32", "lattice.nz=18", "lattice.dx_mm=4.5", "lattice.dy_mm=4.5", "lattice.dz_mm=6.5"];
   const made = ["phantom", "patient", "--out", "/made", ...small.flatMap((set) => ["--set", set])];
   try {
-    await run({ files: [], commands: [made, ["ventricle", "/made/study.dcm", "--out", "/result"]], wanted: [] }, () => {});
+    await runner.run({ files: [], commands: [made, ["ventricle", "/made/study.dcm", "--out", "/result"]], wanted: [] });
     document.documentElement.dataset.warm = "true";
   } catch {
-    engine = null; // whoever asks for a run is told
+    // Whoever asks for a run is told.
   }
 }
 
@@ -120,7 +89,7 @@ const line_of_error = (lines: string[]) =>
 function begin(next: Task, with_settings: [string, string][] = [], with_said = nothing_said()): Promise<void> {
   history.clear();
   panel.clear();
-  correcting = false;
+  correcting = at_once = false;
   panel.restore(with_settings);
   said = with_said;
   return start(next);
@@ -128,6 +97,7 @@ function begin(next: Task, with_settings: [string, string][] = [], with_said = n
 
 async function start(next: Task): Promise<void> {
   task = next;
+  preview.stop();
   show("working");
   tell_progress("start 0/1", 0);
   by_id("cancel").focus();
@@ -145,12 +115,11 @@ async function work(job: Omit<Job, "engine">, is_done: (end: Ended) => boolean):
   const lines: string[] = [];
   let word: Word;
   try {
-    word = await run(job, (line) => {
+    word = await runner.run(job, (line) => {
       lines.push(line.text);
       tell_progress(line.text, line.memory);
     });
   } catch (error) {
-    engine = null;
     fail(text("lost", { reason: String(error) }));
     return null;
   }
@@ -205,7 +174,7 @@ const history = new History(by_id("runs"), show_chosen);
 function tell_report(): void {
   const { shown, compared } = history;
   if (!shown) return;
-  const words: FromPage = { dynasurf: "page", word: "study", said: shown.said, before: compared ? dataOf(compared) : null, correcting };
+  const words: FromPage = { dynasurf: "page", word: "study", said: shown.said, before: compared ? dataOf(compared) : null, at_once, correcting };
   by_id<HTMLIFrameElement>("report").contentWindow?.postMessage(words, "*");
 }
 
@@ -214,14 +183,25 @@ function hear_report(event: MessageEvent<FromReport>): void {
   if (event.data.word === "ready") return tell_report();
   if (event.data.word !== "by hand") return;
   said = event.data.said;
-  if (!event.data.run || !task || !panel.is_valid) return;
+  gate = event.data.gate;
+  at_once = event.data.at_once;
+  if (!event.data.run) return look();
+  if (!task || !panel.is_valid) return;
   correcting = true;
   void start(task);
 }
 
+/** Borders and fields as they would be with what is said and chosen, shown in the report. */
+const preview = new Preview((found) => by_id<HTMLIFrameElement>("report").contentWindow?.postMessage({ dynasurf: "page", word: "borders", found } satisfies FromPage, "*"));
+function look(): void {
+  const { shown } = history;
+  if (!task || !shown || !panel.is_valid) return;
+  const settings = (values: [string, string][]) => values.map(([path, value]) => `${path}=${value}`);
+  preview.ask({ task, settings: panel.settings(), said, gate }, { task, settings: settings(shown.settings), said: shown.said, gate });
+}
+
 function cancel(): void {
-  worker?.terminate();
-  worker = null;
+  runner.stop();
   fail(text("cancelled"));
 }
 
@@ -247,7 +227,7 @@ async function several_in(pieces: Piece[]): Promise<Found[]> {
   if (subject !== "ventricle" || inputs[0] !== "/in") return [];
   show("working");
   tell_progress("read 0/1", 0);
-  const word = await run({ files: copy_of(pieces), commands: [["info", "/in", "--json"]], wanted: [] }, () => {});
+  const word = await runner.run({ files: copy_of(pieces), commands: [["info", "/in", "--json"]], wanted: [] });
   return word.kind === "end" && word.code === 0 ? studiesOf(word.output, pieces) : [];
 }
 
@@ -263,7 +243,7 @@ function show_studies(): void {
   tell_list();
   void studies.show(studies.studies, async (study) => {
     const { files, inputs } = taskOf(study.files);
-    const word = await run({ files: copy_of(files), commands: [["info", inputs[0]!, "--json", "--picture"]], wanted: [] }, () => {});
+    const word = await runner.run({ files: copy_of(files), commands: [["info", inputs[0]!, "--json", "--picture"]], wanted: [] });
     return word.kind === "end" && word.code === 0 ? word.output : null;
   });
 }
@@ -321,6 +301,7 @@ const vase: Task = {
 
 const panel = new OptionPanel(by_id<HTMLFormElement>("controls"), (changed) => {
   by_id("changed").textContent = changed > 0 ? text("options_changed", { n: changed }) : "";
+  look();
 });
 
 async function show_options(): Promise<void> {
@@ -328,7 +309,7 @@ async function show_options(): Promise<void> {
   aside.hidden = !aside.hidden;
   by_id("show-options").setAttribute("aria-expanded", String(!aside.hidden));
   if (aside.hidden || panel.is_described || !task) return;
-  const word = await run({ files: [], commands: [["options", task.subject, "--json"]], wanted: [] }, () => {});
+  const word = await runner.run({ files: [], commands: [["options", task.subject, "--json"]], wanted: [] });
   if (word.kind === "end") panel.describe(word.output);
 }
 

@@ -1,0 +1,47 @@
+// node library.test.mjs FOLDER: runs the libraries' own tests, compiled to WebAssembly, in Chromium: in a worker like that
+// of the page that is the program, each of whose messages is printed.
+import assert from "node:assert/strict";
+import { existsSync, readdirSync, readFileSync } from "node:fs";
+import { join } from "node:path";
+import { bundle } from "../bundle.mjs";
+import { check, finish, program as chromium, skipped, withBrowser } from "./browser.mjs";
+
+const [folder] = process.argv.slice(2);
+const programs = existsSync(folder) ? readdirSync(folder).filter((name) => name.endsWith(".wasm")) : [];
+if (programs.length === 0) {
+  console.log(`SKIPPED: no tests in ${folder}; ./dev web makes them`);
+  process.exit(skipped);
+}
+if (!chromium) {
+  console.log("SKIPPED: no Chromium found (apt-get install chromium, or name one in the variable CHROMIUM)");
+  process.exit(skipped);
+}
+const worker = await bundle("program/worker.ts");
+
+/** Runs a program in a worker of the page; its exit code and what it prints. */
+const run = (page, bytes) =>
+  page.evaluate(
+    async ([script, program]) => {
+      const engine = await WebAssembly.compile(Uint8Array.from(atob(program), (letter) => letter.charCodeAt(0)));
+      const mine = new Worker(URL.createObjectURL(new Blob([script], { type: "text/javascript" })));
+      return new Promise((done) => {
+        mine.onmessage = ({ data }) => data.kind !== "line" && done(data.kind === "end" ? { code: data.code, output: data.output } : { code: -1, output: data.reason });
+        mine.postMessage({ engine, files: [], commands: [["--gtest_brief=1"]], wanted: [] });
+      });
+    },
+    [worker, bytes.toString("base64")],
+  );
+
+await withBrowser(async (context) => {
+  const page = await context.newPage();
+  for (const name of programs)
+    await check(name, async () => {
+      const begin = performance.now();
+      const { code, output } = await run(page, readFileSync(join(folder, name)));
+      const count = /(\d+) tests? from/.exec(output)?.[1];
+      assert.equal(code, 0, output.slice(-4000));
+      assert.ok(Number(count) > 20, output.slice(-400));
+      console.log(`     ${count} tests in ${((performance.now() - begin) / 1000).toFixed(1)} s`);
+    });
+});
+finish();
