@@ -91,6 +91,32 @@ async function report_is_drawn(page) {
   return frame;
 }
 
+/** What a reader of a page meets: its texts, and those that are told or spoken. */
+const said_in = (frame) =>
+  frame.evaluate(() => {
+    const found = [];
+    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_ELEMENT | NodeFilter.SHOW_TEXT);
+    for (let node = walker.nextNode(); node; node = walker.nextNode())
+      if (node.nodeType === Node.TEXT_NODE) {
+        if (!/^(script|style|noscript)$/i.test(node.parentElement.tagName)) found.push(node.nodeValue.trim());
+      } else for (const name of ["title", "aria-label", "placeholder", "alt"]) found.push((node.getAttribute(name) ?? "").trim());
+    return [...new Set(found.filter(Boolean))];
+  });
+const german = JSON.parse(readFileSync(new URL("../src/translations/de.json", import.meta.url), "utf8"));
+
+/** Texts of a page in the language of the table's keys, not of its values. */
+function not_german(said) {
+  const plain = (text) => text.replace(/[\\^$.*+?()[\]{}|/-]/g, "\\$&");
+  const pattern = (text) => new RegExp(`^${text.split(/{\w+}/).map(plain).join(".+?")}$`);
+  const foreign = [...Object.entries(german.pages), ...Object.entries(german.program)]
+    .filter(([english, text]) => english !== text && /[a-z]{3}/i.test(english.split(/{\w+}/).join("")))
+    .map(([english]) => english);
+  const own = [...Object.values(german.pages), ...Object.values(german.program)].map(pattern);
+  const patterns = foreign.map(pattern);
+  const english_word = /\b(the|of|and|is|are|with|from|this|that|slice|gate|surface|wall|volume)\b/i;
+  return said.filter((text) => (patterns.some((p) => p.test(text)) && !own.some((p) => p.test(text))) || english_word.test(text));
+}
+
 const shoot = (page, name) => screenshots && page.screenshot({ path: join(screenshots, `${name}.png`) });
 
 const tests = {
@@ -471,6 +497,42 @@ const tests = {
     await until_view(page, "failure");
     assert.match(await reason(page), /^empty\.dcm: /);
     await shoot(page, "failure");
+  },
+
+  async "shows the report in German, and saves it in English"(page) {
+    await page.selectOption("#language", "de");
+    await page.click("#example-patient");
+    const { files, json } = await saved(page);
+    let frame = await report_is_drawn(page);
+    assert.equal(await frame.getAttribute("html", "lang"), "de");
+    await frame.click("#toggle-hand");
+    await frame.click("#hand-exclude");
+    await frame.click("#help");
+    const in_german = await said_in(frame);
+    // Names of files, programs and options are nobody's language.
+    const options = Object.keys(Object.fromEntries(numbers_of({ options: json.provenance.options })));
+    const names = new Set([json.provenance.command, ...options]);
+    const is_name = (text) => names.has(text) || /^[\w.-]+$/.test(text);
+    const left = not_german(in_german.map((text) => text.replace(/^[\w.]+ · /, ""))).filter((text) => !is_name(text));
+    assert.deepEqual(left, [], "these are not German");
+    assert.ok(in_german.includes("Enddiastolisches Volumen") && in_german.includes("7 mittventrikulär anterior"));
+    assert.ok(in_german.length > 250, `only ${in_german.length} texts`);
+    await frame.press("body", "Escape");
+    await shoot(page, "german-report");
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save-report")]);
+    const report = readFileSync(await download.path());
+    assert.ok(report.equals(Buffer.from(files["dynasurf-result/report.html"])), "the saved report is not that of the engine");
+    assert.ok(report.includes('<html lang="en">') && !report.includes('id="words"'));
+    // The reader hears the other language at once, and the first one again.
+    await page.locator("#language").evaluate((box) => {
+      box.value = "en";
+      box.dispatchEvent(new Event("change"));
+    });
+    await page.waitForTimeout(500);
+    frame = await report_is_drawn(page);
+    assert.equal(await frame.getAttribute("html", "lang"), "en");
+    const in_english = await said_in(frame);
+    assert.ok(in_english.includes("End-diastolic volume") && not_german(in_english).length > 100, "the check of German sees no English");
   },
 
   async "speaks German, and can be used by keys alone"(page) {

@@ -8,7 +8,7 @@ import type { Job, Piece, Word } from "./job";
 import { OptionPanel } from "./options";
 import { Pair, pairJob } from "./pair";
 import { type Found, StudyList, studiesOf } from "./studies";
-import { type Key, type Language, language, speak, stage_name, text } from "./texts";
+import { type Key, language, languages, name_of, speak, spoken, stage_name, text } from "./texts";
 
 declare const WORKER: string; // the script of the worker
 
@@ -175,16 +175,21 @@ function present(word: Ended): void {
   });
 }
 
+/** Loads the report of a run in the language of the page. */
+function load_report(run: Run): void {
+  said = run.said;
+  URL.revokeObjectURL(report_url);
+  report_url = URL.createObjectURL(spoken(fileOf(run.result, "report.html")));
+  load(by_id<HTMLIFrameElement>("report"), report_url);
+}
+
 /** Shows what the history has chosen: another run, or another one to compare with. */
 function show_chosen(is_other_run: boolean): void {
   const run = history.shown!;
   if (is_other_run) {
-    said = run.said;
     panel.restore(run.settings);
     show("result");
-    URL.revokeObjectURL(report_url);
-    report_url = URL.createObjectURL(new Blob([fileOf(run.result, "report.html") as BlobPart], { type: "text/html" }));
-    load(by_id<HTMLIFrameElement>("report"), report_url);
+    load_report(run);
     Object.assign(document.documentElement.dataset, { seconds: run.seconds.toFixed(3), memory: String(run.memory) });
   } else tell_report();
   tell_run(run);
@@ -372,6 +377,17 @@ async function copy(): Promise<void> {
 
 // ---- The page ----
 
+/** Texts of the page, and again all that was written in the former language. */
+function change_language(name: string): void {
+  speak(name);
+  pair.speak();
+  if (history.shown) {
+    load_report(history.shown);
+    tell_run(history.shown);
+  }
+  if (document.documentElement.dataset.view === "studies") show_studies();
+}
+
 function connect(): void {
   const click = (id: string, work: () => unknown) => by_id(id).addEventListener("click", work);
   click("pick-files", () => by_id("files").click());
@@ -428,12 +444,9 @@ function connect(): void {
     if (event.dataTransfer && document.documentElement.dataset.view !== "working") void take(dropped(event.dataTransfer));
   });
   const choice = by_id<HTMLSelectElement>("language");
+  choice.replaceChildren(...languages.map((name) => new Option(name_of(name), name)));
   choice.value = language();
-  choice.addEventListener("change", () => {
-    speak(choice.value as Language);
-    if (history.shown) tell_run(history.shown);
-    if (document.documentElement.dataset.view === "studies") show_studies();
-  });
+  choice.addEventListener("change", () => change_language(choice.value));
 }
 
 connect();
