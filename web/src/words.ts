@@ -47,15 +47,17 @@ export class Words {
 
   /** What begins with fixed text comes first, then what has most of it: the others are made for what is left. */
   private get patterns(): Pattern[] {
+    if (this.known) return this.known;
     const sentences = Object.entries(this.table?.program ?? {}).filter(([sentence]) => sentence.includes("{"));
-    return (this.known ??= sentences.map(patternOf).sort((a, b) => Number(a.parts[0] === "") - Number(b.parts[0] === "") || b.fixed - a.fixed));
+    const begins_late = ({ parts }: Pattern) => Number(parts[0] === "");
+    return (this.known = sentences.map(patternOf).sort((a, b) => begins_late(a) - begins_late(b) || b.fixed - a.fixed));
   }
 
   private find(sentence: string): string | null {
     const before = this.found.get(sentence);
     if (before !== undefined) return before;
-    const same = this.table?.program[sentence];
-    const text = same ?? this.patterns.map((pattern) => this.fill(pattern, sentence)).find((filled) => filled !== null) ?? null;
+    let text = this.table?.program[sentence] ?? null;
+    for (let n = 0; text === null && n < this.patterns.length; ++n) text = this.fill(this.patterns[n]!, sentence);
     this.found.set(sentence, text);
     return text;
   }

@@ -7,6 +7,7 @@ import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { gunzipSync, unzipSync, zipSync } from "fflate";
 import { check, finish, program as chromium, skipped, withBrowser } from "./browser.mjs";
+import { notGerman, saidIn } from "./words.mjs";
 
 const [page_path, native, screenshots] = process.argv.slice(2).map((path) => resolve(path));
 if (!existsSync(page_path)) {
@@ -89,32 +90,6 @@ async function report_is_drawn(page) {
   assert.ok(frame, "there is no report");
   await frame.waitForFunction(() => document.documentElement.dataset.ready === "true", null, { timeout: 30_000 });
   return frame;
-}
-
-/** What a reader of a page meets: its texts, and those that are told or spoken. */
-const said_in = (frame) =>
-  frame.evaluate(() => {
-    const found = [];
-    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_ELEMENT | NodeFilter.SHOW_TEXT);
-    for (let node = walker.nextNode(); node; node = walker.nextNode())
-      if (node.nodeType === Node.TEXT_NODE) {
-        if (!/^(script|style|noscript)$/i.test(node.parentElement.tagName)) found.push(node.nodeValue.trim());
-      } else for (const name of ["title", "aria-label", "placeholder", "alt"]) found.push((node.getAttribute(name) ?? "").trim());
-    return [...new Set(found.filter(Boolean))];
-  });
-const german = JSON.parse(readFileSync(new URL("../src/translations/de.json", import.meta.url), "utf8"));
-
-/** Texts of a page in the language of the table's keys, not of its values. */
-function not_german(said) {
-  const plain = (text) => text.replace(/[\\^$.*+?()[\]{}|/-]/g, "\\$&");
-  const pattern = (text) => new RegExp(`^${text.split(/{\w+}/).map(plain).join(".+?")}$`);
-  const foreign = [...Object.entries(german.pages), ...Object.entries(german.program)]
-    .filter(([english, text]) => english !== text && /[a-z]{3}/i.test(english.split(/{\w+}/).join("")))
-    .map(([english]) => english);
-  const own = [...Object.values(german.pages), ...Object.values(german.program)].map(pattern);
-  const patterns = foreign.map(pattern);
-  const english_word = /\b(the|of|and|is|are|with|from|this|that|slice|gate|surface|wall|volume)\b/i;
-  return said.filter((text) => (patterns.some((p) => p.test(text)) && !own.some((p) => p.test(text))) || english_word.test(text));
 }
 
 const shoot = (page, name) => screenshots && page.screenshot({ path: join(screenshots, `${name}.png`) });
@@ -413,10 +388,18 @@ const tests = {
     assert.equal(await heading.innerText(), "Left ventricle, rest and stress");
     await page.waitForTimeout(500); // to paint
     await shoot(page, "difference");
+    const english_url = await page.getAttribute("#both", "src");
     const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save-pair")]);
     const files = unzipSync(readFileSync(await download.path()));
     const theirs = JSON.parse(readFileSync(join(work, "both/difference/comparison.json"), "utf8"));
     assert.deepEqual(numbers_of(JSON.parse(new TextDecoder().decode(files["both/comparison.json"]))), numbers_of(theirs));
+    await page.selectOption("#language", "de");
+    await page.frameLocator("#both").locator("h1", { hasText: "Linker Ventrikel, Ruhe und Belastung" }).waitFor();
+    assert.notEqual(await page.getAttribute("#both", "src"), english_url);
+    const texts = await page.frameLocator("#both").locator("html").evaluateAll(([html]) => html.innerText.split("\n"));
+    assert.deepEqual(notGerman(texts), []);
+    assert.match(await page.locator("#first-title").innerText(), /Phasen von .*, Ruhe$/);
+    await shoot(page, "german-difference");
   },
 
   async "takes a header with its voxels beside it, and scans by every ending"(page) {
@@ -508,31 +491,29 @@ const tests = {
     await frame.click("#toggle-hand");
     await frame.click("#hand-exclude");
     await frame.click("#help");
-    const in_german = await said_in(frame);
+    const in_german = await saidIn(frame);
     // Names of files, programs and options are nobody's language.
     const options = Object.keys(Object.fromEntries(numbers_of({ options: json.provenance.options })));
     const names = new Set([json.provenance.command, ...options]);
     const is_name = (text) => names.has(text) || /^[\w.-]+$/.test(text);
-    const left = not_german(in_german.map((text) => text.replace(/^[\w.]+ · /, ""))).filter((text) => !is_name(text));
+    const left = notGerman(in_german).filter((text) => !is_name(text));
     assert.deepEqual(left, [], "these are not German");
     assert.ok(in_german.includes("Enddiastolisches Volumen") && in_german.includes("7 mittventrikulär anterior"));
     assert.ok(in_german.length > 250, `only ${in_german.length} texts`);
     await frame.press("body", "Escape");
     await shoot(page, "german-report");
+    assert.ok(await page.locator("#language").isDisabled(), "another language would forget what was said by hand");
+    await frame.click("#hand-reset");
     const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save-report")]);
     const report = readFileSync(await download.path());
     assert.ok(report.equals(Buffer.from(files["dynasurf-result/report.html"])), "the saved report is not that of the engine");
     assert.ok(report.includes('<html lang="en">') && !report.includes('id="words"'));
-    // The reader hears the other language at once, and the first one again.
-    await page.locator("#language").evaluate((box) => {
-      box.value = "en";
-      box.dispatchEvent(new Event("change"));
-    });
+    await page.selectOption("#language", "en");
     await page.waitForTimeout(500);
     frame = await report_is_drawn(page);
     assert.equal(await frame.getAttribute("html", "lang"), "en");
-    const in_english = await said_in(frame);
-    assert.ok(in_english.includes("End-diastolic volume") && not_german(in_english).length > 100, "the check of German sees no English");
+    const in_english = await saidIn(frame);
+    assert.ok(in_english.includes("End-diastolic volume") && notGerman(in_english).length > 100, "the check of German sees no English");
   },
 
   async "speaks German, and can be used by keys alone"(page) {

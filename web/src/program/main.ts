@@ -1,6 +1,6 @@
 // dynasurf.html: takes files, runs the program over them in a worker, shows its report.
 import { dropped, type Given, as_zip, picked, read_given, Refusal, save } from "./files";
-import { argumentsOf, type ByHand, type FromPage, type FromReport, maskFile, mask_name, nothing_said, quoted } from "../host";
+import { argumentsOf, type ByHand, type FromPage, type FromReport, isSame, maskFile, mask_name, nothing_said, quoted } from "../host";
 import { load } from "./frames";
 import { type Given as GivenStudy, givenHere, pageWith } from "./given";
 import { dataOf, fileOf, History, type Run, type Task, taskOf } from "./history";
@@ -27,6 +27,10 @@ let report_url = "";
 
 function show(view: (typeof views)[number]): void {
   for (const name of views) by_id(name).hidden = name !== view;
+  // Where a report has its own header the page's is hidden, but for the choice of language.
+  const [choice, bar] = [document.querySelector(".language")!, by_id(view).querySelector(".bar p")];
+  if (bar) bar.after(choice);
+  else document.querySelector("header")!.append(choice);
   document.documentElement.dataset.view = view;
 }
 
@@ -178,6 +182,7 @@ function present(word: Ended): void {
 /** Loads the report of a run in the language of the page. */
 function load_report(run: Run): void {
   said = run.said;
+  hold_language(false);
   URL.revokeObjectURL(report_url);
   report_url = URL.createObjectURL(spoken(fileOf(run.result, "report.html")));
   load(by_id<HTMLIFrameElement>("report"), report_url);
@@ -219,6 +224,7 @@ function hear_report(event: MessageEvent<FromReport>): void {
   if (event.data.word === "ready") return tell_report();
   if (event.data.word !== "by hand") return;
   said = event.data.said;
+  hold_language(history.shown !== undefined && !isSame(said, history.shown.said));
   if (!event.data.run || !task || !panel.is_valid) return;
   correcting = true;
   void start(task);
@@ -376,6 +382,13 @@ async function copy(): Promise<void> {
 }
 
 // ---- The page ----
+
+/** Another language loads the report anew, without what was said in it and not run yet. */
+function hold_language(is_held: boolean): void {
+  const choice = by_id<HTMLSelectElement>("language");
+  choice.disabled = is_held;
+  choice.title = is_held ? text("language_waits") : "";
+}
 
 /** Texts of the page, and again all that was written in the former language. */
 function change_language(name: string): void {

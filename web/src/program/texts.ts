@@ -76,6 +76,7 @@ const english = {
   empty: "Nothing was given; expected at least one file",
   old_browser: "This browser is too old. Expected Chrome or Edge 95, Firefox 113, Safari 16.4 or later.",
   language: "Language",
+  language_waits: "First run again what was changed by hand, or reset it",
   stage_start: "Start",
   stage_read: "Reading files",
   stage_borders: "Borders",
