@@ -73,6 +73,7 @@ check_quickly() {
   step "sources" python3 tools/check_sources.py
   step "same bytes" python3 tools/check_same_bytes.py
   step "streams" python3 tools/check_streams.py
+  step "words" python3 tools/check_words.py
   step "thesis map" python3 tools/check_thesis_map.py
   step "figures" python3 tools/figures.py
   end_of_checks

@@ -2,8 +2,9 @@
 //
 // Its policy lets it run its own script, the program and the scripts of the reports that the program writes, and fetch
 // nothing at all. The program waits, packed, in an element that no browser runs.
-import { readFileSync, statSync, writeFileSync } from "node:fs";
+import { readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
+import { deflateRawSync } from "node:zlib";
 import { bundle, filled, here, source } from "./bundle.mjs";
 
 const [program, pages, page] = process.argv.slice(2);
@@ -28,7 +29,10 @@ const written = [hash_in("comparison_page.cpp", /style = R"\(([^]*?)\)";/), hash
 
 const read = (name) => readFileSync(join(here, "src/program", name), "utf8");
 const worker = await bundle("program/worker.ts");
-const script = await bundle("program/main.ts", { WORKER: JSON.stringify(worker) });
+const folder = join(here, "src/translations");
+const packed = (name) => deflateRawSync(JSON.stringify(JSON.parse(readFileSync(join(folder, name), "utf8"))), { level: 9 }).toString("base64");
+const translations = Object.fromEntries(readdirSync(folder).sort().map((name) => [name.replace(".json", ""), packed(name)]));
+const script = await bundle("program/main.ts", { WORKER: JSON.stringify(worker), TRANSLATIONS: JSON.stringify(translations) });
 const style = await bundle("program/style.css");
 const policy = [
   "default-src 'none'",

@@ -10,6 +10,7 @@ import { brushOver, drawPaint } from "./paint";
 import { voxelIn, type Drawing, type Painter, type Plane } from "./painter";
 import { fields, type Key, manualOf, rounded, roundedOf, type Said, saidIn } from "./said";
 import type { Tool } from "./slices";
+import { say } from "./words";
 
 type Mode = "move" | "border" | "paint" | "erase";
 type Point = [number, number];
@@ -228,10 +229,10 @@ export class HandTool implements Tool {
         context.fillText(name, Math.max(to.x, 0) + 6 * ratio, to.y - 4 * ratio);
         context.restore();
       };
-      level(this.get("first_slice") - 1.5, "first_slice", "first slice", [2, 4]);
-      level(this.get("last_slice") - 0.5, "last_slice", "last slice", [2, 4]);
+      level(this.get("first_slice") - 1.5, "first_slice", say("first slice"), [2, 4]);
+      level(this.get("last_slice") - 0.5, "last_slice", say("last slice"), [2, 4]);
       const base = this.base();
-      if (base !== null) level(base, "base_shift_mm", "valve plane", []);
+      if (base !== null) level(base, "base_shift_mm", say("valve plane"), []);
       stroke(tint("axis"), () => (context.moveTo(ends[0][plane.x]!, ends[0][plane.y]!), context.lineTo(ends[1][plane.x]!, ends[1][plane.y]!)));
       for (const end of ends) dot(end[plane.x]!, end[plane.y]!, tint("axis"));
     }
@@ -354,33 +355,33 @@ export class HandTool implements Tool {
 
   private build(): void {
     const modes: [Mode, string, string][] = [
-      ["move", "Move handles", "Drag the centre, the ends of the axis, the circle, the lines"],
-      ["border", "Move a border", "Drag a border of this gate to where it is: the next fit goes through that point. Click a point to take it back"],
-      ["paint", "Paint out", "What is painted is not looked at, in no gate"],
-      ["erase", "Erase", "Takes paint away"],
+      ["move", say("Move handles"), say("Drag the centre, the ends of the axis, the circle, the lines")],
+      ["border", say("Move a border"), say("Drag a border of this gate to where it is: the next fit goes through that point. Click a point to take it back")],
+      ["paint", say("Paint out"), say("What is painted is not looked at, in no gate")],
+      ["erase", say("Erase"), say("Takes paint away")],
     ];
-    const brush = html("input", { type: "range", min: 3, max: 30, step: 1, value: this.brush_mm, "aria-label": "Radius of the brush, mm" });
+    const brush = html("input", { type: "range", min: 3, max: 30, step: 1, value: this.brush_mm, "aria-label": say("Radius of the brush, mm") });
     brush.addEventListener("input", () => (this.brush_mm = brush.valueAsNumber));
-    const run = this.button("run", "Run again with this", () => this.run());
+    const run = this.button("run", say("Run again with this"), () => this.run());
     run.classList.add("primary");
-    const at_once = this.button("at-once", "At once", () => ((this.at_once = !this.at_once), this.changed()), "Run again after every change");
+    const at_once = this.button("at-once", say("At once"), () => ((this.at_once = !this.at_once), this.changed()), say("Run again after every change"));
     run.hidden = at_once.hidden = true;
     this.place.replaceChildren(
       html("div", { class: "motion-bar" },
         ...modes.map(([mode, name, title]) => this.button(mode, name, () => ((this.mode = mode), this.refresh()), title)),
-        html("label", { class: "select" }, "Brush ", brush),
-        this.button("exclude", "Exclude gate 1", () => this.toggleGate()),
-        this.button("undo", "Undo", () => this.undo(), "Ctrl + Z"),
-        this.button("reset", "Reset", () => (this.keep(), (this.said = {}), (this.paint = null), this.changed()), "As the program found it"),
+        html("label", { class: "select" }, `${say("Brush")} `, brush),
+        this.button("exclude", "", () => this.toggleGate()),
+        this.button("undo", say("Undo"), () => this.undo(), say("Ctrl + Z")),
+        this.button("reset", say("Reset"), () => (this.keep(), (this.said = {}), (this.paint = null), this.changed()), say("As the program found it")),
         run,
         at_once,
-        this.button("copy", "Copy as command line", () => this.copy()),
-        this.button("mask", "Save the mask", () => this.saveMask()),
+        this.button("copy", say("Copy as command line"), () => this.copy()),
+        this.button("mask", say("Save the mask"), () => this.saveMask()),
       ),
       html("div", { class: "hand-fields" }, ...fields.filter(({ is_text }) => !is_text).map((field) => this.field(field))),
       html("div", { class: "hand-fields texts" },
-        this.button("accepted", "Accept", () => this.decide("accepted"), "Record that a reader accepts the result"),
-        this.button("rejected", "Reject", () => this.decide("rejected"), "Record that a reader rejects the result"),
+        this.button("accepted", say("Accept"), () => this.decide("accepted"), say("Record that a reader accepts the result")),
+        this.button("rejected", say("Reject"), () => this.decide("rejected"), say("Record that a reader rejects the result")),
         ...fields.filter(({ is_text }) => is_text).map((field) => this.field(field)),
       ),
       this.state,
@@ -400,7 +401,8 @@ export class HandTool implements Tool {
       const is_list = key === "exclude_gates" || key.endsWith("_points");
       const count = key === "center_mm" || key === "axis" ? 3 : key.endsWith("_points") ? 4 * Math.ceil(numbers.length / 4) : is_list ? numbers.length : 1;
       const fits = numbers.length === 0 || (numbers.length === count && numbers.every(Number.isFinite));
-      input.setCustomValidity(fits ? "" : `expected ${count === 3 ? "three numbers" : is_list ? "four numbers for each point" : "a number"}`);
+      const expected = count === 3 ? say("expected three numbers") : is_list ? say("expected four numbers for each point") : say("expected a number");
+      input.setCustomValidity(fits ? "" : expected);
       if (!input.reportValidity()) return;
       this.keep();
       const value = numbers.length === 0 ? undefined : is_list || count === 3 ? numbers : numbers[0];
@@ -439,9 +441,9 @@ export class HandTool implements Tool {
     area.select();
     document.execCommand("copy"); // a page from a disk has no other clipboard
     area.remove();
-    button.textContent = "Copied";
+    button.textContent = say("Copied");
     button.dataset.copied = this.commandLine();
-    setTimeout(() => (button.textContent = "Copy as command line"), 1500);
+    setTimeout(() => (button.textContent = say("Copy as command line")), 1500);
   }
 
   private saveMask(): void {
@@ -455,7 +457,7 @@ export class HandTool implements Tool {
     for (const { key } of fields) {
       const input = this.inputs.get(key)!;
       const value = this.said[key];
-      const found = key in this.found ? this.found[key as keyof HandTool["found"]] : key === "base_shift_mm" ? 0 : key === "exclude_gates" ? "none" : "";
+      const found = key in this.found ? this.found[key as keyof HandTool["found"]] : key === "base_shift_mm" ? 0 : key === "exclude_gates" ? say("none") : "";
       const shown = (v: unknown) => (Array.isArray(v) ? v.map((x: number) => roundedOf(key)(x)).join(",") : typeof v === "number" ? String(rounded(v)) : String(v));
       input.placeholder = shown(found);
       if (document.activeElement !== input || value === undefined) input.value = value === undefined ? "" : shown(value);
@@ -464,7 +466,7 @@ export class HandTool implements Tool {
     for (const decision of ["accepted", "rejected"]) this.buttons.get(decision)!.setAttribute("aria-pressed", String(this.said.decision === decision));
     const out = this.said.exclude_gates?.includes(this.gate + 1);
     const exclude = this.buttons.get("exclude")!;
-    exclude.textContent = `${out ? "Include" : "Exclude"} gate ${this.gate + 1}`;
+    exclude.textContent = out ? say("Include gate {gate}", { gate: this.gate + 1 }) : say("Exclude gate {gate}", { gate: this.gate + 1 });
     exclude.disabled = this.results.gates.length < 2;
     this.buttons.get("undo")!.disabled = this.before.length === 0;
     const { options, paint } = this.byHand();
@@ -486,9 +488,9 @@ export class HandTool implements Tool {
     const painted = paint ? paint.voxels.reduce((sum, v) => sum + v, 0) : 0;
     const volume = (painted * this.painter.grid.spacing_mm.reduce((a, b) => a * b, 1)) / 1000;
     this.state.textContent = [
-      count === 0 ? "Nothing is changed. Drag a handle, type a value or paint." : `${count} changed by hand`,
-      paint ? `${figure(volume, 0)} mL painted out` : "",
-      this.is_changed ? (this.host ? "the numbers above are without it until you run again" : "run the command line to see what it changes") : "",
+      count === 0 ? say("Nothing is changed. Drag a handle, type a value or paint.") : say("{n} changed by hand", { n: count }),
+      paint ? say("{ml} mL painted out", { ml: figure(volume, 0) }) : "",
+      this.is_changed ? (this.host ? say("the numbers above are without it until you run again") : say("run the command line to see what it changes")) : "",
     ].filter(Boolean).join(" · ");
   }
 }

@@ -7,6 +7,7 @@ import { walls, type Contours, type SliceContour, type WallName } from "./data";
 import { colour, figure, html } from "./dom";
 import { Painter, Plane } from "./painter";
 import { Stage3d } from "./stage3d";
+import { say, wall_words } from "./words";
 
 const ink = { pull: "#ffe14d", bend: "#ff7ac8", start: "#dfe6ee" } as const;
 /** The strongest force of a kind is drawn so long, px of the image. */
@@ -45,7 +46,7 @@ export class ContourView {
   ) {
     this.painter = new Painter(pictures, surfaces, null);
     this.painter.overlay = { contours: false, sections: false, edges: false, whole: false, brightness: 1 };
-    this.slider = html("input", { type: "range", min: 1, max: pictures.grid.dims[2], step: 1, "aria-label": "Slice of the contours, 1 is the apex" });
+    this.slider = html("input", { type: "range", min: 1, max: pictures.grid.dims[2], step: 1, "aria-label": say("Slice of the contours, 1 is the apex") });
     this.slider.addEventListener("input", () => cursor.move([cursor.at[0], cursor.at[1], this.slider.valueAsNumber - 1]));
     this.stage = this.stack();
     const toggle = (key: "forces" | "start", name: string) => {
@@ -57,7 +58,7 @@ export class ContourView {
       return html("label", { class: "select" }, box, ` ${name}`);
     };
     place.replaceChildren(
-      html("div", { class: "motion-bar" }, this.slider, toggle("forces", "Forces"), toggle("start", "Start")),
+      html("div", { class: "motion-bar" }, this.slider, toggle("forces", say("Forces")), toggle("start", say("Start"))),
       html("div", { class: "contour-body" }, html("div", {}, this.canvas), ...(this.stage ? [this.stage.frame] : [])),
       this.caption,
     );
@@ -81,7 +82,7 @@ export class ContourView {
       }),
     );
     try {
-      const stage = new Stage3d(grid, loops.flatMap(({ world }) => world), "The stack of contours. Drag to turn.");
+      const stage = new Stage3d(grid, loops.flatMap(({ world }) => world), say("The stack of contours. Drag to turn."));
       for (const { name, slice, world } of loops) {
         const geometry = new BufferGeometry();
         geometry.setAttribute("position", new Float32BufferAttribute(world, 3));
@@ -161,16 +162,18 @@ export class ContourView {
       cross: null,
       over: (context, pixel) => walls.forEach((name) => this.drawContour(context, pixel, name)),
     });
-    this.canvas.setAttribute("aria-label", `Contours of slice ${slice + 1}, gate ${this.contours.gate + 1}`);
+    this.canvas.setAttribute("aria-label", say("Contours of slice {slice}, gate {gate}", { slice: slice + 1, gate: this.contours.gate + 1 }));
     for (const { slice: of, ring, name } of this.rings) (ring.material as LineBasicMaterial).color.set(of === slice ? colour.lit : colour[name]);
     this.stage?.render();
     const words = walls.flatMap((name) => {
       const contour = this.at(name, slice);
       if (!contour) return [];
       const { edges, area } = shapeOf(contour);
-      const began = this.contours[name]!.best_slice === slice ? ", the first of all" : "";
-      return [`${name}: ${contour.points.length / 2} points, edges of ${figure(edges[0])}, ${figure(edges[1])} and ${figure(edges[2])} px (shortest, mean, longest), ${figure(area)} px²${began}`];
+      const [shortest, mean, longest] = edges.map((edge) => figure(edge)) as [string, string, string];
+      const numbers = { wall: wall_words[name], n: contour.points.length / 2, shortest, mean, longest, area: figure(area) };
+      const text = say("{wall}: {n} points, edges of {shortest}, {mean} and {longest} px (shortest, mean, longest), {area} px²", numbers);
+      return [this.contours[name]!.best_slice === slice ? `${text}, ${say("the first of all")}` : text];
     });
-    this.caption.textContent = [`Slice ${slice + 1}`, ...(words.length > 0 ? words : ["no contour here"])].join(" · ");
+    this.caption.textContent = [say("Slice {slice}", { slice: slice + 1 }), ...(words.length > 0 ? words : [say("no contour here")])].join(" · ");
   }
 }

@@ -3,9 +3,12 @@ import { splineWeights, volumeMl, type Wall } from "./cycle";
 import type { FunctionNumbers, Results } from "./data";
 import { colour, figure, svg } from "./dom";
 import type { Player } from "./player";
+import { say, wall_words } from "./words";
 
 const samples_per_gate = 10;
 const margin = { left: 50, right: 20, top: 26, bottom: 40 };
+
+const line_names = { ...wall_words, wall: say("wall") } as const;
 
 interface Line {
   name: "endo" | "epi" | "wall";
@@ -57,7 +60,7 @@ export class Curve {
     class: "chart",
     role: "slider",
     tabindex: 0,
-    "aria-label": "Volumes over the beat; the cursor is the moment shown",
+    "aria-label": say("Volumes over the beat; the cursor is the moment shown"),
     "aria-valuemin": 1,
   });
 
@@ -132,7 +135,7 @@ export class Curve {
       if (time !== null && this.gates <= 8)
         shapes.push(svg("text", { class: "tick faint", x: this.x(g), y: height - margin.bottom + 31, "text-anchor": "middle" }, g === 0 ? "0 ms" : figure(time, 0)));
     }
-    shapes.push(svg("text", { class: "axis", x: 2, y: height - margin.bottom + 17 }, "gate"));
+    shapes.push(svg("text", { class: "axis", x: 2, y: height - margin.bottom + 17 }, say("gate")));
     return shapes;
   }
 
@@ -142,7 +145,7 @@ export class Curve {
     const guides = [
       { gate: ed_gate, name: "ED" },
       { gate: es_gate, name: "ES" },
-      { gate: this.results.phases?.end_rapid_filling ?? null, name: "slow filling" },
+      { gate: this.results.phases?.end_rapid_filling ?? null, name: say("slow filling") },
     ];
     return guides.flatMap(({ gate, name }) => {
       if (gate === null) return [];
@@ -174,7 +177,7 @@ export class Curve {
         const weights = splineWeights(this.gates, s / samples_per_gate);
         return ends.reduce((sum, e, g) => sum + weights[g]! * e![end]!, 0);
       });
-    return { low: between(0), high: between(1), title: "90 % interval of the cavity's volume" };
+    return { low: between(0), high: between(1), title: say("90 % interval of the cavity's volume") };
   }
 
   private residuals(): { low: number[]; high: number[]; title: string } | null {
@@ -187,7 +190,7 @@ export class Curve {
     return {
       low: line.map((v) => v - half),
       high: line.map((v) => v + half),
-      title: `scatter of the gates about the periodic fit: ${figure(fit.residual_ml)} mL`,
+      title: say("scatter of the gates about the periodic fit: {ml} mL", { ml: figure(fit.residual_ml) }),
     };
   }
 
@@ -199,7 +202,7 @@ export class Curve {
       return `${this.x(phase).toFixed(1)},${this.y(fittedMl(fit, (phase + 0.5) / this.gates)).toFixed(1)}`;
     });
     const line = svg("polyline", { class: "line fit", points: points.join(" ") });
-    line.append(svg("title", {}, `periodic fit of ${fit.waves} waves: EF ${figure(fit.ef_percent)} %`));
+    line.append(svg("title", {}, say("periodic fit of {n} waves: EF {ef} %", { n: fit.waves, ef: figure(fit.ef_percent) })));
     return [line];
   }
 
@@ -217,7 +220,7 @@ export class Curve {
       }
     }
     line.measured.forEach((ml, g) => {
-      if (ml !== null) shapes.push(this.dot(line.name, this.x(g), this.y(ml), `${line.name} gate ${g + 1}: ${figure(ml)} mL`));
+      if (ml !== null) shapes.push(this.dot(line.name, this.x(g), this.y(ml), say("{line} gate {gate}: {ml} mL", { line: line_names[line.name], gate: g + 1, ml: figure(ml) })));
     });
     return shapes;
   }
@@ -257,7 +260,7 @@ export class Curve {
     const gate = (Math.round(phase) % this.gates) + 1;
     this.chart.setAttribute("aria-valuenow", String(gate));
     const endo = this.results.gates[gate - 1]?.endo_ml;
-    this.chart.setAttribute("aria-valuetext", `gate ${gate}, cavity ${figure(endo)} mL`);
+    this.chart.setAttribute("aria-valuetext", say("gate {gate}, cavity {ml} mL", { gate, ml: figure(endo) }));
   }
 }
 

@@ -9,19 +9,20 @@ import { keptAt } from "./motion";
 import { Painter, Plane } from "./painter";
 import { chartCanvas } from "./pen";
 import { evenColour } from "./polar";
+import { say, wall_words } from "./words";
 
 type Point = [number, number];
 const ink = { way: "#dfe6ee", line: "#ff7ac8", meet: "#ff964f", along: "#4ac06e" } as const;
 const samples = 160;
 const planes = [
-  { name: "Short axis", plane: new Plane(2) },
-  { name: "Cut along rows", plane: new Plane(1) },
-  { name: "Cut along columns", plane: new Plane(0) },
+  { name: say("Short axis"), plane: new Plane(2) },
+  { name: say("Cut along rows"), plane: new Plane(1) },
+  { name: say("Cut along columns"), plane: new Plane(0) },
 ] as const;
 /** Arrows stand at least so many pixels apart. */
 const apart_px = 11;
 
-const shown_names = { arrows: "Arrows", ways: "Ways of the particles", mesh: "Mesh", border: "Border voxels" } as const;
+const shown_names = { arrows: say("Arrows"), ways: say("Ways of the particles"), mesh: say("Mesh"), border: say("Border voxels") } as const;
 type Shown = keyof typeof shown_names;
 
 /** What the field has along a line. */
@@ -47,8 +48,14 @@ export class FieldView {
   private readonly canvas = html("canvas", { class: "field-plane", role: "img" });
   private readonly scale = html("p", { class: "field-scale" });
   private readonly caption = html("p", { class: "caption", "aria-live": "polite" });
-  private readonly lengths = chartCanvas("Length of the field along the line, 1/mm; the image in grey", "Length of the field along the line");
-  private readonly parts = chartCanvas("Its part along the line, 1/mm; it meets where it falls through 0", "Part of the field along the line");
+  private readonly lengths = chartCanvas(
+    say("Length of the field along the line, 1/mm; the image in grey"),
+    say("Length of the field along the line"),
+  );
+  private readonly parts = chartCanvas(
+    say("Its part along the line, 1/mm; it meets where it falls through 0"),
+    say("Part of the field along the line"),
+  );
   private readonly row: HTMLInputElement;
   private readonly shows: Record<Shown, boolean> = { arrows: true, ways: true, mesh: true, border: true };
 
@@ -63,7 +70,7 @@ export class FieldView {
     this.chosen = this.ways.at(-1)!;
     this.painter = new Painter(pictures, surfaces, null);
     this.painter.overlay = { contours: false, sections: false, edges: false, whole: false, brightness: 1 };
-    this.row = html("input", { type: "range", min: 1, max: 1, step: 1, "aria-label": "Row of the line" });
+    this.row = html("input", { type: "range", min: 1, max: 1, step: 1, "aria-label": say("Row of the line") });
     this.row.addEventListener("input", () => {
       const to: Voxel = [...cursor.at];
       to[this.plane.y] = this.row.valueAsNumber - 1;
@@ -122,10 +129,10 @@ export class FieldView {
     return html(
       "div",
       { class: "motion-bar" },
-      select("Border", this.ways.map(({ name }) => name), this.ways.length - 1, (n) => (this.chosen = this.ways[n]!)),
-      select("Plane", planes.map(({ name }) => name), 0, (n) => (this.plane = planes[n]!.plane)),
+      select(say("Border"), this.ways.map(({ name }) => wall_words[name]), this.ways.length - 1, (n) => (this.chosen = this.ways[n]!)),
+      select(say("Plane"), planes.map(({ name }) => name), 0, (n) => (this.plane = planes[n]!.plane)),
       ...toggles,
-      html("label", { class: "select" }, "Line ", this.row),
+      html("label", { class: "select" }, `${say("Line")} `, this.row),
     );
   }
 
@@ -325,10 +332,12 @@ export class FieldView {
         this.drawLine(context, pixel);
       },
     });
-    const what = plane.axis === 2 ? `slice ${cursor.at[2] + 1}` : `${plane.axis === 1 ? "row" : "column"} ${cursor.at[plane.axis]! + 1}`;
-    this.canvas.setAttribute("aria-label", `Field of the ${this.chosen.name} border, gate ${this.motion.gate + 1}, ${what}`);
-    this.scale.replaceChildren("0 ", html("span", { class: "field-colours", role: "img", "aria-label": "Colours of the lengths" }), ` ${longest.toPrecision(3)} 1/mm`);
-    this.drawProfile(what);
+    const n = cursor.at[plane.axis]! + 1;
+    const what = plane.axis === 2 ? say("Slice {slice}", { slice: n }) : plane.axis === 1 ? say("Row {n}", { n }) : say("Column {n}", { n });
+    const border = this.chosen.name === "endo" ? say("endo border") : say("epi border");
+    this.canvas.setAttribute("aria-label", say("Field, {border}, gate {gate}, {what}", { border, gate: this.motion.gate + 1, what }));
+    this.scale.replaceChildren("0 ", html("span", { class: "field-colours", role: "img", "aria-label": say("Colours of the lengths") }), ` ${longest.toPrecision(3)} 1/mm`);
+    this.drawProfile(`${what}, ${border}`);
   }
 
   private drawProfile(what: string): void {
@@ -360,10 +369,12 @@ export class FieldView {
     });
     const here = vectorAt(this.around, this.cursor.at);
     this.caption.textContent = [
-      `${what[0]!.toUpperCase()}${what.slice(1)}, ${this.chosen.name} border`,
-      here ? `at the cross ${Math.hypot(...here).toPrecision(3)} 1/mm` : "the cross lies where no field was kept",
-      profile.meetings.length > 0 ? `vectors meet ${profile.meetings.map((mm) => figure(mm)).join(", ")} mm along the line` : "no vectors meet on the line",
-      "Drag on the picture to draw another line, click to move the cross.",
+      what,
+      here ? say("at the cross {n} 1/mm", { n: Math.hypot(...here).toPrecision(3) }) : say("the cross lies where no field was kept"),
+      profile.meetings.length > 0
+        ? say("vectors meet {mm} mm along the line", { mm: profile.meetings.map((mm) => figure(mm)).join(", ") })
+        : say("no vectors meet on the line"),
+      say("Drag on the picture to draw another line, click to move the cross."),
     ].join(" · ");
   }
 }

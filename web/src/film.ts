@@ -3,6 +3,7 @@ import { byId, figure, html, saveFile } from "./dom";
 import type { Results } from "./data";
 import type { Player } from "./player";
 import type { SurfaceScene } from "./scene";
+import { say } from "./words";
 
 const beats = 2;
 const per_second = 30;
@@ -85,10 +86,10 @@ export class Film {
     context.font = "600 20px system-ui, sans-serif";
     context.textBaseline = "middle";
     const { edv_ml, esv_ml, ef_percent } = this.results;
-    context.fillText(`Gate ${this.player.gate + 1} of ${this.player.gates} · ${figure(gate?.endo_ml)} mL · EDV ${figure(edv_ml)} mL, ESV ${figure(esv_ml)} mL, EF ${figure(ef_percent)} %`, 16, height - bar / 2);
+    context.fillText(`${say("Gate {gate} of {gates}", { gate: this.player.gate + 1, gates: this.player.gates })} · ${figure(gate?.endo_ml)} mL · EDV ${figure(edv_ml)} mL, ESV ${figure(esv_ml)} mL, EF ${figure(ef_percent)} %`, 16, height - bar / 2);
     context.textAlign = "right";
     context.font = "16px system-ui, sans-serif";
-    context.fillText("Research use only. Not for diagnosis.", width - 16, height - bar / 2);
+    context.fillText(say("Research use only. Not for diagnosis."), width - 16, height - bar / 2);
     context.textAlign = "left";
   }
 }

@@ -40,6 +40,12 @@ export interface Told {
 /** How a report tells what is said. */
 export type Tell = (said: ByHand, run: boolean, gate: number, at_once: boolean) => void;
 
+/** Whether both say the same. */
+export function isSame(a: ByHand, b: ByHand): boolean {
+  const paint = (a.paint ?? b.paint) === null || (a.paint !== null && b.paint !== null && a.paint.voxels.every((v, n) => v === b.paint!.voxels[n]));
+  return paint && JSON.stringify(a.options) === JSON.stringify(b.options);
+}
+
 export const nothing_said = (): ByHand => ({ options: {}, paint: null });
 export const mask_name = "mask.nrrd";
 

@@ -1,7 +1,8 @@
 // Which panels are on the screen: all of them, or those for one question, as large as the window allows.
 import { byId, html } from "./dom";
+import { say } from "./words";
 
-const layouts = ["Everything", "Surfaces", "Slices", "Surfaces and slices", "Polar map", "Curve and gates"];
+const layouts = [say("Everything"), say("Surfaces"), say("Slices"), say("Surfaces and slices"), say("Polar map"), say("Curve and gates")];
 
 function toggleFullScreen(): void {
   if (document.fullscreenElement) void document.exitFullscreen();

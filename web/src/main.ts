@@ -20,6 +20,7 @@ import { SurfaceScene, type ViewName } from "./scene";
 import { Slices } from "./slices";
 import { Splash } from "./splash";
 import { isBloodPool, showCards, showGates, showNotes, showOptions, showProvenance, showReadings, showVerdict, subjectOf } from "./tables";
+import { say, words } from "./words";
 
 const default_cycle_ms = 1000;
 
@@ -46,7 +47,7 @@ function buildScene(report: Report, walls: Wall[], player: Player): SurfaceScene
   if (walls.length === 0 || !report.pictures) {
     byId("compass").remove();
     byId("views").remove();
-    message(place, "No surface was found", "The slices below show the edges the program had to work with.");
+    message(place, say("No surface was found"), say("The slices below show the edges the program had to work with."));
     return null;
   }
   let scene: SurfaceScene;
@@ -55,10 +56,10 @@ function buildScene(report: Report, walls: Wall[], player: Player): SurfaceScene
   } catch {
     byId("compass").remove();
     byId("views").remove();
-    message(place, "3D needs WebGL", "This browser offers none. Slices, curve and numbers are complete without it.");
+    message(place, say("3D needs WebGL"), say("This browser offers none. Slices, curve and numbers are complete without it."));
     return null;
   }
-  const names = { endo: "Endocardium", epi: "Epicardium" };
+  const names = { endo: say("Endocardium"), epi: say("Epicardium") };
   const items = walls.map((wall) => ({ wall, text: html("b", {}) }));
   legend.replaceChildren(
     ...items.map(({ wall, text }) => {
@@ -68,8 +69,8 @@ function buildScene(report: Report, walls: Wall[], player: Player): SurfaceScene
     }),
     ...missing.map((name) =>
       isBloodPool(report.results)
-        ? html("span", {}, "blood pool: no wall is seen")
-        : html("span", { class: "missing" }, `${names[name]} was not found`),
+        ? html("span", {}, say("blood pool: no wall is seen"))
+        : html("span", { class: "missing" }, say("{wall} was not found", { wall: names[name] })),
     ),
   );
   player.listen((phase) => {
@@ -85,21 +86,24 @@ function buildScene(report: Report, walls: Wall[], player: Player): SurfaceScene
 function buildCurve(results: Results, walls: Wall[], player: Player): void {
   const place = byId("curve");
   if (results.study.gates < 2) {
-    message(place, "No volume curve", "This study is not gated: it shows one moment, without a beat and without an ejection fraction.");
+    message(place, say("No volume curve"), say("This study is not gated: it shows one moment, without a beat and without an ejection fraction."));
     return;
   }
   if (walls.length === 0) {
-    message(place, "No volume curve", "There is no surface to measure.");
+    message(place, say("No volume curve"), say("There is no surface to measure."));
     return;
   }
   const legend = [
-    legendItem("Cavity", colour.endo),
-    legendItem("Outer", colour.epi, "square"),
-    legendItem("Wall", colour.wall, "line"),
+    legendItem(say("Cavity"), colour.endo),
+    legendItem(say("Outer"), colour.epi, "square"),
+    legendItem(say("Wall"), colour.wall, "line"),
     ...(isCorrected(results)
-      ? [legendItem("90 % of the cavity", colour.band, "square"), html("span", { class: "faint" }, "dots fitted through the point spread, lines between the gates interpolated")]
-      : [html("span", { class: "faint" }, "dots measured, lines between the gates interpolated")]),
-    ...(results.measures?.function ? [legendItem(`fit of ${results.measures.function.waves} waves`, colour.fit, "line")] : []),
+      ? [
+          legendItem(say("90 % of the cavity"), colour.band, "square"),
+          html("span", { class: "faint" }, say("dots fitted through the point spread, lines between the gates interpolated")),
+        ]
+      : [html("span", { class: "faint" }, say("dots measured, lines between the gates interpolated"))]),
+    ...(results.measures?.function ? [legendItem(say("fit of {n} waves", { n: results.measures.function.waves }), colour.fit, "line")] : []),
   ];
   byId("curve-legend").replaceChildren(...legend);
   new Curve(place, results, walls, player);
@@ -108,19 +112,19 @@ function buildCurve(results: Results, walls: Wall[], player: Player): void {
 function buildSlices(painter: Painter | null, cursor: Cursor | null, fitted: boolean, player: Player, point: (segment: number) => void): Slices | null {
   const place = byId("slices");
   if (!painter || !cursor) {
-    message(place, "No images", "The result holds no image data.");
+    message(place, say("No images"), say("The result holds no image data."));
     return null;
   }
   const slices = new Slices(place, painter, cursor, point);
   const bin = painter.pictures.bin;
   byId("slice-legend").replaceChildren(
-    legendItem("endo border", colour.endo, "square"),
-    legendItem("epi border", colour.epi, "square"),
-    legendItem(fitted ? "endo, fitted" : "endo surface", colour.endo, "line"),
-    legendItem(fitted ? "epi, fitted" : "epi surface", colour.epi, "line"),
-    legendItem("other edges", colour.edge, "square"),
-    html("span", { id: "before-legend", hidden: true, class: "before" }, legendItem("before, dashed", "#ffffffb0", "line")),
-    ...(bin > 1 ? [html("span", { class: "missing" }, `large study: pixels shown are means of ${bin} × ${bin}`)] : []),
+    legendItem(say("endo border"), colour.endo, "square"),
+    legendItem(say("epi border"), colour.epi, "square"),
+    legendItem(fitted ? say("endo, fitted") : say("endo surface"), colour.endo, "line"),
+    legendItem(fitted ? say("epi, fitted") : say("epi surface"), colour.epi, "line"),
+    legendItem(say("other edges"), colour.edge, "square"),
+    html("span", { id: "before-legend", hidden: true, class: "before" }, legendItem(say("before, dashed"), "#ffffffb0", "line")),
+    ...(bin > 1 ? [html("span", { class: "missing" }, say("large study: pixels shown are means of {n} × {n}", { n: bin }))] : []),
   );
   byId<HTMLInputElement>("brightness").addEventListener("input", (event) => {
     painter.overlay.brightness = (event.target as HTMLInputElement).valueAsNumber / 100;
@@ -173,26 +177,26 @@ function buildToggles(painter: Painter | null, slices: Slices | null, scene: Sur
 function buildHelp(): () => void {
   const dialog = byId<HTMLDialogElement>("keys");
   const rows: [string, string][] = [
-    ["Space", "play or pause the beat"],
-    ["← →", "gate before, next gate"],
-    ["↑ ↓", "slice towards the base, towards the apex"],
-    ["C", "labelled border voxels on the slices"],
-    ["M", "cuts through the surfaces on the slices"],
-    ["E", "all edges the detector found"],
-    ["F", "whole field of view or the heart"],
-    ["W", "triangles of the surfaces"],
-    ["1 to 6", "what is shown: everything, surfaces, slices, both, polar map, curve"],
-    ["H", "correct by hand: handles and a brush on the slices"],
-    ["X", "full screen"],
-    ["Shift + arrows", "turn the surfaces"],
-    ["?", "this list"],
+    [say("Space"), say("play or pause the beat")],
+    ["← →", say("gate before, next gate")],
+    ["↑ ↓", say("slice towards the base, towards the apex")],
+    ["C", say("labelled border voxels on the slices")],
+    ["M", say("cuts through the surfaces on the slices")],
+    ["E", say("all edges the detector found")],
+    ["F", say("whole field of view or the heart")],
+    ["W", say("triangles of the surfaces")],
+    [say("1 to 6"), say("what is shown: everything, surfaces, slices, both, polar map, curve")],
+    ["H", say("correct by hand: handles and a brush on the slices")],
+    ["X", say("full screen")],
+    [say("Shift + arrows"), say("turn the surfaces")],
+    ["?", say("this list")],
   ];
-  const close = html("button", { class: "primary", type: "button" }, "Close");
+  const close = html("button", { class: "primary", type: "button" }, say("Close"));
   close.addEventListener("click", () => dialog.close());
   dialog.replaceChildren(
-    html("h2", { id: "keys-title" }, "Keys"),
+    html("h2", { id: "keys-title" }, say("Keys")),
     html("dl", {}, ...rows.flatMap(([key, what]) => [html("dt", {}, html("kbd", {}, key)), html("dd", {}, what)])),
-    html("p", {}, "Drag the surfaces to turn them. Click on them, on the polar map or in a slice to move the cross that all of them mark: the three planes go through it. Drag the cursor of the curve to a moment of the beat. Slice 1 is the apex. Letters on the slices are directions of the patient: left, right, anterior, posterior, superior, inferior."),
+    html("p", {}, say("Drag the surfaces to turn them. Click on them, on the polar map or in a slice to move the cross that all of them mark: the three planes go through it. Drag the cursor of the curve to a moment of the beat. Slice 1 is the apex. Letters on the slices are directions of the patient: left, right, anterior, posterior, superior, inferior.")),
     close,
   );
   const toggle = () => (dialog.open ? dialog.close() : dialog.showModal());
@@ -229,7 +233,7 @@ function buildTransport(results: Results): Player {
   const gates = Math.max(results.gates.length, 1);
   const player = new Player(gates, results.study.cycle_ms ?? default_cycle_ms, () => {
     press("play", player.playing);
-    byId("play").setAttribute("aria-label", player.playing ? "Pause" : "Play");
+    byId("play").setAttribute("aria-label", player.playing ? say("Pause") : say("Play"));
     document.documentElement.dataset.playing = String(player.playing);
   });
   byId("play").addEventListener("click", () => player.toggle());
@@ -242,7 +246,7 @@ function buildTransport(results: Results): Player {
   player.listen(() => {
     const time = results.gates[player.gate]?.time_ms ?? null;
     byId("gate").textContent =
-      gates < 2 ? "not gated" : `Gate ${player.gate + 1} of ${gates}${time === null ? "" : ` · ${figure(time, 0)} ms`}`;
+      gates < 2 ? say("not gated") : say("Gate {gate} of {gates}", { gate: player.gate + 1, gates }) + (time === null ? "" : ` · ${figure(time, 0)} ms`);
     document.documentElement.dataset.gate = String(player.gate + 1);
   });
   return player;
@@ -258,10 +262,10 @@ function buildPolar(report: Report, scene: SurfaceScene | null, player: Player, 
   const { thickness_is } = results.measures;
   byId("segments-remark").textContent =
     thickness_is === null
-      ? "An image of the blood pool: how the rim of the cavity moves. Of the wall nothing is seen."
+      ? say("An image of the blood pool: how the rim of the cavity moves. Of the wall nothing is seen.")
       : thickness_is === "apparent"
-        ? "Thickness between edges of a blurred image is apparent: mostly the camera’s."
-        : "±: half of the 90 % interval. Numbers read from counts have none.";
+        ? say("Thickness between edges of a blurred image is apparent: mostly the camera’s.")
+        : say("±: half of the 90 % interval. Numbers read from counts have none.");
   if (!scene) byId("polar-paint").closest("label")!.style.display = "none";
   const endo = () => ({ mesh: report.surfaces?.endo[player.gate], samples: polar.samples[player.gate] });
   const go = (rho: number, deg: number) => {
@@ -304,8 +308,8 @@ function linkCursor(cursor: Cursor, report: Report, painter: Painter, player: Pl
 function momentsOf({ ed_gate, es_gate }: Results): { name: string; gate: number }[] {
   if (ed_gate === null || es_gate === null) return [{ name: "", gate: 0 }];
   return [
-    { name: "end diastole", gate: ed_gate - 1 },
-    { name: "end systole", gate: es_gate - 1 },
+    { name: say("end diastole"), gate: ed_gate - 1 },
+    { name: say("end systole"), gate: es_gate - 1 },
   ];
 }
 
@@ -336,17 +340,17 @@ function buildMotion({ motion, pictures }: Report): MotionView | null {
     byId("motion-panel").remove();
     return null;
   }
-  byId("motion-title").textContent = `Motion of the meshes, gate ${motion.gate + 1}`;
+  byId("motion-title").textContent = say("Motion of the meshes, gate {gate}", { gate: motion.gate + 1 });
   byId("motion-legend").replaceChildren(
-    legendItem("moving", "#f2f4f8"),
-    legendItem("stopped, endo", colour.endo),
-    legendItem("stopped, epi", colour.epi),
-    legendItem("force of the field", colour.lit, "line"),
+    legendItem(say("moving"), "#f2f4f8"),
+    legendItem(say("stopped, endo"), colour.endo),
+    legendItem(say("stopped, epi"), colour.epi),
+    legendItem(say("force of the field"), colour.lit, "line"),
   );
   try {
     return new MotionView(byId("motion"), motion, pictures.grid);
   } catch {
-    message(byId("motion"), "3D needs WebGL", "This browser offers none.");
+    message(byId("motion"), say("3D needs WebGL"), say("This browser offers none."));
     return null;
   }
 }
@@ -357,13 +361,13 @@ function buildField({ motion, pictures }: Report, walls: Wall[], cursor: Cursor 
     byId("field-panel").remove();
     return null;
   }
-  byId("field-title").textContent = `Field of the borders, gate ${motion.gate + 1}`;
+  byId("field-title").textContent = say("Field of the borders, gate {gate}", { gate: motion.gate + 1 });
   byId("field-legend").replaceChildren(
-    legendItem("endo border", colour.endo, "square"),
-    legendItem("epi border", colour.epi, "square"),
-    html("span", {}, "arrows: direction, their colour: length"),
-    legendItem("ways of the particles that end in the plane", "#dfe6ee", "line"),
-    legendItem("line of the charts", "#ff7ac8", "line"),
+    legendItem(say("endo border"), colour.endo, "square"),
+    legendItem(say("epi border"), colour.epi, "square"),
+    html("span", {}, say("arrows: direction, their colour: length")),
+    legendItem(say("ways of the particles that end in the plane"), "#dfe6ee", "line"),
+    legendItem(say("line of the charts"), "#ff7ac8", "line"),
   );
   const field = new FieldView(byId("field"), motion, pictures, walls, cursor);
   moving?.listen((step) => field.seek(step));
@@ -376,13 +380,13 @@ function buildContours({ contours, pictures }: Report, walls: Wall[], cursor: Cu
     byId("contours-panel").remove();
     return;
   }
-  byId("contours-title").textContent = `Contours, gate ${contours.gate + 1}`;
+  byId("contours-title").textContent = say("Contours, gate {gate}", { gate: contours.gate + 1 });
   byId("contours-legend").replaceChildren(
-    legendItem("endo", colour.endo),
-    legendItem("epi", colour.epi),
-    legendItem("start, from the slice before", "#dfe6ee", "line"),
-    legendItem("pull of the field", colour.lit, "line"),
-    legendItem("bending force", "#ff7ac8", "line"),
+    legendItem(say("endo"), colour.endo),
+    legendItem(say("epi"), colour.epi),
+    legendItem(say("start, from the slice before"), "#dfe6ee", "line"),
+    legendItem(say("pull of the field"), colour.lit, "line"),
+    legendItem(say("bending force"), "#ff7ac8", "line"),
   );
   new ContourView(byId("contours"), contours, pictures, walls, cursor);
 }
@@ -409,6 +413,7 @@ function buildPrinting(report: Report, painter: Painter | null, walls: Wall[], s
 }
 
 async function start(): Promise<void> {
+  words.translate(document);
   const report = await readReport(byId("data").textContent ?? "");
   const { results, surfaces, pictures, polar } = report;
   byId("subject").textContent = subjectOf(results);
@@ -418,7 +423,7 @@ async function start(): Promise<void> {
   showProvenance(byId("provenance"), results);
   showOptions(byId("options"), results);
   showReadings(byId("readings"), results);
-  if (isCorrected(results)) byId("gates-title").textContent = "Gates, edge surfaces";
+  if (isCorrected(results)) byId("gates-title").textContent = say("Gates, edge surfaces");
   const markGate = showGates(byId("gates"), results);
   // Without a graphics card a browser takes seconds to start WebGL: it shows the numbers before.
   if (location.hash !== "#print") await new Promise((done) => setTimeout(done, 50));
@@ -469,6 +474,6 @@ start().catch((error: unknown) => {
   const place = byId("verdict");
   place.classList.add("fail");
   place.replaceChildren(
-    html("div", {}, html("h1", {}, "This report cannot be shown"), html("p", {}, `${String(error)}. The numbers are in results.json and results.csv beside it.`)),
+    html("div", {}, html("h1", {}, say("This report cannot be shown")), html("p", {}, `${String(error)}. ${say("The numbers are in results.json and results.csv beside it.")}`)),
   );
 });

@@ -19,6 +19,7 @@ import { walls, type Grid, type Motion, type WallName, type Way } from "./data";
 import { colour, figure, html } from "./dom";
 import { ParticleCharts } from "./particles";
 import { Stage3d } from "./stage3d";
+import { say, wall_words } from "./words";
 
 const moving_colour = new Color("#f2f4f8");
 const play_ms = 5000;
@@ -63,17 +64,17 @@ export class MotionView {
   private readonly listeners: ((step: number) => void)[] = [];
 
   private readonly slider: HTMLInputElement;
-  private readonly play = html("button", { class: "primary", "aria-pressed": "false" }, "Play");
+  private readonly play = html("button", { class: "primary", "aria-pressed": "false" }, say("Play"));
   private readonly now = html("output", {});
-  private readonly pointed = html("p", { class: "caption", "aria-live": "polite" }, "Point at a particle to see the force on it. Drag to turn.");
+  private readonly pointed = html("p", { class: "caption", "aria-live": "polite" }, say("Point at a particle to see the force on it. Drag to turn."));
 
   /** Throws when the browser has no WebGL. */
   constructor(place: HTMLElement, motion: Motion, private readonly grid: Grid) {
     const ways = walls.flatMap((name) => (motion[name] ? [{ name, way: motion[name] }] : []));
     const ends = ways.flatMap(({ way }) => [...way.places.subarray(0, 3 * way.particles), ...way.places.subarray(-3 * way.particles)]);
-    this.stage = new Stage3d(grid, ends, "The meshes on their way to the borders. Drag to turn.");
+    this.stage = new Stage3d(grid, ends, say("The meshes on their way to the borders. Drag to turn."));
     this.last = Math.max(...ways.map(({ way }) => way.steps.at(-1)!));
-    this.slider = html("input", { type: "range", min: 0, max: this.last, value: 0, "aria-label": "Step of the motion" });
+    this.slider = html("input", { type: "range", min: 0, max: this.last, value: 0, "aria-label": say("Step of the motion") });
     this.longest_n = Math.max(...ways.map(({ way }) => way.strongest_n)) || 1;
     for (const { name, way } of ways) this.add(name, way);
     place.replaceChildren(this.bar(), html("div", { class: "motion-body" }, html("div", {}, this.stage.frame, this.pointed), this.charts_place));
@@ -99,19 +100,19 @@ export class MotionView {
       this.stop();
       this.seek(this.slider.valueAsNumber);
     });
-    const chosen = html("select", { "aria-label": "Wall of the charts" }, ...this.shown.map(({ name }) => html("option", {}, name)));
+    const chosen = html("select", { "aria-label": say("Wall of the charts") }, ...this.shown.map(({ name }) => html("option", {}, wall_words[name])));
     chosen.addEventListener("change", () => this.chart(this.shown[chosen.selectedIndex]!));
     return html(
       "div",
       { class: "motion-bar" },
-      button("◀", "Kept step before", () => this.jump(-1)),
+      button("◀", say("Kept step before"), () => this.jump(-1)),
       this.play,
-      button("▶", "Next kept step", () => this.jump(1)),
+      button("▶", say("Next kept step"), () => this.jump(1)),
       this.slider,
       this.now,
-      this.toggle3d("Forces", true, () => this.force_lines),
+      this.toggle3d(say("Forces"), true, () => this.force_lines),
       ...this.surroundings(),
-      ...(this.shown.length > 1 ? [html("label", { class: "select" }, "Charts of ", chosen)] : []),
+      ...(this.shown.length > 1 ? [html("label", { class: "select" }, `${say("Charts of")} `, chosen)] : []),
     );
   }
 
@@ -137,9 +138,9 @@ export class MotionView {
       return made;
     };
     return [
-      this.toggle3d("Border voxels", false, () => added(known.map(({ name, around }) => borderCubes(around, this.grid, colour[name], name === "endo" ? 0.9 : 0.2)))),
-      this.toggle3d("Field lines", false, () => added(known.map(({ around }) => fieldLines(around, this.grid)))),
-      ...(known.some(({ around }) => around.drag) ? [this.toggle3d("Drag", false, () => added(known.map(({ around }) => dragCubes(around, this.grid))))] : []),
+      this.toggle3d(say("Border voxels"), false, () => added(known.map(({ name, around }) => borderCubes(around, this.grid, colour[name], name === "endo" ? 0.9 : 0.2)))),
+      this.toggle3d(say("Field lines"), false, () => added(known.map(({ around }) => fieldLines(around, this.grid)))),
+      ...(known.some(({ around }) => around.drag) ? [this.toggle3d(say("Drag"), false, () => added(known.map(({ around }) => dragCubes(around, this.grid))))] : []),
     ];
   }
 
@@ -164,7 +165,7 @@ export class MotionView {
   }
 
   private chart({ name, way }: Shown): void {
-    this.charted = { name, way, charts: new ParticleCharts(this.charts_place, way, name) };
+    this.charted = { name, way, charts: new ParticleCharts(this.charts_place, way, wall_words[name]) };
     this.charted.charts.show(this.step, keptAt(way, this.step));
   }
 
@@ -172,7 +173,7 @@ export class MotionView {
     if (this.play.getAttribute("aria-pressed") === "true") return this.stop();
     if (this.step >= this.last) this.seek(0);
     this.play.setAttribute("aria-pressed", "true");
-    this.play.textContent = "Pause";
+    this.play.textContent = say("Pause");
     let [exact, before] = [this.step, performance.now()];
     const tick = (now: number) => {
       if (this.play.getAttribute("aria-pressed") !== "true") return;
@@ -187,7 +188,7 @@ export class MotionView {
 
   private stop(): void {
     this.play.setAttribute("aria-pressed", "false");
-    this.play.textContent = "Play";
+    this.play.textContent = say("Play");
   }
 
   /** To the next step, or the one before, of which the places were kept. */
@@ -222,11 +223,11 @@ export class MotionView {
       }
       for (const attribute of [position, paint, arrows]) attribute.needsUpdate = true;
       surface.computeVertexNormals();
-      words.push(`${name} ${stopped} of ${way.particles} stopped`);
+      words.push(say("{wall} {n} of {all} stopped", { wall: wall_words[name], n: stopped, all: way.particles }));
     }
     if (this.charted) this.charted.charts.show(step, keptAt(this.charted.way, step));
     for (const listener of this.listeners) listener(step);
-    this.now.textContent = `Step ${step} of ${this.last} · ${words.join(", ")}`;
+    this.now.textContent = `${say("Step {n} of {all}", { n: step, all: this.last })} · ${words.join(", ")}`;
     this.stage.render();
   }
 
@@ -241,8 +242,9 @@ export class MotionView {
         const seen = this.stage.heart.localToWorld(at(kept)).project(this.stage.camera);
         const distance = Math.hypot(((seen.x + 1) / 2) * box.width - (event.clientX - box.left), ((1 - seen.y) / 2) * box.height - (event.clientY - box.top));
         if (distance > reach_px || (Math.abs(distance - best.distance) < 4 ? seen.z >= best.depth : distance >= best.distance)) continue;
-        const state = isStopped(way, kept, v) ? "stopped at its border" : `force ${forceOn(way, kept, v).length().toPrecision(3)} N`;
-        best = { distance, depth: seen.z, text: `Particle ${v} of ${name}: ${figure(at(kept).distanceTo(at(0)))} mm from its start, ${state}` };
+        const state = isStopped(way, kept, v) ? say("stopped at its border") : say("force {n} N", { n: forceOn(way, kept, v).length().toPrecision(3) });
+        const facts = { n: v, wall: wall_words[name], mm: figure(at(kept).distanceTo(at(0))), state };
+        best = { distance, depth: seen.z, text: say("Particle {n} of {wall}: {mm} mm from its start, {state}", facts) };
       }
     }
     if (best.text) this.pointed.textContent = best.text;

@@ -3,6 +3,7 @@ import type { Voxel } from "./cursor";
 import { section, type Section, type Wall } from "./cycle";
 import { mark, type Grid, type Pictures, type Polar, type Preview } from "./data";
 import { colour } from "./dom";
+import { say } from "./words";
 
 export interface Overlay {
   contours: boolean;
@@ -382,7 +383,7 @@ export class Painter {
     context.fillText(orientation(this.grid, plane.x, 1), width - 6, height / 2);
     context.textAlign = "center";
     const up = plane.upwards ? 1 : -1;
-    const name = (sign: 1 | -1) => (plane.upwards ? (sign === 1 ? "Base" : "Apex") : orientation(this.grid, plane.y, sign));
+    const name = (sign: 1 | -1) => (plane.upwards ? (sign === 1 ? say("Base") : say("Apex")) : orientation(this.grid, plane.y, sign));
     context.fillText(name(up), width / 2, 11);
     context.fillText(name(-up as 1 | -1), width / 2, height - 10);
   }

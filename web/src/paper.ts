@@ -9,6 +9,7 @@ import { drawPolar, segmentTable, titleOfMap } from "./polar";
 import type { SurfaceScene } from "./scene";
 import { Splash } from "./splash";
 import { byHandLine, showCards, showReadings, subjectOf, verdicts, word_of } from "./tables";
+import { say, told } from "./words";
 
 interface Parts {
   report: Report;
@@ -27,8 +28,8 @@ function head({ results }: Report, page: number): HTMLElement {
   return html(
     "header",
     {},
-    html("div", {}, html("strong", {}, "Dynasurf: left ventricle"), html("span", {}, subjectOf(results))),
-    html("p", {}, "Research use only. Not for diagnosis.", html("span", {}, `page ${page} of 2`)),
+    html("div", {}, html("strong", {}, say("Dynasurf: left ventricle")), html("span", {}, subjectOf(results))),
+    html("p", {}, say("Research use only. Not for diagnosis."), html("span", {}, say("page {n} of 2", { n: page }))),
   );
 }
 
@@ -43,8 +44,8 @@ function verdictOf({ results }: Report): HTMLElement {
     html(
       "ul",
       {},
-      ...flags.slice(0, most_flags).map((flag) => html("li", {}, html("b", {}, `${word_of[flag.severity]}: `), flag.message)),
-      ...(more > 0 ? [html("li", {}, `and ${more} more in results.json`)] : []),
+      ...flags.slice(0, most_flags).map((flag) => html("li", {}, html("b", {}, `${word_of[flag.severity]}: `), told(flag.message))),
+      ...(more > 0 ? [html("li", {}, say("and {n} more in results.json", { n: more }))] : []),
     ),
   );
 }
@@ -56,20 +57,22 @@ function beatOf({ results }: Report): HTMLElement {
   if (fit) {
     const rate = (per_s: number | null) => (per_s === null ? "–" : `${figure(per_s, 2)} EDV/s`);
     rows.push(
-      [`Periodic fit, ${fit.waves} waves`, `EDV ${figure(fit.edv_ml)}, ESV ${figure(fit.esv_ml)} mL, EF ${figure(fit.ef_percent)} %`],
-      ["Had the gates been instants", `EF ${figure(fit.instants.ef_percent)} %`],
-      ["Peak emptying, filling rate", `${rate(fit.peak_emptying_edv_per_s)}, ${rate(fit.peak_filling_edv_per_s)}`],
-      ["Time to peak filling", fit.time_to_peak_filling_ms === null ? "–" : `${figure(fit.time_to_peak_filling_ms, 0)} ms after end systole`],
-      ["Back after a third of diastole", `${figure(100 * (fit.first_third_filling ?? 0), 0)} % of the stroke volume`],
+      [say("Periodic fit, {n} waves", { n: fit.waves }), `EDV ${figure(fit.edv_ml)}, ESV ${figure(fit.esv_ml)} mL, EF ${figure(fit.ef_percent)} %`],
+      [say("Had the gates been instants"), `EF ${figure(fit.instants.ef_percent)} %`],
+      [say("Peak emptying, filling rate"), `${rate(fit.peak_emptying_edv_per_s)}, ${rate(fit.peak_filling_edv_per_s)}`],
+      [say("Time to peak filling"), fit.time_to_peak_filling_ms === null ? "–" : say("{n} ms after end systole", { n: figure(fit.time_to_peak_filling_ms, 0) })],
+      [say("Back after a third of diastole"), say("{n} % of the stroke volume", { n: figure(100 * (fit.first_third_filling ?? 0), 0) })],
     );
   }
   const phase = (name: string, p: PhaseNumbers | null | undefined) => {
-    if (p) rows.push([name, `SD ${figure(p.sd_deg)}°, bandwidth ${figure(p.bandwidth_deg, 0)}°, entropy ${figure(p.entropy_percent, 0)} %`]);
+    if (!p) return;
+    const numbers = { deg: figure(p.bandwidth_deg, 0), n: figure(p.entropy_percent, 0) };
+    rows.push([name, `SD ${figure(p.sd_deg)}°, ${say("bandwidth {deg}°, entropy {n} %", numbers)}`]);
   };
-  phase("Phase of the counts", results.measures?.phase.counts);
-  phase("Phase of the motion", results.measures?.phase.motion);
+  phase(say("Phase of the counts"), results.measures?.phase.counts);
+  phase(say("Phase of the motion"), results.measures?.phase.motion);
   const muscle = results.measures;
-  if (muscle?.muscle_g) rows.push([muscle.thickness_is === "apparent" ? "Muscle, apparent" : "Muscle", `${figure(muscle.muscle_g, 0)} g (1.05 g/mL)`]);
+  if (muscle?.muscle_g) rows.push([muscle.thickness_is === "apparent" ? say("Muscle, apparent") : say("Muscle"), `${figure(muscle.muscle_g, 0)} g (1.05 g/mL)`]);
   return html("dl", {}, ...rows.flatMap(([name, value]) => [html("dt", {}, name), html("dd", {}, value)]));
 }
 
@@ -80,10 +83,10 @@ function gateTable({ gates, ed_gate, es_gate }: Results): HTMLElement {
     "table",
     { class: "numbers" },
     html("tbody", {},
-      row("Gate", gates.map((_, g) => `${g + 1}${mark(g + 1)}`)),
+      row(say("Gate"), gates.map((_, g) => `${g + 1}${mark(g + 1)}`)),
       row("ms", gates.map((g) => figure(g.time_ms, 0))),
-      row("Cavity mL", gates.map((g) => figure(g.endo_ml))),
-      ...(gates.some((g) => g.epi_ml !== null) ? [row("Outer mL", gates.map((g) => figure(g.epi_ml)))] : []),
+      row(say("Cavity mL"), gates.map((g) => figure(g.endo_ml))),
+      ...(gates.some((g) => g.epi_ml !== null) ? [row(say("Outer mL"), gates.map((g) => figure(g.epi_ml)))] : []),
     ),
   );
 }
@@ -104,7 +107,7 @@ function mapsOf({ polar, results }: Report): HTMLElement[] {
     const map = polar.maps.find((m) => m.name === name);
     if (!map) return [];
     const picture = svg("svg", { viewBox: "-122 -122 276 244", class: "polar" });
-    drawPolar(picture, polar, map, map.title);
+    drawPolar(picture, polar, map, told(map.title));
     return [html("figure", {}, html("figcaption", {}, titleOfMap(map, measures)), picture)];
   });
 }
@@ -112,7 +115,7 @@ function mapsOf({ polar, results }: Report): HTMLElement[] {
 function heartsOf(scene: SurfaceScene, moments: Parts["moments"]): HTMLElement[] {
   return moments.flatMap(({ name, gate }) =>
     (["anterior", "left"] as const).map((view) =>
-      html("figure", {}, scene.picture(gate, view, 560, 360), html("figcaption", {}, `${name ? `${name}, ` : ""}from ${view === "left" ? "the left" : "the front"}`)),
+      html("figure", {}, scene.picture(gate, view, 560, 360), html("figcaption", {}, (name ? `${name}, ` : "") + (view === "left" ? say("from the left") : say("from the front")))),
     ),
   );
 }
@@ -124,15 +127,19 @@ function provenanceOf({ results }: Report): HTMLElement {
   return html(
     "section",
     { class: "paper-provenance" },
-    html("h2", {}, "Provenance"),
-    html("p", {}, `${provenance.program} ${provenance.version}, commit ${provenance.commit || "unknown"}. ${provenance.command}`),
-    html("p", {}, `Input: ${files.join("; ")}${more > 0 ? `; ${more} more files` : ""}. All options are in results.json.`),
+    html("h2", {}, say("Provenance")),
+    html("p", {}, `${provenance.program} ${provenance.version}, commit ${provenance.commit || say("unknown")}. ${provenance.command}`),
+    html("p", {}, `${say("Input:")} ${files.join("; ")}${more > 0 ? `; ${say("{n} more files", { n: more })}` : ""}. ${say("All options are in results.json.")}`),
     html(
       "p",
       {},
-      "PSF-corrected: surfaces of all gates fitted through the point spread, with 90 % intervals. Edge: where the image is steepest; blur makes its volumes small. " +
-        "Gaussian profile: 65 % of the deviations of an asymmetric Gaussian, for comparison with older numbers. Perfusion: percent of the wall’s brightest twentieth (counts) or upper quartile (fitted uptake). " +
-        "Polar maps are seen from the apex, anterior wall on top, septum left.",
+      [
+        say("PSF-corrected: surfaces of all gates fitted through the point spread, with 90 % intervals."),
+        say("Edge: where the image is steepest; blur makes its volumes small."),
+        say("Gaussian profile: 65 % of the deviations of an asymmetric Gaussian, for comparison with older numbers."),
+        say("Perfusion: percent of the wall’s brightest twentieth (counts) or upper quartile (fitted uptake)."),
+        say("Polar maps are seen from the apex, anterior wall on top, septum left."),
+      ].join(" "),
     ),
   );
 }
@@ -156,33 +163,40 @@ export function buildPaper(place: HTMLElement, { report, painter, walls, scene, 
   showReadings(readings, results);
   const curve = html("div", { class: "paper-curve" });
   const splash = html("div", { class: "paper-splash" });
+  const circles = isCorrected(results) ? say("Circles: cavity with its 90 % interval.") : say("Circles: cavity.");
+  const legend = `${circles} ${say("Squares: outer surface. Triangles: wall. Thin dashes: periodic fit.")}`;
   const first = html(
     "article",
     { class: "sheet" },
     head(report, 1),
     verdictOf(report),
     cards,
-    section("Readings", readings),
-    html("div", { class: "paper-pair" }, section("Volumes over the beat", curve, html("p", { class: "paper-legend" }, `Circles: cavity${isCorrected(results) ? " with its 90 % interval" : ""}. Squares: outer surface. Triangles: wall. Thin dashes: periodic fit.`)), section("The beat in numbers", beatOf(report))),
-    section("Slices", splash),
+    section(say("Readings"), readings),
+    html(
+      "div",
+      { class: "paper-pair" },
+      section(say("Volumes over the beat"), curve, html("p", { class: "paper-legend" }, legend)),
+      section(say("The beat in numbers"), beatOf(report)),
+    ),
+    section(say("Slices"), splash),
   );
   const phase = measures?.phase.counts ?? measures?.phase.motion;
   const second = html(
     "article",
     { class: "sheet" },
     head(report, 2),
-    ...(measures && report.polar ? [section("Polar maps", html("div", { class: "paper-maps" }, ...mapsOf(report)))] : []),
-    ...(scene ? [section("Surfaces", html("div", { class: "paper-hearts" }, ...heartsOf(scene, moments)))] : []),
-    ...(phase ? [section(`Onset of contraction by ${phase === measures?.phase.counts ? "counts" : "motion"}`, histogramOf(phase))] : []),
-    ...(measures ? [section("Segments", segmentTable(measures))] : []),
-    section("Gates", gateTable(results)),
+    ...(measures && report.polar ? [section(say("Polar maps"), html("div", { class: "paper-maps" }, ...mapsOf(report)))] : []),
+    ...(scene ? [section(say("Surfaces"), html("div", { class: "paper-hearts" }, ...heartsOf(scene, moments)))] : []),
+    ...(phase ? [section(phase === measures?.phase.counts ? say("Onset of contraction by counts") : say("Onset of contraction by motion"), histogramOf(phase))] : []),
+    ...(measures ? [section(say("Segments"), segmentTable(measures))] : []),
+    section(say("Gates"), gateTable(results)),
     provenanceOf(report),
   );
   place.replaceChildren(first, second);
   if (results.study.gates > 1 && walls.length > 0) {
     const still = new Player(results.gates.length, results.study.cycle_ms ?? 1000, () => {});
     new Curve(curve, results, walls, still).draw();
-  } else curve.append("No beat to show.");
+  } else curve.append(say("No beat to show."));
   if (painter && walls.length > 0) new Splash(splash, painter, moments, 8).draw();
   fit(first, splash);
 }

@@ -2,9 +2,10 @@
 import type { Way } from "./data";
 import { html } from "./dom";
 import { chartCanvas, type Chart, type DrawnChart, type Pen } from "./pen";
+import { say } from "./words";
 
 const bands = ["#46125f", "#2d7a8c", "#4ac06e", "#fde725"] as const; // dark to bright: told apart by everyone
-const band_names = ["< 1 voxel", "1 to 2", "2 to 3", "3 and more"] as const;
+const band_names = [say("< 1 voxel"), say("1 to 2"), say("2 to 3"), say("3 and more")] as const;
 const ink = { line: "#ffffff", dots: "#5aa9ff", triangles: "#d58ac0" } as const;
 
 /** Voxels from the nearest centre of a border voxel, negative inside. */
@@ -63,9 +64,9 @@ export class ParticleCharts {
     this.counts = countsOf(way);
     this.most_area = Math.max(...areasOf(way, 0), ...areasOf(way, way.steps.length - 1));
     const charts: Chart[] = [
-      { title: "Particles by their distance from the border", x: [0, way.steps.at(-1)!], y: [0, way.particles], draw: (pen) => this.drawHistory(pen) },
-      { title: "Distance of each particle, voxels, + outside", x: [0, way.particles], y: [-4, 4], draw: (pen) => this.drawDistances(pen) },
-      { title: "Area of each triangle, mm²", x: [0, way.triangles.length / 3], y: [0, this.most_area], draw: (pen) => this.drawAreas(pen) },
+      { title: say("Particles by their distance from the border"), x: [0, way.steps.at(-1)!], y: [0, way.particles], draw: (pen) => this.drawHistory(pen) },
+      { title: say("Distance of each particle, voxels, + outside"), x: [0, way.particles], y: [-4, 4], draw: (pen) => this.drawDistances(pen) },
+      { title: say("Area of each triangle, mm²"), x: [0, way.triangles.length / 3], y: [0, this.most_area], draw: (pen) => this.drawAreas(pen) },
     ];
     this.charts = charts.map((chart) => ({ ...chart, drawn: chartCanvas(`${chart.title}, ${name}`, `${chart.title}, ${name}`) }));
     place.replaceChildren(...this.charts.map(({ drawn }) => drawn.figure));

@@ -1,6 +1,7 @@
 // Polar maps of the wall and the table of its segments: what is pointed at in one is lit in all.
 import type { Interval, MeasureNumbers, Polar, PolarMap, SegmentNumbers, SegmentPlace } from "./data";
 import { byId, figure, html, svg } from "./dom";
+import { say, told } from "./words";
 
 const radius = 100;
 const even = ["#440154", "#48287a", "#3e4a89", "#31688e", "#26828e", "#1f9e89", "#35b779", "#90d743", "#fde725"];
@@ -53,15 +54,15 @@ function halfWidth(segment: SegmentNumbers, key: MapName): number | null {
 const digitsOf = (key: string) => (key.endsWith("_mm") ? 1 : 0);
 
 const columns: [MapName, string, string][] = [
-  ["perfusion_percent", "Perfusion", "%"],
-  ["thickness_ed_mm", "Thickness ED", "mm"],
+  ["perfusion_percent", say("Perfusion"), "%"],
+  ["thickness_ed_mm", say("Thickness ED"), "mm"],
   ["thickness_es_mm", "ES", "mm"],
-  ["thickening_percent", "Thickening", "%"],
-  ["count_thickening_percent", "by counts", "%"],
-  ["motion_mm", "Motion", "mm"],
-  ["area_strain_percent", "Area strain", "%"],
-  ["phase_counts_deg", "Onset, counts", "°"],
-  ["phase_motion_deg", "motion", "°"],
+  ["thickening_percent", say("Thickening"), "%"],
+  ["count_thickening_percent", say("by counts"), "%"],
+  ["motion_mm", say("Motion"), "mm"],
+  ["area_strain_percent", say("Area strain"), "%"],
+  ["phase_counts_deg", say("Onset, counts"), "°"],
+  ["phase_motion_deg", say("motion"), "°"],
 ];
 
 /** The colour of a sample of a map, null where it has no value. */
@@ -85,8 +86,8 @@ export function drawPolar(picture: SVGSVGElement, polar: Polar, map: PolarMap, t
     return [svg("path", { d, fill: colour(value) })];
   });
   const outlines = places.map((place, n) => svg("path", { d: outline(place), class: "segment", "data-segment": n + 1 }));
-  const words = ([["anterior", 0, -107], ["inferior", 0, 115]] as const).map(([word, x, y]) => svg("text", { x, y }, word));
-  const turned = ([["septal", -108], ["lateral", 115]] as const).map(([word, x]) =>
+  const words = ([[say("anterior"), 0, -107], [say("inferior"), 0, 115]] as const).map(([word, x, y]) => svg("text", { x, y }, word));
+  const turned = ([[say("septal"), -108], [say("lateral"), 115]] as const).map(([word, x]) =>
     svg("text", { transform: `translate(${x} 0) rotate(-90)` }, word),
   );
   const bar = Array.from({ length: 40 }, (_, n) =>
@@ -95,7 +96,7 @@ export function drawPolar(picture: SVGSVGElement, polar: Polar, map: PolarMap, t
   const ends = ([[low, 83], [(low + high) / 2, 3], [high, -77]] as const).map(([value, y]) =>
     svg("text", { x: 134, y, class: "side" }, figure(value, 0)),
   );
-  picture.setAttribute("aria-label", `Polar map: ${title}`);
+  picture.setAttribute("aria-label", say("Polar map: {title}", { title }));
   picture.replaceChildren(...cells, svg("g", {}, ...outlines), ...words, ...turned, ...bar, ...ends);
   return outlines;
 }
@@ -103,7 +104,7 @@ export function drawPolar(picture: SVGSVGElement, polar: Polar, map: PolarMap, t
 /** What a map is called; thickness between edges is apparent. */
 export function titleOfMap(map: PolarMap, measures: MeasureNumbers): string {
   const apparent = measures.thickness_is === "apparent" && map.name.startsWith("thick");
-  return `${map.title}${apparent ? " (apparent)" : ""}, ${map.unit}`;
+  return `${told(map.title)}${apparent ? ` (${say("apparent")})` : ""}, ${told(map.unit)}`;
 }
 
 export class PolarView {
@@ -172,8 +173,8 @@ export class PolarView {
     const value = segment?.[this.map.name as MapName];
     const half = segment ? halfWidth(segment, this.map.name as MapName) : null;
     this.caption.textContent = segment
-      ? `${segment.number} ${segment.name} (${segment.territory}): ${figure(value)}${half === null ? "" : ` ± ${figure(half)}`} ${this.map.unit}`
-      : "Seen from the apex. Point at a segment.";
+      ? `${segment.number} ${told(segment.name)} (${told(segment.territory)}): ${figure(value)}${half === null ? "" : ` ± ${figure(half)}`} ${told(this.map.unit)}`
+      : say("Seen from the apex. Point at a segment.");
   }
 
   private draw(): void {
@@ -202,8 +203,8 @@ function segmentRow(segment: SegmentNumbers, shown: Column[]): HTMLTableRowEleme
   return html(
     "tr",
     { "data-segment": segment.number },
-    html("th", { scope: "row" }, `${segment.number} ${segment.name}`),
-    html("td", {}, segment.territory),
+    html("th", { scope: "row" }, `${segment.number} ${told(segment.name)}`),
+    html("td", {}, told(segment.territory)),
     ...shown.map(([key]) => cell(key)),
   );
 }
@@ -213,7 +214,7 @@ export function segmentTable({ segments }: MeasureNumbers): HTMLTableElement {
   const has = (key: MapName) => segments.some((segment) => segment[key] !== null);
   const shown = columns
     .filter(([key]) => has(key))
-    .map(([key, name, unit]): Column => [key, key === "phase_motion_deg" && !has("phase_counts_deg") ? "Onset, motion" : name, unit]);
+    .map(([key, name, unit]): Column => [key, key === "phase_motion_deg" && !has("phase_counts_deg") ? say("Onset, motion") : name, unit]);
   return html(
     "table",
     { class: "numbers" },
@@ -223,8 +224,8 @@ export function segmentTable({ segments }: MeasureNumbers): HTMLTableElement {
       html(
         "tr",
         {},
-        html("th", { scope: "col" }, "Segment"),
-        html("th", { scope: "col" }, "Artery"),
+        html("th", { scope: "col" }, say("Segment")),
+        html("th", { scope: "col" }, say("Artery")),
         ...shown.map(([, name, unit]) => html("th", { scope: "col" }, name, html("small", {}, unit))),
       ),
     ),

@@ -4,6 +4,7 @@ import type { Wall } from "./cycle";
 import { toVoxels, type Fit, type Grid } from "./data";
 import { figure, html } from "./dom";
 import { Painter, Plane } from "./painter";
+import { say } from "./words";
 
 // Dark where the image is as the model, blue where it is darker, orange where it is brighter: told apart by everyone.
 const less = [90, 169, 255] as const;
@@ -52,10 +53,10 @@ export class Residuals {
       );
     const most = `${figure(100 * fit.most, 0)} %`;
     this.kinds = [
-      { name: "Data", about: "as the fit saw it", painter: painter(this.dataBytes()) },
-      { name: "Model", about: "the fitted heart through the point spread", painter: painter(fit.model) },
-      { name: "Data − model", about: `blue −${most}, orange +${most} of healthy muscle`, painter: painter(fit.difference, differencePalette()) },
-      { name: "Weight", about: "one over the variance; black: not used", painter: painter(fit.weight) },
+      { name: say("Data"), about: say("as the fit saw it"), painter: painter(this.dataBytes()) },
+      { name: say("Model"), about: say("the fitted heart through the point spread"), painter: painter(fit.model) },
+      { name: say("Data − model"), about: say("blue −{most}, orange +{most} of healthy muscle", { most }), painter: painter(fit.difference, differencePalette()) },
+      { name: say("Weight"), about: say("one over the variance; black: not used"), painter: painter(fit.weight) },
     ];
     place.replaceChildren(html("div", { class: "residuals" }, ...this.kinds.map((kind) => this.column(kind))), this.caption);
     new ResizeObserver(() => this.draw()).observe(place);
@@ -104,15 +105,21 @@ export class Residuals {
     const at = this.at();
     const inside = at.every((v, axis) => v >= 0 && v < this.grid.dims[axis]!);
     const shown = at.map((v, axis) => Math.min(Math.max(v, 0), this.grid.dims[axis]! - 1)) as Voxel;
+    const here = { slice: this.cursor.at[2] + 1, gate: this.gate + 1 };
     for (const { canvas, painter, plane } of this.pictures) {
       painter.paint(canvas, { plane, at: shown[plane.axis], gate: this.gate, segment: 0, width: 1.2, letters: false, cross: null, splash: true });
-      canvas.setAttribute("aria-label", plane.axis === 2 ? `Slice ${this.cursor.at[2] + 1}, gate ${this.gate + 1}` : `Cut along the heart, gate ${this.gate + 1}`);
+      canvas.setAttribute("aria-label", plane.axis === 2 ? say("Slice {slice}, gate {gate}", here) : say("Cut along the heart, gate {gate}", here));
     }
     const rms = this.rmsOf(shown[2]);
     const words = [
-      `Gate ${this.gate + 1}, slice ${this.cursor.at[2] + 1}`,
-      inside ? "" : "the fit does not look there: the nearest slice is shown",
-      rms === null ? "" : `difference here ${figure(100 * rms)} %, in all gates and slices ${figure(100 * this.fit.rms)} % of healthy muscle (root mean square)`,
+      say("Gate {gate}, slice {slice}", here),
+      inside ? "" : say("the fit does not look there: the nearest slice is shown"),
+      rms === null
+        ? ""
+        : say("difference here {n} %, in all gates and slices {all} % of healthy muscle (root mean square)", {
+            n: figure(100 * rms),
+            all: figure(100 * this.fit.rms),
+          }),
     ];
     this.caption.textContent = words.filter(Boolean).join(" · ");
   }

@@ -2,6 +2,7 @@
 // for.
 import type { Voxel } from "./cursor";
 import type { Results } from "./data";
+import { say } from "./words";
 
 export interface Said {
   center_mm?: Voxel;
@@ -19,17 +20,17 @@ export interface Said {
 }
 export type Key = keyof Said;
 export const fields: { key: Key; name: string; title: string; is_text?: boolean }[] = [
-  { key: "center_mm", name: "Centre x,y,z mm", title: "Middle of the heart in the world: left, posterior, superior" },
-  { key: "axis", name: "Axis x,y,z", title: "Long axis from apex to base" },
-  { key: "radius_mm", name: "Circle mm", title: "Radius of the circle outside which nothing is looked at" },
-  { key: "first_slice", name: "First slice", title: "First slice of the ventricle, from 1 at the apex" },
-  { key: "last_slice", name: "Last slice", title: "Last slice of the ventricle" },
-  { key: "base_shift_mm", name: "Valve plane moved mm", title: "Away from the apex, in every gate" },
-  { key: "exclude_gates", name: "Excluded gates", title: "Such as 3,4: the means of their neighbours stand in their place" },
-  { key: "endo_points", name: "Inner border", title: "Points that the inner wall goes through: gate,x,y,z of each, mm in the world" },
-  { key: "epi_points", name: "Outer border", title: "Points that the outer wall goes through: gate,x,y,z of each, mm in the world" },
-  { key: "reader", name: "Reader", title: "Who accepts or rejects the result", is_text: true },
-  { key: "comment", name: "Comment", title: "Why, in your words", is_text: true },
+  { key: "center_mm", name: say("Centre x,y,z mm"), title: say("Middle of the heart in the world: left, posterior, superior") },
+  { key: "axis", name: say("Axis x,y,z"), title: say("Long axis from apex to base") },
+  { key: "radius_mm", name: say("Circle mm"), title: say("Radius of the circle outside which nothing is looked at") },
+  { key: "first_slice", name: say("First slice"), title: say("First slice of the ventricle, from 1 at the apex") },
+  { key: "last_slice", name: say("Last slice"), title: say("Last slice of the ventricle") },
+  { key: "base_shift_mm", name: say("Valve plane moved mm"), title: say("Away from the apex, in every gate") },
+  { key: "exclude_gates", name: say("Excluded gates"), title: say("Such as 3,4: the means of their neighbours stand in their place") },
+  { key: "endo_points", name: say("Inner border"), title: say("Points that the inner wall goes through: gate,x,y,z of each, mm in the world") },
+  { key: "epi_points", name: say("Outer border"), title: say("Points that the outer wall goes through: gate,x,y,z of each, mm in the world") },
+  { key: "reader", name: say("Reader"), title: say("Who accepts or rejects the result"), is_text: true },
+  { key: "comment", name: say("Comment"), title: say("Why, in your words"), is_text: true },
 ];
 const all_keys: Key[] = [...fields.map(({ key }) => key), "decision"];
 
@@ -53,30 +54,27 @@ export function saidIn(manual: Manual): Said {
   return said as Said;
 }
 
-function pointWords(numbers: number[] | undefined, wall: string): string {
-  const count = (numbers?.length ?? 0) / 4;
-  return `${count} point${count === 1 ? "" : "s"} of the ${wall} border`;
-}
-
 /** What a result says that a person said, in words; empty: nothing. */
 export function byHandWords(results: Results): string[] {
   const manual = manualOf(results);
   const said = saidIn(manual);
+  const gates = said.exclude_gates?.join(", ") ?? "";
+  const [of_inner, of_outer] = [said.endo_points, said.epi_points].map((numbers) => (numbers?.length ?? 0) / 4) as [number, number];
   const names: Record<Exclude<Key, "decision" | "reader" | "comment">, string> = {
-    center_mm: "centre",
-    axis: "long axis",
-    radius_mm: `circle of ${said.radius_mm} mm`,
-    first_slice: `first slice ${said.first_slice}`,
-    last_slice: `last slice ${said.last_slice}`,
-    base_shift_mm: `valve plane moved by ${said.base_shift_mm} mm`,
-    endo_points: pointWords(said.endo_points, "inner"),
-    epi_points: pointWords(said.epi_points, "outer"),
-    exclude_gates: `without gate${said.exclude_gates?.length === 1 ? "" : "s"} ${said.exclude_gates?.join(", ")}`,
+    center_mm: say("centre"),
+    axis: say("long axis"),
+    radius_mm: say("circle of {mm} mm", { mm: said.radius_mm! }),
+    first_slice: say("first slice {slice}", { slice: said.first_slice! }),
+    last_slice: say("last slice {slice}", { slice: said.last_slice! }),
+    base_shift_mm: say("valve plane moved by {mm} mm", { mm: said.base_shift_mm! }),
+    endo_points: of_inner === 1 ? say("1 point of the inner border") : say("{n} points of the inner border", { n: of_inner }),
+    epi_points: of_outer === 1 ? say("1 point of the outer border") : say("{n} points of the outer border", { n: of_outer }),
+    exclude_gates: said.exclude_gates?.length === 1 ? say("without gate {gate}", { gate: gates }) : say("without gates {gates}", { gates }),
   };
   const words = fields.flatMap(({ key }) => (key in names && said[key] !== undefined ? [names[key as keyof typeof names]] : []));
   const base = manual?.base_plane_mm ?? null;
-  if (base !== null) words.push(`valve plane at ${String(base)} mm`);
-  if (results.notes.some(({ code }) => code === "region.used")) words.push("mask");
+  if (base !== null) words.push(say("valve plane at {mm} mm", { mm: String(base) }));
+  if (results.notes.some(({ code }) => code === "region.used")) words.push(say("mask"));
   return words;
 }
 
@@ -84,6 +82,6 @@ export function byHandWords(results: Results): string[] {
 export function decisionWords(results: Results): string | null {
   const { decision, reader, comment } = saidIn(manualOf(results));
   if (!decision && !reader && !comment) return null;
-  const word = decision === "accepted" ? "Accepted" : decision === "rejected" ? "Rejected" : "Looked at";
-  return `${word}${reader ? ` by ${reader}` : ""}${comment ? `: ${comment}` : ""}`;
+  const word = decision === "accepted" ? say("Accepted") : decision === "rejected" ? say("Rejected") : say("Looked at");
+  return `${word}${reader ? ` ${say("by {reader}", { reader })}` : ""}${comment ? `: ${comment}` : ""}`;
 }

@@ -32,6 +32,7 @@ import type { Wall } from "./cycle";
 import { colour, svg } from "./dom";
 import type { Grid, Polar, PolarMap } from "./data";
 import { colourOfSample } from "./polar";
+import { say } from "./words";
 
 interface Shown {
   wall: Wall;
@@ -76,7 +77,7 @@ export class SurfaceScene {
     const canvas = this.renderer.domElement;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", "Surfaces of the ventricle. Drag, or hold Shift and press the arrow keys, to turn.");
+    canvas.setAttribute("aria-label", say("Surfaces of the ventricle. Drag, or hold Shift and press the arrow keys, to turn."));
     place.prepend(canvas);
 
     const axis = new Vector3(grid.direction[2], grid.direction[5], grid.direction[8]).normalize();
@@ -379,13 +380,13 @@ export class SurfaceScene {
       { letter: "L", direction: new Vector3(1, 0, 0).applyQuaternion(turn) },
       { letter: "P", direction: new Vector3(0, 1, 0).applyQuaternion(turn) },
       { letter: "S", direction: new Vector3(0, 0, 1).applyQuaternion(turn) },
-      { letter: "Base", direction: up.clone() },
+      { letter: say("Base"), direction: up.clone() },
     ].map(({ letter, direction }) => ({ letter, at: direction.transformDirection(toEye) }));
     // What points at the eye has no length on the screen; its letter would hide the others.
     const visible = arms.filter(({ at }) => Math.hypot(at.x, at.y) > 0.2).sort((a, b) => a.at.z - b.at.z);
     this.compass.replaceChildren(
       ...visible.flatMap(({ letter, at }) => {
-        const heart = letter === "Base";
+        const heart = letter === say("Base");
         const [x, y] = [at.x * 30, -at.y * 30];
         return [
           svg("line", { x1: 0, y1: 0, x2: x, y2: y, class: heart ? "arm heart" : "arm" }),

@@ -3,6 +3,7 @@
 import type { Cursor, Voxel } from "./cursor";
 import { html } from "./dom";
 import { type Drawing, Painter, Plane } from "./painter";
+import { say } from "./words";
 
 /** Something that draws over the slices and may take the pointer from the cursor. */
 export interface Tool {
@@ -20,7 +21,7 @@ export class Slices {
   tool: Tool | null = null;
   private lit = 0;
   private readonly tiles: { button: HTMLButtonElement; canvas: HTMLCanvasElement }[] = [];
-  private readonly sheet = html("div", { class: "tiles", role: "group", "aria-label": "All slices, apex first" });
+  private readonly sheet = html("div", { class: "tiles", role: "group", "aria-label": say("All slices, apex first") });
   private readonly large = html("canvas", { class: "large", role: "img" });
   private readonly long = html("div", { class: "long" });
   private readonly cuts: { plane: Plane; canvas: HTMLCanvasElement }[];
@@ -35,7 +36,7 @@ export class Slices {
     private readonly point: (segment: number) => void,
   ) {
     const { dims } = painter.grid;
-    this.slider = html("input", { type: "range", min: 1, max: dims[2], step: 1, "aria-label": "Slice, 1 is the apex" });
+    this.slider = html("input", { type: "range", min: 1, max: dims[2], step: 1, "aria-label": say("Slice, 1 is the apex") });
     this.slider.addEventListener("input", () => this.choose(this.slider.valueAsNumber - 1));
     this.cuts = ([1, 0] as const).map((axis) => ({
       plane: new Plane(axis),
@@ -57,7 +58,7 @@ export class Slices {
   private build(place: HTMLElement): void {
     for (let k = 0; k < this.painter.grid.dims[2]; ++k) {
       const canvas = html("canvas", {});
-      const button = html("button", { class: "tile", "aria-label": `Slice ${k + 1}` }, canvas, html("span", {}, String(k + 1)));
+      const button = html("button", { class: "tile", "aria-label": say("Slice {slice}", { slice: k + 1 }) }, canvas, html("span", {}, String(k + 1)));
       button.addEventListener("click", () => this.choose(k));
       this.sheet.append(button);
       this.tiles.push({ button, canvas });
@@ -166,27 +167,27 @@ export class Slices {
       button.setAttribute("aria-pressed", String(k === this.slice));
       button.classList.toggle("found", labels?.base_slice === k || labels?.division_slice === k);
       button.title = [
-        `Slice ${k + 1}`,
-        labels?.division_slice === k ? "division slice: one border below, two above" : "",
-        labels?.base_slice === k ? "highest slice of the ventricle" : "",
-        labels?.big_slice === k ? "widest border" : "",
+        say("Slice {slice}", { slice: k + 1 }),
+        labels?.division_slice === k ? say("division slice: one border below, two above") : "",
+        labels?.base_slice === k ? say("highest slice of the ventricle") : "",
+        labels?.big_slice === k ? say("widest border") : "",
       ].filter(Boolean).join(", ");
     });
     this.paint(this.large, short, this.slice, true);
-    this.large.setAttribute("aria-label", `Short-axis slice ${this.slice + 1}, gate ${this.gate + 1}`);
+    this.large.setAttribute("aria-label", say("Short-axis slice {slice}, gate {gate}", { slice: this.slice + 1, gate: this.gate + 1 }));
     for (const { plane, canvas } of this.cuts) {
       const at = this.cursor.at[plane.axis];
       this.paint(canvas, plane, at, true);
-      const name = plane.axis === 1 ? `row ${at + 1}` : `column ${at + 1}`;
-      canvas.setAttribute("aria-label", `Cut along the heart through ${name}, gate ${this.gate + 1}, slice ${this.slice + 1} marked`);
+      const name = plane.axis === 1 ? say("row {n}", { n: at + 1 }) : say("column {n}", { n: at + 1 });
+      canvas.setAttribute("aria-label", say("Cut along the heart through {name}, gate {gate}, slice {slice} marked", { name, gate: this.gate + 1, slice: this.slice + 1 }));
     }
     this.slider.value = String(this.slice + 1);
     const count = this.painter.grid.dims[2];
-    const words = [`Slice ${this.slice + 1} of ${count}`];
-    if (this.slice === 0) words.push("apical end");
-    if (this.slice === count - 1) words.push("basal end");
-    if (labels?.division_slice === this.slice) words.push("division slice");
-    if (labels?.base_slice === this.slice) words.push("base of the ventricle");
+    const words = [say("Slice {slice} of {count}", { slice: this.slice + 1, count })];
+    if (this.slice === 0) words.push(say("apical end"));
+    if (this.slice === count - 1) words.push(say("basal end"));
+    if (labels?.division_slice === this.slice) words.push(say("division slice"));
+    if (labels?.base_slice === this.slice) words.push(say("base of the ventricle"));
     this.caption.textContent = words.join(" · ");
   }
 }

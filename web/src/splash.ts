@@ -1,6 +1,7 @@
 // The heart at a glance: rows of short-axis slices from apex to base and of cuts along it, relaxed above contracted.
 import { html } from "./dom";
 import { Painter, Plane } from "./painter";
+import { say } from "./words";
 
 interface Picture {
   canvas: HTMLCanvasElement;
@@ -49,21 +50,21 @@ export class Splash {
     const [first, last] = slicesOf(painter, moments[0]!.gate);
     const slices = spread(first, last, columns);
     const rows = moments.map(({ name, gate }) =>
-      this.row(`Short axis, ${name}`, slices.map((at) => this.picture(short, at, gate, `slice ${at + 1}`)), "short-row"),
+      this.row(say("Short axis, {moment}", { moment: name }), slices.map((at) => this.picture(short, at, gate, say("slice {slice}", { slice: at + 1 }))), "short-row"),
     );
     const [x, y] = painter.middle;
     const [dx, dy] = [12 / painter.grid.spacing_mm[0], 12 / painter.grid.spacing_mm[1]];
     for (const { name, gate } of moments) {
-      const upright = [-dx, 0, dx].map((d) => this.picture(new Plane(0), Math.round(x + d), gate, "vertical"));
-      const level = [-dy, 0, dy].map((d) => this.picture(new Plane(1), Math.round(y + d), gate, "horizontal"));
-      rows.push(this.row(`Long axes, ${name}`, [...upright, ...level], "long-row"));
+      const upright = [-dx, 0, dx].map((d) => this.picture(new Plane(0), Math.round(x + d), gate, say("vertical")));
+      const level = [-dy, 0, dy].map((d) => this.picture(new Plane(1), Math.round(y + d), gate, say("horizontal")));
+      rows.push(this.row(say("Long axes, {moment}", { moment: name }), [...upright, ...level], "long-row"));
     }
     place.replaceChildren(...rows);
     new ResizeObserver(() => this.draw()).observe(place);
   }
 
   private picture(plane: Plane, at: number, gate: number, name: string): HTMLElement {
-    const canvas = html("canvas", { role: "img", "aria-label": `${name}, gate ${gate + 1}` });
+    const canvas = html("canvas", { role: "img", "aria-label": `${name}, ${say("gate {gate}", { gate: gate + 1 })}` });
     const frame = this.painter.frameOf(plane, false);
     const { spacing_mm } = this.painter.grid;
     const ratio = ((frame.x1 - frame.x0) * spacing_mm[plane.x]!) / ((frame.y1 - frame.y0) * spacing_mm[plane.y]!);

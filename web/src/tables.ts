@@ -2,14 +2,15 @@
 import { isCorrected, walls, type GateNumbers, type Interval, type NoteText, type Reading, type Results, type WallName } from "./data";
 import { figure, html } from "./dom";
 import { byHandWords, decisionWords, manualOf } from "./said";
+import { say, told } from "./words";
 
 export const verdicts = {
-  ok: { title: "Checks passed", text: "No quality flag was raised. Still compare the contours with the images before you use a number." },
-  check: { title: "Check this result", text: "Look at what is flagged here before you use a number." },
-  fail: { title: "Failed: do not use these numbers", text: "The study could not be reconstructed in a way that can be trusted. Why:" },
+  ok: { title: say("Checks passed"), text: say("No quality flag was raised. Still compare the contours with the images before you use a number.") },
+  check: { title: say("Check this result"), text: say("Look at what is flagged here before you use a number.") },
+  fail: { title: say("Failed: do not use these numbers"), text: say("The study could not be reconstructed in a way that can be trusted. Why:") },
 } as const;
 
-const wall_names: Record<WallName, string> = { endo: "Endo", epi: "Epi" };
+const wall_names: Record<WallName, string> = { endo: say("Endo"), epi: say("Epi") };
 
 function icon(name: "ok" | "check" | "fail" | "info"): HTMLElement {
   const sign = { ok: "✓", check: "!", fail: "✕", info: "i" }[name];
@@ -17,7 +18,13 @@ function icon(name: "ok" | "check" | "fail" | "info"): HTMLElement {
 }
 
 const icon_of = { info: "info", warning: "check", failure: "fail" } as const;
-export const word_of = { info: "Info", warning: "Warning", failure: "Failure" } as const;
+export const word_of = { info: say("Info"), warning: say("Warning"), failure: say("Failure") } as const;
+
+const counted = {
+  failure: (n: number) => (n === 1 ? say("1 failure") : say("{n} failures", { n })),
+  warning: (n: number) => (n === 1 ? say("1 warning") : say("{n} warnings", { n })),
+  info: (n: number) => (n === 1 ? say("1 remark") : say("{n} remarks", { n })),
+} as const;
 
 /** A line that says what is not the program's own finding. */
 export function byHandLine(results: Results): HTMLElement[] {
@@ -25,7 +32,7 @@ export function byHandLine(results: Results): HTMLElement[] {
   const decision = decisionWords(results);
   return [
     ...(decision ? [html("p", { class: `decision ${String(manualOf(results)?.decision)}` }, decision)] : []),
-    ...(words.length > 0 ? [html("p", { class: "by-hand" }, html("b", {}, "Changed by hand: "), words.join(", "))] : []),
+    ...(words.length > 0 ? [html("p", { class: "by-hand" }, html("b", {}, `${say("Changed by hand:")} `), words.join(", "))] : []),
   ];
 }
 
@@ -34,17 +41,16 @@ export function showVerdict(place: HTMLElement, results: Results): void {
   const { title, text } = verdicts[verdict];
   place.classList.add(verdict);
   const list = flags.map((flag) =>
-    html("li", { class: flag.severity }, html("b", {}, word_of[flag.severity]), " ", flag.message, html("code", {}, flag.code)),
+    html("li", { class: flag.severity }, html("b", {}, word_of[flag.severity]), " ", told(flag.message), html("code", {}, flag.code)),
   );
   const parts = (["failure", "warning", "info"] as const).flatMap((severity) => {
     const count = results.notes.filter((note) => note.severity === severity).length;
-    const word = { failure: "failure", warning: "warning", info: "remark" }[severity];
-    return count === 0 ? [] : [`${count} ${word}${count === 1 ? "" : "s"}`];
+    return count === 0 ? [] : [counted[severity](count)];
   });
   place.replaceChildren(
     icon(verdict),
     html("div", {}, html("h1", {}, title), html("p", {}, text), ...byHandLine(results), ...(list.length ? [html("ul", {}, ...list)] : [])),
-    ...(parts.length ? [html("a", { href: "#notes-title", class: "to-notes" }, `Notes: ${parts.join(", ")}`)] : []),
+    ...(parts.length ? [html("a", { href: "#notes-title", class: "to-notes" }, `${say("Notes")}: ${parts.join(", ")}`)] : []),
   );
 }
 
@@ -60,24 +66,31 @@ function cardsOf(results: Results): Card[] {
   if (results.study.gates === 1) {
     const only = results.gates[0];
     return [
-      { name: "Ejection fraction", value: "–", unit: "", detail: "not gated: no beat to measure", strong: true },
-      { name: "Cavity", value: figure(only?.endo_ml), unit: "mL", detail: "endocardial surface" },
-      { name: "Outer volume", value: figure(only?.epi_ml), unit: "mL", detail: "epicardial surface" },
-      { name: "Wall", value: figure(only?.wall_ml), unit: "mL", detail: "between the surfaces" },
+      { name: say("Ejection fraction"), value: "–", unit: "", detail: say("not gated: no beat to measure"), strong: true },
+      { name: say("Cavity"), value: figure(only?.endo_ml), unit: "mL", detail: say("endocardial surface") },
+      { name: say("Outer volume"), value: figure(only?.epi_ml), unit: "mL", detail: say("epicardial surface") },
+      { name: say("Wall"), value: figure(only?.wall_ml), unit: "mL", detail: say("between the surfaces") },
     ];
   }
-  const gate = (number: number | null) => (number === null ? "" : `gate ${number}`);
+  const gate = (number: number | null) => (number === null ? "" : say("gate {gate}", { gate: number }));
   const range = (interval: Interval, other: string) =>
-    interval ? `90 %: ${figure(interval[0])} to ${figure(interval[1])}` : other;
+    interval ? say("90 %: {low} to {high}", { low: figure(interval[0]), high: figure(interval[1]) }) : other;
   const variation = results.quality.wall_variation;
   return [
-    { name: "Ejection fraction", value: figure(results.ef_percent), unit: "%", detail: range(results.ef_percent_90, "stroke / end-diastolic volume"), strong: true },
-    { name: "End-diastolic volume", value: figure(results.edv_ml), unit: "mL", detail: range(results.edv_ml_90, gate(results.ed_gate)) },
-    { name: "End-systolic volume", value: figure(results.esv_ml), unit: "mL", detail: range(results.esv_ml_90, gate(results.es_gate)) },
-    { name: "Stroke volume", value: figure(results.sv_ml), unit: "mL", detail: range(results.sv_ml_90, "end-diastolic − end-systolic") },
+    { name: say("Ejection fraction"), value: figure(results.ef_percent), unit: "%", detail: range(results.ef_percent_90, say("stroke / end-diastolic volume")), strong: true },
+    { name: say("End-diastolic volume"), value: figure(results.edv_ml), unit: "mL", detail: range(results.edv_ml_90, gate(results.ed_gate)) },
+    { name: say("End-systolic volume"), value: figure(results.esv_ml), unit: "mL", detail: range(results.esv_ml_90, gate(results.es_gate)) },
+    { name: say("Stroke volume"), value: figure(results.sv_ml), unit: "mL", detail: range(results.sv_ml_90, say("end-diastolic − end-systolic")) },
     ...(isBloodPool(results)
       ? []
-      : [{ name: "Wall, mean", value: figure(results.wall_ml), unit: "mL", detail: range(results.wall_ml_90, variation === null ? "" : `varies by ${figure(100 * variation, 0)} %`) }]),
+      : [
+          {
+            name: say("Wall, mean"),
+            value: figure(results.wall_ml),
+            unit: "mL",
+            detail: range(results.wall_ml_90, variation === null ? "" : say("varies by {n} %", { n: figure(100 * variation, 0) })),
+          },
+        ]),
   ];
 }
 
@@ -94,29 +107,39 @@ function measuresOf(results: Results): Card[] {
   const time = fit.time_to_peak_filling_ms;
   return [
     {
-      name: "EF of the fit",
+      name: say("EF of the fit"),
       value: figure(fit.ef_percent),
       unit: "%",
-      detail: `${figure(fit.edv_ml, 0)} / ${figure(fit.esv_ml, 0)} mL; gates as instants ${figure(fit.instants.ef_percent)} %`,
+      detail: say("{edv} / {esv} mL; gates as instants {ef} %", { edv: figure(fit.edv_ml, 0), esv: figure(fit.esv_ml, 0), ef: figure(fit.instants.ef_percent) }),
     },
     {
-      name: "Peak filling rate",
+      name: say("Peak filling rate"),
       value: figure(rate ?? fit.peak_filling_edv_per_beat, 2),
-      unit: rate === null ? "EDV/beat" : "EDV/s",
-      detail: `${time === null ? `${figure(fit.time_to_peak_filling, 2)} beat` : `${figure(time, 0)} ms`} after ES; first third ${figure(100 * (fit.first_third_filling ?? 0), 0)} %`,
+      unit: rate === null ? say("EDV/beat") : say("EDV/s"),
+      detail: say("{time} after ES; first third {n} %", {
+        time: time === null ? say("{n} beat", { n: figure(fit.time_to_peak_filling, 2) }) : `${figure(time, 0)} ms`,
+        n: figure(100 * (fit.first_third_filling ?? 0), 0),
+      }),
     },
     ...(isBloodPool(results)
       ? []
       : [
           {
-            name: measures.thickness_is === "apparent" ? "Muscle, apparent" : "Muscle",
+            name: measures.thickness_is === "apparent" ? say("Muscle, apparent") : say("Muscle"),
             value: figure(measures.muscle_g, 0),
             unit: "g",
-            detail: `${figure(measures.muscle_ml, 0)} mL at 1.05 g/mL`,
+            detail: say("{n} mL at 1.05 g/mL", { n: figure(measures.muscle_ml, 0) }),
           },
         ]),
     ...(phase
-      ? [{ name: measures.phase.counts ? "Phase SD" : "Phase SD, motion", value: figure(phase.sd_deg), unit: "°", detail: `bandwidth ${figure(phase.bandwidth_deg, 0)}°, entropy ${figure(phase.entropy_percent, 0)} %` }]
+      ? [
+          {
+            name: measures.phase.counts ? say("Phase SD") : say("Phase SD, motion"),
+            value: figure(phase.sd_deg),
+            unit: "°",
+            detail: say("bandwidth {deg}°, entropy {n} %", { deg: figure(phase.bandwidth_deg, 0), n: figure(phase.entropy_percent, 0) }),
+          },
+        ]
       : []),
   ];
 }
@@ -131,7 +154,7 @@ export function showCards(place: HTMLElement, results: Results): void {
         { class: card.strong ? "card strong" : "card" },
         html("h2", {}, card.name),
         html("p", { class: "value" }, card.value, card.value === "–" ? "" : html("small", {}, card.unit)),
-        html("p", { class: "detail" }, failed ? (card.value === "–" ? "not available" : "not to be trusted") : card.detail),
+        html("p", { class: "detail" }, failed ? (card.value === "–" ? say("not available") : say("not to be trusted")) : card.detail),
       ),
     ),
   );
@@ -140,7 +163,7 @@ export function showCards(place: HTMLElement, results: Results): void {
 export function subjectOf(results: Results): string {
   const { study } = results;
   const kind = [study.format, study.modality, study.image_type].filter(Boolean).join(" ");
-  const gates = study.gates > 1 ? `${study.gates} gates` : "not gated";
+  const gates = study.gates > 1 ? say("{n} gates", { n: study.gates }) : say("not gated");
   const size = study.dims ? study.dims.join(" × ") : "";
   const spacing = study.spacing_mm ? `${study.spacing_mm.map((s) => s.toFixed(1)).join(" × ")} mm` : "";
   return [kind, gates, size, spacing].filter(Boolean).join(" · ");
@@ -159,7 +182,7 @@ export function showReadings(place: HTMLElement, results: Results): void {
     reading
       ? [html("tr", { class: leads ? "leads" : null }, html("th", { scope: "row" }, name, html("small", {}, what)), ...reading_numbers.map((key) => html("td", {}, cell(reading, key))))]
       : [];
-  const heads = ["Reading", "EDV mL", "ESV mL", "SV mL", "EF %", "Wall mL"];
+  const heads = [say("Reading"), "EDV mL", "ESV mL", "SV mL", "EF %", say("Wall mL")];
   place.replaceChildren(
     html(
       "table",
@@ -168,9 +191,13 @@ export function showReadings(place: HTMLElement, results: Results): void {
       html(
         "tbody",
         {},
-        ...row("PSF-corrected", "surfaces of all gates fitted through the point spread; in brackets 90 % intervals", psf_corrected, true),
-        ...row("Edge", "where the image is steepest: blur makes its volumes small", edge, !isCorrected(results)),
-        ...row("Gaussian profile", "65 % of the deviations of an asymmetric Gaussian, constant muscle (QGS-style): for comparison with older numbers", gaussian_profile),
+        ...row(say("PSF-corrected"), say("surfaces of all gates fitted through the point spread; in brackets 90 % intervals"), psf_corrected, true),
+        ...row(say("Edge"), say("where the image is steepest: blur makes its volumes small"), edge, !isCorrected(results)),
+        ...row(
+          say("Gaussian profile"),
+          say("65 % of the deviations of an asymmetric Gaussian, constant muscle (QGS-style): for comparison with older numbers"),
+          gaussian_profile,
+        ),
       ),
     ),
   );
@@ -193,7 +220,7 @@ function gateRow(gate: GateNumbers, results: Results): HTMLTableRowElement {
     ...both((wall) => percent(gate.edge[wall]?.within_one_voxel)),
     ...both((wall) => figure(gate.edge[wall]?.mean_distance_mm, 2)),
     ...both((wall) => figure(gate.edge[wall]?.triangles.shape_min, 2)),
-    ...both((wall) => (gate.edge[wall]?.stop_reason ?? "–").replaceAll("_", " ")),
+    ...both((wall) => told((gate.edge[wall]?.stop_reason ?? "–").replaceAll("_", " "))),
   );
 }
 
@@ -212,16 +239,16 @@ export function showGates(place: HTMLElement, results: Results): (gate: number) 
         html(
           "tr",
           {},
-          html("th", { rowspan: 2, scope: "col" }, "Gate"),
-          html("th", { rowspan: 2, scope: "col" }, "Time", html("small", {}, "ms")),
-          html("th", { rowspan: 2, scope: "col", class: "endo" }, "Cavity", html("small", {}, "mL")),
-          html("th", { rowspan: 2, scope: "col", class: "epi" }, "Outer", html("small", {}, "mL")),
-          html("th", { rowspan: 2, scope: "col" }, "Wall", html("small", {}, "mL")),
-          group("On the border, %", "Particles of the surface that reached their border"),
-          group("Within a voxel, %", "Particles closer than one voxel to a border voxel"),
-          group("Distance, mm", "Mean distance of the particles to the nearest border voxel"),
-          group("Worst triangle", "Shape of the worst triangle: 1 equilateral, 0 degenerate"),
-          group("Ended because", "Why the motion of the surface ended"),
+          html("th", { rowspan: 2, scope: "col" }, say("Gate")),
+          html("th", { rowspan: 2, scope: "col" }, say("Time"), html("small", {}, "ms")),
+          html("th", { rowspan: 2, scope: "col", class: "endo" }, say("Cavity"), html("small", {}, "mL")),
+          html("th", { rowspan: 2, scope: "col", class: "epi" }, say("Outer"), html("small", {}, "mL")),
+          html("th", { rowspan: 2, scope: "col" }, say("Wall"), html("small", {}, "mL")),
+          group(say("On the border, %"), say("Particles of the surface that reached their border")),
+          group(say("Within a voxel, %"), say("Particles closer than one voxel to a border voxel")),
+          group(say("Distance, mm"), say("Mean distance of the particles to the nearest border voxel")),
+          group(say("Worst triangle"), say("Shape of the worst triangle: 1 equilateral, 0 degenerate")),
+          group(say("Ended because"), say("Why the motion of the surface ended")),
         ),
         html("tr", {}, ...names),
       ),
@@ -233,8 +260,8 @@ export function showGates(place: HTMLElement, results: Results): (gate: number) 
 
 const order = { failure: 0, warning: 1, info: 2 } as const;
 
-/** "gates 1–3, 5" */
-function rangesOf(numbers: number[], word: string): string {
+/** "1–3, 5" in the words for one and for several. */
+function rangesOf(numbers: number[], one: (of: string) => string, several: (of: string) => string): string {
   const sorted = [...new Set(numbers)].sort((a, b) => a - b);
   const ranges: string[] = [];
   for (let n = 0; n < sorted.length; ) {
@@ -243,21 +270,25 @@ function rangesOf(numbers: number[], word: string): string {
     ranges.push(last > n ? `${sorted[n]}–${sorted[last]}` : String(sorted[n]));
     n = last + 1;
   }
-  return ranges.length === 0 ? "" : `${word}${sorted.length > 1 ? "s" : ""} ${ranges.join(", ")}`;
+  return ranges.length === 0 ? "" : (sorted.length > 1 ? several : one)(ranges.join(", "));
 }
+
+const gatesOf = (numbers: number[]) => rangesOf(numbers, (gate) => say("gate {gate}", { gate }), (gates) => say("gates {gates}", { gates }));
+const slicesOf = (numbers: number[]) =>
+  rangesOf(numbers, (slice) => say("slice {slice}", { slice }), (slices) => say("slices {slices}", { slices }));
 
 /** Places of a note: gates alone as ranges, else each gate with its slice. */
 function placesOf(notes: NoteText[]): string[] {
-  if (notes.every((note) => !note.slice)) return [rangesOf(notes.flatMap((n) => n.gate ?? []), "gate")].filter(Boolean);
+  if (notes.every((note) => !note.slice)) return [gatesOf(notes.flatMap((n) => n.gate ?? []))].filter(Boolean);
   const gates = new Map<number, number[]>();
   for (const { gate, slice } of notes) gates.set(gate ?? 0, [...(gates.get(gate ?? 0) ?? []), ...(slice ? [slice] : [])]);
-  return [...gates].map(([gate, slices]) => [gate ? `gate ${gate}` : "", rangesOf(slices, "slice")].filter(Boolean).join(", "));
+  return [...gates].map(([gate, slices]) => [gate ? gatesOf([gate]) : "", slicesOf(slices)].filter(Boolean).join(", "));
 }
 
 /** Notes that differ only in gate and slice become one line. */
 export function showNotes(place: HTMLElement, notes: NoteText[]): void {
   if (notes.length === 0) {
-    place.replaceChildren(html("p", { class: "empty" }, "The program had nothing to remark."));
+    place.replaceChildren(html("p", { class: "empty" }, say("The program had nothing to remark.")));
     return;
   }
   const lines = new Map<string, NoteText[]>();
@@ -280,7 +311,7 @@ export function showNotes(place: HTMLElement, notes: NoteText[]): void {
             "div",
             {},
             html("span", { class: "visually-hidden" }, `${word_of[severity]}: `),
-            message,
+            told(message),
             html("small", {}, [code, ...placesOf(same)].join(" · ")),
           ),
         );
@@ -296,19 +327,19 @@ function pairs(rows: [string, string | Node][]): HTMLElement {
 export function showProvenance(place: HTMLElement, results: Pick<Results, "provenance" | "timings_s" | "schema">): void {
   const { provenance, timings_s } = results;
   const rows: [string, string | Node][] = [
-    ["Program", `${provenance.program} ${provenance.version}`],
-    ["Commit", html("code", {}, provenance.commit || "–")],
-    ["Command", html("code", {}, provenance.command || "–")],
+    [say("Program"), `${provenance.program} ${provenance.version}`],
+    [say("Commit"), html("code", {}, provenance.commit || "–")],
+    [say("Command"), html("code", {}, provenance.command || "–")],
   ];
-  if (provenance.seed !== null) rows.push(["Seed", String(provenance.seed)]);
-  rows.push(["Schema", results.schema]);
+  if (provenance.seed !== null) rows.push([say("Seed"), String(provenance.seed)]);
+  rows.push([say("Schema"), results.schema]);
   const inputs = provenance.inputs.map(({ file, sha256 }) =>
     html("li", {}, file, html("code", { title: "SHA-256" }, sha256)),
   );
   const files = html(
     "details",
     { open: inputs.length <= 4 },
-    html("summary", {}, `Input: ${inputs.length} ${inputs.length === 1 ? "file" : "files"} with SHA-256`),
+    html("summary", {}, inputs.length === 1 ? say("Input: 1 file with SHA-256") : say("Input: {n} files with SHA-256", { n: inputs.length })),
     html("ul", { class: "files" }, ...inputs),
   );
   const timings = Object.entries(timings_s ?? {});
@@ -317,31 +348,31 @@ export function showProvenance(place: HTMLElement, results: Pick<Results, "prove
     ? html(
         "table",
         { class: "timings" },
-        html("caption", {}, "Time per stage"),
+        html("caption", {}, say("Time per stage")),
         ...timings.map(([stage, seconds]) =>
           html(
             "tr",
             {},
-            html("th", { scope: "row" }, stage),
+            html("th", { scope: "row" }, told(stage)),
             html("td", {}, `${seconds.toFixed(3)} s`),
             html("td", { class: "bar" }, html("meter", { min: 0, max: total || 1, value: seconds, "aria-hidden": "true" })),
           ),
         ),
       )
-    : html("p", { class: "empty" }, "Times per stage were not recorded, so that a repeated run gives the same file.");
+    : html("p", { class: "empty" }, say("Times per stage were not recorded, so that a repeated run gives the same file."));
   place.replaceChildren(pairs(rows), files, times);
 }
 
 function leaves(value: unknown, path: string): [string, string][] {
   if (value !== null && typeof value === "object" && !Array.isArray(value))
     return Object.entries(value).flatMap(([name, part]) => leaves(part, path ? `${path}.${name}` : name));
-  return [[path, value === null ? "automatic" : Array.isArray(value) ? JSON.stringify(value) : String(value)]];
+  return [[path, value === null ? say("automatic") : Array.isArray(value) ? JSON.stringify(value) : String(value)]];
 }
 
 export function showOptions(place: HTMLElement, results: Pick<Results, "provenance">): void {
   const rows = results.provenance.options === null ? [] : leaves(results.provenance.options, "");
   if (rows.length === 0) {
-    place.replaceChildren(html("p", { class: "empty" }, "Parameters were not recorded."));
+    place.replaceChildren(html("p", { class: "empty" }, say("Parameters were not recorded.")));
     return;
   }
   place.replaceChildren(

@@ -7,6 +7,7 @@ import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { gunzipSync, unzipSync, zipSync } from "fflate";
 import { check, finish, program as chromium, skipped, withBrowser } from "./browser.mjs";
+import { notGerman, saidIn } from "./words.mjs";
 
 const [page_path, native, screenshots] = process.argv.slice(2).map((path) => resolve(path));
 if (!existsSync(page_path)) {
@@ -449,10 +450,18 @@ const tests = {
     assert.equal(await heading.innerText(), "Left ventricle, rest and stress");
     await page.waitForTimeout(500); // to paint
     await shoot(page, "difference");
+    const english_url = await page.getAttribute("#both", "src");
     const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save-pair")]);
     const files = unzipSync(readFileSync(await download.path()));
     const theirs = JSON.parse(readFileSync(join(work, "both/difference/comparison.json"), "utf8"));
     assert.deepEqual(numbers_of(JSON.parse(new TextDecoder().decode(files["both/comparison.json"]))), numbers_of(theirs));
+    await page.selectOption("#language", "de");
+    await page.frameLocator("#both").locator("h1", { hasText: "Linker Ventrikel, Ruhe und Belastung" }).waitFor();
+    assert.notEqual(await page.getAttribute("#both", "src"), english_url);
+    const texts = await page.frameLocator("#both").locator("html").evaluateAll(([html]) => html.innerText.split("\n"));
+    assert.deepEqual(notGerman(texts), []);
+    assert.match(await page.locator("#first-title").innerText(), /Phasen von .*, Ruhe$/);
+    await shoot(page, "german-difference");
   },
 
   async "takes a header with its voxels beside it, and scans by every ending"(page) {
@@ -533,6 +542,40 @@ const tests = {
     await until_view(page, "failure");
     assert.match(await reason(page), /^empty\.dcm: /);
     await shoot(page, "failure");
+  },
+
+  async "shows the report in German, and saves it in English"(page) {
+    await page.selectOption("#language", "de");
+    await page.click("#example-patient");
+    const { files, json } = await saved(page);
+    let frame = await report_is_drawn(page);
+    assert.equal(await frame.getAttribute("html", "lang"), "de");
+    await frame.click("#toggle-hand");
+    await frame.click("#hand-exclude");
+    await frame.click("#help");
+    const in_german = await saidIn(frame);
+    // Names of files, programs and options are nobody's language.
+    const options = Object.keys(Object.fromEntries(numbers_of({ options: json.provenance.options })));
+    const names = new Set([json.provenance.command, ...options]);
+    const is_name = (text) => names.has(text) || /^[\w.-]+$/.test(text);
+    const left = notGerman(in_german).filter((text) => !is_name(text));
+    assert.deepEqual(left, [], "these are not German");
+    assert.ok(in_german.includes("Enddiastolisches Volumen") && in_german.includes("7 mittventrikulär anterior"));
+    assert.ok(in_german.length > 250, `only ${in_german.length} texts`);
+    await frame.press("body", "Escape");
+    await shoot(page, "german-report");
+    assert.ok(await page.locator("#language").isDisabled(), "another language would forget what was said by hand");
+    await frame.click("#hand-reset");
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save-report")]);
+    const report = readFileSync(await download.path());
+    assert.ok(report.equals(Buffer.from(files["dynasurf-result/report.html"])), "the saved report is not that of the engine");
+    assert.ok(report.includes('<html lang="en">') && !report.includes('id="words"'));
+    await page.selectOption("#language", "en");
+    await page.waitForTimeout(500);
+    frame = await report_is_drawn(page);
+    assert.equal(await frame.getAttribute("html", "lang"), "en");
+    const in_english = await saidIn(frame);
+    assert.ok(in_english.includes("End-diastolic volume") && notGerman(in_english).length > 100, "the check of German sees no English");
   },
 
   async "speaks German, and can be used by keys alone"(page) {

@@ -4,6 +4,7 @@ import { Vector3 } from "three";
 import { byId, figure, html } from "../dom";
 import { showNotes, showOptions, showProvenance } from "../tables";
 import { isSound, readCloudReport, type Certificate, type CloudReport, type CloudResults, type Level, type LevelNumbers } from "./data";
+import { say, told, words } from "../words";
 import { pointsOf, Surface, Tiles, type Colouring, type Look } from "./scene";
 
 /** Four figures, for lengths in any unit. */
@@ -13,28 +14,33 @@ function length(value: number | null): string {
 const percent = (value: number | null) => (value === null ? "–" : `${Number(value.toPrecision(3))} %`);
 const count = (value: number) => value.toLocaleString("en");
 
-const loops = (number: number) => `${count(number)} boundary ${number === 1 ? "loop" : "loops"}`;
+const loops = (number: number) => (number === 1 ? say("1 boundary loop") : say("{n} boundary loops", { n: count(number) }));
 
 const verdicts = {
-  ok: { icon: "✓", title: "The points support every level", text: "Every level is closed, manifold, oriented outwards and free of self-intersections, by exact tests." },
-  check: { icon: "!", title: "Look before you use it", text: "Every level is watertight. But the points leave doubt whether it is the right body:" },
-  fail: { icon: "✕", title: "Do not use it", text: "" },
+  ok: { icon: "✓", title: say("The points support every level"), text: say("Every level is closed, manifold, oriented outwards and free of self-intersections, by exact tests.") },
+  check: { icon: "!", title: say("Look before you use it"), text: say("Every level is watertight. But the points leave doubt whether it is the right body:") },
+  fail: { icon: "✕", title: say("Do not use it"), text: "" },
 };
 
 function textOf(results: CloudResults): string {
   if (results.boundary === "close") return verdicts[results.verdict].text;
-  const what = `An open surface with ${loops(results.cloud.boundary_loops)}${results.boundary === "trim" ? ", trimmed to the points" : ""}`;
-  if (results.verdict === "ok") return `${what}: every level is manifold, oriented and free of self-intersections, by exact tests.`;
-  return results.verdict === "check" ? `${what}. But the points leave doubt whether it is the right one:` : "";
+  const number = { loops: loops(results.cloud.boundary_loops) };
+  const what = results.boundary === "trim" ? say("An open surface with {loops}, trimmed to the points", number) : say("An open surface with {loops}", number);
+  if (results.verdict === "ok") return say("{surface}: every level is manifold, oriented and free of self-intersections, by exact tests.", { surface: what });
+  return results.verdict === "check" ? say("{surface}. But the points leave doubt whether it is the right one:", { surface: what }) : "";
 }
 
 function showVerdict(place: HTMLElement, results: CloudResults): void {
   const { icon, title } = verdicts[results.verdict];
-  const is_closed = results.boundary === "close", what = is_closed ? "watertight" : "a sound open surface";
+  const is_closed = results.boundary === "close";
   const broken = results.levels.filter((level) => !isSound(results, level));
-  const reasons = results.notes.filter((note) => note.severity !== "info").map((note) => note.message);
-  reasons.unshift(...broken.map((level) => `Level ${level.level} is not ${what}: ${faultsOf(level.certificate, is_closed).join(", ")}.`));
-  if (results.levels.length === 0) reasons.unshift("There is no level.");
+  const reasons = results.notes.filter((note) => note.severity !== "info").map((note) => told(note.message));
+  const told_broken = (level: LevelNumbers) => {
+    const facts = { level: level.level, faults: faultsOf(level.certificate, is_closed).join(", ") };
+    return is_closed ? say("Level {level} is not watertight: {faults}.", facts) : say("Level {level} is not a sound open surface: {faults}.", facts);
+  };
+  reasons.unshift(...broken.map(told_broken));
+  if (results.levels.length === 0) reasons.unshift(say("There is no level."));
   place.classList.add(results.verdict);
   place.replaceChildren(
     html("span", { class: `icon ${results.verdict}`, "aria-hidden": "true" }, icon),
@@ -44,79 +50,83 @@ function showVerdict(place: HTMLElement, results: CloudResults): void {
 
 function faultsOf(c: Certificate, is_closed: boolean): string[] {
   return [
-    c.closed || !is_closed ? "" : "not closed",
-    c.boundary_loops > 0 || is_closed ? "" : "without a boundary loop",
-    c.manifold ? "" : "not manifold",
-    c.oriented ? "" : "not oriented alike",
-    c.outward || !is_closed ? "" : "turned inside out",
-    c.self_intersections ? `${count(c.self_intersections)} pairs of triangles meet` : "",
-    c.flat_triangles ? `${count(c.flat_triangles)} flat triangles` : "",
+    c.closed || !is_closed ? "" : say("not closed"),
+    c.boundary_loops > 0 || is_closed ? "" : say("without a boundary loop"),
+    c.manifold ? "" : say("not manifold"),
+    c.oriented ? "" : say("not oriented alike"),
+    c.outward || !is_closed ? "" : say("turned inside out"),
+    c.self_intersections ? say("{n} pairs of triangles meet", { n: count(c.self_intersections) }) : "",
+    c.flat_triangles ? say("{n} flat triangles", { n: count(c.flat_triangles) }) : "",
   ].filter(Boolean);
 }
 
 /** One column per level: a row per level would be wider than a screen. */
 function showCertificates(place: HTMLElement, results: CloudResults): void {
   type Cell = { text: string; state?: "good" | "bad" };
-  const yes = (value: boolean): Cell => ({ text: value ? "yes" : "no", state: value ? "good" : "bad" });
+  const yes = (value: boolean): Cell => ({ text: value ? say("yes") : say("no"), state: value ? "good" : "bad" });
   type Row = [string, (level: LevelNumbers) => Cell];
   const none = (value: number): Cell => ({ text: count(value), state: value === 0 ? "good" : "bad" });
   const closed: Row[] = [
-    ["Watertight", (l) => yes(l.certificate.watertight)],
-    ["Closed", (l) => yes(l.certificate.closed)],
-    ["Outwards", (l) => yes(l.certificate.outward)],
+    [say("Watertight"), (l) => yes(l.certificate.watertight)],
+    [say("Closed"), (l) => yes(l.certificate.closed)],
+    [say("Outwards"), (l) => yes(l.certificate.outward)],
   ];
   const open: Row[] = [
-    ["Sound", (l) => yes(isSound(results, l))],
-    ["Boundary loops", (l) => ({ text: count(l.certificate.boundary_loops) })],
+    [say("Sound"), (l) => yes(isSound(results, l))],
+    [say("Boundary loops"), (l) => ({ text: count(l.certificate.boundary_loops) })],
   ];
   const rows: Row[] = [
-    ["Triangles", (l) => ({ text: count(l.triangles) })],
-    ["Vertices", (l) => ({ text: count(l.vertices) })],
-    ["Of a plain tessellation", (l) => ({ text: percent(l.share_of_plain_tessellation_percent) })],
+    [say("Triangles"), (l) => ({ text: count(l.triangles) })],
+    [say("Vertices"), (l) => ({ text: count(l.vertices) })],
+    [say("Of a plain tessellation"), (l) => ({ text: percent(l.share_of_plain_tessellation_percent) })],
     ...(results.boundary === "close" ? closed : open),
-    ["Manifold", (l) => yes(l.certificate.manifold)],
-    ["Oriented", (l) => yes(l.certificate.oriented)],
-    ["Meeting pairs", (l) => none(l.certificate.self_intersections)],
-    ["Flat triangles", (l) => none(l.certificate.flat_triangles)],
-    ["Parts", (l) => ({ text: String(l.certificate.components) })],
-    ["Genus", (l) => ({ text: l.certificate.genus === null ? "–" : String(l.certificate.genus) })],
-    ["Points to mesh, mean", (l) => ({ text: percent(l.certificate.distances.cloud_to_mesh.mean_percent) })],
-    ["Points to mesh, largest", (l) => ({ text: percent(l.certificate.distances.cloud_to_mesh.largest_percent) })],
-    ["Mesh to points, mean", (l) => ({ text: percent(l.certificate.distances.mesh_to_cloud.mean_percent) })],
-    ["Mesh to points, largest", (l) => ({ text: percent(l.certificate.distances.mesh_to_cloud.largest_percent) })],
-    ["Smallest angle", (l) => ({ text: `${figure(l.certificate.angles_deg.smallest)}°` })],
-    ["1 % of angles below", (l) => ({ text: `${figure(l.certificate.angles_deg.percentile_1)}°` })],
-    ["Volume", (l) => ({ text: length(l.certificate.volume) })],
-    ["Area", (l) => ({ text: length(l.certificate.area) })],
+    [say("Manifold"), (l) => yes(l.certificate.manifold)],
+    [say("Oriented"), (l) => yes(l.certificate.oriented)],
+    [say("Meeting pairs"), (l) => none(l.certificate.self_intersections)],
+    [say("Flat triangles"), (l) => none(l.certificate.flat_triangles)],
+    [say("Parts"), (l) => ({ text: String(l.certificate.components) })],
+    [say("Genus"), (l) => ({ text: l.certificate.genus === null ? "–" : String(l.certificate.genus) })],
+    [say("Points to mesh, mean"), (l) => ({ text: percent(l.certificate.distances.cloud_to_mesh.mean_percent) })],
+    [say("Points to mesh, largest"), (l) => ({ text: percent(l.certificate.distances.cloud_to_mesh.largest_percent) })],
+    [say("Mesh to points, mean"), (l) => ({ text: percent(l.certificate.distances.mesh_to_cloud.mean_percent) })],
+    [say("Mesh to points, largest"), (l) => ({ text: percent(l.certificate.distances.mesh_to_cloud.largest_percent) })],
+    [say("Smallest angle"), (l) => ({ text: `${figure(l.certificate.angles_deg.smallest)}°` })],
+    [say("1 % of angles below"), (l) => ({ text: `${figure(l.certificate.angles_deg.percentile_1)}°` })],
+    [say("Volume"), (l) => ({ text: length(l.certificate.volume) })],
+    [say("Area"), (l) => ({ text: length(l.certificate.area) })],
   ];
-  const heads = results.levels.map((level) => html("th", { scope: "col", "data-level": level.level }, `Level ${level.level}`));
+  const heads = results.levels.map((level) => html("th", { scope: "col", "data-level": level.level }, say("Level {level}", { level: level.level })));
   const body = rows.map(([name, cell]) => {
     const cells = results.levels.map(cell);
     return html("tr", {}, html("th", { scope: "row" }, name), ...cells.map(({ text, state }) => html("td", state ? { class: state } : {}, text)));
   });
   place.replaceChildren(
     html("table", { class: "numbers" }, html("thead", {}, html("tr", {}, html("th", {}, ""), ...heads)), html("tbody", {}, ...body)),
-    html("p", { class: "faint" }, "Distances in percent of the diagonal of the cloud's box. Over a hole of the cloud the mesh is far from the points however good it is."),
+    html("p", { class: "faint" }, say("Distances in percent of the diagonal of the cloud's box. Over a hole of the cloud the mesh is far from the points however good it is.")),
   );
 }
 
 function showCloud(place: HTMLElement, results: CloudResults): void {
   const { cloud: c, support: s } = results;
-  const files = c.files.map((f) => `${f.format}: ${count(f.points)} points${f.triangles ? ` of a surface of ${count(f.triangles)} triangles` : ""}`);
+  const files = c.files.map((f) =>
+    f.triangles
+      ? say("{format}: {n} points of a surface of {m} triangles", { format: f.format, n: count(f.points), m: count(f.triangles) })
+      : say("{format}: {n} points", { format: f.format, n: count(f.points) }),
+  );
   const rows: [string, string][] = [
-    [c.files.length === 1 ? "File" : "Files", files.join("; ")],
-    ["Points", count(c.points)],
-    ["Dropped", `${count(c.not_finite)} not finite, ${count(c.duplicates)} repeated, ${count(c.outliers)} outliers`],
-    ["Used", count(c.points_used)],
-    ["With", [c.has_normals ? "normals" : "", c.has_colours ? "colours" : "", c.scans > 1 ? `${c.scans} scans` : ""].filter(Boolean).join(", ") || "places alone"],
-    ["Diagonal", length(c.diagonal)],
-    ["Spacing", length(c.spacing)],
-    ["Noise", length(c.noise)],
-    ["Parts, handles", `${c.parts}, ${c.genus}; so at ${percent(s.firm_percent)} of the levels around`],
-    ["Points off the surface", `${percent(s.points_off_percent)}; far off: ${percent(s.points_left_out_percent)}`],
-    ["Surface made up", `${percent(s.made_up_percent)}, up to ${percent(s.made_up_largest_percent)} of the diagonal from the points`],
-    ["Surface too thin to tell", percent(s.thin_percent)],
-    ["Directions in doubt", percent(s.turned_percent)],
+    [c.files.length === 1 ? say("File") : say("Files"), files.join("; ")],
+    [say("Points"), count(c.points)],
+    [say("Dropped"), say("{a} not finite, {b} repeated, {c} outliers", { a: count(c.not_finite), b: count(c.duplicates), c: count(c.outliers) })],
+    [say("Used"), count(c.points_used)],
+    [say("With"), [c.has_normals ? say("normals") : "", c.has_colours ? say("colours") : "", c.scans > 1 ? say("{n} scans", { n: c.scans }) : ""].filter(Boolean).join(", ") || say("places alone")],
+    [say("Diagonal"), length(c.diagonal)],
+    [say("Spacing"), length(c.spacing)],
+    [say("Noise"), length(c.noise)],
+    [say("Parts, handles"), say("{parts}, {handles}; so at {share} of the levels around", { parts: c.parts, handles: c.genus, share: percent(s.firm_percent) })],
+    [say("Points off the surface"), say("{share}; far off: {far}", { share: percent(s.points_off_percent), far: percent(s.points_left_out_percent) })],
+    [say("Surface made up"), say("{share}, up to {far} of the diagonal from the points", { share: percent(s.made_up_percent), far: percent(s.made_up_largest_percent) })],
+    [say("Surface too thin to tell"), percent(s.thin_percent)],
+    [say("Directions in doubt"), percent(s.turned_percent)],
   ];
   place.replaceChildren(html("dl", {}, ...rows.flatMap(([name, value]) => [html("dt", {}, name), html("dd", {}, value)])));
 }
@@ -134,8 +144,8 @@ function worstPlaces(level: Level, results: CloudResults): WorstPlace[] {
   const share = (distance: number) => percent((100 * distance) / diagonal);
   const all = Array.from(level.confidence, (confidence, vertex): WorstPlace => {
     const error = level.errors[vertex]!;
-    if (confidence < 1) return { vertex, badness: 1 / confidence, text: `made up, ${share(within / confidence)} of the diagonal from the points` };
-    return { vertex, badness: error / within, text: `the points lie ${share(error)} of the diagonal off` };
+    if (confidence < 1) return { vertex, badness: 1 / confidence, text: say("made up, {share} of the diagonal from the points", { share: share(within / confidence) }) };
+    return { vertex, badness: error / within, text: say("the points lie {share} of the diagonal off", { share: share(error) }) };
   }).sort((a, b) => b.badness - a.badness);
   const found: WorstPlace[] = [];
   const apart = (a: number, b: number) => Math.hypot(...[0, 1, 2].map((axis) => level.positions[3 * a + axis]! - level.positions[3 * b + axis]!));
@@ -153,13 +163,13 @@ function showWorst(place: HTMLElement, level: Level | undefined, results: CloudR
     button.addEventListener("click", () => fly(vertex));
     return html("li", {}, button);
   });
-  place.replaceChildren(items.length > 0 ? html("ol", {}, ...items) : html("p", { class: "faint" }, "None."));
+  place.replaceChildren(items.length > 0 ? html("ol", {}, ...items) : html("p", { class: "faint" }, say("None.")));
 }
 
 function wordFor(results: CloudResults, level: LevelNumbers): string {
   const is_sound = isSound(results, level);
-  if (results.boundary === "close") return is_sound ? "watertight" : "not watertight";
-  return is_sound ? `open, ${loops(level.certificate.boundary_loops)}` : "not sound";
+  if (results.boundary === "close") return is_sound ? say("watertight") : say("not watertight");
+  return is_sound ? say("open, {loops}", { loops: loops(level.certificate.boundary_loops) }) : say("not sound");
 }
 
 /** What stands over each tile. */
@@ -169,13 +179,13 @@ function labelTiles(place: HTMLElement, report: CloudReport): void {
   place.append(labels);
   const label = (...children: (Node | string)[]) => labels.append(html("div", { class: "tile-label" }, ...children));
   const shown = report.points.positions.length / 3, used = results.cloud.points_used;
-  label(html("b", {}, "Cloud"), shown < used ? `${count(shown)} of ${count(used)} points` : `${count(used)} points`);
+  label(html("b", {}, say("Cloud")), shown < used ? say("{n} of {all} points", { n: count(shown), all: count(used) }) : say("{n} points", { n: count(used) }));
   report.levels.forEach(({ numbers }) => {
     const c = numbers.certificate;
     label(
-      html("b", {}, `Level ${numbers.level}: ${count(numbers.triangles)} triangles`),
+      html("b", {}, say("Level {level}: {n} triangles", { level: numbers.level, n: count(numbers.triangles) })),
       html("span", { class: isSound(results, numbers) ? "good" : "bad" }, wordFor(results, numbers)),
-      ` · mean distance ${percent(c.distances.cloud_to_mesh.mean_percent)}`,
+      ` · ${say("mean distance {share}", { share: percent(c.distances.cloud_to_mesh.mean_percent) })}`,
     );
   });
 }
@@ -200,7 +210,9 @@ function buildMorph(view: Tiles, report: CloudReport): (look: Look) => void {
     surface.dress(dressed);
     const numbers = report.levels[level]!.numbers;
     byId("morph-now").textContent =
-      t === 1 ? `level ${numbers.level}, ${count(numbers.triangles)} triangles` : `level ${numbers.level + 1} to ${numbers.level}: ${Math.round(100 * t)} %`;
+      t === 1
+        ? say("level {level}, {n} triangles", { level: numbers.level, n: count(numbers.triangles) })
+        : say("level {from} to {to}: {n} %", { from: numbers.level + 1, to: numbers.level, n: Math.round(100 * t) });
     document.documentElement.dataset.morph = `${numbers.level} ${t.toFixed(3)}`;
     view.render();
   };
@@ -212,8 +224,8 @@ function buildMorph(view: Tiles, report: CloudReport): (look: Look) => void {
 }
 
 function build3d(report: CloudReport): void {
-  const tiles = new Tiles(byId("tiles"), "The cloud and its levels of detail. Drag to turn.", report.radius, 42);
-  const morph = new Tiles(byId("morph-view"), "A level that turns into the next. Drag to turn.", report.radius);
+  const tiles = new Tiles(byId("tiles"), say("The cloud and its levels of detail. Drag to turn."), report.radius, 42);
+  const morph = new Tiles(byId("morph-view"), say("A level that turns into the next. Drag to turn."), report.radius);
   labelTiles(byId("tiles"), report);
   tiles.add(pointsOf(report, 1.6));
   const over = report.levels.map(() => pointsOf(report, 1.2));
@@ -279,9 +291,10 @@ function build3d(report: CloudReport): void {
 }
 
 async function start(): Promise<void> {
+  words.translate(document);
   const report = await readCloudReport(byId("data").textContent ?? "");
   const { results } = report;
-  byId("subject").textContent = `${count(results.cloud.points)} points · ${results.levels.map((l) => count(l.triangles)).join(", ")} triangles`;
+  byId("subject").textContent = `${say("{n} points", { n: count(results.cloud.points) })} · ${say("{list} triangles", { list: results.levels.map((l) => count(l.triangles)).join(", ") })}`;
   showVerdict(byId("verdict"), results);
   showCertificates(byId("certificates"), results);
   showCloud(byId("cloud"), results);
@@ -292,7 +305,7 @@ async function start(): Promise<void> {
     build3d(report);
   } catch {
     for (const id of ["tiles", "morph-view"])
-      byId(id).replaceChildren(html("div", { class: "message" }, html("strong", {}, "3D needs WebGL"), html("p", {}, "This browser offers none. The numbers are complete without it.")));
+      byId(id).replaceChildren(html("div", { class: "message" }, html("strong", {}, say("3D needs WebGL")), html("p", {}, say("This browser offers none. The numbers are complete without it."))));
   }
   document.documentElement.dataset.ready = "true";
 }
@@ -300,5 +313,5 @@ async function start(): Promise<void> {
 start().catch((error: unknown) => {
   const place = byId("verdict");
   place.classList.add("fail");
-  place.replaceChildren(html("div", {}, html("h1", {}, "This report cannot be shown"), html("p", {}, `${String(error)}. The numbers are in results.json and results.csv beside it.`)));
+  place.replaceChildren(html("div", {}, html("h1", {}, say("This report cannot be shown")), html("p", {}, `${String(error)}. ${say("The numbers are in results.json and results.csv beside it.")}`)));
 });

@@ -1,6 +1,6 @@
 // dynasurf.html: takes files, runs the program over them in a worker, shows its report.
 import { dropped, type Given, as_zip, picked, read_given, Refusal, save } from "./files";
-import { argumentsOf, type ByHand, type FromPage, type FromReport, maskFile, mask_name, nothing_said, quoted } from "../host";
+import { argumentsOf, type ByHand, type FromPage, type FromReport, isSame, maskFile, mask_name, nothing_said, quoted } from "../host";
 import { Runner } from "./engine";
 import { load } from "./frames";
 import { type Given as GivenStudy, givenHere, pageWith } from "./given";
@@ -10,7 +10,7 @@ import { OptionPanel } from "./options";
 import { Pair, pairJob } from "./pair";
 import { Preview } from "./preview";
 import { type Found, StudyList, studiesOf } from "./studies";
-import { type Key, type Language, language, speak, stage_name, text } from "./texts";
+import { type Key, language, languages, name_of, speak, spoken, stage_name, text } from "./texts";
 
 type Ended = Word & { kind: "end" };
 
@@ -29,6 +29,10 @@ let at_once = false;
 
 function show(view: (typeof views)[number]): void {
   for (const name of views) by_id(name).hidden = name !== view;
+  // Where a report has its own header the page's is hidden, but for the choice of language.
+  const [choice, bar] = [document.querySelector(".language")!, by_id(view).querySelector(".bar p")];
+  if (bar) bar.after(choice);
+  else document.querySelector("header")!.append(choice);
   document.documentElement.dataset.view = view;
 }
 
@@ -144,16 +148,22 @@ function present(word: Ended): void {
   });
 }
 
+/** Loads the report of a run in the language of the page. */
+function load_report(run: Run): void {
+  said = run.said;
+  hold_language(false);
+  URL.revokeObjectURL(report_url);
+  report_url = URL.createObjectURL(spoken(fileOf(run.result, "report.html")));
+  load(by_id<HTMLIFrameElement>("report"), report_url);
+}
+
 /** Shows what the history has chosen: another run, or another one to compare with. */
 function show_chosen(is_other_run: boolean): void {
   const run = history.shown!;
   if (is_other_run) {
-    said = run.said;
     panel.restore(run.settings);
     show("result");
-    URL.revokeObjectURL(report_url);
-    report_url = URL.createObjectURL(new Blob([fileOf(run.result, "report.html") as BlobPart], { type: "text/html" }));
-    load(by_id<HTMLIFrameElement>("report"), report_url);
+    load_report(run);
     Object.assign(document.documentElement.dataset, { seconds: run.seconds.toFixed(3), memory: String(run.memory) });
   } else tell_report();
   tell_run(run);
@@ -185,6 +195,7 @@ function hear_report(event: MessageEvent<FromReport>): void {
   said = event.data.said;
   gate = event.data.gate;
   at_once = event.data.at_once;
+  hold_language(history.shown !== undefined && !isSame(said, history.shown.said));
   if (!event.data.run) return look();
   if (!task || !panel.is_valid) return;
   correcting = true;
@@ -353,6 +364,24 @@ async function copy(): Promise<void> {
 
 // ---- The page ----
 
+/** Another language loads the report anew, without what was said in it and not run yet. */
+function hold_language(is_held: boolean): void {
+  const choice = by_id<HTMLSelectElement>("language");
+  choice.disabled = is_held;
+  choice.title = is_held ? text("language_waits") : "";
+}
+
+/** Texts of the page, and again all that was written in the former language. */
+function change_language(name: string): void {
+  speak(name);
+  pair.speak();
+  if (history.shown) {
+    load_report(history.shown);
+    tell_run(history.shown);
+  }
+  if (document.documentElement.dataset.view === "studies") show_studies();
+}
+
 function connect(): void {
   const click = (id: string, work: () => unknown) => by_id(id).addEventListener("click", work);
   click("pick-files", () => by_id("files").click());
@@ -409,12 +438,9 @@ function connect(): void {
     if (event.dataTransfer && document.documentElement.dataset.view !== "working") void take(dropped(event.dataTransfer));
   });
   const choice = by_id<HTMLSelectElement>("language");
+  choice.replaceChildren(...languages.map((name) => new Option(name_of(name), name)));
   choice.value = language();
-  choice.addEventListener("change", () => {
-    speak(choice.value as Language);
-    if (history.shown) tell_run(history.shown);
-    if (document.documentElement.dataset.view === "studies") show_studies();
-  });
+  choice.addEventListener("change", () => change_language(choice.value));
 }
 
 connect();

@@ -4,7 +4,7 @@ import { load } from "./frames";
 import { figure, fileOf, numbersOf, taskOf } from "./history";
 import type { Job, Piece } from "./job";
 import { type Found, restAndStress } from "./studies";
-import { text } from "./texts";
+import { spoken, text, told, translated } from "./texts";
 
 const folders = ["first", "second"] as const;
 
@@ -30,6 +30,7 @@ export class Pair {
   private leader = 0;
   private result: Piece[] = [];
   private difference = "";
+  private shown: [Found, Found] | null = null;
 
   constructor(
     private readonly frames: [HTMLIFrameElement, HTMLIFrameElement],
@@ -49,22 +50,31 @@ export class Pair {
     return this.result;
   }
 
+  /** Again in the language of the page. */
+  speak(): void {
+    if (!this.shown) return;
+    const is_compared = this.both.src === this.difference;
+    this.show(this.shown, this.result);
+    if (is_compared) this.showDifference();
+  }
+
   show(pair: [Found, Found], result: Piece[]): void {
+    this.shown = pair;
     this.result = result;
     this.leader = 0;
     for (const url of this.urls) URL.revokeObjectURL(url);
-    const page = (folder: string, name: string) => {
-      const url = URL.createObjectURL(new Blob([fileOf(partOf(result, folder), name) as BlobPart], { type: "text/html" }));
+    const page = (folder: string, name: string, in_words: (page: Uint8Array) => Blob) => {
+      const url = URL.createObjectURL(in_words(fileOf(partOf(result, folder), name)));
       this.urls.push(url);
       return url;
     };
     this.urls = [];
     folders.forEach((folder, n) => {
-      this.frames[n] = load(this.frames[n]!, page(folder, "report.html"));
-      this.titles[n]!.textContent = `${pair[n]!.place} · ${pair[n]!.what}`;
+      this.frames[n] = load(this.frames[n]!, page(folder, "report.html", spoken));
+      this.titles[n]!.textContent = `${pair[n]!.place} · ${told(pair[n]!.what)}`;
     });
     const is_compared = result.some(({ path }) => path === "both/comparison.html");
-    this.difference = is_compared ? page("both", "comparison.html") : "";
+    this.difference = is_compared ? page("both", "comparison.html", translated) : "";
     const [a, b] = folders.map((folder) => numbersOf(partOf(result, folder)));
     this.numbers.textContent = (["edv_ml", "esv_ml", "ef_percent"] as const)
       .map((key) => {

@@ -1,6 +1,6 @@
 // A folder of several studies: a list with a picture of each, one to open, two to see side by side.
 import type { Piece } from "./job";
-import { text } from "./texts";
+import { text, told } from "./texts";
 
 /** A study among the files that were given. */
 export interface Found {
@@ -111,7 +111,7 @@ export class StudyList {
     const open = Object.assign(document.createElement("button"), { textContent: text("open") });
     canvas.setAttribute("aria-hidden", "true");
     name.textContent = study.place;
-    words.textContent = study.what;
+    words.textContent = told(study.what);
     box.addEventListener("change", () => this.on_choice(this.pair !== null));
     open.setAttribute("aria-label", `${text("open")}: ${study.place}`);
     open.addEventListener("click", () => this.open(study));

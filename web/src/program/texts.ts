@@ -1,4 +1,13 @@
-// All texts of the page, one table: a language is a column. English is complete by its type, the others by theirs.
+// All texts of the page by name, in English. The other languages are the files of translations/, packed into the page;
+// a report gets its table when it is shown, so that what is saved stays English.
+import { inflateSync, strFromU8 } from "fflate";
+
+import { bytesOf } from "../data";
+import { type Translation, type Values, Words } from "../words";
+
+/** Each file of translations/ by its name: deflated, in base64. */
+declare const TRANSLATIONS: Record<string, string>;
+
 const english = {
   title: "Dynasurf in this browser",
   research: "Research use only. Not for diagnosis.",
@@ -67,8 +76,9 @@ const english = {
   empty: "Nothing was given; expected at least one file",
   old_browser: "This browser is too old. Expected Chrome or Edge 95, Firefox 113, Safari 16.4 or later.",
   language: "Language",
+  language_waits: "First run again what was changed by hand, or reset it",
   stage_start: "Start",
-  stage_read: "Reading",
+  stage_read: "Reading files",
   stage_borders: "Borders",
   stage_surfaces: "Surfaces",
   stage_points: "Points",
@@ -77,96 +87,31 @@ const english = {
   stage_write: "Writing",
 };
 export type Key = keyof typeof english;
-type Table = Record<Key, string>;
 
-const german: Table = {
-  title: "Dynasurf in diesem Browser",
-  research: "Nur für die Forschung. Nicht zur Diagnose.",
-  lead: "Der linke Ventrikel aus einer getriggerten Studie, leichte Netze aus einem Scan.",
-  drop: "Studie oder Scan hierher ziehen",
-  kinds: "DICOM-Dateien, Ordner oder ein Zip; NIfTI, NRRD; Punkte und Flächen als PLY, XYZ, OBJ, STL, LAS",
-  files: "Dateien wählen",
-  folder: "Ordner wählen",
-  or_try: "Oder ein Beispiel",
-  example_patient: "Virtueller Patient",
-  example_vase: "Scan einer Vase",
-  promise: "Nichts verlässt diesen Rechner. Die Seite erreicht kein Netz:",
-  promise_check: "Netz trennen oder connect-src 'none' im Quelltext nachlesen.",
-  options: "Optionen",
-  options_head: "Optionen des nächsten Laufs",
-  options_search: "Optionen suchen",
-  options_changed: "{n} geändert",
-  reset: "Zurücksetzen",
-  copy: "Als Befehlszeile kopieren",
-  copied: "Kopiert",
-  save_options: "options.json sichern",
-  run_again: "Noch einmal rechnen",
-  unset: "nicht gesetzt",
-  studies: "{n} Studien",
-  studies_words: "Öffnen Sie eine, oder wählen Sie zwei, um sie nebeneinander zu sehen.",
-  open: "Öffnen",
-  open_pair: "Nebeneinander",
-  to_list: "Alle Studien",
-  files_of: "{n} Dateien",
-  difference: "Unterschied der Karten",
-  pair_edv_ml: "EDV {a} → {b} mL",
-  pair_esv_ml: "ESV {a} → {b} mL",
-  pair_ef_percent: "EF {a} → {b} %",
-  working: "Rechnet",
-  cancel: "Abbrechen",
-  cancelled: "Abgebrochen. Nichts wurde behalten.",
-  memory: "{mb} MB Speicher",
-  done: "Fertig in {s} s, {mb} MB Speicher",
-  done_check: "Fertig in {s} s, {mb} MB Speicher. Nach eigener Prüfung nicht vertrauenswürdig: siehe Urteil.",
-  other: "Andere öffnen",
-  undo: "Rückgängig",
-  redo: "Wiederholen",
-  history: "Verlauf",
-  history_head: "Läufe dieser Studie",
-  history_words: "Wählen Sie, welcher gezeigt und mit welchem er verglichen wird.",
-  as_found: "Wie gefunden",
-  run_name: "Name von Lauf {n}",
-  shown: "Gezeigt",
-  compared_with: "Verglichen mit",
-  numbers: "EDV {edv} mL, ESV {esv} mL, EF {ef} %",
-  before: "EDV {edv} mL (vorher {edv0}), EF {ef} % ({ef0})",
-  verdict_ok: "Prüfungen bestanden",
-  verdict_check: "dieses Ergebnis prüfen",
-  verdict_fail: "gescheitert",
-  save_page: "Als eine Seite sichern",
-  save_page_title: "Diese Seite mit der Studie darin, wie sie ist, mit Namen",
-  back: "Zurück zum Ergebnis",
-  save_zip: "Alles als Zip sichern",
-  save_report: "Bericht sichern",
-  report: "Bericht",
-  failed: "Das ging nicht",
-  lost: "Das Programm hielt unerwartet an ({reason}).",
-  out_of_memory: "Zu wenig Speicher: {mb} MB waren belegt. Eine kleinere Studie oder weniger Punkte brauchen weniger.",
-  too_large: "{about}: mehr als 1 GB; erwartet wurde weniger",
-  no_zip: "{about}: das Zip-Archiv ist beschädigt; erwartet wurde eines, das sich auspacken lässt",
-  empty: "Nichts wurde übergeben; erwartet wurde mindestens eine Datei",
-  old_browser: "Dieser Browser ist zu alt. Erwartet: Chrome oder Edge 95, Firefox 113, Safari 16.4 oder neuer.",
-  language: "Sprache",
-  stage_start: "Start",
-  stage_read: "Lesen",
-  stage_borders: "Ränder",
-  stage_surfaces: "Flächen",
-  stage_points: "Punkte",
-  stage_inside: "Innen und außen",
-  stage_levels: "Detailstufen",
-  stage_write: "Schreiben",
-};
+export const languages = ["en", ...Object.keys(TRANSLATIONS)];
 
-export const languages = { en: english, de: german };
-export type Language = keyof typeof languages;
+const tables = new Map<string, Translation>();
 
-let chosen: Language = navigator.language.startsWith("de") ? "de" : "en";
+/** The table of a language; null: English. */
+function tableOf(name: string): Translation | null {
+  const packed = TRANSLATIONS[name];
+  if (packed === undefined) return null;
+  const table = tables.get(name) ?? (JSON.parse(strFromU8(inflateSync(bytesOf(packed)))) as Translation);
+  tables.set(name, table);
+  return table;
+}
+
+const wished = navigator.language.split("-")[0]!;
+let chosen = languages.includes(wished) ? wished : "en";
+let words = new Words(tableOf(chosen));
 export const language = () => chosen;
+export const name_of = (name: string): string => tableOf(name)?.name ?? "English";
 
 /** The text with its {places} filled. */
-export function text(key: Key, values: Record<string, string | number> = {}): string {
-  return languages[chosen][key].replace(/{(\w+)}/g, (place, name) => String(values[name] ?? place));
-}
+export const text = (key: Key, values: Values = {}): string => words.say(english[key], values);
+
+/** What the program says of a study. */
+export const told = (sentence: string): string => words.told(sentence);
 
 /** A stage of the program by its name in the table, else as the program calls it. */
 export function stage_name(stage: string): string {
@@ -174,9 +119,29 @@ export function stage_name(stage: string): string {
   return key in english ? text(key as Key) : stage;
 }
 
+/** A report that the program wrote, with the table that it speaks by. */
+export function spoken(report: Uint8Array): Blob {
+  const page = new TextDecoder().decode(report);
+  const data = page.indexOf('<script type="application/json" id="data">');
+  const table = tableOf(chosen);
+  if (!table || data < 0) return new Blob([report as BlobPart], { type: "text/html" });
+  const json = JSON.stringify(table).replaceAll("<", "\\u003c"); // in a script "<" could begin a word that ends it
+  const head = page.slice(0, data).replace('<html lang="en">', `<html lang="${chosen}">`);
+  return new Blob([head, `<script type="application/json" id="words">${json}</script>\n`, page.slice(data)], { type: "text/html" });
+}
+
+/** A page of the program that has no script. */
+export function translated(plain: Uint8Array): Blob {
+  const page = new DOMParser().parseFromString(new TextDecoder().decode(plain), "text/html");
+  words.translate(page, true);
+  page.documentElement.lang = chosen;
+  return new Blob([`<!doctype html>\n${page.documentElement.outerHTML}`], { type: "text/html" });
+}
+
 /** Writes the texts of a language into all elements that name one. */
-export function speak(next: Language): void {
+export function speak(next: string): void {
   chosen = next;
+  words = new Words(tableOf(next));
   document.documentElement.lang = next;
   document.title = `${text("title")} – Dynasurf`;
   for (const element of document.querySelectorAll<HTMLElement>("[data-text]"))
