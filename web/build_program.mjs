@@ -45,7 +45,8 @@ const policy = [
   "base-uri 'none'",
   "form-action 'none'",
 ].join("; ");
-const engine = readFileSync(program).toString("base64");
+const { textOf } = await import(`data:text/javascript,${encodeURIComponent(await bundle("program/base85.ts", {}, "esm"))}`);
+const engine = textOf(readFileSync(program));
 const licence = ["fflate/LICENSE", "@bjorn3/browser_wasi_shim/LICENSE-MIT"]
   .map((name) => readFileSync(join(here, "node_modules", name), "utf8").trim())
   .join("\n\n");

@@ -7,14 +7,14 @@ import { fileURLToPath } from "node:url";
 export const here = dirname(fileURLToPath(import.meta.url));
 
 /** A script or style sheet of src/ with all that it imports. */
-export async function bundle(entry, define = {}) {
+export async function bundle(entry, define = {}, format = "iife") {
   const result = await build({
     entryPoints: [join(here, "src", entry)],
     bundle: true,
     minify: true,
     write: false,
     charset: "utf8",
-    format: "iife",
+    format,
     target: "es2022",
     legalComments: "inline",
     define,

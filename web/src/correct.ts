@@ -37,12 +37,12 @@ export function buildHand(painter: Painter | null, slices: Slices | null, result
 }
 
 /** A page around the report may run the study again; it tells what was said before, and which result to compare with. */
-export function joinHost(hand: HandTool | null, painter: Painter | null, slices: Slices | null, field: FieldView | null): void {
+export function joinHost(hand: HandTool | null, painter: Painter | null, slices: Slices | null, field: FieldView | null, player: Player): void {
   if (parent === window) return;
   const tell = (word: FromReport) => parent.postMessage(word, "*");
   addEventListener("message", (event: MessageEvent<FromPage>) => {
     if (event.source !== parent || event.data?.dynasurf !== "page") return;
-    if (event.data.word === "borders") return void preview(event.data.found, painter, slices, field);
+    if (event.data.word === "borders") return void preview(event.data.found, painter, slices, field, player);
     if (event.data.word !== "study") return;
     hand?.serve((said, run, gate, at_once) => tell({ dynasurf: "report", word: "by hand", said, run, gate, at_once }), event.data.said, event.data.at_once);
     void compareWith(event.data.before, painter, slices);
@@ -54,7 +54,7 @@ export function joinHost(hand: HandTool | null, painter: Painter | null, slices:
 }
 
 /** Shows the borders and the field of one gate as they would be found; null: those of the run again. */
-async function preview(found: { text: string; seconds: number } | null, painter: Painter | null, slices: Slices | null, field: FieldView | null): Promise<void> {
+async function preview(found: { text: string; seconds: number } | null, painter: Painter | null, slices: Slices | null, field: FieldView | null, player: Player): Promise<void> {
   if (!painter || !slices) return;
   painter.preview = found && (await readPreview(found.text, painter.pictures));
   byId("preview").textContent = !found
@@ -63,6 +63,10 @@ async function preview(found: { text: string; seconds: number } | null, painter:
       ? say("Borders of gate {n} as they would be found ({s} s)", { n: painter.preview.gate + 1, s: figure(found.seconds, 2) })
       : say("The stack would be cut anew: run again to see its borders");
   field?.preview(painter.preview);
+  if (painter.preview && player.gate !== painter.preview.gate) {
+    player.pause();
+    player.seek(painter.preview.gate);
+  }
   slices.draw();
 }
 

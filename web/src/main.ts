@@ -455,7 +455,7 @@ async function start(): Promise<void> {
   for (const part of [view, scene, splash, slices]) if (part) lights.push((segment) => part.light(segment));
 
   const hand = buildHand(painter, slices, results, player);
-  joinHost(hand, painter, slices, field);
+  joinHost(hand, painter, slices, field, player);
   shareBeat(player);
   buildFilm(results, player, scene);
   const toggles: Record<string, () => void> = { ...(hand ? { h: () => byId("toggle-hand").click() } : {}), ...buildToggles(painter, slices, scene), ...buildLayouts() };

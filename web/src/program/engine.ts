@@ -1,4 +1,5 @@
 // The program in workers: it is compiled once, and every job has a worker of its own, whose memory ends with it.
+import { bytesOf } from "./base85";
 import type { Job, Word } from "./job";
 
 declare const WORKER: string; // the script of the worker
@@ -8,9 +9,7 @@ let engine: Promise<WebAssembly.Module> | null = null;
 async function unpack_engine(): Promise<WebAssembly.Module> {
   // The program stands at the end of the page, which may still be on its way from a slow disk.
   if (document.readyState === "loading") await new Promise((done) => document.addEventListener("DOMContentLoaded", done));
-  const packed = atob(document.getElementById("engine")!.textContent!.trim());
-  const bytes = Uint8Array.from(packed, (letter) => letter.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const stream = new Blob([bytesOf(document.getElementById("engine")!.textContent!.trim())]).stream().pipeThrough(new DecompressionStream("gzip"));
   return WebAssembly.compile(await new Response(stream).arrayBuffer());
 }
 
