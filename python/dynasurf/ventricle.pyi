@@ -122,10 +122,12 @@ class UserOverrides(_Options):
     base_plane_mm: Optional[float]
     base_shift_mm: Optional[float]
     exclude_gates: List[int]
+    endo_points: List[float]
+    epi_points: List[float]
     decision: Literal['none', 'accepted', 'rejected']
     reader: str
     comment: str
-    def __init__(self, *, center_mm: Optional[List[float]] = ..., axis: Optional[List[float]] = ..., radius_mm: Optional[float] = ..., first_slice: Optional[int] = ..., last_slice: Optional[int] = ..., base_plane_mm: Optional[float] = ..., base_shift_mm: Optional[float] = ..., exclude_gates: List[int] = ..., decision: Literal['none', 'accepted', 'rejected'] = ..., reader: str = ..., comment: str = ...) -> None: ...
+    def __init__(self, *, center_mm: Optional[List[float]] = ..., axis: Optional[List[float]] = ..., radius_mm: Optional[float] = ..., first_slice: Optional[int] = ..., last_slice: Optional[int] = ..., base_plane_mm: Optional[float] = ..., base_shift_mm: Optional[float] = ..., exclude_gates: List[int] = ..., endo_points: List[float] = ..., epi_points: List[float] = ..., decision: Literal['none', 'accepted', 'rejected'] = ..., reader: str = ..., comment: str = ...) -> None: ...
 
 class Settle(_Options):
     rounds: int

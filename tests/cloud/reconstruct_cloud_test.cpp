@@ -294,11 +294,11 @@ TEST(ReconstructCloud, FindsTheFewestTrianglesWithinAnError) {
 /// A column with six sides, whose edges bend by 60 degrees: less than what the default takes for an edge for sure.
 TriMesh column() {
   TriMesh mesh;
+  const double half = std::sqrt(3) / 2;
   for (const double z : {-1.0, 1.0})
-    for (int corner = 0; corner < 6; ++corner) {
-      const double angle = corner * std::numbers::pi / 3;
-      mesh.vertices.push_back({std::cos(angle), std::sin(angle), z});
-    }
+    for (const Vec3& corner : {Vec3(1, 0, z), Vec3(0.5, half, z), Vec3(-0.5, half, z), Vec3(-1, 0, z),
+                               Vec3(-0.5, -half, z), Vec3(0.5, -half, z)})
+      mesh.vertices.push_back(corner);
   mesh.vertices.push_back({0, 0, -1});
   mesh.vertices.push_back({0, 0, 1});
   for (std::uint32_t i = 0; i < 6; ++i) {
