@@ -3,7 +3,7 @@
 
 #include "dynasurf/core/study.hpp"
 #include "dynasurf/psf_fit/detail/fit_start.hpp"
-#include "dynasurf/psf_fit/detail/least_squares.hpp"
+#include "dynasurf/psf_fit/detail/wall_model.hpp"
 
 namespace dynasurf::psf_fit {
 
