@@ -17,6 +17,7 @@ namespace {
 /// What was found of one gate, for programs.
 ExitCode print_json(const BordersArguments& arguments, std::stop_token stop) {
   if (!arguments.out.path.empty()) throw OptionError("--json writes no files; expected no --out beside it");
+  if (arguments.edges_only) throw OptionError("--json and --edges-only were given; expected one of them");
   if (!arguments.vary.empty()) throw OptionError("--json and --vary were given; expected one of them");
   std::optional<Image> mask;
   if (!arguments.options.mask.empty()) mask = read_mask(arguments.options.mask);

@@ -98,7 +98,8 @@ class Sheets(CliTest):
             self.assertGreater(labelled, 100)
             self.assertGreater(covered, 0.8 * labelled)
         for says, arguments in (("no --out", ["--out", self.folder / "no"]), ("study has 4", ["--gate", 9]),
-                                ("one of them", ["--vary", "edges.low=0.1,0.2"])):
+                                ("one of them", ["--vary", "edges.low=0.1,0.2"]),
+                                ("one of them", ["--edges-only"])):
             self.refuses(1, "borders", study, "--json", *arguments, says=says)
         self.refuses(1, "borders", study, says="--out is required")
 

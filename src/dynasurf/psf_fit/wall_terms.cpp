@@ -15,8 +15,7 @@ namespace {
 struct Ray {
   double endo = 0, epi = 0, muscle = 0;
 
-  /// Derivatives of q by the logs of the inner wall's q and of the muscle: of the outer wall. The inner wall's own is
-  /// q.
+  /// Derivatives of the outer wall's q by the logs of the inner wall's q and of the muscle, the latter times `scale`.
   double epi_by_endo() const { return endo * endo * endo / (epi * epi); }
   double epi_by_muscle(double scale) const { return scale * muscle / (3 * epi * epi); }
 };

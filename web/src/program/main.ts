@@ -190,7 +190,11 @@ function tell_report(): void {
 
 function hear_report(event: MessageEvent<FromReport>): void {
   if (event.source !== by_id<HTMLIFrameElement>("report").contentWindow || event.data?.dynasurf !== "report") return;
-  if (event.data.word === "ready") return tell_report();
+  if (event.data.word === "ready") {
+    tell_report();
+    preview.stop(); // a report that is loaded anew shows none
+    return look();
+  }
   if (event.data.word !== "by hand") return;
   said = event.data.said;
   gate = event.data.gate;

@@ -1,5 +1,5 @@
 // The borders of one gate and the fields around them, computed again while a person still drags or chooses.
-import { argumentsOf, type ByHand, maskFile, mask_name } from "../host";
+import { argumentsOf, type ByHand, isSame, maskFile, mask_name } from "../host";
 import { Runner } from "./engine";
 import type { Task } from "./history";
 import type { Piece } from "./job";
@@ -12,50 +12,49 @@ export interface Wanted {
 }
 export type Found = { text: string; seconds: number };
 
-/** The fit and the reader are told of these, and borders are the same without. */
+/** Borders are the same whatever these are. */
 const without_effect = /^(fit\.|measures\.|manual\.(endo_points|epi_points|base_shift_mm|decision|reader|comment)$)/;
 
-/** What a look at the borders depends on. */
-function words_of({ settings, said }: Wanted): string[] {
-  const options = Object.fromEntries(Object.entries(said.options).filter(([path]) => !without_effect.test(path)));
-  return [...settings.filter((set) => !without_effect.test(set)).flatMap((set) => ["--set", set]), ...argumentsOf({ options, paint: said.paint })];
+/** What the borders depend on. */
+function of_borders({ task, settings, said, gate }: Wanted): Wanted {
+  const options = Object.entries(said.options).filter(([path]) => !without_effect.test(path));
+  return { task, settings: settings.filter((set) => !without_effect.test(set)), said: { options: Object.fromEntries(options), paint: said.paint }, gate };
 }
-const key_of = (wanted: Wanted): string => JSON.stringify([words_of(wanted), wanted.said.paint && [...wanted.said.paint.voxels].join("")]);
+const has_same = (a: Wanted, b: Wanted): boolean => JSON.stringify(a.settings) === JSON.stringify(b.settings) && isSame(a.said, b.said);
 
 export class Preview {
   private readonly runner = new Runner();
   private made: { task: Task; files: Piece[] } | null = null;
   private next: Wanted | null = null;
   private is_busy = false;
-  /** What is shown, or on its way. */
-  private last = "";
+  /** What is shown, or on its way; null: the borders of the run. */
+  private last: Wanted | null = null;
 
   constructor(private readonly show: (found: Found | null) => void) {}
 
   /** `shown`: what the run that is shown was made with; with the same there is nothing to preview. */
-  ask(wanted: Wanted, shown: Wanted): void {
-    const key = key_of(wanted) === key_of(shown) ? "" : key_of(wanted) + String(wanted.gate);
-    if (key === this.last || wanted.task.subject !== "ventricle") return;
-    this.last = key;
-    this.next = key === "" ? null : wanted;
-    if (key === "") return this.show(null);
-    if (!this.is_busy) void this.work();
+  ask(asked: Wanted, shown: Wanted): void {
+    if (asked.task.subject !== "ventricle") return;
+    const wanted = of_borders(asked);
+    const next = has_same(wanted, of_borders(shown)) ? null : wanted;
+    if (next === null ? this.last === null : this.last?.gate === next.gate && has_same(next, this.last)) return;
+    this.last = this.next = next;
+    if (!next) this.show(null);
+    else if (!this.is_busy) void this.work();
   }
 
   stop(): void {
     this.runner.stop();
-    this.next = null;
+    this.last = this.next = null;
     this.is_busy = false;
-    this.last = "";
   }
 
   private async work(): Promise<void> {
     this.is_busy = true;
     for (let wanted = this.next; wanted; wanted = this.next) {
       this.next = null;
-      const key = this.last;
-      const found = await this.look(wanted);
-      if (key === this.last) this.show(found);
+      const found = await this.look(wanted).catch(() => null); // a run tells what cannot be done
+      if (wanted === this.last) this.show(found);
     }
     this.is_busy = false;
   }
@@ -64,7 +63,7 @@ export class Preview {
   private async look(wanted: Wanted): Promise<Found | null> {
     const files: Piece[] = (await this.files_of(wanted.task)).map(({ path, bytes }) => ({ path, bytes: bytes.slice() }));
     if (wanted.said.paint) files.push({ path: mask_name, bytes: maskFile(wanted.said.paint) });
-    const words = words_of(wanted).map((word) => (word === mask_name ? `/${mask_name}` : word));
+    const words = [...wanted.settings.flatMap((set) => ["--set", set]), ...argumentsOf(wanted.said).map((word) => (word === mask_name ? `/${mask_name}` : word))];
     const begin = performance.now();
     const command = ["borders", ...wanted.task.inputs, ...wanted.task.more, "--json", "--gate", String(wanted.gate), ...words];
     const word = await this.runner.run({ files, commands: [command], wanted: [] });

@@ -1,10 +1,9 @@
-#include "dynasurf/show/detail/border_sheets.hpp"
-
 #include <algorithm>
 
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/options_json.hpp"
 #include "dynasurf/io/study_io.hpp"
+#include "dynasurf/show/detail/border_sheets.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "borders_matrix.hpp"
