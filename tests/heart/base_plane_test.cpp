@@ -34,7 +34,7 @@ Image walled(const BasePlane& base) {
 TEST(BasePlane, LiesWhereTheWallEndsToAFractionOfAVoxel) {
   for (const double height : {20.0, 26.3, 31.7}) {
     const BasePlane truth{heart.centre + height * heart.axis, Vec3::UnitZ()};
-    const auto found = find_base_plane(walled(truth), heart);
+    const auto found = find_base_plane(look_at_wall(walled(truth), heart));
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->point[2], truth.point[2], 1.0) << "a third of a voxel";
     EXPECT_GT(found->normal[2], std::cos(2 * std::numbers::pi / 180));
@@ -44,14 +44,16 @@ TEST(BasePlane, LiesWhereTheWallEndsToAFractionOfAVoxel) {
 
 TEST(BasePlane, MayLean) {
   const BasePlane truth{heart.centre + 24 * heart.axis, Vec3(0.2, 0, 1).normalized()};
-  const auto found = find_base_plane(walled(truth), heart);
+  const auto found = find_base_plane(look_at_wall(walled(truth), heart));
   ASSERT_TRUE(found);
   const double lean = std::atan2(found->normal[0], found->normal[2]), true_lean = std::atan2(0.2, 1.0);
   EXPECT_NEAR(lean, true_lean, 0.3 * true_lean) << "the tilt is held near square on purpose";
   EXPECT_NEAR(found->normal[1], 0, 0.02);
 }
 
-TEST(BasePlane, IsAbsentWhereTheWallDoesNotEnd) { EXPECT_FALSE(find_base_plane(Image(walled({}).grid, 1.0F), heart)); }
+TEST(BasePlane, IsAbsentWhereTheWallDoesNotEnd) {
+  EXPECT_FALSE(find_base_plane(look_at_wall(Image(walled({}).grid, 1.0F), heart)));
+}
 
 TEST(BasePlane, IsLaidThroughWhatTheVolumeShowsAndSaysWhatItDoesNot) {
   const BasePlane truth{heart.centre + 26 * heart.axis, Vec3(0.15, 0, 1).normalized()};
@@ -59,7 +61,7 @@ TEST(BasePlane, IsLaidThroughWhatTheVolumeShowsAndSaysWhatItDoesNot) {
   Image cut = whole;  // ends at 87 mm, below the higher part of the base
   cut.grid.dims[2] = 30;
   cut.values.resize(cut.grid.size());
-  const auto all = find_base_plane(whole, heart), part = find_base_plane(cut, heart);
+  const auto all = find_base_plane(look_at_wall(whole, heart)), part = find_base_plane(look_at_wall(cut, heart));
   ASSERT_TRUE(all && part);
   EXPECT_EQ(all->cut, 0);
   EXPECT_GT(part->cut, 0.2);
@@ -68,7 +70,8 @@ TEST(BasePlane, IsLaidThroughWhatTheVolumeShowsAndSaysWhatItDoesNot) {
 
 TEST(BasePlane, ALowerLevelLiesHigher) {
   const Image image = walled({heart.centre + 26 * heart.axis, Vec3::UnitZ()});
-  const auto half = find_base_plane(image, heart, 0.5), third = find_base_plane(image, heart, 0.35);
+  const auto half = find_base_plane(look_at_wall(image, heart), 0.5),
+             third = find_base_plane(look_at_wall(image, heart), 0.35);
   ASSERT_TRUE(half && third);
   // The wall ends like an error function of 5 mm: 0.35 of it is reached 0.385 deviations above the half.
   EXPECT_NEAR(third->point[2] - half->point[2], 0.385 * 5, 0.5);

@@ -9,12 +9,13 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/heart/detail/smooth_cycle.hpp"
+#include "dynasurf/image/detail/linear_sampler.hpp"
 #include "dynasurf/image/intensity.hpp"
 
 namespace dynasurf::heart {
 namespace {
 
-constexpr int meridians = 32;
+constexpr int meridian_count = 32;
 constexpr double step_mm = 1.5;
 
 std::vector<double> first_of(std::vector<double> values, std::size_t count) {
@@ -29,28 +30,21 @@ double wall_radius(const LvShell& cup, double z) {
   return z > 0 ? std::max(r, 0.7 * cup.radius_mm) : r;
 }
 
-/// How bright the wall is along one meridian, from `low` upwards, as far as the volume goes.
-struct Meridian {
-  Vec3 out;
-  double low = 0;
-  std::vector<double> brightness;
-  bool is_cut = false;  // the volume ends before the way does
-};
-
 Meridian walk(const Image& image, const LvShell& cup, const Vec3& out, double low, double high) {
   Meridian m{out, low, {}, false};
   constexpr double reach_mm = 7;
+  const image::LinearSampler value(image);
   for (double z = low; z <= high; z += step_mm) {
     const double r = wall_radius(cup, z);
-    const Index3 v = voxel_of(image.grid, cup.centre + z * cup.axis + r * out);
+    const Vec3 middle = cup.centre + z * cup.axis;
+    const Index3 v = voxel_of(image.grid, middle + r * out);
     if (!image.grid.contains(v[0], v[1], v[2]) && z > 0) {
       m.is_cut = true;
       break;
     }
     double brightest = 0;
     for (double s = -reach_mm; s <= reach_mm; s += 1.75)
-      brightest =
-          std::max(brightest, image::sample_linear(image, cup.centre + z * cup.axis + std::max(0.0, r + s) * out));
+      brightest = std::max(brightest, value(middle + std::max(0.0, r + s) * out));
     m.brightness.push_back(brightest);
   }
   return m;
@@ -59,8 +53,8 @@ Meridian walk(const Image& image, const LvShell& cup, const Vec3& out, double lo
 /// What surrounds the heart: a low quantile, so that its neighbours do not count.
 double surroundings(const Image& image, const LvShell& cup, const ShellBasis& a) {
   std::vector<double> values;
-  for (int d = 0; d < meridians; ++d) {
-    const double angle = 2 * std::numbers::pi * d / meridians;
+  for (int d = 0; d < meridian_count; ++d) {
+    const double angle = 2 * std::numbers::pi * d / meridian_count;
     const Vec3 out = own::cos(angle) * a.u + own::sin(angle) * a.v;
     for (const double z : {-0.3, 0.0, 0.3})
       values.push_back(
@@ -129,53 +123,37 @@ BasePlane to_grid(const Grid& grid, BasePlane plane) {
   return plane;
 }
 
-namespace {
-
-/// The wall along all meridians, and what a usual one and the surroundings are like.
-struct Walls {
-  ShellBasis across;
-  std::vector<Meridian> all;
-  double typical = 0, background = 0;
-};
-
-Walls walk_all(const Image& image, const LvShell& cup) {
-  Walls walls{across(cup.axis), {}};
-  const ShellBasis& a = walls.across;
+WallProfiles look_at_wall(const Image& image, const LvShell& cup) {
+  WallProfiles wall{cup, {}};
+  const ShellBasis a = across(cup.axis);
   const double low = -0.6 * cup.half_length_mm, high = 1.3 * cup.half_length_mm + 15;
   std::vector<double> middle;
-  for (int d = 0; d < meridians; ++d) {
-    const double angle = 2 * std::numbers::pi * d / meridians;
-    walls.all.push_back(walk(image, cup, own::cos(angle) * a.u + own::sin(angle) * a.v, low, high));
-    const auto& brightness = walls.all.back().brightness;
+  for (int d = 0; d < meridian_count; ++d) {
+    const double angle = 2 * std::numbers::pi * d / meridian_count;
+    wall.meridians.push_back(walk(image, cup, own::cos(angle) * a.u + own::sin(angle) * a.v, low, high));
+    const auto& brightness = wall.meridians.back().brightness;
     middle.push_back(quantile(first_of(brightness, static_cast<std::size_t>(-low / step_mm) + 1), 0.7));
   }
-  walls.typical = quantile(middle, 0.6);
-  walls.background = std::min(surroundings(image, cup, a), 0.5 * walls.typical);
-  return walls;
+  wall.typical = quantile(middle, 0.6);
+  wall.background = std::min(surroundings(image, cup, a), 0.5 * wall.typical);
+  return wall;
 }
 
-}  // namespace
-
-double wall_over_surroundings(const Image& image, const LvShell& cup) {
-  const Walls walls = walk_all(image, cup);
-  return walls.typical - walls.background;
-}
-
-std::optional<BasePlane> find_base_plane(const Image& image, const LvShell& cup, double level_share) {
+std::optional<BasePlane> find_base_plane(const WallProfiles& wall, double level_share) {
   constexpr double least_seen = 1.0 / 3;
-  const Walls walls = walk_all(image, cup);
-  const ShellBasis& a = walls.across;
+  const LvShell& cup = wall.cup;
+  const ShellBasis a = across(cup.axis);
   std::vector<End> ends;
   int cut = 0;
-  for (const Meridian& m : walls.all) {
-    if (const auto z = end_of_wall(m, 0, walls.background, walls.typical, level_share)) {
+  for (const Meridian& m : wall.meridians) {
+    if (const auto z = end_of_wall(m, 0, wall.background, wall.typical, level_share)) {
       const double r = wall_radius(cup, *z);
       ends.push_back({r * m.out.dot(a.u), r * m.out.dot(a.v), *z});
     } else {
       cut += m.is_cut;
     }
   }
-  const double seen = static_cast<double>(ends.size()) / meridians;
+  const double seen = static_cast<double>(ends.size()) / meridian_count;
   if (seen < least_seen) return std::nullopt;
 
   const Eigen::Vector3d p = fit_plane(ends);
@@ -183,7 +161,7 @@ std::optional<BasePlane> find_base_plane(const Image& image, const LvShell& cup,
   plane.point = cup.centre + p[0] * cup.axis;
   plane.normal = (cup.axis - p[1] * a.u - p[2] * a.v).normalized();
   plane.seen = seen;
-  plane.cut = static_cast<double>(cut) / meridians;
+  plane.cut = static_cast<double>(cut) / meridian_count;
   std::vector<double> away;
   away.reserve(ends.size());
   for (const End& e : ends) away.push_back(std::abs(e.z - p[0] - p[1] * e.x - p[2] * e.y));

@@ -24,14 +24,33 @@ struct BasePlane {
 BasePlane to_world(const Grid& grid, BasePlane plane);
 BasePlane to_grid(const Grid& grid, BasePlane plane);
 
+/// How bright the wall is along one meridian of a cup, from the height `low` over its centre upwards in steps of 1.5
+/// mm, as far as the volume goes.
+struct Meridian {
+  Vec3 out{1, 0, 0};  // square to the axis, unit
+  double low = 0;     // mm
+  std::vector<double> brightness;
+  bool is_cut = false;  // the volume ends before the way does
+};
+
+/// What one image shows of the wall around a cup. Grid frame.
+struct WallProfiles {
+  LvShell cup;
+  std::vector<Meridian> meridians;
+  double typical = 0;     // brightness of a usual one
+  double background = 0;  // of what surrounds the heart, without its neighbours
+
+  /// How much brighter the middle of the wall is than what surrounds the heart, in units of the image.
+  double over_surroundings() const { return typical - background; }
+};
+/// Looks along all meridians of a cup.
+WallProfiles look_at_wall(const Image& image, const LvShell& cup);
+
 /// The valve plane of one image: along every meridian of the cup the wall ends where it has fallen to `level_share` of
 /// its brightness over that of the surroundings (a half: blur does not move the end of a wall of even thickness), and a
 /// plane is laid through the ends, robust against hot neighbours and missing walls, its tilt held near square to the
 /// axis. Grid frame. Absent when the end of the wall is seen in less than a third of the directions.
-std::optional<BasePlane> find_base_plane(const Image& image, const LvShell& cup, double level_share = 0.5);
-
-/// How much brighter the middle of the wall is than what surrounds the heart, in units of the image.
-double wall_over_surroundings(const Image& image, const LvShell& cup);
+std::optional<BasePlane> find_base_plane(const WallProfiles& wall, double level_share = 0.5);
 
 /// The planes of a whole cycle: height along the axis as a constant and two waves (three from 12 gates on), the tilt
 /// common to all gates. Gates without a plane, or far from what their neighbours say, follow the others; `outlier`

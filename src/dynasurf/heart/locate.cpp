@@ -10,6 +10,8 @@
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/heart/base_plane.hpp"
+#include "dynasurf/heart/detail/hollow_shells.hpp"
+#include "dynasurf/image/detail/linear_sampler.hpp"
 #include "dynasurf/image/intensity.hpp"
 
 namespace dynasurf::heart {
@@ -17,19 +19,6 @@ namespace {
 
 constexpr double coarse_mm = 7;    // voxels of the search
 constexpr double smooth_mm = 3.5;  // standard deviation of the smoothing before it
-constexpr double apart_mm = 22;    // two places nearer than this are one
-constexpr std::size_t most_places = 10;
-constexpr std::array<double, 5> radii_mm{17, 22, 28, 36, 46};
-
-/// The 26 directions of a cube's corners, edges and faces.
-std::vector<Vec3> cube_directions() {
-  std::vector<Vec3> all;
-  for (int k = -1; k <= 1; ++k)
-    for (int j = -1; j <= 1; ++j)
-      for (int i = -1; i <= 1; ++i)
-        if (i != 0 || j != 0 || k != 0) all.push_back(Vec3(i, j, k).normalized());
-  return all;
-}
 
 /// The image on cubic voxels, in the world's axes of its own grid.
 Image coarsened(const Image& image) {
@@ -50,76 +39,6 @@ Image coarsened(const Image& image) {
           result(i, j, k) = static_cast<float>(image::sample_linear(smooth, centre_of(grid, {i, j, k})));
   });
   return result;
-}
-
-/// A place that looks like the middle of a hollow shell.
-struct Place {
-  Vec3 centre{0, 0, 0};
-  double radius_mm = 0, worth = 0;
-};
-
-/// Offsets of the points of a shell and beside it, in voxels of the coarse image.
-struct Shell {
-  double radius_mm;
-  std::array<std::array<Index3, 3>, 26> offsets;  // inside, wall, outside per direction
-};
-
-Shell make_shell(double radius, const std::vector<Vec3>& directions) {
-  Shell shell{radius, {}};
-  const std::array<double, 3> at{std::max(0.0, radius - 14), radius, radius + 14};
-  for (std::size_t d = 0; d < directions.size(); ++d)
-    for (std::size_t s = 0; s < 3; ++s)
-      for (std::size_t a = 0; a < 3; ++a)
-        shell.offsets[d][s][a] = static_cast<int>(std::lround(at[s] * directions[d][a] / coarse_mm));
-  return shell;
-}
-
-/// Contrast of the shell in its middling directions: the best ones may be a hot neighbour, the worst ones are the open
-/// base and defects.
-double worth_of(const Image& image, const Shell& shell, int i, int j, int k) {
-  std::array<double, 26> contrast{};
-  for (std::size_t d = 0; d < contrast.size(); ++d) {
-    std::array<double, 3> v{};
-    for (std::size_t s = 0; s < 3; ++s) {
-      const Index3& o = shell.offsets[d][s];
-      v[s] = image.clamped(i + o[0], j + o[1], k + o[2]);
-    }
-    contrast[d] = v[1] - 0.75 * std::max(v[0], v[2]) - 0.25 * std::min(v[0], v[2]);
-  }
-  std::sort(contrast.begin(), contrast.end());
-  double sum = 0;
-  for (std::size_t d = 9; d < 22; ++d) sum += contrast[d];
-  return sum / 13;
-}
-
-std::vector<Place> find_places(const Image& image, const std::vector<Vec3>& directions) {
-  std::vector<Shell> shells;
-  shells.reserve(radii_mm.size());
-  for (double r : radii_mm) shells.push_back(make_shell(r, directions));
-  const Grid& g = image.grid;
-  std::vector<Place> all(g.size());
-  parallel_for(g.dims[2], 1, [&](int begin, int end) {
-    for (int k = begin; k < end; ++k)
-      for (int j = 0; j < g.dims[1]; ++j)
-        for (int i = 0; i < g.dims[0]; ++i) {
-          Place& best = all[g.index(i, j, k)];
-          best.centre = centre_of(g, {i, j, k});
-          for (const Shell& shell : shells) {
-            const double worth = worth_of(image, shell, i, j, k);
-            if (worth > best.worth) best.worth = worth, best.radius_mm = shell.radius_mm;
-          }
-        }
-  });
-  std::erase_if(all, [](const Place& p) { return p.worth <= 0; });
-  std::stable_sort(all.begin(), all.end(), [](const Place& a, const Place& b) { return a.worth > b.worth; });
-  std::vector<Place> chosen;
-  for (const Place& p : all) {
-    const bool is_new = std::all_of(chosen.begin(), chosen.end(),
-                                    [&](const Place& c) { return (c.centre - p.centre).norm() >= apart_mm; });
-    if (is_new) chosen.push_back(p);
-    if (chosen.size() == most_places) break;
-  }
-  return chosen;
 }
 
 struct Candidate {
@@ -177,7 +96,7 @@ LvShell refined(const Image& image, LvShell cup, bool may_grow) {
     const std::optional<LvShell> fit = fit_cup(find_ridge(image, cup, 7, 16, reaches_mm[round]), cup);
     if (!fit) break;
     cup = *fit;
-    const std::optional<BasePlane> base = find_base_plane(image, cup);
+    const std::optional<BasePlane> base = find_base_plane(look_at_wall(image, cup));
     if (!base) continue;
     const double height = (base->point - cup.centre).dot(cup.axis);
     if (may_grow && round < 3 && height > highest_base * cup.half_length_mm)
@@ -227,10 +146,11 @@ double explained_share(const Scene& scene, const LvShell& cup) {
   Row right = Row::Zero();
   double sum = 0, squares = 0, count = 0;
   const ShellBasis a = across(cup.axis);
+  const image::LinearSampler sample(scene.image);
   const auto look = [&](const Vec3& p) {
     const Index3 voxel = voxel_of(scene.image.grid, p);
     if (!scene.image.grid.contains(voxel[0], voxel[1], voxel[2])) return;
-    const double value = std::min(image::sample_linear(scene.image, p), scene.brightest);
+    const double value = std::min(sample(p), scene.brightest);
     const Vec3 d = p - cup.centre;
     const double height = d.dot(cup.axis), away = signed_distance(cup, p) / half_wall_mm;
     const double below = 1 / (1 + own::exp((height - cup.base_mm) / rim_mm)), ridge = own::exp(-0.5 * away * away);
@@ -319,12 +239,13 @@ std::optional<Location> look_for(const Image& mean, const LocateHints& hints) {
   if (!(typical > 0)) return std::nullopt;
 
   std::vector<Vec3> directions = cube_directions();
-  std::vector<Place> places = find_places(coarse, directions);
+  std::vector<Place> places;
   std::optional<Vec3> middle, axis;
   if (hints.centre_mm) {
     middle = to_grid(mean.grid, *hints.centre_mm);
-    places.clear();
-    for (double r : radii_mm) places.push_back({*middle, r, 1});
+    for (double r : shell_radii_mm) places.push_back({*middle, r, 1});
+  } else {
+    places = find_places(coarse);
   }
   if (hints.radius_mm)
     for (Place& p : places) p.radius_mm = *hints.radius_mm;
@@ -354,7 +275,7 @@ std::optional<Location> look_for(const Image& mean, const LocateHints& hints) {
   }
   result.cup = held(best.cup, middle, axis);
   for (const Candidate& c : found)
-    if ((c.cup.middle() - result.cup.middle()).norm() > 2 * apart_mm) {
+    if ((c.cup.middle() - result.cup.middle()).norm() > 2 * places_apart_mm) {
       result.runner_up = c.worth / found.front().worth;
       result.runner_up_mm = to_world(mean.grid, c.cup.middle());
       break;

@@ -9,7 +9,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
-#include "dynasurf/image/intensity.hpp"
+#include "dynasurf/image/detail/linear_sampler.hpp"
 
 namespace dynasurf::heart {
 namespace {
@@ -19,8 +19,22 @@ constexpr double least_radius_mm = 12, most_radius_mm = 60;
 constexpr double least_elongation = 1.0, usual_elongation = 1.9, most_elongation = 2.8;
 constexpr double side_mm = 14;  // beside the wall: beyond its half thickness and the blur
 
-/// Unit vector square to the axis at the angle `phi`.
-Vec3 outwards(const ShellBasis& a, double phi) { return own::cos(phi) * a.u + own::sin(phi) * a.v; }
+/// An angle around the axis.
+struct Turn {
+  double cosine, sine;
+};
+Turn turn_by(double phi) { return {own::cos(phi), own::sin(phi)}; }
+
+/// All the way around in equal steps.
+template <std::size_t count>
+std::array<Turn, count> turns_around() {
+  std::array<Turn, count> turns{};
+  for (std::size_t d = 0; d < count; ++d) turns[d] = turn_by(2 * pi * d / count);
+  return turns;
+}
+
+/// Unit vector square to the axis.
+Vec3 outwards(const ShellBasis& a, const Turn& turn) { return turn.cosine * a.u + turn.sine * a.v; }
 
 /// The height of a row of points: theta from the apex.
 struct Row {
@@ -70,7 +84,7 @@ ShellBasis across(const Vec3& axis) {
 }
 
 ShellPoint on_cup(const LvShell& cup, const ShellBasis& a, double theta, double phi) {
-  return on_cup(cup, outwards(a, phi), row_at(theta));
+  return on_cup(cup, outwards(a, turn_by(phi)), row_at(theta));
 }
 
 double base_angle(const LvShell& cup) { return own::acos(std::clamp(-cup.base_mm / cup.half_length_mm, -0.98, 0.98)); }
@@ -99,18 +113,20 @@ LvShell to_grid(const Grid& grid, LvShell cup) {
 
 CupScore score(const Image& image, const LvShell& cup) {
   constexpr int rows = 5, around = 12;
+  static const std::array<Turn, around> turns = turns_around<around>();
+  const image::LinearSampler value(image);
   const ShellBasis a = across(cup.axis);
   const double top = base_angle(cup);
   std::array<double, rows * around + 1> wall{}, side{};
   std::size_t n = 0;
   std::array<Vec3, around> sides;  // the same for every row: worked out once
-  for (int d = 0; d < around; ++d) sides[d] = outwards(a, 2 * pi * d / around);
+  for (int d = 0; d < around; ++d) sides[d] = outwards(a, turns[d]);
   const double inwards = std::min(side_mm, 0.9 * cup.radius_mm);
   const auto look = [&](const Row& row, const Vec3& out) {
     const ShellPoint at = on_cup(cup, out, row);
-    const double in = image::sample_linear(image, at.position - inwards * at.normal);
-    const double outside = image::sample_linear(image, at.position + side_mm * at.normal);
-    wall[n] = image::sample_linear(image, at.position);
+    const double in = value(at.position - inwards * at.normal);
+    const double outside = value(at.position + side_mm * at.normal);
+    wall[n] = value(at.position);
     side[n++] = 0.75 * std::max(in, outside) + 0.25 * std::min(in, outside);
   };
   look(row_at(0), sides[0]);
@@ -127,9 +143,9 @@ CupScore score(const Image& image, const LvShell& cup) {
   result.contrast = sum / n;
 
   // Over the base there is no wall: neither where it would go on nor in the middle.
-  double over = image::sample_linear(image, cup.base() + 8 * cup.axis);
+  double over = value(cup.base() + 8 * cup.axis);
   const Row rim = row_at(std::min(top, 2.6));
-  for (const Vec3& out : sides) over += image::sample_linear(image, on_cup(cup, out, rim).position + 14 * cup.axis);
+  for (const Vec3& out : sides) over += value(on_cup(cup, out, rim).position + 14 * cup.axis);
   const double open = result.brightness - std::min(over / (around + 1), most);
   result.contrast = 0.75 * result.contrast + 0.25 * open;
   return result;
@@ -137,31 +153,32 @@ CupScore score(const Image& image, const LvShell& cup) {
 
 LvShell local_search(const Image& image, LvShell cup, double step_mm) {
   double best = score(image, cup).contrast;
+  constexpr int passes = 6;
   for (double step = step_mm; step > 0.7; step /= 2) {
-    for (int pass = 0; pass < 6; ++pass) {
+    int still = 0;  // ways in a row in which nothing rose: after both, all others would be the same again
+    for (int n = 0; n < 2 * passes && still < 2; ++n) {
       bool rose = false;
       const auto attempt = [&](const LvShell& candidate) {
         if (!plausible(candidate)) return;
         const double value = score(image, candidate).contrast;
         if (value > best) best = value, cup = candidate, rose = true;
       };
-      for (const double way : {step, -step}) {
-        LvShell c = cup;
-        const ShellBasis a = across(cup.axis);
-        for (const Vec3& direction : {a.u, a.v, cup.axis}) c = cup, c.centre += way * direction, attempt(c);
-        for (const Vec3& direction : {a.u, a.v}) {
-          c = cup, c.axis = turned(cup.axis, direction, way / cup.half_length_mm);
-          attempt(c);
-          // About the apex as well: the base swings, the apex stays.
-          c.centre = cup.apex() + cup.half_length_mm * c.axis;
-          attempt(c);
-        }
-        c = cup, c.radius_mm += way, attempt(c);
-        c = cup, c.half_length_mm += way, attempt(c);
-        c = cup, c.radius_mm += way, c.half_length_mm += way, attempt(c);
-        c = cup, c.base_mm += way, attempt(c);
+      const double way = n % 2 == 0 ? step : -step;
+      LvShell c = cup;
+      const ShellBasis a = across(cup.axis);
+      for (const Vec3& direction : {a.u, a.v, cup.axis}) c = cup, c.centre += way * direction, attempt(c);
+      for (const Vec3& direction : {a.u, a.v}) {
+        c = cup, c.axis = turned(cup.axis, direction, way / cup.half_length_mm);
+        attempt(c);
+        // About the apex as well: the base swings, the apex stays.
+        c.centre = cup.apex() + cup.half_length_mm * c.axis;
+        attempt(c);
       }
-      if (!rose) break;
+      c = cup, c.radius_mm += way, attempt(c);
+      c = cup, c.half_length_mm += way, attempt(c);
+      c = cup, c.radius_mm += way, c.half_length_mm += way, attempt(c);
+      c = cup, c.base_mm += way, attempt(c);
+      still = rose ? 0 : still + 1;
     }
   }
   return cup;
@@ -184,22 +201,22 @@ double share_outside(const Grid& grid, const LvShell& cup) {
 std::vector<RidgePoint> find_ridge(const Image& image, const LvShell& cup, int rows, int around, double reach_mm) {
   constexpr double step_mm = 1;
   const int steps = static_cast<int>(std::floor(std::min(reach_mm, 0.95 * cup.radius_mm) / step_mm));
+  const image::LinearSampler value(image);
   const ShellBasis a = across(cup.axis);
   const double top = base_angle(cup);
   std::vector<RidgePoint> ridge;
   std::vector<double> profile(2 * steps + 1);
   const auto look = [&](double theta, double phi) {
-    const ShellPoint at = on_cup(cup, outwards(a, phi), row_at(theta));
-    for (int s = -steps; s <= steps; ++s)
-      profile[s + steps] = image::sample_linear(image, at.position + s * step_mm * at.normal);
+    const ShellPoint at = on_cup(cup, outwards(a, turn_by(phi)), row_at(theta));
+    for (int s = -steps; s <= steps; ++s) profile[s + steps] = value(at.position + s * step_mm * at.normal);
     int best = -1;
     double worth = 0;
     for (int s = 1; s < 2 * steps; ++s) {
       const auto n = static_cast<std::size_t>(s);
       if (!(profile[n] >= profile[n - 1] && profile[n] > profile[n + 1])) continue;
       const double away = (s - steps) * step_mm / reach_mm;
-      const double value = profile[n] * own::exp(-away * away);
-      if (best < 0 || value > worth) best = s, worth = value;
+      const double near = profile[n] * own::exp(-away * away);
+      if (best < 0 || near > worth) best = s, worth = near;
     }
     RidgePoint point{at.position, profile[steps], 0, 0};
     if (best > 0) {

@@ -3,6 +3,7 @@
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/detail/gaussian.hpp"
+#include "dynasurf/image/detail/linear_sampler.hpp"
 #include "dynasurf/image/intensity.hpp"
 
 namespace dynasurf::image {
@@ -36,21 +37,7 @@ bool holds(const Grid& grid, const Vec3& mm) {
 
 }  // namespace
 
-double sample_linear(const Image& image, const Vec3& mm) {
-  const Grid& g = image.grid;
-  const Place x = place(mm[0], g.spacing[0], g.dims[0]), y = place(mm[1], g.spacing[1], g.dims[1]),
-              z = place(mm[2], g.spacing[2], g.dims[2]);
-  const std::size_t dx = g.dims[0] > 1 ? 1 : 0, dy = g.dims[1] > 1 ? static_cast<std::size_t>(g.dims[0]) : 0,
-                    dz = g.dims[2] > 1 ? g.index(0, 0, 1) : 0;
-  const float* v = image.values.data() + g.index(x.low, y.low, z.low);
-  const auto along_x = [&](std::size_t at) { return v[at] + x.share * (v[at + dx] - v[at]); };
-  const auto along_y = [&](std::size_t at) {
-    const double low = along_x(at), high = along_x(at + dy);
-    return low + y.share * (high - low);
-  };
-  const double low = along_y(0), high = along_y(dz);
-  return low + z.share * (high - low);
-}
+double sample_linear(const Image& image, const Vec3& mm) { return LinearSampler(image)(mm); }
 
 double sample_cubic(const Image& image, const Vec3& mm) {
   const Grid& g = image.grid;

@@ -181,17 +181,18 @@ std::vector<std::optional<heart::BasePlane>> seen_planes(const Study& study, con
                                                          Notes& notes) {
   std::vector<std::optional<heart::BasePlane>> planes(study.gates.size());
   const heart::LvShell cup = to_grid(study.grid(), heart.cup);
-  std::vector<Image> smooth(planes.size());
-  std::vector<double> wall(planes.size());
+  std::vector<heart::WallProfiles> walls(planes.size());
   parallel_for(planes.size(), 1, [&](std::size_t g, std::size_t) {
-    smooth[g] = image::smooth_gaussian(study.gates[g], plane_smoothing_mm);
-    wall[g] = heart::wall_over_surroundings(smooth[g], cup);
+    walls[g] = heart::look_at_wall(image::smooth_gaussian(study.gates[g], plane_smoothing_mm), cup);
   });
-  const double relaxed = relaxed_level(wall);
-  parallel_for(planes.size(), 1, [&](std::size_t g, std::size_t) {
-    const double share = wall[g] > 0 ? std::clamp(relaxed / wall[g], least_rim_share, 1.0) : 1;
-    planes[g] = heart::find_base_plane(smooth[g], cup, end_level * share);
-  });
+  std::vector<double> over;
+  over.reserve(walls.size());
+  for (const heart::WallProfiles& wall : walls) over.push_back(wall.over_surroundings());
+  const double relaxed = relaxed_level(over);
+  for (std::size_t g = 0; g < planes.size(); ++g) {
+    const double share = over[g] > 0 ? std::clamp(relaxed / over[g], least_rim_share, 1.0) : 1;
+    planes[g] = heart::find_base_plane(walls[g], end_level * share);
+  }
   const std::optional<heart::PlaneCycle> cycle = heart::smooth_over_cycle(planes, cup.axis);
   if (!cycle) {
     notes.push_back({Severity::warning, "base.plane_missing",
