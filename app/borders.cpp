@@ -23,8 +23,11 @@ ExitCode print_json(const BordersArguments& arguments, std::stop_token stop) {
   if (!arguments.options.mask.empty()) mask = read_mask(arguments.options.mask);
   const Study study = io::read_study(arguments.study, arguments.series);
   const int gate = gate_of(arguments, study) - 1;
-  const ventricle::BorderResult result = ventricle::find_borders(study, options_of(arguments.options), {{}, stop},
-                                                                 {.mask = mask ? &*mask : nullptr, .only_gate = gate});
+  std::optional<heart::Location> located;
+  if (!arguments.located.empty()) located = report::read_location(arguments.located);
+  const ventricle::BorderResult result =
+      ventricle::find_borders(study, options_of(arguments.options), {{}, stop},
+                              {.mask = mask ? &*mask : nullptr, .only_gate = gate, .located = located});
   print(report::borders_json(result, gate));
   return done;
 }
@@ -32,6 +35,7 @@ ExitCode print_json(const BordersArguments& arguments, std::stop_token stop) {
 ExitCode run(const BordersArguments& arguments, std::stop_token stop) {
   const ThreadLimit limit(arguments.threads);
   if (arguments.json) return print_json(arguments, stop);
+  if (!arguments.located.empty()) throw OptionError("--located was given without --json; expected both");
   if (arguments.out.path.empty()) throw OptionError("--out is required, unless --json is given");
   return draw_borders(arguments, stop);
 }
@@ -65,6 +69,9 @@ void add_borders(CLI::App& program, Command& chosen) {
   command.flag("--json", a->json,
                "print the voxels of edges and borders of one gate, and the fields around its borders, in place of the "
                "sheets; bytes are deflated, in base64");
+  command.option("--located", a->located,
+                 "with --json: what it printed before of the same study, mask, excluded gates and heart by hand; the "
+                 "heart is not looked for again");
   command.option("--threads", a->threads, "threads at most; the result is the same (0: all)").within(0, 1024);
   command.flag("--quiet", a->quiet, "print nothing");
   command.run(chosen, [a](std::stop_token stop) { return run(*a, stop); });

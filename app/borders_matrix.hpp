@@ -10,7 +10,7 @@
 namespace dynasurf::app {
 
 struct BordersArguments {
-  std::string study, series;
+  std::string study, series, located;
   OutFolder out;
   OptionArguments options;
   std::vector<std::string> vary;  // path=value,value,...

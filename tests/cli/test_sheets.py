@@ -103,6 +103,26 @@ class Sheets(CliTest):
             self.refuses(1, "borders", study, "--json", *arguments, says=says)
         self.refuses(1, "borders", study, says="--out is required")
 
+    def test_a_heart_that_was_located_before_is_taken_as_it_was(self):
+        study = small_patient() / "study.dcm"
+        before = self.folder / "before.json"
+        before.write_text(run("borders", study, "--json").stdout)
+        changed = ["borders", study, "--json", "--gate", 3, "--set", "edges.high=0.4"]
+        self.assertEqual(run(*changed, "--located", before).stdout, run(*changed).stdout)
+
+        found = json.loads(before.read_text())
+        found["heart"]["centre_mm"][0] += 25
+        before.write_text(json.dumps({"heart": found["heart"]}))
+        elsewhere = json.loads(run(*changed, "--located", before).stdout)
+        self.assertEqual(elsewhere["heart"], found["heart"])
+        self.assertNotEqual(elsewhere["marks"], json.loads(run(*changed).stdout)["marks"])
+
+        for key, value, says in (("radius_mm", -1, "radius_mm > 0"), ("axis", [0, 0, 2], "length 1"),
+                                 ("axis", [0, 1], "three numbers"), ("contrast", "a", "heart.contrast")):
+            before.write_text(json.dumps({"heart": {**found["heart"], key: value}}))
+            self.refuses(2, "borders", study, "--json", "--located", before, says=says)
+        self.refuses(1, "borders", study, "--located", before, "--out", self.folder / "no", says="without --json")
+
     def test_borders_draws_edges_labels_and_rings(self):
         folder, text = self.sheets("borders", "borders")
         for kind in ("edges", "labels", "rings"):

@@ -287,6 +287,13 @@ const tests = {
     await page.locator('[data-path="edges.sigma_px"] input').blur();
     await same_as_native("--set", "edges.sigma_px=2.5");
     await shoot(page, "preview");
+    // The heart is where it was.
+    for (const sigma of ["1.5", "1.6", "1.7", "1.8"]) {
+      await frame.evaluate(() => (window.heard = null));
+      await page.fill('[data-path="edges.sigma_px"] input', sigma);
+      await page.locator('[data-path="edges.sigma_px"] input').blur();
+      await same_as_native("--set", `edges.sigma_px=${sigma}`);
+    }
     await page.click("#reset");
     await frame.waitForFunction(() => window.heard === null);
     assert.equal(await frame.locator("#preview").innerText(), "");

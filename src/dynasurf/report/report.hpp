@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "dynasurf/cloud/result.hpp"
+#include "dynasurf/heart/locate.hpp"
 #include "dynasurf/io/cloud_io.hpp"
 #include "dynasurf/report/provenance.hpp"
 #include "dynasurf/ventricle/result.hpp"
@@ -36,8 +38,12 @@ std::string report_html(const ventricle::Result& result, const Provenance& prove
                         std::size_t most_voxels = 48'000'000);
 
 /// What a page draws of the borders of one gate, as JSON: the grid of the stack, a byte of marks per voxel (1 endo, 2
-/// epi, 4 minor edge, 8 major edge) and the fields around both borders. `gate` counts from 0.
+/// epi, 4 minor edge, 8 major edge) and the fields around both borders; and where the heart was found. `gate` counts
+/// from 0.
 std::string borders_json(const ventricle::BorderResult& result, int gate, std::size_t most_voxels = 48'000'000);
+
+/// The heart of a file that holds `borders_json`, to the bit; absent where it has none. Throws InputError, IoError.
+std::optional<heart::Location> read_location(const std::filesystem::path& path);
 
 /// Writes `report_html` whole or not at all. Throws IoError.
 void write_report(const ventricle::Result& result, const Provenance& provenance, const std::filesystem::path& path,

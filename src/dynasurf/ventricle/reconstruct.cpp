@@ -295,7 +295,7 @@ StudyRun run_borders(const Study& whole, const Options& requested, const Progres
   const heart::LocateHints hints = hints_of(options.manual);
   std::optional<heart::Location>& heart = run.context.heart;
   LabelContext& labels = run.context.labels;
-  heart = clock("locate", [&] { return locate_upright(original, hints); });
+  heart = clock("locate", [&] { return own.located ? own.located : locate_upright(original, hints); });
   labels.bright = clock("locate", [&] { return detect_contrast(original, heart, options); });
   if (labels.bright == ImageContrast::cavity) heart.reset();  // it is looked for by its wall
   const std::optional<Study> cut = heart ? cut_hot_objects(original, *heart) : std::nullopt;

@@ -56,6 +56,9 @@ struct Additions {
   OwnStages stages = {};
   /// Of `find_borders`: no other gate is looked at, and the fields around its borders are made too.
   std::optional<int> only_gate = {};
+  /// Where an earlier look found the heart. The study, its mask, the excluded gates and what is said by hand of centre,
+  /// axis and radius must be the same. Absent: it is looked for.
+  std::optional<heart::Location> located = {};
 };
 
 /// The whole way from a study to surfaces and numbers. Hard data never throw: the verdict and the notes say it.

@@ -13,16 +13,26 @@ async function unpack_engine(): Promise<WebAssembly.Module> {
   return WebAssembly.compile(await new Response(stream).arrayBuffer());
 }
 
-/** Runs one job at a time: a new one ends the one before. */
+let script: string | null = null;
+
+function startWorker(): Worker {
+  script ??= URL.createObjectURL(new Blob([WORKER], { type: "text/javascript" }));
+  return new Worker(script);
+}
+
+/** Runs one job at a time: a new one ends the one before. With `ahead` the worker of the next job starts beforehand. */
 export class Runner {
   private worker: Worker | null = null;
+  private spare: Worker | null = null;
+
+  constructor(private readonly ahead = false) {}
 
   /** Throws where the program cannot be compiled; the next job tries again. */
   async run(job: Omit<Job, "engine">, on_line: (word: Word & { kind: "line" }) => void = () => {}): Promise<Word> {
     engine ??= unpack_engine();
-    const url = URL.createObjectURL(new Blob([WORKER], { type: "text/javascript" }));
-    const mine = new Worker(url);
     this.stop();
+    const mine = this.spare ?? startWorker();
+    this.spare = null;
     this.worker = mine;
     const module = await engine.catch((error: unknown) => {
       engine = null;
@@ -31,8 +41,8 @@ export class Runner {
     return new Promise((done) => {
       const end = (word: Word) => {
         mine.terminate();
-        URL.revokeObjectURL(url);
         if (this.worker === mine) this.worker = null;
+        if (this.ahead) this.spare ??= startWorker();
         done(word);
       };
       mine.onmessage = (message: MessageEvent<Word>) => (message.data.kind === "line" ? on_line(message.data) : end(message.data));

@@ -15,16 +15,21 @@ export type Found = { text: string; seconds: number };
 /** Borders are the same whatever these are. */
 const without_effect = /^(fit\.|measures\.|manual\.(endo_points|epi_points|base_shift_mm|decision|reader|comment)$)/;
 
-/** What the borders depend on. */
-function of_borders({ task, settings, said, gate }: Wanted): Wanted {
-  const options = Object.entries(said.options).filter(([path]) => !without_effect.test(path));
-  return { task, settings: settings.filter((set) => !without_effect.test(set)), said: { options: Object.fromEntries(options), paint: said.paint }, gate };
+/** The heart is found in the same place whatever these are. */
+const after_location = /^(edges|labels|prepare|closure|edge_map|field|noise_fraction|useful_slices|manual\.(first_slice|last_slice|base_plane_mm|base_shift_mm))\b/;
+const located_name = "located.json";
+
+function without({ task, settings, said, gate }: Wanted, left_out: RegExp): Wanted {
+  const options = Object.entries(said.options).filter(([path]) => !left_out.test(path));
+  return { task, settings: settings.filter((set) => !left_out.test(set)), said: { options: Object.fromEntries(options), paint: said.paint }, gate };
 }
 const has_same = (a: Wanted, b: Wanted): boolean => JSON.stringify(a.settings) === JSON.stringify(b.settings) && isSame(a.said, b.said);
 
 export class Preview {
-  private readonly runner = new Runner();
+  private readonly runner = new Runner(true);
   private made: { task: Task; files: Piece[] } | null = null;
+  /** Where the heart was found, as the program told it, and what for. */
+  private located: { of: Wanted; heart: unknown } | null = null;
   private next: Wanted | null = null;
   private is_busy = false;
   /** What is shown, or on its way; null: the borders of the run. */
@@ -35,8 +40,8 @@ export class Preview {
   /** `shown`: what the run that is shown was made with; with the same there is nothing to preview. */
   ask(asked: Wanted, shown: Wanted): void {
     if (asked.task.subject !== "ventricle") return;
-    const wanted = of_borders(asked);
-    const next = has_same(wanted, of_borders(shown)) ? null : wanted;
+    const wanted = without(asked, without_effect);
+    const next = has_same(wanted, without(shown, without_effect)) ? null : wanted;
     if (next === null ? this.last === null : this.last?.gate === next.gate && has_same(next, this.last)) return;
     this.last = this.next = next;
     if (!next) this.show(null);
@@ -64,10 +69,18 @@ export class Preview {
     const files: Piece[] = (await this.files_of(wanted.task)).map(({ path, bytes }) => ({ path, bytes: bytes.slice() }));
     if (wanted.said.paint) files.push({ path: mask_name, bytes: maskFile(wanted.said.paint) });
     const words = [...wanted.settings.flatMap((set) => ["--set", set]), ...argumentsOf(wanted.said).map((word) => (word === mask_name ? `/${mask_name}` : word))];
+    const place = without(wanted, after_location);
+    if (this.located?.of.task === place.task && has_same(this.located.of, place)) {
+      files.push({ path: located_name, bytes: new TextEncoder().encode(JSON.stringify({ heart: this.located.heart })) });
+      words.push("--located", `/${located_name}`);
+    }
     const begin = performance.now();
     const command = ["borders", ...wanted.task.inputs, ...wanted.task.more, "--json", "--gate", String(wanted.gate), ...words];
     const word = await this.runner.run({ files, commands: [command], wanted: [] });
-    return word.kind === "end" && word.code === 0 ? { text: word.output, seconds: (performance.now() - begin) / 1000 } : null;
+    if (word.kind !== "end" || word.code !== 0) return null;
+    const seconds = (performance.now() - begin) / 1000;
+    this.located = { of: place, heart: (JSON.parse(word.output) as { heart: unknown }).heart };
+    return { text: word.output, seconds };
   }
 
   /** Files that commands make are made once. */
