@@ -3,11 +3,13 @@
 
 A page says its texts by say("sentence"), writes them into its body.html, or names them in program/texts.ts. What the
 program says in its results stands in C++, in pieces between values; an entry's text must be made of such pieces, and
-every piece of a note must stand in an entry. check_words.py --list prints all texts of the pages.
+every piece of a note must stand in an entry. With --program the options that the page offers have an entry each.
+check_words.py --list prints all texts of the pages.
 """
 import argparse
 import json
 import re
+import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
@@ -124,7 +126,14 @@ def check_program(name, table, problems):
                         problems.append(f"{name}: nothing for \"{words}\" of {place}")
 
 
-def check(path, texts, problems):
+def descriptions(program):
+    """What the options that the page offers are, and their units where these are words."""
+    rows = [row for subject in ("ventricle", "cloud")
+            for row in json.loads(subprocess.run([program, "options", subject, "--json"], check=True, capture_output=True).stdout)]
+    return {row["meaning"] for row in rows} | {row["unit"] for row in rows if re.search(r"[a-z]{4}", row["unit"])}
+
+
+def check(path, texts, options, problems):
     name = path.relative_to(ROOT)
     table = json.loads(path.read_text(encoding="utf-8"))
     problems += [f"{name}: nothing for \"{text}\" of {source.relative_to(ROOT)}" for text, source in texts.items()
@@ -134,18 +143,24 @@ def check(path, texts, problems):
         problems += [f"{name}: other places than in \"{text}\"" for text, said in table[part].items()
                      if set(PLACE.findall(text)) != set(PLACE.findall(said))]
     check_program(name, table["program"], problems)
+    if options:
+        problems += [f"{name}: nothing for \"{text}\" of an option" for text in sorted(options - table["options"].keys())]
+        problems += [f"{name}: no option says \"{text}\"" for text in table["options"] if text not in options]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--list", action="store_true", help="print the texts of the pages")
+    parser.add_argument("--program", help="the program, for the descriptions of its options")
+    arguments = parser.parse_args()
     problems = []
     texts = texts_of_pages(problems)
-    if parser.parse_args().list:
+    if arguments.list:
         print(json.dumps(list(texts), ensure_ascii=False, indent=1))
         return 0
+    options = descriptions(arguments.program) if arguments.program else set()
     for path in sorted((WEB / "translations").glob("*.json")):
-        check(path, texts, problems)
+        check(path, texts, options, problems)
     print("\n".join(problems) or f"{len(texts)} texts of the pages are translated")
     return 1 if problems else 0
 

@@ -9,6 +9,8 @@ export interface Translation {
   pages: Record<string, string>;
   /** What the program says in its results: a {place} stands for any value, {sentence} for one that has an entry. */
   program: Record<string, string>;
+  /** What options are, and their units. */
+  options: Record<string, string>;
 }
 export type Values = Record<string, string | number>;
 
@@ -43,6 +45,11 @@ export class Words {
   /** A sentence that the program wrote; English where the table has none like it. */
   told(sentence: string): string {
     return this.find(sentence) ?? sentence;
+  }
+
+  /** The description of an option or its unit. */
+  described(english: string): string {
+    return this.table?.options[english] ?? english;
   }
 
   /** What begins with fixed text comes first, then what has most of it: the others are made for what is left. */

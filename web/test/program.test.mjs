@@ -8,7 +8,7 @@ import { join, resolve } from "node:path";
 import { inflateSync } from "node:zlib";
 import { gunzipSync, unzipSync, zipSync } from "fflate";
 import { check, finish, program as chromium, skipped, withBrowser } from "./browser.mjs";
-import { notGerman, saidIn } from "./words.mjs";
+import { german, notGerman, saidIn } from "./words.mjs";
 
 const [page_path, native, screenshots] = process.argv.slice(2).map((path) => resolve(path));
 if (!existsSync(page_path)) {
@@ -591,6 +591,25 @@ const tests = {
     assert.equal(await frame.getAttribute("html", "lang"), "en");
     const in_english = await saidIn(frame);
     assert.ok(in_english.includes("End-diastolic volume") && notGerman(in_english).length > 100, "the check of German sees no English");
+  },
+
+  async "describes options in German, and finds them in both languages"(page) {
+    await page.selectOption("#language", "de");
+    await page.click("#example-patient");
+    await saved(page);
+    await page.click("#show-options");
+    await page.waitForSelector(".control", { timeout: most_wait });
+    const meanings = await page.locator(".control p").allInnerTexts();
+    assert.ok(meanings.length > 100, `${meanings.length} options`);
+    const known = Object.values(german.options);
+    assert.deepEqual(meanings.filter((meaning) => !known.some((text) => meaning.startsWith(text))), []);
+    await shoot(page, "german-options");
+    const height = page.locator('[data-path="manual.base_plane_mm"] p');
+    for (const [wanted, language, meaning] of [["klappenebene", "de", "Höhe der Klappenebene"], ["valve plane", "de", "Höhe der Klappenebene"], ["valve plane", "en", "height of the valve plane"]]) {
+      await page.fill("#search", wanted);
+      await page.selectOption("#language", language);
+      assert.ok((await height.innerText()).startsWith(meaning));
+    }
   },
 
   async "speaks German, and can be used by keys alone"(page) {

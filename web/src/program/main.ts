@@ -379,6 +379,7 @@ function hold_language(is_held: boolean): void {
 function change_language(name: string): void {
   speak(name);
   pair.speak();
+  panel.speak();
   if (history.shown) {
     load_report(history.shown);
     tell_run(history.shown);

@@ -1,5 +1,5 @@
 // Every option of the program as a control, made from what `dynasurf options --json` tells.
-import { text } from "./texts";
+import { described, text } from "./texts";
 
 interface Row {
   path: string;
@@ -12,11 +12,18 @@ interface Row {
 }
 
 const unset = "unset";
+const between = /^(\S+) to (\S+)$/;
+
+function rangeOf({ range }: Row): string {
+  const [, low, high] = between.exec(range) ?? [];
+  return low && high ? text("range", { low, high }) : range;
+}
 
 /** The options of one subject and what the user made of them. */
 export class OptionPanel {
   private rows: Row[] = [];
   private values = new Map<string, string>();
+  private wanted = "";
 
   constructor(
     private readonly form: HTMLFormElement,
@@ -70,10 +77,16 @@ export class OptionPanel {
     return this.form.checkValidity();
   }
 
+  /** Again in the language of the page. */
+  speak(): void {
+    this.show(this.wanted);
+  }
+
   show(wanted: string): void {
+    this.wanted = wanted;
     const words = wanted.toLowerCase().split(/\s+/);
     const shown = this.rows.filter((row) => this.is_alive(row)).filter((row) => {
-      const hay = `${row.path} ${row.meaning}`.toLowerCase();
+      const hay = `${row.path} ${row.meaning} ${described(row.meaning)}`.toLowerCase();
       return words.every((word) => hay.includes(word));
     });
     this.form.replaceChildren(...shown.map((row) => this.control(row)));
@@ -104,8 +117,8 @@ export class OptionPanel {
     field.id = label.htmlFor = `option-${row.path}`;
     meaning.id = `${field.id}-meaning`;
     field.setAttribute("aria-describedby", meaning.id);
-    label.textContent = row.path + (row.unit ? ` [${row.unit}]` : "");
-    meaning.textContent = row.meaning + (row.range ? ` (${row.range})` : "");
+    label.textContent = row.path + (row.unit ? ` [${described(row.unit)}]` : "");
+    meaning.textContent = described(row.meaning) + (row.range ? ` (${rangeOf(row)})` : "");
     field.addEventListener("change", () => this.take(row, field, box));
     box.append(label, field, meaning);
     return box;
@@ -120,7 +133,7 @@ export class OptionPanel {
 
   private entry(row: Row): HTMLInputElement {
     const field = document.createElement("input");
-    const limits = /^(\S+) to (\S+)$/.exec(row.range);
+    const limits = between.exec(row.range);
     const value = this.value(row);
     const is_number = limits !== null || (row.default !== "" && Number.isFinite(Number(row.default)));
     if (is_number) Object.assign(field, { type: "number", step: "any" });

@@ -76,6 +76,7 @@ const english = {
   empty: "Nothing was given; expected at least one file",
   old_browser: "This browser is too old. Expected Chrome or Edge 95, Firefox 113, Safari 16.4 or later.",
   language: "Language",
+  range: "{low} to {high}",
   language_waits: "First run again what was changed by hand, or reset it",
   stage_start: "Start",
   stage_read: "Reading files",
@@ -112,6 +113,9 @@ export const text = (key: Key, values: Values = {}): string => words.say(english
 
 /** What the program says of a study. */
 export const told = (sentence: string): string => words.told(sentence);
+
+/** The description of an option or its unit. */
+export const described = (english: string): string => words.described(english);
 
 /** A stage of the program by its name in the table, else as the program calls it. */
 export function stage_name(stage: string): string {
