@@ -91,6 +91,8 @@ class Normals(CliTest):
         results["measures"]["perfusion_is"] = "colour"
         path.write_text(json.dumps(results))
         self.refuses(2, "perfusion", "score", mixed / "normal1", says="expected counts or uptake")
+        (mixed / "normal1" / "measures" / "polar.csv").unlink()
+        self.refuses(2, "perfusion", "compare", mixed / "normal0", mixed / "normal1", says="normal1: has no polar map")
 
 
 @functools.cache

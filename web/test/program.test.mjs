@@ -593,6 +593,28 @@ const tests = {
     assert.ok(in_english.includes("End-diastolic volume") && notGerman(in_english).length > 100, "the check of German sees no English");
   },
 
+  async "tells why two studies are not compared"(page) {
+    // In the second one there is nothing but noise.
+    const bytes = Buffer.from(readFileSync(join(work, "patient/study.dcm")));
+    const voxels = 2 * 64 * 64 * 23 * 8;
+    for (let at = bytes.length - voxels, state = 1; at < bytes.length; at += 2) {
+      state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+      bytes.writeUInt16LE(state >>> 18, at);
+    }
+    for (const [name, plain] of [["REST", Buffer.from(readFileSync(join(work, "patient/study.dcm")))], ["STRESS", bytes]]) {
+      plain.write(name.padEnd(24), plain.indexOf("Dynasurf phantom patient"), "latin1");
+      writeFileSync(join(work, `${name}-or-noise.dcm`), plain);
+    }
+    await drop(page, ["REST", "STRESS"].map((name) => ({ name: `${name}.dcm`, bytes: readFileSync(join(work, `${name}-or-noise.dcm`)) })));
+    await until_view(page, "studies", "failure");
+    for (const box of await page.locator("#study-list input").all()) await box.check();
+    await page.click("#open-pair");
+    await until_view(page, "pair", "failure");
+    assert.equal(await page.locator("#pair-complaint").innerText(), "Not compared: STRESS.dcm: has no polar map, for its walls were not found; expected a result with both walls");
+    assert.ok(await page.locator("#show-difference").isHidden());
+    await shoot(page, "not-compared");
+  },
+
   async "describes options in German, and finds them in both languages"(page) {
     await page.selectOption("#language", "de");
     await page.click("#example-patient");

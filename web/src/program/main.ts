@@ -12,7 +12,8 @@ import { Preview } from "./preview";
 import { type Found, StudyList, studiesOf } from "./studies";
 import { type Key, language, languages, name_of, speak, spoken, stage_name, text } from "./texts";
 
-type Ended = Word & { kind: "end" };
+/** `complaint`: the last error that the program told. */
+type Ended = Word & { kind: "end"; complaint?: string | undefined };
 
 const by_id = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
 const views = ["start", "studies", "working", "failure", "result", "pair"] as const;
@@ -127,8 +128,8 @@ async function work(job: Omit<Job, "engine">, is_done: (end: Ended) => boolean):
     fail(text("lost", { reason: String(error) }));
     return null;
   }
-  if (word.kind === "end" && is_done(word) && word.files.length > 0) return word;
   const own = line_of_error(lines);
+  if (word.kind === "end" && is_done(word) && word.files.length > 0) return { ...word, complaint: own };
   if (word.kind === "lost") {
     const is_memory = /memory|allocation/i.test(word.reason);
     fail(is_memory ? text("out_of_memory", { mb: mb(word.memory) }) : text("lost", { reason: word.reason }));
@@ -288,6 +289,7 @@ async function show_pair(): Promise<void> {
   show_difference(false);
   pair.show(chosen, word.files);
   by_id("show-difference").hidden = !pair.has_difference;
+  by_id("pair-complaint").textContent = pair.complaint(word.complaint ?? "");
 }
 
 function show_difference(on: boolean): void {

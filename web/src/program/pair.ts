@@ -50,6 +50,12 @@ export class Pair {
     return this.result;
   }
 
+  /** Why there is no difference, in the program's words; its folders are called by where the studies came from. */
+  complaint(line: string): string {
+    const reason = line.replace(/\/?\b(first|second)\b/, (_, folder: "first" | "second") => this.shown![folders.indexOf(folder)]!.place);
+    return this.difference || !reason ? "" : text("not_compared", { reason: told(reason) });
+  }
+
   /** Again in the language of the page. */
   speak(): void {
     if (!this.shown) return;

@@ -75,6 +75,7 @@ const english = {
   no_zip: "{about}: the zip archive is damaged; expected one that can be unpacked",
   empty: "Nothing was given; expected at least one file",
   old_browser: "This browser is too old. Expected Chrome or Edge 95, Firefox 113, Safari 16.4 or later.",
+  not_compared: "Not compared: {reason}",
   language: "Language",
   range: "{low} to {high}",
   language_waits: "First run again what was changed by hand, or reset it",
