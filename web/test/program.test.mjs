@@ -634,6 +634,26 @@ const tests = {
     }
   },
 
+  async "refuses in German, and keeps the program's own line"(page) {
+    const study = readFileSync(join(work, "patient/study.dcm"));
+    const flat = Array.from({ length: 400 }, (_, n) => `${n % 20} ${Math.floor(n / 20)} 0`).join("\n");
+    const cases = [
+      ["words.dcm", Buffer.from("no heart"), /^words\.dcm: ist keine lesbare Herzstudie; erwartet wird DICOM, NIfTI oder NRRD$/, /^words\.dcm: is not a heart study/],
+      ["short.dcm", study.subarray(0, study.length - 5000), /^short\.dcm: ist beschädigt oder abgeschnitten: /, /^short\.dcm: is damaged or cut off: /],
+      ["flat.xyz", Buffer.from(flat), /^flat\.xyz: alle Punkte der Wolke liegen in einer Ebene; erwartet wird ein Körper$/, /^flat\.xyz: the points of the cloud all lie in one plane/],
+      ["few.xyz", Buffer.from("0 0 0\n1 0 0\n0 1 0\n"), /^few\.xyz: die Wolke hat 3 brauchbare Punkte; erwartet werden mindestens \d+$/, /^few\.xyz: the cloud has 3 usable points/],
+    ];
+    for (const [name, bytes, german_line, own_line] of cases) {
+      await page.goto(page.url());
+      await page.selectOption("#language", "de");
+      await drop(page, [{ name, bytes }]);
+      await until_view(page, "failure");
+      assert.match(await page.locator("#reason").innerText(), german_line);
+      assert.match(await page.locator("#reason").getAttribute("title"), own_line);
+    }
+    await shoot(page, "german-refusal");
+  },
+
   async "speaks German, and can be used by keys alone"(page) {
     await page.selectOption("#language", "de");
     assert.equal(await page.locator("#drop h1").innerText(), "Studie oder Scan hierher ziehen");

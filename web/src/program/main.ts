@@ -10,7 +10,7 @@ import { OptionPanel } from "./options";
 import { Pair, pairJob } from "./pair";
 import { Preview } from "./preview";
 import { type Found, StudyList, studiesOf } from "./studies";
-import { type Key, language, languages, name_of, speak, spoken, stage_name, text } from "./texts";
+import { type Key, language, languages, name_of, speak, spoken, stage_name, text, told } from "./texts";
 
 /** `complaint`: the last error that the program told. */
 type Ended = Word & { kind: "end"; complaint?: string | undefined };
@@ -37,8 +37,10 @@ function show(view: (typeof views)[number]): void {
   document.documentElement.dataset.view = view;
 }
 
-function fail(reason: string): void {
+/** `own`: the line of the program that the reason is a translation of; one searches for it. */
+function fail(reason: string, own = ""): void {
   by_id("reason").textContent = reason;
+  by_id("reason").title = own === reason ? "" : own;
   by_id("back").hidden = !history.shown;
   tell_list();
   show("failure");
@@ -133,7 +135,9 @@ async function work(job: Omit<Job, "engine">, is_done: (end: Ended) => boolean):
   if (word.kind === "lost") {
     const is_memory = /memory|allocation/i.test(word.reason);
     fail(is_memory ? text("out_of_memory", { mb: mb(word.memory) }) : text("lost", { reason: word.reason }));
-  } else fail(own === "out of memory" ? text("out_of_memory", { mb: mb(word.memory) }) : (own ?? text("failed")));
+  } else if (own === "out of memory") fail(text("out_of_memory", { mb: mb(word.memory) }));
+  else if (own) fail(told(own), own);
+  else fail(text("failed"));
   return null;
 }
 
