@@ -97,6 +97,9 @@ class Sheets(CliTest):
                 covered += all(0 <= a < d for a, d in zip(at, dims)) and border[at[0] + dims[0] * (at[1] + dims[1] * at[2])]
             self.assertGreater(labelled, 100)
             self.assertGreater(covered, 0.8 * labelled)
+        self.assertNotIn("failure", [note["severity"] for note in found["notes"]])
+        lost = json.loads(run("borders", study, "--json", "--gate", 2, "--set", "manual.last_slice=3").stdout)["notes"]
+        self.assertIn(("failure", "labels.no_endo", 2), [(note["severity"], note["code"], note["gate"]) for note in lost])
         for says, arguments in (("no --out", ["--out", self.folder / "no"]), ("study has 4", ["--gate", 9]),
                                 ("one of them", ["--vary", "edges.low=0.1,0.2"]),
                                 ("one of them", ["--edges-only"])):

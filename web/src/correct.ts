@@ -8,7 +8,7 @@ import type { FromPage, FromReport } from "./host";
 import type { Painter } from "./painter";
 import type { Player } from "./player";
 import type { Slices } from "./slices";
-import { say } from "./words";
+import { say, told } from "./words";
 
 /** Handles on the slices, and their bar above them. */
 export function buildHand(painter: Painter | null, slices: Slices | null, results: Results, player: Player): HandTool | null {
@@ -60,7 +60,7 @@ async function preview(found: { text: string; seconds: number } | null, painter:
   byId("preview").textContent = !found
     ? ""
     : painter.preview
-      ? say("Borders of gate {n} as they would be found ({s} s)", { n: painter.preview.gate + 1, s: figure(found.seconds, 2) })
+      ? [say("Borders of gate {n} as they would be found ({s} s)", { n: painter.preview.gate + 1, s: figure(found.seconds, 2) }), ...painter.preview.warnings.map(told)].join(" · ")
       : say("The stack would be cut anew: run again to see its borders");
   field?.preview(painter.preview);
   if (painter.preview && player.gate !== painter.preview.gate) {

@@ -381,6 +381,8 @@ async function aroundOf(packed: PackedAround | null): Promise<Around | null> {
 /** Borders of one gate as they would be found with what is said, and the fields around them. */
 export interface Preview {
   gate: number;
+  /** What the program warns of there. */
+  warnings: string[];
   marks: Uint8Array;
   endo: Around | null;
   epi: Around | null;
@@ -388,9 +390,10 @@ export interface Preview {
 
 /** Reads what `dynasurf borders --json` prints; null: of another stack than that of the pictures. */
 export async function readPreview(text: string, pictures: Pictures): Promise<Preview | null> {
-  const packed = JSON.parse(text) as { gate: number; grid: Grid; bin: number; marks: string; endo: PackedAround | null; epi: PackedAround | null };
+  const packed = JSON.parse(text) as { gate: number; grid: Grid; bin: number; marks: string; endo: PackedAround | null; epi: PackedAround | null; notes: NoteText[] };
   if (packed.bin !== pictures.bin || JSON.stringify(packed.grid) !== JSON.stringify(pictures.grid)) return null;
-  return { gate: packed.gate - 1, marks: await unpack(packed.marks), endo: await aroundOf(packed.endo), epi: await aroundOf(packed.epi) };
+  const warnings = packed.notes.filter(({ severity, gate }) => severity !== "info" && (gate ?? packed.gate) === packed.gate).map(({ message }) => message);
+  return { gate: packed.gate - 1, warnings, marks: await unpack(packed.marks), endo: await aroundOf(packed.endo), epi: await aroundOf(packed.epi) };
 }
 
 async function wayOf(packed: PackedWay | null, motion: PackedMotion): Promise<Way | null> {

@@ -276,7 +276,8 @@ const tests = {
       const found = unpacked(text);
       const printed = execFileSync(native, ["borders", "patient/study.dcm", "--json", "--gate", String(found.gate), ...words], { cwd: work, encoding: "utf8", maxBuffer: 1e8 });
       assert.deepEqual(found, unpacked(printed));
-      const expected = `Borders of gate ${found.gate} as they would be found (${seconds.toFixed(2)} s)`;
+      const warnings = found.notes.filter(({ severity }) => severity !== "info").map(({ message }) => message);
+      const expected = [`Borders of gate ${found.gate} as they would be found (${seconds.toFixed(2)} s)`, ...warnings].join(" · ");
       await frame.waitForFunction((text) => document.getElementById("preview").textContent === text, expected, { timeout: most_wait });
       console.log(`     ${seconds.toFixed(2)} s`);
     };
@@ -294,6 +295,12 @@ const tests = {
       await page.locator('[data-path="edges.sigma_px"] input').blur();
       await same_as_native("--set", `edges.sigma_px=${sigma}`);
     }
+    await frame.evaluate(() => (window.heard = null));
+    await page.fill("#search", "last_slice");
+    await page.fill('[data-path="manual.last_slice"] input', "6");
+    await page.locator('[data-path="manual.last_slice"] input').blur();
+    await same_as_native("--set", "edges.sigma_px=1.8", "--set", "manual.last_slice=6");
+    assert.match(await frame.locator("#preview").innerText(), /The endo border was found in no slice/);
     await page.click("#reset");
     await frame.waitForFunction(() => window.heard === null);
     assert.equal(await frame.locator("#preview").innerText(), "");

@@ -4,6 +4,7 @@
 
 #include "dynasurf/io/detail/json_node.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
+#include "dynasurf/report/detail/json_parts.hpp"
 #include "dynasurf/report/detail/page_motion.hpp"
 #include "dynasurf/report/detail/page_pictures.hpp"
 #include "dynasurf/report/report.hpp"
@@ -54,7 +55,8 @@ std::string borders_json(const ventricle::BorderResult& result, int gate, std::s
                {"bin", bin},
                {"marks", packed(mark_bytes(grid, found.labels.borders, found.edges.edges, bin))},
                {"endo", around(found.endo)},
-               {"epi", around(found.epi)}})
+               {"epi", around(found.epi)},
+               {"notes", placed_notes_json(result.notes)}})
              .dump() +
          "\n";
 }

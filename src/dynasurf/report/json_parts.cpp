@@ -32,4 +32,16 @@ Json provenance_json(const Provenance& provenance) {
   return json;
 }
 
+Json placed_notes_json(const Notes& notes) {
+  const auto place = [](int index) { return index >= 0 ? Json(index + 1) : Json(nullptr); };
+  Json json = Json::array();
+  for (const Note& note : notes)
+    json.push_back({{"severity", name_of(note.severity)},
+                    {"code", note.code},
+                    {"message", note.message},
+                    {"gate", place(note.gate)},
+                    {"slice", place(note.slice)}});
+  return json;
+}
+
 }  // namespace dynasurf::report::detail

@@ -38,8 +38,8 @@ std::string report_html(const ventricle::Result& result, const Provenance& prove
                         std::size_t most_voxels = 48'000'000);
 
 /// What a page draws of the borders of one gate, as JSON: the grid of the stack, a byte of marks per voxel (1 endo, 2
-/// epi, 4 minor edge, 8 major edge) and the fields around both borders; and where the heart was found. `gate` counts
-/// from 0.
+/// epi, 4 minor edge, 8 major edge) and the fields around both borders; where the heart was found, and all notes.
+/// `gate` counts from 0.
 std::string borders_json(const ventricle::BorderResult& result, int gate, std::size_t most_voxels = 48'000'000);
 
 /// The heart of a file that holds `borders_json`, to the bit; absent where it has none. Throws InputError, IoError.

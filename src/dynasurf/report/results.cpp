@@ -190,17 +190,6 @@ Notes all_notes(const ventricle::Result& result) {
   return notes;
 }
 
-Json placed_notes_json(const Notes& notes) {
-  Json json = Json::array();
-  for (const Note& note : notes)
-    json.push_back({{"severity", name_of(note.severity)},
-                    {"code", note.code},
-                    {"message", note.message},
-                    {"gate", one_based(note.gate)},
-                    {"slice", one_based(note.slice)}});
-  return json;
-}
-
 Json quality_json(const ventricle::Result& result) {
   Json flags = Json::array();
   for (const ventricle::QualityFlag& flag : result.flags)
