@@ -9,18 +9,6 @@
 namespace dynasurf::image {
 namespace {
 
-/// A point's place between voxels along one axis.
-struct Place {
-  int low;
-  double share;  // 0 at `low`, 1 at the next voxel
-};
-
-Place place(double mm, double spacing, int count) {
-  const double at = std::clamp(mm / spacing, 0.0, count - 1.0);
-  const int low = std::min(static_cast<int>(at), std::max(0, count - 2));
-  return {low, at - low};
-}
-
 /// Keys' cubic weights of the four voxels around a place.
 std::array<double, 4> cubic_weights(double t) {
   return {((-0.5 * t + 1) * t - 0.5) * t, (1.5 * t - 2.5) * t * t + 1, ((-1.5 * t + 2) * t + 0.5) * t,
@@ -41,8 +29,8 @@ double sample_linear(const Image& image, const Vec3& mm) { return LinearSampler(
 
 double sample_cubic(const Image& image, const Vec3& mm) {
   const Grid& g = image.grid;
-  const Place x = place(mm[0], g.spacing[0], g.dims[0]), y = place(mm[1], g.spacing[1], g.dims[1]),
-              z = place(mm[2], g.spacing[2], g.dims[2]);
+  const PlaceOnAxis x = place_on(sampled_axis(g, 0), mm[0]), y = place_on(sampled_axis(g, 1), mm[1]),
+                    z = place_on(sampled_axis(g, 2), mm[2]);
   const auto wx = cubic_weights(x.share), wy = cubic_weights(y.share), wz = cubic_weights(z.share);
   double sum = 0;
   for (int k = 0; k < 4; ++k)

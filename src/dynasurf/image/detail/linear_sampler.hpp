@@ -1,11 +1,31 @@
 #pragma once
 #include <algorithm>
-#include <array>
 #include <cstddef>
 
 #include "dynasurf/core/volume.hpp"
 
 namespace dynasurf::image {
+
+/// Voxels along one axis of a grid.
+struct SampledAxis {
+  double spacing, last;  // `last`: the last voxel
+  int last_low;          // the last voxel that has a next one
+};
+inline SampledAxis sampled_axis(const Grid& grid, int axis) {
+  const int count = grid.dims[axis];
+  return {grid.spacing[axis], count - 1.0, std::max(0, count - 2)};
+}
+
+/// A point's place between voxels along one axis.
+struct PlaceOnAxis {
+  int low;
+  double share;  // 0 at `low`, 1 at the next voxel
+};
+inline PlaceOnAxis place_on(const SampledAxis& axis, double mm) {
+  const double at = std::clamp(mm / axis.spacing, 0.0, axis.last);
+  const int low = std::min(static_cast<int>(at), axis.last_low);
+  return {low, at - low};
+}
 
 /// `sample_linear` of one image at many places: what is the same for all of them is worked out once. Refers to the
 /// image, which must outlive it.
@@ -13,49 +33,32 @@ class LinearSampler {
  public:
   explicit LinearSampler(const Image& image)
       : values_(image.values.data()),
-        x_(axis_of(image.grid, 0, 1)),
-        y_(axis_of(image.grid, 1, image.grid.dims[0])),
-        z_(axis_of(image.grid, 2, image.grid.index(0, 0, 1))) {}
+        x_(sampled_axis(image.grid, 0)),
+        y_(sampled_axis(image.grid, 1)),
+        z_(sampled_axis(image.grid, 2)),
+        row_(image.grid.dims[0]),
+        slice_(row_ * image.grid.dims[1]),
+        next_x_(image.grid.dims[0] > 1 ? 1 : 0),
+        next_y_(image.grid.dims[1] > 1 ? row_ : 0),
+        next_z_(image.grid.dims[2] > 1 ? slice_ : 0) {}
 
   double operator()(const Vec3& mm) const {
-    const Place x = place(x_, mm[0]), y = place(y_, mm[1]), z = place(z_, mm[2]);
-    const float* const v = values_ + x.offset + y.offset + z.offset;
-    const auto along_x = [&](std::ptrdiff_t at) { return v[at] + x.share * (v[at + x_.next] - v[at]); };
+    const PlaceOnAxis x = place_on(x_, mm[0]), y = place_on(y_, mm[1]), z = place_on(z_, mm[2]);
+    const float* const v = values_ + x.low + y.low * row_ + z.low * slice_;
+    const auto along_x = [&](std::ptrdiff_t at) { return v[at] + x.share * (v[at + next_x_] - v[at]); };
     const auto along_y = [&](std::ptrdiff_t at) {
-      const double low = along_x(at), high = along_x(at + y_.next);
+      const double low = along_x(at), high = along_x(at + next_y_);
       return low + y.share * (high - low);
     };
-    const double low = along_y(0), high = along_y(z_.next);
+    const double low = along_y(0), high = along_y(next_z_);
     return low + z.share * (high - low);
   }
 
  private:
-  struct Axis {
-    double spacing, most;  // `most`: the last voxel
-    int last_low;          // the last voxel that has a next one
-    std::ptrdiff_t stride, next;
-  };
-  /// A point's place between voxels along one axis.
-  struct Place {
-    std::ptrdiff_t offset;
-    double share;  // 0 at `offset`, 1 at the next voxel
-  };
-
-  static Axis axis_of(const Grid& grid, std::size_t axis, std::size_t stride) {
-    const int count = grid.dims[axis];
-    const auto step = static_cast<std::ptrdiff_t>(stride);
-    return {grid.spacing[static_cast<Eigen::Index>(axis)], count - 1.0, std::max(0, count - 2), step,
-            count > 1 ? step : 0};
-  }
-
-  static Place place(const Axis& axis, double mm) {
-    const double at = std::clamp(mm / axis.spacing, 0.0, axis.most);
-    const int low = std::min(static_cast<int>(at), axis.last_low);
-    return {low * axis.stride, at - low};
-  }
-
   const float* values_;
-  Axis x_, y_, z_;
+  SampledAxis x_, y_, z_;
+  std::ptrdiff_t row_, slice_;               // from a voxel to that of the next row, of the next slice
+  std::ptrdiff_t next_x_, next_y_, next_z_;  // 0 where there is one voxel
 };
 
 }  // namespace dynasurf::image
