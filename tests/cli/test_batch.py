@@ -2,6 +2,7 @@
 
 import csv
 import functools
+import json
 import os
 import pathlib
 import random
@@ -432,6 +433,26 @@ class Collect(BatchTest):
         if sorted(map(len, groups.values()))[0] > 1 and len(groups) == 2:
             p = stats.ttest_ind(groups["A"], groups["B"], equal_var=False).pvalue
             self.agree(self.statistic("welch_p", "ef_percent", "", "site=A less B")[:1], [p])
+
+    def test_a_reader_s_decision_stands_in_the_tables_and_on_the_page(self):
+        said = self.folder / "options.json"
+        said.write_text(json.dumps({"manual": {"decision": "rejected", "reader": "A. Reader", "comment": "apex\tcut </script>"}}))
+        words = {"no": f"--options {said}", "yes": "--set manual.decision=accepted", "seen": "--set manual.comment=dim", "open": ""}
+        study = patients() / rows_of(patients() / "patients.tsv")[0]["path"]
+        table = self.folder / "studies.tsv"
+        table.write_text("id\tpath\toptions\n" + "".join(f"{name}\t{study}\t{more}\n" for name, more in words.items()))
+        done = self.batch(table, "--out", self.folder / "read", "--quiet", "--", *QUICK)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        tables = self.folder / "read" / "tables"
+        columns = ["manual_decision", "manual_reader", "manual_comment"]
+        expected = {"no": ["rejected", "A. Reader", "apex cut </script>"], "yes": ["accepted", "", ""], "seen": ["", "", "dim"], "open": ["", "", ""]}
+        self.assertEqual({row["id"]: [row[key] for key in columns] for row in rows_of(tables / "studies.tsv")}, expected)
+        page = (tables / "cohort.html").read_text(encoding="utf-8")
+        studies = json.loads(page.split('id="data">')[1].split("</script>")[0])["studies"]
+        made = {study["id"]: study.get("manual") for study in studies}
+        self.assertEqual(made, {"no": {"decision": "rejected", "reader": "A. Reader", "comment": "apex\tcut </script>"},
+                                "yes": {"decision": "accepted", "reader": "", "comment": ""},
+                                "seen": {"decision": "", "reader": "", "comment": "dim"}, "open": None})
 
     def test_page_works_in_a_browser(self):
         web = pathlib.Path(__file__).resolve().parents[2] / "web"

@@ -105,7 +105,29 @@ await withBrowser(
     await page.click(".row");
     const report = await page.getAttribute("#one a", "href");
     assert.ok(readFileSync(join(dirname(path), decodeURI(report)), "utf8").includes("<html"), "the link leads to a report");
+    assert.equal(await page.locator('[data-name="Recorded"]').count(), 0, "nobody recorded a decision");
     assert.deepEqual(bad, []);
+
+    // What readers recorded: shown in the list and of the chosen one, a filter, an order, groups of the plots.
+    const says = [{ decision: "accepted", reader: "A. Reader", comment: "apex <b>well</b> seen" }, { decision: "rejected", reader: "", comment: "" }, { decision: "", reader: "", comment: "dim" }];
+    const read = join(dirname(path), "..", "decided.html");
+    const studies = data.studies.map((study, n) => (says[n] ? { ...study, manual: says[n] } : study));
+    writeFileSync(read, html.slice(0, from) + JSON.stringify({ ...data, studies }).replaceAll("</", "<\\/") + html.slice(to));
+    const [decided, wrong] = await open(context, read);
+    const ids = () => decided.locator(".row b").allTextContents();
+    await decided.selectOption("#order", "recorded");
+    assert.deepEqual((await ids()).slice(0, 3), [1, 0, 2].map((n) => studies[n].id));
+    assert.deepEqual(await decided.locator(".row .recorded").allTextContents(), ["rejected", "accepted by A. Reader", "looked at", ...studies.slice(3).map(() => "")]);
+    await decided.check("#up");
+    assert.deepEqual((await ids()).slice(-3), [2, 0, 1].map((n) => studies[n].id));
+    await decided.selectOption("#by", "recorded");
+    assert.match(await decided.textContent("#means"), /accepted.*looked at.*nobody decided.*rejected/);
+    await decided.selectOption('[data-name="Recorded"]', "accepted");
+    assert.deepEqual(await ids(), [studies[0].id]);
+    await decided.click(".row");
+    assert.equal(await decided.textContent("#one .recorded"), "accepted by A. Reader: apex <b>well</b> seen");
+    if (process.argv[3]) await decided.screenshot({ path: process.argv[3].replace(/(\.\w+)$/, "-decided$1") });
+    assert.deepEqual(wrong, []);
 
     const many = Array.from({ length: 10000 }, (_, n) => ({ ...data.studies[n % data.studies.length], id: `n${n}` }));
     const large = join(dirname(path), "..", "ten-thousand.html");

@@ -37,7 +37,17 @@ std::vector<std::optional<double>> column_at(const Json& results, const std::vec
   return numbers;
 }
 
+ReaderDecision decision_in(const Json& results) {
+  const auto said = [&](const char* key) {
+    const Json* value = value_at(results, {"provenance", "options", "manual", key});
+    return value && value->is_string() ? value->get<std::string>() : std::string();
+  };
+  const std::string decision = said("decision");
+  return {decision == "none" ? "" : decision, said("reader"), said("comment")};
+}
+
 void take_result(const Json& results, CohortCase& one) {
+  one.manual = decision_in(results);
   for (const KeyNumber& key : ventricle_key_numbers()) {
     one.numbers.push_back(number_at(results, key.path));
     one.interval_low.push_back(end_at(results, key.path, 0));

@@ -75,6 +75,8 @@ Json study_json(const CohortCase& one, const fs::path& published, const fs::path
   json["verdict"] = one.status ? one.status->verdict : "";
   json["reason"] = one.status ? one.status->reason : "";
   json["flags"] = one.flags;
+  if (const ReaderDecision& by = one.manual; !by.decision.empty() || !by.reader.empty() || !by.comment.empty())
+    json["manual"] = {{"decision", by.decision}, {"reader", by.reader}, {"comment", by.comment}};
   json["concern"] = concern_of(one);
   json["wall_s"] = one.status ? rounded(one.status->wall_s) : Json();
   json["numbers"] = Json::array();

@@ -33,6 +33,9 @@ std::vector<Column> columns_of_runs(const std::vector<std::string>& groups) {
                   column("verdict", CellType::text, "ok, check or fail; empty without a result"),
                   column("flags", CellType::text, "codes of the reasons to distrust the result, the worst first"),
                   column("reason", CellType::text, "why there is no result"),
+                  column("manual_decision", CellType::text, "accepted or rejected by a reader; empty: nobody decided"),
+                  column("manual_reader", CellType::text, "who decided"),
+                  column("manual_comment", CellType::text, "why, in the reader's words"),
                   column("attempts", CellType::whole, "how often it was run, since it was killed from outside"),
                   column("started", CellType::text, "when its run began, UTC"),
                   column("wall_s", CellType::real, "how long it took"),
@@ -123,10 +126,11 @@ void Tables::add(const CohortCase& one, const std::vector<std::string>& groups, 
   const StudyStatus status = one.status.value_or(StudyStatus());
   std::string flags;
   for (const std::string& flag : one.flags) flags += (flags.empty() ? "" : " ") + flag;
-  cells.insert(cells.end(), {!one.status   ? "not_run"
-                             : status.done ? "done"
-                                           : "failed",
-                             status.verdict, flags, status.reason});
+  cells.insert(cells.end(),
+               {!one.status   ? "not_run"
+                : status.done ? "done"
+                              : "failed",
+                status.verdict, flags, status.reason, one.manual.decision, one.manual.reader, one.manual.comment});
   if (one.status)
     cells.insert(cells.end(), {std::to_string(status.attempts), status.started, fixed_text(status.wall_s),
                                fixed_text(status.cpu_s), fixed_text(status.peak_mb)});

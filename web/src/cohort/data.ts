@@ -7,6 +7,8 @@ export interface Study {
   verdict: string;
   reason: string;
   flags: string[];
+  /** What a reader recorded of the result before; absent where nobody did. */
+  manual?: { decision: "" | "accepted" | "rejected"; reader: string; comment: string };
   /** How much it asks to be looked at; the largest first. */
   concern: number;
   wall_s: number | null;
@@ -33,6 +35,11 @@ export interface Cohort {
   statistics: Statistic[];
   /** Key numbers of the same studies in another cohort; empty lists for those it has not. */
   second: (number | null)[][] | null;
+}
+
+/** The recorded decision in words: "accepted by A. Reader"; empty: nobody decided. */
+export function recordedWords({ manual }: Study): string {
+  return manual ? `${manual.decision || "looked at"}${manual.reader && ` by ${manual.reader}`}` : "";
 }
 
 export function readCohort(): Cohort {

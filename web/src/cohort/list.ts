@@ -1,6 +1,6 @@
 // The list of studies: only the rows in view are in the page, so that ten thousand scroll smoothly.
 import { byId, figure, html } from "../dom";
-import type { Cohort, Study } from "./data";
+import { type Cohort, recordedWords, type Study } from "./data";
 import { curveThumb, polarThumb, sliceThumb } from "./thumbs";
 import { decisionOf } from "./triage";
 
@@ -97,10 +97,11 @@ export class StudyList {
   private rowOf(index: number): HTMLElement {
     const study = this.cohort.studies[index]!;
     const decision = decisionOf(study.id);
+    const recorded = recordedWords(study);
     const row = html(
       "div",
       { class: index === this.chosen ? "row chosen" : "row", role: "option", "aria-selected": String(index === this.chosen) },
-      html("div", {}, html("b", { title: study.id }, study.id), markOf(study), html("span", { class: "decision" }, decision.verdict ? ` ${decision.verdict}ed` : "")),
+      html("div", {}, html("b", { title: study.id }, study.id), markOf(study), html("span", { class: "decision" }, decision.verdict ? ` ${decision.verdict}ed` : ""), html("small", { class: "recorded", title: recorded }, recorded)),
       html("div", {}, html("span", { class: "big" }, `${figure(study.numbers[0], 0)} %`), html("br"), html("small", {}, `${figure(study.numbers[1], 0)} / ${figure(study.numbers[2], 0)} mL`)),
       sliceThumb(this.cohort.pictures[study.id], 58),
       polarThumb(study.perfusion, 58),

@@ -1,6 +1,6 @@
 // The page of a cohort: filters over everything, the list with the worst first, plots, triage by the keyboard.
 import { byId, figure, html } from "../dom";
-import { readCohort, type Statistic, type Study } from "./data";
+import { readCohort, recordedWords, type Statistic, type Study } from "./data";
 import { markOf, StudyList } from "./list";
 import { drawAgreement, drawHistogram, drawScatter, meansTable, normalRange, type Dot, type Ring } from "./plots";
 import { curveThumb, polarThumb } from "./thumbs";
@@ -47,6 +47,11 @@ function shortened(value: string): string {
   return /^-?\d+\.\d{2,}$/.test(value) ? Number(value).toFixed(1) : value || "–";
 }
 
+/** What readers recorded in the results, apart from what is decided on this page. */
+const decided = ["rejected", "accepted", "looked at", "nobody decided"];
+const recordedOf = ({ manual }: Study): string => (manual ? manual.decision || "looked at" : "nobody decided");
+const by_recorded: [string, string][] = cohort.studies.some(({ manual }) => manual) ? [["recorded", "recorded decision"]] : [];
+
 function buildFilters(): void {
   const search = html("input", { type: "search", placeholder: "part of an id", "aria-label": "part of an id", size: 12 });
   search.addEventListener("input", show);
@@ -56,6 +61,7 @@ function buildFilters(): void {
   addSelect("Verdict", different(cohort.studies.map(stateOf)), (study) => [stateOf(study)]);
   addSelect("Flag", different(cohort.studies.flatMap((s) => s.flags)), (study) => study.flags);
   cohort.groups.forEach((name, n) => isMeasured(n) || addSelect(name, different(cohort.studies.map((s) => s.groups[n] ?? "")), (study) => [study.groups[n] ?? ""]));
+  if (by_recorded.length) addSelect("Recorded", different(cohort.studies.map(recordedOf)), (study) => [recordedOf(study)]);
   addSelect("Decision", ["accept", "reject", ""], (study) => [decisionOf(study.id).verdict]);
   const reset = html("button", { type: "button" }, "Show all");
   reset.addEventListener("click", () => {
@@ -78,10 +84,10 @@ function fillSelect(id: string, entries: [string, string][]): HTMLSelectElement 
 }
 
 const titles = cohort.keys.map(([, title], n): [string, string] => [String(n), title]);
-const order = fillSelect("order", [["concern", "worst first"], ["id", "id"], ...titles]);
+const order = fillSelect("order", [["concern", "worst first"], ["id", "id"], ...by_recorded, ...titles]);
 const number = fillSelect("number", titles);
 const few = cohort.groups.map((_, n) => n).filter((n) => different(cohort.studies.map((s) => s.groups[n] ?? "")).length <= 6);
-const by = fillSelect("by", [["", "nothing"], ["verdict", "verdict"], ...few.map((n): [string, string] => [String(n), cohort.groups[n]!])]);
+const by = fillSelect("by", [["", "nothing"], ["verdict", "verdict"], ...by_recorded, ...few.map((n): [string, string] => [String(n), cohort.groups[n]!])]);
 // Which studies are normal only the reader knows: those of a group, or all.
 const normals = few.flatMap((n) => different(cohort.studies.map((s) => s.groups[n] ?? "")).map((value): [number, string] => [n, value]));
 const normal = fillSelect("normal", [["", "not known"], ["all", "all studies"], ...normals.map(([n, value], at): [string, string] => [String(at), `${cohort.groups[n]} ${value || "(not known)"}`])]);
@@ -93,6 +99,7 @@ const first = fillSelect("first", [...others, ...truths, ...titles]);
 
 function groupOf(study: Study): string {
   if (by.value === "") return "all shown";
+  if (by.value === "recorded") return recordedOf(study);
   return by.value === "verdict" ? (study.verdict || study.state) : (study.groups[Number(by.value)] || "(not known)");
 }
 
@@ -109,6 +116,10 @@ function sorted(indices: number[]): number[] {
   const studies = cohort.studies;
   if (order.value === "id") return indices.sort((a, b) => -down * studies[b]!.id.localeCompare(studies[a]!.id, "en", { numeric: true }));
   if (order.value === "concern") return indices.sort((a, b) => down * (studies[b]!.concern - studies[a]!.concern) || a - b);
+  if (order.value === "recorded") {
+    const rank = (n: number) => decided.indexOf(recordedOf(studies[n]!));
+    return indices.sort((a, b) => down * (rank(a) - rank(b)) || a - b);
+  }
   const key = Number(order.value);
   const at = (n: number) => studies[n]!.numbers[key];
   // What has no number comes last.
@@ -192,7 +203,8 @@ function wordsOf(study: Study): HTMLElement {
   const groups = cohort.groups.map((name, n) => `${name} ${shortened(study.groups[n] ?? "")}`).join(" · ");
   const numbers = `EF ${figure(study.numbers[0])} %, EDV ${figure(study.numbers[1])} mL, ESV ${figure(study.numbers[2])} mL, muscle ${figure(study.numbers[4])} mL`;
   const said = study.state === "failed" ? study.reason : study.flags.length ? study.flags.join(", ") : "no flags";
-  return html("div", {}, html("b", {}, study.id), " ", markOf(study), html("div", {}, study.state === "done" ? numbers : ""), html("div", { class: "words" }, said), html("small", { class: "dim" }, groups));
+  const recorded = [recordedWords(study), study.manual?.comment].filter(Boolean).join(": ");
+  return html("div", {}, html("b", {}, study.id), " ", markOf(study), html("div", {}, study.state === "done" ? numbers : ""), html("div", { class: "recorded" }, recorded), html("div", { class: "words" }, said), html("small", { class: "dim" }, groups));
 }
 
 function choose(index: number): void {

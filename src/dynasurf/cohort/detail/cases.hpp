@@ -24,6 +24,12 @@ struct KeyNumber {
 /// Those of the ventricle: the readings, the muscle, the filling, the synchrony.
 const std::vector<KeyNumber>& ventricle_key_numbers();
 
+/// What a reader recorded of a result (the options `manual`); texts are empty where nobody did.
+struct ReaderDecision {
+  std::string decision;  // "accepted", "rejected"
+  std::string reader, comment;
+};
+
 /// What is kept in memory of a study while a cohort is collected.
 struct CohortCase {
   CohortStudy study;
@@ -33,6 +39,7 @@ struct CohortCase {
   std::vector<std::string> flags;                                  // codes, the worst first
   std::vector<std::optional<double>> perfusion;                    // percent, one a segment
   std::vector<std::optional<double>> curve_ml;                     // cavity, one a gate
+  ReaderDecision manual;
   bool has_result() const { return status && status->done; }
 };
 
