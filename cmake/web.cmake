@@ -130,7 +130,8 @@ function(dynasurf_page_tests)
   set_tests_properties(web/cloud-schema web/cloud PROPERTIES FIXTURES_REQUIRED sample_clouds)
   set_tests_properties(web/cloud PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 600)
 
-  add_test(NAME web/words COMMAND ${DYNASURF_NODE} ${web}/test/words.test.mjs ${samples} ${clouds}/results)
+  add_test(NAME web/words COMMAND ${DYNASURF_NODE} ${web}/test/words.test.mjs ${samples} ${clouds}/results
+           $<TARGET_FILE:dynasurf>)
   set_tests_properties(web/words PROPERTIES FIXTURES_REQUIRED "sample_reports;sample_clouds" SKIP_RETURN_CODE 77 TIMEOUT 600)
 
   # The page that is the program, where ./dev web has made it.

@@ -3,8 +3,8 @@
 
 A page says its texts by say("sentence"), writes them into its body.html, or names them in program/texts.ts. What the
 program says in its results stands in C++, in pieces between values; an entry's text must be made of such pieces, and
-every piece of a note must stand in an entry. With --program the options that the page offers have an entry each.
-check_words.py --list prints all texts of the pages.
+every piece of a note and of a reader's refusal must stand in an entry. With --program the options that the page
+offers have an entry each. check_words.py --list prints all texts of the pages.
 """
 import argparse
 import json
@@ -19,6 +19,19 @@ WEB = ROOT / "web/src"
 SPOKEN = ["", "cloud"]  # folders of the pages that dynasurf.html shows
 TOLD = ["ventricle", "psf_fit", "field", "dynamics", "image", "io", "cloud"]  # folders of src/dynasurf that write notes
 ATTRIBUTES = {"title", "aria-label", "placeholder", "alt"}
+# Files whose refusals a user of the page can meet: each has an entry.
+READERS = ["core/option_tree.cpp", "core/options.hpp", "cloud/options.cpp", "cloud/prepare.cpp", "psf_fit/wall_terms.cpp",
+           "ventricle/cycle.cpp", "ventricle/orientation.cpp", "ventricle/reconstruct.cpp",
+           *(f"io/{name}" for name in (
+               "byte_source.cpp", "cloud_io.cpp", "detail/nrrd_header.hpp", "detail/text_reader.hpp", "dicom_choice.cpp",
+               "dicom_file.cpp", "dicom_frames.cpp", "dicom_load.cpp", "dicom_outline.cpp", "dicom_pixels.cpp", "dicom_places.cpp",
+               "dicom_read.cpp", "dicom_slices.cpp", "dicom_stacking.cpp", "dicom_whole.cpp", "las.cpp", "nifti_read.cpp",
+               "nrrd_header.cpp", "nrrd_read.cpp", "obj.cpp", "off.cpp", "pcd.cpp", "ply.cpp", "ptx.cpp", "rows.cpp", "samples.cpp",
+               "stl.cpp", "study_io.cpp", "study_mend.cpp", "told_counts.cpp"))]
+REFUSAL = re.compile(r"Error\(|refuse\w*\(|must\(|fail\(|throw ")
+# What nobody meets on the page, and what stands in an entry with a place for its list.
+NO_REFUSAL = re.compile(
+    r"is no setting|fewer than 2|on another grid than the image|exclude_gates names gate|ends in \.ply|the cloud has no point")
 # Notes of other subjects, and what is no note: parts of refusals that stand in functions of their own, words of files.
 NOT_SHOWN = {"io/tracked_points_io.cpp"}
 NO_NOTE = re.compile(
@@ -99,6 +112,15 @@ def is_made_of(text, blob):
     return True
 
 
+def sentences_of(path, is_wanted):
+    """Pieces of three words or more of the literals in statements that are wanted."""
+    for literal, before in literals_of(path):
+        for piece in pieces_of(literal) if is_wanted(before) else ():
+            words = piece.strip(" ,;:().")
+            if " " in words and len(re.findall(r"[A-Za-z]{2,}", words)) >= 3:
+                yield words
+
+
 def check_program(name, table, problems):
     blob = "\0".join(
         piece
@@ -110,20 +132,15 @@ def check_program(name, table, problems):
         for part in PLACE.split(sentence)[::2]:
             if not is_made_of(part, blob):
                 problems.append(f"{name}: the program never says \"{sentence}\" (\"{part}\")")
+    sources = ROOT / "src/dynasurf"
+    notes = [path for folder in TOLD for path in sorted((sources / folder).rglob("*.cpp"))
+             if "Severity::" in path.read_text(encoding="utf-8") and str(path.relative_to(sources)) not in NOT_SHOWN]
+    said = [(path, words) for path in notes for words in sentences_of(path, lambda before: not REFUSAL.search(before))
+            if not NO_NOTE.search(words)]
+    said += [(path, words) for path in map(sources.__truediv__, READERS) for words in sentences_of(path, REFUSAL.search)
+             if not NO_REFUSAL.search(words)]
     entries = "\0".join(table)
-    for folder in TOLD:
-        for path in sorted((ROOT / "src/dynasurf" / folder).rglob("*.cpp")):
-            place = path.relative_to(ROOT / "src/dynasurf")
-            if "Severity::" not in path.read_text(encoding="utf-8") or str(place) in NOT_SHOWN:
-                continue
-            for literal, before in literals_of(path):
-                if re.search(r"Error\(|refuse\(|must\(|throw ", before):
-                    continue
-                for piece in pieces_of(literal):
-                    words = piece.strip(" ,;:().")
-                    is_sentence = " " in words and len(re.findall(r"[A-Za-z]{2,}", words)) >= 3
-                    if is_sentence and words not in entries and not NO_NOTE.search(words):
-                        problems.append(f"{name}: nothing for \"{words}\" of {place}")
+    problems += [f"{name}: nothing for \"{words}\" of {path.relative_to(sources)}" for path, words in said if words not in entries]
 
 
 def descriptions(program):

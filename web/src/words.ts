@@ -7,7 +7,10 @@ export interface Translation {
   name: string;
   /** What the pages say. */
   pages: Record<string, string>;
-  /** What the program says in its results: a {place} stands for any value, {sentence} for one that has an entry. */
+  /**
+   * What the program says in its results and refusals: a {place} stands for any value, {sentence} for one that has an
+   * entry, {file}, {path}, {name} and {word} for what is called so in every language.
+   */
   program: Record<string, string>;
   /** What options are, and their units. */
   options: Record<string, string>;
@@ -15,6 +18,7 @@ export interface Translation {
 export type Values = Record<string, string | number>;
 
 const places = /{(\w+)}/g;
+const kept = new Set(["file", "path", "name", "word"]);
 const attributes = ["title", "aria-label", "placeholder", "alt"] as const;
 
 const filled = (text: string, values: Values): string => text.replace(places, (place, name: string) => String(values[name] ?? place));
@@ -52,11 +56,11 @@ export class Words {
     return this.table?.options[english] ?? english;
   }
 
-  /** What begins with fixed text comes first, then what has most of it: the others are made for what is left. */
+  /** First what begins with fixed text, then what is said of a file; of each what has most fixed text: the others are made for what is left. */
   private get patterns(): Pattern[] {
     if (this.known) return this.known;
     const sentences = Object.entries(this.table?.program ?? {}).filter(([sentence]) => sentence.includes("{"));
-    const begins_late = ({ parts }: Pattern) => Number(parts[0] === "");
+    const begins_late = ({ parts }: Pattern) => (parts[0] !== "" ? 0 : parts[1] === "file" ? 1 : 2);
     return (this.known = sentences.map(patternOf).sort((a, b) => begins_late(a) - begins_late(b) || b.fixed - a.fixed));
   }
 
@@ -81,7 +85,7 @@ export class Words {
     const is_last = n + 2 === parts.length;
     for (let at = 1; at <= left.length; ++at) {
       if (is_last ? left.slice(at) !== next : !left.startsWith(next, at)) continue;
-      const told = this.find(left.slice(0, at));
+      const told = kept.has(name) ? null : this.find(left.slice(0, at));
       if (told === null && name.startsWith("sentence")) continue;
       const more = is_last ? {} : this.valuesOf(parts, n + 2, left.slice(at + next.length));
       if (more) return { [name]: told ?? left.slice(0, at), ...more };
