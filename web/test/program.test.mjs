@@ -620,6 +620,9 @@ const tests = {
     assert.equal(await page.locator("#pair-complaint").innerText(), "Not compared: STRESS.dcm: has no polar map, for its walls were not found; expected a result with both walls");
     assert.ok(await page.locator("#show-difference").isHidden());
     await shoot(page, "not-compared");
+    await page.selectOption("#language", "de");
+    assert.match(await page.locator("#pair-complaint").innerText(), /^Nicht verglichen: STRESS\.dcm: hat keine Polarkarte/);
+    assert.match(await page.locator("#pair-complaint").getAttribute("title"), /^STRESS\.dcm: has no polar map/);
   },
 
   async "describes options in German, and finds them in both languages"(page) {
@@ -658,6 +661,10 @@ const tests = {
       assert.match(await page.locator("#reason").innerText(), german_line);
       assert.match(await page.locator("#reason").getAttribute("title"), own_line);
     }
+    await page.selectOption("#language", "en");
+    assert.match(await page.locator("#reason").innerText(), cases.at(-1)[3]);
+    assert.equal(await page.locator("#reason").getAttribute("title"), "");
+    await page.selectOption("#language", "de");
     await shoot(page, "german-refusal");
   },
 

@@ -27,6 +27,8 @@ let report_url = "";
 /** The gate that the report looks at, from 1. */
 let gate = 1;
 let at_once = false;
+/** Says again why something failed. */
+let tell_reason = (): void => {};
 
 function show(view: (typeof views)[number]): void {
   for (const name of views) by_id(name).hidden = name !== view;
@@ -37,10 +39,13 @@ function show(view: (typeof views)[number]): void {
   document.documentElement.dataset.view = view;
 }
 
-/** `own`: the line of the program that the reason is a translation of; one searches for it. */
-function fail(reason: string, own = ""): void {
-  by_id("reason").textContent = reason;
-  by_id("reason").title = own === reason ? "" : own;
+/** `say`: the reason in the language of the page; `own`: the program's line that it is a translation of; one searches for it. */
+function fail(say: () => string, own = ""): void {
+  tell_reason = () => {
+    by_id("reason").textContent = say();
+    by_id("reason").title = own === say() ? "" : own;
+  };
+  tell_reason();
   by_id("back").hidden = !history.shown;
   tell_list();
   show("failure");
@@ -127,17 +132,20 @@ async function work(job: Omit<Job, "engine">, is_done: (end: Ended) => boolean):
       tell_progress(line.text, line.memory);
     });
   } catch (error) {
-    fail(text("lost", { reason: String(error) }));
+    fail(() => text("lost", { reason: String(error) }));
     return null;
   }
   const own = line_of_error(lines);
   if (word.kind === "end" && is_done(word) && word.files.length > 0) return { ...word, complaint: own };
   if (word.kind === "lost") {
     const is_memory = /memory|allocation/i.test(word.reason);
-    fail(is_memory ? text("out_of_memory", { mb: mb(word.memory) }) : text("lost", { reason: word.reason }));
-  } else if (own === "out of memory") fail(text("out_of_memory", { mb: mb(word.memory) }));
-  else if (own) fail(told(own), own);
-  else fail(text("failed"));
+    const { reason, memory } = word;
+    fail(() => (is_memory ? text("out_of_memory", { mb: mb(memory) }) : text("lost", { reason })));
+  } else if (own === "out of memory") {
+    const { memory } = word;
+    fail(() => text("out_of_memory", { mb: mb(memory) }));
+  } else if (own) fail(() => told(own), own);
+  else fail(() => text("failed"));
   return null;
 }
 
@@ -222,7 +230,7 @@ function look(): void {
 
 function cancel(): void {
   runner.stop();
-  fail(text("cancelled"));
+  fail(() => text("cancelled"));
 }
 
 // ---- What is given ----
@@ -236,8 +244,7 @@ async function take(given: Promise<Given[]> | Given[]): Promise<void> {
     if (studies.studies.length === 0) await begin(taskOf(pieces));
     else show_studies();
   } catch (error) {
-    if (error instanceof Refusal) fail(text(error.code, { about: error.about }));
-    else fail(text("lost", { reason: String(error) }));
+    fail(() => (error instanceof Refusal ? text(error.code, { about: error.about }) : text("lost", { reason: String(error) })));
   }
 }
 
@@ -278,6 +285,7 @@ const pair = new Pair(
   [by_id("first-title"), by_id("second-title")],
   by_id<HTMLIFrameElement>("both"),
   by_id("pair-numbers"),
+  by_id("pair-complaint"),
 );
 
 async function show_pair(): Promise<void> {
@@ -291,9 +299,8 @@ async function show_pair(): Promise<void> {
   if (!word) return;
   show("pair");
   show_difference(false);
-  pair.show(chosen, word.files);
+  pair.show(chosen, word.files, word.complaint);
   by_id("show-difference").hidden = !pair.has_difference;
-  by_id("pair-complaint").textContent = pair.complaint(word.complaint ?? "");
 }
 
 function show_difference(on: boolean): void {
@@ -384,6 +391,7 @@ function hold_language(is_held: boolean): void {
 /** Texts of the page, and again all that was written in the former language. */
 function change_language(name: string): void {
   speak(name);
+  tell_reason();
   pair.speak();
   panel.speak();
   if (history.shown) {
@@ -457,9 +465,9 @@ function connect(): void {
 connect();
 speak(language());
 show("start");
-if (typeof DecompressionStream === "undefined" || typeof WebAssembly === "undefined") fail(text("old_browser" satisfies Key));
+if (typeof DecompressionStream === "undefined" || typeof WebAssembly === "undefined") fail(() => text("old_browser" satisfies Key));
 else
   givenHere()
     .then((given) => (given ? begin(given.task, given.settings, given.said) : warm_up()))
-    .catch((error: unknown) => fail(text("lost", { reason: String(error) })));
+    .catch((error: unknown) => fail(() => text("lost", { reason: String(error) })));
 document.documentElement.dataset.ready = "true";

@@ -30,6 +30,8 @@ export class Pair {
   private leader = 0;
   private result: Piece[] = [];
   private difference = "";
+  /** The last error that the program told. */
+  private line = "";
   private shown: [Found, Found] | null = null;
 
   constructor(
@@ -37,6 +39,7 @@ export class Pair {
     private readonly titles: [HTMLElement, HTMLElement],
     private both: HTMLIFrameElement,
     private readonly numbers: HTMLElement,
+    private readonly complaint: HTMLElement,
   ) {
     addEventListener("message", (event: MessageEvent<FromReport>) => this.hear(event));
   }
@@ -51,21 +54,24 @@ export class Pair {
   }
 
   /** Why there is no difference, in the program's words; its folders are called by where the studies came from. */
-  complaint(line: string): string {
-    const reason = line.replace(/\/?\b(first|second)\b/, (_, folder: "first" | "second") => this.shown![folders.indexOf(folder)]!.place);
-    return this.difference || !reason ? "" : text("not_compared", { reason: told(reason) });
+  private tellComplaint(): void {
+    const reason = this.line.replace(/\/?\b(first|second)\b/, (_, folder: "first" | "second") => this.shown![folders.indexOf(folder)]!.place);
+    const is_told = !this.difference && reason !== "";
+    this.complaint.textContent = is_told ? text("not_compared", { reason: told(reason) }) : "";
+    this.complaint.title = is_told && told(reason) !== reason ? reason : "";
   }
 
   /** Again in the language of the page. */
   speak(): void {
     if (!this.shown) return;
     const is_compared = this.both.src === this.difference;
-    this.show(this.shown, this.result);
+    this.show(this.shown, this.result, this.line);
     if (is_compared) this.showDifference();
   }
 
-  show(pair: [Found, Found], result: Piece[]): void {
+  show(pair: [Found, Found], result: Piece[], line = ""): void {
     this.shown = pair;
+    this.line = line;
     this.result = result;
     this.leader = 0;
     for (const url of this.urls) URL.revokeObjectURL(url);
@@ -81,6 +87,7 @@ export class Pair {
     });
     const is_compared = result.some(({ path }) => path === "both/comparison.html");
     this.difference = is_compared ? page("both", "comparison.html", translated) : "";
+    this.tellComplaint();
     const [a, b] = folders.map((folder) => numbersOf(partOf(result, folder)));
     this.numbers.textContent = (["edv_ml", "esv_ml", "ef_percent"] as const)
       .map((key) => {
