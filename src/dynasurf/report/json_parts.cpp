@@ -33,14 +33,13 @@ Json provenance_json(const Provenance& provenance) {
 }
 
 Json placed_notes_json(const Notes& notes) {
-  const auto place = [](int index) { return index >= 0 ? Json(index + 1) : Json(nullptr); };
   Json json = Json::array();
   for (const Note& note : notes)
     json.push_back({{"severity", name_of(note.severity)},
                     {"code", note.code},
                     {"message", note.message},
-                    {"gate", place(note.gate)},
-                    {"slice", place(note.slice)}});
+                    {"gate", one_based(note.gate)},
+                    {"slice", one_based(note.slice)}});
   return json;
 }
 

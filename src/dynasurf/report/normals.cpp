@@ -98,8 +98,7 @@ bool next_line(TextInput& text, std::string& line, std::size_t samples, const st
 PolarTable read_polar(const std::filesystem::path& result) {
   const std::filesystem::path csv = io::file_inside(result, std::filesystem::path("measures") / "polar.csv");
   if (!std::filesystem::exists(csv) && std::filesystem::exists(result / "results.json"))
-    throw InputError(result.string() +
-                     ": has no polar map, for its walls were not found; expected a result with both walls");
+    throw InputError(result.string() + ": has no polar map; expected a result with both walls");
   TextInput text(io::text_of_file(csv));
   std::string line;
   std::getline(text, line);

@@ -14,10 +14,6 @@ namespace {
 
 using namespace detail;
 
-/// Files count gates and slices from 1; -1 inside means none.
-Json one_based(int index) { return index >= 0 ? Json(index + 1) : Json(nullptr); }
-Json one_based(const std::optional<int>& index) { return index ? one_based(*index) : Json(nullptr); }
-
 Json study_json(const Study& study) {
   Json json = Json::object();
   json["format"] = study.format;

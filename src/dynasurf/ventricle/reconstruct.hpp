@@ -56,8 +56,8 @@ struct Additions {
   OwnStages stages = {};
   /// Of `find_borders`: no other gate is looked at, and the fields around its borders are made too.
   std::optional<int> only_gate = {};
-  /// Where an earlier look found the heart. The study, its mask, the excluded gates and what is said by hand of centre,
-  /// axis and radius must be the same. Absent: it is looked for.
+  /// The location of the heart from an earlier call; absent: it is searched for. Valid for the same study, mask,
+  /// options manual.exclude_gates, manual.center_mm, manual.axis and manual.radius_mm alone.
   std::optional<heart::Location> located = {};
 };
 

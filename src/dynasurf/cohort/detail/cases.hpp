@@ -24,7 +24,8 @@ struct KeyNumber {
 /// Those of the ventricle: the readings, the muscle, the filling, the synchrony.
 const std::vector<KeyNumber>& ventricle_key_numbers();
 
-/// What a reader recorded of a result (the options `manual`); texts are empty where nobody did.
+/// A reader's decision on a result: its options manual.decision, manual.reader and manual.comment. Each is empty unless
+/// it was given.
 struct ReaderDecision {
   std::string decision;  // "accepted", "rejected"
   std::string reader, comment;

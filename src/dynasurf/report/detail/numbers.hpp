@@ -17,6 +17,10 @@ using Json = nlohmann::ordered_json;
 inline Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 inline Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
 
+/// Files count gates and slices from 1; -1 inside means none.
+inline Json one_based(int index) { return index >= 0 ? Json(index + 1) : Json(nullptr); }
+inline Json one_based(const std::optional<int>& index) { return index ? one_based(*index) : Json(nullptr); }
+
 inline Json vector_json(const Vec3& v) { return {number(v[0]), number(v[1]), number(v[2])}; }
 
 /// Shortest text that reads back as the same number, with a point in every locale; empty when there is none.
