@@ -3,11 +3,11 @@ import { byId, figure, html, saveFile } from "./dom";
 import type { Results } from "./data";
 import type { Player } from "./player";
 import type { SurfaceScene } from "./scene";
+import { webm } from "./webm";
 import { say } from "./words";
 
 const beats = 2;
 const per_second = 30;
-const most_pictures = 40; // of a beat: each takes 4 MB
 const [width, height, bar] = [1280, 720, 40];
 const ground = "#0d1218";
 
@@ -31,45 +31,33 @@ export class Film {
     private readonly scene: SurfaceScene,
   ) {}
 
-  /** Draws one beat, then records it in its own time. `tell`: how much of it is done, 0 to 1. */
+  /** Each picture is drawn, then compressed at its own time, however long that takes. `tell`: how much of it is done, 0 to 1. */
   async record(tell: (part: number) => void): Promise<Blob> {
     const { cycle_ms, gates } = this.player;
-    const count = Math.min(Math.max(Math.round((cycle_ms * per_second) / 1000), gates), most_pictures);
-    const pictures: ImageBitmap[] = [];
-    for (let n = 0; n < count; ++n) {
+    const count = Math.max(Math.round((cycle_ms * per_second) / 1000), gates);
+    const step_us = (1000 * cycle_ms) / count;
+    const beat: EncodedVideoChunk[] = [];
+    let failure: unknown;
+    const encoder = new VideoEncoder({
+      output: (chunk) => beat.push(chunk),
+      error: (reason) => (failure = reason),
+    });
+    encoder.configure({ codec: "vp8", width, height, bitrate: 8e6, framerate: 1e6 / step_us });
+    for (let n = 0; n < count && failure === undefined; ++n) {
       this.player.seek((n / count) * gates);
       this.draw();
-      pictures.push(await createImageBitmap(this.canvas));
-      tell((0.5 * n) / count);
+      const picture = new VideoFrame(this.canvas, { timestamp: Math.round(n * step_us), duration: Math.round(step_us) });
+      encoder.encode(picture, { keyFrame: n === 0 });
+      picture.close();
+      tell(n / count);
+      // For the page to show it, and for the encoder to follow: each picture takes 4 MB.
+      do await new Promise((done) => setTimeout(done));
+      while (encoder.encodeQueueSize > 4 && failure === undefined);
     }
-    const film = await this.play(pictures, (part) => tell(0.5 + 0.5 * part));
-    for (const picture of pictures) picture.close();
-    return film;
-  }
-
-  private async play(pictures: ImageBitmap[], tell: (part: number) => void): Promise<Blob> {
-    const stream = this.canvas.captureStream(0);
-    const track = stream.getVideoTracks()[0] as CanvasCaptureMediaStreamTrack;
-    const recorder = new MediaRecorder(stream, { mimeType: "video/webm", videoBitsPerSecond: 8e6 });
-    const pieces: Blob[] = [];
-    recorder.addEventListener("dataavailable", ({ data }) => pieces.push(data));
-    const ended = new Promise((done) => recorder.addEventListener("stop", done));
-    const wait = (ms: number) => new Promise((done) => setTimeout(done, Math.max(ms, 0)));
-    const step = this.player.cycle_ms / pictures.length;
-    recorder.start();
-    const begin = performance.now();
-    // By the clock: where packing is slow pictures are left out, and the beat keeps its pace.
-    for (let n = 0; n <= beats * pictures.length; n = Math.max(n + 1, Math.floor((performance.now() - begin) / step))) {
-      await wait(begin + n * step - performance.now());
-      this.context.drawImage(pictures[n % pictures.length]!, 0, 0);
-      track.requestFrame();
-      tell(n / (beats * pictures.length));
-    }
-    await wait(250); // for the last picture to be packed
-    recorder.stop();
-    track.stop();
-    await ended;
-    return new Blob(pieces, { type: "video/webm" });
+    if (failure === undefined) await encoder.flush().catch((reason: unknown) => (failure ??= reason));
+    if (failure !== undefined) throw failure;
+    encoder.close();
+    return new Blob([webm(beat, { width, height, turns: beats, turn_ms: cycle_ms })], { type: "video/webm" });
   }
 
   private draw(): void {
@@ -97,7 +85,7 @@ export class Film {
 /** The button that saves a film, where the browser can make one. */
 export function buildFilm(results: Results, player: Player, scene: SurfaceScene | null): void {
   const button = byId<HTMLButtonElement>("film");
-  const can = scene !== null && player.gates > 1 && typeof MediaRecorder !== "undefined" && MediaRecorder.isTypeSupported("video/webm");
+  const can = scene !== null && player.gates > 1 && "VideoEncoder" in window; // not over http
   button.hidden = !can;
   if (!can) return;
   const film = new Film(results, player, scene);
@@ -107,6 +95,8 @@ export function buildFilm(results: Results, player: Player, scene: SurfaceScene 
     button.disabled = true;
     try {
       saveFile(await film.record((part) => (button.textContent = `${Math.round(100 * part)} %`)), "dynasurf-beat.webm");
+    } catch (reason) {
+      alert(say("The film cannot be made: {reason}", { reason: reason instanceof Error ? reason.message : String(reason) }));
     } finally {
       button.disabled = false;
       button.textContent = word;
