@@ -36,9 +36,13 @@ export async function withBrowser(work, { width = 1400, height = 1000, webgl = t
   }
 }
 
-/** Opens a file and collects what a good page never does: asking for anything else, and complaining. */
-export async function openReport(context, path) {
+/**
+ * Opens a file and collects what a good page never does: asking for anything else, and complaining. It rests unless it
+ * shall play: a beat that is drawn without a graphics card takes all of a processor.
+ */
+export async function openReport(context, path, { plays = false } = {}) {
   const page = await context.newPage();
+  await page.emulateMedia({ reducedMotion: plays ? "no-preference" : "reduce" });
   const url = `file://${path}`;
   const requests = [];
   const complaints = [];
@@ -64,13 +68,13 @@ export async function check(name, work) {
 }
 export const finish = () => process.exit(failures ? 1 : 0);
 
-/** Runs tests by name. Each gets `open(sample)`; no page it opened may have asked for anything or complained. */
+/** Runs tests by name. Each gets `open(sample, options)`; no page it opened may have asked for anything or complained. */
 export async function checkAll(context, tests, path_of) {
   for (const [name, test] of Object.entries(tests).filter(([of]) => of.includes(process.env.ONLY ?? "")))
     await check(name, async () => {
       const opened = [];
-      await test(async (sample) => {
-        opened.push(await openReport(context, path_of(sample)));
+      await test(async (sample, options) => {
+        opened.push(await openReport(context, path_of(sample), options));
         return opened.at(-1).page;
       });
       for (const { page, requests, complaints } of opened) {
