@@ -83,15 +83,15 @@ function(dynasurf_precompile_module target reads_files)
   set_property(GLOBAL PROPERTY dynasurf_precompiled_${reads_files} ${target})
 endfunction()
 
-# Where sources are many and small, most of what a compiler does for each is the templates of nlohmann-json, again and
-# again: a few of them are compiled at once. Names without linkage then share a scope with those of their neighbours.
+# Most of what a compiler does for a small source is the templates of the libraries it uses, again and again: a few of
+# them are compiled at once. Names without linkage then share a scope with those of their neighbours.
 # The preset `dev` compiles every source alone, which shows what one forgot to include and whose names hide others.
 option(DYNASURF_JOIN_SOURCES "Compile several small sources at once" ON)
 
 add_library(dynasurf_joined_flags INTERFACE)
 target_compile_options(dynasurf_joined_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-shadow$<SEMICOLON>-Wshadow=local>)
 
-# dynasurf_join_sources(target [source...]): all but these, which take long by themselves.
+# dynasurf_join_sources(target [source...]): all but these, which take long by themselves or share names with others.
 function(dynasurf_join_sources target)
   if(NOT DYNASURF_JOIN_SOURCES)
     return()
@@ -112,9 +112,10 @@ function(dynasurf_choose list first second wanted)
   set(${list} ${${list}} PARENT_SCOPE)
 endfunction()
 
-# dynasurf_module(name [READS_FILES] USES PUBLIC ... PRIVATE ...): a static library from src/dynasurf/<name>.
+# dynasurf_module(name [READS_FILES] [ALONE source...] USES PUBLIC ... PRIVATE ...): a static library from
+# src/dynasurf/<name>. Its sources are joined but for these.
 function(dynasurf_module name)
-  cmake_parse_arguments(ARG "READS_FILES" "" "USES" ${ARGN})
+  cmake_parse_arguments(ARG "READS_FILES" "" "ALONE;USES" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/dynasurf/${name}/*.cpp)
   if(DYNASURF_WITH_DICOM)
     list(FILTER sources EXCLUDE REGEX "/without_dicom\\.cpp$")
@@ -144,6 +145,8 @@ function(dynasurf_module name)
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:dynasurf_text_flags> $<BUILD_INTERFACE:dynasurf_light_flags>)
   endif()
   dynasurf_precompile_module(${target} ${ARG_READS_FILES})
+  list(TRANSFORM ARG_ALONE REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/src/dynasurf/${name}/\\1.cpp")
+  dynasurf_join_sources(${target} ${ARG_ALONE})
   add_library(dynasurf::${name} ALIAS ${target})
   set(dynasurf_modules ${dynasurf_modules} ${target} PARENT_SCOPE)
 endfunction()
@@ -193,5 +196,6 @@ function(dynasurf_test name)
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(test_${name} PRIVATE ${ARG_LIBRARIES} GTest::gmock GTest::gtest_main)
   dynasurf_light_test_code(test_${name} <gmock/gmock.h> <gtest/gtest.h>)
+  dynasurf_join_sources(test_${name})
   gtest_discover_tests(test_${name} TEST_PREFIX "${name}/" PROPERTIES TIMEOUT 300 DISCOVERY_TIMEOUT 60)
 endfunction()

@@ -6,7 +6,7 @@
 namespace dynasurf::fuzz {
 namespace {
 
-bool reads_study(InputFiles& files, const std::filesystem::path& path, const std::string& series = {}) {
+bool reads_dicom(InputFiles& files, const std::filesystem::path& path, const std::string& series = {}) {
   return reads(files.folder(), [&] {
     const Study study = io::read_dicom(path, series);
     require(!study.gates.empty(), "a study has a gate");
@@ -19,7 +19,7 @@ bool reads_study(InputFiles& files, const std::filesystem::path& path, const std
 
 bool run_dicom(std::string_view bytes) {
   InputFiles files;
-  return reads_study(files, files.add("a.dcm", bytes));
+  return reads_dicom(files, files.add("a.dcm", bytes));
 }
 
 /// Up to eight files of one folder; "--CUT--" stands between them.
@@ -32,8 +32,8 @@ bool run_dicom_folder(std::string_view bytes) {
     if (end == std::string_view::npos) break;
     bytes.remove_prefix(end + border.size());
   }
-  const bool whole = reads_study(files, files.folder());
-  const bool chosen = reads_study(files, files.folder(), "1");
+  const bool whole = reads_dicom(files, files.folder());
+  const bool chosen = reads_dicom(files, files.folder(), "1");
   return whole || chosen;
 }
 

@@ -7,7 +7,7 @@
 namespace dynasurf::fuzz {
 namespace {
 
-bool reads_study(InputFiles& files, const std::filesystem::path& path) {
+bool reads_nifti(InputFiles& files, const std::filesystem::path& path) {
   return reads(files.folder(), [&] {
     const Study study = io::read_nifti(path);
     require(!study.gates.empty(), "a study has a gate");
@@ -19,14 +19,14 @@ bool reads_study(InputFiles& files, const std::filesystem::path& path) {
 
 bool run_nifti(std::string_view bytes) {
   InputFiles files;
-  return reads_study(files, files.add("a.nii", bytes));
+  return reads_nifti(files, files.add("a.nii", bytes));
 }
 
 /// What is no gzip is packed first: a mutation that broke the checksum would say nothing of what is inside.
 bool run_nifti_gz(std::string_view bytes) {
   const std::string packed = bytes.starts_with("\x1f\x8b") ? std::string(bytes) : stored_gzip(bytes);
   InputFiles files;
-  return reads_study(files, files.add("a.nii.gz", packed));
+  return reads_nifti(files, files.add("a.nii.gz", packed));
 }
 
 /// The header, 348 bytes, and what follows as the .img beside it.
@@ -34,7 +34,7 @@ bool run_nifti_pair(std::string_view bytes) {
   const std::string_view header = bytes.substr(0, 348), voxels = bytes.substr(header.size());
   InputFiles files;
   files.add("a.img", voxels);
-  return reads_study(files, files.add("a.hdr", header));
+  return reads_nifti(files, files.add("a.hdr", header));
 }
 
 }  // namespace dynasurf::fuzz

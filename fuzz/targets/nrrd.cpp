@@ -7,7 +7,7 @@
 namespace dynasurf::fuzz {
 namespace {
 
-bool reads_study(InputFiles& files, const std::filesystem::path& path) {
+bool reads_nrrd(InputFiles& files, const std::filesystem::path& path) {
   return reads(files.folder(), [&] {
     const Study study = io::read_nrrd(path);
     require(!study.gates.empty(), "a study has a gate");
@@ -28,7 +28,7 @@ bool run_nrrd(std::string_view bytes) {
   const std::string_view header = bytes.substr(0, blank == std::string_view::npos ? bytes.size() : blank + 2);
   const std::string file = std::string(header) + packed_if_called_so(header, bytes.substr(header.size()));
   InputFiles files;
-  return reads_study(files, files.add("a.nrrd", file));
+  return reads_nrrd(files, files.add("a.nrrd", file));
 }
 
 /// A header and its voxels in a file of its own; a line "----" stands between them.
@@ -40,7 +40,7 @@ bool run_nhdr(std::string_view bytes) {
       header, end == std::string_view::npos ? std::string_view() : bytes.substr(end + border.size()));
   InputFiles files;
   files.add("a.raw", voxels);
-  return reads_study(files, files.add("a.nhdr", header));
+  return reads_nrrd(files, files.add("a.nhdr", header));
 }
 
 }  // namespace dynasurf::fuzz

@@ -40,7 +40,7 @@ std::shared_ptr<OriginStudy> copy_of(const Study& study) {
   return std::make_shared<OriginStudy>(study);
 }
 
-void bind_study(py::module_& module) {
+void bind_acquisition(py::module_& module) {
   using S = synthetic::CameraStudy;
   py::class_<S, std::shared_ptr<S>>(module, "CameraStudy", "A patient, what the camera counted, what was made of it.")
       .def_property_readonly(
@@ -61,7 +61,7 @@ void bind_study(py::module_& module) {
 
 void bind_camera(py::module_& module) {
   bind_projections(module);
-  bind_study(module);
+  bind_acquisition(module);
   module.def(
       "make_camera_study",
       [](const std::string& options, py::object progress, int threads) {

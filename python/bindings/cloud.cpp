@@ -160,7 +160,7 @@ void bind_levels(py::module_& module) {
           "sRGB at the vertices, (n, 3) uint8; empty when the cloud has none.");
 }
 
-void bind_result(py::module_& module) {
+void bind_cloud_result(py::module_& module) {
   py::class_<cloud::Facts>(module, "CloudFacts", "What was found in the cloud; lengths in its unit.")
       .def_readonly("points", &cloud::Facts::points)
       .def_readonly("not_finite", &cloud::Facts::not_finite)
@@ -225,7 +225,7 @@ void bind_cloud(py::module_& module) {
       .def_readonly("notes", &OriginCloud::notes);
   bind_certificate(module);
   bind_levels(module);
-  bind_result(module);
+  bind_cloud_result(module);
   module.def(
       "reconstruct_cloud",
       [](const CloudPtr& cloud, const std::string& options, const std::string& preset, py::object progress,

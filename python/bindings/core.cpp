@@ -218,7 +218,7 @@ py::tuple study_to_fill(std::array<int, 4> shape, const py::object& spacing, con
 }
 
 /// All gates as one new array: they stand apart in memory.
-py::array array_of(const Study& study) {
+py::array all_gates_of(const Study& study) {
   const auto& [x, y, z] = study.grid().dims;
   py::array_t<float> array({static_cast<int>(study.gates.size()), z, y, x});
   float* to = array.mutable_data();
@@ -248,7 +248,7 @@ void bind_study(py::module_& module) {
           },
           "The volumes, one Image per gate.")
       .def_property_readonly(
-          "array", [](const S& s) { return array_of(s); }, "All gates, (gate, z, y, x) float32: a copy.")
+          "array", [](const S& s) { return all_gates_of(s); }, "All gates, (gate, z, y, x) float32: a copy.")
       .def_property_readonly(
           "grid", [](const std::shared_ptr<S>& s) { return held(part_of(s, s->grid())); }, "Where the voxels lie.")
       .def_property_readonly(

@@ -54,7 +54,7 @@ dynamics::Additions additions_from(const py::dict& forces, const py::object& sto
 
 std::string reason_of(const dynamics::EvolutionResult& result) { return std::string(dynamics::name_of(result.reason)); }
 
-void bind_result(py::module_& module) {
+void bind_motion_result(py::module_& module) {
   using R = dynamics::EvolutionResult;
   py::class_<R, std::shared_ptr<R>>(module, "EvolutionResult", "A mesh that was moved, and how its motion ended.")
       .def_property_readonly(
@@ -92,7 +92,7 @@ void bind_stepper(py::module_& module) {
 void bind_dynamics(py::module_& module) {
   using Planes = dynamics::BorderPlanes;
   py::class_<Planes, std::shared_ptr<Planes>>(module, "BorderPlanes", "Where a border runs inside its voxels.");
-  bind_result(module);
+  bind_motion_result(module);
   bind_stepper(module);
   module.def(
       "evolve",

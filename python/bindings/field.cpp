@@ -37,7 +37,7 @@ std::shared_ptr<field::VectorField> field_from(const Numbers<float>& array, cons
   return field;
 }
 
-void bind_result(py::module_& module) {
+void bind_field_result(py::module_& module) {
   using F = field::FlowResult;
   py::class_<F, std::shared_ptr<F>>(module, "FlowResult", "A field and how it was reached.")
       .def_property_readonly(
@@ -62,7 +62,7 @@ void bind_field(py::module_& module) {
       .def_property_readonly("array", &stacked, "(3, z, y, x) float32: a copy, the components stand apart in memory.")
       .def_property_readonly(
           "grid", [](const std::shared_ptr<V>& f) { return held(part_of(f, f->grid)); }, "Where the voxels lie.");
-  bind_result(module);
+  bind_field_result(module);
   module.def(
       "flow_field",
       [](const std::shared_ptr<Image>& map, const std::string& options, py::object progress, int threads) {

@@ -1,8 +1,8 @@
 #include "options.hpp"
 
-#include <functional>
+#include <iterator>
 #include <map>
-#include <optional>
+#include <memory>
 #include <typeindex>
 
 #include "dynasurf/cloud/lod.hpp"
@@ -23,21 +23,56 @@
 namespace dynasurf::python {
 namespace {
 
-/// The names that Python gives to the options structs, and what it does with them, type by type.
+/// Options of some type, and their members.
+struct AnyOptions {
+  std::shared_ptr<void> options;
+  OptionNodes nodes;
+};
+
+template <Described O>
+AnyOptions make_options() {
+  const auto made = std::make_shared<O>();
+  return {made, nodes_of(*made)};
+}
+
+/// The types of the structs that members hold: of a group its own, of a family that of every method.
+struct TypeCollector {
+  std::map<std::string_view, std::vector<std::type_index>> types;
+
+  template <class T>
+  void operator()(std::string_view name, T& value, const OptionInfo&) {
+    if constexpr (IsVariant<T>::value)
+      add_methods(name, value);
+    else if constexpr (Described<T>)
+      types[name] = {typeid(T)};
+  }
+  template <class... A>
+  void add_methods(std::string_view name, const std::variant<A...>&) {
+    types[name] = {typeid(A)...};
+  }
+};
+
+/// The names that Python gives to the options structs, and what it does with them. All but their members is the same
+/// code for every type.
 class Catalog {
  public:
   struct Entry {
     std::string name;  // "field.SteadyGvf"
     std::string method;
-    std::string defaults;
+    AnyOptions (*make)();
     py::list members;
-    std::function<std::string(const std::string&)> resolve;
-    std::function<std::string(const std::string&, const std::string&)> set;
   };
 
   /// Options that hold others come after them.
   template <Described O>
-  void add(const std::string& name);
+  void add(const std::string& name) {
+    std::string method;
+    if constexpr (requires { O::name; }) method = O::name;
+    O options;
+    TypeCollector collector;
+    describe(collector, options);
+    keep(Entry{name, method, &make_options<O>, py::list()}, typeid(O), collector.types);
+  }
 
   const std::vector<Entry>& entries() const { return entries_; }
   const Entry& entry(const std::string& name) const {
@@ -47,95 +82,60 @@ class Catalog {
   }
 
  private:
-  friend struct MemberVisitor;
+  using Types = std::map<std::string_view, std::vector<std::type_index>>;
+
+  void keep(Entry entry, std::type_index type, const Types& types);
+  void tell_type(py::dict& member, const OptionNode& node, const Types& types) const;
+
   std::vector<Entry> entries_;
   std::map<std::type_index, std::string> names_;
 };
 
-/// Describes members of options to Python.
-struct MemberVisitor {
-  Catalog& catalog;
-  py::list members;
-
-  template <class T>
-  void operator()(std::string_view name, T& value, const OptionInfo& info) {
+void Catalog::keep(Entry entry, std::type_index type, const Types& types) {
+  const AnyOptions made = entry.make();
+  for (const OptionNode& node : made.nodes) {
     py::dict member;
-    member["name"] = std::string(name);
-    member["doc"] = std::string(info.doc);
-    member["unit"] = std::string(info.unit);
-    member["min"] = info.min;
-    member["max"] = info.max;
-    tell_type(member, value);
-    members.append(member);
+    member["name"] = std::string(node.name);
+    member["doc"] = std::string(node.field.doc);
+    member["unit"] = std::string(node.field.unit);
+    member["min"] = node.field.min;
+    member["max"] = node.field.max;
+    tell_type(member, node, types);
+    entry.members.append(member);
   }
-
-  template <class O>
-  std::string name_of() {
-    const auto found = catalog.names_.find(typeid(O));
-    if (found == catalog.names_.end())
-      throw std::logic_error(std::string("options without a name: ") + typeid(O).name());
-    return found->second;
-  }
-  template <class... A>
-  py::list names_of_family(const std::variant<A...>&) {
-    py::list names;
-    (names.append(name_of<A>()), ...);
-    return names;
-  }
-
-  template <class T>
-  void tell_type(py::dict& member, T& value) {
-    if constexpr (IsVariant<T>::value) {
-      member["kind"] = "family";
-      member["classes"] = names_of_family(value);
-    } else if constexpr (NamedEnum<T>) {
-      member["kind"] = "word";
-      py::list words;
-      for (const std::string_view word : names_of(value)) words.append(std::string(word));
-      member["words"] = words;
-    } else if constexpr (std::is_same_v<T, bool>) {
-      member["kind"] = "bool";
-    } else if constexpr (std::is_same_v<T, std::string>) {
-      member["kind"] = "str";
-    } else if constexpr (std::is_same_v<T, double>) {
-      member["kind"] = "float";
-    } else if constexpr (std::is_integral_v<T>) {
-      member["kind"] = "int";
-    } else if constexpr (std::is_same_v<T, std::optional<double>>) {
-      member["kind"] = "float | None";
-    } else if constexpr (std::is_same_v<T, std::optional<int>>) {
-      member["kind"] = "int | None";
-    } else if constexpr (std::is_same_v<T, std::vector<int>>) {
-      member["kind"] = "list of int";
-    } else if constexpr (std::is_same_v<T, std::vector<double>>) {
-      member["kind"] = "list of float";
-    } else if constexpr (std::is_same_v<T, std::optional<std::array<double, 3>>>) {
-      member["kind"] = "list of 3 float | None";
-    } else {
-      member["kind"] = "group";
-      member["classes"] = py::make_tuple(name_of<T>());
-    }
-  }
-};
-
-template <Described O>
-void Catalog::add(const std::string& name) {
-  Entry entry;
-  entry.name = name;
-  if constexpr (requires { O::name; }) entry.method = std::string(O::name);
-  entry.defaults = io::options_to_text(O{});
-  MemberVisitor visitor{*this, py::list()};
-  O options;
-  describe(visitor, options);
-  entry.members = visitor.members;
-  entry.resolve = [](const std::string& text) { return io::options_to_text(options_from<O>(text)); };
-  entry.set = [](const std::string& text, const std::string& assignment) {
-    O changed = options_from<O>(text);
-    set_option(changed, assignment);
-    return io::options_to_text(changed);
-  };
-  names_[typeid(O)] = name;
+  names_[type] = entry.name;
   entries_.push_back(std::move(entry));
+}
+
+/// The words for the alternatives of OptionRef that are plain values, in their order.
+constexpr const char* plain_kinds[] = {
+    "float",        "int",        "int",         "bool",          "str",
+    "float | None", "int | None", "list of int", "list of float", "list of 3 float | None"};
+
+static_assert(std::size(plain_kinds) + 3 == std::variant_size_v<OptionRef>,
+              "words, families and groups are the others");
+
+void Catalog::tell_type(py::dict& member, const OptionNode& node, const Types& types) const {
+  if (const auto* word = std::get_if<WordRef>(&node.ref)) {
+    py::list words;
+    for (const std::string_view w : word->words) words.append(std::string(w));
+    member["kind"] = "word";
+    member["words"] = words;
+    return;
+  }
+  if (node.ref.index() < std::size(plain_kinds)) {
+    member["kind"] = plain_kinds[node.ref.index()];
+    return;
+  }
+  py::list classes;
+  for (const std::type_index type : types.at(node.name)) {
+    const auto found = names_.find(type);
+    if (found == names_.end()) throw std::logic_error(std::string("options without a name: ") + type.name());
+    classes.append(found->second);
+  }
+  const bool is_group = std::holds_alternative<GroupRef>(node.ref);
+  member["kind"] = is_group ? "group" : "family";
+  member["classes"] = is_group ? py::object(py::tuple(classes)) : py::object(classes);
 }
 
 void add_stages(Catalog& all) {
@@ -256,11 +256,17 @@ py::list described() {
     py::dict one;
     one["name"] = entry.name;
     one["method"] = entry.method;
-    one["defaults"] = entry.defaults;
+    one["defaults"] = io::options_to_text(entry.make().nodes);
     one["members"] = entry.members;
     all.append(one);
   }
   return all;
+}
+
+AnyOptions read(const std::string& name, const std::string& text) {
+  AnyOptions options = catalog().entry(name).make();
+  if (!text.empty()) io::options_from_text(text, options.nodes, "");
+  return options;
 }
 
 }  // namespace
@@ -269,12 +275,14 @@ void bind_options(py::module_& module) {
   module.def("options_described", &described, "All options structs, those that others hold first.");
   module.def(
       "options_resolve",
-      [](const std::string& name, const std::string& text) { return catalog().entry(name).resolve(text); },
+      [](const std::string& name, const std::string& text) { return io::options_to_text(read(name, text).nodes); },
       needed("name"), needed("text"), "JSON of all members: those that `text` names, else their defaults.");
   module.def(
       "options_set",
       [](const std::string& name, const std::string& text, const std::string& assignment) {
-        return catalog().entry(name).set(text, assignment);
+        const AnyOptions changed = read(name, text);
+        set_option(changed.nodes, assignment);
+        return io::options_to_text(changed.nodes);
       },
       needed("name"), needed("text"), needed("assignment"), "The same after one --set of the command line.");
   module.def(

@@ -190,7 +190,7 @@ void bind_result_numbers(py::class_<Heart, HeartPtr>& heart) {
           "Per stage, summed over gates.");
 }
 
-void bind_result(py::module_& module) {
+void bind_heart_result(py::module_& module) {
   py::class_<Heart, HeartPtr> heart(module, "VentricleResult", "Both walls of the ventricle in every gate.",
                                     py::dynamic_attr());
   bind_result_numbers(heart);
@@ -342,7 +342,7 @@ void bind_ventricle(py::module_& module) {
   bind_walls(module);
   bind_labels(module);
   bind_gate(module);
-  bind_result(module);
+  bind_heart_result(module);
   bind_stages(module);
   module.def("reconstruct_ventricle", &reconstruct_from_python, needed("study"), needed("options"), needed("preset"),
              py::arg("mask"), py::arg("mask_sha256"), py::arg("start"), py::arg("start_sha256"), py::arg("edges"),

@@ -92,11 +92,6 @@ Evolution without_smoothing() {
   return o;
 }
 
-bool same_bytes(const TriMesh& a, const TriMesh& b) {
-  return a.vertices.size() == b.vertices.size() &&
-         std::memcmp(a.vertices.data(), b.vertices.data(), a.vertices.size() * sizeof(Vec3)) == 0;
-}
-
 // --- known answers
 
 TEST(FreeMotion, FollowsFieldAndDrag) {

@@ -23,22 +23,22 @@ namespace {
 
 using namespace test_shapes;
 
-const Vec3 kCentre(60, 58, 55);
+const Vec3 kBallCentre(60, 58, 55);
 
-struct Scene {
+struct BallScene {
   Image solid, border;
   field::VectorField field;
   TriMesh start;
 };
 
 /// A ball of 25 mm in a grid of 3 x 3 x 5 mm, and a start 1.5 times as large.
-const Scene& ball() {
-  static const Scene scene = [] {
+const BallScene& ball() {
+  static const BallScene scene = [] {
     Grid g;
     g.dims = {40, 40, 23};
     g.spacing = {3, 3, 5};
-    Scene s;
-    s.solid = filled(g, [](const Vec3& p) { return (p - kCentre).norm() <= 25; });
+    BallScene s;
+    s.solid = filled(g, [](const Vec3& p) { return (p - kBallCentre).norm() <= 25; });
     s.border = border_of(s.solid);
     s.field = field::flow_field(s.border, field::Gvf{}).field;
     s.start = mesh::place(mesh::icosphere(2), s.border, {});
@@ -54,7 +54,7 @@ double within_one_voxel(const TriMesh& mesh) {
 }
 
 EvolutionResult run(const Evolution& o, const Additions& own = {}) {
-  const Scene& s = ball();
+  const BallScene& s = ball();
   return evolve(s.start, s.field, s.border, o, {}, own);
 }
 
@@ -63,10 +63,6 @@ std::vector<Evolution> all_models() {
 }
 std::string_view name_of_model(const Evolution& o) {
   return std::visit([](const auto& m) { return m.name; }, o.model);
-}
-
-bool same_bytes(const TriMesh& a, const TriMesh& b) {
-  return std::memcmp(a.vertices.data(), b.vertices.data(), a.vertices.size() * sizeof(Vec3)) == 0;
 }
 
 // --- models
@@ -85,7 +81,7 @@ TEST(Models, FindTheBall) {
 
 TEST(Models, StayWhereNothingPulls) {
   // At rest in the start mesh, without a field: an equilibrium.
-  const Scene& s = ball();
+  const BallScene& s = ball();
   for (Evolution o : {spring_model(), restricted_spring_model(), plain_model()}) {
     std::visit(
         [](auto& m) {
@@ -101,10 +97,10 @@ TEST(Models, StayWhereNothingPulls) {
 }
 
 TEST(Models, RestAtTheShareOfTheStartThatTheyName) {
-  const Scene& s = ball();
+  const BallScene& s = ball();
   const field::VectorField nothing(s.field.grid);
   std::vector<Vec3> smaller = s.start.vertices;
-  for (Vec3& p : smaller) p = kCentre + 0.67 * (p - kCentre);
+  for (Vec3& p : smaller) p = kBallCentre + 0.67 * (p - kBallCentre);
   const std::vector<Vec3> still(smaller.size(), Vec3::Zero());
   const auto strongest = [&](const ModelOptions& model, std::span<const Vec3> places) {
     double most = 0;
@@ -329,7 +325,7 @@ TEST(AutomaticStep, HoldsForSpringsByTrying) {
 // --- drag maps
 
 TEST(DragMaps, RaiseTheDragWhereTheySay) {
-  const Scene& s = ball();
+  const BallScene& s = ball();
   const Image by_field = drag_by_field(s.field, 0.1, 10), hard = drag_near_border(s.border, 0.1, 10, 1);
   EXPECT_NEAR(*std::max_element(by_field.values.begin(), by_field.values.end()), 1.1, 1e-6);
   Image grey(s.solid.grid);
@@ -392,12 +388,12 @@ TEST(DragMaps, SoftenTheOscillationAndOnlyTheStopEndsIt) {
 }
 
 TEST(DragMaps, BrakeFreeAndCoupledParticlesAlike) {
-  const Scene& s = ball();
+  const BallScene& s = ball();
   const Image map = drag_near_border(s.border, 0.1);
   const Derivative motion = free_motion(s.field, {.strength = 10, .drag = 0.1}, 0.5, &map);
   ParticleSystem system = particles_at(s.start.vertices, 0.5 * static_cast<double>(s.start.vertices.size()));
   system.forces = {field_pull(s.field, 10), drag_force(map)};
-  for (Vec3& p : system.positions) p = kCentre + 0.7 * (p - kCentre);
+  for (Vec3& p : system.positions) p = kBallCentre + 0.7 * (p - kBallCentre);
   for (std::size_t p = 0; p < system.size(); ++p) system.velocities[p] = Vec3(1, 2, 3);
   std::vector<Vec3> force(system.size());
   total_force(system.forces, system.state(), force);

@@ -7,25 +7,16 @@
 #include "dynasurf/field/gvf.hpp"
 
 #include "support/edge_maps.hpp"
+#include "support/vector_fields.hpp"
 
 namespace dynasurf::field {
 namespace {
 
+using test::at;
 using test::border_of;
 using test::box;
-
-Vec3 at(const VectorField& f, int i, int j, int k) {
-  const std::size_t v = f.grid.index(i, j, k);
-  return {f.x[v], f.y[v], f.z[v]};
-}
-
-double largest(const VectorField& f) {
-  double m = 0;
-  for (std::size_t v = 0; v < f.x.size(); ++v) m = std::max(m, Vec3(f.x[v], f.y[v], f.z[v]).norm());
-  return m;
-}
-
-bool same_bytes(const VectorField& a, const VectorField& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+using test::largest;
+using test::same_bytes;
 
 Image egg(const Grid& g) {
   const Vec3 half = Vec3(g.dims[0], g.dims[1], g.dims[2]).cwiseProduct(g.spacing) / 2;

@@ -12,26 +12,17 @@
 #include "dynasurf/synthetic/phantoms.hpp"
 
 #include "support/edge_maps.hpp"
+#include "support/vector_fields.hpp"
 
 namespace dynasurf::field {
 namespace {
 
+using test::at;
 using test::border_of;
 using test::box;
 using test::drawn;
-
-Vec3 at(const VectorField& f, int i, int j, int k) {
-  const std::size_t v = f.grid.index(i, j, k);
-  return {f.x[v], f.y[v], f.z[v]};
-}
-
-double largest(const VectorField& f) {
-  double m = 0;
-  for (std::size_t v = 0; v < f.x.size(); ++v) m = std::max(m, Vec3(f.x[v], f.y[v], f.z[v]).norm());
-  return m;
-}
-
-bool same_bytes(const VectorField& a, const VectorField& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+using test::largest;
+using test::same_bytes;
 
 /// |a - b| / |b| over all voxels and components.
 double difference(const VectorField& a, const VectorField& b) {

@@ -12,12 +12,15 @@
 #include "dynasurf/field/gvf.hpp"
 
 #include "support/edge_maps.hpp"
+#include "support/vector_fields.hpp"
 
 namespace dynasurf::field {
 namespace {
 
 using test::border_of;
 using test::box;
+using test::largest;
+using test::same_bytes;
 
 /// The judge: the same equations written down once more, one voxel at a time, in double precision, and solved by
 /// conjugate gradients to the last digits.
@@ -123,14 +126,6 @@ double true_error(const VectorField& field, const Equations& equations) {
 std::array<double, 3> metric(const Grid& g, double mu) {
   return {mu / (g.spacing[0] * g.spacing[0]), mu / (g.spacing[1] * g.spacing[1]), mu / (g.spacing[2] * g.spacing[2])};
 }
-
-double largest(const VectorField& f) {
-  double m = 0;
-  for (std::size_t v = 0; v < f.x.size(); ++v) m = std::max(m, Vec3(f.x[v], f.y[v], f.z[v]).norm());
-  return m;
-}
-
-bool same_bytes(const VectorField& a, const VectorField& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
 /// A bumpy closed border without any symmetry, 3 voxels or more from the walls.
 Image lopsided(const Grid& g, float height = 1) {

@@ -13,7 +13,7 @@ using test::item_of;
 using test::put;
 using ::testing::HasSubstr;
 
-constexpr double decimal_tolerance_mm = 1e-6;  // positions are written with eight decimals
+constexpr double position_tolerance_mm = 1e-6;  // positions are written with eight decimals
 
 class DicomFolder : public ::testing::Test {
  protected:
@@ -48,7 +48,7 @@ class DicomFolder : public ::testing::Test {
 TEST_F(DicomFolder, OfOneFilePerSliceAndGateIsSortedByPlaceAndTime) {
   write_pet(tell_trigger);
   const Study back = read_study(folder);
-  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  test::expect_l_shape(back, truth, position_tolerance_mm);
   EXPECT_EQ(back.time_ms, truth.time_ms);
   EXPECT_EQ(back.cycle_ms, 800);
   EXPECT_EQ(back.modality, "PT");
@@ -77,14 +77,14 @@ TEST_F(DicomFolder, FindsGatesByEveryAttributeThatTellsThem) {
   for (const auto& way : ways) {
     fs::remove_all(folder);
     write_pet(way);
-    test::expect_l_shape(read_study(folder), truth, decimal_tolerance_mm);
+    test::expect_l_shape(read_study(folder), truth, position_tolerance_mm);
   }
 }
 
 TEST_F(DicomFolder, WithOnlyInstanceNumbersIsReadWithAWarning) {
   write_pet([](DcmDataset&, int) {});
   const Study back = read_study(folder);
-  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  test::expect_l_shape(back, truth, position_tolerance_mm);
   ASSERT_EQ(back.notes.size(), 1u);
   EXPECT_EQ(back.notes[0].code, "dicom.gate_order");
   EXPECT_EQ(back.notes[0].severity, Severity::warning);
@@ -107,7 +107,7 @@ TEST_F(DicomFolder, OfOneFilePerGateIsJoined) {
   for (const auto& way : ways) {
     fs::remove_all(folder);
     write_gates(way);
-    test::expect_l_shape(read_study(folder), truth, decimal_tolerance_mm);
+    test::expect_l_shape(read_study(folder), truth, position_tolerance_mm);
   }
   // The last way names its gates, so one of them alone is known to be incomplete, and a lost one is missed.
   EXPECT_THAT(test::refusal_of(some_file()), HasSubstr("of 4 only"));
@@ -126,7 +126,7 @@ TEST_F(DicomFolder, SkipsWhatIsNotDicomAndSaysSo) {
   test::write_bytes(folder / "empty", "");
   test::write_bytes(folder / "looks", std::string("\x08\0\0\0nonsense", 12));
   const Study back = read_study(folder);
-  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  test::expect_l_shape(back, truth, position_tolerance_mm);
   ASSERT_EQ(back.notes.size(), 1u);
   EXPECT_THAT(back.notes[0].message, HasSubstr("3 files of the folder are not part of the study"));
 }
@@ -165,7 +165,7 @@ TEST_F(DicomFolder, WithTheSameFilesTwiceIsReadWithANote) {
   test::edit_dicom(
       file, folder / "zz_packed", [](DcmDataset&) {}, EXS_RLELossless);
   const Study back = read_study(folder);
-  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  test::expect_l_shape(back, truth, position_tolerance_mm);
   ASSERT_EQ(back.notes.size(), 1u);
   EXPECT_EQ(back.notes[0].code, "dicom.copies");
   EXPECT_THAT(back.notes[0].message, HasSubstr("2 files"));
@@ -174,14 +174,14 @@ TEST_F(DicomFolder, WithTheSameFilesTwiceIsReadWithANote) {
   fs::create_directories(folder / "export again");
   write_dicom(truth, folder / "sa.dcm");
   fs::copy(folder / "sa.dcm", folder / "export again/sa.dcm");
-  test::expect_l_shape(read_study(folder), truth, decimal_tolerance_mm);
+  test::expect_l_shape(read_study(folder), truth, position_tolerance_mm);
 }
 
 TEST_F(DicomFolder, WithAGapBetweenSlicesIsRefused) {
   Study one = truth;
   one.gates.resize(1);
   test::write_single_frames(one, folder, [](DcmDataset&, int) {});
-  test::expect_l_shape(read_study(folder), one, decimal_tolerance_mm);
+  test::expect_l_shape(read_study(folder), one, position_tolerance_mm);
   for (const auto& entry : fs::directory_iterator(folder))
     if (entry.path().filename().string().ends_with("_2")) fs::remove(entry.path());
   // The place is named, not the slices that are there: those numbered 2 and 3 now were 2 and 4.
@@ -205,7 +205,7 @@ TEST_F(DicomFolder, WithoutItsFirstOrLastSliceIsRefusedWhenACountTells) {
           put_count(d);
           if (derived) put(d, DCM_ImageType, "DERIVED\\PRIMARY");
         });
-        test::expect_l_shape(read_study(folder), one, decimal_tolerance_mm);
+        test::expect_l_shape(read_study(folder), one, position_tolerance_mm);
         for (const auto& entry : fs::directory_iterator(folder))
           if (entry.path().filename().string().ends_with(lost)) fs::remove(entry.path());
         if (!derived) {
@@ -234,7 +234,7 @@ TEST_F(DicomFolder, WithoutOneOfItsGatesIsRefusedWhenTheirNumberTells) {
     tell_trigger(d, gate);
     put(d, DCM_NumberOfTimeSlots, std::vector<Uint16>{4});
   });
-  test::expect_l_shape(read_study(folder), truth, decimal_tolerance_mm);
+  test::expect_l_shape(read_study(folder), truth, position_tolerance_mm);
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     if (std::stoi(name.substr(name.find('_') + 1)) >= 15) fs::remove(entry.path());
@@ -254,7 +254,7 @@ TEST_F(DicomFolder, TakesTheOnlyGatedShortAxisOfSeveralStacksAndSaysSo) {
   test::edit_dicom(folder / "vla.dcm", folder / "raw.dcm",
                    [](DcmDataset& d) { put(d, DCM_ImageType, "ORIGINAL\\PRIMARY\\GATED TOMO\\EMISSION"); });
   const Study back = read_study(folder);
-  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  test::expect_l_shape(back, truth, position_tolerance_mm);
   EXPECT_EQ(back.view, View::short_axis);
   ASSERT_EQ(back.notes.size(), 2u);
   EXPECT_THAT(back.notes[0].message, HasSubstr("holds 3 image stacks"));
@@ -285,14 +285,14 @@ TEST_F(DicomFolder, OfRestAndStressIsListedUntilASeriesIsChosen) {
   EXPECT_EQ(line.find("Meier"), std::string::npos) << "free text may name a person";
   for (const char* rest : {"201", "2.25.9201", "rest"}) {
     const Study back = read_study(folder, rest);
-    test::expect_l_shape(back, truth, decimal_tolerance_mm);
+    test::expect_l_shape(back, truth, position_tolerance_mm);
     EXPECT_EQ(back.series, "201");
     ASSERT_EQ(back.notes.size(), 1u);
     EXPECT_EQ(back.notes[0].severity, Severity::info);
     EXPECT_THAT(back.notes[0].message, HasSubstr("number 201, which --series chose, is read"));
     EXPECT_EQ(files_of_study(folder, rest), std::vector{folder / "b.dcm"});
   }
-  test::expect_l_shape(read_study(folder, "Stress"), stress, decimal_tolerance_mm);
+  test::expect_l_shape(read_study(folder, "Stress"), stress, position_tolerance_mm);
   EXPECT_THROW(read_study(folder, "2"), InputError);
   EXPECT_THROW(read_study(folder, "gated"), InputError);  // both
   EXPECT_THROW(read_study(folder / "a.dcm", "201"), InputError);
@@ -312,7 +312,7 @@ TEST_F(DicomFolder, OfRestAndStressInAFilePerGateIsJoinedAndListed) {
       put(d, DCM_SOPInstanceUID, "2.25.77" + entry.path().stem().string().substr(1));
     });
   EXPECT_THAT(test::refusal_of(folder), HasSubstr("holds 2 different image stacks (2 of them"));
-  test::expect_l_shape(read_study(folder, "rest"), truth, decimal_tolerance_mm);
+  test::expect_l_shape(read_study(folder, "rest"), truth, position_tolerance_mm);
 }
 
 TEST_F(DicomFolder, OfOneFilePerEnergyWindowIsReadFromThePhotopeak) {
@@ -332,7 +332,7 @@ TEST_F(DicomFolder, OfOneFilePerEnergyWindowIsReadFromThePhotopeak) {
   write_window(scatter, "a.dcm", "90", "120");
   write_window(truth, "b.dcm", "126", "154");
   const Study back = read_study(folder);
-  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  test::expect_l_shape(back, truth, position_tolerance_mm);
   EXPECT_THAT(back.notes.at(0).message, HasSubstr("photopeak"));
 }
 
@@ -358,7 +358,7 @@ TEST_F(DicomFolder, OfCineWithASeriesPerSliceIsJoined) {
   for (const char* word : {"", "cine SAX"}) {
     write_cine(word);
     const Study back = read_study(folder);
-    test::expect_l_shape(back, truth, decimal_tolerance_mm);
+    test::expect_l_shape(back, truth, position_tolerance_mm);
     EXPECT_EQ(back.modality, "MR");
     ASSERT_EQ(back.notes.size(), word[0] == 0 ? 1u : 2u);
     EXPECT_THAT(back.notes[0].message, HasSubstr("5 series of one slice each were joined"));
@@ -379,7 +379,7 @@ TEST_F(DicomFolder, OfCineWithASeriesPerSliceIsJoined) {
       put(d, DCM_SOPInstanceUID, "2.25.6" + name.substr(name.find('_') + 1));
     });
   const Study back = read_study(folder);
-  test::expect_l_shape(back, truth, decimal_tolerance_mm);
+  test::expect_l_shape(back, truth, position_tolerance_mm);
   EXPECT_THAT(back.notes.at(1).message, HasSubstr("the only gated one"));
   // A slice that is missing is still missed.
   for (const auto& entry : fs::directory_iterator(folder)) {

@@ -23,7 +23,7 @@ using testing::HasSubstr;
 using testing::StartsWith;
 
 /// What a text is refused with; "" when it is read. Several lines are a failure.
-std::string refusal_of(const std::string& text) {
+std::string json_refusal_of(const std::string& text) {
   try {
     parse_json(text, "a.json");
   } catch (const InputError& error) {
@@ -57,23 +57,23 @@ double cpu_seconds_of(const auto& work) {
   return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
 }
 
-const std::string sample = R"({"schema": "dynasurf.cloud/1", "levels": [{"name": "level1", "triangles": 80},
+const std::string result_text = R"({"schema": "dynasurf.cloud/1", "levels": [{"name": "level1", "triangles": 80},
   {"name": "level2 \u00e4 Ä", "triangles": 20}], "timings_s": {"read": 1.5e-3, "write": -0.25}, "notes": [],
   "provenance": {"seed": 18446744073709551615, "offset": -9223372036854775808, "options": {}, "given": null,
   "flags": [true, false]}})";
 
 TEST(ParseJson, GivesTheValueThatTheLibraryGives) {
-  EXPECT_EQ(parse_json(sample, "a.json"), ordered_json::parse(sample));
-  EXPECT_EQ(parse_json(sample, "a.json").dump(2), ordered_json::parse(sample).dump(2));
+  EXPECT_EQ(parse_json(result_text, "a.json"), ordered_json::parse(result_text));
+  EXPECT_EQ(parse_json(result_text, "a.json").dump(2), ordered_json::parse(result_text).dump(2));
   for (const char* text : {"1", " null\n", "\"\"", "[]", "{}", "[[],[{}]]", "-0.0", "[1,2.5,\"a\"]"})
     EXPECT_EQ(parse_json(text, "a.json"), ordered_json::parse(text)) << text;
 }
 
 TEST(ParseJson, TellsLineColumnAndWhatWasExpected) {
-  EXPECT_THAT(refusal_of("{\"rounds\": 1,\n}"), StartsWith("a.json: line 2, column 1: syntax error"));
-  EXPECT_THAT(refusal_of("{\"rounds\": 1,\n}"), HasSubstr("; expected"));
-  EXPECT_THAT(refusal_of(""), StartsWith("a.json: line 1, column 1: "));
-  EXPECT_THAT(refusal_of("[1, 2"), StartsWith("a.json: line 1, column 6: "));
+  EXPECT_THAT(json_refusal_of("{\"rounds\": 1,\n}"), StartsWith("a.json: line 2, column 1: syntax error"));
+  EXPECT_THAT(json_refusal_of("{\"rounds\": 1,\n}"), HasSubstr("; expected"));
+  EXPECT_THAT(json_refusal_of(""), StartsWith("a.json: line 1, column 1: "));
+  EXPECT_THAT(json_refusal_of("[1, 2"), StartsWith("a.json: line 1, column 6: "));
 }
 
 TEST(ParseJson, RefusesWhatIsNotOneStrictValue) {
@@ -81,52 +81,53 @@ TEST(ParseJson, RefusesWhatIsNotOneStrictValue) {
        {"",         " ",         "[1,]",       "{\"a\":1,}",  "{a:1}",   "{'a':1}",   "[01]",  "[1.]", "[.5]",
         "[+1]",     "[NaN]",     "[Infinity]", "[-Infinity]", "[nul]",   "[1] [2]",   "[1]x",  "{}}",  "\"a",
         "[\"\t\"]", "[\"\\x\"]", "// a\n[1]",  "[1] // a",    "{\"a\"}", "{\"a\" 1}", "[1 2]", "]",    "\xef\xbb"})
-    EXPECT_NE(refusal_of(text), "") << text;
-  EXPECT_THAT(refusal_of(std::string("[1]\0[2]", 7)), HasSubstr("a zero byte"));
-  EXPECT_THAT(refusal_of(std::string("[\"a\0b\"]", 7)), HasSubstr("a zero byte"));
+    EXPECT_NE(json_refusal_of(text), "") << text;
+  EXPECT_THAT(json_refusal_of(std::string("[1]\0[2]", 7)), HasSubstr("a zero byte"));
+  EXPECT_THAT(json_refusal_of(std::string("[\"a\0b\"]", 7)), HasSubstr("a zero byte"));
 }
 
 TEST(ParseJson, RefusesTextThatIsNoUtf8) {
   for (const std::string bytes : {"\xff", "\xc3", "\xc0\xaf", "\xed\xa0\x80", "\xf5\x80\x80\x80", "\xe9"}) {
-    EXPECT_NE(refusal_of("[\"" + bytes + "\"]"), "") << bytes;
-    EXPECT_NE(refusal_of("{\"" + bytes + "\": 1}"), "") << bytes;
-    EXPECT_NE(refusal_of("[1]" + bytes), "") << bytes;
+    EXPECT_NE(json_refusal_of("[\"" + bytes + "\"]"), "") << bytes;
+    EXPECT_NE(json_refusal_of("{\"" + bytes + "\": 1}"), "") << bytes;
+    EXPECT_NE(json_refusal_of("[1]" + bytes), "") << bytes;
   }
-  EXPECT_NE(refusal_of("[\"\\ud800\"]"), "");  // half of a pair
+  EXPECT_NE(json_refusal_of("[\"\\ud800\"]"), "");  // half of a pair
   EXPECT_EQ(parse_json("\"\\ud83d\\ude00\"", "a.json"), "\xf0\x9f\x98\x80");
 }
 
 TEST(ParseJson, RefusesNumbersThatNoDoubleHolds) {
-  EXPECT_THAT(refusal_of("[1e999]"), HasSubstr("a number too large"));
-  EXPECT_THAT(refusal_of("[-1e309]"), HasSubstr("a number too large"));
-  EXPECT_THAT(refusal_of("[" + std::string(100000, '9') + "]"), HasSubstr("a number too large"));
+  EXPECT_THAT(json_refusal_of("[1e999]"), HasSubstr("a number too large"));
+  EXPECT_THAT(json_refusal_of("[-1e309]"), HasSubstr("a number too large"));
+  EXPECT_THAT(json_refusal_of("[" + std::string(100000, '9') + "]"), HasSubstr("a number too large"));
   EXPECT_EQ(parse_json("[1e-999, 1.7976931348623157e308]", "a.json")[1], 1.7976931348623157e308);
 }
 
 TEST(ParseJson, RefusesAKeyThatStandsTwice) {
-  EXPECT_EQ(refusal_of("{\"a\": 1,\n \"b\": 2, \"a\": 1}"),
+  EXPECT_EQ(json_refusal_of("{\"a\": 1,\n \"b\": 2, \"a\": 1}"),
             "a.json: line 2, column 16: the object that ends here has the key \"a\" twice; expected each key once");
-  EXPECT_THAT(refusal_of("[{\"b\": {\"\": 1, \"\\u0061\": 1, \"a\": 2}}]"), HasSubstr("\"a\" twice"));
-  EXPECT_EQ(refusal_of("[{\"a\": 1}, {\"a\": {\"a\": 2}}]"), "");
+  EXPECT_THAT(json_refusal_of("[{\"b\": {\"\": 1, \"\\u0061\": 1, \"a\": 2}}]"), HasSubstr("\"a\" twice"));
+  EXPECT_EQ(json_refusal_of("[{\"a\": 1}, {\"a\": {\"a\": 2}}]"), "");
 }
 
 TEST(ParseJson, RefusesDeepNestingAtItsLimit) {
   const auto nested = [](const std::string& open, const std::string& inside, const std::string& close, std::size_t n) {
     return repeated(open, n) + inside + repeated(close, n);
   };
-  EXPECT_EQ(refusal_of(nested("[", "", "]", max_json_depth)), "");
-  EXPECT_EQ(refusal_of(nested("{\"a\":", "1", "}", max_json_depth)), "");
-  EXPECT_THAT(refusal_of(nested("[", "", "]", max_json_depth + 1)), HasSubstr("nested too deep; expected at most 64"));
-  EXPECT_THAT(refusal_of(nested("{\"a\":", "1", "}", max_json_depth + 1)), HasSubstr("nested too deep"));
-  EXPECT_THAT(refusal_of(nested("{\"a\":[", "1", "]}", 1000000)), HasSubstr("nested too deep"));
-  EXPECT_THAT(refusal_of(std::string(10000000, '[')), HasSubstr("nested too deep"));
+  EXPECT_EQ(json_refusal_of(nested("[", "", "]", max_json_depth)), "");
+  EXPECT_EQ(json_refusal_of(nested("{\"a\":", "1", "}", max_json_depth)), "");
+  EXPECT_THAT(json_refusal_of(nested("[", "", "]", max_json_depth + 1)),
+              HasSubstr("nested too deep; expected at most 64"));
+  EXPECT_THAT(json_refusal_of(nested("{\"a\":", "1", "}", max_json_depth + 1)), HasSubstr("nested too deep"));
+  EXPECT_THAT(json_refusal_of(nested("{\"a\":[", "1", "]}", 1000000)), HasSubstr("nested too deep"));
+  EXPECT_THAT(json_refusal_of(std::string(10000000, '[')), HasSubstr("nested too deep"));
 }
 
 TEST(ParseJson, RefusesMoreValuesAndBytesThanItsLimits) {
-  EXPECT_EQ(refusal_of("[" + repeated("0,", max_json_values - 2) + "0]"), "");
-  EXPECT_THAT(refusal_of("[" + repeated("0,", max_json_values - 1) + "0]"), HasSubstr("too many values"));
-  EXPECT_THAT(refusal_of("[" + repeated("[],", max_json_values) + "0]"), HasSubstr("too many values"));
-  EXPECT_THAT(refusal_of(std::string(max_json_bytes + 1, ' ')), HasSubstr("at most 64 MiB"));
+  EXPECT_EQ(json_refusal_of("[" + repeated("0,", max_json_values - 2) + "0]"), "");
+  EXPECT_THAT(json_refusal_of("[" + repeated("0,", max_json_values - 1) + "0]"), HasSubstr("too many values"));
+  EXPECT_THAT(json_refusal_of("[" + repeated("[],", max_json_values) + "0]"), HasSubstr("too many values"));
+  EXPECT_THAT(json_refusal_of(std::string(max_json_bytes + 1, ' ')), HasSubstr("at most 64 MiB"));
 }
 
 // With a look through all keys for each of them this would take minutes: 8e10 comparisons.
@@ -138,23 +139,23 @@ TEST(ParseJson, TakesTimeInProportionToTheKeys) {
 }
 
 TEST(ParseJson, RefusesWithoutPrintingAFileOfOneWord) {
-  EXPECT_NE(refusal_of("\"" + std::string(1000000, 'a')), "");
-  EXPECT_NE(refusal_of("{\"" + std::string(1000000, 'k') + "\":1,\"" + std::string(1000000, 'k') + "\":2}"), "");
-  EXPECT_NE(refusal_of(std::string(1000000, '1') + "x"), "");
+  EXPECT_NE(json_refusal_of("\"" + std::string(1000000, 'a')), "");
+  EXPECT_NE(json_refusal_of("{\"" + std::string(1000000, 'k') + "\":1,\"" + std::string(1000000, 'k') + "\":2}"), "");
+  EXPECT_NE(json_refusal_of(std::string(1000000, '1') + "x"), "");
 }
 
 TEST(ParseJson, RefusesEveryCut) {
-  const std::string text = sample.substr(0, sample.size());
-  for (std::size_t n = 0; n < text.size(); ++n) EXPECT_NE(refusal_of(text.substr(0, n)), "") << n;
+  const std::string text = result_text.substr(0, result_text.size());
+  for (std::size_t n = 0; n < text.size(); ++n) EXPECT_NE(json_refusal_of(text.substr(0, n)), "") << n;
 }
 
 TEST(ParseJson, ReadsOrRefusesDamagedTextAsTheLibraryDoes) {
   std::mt19937 random(3);
   int refused = 0;
   for (int trial = 0; trial < 5000; ++trial) {
-    const std::string text = test::damaged(sample, random);
+    const std::string text = test::damaged(result_text, random);
     const ordered_json judged = ordered_json::parse(text, nullptr, false);
-    const std::string refusal = refusal_of(text);
+    const std::string refusal = json_refusal_of(text);
     refused += !refusal.empty();
     // We are stricter in these two only.
     const bool is_ours = refusal.find("twice") != std::string::npos || text.find('\0') != std::string::npos;

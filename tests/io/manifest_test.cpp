@@ -12,22 +12,24 @@ namespace {
 
 const std::string hash_a(64, 'a'), hash_b(64, 'b');
 
-std::string sample() { return manifest_text({{"meshes/b.ply", 7, hash_b}, {"a name with blanks", 0, hash_a}}); }
+std::string sample_manifest() {
+  return manifest_text({{"meshes/b.ply", 7, hash_b}, {"a name with blanks", 0, hash_a}});
+}
 
 TEST(Manifest, ComesBackAsItWasWritten) {
-  const std::vector<ManifestEntry> files = parse_manifest(sample(), "m");
+  const std::vector<ManifestEntry> files = parse_manifest(sample_manifest(), "m");
   ASSERT_EQ(files.size(), 2u);
   EXPECT_EQ(files[0].name, "a name with blanks");
   EXPECT_EQ(files[0].bytes, 0u);
   EXPECT_EQ(files[0].sha256, hash_a);
   EXPECT_EQ(files[1].name, "meshes/b.ply");
   EXPECT_EQ(files[1].bytes, 7u);
-  EXPECT_EQ(manifest_text(files), sample());
+  EXPECT_EQ(manifest_text(files), sample_manifest());
   EXPECT_TRUE(parse_manifest(manifest_text({}), "m").empty());
 }
 
 TEST(Manifest, IsRefusedWhenItIsCutWithinALine) {
-  const std::string text = sample();
+  const std::string text = sample_manifest();
   for (std::size_t n = 0; n < text.size(); ++n) {
     const std::string cut = text.substr(0, n);
     // At the end of a line the first files are a manifest of their own: the rest of the folder is foreign to it.

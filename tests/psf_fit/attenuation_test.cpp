@@ -4,8 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "round_heart.hpp"
+
 namespace dynasurf::psf_fit {
 namespace {
+
+using test::dot;
 
 constexpr int side = 32;
 // Terms of one coefficient alone follow the usual one: plain left, back, head; cosine 1, left, ...; sine 1, ...
@@ -48,12 +52,6 @@ std::vector<float> wave_along(const Vec3& direction) {
                                             std::exp(-p.squaredNorm() / (2 * 30 * 30))));
       }
   return values;
-}
-
-double dot(const std::vector<float>& a, const std::vector<float>& b) {
-  double sum = 0;
-  for (std::size_t n = 0; n < a.size(); ++n) sum += static_cast<double>(a[n]) * static_cast<double>(b[n]);
-  return sum;
 }
 
 TEST(AttenuationImages, WeighTransverseFrequenciesByTheirDirection) {

@@ -5,14 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "texts.hpp"
+
 namespace dynasurf::report {
 namespace {
-
-std::size_t count_of(const std::string& text, const std::string& what) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
-  return count;
-}
 
 // Differences -1, 0, 1, 4: mean 1, sample variance (4 + 1 + 0 + 9) / 3.
 const std::vector<PairedReading> four{{10, 9}, {20, 20}, {50, 51}, {80, 84}};

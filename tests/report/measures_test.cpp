@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/sample_result.hpp"
+#include "texts.hpp"
 
 namespace dynasurf::report {
 namespace {
@@ -16,20 +17,7 @@ const ventricle::Result& sample() {
   return result;
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
 auto commas(const std::string& line) { return std::count(line.begin(), line.end(), ','); }
-
-std::size_t count_of(const std::string& text, const std::string& what) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
-  return count;
-}
 
 TEST(MeasuresJson, HoldsEverySegmentAndIsNullWithoutSurfaces) {
   const auto json = measures_json(sample().measures, sample().study.cycle_ms);

@@ -11,6 +11,7 @@
 #include "dynasurf/report/detail/page_template.hpp"
 
 #include "support/sample_result.hpp"
+#include "texts.hpp"
 
 namespace dynasurf::report {
 namespace {
@@ -28,13 +29,6 @@ const ventricle::Result& ok_result() {
 ordered_json ok_json() { return results_json(ok_result(), test::sample_provenance()); }
 
 std::string ok_page() { return report_html(ok_result(), test::sample_provenance()); }
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) lines.push_back(line);
-  return lines;
-}
 
 /// The JSON that a page carries.
 ordered_json data_of(const std::string& page) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <numbers>
 #include <string>
@@ -12,6 +13,12 @@
 
 // Shapes made by code, so that a test shows its whole story.
 namespace dynasurf::test_shapes {
+
+/// Of all vertices.
+inline bool same_bytes(const TriMesh& a, const TriMesh& b) {
+  return a.vertices.size() == b.vertices.size() &&
+         std::memcmp(a.vertices.data(), b.vertices.data(), a.vertices.size() * sizeof(Vec3)) == 0;
+}
 
 inline TriMesh tetrahedron() {
   return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};

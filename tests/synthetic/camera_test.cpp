@@ -48,7 +48,7 @@ Image spot(const Grid& grid, const Vec3& middle) {
   return filled(grid, [&](const Vec3& p) { return std::exp(-(p - middle).squaredNorm() / (2 * sigma * sigma)); });
 }
 
-double sum_of(const std::vector<float>& values) {
+double total_of(const std::vector<float>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0,
                          [](double a, float b) { return a + static_cast<double>(b); });
 }
@@ -91,7 +91,7 @@ TEST(Project, GivesASpotTheSameCountsAtAnyDistanceAndTheWidthOfTheFormula) {
       const Moments seen = moments_of(p.gates[0], 64, 3.2);
       const double a = angle * M_PI / 180, towards = middle[0] * std::sin(a) - middle[1] * std::cos(a);
       const double variance = std::pow(sigma_of_fwhm(fwhm_at(response, 150 - towards)), 2) + std::pow(1.5 * 3.2, 2);
-      EXPECT_NEAR(seen.sum / sum_of(source.values), 1, 1e-3) << angle;
+      EXPECT_NEAR(seen.sum / total_of(source.values), 1, 1e-3) << angle;
       EXPECT_NEAR(seen.along / variance, 1, 0.005) << "angle " << angle << " at " << towards;
       // What interpolation on the rotated lattice widens is allowed for.
       EXPECT_NEAR(seen.across / variance, 1, 0.005) << "angle " << angle << " at " << towards;
@@ -193,7 +193,7 @@ TEST(Acquire, CountsAreOfPoissonAroundTheirMeans) {
   const Projections drawn = b.counts();
   b.options.is_noisy = false;
   const Projections mean = b.counts();
-  EXPECT_NEAR(sum_of(mean.gates[0]) + sum_of(mean.gates[1]), 3e6, 3);
+  EXPECT_NEAR(total_of(mean.gates[0]) + total_of(mean.gates[1]), 3e6, 3);
   double chi = 0, n = 0;
   for (std::size_t v = 0; v < mean.gates[0].size(); ++v) {
     const auto m = static_cast<double>(mean.gates[0][v]), d = static_cast<double>(drawn.gates[0][v]);
@@ -209,7 +209,7 @@ TEST(Acquire, RejectedBeatsTakeTheirPartOfTheCounts) {
   b.options.is_noisy = false, b.options.rejected_percent = 20;
   const Projections p = b.counts();
   // A mean of 64 even deviates between 0 and 0.4 is known to 0.115 / 8.
-  EXPECT_NEAR((sum_of(p.gates[0]) + sum_of(p.gates[1])) / 3e6, 0.8, 0.045);
+  EXPECT_NEAR((total_of(p.gates[0]) + total_of(p.gates[1])) / 3e6, 0.8, 0.045);
 }
 
 TEST(Acquire, ScatterAddsWhatItIsToldAndTheSideWindowsTellIt) {
@@ -218,7 +218,7 @@ TEST(Acquire, ScatterAddsWhatItIsToldAndTheSideWindowsTellIt) {
   const auto ratio = [&](double scatter) {
     b.options.scatter = scatter;
     const Projections p = b.counts();
-    return sum_of(p.scatter[0]) / (sum_of(p.gates[0]) - sum_of(p.scatter[0]));
+    return total_of(p.scatter[0]) / (total_of(p.gates[0]) - total_of(p.scatter[0]));
   };
   const double one = ratio(0.3);
   // Half of the photons have crossed less than half an attenuation length, and some scatter falls beside the camera.
@@ -308,7 +308,7 @@ Recovery recover(const Reconstruction& options, bool is_attenuated, double arc_d
         if (away < 13) r.middle += value, ++n;
       }
   r.middle /= n;
-  r.sum /= sum_of(truth.values);
+  r.sum /= total_of(truth.values);
   return r;
 }
 

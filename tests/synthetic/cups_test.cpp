@@ -6,16 +6,11 @@
 #include "dynasurf/synthetic/detail/voxel_truth.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 
+#include "image_sums.hpp"
 #include "mesh_checks.hpp"
 
 namespace dynasurf::synthetic {
 namespace {
-
-double sum_of(const Image& image) {
-  double sum = 0;
-  for (float v : image.values) sum += static_cast<double>(v);
-  return sum;
-}
 
 double total_ml(const Phantom& p) { return sum_of(p.study.gates[0]) / 1000 * p.study.grid().voxel_volume_mm3() / 1000; }
 

@@ -10,6 +10,7 @@
 #include "dynasurf/synthetic/detail/render.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
 
+#include "image_sums.hpp"
 #include "mesh_checks.hpp"
 
 namespace dynasurf::synthetic {
@@ -21,12 +22,6 @@ VirtualPatient clean_patient() {
   o.background = 0;
   o.cavity = 0;
   return o;
-}
-
-double sum_of(const Image& image) {
-  double sum = 0;
-  for (float v : image.values) sum += static_cast<double>(v);
-  return sum;
 }
 
 /// Where the counts of an image lie in the world.

@@ -10,6 +10,7 @@
 #include "dynasurf/mesh/detail/fill_mesh.hpp"
 #include "dynasurf/synthetic/detail/solids.hpp"
 
+#include "image_sums.hpp"
 #include "mesh_checks.hpp"
 
 namespace dynasurf::synthetic {
@@ -20,12 +21,6 @@ Grid spect_grid(int n = 40, int slices = 23) {
   g.dims = {n, n, slices};
   g.spacing = {2.87, 2.87, 5.74};
   return g;
-}
-
-double sum_of(const Image& image) {
-  double sum = 0;
-  for (float v : image.values) sum += static_cast<double>(v);
-  return sum;
 }
 
 /// Standard deviation of the image's mass along an axis, mm.

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double pixel_mm = 3, slice_mm = 6;
 constexpr int side = 48, slices = 12, base = 10;
-const Vec2 middle(23.4, 24.2);
+const Vec2 centre_px(23.4, 24.2);
 
 double outer_radius(int k) { return 14 - 0.08 * (k - 7) * (k - 7); }
 double inner_radius(int k) { return outer_radius(k) - 5; }
@@ -30,7 +30,7 @@ Image wall_image() {
   for (int k = 2; k <= base; ++k)
     for (int j = 0; j < side; ++j)
       for (int i = 0; i < side; ++i) {
-        const double r = (Vec2(i, j) - middle).norm();
+        const double r = (Vec2(i, j) - centre_px).norm();
         const auto soft = [](double x) { return 0.5 * std::erfc(x); };
         image(i, j, k) = static_cast<float>(soft(r - outer_radius(k)) - soft(r - inner_radius(k)));
       }
@@ -41,18 +41,18 @@ Labels labels_of(const Image& image) {
   Labels labels;
   labels.borders = Mask(image.grid);
   for (int k = 2; k <= base; ++k)
-    labels.borders(static_cast<int>(middle.x() + inner_radius(k)), 24,
+    labels.borders(static_cast<int>(centre_px.x() + inner_radius(k)), 24,
                    k) = Labels::endo_bit,
-                   labels.borders(static_cast<int>(middle.x() + outer_radius(k)), 24, k) = Labels::epi_bit;
-  labels.circle = {middle.x(), middle.y(), 17};
-  labels.axis = {middle.x(), middle.y(), 0, 0};
+                   labels.borders(static_cast<int>(centre_px.x() + outer_radius(k)), 24, k) = Labels::epi_bit;
+  labels.circle = {centre_px.x(), centre_px.y(), 17};
+  labels.axis = {centre_px.x(), centre_px.y(), 0, 0};
   labels.division_slice = 2;
   return labels;
 }
 
 double mean_error(const Contour& c, double radius) {
   double sum = 0;
-  for (const Vec2& p : c.points) sum += std::abs((p - middle).norm() - radius);
+  for (const Vec2& p : c.points) sum += std::abs((p - centre_px).norm() - radius);
   return sum / static_cast<double>(c.size());
 }
 
@@ -85,7 +85,7 @@ TEST(ContourPipeline, KeepsTheForcesThatBalanceAtRest) {
     ASSERT_EQ(epi.pulls[at].size(), points.size());
     ASSERT_EQ(epi.bends[at].size(), points.size());
     for (std::size_t n = 0; n < points.size(); ++n) {
-      const Vec2 out = (points[n] - middle).normalized();
+      const Vec2 out = (points[n] - centre_px).normalized();
       const double pull = options.model.external * epi.pulls[at][n].dot(out);
       EXPECT_LE(epi.pulls[at][n].norm(), 1 + 1e-9);
       pulled += std::abs(pull);

@@ -10,18 +10,16 @@
 #include "dynasurf/core/parallel.hpp"
 
 #include "support/blurred_heart.hpp"
+#include "support/notes.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
 
+using test::has_code;
 using test::HeartShape;
 
 Labels labels_of(const Image& image, const Labelling& options = {}, const image::Canny& edges = {}) {
   return label_borders(image, image::detect_edges(image, edges), options);
-}
-
-bool has_code(const Notes& notes, const std::string& code) {
-  return std::any_of(notes.begin(), notes.end(), [&](const Note& n) { return n.code == code; });
 }
 
 /// How the labelled voxels of one border agree with the truth.

@@ -17,7 +17,7 @@ namespace dynasurf::cloud {
 namespace {
 
 constexpr std::size_t samples_of_mesh = 50000;
-constexpr std::size_t grain = 2048;
+constexpr std::size_t measure_grain = 2048;
 
 double smallest_angle_deg(const Vec3& a, const Vec3& b, const Vec3& c) {
   const auto angle = [](const Vec3& u, const Vec3& v) { return own::atan2(u.cross(v).norm(), u.dot(v)); };
@@ -75,7 +75,7 @@ void visit_nearest(const TriMesh& mesh, std::span<const KdTree::Place> points, c
   std::vector<mesh::SurfacePoint> found(std::min(block, points.size()));
   for (std::size_t done = 0; done < points.size(); done += block) {
     const std::size_t count = std::min(block, points.size() - done);
-    parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
+    parallel_for(count, measure_grain, [&](std::size_t begin, std::size_t end) {
       std::uint32_t guess = mesh::SurfacePoint::none;  // near points lie near the same triangle
       for (std::size_t i = begin; i < end; ++i) {
         found[i] = closest.from_guess(points[done + i].point, guess);
@@ -106,7 +106,7 @@ Spread spread_of_cloud(const TriMesh& mesh, std::span<const KdTree::Place> point
 
 Spread spread_of_mesh(const std::vector<Vec3>& points, const KdTree& cloud) {
   std::vector<double> distances(points.size());
-  parallel_for(distances.size(), grain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(distances.size(), measure_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) distances[i] = std::sqrt(cloud.nearest(points[i]).distance2);
   });
   Spread spread;

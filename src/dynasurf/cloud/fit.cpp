@@ -19,7 +19,7 @@
 namespace dynasurf::cloud {
 namespace {
 
-constexpr std::size_t grain = 1024;
+constexpr std::size_t fit_grain = 1024;
 using Places = std::vector<Vec3>;
 
 /// A vertex of a boundary, and those before and after it. It moves across the surface only, or the boundary would
@@ -112,7 +112,7 @@ void add_bent_back(const Rows& rows, const Places& x, double factor, Places& y) 
 }
 
 /// The pull of all points on the corners of one triangle: six blocks (00 01 02 11 12 22) and the right side.
-struct Pull {
+struct PointPull {
   std::array<Mat3, 6> block;
   std::array<Vec3, 3> right;
 };
@@ -145,7 +145,7 @@ class Fit {
     std::optional<mesh::ClosestPoint> closest;
     const bool is_first = on_.front().triangle == mesh::SurfacePoint::none;
     if (is_first || mesh_.triangles.size() <= few) closest.emplace(mesh_);
-    return parallel_sum(on_.size(), grain,
+    return parallel_sum(on_.size(), fit_grain,
                         [&](std::size_t begin, std::size_t end) {
                           double sum = 0;
                           for (std::size_t i = begin; i < end; ++i) {
@@ -192,7 +192,7 @@ class Fit {
     const double soft = 0.25 * mean * mean + 4 * o_.noise * o_.noise + 1e-18;
     parallel_for(pulls_.size(), 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t t = begin; t < end; ++t) {
-        Pull& pull = pulls_[t];
+        PointPull& pull = pulls_[t];
         pull.block.fill(Mat3::Zero());
         pull.right.fill(Vec3::Zero());
         const Vec3 facing = normal(static_cast<std::uint32_t>(t));
@@ -201,7 +201,7 @@ class Fit {
     });
   }
 
-  void add_point(Pull& pull, std::uint32_t i, const Vec3& facing, double share, double soft) const {
+  void add_point(PointPull& pull, std::uint32_t i, const Vec3& facing, double share, double soft) const {
     constexpr double along = 0.02;  // the share of the pull along the surface
     if (!to_.normals.empty() && to_.normals[i].dot(facing) < -0.2) return;
     const mesh::SurfacePoint& s = on_[i];
@@ -339,7 +339,7 @@ class Fit {
   const FitOptions& o_;
   Rows rows_;
   std::vector<mesh::SurfacePoint> on_;
-  std::vector<Pull> pulls_;
+  std::vector<PointPull> pulls_;
 };
 
 }  // namespace
@@ -377,7 +377,7 @@ double fit(mesh::SurfaceEditor& surface, const FitPoints& to, const FitOptions& 
 double mean_distance(const mesh::SurfaceEditor& surface, std::span<const Vec3> points) {
   const TriMesh mesh = surface.mesh();
   const mesh::ClosestPoint closest(mesh);
-  return parallel_sum(points.size(), grain,
+  return parallel_sum(points.size(), fit_grain,
                       [&](std::size_t begin, std::size_t end) {
                         double sum = 0;
                         for (std::size_t i = begin; i < end; ++i) sum += std::sqrt(closest(points[i]).distance2);

@@ -10,7 +10,7 @@
 namespace dynasurf::cloud {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 /// Every edge that is not on a boundary stands in two triangles, so the mean over triangles is that over edges.
 double mean_edge(const TriMesh& mesh) {
@@ -40,7 +40,7 @@ double projected_size_px(const Vec3& low, const Vec3& high, const CameraPose& po
     const Vec3 p((corner & 1) ? high[0] : low[0], (corner & 2) ? high[1] : low[1], (corner & 4) ? high[2] : low[2]);
     const Vec3 seen = p - pose.eye;
     const double depth = seen.dot(pose.forward);
-    if (!(depth > 0)) return infinite;
+    if (!(depth > 0)) return no_limit;
     screen.extend(Eigen::Vector2d(seen.dot(right), seen.dot(pose.up)) * (focal / depth));
   }
   return screen.sizes().maxCoeff();
@@ -54,7 +54,7 @@ LodChain lod_chain(std::span<const TriMesh> levels, const LodRule& rule) {
   for (const TriMesh& level : levels)
     if (level.triangles.empty()) throw InputError("a level of detail without a triangle");
   chain.diagonal = diagonal_of(levels[0]);
-  chain.largest_px.push_back(infinite);
+  chain.largest_px.push_back(no_limit);
   for (const TriMesh& level : levels.subspan(1))
     chain.largest_px.push_back(std::min(chain.largest_px.back(), rule.edge_px * chain.diagonal / mean_edge(level)));
   return chain;
@@ -94,7 +94,7 @@ std::size_t level_for_distance(std::span<const double> from, double distance, st
 
 LodBlend blend_for_size(const LodChain& chain, double diagonal_px) {
   const double band = chain.rule.hysteresis_percent / 100;
-  double end = infinite;  // of the band before; bands that would overlap are passed one after the other
+  double end = no_limit;  // of the band before; bands that would overlap are passed one after the other
   for (std::size_t next = 1; next < chain.largest_px.size(); ++next) {
     const double full = std::min(chain.largest_px[next], end);
     end = full * (1 - band);

@@ -18,7 +18,7 @@ namespace dynasurf::cloud {
 namespace {
 
 constexpr std::size_t links = 8;  // neighbours that pass the direction on
-constexpr std::size_t grain = 1024;
+constexpr std::size_t orient_grain = 1024;
 constexpr std::uint32_t none = 0xffffffff;
 
 using Ring = std::array<std::uint32_t, links>;
@@ -100,7 +100,7 @@ std::vector<Link> links_by_clarity(const OrientedPoints& o, const std::vector<Ri
   const std::size_t n = o.points.size();
   std::vector<std::uint16_t> step(n * links, steps);
   std::vector<std::uint8_t> against(n * links, 0);
-  parallel_for(n, grain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(n, orient_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       for (std::size_t k = 0; k < links && around[i][k] != none; ++k) {
         const std::uint32_t j = around[i][k];
@@ -312,7 +312,7 @@ PointCloud voxel_downsample(const PointCloud& cloud, double cell) {
     std::uint32_t index;
   };
   std::vector<At> order(cloud.points.size());
-  parallel_for(order.size(), grain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(order.size(), orient_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3 q = (cloud.points[i] - box.min()) / cell;
       order[i] = {(static_cast<std::uint64_t>(q[2]) << 42) | (static_cast<std::uint64_t>(q[1]) << 21) |
@@ -337,7 +337,7 @@ PointCloud voxel_downsample(const PointCloud& cloud, double cell) {
 
 void project_to_local_planes(PointCloud& cloud, const std::vector<Vec3>& scan, const KdTree& of_scan,
                              std::size_t ring) {
-  parallel_for(cloud.points.size(), grain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(cloud.points.size(), orient_grain, [&](std::size_t begin, std::size_t end) {
     std::vector<KdTree::Found> found(ring);
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t count = of_scan.nearest(cloud.points[i], found);
@@ -350,7 +350,7 @@ void project_to_local_planes(PointCloud& cloud, const std::vector<Vec3>& scan, c
 void smooth_normals(OrientedPoints& o, std::size_t ring) {
   const KdTree neighbours(o.points);
   std::vector<Vec3> even(o.points.size());
-  parallel_for(even.size(), grain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(even.size(), orient_grain, [&](std::size_t begin, std::size_t end) {
     std::vector<KdTree::Found> found(ring);
     for (std::size_t i = begin; i < end; ++i) {
       const auto around = std::span(found).first(neighbours.nearest(o.points[i], found));
@@ -372,7 +372,7 @@ OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t rin
   std::vector<std::uint8_t> known(n, 0);
   std::vector<Ring> around(n);
   const KdTree neighbours(o.points);
-  parallel_for(n, grain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(n, orient_grain, [&](std::size_t begin, std::size_t end) {
     std::vector<KdTree::Found> found(ring + 1);
     for (const auto& place : neighbours.places().subspan(begin, end - begin)) {  // near ones together
       const std::size_t i = place.index;

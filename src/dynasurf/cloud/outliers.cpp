@@ -14,7 +14,7 @@ namespace dynasurf::cloud {
 namespace {
 
 constexpr std::size_t ring = 8;  // neighbours that tell whether a point stands alone
-constexpr std::size_t grain = 1024;
+constexpr std::size_t ring_grain = 1024;
 
 using Ring = std::array<std::uint32_t, ring>;
 
@@ -25,7 +25,7 @@ struct Company {
 
 Company company_of(const std::vector<Vec3>& points, const KdTree& neighbours) {
   Company c{std::vector<double>(points.size(), 0), std::vector<Ring>(points.size())};
-  parallel_for(points.size(), grain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(points.size(), ring_grain, [&](std::size_t begin, std::size_t end) {
     std::array<KdTree::Found, ring + 1> found;
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t n = neighbours.nearest(points[i], found);

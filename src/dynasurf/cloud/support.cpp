@@ -14,7 +14,7 @@
 namespace dynasurf::cloud {
 namespace {
 
-constexpr std::size_t samples = 20000, grain = 256;
+constexpr std::size_t samples = 20000, sample_grain = 256;
 
 // What right results of the bank (experiments/cloud_bank) stay within.
 constexpr double most_made_up = 0.01, farthest_made_up = 0.05, most_points_off = 0.02, most_left_out = 0.001,
@@ -49,7 +49,7 @@ void measure_area(const TriMesh& mesh, const SupportingPoints& of, CloudSupport&
   const std::vector<mesh::SurfaceSample> places = mesh::sample_surface(mesh, samples);
   if (places.empty()) return;
   std::vector<double> confidence(places.size()), distance(places.size());
-  parallel_for(places.size(), grain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(places.size(), sample_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       confidence[i] = confidence_of(mesh::position_of(mesh, places[i]), of, distance[i]);
   });
@@ -73,7 +73,7 @@ void measure_points(const Level& level, const SupportingPoints& of, const mesh::
   const double chord = chord_of(level.mesh, level.certificate.area);
   const double explained = 3 * f.noise + 0.5 * f.spacing + 2 * chord;
   std::vector<double> off(asked);
-  parallel_for(asked, grain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(asked, sample_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) off[i] = std::sqrt(closest(of.points[i * step]).distance2);
   });
   const auto share_beyond = [&](double limit) {
@@ -110,7 +110,7 @@ void measure_bias(const Level& level, const SupportingPoints& of, const mesh::Cl
   const TriMesh& mesh = level.mesh;
   const std::size_t step = std::max<std::size_t>(1, of.points.size() / samples), asked = of.points.size() / step;
   std::vector<Off> off(asked);
-  parallel_for(asked, grain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(asked, sample_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3& p = of.points[i * step];
       const mesh::SurfacePoint found = closest(p);
@@ -146,7 +146,7 @@ void measure_thin(const Level& level, const SupportingPoints& of, const mesh::Cl
   const double thin = std::max({of_noise * of.facts.noise, of_spacing * of.facts.spacing, of_cell * support.cell});
   const std::vector<mesh::SurfaceSample> places = mesh::sample_surface(mesh, samples / 4);
   if (places.empty()) return;
-  const double near = parallel_sum(places.size(), grain, [&](std::size_t begin, std::size_t end) {
+  const double near = parallel_sum(places.size(), sample_grain, [&](std::size_t begin, std::size_t end) {
     double sum = 0;
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3 facing = normal_of(mesh, places[i].triangle), place = mesh::position_of(mesh, places[i]);
@@ -172,7 +172,7 @@ double supported_within(const Facts& facts) { return 3 * facts.spacing + 3 * fac
 
 std::vector<float> confidences(const TriMesh& mesh, const SupportingPoints& cloud) {
   std::vector<float> values(mesh.vertices.size());
-  parallel_for(values.size(), grain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(values.size(), sample_grain, [&](std::size_t begin, std::size_t end) {
     double distance = 0;
     for (std::size_t v = begin; v < end; ++v)
       values[v] = static_cast<float>(confidence_of(mesh.vertices[v], cloud, distance));

@@ -8,7 +8,7 @@
 namespace dynasurf::cloud {
 namespace {
 
-constexpr std::size_t grain = 1024, most_points_per_vertex = 64;
+constexpr std::size_t transfer_grain = 1024, most_points_per_vertex = 64;
 
 }  // namespace
 
@@ -20,7 +20,7 @@ std::vector<std::array<std::uint8_t, 3>> colours_at_vertices(const TriMesh& mesh
   const std::array<double, 256> linear = linear_light();
   const std::size_t near =
       std::clamp<std::size_t>(cloud.points.size() / mesh.vertices.size(), 1, most_points_per_vertex);
-  parallel_for(mesh.vertices.size(), grain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(mesh.vertices.size(), transfer_grain, [&](std::size_t begin, std::size_t end) {
     std::vector<KdTree::Found> found(near);
     for (std::size_t v = begin; v < end; ++v) {
       const std::size_t count = neighbours.nearest(mesh.vertices[v], found);

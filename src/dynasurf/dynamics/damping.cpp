@@ -11,14 +11,14 @@
 namespace dynasurf::dynamics {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kDampingGrain = 4096;
 
 /// drag * (1 + ratio * share(voxel)).
 template <class Share>
 Image raised(const Grid& grid, double drag, double ratio, Share share) {
   Image map(grid);
   const std::size_t nx = grid.dims[0], ny = grid.dims[1];
-  parallel_for(map.values.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(map.values.size(), kDampingGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       const Index3 at{static_cast<int>(v % nx), static_cast<int>(v / nx % ny), static_cast<int>(v / (nx * ny))};
       map.values[v] = static_cast<float>(drag * (1 + ratio * share(at)));

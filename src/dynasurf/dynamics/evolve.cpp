@@ -23,12 +23,12 @@ namespace {
 constexpr std::array<std::string_view, 4> kStopPoints{"entry", "centre", "backtrack", "subvoxel"};
 constexpr std::array<std::string_view, 4> kStopReasons{"all_stopped", "at_rest", "max_steps", "diverged"};
 
-constexpr std::size_t kGrain = 1024;     // particles of one parallel piece
-constexpr std::size_t kBatch = 64;       // particles advanced together: their state and scratch stay in the cache
-constexpr double kFastParticle = 0.5;    // voxels per step worth a note (A.4)
-constexpr double kFarthestVoxel = 1e6;   // where a start may lie
-constexpr int kStepsBetweenChecks = 64;  // for a request to stop
-constexpr int kStepsBetweenLimits = 16;  // of a coupled run: its forces stiffen as the mesh shrinks
+constexpr std::size_t kParticleGrain = 1024;  // particles of one parallel piece
+constexpr std::size_t kBatch = 64;            // particles advanced together: their state and scratch stay in the cache
+constexpr double kFastParticle = 0.5;         // voxels per step worth a note (A.4)
+constexpr double kFarthestVoxel = 1e6;        // where a start may lie
+constexpr int kStepsBetweenChecks = 64;       // for a request to stop
+constexpr int kStepsBetweenLimits = 16;       // of a coupled run: its forces stiffen as the mesh shrinks
 
 void check_inputs(const TriMesh& start, field::FieldView field, const Image& border) {
   if (start.vertices.empty()) throw InputError("evolve: the start mesh has no vertices; expected at least one");
@@ -202,9 +202,9 @@ class Run {
     if (coupled_)
       solver_steps_ +=
           coupled_->step(result_.mesh.vertices, moving_, state_, plan_.step_s, most_solver_steps() - solver_steps_);
-    reports_.assign((moving_.size() + kGrain - 1) / kGrain, {});
-    parallel_for(moving_.size(), kGrain, [this](std::size_t begin, std::size_t end) {
-      StepReport& report = reports_[begin / kGrain];
+    reports_.assign((moving_.size() + kParticleGrain - 1) / kParticleGrain, {});
+    parallel_for(moving_.size(), kParticleGrain, [this](std::size_t begin, std::size_t end) {
+      StepReport& report = reports_[begin / kParticleGrain];
       for (std::size_t b = begin; b < end; b += kBatch) move_batch(b, std::min(end, b + kBatch), report);
     });
     StepReport all;

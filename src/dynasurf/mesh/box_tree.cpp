@@ -6,7 +6,7 @@
 namespace dynasurf::mesh {
 namespace {
 
-constexpr std::uint32_t leaf_size = 4;
+constexpr std::uint32_t boxes_a_leaf = 4;
 
 }  // namespace
 
@@ -25,8 +25,8 @@ void BoxTree::build(const std::vector<Box>& boxes, std::uint32_t first, std::uin
     box.hold(b);
     middles.hold(Vec3(b.low + b.high));
   }
-  nodes_.push_back({box, first, last, 0, last - first <= leaf_size});
-  if (last - first > leaf_size) {
+  nodes_.push_back({box, first, last, 0, last - first <= boxes_a_leaf});
+  if (last - first > boxes_a_leaf) {
     Eigen::Index axis = 0;
     (middles.high - middles.low).maxCoeff(&axis);
     const std::uint32_t middle = first + (last - first) / 2;

@@ -10,7 +10,7 @@
 namespace dynasurf::mesh {
 namespace {
 
-constexpr std::uint32_t leaf_size = 4;
+constexpr std::uint32_t triangles_a_leaf = 4;
 
 SurfacePoint on_segment(const Vec3& p, const Vec3& a, const Vec3& b, int ia, int ib, std::uint32_t id) {
   const Vec3 d = b - a;
@@ -72,7 +72,7 @@ SurfacePoint closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, co
 ClosestPoint::ClosestPoint(const TriMesh& mesh) : mesh_(mesh) {
   const std::size_t count = mesh.triangles.size();
   if (count == 0) return;
-  while ((count >> 2 * depth_) > leaf_size) ++depth_;
+  while ((count >> 2 * depth_) > triangles_a_leaf) ++depth_;
   faces_.reserve(count);
   for (const std::uint32_t t : sorted()) {
     const auto& [a, b, c] = mesh.triangles[t];

@@ -88,12 +88,12 @@ bool fan_stays_inside(const Loop& loop, std::size_t from) {
 }
 
 /// Where vertices lie on the edges of a cell: where the values say, or in the middle (discretised marching cubes).
-enum class Places { interpolated, middles };
+enum class Placing { interpolated, middles };
 
 /// Walks all cells of a grid, layer by layer, and keeps the vertices of two layers at hand.
 class Marching {
  public:
-  Marching(const Image& image, double level, GridEdge edge, Places places = Places::interpolated)
+  Marching(const Image& image, double level, GridEdge edge, Placing places = Placing::interpolated)
       : image_(image), level_(level), places_(places), low_(edge == GridEdge::closed ? -1 : 0) {
     for (std::size_t a = 0; a < 3; ++a) high_[a] = image.grid.dims[a] - (edge == GridEdge::closed ? 0 : 1);
     width_ = image.grid.dims[0] + 2;
@@ -166,7 +166,7 @@ class Marching {
         e = std::exchange(next[e], -1);
       }
       if (loop.size == 0) continue;
-      if (places_ == Places::middles)
+      if (places_ == Placing::middles)
         is_middle_taken = fill_flat(loop, at, cell, !is_middle_taken) || is_middle_taken;
       else
         fill(loop, at, cell);
@@ -212,7 +212,7 @@ class Marching {
     std::uint32_t& vertex = axis == 2 ? between_[place] : in_layer_[from[2] - at[2]][2 * place + axis];
     if (vertex != kNone) return vertex;
     const double a = cell[low], b = cell[low | (1 << axis)];
-    const double share = places_ == Places::middles || std::isinf(a) || std::isinf(b)
+    const double share = places_ == Placing::middles || std::isinf(a) || std::isinf(b)
                              ? 0.5
                              : std::clamp(a / (a - b), kKeepAway, 1 - kKeepAway);
     Vec3 p(from[0], from[1], from[2]);
@@ -224,7 +224,7 @@ class Marching {
 
   const Image& image_;
   const double level_;
-  const Places places_;
+  const Placing places_;
   const int low_;
   Index3 high_{};
   std::size_t width_ = 0, words_ = 0;  // of a row of nodes, and of its bits
@@ -249,7 +249,7 @@ TriMesh marching_cubes(const Image& image, double level, GridEdge edge) {
 
 TriMesh discretised_marching_cubes(const Image& image, double level, Facets facets) {
   require_finite(image, level);
-  TriMesh mesh = Marching(image, level, GridEdge::closed, Places::middles)();
+  TriMesh mesh = Marching(image, level, GridEdge::closed, Placing::middles)();
   return facets == Facets::merged ? merged_facets(std::move(mesh), image.grid.spacing) : mesh;
 }
 

@@ -10,7 +10,7 @@
 namespace dynasurf::mesh {
 namespace {
 
-constexpr double kKeepAway = 1e-3;  // of vertices from pixel centres, share of an edge
+constexpr double kKeepAwayFromPixels = 1e-3;  // of vertices from pixel centres, share of an edge
 
 /// The lines of one slice, as a successor for every edge of its lattice: edge 2 p runs from pixel p along x, edge
 /// 2 p + 1 along y. Every crossed edge inside the slice has one predecessor and one successor.
@@ -78,7 +78,7 @@ class Squares {
     const int i = edge / 2 % width_, j = edge / 2 / width_, axis = edge % 2;
     const double a = above_level(i, j), b = above_level(i + (axis == 0 ? 1 : 0), j + axis);
     Eigen::Vector2d p(i, j);
-    p[axis] += std::clamp(a / (a - b), kKeepAway, 1 - kKeepAway);
+    p[axis] += std::clamp(a / (a - b), kKeepAwayFromPixels, 1 - kKeepAwayFromPixels);
     return p.cwiseProduct(image_.grid.spacing.head<2>());
   }
 

@@ -4,8 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "support/notes.hpp"
+
 namespace dynasurf::ventricle {
 namespace {
+
+using test::has_code;
 
 /// Pixels whose centres lie within half a pixel of an arc.
 image::Component arc(double x, double y, double radius, double from_deg = 0, double to_deg = 360, int slice = 0) {
@@ -30,10 +34,6 @@ SliceEdges stack(const std::vector<image::Component>& edges, int slices) {
   SliceEdges all(static_cast<std::size_t>(slices));
   for (const image::Component& e : edges) all[static_cast<std::size_t>(e.slice)].push_back(e);
   return all;
-}
-
-bool has_code(const Notes& notes, const std::string& code) {
-  return std::any_of(notes.begin(), notes.end(), [&](const Note& n) { return n.code == code; });
 }
 
 TEST(FitCircle, PassesThroughThreePixels) {

@@ -15,10 +15,12 @@
 
 #include "support/blurred_heart.hpp"
 #include "support/method_types.hpp"
+#include "support/notes.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
 
+using test::has_code;
 using test::HeartShape;
 
 Labels labels_of(const Image& image, Labelling o, const CoarseCircle& coarse = {}) {
@@ -30,10 +32,6 @@ Labelling with(const LabelOptions& method) {
   Labelling o;
   o.method = method;
   return o;
-}
-
-bool has_code(const Notes& notes, const std::string& code) {
-  return std::any_of(notes.begin(), notes.end(), [&](const Note& n) { return n.code == code; });
 }
 
 template <class Options>

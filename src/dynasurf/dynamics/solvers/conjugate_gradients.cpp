@@ -7,10 +7,10 @@
 namespace dynasurf::dynamics {
 namespace {
 
-constexpr std::size_t kGrain = 2048;
+constexpr std::size_t kSumGrain = 2048;
 
 double dot(std::span<const Vec3> a, std::span<const Vec3> b) {
-  return parallel_sum(a.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  return parallel_sum(a.size(), kSumGrain, [&](std::size_t begin, std::size_t end) {
     double sum = 0;
     for (std::size_t i = begin; i < end; ++i) sum += a[i].dot(b[i]);
     return sum;

@@ -10,7 +10,7 @@
 namespace dynasurf::dynamics {
 namespace {
 
-constexpr std::size_t kGrain = 512;  // rows of one parallel piece
+constexpr std::size_t kRowGrain = 512;  // rows of one parallel piece
 constexpr int kPowerIterations = 60;
 constexpr int kMoreIterations = 12;  // where a former search ended nearby
 constexpr double kNewShare = 0.2;    // of such a start that is not the former end
@@ -31,7 +31,7 @@ class SystemMatrix {
   }
 
   void multiply(std::span<const Vec3> x, std::span<Vec3> y) const {
-    parallel_for(x.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_for(x.size(), kRowGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         Vec3 sum = Vec3::Zero();
         for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) sum += blocks_[k] * x[columns_[k]];
