@@ -46,11 +46,11 @@ check_rules() {
     ctest --preset release -R '^tools/' --output-on-failure
 }
 
-# check_tidy < list of files
-# The preset `dev` compiles every source alone.
-check_tidy() { configure dev && xargs -r -P "$(job_count)" -n 4 clang-tidy --quiet -p build/dev; }
-
-all_units() { git ls-files 'src/*.cpp' 'app/*.cpp'; }
+# Sources that are joined are looked at together: what takes time are the headers of the libraries.
+check_tidy() {
+  configure tidy && compile tidy dynasurf_version && python3 tools/compiled_units.py build/tidy src app |
+    xargs -r -P "$(job_count)" -n 1 clang-tidy --quiet --checks=-bugprone-suspicious-include -p build/tidy
+}
 
 # Tests of one preset, and every command of the program on small inputs.
 check_tests() { configure "$1" && compile "$1" && ctest --preset "$1" -j "$(nproc)"; }
@@ -111,7 +111,7 @@ do_check() {
   need clang-format:clang-format clang-tidy:clang-tidy clang++:clang valgrind:valgrind
   step "format" check_format
   step "include rules and documents" check_rules
-  long_step "clang-tidy" check_tidy < <(all_units)
+  long_step "clang-tidy" check_tidy
   local preset
   for preset in asan tsan isan; do long_step "every command under $preset" check_jobs "$preset"; done
   long_step "every command under Valgrind" check_leaks

@@ -103,6 +103,7 @@ void help_strays(std::vector<GateRun>& gates) {
 void join_gates(std::vector<GateRun>& gates, const Options& options) {
   if (const Mlc* mlc = std::get_if<Mlc>(&options.labels.method); mlc == nullptr || !mlc->strict_thesis) {
     std::vector<Labels*> labels;
+    labels.reserve(gates.size());
     for (GateRun& gate : gates) labels.push_back(&gate.labels);
     share_division_slice(labels);
   }

@@ -149,6 +149,7 @@ std::optional<Circle> fit_circle(const std::vector<image::Pixel>& pixels) {
 double coverage_deg(const std::vector<image::Pixel>& pixels, double x_px, double y_px) {
   if (pixels.size() < 2) return 0;
   std::vector<double> angles;
+  angles.reserve(pixels.size());
   for (const image::Pixel& p : pixels) angles.push_back(own::atan2(p.j - y_px, p.i - x_px));
   std::sort(angles.begin(), angles.end());
   double widest = angles.front() + 2 * std::numbers::pi - angles.back();

@@ -18,6 +18,7 @@ std::vector<std::array<std::uint32_t, 3>> cap_triangles(int rings, int sectors) 
     return ring == 0 ? 0u : static_cast<std::uint32_t>(1 + (ring - 1) * sectors + sector % sectors);
   };
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  triangles.reserve(static_cast<std::size_t>(sectors) * static_cast<std::size_t>(2 * rings - 1));
   for (int s = 0; s < sectors; ++s) triangles.push_back({0u, vertex(1, s), vertex(1, s + 1)});
   for (int r = 1; r < rings; ++r)
     for (int s = 0; s < sectors; ++s) {
@@ -29,7 +30,7 @@ std::vector<std::array<std::uint32_t, 3>> cap_triangles(int rings, int sectors) 
 
 /// Both surfaces at the same polar points, inner first.
 struct Sheets {
-  TriMesh side[2];
+  std::array<TriMesh, 2> side;
   std::vector<int> ring;   // of every vertex
   std::vector<Vec3> ways;  // of every vertex: the direction of its ray
 };
