@@ -1,10 +1,10 @@
 // Corrections by hand in the report: handles on its slices, and the page around it that runs the study again.
 import { HandTool } from "./byhand";
 import { Wall } from "./cycle";
-import { readPreview, readReport, toVoxels, walls as wall_names, type Mesh, type Results } from "./data";
+import { readPreview, readReport, toVoxels, walls as wall_names, type Mesh, type Preview, type Results } from "./data";
 import { byId, figure } from "./dom";
 import type { FieldView } from "./field";
-import type { FromPage, FromReport } from "./host";
+import type { FoundBorders, FromPage, FromReport } from "./host";
 import type { Painter } from "./painter";
 import type { Player } from "./player";
 import type { Slices } from "./slices";
@@ -53,15 +53,18 @@ export function joinHost(hand: HandTool | null, painter: Painter | null, slices:
   tell({ dynasurf: "report", word: "ready" });
 }
 
+function wordsOf(found: FoundBorders | null, preview: Preview | null): string {
+  if (!found) return "";
+  if ("refusal" in found) return say("No preview: {reason}", { reason: found.refusal });
+  if (!preview) return say("The stack would be cut anew: run again to see its borders");
+  return [say("Borders of gate {n} as they would be found ({s} s)", { n: preview.gate + 1, s: figure(found.seconds, 2) }), ...preview.warnings.map(told)].join(" · ");
+}
+
 /** Shows the borders and the field of one gate as they would be found; null: those of the run again. */
-async function preview(found: { text: string; seconds: number } | null, painter: Painter | null, slices: Slices | null, field: FieldView | null, player: Player): Promise<void> {
+async function preview(found: FoundBorders | null, painter: Painter | null, slices: Slices | null, field: FieldView | null, player: Player): Promise<void> {
   if (!painter || !slices) return;
-  painter.preview = found && (await readPreview(found.text, painter.pictures));
-  byId("preview").textContent = !found
-    ? ""
-    : painter.preview
-      ? [say("Borders of gate {n} as they would be found ({s} s)", { n: painter.preview.gate + 1, s: figure(found.seconds, 2) }), ...painter.preview.warnings.map(told)].join(" · ")
-      : say("The stack would be cut anew: run again to see its borders");
+  painter.preview = found && "text" in found ? await readPreview(found.text, painter.pictures) : null;
+  byId("preview").textContent = wordsOf(found, painter.preview);
   field?.preview(painter.preview);
   if (painter.preview && player.gate !== painter.preview.gate) {
     player.pause();

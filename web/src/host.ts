@@ -19,12 +19,13 @@ export type FromReport =
   | { dynasurf: "report"; word: "touched" }
   /** Where in the beat it is, from 0 to 1. */
   | { dynasurf: "report"; word: "beat"; share: number };
+/** What `dynasurf borders --json` prints with what is said, and how long it took, or why it refused; null: nothing is changed. */
+export type FoundBorders = { text: string; seconds: number } | { refusal: string };
 export type FromPage =
   | { dynasurf: "page"; word: "beat"; share: number }
   /** Asks for the beat and for touches. */
   | { dynasurf: "page"; word: "share" }
-  /** What `dynasurf borders --json` prints with what is said, and how long it took; null: nothing is changed. */
-  | { dynasurf: "page"; word: "borders"; found: { text: string; seconds: number } | null }
+  | { dynasurf: "page"; word: "borders"; found: FoundBorders | null }
   | ({ dynasurf: "page"; word: "study" } & Told);
 /** What a report is told of its study. */
 export interface Told {

@@ -301,6 +301,11 @@ const tests = {
     await page.locator('[data-path="manual.last_slice"] input').blur();
     await same_as_native("--set", "edges.sigma_px=1.8", "--set", "manual.last_slice=6");
     assert.match(await frame.locator("#preview").innerText(), /The endo border was found in no slice/);
+    await page.fill("#search", "first_slice");
+    await page.fill('[data-path="manual.first_slice"] input', "9");
+    await page.locator('[data-path="manual.first_slice"] input').blur();
+    const refused = "No preview: option manual.first_slice is 9 and manual.last_slice 6; expected the first, nearer to the apex, not to lie after the last";
+    await frame.waitForFunction((text) => document.getElementById("preview").textContent === text, refused, { timeout: most_wait });
     await page.click("#reset");
     await frame.waitForFunction(() => window.heard === null);
     assert.equal(await frame.locator("#preview").innerText(), "");

@@ -2,6 +2,7 @@
 import { dropped, type Given, as_zip, picked, read_given, Refusal, save } from "./files";
 import { argumentsOf, type ByHand, type FromPage, type FromReport, isSame, maskFile, mask_name, nothing_said, quoted } from "../host";
 import { Runner } from "./engine";
+import { lineOfError, mb, reasonOf } from "./failure";
 import { load } from "./frames";
 import { type Given as GivenStudy, givenHere, pageWith } from "./given";
 import { dataOf, fileOf, History, type Run, type Task, taskOf } from "./history";
@@ -10,7 +11,7 @@ import { OptionPanel } from "./options";
 import { Pair, pairJob } from "./pair";
 import { Preview } from "./preview";
 import { type Found, StudyList, studiesOf } from "./studies";
-import { type Key, language, languages, name_of, speak, spoken, stage_name, text, told } from "./texts";
+import { type Key, language, languages, name_of, speak, spoken, stage_name, text } from "./texts";
 
 /** `complaint`: the last error that the program told. */
 type Ended = Word & { kind: "end"; complaint?: string | undefined };
@@ -70,7 +71,6 @@ async function warm_up(): Promise<void> {
 
 // ---- A run ----
 
-const mb = (bytes: number) => Math.round(bytes / 1e6);
 
 function tell_progress(line: string, memory: number): void {
   by_id("memory").textContent = text("memory", { mb: mb(memory) });
@@ -92,10 +92,6 @@ const commands_of = (of: Task): string[][] => [
     ...argumentsOf(said).map((word) => (word === mask_name ? `/${mask_name}` : word)),
   ],
 ];
-
-/** The program's own line, without its name. */
-const line_of_error = (lines: string[]) =>
-  lines.filter((line) => line.includes("error: ")).at(-1)?.replace(/^.*?error: /, "").replaceAll("/in/", "");
 
 /** Starts with another study: nothing of the one before counts. */
 function begin(next: Task, with_settings: [string, string][] = [], with_said = nothing_said()): Promise<void> {
@@ -135,17 +131,9 @@ async function work(job: Omit<Job, "engine">, is_done: (end: Ended) => boolean):
     fail(() => text("lost", { reason: String(error) }));
     return null;
   }
-  const own = line_of_error(lines);
-  if (word.kind === "end" && is_done(word) && word.files.length > 0) return { ...word, complaint: own };
-  if (word.kind === "lost") {
-    const is_memory = /memory|allocation/i.test(word.reason);
-    const { reason, memory } = word;
-    fail(() => (is_memory ? text("out_of_memory", { mb: mb(memory) }) : text("lost", { reason })));
-  } else if (own === "out of memory") {
-    const { memory } = word;
-    fail(() => text("out_of_memory", { mb: mb(memory) }));
-  } else if (own) fail(() => told(own), own);
-  else fail(() => text("failed"));
+  const complaint = lineOfError(lines);
+  if (word.kind === "end" && is_done(word) && word.files.length > 0) return { ...word, complaint };
+  fail(reasonOf(word, complaint), complaint);
   return null;
 }
 

@@ -1,6 +1,7 @@
 // The borders of one gate and the fields around them, computed again while a person still drags or chooses.
-import { argumentsOf, type ByHand, isSame, maskFile, mask_name } from "../host";
+import { argumentsOf, type ByHand, type FoundBorders, isSame, maskFile, mask_name } from "../host";
 import { Runner } from "./engine";
+import { lineOfError, reasonOf } from "./failure";
 import type { Task } from "./history";
 import type { Piece } from "./job";
 
@@ -10,7 +11,6 @@ export interface Wanted {
   said: ByHand;
   gate: number; // from 1
 }
-export type Found = { text: string; seconds: number };
 
 /** Borders are the same whatever these are. */
 const without_effect = /^(fit\.|measures\.|manual\.(endo_points|epi_points|base_shift_mm|decision|reader|comment)$)/;
@@ -35,7 +35,7 @@ export class Preview {
   /** What is shown, or on its way; null: the borders of the run. */
   private last: Wanted | null = null;
 
-  constructor(private readonly show: (found: Found | null) => void) {}
+  constructor(private readonly show: (found: FoundBorders | null) => void) {}
 
   /** `shown`: what the run that is shown was made with; with the same there is nothing to preview. */
   ask(asked: Wanted, shown: Wanted): void {
@@ -58,14 +58,13 @@ export class Preview {
     this.is_busy = true;
     for (let wanted = this.next; wanted; wanted = this.next) {
       this.next = null;
-      const found = await this.look(wanted).catch(() => null); // a run tells what cannot be done
+      const found = await this.look(wanted).catch((reason: unknown) => ({ refusal: String(reason) }));
       if (wanted === this.last) this.show(found);
     }
     this.is_busy = false;
   }
 
-  /** Null: nothing is found, or what is said is no sense; the run tells why. */
-  private async look(wanted: Wanted): Promise<Found | null> {
+  private async look(wanted: Wanted): Promise<FoundBorders> {
     const files: Piece[] = (await this.files_of(wanted.task)).map(({ path, bytes }) => ({ path, bytes: bytes.slice() }));
     if (wanted.said.paint) files.push({ path: mask_name, bytes: maskFile(wanted.said.paint) });
     const words = [...wanted.settings.flatMap((set) => ["--set", set]), ...argumentsOf(wanted.said).map((word) => (word === mask_name ? `/${mask_name}` : word))];
@@ -76,8 +75,9 @@ export class Preview {
     }
     const begin = performance.now();
     const command = ["borders", ...wanted.task.inputs, ...wanted.task.more, "--json", "--gate", String(wanted.gate), ...words];
-    const word = await this.runner.run({ files, commands: [command], wanted: [] });
-    if (word.kind !== "end" || word.code !== 0) return null;
+    const lines: string[] = [];
+    const word = await this.runner.run({ files, commands: [command], wanted: [] }, (line) => lines.push(line.text));
+    if (word.kind !== "end" || word.code !== 0) return { refusal: reasonOf(word, lineOfError(lines))() };
     const seconds = (performance.now() - begin) / 1000;
     this.located = { of: place, heart: (JSON.parse(word.output) as { heart: unknown }).heart };
     return { text: word.output, seconds };
