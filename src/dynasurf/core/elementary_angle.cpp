@@ -27,8 +27,9 @@ Reduced reduced_near(double x) {
   return {rest, static_cast<unsigned>(std::bit_cast<std::uint64_t>(shifted) & 3)};
 }
 
-/// Words of 32 bits, the lowest first.
-using Words = std::array<std::uint64_t, 9>;
+/// Words of 32 bits, the lowest first: nine of a product, and a zero above them. Below 2^21 the point stands before the
+/// ninth, and the words on both of its sides are looked at.
+using Words = std::array<std::uint64_t, 10>;
 
 /// `whole` times the 7 words of 2/pi from `first` on.
 Words times_two_over_pi(std::uint64_t whole, int first) {
