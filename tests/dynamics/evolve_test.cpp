@@ -1,6 +1,5 @@
 #include "dynasurf/dynamics/evolve.hpp"
 
-#include <cstring>
 #include <numbers>
 #include <numeric>
 

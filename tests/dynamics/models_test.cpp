@@ -1,7 +1,6 @@
 #include "dynasurf/dynamics/detail/models.hpp"
 
 #include <cmath>
-#include <cstring>
 #include <sstream>
 
 #include <gmock/gmock.h>

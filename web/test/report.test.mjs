@@ -15,9 +15,6 @@ const path_of = (name) => join(folder, name, "report.html");
 const gate = (page) => page.evaluate(() => Number(document.documentElement.dataset.gate));
 const cursor = (page) => page.evaluate(() => Number(document.querySelector(".cursor").dataset.x));
 const text = (page, selector) => page.locator(selector).innerText();
-const pause = async (page) => {
-  if ((await page.getAttribute("#play", "aria-pressed")) === "true") await page.keyboard.press("Space");
-};
 /** Waits until a condition holds: drawing takes its time on a busy machine. */
 const until = async (holds, otherwise) => {
   for (let n = 0; n < 60; ++n) {
@@ -75,7 +72,6 @@ const tests = {
 
   async "takes what a person says by hand, and tells the command line that repeats it"(open) {
     const page = await open("ok");
-    await pause(page);
     await page.keyboard.press("h");
     assert.equal(await page.getAttribute("#toggle-hand", "aria-pressed"), "true");
     const value = (key) => page.inputValue(`#hand-${key}`);
@@ -135,7 +131,6 @@ const tests = {
 
   async "takes a reader's decision, quoted for a shell"(open) {
     const page = await open("ok");
-    await pause(page);
     await page.keyboard.press("h");
     await page.click("#hand-rejected");
     await page.click("#hand-accepted");
@@ -185,7 +180,6 @@ const tests = {
 
   async "steps through the gates with the arrow keys, and around the beat"(open) {
     const page = await open("ok");
-    await pause(page);
     await page.keyboard.press("ArrowRight");
     const start = await gate(page);
     for (let n = 1; n <= 8; ++n) {
@@ -200,7 +194,6 @@ const tests = {
 
   async "goes through the slices with the arrow keys"(open) {
     const page = await open("ok");
-    await pause(page);
     assert.match(await text(page, ".caption"), /^Slice 14 of 23/);
     const before = await picture(page, ".large");
     await page.keyboard.press("ArrowUp");
@@ -215,7 +208,6 @@ const tests = {
     const page = await open("ok");
     // All of it in one view: scrolling would move the pointer to another place.
     await page.setViewportSize({ width: 1400, height: 3200 });
-    await pause(page);
     const shot = () => page.locator("#scene canvas").screenshot();
     const marked = async () => {
       const at = await page.locator(".polar .cross").getAttribute("transform");
@@ -249,7 +241,6 @@ const tests = {
 
   async "shows the panels of each layout, and everything again"(open) {
     const page = await open("ok");
-    await pause(page);
     const shown = async () =>
       (await page.locator("main > .panel:visible").evaluateAll((panels) => panels.map((p) => p.querySelector("h2").id.replace("-title", "")))).join(" ");
     const all = await shown();
@@ -282,7 +273,6 @@ const tests = {
 
   async "shows and hides borders and mesh sections"(open) {
     const page = await open("ok");
-    await pause(page);
     const both = await coloured(page, ".large");
     await page.keyboard.press("c");
     assert.equal(await page.getAttribute("#toggle-contours", "aria-pressed"), "false");
@@ -298,7 +288,6 @@ const tests = {
 
   async "draws surfaces that move with the beat"(open) {
     const page = await open("ok");
-    await pause(page);
     const shot = () => page.locator("#scene canvas").screenshot();
     await page.locator('#curve [role="slider"]').click({ position: { x: 55, y: 150 } });
     const relaxed = await shot();
@@ -311,7 +300,6 @@ const tests = {
     const page = await open("ok");
     // All of it in one view: scrolling would move the pointer to another place.
     await page.setViewportSize({ width: 1400, height: 1900 });
-    await pause(page);
     const shot = () => page.locator("#scene canvas").screenshot();
     const plain = await shot();
     await page.locator('.polar [data-segment="7"]').hover();
@@ -329,7 +317,6 @@ const tests = {
   async "paints the polar map on the heart"(open) {
     const page = await open("ok");
     await page.setViewportSize({ width: 1400, height: 1900 });
-    await pause(page);
     const shot = () => page.locator("#scene canvas").screenshot();
     const plain = await shot();
     await page.locator("#polar-paint").check();
@@ -423,15 +410,13 @@ const tests = {
     assert.ok((await coloured(page, ".large")) > 0);
   },
 
-  async "plays sixteen gates"(open) {
+  async "steps around sixteen gates"(open) {
     const page = await open("gates16");
-    await pause(page);
     await page.keyboard.press("ArrowLeft");
     assert.match(await text(page, "#gate"), /of 16/);
   },
   async "lights the segment under the pointer of a slice and of the splash"(open) {
     const page = await open("ok");
-    await pause(page);
     const lit = () => page.locator("#segments tr[aria-current]").count();
     await page.locator(".large").scrollIntoViewIfNeeded();
     const box = await page.locator(".large").boundingBox();
@@ -475,7 +460,6 @@ const tests = {
 
   async "shows what the fit explains and what it leaves"(open) {
     const page = await open("fitted");
-    await pause(page);
     assert.equal(await page.locator("#residuals canvas").count(), 8);
     assert.match(await text(page, "#residuals .caption"), /^Gate \d, slice \d+ · difference here \d+\.\d %, in all gates and slices \d+\.\d %/);
     const [data, model, left] = [0, 1, 2].map((n) => `#residuals figure:nth-of-type(${n + 1}) canvas`);
@@ -542,7 +526,6 @@ const tests = {
 
   async "shows the field on any plane, and what it has along a line"(open) {
     const page = await open("moving");
-    await pause(page);
     const place = "#field .field-plane";
     const caption = () => text(page, "#field .caption");
     // The middle row of a slice meets the wall twice, 34 pixels of 4.4 mm or less apart; the field is 0.1 1/mm there.
@@ -581,7 +564,6 @@ const tests = {
 
   async "shows contours with their forces and their stack"(open) {
     const page = await open("contours");
-    await pause(page);
     const slider = page.getByLabel("Slice of the contours, 1 is the apex");
     await slider.fill("16");
     const words = await text(page, "#contours .caption");
@@ -629,8 +611,7 @@ await withBrowser(async (context) => {
       for (const [width, height] of [[1400, 1000], [1000, 800]]) {
         const { page } = await openReport(context, path_of(sample));
         await page.setViewportSize({ width, height });
-        await pause(page);
-        await page.waitForTimeout(400);
+            await page.waitForTimeout(400);
         await page.screenshot({ path: join(screenshots, `${sample}_${width}.png`) });
         await page.screenshot({ path: join(screenshots, `${sample}_${width}_full.png`), fullPage: true });
         await page.close();

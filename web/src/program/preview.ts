@@ -4,6 +4,7 @@ import { Runner } from "./engine";
 import { lineOfError, reasonOf } from "./failure";
 import type { Task } from "./history";
 import type { Piece } from "./job";
+import { text } from "./texts";
 
 export interface Wanted {
   task: Task;
@@ -58,7 +59,7 @@ export class Preview {
     this.is_busy = true;
     for (let wanted = this.next; wanted; wanted = this.next) {
       this.next = null;
-      const found = await this.look(wanted).catch((reason: unknown) => ({ refusal: String(reason) }));
+      const found = await this.look(wanted).catch((reason: unknown) => ({ refusal: text("lost", { reason: String(reason) }) }));
       if (wanted === this.last) this.show(found);
     }
     this.is_busy = false;
