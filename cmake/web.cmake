@@ -134,6 +134,11 @@ function(dynasurf_page_tests)
            $<TARGET_FILE:dynasurf>)
   set_tests_properties(web/words PROPERTIES FIXTURES_REQUIRED "sample_reports;sample_clouds" SKIP_RETURN_CODE 77 TIMEOUT 600)
 
+  # A sample of the same in Firefox, which the variable DYNASURF_BROWSER asks of all tests of pages.
+  add_test(NAME web/firefox COMMAND ${DYNASURF_NODE} ${web}/test/report.test.mjs ${samples})
+  set_tests_properties(web/firefox PROPERTIES FIXTURES_REQUIRED sample_reports ENVIRONMENT "DYNASURF_BROWSER=firefox;ONLY=surfaces"
+                       SKIP_RETURN_CODE 77 TIMEOUT 600)
+
   # The page that is the program, where ./dev web has made it.
   add_test(NAME web/program COMMAND ${DYNASURF_NODE} ${web}/test/program.test.mjs
            ${PROJECT_SOURCE_DIR}/build/web/dynasurf.html $<TARGET_FILE:dynasurf>)

@@ -1,13 +1,33 @@
-// A real Chromium with nothing but the page in it.
+// A real browser with nothing but the page in it: Chromium, or Firefox where the variable DYNASURF_BROWSER says so.
 import assert from "node:assert/strict";
-import { existsSync, mkdtempSync, rmSync } from "node:fs";
+import { spawn } from "node:child_process";
+import { createHash } from "node:crypto";
+import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { chromium } from "playwright-core";
+import { chromium, firefox } from "playwright-core";
 
-export const skipped = 77; // the exit code by which ctest knows a test that could not run
-const candidates = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
-export const program = candidates.find((path) => path && existsSync(path));
+const skipped = 77; // the exit code by which ctest knows a test that could not run
+const browser = process.env.DYNASURF_BROWSER || "chromium";
+const candidates = {
+  chromium: [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"],
+  firefox: [process.env.FIREFOX, "/usr/bin/firefox-esr", "/usr/bin/firefox"],
+};
+assert.ok(browser in candidates, `DYNASURF_BROWSER is ${browser}; expected ${Object.keys(candidates).join(" or ")}`);
+const program = candidates[browser].find((path) => path && existsSync(path));
+const screen_server = "/usr/bin/Xvfb";
+
+/** Ends a test that could not run. */
+export function skip(reason) {
+  console.log(`SKIPPED: ${reason}`);
+  process.exit(skipped);
+}
+
+/** Ends a test that has no browser to run in. */
+export function needBrowser() {
+  if (!program) skip(`no ${browser} found; install it, or name it in the variable ${browser.toUpperCase()}`);
+  if (browser === "firefox" && !existsSync(screen_server)) skip("Firefox has no WebGL without a screen; install xvfb");
+}
 
 const quiet = [
   "--no-sandbox",
@@ -18,23 +38,61 @@ const quiet = [
 ];
 const software_webgl = ["--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 
+let downloads; // where Firefox puts what a page saves
+
+/** A screen in memory: the process that holds it, and its name. */
+async function openScreen() {
+  const server = spawn(screen_server, ["-displayfd", "1", "-screen", "0", "2200x2400x24"], { stdio: ["ignore", "pipe", "ignore"] });
+  const number = await new Promise((done, failed) => {
+    server.stdout.once("data", (text) => done(String(text).trim()));
+    server.once("exit", () => failed(new Error(`${screen_server} opened no screen`)));
+  });
+  return { server, name: `:${number}` };
+}
+
+const launch = {
+  async chromium(profile, { webgl, ...options }) {
+    const args = [...quiet, ...(webgl ? software_webgl : ["--disable-gpu", "--disable-3d-apis"])];
+    return [await chromium.launchPersistentContext(profile, { args, headless: true, ...options })];
+  },
+  async firefox(profile, { webgl, ...options }) {
+    const screen = await openScreen(); // headless it has no WebGL without a graphics card
+    const close = () => screen.server.kill();
+    try {
+      const context = await firefox.launchPersistentContext(profile, {
+        channel: "moz-firefox",
+        firefoxUserPrefs: { "webgl.disabled": !webgl, "webgl.force-enabled": webgl },
+        env: { ...process.env, DISPLAY: screen.name },
+        downloadsPath: downloads,
+        headless: false,
+        ...options,
+      });
+      return [context, close];
+    } catch (reason) {
+      close();
+      throw reason;
+    }
+  },
+};
+
 /** Calls `work(context)` with a browser of its own, and leaves nothing behind. */
 export async function withBrowser(work, { width = 1400, height = 1000, webgl = true, ...options } = {}) {
   const profile = mkdtempSync(join(tmpdir(), "report-browser-"));
-  const context = await chromium.launchPersistentContext(profile, {
-    executablePath: program,
-    headless: true,
-    args: [...quiet, ...(webgl ? software_webgl : ["--disable-gpu", "--disable-3d-apis"])],
-    viewport: { width, height },
-    ...options,
-  });
+  downloads = join(profile, "saved");
+  mkdirSync(downloads);
+  const [context, leave] = await launch[browser](profile, { executablePath: program, viewport: { width, height }, webgl, ...options });
   try {
     return await work(context);
   } finally {
     await context.close();
+    leave?.();
     rmSync(profile, { recursive: true, force: true });
   }
 }
+
+// Before a picture is taken of Firefox, the driver puts an empty style into the page, whose policy refuses it aloud.
+const empty_style = createHash("sha256").update("body {}").digest("base64");
+export const isOfDriver = (complaint) => complaint.includes(empty_style);
 
 /**
  * Opens a file and collects what a good page never does: asking for anything else, and complaining. It rests unless it
@@ -42,16 +100,42 @@ export async function withBrowser(work, { width = 1400, height = 1000, webgl = t
  */
 export async function openReport(context, path, { plays = false } = {}) {
   const page = await context.newPage();
-  await page.emulateMedia({ reducedMotion: plays ? "no-preference" : "reduce" });
+  if (browser === "firefox") await page.addInitScript(preferRest, !plays);
+  else await page.emulateMedia({ reducedMotion: plays ? "no-preference" : "reduce" });
   const url = `file://${path}`;
   const requests = [];
   const complaints = [];
   page.on("request", (request) => request.url() !== url && requests.push(request.url()));
   page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
-  page.on("pageerror", (error) => complaints.push(String(error)));
+  page.on("pageerror", (error) => isOfDriver(String(error)) || complaints.push(String(error)));
   await page.goto(url);
   await page.waitForFunction(() => document.documentElement.dataset.ready === "true", null, { timeout: 20000 });
   return { page, requests, complaints };
+}
+
+/** What a page saves on a click: its name and its bytes. */
+export async function downloaded(page, selector, timeout = 30_000) {
+  if (browser === "chromium") {
+    const [download] = await Promise.all([page.waitForEvent("download", { timeout }), page.click(selector)]);
+    return { name: download.suggestedFilename(), bytes: readFileSync(await download.path()) };
+  }
+  // Firefox tells of no download that is no navigation.
+  const before = new Set(readdirSync(downloads));
+  await page.click(selector);
+  for (const end = Date.now() + timeout; Date.now() < end; await new Promise((done) => setTimeout(done, 200))) {
+    const names = readdirSync(downloads).filter((name) => !before.has(name));
+    if (names.length !== 1 || names[0].endsWith(".part") || statSync(join(downloads, names[0])).size === 0) continue;
+    const bytes = readFileSync(join(downloads, names[0]));
+    rmSync(join(downloads, names[0]));
+    return { name: names[0], bytes };
+  }
+  throw new Error(`nothing was saved within ${timeout / 1000} s of a click on ${selector}`);
+}
+
+/** What a browser says of motion, where no one can tell it to say so. */
+function preferRest(rests) {
+  const real = matchMedia.bind(window);
+  window.matchMedia = (query) => (query.includes("prefers-reduced-motion") ? Object.assign(new EventTarget(), { media: query, matches: rests }) : real(query));
 }
 
 let failures = 0;

@@ -1,15 +1,12 @@
-// node cloud.test.mjs FOLDER [SCREENSHOTS]: opens the sample reports of clouds, and the page of instances, in Chromium.
+// node cloud.test.mjs FOLDER [SCREENSHOTS]: opens the sample reports of clouds, and the page of instances, in a browser.
 import assert from "node:assert/strict";
 import { mkdirSync, statSync } from "node:fs";
 import { join, resolve } from "node:path";
-import { check, checkAll, finish, openReport, program, skipped, withBrowser } from "./browser.mjs";
+import { check, checkAll, finish, needBrowser, openReport, withBrowser } from "./browser.mjs";
 
 const folder = resolve(process.argv[2]);
 const screenshots = process.argv[3];
-if (!program) {
-  console.log("SKIPPED: no Chromium found (apt-get install chromium, or name one in the variable CHROMIUM)");
-  process.exit(skipped);
-}
+needBrowser();
 
 const path_of = (name) => (name.startsWith("instance") ? join(folder, `${name}.html`) : join(folder, "results", name, "report.html"));
 const text = (page, selector) => page.locator(selector).innerText();
@@ -17,6 +14,8 @@ const shot = async (page, selector) => {
   await page.waitForTimeout(250);
   return page.locator(`${selector} canvas`).screenshot();
 };
+/** Waits for two frames: one that began before, and one that shows what was asked. */
+const drawn = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 const set = (page, selector, value) =>
   page.locator(selector).evaluate((input, to) => {
     input.value = to;
@@ -126,6 +125,7 @@ const tests = {
     await page.setViewportSize({ width: 1400, height: 1900 });  // both views without scrolling
     assert.equal(await page.locator(".tile-label").count(), 4);
     const [tiles, morph] = [await shot(page, "#tiles"), await shot(page, "#morph-view")];
+    await page.evaluate(() => scrollTo(0, 0)); // Firefox moves what a picture is taken of to the middle
     const box = await page.locator("#tiles").boundingBox();
     await page.mouse.move(box.x + 100, box.y + 100);
     await page.mouse.down();
@@ -194,22 +194,22 @@ const tests = {
     const page = await open("instances");
     const read = () => page.evaluate(() => ({ counts: document.documentElement.dataset.counts.split(" ").map(Number), triangles: Number(document.documentElement.dataset.triangles) }));
     const sum = (counts) => counts.reduce((a, b) => a + b);
-    await page.waitForTimeout(400);
+    await drawn(page);
     const morph = await read();
     assert.equal(sum(morph.counts), 200);
     assert.ok(morph.counts.every((count) => count > 0), `every level is in use: ${morph.counts}`);
     await page.selectOption("#mode", "finest");
-    await page.waitForTimeout(400);
+    await drawn(page);
     const finest = await read();
     assert.deepEqual(finest.counts, [200, 0, 0]);
     assert.ok(morph.triangles < 0.4 * finest.triangles, `${morph.triangles} against ${finest.triangles}`);
     await page.selectOption("#mode", "switch");
     await set(page, "#edge", 40);
-    await page.waitForTimeout(400);
+    await drawn(page);
     const rough = await read();
     assert.ok(rough.triangles < morph.triangles, "longer edges, fewer triangles");
     await set(page, "#count", 20);
-    await page.waitForTimeout(400);
+    await drawn(page);
     assert.equal(sum((await read()).counts), 20);
     assert.ok(await page.evaluate(() => document.getElementById("panel").scrollWidth <= document.getElementById("panel").clientWidth), "the panel holds its texts");
   },

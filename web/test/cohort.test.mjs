@@ -3,13 +3,10 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { dirname, join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
-import { program, skipped, withBrowser } from "./browser.mjs";
+import { downloaded, needBrowser, withBrowser } from "./browser.mjs";
 
 const path = resolve(process.argv[2]);
-if (!program) {
-  console.log("SKIPPED: no Chromium found (apt-get install chromium, or name one in the variable CHROMIUM)");
-  process.exit(skipped);
-}
+needBrowser();
 
 const html = readFileSync(path, "utf8");
 const begin = '<script type="application/json" id="data">';
@@ -96,9 +93,9 @@ await withBrowser(
     await page.keyboard.press("c");
     await page.keyboard.type("low base");
     await page.keyboard.press("Enter");
-    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
-    const table = readFileSync(await download.path(), "utf8");
-    assert.equal(download.suggestedFilename(), "triage.tsv");
+    const { name, bytes } = await downloaded(page, "#save");
+    const table = bytes.toString("utf8");
+    assert.equal(name, "triage.tsv");
     assert.deepEqual(table.split("\n").filter(Boolean).sort(), ["id\tdecision\tcomment", `${first.id}\taccept\t`, `${second}\t\tlow base`].sort());
     // A click on a study that has a result leads to its report.
     await page.fill('input[type="search"]', data.studies.find((study) => study.report).id);

@@ -1,21 +1,15 @@
-// node library.test.mjs FOLDER: runs the libraries' own tests, compiled to WebAssembly, in Chromium, in the worker of the
+// node library.test.mjs FOLDER: runs the libraries' own tests, compiled to WebAssembly, in a browser, in the worker of the
 // page that is the program.
 import assert from "node:assert/strict";
 import { existsSync, readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { bundle } from "../bundle.mjs";
-import { check, finish, program as chromium, skipped, withBrowser } from "./browser.mjs";
+import { check, finish, needBrowser, skip, withBrowser } from "./browser.mjs";
 
 const [folder] = process.argv.slice(2);
 const programs = existsSync(folder) ? readdirSync(folder).filter((name) => name.endsWith(".wasm")) : [];
-if (programs.length === 0) {
-  console.log(`SKIPPED: no tests in ${folder}; ./dev web makes them`);
-  process.exit(skipped);
-}
-if (!chromium) {
-  console.log("SKIPPED: no Chromium found (apt-get install chromium, or name one in the variable CHROMIUM)");
-  process.exit(skipped);
-}
+if (programs.length === 0) skip(`no tests in ${folder}; ./dev web makes them`);
+needBrowser();
 const worker = await bundle("program/worker.ts");
 
 /** Runs a program in a worker of the page; its exit code and what it prints. */

@@ -5,15 +5,12 @@ import { spawnSync } from "node:child_process";
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
-import { checkAll, finish, program, skipped, withBrowser } from "./browser.mjs";
+import { checkAll, finish, needBrowser, withBrowser } from "./browser.mjs";
 import { bundle } from "../bundle.mjs";
 import { german, inGerman, notGerman, saidIn } from "./words.mjs";
 
 const [samples, clouds, native, screenshots] = process.argv.slice(2).map((path) => resolve(path));
-if (!program) {
-  console.log("SKIPPED: no Chromium found (apt-get install chromium, or name one in the variable CHROMIUM)");
-  process.exit(skipped);
-}
+needBrowser();
 if (screenshots) mkdirSync(screenshots, { recursive: true });
 const hearts = ["ok", "fitted", "check", "fail", "no_endo", "pool", "ungated", "gates16", "moving", "contours"];
 const scans = ["ok", "open", "half", "broken", "empty"];
