@@ -1,8 +1,8 @@
 #include "dynasurf/io/detail/dicom_dictionary.hpp"
 
 #include <cstddef>
+#include <memory>
 #include <mutex>
-#include <vector>
 
 #include <dcmtk/config/osconfig.h>
 // DCMTK asks for its configuration header first.
@@ -16,8 +16,12 @@ void prepare_dcmtk() {
   static std::once_flag once;
   std::call_once(once, [] {
     OFLog::configure(OFLogger::OFF_LOG_LEVEL);
-    // DCMTK reads its dictionary, 2 MB in memory, without a look at whether there is memory: here one looks.
-    { const std::vector<std::byte> dictionary(std::size_t{8} << 20); }
+    // DCMTK reads its dictionary, 2 MB in memory, without a look at whether there is memory: here one looks. Room of
+    // which one byte alone is written is neither left out by the compiler nor fetched by the system.
+    {
+      const auto dictionary = std::make_unique_for_overwrite<std::byte[]>(std::size_t{8} << 20);
+      *static_cast<volatile std::byte*>(dictionary.get()) = std::byte{};
+    }
     dcmDataDict.rdlock();
     dcmDataDict.rdunlock();
   });
