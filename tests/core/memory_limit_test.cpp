@@ -1,5 +1,6 @@
 #include "dynasurf/core/detail/memory_limit.hpp"
 
+#include <new>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -51,6 +52,13 @@ TEST(MemoryLimit, HoldsWhileItLivesAndInEveryThread) {
   }
   EXPECT_EQ(refusal(std::uint64_t{1} << 62), "") << "without a limit";
 }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which end the program where memory ends
+TEST(RequireRoom, ThrowsWhereTheSystemGivesNone) {
+  EXPECT_NO_THROW(require_room(1 << 20));
+  EXPECT_THROW(require_room(std::size_t{1} << 60), std::bad_alloc);
+}
+#endif
 
 }  // namespace
 }  // namespace dynasurf

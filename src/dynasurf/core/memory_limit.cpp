@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <memory>
 
 #include "dynasurf/core/error.hpp"
 
@@ -50,6 +51,11 @@ void require_memory(std::uint64_t bytes, const std::string& where, const std::st
   if (bytes > limit)
     throw InputError(where + ": needs " + memory_text(bytes) + " of memory for " + what + "; the limit is " +
                      memory_text(limit) + " (--memory-limit)");
+}
+
+void require_room(std::size_t bytes) {
+  const auto room = std::make_unique_for_overwrite<std::byte[]>(bytes);
+  *static_cast<volatile std::byte*>(room.get()) = std::byte{};  // no compiler leaves out what is written
 }
 
 }  // namespace dynasurf

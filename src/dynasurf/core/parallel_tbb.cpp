@@ -2,7 +2,6 @@
 #include <chrono>
 #include <filesystem>
 #include <latch>
-#include <memory>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -16,6 +15,7 @@
 #include <mutex>
 #endif
 
+#include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/core/detail/run_pieces.hpp"
 #include "dynasurf/core/parallel.hpp"
 
@@ -111,12 +111,8 @@ ThreadLimit::ThreadLimit(int threads)
                          : nullptr) {
   try {
     keep_to_threads_to_be_had(threads);
-    // oneTBB loads a library first, and the loader of the system does not survive the want of memory everywhere. The
-    // first byte is written, so that no compiler leaves the allocation out; more would cost as much as the threads.
-    {
-      const auto library = std::make_unique_for_overwrite<char[]>(std::size_t{8} << 20);
-      *static_cast<volatile char*>(library.get()) = 0;
-    }
+    // oneTBB loads a library first, and the loader of the system does not survive the want of memory everywhere.
+    require_room(std::size_t{8} << 20);
     parallel_for(2, 1, [](std::size_t, std::size_t) {});
   } catch (...) {
     // The end of a control waits for ever for a scheduler that could not be started: it is given up.

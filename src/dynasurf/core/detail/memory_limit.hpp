@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -29,5 +30,9 @@ class MemoryLimit {
 /// one nothing is too much. Called with what a header declares, before memory is taken for it. `where` names the
 /// file, `what` says what for: "512 x 512 x 300 voxels". From any thread.
 void require_memory(std::uint64_t bytes, const std::string& where, const std::string& what);
+
+/// Throws std::bad_alloc where the system does not give that much memory now. Asked before a library takes memory
+/// without a look at whether it was given. None of it is fetched, which would cost more than most calls.
+void require_room(std::size_t bytes);
 
 }  // namespace dynasurf
