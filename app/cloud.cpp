@@ -17,7 +17,7 @@ struct CloudArguments {
   std::vector<std::string> clouds;
   ResultArguments result;
   std::string preset = "shaped", file;
-  std::string triangles, max_error, genus, start, boundary;
+  std::string triangles, max_error, genus, start, boundary, lid;
   bool keep_sharp = false;
   std::vector<std::string> settings;
   bool textures = false, strict = false;
@@ -37,6 +37,7 @@ std::vector<std::string> settings_of(const CloudArguments& a) {
   if (!a.genus.empty()) settings.push_back("genus=" + a.genus);
   if (!a.start.empty()) settings.push_back("start=" + a.start);
   if (!a.boundary.empty()) settings.push_back("boundary=" + a.boundary);
+  if (!a.lid.empty()) settings.push_back("lid=" + a.lid);
   if (a.keep_sharp) settings.emplace_back("keep_sharp=true");
   settings.insert(settings.end(), a.settings.begin(), a.settings.end());
   return settings;
@@ -102,6 +103,7 @@ void add_cloud(CLI::App& program, Command& chosen) {
   command.option("--genus", a->genus, "handles: auto, 0 or keep");
   command.option("--start", a->start, "mesh that is deformed: auto, field, sphere, ellipsoid or hull");
   command.option("--boundary", a->boundary, "where the points end: auto, close, keep (an open surface) or trim");
+  command.option("--lid", a->lid, "what closes a hole: smooth or flat");
   command.flag("--keep-sharp", a->keep_sharp, "do not smooth across sharp edges");
   command.option("--set", a->settings, "set one option: path=value; may be repeated (see: dynasurf options cloud)")
       .repeated();

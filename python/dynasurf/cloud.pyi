@@ -18,13 +18,14 @@ class Options(_Options):
     genus: Literal['auto', '0', 'keep']
     start: Literal['auto', 'field', 'sphere', 'ellipsoid', 'hull']
     boundary: Literal['auto', 'close', 'keep', 'trim']
+    lid: Literal['smooth', 'flat']
     keep_sharp: bool
     cells: Optional[int]
     noise_percent: Optional[float]
     outliers: float
     use_normals: bool
     smallest_part_percent: float
-    def __init__(self, *, method: Literal['shaped', 'faithful', 'thesis'] = ..., triangles: List[int] = ..., max_error_percent: Optional[float] = ..., genus: Literal['auto', '0', 'keep'] = ..., start: Literal['auto', 'field', 'sphere', 'ellipsoid', 'hull'] = ..., boundary: Literal['auto', 'close', 'keep', 'trim'] = ..., keep_sharp: bool = ..., cells: Optional[int] = ..., noise_percent: Optional[float] = ..., outliers: float = ..., use_normals: bool = ..., smallest_part_percent: float = ...) -> None: ...
+    def __init__(self, *, method: Literal['shaped', 'faithful', 'thesis'] = ..., triangles: List[int] = ..., max_error_percent: Optional[float] = ..., genus: Literal['auto', '0', 'keep'] = ..., start: Literal['auto', 'field', 'sphere', 'ellipsoid', 'hull'] = ..., boundary: Literal['auto', 'close', 'keep', 'trim'] = ..., lid: Literal['smooth', 'flat'] = ..., keep_sharp: bool = ..., cells: Optional[int] = ..., noise_percent: Optional[float] = ..., outliers: float = ..., use_normals: bool = ..., smallest_part_percent: float = ...) -> None: ...
 
 class LodRule(_Options):
     edge_px: float

@@ -6,9 +6,11 @@
 #include <gtest/gtest.h>
 
 #include "dynasurf/cloud/detail/body.hpp"
+#include "dynasurf/cloud/detail/flat_lids.hpp"
 #include "dynasurf/cloud/detail/indicator_field.hpp"
 #include "dynasurf/cloud/detail/patch.hpp"
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
+#include "dynasurf/mesh/intersections.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
@@ -100,6 +102,33 @@ TEST(MakePatch, GivesASphereItsCapBack) {
   const mesh::Topology whole = mesh::topology(cap.surface.mesh());
   EXPECT_TRUE(whole.closed() && whole.oriented());
   EXPECT_EQ(whole.euler, 2);
+}
+
+TEST(MakeFlatLid, LiesInThePlaneOfItsRim) {
+  const TriMesh ball = mesh::icosphere(4);
+  TriMesh open = part_of(ball, [](const Vec3& p) { return p[2] < 0.5; });
+  const std::vector<Loop> loops = loops_of(open);
+  for (const std::uint32_t v : loops[0])
+    open.vertices[v] =
+        std::sqrt(0.75) * Vec3(open.vertices[v][0], open.vertices[v][1], 0).normalized() + Vec3(0, 0, 0.5);
+  const Patch lid = make_flat_lid(open, loops, 0);
+  EXPECT_LT(largest_off(lid, [](const Vec3& p) { return std::abs(p[2] - 0.5); }), 1e-9);
+  EXPECT_GT(lid.surface.vertex_slots() - lid.first_vertex, 100u) << "triangles as large as those around";
+  const mesh::Topology whole = mesh::topology(lid.surface.mesh());
+  EXPECT_TRUE(whole.closed() && whole.oriented());
+  EXPECT_EQ(whole.euler, 2);
+}
+
+// The rim turns inwards between the lobes, and goes up and down with the triangles that were cut away.
+TEST(WithFlatLids, CrossesNothingOverARaggedRimOfThreeLobes) {
+  TriMesh dome = part_of(mesh::icosphere(5), [](const Vec3& p) { return p[2] > 0; });
+  for (Vec3& v : dome.vertices) v.head<2>() *= 1 + 0.15 * std::sin(3 * std::atan2(v[1], v[0]));
+  const ClosedSurface closed = with_flat_lids(dome);
+  const mesh::Topology whole = mesh::topology(closed.mesh);
+  EXPECT_TRUE(whole.closed() && whole.oriented());
+  EXPECT_TRUE(mesh::self_intersections(closed.mesh).free());
+  EXPECT_EQ(closed.added.points.size(), closed.mesh.triangles.size() - dome.triangles.size());
+  for (const Vec3& normal : closed.added.normals) EXPECT_LT(normal[2], 0);
 }
 
 TEST(MakePatch, JoinsTheEndsOfATornRing) {

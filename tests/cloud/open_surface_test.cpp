@@ -267,6 +267,23 @@ TEST(Boundary, IsOpenedAtTheHoleOfABodyWhereAskedFor) {
   }
 }
 
+// A dome to stand on: half a ball, on a disc.
+TEST(Boundary, IsClosedByAFlatLidWhereAskedFor) {
+  const auto volume_by = [](LidRule lid) {
+    Options options;
+    options.triangles = {2400};
+    options.boundary = BoundaryRule::close;
+    options.lid = lid;
+    const Result result = reconstruct(scan_of(cap("half_shell", pi / 2), 12000), options);
+    EXPECT_TRUE(is_watertight(result));
+    return mesh::volume_mm3(result.levels[0].mesh);
+  };
+  const double half = 2 * pi / 3;
+  // The rim is found half a spacing of 1/43 off: that much of a disc of pi is 1.7 %. Where lid and dome meet is round.
+  EXPECT_NEAR(volume_by(LidRule::flat), half, 0.03 * half);
+  EXPECT_GT(volume_by(LidRule::smooth), 1.1 * half);
+}
+
 TEST(Boundary, IsNoneWhereThePointsHoldAllOfTheSurface) {
   const PointCloud whole = synthetic::make_cloud({.shape = synthetic::CloudShape::torus, .points = 12000});
   for (const char* rule : {"keep", "trim"}) {

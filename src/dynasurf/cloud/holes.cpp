@@ -384,7 +384,7 @@ std::optional<HoleFill> fill_holes(const IndicatorField& field, const OrientedPo
   fill.kind.genus = fill.kind.parts - static_cast<int>(euler_when_closed(torn.open, torn.loops) / 2) + fill.joined;
   for (std::size_t i = 0; i < torn.loops.size(); ++i)
     if (!done[i]) {
-      scatter(torn.discs[i], scan, options, fill.points);
+      if (options.lid == LidRule::smooth) scatter(torn.discs[i], scan, options, fill.points);
       ++fill.holes;
     }
   return fill;

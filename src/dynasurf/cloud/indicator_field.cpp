@@ -414,6 +414,15 @@ Vec3 outwards(const IndicatorField& field, const Vec3& place) {
   return length > 0 ? Vec3(down / length) : Vec3::Zero();
 }
 
+double share_turned(const OrientedPoints& points, const IndicatorField& field) {
+  const double turned = parallel_sum(points.points.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i) sum += points.normals[i].dot(outwards(field, points.points[i])) < 0;
+    return sum;
+  });
+  return turned / points.points.size();
+}
+
 std::vector<IndicatorField> solve_indicator(const OrientedPoints& points, const InsideOptions& options,
                                             const Progress& progress) {
   const std::vector<Lattice> lattices = cascade(points, options);

@@ -14,6 +14,7 @@ constexpr std::array<std::string_view, 3> methods{"shaped", "faithful", "thesis"
 constexpr std::array<std::string_view, 3> genus_rules{"auto", "0", "keep"};
 constexpr std::array<std::string_view, 5> starts{"auto", "field", "sphere", "ellipsoid", "hull"};
 constexpr std::array<std::string_view, 4> boundaries{"auto", "close", "keep", "trim"};
+constexpr std::array<std::string_view, 2> lids{"smooth", "flat"};
 
 }  // namespace
 
@@ -21,6 +22,7 @@ std::span<const std::string_view> names_of(CloudMethod) { return methods; }
 std::span<const std::string_view> names_of(GenusRule) { return genus_rules; }
 std::span<const std::string_view> names_of(CloudStart) { return starts; }
 std::span<const std::string_view> names_of(BoundaryRule) { return boundaries; }
+std::span<const std::string_view> names_of(LidRule) { return lids; }
 std::span<const std::string_view> preset_names() { return methods; }
 
 Options preset(std::string_view name) {

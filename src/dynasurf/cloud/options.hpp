@@ -33,6 +33,11 @@ std::span<const std::string_view> names_of(CloudStart);
 enum class BoundaryRule { automatic, close, keep, trim };
 std::span<const std::string_view> names_of(BoundaryRule);
 
+/// What closes the holes of a body. `smooth`: the surface around goes on, as evenly bent as can be. `flat`: the surface
+/// of least area, with an edge at the rim: flat where the rim lies in a plane.
+enum class LidRule { smooth, flat };
+std::span<const std::string_view> names_of(LidRule);
+
 /// From a cloud to light meshes, closed or open.
 struct Options {
   CloudMethod method = CloudMethod::shaped;
@@ -41,6 +46,7 @@ struct Options {
   GenusRule genus = GenusRule::automatic;
   CloudStart start = CloudStart::automatic;
   BoundaryRule boundary = BoundaryRule::automatic;
+  LidRule lid = LidRule::smooth;
   bool keep_sharp = false;
   std::optional<int> cells;
   std::optional<double> noise_percent;
@@ -71,6 +77,9 @@ void describe(auto& visit, Options& o) {
       OptionInfo{"where the points end: close: a watertight body; keep: an open surface, inner holes closed; trim: an "
                  "open surface without any place that no point supports; auto: keep for points that face one way, "
                  "such as a terrain's, else close"});
+  visit("lid", o.lid,
+        OptionInfo{"what closes a hole: smooth: the surface around it goes on; flat: the least area, as of a base to "
+                   "stand on"});
   visit("keep_sharp", o.keep_sharp, OptionInfo{"no smoothing across edges that the points show to be sharp"});
   visit("cells", o.cells,
         OptionInfo{"grid cells along the longest side; absent: from the spacing and noise", "", 16, 512});

@@ -13,10 +13,9 @@
 namespace dynasurf::cloud {
 namespace {
 
-constexpr std::size_t ring = 8;  // neighbours that tell whether a point stands alone
 constexpr std::size_t ring_grain = 1024;
 
-using Ring = std::array<std::uint32_t, ring>;
+using Ring = std::array<std::uint32_t, stray_ring>;
 
 struct Company {
   std::vector<double> distance;  // mean, to the neighbours
@@ -26,7 +25,7 @@ struct Company {
 Company company_of(const std::vector<Vec3>& points, const KdTree& neighbours) {
   Company c{std::vector<double>(points.size(), 0), std::vector<Ring>(points.size())};
   parallel_for(points.size(), ring_grain, [&](std::size_t begin, std::size_t end) {
-    std::array<KdTree::Found, ring + 1> found;
+    std::array<KdTree::Found, stray_ring + 1> found;
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t n = neighbours.nearest(points[i], found);
       for (std::size_t k = 1; k < n; ++k) {
@@ -81,7 +80,7 @@ double thickness_of(const std::vector<Vec3>& points) {
 /// Whether the points `some` of one set are too few or fill space.
 bool is_scattered(const std::vector<Vec3>& points, const Company& c, std::span<const std::uint32_t> some,
                   double limit) {
-  constexpr std::size_t fewest = 2 * ring;
+  constexpr std::size_t fewest = 2 * stray_ring;
   constexpr double thick = 0.05;
   if (some.size() < fewest) return true;
   std::vector<Vec3> places;
@@ -125,7 +124,7 @@ std::vector<std::uint8_t> parts_of_surfaces(const std::vector<Vec3>& points, con
   std::vector<std::uint8_t> kept(points.size(), 1);
   for (std::size_t i = 0; i < points.size(); ++i) {
     double usual = 0;
-    for (const std::uint32_t j : c.around[i]) usual += c.distance[j] / ring;
+    for (const std::uint32_t j : c.around[i]) usual += c.distance[j] / stray_ring;
     kept[i] = c.distance[i] <= factor * usual;
   }
   drop_scattered(points, c, 0.5 * factor, kept);

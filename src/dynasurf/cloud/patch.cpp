@@ -29,6 +29,13 @@ void add_fan(TriMesh& mesh, const Loop& loop) {
   for (std::size_t i = 0; i < loop.size(); ++i) mesh.triangles.push_back({loop[(i + 1) % loop.size()], loop[i], tip});
 }
 
+/// With fans over all loops but two.
+TriMesh with_fans(TriMesh mesh, std::span<const Loop> loops, std::size_t a, std::size_t b) {
+  for (std::size_t i = 0; i < loops.size(); ++i)
+    if (i != a && i != b) add_fan(mesh, loops[i]);
+  return mesh;
+}
+
 class Edges {
  public:
   explicit Edges(const TriMesh& mesh) {
@@ -217,9 +224,10 @@ void flip_to_larger_angles(Patch& p) {
     for (std::uint32_t h = 3 * p.first_triangle; h < half_edges; ++h) {
       const std::uint32_t o = s.twin(h);
       if (!is_inner(p, h) || h > o || !s.can_flip(h)) continue;
+      const std::uint32_t across = s.to(mesh::SurfaceEditor::next(h)), beyond = s.to(mesh::SurfaceEditor::next(o));
+      if (!p.chords && std::max(across, beyond) < p.first_vertex) continue;
       const Vec3 &a = s.position(s.from(h)), &b = s.position(s.to(h));
-      const Vec3 &c = s.position(s.to(mesh::SurfaceEditor::next(h))),
-                 &d = s.position(s.to(mesh::SurfaceEditor::next(o)));
+      const Vec3 &c = s.position(across), &d = s.position(beyond);
       const double now = std::min(mesh::sine_of_smallest_angle(a, b, c), mesh::sine_of_smallest_angle(b, a, d));
       const double then = std::min(mesh::sine_of_smallest_angle(a, d, c), mesh::sine_of_smallest_angle(d, b, c));
       if (then > now + 1e-6 && (d - a).cross(c - a).dot((b - d).cross(c - d)) > 0) s.flip(h);
@@ -386,7 +394,20 @@ double bending_of(const Patch& p) {
   return sum;
 }
 
-void fill_evenly(Patch& p, double edge) {
+/// Own vertices go to the mean of their neighbours.
+bool pull_tight(Patch& p) {
+  Rows rows(p);
+  for (auto v = p.first_vertex; v < p.surface.vertex_slots(); ++v) {
+    const std::vector<std::uint32_t> ring = ring_of(p.surface, v);
+    rows.start(Vec3::Zero());
+    rows.add(v, 1);
+    for (const std::uint32_t u : ring) rows.add(u, -1.0 / ring.size());
+  }
+  return rows.solve();
+}
+
+/// `place` puts the own vertices where they belong.
+void fill_evenly(Patch& p, double edge, bool (&place)(Patch&)) {
   constexpr std::size_t many = 6000;
   for (int k = 0; k < 12 && p.surface.vertex_slots() - p.first_vertex < many; ++k) {
     const std::size_t before = p.surface.triangle_slots();
@@ -395,7 +416,7 @@ void fill_evenly(Patch& p, double edge) {
     if (p.surface.triangle_slots() == before) break;
   }
   for (int k = 0; k < 3; ++k) {
-    if (!bend_least(p)) return;
+    if (!place(p)) return;
     if (p.surface.vertex_slots() - p.first_vertex < many) split_long(p, 1.6 * edge);
     flip_to_larger_angles(p);
   }
@@ -422,57 +443,18 @@ void make_fair(Patch& p, double rim) {
 
 }  // namespace
 
-std::vector<Loop> loops_of(const TriMesh& open) {
-  std::unordered_set<std::uint64_t> directed;
-  const auto key = [](std::uint32_t a, std::uint32_t b) { return (static_cast<std::uint64_t>(a) << 32) | b; };
-  for (const auto& t : open.triangles)
-    for (std::size_t c = 0; c < 3; ++c) directed.insert(key(t[c], t[(c + 1) % 3]));
-  std::vector<std::uint32_t> after(open.vertices.size(), fixed);
-  for (const auto& t : open.triangles)
-    for (std::size_t c = 0; c < 3; ++c)
-      if (!directed.contains(key(t[(c + 1) % 3], t[c]))) after[t[c]] = t[(c + 1) % 3];
-  std::vector<Loop> loops;
-  for (std::uint32_t v = 0; v < after.size(); ++v) {
-    if (after[v] == fixed) continue;
-    Loop loop;
-    for (std::uint32_t at = v; after[at] != fixed;) {
-      loop.push_back(at);
-      const std::uint32_t next = after[at];
-      after[at] = fixed;
-      at = next;
-    }
-    loops.push_back(std::move(loop));
-  }
-  return loops;
-}
-
-std::vector<Rim> rims_of(const TriMesh& open, std::span<const Loop> loops) {
-  std::vector<Vec3> normal(open.vertices.size(), Vec3::Zero());
-  for (const auto& [a, b, c] : open.triangles) {
-    const Vec3 n = (open.vertices[b] - open.vertices[a]).cross(open.vertices[c] - open.vertices[a]);
-    for (const std::uint32_t v : {a, b, c}) normal[v] += n;
-  }
-  std::vector<Rim> rims;
-  for (const Loop& loop : loops) {
-    Rim rim;
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const std::uint32_t v = loop[i], w = loop[(i + 1) % loop.size()];
-      const Vec3 edge = open.vertices[w] - open.vertices[v];
-      rim.middle += edge.norm() * 0.5 * (open.vertices[v] + open.vertices[w]);
-      rim.aim += edge.cross((normal[v] + normal[w]).normalized());
-      rim.length += edge.norm();
-    }
-    rim.middle /= rim.length;
-    rim.aim /= rim.length;
-    rims.push_back(rim);
-  }
-  return rims;
+Patch make_flat_lid(const TriMesh& open, std::span<const Loop> loops, std::size_t a) {
+  TriMesh closed = with_fans(open, loops, a, a);
+  const auto first_triangle = static_cast<std::uint32_t>(closed.triangles.size());
+  const auto first_vertex = static_cast<std::uint32_t>(closed.vertices.size());
+  add_fan(closed, loops[a]);
+  Patch p{mesh::SurfaceEditor(closed), first_vertex, first_triangle, loops[a], 0, false};
+  fill_evenly(p, rims_of(open, loops)[a].length / loops[a].size(), pull_tight);
+  return p;
 }
 
 Patch make_patch(const TriMesh& open, std::span<const Loop> loops, std::size_t a, std::optional<std::size_t> b) {
-  TriMesh closed = open;
-  for (std::size_t i = 0; i < loops.size(); ++i)
-    if (i != a && i != b) add_fan(closed, loops[i]);
+  TriMesh closed = with_fans(open, loops, a, b.value_or(a));
   const auto first_triangle = static_cast<std::uint32_t>(closed.triangles.size());
   const auto first_vertex = static_cast<std::uint32_t>(closed.vertices.size());
   const std::vector<Rim> rims = rims_of(open, loops);
@@ -486,7 +468,7 @@ Patch make_patch(const TriMesh& open, std::span<const Loop> loops, std::size_t a
     add_disc(closed, loops[a], Edges(open));
   }
   Patch p{mesh::SurfaceEditor(closed), first_vertex, first_triangle, rim, 0};
-  if (!b) fill_evenly(p, edge);
+  if (!b) fill_evenly(p, edge, bend_least);
   make_fair(p, rims[a].length);
   return p;
 }

@@ -21,7 +21,6 @@ namespace dynasurf::cloud {
 namespace {
 
 constexpr std::size_t fewest_points = 10;
-constexpr std::size_t ring = 8;  // neighbours that tell whether a point stands alone
 
 template <class T>
 void keep(std::vector<T>& values, const std::vector<std::uint8_t>& kept) {
@@ -208,7 +207,7 @@ PreparedCloud prepare(PointCloud cloud, const Options& options, const Progress& 
   PreparedCloud p{std::move(cloud), std::move(neighbours), facts, {}};
   PointCloud& c = p.cloud;
   progress.check();
-  if (options.outliers > 0 && c.points.size() > 4 * ring) {
+  if (options.outliers > 0 && c.points.size() > 4 * stray_ring) {
     kept = parts_of_surfaces(c.points, p.neighbours, options.outliers);
     p.facts.outliers = keep(c, kept);
     if (p.facts.outliers > 0) p.neighbours.keep(kept);

@@ -8,6 +8,7 @@
 #include "dynasurf/cloud/detail/body.hpp"
 #include "dynasurf/cloud/detail/deform_start.hpp"
 #include "dynasurf/cloud/detail/dimension.hpp"
+#include "dynasurf/cloud/detail/flat_lids.hpp"
 #include "dynasurf/cloud/detail/holes.hpp"
 #include "dynasurf/cloud/detail/kd_tree.hpp"
 #include "dynasurf/cloud/detail/levels.hpp"
@@ -21,6 +22,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/intersections.hpp"
+#include "dynasurf/mesh/measures.hpp"
 
 namespace dynasurf::cloud {
 namespace {
@@ -63,13 +65,10 @@ int cells_for(const Facts& facts, const std::vector<Vec3>& points, const Options
   return std::clamp(static_cast<int>(box.sizes().maxCoeff() / std::max(finest, 1e-300)), 16, useful);
 }
 
-std::string number(int count, const char* one, const char* many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
-
-void tell(const HoleFill& fill, Notes& notes) {
+void tell(const HoleFill& fill, LidRule lid, Notes& notes) {
   std::string what = "parts of the surface lie far from all points: ";
-  if (fill.holes > 0) what += number(fill.holes, "hole was", "holes were") + " closed smoothly";
+  if (fill.holes > 0)
+    what += number(fill.holes, "hole was", "holes were") + (lid == LidRule::flat ? " closed flat" : " closed smoothly");
   if (fill.holes > 0 && fill.joined > 0) what += ", ";
   if (fill.joined > 0) what += number(fill.joined, "pair of open ends was", "pairs of open ends were") + " joined";
   notes.push_back({Severity::info, "cloud.holes", what});
@@ -96,16 +95,6 @@ OrientedPoints oriented_points(const PreparedCloud& p, const Options& options, d
   return oriented;
 }
 
-/// The share of the points whose direction is against the field's own.
-double share_turned(const OrientedPoints& points, const IndicatorField& field) {
-  const double turned = parallel_sum(points.points.size(), 1024, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t i = begin; i < end; ++i) sum += points.normals[i].dot(outwards(field, points.points[i])) < 0;
-    return sum;
-  });
-  return turned / points.points.size();
-}
-
 /// The body, the points that close its holes, and the side of the finest lattice's cells.
 struct FoundBody {
   Body body;
@@ -122,12 +111,17 @@ void turn_upwards(Body& body) {
   if (facing.norm() > flat && facing[2] < -level * facing.norm()) turn(body);
 }
 
+OpenSurface cut_open(const PreparedCloud& p, const IndicatorField& field, const OrientedPoints& fill, double reach,
+                     const Options& options) {
+  return open_surface(
+      field, {p.cloud.points, p.neighbours, p.facts}, fill,
+      {.reach = reach, .margin = 0.5 * p.facts.spacing, .smallest_share = options.smallest_part_percent / 100});
+}
+
 /// The surface that is open where the points end, as `rule` says; nothing where they hold all of it.
 std::optional<Body> open_body(const PreparedCloud& p, IndicatorField field, const OrientedPoints& fill, double reach,
                               BoundaryRule rule, const Options& options, Result& result) {
-  const OpenSurface open = open_surface(
-      field, {p.cloud.points, p.neighbours, p.facts}, fill,
-      {.reach = reach, .margin = 0.5 * p.facts.spacing, .smallest_share = options.smallest_part_percent / 100});
+  const OpenSurface open = cut_open(p, field, fill, reach, options);
   if (open.loops == 0) {
     if (options.boundary != BoundaryRule::automatic)
       result.notes.push_back({Severity::info, "cloud.boundary", "the points hold all of the surface: it is closed"});
@@ -138,6 +132,19 @@ std::optional<Body> open_body(const PreparedCloud& p, IndicatorField field, cons
   Body body{open.mesh, open.parts, open.genus, false, std::move(field)};
   if (p.cloud.normals.empty() || !options.use_normals) turn_upwards(body);
   return body;
+}
+
+/// The body whose holes get flat lids; nothing where a lid would cross the surface, or the points hold none of it.
+std::optional<FoundBody> lidded_body(const PreparedCloud& p, IndicatorField field, OrientedPoints fill, double reach,
+                                     double side, const Options& options) {
+  const OpenSurface open = cut_open(p, field, fill, reach, options);
+  if (open.mesh.triangles.empty()) return std::nullopt;
+  ClosedSurface closed = with_flat_lids(open.mesh);
+  if (!mesh::self_intersections(closed.mesh).free()) return std::nullopt;
+  append(fill, closed.added);
+  Body body{std::move(closed.mesh), open.parts, open.genus, false, std::move(field)};
+  if (mesh::volume_mm3(body.mesh) < 0) turn(body);
+  return FoundBody{std::move(body), std::move(fill), side};
 }
 
 void tell_choice(double one_way, bool is_open, Notes& notes) {
@@ -169,10 +176,12 @@ FoundBody find_body(const PreparedCloud& p, const Options& options, int triangle
                        .spacing = 0.7 * side,
                        .smallest_share = options.smallest_part_percent / 100,
                        .may_join = options.genus != GenusRule::zero,
-                       .boundary = options.boundary});
+                       .boundary = options.boundary,
+                       .lid = options.lid});
   if (fill && options.boundary == BoundaryRule::automatic) tell_choice(fill->one_way, fill->is_open, result.notes);
+  const bool wants_flat_lids = options.lid == LidRule::flat && fill && !fill->is_open && fill->holes > 0;
   if (fill && (!fill->is_open || fill->holes > 0)) {
-    tell(*fill, result.notes);
+    if (!wants_flat_lids) tell(*fill, LidRule::smooth, result.notes);
     append(oriented, fill->points);
     progress.check();
     fields = solve_indicator(oriented, {.cells = cells}, progress);
@@ -184,6 +193,17 @@ FoundBody find_body(const PreparedCloud& p, const Options& options, int triangle
     const OrientedPoints& in_holes = fill ? fill->points : OrientedPoints{};
     if (auto body = open_body(p, fields.back(), in_holes, reach, rule, options, result))
       return {std::move(*body), in_holes, side};
+  }
+  if (wants_flat_lids) {
+    if (auto found = lidded_body(p, fields.back(), fill->points, reach, side, options)) {
+      tell(*fill, LidRule::flat, result.notes);
+      return std::move(*found);
+    }
+    result.notes.push_back(
+        {Severity::warning, "cloud.lid", "flat lids would cross the surface; smooth ones were taken"});
+    Options with_smooth = options;
+    with_smooth.lid = LidRule::smooth;
+    return find_body(p, with_smooth, triangles, result, progress);
   }
   const std::optional<BodyTopology> expected = fill && !fill->is_open ? std::optional(fill->kind) : std::nullopt;
   // Shares are of the scanned points: thinned ones stand for areas, and few strays on a wide floor for a large one.

@@ -14,6 +14,7 @@ struct Holes {
   double smallest_share = 0.02;  // of the points: smaller parts of the surface are left out, see body_surface
   bool may_join = true;          // two holes of one part by a tube, which makes a handle
   BoundaryRule boundary = BoundaryRule::close;  // not `trim`, which fills nothing
+  LidRule lid = LidRule::smooth;  // `flat`: holes of a body that get a piece of their own are counted and left open
 };
 
 /// Points that close what a scan left open.

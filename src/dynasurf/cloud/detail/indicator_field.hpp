@@ -16,6 +16,9 @@ struct IndicatorField {
 /// Direction outwards at a place of the cloud's frame: down the field's slope. Zero where there is none.
 Vec3 outwards(const IndicatorField& field, const Vec3& place);
 
+/// The share of the points whose direction is against the field's own.
+double share_turned(const OrientedPoints& points, const IndicatorField& field);
+
 struct InsideOptions {
   int cells = 128;       // along the longest side of the cloud
   double closeness = 4;  // how strongly the level 0 is held to the points

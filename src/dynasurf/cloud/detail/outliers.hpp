@@ -1,10 +1,14 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "dynasurf/cloud/detail/kd_tree.hpp"
 
 namespace dynasurf::cloud {
+
+/// Neighbours that tell whether a point stands alone.
+inline constexpr std::size_t stray_ring = 8;
 
 /// 0 for the points that are no part of a surface: those `factor` times farther from their neighbours than those are
 /// from theirs, and those half as far, measured in the usual spacing of the largest sheet, that hang together with too

@@ -9,4 +9,9 @@ inline std::string percent(double share) {
   return text.substr(0, text.find('.') + 2) + " %";
 }
 
+/// "1 hole", "3 holes".
+inline std::string number(int count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
 }  // namespace dynasurf::cloud
