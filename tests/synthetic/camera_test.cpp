@@ -234,7 +234,8 @@ TEST(Acquire, BreathingSpreadsAndMovingShiftsWhatIsSeen) {
   b.activity = spot(b.grid, {0, 0, 0});
   b.options.is_noisy = false;
   const auto variance = [&] {
-    return moments_of({b.counts().gates[0].begin(), b.counts().gates[0].begin() + 1024}, 32, 6.4).along;
+    const Projections p = b.counts();
+    return moments_of({p.gates[0].begin(), p.gates[0].begin() + 1024}, 32, 6.4).along;
   };
   const double still = variance();
   b.options.breathing_mm = 20;
