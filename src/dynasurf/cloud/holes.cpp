@@ -379,12 +379,13 @@ std::optional<HoleFill> fill_holes(const IndicatorField& field, const OrientedPo
   for (const std::size_t n : torn.bridges) put(torn.joins[n]);
   for (const Join& join : torn.joins)
     if (options.may_join && !done[join.a] && !done[join.b] && join.effort < most_for_handle) put(join);
+  fill.on_tubes = fill.points.points.size();
   for (std::uint32_t v = 0; v < torn.open.vertices.size(); ++v) fill.kind.parts += parts.find(v) == v;
   // A tube in the place of two discs takes two from Euler's number.
   fill.kind.genus = fill.kind.parts - static_cast<int>(euler_when_closed(torn.open, torn.loops) / 2) + fill.joined;
   for (std::size_t i = 0; i < torn.loops.size(); ++i)
     if (!done[i]) {
-      if (options.lid == LidRule::smooth) scatter(torn.discs[i], scan, options, fill.points);
+      scatter(torn.discs[i], scan, options, fill.points);
       ++fill.holes;
     }
   return fill;

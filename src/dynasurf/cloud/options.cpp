@@ -34,10 +34,14 @@ Options preset(std::string_view name) {
 void check(const Options& options) {
   Options checked = options;
   check_options(checked, "");
-  if (options.method == CloudMethod::thesis &&
-      (options.boundary == BoundaryRule::keep || options.boundary == BoundaryRule::trim))
+  const bool stays_open = options.boundary == BoundaryRule::keep || options.boundary == BoundaryRule::trim;
+  if (options.method == CloudMethod::thesis && stays_open)
     throw OptionError("option boundary is " + std::string(word_of(options.boundary)) +
                       "; method thesis makes closed surfaces only: expected auto or close");
+  if (options.lid == LidRule::flat && (stays_open || options.method == CloudMethod::thesis))
+    throw OptionError(
+        "option lid is flat; it closes the holes of a body: expected boundary auto or close, and method shaped or "
+        "faithful");
   const std::vector<int>& levels = options.triangles;
   const bool are_even = std::all_of(levels.begin(), levels.end(), [](int n) { return n % 2 == 0; });
   if (!levels.empty() && are_even && std::is_sorted(levels.rbegin(), levels.rend(), std::less_equal<>{})) return;

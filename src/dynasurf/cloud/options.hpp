@@ -100,8 +100,8 @@ std::span<const std::string_view> preset_names();
 /// Throws OptionError with the choices for an unknown name.
 Options preset(std::string_view name);
 
-/// Throws OptionError for any option out of its range, for method thesis with a surface that is to be open, and unless
-/// `triangles` holds even numbers that fall.
+/// Throws OptionError for any option out of its range, for method thesis with a surface that is to be open, for flat
+/// lids with either, and unless `triangles` holds even numbers that fall.
 void check(const Options& options);
 
 }  // namespace dynasurf::cloud

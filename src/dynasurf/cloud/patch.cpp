@@ -217,7 +217,8 @@ void split_long(Patch& p, double length) {
       p.surface.split(h, Vec3(0.5 * (p.surface.position(p.surface.from(h)) + p.surface.position(p.surface.to(h)))));
 }
 
-void flip_to_larger_angles(Patch& p) {
+/// `chords`: edges within the patch may join two vertices of its rim.
+void flip_to_larger_angles(Patch& p, bool chords) {
   mesh::SurfaceEditor& s = p.surface;
   const auto half_edges = static_cast<std::uint32_t>(3 * s.triangle_slots());
   for (int sweep = 0; sweep < 3; ++sweep)
@@ -225,7 +226,7 @@ void flip_to_larger_angles(Patch& p) {
       const std::uint32_t o = s.twin(h);
       if (!is_inner(p, h) || h > o || !s.can_flip(h)) continue;
       const std::uint32_t across = s.to(mesh::SurfaceEditor::next(h)), beyond = s.to(mesh::SurfaceEditor::next(o));
-      if (!p.chords && std::max(across, beyond) < p.first_vertex) continue;
+      if (!chords && std::max(across, beyond) < p.first_vertex) continue;
       const Vec3 &a = s.position(s.from(h)), &b = s.position(s.to(h));
       const Vec3 &c = s.position(across), &d = s.position(beyond);
       const double now = std::min(mesh::sine_of_smallest_angle(a, b, c), mesh::sine_of_smallest_angle(b, a, d));
@@ -249,6 +250,12 @@ class Rows {
       right_.back() -= weight * p_.surface.position(v);
     else
       entries_.emplace_back(static_cast<int>(right_.size() - 1), static_cast<int>(number(v)), weight);
+  }
+  /// The vertex is `off` from the mean of its neighbours.
+  void add_off_mean(std::uint32_t v, std::span<const std::uint32_t> ring, const Vec3& off) {
+    start(off);
+    add(v, 1);
+    for (const std::uint32_t u : ring) add(u, -1.0 / ring.size());
   }
   bool solve() {
     const auto unknowns = static_cast<Eigen::Index>(p_.surface.vertex_slots() - p_.first_vertex);
@@ -276,14 +283,17 @@ class Rows {
 /// Own vertices go where the sum of all squared differences to the mean of the neighbours is smallest.
 bool bend_least(Patch& p) {
   Rows rows(p);
-  const auto add_row = [&](std::uint32_t v) {
-    const std::vector<std::uint32_t> ring = ring_of(p.surface, v);
-    rows.start(Vec3::Zero());
-    rows.add(v, 1);
-    for (const std::uint32_t u : ring) rows.add(u, -1.0 / ring.size());
-  };
+  const auto add_row = [&](std::uint32_t v) { rows.add_off_mean(v, ring_of(p.surface, v), Vec3::Zero()); };
   for (const std::uint32_t v : p.rim) add_row(v);
   for (auto v = p.first_vertex; v < p.surface.vertex_slots(); ++v) add_row(v);
+  return rows.solve();
+}
+
+/// Own vertices go to the mean of their neighbours.
+bool pull_tight(Patch& p) {
+  Rows rows(p);
+  for (auto v = p.first_vertex; v < p.surface.vertex_slots(); ++v)
+    rows.add_off_mean(v, ring_of(p.surface, v), Vec3::Zero());
   return rows.solve();
 }
 
@@ -381,9 +391,8 @@ bool bend_evenly(Patch& p, std::span<const double> behind) {
   Rows rows(p);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Around& a = all[i];
-    rows.start(Vec3(a.drop * wanted[i] * a.normal));
-    rows.add(i < p.rim.size() ? p.rim[i] : p.first_vertex + static_cast<std::uint32_t>(i - p.rim.size()), 1);
-    for (const std::uint32_t u : a.ring) rows.add(u, -1.0 / a.ring.size());
+    rows.add_off_mean(i < p.rim.size() ? p.rim[i] : p.first_vertex + static_cast<std::uint32_t>(i - p.rim.size()),
+                      a.ring, a.drop * wanted[i] * a.normal);
   }
   return rows.solve();
 }
@@ -394,31 +403,26 @@ double bending_of(const Patch& p) {
   return sum;
 }
 
-/// Own vertices go to the mean of their neighbours.
-bool pull_tight(Patch& p) {
-  Rows rows(p);
-  for (auto v = p.first_vertex; v < p.surface.vertex_slots(); ++v) {
-    const std::vector<std::uint32_t> ring = ring_of(p.surface, v);
-    rows.start(Vec3::Zero());
-    rows.add(v, 1);
-    for (const std::uint32_t u : ring) rows.add(u, -1.0 / ring.size());
-  }
-  return rows.solve();
-}
+/// How the vertices of a disc are placed, and whether its edges may join two vertices of the rim.
+struct Filling {
+  bool (*place)(Patch&);
+  bool chords;
+};
+constexpr Filling smooth{bend_least, true};
+constexpr Filling flat{pull_tight, false};  // a chord of a ragged rim lies on the wrong side of it
 
-/// `place` puts the own vertices where they belong.
-void fill_evenly(Patch& p, double edge, bool (&place)(Patch&)) {
+void fill_evenly(Patch& p, double edge, const Filling& filling) {
   constexpr std::size_t many = 6000;
   for (int k = 0; k < 12 && p.surface.vertex_slots() - p.first_vertex < many; ++k) {
     const std::size_t before = p.surface.triangle_slots();
     split_long(p, 1.5 * edge);
-    flip_to_larger_angles(p);
+    flip_to_larger_angles(p, filling.chords);
     if (p.surface.triangle_slots() == before) break;
   }
   for (int k = 0; k < 3; ++k) {
-    if (!place(p)) return;
+    if (!filling.place(p)) return;
     if (p.surface.vertex_slots() - p.first_vertex < many) split_long(p, 1.6 * edge);
-    flip_to_larger_angles(p);
+    flip_to_larger_angles(p, filling.chords);
   }
 }
 
@@ -431,7 +435,7 @@ void make_fair(Patch& p, double rim) {
   for (int k = 0; k < steps; ++k) {
     const mesh::SurfaceEditor safe = p.surface;
     const bool is_solved = bend_evenly(p, behind);
-    flip_to_larger_angles(p);
+    flip_to_larger_angles(p, true);
     const double bending = bending_of(p);
     if (!is_solved || !(bending < little * p.bending)) {
       p.surface = safe;
@@ -448,8 +452,8 @@ Patch make_flat_lid(const TriMesh& open, std::span<const Loop> loops, std::size_
   const auto first_triangle = static_cast<std::uint32_t>(closed.triangles.size());
   const auto first_vertex = static_cast<std::uint32_t>(closed.vertices.size());
   add_fan(closed, loops[a]);
-  Patch p{mesh::SurfaceEditor(closed), first_vertex, first_triangle, loops[a], 0, false};
-  fill_evenly(p, rims_of(open, loops)[a].length / loops[a].size(), pull_tight);
+  Patch p{mesh::SurfaceEditor(closed), first_vertex, first_triangle, loops[a], 0};
+  fill_evenly(p, rims_of(open, loops)[a].length / loops[a].size(), flat);
   return p;
 }
 
@@ -468,7 +472,7 @@ Patch make_patch(const TriMesh& open, std::span<const Loop> loops, std::size_t a
     add_disc(closed, loops[a], Edges(open));
   }
   Patch p{mesh::SurfaceEditor(closed), first_vertex, first_triangle, rim, 0};
-  if (!b) fill_evenly(p, edge, bend_least);
+  if (!b) fill_evenly(p, edge, smooth);
   make_fair(p, rims[a].length);
   return p;
 }

@@ -22,7 +22,6 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/intersections.hpp"
-#include "dynasurf/mesh/measures.hpp"
 
 namespace dynasurf::cloud {
 namespace {
@@ -134,17 +133,26 @@ std::optional<Body> open_body(const PreparedCloud& p, IndicatorField field, cons
   return body;
 }
 
-/// The body whose holes get flat lids; nothing where a lid would cross the surface, or the points hold none of it.
-std::optional<FoundBody> lidded_body(const PreparedCloud& p, IndicatorField field, OrientedPoints fill, double reach,
-                                     double side, const Options& options) {
-  const OpenSurface open = cut_open(p, field, fill, reach, options);
-  if (open.mesh.triangles.empty()) return std::nullopt;
+OrientedPoints first_of(OrientedPoints points, std::size_t count) {
+  points.points.resize(count);
+  points.normals.resize(count);
+  points.areas.resize(count);
+  return points;
+}
+
+/// Puts flat lids in the place of smooth ones. False, and the body is as it was, where they would cross the surface or
+/// change its parts or handles.
+bool put_flat_lids(FoundBody& found, const HoleFill& fill, const PreparedCloud& p, double reach,
+                   const Options& options) {
+  OrientedPoints points = first_of(fill.points, fill.on_tubes);
+  const OpenSurface open = cut_open(p, found.body.field, points, reach, options);
+  if (open.parts != found.body.parts || open.genus != found.body.genus) return false;
   ClosedSurface closed = with_flat_lids(open.mesh);
-  if (!mesh::self_intersections(closed.mesh).free()) return std::nullopt;
-  append(fill, closed.added);
-  Body body{std::move(closed.mesh), open.parts, open.genus, false, std::move(field)};
-  if (mesh::volume_mm3(body.mesh) < 0) turn(body);
-  return FoundBody{std::move(body), std::move(fill), side};
+  if (!mesh::self_intersections(closed.mesh).free()) return false;
+  append(points, closed.added);
+  found.body.mesh = std::move(closed.mesh);
+  found.fill = std::move(points);
+  return true;
 }
 
 void tell_choice(double one_way, bool is_open, Notes& notes) {
@@ -176,12 +184,11 @@ FoundBody find_body(const PreparedCloud& p, const Options& options, int triangle
                        .spacing = 0.7 * side,
                        .smallest_share = options.smallest_part_percent / 100,
                        .may_join = options.genus != GenusRule::zero,
-                       .boundary = options.boundary,
-                       .lid = options.lid});
+                       .boundary = options.boundary});
   if (fill && options.boundary == BoundaryRule::automatic) tell_choice(fill->one_way, fill->is_open, result.notes);
-  const bool wants_flat_lids = options.lid == LidRule::flat && fill && !fill->is_open && fill->holes > 0;
+  const bool gets_flat_lids = options.lid == LidRule::flat && fill && !fill->is_open && fill->holes > 0;
   if (fill && (!fill->is_open || fill->holes > 0)) {
-    if (!wants_flat_lids) tell(*fill, LidRule::smooth, result.notes);
+    if (!gets_flat_lids) tell(*fill, LidRule::smooth, result.notes);
     append(oriented, fill->points);
     progress.check();
     fields = solve_indicator(oriented, {.cells = cells}, progress);
@@ -194,22 +201,20 @@ FoundBody find_body(const PreparedCloud& p, const Options& options, int triangle
     if (auto body = open_body(p, fields.back(), in_holes, reach, rule, options, result))
       return {std::move(*body), in_holes, side};
   }
-  if (wants_flat_lids) {
-    if (auto found = lidded_body(p, fields.back(), fill->points, reach, side, options)) {
-      tell(*fill, LidRule::flat, result.notes);
-      return std::move(*found);
-    }
-    result.notes.push_back(
-        {Severity::warning, "cloud.lid", "flat lids would cross the surface; smooth ones were taken"});
-    Options with_smooth = options;
-    with_smooth.lid = LidRule::smooth;
-    return find_body(p, with_smooth, triangles, result, progress);
-  }
   const std::optional<BodyTopology> expected = fill && !fill->is_open ? std::optional(fill->kind) : std::nullopt;
   // Shares are of the scanned points: thinned ones stand for areas, and few strays on a wide floor for a large one.
   Body body = choose_body(std::move(fields), p.cloud.points, options, result.notes, expected);
   result.support.firm = body.firm;
-  return {std::move(body), fill ? fill->points : OrientedPoints{}, side};
+  FoundBody found{std::move(body), fill ? fill->points : OrientedPoints{}, side};
+  if (gets_flat_lids) {
+    const bool are_flat = put_flat_lids(found, *fill, p, reach, options);
+    tell(*fill, are_flat ? LidRule::flat : LidRule::smooth, result.notes);
+    if (!are_flat)
+      result.notes.push_back({Severity::warning, "cloud.lid",
+                              "flat lids would cross the surface or change its parts or handles; smooth ones were "
+                              "taken"});
+  }
+  return found;
 }
 
 LevelPlan plan_of(const Options& options, const Facts& facts, std::size_t triangles) {

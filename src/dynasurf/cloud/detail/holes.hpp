@@ -14,15 +14,15 @@ struct Holes {
   double smallest_share = 0.02;  // of the points: smaller parts of the surface are left out, see body_surface
   bool may_join = true;          // two holes of one part by a tube, which makes a handle
   BoundaryRule boundary = BoundaryRule::close;  // not `trim`, which fills nothing
-  LidRule lid = LidRule::smooth;  // `flat`: holes of a body that get a piece of their own are counted and left open
 };
 
 /// Points that close what a scan left open.
 struct HoleFill {
   OrientedPoints points;
-  int holes = 0;      // closed each by a piece of its own
-  int joined = 0;     // pairs between which a tube was put
-  BodyTopology kind;  // of the surface when it is closed like that
+  std::size_t on_tubes = 0;  // the first of the points: those on tubes
+  int holes = 0;             // closed each by a piece of its own
+  int joined = 0;            // pairs between which a tube was put
+  BodyTopology kind;         // of the surface when it is closed like that
   // What the held surface faces, added up, over its area: near 0 for a closed body, half for half a sphere, 1 for a
   // plane.
   double one_way = 0;

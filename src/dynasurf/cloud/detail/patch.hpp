@@ -16,7 +16,6 @@ struct Patch {
   std::uint32_t first_triangle = 0;  // slots from here on are the patch
   std::vector<std::uint32_t> rim;    // vertices where the patch meets the surface
   double bending = 0;                // integral of the squared mean curvature over the patch: no unit
-  bool chords = true;                // edges within the patch may join two vertices of the rim
 };
 
 /// Closes the loop `a` of an open surface, or with `b` joins two loops by a tube, with triangles about as large as
