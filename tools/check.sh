@@ -52,8 +52,12 @@ check_tidy() {
     xargs -r -P "$(job_count)" -n 1 clang-tidy --quiet --checks=-bugprone-suspicious-include -p build/tidy
 }
 
-# Tests of one preset but those of sources and pages, which run nothing that is compiled; every command on small inputs.
-check_tests() { configure "$1" && compile "$1" && ctest --preset "$1" -j "$(nproc)" -E '^(tools|package|web)/'; }
+# Tests of one preset but those of sources and pages, which run nothing that is compiled, those of other programs, which
+# keep memory to the end, and those that measure memory, time and instructions; every command on small inputs.
+check_tests() {
+  configure "$1" && compile "$1" && LSAN_OPTIONS="suppressions=$PWD/tests/robustness/leaks.supp:print_suppressions=0" \
+    ctest --preset "$1" -j "$(nproc)" -E '^(tools|package|web|oracles|robustness)/'
+}
 check_jobs() {
   configure "$1" && compile "$1" dynasurf && python3 tests/robustness/whole_jobs.py --program "build/$1/bin/dynasurf"
 }
