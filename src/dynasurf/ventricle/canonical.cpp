@@ -100,12 +100,11 @@ Study reverse_slices(Study study) {
   return study;
 }
 
-Study canonical_study(const Study& original) {
-  require_workable(original);
-  if (original.view != View::short_axis && original.view != View::unknown)
-    throw InputError("the slices are " + std::string(name_of(original.view)) +
+Study canonical_study(Study study) {
+  require_workable(study);
+  if (study.view != View::short_axis && study.view != View::unknown)
+    throw InputError("the slices are " + std::string(name_of(study.view)) +
                      " ones; expected a short-axis stack: reorient the study to short axis first");
-  Study study = original;
   if (study.view == View::unknown) {
     study.view = View::short_axis;
     study.notes.push_back(

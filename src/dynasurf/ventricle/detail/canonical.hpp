@@ -14,7 +14,7 @@ void require_workable(const Study& study);
 /// A stack stored base first is reversed. Where the file does not say which end is the apex, the data are asked
 /// (`guess_slice_order`) and a note tells. A study without a positive value stays as it is, with "study.empty".
 /// Throws InputError for another view (`orient` makes short-axis stacks of those), and as `require_workable` does.
-Study canonical_study(const Study& study);
+Study canonical_study(Study study);
 
 /// The same stack with its slices in the opposite order; every voxel keeps its place in the world.
 Study reverse_slices(Study study);
