@@ -20,29 +20,31 @@ function startWorker(): Worker {
   return new Worker(script);
 }
 
-/** Runs one job at a time: a new one ends the one before. With `ahead` the worker of the next job starts beforehand. */
+/** Runs one job at a time: a new one ends the one before. With `ahead` the worker of the next job starts beside it. */
 export class Runner {
   private worker: Worker | null = null;
   private spare: Worker | null = null;
 
   constructor(private readonly ahead = false) {}
 
-  /** Throws where the program cannot be compiled; the next job tries again. */
-  async run(job: Omit<Job, "engine">, on_line: (word: Word & { kind: "line" }) => void = () => {}): Promise<Word> {
+  /** The bytes of the job's files are given away. Throws where the program cannot be compiled; the next job tries again. */
+  async run(job: Job, on_line: (word: Word & { kind: "line" }) => void = () => {}): Promise<Word> {
     engine ??= unpack_engine();
     this.stop();
-    const mine = this.spare ?? startWorker();
+    const spare = this.spare;
+    const mine = spare ?? startWorker();
     this.spare = null;
     this.worker = mine;
     const module = await engine.catch((error: unknown) => {
       engine = null;
       throw error;
     });
+    if (!spare) mine.postMessage(module);
+    if (this.ahead) (this.spare = startWorker()).postMessage(module);
     return new Promise((done) => {
       const end = (word: Word) => {
         mine.terminate();
         if (this.worker === mine) this.worker = null;
-        if (this.ahead) this.spare ??= startWorker();
         done(word);
       };
       mine.onmessage = (message: MessageEvent<Word>) => (message.data.kind === "line" ? on_line(message.data) : end(message.data));
@@ -50,7 +52,7 @@ export class Runner {
         event.preventDefault();
         end({ kind: "lost", reason: event.message, memory: 0 });
       };
-      mine.postMessage({ ...job, engine: module } satisfies Job);
+      mine.postMessage(job, job.files.map(({ bytes }) => bytes.buffer as ArrayBuffer));
     });
   }
 

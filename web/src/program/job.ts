@@ -1,4 +1,4 @@
-// What the page and its worker say to each other.
+// What the page and its worker say to each other. The page begins with the program (WebAssembly.Module).
 
 /** A file in memory: its path from the root, with slashes and without a leading one. */
 export interface Piece {
@@ -8,7 +8,6 @@ export interface Piece {
 
 /** Commands of the program, run one after the other over the same files until one fails. */
 export interface Job {
-  engine: WebAssembly.Module;
   files: Piece[];
   commands: string[][];
   /** The folders whose files come back. */

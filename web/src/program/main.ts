@@ -114,7 +114,7 @@ async function start(next: Task): Promise<void> {
   show("working");
   tell_progress("start 0/1", 0);
   by_id("cancel").focus();
-  // A copy: the files stay here for another run.
+  // Copies are given away: the files stay here for another run.
   const files = copy_of(next.files);
   if (said.paint) files.push({ path: mask_name, bytes: maskFile(said.paint) });
   const word = await work({ files, commands: commands_of(next), wanted: ["result"] }, (end) => end.code === 0 || end.code === 3);
@@ -124,7 +124,7 @@ async function start(next: Task): Promise<void> {
 const copy_of = (files: Piece[]): Piece[] => files.map(({ path, bytes }) => ({ path, bytes: bytes.slice() }));
 
 /** Runs a job with its progress; null: it failed, which is told, or files are missing. */
-async function work(job: Omit<Job, "engine">, is_done: (end: Ended) => boolean): Promise<Ended | null> {
+async function work(job: Job, is_done: (end: Ended) => boolean): Promise<Ended | null> {
   const lines: string[] = [];
   let word: Word;
   try {

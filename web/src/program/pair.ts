@@ -9,7 +9,7 @@ import { spoken, text, told, translated } from "./texts";
 const folders = ["first", "second"] as const;
 
 /** Both studies are read, then compared where they are of rest and stress. */
-export function pairJob(pair: [Found, Found]): Omit<Job, "engine"> {
+export function pairJob(pair: [Found, Found]): Job {
   const below = (path: string, folder: string) => path.replace(/^(\/?)in\b/, `$1of-${folder}`);
   const files: Piece[] = [];
   const commands: string[][] = [];

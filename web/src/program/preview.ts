@@ -89,7 +89,8 @@ export class Preview {
     if (task.make.length === 0) return task.files;
     if (this.made?.task !== task) {
       const word = await this.runner.run({ files: [], commands: task.make, wanted: ["made"] });
-      this.made = { task, files: word.kind === "end" ? word.files : [] };
+      const is_input = ({ path }: Piece) => task.inputs.includes(`/${path}`);
+      this.made = { task, files: word.kind === "end" ? word.files.filter(is_input) : [] };
     }
     return this.made.files;
   }

@@ -57,6 +57,35 @@ function files_in(folder: Map<string, Inode>, at: string, found: Piece[] = []): 
   return found;
 }
 
+/** The program before it is told what to do. */
+interface Ready {
+  wasi: WASI;
+  instance: WebAssembly.Instance;
+}
+let engine: WebAssembly.Module;
+let ready: Ready | null = null;
+
+function makeReady(): Ready {
+  const wasi = new WASI([], [], [], { debug: false });
+  return { wasi, instance: new WebAssembly.Instance(engine, { wasi_snapshot_preview1: wasi.wasiImport }) };
+}
+
+function takeReady(): Ready {
+  const taken = ready ?? makeReady();
+  ready = null;
+  return taken;
+}
+
+/** What takes time before the first job can start. */
+function prepare(module: WebAssembly.Module): void {
+  engine = module;
+  try {
+    ready = makeReady();
+  } catch {
+    // Without the memory for it, the job will tell.
+  }
+}
+
 function run(job: Job): void {
   const started = performance.now();
   const root = tree_of(job.files);
@@ -71,10 +100,9 @@ function run(job: Job): void {
     // No terminal: the program then tells its progress in lines.
     to_page.fd_fdstat_get = () => ({ ret: 0, fdstat: new system.Fdstat(system.FILETYPE_UNKNOWN, 0) });
     const nothing = new OpenFile(new File([]));
-    const wasi = new WASI(["dynasurf", ...command], [], [nothing, to_output, to_page, new PreopenDirectory("/", root)], {
-      debug: false,
-    });
-    const instance = new WebAssembly.Instance(job.engine, { wasi_snapshot_preview1: wasi.wasiImport });
+    const { wasi, instance } = takeReady();
+    wasi.args = ["dynasurf", ...command];
+    wasi.fds = [nothing, to_output, to_page, new PreopenDirectory("/", root)];
     const held = () => Math.max(memory, (instance.exports.memory as WebAssembly.Memory).buffer.byteLength);
     try {
       code = wasi.start(instance as Parameters<WASI["start"]>[0]);
@@ -89,4 +117,4 @@ function run(job: Job): void {
   say({ kind: "end", code, output, files, memory, seconds }, files.map(({ bytes }) => bytes.buffer as ArrayBuffer));
 }
 
-self.onmessage = (message: MessageEvent<Job>) => run(message.data);
+self.onmessage = ({ data }: MessageEvent<WebAssembly.Module | Job>) => (data instanceof WebAssembly.Module ? prepare(data) : run(data));
