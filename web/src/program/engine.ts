@@ -40,7 +40,8 @@ export class Runner {
       throw error;
     });
     if (!spare) mine.postMessage(module);
-    if (this.ahead) (this.spare = startWorker()).postMessage(module);
+    // Another job may have started one while the program was compiled.
+    if (this.ahead && !this.spare) (this.spare = startWorker()).postMessage(module);
     return new Promise((done) => {
       const end = (word: Word) => {
         mine.terminate();

@@ -70,12 +70,6 @@ function makeReady(): Ready {
   return { wasi, instance: new WebAssembly.Instance(engine, { wasi_snapshot_preview1: wasi.wasiImport }) };
 }
 
-function takeReady(): Ready {
-  const taken = ready ?? makeReady();
-  ready = null;
-  return taken;
-}
-
 /** What takes time before the first job can start. */
 function prepare(module: WebAssembly.Module): void {
   engine = module;
@@ -100,7 +94,8 @@ function run(job: Job): void {
     // No terminal: the program then tells its progress in lines.
     to_page.fd_fdstat_get = () => ({ ret: 0, fdstat: new system.Fdstat(system.FILETYPE_UNKNOWN, 0) });
     const nothing = new OpenFile(new File([]));
-    const { wasi, instance } = takeReady();
+    const { wasi, instance } = ready ?? makeReady();
+    ready = null; // it runs once
     wasi.args = ["dynasurf", ...command];
     wasi.fds = [nothing, to_output, to_page, new PreopenDirectory("/", root)];
     const held = () => Math.max(memory, (instance.exports.memory as WebAssembly.Memory).buffer.byteLength);
