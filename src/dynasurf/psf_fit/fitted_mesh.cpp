@@ -211,22 +211,13 @@ struct VolumeGradients {
   std::vector<Eigen::VectorXd> cavity, wall;
 };
 
-/// The numbers of one gate, its cavity freed of what reads too small.
-Eigen::VectorXd corrected_numbers(const BeatProblem& problem, const Solution& solution, double near_by_contraction,
-                                  std::size_t g) {
-  Eigen::VectorXd numbers = problem.layout.at_gate(static_cast<int>(g), solution.unknowns);
-  const std::vector<Activity>& gates = solution.objective.activity;
-  double largest = 0;
-  for (const Activity& gate : gates) largest = std::max(largest, gate.cavity_mm3);
-  if (largest > 0) numbers[problem.layout.gate.endo] += near_by_contraction * (1 - gates[g].cavity_mm3 / largest);
-  return numbers;
-}
-
-/// Surfaces, valve plane and volumes of one gate, whose numbers are given.
-void describe_gate(const BeatProblem& problem, const Solution& solution, const Eigen::VectorXd& numbers,
-                   const Grid& grid, const Cholesky& factor, double papillary, std::size_t g, VolumeGradients& by,
-                   FittedBeat& beat) {
+/// Surfaces, valve plane and volumes of one gate.
+void describe_gate(const BeatProblem& problem, const Solution& solution, const ReportedWalls& reported,
+                   const Grid& grid, const Cholesky& factor, std::size_t g, VolumeGradients& by, FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
+  const double papillary = reported.papillary_share;
+  Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), solution.unknowns);
+  numbers[layout.gate.endo] += reported.outwards[g];
   Walls walls(problem, numbers, papillary);
   FittedGate& gate = beat.gates[g];
   gate.endo = wall_mesh(walls, false, grid, g == 0 ? &beat.uptake : nullptr);
@@ -296,25 +287,35 @@ void describe_levels(const BeatProblem& problem, const Solution& solution, const
 
 }  // namespace
 
-void describe_beat(const BeatProblem& problem, const Solution& solution, const Corrections& known, const Grid& grid,
-                   FittedBeat& beat) {
+ReportedWalls reported_walls(const BeatProblem& problem, const Solution& solution, const Corrections& known) {
+  const std::vector<Activity>& gates = solution.objective.activity;
+  double largest = 0;
+  for (const Activity& gate : gates) largest = std::max(largest, gate.cavity_mm3);
+  ReportedWalls reported;
+  for (const Activity& gate : gates)
+    reported.outwards.push_back(largest > 0 ? known.near_by_contraction * (1 - gate.cavity_mm3 / largest) : 0);
+  const Cholesky of_steps(solution.matrix.whole(problem.noise));
+  reported.papillary_share = papillary_share(problem, solution, of_steps, known.papillary_share);
+  return reported;
+}
+
+void describe_beat(const BeatProblem& problem, const Solution& solution, const Corrections& known,
+                   const ReportedWalls& reported, const Grid& grid, FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
   beat.rings = wall_rings, beat.segments = around;
-  const Cholesky of_steps(solution.matrix.whole(problem.noise));
-  const double papillary = papillary_share(problem, solution, of_steps, known.papillary_share);
   const Cholesky factor(solution.matrix.whole(known.noise));
   const auto gates = static_cast<std::size_t>(layout.gates);
   VolumeGradients by{std::vector<Eigen::VectorXd>(gates), std::vector<Eigen::VectorXd>(gates)};
   beat.gates.resize(gates);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
-    describe_gate(problem, solution, corrected_numbers(problem, solution, known.near_by_contraction, g), grid, factor,
-                  papillary, g, by, beat);
+    describe_gate(problem, solution, reported, grid, factor, g, by, beat);
   });
   describe_volumes(by, factor, beat);
   describe_levels(problem, solution, factor, beat);
   // Standard deviation of the papillary muscles' volume over what is believed of it. Hearts differ in it by 2 % of the
   // muscle (1.8 to 2.6 %: Gommans et al., Neth Heart J 24:326, 2016).
   constexpr double papillary_doubt = 1.25;
+  const double papillary = reported.papillary_share;
   allow_for_model(beat, known.model_factor, papillary_doubt * papillary / (1 - papillary) * beat.wall_ml.value);
   allow_for_unseen_wall(beat);
   tell_belief_from_data(problem, solution, factor, beat);

@@ -53,15 +53,19 @@ WallTerm thickness_term(const BeatProblem& problem, const Eigen::VectorXd& gate)
   return term;
 }
 
-/// The log of the wall's q against that of a point.
+/// The log of the reported wall's q against that of a point.
 WallTerm point_term(const BeatProblem& problem, const PlacedPoint& point, const Eigen::VectorXd& gate) {
   const GateLayout& layout = problem.layout.gate;
+  const ReportedWalls& reported = problem.reported;
   WallTerm term{point.gate, 0, Eigen::VectorXd::Zero(layout.count())};
   const Ray ray = ray_along(layout, gate, point.harmonics);
-  const double q = point.is_outer ? ray.epi : ray.endo, scale = 1 / (q * point.log_sd);
-  term.deviation = (own::log(q) - point.log_q) / point.log_sd;
-  add_derivatives(layout, point.harmonics, scale * (point.is_outer ? ray.epi_by_endo() : ray.endo),
-                  point.is_outer ? ray.epi_by_muscle(scale) : 0, term.by_number);
+  // Cubes of q: the wall encloses the cavity and a share of the muscle.
+  const double cavity =
+      own::pow(ray.endo, 3) * (reported.outwards.empty() ? 1 : own::exp(3 * reported.outwards[point.gate]));
+  const double muscle = (point.is_outer ? 1 : reported.papillary_share) * ray.muscle, whole = cavity + muscle;
+  term.deviation = (own::log(whole) / 3 - point.log_q) / point.log_sd;
+  add_derivatives(layout, point.harmonics, cavity / (whole * point.log_sd), muscle / (3 * whole * point.log_sd),
+                  term.by_number);
   return term;
 }
 

@@ -23,6 +23,13 @@ struct PlacedPoint {
   double log_q = 0, log_sd = 0;
 };
 
+/// Where the reported walls lie beside those that explain the image: `outwards` is added to the log of the inner wall's
+/// q, then `papillary_share` of the muscle along every ray counts as cavity. The muscle per solid angle stays.
+struct ReportedWalls {
+  std::vector<double> outwards;  // [gate]; none: nowhere
+  double papillary_share = 0;
+};
+
 /// A beat to be explained: pixels of all gates, and the model that explains them.
 struct BeatProblem {
   Pixels pixels;
@@ -37,7 +44,8 @@ struct BeatProblem {
   double sigma_mm = 0;  // of the point spread when its unknown is 0
   double filtered = 0;  // share of its variance that comes from a filter on the voxels
   ThicknessPrior thickness;
-  std::vector<PlacedPoint> points;
+  std::vector<PlacedPoint> points;  // on the reported walls
+  ReportedWalls reported;
   double wall_relative_sd = 0.01;  // relative, by which the muscle's volume may vary over the beat
 };
 

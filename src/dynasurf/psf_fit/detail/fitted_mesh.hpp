@@ -14,8 +14,11 @@ struct Corrections {
   double near_by_contraction = 0;
 };
 
+/// Where the errors that are known move the walls of a solution.
+ReportedWalls reported_walls(const BeatProblem& problem, const Solution& solution, const Corrections& known);
+
 /// Turns a solution into surfaces, volumes and their error bars. Internal.
-void describe_beat(const BeatProblem& problem, const Solution& solution, const Corrections& known, const Grid& grid,
-                   FittedBeat& beat);
+void describe_beat(const BeatProblem& problem, const Solution& solution, const Corrections& known,
+                   const ReportedWalls& reported, const Grid& grid, FittedBeat& beat);
 
 }  // namespace dynasurf::psf_fit
