@@ -178,7 +178,8 @@ Eigen::MatrixXd data_matrix(const BeatProblem& problem, const Eigen::VectorXd& u
   });
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(layout.unknowns, layout.unknowns);
   layout.add_hessian(of_gate, matrix);
-  return every * matrix;
+  matrix *= every;
+  return matrix;
 }
 
 Eigen::MatrixXd prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at) {
@@ -215,6 +216,8 @@ void minimise(const BeatProblem& problem, Solution& solution, int most_steps, do
   solution.converged = false;
   RowMatrix whole;
   const auto renew = [&] {
+    // Both are large: the former goes before the next one comes.
+    solution.matrix = {}, whole = {};
     solution.matrix = {data_matrix(problem, solution.unknowns, solution.objective, solution.every),
                        prior_matrix(problem, solution.unknowns, solution.objective)};
     whole = solution.matrix.whole(problem.noise);
