@@ -72,15 +72,15 @@ TEST(KdTree, CopeWithPointsAllInOnePlace) {
 }
 
 TEST(KdTree, StayThoseOfTheOthersWhenSomePointsAreForgotten) {
-  const std::vector<Vec3> all = points(2000);
+  std::vector<Vec3> all = points(2000), rest;
+  std::vector<std::uint32_t> had;
+  KdTree fewer(all, had);
   std::vector<std::uint8_t> kept(all.size());
-  std::vector<Vec3> rest;
   for (std::size_t i = 0; i < all.size(); ++i) {
     kept[i] = i % 3 != 1;
     if (kept[i]) rest.push_back(all[i]);
   }
-  KdTree fewer(all);
-  fewer.keep(kept);
+  fewer.keep(kept, rest);
   const KdTree fresh(rest);
   std::array<KdTree::Found, 9> found, expected;
   for (const Vec3& p : all) {
@@ -89,13 +89,15 @@ TEST(KdTree, StayThoseOfTheOthersWhenSomePointsAreForgotten) {
   }
 }
 
-TEST(KdTree, AreNumberedInTheOrderOfTheTree) {
+TEST(KdTree, OfReorderedPointsNumbersThemAsTheyStand) {
   const std::vector<Vec3> all = points(500);
-  KdTree tree(all);
-  const std::vector<std::uint32_t> old = tree.renumber();
+  std::vector<Vec3> reordered = all;
+  std::vector<std::uint32_t> had;
+  const KdTree tree(reordered, had);
+  EXPECT_EQ(tree.points().data(), reordered.data());
   for (std::uint32_t i = 0; i < all.size(); ++i) {
-    EXPECT_EQ(tree.places()[i].index, i);
-    EXPECT_EQ(tree.places()[i].point, all[old[i]]);
+    EXPECT_EQ(tree.number(i), i);
+    EXPECT_EQ(reordered[i], all[had[i]]);
   }
 }
 

@@ -69,7 +69,7 @@ struct Spread {
 
 /// The nearest places of the cloud's points, one after the other.
 template <class Visit>
-void visit_nearest(const TriMesh& mesh, std::span<const KdTree::Place> points, const Visit& visit) {
+void visit_nearest(const TriMesh& mesh, std::span<const Vec3> points, const Visit& visit) {
   constexpr std::size_t block = std::size_t{1} << 16;  // bounds the memory
   const mesh::ClosestPoint closest(mesh);
   std::vector<mesh::SurfacePoint> found(std::min(block, points.size()));
@@ -78,7 +78,7 @@ void visit_nearest(const TriMesh& mesh, std::span<const KdTree::Place> points, c
     parallel_for(count, measure_grain, [&](std::size_t begin, std::size_t end) {
       std::uint32_t guess = mesh::SurfacePoint::none;  // near points lie near the same triangle
       for (std::size_t i = begin; i < end; ++i) {
-        found[i] = closest.from_guess(points[done + i].point, guess);
+        found[i] = closest.from_guess(points[done + i], guess);
         guess = found[i].triangle;
       }
     });
@@ -87,7 +87,7 @@ void visit_nearest(const TriMesh& mesh, std::span<const KdTree::Place> points, c
 }
 
 /// Gathered in the order of the points, so that the sums are the same for any number of threads.
-Spread spread_of_cloud(const TriMesh& mesh, std::span<const KdTree::Place> points, std::vector<float>& errors) {
+Spread spread_of_cloud(const TriMesh& mesh, std::span<const Vec3> points, std::vector<float>& errors) {
   Spread spread;
   std::vector<double> sum(mesh.vertices.size(), 0), weight(mesh.vertices.size(), 0);
   visit_nearest(mesh, points, [&](const mesh::SurfacePoint& p) {
@@ -138,11 +138,11 @@ Comparison compare(const TriMesh& mesh, const KdTree& cloud) {
   c.area = mesh::area_mm2(mesh);
   c.outward = c.volume > 0;
   result.errors.assign(mesh.vertices.size(), -1);
-  if (cloud.places().empty() || mesh.triangles.empty()) return result;
+  if (cloud.points().empty() || mesh.triangles.empty()) return result;
   Eigen::AlignedBox3d box;
-  for (const auto& place : cloud.places()) box.extend(place.point);
+  for (const Vec3& p : cloud.points()) box.extend(p);
   c.cloud_diagonal = box.diagonal().norm();
-  const Spread there = spread_of_cloud(mesh, cloud.places(), result.errors);
+  const Spread there = spread_of_cloud(mesh, cloud.points(), result.errors);
   const Spread back = spread_of_mesh(spread_over(mesh, c.area), cloud);
   c.cloud_to_mesh_mean = there.mean;
   c.cloud_to_mesh_largest = there.largest;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 #include "dynasurf/core/parallel.hpp"
 
@@ -16,30 +15,51 @@ std::size_t part_begin(std::size_t count, std::size_t m, int level) { return cou
 
 }  // namespace
 
-KdTree::KdTree(std::span<const Vec3> points) : places_(points.size()) {
-  for (std::size_t i = 0; i < points.size(); ++i) places_[i] = {points[i], static_cast<std::uint32_t>(i)};
+KdTree::KdTree(std::span<const Vec3> points) {
+  const std::vector<Place> places = sorted(points);
+  own_.reserve(places.size());
+  numbers_.reserve(places.size());
+  for (const Place& place : places) {
+    own_.push_back(place.point);
+    numbers_.push_back(place.index);
+  }
+  points_ = own_;
+}
+
+KdTree::KdTree(std::vector<Vec3>& points, std::vector<std::uint32_t>& had) {
+  const std::vector<Place> places = sorted(points);
+  had.resize(places.size());
+  for (std::size_t n = 0; n < places.size(); ++n) points[n] = places[n].point, had[n] = places[n].index;
+  points_ = points;
+}
+
+/// The points in the order of a new tree.
+std::vector<KdTree::Place> KdTree::sorted(std::span<const Vec3> points) {
+  std::vector<Place> places(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) places[i] = {points[i], static_cast<std::uint32_t>(i)};
   while ((points.size() >> depth_) > leaf_size) ++depth_;
   const std::size_t leaves = std::size_t{1} << depth_;
   splits_.resize(leaves - 1);
   first_.resize(leaves + 1);
   for (std::size_t l = 0; l <= leaves; ++l)
     first_[l] = static_cast<std::uint32_t>(part_begin(points.size(), l, depth_));
-  for (int level = 0; level < depth_; ++level) split_level(level);
+  for (int level = 0; level < depth_; ++level) split_level(places, level);
   // Each library leaves its own order within the leaves.
   parallel_for(leaves, std::max<std::size_t>(1, leaves / 64), [&](std::size_t begin, std::size_t end) {
     for (std::size_t l = begin; l < end; ++l)
-      std::sort(places_.begin() + first_[l], places_.begin() + first_[l + 1],
+      std::sort(places.begin() + first_[l], places.begin() + first_[l + 1],
                 [](const Place& a, const Place& b) { return a.index < b.index; });
   });
+  return places;
 }
 
 /// Halves every part of a level across its longest side.
-void KdTree::split_level(int level) {
+void KdTree::split_level(std::vector<Place>& places, int level) {
   const std::size_t parts = std::size_t{1} << level;
   parallel_for(parts, std::max<std::size_t>(1, parts / 64), [&](std::size_t begin, std::size_t end) {
     for (std::size_t m = begin; m < end; ++m) {
       const auto at = [&](std::size_t part, int of) {
-        return places_.begin() + static_cast<std::ptrdiff_t>(part_begin(places_.size(), part, of));
+        return places.begin() + static_cast<std::ptrdiff_t>(part_begin(places.size(), part, of));
       };
       const auto first = at(m, level), middle = at(2 * m + 1, level + 1), last = at(m + 1, level);
       Eigen::AlignedBox3d box;
@@ -56,7 +76,7 @@ void KdTree::split_level(int level) {
 
 std::size_t KdTree::nearest(const Vec3& p, std::span<Found> found, double within) const {
   std::fill(found.begin(), found.end(), Found{within * within});
-  if (places_.empty() || found.empty()) return 0;
+  if (points_.empty() || found.empty()) return 0;
   struct Waiting {
     std::size_t node;
     double distance2;
@@ -77,7 +97,7 @@ std::size_t KdTree::nearest(const Vec3& p, std::span<Found> found, double within
     }
     const std::size_t leaf = node - splits_.size();
     for (std::uint32_t i = first_[leaf]; i < first_[leaf + 1]; ++i) {
-      const Found f{(places_[i].point - p).squaredNorm(), places_[i].index};
+      const Found f{(points_[i] - p).squaredNorm(), number(i)};
       if (!(f < found.back())) continue;
       std::size_t k = std::min(count, found.size() - 1);
       for (; k > 0 && f < found[k - 1]; --k) found[k] = found[k - 1];
@@ -94,27 +114,15 @@ KdTree::Found KdTree::nearest(const Vec3& p, double within) const {
   return one[0];
 }
 
-std::vector<std::uint32_t> KdTree::renumber() {
-  std::vector<std::uint32_t> old(places_.size());
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    old[i] = places_[i].index;
-    places_[i].index = static_cast<std::uint32_t>(i);
-  }
-  return old;
-}
-
-void KdTree::keep(std::span<const std::uint8_t> kept) {
-  std::vector<std::uint32_t> number(kept.size());
-  std::exclusive_scan(kept.begin(), kept.end(), number.begin(), std::uint32_t{0});
-  std::size_t at = 0;
+void KdTree::keep(std::span<const std::uint8_t> kept, std::span<const Vec3> left) {
+  std::uint32_t at = 0;
   for (std::size_t leaf = 0; leaf + 1 < first_.size(); ++leaf) {
     const std::uint32_t first = first_[leaf], last = first_[leaf + 1];
-    first_[leaf] = static_cast<std::uint32_t>(at);
-    for (std::uint32_t i = first; i < last; ++i)
-      if (kept[places_[i].index]) places_[at++] = {places_[i].point, number[places_[i].index]};
+    first_[leaf] = at;
+    for (std::uint32_t i = first; i < last; ++i) at += kept[i] != 0;
   }
-  first_.back() = static_cast<std::uint32_t>(at);
-  places_.resize(at);
+  first_.back() = at;
+  points_ = left;
 }
 
 }  // namespace dynasurf::cloud

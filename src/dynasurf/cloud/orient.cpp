@@ -374,8 +374,8 @@ OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t rin
   const KdTree neighbours(o.points);
   parallel_for(n, orient_grain, [&](std::size_t begin, std::size_t end) {
     std::vector<KdTree::Found> found(ring + 1);
-    for (const auto& place : neighbours.places().subspan(begin, end - begin)) {  // near ones together
-      const std::size_t i = place.index;
+    for (std::size_t place = begin; place < end; ++place) {  // near ones together
+      const std::size_t i = neighbours.number(place);
       const std::size_t count = neighbours.nearest(o.points[i], found);
       around[i].fill(none);
       for (std::size_t k = 1; k < std::min(count, links + 1); ++k) around[i][k - 1] = found[k].index;

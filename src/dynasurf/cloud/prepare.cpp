@@ -50,8 +50,8 @@ void reorder(std::vector<T>& values, const std::vector<std::uint32_t>& order) {
   values = std::move(moved);
 }
 
-void reorder(PointCloud& cloud, const std::vector<std::uint32_t>& order) {
-  reorder(cloud.points, order);
+/// What belongs to the points follows them.
+void reorder_others(PointCloud& cloud, const std::vector<std::uint32_t>& order) {
   reorder(cloud.normals, order);
   reorder(cloud.colours, order);
   reorder(cloud.scans, order);
@@ -202,15 +202,16 @@ PreparedCloud prepare(PointCloud cloud, const Options& options, const Progress& 
   facts.duplicates = keep(cloud, firsts(cloud.points));
   check_count(cloud.points);
   progress.check();
-  KdTree neighbours(cloud.points);
-  reorder(cloud, neighbours.renumber());
+  std::vector<std::uint32_t> had;
+  KdTree neighbours(cloud.points, had);
+  reorder_others(cloud, had);
   PreparedCloud p{std::move(cloud), std::move(neighbours), facts, {}};
   PointCloud& c = p.cloud;
   progress.check();
   if (options.outliers > 0 && c.points.size() > 4 * stray_ring) {
     kept = parts_of_surfaces(c.points, p.neighbours, options.outliers);
     p.facts.outliers = keep(c, kept);
-    if (p.facts.outliers > 0) p.neighbours.keep(kept);
+    if (p.facts.outliers > 0) p.neighbours.keep(kept, c.points);
     check_count(c.points);
   }
   check_extent(c.points);  // not before: one point far enough away makes a line of all others

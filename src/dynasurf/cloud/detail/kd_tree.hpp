@@ -20,14 +20,13 @@ class KdTree {
     }
   };
 
-  /// A point and its number in the cloud.
-  struct Place {
-    Vec3 point;
-    std::uint32_t index;
-  };
-
   /// Keeps its own copy of the points, which must be finite.
   explicit KdTree(std::span<const Vec3> points);
+  /// Brings the points into the order of the tree and numbers them so; `had` becomes the number that each of them had.
+  /// The tree looks at them instead of at a copy: they must outlive it and stay.
+  KdTree(std::vector<Vec3>& points, std::vector<std::uint32_t>& had);
+  KdTree(KdTree&&) = default;
+  KdTree& operator=(KdTree&&) = default;
 
   /// Fills `found` with the nearest points, nearest first; a point of the cloud finds itself. Returns how many there
   /// are: less than asked for when the cloud is smaller, or has fewer nearer than `within`, which saves far places from
@@ -39,23 +38,32 @@ class KdTree {
 
   /// The points in the order of the tree: near ones follow each other, so that questions asked in this order find most
   /// of what they need at hand, and every so many of them still cover all of the surface.
-  std::span<const Place> places() const { return places_; }
-  /// Numbers the points in the order of the tree, and returns which number each of them had.
-  std::vector<std::uint32_t> renumber();
-  /// Forgets the points whose number is not kept; the others are numbered anew, in their order.
-  void keep(std::span<const std::uint8_t> kept);
+  std::span<const Vec3> points() const { return points_; }
+  /// The number in the cloud of the point that is the n-th in the order of the tree.
+  std::uint32_t number(std::size_t n) const { return numbers_.empty() ? static_cast<std::uint32_t>(n) : numbers_[n]; }
+
+  /// Forgets the points that are not kept, of a tree that looks at points in its order; `left` are the others, which it
+  /// looks at from now on.
+  void keep(std::span<const std::uint8_t> kept, std::span<const Vec3> left);
 
  private:
+  struct Place {
+    Vec3 point;
+    std::uint32_t index;
+  };
   struct Split {
     double at;
     std::uint32_t axis;
   };
-  void split_level(int level);
+  std::vector<Place> sorted(std::span<const Vec3> points);
+  void split_level(std::vector<Place>& places, int level);
 
   int depth_ = 0;
   std::vector<Split> splits_;         // node n has the children 2 n + 1 and 2 n + 2; the leaves follow the inner nodes
-  std::vector<std::uint32_t> first_;  // of `places_`, per leaf and at the end
-  std::vector<Place> places_;
+  std::vector<std::uint32_t> first_;  // of the points, per leaf and at the end
+  std::vector<Vec3> own_;
+  std::span<const Vec3> points_;
+  std::vector<std::uint32_t> numbers_;  // of the points in the cloud; none: as they stand
 };
 
 }  // namespace dynasurf::cloud

@@ -12,7 +12,7 @@ namespace dynasurf::cloud {
 /// with them.
 struct PreparedCloud {
   PointCloud cloud;
-  KdTree neighbours;  // of the cloud's points
+  KdTree neighbours;  // looks at the cloud's points
   Facts facts;        // up to `noise`
   Notes notes;
 };
