@@ -8,14 +8,12 @@
 #include <cstring>
 
 #include <fcntl.h>
-#if defined(__GLIBC__)
-#include <malloc.h>
-#endif
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include "dynasurf/core/error.hpp"
 
+#include "heap.hpp"
 #include "slicer.hpp"
 #include "utf8.hpp"
 
@@ -48,12 +46,7 @@ void prepare_process() {
   // A closed pipe and a file at its limit become errors that can be told.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
-#if defined(__GLIBC__)
-  // Memory that stages take and give back again and again stays with the process: the system would clear it each time.
-  constexpr int kept_bytes = 256 << 20, largest_kept_bytes = 32 << 20;
-  ::mallopt(M_TRIM_THRESHOLD, kept_bytes);
-  ::mallopt(M_MMAP_THRESHOLD, largest_kept_bytes);
-#endif
+  prepare_heap();
 }
 
 void print(std::string_view text) {
