@@ -8,7 +8,7 @@ import { check, finish, needBrowser, skip, withBrowser } from "./browser.mjs";
 
 const [folder] = process.argv.slice(2);
 const programs = existsSync(folder) ? readdirSync(folder).filter((name) => name.endsWith(".wasm")) : [];
-if (programs.length === 0) skip(`no tests in ${folder}; ./dev web makes them`);
+if (programs.length === 0) skip(`no tests in ${folder}; after ./dev web, ninja -C build/web browser_tests makes them`);
 needBrowser();
 const worker = await bundle("program/worker.ts");
 
@@ -19,8 +19,10 @@ const run = (page, bytes) =>
       const engine = await WebAssembly.compile(Uint8Array.from(atob(program), (letter) => letter.charCodeAt(0)));
       const mine = new Worker(URL.createObjectURL(new Blob([script], { type: "text/javascript" })));
       return new Promise((done) => {
+        mine.onerror = ({ message }) => done({ code: -1, output: message });
         mine.onmessage = ({ data }) => data.kind !== "line" && done(data.kind === "end" ? { code: data.code, output: data.output } : { code: -1, output: data.reason });
-        mine.postMessage({ engine, files: [], commands: [["--gtest_brief=1"]], wanted: [] });
+        mine.postMessage(engine);
+        mine.postMessage({ files: [], commands: [["--gtest_brief=1"]], wanted: [] });
       });
     },
     [worker, bytes.toString("base64")],
