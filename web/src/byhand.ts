@@ -473,7 +473,7 @@ export class HandTool implements Tool {
     const count = Object.keys(options).length + (paint ? 1 : 0);
     this.buttons.get("reset")!.disabled = count === 0;
     this.buttons.get("copy")!.hidden = this.host !== null;
-    this.buttons.get("mask")!.hidden = paint === null;
+    this.buttons.get("mask")!.style.visibility = paint ? "" : "hidden"; // its place is kept: the slices stay under the brush
     const run = this.buttons.get("run")!;
     run.disabled = !this.is_changed;
     this.buttons.get("at-once")!.setAttribute("aria-pressed", String(this.at_once));

@@ -12,7 +12,8 @@ function length(value: number | null): string {
   return value === null ? "–" : value === 0 ? "0" : Number(value.toPrecision(4)).toString();
 }
 const percent = (value: number | null) => (value === null ? "–" : `${Number(value.toPrecision(3))} %`);
-const count = (value: number) => value.toLocaleString("en");
+/** With commas in English, else with spaces: a comma may begin the decimals elsewhere. */
+const count = (value: number) => value.toLocaleString("en").replaceAll(",", document.documentElement.lang === "en" ? "," : "\u202f");
 
 const loops = (number: number) => (number === 1 ? say("1 boundary loop") : say("{n} boundary loops", { n: count(number) }));
 

@@ -4,7 +4,7 @@ import { text, told } from "./texts";
 
 /** The program's own line, without its name. */
 export const lineOfError = (lines: readonly string[]): string | undefined =>
-  lines.filter((line) => line.includes("error: ")).at(-1)?.replace(/^.*?error: /, "").replaceAll("/in/", "");
+  lines.filter((line) => line.includes("error: ")).at(-1)?.replace(/^.*?error: /, "").replaceAll("/in/", "").replace(/^\/in: /, `${text("given")}: `);
 
 export const mb = (bytes: number): number => Math.round(bytes / 1e6);
 

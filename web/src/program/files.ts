@@ -86,10 +86,41 @@ async function entries_in(entry: FileSystemEntry, at: string): Promise<Given[]> 
   }
 }
 
+/** A folder as Chromium hands it over beside its entry. */
+interface Folder {
+  kind: "directory";
+  name: string;
+  values(): AsyncIterable<Folder | { kind: "file"; name: string; getFile(): Promise<File> }>;
+}
+
+async function files_of(folder: Folder, at: string): Promise<Given[]> {
+  const found: Given[] = [];
+  for await (const inner of folder.values()) {
+    const path = `${at}/${inner.name}`;
+    if (inner.kind === "directory") found.push(...(await files_of(inner, path)));
+    else found.push({ path, file: await inner.getFile() });
+  }
+  return found;
+}
+
+type Item = DataTransferItem & { getAsFileSystemHandle?(): Promise<Folder | null> };
+
+/** To a page that was opened from a disk Chromium gives files and handles of folders, and refuses the files of entries. */
 export async function dropped(transfer: DataTransfer): Promise<Given[]> {
-  const entries = [...transfer.items].map((item) => item.webkitGetAsEntry()).filter((entry) => entry !== null);
-  if (entries.length === 0) return picked(transfer.files);
-  const found = await Promise.all(entries.map((entry) => entries_in(entry, "")));
+  // All of it is asked for at once: after the event the items are empty.
+  const items = ([...transfer.items] as Item[])
+    .filter(({ kind }) => kind === "file")
+    .map((item) => {
+      const entry = item.webkitGetAsEntry();
+      return { entry, file: item.getAsFile(), folder: entry?.isDirectory ? item.getAsFileSystemHandle?.() : undefined };
+    });
+  const found = await Promise.all(
+    items.map(async ({ entry, file, folder }) => {
+      if (!entry?.isDirectory) return file ? [{ path: file.name, file }] : [];
+      const handle = await folder;
+      return handle ? files_of(handle, handle.name) : entries_in(entry, "");
+    }),
+  );
   return found.flat();
 }
 

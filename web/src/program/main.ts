@@ -3,7 +3,7 @@ import { dropped, type Given, as_zip, picked, read_given, Refusal, save } from "
 import { argumentsOf, type ByHand, type FromPage, type FromReport, isSame, maskFile, mask_name, nothing_said, quoted } from "../host";
 import { Runner } from "./engine";
 import { lineOfError, mb, reasonOf } from "./failure";
-import { load } from "./frames";
+import { load, printAlone } from "./frames";
 import { type Given as GivenStudy, givenHere, pageWith } from "./given";
 import { dataOf, fileOf, History, type Run, type Task, taskOf } from "./history";
 import type { Job, Piece, Word } from "./job";
@@ -24,7 +24,6 @@ let task: Task | null = null;
 let said: ByHand = nothing_said();
 /** The last run was asked for by the report. */
 let correcting = false;
-let report_url = "";
 /** The gate that the report looks at, from 1. */
 let gate = 1;
 let at_once = false;
@@ -102,6 +101,7 @@ const commands_of = (of: Task): string[][] => [
 function begin(next: Task, with_settings: [string, string][] = [], with_said = nothing_said()): Promise<void> {
   history.clear();
   panel.clear();
+  by_id<HTMLInputElement>("search").value = "";
   correcting = at_once = false;
   panel.restore(with_settings);
   said = with_said;
@@ -158,9 +158,9 @@ function present(word: Ended): void {
 function load_report(run: Run): void {
   said = run.said;
   hold_language(false);
-  URL.revokeObjectURL(report_url);
-  report_url = URL.createObjectURL(spoken(fileOf(run.result, "report.html")));
-  load(by_id<HTMLIFrameElement>("report"), report_url);
+  const frame = load(by_id<HTMLIFrameElement>("report"), spoken(fileOf(run.result, "report.html")));
+  // The report's keys work at once where nobody is elsewhere in the page.
+  frame.addEventListener("load", () => document.activeElement === document.body && frame.focus());
 }
 
 /** Shows what the history has chosen: another run, or another one to compare with. */
@@ -414,19 +414,27 @@ function connect(): void {
   click("save-report", () => save(saved("report.html"), "report.html", "text/html"));
   click("save-zip", save_zip);
   click("save-page", save_page);
-  click("back", () => show_chosen(true));
+  click("back", () => show("result")); // with what was chosen and said for the next run
   click("undo", () => history.go(history.at - 1));
   click("redo", () => history.go(history.at + 1));
   click("show-history", show_history);
   click("show-options", show_options);
   window.addEventListener("message", hear_report);
   document.addEventListener("keydown", (event) => {
+    if (document.documentElement.dataset.view === "result") printAlone(by_id<HTMLIFrameElement>("report"), event);
+    if (event.key === "Escape") for (const aside of ["options", "history"]) if (!by_id(aside).hidden) by_id(`show-${aside}`).click();
+  });
+  document.addEventListener("keydown", (event) => {
     if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z" || (event.target as HTMLElement).closest("input")) return;
     event.preventDefault();
     history.go(history.at + (event.shiftKey ? 1 : -1));
   });
   click("again", () => {
-    if (!panel.is_valid || !task) return;
+    if (!panel.is_valid) {
+      by_id<HTMLInputElement>("search").value = "";
+      return panel.tell_bad();
+    }
+    if (!task) return;
     correcting = false;
     void start(task);
   });

@@ -24,6 +24,8 @@ export class OptionPanel {
   private rows: Row[] = [];
   private values = new Map<string, string>();
   private wanted = "";
+  /** What was typed and can be no value, also where a search hides it. */
+  private readonly bad = new Set<string>();
 
   constructor(
     private readonly form: HTMLFormElement,
@@ -44,14 +46,17 @@ export class OptionPanel {
 
   clear(): void {
     this.rows = [];
+    this.wanted = "";
     this.values.clear();
+    this.bad.clear();
     this.form.replaceChildren();
     this.on_change(0);
   }
 
   reset(): void {
     this.values.clear();
-    this.show("");
+    this.bad.clear();
+    this.show(this.wanted);
     this.on_change(0);
   }
 
@@ -62,7 +67,8 @@ export class OptionPanel {
 
   restore(values: [string, string][]): void {
     this.values = new Map(values);
-    this.show("");
+    this.bad.clear();
+    this.show(this.wanted);
     this.on_change(this.values.size);
   }
 
@@ -74,7 +80,13 @@ export class OptionPanel {
 
   /** Whether all that was typed can be a value. */
   get is_valid(): boolean {
-    return this.form.checkValidity();
+    return this.bad.size === 0;
+  }
+
+  /** Shows the first that cannot. */
+  tell_bad(): void {
+    if (this.form.checkValidity()) this.show("");
+    this.form.reportValidity();
   }
 
   /** Again in the language of the page. */
@@ -119,6 +131,7 @@ export class OptionPanel {
     field.setAttribute("aria-describedby", meaning.id);
     label.textContent = row.path + (row.unit ? ` [${described(row.unit)}]` : "");
     meaning.textContent = described(row.meaning) + (row.range ? ` (${rangeOf(row)})` : "");
+    if (field.checkValidity()) this.bad.delete(row.path); // what was no number is not kept
     field.addEventListener("change", () => this.take(row, field, box));
     box.append(label, field, meaning);
     return box;
@@ -135,7 +148,8 @@ export class OptionPanel {
     const field = document.createElement("input");
     const limits = between.exec(row.range);
     const value = this.value(row);
-    const is_number = limits !== null || (row.default !== "" && Number.isFinite(Number(row.default)));
+    const is_list = row.default.includes(",");
+    const is_number = !is_list && (limits !== null || (row.default !== "" && Number.isFinite(Number(row.default))));
     if (is_number) Object.assign(field, { type: "number", step: "any" });
     if (limits) Object.assign(field, { min: limits[1], max: limits[2] });
     field.placeholder = row.default === unset ? text("unset") : row.default;
@@ -147,6 +161,8 @@ export class OptionPanel {
     const value = field.value === "" ? row.default : field.value;
     if (value === row.default) this.values.delete(row.path);
     else this.values.set(row.path, value);
+    if (field.checkValidity()) this.bad.delete(row.path);
+    else this.bad.add(row.path);
     box.classList.toggle("changed", this.values.has(row.path));
     this.on_change(this.values.size);
     if (row.choices && this.rows.some(({ method }) => method !== null && row.choices.includes(method))) {

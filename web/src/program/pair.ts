@@ -26,7 +26,6 @@ const partOf = (result: Piece[], folder: string) =>
   result.filter(({ path }) => path.startsWith(`${folder}/`)).map(({ path, bytes }) => ({ path: path.replace(`${folder}/`, "dynasurf-result/"), bytes }));
 
 export class Pair {
-  private urls: string[] = [];
   private leader = 0;
   private result: Piece[] = [];
   private difference = "";
@@ -64,7 +63,7 @@ export class Pair {
   /** Again in the language of the page. */
   speak(): void {
     if (!this.shown) return;
-    const is_compared = this.both.src === this.difference;
+    const is_compared = this.both.srcdoc === this.difference;
     this.show(this.shown, this.result, this.line);
     if (is_compared) this.showDifference();
   }
@@ -74,13 +73,7 @@ export class Pair {
     this.line = line;
     this.result = result;
     this.leader = 0;
-    for (const url of this.urls) URL.revokeObjectURL(url);
-    const page = (folder: string, name: string, in_words: (page: Uint8Array) => Blob) => {
-      const url = URL.createObjectURL(in_words(fileOf(partOf(result, folder), name)));
-      this.urls.push(url);
-      return url;
-    };
-    this.urls = [];
+    const page = (folder: string, name: string, in_words: (page: Uint8Array) => string) => in_words(fileOf(partOf(result, folder), name));
     folders.forEach((folder, n) => {
       this.frames[n] = load(this.frames[n]!, page(folder, "report.html", spoken));
       this.titles[n]!.textContent = `${pair[n]!.place} · ${told(pair[n]!.what)}`;
@@ -100,7 +93,7 @@ export class Pair {
 
   /** Loads the page of the difference, once it is seen. */
   showDifference(): void {
-    if (this.difference && this.both.src !== this.difference) this.both = load(this.both, this.difference);
+    if (this.difference && this.both.srcdoc !== this.difference) this.both = load(this.both, this.difference);
   }
 
   /** The report that was touched last leads; the other follows its beat. */

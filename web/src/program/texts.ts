@@ -43,8 +43,8 @@ const english = {
   pair_ef_percent: "EF {a} → {b} %",
   working: "Working",
   cancel: "Cancel",
-  cancelled: "Cancelled. Nothing was kept.",
-  memory: "{mb} MB of memory",
+  cancelled: "Cancelled. Nothing of this run was kept.",
+  memory: "{mb} MB of memory, at most 4,096",
   done: "Done in {s} s, {mb} MB of memory",
   done_check: "Done in {s} s, {mb} MB of memory. Not trustworthy by its own checks: read the verdict.",
   other: "Open another",
@@ -68,6 +68,7 @@ const english = {
   save_zip: "Save all as zip",
   save_report: "Save the report",
   report: "Report",
+  given: "folder",
   failed: "This could not be done",
   lost: "The program stopped unexpectedly ({reason}).",
   out_of_memory: "Out of memory: {mb} MB were in use. A smaller study or fewer points need less.",
@@ -125,22 +126,22 @@ export function stage_name(stage: string): string {
 }
 
 /** A report that the program wrote, with the table that it speaks by. */
-export function spoken(report: Uint8Array): Blob {
+export function spoken(report: Uint8Array): string {
   const page = new TextDecoder().decode(report);
   const data = page.indexOf('<script type="application/json" id="data">');
   const table = tableOf(chosen);
-  if (!table || data < 0) return new Blob([report as BlobPart], { type: "text/html" });
+  if (!table || data < 0) return page;
   const json = JSON.stringify(table).replaceAll("<", "\\u003c"); // in a script "<" could begin a word that ends it
   const head = page.slice(0, data).replace('<html lang="en">', `<html lang="${chosen}">`);
-  return new Blob([head, `<script type="application/json" id="words">${json}</script>\n`, page.slice(data)], { type: "text/html" });
+  return `${head}<script type="application/json" id="words">${json}</script>\n${page.slice(data)}`;
 }
 
 /** A page of the program that has no script. */
-export function translated(plain: Uint8Array): Blob {
+export function translated(plain: Uint8Array): string {
   const page = new DOMParser().parseFromString(new TextDecoder().decode(plain), "text/html");
   words.translate(page, true);
   page.documentElement.lang = chosen;
-  return new Blob([`<!doctype html>\n${page.documentElement.outerHTML}`], { type: "text/html" });
+  return `<!doctype html>\n${page.documentElement.outerHTML}`;
 }
 
 /** Writes the texts of a language into all elements that name one. */
