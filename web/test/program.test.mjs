@@ -228,11 +228,14 @@ const tests = {
     const frame = await report_is_drawn(page);
     await frame.click("#toggle-hand");
     await frame.click("#hand-paint");
-    const box = await frame.locator("canvas.large").boundingBox();
+    const canvas = frame.locator("canvas.large");
+    await canvas.scrollIntoViewIfNeeded();
+    const box = await canvas.boundingBox();
     await page.mouse.move(box.x + 0.5 * box.width, box.y + 0.2 * box.height);
     await page.mouse.down();
     await page.mouse.move(box.x + 0.6 * box.width, box.y + 0.2 * box.height, { steps: 4 });
     await page.mouse.up();
+    assert.deepEqual(await canvas.boundingBox(), box, "the slice moves under the brush");
     assert.match(await frame.locator("#hand .hand-state").innerText(), /1 changed by hand · \d+ mL painted out/);
     await shoot(page, "painted");
     await frame.click("#hand-run");
@@ -387,7 +390,9 @@ const tests = {
     await page.click("#back");
     assert.deepEqual(numbers_of((await saved(page)).json), numbers_of(first));
     frame = await report_is_drawn(page);
-    assert.equal(await frame.inputValue("#hand-exclude_gates"), "", "what could not be done is still said");
+    assert.equal(await frame.inputValue("#hand-exclude_gates"), "1,2,3,4,5", "what was said is lost");
+    await frame.click("#hand-undo");
+    assert.equal(await frame.inputValue("#hand-exclude_gates"), "");
   },
 
   async "compares with the run that is chosen, and keeps what was not run yet"(page) {
