@@ -148,9 +148,27 @@ const tests = {
     assert.ok(await frame.locator("#full-screen").isEnabled(), "a report in the page cannot fill the screen");
     await drag(page, ["dragged"], 300, 500);
     assert_same(await saved(page), "patient/native");
-    await page.click("#result .other");
-    await drag(page, ["vase/cloud.ply", "patient/study.dcm"]);
-    await until_view(page, "result", "failure");
+  },
+
+  async "takes a list of numbers, tells a value that a search hides, and prints the report alone"(page) {
+    await page.click("#example-vase");
+    await saved(page);
+    await page.click("#show-options");
+    await enter(page.locator('[data-path="triangles"] input'), "2000,500");
+    await enter(page.locator('[data-path="outliers"] input'), "-1");
+    await page.fill("#search", "triangles of each");
+    await page.click("#again");
+    assert.equal(await view(page), "result", "a value that cannot be was run");
+    assert.ok(await page.locator('[data-path="outliers"] input').isVisible(), "what cannot be is still hidden");
+    await enter(page.locator('[data-path="outliers"] input'), "6");
+    await page.click("#again");
+    await until_view(page, "working");
+    assert.equal((await saved(page)).json.levels.length, 2);
+    await page.evaluate(() => (document.getElementById("report").contentWindow.print = () => (document.title = "printed")));
+    await page.keyboard.press("Control+p");
+    assert.equal(await page.title(), "printed");
+    await page.keyboard.press("Escape");
+    assert.ok(await page.locator("#options").isHidden());
   },
 
   async "makes levels of detail of the vase"(page) {

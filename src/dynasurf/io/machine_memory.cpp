@@ -61,13 +61,13 @@ std::uint64_t address_space() {
 }  // namespace
 
 std::uint64_t default_memory_limit() {
-  static const std::uint64_t half = [] {
+  static const std::uint64_t limit = [] {
     const std::uint64_t least = std::min({machine_memory(), control_group_limit(), address_space()});
     if (least != unlimited) return least / 2;
     // In WebAssembly: all of the address space but what the program itself takes.
     return sizeof(void*) == 4 ? (std::uint64_t{4} << 30) - (std::uint64_t{64} << 20) : std::uint64_t{1} << 30;
   }();
-  return half;
+  return limit;
 }
 
 }  // namespace dynasurf::io

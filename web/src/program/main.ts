@@ -452,6 +452,8 @@ function connect(): void {
     document.body.classList.add("over");
   });
   window.addEventListener("dragleave", (event) => event.relatedTarget === null && document.body.classList.remove("over"));
+  // No pointer moves during a drag: one that ended elsewhere leaves the frames usable.
+  window.addEventListener("pointermove", () => document.body.classList.remove("over"));
   window.addEventListener("drop", (event) => {
     event.preventDefault();
     document.body.classList.remove("over");
