@@ -1,9 +1,6 @@
 #include <memory>
 
-#include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
-#include "dynasurf/io/detail/byte_source.hpp"
-#include "dynasurf/io/options_json.hpp"
 
 #include "cloud_run.hpp"
 #include "command.hpp"
@@ -45,13 +42,7 @@ std::vector<std::string> settings_of(const CloudArguments& a) {
 
 cloud::Options options_of(const CloudArguments& a) {
   cloud::Options options = cloud::preset(a.preset);
-  if (!a.file.empty()) {
-    try {
-      io::options_from_text(io::text_of_file(a.file), options);
-    } catch (const OptionError& error) {
-      throw OptionError(a.file + ": " + error.what());
-    }
-  }
+  if (!a.file.empty()) read_options(a.file, nodes_of(options));
   set_options(options, settings_of(a));
   cloud::check(options);  // refused before any work is done
   return options;

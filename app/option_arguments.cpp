@@ -86,16 +86,18 @@ void add_option_arguments(CommandLine& command, OptionArguments& a) {
                  "study is looked at");
 }
 
+void read_options(const std::filesystem::path& file, const OptionNodes& nodes) {
+  const std::string text = io::text_of_file(file);
+  try {
+    io::options_from_text(text, nodes, "");
+  } catch (const OptionError& error) {
+    throw OptionError(file.string() + ": " + error.what());
+  }
+}
+
 ventricle::Options options_of(const OptionArguments& arguments) {
   ventricle::Options options = ventricle::preset(arguments.preset);
-  if (!arguments.file.empty()) {
-    const std::string text = io::text_of_file(arguments.file);
-    try {
-      io::options_from_text(text, options);
-    } catch (const OptionError& error) {
-      throw OptionError(arguments.file + ": " + error.what());
-    }
-  }
+  if (!arguments.file.empty()) read_options(arguments.file, nodes_of(options));
   set_options(options, settings_of(arguments));
   return options;
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "command_line.hpp"
@@ -36,6 +37,9 @@ std::vector<std::string> settings_of(const OptionArguments& arguments);
 
 /// A word as a shell takes it: in quotes where it holds more than letters, digits and _.=,:+/-.
 std::string shell_word(const std::string& word);
+
+/// Assigns what a JSON file names. Throws OptionError "FILE: ...", IoError.
+void read_options(const std::filesystem::path& file, const OptionNodes& nodes);
 
 /// Throws OptionError, IoError.
 ventricle::Options options_of(const OptionArguments& arguments);

@@ -8,6 +8,7 @@
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
+#include "dynasurf/io/options_json.hpp"
 #include "dynasurf/organ/organ.hpp"
 #include "dynasurf/synthetic/camera.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
@@ -17,6 +18,7 @@
 #include "command.hpp"
 #include "command_line.hpp"
 #include "console.hpp"
+#include "option_arguments.hpp"
 
 namespace dynasurf::app {
 namespace {
@@ -24,35 +26,46 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct OptionsArguments {
-  std::string subject = "ventricle", kind, preset;
-  bool json = false, markdown = false;
+  std::string subject = "ventricle", kind, preset, file;
+  std::vector<std::string> settings;
+  bool json = false, markdown = false, as_file = false;
 };
 
-std::vector<OptionRow> rows_of(const OptionsArguments& arguments) {
-  const auto preset_or = [&](const char* usual) { return arguments.preset.empty() ? usual : arguments.preset; };
-  if (arguments.subject == "ventricle") {
-    if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'ventricle'; expected nothing");
-    return option_table(ventricle::preset(preset_or("psf_corrected")));
-  }
-  if (arguments.subject == "cloud") {
-    if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'cloud'; expected nothing");
-    return option_table(cloud::preset(preset_or("shaped")));
-  }
-  if (arguments.subject == "organ") {
-    if (!arguments.kind.empty()) throw OptionError("'" + arguments.kind + "' follows 'organ'; expected nothing");
-    return option_table(organ::preset(preset_or("ct")));
-  }
-  if (arguments.subject != "phantom")
-    throw OptionError("no options are known of '" + arguments.subject +
-                      "'; choices: ventricle, cloud, organ, phantom KIND");
-  if (arguments.kind == "cloud") return option_table(synthetic::CloudPhantom{});
-  if (arguments.kind == "terrain") return option_table(synthetic::Terrain{});
-  if (arguments.kind == synthetic::CameraPhantom::name) return option_table(synthetic::CameraPhantom{});
-  if (arguments.kind == "patients")
-    return option_table(synthetic::VirtualPatient{});  // what --set says to each of them
+/// Values of options: to be looked at, and as a file for --options.
+struct Values {
+  std::vector<OptionRow> rows;
+  std::string file;
+};
+
+Values values_of(const OptionNodes& nodes, const OptionsArguments& a) {
+  if (!a.file.empty()) read_options(a.file, nodes);
+  set_options(nodes, a.settings);
+  std::string file = io::options_to_text(nodes);  // before the table tries other methods
+  return {option_table(nodes), std::move(file)};
+}
+
+template <Described O>
+Values values_of(O options, const OptionsArguments& a) {
+  return values_of(nodes_of(options), a);
+}
+
+Values values_of(const OptionsArguments& a) {
+  const auto preset_or = [&](const char* usual) { return a.preset.empty() ? usual : a.preset; };
+  if (a.subject != "phantom" && !a.kind.empty() &&
+      (a.subject == "ventricle" || a.subject == "cloud" || a.subject == "organ"))
+    throw OptionError("'" + a.kind + "' follows '" + a.subject + "'; expected nothing");
+  if (a.subject == "ventricle") return values_of(ventricle::preset(preset_or("psf_corrected")), a);
+  if (a.subject == "cloud") return values_of(cloud::preset(preset_or("shaped")), a);
+  if (a.subject == "organ") return values_of(organ::preset(preset_or("ct")), a);
+  if (a.subject != "phantom")
+    throw OptionError("no options are known of '" + a.subject + "'; choices: ventricle, cloud, organ, phantom KIND");
+  if (a.kind == "cloud") return values_of(synthetic::CloudPhantom{}, a);
+  if (a.kind == "terrain") return values_of(synthetic::Terrain{}, a);
+  if (a.kind == synthetic::CameraPhantom::name) return values_of(synthetic::CameraPhantom{}, a);
+  if (a.kind == "patients") return values_of(synthetic::VirtualPatient{}, a);  // what --set says to each of them
   synthetic::PhantomOptions phantom;
   const ChoiceRef kinds = choice_of(phantom);
-  return option_table(kinds.choose(position_of(kinds.methods, arguments.kind, "KIND")));
+  return values_of(kinds.choose(position_of(kinds.methods, a.kind, "KIND")), a);
 }
 
 std::string limits_of(const OptionRow& row) { return row.choices.empty() ? row.range : row.choices; }
@@ -93,9 +106,12 @@ std::string as_json(const std::vector<OptionRow>& rows) {
   return io::json_text(json);
 }
 
-ExitCode run(const OptionsArguments& arguments) {
-  const std::vector<OptionRow> rows = rows_of(arguments);
-  print(arguments.json ? as_json(rows) : arguments.markdown ? as_markdown(rows) : as_text(rows));
+ExitCode run(const OptionsArguments& a) {
+  const Values values = values_of(a);
+  print(a.as_file    ? values.file
+        : a.json     ? as_json(values.rows)
+        : a.markdown ? as_markdown(values.rows)
+                     : as_text(values.rows));
   return done;
 }
 
@@ -107,8 +123,14 @@ void add_options(CLI::App& program, Command& chosen) {
   command.option("SUBJECT", a->subject, "ventricle (the default), cloud, organ or phantom");
   command.option("KIND", a->kind, "kind of phantom");
   command.option("--preset", a->preset, "show the values of a preset of the ventricle or the cloud");
+  command.option("--options", a->file,
+                 "show the values with those of a JSON file, such as the options.json of a result");
+  command.option("--set", a->settings, "show the values with one set: path=value; may be repeated").repeated();
   command.flag("--json", a->json, "print JSON");
   command.flag("--markdown", a->markdown, "print a Markdown table").without("--json");
+  command.flag("--as-file", a->as_file, "print the values as a file for --options")
+      .without("--json")
+      .without("--markdown");
   command.run(chosen, [a](std::stop_token) { return run(*a); });
 }
 

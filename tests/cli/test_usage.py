@@ -63,6 +63,23 @@ class Options(CliTest):
         # All of them are understood: what is wrong is the study, not the usage.
         self.refuses(2, "ventricle", self.folder / "missing.dcm", "--out", self.folder / "r", *settings)
 
+    def test_tells_the_values_of_a_file_and_of_settings_and_writes_them_as_a_file(self):
+        chosen = ("--set", "edges=acc", "--set", "edges.tensor_sigma_px=4", "--set", "manual.axis=0,0,1")
+        text = run("options", *chosen, "--as-file").stdout
+        file = self.folder / "options.json"
+        file.write_text(text)
+        self.assertEqual(run("options", "--options", file, "--as-file").stdout, text)
+        rows = {(row["path"], row["method"]): row["default"] for row in json.loads(run("options", "--options", file, "--json").stdout)}
+        self.assertEqual(rows["edges", None], "acc")
+        self.assertEqual(rows["edges.tensor_sigma_px", "acc"], "4")
+        self.assertEqual(rows["manual.axis", None], "0,0,1")
+        for subject in (("cloud",), ("organ",), ("phantom", "cloud"), ("phantom", "hebron")):
+            file.write_text(run("options", *subject, "--as-file").stdout)
+            self.assertEqual(run("options", *subject, "--options", file).stdout, run("options", *subject).stdout)
+        file.write_text('{"mistake": 1}')
+        self.refuses(1, "options", "--options", file, says=[str(file), "mistake"])
+        self.refuses(1, "options", "--set", "mistake=1", says="mistake")
+
     def test_tells_the_options_of_every_phantom(self):
         for kind in KINDS.split(", "):
             done = run("options", "phantom", kind)
