@@ -85,6 +85,7 @@ void add_cloud(CLI::App& program, Command& chosen) {
               "OFF; several files are one cloud")
       .required();
   add_result_arguments(command, a->result, "ply");
+  add_live_argument(command, a->result);
   command.option("--preset", a->preset,
                  "shaped: well-shaped triangles; faithful: smallest distance; thesis: as published");
   command.option("--options", a->file, "JSON file of options, such as the options.json of a result");

@@ -11,6 +11,7 @@
 #include "dynasurf/report/result_folders.hpp"
 
 #include "console.hpp"
+#include "live_page.hpp"
 
 namespace dynasurf::app {
 namespace {
@@ -60,6 +61,7 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
       outcome.run, provenance,
       {job.mesh_formats, job.textures, job.timings ? report::Timings::keep : report::Timings::omit});
   io::write_file(folder.path() / "results.json", outcome.json);
+  if (!job.live_page.empty()) write_live_page(job.live_page, job.clouds, folder.path());
   progress.check();
   folder.publish();
   outcome.moved_to = folder.moved_to();

@@ -10,6 +10,7 @@
 #include "dynasurf/report/detail/stages.hpp"
 #include "dynasurf/report/result_folders.hpp"
 
+#include "live_page.hpp"
 #include "option_arguments.hpp"
 #include "print_page.hpp"
 #include "reconstruction_dicom.hpp"
@@ -51,6 +52,13 @@ std::vector<fs::path> inputs_of(const Job& job) {
   for (const fs::path& given : {job.mask, job.start_mesh, job.options_file})
     if (!given.empty()) inputs.push_back(given);
   return inputs;
+}
+
+/// What the page needs to run the study again.
+std::vector<fs::path> inputs_for_page(const Job& job) {
+  std::vector<fs::path> files = io::files_of_study(job.study, job.series);
+  if (!job.mask.empty()) files.push_back(job.mask);
+  return files;
 }
 
 }  // namespace
@@ -104,6 +112,7 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   if (!job.outputs.labels.ending.empty())
     report::write_label_volumes(outcome.result, study, job.outputs.labels, folder.path() / "labels");
   write_for_reading_room(outcome.result, provenance, job, folder.path(), progress.stop);
+  if (!job.live_page.empty()) write_live_page(job.live_page, inputs_for_page(job), folder.path());
   progress.check();
   folder.publish();
   outcome.moved_to = folder.moved_to();

@@ -8,6 +8,7 @@
 #include "dynasurf/report/detail/run_record.hpp"
 
 #include "console.hpp"
+#include "live_page.hpp"
 #include "utf8.hpp"
 #include "version.hpp"
 
@@ -24,6 +25,11 @@ void add_result_arguments(CommandLine& command, ResultArguments& a, const std::s
   command.flag("--json", a.json, "print results.json instead of the table");
   command.flag("--no-timings", a.no_timings, "leave the times out, so that equal runs give equal bytes");
   command.flag("--with-names,--with-phi", a.with_names, "record the names of the input files, which may name a person");
+}
+
+void add_live_argument(CommandLine& command, ResultArguments& a) {
+  command.flag("--live", a.live,
+               "write live.html too: dynasurf.html with the input, as it is, names too, and the result inside");
 }
 
 std::vector<io::MeshFormat> mesh_formats_of(const std::vector<std::string>& words, const std::string& where) {
@@ -50,6 +56,7 @@ void take(const ResultArguments& arguments, const std::string& command, ResultJo
   job.command = command;
   job.file_names = arguments.with_names;
   job.threads = arguments.threads;
+  if (arguments.live) job.live_page = page_at("");
 }
 
 report::Provenance provenance_of(const ResultJob& job, const std::vector<std::filesystem::path>& inputs,

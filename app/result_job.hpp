@@ -27,18 +27,22 @@ struct ResultJob {
   bool file_names = false;                  // record the names of the input files, which may name a person
   std::vector<std::string> recorded_names;  // of the input files, when an earlier run gave them
   int threads = 0;                          // 0: as many as the machine has
+  std::filesystem::path live_page;          // dynasurf.html, of which live.html is made; empty: none is asked for
 };
 
 /// The arguments that become a ResultJob, and how the run speaks.
 struct ResultArguments {
   OutFolder out;
   std::vector<std::string> mesh_formats;
-  bool quiet = false, json = false, no_timings = false, with_names = false;
+  bool quiet = false, json = false, no_timings = false, with_names = false, live = false;
   int threads = 0;
 };
 
 /// `formats` are those that are written when none are asked for.
 void add_result_arguments(CommandLine& command, ResultArguments& arguments, const std::string& formats);
+
+/// --live, of the commands whose inputs dynasurf.html reads.
+void add_live_argument(CommandLine& command, ResultArguments& arguments);
 
 /// Formats by their words, each once. `where` stands in the OptionError for a word that is none.
 std::vector<io::MeshFormat> mesh_formats_of(const std::vector<std::string>& words, const std::string& where);

@@ -60,6 +60,7 @@ void add_ventricle(CLI::App& program, Command& chosen) {
   command.option("STUDY", a->study, "DICOM file or folder, NIfTI or NRRD file").required();
   add_series_argument(command, a->series);
   add_result_arguments(command, a->result, "ply, vtp");
+  add_live_argument(command, a->result);
   add_option_arguments(command, a->options);
   command.option("--start", a->start, "mesh file that all surfaces start from, fitted to each border's box");
   command.flag("--keep-stages", a->keep_stages, "write every intermediate step to RESULT/stages");

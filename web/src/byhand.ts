@@ -8,7 +8,7 @@ import { figure, html, saveFile } from "./dom";
 import { argumentsOf, type ByHand, maskFile, mask_name, onGrid, type Paint, quoted, type Tell } from "./host";
 import { brushOver, drawPaint } from "./paint";
 import { voxelIn, type Drawing, type Painter, type Plane } from "./painter";
-import { fields, type Key, manualOf, rounded, roundedOf, type Said, saidIn } from "./said";
+import { fields, type Key, manualOf, rounded, roundedOf, type Said, saidFrom, saidIn, valueOf } from "./said";
 import type { Tool } from "./slices";
 import { say } from "./words";
 
@@ -81,6 +81,11 @@ export class HandTool implements Tool {
       this.paint = onGrid(given.paint, this.painter.grid);
     }
     this.at_once = at_once;
+    // What is said elsewhere in the page, and not yet here.
+    if (JSON.stringify(given.options) !== JSON.stringify(this.byHand().options)) {
+      if (!is_first) this.keep();
+      this.said = saidFrom(given.options);
+    }
     for (const id of ["run", "at-once"]) this.buttons.get(id)!.hidden = false;
     this.refresh();
   }
@@ -389,24 +394,20 @@ export class HandTool implements Tool {
     this.refresh();
   }
 
-  private field({ key, name, title, is_text }: (typeof fields)[number]): HTMLElement {
+  private field({ key, name, title }: (typeof fields)[number]): HTMLElement {
     const input = html("input", { type: "text", id: `hand-${key}`, title, autocomplete: "off", spellcheck: "false", maxlength: key.endsWith("_points") ? "20000" : "300" });
     input.addEventListener("change", () => {
-      if (is_text) {
-        this.keep();
-        this.set(key, (input.value.trim() || undefined) as never);
-        return this.changed();
+      let value: Said[Key] | undefined;
+      let expected = "";
+      try {
+        value = valueOf(key, input.value);
+      } catch (error) {
+        expected = (error as RangeError).message;
       }
-      const numbers = input.value.split(/[ ,;]+/).filter(Boolean).map(Number);
-      const is_list = key === "exclude_gates" || key.endsWith("_points");
-      const count = key === "center_mm" || key === "axis" ? 3 : key.endsWith("_points") ? 4 * Math.ceil(numbers.length / 4) : is_list ? numbers.length : 1;
-      const fits = numbers.length === 0 || (numbers.length === count && numbers.every(Number.isFinite));
-      const expected = count === 3 ? say("expected three numbers") : is_list ? say("expected four numbers for each point") : say("expected a number");
-      input.setCustomValidity(fits ? "" : expected);
+      input.setCustomValidity(expected);
       if (!input.reportValidity()) return;
       this.keep();
-      const value = numbers.length === 0 ? undefined : is_list || count === 3 ? numbers : numbers[0];
-      this.set(key, value as never);
+      this.set(key, value);
       this.changed();
     });
     this.inputs.set(key, input);

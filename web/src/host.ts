@@ -2,6 +2,13 @@
 import { toWorld, type Voxel } from "./cursor";
 import { type Grid, toVoxels } from "./data";
 
+/** The options `manual.*` that the report has handles or fields for. */
+export const hand_keys = [
+  "center_mm", "axis", "radius_mm", "first_slice", "last_slice", "base_shift_mm", "exclude_gates", "endo_points", "epi_points", "reader", "comment", "decision",
+] as const;
+/** Whether an option is said in the report as well. */
+export const is_by_hand = (path: string): boolean => path.startsWith("manual.") && (hand_keys as readonly string[]).includes(path.slice("manual.".length));
+
 /** 1: a voxel of `grid` that a person painted out. */
 export interface Paint {
   grid: Grid;
@@ -72,6 +79,23 @@ export function maskFile({ grid, voxels }: Paint): Uint8Array {
   file.set(head);
   voxels.forEach((painted, n) => (file[head.length + n] = painted ? 0 : 1));
   return file;
+}
+
+/** The paint of a file that `maskFile` wrote; null: it is another kind of file. */
+export function paintOf(file: Uint8Array): Paint | null {
+  const head = new TextDecoder("latin1").decode(file.subarray(0, 2000)).split("\n\n")[0]!;
+  const line = (name: string) => new RegExp(`^${name}: (.*)$`, "m").exec(head)?.[1] ?? "";
+  const numbers = (text: string) => (text.match(/[-+.\de]+/g) ?? []).map(Number);
+  const dims = numbers(line("sizes"));
+  const axes = numbers(line("space directions"));
+  const origin_mm = numbers(line("space origin"));
+  const count = dims.reduce((a, b) => a * b, 1);
+  const is_mine = head.startsWith("NRRD") && line("type") === "uint8" && line("encoding") === "raw" && line("space") === "left-posterior-superior";
+  if (!is_mine || dims.length !== 3 || axes.length !== 9 || origin_mm.length !== 3 || file.length !== head.length + 2 + count) return null;
+  const spacing_mm = [0, 1, 2].map((axis) => Math.hypot(...axes.slice(3 * axis, 3 * axis + 3)));
+  const direction = [0, 1, 2].flatMap((row) => [0, 1, 2].map((axis) => axes[3 * axis + row]! / spacing_mm[axis]!));
+  const voxels = Uint8Array.from(file.subarray(head.length + 2), (looked_at) => (looked_at ? 0 : 1));
+  return { grid: { dims, spacing_mm, origin_mm, direction } as Grid, voxels };
 }
 
 /** One word of a command line. */

@@ -2,6 +2,7 @@
 // for.
 import type { Voxel } from "./cursor";
 import type { Results } from "./data";
+import { hand_keys } from "./host";
 import { say } from "./words";
 
 export interface Said {
@@ -18,7 +19,7 @@ export interface Said {
   reader?: string;
   comment?: string;
 }
-export type Key = keyof Said;
+export type Key = (typeof hand_keys)[number];
 export const fields: { key: Key; name: string; title: string; is_text?: boolean }[] = [
   { key: "center_mm", name: say("Centre x,y,z mm"), title: say("Middle of the heart in the world: left, posterior, superior") },
   { key: "axis", name: say("Axis x,y,z"), title: say("Long axis from apex to base") },
@@ -32,10 +33,38 @@ export const fields: { key: Key; name: string; title: string; is_text?: boolean 
   { key: "reader", name: say("Reader"), title: say("Who accepts or rejects the result"), is_text: true },
   { key: "comment", name: say("Comment"), title: say("Why, in your words"), is_text: true },
 ];
-const all_keys: Key[] = [...fields.map(({ key }) => key), "decision"];
+const all_keys: Key[] = hand_keys.slice();
 
 export const rounded = (v: number) => Math.round(v * 100) / 100;
 export const roundedOf = (key: Key) => (v: number) => (key === "axis" ? Math.round(v * 1e4) / 1e4 : rounded(v));
+
+/** A value as one types it, or as an option of the program has it; undefined: none. Throws RangeError with what was expected. */
+export function valueOf(key: Key, text: string): Said[Key] | undefined {
+  const words = text.trim();
+  if (words === "" || words === "unset" || words === "none") return undefined;
+  if (key === "decision" || key === "reader" || key === "comment") return words as never;
+  const numbers = words.split(/[ ,;]+/).filter(Boolean).map(Number);
+  const are_points = key.endsWith("_points");
+  const is_place = key === "center_mm" || key === "axis";
+  const is_list = are_points || key === "exclude_gates";
+  const fits = is_place ? numbers.length === 3 : are_points ? numbers.length % 4 === 0 : is_list || numbers.length === 1;
+  if (!fits || !numbers.every(Number.isFinite))
+    throw new RangeError(is_place ? say("expected three numbers") : are_points ? say("expected four numbers for each point") : say("expected a number"));
+  return (is_list || is_place ? numbers : numbers[0]) as never;
+}
+
+/** What options of the program say by hand; what they cannot mean is left to the program, which will refuse it. */
+export function saidFrom(options: Record<string, string>): Said {
+  const said: Record<string, unknown> = {};
+  for (const key of all_keys)
+    try {
+      const value = valueOf(key, options[`manual.${key}`] ?? "");
+      if (value !== undefined) said[key] = value;
+    } catch (error) {
+      if (!(error instanceof RangeError)) throw error;
+    }
+  return said as Said;
+}
 
 type Manual = Record<string, unknown> | undefined;
 

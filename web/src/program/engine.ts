@@ -62,3 +62,20 @@ export class Runner {
     this.worker = null;
   }
 }
+
+/** A browser compiles well what has run for a while: a small heart and a small scan are read before anybody asks, if nobody does. */
+export async function warmUp(runner: Runner): Promise<void> {
+  const phantom = (kind: string, settings: string[]) => ["phantom", kind, "--out", `/${kind}`, ...settings.flatMap((set) => ["--set", set])];
+  const commands = [
+    phantom("patient", ["gates=4", "lattice.nx=32", "lattice.ny=32", "lattice.nz=18", "lattice.dx_mm=4.5", "lattice.dy_mm=4.5", "lattice.dz_mm=6.5"]),
+    ["ventricle", "/patient/study.dcm", "--out", "/heart"],
+    phantom("cloud", ["shape=vase", "points=6000"]),
+    ["cloud", "/cloud/cloud.ply", "--out", "/levels", "--triangles", "1280,320"],
+  ];
+  try {
+    await runner.run({ files: [], commands, wanted: [] });
+    document.documentElement.dataset.warm = "true";
+  } catch {
+    // Whoever asks for a run is told.
+  }
+}

@@ -15,3 +15,10 @@ export function reasonOf(word: Word, complaint: string | undefined): () => strin
   if (word.kind === "lost") return () => text("lost", { reason: word.reason });
   return complaint ? () => told(complaint) : () => text("failed");
 }
+
+/** A command that answers a question was refused. */
+export class Complaint extends Error {
+  constructor(readonly say: () => string) {
+    super(say());
+  }
+}

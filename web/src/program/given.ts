@@ -1,22 +1,21 @@
-// A copy of this page with a study inside: what `Save as one page` writes, and what such a page starts with.
+// A copy of this page with a study and its result inside: what `Save as one page` writes, and what such a page starts with.
 import { type Grid, unpack } from "../data";
-import type { ByHand } from "../host";
-import { named } from "./files";
-import { type Task, taskOf } from "./history";
+import type { Given } from "./files";
+import type { Run, Task } from "./history";
+import type { Piece } from "./job";
 
-export interface Given {
+/** A run and what it is of: `run` is shown at once. */
+export interface Saved {
   task: Task;
-  settings: [string, string][];
-  said: ByHand;
+  run: Run;
 }
-/** `dynasurf view` writes files alone; a saved page tells the rest. */
-interface Packed extends Partial<Omit<Task, "files">> {
-  files: { path: string; deflated: string }[];
-  settings?: [string, string][];
-  options?: Record<string, string>;
-  /** The options of a former run, as its options.json has them. */
-  options_json?: string;
-  paint?: { grid: Grid; voxels: string } | null;
+type PackedPiece = { path: string; deflated: string };
+type PackedRun = Omit<Run, "result" | "said"> & { result: PackedPiece[]; options: Record<string, string>; paint: { grid: Grid; voxels: string } | null };
+/** `dynasurf view` writes files alone, as if they were dropped; a saved page tells of its run. */
+interface Packed {
+  files: PackedPiece[];
+  task?: Omit<Task, "files">;
+  run?: PackedRun;
 }
 
 /** The page as it was when its script began: nothing of a run is in it. */
@@ -33,15 +32,22 @@ async function deflated(bytes: Uint8Array): Promise<string> {
   return base64Of(new Uint8Array(await new Response(stream).arrayBuffer()));
 }
 
-/** This page with a study in it, as a file. */
-export async function pageWith({ task, settings, said }: Given): Promise<string> {
-  const { files, ...rest } = task;
+const packedPieces = (pieces: Piece[]): Promise<PackedPiece[]> =>
+  Promise.all(pieces.map(async ({ path, bytes }) => ({ path, deflated: await deflated(bytes) })));
+const unpackedPieces = (pieces: PackedPiece[]): Promise<Piece[]> =>
+  Promise.all(pieces.map(async ({ path, deflated }) => ({ path, bytes: await unpack(deflated) })));
+
+/** This page with a study and its result in it, as a file. */
+export async function pageWith({ task: { files, ...task }, run: { said, result, ...run } }: Saved): Promise<string> {
   const packed: Packed = {
-    ...rest,
-    files: await Promise.all(files.map(async ({ path, bytes }) => ({ path, deflated: await deflated(bytes) }))),
-    settings,
-    options: said.options,
-    paint: said.paint && { grid: said.paint.grid, voxels: await deflated(said.paint.voxels) },
+    files: await packedPieces(files),
+    task,
+    run: {
+      ...run,
+      result: await packedPieces(result),
+      options: said.options,
+      paint: said.paint && { grid: said.paint.grid, voxels: await deflated(said.paint.voxels) },
+    },
   };
   const page = document.documentElement.cloneNode(true) as HTMLElement;
   for (const name of Object.keys(page.dataset)) delete page.dataset[name];
@@ -53,21 +59,14 @@ export async function pageWith({ task, settings, said }: Given): Promise<string>
   return `<!doctype html>\n${page.outerHTML}`;
 }
 
-/** What stands in this page; null: nothing. Throws where it is damaged. */
-export async function givenHere(): Promise<Given | null> {
+/** What stands in this page: a saved run, or files as if they were dropped; null: nothing. Throws where it is damaged. */
+export async function givenHere(): Promise<Saved | Given[] | null> {
   const text = document.getElementById("given")!.textContent!.trim();
   if (text === "") return null;
-  const packed = JSON.parse(text) as Packed;
-  const files = await Promise.all(packed.files.map(async ({ path, deflated }) => ({ path, bytes: await unpack(deflated) })));
-  const { subject, make, inputs, more } = packed;
-  const task = subject && make && inputs && more ? { subject, make, inputs, more, files } : taskOf(named(files));
-  if (packed.options_json) {
-    task.files.push({ path: "options.json", bytes: new TextEncoder().encode(packed.options_json) });
-    task.more.push("--options", "/options.json");
-  }
-  return {
-    task,
-    settings: packed.settings ?? [],
-    said: { options: packed.options ?? {}, paint: packed.paint ? { grid: packed.paint.grid, voxels: await unpack(packed.paint.voxels) } : null },
-  };
+  const { files, task, run } = JSON.parse(text) as Packed;
+  const pieces = await unpackedPieces(files);
+  if (!task || !run) return pieces.map(({ path, bytes }) => ({ path, file: new File([bytes as BlobPart], path) }));
+  const { options, paint, result, ...rest } = run;
+  const said = { options, paint: paint && { grid: paint.grid, voxels: await unpack(paint.voxels) } };
+  return { task: { ...task, files: pieces }, run: { ...rest, said, result: await unpackedPieces(result) } };
 }

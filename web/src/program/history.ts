@@ -9,18 +9,19 @@ export interface Task {
   files: Piece[];
   make: string[][]; // commands that make the files first
   inputs: string[];
-  more: string[];
 }
 
 const scans = /\.(ply|xyz|pts|csv|pwn|obj|off|las|pcd|ptx|stl|txt|asc)$/i;
 
+export const isScan = (path: string): boolean => scans.test(path);
+
 /** What files are taken for. */
 export function taskOf(files: Piece[]): Task {
-  const are_scans = files.every(({ path }) => scans.test(path));
+  const are_scans = files.every(({ path }) => isScan(path));
   const all = files.map(({ path }) => `/${path}`);
   const header = all.find((path) => /\.n?hdr$/i.test(path)); // its voxels are in another file
   const inputs = are_scans || all.length === 1 ? all : [header ?? "/in"];
-  return { subject: are_scans ? "cloud" : "ventricle", files, make: [], inputs, more: [] };
+  return { subject: are_scans ? "cloud" : "ventricle", files, make: [], inputs };
 }
 
 export interface Run {
@@ -31,9 +32,11 @@ export interface Run {
   code: number;
   seconds: number;
   memory: number;
+  /** Where a result that was given lay; it was not computed here. */
+  place?: string;
 }
 
-interface Numbers {
+export interface Numbers {
   edv_ml: number | null;
   esv_ml: number | null;
   ef_percent: number | null;
@@ -60,6 +63,12 @@ export function dataOf(run: Run): string | null {
 
 export const figure = (value: number | null) => (value === null ? "–" : value.toFixed(1));
 
+/** "EDV 110.4 mL, ESV 44.4 mL, EF 59.8 %, checks passed" */
+export function numbersText({ edv_ml, esv_ml, ef_percent, quality }: Numbers): string {
+  const words = text("numbers", { edv: figure(edv_ml), esv: figure(esv_ml), ef: figure(ef_percent) });
+  return quality ? `${words}, ${text(`verdict_${quality.verdict}`)}` : words;
+}
+
 export class History {
   runs: Run[] = [];
   at = -1;
@@ -67,6 +76,9 @@ export class History {
   other = -1;
 
   /** `on_show` is called after another run or comparison was chosen. */
+  /** What the others are named by, also after it went. */
+  private first: Run | null = null;
+
   constructor(
     private readonly list: HTMLElement,
     private readonly on_show: (is_other_run: boolean) => void,
@@ -74,6 +86,7 @@ export class History {
 
   clear(): void {
     this.runs = [];
+    this.first = null;
     this.at = this.other = -1;
   }
 
@@ -87,6 +100,7 @@ export class History {
 
   add(run: Run): void {
     const before = this.at;
+    this.first ??= run;
     this.runs.push(run);
     this.at = this.runs.length - 1;
     this.other = before;
@@ -113,9 +127,14 @@ export class History {
   nameOf(n: number): string {
     const run = this.runs[n]!;
     if (run.name) return run.name;
-    const said = [...run.settings.map(([path, value]) => `${path}=${value}`), ...Object.entries(run.said.options).map(([path, value]) => `${path.replace("manual.", "")}=${value}`)];
-    if (run.said.paint) said.push("mask");
-    return said.join(", ") || text("as_found");
+    if (run.place) return run.place;
+    const words = ({ settings, said: { options, paint } }: Run) => [
+      ...settings.map(([path, value]) => `${path}=${value}`),
+      ...Object.entries(options).map(([path, value]) => `${path.replace("manual.", "")}=${value}`),
+      ...(paint ? ["mask"] : []),
+    ];
+    const before = new Set(run === this.first ? [] : words(this.first!));
+    return words(run).filter((word) => !before.has(word)).join(", ") || text("as_found");
   }
 
   /** The numbers shown beside those they are compared with; empty: nothing to compare. */
@@ -138,8 +157,7 @@ export class History {
     name.addEventListener("change", () => (run.name = name.value.trim()));
     const words = document.createElement("p");
     const numbers = numbersOf(run.result);
-    const verdict = numbers?.quality ? `, ${text(`verdict_${numbers.quality.verdict}`)}` : "";
-    words.textContent = numbers ? text("numbers", { edv: figure(numbers.edv_ml), esv: figure(numbers.esv_ml), ef: figure(numbers.ef_percent) }) + verdict : "";
+    words.textContent = numbers ? numbersText(numbers) : "";
     const choices = document.createElement("div");
     choices.append(
       this.choice("shown", text("shown"), n === this.at, () => this.go(n)),

@@ -1,23 +1,24 @@
 // dynasurf.html: takes files, runs the program over them in a worker, shows its report.
-import { dropped, type Given, as_zip, picked, read_given, Refusal, save } from "./files";
+import { as_zip, copyText, dropped, type Given, picked, read_given, Refusal, save } from "./files";
 import { argumentsOf, type ByHand, type FromPage, type FromReport, isSame, maskFile, mask_name, nothing_said, quoted } from "../host";
-import { Runner } from "./engine";
+import { answer, settings_of } from "./asked";
+import { Runner, warmUp } from "./engine";
+import { patient, vase } from "./examples";
 import { lineOfError, mb, reasonOf } from "./failure";
 import { load, printAlone } from "./frames";
-import { type Given as GivenStudy, givenHere, pageWith } from "./given";
+import { givenHere, pageWith } from "./given";
 import { dataOf, fileOf, History, type Run, type Task, taskOf } from "./history";
 import type { Job, Piece, Word } from "./job";
 import { OptionPanel } from "./options";
+import { by_id, fail, fail_by, show, tell_progress, tell_reason } from "./page";
 import { Pair, pairJob } from "./pair";
 import { Preview } from "./preview";
-import { type Found, StudyList, studiesOf } from "./studies";
-import { type Key, language, languages, name_of, speak, spoken, stage_name, text } from "./texts";
+import { asGiven, type FoundResult, isOptions, openResult, partResults, partSaid, recordOf, studyOf } from "./results";
+import { type Found, resultsIn, severalIn, StudyList } from "./studies";
+import { type Key, language, languages, name_of, speak, spoken, text } from "./texts";
 
 /** `complaint`: the last error that the program told. */
 type Ended = Word & { kind: "end"; complaint?: string | undefined };
-
-const by_id = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
-const views = ["start", "studies", "working", "failure", "result", "pair"] as const;
 
 let task: Task | null = null;
 /** What a person said by hand for the next run. */
@@ -27,85 +28,47 @@ let correcting = false;
 /** The gate that the report looks at, from 1. */
 let gate = 1;
 let at_once = false;
-/** Says again why something failed. */
-let tell_reason = (): void => {};
-
-function show(view: (typeof views)[number]): void {
-  for (const name of views) by_id(name).hidden = name !== view;
-  // Where a report has its own header the page's is hidden, but for the choice of language.
-  const [choice, bar] = [document.querySelector(".language")!, by_id(view).querySelector(".bar p")];
-  if (bar) bar.after(choice);
-  else document.querySelector("header")!.append(choice);
-  document.documentElement.dataset.view = view;
-}
-
-/** `say`: the reason in the language of the page; `own`: the program's line that it is a translation of; one searches for it. */
-function fail(say: () => string, own = ""): void {
-  tell_reason = () => {
-    by_id("reason").textContent = say();
-    by_id("reason").title = own === say() ? "" : own;
-  };
-  tell_reason();
-  by_id("back").hidden = !history.shown;
-  tell_list();
-  show("failure");
-  by_id("failure").querySelector("button")?.focus();
-}
 
 // ---- The engine ----
 
 const runner = new Runner();
 
-/** A browser compiles well what has run for a while: a small heart and a small scan are read before anybody asks, if nobody does. */
-async function warm_up(): Promise<void> {
-  const phantom = (kind: string, settings: string[]) => ["phantom", kind, "--out", `/${kind}`, ...settings.flatMap((set) => ["--set", set])];
-  const commands = [
-    phantom("patient", ["gates=4", "lattice.nx=32", "lattice.ny=32", "lattice.nz=18", "lattice.dx_mm=4.5", "lattice.dy_mm=4.5", "lattice.dz_mm=6.5"]),
-    ["ventricle", "/patient/study.dcm", "--out", "/heart"],
-    phantom("cloud", ["shape=vase", "points=6000"]),
-    ["cloud", "/cloud/cloud.ply", "--out", "/levels", "--triangles", "1280,320"],
-  ];
-  try {
-    await runner.run({ files: [], commands, wanted: [] });
-    document.documentElement.dataset.warm = "true";
-  } catch {
-    // Whoever asks for a run is told.
-  }
-}
-
 // ---- A run ----
-
-
-function tell_progress(line: string, memory: number): void {
-  by_id("memory").textContent = text("memory", { mb: mb(memory) });
-  const words = /^(\w+) (\d+)\/(\d+)$/.exec(line);
-  if (!words) return;
-  const [, stage, done, total] = words;
-  const bar = by_id<HTMLProgressElement>("progress");
-  by_id("stage").textContent = `${stage_name(stage!)} ${Number(total) > 1 ? `${done}/${total}` : ""}`;
-  if (Number(total) > 1) bar.value = Number(done) / Number(total);
-  else bar.removeAttribute("value");
-}
 
 const commands_of = (of: Task): string[][] => [
   ...of.make,
   [
     of.subject,
     ...of.inputs,
-    ...["--out", "/result", ...of.more, ...panel.settings().flatMap((set) => ["--set", set])],
+    ...["--out", "/result", ...panel.settings().flatMap((set) => ["--set", set])],
     ...argumentsOf(said).map((word) => (word === mask_name ? `/${mask_name}` : word)),
   ],
 ];
 
-/** Starts with another study: nothing of the one before counts. */
-function begin(next: Task, with_settings: [string, string][] = [], with_said = nothing_said()): Promise<void> {
+/** Another study or result: nothing of the one before counts. */
+function forget(): void {
   history.clear();
   panel.clear();
+  preview.stop();
   by_id<HTMLInputElement>("search").value = "";
   correcting = at_once = false;
-  panel.restore(with_settings);
-  said = with_said;
+  by_id("back").hidden = true;
+}
+
+/** Starts with another study. `settings`: what is said by hand among them. */
+function begin(next: Task, settings: [string, string][] = []): Promise<void> {
+  forget();
+  const parts = partSaid(settings);
+  said = { options: parts.options, paint: null };
+  panel.restore(parts.settings, parts.options);
   return start(next);
+}
+
+/** Shows a run that was made before. `of`: null where its study is not here. */
+function resume(of: Task | null, run: Run): void {
+  forget();
+  task = of;
+  history.add(run);
 }
 
 async function start(next: Task): Promise<void> {
@@ -166,8 +129,9 @@ function load_report(run: Run): void {
 /** Shows what the history has chosen: another run, or another one to compare with. */
 function show_chosen(is_other_run: boolean): void {
   const run = history.shown!;
+  by_id("back").hidden = false;
   if (is_other_run) {
-    panel.restore(run.settings);
+    panel.restore(run.settings, run.said.options);
     show("result");
     load_report(run);
     Object.assign(document.documentElement.dataset, { seconds: run.seconds.toFixed(3), memory: String(run.memory) });
@@ -177,7 +141,9 @@ function show_chosen(is_other_run: boolean): void {
 
 function tell_run(run: Run): void {
   tell_list();
-  by_id("summary").textContent = text(run.code === 3 ? "done_check" : "done", { s: run.seconds.toFixed(1), mb: mb(run.memory) });
+  const { place } = run;
+  by_id("summary").textContent = place ? text(task ? "opened" : "opened_alone", { place }) : text(run.code === 3 ? "done_check" : "done", { s: run.seconds.toFixed(1), mb: mb(run.memory) });
+  for (const id of ["save-page", "again"]) by_id<HTMLButtonElement>(id).disabled = task === null;
   by_id("compared").textContent = history.comparison();
   by_id<HTMLButtonElement>("undo").disabled = history.at <= 0;
   by_id<HTMLButtonElement>("redo").disabled = history.at >= history.runs.length - 1;
@@ -189,8 +155,8 @@ const history = new History(by_id("runs"), show_chosen);
 /** Gives the report what was said by hand, and the result it is compared with. */
 function tell_report(): void {
   const { shown, compared } = history;
-  if (!shown) return;
-  const words: FromPage = { dynasurf: "page", word: "study", said: shown.said, before: compared ? dataOf(compared) : null, at_once, correcting };
+  if (!shown || !task) return; // a report whose study is not here offers the command line
+  const words: FromPage = { dynasurf: "page", word: "study", said, before: compared ? dataOf(compared) : null, at_once, correcting };
   by_id<HTMLIFrameElement>("report").contentWindow?.postMessage(words, "*");
 }
 
@@ -203,6 +169,7 @@ function hear_report(event: MessageEvent<FromReport>): void {
   }
   if (event.data.word !== "by hand") return;
   said = event.data.said;
+  panel.hear(said.options);
   gate = event.data.gate;
   at_once = event.data.at_once;
   hold_language(history.shown !== undefined && !isSame(said, history.shown.said));
@@ -231,29 +198,89 @@ function cancel(): void {
 async function take(given: Promise<Given[]> | Given[]): Promise<void> {
   try {
     const list = await given;
-    if (list.length === 0) return;
-    const pieces = await read_given(list);
-    studies.studies = await several_in(pieces);
-    if (studies.studies.length === 0) await begin(taskOf(pieces));
-    else show_studies();
+    if (list.length > 0) await open_given(list);
   } catch (error) {
-    fail(() => (error instanceof Refusal ? text(error.code, { about: error.about }) : text("lost", { reason: String(error) })));
+    fail_by(error);
   }
 }
 
-/** The studies of a folder that holds more than one. */
-async function several_in(pieces: Piece[]): Promise<Found[]> {
-  const { subject, inputs } = taskOf(pieces);
-  if (subject !== "ventricle" || inputs[0] !== "/in") return [];
-  show("working");
-  tell_progress("read 0/1", 0);
-  const word = await runner.run({ files: copy_of(pieces), commands: [["info", "/in", "--json"]], wanted: [] });
-  return word.kind === "end" && word.code === 0 ? studiesOf(word.output, pieces) : [];
+/** Opens the one study, scan or result among what is given, or lists them. */
+async function open_given(list: Given[]): Promise<void> {
+  const { results, rest } = partResults(list);
+  const zipped = partResults(rest.length > 0 ? await read_given(rest) : []);
+  for (const { place, given } of zipped.results) results.push({ place, given: given.map(asGiven) });
+  const files = zipped.rest.filter((piece) => !isOptions(piece));
+  const options = zipped.rest.find(isOptions) ?? null;
+  if (results.length === 0 && files.length === 0) return options_alone(options!);
+  if (results.length === 0 && (await joins(files))) return;
+  beside = { files, options };
+  studies.studies = [];
+  if (results.length === 1) return show_result(results[0]!);
+  studies.studies = results.length > 0 ? await resultsIn(results) : await several_in(files);
+  if (studies.studies.length > 0) return show_studies();
+  await begin_with_options(files);
+}
+
+async function begin_with_options(files: Piece[]): Promise<void> {
+  const next = taskOf(files);
+  await begin(next, beside.options ? await settings_of(next.subject, beside.options.bytes) : []);
+}
+
+/** What was given beside the results of the list, and options for its studies. */
+let beside: { files: Piece[]; options: Piece | null } = { files: [], options: null };
+
+async function show_result(found: FoundResult): Promise<void> {
+  const { place, result, task: of, paint } = await openResult(found, beside.files);
+  const json = fileOf(result, "options.json");
+  const subject = recordOf(result).schema?.includes("cloud") ? "cloud" : "ventricle";
+  const { settings, options } = partSaid(json.length > 0 ? await settings_of(subject, json) : []);
+  const verdict = (JSON.parse(new TextDecoder().decode(fileOf(result, "results.json"))) as { quality?: { verdict?: string } }).quality?.verdict;
+  resume(of, { name: "", place, settings, said: { options, paint }, result, code: verdict === "fail" ? 3 : 0, seconds: 0, memory: 0 });
+}
+
+/** The run that a report stands for, also behind what could not be done. */
+const open_run = (): Run | undefined => (["result", "failure"].includes(document.documentElement.dataset.view!) ? history.shown : undefined);
+
+/** Whether the files are the study of the result that is shown and waits for it. */
+async function joins(files: Piece[]): Promise<boolean> {
+  const shown = open_run();
+  const study = shown && !task ? await studyOf(shown.result, files) : null;
+  if (!shown || !study) return false;
+  task = study.task;
+  shown.said.paint = study.paint;
+  show("result");
+  load_report(shown);
+  tell_run(shown);
+  return true;
+}
+
+/** Options for the study that is shown. */
+async function options_alone(file: Piece): Promise<void> {
+  if (!task || !open_run()) throw new Refusal("lone_options", file.path.replace(/^in\//, ""));
+  const { settings, options } = partSaid(await settings_of(task.subject, file.bytes));
+  said = { options, paint: said.paint };
+  panel.restore(settings, options);
+  show("result");
+  if (by_id("options").hidden) await show_options();
+  tell_report();
+}
+
+const several_in = (pieces: Piece[]): Promise<Found[]> =>
+  severalIn(pieces, (others, input) => {
+    show("working");
+    tell_progress("read 0/1", 0);
+    return info(others, input);
+  });
+
+/** What `dynasurf info` tells; null: it could not read the files. */
+async function info(files: Piece[], input: string, ...more: string[]): Promise<string | null> {
+  const word = await runner.run({ files: copy_of(files), commands: [["info", input, "--json", ...more]], wanted: [] });
+  return word.kind === "end" && word.code === 0 ? word.output : null;
 }
 
 const studies = new StudyList(
   by_id("study-list"),
-  (study) => begin(taskOf(study.files)),
+  ({ result, files }) => void (result ? show_result(result) : begin_with_options(files)).catch(fail_by),
   (is_pair) => (by_id<HTMLButtonElement>("open-pair").disabled = !is_pair),
 );
 
@@ -261,10 +288,9 @@ function show_studies(): void {
   by_id("studies-title").textContent = text("studies", { n: studies.studies.length });
   show("studies");
   tell_list();
-  void studies.show(studies.studies, async (study) => {
+  void studies.show(studies.studies, (study) => {
     const { files, inputs } = taskOf(study.files);
-    const word = await runner.run({ files: copy_of(files), commands: [["info", inputs[0]!, "--json", "--picture"]], wanted: [] });
-    return word.kind === "end" && word.code === 0 ? word.output : null;
+    return info(files, inputs[0]!, "--picture");
   });
 }
 
@@ -288,7 +314,7 @@ async function show_pair(): Promise<void> {
   tell_progress("start 0/1", 0);
   by_id("cancel").focus();
   const has_both = ({ files }: Ended) => ["first", "second"].every((name) => files.some(({ path }) => path === `${name}/report.html`));
-  const word = await work(pairJob(chosen), has_both);
+  const word = await work(await pairJob(chosen), has_both);
   if (!word) return;
   show("pair");
   show_difference(false);
@@ -303,25 +329,14 @@ function show_difference(on: boolean): void {
   by_id("show-difference").setAttribute("aria-pressed", String(on));
 }
 
-const patient: Task = {
-  subject: "ventricle",
-  files: [],
-  make: [["phantom", "patient", "--seed", "1", "--out", "/made"]],
-  inputs: ["/made/study.dcm"],
-  more: [],
-};
-const vase: Task = {
-  subject: "cloud",
-  files: [],
-  make: [["phantom", "cloud", "--set", "shape=vase", "--set", "points=30000", "--set", "noise_percent=0.1", "--out", "/made"]],
-  inputs: ["/made/cloud.ply"],
-  more: ["--triangles", "5120,1280,320"],
-};
-
 // ---- Options ----
 
 const panel = new OptionPanel(by_id<HTMLFormElement>("controls"), (changed) => {
   by_id("changed").textContent = changed > 0 ? text("options_changed", { n: changed }) : "";
+  if (JSON.stringify(panel.said()) !== JSON.stringify(said.options)) {
+    said = { ...said, options: panel.said() };
+    tell_report();
+  }
   look();
 });
 
@@ -330,8 +345,7 @@ async function show_options(): Promise<void> {
   aside.hidden = !aside.hidden;
   by_id("show-options").setAttribute("aria-expanded", String(!aside.hidden));
   if (aside.hidden || panel.is_described || !task) return;
-  const word = await runner.run({ files: [], commands: [["options", task.subject, "--json"]], wanted: [] });
-  if (word.kind === "end") panel.describe(word.output);
+  panel.describe(await answer(["options", task.subject, "--json"]));
 }
 
 function show_history(): void {
@@ -349,24 +363,24 @@ function save_zip(): void {
 
 async function save_page(): Promise<void> {
   const run = history.shown!;
-  save(await pageWith({ task: task!, settings: run.settings, said: run.said } satisfies GivenStudy), "dynasurf-study.html", "text/html");
+  save(await pageWith({ task: task!, run }), "dynasurf-study.html", "text/html");
+}
+
+/** The options of the next run, as a file. */
+async function save_options(): Promise<void> {
+  const settings = [...panel.settings(), ...Object.entries(said.options).map(([path, value]) => `${path}=${value}`)];
+  save(await answer(["options", task!.subject, "--as-file", ...settings.flatMap((set) => ["--set", set])]), "options.json", "application/json");
 }
 
 function command_line(): string {
   const words = [...panel.settings().flatMap((set) => ["--set", set]), ...argumentsOf(said)].map(quoted);
   const input = task?.subject === "cloud" ? "CLOUD" : "STUDY";
-  return ["dynasurf", task?.subject ?? "ventricle", input, "--out RESULT", ...(task?.more ?? []), ...words].join(" ");
+  return ["dynasurf", task?.subject ?? "ventricle", input, "--out RESULT", ...words].join(" ");
 }
 
-async function copy(): Promise<void> {
+function copy(): void {
   const button = by_id("copy");
-  const area = document.createElement("textarea");
-  area.value = command_line();
-  by_id("options").append(area);
-  area.select();
-  // The clipboard's own interface is for pages from the network; a file has this one.
-  document.execCommand("copy");
-  area.remove();
+  copyText(command_line(), by_id("options"));
   button.textContent = text("copied");
   button.dataset.copied = command_line();
   setTimeout(() => (button.textContent = text("copy")), 1500);
@@ -404,7 +418,7 @@ function connect(): void {
       void take(picked(input.files!)).finally(() => (input.value = ""));
     });
   click("example-patient", () => begin(patient));
-  click("example-vase", () => begin(vase));
+  click("example-vase", () => begin(vase, [["triangles", "5120,1280,320"]]));
   click("cancel", cancel);
   click("open-pair", show_pair);
   click("show-difference", () => show_difference(by_id("both").hidden !== false));
@@ -440,11 +454,12 @@ function connect(): void {
   });
   click("reset", () => panel.reset());
   click("copy", copy);
-  click("save-options", () => save(saved("options.json"), "options.json", "application/json"));
+  click("save-options", () => save_options().catch(fail_by));
   by_id("search").addEventListener("input", (event) => panel.show((event.target as HTMLInputElement).value));
   for (const button of document.querySelectorAll(".other"))
     button.addEventListener("click", () => {
       studies.studies = [];
+      tell_list();
       show("start");
     });
   window.addEventListener("dragover", (event) => {
@@ -471,6 +486,6 @@ show("start");
 if (typeof DecompressionStream === "undefined" || typeof WebAssembly === "undefined") fail(() => text("old_browser" satisfies Key));
 else
   givenHere()
-    .then((given) => (given ? begin(given.task, given.settings, given.said) : warm_up()))
-    .catch((error: unknown) => fail(() => text("lost", { reason: String(error) })));
+    .then((given) => (given === null ? warmUp(runner) : Array.isArray(given) ? open_given(given) : resume(given.task, given.run)))
+    .catch(fail_by);
 document.documentElement.dataset.ready = "true";

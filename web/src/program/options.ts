@@ -1,4 +1,5 @@
 // Every option of the program as a control, made from what `dynasurf options --json` tells.
+import { hand_keys, is_by_hand } from "../host";
 import { described, text } from "./texts";
 
 interface Row {
@@ -19,7 +20,25 @@ function rangeOf({ range }: Row): string {
   return low && high ? text("range", { low, high }) : range;
 }
 
-/** The options of one subject and what the user made of them. */
+/** An option of a method that is not chosen has no effect. `value`: what an option is set to. */
+function isAlive(rows: Row[], row: Row, value: (row: Row) => string): boolean {
+  if (row.method === null) return true;
+  const choices = rows.filter((other) => other !== row && other.choices.split(" | ").includes(row.method!) && row.path.startsWith(`${other.path}.`));
+  const owner = choices.sort((a, b) => b.path.length - a.path.length)[0];
+  return !owner || value(owner) === row.method;
+}
+
+/** What a file of options sets otherwise than the defaults; both as `dynasurf options --json` tells them. */
+export function settingsBetween(usual: string, of_file: string): [string, string][] {
+  const key = ({ path, method }: Row) => `${path} ${method}`;
+  const defaults = new Map((JSON.parse(usual) as Row[]).map((row) => [key(row), row.default]));
+  const rows = JSON.parse(of_file) as Row[];
+  return rows.filter((row) => isAlive(rows, row, (of) => of.default) && defaults.get(key(row)) !== row.default).map((row) => [row.path, row.default]);
+}
+
+const numbers = String.raw`\s*[\d.+\-e]+(\s*[, ]\s*[\d.+\-e]+)*\s*`;
+
+/** The options of one subject and what the user made of them, what is said by hand in the report too. */
 export class OptionPanel {
   private rows: Row[] = [];
   private values = new Map<string, string>();
@@ -60,22 +79,40 @@ export class OptionPanel {
     this.on_change(0);
   }
 
-  /** What is changed, to be taken up again by `restore`. */
+  /** What is changed, to be taken up again by `restore`, in the order of the description: a choice comes before what depends on it. */
   snapshot(): [string, string][] {
-    return this.settings().map((set) => [set.slice(0, set.indexOf("=")), set.slice(set.indexOf("=") + 1)]);
+    const paths = this.is_described ? [...new Set(this.rows.map(({ path }) => path))] : [...this.values.keys()];
+    return paths.filter((path) => this.values.has(path) && !is_by_hand(path)).map((path) => [path, this.values.get(path)!]);
   }
 
-  restore(values: [string, string][]): void {
-    this.values = new Map(values);
+  restore(values: [string, string][], said: Record<string, string>): void {
+    this.values = new Map([...values, ...Object.entries(said)]);
     this.bad.clear();
     this.show(this.wanted);
     this.on_change(this.values.size);
   }
 
-  /** As `--set` takes them, in the order of the description: a choice comes before what depends on it. */
+  /** As `--set` takes them, without what is said by hand. */
   settings(): string[] {
-    const paths = this.is_described ? [...new Set(this.rows.map(({ path }) => path))] : [...this.values.keys()];
-    return paths.filter((path) => this.values.has(path)).map((path) => `${path}=${this.values.get(path)}`);
+    return this.snapshot().map(([path, value]) => `${path}=${value}`);
+  }
+
+  /** What is said by hand, in the order in which the report says it. */
+  said(): Record<string, string> {
+    return Object.fromEntries(hand_keys.map((key) => `manual.${key}`).filter((path) => this.values.has(path)).map((path) => [path, this.values.get(path)!]));
+  }
+
+  /** Takes what the report says by hand: while a pointer moves, so no more than that is drawn anew. */
+  hear(said: Record<string, string>): void {
+    for (const path of hand_keys.map((key) => `manual.${key}`)) {
+      if (path in said) this.values.set(path, said[path]!);
+      else this.values.delete(path);
+      const [row, field] = [this.rows.find((of) => of.path === path), document.getElementById(`option-${path}`)];
+      if (!row || !field) continue;
+      (field as HTMLInputElement).value = this.shown(row);
+      field.parentElement!.classList.toggle("changed", this.values.has(path));
+    }
+    this.on_change(this.values.size);
   }
 
   /** Whether all that was typed can be a value. */
@@ -97,21 +134,11 @@ export class OptionPanel {
   show(wanted: string): void {
     this.wanted = wanted;
     const words = wanted.toLowerCase().split(/\s+/);
-    const shown = this.rows.filter((row) => this.is_alive(row)).filter((row) => {
+    const shown = this.rows.filter((row) => isAlive(this.rows, row, (of) => this.value(of))).filter((row) => {
       const hay = `${row.path} ${row.meaning} ${described(row.meaning)}`.toLowerCase();
       return words.every((word) => hay.includes(word));
     });
     this.form.replaceChildren(...shown.map((row) => this.control(row)));
-  }
-
-  /** An option of a method that is not chosen has no effect and is not offered. */
-  private is_alive(row: Row): boolean {
-    if (row.method === null) return true;
-    const choices = this.rows.filter(
-      (other) => other !== row && other.choices.split(" | ").includes(row.method!) && row.path.startsWith(`${other.path}.`),
-    );
-    const owner = choices.sort((a, b) => b.path.length - a.path.length)[0];
-    return !owner || this.value(owner) === row.method;
   }
 
   private value(row: Row): string {
@@ -147,14 +174,19 @@ export class OptionPanel {
   private entry(row: Row): HTMLInputElement {
     const field = document.createElement("input");
     const limits = between.exec(row.range);
-    const value = this.value(row);
     const is_list = row.default.includes(",");
     const is_number = !is_list && (limits !== null || (row.default !== "" && Number.isFinite(Number(row.default))));
     if (is_number) Object.assign(field, { type: "number", step: "any" });
     if (limits) Object.assign(field, { min: limits[1], max: limits[2] });
+    if (is_by_hand(row.path) && row.default === unset) field.pattern = numbers;
     field.placeholder = row.default === unset ? text("unset") : row.default;
-    field.value = value === unset ? "" : value;
+    field.value = this.shown(row);
     return field;
+  }
+
+  private shown(row: Row): string {
+    const value = this.value(row);
+    return value === unset ? "" : value;
   }
 
   private take(row: Row, field: HTMLInputElement | HTMLSelectElement, box: HTMLElement): void {

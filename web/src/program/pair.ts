@@ -3,21 +3,27 @@ import type { FromPage, FromReport } from "../host";
 import { load } from "./frames";
 import { figure, fileOf, numbersOf, taskOf } from "./history";
 import type { Job, Piece } from "./job";
-import { type Found, restAndStress } from "./studies";
+import { openResult } from "./results";
+import { type Found, restAndStress, wordsOf } from "./studies";
 import { spoken, text, told, translated } from "./texts";
 
 const folders = ["first", "second"] as const;
 
-/** Both studies are read, then compared where they are of rest and stress. */
-export function pairJob(pair: [Found, Found]): Job {
+/** Both studies are read, unless they are results already, then compared where they are of rest and stress. */
+export async function pairJob(pair: [Found, Found]): Promise<Job> {
   const below = (path: string, folder: string) => path.replace(/^(\/?)in\b/, `$1of-${folder}`);
   const files: Piece[] = [];
   const commands: string[][] = [];
-  pair.forEach((study, n) => {
+  for (const [n, study] of pair.entries()) {
     const folder = folders[n]!;
+    if (study.result) {
+      const { result } = await openResult(study.result, []);
+      files.push(...result.map(({ path, bytes }) => ({ path: path.replace(/^dynasurf-result/, folder), bytes })));
+      continue;
+    }
     for (const { path, bytes } of study.files) files.push({ path: below(path, folder), bytes: bytes.slice() });
     commands.push(["ventricle", ...taskOf(study.files).inputs.map((input) => below(input, folder)), "--out", `/${folder}`]);
-  });
+  }
   if (restAndStress(...pair)) commands.push(["perfusion", "compare", "/first", "/second", "--out", "/both"]);
   return { files, commands, wanted: [...folders, "both"] };
 }
@@ -76,7 +82,7 @@ export class Pair {
     const page = (folder: string, name: string, in_words: (page: Uint8Array) => string) => in_words(fileOf(partOf(result, folder), name));
     folders.forEach((folder, n) => {
       this.frames[n] = load(this.frames[n]!, page(folder, "report.html", spoken));
-      this.titles[n]!.textContent = `${pair[n]!.place} · ${told(pair[n]!.what)}`;
+      this.titles[n]!.textContent = `${pair[n]!.place} · ${wordsOf(pair[n]!)}`;
     });
     const is_compared = result.some(({ path }) => path === "both/comparison.html");
     this.difference = is_compared ? page("both", "comparison.html", translated) : "";

@@ -75,7 +75,7 @@ export class Preview {
       words.push("--located", `/${located_name}`);
     }
     const begin = performance.now();
-    const command = ["borders", ...wanted.task.inputs, ...wanted.task.more, "--json", "--gate", String(wanted.gate), ...words];
+    const command = ["borders", ...wanted.task.inputs, "--json", "--gate", String(wanted.gate), ...words];
     const lines: string[] = [];
     const word = await this.runner.run({ files, commands: [command], wanted: [] }, (line) => lines.push(line.text));
     if (word.kind !== "end" || word.code !== 0) return { refusal: reasonOf(word, lineOfError(lines))() };

@@ -1,5 +1,7 @@
-// A folder of several studies: a list with a picture of each, one to open, two to see side by side.
+// A folder of several studies, scans and results: a list with a picture of each, one to open, two to see side by side.
+import { isScan, type Numbers, numbersOf, numbersText, taskOf } from "./history";
 import type { Piece } from "./job";
+import type { FoundResult } from "./results";
 import { text, told } from "./texts";
 
 /** A study among the files that were given. */
@@ -10,6 +12,9 @@ export interface Found {
   what: string;
   examination: number | null;
   files: Piece[];
+  /** A result that was computed before. */
+  result?: FoundResult;
+  numbers?: Numbers | null;
 }
 interface Listed {
   studies?: { files: string[]; what: string; examination: number | null }[];
@@ -19,7 +24,7 @@ interface Pictured {
 }
 
 /** The studies that `dynasurf info /in --json` told of; none where the files make up one. */
-export function studiesOf(output: string, pieces: Piece[]): Found[] {
+function studiesOf(output: string, pieces: Piece[]): Found[] {
   const { studies } = JSON.parse(output) as Listed;
   const by_path = new Map(pieces.map((piece) => [piece.path, piece]));
   return (studies ?? []).map(({ files, what, examination }) => ({
@@ -30,6 +35,45 @@ export function studiesOf(output: string, pieces: Piece[]): Found[] {
   }));
 }
 
+/** Each scan by itself. Plain text beside a study is no scan. */
+const scansIn = (pieces: Piece[]): Found[] =>
+  pieces.filter(({ path }) => isScan(path) && !/\.(txt|csv|asc)$/i.test(path)).map((piece) => ({ place: piece.path.replace(/^in\//, ""), what: "", examination: null, files: [piece] }));
+
+/** The studies and scans of what was given, where it holds more than one. `list`: what `dynasurf info --json` tells of files. */
+export async function severalIn(pieces: Piece[], list: (files: Piece[], input: string) => Promise<string | null>): Promise<Found[]> {
+  const scans = scansIn(pieces);
+  const others = pieces.filter((piece) => !scans.some(({ files }) => files[0] === piece));
+  const input = others.length > 0 ? taskOf(others).inputs[0]! : "";
+  if (others.length === 0 || (scans.length === 0 && input !== "/in")) return [];
+  const output = await list(others, input);
+  const found = output === null ? [] : studiesOf(output, others);
+  if (scans.length === 0) return found;
+  const one = { place: placeOf(others.map(({ path }) => path.replace(/^in\//, ""))), what: "", examination: null, files: others };
+  return [...(found.length > 0 ? found : [one]), ...scans];
+}
+
+/** The numbers of a result; null: it is no heart's, or damaged. */
+async function numbersIn({ given }: FoundResult): Promise<Numbers | null> {
+  const file = given.find(({ path }) => path.endsWith("results.json"))!.file;
+  return numbersOf([{ path: "dynasurf-result/results.json", bytes: new Uint8Array(await file.arrayBuffer()) }]);
+}
+
+export const resultsIn = (results: FoundResult[]): Promise<Found[]> =>
+  Promise.all(results.map(async (result) => ({ place: result.place, what: "", examination: null, files: [], result, numbers: await numbersIn(result).catch(() => null) })));
+
+/** What a study or a result is, in the language of the page. */
+export function wordsOf({ what, files, result, numbers }: Found): string {
+  if (!result) return files.every(({ path }) => isScan(path)) ? text("scan") : told(what);
+  return numbers ? numbersText(numbers) : text("result");
+}
+const is_heart = ({ files, result, numbers }: Found) => (result ? Boolean(numbers) : !files.every(({ path }) => isScan(path)));
+
+/** The map of the wall's brightness or thickness, as a picture; null: the result has none. */
+async function mapOf({ given }: FoundResult): Promise<string | null> {
+  const map = ["perfusion_percent", "thickness_ed_mm"].flatMap((name) => given.find(({ path }) => path.endsWith(`measures/polar_${name}.svg`)) ?? [])[0];
+  return map ? `data:image/svg+xml,${encodeURIComponent(await map.file.text())}` : null;
+}
+
 /** The file, or the deepest folder that holds all of them. */
 function placeOf(files: string[]): string {
   if (files.length === 1) return files[0]!;
@@ -38,7 +82,9 @@ function placeOf(files: string[]): string {
   return shared.join("/") || text("files_of", { n: files.length });
 }
 
-const says = (study: Found, word: string) => study.what.split(", ").includes(word);
+/** A result tells of rest and stress by its name alone. */
+const says = ({ what, place, result }: Found, word: "rest" | "stress") =>
+  result ? new RegExp(`(^|[^a-z])${word}([^a-z]|$)`, "i").test(place) : what.split(", ").includes(word);
 
 /** Two studies of which one is of rest and one of stress, in this order; else null. */
 export function restAndStress(a: Found, b: Found): [Found, Found] | null {
@@ -77,7 +123,13 @@ export class StudyList {
     this.list.replaceChildren(...items.map(({ item }) => item));
     this.choosePair();
     for (const [n, study] of studies.entries()) {
-      const output = await describe(study);
+      if (study.result) {
+        const map = await mapOf(study.result);
+        if (map) items[n]!.canvas.replaceWith(Object.assign(new Image(), { src: map, alt: "" }));
+        items[n]!.item.dataset.drawn = String(map !== null);
+        continue;
+      }
+      const output = is_heart(study) ? await describe(study) : null;
       if (this.studies !== studies) return;
       const picture = output === null ? undefined : (JSON.parse(output) as Pictured).picture;
       if (picture) draw(items[n]!.canvas, picture);
@@ -88,7 +140,7 @@ export class StudyList {
   /** The two that are chosen, rest before stress. */
   get pair(): [Found, Found] | null {
     const [a, b, ...more] = this.studies.filter((_, n) => this.boxes[n]!.checked);
-    if (!a || !b || more.length > 0) return null;
+    if (!a || !b || more.length > 0 || ![a, b].every(is_heart)) return null;
     return restAndStress(a, b) ?? [a, b];
   }
 
@@ -111,7 +163,7 @@ export class StudyList {
     const open = Object.assign(document.createElement("button"), { textContent: text("open") });
     canvas.setAttribute("aria-hidden", "true");
     name.textContent = study.place;
-    words.textContent = told(study.what);
+    words.textContent = wordsOf(study);
     box.addEventListener("change", () => this.on_choice(this.pair !== null));
     open.setAttribute("aria-label", `${text("open")}: ${study.place}`);
     open.addEventListener("click", () => this.open(study));
