@@ -46,11 +46,28 @@ export function joinHost(hand: HandTool | null, painter: Painter | null, slices:
     if (event.data.word !== "study") return;
     hand?.serve((said, run, gate, at_once) => tell({ dynasurf: "report", word: "by hand", said, run, gate, at_once }), event.data.said, event.data.at_once);
     void compareWith(event.data.before, painter, slices);
+    offerRecords(tell);
+    if (event.data.panel) document.getElementById(event.data.panel)?.scrollIntoView({ block: "start" });
     if (!event.data.correcting || !hand || hand.on) return;
     byId("toggle-hand").click();
     byId("toggle-hand").scrollIntoView({ block: "center" });
   });
   tell({ dynasurf: "report", word: "ready" });
+}
+
+/** What a run can record to be understood, where this one has not. */
+const records = { motion: ["evolution.trajectory_every", "5"], contours: ["pipeline", "contour"] } as const;
+let is_offered = false;
+
+function offerRecords(tell: (word: FromReport) => void): void {
+  const has = (name: string) => document.getElementById(`${name}-panel`) !== null;
+  byId("record-panel").hidden = has("contours"); // which have no meshes on their way
+  for (const [name, setting] of Object.entries(records)) {
+    const button = byId(`record-${name}`);
+    button.hidden = has(name);
+    if (!is_offered) button.addEventListener("click", () => tell({ dynasurf: "report", word: "run with", settings: [[...setting]], panel: `${name}-panel` }));
+  }
+  is_offered = true;
 }
 
 function wordsOf(found: FoundBorders | null, preview: Preview | null): string {

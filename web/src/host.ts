@@ -23,6 +23,8 @@ export type FromReport =
   | { dynasurf: "report"; word: "ready" }
   /** What is said, after every change; the gate that is looked at, from 1; whether every change is run at once. */
   | { dynasurf: "report"; word: "by hand"; said: ByHand; run: boolean; gate: number; at_once: boolean }
+  /** Asks for a run with these options; the panel that it fills is looked at then. */
+  | { dynasurf: "report"; word: "run with"; settings: [string, string][]; panel: string }
   | { dynasurf: "report"; word: "touched" }
   /** Where in the beat it is, from 0 to 1. */
   | { dynasurf: "report"; word: "beat"; share: number };
@@ -43,6 +45,8 @@ export interface Told {
   at_once: boolean;
   /** The run was asked for by hand: whoever asked looks on where he was. */
   correcting: boolean;
+  /** The panel that the run was asked for; empty: none. */
+  panel: string;
 }
 
 /** How a report tells what is said. */

@@ -631,6 +631,57 @@ const tests = {
     assert.match(await reason(page), /made by another version/);
   },
 
+  async "records on request how the meshes moved, and makes contours"(page) {
+    await page.click("#example-patient");
+    await saved(page);
+    let frame = await report_is_drawn(page);
+    for (const [record, panel, setting] of [["motion", "#motion-panel", "evolution.trajectory_every=5"], ["contours", "#contours-panel", "pipeline=contour"]]) {
+      assert.ok(await frame.isHidden(panel));
+      await frame.click(`#record-${record}`);
+      await until_view(page, "working");
+      await until_view(page, "result", "failure");
+      frame = await report_is_drawn(page);
+      await frame.waitForFunction((of) => Math.abs(document.querySelector(of).getBoundingClientRect().top) < 120, panel);
+      assert.ok((await page.evaluate(() => [...document.querySelectorAll("#runs input[type=text]")].at(-1).value)).includes(setting));
+      await shoot(page, `record-${record}`);
+    }
+    assert.ok(await frame.isHidden("#record-panel"));
+  },
+
+  async "refuses what its memory cannot hold, in the program's line, and goes on"(page) {
+    const head = (sizes) => `NRRD0004\ntype: float\ndimension: 3\nsizes: ${sizes}\nencoding: gzip\n\n`;
+    await give(page, "huge.nrrd", Buffer.from(head("1200 1200 1200") + "x".repeat(100_000)));
+    await until_view(page, "failure");
+    assert.match(await reason(page), /^huge.nrrd: declares 1200 x 1200 x 1200 voxels x 1 gates; at most 2048 MiB/);
+    await page.click("#failure .other");
+    await page.click("#example-vase");
+    await saved(page);
+  },
+
+  async "keeps no memory of the studies before, for thirty of them"(page) {
+    const small = ["gates=4", "lattice.nx=32", "lattice.ny=32", "lattice.nz=18", "lattice.dx_mm=4.5", "lattice.dy_mm=4.5", "lattice.dz_mm=6.5"];
+    run_native("phantom", "patient", "--out", "small", ...small.flatMap((set) => ["--set", set]), "--replace");
+    const bytes = readFileSync(join(work, "small/study.nii.gz"));
+    const driver = await page.context().newCDPSession(page);
+    const held = async () => {
+      await driver.send("HeapProfiler.collectGarbage");
+      const { usedSize, embedderHeapUsedSize = 0, backingStorageSize = 0 } = await driver.send("Runtime.getHeapUsage");
+      return usedSize + embedderHeapUsedSize + backingStorageSize;
+    };
+    const after = [];
+    await page.emulateMedia({ reducedMotion: "reduce" }); // without a graphics card the beat takes the time of the runs
+    for (let n = 1; n <= 30; ++n) {
+      await drop(page, [{ name: `study${n}.nii.gz`, bytes }]);
+      await until_view(page, "result", "failure");
+      await report_is_drawn(page);
+      assert.equal(await page.evaluate(() => document.querySelectorAll("#runs li").length), 1, "another study has a history of its own");
+      if (n === 10 || n === 30) after.push(await held());
+      await page.click("#result .other");
+    }
+    console.log(`     ${after.map((b) => (b / 1e6).toFixed(0)).join(" and ")} MB after 10 and 30 studies`);
+    assert.ok(after[1] < 1.1 * after[0] + 5e6);
+  },
+
   async "stops at once when it is cancelled, and can start anew"(page) {
     await page.click("#example-patient");
     await page.waitForFunction(() => /Surfaces|Borders/.test(document.getElementById("stage").textContent), null, { timeout: most_wait });

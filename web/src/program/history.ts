@@ -1,6 +1,6 @@
 // The runs of a study, in the order in which they were made: which one is shown, and which one it is compared with.
-import type { ByHand } from "../host";
-import type { Piece } from "./job";
+import { argumentsOf, type ByHand, maskFile, mask_name } from "../host";
+import { copyOf, type Job, type Piece } from "./job";
 import { text } from "./texts";
 
 /** What a run is of. The command line names no path: only the user knows where the files are. */
@@ -22,6 +22,16 @@ export function taskOf(files: Piece[]): Task {
   const header = all.find((path) => /\.n?hdr$/i.test(path)); // its voxels are in another file
   const inputs = are_scans || all.length === 1 ? all : [header ?? "/in"];
   return { subject: are_scans ? "cloud" : "ventricle", files, make: [], inputs };
+}
+
+/** The job that runs a task, with settings of the options and what is said by hand; its result is the folder "result". */
+export function jobOf({ subject, files, make, inputs }: Task, settings: string[], said: ByHand): Job {
+  const by_hand = argumentsOf(said).map((word) => (word === mask_name ? `/${mask_name}` : word));
+  return {
+    files: [...copyOf(files), ...(said.paint ? [{ path: mask_name, bytes: maskFile(said.paint) }] : [])],
+    commands: [...make, [subject, ...inputs, "--out", "/result", ...settings.flatMap((set) => ["--set", set]), ...by_hand]],
+    wanted: ["result"],
+  };
 }
 
 export interface Run {

@@ -7,8 +7,8 @@ import { patient, vase } from "./examples";
 import { lineOfError, mb, reasonOf } from "./failure";
 import { load, printAlone } from "./frames";
 import { givenHere, pageWith } from "./given";
-import { dataOf, fileOf, History, type Run, type Task, taskOf } from "./history";
-import type { Job, Piece, Word } from "./job";
+import { dataOf, fileOf, History, jobOf, type Run, type Task, taskOf } from "./history";
+import { copyOf, type Job, type Piece, type Word } from "./job";
 import { OptionPanel } from "./options";
 import { by_id, fail, fail_by, show, tell_progress, tell_reason } from "./page";
 import { Pair, pairJob } from "./pair";
@@ -25,6 +25,8 @@ let task: Task | null = null;
 let said: ByHand = nothing_said();
 /** The last run was asked for by the report. */
 let correcting = false;
+/** The panel of the report that the last run was asked for; empty: none. */
+let asked_panel = "";
 /** The gate that the report looks at, from 1. */
 let gate = 1;
 let at_once = false;
@@ -34,16 +36,6 @@ let at_once = false;
 const runner = new Runner();
 
 // ---- A run ----
-
-const commands_of = (of: Task): string[][] => [
-  ...of.make,
-  [
-    of.subject,
-    ...of.inputs,
-    ...["--out", "/result", ...panel.settings().flatMap((set) => ["--set", set])],
-    ...argumentsOf(said).map((word) => (word === mask_name ? `/${mask_name}` : word)),
-  ],
-];
 
 /** Another study or result: nothing of the one before counts. */
 function forget(): void {
@@ -74,20 +66,15 @@ function resume(of: Task | null, run: Run): void {
 async function start(next: Task): Promise<void> {
   task = next;
   preview.stop();
-  show("working");
-  tell_progress("start 0/1", 0);
-  by_id("cancel").focus();
-  // Copies are given away: the files stay here for another run.
-  const files = copy_of(next.files);
-  if (said.paint) files.push({ path: mask_name, bytes: maskFile(said.paint) });
-  const word = await work({ files, commands: commands_of(next), wanted: ["result"] }, (end) => end.code === 0 || end.code === 3);
+  const word = await work(jobOf(next, panel.settings(), said), (end) => end.code === 0 || end.code === 3);
   if (word) present(word);
 }
 
-const copy_of = (files: Piece[]): Piece[] => files.map(({ path, bytes }) => ({ path, bytes: bytes.slice() }));
-
 /** Runs a job with its progress; null: it failed, which is told, or files are missing. */
 async function work(job: Job, is_done: (end: Ended) => boolean): Promise<Ended | null> {
+  show("working");
+  tell_progress("start 0/1", 0);
+  by_id("cancel").focus();
   const lines: string[] = [];
   let word: Word;
   try {
@@ -156,7 +143,8 @@ const history = new History(by_id("runs"), show_chosen);
 function tell_report(): void {
   const { shown, compared } = history;
   if (!shown || !task) return; // a report whose study is not here offers the command line
-  const words: FromPage = { dynasurf: "page", word: "study", said, before: compared ? dataOf(compared) : null, at_once, correcting };
+  const words: FromPage = { dynasurf: "page", word: "study", said, before: compared ? dataOf(compared) : null, at_once, correcting, panel: asked_panel };
+  asked_panel = "";
   by_id<HTMLIFrameElement>("report").contentWindow?.postMessage(words, "*");
 }
 
@@ -166,6 +154,12 @@ function hear_report(event: MessageEvent<FromReport>): void {
     tell_report();
     preview.stop(); // a report that is loaded anew shows none
     return look();
+  }
+  if (event.data.word === "run with" && task && panel.is_valid) {
+    asked_panel = event.data.panel;
+    panel.set(event.data.settings);
+    correcting = false;
+    return void start(task);
   }
   if (event.data.word !== "by hand") return;
   said = event.data.said;
@@ -274,7 +268,7 @@ const several_in = (pieces: Piece[]): Promise<Found[]> =>
 
 /** What `dynasurf info` tells; null: it could not read the files. */
 async function info(files: Piece[], input: string, ...more: string[]): Promise<string | null> {
-  const word = await runner.run({ files: copy_of(files), commands: [["info", input, "--json", ...more]], wanted: [] });
+  const word = await runner.run({ files: copyOf(files), commands: [["info", input, "--json", ...more]], wanted: [] });
   return word.kind === "end" && word.code === 0 ? word.output : null;
 }
 
@@ -310,9 +304,6 @@ const pair = new Pair(
 async function show_pair(): Promise<void> {
   const chosen = studies.pair;
   if (!chosen) return;
-  show("working");
-  tell_progress("start 0/1", 0);
-  by_id("cancel").focus();
   const has_both = ({ files }: Ended) => ["first", "second"].every((name) => files.some(({ path }) => path === `${name}/report.html`));
   const word = await work(await pairJob(chosen), has_both);
   if (!word) return;

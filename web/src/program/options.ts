@@ -92,6 +92,11 @@ export class OptionPanel {
     this.on_change(this.values.size);
   }
 
+  /** Sets some, and leaves the others. */
+  set(settings: [string, string][]): void {
+    this.restore([...this.snapshot().filter(([path]) => !settings.some(([of]) => of === path)), ...settings], this.said());
+  }
+
   /** As `--set` takes them, without what is said by hand. */
   settings(): string[] {
     return this.snapshot().map(([path, value]) => `${path}=${value}`);
