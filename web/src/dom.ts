@@ -1,4 +1,5 @@
 // Small helpers to build elements. Text goes in as text: nothing from a file is ever read as markup.
+import { words } from "./words";
 
 export function byId<T extends Element = HTMLElement>(id: string): T {
   return document.getElementById(id) as unknown as T;
@@ -40,7 +41,7 @@ export function saveFile(content: Blob, name: string): void {
 
 /** A number with fixed digits, or a dash for what is absent. */
 export function figure(value: number | null | undefined, digits = 1): string {
-  return value === null || value === undefined ? "–" : value.toFixed(digits);
+  return value === null || value === undefined ? "–" : words.number(value, digits);
 }
 
 export const colour = { endo: "#5aa9ff", epi: "#ff8a5c", wall: "#a9b4c2", edge: "#f4e04d", lit: "#ffe14d", band: "#5aa9ff66", fit: "#ffffff" } as const;

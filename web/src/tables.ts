@@ -165,7 +165,7 @@ export function subjectOf(results: Results): string {
   const kind = [study.format, study.modality, study.image_type].filter(Boolean).join(" ");
   const gates = study.gates > 1 ? say("{n} gates", { n: study.gates }) : say("not gated");
   const size = study.dims ? study.dims.join(" × ") : "";
-  const spacing = study.spacing_mm ? `${study.spacing_mm.map((s) => s.toFixed(1)).join(" × ")} mm` : "";
+  const spacing = study.spacing_mm ? `${study.spacing_mm.map((s) => figure(s)).join(" × ")} mm` : "";
   return [kind, gates, size, spacing].filter(Boolean).join(" · ");
 }
 
@@ -354,7 +354,7 @@ export function showProvenance(place: HTMLElement, results: Pick<Results, "prove
             "tr",
             {},
             html("th", { scope: "row" }, told(stage)),
-            html("td", {}, `${seconds.toFixed(3)} s`),
+            html("td", {}, `${figure(seconds, 3)} s`),
             html("td", { class: "bar" }, html("meter", { min: 0, max: total || 1, value: seconds, "aria-hidden": "true" })),
           ),
         ),

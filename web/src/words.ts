@@ -5,6 +5,8 @@
 export interface Translation {
   /** The language's own name. */
   name: string;
+  /** What stands before the decimals of a number. */
+  decimal: string;
   /** What the pages say. */
   pages: Record<string, string>;
   /**
@@ -44,6 +46,16 @@ export class Words {
   /** A text of a page with its {places} filled. */
   say(english: string, values: Values = {}): string {
     return filled(this.table?.pages[english] ?? english, values);
+  }
+
+  /** A number with so many decimals. */
+  number(value: number, decimals: number): string {
+    return this.decimals(value.toFixed(decimals));
+  }
+
+  /** A number as the program wrote it; other words as they are. */
+  private decimals(word: string): string {
+    return /^[-+]?\d+\.\d+$/.test(word) ? word.replace(".", this.table?.decimal ?? ".") : word;
   }
 
   /** A sentence that the program wrote; English where the table has none like it. */
@@ -88,7 +100,7 @@ export class Words {
       const told = kept.has(name) ? null : this.find(left.slice(0, at));
       if (told === null && name.startsWith("sentence")) continue;
       const more = is_last ? {} : this.valuesOf(parts, n + 2, left.slice(at + next.length));
-      if (more) return { [name]: told ?? left.slice(0, at), ...more };
+      if (more) return { [name]: told ?? this.decimals(left.slice(0, at)), ...more };
     }
     return null;
   }

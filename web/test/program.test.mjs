@@ -746,6 +746,7 @@ const tests = {
     const left = notGerman(in_german).filter((text) => !is_name(text));
     assert.deepEqual(left, [], "these are not German");
     assert.ok(in_german.includes("Enddiastolisches Volumen") && in_german.includes("7 mittventrikulär anterior"));
+    assert.ok((await frame.locator("#numbers").innerText()).includes(json.edv_ml.toFixed(1).replace(".", ",")), "decimals have a point");
     assert.ok(in_german.length > 250, `only ${in_german.length} texts`);
     await frame.press("body", "Escape");
     await shoot(page, "german-report");

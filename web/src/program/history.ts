@@ -1,7 +1,7 @@
 // The runs of a study, in the order in which they were made: which one is shown, and which one it is compared with.
 import { argumentsOf, type ByHand, maskFile, mask_name } from "../host";
 import { copyOf, type Job, type Piece } from "./job";
-import { text } from "./texts";
+import { number, text } from "./texts";
 
 /** What a run is of. The command line names no path: only the user knows where the files are. */
 export interface Task {
@@ -71,7 +71,7 @@ export function dataOf(run: Run): string | null {
   return /<script type="application\/json" id="data">([^<]*)<\/script>/.exec(page)?.[1] ?? null;
 }
 
-export const figure = (value: number | null) => (value === null ? "–" : value.toFixed(1));
+export const figure = (value: number | null) => (value === null ? "–" : number(value, 1));
 
 /** "EDV 110.4 mL, ESV 44.4 mL, EF 59.8 %, checks passed" */
 export function numbersText({ edv_ml, esv_ml, ef_percent, quality }: Numbers): string {

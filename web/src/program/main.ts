@@ -15,7 +15,7 @@ import { Pair, pairJob } from "./pair";
 import { Preview } from "./preview";
 import { asGiven, type FoundResult, isOptions, openResult, partResults, partSaid, recordOf, studyOf } from "./results";
 import { type Found, resultsIn, severalIn, StudyList } from "./studies";
-import { type Key, language, languages, name_of, speak, spoken, text } from "./texts";
+import { type Key, language, languages, name_of, number, speak, spoken, text } from "./texts";
 
 /** `complaint`: the last error that the program told. */
 type Ended = Word & { kind: "end"; complaint?: string | undefined };
@@ -129,7 +129,7 @@ function show_chosen(is_other_run: boolean): void {
 function tell_run(run: Run): void {
   tell_list();
   const { place } = run;
-  by_id("summary").textContent = place ? text(task ? "opened" : "opened_alone", { place }) : text(run.code === 3 ? "done_check" : "done", { s: run.seconds.toFixed(1), mb: mb(run.memory) });
+  by_id("summary").textContent = place ? text(task ? "opened" : "opened_alone", { place }) : text(run.code === 3 ? "done_check" : "done", { s: number(run.seconds, 1), mb: mb(run.memory) });
   for (const id of ["save-page", "again"]) by_id<HTMLButtonElement>(id).disabled = task === null;
   by_id("compared").textContent = history.comparison();
   by_id<HTMLButtonElement>("undo").disabled = history.at <= 0;

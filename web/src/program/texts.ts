@@ -119,6 +119,8 @@ export const name_of = (name: string): string => tableOf(name)?.name ?? "English
 /** The text with its {places} filled. */
 export const text = (key: Key, values: Values = {}): string => words.say(english[key], values);
 
+export const number = (value: number, decimals: number): string => words.number(value, decimals);
+
 /** What the program says of a study. */
 export const told = (sentence: string): string => words.told(sentence);
 
