@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
@@ -81,7 +82,7 @@ ExitCode show_result(const ViewArguments& a) {
   std::vector<report::PageFile> files;
   try {
     files = files_of_run(a);
-  } catch (const InputError& error) {
+  } catch (const std::runtime_error& error) {
     if (is_asked) throw;
     print(std::string(error.what()) + "; this is the report alone\n");
     return show_page(fs::path(a.what) / "report.html");

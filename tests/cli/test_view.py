@@ -47,6 +47,13 @@ class View(CliTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(self.opened(), str(small_result() / "report.html"))
 
+    def test_a_result_that_lost_its_numbers_is_shown_too(self):
+        result = self.folder / "result"
+        shutil.copytree(small_result(), result)
+        (result / "results.json").unlink()
+        self.assertEqual(run("view", result, env=self.environment).returncode, 0)
+        self.assertEqual(self.opened(), str(result / "report.html"))
+
     def test_a_study_stands_whole_in_a_page_that_only_its_owner_can_read(self):
         study = small_patient() / "study.dcm"
         done = run("view", study, "--page", self.page, env=self.environment)

@@ -10,7 +10,7 @@ import { givenHere, pageWith } from "./given";
 import { dataOf, fileOf, History, jobOf, type Run, type Task, taskOf } from "./history";
 import { copyOf, type Job, type Piece, type Word } from "./job";
 import { OptionPanel } from "./options";
-import { by_id, fail, fail_by, show, tell_progress, tell_reason } from "./page";
+import { attempt, by_id, fail, show, tell_progress, tell_reason } from "./page";
 import { Pair, pairJob } from "./pair";
 import { Preview } from "./preview";
 import { asGiven, type FoundResult, isOptions, openResult, partResults, partSaid, recordOf, studyOf } from "./results";
@@ -118,6 +118,7 @@ function show_chosen(is_other_run: boolean): void {
   const run = history.shown!;
   by_id("back").hidden = false;
   if (is_other_run) {
+    said = run.said;
     panel.restore(run.settings, run.said.options);
     show("result");
     load_report(run);
@@ -189,14 +190,11 @@ function cancel(): void {
 
 // ---- What is given ----
 
-async function take(given: Promise<Given[]> | Given[]): Promise<void> {
-  try {
+const take = (given: Promise<Given[]> | Given[]): Promise<void> =>
+  attempt(async () => {
     const list = await given;
     if (list.length > 0) await open_given(list);
-  } catch (error) {
-    fail_by(error);
-  }
-}
+  });
 
 /** Opens the one study, scan or result among what is given, or lists them. */
 async function open_given(list: Given[]): Promise<void> {
@@ -274,7 +272,7 @@ async function info(files: Piece[], input: string, ...more: string[]): Promise<s
 
 const studies = new StudyList(
   by_id("study-list"),
-  ({ result, files }) => void (result ? show_result(result) : begin_with_options(files)).catch(fail_by),
+  ({ result, files }) => void attempt(() => (result ? show_result(result) : begin_with_options(files))),
   (is_pair) => (by_id<HTMLButtonElement>("open-pair").disabled = !is_pair),
 );
 
@@ -400,7 +398,7 @@ function change_language(name: string): void {
 }
 
 function connect(): void {
-  const click = (id: string, work: () => unknown) => by_id(id).addEventListener("click", work);
+  const click = (id: string, work: () => unknown) => by_id(id).addEventListener("click", () => void attempt(work));
   click("pick-files", () => by_id("files").click());
   click("pick-folder", () => by_id("folder").click());
   for (const id of ["files", "folder"])
@@ -445,7 +443,7 @@ function connect(): void {
   });
   click("reset", () => panel.reset());
   click("copy", copy);
-  click("save-options", () => save_options().catch(fail_by));
+  click("save-options", save_options);
   by_id("search").addEventListener("input", (event) => panel.show((event.target as HTMLInputElement).value));
   for (const button of document.querySelectorAll(".other"))
     button.addEventListener("click", () => {
@@ -476,7 +474,8 @@ speak(language());
 show("start");
 if (typeof DecompressionStream === "undefined" || typeof WebAssembly === "undefined") fail(() => text("old_browser" satisfies Key));
 else
-  givenHere()
-    .then((given) => (given === null ? warmUp(runner) : Array.isArray(given) ? open_given(given) : resume(given.task, given.run)))
-    .catch(fail_by);
+  void attempt(async () => {
+    const given = await givenHere();
+    return given === null ? warmUp(runner) : Array.isArray(given) ? open_given(given) : resume(given.task, given.run);
+  });
 document.documentElement.dataset.ready = "true";

@@ -31,9 +31,18 @@ export function fail(say: () => string, own = ""): void {
   by_id("failure").querySelector("button")?.focus();
 }
 
-export function fail_by(error: unknown): void {
+function fail_by(error: unknown): void {
   if (error instanceof Complaint) fail(error.say);
   else fail(() => (error instanceof Refusal ? text(error.code, { about: error.about }) : text("lost", { reason: String(error) })));
+}
+
+/** Does something, and tells why it could not be done. */
+export async function attempt(work: () => unknown): Promise<void> {
+  try {
+    await work();
+  } catch (error) {
+    fail_by(error);
+  }
 }
 
 export function tell_progress(line: string, memory: number): void {

@@ -64,7 +64,8 @@ export const recordOf = (result: Piece[]): Record => JSON.parse(new TextDecoder(
 /** The study that a result was made from, ready to be run again; null where not all of it is among the pieces. */
 export async function studyOf(result: Piece[], pieces: Piece[]): Promise<{ task: Task; paint: Paint | null } | null> {
   const { inputs = [], given = {} } = recordOf(result).provenance ?? {};
-  const files = given.start_mesh_sha256 ? null : await filesWith(inputs, pieces);
+  const can_hash = crypto.subtle !== undefined; // only where the browser takes a page from a disk for secure
+  const files = can_hash && !given.start_mesh_sha256 ? await filesWith(inputs, pieces) : null;
   if (!files) return null;
   const mask = given.mask_sha256 ? await filesWith([{ sha256: given.mask_sha256 }], pieces) : null;
   const paint = mask && paintOf(mask[0]!.bytes);
