@@ -605,6 +605,11 @@ const tests = {
     await until_view(page, "failure");
     assert.equal(await reason(page), "options.json: options without a study; drop both together, or first the study");
     await page.click("#failure .other");
+    // All of it at once, without a folder.
+    await drop(page, [...read("patient/edges", "report.html", "results.json", "options.json"), ...read("patient", "study.dcm")]);
+    await until_view(page, "result", "failure");
+    assert.equal(await page.innerText("#summary"), "Opened: result");
+    await page.click("#result .other");
     // A folder of results: a list, and two of them side by side.
     mkdirSync(join(work, "cohort"), { recursive: true });
     for (const name of ["plain", "edges"]) cpSync(join(work, "patient", name), join(work, "cohort", name), { recursive: true });

@@ -31,12 +31,17 @@ export interface Opened {
 
 const folderOf = (path: string) => path.slice(0, path.lastIndexOf("/") + 1);
 
+/** What a result holds beside its folders. Files that were given without a folder may hold its study as well. */
+const own_files = /^(report\.(html|pdf)|results\.(json|csv)|options\.json|manifest\.txt|live\.html|cycle\.(glb|pvd)|levels\.glb)$/;
+const belongs = (path: string, folder: string) =>
+  path.startsWith(folder) && (!["", "in/"].includes(folder) || path.slice(folder.length).includes("/") || own_files.test(path.slice(folder.length)));
+
 /** Parts what is given into results and the rest. */
 export function partResults<T extends { path: string }>(given: T[]): { results: { place: string; given: T[] }[]; rest: T[] } {
   const paths = new Set(given.map(({ path }) => path));
   const folders = given.flatMap(({ path }) => (/(^|\/)results\.json$/.test(path) && paths.has(`${folderOf(path)}report.html`) ? [folderOf(path)] : []));
-  const owner = ({ path }: T) => folders.filter((folder) => path.startsWith(folder)).sort((a, b) => b.length - a.length)[0];
-  const results = folders.map((folder) => ({ place: folder.split("/").at(-2) ?? "result", given: given.filter((file) => owner(file) === folder) }));
+  const owner = ({ path }: T) => folders.filter((folder) => belongs(path, folder)).sort((a, b) => b.length - a.length)[0];
+  const results = folders.map((folder) => ({ place: folder === "in/" ? "result" : (folder.split("/").at(-2) ?? "result"), given: given.filter((file) => owner(file) === folder) }));
   return { results, rest: given.filter((file) => owner(file) === undefined) };
 }
 
