@@ -23,10 +23,9 @@ fs::path find_page() {
   return {};
 }
 
-fs::path page_at(const std::string& named) {
-  const fs::path page = named.empty() ? find_page() : fs::path(named);
-  if (page.empty())
-    throw IoError("dynasurf.html is not installed beside this program; name it with --page (./dev web makes it)");
+fs::path installed_page() {
+  fs::path page = find_page();
+  if (page.empty()) throw IoError("dynasurf.html is not installed beside this program (./dev web makes it)");
   return page;
 }
 

@@ -10,8 +10,8 @@ namespace dynasurf::app {
 
 /// Where dynasurf.html is installed beside this program, or where ./dev web makes it; empty: nowhere.
 std::filesystem::path find_page();
-/// `named`, or where it is found. Throws IoError where it is nowhere.
-std::filesystem::path page_at(const std::string& named);
+/// The same. Throws IoError where it is nowhere.
+std::filesystem::path installed_page();
 
 /// The files of a result folder as the folder `name` of a page.
 std::vector<report::PageFile> files_of_result(const std::filesystem::path& result, const std::string& name);

@@ -6,7 +6,7 @@
 
 namespace dynasurf::app {
 
-/// Writes a page into a new folder that nobody else can look into. Throws IoError.
+/// Writes a page into a new temporary folder that only its owner can read. Throws IoError.
 std::filesystem::path temporary_page(const std::string& text);
 
 /// Opens a page in the browser, or tells which one to open.

@@ -56,7 +56,7 @@ void take(const ResultArguments& arguments, const std::string& command, ResultJo
   job.command = command;
   job.file_names = arguments.with_names;
   job.threads = arguments.threads;
-  if (arguments.live) job.live_page = page_at("");
+  if (arguments.live) job.live_page = installed_page();
 }
 
 report::Provenance provenance_of(const ResultJob& job, const std::vector<std::filesystem::path>& inputs,

@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
@@ -62,36 +63,42 @@ std::vector<report::PageFile> files_of_run(const ViewArguments& a) {
   return files;
 }
 
-/// Shows the page with the files inside, or writes it where it is asked for.
-ExitCode show_files(const ViewArguments& a, const std::vector<report::PageFile>& files) {
-  const std::string text = report::page_with_files(io::text_of_file(page_at(a.page)), files);
-  if (a.out.path.empty()) return show_page(temporary_page(text));
+std::string page_with(const ViewArguments& a, const std::vector<report::PageFile>& files) {
+  return report::page_with_files(io::text_of_file(a.page.empty() ? installed_page() : fs::path(a.page)), files);
+}
+
+/// Opens a page with files inside, or writes it where that is asked for.
+ExitCode show(const ViewArguments& a, const std::string& page) {
+  if (a.out.path.empty()) return show_page(temporary_page(page));
   io::OutputFile output(a.out.path, a.out.existing());
-  io::write_file(output.path(), text);
+  io::write_file(output.path(), page);
   output.publish();
   print("page with the study inside: " + a.out.path + "\n" + line_of_moved(output));
   return done;
 }
 
-/// A result whose study is not there, or without the page, is its report alone; where more is asked for that is said.
+/// A result is its report alone without the page, without its study, or where a page cannot hold both; where more is
+/// asked for that is refused.
 ExitCode show_result(const ViewArguments& a) {
-  if (!a.options.empty())
-    throw OptionError("--options: " + a.what + " is a result, which has its own; expected a study");
+  for (const auto& [name, value] : {std::pair("--options", &a.options), std::pair("--series", &a.series)})
+    if (!value->empty())
+      throw OptionError(std::string(name) + ": " + a.what + " is a result, which has its own; expected a study");
   const bool is_asked = !a.out.path.empty() || !a.inputs.empty() || !a.page.empty();
-  if (!is_asked && find_page().empty()) return show_page(fs::path(a.what) / "report.html");
-  std::vector<report::PageFile> files;
+  const fs::path report = fs::path(a.what) / "report.html";
+  if (!is_asked && find_page().empty()) return show_page(report);
+  std::string page;
   try {
-    files = files_of_run(a);
+    page = page_with(a, files_of_run(a));
   } catch (const std::runtime_error& error) {
     if (is_asked) throw;
     print(std::string(error.what()) + "; this is the report alone\n");
-    return show_page(fs::path(a.what) / "report.html");
+    return show_page(report);
   }
-  return show_files(a, files);
+  return show(a, page);
 }
 
 ExitCode run(const ViewArguments& a) {
-  return fs::is_regular_file(fs::path(a.what) / "report.html") ? show_result(a) : show_files(a, files_of(a));
+  return fs::is_regular_file(fs::path(a.what) / "report.html") ? show_result(a) : show(a, page_with(a, files_of(a)));
 }
 
 }  // namespace

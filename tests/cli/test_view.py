@@ -84,6 +84,7 @@ class View(CliTest):
         (self.folder / "wrong.json").write_text('{"mistake": 1}')
         self.refuses(1, *arguments, "--replace", "--options", self.folder / "wrong.json", says="mistake")
         self.refuses(1, "view", small_result(), "--options", small_result() / "options.json", says="is a result")
+        self.refuses(1, "view", small_result(), "--series", "1", says="is a result")
 
     def test_a_result_stands_in_the_page_with_its_study(self):
         out = self.folder / "live.html"

@@ -2,6 +2,7 @@
 // circle, the ends of the heart and the valve plane; points of the borders; a brush for what is no heart; gates to leave
 // out. The values are the options `manual.*` of the program and a mask.
 import { borderDrag, type BorderPoint, type Drag, drawPoint, numbersOf, pointsIn, pointsOn } from "./borderpoints";
+import { copyText } from "./clipboard";
 import { toWorld, type Voxel } from "./cursor";
 import { toVoxels, walls as wall_names, type Results } from "./data";
 import { figure, html, saveFile } from "./dom";
@@ -436,12 +437,7 @@ export class HandTool implements Tool {
 
   private copy(): void {
     const button = this.buttons.get("copy")!;
-    const area = html("textarea", {});
-    area.value = this.commandLine();
-    this.place.append(area);
-    area.select();
-    document.execCommand("copy"); // a page from a disk has no other clipboard
-    area.remove();
+    copyText(this.commandLine(), this.place);
     button.textContent = say("Copied");
     button.dataset.copied = this.commandLine();
     setTimeout(() => (button.textContent = say("Copy as command line")), 1500);

@@ -46,28 +46,25 @@ export function joinHost(hand: HandTool | null, painter: Painter | null, slices:
     if (event.data.word !== "study") return;
     hand?.serve((said, run, gate, at_once) => tell({ dynasurf: "report", word: "by hand", said, run, gate, at_once }), event.data.said, event.data.at_once);
     void compareWith(event.data.before, painter, slices);
-    offerRecords(tell);
+    offerRecords();
     if (event.data.panel) document.getElementById(event.data.panel)?.scrollIntoView({ block: "start" });
     if (!event.data.correcting || !hand || hand.on) return;
     byId("toggle-hand").click();
     byId("toggle-hand").scrollIntoView({ block: "center" });
   });
+  for (const [name, setting] of Object.entries(records))
+    byId(`record-${name}`).addEventListener("click", () => tell({ dynasurf: "report", word: "run with", settings: [setting], panel: `${name}-panel` }));
   tell({ dynasurf: "report", word: "ready" });
 }
 
-/** What a run can record to be understood, where this one has not. */
-const records = { motion: ["evolution.trajectory_every", "5"], contours: ["pipeline", "contour"] } as const;
-let is_offered = false;
+/** What a run can record to be understood. */
+const records: { [name: string]: [string, string] } = { motion: ["evolution.trajectory_every", "5"], contours: ["pipeline", "contour"] };
 
-function offerRecords(tell: (word: FromReport) => void): void {
+/** Offers what this run has not recorded. */
+function offerRecords(): void {
   const has = (name: string) => document.getElementById(`${name}-panel`) !== null;
   byId("record-panel").hidden = has("contours"); // which have no meshes on their way
-  for (const [name, setting] of Object.entries(records)) {
-    const button = byId(`record-${name}`);
-    button.hidden = has(name);
-    if (!is_offered) button.addEventListener("click", () => tell({ dynasurf: "report", word: "run with", settings: [[...setting]], panel: `${name}-panel` }));
-  }
-  is_offered = true;
+  for (const name of Object.keys(records)) byId(`record-${name}`).hidden = has(name);
 }
 
 function wordsOf(found: FoundBorders | null, preview: Preview | null): string {

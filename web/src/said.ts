@@ -41,8 +41,9 @@ export const roundedOf = (key: Key) => (v: number) => (key === "axis" ? Math.rou
 /** A value as one types it, or as an option of the program has it; undefined: none. Throws RangeError with what was expected. */
 export function valueOf(key: Key, text: string): Said[Key] | undefined {
   const words = text.trim();
+  if (key === "reader" || key === "comment") return (words || undefined) as never;
   if (words === "" || words === "unset" || words === "none") return undefined;
-  if (key === "decision" || key === "reader" || key === "comment") return words as never;
+  if (key === "decision") return words as never;
   const numbers = words.split(/[ ,;]+/).filter(Boolean).map(Number);
   const are_points = key.endsWith("_points");
   const is_place = key === "center_mm" || key === "axis";

@@ -268,6 +268,16 @@ const tests = {
     await again.waitForFunction(() => !document.getElementById("hand").hidden); // where the user was
     assert.match(await again.locator("#hand .hand-state").innerText(), /mL painted out/);
     assert.ok(await again.locator("#hand-run").isDisabled(), "what was run counts as changed");
+    // The zip archive and the study give the paint back.
+    const zip = (await downloaded(page, "#save-zip")).bytes;
+    await page.click("#result .other");
+    await drop(page, [{ name: "result.zip", bytes: zip }, { name: "study.dcm", bytes: readFileSync(join(work, "patient/study.dcm")) }]);
+    await until_view(page, "result", "failure");
+    assert.equal(await page.innerText("#summary"), "Opened: dynasurf-result");
+    const opened = await report_is_drawn(page);
+    await opened.click("#toggle-hand");
+    await opened.waitForFunction(() => /mL painted out/.test(document.querySelector("#hand .hand-state").textContent));
+    assert.deepEqual((await saved(page)).files["mask.nrrd"], mine.files["mask.nrrd"]);
   },
 
   async "moves a point of a border, which the fit goes through as the native program does"(page) {
@@ -588,11 +598,17 @@ const tests = {
     await page.click("#show-options");
     await page.waitForSelector(".control", { timeout: most_wait });
     await enter(page.locator('[data-path="manual.radius_mm"] input'), "61");
+    await enter(page.locator('[data-path="manual.center_mm"] input'), "1,2"); // a place has three numbers
     await frame.click("#toggle-hand");
     await frame.waitForFunction(() => document.getElementById("hand-radius_mm").value === "61");
     await enter(frame.locator("#hand-last_slice"), "18");
     await page.waitForFunction(() => document.querySelector('[data-path="manual.last_slice"] input').value === "18");
+    assert.equal(await page.inputValue('[data-path="manual.center_mm"] input'), "1,2", "what was typed is gone");
+    await page.click("#again");
+    assert.ok(await page.evaluate(() => document.activeElement.closest(".control")?.dataset.path === "manual.center_mm"), "it is not told");
+    await enter(page.locator('[data-path="manual.center_mm"] input'), "");
     const file = JSON.parse((await downloaded(page, "#save-options")).bytes);
+    assert.equal(file.manual.center_mm, null);
     assert.deepEqual([file.manual.radius_mm, file.manual.last_slice, file.manual.exclude_gates], [61, 18, [2]]);
     await drop(page, [{ name: "options.json", bytes: Buffer.from('{"edges": {"method": "canny", "sigma_px": 2}}') }]);
     await page.waitForFunction(() => document.getElementById("changed").textContent === "1 changed");
@@ -610,6 +626,12 @@ const tests = {
     await until_view(page, "result", "failure");
     assert.equal(await page.innerText("#summary"), "Opened: result");
     await page.click("#result .other");
+    // A scan beside a study is not forgotten.
+    const points = Array.from({ length: 60 }, (_, n) => `${n} ${n * n} 1`).join("\n");
+    await drop(page, [...read("patient", "study.dcm"), { name: "scan.xyz", bytes: Buffer.from(points) }]);
+    await until_view(page, "studies", "failure");
+    assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll("#study-list b")].map((name) => name.textContent)), ["study.dcm", "scan.xyz"]);
+    await page.click("#studies .other");
     // A folder of results: a list, and two of them side by side.
     mkdirSync(join(work, "cohort"), { recursive: true });
     for (const name of ["plain", "edges"]) cpSync(join(work, "patient", name), join(work, "cohort", name), { recursive: true });
@@ -653,7 +675,7 @@ const tests = {
     assert.ok(await frame.isHidden("#record-panel"));
   },
 
-  async "refuses what its memory cannot hold, in the program's line, and goes on"(page) {
+  async "refuses a study that is too large in the program's line, and goes on"(page) {
     const head = (sizes) => `NRRD0004\ntype: float\ndimension: 3\nsizes: ${sizes}\nencoding: gzip\n\n`;
     await give(page, "huge.nrrd", Buffer.from(head("1200 1200 1200") + "x".repeat(100_000)));
     await until_view(page, "failure");

@@ -6,9 +6,16 @@ import type { Piece } from "./job";
 import { settingsBetween } from "./options";
 
 const asked = new Runner();
+let before: Promise<unknown> = Promise.resolve();
 
-/** What a short command prints. Throws Complaint with the program's line. */
-export async function answer(command: string[], files: Piece[] = []): Promise<string> {
+/** What a short command prints, after the ones before. Throws Complaint with the program's line. */
+export function answer(command: string[], files: Piece[] = []): Promise<string> {
+  const mine = before.then(() => ask(command, files));
+  before = mine.catch(() => {});
+  return mine;
+}
+
+async function ask(command: string[], files: Piece[]): Promise<string> {
   const lines: string[] = [];
   const word = await asked.run({ files, commands: [command], wanted: [] }, (line) => lines.push(line.text));
   if (word.kind === "end" && word.code === 0) return word.output;

@@ -140,13 +140,3 @@ export function save(bytes: Uint8Array | string, name: string, type: string): vo
 export function as_zip(pieces: Piece[]): Uint8Array {
   return zipSync(Object.fromEntries(pieces.map(({ path, bytes }) => [path, bytes])), { level: 6 });
 }
-
-/** Puts words on the clipboard. Its own interface is for pages from the network; a file has this one. */
-export function copyText(words: string, beside: HTMLElement): void {
-  const area = document.createElement("textarea");
-  area.value = words;
-  beside.append(area);
-  area.select();
-  document.execCommand("copy");
-  area.remove();
-}

@@ -1,5 +1,6 @@
 // dynasurf.html: takes files, runs the program over them in a worker, shows its report.
-import { as_zip, copyText, dropped, type Given, picked, read_given, Refusal, save } from "./files";
+import { as_zip, dropped, type Given, picked, read_given, Refusal, save } from "./files";
+import { copyText } from "../clipboard";
 import { argumentsOf, type ByHand, type FromPage, type FromReport, isSame, maskFile, mask_name, nothing_said, quoted } from "../host";
 import { answer, settings_of } from "./asked";
 import { Runner, warmUp } from "./engine";
@@ -9,11 +10,11 @@ import { load, printAlone } from "./frames";
 import { givenHere, pageWith } from "./given";
 import { dataOf, fileOf, History, jobOf, type Run, type Task, taskOf } from "./history";
 import { copyOf, type Job, type Piece, type Word } from "./job";
-import { OptionPanel } from "./options";
+import { OptionPanel, partSaid } from "./options";
 import { attempt, by_id, fail, show, tell_progress, tell_reason } from "./page";
 import { Pair, pairJob } from "./pair";
 import { Preview } from "./preview";
-import { asGiven, type FoundResult, isOptions, openResult, partResults, partSaid, recordOf, studyOf } from "./results";
+import { asGiven, type FoundResult, isOptions, openResult, partResults, recordOf, studyOf } from "./results";
 import { type Found, resultsIn, severalIn, StudyList } from "./studies";
 import { type Key, language, languages, name_of, number, speak, spoken, text } from "./texts";
 
@@ -226,8 +227,7 @@ async function show_result(found: FoundResult): Promise<void> {
   const json = fileOf(result, "options.json");
   const subject = recordOf(result).schema?.includes("cloud") ? "cloud" : "ventricle";
   const { settings, options } = partSaid(json.length > 0 ? await settings_of(subject, json) : []);
-  const verdict = (JSON.parse(new TextDecoder().decode(fileOf(result, "results.json"))) as { quality?: { verdict?: string } }).quality?.verdict;
-  resume(of, { name: "", place, settings, said: { options, paint }, result, code: verdict === "fail" ? 3 : 0, seconds: 0, memory: 0 });
+  resume(of, { name: "", place, settings, said: { options, paint }, result, code: 0, seconds: 0, memory: 0 });
 }
 
 /** The run that a report stands for, also behind what could not be done. */

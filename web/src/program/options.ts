@@ -36,7 +36,24 @@ export function settingsBetween(usual: string, of_file: string): [string, string
   return rows.filter((row) => isAlive(rows, row, (of) => of.default) && defaults.get(key(row)) !== row.default).map((row) => [row.path, row.default]);
 }
 
-const numbers = String.raw`\s*[\d.+\-e]+(\s*[, ]\s*[\d.+\-e]+)*\s*`;
+/** Settings of options, parted into those of the panel and those that the report says by hand. */
+export function partSaid(settings: [string, string][]): { settings: [string, string][]; options: { [path: string]: string } } {
+  return { settings: settings.filter(([path]) => !is_by_hand(path)), options: Object.fromEntries(settings.filter(([path]) => is_by_hand(path))) };
+}
+
+/** So many numbers, or some multiple of them, with commas or spaces between them. */
+const numbers = (count: number, many: boolean): string => {
+  const group = `[\\d.+\\-e]+(\\s*[, ]\\s*[\\d.+\\-e]+){${count - 1}}`;
+  return `\\s*${group}${many ? `(\\s*[, ]\\s*${group})*` : ""}\\s*`;
+};
+/** What an option that is said by hand may be; others have ranges, or are words. */
+const patterns: { [path: string]: string } = {
+  "manual.center_mm": numbers(3, false),
+  "manual.axis": numbers(3, false),
+  "manual.exclude_gates": numbers(1, true),
+  "manual.endo_points": numbers(4, true),
+  "manual.epi_points": numbers(4, true),
+};
 
 /** The options of one subject and what the user made of them, what is said by hand in the report too. */
 export class OptionPanel {
@@ -102,14 +119,15 @@ export class OptionPanel {
     return this.snapshot().map(([path, value]) => `${path}=${value}`);
   }
 
-  /** What is said by hand, in the order in which the report says it. */
+  /** What is said by hand and can be, in the order in which the report says it. */
   said(): Record<string, string> {
-    return Object.fromEntries(hand_keys.map((key) => `manual.${key}`).filter((path) => this.values.has(path)).map((path) => [path, this.values.get(path)!]));
+    return Object.fromEntries(hand_keys.map((key) => `manual.${key}`).filter((path) => this.values.has(path) && !this.bad.has(path)).map((path) => [path, this.values.get(path)!]));
   }
 
   /** Takes what the report says by hand: while a pointer moves, so no more than that is drawn anew. */
   hear(said: Record<string, string>): void {
     for (const path of hand_keys.map((key) => `manual.${key}`)) {
+      if (this.bad.has(path)) continue; // the report never heard of it
       if (path in said) this.values.set(path, said[path]!);
       else this.values.delete(path);
       const [row, field] = [this.rows.find((of) => of.path === path), document.getElementById(`option-${path}`)];
@@ -183,7 +201,7 @@ export class OptionPanel {
     const is_number = !is_list && (limits !== null || (row.default !== "" && Number.isFinite(Number(row.default))));
     if (is_number) Object.assign(field, { type: "number", step: "any" });
     if (limits) Object.assign(field, { min: limits[1], max: limits[2] });
-    if (is_by_hand(row.path) && row.default === unset) field.pattern = numbers;
+    if (patterns[row.path]) field.pattern = patterns[row.path]!;
     field.placeholder = row.default === unset ? text("unset") : row.default;
     field.value = this.shown(row);
     return field;

@@ -1,6 +1,6 @@
 // Results among what is given: folders that hold a report.html and a results.json. They are shown without a run, and run
 // again where their study is given too.
-import { is_by_hand, type Paint, paintOf } from "../host";
+import { type Paint, paintOf } from "../host";
 import { type Given, Refusal } from "./files";
 import { fileOf, type Task, taskOf } from "./history";
 import type { Piece } from "./job";
@@ -11,10 +11,9 @@ export interface FoundResult {
   given: Given[];
 }
 
-interface Record {
+interface ResultRecord {
   schema?: string;
   provenance?: {
-    version?: string;
     inputs?: { bytes?: number; sha256?: string }[];
     given?: { mask_sha256?: string | null; start_mesh_sha256?: string | null };
   };
@@ -64,7 +63,7 @@ async function filesWith(wanted: { bytes?: number; sha256?: string }[], pieces: 
   return found.length === wanted.length && found.length > 0 ? found : null;
 }
 
-export const recordOf = (result: Piece[]): Record => JSON.parse(new TextDecoder().decode(fileOf(result, "results.json")) || "{}") as Record;
+export const recordOf = (result: Piece[]): ResultRecord => JSON.parse(new TextDecoder().decode(fileOf(result, "results.json")) || "{}") as ResultRecord;
 
 /** The study that a result was made from, ready to be run again; null where not all of it is among the pieces. */
 export async function studyOf(result: Piece[], pieces: Piece[]): Promise<{ task: Task; paint: Paint | null } | null> {
@@ -93,9 +92,4 @@ function isOfThisVersion(report: string): boolean {
   const policy = document.querySelector<HTMLMetaElement>('meta[http-equiv="Content-Security-Policy"]')!.content;
   const hash = /script-src ('sha256-[^']+')/.exec(report)?.[1];
   return hash !== undefined && policy.includes(hash);
-}
-
-/** The settings of options, parted into those of the panel and those that the report says by hand. */
-export function partSaid(settings: [string, string][]): { settings: [string, string][]; options: { [path: string]: string } } {
-  return { settings: settings.filter(([path]) => !is_by_hand(path)), options: Object.fromEntries(settings.filter(([path]) => is_by_hand(path))) };
 }

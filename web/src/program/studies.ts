@@ -43,8 +43,9 @@ const scansIn = (pieces: Piece[]): Found[] =>
 export async function severalIn(pieces: Piece[], list: (files: Piece[], input: string) => Promise<string | null>): Promise<Found[]> {
   const scans = scansIn(pieces);
   const others = pieces.filter((piece) => !scans.some(({ files }) => files[0] === piece));
-  const input = others.length > 0 ? taskOf(others).inputs[0]! : "";
-  if (others.length === 0 || (scans.length === 0 && input !== "/in")) return [];
+  if (others.every(({ path }) => isScan(path))) return []; // the files of one scan
+  const input = taskOf(others).inputs[0]!;
+  if (scans.length === 0 && input !== "/in") return [];
   const output = await list(others, input);
   const found = output === null ? [] : studiesOf(output, others);
   if (scans.length === 0) return found;

@@ -162,6 +162,8 @@ export function speak(next: string): void {
     element.textContent = text(element.dataset.text as Key);
   for (const element of document.querySelectorAll<HTMLElement>("[data-title]"))
     element.title = text(element.dataset.title as Key);
-  for (const element of document.querySelectorAll<HTMLElement>("[data-label]"))
-    for (const name of element instanceof HTMLInputElement ? ["aria-label", "placeholder"] : ["aria-label"]) element.setAttribute(name, text(element.dataset.label as Key));
+  for (const element of document.querySelectorAll<HTMLElement>("[data-label]")) {
+    element.setAttribute("aria-label", text(element.dataset.label as Key));
+    if (element instanceof HTMLInputElement) element.placeholder = text(element.dataset.label as Key);
+  }
 }
