@@ -1,21 +1,11 @@
 #include <algorithm>
-#include <memory>
-#include <set>
 
 #include "dynasurf/io/detail/dicom_result_parts.hpp"
-// DCMTK's own headers want its configuration, which the parts bring.
-#include <dcmtk/dcmfg/fgderimg.h>
-#include <dcmtk/dcmfg/fgfracon.h>
-#include <dcmtk/dcmfg/fgpixmsr.h>
-#include <dcmtk/dcmfg/fgplanor.h>
-#include <dcmtk/dcmfg/fgplanpo.h>
-#include <dcmtk/dcmseg/segdoc.h>
-#include <dcmtk/dcmseg/segment.h>
 
 namespace dynasurf::io {
 namespace {
 
-using dicom::decimal, dicom::must;
+using dicom::decimal, dicom::decimals, dicom::Item;
 
 void check(std::span<const DicomSegment> segments) {
   if (segments.empty()) throw InputError("segmentation: expected at least one segment");
@@ -28,117 +18,142 @@ void check(std::span<const DicomSegment> segments) {
   }
 }
 
-std::unique_ptr<DcmSegmentation> new_segmentation(const Grid& grid, const DicomResult& result,
-                                                  const DicomObject& object) {
-  const IODGeneralEquipmentModule::EquipmentInfo equipment("Dynasurf", "Dynasurf", "none",
-                                                           result.program_version.c_str());
-  ContentIdentificationMacro content;
-  must(content.setContentLabel("LEFT_VENTRICLE"), "label the segmentation");
-  must(content.setContentDescription(object.description.c_str()), "describe the segmentation");
-  must(content.setInstanceNumber(std::to_string(object.instance_number).c_str()), "number the segmentation");
-  DcmSegmentation* segmentation = nullptr;
-  must(DcmSegmentation::createBinarySegmentation(segmentation, static_cast<Uint16>(grid.dims[1]),
-                                                 static_cast<Uint16>(grid.dims[0]), equipment, content),
-       "make a segmentation");
-  return std::unique_ptr<DcmSegmentation>(segmentation);
+void put_segments(Item& root, std::span<const DicomSegment> segments) {
+  int number = 0;
+  for (const DicomSegment& s : segments) {
+    Item item = root.add(DCM_SegmentSequence);
+    dicom::put_code(item, DCM_SegmentedPropertyCategoryCodeSequence, {"123037004", "SCT", "Anatomical Structure"});
+    dicom::put_code(item, DCM_SegmentedPropertyTypeCodeSequence, s.type);
+    item.number(DCM_SegmentNumber, ++number);
+    item.text(DCM_SegmentLabel, s.label);
+    item.text(DCM_SegmentAlgorithmType, "AUTOMATIC");
+    item.text(DCM_SegmentAlgorithmName, "Dynasurf");
+    item.numbers(DCM_RecommendedDisplayCIELabValue, {s.cie_lab.begin(), s.cie_lab.end()});
+  }
 }
 
-CodeSequenceMacro code_of(const DicomCode& code) {
-  return CodeSequenceMacro(code.value.c_str(), code.scheme.c_str(), code.meaning.c_str());
-}
-
-Uint16 add_segment(DcmSegmentation& segmentation, const DicomSegment& s) {
-  DcmSegment* segment = nullptr;
-  must(DcmSegment::create(segment, s.label.c_str(), code_of({"123037004", "SCT", "Anatomical Structure"}),
-                          code_of(s.type), DcmSegTypes::SAT_AUTOMATIC, "Dynasurf"),
-       "make a segment");
-  must(segment->setRecommendedDisplayCIELabValue(s.cie_lab[0], s.cie_lab[1], s.cie_lab[2]), "colour a segment");
-  Uint16 number = 0;
-  must(segmentation.addSegment(segment, number), "add a segment");
-  return number;
+void put_derivation(Item& frames, const DicomSubject& subject) {
+  if (subject.sources.empty()) return;
+  Item item = frames.add(DCM_DerivationImageSequence);
+  item.text(DCM_DerivationDescription, "Surfaces reconstructed from the study, filled");
+  dicom::put_code(item, DCM_DerivationCodeSequence, {"113076", "DCM", "Segmentation"});
+  for (const DicomInstance& source : subject.sources) {
+    Item image = item.add(DCM_SourceImageSequence);
+    image.text(DCM_ReferencedSOPClassUID, source.sop_class);
+    image.text(DCM_ReferencedSOPInstanceUID, source.sop_instance);
+    dicom::put_code(image, DCM_PurposeOfReferenceCodeSequence,
+                    {"121322", "DCM", "Source Image for Image Processing Operation"});
+  }
 }
 
 /// What all frames have in common.
-void put_shared(DcmSegmentation& segmentation, const Grid& grid, const DicomSubject& subject) {
-  FGPixelMeasures measures;
-  must(measures.setPixelSpacing((decimal(grid.spacing[1]) + "\\" + decimal(grid.spacing[0])).c_str()),
-       "store the spacing");
-  must(measures.setSliceThickness(decimal(grid.spacing[2]).c_str()), "store the thickness");
-  must(measures.setSpacingBetweenSlices(decimal(grid.spacing[2]).c_str()), "store the spacing of slices");
-  must(segmentation.addForAllFrames(measures), "store the voxels' size");
-  const auto part = [&](int row, int column) { return OFString(decimal(grid.direction(row, column)).c_str()); };
-  const std::unique_ptr<FGPlaneOrientationPatient> orientation(
-      FGPlaneOrientationPatient::createMinimal(part(0, 0), part(1, 0), part(2, 0), part(0, 1), part(1, 1), part(2, 1)));
-  must(segmentation.addForAllFrames(*orientation), "store the orientation");
-  if (subject.sources.empty()) return;
-  OFVector<ImageSOPInstanceReferenceMacro> images;
-  for (const DicomInstance& source : subject.sources) {
-    ImageSOPInstanceReferenceMacro image;
-    must(image.setReferencedSOPClassUID(source.sop_class.c_str()), "refer to the study");
-    must(image.setReferencedSOPInstanceUID(source.sop_instance.c_str()), "refer to the study");
-    images.push_back(image);
-  }
-  const std::unique_ptr<FGDerivationImage> derivation(
-      DcmSegmentation::createDerivationImageFG(images, "Surfaces reconstructed from the study, filled"));
-  must(segmentation.addForAllFrames(*derivation), "refer to the study");
+void put_shared(Item& root, const Grid& grid, const DicomSubject& subject) {
+  Item frames = root.add(DCM_SharedFunctionalGroupsSequence);
+  Item measures = frames.add(DCM_PixelMeasuresSequence);
+  measures.text(DCM_PixelSpacing, decimals({grid.spacing[1], grid.spacing[0]}));
+  measures.text(DCM_SliceThickness, decimal(grid.spacing[2]));
+  measures.text(DCM_SpacingBetweenSlices, decimal(grid.spacing[2]));
+  const Mat3& d = grid.direction;
+  frames.add(DCM_PlaneOrientationSequence)
+      .text(DCM_ImageOrientationPatient, decimals({d(0, 0), d(1, 0), d(2, 0), d(0, 1), d(1, 1), d(2, 1)}));
+  put_derivation(frames, subject);
 }
 
-void put_dimensions(DcmSegmentation& segmentation, const std::string& organization) {
-  IODMultiframeDimensionModule& dimensions = segmentation.getDimensions();
-  must(dimensions.addDimensionIndex(DCM_ReferencedSegmentNumber, organization.c_str(),
-                                    DCM_SegmentIdentificationSequence, "Segment"),
-       "store the first dimension");
-  must(dimensions.addDimensionIndex(DCM_ImagePositionPatient, organization.c_str(), DCM_PlanePositionSequence, "Slice"),
-       "store the second dimension");
+/// Frames are told by their segment, then by their place in the stack.
+void put_dimensions(Item& root, const std::string& organization) {
+  root.add(DCM_DimensionOrganizationSequence).text(DCM_DimensionOrganizationUID, organization);
+  const auto dimension = [&](const DcmTagKey& tag, const DcmTagKey& group, const char* label) {
+    Item item = root.add(DCM_DimensionIndexSequence);
+    item.text(DCM_DimensionOrganizationUID, organization);
+    item.tags(DCM_DimensionIndexPointer, {tag});
+    item.tags(DCM_FunctionalGroupPointer, {group});
+    item.text(DCM_DimensionDescriptionLabel, label);
+  };
+  dimension(DCM_ReferencedSegmentNumber, DCM_SegmentIdentificationSequence, "Segment");
+  dimension(DCM_ImagePositionPatient, DCM_PlanePositionSequence, "Slice");
+}
+
+std::span<const std::uint8_t> slice_of(const Mask& mask, int slice) {
+  const std::size_t size = mask.grid.size() / static_cast<std::size_t>(mask.grid.dims[2]);
+  return std::span(mask.values).subspan(size * static_cast<std::size_t>(slice), size);
+}
+
+bool holds_voxels(const DicomSegment& segment, int slice) {
+  const auto values = slice_of(segment.mask, slice);
+  return std::any_of(values.begin(), values.end(), [](std::uint8_t v) { return v != 0; });
 }
 
 /// The slices that hold any voxel of any segment, so that indices along the stack mean the same in all segments.
 std::vector<int> slices_of(std::span<const DicomSegment> segments) {
-  std::set<int> slices;
-  for (const DicomSegment& s : segments) {
-    const Grid& grid = s.mask.grid;
-    for (std::size_t v = 0; v < s.mask.values.size(); ++v)
-      if (s.mask.values[v] != 0) slices.insert(static_cast<int>(v / (grid.size() / grid.dims[2])));
-  }
-  return {slices.begin(), slices.end()};
+  std::vector<int> slices;
+  for (int slice = 0; slice < segments[0].mask.grid.dims[2]; ++slice)
+    if (std::any_of(segments.begin(), segments.end(), [&](const auto& s) { return holds_voxels(s, slice); }))
+      slices.push_back(slice);
+  return slices;
 }
 
-void add_slice(DcmSegmentation& segmentation, const Mask& mask, Uint16 segment, int slice, Uint32 index) {
-  const Grid& grid = mask.grid;
-  const std::size_t size = grid.size() / grid.dims[2];
-  const auto first = mask.values.begin() + static_cast<std::ptrdiff_t>(size) * slice;
-  std::vector<Uint8> pixels(first, first + static_cast<std::ptrdiff_t>(size));
-  if (std::all_of(pixels.begin(), pixels.end(), [](Uint8 v) { return v == 0; })) return;
-  for (Uint8& v : pixels) v = v != 0;
-  FGFrameContent content;
-  must(content.setDimensionIndexValues(segment, 0), "place a frame");
-  must(content.setDimensionIndexValues(index, 1), "place a frame");
-  const Vec3 at = to_world(grid, Vec3(0, 0, grid.spacing[2] * slice));
-  const std::unique_ptr<FGPlanePosPatient> position(
-      FGPlanePosPatient::createMinimal(decimal(at[0]).c_str(), decimal(at[1]).c_str(), decimal(at[2]).c_str()));
-  OFVector<FGBase*> groups;
-  groups.push_back(&content);
-  groups.push_back(position.get());
-  must(segmentation.addFrame(pixels.data(), segment, groups), "add a frame");
-}
-
-/// Source images by series, as the object's list of what it refers to.
-void put_references(DcmItem& dataset, const DicomSubject& subject) {
-  if (subject.sources.empty()) return;
-  dataset.findAndDeleteElement(DCM_ReferencedSeriesSequence);
-  std::set<std::string> series;
-  for (const DicomInstance& source : subject.sources) series.insert(source.series);
-  dicom::Item root(dataset);
-  for (const std::string& uid : series) {
-    dicom::Item item = root.add(DCM_ReferencedSeriesSequence);
-    item.text(DCM_SeriesInstanceUID, uid);
-    for (const DicomInstance& source : subject.sources) {
-      if (source.series != uid) continue;
-      dicom::Item instance = item.add(DCM_ReferencedInstanceSequence);
-      instance.text(DCM_ReferencedSOPClassUID, source.sop_class);
-      instance.text(DCM_ReferencedSOPInstanceUID, source.sop_instance);
+/// Voxels as bits, the first the lowest; frames follow each other without a gap.
+class Bits {
+ public:
+  void add(std::span<const std::uint8_t> values) {
+    for (const std::uint8_t v : values) {
+      if (count_ % 8 == 0) bytes_.push_back(0);
+      bytes_.back() = static_cast<Uint8>(bytes_.back() | (v != 0) << count_ % 8);
+      ++count_;
     }
   }
+  /// DICOM wants an even number of bytes.
+  std::vector<Uint8> bytes() const {
+    std::vector<Uint8> even = bytes_;
+    even.resize((even.size() + 1) / 2 * 2);
+    return even;
+  }
+
+ private:
+  std::vector<Uint8> bytes_;
+  std::size_t count_ = 0;
+};
+
+void add_frame(Item& root, const Grid& grid, unsigned segment, int slice, unsigned index) {
+  Item frame = root.add(DCM_PerFrameFunctionalGroupsSequence);
+  frame.add(DCM_FrameContentSequence).counts(DCM_DimensionIndexValues, {segment, index});
+  const Vec3 at = to_world(grid, Vec3(0, 0, grid.spacing[2] * slice));
+  frame.add(DCM_PlanePositionSequence).text(DCM_ImagePositionPatient, decimals({at[0], at[1], at[2]}));
+  frame.add(DCM_SegmentIdentificationSequence).number(DCM_ReferencedSegmentNumber, static_cast<int>(segment));
+}
+
+/// Every slice of every segment that holds voxels of it is a frame.
+void put_frames(DcmItem& dataset, std::span<const DicomSegment> segments) {
+  Item root(dataset);
+  const std::vector<int> slices = slices_of(segments);
+  Bits bits;
+  int frames = 0;
+  for (std::size_t n = 0; n < segments.size(); ++n) {
+    for (std::size_t s = 0; s < slices.size(); ++s) {
+      if (!holds_voxels(segments[n], slices[s])) continue;
+      add_frame(root, segments[n].mask.grid, static_cast<unsigned>(n) + 1, slices[s], static_cast<unsigned>(s) + 1);
+      bits.add(slice_of(segments[n].mask, slices[s]));
+      ++frames;
+    }
+  }
+  root.text(DCM_NumberOfFrames, std::to_string(frames));
+  const std::vector<Uint8> bytes = bits.bytes();
+  dicom::must(dataset.putAndInsertUint8Array(DCM_PixelData, bytes.data(), static_cast<unsigned long>(bytes.size())),
+              "store the voxels");
+}
+
+void put_image(Item& root, const Grid& grid) {
+  root.text(DCM_ImageType, "DERIVED\\PRIMARY");
+  root.number(DCM_SamplesPerPixel, 1);
+  root.text(DCM_PhotometricInterpretation, "MONOCHROME2");
+  root.number(DCM_Rows, grid.dims[1]);
+  root.number(DCM_Columns, grid.dims[0]);
+  root.number(DCM_BitsAllocated, 1);
+  root.number(DCM_BitsStored, 1);
+  root.number(DCM_HighBit, 0);
+  root.number(DCM_PixelRepresentation, 0);
+  root.text(DCM_LossyImageCompression, "00");
+  root.text(DCM_SegmentationType, "BINARY");
 }
 
 }  // namespace
@@ -148,24 +163,22 @@ DicomInstance write_segmentation(const DicomResult& result, const DicomObject& o
   check(segments);
   DicomInstance instance = instance_of(result, object, UID_SegmentationStorage);
   const Grid& grid = segments[0].mask.grid;
-  const auto segmentation = new_segmentation(grid, result, object);
-  must(segmentation->getSeries().setSeriesNumber(std::to_string(object.series_number).c_str()), "number the series");
-  must(segmentation->getFrameOfReference().setFrameOfReferenceUID(result.subject.frame_of_reference.c_str()),
-       "store the frame of reference");
-  put_shared(*segmentation, grid, result.subject);
-  put_dimensions(*segmentation, dicom::uid_of(result.content, "dimensions " + object.role));
-  std::vector<Uint16> numbers;
-  for (const DicomSegment& s : segments) numbers.push_back(add_segment(*segmentation, s));
-  const std::vector<int> slices = slices_of(segments);
-  for (std::size_t n = 0; n < segments.size(); ++n)
-    for (std::size_t index = 0; index < slices.size(); ++index)
-      add_slice(*segmentation, segments[n].mask, numbers[n], slices[index], static_cast<Uint32>(index + 1));
-
-  // DCMTK checks patient and study before they are put over what it made up.
   DcmFileFormat file;
-  must(segmentation->writeDataset(*file.getDataset()), "make a segmentation");
+  Item root(*file.getDataset());
+  root.text(DCM_Modality, "SEG");
+  root.text(DCM_ContentLabel, "LEFT_VENTRICLE");
+  root.text(DCM_ContentDescription, object.description);
+  root.text(DCM_ContentCreatorName, "");
+  root.text(DCM_FrameOfReferenceUID, result.subject.frame_of_reference);
+  root.text(DCM_PositionReferenceIndicator, "");
+  put_image(root, grid);
+  put_segments(root, segments);
+  put_shared(root, grid, result.subject);
+  put_dimensions(root, dicom::uid_of(result.content, "dimensions " + object.role));
+  put_frames(*file.getDataset(), segments);
+  if (!result.subject.sources.empty())
+    dicom::put_series(root, DCM_ReferencedSeriesSequence, DCM_ReferencedInstanceSequence, result.subject.sources);
   dicom::put_context(*file.getDataset(), result, object, instance);
-  put_references(*file.getDataset(), result.subject);
   dicom::save(file, path);
   return instance;
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <set>
 
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/dicom_load.hpp"
@@ -95,6 +96,28 @@ void put_context(DcmItem& dataset, const DicomResult& result, const DicomObject&
   root.text(DCM_ManufacturerModelName, "Dynasurf, research use only");
   root.text(DCM_DeviceSerialNumber, "none");
   root.text(DCM_SoftwareVersions, result.program_version);
+}
+
+void put_code(Item& item, const DcmTagKey& tag, const DicomCode& code) {
+  item.code(tag, code.value, code.meaning, code.scheme);
+}
+
+void put_series(Item& item, const DcmTagKey& series, const DcmTagKey& objects,
+                std::span<const DicomInstance> instances) {
+  std::vector<std::string> uids;
+  for (const DicomInstance& instance : instances)
+    if (std::find(uids.begin(), uids.end(), instance.series) == uids.end()) uids.push_back(instance.series);
+  for (const std::string& uid : uids) {
+    Item one = item.add(series);
+    one.text(DCM_SeriesInstanceUID, uid);
+    std::set<std::string> known;
+    for (const DicomInstance& instance : instances) {
+      if (instance.series != uid || !known.insert(instance.sop_instance).second) continue;
+      Item object = one.add(objects);
+      object.text(DCM_ReferencedSOPClassUID, instance.sop_class);
+      object.text(DCM_ReferencedSOPInstanceUID, instance.sop_instance);
+    }
+  }
 }
 
 void save(DcmFileFormat& file, const fs::path& path) { write_file(path, bytes_of(file, path.string())); }

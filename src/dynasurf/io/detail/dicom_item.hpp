@@ -1,5 +1,6 @@
 #pragma once
 #include <initializer_list>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,15 +34,22 @@ class Item {
   void numbers(const DcmTagKey& tag, const std::vector<Uint16>& values) {
     must(item_->putAndInsertUint16Array(tag, values.data(), values.size()), name(tag));
   }
+  void counts(const DcmTagKey& tag, const std::vector<Uint32>& values) {
+    auto element = std::make_unique<DcmUnsignedLong>(tag);
+    must(element->putUint32Array(values.data(), values.size()), name(tag));
+    must(item_->insert(element.get(), OFTrue), name(tag));
+    element.release();
+  }
   void tags(const DcmTagKey& tag, const std::vector<DcmTagKey>& values) {
     std::vector<Uint16> words;
     for (const DcmTagKey& t : values) {
       words.push_back(t.getGroup());
       words.push_back(t.getElement());
     }
-    auto* element = new DcmAttributeTag(tag);
+    auto element = std::make_unique<DcmAttributeTag>(tag);
     must(element->putUint16Array(words.data(), values.size()), name(tag));
-    must(item_->insert(element, OFTrue), name(tag));
+    must(item_->insert(element.get(), OFTrue), name(tag));
+    element.release();
   }
   void pixels(const std::vector<Uint16>& values) {
     must(item_->putAndInsertUint16Array(DCM_PixelData, values.data(), values.size()), "store the pixels");
@@ -52,10 +60,11 @@ class Item {
     must(item_->findOrCreateSequenceItem(tag, item, -2), name(tag));
     return Item(*item);
   }
+  /// Codes of more than 16 characters have an attribute of their own.
   void code(const DcmTagKey& tag, const std::string& value, const std::string& meaning,
             const std::string& scheme = "SCT") {
     Item item = add(tag);
-    item.text(DCM_CodeValue, value);
+    item.text(value.size() > 16 ? DCM_LongCodeValue : DCM_CodeValue, value);
     item.text(DCM_CodingSchemeDesignator, scheme);
     item.text(DCM_CodeMeaning, meaning);
   }
