@@ -2,7 +2,7 @@
 // uses it, and holds what it computes against the native program.
 import assert from "node:assert/strict";
 import { execFileSync, spawnSync } from "node:child_process";
-import { copyFileSync, cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { copyFileSync, cpSync, existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { inflateSync } from "node:zlib";
@@ -381,6 +381,25 @@ const tests = {
     assert.match(await again.locator("#verdict .decision").innerText(), /Accepted by A\. Reader/);
     assert.ok(!(await again.locator("#verdict").innerText()).includes("Changed by hand"));
     await shoot(page, "accepted");
+  },
+
+  async "saves what it shows as DICOM objects of the patient's study, as the native program does"(page) {
+    run_native("ventricle", "patient/study.dcm", "--dicom", "--out", "patient/dicom", "--threads", "1", "--quiet");
+    await give(page, "study.dcm", readFileSync(join(work, "patient/study.dcm")));
+    await saved(page);
+    const [download] = await Promise.all([page.waitForEvent("download", { timeout: most_wait }), page.click("#save-dicom")]);
+    const files = unzipSync(readFileSync(await download.path()));
+    assert.equal(await view(page), "result");
+    const folder = join(work, "patient/dicom/dicom");
+    assert.deepEqual(Object.keys(files).sort(), readdirSync(folder).sort().map((name) => `dynasurf-dicom/${name}`));
+    // UIDs hold the time; masks and surfaces end a file.
+    for (const [name, bytes] of Object.entries(files)) {
+      assert.ok(Buffer.from(bytes).includes("PHANTOM^DYNASURF"), `${name} names nobody`);
+      const theirs = readFileSync(join(folder, name.split("/")[1]));
+      if (!name.includes("measurements")) assert.deepEqual(Buffer.from(bytes).subarray(-10000), theirs.subarray(-10000), name);
+    }
+    const report = Buffer.from(files["dynasurf-dicom/measurements.dcm"]);
+    assert.ok(report.includes(String(Math.round(1000 * results_of("patient/dicom").edv_ml) / 1000)), "the report tells other volumes");
   },
 
   async "saves itself with the study and its result inside, and that page shows it at once and does it all again"(page, context) {

@@ -67,9 +67,12 @@ function resume(of: Task | null, run: Run): void {
 async function start(next: Task): Promise<void> {
   task = next;
   preview.stop();
-  const word = await work(jobOf(next, panel.settings(), said), (end) => end.code === 0 || end.code === 3);
+  const word = await work(jobOf(next, panel.settings(), said), is_finished);
   if (word) present(word);
 }
+
+const is_finished = ({ code }: Ended) => code === 0 || code === 3;
+const settings_in = (run: Run) => run.settings.map(([path, value]) => `${path}=${value}`);
 
 /** Runs a job with its progress; null: it failed, which is told, or files are missing. */
 async function work(job: Job, is_done: (end: Ended) => boolean): Promise<Ended | null> {
@@ -132,7 +135,8 @@ function tell_run(run: Run): void {
   tell_list();
   const { place } = run;
   by_id("summary").textContent = place ? text(task ? "opened" : "opened_alone", { place }) : text(run.code === 3 ? "done_check" : "done", { s: number(run.seconds, 1), mb: mb(run.memory) });
-  for (const id of ["save-page", "again"]) by_id<HTMLButtonElement>(id).disabled = task === null;
+  for (const id of ["save-page", "save-dicom", "again"]) by_id<HTMLButtonElement>(id).disabled = task === null;
+  by_id("save-dicom").hidden = task?.subject === "cloud";
   by_id("compared").textContent = history.comparison();
   by_id<HTMLButtonElement>("undo").disabled = history.at <= 0;
   by_id<HTMLButtonElement>("redo").disabled = history.at >= history.runs.length - 1;
@@ -180,8 +184,7 @@ const preview = new Preview((found) => by_id<HTMLIFrameElement>("report").conten
 function look(): void {
   const { shown } = history;
   if (!task || !shown || !panel.is_valid) return;
-  const settings = (values: [string, string][]) => values.map(([path, value]) => `${path}=${value}`);
-  preview.ask({ task, settings: panel.settings(), said, gate }, { task, settings: settings(shown.settings), said: shown.said, gate });
+  preview.ask({ task, settings: panel.settings(), said, gate }, { task, settings: settings_in(shown), said: shown.said, gate });
 }
 
 function cancel(): void {
@@ -350,6 +353,18 @@ function save_zip(): void {
   save(as_zip([...run.result, ...mask]), "dynasurf-result.zip", "application/zip");
 }
 
+/** What is shown, computed once more as objects of the patient's study: asking for them is asking for the name. */
+async function save_dicom(): Promise<void> {
+  const run = history.shown!;
+  const job = jobOf(task!, settings_in(run), run.said);
+  job.commands.at(-1)!.push("--dicom");
+  const word = await work(job, is_finished);
+  if (!word) return;
+  show("result");
+  const objects = word.files.filter(({ path }) => path.startsWith("result/dicom/"));
+  save(as_zip(objects.map(({ path, bytes }) => ({ path: path.replace("result/", "dynasurf-"), bytes }))), "dynasurf-dicom.zip", "application/zip");
+}
+
 async function save_page(): Promise<void> {
   const run = history.shown!;
   save(await pageWith({ task: task!, run }), "dynasurf-study.html", "text/html");
@@ -416,6 +431,7 @@ function connect(): void {
   const saved = (name: string) => fileOf(history.shown?.result ?? [], name);
   click("save-report", () => save(saved("report.html"), "report.html", "text/html"));
   click("save-zip", save_zip);
+  click("save-dicom", save_dicom);
   click("save-page", save_page);
   click("back", () => show("result")); // with what was chosen and said for the next run
   click("undo", () => history.go(history.at - 1));

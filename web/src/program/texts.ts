@@ -62,6 +62,8 @@ const english = {
   verdict_ok: "checks passed",
   verdict_check: "check this result",
   verdict_fail: "failed",
+  save_dicom: "Save as DICOM",
+  save_dicom_title: "Measurements, segmentations and surfaces as objects of the patient's study, with name and id",
   save_page: "Save as one page",
   save_page_title: "This page with the study inside, as it is, names too",
   back: "Back to the result",
