@@ -205,7 +205,7 @@ void hypre(benchmark::State& state) {
   const int size = static_cast<int>(state.range(0));
   const Image map = border_map(size);
   const Vec3 rate = mu_of(size) * map.grid.spacing.cwiseAbs2().cwiseInverse();
-  const VectorField exact = flow_field(map, SteadyGvf{.mu = mu_of(size), .tolerance = 1e-5}).field;
+  const field::VectorField exact = field::flow_field(map, field::SteadyGvf{.mu = mu_of(size), .tolerance = 1e-5}).field;
   double residual = 1e-2;
   while (distance(test::HypreGvf(map, rate, residual).component(0), exact.x) > 1e-3) residual /= 2;
   for (auto _ : state) {
@@ -223,15 +223,15 @@ BENCHMARK(hypre)->Arg(64)->Arg(62)->Arg(128)->Arg(256)->ArgName("size")->UseReal
 /// A few iterations of ITK's filter, which is the explicit scheme too.
 void itk_steps(benchmark::State& state) {
   using Vector = itk::CovariantVector<float, 3>;
-  using OptionInfo = itk::Image<Vector, 3>;
+  using Vectors = itk::Image<Vector, 3>;
   const int size = static_cast<int>(state.range(0)), threads = static_cast<int>(state.range(1));
   const unsigned steps = size > 200 ? 2 : 5;
   itk::MultiThreaderBase::SetGlobalDefaultNumberOfThreads(static_cast<itk::ThreadIdType>(threads));
   itk::MultiThreaderBase::SetGlobalMaximumNumberOfThreads(static_cast<itk::ThreadIdType>(threads));
   const Image map = border_map(size);
-  const VectorField start = flow_field(map, Gvf{.mu = mu_of(size), .iterations = 1}).field;
-  auto input = OptionInfo::New();
-  OptionInfo::SizeType extent;
+  const field::VectorField start = field::flow_field(map, field::Gvf{.mu = mu_of(size), .iterations = 1}).field;
+  auto input = Vectors::New();
+  Vectors::SizeType extent;
   for (std::size_t a = 0; a < 3; ++a) extent[a] = static_cast<itk::SizeValueType>(map.grid.dims[a]);
   input->SetRegions(extent);
   input->Allocate();
@@ -240,7 +240,7 @@ void itk_steps(benchmark::State& state) {
     to[0] = start.x[v], to[1] = start.y[v], to[2] = start.z[v];
   }
   for (auto _ : state) {
-    auto filter = itk::GradientVectorFlowImageFilter<OptionInfo, OptionInfo, float>::New();
+    auto filter = itk::GradientVectorFlowImageFilter<Vectors, Vectors, float>::New();
     filter->SetInput(input);
     filter->SetNoiseLevel(mu_of(size));
     filter->SetIterationNum(steps);

@@ -13,17 +13,22 @@
 namespace dynasurf {
 namespace {
 
-void study(benchmark::State& state, const field::FieldOptions& field) {
+void study(benchmark::State& state, const ventricle::Options& options) {
   static const Study cycle = synthetic::make_phantom(synthetic::CardiacCycle{}).study;
   const ThreadLimit limit(static_cast<int>(state.range(0)));
-  ventricle::Options options = ventricle::preset("edges");
-  options.field = field;
   ventricle::Result result;
   for (auto _ : state) result = ventricle::reconstruct(cycle, options);
   for (const auto& [stage, seconds] : result.seconds) state.counters[stage] = seconds;
 }
-void steady_fields(benchmark::State& state) { study(state, field::SteadyGvf{}); }
-void thesis_fields(benchmark::State& state) { study(state, field::Gvf{}); }
+void edges(benchmark::State& state, const field::FieldOptions& field) {
+  ventricle::Options options = ventricle::preset("edges");
+  options.field = field;
+  study(state, options);
+}
+void fitted(benchmark::State& state) { study(state, {}); }
+void steady_fields(benchmark::State& state) { edges(state, field::SteadyGvf{}); }
+void thesis_fields(benchmark::State& state) { edges(state, field::Gvf{}); }
+BENCHMARK(fitted)->Arg(1)->Arg(2)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(steady_fields)->Arg(1)->Arg(2)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(thesis_fields)->Arg(1)->Arg(2)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
 

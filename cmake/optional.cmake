@@ -12,9 +12,11 @@ macro(dynasurf_find_optional package language)
   endif()
 endmacro()
 
-# Sets DYNASURF_FINDS_<package>, once for each place where the package is looked for.
+# Sets DYNASURF_FINDS_<package>, once for each place where the package is looked for, and again after Debian packages
+# came or went.
 function(dynasurf_try_package package language)
-  set(places "${CMAKE_PREFIX_PATH};${${package}_DIR};${CMAKE_DISABLE_FIND_PACKAGE_${package}};$ENV{PATH};${CMAKE_FIND_PACKAGE_PREFER_CONFIG}")
+  file(TIMESTAMP /var/lib/dpkg/status installed)
+  set(places "${CMAKE_PREFIX_PATH};${${package}_DIR};${CMAKE_DISABLE_FIND_PACKAGE_${package}};$ENV{PATH};${CMAKE_FIND_PACKAGE_PREFER_CONFIG};${installed}")
   if(DEFINED DYNASURF_FINDS_${package} AND "${DYNASURF_TRIED_${package}}" STREQUAL "${places}")
     return()
   endif()

@@ -1,4 +1,4 @@
-"""tools/compare_benchmarks.py finds what became slower, and nothing else."""
+"""tools/compare_benchmarks.py finds what became slower, and nothing else; tools/benchmark_table.py sets peers beside ours."""
 
 import json
 import pathlib
@@ -7,14 +7,19 @@ import sys
 import tempfile
 import unittest
 
-TOOL = pathlib.Path(__file__).resolve().parents[2] / "tools" / "compare_benchmarks.py"
+TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
 
 
 def row(name, time, unit="ms", **more):
     return {"name": name, "run_type": "iteration", "real_time": time, "time_unit": unit, **more}
 
 
-class CompareBenchmarks(unittest.TestCase):
+def run(tool, *words):
+    done = subprocess.run([sys.executable, TOOLS / tool, *words], capture_output=True, text=True)
+    return done.returncode, done.stdout + done.stderr
+
+
+class Benchmarks(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -27,9 +32,8 @@ class CompareBenchmarks(unittest.TestCase):
         (folder / "field_bench.json").write_text(json.dumps({"context": context, "benchmarks": rows}))
         return folder
 
-    def compare(self, old, new, *more):
-        done = subprocess.run([sys.executable, TOOL, old, new, *more], capture_output=True, text=True)
-        return done.returncode, done.stdout + done.stderr
+    def compare(self, *words):
+        return run("compare_benchmarks.py", *words)
 
     def test_passes_what_is_as_fast(self):
         old = self.run_of("old", row("steady", 1.0), row("gone", 3.0))
@@ -61,6 +65,18 @@ class CompareBenchmarks(unittest.TestCase):
             code, text = self.compare(old, new)
             self.assertEqual(code, 2, text)
             self.assertIn(says, text)
+
+    def test_the_table_sets_peers_beside_ours(self):
+        results = self.run_of("results", row("steady/size:62/threads:1/digits:3/process_time/real_time", 2.0),
+                              row("steady/size:62/threads:1/digits:3/process_time/real_time", 3.0),
+                              row("hypre/size:62/process_time/real_time", 100000.0, "us"),
+                              row("itk_steps/size:62/threads:1/process_time/real_time", 30.0, steps=5),
+                              row("hypre/size:128/process_time/real_time", 9.0))
+        code, text = run("benchmark_table.py", results)
+        self.assertEqual(code, 0, text)
+        lines = [line.split() for line in text.splitlines()[2:]]
+        self.assertEqual([line[-2:] for line in lines], [["2", "ms"], ["ms", "3x"], ["ms", "50x"]], text)
+        self.assertEqual(run("benchmark_table.py", self.folder)[0], 2)
 
 
 if __name__ == "__main__":
