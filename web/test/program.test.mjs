@@ -184,6 +184,67 @@ const tests = {
     await shoot(page, "vase");
   },
 
+  async "gives every option a control, whose other values the program takes"(page) {
+    await page.click("#example-patient");
+    await saved(page);
+    await page.click("#show-options");
+    await page.waitForSelector(".control", { timeout: most_wait });
+    const { lines, kinds } = await page.evaluate(() => {
+      const [lines, kinds, seen] = [[], {}, new Set()];
+      const element = (id) => document.getElementById(id);
+      const set = (path, value) => {
+        element(`option-${path}`).value = value;
+        element(`option-${path}`).dispatchEvent(new Event("change"));
+      };
+      const note = (kind, path) => {
+        element("copy").click();
+        lines.push([path, element("copy").dataset.copied]);
+        kinds[kind] = (kinds[kind] ?? 0) + 1;
+      };
+      /** Another value that the control allows. */
+      const other = ({ type, min, max, placeholder }) => {
+        if (type !== "number") return placeholder.includes(",") ? placeholder.split(",").slice(0, -1).join(",") : "2";
+        const [low, high, usual] = [min === "" ? 0 : Number(min), max === "" ? 1e6 : Number(max), Number(placeholder) || 0];
+        const near = [usual + 1, usual - 1].find((value) => value >= low && value <= high);
+        return String(near ?? (usual + (usual < high ? high : low)) / 2);
+      };
+      const choose = (choices) => {
+        element("reset").click();
+        for (const [path, value] of choices) set(path, value);
+      };
+      /** All controls that these choices show and none before did. */
+      const visit = (choices) => {
+        choose(choices);
+        const paths = [...document.querySelectorAll(".control")].filter((box) => !box.dataset.path.startsWith("manual."));
+        const fresh = paths.filter((box) => !seen.has(box.textContent) && seen.add(box.textContent)).map((box) => box.dataset.path);
+        for (const path of fresh) {
+          choose(choices);
+          const field = element(`option-${path}`);
+          if (field.tagName === "SELECT")
+            for (const { value } of [...field.options].filter((option) => !option.selected)) {
+              choose([...choices, [path, value]]);
+              note("choice", path);
+              visit([...choices, [path, value]]);
+            }
+          else {
+            set(path, other(field));
+            note(field.type === "number" ? "number" : "words", path);
+          }
+        }
+      };
+      visit([]);
+      element("reset").click();
+      return { lines, kinds };
+    });
+    for (const [path, line] of lines) {
+      const sets = [...line.matchAll(/--set (\S+)/g)].flatMap(([, set]) => ["--set", set]);
+      assert.ok(sets.length > 0, `${path} changed nothing: ${line}`);
+      assert.equal(spawnSync(native, ["options", "ventricle", "--as-file", ...sets], { encoding: "utf8" }).stderr, "", line);
+    }
+    console.log(`     ${JSON.stringify(kinds)}`);
+    assert.ok(kinds.choice > 50 && kinds.number > 100 && kinds.words > 3, JSON.stringify(kinds));
+  },
+
   async "changes an option by its control, and repeats it by the command line it copies"(page) {
     await page.click("#example-patient");
     const first = (await saved(page)).json;
