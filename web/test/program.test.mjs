@@ -97,6 +97,12 @@ async function report_is_drawn(page, id = "report") {
   return frame;
 }
 
+function small_study() {
+  const small = ["gates=4", "lattice.nx=32", "lattice.ny=32", "lattice.nz=18", "lattice.dx_mm=4.5", "lattice.dy_mm=4.5", "lattice.dz_mm=6.5"];
+  run_native("phantom", "patient", "--out", "small", ...small.flatMap((set) => ["--set", set]), "--replace", "--quiet");
+  return readFileSync(join(work, "small/study.nii.gz"));
+}
+
 const shoot = (page, name) => screenshots && page.screenshot({ path: join(screenshots, `${name}.png`) });
 
 const tests = {
@@ -765,10 +771,47 @@ const tests = {
     await saved(page);
   },
 
+  async "tells that memory ended, and goes on"(page, context) {
+    const other = await context.newPage();
+    // A program that may have 48 MiB: the upper bound stands in the section of memories (5), as a number of 64 KiB.
+    await other.addInitScript(() => {
+      const compile = WebAssembly.compile.bind(WebAssembly);
+      WebAssembly.compile = (buffer) => {
+        const bytes = new Uint8Array(buffer);
+        let at = 8;
+        const number = () => {
+          let value = 0;
+          for (let shift = 0; ; shift += 7) {
+            const byte = bytes[at++];
+            value += (byte & 127) * 2 ** shift;
+            if (byte < 128) return value;
+          }
+        };
+        while (bytes[at++] !== 5) {
+          const size = number();
+          at += size;
+        }
+        number(), number(); // its size, one memory
+        if (!(bytes[at++] & 1)) throw new Error("the program has no upper bound of memory");
+        number();
+        const bound = at;
+        number();
+        for (let n = bound, left = 768; n < at; ++n, left >>= 7) bytes[n] = (left & 127) | (n < at - 1 ? 128 : 0);
+        return compile(bytes);
+      };
+    });
+    await other.goto(`file://${page_path}`);
+    await other.click("#example-patient");
+    await until_view(other, "failure", "result");
+    assert.match(await reason(other), /^Out of memory: (4\d|50) MB were in use\. A smaller study/);
+    await other.click("#failure .other");
+    await give(other, "small.nii.gz", small_study());
+    await saved(other);
+    await other.close();
+  },
+
   async "keeps no memory of the studies before, for thirty of them"(page) {
-    const small = ["gates=4", "lattice.nx=32", "lattice.ny=32", "lattice.nz=18", "lattice.dx_mm=4.5", "lattice.dy_mm=4.5", "lattice.dz_mm=6.5"];
-    run_native("phantom", "patient", "--out", "small", ...small.flatMap((set) => ["--set", set]), "--replace");
-    const bytes = readFileSync(join(work, "small/study.nii.gz"));
+    const bytes = small_study();
     const driver = await page.context().newCDPSession(page);
     const held = async () => {
       await driver.send("HeapProfiler.collectGarbage");
