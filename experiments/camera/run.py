@@ -84,7 +84,8 @@ def read(program, kind, seed, studies, arguments):
     fit = (result.get("readings") or {}).get("psf_corrected") or {}
     edge = (result.get("readings") or {}).get("edge") or {}
     row["edge"] = {"edv": edge.get("edv_ml"), "ef": edge.get("ef_percent")}
-    row["fit"] = {name: fit.get(name) for name in ("fwhm_mm", "lobes", "objective", "steps", "extracardiac_sources", "width_from_data")}
+    row["fit"] = {name: fit.get(name) for name in ("fwhm_mm", "lobes", "objective", "steps", "extracardiac_sources", "thickness_from_data",
+                                                     "width_from_data")}
     if run.returncode not in (0, 3):
         row["error"] = run.stderr.strip()
     return row

@@ -312,6 +312,15 @@ TEST(Judge, AsksToCheckAnIntervalAsWideAsAWrongReading) {
   EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
 }
 
+TEST(Judge, DoubtsEdgesThatFollowOtherGatesOnlyWhereTheyLead) {
+  Result result = good_result();
+  result.notes.push_back({Severity::warning, "labels.gate_follows", "a border was missing", 2});
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
+  result.leading.ef_percent = heart::Estimate{60, 2};  // a fit, which needs no edges
+  EXPECT_TRUE(is_flagged(result, "labels.gate_follows"));
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::ok);
+}
+
 TEST(Judge, DoubtsAThinWallOnlyWhereTheIntervalIsNarrow) {
   Result result = good_result();
   result.notes.push_back({Severity::warning, "fit.thin_wall", "the wall is thin"});

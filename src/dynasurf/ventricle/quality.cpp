@@ -311,9 +311,10 @@ void flag_notes(const Result& result, std::vector<QualityFlag>& flags) {
     if (!gates.empty()) message += " (" + gate_list(gates) + ")";
     // What an interval holds needs no second doubt.
     const bool is_held = code == "fit.thin_wall" && edv_uncertainty(result) > thin_wall_edv;
-    const Severity severity = failure                      ? Severity::failure
-                              : is_remark(code) || is_held ? Severity::info
-                                                           : Severity::warning;
+    const Severity severity = failure                         ? Severity::failure
+                              : is_remark(code) || is_held    ? Severity::info
+                              : code == "labels.gate_follows" ? doubt_of_edges(result)
+                                                              : Severity::warning;
     flags.push_back({code, severity, message, static_cast<double>(notes.size())});
   }
 }
