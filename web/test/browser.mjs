@@ -115,6 +115,8 @@ export async function openReport(context, path, { plays = false } = {}) {
 
 /** What a page saves on a click: its name and its bytes. */
 export async function downloaded(page, selector, timeout = 30_000) {
+  // Some stand in a menu.
+  await page.locator(selector).evaluate((button) => button.closest("details")?.setAttribute("open", ""));
   if (browser === "chromium") {
     const [download] = await Promise.all([page.waitForEvent("download", { timeout }), page.click(selector)]);
     return { name: download.suggestedFilename(), bytes: readFileSync(await download.path()) };

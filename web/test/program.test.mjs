@@ -454,8 +454,7 @@ const tests = {
     run_native("ventricle", "patient/study.dcm", "--dicom", "--out", "patient/dicom", "--threads", "1", "--quiet");
     await give(page, "study.dcm", readFileSync(join(work, "patient/study.dcm")));
     await saved(page);
-    const [download] = await Promise.all([page.waitForEvent("download", { timeout: most_wait }), page.click("#save-dicom")]);
-    const files = unzipSync(readFileSync(await download.path()));
+    const files = unzipSync((await downloaded(page, "#save-dicom", most_wait)).bytes);
     assert.equal(await view(page), "result");
     const folder = join(work, "patient/dicom/dicom");
     assert.deepEqual(Object.keys(files).sort(), readdirSync(folder).sort().map((name) => `dynasurf-dicom/${name}`));

@@ -11,7 +11,7 @@ import { givenHere, pageWith } from "./given";
 import { dataOf, fileOf, History, jobOf, type Run, type Task, taskOf } from "./history";
 import { copyOf, type Job, type Piece, type Word } from "./job";
 import { OptionPanel, partSaid } from "./options";
-import { attempt, by_id, fail, show, tell_progress, tell_reason } from "./page";
+import { attempt, by_id, close_by_itself, fail, show, tell_progress, tell_reason } from "./page";
 import { Pair, pairJob } from "./pair";
 import { Preview } from "./preview";
 import { asGiven, type FoundResult, isOptions, openResult, partResults, recordOf, studyOf } from "./results";
@@ -430,6 +430,7 @@ function connect(): void {
   for (const button of document.querySelectorAll(".to-list")) button.addEventListener("click", show_studies);
   const saved = (name: string) => fileOf(history.shown?.result ?? [], name);
   click("save-report", () => save(saved("report.html"), "report.html", "text/html"));
+  close_by_itself(by_id<HTMLDetailsElement>("save"));
   click("save-zip", save_zip);
   click("save-dicom", save_dicom);
   click("save-page", save_page);

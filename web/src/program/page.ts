@@ -36,6 +36,19 @@ function fail_by(error: unknown): void {
   else fail(() => (error instanceof Refusal ? text(error.code, { about: error.about }) : text("lost", { reason: String(error) })));
 }
 
+/** A menu that closes after a choice, and when one goes elsewhere. */
+export function close_by_itself(menu: HTMLDetailsElement): void {
+  const close = () => (menu.open = false);
+  menu.addEventListener("click", (event) => (event.target as HTMLElement).closest("button") && close());
+  document.addEventListener("pointerdown", (event) => menu.contains(event.target as Node) || close());
+  window.addEventListener("blur", close); // into the report
+  menu.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape") return;
+    close();
+    menu.querySelector("summary")!.focus();
+  });
+}
+
 /** Does something, and tells why it could not be done. */
 export async function attempt(work: () => unknown): Promise<void> {
   try {

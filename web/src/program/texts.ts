@@ -62,6 +62,7 @@ const english = {
   verdict_ok: "checks passed",
   verdict_check: "check this result",
   verdict_fail: "failed",
+  save: "Save",
   save_dicom: "Save as DICOM",
   save_dicom_title: "Measurements, segmentations and surfaces as objects of the patient's study, with name and id",
   save_page: "Save as one page",
