@@ -321,16 +321,18 @@ TEST(Judge, DoubtsEdgesThatFollowOtherGatesOnlyWhereTheyLead) {
   EXPECT_EQ(verdict_of(assess(result)), Verdict::ok);
 }
 
-TEST(Judge, DoubtsAThinWallOnlyWhereTheIntervalIsNarrow) {
-  Result result = good_result();
-  result.notes.push_back({Severity::warning, "fit.thin_wall", "the wall is thin"});
-  result.leading.edv_ml = heart::Estimate{100, 4};  // 90 % within 6.6 %
-  EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
-  result.leading.edv_ml->sd = 4.5;
-  EXPECT_TRUE(is_flagged(result, "fit.thin_wall"));
-  EXPECT_EQ(verdict_of(assess(result)), Verdict::ok);
-  result.notes.push_back({Severity::warning, "fit.thickness_believed", "the thickness is believed"});
-  EXPECT_EQ(codes_of(result), (Codes{"fit.thickness_believed", "fit.thin_wall"})) << "what decides comes first";
+TEST(Judge, DoubtsWhatIsBelievedOfTheWallOnlyWhereTheIntervalIsNarrow) {
+  for (const std::string code : {"fit.thin_wall", "fit.thickness_believed"}) {
+    Result result = good_result();
+    result.notes.push_back({Severity::warning, code, "the wall is thin"});
+    result.leading.edv_ml = heart::Estimate{100, 4};  // 90 % within 6.6 %
+    EXPECT_EQ(verdict_of(assess(result)), Verdict::check) << code;
+    result.leading.edv_ml->sd = 4.5;
+    EXPECT_TRUE(is_flagged(result, code));
+    EXPECT_EQ(verdict_of(assess(result)), Verdict::ok) << code;
+    result.notes.push_back({Severity::warning, "another", "a doubt"});
+    EXPECT_EQ(codes_of(result), (Codes{"another", code})) << "what decides comes first";
+  }
 }
 
 TEST(Judge, DoesNotMissTheOuterBorderOfABloodPool) {

@@ -32,7 +32,7 @@ constexpr double most_readings_apart = 20;
 constexpr double most_bridged = 0.06;  // of the largest cavity
 // Half of a 90 % interval. Readings off by more count as wrong (experiments/camera), so wider ones may be.
 constexpr double most_ef_90 = 8, most_edv_90 = 15;  // points, %
-constexpr double thin_wall_edv = 7;                 // % of an interval that holds what is believed of a thin wall
+constexpr double believed_edv = 7;                  // % of an interval that holds what is believed of the wall
 constexpr double most_hot_neighbour = 0.25;
 constexpr double most_unround = 0.13;
 constexpr double most_noise = 0.2;
@@ -310,7 +310,8 @@ void flag_notes(const Result& result, std::vector<QualityFlag>& flags) {
     std::string message = notes.front()->message;
     if (!gates.empty()) message += " (" + gate_list(gates) + ")";
     // What an interval holds needs no second doubt.
-    const bool is_held = code == "fit.thin_wall" && edv_uncertainty(result) > thin_wall_edv;
+    const bool is_believed = code == "fit.thin_wall" || code == "fit.thickness_believed";
+    const bool is_held = is_believed && edv_uncertainty(result) > believed_edv;
     const Severity severity = failure                         ? Severity::failure
                               : is_remark(code) || is_held    ? Severity::info
                               : code == "labels.gate_follows" ? doubt_of_edges(result)
