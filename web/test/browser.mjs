@@ -113,17 +113,28 @@ export async function openReport(context, path, { plays = false } = {}) {
   return { page, requests, complaints };
 }
 
+/** Presses a button, in its menu if it has one, which closes where the page moves on meanwhile. */
+async function press(page, selector, timeout) {
+  const menu = page.locator("details", { has: page.locator(selector) });
+  if ((await menu.count()) === 0) return page.click(selector);
+  for (const end = Date.now() + timeout; ; )
+    try {
+      if (!(await menu.evaluate((element) => element.open))) await menu.locator("summary").click({ timeout });
+      return await page.click(selector, { timeout: 2000 });
+    } catch (error) {
+      if (Date.now() > end) throw error;
+    }
+}
+
 /** What a page saves on a click: its name and its bytes. */
 export async function downloaded(page, selector, timeout = 30_000) {
-  // Some stand in a menu.
-  await page.locator(selector).evaluate((button) => button.closest("details")?.setAttribute("open", ""));
   if (browser === "chromium") {
-    const [download] = await Promise.all([page.waitForEvent("download", { timeout }), page.click(selector)]);
+    const [download] = await Promise.all([page.waitForEvent("download", { timeout }), press(page, selector, timeout)]);
     return { name: download.suggestedFilename(), bytes: readFileSync(await download.path()) };
   }
   // Firefox tells of no download that is no navigation.
   const before = new Set(readdirSync(downloads));
-  await page.click(selector);
+  await press(page, selector, timeout);
   for (const end = Date.now() + timeout; Date.now() < end; await new Promise((done) => setTimeout(done, 200))) {
     const names = readdirSync(downloads).filter((name) => !before.has(name));
     if (names.length !== 1 || names[0].endsWith(".part") || statSync(join(downloads, names[0])).size === 0) continue;
