@@ -454,6 +454,15 @@ const tests = {
     run_native("ventricle", "patient/study.dcm", "--dicom", "--out", "patient/dicom", "--threads", "1", "--quiet");
     await give(page, "study.dcm", readFileSync(join(work, "patient/study.dcm")));
     await saved(page);
+    // On a phone too the menu opens within the window.
+    const usual = page.viewportSize();
+    await page.setViewportSize({ width: 390, height: 800 });
+    await page.click("#save summary");
+    const { x, width } = await page.locator("#save div").boundingBox();
+    assert.ok(x >= 0 && x + width <= 390, `the menu stands from ${x} to ${x + width}`);
+    await page.keyboard.press("Escape");
+    assert.ok(await page.locator("#save div").isHidden());
+    await page.setViewportSize(usual);
     const files = unzipSync((await downloaded(page, "#save-dicom", most_wait)).bytes);
     assert.equal(await view(page), "result");
     const folder = join(work, "patient/dicom/dicom");
