@@ -57,8 +57,10 @@ check_tidy() {
 # sanitizers need, or count processes anew, among which leaks cannot be sought. Whole jobs run those commands too.
 unsanitized='^((tools|package|web|oracles|robustness|cli/batch|cli/collect)/|cli/names/Reasons|cli/out/Containers)'
 
-# What starts no thread tells nothing under ThreadSanitizer: readers and writers, pictures.
-unthreaded='^(io|fuzz|show)/'
+# What starts no thread tells nothing under ThreadSanitizer: readers and writers, pictures. Laws of the explicit scheme that
+# take thousands of its steps take up to half an hour there, and tell no more of its threads than the other tests of fields.
+unthreaded='^(io|fuzz|show)/|^field/(Gvf\.(OutsideASphere|InsideASphere|Reproduces|IsStableBelow|EveryPath)'
+unthreaded+='|SteadyGvf\.(IsWhereTheExplicit|NeedsNoMore)|VoxelSphere\.BoundsTheStep)'
 
 check_tests() {
   local left_out=$unsanitized
