@@ -66,8 +66,8 @@ ExitCode run(const CloudArguments& arguments, std::stop_token stop) {
   job.options_file = arguments.file;
   job.textures = arguments.textures;
   CloudOutcome outcome;
-  run_with_progress(arguments.result.quiet, stop,
-                    [&](const Progress& progress) { outcome = reconstruct_cloud_to_folder(job, progress); });
+  run_with_trace(arguments.result, stop,
+                 [&](const Progress& progress) { outcome = reconstruct_cloud_to_folder(job, progress); });
   print_result(arguments.result, outcome.json, summary_of(outcome.run), outcome.moved_to);
   const cloud::Verdict verdict = cloud::verdict_of(outcome.run.result);
   return verdict == cloud::Verdict::fail || (arguments.strict && verdict != cloud::Verdict::ok) ? not_trustworthy
@@ -86,6 +86,7 @@ void add_cloud(CLI::App& program, Command& chosen) {
       .required();
   add_result_arguments(command, a->result, "ply");
   add_live_argument(command, a->result);
+  add_trace_argument(command, a->result);
   command.option("--preset", a->preset,
                  "shaped: well-shaped triangles; faithful: smallest distance; thesis: as published");
   command.option("--options", a->file, "JSON file of options, such as the options.json of a result");

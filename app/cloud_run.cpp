@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include "dynasurf/core/detail/stage_clock.hpp"
+#include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
@@ -63,6 +64,7 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
   io::write_file(folder.path() / "results.json", outcome.json);
   if (!job.live_page.empty()) write_live_page(job.live_page, job.clouds, folder.path());
   progress.check();
+  const TraceStage noted("publish");
   folder.publish();
   outcome.moved_to = folder.moved_to();
   return outcome;

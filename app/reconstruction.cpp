@@ -1,5 +1,8 @@
 #include "reconstruction.hpp"
 
+#include <optional>
+
+#include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
@@ -76,6 +79,7 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   report::check_labels(job.outputs.labels, "--labels");
   // First, so that a place that cannot be written to costs no time.
   io::OutputFolder folder(job.out, job.existing, inputs_of(job));
+  std::optional<TraceStage> noted(std::in_place, "read");
   const Study study = io::read_study(job.study, job.series);
   // By its number: words that the user chose it by may name a person. A repeated run has them from the first.
   if (!study.series.empty() && job.command.find(" --series ") == std::string::npos)
@@ -89,6 +93,7 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   if (!job.start_mesh.empty()) start = io::read_mesh(job.start_mesh);
   std::optional<Image> mask;
   if (!job.mask.empty()) mask = read_mask(job.mask);
+  noted.reset();
 
   const report::StageWriter stages(folder.path() / "stages");
   Outcome outcome;
@@ -105,6 +110,7 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   if (job.outputs.keep_stages && outcome.result.readings.psf_corrected)
     stages.write_fit(outcome.result.readings.psf_corrected->images);
   progress.check();
+  noted.emplace("write");
   outcome.json = results_text(outcome.result, provenance, job);
   report::write_study_files(outcome.result, provenance,
                             {job.mesh_formats, job.options.keyframes, report::Timings::omit, outcome.json},
@@ -114,6 +120,7 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
   write_for_reading_room(outcome.result, provenance, job, folder.path(), progress.stop);
   if (!job.live_page.empty()) write_live_page(job.live_page, inputs_for_page(job), folder.path());
   progress.check();
+  noted.emplace("publish");
   folder.publish();
   outcome.moved_to = folder.moved_to();
   return outcome;

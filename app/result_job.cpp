@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/option_tree.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/study_io.hpp"
@@ -30,6 +31,12 @@ void add_result_arguments(CommandLine& command, ResultArguments& a, const std::s
 void add_live_argument(CommandLine& command, ResultArguments& a) {
   command.flag("--live", a.live,
                "write live.html too: dynasurf.html with the input, as it is, names too, and the result inside");
+}
+
+void add_trace_argument(CommandLine& command, ResultArguments& a) {
+  command.option(
+      "--trace", a.trace,
+      "write which thread did what and when to this file, as events for ui.perfetto.dev and chrome://tracing");
 }
 
 std::vector<io::MeshFormat> mesh_formats_of(const std::vector<std::string>& words, const std::string& where) {
@@ -78,6 +85,17 @@ report::Provenance provenance_of(const ResultJob& job, const std::vector<std::fi
 void run_with_progress(bool quiet, const std::stop_token& stop, const std::function<void(const Progress&)>& work) {
   ProgressLine line(quiet);
   work({[&](std::string_view stage, int done, int total) { line(stage, done, total); }, stop});
+}
+
+void run_with_trace(const ResultArguments& arguments, const std::stop_token& stop,
+                    const std::function<void(const Progress&)>& work) {
+  if (arguments.trace.empty()) return run_with_progress(arguments.quiet, stop, work);
+  const io::Existing existing = arguments.out.replace ? io::Existing::move_aside : io::Existing::refuse;
+  io::OutputFile file(arguments.trace, existing);  // first: a place that cannot be written to costs no time
+  const Trace trace;
+  run_with_progress(arguments.quiet, stop, work);
+  io::write_file(file.path(), trace.json());
+  file.publish();
 }
 
 void print_result(const ResultArguments& arguments, const std::string& json, const std::string& summary,

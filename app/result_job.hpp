@@ -36,6 +36,7 @@ struct ResultArguments {
   std::vector<std::string> mesh_formats;
   bool quiet = false, json = false, no_timings = false, with_names = false, live = false;
   int threads = 0;
+  std::string trace;
 };
 
 /// `formats` are those that are written when none are asked for.
@@ -43,6 +44,9 @@ void add_result_arguments(CommandLine& command, ResultArguments& arguments, cons
 
 /// --live, of the commands whose inputs dynasurf.html reads.
 void add_live_argument(CommandLine& command, ResultArguments& arguments);
+
+/// --trace, of the commands that run_with_trace.
+void add_trace_argument(CommandLine& command, ResultArguments& arguments);
 
 /// Formats by their words, each once. `where` stands in the OptionError for a word that is none.
 std::vector<io::MeshFormat> mesh_formats_of(const std::vector<std::string>& words, const std::string& where);
@@ -58,6 +62,10 @@ report::Provenance provenance_of(const ResultJob& job, const std::vector<std::fi
 
 /// Runs `work` while telling its stages on standard error, unless --quiet.
 void run_with_progress(bool quiet, const std::stop_token& stop, const std::function<void(const Progress&)>& work);
+
+/// The same, and writes the trace where one is asked for.
+void run_with_trace(const ResultArguments& arguments, const std::stop_token& stop,
+                    const std::function<void(const Progress&)>& work);
 
 /// What a run prints when it has ended: with --json its results.json; else the table and the place, or with --quiet
 /// nothing.

@@ -42,8 +42,8 @@ ExitCode run(const VentricleArguments& arguments, std::stop_token stop) {
   }
   job.outputs = {arguments.keep_stages, arguments.dicom, "", arguments.pdf, arguments.labels};
   Outcome outcome;
-  run_with_progress(arguments.result.quiet, stop,
-                    [&](const Progress& progress) { outcome = reconstruct_to_folder(job, progress); });
+  run_with_trace(arguments.result, stop,
+                 [&](const Progress& progress) { outcome = reconstruct_to_folder(job, progress); });
   print_result(arguments.result, outcome.json, summary_of(outcome.result), outcome.moved_to);
   const ventricle::Verdict verdict = outcome.result.verdict;
   return verdict == ventricle::Verdict::fail || (arguments.strict && verdict != ventricle::Verdict::ok)
@@ -61,6 +61,7 @@ void add_ventricle(CLI::App& program, Command& chosen) {
   add_series_argument(command, a->series);
   add_result_arguments(command, a->result, "ply, vtp");
   add_live_argument(command, a->result);
+  add_trace_argument(command, a->result);
   add_option_arguments(command, a->options);
   command.option("--start", a->start, "mesh file that all surfaces start from, fitted to each border's box");
   command.flag("--keep-stages", a->keep_stages, "write every intermediate step to RESULT/stages");

@@ -11,7 +11,7 @@ import unittest
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 SOURCES = ("core/elementary_angle", "core/elementary_exp", "core/elementary_root", "core/fourier", "core/symmetric_axes",
-           "core/parallel", "core/parallel_serial", "synthetic/random", "psf_fit/matrix_loops", "psf_fit/cholesky")
+           "core/parallel", "core/parallel_serial", "core/trace", "synthetic/random", "psf_fit/matrix_loops", "psf_fit/cholesky")
 FLAGS = ["-std=c++20", "-DNDEBUG", "-ffp-contract=off", "-DEIGEN_DONT_VECTORIZE", f"-I{ROOT / 'src'}", "-isystem/usr/include/eigen3"]
 
 

@@ -15,7 +15,7 @@ void parallel_for(std::size_t count, std::size_t grain, const std::function<void
     if (count > 0) body(0, count);
     return;
   }
-  detail::run_pieces(pieces, [&](std::size_t p) { body(p * grain, std::min(count, (p + 1) * grain)); });
+  detail::run_noted_pieces(pieces, [&](std::size_t p) { body(p * grain, std::min(count, (p + 1) * grain)); });
 }
 
 namespace {

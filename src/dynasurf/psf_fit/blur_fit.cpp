@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Cholesky>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/heart/locate.hpp"
@@ -391,6 +393,7 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
                             const Progress& progress) {
   BlurFit options = requested;
   check_options(options, "fit");
+  std::optional<TraceStage> noted(std::in_place, "fit: start");
   const PlacedStart placed = place_start(start, original.grid());
   const Blur as_stored = blur_of(original, options);
   const std::optional<Refiltered> refiltered = without_lobes(original, placed, as_stored, options);
@@ -402,6 +405,7 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   BeatProblem& problem = fit.setup.problem;
   Solution& solution = fit.solution;
 
+  noted.reset();
   FittedBeat beat;
   relax_priors(fit, tightest);
   minimise(problem, solution, 10, 1e-2, progress);
@@ -429,6 +433,7 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
                   "the image shows attenuation that its reconstruction did not correct: %.1f of what is usual", seen);
     beat.notes.push_back({Severity::info, "fit.attenuation", text});
   }
+  noted.emplace("fit: error bars and surfaces");
   beat.steps = solution.steps;
   beat.objective = solution.objective.value;
   beat.converged = solution.converged;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/psf_fit/detail/cholesky.hpp"
 #include "dynasurf/psf_fit/detail/harmonics.hpp"
@@ -91,6 +92,7 @@ Eigen::MatrixXd symmetric(const detail::AlignedMatrix& lower, int count) {
 }  // namespace
 
 Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
+  const TraceStage noted("fit: objective");
   const BeatLayout& layout = problem.layout;
   const auto gates = static_cast<std::size_t>(layout.gates);
   Objective result;
@@ -121,6 +123,7 @@ Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unk
 }
 
 Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at) {
+  const TraceStage noted("fit: gradient");
   const BeatLayout& layout = problem.layout;
   const GateLayout& places = layout.gate;
   const auto gates = static_cast<std::size_t>(layout.gates);
@@ -216,6 +219,7 @@ void minimise(const BeatProblem& problem, Solution& solution, int most_steps, do
   solution.converged = false;
   RowMatrix whole;
   const auto renew = [&] {
+    const TraceStage noted("fit: normal matrix");
     // Both are large: the former goes before the next one comes.
     solution.matrix = {}, whole = {};
     solution.matrix = {data_matrix(problem, solution.unknowns, solution.objective, solution.every),

@@ -2,10 +2,13 @@
 #include <algorithm>
 #include <chrono>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "dynasurf/core/detail/trace.hpp"
 
 namespace dynasurf {
 
@@ -18,6 +21,7 @@ class StageClock {
   /// Does the work and adds its time to the stage's. May be called from any thread.
   template <class F>
   auto operator()(std::string_view stage, F&& work) {
+    const TraceStage noted(stage);
     const auto start = Clock::now();
     auto result = work();
     add(stage, start);
@@ -29,11 +33,13 @@ class StageClock {
     if (stage == stage_) return;
     stop();
     stage_ = stage;
+    noted_.emplace(stage);
   }
   /// The walk ends.
   void stop() {
     if (!stage_.empty()) add(stage_, entered_);
     stage_.clear();
+    noted_.reset();
     entered_ = Clock::now();
   }
 
@@ -53,6 +59,7 @@ class StageClock {
   std::vector<std::pair<std::string, double>>& seconds_;
   std::mutex mutex_;
   std::string stage_;
+  std::optional<TraceStage> noted_;
   Clock::time_point entered_;
 };
 
