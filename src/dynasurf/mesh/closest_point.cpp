@@ -1,10 +1,12 @@
 #include "dynasurf/mesh/closest_point.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "dynasurf/core/detail/lanes.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::mesh {
@@ -22,28 +24,50 @@ SurfacePoint on_segment(const Vec3& p, const Vec3& a, const Vec3& b, int ia, int
   return s;
 }
 
+/// The largest float below another; `std::nextafter` is a call.
+float before(float f) {
+  if (f == 0) return -std::numeric_limits<float>::denorm_min();
+  const auto bits = std::bit_cast<std::uint32_t>(f);
+  return std::bit_cast<float>(f > 0 ? bits - 1 : bits + 1);
+}
+
 float rounded_down(double x) {
   const auto f = static_cast<float>(x);
-  return f > x ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
+  return f > x ? before(f) : f;
 }
 
 float rounded_up(double x) { return -rounded_down(-x); }
 
-/// Squared distances of a place to boxes, none larger than the true one: the place and the boxes are given rounded to
-/// the side that brings them nearer, and the rounding of the sums is taken off.
-template <std::size_t n>
-void least_distances2(const std::array<std::array<float, n>, 3>& low, const std::array<std::array<float, n>, 3>& high,
-                      const std::array<float, 3>& below, const std::array<float, 3>& above,
-                      std::array<float, n>& distance2) {
-  distance2.fill(0);
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    for (std::size_t c = 0; c < n; ++c) {
-      const float d = std::max(std::max(low[axis][c] - above[axis], below[axis] - high[axis][c]), 0.0f);
-      distance2[c] += d * d;
-    }
-  for (std::size_t c = 0; c < n; ++c)
-    distance2[c] = std::min(distance2[c] * (1 - 1e-6f), std::numeric_limits<float>::max());
+using Four = simd::Pack<float, 4, 4>;
+
+/// A place, rounded down and up, as boxes are compared with it.
+struct RoundedPlace {
+  std::array<Four, 3> below, above;
+};
+
+/// Squared distances of a place to four boxes, none larger than the true one: the place and the boxes are given rounded
+/// to the side that brings them nearer, and the rounding of the sums is taken off.
+std::array<float, 4> least_distances2(const std::array<std::array<float, 4>, 3>& low,
+                                      const std::array<std::array<float, 4>, 3>& high, const RoundedPlace& place) {
+  Four sum(0);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Four under = simd::load<Four>(low[axis].data()) - place.above[axis];
+    const Four over = place.below[axis] - simd::load<Four>(high[axis].data());
+    const Four d = simd::larger(simd::larger(under, over), Four(0));
+    sum += d * d;
+  }
+  const Four most(std::numeric_limits<float>::max());
+  sum *= Four(1 - 1e-6f);
+  std::array<float, 4> distance2;
+  simd::store(distance2.data(), simd::where_greater(sum, most, most, sum));
+  return distance2;
 }
+
+/// A node or leaf that waits to be looked at.
+struct Waiting {
+  std::size_t node;
+  float distance2;
+};
 
 }  // namespace
 
@@ -143,12 +167,12 @@ SurfacePoint ClosestPoint::operator()(const Vec3& p, double limit2) const {
   SurfacePoint best;
   best.distance2 = limit2;
   if (faces_.empty()) return best;
-  const std::array<float, 3> above{rounded_up(p[0]), rounded_up(p[1]), rounded_up(p[2])};
-  const std::array<float, 3> below{rounded_down(p[0]), rounded_down(p[1]), rounded_down(p[2])};
-  struct Waiting {
-    std::size_t node;
-    float distance2;
-  };
+  RoundedPlace place;
+  for (int axis = 0; axis < 3; ++axis) {
+    place.below[axis] = Four(rounded_down(p[axis]));
+    place.above[axis] = Four(rounded_up(p[axis]));
+  }
+  const std::size_t inner = nodes_.size();
   // Each level leaves at most three nodes waiting, and quarters the triangles: 16 levels hold any index.
   std::array<Waiting, 64> stack;
   std::size_t depth = 0;
@@ -156,8 +180,8 @@ SurfacePoint ClosestPoint::operator()(const Vec3& p, double limit2) const {
   while (depth > 0) {
     const Waiting top = stack[--depth];
     if (top.distance2 >= best.distance2) continue;
-    if (top.node >= nodes_.size()) {
-      const std::size_t leaf = top.node - nodes_.size();
+    if (top.node >= inner) {
+      const std::size_t leaf = top.node - inner;
       for (std::size_t i = leaf_begin(leaf); i < leaf_begin(leaf + 1); ++i) {
         const Face& f = faces_[i];
         // No place of the triangle is nearer than its plane.
@@ -168,14 +192,13 @@ SurfacePoint ClosestPoint::operator()(const Vec3& p, double limit2) const {
       }
       continue;
     }
-    std::array<float, ways> distance2;
-    least_distances2(nodes_[top.node].low, nodes_[top.node].high, below, above, distance2);
+    const std::array<float, ways> distance2 = least_distances2(nodes_[top.node].low, nodes_[top.node].high, place);
     // Of the children that may hold something nearer, the nearest comes on top.
-    const std::size_t waiting = depth;
+    const std::size_t others = depth;
     for (std::size_t c = 0; c < ways; ++c) {
       if (distance2[c] >= best.distance2) continue;
       std::size_t k = depth++;
-      for (; k > waiting && stack[k - 1].distance2 < distance2[c]; --k) stack[k] = stack[k - 1];
+      for (; k > others && stack[k - 1].distance2 < distance2[c]; --k) stack[k] = stack[k - 1];
       stack[k] = {ways * top.node + 1 + c, distance2[c]};
     }
   }
