@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "dynasurf/cloud/detail/triangle_marks.hpp"
+#include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
@@ -22,23 +24,6 @@ BodyTopology kind_of(const TriMesh& mesh) {
   const auto euler =
       static_cast<std::ptrdiff_t>(mesh.vertices.size()) - static_cast<std::ptrdiff_t>(mesh.triangles.size() / 2);
   return {static_cast<int>(parts), static_cast<int>(parts - euler / 2)};
-}
-
-/// The share of surfaces at five levels of the two finest fields that have these parts and handles.
-double firmness_of(std::span<const IndicatorField> fields, std::span<const Vec3> points, double smallest_share,
-                   const BodyTopology& kind) {
-  constexpr std::array<double, 5> levels{0, -0.1, 0.1, -0.2, 0.2};
-  const std::size_t asked = levels.size() * std::min<std::size_t>(fields.size(), 2);
-  const double same = parallel_sum(asked, 1, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t n = begin; n < end; ++n) {
-      const IndicatorField& field = fields[fields.size() - 1 - n / levels.size()];
-      const TriMesh mesh = body_surface(field, levels[n % levels.size()], points, smallest_share);
-      sum += !mesh.triangles.empty() && kind_of(mesh) == kind;
-    }
-    return sum;
-  });
-  return same / asked;
 }
 
 }  // namespace
@@ -192,8 +177,15 @@ void turn(Body& body) {
   for (float& v : body.field.value.values) v = -v;
 }
 
-Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> points, const Options& options, Notes& notes,
-                 const std::optional<BodyTopology>& expected) {
+void turn_upwards(Body& body) {
+  constexpr double flat = 0.8, level = 0.3;
+  const Vec3 facing = facing_of(body.mesh);
+  if (facing.norm() > flat && facing[2] < -level * facing.norm()) turn(body);
+}
+
+Body choose_body(const std::vector<IndicatorField>& fields, std::span<const Vec3> points, const Options& options,
+                 Notes& notes, const std::optional<BodyTopology>& expected) {
+  const TraceStage noted("inside: body");
   BodySearch search(fields, points, options);
   bool as_asked = search.take_as_asked(expected);
   search.refine();
@@ -201,12 +193,27 @@ Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> point
   if (!search.taken) throw InputError("the points of the cloud enclose nothing");
   Body body = std::move(*search.taken);
   turn_outwards(body);
-  body.firm = firmness_of(fields, points, options.smallest_part_percent / 100, {body.parts, body.genus});
   if (!as_asked)
     notes.push_back(
         {Severity::warning, "cloud.handles",
          "the points do not tell how many handles the surface has; it was given " + std::to_string(body.genus)});
   return body;
+}
+
+double firmness_of(std::span<const IndicatorField> fields, std::span<const Vec3> points, double smallest_share,
+                   const BodyTopology& kind) {
+  constexpr std::array<double, 5> levels{0, -0.1, 0.1, -0.2, 0.2};
+  const std::size_t asked = levels.size() * std::min<std::size_t>(fields.size(), 2);
+  const double same = parallel_sum(asked, 1, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t n = begin; n < end; ++n) {
+      const IndicatorField& field = fields[fields.size() - 1 - n / levels.size()];
+      const TriMesh mesh = body_surface(field, levels[n % levels.size()], points, smallest_share);
+      sum += !mesh.triangles.empty() && kind_of(mesh) == kind;
+    }
+    return sum;
+  });
+  return same / asked;
 }
 
 }  // namespace dynasurf::cloud

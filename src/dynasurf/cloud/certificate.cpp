@@ -7,6 +7,7 @@
 
 #include "dynasurf/cloud/detail/patch.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
@@ -117,6 +118,7 @@ Spread spread_of_mesh(const std::vector<Vec3>& points, const KdTree& cloud) {
 }  // namespace
 
 Comparison compare(const TriMesh& mesh, const KdTree& cloud) {
+  const TraceStage noted("levels: certificate");
   Comparison result;
   Certificate& c = result.certificate;
   const mesh::SurfaceCheck check = mesh::check_surface(mesh);

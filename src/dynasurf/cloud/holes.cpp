@@ -11,6 +11,7 @@
 #include "dynasurf/cloud/detail/patch.hpp"
 #include "dynasurf/cloud/detail/triangle_marks.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/detail/submesh.hpp"
 #include "dynasurf/mesh/detail/vertex_normals.hpp"
@@ -341,6 +342,7 @@ void fill_within_rims(const TriMesh& open, const Scan& scan, const Holes& option
 }  // namespace
 
 std::optional<HoleFill> fill_holes(const IndicatorField& field, const OrientedPoints& points, const Holes& options) {
+  const TraceStage noted("inside: holes");
   // Two ends in one hole of the scan are far more often one limb than two that happen to end there.
   constexpr double most_for_handle = 1.8;
   const Scan scan(points);

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
+#include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::cloud {
@@ -147,18 +149,20 @@ Runs nodes_near_surface(const Lattice& l, const OrientedPoints& points, const Va
 /// The equations on one lattice: the seven-point Laplacian plus, for each point, a pull of its value to 0.
 class Equations {
  public:
-  Equations(const Lattice& lattice, Runs runs, const OrientedPoints& points, double closeness)
-      : lattice_(lattice),
-        runs_(std::move(runs)),
-        steps_(steps_of(lattice)),
-        right_(lattice.size(), 0),
-        scale_(lattice.size(), 6) {
-    gather_slopes(points);
-    gather_points(points, closeness);
+  Equations(const Lattice& lattice, const OrientedPoints& points, double closeness)
+      : lattice_(lattice), steps_(steps_of(lattice)) {
+    parallel_for(4, 1, [&](std::size_t task, std::size_t) {
+      if (task < 3)
+        gather_slopes(points, task);
+      else
+        gather_points(points, closeness);
+    });
   }
 
-  /// From the start in `x` by conjugate gradients with the diagonal as preconditioner.
-  void solve(Values& x, int iterations, const Progress& progress) const {
+  /// At the nodes of `runs`, from the start in `x`, by conjugate gradients with the diagonal as preconditioner.
+  void solve(Runs runs, Values& x, int iterations, const Progress& progress) {
+    runs_ = std::move(runs);
+    make_right_side();
     const std::size_t n = x.size();
     Values r(n, 0), p(n, 0), q(n, 0);
     apply(x, q);
@@ -185,51 +189,81 @@ class Equations {
   }
 
  private:
-  void gather_slopes(const OrientedPoints& points) {
-    // The slope along each axis lives half way between nodes, where the difference of their values does.
+  /// The slope along an axis lives half way between nodes, where the difference of their values does.
+  void gather_slopes(const OrientedPoints& points, std::size_t axis) {
     const double scale = 1 / (lattice_.side * lattice_.side);
-    const std::array<std::ptrdiff_t, 3> step{1, lattice_.row(), lattice_.slab()};
-    Values slope;
-    for (std::size_t a = 0; a < 3; ++a) {
-      slope.assign(lattice_.size(), 0);
-      const Vec3 shift = 0.5 * Vec3::Unit(static_cast<Eigen::Index>(a));
-      Corner c;
-      for (std::size_t i = 0; i < points.points.size(); ++i) {
-        if (!corner_of(lattice_, points.points[i], shift, c)) continue;
-        const auto v = static_cast<float>(-points.normals[i][a] * points.areas[i] * scale);
-        for (std::size_t n = 0; n < 8; ++n) slope[c.at + steps_[n]] += v * c.weight[n];
-      }
-      for_nodes([&](std::size_t i) { right_[i] -= slope[i] - slope[static_cast<std::ptrdiff_t>(i) - step[a]]; });
+    Values& slope = slopes_[axis];
+    slope.assign(lattice_.size(), 0);
+    const auto a = static_cast<Eigen::Index>(axis);
+    const Vec3 shift = 0.5 * Vec3::Unit(a);
+    Corner c;
+    for (std::size_t i = 0; i < points.points.size(); ++i) {
+      if (!corner_of(lattice_, points.points[i], shift, c)) continue;
+      const auto v = static_cast<float>(-points.normals[i][a] * points.areas[i] * scale);
+      for (std::size_t n = 0; n < 8; ++n) slope[c.at + steps_[n]] += v * c.weight[n];
     }
   }
 
+  void make_right_side() {
+    right_.assign(lattice_.size(), 0);
+    const std::array<std::ptrdiff_t, 3> step{1, lattice_.row(), lattice_.slab()};
+    for_nodes([&](std::size_t i) {
+      float value = 0;
+      for (std::size_t a = 0; a < 3; ++a) value -= slopes_[a][i] - slopes_[a][static_cast<std::ptrdiff_t>(i) - step[a]];
+      right_[i] = value;
+    });
+    slopes_ = {};
+  }
+
   void gather_points(const OrientedPoints& points, double closeness) {
+    constexpr std::size_t grain = 1024;
+    constexpr std::size_t nowhere = static_cast<std::size_t>(-1);
     const double scale = closeness / (lattice_.side * lattice_.side);
+    const std::size_t count = points.points.size();
     // Sorted by where they are, so that slabs of points can be worked on apart.
-    std::vector<Corner> corners;
-    std::vector<float> pulls;
-    Corner c;
-    std::vector<std::pair<std::size_t, std::size_t>> order;
-    for (std::size_t i = 0; i < points.points.size(); ++i)
-      if (corner_of(lattice_, points.points[i], Vec3::Zero(), c)) {
-        order.push_back({c.at, corners.size()});
-        corners.push_back(c);
-        pulls.push_back(static_cast<float>(scale * points.areas[i]));
+    std::vector<Corner> corners(count);
+    std::vector<std::pair<std::size_t, std::uint32_t>> order(count);
+    parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const bool is_here = corner_of(lattice_, points.points[i], Vec3::Zero(), corners[i]);
+        order[i] = {is_here ? corners[i].at : nowhere, static_cast<std::uint32_t>(i)};
       }
+    });
     std::sort(order.begin(), order.end());
-    const auto slab = static_cast<std::size_t>(lattice_.slab());
+    while (!order.empty() && order.back().first == nowhere) order.pop_back();
     // Points of one cell add up to one symmetric form of its eight nodes.
-    for (std::size_t o = 0; o < order.size(); ++o) {
-      if (cells_.empty() || cells_.back().at != order[o].first) cells_.push_back({order[o].first, {}});
-      const auto& w = corners[order[o].second].weight;
-      const float pull = pulls[order[o].second];
-      std::size_t e = 0;
-      for (std::size_t m = 0; m < 8; ++m)
-        for (std::size_t n = m; n < 8; ++n) cells_.back().form[e++] += pull * w[m] * w[n];
-    }
+    std::vector<std::size_t> first;
+    for (std::size_t o = 0; o < order.size(); ++o)
+      if (o == 0 || order[o].first != order[o - 1].first) first.push_back(o);
+    cells_.resize(first.size());
+    first.push_back(order.size());
+    parallel_for(cells_.size(), grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) {
+        cells_[n] = {order[first[n]].first, {}};
+        for (std::size_t o = first[n]; o < first[n + 1]; ++o) {
+          const std::uint32_t i = order[o].second;
+          const auto pull = static_cast<float>(scale * points.areas[i]);
+          add_outer(pull, corners[i].weight, cells_[n].form);
+        }
+      }
+    });
+    find_slabs_of_cells();
+    scale_.assign(lattice_.size(), 6);
     for (const Cell& cell : cells_)
       for (std::size_t m = 0, e = 0; m < 8; e += 8 - m, ++m) scale_[cell.at + steps_[m]] += cell.form[e];
-    for (float& s : scale_) s = 1 / s;
+    parallel_for(scale_.size(), 64 * grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) scale_[i] = 1 / scale_[i];
+    });
+  }
+
+  static void add_outer(float factor, const std::array<float, 8>& w, std::array<float, 36>& form) {
+    std::size_t e = 0;
+    for (std::size_t m = 0; m < 8; ++m)
+      for (std::size_t n = m; n < 8; ++n) form[e++] += factor * w[m] * w[n];
+  }
+
+  void find_slabs_of_cells() {
+    const auto slab = static_cast<std::size_t>(lattice_.slab());
     slab_of_cells_.assign(static_cast<std::size_t>(lattice_.dims[2]) + 1, cells_.size());
     for (std::size_t n = cells_.size(); n > 0;) {
       --n;
@@ -314,6 +348,7 @@ class Equations {
   const Lattice& lattice_;
   Runs runs_;
   std::array<std::size_t, 8> steps_;
+  std::array<Values, 3> slopes_;
   Values right_, scale_;  // the right side, and one over the diagonal
   std::vector<Cell> cells_;
   std::vector<std::size_t> slab_of_cells_;  // where the cells of each slab begin, and the end
@@ -425,10 +460,16 @@ double share_turned(const OrientedPoints& points, const IndicatorField& field) {
 
 std::vector<IndicatorField> solve_indicator(const OrientedPoints& points, const InsideOptions& options,
                                             const Progress& progress) {
+  progress("inside", 0, 1);
+  const TraceStage noted("inside: field");
   const std::vector<Lattice> lattices = cascade(points, options);
   std::vector<OrientedPoints> seen(lattices.size());
   for (std::size_t l = 1; l < lattices.size(); ++l)
     seen[l] = merged(l == 1 ? points : seen[l - 1], 0.5 * lattices[l].side, lattices[l].origin);
+  std::vector<std::optional<Equations>> equations(lattices.size());
+  parallel_for(lattices.size(), 1, [&](std::size_t l, std::size_t) {
+    equations[l].emplace(lattices[l], l == 0 ? points : seen[l], options.closeness);
+  });
   std::vector<IndicatorField> fields;
   int iterations = 80;
   for (std::size_t l = lattices.size(); l > 0;) {
@@ -439,7 +480,8 @@ std::vector<IndicatorField> solve_indicator(const OrientedPoints& points, const 
                               : refined(lattices[l + 1], fields.back().value.values, lattice);
     const OrientedPoints& here = l == 0 ? points : seen[l];
     Runs runs = fields.empty() ? all_nodes(lattice) : nodes_near_surface(lattice, here, x);
-    Equations(lattice, std::move(runs), here, options.closeness).solve(x, iterations, progress);
+    equations[l]->solve(std::move(runs), x, iterations, progress);
+    equations[l].reset();
     iterations = std::max(10, iterations * 2 / 3);
     IndicatorField field;
     field.value.grid = Grid{.dims = lattice.dims};

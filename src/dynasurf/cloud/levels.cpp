@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/mesh/detail/relax.hpp"
 #include "dynasurf/mesh/intersections.hpp"
 #include "dynasurf/mesh/simplify.hpp"
@@ -72,6 +73,7 @@ std::size_t step_of_fit(const LevelPlan& plan, std::size_t points, std::size_t t
 }
 
 void lighten_for_level(mesh::SurfaceEditor& surface, std::size_t triangles, const LevelPlan& plan) {
+  const TraceStage noted("levels: lighten");
   if (triangles > few) collapse(surface, triangles, plan);
 }
 
@@ -79,6 +81,7 @@ std::size_t make_level(mesh::SurfaceEditor& surface, std::size_t triangles, cons
                        const mesh::ClosestPoint& on_fine, const FitPoints& points, const LevelPlan& plan) {
   if (triangles <= few && surface.triangles() > 3 * triangles)
     make_level(surface, 2 * triangles, fine, on_fine, points, plan);
+  const TraceStage noted("levels: make");
   if (surface.triangles() < triangles) mesh::refine(surface, triangles + triangles / 2);
   collapse(surface, triangles, plan);
   const std::size_t step = step_of_fit(plan, points.points.size(), triangles);

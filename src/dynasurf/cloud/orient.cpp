@@ -12,6 +12,7 @@
 #include "dynasurf/cloud/detail/kd_tree.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/symmetric_axes.hpp"
+#include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::cloud {
@@ -303,6 +304,19 @@ void turn_given(OrientedPoints& o, const std::vector<std::uint8_t>& known) {
 
 }  // namespace
 
+void append(OrientedPoints& to, const OrientedPoints& more) {
+  to.points.insert(to.points.end(), more.points.begin(), more.points.end());
+  to.normals.insert(to.normals.end(), more.normals.begin(), more.normals.end());
+  to.areas.insert(to.areas.end(), more.areas.begin(), more.areas.end());
+}
+
+OrientedPoints first_of(OrientedPoints points, std::size_t count) {
+  points.points.resize(count);
+  points.normals.resize(count);
+  points.areas.resize(count);
+  return points;
+}
+
 PointCloud voxel_downsample(const PointCloud& cloud, double cell) {
   if (!(cell > 0)) return {cloud.points, cloud.normals, {}, {}};
   Eigen::AlignedBox3d box;
@@ -363,6 +377,7 @@ void smooth_normals(OrientedPoints& o, std::size_t ring) {
 }
 
 OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t ring) {
+  const TraceStage noted("inside: directions");
   OrientedPoints o;
   o.points = cloud.points;
   const std::size_t n = o.points.size();

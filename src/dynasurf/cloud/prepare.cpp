@@ -14,6 +14,7 @@
 #include "dynasurf/cloud/detail/outliers.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/detail/symmetric_axes.hpp"
+#include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 
@@ -203,17 +204,20 @@ PreparedCloud prepare(PointCloud cloud, const Options& options, const Progress& 
   check_count(cloud.points);
   progress.check();
   std::vector<std::uint32_t> had;
+  std::optional<TraceStage> noted(std::in_place, "points: tree");
   KdTree neighbours(cloud.points, had);
   reorder_others(cloud, had);
   PreparedCloud p{std::move(cloud), std::move(neighbours), facts, {}};
   PointCloud& c = p.cloud;
   progress.check();
+  noted.emplace("points: outliers");
   if (options.outliers > 0 && c.points.size() > 4 * stray_ring) {
     kept = parts_of_surfaces(c.points, p.neighbours, options.outliers);
     p.facts.outliers = keep(c, kept);
     if (p.facts.outliers > 0) p.neighbours.keep(kept, c.points);
     check_count(c.points);
   }
+  noted.emplace("points: spacing and noise");
   check_extent(c.points);  // not before: one point far enough away makes a line of all others
   progress.check();
   Eigen::AlignedBox3d box;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <numeric>
 
@@ -73,12 +74,6 @@ void tell(const HoleFill& fill, LidRule lid, Notes& notes) {
   notes.push_back({Severity::info, "cloud.holes", what});
 }
 
-void append(OrientedPoints& to, const OrientedPoints& more) {
-  to.points.insert(to.points.end(), more.points.begin(), more.points.end());
-  to.normals.insert(to.normals.end(), more.normals.begin(), more.normals.end());
-  to.areas.insert(to.areas.end(), more.areas.begin(), more.areas.end());
-}
-
 /// What the inside is found from. Noise is taken off first: within four times its size most of the points around are of
 /// the same side of a wall, and many enough to tell a plane.
 OrientedPoints oriented_points(const PreparedCloud& p, const Options& options, double cell) {
@@ -99,16 +94,10 @@ struct FoundBody {
   Body body;
   OrientedPoints fill;
   double side;
+  std::vector<IndicatorField> fields;  // that a closed body was chosen from
 };
 
 bool is_open(const Facts& facts) { return facts.boundary != BoundaryRule::close; }
-
-/// Nothing tells which side of a terrain is out: what is flat as a whole, and no upright front, faces up.
-void turn_upwards(Body& body) {
-  constexpr double flat = 0.8, level = 0.3;
-  const Vec3 facing = facing_of(body.mesh);
-  if (facing.norm() > flat && facing[2] < -level * facing.norm()) turn(body);
-}
 
 OpenSurface cut_open(const PreparedCloud& p, const IndicatorField& field, const OrientedPoints& fill, double reach,
                      const Options& options) {
@@ -131,13 +120,6 @@ std::optional<Body> open_body(const PreparedCloud& p, IndicatorField field, cons
   Body body{open.mesh, open.parts, open.genus, false, std::move(field)};
   if (p.cloud.normals.empty() || !options.use_normals) turn_upwards(body);
   return body;
-}
-
-OrientedPoints first_of(OrientedPoints points, std::size_t count) {
-  points.points.resize(count);
-  points.normals.resize(count);
-  points.areas.resize(count);
-  return points;
 }
 
 /// Puts flat lids in the place of smooth ones. False, and the body is as it was, where they would cross the surface or
@@ -199,13 +181,12 @@ FoundBody find_body(const PreparedCloud& p, const Options& options, int triangle
     const BoundaryRule rule = options.boundary == BoundaryRule::trim ? BoundaryRule::trim : BoundaryRule::keep;
     const OrientedPoints& in_holes = fill ? fill->points : OrientedPoints{};
     if (auto body = open_body(p, fields.back(), in_holes, reach, rule, options, result))
-      return {std::move(*body), in_holes, side};
+      return {std::move(*body), in_holes, side, {}};
   }
   const std::optional<BodyTopology> expected = fill && !fill->is_open ? std::optional(fill->kind) : std::nullopt;
   // Shares are of the scanned points: thinned ones stand for areas, and few strays on a wide floor for a large one.
-  Body body = choose_body(std::move(fields), p.cloud.points, options, result.notes, expected);
-  result.support.firm = body.firm;
-  FoundBody found{std::move(body), fill ? fill->points : OrientedPoints{}, side};
+  Body body = choose_body(fields, p.cloud.points, options, result.notes, expected);
+  FoundBody found{std::move(body), fill ? fill->points : OrientedPoints{}, side, std::move(fields)};
   if (gets_flat_lids) {
     const bool are_flat = put_flat_lids(found, *fill, p, reach, options);
     tell(*fill, are_flat ? LidRule::flat : LidRule::smooth, result.notes);
@@ -409,9 +390,27 @@ void tell_left_out(std::span<const Vec3> points, Result& result) {
                               percent(far) + " of the diagonal from the surface, which leaves them out"});
 }
 
+using Publish = std::function<void(TriMesh, int)>;
+
+void make_levels(mesh::SurfaceEditor& surface, const Fitting& fitting, const std::vector<int>& triangles,
+                 const Publish& publish, Notes& notes, const Progress& progress) {
+  for (std::size_t i = 0; i <= triangles.size(); ++i) {
+    progress("levels", static_cast<int>(i), static_cast<int>(triangles.size()));
+    progress.check();
+    // While a level is made, the one before it is measured: each leaves the other's processor idle at times.
+    TriMesh made = i > 0 ? surface.mesh() : TriMesh{};
+    if (i == 1 && fitting.options.start != CloudStart::automatic && fitting.options.start != CloudStart::field)
+      tell_unreached(made, fitting, notes);
+    parallel_for(2, 1, [&](std::size_t task, std::size_t) {
+      if (task == 0 && i < triangles.size()) fitting.make(surface, triangles[i]);
+      if (task == 1 && i > 0) publish(std::move(made), triangles[i - 1]);
+    });
+  }
+}
+
 void reconstruct_fitted(const PreparedCloud& p, const Options& options, const std::vector<int>& triangles,
                         Result& result, const Progress& progress) {
-  const FoundBody found = find_body(p, options, triangles.front(), result, progress);
+  FoundBody found = find_body(p, options, triangles.front(), result, progress);
   const Body& body = found.body;
   result.facts.parts = body.parts;
   result.facts.genus = body.genus;
@@ -427,12 +426,16 @@ void reconstruct_fitted(const PreparedCloud& p, const Options& options, const st
                         is_open(result.facts) ? SurfaceEditor::Boundary::kept : SurfaceEditor::Boundary::none);
   std::vector<Vec3> points(scanned + found.fill.points.size()), normals(points.size());
   std::optional<mesh::ClosestPoint> on_fine;
-  // One processor collapses edges, while the others prepare what the fit asks for.
+  // One processor collapses edges, while the others look how firm the body is and prepare what the fit asks for.
   parallel_for(2, 1, [&](std::size_t task, std::size_t) {
     if (task == 0) {
       if (!options.max_error_percent) lighten_for_level(surface, most, plan_of(options, p.facts, most));
       return;
     }
+    if (!found.fields.empty())
+      result.support.firm =
+          firmness_of(found.fields, p.cloud.points, options.smallest_part_percent / 100, {body.parts, body.genus});
+    found.fields = {};
     on_fine.emplace(fine);
     parallel_for(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
@@ -444,7 +447,7 @@ void reconstruct_fitted(const PreparedCloud& p, const Options& options, const st
   });
   const Fitting fitting{fine, *on_fine, {points, normals}, std::span(points).first(scanned), options, p.facts};
   tell_lost(fitting, found.side, result.notes);
-  const auto publish = [&](TriMesh mesh, int asked) {
+  const Publish publish = [&](TriMesh mesh, int asked) {
     for (Vec3& v : mesh.vertices) v = frame.out(v);
     add_level(result, p, asked, std::move(mesh));
   };
@@ -455,18 +458,7 @@ void reconstruct_fitted(const PreparedCloud& p, const Options& options, const st
     progress("levels", 1, 1);
     return;
   }
-  for (std::size_t i = 0; i <= triangles.size(); ++i) {
-    progress("levels", static_cast<int>(i), static_cast<int>(triangles.size()));
-    progress.check();
-    // While a level is made, the one before it is measured: each leaves the other's processor idle at times.
-    TriMesh made = i > 0 ? surface.mesh() : TriMesh{};
-    if (i == 1 && options.start != CloudStart::automatic && options.start != CloudStart::field)
-      tell_unreached(made, fitting, result.notes);
-    parallel_for(2, 1, [&](std::size_t task, std::size_t) {
-      if (task == 0 && i < triangles.size()) fitting.make(surface, triangles[i]);
-      if (task == 1 && i > 0) publish(std::move(made), triangles[i - 1]);
-    });
-  }
+  make_levels(surface, fitting, triangles, publish, result.notes, progress);
 }
 
 }  // namespace

@@ -34,11 +34,13 @@ struct Body {
   int parts = 0, genus = 0;
   bool handles_cut = false;
   IndicatorField field;  // that it comes from
-  double firm = 1;       // share of the surfaces of the two finest fields, at levels up to 0.2 off, that are the same
 };
 
 /// Turns the surface, with its field, to the other side.
 void turn(Body& body);
+
+/// Nothing tells which side of a terrain is out: what is flat as a whole, and no upright front, faces up.
+void turn_upwards(Body& body);
 
 /// Chooses among the fields, coarsest first. `automatic`: the finest whose surface keeps its parts and handles when the
 /// level is raised or lowered a little, which accidents of the sampling do not; `zero`: the finest without handles;
@@ -46,7 +48,11 @@ void turn(Body& body);
 /// at a level a little higher or lower. `expected` is what the surface should be after holes were filled; fields that
 /// show it come first. Where no field does, "cloud.handles" tells which was taken instead. A body of negative volume is
 /// turned, with its field. Throws InputError when there is no surface at all.
-Body choose_body(std::vector<IndicatorField> fields, std::span<const Vec3> points, const Options& options, Notes& notes,
-                 const std::optional<BodyTopology>& expected = {});
+Body choose_body(const std::vector<IndicatorField>& fields, std::span<const Vec3> points, const Options& options,
+                 Notes& notes, const std::optional<BodyTopology>& expected = {});
+
+/// The share of surfaces at five levels, up to 0.2 off, of the two finest fields that have these parts and handles.
+double firmness_of(std::span<const IndicatorField> fields, std::span<const Vec3> points, double smallest_share,
+                   const BodyTopology& kind);
 
 }  // namespace dynasurf::cloud

@@ -15,6 +15,12 @@ struct OrientedPoints {
   std::uint32_t sheets = 0;
 };
 
+/// Adds points, without their sheets.
+void append(OrientedPoints& to, const OrientedPoints& more);
+
+/// The first `count` points, without their sheets.
+OrientedPoints first_of(OrientedPoints points, std::size_t count);
+
 /// Merges the points in each cube of side `cell` to their mean, so that many points cost no more than the surface asks
 /// for. Normals are merged too; a zero normal means that there is none. With `cell` 0 all stay as they are.
 PointCloud voxel_downsample(const PointCloud& cloud, double cell);
