@@ -333,12 +333,12 @@ class Trace(CliTest):
         table = self.read(trace, "--svg", picture)
         total, _ = table.pop("all")
         self.assertAlmostEqual(sum(ms for ms, _ in table.values()), total, delta=0.06 * total)
-        self.assertTrue(all(0.9 < busy < 32 for _, busy in table.values()), table)
+        self.assertTrue(all(0 < busy < 64 for _, busy in table.values()), table)
         self.assertEqual(xml.etree.ElementTree.parse(picture).getroot().tag, "{http://www.w3.org/2000/svg}svg")
 
     def test_tells_what_more_threads_would_take(self):
         trace = self.trace("one.json", "--threads", "1")
-        table = self.read(trace, "--threads", "1,2,1000000")
+        table = self.read(trace, "--threads", "1,2,64")
         total, one, two, many = table["all"]
         self.assertAlmostEqual(one, total, delta=0.01 * total)
         self.assertLess(two, 0.9 * total)

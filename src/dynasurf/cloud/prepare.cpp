@@ -217,7 +217,7 @@ PreparedCloud prepare(PointCloud cloud, const Options& options, const Progress& 
     if (p.facts.outliers > 0) p.neighbours.keep(kept, c.points);
     check_count(c.points);
   }
-  noted.emplace("points: spacing and noise");
+  noted.emplace("points: noise");
   check_extent(c.points);  // not before: one point far enough away makes a line of all others
   progress.check();
   Eigen::AlignedBox3d box;

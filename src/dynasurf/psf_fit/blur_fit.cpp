@@ -433,7 +433,7 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
                   "the image shows attenuation that its reconstruction did not correct: %.1f of what is usual", seen);
     beat.notes.push_back({Severity::info, "fit.attenuation", text});
   }
-  noted.emplace("fit: error bars and surfaces");
+  noted.emplace("fit: intervals");
   beat.steps = solution.steps;
   beat.objective = solution.objective.value;
   beat.converged = solution.converged;
