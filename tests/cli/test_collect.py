@@ -14,7 +14,7 @@ try:
 except ImportError:
     stats = None
 
-from cli import run, shared_folder
+from cli import PROGRAM, run, shared_folder
 from test_batch import QUICK, STUDIES, BatchTest, patients, result_of, rows_of, serial
 
 
@@ -138,6 +138,23 @@ class Collect(BatchTest):
         self.assertEqual(made, {"no": {"decision": "rejected", "reader": "A. Reader", "comment": "apex\tcut </script>"},
                                 "yes": {"decision": "accepted", "reader": "", "comment": ""},
                                 "seen": {"decision": "", "reader": "", "comment": "dim"}, "open": None})
+
+    def test_page_opens_studies_in_the_program_where_live_pages_were_asked_for(self):
+        program, page = (self.folder / "installed" / place for place in ("bin/dynasurf", "share/dynasurf/dynasurf.html"))
+        for file in (program, page):
+            file.parent.mkdir(parents=True)
+        shutil.copy(PROGRAM, program)
+        page.write_text('<script id="given"></script>')
+        study = patients() / rows_of(patients() / "patients.tsv")[0]["path"]
+        table = self.folder / "studies.tsv"
+        for name, live in (("live", ["--live"]), ("report", [])):
+            table.write_text(f"id\tpath\n{name}\t{study}\n")
+            words = [program, "batch", table, "--out", self.folder / name, "--quiet", "--", *QUICK, *live]
+            self.assertEqual(subprocess.run(words).returncode, 0)
+            tables = self.folder / name / "tables"
+            data = (tables / "cohort.html").read_text(encoding="utf-8").split('id="data">')[1].split("</script>")[0]
+            link = tables / json.loads(data)["studies"][0]["report"]
+            self.assertEqual((link.name, link.is_file()), (f"{name}.html", True))
 
     def test_page_works_in_a_browser(self):
         web = pathlib.Path(__file__).resolve().parents[2] / "web"

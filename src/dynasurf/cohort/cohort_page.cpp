@@ -132,7 +132,10 @@ std::string as_address(const std::string& path) {
 
 std::string report_link(const fs::path& tables, const fs::path& cohort, const std::string& id) {
   const fs::path from = fs::weakly_canonical(fs::absolute(tables)), to = fs::weakly_canonical(fs::absolute(cohort));
-  return as_address((result_folder(to, id) / "report.html").lexically_relative(from).generic_string());
+  const fs::path folder = result_folder(to, id);
+  std::error_code unknown;
+  const char* page = fs::is_regular_file(folder / "live.html", unknown) ? "live.html" : "report.html";
+  return as_address((folder / page).lexically_relative(from).generic_string());
 }
 
 void write_cohort_page(const Cohort& cohort, const std::vector<StatisticRow>& statistics, const Cohort* second,

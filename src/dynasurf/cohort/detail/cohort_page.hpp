@@ -15,7 +15,8 @@ namespace dynasurf::cohort {
 void write_cohort_page(const Cohort& cohort, const std::vector<StatisticRow>& statistics, const Cohort* second,
                        const std::filesystem::path& published, const std::filesystem::path& path);
 
-/// The report of a study, as an address from the folder of the tables.
+/// The report of a study, as an address from the folder of the tables: where there is one, the page that can run the
+/// study again.
 std::string report_link(const std::filesystem::path& tables, const std::filesystem::path& cohort,
                         const std::string& id);
 
