@@ -1,7 +1,7 @@
 // node program.test.mjs dynasurf.html dynasurf [SCREENSHOTS]: opens the page that is the program from disk in Chromium,
 // uses it, and holds what it computes against the native program.
 import assert from "node:assert/strict";
-import { execFileSync, spawnSync } from "node:child_process";
+import { execFileSync, spawn, spawnSync } from "node:child_process";
 import { copyFileSync, cpSync, existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
@@ -23,6 +23,20 @@ function run_native(...words) {
   const begin = performance.now();
   execFileSync(native, words, { cwd: work, stdio: ["ignore", "ignore", "pipe"] });
   return (performance.now() - begin) / 1000;
+}
+/** The same, and the most memory that it held. */
+async function measure_native(...words) {
+  const begin = performance.now();
+  const child = spawn(native, words, { cwd: work, stdio: "ignore" });
+  let memory = 0;
+  const watch = setInterval(() => {
+    const status = existsSync(`/proc/${child.pid}/status`) ? readFileSync(`/proc/${child.pid}/status`, "utf8") : "";
+    memory = Math.max(memory, 1024 * Number(/VmHWM:\s+(\d+)/.exec(status)?.[1] ?? 0));
+  }, 10);
+  const code = await new Promise((done) => child.on("exit", done));
+  clearInterval(watch);
+  assert.ok(code === 0 || code === 3, `${words.join(" ")} ended with ${code}`);
+  return { seconds: (performance.now() - begin) / 1000, memory };
 }
 const results_of = (folder) => JSON.parse(readFileSync(join(work, folder, "results.json"), "utf8"));
 
@@ -188,6 +202,30 @@ const tests = {
     console.log(`     ${mine.seconds} s (native, one thread: ${seconds.toFixed(1)} s), ratio ${(mine.seconds / seconds).toFixed(2)}, ${mine.memory / 1e6} MB`);
     await report_is_drawn(page);
     await shoot(page, "vase");
+  },
+
+  async "takes time and memory that stand beside those of the native program"(page) {
+    const many = ["gates=16", "lattice.nx=128", "lattice.ny=128", "lattice.nz=48", "lattice.dx_mm=1.4", "lattice.dy_mm=1.4", "lattice.dz_mm=2.8"];
+    run_native("phantom", "patient", "--out", "many", ...many.flatMap((set) => ["--set", set]), "--quiet");
+    run_native("phantom", "cloud", "--set", "shape=spring", "--set", "points=100000", "--out", "spring", "--quiet");
+    await page.emulateMedia({ reducedMotion: "reduce" }); // a beat drawn without a graphics card takes all of a processor
+    const table = [["", "page s", "native s", "ratio", "page MB", "native MB"]];
+    for (const [name, path, ...words] of [
+      ["8 gates of 64x64x23", "patient/study.dcm", "ventricle"],
+      ["16 gates of 128x128x48", "many/study.dcm", "ventricle"],
+      ["100,000 points", "spring/cloud.ply", "cloud", "--triangles", "5120,1280,320"],
+    ]) {
+      await page.waitForFunction(() => document.documentElement.dataset.warm === "true", null, { timeout: most_wait });
+      await give(page, path.replace(/.*\//, ""), readFileSync(join(work, path)));
+      const mine = await saved(page);
+      const theirs = await measure_native(words[0], path, "--out", `${path}.native`, "--threads", "1", "--quiet", ...words.slice(1));
+      assert_same(mine, `${path}.native`);
+      const mb = (bytes) => (bytes / 1e6).toFixed(0);
+      table.push([name, mine.seconds.toFixed(1), theirs.seconds.toFixed(1), (mine.seconds / theirs.seconds).toFixed(2), mb(mine.memory), mb(theirs.memory)]);
+      assert.ok(mine.memory < 2 * theirs.memory + 64e6, `${name}: ${mb(mine.memory)} MB in the page, ${mb(theirs.memory)} in the native program`);
+      await page.click("#result .other");
+    }
+    for (const row of table) console.log(`     ${row[0].padEnd(24)}${row.slice(1).map((cell) => cell.padStart(11)).join("")}`);
   },
 
   async "gives every option a control, whose other values the program takes"(page) {
