@@ -89,7 +89,8 @@ endfunction()
 option(DYNASURF_JOIN_SOURCES "Compile several small sources at once" ON)
 
 add_library(dynasurf_joined_flags INTERFACE)
-target_compile_options(dynasurf_joined_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-shadow$<SEMICOLON>-Wshadow=local>)
+target_compile_options(dynasurf_joined_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-shadow$<SEMICOLON>-Wshadow=local>
+                                                        $<$<CXX_COMPILER_ID:Clang>:-Wno-shadow>)
 
 # dynasurf_join_sources(target [source...]): all but these, which take long by themselves or share names with others.
 function(dynasurf_join_sources target)

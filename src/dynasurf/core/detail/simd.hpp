@@ -16,7 +16,12 @@ namespace dynasurf::field::detail {
 #else
 #define DYNASURF_SANITIZED 0
 #endif
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !DYNASURF_SANITIZED
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define DYNASURF_SANITIZED_BY_CLANG
+#endif
+#endif
+#if defined(__x86_64__) && defined(__GNUC__) && !DYNASURF_SANITIZED && !defined(DYNASURF_SANITIZED_BY_CLANG)
 #define DYNASURF_SEVERAL_INSTRUCTION_SETS 1
 #else
 #define DYNASURF_SEVERAL_INSTRUCTION_SETS 0
@@ -24,8 +29,9 @@ namespace dynasurf::field::detail {
 
 // A function marked so is compiled for several instruction sets and the best one is chosen when the program starts.
 // Contraction is off and no loop reorders a sum, so every copy returns the same bytes. Sanitizers cannot run the
-// chooser (it is called before they are ready), so they get the plain copy.
-#if DYNASURF_SEVERAL_INSTRUCTION_SETS
+// chooser (it is called before they are ready), so they get the plain copy; so does clang, which inlines no function
+// with vectors into such copies.
+#if DYNASURF_SEVERAL_INSTRUCTION_SETS && !defined(__clang__)
 #define DYNASURF_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define DYNASURF_CLONES
