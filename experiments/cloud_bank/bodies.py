@@ -146,27 +146,27 @@ def tunnelled(count):
 
 
 def solids():
-    """(name, function, parts, handles)"""
-    yield from ((f"rounded box {a}", box((1, a, 0.4 * a), 0.1 * a), 1, 0) for a in (0.9, 0.5, 0.25, 0.12))
-    yield from ((f"bowl {w}", bowl(w), 1, 0) for w in (0.15, 0.08, 0.04, 0.02))
-    yield from ((f"mug {w}", mug(w), 1, 1) for w in (0.15, 0.08, 0.04))
-    yield from ((f"holed plate {n} {t}", holed_plate(n, t), 1, n) for n, t in ((2, 0.1), (3, 0.1), (5, 0.06), (5, 0.03)))
-    yield from ((f"lumps {s}", lumps(s), 1, 0) for s in range(5))
-    yield from ((f"tree {r}", tree(n, r), 1, 0) for n, r in enumerate((0.12, 0.08, 0.05, 0.03)))
-    yield from ((f"star {n} {r}", star(n, r), 1, 0) for n, r in ((5, 0.12), (7, 0.08), (9, 0.04)))
-    yield from ((f"stool {r}", stool(r), 1, 0) for r in (0.1, 0.06, 0.03))
-    yield from ((f"sword {t}", sword(t), 1, 0) for t in (0.05, 0.025, 0.012))
-    yield from ((f"chain {n} {g}", chain(n, g), n, n) for n, g in ((2, 0.05), (3, 0.005), (4, 0.1)))
-    yield from ((f"gear {n}", gear(n), 1, 1) for n in (8, 14, 22))
-    yield from ((f"lattice {b}", lattice(b), 1, 5) for b in (0.16, 0.1, 0.06, 0.03))
-    yield from ((f"pipe {w}", pipe(w), 1, 1) for w in (0.2, 0.1, 0.05, 0.02))
-    yield from ((f"two balls {g}", two_balls(g), 2, 0) for g in (0.001, 0.02, 0.05, 0.2))
-    yield from ((f"tunnelled {n}", tunnelled(n), 1, n) for n in (1, 2, 3))
-    yield from ((f"ring {r}", torus(0.9, r), 1, 1) for r in (0.3, 0.12, 0.05, 0.025))
+    """(name, function, the numbers of parts that are right, handles)"""
+    yield from ((f"rounded box {a}", box((1, a, 0.4 * a), 0.1 * a), (1,), 0) for a in (0.9, 0.5, 0.25, 0.12))
+    yield from ((f"bowl {w}", bowl(w), (1,), 0) for w in (0.15, 0.08, 0.04, 0.02))
+    yield from ((f"mug {w}", mug(w), (1,), 1) for w in (0.15, 0.08, 0.04))
+    yield from ((f"holed plate {n} {t}", holed_plate(n, t), (1,), n) for n, t in ((2, 0.1), (3, 0.1), (5, 0.06), (5, 0.03)))
+    yield from ((f"lumps {s}", lumps(s), (1,), 0) for s in range(5))
+    yield from ((f"tree {r}", tree(n, r), (1,), 0) for n, r in enumerate((0.12, 0.08, 0.05, 0.03)))
+    yield from ((f"star {n} {r}", star(n, r), (1,), 0) for n, r in ((5, 0.12), (7, 0.08), (9, 0.04)))
+    yield from ((f"stool {r}", stool(r), (1,), 0) for r in (0.1, 0.06, 0.03))
+    yield from ((f"sword {t}", sword(t), (1,), 0) for t in (0.05, 0.025, 0.012))
+    yield from ((f"chain {n} {g}", chain(n, g), (n,), n) for n, g in ((2, 0.05), (3, 0.005), (4, 0.1)))
+    yield from ((f"gear {n}", gear(n), (1,), 1) for n in (8, 14, 22))
+    yield from ((f"lattice {b}", lattice(b), (1,), 5) for b in (0.16, 0.1, 0.06, 0.03))
+    yield from ((f"pipe {w}", pipe(w), (1,), 1) for w in (0.2, 0.1, 0.05, 0.02))
+    yield from ((f"two balls {g}", two_balls(g), (1, 2) if g < 0.01 else (2,), 0) for g in (0.001, 0.02, 0.05, 0.2))
+    yield from ((f"tunnelled {n}", tunnelled(n), (1,), n) for n in (1, 2, 3))
+    yield from ((f"ring {r}", torus(0.9, r), (1,), 1) for r in (0.3, 0.12, 0.05, 0.025))
 
 
 def sheets():
-    """(name, function, which of its points are there): open surfaces, which no closed body is right for."""
+    """(name, function, which of its points are there): open surfaces."""
     hills = lambda p: p[:, 2] - 0.12 * numpy.sin(4 * p[:, 0]) * numpy.cos(3 * p[:, 1]) - 0.05 * numpy.sin(9 * p[:, 0] + 4 * p[:, 1])
     within = lambda p: numpy.abs(p[:, :2]).max(1) < 1
     yield "terrain", hills, within

@@ -52,10 +52,11 @@ def read_off(path):
 
 
 def parts_and_handles(vertices, triangles):
-    edges = numpy.unique(numpy.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), 1), axis=0)
+    """Of a closed surface; handles of an open one are None."""
+    edges, uses = numpy.unique(numpy.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), 1), axis=0, return_counts=True)
     graph = coo_matrix((numpy.ones(len(edges)), edges.T), (len(vertices),) * 2)
-    parts = connected_components(graph)[0]
-    return int(parts), int(parts - (len(vertices) - len(edges) + len(triangles)) // 2)
+    parts = int(connected_components(graph)[0])
+    return parts, None if (uses == 1).any() else int(parts - (len(vertices) - len(edges) + len(triangles)) // 2)
 
 
 def points_of_mesh(vertices, triangles, count, seed):
@@ -99,16 +100,17 @@ def area_of(mesh):
 
 
 def all_bodies(arguments):
-    """(name, what makes its dense surface, parts and handles or None where no closed body is right)"""
+    """(name, what makes its dense surface, the numbers of parts that are right and the handles: None of open ones)"""
     for name, handles in PHANTOMS.items():
-        yield f"phantom {name}", (lambda name=name: phantom_surface(arguments.program, name)), (1, handles)
+        yield f"phantom {name}", (lambda name=name: phantom_surface(arguments.program, name)), ((1,), handles)
     for name, value, parts, handles in bodies.solids():
         yield name, (lambda value=value: bodies.points_on(value, REFERENCE, 7)), (parts, handles)
     for name, value, keep in bodies.sheets():
-        yield name, (lambda value=value, keep=keep: bodies.points_on(value, REFERENCE, 7, keep)), None
+        yield name, (lambda value=value, keep=keep: bodies.points_on(value, REFERENCE, 7, keep)), ((1,), None)
     for path in arguments.mesh:
         mesh = read_off(path)
-        yield f"file {path.stem}", (lambda mesh=mesh: points_of_mesh(*mesh, REFERENCE, 7)), parts_and_handles(*mesh)
+        parts, handles = parts_and_handles(*mesh)
+        yield f"file {path.stem}", (lambda mesh=mesh: points_of_mesh(*mesh, REFERENCE, 7)), ((parts,), handles)
 
 
 def phantom_surface(program, shape):
@@ -131,8 +133,10 @@ def judge(arguments, surface, condition, truth):
         mesh = read_ply(next((folder / "r" / "meshes").iterdir()))
         mean, largest = compared(mesh, surface)
         parts, handles = parts_and_handles(*mesh)
-    wrong = [why for why, is_so in (("open", truth is None), ("parts", truth and parts != truth[0]),
-                                    ("handles", truth and handles != truth[1]), ("mean", mean > 0.5), ("largest", largest > 10)) if is_so]
+    may_have, has = truth
+    wrong = [why for why, is_so in (("closed" if has is None else "open", (has is None) != (handles is None)),
+                                    ("parts", parts not in may_have), ("handles", None not in (has, handles) and handles != has),
+                                    ("mean", mean > 0.5), ("largest", largest > 10)) if is_so]
     return {"verdict": results["verdict"], "wrong": wrong, "mean": mean, "largest": largest, "parts": parts, "handles": handles,
             "support": results["support"], "warnings": sorted({n["code"] for n in results["notes"] if n["severity"] != "info"}),
             "commit": results["provenance"]["commit"], "seconds": sum(results["timings_s"].values())}

@@ -1,5 +1,6 @@
 #include "dynasurf/cloud/detail/indicator_field.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -12,6 +13,7 @@
 #include "dynasurf/mesh/repair.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
+#include "dynasurf/synthetic/detail/random.hpp"
 
 namespace dynasurf::cloud {
 namespace {
@@ -42,6 +44,40 @@ TEST(Prepare, DoesNotTakeAThinWallForNoise) {
   const PreparedCloud p = prepare(
       synthetic::make_cloud({.shape = synthetic::CloudShape::vase, .points = 50000, .noise_percent = 0.5}), {}, {});
   EXPECT_NEAR(100 * p.facts.noise / p.facts.diagonal, 0.5, 0.06);
+}
+
+/// Both sides of half a spherical shell of radius 1, or one side of it, with normal noise.
+PointCloud half_shell(double wall, double noise) {
+  synthetic::Random random(5);
+  PointCloud cloud;
+  while (cloud.points.size() < 20000) {
+    const Vec3 way = Vec3(random.normal(), random.normal(), -std::abs(random.normal())).normalized();
+    const double side = random.uniform() < 0.5 ? 0 : wall;
+    cloud.points.push_back((1 - side + noise * random.normal()) * way);
+  }
+  return cloud;
+}
+
+bool tells_layers(const Notes& notes) {
+  return std::any_of(notes.begin(), notes.end(), [](const Note& n) { return n.code == "cloud.layers"; });
+}
+
+// The wall is as thin as the points of a side lie apart.
+TEST(Prepare, TakesBothSidesOfAThinWallForNoNoise) {
+  constexpr double wall = 0.035;
+  const PreparedCloud p = prepare(half_shell(wall, 0), {});
+  EXPECT_NEAR(p.facts.spacing, wall / std::sqrt(2.0), 0.3 * wall);
+  EXPECT_LT(p.facts.noise, 0.05 * wall);
+  EXPECT_FALSE(tells_layers(p.notes));
+  const PreparedCloud noisy = prepare(half_shell(wall, 0.1 * wall), {});
+  EXPECT_NEAR(noisy.facts.noise, 0.1 * wall, 0.04 * wall);
+}
+
+TEST(Prepare, TellsLayersThatNoiseHides) {
+  constexpr double wall = 0.04;
+  EXPECT_TRUE(tells_layers(prepare(half_shell(wall, 0.35 * wall), {}).notes));
+  EXPECT_FALSE(tells_layers(prepare(half_shell(0, 0.6 * wall), {}).notes)) << "noise as large around one surface";
+  EXPECT_FALSE(tells_layers(prepare(half_shell(0, 0), {}).notes));
 }
 
 TEST(Prepare, TellsTheSpacingOfASphere) {

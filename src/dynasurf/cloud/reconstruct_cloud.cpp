@@ -53,8 +53,6 @@ void check_surface(std::span<const Vec3> points, Notes& notes) {
                          ") instead of lying on a surface (2); the meshes are made up"});
 }
 
-bool is_noisy(const Facts& f) { return f.noise > 0.3 * f.spacing; }
-
 /// As fine as the points allow and the triangles ask for.
 int cells_for(const Facts& facts, const std::vector<Vec3>& points, const Options& options, int triangles) {
   if (options.cells) return *options.cells;

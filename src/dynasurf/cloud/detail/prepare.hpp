@@ -17,6 +17,9 @@ struct PreparedCloud {
   Notes notes;
 };
 
+/// Noise that neighbours differ by.
+bool is_noisy(const Facts& facts);
+
 /// Drops points that are not finite, repeated, or outliers, and measures spacing and noise. Throws InputError for fewer
 /// than 10 points left, points in one plane, and arrays of the wrong length.
 PreparedCloud prepare(PointCloud cloud, const Options& options, const Progress& progress = {});
