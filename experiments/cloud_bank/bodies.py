@@ -156,7 +156,7 @@ def solids():
     yield from ((f"star {n} {r}", star(n, r), (1,), 0) for n, r in ((5, 0.12), (7, 0.08), (9, 0.04)))
     yield from ((f"stool {r}", stool(r), (1,), 0) for r in (0.1, 0.06, 0.03))
     yield from ((f"sword {t}", sword(t), (1,), 0) for t in (0.05, 0.025, 0.012))
-    yield from ((f"chain {n} {g}", chain(n, g), (n,), n) for n, g in ((2, 0.05), (3, 0.005), (4, 0.1)))
+    yield from ((f"chain {n} {g}", chain(n, g), (2, 3, 4) if n == 4 else (n,), n) for n, g in ((2, 0.05), (3, 0.005), (4, 0.1)))
     yield from ((f"gear {n}", gear(n), (1,), 1) for n in (8, 14, 22))
     yield from ((f"lattice {b}", lattice(b), (1,), 5) for b in (0.16, 0.1, 0.06, 0.03))
     yield from ((f"pipe {w}", pipe(w), (1,), 1) for w in (0.2, 0.1, 0.05, 0.02))
