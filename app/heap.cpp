@@ -3,8 +3,8 @@
 #if defined(__GLIBC__)
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <cstdlib>
+#include <memory>
 #include <thread>
 
 #include <malloc.h>
@@ -26,8 +26,10 @@ void prepare_heap() {
   void* const first = std::malloc(room);
   void* const second = std::malloc(room);
   for (void* const part : {first, second}) {
-    const auto begin = (reinterpret_cast<std::uintptr_t>(part) + large_page - 1) / large_page * large_page;
-    if (part) ::madvise(reinterpret_cast<void*>(begin), room - large_page, MADV_HUGEPAGE);
+    void* begin = part;
+    std::size_t left = room;
+    if (part && std::align(large_page, room - large_page, begin, left))
+      ::madvise(begin, room - large_page, MADV_HUGEPAGE);
   }
   std::free(second);
   std::free(first);

@@ -35,6 +35,7 @@ std::vector<report::PageFile> files_of(const ViewArguments& a) {
   std::vector<report::PageFile> files;
   const std::vector<fs::path> study =
       is_cloud(a.what) ? std::vector<fs::path>{a.what} : io::files_of_study(a.what, a.series);
+  files.reserve(study.size() + 1);
   for (const fs::path& file : study) files.push_back({file.filename().string(), file});
   if (a.options.empty()) return files;
   if (is_cloud(a.what)) throw OptionError("--options: " + a.what + " is a cloud; expected a study");

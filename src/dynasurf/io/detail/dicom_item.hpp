@@ -38,7 +38,7 @@ class Item {
     auto element = std::make_unique<DcmUnsignedLong>(tag);
     must(element->putUint32Array(values.data(), values.size()), name(tag));
     must(item_->insert(element.get(), OFTrue), name(tag));
-    element.release();
+    (void)element.release();
   }
   void tags(const DcmTagKey& tag, const std::vector<DcmTagKey>& values) {
     std::vector<Uint16> words;
@@ -49,7 +49,7 @@ class Item {
     auto element = std::make_unique<DcmAttributeTag>(tag);
     must(element->putUint16Array(words.data(), values.size()), name(tag));
     must(item_->insert(element.get(), OFTrue), name(tag));
-    element.release();
+    (void)element.release();
   }
   void pixels(const std::vector<Uint16>& values) {
     must(item_->putAndInsertUint16Array(DCM_PixelData, values.data(), values.size()), "store the pixels");
