@@ -208,14 +208,14 @@ std::optional<double> noise_from(double left_over, std::size_t count, double spa
   return squares > fewest * noise * noise ? std::optional(noise) : std::nullopt;
 }
 
+struct Noise {
+  double size = 0;
+  double kurtosis = 3;  // of a normal distribution, unless enough neighbours tell
+};
+
 /// The shape of the body and the other side of a wall only add to it, so the smallest counts. Both sides of a wall as
 /// thin as the points lie apart look like noise, but have two heights and little between them: the kurtosis is 2.7 to 3
 /// of normal noise, 1.9 to 2 of noise that is the same everywhere between two bounds, and 1.2 to 1.6 of two layers.
-struct Noise {
-  double size = 0;
-  double kurtosis = 3;  // among most neighbours
-};
-
 Noise estimate_noise(const std::vector<Vec3>& points, const KdTree& neighbours, double spacing) {
   constexpr double of_layers = 1.75;
   constexpr std::size_t enough_for_layers = 48;
@@ -227,7 +227,7 @@ Noise estimate_noise(const std::vector<Vec3>& points, const KdTree& neighbours, 
     const bool is_layered = count >= enough_for_layers && off.kurtosis < of_layers;
     left_over = is_layered ? off.rms_of_layers : off.rms;
     if (const auto size = noise_from(left_over, count, spacing)) least = std::min(least, *size);
-    if (!is_layered) noise.kurtosis = off.kurtosis;
+    if (count >= enough_for_layers && !is_layered) noise.kurtosis = off.kurtosis;
   }
   noise.size = std::isfinite(least) ? least : 2 * left_over;
   return noise;
