@@ -108,6 +108,29 @@ TEST(Support, TwoBallsThatTouchAreBothThereOrTold) {
   EXPECT_TRUE(both || verdict_of(result) != Verdict::ok);
 }
 
+/// The unit sphere, with points up to `longest` off it: along a thorn, or anywhere.
+PointCloud sphere_with(std::size_t count, double longest, bool is_thorn) {
+  PointCloud cloud = synthetic::make_cloud({.points = 20000});
+  const double radius = cloud.points[0].norm();
+  synthetic::Random random(3);
+  for (std::size_t n = 0; n < count; ++n) {
+    const Vec3 way = is_thorn ? Vec3::UnitX() : Vec3(random.normal(), random.normal(), random.normal()).normalized();
+    const Vec3 aside = 0.004 * Vec3(0, random.normal(), random.normal());
+    cloud.points.push_back(radius * ((1.1 + (longest - 0.1) * random.uniform()) * way + aside));
+  }
+  return cloud;
+}
+
+TEST(Support, PointsThatStandAloneAreNotLeftOutButAThornIs) {
+  Options options;
+  options.triangles = {1280};
+  options.outliers = 0;  // they would be dropped
+  for (const double longest : {0.15, 0.5}) {
+    EXPECT_FALSE(warns(reconstruct(sphere_with(40, longest, false), options), "cloud.left_out")) << longest;
+    EXPECT_TRUE(warns(reconstruct(sphere_with(40, longest, true), options), "cloud.left_out")) << longest;
+  }
+}
+
 TEST(Outliers, StrayPointsInTheBoxAreDropped) {
   for (const synthetic::CloudShape shape :
        {synthetic::CloudShape::sphere, synthetic::CloudShape::two_torus, synthetic::CloudShape::spring}) {

@@ -371,21 +371,27 @@ void tell_lost(const Fitting& fitting, double side, Notes& notes) {
                          " of the diagonal from the surface: thin walls or cavities are lost"});
 }
 
-/// Points without surface nearby: a component too small to keep, or clustered outliers.
-void tell_left_out(std::span<const Vec3> points, Result& result) {
+/// Points without surface nearby: a component too small to keep, clustered outliers, or strays among points.
+void tell_left_out(const SupportingPoints& of, Result& result) {
   constexpr double far = 0.05;  // of the diagonal
   const Level& finest = result.levels.front();
   const double limit = far * finest.certificate.cloud_diagonal;
   if (finest.certificate.cloud_to_mesh_largest <= limit) return;
   const mesh::ClosestPoint closest(finest.mesh);
-  const double count = parallel_sum(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t i = begin; i < end; ++i) sum += closest(points[i]).distance2 > limit * limit;
-    return sum;
+  std::vector<std::uint8_t> is_far(of.points.size());
+  parallel_for(is_far.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) is_far[i] = closest(of.points[i]).distance2 > limit * limit;
   });
-  result.notes.push_back({Severity::warning, "cloud.left_out",
-                          number(static_cast<int>(count), "point lies", "points lie") + " farther than " +
-                              percent(far) + " of the diagonal from the surface, which leaves them out"});
+  int together = 0, alone = 0;
+  for (std::size_t i = 0; i < is_far.size(); ++i)
+    if (is_far[i]) ++(has_company(of.points[i], of, closest, limit) ? together : alone);
+  if (together > 0)
+    result.notes.push_back({Severity::warning, "cloud.left_out",
+                            number(together, "point lies", "points lie") + " farther than " + percent(far) +
+                                " of the diagonal from the surface, which leaves them out"});
+  if (alone > 0)
+    result.notes.push_back({Severity::info, "cloud.outliers",
+                            std::to_string(alone) + " points stand alone, far from all others; they were left out"});
 }
 
 using Publish = std::function<void(TriMesh, int)>;
@@ -478,8 +484,9 @@ Result reconstruct(PointCloud cloud, const Options& options, const Progress& pro
   } else {
     reconstruct_fitted(prepared, options, triangles, result, progress);
   }
-  tell_left_out(prepared.cloud.points, result);
-  measure_support(result.levels.front(), {prepared.cloud.points, prepared.neighbours, prepared.facts}, result.support);
+  const SupportingPoints used{prepared.cloud.points, prepared.neighbours, prepared.facts};
+  tell_left_out(used, result);
+  measure_support(result.levels.front(), used, result.support);
   const Notes doubts = doubts_of(result.support);
   result.notes.insert(result.notes.end(), doubts.begin(), doubts.end());
   result.used = std::move(prepared.cloud);

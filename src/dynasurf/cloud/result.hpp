@@ -42,7 +42,7 @@ struct Facts {
 struct CloudSupport {
   double within = 0;           // surface nearer than this to a point is supported by it
   double points_off = 0;       // share of the points farther from the finest level than noise and triangles explain
-  double points_left_out = 0;  // share of the points farther than 2 % of the diagonal from it
+  double points_left_out = 0;  // share of the points farther than 2 % of the diagonal from it, and not alone there
   double points_off_mean = 0;  // mean distance of the points from it over what noise and spacing explain
   double biased = 0;           // share of the points in patches that lie off it to one side
   double made_up = 0;          // share of its area that no point supports

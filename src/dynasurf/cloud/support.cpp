@@ -80,7 +80,11 @@ void measure_points(const Level& level, const SupportingPoints& of, const mesh::
     return std::count_if(off.begin(), off.end(), [&](double d) { return d > limit; }) / static_cast<double>(asked);
   };
   support.points_off = share_beyond(explained);
-  support.points_left_out = share_beyond(std::max(left_out * f.diagonal, explained));
+  const double limit = std::max(left_out * f.diagonal, explained);
+  std::size_t together = 0;
+  for (std::size_t i = 0; i < asked; ++i)
+    together += off[i] > limit && has_company(of.points[i * step], of, closest, limit);
+  support.points_left_out = together / static_cast<double>(asked);
   double sum = 0;
   for (const double d : off) sum += d;
   support.points_off_mean = sum / asked / std::max(0.8 * f.noise + 0.1 * f.spacing + chord, 1e-300);
@@ -209,6 +213,15 @@ Verdict verdict_of(const Result& result) {
                                             [&](const Level& level) { return is_sound(result, level); });
   if (!all_sound || has(Severity::failure)) return Verdict::fail;
   return has(Severity::warning) ? Verdict::check : Verdict::ok;
+}
+
+bool has_company(const Vec3& point, const SupportingPoints& cloud, const mesh::ClosestPoint& closest, double limit) {
+  constexpr std::size_t asked = 6, enough = 3;
+  std::array<KdTree::Found, 1 + asked> found;  // itself first
+  const std::size_t n = cloud.tree.nearest(point, found);
+  std::size_t as_far = 0;
+  for (std::size_t k = 1; k < n; ++k) as_far += closest(cloud.points[found[k].index]).distance2 > limit * limit;
+  return as_far >= enough;
 }
 
 Notes doubts_of(const CloudSupport& s) {

@@ -4,6 +4,7 @@
 
 #include "dynasurf/cloud/detail/kd_tree.hpp"
 #include "dynasurf/cloud/result.hpp"
+#include "dynasurf/mesh/closest_point.hpp"
 
 namespace dynasurf::cloud {
 
@@ -21,6 +22,10 @@ double supported_within(const Facts& facts);
 /// over the distance to the nearest point, which falls to 0. Where the points themselves lie farther apart than usual,
 /// up to four times, the surface may lie farther from them by as much.
 std::vector<float> confidences(const TriMesh& mesh, const SupportingPoints& cloud);
+
+/// Whether a point that lies farther than `limit` from a mesh has company there: at least three of the six points
+/// nearest to it lie as far from the mesh. Alone it is a stray point, and nothing was left out.
+bool has_company(const Vec3& point, const SupportingPoints& cloud, const mesh::ClosestPoint& closest, double limit);
 
 /// Measures what the points say about the finest level: all of `support` but `cell`, `turned` and `firm`, which are
 /// known from the search for the body. The same for any number of threads.
