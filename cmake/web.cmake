@@ -143,5 +143,5 @@ function(dynasurf_page_tests)
   add_test(NAME web/program COMMAND ${DYNASURF_NODE} ${web}/test/program.test.mjs
            ${PROJECT_SOURCE_DIR}/build/web/dynasurf.html $<TARGET_FILE:dynasurf>)
   add_test(NAME web/library COMMAND ${DYNASURF_NODE} ${web}/test/library.test.mjs ${PROJECT_SOURCE_DIR}/build/web/tests)
-  set_tests_properties(web/program web/library PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900)
+  set_tests_properties(web/program web/library PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 1800)
 endfunction()
