@@ -273,6 +273,10 @@ void note(Notes& notes, std::size_t count, const char* code, const std::string& 
 
 }  // namespace
 
+void note_outliers(std::size_t count, Notes& notes) {
+  note(notes, count, "cloud.outliers", "stand alone, far from all others; they were left out");
+}
+
 bool is_noisy(const Facts& f) { return f.noise > 0.3 * f.spacing; }
 
 PreparedCloud prepare(PointCloud cloud, const Options& options, const Progress& progress) {
@@ -317,7 +321,7 @@ PreparedCloud prepare(PointCloud cloud, const Options& options, const Progress& 
   note(p.notes, p.facts.not_finite, "cloud.not_finite",
        "have a coordinate that is not a finite number; they were left out");
   note(p.notes, p.facts.duplicates, "cloud.duplicates", "lie exactly where another one lies; they were left out");
-  note(p.notes, p.facts.outliers, "cloud.outliers", "stand alone, far from all others; they were left out");
+  note_outliers(p.facts.outliers, p.notes);
   return p;
 }
 

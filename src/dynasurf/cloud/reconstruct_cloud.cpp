@@ -378,20 +378,19 @@ void tell_left_out(const SupportingPoints& of, Result& result) {
   const double limit = far * finest.certificate.cloud_diagonal;
   if (finest.certificate.cloud_to_mesh_largest <= limit) return;
   const mesh::ClosestPoint closest(finest.mesh);
-  std::vector<std::uint8_t> is_far(of.points.size());
-  parallel_for(is_far.size(), 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) is_far[i] = closest(of.points[i]).distance2 > limit * limit;
+  enum class Place : std::uint8_t { near, together, alone };
+  std::vector<Place> places(of.points.size(), Place::near);
+  parallel_for(places.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (closest(of.points[i]).distance2 > limit * limit)
+        places[i] = has_company(of.points[i], of, closest, limit) ? Place::together : Place::alone;
   });
-  int together = 0, alone = 0;
-  for (std::size_t i = 0; i < is_far.size(); ++i)
-    if (is_far[i]) ++(has_company(of.points[i], of, closest, limit) ? together : alone);
+  const auto together = static_cast<int>(std::count(places.begin(), places.end(), Place::together));
   if (together > 0)
     result.notes.push_back({Severity::warning, "cloud.left_out",
                             number(together, "point lies", "points lie") + " farther than " + percent(far) +
                                 " of the diagonal from the surface, which leaves them out"});
-  if (alone > 0)
-    result.notes.push_back({Severity::info, "cloud.outliers",
-                            std::to_string(alone) + " points stand alone, far from all others; they were left out"});
+  note_outliers(static_cast<std::size_t>(std::count(places.begin(), places.end(), Place::alone)), result.notes);
 }
 
 using Publish = std::function<void(TriMesh, int)>;

@@ -20,7 +20,7 @@ double now_us() {
 
 }  // namespace
 
-struct Trace::State {
+struct TraceState {
   struct Event {
     std::string stage{};  // empty for loops and pieces
     std::size_t loop = 0, pieces = 0;
@@ -41,23 +41,22 @@ struct Trace::State {
   }
 };
 
-struct TraceNotes {
-  using State = Trace::State;
-  static inline std::atomic<State*> current{nullptr};
-};
+namespace {
+std::atomic<TraceState*> current_trace{nullptr};
+}
 
-Trace::Trace() : state_(std::make_unique<State>()) {
-  State* none = nullptr;
-  [[maybe_unused]] const bool first = TraceNotes::current.compare_exchange_strong(none, state_.get());
+Trace::Trace() : state_(std::make_unique<TraceState>()) {
+  TraceState* none = nullptr;
+  [[maybe_unused]] const bool first = current_trace.compare_exchange_strong(none, state_.get());
   DYNASURF_ASSERT(first);
 }
 
-Trace::~Trace() { TraceNotes::current = nullptr; }
+Trace::~Trace() { current_trace = nullptr; }
 
 std::string Trace::json() const {
   std::string text = "{\"displayTimeUnit\": \"ms\", \"traceEvents\": [";
   const char* separator = "\n";
-  for (const State::Event& e : state_->events) {
+  for (const TraceState::Event& e : state_->events) {
     const std::string loop = std::to_string(e.loop);
     const std::string words = !e.stage.empty() ? R"("cat": "stage", "name": ")" + e.stage + "\""
                               : e.is_piece     ? R"("cat": "piece", "name": "piece", "args": {"loop": )" + loop + "}"
@@ -72,18 +71,18 @@ std::string Trace::json() const {
 }
 
 TraceStage::TraceStage(std::string_view name) {
-  if (!TraceNotes::current.load(std::memory_order_acquire)) return;
+  if (!current_trace.load(std::memory_order_acquire)) return;
   name_ = name;
   begin_us_ = now_us();
 }
 
 TraceStage::~TraceStage() {
-  TraceNotes::State* trace = TraceNotes::current.load(std::memory_order_acquire);
+  TraceState* trace = current_trace.load(std::memory_order_acquire);
   if (trace && !name_.empty()) trace->note({.stage = name_, .begin_us = begin_us_});
 }
 
 void detail::run_noted_pieces(std::size_t pieces, const std::function<void(std::size_t)>& piece) {
-  TraceNotes::State* trace = TraceNotes::current.load(std::memory_order_acquire);
+  TraceState* trace = current_trace.load(std::memory_order_acquire);
   if (!trace) {
     run_pieces(pieces, piece);
     return;

@@ -63,12 +63,6 @@ std::array<float, 4> least_distances2(const std::array<std::array<float, 4>, 3>&
   return distance2;
 }
 
-/// A node or leaf that waits to be looked at.
-struct Waiting {
-  std::size_t node;
-  float distance2;
-};
-
 }  // namespace
 
 SurfacePoint closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t id) {
@@ -172,6 +166,10 @@ SurfacePoint ClosestPoint::operator()(const Vec3& p, double limit2) const {
     place.below[axis] = Four(rounded_down(p[axis]));
     place.above[axis] = Four(rounded_up(p[axis]));
   }
+  struct Waiting {
+    std::size_t node;
+    float distance2;
+  };
   const std::size_t inner = nodes_.size();
   // Each level leaves at most three nodes waiting, and quarters the triangles: 16 levels hold any index.
   std::array<Waiting, 64> stack;

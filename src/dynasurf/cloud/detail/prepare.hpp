@@ -17,6 +17,9 @@ struct PreparedCloud {
   Notes notes;
 };
 
+/// Tells of points that belong to no surface, where there are any.
+void note_outliers(std::size_t count, Notes& notes);
+
 /// Noise that neighbours differ by.
 bool is_noisy(const Facts& facts);
 

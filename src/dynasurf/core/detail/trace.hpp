@@ -5,6 +5,8 @@
 
 namespace dynasurf {
 
+struct TraceState;
+
 /// While it lives, stages and the pieces of parallel loops note when they begin and end, and on which thread. One at a
 /// time; loops that began before it are not in it.
 class Trace {
@@ -20,9 +22,7 @@ class Trace {
   std::string json() const;
 
  private:
-  struct State;
-  friend struct TraceNotes;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<TraceState> state_;
 };
 
 /// Notes its lifetime as a stage of the trace that is there, if any.
