@@ -14,8 +14,8 @@ if (!folder) {
 
 // Name of the page, folder of its body, script and style, its title, and the colours it is made for.
 const pages = [
-  ["report.html", "", "Left ventricle report", "dark light"],
-  ["cloud.html", "cloud", "Cloud report", "dark"],
+  ["report.html", "", "Left ventricle report", "light dark"],
+  ["cloud.html", "cloud", "Cloud report", "light dark"],
   ["lod.html", "lod", "Levels of detail", "dark"],
   ["cohort.html", "cohort", "Cohort", "light"],
 ];

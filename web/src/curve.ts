@@ -1,7 +1,7 @@
 // Volumes over the beat. Dots are what was measured; the line between them is the volume of the surfaces shown.
 import { splineWeights, volumeMl, type Wall } from "./cycle";
 import type { FunctionNumbers, Results } from "./data";
-import { colour, figure, svg } from "./dom";
+import { figure, svg } from "./dom";
 import type { Player } from "./player";
 import { say, wall_words } from "./words";
 
@@ -208,7 +208,7 @@ export class Curve {
 
   private plot(line: Line): SVGElement[] {
     const shapes: SVGElement[] = [];
-    const stroke = { class: `line ${line.name}`, stroke: colour[line.name] };
+    const stroke = { class: `line ${line.name}` };
     if (line.between) {
       const points = line.between.map((ml, s) => `${this.x(s / samples_per_gate).toFixed(1)},${this.y(ml).toFixed(1)}`);
       shapes.push(svg("polyline", { ...stroke, points: points.join(" ") }));
@@ -227,7 +227,7 @@ export class Curve {
 
   /** A shape of its own for each line: colour is never the only difference. */
   private dot(name: Line["name"], x: number, y: number, title: string): SVGElement {
-    const attributes = { class: "dot", fill: colour[name] };
+    const attributes = { class: `dot ${name}` };
     const shape =
       name === "endo"
         ? svg("circle", { ...attributes, cx: x, cy: y, r: 4 })
@@ -253,7 +253,7 @@ export class Curve {
     const shapes: SVGElement[] = [svg("line", { x1: x, x2: x, y1: margin.top - 4, y2: height - margin.bottom })];
     for (const line of this.lines) {
       const ml = this.valueAt(line, phase);
-      if (ml !== null) shapes.push(svg("circle", { cx: x, cy: this.y(ml), r: 5, fill: colour[line.name] }));
+      if (ml !== null) shapes.push(svg("circle", { cx: x, cy: this.y(ml), r: 5, class: line.name }));
     }
     this.cursor.replaceChildren(...shapes);
     this.cursor.setAttribute("data-x", x.toFixed(1));

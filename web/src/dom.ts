@@ -44,4 +44,4 @@ export function figure(value: number | null | undefined, digits = 1): string {
   return value === null || value === undefined ? "–" : words.number(value, digits);
 }
 
-export const colour = { endo: "#5aa9ff", epi: "#ff8a5c", wall: "#a9b4c2", edge: "#f4e04d", lit: "#ffe14d", band: "#5aa9ff66", fit: "#ffffff" } as const;
+export const colour = { endo: "#5aa9ff", epi: "#ff8a5c", edge: "#f4e04d", lit: "#ffe14d" } as const;

@@ -19,6 +19,7 @@ export interface ByHand {
   options: Record<string, string>;
   paint: Paint | null;
 }
+export type Theme = "light" | "dark";
 export type FromReport =
   | { dynasurf: "report"; word: "ready" }
   /** What is said, after every change; the gate that is looked at, from 1; whether every change is run at once. */
@@ -26,6 +27,8 @@ export type FromReport =
   /** Asks for a run with these options; the panel that it fills is looked at then. */
   | { dynasurf: "report"; word: "run with"; settings: [string, string][]; panel: string }
   | { dynasurf: "report"; word: "touched" }
+  /** What its reader chose; null: it asks what was chosen before. */
+  | { dynasurf: "report"; word: "theme"; theme: Theme | null }
   /** Where in the beat it is, from 0 to 1. */
   | { dynasurf: "report"; word: "beat"; share: number };
 /** What `dynasurf borders --json` prints with what is said, and how long it took, or why it refused; null: nothing is changed. */
@@ -34,6 +37,7 @@ export type FromPage =
   | { dynasurf: "page"; word: "beat"; share: number }
   /** Asks for the beat and for touches. */
   | { dynasurf: "page"; word: "share" }
+  | { dynasurf: "page"; word: "theme"; theme: Theme }
   | { dynasurf: "page"; word: "borders"; found: FoundBorders | null }
   | ({ dynasurf: "page"; word: "study" } & Told);
 /** What a report is told of its study. */

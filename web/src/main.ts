@@ -20,12 +20,14 @@ import { SurfaceScene, type ViewName } from "./scene";
 import { Slices } from "./slices";
 import { Splash } from "./splash";
 import { isBloodPool, showCards, showGates, showNotes, showOptions, showProvenance, showReadings, showVerdict, subjectOf } from "./tables";
+import { buildTheme } from "./theme";
 import { say, words } from "./words";
 
 const default_cycle_ms = 1000;
 
+/** A `fill` that is a variable is one of the page; others are drawn on images, whose dark ground they keep. */
 function legendItem(name: string, fill: string, shape: "dot" | "line" | "square" = "dot"): HTMLElement {
-  const mark = svg("svg", { viewBox: "0 0 16 10", class: "swatch", "aria-hidden": "true" });
+  const mark = svg("svg", { viewBox: "0 0 16 10", class: fill.startsWith("#") ? "swatch of-image" : "swatch", "aria-hidden": "true" });
   mark.append(
     shape === "line"
       ? svg("path", { d: "M0 5h16", stroke: fill, "stroke-width": 2.5 })
@@ -94,16 +96,16 @@ function buildCurve(results: Results, walls: Wall[], player: Player): void {
     return;
   }
   const legend = [
-    legendItem(say("Cavity"), colour.endo),
-    legendItem(say("Outer"), colour.epi, "square"),
-    legendItem(say("Wall"), colour.wall, "line"),
+    legendItem(say("Cavity"), "var(--endo)"),
+    legendItem(say("Outer"), "var(--epi)", "square"),
+    legendItem(say("Wall"), "var(--wall)", "line"),
     ...(isCorrected(results)
       ? [
-          legendItem(say("90 % of the cavity"), colour.band, "square"),
+          legendItem(say("90 % of the cavity"), "color-mix(in srgb, var(--endo) 40%, transparent)", "square"),
           html("span", { class: "faint" }, say("dots fitted through the point spread, lines between the gates interpolated")),
         ]
       : [html("span", { class: "faint" }, say("dots measured, lines between the gates interpolated"))]),
-    ...(results.measures?.function ? [legendItem(say("fit of {n} waves", { n: results.measures.function.waves }), colour.fit, "line")] : []),
+    ...(results.measures?.function ? [legendItem(say("fit of {n} waves", { n: results.measures.function.waves }), "var(--text)", "line")] : []),
   ];
   byId("curve-legend").replaceChildren(...legend);
   new Curve(place, results, walls, player);
@@ -188,6 +190,7 @@ function buildHelp(): () => void {
     [say("1 to 6"), say("what is shown: everything, surfaces, slices, both, polar map, curve")],
     ["H", say("correct by hand: handles and a brush on the slices")],
     ["X", say("full screen")],
+    ["L", say("light or dark page")],
     [say("Shift + arrows"), say("turn the surfaces")],
     ["?", say("this list")],
   ];
@@ -414,6 +417,7 @@ function buildPrinting(report: Report, painter: Painter | null, walls: Wall[], s
 
 async function start(): Promise<void> {
   words.translate(document);
+  const toggleTheme = buildTheme(byId("theme"));
   const report = await readReport(byId("data").textContent ?? "");
   const { results, surfaces, pictures, polar } = report;
   byId("subject").textContent = subjectOf(results);
@@ -458,7 +462,7 @@ async function start(): Promise<void> {
   joinHost(hand, painter, slices, field, player);
   shareBeat(player);
   buildFilm(results, player, scene);
-  const toggles: Record<string, () => void> = { ...(hand ? { h: () => byId("toggle-hand").click() } : {}), ...buildToggles(painter, slices, scene), ...buildLayouts() };
+  const toggles: Record<string, () => void> = { ...(hand ? { h: () => byId("toggle-hand").click() } : {}), ...buildToggles(painter, slices, scene), ...buildLayouts(), l: toggleTheme };
   buildKeys(player, slices, scene, toggles, buildHelp());
   // Two panels with nothing in them must not push the slices off the screen.
   document.querySelector("main")!.classList.toggle("bare", walls.length === 0);

@@ -113,6 +113,47 @@ export async function openReport(context, path, { plays = false } = {}) {
   return { page, requests, complaints };
 }
 
+/**
+ * Texts whose contrast with what is behind them is below AA of WCAG 2.1: 4.5, or 3 for large letters. Behind a gradient
+ * stands its colour that is worst for the text.
+ */
+export const paleTexts = (page) =>
+  page.evaluate(() => {
+    const brush = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
+    const rgba = (colour) => {
+      brush.clearRect(0, 0, 1, 1);
+      brush.fillStyle = colour;
+      brush.fillRect(0, 0, 1, 1);
+      return brush.getImageData(0, 0, 1, 1).data;
+    };
+    const over = (above, below) => [0, 1, 2].map((n) => (above[n] * above[3] + below[n] * (255 - above[3])) / 255);
+    const luminance = (colour) => {
+      const [r, g, b] = colour.map((v) => (v / 255 <= 0.04045 ? v / 255 / 12.92 : ((v / 255 + 0.055) / 1.055) ** 2.4));
+      return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    };
+    const grounds = (element) => {
+      if (!element) return [[255, 255, 255]];
+      const { backgroundColor, backgroundImage } = getComputedStyle(element);
+      const gradient = backgroundImage.match(/rgba?\([^)]*\)/g);
+      if (gradient) return gradient.map((colour) => over(rgba(colour), [0, 0, 0]));
+      const own = rgba(backgroundColor);
+      return own[3] === 255 ? [[...own].slice(0, 3)] : grounds(element.parentElement).map((below) => over(own, below));
+    };
+    const contrast = (a, b) => (Math.max(luminance(a), luminance(b)) + 0.05) / (Math.min(luminance(a), luminance(b)) + 0.05);
+    const pale = new Set();
+    for (const element of document.body.querySelectorAll("*")) {
+      const says = [...element.childNodes].filter((node) => node.nodeType === 3 && node.data.trim()).map((node) => node.data.trim())[0];
+      if (!says || !element.checkVisibility({ checkOpacity: true }) || element.closest("#paper, :disabled, option")) continue;
+      const style = getComputedStyle(element);
+      const ink = rgba(element.closest("svg") ? style.fill : style.color);
+      const size = parseFloat(style.fontSize);
+      const least = size >= 24 || (size >= 18.66 && Number(style.fontWeight) >= 700) ? 3 : 4.5;
+      const worst = Math.min(...grounds(element).map((ground) => contrast(over(ink, ground), ground)));
+      if (worst < least) pale.add(`${says.slice(0, 40)}: ${worst.toFixed(2)} of ${least}`);
+    }
+    return [...pale];
+  });
+
 /** Presses a button, in its menu if it has one, which closes where the page moves on meanwhile. */
 async function press(page, selector, timeout) {
   const menu = page.locator("details", { has: page.locator(selector) });

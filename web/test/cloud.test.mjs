@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync, statSync } from "node:fs";
 import { join, resolve } from "node:path";
-import { check, checkAll, finish, needBrowser, openReport, withBrowser } from "./browser.mjs";
+import { check, checkAll, finish, needBrowser, openReport, paleTexts, withBrowser } from "./browser.mjs";
 
 const folder = resolve(process.argv[2]);
 const screenshots = process.argv[3];
@@ -57,6 +57,18 @@ async function alone(page, mode) {
 }
 
 const tests = {
+  async "is light or dark as the system asks for, until a reader chooses; every text has a contrast of AA"(open) {
+    const page = await open("ok");
+    const ground = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+    for (const [colorScheme, expected] of [["light", "rgb(243, 245, 248)"], ["dark", "rgb(13, 18, 24)"]]) {
+      await page.emulateMedia({ colorScheme });
+      assert.equal(await ground(), expected);
+      assert.deepEqual(await paleTexts(page), [], colorScheme);
+    }
+    await page.keyboard.press("l");
+    assert.equal(await ground(), "rgb(243, 245, 248)");
+  },
+
   async "is small and shows the certificate of every level"(open) {
     const page = await open("ok");
     assert.ok(statSync(path_of("ok")).size < 3e6);

@@ -7,7 +7,7 @@ import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { inflateSync } from "node:zlib";
 import { gunzipSync, unzipSync, zipSync } from "fflate";
-import { check, downloaded, finish, isOfDriver, needBrowser, skip, withBrowser } from "./browser.mjs";
+import { check, downloaded, finish, isOfDriver, needBrowser, paleTexts, skip, withBrowser } from "./browser.mjs";
 import { german, notGerman, saidIn } from "./words.mjs";
 
 const [page_path, native, screenshots] = process.argv.slice(2).map((path) => resolve(path));
@@ -292,8 +292,12 @@ const tests = {
   async "changes an option by its control, and repeats it by the command line it copies"(page) {
     await page.click("#example-patient");
     const first = (await saved(page)).json;
+    await page.emulateMedia({ colorScheme: "dark" });
+    await (await report_is_drawn(page)).locator("#theme").click();
+    await page.waitForFunction(() => document.documentElement.dataset.theme === "light", null, { timeout: 10_000 });
     await page.click("#show-options");
     await page.waitForSelector(".control", { timeout: most_wait });
+    assert.deepEqual(await paleTexts(page), [], "texts that are hard to see");
     await page.fill("#search", "sigma");
     await enter(page.locator('[data-path="edges.sigma_px"] input'), "1.4");
     await page.click("#copy");
@@ -303,6 +307,8 @@ const tests = {
     await page.click("#again");
     await until_view(page, "working", "failure");
     const mine = await saved(page);
+    const again = await report_is_drawn(page);
+    await again.waitForFunction(() => document.documentElement.dataset.theme === "light", null, { timeout: 10_000 });
     const words = line.replace("STUDY", "patient/study.dcm").replace("RESULT", "patient/changed").split(" ").slice(1);
     run_native(...words);
     assert_same(mine, "patient/changed");
@@ -647,9 +653,12 @@ const tests = {
     for (const id of ["first", "second"]) frames.push(await report_is_drawn(page, id));
     await shoot(page, "pair");
     for (const [leader, other] of [frames, [...frames].reverse()]) {
-      for (const key of ["ArrowRight", "ArrowRight", "ArrowRight"]) await leader.locator("body").press(key);
+      for (const key of ["ArrowRight", "ArrowRight", "ArrowRight"]) await leader.locator("#theme").press(key);
       const gate = await leader.evaluate(() => document.documentElement.dataset.gate);
       await other.waitForFunction((of) => document.documentElement.dataset.gate === of, gate, { timeout: 10_000 });
+      const theme = leader === frames[0] ? "dark" : "light";
+      await leader.locator("#theme").press("l");
+      for (const all of [other, page]) await all.waitForFunction((of) => document.documentElement.dataset.theme === of, theme, { timeout: 10_000 });
     }
     await page.click("#show-difference");
     const heading = page.frameLocator("#both").locator("h1");

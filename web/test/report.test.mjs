@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { mkdirSync, readFileSync, statSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { inflateSync } from "node:zlib";
-import { check, checkAll, downloaded, finish, needBrowser, openReport, withBrowser } from "./browser.mjs";
+import { check, checkAll, downloaded, finish, needBrowser, openReport, paleTexts, withBrowser } from "./browser.mjs";
 
 const folder = resolve(process.argv[2]);
 const screenshots = process.argv[3];
@@ -53,6 +53,26 @@ const tests = {
   async "is at most 5 MB"() {
     const { size } = statSync(path_of("ok"));
     assert.ok(size <= 5e6, `${size} bytes`);
+  },
+
+  async "is light or dark as the system asks for, until a reader chooses; every text has a contrast of AA"(open) {
+    const ground = (page) => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+    for (const sample of ["ok", "check", "fail", "fitted", "moving"]) {
+      const page = await open(sample);
+      await page.emulateMedia({ colorScheme: "light" });
+      assert.equal(await ground(page), "rgb(243, 245, 248)");
+      assert.deepEqual(await paleTexts(page), [], `${sample}, light`);
+      await page.emulateMedia({ colorScheme: "dark" });
+      assert.equal(await ground(page), "rgb(13, 18, 24)");
+      assert.deepEqual(await paleTexts(page), [], `${sample}, dark`);
+      assert.equal(await page.getAttribute("#theme", "aria-pressed"), "false");
+      await page.keyboard.press("l");
+      assert.equal(await ground(page), "rgb(243, 245, 248)");
+      assert.equal(await page.getAttribute("#theme", "aria-pressed"), "true");
+      await page.emulateMedia({ colorScheme: "light" });
+      await page.click("#theme");
+      assert.equal(await ground(page), "rgb(13, 18, 24)");
+    }
   },
 
   async "rests until asked when motion is unwelcome"(open) {

@@ -4,6 +4,7 @@ import { Vector3 } from "three";
 import { byId, figure, html } from "../dom";
 import { showNotes, showOptions, showProvenance } from "../tables";
 import { isSound, readCloudReport, type Certificate, type CloudReport, type CloudResults, type Level, type LevelNumbers } from "./data";
+import { buildTheme } from "../theme";
 import { say, told, words } from "../words";
 import { pointsOf, Surface, Tiles, type Colouring, type Look } from "./scene";
 
@@ -224,7 +225,7 @@ function buildMorph(view: Tiles, report: CloudReport): (look: Look) => void {
   };
 }
 
-function build3d(report: CloudReport): void {
+function build3d(report: CloudReport, toggleTheme: () => void): void {
   const tiles = new Tiles(byId("tiles"), say("The cloud and its levels of detail. Drag to turn."), report.radius, 42);
   const morph = new Tiles(byId("morph-view"), say("A level that turns into the next. Drag to turn."), report.radius);
   labelTiles(byId("tiles"), report);
@@ -267,7 +268,7 @@ function build3d(report: CloudReport): void {
     look.full = (report.full_error * (event.target as HTMLInputElement).valueAsNumber) / 100;
     dress();
   });
-  const keys: Record<string, () => void> = { r: () => tiles.reset() };
+  const keys: Record<string, () => void> = { r: () => tiles.reset(), l: toggleTheme };
   for (const name of ["wire", "flat", "points", "made_up"] as const) {
     keys[name[0]!] = () => {
       look[name] = !look[name];
@@ -293,6 +294,7 @@ function build3d(report: CloudReport): void {
 
 async function start(): Promise<void> {
   words.translate(document);
+  const toggleTheme = buildTheme(byId("theme"));
   const report = await readCloudReport(byId("data").textContent ?? "");
   const { results } = report;
   byId("subject").textContent = `${say("{n} points", { n: count(results.cloud.points) })} · ${say("{list} triangles", { list: results.levels.map((l) => count(l.triangles)).join(", ") })}`;
@@ -303,7 +305,7 @@ async function start(): Promise<void> {
   showProvenance(byId("provenance"), results);
   showOptions(byId("options"), results);
   try {
-    build3d(report);
+    build3d(report, toggleTheme);
   } catch {
     for (const id of ["tiles", "morph-view"])
       byId(id).replaceChildren(html("div", { class: "message" }, html("strong", {}, say("3D needs WebGL")), html("p", {}, say("This browser offers none. The numbers are complete without it."))));

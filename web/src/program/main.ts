@@ -16,6 +16,7 @@ import { Pair, pairJob } from "./pair";
 import { Preview } from "./preview";
 import { asGiven, type FoundResult, isOptions, openResult, partResults, recordOf, studyOf } from "./results";
 import { type Found, resultsIn, severalIn, StudyList } from "./studies";
+import { shareTheme } from "./theme";
 import { type Key, language, languages, name_of, number, speak, spoken, text } from "./texts";
 
 /** `complaint`: the last error that the program told. */
@@ -487,6 +488,7 @@ function connect(): void {
 }
 
 connect();
+shareTheme();
 speak(language());
 show("start");
 if (typeof DecompressionStream === "undefined" || typeof WebAssembly === "undefined") fail(() => text("old_browser" satisfies Key));
