@@ -46,10 +46,14 @@ void take_shard(const std::string& text, BatchJob& job) {
 
 /// What a batch says itself to every study.
 void refuse_own_options(const std::vector<std::string>& options) {
-  for (const std::string& option : options)
+  const auto is = [](const std::string& option, std::string_view name) {
+    return option == name || option.starts_with(std::string(name) + "=");
+  };
+  for (const std::string& option : options) {
     for (const std::string_view own : {"--out", "--replace", "--quiet", "--json", "--threads", "--memory-limit"})
-      if (option == own || option.starts_with(std::string(own) + "="))
-        throw OptionError(std::string(own) + " behind -- : the batch sets it for every study");
+      if (is(option, own)) throw OptionError(std::string(own) + " behind -- : the batch sets it for every study");
+    if (is(option, "--trace")) throw OptionError("--trace behind -- : every study would be written to one file");
+  }
 }
 
 BatchJob job_of(const BatchArguments& a) {

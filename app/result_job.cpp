@@ -14,6 +14,19 @@
 #include "version.hpp"
 
 namespace dynasurf::app {
+namespace {
+
+/// The folder of a result appears as a whole, with nothing of others in it.
+void refuse_within(const std::filesystem::path& out, const std::filesystem::path& trace) {
+  const auto whole = [](const std::filesystem::path& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path));
+  };
+  const std::filesystem::path within = whole(trace).lexically_relative(whole(out));
+  if (!within.empty() && *within.begin() != "..")
+    throw OptionError("--trace " + trace.string() + ": lies in --out " + out.string() + "; expected a place beside it");
+}
+
+}  // namespace
 
 void add_result_arguments(CommandLine& command, ResultArguments& a, const std::string& formats) {
   add_out_folder(command, a.out, "folder of the result").required();
@@ -90,6 +103,7 @@ void run_with_progress(bool quiet, const std::stop_token& stop, const std::funct
 void run_with_trace(const ResultArguments& arguments, const std::stop_token& stop,
                     const std::function<void(const Progress&)>& work) {
   if (arguments.trace.empty()) return run_with_progress(arguments.quiet, stop, work);
+  refuse_within(arguments.out.path, arguments.trace);
   const io::Existing existing = arguments.out.replace ? io::Existing::move_aside : io::Existing::refuse;
   io::OutputFile file(arguments.trace, existing);  // first: a place that cannot be written to costs no time
   const Trace trace;

@@ -46,6 +46,14 @@ class Trace(CliTest):
         self.assertLess(many, two)
         self.assertTrue(all(total >= two >= total / 2 - 0.1 for total, _, two, _ in table.values()), table)
 
+    def test_is_refused_where_it_cannot_be_written(self):
+        inside = self.folder / "r" / "trace.json"
+        self.refuses(1, "ventricle", small_patient() / "study.dcm", "--out", f"{self.folder}/r/", "--trace", inside,
+                     says=(f"--trace {inside}", "lies in --out", "expected a place beside it"))
+        self.assertFalse((self.folder / "r").exists())
+        self.refuses(1, "batch", self.folder, "--out", self.folder / "cohort", "--", "--trace", "t.json",
+                     says="--trace behind --")
+
     def test_writes_over_no_file(self):
         mine = self.folder / "mine.txt"
         mine.write_text("mine")
