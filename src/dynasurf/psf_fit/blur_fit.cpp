@@ -299,15 +299,12 @@ Corrections corrections_of(const Fitting& fit, const Blur& blur, const BlurFit& 
   return known;
 }
 
-/// Where the reported walls lie. Points that a person placed lie on them, no longer on the fitted ones.
-ReportedWalls settle_on_reported_walls(BeatProblem& problem, Solution& solution, const Corrections& known,
-                                       const Progress& progress) {
-  ReportedWalls reported = reported_walls(problem, solution, known);
-  if (problem.points.empty()) return reported;
+/// Says where the reported walls lie. Points that a person placed lie on them, no longer on the fitted ones.
+void settle_on_reported_walls(BeatProblem& problem, Solution& solution, const Corrections& known,
+                              const Progress& progress) {
   constexpr int most_steps = 8;
-  problem.reported = reported;
-  minimise(problem, solution, most_steps, 1e-3, progress);
-  return reported;
+  problem.reported = reported_walls(problem, solution, known);
+  if (!problem.points.empty()) minimise(problem, solution, most_steps, 1e-3, progress);
 }
 
 void tell_contraction(double near_by_contraction, FittedBeat& beat) {
@@ -424,7 +421,7 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   }
 
   const Corrections known = corrections_of(fit, blur, options, attenuation);
-  const ReportedWalls reported = settle_on_reported_walls(problem, solution, known, progress);
+  settle_on_reported_walls(problem, solution, known, progress);
 
   if (refiltered) beat.notes.push_back({Severity::info, "fit.filter_exchanged", refiltered->note});
   if (const double seen = attenuation_seen(fit); seen > 0) {
@@ -439,7 +436,7 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   beat.converged = solution.converged;
   beat.images = images_of(problem, solution.objective, study.grid());
   end_walls_as_said(start, study.grid(), placed.frame, problem.layout, solution.unknowns);
-  describe_beat(problem, solution, known, reported, study.grid(), beat);
+  describe_beat(problem, solution, known, study.grid(), beat);
   tell_contraction(known.near_by_contraction, beat);
   beat.fwhm_mm.value = blur.fwhm_mm * own::exp(problem.layout.at_gate(0, solution.unknowns)[problem.layout.gate.width]);
   // Of its log until here. Cameras differ from one Gaussian: so widened, the interval holds the truth in 90 % of the

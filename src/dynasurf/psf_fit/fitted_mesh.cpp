@@ -212,12 +212,12 @@ struct VolumeGradients {
 };
 
 /// Surfaces, valve plane and volumes of one gate.
-void describe_gate(const BeatProblem& problem, const Solution& solution, const ReportedWalls& reported,
-                   const Grid& grid, const Cholesky& factor, std::size_t g, VolumeGradients& by, FittedBeat& beat) {
+void describe_gate(const BeatProblem& problem, const Solution& solution, const Grid& grid, const Cholesky& factor,
+                   std::size_t g, VolumeGradients& by, FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
-  const double papillary = reported.papillary_share;
+  const double papillary = problem.reported.papillary_share;
   Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), solution.unknowns);
-  numbers[layout.gate.endo] += reported.outwards[g];
+  numbers[layout.gate.endo] += problem.reported.outwards[g];
   Walls walls(problem, numbers, papillary);
   FittedGate& gate = beat.gates[g];
   gate.endo = wall_mesh(walls, false, grid, g == 0 ? &beat.uptake : nullptr);
@@ -299,23 +299,22 @@ ReportedWalls reported_walls(const BeatProblem& problem, const Solution& solutio
   return reported;
 }
 
-void describe_beat(const BeatProblem& problem, const Solution& solution, const Corrections& known,
-                   const ReportedWalls& reported, const Grid& grid, FittedBeat& beat) {
+void describe_beat(const BeatProblem& problem, const Solution& solution, const Corrections& known, const Grid& grid,
+                   FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
   beat.rings = wall_rings, beat.segments = around;
   const Cholesky factor(solution.matrix.whole(known.noise));
   const auto gates = static_cast<std::size_t>(layout.gates);
   VolumeGradients by{std::vector<Eigen::VectorXd>(gates), std::vector<Eigen::VectorXd>(gates)};
   beat.gates.resize(gates);
-  parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
-    describe_gate(problem, solution, reported, grid, factor, g, by, beat);
-  });
+  parallel_for(gates, 1,
+               [&](std::size_t g, std::size_t) { describe_gate(problem, solution, grid, factor, g, by, beat); });
   describe_volumes(by, factor, beat);
   describe_levels(problem, solution, factor, beat);
   // Standard deviation of the papillary muscles' volume over what is believed of it. Hearts differ in it by 2 % of the
   // muscle (1.8 to 2.6 %: Gommans et al., Neth Heart J 24:326, 2016).
   constexpr double papillary_doubt = 1.25;
-  const double papillary = reported.papillary_share;
+  const double papillary = problem.reported.papillary_share;
   allow_for_model(beat, known.model_factor, papillary_doubt * papillary / (1 - papillary) * beat.wall_ml.value);
   allow_for_unseen_wall(beat);
   tell_belief_from_data(problem, solution, factor, beat);

@@ -17,8 +17,8 @@ struct Corrections {
 /// Where the errors that are known move the walls of a solution.
 ReportedWalls reported_walls(const BeatProblem& problem, const Solution& solution, const Corrections& known);
 
-/// Turns a solution into surfaces, volumes and their error bars. Internal.
-void describe_beat(const BeatProblem& problem, const Solution& solution, const Corrections& known,
-                   const ReportedWalls& reported, const Grid& grid, FittedBeat& beat);
+/// Turns a solution into the reported surfaces, volumes and their error bars. Internal.
+void describe_beat(const BeatProblem& problem, const Solution& solution, const Corrections& known, const Grid& grid,
+                   FittedBeat& beat);
 
 }  // namespace dynasurf::psf_fit
