@@ -289,6 +289,9 @@ std::optional<Location> look_for(const Image& mean, const LocateHints& hints) {
 
 double clarity(const Location& l) { return l.contrast * l.ridge_share; }
 
+/// Hot gut and its streaks may pass for a wall that is just seen, not for one as good as this.
+bool is_plain(const Location& l) { return l.contrast >= 0.35 && l.ridge_share >= 0.8; }
+
 Image cut_at(Image image, float most) {
   for (float& value : image.values) value = std::min(value, most);
   return image;
@@ -305,16 +308,18 @@ Image mean_image(std::span<const Image> gates) {
 
 std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
   std::optional<Location> best = look_for(mean, hints);
-  if (best && best->is_clear()) return best;
+  if (best && is_plain(*best)) return best;
   // Something hotter than the wall may draw the search to itself. How bright the wall is, is not known: the cut falls
-  // to a thirteenth of the peak, and the look that sees a wall best counts.
-  constexpr double dimmer = 0.6;
+  // to a thirteenth of the peak, and the look that sees a wall best counts. One that is clear uncut stays unless a cut
+  // shows a much clearer one.
+  constexpr double dimmer = 0.6, much = 1.5;
+  double beaten = best ? (best->is_clear() ? much : 1) * clarity(*best) : 0;
   constexpr int looks = 5;
   double most = *std::max_element(mean.values.begin(), mean.values.end());
   for (int n = 0; n < looks; ++n) {
     most *= dimmer;
     const std::optional<Location> look = look_for(cut_at(mean, static_cast<float>(most)), hints);
-    if (look && look->is_clear() && (!best || clarity(*look) > clarity(*best))) best = look;
+    if (look && look->is_clear() && clarity(*look) > beaten) best = look, beaten = clarity(*look);
   }
   return best;
 }

@@ -35,7 +35,7 @@ Image mean_image(std::span<const Image> gates);
 
 /// Finds the ventricle in a volume of any orientation and field of view: hollow shells of all sizes and places are
 /// tried on a coarse grid, the best places become cups (`local_search`) in 26 directions, and the best cup is fitted to
-/// the ridge of the wall (`fit_cup`). Where no wall is clearly seen, the volume is searched again with its brightness
+/// the ridge of the wall (`fit_cup`). Where no wall is plainly seen, the volume is searched again with its brightness
 /// cut, for what is hotter than the wall. Absent when nothing in the volume looks like a cup. A centre or an axis that
 /// is given is kept as it is; a radius says where to start.
 std::optional<Location> locate(const Image& mean, const LocateHints& hints = {});
