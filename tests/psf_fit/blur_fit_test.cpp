@@ -350,6 +350,8 @@ TEST(BlurFit, WidensNoIntervalWhereMisfitStandsStill) {
   const FittedBeat striped = fit_through_blur(phantom.study, start, options);
   EXPECT_NEAR(striped.edv_ml.sd / clear.edv_ml.sd, 1, 0.2) << "what stands still is bias, not spread";
   EXPECT_NEAR(striped.edv_ml.value / clear.edv_ml.value, 1, 0.1);
+  EXPECT_GT(striped.wall_ml.sd, 0.09 * striped.wall_ml.value) << "thickness is hardly read there";
+  EXPECT_LT(clear.wall_ml.sd, 0.09 * clear.wall_ml.value);
 }
 
 /// Area of the lid that closes a fitted wall at its base.

@@ -193,17 +193,18 @@ void allow_for_unseen_wall(FittedBeat& beat) {
 }
 
 /// Papillary muscles keep their volume over the beat: they change both volumes alike, and not what is put out.
-void allow_for_model(FittedBeat& beat, double factor, double papillary_ml) {
+void allow_for_model(FittedBeat& beat, const Corrections& known, double papillary_ml) {
+  const double factor = known.model_factor;
   const auto share = [factor](heart::Estimate& e, double of_value, double papillary) {
     allow_for_model(e, factor, of_value * std::abs(e.value), papillary);
   };
-  constexpr double of_volume = 0.009, of_wall = 0.045, of_ef = 0.3;  // the last in points
+  constexpr double of_volume = 0.009, of_ef = 0.3;  // the last in points
   for (FittedGate& gate : beat.gates) share(gate.endo_ml, of_volume, papillary_ml), share(gate.epi_ml, of_volume, 0);
   share(beat.edv_ml, of_volume, papillary_ml), share(beat.esv_ml, of_volume, papillary_ml);
   share(beat.sv_ml, of_volume, 0);
   if (beat.ef_percent)
     allow_for_model(*beat.ef_percent, factor, of_ef, beat.ef_percent->value * papillary_ml / beat.edv_ml.value);
-  share(beat.wall_ml, of_wall, papillary_ml), share(beat.thickness_mm, of_wall, 0);
+  share(beat.wall_ml, known.wall_error, papillary_ml), share(beat.thickness_mm, known.wall_error, 0);
 }
 
 /// Derivatives of the volumes of every gate, mL, by all unknowns.
@@ -315,7 +316,7 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const C
   // muscle (1.8 to 2.6 %: Gommans et al., Neth Heart J 24:326, 2016).
   constexpr double papillary_doubt = 1.25;
   const double papillary = problem.reported.papillary_share;
-  allow_for_model(beat, known.model_factor, papillary_doubt * papillary / (1 - papillary) * beat.wall_ml.value);
+  allow_for_model(beat, known, papillary_doubt * papillary / (1 - papillary) * beat.wall_ml.value);
   allow_for_unseen_wall(beat);
   tell_belief_from_data(problem, solution, factor, beat);
   beat.posterior = std::make_shared<const WallPosterior>(problem, solution.unknowns, grid, factor);

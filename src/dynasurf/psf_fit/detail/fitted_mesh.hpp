@@ -9,6 +9,7 @@ struct Corrections {
   double noise = 0;            // as in BeatProblem, of the errors alone
   double papillary_share = 0;  // of the muscle along every ray, or less (papillary_share.hpp), counts as cavity
   double model_factor = 1.3;   // of the normal matrix's deviations
+  double wall_error = 0.045;   // part of the wall's volume that no counting makes sure
   // Added to the log of the inner wall's distance from the centre, times the part of the end-diastolic volume that is
   // put out. The muscle per solid angle stays.
   double near_by_contraction = 0;
