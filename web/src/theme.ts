@@ -1,4 +1,4 @@
-// Light or dark, as the system asks for, until a reader chooses: `data-theme` of the root is what he chose.
+// Light or dark, as the system asks for, until a reader chooses: `data-theme` of the root holds the choice.
 import type { FromPage, FromReport, Theme } from "./host";
 
 /** Lets a button change between light and dark, here and in the page around. Returns what its key does. */
