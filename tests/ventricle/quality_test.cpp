@@ -312,6 +312,23 @@ TEST(Judge, AsksToCheckAnIntervalAsWideAsAWrongReading) {
   EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
 }
 
+TEST(Judge, DoubtsABorderThatIsNotRoundOnlyWhereEdgesLead) {
+  Result result = good_result();
+  result.heart->cup = {{0, 0, 0}, {0, 0, 1}, 30, 40, 25};
+  give_shape(result, 38, 48, 25);
+  const auto doubt = [&]() -> std::optional<Severity> {
+    for (const QualityFlag& flag : assess(result))
+      if (flag.code == "section_not_round") return flag.severity;
+    return {};
+  };
+  EXPECT_EQ(doubt(), std::nullopt);
+  for (Gate& gate : result.gates)
+    for (Vec3& p : gate.edge_surfaces.epi->mesh.vertices) p[0] *= 1.5;
+  EXPECT_EQ(doubt(), Severity::warning);
+  result.leading.ef_percent = heart::Estimate{60, 2};
+  EXPECT_EQ(doubt(), Severity::info);
+}
+
 TEST(Judge, DoubtsEdgesThatFollowOtherGatesOnlyWhereTheyLead) {
   Result result = good_result();
   result.notes.push_back({Severity::warning, "labels.gate_follows", "a border was missing", 2});

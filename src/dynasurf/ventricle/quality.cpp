@@ -246,7 +246,7 @@ void flag_looks(const Result& result, const QualityMetrics& c, std::vector<Quali
             "something as hot as the wall touches it in %.0f %% of the directions", 100},
       Limit{"noisy", c.noise, 0, most_noise, "noise is %.0f %% of the wall's brightness", 100, doubt_of_edges(result)},
       Limit{"section_not_round", c.unround, 0, most_unround,
-            "the outer border is not round: its radius varies by %.0f %%", 100},
+            "the outer border is not round: its radius varies by %.0f %%", 100, doubt_of_edges(result)},
       Limit{"thickness_implausible", c.thickness_mm, least_thickness_mm, most_thickness_mm,
             "the wall seems %.1f mm thick; no camera and heart make it so, the size of the voxels may be wrong", 1,
             doubt_of_thickness(result, c)}};
