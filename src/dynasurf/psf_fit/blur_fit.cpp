@@ -283,8 +283,7 @@ Attenuation attenuation_of(const Study& study, const BlurFit& options, bool is_f
 }
 
 /// What the normal matrix's deviations are multiplied by behind a camera, so that intervals hold the truth in 90 % of
-/// the studies: chosen on seeds 1 to 40 and 101 to 205 of experiments/camera. What a reconstruction corrected, it
-/// corrected in part, and the misfit tells less of what is left.
+/// the studies: chosen on seeds 1 to 40 and 101 to 205 of experiments/camera.
 double factor_behind_camera(Attenuation attenuation, bool is_filtered) {
   if (attenuation == Attenuation::corrected) return 1.06;
   return is_filtered ? 0.94 : 0.85;
