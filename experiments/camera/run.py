@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Virtual patients seen by the camera and reconstructed: are volumes, EF and wall right, and do the intervals hold?
 
-usage: run.py KINDS FIRST END [--program P] [--studies DIR] [--jobs N] [-- ARGUMENT...]
+usage: run.py KINDS FIRST END [--varied] [--program P] [--studies DIR] [--jobs N] [-- ARGUMENT...]
        run.py --table ROWS...
 KINDS: comma-separated, of image, fbp, osem, corrected. Seeds FIRST to END - 1. One row of JSON per reading on standard
-output, the table of all rows on standard error. DIR keeps the studies for the next call. Arguments after -- go to
-`dynasurf ventricle`.
+output, the table of all rows on standard error. --varied: walls of 0.7 to 1.4 times the usual volume, collimators of
+high resolution and of general purpose, orbits of other radii and along the body. DIR keeps the studies for the next
+call. Arguments after -- go to `dynasurf ventricle`.
 """
 
 import argparse
@@ -47,10 +48,22 @@ def heart_of(seed):
     return heart, body, camera, round(dice.uniform(0.32, 0.45), 2), round(dice.uniform(10, 15), 1)
 
 
-def make(program, kind, seed, folder):
+def vary(seed, heart, camera):
+    dice = random.Random(7919 * seed)
+    heart["wall_ml"] = round(heart["wall_ml"] * 0.7 * 2 ** dice.uniform(0, 1))
+    camera["acquisition.collimator"] = dice.choice(["lehr", "legp"])
+    if dice.random() < 0.3:
+        camera["acquisition.orbit"] = "body_contour"
+    else:
+        camera["acquisition.radius_mm"] = round(dice.uniform(190, 250))
+
+
+def make(program, kind, seed, folder, varied):
     if (folder / "truth.json").exists():
         return
     heart, body, camera, cutoff, fwhm = heart_of(seed)
+    if varied:
+        vary(seed, heart, camera)
     if kind == "image":
         options = heart | {"fwhm_mm": fwhm, "noise.peak_counts": 100, "lattice.nx": 40, "lattice.ny": 40, "lattice.nz": 24,
                            "lattice.dx_mm": 5, "lattice.dy_mm": 5, "lattice.dz_mm": 5}
@@ -64,9 +77,9 @@ def make(program, kind, seed, folder):
     subprocess.run([program, "phantom", what, "--seed", str(seed), "--threads", "1", "--quiet", "--out", folder, *settings], check=True)
 
 
-def read(program, kind, seed, studies, arguments):
-    made = studies / f"{kind}_{seed}"
-    make(program, kind, seed, made)
+def read(program, kind, seed, studies, varied, arguments):
+    made = studies / (f"varied_{kind}_{seed}" if varied else f"{kind}_{seed}")
+    make(program, kind, seed, made, varied)
     with tempfile.TemporaryDirectory() as folder:
         run = subprocess.run([program, "ventricle", made / "study.dcm", "--threads", "1", "--quiet", "--out", f"{folder}/r", *arguments],
                              capture_output=True, text=True)
@@ -125,13 +138,14 @@ def main():
     parser.add_argument("kinds")
     parser.add_argument("first", type=int)
     parser.add_argument("end", type=int)
+    parser.add_argument("--varied", action="store_true")
     parser.add_argument("--program", default=PROGRAM)
     parser.add_argument("--studies", type=pathlib.Path)
     parser.add_argument("--jobs", type=int, default=2)
     given = parser.parse_args(words[:words.index("--")] if "--" in words else words)
     with tempfile.TemporaryDirectory() as scratch, concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
         studies = given.studies or pathlib.Path(scratch)
-        jobs = [pool.submit(read, given.program, kind, seed, studies, arguments)
+        jobs = [pool.submit(read, given.program, kind, seed, studies, given.varied, arguments)
                 for kind in given.kinds.split(",") for seed in range(given.first, given.end)]
         rows = []
         for job in jobs:

@@ -316,14 +316,6 @@ TEST(BlurFit, LooksForNoAttenuationThatWasCorrected) {
   EXPECT_TRUE(tells_attenuation(fit_through_blur(study, start, given))) << "what is given leads";
 }
 
-/// The same stripes in every gate, finer than any wall: misfit of a reconstruction.
-void add_stripes(Study& study) {
-  const std::vector<float>& first = study.gates.front().values;
-  const float stripe = 0.03F * *std::max_element(first.begin(), first.end());
-  for (Image& gate : study.gates)
-    for (std::size_t n = 0; n < gate.values.size(); ++n) gate.values[n] += n % 2 == 0 ? stripe : -stripe;
-}
-
 TEST(BlurFit, TrustsItselfLessBehindACameraWhereAttenuationWasCorrected) {
   synthetic::Phantom phantom = small_study(12, 0, 0, 8);
   const FitStart start = biased_start(phantom);
@@ -338,6 +330,29 @@ TEST(BlurFit, TrustsItselfLessBehindACameraWhereAttenuationWasCorrected) {
   EXPECT_NEAR(corrected_to_unknown(), 1, 0.02) << "without misfit";
   add_stripes(phantom.study);
   EXPECT_NEAR(corrected_to_unknown(), 1.06 / 0.85, 0.1);
+}
+
+TEST(BlurFit, LetsEdgesMoveTheInnerWallBehindACameraAlone) {
+  synthetic::Phantom phantom = small_study(12, 0, 0, 8);
+  FitStart start = biased_start(phantom);
+  const auto edges_larger_by = [&](double factor) {
+    start.edge_ml.clear();
+    for (const FittedGate& gate : fit_through_blur(phantom.study, start, known_blur(12)).gates)
+      start.edge_ml.push_back(factor * gate.endo_ml.value);
+    return fit_through_blur(phantom.study, start, known_blur(12));
+  };
+  const auto is_told = [](const FittedBeat& beat) {
+    return std::any_of(beat.notes.begin(), beat.notes.end(),
+                       [](const Note& n) { return n.code == "fit.edge_volumes"; });
+  };
+  EXPECT_NEAR(edges_larger_by(0.9).edv_ml.value / edges_larger_by(0.7).edv_ml.value, 1, 1e-3) << "without misfit";
+  add_stripes(phantom.study);
+  const FittedBeat smaller = edges_larger_by(0.7), larger = edges_larger_by(0.9);
+  EXPECT_TRUE(is_told(larger));
+  EXPECT_NEAR(std::log(larger.edv_ml.value / smaller.edv_ml.value), 0.5 * std::log(0.9 / 0.7), 0.02);
+  EXPECT_NEAR(larger.ef_percent->value, smaller.ef_percent->value, 0.5);
+  const auto ed = static_cast<std::size_t>(larger.ed_gate);
+  EXPECT_NEAR(larger.gates[ed].epi_ml.value, smaller.gates[ed].epi_ml.value, 0.1) << "the outer wall stays";
 }
 
 TEST(BlurFit, WidensNoIntervalWhereMisfitStandsStill) {

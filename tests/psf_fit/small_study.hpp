@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+
 #include "dynasurf/psf_fit/detail/blur_options.hpp"
 #include "dynasurf/psf_fit/detail/fit_start.hpp"
 #include "dynasurf/synthetic/phantoms.hpp"
@@ -53,6 +55,14 @@ inline BlurFit known_blur(double fwhm_mm) {
   options.fwhm_uncertainty = 0;
   options.papillary_share = 0;  // these hearts have none
   return options;
+}
+
+/// The same stripes in every gate, finer than any wall: misfit of a reconstruction.
+inline void add_stripes(Study& study) {
+  const std::vector<float>& first = study.gates.front().values;
+  const float stripe = 0.03F * *std::max_element(first.begin(), first.end());
+  for (Image& gate : study.gates)
+    for (std::size_t n = 0; n < gate.values.size(); ++n) gate.values[n] += n % 2 == 0 ? stripe : -stripe;
 }
 
 }  // namespace dynasurf::psf_fit::test

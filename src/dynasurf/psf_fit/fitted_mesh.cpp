@@ -19,11 +19,11 @@ constexpr int wall_rings = 24, lid_rings = 6, around = 48;
 /// The walls of one gate as functions of the direction.
 class Walls {
  public:
-  Walls(const BeatProblem& problem, const Eigen::VectorXd& gate, double papillary_share)
+  Walls(const BeatProblem& problem, const Eigen::VectorXd& gate, double cavity_share)
       : layout_(problem.layout.gate),
         frame_(problem.cells.frame),
         gate_(gate),
-        papillary_share_(papillary_share),
+        cavity_share_(cavity_share),
         harmonics_(harmonics_up_to(std::max({layout_.endo_degree, layout_.wall_degree, layout_.uptake_degree}))) {}
 
   struct Ray {
@@ -51,7 +51,7 @@ class Walls {
   Ray walls_here() const {
     const double cavity = own::exp(3 * field(layout_.endo, layout_.endo_degree));
     const double muscle = own::exp(field(layout_.wall, layout_.wall_degree));
-    return {own::cbrt(cavity + papillary_share_ * muscle), own::cbrt(cavity + muscle), 0};
+    return {own::cbrt(reported_cavity(cavity, muscle, cavity_share_)), own::cbrt(cavity + muscle), 0};
   }
   double field(int first, int degree) const {
     double sum = 0;
@@ -61,7 +61,7 @@ class Walls {
   const GateLayout& layout_;
   const HeartFrame& frame_;
   const Eigen::VectorXd& gate_;
-  double papillary_share_;
+  double cavity_share_;
   std::vector<double> harmonics_;
 };
 
@@ -216,10 +216,10 @@ struct VolumeGradients {
 void describe_gate(const BeatProblem& problem, const Solution& solution, const Grid& grid, const Cholesky& factor,
                    std::size_t g, VolumeGradients& by, FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
-  const double papillary = problem.reported.papillary_share;
+  const double cavity_share = problem.reported.cavity_share(g);
   Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), solution.unknowns);
   numbers[layout.gate.endo] += problem.reported.outwards[g];
-  Walls walls(problem, numbers, papillary);
+  Walls walls(problem, numbers, cavity_share);
   FittedGate& gate = beat.gates[g];
   gate.endo = wall_mesh(walls, false, grid, g == 0 ? &beat.uptake : nullptr);
   gate.epi = wall_mesh(walls, true, grid, nullptr);
@@ -237,8 +237,8 @@ void describe_gate(const BeatProblem& problem, const Solution& solution, const G
                         gradient);
     return gradient;
   };
-  by.cavity[g] = of_beat(1, papillary);
-  by.wall[g] = of_beat(0, 1 - papillary);
+  by.cavity[g] = of_beat(1, cavity_share);
+  by.wall[g] = of_beat(0, 1 - cavity_share);
   gate.endo_ml.sd = spread_of(by.cavity[g], factor);
   gate.epi_ml.sd = spread_of(by.cavity[g] + by.wall[g], factor);
 }
@@ -286,6 +286,20 @@ void describe_levels(const BeatProblem& problem, const Solution& solution, const
   beat.cavity = first[layout.gate.cavity] / healthy, beat.background = first[layout.gate.background] / healthy;
 }
 
+/// Of the muscle of each gate, what the volumes within the edges make of it; see ReportedWalls.
+std::vector<double> edge_share(const std::vector<Activity>& gates, const ReportedWalls& reported,
+                               const Corrections& known) {
+  std::vector<double> cavity_ml, share;
+  for (std::size_t g = 0; g < gates.size(); ++g)
+    cavity_ml.push_back(
+        (gates[g].cavity_mm3 * own::exp(3 * reported.outwards[g]) + reported.papillary_share * gates[g].wall_mm3) /
+        1000);
+  const std::vector<double> moved_ml = towards_edges(cavity_ml, known.edge_ml, known.edges);
+  for (std::size_t g = 0; g < gates.size(); ++g)
+    share.push_back(1000 * (moved_ml[g] - cavity_ml[g]) / std::max(1.0, gates[g].wall_mm3));
+  return share;
+}
+
 }  // namespace
 
 ReportedWalls reported_walls(const BeatProblem& problem, const Solution& solution, const Corrections& known) {
@@ -297,6 +311,7 @@ ReportedWalls reported_walls(const BeatProblem& problem, const Solution& solutio
     reported.outwards.push_back(largest > 0 ? known.near_by_contraction * (1 - gate.cavity_mm3 / largest) : 0);
   const Cholesky of_steps(solution.matrix.whole(problem.noise));
   reported.papillary_share = papillary_share(problem, solution, of_steps, known.papillary_share);
+  if (!known.edge_ml.empty()) reported.edge_share = edge_share(gates, reported, known);
   return reported;
 }
 

@@ -22,7 +22,7 @@ struct Ray {
 };
 
 /// Middle of the wall along each ray and the two deviations of the profile, mm, smooth over the directions.
-struct Profiles {
+struct WallProfiles {
   Eigen::VectorXd middle, inner, outer;
 };
 
@@ -78,8 +78,8 @@ double to_base(const Ray& ray, const HeartFrame& frame, const heart::BasePlane& 
   return rise > 1e-6 ? std::max(0.0, depth / rise) : std::numeric_limits<double>::infinity();
 }
 
-std::optional<Profiles> profiles_of(const Image& image, const std::vector<Ray>& rays, const PlacedStart& start,
-                                    std::size_t gate) {
+std::optional<WallProfiles> profiles_of(const Image& image, const std::vector<Ray>& rays, const PlacedStart& start,
+                                        std::size_t gate) {
   constexpr double step_mm = 0.75;
   const Eigen::VectorXd endo = harmonics_of_surface(start.endo[gate], start.frame, start.base[gate], degree);
   const Eigen::VectorXd epi = harmonics_of_surface(start.epi[gate], start.frame, start.base[gate], degree);
@@ -105,7 +105,7 @@ std::optional<Profiles> profiles_of(const Image& image, const std::vector<Ray>& 
     values.row(used++) << own::log(peak * step_mm / ray.mm_per_q), own::log(inner), own::log(outer);
   }
   if (used < ray_count / 5) return std::nullopt;
-  Profiles p;
+  WallProfiles p;
   const Eigen::MatrixXd seen = rows.topRows(used);
   p.middle = smooth_harmonics(seen, values.col(0).head(used), degree);
   p.inner = smooth_harmonics(seen, values.col(1).head(used), degree);
@@ -117,7 +117,7 @@ std::optional<Profiles> profiles_of(const Image& image, const std::vector<Ray>& 
 struct Crossing {
   double base, middle, inner, outer;
 };
-std::vector<Crossing> crossings_of(const Profiles& p, const std::vector<Ray>& rays, const PlacedStart& start,
+std::vector<Crossing> crossings_of(const WallProfiles& p, const std::vector<Ray>& rays, const PlacedStart& start,
                                    std::size_t gate) {
   std::vector<Crossing> crossings;
   crossings.reserve(rays.size());
@@ -151,7 +151,7 @@ std::optional<GaussianProfile> read_gaussian_profile(const Study& study, const F
   const PlacedStart start = place_start(fit_start, study.grid());
   const std::vector<Ray> rays = make_rays(start.frame);
   const std::size_t gates = study.gates.size();
-  std::vector<std::optional<Profiles>> profiles(gates);
+  std::vector<std::optional<WallProfiles>> profiles(gates);
   parallel_for(gates, 1,
                [&](std::size_t g, std::size_t) { profiles[g] = profiles_of(study.gates[g], rays, start, g); });
   if (!std::all_of(profiles.begin(), profiles.end(), [](const auto& p) { return p.has_value(); })) return std::nullopt;

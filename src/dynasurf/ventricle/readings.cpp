@@ -151,6 +151,9 @@ void read_otherwise(const Study& original, const std::optional<Mask>& looked_at,
                             "no Gaussian-profile reading: no asymmetric Gaussian fits across this wall"});
   }
   if (!options.run) return tell_unused_points(all, result);
+  // What is usual of edges was learned of these, and behind gamma cameras.
+  if (all.pipeline == Pipeline::surface && original.modality != "PT")
+    for (const Gate& gate : result.gates) start->edge_ml.push_back(gate.edge_surfaces.endo->volume_ml);
   end_as_said(result, all.manual, *start);
   start->points = wall_points(all.manual, original);
   auto& beat = result.readings.psf_corrected;

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include <Eigen/Core>
@@ -24,11 +25,23 @@ struct PlacedPoint {
 };
 
 /// Where the reported walls lie beside those that explain the image: `outwards` is added to the log of the inner wall's
-/// q, then `papillary_share` of the muscle along every ray counts as cavity. The muscle per solid angle stays.
+/// q, the muscle per solid angle stays; then `papillary_share` and `edge_share` of the muscle along every ray count as
+/// cavity, the outer wall stays.
 struct ReportedWalls {
   std::vector<double> outwards;  // [gate]; none: nowhere
   double papillary_share = 0;
+  std::vector<double> edge_share;  // [gate], of either sign (edge_volumes.hpp); none: 0
+
+  /// Of the muscle, that counts as cavity.
+  double cavity_share(std::size_t gate) const { return papillary_share + (edge_share.empty() ? 0 : edge_share[gate]); }
 };
+
+/// Cube of the reported inner wall's q, from those of the cavity and of the muscle. However much is taken from a
+/// cavity, some of it stays.
+inline double reported_cavity(double cavity, double muscle, double share) {
+  constexpr double least = 0.2;
+  return std::max(cavity + share * muscle, least * cavity);
+}
 
 /// A beat to be explained: pixels of all gates, and the model that explains them.
 struct BeatProblem {

@@ -29,6 +29,7 @@ struct FitStart {
   std::optional<heart::BasePlane> placed_base;  // where a person says that the ventricle ends, in all gates
   std::optional<Mask> looked_at;                // on the study's grid; absent: all of it
   std::vector<WallPoint> points;                // that a person placed
+  std::vector<double> edge_ml;                  // volume within the inner edges of each gate; none: not to be used
 };
 
 }  // namespace dynasurf::psf_fit

@@ -1,4 +1,7 @@
 #pragma once
+#include <vector>
+
+#include "dynasurf/psf_fit/detail/edge_volumes.hpp"
 #include "dynasurf/psf_fit/detail/fitted_beat.hpp"
 #include "dynasurf/psf_fit/detail/least_squares.hpp"
 
@@ -13,6 +16,8 @@ struct Corrections {
   // Added to the log of the inner wall's distance from the centre, times the part of the end-diastolic volume that is
   // put out. The muscle per solid angle stays.
   double near_by_contraction = 0;
+  std::vector<double> edge_ml;  // volume within the inner edges, per gate; none: nothing is learned from them
+  EdgeBelief edges;
 };
 
 /// Where the errors that are known move the walls of a solution.
