@@ -173,6 +173,8 @@ class Spoiled(BatchTest):
         self.assertEqual(status["is-killed"]["attempts"], "2")
         self.assertEqual(status["crashes"]["attempts"], "1")
         self.assertIn(status["not-a-heart"]["verdict"], ("check", "fail"))
+        for name in good:
+            self.assertEqual(status[name]["state"], "done", f"{name}: {status[name]['reason']}")
         self.equals_serial(cohort, good)
         self.assertEqual(list(cohort.rglob("*.partial-*")), [])
         table = {row["id"]: row for row in rows_of(cohort / "tables" / "studies.tsv")}
