@@ -82,11 +82,13 @@ TEST(PlacedPoints, LieOnTheReportedWallWhereItIsMovedOffTheFittedOne) {
 }
 
 TEST(PlacedPoints, LieOnTheReportedWallWhereEdgesMovedIt) {
-  synthetic::Phantom phantom = small_study(12);
+  synthetic::Phantom phantom = small_study(12, 0, 0, 8);
   test::add_stripes(phantom.study);
   FitStart start = biased_start(phantom);
-  for (const auto& gate : fit_through_blur(phantom.study, start, known_blur(12)).gates)
-    start.edge_ml.push_back(0.9 * gate.endo_ml.value);
+  const FittedBeat fitted = fit_through_blur(phantom.study, start, known_blur(12));
+  for (const auto& gate : fitted.gates) start.edge_ml.push_back(1.2 * gate.endo_ml.value);
+  const FittedBeat moved = fit_through_blur(phantom.study, start, known_blur(12));
+  ASSERT_GT(moved.edv_ml.value, 1.1 * fitted.edv_ml.value);
   expect_on_reported_wall(phantom.study, start);
 }
 

@@ -15,13 +15,13 @@ struct EdgeBelief {
   double of_ef = 0;      // part of the ejection fraction's
 };
 
-/// Behind a camera. A fitted point spread that is too wide by chance makes the wall thin and the cavity large, and the
-/// edges do not take part: where their ratio is not the one of this width, the fit errs by more than a part of it.
-/// `fwhm_mm`: of the fitted point spread. `is_filtered`: filtered backprojection.
+/// Behind a camera. A fitted point spread that is too wide by chance makes the wall thin and the cavity large; edges
+/// take no part in that, so their ratio to the fit tells a part of its error. `fwhm_mm`: of the fitted point spread.
+/// `is_filtered`: filtered backprojection.
 EdgeBelief edge_belief(double fwhm_mm, Attenuation attenuation, bool is_filtered);
 
-/// The fit's cavity volumes (mL, per gate, at least two), moved towards those within the edges. The course of the beat
-/// stays the fit's; its depth follows the ejection fraction.
+/// The fit's cavity volumes (mL, per gate), moved towards those within the edges. The course of the beat stays the
+/// fit's; its depth follows the ejection fraction. Unchanged where there is no beat.
 std::vector<double> towards_edges(std::span<const double> fitted_ml, std::span<const double> edge_ml,
                                   const EdgeBelief& belief);
 
