@@ -65,7 +65,7 @@ const tests = {
       await page.emulateMedia({ colorScheme: "dark" });
       assert.equal(await ground(page), "rgb(13, 18, 24)");
       assert.deepEqual(await paleTexts(page), [], `${sample}, dark`);
-      assert.equal(await page.getAttribute("#theme", "aria-pressed"), "false");
+      await page.waitForSelector("#theme[aria-pressed=false]", { timeout: 10_000 }); // told by an event after the frame
       await page.keyboard.press("l");
       assert.equal(await ground(page), "rgb(243, 245, 248)");
       assert.equal(await page.getAttribute("#theme", "aria-pressed"), "true");
