@@ -1,18 +1,20 @@
 #!/usr/bin/env python3
 """Virtual patients seen by the camera and reconstructed: are volumes, EF and wall right, and do the intervals hold?
 
-usage: run.py KINDS FIRST END [--varied] [--program P] [--studies DIR] [--jobs N] [-- ARGUMENT...]
+usage: run.py KINDS FIRST END [--varied] [--given SD] [--program P] [--studies DIR] [--jobs N] [-- ARGUMENT...]
        run.py --table ROWS...
 KINDS: comma-separated, of image, fbp, osem, corrected. Seeds FIRST to END - 1. One row of JSON per reading on standard
 output, the table of all rows on standard error. --varied: walls of 0.7 to 1.4 times the usual volume, collimators of
-high resolution and of general purpose, orbits of other radii and along the body. DIR keeps the studies for the next
-call. Arguments after -- go to `dynasurf ventricle`.
+high resolution and of general purpose, orbits of other radii and along the body. --given: the wall's true thickness is
+given to the fit, off by an error of this standard deviation (of its log), which is told. DIR keeps the studies for the
+next call. Arguments after -- go to `dynasurf ventricle`.
 """
 
 import argparse
 import concurrent.futures
 import contextlib
 import json
+import math
 import pathlib
 import random
 import statistics
@@ -77,15 +79,24 @@ def make(program, kind, seed, folder, varied):
     subprocess.run([program, "phantom", what, "--seed", str(seed), "--threads", "1", "--quiet", "--out", folder, *settings], check=True)
 
 
-def read(program, kind, seed, studies, varied, arguments):
+def thickness(truth, seed, sd):
+    apical = 12  # segments 13 to 17
+    mm = statistics.mean(s["thickness_ed_mm"] for s in truth["regions"]["segments"][:apical])
+    mm *= math.exp(random.Random(977 * seed).gauss(0, sd))
+    return ["--set", f"fit.thickness_mm={mm:.2f}", "--set", f"fit.thickness_uncertainty={sd}"]
+
+
+def read(program, kind, seed, studies, varied, given_sd, arguments):
     made = studies / (f"varied_{kind}_{seed}" if varied else f"{kind}_{seed}")
     make(program, kind, seed, made, varied)
+    truth = json.loads((made / "truth.json").read_text())
+    if given_sd:
+        arguments = [*thickness(truth, seed, given_sd), *arguments]
     with tempfile.TemporaryDirectory() as folder:
         run = subprocess.run([program, "ventricle", made / "study.dcm", "--threads", "1", "--quiet", "--out", f"{folder}/r", *arguments],
                              capture_output=True, text=True)
         results = pathlib.Path(folder) / "r" / "results.json"
         result = json.loads(results.read_text()) if results.exists() else {"quality": {"verdict": "refused", "flags": []}}
-    truth = json.loads((made / "truth.json").read_text())
     row = {"kind": kind, "seed": seed, "verdict": result["quality"]["verdict"],
            "flags": [f["code"] for f in result["quality"]["flags"] if f["severity"] != "info"],
            "truth": {"edv": truth["edv_ml"], "esv": truth["esv_ml"], "ef": truth["ef_percent"], "wall": truth["gates"][0]["wall_ml"]},
@@ -139,13 +150,14 @@ def main():
     parser.add_argument("first", type=int)
     parser.add_argument("end", type=int)
     parser.add_argument("--varied", action="store_true")
+    parser.add_argument("--given", type=float, metavar="SD")
     parser.add_argument("--program", default=PROGRAM)
     parser.add_argument("--studies", type=pathlib.Path)
     parser.add_argument("--jobs", type=int, default=2)
     given = parser.parse_args(words[:words.index("--")] if "--" in words else words)
     with tempfile.TemporaryDirectory() as scratch, concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
         studies = given.studies or pathlib.Path(scratch)
-        jobs = [pool.submit(read, given.program, kind, seed, studies, given.varied, arguments)
+        jobs = [pool.submit(read, given.program, kind, seed, studies, given.varied, given.given, arguments)
                 for kind in given.kinds.split(",") for seed in range(given.first, given.end)]
         rows = []
         for job in jobs:

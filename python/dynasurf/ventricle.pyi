@@ -160,13 +160,15 @@ class BlurFit(_Options):
     filter_fwhm_mm: Optional[float]
     butterworth_per_cm: Optional[float]
     butterworth_order: float
+    thickness_mm: Optional[float]
+    thickness_uncertainty: float
     shape_degree: int
     wall_degree: int
     uptake_degree: int
     papillary_share: float
     attenuation: Literal['unknown', 'uncorrected', 'corrected']
     most_steps: int
-    def __init__(self, *, run: bool = ..., fwhm_mm: Optional[float] = ..., fwhm_uncertainty: float = ..., filter_fwhm_mm: Optional[float] = ..., butterworth_per_cm: Optional[float] = ..., butterworth_order: float = ..., shape_degree: int = ..., wall_degree: int = ..., uptake_degree: int = ..., papillary_share: float = ..., attenuation: Literal['unknown', 'uncorrected', 'corrected'] = ..., most_steps: int = ...) -> None: ...
+    def __init__(self, *, run: bool = ..., fwhm_mm: Optional[float] = ..., fwhm_uncertainty: float = ..., filter_fwhm_mm: Optional[float] = ..., butterworth_per_cm: Optional[float] = ..., butterworth_order: float = ..., thickness_mm: Optional[float] = ..., thickness_uncertainty: float = ..., shape_degree: int = ..., wall_degree: int = ..., uptake_degree: int = ..., papillary_share: float = ..., attenuation: Literal['unknown', 'uncorrected', 'corrected'] = ..., most_steps: int = ...) -> None: ...
 
 class Options(_Options):
     pipeline: Literal['surface', 'contour', 'direct']

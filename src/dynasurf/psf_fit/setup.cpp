@@ -170,7 +170,7 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
   measure_brightness(s, mean, margin);
   for (auto& values : p.values)
     for (float& v : values) v = static_cast<float>(v / s.unit);
-  p.thickness = thickness_prior(start, degree);
+  p.thickness = thickness_prior(start, degree, options);
   p.points = placed_points(start, degree);
   weigh_pixels(s, mean, blur, margin);
   if (start.looked_at) leave_out(*start.looked_at, p);

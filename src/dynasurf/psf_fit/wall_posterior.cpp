@@ -7,6 +7,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/psf_fit/detail/harmonics.hpp"
+#include "dynasurf/psf_fit/detail/wall_terms.hpp"
 
 namespace dynasurf::psf_fit {
 namespace {
@@ -94,6 +95,29 @@ Eigen::VectorXd by_mean_log_thickness(const BeatProblem& problem, const Eigen::V
   return of_beat;
 }
 
+/// What became of a thickness that a person gave.
+void tell_given_thickness(const BeatProblem& problem, const Solution& solution, FittedBeat& beat) {
+  constexpr double contradicted = 3;  // standard deviations; right ones within a tenth are off by 2.4 at most
+  const ThicknessPrior& given = problem.thickness;
+  std::vector<Eigen::VectorXd> gates;
+  for (int g = 0; g < problem.layout.gates; ++g) gates.push_back(problem.layout.at_gate(g, solution.unknowns));
+  const double deviation = wall_terms(problem, gates).front().deviation;
+  const double given_percent = 100 * given.log_sd, off_percent = 100 * own::expm1(given.log_sd * deviation);
+  char text[240];
+  if (std::abs(deviation) > contradicted) {
+    std::snprintf(text, sizeof text,
+                  "the image contradicts the wall's thickness that was given within %.0f %%: the fitted wall is "
+                  "%+.0f %% off it; check its unit, and that it is of end-diastole",
+                  given_percent, off_percent);
+    beat.notes.push_back({Severity::warning, "fit.thickness_contradicted", text});
+  } else {
+    std::snprintf(text, sizeof text,
+                  "the wall's thickness was given within %.0f %%; the fitted wall is %+.0f %% off it", given_percent,
+                  off_percent);
+    beat.notes.push_back({Severity::info, "fit.thickness_given", text});
+  }
+}
+
 }  // namespace
 
 WallPosterior::WallPosterior(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Grid& grid,
@@ -142,12 +166,15 @@ Eigen::VectorXd WallPosterior::sd(const Eigen::MatrixXd& gradient) const { retur
 void tell_belief_from_data(const BeatProblem& problem, const Solution& solution, const Cholesky& factor,
                            FittedBeat& beat) {
   constexpr double least = 0.5;
-  tell_thin_wall(problem, solution, beat);
+  if (problem.thickness.is_given)
+    tell_given_thickness(problem, solution, beat);
+  else
+    tell_thin_wall(problem, solution, beat);
   if (problem.thickness.harmonics.rows() > 0) {
     const double share =
         share_of_data(factor.half_norm(by_mean_log_thickness(problem, solution.unknowns)), problem.thickness.log_sd);
     beat.thickness_from_data = share;
-    if (share < least)
+    if (share < least && !problem.thickness.is_given)
       beat.notes.push_back(
           {Severity::warning, "fit.thickness_believed",
            in_percent("the data tell only %.0f %% of the wall's thickness, for the wall is thin against "

@@ -1,5 +1,6 @@
 #include "dynasurf/psf_fit/detail/wall_terms.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -79,22 +80,30 @@ std::vector<WallTerm> wall_terms(const BeatProblem& problem, const std::vector<E
   return terms;
 }
 
-ThicknessPrior thickness_prior(const PlacedStart& start, int degree) {
+ThicknessPrior thickness_prior(const PlacedStart& start, int degree, const BlurFit& options) {
   constexpr int directions = 120;
   ThicknessPrior prior;
+  if (options.thickness_mm) {
+    prior.is_given = true;
+    prior.mean_mm = *options.thickness_mm * (1 + options.papillary_share);
+    prior.log_sd = options.thickness_uncertainty;
+  }
   double largest = 0;
   for (std::size_t g = 0; g < start.endo.size(); ++g) {
     const double volume = mesh::volume_mm3(start.endo[g]);
     if (volume > largest) largest = volume, prior.gate = static_cast<int>(g);
   }
   const double base = start.frame.to_heart(start.base[prior.gate].point)[2];
+  const double apex = -start.frame.scale[2], lowest = prior.is_given ? apex + (base - apex) / 3 : apex;
   std::vector<double> mm, harmonics(harmonics_up_to(degree));
   std::vector<std::vector<double>> rows;
   for (int n = 0; n < directions; ++n) {
     const Vec3 direction = fibonacci_direction(n, directions);
-    if (direction[2] * start.frame.scale[2] > 0.8 * base) continue;
+    const double height = direction[2] * start.frame.scale[2];
+    if (height > 0.8 * base || height < lowest) continue;
     real_spherical_harmonics(direction, degree, harmonics);
     rows.push_back(harmonics);
+    prior.directions.push_back(direction);
     mm.push_back(1 / direction.cwiseQuotient(start.frame.scale).norm());
   }
   prior.harmonics.resize(static_cast<Eigen::Index>(rows.size()), harmonics_up_to(degree));
@@ -103,6 +112,27 @@ ThicknessPrior thickness_prior(const PlacedStart& start, int degree) {
         Eigen::Map<Eigen::RowVectorXd>(rows[n].data(), harmonics_up_to(degree));
   prior.mm_per_q = Eigen::Map<Eigen::VectorXd>(mm.data(), static_cast<Eigen::Index>(mm.size()));
   return prior;
+}
+
+void follow_slopes(const GateLayout& layout, const HeartFrame& frame, const Eigen::VectorXd& gate,
+                   ThicknessPrior& prior) {
+  constexpr double step = 1e-3;
+  Eigen::RowVectorXd harmonics(prior.harmonics.cols());
+  const int degree = std::max(layout.endo_degree, layout.wall_degree);
+  const auto log_middle = [&](const Vec3& direction) {
+    real_spherical_harmonics(direction.normalized(), degree,
+                             {harmonics.data(), static_cast<std::size_t>(harmonics_up_to(degree))});
+    const Ray ray = ray_along(layout, gate, harmonics);
+    return own::log((ray.endo + ray.epi) / 2);
+  };
+  for (std::size_t d = 0; d < prior.directions.size(); ++d) {
+    const Vec3& direction = prior.directions[d];
+    const Vec3 along = direction.unitOrthogonal(), across = direction.cross(along);
+    Vec3 normal = direction;
+    for (const Vec3& t : {along, across})
+      normal -= (log_middle(direction + step * t) - log_middle(direction - step * t)) / (2 * step) * t;
+    prior.mm_per_q[static_cast<Eigen::Index>(d)] = 1 / normal.cwiseQuotient(frame.scale).norm();
+  }
 }
 
 std::vector<PlacedPoint> placed_points(const PlacedStart& start, int degree) {

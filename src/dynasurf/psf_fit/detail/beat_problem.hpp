@@ -11,9 +11,11 @@ namespace dynasurf::psf_fit {
 /// What is believed of the wall's thickness in one gate: the mean of its log over directions below the base.
 struct ThicknessPrior {
   Eigen::MatrixXd harmonics;  // one row per direction; none: nothing is believed
-  Eigen::VectorXd mm_per_q;   // along each direction
+  Eigen::VectorXd mm_per_q;   // along each direction, across the wall
+  std::vector<Vec3> directions;
   int gate = 0;
   double mean_mm = 10, log_sd = 0.2;
+  bool is_given = false;  // by a person, of surfaces: `follow_slopes` is for it
 };
 
 /// A place on a wall that a person says: the wall's q along one direction in one gate.

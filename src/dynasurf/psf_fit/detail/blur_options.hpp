@@ -14,6 +14,8 @@ struct BlurFit {
   std::optional<double> filter_fwhm_mm;
   std::optional<double> butterworth_per_cm;
   double butterworth_order = 5;
+  std::optional<double> thickness_mm;
+  double thickness_uncertainty = 0.1;
   int shape_degree = 6, wall_degree = 4, uptake_degree = 12;
   double papillary_share = 0.016;
   Attenuation attenuation = Attenuation::unknown;
@@ -38,6 +40,12 @@ void describe(auto& visit, BlurFit& o) {
                    "cycles/cm", 0, 5});
   visit("butterworth_order", o.butterworth_order,
         OptionInfo{"its order: 1 / sqrt(1 + (f / cutoff)^(2 order)); used where its cutoff is given", "", 0.5, 30});
+  visit("thickness_mm", o.thickness_mm,
+        OptionInfo{"mean thickness of the wall at end-diastole without its apical third, where it is known, say from "
+                   "echocardiography; unset: 10 mm or so, and the data decide",
+                   "mm", 3, 40});
+  visit("thickness_uncertainty", o.thickness_uncertainty,
+        OptionInfo{"how far the given thickness may be off, as a part of it (one standard deviation)", "", 0.01, 0.5});
   visit("shape_degree", o.shape_degree, OptionInfo{"spherical harmonics of the inner wall's shape", "", 2, 12});
   visit("wall_degree", o.wall_degree, OptionInfo{"of the thickness", "", 1, 12});
   visit("uptake_degree", o.uptake_degree, OptionInfo{"of the activity in the wall", "", 0, 12});

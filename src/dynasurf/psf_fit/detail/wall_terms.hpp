@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "dynasurf/psf_fit/detail/beat_problem.hpp"
+#include "dynasurf/psf_fit/detail/blur_options.hpp"
 #include "dynasurf/psf_fit/detail/start.hpp"
 
 namespace dynasurf::psf_fit {
@@ -18,8 +19,14 @@ struct WallTerm {
 /// The prior of the thickness, then the points that a person placed. `gates`: the numbers of every gate.
 std::vector<WallTerm> wall_terms(const BeatProblem& problem, const std::vector<Eigen::VectorXd>& gates);
 
-/// The prior of the thickness, of the gate whose cavity is the largest at the start. Harmonics up to `degree`.
-ThicknessPrior thickness_prior(const PlacedStart& start, int degree);
+/// The prior of the thickness, of the gate whose cavity is the largest at the start. Harmonics up to `degree`. A
+/// thickness that is given is that of the wall above its apical third.
+ThicknessPrior thickness_prior(const PlacedStart& start, int degree, const BlurFit& options);
+
+/// Lets the prior take thickness across the walls of these numbers, as surfaces are measured; before it was that across
+/// an ellipsoid, which is larger by a tenth.
+void follow_slopes(const GateLayout& layout, const HeartFrame& frame, const Eigen::VectorXd& gate,
+                   ThicknessPrior& prior);
 
 /// The points of a start as the objective takes them. Throws OptionError where one is too near to the middle of the
 /// heart or too far from it to lie on a wall.
