@@ -55,23 +55,24 @@ TEST(PlacedPoints, OnTheInnerWallAreFollowedOutwards) { expect_followed(false, 4
 TEST(PlacedPoints, OnTheInnerWallAreFollowedInwards) { expect_followed(false, -4); }
 TEST(PlacedPoints, OnTheOuterWallAreFollowed) { expect_followed(true, 4); }
 
-/// Points 2 mm outside the reported inner wall at end-systole lie on it afterwards.
-void expect_on_reported_wall(const Study& study, FitStart start) {
+/// Points 2 mm outside a reported wall at end-systole lie on it afterwards.
+void expect_on_reported_wall(const Study& study, FitStart start, bool is_outer = false,
+                             Attenuation attenuation = Attenuation::uncorrected) {
   BlurFit options = known_blur(12);
   options.papillary_share = 0.016;
-  options.attenuation = Attenuation::uncorrected;
+  options.attenuation = attenuation;
   const FittedBeat found = fit_through_blur(study, start, options);
   const int gate = found.es_gate;
   for (int segment = 0; segment < found.segments; segment += 12) {
-    const TriMesh& wall = found.gates[gate].endo;
+    const TriMesh& wall = wall_of(found.gates[gate], is_outer);
     const Vec3 here = wall.vertices[vertex_at(found, segment)];
     const Vec3 there = wall.vertices[vertex_at(found, (segment + found.segments / 2) % found.segments)];
-    start.points.push_back({gate, false, here + 2 * (here - there).normalized()});
+    start.points.push_back({gate, is_outer, here + 2 * (here - there).normalized()});
   }
   const FittedBeat moved = fit_through_blur(study, start, options);
   for (const WallPoint& point : start.points) {
-    EXPECT_GT(distance_from(found.gates[gate].endo, point.place), 1.5);
-    EXPECT_LT(distance_from(moved.gates[gate].endo, point.place), 0.25);
+    EXPECT_GT(distance_from(wall_of(found.gates[gate], is_outer), point.place), 1.5);
+    EXPECT_LT(distance_from(wall_of(moved.gates[gate], is_outer), point.place), 0.25);
   }
 }
 
@@ -90,6 +91,12 @@ TEST(PlacedPoints, LieOnTheReportedWallWhereEdgesMovedIt) {
   const FittedBeat moved = fit_through_blur(phantom.study, start, known_blur(12));
   ASSERT_GT(moved.edv_ml.value, 1.1 * fitted.edv_ml.value);
   expect_on_reported_wall(phantom.study, start);
+}
+
+TEST(PlacedPoints, LieOnTheReportedOuterWallWhereRecoveredResolutionMovedIt) {
+  synthetic::Phantom phantom = small_study(12);
+  test::add_stripes(phantom.study);
+  expect_on_reported_wall(phantom.study, biased_start(phantom), true, Attenuation::corrected);
 }
 
 TEST(PlacedPoints, WhereTheWallIsAnywayChangeNothingAndNarrowItsErrors) {

@@ -13,6 +13,7 @@
 #include "dynasurf/heart/locate.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/psf_fit/detail/attenuation.hpp"
+#include "dynasurf/psf_fit/detail/camera_errors.hpp"
 #include "dynasurf/psf_fit/detail/extracardiac_sources.hpp"
 #include "dynasurf/psf_fit/detail/fitted_mesh.hpp"
 #include "dynasurf/psf_fit/detail/harmonics.hpp"
@@ -28,15 +29,6 @@ namespace {
 // ventricle that is left over would be explained by a wider point spread and a thinner wall.
 constexpr double usual_rest = 0.004, least_spot = 0.03;
 constexpr int most_spots = 70;
-
-// By how much of its distance from the centre the inner wall reads too near behind a camera, times the part of the
-// end-diastolic volume that is put out: what is left after the model of attenuation, and of resolution recovery.
-// Learned from seeds 1 to 30 of experiments/camera.
-constexpr double near_by_contraction_uncorrected = 0.043, near_by_contraction_corrected = -0.02;
-
-// Part of the edges' volume that is believed where the thickness was given: half of what it is without, chosen on seeds
-// 10 to 39 there.
-constexpr double volume_of_known_thickness = 0.25;
 
 /// True where every voxel is either nothing or one value: a drawing of the muscle, which no camera has seen.
 bool is_mask(const Study& study) {
@@ -290,13 +282,6 @@ Attenuation attenuation_of(const Study& study, const BlurFit& options, bool is_f
   return study.attenuation == Attenuation::unknown && is_filtered ? Attenuation::uncorrected : study.attenuation;
 }
 
-/// What the normal matrix's deviations are multiplied by behind a camera, so that intervals hold the truth in 90 % of
-/// the studies: chosen on seeds 1 to 40 and 101 to 205 of experiments/camera.
-double factor_behind_camera(Attenuation attenuation, bool is_filtered) {
-  if (attenuation == Attenuation::corrected) return 1.06;
-  return is_filtered ? 0.94 : 0.85;
-}
-
 double fwhm_seen(const Fitting& fit, const Blur& blur) {
   const BeatLayout& layout = fit.setup.problem.layout;
   return blur.fwhm_mm * own::exp(layout.at_gate(0, fit.solution.unknowns)[layout.gate.width]);
@@ -305,26 +290,14 @@ double fwhm_seen(const Fitting& fit, const Blur& blur) {
 /// What is known of the errors that the fit itself does not see.
 Corrections corrections_of(const Fitting& fit, const FitStart& start, const Blur& blur, const BlurFit& options,
                            Attenuation attenuation) {
-  Corrections known;
+  const bool is_blurred = blur.fwhm_mm > 0;
+  Corrections known =
+      camera_errors({is_blurred ? fwhm_seen(fit, blur) : 0, std::min(1.0, fit.noise.misfit_seen / usual_misfit),
+                     attenuation, fit.is_width_known, fit.thickness.is_given},
+                    start.edge_ml);
   known.noise = fit.noise.of_errors;
   // Sharp images show papillary muscles as they are.
-  known.papillary_share = blur.fwhm_mm > 0 ? options.papillary_share : 0;
-  constexpr double usual_factor = 1.3;
-  const double behind_camera = factor_behind_camera(attenuation, fit.is_width_known);
-  const double camera = std::min(1.0, fit.noise.misfit_seen / usual_misfit);
-  known.model_factor = usual_factor + camera * (behind_camera - usual_factor);
-  // A camera hardly tells the wall's thickness, and reconstructions move it: chosen on the same seeds and 206 to 235.
-  known.wall_error = own::hypot(known.wall_error, 0.09 * camera);
-  if (blur.fwhm_mm > 0 && attenuation == Attenuation::uncorrected)
-    known.near_by_contraction = near_by_contraction_uncorrected;
-  if (blur.fwhm_mm > 0 && attenuation == Attenuation::corrected)
-    known.near_by_contraction = near_by_contraction_corrected;
-  if (blur.fwhm_mm > 0 && camera > 0) {
-    known.edges = edge_belief(fwhm_seen(fit, blur), attenuation, fit.is_width_known);
-    if (fit.thickness.is_given) known.edges.of_volume = std::min(known.edges.of_volume, volume_of_known_thickness);
-    known.edges.of_volume *= camera, known.edges.of_ef *= camera;
-    known.edge_ml = start.edge_ml;
-  }
+  known.papillary_share = is_blurred ? options.papillary_share : 0;
   return known;
 }
 
@@ -334,31 +307,6 @@ void settle_on_reported_walls(BeatProblem& problem, Solution& solution, const Co
   constexpr int most_steps = 8;
   problem.reported = reported_walls(problem, solution, known);
   if (!problem.points.empty()) minimise(problem, solution, most_steps, 1e-3, progress);
-}
-
-void tell_contraction(double near_by_contraction, FittedBeat& beat) {
-  if (near_by_contraction == 0 || !beat.ef_percent) return;
-  const bool is_near = near_by_contraction > 0;
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "attenuation was %s: at end-systole the inner wall was moved %s by %.1f %% of its distance from the "
-                "centre, as learned behind a simulated camera",
-                is_near ? "not corrected" : "corrected", is_near ? "outwards" : "inwards",
-                std::abs(near_by_contraction) * beat.ef_percent->value);
-  beat.notes.push_back({Severity::info, "fit.contraction", text});
-}
-
-void tell_edges(const BeatProblem& problem, const Solution& solution, FittedBeat& beat) {
-  if (problem.reported.edge_share.empty() || beat.gates.size() < 2) return;
-  const auto ed = static_cast<std::size_t>(beat.ed_gate);
-  const double moved_ml = problem.reported.edge_share[ed] * solution.objective.activity[ed].wall_mm3 / 1000;
-  char text[240];
-  std::snprintf(
-      text, sizeof text,
-      "behind a camera a thick wall and a wide point spread look alike: the end-diastolic volume was moved by "
-      "%+.1f mL, as the volume within the edges asks, learned behind a simulated camera",
-      moved_ml);
-  beat.notes.push_back({Severity::info, "fit.edge_volumes", text});
 }
 
 /// Looks for hot spots beside the heart and lets the fit explain them. Returns how many there are.
@@ -479,8 +427,7 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   beat.images = images_of(problem, solution.objective, study.grid());
   end_walls_as_said(start, study.grid(), placed.frame, problem.layout, solution.unknowns);
   describe_beat(problem, solution, known, study.grid(), beat);
-  tell_contraction(known.near_by_contraction, beat);
-  tell_edges(problem, solution, beat);
+  tell_camera_errors(problem, solution, known, beat);
   beat.fwhm_mm.value = fwhm_seen(fit, blur);
   // Of its log until here. Cameras differ from one Gaussian: so widened, the interval holds the truth in 90 % of the
   // choosing patients of experiments/unbiased_200.

@@ -19,11 +19,12 @@ constexpr int wall_rings = 24, lid_rings = 6, around = 48;
 /// The walls of one gate as functions of the direction.
 class Walls {
  public:
-  Walls(const BeatProblem& problem, const Eigen::VectorXd& gate, double cavity_share)
+  Walls(const BeatProblem& problem, const Eigen::VectorXd& gate, double cavity_share, double wall_share)
       : layout_(problem.layout.gate),
         frame_(problem.cells.frame),
         gate_(gate),
         cavity_share_(cavity_share),
+        wall_share_(wall_share),
         harmonics_(harmonics_up_to(std::max({layout_.endo_degree, layout_.wall_degree, layout_.uptake_degree}))) {}
 
   struct Ray {
@@ -51,7 +52,7 @@ class Walls {
   Ray walls_here() const {
     const double cavity = own::exp(3 * field(layout_.endo, layout_.endo_degree));
     const double muscle = own::exp(field(layout_.wall, layout_.wall_degree));
-    return {own::cbrt(reported_cavity(cavity, muscle, cavity_share_)), own::cbrt(cavity + muscle), 0};
+    return {own::cbrt(reported_cavity(cavity, muscle, cavity_share_)), own::cbrt(cavity + wall_share_ * muscle), 0};
   }
   double field(int first, int degree) const {
     double sum = 0;
@@ -61,7 +62,7 @@ class Walls {
   const GateLayout& layout_;
   const HeartFrame& frame_;
   const Eigen::VectorXd& gate_;
-  double cavity_share_;
+  double cavity_share_, wall_share_;  // of the muscle, within the inner and within the outer wall
   std::vector<double> harmonics_;
 };
 
@@ -216,10 +217,10 @@ struct VolumeGradients {
 void describe_gate(const BeatProblem& problem, const Solution& solution, const Grid& grid, const Cholesky& factor,
                    std::size_t g, VolumeGradients& by, FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
-  const double cavity_share = problem.reported.cavity_share(g);
+  const double cavity_share = problem.reported.cavity_share(g), wall_share = 1 - problem.reported.beyond;
   Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), solution.unknowns);
   numbers[layout.gate.endo] += problem.reported.outwards[g];
-  Walls walls(problem, numbers, cavity_share);
+  Walls walls(problem, numbers, cavity_share, wall_share);
   FittedGate& gate = beat.gates[g];
   gate.endo = wall_mesh(walls, false, grid, g == 0 ? &beat.uptake : nullptr);
   gate.epi = wall_mesh(walls, true, grid, nullptr);
@@ -238,7 +239,7 @@ void describe_gate(const BeatProblem& problem, const Solution& solution, const G
     return gradient;
   };
   by.cavity[g] = of_beat(1, cavity_share);
-  by.wall[g] = of_beat(0, 1 - cavity_share);
+  by.wall[g] = of_beat(0, wall_share - cavity_share);
   gate.endo_ml.sd = spread_of(by.cavity[g], factor);
   gate.epi_ml.sd = spread_of(by.cavity[g] + by.wall[g], factor);
 }
@@ -307,6 +308,7 @@ ReportedWalls reported_walls(const BeatProblem& problem, const Solution& solutio
   double largest = 0;
   for (const Activity& gate : gates) largest = std::max(largest, gate.cavity_mm3);
   ReportedWalls reported;
+  reported.beyond = known.beyond;
   for (const Activity& gate : gates)
     reported.outwards.push_back(largest > 0 ? known.near_by_contraction * (1 - gate.cavity_mm3 / largest) : 0);
   const Cholesky of_steps(solution.matrix.whole(problem.noise));

@@ -64,11 +64,12 @@ void tell_thin_wall(const BeatProblem& problem, const Solution& solution, Fitted
   const double width = problem.layout.at_gate(0, solution.unknowns)[problem.layout.gate.width];
   const double fwhm_mm = fwhm_of_sigma * problem.sigma_mm * own::exp(width);
   if (beat.thickness_mm.value >= resolved * fwhm_mm) return;
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "the wall (%.1f mm) is thin against the blur (%.1f mm): thickness, mass and volumes lean on what is "
-                "believed of hearts (10 mm), and a thinner wall would look much the same",
-                beat.thickness_mm.value, fwhm_mm);
+  char text[280];
+  std::snprintf(
+      text, sizeof text,
+      "the wall (%.1f mm) is thin against the blur (%.1f mm): thickness, mass and volumes lean on what is "
+      "believed of hearts (10 mm), and a thinner wall would look much the same; fit.thickness_mm takes a measured one",
+      beat.thickness_mm.value, fwhm_mm);
   const bool is_lost = beat.thickness_mm.value < lost * fwhm_mm;
   beat.notes.push_back({is_lost ? Severity::warning : Severity::info, "fit.thin_wall", text});
 }
@@ -101,10 +102,11 @@ void tell_given_thickness(const BeatProblem& problem, const Solution& solution, 
   const ThicknessPrior& given = problem.thickness;
   std::vector<Eigen::VectorXd> gates;
   for (int g = 0; g < problem.layout.gates; ++g) gates.push_back(problem.layout.at_gate(g, solution.unknowns));
-  const double deviation = wall_terms(problem, gates).front().deviation;
-  const double given_percent = 100 * given.log_sd, off_percent = 100 * own::expm1(given.log_sd * deviation);
+  const double off =
+      given.log_sd * wall_terms(problem, gates).front().deviation + own::log(1 - problem.reported.beyond);
+  const double given_percent = 100 * given.log_sd, off_percent = 100 * own::expm1(off);
   char text[240];
-  if (std::abs(deviation) > contradicted) {
+  if (std::abs(off) > contradicted * given.log_sd) {
     std::snprintf(text, sizeof text,
                   "the image contradicts the wall's thickness that was given within %.0f %%: the fitted wall is "
                   "%+.0f %% off it; check its unit, and that it is of end-diastole",

@@ -63,7 +63,8 @@ WallTerm point_term(const BeatProblem& problem, const PlacedPoint& point, const 
   // Cubes of q: the wall encloses the cavity and a share of the muscle.
   const double cavity =
       own::pow(ray.endo, 3) * (reported.outwards.empty() ? 1 : own::exp(3 * reported.outwards[point.gate]));
-  const double share = point.is_outer ? 1 : reported.cavity_share(static_cast<std::size_t>(point.gate));
+  const double share =
+      point.is_outer ? 1 - reported.beyond : reported.cavity_share(static_cast<std::size_t>(point.gate));
   const double muscle = share * ray.muscle, whole = reported_cavity(cavity, ray.muscle, share);
   term.deviation = (own::log(whole) / 3 - point.log_q) / point.log_sd;
   add_derivatives(layout, point.harmonics, cavity / (whole * point.log_sd), muscle / (3 * whole * point.log_sd),

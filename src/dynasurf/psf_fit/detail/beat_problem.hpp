@@ -28,11 +28,12 @@ struct PlacedPoint {
 
 /// Where the reported walls lie beside those that explain the image: `outwards` is added to the log of the inner wall's
 /// q, the muscle per solid angle stays; then `papillary_share` and `edge_share` of the muscle along every ray count as
-/// cavity, the outer wall stays.
+/// cavity, and the part `beyond` lies outside the outer wall.
 struct ReportedWalls {
   std::vector<double> outwards;  // [gate]; none: nowhere
   double papillary_share = 0;
   std::vector<double> edge_share;  // [gate], of either sign (edge_volumes.hpp); none: 0
+  double beyond = 0;               // of either sign
 
   /// Of the muscle, that counts as cavity.
   double cavity_share(std::size_t gate) const { return papillary_share + (edge_share.empty() ? 0 : edge_share[gate]); }

@@ -16,6 +16,7 @@ struct Corrections {
   // Added to the log of the inner wall's distance from the centre, times the part of the end-diastolic volume that is
   // put out. The muscle per solid angle stays.
   double near_by_contraction = 0;
+  double beyond = 0;            // part of the muscle that lies outside the reported outer wall, of either sign
   std::vector<double> edge_ml;  // volume within the inner edges, per gate; none: nothing is learned from them
   EdgeBelief edges;
 };
