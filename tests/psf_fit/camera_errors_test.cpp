@@ -8,8 +8,8 @@ namespace dynasurf::psf_fit {
 namespace {
 
 const std::vector<double> edge_ml{60, 30};
-constexpr Reconstruction filtered{17, 1, Attenuation::uncorrected, true, false};
-constexpr Reconstruction recovered{14, 1, Attenuation::corrected, false, false};
+constexpr Reconstruction filtered{17, 1, Attenuation::uncorrected, true, false, true};
+constexpr Reconstruction recovered{14, 1, Attenuation::corrected, false, false, true};
 
 TEST(CameraErrors, AreNoneOfImagesThatNoCameraHasSeen) {
   for (Reconstruction seen : {filtered, recovered}) {
@@ -24,6 +24,13 @@ TEST(CameraErrors, AreNoneOfImagesThatNoCameraHasSeen) {
     EXPECT_EQ(sharp.beyond, 0);
     EXPECT_EQ(sharp.near_by_contraction, 0);
     EXPECT_TRUE(sharp.edge_ml.empty());
+  }
+}
+
+TEST(CameraErrors, LeaveTheOuterWallOfOtherModalities) {
+  for (Reconstruction seen : {filtered, recovered}) {
+    seen.is_spect = false;
+    EXPECT_EQ(camera_errors(seen, edge_ml).beyond, 0);
   }
 }
 

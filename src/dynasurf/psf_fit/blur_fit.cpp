@@ -274,11 +274,12 @@ void look_for_attenuation(Fitting& fit, const Study& study, double share) {
   fit.solution.matrix = {};
 }
 
+bool is_spect(const Study& study) { return study.modality != "PT" && study.modality != "MR" && study.modality != "CT"; }
+
 /// What the reconstruction did about attenuation. Behind filtered backprojection hardly anybody corrects it.
 Attenuation attenuation_of(const Study& study, const BlurFit& options, bool is_filtered) {
   if (options.attenuation != Attenuation::unknown) return options.attenuation;
-  const bool is_spect = study.modality != "PT" && study.modality != "MR" && study.modality != "CT";
-  if (!is_spect) return Attenuation::unknown;
+  if (!is_spect(study)) return Attenuation::unknown;
   return study.attenuation == Attenuation::unknown && is_filtered ? Attenuation::uncorrected : study.attenuation;
 }
 
@@ -289,11 +290,11 @@ double fwhm_seen(const Fitting& fit, const Blur& blur) {
 
 /// What is known of the errors that the fit itself does not see.
 Corrections corrections_of(const Fitting& fit, const FitStart& start, const Blur& blur, const BlurFit& options,
-                           Attenuation attenuation) {
+                           Attenuation attenuation, bool is_spect) {
   const bool is_blurred = blur.fwhm_mm > 0;
   Corrections known =
       camera_errors({is_blurred ? fwhm_seen(fit, blur) : 0, std::min(1.0, fit.noise.misfit_seen / usual_misfit),
-                     attenuation, fit.is_width_known, fit.thickness.is_given},
+                     attenuation, fit.is_width_known, fit.thickness.is_given, is_spect},
                     start.edge_ml);
   known.noise = fit.noise.of_errors;
   // Sharp images show papillary muscles as they are.
@@ -410,7 +411,7 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
       minimise(problem, solution, std::max(1, options.most_steps - solution.steps), 1e-3, progress);
   }
 
-  const Corrections known = corrections_of(fit, start, blur, options, attenuation);
+  const Corrections known = corrections_of(fit, start, blur, options, attenuation, is_spect(study));
   settle_on_reported_walls(problem, solution, known, progress);
 
   if (refiltered) beat.notes.push_back({Severity::info, "fit.filter_exchanged", refiltered->note});

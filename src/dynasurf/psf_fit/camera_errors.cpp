@@ -23,6 +23,7 @@ constexpr double volume_of_known_thickness = 0.25;
 /// tells whether it was recovered.
 double beyond_outer_wall(const Reconstruction& seen) {
   constexpr double filtered = 0.1, recovered = -0.085, narrow_mm = 15.1, wide_mm = 16.1;
+  if (!seen.is_spect) return 0;
   if (seen.is_filtered) return seen.is_thickness_given ? 0 : filtered;
   if (seen.attenuation != Attenuation::corrected) return 0;
   return recovered * std::clamp((wide_mm - seen.fwhm_mm) / (wide_mm - narrow_mm), 0.0, 1.0);

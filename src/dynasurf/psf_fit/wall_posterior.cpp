@@ -168,7 +168,8 @@ Eigen::VectorXd WallPosterior::sd(const Eigen::MatrixXd& gradient) const { retur
 void tell_belief_from_data(const BeatProblem& problem, const Solution& solution, const Cholesky& factor,
                            FittedBeat& beat) {
   constexpr double least = 0.5;
-  if (problem.thickness.is_given)
+  const bool is_given = problem.thickness.is_given && problem.thickness.harmonics.rows() > 0;
+  if (is_given)
     tell_given_thickness(problem, solution, beat);
   else
     tell_thin_wall(problem, solution, beat);
@@ -176,7 +177,7 @@ void tell_belief_from_data(const BeatProblem& problem, const Solution& solution,
     const double share =
         share_of_data(factor.half_norm(by_mean_log_thickness(problem, solution.unknowns)), problem.thickness.log_sd);
     beat.thickness_from_data = share;
-    if (share < least && !problem.thickness.is_given)
+    if (share < least && !is_given)
       beat.notes.push_back(
           {Severity::warning, "fit.thickness_believed",
            in_percent("the data tell only %.0f %% of the wall's thickness, for the wall is thin against "

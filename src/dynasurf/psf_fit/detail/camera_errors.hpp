@@ -12,6 +12,7 @@ struct Reconstruction {
   Attenuation attenuation = Attenuation::unknown;
   bool is_filtered = false;         // by a Butterworth filter
   bool is_thickness_given = false;  // by a person
+  bool is_spect = true;             // what the outer wall does was learned of no other
 };
 
 /// Errors that fits make behind a camera, as learned from experiments/camera. `edge_ml`: volumes within the inner
