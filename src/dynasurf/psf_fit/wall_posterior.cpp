@@ -104,7 +104,8 @@ void tell_given_thickness(const BeatProblem& problem, const Solution& solution, 
   for (int g = 0; g < problem.layout.gates; ++g) gates.push_back(problem.layout.at_gate(g, solution.unknowns));
   const double off =
       given.log_sd * wall_terms(problem, gates).front().deviation + own::log(1 - problem.reported.beyond);
-  const double given_percent = 100 * given.log_sd, off_percent = 100 * own::expm1(off);
+  const double given_percent = 100 * given.log_sd;
+  const double off_percent = std::round(100 * own::expm1(off)) + 0.0;  // no -0
   char text[240];
   if (std::abs(off) > contradicted * given.log_sd) {
     std::snprintf(text, sizeof text,
