@@ -291,14 +291,15 @@ double fwhm_seen(const Fitting& fit, const Blur& blur) {
 /// What is known of the errors that the fit itself does not see.
 Corrections corrections_of(const Fitting& fit, const FitStart& start, const Blur& blur, const BlurFit& options,
                            Attenuation attenuation, bool is_spect) {
-  const bool is_blurred = blur.fwhm_mm > 0;
-  Corrections known =
-      camera_errors({is_blurred ? fwhm_seen(fit, blur) : 0, std::min(1.0, fit.noise.misfit_seen / usual_misfit),
-                     attenuation, fit.is_width_known, fit.thickness.is_given, is_spect},
-                    start.edge_ml);
+  const Reconstruction seen{.fwhm_mm = blur.fwhm_mm > 0 ? fwhm_seen(fit, blur) : 0,
+                            .misfit = std::min(1.0, fit.noise.misfit_seen / usual_misfit),
+                            .attenuation = attenuation,
+                            .is_filtered = fit.is_width_known,
+                            .is_thickness_given = fit.thickness.is_given,
+                            .is_spect = is_spect};
+  Corrections known = camera_errors(seen, start.edge_ml);
   known.noise = fit.noise.of_errors;
-  // Sharp images show papillary muscles as they are.
-  known.papillary_share = is_blurred ? options.papillary_share : 0;
+  known.papillary_share = options.papillary_share;
   return known;
 }
 
@@ -387,6 +388,8 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   const std::optional<Refiltered> refiltered = without_lobes(original, placed, as_stored, options);
   const Study& study = refiltered ? refiltered->study : original;
   const Blur blur = refiltered ? refiltered->blur : as_stored;
+  // Sharp images show papillary muscles as they are.
+  if (!(blur.fwhm_mm > 0)) options.papillary_share = 0;
   limit_degrees(options, placed.frame, blur.fwhm_mm);
   Fitting fit = begin_fit(study, placed, blur, options);
   fit.is_width_known = refiltered.has_value();

@@ -74,49 +74,25 @@ void tell_thin_wall(const BeatProblem& problem, const Solution& solution, Fitted
   beat.notes.push_back({is_lost ? Severity::warning : Severity::info, "fit.thin_wall", text});
 }
 
-/// Derivative of the mean log of the thickness in the gate that is believed to be at end-diastole.
-Eigen::VectorXd by_mean_log_thickness(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
-  const ThicknessPrior& belief = problem.thickness;
-  const GateLayout& layout = problem.layout.gate;
-  const int endo = harmonics_up_to(layout.endo_degree), wall = harmonics_up_to(layout.wall_degree);
-  const Eigen::VectorXd gate = problem.layout.at_gate(belief.gate, unknowns);
-  Eigen::VectorXd of_gate = Eigen::VectorXd::Zero(layout.count());
-  const auto directions = static_cast<double>(belief.harmonics.rows());
-  for (Eigen::Index d = 0; d < belief.harmonics.rows(); ++d) {
-    const auto row = belief.harmonics.row(d);
-    const double inner = own::exp(row.head(endo).dot(gate.segment(layout.endo, endo)));
-    const double muscle = own::exp(row.head(wall).dot(gate.segment(layout.wall, wall)));
-    const double outer = own::cbrt(inner * inner * inner + muscle), scale = 1 / ((outer - inner) * directions);
-    of_gate.segment(layout.endo, endo) +=
-        scale * (inner * inner * inner / (outer * outer) - inner) * row.head(endo).transpose();
-    of_gate.segment(layout.wall, wall) += scale * muscle / (3 * outer * outer) * row.head(wall).transpose();
-  }
-  Eigen::VectorXd of_beat = Eigen::VectorXd::Zero(problem.layout.unknowns);
-  problem.layout.add_gradient(belief.gate, of_gate, of_beat);
-  return of_beat;
-}
-
 /// What became of a thickness that a person gave.
-void tell_given_thickness(const BeatProblem& problem, const Solution& solution, FittedBeat& beat) {
+void tell_given_thickness(const BeatProblem& problem, const WallTerm& fitted, FittedBeat& beat) {
   constexpr double contradicted = 3;  // standard deviations; right ones within a tenth are off by 2.4 at most
   const ThicknessPrior& given = problem.thickness;
-  std::vector<Eigen::VectorXd> gates;
-  for (int g = 0; g < problem.layout.gates; ++g) gates.push_back(problem.layout.at_gate(g, solution.unknowns));
-  const double off =
-      given.log_sd * wall_terms(problem, gates).front().deviation + own::log(1 - problem.reported.beyond);
+  const double off = given.log_sd * fitted.deviation + own::log(1 - problem.reported.beyond);
   const double given_percent = 100 * given.log_sd;
   const double off_percent = std::round(100 * own::expm1(off)) + 0.0;  // no -0
   char text[240];
   if (std::abs(off) > contradicted * given.log_sd) {
-    std::snprintf(text, sizeof text,
-                  "the image contradicts the wall's thickness that was given within %.0f %%: the fitted wall is "
-                  "%+.0f %% off it; check its unit, and that it is of end-diastole",
-                  given_percent, off_percent);
+    std::snprintf(
+        text, sizeof text,
+        "the image contradicts the wall's thickness that was given with an uncertainty of %.0f %%: the fitted wall is "
+        "%+.0f %% off it; check its unit, and that it is of end-diastole",
+        given_percent, off_percent);
     beat.notes.push_back({Severity::warning, "fit.thickness_contradicted", text});
   } else {
     std::snprintf(text, sizeof text,
-                  "the wall's thickness was given within %.0f %%; the fitted wall is %+.0f %% off it", given_percent,
-                  off_percent);
+                  "the wall's thickness was given with an uncertainty of %.0f %%; the fitted wall is %+.0f %% off it",
+                  given_percent, off_percent);
     beat.notes.push_back({Severity::info, "fit.thickness_given", text});
   }
 }
@@ -169,16 +145,19 @@ Eigen::VectorXd WallPosterior::sd(const Eigen::MatrixXd& gradient) const { retur
 void tell_belief_from_data(const BeatProblem& problem, const Solution& solution, const Cholesky& factor,
                            FittedBeat& beat) {
   constexpr double least = 0.5;
-  const bool is_given = problem.thickness.is_given && problem.thickness.harmonics.rows() > 0;
-  if (is_given)
-    tell_given_thickness(problem, solution, beat);
-  else
-    tell_thin_wall(problem, solution, beat);
-  if (problem.thickness.harmonics.rows() > 0) {
-    const double share =
-        share_of_data(factor.half_norm(by_mean_log_thickness(problem, solution.unknowns)), problem.thickness.log_sd);
+  const ThicknessPrior& prior = problem.thickness;
+  if (!prior.is_given) tell_thin_wall(problem, solution, beat);
+  if (prior.harmonics.rows() > 0) {
+    std::vector<Eigen::VectorXd> gates;
+    for (int g = 0; g < problem.layout.gates; ++g) gates.push_back(problem.layout.at_gate(g, solution.unknowns));
+    const WallTerm fitted = wall_terms(problem, gates).front();
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(problem.layout.unknowns);
+    problem.layout.add_gradient(prior.gate, fitted.by_number, gradient);
+    const double share = share_of_data(factor.half_norm(gradient), 1);
     beat.thickness_from_data = share;
-    if (share < least && !is_given)
+    if (prior.is_given)
+      tell_given_thickness(problem, fitted, beat);
+    else if (share < least)
       beat.notes.push_back(
           {Severity::warning, "fit.thickness_believed",
            in_percent("the data tell only %.0f %% of the wall's thickness, for the wall is thin against "
