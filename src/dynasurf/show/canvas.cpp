@@ -22,6 +22,7 @@ struct Destroy {
 using Context = std::unique_ptr<cairo_t, Destroy>;
 using Surface2d = std::unique_ptr<cairo_surface_t, Destroy>;
 
+/// A cairo object keeps its first error and ignores every later call: one look after many calls tells of all of them.
 void check(cairo_status_t status) {
   if (status == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
   if (status != CAIRO_STATUS_SUCCESS) throw IoError(std::string("cairo: ") + cairo_status_to_string(status));
@@ -50,11 +51,12 @@ struct Canvas::State {
 };
 
 Canvas::Canvas(double width, double height) : state_(std::make_unique<State>()), width_(width), height_(height) {
-  constexpr double most = 32000;
+  constexpr double most = 32000;  // cairo's pictures end at 32767 pixels
   if (!(width > 0 && width <= most && height > 0 && height <= most))
     throw InputError("a drawing of " + std::to_string(width) + " x " + std::to_string(height) +
                      " points; expected sides above 0 and up to 32000");
   const cairo_rectangle_t extent{0, 0, width, height};
+  // A recording keeps lines and letters, so that one drawing becomes pixels of any scale or SVG.
   state_->surface.reset(cairo_recording_surface_create(CAIRO_CONTENT_COLOR_ALPHA, &extent));
   state_->context.reset(cairo_create(state_->surface.get()));
   check(cairo_status(state_->context.get()));
@@ -91,6 +93,8 @@ void Canvas::shade(std::span<const Shaded> triangles) {
   const std::unique_ptr<cairo_pattern_t, Destroy> pattern(cairo_pattern_create_mesh());
   cairo_pattern_t* p = pattern.get();
   for (const auto& [corners, colours] : triangles) {
+    // A mesh pattern is made of patches with four sides. One that is given two gets a straight third and a last without
+    // length: a triangle whose colours run into each other.
     cairo_mesh_pattern_begin_patch(p);
     cairo_mesh_pattern_move_to(p, corners[0][0], corners[0][1]);
     for (const std::size_t n : {1u, 2u}) cairo_mesh_pattern_line_to(p, corners[n][0], corners[n][1]);
@@ -146,6 +150,7 @@ double Canvas::width_of(const std::string& words, const Lettering& lettering) co
 
 void Canvas::text(const Vec2& at, const std::string& words, const Lettering& lettering) {
   cairo_t* c = state_->context.get();
+  // The plain text interface of cairo begins at the point; other anchors shift the text by a share of its advance.
   const double share = lettering.anchor == Anchor::start ? 0 : lettering.anchor == Anchor::middle ? 0.5 : 1;
   const double shift = share * width_of(words, lettering);
   cairo_save(c);
@@ -168,6 +173,7 @@ void Canvas::raster(const io::Picture& picture, const Panel& box, bool blended) 
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
       const io::Colour& p = picture(x, y);
+      // RGB24 is a word of 32 bits in the machine's order of bytes, its upper eight bits unused.
       const std::uint32_t word = (std::uint32_t{p[0]} << 16) | (std::uint32_t{p[1]} << 8) | p[2];
       std::memcpy(bytes + static_cast<std::ptrdiff_t>(y) * stride + 4 * static_cast<std::ptrdiff_t>(x), &word, 4);
     }
@@ -177,6 +183,7 @@ void Canvas::raster(const io::Picture& picture, const Panel& box, bool blended) 
   cairo_scale(c, box.width / picture.width, box.height / picture.height);
   cairo_set_source_surface(c, image.get(), 0, 0);
   cairo_pattern_set_filter(cairo_get_source(c), blended ? CAIRO_FILTER_BILINEAR : CAIRO_FILTER_NEAREST);
+  // Blending takes neighbours from beyond the picture: PAD repeats its rim, where the default is transparent.
   cairo_pattern_set_extend(cairo_get_source(c), CAIRO_EXTEND_PAD);
   cairo_rectangle(c, 0, 0, picture.width, picture.height);
   cairo_fill(c);
@@ -201,7 +208,7 @@ io::Picture Canvas::pixels(double scale) const {
   cairo_set_source_surface(context.get(), state_->surface.get(), 0, 0);
   cairo_paint(context.get());
   check(cairo_status(context.get()));
-  cairo_surface_flush(image.get());
+  cairo_surface_flush(image.get());  // before its bytes are read
   const unsigned char* bytes = cairo_image_surface_get_data(image.get());
   const int stride = cairo_image_surface_get_stride(image.get());
   io::Picture picture(w, h);

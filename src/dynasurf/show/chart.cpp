@@ -22,15 +22,16 @@ Interval interval_of(std::span<const double> values) {
 }
 
 std::vector<double> ticks_in(const Interval& interval, int count) {
+  // Steps of 1, 2, 5 or 10 times a power of ten: the first that is not below nine tenths of the wanted one.
   const double rough = interval.length() / std::max(1, count);
   const double power = own::pow(10, std::floor(own::log10(rough)));
   double step = power;
   for (const double factor : {2.0, 5.0, 10.0})
     if (step < rough * 0.9) step = factor * power;
   std::vector<double> ticks;
-  const double slack = 1e-9 * interval.length();
+  const double slack = 1e-9 * interval.length();  // so that rounding loses no tick at an end
   for (double n = std::ceil((interval.low - slack) / step); n * step <= interval.high + slack; ++n)
-    ticks.push_back(n == 0 ? 0 : n * step);
+    ticks.push_back(n == 0 ? 0 : n * step);  // a negative zero would be written as -0
   return ticks;
 }
 
@@ -93,7 +94,7 @@ void draw_colour_bar(Canvas& canvas, const Panel& box, const Interval& values, c
                      const std::function<io::Colour(double)>& colour) {
   constexpr int steps = 64;
   io::Picture bar(1, steps);
-  for (int n = 0; n < steps; ++n) bar(0, n) = colour(1 - (n + 0.5) / steps);
+  for (int n = 0; n < steps; ++n) bar(0, n) = colour(1 - (n + 0.5) / steps);  // rows run downwards, values upwards
   canvas.raster(bar, box, true);
   canvas.frame(box, {ink_of::text, 0.6});
   for (const double t : ticks_in(values, 4)) {

@@ -38,7 +38,7 @@ void draw_points(Canvas& canvas, const SliceMap& map, const Contour& contour, co
 /// each kind is two pixels long.
 void draw_forces(Canvas& canvas, const SliceMap& map, const Contour& contour, const field::VectorField* field) {
   const auto arrows = [&](const std::vector<Vec2>& forces, const io::Colour& colour) {
-    double most = 1e-12;
+    double most = 1e-12;  // where all forces vanish
     for (const Vec2& f : forces) most = std::max(most, f.norm());
     for (std::size_t n = 0; n < forces.size(); ++n) {
       const Vec2 &from = contour.points[n], to = from + 2 / most * forces[n];

@@ -23,6 +23,7 @@ Canvas sheet(const std::string& title) {
 Canvas draw_scatter(std::span<const double> distances, const std::string& title) {
   if (distances.empty()) throw InputError("no particle to draw");
   Canvas canvas = sheet(title);
+  // One voxel to either side is always in sight: it is what the thesis judges a run by (tables 6.5 to 6.7).
   Interval y = interval_of(distances);
   y = {std::min(y.low, -1.0) - 0.1, std::max(y.high, 1.0) + 0.1};
   const Axes axes{frame,      {0, static_cast<double>(distances.size())}, y, "",
@@ -48,11 +49,13 @@ Canvas draw_scatter(std::span<const double> distances, const std::string& title)
 Canvas draw_history(std::span<const std::array<int, 4>> history, const std::string& title) {
   if (history.empty()) throw InputError("no step to draw");
   Canvas canvas = sheet(title);
+  // The first three counts each hold the one before: the third and the fourth make up all particles.
   const double all = history[0][2] + history[0][3];
   if (!(all > 0)) throw InputError("a history without particles");
   const Axes axes{frame, {1, std::max(2.0, static_cast<double>(history.size()))}, {0, all}, "", "step", "particles"};
   // Bands one over the other: nearer than 1, 1 to 2, 2 to 3, farther.
   const io::Colour colours[] = {viridis(0.05), viridis(0.4), viridis(0.7), viridis(1)};
+  // Each area reaches down to the axis, so the largest is drawn first and the smaller ones cover it.
   for (int band = 3; band >= 0; --band) {
     std::vector<Vec2> area{axes.at(1, 0)};
     for (std::size_t n = 0; n < history.size(); ++n) area.push_back(axes.at(n + 1, band == 3 ? all : history[n][band]));
@@ -85,6 +88,7 @@ Canvas draw_curves(std::span<const double> time, const std::string& time_label, 
     for (std::size_t n = 0; n < c.value.size() && n < time.size(); ++n)
       if (std::isfinite(c.value[n])) line.emplace_back(time[n], c.value[n]);
     if (c.half_width.size() == c.value.size()) {
+      // One polygon: along the upper ends of the intervals, and back along the lower ones.
       for (std::size_t n = 0; n < c.value.size(); ++n) band.push_back(axes.at(time[n], c.value[n] + c.half_width[n]));
       for (std::size_t n = c.value.size(); n > 0;) {
         --n;
@@ -111,6 +115,8 @@ Canvas draw_areas(const TriMesh& mesh, const std::string& title) {
     const double longest = std::sqrt(std::max({a.squaredNorm(), b.squaredNorm(), c.squaredNorm()}));
     d.push_back(longest > 0 ? area.back() / longest : 0);
     const double edges = a.squaredNorm() + b.squaredNorm() + c.squaredNorm();
+    // 4 sqrt(3) A over the sum of the squared edges: 1 for an equilateral triangle of any size, 0 for a degenerate one,
+    // whereas d (GEO-DEGEN) grows with the triangle.
     shape.push_back(edges > 0 ? 4 * std::numbers::sqrt3 * area.back() / edges : 0);
     colours.push_back(viridis(shape.back()));
   }

@@ -41,7 +41,7 @@ Image image_in(const fs::path& file) {
 /// A number of particles for each distance, step after step: "1,0,0,0,642" under a head.
 std::vector<std::array<int, 4>> histories_in(const fs::path& file) {
   constexpr std::size_t most = 1'000'000;
-  constexpr std::uintmax_t most_bytes = 60 * most;
+  constexpr std::uintmax_t most_bytes = 60 * most;  // a line of five numbers of nine digits has 50
   if (!fs::is_regular_file(file) || fs::file_size(file) > most_bytes)
     throw InputError(file.string() + ": expected a file of at most a million lines");
   TextInput in(io::text_of_file(file));
@@ -51,6 +51,7 @@ std::vector<std::array<int, 4>> histories_in(const fs::path& file) {
   while (std::getline(in, line)) {
     std::array<int, 4> counts{};
     int step = 0;
+    // Nine digits fit an int; what sscanf makes of a number that does not is undefined.
     if (std::sscanf(line.c_str(), "%9d,%9d,%9d,%9d,%9d", &step, &counts[0], &counts[1], &counts[2], &counts[3]) != 5 ||
         step != static_cast<int>(histories.size()) + 1)
       throw InputError(file.string() + ": line " + std::to_string(histories.size() + 2) + ": expected five numbers");
@@ -77,6 +78,8 @@ TriMesh mesh_near(const fs::path& file, const Grid& grid) {
   return mesh;
 }
 
+/// Result folders pass between people, so stages are looked at like any input: parts that do not fit together would be
+/// drawn wrong, or end the drawing.
 std::optional<ShownWall> wall_in(const fs::path& folder, const std::string& prefix, ventricle::Border which) {
   const std::string ending = "_" + std::string(ventricle::name_of(which));
   const auto file = [&](const std::string& name) {
@@ -129,6 +132,7 @@ ShownGate gate_of_result(const fs::path& folder, int gate) {
   try {
     io::options_from_json(*io::object_in(io::object_in(results, "provenance"), "options").json, shown.options);
   } catch (const OptionError& error) {
+    // The options were not typed by who calls: a wrong one is a fault of the file.
     throw InputError(file.string() + ": " + error.what());
   }
   shown.image = image_in(image);
@@ -140,6 +144,7 @@ ShownGate gate_of_result(const fs::path& folder, int gate) {
 
 ShownGate gate_of_study(const Study& study, ventricle::Options options, int gate, const Progress& progress) {
   check_gate(gate, study.gates.size());
+  // Pictures show what a run passes through before the fit.
   options.fit.run = false;
   ShownGate shown;
   const auto keep = [&](const ventricle::Intermediates& stages) {
@@ -176,7 +181,7 @@ ShownBeat beat_of_result(const fs::path& folder) {
       beat.half_width_ml[w].push_back(half);
     }
   }
-  if (beat.time_ms.size() != io::size_of(gates)) beat.time_ms.clear();
+  if (beat.time_ms.size() != io::size_of(gates)) beat.time_ms.clear();  // an axis needs all
   return beat;
 }
 

@@ -16,14 +16,15 @@ Motion move_again(const ShownWall& wall, const field::VectorField& field, const 
     if (std::find(steps.begin(), steps.end(), step) != steps.end())
       motion.frames.push_back({step, mesh, std::vector<bool>(mesh.vertices.size())});
   };
-  own.watch(0, wall.start);
+  own.watch(0, wall.start);  // a run calls it after steps only
   motion.result = dynamics::evolve(wall.start, field, wall.border, evolution, progress, own);
   return motion;
 }
 
 Motion move_in_frames(const ShownWall& wall, const field::VectorField& field, dynamics::Evolution evolution,
                       std::vector<int> steps, int count, const Progress& progress) {
-  evolution.smooth_after.sweeps = 0;
+  evolution.smooth_after.sweeps = 0;  // it would move particles that have stopped
+  // Which steps to show is known only when the number of all is: the motion runs twice, and no mesh is kept in vain.
   Motion motion = move_again(wall, field, evolution, {}, progress);
   const int last = motion.result.steps;
   if (steps.empty())

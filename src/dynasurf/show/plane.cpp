@@ -25,6 +25,7 @@ Cutout window_around(const Image& values, int margin) {
 
 SliceMap map_of(const Grid& grid, const Cutout& window, const Panel& box) {
   const double width = window.columns * grid.spacing[0], height = window.rows * grid.spacing[1];
+  // One scale for both axes: voxels keep the shape that their spacing gives them.
   const double scale = std::min(box.width / width, box.height / height);
   SliceMap map{window, {box.x, box.y, width * scale, height * scale}, grid.spacing[0] * scale, grid.spacing[1] * scale};
   map.box.x += (box.width - map.box.width) / 2;
@@ -45,6 +46,7 @@ double longest_in(const field::VectorField& field, const Cutout& w, int k) {
   for (int j = w.j; j < w.j + w.rows; ++j)
     for (int i = w.i; i < w.i + w.columns; ++i) {
       const std::size_t n = field.grid.index(i, j, k);
+      // The part across the slice does not count: arrows do not show it either.
       most = std::max(most, static_cast<double>(own::hypot(field.x[n], field.y[n])));
     }
   return std::max(most, 1e-12);
@@ -60,6 +62,7 @@ void draw_vectors(Canvas& canvas, const SliceMap& map, const field::VectorField&
       const Vec2 v(field.x[n], field.y[n]);
       const double length = v.norm();
       if (length < 1e-3 * longest) continue;
+      // All arrows are nine tenths of a pixel long, so that neighbours never meet; the colour tells the length.
       const Vec2 half = 0.45 * std::min(map.column, map.row) / length * v;
       const Vec2 at = map.at(i, j);
       canvas.arrow(at - half, at + half, {viridis(length / longest), 0.9});

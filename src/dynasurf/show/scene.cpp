@@ -32,6 +32,7 @@ double brightness_of(const Vec3& normal) {
   return 0.45 + 0.55 * std::max(0.0, facing.dot(light));
 }
 
+/// A bar of 1, 2 or 5 times a power of ten mm: the longest within 22 % of the width.
 void draw_length(Canvas& canvas, const Panel& box, double mm_per_point) {
   const double wanted = 0.22 * box.width * mm_per_point;
   const double power = own::pow(10, std::floor(own::log10(wanted)));
@@ -48,6 +49,7 @@ void Scene3d::add(const TriMesh& mesh, const io::Colour& colour, double opacity,
     std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
     for (const auto& t : mesh.triangles) {
       const Vec3 normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+      // Cross products are not normalised: each triangle counts by its area.
       for (const std::uint32_t v : t) normals[v] += normal;
     }
     for (const auto& t : mesh.triangles) {
@@ -88,9 +90,12 @@ void Scene3d::add_voxels(const Image& image, const std::function<std::optional<i
           for (const int side : {-1, 1}) {
             Index3 next{i, j, k};
             next[axis] += side;
+            // A face between two drawn voxels is inside: it would show through translucent ones.
             if (g.contains(next[0], next[1], next[2]) && colour(image(next[0], next[1], next[2]))) continue;
             Piece face{{}, *own, opacity, 0, true, true, true, {}};
             const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+            // The corners run the other way around on the far side, which does no harm: both sides of a face are lit
+            // alike.
             for (const auto& [a, b] : {std::pair{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}) {
               Vec3 p(i, j, k);
               p[axis] += 0.5 * side, p[u] += a, p[v] += b;
@@ -115,6 +120,7 @@ Scene3d::Extent Scene3d::extent_in(const Mat3& axes) const {
   const auto hold = [&](const Vec3& p) { e.low = e.low.cwiseMin(axes * p), e.high = e.high.cwiseMax(axes * p); };
   for (const Piece& piece : pieces_)
     for (const Vec3& p : piece.points) hold(p);
+  // Two opposite corners of a box do not bound it once it is turned: all eight count.
   for (std::size_t n = 0; n + 1 < room_.size(); n += 2)
     for (int corner = 0; corner < 8; ++corner) {
       Vec3 p = room_[n];
@@ -155,6 +161,8 @@ double Scene3d::draw(Canvas& canvas, const Panel& box, const Outlook& outlook, d
   const double scale = mm_per_point > 0 ? mm_per_point : fitting_scale(box, outlook);
   const Extent extent = extent_in(axes);
   const Vec3 middle = 0.5 * (extent.low + extent.high);
+  // The painter's algorithm: pieces go from far to near by the depth of their middles. Pieces of one depth keep their
+  // order with any standard library.
   std::vector<double> depth(pieces_.size());
   for (std::size_t n = 0; n < pieces_.size(); ++n)
     for (const Vec3& p : pieces_[n].points) depth[n] += axes.row(2).dot(p) / pieces_[n].points.size();

@@ -191,6 +191,7 @@ Canvas draw_sheet(const Image& image, const Shown& shown, const std::string& tit
   const int scale = scale_of(shown.window, tile_points);
   const double width = shown.window.columns * scale + shown.extra + gap,
                height = shown.window.rows * scale + strip + gap;
+  // A sheet about half as wide again as high.
   const int columns = std::max(1, static_cast<int>(std::ceil(std::sqrt(count * 1.5 * height / width))));
   const int rows = std::max(1, (count + columns - 1) / columns);
   const double all = std::max(640.0, 2 * edge + columns * width - gap);
@@ -225,6 +226,7 @@ Shown around(const Image& image, const TriMesh& mesh) {
   shown.window = {pixel(first[0], 0), pixel(first[1], 1), 0, 0};
   shown.window.columns = pixel(last[0], 0) - shown.window.i + 1;
   shown.window.rows = pixel(last[1], 1) - shown.window.j + 1;
+  // Rounded inwards: the slices that the surface meets, with a stride that leaves at most 36.
   const int bottom = pixel(std::ceil(first[2]), 2), top = pixel(std::floor(last[2]), 2);
   const int stride = 1 + (top - bottom) / most_slices;
   for (int k = bottom; k <= std::max(bottom, top); k += stride) shown.slices.push_back(k);

@@ -41,6 +41,7 @@ class Show {
     const ShownGate gate = read_gate();
     const ShownWall& wall = wall_of(gate);
     const field::VectorField field = field_of(wall, gate.options);
+    // The border's grid may have room around the image; field and image must lie on one grid to be drawn together.
     const Image image = ventricle::spread_to(gate.image, wall.border.grid);
     const Place at = place_in(gate, wall);
     SliceView view{&image, &field, at.slice, at.row, at.slice_number, &wall.border, "", {}};
@@ -54,6 +55,8 @@ class Show {
     const ShownGate gate = read_gate();
     const ShownWall& wall = wall_of(gate);
     std::vector<NamedField> fields;
+    // The values of mu are among those of table 6.2 and of the runs of the thesis; its convergence tests compare 25 to
+    // 200 iterations (table 6.12).
     for (const int iterations : {50, 150})
       for (const double mu : {0.15, 0.5, 2.0}) {
         field::Gvf options{.mu = mu, .iterations = iterations};
@@ -103,6 +106,7 @@ class Show {
     std::optional<Image> map = wall.drag;
     if (!map) map = dynamics::drag_map(evolution.damping, field, wall.border, evolution.force.drag);
     const std::string which = map ? "as the run had it" : "near the border (the run's own is the same everywhere)";
+    // A uniform drag has no map of its own; what BorderDrag would give is shown in its place, and the title says so.
     if (!map) map = dynamics::drag_near_border(wall.border, evolution.force.drag);
     return draw_voxel_map(*map, "Drag of each voxel, " + which, "drag, kg/s");
   }
@@ -181,6 +185,7 @@ class Show {
     for (auto& wall : meshes)
       if (wall.size() != beat.surfaces[0].size()) wall.clear();  // a gate without surface: no beat of this wall
     const std::size_t gates = beat.time_ms.size();
+    // Gates begin evenly: the beat ends one step after its last gate begins.
     const double length = gates > 1 ? (beat.time_ms.back() - beat.time_ms[0]) * gates / (gates - 1) : 0;
     const io::Colour colours[] = {colour_of(walls[0]), colour_of(walls[1])};
     return film_of_beat(meshes, colours, length, "A beat, interpolated between the gates");
@@ -224,6 +229,7 @@ class Show {
     const ventricle::BorderResult borders = ventricle::find_borders(study, r_.options, progress_);
     const Image& image = borders.study.gates[r_.gate - 1];
     const ventricle::GateBorders& gate = borders.gates[r_.gate - 1];
+    // The inner contour is sought within the outer one, so both are needed whichever is asked for.
     const ventricle::WallContours outer =
         ventricle::propagate_contours(image, gate.labels, ventricle::Border::epi, gate.base_slice, r_.options.contour);
     const ventricle::WallContours inner = ventricle::propagate_contours(image, gate.labels, ventricle::Border::endo,
@@ -252,6 +258,7 @@ class Show {
   void show_resampling(ContourView& view, const field::VectorField& pull) const {
     dynamics::DiscreteContour model = r_.options.contour.model;
     if (view.found.points.empty() || model.resample_every == 0) return;
+    // Resampling splits edges above 1.5 l_des (thesis 3.48, 3.49): at 3.5 l_des every edge of the start is split.
     const Contour coarse = circle_contour(
         centroid_of(view.start), std::sqrt(std::abs(signed_area(view.start)) / std::numbers::pi), 3.5 * model.edge_px);
     view.resampled = dynamics::evolve_contour(coarse, pull, model).contour;
@@ -281,6 +288,7 @@ class Show {
     ShownGate gate = is_result() ? gate_of_result(r_.input, r_.gate)
                                  : gate_of_study(io::read_study(r_.input, r_.series), r_.options, r_.gate, progress_);
     const dynamics::Evolution& evolution = gate.options.evolution;
+    // The other drags follow from border and field; this one needs the image, spread over the grid of each wall.
     if (const auto* by_intensity = std::get_if<dynamics::IntensityDrag>(&evolution.damping))
       for (auto* wall : {&gate.endo, &gate.epi})
         if (*wall)
@@ -315,6 +323,8 @@ class Show {
     const ShownWall& wall = wall_of(gate);
     if (wall.start.vertices.empty()) return one_surface();
     dynamics::Evolution evolution = gate.options.evolution;
+    // What is to be smoothed must not be smooth already: the run is repeated without the smoothing of its steps and
+    // end.
     evolution.smooth_every = 0;
     evolution.smooth_after.sweeps = 0;
     return to_world(wall.border.grid,

@@ -27,6 +27,7 @@ Profile profile_of(const field::VectorField& field, const Image* image, const Cu
   }
   for (std::size_t n = 1; n < p.along.size(); ++n) {
     const double a = p.along[n - 1][1], b = p.along[n][1];
+    // From + to - the vectors meet, as they do on a border; from - to + they part, on a medial line (LAB-SIGN).
     if (a > 0 && b <= 0) p.meetings.push_back(p.along[n - 1][0] + step * a / (a - b));
   }
   return p;
@@ -83,6 +84,7 @@ void draw_profiles(Canvas& canvas, const Panel& box, const Profile& p) {
   if (!p.image.empty()) {
     const double most = up_to(p.image).high;
     std::vector<Vec2> scaled;
+    // The image has no unit in common with the field: it is scaled until both peaks are equally high.
     for (const Vec2& at : p.image) scaled.emplace_back(at[0], at[1] / most * size.y.high);
     plot(canvas, size, scaled, {ink_of::epi, 1.2});
   }
@@ -203,6 +205,7 @@ Canvas draw_sections_of(const Image& image, std::span<const NamedSurface> surfac
   draw_legend_row(canvas, {24, 46}, entries);
   const double most = *std::max_element(image.values.begin(), image.values.end());
   for (std::size_t n = 0; n < drawn; ++n) {
+    // Evenly spaced, the first and the last slice that a surface meets among them.
     const int k = met[drawn == 1 ? 0 : n * (met.size() - 1) / (drawn - 1)];
     const double x = 24 + (n % across) * (side + 12);
     const std::size_t above = n / across;

@@ -127,6 +127,7 @@ Canvas draw_voxel_map(const Image& map, const std::string& title, const std::str
       for (int i = 0; i < map.grid.dims[0]; ++i) open(i, j, k) = 0;
   Scene3d scene;
   scene.add_voxels(open, [&](float v) {
+    // A map of one value has no range to cut a quarter of: all its voxels are drawn.
     return v > bottom || (most == least && v > 0)
                ? std::optional(viridis((v - bottom) / std::max(1e-12, most - bottom)))
                : std::nullopt;
@@ -168,6 +169,7 @@ Canvas draw_mesh(std::span<const NamedSurface> surfaces, std::span<const NamedVo
     for (const NamedSurface& s : surfaces) both.add(s.mesh, s.colour, 1, Look::wires);
     panels.emplace_back("wires over the border's voxels", std::move(both));
   }
+  // The last panel holds all that any other does: at its scale every panel fits.
   const double scale = panels.back().second.fitting_scale({0, 0, side, side});
   const std::size_t across = over_voxels ? 2 : 3;
   for (std::size_t n = 0; n < panels.size(); ++n) {
@@ -192,6 +194,7 @@ Canvas draw_cycle(std::span<const std::vector<NamedSurface>> walls, const std::s
     scene.add(s.mesh, s.colour);
     return scene;
   };
+  // All scenes at the scale of the largest surface: what is drawn larger is larger.
   for (const auto& wall : walls)
     for (const NamedSurface& s : wall) scale = std::max(scale, scene_of(s).fitting_scale(box));
   Canvas canvas(std::max(480.0, 48 + gates * side), 60 + walls.size() * (side + 20));
@@ -301,7 +304,7 @@ Film film_of_beat(std::span<const std::vector<TriMesh>> walls, std::span<const i
 Canvas draw_smoothing(const TriMesh& before, const TriMesh& after, const std::string& title) {
   Canvas canvas(1060, 560);
   canvas.text({24, 26}, title, {14, Anchor::start, ink_of::text, true});
-  constexpr double most = 0.5;
+  constexpr double most = 0.5;  // rad; smoothing begins at 0.2 (GEO-SMOOTH)
   const auto half = [&](const TriMesh& mesh, double x, const std::string& name) {
     const std::vector<double> deficits = mesh::angle_deficits(mesh);
     std::vector<io::Colour> colours;
